@@ -1,0 +1,51 @@
+# Third-party libraries, each found once. Debian 12 packages only
+# (scripts/install_packages.sh). What has no CMake config is found by name.
+# Their headers are SYSTEM: our warnings are for our own code.
+find_package(PkgConfig REQUIRED)
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED)
+find_package(OpenCV 4.5 REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d video)
+find_package(Ceres 2.1 REQUIRED)
+find_package(nlohmann_json 3.11 REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(SQLite3 REQUIRED)
+find_package(LibArchive REQUIRED)
+find_package(ZLIB REQUIRED)
+find_package(BZip2 REQUIRED)
+find_package(OpenSSL REQUIRED)
+pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
+pkg_check_modules(lz4 REQUIRED IMPORTED_TARGET liblz4)
+pkg_check_modules(turbojpeg REQUIRED IMPORTED_TARGET libjpeg)
+pkg_check_modules(geographiclib REQUIRED IMPORTED_TARGET geographiclib)
+# The -D flags of Debian's compiled cpp-httplib decide its class layout: only
+# pkg-config knows them.
+pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib)
+
+# parkade_imported(NAME LIBRARIES a b [INCLUDE header-to-find SUBDIRS dirs])
+function(parkade_imported name)
+  cmake_parse_arguments(A "" "HEADER" "LIBRARIES;SUBDIRS" ${ARGN})
+  add_library(${name} INTERFACE IMPORTED GLOBAL)
+  foreach(library ${A_LIBRARIES})
+    find_library(${library}_LIBRARY ${library} REQUIRED)
+    target_link_libraries(${name} INTERFACE ${${library}_LIBRARY})
+  endforeach()
+  if(A_HEADER)
+    find_path(${name}_INCLUDE ${A_HEADER} PATH_SUFFIXES ${A_SUBDIRS} REQUIRED)
+    target_include_directories(${name} SYSTEM INTERFACE ${${name}_INCLUDE})
+  endif()
+endfunction()
+
+# find_package(PCL) drags VTK and MPI and fails: its VTK-free parts by name.
+parkade_imported(Pcl HEADER pcl/point_types.h SUBDIRS pcl-1.13
+                 LIBRARIES pcl_common pcl_kdtree pcl_search pcl_octree pcl_sample_consensus
+                           pcl_filters pcl_features pcl_segmentation flann_cpp lz4)
+parkade_imported(Tinygltf HEADER tiny_gltf.h LIBRARIES tinygltf)
+parkade_imported(Draco HEADER draco/compression/encode.h LIBRARIES draco)
+parkade_imported(Fastcdr HEADER fastcdr/Cdr.h LIBRARIES fastcdr)
+parkade_imported(Embree HEADER embree3/rtcore.h LIBRARIES embree3)
+
+# CGAL's own config adds flags to every target; headers and GMP/MPFR are enough.
+parkade_imported(Cgal HEADER CGAL/version.h LIBRARIES gmp mpfr)
+target_compile_definitions(Cgal INTERFACE CGAL_NDEBUG)

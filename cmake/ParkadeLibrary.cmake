@@ -1,0 +1,32 @@
+# Compile options of our own code, and one static library per folder.
+#
+#   parkade_library(slam LINKS parkade_core PRIVATE_LINKS Ceres::ceres)
+#
+# takes every .cpp of the current folder. PRIVATE_LINKS is the wall: what is
+# linked privately cannot be included by another folder.
+
+add_library(parkade_options INTERFACE)
+target_compile_options(parkade_options INTERFACE
+  -Wall -Wextra -Wconversion
+  $<$<BOOL:${PARKADE_WERROR}>:-Werror>)
+if(PARKADE_SANITIZE)
+  target_compile_options(parkade_options INTERFACE
+    -fsanitize=${PARKADE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(parkade_options INTERFACE -fsanitize=${PARKADE_SANITIZE})
+endif()
+
+function(parkade_library name)
+  cmake_parse_arguments(A "" "" "LINKS;PRIVATE_LINKS;EXCLUDE" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS *.cpp)
+  foreach(excluded ${A_EXCLUDE})
+    list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/${excluded})
+  endforeach()
+  if(NOT sources)
+    add_library(parkade_${name} INTERFACE)
+    return()
+  endif()
+  add_library(parkade_${name} STATIC ${sources})
+  target_include_directories(parkade_${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_link_libraries(parkade_${name} PUBLIC ${A_LINKS} PRIVATE ${A_PRIVATE_LINKS} parkade_options)
+  target_precompile_headers(parkade_${name} PRIVATE ${PROJECT_SOURCE_DIR}/cmake/precompiled.h)
+endfunction()

@@ -1,0 +1,93 @@
+#include "core/file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include "core/error.h"
+
+namespace parkade {
+namespace {
+
+[[noreturn]] void ThrowErrno(const std::string& what, int error) {
+  const bool is_full = error == ENOSPC || error == EDQUOT;
+  throw Error(is_full ? ErrorCode::kDiskFull : ErrorCode::kInternal, what + ": " + std::strerror(error));
+}
+
+/// Removes the temporary file unless it was renamed away.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::filesystem::path& target) {
+    static std::atomic<unsigned> counter{0};
+    path_ = target;
+    path_ += ".tmp." + std::to_string(::getpid()) + "." + std::to_string(counter++);
+  }
+  ~TemporaryFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+void Sync(const std::filesystem::path& path, int flags) {
+  const int fd = ::open(path.c_str(), flags | O_CLOEXEC);
+  if (fd < 0) ThrowErrno("cannot open '" + path.filename().string() + "'", errno);
+  const int result = ::fsync(fd);
+  const int error = errno;
+  ::close(fd);
+  if (result != 0) ThrowErrno("cannot write '" + path.filename().string() + "' to disk", error);
+}
+
+}  // namespace
+
+void WriteFileAtomically(const std::filesystem::path& file,
+                         const std::function<void(const std::filesystem::path&)>& write) {
+  const TemporaryFile temporary(file);
+  write(temporary.path());
+  Sync(temporary.path(), O_RDONLY);
+  if (::rename(temporary.path().c_str(), file.c_str()) != 0)
+    ThrowErrno("cannot write '" + file.filename().string() + "'", errno);
+  Sync(file.has_parent_path() ? file.parent_path() : ".", O_RDONLY | O_DIRECTORY);
+}
+
+void WriteFileAtomically(const std::filesystem::path& file, std::string_view content) {
+  WriteFileAtomically(file, [&](const std::filesystem::path& temporary) {
+    const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+    if (fd < 0) ThrowErrno("cannot create '" + file.filename().string() + "'", errno);
+    int error = 0;
+    while (!content.empty() && error == 0) {
+      const ssize_t written = ::write(fd, content.data(), content.size());
+      if (written >= 0) {
+        content.remove_prefix(static_cast<size_t>(written));
+      } else if (errno != EINTR) {
+        error = errno;
+      }
+    }
+    if (::close(fd) != 0 && error == 0) error = errno;
+    if (error != 0) ThrowErrno("cannot write '" + file.filename().string() + "'", error);
+  });
+}
+
+std::string ReadFile(const std::filesystem::path& file, std::size_t max_bytes) {
+  std::ifstream stream(file, std::ios::binary | std::ios::ate);
+  Require(stream.good(), ErrorCode::kNotFound, "cannot read '" + file.string() + "'");
+  const auto size = static_cast<std::size_t>(stream.tellg());
+  Require(size <= max_bytes, ErrorCode::kInvalidInput, "'" + file.string() + "' is too large");
+  std::string content(size, '\0');
+  stream.seekg(0);
+  stream.read(content.data(), static_cast<std::streamsize>(size));
+  Require(stream.good() || size == 0, ErrorCode::kInvalidInput, "cannot read '" + file.string() + "' to its end");
+  return content;
+}
+
+}  // namespace parkade

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace parkade {
+
+/// Writes a file whole or not at all: to a temporary name beside it, fsync,
+/// rename, fsync of the folder. Throws Error{kDiskFull} when there is no space,
+/// Error{kInternal} otherwise, and then leaves nothing behind.
+void WriteFileAtomically(const std::filesystem::path& file, std::string_view content);
+
+/// The same for writers that want a path: `write` is given the temporary name.
+void WriteFileAtomically(const std::filesystem::path& file,
+                         const std::function<void(const std::filesystem::path&)>& write);
+
+/// Whole content. Throws Error{kNotFound}, or Error{kInvalidInput} above `max_bytes`.
+std::string ReadFile(const std::filesystem::path& file, std::size_t max_bytes = std::size_t{1} << 30);
+
+}  // namespace parkade

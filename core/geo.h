@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/rigid3.h"
+
+namespace parkade {
+
+/// Where a site's origin lies on WGS84; x east, y north, z up there.
+struct SiteDatum {
+  double latitude_deg = 0, longitude_deg = 0;
+  double altitude = 0;  ///< [m] above the ellipsoid
+};
+
+/// WGS84 position (degrees, ellipsoidal height in m) in the local tangent plane
+/// (east, north, up) [m] at `datum`. C. Karney's GeographicLib::LocalCartesian.
+Eigen::Vector3d SiteFromGeodetic(const SiteDatum& datum, double latitude_deg, double longitude_deg, double altitude);
+
+struct Geodetic {
+  double latitude_deg = 0, longitude_deg = 0, altitude = 0;
+};
+
+Geodetic GeodeticFromSite(const SiteDatum& datum, const Eigen::Vector3d& point_in_site);
+
+/// ECEF (EPSG:4978) from the tangent plane at `datum`.
+Rigid3 EarthFromSite(const SiteDatum& datum);
+
+}  // namespace parkade

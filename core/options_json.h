@@ -1,0 +1,87 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/error.h"
+
+namespace parkade {
+
+// An options struct lists its fields once:
+//
+//   struct MeshOptions {
+//     double max_edge = 0.5;  ///< [m] effect ...
+//     template <typename Visitor>
+//     void VisitFields(Visitor&& visit) { visit("max_edge", max_edge); }
+//     void Validate() const;  ///< throws Error{kUsage}
+//   };
+//
+// Nested option structs are fields like any other.
+
+template <typename T>
+concept OptionStruct = requires(T options) { options.VisitFields([](const char*, auto&) {}); };
+
+/// JSON of all fields, nested structs as objects.
+template <OptionStruct Options>
+nlohmann::json OptionsToJson(Options options) {
+  nlohmann::json json = nlohmann::json::object();
+  options.VisitFields([&]<typename Field>(const char* key, Field& field) {
+    if constexpr (OptionStruct<Field>) {
+      json[key] = OptionsToJson(field);
+    } else {
+      json[key] = field;
+    }
+  });
+  return json;
+}
+
+/// Overwrites the fields named in `json`, leaves the others. Throws
+/// Error{kUsage} naming the path for an unknown key or a wrong type, and
+/// whatever Validate() throws.
+template <OptionStruct Options>
+void ReadOptionsFromJson(const nlohmann::json& json, Options& options, const std::string& path = "") {
+  const std::string where = path.empty() ? "the options" : "'" + path + "'";
+  Require(json.is_object(), ErrorCode::kUsage, where + " must be a JSON object");
+  nlohmann::json rest = json;
+  options.VisitFields([&]<typename Field>(const char* key, Field& field) {
+    const auto found = rest.find(key);
+    if (found == rest.end()) return;
+    const std::string field_path = path.empty() ? key : path + "." + key;
+    if constexpr (OptionStruct<Field>) {
+      ReadOptionsFromJson(*found, field, field_path);
+    } else {
+      // nlohmann turns 1.7 into the int 1 and true into 1.0: refuse both.
+      const nlohmann::json current = field;
+      const bool is_same_kind =
+          current.is_number_float() ? found->is_number()
+          : current.is_number()     ? found->is_number_integer()
+                                    : found->type() == current.type();
+      Require(is_same_kind, ErrorCode::kUsage,
+              "option '" + field_path + "' must be a " + std::string(current.type_name()));
+      field = found->template get<Field>();
+    }
+    rest.erase(found);
+  });
+  if (!rest.empty())
+    throw Error(ErrorCode::kUsage,
+                "unknown option '" + (path.empty() ? "" : path + ".") + rest.begin().key() + "'");
+  if constexpr (requires { options.Validate(); }) options.Validate();
+}
+
+/// Applies one "stage.option=value" (the value as JSON; a bare word is a
+/// string). Throws Error{kUsage}.
+template <OptionStruct Options>
+void SetOption(const std::string& assignment, Options& options) {
+  const size_t equals = assignment.find('=');
+  Require(equals != std::string::npos && equals > 0, ErrorCode::kUsage,
+          "'" + assignment + "' is not of the form stage.option=value");
+  const std::string text = assignment.substr(equals + 1);
+  nlohmann::json value = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (value.is_discarded()) value = text;
+  std::string path = assignment.substr(0, equals);
+  for (size_t dot; (dot = path.rfind('.')) != std::string::npos; path.resize(dot))
+    value = nlohmann::json{{path.substr(dot + 1), value}};
+  ReadOptionsFromJson(nlohmann::json{{path, value}}, options);
+}
+
+}  // namespace parkade

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geo.h"
+#include "core/rig.h"
+#include "core/submap.h"
+#include "core/surface_map.h"
+#include "core/trajectory.h"
+#include "core/triangle_mesh.h"
+
+namespace parkade {
+
+/// One drive within a site.
+struct SiteDrive {
+  std::string name;  ///< unique within the site; letters, digits, '-', '_', '.'
+  Rig rig;
+  Trajectory odometry;                   ///< odom_from_body
+  Trajectory site_from_body_trajectory;  ///< final
+};
+
+/// Everything that `export/` writes and the API reads.
+struct SiteMap {
+  std::vector<SiteDrive> drives;
+  std::vector<PosedSubmap> submaps;
+  SurfaceMap surface;
+  TriangleMesh mesh;
+  std::optional<SiteDatum> datum;  ///< empty: arbitrary origin and yaw
+};
+
+}  // namespace parkade

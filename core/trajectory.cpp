@@ -1,0 +1,95 @@
+#include "core/trajectory.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+#include "core/error.h"
+#include "core/file.h"
+
+namespace parkade {
+
+Trajectory::Trajectory(std::vector<TrajectoryState> states) : states_(std::move(states)) {
+  for (size_t i = 0; i < states_.size(); ++i) {
+    const TrajectoryState& state = states_[i];
+    Require(state.odom_from_body.translation.allFinite() && state.odom_from_body.rotation.coeffs().allFinite() &&
+                state.velocity_in_odom.allFinite(),
+            ErrorCode::kInternal, "a trajectory holds a pose that is not finite");
+    Require(i == 0 || states_[i - 1].time < state.time, ErrorCode::kInternal,
+            "the times of a trajectory do not increase");
+  }
+}
+
+TimeSpan Trajectory::span() const {
+  return empty() ? TimeSpan{} : TimeSpan{states_.front().time, states_.back().time};
+}
+
+double Trajectory::Length() const {
+  double length = 0;
+  for (size_t i = 1; i < states_.size(); ++i)
+    length += (states_[i].odom_from_body.translation - states_[i - 1].odom_from_body.translation).norm();
+  return length;
+}
+
+std::optional<Rigid3> Trajectory::At(Timestamp time) const {
+  if (!span().Contains(time)) return std::nullopt;
+  const auto after = std::lower_bound(states_.begin(), states_.end(), time,
+                                      [](const TrajectoryState& state, Timestamp t) { return state.time < t; });
+  if (after->time == time) return after->odom_from_body;
+  const auto before = std::prev(after);
+  return Interpolate(before->odom_from_body, after->odom_from_body,
+                     (time - before->time) / (after->time - before->time));
+}
+
+Trajectory Trajectory::Transformed(const Rigid3& target_from_odom) const {
+  Trajectory moved = *this;
+  const Eigen::Matrix3d rotation = target_from_odom.rotation.toRotationMatrix();
+  for (TrajectoryState& state : moved.states_) {
+    state.odom_from_body = target_from_odom * state.odom_from_body;
+    state.velocity_in_odom = rotation * state.velocity_in_odom;
+    Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Identity();
+    turn.bottomRightCorner<3, 3>() = rotation;
+    state.covariance = turn * state.covariance * turn.transpose();
+  }
+  return moved;
+}
+
+std::vector<TimedPose> ReadTum(const std::filesystem::path& file) {
+  std::istringstream lines(ReadFile(file));
+  std::vector<TimedPose> poses;
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (line.find_first_not_of(" \t") == std::string::npos || line[line.find_first_not_of(" \t")] == '#') continue;
+    const std::string where = "'" + file.filename().string() + "', line " + std::to_string(number);
+    std::istringstream fields(line);
+    std::string time;
+    TimedPose pose;
+    Eigen::Vector3d& p = pose.world_from_frame.translation;
+    Eigen::Quaterniond& q = pose.world_from_frame.rotation;
+    fields >> time >> p.x() >> p.y() >> p.z() >> q.x() >> q.y() >> q.z() >> q.w();
+    Require(!fields.fail(), ErrorCode::kInvalidInput, where + " is not 't x y z qx qy qz qw'");
+    Require(p.allFinite() && std::abs(q.norm() - 1) < 1e-2, ErrorCode::kInvalidInput,
+            where + " holds no finite pose with a unit quaternion");
+    q.normalize();
+    pose.time = ParseSeconds(time);
+    poses.push_back(pose);
+  }
+  return poses;
+}
+
+void WriteTum(const std::vector<TimedPose>& poses, const std::filesystem::path& file) {
+  std::string text = "# t x y z qx qy qz qw\n";
+  for (const TimedPose& pose : poses) {
+    const Eigen::Vector3d& p = pose.world_from_frame.translation;
+    const Eigen::Quaterniond& q = pose.world_from_frame.rotation;
+    char line[256];
+    std::snprintf(line, sizeof line, "%s %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", ToDecimalSeconds(pose.time).c_str(),
+                  p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+    text += line;
+  }
+  WriteFileAtomically(file, text);
+}
+
+}  // namespace parkade

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/rigid3.h"
+#include "core/timestamp.h"
+
+namespace parkade {
+
+/// The car's state at one instant.
+struct TrajectoryState {
+  Timestamp time;
+  Rigid3 odom_from_body;
+  Eigen::Vector3d velocity_in_odom = Eigen::Vector3d::Zero();  ///< [m/s] of the body origin
+  Eigen::Vector3d gyroscope_bias = Eigen::Vector3d::Zero();
+  Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();
+  /// Of [rotation vector in body (rad), translation in odom (m)].
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+};
+
+/// Timed poses of one drive, strictly increasing in time. `odom` is
+/// gravity-aligned (z up) and drifts; the same type holds `site_from_body` once
+/// a trajectory has been moved by Transformed().
+class Trajectory {
+ public:
+  Trajectory() = default;
+  /// Throws Error{kInternal} unless times strictly increase and all is finite.
+  explicit Trajectory(std::vector<TrajectoryState> states);
+
+  const std::vector<TrajectoryState>& states() const { return states_; }
+  bool empty() const { return states_.empty(); }
+  TimeSpan span() const;
+  double Length() const;  ///< [m] travelled by the body origin
+
+  /// Geodesic interpolation inside the span, nothing outside. O(log n).
+  std::optional<Rigid3> At(Timestamp time) const;
+
+  /// The same drive in another world frame: `target_from_odom` applied to poses
+  /// and velocities.
+  Trajectory Transformed(const Rigid3& target_from_odom) const;
+
+ private:
+  std::vector<TrajectoryState> states_;
+};
+
+/// One pose of a TUM file.
+struct TimedPose {
+  Timestamp time;
+  Rigid3 world_from_frame;
+};
+
+/// `t x y z qx qy qz qw` per line, '#' comments and blank lines skipped.
+/// Throws Error{kInvalidInput} naming file and line.
+std::vector<TimedPose> ReadTum(const std::filesystem::path& file);
+
+/// Times with 9 digits, metres and quaternions with 9. Whole or not at all.
+void WriteTum(const std::vector<TimedPose>& poses, const std::filesystem::path& file);
+
+}  // namespace parkade

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/timestamp.h"
+
+namespace parkade {
+
+enum class MessageEncoding { kRos1, kCdr };
+
+/// One topic of a log file.
+struct TopicInfo {
+  std::string topic;     ///< "/cam0/image_raw"
+  std::string type;      ///< ROS 1 spelling: "sensor_msgs/Image" (also for "sensor_msgs/msg/Image")
+  MessageEncoding encoding = MessageEncoding::kRos1;
+  std::uint64_t num_messages = 0;  ///< as far as known from the index
+};
+
+/// One serialised message. `data` owns its bytes.
+struct RawMessage {
+  int topic = 0;  ///< index into MessageSource::topics()
+  Timestamp log_time;
+  std::vector<std::uint8_t> data;
+};
+
+/// A stretch of a log that could not be read.
+struct LostRange {
+  std::string what;  ///< one sentence: "chunk at byte 812345 has a wrong checksum"
+  std::string topic;  ///< empty: unknown or several
+  TimeSpan time;     ///< as far as known; may be empty
+  std::uint64_t num_messages = 0;  ///< as far as known
+};
+
+/// What was lost while reading; grows during a pass.
+struct DamageReport {
+  std::vector<LostRange> ranges;  ///< at most 1000 kept
+  std::uint64_t num_lost_messages = 0;
+  bool is_truncated = false;
+  bool IsClean() const { return ranges.empty() && num_lost_messages == 0 && !is_truncated; }
+};
+
+/// One pass over the messages of a log, about in order of log_time.
+class MessageStream {
+ public:
+  virtual ~MessageStream() = default;
+  virtual std::optional<RawMessage> Next() = 0;
+  virtual const DamageReport& damage() const = 0;
+};
+
+/// A log file of messages: ROS 1 bag, MCAP, rosbag2 sqlite3. Opening scans only
+/// headers and indexes; memory does not grow with the file.
+class MessageSource {
+ public:
+  virtual ~MessageSource() = default;
+  virtual const std::vector<TopicInfo>& topics() const = 0;
+  virtual std::string format() const = 0;  ///< "ROS 1 bag", "MCAP", "rosbag2 sqlite3"
+  /// A new pass over the topics with `wanted[topic]` set. Thread rule: passes
+  /// are independent of each other.
+  virtual std::unique_ptr<MessageStream> Read(const std::vector<bool>& wanted) const = 0;
+};
+
+}  // namespace parkade
