@@ -1,0 +1,155 @@
+import * as THREE from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { DRACOLoader } from 'three/examples/jsm/loaders/DRACOLoader.js';
+import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
+
+import { colorsByHeight } from './height_colors';
+
+export type ColorMode = 'photo' | 'height';
+
+const kTrajectoryColors = [0x39c0ff, 0xffb020, 0x6fe38a, 0xff6b8b, 0xb48cff];
+
+/** One map in one canvas: load, look at it from above or around, switch layers. */
+export class MapView {
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly scene = new THREE.Scene();
+  private readonly camera = new THREE.PerspectiveCamera(50, 1, 0.1, 5000);
+  private readonly controls: OrbitControls;
+  private readonly loader = new GLTFLoader();
+  private readonly photoColors = new Map<THREE.BufferGeometry, THREE.BufferAttribute | THREE.InterleavedBufferAttribute>();
+  private content: THREE.Object3D | null = null;
+  private isFrameRequested = false;
+  private generation = 0;
+
+  constructor(private readonly canvas: HTMLCanvasElement) {
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
+    this.scene.background = new THREE.Color(0x12161d);
+    const draco = new DRACOLoader();
+    draco.setDecoderPath('/draco/');
+    draco.setDecoderConfig({ type: 'wasm' });
+    this.loader.setDRACOLoader(draco);
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8d99a8, 3));
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.maxPolarAngle = Math.PI * 0.495; // never below the ground
+    this.controls.addEventListener('change', () => this.requestFrame());
+    new ResizeObserver(() => this.resize()).observe(canvas.parentElement ?? canvas);
+    this.resize();
+  }
+
+  /** Replaces what is shown; resolves false when a later load overtook this one. */
+  async load(url: string): Promise<boolean> {
+    this.generation += 1;
+    const generation = this.generation;
+    const gltf = await this.loader.loadAsync(url);
+    if (generation !== this.generation) return false;
+    this.clear();
+    this.content = gltf.scene;
+    this.prepare(gltf.scene);
+    this.scene.add(gltf.scene);
+    this.lookAround();
+    return true;
+  }
+
+  clear(): void {
+    if (!this.content) return;
+    this.scene.remove(this.content);
+    this.content.traverse((object) => {
+      if (object instanceof THREE.Mesh || object instanceof THREE.Line) {
+        object.geometry.dispose();
+        for (const material of [object.material].flat()) material.dispose();
+      }
+    });
+    this.photoColors.clear();
+    this.content = null;
+    this.requestFrame();
+  }
+
+  /** From the south, 45 degrees down, everything in view. */
+  lookAround(): void {
+    this.lookFrom(new THREE.Vector3(0, 1, 0.9));
+  }
+
+  /** Straight down, north up. */
+  lookDown(): void {
+    this.lookFrom(new THREE.Vector3(0, 1, 1e-4));
+  }
+
+  setTrajectoriesVisible(isVisible: boolean): void {
+    this.forEachNode('drive:', (node) => (node.visible = isVisible));
+  }
+
+  setGroundVisible(isVisible: boolean): void {
+    this.forEachNode('ground', (node) => (node.visible = isVisible));
+  }
+
+  setColorMode(mode: ColorMode): void {
+    this.content?.traverse((object) => {
+      if (!(object instanceof THREE.Mesh)) return;
+      const geometry = object.geometry as THREE.BufferGeometry;
+      const photo = this.photoColors.get(geometry);
+      if (mode === 'height') geometry.setAttribute('color', colorsByHeight(geometry));
+      else if (photo) geometry.setAttribute('color', photo);
+    });
+    this.requestFrame();
+  }
+
+  private prepare(root: THREE.Object3D): void {
+    let trajectory = 0;
+    root.traverse((object) => {
+      if (object instanceof THREE.Mesh) {
+        const photo = object.geometry.getAttribute('color');
+        if (photo) this.photoColors.set(object.geometry, photo);
+        object.material.side = THREE.DoubleSide;
+      } else if (object instanceof THREE.Line) {
+        const color = kTrajectoryColors[trajectory % kTrajectoryColors.length];
+        object.material = new THREE.LineBasicMaterial({ color, depthTest: false });
+        object.renderOrder = 1; // the car drove on the ground, not in it
+        trajectory += 1;
+      }
+    });
+  }
+
+  private forEachNode(prefix: string, change: (node: THREE.Object3D) => void): void {
+    this.content?.traverse((object) => {
+      // three replaces characters that its animation paths reserve, ':' among them.
+      const name = (object.userData['name'] as string | undefined) ?? object.name;
+      if (name.startsWith(prefix) || name.startsWith(prefix.replace(':', ''))) change(object);
+    });
+    this.requestFrame();
+  }
+
+  private lookFrom(direction: THREE.Vector3): void {
+    if (!this.content) return;
+    const sphere = new THREE.Box3().setFromObject(this.content).getBoundingSphere(new THREE.Sphere());
+    const radius = Math.max(sphere.radius, 2);
+    const narrowest = Math.min(1, this.camera.aspect);
+    const distance = radius / Math.sin(THREE.MathUtils.degToRad(this.camera.fov / 2)) / narrowest;
+    this.controls.target.copy(sphere.center);
+    this.camera.position.copy(sphere.center).addScaledVector(direction.normalize(), distance * 0.85);
+    this.camera.near = distance / 1000;
+    this.camera.far = distance * 10;
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.requestFrame();
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.canvas.parentElement ?? this.canvas;
+    if (clientWidth === 0 || clientHeight === 0) return;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.setSize(clientWidth, clientHeight);
+    this.camera.aspect = clientWidth / clientHeight;
+    this.camera.updateProjectionMatrix();
+    this.requestFrame();
+  }
+
+  // Drawn only when something changed: an idle page costs nothing.
+  private requestFrame(): void {
+    if (this.isFrameRequested) return;
+    this.isFrameRequested = true;
+    requestAnimationFrame(() => {
+      this.isFrameRequested = false;
+      this.renderer.render(this.scene, this.camera);
+    });
+  }
+}
