@@ -1,0 +1,107 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/drive_log.h"
+#include "core/rig.h"
+#include "slam/corner_detector.h"
+#include "slam/feature_track.h"
+#include "slam/own_body_map.h"
+#include "slam/tracked_image.h"
+
+namespace parkade {
+
+struct FeatureTrackerOptions {
+  int max_tracks = 180;             ///< per image; also sets the distance between corners
+  int window = 17;                  ///< [px] odd edge of the patch that is tracked; larger: steadier, slower
+  int pyramid_levels = 4;           ///< halvings + 1; more: larger motion than the gyro predicts
+  double pixel_sigma = 0.5;         ///< [px] noise reported with each observation
+  double max_round_trip = 0.7;      ///< [px] forward-backward error above which a track ends
+  double max_epipolar_error = 1.5;  ///< [px] off the epipolar plane above which a track ends
+  double max_gap = 1.0;             ///< [s] tracks do not survive a longer pause
+  bool learn_own_body = true;       ///< find and ignore the car's own body in the image
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("max_tracks", max_tracks);
+    visit("window", window);
+    visit("pyramid_levels", pyramid_levels);
+    visit("pixel_sigma", pixel_sigma);
+    visit("max_round_trip", max_round_trip);
+    visit("max_epipolar_error", max_epipolar_error);
+    visit("max_gap", max_gap);
+    visit("learn_own_body", learn_own_body);
+  }
+  void Validate() const;  ///< throws Error{kUsage}
+};
+
+/// What a tracker has met so far. Counts of frames add up to the calls of Track.
+struct FeatureTrackerStatistics {
+  int frames_tracked = 0;
+  int frames_wrong_size = 0;  ///< size or pixel type other than calibrated; skipped
+  int frames_blank = 0;       ///< black, white, covered: no contrast at all; skipped
+  int frames_duplicate = 0;   ///< not later than the last, or its pixels repeated while moving; skipped
+  int restarts = 0;           ///< times that all tracks were given up after a pause
+  std::int64_t tracks_started = 0;
+  std::int64_t lost_in_flow = 0;      ///< left the image, or Lucas-Kanade or the round trip failed
+  std::int64_t lost_in_geometry = 0;  ///< moved against the epipolar geometry
+  std::int64_t lost_on_own_body = 0;
+};
+
+/// Follows corners through the images of ONE camera: pyramidal Lucas-Kanade on
+/// locally normalised images, started where the predicted rotation moves each
+/// corner through the lens model, forward-backward check, epipolar check with
+/// the predicted rotation, and new corners where the image is empty.
+///
+/// J.-Y. Bouguet, "Pyramidal implementation of the affine Lucas Kanade feature
+/// tracker", 2001; J. Shi, C. Tomasi, "Good features to track", CVPR 1994.
+///
+/// Deterministic; one thread per tracker. Cameras may run in parallel: track
+/// numbers hold the camera index in the bits from 40 up.
+class FeatureTracker {
+ public:
+  /// Throws Error{kUsage} for bad options.
+  FeatureTracker(const RigCamera& camera, int camera_index, const FeatureTrackerOptions& options = {});
+
+  /// Tracks into `frame`, then adds corners up to `max_tracks`.
+  ///
+  /// \param now_from_last_rotation  camera-frame rotation since the frame of the
+  ///     previous call (p_now = R p_last), as the gyro predicts it; up to 0.02 rad
+  ///     of error is refined away. Rotations over skipped frames are chained here.
+  /// \return no observations when the frame was skipped (see the statistics);
+  ///     tracks then continue from the frame before. Never throws for bad pixels.
+  TrackedFrame Track(const CameraFrame& frame, const Eigen::Matrix3d& now_from_last_rotation);
+
+  /// The last frame that was not skipped, for MatchAcross; empty before the first.
+  const TrackedImage& last_image() const { return last_; }
+
+  const FeatureTrackerStatistics& statistics() const { return statistics_; }
+
+ private:
+  struct Flow;
+
+  bool IsUsable(const CameraFrame& frame);
+  Flow Follow(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& now_from_last, double seconds) const;
+  std::vector<FeatureObservation> Keep(const Flow& flow, const Eigen::Matrix3d& now_from_last);
+  void AddCorners(TrackedImage& now);
+  std::optional<FeatureObservation> Observe(std::int64_t track, const Eigen::Vector2d& pixel) const;
+
+  FeatureTrackerOptions options_;
+  CameraModel model_;
+  int camera_ = 0;
+  CornerDetector detector_;
+  OwnBodyMap own_body_;
+  cv::Mat lens_usable_;  ///< of the lens and the rig's mask, before the own body is known
+  TrackedImage last_;
+  cv::Mat last_pixels_;                                          ///< as recorded, to recognise repeated images
+  std::vector<Eigen::Vector3d> velocities_;                      ///< [1/s] of each bearing of last_ beyond rotation
+  Eigen::Matrix3d now_from_last_ = Eigen::Matrix3d::Identity();  ///< since last_, over skipped frames
+  double median_flow_ = 0;                                       ///< [px] into last_
+  std::int64_t next_track_ = 0;
+  FeatureTrackerStatistics statistics_;
+};
+
+}  // namespace parkade
