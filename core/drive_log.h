@@ -45,8 +45,8 @@ struct WheelSample {
 struct GnssFix {
   Timestamp time;
   double latitude_deg = 0, longitude_deg = 0;
-  double altitude = 0;                                      ///< [m] above the WGS84 ellipsoid
-  Eigen::Vector3d sigma_enu = Eigen::Vector3d::Constant(1); ///< [m]
+  double altitude = 0;                                       ///< [m] above the WGS84 ellipsoid
+  Eigen::Vector3d sigma_enu = Eigen::Vector3d::Constant(1);  ///< [m]
 };
 
 using SensorRecord = std::variant<ImuSample, WheelSample, GnssFix, CameraFrame, SemanticFrame>;

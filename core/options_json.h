@@ -19,7 +19,9 @@ namespace parkade {
 // Nested option structs are fields like any other.
 
 template <typename T>
-concept OptionStruct = requires(T options) { options.VisitFields([](const char*, auto&) {}); };
+concept OptionStruct = requires(T options) {
+  options.VisitFields([](const char*, auto&) {});
+};
 
 /// JSON of all fields, nested structs as objects.
 template <OptionStruct Options>
@@ -52,10 +54,9 @@ void ReadOptionsFromJson(const nlohmann::json& json, Options& options, const std
     } else {
       // nlohmann turns 1.7 into the int 1 and true into 1.0: refuse both.
       const nlohmann::json current = field;
-      const bool is_same_kind =
-          current.is_number_float() ? found->is_number()
-          : current.is_number()     ? found->is_number_integer()
-                                    : found->type() == current.type();
+      const bool is_same_kind = current.is_number_float() ? found->is_number()
+                                : current.is_number()     ? found->is_number_integer()
+                                                          : found->type() == current.type();
       Require(is_same_kind, ErrorCode::kUsage,
               "option '" + field_path + "' must be a " + std::string(current.type_name()));
       field = found->template get<Field>();
@@ -63,8 +64,7 @@ void ReadOptionsFromJson(const nlohmann::json& json, Options& options, const std
     rest.erase(found);
   });
   if (!rest.empty())
-    throw Error(ErrorCode::kUsage,
-                "unknown option '" + (path.empty() ? "" : path + ".") + rest.begin().key() + "'");
+    throw Error(ErrorCode::kUsage, "unknown option '" + (path.empty() ? "" : path + ".") + rest.begin().key() + "'");
   if constexpr (requires { options.Validate(); }) options.Validate();
 }
 

@@ -44,8 +44,7 @@ struct Task {
 class WorkerPool {
  public:
   explicit WorkerPool(int num_workers) {
-    for (int i = 0; i < num_workers; ++i)
-      threads_.emplace_back([this](const std::stop_token& stop) { Run(stop); });
+    for (int i = 0; i < num_workers; ++i) threads_.emplace_back([this](const std::stop_token& stop) { Run(stop); });
   }
 
   void Do(Task& task) {

@@ -26,11 +26,11 @@ struct RigCamera {
 /// Continuous-time noise of the IMU, as in Kalibr's imu0.yaml.
 struct ImuCalibration {
   std::string topic;
-  double update_rate = 100;                    ///< [Hz]
-  double accelerometer_noise_density = 2e-2;   ///< [m/s^2/sqrt(Hz)]
-  double accelerometer_random_walk = 1e-3;     ///< [m/s^3/sqrt(Hz)]
-  double gyroscope_noise_density = 1e-3;       ///< [rad/s/sqrt(Hz)]
-  double gyroscope_random_walk = 1e-5;         ///< [rad/s^2/sqrt(Hz)]
+  double update_rate = 100;                   ///< [Hz]
+  double accelerometer_noise_density = 2e-2;  ///< [m/s^2/sqrt(Hz)]
+  double accelerometer_random_walk = 1e-3;    ///< [m/s^3/sqrt(Hz)]
+  double gyroscope_noise_density = 1e-3;      ///< [rad/s/sqrt(Hz)]
+  double gyroscope_random_walk = 1e-5;        ///< [rad/s^2/sqrt(Hz)]
 };
 
 /// What vehicle.yaml says about the car.
@@ -52,9 +52,7 @@ struct Rig {
   Rigid3 body_from_imu;
   std::optional<VehicleCalibration> vehicle;
 
-  Rigid3 ImuFromCamera(size_t camera) const {
-    return body_from_imu.Inverse() * cameras[camera].body_from_camera;
-  }
+  Rigid3 ImuFromCamera(size_t camera) const { return body_from_imu.Inverse() * cameras[camera].body_from_camera; }
 };
 
 /// Throws Error{kInvalidInput} naming the first thing that is wrong: no camera,

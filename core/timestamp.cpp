@@ -20,9 +20,7 @@ Timestamp TimestampFromSeconds(double seconds) {
           static_cast<std::int64_t>(std::llround((seconds - whole) * 1e9))};
 }
 
-Timestamp operator+(Timestamp time, double seconds) {
-  return {time.ns + TimestampFromSeconds(seconds).ns};
-}
+Timestamp operator+(Timestamp time, double seconds) { return {time.ns + TimestampFromSeconds(seconds).ns}; }
 
 std::string ToDecimalSeconds(Timestamp time) {
   const bool is_negative = time.ns < 0;
@@ -65,8 +63,7 @@ Timestamp ParseSeconds(const std::string& text) {
       unit /= 10;
     }
   }
-  Require(num_digits > 0 && i == text.size(), ErrorCode::kInvalidInput,
-          "'" + text + "' is not a time in seconds");
+  Require(num_digits > 0 && i == text.size(), ErrorCode::kInvalidInput, "'" + text + "' is not a time in seconds");
   const std::int64_t total = seconds * kNsPerSecond + ns;
   return {is_negative ? -total : total};
 }

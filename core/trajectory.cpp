@@ -21,9 +21,7 @@ Trajectory::Trajectory(std::vector<TrajectoryState> states) : states_(std::move(
   }
 }
 
-TimeSpan Trajectory::span() const {
-  return empty() ? TimeSpan{} : TimeSpan{states_.front().time, states_.back().time};
-}
+TimeSpan Trajectory::span() const { return empty() ? TimeSpan{} : TimeSpan{states_.front().time, states_.back().time}; }
 
 double Trajectory::Length() const {
   double length = 0;

@@ -114,7 +114,8 @@ TEST_F(Architecture, LinesGoDownBetweenFolders) {
                                    [&](const FolderRule& candidate) { return file.starts_with(candidate.folder); });
     ASSERT_NE(rule, kFolderRules.end()) << file;
     for (const std::string& header : included)
-      if (includes_.contains(header)) EXPECT_TRUE(StartsWithAny(header, rule->allowed)) << file << " includes " << header;
+      if (includes_.contains(header))
+        EXPECT_TRUE(StartsWithAny(header, rule->allowed)) << file << " includes " << header;
   }
 }
 

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <functional>
+
+namespace parkade {
+
+/// What a subcommand does once its arguments are parsed; returns the exit status.
+using Action = std::function<int()>;
+
+// Each adds one subcommand to `app` and, when that one is chosen, sets `action`.
+void AddMapCommand(CLI::App& app, Action& action);
+void AddServeCommand(CLI::App& app, Action& action);
+void AddInspectCommand(CLI::App& app, Action& action);
+void AddEvaluateCommand(CLI::App& app, Action& action);
+
+}  // namespace parkade

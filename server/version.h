@@ -1,0 +1,8 @@
+#pragma once
+
+namespace parkade {
+
+/// Of the program and of the maps that it writes.
+inline constexpr char kVersion[] = "0.1.0";
+
+}  // namespace parkade
