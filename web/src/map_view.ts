@@ -1,6 +1,6 @@
 import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import { DRACOLoader } from 'three/examples/jsm/loaders/DRACOLoader.js';
+import { DRACO_GLTF_CONFIG, DRACOLoader } from 'three/examples/jsm/loaders/DRACOLoader.js';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 
 import { colorsByHeight } from './height_colors';
@@ -25,8 +25,7 @@ export class MapView {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
     this.scene.background = new THREE.Color(0x12161d);
     const draco = new DRACOLoader();
-    draco.setDecoderPath('/draco/');
-    draco.setDecoderConfig({ type: 'wasm' });
+    draco.setDecoderPath(DRACO_GLTF_CONFIG); // bundled with the page: no CDN
     this.loader.setDRACOLoader(draco);
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8d99a8, 3));
     this.controls = new OrbitControls(this.camera, canvas);

@@ -1,0 +1,84 @@
+// What the service answers, as /api/v1/openapi.json describes it.
+
+export type DriveState = 'received' | 'queued' | 'processing' | 'ready' | 'failed';
+
+export interface Drive {
+  id: string;
+  name: string;
+  site: string;
+  state: DriveState;
+  bytes: number;
+  error: string | null;
+  created_at: string;
+}
+
+export interface Job {
+  id: string;
+  site: string;
+  state: 'queued' | 'running' | 'done' | 'failed' | 'cancelled';
+  stage: string | null;
+  progress: number;
+  eta_seconds: number | null;
+  error: string | null;
+  drives: string[];
+}
+
+export interface MapFile {
+  name: string;
+  bytes: number;
+}
+
+export interface MapVersion {
+  site: string;
+  version: number;
+  created_at: string;
+  files: MapFile[];
+}
+
+/** The part of report.json that the page shows. */
+export interface Report {
+  drives: { name: string; length: number; duration: number; num_keyframes: number }[];
+  map: { ground_area: number; num_triangles: number };
+  stages: { name: string; seconds: number }[];
+  warnings: string[];
+}
+
+async function get<T>(path: string): Promise<T> {
+  const response = await fetch(path, { headers: { accept: 'application/json' } });
+  if (response.ok) return (await response.json()) as T;
+  const problem = (await response.json().catch(() => ({}))) as { detail?: string };
+  throw new Error(problem.detail ?? `${path}: the service answered ${response.status}`);
+}
+
+const segment = encodeURIComponent;
+
+/** All pages of a list. */
+async function list<T>(path: string): Promise<T[]> {
+  const items: T[] = [];
+  let cursor: string | null = null;
+  do {
+    const page: { items: T[]; next_cursor: string | null } = await get(
+      `${path}?limit=100${cursor ? `&cursor=${segment(cursor)}` : ''}`,
+    );
+    items.push(...page.items);
+    cursor = page.next_cursor;
+  } while (cursor);
+  return items;
+}
+
+export const listDrives = () => list<Drive>('/api/v1/drives');
+export const listJobs = () => list<Job>('/api/v1/jobs');
+
+export function mapUrl(site: string, version: number | 'latest', file = ''): string {
+  return `/api/v1/sites/${segment(site)}/maps/${version}${file ? `/${file.split('/').map(segment).join('/')}` : ''}`;
+}
+
+export const latestMap = (site: string) => get<MapVersion>(mapUrl(site, 'latest'));
+export const report = (map: MapVersion) => get<Report>(mapUrl(map.site, map.version, 'report.json'));
+
+/** Calls `onChange` whenever a job or a map changed; reconnects by itself. */
+export function watchEvents(onChange: () => void): void {
+  const events = new EventSource('/api/v1/events');
+  for (const kind of ['job', 'map', 'drive']) events.addEventListener(kind, onChange);
+  events.addEventListener('open', onChange); // what happened while disconnected
+}

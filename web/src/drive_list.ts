@@ -1,0 +1,59 @@
+import type { Drive, Job } from './api';
+import { element } from './dom';
+import { formatBytes, formatDuration } from './format';
+
+/** Shows drives, newest first, with the progress of their jobs. */
+export function renderDrives(
+  place: HTMLElement,
+  drives: Drive[],
+  jobs: Job[],
+  selectedSite: string | null,
+  onSelect: (site: string) => void,
+): void {
+  const focused = document.activeElement instanceof HTMLElement ? document.activeElement.dataset['drive'] : undefined;
+  const newestFirst = [...drives].sort((a, b) => b.created_at.localeCompare(a.created_at));
+  const entries = newestFirst.map((drive) =>
+    renderDrive(drive, newestJobOf(drive, jobs), drive.site === selectedSite, onSelect),
+  );
+  place.replaceChildren(
+    element('h2', {}, 'Drives'),
+    ...(entries.length > 0 ? entries : [element('p', { class: 'hint' }, 'None yet. Add one above, or with curl.')]),
+  );
+  if (focused) place.querySelector<HTMLElement>(`[data-drive="${CSS.escape(focused)}"]`)?.focus();
+}
+
+/** Jobs come newest last. */
+export function newestJobOf(drive: Drive, jobs: Job[]): Job | undefined {
+  return jobs.findLast((job) => job.drives.includes(drive.id));
+}
+
+function renderDrive(drive: Drive, job: Job | undefined, isSelected: boolean, onSelect: (site: string) => void): HTMLElement {
+  const isRunning = job?.state === 'running' || job?.state === 'queued';
+  const hint = drive.error ?? (isRunning ? progressText(job) : `${drive.site} · ${formatBytes(drive.bytes)}`);
+  return element(
+    'button',
+    {
+      class: 'drive',
+      type: 'button',
+      'data-drive': drive.id,
+      'aria-pressed': String(isSelected),
+      click: () => onSelect(drive.site),
+    },
+    element(
+      'span',
+      { class: 'name' },
+      element('span', {}, drive.name),
+      element('span', { class: `state ${drive.state}` }, drive.state),
+    ),
+    element('p', { class: drive.error ? 'hint error' : 'hint' }, hint),
+    isRunning
+      ? element('progress', { max: '1', value: String(job.progress), 'aria-label': `Progress of ${drive.name}` })
+      : null,
+  );
+}
+
+function progressText(job: Job): string {
+  if (job.state === 'queued') return 'waiting for its turn';
+  const eta = job.eta_seconds === null ? '' : `, ${formatDuration(job.eta_seconds)} left`;
+  return `${job.stage ?? 'starting'}: ${Math.round(100 * job.progress)} %${eta}`;
+}

@@ -1,0 +1,90 @@
+import './style.css';
+
+import { latestMap, listDrives, listJobs, mapUrl, report, watchEvents } from './api';
+import { byId } from './dom';
+import { renderDrives } from './drive_list';
+import { renderMapPanel } from './map_panel';
+import { MapView } from './map_view';
+import { createToolbar } from './toolbar';
+import { createUpload } from './upload';
+
+const message = byId('message');
+const panel = byId('map-panel');
+const toolbar = byId('toolbar');
+const view = new MapView(byId<HTMLCanvasElement>('canvas'));
+const siteInUrl = new URLSearchParams(location.search).get('site');
+
+let selectedSite: string | null = siteInUrl;
+let shownMap = ''; // "site/version" on the canvas
+
+function say(text: string): void {
+  message.textContent = text;
+}
+
+async function showSite(site: string): Promise<void> {
+  selectedSite = site;
+  history.replaceState(null, '', `?site=${encodeURIComponent(site)}`);
+  await refresh();
+}
+
+async function showLatestMap(site: string): Promise<void> {
+  const map = await latestMap(site);
+  const name = `${map.site}/${map.version}`;
+  if (name === shownMap) return;
+  shownMap = name;
+  say('Loading the map …');
+  try {
+    const [isLatest, figures] = await Promise.all([view.load(mapUrl(map.site, map.version, 'map.glb')), report(map)]);
+    if (!isLatest) return;
+    renderMapPanel(panel, map, figures);
+    toolbar.hidden = false;
+    say('');
+    document.body.dataset['shown'] = name; // for tests and scripts that wait for the picture
+  } catch (error) {
+    shownMap = '';
+    throw error;
+  }
+}
+
+async function refresh(): Promise<void> {
+  try {
+    const [drives, jobs] = await Promise.all([listDrives(), listJobs()]);
+    selectedSite ??= drives.findLast((drive) => drive.state === 'ready')?.site ?? null;
+    renderDrives(byId('drives'), drives, jobs, selectedSite, (site) => void showSite(site));
+    const isMapped = drives.some((drive) => drive.site === selectedSite && drive.state === 'ready');
+    if (selectedSite && isMapped) {
+      await showLatestMap(selectedSite);
+    } else if (shownMap.split('/')[0] !== selectedSite) {
+      clearMap(selectedSite ? `${selectedSite} has no map yet` : 'Add a drive to see its map');
+    }
+  } catch (error) {
+    say(error instanceof Error ? error.message : String(error));
+  }
+}
+
+function clearMap(why: string): void {
+  view.clear();
+  shownMap = '';
+  panel.hidden = true;
+  toolbar.hidden = true;
+  say(why);
+}
+
+// Events come in bursts; one refresh at a time, and one more when any came meanwhile.
+let isRefreshing = false;
+let isRefreshWanted = false;
+async function requestRefresh(): Promise<void> {
+  isRefreshWanted = true;
+  if (isRefreshing) return;
+  isRefreshing = true;
+  while (isRefreshWanted) {
+    isRefreshWanted = false;
+    await refresh();
+  }
+  isRefreshing = false;
+}
+
+createToolbar(toolbar, view);
+createUpload(byId('upload'), () => void requestRefresh());
+watchEvents(() => void requestRefresh());
+void requestRefresh();

@@ -1,0 +1,39 @@
+import { mapUrl, type MapVersion, type Report } from './api';
+import { element } from './dom';
+import { formatArea, formatBytes, formatDuration, formatMetres } from './format';
+
+/** Figures and downloads of one map version. */
+export function renderMapPanel(place: HTMLElement, map: MapVersion, report: Report): void {
+  const length = report.drives.reduce((sum, drive) => sum + drive.length, 0);
+  const duration = report.drives.reduce((sum, drive) => sum + drive.duration, 0);
+  const computing = report.stages.reduce((sum, stage) => sum + stage.seconds, 0);
+  const figures: [string, string][] = [
+    ['driven', formatMetres(length)],
+    ['recorded', formatDuration(duration)],
+    ['ground', formatArea(report.map.ground_area)],
+    ['triangles', report.map.num_triangles.toLocaleString('en')],
+    ['mapped in', formatDuration(computing)],
+  ];
+  place.replaceChildren(
+    element('h2', {}, `${map.site}, version ${map.version}`),
+    element(
+      'dl',
+      { class: 'figures' },
+      ...figures.map(([name, value]) => element('div', {}, element('dt', {}, name), element('dd', {}, value))),
+    ),
+    ...report.warnings.map((warning) => element('p', { class: 'hint error' }, warning)),
+    element(
+      'div',
+      { class: 'downloads', role: 'group', 'aria-label': 'Downloads' },
+      ...map.files.map((file) =>
+        element(
+          'a',
+          { href: mapUrl(map.site, map.version, file.name), download: file.name.replaceAll('/', '_') },
+          file.name,
+          element('small', {}, formatBytes(file.bytes)),
+        ),
+      ),
+    ),
+  );
+  place.hidden = false;
+}
