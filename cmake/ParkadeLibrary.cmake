@@ -9,7 +9,7 @@ add_library(parkade_options INTERFACE)
 target_compile_options(parkade_options INTERFACE
   -Wall -Wextra -Wconversion
   # False reports of g++ 12 on inlined std::string code (GCC bugs 105329, 105651).
-  -Wno-restrict -Wno-stringop-overflow
+  -Wno-restrict -Wno-stringop-overflow -Wno-array-bounds
   $<$<BOOL:${PARKADE_WERROR}>:-Werror>)
 if(PARKADE_SANITIZE)
   target_compile_options(parkade_options INTERFACE
