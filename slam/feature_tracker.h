@@ -81,25 +81,31 @@ class FeatureTracker {
   const FeatureTrackerStatistics& statistics() const { return statistics_; }
 
  private:
-  struct Flow;
+  /// Where the tracks of last_ went, entry by entry.
+  struct Flow {
+    std::vector<cv::Point2f> pixels;
+    std::vector<bool> is_found;
+  };
 
-  bool IsUsable(const CameraFrame& frame);
-  Flow Follow(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& now_from_last, double seconds) const;
-  std::vector<FeatureObservation> Keep(const Flow& flow, const Eigen::Matrix3d& now_from_last);
+  bool IsUsable(const cv::Mat& gray);
+  Flow Follow(const TrackedImage& now, double seconds) const;
+  void Learn(const Flow& flow);
+  void Keep(const Flow& flow, double seconds, TrackedImage& now);
   void AddCorners(TrackedImage& now);
   std::optional<FeatureObservation> Observe(std::int64_t track, const Eigen::Vector2d& pixel) const;
 
   FeatureTrackerOptions options_;
   CameraModel model_;
   int camera_ = 0;
+  cv::Mat lens_usable_;  ///< of the lens and the rig's mask
+  cv::Mat usable_;       ///< lens_usable_ without the own body
   CornerDetector detector_;
   OwnBodyMap own_body_;
-  cv::Mat lens_usable_;  ///< of the lens and the rig's mask, before the own body is known
   TrackedImage last_;
-  cv::Mat last_pixels_;                                          ///< as recorded, to recognise repeated images
-  std::vector<Eigen::Vector3d> velocities_;                      ///< [1/s] of each bearing of last_ beyond rotation
-  Eigen::Matrix3d now_from_last_ = Eigen::Matrix3d::Identity();  ///< since last_, over skipped frames
+  std::vector<Eigen::Vector3d> velocities_;                      ///< [1/s] of each bearing of last_, beyond rotation
+  cv::Mat last_gray_;                                            ///< as recorded, to recognise a repeated image
   double median_flow_ = 0;                                       ///< [px] into last_
+  Eigen::Matrix3d now_from_last_ = Eigen::Matrix3d::Identity();  ///< since last_, over skipped frames
   std::int64_t next_track_ = 0;
   FeatureTrackerStatistics statistics_;
 };

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "core/camera_model.h"
+
+namespace parkade {
+
+/// The image with its local mean and contrast made equal everywhere, CV_8UC1:
+/// what a lamp, exposure control or vignetting changes slowly over the image
+/// does not matter to Lucas-Kanade any more. Contrast below `noise_floor` grey
+/// levels is not stretched, so that sensor noise stays small.
+cv::Mat NormalizeLocally(const cv::Mat& gray, double noise_floor = 8);
+
+/// Images and Scharr derivatives of `levels` halvings, padded by `window` [px].
+std::vector<cv::Mat> BuildPyramid(const cv::Mat& gray, int window, int levels);
+
+/// CV_8UC1, 255 where a patch of radius `margin` [px] has a bearing at every
+/// pixel, lies in the image and is not touched by `mask` (0 = ignore; may be empty).
+cv::Mat UsablePixels(const CameraModel& model, const cv::Mat& mask, int margin);
+
+/// True where the usable part of `gray` holds no structure: a covered lens, a
+/// black or white frame.
+bool IsBlank(const cv::Mat& gray, const cv::Mat& usable);
+
+}  // namespace parkade
