@@ -11,12 +11,13 @@
 
 namespace parkade {
 
-enum class MessageEncoding { kRos1, kCdr };
+/// How a message's bytes are to be read. kEuroc: a line of a data.csv, for images the path of the file.
+enum class MessageEncoding { kRos1, kCdr, kEuroc };
 
 /// One topic of a log file.
 struct TopicInfo {
-  std::string topic;     ///< "/cam0/image_raw"
-  std::string type;      ///< ROS 1 spelling: "sensor_msgs/Image" (also for "sensor_msgs/msg/Image")
+  std::string topic;  ///< "/cam0/image_raw"
+  std::string type;   ///< ROS 1 spelling: "sensor_msgs/Image" (also for "sensor_msgs/msg/Image")
   MessageEncoding encoding = MessageEncoding::kRos1;
   std::uint64_t num_messages = 0;  ///< as far as known from the index
 };
@@ -30,9 +31,9 @@ struct RawMessage {
 
 /// A stretch of a log that could not be read.
 struct LostRange {
-  std::string what;  ///< one sentence: "chunk at byte 812345 has a wrong checksum"
-  std::string topic;  ///< empty: unknown or several
-  TimeSpan time;     ///< as far as known; may be empty
+  std::string what;                ///< one sentence: "chunk at byte 812345 has a wrong checksum"
+  std::string topic;               ///< empty: unknown or several
+  TimeSpan time;                   ///< as far as known; may be empty
   std::uint64_t num_messages = 0;  ///< as far as known
 };
 

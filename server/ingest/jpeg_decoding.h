@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <span>
+
+#include "server/ingest/image_decoding.h"
+
+namespace parkade {
+
+/// Decodes a JPEG with libjpeg-turbo. Damaged is everything that made the codec warn (bad Huffman code, premature
+/// end, extraneous bytes, missing EOI); OpenCV returns an image for nearly all of these. Grayscale takes the luma
+/// alone and skips chroma.
+DecodedImage DecodeJpeg(std::span<const std::uint8_t> data, const ImageRequest& request);
+
+}  // namespace parkade
