@@ -63,7 +63,7 @@ struct PinholeProjection {
 /// Pinhole with RadTanDistortion, as cv::projectPoints.
 struct RadTanProjection {
   double fx = 1, fy = 1, cx = 0, cy = 0;  ///< [px]
-  RadTanDistortion distortion;
+  RadTanDistortion distortion = {};
 
   template <typename T>
   bool Project(const Eigen::Matrix<T, 3, 1>& point, Eigen::Matrix<T, 2, 1>* pixel) const {
@@ -122,7 +122,7 @@ struct KannalaBrandtProjection {
 struct MeiProjection {
   double xi = 0;                          ///< >= 0
   double fx = 1, fy = 1, cx = 0, cy = 0;  ///< [px]
-  RadTanDistortion distortion;
+  RadTanDistortion distortion = {};
 
   template <typename T>
   bool Project(const Eigen::Matrix<T, 3, 1>& point, Eigen::Matrix<T, 2, 1>* pixel) const {

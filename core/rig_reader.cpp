@@ -1,0 +1,224 @@
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+
+#include "core/error.h"
+#include "core/rig.h"
+#include "core/yaml_file.h"
+
+namespace parkade {
+namespace {
+
+using std::filesystem::path;
+
+/// The first of `names` that exists in `folder`, or the first of all, for the error.
+path FindFile(const path& folder, std::initializer_list<const char*> names) {
+  for (const char* name : names)
+    if (std::filesystem::exists(folder / name)) return folder / name;
+  return folder / *names.begin();
+}
+
+std::string TextOr(const YamlNode& node, const std::string& key, const std::string& otherwise) {
+  return node.Has(key) ? node.At(key).Text() : otherwise;
+}
+
+double NumberOr(const YamlNode& node, const std::string& key, double otherwise) {
+  return node.Has(key) ? node.At(key).Number() : otherwise;
+}
+
+/// The list under `key`, of one of the allowed sizes.
+std::vector<double> NumbersAt(const YamlNode& node, const std::string& key, std::initializer_list<size_t> sizes) {
+  const YamlNode list = node.At(key);
+  std::vector<double> numbers = list.Numbers();
+  std::string allowed;
+  for (const size_t size : sizes) allowed += (allowed.empty() ? "" : " or ") + std::to_string(size);
+  Require(std::find(sizes.begin(), sizes.end(), numbers.size()) != sizes.end(), ErrorCode::kInvalidInput,
+          list.where() + " must hold " + allowed + " numbers, not " + std::to_string(numbers.size()));
+  return numbers;
+}
+
+RadTanDistortion ReadRadTan(const YamlNode& camera) {
+  std::vector<double> k = NumbersAt(camera, "distortion_coeffs", {4, 5});
+  k.resize(5, 0.0);
+  return {.k1 = k[0], .k2 = k[1], .p1 = k[2], .p2 = k[3], .k3 = k[4]};
+}
+
+CameraModel::Projection ReadPinhole(const YamlNode& camera, const std::string& distortion) {
+  const std::vector<double> f = NumbersAt(camera, "intrinsics", {4});
+  if (distortion == "radtan")
+    return RadTanProjection{.fx = f[0], .fy = f[1], .cx = f[2], .cy = f[3], .distortion = ReadRadTan(camera)};
+  if (distortion == "equidistant") {
+    const std::vector<double> k = NumbersAt(camera, "distortion_coeffs", {4});
+    return KannalaBrandtProjection{
+        .fx = f[0], .fy = f[1], .cx = f[2], .cy = f[3], .k1 = k[0], .k2 = k[1], .k3 = k[2], .k4 = k[3]};
+  }
+  return PinholeProjection{.fx = f[0], .fy = f[1], .cx = f[2], .cy = f[3]};
+}
+
+OcamProjection ReadOcam(const YamlNode& camera) {
+  std::vector<double> a = NumbersAt(camera, "intrinsics", {4, 5});
+  if (a.size() == 5) {  // the toolbox writes its a1, which is always zero
+    Require(a[1] == 0, ErrorCode::kInvalidInput, camera.where() + ".intrinsics: a1 of an ocam lens must be 0");
+    a.erase(a.begin() + 1);
+  }
+  // The toolbox's z points backwards: see OcamProjection.
+  if (a[0] < 0)
+    for (double& coefficient : a) coefficient = -coefficient;
+  const std::vector<double> centre = NumbersAt(camera, "centre", {2});
+  const std::vector<double> affine =
+      camera.Has("affine") ? NumbersAt(camera, "affine", {3}) : std::vector<double>{1, 0, 0};
+  return {.a0 = a[0],
+          .a2 = a[1],
+          .a3 = a[2],
+          .a4 = a[3],
+          .cx = centre[0],
+          .cy = centre[1],
+          .c = affine[0],
+          .d = affine[1],
+          .e = affine[2]};
+}
+
+CameraModel::Projection ReadProjection(const YamlNode& camera) {
+  const std::string model = camera.At("camera_model").Text();
+  const std::string distortion = TextOr(camera, "distortion_model", "none");
+  const auto allow = [&](std::initializer_list<std::string_view> distortions) {
+    Require(
+        std::find(distortions.begin(), distortions.end(), distortion) != distortions.end(), ErrorCode::kInvalidInput,
+        camera.where() + ": camera_model '" + model + "' with distortion_model '" + distortion + "' is not supported");
+  };
+  if (model == "pinhole") {
+    allow({"none", "radtan", "equidistant"});
+    return ReadPinhole(camera, distortion);
+  }
+  if (model == "omni") {
+    allow({"none", "radtan"});
+    const std::vector<double> f = NumbersAt(camera, "intrinsics", {5});
+    return MeiProjection{.xi = f[0],
+                         .fx = f[1],
+                         .fy = f[2],
+                         .cx = f[3],
+                         .cy = f[4],
+                         .distortion = distortion == "radtan" ? ReadRadTan(camera) : RadTanDistortion{}};
+  }
+  allow({"none"});
+  if (model == "ocam") return ReadOcam(camera);
+  Require(model == "ds" || model == "eucm", ErrorCode::kInvalidInput,
+          camera.where() + ".camera_model '" + model + "' is not one of pinhole, omni, ds, eucm, ocam");
+  const std::vector<double> f = NumbersAt(camera, "intrinsics", {6});
+  if (model == "ds")
+    return DoubleSphereProjection{.xi = f[0], .alpha = f[1], .fx = f[2], .fy = f[3], .cx = f[4], .cy = f[5]};
+  return EucmProjection{.alpha = f[0], .beta = f[1], .fx = f[2], .fy = f[3], .cx = f[4], .cy = f[5]};
+}
+
+CameraModel ReadModel(const YamlNode& camera) {
+  const YamlNode resolution = camera.At("resolution");
+  const std::vector<double> size = NumbersAt(camera, "resolution", {2});
+  for (const double edge : size)
+    Require(edge >= 1 && edge <= 16384 && edge == std::round(edge), ErrorCode::kInvalidInput,
+            resolution.where() + " must be two whole numbers in 1..16384");
+  try {
+    return {ReadProjection(camera), static_cast<int>(size[0]), static_cast<int>(size[1])};
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    if (message.starts_with(camera.where())) throw;
+    throw Error(error.code(), camera.where() + ": " + message);
+  }
+}
+
+cv::Mat ReadMask(const YamlNode& camera, const path& folder) {
+  if (!camera.Has("mask")) return {};
+  const YamlNode node = camera.At("mask");
+  const path relative = node.Text();
+  const bool leaves_folder = relative.is_absolute() || relative.lexically_normal().string().starts_with("..");
+  Require(!leaves_folder, ErrorCode::kInvalidInput, node.where() + " must lie inside the rig's folder");
+  cv::Mat mask;
+  if (std::filesystem::is_regular_file(folder / relative))
+    mask = cv::imread((folder / relative).string(), cv::IMREAD_GRAYSCALE);
+  Require(!mask.empty(), ErrorCode::kInvalidInput,
+          node.where() + ": '" + relative.string() + "' is not a readable image");
+  return mask;
+}
+
+/// "cam0" ... "camN" in the order of their numbers.
+std::vector<std::string> CameraNames(const YamlNode& chain) {
+  std::vector<std::pair<int, std::string>> numbered;
+  for (const std::string& key : chain.Keys()) {
+    const std::string number = key.starts_with("cam") ? key.substr(3) : "";
+    if (!number.empty() && number.size() < 5 && number.find_first_not_of("0123456789") == std::string::npos)
+      numbered.emplace_back(std::stoi(number), key);
+  }
+  std::sort(numbered.begin(), numbered.end());
+  std::vector<std::string> names;
+  for (const auto& [number, name] : numbered) names.push_back(name);
+  return names;
+}
+
+/// From T_cam_imu, OpenVINS's T_imu_cam, or the previous camera and T_cn_cnm1.
+Rigid3 ReadCameraFromImu(const YamlNode& camera, const std::optional<Rigid3>& previous_from_imu) {
+  if (camera.Has("T_cam_imu")) return camera.At("T_cam_imu").Motion();
+  if (camera.Has("T_imu_cam")) return camera.At("T_imu_cam").Motion().Inverse();
+  Require(camera.Has("T_cn_cnm1") && previous_from_imu.has_value(), ErrorCode::kInvalidInput,
+          camera.where() + " has no 'T_cam_imu'");
+  return camera.At("T_cn_cnm1").Motion() * *previous_from_imu;
+}
+
+ImuCalibration ReadImu(const path& file) {
+  const YamlNode root = ReadYaml(file);
+  const YamlNode imu = root.Has("imu0") ? root.At("imu0") : root;
+  return {.topic = TextOr(imu, "rostopic", "imu0"),
+          .update_rate = NumberOr(imu, "update_rate", ImuCalibration{}.update_rate),
+          .accelerometer_noise_density = imu.At("accelerometer_noise_density").Number(),
+          .accelerometer_random_walk = imu.At("accelerometer_random_walk").Number(),
+          .gyroscope_noise_density = imu.At("gyroscope_noise_density").Number(),
+          .gyroscope_random_walk = imu.At("gyroscope_random_walk").Number()};
+}
+
+VehicleCalibration ReadVehicle(const YamlNode& vehicle) {
+  VehicleCalibration calibration{.wheelbase = NumberOr(vehicle, "wheelbase", 0),
+                                 .track = NumberOr(vehicle, "track", 0),
+                                 .wheel_topic = TextOr(vehicle, "wheel_topic", ""),
+                                 .gnss_topic = TextOr(vehicle, "gnss_topic", ""),
+                                 .antenna_in_body = {}};
+  if (vehicle.Has("p_body_gnss")) {
+    const std::vector<double> antenna = NumbersAt(vehicle, "p_body_gnss", {3});
+    calibration.antenna_in_body = Eigen::Vector3d(antenna[0], antenna[1], antenna[2]);
+  }
+  return calibration;
+}
+
+}  // namespace
+
+Rig ReadRig(const path& folder) {
+  Require(std::filesystem::is_directory(folder), ErrorCode::kInvalidInput,
+          "the rig '" + folder.string() + "' is not a folder");
+  Rig rig;
+  rig.imu = ReadImu(FindFile(folder, {"imu0.yaml", "imu.yaml", "kalibr_imu_chain.yaml"}));
+  if (std::filesystem::exists(folder / "vehicle.yaml")) {
+    const YamlNode vehicle = ReadYaml(folder / "vehicle.yaml");
+    rig.body_from_imu = vehicle.At("T_imu_body").Motion().Inverse();
+    rig.vehicle = ReadVehicle(vehicle);
+  }
+
+  const YamlNode chain = ReadYaml(FindFile(folder, {"camchain-imucam.yaml", "kalibr_imucam_chain.yaml"}));
+  std::optional<Rigid3> previous_from_imu;
+  for (const std::string& name : CameraNames(chain)) {
+    const YamlNode node = chain.At(name);
+    const Rigid3 camera_from_imu = ReadCameraFromImu(node, previous_from_imu);
+    rig.cameras.push_back({.name = name,
+                           .topic = TextOr(node, "rostopic", name),
+                           .model = ReadModel(node),
+                           .body_from_camera = rig.body_from_imu * camera_from_imu.Inverse(),
+                           .time_shift = NumberOr(node, "timeshift_cam_imu", 0),
+                           .line_delay = NumberOr(node, "line_delay", 0),
+                           .mask = ReadMask(node, folder)});
+    previous_from_imu = camera_from_imu;
+  }
+  Require(!rig.cameras.empty(), ErrorCode::kInvalidInput, chain.where() + " has no 'cam0'");
+  try {
+    ValidateRig(rig);
+  } catch (const Error& error) {
+    throw Error(error.code(), "the rig '" + folder.filename().string() + "': " + error.what());
+  }
+  return rig;
+}
+
+}  // namespace parkade
