@@ -1,0 +1,132 @@
+#include "slam/align_to_gnss.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace parkade {
+namespace {
+
+const SiteDatum kDatum{48.137, 11.575, 520};
+const Eigen::Vector3d kAntenna(1.2, 0.1, 1.5);
+const Rigid3 kSiteFromOdom{ExpSo3({0, 0, 2.2}), {40, -25, 1.5}};
+
+/// A drive around a block, `length` [m] per side, at 5 m/s.
+Trajectory DriveAround(double length) {
+  std::vector<TrajectoryState> states;
+  for (int i = 0; i < 400; ++i) {
+    const double angle = 2 * M_PI * i / 400;
+    TrajectoryState state;
+    state.time = Timestamp{100'000'000LL * i};
+    state.odom_from_body = {ExpSo3({0, 0, angle + M_PI / 2}),
+                            {0.5 * length * std::cos(angle), 0.5 * length * std::sin(angle), 0.2 * std::sin(angle)}};
+    states.push_back(state);
+  }
+  return Trajectory(states);
+}
+
+std::vector<GnssFix> FixesOf(const Trajectory& trajectory, double sigma, std::uint32_t seed = 1) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0, sigma);
+  std::vector<GnssFix> fixes;
+  for (const TrajectoryState& state : trajectory.states()) {
+    const Eigen::Vector3d noise(normal(random), normal(random), 2 * normal(random));
+    const Eigen::Vector3d in_site = kSiteFromOdom * (state.odom_from_body * kAntenna) + noise;
+    const Geodetic place = GeodeticFromSite(kDatum, in_site);
+    fixes.push_back({state.time, place.latitude_deg, place.longitude_deg, place.altitude, {sigma, sigma, 2 * sigma}});
+  }
+  return fixes;
+}
+
+/// [m] between where the alignment puts a point of the drive and where it is.
+double ErrorAt(const GnssAlignment& alignment, const Eigen::Vector3d& point_in_odom) {
+  const Eigen::Vector3d found = EarthFromSite(alignment.datum) * (alignment.site_from_odom * point_in_odom);
+  return (found - EarthFromSite(kDatum) * (kSiteFromOdom * point_in_odom)).norm();
+}
+
+TEST(AlignToGnss, ExactFixesGiveTheExactPlaceWithLeverArm) {
+  const Trajectory drive = DriveAround(60);
+
+  const auto alignment = AlignToGnss(drive, FixesOf(drive, 1e-6), kAntenna);
+
+  ASSERT_TRUE(alignment);
+  // The site's tangent plane at another datum leans by 5 m / 6371 km.
+  EXPECT_LT(ErrorAt(*alignment, {30, 0, 0}), 1e-3);
+  EXPECT_EQ(alignment->num_inliers, 400);
+}
+
+TEST(AlignToGnss, GivenDatumIsKept) {
+  const Trajectory drive = DriveAround(60);
+
+  const auto alignment = AlignToGnss(drive, FixesOf(drive, 1e-6), kAntenna, {}, kDatum);
+
+  ASSERT_TRUE(alignment);
+  EXPECT_EQ(alignment->datum.latitude_deg, kDatum.latitude_deg);
+  EXPECT_LT((alignment->site_from_odom.translation - kSiteFromOdom.translation).norm(), 1e-5);
+  EXPECT_LT(alignment->site_from_odom.rotation.angularDistance(kSiteFromOdom.rotation), 1e-6);
+}
+
+TEST(AlignToGnss, AThirdOfReflectedFixesDoesNoHarm) {
+  const Trajectory drive = DriveAround(60);
+  std::vector<GnssFix> fixes = FixesOf(drive, 0.5);
+  for (size_t i = 100; i < 233; ++i) fixes[i].latitude_deg += 3e-4;  // 33 m north, all the same way
+  fixes[0].latitude_deg = fixes[0].longitude_deg = 0;                // a receiver that has just started
+
+  const auto alignment = AlignToGnss(drive, fixes, kAntenna);
+
+  ASSERT_TRUE(alignment);
+  EXPECT_LT(ErrorAt(*alignment, {0, 30, 0}), 0.3);
+  EXPECT_NEAR(alignment->num_inliers, 266, 15);
+  EXPECT_NEAR(alignment->horizontal_rmse, 0.7, 0.1) << "0.5 m east and 0.5 m north";
+  EXPECT_GT(alignment->cep95, 20) << "the reflected ones are in the statistics";
+}
+
+TEST(AlignToGnss, ReportedYawSigmaIsHonest) {
+  const Trajectory drive = DriveAround(60);
+  GnssAlignOptions options;
+  options.correlation_time = 0;  // the noise here is white
+  options.odometry_drift = 0;
+  double squared = 0, claimed = 0;
+  constexpr int kTrials = 60;
+  for (std::uint32_t seed = 1; seed <= kTrials; ++seed) {
+    const auto alignment = AlignToGnss(drive, FixesOf(drive, 1.0, seed), kAntenna, options);
+    ASSERT_TRUE(alignment);
+    const double error = LogSo3(alignment->site_from_odom.rotation * kSiteFromOdom.rotation.conjugate()).z();
+    squared += error * error / kTrials;
+    claimed += alignment->covariance(0, 0) / kTrials;
+  }
+
+  EXPECT_GT(claimed / squared, 0.6);
+  EXPECT_LT(claimed / squared, 2.5) << "robust weights below 1 cost some information";
+}
+
+TEST(AlignToGnss, StandstillAndTooShortADriveHaveNoHeading) {
+  std::vector<TrajectoryState> states;
+  for (int i = 0; i < 400; ++i) {
+    TrajectoryState state;
+    state.time = Timestamp{100'000'000LL * i};
+    states.push_back(state);
+  }
+  const Trajectory standing(states), crawling = DriveAround(5);
+
+  EXPECT_FALSE(AlignToGnss(standing, FixesOf(standing, 1.0), kAntenna));
+  EXPECT_FALSE(AlignToGnss(crawling, FixesOf(crawling, 2.0), kAntenna));
+}
+
+TEST(AlignToGnss, BadFixesAreLeftOutAndNoneLeftMeansNoAnswer) {
+  const Trajectory drive = DriveAround(60);
+  std::vector<GnssFix> fixes = FixesOf(drive, 0.1);
+  fixes[3].latitude_deg = std::nan("");
+  fixes[4].sigma_enu.setConstant(500);
+  fixes[5].time.ns -= 1'000'000'000'000;
+
+  const auto alignment = AlignToGnss(drive, fixes, kAntenna);
+
+  ASSERT_TRUE(alignment);
+  EXPECT_EQ(alignment->num_fixes, 397);
+  EXPECT_FALSE(AlignToGnss(drive, {}, kAntenna));
+  EXPECT_FALSE(AlignToGnss(Trajectory(), fixes, kAntenna));
+}
+
+}  // namespace
+}  // namespace parkade
