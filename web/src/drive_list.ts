@@ -2,7 +2,7 @@ import type { Drive, Job } from './api';
 import { element } from './dom';
 import { formatBytes, formatDuration } from './format';
 
-/** Shows drives, newest first, with the progress of their jobs. */
+/** Shows drives with the progress of their jobs; both newest first, as the service lists them. */
 export function renderDrives(
   place: HTMLElement,
   drives: Drive[],
@@ -11,8 +11,7 @@ export function renderDrives(
   onSelect: (site: string) => void,
 ): void {
   const focused = document.activeElement instanceof HTMLElement ? document.activeElement.dataset['drive'] : undefined;
-  const newestFirst = [...drives].sort((a, b) => b.created_at.localeCompare(a.created_at));
-  const entries = newestFirst.map((drive) =>
+  const entries = drives.map((drive) =>
     renderDrive(drive, newestJobOf(drive, jobs), drive.site === selectedSite, onSelect),
   );
   place.replaceChildren(
@@ -22,9 +21,8 @@ export function renderDrives(
   if (focused) place.querySelector<HTMLElement>(`[data-drive="${CSS.escape(focused)}"]`)?.focus();
 }
 
-/** Jobs come newest last. */
 export function newestJobOf(drive: Drive, jobs: Job[]): Job | undefined {
-  return jobs.findLast((job) => job.drives.includes(drive.id));
+  return jobs.find((job) => job.drives.includes(drive.id));
 }
 
 function renderDrive(drive: Drive, job: Job | undefined, isSelected: boolean, onSelect: (site: string) => void): HTMLElement {

@@ -49,7 +49,7 @@ async function showLatestMap(site: string): Promise<void> {
 async function refresh(): Promise<void> {
   try {
     const [drives, jobs] = await Promise.all([listDrives(), listJobs()]);
-    selectedSite ??= drives.findLast((drive) => drive.state === 'ready')?.site ?? null;
+    selectedSite ??= drives.find((drive) => drive.state === 'ready')?.site ?? null;
     renderDrives(byId('drives'), drives, jobs, selectedSite, (site) => void showSite(site));
     const isMapped = drives.some((drive) => drive.site === selectedSite && drive.state === 'ready');
     if (selectedSite && isMapped) {
