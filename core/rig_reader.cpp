@@ -79,6 +79,9 @@ OcamProjection ReadOcam(const YamlNode& camera) {
 
 CameraModel::Projection ReadProjection(const YamlNode& camera) {
   const std::string model = camera.At("camera_model").Text();
+  constexpr std::string_view kModels[] = {"pinhole", "omni", "ds", "eucm", "ocam"};
+  Require(std::find(std::begin(kModels), std::end(kModels), model) != std::end(kModels), ErrorCode::kInvalidInput,
+          camera.where() + ".camera_model '" + model + "' is not one of pinhole, omni, ds, eucm, ocam");
   const std::string distortion = TextOr(camera, "distortion_model", "none");
   const auto allow = [&](std::initializer_list<std::string_view> distortions) {
     Require(
@@ -101,8 +104,6 @@ CameraModel::Projection ReadProjection(const YamlNode& camera) {
   }
   allow({"none"});
   if (model == "ocam") return ReadOcam(camera);
-  Require(model == "ds" || model == "eucm", ErrorCode::kInvalidInput,
-          camera.where() + ".camera_model '" + model + "' is not one of pinhole, omni, ds, eucm, ocam");
   const std::vector<double> f = NumbersAt(camera, "intrinsics", {6});
   if (model == "ds")
     return DoubleSphereProjection{.xi = f[0], .alpha = f[1], .fx = f[2], .fy = f[3], .cx = f[4], .cy = f[5]};
