@@ -52,7 +52,7 @@ const std::vector<WallRule> kWallRules = {
     {"draco/", {"export/"}},
     {"httplib.h", {"server/http/"}},
     {"sqlite3.h", {"server/ingest/", "server/store/"}},
-    {"archive", {"server/ingest/"}},
+    {"archive", {"server/ingest/", "server/store/"}},
     {"zstd.h", {"server/ingest/"}},
     {"lz4", {"server/ingest/"}},
     {"bzlib.h", {"server/ingest/"}},

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <httplib.h>
+
+#include "server/http/lifeline.h"
+#include "server/http/metrics.h"
+
+namespace parkade {
+
+/// cpp-httplib's server behind our own reading of requests (Connection): it gets
+/// to see only heads that are short, complete and checked.
+class HttpServer : public httplib::Server {
+ public:
+  HttpServer(const Lifeline& lifeline, Metrics& metrics, int num_threads);
+
+  /// Binds; port 0 takes a free one. Returns the port. Throws Error{kUsage} when
+  /// the address is taken or not ours.
+  int Bind(const std::string& host, int port);
+
+ private:
+  bool process_and_close_socket(socket_t socket) override;
+  void Serve(socket_t socket);
+
+  const Lifeline& lifeline_;
+  Metrics& metrics_;
+};
+
+}  // namespace parkade

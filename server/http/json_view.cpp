@@ -1,0 +1,142 @@
+#include "server/http/json_view.h"
+
+#include <array>
+#include <utility>
+
+namespace parkade {
+namespace {
+
+template <typename Value>
+Json OrNull(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+/// JSON text from the store, which our own code wrote.
+Json Parsed(const std::optional<std::string>& text) {
+  if (!text) return nullptr;
+  Json json = Json::parse(*text, nullptr, /*allow_exceptions=*/false);
+  return json.is_discarded() ? Json(nullptr) : json;
+}
+
+}  // namespace
+
+Json ToJson(const Drive& drive) {
+  return {{"id", drive.id},
+          {"name", drive.name},
+          {"filename", drive.filename},
+          {"site", drive.site},
+          {"rig", OrNull(drive.rig)},
+          {"state", ToText(drive.state)},
+          {"error", OrNull(drive.error)},
+          {"bytes", drive.bytes},
+          {"sha256", drive.sha256},
+          {"streams", Parsed(drive.streams)},
+          {"job", OrNull(drive.job)},
+          {"map_version", OrNull(drive.map_version)},
+          {"created_at", drive.created_at},
+          {"updated_at", drive.updated_at}};
+}
+
+void AddTrajectories(const Drive& drive, const MapVersion& map, Json& json) {
+  Json links = Json::object();
+  const std::string folder = drive.name + "/";
+  for (const MapFile& file : map.files)
+    if (file.name.starts_with(folder))
+      links[file.name.substr(folder.size())] = MapAddress(map.site, map.version) + "/" + file.name;
+  json["trajectories"] = links;
+}
+
+Json ToJson(const Job& job, const std::optional<JobProgress>& progress) {
+  const bool is_done = job.state == JobState::kDone;
+  return {{"id", job.id},
+          {"site", job.site},
+          {"drives", job.drives},
+          {"state", ToText(job.state)},
+          {"stage", progress ? Json(progress->stage) : Json(nullptr)},
+          {"progress", progress  ? progress->progress
+                       : is_done ? 1.0
+                                 : 0.0},
+          {"eta_seconds", progress ? OrNull(progress->eta_seconds) : Json(nullptr)},
+          {"attempts", job.attempt},
+          {"error", OrNull(job.error)},
+          {"error_code", OrNull(job.error_code)},
+          {"map_version", OrNull(job.map_version)},
+          {"created_at", job.created_at},
+          {"started_at", OrNull(job.started_at)},
+          {"finished_at", OrNull(job.finished_at)}};
+}
+
+Json ToJson(const Rig& rig) {
+  return {{"name", rig.name}, {"files", rig.files}, {"sha256", rig.sha256}, {"created_at", rig.created_at}};
+}
+
+Json ToJson(const Site& site) {
+  return {{"name", site.name},
+          {"datum", Parsed(site.datum)},
+          {"bounds", Parsed(site.bounds)},
+          {"versions", site.versions},
+          {"latest_version", site.versions.empty() ? Json(nullptr) : Json(site.versions.back())},
+          {"drive_count", site.num_drives},
+          {"created_at", site.created_at}};
+}
+
+Json ToJson(const MapVersion& map, bool with_files) {
+  const std::string address = MapAddress(map.site, map.version);
+  Json json = {{"site", map.site},
+               {"version", map.version},
+               {"job", map.job},
+               {"sha256", map.sha256},
+               {"datum", Parsed(map.datum)},
+               {"bounds", Parsed(map.bounds)},
+               {"created_at", map.created_at},
+               {"url", address}};
+  if (!with_files) return json;
+  json["drives"] = Json::array();
+  for (const Drive& drive : map.drives) json["drives"].push_back({{"id", drive.id}, {"name", drive.name}});
+  json["files"] = Json::array();
+  for (const MapFile& file : map.files)
+    json["files"].push_back({{"name", file.name},
+                             {"bytes", file.bytes},
+                             {"sha256", file.sha256},
+                             {"content_type", ContentTypeOf(file.name)},
+                             {"url", address + "/" + file.name}});
+  return json;
+}
+
+std::string MapAddress(const std::string& site, std::int64_t version) {
+  return "/api/v1/sites/" + site + "/maps/" + std::to_string(version);
+}
+
+const char* ContentTypeOf(const std::string& filename) {
+  constexpr std::array<std::pair<const char*, const char*>, 24> kTypes = {{
+      {".glb", "model/gltf-binary"},
+      {".geojson", "application/geo+json"},
+      {".json", "application/json"},
+      {".ply", "application/octet-stream"},
+      {".tum", "text/plain; charset=utf-8"},
+      {".txt", "text/plain; charset=utf-8"},
+      {".pgw", "text/plain; charset=utf-8"},
+      {".yaml", "application/yaml"},
+      {".kml", "application/vnd.google-earth.kml+xml"},
+      {".png", "image/png"},
+      {".jpg", "image/jpeg"},
+      {".tif", "image/tiff"},
+      {".tiff", "image/tiff"},
+      {".svg", "image/svg+xml"},
+      {".ico", "image/x-icon"},
+      {".webmanifest", "application/manifest+json"},
+      {".html", "text/html; charset=utf-8"},
+      {".css", "text/css; charset=utf-8"},
+      {".js", "text/javascript; charset=utf-8"},
+      {".mjs", "text/javascript; charset=utf-8"},
+      {".wasm", "application/wasm"},
+      {".woff2", "font/woff2"},
+      {".map", "application/json"},
+      {".webp", "image/webp"},
+  }};
+  for (const auto& [extension, type] : kTypes)
+    if (filename.ends_with(extension)) return type;
+  return "application/octet-stream";
+}
+
+}  // namespace parkade

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "server/jobs/job_runner.h"
+#include "server/store/records.h"
+
+namespace parkade {
+
+using Json = nlohmann::ordered_json;
+
+// Rows as the API shows them (openapi.json, components/schemas).
+
+/// Without what needs more than the row: see AddTrajectories.
+Json ToJson(const Drive& drive);
+Json ToJson(const Job& job, const std::optional<JobProgress>& progress);
+Json ToJson(const Rig& rig);
+Json ToJson(const Site& site);
+
+/// `with_files`: the map has its files and drives (FindMap), not only its row.
+Json ToJson(const MapVersion& map, bool with_files);
+
+/// Adds links to the trajectories that `map`, the latest one of `drive`, has of it.
+void AddTrajectories(const Drive& drive, const MapVersion& map, Json& json);
+
+/// "/api/v1/sites/NAME/maps/VERSION"
+std::string MapAddress(const std::string& site, std::int64_t version);
+
+/// By the extension of a map file's name.
+const char* ContentTypeOf(const std::string& filename);
+
+}  // namespace parkade

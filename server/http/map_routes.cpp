@@ -1,0 +1,110 @@
+#include "core/error.h"
+#include "server/http/answer.h"
+#include "server/http/file_response.h"
+#include "server/http/routes.h"
+#include "server/store/job_queue.h"
+#include "server/store/map_table.h"
+#include "server/store/site_table.h"
+
+namespace parkade {
+namespace {
+
+constexpr const char* kImmutable = "private, max-age=31536000, immutable";
+
+void SendManifest(RouteContext& context, const httplib::Request& request, httplib::Response& response) {
+  const MapVersion map = context.store.database.Read(
+      [&](Connection& connection) { return FindMap(connection, request.matches[1], std::stoll(request.matches[2])); });
+  const std::string etag = '"' + map.sha256 + '"';
+  if (SendNotModified(request, response, etag, kImmutable)) return;
+  response.status = 200;
+  response.set_header("ETag", etag);
+  response.set_header("Cache-Control", kImmutable);
+  response.set_content(ToJson(map, /*with_files=*/true).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n",
+                       "application/json");
+}
+
+void SendMapFile(RouteContext& context, const httplib::Request& request, httplib::Response& response) {
+  const std::string name = request.matches[3];
+  const PublishedFile published = context.store.database.Read([&](Connection& connection) {
+    return FindMapFile(connection, request.matches[1], std::stoll(request.matches[2]), name);
+  });
+  // Only a name that the manifest holds becomes a path.
+  ServedFile file;
+  file.path = context.store.directory.MapFolder(published.map_id) / published.file.name;
+  file.bytes = published.file.bytes;
+  file.sha256 = published.file.sha256;
+  file.content_type = ContentTypeOf(name);
+  file.cache_control = kImmutable;
+  SendFile(request, response, file);
+}
+
+void RedirectToLatest(RouteContext& context, const httplib::Request& request, httplib::Response& response) {
+  const std::string site = request.matches[1];
+  const std::int64_t version = context.store.database.Read([&](Connection& connection) {
+    FindSite(connection, site);
+    return LatestMapVersion(connection, site);
+  });
+  response.set_header("Cache-Control", "no-cache");
+  response.set_redirect(MapAddress(site, version) + std::string(request.matches[2]), 307);
+}
+
+std::vector<std::string> ChosenDrives(const std::string& body) {
+  if (body.empty()) return {};
+  const Json json = Json::parse(body, nullptr, /*allow_exceptions=*/false);
+  Require(json.is_object(), ErrorCode::kInvalidInput, "the body is a JSON object: {\"drives\": [\"ID\", ...]}");
+  std::vector<std::string> drives;
+  for (const auto& [key, value] : json.items()) {
+    Require(key == "drives" && value.is_array(), ErrorCode::kInvalidInput,
+            "the body knows one key: \"drives\", a list of ids");
+    for (const Json& id : value) {
+      Require(id.is_string(), ErrorCode::kInvalidInput, "\"drives\" is a list of ids");
+      drives.push_back(id);
+    }
+  }
+  return drives;
+}
+
+void BuildMap(RouteContext& context, const std::string& site, const std::string& body, httplib::Response& response) {
+  const Job job = QueueMap(context.store, site, ChosenDrives(body), context.options.merge_drives);
+  context.events.Publish("job", job.id);
+  for (const std::string& drive : job.drives) context.events.Publish("drive", drive);
+  context.jobs.Wake();
+  response.set_header("Location", "/api/v1/jobs/" + job.id);
+  SendJson(response, 202, ToJson(job, std::nullopt));
+}
+
+}  // namespace
+
+void AddMapRoutes(httplib::Server& http, RouteContext& context) {
+  const std::string maps = "/api/v1/sites/" + kNamePattern + "/maps";
+
+  http.Get(maps, [&context](const httplib::Request& request, httplib::Response& response) {
+    const std::string site = request.matches[1];
+    const Page page = PageOf(request);
+    std::vector<MapVersion> versions = context.store.database.Read([&](Connection& connection) {
+      FindSite(connection, site);
+      return ListMaps(connection, site, WithOneMore(page));
+    });
+    SendPage(response, page, std::move(versions),
+             [](const MapVersion& map) { return ToJson(map, /*with_files=*/false); });
+  });
+
+  http.Post(maps, [&context](const httplib::Request& request, httplib::Response& response,
+                             const httplib::ContentReader& body) {
+    BuildMap(context, request.matches[1], ReadBody(body), response);
+  });
+
+  http.Get(maps + "/([0-9]{1,9})", [&context](const httplib::Request& request, httplib::Response& response) {
+    SendManifest(context, request, response);
+  });
+  http.Get(maps + "/([0-9]{1,9})/([A-Za-z0-9][A-Za-z0-9._/-]{0,255})",
+           [&context](const httplib::Request& request, httplib::Response& response) {
+             SendMapFile(context, request, response);
+           });
+  http.Get(maps + "/latest((?:/[A-Za-z0-9][A-Za-z0-9._/-]{0,255})?)",
+           [&context](const httplib::Request& request, httplib::Response& response) {
+             RedirectToLatest(context, request, response);
+           });
+}
+
+}  // namespace parkade

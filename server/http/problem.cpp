@@ -1,0 +1,75 @@
+#include "server/http/problem.h"
+
+#include <httplib.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/log.h"
+
+namespace parkade {
+
+const char* TitleOf(int status) {
+  switch (status) {
+    case 400: return "Bad Request";
+    case 403: return "Forbidden";
+    case 404: return "Not Found";
+    case 405: return "Method Not Allowed";
+    case 408: return "Request Timeout";
+    case 409: return "Conflict";
+    case 411: return "Length Required";
+    case 413: return "Content Too Large";
+    case 414: return "URI Too Long";
+    case 415: return "Unsupported Media Type";
+    case 416: return "Range Not Satisfiable";
+    case 417: return "Expectation Failed";
+    case 431: return "Request Header Fields Too Large";
+    case 500: return "Internal Server Error";
+    case 503: return "Service Unavailable";
+    case 505: return "HTTP Version Not Supported";
+    case 507: return "Insufficient Storage";
+    default: return "Error";
+  }
+}
+
+std::string ToJsonText(const Problem& problem) {
+  const nlohmann::ordered_json json = {{"type", "about:blank"},
+                                       {"title", TitleOf(problem.status)},
+                                       {"status", problem.status},
+                                       {"detail", problem.detail},
+                                       {"code", problem.code}};
+  // A sentence may quote a user's file name, whose bytes may be anything.
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+Problem ProblemOf(const Error& error) {
+  switch (error.code()) {
+    case ErrorCode::kInvalidInput: return {400, "invalid_input", error.what()};
+    case ErrorCode::kUsage: return {400, "usage", error.what()};
+    case ErrorCode::kNotFound: return {404, "not_found", error.what()};
+    case ErrorCode::kConflict: return {409, "conflict", error.what()};
+    case ErrorCode::kDiskFull: return {507, "disk_full", error.what()};
+    case ErrorCode::kInternal: break;
+  }
+  LogError(std::string("request error=") + error.what());
+  return {500, "internal", "the service failed; its log has the reason"};
+}
+
+void SendProblem(httplib::Response& response, const Problem& problem) {
+  response.status = problem.status;
+  response.set_content(ToJsonText(problem), "application/problem+json");
+}
+
+void SendException(httplib::Response& response, std::exception_ptr thrown) {
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const HttpError& error) {
+    SendProblem(response, error.problem());
+  } catch (const Error& error) {
+    SendProblem(response, ProblemOf(error));
+  } catch (const std::exception& error) {
+    LogError(std::string("request exception=") + error.what());
+    SendProblem(response, {500, "internal", "the service failed; its log has the reason"});
+  }
+}
+
+}  // namespace parkade

@@ -1,0 +1,63 @@
+#include "server/jobs/attempt_folder.h"
+
+#include <system_error>
+
+#include "core/error.h"
+#include "server/store/drive_table.h"
+#include "server/store/rig_table.h"
+
+namespace parkade {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<Drive> DrivesOf(Store& store, const Job& job) {
+  return store.database.Read([&](Connection& connection) {
+    std::vector<Drive> drives;
+    for (const std::string& id : job.drives) drives.push_back(FindDrive(connection, id));
+    return drives;
+  });
+}
+
+std::optional<fs::path> RigFolderOf(Store& store, const std::vector<Drive>& drives) {
+  const std::optional<std::string> name = drives.front().rig;
+  for (const Drive& drive : drives)
+    Require(drive.rig == name, ErrorCode::kInvalidInput, "the drives of this job were recorded with different rigs");
+  if (!name) return std::nullopt;
+  const std::optional<Rig> rig =
+      store.database.Read([&](Connection& connection) { return FindRig(connection, *name); });
+  Require(rig.has_value(), ErrorCode::kNotFound, "there is no rig '" + *name + "'");
+  return store.directory.RigFolder(rig->id);
+}
+
+}  // namespace
+
+AttemptFolder::AttemptFolder(Store& store, const Job& job) : path_(store.directory.AttemptFolder(job.id, job.attempt)) {
+  const std::vector<Drive> drives = DrivesOf(store, job);
+  spec_.job = job.id;
+  spec_.attempt = job.attempt;
+  spec_.rig = RigFolderOf(store, drives);
+  spec_.out = path_ / "out";
+  spec_.progress = path_ / "progress.ndjson";
+  try {
+    fs::create_directories(path_ / "input");
+    fs::create_directories(spec_.out);
+    // Hard links: deleting the drive meanwhile takes nothing from the worker.
+    for (const Drive& drive : drives) {
+      spec_.logs.push_back(path_ / "input" / drive.name);
+      fs::create_hard_link(store.directory.LogFile(drive.sha256), spec_.logs.back());
+    }
+  } catch (const fs::filesystem_error& error) {
+    const bool is_full = error.code() == std::errc::no_space_on_device;
+    throw Error(is_full ? ErrorCode::kDiskFull : ErrorCode::kInternal,
+                is_full ? "the disk of the data directory is full" : "the job's folder cannot be made");
+  }
+}
+
+AttemptFolder::~AttemptFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_ / "input", ignored);
+  fs::remove_all(spec_.out, ignored);
+}
+
+}  // namespace parkade

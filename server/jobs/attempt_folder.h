@@ -1,0 +1,37 @@
+#pragma once
+
+#include "server/jobs/job_spec.h"
+#include "server/store/records.h"
+#include "server/store/store.h"
+
+namespace parkade {
+
+/// The folder of one attempt at a job:
+///
+///   input/<drive name>   the logs, as links into the store
+///   out/                 what the worker makes; becomes the map
+///   progress.ndjson      what the worker says about itself
+///   log.txt              what the worker prints; kept
+///
+/// input/ and out/ are gone when this object is.
+class AttemptFolder {
+ public:
+  /// Throws Error{kNotFound} when a drive was deleted, Error{kInvalidInput} when
+  /// the drives name different rigs, Error{kDiskFull}.
+  AttemptFolder(Store& store, const Job& job);
+  ~AttemptFolder();
+  AttemptFolder(const AttemptFolder&) = delete;
+  AttemptFolder& operator=(const AttemptFolder&) = delete;
+
+  const JobSpec& spec() const { return spec_; }
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path LogFile() const { return path_ / kLogName; }
+
+  static constexpr const char* kLogName = "log.txt";
+
+ private:
+  std::filesystem::path path_;
+  JobSpec spec_;
+};
+
+}  // namespace parkade

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace parkade {
+
+/// One attempt at a map, as a worker process is told of it.
+struct JobSpec {
+  std::string job;                           ///< id, for messages only
+  int attempt = 1;                           ///< counts from 1
+  std::vector<std::filesystem::path> logs;   ///< drive logs; the file name is the drive's name in the map
+  std::optional<std::filesystem::path> rig;  ///< folder with the rig files
+  std::filesystem::path out;                 ///< empty folder for the products
+  std::filesystem::path progress;            ///< file to append progress lines to
+};
+
+/// The command line of the worker for an attempt, the program first.
+///
+/// The worker appends lines of JSON to `progress`:
+///   {"stage": "track", "progress": 0.42, "eta": 30}  of the whole, 0 to 1; [s] left, where known
+///   {"error": "sentence", "code": "invalid_input"}   the last line when it fails
+/// and ends with 0 when done, 1 when the input is at fault, anything else when
+/// we are. On SIGTERM it ends soon. What it prints is kept as the job's log.
+using JobCommand = std::function<std::vector<std::string>(const JobSpec&)>;
+
+}  // namespace parkade

@@ -1,0 +1,68 @@
+#include "server/jobs/progress_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace parkade {
+namespace {
+
+constexpr size_t kMaxLineBytes = 16384;
+constexpr size_t kMaxTextBytes = 1024;
+
+/// Text of a worker as it is shown to people: cut, and printable.
+std::string Printable(const std::string& text) {
+  std::string printable = text.substr(0, kMaxTextBytes);
+  std::replace_if(
+      printable.begin(), printable.end(),
+      [](char c) { return static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) == 0x7f; }, ' ');
+  return printable;
+}
+
+std::optional<double> NumberAt(const nlohmann::json& json, const char* key) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_number() || !std::isfinite(found->get<double>())) return std::nullopt;
+  return found->get<double>();
+}
+
+std::optional<std::string> TextAt(const nlohmann::json& json, const char* key) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_string()) return std::nullopt;
+  return Printable(found->get<std::string>());
+}
+
+}  // namespace
+
+bool ProgressReader::Poll() {
+  std::ifstream stream(file_, std::ios::binary);
+  if (!stream.seekg(offset_)) return false;
+  bool has_changed = false;
+  std::array<char, 65536> piece;
+  while (stream.read(piece.data(), piece.size()) || stream.gcount() > 0) {
+    offset_ += stream.gcount();
+    for (const char c : std::string_view(piece.data(), static_cast<size_t>(stream.gcount()))) {
+      if (c != '\n') {
+        if (partial_line_.size() < kMaxLineBytes) partial_line_ += c;
+        continue;
+      }
+      has_changed |= Take(partial_line_);
+      partial_line_.clear();
+    }
+  }
+  return has_changed;
+}
+
+bool ProgressReader::Take(const std::string& line) {
+  const nlohmann::json json = nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object()) return false;
+  if (const auto stage = TextAt(json, "stage")) latest_.stage = *stage;
+  if (const auto error = TextAt(json, "error")) latest_.error = *error;
+  if (const auto code = TextAt(json, "code")) latest_.code = *code;
+  if (const auto progress = NumberAt(json, "progress"))
+    latest_.progress = std::max(latest_.progress, std::clamp(*progress, 0.0, 1.0));
+  latest_.eta = NumberAt(json, "eta");
+  return true;
+}
+
+}  // namespace parkade

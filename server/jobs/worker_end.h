@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "server/jobs/progress_reader.h"
+
+namespace parkade {
+
+/// How a worker's end is to be understood.
+struct WorkerEnd {
+  enum class Kind {
+    kDone,
+    kFailed,   ///< trying again would give the same
+    kCrashed,  ///< ended by a signal: worth another try
+  };
+  Kind kind = Kind::kDone;
+  std::string code;      ///< "invalid_input", "disk_full", "internal", "crashed"
+  std::string sentence;  ///< for the user
+};
+
+/// `status` as given by waitpid(2), `last_words` as read from its progress file.
+WorkerEnd UnderstandEnd(int status, const WorkerProgress& last_words);
+
+}  // namespace parkade

@@ -1,0 +1,130 @@
+#include "server/jobs/worker_process.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/pidfd.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "core/error.h"
+
+namespace parkade {
+namespace {
+
+constexpr int kNiceness = 10;
+
+/// What the child needs, prepared before fork: after it, only calls that are
+/// async-signal-safe are allowed, because other threads may have held locks.
+struct Launch {
+  std::vector<char*> arguments;
+  const char* folder = nullptr;
+  int log_fd = -1, null_fd = -1, failure_fd = -1;
+  pid_t parent = 0;
+};
+
+[[noreturn]] void RunChild(const Launch& launch) {
+  const auto give_up = [&] {
+    const int error = errno;
+    [[maybe_unused]] const ssize_t ignored = ::write(launch.failure_fd, &error, sizeof(error));
+    ::_exit(127);
+  };
+  ::setpgid(0, 0);
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != launch.parent) ::_exit(127);  // the parent died before the line above
+  const rlimit no_core{0, 0};
+  ::setrlimit(RLIMIT_CORE, &no_core);
+  ::setpriority(PRIO_PROCESS, 0, kNiceness);
+  if (const int fd = ::open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC); fd >= 0) {
+    [[maybe_unused]] const ssize_t ignored = ::write(fd, "800", 3);
+  }
+  sigset_t none;
+  sigemptyset(&none);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+  for (const int signal : {SIGPIPE, SIGTERM, SIGINT}) ::signal(signal, SIG_DFL);
+  if (::dup2(launch.null_fd, 0) < 0 || ::dup2(launch.log_fd, 1) < 0 || ::dup2(launch.log_fd, 2) < 0) give_up();
+  if (::chdir(launch.folder) != 0) give_up();
+  // Sockets that the HTTP library accepted are not close-on-exec.
+  ::close_range(3, ~0U, CLOSE_RANGE_CLOEXEC);
+  ::execvp(launch.arguments[0], launch.arguments.data());
+  give_up();
+  ::_exit(127);
+}
+
+}  // namespace
+
+WorkerProcess::WorkerProcess(const std::vector<std::string>& command, const std::filesystem::path& folder,
+                             const std::filesystem::path& log) {
+  Require(!command.empty(), ErrorCode::kInternal, "the worker has no command line");
+  Launch launch;
+  for (const std::string& argument : command) launch.arguments.push_back(const_cast<char*>(argument.c_str()));
+  launch.arguments.push_back(nullptr);
+  launch.folder = folder.c_str();
+  launch.parent = ::getpid();
+  launch.log_fd = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  launch.null_fd = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+  std::array<int, 2> failure{-1, -1};
+  int error = launch.log_fd < 0 || launch.null_fd < 0 || ::pipe2(failure.data(), O_CLOEXEC) != 0 ? errno : 0;
+  launch.failure_fd = failure[1];
+  if (error == 0) {
+    pid_ = ::fork();
+    if (pid_ == 0) RunChild(launch);
+    if (pid_ < 0) error = errno;
+  }
+  for (const int fd : {launch.log_fd, launch.null_fd, failure[1]}) ::close(fd);
+  // Closed by a successful exec; otherwise it tells why there was none.
+  if (error == 0 && ::read(failure[0], &error, sizeof(error)) != sizeof(error)) error = 0;
+  ::close(failure[0]);
+  if (error != 0) {
+    if (pid_ > 0) ::waitpid(pid_, nullptr, 0);
+    throw Error(ErrorCode::kInternal, std::string("the worker cannot be started: ") + std::strerror(error));
+  }
+  pid_fd_ = ::pidfd_open(pid_, 0);
+}
+
+WorkerProcess::~WorkerProcess() {
+  if (!status_) {
+    Signal(SIGKILL);
+    ::waitpid(pid_, nullptr, 0);
+  }
+  if (pid_fd_ >= 0) ::close(pid_fd_);
+}
+
+std::optional<int> WorkerProcess::Wait(std::chrono::milliseconds patience) {
+  if (status_) return status_;
+  pollfd ended{pid_fd_, POLLIN, 0};
+  ::poll(&ended, 1, static_cast<int>(patience.count()));
+  int status = 0;
+  if (::waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
+  // What it may have left behind in its group goes too.
+  ::kill(-pid_, SIGKILL);
+  status_ = status;
+  return status_;
+}
+
+void WorkerProcess::Signal(int signal) const {
+  if (!status_) ::kill(-pid_, signal);
+}
+
+std::optional<std::int64_t> ProcessStartTime(pid_t pid) {
+  std::ifstream stream("/proc/" + std::to_string(pid) + "/stat");
+  std::string text;
+  if (!std::getline(stream, text)) return std::nullopt;
+  // The second field is the program's name in brackets and may hold anything.
+  const size_t bracket = text.rfind(')');
+  if (bracket == std::string::npos) return std::nullopt;
+  std::istringstream fields(text.substr(bracket + 1));
+  std::string field;
+  for (int number = 3; number <= 22; ++number) fields >> field;
+  return fields ? std::optional<std::int64_t>(std::stoll(field)) : std::nullopt;
+}
+
+}  // namespace parkade

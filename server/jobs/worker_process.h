@@ -1,0 +1,47 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace parkade {
+
+/// A child process in a group of its own that cannot outlive the thread that
+/// started it, writes no core file, runs at nice 10 and is the first to go when
+/// memory runs out. Use from the thread that created it.
+class WorkerProcess {
+ public:
+  /// Starts `command` in `folder`; what it prints is appended to `log`. Throws
+  /// Error{kInternal} when it cannot be started.
+  WorkerProcess(const std::vector<std::string>& command, const std::filesystem::path& folder,
+                const std::filesystem::path& log);
+  /// Kills the group when it still runs.
+  ~WorkerProcess();
+  WorkerProcess(const WorkerProcess&) = delete;
+  WorkerProcess& operator=(const WorkerProcess&) = delete;
+
+  pid_t pid() const { return pid_; }
+
+  /// Waits for the end, at most `patience`. Returns the status of waitpid(2), or
+  /// nothing while the process runs. To call again after the end is fine.
+  std::optional<int> Wait(std::chrono::milliseconds patience);
+
+  /// Sends a signal to the whole group; nothing happens after its end.
+  void Signal(int signal) const;
+
+ private:
+  pid_t pid_ = -1;
+  int pid_fd_ = -1;
+  std::optional<int> status_;
+};
+
+/// When a process was started, in clock ticks since boot: with the pid it names
+/// a process for good. Nothing when there is no such process.
+std::optional<std::int64_t> ProcessStartTime(pid_t pid);
+
+}  // namespace parkade

@@ -1,0 +1,53 @@
+#include "server/store/data_directory.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "server/store/durable_file.h"
+#include "server/store/names.h"
+
+namespace parkade {
+
+DataDirectory::DataDirectory(const std::filesystem::path& root) : root_(std::filesystem::absolute(root)) {
+  // "data/" would otherwise have an empty last part.
+  if (!root_.has_filename()) root_ = root_.parent_path();
+  CreateDurableFolder(root_);
+  lock_fd_ = ::open((root_ / "LOCK").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  Require(lock_fd_ >= 0, ErrorCode::kInvalidInput,
+          "cannot write to the data directory '" + root.string() + "': " + std::strerror(errno));
+  if (::flock(lock_fd_, LOCK_EX | LOCK_NB) != 0) {
+    ::close(lock_fd_);
+    throw Error(ErrorCode::kConflict, "another service already uses the data directory '" + root.string() + "'");
+  }
+  for (const char* folder : {"db", "logs", "rigs", "maps", "jobs", "tmp", "quarantine"})
+    CreateDurableFolder(root_ / folder);
+  // Bytes nobody was promised: the upload they belong to was never acknowledged.
+  for (const auto& entry : std::filesystem::directory_iterator(root_ / "tmp"))
+    std::filesystem::remove_all(entry.path());
+}
+
+DataDirectory::~DataDirectory() { ::close(lock_fd_); }
+
+std::filesystem::path DataDirectory::LogFile(const std::string& sha256) const {
+  return LogsFolder() / sha256.substr(0, 2) / sha256;
+}
+
+std::filesystem::path DataDirectory::AttemptFolder(const std::string& job_id, int attempt) const {
+  return JobFolder(job_id) / ("attempt-" + std::to_string(attempt));
+}
+
+std::filesystem::path DataDirectory::NewTemporaryPath() const { return root_ / "tmp" / NewId(); }
+
+void DataDirectory::Quarantine(const std::filesystem::path& path) const {
+  const std::filesystem::path target = root_ / "quarantine" / (NewId() + "-" + path.filename().string());
+  std::filesystem::rename(path, target);
+  LogWarning("quarantined path=" + path.lexically_relative(root_).string() + " as=" + target.filename().string());
+}
+
+}  // namespace parkade

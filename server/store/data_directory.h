@@ -1,0 +1,53 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace parkade {
+
+/// The folder that holds everything a service keeps, and the promise that no
+/// second service uses it. Nothing a user names becomes a path in it: content
+/// lies under its SHA-256, everything else under generated ids.
+///
+///   LOCK                    held as long as this object lives
+///   db/main.db              the truth (server/store/database.h)
+///   logs/ab/<sha256>        drive logs as uploaded, read-only
+///   rigs/<id>/              rig files
+///   maps/<id>/              published maps, never changed
+///   jobs/<id>/attempt-<n>/  log, progress and unpublished products of a job
+///   tmp/                    uploads under way; emptied at start
+///   quarantine/             what was found without a row in the database
+class DataDirectory {
+ public:
+  /// Creates what is missing and takes the lock. Throws Error{kConflict} when
+  /// another process holds it.
+  explicit DataDirectory(const std::filesystem::path& root);
+  ~DataDirectory();
+  DataDirectory(const DataDirectory&) = delete;
+  DataDirectory& operator=(const DataDirectory&) = delete;
+
+  const std::filesystem::path& root() const { return root_; }
+  std::filesystem::path DatabaseFile() const { return root_ / "db" / "main.db"; }
+  std::filesystem::path LogsFolder() const { return root_ / "logs"; }
+  std::filesystem::path RigsFolder() const { return root_ / "rigs"; }
+  std::filesystem::path MapsFolder() const { return root_ / "maps"; }
+  std::filesystem::path JobsFolder() const { return root_ / "jobs"; }
+
+  std::filesystem::path LogFile(const std::string& sha256) const;
+  std::filesystem::path RigFolder(const std::string& rig_id) const { return RigsFolder() / rig_id; }
+  std::filesystem::path MapFolder(const std::string& map_id) const { return MapsFolder() / map_id; }
+  std::filesystem::path JobFolder(const std::string& job_id) const { return JobsFolder() / job_id; }
+  std::filesystem::path AttemptFolder(const std::string& job_id, int attempt) const;
+
+  /// A path in tmp/ that is not in use.
+  std::filesystem::path NewTemporaryPath() const;
+
+  /// Moves a path to quarantine/. Nothing there is ever deleted by the service.
+  void Quarantine(const std::filesystem::path& path) const;
+
+ private:
+  std::filesystem::path root_;
+  int lock_fd_ = -1;
+};
+
+}  // namespace parkade

@@ -1,0 +1,126 @@
+#include "server/store/job_queue.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "server/store/drive_table.h"
+#include "server/store/job_table.h"
+#include "server/store/names.h"
+#include "server/store/site_table.h"
+
+namespace parkade {
+namespace {
+
+void SetStates(Connection& connection, const Job& job, DriveState state) {
+  for (const std::string& drive : job.drives) SetDriveState(connection, drive, state, std::nullopt);
+}
+
+/// A drive that already made it into a map stays ready, whatever comes later.
+void SetStatesAfterEnd(Connection& connection, const Job& job, DriveState state,
+                       const std::optional<std::string>& error) {
+  for (const std::string& drive : job.drives) {
+    if (HasMap(connection, drive)) {
+      SetDriveState(connection, drive, DriveState::kReady, std::nullopt);
+    } else {
+      SetDriveState(connection, drive, state, error);
+    }
+  }
+}
+
+}  // namespace
+
+Job QueueMap(Store& store, const std::string& site, std::vector<std::string> drives, bool merge_drives) {
+  return store.database.Write([&](Connection& connection) {
+    Require(HasSite(connection, site), ErrorCode::kNotFound, "there is no site '" + site + "'");
+    if (drives.empty()) drives = DrivesOfSite(connection, site);
+    Require(!drives.empty(), ErrorCode::kInvalidInput, "site '" + site + "' has no drives to map");
+    Require(merge_drives || drives.size() == 1, ErrorCode::kInvalidInput,
+            "this service maps one drive at a time: name one of the " + std::to_string(drives.size()) +
+                " drives of site '" + site + "' in \"drives\"");
+    for (size_t i = 0; i < drives.size(); ++i) {
+      Require(FindDrive(connection, drives[i]).site == site, ErrorCode::kInvalidInput,
+              "drive '" + drives[i] + "' is not one of site '" + site + "'");
+      Require(std::count(drives.begin(), drives.end(), drives[i]) == 1, ErrorCode::kInvalidInput,
+              "drive '" + drives[i] + "' is named twice");
+    }
+    Job job;
+    job.id = NewId();
+    job.site = site;
+    job.drives = drives;
+    job.created_at = NowUtc();
+    InsertJob(connection, job);
+    SetStates(connection, job, DriveState::kQueued);
+    return FindJob(connection, job.id);
+  });
+}
+
+std::optional<Job> ClaimJob(Store& store) {
+  return store.database.Write([&](Connection& connection) -> std::optional<Job> {
+    const std::optional<Job> job = OldestQueuedJob(connection);
+    if (!job) return std::nullopt;
+    StartJob(connection, job->id);
+    SetStates(connection, *job, DriveState::kProcessing);
+    return FindJob(connection, job->id);
+  });
+}
+
+void FailJob(Store& store, const Job& job, const std::string& code, const std::string& sentence) {
+  store.database.Write([&](Connection& connection) {
+    if (EndJob(connection, job.id, job.attempt, {JobState::kFailed, sentence, code, std::nullopt}))
+      SetStatesAfterEnd(connection, job, DriveState::kFailed, sentence);
+  });
+}
+
+void FinishCancelledJob(Store& store, const Job& job) {
+  store.database.Write([&](Connection& connection) {
+    if (EndJob(connection, job.id, job.attempt, {JobState::kCancelled, "cancelled", "cancelled", std::nullopt}))
+      SetStatesAfterEnd(connection, job, DriveState::kReceived, std::nullopt);
+  });
+}
+
+void RetryCrashedJob(Store& store, const Job& job, const std::string& sentence) {
+  if (job.crashes + 1 >= kMaxCrashes) {
+    FailJob(store, job, "crashed", sentence);
+    return;
+  }
+  store.database.Write([&](Connection& connection) {
+    if (RequeueJob(connection, job.id, job.attempt, /*crashed=*/true, sentence))
+      SetStates(connection, job, DriveState::kQueued);
+  });
+}
+
+void ReturnJob(Store& store, const Job& job) {
+  store.database.Write([&](Connection& connection) {
+    if (RequeueJob(connection, job.id, job.attempt, /*crashed=*/false, "the service was stopped"))
+      SetStates(connection, job, DriveState::kQueued);
+  });
+}
+
+bool CancelWaitingJob(Store& store, const std::string& id) {
+  return store.database.Write([&](Connection& connection) {
+    const Job job = FindJob(connection, id);
+    const bool has_ended = job.state != JobState::kQueued && job.state != JobState::kRunning;
+    Require(!has_ended, ErrorCode::kConflict, "job '" + id + "' has already ended: it is " + ToText(job.state));
+    if (!CancelQueuedJob(connection, id)) return false;
+    SetStatesAfterEnd(connection, job, DriveState::kReceived, std::nullopt);
+    return true;
+  });
+}
+
+Job RetryJob(Store& store, const std::string& id) {
+  return store.database.Write([&](Connection& connection) {
+    const Job job = FindJob(connection, id);
+    const bool can_retry = job.state == JobState::kFailed || job.state == JobState::kCancelled;
+    Require(can_retry, ErrorCode::kConflict,
+            "only a failed or cancelled job can be tried again: job '" + id + "' is " + ToText(job.state));
+    const std::vector<std::string> drives = DrivesOfSite(connection, job.site);
+    for (const std::string& drive : job.drives)
+      Require(std::count(drives.begin(), drives.end(), drive) == 1, ErrorCode::kConflict,
+              "drive '" + drive + "' of job '" + id + "' was deleted");
+    QueueJobAgain(connection, id);
+    SetStates(connection, job, DriveState::kQueued);
+    return FindJob(connection, id);
+  });
+}
+
+}  // namespace parkade

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/store/records.h"
+#include "server/store/store.h"
+
+namespace parkade {
+
+// The changes of state a job goes through, each one transaction that moves the
+// job's drives along:
+//
+//   queued -> running -> done | failed | cancelled | queued (once more)
+
+/// Queues a job that maps `drives` of a site; all of the site's where empty.
+/// Throws Error{kNotFound} for an unknown site or drive, Error{kInvalidInput}
+/// when there is nothing to map, or several drives without `merge_drives`.
+Job QueueMap(Store& store, const std::string& site, std::vector<std::string> drives, bool merge_drives);
+
+/// Takes the oldest queued job, if any, and starts an attempt of it.
+std::optional<Job> ClaimJob(Store& store);
+
+/// How often a job is started by itself after its worker crashed.
+constexpr int kMaxCrashes = 3;
+
+/// Ends an attempt that will not be tried again. Nothing happens when it is no
+/// longer the running one.
+void FailJob(Store& store, const Job& job, const std::string& code, const std::string& sentence);
+void FinishCancelledJob(Store& store, const Job& job);
+
+/// Puts an attempt whose worker crashed back into the queue, or fails it after
+/// kMaxCrashes crashes.
+void RetryCrashedJob(Store& store, const Job& job, const std::string& sentence);
+
+/// Puts an attempt back into the queue that the service itself stopped.
+void ReturnJob(Store& store, const Job& job);
+
+/// Takes a queued job out of the queue; false when it is running. Throws
+/// Error{kNotFound}, Error{kConflict} when it has ended.
+bool CancelWaitingJob(Store& store, const std::string& id);
+
+/// Queues a failed or cancelled job again. Throws Error{kNotFound},
+/// Error{kConflict} in another state or when a drive of it was deleted.
+Job RetryJob(Store& store, const std::string& id);
+
+}  // namespace parkade

@@ -1,0 +1,121 @@
+#include "server/store/job_table.h"
+
+#include "core/error.h"
+#include "server/store/names.h"
+#include "server/store/row.h"
+
+namespace parkade {
+namespace {
+
+const std::string kSelect = R"(
+  SELECT sequence, id, site, state, attempt, crashes, error, error_code, pid, pid_started, map_version, created_at,
+         started_at, finished_at
+  FROM jobs )";
+
+Job FromRow(Connection& connection, const Statement& row) {
+  Job job;
+  job.sequence = row.Integer(0);
+  job.id = row.Text(1);
+  job.site = row.Text(2);
+  job.state = JobStateFromText(row.Text(3));
+  job.attempt = static_cast<int>(row.Integer(4));
+  job.crashes = static_cast<int>(row.Integer(5));
+  job.error = OptionalText(row, 6);
+  job.error_code = OptionalText(row, 7);
+  job.pid = OptionalInteger(row, 8);
+  job.pid_started = OptionalInteger(row, 9);
+  job.map_version = OptionalInteger(row, 10);
+  job.created_at = row.Text(11);
+  job.started_at = OptionalText(row, 12);
+  job.finished_at = OptionalText(row, 13);
+  Statement drives = connection.Query("SELECT drive FROM job_drives WHERE job = ? ORDER BY position", job.id);
+  while (drives.Step()) job.drives.push_back(drives.Text(0));
+  return job;
+}
+
+std::string Word(JobState state) { return ToText(state); }
+
+}  // namespace
+
+void InsertJob(Connection& connection, const Job& job) {
+  connection.Execute("INSERT INTO jobs (id, site, state, created_at) VALUES (?, ?, ?, ?)", job.id, job.site,
+                     Word(JobState::kQueued), job.created_at);
+  for (size_t i = 0; i < job.drives.size(); ++i)
+    connection.Execute("INSERT INTO job_drives (job, drive, position) VALUES (?, ?, ?)", job.id, job.drives[i], i);
+}
+
+Job FindJob(Connection& connection, const std::string& id) {
+  Statement query = connection.Query(kSelect + "WHERE id = ?", id);
+  Require(query.Step(), ErrorCode::kNotFound, "there is no job '" + id + "'");
+  return FromRow(connection, query);
+}
+
+std::vector<Job> ListJobs(Connection& connection, const Page& page, const std::optional<JobState>& state,
+                          const std::optional<std::string>& site) {
+  std::optional<std::string> word;
+  if (state) word = Word(*state);
+  Statement query =
+      connection.Query(kSelect +
+                           "WHERE sequence < ? AND (?2 IS NULL OR state = ?2) AND (?3 IS NULL OR site = ?3) "
+                           "ORDER BY sequence DESC LIMIT ?",
+                       page.before, word, site, page.limit);
+  std::vector<Job> jobs;
+  while (query.Step()) jobs.push_back(FromRow(connection, query));
+  return jobs;
+}
+
+std::optional<Job> OldestQueuedJob(Connection& connection) {
+  Statement query = connection.Query(kSelect + "WHERE state = ? ORDER BY sequence LIMIT 1", Word(JobState::kQueued));
+  if (!query.Step()) return std::nullopt;
+  return FromRow(connection, query);
+}
+
+std::int64_t CountJobs(Connection& connection, JobState state) {
+  Statement query = connection.Query("SELECT count(*) FROM jobs WHERE state = ?", Word(state));
+  query.Step();
+  return query.Integer(0);
+}
+
+void StartJob(Connection& connection, const std::string& id) {
+  connection.Execute(
+      "UPDATE jobs SET state = ?, attempt = attempt + 1, started_at = ?, error = NULL, error_code = NULL WHERE id = ?",
+      Word(JobState::kRunning), NowUtc(), id);
+}
+
+void SetJobProcess(Connection& connection, const std::string& id, int attempt, std::int64_t pid,
+                   std::int64_t pid_started) {
+  connection.Execute("UPDATE jobs SET pid = ?, pid_started = ? WHERE id = ? AND attempt = ?", pid, pid_started, id,
+                     attempt);
+}
+
+bool EndJob(Connection& connection, const std::string& id, int attempt, const JobEnd& end) {
+  return connection.Execute(
+             R"(UPDATE jobs SET state = ?, error = ?, error_code = ?, map_version = ?, finished_at = ?,
+                                pid = NULL, pid_started = NULL
+                WHERE id = ? AND attempt = ? AND state = ?)",
+             Word(end.state), end.error, end.error_code, end.map_version, NowUtc(), id, attempt,
+             Word(JobState::kRunning)) == 1;
+}
+
+bool RequeueJob(Connection& connection, const std::string& id, int attempt, bool crashed, const std::string& reason) {
+  return connection.Execute(
+             R"(UPDATE jobs SET state = ?, crashes = crashes + ?, error = ?, pid = NULL, pid_started = NULL
+                WHERE id = ? AND attempt = ? AND state = ?)",
+             Word(JobState::kQueued), crashed ? 1 : 0, reason, id, attempt, Word(JobState::kRunning)) == 1;
+}
+
+void QueueJobAgain(Connection& connection, const std::string& id) {
+  connection.Execute(
+      R"(UPDATE jobs SET state = ?, crashes = 0, error = NULL, error_code = NULL, started_at = NULL,
+                         finished_at = NULL WHERE id = ?)",
+      Word(JobState::kQueued), id);
+}
+
+bool CancelQueuedJob(Connection& connection, const std::string& id) {
+  return connection.Execute(
+             R"(UPDATE jobs SET state = ?, error = 'cancelled', error_code = 'cancelled', finished_at = ?
+                WHERE id = ? AND state = ?)",
+             Word(JobState::kCancelled), NowUtc(), id, Word(JobState::kQueued)) == 1;
+}
+
+}  // namespace parkade

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/store/database.h"
+#include "server/store/records.h"
+
+namespace parkade {
+
+// Rows of `jobs`. Every change of a running job names the attempt it belongs to:
+// a worker that was given up cannot change what came after it.
+
+/// Inserts a queued job over `job.drives`.
+void InsertJob(Connection& connection, const Job& job);
+
+/// Throws Error{kNotFound}.
+Job FindJob(Connection& connection, const std::string& id);
+
+/// Newest first; only those in `state` or of `site` where given.
+std::vector<Job> ListJobs(Connection& connection, const Page& page, const std::optional<JobState>& state,
+                          const std::optional<std::string>& site);
+
+std::optional<Job> OldestQueuedJob(Connection& connection);
+std::int64_t CountJobs(Connection& connection, JobState state);
+
+/// Queued -> running with attempt + 1.
+void StartJob(Connection& connection, const std::string& id);
+
+void SetJobProcess(Connection& connection, const std::string& id, int attempt, std::int64_t pid,
+                   std::int64_t pid_started);
+
+struct JobEnd {
+  JobState state = JobState::kDone;
+  std::optional<std::string> error, error_code;
+  std::optional<std::int64_t> map_version;
+};
+
+/// Running -> an end. False when the attempt is not the running one.
+bool EndJob(Connection& connection, const std::string& id, int attempt, const JobEnd& end);
+
+/// Running -> queued. `crashed` counts towards the limit of automatic retries.
+/// False when the attempt is not the running one.
+bool RequeueJob(Connection& connection, const std::string& id, int attempt, bool crashed, const std::string& reason);
+
+/// Failed or cancelled -> queued, with the crashes forgotten.
+void QueueJobAgain(Connection& connection, const std::string& id);
+
+/// Queued -> cancelled. False when it is not queued.
+bool CancelQueuedJob(Connection& connection, const std::string& id);
+
+}  // namespace parkade

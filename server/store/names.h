@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace parkade {
+
+/// 16 hexadecimal digits from the kernel's random numbers.
+std::string NewId();
+
+/// Now as RFC 3339 in UTC with milliseconds, "2026-11-21T04:22:27.123Z".
+std::string NowUtc();
+
+/// True for names of sites, rigs and mask files: 1 to 64 characters of
+/// [A-Za-z0-9._-], the first a letter or digit.
+bool IsPlainName(std::string_view name);
+
+/// A plain name without dots made of what a user calls a file, at most 48 long:
+/// the extension is dropped, what is not allowed becomes '-', "drive" where
+/// nothing is left.
+std::string PlainNameFromFilename(std::string_view filename);
+
+/// True for a relative path of plain names ("tiles/0.glb"), at most 4 deep.
+bool IsPlainPath(std::string_view path);
+
+}  // namespace parkade

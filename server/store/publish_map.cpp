@@ -1,0 +1,114 @@
+#include "server/store/publish_map.h"
+
+#include <algorithm>
+#include <fstream>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "server/store/drive_table.h"
+#include "server/store/durable_file.h"
+#include "server/store/job_table.h"
+#include "server/store/map_table.h"
+#include "server/store/names.h"
+#include "server/store/report_summary.h"
+
+namespace parkade {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string HashOfFile(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::vector<char> piece(size_t{1} << 20);
+  Sha256 hash;
+  while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())) || stream.gcount() > 0)
+    hash.Add({piece.data(), static_cast<size_t>(stream.gcount())});
+  Require(stream.eof(), ErrorCode::kInternal, "cannot read '" + file.filename().string() + "' of a finished map");
+  return hash.Finish();
+}
+
+/// Lists, hashes and makes durable everything below `staging`.
+std::vector<MapFile> SealFiles(const fs::path& staging) {
+  std::vector<MapFile> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(staging)) {
+    const std::string name = entry.path().lexically_relative(staging).generic_string();
+    const fs::file_status status = entry.symlink_status();
+    Require(IsPlainPath(name), ErrorCode::kInternal, "the worker left a file with an unusual name");
+    Require(fs::is_regular_file(status) || fs::is_directory(status), ErrorCode::kInternal,
+            "the worker left '" + name + "', which is neither a file nor a folder");
+    SyncToDisk(entry.path());
+    if (fs::is_directory(status)) continue;
+    fs::permissions(entry.path(), fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
+    files.push_back({name, static_cast<std::int64_t>(entry.file_size()), HashOfFile(entry.path())});
+  }
+  SyncToDisk(staging);
+  std::sort(files.begin(), files.end(), [](const MapFile& a, const MapFile& b) { return a.name < b.name; });
+  for (const std::string required : {"map.glb", "report.json"}) {
+    const bool is_there = std::any_of(files.begin(), files.end(),
+                                      [&](const MapFile& file) { return file.name == required && file.bytes > 0; });
+    Require(is_there, ErrorCode::kInternal, "the worker ended without '" + required + "'");
+  }
+  return files;
+}
+
+std::string HashOfManifest(const std::vector<MapFile>& files) {
+  Sha256 hash;
+  for (const MapFile& file : files) hash.Add(file.sha256 + " " + std::to_string(file.bytes) + " " + file.name + "\n");
+  return hash.Finish();
+}
+
+/// Removes the published folder again unless the transaction was committed.
+class FolderUndo {
+ public:
+  explicit FolderUndo(fs::path folder) : folder_(std::move(folder)) {}
+  ~FolderUndo() {
+    std::error_code ignored;
+    if (!folder_.empty()) fs::remove_all(folder_, ignored);
+  }
+  FolderUndo(const FolderUndo&) = delete;
+  FolderUndo& operator=(const FolderUndo&) = delete;
+  void Keep() { folder_.clear(); }
+
+ private:
+  fs::path folder_;
+};
+
+}  // namespace
+
+MapVersion PublishMap(Store& store, const Job& job, const fs::path& staging) {
+  MapVersion map;
+  map.id = NewId();
+  map.site = job.site;
+  map.job = job.id;
+  map.files = SealFiles(staging);
+  map.sha256 = HashOfManifest(map.files);
+  const ReportSummary report = ReadReportSummary(staging / "report.json");
+  map.datum = report.datum;
+  map.bounds = report.bounds;
+  map.created_at = NowUtc();
+
+  const fs::path folder = store.directory.MapFolder(map.id);
+  FolderUndo undo(folder);
+  fs::rename(staging, folder);
+  SyncToDisk(folder.parent_path());
+  store.database.Write([&](Connection& connection) {
+    map.version = NextMapVersion(connection, map.site);
+    for (const std::string& drive : job.drives) map.drives.push_back(FindDriveOrTombstone(connection, drive));
+    InsertMap(connection, map);
+    const bool is_current =
+        EndJob(connection, job.id, job.attempt, {JobState::kDone, std::nullopt, std::nullopt, map.version});
+    Require(is_current, ErrorCode::kConflict,
+            "attempt " + std::to_string(job.attempt) + " of job '" + job.id + "' is no longer the running one");
+    for (const Drive& drive : map.drives) {
+      SetDriveState(connection, drive.id, DriveState::kReady, std::nullopt);
+      const auto streams = report.streams_of_drive.find(drive.name);
+      if (streams != report.streams_of_drive.end()) SetDriveStreams(connection, drive.id, streams->second);
+    }
+  });
+  undo.Keep();
+  LogInfo("published site=" + map.site + " version=" + std::to_string(map.version) +
+          " files=" + std::to_string(map.files.size()) + " job=" + job.id);
+  return map;
+}
+
+}  // namespace parkade

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace parkade {
+
+// What the database holds, row by row. Times are RFC 3339 in UTC. `sequence`
+// orders rows by arrival and is what cursors of lists are made of.
+
+enum class DriveState { kReceived, kQueued, kProcessing, kReady, kFailed };
+enum class JobState { kQueued, kRunning, kDone, kFailed, kCancelled };
+
+/// "received", "queued", ...: as the contract spells them.
+const char* ToText(DriveState state);
+const char* ToText(JobState state);
+/// Throw Error{kInternal} for other words: only rows of ours are read back.
+DriveState DriveStateFromText(const std::string& text);
+JobState JobStateFromText(const std::string& text);
+
+struct Drive {
+  std::int64_t sequence = 0;
+  std::string id;
+  std::string name;      ///< plain name, of the output folder of this drive in a map
+  std::string filename;  ///< as the user called it; shown, never used as a path
+  std::string site;
+  std::optional<std::string> rig;
+  DriveState state = DriveState::kReceived;
+  std::optional<std::string> error;  ///< one sentence
+  std::int64_t bytes = 0;
+  std::string sha256;
+  std::optional<std::string> streams;  ///< JSON from the last map's report.json
+  std::string created_at, updated_at;
+  std::optional<std::string> job;           ///< the latest one
+  std::optional<std::int64_t> map_version;  ///< the latest one made from this drive
+};
+
+struct Job {
+  std::int64_t sequence = 0;
+  std::string id;
+  std::string site;
+  std::vector<std::string> drives;  ///< ids, in the order of the command line
+  JobState state = JobState::kQueued;
+  int attempt = 0;                               ///< how often a worker was started
+  int crashes = 0;                               ///< of these, ended by a signal since it was queued by hand
+  std::optional<std::string> error;              ///< one sentence
+  std::optional<std::string> error_code;         ///< "invalid_input", "crashed", ...
+  std::optional<std::int64_t> pid, pid_started;  ///< of the running worker; start in clock ticks since boot
+  std::optional<std::int64_t> map_version;
+  std::string created_at;
+  std::optional<std::string> started_at, finished_at;
+};
+
+struct Rig {
+  std::int64_t sequence = 0;
+  std::string id;
+  std::string name;
+  std::string sha256;              ///< of the zip it is handed out as
+  std::vector<std::string> files;  ///< names in its folder
+  std::string created_at;
+};
+
+struct Site {
+  std::int64_t sequence = 0;
+  std::string name;
+  std::string created_at;
+  std::int64_t num_drives = 0;
+  std::vector<std::int64_t> versions;        ///< ascending
+  std::optional<std::string> datum, bounds;  ///< JSON of the latest version
+};
+
+struct MapFile {
+  std::string name;  ///< plain relative path
+  std::int64_t bytes = 0;
+  std::string sha256;
+};
+
+struct MapVersion {
+  std::int64_t sequence = 0;
+  std::string id;
+  std::string site;
+  std::int64_t version = 0;
+  std::string job;
+  std::string sha256;                        ///< of the manifest
+  std::optional<std::string> datum, bounds;  ///< JSON from report.json
+  std::string created_at;
+  std::vector<MapFile> files;  ///< sorted by name
+  std::vector<Drive> drives;
+};
+
+/// A part of a list, newest first.
+struct Page {
+  int limit = 50;
+  std::int64_t before = std::numeric_limits<std::int64_t>::max();  ///< sequence of the last row of the page before
+};
+
+}  // namespace parkade

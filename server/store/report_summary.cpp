@@ -1,0 +1,39 @@
+#include "server/store/report_summary.h"
+
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+
+namespace parkade {
+namespace {
+
+constexpr size_t kMaxReportBytes = size_t{64} << 20;
+
+std::optional<std::string> ObjectAt(const nlohmann::json& json, const char* key) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_object()) return std::nullopt;
+  return found->dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace
+
+ReportSummary ReadReportSummary(const std::filesystem::path& report) {
+  const nlohmann::json json = nlohmann::json::parse(ReadFile(report, kMaxReportBytes), nullptr, false);
+  Require(json.is_object(), ErrorCode::kInternal, "the worker's report.json is not a JSON object");
+
+  ReportSummary summary;
+  summary.datum = ObjectAt(json, "datum");
+  summary.bounds = ObjectAt(json, "bounds");
+  const auto drives = json.find("drives");
+  if (drives == json.end() || !drives->is_array()) return summary;
+  for (const nlohmann::json& drive : *drives) {
+    if (!drive.is_object() || !drive.contains("name") || !drive["name"].is_string() || !drive.contains("streams"))
+      continue;
+    summary.streams_of_drive[drive["name"]] =
+        drive["streams"].dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  }
+  return summary;
+}
+
+}  // namespace parkade

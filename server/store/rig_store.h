@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "server/store/records.h"
+#include "server/store/store.h"
+
+namespace parkade {
+
+/// Files of a rig by name: camchain-imucam.yaml, imu0.yaml, vehicle.yaml, and
+/// the mask images they name.
+using RigFiles = std::map<std::string, std::string>;
+
+/// Unpacks a zip of rig files; a folder around them is dropped. Nothing is
+/// written to disk. Throws Error{kInvalidInput} when it is not a zip, holds
+/// anything else than plain files with plain names, or unpacks to more than
+/// 64 MiB or 64 files.
+RigFiles UnpackRig(const std::string& zip);
+
+/// The same files as a zip, byte for byte the same each time.
+std::string PackRig(const RigFiles& files);
+
+/// Checks and stores a revision of the rig `name`. `check_rig` is given a folder
+/// with the files and throws when they are not a rig. Throws Error{kInvalidInput}
+/// when one of the three files is missing.
+Rig StoreRig(Store& store, const std::string& name, const RigFiles& files,
+             const std::function<void(const std::filesystem::path&)>& check_rig);
+
+/// The zip of a stored rig.
+std::string ReadRigArchive(const Store& store, const Rig& rig);
+
+}  // namespace parkade

@@ -1,0 +1,73 @@
+#include "server/store/store.h"
+
+#include <vector>
+
+#include "core/error.h"
+#include "server/store/durable_file.h"
+
+namespace parkade {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> EntriesOf(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) entries.push_back(entry.path());
+  return entries;
+}
+
+bool HasRow(Store& store, const char* table, const std::string& id) {
+  return store.database.Read([&](Connection& connection) {
+    return connection.Query(std::string("SELECT 1 FROM ") + table + " WHERE id = ?", id).Step();
+  });
+}
+
+void ReconcileLogs(Store& store) {
+  for (const fs::path& folder : EntriesOf(store.directory.LogsFolder())) {
+    for (const fs::path& log : EntriesOf(folder)) {
+      const auto [rows, live_rows] = store.database.Read([&](Connection& connection) {
+        Statement query = connection.Query(
+            "SELECT count(*), count(*) FILTER (WHERE deleted_at IS NULL) FROM drives "
+            "WHERE sha256 = ?",
+            log.filename().string());
+        query.Step();
+        return std::pair(query.Integer(0), query.Integer(1));
+      });
+      if (rows == 0) store.directory.Quarantine(log);
+      if (rows > 0 && live_rows == 0) fs::remove(log);
+    }
+  }
+}
+
+void ReconcileJobFolders(Store& store) {
+  for (const fs::path& folder : EntriesOf(store.directory.JobsFolder())) {
+    if (!HasRow(store, "jobs", folder.filename().string())) {
+      store.directory.Quarantine(folder);
+      continue;
+    }
+    for (const fs::path& attempt : EntriesOf(folder)) {
+      fs::remove_all(attempt / "out");
+      fs::remove_all(attempt / "input");
+    }
+  }
+}
+
+}  // namespace
+
+void RequireSpace(const Store& store, std::int64_t bytes) {
+  const std::int64_t available = FreeBytes(store.directory.root()) - store.disk_reserve;
+  Require(bytes <= available, ErrorCode::kDiskFull,
+          "the disk is full: " + std::to_string(bytes) + " bytes are needed and " +
+              std::to_string(std::max<std::int64_t>(available, 0)) + " are available");
+}
+
+void ReconcileFiles(Store& store) {
+  ReconcileLogs(store);
+  ReconcileJobFolders(store);
+  for (const fs::path& folder : EntriesOf(store.directory.MapsFolder()))
+    if (!HasRow(store, "maps", folder.filename().string())) store.directory.Quarantine(folder);
+  for (const fs::path& folder : EntriesOf(store.directory.RigsFolder()))
+    if (!HasRow(store, "rigs", folder.filename().string())) store.directory.Quarantine(folder);
+}
+
+}  // namespace parkade
