@@ -136,8 +136,9 @@ CornerDetector::CornerDetector(const cv::Mat& usable, int max_corners) : max_cor
   cell_size_ = std::max(8, static_cast<int>(std::sqrt(area / max_corners)) / 4 * 4);
 }
 
-std::vector<Eigen::Vector2d> CornerDetector::Detect(const std::vector<cv::Mat>& pyramid, const cv::Mat& usable,
-                                                    const std::vector<Eigen::Vector2d>& present) const {
+std::vector<Eigen::Vector2d> CornerDetector::Detect(
+    const std::vector<cv::Mat>& pyramid, const cv::Mat& usable, const std::vector<Eigen::Vector2d>& present,
+    const std::function<bool(const Eigen::Vector2d&)>& is_wanted) const {
   const auto wanted = static_cast<size_t>(std::max<std::ptrdiff_t>(0, max_corners_ - std::ssize(present)));
   std::vector<Eigen::Vector2d> found;
   if (wanted == 0) return found;
@@ -176,6 +177,7 @@ std::vector<Eigen::Vector2d> CornerDetector::Detect(const std::vector<cv::Mat>& 
       size_t& count = num_in_cell[cell_of(corner.pixel)];
       if (count >= per_cell || occupancy.IsTaken(corner.pixel)) continue;
       occupancy.Take(corner.pixel);
+      if (!is_wanted(corner.pixel)) continue;
       ++count;
       found.push_back(corner.pixel);
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -19,9 +20,11 @@ class CornerDetector {
   /// min_distance() to `present` or to each other; at most max_corners -
   /// present.size(). Integer pixels: the patch around one is what is tracked.
   ///
-  /// \param pyramid  image and Scharr derivatives per level, as in TrackedImage
+  /// \param pyramid    image and Scharr derivatives per level, as in TrackedImage
+  /// \param is_wanted  asked for each corner that would be added
   std::vector<Eigen::Vector2d> Detect(const std::vector<cv::Mat>& pyramid, const cv::Mat& usable,
-                                      const std::vector<Eigen::Vector2d>& present) const;
+                                      const std::vector<Eigen::Vector2d>& present,
+                                      const std::function<bool(const Eigen::Vector2d& pixel)>& is_wanted) const;
 
   double min_distance() const { return 0.6 * cell_size_; }  ///< [px]
 

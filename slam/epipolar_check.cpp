@@ -165,23 +165,20 @@ EpipolarCheck CheckEpipolarGeometry(const std::vector<BearingPair>& pairs, const
     }
   }
 
-  const std::vector<Eigen::Vector3d> turned = Turn(pairs, best.rotation);
-  best.direction = OrientTowardsFlow(pairs, turned, best.direction);
-  for (size_t i = 0; i < pairs.size(); ++i) {
-    const double backwards =
-        -(pairs[i].now - turned[i]).dot(best.direction) / std::max(turned[i].cross(best.direction).norm(), kMinSine);
-    check.agrees[i] = std::abs(ErrorOf(pairs[i], turned[i], best.direction)) < max_error_px &&
-                      backwards < 2 * max_error_px * pairs[i].radians_per_pixel;
-  }
+  check.now_from_last = best.rotation;
+  check.direction = OrientTowardsFlow(pairs, Turn(pairs, best.rotation), best.direction);
+  for (size_t i = 0; i < pairs.size(); ++i) check.agrees[i] = Agrees(check, pairs[i], max_error_px);
   const auto agreeing = static_cast<double>(std::count(check.agrees.begin(), check.agrees.end(), true));
   check.is_trusted = agreeing >= kMinAgreement * static_cast<double>(pairs.size());
-  if (!check.is_trusted) {
-    std::fill(check.agrees.begin(), check.agrees.end(), true);
-    return check;
-  }
-  check.now_from_last = best.rotation;
-  check.direction = best.direction;
+  if (!check.is_trusted) check = {std::vector<bool>(pairs.size(), true), now_from_last};
   return check;
+}
+
+bool Agrees(const EpipolarCheck& check, const BearingPair& pair, double max_error_px) {
+  const Eigen::Vector3d turned = check.now_from_last * pair.last;
+  const double sine = std::max(turned.cross(check.direction).norm(), kMinSine);
+  const double backwards = -(pair.now - turned).dot(check.direction) / sine / pair.radians_per_pixel;
+  return std::abs(ErrorOf(pair, turned, check.direction)) < max_error_px && backwards < 2 * max_error_px;
 }
 
 }  // namespace parkade

@@ -37,4 +37,7 @@ struct EpipolarCheck {
 EpipolarCheck CheckEpipolarGeometry(const std::vector<BearingPair>& pairs, const Eigen::Matrix3d& now_from_last,
                                     double max_error_px);
 
+/// Whether one more pair agrees with a trusted check.
+bool Agrees(const EpipolarCheck& check, const BearingPair& pair, double max_error_px);
+
 }  // namespace parkade

@@ -6,8 +6,8 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "core/error.h"
-#include "slam/epipolar_check.h"
 #include "slam/image_pyramid.h"
+#include "slam/parallax_field.h"
 
 namespace parkade {
 namespace {
@@ -20,8 +20,6 @@ constexpr double kMovingFlow = 1.0;    ///< [px] median flow of a car that moves
 cv::Point2f ToPoint(const Eigen::Vector2d& pixel) {
   return {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
 }
-
-Eigen::Vector2d ToVector(const cv::Point2f& point) { return {point.x, point.y}; }
 
 /// One channel, or empty where the image is not of the calibrated size and type.
 cv::Mat ToGray(const cv::Mat& image, const CameraModel& model) {
@@ -84,15 +82,20 @@ TrackedFrame FeatureTracker::Track(const CameraFrame& frame, const Eigen::Matrix
     ++statistics_.restarts;
     last_.observations.clear();
   }
-  if (last_.observations.empty()) {
-    velocities_.clear();
-    median_flow_ = 0;
-  } else {
-    const Flow flow = Follow(now, seconds);
-    if (options_.learn_own_body) Learn(flow);
+  median_flow_ = 0;
+  if (!last_.observations.empty()) {
+    std::vector<Found> found = Follow(now, Predict(seconds));
+    statistics_.lost_in_flow += std::ssize(last_.observations) - std::ssize(found);
+    std::vector<BearingPair> pairs;
+    for (const Found& track : found) pairs.push_back(track.pair);
+    const EpipolarCheck check = CheckEpipolarGeometry(pairs, now_from_last_, options_.max_epipolar_error);
+    if (options_.learn_own_body && check.is_trusted) LearnOwnBody(found, check);
     now.usable = usable_;
-    Keep(flow, seconds, now);
+    Keep(std::move(found), check, now);
+  } else {
+    parallaxes_.clear();
   }
+  last_seconds_ = seconds;
   AddCorners(now);
   gray.copyTo(last_gray_);
   last_ = std::move(now);
@@ -119,93 +122,144 @@ bool FeatureTracker::IsUsable(const cv::Mat& gray) {
   return true;
 }
 
-FeatureTracker::Flow FeatureTracker::Follow(const TrackedImage& now, double seconds) const {
-  const size_t count = last_.observations.size();
-  std::vector<cv::Point2f> before(count), predicted(count);
-  std::vector<bool> is_predicted(count, false);
-  for (size_t i = 0; i < count; ++i) {
-    const FeatureObservation& observation = last_.observations[i];
-    before[i] = predicted[i] = ToPoint(observation.pixel);
-    const Eigen::Vector3d bearing = now_from_last_ * (observation.bearing + seconds * velocities_[i]);
-    const std::optional<Eigen::Vector2d> pixel = model_.Project(bearing);
-    if (!pixel || !model_.IsInImage(*pixel)) continue;
-    predicted[i] = ToPoint(*pixel);
-    is_predicted[i] = true;
+/// Where each track of last_ should be now: turned as the gyro says, and moved as
+/// if the last step went on.
+std::vector<std::optional<Eigen::Vector2d>> FeatureTracker::Predict(double seconds) const {
+  ParallaxField field;
+  for (size_t i = 0; i < parallaxes_.size(); ++i)
+    if (parallaxes_[i]) field.Add(last_.observations[i].bearing, *parallaxes_[i]);
+  const double steps = last_seconds_ > 0 ? seconds / last_seconds_ : 0;
+  std::vector<std::optional<Eigen::Vector2d>> predicted;
+  for (size_t i = 0; i < last_.observations.size(); ++i) {
+    const Eigen::Vector3d& bearing = last_.observations[i].bearing;
+    const double parallax = parallaxes_[i] ? *parallaxes_[i] : field.At(bearing).value_or(0);
+    predicted.push_back(model_.Project(now_from_last_ * (bearing + steps * parallax * direction_)));
   }
+  return predicted;
+}
+
+/// Lucas-Kanade and back again, from the predicted pixels; tracks without one are left out.
+std::vector<FeatureTracker::Found> FeatureTracker::Follow(
+    const TrackedImage& now, const std::vector<std::optional<Eigen::Vector2d>>& predicted) const {
+  std::vector<size_t> origins;
+  std::vector<cv::Point2f> before, start;
+  for (size_t i = 0; i < predicted.size(); ++i) {
+    if (!predicted[i] || !model_.IsInImage(*predicted[i])) continue;
+    origins.push_back(i);
+    before.push_back(ToPoint(last_.observations[i].pixel));
+    start.push_back(ToPoint(*predicted[i]));
+  }
+  std::vector<Found> found;
+  if (origins.empty()) return found;
 
   const cv::TermCriteria criteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, kMaxIterations, kConvergence);
   const cv::Size window(options_.window, options_.window);
-  const int top_level = std::min(options_.pyramid_levels, static_cast<int>(now.pyramid.size() / 2)) - 1;
-  Flow flow{predicted, std::vector<bool>(count, false)};
+  const int top_level = static_cast<int>(now.pyramid.size() / 2) - 1;
+  std::vector<cv::Point2f> after = start, back(before.size());
   std::vector<std::uint8_t> is_found, is_found_back;
   std::vector<float> error;
-  cv::calcOpticalFlowPyrLK(last_.pyramid, now.pyramid, before, flow.pixels, is_found, error, window, top_level,
-                           criteria, cv::OPTFLOW_USE_INITIAL_FLOW);
+  cv::calcOpticalFlowPyrLK(last_.pyramid, now.pyramid, before, after, is_found, error, window, top_level, criteria,
+                           cv::OPTFLOW_USE_INITIAL_FLOW);
   // The way back starts as far off as the prediction was, so that it proves something.
-  std::vector<cv::Point2f> back(count);
-  for (size_t i = 0; i < count; ++i) back[i] = before[i] + (flow.pixels[i] - predicted[i]);
-  cv::calcOpticalFlowPyrLK(now.pyramid, last_.pyramid, flow.pixels, back, is_found_back, error, window, top_level,
-                           criteria, cv::OPTFLOW_USE_INITIAL_FLOW);
-  for (size_t i = 0; i < count; ++i) {
-    flow.is_found[i] = is_predicted[i] && is_found[i] != 0 && is_found_back[i] != 0 &&
-                       cv::norm(back[i] - before[i]) < options_.max_round_trip;
+  for (size_t i = 0; i < back.size(); ++i) back[i] = before[i] + (after[i] - start[i]);
+  cv::calcOpticalFlowPyrLK(now.pyramid, last_.pyramid, after, back, is_found_back, error, window, top_level, criteria,
+                           cv::OPTFLOW_USE_INITIAL_FLOW);
+  for (size_t i = 0; i < origins.size(); ++i) {
+    const Eigen::Vector2d pixel(after[i].x, after[i].y);
+    if (is_found[i] == 0 || is_found_back[i] == 0 || cv::norm(back[i] - before[i]) > options_.max_round_trip ||
+        !IsSet(lens_usable_, pixel))
+      continue;
+    const FeatureObservation& last = last_.observations[origins[i]];
+    const std::optional<FeatureObservation> observation = Observe(last.track, pixel);
+    if (!observation) continue;
+    found.push_back(
+        {origins[i], *observation, {last.bearing, observation->bearing, observation->sigma / options_.pixel_sigma}});
   }
-  return flow;
+  return found;
 }
 
-/// Lets the tracks vote on what is the car's own body.
-void FeatureTracker::Learn(const Flow& flow) {
+/// Lets the tracks vote on what is the car's own body. By the rotation that the
+/// images show: to a biased gyro a parked car seems to turn.
+void FeatureTracker::LearnOwnBody(const std::vector<Found>& found, const EpipolarCheck& check) {
   const int version = own_body_.version();
-  for (size_t i = 0; i < flow.pixels.size(); ++i) {
-    const FeatureObservation& observation = last_.observations[i];
-    const std::optional<Eigen::Vector2d> turned = model_.Project(now_from_last_ * observation.bearing);
-    if (flow.is_found[i] && turned) own_body_.Add(observation.pixel, ToVector(flow.pixels[i]), *turned);
+  for (const Found& track : found) {
+    const std::optional<Eigen::Vector2d> turned = model_.Project(check.now_from_last * track.pair.last);
+    if (turned) own_body_.Add(last_.observations[track.origin].pixel, track.observation.pixel, *turned);
   }
   if (own_body_.version() != version) usable_ = own_body_.Exclude(lens_usable_);
 }
 
-void FeatureTracker::Keep(const Flow& flow, double seconds, TrackedImage& now) {
-  std::vector<FeatureObservation> found;
-  std::vector<size_t> origins;  // of found, in last_
-  std::vector<BearingPair> pairs;
-  for (size_t i = 0; i < flow.pixels.size(); ++i) {
-    const Eigen::Vector2d pixel = ToVector(flow.pixels[i]);
-    const bool is_on_own_body = flow.is_found[i] && own_body_.IsOwnBody(pixel);
-    const auto observation =
-        flow.is_found[i] && IsSet(now.usable, pixel) ? Observe(last_.observations[i].track, pixel) : std::nullopt;
-    if (!observation) {
-      ++(is_on_own_body ? statistics_.lost_on_own_body : statistics_.lost_in_flow);
-      continue;
-    }
-    found.push_back(*observation);
-    origins.push_back(i);
-    pairs.push_back({last_.observations[i].bearing, observation->bearing, observation->sigma / options_.pixel_sigma});
+/// Looks again for what was not found, from where its neighbours' parallax puts
+/// it: near ground moves far between two images of a fast car.
+std::vector<FeatureTracker::Found> FeatureTracker::Retry(const TrackedImage& now, const std::vector<Found>& found,
+                                                         const EpipolarCheck& check) const {
+  ParallaxField field;
+  std::vector<bool> is_missing(last_.observations.size(), true);
+  for (const Found& track : found) {
+    const Eigen::Vector3d turned = check.now_from_last * track.pair.last;
+    field.Add(turned, ParallaxOf(turned, track.pair.now, check.direction));
+    is_missing[track.origin] = false;
   }
+  std::vector<std::optional<Eigen::Vector2d>> predicted(last_.observations.size());
+  for (size_t i = 0; i < predicted.size(); ++i) {
+    if (!is_missing[i]) continue;
+    const Eigen::Vector3d turned = check.now_from_last * last_.observations[i].bearing;
+    const std::optional<double> parallax = field.At(turned);
+    if (parallax) predicted[i] = model_.Project(turned + *parallax * check.direction);
+  }
+  std::vector<Found> again = Follow(now, predicted);
+  std::erase_if(again, [&](const Found& track) { return !Agrees(check, track.pair, options_.max_epipolar_error); });
+  return again;
+}
 
-  const EpipolarCheck check = CheckEpipolarGeometry(pairs, now_from_last_, options_.max_epipolar_error);
+/// Hands the tracks that agree with the geometry on to `now`, in the order of last_.
+void FeatureTracker::Keep(std::vector<Found> found, const EpipolarCheck& check, TrackedImage& now) {
+  std::vector<Found> kept;
+  for (size_t i = 0; i < found.size(); ++i)
+    if (check.agrees[i]) kept.push_back(found[i]);
+  statistics_.lost_in_geometry += std::ssize(found) - std::ssize(kept);
+  if (check.is_trusted) {
+    const std::vector<Found> again = Retry(now, found, check);
+    statistics_.lost_in_flow -= std::ssize(again);
+    kept.insert(kept.end(), again.begin(), again.end());
+    std::sort(kept.begin(), kept.end(), [](const Found& a, const Found& b) { return a.origin < b.origin; });
+  }
+  parallaxes_.clear();
   std::vector<double> flows;
-  std::vector<Eigen::Vector3d> velocities;
-  for (size_t i = 0; i < found.size(); ++i) {
-    if (!check.agrees[i]) {
-      ++statistics_.lost_in_geometry;
+  for (const Found& track : kept) {
+    if (!IsSet(now.usable, track.observation.pixel)) {
+      ++statistics_.lost_on_own_body;
       continue;
     }
-    now.observations.push_back(found[i]);
-    velocities.push_back((found[i].bearing - check.now_from_last * pairs[i].last) / seconds);
-    flows.push_back((found[i].pixel - last_.observations[origins[i]].pixel).norm());
+    const Eigen::Vector3d turned = check.now_from_last * track.pair.last;
+    const double before = check.is_trusted ? ParallaxOf(turned, track.pair.now, check.direction) : 0;
+    parallaxes_.push_back(before / (turned + before * check.direction).norm());
+    now.observations.push_back(track.observation);
+    flows.push_back((track.observation.pixel - last_.observations[track.origin].pixel).norm());
   }
-  velocities_ = std::move(velocities);
+  direction_ = check.direction;
   median_flow_ = Median(std::move(flows));
 }
 
+/// New tracks where the image has none, but not where they would leave it at once.
 void FeatureTracker::AddCorners(TrackedImage& now) {
   std::vector<Eigen::Vector2d> present;
-  for (const FeatureObservation& observation : now.observations) present.push_back(observation.pixel);
-  for (const Eigen::Vector2d& pixel : detector_.Detect(now.pyramid, now.usable, present)) {
+  ParallaxField field;
+  for (size_t i = 0; i < now.observations.size(); ++i) {
+    present.push_back(now.observations[i].pixel);
+    field.Add(now.observations[i].bearing, *parallaxes_[i]);
+  }
+  const auto stays = [&](const Eigen::Vector2d& pixel) {
+    const std::optional<Eigen::Vector3d> bearing = model_.Unproject(pixel);
+    if (!bearing) return false;
+    const auto next = model_.Project(*bearing + field.At(*bearing).value_or(0) * direction_);
+    return next && IsSet(now.usable, *next);
+  };
+  for (const Eigen::Vector2d& pixel : detector_.Detect(now.pyramid, now.usable, present, stays)) {
     const std::optional<FeatureObservation> observation = Observe(next_track_, pixel);
     if (!observation) continue;
     now.observations.push_back(*observation);
-    velocities_.push_back(Eigen::Vector3d::Zero());
+    parallaxes_.push_back(std::nullopt);
     ++next_track_;
     ++statistics_.tracks_started;
   }

@@ -8,6 +8,7 @@
 #include "core/drive_log.h"
 #include "core/rig.h"
 #include "slam/corner_detector.h"
+#include "slam/epipolar_check.h"
 #include "slam/feature_track.h"
 #include "slam/own_body_map.h"
 #include "slam/tracked_image.h"
@@ -81,16 +82,20 @@ class FeatureTracker {
   const FeatureTrackerStatistics& statistics() const { return statistics_; }
 
  private:
-  /// Where the tracks of last_ went, entry by entry.
-  struct Flow {
-    std::vector<cv::Point2f> pixels;
-    std::vector<bool> is_found;
+  /// One track of last_ found again.
+  struct Found {
+    size_t origin = 0;  ///< index into last_.observations
+    FeatureObservation observation;
+    BearingPair pair;
   };
 
   bool IsUsable(const cv::Mat& gray);
-  Flow Follow(const TrackedImage& now, double seconds) const;
-  void Learn(const Flow& flow);
-  void Keep(const Flow& flow, double seconds, TrackedImage& now);
+  std::vector<std::optional<Eigen::Vector2d>> Predict(double seconds) const;
+  std::vector<Found> Follow(const TrackedImage& now,
+                            const std::vector<std::optional<Eigen::Vector2d>>& predicted) const;
+  void LearnOwnBody(const std::vector<Found>& found, const EpipolarCheck& check);
+  std::vector<Found> Retry(const TrackedImage& now, const std::vector<Found>& found, const EpipolarCheck& check) const;
+  void Keep(std::vector<Found> found, const EpipolarCheck& check, TrackedImage& now);
   void AddCorners(TrackedImage& now);
   std::optional<FeatureObservation> Observe(std::int64_t track, const Eigen::Vector2d& pixel) const;
 
@@ -102,9 +107,11 @@ class FeatureTracker {
   CornerDetector detector_;
   OwnBodyMap own_body_;
   TrackedImage last_;
-  std::vector<Eigen::Vector3d> velocities_;                      ///< [1/s] of each bearing of last_, beyond rotation
-  cv::Mat last_gray_;                                            ///< as recorded, to recognise a repeated image
-  double median_flow_ = 0;                                       ///< [px] into last_
+  std::vector<std::optional<double>> parallaxes_;         ///< of each track of last_ in the step into last_; none: new
+  Eigen::Vector3d direction_ = Eigen::Vector3d::UnitZ();  ///< of that step, see EpipolarCheck
+  double last_seconds_ = 0;                               ///< of that step
+  cv::Mat last_gray_;                                     ///< as recorded, to recognise a repeated image
+  double median_flow_ = 0;                                ///< [px] into last_
   Eigen::Matrix3d now_from_last_ = Eigen::Matrix3d::Identity();  ///< since last_, over skipped frames
   std::int64_t next_track_ = 0;
   FeatureTrackerStatistics statistics_;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <vector>
 
 namespace parkade {
@@ -13,7 +14,7 @@ class OwnBodyMap {
  public:
   OwnBodyMap(int width, int height);
 
-  /// One track's step between two images.
+  /// One track's step between two images; counts for all that its patch touches.
   ///
   /// \param if_fixed_to_world  [px] where rotation alone would have moved it
   void Add(const Eigen::Vector2d& before, const Eigen::Vector2d& after, const Eigen::Vector2d& if_fixed_to_world);
@@ -33,7 +34,7 @@ class OwnBodyMap {
     bool is_own_body = false;
   };
 
-  const Cell* CellAt(const Eigen::Vector2d& pixel) const;
+  std::optional<size_t> CellAt(const Eigen::Vector2d& pixel) const;
 
   int columns_ = 0;
   int rows_ = 0;
