@@ -2,9 +2,9 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/pidfd.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -87,7 +87,8 @@ WorkerProcess::WorkerProcess(const std::vector<std::string>& command, const std:
     if (pid_ > 0) ::waitpid(pid_, nullptr, 0);
     throw Error(ErrorCode::kInternal, std::string("the worker cannot be started: ") + std::strerror(error));
   }
-  pid_fd_ = ::pidfd_open(pid_, 0);
+  // By its number: glibc 2.36 declares pidfd_open without C linkage.
+  pid_fd_ = static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0));
 }
 
 WorkerProcess::~WorkerProcess() {

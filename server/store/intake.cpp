@@ -83,7 +83,8 @@ ReceivedDrive ReceiveDrive(Store& store, const NewDrive& new_drive, GrowingFile&
       }
       EnsureSite(connection, drive.site);
       InsertDrive(connection, drive);
-      return ReceivedDrive{FindDrive(connection, drive.id), QueueFirstJob(connection, drive, merge_drives)};
+      const Job job = QueueFirstJob(connection, drive, merge_drives);
+      return ReceivedDrive{FindDrive(connection, drive.id), job};
     });
   } catch (...) {
     if (has_moved) RemoveUnusedLog(store, sha256);

@@ -1,0 +1,82 @@
+// The service for tests that kill it:   parkade_serve_program serve DATA
+// and its worker, which does what the first line of the log says:
+//                                       parkade_serve_program work OUT PROGRESS LOG...
+//   log ok | slow | hang | stubborn | bad-input | crash | silent | no-map
+
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/error.h"
+#include "server/http/serve.h"
+#include "tests/server/http/fake_worker.h"
+
+namespace parkade {
+namespace {
+
+namespace fs = std::filesystem;
+
+void Say(const fs::path& progress, const std::string& line) { std::ofstream(progress, std::ios::app) << line << "\n"; }
+
+void WriteMap(const fs::path& out, const std::vector<fs::path>& logs) {
+  std::ofstream(out / "map.glb") << "glTF of " << logs.size() << " drives";
+  std::ofstream(out / "empty.txt");
+  for (const fs::path& log : logs) {
+    fs::create_directories(out / log.filename());
+    std::ofstream(out / log.filename() / "trajectory.tum") << "0 0 0 0 0 0 0 1\n";
+  }
+  std::ofstream(out / "report.json") << R"({"datum": null, "bounds": {"min": [0, 0, 0], "max": [9, 9, 1]},)"
+                                     << R"( "drives": [{"name": ")" << logs.front().filename().string()
+                                     << R"(", "streams": [{"topic": "/imu", "rate": 100}]}]})";
+}
+
+int Work(const fs::path& out, const fs::path& progress, const std::vector<fs::path>& logs) {
+  std::ifstream stream(logs.front());
+  std::string word, todo;
+  stream >> word >> todo;
+  std::cerr << "working on " << logs.front().filename().string() << ": " << todo << std::endl;
+  Say(progress, R"({"stage": "track", "progress": 0.25})");
+  if (todo == "bad-input") {
+    Say(progress, R"({"error": "the log has no IMU", "code": "invalid_input"})");
+    return 1;
+  }
+  if (todo == "silent") return 3;
+  if (todo == "crash") std::abort();
+  if (todo == "stubborn") std::signal(SIGTERM, SIG_IGN);
+  if (todo == "slow") std::this_thread::sleep_for(std::chrono::seconds(2));
+  while (todo == "hang" || todo == "stubborn") std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  Say(progress, R"({"stage": "mesh", "progress": 0.75, "eta": 1.5})");
+  if (todo != "no-map") WriteMap(out, logs);
+  return 0;
+}
+
+int RunService(const std::string& data) {
+  ServeOptions options = FakeServeOptions("/proc/self/exe", data);
+  if (const char* reserve = std::getenv("RESERVE")) options.disk_reserve = std::stoll(reserve);
+  options.drain_seconds = 3;
+  try {
+    return Serve(options);
+  } catch (const Error& error) {
+    std::cerr << error.what() << std::endl;
+    return 1;
+  }
+}
+
+}  // namespace
+}  // namespace parkade
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  if (arguments.size() == 2 && arguments[0] == "serve") return parkade::RunService(arguments[1]);
+  if (arguments.size() >= 4 && arguments[0] == "work")
+    return parkade::Work(arguments[1], arguments[2], {arguments.begin() + 3, arguments.end()});
+  return 2;
+}

@@ -1,0 +1,116 @@
+#include "server/store/publish_map.h"
+
+#include "core/error.h"
+#include "core/file.h"
+#include "server/store/drive_table.h"
+#include "server/store/job_queue.h"
+#include "server/store/job_table.h"
+#include "server/store/map_table.h"
+#include "server/store/site_table.h"
+#include "tests/server/store/temporary_store.h"
+
+namespace parkade {
+namespace {
+
+class PublishedMap : public StoreTest {
+ protected:
+  std::filesystem::path Stage() {
+    const auto staging = store_.directory.AttemptFolder(received_.job.id, 1) / "out";
+    WriteText(staging / "map.glb", "glTF");
+    WriteText(staging / "tiles" / "0.glb", "tile");
+    WriteText(staging / "report.json", R"({"datum": {"latitude_deg": 48.1, "longitude_deg": 11.5, "altitude": 500},
+      "bounds": {"min": [0, 0, 0], "max": [1, 1, 1]}, "drives": [{"name": "a", "streams": [{"topic": "/imu"}]}]})");
+    return staging;
+  }
+  void ExpectNothingPublished() {
+    EXPECT_TRUE(ContentOf(store_.directory.MapsFolder()).empty());
+    EXPECT_THROW(store_.database.Read([](Connection& connection) { return LatestMapVersion(connection, "lot"); }),
+                 Error);
+  }
+
+  ReceivedDrive received_ = Receive(store_, "a log", {"a.bag", "lot", std::nullopt});
+  Job job_ = *ClaimJob(store_);
+};
+
+TEST_F(PublishedMap, HasAManifestOfItsFiles) {
+  const auto staging = Stage();
+  const MapVersion map = PublishMap(store_, job_, staging);
+
+  EXPECT_EQ(map.version, 1);
+  ASSERT_EQ(map.files.size(), 3u);
+  EXPECT_EQ(map.files[0].name, "map.glb");
+  EXPECT_EQ(map.files[0].bytes, 4);
+  EXPECT_EQ(map.files[0].sha256, Sha256Of("glTF"));
+  EXPECT_EQ(map.files[2].name, "tiles/0.glb");
+  EXPECT_EQ(ReadFile(store_.directory.MapFolder(map.id) / "tiles" / "0.glb"), "tile");
+  EXPECT_FALSE(std::filesystem::exists(staging));
+}
+
+TEST_F(PublishedMap, EndsTheJobAndMakesTheDriveReady) {
+  PublishMap(store_, job_, Stage());
+
+  const auto [job, drive, site] = store_.database.Read([&](Connection& connection) {
+    return std::tuple(FindJob(connection, job_.id), FindDrive(connection, received_.drive.id),
+                      FindSite(connection, "lot"));
+  });
+  EXPECT_EQ(job.state, JobState::kDone);
+  EXPECT_EQ(job.map_version, 1);
+  EXPECT_EQ(drive.state, DriveState::kReady);
+  EXPECT_EQ(drive.map_version, 1);
+  EXPECT_EQ(drive.streams, R"([{"topic":"/imu"}])");
+  EXPECT_EQ(site.versions, std::vector<std::int64_t>{1});
+  EXPECT_NE(site.datum->find("48.1"), std::string::npos);
+}
+
+TEST_F(PublishedMap, VersionsCountUpPerSite) {
+  PublishMap(store_, job_, Stage());
+  QueueMap(store_, "lot", {}, false);
+  const Job again = *ClaimJob(store_);
+
+  EXPECT_EQ(PublishMap(store_, again, Stage()).version, 2);
+}
+
+TEST_F(PublishedMap, ADriveStaysReadyWhenALaterJobFails) {
+  PublishMap(store_, job_, Stage());
+  QueueMap(store_, "lot", {}, false);
+  FailJob(store_, *ClaimJob(store_), "internal", "no luck");
+
+  const Drive drive =
+      store_.database.Read([&](Connection& connection) { return FindDrive(connection, received_.drive.id); });
+  EXPECT_EQ(drive.state, DriveState::kReady);
+}
+
+TEST_F(PublishedMap, NeedsAMeshAndAReport) {
+  const auto staging = Stage();
+  std::filesystem::remove(staging / "map.glb");
+
+  EXPECT_THROW(PublishMap(store_, job_, staging), Error);
+  ExpectNothingPublished();
+}
+
+TEST_F(PublishedMap, TakesNoLinksOutOfTheFolder) {
+  const auto staging = Stage();
+  std::filesystem::create_symlink("/etc/passwd", staging / "ground.ply");
+
+  EXPECT_THROW(PublishMap(store_, job_, staging), Error);
+  ExpectNothingPublished();
+}
+
+TEST_F(PublishedMap, IsNotPublishedByAnAttemptThatWasGivenUp) {
+  RetryCrashedJob(store_, job_, "lost");
+  ClaimJob(store_);
+
+  EXPECT_THROW(PublishMap(store_, job_, Stage()), Error);
+  ExpectNothingPublished();
+}
+
+TEST_F(PublishedMap, NeedsAReportThatIsJson) {
+  const auto staging = Stage();
+  WriteText(staging / "report.json", "{\"datum\": ");
+
+  EXPECT_THROW(PublishMap(store_, job_, staging), Error);
+  ExpectNothingPublished();
+}
+
+}  // namespace
+}  // namespace parkade

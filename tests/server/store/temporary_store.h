@@ -1,0 +1,61 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <string>
+
+#include "server/store/durable_file.h"
+#include "server/store/intake.h"
+#include "server/store/names.h"
+#include "server/store/store.h"
+
+namespace parkade {
+
+/// A folder that is new at the start and gone at the end.
+class TemporaryRoot {
+ public:
+  TemporaryRoot() : path_(std::filesystem::path(testing::TempDir()) / ("parkade-" + NewId())) {
+    std::filesystem::create_directories(path_);
+  }
+  ~TemporaryRoot() { std::filesystem::remove_all(path_); }
+  TemporaryRoot(const TemporaryRoot&) = delete;
+  TemporaryRoot& operator=(const TemporaryRoot&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline void WriteText(const std::filesystem::path& file, const std::string& text) {
+  std::filesystem::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+/// Everything below a folder, as relative paths; folders end with '/'.
+inline std::set<std::string> ContentOf(const std::filesystem::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    names.insert(entry.path().lexically_relative(folder).string() + (entry.is_directory() ? "/" : ""));
+  return names;
+}
+
+/// Takes in `content` as an upload would.
+inline ReceivedDrive Receive(Store& store, const std::string& content, const NewDrive& drive) {
+  GrowingFile log(store.directory.NewTemporaryPath(), static_cast<std::int64_t>(content.size()));
+  log.Append(content);
+  const std::string sha256 = log.Finish();
+  return ReceiveDrive(store, drive, log, sha256, /*merge_drives=*/false);
+}
+
+/// A store in a folder of its own.
+class StoreTest : public testing::Test {
+ protected:
+  TemporaryRoot root_;
+  Store store_{root_.path() / "data"};
+};
+
+}  // namespace parkade
