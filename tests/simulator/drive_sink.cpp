@@ -1,0 +1,29 @@
+#include "tests/simulator/drive_sink.h"
+
+#include "core/error.h"
+#include "tests/simulator/euroc_sink.h"
+#include "tests/simulator/ros_sink.h"
+
+namespace parkade::simulator {
+
+bool IsLogFile(const std::filesystem::path& out) { return out.extension() == ".bag" || out.extension() == ".mcap"; }
+
+std::unique_ptr<DriveSink> MakeDriveSink(const std::filesystem::path& out, const Rig& rig) {
+  const bool is_new =
+      !std::filesystem::exists(out) || (std::filesystem::is_directory(out) && std::filesystem::is_empty(out));
+  Require(is_new, ErrorCode::kUsage, out.string() + " exists already");
+  if (IsLogFile(out)) return std::make_unique<RosSink>(out, rig);
+  return std::make_unique<EurocSink>(out, rig);
+}
+
+Rig RigForOutput(const Rig& rig, const std::filesystem::path& out) {
+  Rig named = rig;
+  if (IsLogFile(out)) return named;
+  for (RigCamera& camera : named.cameras) camera.topic = camera.name;
+  named.imu.topic = "imu0";
+  named.vehicle->wheel_topic = "odom0";
+  named.vehicle->gnss_topic = "gnss0";
+  return named;
+}
+
+}  // namespace parkade::simulator

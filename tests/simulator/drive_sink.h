@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+
+#include "core/drive_log.h"
+#include "core/rig.h"
+
+namespace parkade::simulator {
+
+/// Takes a drive record by record, in order of time, and writes it in one format.
+class DriveSink {
+ public:
+  virtual ~DriveSink() = default;
+  virtual void Write(const ImuSample& sample) = 0;
+  virtual void Write(const WheelSample& sample) = 0;
+  virtual void Write(const GnssFix& fix) = 0;
+  /// `jpeg` and `png` are whole files.
+  virtual void WriteImage(size_t camera, Timestamp time, std::span<const std::uint8_t> jpeg) = 0;
+  virtual void WriteSemantic(size_t camera, Timestamp time, std::span<const std::uint8_t> png) = 0;
+  /// Without it the output is as after a crash. Throws when the output could not be written whole.
+  virtual void Close() = 0;
+};
+
+/// The format follows from the name: .bag (ROS 1), .mcap (ROS 2), anything else
+/// an EuRoC folder. Throws Error{kUsage} when `out` exists already.
+std::unique_ptr<DriveSink> MakeDriveSink(const std::filesystem::path& out, const Rig& rig);
+
+/// The rig with the stream names that a log at `out` has: EuRoC's folder names or ROS topics.
+Rig RigForOutput(const Rig& rig, const std::filesystem::path& out);
+
+/// True for .bag and .mcap.
+bool IsLogFile(const std::filesystem::path& out);
+
+}  // namespace parkade::simulator

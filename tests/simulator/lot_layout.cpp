@@ -1,0 +1,91 @@
+#include "tests/simulator/lot_layout.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/simulator/random.h"
+
+namespace parkade::simulator {
+namespace {
+
+constexpr double kSlotWidth = 2.5, kSlotDepth = 5.0, kAisle = 6.5, kLane = 8.0, kIsland = 1.6, kMargin = 0.3;
+
+/// One row of slots; `yaw` points from the aisle into the slot.
+void AddRow(LotLayout& lot, double center_y, double yaw, int num_slots) {
+  for (int i = 0; i < num_slots; ++i) {
+    const double x = kLane + kIsland + (i + 0.5) * kSlotWidth;
+    lot.slots.push_back({{x, center_y}, {kSlotDepth / 2, kSlotWidth / 2}, yaw});
+  }
+}
+
+/// Cars stand a little askew and off centre, nose or tail first. Whole stretches
+/// stay empty, as in real lots.
+void ParkCars(LotLayout& lot, Random& random) {
+  const double fill_phase = random.Uniform(0, 6), fill_period = random.Uniform(14, 22);
+  for (const Rectangle& slot : lot.slots) {
+    const double crowd = std::sin(2 * M_PI * slot.center.x() / fill_period + fill_phase + slot.center.y());
+    const double style_draw = random.Uniform();
+    ParkedCar car;
+    car.style = style_draw < 0.45 ? 0 : style_draw < 0.8 ? 1 : 2;
+    car.seed = random.Bits();
+    const double length[] = {3.95, 4.6, 4.75}, width[] = {1.74, 1.82, 1.92};
+    car.footprint.half_size = {length[car.style] / 2, width[car.style] / 2};
+    car.footprint.yaw = slot.yaw + random.Uniform(-0.045, 0.045) + (random.Chance(0.3) ? M_PI : 0);
+    car.footprint.center =
+        slot.center + Eigen::Vector2d(random.Uniform(-0.14, 0.14), std::sin(slot.yaw) * random.Uniform(-0.12, 0.14));
+    if (random.Uniform() < 0.52 + 0.38 * crowd) lot.cars.push_back(car);
+  }
+}
+
+}  // namespace
+
+double Rectangle::SignedDistance(const Eigen::Vector2d& point) const {
+  const Eigen::Vector2d offset = point - center;
+  const double c = std::cos(yaw), s = std::sin(yaw);
+  const Eigen::Vector2d local(c * offset.x() + s * offset.y(), -s * offset.x() + c * offset.y());
+  const Eigen::Vector2d excess = local.cwiseAbs() - half_size;
+  return excess.cwiseMax(0.0).norm() + std::min(0.0, excess.maxCoeff());
+}
+
+Eigen::Vector2d Rectangle::Corner(int index) const {
+  const Eigen::Vector2d local(index == 1 || index == 2 ? half_size.x() : -half_size.x(),
+                              index >= 2 ? half_size.y() : -half_size.y());
+  const double c = std::cos(yaw), s = std::sin(yaw);
+  return center + Eigen::Vector2d(c * local.x() - s * local.y(), s * local.x() + c * local.y());
+}
+
+bool LotLayout::IsDrivable(const Eigen::Vector2d& point) const {
+  if (point.x() < 0 || point.y() < 0 || point.x() > length || point.y() > width) return false;
+  const auto covers = [&](const Rectangle& rectangle) { return rectangle.Contains(point); };
+  return std::none_of(islands.begin(), islands.end(), covers) &&
+         std::none_of(cars.begin(), cars.end(), [&](const ParkedCar& car) { return covers(car.footprint); });
+}
+
+LotLayout PlanLot(std::uint64_t seed) {
+  Random random(seed, 0x107);
+  const int num_slots = 15 + random.Index(4);
+  LotLayout lot;
+  lot.length = 2 * (kLane + kIsland) + num_slots * kSlotWidth;
+  lot.width = 2 * kMargin + 4 * kSlotDepth + 2 * kAisle;
+  const double up = M_PI / 2;
+  AddRow(lot, kMargin + 0.5 * kSlotDepth, -up, num_slots);
+  AddRow(lot, kMargin + 1.5 * kSlotDepth + kAisle, up, num_slots);
+  AddRow(lot, kMargin + 2.5 * kSlotDepth + kAisle, -up, num_slots);
+  AddRow(lot, kMargin + 3.5 * kSlotDepth + 2 * kAisle, up, num_slots);
+  ParkCars(lot, random);
+
+  const double middle = lot.width / 2, island_half = kSlotDepth - 0.4;
+  for (const double x : {kLane + kIsland / 2, lot.length - kLane - kIsland / 2})
+    lot.islands.push_back({{x, middle}, {kIsland / 2 - 0.15, island_half}, 0});
+  for (const double x : {1.3, lot.length - 1.3})
+    for (const double y : {1.2, lot.width - 1.2}) lot.islands.push_back({{x, y}, {1.3, 1.2}, 0});
+
+  lot.aisle_y[0] = kMargin + kSlotDepth + kAisle / 2;
+  lot.aisle_y[1] = lot.width - lot.aisle_y[0];
+  const double left = kLane / 2, right = lot.length - kLane / 2;
+  lot.loop = {{left, lot.aisle_y[0]}, {right, lot.aisle_y[0]}, {right, lot.aisle_y[1]}, {left, lot.aisle_y[1]}};
+  if (random.Chance(0.5)) std::reverse(lot.loop.begin(), lot.loop.end());
+  return lot;
+}
+
+}  // namespace parkade::simulator

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+namespace parkade::simulator {
+
+/// A rectangle in the plane, turned by `yaw`.
+struct Rectangle {
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();     ///< [m]
+  Eigen::Vector2d half_size = Eigen::Vector2d::Zero();  ///< [m] along its own x and y
+  double yaw = 0;
+
+  bool Contains(const Eigen::Vector2d& point) const { return SignedDistance(point) <= 0; }
+  /// [m] to the border, negative inside.
+  double SignedDistance(const Eigen::Vector2d& point) const;
+  Eigen::Vector2d Corner(int index) const;  ///< 0..3, counter-clockwise from (-, -)
+};
+
+/// A parked car stands on `footprint`, its front along the rectangle's x.
+struct ParkedCar {
+  Rectangle footprint;
+  int style = 0;           ///< 0 hatchback, 1 saloon, 2 van
+  std::uint64_t seed = 0;  ///< of its colours and proportions
+};
+
+/// The plan of a car park: asphalt over [0, length] x [0, width], two aisles
+/// along x joined by a lane at each end, four rows of slots.
+struct LotLayout {
+  double length = 0, width = 0;  ///< [m]
+  std::vector<Rectangle> slots;  ///< marked parking spaces, x into the slot
+  std::vector<ParkedCar> cars;
+  std::vector<Rectangle> islands;     ///< kerbed green
+  std::vector<Eigen::Vector2d> loop;  ///< corners of the round trip through both aisles, closed
+  double aisle_y[2] = {0, 0};         ///< [m] centre lines
+
+  /// Asphalt that a car may drive on: neither island nor parked car.
+  bool IsDrivable(const Eigen::Vector2d& point) const;
+};
+
+/// The same seed gives the same plan.
+LotLayout PlanLot(std::uint64_t seed);
+
+}  // namespace parkade::simulator

@@ -1,0 +1,137 @@
+#include "tests/simulator/mip_texture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "tests/simulator/noise.h"
+
+namespace parkade::simulator {
+namespace {
+
+constexpr int kLog2Size = 9;
+constexpr int kSize = 1 << kLog2Size;
+
+/// SmoothNoise that repeats after `cells` lattice cells over the texture.
+float PeriodicNoise(int column, int row, int cells, std::uint32_t seed) {
+  const float scale = static_cast<float>(cells) / kSize;
+  const float x = static_cast<float>(column) * scale, y = static_cast<float>(row) * scale;
+  const int ix = static_cast<int>(x), iy = static_cast<int>(y);
+  const float fx = x - static_cast<float>(ix), fy = y - static_cast<float>(iy);
+  const float sx = fx * fx * (3 - 2 * fx), sy = fy * fy * (3 - 2 * fy);
+  const auto at = [&](int i, int j) { return CellValue(i % cells, j % cells, seed); };
+  return (at(ix, iy) * (1 - sx) + at(ix + 1, iy) * sx) * (1 - sy) +
+         (at(ix, iy + 1) * (1 - sx) + at(ix + 1, iy + 1) * sx) * sy;
+}
+
+/// Octaves from `coarsest` cells over the texture, each `gain` times the one before.
+float PeriodicFractal(int column, int row, int coarsest, int octaves, float gain, std::uint32_t seed) {
+  float sum = 0, amplitude = 1;
+  for (int octave = 0, cells = coarsest; octave < octaves && cells <= kSize; ++octave, cells *= 2) {
+    sum += amplitude * PeriodicNoise(column, row, cells, seed + static_cast<std::uint32_t>(octave));
+    amplitude *= gain;
+  }
+  return sum;
+}
+
+/// Courses of bricks in half bond, 16 high and 8 long over the texture.
+float BrickValue(int column, int row) {
+  const int course = row / 32;
+  const int shifted = (column + (course % 2) * 32) % kSize;
+  const bool is_mortar = row % 32 < 3 || shifted % 64 < 3;
+  const float brick = CellValue(shifted / 64, course, 91);
+  return (is_mortar ? 1.6f : 0.8f * brick) + 0.5f * PeriodicFractal(column, row, 64, 3, 0.7f, 92);
+}
+
+float TextureValue(TextureKind kind, int column, int row) {
+  switch (kind) {
+    case TextureKind::kAggregate: {
+      // Stones in a dark binder: flat tops of middle-sized noise with bright exceptions.
+      const float stones = PeriodicFractal(column, row, 64, 4, 0.85f, 11);
+      const float bright = PeriodicNoise(column, row, 128, 15);
+      return stones + 2.5f * std::max(0.0f, bright - 0.55f);
+    }
+    case TextureKind::kLeaves: {
+      const float leaves = PeriodicFractal(column, row, 24, 5, 0.8f, 21);
+      return leaves + 1.2f * std::max(0.0f, PeriodicNoise(column, row, 48, 27)) -
+             1.5f * std::max(0.0f, PeriodicNoise(column, row, 16, 28) - 0.2f);
+    }
+    case TextureKind::kBrick: return BrickValue(column, row);
+    case TextureKind::kPlaster: return PeriodicFractal(column, row, 4, 8, 0.62f, 41);
+    case TextureKind::kBark: return PeriodicFractal(4 * column % kSize, row, 16, 4, 0.7f, 51);
+    case TextureKind::kGrass: return PeriodicFractal(column, row, 8, 7, 0.85f, 61);
+    case TextureKind::kNone: break;
+  }
+  throw std::out_of_range("no texture of this kind");
+}
+
+}  // namespace
+
+MipTexture::MipTexture(int log2_size, const std::function<float(int, int)>& value) : log2_size_(log2_size) {
+  const int size = 1 << log2_size;
+  std::vector<float> finest(static_cast<size_t>(size) * static_cast<size_t>(size));
+  double sum = 0, sum_squares = 0;
+  for (int row = 0; row < size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      const float x = value(column, row);
+      finest[static_cast<size_t>(row * size + column)] = x;
+      sum += x;
+      sum_squares += x * x;
+    }
+  }
+  const double count = static_cast<double>(finest.size()), mean = sum / count;
+  const double sigma = std::sqrt(std::max(1e-12, sum_squares / count - mean * mean));
+  for (float& x : finest) x = static_cast<float>((x - mean) / sigma);
+  levels_.push_back(std::move(finest));
+  for (int level_size = size / 2; level_size >= 1; level_size /= 2) {
+    const std::vector<float>& fine = levels_.back();
+    std::vector<float> coarse(static_cast<size_t>(level_size * level_size));
+    for (int row = 0; row < level_size; ++row) {
+      for (int column = 0; column < level_size; ++column) {
+        const size_t first = static_cast<size_t>(4 * row * level_size + 2 * column),
+                     below = first + static_cast<size_t>(2 * level_size);
+        coarse[static_cast<size_t>(row * level_size + column)] =
+            0.25f * (fine[first] + fine[first + 1] + fine[below] + fine[below + 1]);
+      }
+    }
+    levels_.push_back(std::move(coarse));
+  }
+}
+
+float MipTexture::SampleLevel(size_t level, float u, float v) const {
+  const int size = 1 << (log2_size_ - static_cast<int>(level));
+  const int wrap = size - 1;
+  const float x = u * static_cast<float>(size) - 0.5f, y = v * static_cast<float>(size) - 0.5f;
+  const float floor_x = std::floor(x), floor_y = std::floor(y);
+  const float fx = x - floor_x, fy = y - floor_y;
+  const int left = static_cast<int>(floor_x) & wrap, top = static_cast<int>(floor_y) & wrap;
+  const int right = (left + 1) & wrap, bottom = (top + 1) & wrap;
+  const float* texels = levels_[level].data();
+  const float upper = texels[top * size + left] * (1 - fx) + texels[top * size + right] * fx;
+  const float lower = texels[bottom * size + left] * (1 - fx) + texels[bottom * size + right] * fx;
+  return upper * (1 - fy) + lower * fy;
+}
+
+float MipTexture::Sample(float u, float v, float footprint) const {
+  const float place = std::log2(std::max(footprint, 1e-6f) * static_cast<float>(1 << log2_size_));
+  if (place <= 0) return SampleLevel(0, u, v);
+  const size_t level = static_cast<size_t>(place);
+  // The last levels of a texture of mean zero are zero but for rounding.
+  if (level + 1 >= levels_.size()) return 0;
+  const float fraction = place - static_cast<float>(level);
+  return SampleLevel(level, u, v) * (1 - fraction) + SampleLevel(level + 1, u, v) * fraction;
+}
+
+const MipTexture& DetailTexture(TextureKind kind) {
+  static const std::vector<MipTexture> textures = [] {
+    std::vector<MipTexture> made;
+    for (int i = 1; i < kNumTextureKinds; ++i)
+      made.emplace_back(kLog2Size,
+                        [i](int column, int row) { return TextureValue(static_cast<TextureKind>(i), column, row); });
+    return made;
+  }();
+  return textures.at(static_cast<size_t>(static_cast<int>(kind) - 1));
+}
+
+}  // namespace parkade::simulator

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <memory>
+#include <vector>
+
+#include "tests/simulator/mesh.h"
+
+namespace parkade::simulator {
+
+/// Meshes that rays can be shot at: geometry ids count in the order given. Only
+/// the .cpp files that trace rays include this. Tracing is thread-safe.
+class RayScene {
+ public:
+  explicit RayScene(const std::vector<const Mesh*>& meshes);
+
+  RTCScene scene() const { return scene_.get(); }
+
+  /// Share of the sky that each vertex of `mesh` sees within `reach` [m], cosine-weighted,
+  /// 0..1. In parallel, the same every time.
+  std::vector<float> VertexAmbient(const Mesh& mesh, float reach, std::uint64_t seed) const;
+
+ private:
+  struct ReleaseDevice {
+    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+  };
+  struct ReleaseScene {
+    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+  };
+  std::unique_ptr<RTCDeviceTy, ReleaseDevice> device_;
+  std::unique_ptr<RTCSceneTy, ReleaseScene> scene_;
+};
+
+/// Makes this thread treat tiny numbers as zero, which Embree wants, until the end of the scope.
+class FlushDenormals {
+ public:
+  FlushDenormals();
+  ~FlushDenormals();
+  FlushDenormals(const FlushDenormals&) = delete;
+  FlushDenormals& operator=(const FlushDenormals&) = delete;
+
+ private:
+  unsigned saved_;
+};
+
+}  // namespace parkade::simulator

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+
+#include "core/rig.h"
+#include "tests/simulator/sample_table.h"
+#include "tests/simulator/scene.h"
+
+namespace parkade::simulator {
+
+/// One picture to take. `world_from_body(offset)` is the pose of the car `offset`
+/// seconds after the middle of the exposure of the image's middle row.
+struct Shot {
+  size_t camera = 0;
+  std::function<Rigid3(double)> world_from_body;
+  double exposure = 0.003;      ///< [s]
+  bool with_semantics = false;  ///< also make the mask of drivable ground
+};
+
+struct RenderedImage {
+  cv::Mat radiance;  ///< CV_32FC3, red, green, blue, linear, as it arrives at the sensor
+  cv::Mat drivable;  ///< CV_8UC1, 255 = drivable ground; empty unless asked for
+};
+
+/// Takes pictures of a scene with the cameras of a rig, by ray tracing: four rays
+/// a pixel, each at its own moment of the exposure, textures averaged over what a
+/// ray covers, shadows of the sun. All cores; one picture at a time.
+class Renderer {
+ public:
+  /// Keeps references to `scene` and `rig`.
+  Renderer(const Scene& scene, const Rig& rig, double half_field_of_view);
+  ~Renderer();
+
+  RenderedImage Render(const Shot& shot) const;
+
+  /// See SampleTable::Mask.
+  cv::Mat Mask(size_t camera) const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<const Parts> parts_;
+};
+
+}  // namespace parkade::simulator

@@ -1,0 +1,108 @@
+#include "tests/simulator/route.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace parkade::simulator {
+namespace {
+
+using Path = std::vector<Eigen::Vector2d>;
+
+/// Points at equal steps along a polyline, from its start up to its end.
+Path Resample(const Path& path, double step) {
+  Path result = {path.front()};
+  double carried = 0;  // distance since the last point put out
+  for (size_t i = 1; i < path.size(); ++i) {
+    const Eigen::Vector2d side = path[i] - path[i - 1];
+    const double length = side.norm();
+    double along = step - carried;
+    for (; along <= length; along += step) result.push_back(path[i - 1] + side * (along / length));
+    carried = length - (along - step);
+  }
+  return result;
+}
+
+/// Replaces the corner at `corner` by an arc.
+void AppendArc(const Eigen::Vector2d& before, const Eigen::Vector2d& corner, const Eigen::Vector2d& after,
+               double max_radius, Path& path) {
+  const Eigen::Vector2d in = (corner - before).normalized(), out = (after - corner).normalized();
+  const double turn = std::atan2(in.x() * out.y() - in.y() * out.x(), in.dot(out));
+  if (std::abs(turn) < 1e-6) return;
+  const double room = 0.499 * std::min((corner - before).norm(), (after - corner).norm());
+  const double radius = std::min(max_radius, room / std::tan(std::abs(turn) / 2));
+  const double tangent = radius * std::tan(std::abs(turn) / 2);
+  const Eigen::Vector2d left(-in.y(), in.x());
+  const double side = turn > 0 ? 1 : -1;
+  const Eigen::Vector2d start = corner - tangent * in, center = start + side * radius * left;
+  const int num_steps = 2 + static_cast<int>(radius * std::abs(turn) / 0.02);
+  for (int i = 0; i <= num_steps; ++i) {
+    const double angle = turn * i / num_steps;
+    path.push_back(center + radius * (std::abs(std::sin(angle)) * in - side * std::cos(angle) * left));
+  }
+}
+
+/// Running mean over 2 * half + 1 points; the ends are continued in line.
+Path Smoothed(const Path& path, int half) {
+  const int size = static_cast<int>(path.size());
+  const auto at = [&](int i) -> Eigen::Vector2d {
+    if (i < 0) return 2 * path.front() - path[static_cast<size_t>(std::min(-i, size - 1))];
+    if (i >= size) return 2 * path.back() - path[static_cast<size_t>(std::max(0, 2 * size - 2 - i))];
+    return path[static_cast<size_t>(i)];
+  };
+  Path result(path.size());
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (int i = -half; i <= half; ++i) sum += at(i);
+  for (int i = 0; i < size; ++i) {
+    result[static_cast<size_t>(i)] = sum / (2 * half + 1);
+    sum += at(i + half + 1) - at(i - half);
+  }
+  return result;
+}
+
+}  // namespace
+
+Route::Route(const std::vector<Eigen::Vector2d>& waypoints, double radius) {
+  Require(waypoints.size() >= 2, ErrorCode::kInternal, "a route needs two waypoints");
+  Path path = {waypoints.front()};
+  for (size_t i = 1; i + 1 < waypoints.size(); ++i)
+    AppendArc(waypoints[i - 1], waypoints[i], waypoints[i + 1], radius, path);
+  path.push_back(waypoints.back());
+  path = Resample(path, step_);
+  // Three running means make the curvature itself C1.
+  for (const double width : {0.9, 0.7, 0.5}) path = Smoothed(path, static_cast<int>(width / step_));
+  points_ = Resample(path, step_);
+
+  double previous = 0;
+  for (size_t i = 0; i < points_.size(); ++i) {
+    const Eigen::Vector2d tangent = points_[std::min(i + 1, points_.size() - 1)] - points_[i == 0 ? 0 : i - 1];
+    const double heading = std::atan2(tangent.y(), tangent.x());
+    previous += std::remainder(heading - previous, 2 * M_PI);
+    headings_.push_back(previous);
+  }
+}
+
+double Route::Interpolate(const std::vector<double>& values, double distance) const {
+  const double place = std::clamp(distance / step_, 0.0, static_cast<double>(values.size() - 1));
+  const size_t index = std::min(static_cast<size_t>(place), values.size() - 2);
+  const double fraction = place - static_cast<double>(index);
+  return values[index] * (1 - fraction) + values[index + 1] * fraction;
+}
+
+Eigen::Vector2d Route::Position(double distance) const {
+  const double place = std::clamp(distance / step_, 0.0, static_cast<double>(points_.size() - 1));
+  const size_t index = std::min(static_cast<size_t>(place), points_.size() - 2);
+  const double fraction = place - static_cast<double>(index);
+  return points_[index] * (1 - fraction) + points_[index + 1] * fraction;
+}
+
+double Route::Heading(double distance) const { return Interpolate(headings_, distance); }
+
+double Route::Curvature(double distance) const {
+  const double reach = 0.1;
+  const double from = std::max(0.0, distance - reach), to = std::min(Length(), distance + reach);
+  return to > from ? (Heading(to) - Heading(from)) / (to - from) : 0;
+}
+
+}  // namespace parkade::simulator

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace parkade::simulator {
+
+/// A path in the plane whose curvature is continuous: a polyline with rounded
+/// corners, smoothed along its length.
+class Route {
+ public:
+  /// Rounds each corner of `waypoints` by an arc of at most `radius` [m], as far as
+  /// half the adjoining sides allow. Throws Error{kInternal} for fewer than two points.
+  Route(const std::vector<Eigen::Vector2d>& waypoints, double radius);
+
+  double Length() const { return step_ * static_cast<double>(points_.size() - 1); }  ///< [m]
+
+  // At `distance` [m] from the start, clamped to the ends.
+  Eigen::Vector2d Position(double distance) const;
+  double Heading(double distance) const;  ///< [rad], continuous (not wrapped)
+
+  /// [1/m]
+  double Curvature(double distance) const;
+
+ private:
+  double Interpolate(const std::vector<double>& values, double distance) const;
+
+  double step_ = 0.01;  ///< [m] between points_
+  std::vector<Eigen::Vector2d> points_;
+  std::vector<double> headings_;
+};
+
+}  // namespace parkade::simulator

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "tests/simulator/scene.h"
+
+namespace parkade::simulator {
+
+/// A point of a surface, as one ray sees it. World frame.
+struct SurfacePoint {
+  Eigen::Vector3f position, normal, flat_normal, ray;  ///< unit vectors; the ray runs towards the surface
+  float distance = 0;                                  ///< [m] along the ray
+  float sample_angle = 0;                              ///< [rad] between neighbouring rays
+  float motion = 0;                                    ///< [m] that the surface is smeared while this ray gathers light
+  float ambient = 1;                                   ///< share of the sky that is not hidden
+  float sun = 0;                                       ///< share of the sun that is not hidden, times the cosine
+  bool is_ground = false;                              ///< coloured by Scene::ground_colors, not by `material`
+  MaterialId material = 0;
+};
+
+/// Radiance towards the eye.
+Color Shade(const Scene& scene, const SurfacePoint& point);
+
+}  // namespace parkade::simulator

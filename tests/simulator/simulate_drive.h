@@ -1,0 +1,61 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/simulator/image_sensor.h"
+#include "tests/simulator/scene.h"
+#include "tests/simulator/sensors.h"
+#include "tests/simulator/simulated_rig.h"
+
+namespace parkade::simulator {
+
+struct SimulateOptions {
+  std::string scene = "lot";
+  int seed = 1;                ///< of everything that is left to chance
+  double duration = 40;        ///< [s] 10 to 3600
+  double relief = 1;           ///< scales the ground's slopes
+  double ground_texel = 0.01;  ///< [m] of painted asphalt
+  bool semantic = false;       ///< also write masks of drivable ground, one per picture
+  RigOptions rig;
+  SensorOptions sensors;
+  CameraClockOptions cameras;
+  ImageSensorOptions image;
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("scene", scene);
+    visit("seed", seed);
+    visit("duration", duration);
+    visit("relief", relief);
+    visit("ground_texel", ground_texel);
+    visit("semantic", semantic);
+    visit("rig", rig);
+    visit("sensors", sensors);
+    visit("cameras", cameras);
+    visit("image", image);
+  }
+  void Validate() const;  ///< throws Error{kUsage}
+};
+
+/// Where the results go.
+struct OutputPaths {
+  std::filesystem::path log;    ///< .bag, .mcap, or a folder
+  std::filesystem::path rig;    ///< folder; empty: `truth`/rig
+  std::filesystem::path truth;  ///< folder; empty: DefaultTruthFolder(log)
+};
+
+/// FILE.mcap -> FILE.truth beside it; a folder -> itself.
+std::filesystem::path DefaultTruthFolder(const std::filesystem::path& log);
+
+/// Called now and then with what is being done and how far it is, 0..1.
+using ProgressListener = std::function<void(const std::string& stage, double fraction)>;
+
+/// Makes a drive and writes the log, the rig, truth.tum, ground_truth.ply and
+/// summary.json, which it also returns. The same options give the same bytes,
+/// but for the summary's timings. Throws Error{kUsage} for options that cannot be.
+nlohmann::json SimulateDrive(const SimulateOptions& options, const OutputPaths& out, const ProgressListener& progress);
+
+}  // namespace parkade::simulator

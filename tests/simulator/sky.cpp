@@ -1,0 +1,87 @@
+#include "tests/simulator/sky.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/simulator/noise.h"
+#include "tests/simulator/random.h"
+
+namespace parkade::simulator {
+namespace {
+
+constexpr int kColumns = 1024, kRows = 256;
+
+/// Angle-like coordinate of azimuth, 0..1, cheaper than atan2 and one-to-one.
+float DiamondAzimuth(float x, float y) {
+  const float sum = std::abs(x) + std::abs(y);
+  if (sum == 0) return 0;
+  const float ratio = y / sum;
+  const float quarter = x >= 0 ? ratio : 2 - ratio;  // -1..3
+  return 0.25f * (quarter + 1);
+}
+
+Eigen::Vector2f FromDiamondAzimuth(float azimuth) {
+  const float quarter = 4 * azimuth - 1;
+  const float y = quarter <= 1 ? quarter : 2 - quarter;
+  const float x = (quarter <= 1 ? 1.0f : -1.0f) * (1 - std::abs(y));
+  return Eigen::Vector2f(x, y).normalized();
+}
+
+}  // namespace
+
+Sky::Sky(std::uint64_t seed) {
+  Random random(seed, 0x5c1);
+  const double elevation = random.Uniform(0.55, 0.95), azimuth = random.Uniform(0, 2 * M_PI);
+  sun_direction_ = Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                                   std::sin(elevation))
+                       .cast<float>();
+  sun_irradiance_ = 2.6f * Rgb(1.0f, 0.94f, 0.83f);
+  haze_ = Rgb(0.46f, 0.50f, 0.56f);
+  zenith_ = Rgb(0.16f, 0.25f, 0.44f);
+  from_above_ = 3.14f * Rgb(0.30f, 0.35f, 0.44f);
+  from_below_ = 3.14f * Rgb(0.13f, 0.13f, 0.12f);
+
+  map_.resize(kColumns * kRows);
+  for (int row = 0; row < kRows; ++row) {
+    const float z = (static_cast<float>(row) + 0.5f) / kRows;
+    for (int column = 0; column < kColumns; ++column) {
+      const Eigen::Vector2f flat =
+          FromDiamondAzimuth((static_cast<float>(column) + 0.5f) / kColumns) * std::sqrt(1 - z * z);
+      map_[static_cast<size_t>(row * kColumns + column)] =
+          Paint(Eigen::Vector3f(flat.x(), flat.y(), z), static_cast<std::uint32_t>(Mix64(seed ^ 0xc10d)));
+    }
+  }
+}
+
+Color Sky::Paint(const Eigen::Vector3f& direction, std::uint32_t seed) const {
+  const float z = direction.z();
+  Color color = haze_ + (zenith_ - haze_) * std::pow(z, 0.55f);
+  // Clouds on a plane far up; they melt into the haze towards the horizon.
+  const float x = direction.x() / (z + 0.12f), y = direction.y() / (z + 0.12f);
+  const float density = SmoothStep(0.02f, 0.5f, FractalNoise(1.3f * x, 1.3f * y, 5, seed));
+  const float toward_sun = std::max(0.0f, direction.dot(sun_direction_));
+  const Color cloud = Gray(0.62f + 0.25f * std::pow(toward_sun, 8.0f));
+  color += (cloud - color) * (0.75f * density * SmoothStep(0.02f, 0.3f, z));
+  return color + Rgb(1.0f, 0.95f, 0.85f) * (0.25f * std::pow(toward_sun, 24.0f) + 1.2f * std::pow(toward_sun, 400.0f));
+}
+
+Color Sky::Radiance(const Eigen::Vector3f& direction) const {
+  if (direction.z() <= 0) return haze_ * std::max(0.35f, 1 + 2 * direction.z());
+  if (direction.dot(sun_direction_) > 1 - 4 * kSunRadius * kSunRadius) return Rgb(60, 58, 52);
+  const float u = DiamondAzimuth(direction.x(), direction.y()) * kColumns - 0.5f;
+  const float v = std::clamp(direction.z() * kRows - 0.5f, 0.0f, kRows - 1.001f);
+  const int left = static_cast<int>(std::floor(u)), low = static_cast<int>(v);
+  const float fu = u - static_cast<float>(left), fv = v - static_cast<float>(low);
+  const auto at = [&](int column, int row) -> const Color& {
+    return map_[static_cast<size_t>(row * kColumns + ((column + kColumns) & (kColumns - 1)))];
+  };
+  return (at(left, low) * (1 - fu) + at(left + 1, low) * fu) * (1 - fv) +
+         (at(left, low + 1) * (1 - fu) + at(left + 1, low + 1) * fu) * fv;
+}
+
+Color Sky::AmbientIrradiance(const Eigen::Vector3f& normal) const {
+  const float up = 0.5f + 0.5f * normal.z();
+  return from_above_ * up + from_below_ * (1 - up);
+}
+
+}  // namespace parkade::simulator

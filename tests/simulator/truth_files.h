@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+
+#include "core/rigid3.h"
+#include "core/timestamp.h"
+#include "core/triangle_mesh.h"
+#include "tests/simulator/lot_layout.h"
+#include "tests/simulator/motion.h"
+#include "tests/simulator/terrain.h"
+
+namespace parkade::simulator {
+
+/// The drivable ground as a mesh in world: squares of 10 cm, without islands and
+/// what parked cars stand on.
+TriangleMesh DrivableSurface(const LotLayout& layout, const Terrain& terrain);
+
+/// Binary PLY: float x, y, z [m] and triangles. Whole or not at all.
+void WritePly(const TriangleMesh& mesh, const std::filesystem::path& file);
+
+/// `world_from_imu` at 200 Hz from the first to the last moment of the motion.
+void WriteTruthTrajectory(const Motion& motion, const Rigid3& body_from_imu, Timestamp epoch,
+                          const std::filesystem::path& file);
+
+}  // namespace parkade::simulator
