@@ -1,0 +1,47 @@
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "export/gltf.h"
+#include "export/gltf_geometry.h"
+
+namespace parkade {
+
+/// Puts one .glb together. Indices returned are those of glTF. Private to export/.
+class GltfBuilder {
+ public:
+  GltfBuilder();
+
+  /// Unlit material; `name` and linear colour factor.
+  int AddMaterial(const std::string& name, const Eigen::Vector3d& color);
+  int AddTriangles(const std::string& name, const GltfGeometry& geometry, MeshEncoding encoding, int material);
+  /// Throws Error{kInternal} for fewer than two points.
+  int AddLineStrip(const std::string& name, const std::vector<Eigen::Vector3f>& points, int material);
+
+  /// A node below `parent` (or of the scene), moved by `translation` [m, y up].
+  int AddNode(const std::string& name, std::optional<int> parent, const Eigen::Vector3d& translation,
+              std::optional<int> mesh, const nlohmann::json& extras = {});
+
+  void SetAssetExtras(const nlohmann::json& extras);
+
+  /// The bytes of the .glb.
+  std::string Finish() const;
+
+ private:
+  /// Appends bytes on a boundary of 4; `target` as in glTF, or 0.
+  int AddBufferView(const void* data, size_t num_bytes, int target);
+  int AddAccessor(std::optional<int> buffer_view, int component_type, int type, size_t count,
+                  bool is_normalized = false);
+  void SetBounds(int accessor, const std::vector<Eigen::Vector3f>& points);
+  void AddPlain(const GltfGeometry& geometry, tinygltf::Primitive& primitive);
+  void AddDraco(const GltfGeometry& geometry, tinygltf::Primitive& primitive);
+  void UseExtension(const std::string& name, bool is_required);
+
+  tinygltf::Model model_;
+};
+
+}  // namespace parkade

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "core/site_map.h"
+
+namespace parkade {
+
+struct TileOptions {
+  double tile_size = 32;     ///< [m] edge of the square that a full-resolution tile covers
+  double coarse_cell = 1.0;  ///< [m] vertices of the overview are merged within cubes of this edge
+};
+
+/// 3D Tiles 1.1 of the map's mesh: an overview, replaced from near by full-resolution tiles. The root's transform
+/// puts the site on the ellipsoid where there is a datum. Tiles are .glb with Draco; neighbours meet without
+/// cracks. Gives each file's path ("tileset.json", "tiles/...") and bytes to `write`.
+void EncodeTiles(const SiteMap& map,
+                 const std::function<void(const std::string& path, const std::string& bytes)>& write,
+                 const TileOptions& options = {});
+
+}  // namespace parkade

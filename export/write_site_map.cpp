@@ -1,0 +1,65 @@
+#include "export/write_site_map.h"
+
+#include <set>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "export/free_space.h"
+#include "export/gltf.h"
+#include "export/ortho.h"
+#include "export/ply.h"
+#include "export/tiles.h"
+#include "export/trajectory_files.h"
+
+namespace parkade {
+namespace {
+
+using std::filesystem::path;
+
+/// A drive's name becomes a folder's: no way out, and no clash with our own.
+void ValidateNames(const std::vector<SiteDrive>& drives) {
+  std::set<std::string> names = {"tiles"};
+  for (const SiteDrive& drive : drives) {
+    const auto is_allowed = [](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||
+             c == '.';
+    };
+    const bool is_name = !drive.name.empty() && drive.name.front() != '.' &&
+                         std::all_of(drive.name.begin(), drive.name.end(), is_allowed);
+    Require(is_name, ErrorCode::kInternal, "'" + drive.name + "' cannot be the name of a drive");
+    Require(names.insert(drive.name).second, ErrorCode::kInternal, "the name '" + drive.name + "' is taken");
+  }
+}
+
+void WriteDrive(const SiteDrive& drive, const std::optional<SiteDatum>& datum, const path& folder) {
+  std::filesystem::create_directories(folder);
+  WriteTum(SampleOdometry(drive), folder / "odometry.tum");
+  WriteTum(SampleFinalTrajectory(drive), folder / "trajectory.tum");
+  if (!datum) return;
+  WriteFileAtomically(folder / "trajectory.geojson", EncodeTrajectoryGeoJson(drive, *datum));
+  WriteFileAtomically(folder / "trajectory.kml", EncodeTrajectoryKml(drive, *datum));
+}
+
+}  // namespace
+
+void WriteSiteMap(const SiteMap& map, const path& folder) {
+  ValidateNames(map.drives);
+  ValidateMesh(map.mesh);
+  for (const SiteDrive& drive : map.drives) WriteDrive(drive, map.datum, folder / drive.name);
+
+  WriteFileAtomically(folder / "map.glb", EncodeGltf(map, MeshEncoding::kDraco));
+  WriteFileAtomically(folder / "map_plain.glb", EncodeGltf(map, MeshEncoding::kPlain));
+  WriteFileAtomically(folder / "ground.ply", EncodePly(map.mesh));
+  WriteFileAtomically(folder / "free_space.geojson", EncodeFreeSpaceGeoJson(FindFreeSheets(map.surface), map.datum));
+  const Orthophoto ortho = RenderOrthophoto(map.surface);
+  WriteFileAtomically(folder / "ortho.png", ortho.png);
+  WriteFileAtomically(folder / "ortho.pgw", ortho.world_file);
+  std::filesystem::create_directories(folder / "tiles");
+  EncodeTiles(map,
+              [&](const std::string& name, const std::string& bytes) { WriteFileAtomically(folder / name, bytes); });
+  LogInfo("stage=export drives=" + std::to_string(map.drives.size()) +
+          " triangles=" + std::to_string(map.mesh.triangles.size()));
+}
+
+}  // namespace parkade

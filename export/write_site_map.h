@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+
+#include "core/site_map.h"
+
+namespace parkade {
+
+/// Writes every file of a map that follows from the map alone into an existing folder, each whole or not at all:
+///
+///   map.glb, map_plain.glb, tileset.json, tiles/*.glb, ground.ply, free_space.geojson, ortho.png, ortho.pgw
+///   <drive>/odometry.tum, <drive>/trajectory.tum
+///   <drive>/trajectory.geojson, <drive>/trajectory.kml   where there is a datum
+///
+/// Same map, same bytes. Throws Error{kInternal} where the map breaks a promise (mesh, names of drives), and what
+/// WriteFileAtomically throws.
+void WriteSiteMap(const SiteMap& map, const std::filesystem::path& folder);
+
+}  // namespace parkade
