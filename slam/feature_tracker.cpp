@@ -12,10 +12,13 @@
 namespace parkade {
 namespace {
 
-constexpr int kCameraShift = 40;       ///< bits of a track number below the camera index
-constexpr int kMaxIterations = 20;     ///< of Lucas-Kanade per level
-constexpr double kConvergence = 0.01;  ///< [px]
-constexpr double kMovingFlow = 1.0;    ///< [px] median flow of a car that moves
+constexpr int kCameraShift = 40;        ///< bits of a track number below the camera index
+constexpr int kMaxIterations = 20;      ///< of Lucas-Kanade per level
+constexpr double kConvergence = 0.01;   ///< [px]
+constexpr double kMinSimilarity = 0.8;  ///< correlation with the first look for it to be believed
+constexpr double kMaxCreep = 1.5;       ///< [px] between the look of the last image and the first look
+constexpr double kMaxGrowth = 2.5;      ///< of a patch's area before it gets a new reference
+constexpr double kMovingFlow = 1.0;     ///< [px] median flow of a car that moves
 
 cv::Point2f ToPoint(const Eigen::Vector2d& pixel) {
   return {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
@@ -93,7 +96,7 @@ TrackedFrame FeatureTracker::Track(const CameraFrame& frame, const Eigen::Matrix
     now.usable = usable_;
     Keep(std::move(found), check, now);
   } else {
-    parallaxes_.clear();
+    memories_.clear();
   }
   last_seconds_ = seconds;
   AddCorners(now);
@@ -126,13 +129,13 @@ bool FeatureTracker::IsUsable(const cv::Mat& gray) {
 /// if the last step went on.
 std::vector<std::optional<Eigen::Vector2d>> FeatureTracker::Predict(double seconds) const {
   ParallaxField field;
-  for (size_t i = 0; i < parallaxes_.size(); ++i)
-    if (parallaxes_[i]) field.Add(last_.observations[i].bearing, *parallaxes_[i]);
+  for (size_t i = 0; i < memories_.size(); ++i)
+    if (memories_[i].parallax) field.Add(last_.observations[i].bearing, *memories_[i].parallax);
   const double steps = last_seconds_ > 0 ? seconds / last_seconds_ : 0;
   std::vector<std::optional<Eigen::Vector2d>> predicted;
   for (size_t i = 0; i < last_.observations.size(); ++i) {
     const Eigen::Vector3d& bearing = last_.observations[i].bearing;
-    const double parallax = parallaxes_[i] ? *parallaxes_[i] : field.At(bearing).value_or(0);
+    const double parallax = memories_[i].parallax ? *memories_[i].parallax : field.At(bearing).value_or(0);
     predicted.push_back(model_.Project(now_from_last_ * (bearing + steps * parallax * direction_)));
   }
   return predicted;
@@ -169,13 +172,42 @@ std::vector<FeatureTracker::Found> FeatureTracker::Follow(
     if (is_found[i] == 0 || is_found_back[i] == 0 || cv::norm(back[i] - before[i]) > options_.max_round_trip ||
         !IsSet(lens_usable_, pixel))
       continue;
+    Found track = Refine(now.pyramid[0], origins[i], pixel);
     const FeatureObservation& last = last_.observations[origins[i]];
-    const std::optional<FeatureObservation> observation = Observe(last.track, pixel);
+    const std::optional<FeatureObservation> observation = Observe(last.track, track.observation.pixel);
     if (!observation) continue;
-    found.push_back(
-        {origins[i], *observation, {last.bearing, observation->bearing, observation->sigma / options_.pixel_sigma}});
+    track.observation = *observation;
+    track.pair = {last.bearing, observation->bearing, observation->sigma / options_.pixel_sigma};
+    found.push_back(std::move(track));
   }
   return found;
+}
+
+/// The pixel that agrees with the track's first look, where it still has that look.
+FeatureTracker::Found FeatureTracker::Refine(const cv::Mat& image, size_t origin, const Eigen::Vector2d& pixel) const {
+  Found track;
+  track.origin = origin;
+  track.observation.pixel = pixel;
+  const Memory& memory = memories_[origin];
+  if (!memory.reference) return track;
+  const auto aligned = memory.reference->AlignIn(image, pixel, memory.image_from_reference);
+  if (!aligned || aligned->correlation < kMinSimilarity || (aligned->pixel - pixel).norm() > kMaxCreep) return track;
+  track.observation.pixel = aligned->pixel;
+  track.image_from_reference = aligned->image_from_reference;
+  return track;
+}
+
+/// The look to compare with from now on: the first one, until it is seen from too
+/// far away or too near.
+FeatureTracker::Memory FeatureTracker::Remember(Memory memory, const Found& track, const cv::Mat& image) {
+  const double area = track.image_from_reference ? track.image_from_reference->determinant() : 0;
+  if (area > 1 / kMaxGrowth && area < kMaxGrowth) {
+    memory.image_from_reference = *track.image_from_reference;
+  } else {
+    memory.reference = ReferencePatch::Take(image, track.observation.pixel);
+    memory.image_from_reference.setIdentity();
+  }
+  return memory;
 }
 
 /// Lets the tracks vote on what is the car's own body. By the rotation that the
@@ -224,7 +256,7 @@ void FeatureTracker::Keep(std::vector<Found> found, const EpipolarCheck& check, 
     kept.insert(kept.end(), again.begin(), again.end());
     std::sort(kept.begin(), kept.end(), [](const Found& a, const Found& b) { return a.origin < b.origin; });
   }
-  parallaxes_.clear();
+  std::vector<Memory> memories;
   std::vector<double> flows;
   for (const Found& track : kept) {
     if (!IsSet(now.usable, track.observation.pixel)) {
@@ -233,10 +265,12 @@ void FeatureTracker::Keep(std::vector<Found> found, const EpipolarCheck& check, 
     }
     const Eigen::Vector3d turned = check.now_from_last * track.pair.last;
     const double before = check.is_trusted ? ParallaxOf(turned, track.pair.now, check.direction) : 0;
-    parallaxes_.push_back(before / (turned + before * check.direction).norm());
+    memories.push_back(Remember(std::move(memories_[track.origin]), track, now.pyramid[0]));
+    memories.back().parallax = before / (turned + before * check.direction).norm();
     now.observations.push_back(track.observation);
     flows.push_back((track.observation.pixel - last_.observations[track.origin].pixel).norm());
   }
+  memories_ = std::move(memories);
   direction_ = check.direction;
   median_flow_ = Median(std::move(flows));
 }
@@ -247,7 +281,7 @@ void FeatureTracker::AddCorners(TrackedImage& now) {
   ParallaxField field;
   for (size_t i = 0; i < now.observations.size(); ++i) {
     present.push_back(now.observations[i].pixel);
-    field.Add(now.observations[i].bearing, *parallaxes_[i]);
+    field.Add(now.observations[i].bearing, memories_[i].parallax.value());
   }
   const auto stays = [&](const Eigen::Vector2d& pixel) {
     const std::optional<Eigen::Vector3d> bearing = model_.Unproject(pixel);
@@ -259,7 +293,7 @@ void FeatureTracker::AddCorners(TrackedImage& now) {
     const std::optional<FeatureObservation> observation = Observe(next_track_, pixel);
     if (!observation) continue;
     now.observations.push_back(*observation);
-    parallaxes_.push_back(std::nullopt);
+    memories_.push_back({std::nullopt, ReferencePatch::Take(now.pyramid[0], pixel)});
     ++next_track_;
     ++statistics_.tracks_started;
   }

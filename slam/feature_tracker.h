@@ -11,6 +11,7 @@
 #include "slam/epipolar_check.h"
 #include "slam/feature_track.h"
 #include "slam/own_body_map.h"
+#include "slam/reference_patch.h"
 #include "slam/tracked_image.h"
 
 namespace parkade {
@@ -54,8 +55,9 @@ struct FeatureTrackerStatistics {
 
 /// Follows corners through the images of ONE camera: pyramidal Lucas-Kanade on
 /// locally normalised images, started where the predicted rotation moves each
-/// corner through the lens model, forward-backward check, epipolar check with
-/// the predicted rotation, and new corners where the image is empty.
+/// corner through the lens model, forward-backward check, sub-pixel alignment with
+/// the track's first look, epipolar check with the predicted rotation, and new
+/// corners where the image is empty.
 ///
 /// J.-Y. Bouguet, "Pyramidal implementation of the affine Lucas Kanade feature
 /// tracker", 2001; J. Shi, C. Tomasi, "Good features to track", CVPR 1994.
@@ -87,6 +89,14 @@ class FeatureTracker {
     size_t origin = 0;  ///< index into last_.observations
     FeatureObservation observation;
     BearingPair pair;
+    std::optional<Eigen::Matrix2d> image_from_reference;  ///< where it still looks like its reference
+  };
+
+  /// What is remembered of a track beside its last observation.
+  struct Memory {
+    std::optional<double> parallax;  ///< in the step into last_; none: new
+    std::optional<ReferencePatch> reference;
+    Eigen::Matrix2d image_from_reference = Eigen::Matrix2d::Identity();
   };
 
   bool IsUsable(const cv::Mat& gray);
@@ -96,6 +106,8 @@ class FeatureTracker {
   void LearnOwnBody(const std::vector<Found>& found, const EpipolarCheck& check);
   std::vector<Found> Retry(const TrackedImage& now, const std::vector<Found>& found, const EpipolarCheck& check) const;
   void Keep(std::vector<Found> found, const EpipolarCheck& check, TrackedImage& now);
+  Found Refine(const cv::Mat& image, size_t origin, const Eigen::Vector2d& pixel) const;
+  static Memory Remember(Memory memory, const Found& track, const cv::Mat& image);
   void AddCorners(TrackedImage& now);
   std::optional<FeatureObservation> Observe(std::int64_t track, const Eigen::Vector2d& pixel) const;
 
@@ -107,11 +119,11 @@ class FeatureTracker {
   CornerDetector detector_;
   OwnBodyMap own_body_;
   TrackedImage last_;
-  std::vector<std::optional<double>> parallaxes_;         ///< of each track of last_ in the step into last_; none: new
-  Eigen::Vector3d direction_ = Eigen::Vector3d::UnitZ();  ///< of that step, see EpipolarCheck
-  double last_seconds_ = 0;                               ///< of that step
-  cv::Mat last_gray_;                                     ///< as recorded, to recognise a repeated image
-  double median_flow_ = 0;                                ///< [px] into last_
+  std::vector<Memory> memories_;                                 ///< one per observation of last_
+  Eigen::Vector3d direction_ = Eigen::Vector3d::UnitZ();         ///< of the step into last_, see EpipolarCheck
+  double last_seconds_ = 0;                                      ///< of that step
+  cv::Mat last_gray_;                                            ///< as recorded, to recognise a repeated image
+  double median_flow_ = 0;                                       ///< [px] into last_
   Eigen::Matrix3d now_from_last_ = Eigen::Matrix3d::Identity();  ///< since last_, over skipped frames
   std::int64_t next_track_ = 0;
   FeatureTrackerStatistics statistics_;
