@@ -85,7 +85,8 @@ class EurocStreamReader {
 
 class EurocStream : public MessageStream {
  public:
-  EurocStream(const EurocSource& source, const std::vector<bool>& wanted) : topics_(source.topics()) {
+  EurocStream(const EurocSource& source, const std::vector<bool>& wanted)
+      : topics_(source.topics()), archive_damage_(source.archive_damage()) {
     for (std::size_t i = 0; i < topics_.size(); ++i)
       if (wanted[i])
         readers_.push_back(std::make_unique<EurocStreamReader>(
@@ -108,6 +109,10 @@ class EurocStream : public MessageStream {
  private:
   void ReportDamage() {
     damage_ = {};
+    if (!archive_damage_.empty()) {
+      damage_.ranges.push_back({"the archive cannot be read to its end: " + archive_damage_, "", {}, 0});
+      damage_.is_truncated = true;
+    }
     for (const auto& reader : readers_) {
       if (reader->num_bad_lines() == 0) continue;
       const std::string& topic = topics_[static_cast<std::size_t>(reader->topic())].topic;
@@ -119,6 +124,7 @@ class EurocStream : public MessageStream {
   }
 
   std::vector<TopicInfo> topics_;
+  std::string archive_damage_;
   std::vector<std::unique_ptr<EurocStreamReader>> readers_;
   DamageReport damage_;
 };
@@ -159,6 +165,12 @@ EurocSource::EurocSource(const fs::path& folder) : folder_(folder) {
   }
   Require(!topics_.empty(), ErrorCode::kInvalidInput,
           folder.filename().string() + " holds no EuRoC stream (imu0/data.csv, cam0/data.csv)");
+}
+
+EurocSource::EurocSource(std::shared_ptr<const TemporaryFolder> unpacked, const std::string& damage)
+    : EurocSource(unpacked->path()) {
+  unpacked_ = std::move(unpacked);
+  archive_damage_ = damage;
 }
 
 std::unique_ptr<MessageStream> EurocSource::Read(const std::vector<bool>& wanted) const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/ingest/raw_message.h"
+#include "server/ingest/temporary_folder.h"
 
 namespace parkade {
 
@@ -22,13 +23,19 @@ class EurocSource : public MessageSource {
   /// `folder` as FindEurocFolder gives it. Throws Error{kInvalidInput} when it holds no stream.
   explicit EurocSource(const std::filesystem::path& folder);
 
+  /// A folder that was unpacked from an archive, whose `damage` (one phrase, or empty) every pass reports.
+  EurocSource(std::shared_ptr<const TemporaryFolder> unpacked, const std::string& damage);
+
   const std::vector<TopicInfo>& topics() const override { return topics_; }
-  std::string format() const override { return "EuRoC folder"; }
+  std::string format() const override { return unpacked_ ? "EuRoC archive" : "EuRoC folder"; }
   std::unique_ptr<MessageStream> Read(const std::vector<bool>& wanted) const override;
 
   const std::filesystem::path& folder() const { return folder_; }
+  const std::string& archive_damage() const { return archive_damage_; }
 
  private:
+  std::shared_ptr<const TemporaryFolder> unpacked_;
+  std::string archive_damage_;
   std::filesystem::path folder_;
   std::vector<TopicInfo> topics_;
 };

@@ -1,6 +1,9 @@
 #include "server/ingest/image_decoding.h"
 
+#include <zlib.h>
+
 #include <bit>
+#include <cstring>
 #include <fstream>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
@@ -92,12 +95,28 @@ std::uint32_t BigEndian32(std::span<const std::uint8_t> data) {
   return std::uint32_t{data[0]} << 24 | std::uint32_t{data[1]} << 16 | std::uint32_t{data[2]} << 8 | data[3];
 }
 
+/// True when every chunk is whole by its checksum, up to the last. Spares libpng the damaged ones, about which it talks
+/// on stderr.
+bool HasWholeChunks(std::span<const std::uint8_t> data) {
+  constexpr std::size_t kSignatureSize = 8, kOverhead = 12;  // length, type, checksum
+  for (data = data.subspan(kSignatureSize); data.size() >= kOverhead;) {
+    const std::size_t size = BigEndian32(data);
+    if (size > data.size() - kOverhead) return false;
+    const auto* type = data.data() + 4;
+    if (crc32(0, type, static_cast<uInt>(size + 4)) != BigEndian32(data.subspan(8 + size))) return false;
+    if (std::memcmp(type, "IEND", 4) == 0) return true;
+    data = data.subspan(size + kOverhead);
+  }
+  return false;
+}
+
 /// The size stands in the header: a small file that claims a huge image is refused before anything is unpacked.
 DecodedImage DecodePng(std::span<const std::uint8_t> data, const ImageRequest& request) {
   constexpr std::uint32_t kMaxSide = 1 << 16;
   const std::uint32_t width = BigEndian32(data.subspan(16)), height = BigEndian32(data.subspan(20));
   if (width > kMaxSide || height > kMaxSide) return Damaged("PNG: impossible size");
   if (auto fault = CheckSize(static_cast<int>(width), static_cast<int>(height), request)) return *fault;
+  if (!HasWholeChunks(data)) return Damaged("PNG: damaged data");
   const cv::Mat encoded(1, static_cast<int>(data.size()), CV_8UC1, const_cast<std::uint8_t*>(data.data()));
   cv::Mat image;
   try {

@@ -5,6 +5,8 @@
 // jpeglib.h needs FILE and size_t from cstdio before it.
 #include <jpeglib.h>
 
+#include "server/ingest/jpeg_check.h"
+
 namespace parkade {
 namespace {
 
@@ -88,6 +90,7 @@ DecodedImage DecodeJpeg(std::span<const std::uint8_t> data, const ImageRequest& 
   DecodedImage decoded;
   decoded.image.create(reader.height(), reader.width(), reader.is_coloured() && !request.grayscale ? CV_8UC3 : CV_8UC1);
   if (!reader.ReadPixels(decoded.image) || reader.num_warnings() > 0) return damaged(reader.message());
+  if (const std::optional<std::string> damage = FindJpegDamage(data)) return damaged(*damage);
   return decoded;
 }
 

@@ -122,6 +122,8 @@ CameraInfoMessage DecodeCameraInfo(std::span<const std::uint8_t> data, MessageEn
     const std::size_t count = reader.ReadCount(sizeof(double));
     for (std::size_t i = 0; i < count; ++i) message.distortion.push_back(reader.template Read<double>());
     message.intrinsic_matrix = ReadDoubles<9>(reader);
+    ReadDoubles<9>(reader);  // rectification
+    message.projection_matrix = ReadDoubles<12>(reader);
     return message;
   });
 }

@@ -50,7 +50,8 @@ struct CameraInfoMessage {
   std::uint32_t width = 0, height = 0;
   std::string distortion_model;
   std::vector<double> distortion;
-  std::array<double, 9> intrinsic_matrix{};  ///< row by row
+  std::array<double, 9> intrinsic_matrix{};    ///< K, row by row
+  std::array<double, 12> projection_matrix{};  ///< P of the rectified image, row by row
 };
 
 struct TransformMessage {

@@ -6,7 +6,9 @@
 #include "server/ingest/euroc_rig.h"
 #include "server/ingest/euroc_source.h"
 #include "server/ingest/log_survey.h"
+#include "server/ingest/open_log_source.h"
 #include "server/ingest/recorded_drive_parts.h"
+#include "server/ingest/rig_discovery.h"
 #include "server/ingest/stream_selection.h"
 
 namespace parkade {
@@ -49,21 +51,29 @@ int DecodeThreads(const OpenLogOptions& options) {
 
 }  // namespace
 
+Rig FindRig(const MessageSource& source, const fs::path& rig_folder) {
+  if (!rig_folder.empty()) return ReadRig(rig_folder);
+  if (const auto* euroc = dynamic_cast<const EurocSource*>(&source)) return ReadEurocRig(euroc->folder());
+  return DiscoverRig(source);
+}
+
 std::unique_ptr<RecordedDrive> OpenDriveLog(const fs::path& log, const OpenLogOptions& options) {
-  Require(fs::exists(log), ErrorCode::kNotFound, "there is no log " + log.filename().string());
+  return OpenDriveLog(OpenLogSource(log, options.scratch_folder), log, options);
+}
+
+std::unique_ptr<RecordedDrive> OpenDriveLog(std::shared_ptr<const MessageSource> source, const fs::path& name,
+                                            const OpenLogOptions& options) {
   auto parts = std::make_shared<RecordedDriveParts>();
-  const std::optional<fs::path> euroc = fs::is_directory(log) ? FindEurocFolder(log) : std::nullopt;
-  Require(euroc.has_value(), ErrorCode::kInvalidInput, log.filename().string() + " is not a drive log");
-  parts->source = std::make_shared<EurocSource>(*euroc);
-  Rig rig = options.rig_folder.empty() ? ReadEurocRig(*euroc) : ReadRig(options.rig_folder);
-  parts->rig = WithCameras(std::move(rig), options.cameras);
-  parts->name = DriveName(log);
+  parts->source = std::move(source);
+  parts->rig = WithCameras(FindRig(*parts->source, options.rig_folder), options.cameras);
+  parts->name = DriveName(name);
   parts->num_decode_threads = DecodeThreads(options);
   StreamSelection selection = SelectStreams(*parts->source, parts->rig, options.use_wheels, options.use_gnss);
   parts->survey = SurveyLog(*parts->source, std::move(selection.streams), parts->rig);
   parts->health = {parts->survey.health, parts->survey.damage, std::move(selection.warnings)};
   for (const std::string& warning : parts->survey.warnings) parts->health.warnings.push_back(warning);
-  for (const std::string& warning : parts->health.warnings) LogWarning(parts->name + ": " + warning);
+  for (const std::string& warning : parts->health.warnings)
+    if (options.warn) LogWarning(parts->name + ": " + warning);
   return std::make_unique<RecordedDrive>(std::move(parts));
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "server/ingest/raw_message.h"
 #include "server/ingest/recorded_drive.h"
 
 namespace parkade {
@@ -15,6 +16,7 @@ struct OpenLogOptions {
   bool use_wheels = true;
   bool use_gnss = true;
   std::filesystem::path scratch_folder{};  ///< where archives are unpacked; empty: the system's temporary folder
+  bool warn = true;                        ///< log the warnings that health() holds as well
   int num_decode_threads = 0;              ///< per pass; 0: one less than core/parallel uses, between 1 and 4
 };
 
@@ -25,5 +27,13 @@ struct OpenLogOptions {
 /// Throws Error{kInvalidInput} (kNotFound where there is no such file) with one sentence that names what is wrong: not
 /// a log, no IMU, no images, an uncalibrated camera, a rig that does not fit.
 std::unique_ptr<RecordedDrive> OpenDriveLog(const std::filesystem::path& log, const OpenLogOptions& options = {});
+
+/// The same for a log that is open already; `name` may be a file name.
+std::unique_ptr<RecordedDrive> OpenDriveLog(std::shared_ptr<const MessageSource> source,
+                                            const std::filesystem::path& name, const OpenLogOptions& options);
+
+/// The rig in `rig_folder`; where that is empty, the one that came with the log (see euroc_rig.h, rig_discovery.h).
+/// Throws Error{kInvalidInput} naming what is missing.
+Rig FindRig(const MessageSource& source, const std::filesystem::path& rig_folder);
 
 }  // namespace parkade
