@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/trajectory.h"
 #include "mapping/evaluate_surface.h"
+#include "mapping/read_ply.h"
 #include "server/commands/commands.h"
 #include "slam/evaluate_trajectory.h"
 

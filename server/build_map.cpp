@@ -1,0 +1,120 @@
+#include "server/build_map.h"
+
+#include <iterator>
+#include <utility>
+
+#include "core/error.h"
+
+namespace parkade {
+namespace {
+
+std::vector<GnssFix> ReadFixes(const DriveLog& log) {
+  ReadOptions only_gnss;
+  only_gnss.imu = only_gnss.wheels = only_gnss.images = false;
+  std::vector<GnssFix> fixes;
+  const std::unique_ptr<RecordStream> records = log.Read(only_gnss);
+  while (std::optional<SensorRecord> record = records->Next())
+    if (const auto* fix = std::get_if<GnssFix>(&*record)) fixes.push_back(*fix);
+  return fixes;
+}
+
+/// Puts the drive's trajectory and submaps into the site.
+void PlaceOnEarth(const DriveLog& log, const GnssAlignOptions& options, SiteMap& map, DriveOutcome& outcome,
+                  std::vector<Submap>&& submaps) {
+  SiteDrive& drive = map.drives.back();
+  const std::optional<VehicleCalibration>& vehicle = log.rig().vehicle;
+  const Eigen::Vector3d antenna_in_body =
+      vehicle && vehicle->antenna_in_body ? *vehicle->antenna_in_body : Eigen::Vector3d::Zero();
+  outcome.gnss = AlignToGnss(drive.odometry, ReadFixes(log), antenna_in_body, options, map.datum);
+  const bool is_first = map.drives.size() == 1;
+  Require(is_first || (map.datum && outcome.gnss), ErrorCode::kInvalidInput,
+          "drive '" + drive.name + "' cannot be joined with the others: this version joins drives by GNSS, and " +
+              (outcome.gnss ? "the first drive has" : "this one has") + " none that fixes its place");
+  Rigid3 site_from_odom;
+  if (outcome.gnss) {
+    map.datum = outcome.gnss->datum;
+    site_from_odom = outcome.gnss->site_from_odom;
+  }
+  drive.site_from_body_trajectory = drive.odometry.Transformed(site_from_odom);
+  for (Submap& submap : submaps) {
+    const Rigid3 site_from_submap = site_from_odom * submap.odom_from_submap;
+    map.submaps.push_back({std::move(submap), site_from_submap});
+  }
+}
+
+/// What all drives saw of the ground, and where they drove, in the site.
+struct SiteGround {
+  std::vector<PosedGroundPatch> patches;
+  std::vector<DrivenPath> paths;
+};
+
+void ObserveGroundOf(const DriveLog& log, int drive, const GroundOptions& options, BuiltMap& built,
+                     SiteGround& ground) {
+  std::vector<Submap> submaps;
+  for (const PosedSubmap& posed : built.site.submaps)
+    if (posed.submap.drive == drive) submaps.push_back(posed.submap);
+  const SiteDrive& site_drive = built.site.drives[static_cast<size_t>(drive)];
+  GroundObservation seen = ObserveGround(log, site_drive.odometry, submaps, drive, options);
+  built.drives[static_cast<size_t>(drive)].num_ground_images = seen.num_images;
+  std::move(seen.warnings.begin(), seen.warnings.end(), std::back_inserter(built.warnings));
+
+  const Trajectory& site_from_body = site_drive.site_from_body_trajectory;
+  ground.paths.push_back(MakeDrivenPath(drive, site_drive.rig, site_from_body, seen.body_from_ground));
+  for (GroundPatch& patch : seen.patches)
+    if (const std::optional<Rigid3> pose = site_from_body.At(patch.time))
+      ground.patches.push_back({std::move(patch), *pose});
+}
+
+}  // namespace
+
+std::vector<StagePlan> PlanStages(size_t num_drives, bool is_odometry_only) {
+  // Weights are shares of the time that a typical drive takes.
+  const double drives = static_cast<double>(num_drives);
+  std::vector<StagePlan> plan = {{"track", 70 * drives}, {"place on earth", 2 * drives}};
+  if (!is_odometry_only)
+    plan.insert(plan.end(), {{"observe ground", 15 * drives}, {"fuse surface", 5 * drives}, {"mesh", 4 * drives}});
+  plan.push_back({"write", 4});
+  return plan;
+}
+
+BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const MapOptions& options,
+                  const BuildScope& scope, Progress& progress) {
+  BuiltMap built;
+  SiteMap& map = built.site;
+  const auto share_of_drive = [&](size_t i) {
+    return [&progress, i, n = static_cast<double>(logs.size())](double fraction) {
+      progress.Update((static_cast<double>(i) + fraction) / n);
+    };
+  };
+
+  progress.Begin("track");
+  std::vector<OdometryResult> odometry;
+  for (size_t i = 0; i < logs.size(); ++i)
+    odometry.push_back(EstimateTrajectory(*logs[i], options.odometry, share_of_drive(i)));
+
+  progress.Begin("place on earth");
+  for (size_t i = 0; i < logs.size(); ++i) {
+    map.drives.push_back({logs[i]->name(), logs[i]->rig(), odometry[i].odom_from_body, {}});
+    built.drives.push_back({odometry[i].report, {}, odometry[i].keyframes.size(), 0});
+    std::vector<Submap> submaps = CutIntoSubmaps(odometry[i], static_cast<int>(i), options.submaps);
+    PlaceOnEarth(*logs[i], options.gnss, map, built.drives.back(), std::move(submaps));
+  }
+  if (scope.is_odometry_only) return built;
+
+  progress.Begin("observe ground");
+  SiteGround ground;
+  for (size_t i = 0; i < logs.size(); ++i) {
+    ObserveGroundOf(*logs[i], static_cast<int>(i), options.ground, built, ground);
+    share_of_drive(i)(1);
+  }
+
+  progress.Begin("fuse surface");
+  map.surface = FuseSurface(ground.patches, ground.paths, options.surface);
+
+  progress.Begin("mesh");
+  map.mesh = MeshSurface(map.surface, options.mesh);
+  if (map.mesh.empty()) built.warnings.push_back("no ground was found: the map holds trajectories only");
+  return built;
+}
+
+}  // namespace parkade

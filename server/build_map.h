@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/site_map.h"
+#include "server/ingest/recorded_drive.h"
+#include "server/map_options.h"
+#include "server/progress.h"
+
+namespace parkade {
+
+/// What is known about one drive of a map beyond the map itself.
+struct DriveOutcome {
+  OdometryReport odometry;
+  std::optional<GnssAlignment> gnss;
+  size_t num_keyframes = 0;
+  int num_ground_images = 0;
+};
+
+/// A map and how it came about.
+struct BuiltMap {
+  SiteMap site;
+  std::vector<DriveOutcome> drives;   ///< as SiteMap::drives
+  std::vector<std::string> warnings;  ///< one sentence each
+};
+
+/// The stages that BuildMap goes through, for Progress.
+std::vector<StagePlan> PlanStages(size_t num_drives, bool is_odometry_only);
+
+/// How much of the way to go.
+struct BuildScope {
+  bool is_odometry_only = false;  ///< trajectories, no surface
+};
+
+/// The program: recorded drives of one place in, one map out.
+///
+/// Drives come together through GNSS: each is laid into the tangent plane at the
+/// first one's datum. Throws Error{kInvalidInput} when several drives are given
+/// and one of them cannot be placed on Earth, and what the stages throw.
+BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const MapOptions& options,
+                  const BuildScope& scope, Progress& progress);
+
+}  // namespace parkade

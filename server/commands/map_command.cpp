@@ -1,0 +1,140 @@
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "core/options_json.h"
+#include "core/parallel.h"
+#include "export/write_site_map.h"
+#include "server/build_map.h"
+#include "server/commands/commands.h"
+#include "server/ingest/open_drive_log.h"
+#include "server/output_folder.h"
+#include "server/report.h"
+#include "server/write_calibration.h"
+
+namespace parkade {
+namespace {
+
+struct MapArguments {
+  std::vector<std::string> logs;
+  std::string rig, out, progress_file, cameras;
+  std::vector<std::string> settings;
+  bool no_wheel = false, no_gnss = false, is_odometry_only = false;
+  bool print_options = false, is_quiet = false;
+  int num_threads = 0;
+};
+
+std::vector<std::string> SplitAtCommas(const std::string& text) {
+  std::vector<std::string> parts;
+  for (size_t begin = 0; begin < text.size();) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    if (end > begin) parts.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+std::vector<std::unique_ptr<RecordedDrive>> OpenLogs(const MapArguments& arguments) {
+  OpenLogOptions options;
+  options.rig_folder = arguments.rig;
+  options.cameras = SplitAtCommas(arguments.cameras);
+  options.use_wheels = !arguments.no_wheel;
+  options.use_gnss = !arguments.no_gnss;
+  std::vector<std::unique_ptr<RecordedDrive>> drives;
+  std::set<std::string> names;
+  for (const std::string& log : arguments.logs) {
+    drives.push_back(OpenDriveLog(log, options));
+    Require(names.insert(drives.back()->name()).second, ErrorCode::kInvalidInput,
+            "two of the logs are called '" + drives.back()->name() + "'; a drive's name is that of its file");
+  }
+  return drives;
+}
+
+void WriteProducts(const std::vector<std::unique_ptr<RecordedDrive>>& drives, const BuiltMap& built,
+                   const MapOptions& options, Progress& progress, const std::filesystem::path& folder) {
+  progress.Begin("write");
+  WriteSiteMap(built.site, folder);
+  for (const SiteDrive& drive : built.site.drives)
+    WriteCalibration(drive.rig, folder / drive.name / "calibration.yaml");
+  progress.Finish();
+  WriteReport(built, drives, options, progress.timings(), folder / "report.json");
+}
+
+void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Progress& progress) {
+  OutputFolder output(arguments.out);
+  const std::vector<std::unique_ptr<RecordedDrive>> drives = OpenLogs(arguments);
+  const BuiltMap built = BuildMap(drives, options, {arguments.is_odometry_only}, progress);
+  WriteProducts(drives, built, options, progress, output.staging());
+  output.Commit();
+  for (const std::string& warning : built.warnings) LogWarning(warning);
+}
+
+const char* CodeOf(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kInvalidInput:
+    case ErrorCode::kNotFound: return "invalid_input";
+    case ErrorCode::kUsage: return "usage";
+    case ErrorCode::kDiskFull: return "disk_full";
+    case ErrorCode::kConflict:
+    case ErrorCode::kInternal: return "internal";
+  }
+  return "internal";
+}
+
+int RunMap(const MapArguments& arguments) {
+  MapOptions options;
+  for (const std::string& setting : arguments.settings) SetOption(setting, options);
+  if (arguments.print_options) {
+    std::printf("%s\n", OptionsToJson(options).dump(2).c_str());
+    return 0;
+  }
+  Require(!arguments.logs.empty(), ErrorCode::kUsage, "map needs at least one drive log");
+  Require(!arguments.out.empty(), ErrorCode::kUsage, "map needs --out DIR");
+  if (arguments.num_threads > 0) SetNumThreads(arguments.num_threads);
+  const bool is_terminal = ::isatty(STDERR_FILENO) != 0;
+  if (arguments.is_quiet || is_terminal) SetLogLevel(LogLevel::kWarning);
+
+  Progress::Outputs outputs;
+  outputs.terminal = is_terminal && !arguments.is_quiet;
+  if (!arguments.progress_file.empty()) outputs.file = arguments.progress_file;
+  Progress progress(PlanStages(arguments.logs.size(), arguments.is_odometry_only), outputs);
+  try {
+    BuildAndWrite(arguments, options, progress);
+  } catch (const Error& error) {
+    progress.Fail(error.what(), CodeOf(error.code()));
+    throw;
+  }
+  return 0;
+}
+
+}  // namespace
+
+void AddMapCommand(CLI::App& app, Action& action) {
+  const auto arguments = std::make_shared<MapArguments>();
+  CLI::App* command = app.add_subcommand("map", "Build one map from one or more drives of one place");
+  command->add_option("LOG", arguments->logs, "ROS 1 bag, MCAP, rosbag2, EuRoC folder or archive of one");
+  command->add_option("--rig", arguments->rig, "folder with camchain-imucam.yaml, imu0.yaml and vehicle.yaml");
+  command->add_option("--out", arguments->out, "folder for the map; made where missing");
+  command->add_option("--cameras", arguments->cameras, "use these cameras only: cam0,cam2");
+  command->add_flag("--no-wheel", arguments->no_wheel, "leave wheel odometry out");
+  command->add_flag("--no-gnss", arguments->no_gnss, "leave GNSS out");
+  command->add_flag("--odometry-only", arguments->is_odometry_only, "trajectories, no surface");
+  command->add_option("--set", arguments->settings, "stage.option=value; --print-options lists them");
+  command->add_flag("--print-options", arguments->print_options, "print all options as JSON and end");
+  command->add_option("--threads", arguments->num_threads, "threads to use; default: all cores")
+      ->check(CLI::Range(1, 1024));
+  command->add_flag("--quiet", arguments->is_quiet, "warnings and errors only");
+  command->add_option("--progress-file", arguments->progress_file, "append progress as lines of JSON");
+  command->callback([arguments, &action] { action = [arguments] { return RunMap(*arguments); }; });
+}
+
+}  // namespace parkade

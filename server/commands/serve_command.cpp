@@ -1,0 +1,56 @@
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/rig.h"
+#include "server/commands/commands.h"
+#include "server/http/serve.h"
+#include "server/ingest/sniff_log.h"
+
+namespace parkade {
+namespace {
+
+std::filesystem::path ThisProgram() { return std::filesystem::read_symlink("/proc/self/exe"); }
+
+/// The viewer beside an installed program, or that of the source tree.
+std::filesystem::path FindWebRoot() {
+  const std::filesystem::path installed = ThisProgram().parent_path() / "../share/parkade/web";
+  return std::filesystem::exists(installed / "index.html") ? installed : std::filesystem::path(PARKADE_WEB_ROOT);
+}
+
+/// `parkade map` as the worker of one attempt.
+std::vector<std::string> WorkerCommand(const JobSpec& spec) {
+  std::vector<std::string> command = {ThisProgram(), "map"};
+  command.insert(command.end(), spec.logs.begin(), spec.logs.end());
+  if (spec.rig) command.insert(command.end(), {"--rig", *spec.rig});
+  command.insert(command.end(), {"--out", spec.out, "--progress-file", spec.progress});
+  return command;
+}
+
+}  // namespace
+
+void AddServeCommand(CLI::App& app, Action& action) {
+  const auto options = std::make_shared<ServeOptions>();
+  CLI::App* command = app.add_subcommand("serve", "Run the service: uploads, jobs, maps, viewer");
+  command->add_option("--data", options->data, "folder for everything the service keeps")->capture_default_str();
+  command->add_option("--listen", options->listen, "HOST:PORT; port 0 takes a free one")->capture_default_str();
+  command->add_flag("--allow-public", options->allow_public,
+                    "listen on other than loopback addresses: anyone who reaches them may upload and delete");
+  command->add_option("--web", options->web_root, "folder of the built viewer");
+  command->add_option("--workers", options->num_workers, "jobs at a time")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 64));
+  command->callback([options, &action] {
+    action = [options] {
+      if (options->web_root.empty()) options->web_root = FindWebRoot();
+      options->job_command = WorkerCommand;
+      options->check_log = CheckLooksLikeLog;
+      options->check_rig = [](const std::filesystem::path& folder) { ReadRig(folder); };
+      return Serve(*options);
+    };
+  });
+}
+
+}  // namespace parkade

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "mapping/fuse_surface.h"
+#include "mapping/mesh_surface.h"
+#include "mapping/observe_ground.h"
+#include "slam/align_to_gnss.h"
+#include "slam/cut_into_submaps.h"
+#include "slam/estimate_trajectory.h"
+
+namespace parkade {
+
+/// Everything that can be set about a map, stage by stage: `--set odometry.max_iterations=6`.
+struct MapOptions {
+  OdometryOptions odometry;
+  SubmapOptions submaps;
+  GnssAlignOptions gnss;
+  GroundOptions ground;
+  SurfaceOptions surface;
+  MeshOptions mesh;
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("odometry", odometry);
+    visit("submaps", submaps);
+    visit("gnss", gnss);
+    visit("ground", ground);
+    visit("surface", surface);
+    visit("mesh", mesh);
+  }
+};
+
+}  // namespace parkade

@@ -1,0 +1,40 @@
+#include "server/output_folder.h"
+
+#include <unistd.h>
+
+#include <string>
+
+#include "core/error.h"
+
+namespace parkade {
+
+namespace fs = std::filesystem;
+
+OutputFolder::OutputFolder(const fs::path& folder) : folder_(folder) {
+  std::error_code error;
+  is_made_here_ = !fs::exists(folder_, error);
+  fs::create_directories(folder_, error);
+  Require(fs::is_directory(folder_), ErrorCode::kInvalidInput,
+          "cannot make the folder '" + folder_.string() + "'" + (error ? ": " + error.message() : ""));
+  staging_ = folder_ / (".staging." + std::to_string(::getpid()));
+  fs::remove_all(staging_, error);
+  fs::create_directory(staging_, error);
+  Require(!error, ErrorCode::kInvalidInput, "cannot write into '" + folder_.string() + "': " + error.message());
+}
+
+OutputFolder::~OutputFolder() {
+  std::error_code ignored;
+  fs::remove_all(staging_, ignored);
+  if (is_made_here_) fs::remove(folder_, ignored);  // only succeeds while empty
+}
+
+void OutputFolder::Commit() {
+  for (const fs::directory_entry& entry : fs::directory_iterator(staging_)) {
+    const fs::path target = folder_ / entry.path().filename();
+    // A folder cannot be renamed onto one that has files.
+    if (entry.is_directory()) fs::remove_all(target);
+    fs::rename(entry.path(), target);
+  }
+}
+
+}  // namespace parkade

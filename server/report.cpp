@@ -1,0 +1,101 @@
+#include "server/report.h"
+
+#include <sys/resource.h>
+
+#include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/options_json.h"
+#include "server/version.h"
+
+namespace parkade {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json NumbersOf(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
+/// Of this process, the workers of core/parallel included.
+std::int64_t PeakMemoryBytes() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return std::int64_t{1024} * usage.ru_maxrss;  // Linux counts KiB
+}
+
+Json GnssToJson(const std::optional<GnssAlignment>& gnss) {
+  if (!gnss) return nullptr;
+  return {{"num_fixes", gnss->num_fixes},
+          {"num_inliers", gnss->num_inliers},
+          {"extent", gnss->extent},
+          {"yaw_sigma", gnss->YawSigma()},
+          {"horizontal_rmse", gnss->horizontal_rmse},
+          {"vertical_rmse", gnss->vertical_rmse},
+          {"cep50", gnss->cep50},
+          {"cep95", gnss->cep95}};
+}
+
+Json DriveToJson(const SiteDrive& drive, const DriveOutcome& outcome, const RecordedDrive& log) {
+  const nlohmann::json health = HealthToJson(log.health());
+  return {{"name", drive.name},
+          {"length", drive.odometry.Length()},
+          {"duration", drive.odometry.span().Seconds()},
+          {"num_cameras", drive.rig.cameras.size()},
+          {"num_keyframes", outcome.num_keyframes},
+          {"num_ground_images", outcome.num_ground_images},
+          {"streams", health.value("streams", nlohmann::json::array())},
+          {"health", health},
+          {"odometry", ToJson(outcome.odometry)},
+          {"gnss", GnssToJson(outcome.gnss)}};
+}
+
+Json MapToJson(const SiteMap& map) {
+  size_t num_free = 0;
+  for (const SurfaceCell& cell : map.surface.cells) num_free += cell.free_belief > 0.5F;
+  const double cell_area = map.surface.cell_size * map.surface.cell_size;
+  return {{"ground_area", SurfaceArea(map.mesh)},
+          {"free_cell_area", static_cast<double>(num_free) * cell_area},
+          {"num_cells", map.surface.cells.size()},
+          {"num_vertices", map.mesh.vertices.size()},
+          {"num_triangles", map.mesh.triangles.size()}};
+}
+
+/// Of the ground and the trajectories.
+Eigen::AlignedBox3d BoundsOf(const SiteMap& map) {
+  Eigen::AlignedBox3d bounds;
+  for (const Eigen::Vector3f& vertex : map.mesh.vertices) bounds.extend(map.mesh.origin + vertex.cast<double>());
+  for (const SiteDrive& drive : map.drives)
+    for (const TrajectoryState& state : drive.site_from_body_trajectory.states())
+      bounds.extend(state.odom_from_body.translation);
+  return bounds;
+}
+
+}  // namespace
+
+void WriteReport(const BuiltMap& built, const std::vector<std::unique_ptr<RecordedDrive>>& logs,
+                 const MapOptions& options, const std::vector<StageTiming>& timings,
+                 const std::filesystem::path& file) {
+  const SiteMap& map = built.site;
+  Json report;
+  report["version"] = kVersion;
+  report["options"] = OptionsToJson(options);
+  for (const StageTiming& timing : timings)
+    report["stages"].push_back({{"name", timing.name}, {"seconds", timing.seconds}});
+  report["peak_memory_bytes"] = PeakMemoryBytes();
+  report["datum"] = nullptr;
+  if (map.datum) {
+    report["datum"] = {{"latitude_deg", map.datum->latitude_deg},
+                       {"longitude_deg", map.datum->longitude_deg},
+                       {"altitude", map.datum->altitude}};
+  }
+  const Eigen::AlignedBox3d bounds = BoundsOf(map);
+  report["bounds"] = {{"min", NumbersOf(bounds.min())}, {"max", NumbersOf(bounds.max())}};
+  for (size_t i = 0; i < map.drives.size(); ++i)
+    report["drives"].push_back(DriveToJson(map.drives[i], built.drives[i], *logs[i]));
+  report["map"] = MapToJson(map);
+  report["warnings"] = built.warnings;
+  // Names of topics come from the log and may hold any bytes.
+  WriteFileAtomically(file, report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace parkade

@@ -1,0 +1,77 @@
+// One drive in, one map out, through the front door: simulates a short drive,
+// starts the service, uploads with curl, waits for the map, checks what is
+// served, and drives the viewer in Chromium.
+//   node service_test.mjs PARKADE PARKADE_SIMULATE WORK_FOLDER
+import assert from 'node:assert/strict';
+import { execFileSync, spawn } from 'node:child_process';
+import { existsSync, mkdirSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
+import path from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+const [parkade, simulate, work] = process.argv.slice(2);
+const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), '../..');
+const at = (name) => path.join(work, name);
+const run = (program, ...args) => execFileSync(program, args, { encoding: 'utf8', stdio: ['ignore', 'pipe', 'inherit'] });
+
+async function until(what, seconds, probe) {
+  for (const end = Date.now() + 1000 * seconds; Date.now() < end; ) {
+    const found = await probe();
+    if (found) return found;
+    await new Promise((resolve) => setTimeout(resolve, 200));
+  }
+  throw new Error(`${what}: not within ${seconds} s`);
+}
+
+async function startService() {
+  const service = spawn(parkade, ['serve', '--data', at('data'), '--listen', '127.0.0.1:0'], { stdio: ['ignore', 'ignore', 'pipe'] });
+  let log = '';
+  service.stderr.on('data', (text) => (log += text));
+  const address = await until('the service listens', 10, () => {
+    assert.equal(service.exitCode, null, log);
+    return /listening on (http:\/\/[\d.:]+)/.exec(log)?.[1];
+  });
+  return { service, address };
+}
+
+async function json(address, route) {
+  const response = await fetch(address + route);
+  assert.equal(response.status, 200, `${route}: ${response.status}`);
+  return response.json();
+}
+
+rmSync(work, { recursive: true, force: true });
+mkdirSync(work, { recursive: true });
+run(simulate, 'lot', '--seed', '5', '--duration', '12', '--rate', '5', '--size', '480x300', '--out', at('drive.mcap'),
+  '--rig-out', at('rig'), '--truth-out', at('truth'));
+
+const { service, address } = await startService();
+try {
+  const parts = readdirSync(at('rig')).flatMap((name) => ['-F', `${name}=@${at('rig')}/${name}`]);
+  run('curl', '-fsS', '-X', 'PUT', `${address}/api/v1/rigs/car`, ...parts);
+
+  writeFileSync(at('not_a_log.mcap'), 'this is a shopping list');
+  const refused = await fetch(`${address}/api/v1/drives?filename=not_a_log.mcap`, { method: 'PUT', body: 'this is a shopping list' });
+  assert.equal(refused.status, 400);
+  assert.equal(refused.headers.get('content-type'), 'application/problem+json');
+
+  const accepted = JSON.parse(run('curl', '-fsS', '-T', at('drive.mcap'), `${address}/api/v1/drives?filename=drive.mcap&site=yard&rig=car`));
+  const job = await until('the job ends', 400, async () => {
+    const found = await json(address, `/api/v1/jobs/${accepted.job.id}`);
+    return ['done', 'failed', 'cancelled'].includes(found.state) && found;
+  });
+  assert.equal(job.state, 'done', job.error);
+  assert.equal((await json(address, `/api/v1/drives/${accepted.drive.id}`)).state, 'ready');
+
+  mkdirSync(at('served'));
+  for (const name of ['map.glb', 'map_plain.glb', 'ground.ply', 'report.json'])
+    run('curl', '-fsSL', '-o', at(`served/${name}`), `${address}/api/v1/sites/yard/maps/latest/${name}`);
+  console.log(run('python3', path.join(root, 'scripts/check_map.py'), at('served')));
+
+  if (existsSync(process.env.CHROMIUM ?? '/usr/bin/chromium'))
+    console.log(run('node', path.join(root, 'web/browser_test.mjs'), `${address}/`, at('viewer.png')));
+  else console.log('no Chromium here: the viewer was not driven');
+} finally {
+  service.kill('SIGTERM');
+  await until('the service stops', 20, () => service.exitCode !== null);
+}
+assert.equal(service.exitCode, 0);
