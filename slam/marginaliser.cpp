@@ -1,0 +1,115 @@
+#include "slam/marginaliser.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <optional>
+
+namespace parkade {
+namespace {
+
+using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+struct Evaluated {
+  std::vector<RowMajorMatrix> jacobians;  // by the blocks' tangents
+  Eigen::VectorXd residual;
+};
+
+// Residual and Jacobians, both scaled by the root of the loss' slope: the
+// Gauss-Newton part of Triggs' correction, which keeps the system definite.
+std::optional<Evaluated> Evaluate(const LinearisableBlock& block) {
+  Evaluated result;
+  result.residual.resize(block.cost->num_residuals());
+  std::vector<RowMajorMatrix> full;
+  std::vector<double*> pointers;
+  for (const int size : block.cost->parameter_block_sizes()) full.emplace_back(block.cost->num_residuals(), size);
+  for (RowMajorMatrix& jacobian : full) pointers.push_back(jacobian.data());
+  if (!block.cost->Evaluate(block.parameters.data(), result.residual.data(), pointers.data())) return std::nullopt;
+  double scale = 1;
+  if (block.loss) {
+    double rho[3];
+    block.loss->Evaluate(result.residual.squaredNorm(), rho);
+    scale = std::sqrt(rho[1]);
+  }
+  result.residual *= scale;
+  for (size_t i = 0; i < full.size(); ++i) result.jacobians.push_back(scale * full[i].leftCols(block.tangent_sizes[i]));
+  const bool is_finite =
+      result.residual.allFinite() && std::all_of(result.jacobians.begin(), result.jacobians.end(),
+                                                 [](const RowMajorMatrix& jacobian) { return jacobian.allFinite(); });
+  if (!is_finite) return std::nullopt;
+  return result;
+}
+
+}  // namespace
+
+Marginaliser::Marginaliser(int num_dropped, int num_kept) : num_dropped_(num_dropped), num_kept_(num_kept) {}
+
+bool Marginaliser::Add(const LinearisableBlock& block) {
+  const std::optional<Evaluated> evaluated = Evaluate(block);
+  if (!evaluated) return false;
+  int width = 0;
+  for (const int size : block.tangent_sizes) width += size;
+  Rows rows{{}, Eigen::MatrixXd(evaluated->residual.size(), width + 1)};
+  for (size_t i = 0, at = 0; i < evaluated->jacobians.size(); ++i) {
+    const auto size = static_cast<size_t>(block.tangent_sizes[i]);
+    rows.matrix.middleCols(static_cast<Eigen::Index>(at), block.tangent_sizes[i]) = evaluated->jacobians[i];
+    for (int k = 0; k < block.tangent_sizes[i]; ++k) rows.columns.push_back(block.columns[i] + k);
+    at += size;
+  }
+  rows.matrix.rightCols<1>() = evaluated->residual;
+  rows_.push_back(std::move(rows));
+  return true;
+}
+
+bool Marginaliser::AddLandmark(std::span<const LinearisableBlock> observations) {
+  // Dense rows over the columns that this landmark touches, its own first.
+  Rows rows;
+  for (const LinearisableBlock& block : observations)
+    for (size_t i = 0; i + 1 < block.columns.size(); ++i)
+      for (int k = 0; k < block.tangent_sizes[i]; ++k) rows.columns.push_back(block.columns[i] + k);
+  std::sort(rows.columns.begin(), rows.columns.end());
+  rows.columns.erase(std::unique(rows.columns.begin(), rows.columns.end()), rows.columns.end());
+  constexpr Eigen::Index kOwn = 3;
+  const auto width = static_cast<Eigen::Index>(rows.columns.size());
+  Eigen::MatrixXd stacked = Eigen::MatrixXd::Zero(2 * static_cast<Eigen::Index>(observations.size()), kOwn + width + 1);
+  if (stacked.rows() <= kOwn) return false;
+  Eigen::Index row = 0;
+  for (const LinearisableBlock& block : observations) {
+    const std::optional<Evaluated> evaluated = Evaluate(block);
+    if (!evaluated) return false;
+    stacked.block<2, kOwn>(row, 0) = evaluated->jacobians.back();
+    for (size_t i = 0; i + 1 < block.columns.size(); ++i) {
+      const auto found = std::lower_bound(rows.columns.begin(), rows.columns.end(), block.columns[i]);
+      stacked.block(row, kOwn + (found - rows.columns.begin()), 2, block.tangent_sizes[i]) = evaluated->jacobians[i];
+    }
+    stacked.block<2, 1>(row, kOwn + width) = evaluated->residual;
+    row += 2;
+  }
+  // Rotate the landmark's three columns into the first three rows and leave those.
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(stacked.leftCols(kOwn));
+  stacked.applyOnTheLeft(qr.householderQ().adjoint());
+  rows.matrix = stacked.bottomRightCorner(stacked.rows() - kOwn, width + 1);
+  rows_.push_back(std::move(rows));
+  return true;
+}
+
+Marginaliser::Result Marginaliser::Finish() const {
+  const Eigen::Index width = num_dropped_ + num_kept_;
+  Eigen::Index height = 0;
+  for (const Rows& rows : rows_) height += rows.matrix.rows();
+  Eigen::MatrixXd stacked = Eigen::MatrixXd::Zero(std::max(height, width + 1), width + 1);
+  Eigen::Index row = 0;
+  for (const Rows& rows : rows_) {
+    for (size_t c = 0; c < rows.columns.size(); ++c)
+      stacked.block(row, rows.columns[c], rows.matrix.rows(), 1) = rows.matrix.col(static_cast<Eigen::Index>(c));
+    stacked.block(row, width, rows.matrix.rows(), 1) = rows.matrix.rightCols<1>();
+    row += rows.matrix.rows();
+  }
+  const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(stacked);
+  Result result;
+  result.sqrt_information =
+      stacked.block(num_dropped_, num_dropped_, num_kept_, num_kept_).triangularView<Eigen::Upper>();
+  result.offset = stacked.block(num_dropped_, width, num_kept_, 1);
+  return result;
+}
+
+}  // namespace parkade

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <ceres/cost_function.h>
+#include <ceres/loss_function.h>
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+namespace parkade {
+
+/// A residual block with the parameters to linearise it at. `columns` holds, per
+/// parameter block, the first column of its tangent in the system; the tangent
+/// is the first `tangent_sizes` columns of the block's Jacobian (identity lift).
+struct LinearisableBlock {
+  const ceres::CostFunction* cost = nullptr;
+  const ceres::LossFunction* loss = nullptr;  ///< null: none
+  std::vector<const double*> parameters;
+  std::vector<int> columns;
+  std::vector<int> tangent_sizes;
+};
+
+/// Turns residual blocks into a prior on the columns that stay, by Householder
+/// QR of the stacked Jacobian: never squares it as a Hessian would.
+/// N. Demmel et al., "Square Root Marginalization for Sliding-Window Bundle
+/// Adjustment", ICCV 2021.
+class Marginaliser {
+ public:
+  /// A system of `num_dropped` + `num_kept` columns, the dropped ones first.
+  Marginaliser(int num_dropped, int num_kept);
+
+  /// Returns false, adding nothing, when the block cannot be evaluated.
+  bool Add(const LinearisableBlock& block);
+
+  /// All observations of one landmark, whose three parameters are the last block
+  /// of each (its column is ignored): eliminated at once.
+  bool AddLandmark(std::span<const LinearisableBlock> observations);
+
+  struct Result {
+    Eigen::MatrixXd sqrt_information;  ///< rows <= num_kept, upper triangular
+    Eigen::VectorXd offset;
+  };
+  /// What the blocks say about the kept columns.
+  Result Finish() const;
+
+ private:
+  struct Rows {
+    std::vector<int> columns;  ///< of the system, one per column of `matrix` but the last
+    Eigen::MatrixXd matrix;    ///< Jacobian | residual
+  };
+
+  int num_dropped_;
+  int num_kept_;
+  std::vector<Rows> rows_;
+};
+
+}  // namespace parkade

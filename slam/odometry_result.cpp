@@ -1,0 +1,42 @@
+#include "slam/odometry_result.h"
+
+#include <nlohmann/json.hpp>
+
+namespace parkade {
+namespace {
+
+nlohmann::json ToJson(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
+}  // namespace
+
+nlohmann::json ToJson(const OdometryReport& report) {
+  nlohmann::json cameras = nlohmann::json::array(), degraded = nlohmann::json::array();
+  for (const CameraHealth& camera : report.cameras)
+    cameras.push_back({{"name", camera.name},
+                       {"frames", camera.frames},
+                       {"frames_used", camera.frames_used},
+                       {"frames_rejected", camera.frames_rejected},
+                       {"tracks_per_frame", camera.tracks_per_frame},
+                       {"noise_scale", camera.noise_scale}});
+  for (const DegradedInterval& interval : report.degraded)
+    degraded.push_back({{"begin", ToDecimalSeconds(interval.begin)},
+                        {"end", ToDecimalSeconds(interval.end)},
+                        {"reason", interval.reason}});
+  return {{"start", {{"kind", report.start_kind}, {"time", report.start_time}, {"data", report.start_data}}},
+          {"cameras", cameras},
+          {"degraded", degraded},
+          {"knots", report.knots},
+          {"solves", report.solves},
+          {"mean_solve_seconds", report.mean_solve_seconds},
+          {"max_solve_seconds", report.max_solve_seconds},
+          {"mean_bearings", report.mean_bearings},
+          {"seconds", report.seconds},
+          {"length", report.length},
+          {"still_seconds", report.still_seconds},
+          {"has_wheels", report.has_wheels},
+          {"wheel_scale", report.wheel_scale},
+          {"gyroscope_bias", ToJson(report.gyroscope_bias)},
+          {"accelerometer_bias", ToJson(report.accelerometer_bias)}};
+}
+
+}  // namespace parkade

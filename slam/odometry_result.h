@@ -1,0 +1,72 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "core/trajectory.h"
+
+namespace parkade {
+
+/// An image worth keeping.
+struct OdometryKeyframe {
+  Timestamp time;
+  int camera = 0;
+  Rigid3 odom_from_body;
+};
+
+/// A point that odometry triangulated.
+struct OdometryLandmark {
+  Timestamp time;                 ///< first seen
+  int camera = 0;                 ///< that saw it first
+  Eigen::Vector3d point_in_odom;  ///< [m]
+  double sigma = 0;               ///< [m] along the worst direction
+  int num_observations = 0;
+};
+
+/// A stretch of the drive that is less sure than the rest, and why.
+struct DegradedInterval {
+  Timestamp begin, end;
+  std::string reason;
+};
+
+struct CameraHealth {
+  std::string name;
+  int frames = 0;               ///< delivered by the log
+  int frames_used = 0;          ///< observed by the estimator
+  int frames_rejected = 0;      ///< blank, of the wrong size, repeated
+  double tracks_per_frame = 0;  ///< mean, in the frames used
+  double noise_scale = 1;       ///< noise found / noise assumed
+};
+
+/// How it went; goes into report.json.
+struct OdometryReport {
+  std::string start_kind;  ///< "standstill", "rolling on wheels", "moving in images"
+  double start_time = 0;   ///< [s] after the log's begin, of the first estimated state
+  double start_data = 0;   ///< [s] of data it took
+  std::vector<CameraHealth> cameras;
+  std::vector<DegradedInterval> degraded;
+  int knots = 0;
+  int solves = 0;
+  double mean_solve_seconds = 0, max_solve_seconds = 0;
+  double mean_bearings = 0;  ///< per solve
+  double seconds = 0;        ///< of computing, all in all
+  double length = 0;         ///< [m]
+  double still_seconds = 0;  ///< the car stood
+  bool has_wheels = false;
+  double wheel_scale = 1;                                        ///< true speed / reported speed, estimated
+  Eigen::Vector3d gyroscope_bias = Eigen::Vector3d::Zero();      ///< [rad/s] at the end
+  Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();  ///< [m/s^2] at the end
+};
+
+struct OdometryResult {
+  Trajectory odom_from_body;                ///< over the whole log, 20 Hz or more, gravity-aligned
+  std::vector<OdometryKeyframe> keyframes;  ///< in order of time
+  std::vector<OdometryLandmark> landmarks;  ///< in order of time
+  OdometryReport report;
+};
+
+nlohmann::json ToJson(const OdometryReport& report);
+
+}  // namespace parkade

@@ -1,0 +1,165 @@
+// The non-linear solve of FixedLagSmoother: one Ceres problem per knot.
+#include <ceres/ceres.h>
+
+#include <algorithm>
+
+#include "slam/fixed_lag_smoother.h"
+#include "slam/imu_cost.h"
+#include "slam/wheel_cost.h"
+
+namespace parkade {
+namespace {
+
+/// Recomputes the pose of each image once per evaluation instead of once per
+/// bearing.
+class WindowEvaluationCallback final : public ceres::EvaluationCallback {
+ public:
+  explicit WindowEvaluationCallback(std::deque<WindowView>& views) : views_(views) {}
+
+  void PrepareForEvaluation(bool, bool new_evaluation_point) override {
+    if (!new_evaluation_point) return;
+    for (WindowView& view : views_) view.geometry.Update();
+  }
+
+ private:
+  std::deque<WindowView>& views_;
+};
+
+/// All parameters in one array: Ceres orders blocks by address in places, and
+/// the same log must give the same bytes on every run.
+class ParameterArena {
+ public:
+  explicit ParameterArena(size_t capacity) { values_.reserve(capacity); }
+
+  template <size_t N>
+  double* Add(const std::array<double, N>& block) {
+    values_.insert(values_.end(), block.begin(), block.end());
+    return values_.data() + values_.size() - N;
+  }
+
+ private:
+  std::vector<double> values_;
+};
+
+ceres::Problem::Options ProblemOptions(ceres::EvaluationCallback* callback) {
+  ceres::Problem::Options options;
+  options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.disable_all_safety_checks = true;
+  options.evaluation_callback = callback;
+  return options;
+}
+
+ceres::Solver::Options SolverOptions(int max_iterations) {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_SCHUR;
+  options.max_num_iterations = max_iterations;
+  options.num_threads = 1;  // cameras are tracked beside this; and sums keep their order
+  options.function_tolerance = 1e-4;
+  options.logging_type = ceres::SILENT;
+  options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  return options;
+}
+
+struct KnotBlocks {
+  double* pose;
+  double* motion;
+};
+
+}  // namespace
+
+SolveSummary FixedLagSmoother::SolveWindow(int max_iterations) {
+  WindowEvaluationCallback callback(views_);
+  PoseManifold manifold;
+  ceres::CauchyLoss bearing_loss(options_.robust_width), wheel_loss(options_.wheel_robust_width);
+  std::vector<std::unique_ptr<ceres::CostFunction>> costs;
+  ceres::Solver::Options solver = SolverOptions(max_iterations);
+  ceres::Problem problem(ProblemOptions(&callback));
+
+  ParameterArena arena(knots_.size() * (kPoseSize + kMotionSize) + 1 + tracks_.size() * kLandmarkSize);
+  std::vector<KnotBlocks> blocks;
+  for (const Knot& knot : knots_) {
+    blocks.push_back({arena.Add(knot.pose), arena.Add(knot.motion)});
+    problem.AddParameterBlock(blocks.back().pose, kPoseSize, &manifold);
+    problem.AddParameterBlock(blocks.back().motion, kMotionSize);
+    solver.linear_solver_ordering->AddElementToGroup(blocks.back().pose, 1);
+    solver.linear_solver_ordering->AddElementToGroup(blocks.back().motion, 1);
+  }
+  double* wheel_scale = arena.Add(std::array<double, 1>{wheel_scale_});
+  problem.AddParameterBlock(wheel_scale, 1);
+  solver.linear_solver_ordering->AddElementToGroup(wheel_scale, 1);
+  const auto blocks_of = [&](std::int64_t number) {
+    return blocks[static_cast<size_t>(number - knots_.front().number)];
+  };
+
+  for (WindowView& view : views_) {
+    view.geometry.first_pose = blocks_of(view.first_knot).pose;
+    if (view.second_knot) view.geometry.second_pose = blocks_of(*view.second_knot).pose;
+  }
+
+  costs.push_back(std::make_unique<LinearPriorCost>(&prior_));
+  std::vector<double*> prior_blocks;
+  for (const PriorBlock& block : prior_.blocks)
+    prior_blocks.push_back(block.kind == PriorBlock::Kind::kWheelScale ? wheel_scale
+                           : block.kind == PriorBlock::Kind::kPose     ? blocks_of(block.knot).pose
+                                                                       : blocks_of(block.knot).motion);
+  problem.AddResidualBlock(costs.back().get(), nullptr, prior_blocks);
+
+  for (size_t j = 1; j < knots_.size(); ++j) {
+    const KnotInterval& interval = *knots_[j].interval;
+    const FirstEstimate *first_i = &knots_[j - 1].first_estimate, *first_j = &knots_[j].first_estimate;
+    costs.push_back(std::make_unique<ImuCost>(&interval.imu, first_i, first_j));
+    problem.AddResidualBlock(costs.back().get(), nullptr, blocks[j - 1].pose, blocks[j - 1].motion, blocks[j].pose,
+                             blocks[j].motion);
+    if (interval.wheels) {
+      costs.push_back(std::make_unique<WheelCost>(*interval.wheels, first_i, first_j));
+      problem.AddResidualBlock(costs.back().get(), &wheel_loss, blocks[j - 1].pose, blocks[j - 1].motion,
+                               blocks[j].pose, wheel_scale);
+    }
+    if (interval.is_still) {
+      costs.push_back(std::make_unique<StandstillCost>(options_.standstill, first_i, first_j));
+      problem.AddResidualBlock(costs.back().get(), nullptr, blocks[j - 1].pose, blocks[j].pose, blocks[j].motion);
+    }
+  }
+
+  SolveSummary summary;
+  std::vector<std::pair<Track*, double*>> landmarks;
+  for (auto& [number, track] : tracks_) {
+    if (!track.has_landmark) continue;
+    double* landmark = arena.Add(track.landmark);
+    landmarks.emplace_back(&track, landmark);
+    problem.AddParameterBlock(landmark, kLandmarkSize);
+    solver.linear_solver_ordering->AddElementToGroup(landmark, 0);
+    for (const TrackObservation& seen : track.observations) {
+      const ImageView& view = seen.view->geometry;
+      double* first = const_cast<double*>(view.first_pose);
+      if (view.second_pose)
+        problem.AddResidualBlock(seen.cost.get(), &bearing_loss, first, const_cast<double*>(view.second_pose),
+                                 landmark);
+      else
+        problem.AddResidualBlock(seen.cost.get(), &bearing_loss, first, landmark);
+      ++summary.bearings;
+    }
+  }
+  summary.landmarks = static_cast<int>(landmarks.size());
+
+  ceres::Solver::Summary ceres_summary;
+  ceres::Solve(solver, &problem, &ceres_summary);
+  summary.iterations = static_cast<int>(ceres_summary.iterations.size()) - 1;
+  summary.seconds = ceres_summary.total_time_in_seconds;
+  summary.final_cost = ceres_summary.final_cost;
+
+  if (ceres_summary.IsSolutionUsable()) {
+    for (size_t i = 0; i < knots_.size(); ++i) {
+      std::copy_n(blocks[i].pose, kPoseSize, knots_[i].pose.begin());
+      std::copy_n(blocks[i].motion, kMotionSize, knots_[i].motion.begin());
+    }
+    wheel_scale_ = *wheel_scale;
+    for (const auto& [track, values] : landmarks) std::copy_n(values, kLandmarkSize, track->landmark.begin());
+  }
+  PointViewsAtKnots();
+  return summary;
+}
+
+}  // namespace parkade

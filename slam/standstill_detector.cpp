@@ -1,0 +1,100 @@
+#include "slam/standstill_detector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "core/error.h"
+
+namespace parkade {
+namespace {
+
+constexpr size_t kMinCommonTracks = 8;
+constexpr double kKeepMotions = 5.0;  // [s]
+constexpr double kMovingFactor = 5;   // images this much livelier than still overrule the wheels
+constexpr double kNoiseSigmas = 3;
+
+std::optional<double> MedianMotion(const TrackedFrame& from, const TrackedFrame& to) {
+  std::unordered_map<std::int64_t, Eigen::Vector3d> before;
+  for (const FeatureObservation& seen : from.observations) before.emplace(seen.track, seen.bearing);
+  std::vector<double> angles;
+  for (const FeatureObservation& seen : to.observations) {
+    const auto found = before.find(seen.track);
+    if (found != before.end()) angles.push_back(found->second.cross(seen.bearing).norm());
+  }
+  if (angles.size() < kMinCommonTracks) return std::nullopt;
+  const auto middle = angles.begin() + static_cast<long>(angles.size() / 2);
+  std::nth_element(angles.begin(), middle, angles.end());
+  return *middle;
+}
+
+/// Root of the summed variances of the three axes.
+template <typename Field>
+double Deviation(const std::vector<ImuSample>& samples, Field field) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const ImuSample& sample : samples) mean += sample.*field;
+  mean /= static_cast<double>(samples.size());
+  double sum = 0;
+  for (const ImuSample& sample : samples) sum += (sample.*field - mean).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(samples.size()));
+}
+
+}  // namespace
+
+void StandstillOptions::Validate() const {
+  Require(wheel_speed > 0 && image_motion > 0 && image_interval > 0 && gyroscope_deviation > 0 &&
+              accelerometer_deviation > 0,
+          ErrorCode::kUsage, "the thresholds of standstill must be positive");
+}
+
+StandstillDetector::StandstillDetector(const ImuCalibration& imu, size_t num_cameras, const StandstillOptions& options)
+    : options_(options), recent_(num_cameras), motions_(num_cameras) {
+  const double three_axes = kNoiseSigmas * std::sqrt(3 * imu.update_rate);
+  max_gyroscope_deviation_ = std::max(options.gyroscope_deviation, three_axes * imu.gyroscope_noise_density);
+  max_accelerometer_deviation_ =
+      std::max(options.accelerometer_deviation, three_axes * imu.accelerometer_noise_density);
+}
+
+void StandstillDetector::Add(const TrackedFrame& frame) {
+  auto& recent = recent_[static_cast<size_t>(frame.camera)];
+  auto& motions = motions_[static_cast<size_t>(frame.camera)];
+  recent.push_back(frame);
+  // Keep one frame that is at least the interval old, to compare with.
+  while (recent.size() > 2 && frame.time - recent[1].time >= options_.image_interval) recent.pop_front();
+  const double age = frame.time - recent.front().time;
+  if (age >= options_.image_interval && age < 3 * options_.image_interval)
+    if (const std::optional<double> median = MedianMotion(recent.front(), frame))
+      motions.push_back({frame.time, *median});
+  while (!motions.empty() && frame.time - motions.front().time > kKeepMotions) motions.pop_front();
+}
+
+StandstillDetector::Images StandstillDetector::ImagesDuring(Timestamp begin, Timestamp end, bool is_any_enough) const {
+  int num_still = 0, num_moving = 0, num_clearly_moving = 0;
+  for (const auto& motions : motions_) {
+    double worst = -1;
+    for (const ImageMotion& motion : motions)
+      // A motion is measured over the interval before its stamp: take those that end inside.
+      if (motion.time > begin && motion.time <= end) worst = std::max(worst, motion.median);
+    if (worst < 0) continue;
+    (worst < options_.image_motion ? num_still : num_moving) += 1;
+    if (worst > kMovingFactor * options_.image_motion) ++num_clearly_moving;
+  }
+  if (num_still + num_moving == 0) return Images::kUnknown;
+  if (is_any_enough) return num_clearly_moving == num_still + num_moving ? Images::kMoving : Images::kStill;
+  return num_moving > 0 ? Images::kMoving : Images::kStill;
+}
+
+bool StandstillDetector::IsStill(const ImuBuffer& imu, const WheelBuffer& wheels, Timestamp begin,
+                                 Timestamp end) const {
+  const std::vector<ImuSample> samples = imu.Between(begin, end);
+  if (Deviation(samples, &ImuSample::angular_velocity) > max_gyroscope_deviation_) return false;
+  if (wheels.LongestGap(begin, end) < 0.5) {
+    for (const WheelSample& sample : wheels.Between(begin, end))
+      if (std::abs(sample.forward_speed) > options_.wheel_speed) return false;
+    return ImagesDuring(begin, end, /*is_any_enough=*/true) != Images::kMoving;
+  }
+  return Deviation(samples, &ImuSample::linear_acceleration) <= max_accelerometer_deviation_ &&
+         ImagesDuring(begin, end, /*is_any_enough=*/false) == Images::kStill;
+}
+
+}  // namespace parkade

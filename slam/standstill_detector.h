@@ -1,0 +1,59 @@
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "core/rig.h"
+#include "slam/feature_track.h"
+#include "slam/sample_buffer.h"
+
+namespace parkade {
+
+struct StandstillOptions {
+  double wheel_speed = 0.02;              ///< [m/s] wheels slower than this stand
+  double image_motion = 1.0e-3;           ///< [rad] median motion of tracks over `image_interval` that is still noise
+  double image_interval = 0.3;            ///< [s]
+  double gyroscope_deviation = 0.01;      ///< [rad/s] spread of a resting gyroscope, or 3 sigma of its noise
+  double accelerometer_deviation = 0.15;  ///< [m/s^2] likewise
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("wheel_speed", wheel_speed);
+    visit("image_motion", image_motion);
+    visit("image_interval", image_interval);
+    visit("gyroscope_deviation", gyroscope_deviation);
+    visit("accelerometer_deviation", accelerometer_deviation);
+  }
+  void Validate() const;
+};
+
+/// Says whether the car stood over an interval: the wheels do not turn and the
+/// gyroscope is quiet; without wheels, the images stand still and the whole IMU is
+/// quiet. Traffic that fills one camera does not matter: it takes the median
+/// track of the quietest camera against wheels, of every camera without.
+class StandstillDetector {
+ public:
+  StandstillDetector(const ImuCalibration& imu, size_t num_cameras, const StandstillOptions& options);
+
+  void Add(const TrackedFrame& frame);
+
+  /// For begin < end; at least 0.1 s apart to be meaningful. `imu` is not empty.
+  bool IsStill(const ImuBuffer& imu, const WheelBuffer& wheels, Timestamp begin, Timestamp end) const;
+
+ private:
+  struct ImageMotion {
+    Timestamp time;
+    double median = 0;  ///< [rad]
+  };
+  enum class Images { kUnknown, kStill, kMoving };
+
+  Images ImagesDuring(Timestamp begin, Timestamp end, bool is_any_enough) const;
+
+  StandstillOptions options_;
+  double max_gyroscope_deviation_;
+  double max_accelerometer_deviation_;
+  std::vector<std::deque<TrackedFrame>> recent_;  ///< per camera, over `image_interval`
+  std::vector<std::deque<ImageMotion>> motions_;  ///< per camera, the last second
+};
+
+}  // namespace parkade

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/rig.h"
+#include "core/trajectory.h"
+#include "slam/sample_buffer.h"
+#include "slam/smoother_window.h"
+
+namespace parkade {
+
+/// Turns finished knots into the states of a trajectory: body instead of IMU,
+/// and as many states between knots as asked for, shaped by the IMU and bent
+/// linearly so that they meet the knots.
+class TrajectoryBuilder {
+ public:
+  TrajectoryBuilder(const Rig& rig, double output_interval);
+
+  /// Knots come in order of time.
+  void Add(const FinishedKnot& knot);
+
+  /// Fills the time before the first knot, running backwards on the gyroscope and
+  /// the wheels, or on the IMU alone where there are none. `is_still`: the car
+  /// stood all that time.
+  void FillBefore(const ImuBuffer& imu, const WheelBuffer& wheels, bool is_still);
+
+  bool empty() const { return states_.empty(); }
+  /// All states, in order of time.
+  std::vector<TrajectoryState> Take();
+
+ private:
+  TrajectoryState ToBody(const MotionState& state, const Eigen::Vector3d& angular_velocity,
+                         const Eigen::Matrix<double, 6, 6>& covariance) const;
+  void AddBetween(const FinishedKnot& first, const FinishedKnot& second);
+
+  Rigid3 imu_from_body_;
+  double output_interval_;
+  std::optional<FinishedKnot> last_;
+  std::optional<MotionState> first_;
+  std::vector<TrajectoryState> before_, states_;
+};
+
+}  // namespace parkade

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <ceres/sized_cost_function.h>
+
+#include "slam/first_estimate.h"
+#include "slam/wheel_preintegration.h"
+
+namespace parkade {
+
+/// Relative displacement of the body origin between knots i and j (3 values):
+///
+///   r = S [ R_i^T (p_j + R_j l - p_i - R_i l) - (1 + s) d(b_gi) ]
+///
+/// d: preintegrated gyro-odometer displacement; l: body origin in imu; s: wheel
+/// scale error. Also the non-holonomic constraint: across the car d is zero.
+/// Parameter blocks: pose_i 7, motion_i 9, pose_j 7, wheel_scale 1.
+class WheelCost final : public ceres::SizedCostFunction<3, kPoseSize, kMotionSize, kPoseSize, 1> {
+ public:
+  WheelCost(const WheelPreintegration& preintegration, const FirstEstimate* first_i, const FirstEstimate* first_j);
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+
+ private:
+  WheelPreintegration preintegration_;
+  const FirstEstimate* first_i_;
+  const FirstEstimate* first_j_;
+  Eigen::Matrix3d sqrt_information_;
+};
+
+}  // namespace parkade
