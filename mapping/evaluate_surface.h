@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+
+#include "core/rigid3.h"
+#include "core/triangle_mesh.h"
+#include "mapping/read_ply.h"
+
+namespace parkade {
+
+struct SurfaceEvaluationOptions {
+  double sample_spacing = 0.1;             ///< [m] both meshes are compared on a raster this fine
+  double max_height_gap = 0.5;             ///< [m] surfaces above each other further apart are not the same ground
+  double max_completeness_distance = 0.2;  ///< [m] truth with an estimate this near counts as found
+  double boundary_width = 0.5;             ///< [m] inside their outlines in which the boundary IoU compares the two
+  double max_path_distance = 12;           ///< [m] only ground this near the path counts, where a path is given
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("sample_spacing", sample_spacing);
+    visit("max_height_gap", max_height_gap);
+    visit("max_completeness_distance", max_completeness_distance);
+    visit("boundary_width", boundary_width);
+    visit("max_path_distance", max_path_distance);
+  }
+  void Validate() const;  ///< throws Error{kUsage}
+};
+
+/// All areas are measured on the raster, seen from above; decks count each.
+struct SurfaceEvaluation {
+  std::size_t num_samples = 0;  ///< of the estimate on true ground
+  double truth_area = 0;        ///< [m^2]
+  double estimate_area = 0;     ///< [m^2]
+  double height_rmse = 0;       ///< [m] where both are
+  double height_bias = 0;       ///< [m] mean of estimate - truth
+  double height_median = 0;     ///< [m] of absolute differences, as the next three
+  double height_p90 = 0, height_p95 = 0, height_max = 0;
+  double accuracy_rmse = 0;         ///< [m] distance of each sample of the estimate to the truth, false ones too
+  double completeness_percent = 0;  ///< of the truth, with an estimate within max_completeness_distance
+  double false_free_percent = 0;    ///< of the estimate, where there is no true ground
+  double iou = 0;                   ///< of the areas
+  double boundary_iou = 0;          ///< of what lies within boundary_width of the own outline
+};
+
+/// Compares an estimated ground surface with the true one, both in one frame with z up. `path` (points of the drive
+/// in that frame) restricts the comparison to its surroundings; empty: everything counts.
+/// Accuracy and completeness: T. Schoeps et al., "A Multi-view Stereo Benchmark ...", CVPR 2017. Boundary IoU:
+/// B. Cheng et al., "Boundary IoU", CVPR 2021. Throws Error{kInvalidInput} when either mesh is empty.
+SurfaceEvaluation EvaluateSurface(const TriangleMesh& truth, const TriangleMesh& estimate,
+                                  const SurfaceEvaluationOptions& options = {},
+                                  std::span<const Eigen::Vector3d> path = {});
+
+/// A few aligned lines for people.
+std::string ToText(const SurfaceEvaluation& evaluation);
+
+/// Every field under its own name.
+nlohmann::json ToJson(const SurfaceEvaluation& evaluation);
+
+/// The same mesh in another frame, e.g. an estimate moved by the alignment of its trajectory to the truth.
+TriangleMesh Transformed(const TriangleMesh& mesh, const Rigid3& target_from_source);
+
+}  // namespace parkade

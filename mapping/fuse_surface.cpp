@@ -1,0 +1,173 @@
+#include "mapping/fuse_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "core/parallel.h"
+#include "mapping/surface_links.h"
+#include "mapping/surface_painter.h"
+
+namespace parkade {
+namespace {
+
+using PaintedCell = SurfacePainter::PaintedCell;
+
+constexpr double kMaxCellStep = 0.1;   // [m] of height between neighbouring cells of one deck
+constexpr int kPinholeRounds = 2;      // each fills holes of up to about two cells
+constexpr int kPinholeNeighbours = 5;  // of 8 that must be seen around a pinhole
+constexpr int kDrivenRounds = 60;      // to fill colour in under a car that stood: 3 m at 5 cm
+
+/// One observation per patch and square of the height field: the samples in it share their errors.
+std::vector<HeightObservation> SummariseHeights(const PosedGroundPatch& posed, double spacing) {
+  struct Sum {
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();
+    double weight = 0;
+    int count = 0;
+  };
+  std::map<std::pair<int, int>, Sum> sums;
+  for (const GroundSample& sample : posed.patch.samples) {
+    if (!sample.is_free) continue;
+    const Eigen::Vector3d point = posed.site_from_body * sample.point_in_body.cast<double>();
+    Sum& sum =
+        sums[{static_cast<int>(std::floor(point.y() / spacing)), static_cast<int>(std::floor(point.x() / spacing))}];
+    sum.point += point;
+    sum.weight += static_cast<double>(sample.weight);
+    ++sum.count;
+  }
+  std::vector<HeightObservation> observations;
+  observations.reserve(sums.size());
+  for (const auto& [square, sum] : sums) observations.push_back({sum.point / sum.count, sum.weight / sum.count});
+  return observations;
+}
+
+std::vector<HeightObservation> CollectHeights(std::span<const PosedGroundPatch> patches,
+                                              std::span<const DrivenPath> paths, const SurfaceOptions& options) {
+  std::vector<HeightObservation> observations;
+  for (const DrivenPath& path : paths)
+    for (const ContactPoint& contact : FindContacts(path, 0.5 * options.height.spacing)) {
+      const double lever = contact.is_front ? path.contact.wheelbase * options.suspension_sigma : 0;
+      const double variance = options.contact_sigma * options.contact_sigma + lever * lever;
+      observations.push_back({contact.point_in_site, 1 / variance});
+    }
+  const auto of_patches =
+      ParallelMap(patches.size(), [&](size_t i) { return SummariseHeights(patches[i], options.height.spacing); });
+  for (const auto& seen : of_patches) observations.insert(observations.end(), seen.begin(), seen.end());
+  return observations;
+}
+
+SurfaceMap SurfaceOf(const std::vector<PaintedCell>& cells, double cell_size) {
+  SurfaceMap surface{cell_size, {}};
+  surface.cells.reserve(cells.size());
+  for (const PaintedCell& cell : cells) surface.cells.push_back(cell.cell);
+  return surface;
+}
+
+/// Gives unseen cells the mean of their seen neighbours: single pinholes everywhere, and whatever a car drove on.
+void FillPinholes(const SurfaceLinks& links, std::vector<PaintedCell>& cells) {
+  std::vector<size_t> unseen;
+  for (size_t i = 0; i < cells.size(); ++i)
+    if (!cells[i].is_seen) unseen.push_back(i);
+  for (int round = 0; round < kDrivenRounds && !unseen.empty(); ++round) {
+    std::vector<std::pair<size_t, SurfaceCell>> filled;
+    std::vector<size_t> still_unseen;
+    for (const size_t i : unseen) {
+      std::array<int, 3> color{};
+      float belief = 0;
+      int count = 0;
+      for (const int neighbour : links.Around(static_cast<int>(i))) {
+        if (neighbour < 0 || !cells[static_cast<size_t>(neighbour)].is_seen) continue;
+        const SurfaceCell& cell = cells[static_cast<size_t>(neighbour)].cell;
+        for (size_t c = 0; c < 3; ++c) color[c] += cell.color[c];
+        belief += cell.free_belief;
+        ++count;
+      }
+      const bool is_driven = cells[i].is_driven;
+      if (count == 0 || (!is_driven && (round >= kPinholeRounds || count < kPinholeNeighbours))) {
+        if (is_driven || round + 1 < kPinholeRounds) still_unseen.push_back(i);
+        continue;
+      }
+      SurfaceCell cell = cells[i].cell;
+      for (size_t c = 0; c < 3; ++c) cell.color[c] = static_cast<std::uint8_t>((color[c] + count / 2) / count);
+      if (!is_driven) cell.free_belief = belief / static_cast<float>(count);
+      filled.emplace_back(i, cell);
+    }
+    for (const auto& [i, cell] : filled) {
+      cells[i].cell = cell;
+      cells[i].is_seen = true;
+    }
+    if (filled.empty() && round >= kPinholeRounds) break;
+    unseen = std::move(still_unseen);
+  }
+}
+
+/// Cells of free islands that are small and that no car drove on.
+std::vector<bool> FindSmallIslands(const std::vector<PaintedCell>& cells, const SurfaceLinks& links, double min_cells) {
+  std::vector<int> root(cells.size());
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](int i) {
+    while (root[static_cast<size_t>(i)] != i)
+      i = root[static_cast<size_t>(i)] = root[static_cast<size_t>(root[static_cast<size_t>(i)])];
+    return i;
+  };
+  const auto is_free = [&](size_t i) { return cells[i].is_seen && cells[i].cell.free_belief > 0.5F; };
+  for (size_t i = 0; i < cells.size(); ++i)
+    for (const int next : {links.right[i], links.up[i]}) {
+      if (next < 0 || !is_free(i) || !is_free(static_cast<size_t>(next))) continue;
+      const int a = find(static_cast<int>(i)), b = find(next);
+      root[static_cast<size_t>(std::max(a, b))] = std::min(a, b);
+    }
+  std::vector<int> size(cells.size());
+  std::vector<bool> is_driven(cells.size());
+  for (size_t i = 0; i < cells.size(); ++i) {
+    const auto island = static_cast<size_t>(find(static_cast<int>(i)));
+    ++size[island];
+    if (cells[i].is_driven) is_driven[island] = true;
+  }
+  std::vector<bool> is_small(cells.size());
+  for (size_t i = 0; i < cells.size(); ++i) {
+    const auto island = static_cast<size_t>(find(static_cast<int>(i)));
+    is_small[i] = is_free(i) && !is_driven[island] && size[island] < min_cells;
+  }
+  return is_small;
+}
+
+}  // namespace
+
+void SurfaceOptions::Validate() const {
+  Require(cell_size > 0, ErrorCode::kUsage, "cell_size must be > 0 m");
+  height.Validate();
+  const double ratio = height.spacing / cell_size;
+  Require(ratio >= 1 && std::abs(ratio - std::round(ratio)) < 1e-6, ErrorCode::kUsage,
+          "height.spacing must be a multiple of cell_size");
+  Require(contact_sigma > 0 && suspension_sigma >= 0, ErrorCode::kUsage,
+          "contact_sigma must be > 0 m and suspension_sigma not negative");
+  Require(log_odds > 0 && log_odds_limit > log_odds, ErrorCode::kUsage, "log_odds must be in (0, log_odds_limit)");
+  Require(min_island_area >= 0, ErrorCode::kUsage, "min_island_area must not be negative");
+}
+
+SurfaceMap FuseSurface(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths,
+                       const SurfaceOptions& options) {
+  options.Validate();
+  const HeightField field(CollectHeights(patches, paths, options), options.height);
+  SurfacePainter painter(field, static_cast<int>(std::round(options.height.spacing / options.cell_size)),
+                         options.log_odds, options.log_odds_limit);
+  painter.Paint(patches, paths);
+  for (const DrivenPath& path : paths) painter.MarkDriven(path);
+
+  std::vector<PaintedCell> cells = painter.Cells();
+  const SurfaceLinks links = LinkCells(SurfaceOf(cells, options.cell_size), kMaxCellStep);
+  FillPinholes(links, cells);
+  const std::vector<bool> is_small =
+      FindSmallIslands(cells, links, options.min_island_area / (options.cell_size * options.cell_size));
+  SurfaceMap surface{options.cell_size, {}};
+  for (size_t i = 0; i < cells.size(); ++i)
+    if (cells[i].is_seen && !is_small[i]) surface.cells.push_back(cells[i].cell);
+  LogInfo("stage=fuse_surface patches=" + std::to_string(patches.size()) +
+          " nodes=" + std::to_string(field.num_nodes()) + " cells=" + std::to_string(surface.cells.size()));
+  return surface;
+}
+
+}  // namespace parkade

@@ -1,0 +1,137 @@
+#include "mapping/ground_grid.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/error.h"
+
+namespace parkade {
+namespace {
+
+constexpr double kBodyMargin = 0.4;  // [m] by which a car's body reaches over its contact area
+
+/// Distances from the point below the camera: as dense as asked near it, then as the rays spread or as the
+/// pixels can tell, whichever is coarser.
+std::vector<float> MakeRanges(double camera_height, double pixels_per_radian, double angle_step,
+                              const GroundGridOptions& options) {
+  std::vector<float> ranges;
+  double range = options.spacing;
+  while (range <= options.max_range) {
+    const double pixel_length = (camera_height * camera_height + range * range) / (camera_height * pixels_per_radian);
+    if (pixel_length > options.max_pixel_length) break;
+    ranges.push_back(static_cast<float>(range));
+    range += std::max({options.spacing, range * angle_step, 0.5 * pixel_length});
+  }
+  return ranges;
+}
+
+bool IsUnderCar(const Eigen::Vector2d& point_in_ground, const ContactArea& contact) {
+  return contact.wheelbase > 0 && contact.track > 0 && contact.DistanceTo(point_in_ground) < kBodyMargin;
+}
+
+bool IsMasked(const RigCamera& camera, const Eigen::Vector2d& pixel) {
+  if (camera.mask.empty()) return false;
+  return camera.mask.at<uchar>(static_cast<int>(std::lround(pixel.y())), static_cast<int>(std::lround(pixel.x()))) == 0;
+}
+
+GroundGridCell MakeCell(const RigCamera& camera, const Rigid3& camera_from_ground,
+                        const Eigen::Vector2d& point_in_ground, const ContactArea& contact,
+                        const GroundGridOptions& options) {
+  GroundGridCell cell;
+  cell.point_in_ground = point_in_ground.cast<float>();
+  if (IsUnderCar(point_in_ground, contact)) return cell;
+  const Eigen::Vector3d point_in_camera =
+      camera_from_ground * Eigen::Vector3d(point_in_ground.x(), point_in_ground.y(), 0);
+  const std::optional<Eigen::Vector2d> pixel = camera.model.Project(point_in_camera);
+  if (!pixel || !camera.model.IsInImage(*pixel, 1) || IsMasked(camera, *pixel)) return cell;
+  const double distance = contact.DistanceTo(point_in_ground);
+  const double from_pitch = distance * options.pitch_sigma;
+  const double from_curvature = 0.5 * options.curvature_sigma * distance * distance;
+  const double variance =
+      from_pitch * from_pitch + from_curvature * from_curvature + options.height_sigma * options.height_sigma;
+  cell.pixel = pixel->cast<float>();
+  cell.weight = static_cast<float>(1.0 / variance);
+  cell.is_visible = true;
+  return cell;
+}
+
+/// Leaves out rays without a visible place. Rays that remain keep their order, so neighbours stay neighbours.
+void DropBlindRays(GroundGrid& grid) {
+  std::vector<GroundGridCell> kept;
+  int num_kept = 0;
+  for (int ray = 0; ray < grid.num_rays; ++ray) {
+    const auto begin = grid.cells.begin() + grid.IndexOf(ray, 0);
+    const auto end = begin + grid.num_ranges;
+    if (std::none_of(begin, end, [](const GroundGridCell& cell) { return cell.is_visible; })) continue;
+    kept.insert(kept.end(), begin, end);
+    ++num_kept;
+  }
+  grid.cells = std::move(kept);
+  grid.num_rays = num_kept;
+}
+
+}  // namespace
+
+void GroundGridOptions::Validate() const {
+  Require(spacing > 0, ErrorCode::kUsage, "spacing must be > 0 m");
+  Require(dense_range > spacing, ErrorCode::kUsage, "dense_range must exceed spacing");
+  Require(max_range > spacing, ErrorCode::kUsage, "max_range must exceed spacing");
+  Require(max_pixel_length > 0, ErrorCode::kUsage, "max_pixel_length must be > 0 m");
+  Require(pitch_sigma >= 0 && curvature_sigma >= 0, ErrorCode::kUsage,
+          "pitch_sigma and curvature_sigma must not be negative");
+  Require(height_sigma > 0, ErrorCode::kUsage, "height_sigma must be > 0 m");
+}
+
+GroundGrid MakeGroundGrid(const RigCamera& camera, const Rigid3& ground_from_camera, const ContactArea& contact,
+                          const GroundGridOptions& options) {
+  const Eigen::Vector3d center = ground_from_camera.translation;
+  GroundGrid grid;
+  grid.angle_step = options.spacing / options.dense_range;
+  const Eigen::Vector2d middle(0.5 * camera.model.width(), 0.5 * camera.model.height());
+  const std::optional<double> pixels_per_radian = camera.model.PixelsPerRadian(middle);
+  if (center.z() <= 0.1 || !pixels_per_radian) return grid;
+
+  grid.ranges = MakeRanges(center.z(), *pixels_per_radian, grid.angle_step, options);
+  grid.num_ranges = static_cast<int>(grid.ranges.size());
+  grid.num_rays = static_cast<int>(std::floor(2 * std::numbers::pi / grid.angle_step));
+  grid.cells.reserve(static_cast<size_t>(grid.num_rays * grid.num_ranges));
+  // Rays start opposite to where the camera looks: the seam lies where it sees nothing.
+  const Eigen::Vector3d axis_in_ground = ground_from_camera.rotation * Eigen::Vector3d::UnitZ();
+  const double seam = std::atan2(-axis_in_ground.y(), -axis_in_ground.x());
+  const Rigid3 camera_from_ground = ground_from_camera.Inverse();
+  for (int ray = 0; ray < grid.num_rays; ++ray) {
+    const double angle = seam + (ray + 0.5) * grid.angle_step;
+    const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+    for (const float range : grid.ranges)
+      grid.cells.push_back(
+          MakeCell(camera, camera_from_ground, center.head<2>() + range * direction, contact, options));
+  }
+  DropBlindRays(grid);
+  return grid;
+}
+
+cv::Mat SampleColors(const GroundGrid& grid, const cv::Mat& image) {
+  const int channels = image.channels();
+  cv::Mat colors(std::max(grid.num_rays, 1), std::max(grid.num_ranges, 1), CV_8UC3, cv::Scalar(0, 0, 0));
+  for (size_t i = 0; i < grid.cells.size(); ++i) {
+    const GroundGridCell& cell = grid.cells[i];
+    if (!cell.is_visible) continue;
+    const int x = std::clamp(static_cast<int>(cell.pixel.x()), 0, image.cols - 2);
+    const int y = std::clamp(static_cast<int>(cell.pixel.y()), 0, image.rows - 2);
+    const float fx = cell.pixel.x() - static_cast<float>(x);
+    const float fy = cell.pixel.y() - static_cast<float>(y);
+    const uchar* upper = image.ptr(y) + x * channels;
+    const uchar* lower = image.ptr(y + 1) + x * channels;
+    uchar* color = colors.ptr() + 3 * i;
+    for (int c = 0; c < 3; ++c) {
+      const int left = channels == 3 ? c : 0;
+      const int right = left + channels;
+      const float above = static_cast<float>(upper[left]) * (1 - fx) + static_cast<float>(upper[right]) * fx;
+      const float below = static_cast<float>(lower[left]) * (1 - fx) + static_cast<float>(lower[right]) * fx;
+      color[c] = static_cast<uchar>(above * (1 - fy) + below * fy + 0.5F);
+    }
+  }
+  return colors;
+}
+
+}  // namespace parkade

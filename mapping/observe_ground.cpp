@@ -1,0 +1,198 @@
+#include "mapping/observe_ground.h"
+
+#include <deque>
+#include <numbers>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "core/parallel.h"
+#include "mapping/keyframe_picker.h"
+#include "mapping/path_seeds.h"
+
+namespace parkade {
+namespace {
+
+constexpr double kMaskDelay = 0.25;     // [s] of log within which the mask of an image must come
+constexpr double kSameImage = 0.002;    // [s] a mask may be stamped this far from its image
+constexpr size_t kImagesPerBatch = 16;  // kept in memory at once; worked on in parallel
+
+struct ImageWithMask {
+  CameraFrame frame;
+  cv::Mat mask;  ///< empty where the log has none
+};
+
+bool IsMaskOf(const SemanticFrame& mask, const CameraFrame& frame) {
+  return mask.camera == frame.camera && std::abs(mask.time - frame.time) < kSameImage;
+}
+
+/// Joins images with their masks, which may come before or after them.
+class MaskedImageStream {
+ public:
+  explicit MaskedImageStream(std::unique_ptr<RecordStream> stream) : stream_(std::move(stream)) {}
+
+  /// The next images in order of time, up to `count`; fewer only at the end.
+  std::vector<ImageWithMask> NextBatch(size_t count) {
+    std::vector<ImageWithMask> batch;
+    while (batch.size() < count && HasNext()) {
+      batch.push_back(std::move(waiting_.front()));
+      waiting_.pop_front();
+    }
+    return batch;
+  }
+
+ private:
+  /// Reads on until the first image that waits has its mask, or is past hope of one.
+  bool HasNext() {
+    while (!is_at_end_ && (waiting_.empty() || (waiting_.front().mask.empty() && !IsPastHope(waiting_.front())))) {
+      std::optional<SensorRecord> record = stream_->Next();
+      if (!record) {
+        is_at_end_ = true;
+        break;
+      }
+      last_time_ = TimeOf(*record);
+      if (auto* frame = std::get_if<CameraFrame>(&*record)) Add(std::move(*frame));
+      if (auto* mask = std::get_if<SemanticFrame>(&*record)) Add(std::move(*mask));
+    }
+    return !waiting_.empty();
+  }
+
+  bool IsPastHope(const ImageWithMask& image) const { return last_time_ - image.frame.time > kMaskDelay; }
+
+  void Add(CameraFrame frame) {
+    ImageWithMask image{std::move(frame), {}};
+    for (SemanticFrame& mask : early_masks_)
+      if (IsMaskOf(mask, image.frame)) image.mask = mask.mask;
+    std::erase_if(early_masks_, [&](const SemanticFrame& mask) { return last_time_ - mask.time > kMaskDelay; });
+    waiting_.push_back(std::move(image));
+  }
+
+  void Add(SemanticFrame mask) {
+    for (ImageWithMask& image : waiting_)
+      if (IsMaskOf(mask, image.frame)) {
+        image.mask = std::move(mask.mask);
+        return;
+      }
+    early_masks_.push_back(std::move(mask));
+  }
+
+  std::unique_ptr<RecordStream> stream_;
+  std::deque<ImageWithMask> waiting_;
+  std::vector<SemanticFrame> early_masks_;
+  Timestamp last_time_{};
+  bool is_at_end_ = false;
+};
+
+/// Near the camera the rays lie closer than the spacing asked for: every how many-th is enough.
+int RayStride(const GroundGrid& grid, float range, double spacing) {
+  int stride = 1;
+  while (2 * stride * grid.angle_step * range <= spacing) stride *= 2;
+  return stride;
+}
+
+std::vector<GroundGrid> MakeGrids(const Rig& rig, const Rigid3& body_from_ground, const GroundOptions& options,
+                                  std::vector<std::string>& warnings) {
+  std::vector<GroundGrid> grids = ParallelMap(rig.cameras.size(), [&](size_t i) {
+    return MakeGroundGrid(rig.cameras[i], body_from_ground.Inverse() * rig.cameras[i].body_from_camera,
+                          ContactArea::Of(rig), options.grid);
+  });
+  for (size_t i = 0; i < grids.size(); ++i)
+    if (grids[i].cells.empty())
+      warnings.push_back("camera '" + rig.cameras[i].name + "' sees no ground within " +
+                         std::to_string(static_cast<int>(options.grid.max_range)) + " m: it is not mapped");
+  return grids;
+}
+
+}  // namespace
+
+void GroundOptions::Validate() const {
+  Require(keyframe_distance > 0, ErrorCode::kUsage, "keyframe_distance must be > 0 m");
+  Require(keyframe_angle_deg > 0, ErrorCode::kUsage, "keyframe_angle_deg must be > 0");
+  grid.Validate();
+  segmentation.Validate();
+  plane.Validate();
+}
+
+GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const cv::Mat& mask,
+                         const std::vector<std::uint8_t>& seeds, const Rigid3& body_from_ground,
+                         const GroundOptions& options) {
+  GroundPatch patch{.drive = 0, .camera = frame.camera, .time = frame.time, .samples = {}};
+  if (grid.cells.empty()) return patch;
+  const cv::Mat colors = SampleColors(grid, frame.image);
+  std::vector<GroundLabel> labels =
+      mask.empty() ? SegmentGround(grid, colors, seeds, options.segmentation) : LabelsFromMask(grid, mask);
+  // Of what is not ground only its foot is known to stand where its pixels meet the plane.
+  HideBehindObstacles(grid, options.segmentation.obstacle_depth, !mask.empty(), labels);
+  const Eigen::Matrix3f rotation = body_from_ground.rotation.toRotationMatrix().cast<float>();
+  const Eigen::Vector3f translation = body_from_ground.translation.cast<float>();
+  for (int range = 0; range < grid.num_ranges; ++range) {
+    const int stride = RayStride(grid, grid.ranges[static_cast<size_t>(range)], options.grid.spacing);
+    for (int ray = 0; ray < grid.num_rays; ray += stride) {
+      const auto i = static_cast<size_t>(grid.IndexOf(ray, range));
+      if (labels[i] == GroundLabel::kUnknown) continue;
+      const GroundGridCell& cell = grid.cells[i];
+      const uchar* color = colors.ptr() + 3 * i;
+      const Eigen::Vector3f point_in_ground(cell.point_in_ground.x(), cell.point_in_ground.y(), 0);
+      patch.samples.push_back({.point_in_body = rotation * point_in_ground + translation,
+                               .blue = color[0],
+                               .green = color[1],
+                               .red = color[2],
+                               .is_free = labels[i] == GroundLabel::kGround,
+                               .weight = cell.weight});
+    }
+  }
+  patch.samples.shrink_to_fit();
+  return patch;
+}
+
+GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from_body, std::span<const Submap> submaps,
+                                int drive, const GroundOptions& options) {
+  options.Validate();
+  const Rig& rig = log.rig();
+  GroundObservation result;
+  const std::optional<Rigid3> body_from_ground = EstimateBodyFromGround(rig, odom_from_body, submaps, options.plane);
+  if (!body_from_ground) {
+    result.warnings.push_back("no ground plane was found in drive '" + log.name() +
+                              "' (the rig has no vehicle.yaml and the landmarks show none): its ground is not mapped");
+    return result;
+  }
+  result.body_from_ground = *body_from_ground;
+  const std::vector<GroundGrid> grids = MakeGrids(rig, *body_from_ground, options, result.warnings);
+  const ContactArea contact = ContactArea::Of(rig);
+
+  KeyframePicker picker(odom_from_body, rig.cameras.size(), options.keyframe_distance,
+                        options.keyframe_angle_deg * std::numbers::pi / 180);
+  ReadOptions read{.imu = false,
+                   .wheels = false,
+                   .gnss = false,
+                   .images = true,
+                   .semantics = options.use_semantics,
+                   .grayscale = false,
+                   .wants_image = [&](int camera, Timestamp time) {
+                     return !grids[static_cast<size_t>(camera)].cells.empty() && picker.Wants(camera, time);
+                   }};
+  MaskedImageStream stream(log.Read(read));
+  while (true) {
+    const std::vector<ImageWithMask> batch = stream.NextBatch(kImagesPerBatch);
+    if (batch.empty()) break;
+    std::vector<GroundPatch> patches = ParallelMap(batch.size(), [&](size_t i) {
+      const CameraFrame& frame = batch[i].frame;
+      const GroundGrid& grid = grids[static_cast<size_t>(frame.camera)];
+      std::vector<std::uint8_t> seeds;
+      if (batch[i].mask.empty()) seeds = FindPathSeeds(grid, odom_from_body, frame.time, *body_from_ground, contact);
+      return ObserveImage(grid, frame, batch[i].mask, seeds, *body_from_ground, options);
+    });
+    for (size_t i = 0; i < batch.size(); ++i) {
+      ++result.num_images;
+      if (!batch[i].mask.empty()) ++result.num_masks;
+      patches[i].drive = drive;
+      if (!patches[i].samples.empty()) result.patches.push_back(std::move(patches[i]));
+    }
+  }
+  if (result.patches.empty())
+    result.warnings.push_back("drive '" + log.name() + "' shows no ground that could be mapped");
+  LogInfo("stage=observe_ground drive=" + log.name() + " images=" + std::to_string(result.num_images) +
+          " masks=" + std::to_string(result.num_masks) + " patches=" + std::to_string(result.patches.size()));
+  return result;
+}
+
+}  // namespace parkade

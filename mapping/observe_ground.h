@@ -1,0 +1,58 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/drive_log.h"
+#include "core/ground_patch.h"
+#include "core/submap.h"
+#include "core/trajectory.h"
+#include "mapping/estimate_ground_plane.h"
+#include "mapping/ground_grid.h"
+#include "mapping/segment_ground.h"
+
+namespace parkade {
+
+struct GroundOptions {
+  double keyframe_distance = 1.0;    ///< [m] of travel between images used of one camera; less is slower, denser
+  double keyframe_angle_deg = 10.0;  ///< or this much turning
+  bool use_semantics = true;         ///< masks of the log (`<camera>/semantic`) go before our own guess
+  GroundGridOptions grid;
+  SegmentGroundOptions segmentation;
+  GroundPlaneOptions plane;
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("keyframe_distance", keyframe_distance);
+    visit("keyframe_angle_deg", keyframe_angle_deg);
+    visit("use_semantics", use_semantics);
+    visit("grid", grid);
+    visit("segmentation", segmentation);
+    visit("plane", plane);
+  }
+  void Validate() const;  ///< throws Error{kUsage}
+};
+
+/// What one drive saw of the ground.
+struct GroundObservation {
+  std::vector<GroundPatch> patches;   ///< by time, then camera; patches without a sample are left out
+  Rigid3 body_from_ground;            ///< identity with vehicle.yaml; see EstimateBodyFromGround
+  int num_images = 0;                 ///< decoded
+  int num_masks = 0;                  ///< of these, with a mask of the log
+  std::vector<std::string> warnings;  ///< one sentence each
+};
+
+/// The second pass over a drive: of each camera one image per stretch of travel, its pixels of the ground, in
+/// body. `drive` is stored in the patches. No patches and a warning where the ground plane is not known.
+/// Bounded memory but for the result: about 20 bytes per sample, 5 000 to 20 000 samples per image.
+GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from_body, std::span<const Submap> submaps,
+                                int drive, const GroundOptions& options = {});
+
+/// The samples of one image. `mask` may be empty: then `seeds` (see SegmentGround) start the guess.
+/// \param body_from_ground  frame of the grid
+GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const cv::Mat& mask,
+                         const std::vector<std::uint8_t>& seeds, const Rigid3& body_from_ground,
+                         const GroundOptions& options);
+
+}  // namespace parkade

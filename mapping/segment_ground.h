@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "mapping/ground_grid.h"
+
+namespace parkade {
+
+struct SegmentGroundOptions {
+  double color_tolerance = 3.5;    ///< sigmas from the road's colours; higher takes in more, obstacles too
+  double max_marking_width = 0.3;  ///< [m] a brighter stripe this wide, with road on both sides, is paint
+  double obstacle_depth = 0.6;     ///< [m] of not-ground; what follows on its ray is hidden
+  int min_seeds = 40;              ///< with fewer, nothing is called ground
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("color_tolerance", color_tolerance);
+    visit("max_marking_width", max_marking_width);
+    visit("obstacle_depth", obstacle_depth);
+    visit("min_seeds", min_seeds);
+  }
+  void Validate() const;  ///< throws Error{kUsage}
+};
+
+enum class GroundLabel : std::uint8_t {
+  kUnknown,    ///< not visible, or hidden
+  kGround,     ///< drivable
+  kNotGround,  ///< something stands here, or the ground is not for driving
+};
+
+/// A first guess of what is road, without a network: the road's colours and their roughness are learnt from the
+/// `seeds` (places where the car has just driven, or is about to) as a few clusters, and grown from them over
+/// neighbouring places that look alike. Thin bright stripes inside are paint. Conservative: what looks unlike the
+/// road is not ground. Follow it with HideBehindObstacles.
+///
+/// \param colors  of SampleColors
+/// \param seeds   one per cell of the grid, non-zero where the road is known
+/// \return one per cell of the grid
+std::vector<GroundLabel> SegmentGround(const GroundGrid& grid, const cv::Mat& colors,
+                                       const std::vector<std::uint8_t>& seeds,
+                                       const SegmentGroundOptions& options = {});
+
+/// The labels that a mask (CV_8UC1 of the image's size, >= 128 = drivable) gives.
+std::vector<GroundLabel> LabelsFromMask(const GroundGrid& grid, const cv::Mat& mask);
+
+/// Pixels of an obstacle meet the plane behind its foot: after `obstacle_depth` [m] of kNotGround the rest of it
+/// becomes kUnknown. So does kNotGround before a ray's first ground (most often the own car), and, unless the
+/// labels are trusted, any ground behind an obstacle.
+void HideBehindObstacles(const GroundGrid& grid, double obstacle_depth, bool is_trusted,
+                         std::vector<GroundLabel>& labels);
+
+}  // namespace parkade

@@ -1,0 +1,178 @@
+#include "mapping/surface_painter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "core/parallel.h"
+
+namespace parkade {
+namespace {
+
+constexpr int kMaxRayRounds = 4;         // fixed-point rounds of ray and surface
+constexpr double kRayTolerance = 0.005;  // [m] of height at which they have met
+constexpr double kMaxStretch = 1.5;      // of a ray: beyond, the view is too grazing to trust
+constexpr double kNearVariance = 1e-4;   // [m^2] of the height of a sample right at the car
+constexpr size_t kPatchesPerBatch = 64;  // hits of so many patches are held at once
+constexpr int kColorTolerance = 30;      // of lightness; sights further off the median are not averaged
+
+int Lightness(const std::array<int, 3>& bgr) { return (114 * bgr[0] + 587 * bgr[1] + 299 * bgr[2]) / 1000; }
+
+/// Where the ray from `eye` through `point` meets the surface, with its patch; kNone where it does not.
+std::pair<int, Eigen::Vector3d> MeetSurface(const HeightField& field, const Eigen::Vector3d& eye,
+                                            const Eigen::Vector3d& point) {
+  Eigen::Vector3d current = point;
+  for (int round = 0; round < kMaxRayRounds; ++round) {
+    const int patch = field.FindPatch(current);
+    if (patch == HeightField::kNone) return {HeightField::kNone, current};
+    const double height = field.HeightAt(patch, current.head<2>());
+    if (std::abs(height - current.z()) < kRayTolerance) return {patch, current};
+    const double stretch = (eye.z() - height) / (eye.z() - point.z());
+    if (!(stretch > 0.1 && stretch < kMaxStretch)) return {HeightField::kNone, current};
+    current = eye + stretch * (point - eye);
+  }
+  return {field.FindPatch(current), current};
+}
+
+}  // namespace
+
+SurfacePainter::SurfacePainter(const HeightField& field, int cells_per_side, double log_odds, double log_odds_limit)
+    : field_(&field),
+      cells_per_side_(cells_per_side),
+      cell_size_(field.spacing() / cells_per_side),
+      log_odds_(log_odds),
+      log_odds_limit_(log_odds_limit),
+      evidence_(static_cast<size_t>(field.num_patches()) * static_cast<size_t>(cells_per_side * cells_per_side)) {}
+
+std::int64_t SurfacePainter::EvidenceAt(int patch, const Eigen::Vector2d& point_in_site) const {
+  const Eigen::Vector2i corner = field_->IndexOf(patch) * cells_per_side_;
+  const int last = cells_per_side_ - 1;
+  const int x = std::clamp(static_cast<int>(std::floor(point_in_site.x() / cell_size_)) - corner.x(), 0, last);
+  const int y = std::clamp(static_cast<int>(std::floor(point_in_site.y() / cell_size_)) - corner.y(), 0, last);
+  return (static_cast<std::int64_t>(patch) * cells_per_side_ + y) * cells_per_side_ + x;
+}
+
+std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PosedGroundPatch& patch, const DrivenPath* path) const {
+  std::vector<Hit> hits;
+  hits.reserve(patch.patch.samples.size());
+  const auto camera = static_cast<size_t>(patch.patch.camera);
+  const bool has_eye = path != nullptr && camera < path->cameras_in_body.size();
+  const Eigen::Vector3d eye = has_eye ? patch.site_from_body * path->cameras_in_body[camera] : Eigen::Vector3d::Zero();
+  for (const GroundSample& sample : patch.patch.samples) {
+    Eigen::Vector3d point = patch.site_from_body * sample.point_in_body.cast<double>();
+    int found = HeightField::kNone;
+    if (has_eye)
+      std::tie(found, point) = MeetSurface(*field_, eye, point);
+    else
+      found = field_->FindPatch(point);
+    if (found == HeightField::kNone) continue;
+    // The fourth root: evidence falls with distance, but much slower than the variance of a height grows.
+    const double nearness = std::min(1.0, std::sqrt(std::sqrt(kNearVariance * sample.weight)));
+    hits.push_back(
+        {.evidence = static_cast<std::uint32_t>(EvidenceAt(found, point.head<2>())),
+         .sight = {sample.blue, sample.green, sample.red, static_cast<std::uint8_t>(1 + std::lround(254 * nearness))},
+         .log_odds = static_cast<float>((sample.is_free ? log_odds_ : -log_odds_) * nearness)});
+  }
+  return hits;
+}
+
+void SurfacePainter::Paint(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths) {
+  const auto path_of = [&](const PosedGroundPatch& patch) -> const DrivenPath* {
+    const auto found = std::find_if(paths.begin(), paths.end(),
+                                    [&](const DrivenPath& path) { return path.drive == patch.patch.drive; });
+    return found == paths.end() ? nullptr : &*found;
+  };
+  const auto limit = static_cast<float>(log_odds_limit_);
+  for (size_t begin = 0; begin < patches.size(); begin += kPatchesPerBatch) {
+    const std::span batch = patches.subspan(begin, std::min(kPatchesPerBatch, patches.size() - begin));
+    const auto hits_of = ParallelMap(batch.size(), [&](size_t i) { return FindHits(batch[i], path_of(batch[i])); });
+    for (const std::vector<Hit>& hits : hits_of)
+      for (const Hit& hit : hits) {
+        Evidence& evidence = evidence_[hit.evidence];
+        evidence.log_odds = std::clamp(evidence.log_odds + hit.log_odds, -limit, limit);
+        if (hit.sight.nearness <= evidence.sights.back().nearness) continue;
+        size_t slot = kNumSights - 1;
+        for (; slot > 0 && evidence.sights[slot - 1].nearness < hit.sight.nearness; --slot)
+          evidence.sights[slot] = evidence.sights[slot - 1];
+        evidence.sights[slot] = hit.sight;
+      }
+  }
+}
+
+void SurfacePainter::MarkDriven(const DrivenPath& path) {
+  if (path.contact.wheelbase <= 0 || path.contact.track <= 0) return;
+  const double step = 2 * cell_size_;
+  std::optional<Eigen::Vector3d> last;
+  for (const TrajectoryState& state : path.site_from_body.states()) {
+    if (last && (state.odom_from_body.translation - *last).norm() < step) continue;
+    last = state.odom_from_body.translation;
+    const Rigid3 site_from_ground = state.odom_from_body * path.body_from_ground;
+    for (double x = 0; x <= path.contact.wheelbase; x += 0.7 * cell_size_)
+      for (double y = -0.5 * path.contact.track; y <= 0.5 * path.contact.track; y += 0.7 * cell_size_) {
+        const Eigen::Vector3d point = site_from_ground * Eigen::Vector3d(x, y, 0);
+        const int patch = field_->FindPatch(point);
+        if (patch == HeightField::kNone) continue;
+        Evidence& evidence = evidence_[static_cast<size_t>(EvidenceAt(patch, point.head<2>()))];
+        evidence.is_driven = true;
+        evidence.log_odds = static_cast<float>(log_odds_limit_);
+      }
+  }
+}
+
+std::array<std::uint8_t, 3> SurfacePainter::MedianColor(const Evidence& evidence) {
+  std::array<std::pair<int, std::array<int, 3>>, kNumSights> sorted;
+  size_t count = 0;
+  for (const Sight& sight : evidence.sights) {
+    if (sight.nearness == 0) break;
+    const std::array<int, 3> bgr{sight.blue, sight.green, sight.red};
+    sorted[count++] = {Lightness(bgr), bgr};
+  }
+  if (count == 0) return {};
+  std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(count));
+  const int median = sorted[(count - 1) / 2].first;
+  std::array<int, 3> sum{};
+  int number = 0;
+  for (size_t i = 0; i < count; ++i) {
+    if (std::abs(sorted[i].first - median) > kColorTolerance) continue;
+    for (size_t c = 0; c < 3; ++c) sum[c] += sorted[i].second[c];
+    ++number;
+  }
+  const auto mean = [&](int value) { return static_cast<std::uint8_t>((value + number / 2) / number); };
+  return {mean(sum[2]), mean(sum[1]), mean(sum[0])};
+}
+
+std::vector<SurfacePainter::PaintedCell> SurfacePainter::Cells() const {
+  const int cells_per_patch = cells_per_side_ * cells_per_side_;
+  const auto cells_of = ParallelMap(static_cast<size_t>(field_->num_patches()), [&](size_t index) {
+    std::vector<PaintedCell> cells;
+    const auto patch = static_cast<int>(index);
+    const auto begin = evidence_.begin() + static_cast<std::ptrdiff_t>(patch) * cells_per_patch;
+    const auto is_known = [](const Evidence& evidence) {
+      return evidence.is_driven || evidence.sights[0].nearness > 0;
+    };
+    if (std::none_of(begin, begin + cells_per_patch, is_known)) return cells;
+    const Eigen::Vector2i corner = field_->IndexOf(patch) * cells_per_side_;
+    for (int i = 0; i < cells_per_patch; ++i) {
+      const Evidence& evidence = *(begin + i);
+      PaintedCell& painted = cells.emplace_back();
+      painted.cell.x = corner.x() + i % cells_per_side_;
+      painted.cell.y = corner.y() + i / cells_per_side_;
+      const Eigen::Vector2d center = cell_size_ * Eigen::Vector2d(painted.cell.x + 0.5, painted.cell.y + 0.5);
+      painted.cell.height = static_cast<float>(field_->HeightAt(patch, center));
+      painted.cell.height_sigma = static_cast<float>(field_->SigmaOf(patch));
+      painted.cell.free_belief = 1 / (1 + std::exp(-evidence.log_odds));
+      painted.cell.color = MedianColor(evidence);
+      painted.is_seen = evidence.sights[0].nearness > 0;
+      painted.is_driven = evidence.is_driven;
+    }
+    return cells;
+  });
+  std::vector<PaintedCell> all;
+  for (const auto& cells : cells_of) all.insert(all.end(), cells.begin(), cells.end());
+  std::sort(all.begin(), all.end(), [](const PaintedCell& a, const PaintedCell& b) {
+    return std::tie(a.cell.y, a.cell.x, a.cell.height) < std::tie(b.cell.y, b.cell.x, b.cell.height);
+  });
+  return all;
+}
+
+}  // namespace parkade

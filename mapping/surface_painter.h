@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/ground_patch.h"
+#include "core/surface_map.h"
+#include "mapping/driven_path.h"
+#include "mapping/height_field.h"
+
+namespace parkade {
+
+/// Colours and free-space evidence gathered on the patches of a height field.
+class SurfacePainter {
+ public:
+  /// The field is borrowed. `cells_per_side` cells on each side of a patch.
+  SurfacePainter(const HeightField& field, int cells_per_side, double log_odds, double log_odds_limit);
+
+  /// Samples of patches, moved along their rays onto the surface. In parallel, summed in order.
+  void Paint(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths);
+
+  /// Where a car has been there is room for it.
+  void MarkDriven(const DrivenPath& path);
+
+  /// A cell of the result with what has not yet been decided about it.
+  struct PaintedCell {
+    SurfaceCell cell;
+    bool is_seen = false;  ///< has a colour
+    bool is_driven = false;
+  };
+
+  /// Every cell of every patch in which anything was seen or driven, the unseen ones too; sorted as SurfaceMap.
+  std::vector<PaintedCell> Cells() const;
+
+ private:
+  static constexpr int kNumSights = 5;  ///< kept per cell: the nearest
+
+  struct Sight {
+    std::uint8_t blue = 0, green = 0, red = 0;
+    std::uint8_t nearness = 0;  ///< 0 = none
+  };
+  struct Evidence {
+    float log_odds = 0;
+    bool is_driven = false;
+    std::array<Sight, kNumSights> sights{};  ///< nearest first
+  };
+  struct Hit {
+    std::uint32_t evidence = 0;
+    Sight sight;
+    float log_odds = 0;
+  };
+
+  std::vector<Hit> FindHits(const PosedGroundPatch& patch, const DrivenPath* path) const;
+  std::int64_t EvidenceAt(int patch, const Eigen::Vector2d& point_in_site) const;
+  static std::array<std::uint8_t, 3> MedianColor(const Evidence& evidence);
+
+  const HeightField* field_;
+  int cells_per_side_;
+  double cell_size_;
+  double log_odds_;
+  double log_odds_limit_;
+  std::vector<Evidence> evidence_;  ///< num_patches x cells_per_side^2
+};
+
+}  // namespace parkade
