@@ -11,12 +11,15 @@
 namespace parkade {
 namespace {
 
-constexpr double kSearchPixelsPerRadian = 500;  ///< finer lenses are searched at level 2, others at level 1
-constexpr double kMinSearchCorrelation = 0.6;   ///< at the search level
-constexpr double kMaxAmbiguity = 0.8;           ///< (1 - best) / (1 - second best) along the curve
-constexpr int kSamplesPerWarp = 6;              ///< a patch warped for one depth serves its neighbours
-constexpr int kMaxSamples = 200;                ///< along one epipolar curve
-constexpr double kMaxReturn = 1.0;              ///< [px] backward check
+constexpr int kSearchLevel = 1;                ///< of the pyramid
+constexpr double kSpacing = 1.5;               ///< [px of that level] between two places on the curve
+constexpr double kMinSearchCorrelation = 0.5;  ///< at the search level
+constexpr double kMaxAmbiguity = 0.8;          ///< (1 - best) / (1 - second best) along the curve
+constexpr int kSamplesPerWarp = 6;             ///< a patch warped for one depth serves its neighbours
+constexpr int kMaxSamples = 200;               ///< along one epipolar curve
+constexpr double kMinDepthPerBaseline = 5;     ///< cameras close to each other also share what is near
+constexpr double kMinDepth = 0.1;              ///< [m]
+constexpr double kMaxReturn = 1.0;             ///< [px] backward check
 
 /// Two images and the motion between their cameras.
 struct Views {
@@ -81,7 +84,7 @@ std::optional<PatchTemplate> TemplateFor(const Views& views, const Eigen::Vector
   return MakeTemplate(views.from.pyramid[static_cast<size_t>(2 * level)], pixel_in_from / (1 << level), *warp);
 }
 
-/// Places on the epipolar curve from infinity to `min_depth`, about one pixel of
+/// Places on the epipolar curve from infinity to `min_depth`, kSpacing pixels of
 /// `level` apart.
 std::vector<Hypothesis> SampleCurve(const Views& views, const Eigen::Vector3d& bearing, double min_depth, int level) {
   constexpr int kCoarse = 12;
@@ -95,7 +98,7 @@ std::vector<Hypothesis> SampleCurve(const Views& views, const Eigen::Vector3d& b
   }
   std::vector<Hypothesis> curve;
   if (length == 0) return curve;
-  const int count = std::clamp(static_cast<int>(length / (1 << level)), kCoarse, kMaxSamples);
+  const int count = std::clamp(static_cast<int>(length / (kSpacing * (1 << level))), kCoarse, kMaxSamples);
   for (int i = 0; i <= count; ++i) {
     const auto next = HypothesisAt(views, bearing, i / (count * min_depth));
     if (next) curve.push_back(*next);
@@ -169,10 +172,11 @@ bool ReturnsTo(const FeatureObservation& track, const Views& views, const Eigen:
 
 std::optional<FeatureObservation> MatchOne(const Views& views, const FeatureObservation& track,
                                            const CrossCameraOptions& options) {
-  const double track_pixels_per_radian = views.from.model.PixelsPerRadian(track.pixel).value_or(0);
   const int top = static_cast<int>(std::min(views.from.pyramid.size(), views.to.pyramid.size()) / 2) - 1;
-  const int level = std::min(top, track_pixels_per_radian > kSearchPixelsPerRadian ? 2 : 1);
-  const auto found = Search(views, track, options.min_depth, level);
+  const int level = std::min(top, kSearchLevel);
+  const double baseline = views.to_from_from.translation.norm();
+  const double min_depth = std::min(options.min_depth, std::max(kMinDepth, kMinDepthPerBaseline * baseline));
+  const auto found = Search(views, track, min_depth, level);
   if (!found) return std::nullopt;
   const auto match = RefineIn(views, track, *found, level);
   if (!match || match->correlation < options.min_similarity) return std::nullopt;
@@ -182,8 +186,7 @@ std::optional<FeatureObservation> MatchOne(const Views& views, const FeatureObse
   if (!bearing || !(pixels_per_radian > 0)) return std::nullopt;
   const double inverse_depth = InverseDepth(views, track.bearing, *bearing);
   const double noise = options.max_epipolar_error / pixels_per_radian;  // [rad]
-  const double baseline = views.to_from_from.translation.norm();
-  if (inverse_depth * baseline < -noise || inverse_depth > 1.3 / options.min_depth) return std::nullopt;
+  if (inverse_depth * baseline < -noise || inverse_depth > 1.3 / min_depth) return std::nullopt;
   const Eigen::Vector3d on_curve =
       views.to_from_from.rotation * track.bearing + std::max(0.0, inverse_depth) * views.to_from_from.translation;
   if (on_curve.normalized().cross(*bearing).norm() > noise) return std::nullopt;

@@ -10,8 +10,8 @@
 namespace parkade {
 
 struct CrossCameraOptions {
-  double min_depth = 1.5;           ///< [m] along the ray; nearer points are not looked for
-  double min_similarity = 0.8;      ///< normalised correlation in [-1, 1] that a match must reach
+  double min_depth = 1.5;           ///< [m] along the ray, or 5 baselines where that is less; nearer: not looked for
+  double min_similarity = 0.65;     ///< normalised correlation in [-1, 1] that a match must reach
   double max_epipolar_error = 2.0;  ///< [px] off the epipolar line; allows for errors of the extrinsics
   double pixel_sigma = 0.5;         ///< [px] noise reported with each observation
 

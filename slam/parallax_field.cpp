@@ -9,7 +9,7 @@ namespace {
 
 constexpr size_t kNeighbours = 8;
 constexpr size_t kMinSamples = 6;
-constexpr double kSlopeRidge = 0.02;  ///< [rad^2] neighbours nearer than this together do not fix a slope
+constexpr double kSlopeRidge = 1e-3;  ///< [rad^2] neighbours nearer than this together do not fix a slope
 
 }  // namespace
 

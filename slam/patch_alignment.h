@@ -7,7 +7,7 @@
 namespace parkade {
 
 /// Samples of a patch, mean 0 and norm 1: what brightness and gain do not change.
-inline constexpr int kPatchEdge = 9;
+inline constexpr int kPatchEdge = 11;
 using Patch = Eigen::Matrix<float, kPatchEdge * kPatchEdge, 1>;
 
 /// Normalised correlation in [-1, 1].

@@ -15,11 +15,17 @@ namespace {
 
 struct Summary {
   double tracks_per_frame = 0;
-  double survival = 0;       ///< mean share of the tracks of one frame that the next one has
-  size_t num_long = 0;       ///< tracks of 5 frames or more
-  double median_travel = 0;  ///< [px] from first to last sight of the tracks that lived through the clip
+  double survival = 0;      ///< mean share of the tracks of one frame that the next one has
+  size_t num_long = 0;      ///< tracks of 5 frames or more
+  double median_creep = 0;  ///< [px] of the tracks that lived through the clip, beyond their common motion
   FeatureTrackerStatistics statistics;
 };
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
 
 Summary TrackClip(const RealClip& clip) {
   FeatureTracker tracker(clip.cameras[0], 0);
@@ -41,13 +47,16 @@ Summary TrackClip(const RealClip& clip) {
     summary.tracks_per_frame += static_cast<double>(frame.observations.size()) / static_cast<double>(count);
     num_last = frame.observations.size();
   }
-  std::vector<double> travels;
+  std::vector<double> right, down, creep;
   for (const auto& [track, history] : tracks) {
     summary.num_long += history.size() >= 5;
-    if (history.size() == count) travels.push_back((history.back() - history.front()).norm());
+    if (history.size() != count) continue;
+    right.push_back(history.back().x() - history.front().x());
+    down.push_back(history.back().y() - history.front().y());
   }
-  std::sort(travels.begin(), travels.end());
-  if (!travels.empty()) summary.median_travel = travels[travels.size() / 2];
+  for (size_t i = 0; i < right.size(); ++i)
+    creep.push_back(std::hypot(right[i] - Median(right), down[i] - Median(down)));
+  summary.median_creep = Median(creep);
   summary.statistics = tracker.statistics();
   return summary;
 }
@@ -82,7 +91,8 @@ TEST(RealFrontEnd, StandingStillNothingIsLostAndNothingCreeps) {
   const Summary summary = TrackClip(*clip);
 
   EXPECT_GT(summary.survival, 0.998);
-  EXPECT_LT(summary.median_travel, 0.15) << "[px] over 95 images";
+  // The running propellers shake the image by up to 2 px as a whole (and the true pose by 0.2 degrees).
+  EXPECT_LT(summary.median_creep, 0.35) << "[px] over 95 images";
   EXPECT_EQ(summary.statistics.lost_on_own_body, 0) << "a biased gyro is no turn";
 }
 
