@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <unordered_map>
-#include <unordered_set>
+#include <limits>
+#include <map>
+#include <numeric>
 
 #include "core/error.h"
 
@@ -11,68 +12,112 @@ namespace parkade {
 namespace {
 
 constexpr int kNone = -1;
+constexpr double kHeightBin = 0.05;  // [m]
 
-class SheetFinder {
- public:
-  SheetFinder(const SurfaceMap& surface, const FreeSpaceOptions& options)
-      : cells_(surface.cells), options_(options), is_taken_(surface.cells.size(), false) {
-    for (size_t i = 0; i < cells_.size(); ++i) {
-      if (static_cast<double>(cells_[i].free_belief) > options.min_belief) {
-        columns_[CellKey(cells_[i].x, cells_[i].y)].push_back(static_cast<int>(i));
-      } else {
-        is_taken_[i] = true;
-      }
-    }
+/// Free cells sorted by (y, x, height), of which no two of one (x, y) are closer than a deck's height.
+std::vector<SurfaceCell> SelectFreeCells(const SurfaceMap& surface, const FreeSpaceOptions& options) {
+  std::vector<SurfaceCell> free_cells;
+  for (const SurfaceCell& cell : surface.cells) {
+    if (!(static_cast<double>(cell.free_belief) > options.min_belief)) continue;
+    const bool is_double = !free_cells.empty() && free_cells.back().x == cell.x && free_cells.back().y == cell.y &&
+                           static_cast<double>(cell.height - free_cells.back().height) < options.deck_height;
+    if (!is_double) free_cells.push_back(cell);
   }
+  return free_cells;
+}
 
-  /// The cells of the sheet that grows from the first cell which is in none yet; empty when all are.
-  std::vector<SurfaceCell> Next() {
-    while (seed_ < cells_.size() && is_taken_[seed_]) ++seed_;
-    std::vector<SurfaceCell> sheet;
-    if (seed_ == cells_.size()) return sheet;
-    std::unordered_set<std::int64_t> covered;
-    const auto take = [&](int index) {
-      sheet.push_back(cells_[static_cast<size_t>(index)]);
-      is_taken_[static_cast<size_t>(index)] = true;
-      covered.insert(CellKey(sheet.back().x, sheet.back().y));
-    };
-    take(static_cast<int>(seed_));
-    // Breadth first, so that a winding ramp is cut straight across where the fronts meet.
-    for (size_t i = 0; i < sheet.size(); ++i) {
-      const SurfaceCell cell = sheet[i];
-      for (const auto& [x, y] : {std::pair{cell.x + 1, cell.y}, std::pair{cell.x - 1, cell.y},
-                                 std::pair{cell.x, cell.y + 1}, std::pair{cell.x, cell.y - 1}}) {
-        const int next = covered.contains(CellKey(x, y)) ? kNone : FindNeighbour(cell, x, y);
-        if (next != kNone) take(next);
+/// Connects cells through their edges where the height hardly changes.
+class CellGraph {
+ public:
+  CellGraph(std::vector<SurfaceCell> cells, double max_step)
+      : cells_(std::move(cells)), max_step_(max_step), is_open_(cells_.size(), false) {}
+
+  const std::vector<SurfaceCell>& cells() const { return cells_; }
+
+  /// Indices of the connected parts of `members`; a cell joins only a part of its own `slice`.
+  std::vector<std::vector<int>> FindParts(const std::vector<int>& members, const std::vector<int>& slice) {
+    std::vector<std::vector<int>> parts;
+    for (const int index : members) is_open_[static_cast<size_t>(index)] = true;
+    for (const int seed : members) {
+      if (!is_open_[static_cast<size_t>(seed)]) continue;
+      is_open_[static_cast<size_t>(seed)] = false;
+      std::vector<int> part = {seed};
+      for (size_t i = 0; i < part.size(); ++i) {
+        for (const int next : Neighbours(part[i])) {
+          if (next == kNone || !is_open_[static_cast<size_t>(next)]) continue;
+          if (slice[static_cast<size_t>(next)] != slice[static_cast<size_t>(seed)]) continue;
+          is_open_[static_cast<size_t>(next)] = false;
+          part.push_back(next);
+        }
       }
+      parts.push_back(std::move(part));
     }
-    return sheet;
+    return parts;
   }
 
  private:
-  /// The free cell at (x, y) that is in no sheet, nearest in height and within the step.
-  int FindNeighbour(const SurfaceCell& cell, int x, int y) const {
-    const auto column = columns_.find(CellKey(x, y));
-    if (column == columns_.end()) return kNone;
-    int nearest = kNone;
-    double nearest_step = options_.max_step;
-    for (const int index : column->second) {
-      const double step = std::abs(static_cast<double>(cells_[static_cast<size_t>(index)].height - cell.height));
-      if (is_taken_[static_cast<size_t>(index)] || step > nearest_step) continue;
-      nearest = index;
-      nearest_step = step;
-    }
-    return nearest;
+  std::array<int, 4> Neighbours(int index) const {
+    const SurfaceCell& cell = cells_[static_cast<size_t>(index)];
+    return {Find(cell.x + 1, cell.y, cell.height), Find(cell.x, cell.y + 1, cell.height),
+            Find(cell.x - 1, cell.y, cell.height), Find(cell.x, cell.y - 1, cell.height)};
   }
 
-  const std::vector<SurfaceCell>& cells_;
-  const FreeSpaceOptions& options_;
-  std::unordered_map<std::int64_t, std::vector<int>> columns_;  ///< free cells by (x, y)
-  std::vector<bool> is_taken_;
-  size_t seed_ = 0;
+  /// The cell at (x, y) within the step of a height: decks are further apart, so there is at most one.
+  int Find(int x, int y, float height) const {
+    const auto begin = std::lower_bound(
+        cells_.begin(), cells_.end(), std::pair(y, x),
+        [](const SurfaceCell& cell, const std::pair<int, int>& key) { return std::pair(cell.y, cell.x) < key; });
+    for (auto cell = begin; cell != cells_.end() && cell->x == x && cell->y == y; ++cell)
+      if (std::abs(static_cast<double>(cell->height - height)) <= max_step_)
+        return static_cast<int>(cell - cells_.begin());
+    return kNone;
+  }
+
+  std::vector<SurfaceCell> cells_;
+  double max_step_;
+  std::vector<bool> is_open_;  ///< members not yet in a part; all false between calls
 };
 
-FreeSheet MakeSheet(const std::vector<SurfaceCell>& cells, double cell_size) {
+/// The fewest heights [m] that lie between the cells of every (x, y) that has several; each where the part has the
+/// least ground, so that ramps are cut and not decks. Increasing. Greedy stabbing of intervals.
+std::vector<double> FindCuts(const std::vector<SurfaceCell>& cells, std::vector<int> part) {
+  std::sort(part.begin(), part.end());
+  std::vector<std::pair<double, double>> gaps;  // (upper, lower) height
+  std::map<int, int> ground_at;                 // cells by height bin
+  for (size_t i = 0; i < part.size(); ++i) {
+    const SurfaceCell& cell = cells[static_cast<size_t>(part[i])];
+    ++ground_at[static_cast<int>(std::floor(static_cast<double>(cell.height) / kHeightBin))];
+    if (i == 0) continue;
+    const SurfaceCell& below = cells[static_cast<size_t>(part[i - 1])];
+    if (below.x == cell.x && below.y == cell.y)
+      gaps.emplace_back(static_cast<double>(cell.height), static_cast<double>(below.height));
+  }
+  std::sort(gaps.begin(), gaps.end());
+
+  std::vector<double> cuts;
+  for (size_t i = 0; i < gaps.size();) {
+    const double upper = gaps[i].first;
+    double lower = gaps[i].second;
+    for (; i < gaps.size() && gaps[i].second < upper; ++i) lower = std::max(lower, gaps[i].second);
+    const double middle = 0.5 * (lower + upper);
+    double best = middle;
+    auto best_cost = std::pair(std::numeric_limits<int>::max(), 0.0);
+    for (int bin = static_cast<int>(std::ceil(lower / kHeightBin)); (bin + 1) * kHeightBin <= upper; ++bin) {
+      const double height = (bin + 0.5) * kHeightBin;
+      const auto found = ground_at.find(bin);
+      const std::pair cost(found == ground_at.end() ? 0 : found->second, std::abs(height - middle));
+      if (cost >= best_cost) continue;
+      best_cost = cost;
+      best = height;
+    }
+    cuts.push_back(best);
+  }
+  return cuts;
+}
+
+FreeSheet MakeSheet(const std::vector<SurfaceCell>& all_cells, const std::vector<int>& part, double cell_size) {
+  std::vector<SurfaceCell> cells;
+  for (const int index : part) cells.push_back(all_cells[static_cast<size_t>(index)]);
   FreeSheet sheet;
   sheet.area = static_cast<double>(cells.size()) * cell_size * cell_size;
   sheet.min_height = sheet.max_height = static_cast<double>(cells[0].height);
@@ -118,12 +163,22 @@ void FreeSpaceOptions::Validate() const {
 
 std::vector<FreeSheet> FindFreeSheets(const SurfaceMap& surface, const FreeSpaceOptions& options) {
   options.Validate();
+  CellGraph graph(SelectFreeCells(surface, options), options.max_step);
+  std::vector<int> all(graph.cells().size());
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<int> slice(all.size(), 0);
   std::vector<FreeSheet> sheets;
-  SheetFinder finder(surface, options);
-  for (std::vector<SurfaceCell> cells = finder.Next(); !cells.empty(); cells = finder.Next())
-    if (static_cast<double>(cells.size()) * surface.cell_size * surface.cell_size >= options.min_area)
-      sheets.push_back(MakeSheet(cells, surface.cell_size));
-
+  for (const std::vector<int>& connected : graph.FindParts(all, slice)) {
+    const std::vector<double> cuts = FindCuts(graph.cells(), connected);
+    for (const int index : connected) {
+      const double height = static_cast<double>(graph.cells()[static_cast<size_t>(index)].height);
+      slice[static_cast<size_t>(index)] =
+          static_cast<int>(std::upper_bound(cuts.begin(), cuts.end(), height) - cuts.begin());
+    }
+    for (const std::vector<int>& part : graph.FindParts(connected, slice))
+      if (static_cast<double>(part.size()) * surface.cell_size * surface.cell_size >= options.min_area)
+        sheets.push_back(MakeSheet(graph.cells(), part, surface.cell_size));
+  }
   std::stable_sort(sheets.begin(), sheets.end(),
                    [](const FreeSheet& a, const FreeSheet& b) { return a.mean_height < b.mean_height; });
   int level = 0;

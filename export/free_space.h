@@ -27,7 +27,8 @@ struct FreeSpaceOptions {
   void Validate() const;  ///< throws Error{kUsage}
 };
 
-/// One connected piece of free ground that nowhere lies above itself (a ramp that winds over itself is cut).
+/// One connected piece of free ground that nowhere lies above itself: ground that does, as a garage whose ramps
+/// join its decks, is cut at as few heights as possible, where there is the least of it.
 struct FreeSheet {
   int level = 0;                                                     ///< 0 is the lowest
   double area = 0, min_height = 0, max_height = 0, mean_height = 0;  ///< [m^2], [m]

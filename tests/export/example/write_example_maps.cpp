@@ -1,0 +1,26 @@
+// Writes the maps that read_maps.mjs reads: FOLDER/{georeferenced,local,without_ground,no_manifold,empty}.
+
+#include <cstdio>
+
+#include "core/log.h"
+#include "export/write_site_map.h"
+#include "tests/export/example_map.h"
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: %s FOLDER\n", argv[0]);
+    return 2;
+  }
+  parkade::SetLogLevel(parkade::LogLevel::kWarning);
+  const std::filesystem::path root = argv[1];
+  std::filesystem::remove_all(root);
+  const auto write = [&](const char* name, const parkade::SiteMap& map) {
+    std::filesystem::create_directories(root / name);
+    parkade::WriteSiteMap(map, root / name);
+  };
+  write("georeferenced", parkade::MakeExampleMap(true));
+  write("local", parkade::MakeExampleMap(false));
+  write("without_ground", parkade::MakeMapWithoutGround());
+  write("no_manifold", parkade::MakeMapOfNoManifold());
+  write("empty", {});
+}

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "core/site_map.h"
+
+namespace parkade {
+
+/// A small two-deck garage: a lower deck of 40 m x 20 m with a pillar, a ramp of 12 % and an upper deck above the
+/// lower one's east half; two drives over both decks whose odometry drifts. The mesh is that of the surface.
+SiteMap MakeExampleMap(bool is_georeferenced);
+
+/// [m] from the lower deck to the top of the ramp.
+inline constexpr double kUpperDeckHeight = 2.6;
+
+/// Two drives and no ground.
+SiteMap MakeMapWithoutGround();
+
+/// No drives; triangles that are no manifold: three at one edge, and two that meet in a vertex only.
+SiteMap MakeMapOfNoManifold();
+
+}  // namespace parkade

@@ -1,0 +1,75 @@
+#include "export/ortho.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+namespace parkade {
+namespace {
+
+SurfaceCell CellAt(int x, int y, float height, std::array<std::uint8_t, 3> color) {
+  SurfaceCell cell;
+  cell.x = x;
+  cell.y = y;
+  cell.height = height;
+  cell.color = color;
+  return cell;
+}
+
+cv::Mat Decode(const Orthophoto& ortho) {
+  const std::vector<char> bytes(ortho.png.begin(), ortho.png.end());
+  return cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+}
+
+/// The pixel that shows a place of the site, by the world file.
+cv::Point PixelOf(const Orthophoto& ortho, double x, double y) {
+  std::istringstream text(ortho.world_file);
+  double a = 0, d = 0, b = 0, e = 0, c = 0, f = 0;
+  text >> a >> d >> b >> e >> c >> f;
+  return {static_cast<int>(std::lround((x - c) / a)), static_cast<int>(std::lround((y - f) / e))};
+}
+
+TEST(Orthophoto, EveryCellIsWhereTheWorldFileSays) {
+  SurfaceMap surface;
+  surface.cell_size = 0.1;
+  surface.cells = {CellAt(-7, -3, 0, {255, 0, 0}), CellAt(4, -3, 0, {0, 255, 0}), CellAt(0, 5, 0, {0, 0, 255})};
+
+  const Orthophoto ortho = RenderOrthophoto(surface);
+  const cv::Mat image = Decode(ortho);
+
+  ASSERT_EQ(image.size(), cv::Size(12, 9));
+  EXPECT_EQ(image.at<cv::Vec4b>(PixelOf(ortho, -0.65, -0.25)), cv::Vec4b(0, 0, 255, 255));  // BGRA
+  EXPECT_EQ(image.at<cv::Vec4b>(PixelOf(ortho, 0.45, -0.25)), cv::Vec4b(0, 255, 0, 255));
+  EXPECT_EQ(image.at<cv::Vec4b>(PixelOf(ortho, 0.05, 0.55)), cv::Vec4b(255, 0, 0, 255));
+  EXPECT_EQ(PixelOf(ortho, 0.05, 0.55).y, 0);                         // north is up
+  EXPECT_EQ(image.at<cv::Vec4b>(PixelOf(ortho, -0.05, 0.05))[3], 0);  // unknown is transparent
+}
+
+TEST(Orthophoto, TheHighestDeckIsSeen) {
+  SurfaceMap surface;
+  surface.cells = {CellAt(0, 0, 0, {10, 10, 10}), CellAt(0, 0, 2.8F, {200, 200, 200})};
+  EXPECT_EQ(Decode(RenderOrthophoto(surface)).at<cv::Vec4b>(0, 0), cv::Vec4b(200, 200, 200, 255));
+}
+
+TEST(Orthophoto, AVeryLargeSiteGetsLargerPixels) {
+  SurfaceMap surface;
+  surface.cell_size = 0.1;
+  surface.cells = {CellAt(-501, -3, 0, {255, 0, 0}), CellAt(499, 7, 0, {0, 255, 0})};
+
+  const Orthophoto ortho = RenderOrthophoto(surface, 200);
+  const cv::Mat image = Decode(ortho);
+
+  EXPECT_LE(image.cols, 201);
+  EXPECT_EQ(image.at<cv::Vec4b>(PixelOf(ortho, -50.05, -0.25)), cv::Vec4b(0, 0, 255, 255));
+  EXPECT_EQ(image.at<cv::Vec4b>(PixelOf(ortho, 49.95, 0.75)), cv::Vec4b(0, 255, 0, 255));
+}
+
+TEST(Orthophoto, AnEmptyMapIsOneTransparentPixel) {
+  const cv::Mat image = Decode(RenderOrthophoto({}));
+  ASSERT_EQ(image.size(), cv::Size(1, 1));
+  EXPECT_EQ(image.at<cv::Vec4b>(0, 0)[3], 0);
+}
+
+}  // namespace
+}  // namespace parkade
