@@ -75,7 +75,7 @@ std::optional<WheelSample> WheelReader::Read(const RawMessage& message, const Se
   const OdometryMessage odometry = ReadOdometry(message, stream);
   const Timestamp time = StampOf(message, stream.encoding);
   const std::optional<WheelSample> from_poses = FromPoses(time, odometry);
-  if (!odometry.linear.isZero(0) || !odometry.angular.isZero(0)) has_twist_ = true;
+  if (odometry.linear.x() != 0 || odometry.angular.z() != 0) has_twist_ = true;
   if (odometry.has_pose) {
     if (last_time_) path_length_ += (odometry.odom_from_child.translation - last_pose_.translation).norm();
     has_pose_ = true;

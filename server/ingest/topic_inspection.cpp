@@ -40,21 +40,24 @@ void TopicInspector::IncludeMessage(const RawMessage& message) {
 }
 
 void TopicInspector::IncludeStamp(Timestamp stamp) {
+  const auto seconds_from = [&](Timestamp earlier) {  // without overflow, whatever the stamps
+    return static_cast<double>(stamp.ns) * 1e-9 - static_cast<double>(earlier.ns) * 1e-9;
+  };
   const bool is_first = found_.span.IsEmpty();
-  const double step = is_first ? 0 : static_cast<double>(stamp.ns) * 1e-9 - static_cast<double>(last_stamp_.ns) * 1e-9;
-  found_.span.Include(stamp);
   if (!is_first && stamp == last_stamp_) ++found_.num_repeated;
   if (!is_first && stamp < last_stamp_) {
     ++found_.num_backward;
-    found_.largest_backward_jump = std::max(found_.largest_backward_jump, -step);
+    found_.largest_backward_jump = std::max(found_.largest_backward_jump, -seconds_from(last_stamp_));
   }
-  if (!is_first && stamp > last_stamp_) {
+  if (!is_first && stamp > found_.span.end) {
+    const double step = seconds_from(found_.span.end);
     if (first_steps_.size() < kMaxSteps) first_steps_.push_back(step);
     const auto at =
         std::find_if(long_steps_.begin(), long_steps_.end(), [&](const auto& gap) { return gap.seconds < step; });
-    long_steps_.insert(at, {last_stamp_, step});
+    long_steps_.insert(at, {found_.span.end, step});
     if (long_steps_.size() > kMaxGaps) long_steps_.pop_back();
   }
+  found_.span.Include(stamp);
   last_stamp_ = stamp;
 }
 
