@@ -65,6 +65,22 @@ SurfaceMap SurfaceOf(const std::vector<PaintedCell>& cells, double cell_size) {
   return surface;
 }
 
+/// Where two surfaces lie too close above each other to be decks, the less certain one is an error.
+void DropFalseDecks(double level_separation, std::vector<PaintedCell>& cells) {
+  std::vector<PaintedCell> kept;
+  kept.reserve(cells.size());
+  for (const PaintedCell& cell : cells) {
+    const bool is_above = !kept.empty() && kept.back().cell.x == cell.cell.x && kept.back().cell.y == cell.cell.y &&
+                          static_cast<double>(cell.cell.height - kept.back().cell.height) < level_separation;
+    if (!is_above)
+      kept.push_back(cell);
+    else if (cell.is_driven > kept.back().is_driven ||
+             (cell.is_driven == kept.back().is_driven && cell.cell.height_sigma < kept.back().cell.height_sigma))
+      kept.back() = cell;
+  }
+  cells = std::move(kept);
+}
+
 /// Gives unseen cells the mean of their seen neighbours: single pinholes everywhere, and whatever a car drove on.
 void FillPinholes(const SurfaceLinks& links, std::vector<PaintedCell>& cells) {
   std::vector<size_t> unseen;
@@ -158,6 +174,7 @@ SurfaceMap FuseSurface(std::span<const PosedGroundPatch> patches, std::span<cons
   for (const DrivenPath& path : paths) painter.MarkDriven(path);
 
   std::vector<PaintedCell> cells = painter.Cells();
+  DropFalseDecks(options.height.level_separation, cells);
   const SurfaceLinks links = LinkCells(SurfaceOf(cells, options.cell_size), kMaxCellStep);
   FillPinholes(links, cells);
   const std::vector<bool> is_small =

@@ -8,7 +8,7 @@
 namespace parkade {
 namespace {
 
-constexpr double kMaxDeckDistance = 3.0;  // [m] in height from the path: the deck driven on, and ramps
+constexpr double kMaxDeckDistance = 1.5;  // [m] in height from the path: only the deck driven on
 
 using Corners = std::array<Eigen::Vector3d, 3>;
 

@@ -36,7 +36,7 @@ class HeightRaster {
   /// For each sample: true when a raster point within `width` [m] has no sample of this deck: the rim.
   std::vector<bool> FindRim(double width, double max_gap) const;
 
-  /// Keeps only samples with a point of `path` within `radius` [m] horizontally and 3 m in height.
+  /// Keeps only samples with a point of `path` within `radius` [m] horizontally and 1.5 m in height.
   void KeepNear(std::span<const Eigen::Vector3d> path, double radius);
 
  private:

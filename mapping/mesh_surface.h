@@ -8,7 +8,7 @@ namespace parkade {
 struct MeshOptions {
   int cells_per_voxel = 2;         ///< cells of the surface on each side of a voxel; more is coarser and smaller
   double voxel_height = 0.25;      ///< [m]; has no influence on accuracy, only on slivers on slopes
-  double free_threshold = 0.6;     ///< belief from which a cell is drivable
+  double free_threshold = 0.55;    ///< belief from which a cell is drivable
   double max_step = 0.3;           ///< [m] between neighbours of one deck; steeper is a gap
   bool simplify = true;            ///< merges flat triangles of one colour
   double max_height_error = 0.01;  ///< [m] that simplifying may cost

@@ -69,7 +69,9 @@ void FillMarkings(const GroundGrid& grid, const std::vector<std::uint8_t>& is_br
         const float width = (grid.cells[static_cast<size_t>(index)].point_in_ground -
                              grid.cells[static_cast<size_t>(before)].point_in_ground)
                                 .norm();
-        bool is_paint = width <= max_width;
+        // The two ends are road already, and smoothing made the paint wider by about as much.
+        const float spacing = width / static_cast<float>(i - last_ground);
+        bool is_paint = static_cast<double>(width - 3 * spacing) <= max_width;
         for (int k = last_ground + 1; is_paint && k < i; ++k)
           is_paint = is_bright[static_cast<size_t>(line.first + k * line.stride)] != 0;
         for (int k = last_ground + 1; is_paint && k < i; ++k)

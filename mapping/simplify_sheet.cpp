@@ -23,6 +23,32 @@ using Policies = collapse::GarlandHeckbert_plane_policies<Mesh, Kernel>;
 using EdgeFlags = Mesh::Property_map<Mesh::Edge_index, bool>;
 using Colors = std::vector<std::array<std::uint8_t, 3>>;
 
+constexpr double kMaxEdge = 3.0;       // [m] about the longest edge on a plane
+constexpr double kBorderWeight = 0.1;  // of a border's quadrics: it may move sqrt(10) times as far as a plane
+
+/// Quadrics alone cost nothing on a plane, where edges would collapse in any order, and fans of hundreds of triangles
+/// would form, which are ugly and slow. Short edges therefore go first.
+class EvenPolicies : public Policies {
+ public:
+  EvenPolicies(Mesh& mesh, double max_error)
+      : Policies(mesh, kBorderWeight), cost_per_square_meter_(max_error * max_error / (kMaxEdge * kMaxEdge)) {}
+
+  template <typename Profile>
+  boost::optional<double> operator()(const Profile& profile, const boost::optional<Kernel::Point_3>& placement) const {
+    boost::optional<double> cost = Policies::operator()(profile, placement);
+    if (cost) *cost += cost_per_square_meter_ * CGAL::squared_distance(profile.p0(), profile.p1());
+    return cost;
+  }
+
+  template <typename Profile>
+  boost::optional<Kernel::Point_3> operator()(const Profile& profile) const {
+    return Policies::operator()(profile);
+  }
+
+ private:
+  double cost_per_square_meter_;
+};
+
 /// Ends the collapse at a bound of the cost: a sum of squared distances to planes.
 struct StopAtCost {
   double max_cost = 0;
@@ -87,8 +113,8 @@ Tile Simplify(const Tile& tile, const Colors& colors, const std::vector<bool>& i
     if (mesh.add_face(Mesh::Vertex_index(a), Mesh::Vertex_index(b), Mesh::Vertex_index(c)) == Mesh::null_face())
       return tile;
   const EdgeFlags is_kept = MarkKept(mesh, tile, colors, is_seam, options.color_contrast);
-  const Policies policies(mesh);
-  const collapse::Constrained_placement<Policies, EdgeFlags> placement(is_kept, policies);
+  const EvenPolicies policies(mesh, options.max_error);
+  const collapse::Constrained_placement<EvenPolicies, EdgeFlags> placement(is_kept, policies);
   collapse::edge_collapse(
       mesh, StopAtCost{options.max_error * options.max_error},
       CGAL::parameters::edge_is_constrained_map(is_kept).get_cost(policies).get_placement(placement).filter(

@@ -66,12 +66,13 @@ std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PosedGroundPatch
     else
       found = field_->FindPatch(point);
     if (found == HeightField::kNone) continue;
-    // The fourth root: evidence falls with distance, but much slower than the variance of a height grows.
-    const double nearness = std::min(1.0, std::sqrt(std::sqrt(kNearVariance * sample.weight)));
+    // Evidence falls with distance, but much slower than the variance of a height grows.
+    const double nearness = std::min(1.0, std::sqrt(std::sqrt(kNearVariance * static_cast<double>(sample.weight))));
+    const double log_odds = log_odds_ * std::sqrt(nearness);
     hits.push_back(
         {.evidence = static_cast<std::uint32_t>(EvidenceAt(found, point.head<2>())),
          .sight = {sample.blue, sample.green, sample.red, static_cast<std::uint8_t>(1 + std::lround(254 * nearness))},
-         .log_odds = static_cast<float>((sample.is_free ? log_odds_ : -log_odds_) * nearness)});
+         .log_odds = static_cast<float>(sample.is_free ? log_odds : -log_odds)});
   }
   return hits;
 }

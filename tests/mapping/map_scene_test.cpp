@@ -40,7 +40,7 @@ void SavePicture(const SurfaceMap& surface, const std::string& name, double min_
   for (const SurfaceCell& cell : surface.cells) {
     if (static_cast<double>(cell.height) < min_height) continue;
     cv::Vec3b color(cell.color[2], cell.color[1], cell.color[0]);
-    if (cell.free_belief < 0.6F) color = {static_cast<uchar>(color[0] / 3), static_cast<uchar>(color[1] / 3), 200};
+    if (cell.free_belief < 0.55F) color = {static_cast<uchar>(color[0] / 3), static_cast<uchar>(color[1] / 3), 200};
     picture.at<cv::Vec3b>(high_y - cell.y, cell.x - low_x) = color;
   }
   cv::imwrite(std::string(folder) + "/" + name + ".png", picture);
@@ -102,7 +102,7 @@ TEST(MapScene, ColoursAreThoseOfThePlace) {
   int count = 0, num_white = 0;
   for (const SurfaceCell& cell : mapped.surface.cells) {
     const Eigen::Vector3d center((cell.x + 0.5) * 0.05, (cell.y + 0.5) * 0.05, 0);
-    if (std::abs(center.x()) > 8 || std::abs(center.y()) > 4 || cell.free_belief < 0.6F) continue;
+    if (std::abs(center.x()) > 8 || std::abs(center.y()) > 4 || cell.free_belief < 0.55F) continue;
     const Bgr truth = SyntheticScene::ColorAt(drive.scene().quads().front(), center);
     if (truth[0] == 225 && std::abs(center.y()) < 4 && cell.color[1] > 170) ++num_white;
     error += std::abs(int{cell.color[1]} - int{truth[1]});
