@@ -179,10 +179,9 @@ void FixedLagSmoother::StartLandmarks() {
 }
 
 SolveSummary FixedLagSmoother::Solve() {
-  for (Knot& knot : knots_) {
-    if (!knot.interval) continue;
-    const ImuBias bias = BiasFromParameters(KnotNumbered(knot.number - 1).motion.data());
-    ImuPreintegration& imu = knot.interval->imu;
+  for (size_t j = 1; j < knots_.size(); ++j) {
+    const ImuBias bias = BiasFromParameters(knots_[j - 1].motion.data());
+    ImuPreintegration& imu = knots_[j].interval->imu;
     if ((bias.gyroscope - imu.bias().gyroscope).norm() > kMaxGyroscopeBiasChange ||
         (bias.accelerometer - imu.bias().accelerometer).norm() > kMaxAccelerometerBiasChange)
       imu.Reintegrate(bias);

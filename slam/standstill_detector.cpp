@@ -13,19 +13,29 @@ constexpr size_t kMinCommonTracks = 8;
 constexpr double kKeepMotions = 5.0;  // [s]
 constexpr double kMovingFactor = 5;   // images this much livelier than still overrule the wheels
 constexpr double kNoiseSigmas = 3;
+constexpr double kImageSigmas = 2.2;  // median of the difference of two bearings at rest: 1.7
 
-std::optional<double> MedianMotion(const TrackedFrame& from, const TrackedFrame& to) {
+struct MedianOfTracks {
+  double motion = 0, sigma = 0;  // [rad]
+};
+
+std::optional<MedianOfTracks> MedianMotion(const TrackedFrame& from, const TrackedFrame& to) {
   std::unordered_map<std::int64_t, Eigen::Vector3d> before;
   for (const FeatureObservation& seen : from.observations) before.emplace(seen.track, seen.bearing);
-  std::vector<double> angles;
+  std::vector<double> angles, sigmas;
   for (const FeatureObservation& seen : to.observations) {
     const auto found = before.find(seen.track);
-    if (found != before.end()) angles.push_back(found->second.cross(seen.bearing).norm());
+    if (found == before.end()) continue;
+    angles.push_back(found->second.cross(seen.bearing).norm());
+    sigmas.push_back(seen.sigma);
   }
   if (angles.size() < kMinCommonTracks) return std::nullopt;
-  const auto middle = angles.begin() + static_cast<long>(angles.size() / 2);
-  std::nth_element(angles.begin(), middle, angles.end());
-  return *middle;
+  const auto median = [](std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  return MedianOfTracks{median(angles), median(sigmas)};
 }
 
 /// Root of the summed variances of the three axes.
@@ -63,21 +73,22 @@ void StandstillDetector::Add(const TrackedFrame& frame) {
   while (recent.size() > 2 && frame.time - recent[1].time >= options_.image_interval) recent.pop_front();
   const double age = frame.time - recent.front().time;
   if (age >= options_.image_interval && age < 3 * options_.image_interval)
-    if (const std::optional<double> median = MedianMotion(recent.front(), frame))
-      motions.push_back({frame.time, *median});
+    if (const std::optional<MedianOfTracks> median = MedianMotion(recent.front(), frame))
+      motions.push_back({frame.time, median->motion, median->sigma});
   while (!motions.empty() && frame.time - motions.front().time > kKeepMotions) motions.pop_front();
 }
 
 StandstillDetector::Images StandstillDetector::ImagesDuring(Timestamp begin, Timestamp end, bool is_any_enough) const {
   int num_still = 0, num_moving = 0, num_clearly_moving = 0;
   for (const auto& motions : motions_) {
-    double worst = -1;
+    double worst = -1;  // in units of what is still noise
     for (const ImageMotion& motion : motions)
       // A motion is measured over the interval before its stamp: take those that end inside.
-      if (motion.time > begin && motion.time <= end) worst = std::max(worst, motion.median);
+      if (motion.time > begin && motion.time <= end)
+        worst = std::max(worst, motion.median / std::max(options_.image_motion, kImageSigmas * motion.sigma));
     if (worst < 0) continue;
-    (worst < options_.image_motion ? num_still : num_moving) += 1;
-    if (worst > kMovingFactor * options_.image_motion) ++num_clearly_moving;
+    (worst < 1 ? num_still : num_moving) += 1;
+    if (worst > kMovingFactor) ++num_clearly_moving;
   }
   if (num_still + num_moving == 0) return Images::kUnknown;
   if (is_any_enough) return num_clearly_moving == num_still + num_moving ? Images::kMoving : Images::kStill;

@@ -12,7 +12,7 @@ namespace parkade {
 struct StandstillOptions {
   double wheel_speed = 0.02;              ///< [m/s] wheels slower than this stand
   double image_motion = 1.0e-3;           ///< [rad] median motion of tracks over `image_interval` that is still noise
-  double image_interval = 0.3;            ///< [s]
+  double image_interval = 0.5;            ///< [s]
   double gyroscope_deviation = 0.01;      ///< [rad/s] spread of a resting gyroscope, or 3 sigma of its noise
   double accelerometer_deviation = 0.15;  ///< [m/s^2] likewise
 
@@ -44,6 +44,7 @@ class StandstillDetector {
   struct ImageMotion {
     Timestamp time;
     double median = 0;  ///< [rad]
+    double sigma = 0;   ///< [rad] of a bearing
   };
   enum class Images { kUnknown, kStill, kMoving };
 

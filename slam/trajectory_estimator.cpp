@@ -13,6 +13,7 @@ constexpr double kSnap = 0.03;            // [s] a knot moves this far to be at 
 constexpr double kSnapSlack = 0.05;       // [s] of data beyond a knot before it is placed
 constexpr double kStillLook = 0.3;        // [s] over which standstill is judged
 constexpr double kStillStart = 0.5;       // [s] of standstill that is enough to start
+constexpr double kMaxStillStart = 1.0;    // [s] of it that is used
 constexpr double kWheelStart = 1.0;       // [s] of rolling that is enough to start
 constexpr double kFirstImageStart = 1.0;  // [s] of moving images for the first attempt
 constexpr double kAttemptStep = 0.25;     // [s] between attempts
@@ -122,7 +123,7 @@ void TrajectoryEstimator::TryStart(bool is_last_chance) {
 std::optional<StartEstimate> TrajectoryEstimator::AttemptStart(Timestamp begin, Timestamp now,
                                                                bool is_last_chance) const {
   const double seconds = now - begin;
-  const Timestamp still_end = begin + std::min(seconds, kStillStart);
+  const Timestamp still_end = begin + std::min(seconds, kMaxStillStart);
   if ((seconds >= kStillStart || is_last_chance) && standstill_.IsStill(imu_, wheels_, begin, still_end))
     return StartFromStandstill(imu_, rig_.imu, begin, still_end);
   const std::vector<TrackedFrame> frames(pending_.begin(), pending_.end());

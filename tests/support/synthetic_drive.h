@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/drive_log.h"
+#include "core/rig.h"
+#include "core/trajectory.h"
+#include "slam/feature_track.h"
+#include "tests/support/synthetic_motion.h"
+
+namespace parkade {
+
+/// A drive without images: samples and tracks from an exact motion through a
+/// world of points, with noise of known size. Same options, same numbers.
+struct SyntheticDriveOptions {
+  std::uint32_t seed = 1;
+  double duration = 50;           ///< [s]
+  double start = 0;               ///< [s] into the motion: > 6 starts rolling
+  double imu_rate = 200;          ///< [Hz]
+  double wheel_rate = 50;         ///< [Hz]
+  double camera_rate = 20;        ///< [Hz]
+  int num_cameras = 4;            ///< 1..4: front, left, right, rear
+  bool has_wheels = true;
+  double wheel_scale = 1.005;     ///< true speed / reported speed
+  double wheel_noise = 0.02;      ///< [m/s]
+  double gyroscope_bias = 0.005;  ///< [rad/s] standard deviation per axis
+  double accelerometer_bias = 0.05;  ///< [m/s^2] standard deviation per axis
+  double noise = 1;               ///< of the IMU, times that of its calibration
+  double bearing_sigma = 1.2e-3;  ///< [rad]
+  int tracks = 60;                ///< per image
+  double outliers = 0.03;         ///< share of tracks that wander
+  double points_per_metre = 8;    ///< of path (car), or 50 times per room (flight)
+};
+
+struct SyntheticDrive {
+  Rig rig;
+  std::vector<ImuSample> imu;
+  std::vector<WheelSample> wheels;
+  std::vector<TrackedFrame> frames;  ///< all cameras, in order of time
+  std::vector<TimedPose> truth;      ///< world_from_body at 100 Hz
+  double length = 0;                 ///< [m]
+};
+
+/// Four unsynchronised 185-degree cameras on a car, IMU off the rear axle.
+SyntheticDrive MakeCarDrive(const SyntheticDriveOptions& options);
+
+/// A standing car with the same sensors.
+SyntheticDrive MakeRestingDrive(const SyntheticDriveOptions& options);
+
+/// A drone with one camera (num_cameras and has_wheels are ignored); body = imu.
+SyntheticDrive MakeFlight(const SyntheticDriveOptions& options);
+
+/// All images of `camera` (-1: of all cameras) within [begin, end] s after the start removed.
+void RemoveImages(SyntheticDrive& drive, int camera, double begin, double end);
+/// All IMU samples within (begin, end) removed.
+void RemoveImu(SyntheticDrive& drive, double begin, double end);
+
+}  // namespace parkade
