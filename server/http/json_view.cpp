@@ -46,8 +46,10 @@ void AddTrajectories(const Drive& drive, const MapVersion& map, Json& json) {
   json["trajectories"] = links;
 }
 
-Json ToJson(const Job& job, const std::optional<JobProgress>& progress) {
+Json ToJson(const Job& job, const std::optional<JobProgress>& live_progress) {
   const bool is_done = job.state == JobState::kDone;
+  // A job that has just ended may still have its last progress.
+  const std::optional<JobProgress> progress = job.state == JobState::kRunning ? live_progress : std::nullopt;
   return {{"id", job.id},
           {"site", job.site},
           {"drives", job.drives},

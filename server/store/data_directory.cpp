@@ -5,7 +5,9 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <thread>
 
 #include "core/error.h"
 #include "core/log.h"
@@ -13,6 +15,19 @@
 #include "server/store/names.h"
 
 namespace parkade {
+namespace {
+
+/// Tries for half a second: a service that was killed while it started a worker
+/// leaves a child that holds the lock until it notices.
+bool TakeLock(int fd) {
+  for (int attempt = 0; attempt < 10; ++attempt) {
+    if (::flock(fd, LOCK_EX | LOCK_NB) == 0) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  return false;
+}
+
+}  // namespace
 
 DataDirectory::DataDirectory(const std::filesystem::path& root) : root_(std::filesystem::absolute(root)) {
   // "data/" would otherwise have an empty last part.
@@ -21,7 +36,7 @@ DataDirectory::DataDirectory(const std::filesystem::path& root) : root_(std::fil
   lock_fd_ = ::open((root_ / "LOCK").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   Require(lock_fd_ >= 0, ErrorCode::kInvalidInput,
           "cannot write to the data directory '" + root.string() + "': " + std::strerror(errno));
-  if (::flock(lock_fd_, LOCK_EX | LOCK_NB) != 0) {
+  if (!TakeLock(lock_fd_)) {
     ::close(lock_fd_);
     throw Error(ErrorCode::kConflict, "another service already uses the data directory '" + root.string() + "'");
   }

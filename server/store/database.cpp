@@ -105,8 +105,8 @@ Database::Database(const std::filesystem::path& file) {
                              "PRAGMA trusted_schema=OFF", "PRAGMA journal_size_limit=67108864"})
     connection.Execute(pragma);
   Statement check = connection.Query("PRAGMA quick_check(1)");
-  Require(check.Step() && check.Text(0) == "ok", ErrorCode::kInternal,
-          "the database is damaged: restore it from a backup");
+  const std::string finding = check.Step() ? check.Text(0) : "no answer";
+  Require(finding == "ok", ErrorCode::kInternal, "the database is damaged (" + finding + "): restore it from a backup");
   Write([](Connection& writer) { MigrateSchema(writer); });
 }
 

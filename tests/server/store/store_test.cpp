@@ -3,12 +3,35 @@
 #include "core/file.h"
 #include "server/store/drive_table.h"
 #include "server/store/job_queue.h"
+#include "server/store/publish_map.h"
+#include "server/store/rig_store.h"
 #include "tests/server/store/temporary_store.h"
 
 namespace parkade {
 namespace {
 
 using ReconciledFiles = StoreTest;
+
+// SQLite's quick_check runs at each start, over rows of every table.
+TEST(Store, OpensAgainWithRowsInEveryTable) {
+  const TemporaryRoot root;
+  {
+    Store store(root.path());
+    const ReceivedDrive received = Receive(store, "a log", {"a.bag", "lot", std::nullopt});
+    StoreRig(store, "car", {{"camchain-imucam.yaml", ""}, {"imu0.yaml", ""}, {"vehicle.yaml", ""}}, nullptr);
+    const Job job = *ClaimJob(store);
+    const auto staging = store.directory.AttemptFolder(job.id, 1) / "out";
+    WriteText(staging / "map.glb", "glTF");
+    WriteText(staging / "report.json", "{}");
+    PublishMap(store, job, staging);
+  }
+  Store store(root.path());
+  for (const char* table : {"sites", "rigs", "drives", "jobs", "job_drives", "maps", "map_files", "map_drives"}) {
+    const bool has_rows = store.database.Read(
+        [&](Connection& connection) { return connection.Query(std::string("SELECT 1 FROM ") + table).Step(); });
+    EXPECT_TRUE(has_rows) << table;
+  }
+}
 
 TEST_F(ReconciledFiles, KeepWhatHasARow) {
   const ReceivedDrive received = Receive(store_, "a log", {"a.bag", "lot", std::nullopt});

@@ -1,0 +1,259 @@
+// The service as a process of its own: killed, started again, started twice.
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <regex>
+
+#include "core/file.h"
+#include "tests/server/http/raw_client.h"
+#include "tests/server/http/running_service.h"
+
+namespace parkade {
+namespace {
+
+/// parkade_serve_program, with what it says in a file.
+class ServiceProcess {
+ public:
+  explicit ServiceProcess(const std::filesystem::path& data, std::vector<std::string> wrapper = {})
+      : log_(data.string() + "." + NewId() + ".log") {
+    std::vector<std::string> arguments = std::move(wrapper);
+    for (const std::string& argument : {std::string(SERVE_PROGRAM), std::string("serve"), data.string()})
+      arguments.push_back(argument);
+    std::vector<char*> pointers;
+    for (std::string& argument : arguments) pointers.push_back(argument.data());
+    pointers.push_back(nullptr);
+    pid_ = ::fork();
+    if (pid_ == 0) {
+      const int fd = ::open(log_.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
+      ::dup2(fd, 1);
+      ::dup2(fd, 2);
+      ::execvp(pointers[0], pointers.data());
+      ::_exit(127);
+    }
+  }
+  ~ServiceProcess() {
+    if (pid_ > 0) End(SIGKILL);
+  }
+  ServiceProcess(const ServiceProcess&) = delete;
+  ServiceProcess& operator=(const ServiceProcess&) = delete;
+
+  /// Waits until it answers.
+  int Port() {
+    static const std::regex address("listening on http://127.0.0.1:([0-9]+)");
+    std::smatch found;
+    std::string text;
+    const bool listens = Eventually([&] { return std::regex_search(text = Said(), found, address); });
+    if (!listens) throw std::runtime_error("the service does not listen: " + Said());
+    return std::stoi(found[1]);
+  }
+  std::string Said() const { return std::filesystem::exists(log_) ? ReadFile(log_) : ""; }
+
+  /// Sends a signal and returns the status of its end.
+  int End(int signal) {
+    ::kill(pid_, signal);
+    return Wait();
+  }
+  int Wait() {
+    int status = 0;
+    ::waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return status;
+  }
+  pid_t pid() const { return pid_; }
+
+ private:
+  std::filesystem::path log_;
+  pid_t pid_ = -1;
+};
+
+class Restart : public testing::Test {
+ protected:
+  static Json Parsed(const httplib::Result& answer) {
+    EXPECT_TRUE(answer);
+    return answer ? Json::parse(answer->body) : Json();
+  }
+  static std::string StateOf(httplib::Client& client, const std::string& job) {
+    return Parsed(client.Get("/api/v1/jobs/" + job)).at("state");
+  }
+  static std::string Upload(httplib::Client& client, const std::string& content) {
+    const auto answer = client.Put("/api/v1/drives?site=lot&filename=a.bag", content, kLogType);
+    EXPECT_EQ(answer->status, 201) << answer->body;
+    return Parsed(answer).at("job").at("id");
+  }
+
+  TemporaryRoot root_;
+  std::filesystem::path data_ = root_.path() / "data";
+};
+
+TEST_F(Restart, AfterAKillMidUploadFindsNothingHalfWritten) {
+  {
+    ServiceProcess service(data_);
+    RawClient raw(service.Port());
+    raw.Send("PUT /api/v1/drives?site=lot HTTP/1.1\r\nHost: h\r\nContent-Length: 90000000\r\n\r\nlog ok\n" +
+             std::string(5'000'000, 'x'));
+    Eventually([&] { return !std::filesystem::is_empty(data_ / "tmp"); });
+    service.End(SIGKILL);
+  }
+  ServiceProcess service(data_);
+  httplib::Client client("127.0.0.1", service.Port());
+
+  EXPECT_TRUE(Parsed(client.Get("/api/v1/drives")).at("items").empty());
+  for (const char* folder : {"tmp", "logs", "maps", "quarantine"})
+    EXPECT_TRUE(std::filesystem::is_empty(data_ / folder)) << folder;
+}
+
+TEST_F(Restart, AfterAKillMidJobDoesTheJobAgain) {
+  std::string job;
+  {
+    ServiceProcess service(data_);
+    httplib::Client client("127.0.0.1", service.Port());
+    job = Upload(client, "log slow\n");
+    Eventually([&] { return StateOf(client, job) == "running"; });
+    Eventually([&] { return std::filesystem::exists(data_ / "jobs" / job / "attempt-1" / "progress.ndjson"); });
+    service.End(SIGKILL);
+  }
+  ServiceProcess service(data_);
+  httplib::Client client("127.0.0.1", service.Port());
+
+  Eventually([&] { return StateOf(client, job) == "done"; });
+  const Json found = Parsed(client.Get("/api/v1/jobs/" + job));
+  EXPECT_EQ(found.at("attempts"), 2);
+  EXPECT_EQ(found.at("map_version"), 1);
+  EXPECT_EQ(client.Get("/api/v1/sites/lot/maps/1/map.glb")->status, 200);
+  EXPECT_FALSE(std::filesystem::exists(data_ / "jobs" / job / "attempt-1" / "out"));
+}
+
+TEST_F(Restart, GivesUpAJobThatTakesTheServiceDownThreeTimes) {
+  std::string job;
+  for (int life = 1; life <= 3; ++life) {
+    ServiceProcess service(data_);
+    httplib::Client client("127.0.0.1", service.Port());
+    if (life == 1) job = Upload(client, "log hang\n");
+    Eventually([&] { return StateOf(client, job) == "running"; });
+    service.End(SIGKILL);
+  }
+  ServiceProcess service(data_);
+  httplib::Client client("127.0.0.1", service.Port());
+
+  EXPECT_EQ(StateOf(client, job), "failed");
+}
+
+TEST_F(Restart, KeepsEveryAcknowledgedUploadThroughManyKills) {
+  std::set<std::string> acknowledged;
+  for (int life = 0; life < 10; ++life) {
+    ServiceProcess service(data_);
+    const int port = service.Port();
+    std::thread killer([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20 + 15 * life));
+      ::kill(service.pid(), SIGKILL);
+    });
+    httplib::Client client("127.0.0.1", port);
+    for (int i = 0; i < 1000; ++i) {
+      const auto answer = client.Put("/api/v1/drives?site=lot", "log ok " + std::to_string(i % 7) + "\n", kLogType);
+      if (!answer) break;
+      if (answer->status == 201) acknowledged.insert(Json::parse(answer->body).at("drive").at("id"));
+    }
+    killer.join();
+    service.Wait();
+  }
+  ServiceProcess service(data_);
+  httplib::Client client("127.0.0.1", service.Port());
+
+  EXPECT_GT(acknowledged.size(), 10u);
+  for (const std::string& id : acknowledged) EXPECT_EQ(client.Get("/api/v1/drives/" + id)->status, 200) << id;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(data_ / "logs"))
+    if (entry.is_regular_file()) {
+      EXPECT_EQ(Sha256Of(ReadFile(entry.path())), entry.path().filename().string());
+    }
+}
+
+TEST_F(Restart, ASecondServiceOnTheSameDataEndsAtOnceWithASentence) {
+  ServiceProcess first(data_);
+  first.Port();
+  const auto began = std::chrono::steady_clock::now();
+
+  ServiceProcess second(data_);
+  const int status = second.Wait();
+
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(1));
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_NE(second.Said().find("another service already uses the data directory"), std::string::npos);
+}
+
+TEST_F(Restart, SigtermLetsAnUploadEndAndPutsTheJobBack) {
+  ServiceProcess service(data_);
+  httplib::Client client("127.0.0.1", service.Port());
+  const std::string job = Upload(client, "log stubborn\n");
+  Eventually([&] { return StateOf(client, job) == "running"; });
+  RawClient raw(service.Port());
+  raw.Send("PUT /api/v1/drives?site=lot HTTP/1.1\r\nHost: h\r\nContent-Length: 7\r\n\r\nlog");
+  Eventually([&] { return !std::filesystem::is_empty(data_ / "tmp"); });
+
+  ::kill(service.pid(), SIGTERM);
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  raw.Send(" ok\n");
+
+  EXPECT_EQ(StatusOf(raw.ReceiveUntil("\"job\"")), 201);
+  EXPECT_EQ(service.Wait(), 0) << service.Said();
+  ServiceProcess again(data_);
+  httplib::Client other("127.0.0.1", again.Port());
+  EXPECT_EQ(Parsed(other.Get("/api/v1/drives")).at("items").size(), 2u);
+  EXPECT_EQ(Parsed(other.Get("/api/v1/jobs/" + job)).at("error_code"), nullptr);
+  other.Post("/api/v1/jobs/" + job + "/cancel", "", "application/json");
+}
+
+TEST_F(Restart, AnAddressThatIsNotLoopbackIsRefused) {
+  ServeOptions options = FakeServeOptions(SERVE_PROGRAM, data_);
+  options.listen = "0.0.0.0:0";
+  try {
+    Service service(options);
+    FAIL() << "listens to everybody";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kUsage);
+    EXPECT_NE(std::string(error.what()).find("--allow-public"), std::string::npos);
+  }
+  EXPECT_FALSE(std::filesystem::exists(data_)) << "refused before anything is made";
+}
+
+TEST_F(Restart, ATakenPortIsRefused) {
+  ServeOptions options = FakeServeOptions(SERVE_PROGRAM, data_);
+  const Service first(options);
+  options.data = root_.path() / "other";
+  options.listen = "127.0.0.1:" + std::to_string(first.port());
+
+  EXPECT_THROW(Service{options}, Error);
+}
+
+// A filesystem of 12 MiB in a namespace of its own. Needs the right to make one.
+TEST_F(Restart, AFullDiskIsSaidAndLeavesNothingHalfWritten) {
+  std::filesystem::create_directories(data_);
+  const std::vector<std::string> wrapper = {"unshare", "--map-root-user",
+                                            "--mount", "sh",
+                                            "-c",      "mount -t tmpfs -o size=12m tmpfs \"$3\" && exec \"$@\" 2>&1",
+                                            "sh"};
+  const std::string probe = "unshare --map-root-user --mount mount -t tmpfs tmpfs " + data_.string() + " 2>/dev/null";
+  if (std::system(probe.c_str()) != 0) GTEST_SKIP() << "no right to mount a small filesystem here";
+
+  // Without the look at the free space beforehand: the disk itself is to say no.
+  ::setenv("RESERVE", "-1000000000", 1);
+  ServiceProcess service(data_, wrapper);
+  ::unsetenv("RESERVE");
+  httplib::Client client("127.0.0.1", service.Port());
+  client.set_read_timeout(20);
+  const std::string large = "log ok\n" + std::string(20'000'000, 'x');
+  const auto refused = client.Put("/api/v1/drives?site=lot", large, kLogType);
+  ExpectProblem(refused, 507, "disk_full");
+
+  // It goes on, without a restart.
+  EXPECT_EQ(client.Put("/api/v1/drives?site=lot", "log ok\n", kLogType)->status, 201);
+  EXPECT_EQ(Parsed(client.Get("/api/v1/drives")).at("items").size(), 1u);
+  const auto ends = std::filesystem::path("/proc") / std::to_string(service.pid()) / "root" / data_.relative_path();
+  Eventually([&] { return std::filesystem::is_empty(ends / "tmp"); });
+  service.End(SIGTERM);
+}
+
+}  // namespace
+}  // namespace parkade

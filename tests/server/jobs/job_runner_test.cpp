@@ -1,0 +1,193 @@
+#include "server/jobs/job_runner.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <thread>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "server/jobs/worker_process.h"
+#include "server/store/drive_table.h"
+#include "server/store/job_queue.h"
+#include "server/store/job_table.h"
+#include "server/store/map_table.h"
+#include "tests/server/store/temporary_store.h"
+
+namespace parkade {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// A worker of one line of shell: $1 is the products' folder, $2 the progress
+/// file, $3 the first log.
+class JobRunning : public StoreTest {
+ protected:
+  static constexpr const char* kMakeMap = "echo glTF > $1/map.glb; echo '{}' > $1/report.json; ";
+
+  JobRunnerOptions Shell(const std::string& script) {
+    JobRunnerOptions options;
+    options.stop_patience = milliseconds(300);
+    options.command = [script](const JobSpec& spec) {
+      return std::vector<std::string>{"/bin/sh", "-c",          script,          "worker",
+                                      spec.out,  spec.progress, spec.logs.at(0), spec.rig.value_or("none")};
+    };
+    return options;
+  }
+  Job JobNow() {
+    return store_.database.Read([&](Connection& connection) { return FindJob(connection, received_.job.id); });
+  }
+  Job WaitFor(JobState state) {
+    for (int i = 0; i < 2000 && JobNow().state != state; ++i) std::this_thread::sleep_for(milliseconds(10));
+    EXPECT_EQ(JobNow().state, state);
+    return JobNow();
+  }
+  void ExpectNoLeftOvers() {
+    for (const std::string& name : ContentOf(store_.directory.JobsFolder())) {
+      EXPECT_EQ(name.find("/out/"), std::string::npos) << name;
+      EXPECT_EQ(name.find("/input/"), std::string::npos) << name;
+    }
+  }
+
+  EventHub events_;
+  ReceivedDrive received_ = Receive(store_, "a log", {"a.bag", "lot", std::nullopt});
+};
+
+TEST_F(JobRunning, PublishesWhatTheWorkerMade) {
+  const std::int64_t start = events_.last_id();
+  JobRunner runner(store_, events_, Shell(std::string(kMakeMap) + "cat $3 > $1/copy.txt; echo hello >&2"));
+
+  const Job job = WaitFor(JobState::kDone);
+  runner.Stop();
+
+  const MapVersion map = store_.database.Read([](Connection& connection) { return FindMap(connection, "lot", 1); });
+  EXPECT_EQ(ReadFile(store_.directory.MapFolder(map.id) / "copy.txt"), "a log");
+  EXPECT_EQ(ReadFile(store_.directory.AttemptFolder(job.id, 1) / "log.txt"), "hello\n");
+  ExpectNoLeftOvers();
+  std::set<std::string> kinds;
+  for (const Event& event : events_.WaitFor(start, milliseconds(0)).events) kinds.insert(event.kind);
+  EXPECT_EQ(kinds, (std::set<std::string>{"drive", "job", "map"}));
+}
+
+TEST_F(JobRunning, FailsWithTheSentenceOfBadInputAndDoesNotTryAgain) {
+  JobRunner runner(store_, events_,
+                   Shell("echo half > $1/map.glb; echo '{\"error\": \"the log has no IMU\"}' >> $2; exit 1"));
+
+  const Job job = WaitFor(JobState::kFailed);
+  runner.Stop();
+
+  EXPECT_EQ(job.attempt, 1);
+  EXPECT_EQ(job.error, "the log has no IMU");
+  EXPECT_EQ(job.error_code, "invalid_input");
+  EXPECT_TRUE(ContentOf(store_.directory.MapsFolder()).empty());
+  ExpectNoLeftOvers();
+}
+
+TEST_F(JobRunning, TriesACrashedWorkerThreeTimesAndKeepsEachLog) {
+  JobRunner runner(store_, events_, Shell("echo attempt; kill -SEGV $$"));
+
+  const Job job = WaitFor(JobState::kFailed);
+  runner.Stop();
+
+  EXPECT_EQ(job.attempt, 3);
+  EXPECT_EQ(job.error_code, "crashed");
+  for (int attempt = 1; attempt <= 3; ++attempt)
+    EXPECT_EQ(ReadFile(store_.directory.AttemptFolder(job.id, attempt) / "log.txt"), "attempt\n");
+}
+
+TEST_F(JobRunning, SucceedsWhenASecondAttemptDoes) {
+  const std::string once = (root_.path() / "once").string();
+  JobRunner runner(store_, events_,
+                   Shell("[ -e " + once + " ] || { touch " + once + "; kill -ABRT $$; }; " + kMakeMap));
+
+  EXPECT_EQ(WaitFor(JobState::kDone).attempt, 2);
+}
+
+TEST_F(JobRunning, ShowsProgressWithATimeLeft) {
+  const std::string go = (root_.path() / "go").string();
+  JobRunner runner(store_, events_,
+                   Shell("echo '{\"stage\": \"track\", \"progress\": 0.5}' >> $2; until [ -e " + go +
+                         " ]; do sleep 0.05; done; " + kMakeMap));
+  std::optional<JobProgress> progress;
+  for (int i = 0; i < 1000 && !(progress && progress->progress == 0.5); ++i) {
+    std::this_thread::sleep_for(milliseconds(10));
+    progress = runner.ProgressOf(received_.job.id);
+  }
+  WriteText(go, "");
+
+  ASSERT_TRUE(progress.has_value());
+  EXPECT_EQ(progress->stage, "track");
+  EXPECT_GT(progress->eta_seconds.value(), 0);
+  WaitFor(JobState::kDone);
+  for (int i = 0; i < 500 && runner.ProgressOf(received_.job.id); ++i) std::this_thread::sleep_for(milliseconds(10));
+  EXPECT_FALSE(runner.ProgressOf(received_.job.id).has_value());
+}
+
+TEST_F(JobRunning, CancelsAWorkerEvenOneThatDoesNotListen) {
+  JobRunner runner(store_, events_, Shell("trap '' TERM; while :; do sleep 0.05; done"));
+  WaitFor(JobState::kRunning);
+  for (int i = 0; i < 500 && !runner.ProgressOf(received_.job.id); ++i) std::this_thread::sleep_for(milliseconds(10));
+
+  runner.Cancel(received_.job.id);
+
+  const Job job = WaitFor(JobState::kCancelled);
+  EXPECT_EQ(job.error, "cancelled");
+  EXPECT_THROW(runner.Cancel(job.id), Error);
+  runner.Stop();
+  ExpectNoLeftOvers();
+}
+
+TEST_F(JobRunning, StoppingPutsTheJobBackAndTheNextRunnerDoesIt) {
+  {
+    JobRunner runner(store_, events_, Shell("sleep 100"));
+    WaitFor(JobState::kRunning);
+    runner.Stop();
+    EXPECT_EQ(JobNow().state, JobState::kQueued);
+    EXPECT_EQ(JobNow().crashes, 0);
+  }
+  JobRunner runner(store_, events_, Shell(kMakeMap));
+
+  EXPECT_EQ(WaitFor(JobState::kDone).attempt, 2);
+}
+
+TEST_F(JobRunning, TakesUpAJobOfAServiceThatDied) {
+  const Job claimed = *ClaimJob(store_);
+  // A worker that outlived its service.
+  const pid_t stray = ::fork();
+  if (stray == 0) {
+    ::setpgid(0, 0);
+    ::execlp("sleep", "sleep", "100", nullptr);
+    ::_exit(127);
+  }
+  ::setpgid(stray, stray);
+  store_.database.Write([&](Connection& connection) {
+    SetJobProcess(connection, claimed.id, claimed.attempt, stray, ProcessStartTime(stray).value());
+  });
+
+  JobRunner runner(store_, events_, Shell(kMakeMap));
+
+  EXPECT_EQ(WaitFor(JobState::kDone).attempt, 2);
+  int status = 0;
+  EXPECT_EQ(::waitpid(stray, &status, 0), stray);
+  EXPECT_EQ(WTERMSIG(status), SIGKILL);
+}
+
+TEST_F(JobRunning, EndsAnAttemptThatTakesTooLong) {
+  JobRunnerOptions options = Shell("sleep 100");
+  options.time_limit = std::chrono::seconds(0);
+  JobRunner runner(store_, events_, options);
+
+  EXPECT_NE(WaitFor(JobState::kFailed).error->find("took longer"), std::string::npos);
+}
+
+TEST_F(JobRunning, SaysWhenTheWorkerCannotBeStarted) {
+  JobRunnerOptions options;
+  options.command = [](const JobSpec&) { return std::vector<std::string>{"/nonexistent/worker"}; };
+  JobRunner runner(store_, events_, options);
+
+  EXPECT_EQ(WaitFor(JobState::kFailed).error_code, "internal");
+}
+
+}  // namespace
+}  // namespace parkade

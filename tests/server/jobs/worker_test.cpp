@@ -1,0 +1,122 @@
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "server/jobs/worker_end.h"
+#include "server/jobs/worker_process.h"
+#include "tests/server/store/temporary_store.h"
+
+namespace parkade {
+namespace {
+
+using std::chrono::milliseconds;
+
+class Worker : public testing::Test {
+ protected:
+  std::unique_ptr<WorkerProcess> Start(const std::string& script) {
+    return std::make_unique<WorkerProcess>(std::vector<std::string>{"/bin/sh", "-c", script}, root_.path(), log_);
+  }
+  int StatusOf(const std::string& script) { return Start(script)->Wait(milliseconds(10'000)).value(); }
+  std::string Printed() const { return ReadFile(log_); }
+
+  TemporaryRoot root_;
+  std::filesystem::path log_ = root_.path() / "log.txt";
+};
+
+/// False for a process that is gone, or a zombie its parent has not yet buried.
+bool IsAlive(pid_t pid) {
+  std::ifstream stream("/proc/" + std::to_string(pid) + "/stat");
+  std::string text;
+  return std::getline(stream, text) && text.find(") Z") == std::string::npos;
+}
+
+TEST_F(Worker, RunsInItsFolderAndPrintsToTheLog) {
+  const int status = StatusOf("pwd; echo said >&2; exit 7");
+
+  EXPECT_EQ(WEXITSTATUS(status), 7);
+  EXPECT_EQ(Printed(), std::filesystem::canonical(root_.path()).string() + "\nsaid\n");
+}
+
+TEST_F(Worker, IsPoliteAndLeavesNoCore) {
+  StatusOf("ulimit -c; nice; cat /proc/self/oom_score_adj");
+
+  const int own_nice = ::getpriority(PRIO_PROCESS, 0);
+  EXPECT_EQ(Printed(), "0\n" + std::to_string(std::min(own_nice + 10, 19)) + "\n800\n");
+}
+
+TEST_F(Worker, InheritsNoOpenFiles) {
+  const int leaked = ::open("/dev/null", O_RDONLY);  // without O_CLOEXEC, like the sockets of the HTTP library
+  StatusOf("exec ls /proc/self/fd");
+  ::close(leaked);
+
+  EXPECT_EQ(Printed(), "0\n1\n2\n3\n") << "3 is the folder that ls reads";
+}
+
+TEST_F(Worker, ThatCannotStartSaysSo) {
+  try {
+    WorkerProcess({"/nonexistent/program"}, root_.path(), log_);
+    FAIL() << "started";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("No such file"), std::string::npos);
+  }
+}
+
+TEST_F(Worker, IsSignalledWithItsWholeGroup) {
+  const auto worker = Start("sleep 100 & echo $!; wait");
+  while (!std::filesystem::exists(log_) || Printed().empty()) EXPECT_FALSE(worker->Wait(milliseconds(10)));
+  const pid_t grandchild = std::stoi(Printed());
+
+  worker->Signal(SIGTERM);
+  const int status = worker->Wait(milliseconds(10'000)).value();
+
+  EXPECT_TRUE(WIFSIGNALED(status));
+  bool is_alive = true;
+  for (int i = 0; i < 500 && is_alive; ++i, ::usleep(10'000)) is_alive = IsAlive(grandchild);
+  EXPECT_FALSE(is_alive);
+}
+
+TEST_F(Worker, DiesWithItsOwner) {
+  pid_t pid = 0;
+  {
+    const auto worker = Start("sleep 100");
+    pid = worker->pid();
+    EXPECT_TRUE(ProcessStartTime(pid).has_value());
+  }
+  EXPECT_FALSE(ProcessStartTime(pid).has_value());
+}
+
+TEST_F(Worker, EndIsUnderstood) {
+  EXPECT_EQ(UnderstandEnd(StatusOf("exit 0"), {}).kind, WorkerEnd::Kind::kDone);
+
+  WorkerProgress last_words;
+  last_words.stage = "track";
+  last_words.error = "the log has no IMU";
+  const WorkerEnd failed = UnderstandEnd(StatusOf("exit 1"), last_words);
+  EXPECT_EQ(failed.kind, WorkerEnd::Kind::kFailed);
+  EXPECT_EQ(failed.code, "invalid_input");
+  EXPECT_EQ(failed.sentence, "the log has no IMU");
+
+  const WorkerEnd silent = UnderstandEnd(StatusOf("exit 3"), {});
+  EXPECT_EQ(silent.kind, WorkerEnd::Kind::kFailed);
+  EXPECT_EQ(silent.code, "internal");
+  EXPECT_EQ(silent.sentence, "the worker ended with status 3 and gave no reason");
+
+  const WorkerEnd crashed = UnderstandEnd(StatusOf("kill -SEGV $$"), last_words);
+  EXPECT_EQ(crashed.kind, WorkerEnd::Kind::kCrashed);
+  EXPECT_EQ(crashed.sentence, "the worker crashed in stage 'track': Segmentation fault");
+  EXPECT_NE(UnderstandEnd(StatusOf("kill -KILL $$"), {}).sentence.find("memory"), std::string::npos);
+}
+
+TEST(ProcessStartTime, TellsProcessesApart) {
+  EXPECT_EQ(ProcessStartTime(::getpid()), ProcessStartTime(::getpid()));
+  EXPECT_GT(ProcessStartTime(::getpid()).value(), ProcessStartTime(1).value());
+  EXPECT_FALSE(ProcessStartTime(999'999'999).has_value());
+}
+
+}  // namespace
+}  // namespace parkade
