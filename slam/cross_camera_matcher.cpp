@@ -19,6 +19,7 @@ constexpr int kSamplesPerWarp = 6;             ///< a patch warped for one depth
 constexpr int kMaxSamples = 200;               ///< along one epipolar curve
 constexpr double kMinDepthPerBaseline = 5;     ///< cameras close to each other also share what is near
 constexpr double kMinDepth = 0.1;              ///< [m]
+constexpr double kMinDepression = 0.1;         ///< [rad] below the horizon a point may lie on the ground
 constexpr double kMaxReturn = 1.0;             ///< [px] backward check
 
 /// Two images and the motion between their cameras.
@@ -29,10 +30,17 @@ struct Views {
   Rigid3 from_from_to;
 };
 
+/// What a patch is taken for: it decides how the two lenses see it.
+enum class Surface {
+  kFacing,  ///< turned towards both cameras: walls, signs, pillars
+  kGround,  ///< flat on the ground
+};
+
 /// A place on the epipolar curve of one track.
 struct Hypothesis {
   double inverse_depth = 0;  ///< [1/m] along the ray of `from`
   Eigen::Vector2d pixel;     ///< in `to`
+  Surface surface = Surface::kFacing;
 };
 
 /// What the ray at an inverse depth shows in `to`; nothing outside its usable pixels.
@@ -78,7 +86,9 @@ std::optional<PatchTemplate> TemplateFor(const Views& views, const Eigen::Vector
   const double depth = 1 / std::max(hypothesis.inverse_depth, 1 / kFar);
   const Eigen::Vector3d point_in_to = views.to_from_from * (depth * bearing);
   const Eigen::Vector3d ray_in_to = views.to_from_from.rotation * bearing;
-  const Eigen::Vector3d normal = (ray_in_to + point_in_to.normalized()).normalized();
+  const Eigen::Vector3d normal = hypothesis.surface == Surface::kGround
+                                     ? views.to.up_in_camera
+                                     : Eigen::Vector3d((ray_in_to + point_in_to.normalized()).normalized());
   const auto warp = WarpOf(views.from.model, views.to.model, views.from_from_to, point_in_to, hypothesis.pixel, normal);
   if (!warp) return std::nullopt;
   return MakeTemplate(views.from.pyramid[static_cast<size_t>(2 * level)], pixel_in_from / (1 << level), *warp);
@@ -106,10 +116,9 @@ std::vector<Hypothesis> SampleCurve(const Views& views, const Eigen::Vector3d& b
   return curve;
 }
 
-/// The one place on the curve that looks like the track, or nothing where none
-/// does or several do.
-std::optional<Hypothesis> Search(const Views& views, const FeatureObservation& track, double min_depth, int level) {
-  const std::vector<Hypothesis> curve = SampleCurve(views, track.bearing, min_depth, level);
+/// Normalised correlation at each place of the curve; -1 where there is none.
+std::vector<double> Score(const Views& views, const FeatureObservation& track, const std::vector<Hypothesis>& curve,
+                          int level) {
   const cv::Mat& image = views.to.pyramid[static_cast<size_t>(2 * level)];
   std::vector<double> scores(curve.size(), -1.0);
   std::optional<PatchTemplate> patch;
@@ -122,8 +131,25 @@ std::optional<Hypothesis> Search(const Views& views, const FeatureObservation& t
     const auto seen = SamplePatch(image, curve[i].pixel / (1 << level), Eigen::Matrix2d::Identity());
     if (seen) scores[i] = Correlation(patch->values, *seen);
   }
+  return scores;
+}
+
+/// The one place on the curve that looks like the track, or nothing where none
+/// does or several do.
+std::optional<Hypothesis> Search(const Views& views, const FeatureObservation& track, double min_depth, int level) {
+  std::vector<Hypothesis> curve = SampleCurve(views, track.bearing, min_depth, level);
+  if (curve.empty()) return std::nullopt;
+  std::vector<double> scores = Score(views, track, curve, level);
+  if (track.bearing.dot(views.from.up_in_camera) < -kMinDepression) {
+    for (Hypothesis& place : curve) place.surface = Surface::kGround;
+    const std::vector<double> on_ground = Score(views, track, curve, level);
+    for (size_t i = 0; i < curve.size(); ++i) {
+      if (scores[i] >= on_ground[i]) curve[i].surface = Surface::kFacing;
+      scores[i] = std::max(scores[i], on_ground[i]);
+    }
+  }
   const auto best = std::max_element(scores.begin(), scores.end());
-  if (best == scores.end() || *best < kMinSearchCorrelation) return std::nullopt;
+  if (*best < kMinSearchCorrelation) return std::nullopt;
   const auto best_index = static_cast<size_t>(best - scores.begin());
   const double near = 4.0 * (1 << level);  // [px] the flanks of the best itself
   for (size_t i = 0; i < curve.size(); ++i) {
@@ -158,13 +184,13 @@ double InverseDepth(const Views& views, const Eigen::Vector3d& bearing, const Ei
 }
 
 /// True where a patch of `to` finds its way back to the track.
-bool ReturnsTo(const FeatureObservation& track, const Views& views, const Eigen::Vector2d& pixel_in_to,
-               const Eigen::Vector3d& bearing_in_to, double inverse_depth) {
+bool ReturnsTo(const FeatureObservation& track, const Views& views, const FeatureObservation& match,
+               double inverse_depth, Surface surface) {
   const Views back{views.to, views.from, views.from_from_to, views.to_from_from};
   const double depth = 1 / std::max(inverse_depth, 1e-4);
   const double depth_in_to = (views.to_from_from * (depth * track.bearing)).norm();
-  const Hypothesis start{1 / depth_in_to, track.pixel};
-  const auto patch = TemplateFor(back, pixel_in_to, bearing_in_to, start, 0);
+  const Hypothesis start{1 / depth_in_to, track.pixel, surface};
+  const auto patch = TemplateFor(back, match.pixel, match.bearing, start, 0);
   if (!patch) return false;
   const auto aligned = AlignPatch(*patch, views.from.pyramid[0], track.pixel + Eigen::Vector2d(1, -1), 4.0);
   return aligned && (aligned->pixel - track.pixel).norm() < kMaxReturn;
@@ -190,8 +216,9 @@ std::optional<FeatureObservation> MatchOne(const Views& views, const FeatureObse
   const Eigen::Vector3d on_curve =
       views.to_from_from.rotation * track.bearing + std::max(0.0, inverse_depth) * views.to_from_from.translation;
   if (on_curve.normalized().cross(*bearing).norm() > noise) return std::nullopt;
-  if (!ReturnsTo(track, views, match->pixel, *bearing, inverse_depth)) return std::nullopt;
-  return FeatureObservation{track.track, match->pixel, *bearing, options.pixel_sigma / pixels_per_radian};
+  const FeatureObservation observation{track.track, match->pixel, *bearing, options.pixel_sigma / pixels_per_radian};
+  if (!ReturnsTo(track, views, observation, inverse_depth, found->surface)) return std::nullopt;
+  return observation;
 }
 
 }  // namespace

@@ -60,6 +60,7 @@ void FeatureTrackerOptions::Validate() const {
 FeatureTracker::FeatureTracker(const RigCamera& camera, int camera_index, const FeatureTrackerOptions& options)
     : options_((options.Validate(), options)),
       model_(camera.model),
+      up_in_camera_(camera.body_from_camera.rotation.conjugate() * Eigen::Vector3d::UnitZ()),
       camera_(camera_index),
       lens_usable_(UsablePixels(camera.model, camera.mask, options.window / 2)),
       usable_(lens_usable_),
@@ -78,7 +79,7 @@ TrackedFrame FeatureTracker::Track(const CameraFrame& frame, const Eigen::Matrix
   if (!IsUsable(gray)) return result;
 
   ++statistics_.frames_tracked;
-  TrackedImage now{frame.time, camera_, model_, {}, usable_, {}};
+  TrackedImage now{frame.time, camera_, model_, up_in_camera_, {}, usable_, {}};
   now.pyramid = BuildPyramid(NormalizeLocally(gray), options_.window, options_.pyramid_levels);
   const double seconds = last_.empty() ? 0 : frame.time - last_.time;
   if (seconds > options_.max_gap && !last_.observations.empty()) {

@@ -113,6 +113,7 @@ class FeatureTracker {
 
   FeatureTrackerOptions options_;
   CameraModel model_;
+  Eigen::Vector3d up_in_camera_;  ///< see TrackedImage
   int camera_ = 0;
   cv::Mat lens_usable_;  ///< of the lens and the rig's mask
   cv::Mat usable_;       ///< lens_usable_ without the own body

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct TrackedImage {
   Timestamp time;
   int camera = 0;
   CameraModel model;
+  Eigen::Vector3d up_in_camera = Eigen::Vector3d::Zero();  ///< unit, z of the body: the ground's normal
   /// Of cv::buildOpticalFlowPyramid: image and Scharr derivatives of level 0,
   /// of level 1 (half size), ...; locally normalised, padded by the window.
   std::vector<cv::Mat> pyramid;
