@@ -17,6 +17,15 @@ void ValidateMesh(const TriangleMesh& mesh) {
       Require(index < count, ErrorCode::kInternal, "a mesh has a triangle beyond its vertices");
 }
 
+TriangleMesh Transformed(const TriangleMesh& mesh, const Rigid3& target_from_site) {
+  TriangleMesh moved = mesh;
+  moved.origin = target_from_site * mesh.origin;
+  const Eigen::Matrix3f rotation = target_from_site.rotation.toRotationMatrix().cast<float>();
+  for (Eigen::Vector3f& vertex : moved.vertices) vertex = rotation * vertex;
+  for (Eigen::Vector3f& normal : moved.normals) normal = rotation * normal;
+  return moved;
+}
+
 double SurfaceArea(const TriangleMesh& mesh) {
   double area = 0;
   for (const auto& [a, b, c] : mesh.triangles) {

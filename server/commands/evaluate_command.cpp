@@ -28,13 +28,16 @@ int Evaluate(const EvaluateArguments& arguments) {
 
   nlohmann::json json = nlohmann::json::object();
   std::string text;
+  Rigid3 truth_from_estimate;
   if (has_trajectories) {
     const TrajectoryEvaluation evaluation = EvaluateTrajectory(ReadTum(arguments.truth), ReadTum(arguments.estimate));
     json["trajectory"] = ToJson(evaluation);
     text += ToText(evaluation);
+    truth_from_estimate = evaluation.rigid.truth_from_estimate;
   }
   if (has_surfaces) {
-    const SurfaceEvaluation evaluation = EvaluateSurface(ReadPly(arguments.ground), ReadPly(arguments.surface));
+    const TriangleMesh surface = Transformed(ReadPly(arguments.surface), truth_from_estimate);
+    const SurfaceEvaluation evaluation = EvaluateSurface(ReadPly(arguments.ground), surface);
     json["surface"] = ToJson(evaluation);
     text += ToText(evaluation);
   }
@@ -46,7 +49,10 @@ int Evaluate(const EvaluateArguments& arguments) {
 
 void AddEvaluateCommand(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<EvaluateArguments>();
-  CLI::App* command = app.add_subcommand("evaluate", "Compare a trajectory or a surface with the truth");
+  CLI::App* command =
+      app.add_subcommand("evaluate",
+                         "Compare a trajectory or a surface with the truth; given both, the surface is moved "
+                         "by the alignment of the trajectories first");
   command->add_option("--truth", arguments->truth, "true trajectory (TUM)");
   command->add_option("--estimate", arguments->estimate, "estimated trajectory (TUM), poses of the same frame");
   command->add_option("--ground", arguments->ground, "true ground surface (PLY mesh, z up)");
