@@ -36,6 +36,11 @@ HttpServer::HttpServer(const Lifeline& lifeline, Metrics& metrics, int num_threa
   set_keep_alive_timeout(std::chrono::seconds(kKeepAlivePatience).count());
 }
 
+HttpServer::~HttpServer() {
+  // The library closes the socket only when it has served.
+  if (const socket_t socket = svr_sock_.exchange(INVALID_SOCKET); socket != INVALID_SOCKET) ::close(socket);
+}
+
 int HttpServer::Bind(const std::string& host, int port) {
   const bool is_bound = port == 0 ? (port = bind_to_any_port(host)) > 0 : bind_to_port(host, port);
   Require(

@@ -12,6 +12,7 @@ namespace parkade {
 class HttpServer : public httplib::Server {
  public:
   HttpServer(const Lifeline& lifeline, Metrics& metrics, int num_threads);
+  ~HttpServer() override;
 
   /// Binds; port 0 takes a free one. Returns the port. Throws Error{kUsage} when
   /// the address is taken or not ours.

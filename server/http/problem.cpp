@@ -3,10 +3,16 @@
 #include <httplib.h>
 
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "core/log.h"
 
 namespace parkade {
+namespace {
+
+const Problem kOurFault{500, "internal", "the service failed; its log has the reason"};
+
+}  // namespace
 
 const char* TitleOf(int status) {
   switch (status) {
@@ -51,7 +57,7 @@ Problem ProblemOf(const Error& error) {
     case ErrorCode::kInternal: break;
   }
   LogError(std::string("request error=") + error.what());
-  return {500, "internal", "the service failed; its log has the reason"};
+  return kOurFault;
 }
 
 void SendProblem(httplib::Response& response, const Problem& problem) {
@@ -66,9 +72,16 @@ void SendException(httplib::Response& response, std::exception_ptr thrown) {
     SendProblem(response, error.problem());
   } catch (const Error& error) {
     SendProblem(response, ProblemOf(error));
+  } catch (const std::system_error& error) {
+    if (error.code() == std::errc::no_space_on_device) {
+      SendProblem(response, {507, "disk_full", "the disk of the data directory is full"});
+      return;
+    }
+    LogError(std::string("request exception=") + error.what());
+    SendProblem(response, kOurFault);
   } catch (const std::exception& error) {
     LogError(std::string("request exception=") + error.what());
-    SendProblem(response, {500, "internal", "the service failed; its log has the reason"});
+    SendProblem(response, kOurFault);
   }
 }
 

@@ -78,7 +78,7 @@ class Service::Parts {
     lifeline_.Cut(patience);
     events_.Close();
     // Right after the start there may be nothing yet to stop.
-    while (!http_.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    for (int i = 0; i < 500 && !http_.is_running(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     http_.stop();
   }
 

@@ -82,7 +82,6 @@ Json Readiness(RouteContext& context, bool& is_ready) {
   try {
     context.store.database.Read([](Connection& connection) { CountJobs(connection, JobState::kQueued); });
     has_database = true;
-    RequireSpace(context.store, 0);
     has_room = FreeBytes(context.store.directory.root()) > context.store.disk_reserve;
   } catch (const Error& error) {
     LogWarning(std::string("not ready: ") + error.what());

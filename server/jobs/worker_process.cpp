@@ -103,10 +103,14 @@ std::optional<int> WorkerProcess::Wait(std::chrono::milliseconds patience) {
   if (status_) return status_;
   pollfd ended{pid_fd_, POLLIN, 0};
   ::poll(&ended, 1, static_cast<int>(patience.count()));
-  int status = 0;
-  if (::waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
-  // What it may have left behind in its group goes too.
+  siginfo_t end{};
+  const int result = ::waitid(P_PID, static_cast<id_t>(pid_), &end, WEXITED | WNOHANG | WNOWAIT);
+  if (result != 0 || end.si_pid != pid_) return std::nullopt;
+  // What it may have left behind in its group goes too; before it is buried, as
+  // afterwards the number may be another's.
   ::kill(-pid_, SIGKILL);
+  int status = 0;
+  ::waitpid(pid_, &status, 0);
   status_ = status;
   return status_;
 }

@@ -59,7 +59,7 @@ class GrowingFile {
 
   std::filesystem::path path_;
   int fd_ = -1;
-  std::int64_t size_ = 0;
+  std::int64_t size_ = 0, flushed_ = 0;
   std::vector<char> pending_;
   Sha256 hash_;
 };

@@ -16,6 +16,19 @@ std::vector<fs::path> EntriesOf(const fs::path& folder) {
   return entries;
 }
 
+/// The folders in `folder`; anything else there is none of ours.
+std::vector<fs::path> FoldersOf(const Store& store, const fs::path& folder) {
+  std::vector<fs::path> folders;
+  for (const fs::path& entry : EntriesOf(folder)) {
+    if (fs::is_directory(fs::symlink_status(entry))) {
+      folders.push_back(entry);
+    } else {
+      store.directory.Quarantine(entry);
+    }
+  }
+  return folders;
+}
+
 bool HasRow(Store& store, const char* table, const std::string& id) {
   return store.database.Read([&](Connection& connection) {
     return connection.Query(std::string("SELECT 1 FROM ") + table + " WHERE id = ?", id).Step();
@@ -23,7 +36,7 @@ bool HasRow(Store& store, const char* table, const std::string& id) {
 }
 
 void ReconcileLogs(Store& store) {
-  for (const fs::path& folder : EntriesOf(store.directory.LogsFolder())) {
+  for (const fs::path& folder : FoldersOf(store, store.directory.LogsFolder())) {
     for (const fs::path& log : EntriesOf(folder)) {
       const auto [rows, live_rows] = store.database.Read([&](Connection& connection) {
         Statement query = connection.Query(
@@ -40,7 +53,7 @@ void ReconcileLogs(Store& store) {
 }
 
 void ReconcileJobFolders(Store& store) {
-  for (const fs::path& folder : EntriesOf(store.directory.JobsFolder())) {
+  for (const fs::path& folder : FoldersOf(store, store.directory.JobsFolder())) {
     if (!HasRow(store, "jobs", folder.filename().string())) {
       store.directory.Quarantine(folder);
       continue;
@@ -64,9 +77,9 @@ void RequireSpace(const Store& store, std::int64_t bytes) {
 void ReconcileFiles(Store& store) {
   ReconcileLogs(store);
   ReconcileJobFolders(store);
-  for (const fs::path& folder : EntriesOf(store.directory.MapsFolder()))
+  for (const fs::path& folder : FoldersOf(store, store.directory.MapsFolder()))
     if (!HasRow(store, "maps", folder.filename().string())) store.directory.Quarantine(folder);
-  for (const fs::path& folder : EntriesOf(store.directory.RigsFolder()))
+  for (const fs::path& folder : FoldersOf(store, store.directory.RigsFolder()))
     if (!HasRow(store, "rigs", folder.filename().string())) store.directory.Quarantine(folder);
 }
 
