@@ -97,7 +97,8 @@ void EncodeTiles(const SiteMap& map, const std::function<void(const std::string&
   }
   Json children = Json::array();
   for (const auto& [square, tile] : CutIntoTiles(map.mesh, options.tile_size)) {
-    const std::string uri = "tiles/" + std::to_string(square.second) + "_" + std::to_string(square.first) + ".glb";
+    // A name that begins with a letter, whatever the signs: "tiles/at_-1_0.glb".
+    const std::string uri = "tiles/at_" + std::to_string(square.second) + "_" + std::to_string(square.first) + ".glb";
     write(uri, EncodeGltfTile(tile));
     children.push_back({{"boundingVolume", BoxAround(tile)}, {"geometricError", 0}, {"content", {{"uri", uri}}}});
   }
