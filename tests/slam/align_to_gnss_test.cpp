@@ -4,6 +4,8 @@
 
 #include <random>
 
+#include "tests/slam/real_clip.h"
+
 namespace parkade {
 namespace {
 
@@ -126,6 +128,42 @@ TEST(AlignToGnss, BadFixesAreLeftOutAndNoneLeftMeansNoAnswer) {
   EXPECT_EQ(alignment->num_fixes, 397);
   EXPECT_FALSE(AlignToGnss(drive, {}, kAntenna));
   EXPECT_FALSE(AlignToGnss(Trajectory(), fixes, kAntenna));
+}
+
+/// A car on a road, 60 s, from shared/data: poses of a survey-grade system and
+/// the fixes of a u-blox receiver.
+TEST(AlignToGnss, ARealReceiverPlacesARealDrive) {
+  const auto folder = FindSharedData("comma2k19_drive");
+  if (!folder) GTEST_SKIP() << "no comma2k19_drive";
+  const auto poses = ReadCsv(*folder / "pose_ecef.csv");
+  const auto number = [](const std::vector<std::string>& row, size_t i) { return std::stod(row.at(i)); };
+  std::vector<GnssFix> fixes;
+  for (const auto& row : ReadCsv(*folder / "gnss_ublox.csv"))
+    fixes.push_back({ParseSeconds(row.at(0)), number(row, 1), number(row, 2), number(row, 5), {2, 2, 4}});
+  const SiteDatum datum{fixes[0].latitude_deg, fixes[0].longitude_deg, fixes[0].altitude};
+  const Rigid3 odom_from_site{ExpSo3({0, 0, -1.3}), {70, -30, 4}};
+  std::vector<TrajectoryState> states;
+  for (const auto& row : poses) {
+    const Rigid3 earth_from_device{{number(row, 4), number(row, 5), number(row, 6), number(row, 7)},
+                                   {number(row, 1), number(row, 2), number(row, 3)}};
+    TrajectoryState state;
+    state.time = ParseSeconds(row.at(0));
+    state.odom_from_body = odom_from_site * EarthFromSite(datum).Inverse() * earth_from_device;
+    states.push_back(state);
+  }
+  const Trajectory drive(states);
+
+  const auto alignment = AlignToGnss(drive, fixes, Eigen::Vector3d::Zero(), {}, datum);
+
+  ASSERT_TRUE(alignment);
+  const Rigid3 error = alignment->site_from_odom * odom_from_site;
+  EXPECT_LT(std::abs(LogSo3(error.rotation).z()), std::max(0.01, 3 * alignment->YawSigma()));
+  const Eigen::Vector3d middle =
+      odom_from_site.Inverse() * drive.states()[drive.states().size() / 2].odom_from_body.translation;
+  EXPECT_LT((error * middle - middle).head<2>().norm(), 4) << "[m] a receiver without corrections";
+  EXPECT_GT(alignment->num_inliers, alignment->num_fixes * 9 / 10);
+  EXPECT_LT(alignment->cep50, 2);
+  EXPECT_GT(alignment->extent, 100);
 }
 
 }  // namespace

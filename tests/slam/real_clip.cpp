@@ -6,7 +6,6 @@
 #include <sstream>
 
 namespace parkade {
-namespace {
 
 std::vector<std::vector<std::string>> ReadCsv(const std::filesystem::path& file) {
   std::vector<std::vector<std::string>> rows;
@@ -20,6 +19,8 @@ std::vector<std::vector<std::string>> ReadCsv(const std::filesystem::path& file)
   }
   return rows;
 }
+
+namespace {
 
 RealClip LoadMav(const std::filesystem::path& folder, std::vector<RigCamera> cameras) {
   RealClip clip;

@@ -29,6 +29,9 @@ struct RealClip {
 /// ../shared/data beside the repository. Nothing where `name` is not there.
 std::optional<std::filesystem::path> FindSharedData(const std::string& name);
 
+/// Cells of a CSV file, lines with '#' left out.
+std::vector<std::vector<std::string>> ReadCsv(const std::filesystem::path& file);
+
 std::optional<RealClip> LoadKittiClip();    ///< a car, stereo, 51 pairs at 9.66 Hz, 12 m/s
 std::optional<RealClip> LoadEurocStill();   ///< a drone on the ground, stereo, 95 pairs at 20 Hz
 std::optional<RealClip> LoadEurocFlight();  ///< a drone in the air, left camera, 90 images at 20 Hz
