@@ -14,8 +14,8 @@ namespace parkade {
 /// centre of the upper left pixel. Thread-safe: immutable.
 class CameraModel {
  public:
-  using Projection = std::variant<PinholeProjection, RadTanProjection, KannalaBrandtProjection,
-                                  MeiProjection, EucmProjection, DoubleSphereProjection, OcamProjection>;
+  using Projection = std::variant<PinholeProjection, RadTanProjection, KannalaBrandtProjection, MeiProjection,
+                                  EucmProjection, DoubleSphereProjection, OcamProjection>;
   using Jacobian = Eigen::Matrix<double, 2, 3>;
 
   CameraModel() = default;
