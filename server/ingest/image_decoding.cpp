@@ -139,7 +139,9 @@ DecodedImage DecodePng(std::span<const std::uint8_t> data, const ImageRequest& r
   return decoded;
 }
 
-std::string PathOf(const RawMessage& message) { return {message.data.begin(), message.data.end()}; }
+std::filesystem::path PathOf(const RawMessage& message) {
+  return std::string(message.data.begin(), message.data.end());
+}
 
 }  // namespace
 
@@ -183,7 +185,9 @@ DecodedImage DecodeRaw(const ImageMessage& message, const ImageRequest& request)
 DecodedImage DecodeMessageImage(const RawMessage& message, const SensorStream& stream, const ImageRequest& request) {
   try {
     if (stream.encoding == MessageEncoding::kEuroc) {
-      const std::string content = ReadFile(PathOf(message), kMaxFileSize);
+      const std::filesystem::path file = PathOf(message);
+      if (!std::filesystem::is_regular_file(file)) return Damaged("there is no file " + file.filename().string());
+      const std::string content = ReadFile(file, kMaxFileSize);
       return DecodeCompressed({reinterpret_cast<const std::uint8_t*>(content.data()), content.size()}, request);
     }
     if (stream.type == "sensor_msgs/Image") return DecodeRaw(DecodeImage(message.data, stream.encoding), request);

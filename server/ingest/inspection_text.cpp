@@ -42,6 +42,8 @@ std::string RowOf(const TopicInspection& topic) {
   return row + "\n";
 }
 
+constexpr std::size_t kMaxGaps = 3;  // that are printed
+
 std::string NotesOf(const LogInspection& log, const TopicInspection& topic) {
   std::string notes;
   const auto count = [&](std::uint64_t number, const char* what) {
@@ -55,8 +57,10 @@ std::string NotesOf(const LogInspection& log, const TopicInspection& topic) {
   count(topic.num_without_stamp, "without a stamp");
   if (topic.num_backward > 0) notes += " (by up to " + Seconds(topic.largest_backward_jump) + ")";
   if (!topic.first_fault.empty()) notes += "; first: " + Printable(topic.first_fault);
-  for (const TopicInspection::Gap& gap : topic.gaps)
-    notes += (notes.empty() ? "" : "; ") + ("gap of " + Seconds(gap.seconds)) + " at " + Since(log, gap.begin);
+  for (std::size_t i = 0; i < std::min(kMaxGaps, topic.gaps.size()); ++i)
+    notes += (notes.empty() ? "" : "; ") + ("gap of " + Seconds(topic.gaps[i].seconds)) + " at " +
+             Since(log, topic.gaps[i].begin);
+  if (topic.gaps.size() > kMaxGaps) notes += "; shorter gaps";
   return notes.empty() ? "" : "  " + Printable(topic.topic) + ": " + notes + "\n";
 }
 

@@ -113,8 +113,10 @@ TopicInspection TopicInspector::Finish() const {
     std::nth_element(steps.begin(), middle, steps.end());
     inspection.median_step = *middle;
   }
+  // Other types may come whenever something happens.
+  const bool is_regular = HasStamp(topic_.type);
   for (const TopicInspection::Gap& step : long_steps_)
-    if (step.seconds > std::max(0.1, 3 * inspection.median_step)) inspection.gaps.push_back(step);
+    if (is_regular && step.seconds > std::max(0.1, 3 * inspection.median_step)) inspection.gaps.push_back(step);
   return inspection;
 }
 

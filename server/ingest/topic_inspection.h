@@ -19,10 +19,10 @@ struct TopicInspection {
   std::string topic, type;
   std::uint64_t num_messages = 0, num_bytes = 0;
   TimeSpan span;
-  double median_step = 0;               ///< [s] between messages
-  std::vector<Gap> gaps;                ///< steps above three median steps and 0.1 s, longest first, at most 10
-  std::uint64_t num_repeated = 0;       ///< same stamp as the message before
-  std::uint64_t num_backward = 0;       ///< stamp before that of the message before
+  double median_step = 0;          ///< [s] between messages
+  std::vector<Gap> gaps;           ///< of sensors: steps above three median steps and 0.1 s, longest first, at most 10
+  std::uint64_t num_repeated = 0;  ///< same stamp as the message before
+  std::uint64_t num_backward = 0;  ///< stamp before that of the message before
   double largest_backward_jump = 0;     ///< [s]
   std::uint64_t num_without_stamp = 0;  ///< header.stamp is zero: the log time stands in
   std::uint64_t num_undecodable = 0;    ///< messages and images that are damaged or not supported
