@@ -8,10 +8,14 @@ namespace parkade::simulator {
 
 bool IsLogFile(const std::filesystem::path& out) { return out.extension() == ".bag" || out.extension() == ".mcap"; }
 
-std::unique_ptr<DriveSink> MakeDriveSink(const std::filesystem::path& out, const Rig& rig) {
+void RequireNewOutput(const std::filesystem::path& out) {
   const bool is_new =
       !std::filesystem::exists(out) || (std::filesystem::is_directory(out) && std::filesystem::is_empty(out));
   Require(is_new, ErrorCode::kUsage, out.string() + " exists already");
+}
+
+std::unique_ptr<DriveSink> MakeDriveSink(const std::filesystem::path& out, const Rig& rig) {
+  RequireNewOutput(out);
   if (IsLogFile(out)) return std::make_unique<RosSink>(out, rig);
   return std::make_unique<EurocSink>(out, rig);
 }

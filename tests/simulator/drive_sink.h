@@ -24,8 +24,11 @@ class DriveSink {
   virtual void Close() = 0;
 };
 
+/// Throws Error{kUsage} when `out` is a file, or a folder with something in it.
+void RequireNewOutput(const std::filesystem::path& out);
+
 /// The format follows from the name: .bag (ROS 1), .mcap (ROS 2), anything else
-/// an EuRoC folder. Throws Error{kUsage} when `out` exists already.
+/// an EuRoC folder. Throws what RequireNewOutput throws.
 std::unique_ptr<DriveSink> MakeDriveSink(const std::filesystem::path& out, const Rig& rig);
 
 /// The rig with the stream names that a log at `out` has: EuRoC's folder names or ROS topics.

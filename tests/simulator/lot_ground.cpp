@@ -144,11 +144,11 @@ class LotPainter {
         Line(middle - slot.half_size.x() * into, middle + slot.half_size.x() * into, 0.11, wear);
       }
     }
-    const double direction = layout_.loop[0].x() < layout_.loop[1].x() ? 1 : -1;
-    for (int aisle = 0; aisle < 2; ++aisle)
+    for (int aisle = 0; aisle < 2; ++aisle) {
+      const double direction = layout_.long_loop[0].y() == layout_.aisle_y[aisle] ? 1 : -1;
       for (double x = 14; x < layout_.length - 12; x += random_.Uniform(13, 19))
-        Arrow({x, layout_.aisle_y[aisle] + random_.Uniform(-0.2, 0.2)},
-              (aisle == 0) == (layout_.loop[0].y() < layout_.loop[2].y()) ? direction : -direction);
+        Arrow({x, layout_.aisle_y[aisle] + random_.Uniform(-0.2, 0.2)}, direction);
+    }
     for (const double x : {7.6, layout_.length - 7.6})
       for (const double y : layout_.aisle_y)
         for (double offset = -2.6; offset < 2.7; offset += 0.95)
@@ -221,6 +221,20 @@ GroundCanvas PaintLot(const LotLayout& layout, double texel_size, std::uint64_t 
   painter.Litter(per_area(0.5));
   canvas.Finish();
   return canvas;
+}
+
+Mesh MakeLotGround(const LotLayout& layout, const Terrain& terrain) {
+  const int columns = static_cast<int>(std::lround(layout.length * 4)) + 1,
+            rows = static_cast<int>(std::lround(layout.width * 4)) + 1;
+  Mesh mesh;
+  mesh.AddSheet(
+      columns, rows,
+      [&](int i, int j) -> Eigen::Vector3d {
+        const double x = layout.length * i / (columns - 1), y = layout.width * j / (rows - 1);
+        return {x, y, terrain.Height(x, y)};
+      },
+      [](int, int) { return MaterialId{0}; });
+  return mesh;
 }
 
 }  // namespace parkade::simulator

@@ -2,11 +2,17 @@
 
 #include "tests/simulator/ground_canvas.h"
 #include "tests/simulator/lot_layout.h"
+#include "tests/simulator/mesh.h"
+#include "tests/simulator/terrain.h"
 
 namespace parkade::simulator {
 
 /// The asphalt of a car park: worn and patched, with cracks, stains, lines,
 /// arrows, manholes and litter here, and large plain areas there.
 GroundCanvas PaintLot(const LotLayout& layout, double texel_size, std::uint64_t seed);
+
+/// The asphalt as a mesh of quarter-metre steps, the same that the truth is
+/// written from. Within 0.2 mm of the terrain.
+Mesh MakeLotGround(const LotLayout& layout, const Terrain& terrain);
 
 }  // namespace parkade::simulator

@@ -10,9 +10,13 @@ namespace {
 
 constexpr double kSlotWidth = 2.5, kSlotDepth = 5.0, kAisle = 6.5, kLane = 8.0, kIsland = 1.6, kMargin = 0.3;
 
+constexpr int kCrossLaneSlots = 4;  // the lane across the middle takes the room of these
+
 /// One row of slots; `yaw` points from the aisle into the slot.
-void AddRow(LotLayout& lot, double center_y, double yaw, int num_slots) {
+void AddRow(LotLayout& lot, double center_y, double yaw, int num_slots, bool has_cross_lane) {
+  const int gap = (num_slots - kCrossLaneSlots) / 2;
   for (int i = 0; i < num_slots; ++i) {
+    if (has_cross_lane && i >= gap && i < gap + kCrossLaneSlots) continue;
     const double x = kLane + kIsland + (i + 0.5) * kSlotWidth;
     lot.slots.push_back({{x, center_y}, {kSlotDepth / 2, kSlotWidth / 2}, yaw});
   }
@@ -68,23 +72,30 @@ LotLayout PlanLot(std::uint64_t seed) {
   lot.length = 2 * (kLane + kIsland) + num_slots * kSlotWidth;
   lot.width = 2 * kMargin + 4 * kSlotDepth + 2 * kAisle;
   const double up = M_PI / 2;
-  AddRow(lot, kMargin + 0.5 * kSlotDepth, -up, num_slots);
-  AddRow(lot, kMargin + 1.5 * kSlotDepth + kAisle, up, num_slots);
-  AddRow(lot, kMargin + 2.5 * kSlotDepth + kAisle, -up, num_slots);
-  AddRow(lot, kMargin + 3.5 * kSlotDepth + 2 * kAisle, up, num_slots);
+  AddRow(lot, kMargin + 0.5 * kSlotDepth, -up, num_slots, false);
+  AddRow(lot, kMargin + 1.5 * kSlotDepth + kAisle, up, num_slots, true);
+  AddRow(lot, kMargin + 2.5 * kSlotDepth + kAisle, -up, num_slots, true);
+  AddRow(lot, kMargin + 3.5 * kSlotDepth + 2 * kAisle, up, num_slots, false);
   ParkCars(lot, random);
 
   const double middle = lot.width / 2, island_half = kSlotDepth - 0.4;
-  for (const double x : {kLane + kIsland / 2, lot.length - kLane - kIsland / 2})
+  const double cross_x = kLane + kIsland + kSlotWidth * ((num_slots - kCrossLaneSlots) / 2 + kCrossLaneSlots / 2.0);
+  const double cross_half = kCrossLaneSlots * kSlotWidth / 2 - kIsland / 2;
+  for (const double x :
+       {kLane + kIsland / 2, cross_x - cross_half, cross_x + cross_half, lot.length - kLane - kIsland / 2})
     lot.islands.push_back({{x, middle}, {kIsland / 2 - 0.15, island_half}, 0});
   for (const double x : {1.3, lot.length - 1.3})
     for (const double y : {1.2, lot.width - 1.2}) lot.islands.push_back({{x, y}, {1.3, 1.2}, 0});
 
   lot.aisle_y[0] = kMargin + kSlotDepth + kAisle / 2;
   lot.aisle_y[1] = lot.width - lot.aisle_y[0];
-  const double left = kLane / 2, right = lot.length - kLane / 2;
-  lot.loop = {{left, lot.aisle_y[0]}, {right, lot.aisle_y[0]}, {right, lot.aisle_y[1]}, {left, lot.aisle_y[1]}};
-  if (random.Chance(0.5)) std::reverse(lot.loop.begin(), lot.loop.end());
+  const bool is_turned = random.Chance(0.5);
+  const double first = lot.aisle_y[is_turned], second = lot.aisle_y[!is_turned];
+  const auto loop_to = [&](double right) -> std::vector<Eigen::Vector2d> {
+    return {{kLane / 2, first}, {right, first}, {right, second}, {kLane / 2, second}};
+  };
+  lot.long_loop = loop_to(lot.length - kLane / 2);
+  lot.short_loop = loop_to(cross_x);
   return lot;
 }
 

@@ -26,14 +26,16 @@ struct ParkedCar {
 };
 
 /// The plan of a car park: asphalt over [0, length] x [0, width], two aisles
-/// along x joined by a lane at each end, four rows of slots.
+/// along x joined by a lane at each end and one across the middle, four rows of slots.
 struct LotLayout {
   double length = 0, width = 0;  ///< [m]
   std::vector<Rectangle> slots;  ///< marked parking spaces, x into the slot
   std::vector<ParkedCar> cars;
-  std::vector<Rectangle> islands;     ///< kerbed green
-  std::vector<Eigen::Vector2d> loop;  ///< corners of the round trip through both aisles, closed
-  double aisle_y[2] = {0, 0};         ///< [m] centre lines
+  std::vector<Rectangle> islands;  ///< kerbed green
+  /// Corners of the two closed round trips, through all of both aisles and through
+  /// half of them. They begin with the same stretch of the same aisle.
+  std::vector<Eigen::Vector2d> long_loop, short_loop;
+  double aisle_y[2] = {0, 0};  ///< [m] centre lines
 
   /// Asphalt that a car may drive on: neither island nor parked car.
   bool IsDrivable(const Eigen::Vector2d& point) const;

@@ -278,20 +278,6 @@ class LotFurnisher {
 
 }  // namespace
 
-Mesh MakeLotGround(const LotLayout& layout, const Terrain& terrain) {
-  const int columns = static_cast<int>(std::lround(layout.length * 4)) + 1,
-            rows = static_cast<int>(std::lround(layout.width * 4)) + 1;
-  Mesh mesh;
-  mesh.AddSheet(
-      columns, rows,
-      [&](int i, int j) -> Vector3d {
-        const double x = layout.length * i / (columns - 1), y = layout.width * j / (rows - 1);
-        return {x, y, terrain.Height(x, y)};
-      },
-      [](int, int) { return MaterialId{0}; });
-  return mesh;
-}
-
 Mesh MakeLotObjects(const LotLayout& layout, const Terrain& terrain, std::uint64_t seed,
                     std::vector<Material>& materials) {
   LotFurnisher furnisher(layout, terrain, seed, materials);

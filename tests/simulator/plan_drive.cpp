@@ -10,33 +10,38 @@ namespace parkade::simulator {
 namespace {
 
 constexpr double kCornerRadius = 6.2;  // [m]
+constexpr double kCornerRoom = 13;     // [m] between waypoints, so that corners fit
 constexpr double kHighestSpeed = 6;    // [m/s]
 constexpr double kLowestSpeed = 1.5;   // [m/s]
-constexpr double kRouteSteps = 20;     // bisection
+constexpr int kSpeedSteps = 20;        // bisection
 
-/// Corners of `num_rounds` rounds from the middle of the first aisle to a little
-/// beyond it, swinging from side to side within the aisles as drivers do.
-std::vector<Eigen::Vector2d> Waypoints(const LotLayout& layout, int num_rounds, std::uint64_t seed) {
+/// Which rounds a drive makes: the long ones first.
+struct Rounds {
+  int num_long = 0, num_short = 0;
+};
+
+/// From the middle of the first aisle to a little beyond it, swinging from side to
+/// side within the aisles as drivers do.
+std::vector<Eigen::Vector2d> Waypoints(const LotLayout& layout, const Rounds& rounds, std::uint64_t seed) {
   Random random(seed, 0xd21e);
-  const size_t corners = layout.loop.size();
-  const Eigen::Vector2d start = 0.7 * layout.loop[0] + 0.3 * layout.loop[1];
-  const Eigen::Vector2d along = (layout.loop[1] - layout.loop[0]).normalized();
+  const Eigen::Vector2d start = 0.55 * layout.short_loop[0] + 0.45 * layout.short_loop[1];
+  const Eigen::Vector2d along = (layout.short_loop[1] - layout.short_loop[0]).normalized();
   std::vector<Eigen::Vector2d> points = {start};
-  for (int round = 0; round < num_rounds; ++round) {
-    for (size_t corner = 1; corner <= corners; ++corner) {
-      const Eigen::Vector2d from = points.back(), to = layout.loop[corner % corners];
-      const Eigen::Vector2d side = (to - layout.loop[corner - 1]).normalized();
+  for (int round = 0; round < rounds.num_long + rounds.num_short; ++round) {
+    const std::vector<Eigen::Vector2d>& loop = round < rounds.num_long ? layout.long_loop : layout.short_loop;
+    for (size_t corner = 1; corner <= loop.size(); ++corner) {
+      const Eigen::Vector2d from = points.back(), to = loop[corner % loop.size()];
+      const Eigen::Vector2d side = (to - loop[corner - 1]).normalized();
       const Eigen::Vector2d left(-side.y(), side.x());
       const bool is_aisle = std::abs(side.x()) > 0.5;
-      if (is_aisle)
-        for (const double fraction : {0.3, 0.65})
-          points.push_back(from + fraction * side * side.dot(to - from) + random.Uniform(-0.7, 0.7) * left);
+      const double length = side.dot(to - from);
+      const int num_swings = is_aisle ? std::max(0, static_cast<int>(length / kCornerRoom) - 1) : 0;
+      for (int swing = 1; swing <= num_swings; ++swing)
+        points.push_back(from + length * swing / (num_swings + 1) * side + random.Uniform(-0.7, 0.7) * left);
       points.push_back(to + random.Uniform(-0.3, 0.3) * (is_aisle ? side : left));
     }
-    const Eigen::Vector2d left(-along.y(), along.x());
-    const bool is_last = round + 1 == num_rounds;
-    points.push_back(start + (is_last ? 3.0 * along : Eigen::Vector2d(random.Uniform(-0.5, 0.5) * left)));
   }
+  points.push_back(start + 3.0 * along);
   return points;
 }
 
@@ -74,7 +79,7 @@ SpeedOptions FitSpeed(const Route& route, double duration) {
   SpeedOptions slow, fast;
   slow.max_speed = kLowestSpeed;
   fast.max_speed = kHighestSpeed;
-  for (int i = 0; i < kRouteSteps; ++i) {
+  for (int i = 0; i < kSpeedSteps; ++i) {
     SpeedOptions middle;
     middle.max_speed = (slow.max_speed + fast.max_speed) / 2;
     (SpeedProfile(route, middle).Duration() > duration ? slow : fast) = middle;
@@ -89,16 +94,28 @@ double MinRadius(const Route& route) {
   return 1 / max_curvature;
 }
 
-/// As many rounds as make the typical speed about 4 m/s.
-int NumRounds(const LotLayout& layout, double duration, std::uint64_t seed) {
-  const double length = Route(Waypoints(layout, 1, seed), kCornerRadius).Length();
-  return std::max(1, static_cast<int>(std::lround((duration - 7) * 3.6 / length)));
+/// The rounds that fit into `duration` at a typical speed of 3 m/s; one short one when none fits.
+Rounds ChooseRounds(const LotLayout& layout, double duration, std::uint64_t seed) {
+  constexpr double kTypicalSpeed = 3, kStanding = 6.5;  // [m/s], [s]
+  const double long_round = Route(Waypoints(layout, {1, 0}, seed), kCornerRadius).Length();
+  const double short_round = Route(Waypoints(layout, {0, 1}, seed), kCornerRadius).Length();
+  const double wanted = std::max(0.0, (duration - kStanding) * kTypicalSpeed);
+  Rounds best{0, 1};
+  double best_miss = std::abs(short_round - wanted);
+  for (int num_long = 0; num_long * long_round < wanted + long_round; ++num_long) {
+    const int num_short = std::max(0, static_cast<int>(std::lround((wanted - num_long * long_round) / short_round)));
+    const double miss = std::abs(num_long * long_round + num_short * short_round - wanted);
+    if (num_long + num_short == 0 || miss >= best_miss) continue;
+    best = {num_long, num_short};
+    best_miss = miss;
+  }
+  return best;
 }
 
 }  // namespace
 
 DrivePlan PlanDrive(const LotLayout& layout, const Terrain& terrain, double duration, std::uint64_t seed) {
-  const Route route(Waypoints(layout, NumRounds(layout, duration, seed), seed), kCornerRadius);
+  const Route route(Waypoints(layout, ChooseRounds(layout, duration, seed), seed), kCornerRadius);
   const SpeedProfile profile(route, FitSpeed(route, duration));
   const std::uint32_t shake_seed = static_cast<std::uint32_t>(Mix64(seed));
   const auto pose_at = [&](double time) { return PoseOnTerrain(route, profile, terrain, time, shake_seed); };

@@ -15,8 +15,8 @@ struct DrivePlan {
   bool returns_to_start = false;  ///< false: the drive was too short for a round
 };
 
-/// A drive of `duration` [s] around the lot: stands, drives as many rounds as
-/// fit at 2.5 to 6 m/s, stops once on the way, and ends 3 m past its start. The body
+/// A drive of `duration` [s] around the lot: stands, drives the rounds that
+/// fit at 1.5 to 6 m/s, stops once on the way, and ends 3 m past its start. The body
 /// follows the ground, leans with acceleration and shakes a little on the road.
 DrivePlan PlanDrive(const LotLayout& layout, const Terrain& terrain, double duration, std::uint64_t seed);
 

@@ -19,21 +19,24 @@ RayScene::RayScene(const std::vector<const Mesh*>& meshes) {
   Require(device_ != nullptr, ErrorCode::kInternal, "the ray tracer did not start");
   scene_.reset(rtcNewScene(device_.get()));
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
-  for (const Mesh* mesh : meshes) {
-    const RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-    void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                             sizeof(Eigen::Vector3f), mesh->positions.size());
-    void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                            3 * sizeof(std::uint32_t), mesh->triangles.size());
-    Require(vertices != nullptr && indices != nullptr, ErrorCode::kInternal,
-            "the ray tracer has no memory for the scene");
-    std::memcpy(vertices, mesh->positions.data(), mesh->positions.size() * sizeof(Eigen::Vector3f));
-    std::memcpy(indices, mesh->triangles.data(), mesh->triangles.size() * 3 * sizeof(std::uint32_t));
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene_.get(), geometry);
-    rtcReleaseGeometry(geometry);
-  }
+  for (size_t id = 0; id < meshes.size(); ++id)
+    if (!meshes[id]->triangles.empty()) Attach(*meshes[id], static_cast<unsigned>(id));
   rtcCommitScene(scene_.get());
+}
+
+void RayScene::Attach(const Mesh& mesh, unsigned id) {
+  const RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                           sizeof(Eigen::Vector3f), mesh.positions.size());
+  void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                          3 * sizeof(std::uint32_t), mesh.triangles.size());
+  Require(vertices != nullptr && indices != nullptr, ErrorCode::kInternal,
+          "the ray tracer has no memory for the scene");
+  std::memcpy(vertices, mesh.positions.data(), mesh.positions.size() * sizeof(Eigen::Vector3f));
+  std::memcpy(indices, mesh.triangles.data(), mesh.triangles.size() * 3 * sizeof(std::uint32_t));
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(scene_.get(), geometry, id);
+  rtcReleaseGeometry(geometry);
 }
 
 std::vector<float> RayScene::VertexAmbient(const Mesh& mesh, float reach, std::uint64_t seed) const {

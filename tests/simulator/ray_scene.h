@@ -9,7 +9,8 @@
 
 namespace parkade::simulator {
 
-/// Meshes that rays can be shot at: geometry ids count in the order given. Only
+/// Meshes that rays can be shot at: geometry ids count in the order given,
+/// empty meshes included. Only
 /// the .cpp files that trace rays include this. Tracing is thread-safe.
 class RayScene {
  public:
@@ -28,6 +29,8 @@ class RayScene {
   struct ReleaseScene {
     void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
   };
+  void Attach(const Mesh& mesh, unsigned id);
+
   std::unique_ptr<RTCDeviceTy, ReleaseDevice> device_;
   std::unique_ptr<RTCSceneTy, ReleaseScene> scene_;
 };

@@ -31,7 +31,9 @@ void AppendArc(const Eigen::Vector2d& before, const Eigen::Vector2d& corner, con
   const double turn = std::atan2(in.x() * out.y() - in.y() * out.x(), in.dot(out));
   if (std::abs(turn) < 1e-6) return;
   const double room = 0.499 * std::min((corner - before).norm(), (after - corner).norm());
-  const double radius = std::min(max_radius, room / std::tan(std::abs(turn) / 2));
+  // A slight bend is driven as a wide arc, a corner as a tight one.
+  const double wanted_radius = std::abs(turn) < 0.5 ? 6 * max_radius : max_radius;
+  const double radius = std::min(wanted_radius, room / std::tan(std::abs(turn) / 2));
   const double tangent = radius * std::tan(std::abs(turn) / 2);
   const Eigen::Vector2d left(-in.y(), in.x());
   const double side = turn > 0 ? 1 : -1;

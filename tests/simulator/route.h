@@ -9,8 +9,8 @@ namespace parkade::simulator {
 /// corners, smoothed along its length.
 class Route {
  public:
-  /// Rounds each corner of `waypoints` by an arc of at most `radius` [m], as far as
-  /// half the adjoining sides allow. Throws Error{kInternal} for fewer than two points.
+  /// Rounds each corner of `waypoints` by an arc of `radius` [m], slight bends by
+  /// six times that, as far as half the adjoining sides allow. Throws Error{kInternal} for fewer than two points.
   Route(const std::vector<Eigen::Vector2d>& waypoints, double radius);
 
   double Length() const { return step_ * static_cast<double>(points_.size() - 1); }  ///< [m]

@@ -155,6 +155,7 @@ fs::path DefaultTruthFolder(const fs::path& log) {
 
 nlohmann::json SimulateDrive(const SimulateOptions& options, const OutputPaths& out, const ProgressListener& progress) {
   options.Validate();
+  RequireNewOutput(out.log);
   const std::uint64_t seed = static_cast<std::uint64_t>(options.seed);
   Stopwatch watch;
   progress("build the scene", 0);

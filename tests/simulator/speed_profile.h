@@ -9,9 +9,9 @@ namespace parkade::simulator {
 /// How the driver drives.
 struct SpeedOptions {
   double max_speed = 4;                   ///< [m/s]
-  double max_acceleration = 1.1;          ///< [m/s^2]
-  double max_deceleration = 1.4;          ///< [m/s^2]
-  double max_lateral_acceleration = 1.7;  ///< [m/s^2]; slows down in curves
+  double max_acceleration = 1.5;          ///< [m/s^2]
+  double max_deceleration = 1.8;          ///< [m/s^2]
+  double max_lateral_acceleration = 2.2;  ///< [m/s^2]; slows down in curves
   double initial_stand = 2;               ///< [s] before the start
   double stop = 2.5;                      ///< [s] standing in mid-drive
   double stop_at = 0.45;                  ///< of the route's length

@@ -1,0 +1,84 @@
+#include "tests/simulator/motion.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/simulator/plan_drive.h"
+#include "tests/simulator/sensors.h"
+#include "tests/simulator/simulated_rig.h"
+
+namespace parkade::simulator {
+namespace {
+
+PoseVector Wavy(double t) {
+  PoseVector pose;
+  pose << 3 * std::sin(0.7 * t), 2 * std::cos(0.9 * t), 0.05 * std::sin(2 * t), 0.8 * t, 0.03 * std::sin(3 * t),
+      0.05 * std::cos(2.5 * t);
+  return pose;
+}
+
+TEST(Motion, FollowsTheFunctionItIsMadeFrom) {
+  const Motion motion(Wavy, 5);
+
+  for (double t = 0; t <= 5; t += 0.137)
+    EXPECT_LT((motion.WorldFromBody(t).translation - Wavy(t).head<3>()).norm(), 1e-6) << t;
+}
+
+TEST(Motion, DerivativesMatchFiniteDifferences) {
+  const Motion motion(Wavy, 5);
+  const double h = 1e-4;
+
+  for (double t = 0.1; t < 4.9; t += 0.0931) {
+    const MotionState before = motion.At(t - h), now = motion.At(t), after = motion.At(t + h);
+    const Eigen::Vector3d velocity = (after.world_from_body.translation - before.world_from_body.translation) / (2 * h);
+    const Eigen::Vector3d acceleration = (after.velocity_in_world - before.velocity_in_world) / (2 * h);
+    const Eigen::Vector3d turn =
+        LogSo3(before.world_from_body.rotation.conjugate() * after.world_from_body.rotation) / (2 * h);
+    const Eigen::Vector3d angular_acceleration =
+        (after.angular_velocity_in_body - before.angular_velocity_in_body) / (2 * h);
+    EXPECT_LT((velocity - now.velocity_in_world).norm(), 1e-6);
+    EXPECT_LT((acceleration - now.acceleration_in_world).norm(), 1e-5);
+    EXPECT_LT((turn - now.angular_velocity_in_body).norm(), 1e-6);
+    EXPECT_LT((angular_acceleration - now.angular_acceleration_in_body).norm(), 1e-5);
+  }
+}
+
+/// Integrates an ideal IMU's samples, taken at `rate`, by the midpoint rule in
+/// the rotating frame; returns the distance to the truth [m] after `seconds`.
+double IntegrationError(const Motion& motion, const Rigid3& body_from_imu, double start, double seconds, double rate) {
+  const Timestamp epoch{0};
+  const MotionState first = motion.At(start);
+  Eigen::Quaterniond rotation = first.world_from_body.rotation * body_from_imu.rotation;
+  Eigen::Vector3d position = first.world_from_body * body_from_imu.translation;
+  Eigen::Vector3d velocity =
+      first.velocity_in_world +
+      first.world_from_body.rotation * first.angular_velocity_in_body.cross(body_from_imu.translation);
+  const double step = 1 / rate;
+  for (int i = 0; i < static_cast<int>(seconds * rate); ++i) {
+    const ImuSample middle = IdealImuSample(motion, body_from_imu, epoch, epoch + (start + (i + 0.5) * step));
+    const Eigen::Vector3d acceleration =
+        rotation * ExpSo3(middle.angular_velocity * step / 2) * middle.linear_acceleration -
+        Eigen::Vector3d(0, 0, kGravity);
+    position += velocity * step + 0.5 * step * step * acceleration;
+    velocity += step * acceleration;
+    rotation = rotation * ExpSo3(middle.angular_velocity * step);
+  }
+  return (position - motion.WorldFromBody(start + seconds) * body_from_imu.translation).norm();
+}
+
+TEST(Motion, AnIdealImuIntegratesToTheTruthWithinMillimetresOverTenSeconds) {
+  const DrivePlan plan = PlanDrive(PlanLot(3), Terrain(3, 1), 40, 3);
+  const Rigid3 body_from_imu = MakeSimulatedRig({}, 3).body_from_imu;
+
+  for (const double start : {0.0, 6.0, 15.0, 25.0})
+    EXPECT_LT(IntegrationError(plan.motion, body_from_imu, start, 10, 1000), 0.002) << "from " << start << " s";
+}
+
+TEST(Motion, AHundredSamplesASecondAreEnoughForFiveCentimetres) {
+  const DrivePlan plan = PlanDrive(PlanLot(3), Terrain(3, 1), 40, 3);
+  const Rigid3 body_from_imu = MakeSimulatedRig({}, 3).body_from_imu;
+
+  EXPECT_LT(IntegrationError(plan.motion, body_from_imu, 10, 10, 100), 0.05);
+}
+
+}  // namespace
+}  // namespace parkade::simulator

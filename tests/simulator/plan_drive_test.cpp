@@ -1,0 +1,96 @@
+#include "tests/simulator/plan_drive.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/simulator/car_mesh.h"
+#include "tests/simulator/simulated_rig.h"
+
+namespace parkade::simulator {
+namespace {
+
+double SpeedAt(const DrivePlan& plan, double time) { return plan.motion.At(time).velocity_in_world.norm(); }
+
+class PlannedDrive : public testing::TestWithParam<int> {
+ protected:
+  const std::uint64_t seed_ = static_cast<std::uint64_t>(GetParam());
+  const LotLayout layout_ = PlanLot(seed_);
+  const Terrain terrain_{seed_, 1};
+  const DrivePlan plan_ = PlanDrive(layout_, terrain_, 40, seed_);
+};
+
+TEST_P(PlannedDrive, StandsAtFirstStopsOnceOnTheWayAndStandsAtTheEnd) {
+  int num_stands = 0;
+  bool was_standing = false;
+  for (double time = 0; time <= 40; time += 0.1) {
+    const bool is_standing = SpeedAt(plan_, time) < 0.01;
+    num_stands += is_standing && !was_standing;
+    was_standing = is_standing;
+  }
+
+  EXPECT_LT(SpeedAt(plan_, 1), 1e-3);
+  EXPECT_EQ(num_stands, 3);
+}
+
+TEST_P(PlannedDrive, ReturnsNearItsStart) {
+  const Eigen::Vector3d start = plan_.motion.WorldFromBody(0).translation;
+  const Eigen::Vector3d end = plan_.motion.WorldFromBody(40).translation;
+
+  EXPECT_TRUE(plan_.returns_to_start);
+  EXPECT_LT((end - start).norm(), 4);
+  EXPECT_GT(plan_.length, 70);
+}
+
+TEST_P(PlannedDrive, KeepsToTheLimitsOfACar) {
+  EXPECT_GE(plan_.min_radius, 5);
+  EXPECT_LE(plan_.max_speed, 6.01);
+  for (double time = 0; time <= 40; time += 0.05) {
+    const MotionState state = plan_.motion.At(time);
+    const Eigen::Vector3d in_body = state.world_from_body.rotation.conjugate() * state.acceleration_in_world;
+    EXPECT_LT(std::hypot(in_body.x(), in_body.y()), 3.5) << time;
+    // It rolls where it points to: no sideways velocity beyond what smoothing leaves.
+    const Eigen::Vector3d velocity = state.world_from_body.rotation.conjugate() * state.velocity_in_world;
+    EXPECT_LT(std::abs(velocity.y()), 0.06) << time;
+  }
+}
+
+TEST_P(PlannedDrive, StaysOnTheGround) {
+  for (double time = 0; time <= 40; time += 0.1) {
+    const Rigid3 world_from_body = plan_.motion.WorldFromBody(time);
+    const Eigen::Vector3d& at = world_from_body.translation;
+    EXPECT_NEAR(at.z(), terrain_.Height(at.x(), at.y()), 0.003) << time;
+    const Eigen::Vector3d up = world_from_body.rotation * Eigen::Vector3d::UnitZ();
+    EXPECT_LT((up - terrain_.Normal(at.x(), at.y())).norm(), 0.025) << time;
+  }
+}
+
+TEST_P(PlannedDrive, TouchesNeitherParkedCarsNorKerbs) {
+  const double front = -RearAxleX(kOwnCarStyle) + 3.95 / 2, rear = front - 3.95;
+  for (double time = 0; time <= 40; time += 0.2) {
+    const Rigid3 world_from_body = plan_.motion.WorldFromBody(time);
+    double clearance = 1e9;
+    for (double x = rear; x <= front + 0.01; x += 0.2) {
+      for (const double y : {-0.9, 0.9}) {
+        const Eigen::Vector2d corner = (world_from_body * Eigen::Vector3d(x, y, 0)).head<2>();
+        for (const ParkedCar& car : layout_.cars) clearance = std::min(clearance, car.footprint.SignedDistance(corner));
+        for (const Rectangle& island : layout_.islands) clearance = std::min(clearance, island.SignedDistance(corner));
+        clearance =
+            std::min({clearance, corner.x(), corner.y(), layout_.length - corner.x(), layout_.width - corner.y()});
+      }
+    }
+    EXPECT_GT(clearance, 0.3) << time;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, PlannedDrive, testing::Values(1, 2, 3, 4, 17));
+
+TEST(PlanDrive, ALongDriveMakesSeveralRounds) {
+  const DrivePlan plan = PlanDrive(PlanLot(1), Terrain(1, 1), 120, 1);
+
+  EXPECT_TRUE(plan.returns_to_start);
+  EXPECT_GT(plan.length, 280);
+}
+
+}  // namespace
+}  // namespace parkade::simulator

@@ -1,0 +1,159 @@
+#include "tests/simulator/simulate_drive.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/trajectory.h"
+#include "server/ingest/open_drive_log.h"
+
+namespace parkade::simulator {
+namespace {
+
+namespace fs = std::filesystem;
+
+SimulateOptions SmallDrive() {
+  SimulateOptions options;
+  options.duration = 10;
+  options.ground_texel = 0.1;
+  options.cameras.rate = 2;
+  options.rig.width = 160;
+  options.rig.height = 100;
+  options.semantic = true;
+  return options;
+}
+
+/// One drive in each format, made once for all tests.
+class SimulatedDrive : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    root_ = fs::path(testing::TempDir()) / ("parkade_simulate_" + std::to_string(getpid()));
+    fs::remove_all(root_);
+    fs::create_directories(root_);
+    for (const char* name : {"euroc", "ros2.mcap", "ros1.bag"}) summaries_[name] = Simulate(name, SmallDrive());
+  }
+  static void TearDownTestSuite() { fs::remove_all(root_); }
+
+  static nlohmann::json Simulate(const fs::path& log, const SimulateOptions& options) {
+    return SimulateDrive(options, {root_ / log, {}, {}}, [](const std::string&, double) {});
+  }
+
+  static std::unique_ptr<RecordedDrive> Open(const std::string& name) {
+    return OpenDriveLog(root_ / name, {.rig_folder = DefaultTruthFolder(root_ / name) / "rig"});
+  }
+
+  /// Content of every file below `folder`, by relative name.
+  static std::map<std::string, std::string> Contents(const fs::path& folder) {
+    std::map<std::string, std::string> contents;
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
+      if (entry.is_regular_file()) contents[fs::relative(entry.path(), folder)] = ReadFile(entry.path());
+    return contents;
+  }
+
+  static inline fs::path root_;
+  static inline std::map<std::string, nlohmann::json> summaries_;
+};
+
+/// Counts per kind of what a reader gives, and checks that time never runs back.
+std::map<std::string, size_t> CountRecords(const DriveLog& log) {
+  ReadOptions options;
+  options.semantics = true;
+  std::map<std::string, size_t> counts;
+  Timestamp last{0};
+  const auto stream = log.Read(options);
+  while (const auto record = stream->Next()) {
+    EXPECT_GE(TimeOf(*record), last);
+    last = TimeOf(*record);
+    static const char* const kNames[] = {"imu", "wheels", "gnss", "images", "masks"};
+    ++counts[kNames[record->index()]];
+  }
+  return counts;
+}
+
+TEST_F(SimulatedDrive, EveryFormatReadsBackWhole) {
+  for (const auto& [name, summary] : summaries_) {
+    const auto log = Open(name);
+
+    const auto counts = CountRecords(*log);
+    EXPECT_EQ(counts.at("images"), summary["counts"]["images"]) << name;
+    EXPECT_EQ(counts.at("masks"), summary["counts"]["images"]) << name;
+    EXPECT_EQ(counts.at("imu"), 1000u) << name;
+    EXPECT_EQ(counts.at("wheels"), 1000u) << name;
+    EXPECT_EQ(counts.at("gnss"), summary["counts"]["gnss"]) << name;
+    ASSERT_EQ(log->rig().cameras.size(), 4u) << name;
+    EXPECT_FALSE(log->rig().cameras[0].mask.empty()) << name;
+  }
+}
+
+TEST_F(SimulatedDrive, AllFormatsHoldTheSameNumbers) {
+  std::map<std::string, std::vector<ImuSample>> samples;
+  std::map<std::string, std::vector<GnssFix>> fixes;
+  for (const auto& [name, summary] : summaries_) {
+    const auto log = Open(name);
+    const auto stream = log->Read({});
+    while (const auto record = stream->Next()) {
+      if (const auto* imu = std::get_if<ImuSample>(&*record)) samples[name].push_back(*imu);
+      if (const auto* fix = std::get_if<GnssFix>(&*record)) fixes[name].push_back(*fix);
+    }
+  }
+  for (size_t i = 0; i < samples["euroc"].size(); ++i) {
+    const ImuSample &euroc = samples["euroc"][i], &ros1 = samples["ros1.bag"][i], &ros2 = samples["ros2.mcap"][i];
+    EXPECT_EQ(euroc.time, ros2.time);
+    EXPECT_EQ(ros1.time, ros2.time);
+    EXPECT_EQ(ros1.linear_acceleration, ros2.linear_acceleration);
+    EXPECT_EQ(ros1.angular_velocity, ros2.angular_velocity);
+    EXPECT_LT((euroc.linear_acceleration - ros2.linear_acceleration).norm(), 1e-9);
+  }
+  for (size_t i = 0; i < fixes["euroc"].size(); ++i) {
+    EXPECT_EQ(fixes["ros1.bag"][i].latitude_deg, fixes["ros2.mcap"][i].latitude_deg);
+    EXPECT_NEAR(fixes["euroc"][i].longitude_deg, fixes["ros2.mcap"][i].longitude_deg, 1e-10);
+    EXPECT_LT((fixes["ros1.bag"][i].sigma_enu - fixes["euroc"][i].sigma_enu).norm(), 1e-4);
+  }
+}
+
+TEST_F(SimulatedDrive, TheSameOptionsGiveTheSameBytes) {
+  for (const std::string name : {"euroc", "ros2.mcap"}) Simulate("again_" + name, SmallDrive());
+
+  EXPECT_EQ(ReadFile(root_ / "ros2.mcap"), ReadFile(root_ / "again_ros2.mcap"));
+  auto first = Contents(root_ / "euroc"), second = Contents(root_ / "again_euroc");
+  first.erase("summary.json");
+  second.erase("summary.json");
+  EXPECT_EQ(first, second);
+  EXPECT_GT(first.size(), 80u);
+}
+
+TEST_F(SimulatedDrive, AnotherSeedGivesAnotherDrive) {
+  SimulateOptions options = SmallDrive();
+  options.seed = 2;
+  Simulate("other.bag", options);
+  EXPECT_NE(ReadFile(root_ / "ros1.bag"), ReadFile(root_ / "other.bag"));
+}
+
+TEST_F(SimulatedDrive, TruthCoversEveryRecord) {
+  const std::vector<TimedPose> truth = ReadTum(root_ / "euroc" / "truth.tum");
+  const auto log = Open("euroc");
+
+  EXPECT_LE(truth.front().time, log->span().begin);
+  EXPECT_LT(log->span().end - truth.back().time, 0.005);
+  EXPECT_EQ(ReadFile(root_ / "euroc" / "ground_truth.ply").substr(0, 4), "ply\n");
+}
+
+TEST_F(SimulatedDrive, AnExistingLogIsNotOverwritten) {
+  WriteFileAtomically(root_ / "mine.bag", "precious");
+  EXPECT_THROW(Simulate("mine.bag", SmallDrive()), Error);
+  EXPECT_EQ(ReadFile(root_ / "mine.bag"), "precious");
+}
+
+TEST(SimulateOptions, NonsenseIsRefused) {
+  SimulateOptions options;
+  options.duration = 2;
+  EXPECT_THROW(options.Validate(), Error);
+  options = {};
+  options.scene = "moon";
+  EXPECT_THROW(SimulateDrive(options, {"unused", {}, {}}, [](const std::string&, double) {}), Error);
+}
+
+}  // namespace
+}  // namespace parkade::simulator
