@@ -37,7 +37,7 @@ if ! $fast; then
   say "ASan and UBSan on the units"
   cmake --preset asan
   cmake --build --preset asan --target parkade_unit_tests
-  ctest --test-dir build/asan --output-on-failure --parallel 2 -L '^unit$' --timeout 900
+  ctest --test-dir build/asan --output-on-failure --parallel 2 -L '^(unit|server_core)$' --timeout 900
 
   say "TSan on the server core"
   cmake --preset tsan

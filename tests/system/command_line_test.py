@@ -1,0 +1,212 @@
+#!/usr/bin/env python3
+"""The command line from the outside: bad input gets one sentence and the right exit status, and leaves nothing behind.
+
+command_line_test.py PARKADE
+"""
+
+import csv
+import json
+import math
+import os
+import pathlib
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+
+PARKADE = sys.argv.pop(1)
+
+
+def run(*arguments):
+    return subprocess.run([PARKADE, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+
+
+def write_png(path, width, height):
+    """A grey image with some texture, written with the standard library alone."""
+    rows = b"".join(b"\0" + bytes((x * 37 + y * 91 + (x * y) % 53) % 256 for x in range(width)) for y in range(height))
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+SENSOR = """%YAML:1.0
+sensor_type: camera
+T_BS:
+  cols: 4
+  rows: 4
+  data: [0, 0, 1, 0,  -1, 0, 0, 0,  0, -1, 0, 0,  0, 0, 0, 1]
+rate_hz: 10
+resolution: [160, 120]
+camera_model: pinhole
+intrinsics: [100, 100, 80, 60]
+distortion_model: radial-tangential
+distortion_coefficients: [0, 0, 0, 0]
+"""
+
+CAMCHAIN = """cam0:
+  camera_model: pinhole
+  intrinsics: [100, 100, 80, 60]
+  distortion_model: none
+  distortion_coeffs: []
+  resolution: [160, 120]
+  rostopic: {topic}
+  T_cam_imu: [[0, -1, 0, 0], [0, 0, -1, 0], [1, 0, 0, 0], [0, 0, 0, 1]]
+"""
+
+IMU = """rostopic: imu0
+update_rate: 100
+accelerometer_noise_density: 0.02
+accelerometer_random_walk: 0.001
+gyroscope_noise_density: 0.001
+gyroscope_random_walk: 0.00001
+"""
+
+
+def write_drive(folder, seconds=2.0, imu=True, images=True, calibrated=True):
+    """An EuRoC folder of a car that stands still."""
+    if imu:
+        (folder / "mav0/imu0").mkdir(parents=True)
+        with open(folder / "mav0/imu0/data.csv", "w", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow(["#timestamp [ns]", "wx", "wy", "wz", "ax", "ay", "az"])
+            for i in range(int(seconds * 100)):
+                writer.writerow([10**9 + i * 10**7, 1e-4 * math.sin(i), 0, 0, 0, 0, 9.81])
+    if images:
+        (folder / "mav0/cam0/data").mkdir(parents=True)
+        if calibrated:
+            (folder / "mav0/cam0/sensor.yaml").write_text(SENSOR)
+        write_png(folder / "mav0/cam0/data/a.png", 160, 120)
+        with open(folder / "mav0/cam0/data.csv", "w", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow(["#timestamp [ns]", "filename"])
+            for i in range(int(seconds * 10)):
+                writer.writerow([10**9 + i * 10**8, "a.png"])
+    return folder
+
+
+class CommandLine(unittest.TestCase):
+    def setUp(self):
+        self.folder_guard = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self.folder_guard.name)
+        self.out = self.folder / "out"
+
+    def tearDown(self):
+        self.folder_guard.cleanup()
+
+    def refuse(self, *arguments, status=1, names):
+        """`map` says one sentence on stderr that holds `names`, and leaves nothing."""
+        result = run("map", *arguments, "--out", self.out)
+        self.assertEqual(result.returncode, status, result.stderr)
+        sentences = [line for line in result.stderr.splitlines() if line.startswith("parkade: ")]
+        self.assertEqual(len(sentences), 1, result.stderr)
+        for name in names:
+            self.assertIn(name, sentences[0])
+        self.assertFalse(self.out.exists(), "something was left behind")
+
+    def test_help_and_version_answer(self):
+        self.assertEqual(run("--help").returncode, 0)
+        self.assertRegex(run("--version").stdout, r"^parkade \d+\.\d+\.\d+")
+        for command in ("map", "serve", "inspect", "evaluate"):
+            self.assertEqual(run(command, "--help").returncode, 0)
+
+    def test_usage_errors_exit_with_2(self):
+        self.assertEqual(run().returncode, 2)
+        self.assertEqual(run("dance").returncode, 2)
+        self.assertEqual(run("map", "--frobnicate").returncode, 2)
+        self.assertEqual(run("evaluate").returncode, 2)
+        self.refuse("x.bag", "--set", "odometry.no_such=1", status=2, names=["odometry.no_such"])
+        self.refuse("x.bag", "--set", "odometry.use_wheels=7", status=2, names=["odometry.use_wheels"])
+
+    def test_options_are_printed_as_json_and_can_be_set(self):
+        options = json.loads(run("map", "--print-options", "--set", "surface.cell_size=0.1").stdout)
+        self.assertEqual(options["surface"]["cell_size"], 0.1)
+
+    def test_what_is_not_a_log_is_named(self):
+        shopping = self.folder / "shopping.bag"
+        shopping.write_text("milk, eggs, bread")
+        self.refuse(shopping, names=["shopping.bag"])
+
+    def test_an_empty_file_is_named(self):
+        empty = self.folder / "empty.mcap"
+        empty.touch()
+        self.refuse(empty, names=["empty.mcap"])
+
+    def test_a_missing_file_is_named(self):
+        self.refuse(self.folder / "nowhere.bag", names=["nowhere.bag"])
+
+    def test_a_log_without_imu_says_so(self):
+        self.refuse(write_drive(self.folder / "blind", imu=False), names=["IMU"])
+
+    def test_a_log_without_images_says_so(self):
+        self.refuse(write_drive(self.folder / "dark", images=False), names=["image"])
+
+    def test_an_uncalibrated_camera_is_named(self):
+        self.refuse(write_drive(self.folder / "raw", calibrated=False), names=["cam0"])
+
+    def test_a_rig_whose_topics_do_not_match_is_named(self):
+        drive = write_drive(self.folder / "drive")
+        rig = self.folder / "rig"
+        rig.mkdir()
+        (rig / "camchain-imucam.yaml").write_text(CAMCHAIN.format(topic="/camera/front"))
+        (rig / "imu0.yaml").write_text(IMU)
+        self.refuse(drive, "--rig", rig, names=["/camera/front"])
+
+    def test_an_output_that_is_a_file_is_refused(self):
+        drive = write_drive(self.folder / "drive")
+        self.out.write_text("precious")
+        result = run("map", drive, "--out", self.out)
+        self.assertEqual(result.returncode, 1)
+        self.assertEqual(self.out.read_text(), "precious")
+
+    def test_a_car_that_stands_still_is_mapped_without_moving(self):
+        drive = write_drive(self.folder / "parked", seconds=4.0)
+        result = run("map", drive, "--out", self.out, "--quiet")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        poses = [line.split() for line in (self.out / "parked/trajectory.tum").read_text().splitlines() if line[0] != "#"]
+        self.assertGreater(len(poses), 70)
+        self.assertLess(max(abs(float(value)) for pose in poses for value in pose[1:4]), 0.02)
+        report = json.loads((self.out / "report.json").read_text())
+        self.assertTrue(report["warnings"], "a map without ground comes without a warning")
+        self.assertEqual([name for name in os.listdir(self.out) if name.startswith(".")], [])
+
+    def test_a_full_disk_is_said_and_leaves_nothing(self):
+        disk = self.folder / "disk"
+        disk.mkdir()
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", disk], capture_output=True).returncode != 0:
+            self.skipTest("needs the right to mount a small disk")
+        try:
+            self.out = disk / "out"
+            self.refuse(write_drive(self.folder / "parked", seconds=30.0), status=3, names=["No space left"])
+        finally:
+            subprocess.run(["umount", disk], check=True)
+
+    def test_inspect_exits_0_for_clean_and_1_for_unusable(self):
+        clean = run("inspect", write_drive(self.folder / "clean"), "--json")
+        self.assertEqual(clean.returncode, 0, clean.stdout)
+        self.assertIn("cam0", clean.stdout)
+        unusable = run("inspect", write_drive(self.folder / "dark", images=False))
+        self.assertEqual(unusable.returncode, 1, unusable.stdout)
+
+    def test_inspect_exits_3_when_images_are_damaged(self):
+        drive = write_drive(self.folder / "torn")
+        image = drive / "mav0/cam0/data/b.png"
+        image.write_bytes((drive / "mav0/cam0/data/a.png").read_bytes()[:400])
+        with open(drive / "mav0/cam0/data.csv", "a") as file:
+            file.write("3000000000,b.png\n")
+        result = run("inspect", drive)
+        self.assertEqual(result.returncode, 3, result.stdout)
+
+    def test_evaluate_compares_a_trajectory_with_itself(self):
+        truth = self.folder / "truth.tum"
+        truth.write_text("".join(f"{i}.000000000 {i} {i * i * 0.1} 0 0 0 0 1\n" for i in range(20)))
+        result = json.loads(run("evaluate", "--truth", truth, "--estimate", truth, "--json").stdout)
+        self.assertLess(result["trajectory"]["drift_percent"], 1e-6)
+
+
+if __name__ == "__main__":
+    unittest.main()
