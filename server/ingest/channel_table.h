@@ -32,6 +32,10 @@ class ChannelTable {
   /// The first definition of an id counts. At most 65536 of each are kept.
   void AddSchema(std::uint32_t id, const std::string& type) { Add(schemas_, id, type); }
   void AddChannel(std::uint32_t id, const Channel& channel) { Add(channels_, id, channel); }
+  void AddMissing(const ChannelTable& other) {
+    for (const auto& [id, type] : other.schemas_) AddSchema(id, type);
+    for (const auto& [id, channel] : other.channels_) AddChannel(id, channel);
+  }
 
   bool HasChannel(std::uint32_t id) const { return channels_.contains(id); }
   std::size_t num_channels() const { return channels_.size(); }

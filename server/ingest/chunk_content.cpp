@@ -69,6 +69,11 @@ class StreamReader : public ByteReader {
   std::vector<std::uint8_t> window_;
 };
 
+/// Whether messages of a chunk with a problem are still to be trusted.
+bool IsKept(const LogRecord& chunk) {
+  return chunk.is_at_end || (chunk.compression == ChunkCompression::kNone && !chunk.checksum);
+}
+
 ChunkContent OpenSmall(const InputFile& file, const LogRecord& chunk) {
   ChunkContent content;
   UnpackingStream stream = OpenStream(file, chunk);
@@ -76,11 +81,10 @@ ChunkContent OpenSmall(const InputFile& file, const LogRecord& chunk) {
   content.bytes.resize(stream.Read(content.bytes));
   const std::string problem =
       FindProblem(chunk, stream, content.bytes.size(), chunk.checksum ? UpdateCrc32(0, content.bytes) : 0);
-  if (!problem.empty()) {
-    content.problem = Describe(chunk, chunk.is_cut ? "is cut off" : problem);
-    if (!chunk.is_cut) content.bytes.clear();
-  }
-  if (problem.empty() || chunk.is_cut) content.reader = std::make_unique<MemoryReader>(content.bytes);
+  if (!problem.empty()) content.problem = Describe(chunk, chunk.is_at_end ? "is cut off" : problem);
+  const bool is_kept = problem.empty() || IsKept(chunk);
+  if (!is_kept) content.bytes.clear();
+  if (is_kept) content.reader = std::make_unique<MemoryReader>(content.bytes);
   return content;
 }
 
@@ -97,8 +101,8 @@ ChunkContent OpenLarge(const InputFile& file, const LogRecord& chunk) {
     checksum = UpdateCrc32(checksum, std::span(piece).first(count));
   }
   const std::string problem = FindProblem(chunk, stream, size, checksum);
-  if (!problem.empty()) content.problem = Describe(chunk, chunk.is_cut ? "is cut off" : problem);
-  if (problem.empty() || chunk.is_cut) content.reader = std::make_unique<StreamReader>(file, chunk);
+  if (!problem.empty()) content.problem = Describe(chunk, chunk.is_at_end ? "is cut off" : problem);
+  if (problem.empty() || IsKept(chunk)) content.reader = std::make_unique<StreamReader>(file, chunk);
   return content;
 }
 
@@ -111,6 +115,14 @@ ChunkContent OpenChunk(const InputFile& file, const LogRecord& chunk) {
     return content;
   }
   return chunk.unpacked_size <= kMaxHeldChunk ? OpenSmall(file, chunk) : OpenLarge(file, chunk);
+}
+
+std::vector<std::uint8_t> UnpackDamagedChunk(const InputFile& file, const LogRecord& chunk) {
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(std::min(chunk.unpacked_size, kMaxHeldChunk)));
+  UnpackingStream stream = OpenStream(file, chunk);
+  // The size is not looked at: a codec that fails may have written before it noticed.
+  stream.Read(bytes);
+  return bytes;
 }
 
 }  // namespace parkade

@@ -20,8 +20,11 @@ struct ChunkContent {
 };
 
 /// Unpacks a chunk of `file`, which must outlive the content. A chunk that is damaged (wrong checksum or size, broken
-/// compression, above 1 GiB) is lost as a whole, for no one can tell which of its messages are good; of one that is cut
-/// off what comes before the cut is kept. `chunk` tells where it is in the file.
+/// compression, above 1 GiB) is lost as a whole, for no one can tell which of its messages are good. Kept is what comes
+/// before the end of a log that ends inside the chunk, and a plain chunk without checksum.
 ChunkContent OpenChunk(const InputFile& file, const LogRecord& chunk);
+
+/// Whatever comes out of a damaged chunk, at most kMaxHeldChunk of it. Any byte may be wrong.
+std::vector<std::uint8_t> UnpackDamagedChunk(const InputFile& file, const LogRecord& chunk);
 
 }  // namespace parkade

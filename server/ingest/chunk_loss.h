@@ -1,5 +1,6 @@
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -8,13 +9,21 @@
 namespace parkade {
 
 /// Which messages of a chunk could be read.
-struct KeptMessages {
-  std::vector<std::uint64_t> offsets;  ///< of their records in the unpacked chunk, increasing
+class KeptMessages {
+ public:
+  void Add(std::uint32_t channel, Timestamp time);
+  bool Contains(std::uint32_t channel, Timestamp time) const { return stamps_.contains({channel, time}); }
+  bool IsEmpty() const { return stamps_.empty(); }
+  bool IsComplete() const { return is_complete_; }  ///< false: of too many messages some were not noted
+
+ private:
+  std::set<std::pair<std::uint32_t, Timestamp>> stamps_;
+  bool is_complete_ = true;
 };
 
 /// Adds to `damage` what is missing of a chunk, per topic, as far as the index records behind the chunk tell.
 /// `problem`: one sentence.
-void AddChunkLoss(const ScannedLog& log, const LogRecord& chunk, const std::string& problem, const KeptMessages& kept,
+void AddChunkLoss(const ScannedLog& log, const LogRecord& chunk, const std::string& problem, KeptMessages kept,
                   const std::vector<bool>& wanted, DamageReport& damage);
 
 }  // namespace parkade

@@ -1,5 +1,6 @@
 #include "server/ingest/log_scanner.h"
 
+#include <algorithm>
 #include <set>
 
 #include "server/ingest/chunk_content.h"
@@ -53,7 +54,9 @@ class LogScanner {
   void OnMessage(const LogRecord& record);
   void CloseChunk();
   bool MustUnpack(const OpenedChunk& chunk) const;
+  bool IsIndexOf(const LogRecord& index, const ChunkMessages& messages);
   ChunkMessages Unpack(const OpenedChunk& chunk);
+  void GuessDefinitions(const LogRecord& chunk);
   void AddSegment(const LogRecord& record, std::uint64_t held_size, const TimeSpan& time);
   void AddOrphan(const LogRecord& index);
   Counted CountEntries(const LogRecord& index);
@@ -64,6 +67,7 @@ class LogScanner {
   FileReader reader_;
   ScannedLog log_;
   ChannelTable channels_;
+  ChannelTable guessed_channels_;  ///< of damaged chunks
   LogSummary summary_;
   bool has_all_channels_ = false;
   std::map<std::uint32_t, std::uint64_t> num_messages_;
@@ -71,6 +75,7 @@ class LogScanner {
   std::map<std::uint32_t, std::uint64_t> num_salvaged_;  ///< messages outside chunks since the last damage
   std::vector<ChannelLoss> losses_;
   bool is_new_segment_due_ = true;
+  std::uint64_t covered_end_ = 0;  ///< of all segments
 };
 
 ScannedLog LogScanner::Scan() {
@@ -89,6 +94,10 @@ ScannedLog LogScanner::Scan() {
     offset = step.next;
   }
   CloseChunk();
+  // A chunk is complete only after what lies open behind it.
+  std::sort(log_.segments.begin(), log_.segments.end(),
+            [](const LogSegment& a, const LogSegment& b) { return a.begin < b.begin; });
+  channels_.AddMissing(guessed_channels_);
   const bool knows_counts = has_all_channels_ && !summary_.num_messages.empty();
   log_.topics = channels_.MakeTopics(knows_counts ? summary_.num_messages : num_messages_);
   NameLosses();
@@ -97,12 +106,14 @@ ScannedLog LogScanner::Scan() {
 
 void LogScanner::OnRecord(const LogRecord& record) {
   if (record.kind == RecordKind::kChunkIndex) return OnIndex(record);
-  CloseChunk();
+  // Messages of a damaged chunk may lie open between it and its index.
+  const bool may_be_of_chunk = record.kind == RecordKind::kMessage || record.kind == RecordKind::kDefinition;
+  if (!may_be_of_chunk || (chunk_ && !chunk_->has_damage_behind)) CloseChunk();
   if (record.kind == RecordKind::kDefinition) format_->Learn(reader_, record, channels_);
   if (record.kind == RecordKind::kMessage) OnMessage(record);
   if (record.kind == RecordKind::kChunk) {
     num_salvaged_.clear();
-    if (record.is_cut && record.end == reader_.size()) log_.damage.is_truncated = true;
+    log_.damage.is_truncated |= record.is_at_end;
     chunk_ = OpenedChunk{record, {}, false, {}};
   }
 }
@@ -161,11 +172,8 @@ void LogScanner::CloseChunk() {
     if (!messages.time.IsEmpty()) {
       time = messages.time;
       by_channel = messages.by_channel;
-      for (const LogRecord& index : chunk.doubtful_indexes) {
-        const Counted counted = CountEntries(index);
-        const bool is_own = messages.stamps.contains({index.channel, counted.time.begin});
-        if (!is_own) AddOrphan(index);
-      }
+      for (const LogRecord& index : chunk.doubtful_indexes)
+        if (!IsIndexOf(index, messages)) AddOrphan(index);
     }
   }
   const bool is_time_open = time.IsEmpty();
@@ -181,7 +189,7 @@ void LogScanner::CloseChunk() {
 }
 
 bool LogScanner::MustUnpack(const OpenedChunk& chunk) const {
-  if (chunk.record.is_cut || chunk.has_damage_behind) return true;
+  if (chunk.record.is_at_end || chunk.has_damage_behind) return true;
   const bool has_new_channel = std::any_of(chunk.index.begin(), chunk.index.end(),
                                            [&](const auto& entry) { return !channels_.HasChannel(entry.first); });
   if (!has_all_channels_ && (has_new_channel || chunk.index.empty())) return true;
@@ -194,10 +202,22 @@ bool LogScanner::MustUnpack(const OpenedChunk& chunk) const {
   return std::abs(claimed.begin - before) > kLargeJump || std::abs(claimed.end - before) > kLargeJump;
 }
 
+/// True when one of the index's messages is in the chunk: others of it may be damaged.
+bool LogScanner::IsIndexOf(const LogRecord& index, const ChunkMessages& messages) {
+  bool is_index = false;
+  format_->ReadIndex(reader_, index, [&](const ChunkIndexEntry& entry) {
+    is_index |= messages.stamps.contains({index.channel, entry.time});
+  });
+  return is_index;
+}
+
 LogScanner::ChunkMessages LogScanner::Unpack(const OpenedChunk& chunk) {
   ChunkMessages messages;
   const ChunkContent content = OpenChunk(*log_.file, chunk.record);
-  if (!content.reader) return messages;
+  if (!content.reader) {
+    GuessDefinitions(chunk.record);
+    return messages;
+  }
   RecordWalker walker(*format_, *content.reader);
   for (std::uint64_t offset = 0; offset < content.reader->size();) {
     content.reader->Release(offset);
@@ -215,15 +235,31 @@ LogScanner::ChunkMessages LogScanner::Unpack(const OpenedChunk& chunk) {
   return messages;
 }
 
+/// Some writers define a channel only once. Where that is in a damaged chunk, what still looks like a definition is
+/// better than nothing: without it every message of the channel would be lost.
+void LogScanner::GuessDefinitions(const LogRecord& chunk) {
+  const std::vector<std::uint8_t> bytes = UnpackDamagedChunk(*log_.file, chunk);
+  MemoryReader reader(bytes);
+  RecordWalker walker(*format_, reader);
+  for (std::uint64_t offset = 0; offset < reader.size();) {
+    const RecordWalker::Step step = walker.At(offset);
+    offset = step.next;
+    const bool is_definition = !step.is_damaged && step.record->kind == RecordKind::kDefinition;
+    if (is_definition) format_->Learn(reader, *step.record, guessed_channels_);
+  }
+}
+
 void LogScanner::AddSegment(const LogRecord& record, std::uint64_t held_size, const TimeSpan& time) {
   const bool is_large_chunk = record.kind == RecordKind::kChunk && record.unpacked_size > kMaxHeldChunk;
   std::vector<LogSegment>& segments = log_.segments;
+  is_new_segment_due_ |= record.begin < covered_end_ || (!segments.empty() && segments.back().end < covered_end_);
+  covered_end_ = std::max(covered_end_, record.end);
   const bool fits = !segments.empty() && !is_new_segment_due_ && !is_large_chunk && !segments.back().is_large_chunk &&
-                    !record.is_cut && record.end - segments.back().begin <= kSegmentSize &&
+                    !record.is_at_end && record.end - segments.back().begin <= kSegmentSize &&
                     held_size + segments.back().held_size <= kSegmentSize;
-  is_new_segment_due_ = record.is_cut;
+  is_new_segment_due_ = false;
   if (!fits) {
-    segments.push_back({record.begin, record.end, held_size, time, is_large_chunk});
+    segments.push_back({record.begin, record.end, held_size, time, is_large_chunk, record.is_at_end});
     return;
   }
   segments.back().end = record.end;

@@ -14,6 +14,7 @@ struct LogSegment {
   std::uint64_t held_size = 0;       ///< [byte] of memory while it is read
   TimeSpan time;                     ///< of its messages, as far as the headers tell
   bool is_large_chunk = false;       ///< above kMaxHeldChunk
+  bool is_at_end = false;            ///< a chunk that is_at_end
 };
 
 /// What one look at the headers of a log tells.

@@ -113,6 +113,7 @@ bool ParseChunk(ByteReader& reader, std::uint64_t length, LogRecord& record) {
   record.data_begin = record.begin + kPrefixSize + 40 + name_size;
   record.is_exact = record.data_size == length - 40 - name_size && length >= 40 + name_size &&
                     (name_size > 0 || record.data_size == record.unpacked_size);
+  record.is_unmistakable = record.is_exact;
   return true;
 }
 
@@ -173,8 +174,10 @@ class McapLogFormat : public LogFormat {
     if (opcode == kChunk) return ParseChunk(reader, length, record) ? std::optional(record) : std::nullopt;
     if (opcode == kMessage) return ParseMessage(reader, length, record) ? std::optional(record) : std::nullopt;
     if (record.end > reader.size()) return std::nullopt;
-    if (opcode > std::size(kLayouts)) return record;  // private, or newer than this reader
-
+    if (opcode > std::size(kLayouts)) {
+      record.kind = RecordKind::kUnknown;
+      return record;
+    }
     const Layout& layout = kLayouts[opcode - 1];
     const auto size = MeasureFields(reader, layout, record.data_begin, length);
     if (!size) return std::nullopt;

@@ -1,36 +1,53 @@
 #include "server/ingest/record_walker.h"
 
+#include <algorithm>
+
 namespace parkade {
 
 RecordWalker::Step RecordWalker::At(std::uint64_t offset) {
-  std::optional<LogRecord> record = format_->Parse(*reader_, offset);
-  if (record && record->end <= reader_->size() && (record->is_exact || IsFollowed(*record)))
-    return {record, false, record->end};
-  if (record && record->kind == RecordKind::kChunk && record->is_exact) {
-    record->is_cut = true;  // the file ends inside of it
-    record->data_size = reader_->size() - std::min(record->data_begin, reader_->size());
-    record->end = reader_->size();
-    return {record, false, record->end};
-  }
+  const std::optional<LogRecord> record = format_->Parse(*reader_, offset);
+  if (!record) return {std::nullopt, true, FindNext(offset + 1)};
+  const bool fits = record->end <= reader_->size();
+  if (fits && IsFollowed(*record)) return {record, false, record->end};
+  if (record->kind == RecordKind::kChunk) return StepOverChunk(*record);
   const std::uint64_t next = FindNext(offset + 1);
-  if (!record) return {std::nullopt, true, next};
-  if (record->end <= next && record->end <= reader_->size()) return {record, false, record->end};
-  if (record->kind == RecordKind::kChunk && record->data_begin < next) {
-    record->is_cut = true;  // its length is damaged, or the file ends: what follows tells its end
-    record->data_size = next - record->data_begin;
-    record->end = next;
-    return {record, false, next};
-  }
+  if (fits && record->end <= next) return {record, false, record->end};
   return {record, true, next};
 }
 
+RecordWalker::Step RecordWalker::StepOverChunk(LogRecord chunk) {
+  // In a chunk that is not packed lie records, too: only what never lies in a chunk can tell its end.
+  const auto is_outside = [](RecordKind kind) {
+    return kind != RecordKind::kMessage && kind != RecordKind::kDefinition;
+  };
+  const std::uint64_t next = chunk.is_exact ? Find(chunk.data_begin, is_outside) : FindNext(chunk.begin + 1);
+  if (next <= chunk.data_begin && next < reader_->size()) return {chunk, true, next};
+  chunk.is_at_end = next == reader_->size();
+  chunk.end = std::min(chunk.end, next);
+  chunk.data_size = chunk.end - std::min(chunk.data_begin, chunk.end);
+  return {chunk, false, chunk.end};
+}
+
 bool RecordWalker::IsFollowed(const LogRecord& record) const {
-  return record.end == reader_->size() || format_->Parse(*reader_, record.end).has_value();
+  if (record.end == reader_->size()) return true;
+  const std::optional<LogRecord> next = format_->Parse(*reader_, record.end);
+  return next && next->kind != RecordKind::kUnknown;
+}
+
+bool RecordWalker::IsBelieved(const LogRecord& record) const {
+  if (record.end > reader_->size()) return record.is_unmistakable;
+  return record.is_exact || IsFollowed(record);
 }
 
 std::uint64_t RecordWalker::FindNext(std::uint64_t begin) {
-  if (searched_begin_ <= begin && begin < searched_end_) return searched_end_;
-  searched_begin_ = begin;
+  if (begin < searched_begin_ || begin >= searched_end_) {
+    searched_begin_ = begin;
+    searched_end_ = Find(begin, [](RecordKind) { return true; });
+  }
+  return searched_end_;
+}
+
+std::uint64_t RecordWalker::Find(std::uint64_t begin, bool (*is_sought)(RecordKind)) const {
   constexpr std::size_t kBlock = std::size_t{64} << 10, kOverlap = 15;
   for (std::uint64_t offset = begin; offset < reader_->size();) {
     const std::span<const std::uint8_t> block = reader_->Fetch(offset, kBlock);
@@ -42,11 +59,10 @@ std::uint64_t RecordWalker::FindNext(std::uint64_t begin) {
     }
     offset += candidate;
     const std::optional<LogRecord> record = format_->Parse(*reader_, offset);
-    if (record && record->end <= reader_->size() && (record->is_exact || IsFollowed(*record)))
-      return searched_end_ = offset;
+    if (record && is_sought(record->kind) && IsBelieved(*record)) return offset;
     ++offset;
   }
-  return searched_end_ = reader_->size();
+  return reader_->size();
 }
 
 }  // namespace parkade

@@ -8,9 +8,9 @@ namespace parkade {
 
 /// Goes from record to record, and past damage to the next place where records make sense again.
 ///
-/// A record is believed when its own fields confirm its length, or when another record follows it. Where neither holds,
-/// the bytes behind its beginning are searched for the next record that can be believed: if none lies inside it, it is
-/// what follows that is damaged.
+/// A record is believed when another follows it. Where none does, the bytes behind its beginning are searched for the
+/// next record that can be believed: if none lies inside it, it is what follows that is damaged. A chunk ends at the
+/// latest where the next record begins.
 class RecordWalker {
  public:
   struct Step {
@@ -26,8 +26,11 @@ class RecordWalker {
   Step At(std::uint64_t offset);
 
  private:
+  Step StepOverChunk(LogRecord chunk);
   bool IsFollowed(const LogRecord& record) const;
+  bool IsBelieved(const LogRecord& record) const;
   std::uint64_t FindNext(std::uint64_t begin);
+  std::uint64_t Find(std::uint64_t begin, bool (*is_sought)(RecordKind)) const;
 
   const LogFormat* format_;
   ByteReader* reader_;

@@ -95,6 +95,7 @@ bool ParseChunk(const Header& header, LogRecord& record) {
   record.compression = *compression;
   record.unpacked_size = *size;
   record.is_exact = *compression == ChunkCompression::kNone && record.data_size == *size;
+  record.is_unmistakable = true;
   return true;
 }
 

@@ -27,7 +27,7 @@ class ChunkFilter {
       ++num_unusable_;
       return std::nullopt;
     }
-    kept.offsets.push_back(step.record->begin);
+    kept.Add(step.record->channel, step.record->time);
     if (*topic < 0 || !(*wanted_)[static_cast<std::size_t>(*topic)]) return std::nullopt;
     return topic;
   }
@@ -59,7 +59,11 @@ class LoadedSegment : public SegmentCursor {
       const RecordWalker::Step step = walker.At(offset);
       offset = step.next;
       if (step.is_damaged) continue;  // the scan has told
-      if (step.record->kind == RecordKind::kChunk) AddChunk(log, *step.record, wanted, damage);
+      if (step.record->kind == RecordKind::kChunk) {
+        LogRecord chunk = *step.record;
+        chunk.is_at_end = segment.is_at_end;  // of the log, not of this stretch of it
+        AddChunk(log, chunk, wanted, damage);
+      }
       if (step.record->kind == RecordKind::kMessage) AddLoose(log, *step.record, wanted, damage);
     }
     std::stable_sort(messages_.begin(), messages_.end(),
@@ -134,6 +138,7 @@ class StreamedChunk : public SegmentCursor {
     const RecordWalker::Step step = RecordWalker(*log.format, reader).At(segment.begin);
     if (step.is_damaged || step.record->kind != RecordKind::kChunk) return;
     chunk_ = *step.record;
+    chunk_.is_at_end = segment.is_at_end;
     content_ = OpenChunk(*log.file, chunk_);
     if (content_.reader) walker_.emplace(*log.format, *content_.reader);
     Advance();

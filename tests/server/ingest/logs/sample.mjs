@@ -17,7 +17,7 @@ export function payload(topic, tick) {
   let random = topic * 65536 + tick + 1;
   for (let i = 8; i < bytes.length - 4; ++i) {
     random = (Math.imul(random, 1664525) + 1013904223) >>> 0;
-    bytes[i] = i & 1 ? random >>> 24 : i >> 3; // half of it can be packed
+    bytes[i] = i & 15 ? i >> 4 : random >>> 24; // most of it can be packed
   }
   view.setUint32(bytes.length - 4, crc32(bytes.subarray(0, bytes.length - 4)), true);
   return bytes;

@@ -19,7 +19,7 @@ def payload(topic, tick):
     random = topic * 65536 + tick + 1
     for i in range(8, size - 4):
         random = (random * 1664525 + 1013904223) & 0xFFFFFFFF
-        body.append(random >> 24 if i & 1 else (i >> 3) & 255)  # half of it can be packed
+        body.append((i >> 4) & 255 if i & 15 else random >> 24)  # most of it can be packed
     return head + bytes(body) + struct.pack("<I", zlib.crc32(head + body))
 
 

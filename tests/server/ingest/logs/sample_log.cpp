@@ -28,7 +28,7 @@ std::vector<std::uint8_t> Payload(std::size_t topic, int tick) {
   auto random = static_cast<std::uint32_t>(topic * 65536) + static_cast<std::uint32_t>(tick) + 1;
   for (std::size_t i = 8; i < bytes.size() - 4; ++i) {
     random = random * 1664525u + 1013904223u;
-    bytes[i] = static_cast<std::uint8_t>((i & 1) != 0 ? random >> 24 : i >> 3);
+    bytes[i] = static_cast<std::uint8_t>((i & 15) != 0 ? i >> 4 : random >> 24);
   }
   put(bytes.size() - 4, UpdateCrc32(0, std::span(bytes).first(bytes.size() - 4)));
   return bytes;
@@ -106,9 +106,9 @@ std::optional<SampleFile> MakeSample(const std::string& script, const std::strin
     fs::rename(mine, sample.path);
   }
   std::ifstream stream(sample.path.string() + chunks_suffix);
-  if (stream.good())
-    for (const auto& chunk : nlohmann::json::parse(stream).at("chunks"))
-      sample.chunks.push_back({chunk[0], chunk[1], chunk[2]});
+  if (!stream.good()) return sample;
+  const nlohmann::json layout = nlohmann::json::parse(stream);
+  for (const auto& chunk : layout.at("chunks")) sample.chunks.push_back({chunk[0], chunk[1], chunk[2]});
   return sample;
 }
 
