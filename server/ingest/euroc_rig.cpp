@@ -117,6 +117,7 @@ ImuCalibration ReadImu(const SensorFile& file) {
 
 Rig ReadEurocRig(const fs::path& folder) {
   constexpr int kMaxCameras = 1000;
+  Require(fs::exists(folder / "imu0"), ErrorCode::kInvalidInput, "the log has no IMU data (imu0/data.csv)");
   const SensorFile imu_file(folder, "imu0");
   Rig rig;
   rig.imu = ReadImu(imu_file);
@@ -141,6 +142,7 @@ Rig ReadEurocRig(const fs::path& folder) {
     camera.time_shift = file.NumberOr("timeshift_cam_imu", 0);
     rig.cameras.push_back(std::move(camera));
   }
+  Require(!rig.cameras.empty(), ErrorCode::kInvalidInput, "the log has no images (cam0/data.csv)");
   ValidateRig(rig);
   return rig;
 }

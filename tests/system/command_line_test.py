@@ -48,6 +48,15 @@ distortion_model: radial-tangential
 distortion_coefficients: [0, 0, 0, 0]
 """
 
+IMU_SENSOR = """%YAML:1.0
+sensor_type: imu
+rate_hz: 100
+gyroscope_noise_density: 0.001
+gyroscope_random_walk: 0.00001
+accelerometer_noise_density: 0.02
+accelerometer_random_walk: 0.001
+"""
+
 CAMCHAIN = """cam0:
   camera_model: pinhole
   intrinsics: [100, 100, 80, 60]
@@ -58,7 +67,7 @@ CAMCHAIN = """cam0:
   T_cam_imu: [[0, -1, 0, 0], [0, 0, -1, 0], [1, 0, 0, 0], [0, 0, 0, 1]]
 """
 
-IMU = """rostopic: imu0
+IMU = """rostopic: /imu
 update_rate: 100
 accelerometer_noise_density: 0.02
 accelerometer_random_walk: 0.001
@@ -67,10 +76,28 @@ gyroscope_random_walk: 0.00001
 """
 
 
+WRITE_BAG = """
+import sys, rosbag, rospy
+from sensor_msgs.msg import Image, Imu
+with rosbag.Bag(sys.argv[1], "w") as bag:
+    for i in range(100):
+        time = rospy.Time(1, 10_000_000 * i)
+        imu = Imu()
+        imu.header.stamp = time
+        imu.linear_acceleration.z = 9.81
+        bag.write("/imu", imu, time)
+        if i % 10 == 0:
+            image = Image(height=120, width=160, step=160, encoding="mono8", data=bytes(160 * 120))
+            image.header.stamp = time
+            bag.write("/camera/rear", image, time)
+"""
+
+
 def write_drive(folder, seconds=2.0, imu=True, images=True, calibrated=True):
     """An EuRoC folder of a car that stands still."""
     if imu:
         (folder / "mav0/imu0").mkdir(parents=True)
+        (folder / "mav0/imu0/sensor.yaml").write_text(IMU_SENSOR)
         with open(folder / "mav0/imu0/data.csv", "w", newline="") as file:
             writer = csv.writer(file)
             writer.writerow(["#timestamp [ns]", "wx", "wy", "wz", "ax", "ay", "az"])
@@ -149,12 +176,14 @@ class CommandLine(unittest.TestCase):
         self.refuse(write_drive(self.folder / "raw", calibrated=False), names=["cam0"])
 
     def test_a_rig_whose_topics_do_not_match_is_named(self):
-        drive = write_drive(self.folder / "drive")
+        bag = self.folder / "drive.bag"
+        # Debian's own python has ROS' bag writer.
+        subprocess.run(["/usr/bin/python3", "-c", WRITE_BAG, bag], check=True)
         rig = self.folder / "rig"
         rig.mkdir()
         (rig / "camchain-imucam.yaml").write_text(CAMCHAIN.format(topic="/camera/front"))
         (rig / "imu0.yaml").write_text(IMU)
-        self.refuse(drive, "--rig", rig, names=["/camera/front"])
+        self.refuse(bag, "--rig", rig, names=["/camera/front"])
 
     def test_an_output_that_is_a_file_is_refused(self):
         drive = write_drive(self.folder / "drive")
