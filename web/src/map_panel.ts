@@ -1,4 +1,4 @@
-import { mapUrl, type MapVersion, type Report } from './api';
+import { mapUrl, type MapFile, type MapVersion, type Report } from './api';
 import { element } from './dom';
 import { formatArea, formatBytes, formatDuration, formatMetres } from './format';
 
@@ -22,18 +22,29 @@ export function renderMapPanel(place: HTMLElement, map: MapVersion, report: Repo
       ...figures.map(([name, value]) => element('div', {}, element('dt', {}, name), element('dd', {}, value))),
     ),
     ...report.warnings.map((warning) => element('p', { class: 'hint error' }, warning)),
+    downloads(map, map.files.filter((file) => isMainFile(file.name))),
     element(
-      'div',
-      { class: 'downloads', role: 'group', 'aria-label': 'Downloads' },
-      ...map.files.map((file) =>
-        element(
-          'a',
-          { href: mapUrl(map.site, map.version, file.name), download: file.name.replaceAll('/', '_') },
-          file.name,
-          element('small', {}, formatBytes(file.bytes)),
-        ),
-      ),
+      'details',
+      {},
+      element('summary', {}, 'More files'),
+      downloads(map, map.files.filter((file) => !isMainFile(file.name))),
     ),
   );
   place.hidden = false;
+}
+
+/** What most people came for; the rest is one click further. */
+function isMainFile(name: string): boolean {
+  return ['map.glb', 'ground.ply', 'ortho.png'].includes(name) || name.endsWith('/trajectory.tum');
+}
+
+function downloads(map: MapVersion, files: MapFile[]): HTMLElement {
+  const link = (file: MapFile) =>
+    element(
+      'a',
+      { href: mapUrl(map.site, map.version, file.name), download: file.name.replaceAll('/', '_') },
+      file.name,
+      element('small', {}, formatBytes(file.bytes)),
+    );
+  return element('div', { class: 'downloads', role: 'group', 'aria-label': 'Downloads' }, ...files.map(link));
 }
