@@ -86,12 +86,12 @@ SqlitePages::SqlitePages(std::shared_ptr<const InputFile> file) : file_(std::mov
   const std::uint32_t size = claimed == 1 ? 65536 : claimed;
   if (size >= 512 && std::has_single_bit(size)) page_size_ = size;
   usable_size_ = page_size_ - (header[20] <= page_size_ - 480 ? header[20] : 0);
-  num_pages_ = (file_->size() + page_size_ - 1) / page_size_;
+  num_pages_ = file_->size() / page_size_;
 }
 
 bool SqlitePages::LoadLeaf(std::uint64_t page) {
-  page_.assign(page_size_, 0);  // of a page that is cut off, what there is
-  file_->ReadAt(page * page_size_, page_);
+  page_.resize(page_size_);
+  if (file_->ReadAt(page * page_size_, page_) < page_size_) return false;
   page_header_ = page == 0 ? 100 : 0;
   if (page_[page_header_] != kTableLeaf) return false;
   num_cells_ = BigEndian(page_, page_header_ + 3, 2);
