@@ -145,13 +145,4 @@ nlohmann::json ToJson(const SurfaceEvaluation& e) {
           {"boundary_iou", e.boundary_iou}};
 }
 
-TriangleMesh Transformed(const TriangleMesh& mesh, const Rigid3& target_from_source) {
-  TriangleMesh moved = mesh;
-  const Eigen::Matrix3f rotation = target_from_source.rotation.toRotationMatrix().cast<float>();
-  for (Eigen::Vector3f& vertex : moved.vertices) vertex = rotation * vertex;
-  for (Eigen::Vector3f& normal : moved.normals) normal = rotation * normal;
-  moved.origin = target_from_source * mesh.origin;
-  return moved;
-}
-
 }  // namespace parkade

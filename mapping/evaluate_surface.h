@@ -6,7 +6,6 @@
 #include <span>
 #include <string>
 
-#include "core/rigid3.h"
 #include "core/triangle_mesh.h"
 #include "mapping/read_ply.h"
 
@@ -59,8 +58,5 @@ std::string ToText(const SurfaceEvaluation& evaluation);
 
 /// Every field under its own name.
 nlohmann::json ToJson(const SurfaceEvaluation& evaluation);
-
-/// The same mesh in another frame, e.g. an estimate moved by the alignment of its trajectory to the truth.
-TriangleMesh Transformed(const TriangleMesh& mesh, const Rigid3& target_from_source);
 
 }  // namespace parkade

@@ -16,8 +16,8 @@ namespace {
 using PaintedCell = SurfacePainter::PaintedCell;
 
 constexpr double kMaxCellStep = 0.1;   // [m] of height between neighbouring cells of one deck
-constexpr int kPinholeRounds = 2;      // each fills holes of up to about two cells
-constexpr int kPinholeNeighbours = 5;  // of 8 that must be seen around a pinhole
+constexpr int kPinholeRounds = 3;      // each fills holes of up to about two cells
+constexpr int kPinholeNeighbours = 4;  // of 8 that must be seen around a pinhole
 constexpr int kDrivenRounds = 60;      // to fill colour in under a car that stood: 3 m at 5 cm
 
 /// One observation per patch and square of the height field: the samples in it share their errors.

@@ -11,6 +11,8 @@ constexpr int kNumRounds = 6;
 constexpr double kMinShare = 0.1;  // of the seeds; a smaller cluster is not the road
 const Appearance kMinSigma(7, 3, 3, 3);
 const Appearance kMaxSigma(18, 6, 6, 8);
+constexpr float kPaintContrast = 25;  // of lightness: brighter than this, any hue may be paint
+constexpr float kPaintHue = 10;       // of a and b: nearer than this, any brightness may be a line's edge
 
 }  // namespace
 
@@ -56,10 +58,12 @@ float RoadColors::DistanceTo(const Appearance& appearance) const {
   return nearest;
 }
 
-float RoadColors::MaxLightness() const {
-  float lightness = 0;
-  for (const Cluster& cluster : clusters_) lightness = std::max(lightness, cluster.mean[0]);
-  return lightness;
+bool RoadColors::MayBePaint(const Appearance& appearance) const {
+  return std::any_of(clusters_.begin(), clusters_.end(), [&](const Cluster& cluster) {
+    const float brighter = appearance[0] - cluster.mean[0];
+    const float hue = (appearance - cluster.mean).segment<2>(1).matrix().norm();
+    return brighter > kPaintContrast || (brighter > -kMinSigma[0] && hue < kPaintHue);
+  });
 }
 
 }  // namespace parkade

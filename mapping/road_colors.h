@@ -17,8 +17,8 @@ class RoadColors {
   /// In sigmas, to the nearest cluster.
   float DistanceTo(const Appearance& appearance) const;
 
-  /// Lightness of the brightest cluster.
-  float MaxLightness() const;
+  /// True for what may be paint on this road: not darker than it, and of its hue or much brighter.
+  bool MayBePaint(const Appearance& appearance) const;
 
  private:
   struct Cluster {

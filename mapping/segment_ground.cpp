@@ -8,8 +8,6 @@
 namespace parkade {
 namespace {
 
-constexpr float kMarkingContrast = 12;  // lightness by which paint is brighter than the road
-
 /// Appearance of every cell, from slightly smoothed colours.
 std::vector<Appearance> MeasureAppearance(const cv::Mat& colors) {
   cv::Mat smooth, lab, lightness, mean, mean_square;
@@ -57,8 +55,8 @@ struct Line {
   int first = 0, stride = 1, count = 0;
 };
 
-/// Bright runs on `line`, shorter than `max_width` and with ground at both ends, become ground.
-void FillMarkings(const GroundGrid& grid, const std::vector<std::uint8_t>& is_bright, const Line& line,
+/// Runs of what may be paint on `line`, shorter than `max_width` and with ground at both ends, become ground.
+void FillMarkings(const GroundGrid& grid, const std::vector<std::uint8_t>& may_be_paint, const Line& line,
                   double max_width, std::vector<GroundLabel>& labels) {
   int last_ground = -1;
   for (int i = 0; i < line.count; ++i) {
@@ -73,7 +71,7 @@ void FillMarkings(const GroundGrid& grid, const std::vector<std::uint8_t>& is_br
         const float spacing = width / static_cast<float>(i - last_ground);
         bool is_paint = static_cast<double>(width - 3 * spacing) <= max_width;
         for (int k = last_ground + 1; is_paint && k < i; ++k)
-          is_paint = is_bright[static_cast<size_t>(line.first + k * line.stride)] != 0;
+          is_paint = may_be_paint[static_cast<size_t>(line.first + k * line.stride)] != 0;
         for (int k = last_ground + 1; is_paint && k < i; ++k)
           labels[static_cast<size_t>(line.first + k * line.stride)] = GroundLabel::kGround;
       }
@@ -103,19 +101,18 @@ std::vector<GroundLabel> SegmentGround(const GroundGrid& grid, const cv::Mat& co
 
   const RoadColors road_colors(road);
   const auto tolerance = static_cast<float>(options.color_tolerance);
-  std::vector<std::uint8_t> is_like_road(grid.cells.size()), is_bright(grid.cells.size());
+  std::vector<std::uint8_t> is_like_road(grid.cells.size()), may_be_paint(grid.cells.size());
   for (size_t i = 0; i < grid.cells.size(); ++i) {
     if (!grid.cells[i].is_visible) continue;
     is_like_road[i] = road_colors.DistanceTo(appearance[i]) < tolerance;
     labels[i] = seeds[i] && is_like_road[i] ? GroundLabel::kGround : GroundLabel::kNotGround;
-    is_bright[i] = appearance[i][0] > road_colors.MaxLightness() + kMarkingContrast || is_like_road[i] ||
-                   appearance[i][3] > 2 * kMarkingContrast;
+    may_be_paint[i] = is_like_road[i] || road_colors.MayBePaint(appearance[i]);
   }
   GrowGround(grid, is_like_road, labels);
   for (int ray = 0; ray < grid.num_rays; ++ray)
-    FillMarkings(grid, is_bright, {grid.IndexOf(ray, 0), 1, grid.num_ranges}, options.max_marking_width, labels);
+    FillMarkings(grid, may_be_paint, {grid.IndexOf(ray, 0), 1, grid.num_ranges}, options.max_marking_width, labels);
   for (int range = 0; range < grid.num_ranges; ++range)
-    FillMarkings(grid, is_bright, {range, grid.num_ranges, grid.num_rays}, options.max_marking_width, labels);
+    FillMarkings(grid, may_be_paint, {range, grid.num_ranges, grid.num_rays}, options.max_marking_width, labels);
   // Paint is an island until it is filled: what lies behind it is reached only now.
   GrowGround(grid, is_like_road, labels);
   return labels;

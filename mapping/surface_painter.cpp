@@ -13,6 +13,8 @@ constexpr int kMaxRayRounds = 4;         // fixed-point rounds of ray and surfac
 constexpr double kRayTolerance = 0.005;  // [m] of height at which they have met
 constexpr double kMaxStretch = 1.5;      // of a ray: beyond, the view is too grazing to trust
 constexpr double kNearVariance = 1e-4;   // [m^2] of the height of a sample right at the car
+constexpr double kNearEnough =
+    0.75;  // sights from here on are equally sharp; the first ones come before the own shadow
 constexpr size_t kPatchesPerBatch = 64;  // hits of so many patches are held at once
 constexpr int kColorTolerance = 30;      // of lightness; sights further off the median are not averaged
 
@@ -69,10 +71,10 @@ std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PosedGroundPatch
     // Evidence falls with distance, but much slower than the variance of a height grows.
     const double nearness = std::min(1.0, std::sqrt(std::sqrt(kNearVariance * static_cast<double>(sample.weight))));
     const double log_odds = log_odds_ * std::sqrt(nearness);
-    hits.push_back(
-        {.evidence = static_cast<std::uint32_t>(EvidenceAt(found, point.head<2>())),
-         .sight = {sample.blue, sample.green, sample.red, static_cast<std::uint8_t>(1 + std::lround(254 * nearness))},
-         .log_odds = static_cast<float>(sample.is_free ? log_odds : -log_odds)});
+    hits.push_back({.evidence = static_cast<std::uint32_t>(EvidenceAt(found, point.head<2>())),
+                    .sight = {sample.blue, sample.green, sample.red,
+                              static_cast<std::uint8_t>(1 + std::lround(254 * std::min(nearness, kNearEnough)))},
+                    .log_odds = static_cast<float>(sample.is_free ? log_odds : -log_odds)});
   }
   return hits;
 }

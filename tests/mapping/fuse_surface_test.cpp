@@ -1,0 +1,159 @@
+#include "mapping/fuse_surface.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "mapping/surface_painter.h"
+#include "tests/mapping/synthetic_drive.h"
+
+namespace parkade {
+namespace {
+
+/// A straight, flat drive from x = 0 to `length`.
+DrivenPath MakePath(double length) {
+  const Rig rig = MakeTestRig();
+  std::vector<TrajectoryState> states;
+  for (double x = 0; x <= length; x += 0.1) {
+    TrajectoryState& state = states.emplace_back();
+    state.time = TimestampFromSeconds(x);
+    state.odom_from_body.translation.x() = x;
+  }
+  return MakeDrivenPath(0, rig, Trajectory(states), Rigid3{});
+}
+
+/// Samples every 5 cm of [x0, x1] x [y0, y1] on z = 0 of the body.
+PosedGroundPatch MakePatch(double x0, double y0, double x1, double y1, std::uint8_t grey, bool is_free) {
+  PosedGroundPatch posed;
+  for (double x = x0 + 0.025; x < x1; x += 0.05)
+    for (double y = y0 + 0.025; y < y1; y += 0.05)
+      posed.patch.samples.push_back({.point_in_body = Eigen::Vector3d(x, y, 0).cast<float>(),
+                                     .blue = grey,
+                                     .green = grey,
+                                     .red = grey,
+                                     .is_free = is_free,
+                                     .weight = 1000});
+  return posed;
+}
+
+const SurfaceCell* CellAt(const SurfaceMap& surface, double x, double y) {
+  const int cx = static_cast<int>(std::floor(x / surface.cell_size)),
+            cy = static_cast<int>(std::floor(y / surface.cell_size));
+  for (const SurfaceCell& cell : surface.cells)
+    if (cell.x == cx && cell.y == cy) return &cell;
+  return nullptr;
+}
+
+TEST(FuseSurface, WhatWasNeverSeenIsNotInTheMap) {
+  const DrivenPath path = MakePath(5);
+  const std::vector patches{MakePatch(3, -2, 8, 2, 100, true)};
+
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1));
+
+  EXPECT_NE(CellAt(surface, 6, 1), nullptr);
+  EXPECT_EQ(CellAt(surface, 6, 3), nullptr);
+}
+
+TEST(FuseSurface, AMovedCarTurnsIntoFreeSpaceAgain) {
+  const DrivenPath path = MakePath(5);
+  std::vector<PosedGroundPatch> patches{MakePatch(3, -3, 8, 3, 100, true)};
+  for (int i = 0; i < 6; ++i) patches.push_back(MakePatch(5, 1.5, 6, 2.5, 20, false));
+
+  const SurfaceMap with_car = FuseSurface(patches, std::span(&path, 1));
+  for (int i = 0; i < 20; ++i) patches.push_back(MakePatch(5, 1.5, 6, 2.5, 100, true));
+  const SurfaceMap after = FuseSurface(patches, std::span(&path, 1));
+
+  EXPECT_LT(CellAt(with_car, 5.5, 2)->free_belief, 0.2F);
+  EXPECT_GT(CellAt(after, 5.5, 2)->free_belief, 0.8F);
+}
+
+TEST(FuseSurface, OneOddSightDoesNotColourACell) {
+  const DrivenPath path = MakePath(5);
+  std::vector<PosedGroundPatch> patches;
+  for (int i = 0; i < 4; ++i) patches.push_back(MakePatch(3, -2, 8, 2, 100, true));
+  patches.push_back(MakePatch(3, -2, 8, 2, 250, true));  // a reflection
+
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1));
+
+  EXPECT_EQ(CellAt(surface, 6, 1)->color[0], 100);
+}
+
+TEST(FuseSurface, WhatACarDroveOverIsFreeWhateverWasSeen) {
+  const DrivenPath path = MakePath(5);
+  std::vector<PosedGroundPatch> patches{MakePatch(0, -3, 8, 3, 100, true)};
+  for (int i = 0; i < 20; ++i) patches.push_back(MakePatch(2, -0.5, 4, 0.5, 30, false));
+
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1));
+
+  EXPECT_GT(CellAt(surface, 3, 0)->free_belief, 0.9F);
+}
+
+TEST(FuseSurface, TheGroundUnderTheCarAtTheStartIsFilled) {
+  const DrivenPath path = MakePath(0.05);  // stands: nothing was ever seen below it
+  const std::vector patches{MakePatch(-3, -3, -0.5, 3, 100, true), MakePatch(3.2, -3, 6, 3, 100, true),
+                            MakePatch(-0.5, 1.2, 3.2, 3, 100, true), MakePatch(-0.5, -3, 3.2, -1.2, 100, true)};
+
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1));
+
+  EXPECT_EQ(CellAt(surface, -0.2, 0.0), nullptr) << "not between the wheels";
+  EXPECT_EQ(CellAt(surface, 1.3, 0.0), nullptr) << "nothing seen is near enough to lend its colour";
+}
+
+TEST(FuseSurface, SmallIslandsThatNoCarReachedAreDropped) {
+  const DrivenPath path = MakePath(5);
+  const std::vector patches{MakePatch(-1, -3, 8, 3, 100, true), MakePatch(2, 6, 3, 7, 100, true),
+                            MakePatch(2, -9, 5, -6, 100, true)};
+
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1));
+
+  EXPECT_EQ(CellAt(surface, 2.5, 6.5), nullptr) << "1 m^2";
+  EXPECT_NE(CellAt(surface, 3, -7), nullptr) << "9 m^2";
+}
+
+TEST(FuseSurface, CellsAreSortedAsPromised) {
+  const DrivenPath path = MakePath(5);
+  const std::vector patches{MakePatch(-1, -3, 8, 3, 100, true)};
+
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1));
+
+  EXPECT_TRUE(
+      std::is_sorted(surface.cells.begin(), surface.cells.end(), [](const SurfaceCell& a, const SurfaceCell& b) {
+        return std::tie(a.y, a.x, a.height) < std::tie(b.y, b.x, b.height);
+      }));
+}
+
+TEST(FuseSurface, NothingInNothingOut) { EXPECT_TRUE(FuseSurface({}, {}).cells.empty()); }
+
+TEST(FuseSurface, RejectsCellsThatDoNotDivideTheHeightField) {
+  SurfaceOptions options;
+  options.cell_size = 0.07;
+  EXPECT_THROW(FuseSurface({}, {}, options), Error);
+}
+
+TEST(SurfacePainter, ASampleMovesAlongItsRayOntoARampAhead) {
+  // A ramp of 10 % from x = 2 on; an eye 1 m above the level sees its point (4, 0, 0.2) on the level at x = 5.
+  std::vector<HeightObservation> heights;
+  for (double x = -2; x < 12; x += 0.1)
+    for (double y = -1; y < 1; y += 0.1) heights.push_back({{x, y, std::max(0.0, 0.1 * (x - 2))}, 1000});
+  HeightFieldOptions stiff;
+  stiff.curvature_sigma = 10;  // let it have the kink
+  const HeightField field(heights, stiff);
+  DrivenPath path = MakePath(1);
+  path.cameras_in_body = {{0, 0, 1}};
+  PosedGroundPatch posed;
+  posed.patch.samples.push_back(
+      {.point_in_body = {5, 0.02F, 0}, .blue = 9, .green = 9, .red = 9, .is_free = true, .weight = 1000});
+
+  SurfacePainter painter(field, 8, 0.8, 6);
+  painter.Paint(std::span(&posed, 1), std::span(&path, 1));
+
+  int num_seen = 0;
+  for (const SurfacePainter::PaintedCell& cell : painter.Cells()) {
+    if (!cell.is_seen) continue;
+    ++num_seen;
+    EXPECT_NEAR((cell.cell.x + 0.5) * 0.05, 4.0, 0.08);
+  }
+  EXPECT_EQ(num_seen, 1);
+}
+
+}  // namespace
+}  // namespace parkade

@@ -1,0 +1,118 @@
+#include "mapping/height_field.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+
+namespace parkade {
+namespace {
+
+using Observations = std::vector<HeightObservation>;
+
+/// Observations every 20 cm over [0, 10] x [0, 6].
+Observations Observe(const std::function<double(double, double)>& height, double weight) {
+  Observations observations;
+  for (double x = 0.1; x < 10; x += 0.2)
+    for (double y = 0.1; y < 6; y += 0.2) observations.push_back({{x, y, height(x, y)}, weight});
+  return observations;
+}
+
+double HeightOf(const HeightField& field, double x, double y, double z) {
+  const int patch = field.FindPatch({x, y, z});
+  EXPECT_NE(patch, HeightField::kNone);
+  return patch == HeightField::kNone ? NAN : field.HeightAt(patch, {x, y});
+}
+
+TEST(HeightField, ReproducesAnInclinedPlaneExactly) {
+  const auto plane = [](double x, double y) { return 3 + 0.1 * x - 0.05 * y; };
+
+  const HeightField field(Observe(plane, 1000), {});
+
+  for (double x = 0.3; x < 9.8; x += 0.37)
+    for (double y = 0.3; y < 5.8; y += 0.41) EXPECT_NEAR(HeightOf(field, x, y, plane(x, y)), plane(x, y), 1e-3);
+}
+
+TEST(HeightField, SureObservationsBeatManyUnsureOnes) {
+  Observations observations = Observe([](double, double) { return 0.3; }, 4);
+  for (double x = 0.1; x < 10; x += 0.2) observations.push_back({{x, 3, 0.0}, 10000});
+
+  const HeightField field(observations, {});
+
+  EXPECT_NEAR(HeightOf(field, 5, 3, 0), 0, 0.01);
+}
+
+TEST(HeightField, AStripIsContinuedSidewaysWhereOnlyGuessesAre) {
+  // A road of constant cross slope, known along two wheel tracks; beside it weak guesses that ignore the slope.
+  Observations observations;
+  for (double x = 0.1; x < 10; x += 0.2)
+    for (const double y : {2.2, 3.8}) observations.push_back({{x, y, 0.04 * y}, 10000});
+  for (double x = 0.1; x < 10; x += 0.2) observations.push_back({{x, 5.5, 0.16}, 2});
+
+  const HeightField field(observations, {});
+
+  EXPECT_NEAR(HeightOf(field, 5, 5.3, 0.2), 0.04 * 5.3, 0.02);
+}
+
+TEST(HeightField, AFarViewThatIsFarOffLosesItsSay) {
+  Observations observations = Observe([](double, double) { return 0.0; }, 400);
+  for (double x = 0.1; x < 10; x += 0.2)
+    for (double y = 0.1; y < 6; y += 0.2) observations.push_back({{x, y, 0.6}, 100});
+
+  const HeightField field(observations, {});
+
+  EXPECT_NEAR(HeightOf(field, 5, 3, 0), 0, 0.02) << "the mean would be 0.12";
+}
+
+TEST(HeightField, TwoDecksStayApart) {
+  Observations observations = Observe([](double, double) { return 0.0; }, 1000);
+  const Observations upper = Observe([](double, double) { return 2.8; }, 500);
+  observations.insert(observations.end(), upper.begin(), upper.end());
+
+  const HeightField field(observations, {});
+
+  EXPECT_NEAR(HeightOf(field, 5, 3, 0.2), 0.0, 1e-3);
+  EXPECT_NEAR(HeightOf(field, 5, 3, 2.5), 2.8, 1e-3);
+  EXPECT_NE(field.FindPatch({5, 3, 0.2}), field.FindPatch({5, 3, 2.5}));
+}
+
+TEST(HeightField, NothingIsKnownFarFromObservations) {
+  const HeightField field(Observe([](double, double) { return 0.0; }, 1000), {});
+
+  EXPECT_EQ(field.FindPatch({20, 3, 0}), HeightField::kNone);
+  EXPECT_EQ(field.FindPatch({5, 3, 6}), HeightField::kNone);
+}
+
+TEST(HeightField, SigmaIsThatOfTheSurestObservationNearby) {
+  Observations observations = Observe([](double, double) { return 0.0; }, 4);
+  observations.push_back({{5.01, 3.01, 0}, 10000});
+
+  const HeightField field(observations, {});
+
+  EXPECT_NEAR(field.SigmaOf(field.FindPatch({5.01, 3.01, 0})), 0.01, 1e-9);
+  EXPECT_NEAR(field.SigmaOf(field.FindPatch({1, 1, 0})), 0.5, 1e-9);
+}
+
+TEST(HeightField, WithoutObservationsItIsEmpty) {
+  const HeightField field({}, {});
+  EXPECT_EQ(field.num_patches(), 0);
+  EXPECT_EQ(field.FindPatch({0, 0, 0}), HeightField::kNone);
+}
+
+TEST(HeightField, NegativeCoordinatesAreAsGoodAsOthers) {
+  Observations observations;
+  for (double x = -5; x < 5; x += 0.15)
+    for (double y = -5; y < 5; y += 0.15) observations.push_back({{x, y, 0.02 * x - 0.03 * y}, 1000});
+
+  const HeightField field(observations, {});
+
+  EXPECT_NEAR(HeightOf(field, -3.3, -2.1, 0), 0.02 * -3.3 + 0.03 * 2.1, 1e-3);
+}
+
+TEST(HeightField, RejectsNodesWithoutDistance) {
+  HeightFieldOptions options;
+  options.spacing = 0;
+  EXPECT_THROW(options.Validate(), Error);
+}
+
+}  // namespace
+}  // namespace parkade
