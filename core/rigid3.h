@@ -11,9 +11,7 @@ struct Rigid3 {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< [m]
 
-  Eigen::Vector3d operator*(const Eigen::Vector3d& point) const {
-    return rotation * point + translation;
-  }
+  Eigen::Vector3d operator*(const Eigen::Vector3d& point) const { return rotation * point + translation; }
 
   Rigid3 operator*(const Rigid3& other) const {
     return {(rotation * other.rotation).normalized(), rotation * other.translation + translation};

@@ -22,7 +22,8 @@ std::filesystem::path FindWebRoot() {
 
 /// `parkade map` as the worker of one attempt.
 std::vector<std::string> WorkerCommand(const JobSpec& spec) {
-  std::vector<std::string> command = {ThisProgram(), "map"};
+  // By this name the running program is found even after an upgrade replaced its file.
+  std::vector<std::string> command = {"/proc/self/exe", "map"};
   command.insert(command.end(), spec.logs.begin(), spec.logs.end());
   if (spec.rig) command.insert(command.end(), {"--rig", *spec.rig});
   command.insert(command.end(), {"--out", spec.out, "--progress-file", spec.progress});
