@@ -34,12 +34,18 @@ std::vector<Arrival> StampGuard::Push(Arrival arrival, const std::optional<Times
   }
   const bool follows_held =
       !held_.empty() && arrival.time > held_.back().time && arrival.time - held_.back().time <= kMaxStep;
+  if (!follows_held && num_challenges_ < held_.size() && held_.size() > 1) {
+    ++num_challenges_;
+    ++health.Dropped(DropReason::kOffClock);
+    return released;
+  }
   if (!follows_held) DropHeld(health);
   held_.push_back(std::move(arrival));
   if (held_.size() < kMaxHeld) return released;
   if (is_imu_) {
     for (Arrival& held : held_) Accept(std::move(held), health, released);
     held_.clear();
+    num_challenges_ = 0;
   } else {
     ++health.Dropped(DropReason::kOffClock);
     held_.pop_front();
@@ -71,6 +77,7 @@ void StampGuard::Accept(Arrival arrival, StreamHealth& health, std::vector<Arriv
 void StampGuard::DropHeld(StreamHealth& health) {
   health.Dropped(DropReason::kOffClock) += held_.size();
   held_.clear();
+  num_challenges_ = 0;
 }
 
 }  // namespace parkade

@@ -46,7 +46,8 @@ class StampGuard {
 
   bool is_imu_;
   std::optional<Timestamp> last_;
-  std::deque<Arrival> held_;  ///< at most kMaxHeld, in order of time
+  std::deque<Arrival> held_;        ///< at most kMaxHeld, in order of time
+  std::size_t num_challenges_ = 0;  ///< records at odds with those held: as many as these outvote them
 };
 
 }  // namespace parkade
