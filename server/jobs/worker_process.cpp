@@ -20,7 +20,7 @@
 namespace parkade {
 namespace {
 
-constexpr int kNiceness = 10;
+constexpr int kNiceness = 10;  // above the service's
 
 /// What the child needs, prepared before fork: after it, only calls that are
 /// async-signal-safe are allowed, because other threads may have held locks.
@@ -42,7 +42,7 @@ struct Launch {
   if (::getppid() != launch.parent) ::_exit(127);  // the parent died before the line above
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
-  ::setpriority(PRIO_PROCESS, 0, kNiceness);
+  ::setpriority(PRIO_PROCESS, 0, ::getpriority(PRIO_PROCESS, 0) + kNiceness);
   if (const int fd = ::open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC); fd >= 0) {
     [[maybe_unused]] const ssize_t ignored = ::write(fd, "800", 3);
   }

@@ -12,7 +12,7 @@
 namespace parkade {
 
 /// A child process in a group of its own that cannot outlive the thread that
-/// started it, writes no core file, runs at nice 10 and is the first to go when
+/// started it, writes no core file, is nicer than the service and is the first to go when
 /// memory runs out. Use from the thread that created it.
 class WorkerProcess {
  public:

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <regex>
 
 #include "core/file.h"
@@ -146,8 +147,10 @@ TEST_F(Restart, KeepsEveryAcknowledgedUploadThroughManyKills) {
   for (int life = 0; life < 10; ++life) {
     ServiceProcess service(data_);
     const int port = service.Port();
+    std::atomic<int> answers{0};
     std::thread killer([&] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(20 + 15 * life));
+      Eventually([&] { return answers >= 2; });
+      std::this_thread::sleep_for(std::chrono::milliseconds(7 * life));
       ::kill(service.pid(), SIGKILL);
     });
     httplib::Client client("127.0.0.1", port);
@@ -155,6 +158,7 @@ TEST_F(Restart, KeepsEveryAcknowledgedUploadThroughManyKills) {
       const auto answer = client.Put("/api/v1/drives?site=lot", "log ok " + std::to_string(i % 7) + "\n", kLogType);
       if (!answer) break;
       if (answer->status == 201) acknowledged.insert(Json::parse(answer->body).at("drive").at("id"));
+      ++answers;
     }
     killer.join();
     service.Wait();
