@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
 #include "core/error.h"
@@ -22,15 +21,6 @@ constexpr double kMovingFlow = 1.0;     ///< [px] median flow of a car that move
 
 cv::Point2f ToPoint(const Eigen::Vector2d& pixel) {
   return {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
-}
-
-/// One channel, or empty where the image is not of the calibrated size and type.
-cv::Mat ToGray(const cv::Mat& image, const CameraModel& model) {
-  if (image.cols != model.width() || image.rows != model.height()) return {};
-  if (image.type() == CV_8UC1) return image;
-  cv::Mat gray;
-  if (image.type() == CV_8UC3) cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
-  return gray;
 }
 
 bool IsSet(const cv::Mat& mask, const Eigen::Vector2d& pixel) {
@@ -75,7 +65,7 @@ TrackedFrame FeatureTracker::Track(const CameraFrame& frame, const Eigen::Matrix
     return result;
   }
   now_from_last_ = now_from_last_rotation * now_from_last_;
-  const cv::Mat gray = ToGray(frame.image, model_);
+  const cv::Mat gray = ToGray(frame.image, {model_.width(), model_.height()});
   if (!IsUsable(gray)) return result;
 
   ++statistics_.frames_tracked;

@@ -52,6 +52,14 @@ LocalMoments MeasureBlocks(const cv::Mat& gray) {
 
 }  // namespace
 
+cv::Mat ToGray(const cv::Mat& image, const cv::Size& size) {
+  if (image.size() != size) return {};
+  if (image.type() == CV_8UC1) return image;
+  cv::Mat gray;
+  if (image.type() == CV_8UC3) cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
+  return gray;
+}
+
 cv::Mat NormalizeLocally(const cv::Mat& gray, double noise_floor) {
   LocalMoments moments = MeasureBlocks(gray);
   cv::GaussianBlur(moments.mean, moments.mean, {}, kNeighbourhood);
