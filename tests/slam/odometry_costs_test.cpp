@@ -1,0 +1,229 @@
+// Jacobians of the smoother's cost functions against finite differences, and their values at the truth.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "slam/bearing_cost.h"
+#include "slam/imu_cost.h"
+#include "slam/linear_prior.h"
+#include "slam/standstill_cost.h"
+#include "slam/wheel_cost.h"
+#include "tests/support/check_jacobian.h"
+#include "tests/support/synthetic_motion.h"
+
+namespace parkade {
+namespace {
+
+constexpr double kTolerance = 2e-5;  // relative; finite differences of whitened residuals reach some 1e-6
+const PoseManifold kPose;
+
+struct KnotValues {
+  std::vector<double> pose = std::vector<double>(kPoseSize), motion = std::vector<double>(kMotionSize);
+};
+
+// A knot near the true state of a flight.
+KnotValues KnotAt(double time, std::uint32_t seed, double disturbance) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0, disturbance);
+  const auto vector = [&] {
+    const double x = normal(random), y = normal(random), z = normal(random);
+    return Eigen::Vector3d(x, y, z);
+  };
+  const BodyMotion motion = FlightMotion()(time);
+  KnotValues knot;
+  PoseToParameters({motion.world_from_body.rotation * ExpSo3(vector()), motion.world_from_body.translation + vector()},
+                   knot.pose.data());
+  Eigen::Map<Eigen::Matrix<double, 9, 1>>(knot.motion.data()) << motion.velocity + vector(), vector(), vector();
+  return knot;
+}
+
+std::vector<ImuSample> ImuSamples(double begin, double end) {
+  std::vector<ImuSample> samples;
+  for (int k = 0; k <= 40; ++k) {
+    const double t = begin + (end - begin) * k / 40;
+    const BodyMotion motion = FlightMotion()(t);
+    samples.push_back({TimestampFromSeconds(100 + t), motion.angular_velocity,
+                       motion.world_from_body.rotation.conjugate() * (motion.acceleration - kGravityInOdom)});
+  }
+  return samples;
+}
+
+TEST(ImuCost, JacobiansAreRight) {
+  const ImuPreintegration imu(ImuSamples(1, 1.2), {}, {});
+  const ImuCost cost(&imu, nullptr, nullptr);
+  const KnotValues i = KnotAt(1, 1, 0.02), j = KnotAt(1.2, 2, 0.02);
+  std::vector<std::vector<double>> parameters{i.pose, i.motion, j.pose, j.motion};
+
+  EXPECT_LT(JacobianError(cost, parameters, {&kPose, nullptr, &kPose, nullptr}), kTolerance);
+}
+
+TEST(ImuCost, IsZeroAtTheTruth) {
+  const ImuPreintegration imu(ImuSamples(1, 1.2), {}, {});
+  const KnotValues i = KnotAt(1, 1, 0), j = KnotAt(1.2, 2, 0);
+  const double* parameters[] = {i.pose.data(), i.motion.data(), j.pose.data(), j.motion.data()};
+
+  Eigen::Matrix<double, 15, 1> residual;
+  ASSERT_TRUE(ImuCost(&imu, nullptr, nullptr).Evaluate(parameters, residual.data(), nullptr));
+
+  EXPECT_LT(residual.norm(), 0.05);  // [sigma]
+}
+
+TEST(ImuCost, LinearisesAtFirstEstimatesWhereThereAreSome) {
+  const ImuPreintegration imu(ImuSamples(1, 1.2), {}, {});
+  const KnotValues i = KnotAt(1, 1, 0.02), j = KnotAt(1.2, 2, 0.02), moved = KnotAt(1, 7, 0.2);
+  FirstEstimate first;
+  first.is_fixed = true;
+  std::copy(i.pose.begin(), i.pose.end(), first.pose.begin());
+  std::copy(i.motion.begin(), i.motion.end(), first.motion.begin());
+  const auto jacobian_at = [&](const FirstEstimate* estimate, const KnotValues& knot) {
+    Eigen::Matrix<double, 15, 9, Eigen::RowMajor> jacobian;
+    double residual[15];
+    double* jacobians[] = {nullptr, jacobian.data(), nullptr, nullptr};
+    const double* parameters[] = {knot.pose.data(), knot.motion.data(), j.pose.data(), j.motion.data()};
+    EXPECT_TRUE(ImuCost(&imu, estimate, nullptr).Evaluate(parameters, residual, jacobians));
+    return jacobian;
+  };
+
+  EXPECT_EQ(jacobian_at(&first, moved), jacobian_at(nullptr, i));
+  EXPECT_GT((jacobian_at(nullptr, moved) - jacobian_at(nullptr, i)).norm(), 1e-3);
+}
+
+WheelPreintegration Wheels(double speed) {
+  const std::vector<ImuSample> imu = ImuSamples(1, 1.2);
+  const std::vector<WheelSample> wheels{{imu.front().time, speed, 0}, {imu.back().time, speed + 0.3, 0}};
+  const Rigid3 imu_from_body{ExpSo3({0.1, -0.05, 0.3}), {-1.1, 0.2, -0.5}};
+  return PreintegrateWheels(imu, wheels, Eigen::Vector3d(0.01, 0, -0.02), imu_from_body, WheelNoise{});
+}
+
+TEST(WheelCost, JacobiansAreRight) {
+  const WheelCost cost(Wheels(4), nullptr, nullptr);
+  const KnotValues i = KnotAt(1, 3, 0.05), j = KnotAt(1.2, 4, 0.05);
+  std::vector<std::vector<double>> parameters{i.pose, i.motion, j.pose, {0.03}};
+
+  EXPECT_LT(JacobianError(cost, parameters, {&kPose, nullptr, &kPose, nullptr}), kTolerance);
+}
+
+TEST(WheelCost, IsZeroForACarThatDrivesAsItsWheelsSay) {
+  const MotionFunction motion = CarMotion(20);
+  const Rigid3 imu_from_body = Rigid3{ExpSo3({0, 0.05, 0}), {1.2, 0.1, 0.5}}.Inverse();
+  const double begin = 16;  // in a turn
+  std::vector<ImuSample> imu;
+  std::vector<WheelSample> wheels;
+  for (int k = 0; k <= 20; ++k) {
+    const BodyMotion at = motion(begin + 0.01 * k);
+    const Timestamp time = TimestampFromSeconds(100 + 0.01 * k);
+    imu.push_back({time, imu_from_body.rotation * at.angular_velocity, Eigen::Vector3d::Zero()});
+    wheels.push_back({time, (at.world_from_body.rotation.conjugate() * at.velocity).x() / 1.02, 0});
+  }
+  const WheelCost cost(PreintegrateWheels(imu, wheels, Eigen::Vector3d::Zero(), imu_from_body, WheelNoise{}), nullptr,
+                       nullptr);
+  KnotValues i, j;
+  PoseToParameters(motion(begin).world_from_body * imu_from_body.Inverse(), i.pose.data());
+  PoseToParameters(motion(begin + 0.2).world_from_body * imu_from_body.Inverse(), j.pose.data());
+  const double scale = 0.02;
+  const double* parameters[] = {i.pose.data(), i.motion.data(), j.pose.data(), &scale};
+
+  Eigen::Vector3d residual;
+  ASSERT_TRUE(cost.Evaluate(parameters, residual.data(), nullptr));
+
+  EXPECT_LT(residual.norm(), 0.02);  // [sigma]
+}
+
+TEST(WheelPreintegration, BiasDerivativeAgreesWithIntegratingAgain) {
+  const std::vector<ImuSample> imu = ImuSamples(1, 1.2);
+  const std::vector<WheelSample> wheels{{imu.front().time, 3, 0}, {imu.back().time, 4, 0}};
+  const Eigen::Vector3d bias(1e-3, -2e-3, 1.5e-3);
+  const auto at = [&](const Eigen::Vector3d& b) { return PreintegrateWheels(imu, wheels, b, Rigid3{}, WheelNoise{}); };
+
+  const WheelPreintegration zero = at(Eigen::Vector3d::Zero());
+  const Eigen::Vector3d predicted = zero.displacement + zero.d_gyroscope_bias * bias;
+
+  EXPECT_LT((predicted - at(bias).displacement).norm(), 1e-6);
+  EXPECT_GT((zero.displacement - at(bias).displacement).norm(), 1e-5);
+}
+
+TEST(StandstillCost, JacobiansAreRight) {
+  const StandstillCost cost(StandstillNoise{}, nullptr, nullptr);
+  const KnotValues i = KnotAt(1, 3, 0.05), j = KnotAt(1, 4, 0.05);
+  std::vector<std::vector<double>> parameters{i.pose, j.pose, j.motion};
+
+  EXPECT_LT(JacobianError(cost, parameters, {&kPose, &kPose, nullptr}), kTolerance);
+}
+
+struct Sighting {
+  Rigid3 imu_from_camera{ExpSo3({1.2, -1.1, 1.3}), {0.8, -0.3, 0.2}};
+  KnotValues first = KnotAt(1, 5, 0.02), second = KnotAt(1.2, 6, 0.02);
+  LandmarkRay ray{{0.3, -0.1, 0.2}, {1, 2, -0.5}};
+  ImageView view;
+
+  Sighting() {
+    const std::vector<ImuSample> samples = ImuSamples(1, 1.2);
+    view.imu_from_camera = imu_from_camera;
+    view.interpolation = MakeKnotInterpolation(Integrate(std::span(samples).first(17), {}), Integrate(samples, {}),
+                                               PoseFromParameters(first.pose.data()).rotation);
+  }
+};
+
+TEST(BearingCost, JacobiansAreRightBetweenTwoKnots) {
+  Sighting sighting;
+  std::vector<std::vector<double>> parameters{sighting.first.pose, sighting.second.pose, {0.05, -0.03, 0.2}};
+  sighting.view.first_pose = parameters[0].data();
+  sighting.view.second_pose = parameters[1].data();
+  for (const Eigen::Vector3d& measured :
+       {Eigen::Vector3d(0.1, 0.2, 1), Eigen::Vector3d(1, 0.3, -0.3), Eigen::Vector3d(-0.2, -1, 0.1)}) {
+    const BearingCost cost(&sighting.view, &sighting.ray, Bearing(measured.normalized(), 1e-2));
+
+    EXPECT_LT(JacobianError(cost, parameters, {&kPose, &kPose, nullptr}, [&] { sighting.view.Update(); }), kTolerance);
+  }
+}
+
+TEST(BearingCost, JacobiansAreRightAtAKnotAndAtInfinity) {
+  Sighting sighting;
+  sighting.view.interpolation = {};
+  std::vector<std::vector<double>> parameters{sighting.first.pose, {0.05, -0.03, 0.0}};
+  sighting.view.first_pose = parameters[0].data();
+  const BearingCost cost(&sighting.view, &sighting.ray, Bearing(Eigen::Vector3d(0.1, 0.2, 1).normalized(), 1e-2));
+
+  EXPECT_LT(JacobianError(cost, parameters, {&kPose, nullptr}, [&] { sighting.view.Update(); }), kTolerance);
+}
+
+TEST(BearingCost, IsTheAngleOverSigmaEvenBehindTheImagePlane) {
+  Sighting sighting;
+  sighting.view.interpolation = {};
+  sighting.view.first_pose = sighting.first.pose.data();
+  sighting.view.Update();
+  const double landmark[] = {0, 0, 0.25};
+  const Eigen::Vector3d direction = LandmarkInCamera(sighting.view, sighting.ray, landmark).normalized();
+  const Eigen::Vector3d point_in_camera =
+      (PoseFromParameters(sighting.view.first_pose) * sighting.imu_from_camera).Inverse() *
+      sighting.ray.Point(landmark);
+  EXPECT_LT((point_in_camera.normalized() - direction).norm(), 1e-9);
+
+  const Eigen::Vector3d measured = ExpSo3(0.01 * BasisAcross(direction).col(0)) * direction;
+  const double* parameters[] = {sighting.view.first_pose, landmark};
+  Eigen::Vector2d residual;
+  ASSERT_TRUE(BearingCost(&sighting.view, &sighting.ray, Bearing(measured, 2e-3))
+                  .Evaluate(parameters, residual.data(), nullptr));
+
+  EXPECT_NEAR(residual.norm(), 5, 1e-3);
+}
+
+TEST(LinearPriorCost, IsLinearAroundItsPointAndKeepsItsJacobian) {
+  LinearPrior prior;
+  prior.blocks = {
+      {PriorBlock::Kind::kPose, 3, {}}, {PriorBlock::Kind::kMotion, 3, {}}, {PriorBlock::Kind::kWheelScale, -1, {}}};
+  const KnotValues at = KnotAt(1, 8, 0.1);
+  std::copy(at.pose.begin(), at.pose.end(), prior.blocks[0].at.begin());
+  std::copy(at.motion.begin(), at.motion.end(), prior.blocks[1].at.begin());
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  prior.sqrt_information = Eigen::MatrixXd::NullaryExpr(16, 16, [&] { return normal(random); });
+  prior.offset = Eigen::VectorXd::NullaryExpr(16, [&] { return normal(random); });
+  const LinearPriorCost cost(&prior);
+  std::vector<std::vector<double>> parameters{at.pose, at.motion, {0.0}};
+
+  EXPECT_LT(JacobianError(cost, parameters, {&kPose, nullptr, nullptr}), kTolerance);
+}
+
+}  // namespace
+}  // namespace parkade
