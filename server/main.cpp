@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <opencv2/core/utility.hpp>
 
 #include "core/error.h"
 #include "server/commands/commands.h"
@@ -25,6 +26,7 @@ int ExitStatus(parkade::ErrorCode code) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  cv::setNumThreads(1);  // the only threads are ours: core/parallel works on many images at once
   CLI::App app("Parkade: maps of car parks from recorded drives", "parkade");
   app.set_version_flag("--version", std::string("parkade ") + parkade::kVersion);
   app.require_subcommand(1);
