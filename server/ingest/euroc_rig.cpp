@@ -80,7 +80,10 @@ class SensorFile {
 };
 
 CameraModel ReadModel(const SensorFile& file) {
+  constexpr double kMaxSide = 16384;
   const std::vector<double> resolution = file.Numbers("resolution", 2);
+  for (const double side : resolution)
+    if (!(side >= 1 && side <= kMaxSide)) file.Fail("has a wrong 'resolution'");
   const std::vector<double> f = file.Numbers("intrinsics", 4);
   const std::string model = file.Text("camera_model");
   if (model != "pinhole") file.Fail("has camera_model '" + model + "': only pinhole is supported here, bring a rig");

@@ -194,6 +194,8 @@ DecodedImage DecodeMessageImage(const RawMessage& message, const SensorStream& s
     return DecodeCompressed(DecodeCompressedImage(message.data, stream.encoding).data, request);
   } catch (const Error& error) {
     return Damaged(error.what());
+  } catch (const cv::Exception& error) {
+    return Damaged("OpenCV: " + error.err);
   }
 }
 

@@ -231,6 +231,9 @@ TEST(EurocDrive, WhatIsMissingIsNamedInOneSentence) {
   EXPECT_EQ(WhatOpeningThrows(folder.path() / "nowhere.bag"), "there is no log nowhere.bag");
   WriteText(mav0 / "cam0" / "sensor.yaml", "sensor_type: camera\nresolution: [64, 48]\n");
   EXPECT_EQ(WhatOpeningThrows(folder.path()), "cam0/sensor.yaml has no 'intrinsics'");
+  WriteText(mav0 / "cam0" / "sensor.yaml",
+            std::regex_replace(CameraSensorYaml(0), std::regex("64, 48"), "1e300, .nan"));
+  EXPECT_EQ(WhatOpeningThrows(folder.path()), "cam0/sensor.yaml has a wrong 'resolution'");
   fs::remove(mav0 / "cam0" / "sensor.yaml");
   EXPECT_EQ(WhatOpeningThrows(folder.path()), "no rig: cam0/sensor.yaml is missing");
   WriteText(mav0 / "cam0" / "sensor.yaml", std::regex_replace(CameraSensorYaml(0), std::regex("64, 48"), "80, 48"));
