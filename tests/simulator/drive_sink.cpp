@@ -25,8 +25,8 @@ Rig RigForOutput(const Rig& rig, const std::filesystem::path& out) {
   if (IsLogFile(out)) return named;
   for (RigCamera& camera : named.cameras) camera.topic = camera.name;
   named.imu.topic = "imu0";
-  named.vehicle->wheel_topic = "odom0";
-  named.vehicle->gnss_topic = "gnss0";
+  if (!named.vehicle->wheel_topic.empty()) named.vehicle->wheel_topic = "odom0";
+  if (!named.vehicle->gnss_topic.empty()) named.vehicle->gnss_topic = "gnss0";
   return named;
 }
 

@@ -12,7 +12,9 @@ struct Rectangle {
   Eigen::Vector2d half_size = Eigen::Vector2d::Zero();  ///< [m] along its own x and y
   double yaw = 0;
 
-  bool Contains(const Eigen::Vector2d& point) const { return SignedDistance(point) <= 0; }
+  bool Contains(const Eigen::Vector2d& point) const {
+    return (point - center).squaredNorm() <= half_size.squaredNorm() && SignedDistance(point) <= 0;
+  }
   /// [m] to the border, negative inside.
   double SignedDistance(const Eigen::Vector2d& point) const;
   Eigen::Vector2d Corner(int index) const;  ///< 0..3, counter-clockwise from (-, -)

@@ -103,9 +103,9 @@ float MipTexture::SampleLevel(size_t level, float u, float v) const {
   const int size = 1 << (log2_size_ - static_cast<int>(level));
   const int wrap = size - 1;
   const float x = u * static_cast<float>(size) - 0.5f, y = v * static_cast<float>(size) - 0.5f;
-  const float floor_x = std::floor(x), floor_y = std::floor(y);
-  const float fx = x - floor_x, fy = y - floor_y;
-  const int left = static_cast<int>(floor_x) & wrap, top = static_cast<int>(floor_y) & wrap;
+  const int column = FloorToInt(x), row = FloorToInt(y);
+  const float fx = x - static_cast<float>(column), fy = y - static_cast<float>(row);
+  const int left = column & wrap, top = row & wrap;
   const int right = (left + 1) & wrap, bottom = (top + 1) & wrap;
   const float* texels = levels_[level].data();
   const float upper = texels[top * size + left] * (1 - fx) + texels[top * size + right] * fx;

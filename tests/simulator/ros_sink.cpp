@@ -18,12 +18,9 @@ std::variant<McapWriter, Rosbag1Writer> OpenWriter(const std::filesystem::path& 
 RosSink::RosSink(const std::filesystem::path& file, const Rig& rig)
     : file_(file), unfinished_(Unfinished(file)), rig_(rig), writer_(OpenWriter(file, unfinished_)) {
   imu_ = AddChannel(rig.imu.topic, ImuType());
-  wheels_ = AddChannel(rig.vehicle->wheel_topic, OdometryType());
-  gnss_ = AddChannel(rig.vehicle->gnss_topic, NavSatFixType());
   for (const RigCamera& camera : rig.cameras)
     images_.push_back(AddChannel(camera.topic + "/compressed", CompressedImageType()));
-  for (const RigCamera& camera : rig.cameras)
-    masks_.push_back(AddChannel(camera.name + "/semantic", CompressedImageType()));
+  masks_.resize(rig.cameras.size());
 }
 
 RosEncoding RosSink::encoding() const {
@@ -59,12 +56,14 @@ void RosSink::Write(const WheelSample& sample) {
         odom_from_body_ * Rigid3{ExpSo3({0, 0, turn}), {step * std::cos(turn / 2), step * std::sin(turn / 2), 0}};
   }
   last_wheels_ = sample;
+  if (wheels_.id < 0) wheels_ = AddChannel(rig_.vehicle->wheel_topic, OdometryType());
   WriteMessage(
       wheels_, sample.time,
       EncodeOdometry(NextHeader(wheels_, sample.time, "odom"), "base_link", sample, odom_from_body_, encoding()));
 }
 
 void RosSink::Write(const GnssFix& fix) {
+  if (gnss_.id < 0) gnss_ = AddChannel(rig_.vehicle->gnss_topic, NavSatFixType());
   WriteMessage(gnss_, fix.time, EncodeNavSatFix(NextHeader(gnss_, fix.time, "gnss"), fix, encoding()));
 }
 
@@ -74,6 +73,9 @@ void RosSink::WriteImage(size_t camera, Timestamp time, std::span<const std::uin
 }
 
 void RosSink::WriteSemantic(size_t camera, Timestamp time, std::span<const std::uint8_t> png) {
+  // A topic that nothing is written to would look like a stream that was lost.
+  if (masks_[camera].id < 0)
+    masks_[camera] = AddChannel(rig_.cameras[camera].name + "/semantic", CompressedImageType());
   const RosHeader header = NextHeader(masks_[camera], time, rig_.cameras[camera].name);
   WriteMessage(masks_[camera], time, EncodeCompressedImage(header, "png", png, encoding()));
 }

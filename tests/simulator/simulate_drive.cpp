@@ -170,6 +170,9 @@ nlohmann::json SimulateDrive(const SimulateOptions& options, const OutputPaths& 
   records.imu = SimulateImu(plan.motion, rig, options.sensors, seed);
   if (options.sensors.has_wheels) records.wheels = SimulateWheels(plan.motion, options.sensors, seed);
   records.gnss = SimulateGnss(plan.motion, rig, SimulatedDatum(), options.sensors, seed);
+  // A rig names only what the log has.
+  if (records.wheels.empty()) rig.vehicle->wheel_topic.clear();
+  if (records.gnss.empty()) rig.vehicle->gnss_topic.clear();
   const std::unique_ptr<DriveSink> sink = MakeDriveSink(out.log, rig);
   const CameraStats images = Record(options, plan.motion, rig, renderer, records, *sink, progress);
   sink->Close();

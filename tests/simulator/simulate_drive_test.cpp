@@ -131,6 +131,21 @@ TEST_F(SimulatedDrive, AnotherSeedGivesAnotherDrive) {
   EXPECT_NE(ReadFile(root_ / "ros1.bag"), ReadFile(root_ / "other.bag"));
 }
 
+TEST_F(SimulatedDrive, SensorsThatWereSwitchedOffAreInNeitherLogNorRig) {
+  SimulateOptions options = SmallDrive();
+  options.sensors.gnss = "none";
+  options.sensors.has_wheels = false;
+  options.rig.num_cameras = 2;
+  Simulate("few.mcap", options);
+
+  const auto log = Open("few.mcap");
+  const auto counts = CountRecords(*log);
+  EXPECT_FALSE(counts.contains("gnss"));
+  EXPECT_FALSE(counts.contains("wheels"));
+  EXPECT_EQ(log->rig().cameras.size(), 2u);
+  EXPECT_TRUE(log->rig().vehicle->gnss_topic.empty());
+}
+
 TEST_F(SimulatedDrive, TruthCoversEveryRecord) {
   const std::vector<TimedPose> truth = ReadTum(root_ / "euroc" / "truth.tum");
   const auto log = Open("euroc");

@@ -70,7 +70,7 @@ Color Sky::Radiance(const Eigen::Vector3f& direction) const {
   if (direction.dot(sun_direction_) > 1 - 4 * kSunRadius * kSunRadius) return Rgb(60, 58, 52);
   const float u = DiamondAzimuth(direction.x(), direction.y()) * kColumns - 0.5f;
   const float v = std::clamp(direction.z() * kRows - 0.5f, 0.0f, kRows - 1.001f);
-  const int left = static_cast<int>(std::floor(u)), low = static_cast<int>(v);
+  const int left = FloorToInt(u), low = static_cast<int>(v);
   const float fu = u - static_cast<float>(left), fv = v - static_cast<float>(low);
   const auto at = [&](int column, int row) -> const Color& {
     return map_[static_cast<size_t>(row * kColumns + ((column + kColumns) & (kColumns - 1)))];
