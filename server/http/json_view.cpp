@@ -54,7 +54,7 @@ Json ToJson(const Job& job, const std::optional<JobProgress>& live_progress) {
           {"site", job.site},
           {"drives", job.drives},
           {"state", ToText(job.state)},
-          {"stage", progress ? Json(progress->stage) : Json(nullptr)},
+          {"stage", progress && !progress->stage.empty() ? Json(progress->stage) : Json(nullptr)},
           {"progress", progress  ? progress->progress
                        : is_done ? 1.0
                                  : 0.0},
