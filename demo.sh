@@ -32,6 +32,7 @@ options=(lot --seed 1 --duration 40 --rate 10)
 if [ ! -f "$drive" ] || [ "$(cat demo-data/options 2> /dev/null)" != "${options[*]}" ]; then
   say "a drive: parkade-simulate ${options[*]}"
   mkdir -p demo-data
+  rm -rf "$drive" demo-data/rig demo-data/truth demo-data/options
   build/release/tests/simulator/parkade-simulate "${options[@]}" --out "$drive" --rig-out demo-data/rig --truth-out demo-data/truth
   printf '%s' "${options[*]}" > demo-data/options
 fi
@@ -58,9 +59,9 @@ for key in sys.argv[1:]: value = value[key] if isinstance(value, dict) else valu
 print("" if value is None else value)' "$@"; }
 
 say "upload"
-curl -fsS -X PUT "$address/api/v1/rigs/demo" -o /dev/null \
-  -F camchain-imucam.yaml=@demo-data/rig/camchain-imucam.yaml -F imu0.yaml=@demo-data/rig/imu0.yaml \
-  -F vehicle.yaml=@demo-data/rig/vehicle.yaml
+parts=()
+for file in demo-data/rig/*; do parts+=(-F "$(basename "$file")=@$file"); done
+curl -fsS -X PUT "$address/api/v1/rigs/demo" -o /dev/null "${parts[@]}"
 answer=$(curl -fS -T "$drive" "$address/api/v1/drives?filename=lot.mcap&site=demo&rig=demo")
 job=$(field job id <<< "$answer")
 
@@ -70,7 +71,7 @@ while :; do
   state=$(field state <<< "$status")
   printf '\r%-12s %-24s %3.0f %%  ' "$state" "$(field stage <<< "$status")" "$(field progress <<< "$status" | awk '{print 100 * $1}')"
   case "$state" in
-    done | ready | succeeded) break ;;
+    done) break ;;
     failed | cancelled) printf '\n'; field error <<< "$status"; get "/api/v1/jobs/$job/log" | tail -20; exit 1 ;;
   esac
   sleep 1
