@@ -2,7 +2,7 @@
 
 #include "slam/cross_camera_matcher.h"
 #include "slam/feature_tracker.h"
-#include "slam/fixed_lag_smoother.h"
+#include "slam/smoother_options.h"
 #include "slam/standstill_detector.h"
 #include "slam/wheel_preintegration.h"
 
@@ -33,6 +33,7 @@ struct OdometryOptions {
   double keyframe_distance = 0.5;     ///< [m] per camera
   double keyframe_rotation_deg = 10;  ///< per camera
   double max_start_time = 3.0;        ///< [s] of motion used for one attempt to initialise without wheels
+  bool smooth_backwards = true;       ///< let what is learned later correct what was estimated before
   bool match_across_cameras = true;   ///< stereo observations where views overlap
   KnotOptions knots;
   SmootherOptions smoother;
@@ -48,6 +49,7 @@ struct OdometryOptions {
     visit("keyframe_distance", keyframe_distance);
     visit("keyframe_rotation_deg", keyframe_rotation_deg);
     visit("max_start_time", max_start_time);
+    visit("smooth_backwards", smooth_backwards);
     visit("match_across_cameras", match_across_cameras);
     visit("knots", knots);
     visit("smoother", smoother);

@@ -3,23 +3,9 @@
 #include <ceres/sized_cost_function.h>
 
 #include "slam/first_estimate.h"
+#include "slam/smoother_options.h"
 
 namespace parkade {
-
-/// How still a car stands: standard deviations over one interval.
-struct StandstillNoise {
-  double rotation = 2e-4;  ///< [rad]
-  double position = 5e-4;  ///< [m]
-  double velocity = 2e-3;  ///< [m/s]
-
-  template <typename Visitor>
-  void VisitFields(Visitor&& visit) {
-    visit("rotation", rotation);
-    visit("position", position);
-    visit("velocity", velocity);
-  }
-  void Validate() const;
-};
 
 /// Zero velocity and zero rotation between knots i and j (9 values):
 ///

@@ -63,7 +63,7 @@ async function list<T>(path: string): Promise<T[]> {
     items.push(...page.items);
     cursor = page.next_cursor;
   } while (cursor);
-  return items.reverse(); // the service lists the newest first, the page wants the newest last
+  return items; // the service lists the newest first, the page wants the newest last
 }
 
 export const listDrives = () => list<Drive>('/api/v1/drives');

@@ -1,0 +1,54 @@
+#pragma once
+
+namespace parkade {
+
+/// How still a car stands: standard deviations over one interval.
+struct StandstillNoise {
+  double rotation = 2e-4;  ///< [rad]
+  double position = 5e-4;  ///< [m]
+  double velocity = 2e-3;  ///< [m/s]
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("rotation", rotation);
+    visit("position", position);
+    visit("velocity", velocity);
+  }
+  void Validate() const;
+};
+
+struct SmootherOptions {
+  int window_knots = 16;            ///< states estimated at a time; more: longer baselines, slower
+  int landmarks = 120;              ///< seen at a time, shared by the cameras
+  int max_iterations = 4;           ///< per knot; the window starts near its optimum
+  int start_iterations = 15;        ///< until the window is full for the first time
+  double robust_width = 2.0;        ///< [sigma] Cauchy loss of bearings
+  double wheel_robust_width = 2.0;  ///< [sigma] Cauchy loss of wheels: slip
+  double max_bearing_error = 5.0;   ///< [sigma] a bearing further off is left out
+  double min_distance = 0.3;        ///< [m] landmarks nearer are the car itself or nonsense
+  bool first_estimates = true;      ///< Jacobians of states in the prior at their first estimates
+  bool estimate_wheel_scale = true;
+  double wheel_scale_sigma = 0.01;  ///< of the tyres' radius before the drive tells
+  bool scale_camera_noise = true;   ///< per camera, from its residuals
+  StandstillNoise standstill;
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("window_knots", window_knots);
+    visit("landmarks", landmarks);
+    visit("max_iterations", max_iterations);
+    visit("start_iterations", start_iterations);
+    visit("robust_width", robust_width);
+    visit("wheel_robust_width", wheel_robust_width);
+    visit("max_bearing_error", max_bearing_error);
+    visit("min_distance", min_distance);
+    visit("first_estimates", first_estimates);
+    visit("estimate_wheel_scale", estimate_wheel_scale);
+    visit("wheel_scale_sigma", wheel_scale_sigma);
+    visit("scale_camera_noise", scale_camera_noise);
+    visit("standstill", standstill);
+  }
+  void Validate() const;  ///< throws Error{kUsage}
+};
+
+}  // namespace parkade
