@@ -15,13 +15,14 @@ std::vector<ContactPoint> FindContacts(const DrivenPath& path, double spacing) {
     if (last != nullptr && (state.odom_from_body.translation - last->translation).norm() < spacing) continue;
     last = &state.odom_from_body;
     const Rigid3 site_from_ground = state.odom_from_body * path.body_from_ground;
+    // Between the wheels of an axle the road is as good as known: it joins the two tracks to one strip.
     const double half_track = 0.5 * path.contact.track;
-    contacts.push_back({site_from_ground * Eigen::Vector3d(0, half_track, 0), false});
-    if (half_track > 0) contacts.push_back({site_from_ground * Eigen::Vector3d(0, -half_track, 0), false});
-    if (path.contact.wheelbase <= 0) continue;
-    contacts.push_back({site_from_ground * Eigen::Vector3d(path.contact.wheelbase, half_track, 0), true});
-    if (half_track > 0)
-      contacts.push_back({site_from_ground * Eigen::Vector3d(path.contact.wheelbase, -half_track, 0), true});
+    const std::vector<double> across = half_track > 0 ? std::vector{half_track, 0.0, -half_track} : std::vector{0.0};
+    for (const double y : across) {
+      contacts.push_back({site_from_ground * Eigen::Vector3d(0, y, 0), false});
+      if (path.contact.wheelbase > 0)
+        contacts.push_back({site_from_ground * Eigen::Vector3d(path.contact.wheelbase, y, 0), true});
+    }
   }
   return contacts;
 }

@@ -20,7 +20,7 @@ struct DrivenPath {
 
 DrivenPath MakeDrivenPath(int drive, const Rig& rig, const Trajectory& site_from_body, const Rigid3& body_from_ground);
 
-/// A point of the road that a wheel (or, without a known car, the plane below the body) touched.
+/// A point of the road under an axle or, without a known car, under the body.
 struct ContactPoint {
   Eigen::Vector3d point_in_site;
   bool is_front = false;  ///< of the front axle: the suspension's pitch acts there

@@ -160,7 +160,8 @@ void SurfaceOptions::Validate() const {
           "height.spacing must be a multiple of cell_size");
   Require(contact_sigma > 0 && suspension_sigma >= 0, ErrorCode::kUsage,
           "contact_sigma must be > 0 m and suspension_sigma not negative");
-  Require(log_odds > 0 && log_odds_limit > log_odds, ErrorCode::kUsage, "log_odds must be in (0, log_odds_limit)");
+  Require(free_log_odds > 0 && occupied_log_odds > 0 && log_odds_limit > std::max(free_log_odds, occupied_log_odds),
+          ErrorCode::kUsage, "free_log_odds and occupied_log_odds must be in (0, log_odds_limit)");
   Require(min_island_area >= 0, ErrorCode::kUsage, "min_island_area must not be negative");
 }
 
@@ -169,7 +170,7 @@ SurfaceMap FuseSurface(std::span<const PosedGroundPatch> patches, std::span<cons
   options.Validate();
   const HeightField field(CollectHeights(patches, paths, options), options.height);
   SurfacePainter painter(field, static_cast<int>(std::round(options.height.spacing / options.cell_size)),
-                         options.log_odds, options.log_odds_limit);
+                         {options.free_log_odds, options.occupied_log_odds, options.log_odds_limit});
   painter.Paint(patches, paths);
   for (const DrivenPath& path : paths) painter.MarkDriven(path);
 

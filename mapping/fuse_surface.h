@@ -13,7 +13,8 @@ struct SurfaceOptions {
   double cell_size = 0.05;          ///< [m] of colours and free space; height.spacing must be a multiple
   double contact_sigma = 0.01;      ///< [m] of the road's height at a wheel
   double suspension_sigma = 0.005;  ///< [rad] of the body's pitch: adds to the front wheels
-  double log_odds = 0.8;            ///< of one sight of a place near the car; less with distance
+  double free_log_odds = 0.8;       ///< of one sight of free ground near the car; less with distance
+  double occupied_log_odds = 1.2;   ///< of one sight of something else; more keeps obstacles, and their halo, out
   double log_odds_limit = 6.0;      ///< so that a changed place can change again
   double min_island_area = 2.0;     ///< [m^2] smaller free islands that no car drove on are noise
   HeightFieldOptions height;
@@ -23,7 +24,8 @@ struct SurfaceOptions {
     visit("cell_size", cell_size);
     visit("contact_sigma", contact_sigma);
     visit("suspension_sigma", suspension_sigma);
-    visit("log_odds", log_odds);
+    visit("free_log_odds", free_log_odds);
+    visit("occupied_log_odds", occupied_log_odds);
     visit("log_odds_limit", log_odds_limit);
     visit("min_island_area", min_island_area);
     visit("height", height);

@@ -121,7 +121,9 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
   std::vector<GroundLabel> labels =
       mask.empty() ? SegmentGround(grid, colors, seeds, options.segmentation) : LabelsFromMask(grid, mask);
   // Of what is not ground only its foot is known to stand where its pixels meet the plane.
-  HideBehindObstacles(grid, options.segmentation.obstacle_depth, !mask.empty(), labels);
+  // A guess takes dark parts of cars for shade: it needs to hear more against them than a mask.
+  const double obstacle_depth = (mask.empty() ? 1.0 : 0.5) * options.segmentation.obstacle_depth;
+  HideBehindObstacles(grid, obstacle_depth, !mask.empty(), labels);
   const Eigen::Matrix3f rotation = body_from_ground.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = body_from_ground.translation.cast<float>();
   for (int range = 0; range < grid.num_ranges; ++range) {

@@ -11,7 +11,7 @@ namespace parkade {
 struct SegmentGroundOptions {
   double color_tolerance = 3.5;    ///< sigmas from the road's colours; higher takes in more, obstacles too
   double max_marking_width = 0.3;  ///< [m] a brighter stripe this wide, with road on both sides, is paint
-  double obstacle_depth = 1.2;     ///< [m] of not-ground; what follows on its ray is hidden
+  double obstacle_depth = 1.2;     ///< [m] of not-ground (half with a mask); what follows on its ray is hidden
   int min_seeds = 40;              ///< with fewer, nothing is called ground
 
   template <typename Visitor>

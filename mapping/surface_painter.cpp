@@ -38,12 +38,11 @@ std::pair<int, Eigen::Vector3d> MeetSurface(const HeightField& field, const Eige
 
 }  // namespace
 
-SurfacePainter::SurfacePainter(const HeightField& field, int cells_per_side, double log_odds, double log_odds_limit)
+SurfacePainter::SurfacePainter(const HeightField& field, int cells_per_side, const SightLogOdds& log_odds)
     : field_(&field),
       cells_per_side_(cells_per_side),
       cell_size_(field.spacing() / cells_per_side),
       log_odds_(log_odds),
-      log_odds_limit_(log_odds_limit),
       evidence_(static_cast<size_t>(field.num_patches()) * static_cast<size_t>(cells_per_side * cells_per_side)) {}
 
 std::int64_t SurfacePainter::EvidenceAt(int patch, const Eigen::Vector2d& point_in_site) const {
@@ -70,11 +69,11 @@ std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PosedGroundPatch
     if (found == HeightField::kNone) continue;
     // Evidence falls with distance, but much slower than the variance of a height grows.
     const double nearness = std::min(1.0, std::sqrt(std::sqrt(kNearVariance * static_cast<double>(sample.weight))));
-    const double log_odds = log_odds_ * std::sqrt(nearness);
+    const double log_odds = (sample.is_free ? log_odds_.free : -log_odds_.occupied) * std::sqrt(nearness);
     hits.push_back({.evidence = static_cast<std::uint32_t>(EvidenceAt(found, point.head<2>())),
                     .sight = {sample.blue, sample.green, sample.red,
                               static_cast<std::uint8_t>(1 + std::lround(254 * std::min(nearness, kNearEnough)))},
-                    .log_odds = static_cast<float>(sample.is_free ? log_odds : -log_odds)});
+                    .log_odds = static_cast<float>(log_odds)});
   }
   return hits;
 }
@@ -85,7 +84,7 @@ void SurfacePainter::Paint(std::span<const PosedGroundPatch> patches, std::span<
                                     [&](const DrivenPath& path) { return path.drive == patch.patch.drive; });
     return found == paths.end() ? nullptr : &*found;
   };
-  const auto limit = static_cast<float>(log_odds_limit_);
+  const auto limit = static_cast<float>(log_odds_.limit);
   for (size_t begin = 0; begin < patches.size(); begin += kPatchesPerBatch) {
     const std::span batch = patches.subspan(begin, std::min(kPatchesPerBatch, patches.size() - begin));
     const auto hits_of = ParallelMap(batch.size(), [&](size_t i) { return FindHits(batch[i], path_of(batch[i])); });
@@ -117,7 +116,7 @@ void SurfacePainter::MarkDriven(const DrivenPath& path) {
         if (patch == HeightField::kNone) continue;
         Evidence& evidence = evidence_[static_cast<size_t>(EvidenceAt(patch, point.head<2>()))];
         evidence.is_driven = true;
-        evidence.log_odds = static_cast<float>(log_odds_limit_);
+        evidence.log_odds = static_cast<float>(log_odds_.limit);
       }
   }
 }

@@ -12,11 +12,16 @@
 
 namespace parkade {
 
+/// Log-odds that one sight near the car adds for and against free space, and the largest sum.
+struct SightLogOdds {
+  double free = 0.8, occupied = 1.2, limit = 6;
+};
+
 /// Colours and free-space evidence gathered on the patches of a height field.
 class SurfacePainter {
  public:
   /// The field is borrowed. `cells_per_side` cells on each side of a patch.
-  SurfacePainter(const HeightField& field, int cells_per_side, double log_odds, double log_odds_limit);
+  SurfacePainter(const HeightField& field, int cells_per_side, const SightLogOdds& log_odds);
 
   /// Samples of patches, moved along their rays onto the surface. In parallel, summed in order.
   void Paint(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths);
@@ -59,8 +64,7 @@ class SurfacePainter {
   const HeightField* field_;
   int cells_per_side_;
   double cell_size_;
-  double log_odds_;
-  double log_odds_limit_;
+  SightLogOdds log_odds_;
   std::vector<Evidence> evidence_;  ///< num_patches x cells_per_side^2
 };
 

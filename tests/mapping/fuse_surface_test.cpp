@@ -143,7 +143,7 @@ TEST(SurfacePainter, ASampleMovesAlongItsRayOntoARampAhead) {
   posed.patch.samples.push_back(
       {.point_in_body = {5, 0.02F, 0}, .blue = 9, .green = 9, .red = 9, .is_free = true, .weight = 1000});
 
-  SurfacePainter painter(field, 8, 0.8, 6);
+  SurfacePainter painter(field, 8, {});
   painter.Paint(std::span(&posed, 1), std::span(&path, 1));
 
   int num_seen = 0;

@@ -15,7 +15,9 @@
 namespace parkade {
 namespace {
 
-Eigen::Vector3d CornerOf(int corner) { return {corner & 1, corner >> 1 & 1, corner >> 2 & 1}; }
+Eigen::Vector3d CornerOf(int corner) {
+  return Eigen::Vector3i(corner & 1, corner >> 1 & 1, corner >> 2 & 1).cast<double>();
+}
 
 bool IsInside(int bits, int corner) { return (bits >> corner & 1) != 0; }
 

@@ -19,7 +19,7 @@ TEST(PathSeeds, AreWhereTheCarWillDriveAndNotBesideIt) {
   for (size_t i = 0; i < seeds.size(); ++i) {
     const Eigen::Vector2f point = grid.cells[i].point_in_ground;
     if (!grid.cells[i].is_visible) continue;
-    if (point.x() > 4 && std::abs(point.y()) > 1.0F) EXPECT_FALSE(seeds[i]) << point.transpose();
+    EXPECT_FALSE(seeds[i] && point.x() > 4 && std::abs(point.y()) > 1.0F) << point.transpose();
     if (point.x() > 4 && point.x() < 9 && std::abs(point.y()) < 0.6F) ahead += seeds[i];
   }
   EXPECT_GT(ahead, 100);

@@ -67,13 +67,22 @@ TEST_F(SegmentingAFan, ARedCarIsNotGround) {
   EXPECT_EQ(At(labels, 10, 60), GroundLabel::kGround);
 }
 
-TEST_F(SegmentingAFan, AThinWhiteLineIsPaintAndTheRoadBehindItIsReached) {
-  Paint(0, 40, kRays, 2, {225, 225, 225});
+TEST_F(SegmentingAFan, AThinWhiteLineWithRoadOnBothSidesIsPaint) {
+  Paint(0, 40, kRays - 10, 2, {225, 225, 225});
 
   const std::vector<GroundLabel> labels = SegmentGround(grid_, colors_, seeds_);
 
   EXPECT_EQ(At(labels, 30, 40), GroundLabel::kGround);
   EXPECT_EQ(At(labels, 30, 70), GroundLabel::kGround);
+}
+
+TEST_F(SegmentingAFan, WhatAWhiteKerbEnclosesIsNotReached) {
+  Paint(0, 40, kRays, 2, {225, 225, 225});
+
+  const std::vector<GroundLabel> labels = SegmentGround(grid_, colors_, seeds_);
+
+  EXPECT_EQ(At(labels, 30, 20), GroundLabel::kGround);
+  EXPECT_EQ(At(labels, 30, 70), GroundLabel::kNotGround);
 }
 
 TEST_F(SegmentingAFan, AThinBlackGapIsNotPaint) {
