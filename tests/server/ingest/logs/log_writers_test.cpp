@@ -60,6 +60,23 @@ TEST(Rosbag1Writer, IsReadByTheOfficialReader) {
   }
 }
 
+TEST(Rosbag1Writer, WithoutCloseLeavesWhatACrashLeaves) {
+  const ScratchFile file(".bag");
+  {
+    Rosbag1Writer writer(file.path(), {.compression = LogCompression::kLz4, .chunk_size = 50'000});
+    for (const SampleTopic& topic : kSampleTopics) writer.AddChannel(topic.topic, topic.type, "", "*");
+    for (const SampleMessage& message : SampleMessages())
+      writer.Write(static_cast<int>(message.topic), message.time, message.data);
+  }
+
+  const ReadLog log = ReadWhole(file.path());
+
+  EXPECT_TRUE(log.damage.is_truncated);
+  EXPECT_EQ(log.topics.size(), 4u);
+  EXPECT_GT(log.found.size(), 600u);
+  EXPECT_EQ(log.num_wrong, 0u);
+}
+
 TEST(McapWriter, WithoutCloseLeavesWhatACrashLeaves) {
   const ScratchFile file(".mcap");
   {
