@@ -37,7 +37,7 @@ TEST_F(GroundGridOfARig, NoPlaceIsFartherThanAskedOrUnderTheCar) {
   for (const GroundGridCell& cell : grid_.cells) {
     const Eigen::Vector2d point = cell.point_in_ground.cast<double>();
     if (!cell.is_visible) continue;
-    EXPECT_LT((point - camera_.body_from_camera.translation.head<2>()).norm(), 9.001);
+    EXPECT_LT((point - camera_.body_from_camera.translation.head<2>()).norm(), 8.001);
     EXPECT_GT(contact_.DistanceTo(point), 0.39);
   }
 }
