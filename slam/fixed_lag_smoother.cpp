@@ -18,7 +18,7 @@ constexpr int kMaxRejections = 2;
 constexpr double kStartError = 10;      // [sigma] of rays that may still become a landmark
 constexpr double kRebaseTangent = 0.1;  // [a b] beyond which a landmark gets a new ray
 constexpr double kNoiseGain = 0.05;     // share of one solve in the estimate of a camera's noise
-constexpr double kMinNoiseScale = 0.5, kMaxNoiseScale = 4;
+constexpr double kMinNoiseScale = 0.2, kMaxNoiseScale = 4;
 constexpr int kMinErrorsForNoise = 40;
 constexpr double kMedianOfChiSquared2 = 1.386;  // of a squared error of two unit-variance residuals
 
@@ -260,7 +260,8 @@ std::vector<FinishedKnot> FixedLagSmoother::Finish() {
   std::vector<FinishedKnot> finished;
   while (knots_.size() > 1) finished.push_back(MarginaliseOldest());
   if (!knots_.empty()) {
-    finished.push_back({knots_.front().State(), std::move(knots_.front().interval), oldest_covariance_});
+    finished.push_back(
+        {knots_.front().number, knots_.front().State(), std::move(knots_.front().interval), oldest_covariance_, {}});
     knots_.clear();
   }
   return finished;

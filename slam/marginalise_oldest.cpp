@@ -137,6 +137,9 @@ FinishedKnot FixedLagSmoother::MarginaliseOldest() {
       for (int k = 0; k < block.Size(); ++k) change[k] = values_of(name)[k] - at[k];
     prior.blocks.push_back(block);
   }
+  KnotConditional conditional{result.dropped_information.cast<float>(), result.dropped_to_kept.cast<float>(),
+                              (result.dropped_offset - result.dropped_to_kept * since_first).cast<float>(),
+                              prior.blocks};
   prior.offset = result.offset - result.sqrt_information * since_first;
   prior.sqrt_information = std::move(result.sqrt_information);
   prior_ = std::move(prior);
@@ -147,7 +150,8 @@ FinishedKnot FixedLagSmoother::MarginaliseOldest() {
     track->observations.clear();
     track->has_landmark = false;
   }
-  FinishedKnot finished{oldest.State(), std::move(oldest.interval), oldest_covariance_};
+  FinishedKnot finished{oldest.number, oldest.State(), std::move(oldest.interval), oldest_covariance_,
+                        std::move(conditional)};
   ForgetOldest();
   UpdateOldestCovariance();
   return finished;
@@ -185,7 +189,8 @@ void FixedLagSmoother::FinishLandmark(const Track& track) {
   const double inverse_distance_sigma = std::sqrt(information.inverse()(2, 2));
   const double sigma = inverse_distance_sigma / (inverse_distance * inverse_distance);
   if (!std::isfinite(sigma)) return;
-  finished_landmarks_.push_back({track.first_time, track.camera, track.ray.Point(track.landmark.data()), sigma,
+  finished_landmarks_.push_back({knots_.front().number, track.first_time, track.camera,
+                                 track.ray.Point(track.landmark.data()), sigma,
                                  track.num_consumed + static_cast<int>(track.observations.size())});
 }
 

@@ -106,6 +106,9 @@ Marginaliser::Result Marginaliser::Finish() const {
   }
   const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(stacked);
   Result result;
+  result.dropped_information = stacked.topLeftCorner(num_dropped_, num_dropped_).triangularView<Eigen::Upper>();
+  result.dropped_to_kept = stacked.block(0, num_dropped_, num_dropped_, num_kept_);
+  result.dropped_offset = stacked.block(0, width, num_dropped_, 1);
   result.sqrt_information =
       stacked.block(num_dropped_, num_dropped_, num_kept_, num_kept_).triangularView<Eigen::Upper>();
   result.offset = stacked.block(num_dropped_, width, num_kept_, 1);

@@ -37,10 +37,13 @@ class Marginaliser {
   bool AddLandmark(std::span<const LinearisableBlock> observations);
 
   struct Result {
+    Eigen::MatrixXd dropped_information;  ///< of the dropped columns given the kept ones, upper triangular
+    Eigen::MatrixXd dropped_to_kept;      ///< num_dropped x num_kept
+    Eigen::VectorXd dropped_offset;
     Eigen::MatrixXd sqrt_information;  ///< rows <= num_kept, upper triangular
     Eigen::VectorXd offset;
   };
-  /// What the blocks say about the kept columns.
+  /// What the blocks say about the kept columns, and about the dropped ones given those.
   Result Finish() const;
 
  private:

@@ -10,6 +10,7 @@
 #include "slam/feature_track.h"
 #include "slam/first_estimate.h"
 #include "slam/imu_preintegration.h"
+#include "slam/knot_conditional.h"
 #include "slam/wheel_preintegration.h"
 
 namespace parkade {
@@ -71,19 +72,22 @@ struct NewImage {
 
 /// A point that left the window.
 struct FinishedLandmark {
-  Timestamp time;  ///< first seen
+  std::int64_t knot = 0;  ///< the knot that left with it: the point moves with that
+  Timestamp time;         ///< first seen
   int camera = 0;
   Eigen::Vector3d point_in_odom;  ///< [m]
   double sigma = 0;               ///< [m] along the worst direction
   int num_observations = 0;
 };
 
-/// A knot that left the window: its estimate will not change again.
+/// A knot that left the window: only SmoothBackwards will change its estimate.
 struct FinishedKnot {
+  std::int64_t number = 0;
   MotionState state;
   std::optional<KnotInterval> interval;  ///< since the knot before
   Eigen::Matrix<double, 6, 6> covariance =
-      Eigen::Matrix<double, 6, 6>::Zero();  ///< [rotation in imu, position in odom]
+      Eigen::Matrix<double, 6, 6>::Zero();     ///< [rotation in imu, position in odom]
+  std::optional<KnotConditional> conditional;  ///< empty for the last knot of all
 };
 
 }  // namespace parkade

@@ -31,6 +31,10 @@ class ParameterArena {
  public:
   explicit ParameterArena(size_t capacity) { values_.reserve(capacity); }
 
+  bool IsFinite() const {
+    return std::all_of(values_.begin(), values_.end(), [](double value) { return std::isfinite(value); });
+  }
+
   template <size_t N>
   double* Add(const std::array<double, N>& block) {
     values_.insert(values_.end(), block.begin(), block.end());
@@ -150,7 +154,7 @@ SolveSummary FixedLagSmoother::SolveWindow(int max_iterations) {
   summary.seconds = ceres_summary.total_time_in_seconds;
   summary.final_cost = ceres_summary.final_cost;
 
-  if (ceres_summary.IsSolutionUsable()) {
+  if (ceres_summary.IsSolutionUsable() && arena.IsFinite()) {
     for (size_t i = 0; i < knots_.size(); ++i) {
       std::copy_n(blocks[i].pose, kPoseSize, knots_[i].pose.begin());
       std::copy_n(blocks[i].motion, kMotionSize, knots_[i].motion.begin());

@@ -13,6 +13,7 @@ constexpr size_t kMinCommonTracks = 8;
 constexpr double kKeepMotions = 5.0;  // [s]
 constexpr double kMovingFactor = 5;   // images this much livelier than still overrule the wheels
 constexpr double kNoiseSigmas = 3;
+constexpr double kHysteresis = 1.5;   // of the image motion of a car that stood
 constexpr double kImageSigmas = 2.2;  // median of the difference of two bearings at rest: 1.7
 
 struct MedianOfTracks {
@@ -78,7 +79,8 @@ void StandstillDetector::Add(const TrackedFrame& frame) {
   while (!motions.empty() && frame.time - motions.front().time > kKeepMotions) motions.pop_front();
 }
 
-StandstillDetector::Images StandstillDetector::ImagesDuring(Timestamp begin, Timestamp end, bool is_any_enough) const {
+StandstillDetector::Images StandstillDetector::ImagesDuring(Timestamp begin, Timestamp end, bool is_any_enough,
+                                                            double tolerance) const {
   int num_still = 0, num_moving = 0, num_clearly_moving = 0;
   for (const auto& motions : motions_) {
     double worst = -1;  // in units of what is still noise
@@ -87,25 +89,27 @@ StandstillDetector::Images StandstillDetector::ImagesDuring(Timestamp begin, Tim
       if (motion.time > begin && motion.time <= end)
         worst = std::max(worst, motion.median / std::max(options_.image_motion, kImageSigmas * motion.sigma));
     if (worst < 0) continue;
-    (worst < 1 ? num_still : num_moving) += 1;
-    if (worst > kMovingFactor) ++num_clearly_moving;
+    (worst < tolerance ? num_still : num_moving) += 1;
+    if (worst > tolerance * kMovingFactor) ++num_clearly_moving;
   }
   if (num_still + num_moving == 0) return Images::kUnknown;
   if (is_any_enough) return num_clearly_moving == num_still + num_moving ? Images::kMoving : Images::kStill;
   return num_moving > 0 ? Images::kMoving : Images::kStill;
 }
 
-bool StandstillDetector::IsStill(const ImuBuffer& imu, const WheelBuffer& wheels, Timestamp begin,
-                                 Timestamp end) const {
+bool StandstillDetector::IsStill(const ImuBuffer& imu, const WheelBuffer& wheels, Timestamp begin, Timestamp end,
+                                 bool was_still) const {
   const std::vector<ImuSample> samples = imu.Between(begin, end);
+  const double tolerance = was_still ? kHysteresis : 1;
   if (Deviation(samples, &ImuSample::angular_velocity) > max_gyroscope_deviation_) return false;
   if (wheels.LongestGap(begin, end) < 0.5) {
     for (const WheelSample& sample : wheels.Between(begin, end))
       if (std::abs(sample.forward_speed) > options_.wheel_speed) return false;
-    return ImagesDuring(begin, end, /*is_any_enough=*/true) != Images::kMoving;
+    return ImagesDuring(begin, end, /*is_any_enough=*/true, tolerance) != Images::kMoving;
   }
-  return Deviation(samples, &ImuSample::linear_acceleration) <= max_accelerometer_deviation_ &&
-         ImagesDuring(begin, end, /*is_any_enough=*/false) == Images::kStill;
+  if (Deviation(samples, &ImuSample::linear_acceleration) > max_accelerometer_deviation_) return false;
+  const Images images = ImagesDuring(begin, end, /*is_any_enough=*/false, tolerance);
+  return images == Images::kStill || (images == Images::kUnknown && was_still);
 }
 
 }  // namespace parkade

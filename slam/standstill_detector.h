@@ -38,7 +38,10 @@ class StandstillDetector {
   void Add(const TrackedFrame& frame);
 
   /// For begin < end; at least 0.1 s apart to be meaningful. `imu` is not empty.
-  bool IsStill(const ImuBuffer& imu, const WheelBuffer& wheels, Timestamp begin, Timestamp end) const;
+  /// `was_still`: the car stood just before; it then takes more to believe that it
+  /// moves, and no images are no reason to.
+  bool IsStill(const ImuBuffer& imu, const WheelBuffer& wheels, Timestamp begin, Timestamp end,
+               bool was_still = false) const;
 
  private:
   struct ImageMotion {
@@ -48,7 +51,7 @@ class StandstillDetector {
   };
   enum class Images { kUnknown, kStill, kMoving };
 
-  Images ImagesDuring(Timestamp begin, Timestamp end, bool is_any_enough) const;
+  Images ImagesDuring(Timestamp begin, Timestamp end, bool is_any_enough, double tolerance) const;
 
   StandstillOptions options_;
   double max_gyroscope_deviation_;

@@ -57,7 +57,7 @@ std::optional<StartEstimate> StartFromStandstill(const ImuBuffer& imu, const Imu
 
 std::optional<StartEstimate> StartFromWheels(const ImuBuffer& imu, const WheelBuffer& wheels, const Rig& rig,
                                              const GyroscopeBiasEstimate& bias, Timestamp begin, Timestamp end) {
-  if (wheels.LongestGap(begin, end) > 0.3) return std::nullopt;
+  if (wheels.LongestGap(begin, end) > kMaxWheelGap) return std::nullopt;
   const Rigid3 imu_from_body = rig.body_from_imu.Inverse();
   const auto velocity_at = [&](Timestamp time) -> Eigen::Vector3d {
     const Eigen::Vector3d rate = imu.At(time).angular_velocity - bias.bias;

@@ -74,8 +74,13 @@ void TrajectoryBuilder::AddBetween(const FinishedKnot& first, const FinishedKnot
   }
 }
 
-void TrajectoryBuilder::FillBefore(const ImuBuffer& imu, const WheelBuffer& wheels, bool is_still) {
-  if (!first_ || imu.empty() || imu.front().time >= first_->time) return;
+std::vector<TrajectoryState> TrajectoryBuilder::StatesBefore(const EarlyRecords& early, bool is_still) const {
+  ImuBuffer imu;
+  for (const ImuSample& sample : early.imu) imu.Add(sample);
+  WheelBuffer wheels;
+  for (const WheelSample& sample : early.wheels) wheels.Add(sample);
+  std::vector<TrajectoryState> states;
+  if (!first_ || imu.empty() || imu.front().time >= first_->time) return states;
   const std::vector<ImuSample> samples = imu.Between(imu.front().time, first_->time);
   const Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   MotionState state = *first_;
@@ -94,7 +99,7 @@ void TrajectoryBuilder::FillBefore(const ImuBuffer& imu, const WheelBuffer& whee
     if (is_still) {
       before.odom_from_imu = state.odom_from_imu;
       before.velocity_in_odom.setZero();
-    } else if (!wheels.empty() && wheels.LongestGap(before.time, state.time) < 0.3) {
+    } else if (!wheels.empty() && wheels.LongestGap(before.time, state.time) < kMaxWheelGap) {
       before.velocity_in_odom = velocity_on_wheels(samples[k - 1], before);
       before.odom_from_imu.translation =
           state.odom_from_imu.translation -
@@ -102,17 +107,14 @@ void TrajectoryBuilder::FillBefore(const ImuBuffer& imu, const WheelBuffer& whee
     }
     state = before;
     if (last_output - state.time >= 0.5 * output_interval_ || k == 1) {
-      before_.push_back(ToBody(state, samples[k - 1].angular_velocity, covariance));
+      states.push_back(ToBody(state, samples[k - 1].angular_velocity, covariance));
       last_output = state.time;
     }
   }
+  std::reverse(states.begin(), states.end());
+  return states;
 }
 
-std::vector<TrajectoryState> TrajectoryBuilder::Take() {
-  std::reverse(before_.begin(), before_.end());
-  before_.insert(before_.end(), states_.begin(), states_.end());
-  states_.clear();
-  return std::exchange(before_, {});
-}
+std::vector<TrajectoryState> TrajectoryBuilder::Take() { return std::exchange(states_, {}); }
 
 }  // namespace parkade

@@ -5,6 +5,7 @@
 
 #include "core/rig.h"
 #include "core/trajectory.h"
+#include "slam/run_backwards.h"
 #include "slam/sample_buffer.h"
 #include "slam/smoother_window.h"
 
@@ -20,10 +21,10 @@ class TrajectoryBuilder {
   /// Knots come in order of time.
   void Add(const FinishedKnot& knot);
 
-  /// Fills the time before the first knot, running backwards on the gyroscope and
-  /// the wheels, or on the IMU alone where there are none. `is_still`: the car
-  /// stood all that time.
-  void FillBefore(const ImuBuffer& imu, const WheelBuffer& wheels, bool is_still);
+  /// States of the time before the first knot, running backwards on the
+  /// gyroscope and the wheels, or on the IMU alone where there are none.
+  /// `is_still`: the car stood all that time.
+  std::vector<TrajectoryState> StatesBefore(const EarlyRecords& early, bool is_still) const;
 
   bool empty() const { return states_.empty(); }
   /// All states, in order of time.
@@ -38,7 +39,7 @@ class TrajectoryBuilder {
   double output_interval_;
   std::optional<FinishedKnot> last_;
   std::optional<MotionState> first_;
-  std::vector<TrajectoryState> before_, states_;
+  std::vector<TrajectoryState> states_;
 };
 
 }  // namespace parkade

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 #include "core/error.h"
 
@@ -12,14 +13,11 @@ namespace {
 constexpr double kSnap = 0.03;            // [s] a knot moves this far to be at an image
 constexpr double kSnapSlack = 0.05;       // [s] of data beyond a knot before it is placed
 constexpr double kStillLook = 0.3;        // [s] over which standstill is judged
-constexpr double kStillStart = 0.5;       // [s] of standstill that is enough to start
-constexpr double kMaxStillStart = 1.0;    // [s] of it that is used
-constexpr double kWheelStart = 1.0;       // [s] of rolling that is enough to start
-constexpr double kFirstImageStart = 1.0;  // [s] of moving images for the first attempt
-constexpr double kAttemptStep = 0.25;     // [s] between attempts
-constexpr double kMaxWheelGap = 0.3;      // [s] bridged by interpolation
+constexpr double kWheelDoubt = 0.3;       // [s] a car may have moved before its wheels show it
+constexpr double kImageDoubt = 0.6;       // [s] or its images
 constexpr double kMaxImuGap = 0.5;        // [s] bridged silently
 constexpr double kMinData = 1.0;          // [s] of IMU data that can be mapped at all
+constexpr double kMaxEarlyFrames = 30.0;  // [s] of images kept to run backwards over the time before the start
 constexpr int kFewBearings = 8;           // fewer say next to nothing
 
 bool IsFinite(const ImuSample& sample) {
@@ -54,8 +52,10 @@ TrajectoryEstimator::TrajectoryEstimator(const Rig& rig, const OdometryOptions& 
 
 void TrajectoryEstimator::Add(const ImuSample& sample) {
   if (!IsFinite(sample)) return;
+  if (imu_.empty()) log_begin_ = sample.time;
   const Timestamp before = imu_.empty() ? sample.time : imu_.back().time;
   if (!imu_.Add(sample)) return;
+  if (IsEarly(sample.time)) early_.imu.push_back(sample);
   if (sample.time - before > kMaxImuGap)
     AddDegraded(before, sample.time, "the IMU delivered nothing; bridged by images and wheels");
   Advance();
@@ -63,7 +63,9 @@ void TrajectoryEstimator::Add(const ImuSample& sample) {
 
 void TrajectoryEstimator::Add(const WheelSample& sample) {
   if (!options_.use_wheels || !std::isfinite(sample.forward_speed)) return;
-  if (wheels_.Add(sample)) report_.has_wheels = true;
+  if (!wheels_.Add(sample)) return;
+  report_.has_wheels = true;
+  if (IsEarly(sample.time)) early_.wheels.push_back(sample);
 }
 
 void TrajectoryEstimator::Add(TrackedFrame frame) {
@@ -75,6 +77,10 @@ void TrajectoryEstimator::Add(TrackedFrame frame) {
     return;
   last = frame.time;
   standstill_.Add(frame);
+  if (IsEarly(frame.time)) {
+    early_.frames.push_back(frame);
+    if (frame.time - early_.frames.front().time > kMaxEarlyFrames) early_.frames.erase(early_.frames.begin());
+  }
   pending_.push_back(std::move(frame));
 }
 
@@ -86,77 +92,6 @@ std::optional<MotionState> TrajectoryEstimator::Latest() const {
 void TrajectoryEstimator::Advance() {
   if (!is_started_) TryStart(/*is_last_chance=*/false);
   if (is_started_) PlaceKnots(imu_.back().time - kSnapSlack);
-}
-
-void TrajectoryEstimator::TryStart(bool is_last_chance) {
-  const Timestamp now = imu_.back().time;
-  if (!next_attempt_) {
-    start_search_ = imu_.front().time;
-    next_attempt_ = start_search_ + kStillStart;
-  }
-  if (!is_last_chance && now < *next_attempt_) return;
-  next_attempt_ = now + kAttemptStep;
-
-  Timestamp begin = std::max(start_search_, imu_.front().time);
-  const bool has_wheels = !wheels_.empty() && wheels_.front().time < begin + kWheelStart;
-  if (has_wheels) {
-    begin = std::max(begin, wheels_.front().time);
-  } else {
-    while (!pending_.empty() && pending_.front().time < begin) pending_.pop_front();
-    if (pending_.empty()) {  // nothing to see yet
-      if (!wheels_.empty()) start_search_ = std::max(begin, wheels_.front().time);
-      return;
-    }
-    begin = pending_.front().time;
-  }
-  if (now <= begin) return;
-  if (const std::optional<StartEstimate> start = AttemptStart(begin, now, is_last_chance)) {
-    report_.start_kind = ToText(start->kind);
-    report_.start_time = begin - imu_.front().time;
-    report_.start_data = now - begin;
-    Begin(*start);
-  } else if (now - begin > options_.max_start_time) {
-    start_search_ = begin + kAttemptStep;
-  }
-}
-
-std::optional<StartEstimate> TrajectoryEstimator::AttemptStart(Timestamp begin, Timestamp now,
-                                                               bool is_last_chance) const {
-  const double seconds = now - begin;
-  const Timestamp still_end = begin + std::min(seconds, kMaxStillStart);
-  if ((seconds >= kStillStart || is_last_chance) && standstill_.IsStill(imu_, wheels_, begin, still_end))
-    return StartFromStandstill(imu_, rig_.imu, begin, still_end);
-  const std::vector<TrackedFrame> frames(pending_.begin(), pending_.end());
-  const auto bias = [&] {
-    return EstimateGyroscopeBias(frames, imu_, rig_).value_or(GyroscopeBiasEstimate{Eigen::Vector3d::Zero(), 0.01});
-  };
-  if (wheels_.LongestGap(begin, begin + std::min(seconds, kWheelStart)) < kMaxWheelGap) {
-    if (seconds < kWheelStart && !is_last_chance) return std::nullopt;
-    return StartFromWheels(imu_, wheels_, rig_, bias(), begin, begin + std::min(seconds, kWheelStart));
-  }
-  if (frames.empty() || (seconds < kFirstImageStart && !is_last_chance)) return std::nullopt;
-  return StartFromImages(imu_, frames, rig_, bias(), begin, now);
-}
-
-void TrajectoryEstimator::Begin(const StartEstimate& start) {
-  const Timestamp time = start.state.time;
-  for (const ImuSample& sample : imu_.Between(imu_.front().time, std::max(time, imu_.front().time + 1e-6)))
-    early_imu_.Add(sample);
-  if (!wheels_.empty() && wheels_.front().time < time)
-    for (const WheelSample& sample : wheels_.Between(wheels_.front().time, time)) early_wheels_.Add(sample);
-  std::vector<NewImage> images;
-  while (!pending_.empty() && pending_.front().time <= time) {
-    if (pending_.front().time == time) {
-      used_images_.push_back({time, pending_.front().camera});
-      images.push_back({std::move(pending_.front()), {}});
-    }
-    pending_.pop_front();
-  }
-  smoother_.Start(start.state, start.uncertainty, std::move(images));
-  is_started_ = true;
-  is_start_still_ = start.kind == StartKind::kStandstill;
-  is_run_still_ = is_start_still_;
-  last_knot_ = last_cut_ = time;
 }
 
 Timestamp TrajectoryEstimator::SnapToImage(Timestamp time) const {
@@ -184,11 +119,22 @@ double TrajectoryEstimator::NextInterval() const {
 
 void TrajectoryEstimator::PlaceKnots(Timestamp until) {
   for (Timestamp cut; (cut = SnapToImage(last_cut_ + options_.knots.interval)) <= until; last_cut_ = cut) {
-    const bool is_still = standstill_.IsStill(imu_, wheels_, std::max(imu_.front().time, cut - kStillLook), cut);
-    if (is_still != is_run_still_ && last_cut_ > last_knot_) MakeKnot(last_cut_, is_run_still_);
+    const Timestamp look = std::max(imu_.front().time, cut - kStillLook);
+    const bool is_still = cut > surely_moving_until_ && standstill_.IsStill(imu_, wheels_, look, cut, is_run_still_);
+    const Timestamp surely_still = cut - (report_.has_wheels ? kWheelDoubt : kImageDoubt);
+    if (is_run_still_ && !is_still) {
+      // The car moved before it was seen to: go back to where it surely stood.
+      if (surely_still > last_knot_) MakeKnot(surely_still, true);
+      surely_moving_until_ = cut;
+      is_run_still_ = false;
+      cut = last_knot_;
+      continue;
+    }
+    if (is_still && !is_run_still_ && last_cut_ > last_knot_) MakeKnot(last_cut_, false);
     is_run_still_ = is_still;
-    const double due = is_still ? options_.knots.still_interval : NextInterval();
-    if (cut - last_knot_ > due - kSnap) MakeKnot(cut, is_still);
+    const Timestamp knot = is_still ? surely_still : cut;
+    if (knot - last_knot_ > (is_still ? options_.knots.still_interval : NextInterval()) - kSnap)
+      MakeKnot(knot, is_still);
   }
 }
 
@@ -258,11 +204,10 @@ void TrajectoryEstimator::SolveAndCollect() {
 }
 
 void TrajectoryEstimator::Collect(std::vector<FinishedKnot> finished) {
-  for (const FinishedKnot& knot : finished) builder_.Add(knot);
   report_.knots += static_cast<int>(finished.size());
-  for (const FinishedLandmark& landmark : smoother_.TakeLandmarks())
-    landmarks_.push_back(
-        {landmark.time, landmark.camera, landmark.point_in_odom, landmark.sigma, landmark.num_observations});
+  std::move(finished.begin(), finished.end(), std::back_inserter(finished_));
+  std::vector<FinishedLandmark> landmarks = smoother_.TakeLandmarks();
+  std::move(landmarks.begin(), landmarks.end(), std::back_inserter(landmarks_));
 }
 
 void TrajectoryEstimator::NoteDegradation(Timestamp begin, Timestamp end, int bearings_seen, bool has_wheels) {
@@ -303,10 +248,29 @@ void TrajectoryEstimator::SelectKeyframes(OdometryResult& result) const {
   }
 }
 
+void TrajectoryEstimator::BuildTrajectory(OdometryResult& result) {
+  std::map<std::int64_t, Rigid3> corrections;  // smoothed_from_estimated, by knot
+  for (const FinishedKnot& knot : finished_) corrections[knot.number] = knot.state.odom_from_imu.Inverse();
+  if (options_.smooth_backwards) SmoothBackwards(finished_, smoother_.wheel_scale());
+  for (const FinishedKnot& knot : finished_) {
+    corrections[knot.number] = knot.state.odom_from_imu * corrections[knot.number];
+    builder_.Add(knot);
+    if (!after_start_ && knot.state.time >= first_knot_ + kOverlap) after_start_ = knot.state;
+  }
+  std::vector<TrajectoryState> states = builder_.Take();
+  FillBeforeStart(states);
+  result.odom_from_body = Trajectory(std::move(states));
+  for (const FinishedLandmark& landmark : landmarks_)
+    result.landmarks.push_back({landmark.time, landmark.camera, corrections[landmark.knot] * landmark.point_in_odom,
+                                landmark.sigma, landmark.num_observations});
+  std::stable_sort(result.landmarks.begin(), result.landmarks.end(),
+                   [](const OdometryLandmark& a, const OdometryLandmark& b) { return a.time < b.time; });
+}
+
 OdometryResult TrajectoryEstimator::Finish() {
   Require(!imu_.empty(), ErrorCode::kInvalidInput,
           "the log holds no IMU data, without which no trajectory can be estimated");
-  const double seconds = imu_.back().time - (is_started_ ? early_imu_.front().time : imu_.front().time);
+  const double seconds = imu_.back().time - log_begin_;
   Require(seconds >= kMinData, ErrorCode::kInvalidInput,
           "the log holds only " + Seconds(seconds) + " s of IMU data; at least " + Seconds(kMinData) + " s are needed");
   if (!is_started_) TryStart(/*is_last_chance=*/true);
@@ -326,20 +290,13 @@ OdometryResult TrajectoryEstimator::Finish() {
       health.tracks_per_frame = static_cast<double>(tracks_seen_[camera]) / health.frames_used;
   }
   Collect(smoother_.Finish());
-  builder_.FillBefore(early_imu_, early_wheels_, is_start_still_);
-  if (report_.start_time > 0.5 && !is_start_still_)
-    AddDegraded(early_imu_.front().time, early_imu_.back().time,
-                "before the first estimate; filled by running backwards");
   if (report_.solves > 0) {
     report_.mean_solve_seconds = sum_solve_seconds_ / report_.solves;
     report_.mean_bearings = sum_bearings_ / report_.solves;
   }
   OdometryResult result;
-  result.odom_from_body = Trajectory(builder_.Take());
+  BuildTrajectory(result);
   report_.length = result.odom_from_body.Length();
-  std::stable_sort(landmarks_.begin(), landmarks_.end(),
-                   [](const OdometryLandmark& a, const OdometryLandmark& b) { return a.time < b.time; });
-  result.landmarks = std::move(landmarks_);
   SelectKeyframes(result);
   result.report = std::move(report_);
   return result;

@@ -6,6 +6,7 @@
 
 #include "slam/odometry_options.h"
 #include "slam/odometry_result.h"
+#include "slam/run_backwards.h"
 #include "slam/start_motion.h"
 #include "slam/trajectory_builder.h"
 
@@ -19,6 +20,9 @@ namespace parkade {
 class TrajectoryEstimator {
  public:
   TrajectoryEstimator(const Rig& rig, const OdometryOptions& options);
+
+  /// Begins at a known state instead of looking for a start. Before any record.
+  void BeginFrom(const MotionState& state, const StartUncertainty& uncertainty);
 
   void Add(const ImuSample& sample);
   void Add(const WheelSample& sample);
@@ -46,6 +50,9 @@ class TrajectoryEstimator {
   void Collect(std::vector<FinishedKnot> finished);
   void NoteDegradation(Timestamp begin, Timestamp end, int bearings_seen, bool has_wheels);
   void AddDegraded(Timestamp begin, Timestamp end, const std::string& reason);
+  void BuildTrajectory(OdometryResult& result);
+  void FillBeforeStart(std::vector<TrajectoryState>& states);
+  bool IsEarly(Timestamp time) const;
   void SelectKeyframes(OdometryResult& result) const;
 
   Rig rig_;
@@ -61,9 +68,13 @@ class TrajectoryEstimator {
   bool is_start_still_ = false;
   Timestamp start_search_;  ///< attempts to start begin here
   std::optional<Timestamp> next_attempt_;
-  ImuBuffer early_imu_;  ///< up to the first knot
-  WheelBuffer early_wheels_;
+  static constexpr double kOverlap = 1.0;  ///< [s] after the first knot from which the time before is run backwards
+  EarlyRecords early_;                     ///< up to a little after the first knot
+  Timestamp log_begin_;                    ///< first IMU sample
+  Timestamp first_knot_;
+  std::optional<MotionState> after_start_;  ///< a finished state, a little after the first knot
   Timestamp last_knot_, last_cut_;
+  Timestamp surely_moving_until_;
   bool is_run_still_ = false;  ///< since the last knot
 
   struct UsedImage {
@@ -73,7 +84,8 @@ class TrajectoryEstimator {
   std::vector<UsedImage> used_images_;
   std::vector<Timestamp> last_frame_;      ///< per camera
   std::vector<std::int64_t> tracks_seen_;  ///< per camera, in frames used
-  std::vector<OdometryLandmark> landmarks_;
+  std::vector<FinishedKnot> finished_;
+  std::vector<FinishedLandmark> landmarks_;
   OdometryReport report_;
   double sum_bearings_ = 0;
   double sum_solve_seconds_ = 0;

@@ -8,6 +8,9 @@
 
 namespace parkade {
 
+/// [s] without wheel samples that interpolation may bridge.
+inline constexpr double kMaxWheelGap = 0.3;
+
 /// How far wheel odometry can be trusted: standard deviations of the velocity
 /// of the rear-axle centre, over `correlation_time`.
 struct WheelNoise {
