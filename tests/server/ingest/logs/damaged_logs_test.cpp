@@ -18,6 +18,8 @@ struct Sample {
   bool has_spare_definitions = true;  ///< topics are defined in more than the chunk where they begin
 };
 
+void PrintTo(const Sample& sample, std::ostream* out) { *out << sample.name; }
+
 // A sample, and where its chunks are; files without chunks have none.
 class DamagedLogs : public testing::TestWithParam<Sample> {
  protected:

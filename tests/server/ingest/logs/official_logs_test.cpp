@@ -15,6 +15,8 @@ struct Sample {
   MessageEncoding encoding;
 };
 
+void PrintTo(const Sample& sample, std::ostream* out) { *out << sample.name; }
+
 class OfficialLogs : public testing::TestWithParam<Sample> {};
 
 TEST_P(OfficialLogs, AreReadWholeAndInOrderOfTime) {
