@@ -8,15 +8,16 @@
 namespace parkade {
 namespace {
 
-constexpr double kBodyMargin = 0.4;  // [m] by which a car's body reaches over its contact area
+constexpr double kMaxNearestRange = 15.0;  // [m] a camera that sees no nearer ground is not for mapping
+constexpr double kBodyMargin = 0.4;        // [m] by which a car's body reaches over its contact area
 
 /// Distances from the point below the camera: as dense as asked near it, then as the rays spread or as the
 /// pixels can tell, whichever is coarser.
-std::vector<float> MakeRanges(double camera_height, double pixels_per_radian, double angle_step,
+std::vector<float> MakeRanges(double camera_height, double pixels_per_radian, double angle_step, double farthest,
                               const GroundGridOptions& options) {
   std::vector<float> ranges;
   double range = options.spacing;
-  while (range <= options.max_range) {
+  while (range <= farthest) {
     const double pixel_length = (camera_height * camera_height + range * range) / (camera_height * pixels_per_radian);
     if (pixel_length > options.max_pixel_length) break;
     ranges.push_back(static_cast<float>(range));
@@ -55,6 +56,22 @@ GroundGridCell MakeCell(const RigCamera& camera, const Rigid3& camera_from_groun
   return cell;
 }
 
+/// [m] from the point below the camera to the nearest ground it sees; a narrow lens that looks ahead from high up
+/// sees none for the first metres.
+double FindNearestRange(const RigCamera& camera, const Rigid3& ground_from_camera, const ContactArea& contact,
+                        const GroundGridOptions& options) {
+  const Rigid3 camera_from_ground = ground_from_camera.Inverse();
+  constexpr int kNumAngles = 36;
+  for (double range = options.spacing; range < kMaxNearestRange; range += 4 * options.spacing)
+    for (int i = 0; i < kNumAngles; ++i) {
+      const double angle = 2 * std::numbers::pi * i / kNumAngles;
+      const Eigen::Vector2d point =
+          ground_from_camera.translation.head<2>() + range * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+      if (MakeCell(camera, camera_from_ground, point, contact, options).is_visible) return range;
+    }
+  return 0;
+}
+
 /// Leaves out rays without a visible place. Rays that remain keep their order, so neighbours stay neighbours.
 void DropBlindRays(GroundGrid& grid) {
   std::vector<GroundGridCell> kept;
@@ -91,7 +108,8 @@ GroundGrid MakeGroundGrid(const RigCamera& camera, const Rigid3& ground_from_cam
   const std::optional<double> pixels_per_radian = camera.model.PixelsPerRadian(middle);
   if (center.z() <= 0.1 || !pixels_per_radian) return grid;
 
-  grid.ranges = MakeRanges(center.z(), *pixels_per_radian, grid.angle_step, options);
+  const double farthest = FindNearestRange(camera, ground_from_camera, contact, options) + options.max_range;
+  grid.ranges = MakeRanges(center.z(), *pixels_per_radian, grid.angle_step, farthest, options);
   grid.num_ranges = static_cast<int>(grid.ranges.size());
   grid.num_rays = static_cast<int>(std::floor(2 * std::numbers::pi / grid.angle_step));
   grid.cells.reserve(static_cast<size_t>(grid.num_rays * grid.num_ranges));

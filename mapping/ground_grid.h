@@ -10,7 +10,7 @@
 namespace parkade {
 
 struct GroundGridOptions {
-  double max_range = 8.0;         ///< [m] from the point below the camera; more covers more, less accurately
+  double max_range = 8.0;         ///< [m] beyond the nearest ground a camera sees; more covers more, less accurately
   double spacing = 0.05;          ///< [m] between samples near the camera
   double dense_range = 3.0;       ///< [m] beyond, the spacing grows in proportion to the range
   double max_pixel_length = 0.5;  ///< [m] a view so grazing that a pixel covers more road is not used
