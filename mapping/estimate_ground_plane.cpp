@@ -19,6 +19,7 @@ namespace {
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
 constexpr double kPoseSpacing = 0.3;      // [m] between the poses that landmarks are seen from
+constexpr double kSeenFrom = 3.0;         // [m] before and after the nearest pose a landmark is seen from too
 constexpr double kMinCameraHeight = 0.2;  // [m] of the cameras above the road
 constexpr double kMaxShareBelow = 0.1;    // of the landmarks may lie under the road: reflections, outliers
 
@@ -38,28 +39,41 @@ Eigen::Vector3d MeanUpInBody(const std::vector<Rigid3>& odom_from_body) {
   return sum.normalized();
 }
 
-/// Landmarks below the lowest camera, each in the body frame of the nearest pose.
+/// Index of the pose that is nearest horizontally.
+std::ptrdiff_t FindNearest(const std::vector<Rigid3>& poses, const Eigen::Vector3d& point_in_odom) {
+  const auto distance = [&](const Rigid3& pose) { return (pose.translation - point_in_odom).head<2>().squaredNorm(); };
+  return std::min_element(poses.begin(), poses.end(),
+                          [&](const Rigid3& a, const Rigid3& b) { return distance(a) < distance(b); }) -
+         poses.begin();
+}
+
+/// Landmarks below the lowest camera, each in the body frames of a few poses nearby.
 Cloud::Ptr CollectLandmarks(const Rig& rig, const std::vector<Rigid3>& poses, const Eigen::Vector3d& up_in_body,
                             std::span<const Submap> submaps, const GroundPlaneOptions& options) {
   double lowest_camera = std::numeric_limits<double>::max();
   for (const RigCamera& camera : rig.cameras)
     lowest_camera = std::min(lowest_camera, up_in_body.dot(camera.body_from_camera.translation));
+  double travel = 0;
+  for (size_t i = 1; i < poses.size(); ++i) travel += (poses[i].translation - poses[i - 1].translation).norm();
+  const double spacing = travel / std::max(1.0, static_cast<double>(poses.size() - 1));
+  const std::ptrdiff_t apart = std::max<std::ptrdiff_t>(1, std::lround(kSeenFrom / std::max(spacing, kPoseSpacing)));
+
   Cloud::Ptr cloud(new Cloud);
   for (const Submap& submap : submaps)
     for (const Landmark& landmark : submap.landmarks) {
       if (!(landmark.sigma <= options.max_landmark_sigma)) continue;
       const Eigen::Vector3d point_in_odom = submap.odom_from_submap * landmark.point_in_submap;
-      const Rigid3* nearest = nullptr;
-      double nearest_distance = options.max_distance;
-      for (const Rigid3& pose : poses) {
-        const double distance = (pose.translation - point_in_odom).head<2>().norm();
-        if (distance < nearest_distance) nearest = &pose, nearest_distance = distance;
+      // From the nearest pose alone every landmark lies right beside the body, and pitch would be anyone's guess.
+      const std::ptrdiff_t nearest = FindNearest(poses, point_in_odom);
+      for (const std::ptrdiff_t i : {nearest - apart, nearest, nearest + apart}) {
+        if (i < 0 || i >= std::ssize(poses)) continue;
+        const Eigen::Vector3d point_in_body = poses[static_cast<size_t>(i)].Inverse() * point_in_odom;
+        const double height = up_in_body.dot(point_in_body);
+        if (height > lowest_camera - kMinCameraHeight) continue;
+        if ((point_in_body - height * up_in_body).norm() > options.max_distance) continue;
+        const Eigen::Vector3f point = point_in_body.cast<float>();
+        cloud->push_back({point.x(), point.y(), point.z()});
       }
-      if (nearest == nullptr) continue;
-      const Eigen::Vector3d point_in_body = nearest->Inverse() * point_in_odom;
-      if (up_in_body.dot(point_in_body) > lowest_camera - kMinCameraHeight) continue;
-      const Eigen::Vector3f point = point_in_body.cast<float>();
-      cloud->push_back({point.x(), point.y(), point.z()});
     }
   return cloud;
 }

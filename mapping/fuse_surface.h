@@ -16,7 +16,7 @@ struct SurfaceOptions {
   double free_log_odds = 0.8;       ///< of one sight of free ground near the car; less with distance
   double occupied_log_odds = 1.2;   ///< of one sight of something else; more keeps obstacles, and their halo, out
   double log_odds_limit = 6.0;      ///< so that a changed place can change again
-  double min_island_area = 2.0;     ///< [m^2] smaller free islands that no car drove on are noise
+  double min_island_area = 10.0;    ///< [m^2] smaller free islands that no car drove on are noise
   HeightFieldOptions height;
 
   template <typename Visitor>

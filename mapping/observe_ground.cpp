@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <numbers>
+#include <sstream>
 
 #include "core/error.h"
 #include "core/log.h"
@@ -89,6 +90,14 @@ int RayStride(const GroundGrid& grid, float range, double spacing) {
   return stride;
 }
 
+void LogPlane(const std::string& drive, const Rigid3& body_from_ground) {
+  const Eigen::Vector3d normal = body_from_ground.rotation * Eigen::Vector3d::UnitZ();
+  std::ostringstream text;
+  text << "stage=ground_plane drive=" << drive << " depth=" << -normal.dot(body_from_ground.translation)
+       << " normal_in_body=" << normal.x() << "," << normal.y() << "," << normal.z();
+  LogInfo(text.str());
+}
+
 std::vector<GroundGrid> MakeGrids(const Rig& rig, const Rigid3& body_from_ground, const GroundOptions& options,
                                   std::vector<std::string>& warnings) {
   std::vector<GroundGrid> grids = ParallelMap(rig.cameras.size(), [&](size_t i) {
@@ -158,6 +167,7 @@ GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from
     return result;
   }
   result.body_from_ground = *body_from_ground;
+  if (!rig.vehicle) LogPlane(log.name(), *body_from_ground);
   const std::vector<GroundGrid> grids = MakeGrids(rig, *body_from_ground, options, result.warnings);
   const ContactArea contact = ContactArea::Of(rig);
 

@@ -57,6 +57,20 @@ TEST_F(GroundPlane, IsFoundUnderABodyMountedAtAnAngle) {
   EXPECT_GT((error.rotation * Eigen::Vector3d::UnitX()).x(), 0.99) << "x points where the car drives";
 }
 
+TEST_F(GroundPlane, PitchIsFoundThoughEveryLandmarkIsPassedSideways) {
+  Submap submap = MakeLandmarks(0.05);
+  std::erase_if(submap.landmarks, [](const Landmark& landmark) {  // along the path of the body only
+    return landmark.point_in_submap.x() < 1 || landmark.point_in_submap.x() > 26 ||
+           std::abs(landmark.point_in_submap.y()) > 2;
+  });
+
+  const auto body_from_ground = EstimateBodyFromGround(rig_, MakeDrive(ground_from_body_, 0), std::span(&submap, 1));
+
+  ASSERT_TRUE(body_from_ground.has_value());
+  const Rigid3 error = ground_from_body_ * *body_from_ground;
+  EXPECT_NEAR((error.rotation * Eigen::Vector3d::UnitZ()).x(), 0, 0.005);
+}
+
 TEST_F(GroundPlane, WithAVehicleItIsTheBodyItself) {
   const Rig rig = MakeTestRig();
 

@@ -101,12 +101,12 @@ TEST(FuseSurface, TheGroundUnderTheCarAtTheStartIsFilled) {
 TEST(FuseSurface, SmallIslandsThatNoCarReachedAreDropped) {
   const DrivenPath path = MakePath(5);
   const std::vector patches{MakePatch(-1, -3, 8, 3, 100, true), MakePatch(2, 6, 3, 7, 100, true),
-                            MakePatch(2, -9, 5, -6, 100, true)};
+                            MakePatch(1, -10, 5, -6, 100, true)};
 
   const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1));
 
   EXPECT_EQ(CellAt(surface, 2.5, 6.5), nullptr) << "1 m^2";
-  EXPECT_NE(CellAt(surface, 3, -7), nullptr) << "9 m^2";
+  EXPECT_NE(CellAt(surface, 3, -7), nullptr) << "16 m^2";
 }
 
 TEST(FuseSurface, CellsAreSortedAsPromised) {
