@@ -14,9 +14,9 @@ namespace parkade {
 ///
 /// \param manifolds  one per block; null: Euclidean
 /// \param changed    called after parameters changed, before each evaluation
-inline double JacobianError(const ceres::CostFunction& cost, std::vector<std::vector<double>>& parameters,
-                            const std::vector<const ceres::Manifold*>& manifolds,
-                            const std::function<void()>& changed = [] {}) {
+inline double JacobianError(
+    const ceres::CostFunction& cost, std::vector<std::vector<double>>& parameters,
+    const std::vector<const ceres::Manifold*>& manifolds, const std::function<void()>& changed = [] {}) {
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const auto& sizes = cost.parameter_block_sizes();
   std::vector<const double*> values;
@@ -53,8 +53,8 @@ inline double JacobianError(const ceres::CostFunction& cost, std::vector<std::ve
         std::copy(original.begin(), original.end(), parameters[block].begin());
       }
       const Eigen::VectorXd numeric = (sides[1] - sides[0]) / (2 * kStep);
-      worst = std::max(worst, (numeric - analytic.col(column)).cwiseAbs().maxCoeff() /
-                                  (1 + analytic.cwiseAbs().maxCoeff()));
+      worst = std::max(worst,
+                       (numeric - analytic.col(column)).cwiseAbs().maxCoeff() / (1 + analytic.cwiseAbs().maxCoeff()));
     }
   }
   changed();

@@ -9,11 +9,11 @@
 namespace parkade {
 namespace {
 
-constexpr double kBeginOfTime = 1000;          // [s]
-constexpr double kMaxAngle = 92.5 * M_PI / 180;  // half the field of view
+constexpr double kBeginOfTime = 1000;              // [s]
+constexpr double kMaxAngle = 92.5 * M_PI / 180;    // half the field of view
 constexpr double kMaxRange = 25, kMinRange = 0.8;  // [m] at which points are seen
-constexpr double kTrackLoss = 0.03;            // per image
-constexpr double kWander = 3e-3;               // [rad] per image, of an outlier
+constexpr double kTrackLoss = 0.03;                // per image
+constexpr double kWander = 3e-3;                   // [rad] per image, of an outlier
 const Eigen::Vector3d kGravity(0, 0, -9.81);
 
 using Random = std::mt19937;
@@ -117,9 +117,8 @@ class TrackMaker {
       if (range < kMaxRange && range > kMinRange && std::acos(in_camera.z() / range) < max_angle_) visible.push_back(i);
     }
     const std::set<size_t> visible_set(visible.begin(), visible.end());
-    std::erase_if(tracks_, [&](const auto& entry) {
-      return !visible_set.count(entry.first) || uniform(random_) < kTrackLoss;
-    });
+    std::erase_if(tracks_,
+                  [&](const auto& entry) { return !visible_set.count(entry.first) || uniform(random_) < kTrackLoss; });
     std::shuffle(visible.begin(), visible.end(), random_);
     for (const size_t point : visible) {
       if (static_cast<int>(tracks_.size()) >= options_.tracks) break;
@@ -130,9 +129,10 @@ class TrackMaker {
     TrackedFrame frame{time, camera_, {}};
     for (auto& [point, track] : tracks_) {
       if (track.wanders) track.offset += Gaussian3(random_, kWander);
-      const Eigen::Vector3d bearing = (camera_from_world * points_[point]).normalized() + track.offset +
-                                      Gaussian3(random_, options_.bearing_sigma);
-      frame.observations.push_back({track.number, Eigen::Vector2d::Zero(), bearing.normalized(), options_.bearing_sigma});
+      const Eigen::Vector3d bearing =
+          (camera_from_world * points_[point]).normalized() + track.offset + Gaussian3(random_, options_.bearing_sigma);
+      frame.observations.push_back(
+          {track.number, Eigen::Vector2d::Zero(), bearing.normalized(), options_.bearing_sigma});
     }
     return frame;
   }

@@ -15,22 +15,22 @@ namespace parkade {
 /// world of points, with noise of known size. Same options, same numbers.
 struct SyntheticDriveOptions {
   std::uint32_t seed = 1;
-  double duration = 50;           ///< [s]
-  double start = 0;               ///< [s] into the motion: > 6 starts rolling
-  double imu_rate = 200;          ///< [Hz]
-  double wheel_rate = 50;         ///< [Hz]
-  double camera_rate = 20;        ///< [Hz]
-  int num_cameras = 4;            ///< 1..4: front, left, right, rear
+  double duration = 50;     ///< [s]
+  double start = 0;         ///< [s] into the motion: > 6 starts rolling
+  double imu_rate = 200;    ///< [Hz]
+  double wheel_rate = 50;   ///< [Hz]
+  double camera_rate = 20;  ///< [Hz]
+  int num_cameras = 4;      ///< 1..4: front, left, right, rear
   bool has_wheels = true;
-  double wheel_scale = 1.005;     ///< true speed / reported speed
-  double wheel_noise = 0.02;      ///< [m/s]
-  double gyroscope_bias = 0.005;  ///< [rad/s] standard deviation per axis
+  double wheel_scale = 1.005;        ///< true speed / reported speed
+  double wheel_noise = 0.02;         ///< [m/s]
+  double gyroscope_bias = 0.005;     ///< [rad/s] standard deviation per axis
   double accelerometer_bias = 0.05;  ///< [m/s^2] standard deviation per axis
-  double noise = 1;               ///< of the IMU, times that of its calibration
-  double bearing_sigma = 1.2e-3;  ///< [rad]
-  int tracks = 60;                ///< per image
-  double outliers = 0.03;         ///< share of tracks that wander
-  double points_per_metre = 8;    ///< of path (car), or 50 times per room (flight)
+  double noise = 1;                  ///< of the IMU, times that of its calibration
+  double bearing_sigma = 1.2e-3;     ///< [rad]
+  int tracks = 60;                   ///< per image
+  double outliers = 0.03;            ///< share of tracks that wander
+  double points_per_metre = 8;       ///< of path (car), or 50 times per room (flight)
 };
 
 struct SyntheticDrive {
