@@ -54,6 +54,8 @@ class FixedLagSmoother {
   std::vector<FinishedKnot> DropOldest();
   /// Removes all knots.
   std::vector<FinishedKnot> Finish();
+  /// After Finish: covariance of the last knot's [pose, motion] and the wheel scale, 16 x 16.
+  Eigen::MatrixXd LastCovariance() const;
   /// Landmarks that left the window since the last call.
   std::vector<FinishedLandmark> TakeLandmarks();
 

@@ -27,7 +27,9 @@ struct KnotConditional {
 ///
 /// H. E. Rauch, F. Tung, C. T. Striebel, "Maximum likelihood estimates of linear
 /// dynamic systems", AIAA Journal 1965, here as back-substitution of the QR.
-/// `knots` are all that left the window, in order; the last is taken as it is.
-void SmoothBackwards(std::vector<FinishedKnot>& knots, double wheel_scale);
+/// `knots` are all that left the window, in order; the last is taken as it is,
+/// with `last_covariance` of [pose, motion, wheel scale], 16 x 16. Sets the
+/// covariances, too. Linear in the drive's length.
+void SmoothBackwards(std::vector<FinishedKnot>& knots, double wheel_scale, const Eigen::MatrixXd& last_covariance);
 
 }  // namespace parkade

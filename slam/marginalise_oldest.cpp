@@ -17,6 +17,8 @@ using Kind = PriorBlock::Kind;
 
 constexpr std::int64_t kScaleKnot = std::numeric_limits<std::int64_t>::max();  // sorts last
 
+constexpr double kMinRoot = 1e-9;  // of a diagonal of the prior: a direction nothing is known about
+
 /// Names a state; ordered as the columns of the system are: by knot, pose first.
 using StateName = std::pair<std::int64_t, Kind>;
 
@@ -194,10 +196,18 @@ void FixedLagSmoother::FinishLandmark(const Track& track) {
                                  track.num_consumed + static_cast<int>(track.observations.size())});
 }
 
+Eigen::MatrixXd FixedLagSmoother::LastCovariance() const {
+  Eigen::MatrixXd root = prior_.sqrt_information;
+  root.diagonal().array() += (root.diagonal().array().abs() < kMinRoot).cast<double>() * kMinRoot;
+  const Eigen::MatrixXd inverse =
+      root.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(root.rows(), root.cols()));
+  return inverse * inverse.transpose();
+}
+
 void FixedLagSmoother::UpdateOldestCovariance() {
   const Eigen::Index width = prior_.sqrt_information.cols();
   Eigen::MatrixXd root = prior_.sqrt_information;
-  root.diagonal().array() += (root.diagonal().array().abs() < 1e-9).cast<double>() * 1e-9;
+  root.diagonal().array() += (root.diagonal().array().abs() < kMinRoot).cast<double>() * kMinRoot;
   // cov = (R^T R)^-1 = Z^T Z with R^T Z = selector of the oldest pose, the first columns.
   const Eigen::MatrixXd selector = Eigen::MatrixXd::Identity(width, kPoseTangentSize);
   const Eigen::MatrixXd z = root.transpose().triangularView<Eigen::Lower>().solve(selector);

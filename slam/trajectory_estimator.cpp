@@ -251,7 +251,7 @@ void TrajectoryEstimator::SelectKeyframes(OdometryResult& result) const {
 void TrajectoryEstimator::BuildTrajectory(OdometryResult& result) {
   std::map<std::int64_t, Rigid3> corrections;  // smoothed_from_estimated, by knot
   for (const FinishedKnot& knot : finished_) corrections[knot.number] = knot.state.odom_from_imu.Inverse();
-  if (options_.smooth_backwards) SmoothBackwards(finished_, smoother_.wheel_scale());
+  if (options_.smooth_backwards) SmoothBackwards(finished_, smoother_.wheel_scale(), smoother_.LastCovariance());
   for (const FinishedKnot& knot : finished_) {
     corrections[knot.number] = knot.state.odom_from_imu * corrections[knot.number];
     builder_.Add(knot);
