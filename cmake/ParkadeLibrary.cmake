@@ -12,6 +12,8 @@ target_compile_options(parkade_options INTERFACE
   -Wno-restrict -Wno-stringop-overflow -Wno-array-bounds
   $<$<BOOL:${PARKADE_WERROR}>:-Werror>)
 if(PARKADE_SANITIZE)
+  # Under ASan Eigen takes to an allocator of its own, and what Debian's PCL has allocated could not be freed.
+  target_compile_definitions(parkade_options INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
   target_compile_options(parkade_options INTERFACE
     -fsanitize=${PARKADE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(parkade_options INTERFACE -fsanitize=${PARKADE_SANITIZE})
