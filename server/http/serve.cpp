@@ -1,50 +1,76 @@
 #include "server/http/serve.h"
 
-#include <pthread.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <thread>
 
+#include "core/error.h"
 #include "core/log.h"
 #include "server/http/service.h"
 
 namespace parkade {
 namespace {
 
-/// Waits for SIGTERM and SIGINT in a thread of its own, as a place where anything
-/// may be called. To be made before any other thread, which would take the
-/// signals otherwise.
+std::atomic<int> wake_fd = -1;  // what a handler may use: lock-free
+
+/// Adds to the event counter: all that is safe inside a signal handler.
+void Wake(int) {
+  const int saved = errno;
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t ignored = ::write(wake_fd, &one, sizeof(one));
+  errno = saved;
+}
+
+/// Hears SIGTERM and SIGINT, whichever thread the kernel hands them to, and acts in a
+/// thread of its own, where anything may be called. A blocked mask with sigwait is not
+/// enough: libraries start threads before main (OpenBLAS does), which leave signals open.
 class SignalWaiter {
  public:
   SignalWaiter() {
-    sigemptyset(&signals_);
-    for (const int signal : {SIGTERM, SIGINT, SIGUSR1}) sigaddset(&signals_, signal);
-    pthread_sigmask(SIG_BLOCK, &signals_, &before_);
+    wake_fd = event_fd_ = ::eventfd(0, EFD_CLOEXEC);
+    Require(event_fd_ >= 0, ErrorCode::kInternal, "no file descriptor is left to hear signals with");
+    struct sigaction action {};
+    action.sa_handler = Wake;
+    action.sa_flags = SA_RESTART;
+    sigfillset(&action.sa_mask);
+    ::sigaction(SIGTERM, &action, &terminate_before_);
+    ::sigaction(SIGINT, &action, &interrupt_before_);
     std::signal(SIGPIPE, SIG_IGN);
   }
   ~SignalWaiter() {
-    if (thread_.joinable()) {
-      pthread_kill(thread_.native_handle(), SIGUSR1);  // ends the wait
-      thread_.join();
-    }
-    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+    ::sigaction(SIGTERM, &terminate_before_, nullptr);
+    ::sigaction(SIGINT, &interrupt_before_, nullptr);
+    is_ending_ = true;
+    Wake(0);
+    if (thread_.joinable()) thread_.join();
+    wake_fd = -1;
+    ::close(event_fd_);
   }
   SignalWaiter(const SignalWaiter&) = delete;
   SignalWaiter& operator=(const SignalWaiter&) = delete;
 
+  /// A signal that came before counts too.
   template <typename Action>
   void Start(Action action) {
     thread_ = std::thread([this, action] {
-      int signal = 0;
-      sigwait(&signals_, &signal);
-      if (signal != SIGUSR1) action();
+      std::uint64_t count = 0;
+      while (::read(event_fd_, &count, sizeof(count)) < 0 && errno == EINTR) {
+      }
+      if (!is_ending_) action();
     });
   }
 
  private:
-  sigset_t signals_{}, before_{};
+  int event_fd_ = -1;
+  std::atomic<bool> is_ending_ = false;
+  struct sigaction terminate_before_ {
+  }, interrupt_before_{};
   std::thread thread_;
 };
 

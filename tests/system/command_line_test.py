@@ -9,6 +9,7 @@ import json
 import math
 import os
 import pathlib
+import signal
 import struct
 import subprocess
 import sys
@@ -229,6 +230,20 @@ class CommandLine(unittest.TestCase):
             file.write("3000000000,b.png\n")
         result = run("inspect", drive)
         self.assertEqual(result.returncode, 3, result.stdout)
+
+    def test_a_service_that_has_just_begun_stops_when_told_to(self):
+        with tempfile.TemporaryDirectory() as folder:
+            service = subprocess.Popen([PARKADE, "serve", "--data", folder, "--listen", "127.0.0.1:0"],
+                                       stderr=subprocess.PIPE, text=True)
+            said = ""
+            while "listening on" not in said:
+                line = service.stderr.readline()
+                self.assertTrue(line, said)
+                said += line
+            service.send_signal(signal.SIGTERM)
+            rest = service.communicate(timeout=20)[1]
+            self.assertEqual(service.returncode, 0, said + rest)
+            self.assertIn("stopped", rest)
 
     def test_evaluate_compares_a_trajectory_with_itself(self):
         truth = self.folder / "truth.tum"

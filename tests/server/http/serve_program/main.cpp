@@ -62,6 +62,10 @@ int RunService(const std::string& data) {
   ServeOptions options = FakeServeOptions("/proc/self/exe", data);
   if (const char* reserve = std::getenv("RESERVE")) options.disk_reserve = std::stoll(reserve);
   options.drain_seconds = 3;
+  // As libraries do that start threads before main: this one leaves signals open.
+  std::thread([] {
+    while (true) std::this_thread::sleep_for(std::chrono::hours(1));
+  }).detach();
   try {
     return Serve(options);
   } catch (const Error& error) {
