@@ -223,7 +223,7 @@ GroundCanvas PaintLot(const LotLayout& layout, double texel_size, std::uint64_t 
   return canvas;
 }
 
-Mesh MakeLotGround(const LotLayout& layout, const Terrain& terrain) {
+Mesh MakeLotGround(const LotLayout& layout, const Ground& ground) {
   const int columns = static_cast<int>(std::lround(layout.length * 4)) + 1,
             rows = static_cast<int>(std::lround(layout.width * 4)) + 1;
   Mesh mesh;
@@ -231,7 +231,7 @@ Mesh MakeLotGround(const LotLayout& layout, const Terrain& terrain) {
       columns, rows,
       [&](int i, int j) -> Eigen::Vector3d {
         const double x = layout.length * i / (columns - 1), y = layout.width * j / (rows - 1);
-        return {x, y, terrain.Height(x, y)};
+        return {x, y, ground.Height({x, y}, 0)};
       },
       [](int, int) { return MaterialId{0}; });
   return mesh;

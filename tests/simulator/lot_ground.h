@@ -1,9 +1,9 @@
 #pragma once
 
+#include "tests/simulator/ground.h"
 #include "tests/simulator/ground_canvas.h"
 #include "tests/simulator/lot_layout.h"
 #include "tests/simulator/mesh.h"
-#include "tests/simulator/terrain.h"
 
 namespace parkade::simulator {
 
@@ -12,7 +12,7 @@ namespace parkade::simulator {
 GroundCanvas PaintLot(const LotLayout& layout, double texel_size, std::uint64_t seed);
 
 /// The asphalt as a mesh of quarter-metre steps, the same that the truth is
-/// written from. Within 0.2 mm of the terrain.
-Mesh MakeLotGround(const LotLayout& layout, const Terrain& terrain);
+/// written from. Within 0.2 mm of the ground.
+Mesh MakeLotGround(const LotLayout& layout, const Ground& ground);
 
 }  // namespace parkade::simulator

@@ -43,21 +43,6 @@ void ParkCars(LotLayout& lot, Random& random) {
 
 }  // namespace
 
-double Rectangle::SignedDistance(const Eigen::Vector2d& point) const {
-  const Eigen::Vector2d offset = point - center;
-  const double c = std::cos(yaw), s = std::sin(yaw);
-  const Eigen::Vector2d local(c * offset.x() + s * offset.y(), -s * offset.x() + c * offset.y());
-  const Eigen::Vector2d excess = local.cwiseAbs() - half_size;
-  return excess.cwiseMax(0.0).norm() + std::min(0.0, excess.maxCoeff());
-}
-
-Eigen::Vector2d Rectangle::Corner(int index) const {
-  const Eigen::Vector2d local(index == 1 || index == 2 ? half_size.x() : -half_size.x(),
-                              index >= 2 ? half_size.y() : -half_size.y());
-  const double c = std::cos(yaw), s = std::sin(yaw);
-  return center + Eigen::Vector2d(c * local.x() - s * local.y(), s * local.x() + c * local.y());
-}
-
 bool LotLayout::IsDrivable(const Eigen::Vector2d& point) const {
   if (point.x() < 0 || point.y() < 0 || point.x() > length || point.y() > width) return false;
   const auto covers = [&](const Rectangle& rectangle) { return rectangle.Contains(point); };

@@ -18,8 +18,8 @@ constexpr double kHorizon = 160;                         // [m] of green around 
 
 class LotFurnisher {
  public:
-  LotFurnisher(const LotLayout& layout, const Terrain& terrain, std::uint64_t seed, std::vector<Material>& materials)
-      : layout_(layout), terrain_(terrain), random_(seed, 0x0b1), materials_(materials) {
+  LotFurnisher(const LotLayout& layout, const Ground& ground, std::uint64_t seed, std::vector<Material>& materials)
+      : layout_(layout), ground_(ground), random_(seed, 0x0b1), materials_(materials) {
     for (const float tone : {0.24f, 0.30f, 0.36f})
       kerb_.push_back(Add(
           {.albedo = Gray(tone), .texture = TextureKind::kPlaster, .texture_size = 0.7f, .texture_contrast = 0.12f}));
@@ -98,8 +98,7 @@ class LotFurnisher {
     for (const ParkedCar& car : layout_.cars) {
       const Vector2d& center = car.footprint.center;
       // Each car stands on the plane that touches the ground under its middle.
-      const Eigen::Quaterniond tilt =
-          Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), terrain_.Normal(center.x(), center.y()));
+      const Eigen::Quaterniond tilt = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), ground_.Normal(center, 0));
       const Eigen::Quaterniond turn(Eigen::AngleAxisd(car.footprint.yaw, Vector3d::UnitZ()));
       mesh_.Append(MakeCar(car.style, car.seed, materials_), {tilt * turn, OnGround(center.x(), center.y(), 0)});
     }
@@ -164,7 +163,7 @@ class LotFurnisher {
     return static_cast<MaterialId>(materials_.size() - 1);
   }
 
-  Vector3d OnGround(double x, double y, double above) const { return {x, y, terrain_.Height(x, y) + above}; }
+  Vector3d OnGround(double x, double y, double above) const { return {x, y, ground_.Height({x, y}, 0) + above}; }
   Vector3d OnGreen(double x, double y) const { return OnGround(x, y, kKerbHeight - 0.02); }
 
   /// Kerb stones of about a metre, each of its own grey; the road is on the right of from -> to.
@@ -261,14 +260,14 @@ class LotFurnisher {
                 bool is_detailed) {
     BuildingPlan plan{center, {half_front, half_depth}};
     plan.yaw = std::atan2(along.y(), along.x()) + random_.Uniform(-0.06, 0.06);
-    plan.base = terrain_.Height(center.x(), center.y());
+    plan.base = ground_.Height(center, 0);
     plan.height = height;
     plan.is_detailed = is_detailed;
     AddBuilding(plan, random_, mesh_, materials_);
   }
 
   const LotLayout& layout_;
-  const Terrain& terrain_;
+  const Ground& ground_;
   Random random_;
   std::vector<Material>& materials_;
   Mesh mesh_;
@@ -278,9 +277,9 @@ class LotFurnisher {
 
 }  // namespace
 
-Mesh MakeLotObjects(const LotLayout& layout, const Terrain& terrain, std::uint64_t seed,
+Mesh MakeLotObjects(const LotLayout& layout, const Ground& ground, std::uint64_t seed,
                     std::vector<Material>& materials) {
-  LotFurnisher furnisher(layout, terrain, seed, materials);
+  LotFurnisher furnisher(layout, ground, seed, materials);
   furnisher.Green();
   const Vector2d half(layout.length / 2, layout.width / 2);
   furnisher.KerbAround({half, half, 0}, true);

@@ -66,7 +66,7 @@ double IntegrationError(const Motion& motion, const Rigid3& body_from_imu, doubl
 }
 
 TEST(Motion, AnIdealImuIntegratesToTheTruthWithinMillimetresOverTenSeconds) {
-  const DrivePlan plan = PlanDrive(PlanLot(3), Terrain(3, 1), 40, 3);
+  const DrivePlan plan = PlanDrive(PlanPlace("lot", {.seed = 3}), 40, 3);
   const Rigid3 body_from_imu = MakeSimulatedRig({}, 3).body_from_imu;
 
   for (const double start : {0.0, 6.0, 15.0, 25.0})
@@ -74,7 +74,7 @@ TEST(Motion, AnIdealImuIntegratesToTheTruthWithinMillimetresOverTenSeconds) {
 }
 
 TEST(Motion, AHundredSamplesASecondAreEnoughForFiveCentimetres) {
-  const DrivePlan plan = PlanDrive(PlanLot(3), Terrain(3, 1), 40, 3);
+  const DrivePlan plan = PlanDrive(PlanPlace("lot", {.seed = 3}), 40, 3);
   const Rigid3 body_from_imu = MakeSimulatedRig({}, 3).body_from_imu;
 
   EXPECT_LT(IntegrationError(plan.motion, body_from_imu, 10, 10, 100), 0.05);

@@ -1,9 +1,8 @@
 #pragma once
 
-#include "tests/simulator/lot_layout.h"
 #include "tests/simulator/motion.h"
+#include "tests/simulator/place.h"
 #include "tests/simulator/speed_profile.h"
-#include "tests/simulator/terrain.h"
 
 namespace parkade::simulator {
 
@@ -15,9 +14,9 @@ struct DrivePlan {
   bool returns_to_start = false;  ///< false: the drive was too short for a round
 };
 
-/// A drive of `duration` [s] around the lot: stands, drives the rounds that
+/// A drive of `duration` [s] around the place: stands, drives the rounds that
 /// fit at 1.5 to 6 m/s, stops once on the way, and ends 3 m past its start. The body
 /// follows the ground, leans with acceleration and shakes a little on the road.
-DrivePlan PlanDrive(const LotLayout& layout, const Terrain& terrain, double duration, std::uint64_t seed);
+DrivePlan PlanDrive(const Place& place, double duration, std::uint64_t seed);
 
 }  // namespace parkade::simulator

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tests/simulator/car_mesh.h"
+#include "tests/simulator/lot_layout.h"
 #include "tests/simulator/simulated_rig.h"
 
 namespace parkade::simulator {
@@ -16,8 +17,8 @@ class PlannedDrive : public testing::TestWithParam<int> {
  protected:
   const std::uint64_t seed_ = static_cast<std::uint64_t>(GetParam());
   const LotLayout layout_ = PlanLot(seed_);
-  const Terrain terrain_{seed_, 1};
-  const DrivePlan plan_ = PlanDrive(layout_, terrain_, 40, seed_);
+  const Place place_ = PlanPlace("lot", {.seed = seed_});
+  const DrivePlan plan_ = PlanDrive(place_, 40, seed_);
 };
 
 TEST_P(PlannedDrive, StandsAtFirstStopsOnceOnTheWayAndStandsAtTheEnd) {
@@ -59,9 +60,9 @@ TEST_P(PlannedDrive, StaysOnTheGround) {
   for (double time = 0; time <= 40; time += 0.1) {
     const Rigid3 world_from_body = plan_.motion.WorldFromBody(time);
     const Eigen::Vector3d& at = world_from_body.translation;
-    EXPECT_NEAR(at.z(), terrain_.Height(at.x(), at.y()), 0.003) << time;
+    EXPECT_NEAR(at.z(), place_.ground.Height(at.head<2>(), at.z()), 0.003) << time;
     const Eigen::Vector3d up = world_from_body.rotation * Eigen::Vector3d::UnitZ();
-    EXPECT_LT((up - terrain_.Normal(at.x(), at.y())).norm(), 0.025) << time;
+    EXPECT_LT((up - place_.ground.Normal(at.head<2>(), at.z())).norm(), 0.025) << time;
   }
 }
 
@@ -86,7 +87,7 @@ TEST_P(PlannedDrive, TouchesNeitherParkedCarsNorKerbs) {
 INSTANTIATE_TEST_SUITE_P(Seeds, PlannedDrive, testing::Values(1, 2, 3, 4, 17));
 
 TEST(PlanDrive, ALongDriveMakesSeveralRounds) {
-  const DrivePlan plan = PlanDrive(PlanLot(1), Terrain(1, 1), 120, 1);
+  const DrivePlan plan = PlanDrive(PlanPlace("lot", {.seed = 1}), 120, 1);
 
   EXPECT_TRUE(plan.returns_to_start);
   EXPECT_GT(plan.length, 280);

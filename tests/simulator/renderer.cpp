@@ -59,7 +59,7 @@ struct Renderer::Parts {
   const Rig& rig;
   RayScene world, own_car;
   std::vector<float> ground_ambient, object_ambient;
-  DrivableRaster drivable;
+  std::vector<DrivableRaster> drivable;  ///< per sheet of the ground
   std::vector<SampleTable> tables;
   std::array<Eigen::Vector3f, kSamplesPerPixel> to_sun;
 
@@ -75,11 +75,8 @@ struct Renderer::Parts {
 };
 
 Renderer::Parts::Parts(const Scene& scene_in, const Rig& rig_in, double half_field_of_view)
-    : scene(scene_in),
-      rig(rig_in),
-      world({&scene.ground, &scene.objects}),
-      own_car({&scene.own_car}),
-      drivable(scene.layout) {
+    : scene(scene_in), rig(rig_in), world({&scene.ground, &scene.objects}), own_car({&scene.own_car}) {
+  for (size_t sheet = 0; sheet < scene.place.ground.sheets().size(); ++sheet) drivable.emplace_back(scene.place, sheet);
   ground_ambient = world.VertexAmbient(scene.ground, 4, 1);
   object_ambient = world.VertexAmbient(scene.objects, 4, 2);
   for (const RigCamera& camera : rig.cameras)
@@ -220,7 +217,7 @@ PacketResult Renderer::Parts::RenderPacket(const Shot& shot, const RowPoses& pos
       point.motion = 0.25f * poses.speed * static_cast<float>(shot.exposure);
       DarkenNearOwnCar(poses.body_from_world[static_cast<size_t>(sample)], point);
     }
-    if (shot.with_semantics && point.is_ground && drivable.At(point.position.x(), point.position.y()))
+    if (shot.with_semantics && point.is_ground && drivable[point.material].At(point.position.x(), point.position.y()))
       ++result.drivable[lane / kSamplesPerPixel];
   }
   FindSun(poses, is_surface, points);

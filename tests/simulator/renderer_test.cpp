@@ -21,17 +21,16 @@ struct Marker {
 /// Black ground and black walls around the car, before them white plates that face it.
 struct MarkerWorld {
   std::vector<Marker> markers;
-  Scene scene{.layout = {},
-              .terrain = Terrain(1, 0),
+  Scene scene{.place = {},
               .sky = Sky(1),
-              .ground_colors = GroundCanvas({-1, -1}, {1, 1}, 0.1),
+              .ground_colors = {GroundCanvas({-1, -1}, {1, 1}, 0.1)},
               .ground = {},
               .objects = {},
               .materials = {Material{.albedo = Gray(0)}, Material{.albedo = Gray(0.9f)}},
               .own_car = {}};
 
   MarkerWorld() {
-    scene.ground_colors.Finish();
+    scene.ground_colors[0].Finish();
     scene.ground.AddQuad({{{-50, -50, 0}, {50, -50, 0}, {50, 50, 0}, {-50, 50, 0}}}, 0);
     for (const double side : {-1.0, 1.0}) {
       scene.objects.AddBox({15 * side, 0, 5}, {0.1, 15, 7}, 0, 0);
@@ -180,7 +179,7 @@ class LotPictures : public testing::Test {
     scene_ = new Scene(BuildScene("lot", {.seed = 5, .ground_texel = 0.02}));
     rig_ = new Rig(MakeSimulatedRig({}, 5));
     renderer_ = new Renderer(*scene_, *rig_, kHalfFieldOfView);
-    plan_ = new DrivePlan(PlanDrive(scene_->layout, scene_->terrain, 40, 5));
+    plan_ = new DrivePlan(PlanDrive(scene_->place, 40, 5));
   }
   static void TearDownTestSuite() {
     delete plan_;
@@ -226,12 +225,13 @@ TEST_F(LotPictures, TheDrivableMaskAgreesWithThePlanOfTheLot) {
     const Rigid3 camera_from_world =
         (plan_->motion.WorldFromBody(time) * rig_->cameras[camera].body_from_camera).Inverse();
     int num_wrong = 0, num_checked = 0;
-    for (double x = 0.5; x < scene_->layout.length; x += 0.31) {
-      for (double y = 0.5; y < scene_->layout.width; y += 0.31) {
-        if (scene_->layout.IsDrivable({x, y})) continue;
+    const GroundSheet& sheet = scene_->place.ground.sheets()[0];
+    for (double x = 0.5; x < sheet.max.x(); x += 0.31) {
+      for (double y = 0.5; y < sheet.max.y(); y += 0.31) {
+        if (scene_->place.is_drivable(0, {x, y})) continue;
         // A place that is no drivable ground must not be marked, whatever stands on it.
-        const auto pixel = rig_->cameras[camera].model.Project(camera_from_world *
-                                                               Eigen::Vector3d(x, y, scene_->terrain.Height(x, y)));
+        const auto pixel =
+            rig_->cameras[camera].model.Project(camera_from_world * Eigen::Vector3d(x, y, sheet.height({x, y})));
         if (!pixel || !rig_->cameras[camera].model.IsInImage(*pixel, 2)) continue;
         const cv::Point place(static_cast<int>(std::lround(pixel->x())), static_cast<int>(std::lround(pixel->y())));
         if (mask.at<std::uint8_t>(place) == 0) continue;

@@ -16,7 +16,7 @@ float Detail(const MipTexture& texture, float u, float v, float footprint, float
 
 Color GroundAlbedo(const Scene& scene, const SurfacePoint& point, float footprint) {
   const float x = point.position.x(), y = point.position.y();
-  const Color painted = scene.ground_colors.Sample(x, y, footprint);
+  const Color painted = scene.ground_colors[point.material].Sample(x, y, footprint);
   if (footprint > 0.06f) return painted;  // stones of a centimetre average out
   static const MipTexture& aggregate = DetailTexture(TextureKind::kAggregate);
   return painted * std::max(0.2f, 1 + 0.20f * Detail(aggregate, x, y, footprint, 0.9f));

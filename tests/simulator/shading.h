@@ -14,7 +14,7 @@ struct SurfacePoint {
   float motion = 0;                                    ///< [m] that the surface is smeared while this ray gathers light
   float ambient = 1;                                   ///< share of the sky that is not hidden
   float sun = 0;                                       ///< share of the sun that is not hidden, times the cosine
-  bool is_ground = false;                              ///< coloured by Scene::ground_colors, not by `material`
+  bool is_ground = false;                              ///< `material` counts Scene::ground_colors
   MaterialId material = 0;
 };
 

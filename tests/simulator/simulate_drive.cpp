@@ -163,7 +163,7 @@ nlohmann::json SimulateDrive(const SimulateOptions& options, const OutputPaths& 
   Rig rig = MakeSimulatedRig(options.rig, seed);
   const Renderer renderer(scene, rig, kHalfFieldOfView);
   for (size_t camera = 0; camera < rig.cameras.size(); ++camera) rig.cameras[camera].mask = renderer.Mask(camera);
-  const DrivePlan plan = PlanDrive(scene.layout, scene.terrain, options.duration, seed);
+  const DrivePlan plan = PlanDrive(scene.place, options.duration, seed);
   const double scene_seconds = watch.Lap();
 
   SensorRecords records;
@@ -183,7 +183,7 @@ nlohmann::json SimulateDrive(const SimulateOptions& options, const OutputPaths& 
   fs::create_directories(rig_folder);
   WriteRig(RigForOutput(rig, out.log), rig_folder);
   WriteTruthTrajectory(plan.motion, rig.body_from_imu, DriveEpoch(seed), truth / "truth.tum");
-  WritePly(DrivableSurface(scene.layout, scene.terrain), truth / "ground_truth.ply");
+  WritePly(DrivableSurface(scene.place), truth / "ground_truth.ply");
   nlohmann::json summary = Summary(options, plan, records, images);
   const double num_images = static_cast<double>(std::max<size_t>(1, images.num_images));
   summary["timings"] = {{"scene_s", scene_seconds},

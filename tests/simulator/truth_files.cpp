@@ -18,32 +18,40 @@ void AppendBytes(std::string& content, const T& value) {
   std::memcpy(content.data() + size, &value, sizeof(T));
 }
 
-}  // namespace
-
-TriangleMesh DrivableSurface(const LotLayout& layout, const Terrain& terrain) {
+void AppendSheet(const Place& place, size_t sheet_index, TriangleMesh& mesh) {
   constexpr double kStep = 0.1;  // [m]
-  const int columns = static_cast<int>(layout.length / kStep), rows = static_cast<int>(layout.width / kStep);
-  TriangleMesh mesh;
+  const GroundSheet& sheet = place.ground.sheets()[sheet_index];
+  const Eigen::Vector2d size = sheet.max - sheet.min;
+  const int columns = static_cast<int>(size.x() / kStep), rows = static_cast<int>(size.y() / kStep);
   std::vector<int> indices(static_cast<size_t>((columns + 1) * (rows + 1)), -1);
   const auto vertex = [&](int column, int row) {
     int& index = indices[static_cast<size_t>(row * (columns + 1) + column)];
     if (index < 0) {
       index = static_cast<int>(mesh.vertices.size());
-      const double x = kStep * column, y = kStep * row;
-      mesh.vertices.push_back(Eigen::Vector3d(x, y, terrain.Height(x, y)).cast<float>());
-      mesh.normals.push_back(terrain.Normal(x, y).cast<float>());
+      const Eigen::Vector2d xy = sheet.min + kStep * Eigen::Vector2d(column, row);
+      const double height = sheet.height(xy);
+      mesh.vertices.push_back(Eigen::Vector3d(xy.x(), xy.y(), height).cast<float>());
+      mesh.normals.push_back(place.ground.Normal(xy, height).cast<float>());
     }
     return static_cast<std::uint32_t>(index);
   };
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      if (!layout.IsDrivable({kStep * (column + 0.5), kStep * (row + 0.5)})) continue;
+      const Eigen::Vector2d center = sheet.min + kStep * Eigen::Vector2d(column + 0.5, row + 0.5);
+      if (!sheet.Covers(center) || !place.is_drivable(sheet_index, center)) continue;
       const std::uint32_t a = vertex(column, row), b = vertex(column + 1, row), c = vertex(column + 1, row + 1),
                           d = vertex(column, row + 1);
       mesh.triangles.push_back({a, b, c});
       mesh.triangles.push_back({a, c, d});
     }
   }
+}
+
+}  // namespace
+
+TriangleMesh DrivableSurface(const Place& place) {
+  TriangleMesh mesh;
+  for (size_t sheet = 0; sheet < place.ground.sheets().size(); ++sheet) AppendSheet(place, sheet, mesh);
   return mesh;
 }
 

@@ -5,15 +5,14 @@
 #include "core/rigid3.h"
 #include "core/timestamp.h"
 #include "core/triangle_mesh.h"
-#include "tests/simulator/lot_layout.h"
 #include "tests/simulator/motion.h"
-#include "tests/simulator/terrain.h"
+#include "tests/simulator/place.h"
 
 namespace parkade::simulator {
 
-/// The drivable ground as a mesh in world: squares of 10 cm, without islands and
-/// what parked cars stand on.
-TriangleMesh DrivableSurface(const LotLayout& layout, const Terrain& terrain);
+/// The drivable ground as a mesh in world, all its levels: squares of 10 cm, without
+/// islands and what parked cars stand on.
+TriangleMesh DrivableSurface(const Place& place);
 
 /// Binary PLY: float x, y, z [m] and triangles. Whole or not at all.
 void WritePly(const TriangleMesh& mesh, const std::filesystem::path& file);

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/simulator/ground.h"
+#include "tests/simulator/rectangle.h"
+
+namespace parkade::simulator {
+
+struct SceneOptions {
+  std::uint64_t seed = 1;      ///< of the place
+  double relief = 1;           ///< scales the slopes of the ground
+  double ground_texel = 0.01;  ///< [m] of painted asphalt; larger is quicker to make
+};
+
+/// A marked parking space.
+struct ParkingSlot {
+  Rectangle outline;  ///< x runs from the aisle into the slot
+  double height = 0;  ///< [m] of the ground in its middle
+  std::string kind = "standard";
+  bool is_occupied = false;
+};
+
+/// What a drive should be like.
+struct RouteWish {
+  double length = 100;        ///< [m]; the rounds that come closest to it are driven
+  bool is_reversed = false;   ///< the other way around
+  bool turns_around = false;  ///< changes its direction on the way: one place is seen from both sides
+  bool ends_in_slot = false;  ///< asks for RoutePlan::slot
+  std::uint64_t seed = 1;     ///< of the driver's swings
+};
+
+/// A plausible drive through a place.
+struct RoutePlan {
+  /// x, y and a hint of the height [m]; at least two.
+  std::vector<Eigen::Vector3d> waypoints;
+  double corner_radius = 6.2;  ///< [m] for Route
+  /// A free slot beside the last side of the route, for those who end in one:
+  /// the car's middle comes to stand in its middle, its nose towards the aisle.
+  std::optional<ParkingSlot> slot;
+};
+
+/// Where one can drive, without what it looks like: quick to make.
+struct Place {
+  std::string name;
+  Ground ground;
+  std::vector<ParkingSlot> slots;
+  /// Whether a car may drive on a point of a sheet of `ground`, within its part: neither kerb nor parked car.
+  std::function<bool(size_t sheet, const Eigen::Vector2d&)> is_drivable;
+  /// Whether a roof hides the sky from a point of the world: no GNSS there.
+  std::function<bool(const Eigen::Vector3d&)> is_covered;
+  std::function<RoutePlan(const RouteWish&)> plan_route;
+};
+
+/// The scenes there are.
+const std::vector<std::string>& SceneNames();
+
+/// The same options give the same place. Throws Error{kUsage} naming the scenes
+/// there are for any other name.
+Place PlanPlace(const std::string& name, const SceneOptions& options);
+
+}  // namespace parkade::simulator
