@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "core/error.h"
 #include "server/ingest/camera_info_model.h"
@@ -27,12 +28,23 @@ std::string FolderOf(std::string_view topic) {
   return slash == std::string_view::npos ? "" : std::string(topic.substr(0, slash));
 }
 
+/// "cam_left" of "cam_left/image_raw"; a topic with a name of its own, as "cam_left", is the camera itself,
+/// unless a CameraInfo lies beside it.
+std::string CameraOf(std::string_view plain_topic, const std::set<std::string>& folders_with_info) {
+  const std::string folder = FolderOf(plain_topic);
+  const bool is_in_folder = LastPart(plain_topic).starts_with("image") || folders_with_info.contains(folder);
+  return is_in_folder ? folder : std::string(plain_topic);
+}
+
 bool IsRectified(const std::string& topic) { return LastPart(PlainTopic(topic)).starts_with("image_rect"); }
 
 /// Reads what a rig needs as it passes.
 class RigCollector {
  public:
   explicit RigCollector(const MessageSource& source) : topics_(source.topics()) {
+    std::set<std::string> folders_with_info;
+    for (const auto& topic : topics_)
+      if (topic.type == "sensor_msgs/CameraInfo") folders_with_info.insert(FolderOf(PlainTopic(topic.topic)));
     std::map<std::string, CameraTopics> cameras;
     std::vector<std::string> imus;
     for (std::size_t i = 0; i < topics_.size(); ++i) {
@@ -43,7 +55,8 @@ class RigCollector {
       }
       const std::string_view plain = PlainTopic(topics_[i].topic);
       if (type == "sensor_msgs/CameraInfo") cameras[FolderOf(plain)].info_topic = static_cast<int>(i);
-      if (IsImageType(type) && LastPart(plain) != "semantic") AddImageTopic(cameras[FolderOf(plain)], i);
+      if (IsImageType(type) && LastPart(plain) != "semantic")
+        AddImageTopic(cameras[CameraOf(plain, folders_with_info)], i);
       if (type == "tf2_msgs/TFMessage" && plain.ends_with("tf_static"))
         transform_topics_.push_back(static_cast<int>(i));
     }
@@ -100,12 +113,13 @@ class RigCollector {
   std::vector<std::string> FindMissing() const {
     if (!imu_frame_) return {"the IMU topic has no message"};
     std::vector<std::string> missing, frames;
+    if (PlainFrame(*imu_frame_).empty()) missing.push_back("the messages of the IMU name no frame");
     for (const CameraTopics& camera : cameras_) {
       if (!camera.info) missing.push_back("camera /" + camera.folder + " has no CameraInfo");
       const std::string frame = FrameOf(camera);
       if (frame.empty())
         missing.push_back("the images of camera /" + camera.folder + " name no frame");
-      else if (!transforms_.Find(*imu_frame_, frame))
+      else if (!PlainFrame(*imu_frame_).empty() && !transforms_.Find(*imu_frame_, frame))
         frames.push_back(frame);
     }
     if (!frames.empty())

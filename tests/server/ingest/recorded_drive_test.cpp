@@ -16,6 +16,7 @@ constexpr std::int64_t kBegin = 1'700'000'000'000'000'000, kMs = 1'000'000;
 struct LogPlan {
   int milliseconds = 3000;
   std::vector<std::string> cameras = {"/cam_front", "/cam_left"};
+  std::string image_name = "/image_raw";
   int image_latency_ms = 0;  ///< how much later than its stamp an image stands in the log
   bool has_info = true, has_transforms = true, has_imu = true;
   std::string distortion_model = "plumb_bob";
@@ -51,7 +52,7 @@ MemorySource MakeLog(const LogPlan& plan, MessageEncoding encoding = MessageEnco
                 CameraInfoBytes(log.Writer(), stamp, camera.substr(1), {.model = plan.distortion_model}));
       ImageValues image{64, 48, 64, "mono8", false, std::vector<std::uint8_t>(64 * 48)};
       std::fill(image.data.begin(), image.data.end(), static_cast<std::uint8_t>(stamp_ms / 50));
-      log.Add(camera + "/image_raw", "sensor_msgs/Image", now,
+      log.Add(camera + plan.image_name, "sensor_msgs/Image", now,
               ImageBytes(log.Writer(), stamp, camera.substr(1), image));
     }
   }
@@ -150,6 +151,16 @@ TEST(RecordedDrive, TheRigComesFromCameraInfoAndStaticTransforms) {
   EXPECT_EQ(lens.fx, 40);
   EXPECT_EQ(lens.fy, 41);
   EXPECT_EQ(lens.distortion.k3, 0.003);
+}
+
+TEST(RecordedDrive, ATopicMayBeNamedAsItsCamera) {
+  const auto drive = Open(MakeLog({.image_name = ""}));
+
+  ASSERT_EQ(drive->rig().cameras.size(), 2u);
+  EXPECT_EQ(drive->rig().cameras[1].topic, "/cam_left");
+  EXPECT_EQ(WhatOpeningThrows(MakeLog({.image_name = "", .has_info = false, .has_transforms = false})),
+            "no rig: camera /cam_front has no CameraInfo, camera /cam_left has no CameraInfo and /tf_static has no "
+            "transform from imu_link to cam_front and cam_left");
 }
 
 TEST(RecordedDrive, VendorsSpellingsOfTheFisheyeLensAreKnown) {
