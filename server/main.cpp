@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
   parkade::AddServeCommand(app, action);
   parkade::AddInspectCommand(app, action);
   parkade::AddEvaluateCommand(app, action);
+  parkade::AddPoseGraphCommand(app, action);
 
   try {
     app.parse(argc, argv);

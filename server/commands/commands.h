@@ -13,5 +13,6 @@ void AddMapCommand(CLI::App& app, Action& action);
 void AddServeCommand(CLI::App& app, Action& action);
 void AddInspectCommand(CLI::App& app, Action& action);
 void AddEvaluateCommand(CLI::App& app, Action& action);
+void AddPoseGraphCommand(CLI::App& app, Action& action);
 
 }  // namespace parkade

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "slam/optimize_pose_graph.h"
+
+namespace parkade {
+
+struct RobustPoseGraphOptions {
+  PoseGraphOptions graph;
+  double mu_step = 2;       ///< factor on the control parameter per round: smaller is slower and surer
+  bool adapts_noise = true; /**< Where the accepted loops agree far better than their information says, the bound is
+                               lowered to what they show, never raised. */
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("graph", graph);
+    visit("mu_step", mu_step);
+    visit("adapts_noise", adapts_noise);
+  }
+  void Validate() const;  ///< throws Error{kUsage}
+};
+
+struct RobustPoseGraphSummary {
+  PoseGraphSummary solve;           ///< the last solve, with the accepted edges only
+  std::vector<double> weights;      ///< per edge, 0 rejected or 1 accepted; trusted edges have 1
+  std::vector<double> chi_squared;  ///< per edge, squared error at the result, by the objective
+  double noise_scale = 1;           ///< sigma that the accepted loops show, relative to what their information says
+  int num_rounds = 0;               ///< weighted solves of the continuation
+};
+
+/// As OptimizePoseGraph, but edges that are not trusted may be wrong: truncated least squares by graduated
+/// non-convexity. H. Yang et al., "Graduated Non-Convexity for Robust Spatial Perception", RA-L 2020, eq. 12-14: starts
+/// with all edges, then lets the surrogate cost approach truncation at the 99 % quantile of chi^2.
+RobustPoseGraphSummary OptimizePoseGraphRobustly(const RobustPoseGraphOptions& options, PoseGraph& graph);
+
+/// 99 % quantile of chi^2 with 1 to 6 degrees of freedom.
+double ChiSquared99(int degrees_of_freedom);
+
+}  // namespace parkade
