@@ -1,5 +1,6 @@
 #include "server/http/serve.h"
 
+#include <pthread.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -27,9 +28,11 @@ void Wake(int) {
   errno = saved;
 }
 
-/// Hears SIGTERM and SIGINT, whichever thread the kernel hands them to, and acts in a
-/// thread of its own, where anything may be called. A blocked mask with sigwait is not
-/// enough: libraries start threads before main (OpenBLAS does), which leave signals open.
+/// Hears SIGTERM and SIGINT, and acts in a thread of its own, where anything may be called.
+/// Our threads leave the signals to that one: a handler would disturb what they do. But
+/// libraries start threads before main (OpenBLAS does) that leave signals open, so that
+/// whichever thread the kernel picks there is a handler, and not the default: the end.
+/// To be made before any other thread of ours.
 class SignalWaiter {
  public:
   SignalWaiter() {
@@ -42,6 +45,9 @@ class SignalWaiter {
     ::sigaction(SIGTERM, &action, &terminate_before_);
     ::sigaction(SIGINT, &action, &interrupt_before_);
     std::signal(SIGPIPE, SIG_IGN);
+    sigemptyset(&signals_);
+    for (const int signal : {SIGTERM, SIGINT}) sigaddset(&signals_, signal);
+    ::pthread_sigmask(SIG_BLOCK, &signals_, &mask_before_);
   }
   ~SignalWaiter() {
     ::sigaction(SIGTERM, &terminate_before_, nullptr);
@@ -51,6 +57,7 @@ class SignalWaiter {
     if (thread_.joinable()) thread_.join();
     wake_fd = -1;
     ::close(event_fd_);
+    ::pthread_sigmask(SIG_SETMASK, &mask_before_, nullptr);
   }
   SignalWaiter(const SignalWaiter&) = delete;
   SignalWaiter& operator=(const SignalWaiter&) = delete;
@@ -59,6 +66,7 @@ class SignalWaiter {
   template <typename Action>
   void Start(Action action) {
     thread_ = std::thread([this, action] {
+      ::pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
       std::uint64_t count = 0;
       while (::read(event_fd_, &count, sizeof(count)) < 0 && errno == EINTR) {
       }
@@ -68,6 +76,7 @@ class SignalWaiter {
 
  private:
   int event_fd_ = -1;
+  sigset_t signals_{}, mask_before_{};
   std::atomic<bool> is_ending_ = false;
   struct sigaction terminate_before_ {
   }, interrupt_before_{};

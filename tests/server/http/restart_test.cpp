@@ -182,7 +182,7 @@ TEST_F(Restart, ASecondServiceOnTheSameDataEndsAtOnceWithASentence) {
   ServiceProcess second(data_);
   const int status = second.Wait();
 
-  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(1));
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(10));  // and does not wait for the first
   EXPECT_EQ(WEXITSTATUS(status), 1);
   EXPECT_NE(second.Said().find("another service already uses the data directory"), std::string::npos);
 }
