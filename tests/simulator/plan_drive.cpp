@@ -2,81 +2,147 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "tests/simulator/noise.h"
+#include "tests/simulator/parking_manoeuvre.h"
 #include "tests/simulator/random.h"
+#include "tests/simulator/speed_profile.h"
+#include "tests/simulator/suspension.h"
 
 namespace parkade::simulator {
 namespace {
 
-constexpr double kHighestSpeed = 6;   // [m/s]
 constexpr double kLowestSpeed = 1.5;  // [m/s]
 constexpr int kSpeedSteps = 20;       // bisection
 
-/// Unevenness of the road under the wheels at a distance [m] along the route:
+/// Unevenness of the road under the wheels at a way [m] along the route:
 /// metres up, and radians of pitch and roll.
-Eigen::Vector3d Roughness(double distance, std::uint32_t seed) {
-  const float s = static_cast<float>(distance);
+Eigen::Vector3d Roughness(double way, std::uint32_t seed) {
+  const float s = static_cast<float>(way);
   return Eigen::Vector3d(0.0012 * FractalNoise(1.1f * s, 0.5f, 2, seed), 0.0012 * FractalNoise(0.8f * s, 1.5f, 2, seed),
                          0.0012 * FractalNoise(0.7f * s, 2.5f, 2, seed));
 }
 
-/// Body pose on the ground at `time`.
-PoseVector PoseOnGround(const Route& route, const SpeedProfile& profile, const Ground& ground, double time,
-                        std::uint32_t seed) {
-  constexpr double kPitchPerAcceleration = -0.004, kRollPerAcceleration = 0.006;  // [rad/(m/s^2)]
-  const double distance = profile.Distance(time);
-  const Eigen::Vector2d position = route.Position(distance);
-  const double heading = route.Heading(distance), near_z = route.HeightHint(distance), speed = profile.Speed(time);
-  const Eigen::Vector2d gradient = ground.Gradient(position, near_z);
-  const double slope_ahead = gradient.dot(Eigen::Vector2d(std::cos(heading), std::sin(heading)));
-  const double slope_left = gradient.dot(Eigen::Vector2d(-std::sin(heading), std::cos(heading)));
-  const Eigen::Vector3d shake = Roughness(distance, seed);
-  const double lateral_acceleration = speed * speed * route.Curvature(distance);
-  PoseVector pose;
-  // Rotation about the left axis by +pitch lowers the nose.
-  pose << position, ground.Height(position, near_z) + shake[0], heading,
-      -std::atan(slope_ahead) + kPitchPerAcceleration * profile.Acceleration(time) + shake[1],
-      std::atan(slope_left * std::cos(std::atan(slope_ahead))) + kRollPerAcceleration * lateral_acceleration + shake[2];
-  return pose;
+/// All that the body's pose follows from.
+struct Ride {
+  const DrivePath& path;
+  const SpeedProfile& profile;
+  const Suspension& suspension;
+  const Ground& ground;
+  std::uint32_t shake_seed;
+
+  PoseVector PoseAt(double time) const {
+    const PathPoint at = path.At(profile.LegAt(time), profile.DistanceInLeg(time));
+    const Eigen::Vector2d gradient = ground.Gradient(at.position, at.near_z);
+    const double slope_ahead = gradient.dot(Eigen::Vector2d(std::cos(at.heading), std::sin(at.heading)));
+    const double slope_left = gradient.dot(Eigen::Vector2d(-std::sin(at.heading), std::cos(at.heading)));
+    const Eigen::Vector3d shake = Roughness(profile.Way(time), shake_seed);
+    PoseVector pose;
+    // Rotation about the left axis by +pitch lowers the nose.
+    pose << at.position, ground.Height(at.position, at.near_z) + shake[0], at.heading,
+        -std::atan(slope_ahead) + suspension.Pitch(time) + shake[1],
+        std::atan(slope_left * std::cos(std::atan(slope_ahead))) + suspension.Roll(time) + shake[2];
+    return pose;
+  }
+};
+
+SpeedOptions SpeedOptionsOf(const DriverOptions& driver) {
+  return {.max_speed = driver.max_speed,
+          .initial_stand = driver.initial_stand,
+          .stops = driver.stops,
+          .leg_stands = {0, driver.leaves_slot ? driver.parked_stand : 0},
+          .final_stand = driver.parks && !driver.leaves_slot ? driver.parked_stand : driver.final_stand,
+          .rolling_speed = driver.rolling_start};
 }
 
-/// The slowest top speed for which the route is driven within `duration`, or the
+/// The slowest top speed for which the path is driven within `duration`, or the
 /// highest allowed.
-SpeedOptions FitSpeed(const Route& route, double duration) {
-  SpeedOptions slow, fast;
+SpeedOptions FitSpeed(const DrivePath& path, const DriverOptions& driver, double duration) {
+  SpeedOptions slow = SpeedOptionsOf(driver), fast = slow;
   slow.max_speed = kLowestSpeed;
-  fast.max_speed = kHighestSpeed;
   for (int i = 0; i < kSpeedSteps; ++i) {
-    SpeedOptions middle;
+    SpeedOptions middle = fast;
     middle.max_speed = (slow.max_speed + fast.max_speed) / 2;
-    (SpeedProfile(route, middle).Duration() > duration ? slow : fast) = middle;
+    (SpeedProfile(path, middle).Duration() > duration ? slow : fast) = middle;
   }
   return fast;
 }
 
-double MinRadius(const Route& route) {
-  double max_curvature = 1e-9;
-  for (double s = 0; s < route.Length(); s += 0.05)
-    max_curvature = std::max(max_curvature, std::abs(route.Curvature(s)));
-  return 1 / max_curvature;
+/// What is driven for `duration` [s] at an ordinary speed, without the time that the car stands.
+double LengthFor(double duration, const DriverOptions& driver) {
+  constexpr double kTypicalSpeed = 3, kSlowing = 1, kParking = 12;  // [m/s], [s] lost at the start and in reverse
+  const double standing = driver.initial_stand + driver.final_stand + kSlowing +
+                          (driver.parks ? driver.parked_stand + kParking : 0) +
+                          std::accumulate(driver.stops.begin(), driver.stops.end(), 0.0);
+  return std::max(0.0, (duration - standing) * kTypicalSpeed);
+}
+
+/// The path, and whether it ends in a slot.
+struct PlannedPath {
+  DrivePath path;
+  bool is_parked = false;
+};
+
+/// Leaves out the beginning of what is longer than `length` [m].
+void StartLater(std::vector<Leg>& legs, double length) {
+  Route& first = legs.front().route;
+  first = first.Part(std::max(0.0, DrivePath(legs).Length() - length), first.Length());
+}
+
+PlannedPath PlanPath(const Place& place, const DriverOptions& driver, double duration, std::uint64_t seed) {
+  RouteWish wish{.length = driver.length > 0 ? driver.length : LengthFor(duration, driver),
+                 .is_reversed = driver.is_opposite,
+                 .turns_around = driver.turns_around,
+                 .ends_in_slot = driver.parks,
+                 .seed = seed};
+  RoutePlan plan = place.plan_route(wish);
+  if (driver.parks) {
+    if (auto legs = PlanParking(place, plan, driver.leaves_slot)) {
+      if (driver.length > 0) StartLater(*legs, driver.length);
+      return {DrivePath(std::move(*legs)), true};
+    }
+  }
+  Route route(plan.waypoints, plan.corner_radius);
+  if (driver.length == 0) return {DrivePath({{route, false}})};
+  // Where no number of rounds has the length, a longer drive is cut off.
+  constexpr double kTolerance = 0.08;
+  for (int attempt = 0; attempt < 4 && route.Length() < (1 - kTolerance) * driver.length; ++attempt) {
+    wish.length *= 1.3;
+    plan = place.plan_route(wish);
+    route = Route(plan.waypoints, plan.corner_radius);
+  }
+  if (route.Length() > (1 + kTolerance) * driver.length) route = route.Part(0, driver.length);
+  return {DrivePath({{route, false}})};
 }
 
 }  // namespace
 
 DrivePlan PlanDrive(const Place& place, double duration, std::uint64_t seed) {
-  constexpr double kTypicalSpeed = 3, kStanding = 6.5;  // [m/s], [s]
-  const RoutePlan wanted =
-      place.plan_route({.length = std::max(0.0, (duration - kStanding) * kTypicalSpeed), .seed = seed});
-  const Route route(wanted.waypoints, wanted.corner_radius);
-  const SpeedProfile profile(route, FitSpeed(route, duration));
-  const std::uint32_t shake_seed = static_cast<std::uint32_t>(Mix64(seed));
-  const auto pose_at = [&](double time) { return PoseOnGround(route, profile, place.ground, time, shake_seed); };
-  DrivePlan plan{Motion(pose_at, duration)};
-  plan.length = profile.Distance(duration);
-  plan.min_radius = MinRadius(route);
-  for (double time = 0; time < duration; time += 0.05) plan.max_speed = std::max(plan.max_speed, profile.Speed(time));
-  plan.returns_to_start = profile.Duration() <= duration + 1e-6;
+  return PlanDrive(place, DriverOptions{}, duration, seed);
+}
+
+DrivePlan PlanDrive(const Place& place, const DriverOptions& driver, double duration, std::uint64_t seed) {
+  const PlannedPath planned = PlanPath(place, driver, duration, seed);
+  const DrivePath& path = planned.path;
+  const SpeedProfile profile(path, driver.length > 0 ? SpeedOptionsOf(driver) : FitSpeed(path, driver, duration));
+  const double end = driver.length > 0 ? profile.Duration() : duration;
+  const auto push_at = [&](double time) {
+    const double speed = profile.Speed(time), distance = profile.DistanceInLeg(time);
+    return Suspension::Push{profile.Acceleration(time),
+                            speed * speed * path.At(profile.LegAt(time), distance).curvature};
+  };
+  const Suspension suspension(push_at, end, driver.suspension);
+  const Ride ride{path, profile, suspension, place.ground, static_cast<std::uint32_t>(Mix64(seed))};
+  DrivePlan plan{Motion([&](double time) { return ride.PoseAt(time); }, end)};
+  plan.length = profile.Travelled(end);
+  plan.min_radius = path.MinRadius();
+  for (double time = 0; time < end; time += 0.05)
+    plan.max_speed = std::max(plan.max_speed, std::abs(profile.Speed(time)));
+  const auto position_at = [&](double time) { return plan.motion.WorldFromBody(time).translation; };
+  plan.returns_to_start = (position_at(end) - position_at(0)).norm() < 10;
+  plan.num_reversals = static_cast<int>(path.legs().size()) - 1;
+  plan.is_parked = planned.is_parked;
   return plan;
 }
 

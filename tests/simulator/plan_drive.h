@@ -1,8 +1,8 @@
 #pragma once
 
+#include "tests/simulator/driver_options.h"
 #include "tests/simulator/motion.h"
 #include "tests/simulator/place.h"
-#include "tests/simulator/speed_profile.h"
 
 namespace parkade::simulator {
 
@@ -11,12 +11,17 @@ struct DrivePlan {
   double length = 0;              ///< [m] travelled
   double min_radius = 0;          ///< [m] of the route
   double max_speed = 0;           ///< [m/s]
-  bool returns_to_start = false;  ///< false: the drive was too short for a round
+  bool returns_to_start = false;  ///< ends within 10 m of its start
+  int num_reversals = 0;          ///< changes between forward and reverse
+  bool is_parked = false;         ///< whether it backed into a slot
 };
 
 /// A drive of `duration` [s] around the place: stands, drives the rounds that
-/// fit at 1.5 to 6 m/s, stops once on the way, and ends 3 m past its start. The body
-/// follows the ground, leans with acceleration and shakes a little on the road.
+/// fit at 1.5 to 6 m/s, stops once on the way, and ends 3 m past its start.
 DrivePlan PlanDrive(const Place& place, double duration, std::uint64_t seed);
+
+/// The drive of these options; `duration` counts where they name no length. The body follows the ground, leans with
+/// acceleration and shakes a little on the road.
+DrivePlan PlanDrive(const Place& place, const DriverOptions& driver, double duration, std::uint64_t seed);
 
 }  // namespace parkade::simulator

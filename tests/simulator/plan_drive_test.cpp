@@ -93,5 +93,70 @@ TEST(PlanDrive, ALongDriveMakesSeveralRounds) {
   EXPECT_GT(plan.length, 280);
 }
 
+TEST(PlanDrive, ADriveHasTheLengthAskedFor) {
+  const Place place = PlanPlace("lot", {.seed = 3});
+  for (const double length : {44.0, 194.0, 437.0}) {
+    const DrivePlan plan = PlanDrive(place, {.length = length}, 0, 3);
+    EXPECT_NEAR(plan.length, length, 0.09 * length);
+    EXPECT_LE(plan.max_speed, 6.01);
+  }
+}
+
+TEST(PlanDrive, TheOtherWayAroundIsTheOtherWayAround) {
+  const Place place = PlanPlace("lot", {.seed = 3});
+  const auto direction_at = [&](const DrivePlan& plan) {
+    return Eigen::Vector3d(plan.motion.WorldFromBody(0).rotation * Eigen::Vector3d::UnitX());
+  };
+  const DrivePlan forth = PlanDrive(place, {.length = 150}, 0, 3),
+                  back = PlanDrive(place, {.length = 150, .is_opposite = true}, 0, 3);
+
+  EXPECT_LT(direction_at(forth).dot(direction_at(back)), -0.9);
+}
+
+/// Drives that end in a slot, on several lots.
+class ParkingDrive : public testing::TestWithParam<int> {
+ protected:
+  const std::uint64_t seed_ = static_cast<std::uint64_t>(GetParam());
+  const LotLayout layout_ = PlanLot(seed_);
+  const Place place_ = PlanPlace("lot", {.seed = seed_});
+  const DrivePlan plan_ = PlanDrive(place_, {.length = 60, .parks = true, .leaves_slot = true}, 0, seed_);
+};
+
+TEST_P(ParkingDrive, BacksIntoAFreeSlotAndLeavesItAgain) {
+  ASSERT_TRUE(plan_.is_parked);
+  EXPECT_EQ(plan_.num_reversals, 2);
+  EXPECT_GE(plan_.min_radius, 5);
+  EXPECT_NEAR(plan_.length, 60, 1);
+  bool was_in_slot = false;
+  for (double time = 0; time < plan_.motion.Duration(); time += 0.1) {
+    const MotionState state = plan_.motion.At(time);
+    if (state.velocity_in_world.norm() > 1e-3) continue;
+    const Eigen::Vector2d middle = (state.world_from_body * Eigen::Vector3d(-RearAxleX(kOwnCarStyle), 0, 0)).head<2>();
+    for (const ParkingSlot& slot : place_.slots)
+      was_in_slot = was_in_slot || (!slot.is_occupied && (slot.outline.center - middle).norm() < 0.3);
+  }
+  EXPECT_TRUE(was_in_slot);
+}
+
+TEST_P(ParkingDrive, TouchesNoCarAndIsSmoothThroughout) {
+  MotionState last = plan_.motion.At(0);
+  for (double time = 0.01; time < plan_.motion.Duration(); time += 0.01) {
+    const MotionState state = plan_.motion.At(time);
+    EXPECT_LT((state.world_from_body.translation - last.world_from_body.translation).norm(), 0.08) << time;
+    EXPECT_LT((state.velocity_in_world - last.velocity_in_world).norm(), 0.05) << time;
+    EXPECT_LT((state.acceleration_in_world - last.acceleration_in_world).norm(), 0.6) << time;
+    EXPECT_LT((state.angular_velocity_in_body - last.angular_velocity_in_body).norm(), 0.03) << time;
+    last = state;
+    for (const double x : {-0.7, 1.2, 3.2}) {
+      for (const double y : {-0.85, 0.85}) {
+        const Eigen::Vector2d corner = (state.world_from_body * Eigen::Vector3d(x, y, 0)).head<2>();
+        for (const ParkedCar& car : layout_.cars) EXPECT_GT(car.footprint.SignedDistance(corner), 0.05) << time;
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, ParkingDrive, testing::Values(1, 2, 5));
+
 }  // namespace
 }  // namespace parkade::simulator

@@ -24,14 +24,21 @@ Path Resample(const Path& path, double step) {
   return result;
 }
 
-/// Replaces the corner at `corner` by an arc; heights run straight along it.
-void AppendArc(const Eigen::Vector3d& before, const Eigen::Vector3d& corner, const Eigen::Vector3d& after,
-               double max_radius, Path& path) {
+/// How much of a side an arc may take: half of it is the next arc's, unless it is the first or last side.
+double RoomOn(const Eigen::Vector2d& side, bool is_end) {
+  constexpr double kStraightEnd = 1.6;  // [m] more than what smoothing reaches
+  const double half = 0.499 * side.norm();
+  return is_end ? std::max(half, side.norm() - kStraightEnd) : half;
+}
+
+/// Replaces the corner `index` by an arc; heights run straight along it.
+void AppendArc(const Path& waypoints, size_t index, double max_radius, Path& path) {
+  const Eigen::Vector3d &before = waypoints[index - 1], &corner = waypoints[index], &after = waypoints[index + 1];
   const Eigen::Vector2d side_in = (corner - before).head<2>(), side_out = (after - corner).head<2>();
   const Eigen::Vector2d in = side_in.normalized(), out = side_out.normalized();
   const double turn = std::atan2(in.x() * out.y() - in.y() * out.x(), in.dot(out));
   if (std::abs(turn) < 1e-6) return path.push_back(corner);
-  const double room = 0.499 * std::min(side_in.norm(), side_out.norm());
+  const double room = std::min(RoomOn(side_in, index == 1), RoomOn(side_out, index + 2 == waypoints.size()));
   // A slight bend is driven as a wide arc, a corner as a tight one.
   const double wanted_radius = std::abs(turn) < 0.5 ? 6 * max_radius : max_radius;
   const double radius = std::min(wanted_radius, room / std::tan(std::abs(turn) / 2));
@@ -72,8 +79,7 @@ Path Smoothed(const Path& path, int half) {
 Route::Route(const std::vector<Eigen::Vector3d>& waypoints, double radius) {
   Require(waypoints.size() >= 2, ErrorCode::kInternal, "a route needs two waypoints");
   Path path = {waypoints.front()};
-  for (size_t i = 1; i + 1 < waypoints.size(); ++i)
-    AppendArc(waypoints[i - 1], waypoints[i], waypoints[i + 1], radius, path);
+  for (size_t i = 1; i + 1 < waypoints.size(); ++i) AppendArc(waypoints, i, radius, path);
   path.push_back(waypoints.back());
   path = Resample(path, step_);
   // Three running means make the curvature itself C1.
@@ -87,6 +93,21 @@ Route::Route(const std::vector<Eigen::Vector3d>& waypoints, double radius) {
     previous += std::remainder(heading - previous, 2 * M_PI);
     headings_.push_back(previous);
   }
+}
+
+Route Route::Part(double from, double to) const {
+  constexpr size_t kFewest = 4;
+  const size_t size = points_.size();
+  const size_t begin = std::min(static_cast<size_t>(std::max(0.0, from) / step_), size - kFewest);
+  const size_t end = std::clamp(static_cast<size_t>(std::max(0.0, to) / step_) + 1, begin + kFewest, size);
+  const auto part = [&](const auto& values) {
+    return std::vector(values.begin() + static_cast<std::ptrdiff_t>(begin),
+                       values.begin() + static_cast<std::ptrdiff_t>(end));
+  };
+  Route result = *this;
+  result.points_ = part(points_);
+  result.headings_ = part(headings_);
+  return result;
 }
 
 double Route::Interpolate(const std::vector<double>& values, double distance) const {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,29 @@ TriangleMesh DrivableSurface(const Place& place) {
   TriangleMesh mesh;
   for (size_t sheet = 0; sheet < place.ground.sheets().size(); ++sheet) AppendSheet(place, sheet, mesh);
   return mesh;
+}
+
+void WriteSlots(const Place& place, const SiteDatum& datum, const std::filesystem::path& file) {
+  nlohmann::json features = nlohmann::json::array();
+  for (const ParkingSlot& slot : place.slots) {
+    nlohmann::json ring = nlohmann::json::array();
+    for (const int corner : {0, 1, 2, 3, 0}) {
+      const Eigen::Vector2d xy = slot.outline.Corner(corner);
+      const Geodetic at = GeodeticFromSite(datum, {xy.x(), xy.y(), slot.height});
+      ring.push_back({at.longitude_deg, at.latitude_deg, at.altitude});
+    }
+    const Eigen::Vector2d &center = slot.outline.center, &half = slot.outline.half_size;
+    features.push_back({{"type", "Feature"},
+                        {"geometry", {{"type", "Polygon"}, {"coordinates", {ring}}}},
+                        {"properties",
+                         {{"kind", slot.kind},
+                          {"is_occupied", slot.is_occupied},
+                          {"center", {center.x(), center.y(), slot.height}},
+                          {"size", {2 * half.x(), 2 * half.y()}},
+                          {"yaw", slot.outline.yaw}}}});
+  }
+  const nlohmann::json collection = {{"type", "FeatureCollection"}, {"features", features}};
+  WriteFileAtomically(file, collection.dump() + "\n");
 }
 
 void WritePly(const TriangleMesh& mesh, const std::filesystem::path& file) {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "core/geo.h"
 #include "core/rigid3.h"
 #include "core/timestamp.h"
 #include "core/triangle_mesh.h"
@@ -13,6 +14,10 @@ namespace parkade::simulator {
 /// The drivable ground as a mesh in world, all its levels: squares of 10 cm, without
 /// islands and what parked cars stand on.
 TriangleMesh DrivableSurface(const Place& place);
+
+/// GeoJSON of the parking slots: outlines in WGS84, and in `properties` their kind, whether a car stands there, and
+/// where they are in world: `center` [m], `size` [m] along and across, `yaw` [rad].
+void WriteSlots(const Place& place, const SiteDatum& datum, const std::filesystem::path& file);
 
 /// Binary PLY: float x, y, z [m] and triangles. Whole or not at all.
 void WritePly(const TriangleMesh& mesh, const std::filesystem::path& file);
