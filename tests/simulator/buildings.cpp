@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "tests/simulator/lot_layout.h"
+#include "tests/simulator/rectangle.h"
 
 namespace parkade::simulator {
 namespace {
@@ -19,7 +19,7 @@ MaterialId AddMaterial(std::vector<Material>& materials, const Material& materia
   return static_cast<MaterialId>(materials.size() - 1);
 }
 
-FacadeMaterials ChooseMaterials(Random& random, std::vector<Material>& materials) {
+FacadeMaterials ChooseMaterials(Random& random, bool is_lit, std::vector<Material>& materials) {
   static const std::array<Color, 6> tones = {{Rgb(0.42f, 0.20f, 0.14f), Rgb(0.62f, 0.57f, 0.47f),
                                               Rgb(0.55f, 0.56f, 0.55f), Rgb(0.50f, 0.38f, 0.24f),
                                               Rgb(0.30f, 0.30f, 0.31f), Rgb(0.66f, 0.62f, 0.58f)}};
@@ -37,8 +37,11 @@ FacadeMaterials ChooseMaterials(Random& random, std::vector<Material>& materials
   chosen.frame = AddMaterial(materials, {.albedo = random.Chance(0.6) ? Gray(0.70f) : Gray(0.12f)});
   chosen.door = AddMaterial(materials, {.albedo = Rgb(0.12f, 0.16f, 0.14f), .mirror = 0.03f});
   chosen.roof = AddMaterial(materials, {.albedo = Gray(0.15f)});
-  for (MaterialId& pane : chosen.panes)
-    pane = AddMaterial(materials, {.albedo = Gray(static_cast<float>(random.Uniform(0.015, 0.09))), .mirror = 0.09f});
+  for (size_t i = 0; i < chosen.panes.size(); ++i) {
+    const float tone = static_cast<float>(random.Uniform(0.015, 0.09));
+    const Color glow = is_lit && i < 2 ? Color(Rgb(1.0f, 0.75f, 0.42f) * (4 * tone)) : Gray(0);
+    chosen.panes[i] = AddMaterial(materials, {.albedo = Gray(tone), .emission = glow, .mirror = 0.09f});
+  }
   return chosen;
 }
 
@@ -86,7 +89,7 @@ class Facade {
 }  // namespace
 
 void AddBuilding(const BuildingPlan& plan, Random& random, Mesh& mesh, std::vector<Material>& materials) {
-  const FacadeMaterials chosen = ChooseMaterials(random, materials);
+  const FacadeMaterials chosen = ChooseMaterials(random, plan.is_lit, materials);
   const double bottom = plan.base - 1.5, top = plan.base + plan.height;
   const Eigen::Vector3d half(plan.half_size.x(), plan.half_size.y(), (top - bottom) / 2);
   mesh.AddBox({plan.center.x(), plan.center.y(), (top + bottom) / 2}, half, plan.yaw, chosen.wall);

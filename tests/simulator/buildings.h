@@ -14,6 +14,7 @@ struct BuildingPlan {
   double base = 0;          ///< [m] height of the ground
   double height = 8;        ///< [m]
   bool is_detailed = true;  ///< window frames, sills, doors; far ones do without
+  bool is_lit = false;      ///< light in some windows
 };
 
 /// A block with rows of windows on all four sides; no two windows are alike.

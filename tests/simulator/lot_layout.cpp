@@ -50,7 +50,7 @@ bool LotLayout::IsDrivable(const Eigen::Vector2d& point) const {
          std::none_of(cars.begin(), cars.end(), [&](const ParkedCar& car) { return covers(car.footprint); });
 }
 
-LotLayout PlanLot(std::uint64_t seed) {
+LotLayout PlanLot(std::uint64_t seed, int day) {
   Random random(seed, 0x107);
   const int num_slots = 15 + random.Index(4);
   LotLayout lot;
@@ -62,6 +62,11 @@ LotLayout PlanLot(std::uint64_t seed) {
   AddRow(lot, kMargin + 2.5 * kSlotDepth + kAisle, -up, num_slots, true);
   AddRow(lot, kMargin + 3.5 * kSlotDepth + 2 * kAisle, up, num_slots, false);
   ParkCars(lot, random);
+  if (day > 0) {
+    lot.cars.clear();
+    Random other(seed, 0x107000 + static_cast<std::uint64_t>(day));
+    ParkCars(lot, other);
+  }
 
   const double middle = lot.width / 2, island_half = kSlotDepth - 0.4;
   const double cross_x = kLane + kIsland + kSlotWidth * ((num_slots - kCrossLaneSlots) / 2 + kCrossLaneSlots / 2.0);

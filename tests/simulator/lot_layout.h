@@ -31,7 +31,7 @@ struct LotLayout {
   bool IsDrivable(const Eigen::Vector2d& point) const;
 };
 
-/// The same seed gives the same plan.
-LotLayout PlanLot(std::uint64_t seed);
+/// The same seed gives the same plan, but for the parked cars, which change with the day.
+LotLayout PlanLot(std::uint64_t seed, int day = 0);
 
 }  // namespace parkade::simulator

@@ -1,16 +1,12 @@
 #pragma once
 
-#include <vector>
-
-#include "tests/simulator/ground.h"
 #include "tests/simulator/lot_layout.h"
-#include "tests/simulator/mesh.h"
+#include "tests/simulator/props.h"
 
 namespace parkade::simulator {
 
-/// Kerbs, green, parked cars, trees, hedges, lamps, signs, a fence and buildings.
-/// Appends what they are made of to `materials`.
-Mesh MakeLotObjects(const LotLayout& layout, const Ground& ground, std::uint64_t seed,
-                    std::vector<Material>& materials);
+/// Kerbs, green, trees, hedges, lamps, signs, a fence, buildings and parked cars. The cars come last,
+/// so that all else is the same whatever is parked.
+void FurnishLot(const LotLayout& layout, Props& props);
 
 }  // namespace parkade::simulator

@@ -15,6 +15,7 @@ namespace parkade::simulator {
 /// How a surface reflects light.
 struct Material {
   Color albedo = Gray(0.5f);  ///< diffuse reflectance
+  Color emission = Gray(0);   ///< radiance of its own
   float mirror = 0;           ///< share of light reflected as by a mirror, seen head-on
   TextureKind texture = TextureKind::kNone;
   float texture_size = 1;      ///< [m] one period

@@ -44,6 +44,22 @@ float BrickValue(int column, int row) {
   return (is_mortar ? 1.6f : 0.8f * brick) + 0.5f * PeriodicFractal(column, row, 64, 3, 0.7f, 92);
 }
 
+/// Paving slabs in a grid of 8 by 8, each of its own grey, stained.
+float SlabValue(int column, int row) {
+  const int shifted = (column + (row / 64 % 2) * 32) % kSize;
+  const bool is_joint = row % 64 < 2 || shifted % 64 < 2;
+  return (is_joint ? -2.2f : 0.7f * CellValue(shifted / 64, row / 64, 71)) +
+         0.9f * PeriodicFractal(column, row, 8, 6, 0.75f, 72);
+}
+
+/// Cast concrete: marks of the boards, pores, and stains.
+float ConcreteValue(int column, int row) {
+  const bool is_joint = row % 128 < 2 || (column + (row / 128 % 2) * 128) % 256 < 2;
+  const float pores = std::max(0.0f, PeriodicNoise(column, row, 96, 81) - 0.6f);
+  return (is_joint ? -1.5f : 0.5f * CellValue(column / 256, row / 128, 82)) - 3.5f * pores +
+         1.1f * PeriodicFractal(column, row, 4, 7, 0.7f, 83);
+}
+
 float TextureValue(TextureKind kind, int column, int row) {
   switch (kind) {
     case TextureKind::kAggregate: {
@@ -61,6 +77,8 @@ float TextureValue(TextureKind kind, int column, int row) {
     case TextureKind::kPlaster: return PeriodicFractal(column, row, 4, 8, 0.62f, 41);
     case TextureKind::kBark: return PeriodicFractal(4 * column % kSize, row, 16, 4, 0.7f, 51);
     case TextureKind::kGrass: return PeriodicFractal(column, row, 8, 7, 0.85f, 61);
+    case TextureKind::kSlabs: return SlabValue(column, row);
+    case TextureKind::kConcrete: return ConcreteValue(column, row);
     case TextureKind::kNone: break;
   }
   throw std::out_of_range("no texture of this kind");

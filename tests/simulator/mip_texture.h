@@ -7,8 +7,18 @@
 namespace parkade::simulator {
 
 /// What a surface looks like close up.
-enum class TextureKind : std::uint8_t { kNone, kAggregate, kLeaves, kBrick, kPlaster, kBark, kGrass };
-inline constexpr int kNumTextureKinds = 7;
+enum class TextureKind : std::uint8_t {
+  kNone,
+  kAggregate,
+  kLeaves,
+  kBrick,
+  kPlaster,
+  kBark,
+  kGrass,
+  kSlabs,
+  kConcrete
+};
+inline constexpr int kNumTextureKinds = 9;
 
 /// A small grey texture that repeats, with all its averaged levels, so that it is
 /// never sampled finer than the eye sees it. Values are relative deviations of

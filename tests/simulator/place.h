@@ -15,7 +15,14 @@ struct SceneOptions {
   std::uint64_t seed = 1;      ///< of the place
   double relief = 1;           ///< scales the slopes of the ground
   double ground_texel = 0.01;  ///< [m] of painted asphalt; larger is quicker to make
+  int day = 0;                 ///< other parked cars and other light at the same place
+  std::string weather = "";    ///< dry, overcast, wet, dusk; empty: as the day wants it, dry on day 0
 };
+
+enum class Weather { kDry, kOvercast, kWet, kDusk };
+
+/// The weather that the options ask for. Throws Error{kUsage} for an unknown one.
+Weather WeatherOf(const SceneOptions& options);
 
 /// A marked parking space.
 struct ParkingSlot {

@@ -5,9 +5,13 @@
 #include <memory>
 #include <vector>
 
+#include "tests/simulator/lamp.h"
 #include "tests/simulator/mesh.h"
 
 namespace parkade::simulator {
+
+/// Gives a copy of `mesh` to an Embree scene.
+void AttachMesh(RTCDevice device, RTCScene scene, const Mesh& mesh, unsigned id);
 
 /// Meshes that rays can be shot at: geometry ids count in the order given,
 /// empty meshes included. Only
@@ -18,9 +22,12 @@ class RayScene {
 
   RTCScene scene() const { return scene_.get(); }
 
-  /// Share of the sky that each vertex of `mesh` sees within `reach` [m], cosine-weighted,
-  /// 0..1. In parallel, the same every time.
-  std::vector<float> VertexAmbient(const Mesh& mesh, float reach, std::uint64_t seed) const;
+  /// `rounds` of 16 rays a vertex. Share of the sky that each vertex of `mesh` sees within `reach` [m],
+  /// cosine-weighted, 0..1. In parallel, the same every time.
+  std::vector<float> VertexAmbient(const Mesh& mesh, float reach, std::uint64_t seed, int rounds = 1) const;
+
+  /// Irradiance of the lamps at each vertex of `mesh`, shadows included. In parallel.
+  std::vector<Color> VertexLamps(const Mesh& mesh, const LampField& lamps) const;
 
  private:
   struct ReleaseDevice {
@@ -29,8 +36,6 @@ class RayScene {
   struct ReleaseScene {
     void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
   };
-  void Attach(const Mesh& mesh, unsigned id);
-
   std::unique_ptr<RTCDeviceTy, ReleaseDevice> device_;
   std::unique_ptr<RTCSceneTy, ReleaseScene> scene_;
 };

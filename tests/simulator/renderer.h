@@ -17,6 +17,7 @@ struct Shot {
   std::function<Rigid3(double)> world_from_body;
   double exposure = 0.003;      ///< [s]
   bool with_semantics = false;  ///< also make the mask of drivable ground
+  double time = 0;              ///< [s] since the start of the drive, for what moves
 };
 
 struct RenderedImage {
@@ -26,7 +27,8 @@ struct RenderedImage {
 
 /// Takes pictures of a scene with the cameras of a rig, by ray tracing: four rays
 /// a pixel, each at its own moment of the exposure, textures averaged over what a
-/// ray covers, shadows of the sun. All cores; one picture at a time.
+/// ray covers, shadows of the sun and of lamps, mirrors of wet ground. All cores; one
+/// picture at a time.
 class Renderer {
  public:
   /// Keeps references to `scene` and `rig`.

@@ -27,7 +27,9 @@ struct MarkerWorld {
               .ground = {},
               .objects = {},
               .materials = {Material{.albedo = Gray(0)}, Material{.albedo = Gray(0.9f)}},
-              .own_car = {}};
+              .own_car = {},
+              .movers = {},
+              .lamps = {}};
 
   MarkerWorld() {
     scene.ground_colors[0].Finish();

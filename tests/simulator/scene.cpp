@@ -1,6 +1,7 @@
 #include "tests/simulator/scene.h"
 
 #include "tests/simulator/car_mesh.h"
+#include "tests/simulator/garage_scene.h"
 #include "tests/simulator/lot_ground.h"
 #include "tests/simulator/lot_objects.h"
 #include "tests/simulator/lot_place.h"
@@ -11,24 +12,40 @@ namespace parkade::simulator {
 namespace {
 
 Scene BuildLot(const Place& place, const SceneOptions& options) {
-  const LotLayout layout = PlanLot(options.seed);
+  const LotLayout layout = PlanLot(options.seed, options.day);
+  const Weather weather = WeatherOf(options);
   Scene scene{.place = place,
-              .sky = Sky(options.seed),
+              .sky = Sky(options.seed + 7919 * static_cast<std::uint64_t>(options.day), weather),
               .ground_colors = {},
               .ground = MakeLotGround(layout, place.ground),
               .objects = {},
               .materials = {},
-              .own_car = {}};
+              .own_car = {},
+              .movers = {},
+              .lamps = {}};
   scene.ground_colors.push_back(PaintLot(layout, options.ground_texel, options.seed));
-  scene.objects = MakeLotObjects(layout, place.ground, options.seed, scene.materials);
+  Props props(scene.place.ground, options.seed, weather == Weather::kDusk, scene.materials);
+  FurnishLot(layout, props);
+  scene.objects = std::move(props.mesh());
+  scene.lamps = LampField(props.lamps());
   return scene;
+}
+
+void AddWeather(Weather weather, Scene& scene) {
+  if (weather == Weather::kWet && !scene.IsIndoors()) scene.wetness = 1;
+  scene.has_headlights = weather == Weather::kDusk || scene.IsIndoors();
+  scene.usual_exposure = scene.IsIndoors()           ? 0.010
+                         : weather == Weather::kDusk ? 0.012
+                         : weather == Weather::kDry  ? 0.003
+                                                     : 0.005;
 }
 
 }  // namespace
 
 Scene BuildScene(const std::string& name, const SceneOptions& options) {
-  const Place place = PlanPlace(name, options);
-  Scene scene = BuildLot(place, options);
+  const Place place = PlanPlace(name, options);  // refuses unknown names
+  Scene scene = name == "garage" ? BuildGarage(options) : BuildLot(place, options);
+  AddWeather(WeatherOf(options), scene);
   const Mesh car = MakeCar(kOwnCarStyle, Mix64(options.seed), scene.materials);
   scene.own_car.Append(car, {Eigen::Quaterniond::Identity(), {-RearAxleX(kOwnCarStyle), 0, 0}});
   return scene;

@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "tests/simulator/ground_canvas.h"
+#include "tests/simulator/lamp.h"
 #include "tests/simulator/mesh.h"
+#include "tests/simulator/mover.h"
 #include "tests/simulator/place.h"
 #include "tests/simulator/sky.h"
 
@@ -21,6 +23,16 @@ struct Scene {
   Mesh objects;                             ///< all else that stands still
   std::vector<Material> materials;          ///< of `objects` and of the own car
   Mesh own_car;                             ///< in body
+  Movers movers;                            ///< what moves (see AddTraffic)
+  LampField lamps;                          ///< those that are on
+  Color bounce = Gray(0);                   ///< irradiance from all sides inside a lit building
+  float sky_reach = 4;            ///< [m] what is farther away hides no sky; small outdoors, where there is more
+  float wetness = 0;              ///< 0 dry; 1 dark wet ground with puddles
+  float floor_gloss = 0;          ///< mirror share of a sealed floor
+  bool has_headlights = false;    ///< the own car drives with its lights on
+  double usual_exposure = 0.003;  ///< [s] that a camera would choose in this light
+
+  bool IsIndoors() const { return bounce[1] > 0; }
 };
 
 /// The place of these options with all that is to be seen there. Throws as PlanPlace.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/simulator/noise.h"
+
 namespace parkade::simulator {
 namespace {
 
@@ -14,9 +16,16 @@ float Detail(const MipTexture& texture, float u, float v, float footprint, float
          0.6f * texture.Sample((0.8f * u + 0.6f * v) * second, (0.8f * v - 0.6f * u) * second, footprint * second);
 }
 
+/// 0 for a wet film, 1 in a puddle.
+float Puddle(const Eigen::Vector3f& position) {
+  return SmoothStep(0.13f, 0.2f, FractalNoise(0.21f * position.x(), 0.21f * position.y(), 3, 77));
+}
+
 Color GroundAlbedo(const Scene& scene, const SurfacePoint& point, float footprint) {
   const float x = point.position.x(), y = point.position.y();
-  const Color painted = scene.ground_colors[point.material].Sample(x, y, footprint);
+  const Color dry = scene.ground_colors[point.material].Sample(x, y, footprint);
+  const float wet = scene.wetness * (0.45f + 0.25f * (scene.wetness > 0 ? Puddle(point.position) : 0));
+  const Color painted = dry * (1 - wet);
   if (footprint > 0.06f) return painted;  // stones of a centimetre average out
   static const MipTexture& aggregate = DetailTexture(TextureKind::kAggregate);
   return painted * std::max(0.2f, 1 + 0.20f * Detail(aggregate, x, y, footprint, 0.9f));
@@ -45,11 +54,21 @@ Color Reflection(const Scene& scene, const SurfacePoint& point, float head_on) {
   const float grazing = 1 - cosine, squared = grazing * grazing;
   const float share = head_on + (1 - head_on) * 0.6f * squared * squared * grazing;
   const Eigen::Vector3f mirrored = point.ray - 2 * point.ray.dot(point.normal) * point.normal;
-  const Color seen = mirrored.z() > 0 ? scene.sky.Radiance(mirrored).min(6.0f) : Gray(0.12f);
-  return seen * (share * (0.4f + 0.6f * point.ambient));
+  // Around the surface there is sky, or what the lamps light.
+  const Color sky = mirrored.z() > 0 ? Color(scene.sky.Radiance(mirrored).min(6.0f))
+                                     : Color(scene.sky.AmbientIrradiance(-Eigen::Vector3f::UnitZ()) * 0.32f);
+  return (sky * (0.4f + 0.6f * point.ambient) * point.openness + point.light * 0.12f) * share;
 }
 
 }  // namespace
+
+float GroundMirror(const Scene& scene, const SurfacePoint& point) {
+  const float cosine = std::clamp(-point.ray.dot(point.normal), 0.0f, 1.0f), grazing = 1 - cosine;
+  const float squared = grazing * grazing, fresnel = 0.025f + 0.975f * squared * squared * grazing;
+  const float smooth =
+      std::max(scene.floor_gloss, scene.wetness > 0 ? scene.wetness * (0.3f + 0.7f * Puddle(point.position)) : 0);
+  return fresnel * smooth;
+}
 
 Color Shade(const Scene& scene, const SurfacePoint& point) {
   constexpr float kInversePi = 0.318310f, kHazeDistance = 900;
@@ -60,17 +79,17 @@ Color Shade(const Scene& scene, const SurfacePoint& point) {
   const float footprint = std::max(across, 0.5f * across / cosine) + point.motion;
 
   const Color irradiance =
-      scene.sky.sun_irradiance() * point.sun + scene.sky.AmbientIrradiance(point.normal) * point.ambient;
+      scene.sky.sun_irradiance() * point.sun + scene.sky.AmbientIrradiance(point.normal) * point.ambient + point.light;
   Color radiance;
   if (point.is_ground) {
-    radiance = GroundAlbedo(scene, point, footprint) * irradiance * kInversePi;
+    radiance = GroundAlbedo(scene, point, footprint) * irradiance * kInversePi + point.reflected;
   } else {
     const Material& material = scene.materials[point.material];
-    radiance = ObjectAlbedo(material, point, footprint) * irradiance * kInversePi;
+    radiance = ObjectAlbedo(material, point, footprint) * irradiance * kInversePi + material.emission;
     if (material.mirror > 0) radiance += Reflection(scene, point, material.mirror);
   }
   const float clear = std::exp(-point.distance / kHazeDistance);
-  return radiance * clear + scene.sky.haze() * (1 - clear);
+  return radiance * clear + scene.sky.haze() * ((1 - clear) * point.openness);
 }
 
 }  // namespace parkade::simulator

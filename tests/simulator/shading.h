@@ -13,10 +13,16 @@ struct SurfacePoint {
   float sample_angle = 0;                              ///< [rad] between neighbouring rays
   float motion = 0;                                    ///< [m] that the surface is smeared while this ray gathers light
   float ambient = 1;                                   ///< share of the sky that is not hidden
+  Color light = Gray(0);                               ///< irradiance of lamps and from lit walls
+  Color reflected = Gray(0);                           ///< radiance that a wet or sealed ground mirrors
+  float openness = 1;                                  ///< 0 deep inside a building, where no sky is mirrored
   float sun = 0;                                       ///< share of the sun that is not hidden, times the cosine
   bool is_ground = false;                              ///< `material` counts Scene::ground_colors
   MaterialId material = 0;
 };
+
+/// How a wet or sealed ground mirrors at a point: the share of light, 0..1.
+float GroundMirror(const Scene& scene, const SurfacePoint& point);
 
 /// Radiance towards the eye.
 Color Shade(const Scene& scene, const SurfacePoint& point);

@@ -29,17 +29,40 @@ Eigen::Vector2f FromDiamondAzimuth(float azimuth) {
 
 }  // namespace
 
-Sky::Sky(std::uint64_t seed) {
-  Random random(seed, 0x5c1);
-  const double elevation = random.Uniform(0.55, 0.95), azimuth = random.Uniform(0, 2 * M_PI);
-  sun_direction_ = Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
-                                   std::sin(elevation))
-                       .cast<float>();
+void Sky::ChooseLight(Weather weather) {
   sun_irradiance_ = 2.6f * Rgb(1.0f, 0.94f, 0.83f);
   haze_ = Rgb(0.46f, 0.50f, 0.56f);
   zenith_ = Rgb(0.16f, 0.25f, 0.44f);
   from_above_ = 3.14f * Rgb(0.30f, 0.35f, 0.44f);
   from_below_ = 3.14f * Rgb(0.13f, 0.13f, 0.12f);
+  glow_ = Rgb(1.0f, 0.95f, 0.85f);
+  if (weather == Weather::kOvercast || weather == Weather::kWet) {
+    const float dim = weather == Weather::kWet ? 0.6f : 0.85f;
+    sun_irradiance_ = glow_ = Gray(0);
+    haze_ = dim * Rgb(0.44f, 0.46f, 0.48f);
+    zenith_ = dim * Rgb(0.58f, 0.60f, 0.63f);
+    from_above_ = 3.14f * dim * Rgb(0.53f, 0.55f, 0.57f);
+    from_below_ = 3.14f * dim * Rgb(0.09f, 0.09f, 0.09f);
+    cloud_ = 0.36f * dim;
+    overcast_ = 1;
+  } else if (weather == Weather::kDusk) {
+    sun_irradiance_ = Gray(0);
+    haze_ = Rgb(0.040f, 0.030f, 0.032f);
+    zenith_ = Rgb(0.008f, 0.012f, 0.026f);
+    from_above_ = 3.14f * Rgb(0.012f, 0.014f, 0.021f);
+    from_below_ = 3.14f * Rgb(0.006f, 0.005f, 0.004f);
+    glow_ = Rgb(0.06f, 0.03f, 0.012f);
+    cloud_ = 0.012f;
+  }
+}
+
+Sky::Sky(std::uint64_t seed, Weather weather) {
+  Random random(seed, 0x5c1);
+  const double elevation = random.Uniform(0.55, 0.95), azimuth = random.Uniform(0, 2 * M_PI);
+  sun_direction_ = Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                                   std::sin(elevation))
+                       .cast<float>();
+  ChooseLight(weather);
 
   map_.resize(kColumns * kRows);
   for (int row = 0; row < kRows; ++row) {
@@ -60,14 +83,14 @@ Color Sky::Paint(const Eigen::Vector3f& direction, std::uint32_t seed) const {
   const float x = direction.x() / (z + 0.12f), y = direction.y() / (z + 0.12f);
   const float density = SmoothStep(0.02f, 0.5f, FractalNoise(1.3f * x, 1.3f * y, 5, seed));
   const float toward_sun = std::max(0.0f, direction.dot(sun_direction_));
-  const Color cloud = Gray(0.62f + 0.25f * std::pow(toward_sun, 8.0f));
+  const Color cloud = Gray(cloud_ * (1 + 0.4f * (1 - overcast_) * std::pow(toward_sun, 8.0f)));
   color += (cloud - color) * (0.75f * density * SmoothStep(0.02f, 0.3f, z));
-  return color + Rgb(1.0f, 0.95f, 0.85f) * (0.25f * std::pow(toward_sun, 24.0f) + 1.2f * std::pow(toward_sun, 400.0f));
+  return color + glow_ * (0.25f * std::pow(toward_sun, 24.0f) + 1.2f * std::pow(toward_sun, 400.0f));
 }
 
 Color Sky::Radiance(const Eigen::Vector3f& direction) const {
   if (direction.z() <= 0) return haze_ * std::max(0.35f, 1 + 2 * direction.z());
-  if (direction.dot(sun_direction_) > 1 - 4 * kSunRadius * kSunRadius) return Rgb(60, 58, 52);
+  if (sun_irradiance_[0] > 0 && direction.dot(sun_direction_) > 1 - 4 * kSunRadius * kSunRadius) return Rgb(60, 58, 52);
   const float u = DiamondAzimuth(direction.x(), direction.y()) * kColumns - 0.5f;
   const float v = std::clamp(direction.z() * kRows - 0.5f, 0.0f, kRows - 1.001f);
   const int left = FloorToInt(u), low = static_cast<int>(v);

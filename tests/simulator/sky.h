@@ -5,17 +5,19 @@
 #include <vector>
 
 #include "tests/simulator/color.h"
+#include "tests/simulator/place.h"
 
 namespace parkade::simulator {
 
-/// Daylight: one sun and a sky with thin clouds, infinitely far away.
+/// The light from above: one sun and a sky with clouds, infinitely far away.
 class Sky {
  public:
-  /// The sun stands where the seed wants it, 30-55 degrees high.
-  explicit Sky(std::uint64_t seed);
+  /// The sun stands where the seed wants it, 30-55 degrees high. Clouds hide it when it is
+  /// overcast or wet; at dusk it has set.
+  explicit Sky(std::uint64_t seed, Weather weather = Weather::kDry);
 
   const Eigen::Vector3f& sun_direction() const { return sun_direction_; }  ///< unit, towards the sun, world
-  const Color& sun_irradiance() const { return sun_irradiance_; }          ///< on a surface square to it
+  const Color& sun_irradiance() const { return sun_irradiance_; }          ///< on a surface square to it; may be 0
   static constexpr float kSunRadius = 0.0047f;                             ///< [rad]
 
   /// Radiance from a direction (unit, world), sun disc included.
@@ -28,11 +30,13 @@ class Sky {
   Color AmbientIrradiance(const Eigen::Vector3f& normal) const;
 
  private:
+  void ChooseLight(Weather weather);
   Color Paint(const Eigen::Vector3f& direction, std::uint32_t seed) const;
 
   Eigen::Vector3f sun_direction_;
-  Color sun_irradiance_, haze_, zenith_, from_above_, from_below_;
-  std::vector<Color> map_;  ///< rows of elevation from the horizon up, columns of azimuth
+  Color sun_irradiance_, haze_, zenith_, from_above_, from_below_, glow_;
+  float cloud_ = 0.62f, overcast_ = 0;  ///< brightness of clouds; 1: clouds hide the sun
+  std::vector<Color> map_;              ///< rows of elevation from the horizon up, columns of azimuth
 };
 
 }  // namespace parkade::simulator
