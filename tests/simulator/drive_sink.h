@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "core/drive_log.h"
@@ -14,6 +15,10 @@ namespace parkade::simulator {
 class DriveSink {
  public:
   virtual ~DriveSink() = default;
+
+  /// When the next records reach the recorder, for logs that keep that beside the stamps. Without it: at their stamps.
+  void ArriveAt(Timestamp time) { arrival_ = time; }
+
   virtual void Write(const ImuSample& sample) = 0;
   virtual void Write(const WheelSample& sample) = 0;
   virtual void Write(const GnssFix& fix) = 0;
@@ -22,6 +27,12 @@ class DriveSink {
   virtual void WriteSemantic(size_t camera, Timestamp time, std::span<const std::uint8_t> png) = 0;
   /// Without it the output is as after a crash. Throws when the output could not be written whole.
   virtual void Close() = 0;
+
+ protected:
+  Timestamp ArrivalOr(Timestamp stamp) const { return arrival_.value_or(stamp); }
+
+ private:
+  std::optional<Timestamp> arrival_;
 };
 
 /// Throws Error{kUsage} when `out` is a file, or a folder with something in it.

@@ -33,6 +33,7 @@ void FaultySink::WriteSemantic(size_t camera, Timestamp time, std::span<const st
   Mask mask{{camera, time, {png.begin(), png.end()}}};
   const double since_start = SinceStart(time);
   if (IsInGap(mask, since_start)) return;
+  sink_.ArriveAt(time);
   mask.time = time + StampError(mask, cameras_.at(camera).name, since_start);
   Deliver(mask);
 }
@@ -42,6 +43,7 @@ void FaultySink::Pass(Record record, Stream& stream) {
   const bool is_twice = stream.random.Chance(faults_.duplicates), is_late = stream.random.Chance(faults_.unordered);
   Timestamp& stamp = std::visit([](auto& content) -> Timestamp& { return content.time; }, record);
   const double time = SinceStart(stamp);
+  sink_.ArriveAt(stamp);
   if (IsInGap(record, time)) {
     ++counts_["gap." + stream.name];
     return;

@@ -15,6 +15,10 @@ namespace {
 
 constexpr int kCurveSteps = 4096;
 
+// In full daylight a camera exposes for this long and amplifies the light of the scene so much.
+constexpr double kDaylightExposure = 0.003, kDaylightGain = 2;  // [s]
+constexpr double kMostAmplification = 16;                       // over that of daylight; 24 dB
+
 /// From linear light, 1 = the brightest that is kept apart from saturation, to 8 bits.
 const std::array<std::uint8_t, kCurveSteps>& ToneCurve() {
   static const std::array<std::uint8_t, kCurveSteps> curve = [] {
@@ -51,6 +55,8 @@ void ImageSensorOptions::Validate() const {
 
 ImageSensor::ImageSensor(const ImageSensorOptions& options, std::uint64_t seed) : options_(options), seed_(seed) {}
 
+double ImageSensor::ExposureRatio() const { return options_.exposure > 0 ? options_.exposure / kDaylightExposure : 1; }
+
 void ImageSensor::FollowLight(const cv::Mat& radiance) {
   constexpr double kTarget = 0.20, kFollow = 0.08;  // mean of linear light; share of the way per frame
   double sum = 0;
@@ -66,13 +72,16 @@ void ImageSensor::FollowLight(const cv::Mat& radiance) {
   }
   const double wanted = count > 0 && sum > 0 ? kTarget * count / sum : 1;
   gain_ = gain_ ? *gain_ * std::pow(wanted / *gain_, kFollow) : wanted;
+  gain_ = std::min(*gain_, kMostAmplification * kDaylightGain * ExposureRatio());
 }
 
 cv::Mat ImageSensor::Develop(const cv::Mat& radiance) {
   FollowLight(radiance);
   const float gain = static_cast<float>(*gain_);
-  const float shot = static_cast<float>(7e-5 * options_.noise * options_.noise),
-              read = static_cast<float>(1.3e-6 * options_.noise * options_.noise);
+  // Noise of the electrons grows with the amplification, but not with a longer exposure.
+  const double amplification = *gain_ / kDaylightGain / ExposureRatio(), strength = options_.noise * options_.noise;
+  const float shot = static_cast<float>(7e-5 * strength * amplification),
+              read = static_cast<float>(1.3e-6 * strength * amplification * amplification);
   const auto& curve = ToneCurve();
   const auto& deviates = NormalDeviates();
   const std::uint64_t frame_seed = Mix64(seed_ ^ Mix64(++num_frames_));

@@ -8,9 +8,9 @@
 namespace parkade::simulator {
 
 struct ImageSensorOptions {
-  double exposure = 0.003;  ///< [s] moving things smear
-  double noise = 1;         ///< scales shot and read noise
-  int jpeg_quality = 90;    ///< 1..100
+  double exposure = 0;    ///< [s] moving things smear; 0: what a camera would choose in the light of the scene
+  double noise = 1;       ///< scales shot and read noise
+  int jpeg_quality = 90;  ///< 1..100
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -22,7 +22,7 @@ struct ImageSensorOptions {
 };
 
 /// Turns light into the picture a camera gives out: automatic gain that follows
-/// slowly, shot and read noise, highlights that saturate softly, sRGB.
+/// slowly, up to 24 dB, shot and read noise that grow with it, highlights that saturate softly, sRGB.
 class ImageSensor {
  public:
   ImageSensor(const ImageSensorOptions& options, std::uint64_t seed);
@@ -32,6 +32,7 @@ class ImageSensor {
 
  private:
   void FollowLight(const cv::Mat& radiance);
+  double ExposureRatio() const;  ///< to that of daylight
 
   ImageSensorOptions options_;
   std::uint64_t seed_;

@@ -39,7 +39,7 @@ RosHeader RosSink::NextHeader(Channel& channel, Timestamp time, const std::strin
 }
 
 void RosSink::WriteMessage(const Channel& channel, Timestamp time, const std::vector<std::uint8_t>& bytes) {
-  std::visit([&](auto& writer) { writer.Write(channel.id, time, bytes); }, writer_);
+  std::visit([&](auto& writer) { writer.Write(channel.id, ArrivalOr(time), bytes); }, writer_);
 }
 
 void RosSink::Write(const ImuSample& sample) {
