@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/geo.h"
+#include "core/ground_texture.h"
 #include "core/rig.h"
 #include "core/submap.h"
 #include "core/surface_map.h"
@@ -27,6 +28,7 @@ struct SiteMap {
   std::vector<PosedSubmap> submaps;
   SurfaceMap surface;
   TriangleMesh mesh;
+  GroundTexture texture;           ///< of `mesh`; may be empty
   std::optional<SiteDatum> datum;  ///< empty: arbitrary origin and yaw
 };
 

@@ -4,7 +4,9 @@
 #include <draco/mesh/mesh.h>
 
 #include <cmath>
+#include <map>
 #include <memory>
+#include <optional>
 
 #include "core/error.h"
 
@@ -15,6 +17,7 @@ constexpr int kMaxPositionBits = 18;
 constexpr double kFinestStep = 1.0 / 512;  // [m]
 constexpr int kNormalBits = 8;
 constexpr int kSigmaBits = 10;
+constexpr int kTexcoordBits = 14;  // of a picture at most some thousand texels wide: a fraction of one
 // Of 0 (smallest) to 10 (fastest); 4 still uses the predictors that matter for a surface.
 constexpr int kSpeed = 4;
 
@@ -65,7 +68,11 @@ DracoMesh EncodeDraco(const GltfGeometry& geometry) {
   using Attribute = draco::GeometryAttribute;
   const int position = AddAttribute(mesh, Attribute::POSITION, draco::DT_FLOAT32, 3, false, geometry.positions);
   const int normal = AddAttribute(mesh, Attribute::NORMAL, draco::DT_FLOAT32, 3, false, geometry.normals);
-  const int color = AddAttribute(mesh, Attribute::COLOR, draco::DT_UINT16, 4, true, geometry.colors);
+  std::optional<int> color, texcoord;
+  if (!geometry.colors.empty())
+    color = AddAttribute(mesh, Attribute::COLOR, draco::DT_UINT16, 4, true, geometry.colors);
+  if (!geometry.texcoords.empty())
+    texcoord = AddAttribute(mesh, Attribute::TEX_COORD, draco::DT_FLOAT32, 2, false, geometry.texcoords);
   const int sigma = AddAttribute(mesh, Attribute::GENERIC, draco::DT_FLOAT32, 1, false, geometry.height_sigmas);
 
   draco::ExpertEncoder encoder(mesh);
@@ -73,6 +80,7 @@ DracoMesh EncodeDraco(const GltfGeometry& geometry) {
   encoder.SetAttributeExplicitQuantization(position, lattice.bits, 3, lattice.origin.data(), lattice.range);
   encoder.SetAttributeQuantization(normal, kNormalBits);
   encoder.SetAttributeQuantization(sigma, kSigmaBits);
+  if (texcoord) encoder.SetAttributeQuantization(*texcoord, kTexcoordBits);
   encoder.SetSpeedOptions(kSpeed, kSpeed);
   encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
   encoder.SetTrackEncodedProperties(true);
@@ -81,11 +89,12 @@ DracoMesh EncodeDraco(const GltfGeometry& geometry) {
   Require(status.ok(), ErrorCode::kInternal, std::string("Draco could not compress the mesh: ") + status.error_msg());
 
   const auto unique_id = [&](int attribute) { return static_cast<int>(mesh.attribute(attribute)->unique_id()); };
+  std::map<std::string, int> ids = {
+      {"POSITION", unique_id(position)}, {"NORMAL", unique_id(normal)}, {"_HEIGHT_SIGMA", unique_id(sigma)}};
+  if (color) ids["COLOR_0"] = unique_id(*color);
+  if (texcoord) ids["TEXCOORD_0"] = unique_id(*texcoord);
   return {.bytes = std::string(buffer.data(), buffer.size()),
-          .attribute_ids = {{"POSITION", unique_id(position)},
-                            {"NORMAL", unique_id(normal)},
-                            {"COLOR_0", unique_id(color)},
-                            {"_HEIGHT_SIGMA", unique_id(sigma)}},
+          .attribute_ids = ids,
           .num_vertices = encoder.num_encoded_points(),
           .num_triangles = encoder.num_encoded_faces()};
 }

@@ -1,6 +1,7 @@
 #include "export/gltf.h"
 
 #include "export/gltf_builder.h"
+#include "export/texture_jpeg.h"
 
 namespace parkade {
 namespace {
@@ -25,14 +26,15 @@ std::vector<Eigen::Vector3f> LineOf(const Trajectory& trajectory, const Eigen::V
   return points;
 }
 
-void AddGround(GltfBuilder& builder, const TriangleMesh& mesh, MeshEncoding encoding, std::optional<int> parent) {
-  std::optional<int> index;
-  const GltfGeometry geometry = MakeGltfGeometry(mesh);
-  if (!geometry.triangles.empty()) {
-    const int material = builder.AddMaterial("ground", Eigen::Vector3d::Ones());
-    index = builder.AddTriangles("ground", geometry, encoding, material);
-  }
-  builder.AddNode("ground", parent, GltfFromSite(mesh.origin), index);
+void AddGround(GltfBuilder& builder, const TriangleMesh& mesh, const GroundTexture& texture, MeshEncoding encoding,
+               std::optional<int> parent) {
+  std::vector<GltfPiece> pieces;
+  for (const TextureChart& chart : texture.charts)
+    pieces.push_back({MakeGltfGeometry(mesh, chart, texture.texel_size),
+                      builder.AddTexturedMaterial("ground", EncodeTextureJpeg(chart))});
+  if (texture.empty() && !mesh.empty())
+    pieces.push_back({MakeGltfGeometry(mesh), builder.AddMaterial("ground", Eigen::Vector3d::Ones())});
+  builder.AddNode("ground", parent, GltfFromSite(mesh.origin), builder.AddTriangles("ground", pieces, encoding));
 }
 
 void AddDrive(GltfBuilder& builder, const SiteDrive& drive, const Eigen::Vector3d& color, int parent) {
@@ -61,15 +63,15 @@ std::string EncodeGltf(const SiteMap& map, MeshEncoding encoding) {
   const nlohmann::json frames = DescribeFrames(map.datum);
   builder.SetAssetExtras(frames);
   const int site = builder.AddNode("site", {}, Eigen::Vector3d::Zero(), {}, frames);
-  AddGround(builder, map.mesh, encoding, site);
+  AddGround(builder, map.mesh, map.texture, encoding, site);
   for (size_t i = 0; i < map.drives.size(); ++i)
     AddDrive(builder, map.drives[i], kDriveColors[i % std::size(kDriveColors)], site);
   return builder.Finish();
 }
 
-std::string EncodeGltfTile(const TriangleMesh& mesh) {
+std::string EncodeGltfTile(const TriangleMesh& mesh, const GroundTexture& texture) {
   GltfBuilder builder;
-  AddGround(builder, mesh, MeshEncoding::kDraco, {});
+  AddGround(builder, mesh, texture, MeshEncoding::kDraco, {});
   return builder.Finish();
 }
 

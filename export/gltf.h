@@ -9,14 +9,14 @@ namespace parkade {
 
 enum class MeshEncoding { kPlain, kDraco };
 
-/// The map as one glTF 2.0 binary (.glb), y up: node `site` with `ground` (the mesh, unlit vertex colours, and
-/// the vertex attribute _HEIGHT_SIGMA [m]) and one `drive:<name>` per drive (a line strip of the final
-/// trajectory of the body's origin). Datum and transforms are in `asset.extras`. Valid without a mesh, without
-/// drives, and without both. Same map, same bytes.
+/// The map as one glTF 2.0 binary (.glb), y up: node `site` with `ground` (the mesh, unlit, a piece with a JPEG per
+/// chart of the texture or else vertex colours, and the vertex attribute _HEIGHT_SIGMA [m]) and one `drive:<name>` per
+/// drive (a line strip of the final trajectory of the body's origin). Datum and transforms are in `asset.extras`. Valid
+/// without a mesh, without drives, and without both. Same map, same bytes.
 std::string EncodeGltf(const SiteMap& map, MeshEncoding encoding);
 
-/// One tile: the mesh alone.
-std::string EncodeGltfTile(const TriangleMesh& mesh);
+/// One tile: the mesh alone, with its texture or else vertex colours.
+std::string EncodeGltfTile(const TriangleMesh& mesh, const GroundTexture& texture = {});
 
 /// What asset.extras says about frames: `gltf_from_site` and, where there is a datum, `georeference`.
 /// 4 x 4 matrices are column-major, as everywhere in glTF.

@@ -57,19 +57,43 @@ int GltfBuilder::AddMaterial(const std::string& name, const Eigen::Vector3d& col
   return static_cast<int>(model_.materials.size()) - 1;
 }
 
-int GltfBuilder::AddTriangles(const std::string& name, const GltfGeometry& geometry, MeshEncoding encoding,
-                              int material) {
-  tinygltf::Primitive primitive;
-  primitive.mode = TINYGLTF_MODE_TRIANGLES;
-  primitive.material = material;
-  if (encoding == MeshEncoding::kDraco) {
-    AddDraco(geometry, primitive);
-  } else {
-    AddPlain(geometry, primitive);
+int GltfBuilder::AddTexturedMaterial(const std::string& name, const std::vector<std::uint8_t>& jpeg) {
+  tinygltf::Image image;
+  image.mimeType = "image/jpeg";
+  image.bufferView = AddBufferView(jpeg.data(), jpeg.size(), 0);
+  model_.images.push_back(image);
+  if (model_.samplers.empty()) {
+    tinygltf::Sampler sampler;
+    sampler.minFilter = TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_LINEAR;
+    sampler.magFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
+    sampler.wrapS = sampler.wrapT = TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
+    model_.samplers.push_back(sampler);
   }
+  tinygltf::Texture texture;
+  texture.sampler = 0;
+  texture.source = static_cast<int>(model_.images.size()) - 1;
+  model_.textures.push_back(texture);
+  const int material = AddMaterial(name, Eigen::Vector3d::Ones());
+  model_.materials.back().pbrMetallicRoughness.baseColorTexture.index = static_cast<int>(model_.textures.size()) - 1;
+  return material;
+}
+
+std::optional<int> GltfBuilder::AddTriangles(const std::string& name, const std::vector<GltfPiece>& pieces,
+                                             MeshEncoding encoding) {
   tinygltf::Mesh mesh;
   mesh.name = name;
-  mesh.primitives.push_back(primitive);
+  for (const GltfPiece& piece : pieces) {
+    if (piece.geometry.triangles.empty()) continue;
+    tinygltf::Primitive& primitive = mesh.primitives.emplace_back();
+    primitive.mode = TINYGLTF_MODE_TRIANGLES;
+    primitive.material = piece.material;
+    if (encoding == MeshEncoding::kDraco) {
+      AddDraco(piece.geometry, primitive);
+    } else {
+      AddPlain(piece.geometry, primitive);
+    }
+  }
+  if (mesh.primitives.empty()) return {};
   model_.meshes.push_back(mesh);
   return static_cast<int>(model_.meshes.size()) - 1;
 }
@@ -163,8 +187,12 @@ void GltfBuilder::AddPlain(const GltfGeometry& geometry, tinygltf::Primitive& pr
   primitive.attributes["POSITION"] = positions;
   primitive.attributes["NORMAL"] =
       AddAccessor(view(geometry.normals), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, count);
-  primitive.attributes["COLOR_0"] =
-      AddAccessor(view(geometry.colors), TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_VEC4, count, true);
+  if (!geometry.colors.empty())
+    primitive.attributes["COLOR_0"] =
+        AddAccessor(view(geometry.colors), TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_VEC4, count, true);
+  if (!geometry.texcoords.empty())
+    primitive.attributes["TEXCOORD_0"] =
+        AddAccessor(view(geometry.texcoords), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2, count);
   primitive.attributes["_HEIGHT_SIGMA"] =
       AddAccessor(view(geometry.height_sigmas), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_SCALAR, count);
   const int indices =
@@ -182,8 +210,11 @@ void GltfBuilder::AddDraco(const GltfGeometry& geometry, tinygltf::Primitive& pr
   SetBounds(positions, geometry.positions);
   primitive.attributes["POSITION"] = positions;
   primitive.attributes["NORMAL"] = AddAccessor({}, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, count);
-  primitive.attributes["COLOR_0"] =
-      AddAccessor({}, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_VEC4, count, true);
+  if (!geometry.colors.empty())
+    primitive.attributes["COLOR_0"] =
+        AddAccessor({}, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_VEC4, count, true);
+  if (!geometry.texcoords.empty())
+    primitive.attributes["TEXCOORD_0"] = AddAccessor({}, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2, count);
   primitive.attributes["_HEIGHT_SIGMA"] = AddAccessor({}, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_SCALAR, count);
   primitive.indices =
       AddAccessor({}, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, 3 * compressed.num_triangles);

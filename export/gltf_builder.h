@@ -11,6 +11,12 @@
 
 namespace parkade {
 
+/// Part of a mesh that has one material.
+struct GltfPiece {
+  GltfGeometry geometry;
+  int material = 0;
+};
+
 /// Puts one .glb together. Indices returned are those of glTF. Private to export/.
 class GltfBuilder {
  public:
@@ -18,7 +24,11 @@ class GltfBuilder {
 
   /// Unlit material; `name` and linear colour factor.
   int AddMaterial(const std::string& name, const Eigen::Vector3d& color);
-  int AddTriangles(const std::string& name, const GltfGeometry& geometry, MeshEncoding encoding, int material);
+  /// Unlit material of a picture: an encoded JPEG.
+  int AddTexturedMaterial(const std::string& name, const std::vector<std::uint8_t>& jpeg);
+  /// One mesh of several pieces, each with its material. Pieces without triangles are left out; -> nothing where
+  /// that leaves none.
+  std::optional<int> AddTriangles(const std::string& name, const std::vector<GltfPiece>& pieces, MeshEncoding encoding);
   /// Throws Error{kInternal} for fewer than two points.
   int AddLineStrip(const std::string& name, const std::vector<Eigen::Vector3f>& points, int material);
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/ground_texture.h"
 #include "core/triangle_mesh.h"
 
 namespace parkade {
@@ -20,12 +21,18 @@ Eigen::Matrix<Scalar, 3, 1> GltfFromSite(const Eigen::Matrix<Scalar, 3, 1>& in_s
 struct GltfGeometry {
   std::vector<Eigen::Vector3f> positions;  ///< [m] relative to the mesh's origin
   std::vector<Eigen::Vector3f> normals;
-  std::vector<std::array<std::uint16_t, 4>> colors;  ///< linear RGBA, normalised: 8 bits would band dark asphalt
+  std::vector<std::array<std::uint16_t, 4>> colors;  ///< linear RGBA, normalised: 8 bits would band dark asphalt;
+                                                     ///< empty where there is a texture, which it would darken
+  std::vector<Eigen::Vector2f> texcoords;            ///< (0, 0) is the picture's upper left; empty without texture
   std::vector<float> height_sigmas;                  ///< [m]
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
+/// The whole mesh, with vertex colours.
 GltfGeometry MakeGltfGeometry(const TriangleMesh& mesh);
+
+/// The triangles that a chart paints, with its texture.
+GltfGeometry MakeGltfGeometry(const TriangleMesh& mesh, const TextureChart& chart, double texel_size);
 
 /// 16-bit linear value of an 8-bit sRGB one (IEC 61966-2-1).
 std::uint16_t LinearFromSrgb(std::uint8_t value);

@@ -2,7 +2,9 @@
 
 #include <string>
 
+#include "core/ground_texture.h"
 #include "core/surface_map.h"
+#include "core/triangle_mesh.h"
 
 namespace parkade {
 
@@ -14,5 +16,9 @@ struct Orthophoto {
 /// The ground from above; where decks lie above each other, the highest. One pixel per cell, or one per n x n
 /// cells where the image would exceed `max_size` pixels a side. Of an empty map one transparent pixel.
 Orthophoto RenderOrthophoto(const SurfaceMap& surface, int max_size = 16384);
+
+/// The same from the texture of a mesh: one pixel per texel, or one per n x n. Where decks lie above each other, the
+/// chart that lies higher on the whole.
+Orthophoto RenderOrthophoto(const TriangleMesh& mesh, const GroundTexture& texture, int max_size = 8192);
 
 }  // namespace parkade

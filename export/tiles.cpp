@@ -2,6 +2,7 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <tuple>
 
 #include "export/draco_encoder.h"
@@ -59,8 +60,21 @@ TriangleMesh MergeVertices(const TriangleMesh& mesh, double cell) {
   return copier.Take();
 }
 
-/// By row and column of the square that holds a triangle's centre.
-std::map<std::pair<int, int>, TriangleMesh> CutIntoTiles(const TriangleMesh& mesh, double tile_size) {
+/// A full-resolution tile.
+struct Tile {
+  std::string name;  ///< begins with a letter, whatever the signs: "at_-1_0"
+  TriangleMesh mesh;
+  GroundTexture texture;
+};
+
+std::string NameOf(int column, int row, int sheet) {
+  std::string name = "at_" + std::to_string(column) + "_" + std::to_string(row);
+  if (sheet > 0) name += "_" + std::to_string(sheet);
+  return name;
+}
+
+/// One tile for each square that holds triangles' centres.
+std::vector<Tile> CutIntoSquares(const TriangleMesh& mesh, double tile_size) {
   std::map<std::pair<int, int>, VertexCopier> copiers;
   for (const auto& triangle : mesh.triangles) {
     Eigen::Vector3d centre = mesh.origin;
@@ -70,8 +84,25 @@ std::map<std::pair<int, int>, TriangleMesh> CutIntoTiles(const TriangleMesh& mes
     const Eigen::Vector3d origin(square.second * tile_size, square.first * tile_size, std::round(mesh.origin.z()));
     copiers.try_emplace(square, mesh, origin).first->second.AddTriangle(triangle);
   }
-  std::map<std::pair<int, int>, TriangleMesh> tiles;
-  for (auto& [square, copier] : copiers) tiles.emplace(square, copier.Take());
+  std::vector<Tile> tiles;
+  for (auto& [square, copier] : copiers) tiles.push_back({NameOf(square.second, square.first, 0), copier.Take(), {}});
+  return tiles;
+}
+
+/// One tile for each chart of the texture.
+std::vector<Tile> CutIntoCharts(const TriangleMesh& mesh, const GroundTexture& texture) {
+  std::vector<Tile> tiles;
+  for (const TextureChart& chart : texture.charts) {
+    const Eigen::Vector3d origin(chart.column * texture.chart_size, chart.row * texture.chart_size,
+                                 std::round(mesh.origin.z()));
+    VertexCopier copier(mesh, origin);
+    for (const std::uint32_t triangle : chart.triangles) copier.AddTriangle(mesh.triangles[triangle]);
+    Tile tile{
+        NameOf(chart.column, chart.row, chart.sheet), copier.Take(), {texture.texel_size, texture.chart_size, {}}};
+    tile.texture.charts.push_back(chart);
+    std::iota(tile.texture.charts[0].triangles.begin(), tile.texture.charts[0].triangles.end(), 0);
+    tiles.push_back(std::move(tile));
+  }
   return tiles;
 }
 
@@ -96,11 +127,12 @@ void EncodeTiles(const SiteMap& map, const std::function<void(const std::string&
     root["content"] = {{"uri", "tiles/overview.glb"}};
   }
   Json children = Json::array();
-  for (const auto& [square, tile] : CutIntoTiles(map.mesh, options.tile_size)) {
-    // A name that begins with a letter, whatever the signs: "tiles/at_-1_0.glb".
-    const std::string uri = "tiles/at_" + std::to_string(square.second) + "_" + std::to_string(square.first) + ".glb";
-    write(uri, EncodeGltfTile(tile));
-    children.push_back({{"boundingVolume", BoxAround(tile)}, {"geometricError", 0}, {"content", {{"uri", uri}}}});
+  const std::vector<Tile> tiles =
+      map.texture.empty() ? CutIntoSquares(map.mesh, options.tile_size) : CutIntoCharts(map.mesh, map.texture);
+  for (const Tile& tile : tiles) {
+    const std::string uri = "tiles/" + tile.name + ".glb";
+    write(uri, EncodeGltfTile(tile.mesh, tile.texture));
+    children.push_back({{"boundingVolume", BoxAround(tile.mesh)}, {"geometricError", 0}, {"content", {{"uri", uri}}}});
   }
   if (!children.empty()) root["children"] = children;
 

@@ -8,7 +8,8 @@
 namespace parkade {
 
 struct TileOptions {
-  double tile_size = 32;     ///< [m] edge of the square that a full-resolution tile covers
+  double tile_size = 32;     ///< [m] edge of the square that a full-resolution tile covers; a texture's charts
+                             ///< take their place
   double coarse_cell = 1.0;  ///< [m] vertices of the overview are merged within cubes of this edge
 };
 

@@ -52,7 +52,8 @@ void WriteSiteMap(const SiteMap& map, const path& folder) {
   WriteFileAtomically(folder / "map_plain.glb", EncodeGltf(map, MeshEncoding::kPlain));
   WriteFileAtomically(folder / "ground.ply", EncodePly(map.mesh));
   WriteFileAtomically(folder / "free_space.geojson", EncodeFreeSpaceGeoJson(FindFreeSheets(map.surface), map.datum));
-  const Orthophoto ortho = RenderOrthophoto(map.surface);
+  const Orthophoto ortho =
+      map.texture.empty() ? RenderOrthophoto(map.surface) : RenderOrthophoto(map.mesh, map.texture);
   WriteFileAtomically(folder / "ortho.png", ortho.png);
   WriteFileAtomically(folder / "ortho.pgw", ortho.world_file);
   std::filesystem::create_directories(folder / "tiles");

@@ -2,11 +2,11 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <span>
 
 #include "core/error.h"
 #include "core/log.h"
 #include "core/parallel.h"
+#include "mapping/cell_finder.h"
 #include "mapping/join_free_cells.h"
 #include "mapping/simplify_sheet.h"
 #include "mapping/voxel_sheet.h"
@@ -14,51 +14,11 @@
 namespace parkade {
 namespace {
 
-/// The cell of a surface nearest to a point that lies on it or on its border.
-class CellFinder {
- public:
-  explicit CellFinder(const SurfaceMap& surface) : surface_(&surface) {
-    for (size_t i = 0; i < surface.cells.size(); ++i) {
-      const SurfaceCell& cell = surface.cells[i];
-      first_at_.try_emplace(KeyOf(cell.x, cell.y), i);
-    }
-  }
-
-  const SurfaceCell& Find(const Eigen::Vector3d& point) const {
-    const int x = static_cast<int>(std::floor(point.x() / surface_->cell_size));
-    const int y = static_cast<int>(std::floor(point.y() / surface_->cell_size));
-    const SurfaceCell* nearest = nullptr;
-    double nearest_distance = 0;
-    // A vertex on the border of a cell may round into a neighbour that does not exist.
-    for (int ring = 0; nearest == nullptr && ring <= 2; ++ring)
-      for (int dy = -ring; dy <= ring; ++dy)
-        for (int dx = -ring; dx <= ring; ++dx)
-          for (const SurfaceCell& cell : At(x + dx, y + dy)) {
-            const double distance = std::abs(static_cast<double>(cell.height) - point.z()) +
-                                    std::hypot((cell.x + 0.5) * surface_->cell_size - point.x(),
-                                               (cell.y + 0.5) * surface_->cell_size - point.y());
-            if (nearest == nullptr || distance < nearest_distance) nearest = &cell, nearest_distance = distance;
-          }
-    Require(nearest != nullptr, ErrorCode::kInternal, "a vertex of the mesh lies off its surface");
-    return *nearest;
-  }
-
- private:
-  static std::uint64_t KeyOf(int x, int y) {
-    return (std::uint64_t{static_cast<std::uint32_t>(x)} << 32) | static_cast<std::uint32_t>(y);
-  }
-
-  std::span<const SurfaceCell> At(int x, int y) const {
-    const auto found = first_at_.find(KeyOf(x, y));
-    if (found == first_at_.end()) return {};
-    size_t end = found->second;
-    while (end < surface_->cells.size() && surface_->cells[end].x == x && surface_->cells[end].y == y) ++end;
-    return {surface_->cells.data() + found->second, end - found->second};
-  }
-
-  const SurfaceMap* surface_;
-  std::unordered_map<std::uint64_t, size_t> first_at_;
-};
+const SurfaceCell& FindCell(const CellFinder& finder, const Eigen::Vector3d& vertex) {
+  const SurfaceCell* cell = finder.Find(vertex);
+  Require(cell != nullptr, ErrorCode::kInternal, "a vertex of the mesh lies off its surface");
+  return *cell;
+}
 
 /// [m] a whole-metre point amid the vertices, so that float coordinates stay small.
 Eigen::Vector3d OriginOf(const std::vector<Eigen::Vector3d>& vertices) {
@@ -102,7 +62,7 @@ TriangleMesh MeshSurface(const SurfaceMap& surface, const MeshOptions& options) 
   VoxelSheet sheet = ExtractSheet(joined, options.voxel_height, options.max_step);
   const CellFinder finder(joined);
   const auto colors_of = [&](const VoxelSheet& of) {
-    return ParallelMap(of.vertices.size(), [&](size_t i) { return finder.Find(of.vertices[i]).color; });
+    return ParallelMap(of.vertices.size(), [&](size_t i) { return FindCell(finder, of.vertices[i]).color; });
   };
   const size_t num_full_triangles = sheet.triangles.size();
   if (options.simplify)
@@ -118,7 +78,7 @@ TriangleMesh MeshSurface(const SurfaceMap& surface, const MeshOptions& options) 
   mesh.height_sigmas.reserve(sheet.vertices.size());
   for (const Eigen::Vector3d& vertex : sheet.vertices) {
     mesh.vertices.push_back((vertex - mesh.origin).cast<float>());
-    mesh.height_sigmas.push_back(finder.Find(vertex).height_sigma);
+    mesh.height_sigmas.push_back(FindCell(finder, vertex).height_sigma);
   }
   ValidateMesh(mesh);
   LogInfo("stage=mesh_surface triangles=" + std::to_string(mesh.triangles.size()) +

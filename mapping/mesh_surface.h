@@ -12,7 +12,7 @@ struct MeshOptions {
   double max_step = 0.3;           ///< [m] between neighbours of one deck; steeper is a gap
   bool simplify = true;            ///< merges flat triangles of one colour
   double max_height_error = 0.01;  ///< [m] that simplifying may cost
-  int color_contrast = 12;         ///< edges between colours further apart (of 255) are kept
+  int color_contrast = 40;         ///< edges between colours further apart (of 255) are kept
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {

@@ -72,7 +72,10 @@ std::vector<StagePlan> PlanStages(size_t num_drives, bool is_odometry_only) {
   const double drives = static_cast<double>(num_drives);
   std::vector<StagePlan> plan = {{"track", 70 * drives}, {"place on earth", 2 * drives}};
   if (!is_odometry_only)
-    plan.insert(plan.end(), {{"observe ground", 15 * drives}, {"fuse surface", 5 * drives}, {"mesh", 4 * drives}});
+    plan.insert(plan.end(), {{"observe ground", 15 * drives},
+                             {"fuse surface", 5 * drives},
+                             {"mesh", 4 * drives},
+                             {"texture", 15 * drives}});
   plan.push_back({"write", 4});
   return plan;
 }
@@ -114,6 +117,11 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
   progress.Begin("mesh");
   map.mesh = MeshSurface(map.surface, options.mesh);
   if (map.mesh.empty()) built.warnings.push_back("no ground was found: the map holds trajectories only");
+
+  progress.Begin("texture");
+  std::vector<TextureSource> sources;
+  for (size_t i = 0; i < logs.size(); ++i) sources.push_back({logs[i].get(), &ground.paths[i]});
+  map.texture = PaintTexture(map.mesh, map.surface, sources, options.texture);
   return built;
 }
 

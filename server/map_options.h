@@ -3,6 +3,7 @@
 #include "mapping/fuse_surface.h"
 #include "mapping/mesh_surface.h"
 #include "mapping/observe_ground.h"
+#include "mapping/paint_texture.h"
 #include "slam/align_to_gnss.h"
 #include "slam/cut_into_submaps.h"
 #include "slam/estimate_trajectory.h"
@@ -17,6 +18,7 @@ struct MapOptions {
   GroundOptions ground;
   SurfaceOptions surface;
   MeshOptions mesh;
+  TextureOptions texture;
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -26,6 +28,7 @@ struct MapOptions {
     visit("ground", ground);
     visit("surface", surface);
     visit("mesh", mesh);
+    visit("texture", texture);
   }
 };
 

@@ -124,6 +124,33 @@ SiteMap MakeExampleMap(bool is_georeferenced) {
   return map;
 }
 
+SiteMap MakeTexturedMap() {
+  SiteMap map = MakeExampleMap(false);
+  map.texture.texel_size = 0.1;
+  map.texture.chart_size = 16;
+  std::map<std::tuple<int, int, int>, TextureChart> charts;
+  for (std::uint32_t i = 0; i < map.mesh.triangles.size(); ++i) {
+    Eigen::Vector3d centre = map.mesh.origin;
+    for (const std::uint32_t vertex : map.mesh.triangles[i]) centre += map.mesh.vertices[vertex].cast<double>() / 3;
+    const auto index = [](double value) { return static_cast<int>(std::floor(value / 16)); };
+    const std::tuple key(index(centre.y()), index(centre.x()), centre.z() > 0.5 * kUpperDeckHeight ? 1 : 0);
+    charts[key].triangles.push_back(i);
+  }
+  for (auto& [key, chart] : charts) {
+    std::tie(chart.row, chart.column, chart.sheet) = key;
+    chart.left = -25;
+    chart.top = 15;
+    chart.image = cv::Mat(300, 500, CV_8UC3);
+    chart.mask = cv::Mat(300, 500, CV_8UC1, cv::Scalar(255));
+    for (int row = 0; row < 300; ++row)
+      for (int column = 0; column < 500; ++column)
+        chart.image.at<cv::Vec3b>(row, column) = {128, static_cast<uchar>(255 * row / 300),
+                                                  static_cast<uchar>(255 * column / 500)};
+    map.texture.charts.push_back(chart);
+  }
+  return map;
+}
+
 SiteMap MakeMapWithoutGround() {
   SiteMap map;
   map.drives.push_back(MakeDrive("monday", 8, 1403715285));

@@ -11,6 +11,10 @@ SiteMap MakeExampleMap(bool is_georeferenced);
 /// [m] from the lower deck to the top of the ramp.
 inline constexpr double kUpperDeckHeight = 2.6;
 
+/// The same with a texture: a chart for each 16 m square of triangles' centres and each deck, texels of 0.1 m whose
+/// red is the column and whose green is the row, of 255, across a picture of 50 m x 30 m from (-25, 15).
+SiteMap MakeTexturedMap();
+
 /// Two drives and no ground.
 SiteMap MakeMapWithoutGround();
 

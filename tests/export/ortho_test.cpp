@@ -46,6 +46,34 @@ TEST(Orthophoto, EveryCellIsWhereTheWorldFileSays) {
   EXPECT_EQ(image.at<cv::Vec4b>(PixelOf(ortho, -0.05, 0.05))[3], 0);  // unknown is transparent
 }
 
+TEST(Orthophoto, OfATextureShowsEveryTexelWhereItIsAndTheHigherChartOnTop) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 3}, {1, 0, 3}, {0, 1, 3}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+  GroundTexture texture{0.5, 16, {}};
+  const auto add = [&](double left, double top, std::uint32_t triangle, const cv::Scalar& color) {
+    TextureChart& chart = texture.charts.emplace_back();
+    chart.left = left;
+    chart.top = top;
+    chart.triangles = {triangle};
+    chart.image = cv::Mat(4, 4, CV_8UC3, color);
+    chart.mask = cv::Mat(4, 4, CV_8UC1, cv::Scalar(255));
+    chart.mask.at<std::uint8_t>(0, 0) = 0;
+  };
+  add(-2, 1, 0, {10, 20, 30});  // the upper deck, x -2..0, y -1..1
+  add(-1, 2, 1, {40, 50, 60});  // the lower one, x -1..1, y 0..2
+
+  const Orthophoto ortho = RenderOrthophoto(mesh, texture);
+  const cv::Mat image = Decode(ortho);
+
+  ASSERT_EQ(image.size(), cv::Size(6, 6));
+  EXPECT_EQ(image.at<cv::Vec4b>(PixelOf(ortho, -0.25, 0.25)), cv::Vec4b(10, 20, 30, 255)) << "both decks";
+  EXPECT_EQ(image.at<cv::Vec4b>(PixelOf(ortho, 0.75, 0.25)), cv::Vec4b(40, 50, 60, 255));
+  EXPECT_EQ(image.at<cv::Vec4b>(PixelOf(ortho, -1.25, -0.75)), cv::Vec4b(10, 20, 30, 255));
+  EXPECT_EQ(image.at<cv::Vec4b>(PixelOf(ortho, -1.75, 0.75))[3], 0) << "off the mesh";
+  EXPECT_EQ(image.at<cv::Vec4b>(PixelOf(ortho, 0.75, -0.75))[3], 0) << "unknown";
+}
+
 TEST(Orthophoto, TheHighestDeckIsSeen) {
   SurfaceMap surface;
   surface.cells = {CellAt(0, 0, 0, {10, 10, 10}), CellAt(0, 0, 2.8F, {200, 200, 200})};

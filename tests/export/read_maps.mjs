@@ -145,6 +145,29 @@ function checkScene(document, bytes, isGeoreferenced) {
   }
 }
 
+/** Each piece has a JPEG, and its texture coordinates say where its vertices are (see MakeTexturedMap). */
+async function checkTexture(name, bytes, expectedTriangles) {
+  const document = await decode(bytes, name);
+  const node = nodeOf(document, 'ground');
+  const [tx, , tz] = node.getTranslation();
+  let triangles = 0;
+  for (const primitive of node.getMesh().listPrimitives()) {
+    const texture = primitive.getMaterial().getBaseColorTexture();
+    assert.equal(texture.getMimeType(), 'image/jpeg');
+    assert.deepEqual(texture.getSize(), [500, 300]);
+    assert.equal(primitive.getAttribute('COLOR_0'), null, 'colours would darken the texture');
+    const [position, texcoord] = ['POSITION', 'TEXCOORD_0'].map((key) => primitive.getAttribute(key));
+    for (let i = 0; i < position.getCount(); ++i) {
+      const [x, , z] = position.getElement(i, []);
+      const [u, v] = texcoord.getElement(i, []);
+      assert.ok(Math.abs(-25 + 50 * u - (x + tx)) < 0.01, `u ${u} at x ${x + tx}`);
+      assert.ok(Math.abs(15 - 30 * v + (z + tz)) < 0.01, `v ${v} at y ${-(z + tz)}`);
+    }
+    triangles += primitive.getIndices().getCount() / 3;
+  }
+  assert.equal(triangles, expectedTriangles, `${name}: the pieces together are not the mesh`);
+}
+
 /** Draco splits vertices where the surface is no manifold; the file must say how many there are then. */
 async function checkNoManifold(bytes) {
   const ground = groundOf(await decode(bytes, 'no_manifold/map.glb'));
@@ -209,7 +232,7 @@ async function checkTiles(path, ground, isGeoreferenced) {
   assert.ok([...seams.values()].some((positions) => positions.length > 1), 'no seam to look at');
 }
 
-for (const name of ['georeferenced', 'local', 'without_ground', 'no_manifold', 'empty']) {
+for (const name of ['georeferenced', 'local', 'textured', 'without_ground', 'no_manifold', 'empty']) {
   const path = join(folder, name);
   const plainBytes = readFileSync(join(path, 'map_plain.glb'));
   const dracoBytes = readFileSync(join(path, 'map.glb'));
@@ -218,6 +241,16 @@ for (const name of ['georeferenced', 'local', 'without_ground', 'no_manifold', '
   await validate(dracoBytes, `${name}/map.glb`, ['UNSUPPORTED_EXTENSION']);
   if (name === 'empty' || name === 'without_ground') {
     assert.ok(plainBytes.equals(dracoBytes), 'without triangles there is nothing to compress');
+    continue;
+  }
+  if (name === 'textured') {
+    const plain = await decode(plainBytes, 'textured/map_plain.glb');
+    const pieces = nodeOf(plain, 'ground').getMesh().listPrimitives();
+    assert.ok(pieces.length >= 6);
+    const triangles = pieces.reduce((sum, piece) => sum + piece.getIndices().getCount() / 3, 0);
+    for (const [file, bytes] of [['map_plain.glb', plainBytes], ['map.glb', dracoBytes]])
+      await checkTexture(`textured/${file}`, bytes, triangles);
+    await checkTiles(path, triangles, false);
     continue;
   }
   if (name === 'no_manifold') {

@@ -9,6 +9,12 @@ export type ColorMode = 'photo' | 'height';
 
 const kTrajectoryColors = [0x39c0ff, 0xffb020, 0x6fe38a, 0xff6b8b, 0xb48cff];
 
+/** How a mesh looks when it shows photographs: vertex colours, or a picture. */
+interface PhotoLook {
+  colors: THREE.BufferAttribute | THREE.InterleavedBufferAttribute | undefined;
+  picture: THREE.Texture | null;
+}
+
 /** One map in one canvas: load, look at it from above or around, switch layers. */
 export class MapView {
   private readonly renderer: THREE.WebGLRenderer;
@@ -16,7 +22,7 @@ export class MapView {
   private readonly camera = new THREE.PerspectiveCamera(50, 1, 0.1, 5000);
   private readonly controls: OrbitControls;
   private readonly loader = new GLTFLoader();
-  private readonly photoColors = new Map<THREE.BufferGeometry, THREE.BufferAttribute | THREE.InterleavedBufferAttribute>();
+  private readonly photoLooks = new Map<THREE.Object3D, PhotoLook>();
   private content: THREE.Object3D | null = null;
   private isFrameRequested = false;
   private generation = 0;
@@ -55,10 +61,13 @@ export class MapView {
     this.content.traverse((object) => {
       if (object instanceof THREE.Mesh || object instanceof THREE.Line) {
         object.geometry.dispose();
-        for (const material of [object.material].flat()) material.dispose();
+        for (const material of [object.material].flat()) {
+          this.photoLooks.get(object)?.picture?.dispose();
+          material.dispose();
+        }
       }
     });
-    this.photoColors.clear();
+    this.photoLooks.clear();
     this.content = null;
     this.requestFrame();
   }
@@ -84,21 +93,28 @@ export class MapView {
   setColorMode(mode: ColorMode): void {
     this.content?.traverse((object) => {
       if (!(object instanceof THREE.Mesh)) return;
+      const look = this.photoLooks.get(object);
+      const material = object.material as THREE.MeshBasicMaterial;
       const geometry = object.geometry as THREE.BufferGeometry;
-      const photo = this.photoColors.get(geometry);
       if (mode === 'height') geometry.setAttribute('color', colorsByHeight(geometry));
-      else if (photo) geometry.setAttribute('color', photo);
+      else if (look?.colors) geometry.setAttribute('color', look.colors);
+      else geometry.deleteAttribute('color');
+      material.vertexColors = geometry.hasAttribute('color');
+      material.map = mode === 'height' ? null : (look?.picture ?? null);
+      material.needsUpdate = true;
     });
     this.requestFrame();
   }
 
   private prepare(root: THREE.Object3D): void {
     let trajectory = 0;
+    const anisotropy = this.renderer.capabilities.getMaxAnisotropy();
     root.traverse((object) => {
       if (object instanceof THREE.Mesh) {
-        const photo = object.geometry.getAttribute('color');
-        if (photo) this.photoColors.set(object.geometry, photo);
-        object.material.side = THREE.DoubleSide;
+        const material = object.material as THREE.MeshBasicMaterial;
+        material.side = THREE.DoubleSide;
+        if (material.map) material.map.anisotropy = anisotropy; // ground is mostly seen at a low angle
+        this.photoLooks.set(object, { colors: object.geometry.getAttribute('color'), picture: material.map });
       } else if (object instanceof THREE.Line) {
         const color = kTrajectoryColors[trajectory % kTrajectoryColors.length];
         object.material = new THREE.LineBasicMaterial({ color, depthTest: false });

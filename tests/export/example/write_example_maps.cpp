@@ -1,4 +1,4 @@
-// Writes the maps that read_maps.mjs reads: FOLDER/{georeferenced,local,without_ground,no_manifold,empty}.
+// Writes the maps that read_maps.mjs reads: FOLDER/{georeferenced,local,textured,without_ground,no_manifold,empty}.
 
 #include <cstdio>
 
@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
   };
   write("georeferenced", parkade::MakeExampleMap(true));
   write("local", parkade::MakeExampleMap(false));
+  write("textured", parkade::MakeTexturedMap());
   write("without_ground", parkade::MakeMapWithoutGround());
   write("no_manifold", parkade::MakeMapOfNoManifold());
   write("empty", {});

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+namespace parkade {
+
+/// A picture of a stretch of ground, straight from above: texel (column, row) shows the square whose upper left corner
+/// is at (left + column * texel_size, top - row * texel_size) in site. Rows run south, columns east.
+struct TextureChart {
+  double left = 0, top = 0;              ///< [m] in site, of the picture's upper left corner
+  cv::Mat image;                         ///< CV_8UC3 (BGR, sRGB); beyond the mesh its border colours go on
+  cv::Mat mask;                          ///< CV_8UC1 of the same size: 255 where the mesh is
+  std::vector<std::uint32_t> triangles;  ///< of the mesh, painted by this chart, increasing
+  int column = 0, row = 0;               ///< of the square of ground that the triangles' centres lie in
+  int sheet = 0;                         ///< counts where decks lie above each other in one square
+};
+
+/// The texture of a mesh: each triangle belongs to exactly one chart. No charts: the mesh has vertex colours only.
+struct GroundTexture {
+  double texel_size = 0.02;          ///< [m]
+  double chart_size = 24;            ///< [m] edge of the squares
+  std::vector<TextureChart> charts;  ///< sorted by row, column, sheet
+
+  bool empty() const { return charts.empty(); }
+};
+
+}  // namespace parkade

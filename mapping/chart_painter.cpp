@@ -1,0 +1,240 @@
+#include "mapping/chart_painter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+
+namespace parkade {
+namespace {
+
+constexpr double kBodyMargin = 0.4;    // [m] by which a car's body reaches over its contact area
+constexpr double kOwnShade = 1.3;      // [m] beside the contact area the car's own shadow lies most of the time
+constexpr double kShadePenalty = 0.3;  // of the rank of sights in there: further cameras saw the place in the light
+constexpr double kMaxPixelGap = 60;    // [px] between two corners of a block: more is a fold of the lens
+constexpr int kColorTolerance = 24;    // of lightness: sights further from the median are something else
+constexpr int kMinGainSamples = 60;    // fewer say nothing about the exposure
+constexpr double kMaxGain = 3;
+
+using Color = std::array<float, 3>;  // BGR
+
+int Lightness(int blue, int green, int red) { return (29 * blue + 150 * green + 77 * red) >> 8; }
+
+bool IsMasked(const RigCamera& camera, const Eigen::Vector2d& pixel) {
+  return !camera.mask.empty() && camera.mask.at<std::uint8_t>(static_cast<int>(std::lround(pixel.y())),
+                                                              static_cast<int>(std::lround(pixel.x()))) == 0;
+}
+
+/// The pixel at which the photo shows a point of the ground, unless the own car is in the way.
+std::optional<Eigen::Vector2d> FindPixel(const GroundPhoto& photo, const Rigid3& camera_from_site,
+                                         const Eigen::Vector3d& point_in_site) {
+  const Eigen::Vector2d in_ground = (photo.site_from_ground.Inverse() * point_in_site).head<2>();
+  const bool is_known_car = photo.contact.wheelbase > 0 && photo.contact.track > 0;
+  if (is_known_car && photo.contact.DistanceTo(in_ground) < kBodyMargin) return {};
+  std::optional<Eigen::Vector2d> pixel = photo.camera->model.Project(camera_from_site * point_in_site);
+  if (!pixel || !photo.camera->model.IsInImage(*pixel, 1) || IsMasked(*photo.camera, *pixel)) return {};
+  return pixel;
+}
+
+/// Bilinear; the pixel lies at least 1 px inside.
+Color ColorAt(const cv::Mat& image, float column, float row) {
+  const int channels = image.channels();
+  const int x = std::clamp(static_cast<int>(column), 0, image.cols - 2);
+  const int y = std::clamp(static_cast<int>(row), 0, image.rows - 2);
+  const float fx = column - static_cast<float>(x), fy = row - static_cast<float>(y);
+  const std::uint8_t* upper = image.ptr(y) + x * channels;
+  const std::uint8_t* lower = image.ptr(y + 1) + x * channels;
+  Color color;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::size_t left = channels == 3 ? c : 0, right = left + static_cast<std::size_t>(channels);
+    const float above = static_cast<float>(upper[left]) * (1 - fx) + static_cast<float>(upper[right]) * fx;
+    const float below = static_cast<float>(lower[left]) * (1 - fx) + static_cast<float>(lower[right]) * fx;
+    color[c] = above * (1 - fy) + below * fy;
+  }
+  return color;
+}
+
+std::uint8_t ToByte(float value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5F, 0.0F, 255.0F)); }
+
+/// Gives texels off the mesh the colour of the nearest one on it: no dark fringe when a viewer interpolates.
+void ContinueBeyondBorder(TextureChart& chart) {
+  cv::Mat off, distance, nearest;
+  cv::bitwise_not(chart.mask, off);
+  if (cv::countNonZero(off) == 0 || cv::countNonZero(chart.mask) == 0) return;
+  cv::distanceTransform(off, distance, nearest, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
+  std::vector<cv::Vec3b> color_of(static_cast<std::size_t>(cv::countNonZero(chart.mask)) + 1);
+  for (int row = 0; row < chart.mask.rows; ++row)
+    for (int column = 0; column < chart.mask.cols; ++column)
+      if (chart.mask.at<std::uint8_t>(row, column) != 0)
+        color_of[static_cast<std::size_t>(nearest.at<int>(row, column))] = chart.image.at<cv::Vec3b>(row, column);
+  for (int row = 0; row < chart.mask.rows; ++row)
+    for (int column = 0; column < chart.mask.cols; ++column)
+      chart.image.at<cv::Vec3b>(row, column) = color_of[static_cast<std::size_t>(nearest.at<int>(row, column))];
+}
+
+}  // namespace
+
+ChartPainter::ChartPainter(BlankChart blank, double texel_size) : blank_(std::move(blank)), texel_size_(texel_size) {
+  const cv::Mat& height = blank_.height;
+  num_columns_ = (height.cols + kTexelsPerStep - 1) / kTexelsPerStep + 1;
+  num_rows_ = (height.rows + kTexelsPerStep - 1) / kTexelsPerStep + 1;
+  sights_.resize(static_cast<std::size_t>(height.rows) * static_cast<std::size_t>(height.cols));
+  corner_heights_.reserve(static_cast<std::size_t>(num_columns_) * static_cast<std::size_t>(num_rows_));
+  for (int row = 0; row < num_rows_; ++row)
+    for (int column = 0; column < num_columns_; ++column) {
+      float sum = 0;
+      int count = 0;
+      const int middle_x = column * kTexelsPerStep, middle_y = row * kTexelsPerStep;
+      for (int y = std::max(0, middle_y - kTexelsPerStep); y < std::min(height.rows, middle_y + kTexelsPerStep); ++y)
+        for (int x = std::max(0, middle_x - kTexelsPerStep); x < std::min(height.cols, middle_x + kTexelsPerStep); ++x)
+          if (const float z = height.at<float>(y, x); !std::isnan(z)) sum += z, ++count;
+      corner_heights_.push_back(count > 0 ? sum / static_cast<float>(count) : std::numeric_limits<float>::quiet_NaN());
+    }
+}
+
+Eigen::Vector2d ChartPainter::PlaceOf(double column, double row) const {
+  return {blank_.chart.left + column * texel_size_, blank_.chart.top - row * texel_size_};
+}
+
+ChartPainter::Corner ChartPainter::See(const GroundPhoto& photo, const Rigid3& camera_from_site, int column, int row,
+                                       double max_range) const {
+  const float height = corner_heights_[static_cast<std::size_t>(row) * static_cast<std::size_t>(num_columns_) +
+                                       static_cast<std::size_t>(column)];
+  if (std::isnan(height)) return {};
+  Eigen::Vector3d point;
+  point << PlaceOf(column * kTexelsPerStep, row * kTexelsPerStep), static_cast<double>(height);
+  const Eigen::Vector3d sight = point - photo.site_from_camera.translation;
+  if (sight.head<2>().squaredNorm() > max_range * max_range || sight.z() > -0.05) return {};
+  const std::optional<Eigen::Vector2d> pixel = FindPixel(photo, camera_from_site, point);
+  if (!pixel) return {};
+  const bool may_be_own_shade =
+      photo.contact.DistanceTo((photo.site_from_ground.Inverse() * point).head<2>()) < kOwnShade;
+  const double steepness = -sight.z() / sight.norm();
+  return {pixel->cast<float>(), static_cast<float>(may_be_own_shade ? kShadePenalty * steepness : steepness)};
+}
+
+void ChartPainter::Paint(const GroundPhoto& photo, double max_range) {
+  const Eigen::Vector3d& eye = photo.site_from_camera.translation;
+  const double step = kTexelsPerStep * texel_size_;
+  const auto clamp_to = [](double value, int count) {
+    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(count - 1)));
+  };
+  const int first_column = clamp_to(std::floor((eye.x() - max_range - blank_.chart.left) / step), num_columns_);
+  const int last_column = clamp_to(std::ceil((eye.x() + max_range - blank_.chart.left) / step), num_columns_);
+  const int first_row = clamp_to(std::floor((blank_.chart.top - eye.y() - max_range) / step), num_rows_);
+  const int last_row = clamp_to(std::ceil((blank_.chart.top - eye.y() + max_range) / step), num_rows_);
+  if (first_column >= last_column || first_row >= last_row) return;
+
+  const Rigid3 camera_from_site = photo.site_from_camera.Inverse();
+  const auto width = static_cast<std::size_t>(last_column - first_column + 1);
+  std::vector<Corner> above(width), below(width);
+  for (int row = first_row; row <= last_row; ++row) {
+    std::swap(above, below);
+    for (int column = first_column; column <= last_column; ++column)
+      below[static_cast<std::size_t>(column - first_column)] = See(photo, camera_from_site, column, row, max_range);
+    if (row == first_row) continue;
+    for (std::size_t i = 0; i + 1 < width; ++i)
+      PaintBlock(photo, {above[i], above[i + 1], below[i], below[i + 1]}, first_column + static_cast<int>(i), row - 1);
+  }
+}
+
+void ChartPainter::PaintBlock(const GroundPhoto& photo, const std::array<Corner, 4>& corners, int column, int row) {
+  float steepness = 1;
+  for (const Corner& corner : corners) {
+    steepness = std::min(steepness, corner.steepness);
+    if (static_cast<double>((corner.pixel - corners[0].pixel).norm()) > kMaxPixelGap) return;
+  }
+  if (steepness <= 0) return;
+  const auto rank = static_cast<std::uint8_t>(1 + std::lround(254 * steepness));
+  const auto gain = static_cast<float>(photo.gain);
+  for (int dy = 0; dy < kTexelsPerStep; ++dy)
+    for (int dx = 0; dx < kTexelsPerStep; ++dx) {
+      const int x = column * kTexelsPerStep + dx, y = row * kTexelsPerStep + dy;
+      if (x >= blank_.height.cols || y >= blank_.height.rows || blank_.chart.mask.at<std::uint8_t>(y, x) == 0) continue;
+      Sights& sights = sights_[static_cast<std::size_t>(y) * static_cast<std::size_t>(blank_.height.cols) +
+                               static_cast<std::size_t>(x)];
+      if (rank <= sights.back().rank) continue;
+      const float u = (static_cast<float>(dx) + 0.5F) / kTexelsPerStep;
+      const float v = (static_cast<float>(dy) + 0.5F) / kTexelsPerStep;
+      const Eigen::Vector2f pixel = (1 - v) * ((1 - u) * corners[0].pixel + u * corners[1].pixel) +
+                                    v * ((1 - u) * corners[2].pixel + u * corners[3].pixel);
+      const Color color = ColorAt(photo.image, pixel.x(), pixel.y());
+      std::size_t slot = kNumSights - 1;
+      for (; slot > 0 && sights[slot - 1].rank < rank; --slot) sights[slot] = sights[slot - 1];
+      sights[slot] = {ToByte(gain * color[0]), ToByte(gain * color[1]), ToByte(gain * color[2]), rank};
+    }
+}
+
+std::array<std::uint8_t, 3> ChartPainter::Agree(const Sights& sights) {
+  std::array<int, kNumSights> lightness{};
+  std::size_t count = 0;
+  for (; count < kNumSights && sights[count].rank > 0; ++count)
+    lightness[count] = Lightness(sights[count].blue, sights[count].green, sights[count].red);
+  std::array<int, kNumSights> sorted = lightness;
+  std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(count));
+  const int median = sorted[(count - 1) / 2];
+  // Steep sights are sharp ones: they weigh most, and the rest only hides the seams.
+  Color sum{};
+  float total = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (std::abs(lightness[i] - median) > kColorTolerance) continue;
+    const float steepness = static_cast<float>(sights[i].rank) / 255;
+    const float weight = steepness * steepness * steepness * steepness;
+    sum[0] += weight * static_cast<float>(sights[i].blue);
+    sum[1] += weight * static_cast<float>(sights[i].green);
+    sum[2] += weight * static_cast<float>(sights[i].red);
+    total += weight;
+  }
+  return {ToByte(sum[0] / total), ToByte(sum[1] / total), ToByte(sum[2] / total)};
+}
+
+TextureChart ChartPainter::Finish(const CellFinder& cells) {
+  TextureChart& chart = blank_.chart;
+  for (int row = 0; row < chart.image.rows; ++row)
+    for (int column = 0; column < chart.image.cols; ++column) {
+      if (chart.mask.at<std::uint8_t>(row, column) == 0) continue;
+      const Sights& sights = sights_[static_cast<std::size_t>(row) * static_cast<std::size_t>(chart.image.cols) +
+                                     static_cast<std::size_t>(column)];
+      cv::Vec3b& texel = chart.image.at<cv::Vec3b>(row, column);
+      if (sights[0].rank > 0) {
+        const auto [blue, green, red] = Agree(sights);
+        texel = {blue, green, red};
+        continue;
+      }
+      Eigen::Vector3d point;
+      point << PlaceOf(column + 0.5, row + 0.5), static_cast<double>(blank_.height.at<float>(row, column));
+      if (const SurfaceCell* cell = cells.Find(point)) texel = {cell->color[2], cell->color[1], cell->color[0]};
+    }
+  ContinueBeyondBorder(chart);
+  return std::move(chart);
+}
+
+double FindGain(const GroundPhoto& photo, const CellFinder& cells, double max_range) {
+  constexpr int kNumAngles = 48, kNumRanges = 12;
+  const Rigid3 camera_from_site = photo.site_from_camera.Inverse();
+  const Eigen::Vector3d& eye = photo.site_from_camera.translation;
+  std::vector<double> ratios;
+  for (int i = 0; i < kNumAngles; ++i)
+    for (int k = 1; k <= kNumRanges; ++k) {
+      const double angle = 2 * std::numbers::pi * i / kNumAngles, range = max_range * k / kNumRanges;
+      Eigen::Vector3d point = eye + range * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
+      point.z() = photo.site_from_ground.translation.z();
+      const SurfaceCell* cell = cells.Find(point);
+      if (cell == nullptr) continue;
+      point.z() = static_cast<double>(cell->height);
+      const std::optional<Eigen::Vector2d> pixel = FindPixel(photo, camera_from_site, point);
+      if (!pixel) continue;
+      const Eigen::Vector2f place = pixel->cast<float>();
+      const Color color = ColorAt(photo.image, place.x(), place.y());
+      const int seen = Lightness(ToByte(color[0]), ToByte(color[1]), ToByte(color[2]));
+      const int known = Lightness(cell->color[2], cell->color[1], cell->color[0]);
+      if (seen > 8 && seen < 247 && known > 8 && known < 247) ratios.push_back(static_cast<double>(known) / seen);
+    }
+  if (ratios.size() < kMinGainSamples) return 1;
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  return std::clamp(*middle, 1 / kMaxGain, kMaxGain);
+}
+
+}  // namespace parkade

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "core/rig.h"
+#include "mapping/cell_finder.h"
+#include "mapping/contact_area.h"
+#include "mapping/texture_charts.h"
+
+namespace parkade {
+
+/// One picture of the ground, and from where it was taken.
+struct GroundPhoto {
+  cv::Mat image;  ///< CV_8UC1 or CV_8UC3 (BGR)
+  const RigCamera* camera = nullptr;
+  Rigid3 site_from_camera;
+  Rigid3 site_from_ground;  ///< of the car: its own contact area is not looked at
+  ContactArea contact;
+  double gain = 1;  ///< brings the picture's brightness to the surface's
+};
+
+/// Paints one chart. Each texel keeps the few steepest sights of it; what the most of them agree on wins, so that
+/// what passes by vanishes. Not thread-safe; charts are independent of each other.
+class ChartPainter {
+ public:
+  explicit ChartPainter(BlankChart blank, double texel_size);
+
+  /// Texels further than `max_range` [m] (horizontally) from the camera are left alone.
+  void Paint(const GroundPhoto& photo, double max_range);
+
+  /// The picture; texels without a sight have the colour of their cell, those off the mesh that of the nearest
+  /// texel on it.
+  TextureChart Finish(const CellFinder& cells);
+
+ private:
+  static constexpr int kNumSights = 4;      // kept per texel: the steepest
+  static constexpr int kTexelsPerStep = 4;  // between exact projections; linear inside
+
+  struct Sight {
+    std::uint8_t blue = 0, green = 0, red = 0;
+    std::uint8_t rank = 0;  ///< 1 + 254 steepness; 0 = none
+  };
+  using Sights = std::array<Sight, kNumSights>;
+
+  struct Corner {
+    Eigen::Vector2f pixel = Eigen::Vector2f::Zero();
+    float steepness = 0;  ///< sine of the depression, less in what may be the own shade; 0 = not seen
+  };
+
+  Eigen::Vector2d PlaceOf(double column, double row) const;
+  Corner See(const GroundPhoto& photo, const Rigid3& camera_from_site, int column, int row, double max_range) const;
+  void PaintBlock(const GroundPhoto& photo, const std::array<Corner, 4>& corners, int column, int row);
+  static std::array<std::uint8_t, 3> Agree(const Sights& sights);
+
+  BlankChart blank_;
+  double texel_size_;
+  int num_columns_ = 0, num_rows_ = 0;  ///< of corners
+  std::vector<float> corner_heights_;   ///< [m] NaN where no mesh is near
+  std::vector<Sights> sights_;
+};
+
+/// Mean lightness of cells over that of the photo at the same places: what its exposure has to be multiplied
+/// by to look like the surface; 1 where too little is seen. Within [1/3, 3].
+double FindGain(const GroundPhoto& photo, const CellFinder& cells, double max_range);
+
+}  // namespace parkade
