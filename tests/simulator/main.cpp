@@ -92,6 +92,27 @@ void AddOptions(CLI::App& app, CommandLine& line) {
   app.add_flag("--quiet", line.is_quiet, "No progress");
 }
 
+/// {"a":{"b":value}} of "a.b=value".
+nlohmann::json NestedValue(const std::string& assignment) {
+  const size_t equals = assignment.find('=');
+  Require(equals != std::string::npos && equals > 0, ErrorCode::kUsage,
+          "'" + assignment + "' is not of the form group.option=value");
+  const std::string text = assignment.substr(equals + 1);
+  nlohmann::json value = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (value.is_discarded()) value = text;
+  std::string path = assignment.substr(0, equals);
+  for (size_t dot; (dot = path.rfind('.')) != std::string::npos; path.resize(dot))
+    value = nlohmann::json{{path.substr(dot + 1), value}};
+  return {{path, value}};
+}
+
+/// All at once: the begin and the end of a fault are valid together only.
+void ApplyAssignments(CommandLine& line) {
+  nlohmann::json all = nlohmann::json::object();
+  for (const std::string& assignment : line.assignments) all.merge_patch(NestedValue(assignment));
+  ReadOptionsFromJson(all, line.options);
+}
+
 void ApplyDerived(CommandLine& line) {
   int read = 0;
   const bool is_size =
@@ -100,7 +121,7 @@ void ApplyDerived(CommandLine& line) {
   Require(is_size, ErrorCode::kUsage, "--size is of the form 640x400, not '" + line.size + "'");
   if (line.has_no_gnss) line.options.sensors.gnss = "none";
   if (line.has_no_wheels) line.options.sensors.has_wheels = false;
-  for (const std::string& assignment : line.assignments) SetOption(assignment, line.options);
+  ApplyAssignments(line);
   Require(!line.out.log.empty(), ErrorCode::kUsage, "--out is missing: a FILE.bag, a FILE.mcap, or a folder");
   if (line.num_threads > 0) SetNumThreads(line.num_threads);
 }

@@ -133,7 +133,7 @@ const Preset* FindPreset(const std::string& name) {
 }
 
 SimulateOptions QuickForm(const SimulateOptions& options) {
-  constexpr double kShare = 0.2, kShortest = 44, kLongest = 100;  // [m]
+  constexpr double kShare = 0.25, kShortest = 44, kLongest = 120;  // [m]
   SimulateOptions quick = options;
   quick.cameras.rate = 10;
   quick.rig.width = 640;
