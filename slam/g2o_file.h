@@ -24,8 +24,8 @@ namespace parkade {
 /// an edge or FIX that names no vertex, and for a file without edges.
 PoseGraph ReadG2o(std::string_view text);
 
-/// The graph as g2o text; numbers are written so that reading them gives the same
-/// bits. Edges whose flag in `is_left_out` is set (empty: none) become comments.
+/// The graph as g2o text, numbers with all their digits. Edges whose flag in `is_left_out` is set (empty: none) become
+/// comments.
 std::string WriteG2o(const PoseGraph& graph, const std::vector<bool>& is_left_out = {});
 
 }  // namespace parkade

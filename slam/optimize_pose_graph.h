@@ -41,7 +41,7 @@ class PoseGraphProblem {
   PoseGraphProblem(const PoseGraph& graph, PoseGraphObjective objective);
   ~PoseGraphProblem();
 
-  /// Factors on the edges' squared errors, >= 0.
+  /// Factors on the edges' squared errors, >= 0. Edges with 0 cost nothing in the solves that follow.
   void SetWeights(const std::vector<double>& weights);
   void SetPoses(const std::vector<Rigid3>& world_from_vertex);
   std::vector<Rigid3> Poses() const;

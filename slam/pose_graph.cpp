@@ -20,6 +20,11 @@ double HarmonicMeanOfEigenvalues(const Matrix& matrix) {
 
 }  // namespace
 
+std::int64_t IdGap(const PoseGraph& graph, const PoseGraphEdge& edge) {
+  const auto [first, last] = std::minmax({graph.vertices[edge.from].id, graph.vertices[edge.to].id});
+  return last - first;
+}
+
 Vector6d RelativePoseError(const PoseGraphEdge& edge, const Rigid3& world_from_from, const Rigid3& world_from_to) {
   const Rigid3 error = edge.from_from_to.Inverse() * (world_from_from.Inverse() * world_from_to);
   Vector6d result;

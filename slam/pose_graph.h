@@ -36,6 +36,9 @@ struct PoseGraph {
   bool is_planar = false;
 };
 
+/// How far apart an edge's ends are in time, in ids.
+std::int64_t IdGap(const PoseGraph& graph, const PoseGraphEdge& edge);
+
 /// Which error of an edge is squared and added up.
 enum class PoseGraphObjective {
   /// kappa |R_to - R_from R|^2_F + tau |t_to - t_from - R_from t|^2, one kappa and tau per edge: what SE-Sync

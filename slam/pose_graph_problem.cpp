@@ -40,35 +40,41 @@ struct PoseGraphProblem::Implementation {
 PoseGraphProblem::PoseGraphProblem(const PoseGraph& graph, PoseGraphObjective objective)
     : implementation_(new Implementation{graph, {}, {}, {}, {}, {}, {}, nullptr}) {
   Implementation& own = *implementation_;
+  own.poses.resize(graph.vertices.size());
+  for (size_t i = 0; i < own.poses.size(); ++i)
+    PoseToParameters(graph.vertices[i].world_from_vertex, own.poses[i].data());
+  own.weights.resize(graph.edges.size());
+  for (size_t i = 0; i < graph.edges.size(); ++i) {
+    const Matrix6d root = SquareRootWeight(graph, graph.edges[i], objective);
+    own.costs.push_back(std::make_unique<RelativePoseCost>(graph.edges[i].from_from_to, root));
+    own.losses.push_back(std::make_unique<WeightLoss>(&own.weights[i]));
+  }
+  SetWeights(std::vector<double>(graph.edges.size(), 1));
+}
+
+PoseGraphProblem::~PoseGraphProblem() = default;
+
+void PoseGraphProblem::SetWeights(const std::vector<double>& weights) {
+  Implementation& own = *implementation_;
+  own.weights = weights;
   ceres::Problem::Options options;
   options.cost_function_ownership = options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   options.disable_all_safety_checks = true;
   own.problem = std::make_unique<ceres::Problem>(options);
-
-  own.poses.resize(graph.vertices.size());
-  own.weights.assign(graph.edges.size(), 1);
   ceres::Manifold* const manifold =
-      graph.is_planar ? static_cast<ceres::Manifold*>(&own.planar) : static_cast<ceres::Manifold*>(&own.spatial);
-  const std::vector<bool> anchors = FindAnchors(graph);
-  for (size_t i = 0; i < own.poses.size(); ++i) {
-    PoseToParameters(graph.vertices[i].world_from_vertex, own.poses[i].data());
-    own.problem->AddParameterBlock(own.poses[i].data(), kPoseSize, manifold);
+      own.graph.is_planar ? static_cast<ceres::Manifold*>(&own.planar) : static_cast<ceres::Manifold*>(&own.spatial);
+  for (auto& pose : own.poses) own.problem->AddParameterBlock(pose.data(), kPoseSize, manifold);
+  const std::vector<bool> anchors = FindAnchors(own.graph);
+  for (size_t i = 0; i < anchors.size(); ++i)
     if (anchors[i]) own.problem->SetParameterBlockConstant(own.poses[i].data());
-  }
-  for (size_t i = 0; i < graph.edges.size(); ++i) {
-    const PoseGraphEdge& edge = graph.edges[i];
-    own.costs.push_back(
-        std::make_unique<RelativePoseCost>(edge.from_from_to, SquareRootWeight(graph, edge, objective)));
-    own.losses.push_back(std::make_unique<WeightLoss>(&own.weights[i]));
-    own.problem->AddResidualBlock(own.costs.back().get(), own.losses.back().get(), own.poses[edge.from].data(),
+  for (size_t i = 0; i < own.costs.size(); ++i) {
+    if (weights[i] == 0) continue;
+    const PoseGraphEdge& edge = own.graph.edges[i];
+    own.problem->AddResidualBlock(own.costs[i].get(), own.losses[i].get(), own.poses[edge.from].data(),
                                   own.poses[edge.to].data());
   }
 }
-
-PoseGraphProblem::~PoseGraphProblem() = default;
-
-void PoseGraphProblem::SetWeights(const std::vector<double>& weights) { implementation_->weights = weights; }
 
 void PoseGraphProblem::SetPoses(const std::vector<Rigid3>& world_from_vertex) {
   for (size_t i = 0; i < world_from_vertex.size(); ++i)

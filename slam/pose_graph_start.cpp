@@ -2,7 +2,8 @@
 
 #include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
-#include <deque>
+#include <queue>
+#include <tuple>
 
 namespace parkade {
 namespace {
@@ -53,6 +54,7 @@ bool RelaxRotations(const PoseGraph& graph, const std::vector<bool>& anchors, co
   triplets.reserve(graph.edges.size() * 15);
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(3 * num_unknown, 3);
   for (size_t e = 0; e < graph.edges.size(); ++e) {
+    if (weights[e] == 0) continue;  // would only fill the factorisation
     const PoseGraphEdge& edge = graph.edges[e];
     const int from = unknown[edge.from], to = unknown[edge.to];
     const Eigen::Matrix3d measured = weights[e] * edge.from_from_to.rotation.toRotationMatrix();
@@ -88,6 +90,7 @@ bool SolveTranslations(const PoseGraph& graph, const std::vector<bool>& anchors,
   triplets.reserve(graph.edges.size() * 3);
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(num_unknown, 3);
   for (size_t e = 0; e < graph.edges.size(); ++e) {
+    if (weights[e] == 0) continue;  // would only fill the factorisation
     const PoseGraphEdge& edge = graph.edges[e];
     const int from = unknown[edge.from], to = unknown[edge.to];
     const Eigen::Vector3d step = poses[edge.from].rotation * edge.from_from_to.translation;
@@ -125,16 +128,18 @@ std::vector<Rigid3> ChainEdges(const PoseGraph& graph) {
 
   std::vector<Rigid3> poses = PosesOf(graph);
   std::vector<bool> is_placed = FindAnchors(graph);
-  std::deque<size_t> trusted, others;  // edges that lead on from a placed vertex
+  // Edges that lead on from a placed vertex, the best first.
+  using Candidate = std::tuple<bool, std::int64_t, size_t>;  // is not trusted, gap, edge
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> candidates;
   const auto reach = [&](size_t vertex) {
-    for (const size_t e : edges_of[vertex]) (graph.edges[e].is_trusted ? trusted : others).push_back(e);
+    for (const size_t e : edges_of[vertex])
+      candidates.emplace(!graph.edges[e].is_trusted, IdGap(graph, graph.edges[e]), e);
   };
   for (size_t i = 0; i < poses.size(); ++i)
     if (is_placed[i]) reach(i);
-  while (!trusted.empty() || !others.empty()) {
-    std::deque<size_t>& queue = trusted.empty() ? others : trusted;
-    const PoseGraphEdge& edge = graph.edges[queue.front()];
-    queue.pop_front();
+  while (!candidates.empty()) {
+    const PoseGraphEdge& edge = graph.edges[std::get<size_t>(candidates.top())];
+    candidates.pop();
     if (is_placed[edge.from] && is_placed[edge.to]) continue;
     const bool is_forward = is_placed[edge.from];
     const size_t next = is_forward ? edge.to : edge.from;

@@ -4,8 +4,8 @@
 
 namespace parkade {
 
-/// Poses along a tree from the anchors (FindAnchors): trusted edges first, others only where those do not lead. In
-/// the order of the graph's vertices. Linear time.
+/// Poses along a tree from the anchors (FindAnchors): trusted edges first, then those between the nearest ids. In
+/// the order of the graph's vertices.
 std::vector<Rigid3> ChainEdges(const PoseGraph& graph);
 
 /// Poses that come close to the least chordal error from nothing but the measurements: first rotations as free 3x3

@@ -1,8 +1,10 @@
 #include "slam/robust_pose_graph.h"
 
 #include <Eigen/Eigenvalues>
+#include <numeric>
 
 #include "core/error.h"
+#include "slam/loop_support.h"
 #include "slam/pose_graph_start.h"
 
 namespace parkade {
@@ -10,6 +12,13 @@ namespace {
 
 constexpr int kMaxRounds = 200;
 constexpr int kStepsPerRound = 4;  // the weights change before a round has converged anyway
+constexpr double kRoundTolerance = 1e-5;
+constexpr double kMuNearSolution = 0.01;  // loops off by up to 10 times their bound still pull
+constexpr size_t kFewLoops = 300;
+constexpr int kMaxAdaptions = 6;
+// Errors of real loops have longer tails than a normal distribution: the bound stays this factor above what the
+// median shows.
+constexpr double kNoiseMargin = 3;
 
 /// Medians of chi^2 with 1 to 6 degrees of freedom.
 constexpr double kChiSquaredMedian[] = {0.4549, 1.3863, 2.3660, 3.3567, 4.3515, 5.3481};
@@ -40,22 +49,21 @@ class GraduatedNonConvexity {
   GraduatedNonConvexity(const PoseGraph& graph, const RobustPoseGraphOptions& options)
       : graph_(graph), options_(options), problem_(graph, options.graph.Objective()), weights_(graph.edges.size(), 1) {
     for (const PoseGraphEdge& edge : graph.edges) {
-      const int rank = DegreesOfFreedom(graph, edge, options.graph.Objective());
-      bounds_.push_back(ChiSquared99(rank));
-      medians_.push_back(kChiSquaredMedian[rank - 1]);
+      const int degrees = DegreesOfFreedom(graph, edge, options.graph.Objective());
+      bounds_.push_back(ChiSquared99(degrees));
+      medians_.push_back(kChiSquaredMedian[degrees - 1]);
     }
   }
 
   RobustPoseGraphSummary Run() {
     RobustPoseGraphSummary summary;
-    Continue(summary);
-    if (options_.adapts_noise) {
-      for (int i = 0; i < 5; ++i) {
-        const double scale = std::min(1.0, NoiseScale());
-        if (scale > 0.8 * summary.noise_scale) break;
-        summary.noise_scale = scale;
-        Continue(summary);
-      }
+    ContinueFromBestStart(summary);
+    for (int i = 0; options_.adapts_noise && i < kMaxAdaptions; ++i) {
+      const double shown = NoiseScale();
+      if (shown > 0.8 * summary.noise_scale) break;
+      // In steps: the fewer wrong loops still pull, the closer the right ones come.
+      summary.noise_scale = std::max(shown, summary.noise_scale / 4);
+      Continue(kMuNearSolution, summary);
     }
     Settle(summary);
     return summary;
@@ -66,20 +74,62 @@ class GraduatedNonConvexity {
  private:
   double BoundOf(size_t edge, double noise_scale) const { return noise_scale * noise_scale * bounds_[edge]; }
 
-  /// From all edges down to truncation.
-  void Continue(RobustPoseGraphSummary& summary) {
-    std::fill(weights_.begin(), weights_.end(), 1);
-    problem_.SetWeights(weights_);
-    const std::vector<Rigid3> relaxed = RelaxChordally(graph_);
-    problem_.SetPoses(relaxed.empty() ? ChainEdges(graph_) : relaxed);
-    problem_.Solve(kStepsPerRound, options_.graph.relative_tolerance);
+  /// Loops that support each other are a good start, and the only one that is quick where many wrong ones join
+  /// everything with everything. Few loops may have no partner: then all of them are a start, as in the paper.
+  void ContinueFromBestStart(RobustPoseGraphSummary& summary) {
+    double noise_scale = 1;
+    const std::vector<bool> is_supported = FindSupportedLoops(graph_, noise_scale);
+    const auto num_supported = std::count(is_supported.begin(), is_supported.end(), true);
+    size_t num_loops = 0;
+    std::vector<double> weights;
+    for (size_t i = 0; i < graph_.edges.size(); ++i) {
+      num_loops += !graph_.edges[i].is_trusted;
+      weights.push_back(graph_.edges[i].is_trusted || is_supported[i] ? 1 : 0);
+    }
+    std::optional<double> cost;
+    if (num_supported > 0) {
+      JoinParts(weights);
+      Begin(weights);
+      Continue(kMuNearSolution, summary);
+      cost = TruncatedCost();
+      if (num_loops > kFewLoops) return;
+    }
+    const std::vector<Rigid3> poses = problem_.Poses();
+    const std::vector<double> reached = weights_;
+    Begin(std::vector<double>(graph_.edges.size(), 1));
+    Continue(0, summary);
+    if (!cost || TruncatedCost() <= *cost) return;
+    problem_.SetPoses(poses);
+    weights_ = reached;
+  }
 
-    std::vector<double> squared_errors = problem_.SquaredErrors();
-    double worst = 0;  // in units of the bound
+  /// Solves with these weights from the relaxation.
+  void Begin(const std::vector<double>& weights) {
+    weights_ = weights;
+    problem_.SetWeights(weights_);
+    const std::vector<Rigid3> relaxed = RelaxChordally(graph_, weights_);
+    problem_.SetPoses(relaxed.empty() ? ChainEdges(graph_) : relaxed);
+    problem_.Solve(kStepsPerRound, kRoundTolerance);
+  }
+
+  /// What truncated least squares minimises.
+  double TruncatedCost() const {
+    const std::vector<double> squared_errors = problem_.SquaredErrors();
+    double cost = 0;
     for (size_t i = 0; i < squared_errors.size(); ++i)
-      if (!graph_.edges[i].is_trusted) worst = std::max(worst, squared_errors[i] / BoundOf(i, summary.noise_scale));
-    if (worst <= 1) return;
-    double mu = 1 / std::max(2 * worst - 1, 1e-9);
+      cost += graph_.edges[i].is_trusted ? squared_errors[i] : std::min(squared_errors[i], bounds_[i]);
+    return cost;
+  }
+
+  /// Lets the surrogate approach truncation, from `mu` on; 0: from where it is convex.
+  void Continue(double mu, RobustPoseGraphSummary& summary) {
+    std::vector<double> squared_errors = problem_.SquaredErrors();
+    if (mu == 0) {
+      double worst = 1;  // in units of the bound
+      for (size_t i = 0; i < squared_errors.size(); ++i)
+        if (!graph_.edges[i].is_trusted) worst = std::max(worst, squared_errors[i] / BoundOf(i, summary.noise_scale));
+      mu = 1 / (2 * worst - 1);
+    }
     for (int round = 0; round < kMaxRounds; ++round, mu *= options_.mu_step) {
       bool is_binary = true;
       for (size_t i = 0; i < weights_.size(); ++i) {
@@ -88,23 +138,51 @@ class GraduatedNonConvexity {
         is_binary = is_binary && (weights_[i] == 0 || weights_[i] == 1);
       }
       problem_.SetWeights(weights_);
-      problem_.Solve(kStepsPerRound, 1e-5);
+      problem_.Solve(kStepsPerRound, kRoundTolerance);
       ++summary.num_rounds;
       squared_errors = problem_.SquaredErrors();
-      if (is_binary && mu > 1) break;
+      if (is_binary) break;
     }
   }
 
-  /// Sigma of the accepted loops relative to what their information says, from the median of their errors.
+  /// Factor on all sigmas with which the bound would lie well above the errors of the accepted loops.
   double NoiseScale() const {
     const std::vector<double> squared_errors = problem_.SquaredErrors();
-    std::vector<double> ratios;
+    std::vector<double> ratios;  // to the median that their information says
     for (size_t i = 0; i < weights_.size(); ++i)
       if (!graph_.edges[i].is_trusted && weights_[i] > 0.5) ratios.push_back(squared_errors[i] / medians_[i]);
-    if (ratios.size() < 10) return 1;
+    if (ratios.size() < 20) return 1;
     const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
     std::nth_element(ratios.begin(), middle, ratios.end());
-    return std::sqrt(*middle);
+    return kNoiseMargin * std::sqrt(*middle);
+  }
+
+  /// Adds what joins parts that the trusted and the chosen edges leave apart: the loops between the nearest ids first,
+  /// which are the likeliest to be odometry.
+  void JoinParts(std::vector<double>& weights) const {
+    std::vector<size_t> parent(graph_.vertices.size()), order;
+    std::iota(parent.begin(), parent.end(), size_t{0});
+    const auto root_of = [&parent](size_t vertex) {
+      while (parent[vertex] != vertex) vertex = parent[vertex] = parent[parent[vertex]];
+      return vertex;
+    };
+    const auto joins = [&](size_t i) {
+      const size_t a = root_of(graph_.edges[i].from), b = root_of(graph_.edges[i].to);
+      parent[a] = b;
+      return a != b;
+    };
+    for (size_t i = 0; i < weights.size(); ++i) {
+      if (weights[i] == 0) {
+        order.push_back(i);
+      } else {
+        joins(i);
+      }
+    }
+    std::stable_sort(order.begin(), order.end(), [this](size_t a, size_t b) {
+      return IdGap(graph_, graph_.edges[a]) < IdGap(graph_, graph_.edges[b]);
+    });
+    for (const size_t i : order)
+      if (joins(i)) weights[i] = 1;
   }
 
   /// Solves with the accepted edges alone, from the better of two starts, and accepts anew by the outcome.

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "slam/pose_graph.h"
+
+namespace parkade {
+
+/// Which edges that are not trusted agree with another such edge whose ends lie
+/// near both of theirs along the odometry: around the loop of the two edges and
+/// the two stretches of odometry between them, the error passes a chi^2 test.
+/// Wrong loops at random places hardly ever find such a partner. After J. Mangelson
+/// et al., "Pairwise Consistent Measurement Set Maximization", ICRA 2018, eq. 4, within
+/// a window instead of over all pairs. One flag per edge; trusted edges have false.
+///
+/// \param noise_scale  out: sigma that the partners' agreement shows, relative to what the edges' information
+///                     says; at most 1
+std::vector<bool> FindSupportedLoops(const PoseGraph& graph, double& noise_scale);
+
+}  // namespace parkade
