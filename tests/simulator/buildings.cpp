@@ -92,7 +92,6 @@ void AddBuilding(const BuildingPlan& plan, Random& random, Mesh& mesh, std::vect
   const FacadeMaterials chosen = ChooseMaterials(random, plan.is_lit, materials);
   const double bottom = plan.base - 1.5, top = plan.base + plan.height;
   const Eigen::Vector3d half(plan.half_size.x(), plan.half_size.y(), (top - bottom) / 2);
-  mesh.AddBox({plan.center.x(), plan.center.y(), (top + bottom) / 2}, half, plan.yaw, chosen.wall);
   mesh.AddBox({plan.center.x(), plan.center.y(), top + 0.1},
               half.cwiseProduct(Eigen::Vector3d(1, 1, 0)) + Eigen::Vector3d(0.25, 0.25, 0.1), plan.yaw, chosen.roof);
 
@@ -104,6 +103,16 @@ void AddBuilding(const BuildingPlan& plan, Random& random, Mesh& mesh, std::vect
     const double length = (to - from).norm();
     const Eigen::Vector2d along = (to - from) / length;
     Facade facade({from.x(), from.y(), plan.base}, {along.x(), along.y(), 0}, mesh);
+    // In rows, so that the shade under the eaves and at the foot stays there.
+    const std::array<double, 5> rows = {bottom, plan.base + 0.1, plan.base + 1.5, top - 0.7, top};
+    const int columns = 2 + static_cast<int>(length / 4);
+    mesh.AddSheet(
+        columns, 5,
+        [&](int i, int j) -> Eigen::Vector3d {
+          const Eigen::Vector2d at = from + (to - from) * i / (columns - 1.0);
+          return {at.x(), at.y(), rows[static_cast<size_t>(j)]};
+        },
+        [&](int, int) { return chosen.wall; });
     if (plan.is_detailed) facade.AddPanel(0, length, -1.5, 0.55, 0.04, chosen.base);
     const int num_columns = static_cast<int>(length / spacing),
               num_storeys = static_cast<int>((plan.height - 0.6) / storey);

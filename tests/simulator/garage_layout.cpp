@@ -123,6 +123,11 @@ Place MakeGaragePlace(const GarageLayout& layout_in, const SceneOptions&) {
                                point.y() <= layout->width + GarageLayout::kStrip;
     return is_over_decks || (from_curve.x() > 0 && from_curve.norm() < layout->curve_radius + 2.8);
   };
+  for (int deck = 0; deck < layout->num_decks(); ++deck)
+    for (const double y : layout->decks[0].aisle_y)
+      for (const double side : {-2.75, 2.75})
+        place.walks.push_back(
+            WalkAround({11, y + side}, {layout->length - 11, y + side}, 0.35, place.ground, 0, deck * layout->storey));
   place.plan_route = [layout, slots = place.slots](const RouteWish& wish) {
     return PlanGarageRoute(*layout, slots, wish);
   };

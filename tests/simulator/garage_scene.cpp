@@ -119,7 +119,8 @@ Scene BuildGarage(const SceneOptions& options) {
   const GarageLayout layout = PlanGarage(options.seed, options.day);
   const Weather weather = WeatherOf(options);
   // No sun shines in: through slits it would be a patch or two.
-  Scene scene{.place = MakeGaragePlace(layout, options),
+  const Place place = MakeGaragePlace(layout, options);
+  Scene scene{.place = place,
               .sky = Sky(options.seed, weather == Weather::kDry ? Weather::kOvercast : weather),
               .ground_colors = {},
               .ground = {},
@@ -128,9 +129,12 @@ Scene BuildGarage(const SceneOptions& options) {
               .own_car = {},
               .movers = {},
               .lamps = {},
-              .bounce = Rgb(0.062f, 0.060f, 0.055f),
+              .bounce = Rgb(0.050f, 0.048f, 0.044f),
               .sky_reach = 60,
-              .floor_gloss = 0.45f};
+              .finish = std::vector<GroundFinish>(place.ground.sheets().size(), {.gloss = 0.4f})};
+  scene.finish[layout.ForecourtSheet()] = {.wetness = weather == Weather::kWet ? 1.0f : 0.0f};
+  for (int deck = 0; deck < layout.num_ramps(); ++deck)
+    scene.finish[layout.StraightSheet(deck)] = scene.finish[layout.CurveSheet(deck)] = {};
   const Ground& ground = scene.place.ground;
   scene.ground = MakeFloors(layout, ground);
   for (int deck = 0; deck < layout.num_decks(); ++deck)

@@ -93,12 +93,12 @@ void GarageStructure::Parapet(const Vector2d& from, const Vector2d& to, double b
   }
 }
 
-void GarageStructure::HalfCylinder(double radius) {
+void GarageStructure::HalfCylinder(double radius, bool faces_inward) {
   const int columns = 2 + static_cast<int>(M_PI * radius / kPiece), rows = 2 + static_cast<int>(layout_.top() / kPiece);
   mesh_.AddSheet(
       columns, rows,
       [&](int i, int j) -> Vector3d {
-        const double angle = M_PI * (i / (columns - 1.0) - 0.5);
+        const double angle = M_PI * (i / (columns - 1.0) - 0.5) * (faces_inward ? -1 : 1);
         return {layout_.length + radius * std::cos(angle), layout_.curve_y + radius * std::sin(angle),
                 layout_.top() * j / (rows - 1.0)};
       },
@@ -122,7 +122,9 @@ void GarageStructure::Walls() {
   Wall({9.3, width}, {length - 9.3, width}, 0, layout_.top());
   Wall({layout_.ramp_to, width}, {layout_.ramp_to, north}, 0, layout_.storey - GarageLayout::kSlab);
   Wall({layout_.ramp_from, width}, {layout_.ramp_from, north}, layout_.top() - layout_.storey, layout_.top());
-  for (const double side : {-1.0, 1.0}) HalfCylinder(layout_.curve_radius + side * GarageLayout::kCurveHalfWidth);
+  HalfCylinder(layout_.curve_radius - GarageLayout::kCurveHalfWidth, false);
+  HalfCylinder(layout_.curve_radius + GarageLayout::kCurveHalfWidth, true);
+  HalfCylinder(layout_.curve_radius + GarageLayout::kCurveHalfWidth + 0.2, false);
   // The edges of the roof, seen from the forecourt.
   Wall({-0.2, -0.2}, {-0.2, north + 0.2}, layout_.top() - GarageLayout::kSlab, layout_.top() + 0.9);
 }
@@ -194,7 +196,7 @@ void GarageStructure::Pillars() {
 
 void GarageStructure::TubeLamp(const Vector3d& at, double yaw) {
   const bool is_on = !random_.Chance(0.1);
-  const float strength = static_cast<float>(random_.Uniform(1.2, 1.9)),
+  const float strength = static_cast<float>(random_.Uniform(1.6, 2.6)),
               warm = static_cast<float>(random_.Uniform(0.86, 1));
   mesh_.AddBox(at + Vector3d(0, 0, 0.06), {0.8, 0.11, 0.03}, yaw, metal_);
   mesh_.AddBox(at, {0.75, 0.05, 0.03}, yaw, is_on ? tube_ : dead_tube_);

@@ -31,7 +31,8 @@ class GarageStructure {
   void WallWithGates(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double bottom, double top,
                      const std::vector<double>& gates);
   void Parapet(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double bottom, double top);
-  void HalfCylinder(double radius);
+  /// Seen from inside or from outside.
+  void HalfCylinder(double radius, bool faces_inward);
   void TubeLamp(const Eigen::Vector3d& at, double yaw);
   void Pipe(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double radius, MaterialId material);
   void ExitSign(const Eigen::Vector3d& at, double yaw);

@@ -33,8 +33,9 @@ GroundPainter::GroundPainter(const Vector2d& extent, GroundCanvas& canvas, std::
       seed_(static_cast<std::uint32_t>(Mix64(seed))),
       texel_(static_cast<float>(canvas.texel_size())) {}
 
-void GroundPainter::Asphalt() {
+void GroundPainter::Asphalt(const std::function<bool(float, float)>& covers) {
   canvas_.Fill([&](float x, float y) {
+    if (covers && !covers(x, y)) return Gray(0.125f);
     const float broad = FractalNoise(0.13f * x, 0.13f * y, 3, seed_),
                 middle = FractalNoise(1.1f * x, 1.3f * y, 3, seed_ + 10);
     const float speckle = CellValue(static_cast<int>(x / texel_), static_cast<int>(y / texel_), seed_ + 20);
@@ -70,10 +71,10 @@ void GroundPainter::Ribbed(double yaw) {
   });
 }
 
-void GroundPainter::Patches(int count) {
+void GroundPainter::Patches(int count, const Chooser& place) {
   for (int i = 0; i < count; ++i) {
     const Vector2d half(random_.Uniform(0.3, 2.4), random_.Uniform(0.25, 0.9));
-    const Rectangle patch{Anywhere(), half, random_.Chance(0.8) ? 0 : random_.Uniform(0, M_PI)};
+    const Rectangle patch{(place ? place() : Anywhere()), half, random_.Chance(0.8) ? 0 : random_.Uniform(0, M_PI)};
     const float tone = static_cast<float>(random_.Uniform(0.06, 0.16));
     const std::uint32_t seed = static_cast<std::uint32_t>(random_.Bits());
     canvas_.Paint(patch.center, half.norm() + 0.1, [&](float x, float y) -> GroundCanvas::Touch {
@@ -86,15 +87,16 @@ void GroundPainter::Patches(int count) {
   }
 }
 
-void GroundPainter::Cracks(int count) {
+void GroundPainter::Cracks(int count, const Chooser& place) {
   for (int i = 0; i < count; ++i)
-    Crack(Anywhere(), random_.Uniform(0, 2 * M_PI), random_.Uniform(1, 9), random_.Uniform(0.003, 0.012), 2);
+    Crack((place ? place() : Anywhere()), random_.Uniform(0, 2 * M_PI), random_.Uniform(1, 9),
+          random_.Uniform(0.003, 0.012), 2);
 }
 
-void GroundPainter::Stains(int count, const std::function<Vector2d()>& oil_place) {
+void GroundPainter::Stains(int count, const Chooser& oil_place, const Chooser& place) {
   for (int i = 0; i < count; ++i) {
     const bool is_oil = random_.Chance(0.6);
-    const Vector2d center = is_oil ? oil_place() : Anywhere();
+    const Vector2d center = is_oil ? oil_place() : place ? place() : Anywhere();
     const double radius = is_oil ? random_.Uniform(0.04, 0.35) : random_.Uniform(0.2, 1.3);
     const float cover = static_cast<float>(random_.Uniform(0.25, 0.8)) * (is_oil ? 1.0f : 0.5f);
     const Color color = random_.Chance(0.15) ? Rgb(0.16f, 0.12f, 0.08f)
@@ -109,9 +111,9 @@ void GroundPainter::Stains(int count, const std::function<Vector2d()>& oil_place
   }
 }
 
-void GroundPainter::Litter(int count) {
+void GroundPainter::Litter(int count, const Chooser& place) {
   while (count > 0) {
-    const Vector2d drift = Anywhere();
+    const Vector2d drift = (place ? place() : Anywhere());
     const double spread = random_.Uniform(0.3, 4);
     for (int in_drift = 2 + random_.Index(60); in_drift-- > 0 && count-- > 0;) {
       const Vector2d center = drift + spread * Vector2d(random_.Normal(), random_.Normal());

@@ -16,14 +16,19 @@ class GroundPainter {
   /// Scatters over [0, extent] of the plane.
   GroundPainter(const Eigen::Vector2d& extent, GroundCanvas& canvas, std::uint64_t seed);
 
-  void Asphalt();
-  void Concrete();          ///< sealed slabs of 6 m with joints
-  void Ribbed(double yaw);  ///< rough concrete with grooves across `yaw`, for ramps
-  void Patches(int count);  ///< repairs: rectangles of younger asphalt with a sealed seam
-  void Cracks(int count);   ///< random walks of a dark line, thick or thin, sometimes forking
-  /// Oil and rust at `oil_place()`, spills and tyre dust anywhere.
-  void Stains(int count, const std::function<Eigen::Vector2d()>& oil_place);
-  void Litter(int count);  ///< gum, pebbles, leaves, cigarette ends; in drifts, not everywhere
+  /// A place to put something; empty: anywhere.
+  using Chooser = std::function<Eigen::Vector2d()>;
+
+  /// Where `covers`, or everywhere; elsewhere flat grey.
+  void Asphalt(const std::function<bool(float x, float y)>& covers = {});
+  void Concrete();                                     ///< sealed slabs of 6 m with joints
+  void Ribbed(double yaw);                             ///< rough concrete with grooves across `yaw`, for ramps
+  void Patches(int count, const Chooser& place = {});  ///< repairs: rectangles of younger asphalt with a sealed seam
+  void Cracks(int count, const Chooser& place = {});  ///< random walks of a dark line, thick or thin, sometimes forking
+  /// Oil and rust at `oil_place()`, spills and tyre dust at `place()`.
+  void Stains(int count, const Chooser& oil_place, const Chooser& place = {});
+  void Litter(int count,
+              const Chooser& place = {});  ///< gum, pebbles, leaves, cigarette ends; in drifts, not everywhere
   void Manhole(const Eigen::Vector2d& center);
   /// A worn line of paint.
   void Line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double width, float wear,

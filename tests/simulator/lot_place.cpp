@@ -119,6 +119,13 @@ Place MakeLotPlace(const LotLayout& layout_in, const SceneOptions& options) {
     if (wish.ends_in_slot) plan.slot = ChooseSlot(slots, plan);
     return plan;
   };
+  // People walk along the cars' ends and across the aisles.
+  for (const double y : layout->aisle_y)
+    for (const double side : {-2.75, 2.75})
+      place.walks.push_back(WalkAround({10, y + side}, {layout->length - 10, y + side}, 0.35, place.ground, 0));
+  for (const double share : {0.3, 0.55, 0.75})
+    place.walks.push_back(WalkAround({share * layout->length, layout->aisle_y[0] - 3},
+                                     {share * layout->length, layout->aisle_y[0] + 3}, 0.5, place.ground, 0));
   return place;
 }
 

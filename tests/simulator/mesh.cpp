@@ -89,6 +89,29 @@ void Mesh::AddSheet(int columns, int rows, const std::function<Eigen::Vector3d(i
   }
 }
 
+void Mesh::AddPatchedSheet(int columns, int rows, const std::function<Eigen::Vector3d(int, int)>& position,
+                           const std::function<std::optional<MaterialId>(int, int)>& cell_material) {
+  std::vector<std::int64_t> indices(static_cast<size_t>(columns) * static_cast<size_t>(rows), -1);
+  const auto vertex = [&](int i, int j) {
+    std::int64_t& index = indices[static_cast<size_t>(j) * static_cast<size_t>(columns) + static_cast<size_t>(i)];
+    if (index < 0) {
+      const Eigen::Vector3d along_i = position(std::min(i + 1, columns - 1), j) - position(std::max(i - 1, 0), j);
+      const Eigen::Vector3d along_j = position(i, std::min(j + 1, rows - 1)) - position(i, std::max(j - 1, 0));
+      index = AddVertex(position(i, j), along_i.cross(along_j).normalized());
+    }
+    return static_cast<std::uint32_t>(index);
+  };
+  for (int j = 0; j + 1 < rows; ++j) {
+    for (int i = 0; i + 1 < columns; ++i) {
+      const std::optional<MaterialId> material = cell_material(i, j);
+      if (!material) continue;
+      const std::uint32_t a = vertex(i, j), b = vertex(i + 1, j), c = vertex(i + 1, j + 1), d = vertex(i, j + 1);
+      AddTriangle(a, b, c, *material);
+      AddTriangle(a, c, d, *material);
+    }
+  }
+}
+
 void Mesh::AddBlob(const Eigen::Vector3d& center, const Eigen::Vector3d& radii, double bumpiness, std::uint32_t seed,
                    MaterialId material, int detail) {
   const auto position = [&](int i, int j) -> Eigen::Vector3d {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "core/rigid3.h"
@@ -46,6 +47,10 @@ struct Mesh {
   /// Outside is the side from which i runs right and j runs up.
   void AddSheet(int columns, int rows, const std::function<Eigen::Vector3d(int, int)>& position,
                 const std::function<MaterialId(int, int)>& cell_material);
+
+  /// As AddSheet, but only the cells that have a material: holes where there is none.
+  void AddPatchedSheet(int columns, int rows, const std::function<Eigen::Vector3d(int, int)>& position,
+                       const std::function<std::optional<MaterialId>(int, int)>& cell_material);
 
   /// An ellipsoid with bumps, for crowns and bushes; `bumpiness` is relative to the radius.
   void AddBlob(const Eigen::Vector3d& center, const Eigen::Vector3d& radii, double bumpiness, std::uint32_t seed,

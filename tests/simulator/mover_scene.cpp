@@ -65,9 +65,10 @@ float MoverScene::Ambient(const Eigen::Vector3f& point) const {
   for (const Placed& placed : placed_) {
     const Eigen::Vector2f& half = placed.mover->half_size;
     if (half.x() <= 0) continue;
-    if ((placed.world_from_mover.translation - point).squaredNorm() > 25) continue;
+    if ((placed.world_from_mover.translation - point).squaredNorm() > 36) continue;
     const Eigen::Vector3f local = placed.world_from_mover.ToSource(point);
-    const Eigen::Vector2f beyond = (local.head<2>().cwiseAbs() - half).cwiseMax(0.0f);
+    const Eigen::Vector2f beyond =
+        ((local.head<2>() - Eigen::Vector2f(placed.mover->center, 0)).cwiseAbs() - half).cwiseMax(0.0f);
     ambient *= 1 - 0.75f * std::exp(-(beyond.norm() + std::abs(local.z())) / (0.2f + 0.25f * half.x()));
   }
   return ambient;

@@ -6,6 +6,7 @@
 #include "tests/simulator/garage_layout.h"
 #include "tests/simulator/lot_place.h"
 #include "tests/simulator/random.h"
+#include "tests/simulator/street_layout.h"
 
 namespace parkade::simulator {
 
@@ -21,8 +22,22 @@ Weather WeatherOf(const SceneOptions& options) {
   return static_cast<Weather>(found - names.begin());
 }
 
+std::vector<Eigen::Vector3d> WalkAround(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double apart,
+                                        const Ground& ground, double above, double near_z) {
+  const Eigen::Vector2d along = (to - from).normalized(), left(-along.y(), along.x());
+  const int num_steps = 1 + static_cast<int>((to - from).norm() / 2);
+  std::vector<Eigen::Vector3d> walk;
+  for (const double side : {-0.5, 0.5})
+    for (int i = 0; i <= num_steps; ++i) {
+      const double share = static_cast<double>(side < 0 ? i : num_steps - i) / num_steps;
+      const Eigen::Vector2d at = from + (to - from) * share + side * apart * left;
+      walk.emplace_back(at.x(), at.y(), ground.Height(at, near_z) + above);
+    }
+  return walk;
+}
+
 const std::vector<std::string>& SceneNames() {
-  static const std::vector<std::string> names = {"lot", "garage"};
+  static const std::vector<std::string> names = {"lot", "garage", "street"};
   return names;
 }
 
@@ -32,6 +47,7 @@ Place PlanPlace(const std::string& name, const SceneOptions& options) {
   Require(std::find(SceneNames().begin(), SceneNames().end(), name) != SceneNames().end(), ErrorCode::kUsage,
           "there is no scene '" + name + "'; there are: " + known);
   if (name == "garage") return MakeGaragePlace(PlanGarage(options.seed, options.day), options);
+  if (name == "street") return MakeStreetPlace(PlanStreet(options.seed, options.day), options);
   return MakeLotPlace(PlanLot(options.seed, options.day), options);
 }
 

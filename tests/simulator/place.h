@@ -61,7 +61,13 @@ struct Place {
   /// Whether a roof hides the sky from a point of the world: no GNSS there.
   std::function<bool(const Eigen::Vector3d&)> is_covered;
   std::function<RoutePlan(const RouteWish&)> plan_route;
+  /// Closed ways [m] of cars on their own lanes and of people on foot, for traffic.
+  std::vector<std::vector<Eigen::Vector3d>> lanes, walks;
 };
+
+/// A walk from one place to another and back, `apart` [m] beside, `above` the ground.
+std::vector<Eigen::Vector3d> WalkAround(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double apart,
+                                        const Ground& ground, double above, double near_z = 0);
 
 /// The scenes there are.
 const std::vector<std::string>& SceneNames();

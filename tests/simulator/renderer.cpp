@@ -99,7 +99,7 @@ void Renderer::Parts::BakeLight() {
   constexpr float kNearReach = 3;  // [m] within which things keep bounced light from each other
   const Mesh* const meshes[] = {&scene.ground, &scene.objects};
   for (size_t i = 0; i < 2; ++i) {
-    ambient[i] = world.VertexAmbient(*meshes[i], scene.sky_reach, i + 1, scene.IsIndoors() ? 4 : 1);
+    ambient[i] = world.VertexAmbient(*meshes[i], scene.sky_reach, i + 1, scene.IsIndoors() ? 2 : 1);
     light[i] = world.VertexLamps(*meshes[i], scene.lamps);
     if (!scene.IsIndoors()) continue;
     const std::vector<float> openness = world.VertexAmbient(*meshes[i], kNearReach, i + 3);
@@ -219,7 +219,7 @@ std::array<bool, kPacketSize> Renderer::Parts::Trace(const int* valid, RTCRayHit
 void Renderer::Parts::Mirror(const RowPoses& poses, const std::array<bool, kPacketSize>& is_surface,
                              std::array<SurfacePoint, kPacketSize>& points) const {
   constexpr float kLift = 0.01f, kLeast = 0.012f;  // [m]; smaller shares are not seen
-  constexpr std::array<float, kSamplesPerPixel> kTilts = {-0.006f, 0.003f, 0.006f, -0.003f};
+  constexpr std::array<float, kSamplesPerPixel> kTilts = {-0.012f, 0.006f, 0.012f, -0.006f};
   alignas(64) RTCRayHit16 hits;
   alignas(64) int valid[kPacketSize];
   std::array<float, kPacketSize> share{};
@@ -343,7 +343,7 @@ PacketResult Renderer::Parts::RenderPacket(const Shot& shot, const RowPoses& pos
       ++result.drivable[lane / kSamplesPerPixel];
   }
   FindSun(poses, is_surface, points);
-  if (scene.wetness > 0 || scene.floor_gloss > 0) Mirror(poses, is_surface, points);
+  if (!scene.finish.empty()) Mirror(poses, is_surface, points);
   for (Color& pixel : result.pixels) pixel.setZero();
   for (int lane = 0; lane < kPacketSize; ++lane) {
     if (packet.target[lane] == kOutside) continue;

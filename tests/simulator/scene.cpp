@@ -7,6 +7,7 @@
 #include "tests/simulator/lot_place.h"
 #include "tests/simulator/random.h"
 #include "tests/simulator/simulated_rig.h"
+#include "tests/simulator/street_scene.h"
 
 namespace parkade::simulator {
 namespace {
@@ -32,7 +33,8 @@ Scene BuildLot(const Place& place, const SceneOptions& options) {
 }
 
 void AddWeather(Weather weather, Scene& scene) {
-  if (weather == Weather::kWet && !scene.IsIndoors()) scene.wetness = 1;
+  if (weather == Weather::kWet && scene.finish.empty())
+    scene.finish.assign(scene.place.ground.sheets().size(), {.wetness = 1});
   scene.has_headlights = weather == Weather::kDusk || scene.IsIndoors();
   scene.usual_exposure = scene.IsIndoors()           ? 0.010
                          : weather == Weather::kDusk ? 0.012
@@ -44,7 +46,9 @@ void AddWeather(Weather weather, Scene& scene) {
 
 Scene BuildScene(const std::string& name, const SceneOptions& options) {
   const Place place = PlanPlace(name, options);  // refuses unknown names
-  Scene scene = name == "garage" ? BuildGarage(options) : BuildLot(place, options);
+  Scene scene = name == "garage"   ? BuildGarage(options)
+                : name == "street" ? BuildStreet(options)
+                                   : BuildLot(place, options);
   AddWeather(WeatherOf(options), scene);
   const Mesh car = MakeCar(kOwnCarStyle, Mix64(options.seed), scene.materials);
   scene.own_car.Append(car, {Eigen::Quaterniond::Identity(), {-RearAxleX(kOwnCarStyle), 0, 0}});

@@ -13,6 +13,12 @@
 
 namespace parkade::simulator {
 
+/// How the surface of a sheet of ground mirrors.
+struct GroundFinish {
+  float wetness = 0;  ///< 0 dry; 1 dark, with a film of water and puddles
+  float gloss = 0;    ///< share of the mirror of a sealed floor
+};
+
 /// A world to drive in and to see, everything but the car itself. World: z up, metres;
 /// x east, y north.
 struct Scene {
@@ -26,11 +32,10 @@ struct Scene {
   Movers movers;                            ///< what moves (see AddTraffic)
   LampField lamps;                          ///< those that are on
   Color bounce = Gray(0);                   ///< irradiance from all sides inside a lit building
-  float sky_reach = 4;            ///< [m] what is farther away hides no sky; small outdoors, where there is more
-  float wetness = 0;              ///< 0 dry; 1 dark wet ground with puddles
-  float floor_gloss = 0;          ///< mirror share of a sealed floor
-  bool has_headlights = false;    ///< the own car drives with its lights on
-  double usual_exposure = 0.003;  ///< [s] that a camera would choose in this light
+  float sky_reach = 4;  ///< [m] what is farther away hides no sky; small outdoors, where there is more
+  std::vector<GroundFinish> finish = {};  ///< of the sheets of ground; empty: all dry and dull
+  bool has_headlights = false;            ///< the own car drives with its lights on
+  double usual_exposure = 0.003;          ///< [s] that a camera would choose in this light
 
   bool IsIndoors() const { return bounce[1] > 0; }
 };

@@ -24,7 +24,8 @@ float Puddle(const Eigen::Vector3f& position) {
 Color GroundAlbedo(const Scene& scene, const SurfacePoint& point, float footprint) {
   const float x = point.position.x(), y = point.position.y();
   const Color dry = scene.ground_colors[point.material].Sample(x, y, footprint);
-  const float wet = scene.wetness * (0.45f + 0.25f * (scene.wetness > 0 ? Puddle(point.position) : 0));
+  const float wetness = scene.finish.empty() ? 0 : scene.finish[point.material].wetness;
+  const float wet = wetness > 0 ? wetness * (0.45f + 0.25f * Puddle(point.position)) : 0;
   const Color painted = dry * (1 - wet);
   if (footprint > 0.06f) return painted;  // stones of a centimetre average out
   static const MipTexture& aggregate = DetailTexture(TextureKind::kAggregate);
@@ -65,9 +66,9 @@ Color Reflection(const Scene& scene, const SurfacePoint& point, float head_on) {
 float GroundMirror(const Scene& scene, const SurfacePoint& point) {
   const float cosine = std::clamp(-point.ray.dot(point.normal), 0.0f, 1.0f), grazing = 1 - cosine;
   const float squared = grazing * grazing, fresnel = 0.025f + 0.975f * squared * squared * grazing;
-  const float smooth =
-      std::max(scene.floor_gloss, scene.wetness > 0 ? scene.wetness * (0.3f + 0.7f * Puddle(point.position)) : 0);
-  return fresnel * smooth;
+  const GroundFinish& finish = scene.finish[point.material];
+  const float water = finish.wetness > 0 ? finish.wetness * (0.3f + 0.7f * Puddle(point.position)) : 0;
+  return fresnel * std::max(finish.gloss, water);
 }
 
 Color Shade(const Scene& scene, const SurfacePoint& point) {
