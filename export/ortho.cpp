@@ -38,17 +38,9 @@ struct Canvas {
     return {FloorDivide(x, squares_per_pixel) - left, top - FloorDivide(y, squares_per_pixel)};
   }
 
-  Orthophoto Encode(double square_size) const {
-    Orthophoto ortho;
-    std::vector<unsigned char> png;
-    Require(cv::imencode(".png", image, png), ErrorCode::kInternal, "OpenCV could not write the orthophoto");
-    ortho.png.assign(png.begin(), png.end());
+  Orthophoto Take(double square_size) && {
     const double pixel_size = square_size * squares_per_pixel;
-    char text[256];
-    std::snprintf(text, sizeof text, "%.9f\n0\n0\n%.9f\n%.9f\n%.9f\n", pixel_size, -pixel_size,
-                  (left + 0.5) * pixel_size, (top + 0.5) * pixel_size);
-    ortho.world_file = text;
-    return ortho;
+    return {std::move(image), pixel_size, left * pixel_size, (top + 1) * pixel_size};
   }
 };
 
@@ -107,7 +99,7 @@ Orthophoto RenderOrthophoto(const SurfaceMap& surface, int max_size) {
     height.at<float>(pixel) = cell.height;
     canvas.image.at<cv::Vec4b>(pixel) = {cell.color[2], cell.color[1], cell.color[0], 255};
   }
-  return canvas.Encode(surface.cell_size);
+  return std::move(canvas).Take(surface.cell_size);
 }
 
 Orthophoto RenderOrthophoto(const TriangleMesh& mesh, const GroundTexture& texture, int max_size) {
@@ -123,7 +115,20 @@ Orthophoto RenderOrthophoto(const TriangleMesh& mesh, const GroundTexture& textu
                                                                                                  color[2], 255};
       }
   }
-  return canvas.Encode(texture.texel_size);
+  return std::move(canvas).Take(texture.texel_size);
+}
+
+std::string EncodePng(const Orthophoto& ortho) {
+  std::vector<unsigned char> png;
+  Require(cv::imencode(".png", ortho.image, png), ErrorCode::kInternal, "OpenCV could not write the orthophoto");
+  return {png.begin(), png.end()};
+}
+
+std::string EncodeWorldFile(const Orthophoto& ortho) {
+  char text[256];
+  std::snprintf(text, sizeof text, "%.9f\n0\n0\n%.9f\n%.9f\n%.9f\n", ortho.pixel_size, -ortho.pixel_size,
+                ortho.left + 0.5 * ortho.pixel_size, ortho.top - 0.5 * ortho.pixel_size);
+  return text;
 }
 
 }  // namespace parkade

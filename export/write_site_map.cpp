@@ -54,8 +54,9 @@ void WriteSiteMap(const SiteMap& map, const path& folder) {
   WriteFileAtomically(folder / "free_space.geojson", EncodeFreeSpaceGeoJson(FindFreeSheets(map.surface), map.datum));
   const Orthophoto ortho =
       map.texture.empty() ? RenderOrthophoto(map.surface) : RenderOrthophoto(map.mesh, map.texture);
-  WriteFileAtomically(folder / "ortho.png", ortho.png);
-  WriteFileAtomically(folder / "ortho.pgw", ortho.world_file);
+  WriteFileAtomically(folder / "ortho.png", EncodePng(ortho));
+  WriteFileAtomically(folder / "ortho.pgw", EncodeWorldFile(ortho));
+  if (map.datum) WriteFileAtomically(folder / "ortho.tif", EncodeGeoTiff(ortho, *map.datum));
   std::filesystem::create_directories(folder / "tiles");
   EncodeTiles(map,
               [&](const std::string& name, const std::string& bytes) { WriteFileAtomically(folder / name, bytes); });

@@ -10,7 +10,7 @@ namespace parkade {
 ///
 ///   map.glb, map_plain.glb, tileset.json, tiles/*.glb, ground.ply, free_space.geojson, ortho.png, ortho.pgw
 ///   <drive>/odometry.tum, <drive>/trajectory.tum
-///   <drive>/trajectory.geojson, <drive>/trajectory.kml   where there is a datum
+///   <drive>/trajectory.geojson, <drive>/trajectory.kml, ortho.tif   where there is a datum
 ///
 /// Same map, same bytes. Throws Error{kInternal} where the map breaks a promise (mesh, names of drives), and what
 /// WriteFileAtomically throws.

@@ -9,20 +9,21 @@ build_packages=(
   build-essential cmake ninja-build ccache pkg-config ca-certificates curl git time
   # what the program is made of
   libeigen3-dev libopencv-dev libopencv-contrib-dev libceres-dev libpcl-dev libcgal-dev libtinygltf-dev libdraco-dev
-  libgeographiclib-dev libcpp-httplib-dev libssl-dev nlohmann-json3-dev libyaml-cpp-dev libspdlog-dev libcli11-dev
+  libgeotiff-dev libtiff-dev libgeographiclib-dev libcpp-httplib-dev libssl-dev nlohmann-json3-dev libyaml-cpp-dev
+  libspdlog-dev libcli11-dev
   libsqlite3-dev libarchive-dev libzstd-dev liblz4-dev libbz2-dev zlib1g-dev libturbojpeg0-dev libpng-dev libfastcdr-dev
   # Debian's Ceres would otherwise run on ATLAS, which is several times slower
   libopenblas0-pthread
   # tests and the drive simulator
-  libgtest-dev libbenchmark-dev libembree-dev python3 python3-rosbag python3-sensor-msgs python3-nav-msgs
+  libgtest-dev libbenchmark-dev libembree-dev gdal-bin python3 python3-rosbag python3-sensor-msgs python3-nav-msgs
   python3-geometry-msgs python3-tf2-msgs chromium clang-format
 )
 runtime_packages=(
   libopencv-core406 libopencv-imgproc406 libopencv-imgcodecs406 libopencv-features2d406 libopencv-calib3d406
   libopencv-video406 libceres3 libopenblas0-pthread libpcl-common1.13 libpcl-kdtree1.13 libpcl-search1.13
   libpcl-sample-consensus1.13 libpcl-filters1.13 libpcl-segmentation1.13 libpcl-features1.13 libpcl-octree1.13
-  libtinygltf2d libdraco7 libgeographiclib23 libcpp-httplib0.11 libyaml-cpp0.7 libspdlog1.10 libsqlite3-0 libarchive13 libzstd1
-  liblz4-1 libbz2-1.0 zlib1g libjpeg62-turbo libfastcdr1 libgmp10 libmpfr6 curl
+  libtinygltf2d libdraco7 libgeotiff5 libtiffxx6 libgeographiclib23 libcpp-httplib0.11 libyaml-cpp0.7 libspdlog1.10
+  libsqlite3-0 libarchive13 libzstd1 liblz4-1 libbz2-1.0 zlib1g libjpeg62-turbo libfastcdr1 libgmp10 libmpfr6 curl
 )
 
 case "${1:-}" in

@@ -18,13 +18,14 @@ SurfaceCell CellAt(int x, int y, float height, std::array<std::uint8_t, 3> color
 }
 
 cv::Mat Decode(const Orthophoto& ortho) {
-  const std::vector<char> bytes(ortho.png.begin(), ortho.png.end());
+  const std::string png = EncodePng(ortho);
+  const std::vector<char> bytes(png.begin(), png.end());
   return cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
 }
 
 /// The pixel that shows a place of the site, by the world file.
 cv::Point PixelOf(const Orthophoto& ortho, double x, double y) {
-  std::istringstream text(ortho.world_file);
+  std::istringstream text(EncodeWorldFile(ortho));
   double a = 0, d = 0, b = 0, e = 0, c = 0, f = 0;
   text >> a >> d >> b >> e >> c >> f;
   return {static_cast<int>(std::lround((x - c) / a)), static_cast<int>(std::lround((y - f) / e))};
