@@ -31,23 +31,41 @@ class RigFiles {
   fs::path folder_;
 };
 
+YAML::Node NumbersOf(const Eigen::VectorXd& vector) {
+  YAML::Node node(std::vector<double>(vector.begin(), vector.end()));
+  node.SetStyle(YAML::EmitterStyle::Flow);
+  return node;
+}
+
+void AddCalibration(const CameraCalibration& calibration, YAML::Node camera) {
+  for (const CalibratedQuantity& quantity : calibration.quantities) {
+    YAML::Node node = camera["calibration"][quantity.name];
+    node["status"] = ToText(quantity.status);
+    node["change"] = NumbersOf(quantity.change);
+    node["sigma"] = NumbersOf(quantity.sigma);
+    if (quantity.status != CalibratedQuantity::Status::kKept) camera["status"] = "refined";
+  }
+}
+
 }  // namespace
 
-void WriteCalibration(const Rig& rig, const fs::path& file) {
+void WriteCalibration(const Rig& rig, const std::vector<CameraCalibration>& calibration, const fs::path& file) {
   const RigFiles files(rig, file);
-  YAML::Node calibration = files.Load("camchain-imucam.yaml");
-  for (const RigCamera& camera : rig.cameras) {
-    calibration[camera.name].remove("mask");  // an image file of the rig's folder, not of the map's
-    calibration[camera.name]["status"] = "kept";
+  YAML::Node yaml = files.Load("camchain-imucam.yaml");
+  for (size_t i = 0; i < rig.cameras.size(); ++i) {
+    const RigCamera& camera = rig.cameras[i];
+    yaml[camera.name].remove("mask");  // an image file of the rig's folder, not of the map's
+    yaml[camera.name]["status"] = "kept";
+    if (i < calibration.size()) AddCalibration(calibration[i], yaml[camera.name]);
   }
-  calibration["imu0"] = files.Load("imu0.yaml");
-  calibration["imu0"]["status"] = "kept";
+  yaml["imu0"] = files.Load("imu0.yaml");
+  yaml["imu0"]["status"] = "kept";
   if (rig.vehicle) {
-    calibration["vehicle"] = files.Load("vehicle.yaml");
-    calibration["vehicle"]["status"] = "kept";
+    yaml["vehicle"] = files.Load("vehicle.yaml");
+    yaml["vehicle"]["status"] = "kept";
   }
   YAML::Emitter text;
-  text << calibration;
+  text << yaml;
   WriteFileAtomically(file, std::string(text.c_str()) + "\n");
 }
 

@@ -6,17 +6,31 @@ namespace {
 // A landmark this near to the camera [inverse-distance units] has no direction.
 constexpr double kMinNorm = 1e-9;
 
-struct InImu {
-  Eigen::Vector3d offset;     // R(t)^T (ray + w (origin - p))
+/// A landmark on its way into the camera; each step but the last is a vector
+/// times inverse distance.
+struct Sight {
+  Eigen::Vector3d velocity;   // w R(t0)^T v: of the imu, in imu at the image's time t0
+  Eigen::Vector3d before;     // R(t0)^T (ray + w (origin - p(t))), not turned on yet
+  Eigen::Vector3d in_imu;     // at t
   Eigen::Vector3d in_camera;  // d
 };
 
-InImu TransformLandmark(const ImageView& view, const ImagePose& pose, const LandmarkRay& ray, const double* landmark) {
+/// Exp(-angle) v to second order: angles within an image are small.
+Eigen::Vector3d TurnBack(const Eigen::Vector3d& angle, const Eigen::Vector3d& v) {
+  const Eigen::Vector3d turned = angle.cross(v);
+  return v - turned + 0.5 * angle.cross(turned);
+}
+
+Sight LookAt(const ImageView& view, const ImagePose& pose, const LandmarkRay& ray, const double* landmark,
+             double delay) {
   const double w = landmark[2];
-  InImu result;
-  result.offset = pose.odom_from_imu.transpose() * (ray.Ray(landmark) + w * (ray.origin - pose.imu_in_odom));
-  result.in_camera = view.imu_from_camera.rotation.conjugate() * (result.offset - w * view.imu_from_camera.translation);
-  return result;
+  Sight sight;
+  sight.velocity = w * (pose.odom_from_imu.transpose() * view.velocity_in_odom);
+  sight.before = pose.odom_from_imu.transpose() * (ray.Ray(landmark) + w * (ray.origin - pose.imu_in_odom)) -
+                 delay * sight.velocity;
+  sight.in_imu = TurnBack(delay * view.angular_velocity, sight.before);
+  sight.in_camera = view.camera_from_imu * (sight.in_imu - w * view.camera_in_imu);
+  return sight;
 }
 
 }  // namespace
@@ -24,6 +38,9 @@ InImu TransformLandmark(const ImageView& view, const ImagePose& pose, const Land
 void ImageView::Update() {
   const double* second = second_pose ? second_pose : first_pose;
   current = EvaluateImagePose(interpolation, PoseFromParameters(first_pose), PoseFromParameters(second));
+  const Rigid3 imu_from_camera = PoseFromParameters(extrinsics);
+  camera_from_imu = imu_from_camera.rotation.toRotationMatrix().transpose();
+  camera_in_imu = imu_from_camera.translation;
   is_at_first_estimate = (first_estimate && first_estimate->is_fixed) || (second_estimate && second_estimate->is_fixed);
   if (!is_at_first_estimate) return;
   const double* first_at = first_estimate ? first_estimate->Pose(first_pose) : first_pose;
@@ -33,43 +50,43 @@ void ImageView::Update() {
   linearised = EvaluateImagePose(interpolation, PoseFromParameters(first_at), PoseFromParameters(second_at));
 }
 
-Eigen::Vector3d LandmarkInCamera(const ImageView& view, const LandmarkRay& ray, const double* landmark) {
-  return TransformLandmark(view, view.current, ray, landmark).in_camera;
+Rigid3 ImageView::OdomFromCamera(double row) const {
+  const double delay = Delay(row);
+  const Eigen::Quaterniond rotation(current.odom_from_imu);
+  return Rigid3{rotation * ExpSo3(delay * angular_velocity), current.imu_in_odom + delay * velocity_in_odom} *
+         PoseFromParameters(extrinsics);
 }
+
+Eigen::Vector3d LandmarkInCamera(const ImageView& view, const LandmarkRay& ray, const double* landmark, double row) {
+  return LookAt(view, view.current, ray, landmark, view.Delay(row)).in_camera;
+}
+
+/// Of the residual, by what the landmark passes through.
+struct BearingCost::Derivatives {
+  Sight sight;
+  double w = 0;                        // inverse distance
+  Eigen::Matrix<double, 2, 3> camera;  // by a vector in the camera
+  Eigen::Matrix<double, 2, 3> imu;     // by one in imu at t
+  Eigen::Matrix<double, 2, 3> before;  // by one in imu at t0
+  Eigen::Matrix<double, 2, 3> odom;    // by one in odom
+};
 
 BearingCost::BearingCost(const ImageView* view, const LandmarkRay* ray, const Bearing& bearing)
     : view_(view), ray_(ray), bearing_(bearing) {
   set_num_residuals(2);
   mutable_parameter_block_sizes()->push_back(kPoseSize);
   if (view->second_pose) mutable_parameter_block_sizes()->push_back(kPoseSize);
-  mutable_parameter_block_sizes()->push_back(kLandmarkSize);
+  mutable_parameter_block_sizes()->insert(mutable_parameter_block_sizes()->end(),
+                                          {kPoseSize, kTimingSize, kLandmarkSize});
 }
 
-bool BearingCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
-  const int landmark_block = view_->second_pose ? 2 : 1;
-  const double* landmark = parameters[landmark_block];
-  const Eigen::Matrix<double, 2, 3> across = bearing_.basis.transpose() / bearing_.sigma;
-  InImu at = TransformLandmark(*view_, view_->current, *ray_, landmark);
-  double norm = at.in_camera.norm();
-  if (!(norm > kMinNorm)) return false;
-  Eigen::Map<Eigen::Vector2d>(residuals).noalias() = across * (at.in_camera / norm);
-  if (!jacobians) return true;
+using PoseJacobian = Eigen::Map<Eigen::Matrix<double, 2, kPoseSize, Eigen::RowMajor>>;
 
-  const ImagePose& pose = view_->is_at_first_estimate ? view_->linearised : view_->current;
-  if (view_->is_at_first_estimate) {
-    at = TransformLandmark(*view_, pose, *ray_, landmark);
-    norm = at.in_camera.norm();
-    if (!(norm > kMinNorm)) return false;
-  }
-  const Eigen::Vector3d unit = at.in_camera / norm;
-  const Eigen::Matrix<double, 2, 3> by_direction = (across - (across * unit) * unit.transpose()) / norm;
-  const Eigen::Matrix<double, 2, 3> by_imu =
-      by_direction * view_->imu_from_camera.rotation.toRotationMatrix().transpose();
-  const Eigen::Matrix<double, 2, 3> by_odom = by_imu * pose.odom_from_imu.transpose();
-  const Eigen::Matrix<double, 2, 3> by_rotation = by_imu * Skew(at.offset);
-  const Eigen::Matrix<double, 2, 3> by_position = -landmark[2] * by_odom;
-
-  using PoseJacobian = Eigen::Map<Eigen::Matrix<double, 2, kPoseSize, Eigen::RowMajor>>;
+void BearingCost::FillPoses(const ImagePose& pose, const Derivatives& by, double** jacobians) const {
+  const bool is_between = view_->second_pose != nullptr;
+  if (!jacobians[0] && !(is_between && jacobians[1])) return;
+  const Eigen::Matrix<double, 2, 3> by_rotation = by.before * Skew(by.sight.before);
+  const Eigen::Matrix<double, 2, 3> by_position = -by.w * by.odom;
   if (jacobians[0]) {
     PoseJacobian jacobian(jacobians[0]);
     jacobian.leftCols<3>().noalias() =
@@ -77,17 +94,65 @@ bool BearingCost::Evaluate(double const* const* parameters, double* residuals, d
     jacobian.middleCols<3>(3) = (1 - pose.fraction) * by_position;
     jacobian.col(6).setZero();
   }
-  if (view_->second_pose && jacobians[1]) {
+  if (is_between && jacobians[1]) {
     PoseJacobian jacobian(jacobians[1]);
     jacobian.leftCols<3>().noalias() = by_rotation * pose.rotation_by_second;
     jacobian.middleCols<3>(3) = pose.fraction * by_position;
     jacobian.col(6).setZero();
   }
-  if (jacobians[landmark_block]) {
-    Eigen::Map<Eigen::Matrix<double, 2, kLandmarkSize, Eigen::RowMajor>> jacobian(jacobians[landmark_block]);
-    jacobian.leftCols<2>().noalias() = by_odom * ray_->basis;
-    jacobian.col(2) = by_odom * (ray_->origin - pose.imu_in_odom) -
-                      by_direction * (view_->imu_from_camera.rotation.conjugate() * view_->imu_from_camera.translation);
+}
+
+void BearingCost::FillCamera(const Derivatives& by, double** jacobians) const {
+  if (jacobians[0]) {
+    PoseJacobian jacobian(jacobians[0]);
+    jacobian.leftCols<3>().noalias() = by.camera * Skew(by.sight.in_camera);
+    jacobian.middleCols<3>(3) = -by.w * by.imu;
+    jacobian.col(6).setZero();
+  }
+  if (jacobians[1]) {
+    Eigen::Map<Eigen::Matrix<double, 2, kTimingSize, Eigen::RowMajor>> jacobian(jacobians[1]);
+    const Eigen::Vector3d turning = view_->angular_velocity.cross(by.sight.before);
+    const Eigen::Vector3d rate = turning - view_->Delay(bearing_.row) * view_->angular_velocity.cross(turning);
+    jacobian.col(0) = -by.imu * rate - by.before * by.sight.velocity;
+    jacobian.col(1) = bearing_.row * jacobian.col(0);
+    if (view_->holds_time_offset) jacobian.col(0).setZero();
+    if (view_->holds_line_delay) jacobian.col(1).setZero();
+  }
+}
+
+bool BearingCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
+  const int camera_block = view_->second_pose ? 2 : 1;
+  const double* landmark = parameters[camera_block + 2];
+  const double delay = view_->Delay(bearing_.row);
+  const Eigen::Matrix<double, 2, 3> across = bearing_.basis.transpose() / bearing_.sigma;
+  Derivatives by;
+  by.sight = LookAt(*view_, view_->current, *ray_, landmark, delay);
+  double norm = by.sight.in_camera.norm();
+  if (!(norm > kMinNorm)) return false;
+  Eigen::Map<Eigen::Vector2d>(residuals).noalias() = across * (by.sight.in_camera / norm);
+  if (!jacobians) return true;
+
+  const ImagePose& pose = view_->is_at_first_estimate ? view_->linearised : view_->current;
+  if (view_->is_at_first_estimate) {
+    by.sight = LookAt(*view_, pose, *ray_, landmark, delay);
+    norm = by.sight.in_camera.norm();
+    if (!(norm > kMinNorm)) return false;
+  }
+  const Eigen::Vector3d unit = by.sight.in_camera / norm;
+  const Eigen::Vector3d angle = delay * view_->angular_velocity;
+  by.w = landmark[2];
+  by.camera = (across - (across * unit) * unit.transpose()) / norm;
+  by.imu = by.camera * view_->camera_from_imu;
+  for (int i = 0; i < 2; ++i) by.before.row(i) = TurnBack(-angle, by.imu.row(i).transpose()).transpose();
+  by.odom = by.before * pose.odom_from_imu.transpose();
+
+  FillPoses(pose, by, jacobians);
+  FillCamera(by, jacobians + camera_block);
+  if (jacobians[camera_block + 2]) {
+    Eigen::Map<Eigen::Matrix<double, 2, kLandmarkSize, Eigen::RowMajor>> jacobian(jacobians[camera_block + 2]);
+    jacobian.leftCols<2>().noalias() = by.odom * ray_->basis;
+    jacobian.col(2) =
+        by.odom * (ray_->origin - pose.imu_in_odom - delay * view_->velocity_in_odom) - by.imu * view_->camera_in_imu;
   }
   return true;
 }

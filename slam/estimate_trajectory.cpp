@@ -26,7 +26,7 @@ struct CameraPair {
 /// Tracks the images of all cameras, batch by batch.
 class FrontEnd {
  public:
-  FrontEnd(const Rig& rig, const OdometryOptions& options) : rig_(rig), options_(options) {
+  FrontEnd(const Rig& rig, const OdometryOptions& options) : options_(options) {
     for (size_t c = 0; c < rig.cameras.size(); ++c) {
       trackers_.push_back(std::make_unique<FeatureTracker>(rig.cameras[c], static_cast<int>(c), options.tracker));
       last_times_.emplace_back();
@@ -42,7 +42,8 @@ class FrontEnd {
   const FeatureTracker& tracker(size_t camera) const { return *trackers_[camera]; }
 
   /// Before the cameras are tracked: IMU of the batch, and what the estimator knows.
-  void Prepare(const Batch& batch, const std::optional<MotionState>& latest) {
+  void Prepare(const Batch& batch, const std::optional<MotionState>& latest, std::vector<Rigid3> imu_from_cameras) {
+    imu_from_cameras_ = std::move(imu_from_cameras);
     frames_.assign(num_cameras(), {});
     images_.assign(num_cameras(), {});
     latest_ = latest;
@@ -114,7 +115,7 @@ class FrontEnd {
 
   /// p_now = R p_last.
   Eigen::Matrix3d CameraRotation(size_t camera, Timestamp last, Timestamp now) const {
-    const Eigen::Quaterniond imu_from_camera = rig_.ImuFromCamera(camera).rotation;
+    const Eigen::Quaterniond imu_from_camera = imu_from_cameras_[camera].rotation;
     return (imu_from_camera.conjugate() * ImuRotation(last, now).conjugate() * imu_from_camera).toRotationMatrix();
   }
 
@@ -129,17 +130,17 @@ class FrontEnd {
                   : Eigen::Vector3d::Zero();
       imu_to_from_imu_from = {rotation, -(rotation * (velocity * (to.time - from.time)))};
     }
-    return rig_.ImuFromCamera(static_cast<size_t>(to.camera)).Inverse() * imu_to_from_imu_from *
-           rig_.ImuFromCamera(static_cast<size_t>(from.camera));
+    return imu_from_cameras_[static_cast<size_t>(to.camera)].Inverse() * imu_to_from_imu_from *
+           imu_from_cameras_[static_cast<size_t>(from.camera)];
   }
 
-  const Rig& rig_;
   const OdometryOptions& options_;
   std::vector<std::unique_ptr<FeatureTracker>> trackers_;
   std::vector<CameraPair> pairs_;
   std::vector<std::optional<Timestamp>> last_times_;  // per camera
   ImuBuffer imu_;
   std::optional<MotionState> latest_;
+  std::vector<Rigid3> imu_from_cameras_;           // as the estimator knows them by now
   std::vector<std::vector<TrackedFrame>> frames_;  // per camera, of this batch
   std::vector<std::vector<TrackedImage>> images_;  // likewise
 };
@@ -188,7 +189,7 @@ OdometryResult EstimateTrajectory(const DriveLog& log, const OdometryOptions& op
   std::optional<SensorRecord> ahead;
   TrackedBatch tracked;  // of the batch before: the estimator works on it while cameras are tracked
   for (Batch batch; !(batch = ReadBatch(*stream, ahead)).empty();) {
-    front_end.Prepare(batch, estimator.Latest());
+    front_end.Prepare(batch, estimator.Latest(), estimator.ImuFromCameras());
     ParallelFor(front_end.num_cameras() + 1, [&](size_t task) {
       if (task == 0)
         Feed(tracked, estimator);

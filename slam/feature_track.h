@@ -21,6 +21,7 @@ struct TrackedFrame {
   Timestamp time;  ///< of the image, on the IMU's clock
   int camera = 0;
   std::vector<FeatureObservation> observations;  ///< tracked and new ones
+  double time_offset = 0;                        ///< [s] already added to `time` beyond the rig's, see CameraParameters
 };
 
 }  // namespace parkade

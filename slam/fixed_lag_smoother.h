@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/rig.h"
+#include "slam/knot_conditional.h"
 #include "slam/linear_prior.h"
 #include "slam/smoother_options.h"
 #include "slam/smoother_window.h"
@@ -21,6 +22,15 @@ struct StartUncertainty {
   double accelerometer_bias = 0.1;  ///< [m/s^2]
 };
 
+/// What of one camera's calibration is estimated, and what was known of it before.
+struct CameraSettings {
+  double middle_row = 0;  ///< [px]
+  CameraSigmas prior;
+  bool has_extrinsics = true;   ///< estimated
+  bool has_time_offset = true;  ///< estimated
+  bool has_line_delay = false;  ///< estimated
+};
+
 /// What one solve was like, for reports and tests.
 struct SolveSummary {
   int iterations = 0;
@@ -31,8 +41,8 @@ struct SolveSummary {
 };
 
 /// Fixed-lag smoother: the states of the last knots, the landmarks in their
-/// images and the wheel scale, estimated together from IMU, wheels, standstill
-/// and bearings; what leaves the window is condensed into a linear prior with
+/// images, the wheel scale and the calibration of the cameras, estimated together
+/// from IMU, wheels, standstill and bearings; what leaves the window is condensed into a linear prior with
 /// first-estimate Jacobians. Deterministic; one thread.
 ///
 /// S. Leutenegger et al., "Keyframe-based visual-inertial odometry using
@@ -52,22 +62,30 @@ class FixedLagSmoother {
 
   /// Removes the oldest knot while there are more than `window_knots`.
   std::vector<FinishedKnot> DropOldest();
-  /// Removes all knots.
+  /// Removes all knots but the last, which it copies. Last but for LastEstimate.
   std::vector<FinishedKnot> Finish();
-  /// After Finish: covariance of the last knot's [pose, motion] and the wheel scale, 16 x 16.
-  Eigen::MatrixXd LastCovariance() const;
+  /// After Finish: the last knot, the wheel scale and the cameras, with their covariance.
+  JointEstimate LastEstimate() const;
   /// Landmarks that left the window since the last call.
   std::vector<FinishedLandmark> TakeLandmarks();
 
   const std::deque<Knot>& knots() const { return knots_; }
   MotionState Latest() const { return knots_.back().State(); }
   double wheel_scale() const { return wheel_scale_; }
+  /// What is known of the cameras now; and how well, by the prior (the window's images not counted).
+  const std::vector<CameraParameters>& cameras() const { return cameras_; }
+  CameraSigmas SigmasOf(int camera) const;
+  const std::vector<CameraSettings>& camera_settings() const { return camera_settings_; }
   /// Noise found / noise declared, per camera.
   const std::vector<double>& camera_noise_scales() const { return camera_noise_scales_; }
   int NumLandmarks() const;
 
  private:
+  void AddCameras(const Rig& rig);
+  void AddPriorOfCameras();
+  void AddPriorOfPair(size_t i, size_t j);
   void AddImages(std::vector<NewImage> images, std::int64_t knot_before, std::int64_t knot_at);
+  Bearing BearingOf(const FeatureObservation& seen, int camera) const;
   void StartLandmarks();
   bool StartLandmark(Track& track);
   void PointViewsAtKnots();
@@ -79,15 +97,24 @@ class FixedLagSmoother {
   void ForgetOldest();
   void FinishLandmark(const Track& track);
   SolveSummary SolveWindow(int max_iterations);
+  /// The states that bearings in `view` depend on, in the order of their blocks.
+  static std::vector<StateName> StatesOf(const WindowView& view);
+  bool IsEstimated(const StateName& name) const;
+  const double* ValuesOf(const StateName& name) const;
   void UpdateOldestCovariance();
   Knot& KnotNumbered(std::int64_t number) { return knots_[static_cast<size_t>(number - knots_.front().number)]; }
+  const Knot& KnotNumbered(std::int64_t number) const {
+    return knots_[static_cast<size_t>(number - knots_.front().number)];
+  }
 
-  std::vector<Rigid3> imu_from_camera_;
   SmootherOptions options_;
+  std::vector<CameraParameters> cameras_;
+  std::vector<CameraSettings> camera_settings_;
   std::deque<Knot> knots_;
   std::deque<WindowView> views_;          ///< in order of their first knot
   std::map<std::int64_t, Track> tracks_;  ///< by number: the order of everything that follows
   LinearPrior prior_;
+  std::vector<StateConditional> reopened_;  ///< since the last knot that left
   double wheel_scale_ = 0;
   std::vector<double> camera_noise_scales_;
   std::vector<FinishedLandmark> finished_landmarks_;

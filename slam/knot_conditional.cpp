@@ -1,7 +1,6 @@
 #include "slam/knot_conditional.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <optional>
 
@@ -10,22 +9,10 @@
 namespace parkade {
 namespace {
 
-constexpr size_t kMaxWindow = 128;  // knots; SmootherOptions allows fewer
+constexpr std::int64_t kMaxWindow = 128;  // knots; SmootherOptions allows fewer
 
-struct Values {
-  std::array<double, kPoseSize> pose{};
-  std::array<double, kMotionSize> motion{};
-};
-
-Values ValuesOf(const MotionState& state) {
-  Values values;
-  PoseToParameters(state.odom_from_imu, values.pose.data());
-  Eigen::Map<Eigen::Matrix<double, kMotionSize, 1>>(values.motion.data()) << state.velocity_in_odom,
-      state.gyroscope_bias, state.accelerometer_bias;
-  return values;
-}
-
-using StateName = std::pair<std::int64_t, PriorBlock::Kind>;
+/// Values of states by name: the newest knots smoothed so far, and what all share.
+using StateValues = std::map<StateName, std::array<double, 9>>;
 
 /// Covariance of the states that the next conditional may speak of.
 struct JointCovariance {
@@ -34,115 +21,119 @@ struct JointCovariance {
   Eigen::MatrixXd matrix;
 
   void Append(const StateName& name) {
-    columns.push_back(names.empty() ? 0 : columns.back() + SizeOf(names.back()));
+    columns.push_back(names.empty() ? 0 : columns.back() + names.back().TangentSize());
     names.push_back(name);
   }
-  static Eigen::Index SizeOf(const StateName& name) { return PriorBlock{name.second, name.first, {}}.TangentSize(); }
 };
 
-/// The part of `joint` about `names`; nothing when one is not in it.
-std::optional<JointCovariance> Select(const JointCovariance& joint, const std::vector<StateName>& names) {
-  JointCovariance selected;
-  std::vector<Eigen::Index> from;
+/// Columns of `names` in `joint`; nothing when one is not in it.
+std::optional<std::vector<Eigen::Index>> ColumnsOf(const JointCovariance& joint, const std::vector<StateName>& names) {
+  std::vector<Eigen::Index> columns;
   for (const StateName& name : names) {
     const auto found = std::find(joint.names.begin(), joint.names.end(), name);
     if (found == joint.names.end()) return std::nullopt;
     const Eigen::Index begin = joint.columns[static_cast<size_t>(found - joint.names.begin())];
-    for (Eigen::Index k = 0; k < JointCovariance::SizeOf(name); ++k) from.push_back(begin + k);
-    selected.Append(name);
+    for (int k = 0; k < name.TangentSize(); ++k) columns.push_back(begin + k);
   }
-  selected.matrix = joint.matrix(from, from);
-  return selected;
+  return columns;
 }
 
-/// The joint covariance of a knot and the rest of its conditional.
-std::optional<JointCovariance> Extend(const KnotConditional& conditional, std::int64_t knot,
-                                      const JointCovariance& joint) {
-  std::vector<StateName> names;
-  for (const PriorBlock& block : conditional.rest) names.emplace_back(block.knot, block.kind);
-  const std::optional<JointCovariance> rest = Select(joint, names);
-  if (!rest) return std::nullopt;
+/// The joint covariance of a conditional's states and its rest. A state of the
+/// rest that has the name of one of its own (a camera reopened) is left out.
+std::optional<JointCovariance> Extend(const StateConditional& conditional, const JointCovariance& joint) {
+  std::vector<StateName> rest_names;
+  for (const PriorBlock& block : conditional.rest) rest_names.push_back(block.name);
+  const std::optional<std::vector<Eigen::Index>> from = ColumnsOf(joint, rest_names);
+  if (!from) return std::nullopt;
+  const Eigen::MatrixXd rest = joint.matrix(*from, *from);
   const Eigen::MatrixXd own = conditional.own.cast<double>();
   const auto root = own.triangularView<Eigen::Upper>();
   const Eigen::MatrixXd gain = -root.solve(conditional.to_rest.cast<double>());
   const Eigen::MatrixXd inverse = root.solve(Eigen::MatrixXd::Identity(own.rows(), own.cols()));
-  const Eigen::MatrixXd cross = gain * rest->matrix;
+  const Eigen::MatrixXd cross = gain * rest;
 
-  JointCovariance extended;
-  extended.Append({knot, PriorBlock::Kind::kPose});
-  extended.Append({knot, PriorBlock::Kind::kMotion});
-  for (const StateName& name : names) extended.Append(name);
-  const Eigen::Index size = own.rows() + rest->matrix.rows();
-  extended.matrix.resize(size, size);
-  extended.matrix << inverse * inverse.transpose() + cross * gain.transpose(), cross, cross.transpose(), rest->matrix;
-  if (!extended.matrix.allFinite()) return std::nullopt;
-  return extended;
+  JointCovariance all;
+  for (const PriorBlock& block : conditional.states) all.Append(block.name);
+  for (const StateName& name : rest_names) all.Append(name);
+  const Eigen::Index size = own.rows() + rest.rows();
+  all.matrix.resize(size, size);
+  all.matrix << inverse * inverse.transpose() + cross * gain.transpose(), cross, cross.transpose(), rest;
+  if (!all.matrix.allFinite()) return std::nullopt;
+  JointCovariance unique;
+  for (const StateName& name : all.names)
+    if (std::find(unique.names.begin(), unique.names.end(), name) == unique.names.end()) unique.Append(name);
+  if (unique.names.size() == all.names.size()) return all;
+  const std::optional<std::vector<Eigen::Index>> kept = ColumnsOf(all, unique.names);
+  unique.matrix = all.matrix(*kept, *kept);
+  return unique;
 }
 
 /// rest [-] at, or nothing when a state in it is not known.
-std::optional<Eigen::VectorXd> Deviation(const KnotConditional& conditional,
-                                         const std::map<std::int64_t, Values>& smoothed, double wheel_scale) {
+std::optional<Eigen::VectorXd> DeviationOfRest(const StateConditional& conditional, const StateValues& smoothed) {
   Eigen::VectorXd deviation(conditional.to_rest.cols());
   Eigen::Index column = 0;
   for (const PriorBlock& block : conditional.rest) {
-    double* out = deviation.data() + column;
-    column += block.TangentSize();
-    if (block.kind == PriorBlock::Kind::kWheelScale) {
-      *out = wheel_scale - block.at[0];
-      continue;
-    }
-    const auto found = smoothed.find(block.knot);
+    const auto found = smoothed.find(block.name);
     if (found == smoothed.end()) return std::nullopt;
-    if (block.kind == PriorBlock::Kind::kPose)
-      PoseManifold().Minus(found->second.pose.data(), block.at.data(), out);
-    else
-      for (size_t k = 0; k < kMotionSize; ++k) out[k] = found->second.motion[k] - block.at[k];
+    block.Deviation(found->second.data(), deviation.data() + column);
+    column += block.TangentSize();
   }
   return deviation;
 }
 
-void Correct(const Eigen::VectorXd& change, MotionState& state) {
-  state.odom_from_imu.rotation = (state.odom_from_imu.rotation * ExpSo3(change.head<3>())).normalized();
-  state.odom_from_imu.translation += change.segment<3>(3);
-  state.velocity_in_odom += change.segment<3>(6);
-  state.gyroscope_bias += change.segment<3>(9);
-  state.accelerometer_bias += change.segment<3>(12);
+/// Puts the conditional's states into `smoothed`, corrected where that can be done.
+void SmoothStates(const StateConditional& conditional, StateValues& smoothed) {
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(conditional.own.rows());
+  if (const std::optional<Eigen::VectorXd> deviation = DeviationOfRest(conditional, smoothed)) {
+    const Eigen::VectorXd right =
+        -(conditional.offset.cast<double>() + conditional.to_rest.cast<double>() * *deviation);
+    const Eigen::MatrixXd own = conditional.own.cast<double>();
+    const Eigen::VectorXd solved = own.triangularView<Eigen::Upper>().solve(right);
+    if (solved.allFinite()) change = solved;
+  }
+  const double* by = change.data();
+  for (const PriorBlock& block : conditional.states) {
+    std::array<double, 9> values = block.at;
+    if (block.name.IsPose())
+      PoseManifold().Plus(block.at.data(), by, values.data());
+    else
+      for (int k = 0; k < block.Size(); ++k) values[static_cast<size_t>(k)] += by[k];
+    smoothed[block.name] = values;
+    by += block.TangentSize();
+  }
 }
 
-void SmoothOne(const KnotConditional& conditional, const std::map<std::int64_t, Values>& smoothed, double wheel_scale,
-               MotionState& state) {
-  const std::optional<Eigen::VectorXd> deviation = Deviation(conditional, smoothed, wheel_scale);
-  if (!deviation) return;
-  const Eigen::VectorXd right = -(conditional.offset.cast<double>() + conditional.to_rest.cast<double>() * *deviation);
-  const Eigen::MatrixXd own = conditional.own.cast<double>();
-  const Eigen::VectorXd change = own.triangularView<Eigen::Upper>().solve(right);
-  MotionState corrected = state;
-  if (change.allFinite()) Correct(change, corrected);
-  if (corrected.IsFinite()) state = corrected;
+void Forget(StateValues& smoothed, std::int64_t from_knot) {
+  std::erase_if(smoothed, [&](const auto& entry) { return entry.first.IsOfKnot() && entry.first.number >= from_knot; });
 }
 
 }  // namespace
 
-void SmoothBackwards(std::vector<FinishedKnot>& knots, double wheel_scale, const Eigen::MatrixXd& last_covariance) {
-  if (knots.empty()) return;
-  std::map<std::int64_t, Values> smoothed;  // of the knots that conditionals may speak of
+void SmoothBackwards(std::vector<FinishedKnot>& knots, const JointEstimate& last) {
+  StateValues smoothed;
   std::optional<JointCovariance> joint;
-  if (last_covariance.rows() == 16) {
-    joint.emplace();
-    joint->Append({knots.back().number, PriorBlock::Kind::kPose});
-    joint->Append({knots.back().number, PriorBlock::Kind::kMotion});
-    joint->Append({-1, PriorBlock::Kind::kWheelScale});
-    joint->matrix = last_covariance;
+  if (last.covariance.size() > 0) joint.emplace().matrix = last.covariance;
+  for (const PriorBlock& block : last.states) {
+    smoothed[block.name] = block.at;
+    if (joint) joint->Append(block.name);
   }
+  const auto apply = [&](const StateConditional& conditional) {
+    SmoothStates(conditional, smoothed);
+    if (joint) joint = Extend(conditional, *joint);
+  };
   for (auto knot = knots.rbegin(); knot != knots.rend(); ++knot) {
     if (knot->conditional) {
-      SmoothOne(*knot->conditional, smoothed, wheel_scale, knot->state);
-      if (joint) joint = Extend(*knot->conditional, knot->number, *joint);
+      apply(*knot->conditional);
+      const MotionState state =
+          StateFromParameters(knot->state.time, smoothed[{StateName::Kind::kPose, knot->number}].data(),
+                              smoothed[{StateName::Kind::kMotion, knot->number}].data());
+      if (state.IsFinite()) knot->state = state;
       knot->conditional.reset();
     }
     if (joint) knot->covariance = joint->matrix.topLeftCorner<6, 6>();
-    smoothed[knot->number] = ValuesOf(knot->state);
-    while (smoothed.size() > kMaxWindow) smoothed.erase(std::prev(smoothed.end()));
+    for (auto reopened = knot->reopened.rbegin(); reopened != knot->reopened.rend(); ++reopened) apply(*reopened);
+    knot->reopened.clear();
+    Forget(smoothed, knot->number + kMaxWindow);
   }
 }
 

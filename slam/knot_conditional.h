@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <vector>
 
 #include "slam/linear_prior.h"
@@ -10,15 +9,22 @@ namespace parkade {
 
 struct FinishedKnot;
 
-/// What a knot was, given the states that stayed when it left the window: the
+/// What states were, given the states that stayed when they left the window: the
 /// rows that marginalisation in square-root form sets aside,
-///   own d + to_rest (rest [-] at) + offset = 0,   d: from the knot's values then.
+///   own (x [-] at) + to_rest (rest [-] at) + offset = 0.
 /// Single precision: corrections are small.
-struct KnotConditional {
-  Eigen::MatrixXf own;      ///< 15 x 15, upper triangular; [rotation, position, v, b_g, b_a]
-  Eigen::MatrixXf to_rest;  ///< 15 x n
-  Eigen::VectorXf offset;   ///< 15
+struct StateConditional {
+  std::vector<PriorBlock> states;  ///< with the values they had then; pose and motion of a knot, or one camera
+  Eigen::MatrixXf own;             ///< upper triangular
+  Eigen::MatrixXf to_rest;
+  Eigen::VectorXf offset;
   std::vector<PriorBlock> rest;
+};
+
+/// States with their values, and the covariance of all of them.
+struct JointEstimate {
+  std::vector<PriorBlock> states;
+  Eigen::MatrixXd covariance;  ///< may be empty: unknown
 };
 
 /// Corrects all knots of a drive by what was learned after they left the window,
@@ -27,9 +33,9 @@ struct KnotConditional {
 ///
 /// H. E. Rauch, F. Tung, C. T. Striebel, "Maximum likelihood estimates of linear
 /// dynamic systems", AIAA Journal 1965, here as back-substitution of the QR.
-/// `knots` are all that left the window, in order; the last is taken as it is,
-/// with `last_covariance` of [pose, motion, wheel scale], 16 x 16. Sets the
-/// covariances, too. Linear in the drive's length.
-void SmoothBackwards(std::vector<FinishedKnot>& knots, double wheel_scale, const Eigen::MatrixXd& last_covariance);
+/// `knots` are all that left the window, in order; the last is taken as it is.
+/// `last` holds its pose and motion, and what all knots share: wheel scale, cameras.
+/// Sets the covariances, too. Linear in the drive's length.
+void SmoothBackwards(std::vector<FinishedKnot>& knots, const JointEstimate& last);
 
 }  // namespace parkade

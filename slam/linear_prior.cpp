@@ -1,11 +1,63 @@
 #include "slam/linear_prior.h"
 
+#include <cassert>
+#include <tuple>
+
 namespace parkade {
+namespace {
+
+constexpr double kMinRoot = 1e-9;  // of a diagonal of the prior: a direction nothing is known about
+
+}  // namespace
+
+int StateName::Size() const {
+  switch (kind) {
+    case Kind::kPose:
+    case Kind::kExtrinsics: return kPoseSize;
+    case Kind::kMotion: return kMotionSize;
+    case Kind::kTiming: return kTimingSize;
+    case Kind::kWheelScale: return 1;
+  }
+  return 0;
+}
+
+std::strong_ordering StateName::operator<=>(const StateName& other) const {
+  const auto key = [](const StateName& name) {
+    const int group = name.IsOfKnot() ? 0 : name.kind == Kind::kWheelScale ? 1 : 2;
+    return std::tuple(group, name.number, static_cast<int>(name.kind));
+  };
+  return key(*this) <=> key(other);
+}
+
+void PriorBlock::Deviation(const double* values, double* deviation) const {
+  if (name.IsPose())
+    PoseManifold().Minus(values, at.data(), deviation);
+  else
+    for (int k = 0; k < Size(); ++k) deviation[k] = values[k] - at[static_cast<size_t>(k)];
+}
 
 int LinearPrior::Columns() const {
   int columns = 0;
   for (const PriorBlock& block : blocks) columns += block.TangentSize();
   return columns;
+}
+
+int LinearPrior::ColumnOf(const StateName& name) const {
+  int column = 0;
+  for (const PriorBlock& block : blocks) {
+    if (block.name == name) return column;
+    column += block.TangentSize();
+  }
+  assert(false && "the prior does not speak of this state");
+  return 0;
+}
+
+Eigen::MatrixXd LinearPrior::Covariance() const {
+  Eigen::MatrixXd root = sqrt_information;
+  root.diagonal().array() += (root.diagonal().array().abs() < kMinRoot).cast<double>() * kMinRoot;
+  const Eigen::MatrixXd inverse =
+      root.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(root.rows(), root.cols()));
+  return inverse * inverse.transpose();
 }
 
 LinearPriorCost::LinearPriorCost(const LinearPrior* prior) : prior_(prior) {
@@ -18,11 +70,7 @@ bool LinearPriorCost::Evaluate(double const* const* parameters, double* residual
   int column = 0;
   for (size_t i = 0; i < prior_->blocks.size(); ++i) {
     const PriorBlock& block = prior_->blocks[i];
-    if (block.kind == PriorBlock::Kind::kPose) {
-      PoseManifold().Minus(parameters[i], block.at.data(), change.data() + column);
-    } else {
-      for (int k = 0; k < block.Size(); ++k) change[column + k] = parameters[i][k] - block.at[static_cast<size_t>(k)];
-    }
+    block.Deviation(parameters[i], change.data() + column);
     if (jacobians && jacobians[i]) {
       Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> jacobian(
           jacobians[i], num_residuals(), block.Size());

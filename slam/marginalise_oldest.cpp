@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "slam/fixed_lag_smoother.h"
 #include "slam/imu_cost.h"
@@ -13,20 +14,11 @@
 namespace parkade {
 namespace {
 
-using Kind = PriorBlock::Kind;
+using Kind = StateName::Kind;
 
-constexpr std::int64_t kScaleKnot = std::numeric_limits<std::int64_t>::max();  // sorts last
+constexpr StateName kWheelScale{Kind::kWheelScale, 0};
 
 constexpr double kMinRoot = 1e-9;  // of a diagonal of the prior: a direction nothing is known about
-
-/// Names a state; ordered as the columns of the system are: by knot, pose first.
-using StateName = std::pair<std::int64_t, Kind>;
-
-StateName NameOf(const PriorBlock& block) {
-  return {block.kind == Kind::kWheelScale ? kScaleKnot : block.knot, block.kind};
-}
-
-int TangentSizeOf(const StateName& name) { return PriorBlock{name.second, name.first, {}}.TangentSize(); }
 
 /// Where each state's tangent begins among the columns.
 class ColumnMap {
@@ -34,7 +26,7 @@ class ColumnMap {
   explicit ColumnMap(const std::set<StateName>& states) {
     for (const StateName& name : states) {
       columns_[name] = width_;
-      width_ += TangentSizeOf(name);
+      width_ += name.TangentSize();
     }
   }
   int operator[](const StateName& name) const { return columns_.at(name); }
@@ -53,33 +45,27 @@ FinishedKnot FixedLagSmoother::MarginaliseOldest() {
   const KnotInterval& interval = *next.interval;
 
   std::vector<Track*> consumed;
-  std::set<StateName> states{{oldest.number, Kind::kPose},
-                             {oldest.number, Kind::kMotion},
-                             {next.number, Kind::kPose},
-                             {next.number, Kind::kMotion}};
-  for (const PriorBlock& block : prior_.blocks) states.insert(NameOf(block));
-  if (interval.wheels) states.insert({kScaleKnot, Kind::kWheelScale});
+  std::set<StateName> states{{Kind::kPose, oldest.number},
+                             {Kind::kMotion, oldest.number},
+                             {Kind::kPose, next.number},
+                             {Kind::kMotion, next.number}};
+  for (const PriorBlock& block : prior_.blocks) states.insert(block.name);
+  if (interval.wheels) states.insert(kWheelScale);
   for (auto& [number, track] : tracks_) {
     if (!track.has_landmark || track.observations.front().view->first_knot != oldest.number) continue;
     consumed.push_back(&track);
-    for (const TrackObservation& seen : track.observations) {
-      states.insert({seen.view->first_knot, Kind::kPose});
-      if (seen.view->second_knot) states.insert({*seen.view->second_knot, Kind::kPose});
-    }
+    for (const TrackObservation& seen : track.observations)
+      for (const StateName& name : StatesOf(*seen.view))
+        if (IsEstimated(name)) states.insert(name);
   }
   const ColumnMap columns(states);
-  const auto values_of = [&](const StateName& name) -> const double* {
-    if (name.second == Kind::kWheelScale) return &wheel_scale_;
-    Knot& knot = KnotNumbered(name.first);
-    return name.second == Kind::kPose ? knot.pose.data() : knot.motion.data();
-  };
   const auto block_of = [&](const ceres::CostFunction* cost, const ceres::LossFunction* loss,
                             const std::vector<StateName>& names) {
     LinearisableBlock block{cost, loss, {}, {}, {}};
     for (const StateName& name : names) {
-      block.parameters.push_back(values_of(name));
-      block.columns.push_back(columns[name]);
-      block.tangent_sizes.push_back(TangentSizeOf(name));
+      block.parameters.push_back(ValuesOf(name));
+      block.columns.push_back(IsEstimated(name) ? columns[name] : 0);
+      block.tangent_sizes.push_back(IsEstimated(name) ? name.TangentSize() : 0);
     }
     return block;
   };
@@ -88,16 +74,16 @@ FinishedKnot FixedLagSmoother::MarginaliseOldest() {
   Marginaliser marginaliser(kDropped, columns.width() - kDropped);
   const LinearPriorCost prior_cost(&prior_);
   std::vector<StateName> prior_states;
-  for (const PriorBlock& block : prior_.blocks) prior_states.push_back(NameOf(block));
+  for (const PriorBlock& block : prior_.blocks) prior_states.push_back(block.name);
   marginaliser.Add(block_of(&prior_cost, nullptr, prior_states));
   const ImuCost imu_cost(&interval.imu, &oldest.first_estimate, &next.first_estimate);
-  const StateName pose_i{oldest.number, Kind::kPose}, motion_i{oldest.number, Kind::kMotion};
-  const StateName pose_j{next.number, Kind::kPose}, motion_j{next.number, Kind::kMotion};
+  const StateName pose_i{Kind::kPose, oldest.number}, motion_i{Kind::kMotion, oldest.number};
+  const StateName pose_j{Kind::kPose, next.number}, motion_j{Kind::kMotion, next.number};
   marginaliser.Add(block_of(&imu_cost, nullptr, {pose_i, motion_i, pose_j, motion_j}));
   if (interval.wheels) {
     const WheelCost cost(*interval.wheels, &oldest.first_estimate, &next.first_estimate);
     const ceres::CauchyLoss loss(options_.wheel_robust_width);
-    marginaliser.Add(block_of(&cost, &loss, {pose_i, motion_i, pose_j, {kScaleKnot, Kind::kWheelScale}}));
+    marginaliser.Add(block_of(&cost, &loss, {pose_i, motion_i, pose_j, kWheelScale}));
   }
   if (interval.is_still) {
     const StandstillCost cost(options_.standstill, &oldest.first_estimate, &next.first_estimate);
@@ -107,9 +93,7 @@ FinishedKnot FixedLagSmoother::MarginaliseOldest() {
   for (const Track* track : consumed) {
     std::vector<LinearisableBlock> observations;
     for (const TrackObservation& seen : track->observations) {
-      std::vector<StateName> names{{seen.view->first_knot, Kind::kPose}};
-      if (seen.view->second_knot) names.push_back({*seen.view->second_knot, Kind::kPose});
-      observations.push_back(block_of(seen.cost.get(), &bearing_loss, names));
+      observations.push_back(block_of(seen.cost.get(), &bearing_loss, StatesOf(*seen.view)));
       observations.back().parameters.push_back(track->landmark.data());
       observations.back().columns.push_back(0);
       observations.back().tangent_sizes.push_back(kLandmarkSize);
@@ -123,25 +107,26 @@ FinishedKnot FixedLagSmoother::MarginaliseOldest() {
   LinearPrior prior;
   Eigen::VectorXd since_first = Eigen::VectorXd::Zero(result.sqrt_information.cols());
   for (const StateName& name : states) {
-    if (name.first == oldest.number) continue;
-    PriorBlock block{name.second, name.second == Kind::kWheelScale ? -1 : name.first, {}};
-    const double* at = values_of(name);
-    if (options_.first_estimates && name.second != Kind::kWheelScale) {
-      Knot& knot = KnotNumbered(name.first);
+    if (name == pose_i || name == motion_i) continue;
+    PriorBlock block{name, {}};
+    const double* values = ValuesOf(name);
+    const double* at = values;
+    if (options_.first_estimates && name.IsOfKnot()) {
+      Knot& knot = KnotNumbered(name.number);
       if (!knot.first_estimate.is_fixed) knot.first_estimate = {true, knot.pose, knot.motion};
-      at = name.second == Kind::kPose ? knot.first_estimate.pose.data() : knot.first_estimate.motion.data();
+      at = name.kind == Kind::kPose ? knot.first_estimate.pose.data() : knot.first_estimate.motion.data();
     }
     std::copy_n(at, block.Size(), block.at.begin());
-    double* change = since_first.data() + columns[name] - kDropped;
-    if (name.second == Kind::kPose)
-      PoseManifold().Minus(values_of(name), at, change);
-    else
-      for (int k = 0; k < block.Size(); ++k) change[k] = values_of(name)[k] - at[k];
+    block.Deviation(values, since_first.data() + columns[name] - kDropped);
     prior.blocks.push_back(block);
   }
-  KnotConditional conditional{result.dropped_information.cast<float>(), result.dropped_to_kept.cast<float>(),
-                              (result.dropped_offset - result.dropped_to_kept * since_first).cast<float>(),
-                              prior.blocks};
+  StateConditional conditional{{{pose_i, {}}, {motion_i, {}}},
+                               result.dropped_information.cast<float>(),
+                               result.dropped_to_kept.cast<float>(),
+                               (result.dropped_offset - result.dropped_to_kept * since_first).cast<float>(),
+                               prior.blocks};
+  std::copy(oldest.pose.begin(), oldest.pose.end(), conditional.states[0].at.begin());
+  std::copy(oldest.motion.begin(), oldest.motion.end(), conditional.states[1].at.begin());
   prior.offset = result.offset - result.sqrt_information * since_first;
   prior.sqrt_information = std::move(result.sqrt_information);
   prior_ = std::move(prior);
@@ -152,8 +137,8 @@ FinishedKnot FixedLagSmoother::MarginaliseOldest() {
     track->observations.clear();
     track->has_landmark = false;
   }
-  FinishedKnot finished{oldest.number, oldest.State(), std::move(oldest.interval), oldest_covariance_,
-                        std::move(conditional)};
+  FinishedKnot finished{oldest.number,      oldest.State(),         std::move(oldest.interval),
+                        oldest_covariance_, std::move(conditional), std::exchange(reopened_, {})};
   ForgetOldest();
   UpdateOldestCovariance();
   return finished;
@@ -169,39 +154,6 @@ void FixedLagSmoother::ForgetOldest() {
   const Timestamp begin = knots_.front().time;
   std::erase_if(tracks_,
                 [&](const auto& entry) { return entry.second.observations.empty() && entry.second.last_time < begin; });
-}
-
-void FixedLagSmoother::FinishLandmark(const Track& track) {
-  const double inverse_distance = track.landmark[2];
-  if (inverse_distance <= 0) return;
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  for (const TrackObservation& seen : track.observations) {
-    const double* parameters[3] = {seen.view->geometry.first_pose, seen.view->geometry.second_pose,
-                                   track.landmark.data()};
-    if (!seen.view->geometry.second_pose) parameters[1] = track.landmark.data();
-    Eigen::Matrix<double, 2, kLandmarkSize, Eigen::RowMajor> jacobian;
-    double residual[2];
-    double* jacobians[3] = {nullptr, nullptr, nullptr};
-    jacobians[seen.view->geometry.second_pose ? 2 : 1] = jacobian.data();
-    if (!seen.cost->Evaluate(parameters, residual, jacobians)) return;
-    information += jacobian.transpose() * jacobian;
-  }
-  const double determinant = information.determinant();
-  if (!(determinant > 0)) return;
-  const double inverse_distance_sigma = std::sqrt(information.inverse()(2, 2));
-  const double sigma = inverse_distance_sigma / (inverse_distance * inverse_distance);
-  if (!std::isfinite(sigma)) return;
-  finished_landmarks_.push_back({knots_.front().number, track.first_time, track.camera,
-                                 track.ray.Point(track.landmark.data()), sigma,
-                                 track.num_consumed + static_cast<int>(track.observations.size())});
-}
-
-Eigen::MatrixXd FixedLagSmoother::LastCovariance() const {
-  Eigen::MatrixXd root = prior_.sqrt_information;
-  root.diagonal().array() += (root.diagonal().array().abs() < kMinRoot).cast<double>() * kMinRoot;
-  const Eigen::MatrixXd inverse =
-      root.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(root.rows(), root.cols()));
-  return inverse * inverse.transpose();
 }
 
 void FixedLagSmoother::UpdateOldestCovariance() {

@@ -7,10 +7,30 @@ namespace {
 
 nlohmann::json ToJson(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
+nlohmann::json ToJson(const CameraCalibration& calibration) {
+  nlohmann::json quantities;
+  for (const CalibratedQuantity& quantity : calibration.quantities)
+    quantities[quantity.name] = {{"status", ToText(quantity.status)},
+                                 {"change", std::vector<double>(quantity.change.begin(), quantity.change.end())},
+                                 {"sigma", std::vector<double>(quantity.sigma.begin(), quantity.sigma.end())}};
+  return {{"name", calibration.name}, {"quantities", quantities}};
+}
+
 }  // namespace
 
+std::string ToText(CalibratedQuantity::Status status) {
+  switch (status) {
+    case CalibratedQuantity::Status::kKept: return "kept";
+    case CalibratedQuantity::Status::kPartlyRefined: return "partly refined";
+    case CalibratedQuantity::Status::kRefined: return "refined";
+  }
+  return "unknown";
+}
+
 nlohmann::json ToJson(const OdometryReport& report) {
-  nlohmann::json cameras = nlohmann::json::array(), degraded = nlohmann::json::array();
+  nlohmann::json cameras = nlohmann::json::array(), calibration = nlohmann::json::array(),
+                 degraded = nlohmann::json::array();
+  for (const CameraCalibration& camera : report.calibration) calibration.push_back(ToJson(camera));
   for (const CameraHealth& camera : report.cameras)
     cameras.push_back({{"name", camera.name},
                        {"frames", camera.frames},
@@ -24,6 +44,7 @@ nlohmann::json ToJson(const OdometryReport& report) {
                         {"reason", interval.reason}});
   return {{"start", {{"kind", report.start_kind}, {"time", report.start_time}, {"data", report.start_data}}},
           {"cameras", cameras},
+          {"calibration", calibration},
           {"degraded", degraded},
           {"knots", report.knots},
           {"solves", report.solves},

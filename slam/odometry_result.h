@@ -5,13 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "core/rig.h"
 #include "core/trajectory.h"
 
 namespace parkade {
 
 /// An image worth keeping.
 struct OdometryKeyframe {
-  Timestamp time;
+  Timestamp time;  ///< by the refined rig: CalibratedLog delivers the image at exactly that time
   int camera = 0;
   Rigid3 odom_from_body;
 };
@@ -40,12 +41,27 @@ struct CameraHealth {
   double noise_scale = 1;       ///< noise found / noise assumed
 };
 
+/// One quantity of a camera's calibration, and what the drive says about it.
+struct CalibratedQuantity {
+  enum class Status { kKept, kPartlyRefined, kRefined };
+  std::string name;        ///< "rotation" [rad, in the camera], "translation" [m, in the imu], ...
+  Eigen::VectorXd change;  ///< refined - rig's, zero along directions that were kept
+  Eigen::VectorXd sigma;   ///< of the estimate; of the prior where it was not estimated
+  Status status = Status::kKept;
+};
+
+struct CameraCalibration {
+  std::string name;                            ///< of the camera
+  std::vector<CalibratedQuantity> quantities;  ///< rotation, translation, time_offset [s], line_delay [s/row]
+};
+
 /// How it went; goes into report.json.
 struct OdometryReport {
   std::string start_kind;  ///< "standstill", "rolling on wheels", "moving in images"
   double start_time = 0;   ///< [s] after the log's begin, of the first estimated state
   double start_data = 0;   ///< [s] of data it took
   std::vector<CameraHealth> cameras;
+  std::vector<CameraCalibration> calibration;  ///< per camera
   std::vector<DegradedInterval> degraded;
   int knots = 0;
   int solves = 0;
@@ -64,8 +80,11 @@ struct OdometryResult {
   Trajectory odom_from_body;                ///< over the whole log, 20 Hz or more, gravity-aligned
   std::vector<OdometryKeyframe> keyframes;  ///< in order of time
   std::vector<OdometryLandmark> landmarks;  ///< in order of time
+  Rig rig;                                  ///< the drive's, with what was refined
   OdometryReport report;
 };
+
+std::string ToText(CalibratedQuantity::Status status);
 
 nlohmann::json ToJson(const OdometryReport& report);
 

@@ -40,7 +40,9 @@ std::vector<TrajectoryState> RunBackwards(const Rig& rig, const OdometryOptions&
   MotionState start = at_end;
   start.velocity_in_odom *= -1;
   start.gyroscope_bias *= -1;
-  TrajectoryEstimator estimator(rig, options);
+  Rig mirrored = rig;
+  for (RigCamera& camera : mirrored.cameras) camera.line_delay *= -1;
+  TrajectoryEstimator estimator(mirrored, options);
   estimator.BeginFrom(start, kUncertainty);
   size_t wheel = 0, frame = 0;
   for (const ImuSample& sample : imu) {

@@ -17,6 +17,32 @@ struct StandstillNoise {
   void Validate() const;
 };
 
+/// What is estimated of the cameras' calibration, and how far off the rig may be:
+/// standard deviations of the prior.
+struct CalibrationOptions {
+  bool extrinsics = true;           ///< imu_from_camera of each camera
+  bool time_offset = true;          ///< of each camera's stamps
+  bool line_delay = true;           ///< of cameras whose rig declares one
+  double rotation_deg = 1.0;        ///< per axis; less for a camera within 1 m of the IMU
+  double translation_share = 0.01;  ///< per axis, of the distance to the nearest camera (or IMU): small rigs are exact
+  double translation = 0.03;        ///< [m] at most
+  double time_offset_sigma = 0.01;  ///< [s]
+  double line_delay_share = 0.2;    ///< of the declared line delay
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("extrinsics", extrinsics);
+    visit("time_offset", time_offset);
+    visit("line_delay", line_delay);
+    visit("rotation_deg", rotation_deg);
+    visit("translation_share", translation_share);
+    visit("translation", translation);
+    visit("time_offset_sigma", time_offset_sigma);
+    visit("line_delay_share", line_delay_share);
+  }
+  void Validate() const;  ///< throws Error{kUsage}
+};
+
 struct SmootherOptions {
   int window_knots = 16;            ///< states estimated at a time; more: longer baselines, slower
   int landmarks = 120;              ///< seen at a time, shared by the cameras
@@ -31,6 +57,7 @@ struct SmootherOptions {
   double wheel_scale_sigma = 0.01;  ///< of the tyres' radius before the drive tells
   bool scale_camera_noise = true;   ///< per camera, from its residuals
   StandstillNoise standstill;
+  CalibrationOptions calibration;
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -47,6 +74,7 @@ struct SmootherOptions {
     visit("wheel_scale_sigma", wheel_scale_sigma);
     visit("scale_camera_noise", scale_camera_noise);
     visit("standstill", standstill);
+    visit("calibration", calibration);
   }
   void Validate() const;  ///< throws Error{kUsage}
 };

@@ -42,6 +42,7 @@ struct WindowView {
   std::int64_t first_knot = 0;
   std::optional<std::int64_t> second_knot;  ///< empty: the image is at the first knot
   ImageView geometry;
+  Eigen::Vector3d angular_velocity;  ///< [rad/s] as the gyroscope says, bias included
 };
 
 struct TrackObservation {
@@ -67,7 +68,8 @@ struct Track {
 /// An image on its way into the window.
 struct NewImage {
   TrackedFrame frame;
-  KnotInterpolation interpolation;  ///< within the interval before the new knot
+  KnotInterpolation interpolation;                             ///< within the interval before the new knot
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< [rad/s] as the gyroscope says, bias included
 };
 
 /// A point that left the window.
@@ -86,8 +88,10 @@ struct FinishedKnot {
   MotionState state;
   std::optional<KnotInterval> interval;  ///< since the knot before
   Eigen::Matrix<double, 6, 6> covariance =
-      Eigen::Matrix<double, 6, 6>::Zero();     ///< [rotation in imu, position in odom]
-  std::optional<KnotConditional> conditional;  ///< empty for the last knot of all
+      Eigen::Matrix<double, 6, 6>::Zero();      ///< [rotation in imu, position in odom]
+  std::optional<StateConditional> conditional;  ///< empty for the last knot of all
+  /// Of cameras whose calibration was reopened before this knot left and after the knot before it did.
+  std::vector<StateConditional> reopened;
 };
 
 }  // namespace parkade

@@ -66,9 +66,16 @@ ceres::Solver::Options SolverOptions(int max_iterations) {
   return options;
 }
 
+using Kind = StateName::Kind;
+
 struct KnotBlocks {
   double* pose;
   double* motion;
+};
+
+struct CameraBlocks {
+  double* extrinsics;
+  double* timing;
 };
 
 }  // namespace
@@ -81,7 +88,8 @@ SolveSummary FixedLagSmoother::SolveWindow(int max_iterations) {
   ceres::Solver::Options solver = SolverOptions(max_iterations);
   ceres::Problem problem(ProblemOptions(&callback));
 
-  ParameterArena arena(knots_.size() * (kPoseSize + kMotionSize) + 1 + tracks_.size() * kLandmarkSize);
+  ParameterArena arena(knots_.size() * (kPoseSize + kMotionSize) + 1 + cameras_.size() * (kPoseSize + kTimingSize) +
+                       tracks_.size() * kLandmarkSize);
   std::vector<KnotBlocks> blocks;
   for (const Knot& knot : knots_) {
     blocks.push_back({arena.Add(knot.pose), arena.Add(knot.motion)});
@@ -97,17 +105,40 @@ SolveSummary FixedLagSmoother::SolveWindow(int max_iterations) {
     return blocks[static_cast<size_t>(number - knots_.front().number)];
   };
 
+  std::vector<CameraBlocks> cameras;
+  for (size_t i = 0; i < cameras_.size(); ++i) {
+    const auto add = [&](auto& values, Kind kind, ceres::Manifold* on) {
+      double* block = arena.Add(values);
+      problem.AddParameterBlock(block, static_cast<int>(values.size()), on);
+      solver.linear_solver_ordering->AddElementToGroup(block, 1);
+      if (!IsEstimated({kind, static_cast<std::int64_t>(i)})) problem.SetParameterBlockConstant(block);
+      return block;
+    };
+    double* extrinsics = add(cameras_[i].extrinsics, Kind::kExtrinsics, &manifold);
+    cameras.push_back({extrinsics, add(cameras_[i].timing, Kind::kTiming, nullptr)});
+  }
+  const auto block_of = [&](const StateName& name) {
+    const auto camera = static_cast<size_t>(name.number);
+    switch (name.kind) {
+      case Kind::kPose: return blocks_of(name.number).pose;
+      case Kind::kMotion: return blocks_of(name.number).motion;
+      case Kind::kExtrinsics: return cameras[camera].extrinsics;
+      case Kind::kTiming: return cameras[camera].timing;
+      case Kind::kWheelScale: break;
+    }
+    return wheel_scale;
+  };
+
   for (WindowView& view : views_) {
     view.geometry.first_pose = blocks_of(view.first_knot).pose;
     if (view.second_knot) view.geometry.second_pose = blocks_of(*view.second_knot).pose;
+    view.geometry.extrinsics = cameras[static_cast<size_t>(view.camera)].extrinsics;
+    view.geometry.timing = cameras[static_cast<size_t>(view.camera)].timing;
   }
 
   costs.push_back(std::make_unique<LinearPriorCost>(&prior_));
   std::vector<double*> prior_blocks;
-  for (const PriorBlock& block : prior_.blocks)
-    prior_blocks.push_back(block.kind == PriorBlock::Kind::kWheelScale ? wheel_scale
-                           : block.kind == PriorBlock::Kind::kPose     ? blocks_of(block.knot).pose
-                                                                       : blocks_of(block.knot).motion);
+  for (const PriorBlock& block : prior_.blocks) prior_blocks.push_back(block_of(block.name));
   problem.AddResidualBlock(costs.back().get(), nullptr, prior_blocks);
 
   for (size_t j = 1; j < knots_.size(); ++j) {
@@ -129,6 +160,7 @@ SolveSummary FixedLagSmoother::SolveWindow(int max_iterations) {
 
   SolveSummary summary;
   std::vector<std::pair<Track*, double*>> landmarks;
+  std::vector<double*> bearing_blocks;
   for (auto& [number, track] : tracks_) {
     if (!track.has_landmark) continue;
     double* landmark = arena.Add(track.landmark);
@@ -136,13 +168,10 @@ SolveSummary FixedLagSmoother::SolveWindow(int max_iterations) {
     problem.AddParameterBlock(landmark, kLandmarkSize);
     solver.linear_solver_ordering->AddElementToGroup(landmark, 0);
     for (const TrackObservation& seen : track.observations) {
-      const ImageView& view = seen.view->geometry;
-      double* first = const_cast<double*>(view.first_pose);
-      if (view.second_pose)
-        problem.AddResidualBlock(seen.cost.get(), &bearing_loss, first, const_cast<double*>(view.second_pose),
-                                 landmark);
-      else
-        problem.AddResidualBlock(seen.cost.get(), &bearing_loss, first, landmark);
+      bearing_blocks.clear();
+      for (const StateName& name : StatesOf(*seen.view)) bearing_blocks.push_back(block_of(name));
+      bearing_blocks.push_back(landmark);
+      problem.AddResidualBlock(seen.cost.get(), &bearing_loss, bearing_blocks);
       ++summary.bearings;
     }
   }
@@ -160,6 +189,10 @@ SolveSummary FixedLagSmoother::SolveWindow(int max_iterations) {
       std::copy_n(blocks[i].motion, kMotionSize, knots_[i].motion.begin());
     }
     wheel_scale_ = *wheel_scale;
+    for (size_t i = 0; i < cameras_.size(); ++i) {
+      std::copy_n(cameras[i].extrinsics, kPoseSize, cameras_[i].extrinsics.begin());
+      std::copy_n(cameras[i].timing, kTimingSize, cameras_[i].timing.begin());
+    }
     for (const auto& [track, values] : landmarks) std::copy_n(values, kLandmarkSize, track->landmark.begin());
   }
   PointViewsAtKnots();

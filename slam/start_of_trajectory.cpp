@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slam/gate_calibration.h"
 #include "slam/trajectory_estimator.h"
 
 namespace parkade {
@@ -80,7 +81,8 @@ void TrajectoryEstimator::Begin(const StartEstimate& start) {
   while (!pending_.empty() && pending_.front().time <= time) {
     if (pending_.front().time == time) {
       used_images_.push_back({time, pending_.front().camera});
-      images.push_back({std::move(pending_.front()), {}});
+      images.push_back(
+          {std::move(pending_.front()), {}, imu_.empty() ? Eigen::Vector3d::Zero() : imu_.At(time).angular_velocity});
     }
     pending_.pop_front();
   }
@@ -91,12 +93,13 @@ void TrajectoryEstimator::Begin(const StartEstimate& start) {
   first_knot_ = last_knot_ = last_cut_ = time;
 }
 
-void TrajectoryEstimator::FillBeforeStart(std::vector<TrajectoryState>& states) {
+void TrajectoryEstimator::FillBeforeStart(const Rig& refined, std::vector<TrajectoryState>& states) {
   if (!(log_begin_ < first_knot_) || early_.imu.empty()) return;
   const bool has_images = !early_.frames.empty() && early_.frames.front().time < first_knot_ - kMinBackwards;
   std::vector<TrajectoryState> before;
   if (has_images && !is_start_still_ && after_start_) {
-    before = RunBackwards(rig_, options_, early_, *after_start_);
+    for (TrackedFrame& frame : early_.frames) frame.time = frame.time + TimeShiftBetween(rig_, refined, frame.camera);
+    before = RunBackwards(refined, options_, early_, *after_start_);
     // Both runs know the first knot: what they disagree on there is no motion of the car.
     const Trajectory backwards(std::move(before));
     const std::optional<Rigid3> at_first = backwards.At(first_knot_);

@@ -35,6 +35,8 @@ class TrajectoryEstimator {
   bool is_started() const { return is_started_; }
   /// Best guess so far, for whoever predicts images; nothing before the start.
   std::optional<MotionState> Latest() const;
+  /// Likewise, of the cameras.
+  std::vector<Rigid3> ImuFromCameras() const;
 
  private:
   void Advance();
@@ -51,9 +53,11 @@ class TrajectoryEstimator {
   void NoteDegradation(Timestamp begin, Timestamp end, int bearings_seen, bool has_wheels);
   void AddDegraded(Timestamp begin, Timestamp end, const std::string& reason);
   void BuildTrajectory(OdometryResult& result);
-  void FillBeforeStart(std::vector<TrajectoryState>& states);
+  void FillBeforeStart(const Rig& refined, std::vector<TrajectoryState>& states);
   bool IsEarly(Timestamp time) const;
   void SelectKeyframes(OdometryResult& result) const;
+  void FinishReport();
+  void FinishCalibration(const JointEstimate& last, OdometryResult& result);
 
   Rig rig_;
   OdometryOptions options_;
@@ -78,7 +82,7 @@ class TrajectoryEstimator {
   bool is_run_still_ = false;  ///< since the last knot
 
   struct UsedImage {
-    Timestamp time;
+    Timestamp time;  ///< as the log says, no offset estimated here
     int camera;
   };
   std::vector<UsedImage> used_images_;

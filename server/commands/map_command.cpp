@@ -63,8 +63,10 @@ void WriteProducts(const std::vector<std::unique_ptr<RecordedDrive>>& drives, co
                    const MapOptions& options, Progress& progress, const std::filesystem::path& folder) {
   progress.Begin("write");
   WriteSiteMap(built.site, folder);
-  for (const SiteDrive& drive : built.site.drives)
-    WriteCalibration(drive.rig, folder / drive.name / "calibration.yaml");
+  for (size_t i = 0; i < built.site.drives.size(); ++i) {
+    const SiteDrive& drive = built.site.drives[i];
+    WriteCalibration(drive.rig, built.drives[i].odometry.calibration, folder / drive.name / "calibration.yaml");
+  }
   progress.Finish();
   WriteReport(built, drives, options, progress.timings(), folder / "report.json");
 }

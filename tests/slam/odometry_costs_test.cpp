@@ -151,78 +151,122 @@ TEST(StandstillCost, JacobiansAreRight) {
 }
 
 struct Sighting {
-  Rigid3 imu_from_camera{ExpSo3({1.2, -1.1, 1.3}), {0.8, -0.3, 0.2}};
+  std::vector<double> extrinsics = std::vector<double>(kPoseSize), timing{0.012, 4e-5};
   KnotValues first = KnotAt(1, 5, 0.02), second = KnotAt(1.2, 6, 0.02);
   LandmarkRay ray{{0.3, -0.1, 0.2}, {1, 2, -0.5}};
   ImageView view;
 
   Sighting() {
+    PoseToParameters({ExpSo3({1.2, -1.1, 1.3}), {0.8, -0.3, 0.2}}, extrinsics.data());
     const std::vector<ImuSample> samples = ImuSamples(1, 1.2);
-    view.imu_from_camera = imu_from_camera;
     view.interpolation = MakeKnotInterpolation(Integrate(std::span(samples).first(17), {}), Integrate(samples, {}),
                                                PoseFromParameters(first.pose.data()).rotation);
+    view.time_offset = 0.004;
+    view.angular_velocity = {0.3, -0.5, 0.8};
+    view.velocity_in_odom = {1.2, 4, -0.3};
+  }
+
+  /// Parameter blocks of a bearing; `view` points at them.
+  std::vector<std::vector<double>> Blocks(bool is_between, const std::vector<double>& landmark) {
+    std::vector<std::vector<double>> blocks{first.pose, second.pose, extrinsics, timing, landmark};
+    if (!is_between) blocks.erase(blocks.begin() + 1);
+    view.first_pose = blocks[0].data();
+    view.second_pose = is_between ? blocks[1].data() : nullptr;
+    view.extrinsics = blocks[blocks.size() - 3].data();
+    view.timing = blocks[blocks.size() - 2].data();
+    return blocks;
   }
 };
 
 TEST(BearingCost, JacobiansAreRightBetweenTwoKnots) {
   Sighting sighting;
-  std::vector<std::vector<double>> parameters{sighting.first.pose, sighting.second.pose, {0.05, -0.03, 0.2}};
-  sighting.view.first_pose = parameters[0].data();
-  sighting.view.second_pose = parameters[1].data();
+  std::vector<std::vector<double>> parameters = sighting.Blocks(true, {0.05, -0.03, 0.2});
   for (const Eigen::Vector3d& measured :
        {Eigen::Vector3d(0.1, 0.2, 1), Eigen::Vector3d(1, 0.3, -0.3), Eigen::Vector3d(-0.2, -1, 0.1)}) {
-    const BearingCost cost(&sighting.view, &sighting.ray, Bearing(measured.normalized(), 1e-2));
+    const BearingCost cost(&sighting.view, &sighting.ray, Bearing(measured.normalized(), 1e-2, 150));
 
-    EXPECT_LT(JacobianError(cost, parameters, {&kPose, &kPose, nullptr}, [&] { sighting.view.Update(); }), kTolerance);
+    EXPECT_LT(
+        JacobianError(cost, parameters, {&kPose, &kPose, &kPose, nullptr, nullptr}, [&] { sighting.view.Update(); }),
+        kTolerance);
   }
 }
 
 TEST(BearingCost, JacobiansAreRightAtAKnotAndAtInfinity) {
   Sighting sighting;
   sighting.view.interpolation = {};
-  std::vector<std::vector<double>> parameters{sighting.first.pose, {0.05, -0.03, 0.0}};
-  sighting.view.first_pose = parameters[0].data();
-  const BearingCost cost(&sighting.view, &sighting.ray, Bearing(Eigen::Vector3d(0.1, 0.2, 1).normalized(), 1e-2));
+  std::vector<std::vector<double>> parameters = sighting.Blocks(false, {0.05, -0.03, 0.0});
+  const BearingCost cost(&sighting.view, &sighting.ray, Bearing(Eigen::Vector3d(0.1, 0.2, 1).normalized(), 1e-2, -99));
 
-  EXPECT_LT(JacobianError(cost, parameters, {&kPose, nullptr}, [&] { sighting.view.Update(); }), kTolerance);
+  EXPECT_LT(JacobianError(cost, parameters, {&kPose, &kPose, nullptr, nullptr}, [&] { sighting.view.Update(); }),
+            kTolerance);
 }
 
 TEST(BearingCost, IsTheAngleOverSigmaEvenBehindTheImagePlane) {
   Sighting sighting;
   sighting.view.interpolation = {};
-  sighting.view.first_pose = sighting.first.pose.data();
+  sighting.timing = {sighting.view.time_offset, 0};
+  const std::vector<std::vector<double>> blocks = sighting.Blocks(false, {0, 0, 0.25});
   sighting.view.Update();
-  const double landmark[] = {0, 0, 0.25};
-  const Eigen::Vector3d direction = LandmarkInCamera(sighting.view, sighting.ray, landmark).normalized();
-  const Eigen::Vector3d point_in_camera =
-      (PoseFromParameters(sighting.view.first_pose) * sighting.imu_from_camera).Inverse() *
-      sighting.ray.Point(landmark);
+  const double* landmark = blocks.back().data();
+  const Eigen::Vector3d direction = LandmarkInCamera(sighting.view, sighting.ray, landmark, 0).normalized();
+  const Eigen::Vector3d point_in_camera = sighting.view.OdomFromCamera(0).Inverse() * sighting.ray.Point(landmark);
   EXPECT_LT((point_in_camera.normalized() - direction).norm(), 1e-9);
 
   const Eigen::Vector3d measured = ExpSo3(0.01 * BasisAcross(direction).col(0)) * direction;
-  const double* parameters[] = {sighting.view.first_pose, landmark};
+  std::vector<const double*> parameters;
+  for (const auto& block : blocks) parameters.push_back(block.data());
   Eigen::Vector2d residual;
   ASSERT_TRUE(BearingCost(&sighting.view, &sighting.ray, Bearing(measured, 2e-3))
-                  .Evaluate(parameters, residual.data(), nullptr));
+                  .Evaluate(parameters.data(), residual.data(), nullptr));
 
   EXPECT_NEAR(residual.norm(), 5, 1e-3);
 }
 
+// The car moves on while rows are read: against the true motion instead of the first-order one.
+TEST(BearingCost, LooksFromWhereTheCarWasWhenTheRowWasExposed) {
+  const MotionFunction motion = FlightMotion();
+  const double t = 1.1, line_delay = 3e-5, row = -200, offset = 0.003;
+  const BodyMotion at = motion(t);
+  std::vector<double> pose(kPoseSize), extrinsics(kPoseSize);
+  PoseToParameters(at.world_from_body, pose.data());
+  PoseToParameters({ExpSo3({1.2, -1.1, 1.3}), {0.8, -0.3, 0.2}}, extrinsics.data());
+  const double timing[] = {offset, line_delay};
+  ImageView view;
+  view.first_pose = pose.data();
+  view.extrinsics = extrinsics.data();
+  view.timing = timing;
+  view.angular_velocity = at.angular_velocity;
+  view.velocity_in_odom = at.velocity;
+  view.Update();
+
+  const Rigid3 expected = motion(t + offset + row * line_delay).world_from_body * PoseFromParameters(extrinsics.data());
+
+  EXPECT_LT((view.OdomFromCamera(row).translation - expected.translation).norm(), 5e-5);
+  EXPECT_LT(view.OdomFromCamera(row).rotation.angularDistance(expected.rotation), 5e-5);
+  EXPECT_GT((at.world_from_body.translation - motion(t + offset + row * line_delay).world_from_body.translation).norm(),
+            1e-3);
+}
+
 TEST(LinearPriorCost, IsLinearAroundItsPointAndKeepsItsJacobian) {
   LinearPrior prior;
-  prior.blocks = {
-      {PriorBlock::Kind::kPose, 3, {}}, {PriorBlock::Kind::kMotion, 3, {}}, {PriorBlock::Kind::kWheelScale, -1, {}}};
+  prior.blocks = {{{StateName::Kind::kPose, 3}, {}},
+                  {{StateName::Kind::kMotion, 3}, {}},
+                  {{StateName::Kind::kWheelScale, 0}, {}},
+                  {{StateName::Kind::kExtrinsics, 1}, {}},
+                  {{StateName::Kind::kTiming, 1}, {}}};
   const KnotValues at = KnotAt(1, 8, 0.1);
   std::copy(at.pose.begin(), at.pose.end(), prior.blocks[0].at.begin());
   std::copy(at.motion.begin(), at.motion.end(), prior.blocks[1].at.begin());
+  std::copy(at.pose.begin(), at.pose.end(), prior.blocks[3].at.begin());
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
-  prior.sqrt_information = Eigen::MatrixXd::NullaryExpr(16, 16, [&] { return normal(random); });
-  prior.offset = Eigen::VectorXd::NullaryExpr(16, [&] { return normal(random); });
+  prior.sqrt_information = Eigen::MatrixXd::NullaryExpr(24, 24, [&] { return normal(random); });
+  prior.offset = Eigen::VectorXd::NullaryExpr(24, [&] { return normal(random); });
   const LinearPriorCost cost(&prior);
-  std::vector<std::vector<double>> parameters{at.pose, at.motion, {0.0}};
+  std::vector<std::vector<double>> parameters{at.pose, at.motion, {0.0}, at.pose, {0.01, 1e-5}};
 
-  EXPECT_LT(JacobianError(cost, parameters, {&kPose, nullptr, nullptr}), kTolerance);
+  EXPECT_EQ(prior.Columns(), 24);
+  EXPECT_LT(JacobianError(cost, parameters, {&kPose, nullptr, nullptr, &kPose, nullptr}), kTolerance);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@ constexpr double kMaxAngle = 92.5 * M_PI / 180;    // half the field of view
 constexpr double kMaxRange = 25, kMinRange = 0.8;  // [m] at which points are seen
 constexpr double kTrackLoss = 0.03;                // per image
 constexpr double kWander = 3e-3;                   // [rad] per image, of an outlier
+constexpr int kWidth = 640, kHeight = 480;         // [px] of images that nobody draws
 const Eigen::Vector3d kGravity(0, 0, -9.81);
 
 using Random = std::mt19937;
@@ -37,6 +38,9 @@ RigCamera MakeCamera(const std::string& name, const Eigen::Vector3d& position, d
   camera.name = name;
   camera.topic = "/" + name;
   camera.body_from_camera = {Eigen::Quaterniond(body_from_camera), position};
+  camera.model =
+      CameraModel(KannalaBrandtProjection{.fx = 140, .fy = 140, .cx = (kWidth - 1) / 2.0, .cy = (kHeight - 1) / 2.0},
+                  kWidth, kHeight);
   return camera;
 }
 
@@ -102,13 +106,15 @@ class TrackMaker {
              const SyntheticDriveOptions& options, double max_angle)
       : camera_(camera),
         body_from_camera_(rig.cameras[static_cast<size_t>(camera)].body_from_camera),
+        model_(rig.cameras[static_cast<size_t>(camera)].model),
         points_(points),
         options_(options),
         max_angle_(max_angle),
         random_(options.seed * 977 + static_cast<std::uint32_t>(camera)) {}
 
-  TrackedFrame Make(Timestamp time, const Rigid3& world_from_body) {
-    const Rigid3 camera_from_world = (world_from_body * body_from_camera_).Inverse();
+  /// The image taken at `t` [s] into `motion`, stamped `time`.
+  TrackedFrame Make(Timestamp time, const MotionFunction& motion, double t) {
+    const Rigid3 camera_from_world = (motion(t).world_from_body * body_from_camera_).Inverse();
     std::uniform_real_distribution<double> uniform(0, 1);
     std::vector<size_t> visible;
     for (size_t i = 0; i < points_.size(); ++i) {
@@ -129,15 +135,30 @@ class TrackMaker {
     TrackedFrame frame{time, camera_, {}};
     for (auto& [point, track] : tracks_) {
       if (track.wanders) track.offset += Gaussian3(random_, kWander);
+      Eigen::Vector3d in_camera = camera_from_world * points_[point];
+      if (options_.line_delay != 0) {
+        const double row = PixelOf(in_camera).y() - 0.5 * (kHeight - 1);
+        const Rigid3 then = motion(t + row * options_.line_delay).world_from_body * body_from_camera_;
+        in_camera = then.Inverse() * points_[point];
+      }
       const Eigen::Vector3d bearing =
-          (camera_from_world * points_[point]).normalized() + track.offset + Gaussian3(random_, options_.bearing_sigma);
-      frame.observations.push_back(
-          {track.number, Eigen::Vector2d::Zero(), bearing.normalized(), options_.bearing_sigma});
+          (in_camera.normalized() + track.offset + Gaussian3(random_, options_.bearing_sigma)).normalized();
+      frame.observations.push_back({track.number, PixelOf(bearing), bearing, options_.bearing_sigma});
     }
     return frame;
   }
 
+  /// The mount turns.
+  void Turn(const Eigen::Quaterniond& camera_from_camera) {
+    body_from_camera_.rotation = body_from_camera_.rotation * camera_from_camera;
+  }
+  const Rigid3& body_from_camera() const { return body_from_camera_; }
+
  private:
+  Eigen::Vector2d PixelOf(const Eigen::Vector3d& in_camera) const {
+    return model_.Project(in_camera).value_or(Eigen::Vector2d::Zero());
+  }
+
   struct Track {
     std::int64_t number;
     bool wanders;
@@ -146,6 +167,7 @@ class TrackMaker {
 
   int camera_;
   Rigid3 body_from_camera_;
+  CameraModel model_;
   const std::vector<Eigen::Vector3d>& points_;
   const SyntheticDriveOptions& options_;
   double max_angle_;
@@ -180,11 +202,51 @@ void MakeImu(SyntheticDrive& drive, const MotionFunction& motion, const Syntheti
   }
 }
 
+void MakeFrames(SyntheticDrive& drive, const MotionFunction& motion, const std::vector<Eigen::Vector3d>& points,
+                const SyntheticDriveOptions& options, double max_angle) {
+  for (size_t camera = 0; camera < drive.rig.cameras.size(); ++camera) {
+    TrackMaker tracks(drive.true_rig, static_cast<int>(camera), points, options, max_angle);
+    Random random(options.seed * 31 + static_cast<std::uint32_t>(camera));
+    const Eigen::Vector3d axis = Gaussian3(random, 1).normalized();
+    const double offset = 0.0127 * static_cast<double>(camera);
+    const double early = camera % 2 == 0 ? options.time_offset : -options.time_offset;
+    bool has_jumped = static_cast<int>(camera) != options.jump_camera;
+    for (int k = 0; offset + k / options.camera_rate <= options.duration; ++k) {
+      const double t = offset + k / options.camera_rate;
+      if (!has_jumped && t >= options.jump_time) {
+        tracks.Turn(Eigen::Quaterniond(Eigen::AngleAxisd(options.jump_deg * M_PI / 180, axis)));
+        drive.true_rig.cameras[camera].body_from_camera = tracks.body_from_camera();
+        has_jumped = true;
+      }
+      drive.frames.push_back(tracks.Make(TimeAt(t - early), motion, options.start + t));
+    }
+  }
+}
+
+/// Makes drive.rig out of drive.true_rig.
+void DisturbRig(SyntheticDrive& drive, const SyntheticDriveOptions& options) {
+  Random random(options.seed * 7919);
+  for (size_t i = 0; i < drive.rig.cameras.size(); ++i) {
+    RigCamera& true_camera = drive.true_rig.cameras[i];
+    true_camera.line_delay = options.line_delay;
+    true_camera.time_shift = i % 2 == 0 ? options.time_offset : -options.time_offset;
+    RigCamera& camera = drive.rig.cameras[i];
+    camera.line_delay = options.line_delay * (1 + options.line_delay_error);
+    const Eigen::Vector3d axis = Gaussian3(random, 1).normalized(), shift = Gaussian3(random, 1).normalized();
+    camera.body_from_camera.rotation =
+        camera.body_from_camera.rotation *
+        Eigen::Quaterniond(Eigen::AngleAxisd(options.rig_rotation_deg * M_PI / 180, axis));
+    camera.body_from_camera.translation += options.rig_translation * shift;
+  }
+}
+
 SyntheticDrive MakeDrive(Rig rig, const MotionFunction& motion, const std::vector<Eigen::Vector3d>& points,
                          const SyntheticDriveOptions& options, Random& random, double max_angle) {
   SyntheticDrive drive;
   drive.rig = std::move(rig);
   drive.rig.imu.update_rate = options.imu_rate;
+  drive.true_rig = drive.rig;
+  DisturbRig(drive, options);
   MakeImu(drive, motion, options, random);
   std::normal_distribution<double> wheel_noise(0, options.wheel_noise);
   if (options.has_wheels)
@@ -194,14 +256,7 @@ SyntheticDrive MakeDrive(Rig rig, const MotionFunction& motion, const std::vecto
       const double speed = (at.world_from_body.rotation.conjugate() * at.velocity).x() / options.wheel_scale;
       drive.wheels.push_back({TimeAt(t), speed == 0 ? 0 : speed + wheel_noise(random), at.angular_velocity.z()});
     }
-  for (size_t camera = 0; camera < drive.rig.cameras.size(); ++camera) {
-    TrackMaker tracks(drive.rig, static_cast<int>(camera), points, options, max_angle);
-    const double offset = 0.0127 * static_cast<double>(camera);
-    for (int k = 0; offset + k / options.camera_rate <= options.duration; ++k) {
-      const double t = offset + k / options.camera_rate;
-      drive.frames.push_back(tracks.Make(TimeAt(t), motion(options.start + t).world_from_body));
-    }
-  }
+  MakeFrames(drive, motion, points, options, max_angle);
   std::stable_sort(drive.frames.begin(), drive.frames.end(),
                    [](const TrackedFrame& a, const TrackedFrame& b) { return a.time < b.time; });
   for (int k = 0; k <= options.duration * 100; ++k) {

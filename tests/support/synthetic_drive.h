@@ -31,10 +31,20 @@ struct SyntheticDriveOptions {
   int tracks = 60;                   ///< per image
   double outliers = 0.03;            ///< share of tracks that wander
   double points_per_metre = 8;       ///< of path (car), or 50 times per room (flight)
+  // What is wrong with the rig that the estimator gets, per camera, in random directions.
+  double rig_rotation_deg = 0;
+  double rig_translation = 0;   ///< [m]
+  double time_offset = 0;       ///< [s] by which stamps are early (odd cameras: late)
+  double line_delay = 0;        ///< [s/row] of all cameras
+  double line_delay_error = 0;  ///< share of it that the rig says too much
+  int jump_camera = -1;         ///< whose mount turns at once
+  double jump_time = 0;         ///< [s] after the start
+  double jump_deg = 0;
 };
 
 struct SyntheticDrive {
-  Rig rig;
+  Rig rig;       ///< as the estimator gets it
+  Rig true_rig;  ///< at the end of the drive
   std::vector<ImuSample> imu;
   std::vector<WheelSample> wheels;
   std::vector<TrackedFrame> frames;  ///< all cameras, in order of time

@@ -1,0 +1,89 @@
+#include "slam/gate_calibration.h"
+
+#include <Eigen/Eigenvalues>
+
+namespace parkade {
+namespace {
+
+using Vector8d = Eigen::Matrix<double, 8, 1>;
+using Matrix8d = Eigen::Matrix<double, 8, 8>;
+
+constexpr double kMaxVarianceShare = 0.25;  // of the prior's variance that may be left along a refined direction
+
+struct Part {
+  const char* name;
+  int begin, size;
+};
+
+constexpr Part kParts[] = {{"rotation", 0, 3}, {"translation", 3, 3}, {"time_offset", 6, 1}, {"line_delay", 7, 1}};
+
+Vector8d PriorSigmas(const CameraSettings& settings) {
+  Vector8d sigmas;
+  sigmas << Eigen::Vector3d::Constant(settings.prior.rotation), Eigen::Vector3d::Constant(settings.prior.translation),
+      settings.prior.time_offset, settings.prior.line_delay;
+  return sigmas;
+}
+
+Eigen::Array<bool, 8, 1> Estimated(const CameraSettings& settings) {
+  Eigen::Array<bool, 8, 1> estimated = Eigen::Array<bool, 8, 1>::Constant(settings.has_extrinsics);
+  estimated[6] = settings.has_time_offset;
+  estimated[7] = settings.has_line_delay;
+  return estimated;
+}
+
+Vector8d Difference(const CameraParameters& to, const CameraParameters& from) {
+  Vector8d difference;
+  PoseManifold().Minus(to.extrinsics.data(), from.extrinsics.data(), difference.data());
+  for (size_t k = 0; k < kTimingSize; ++k) difference[6 + static_cast<Eigen::Index>(k)] = to.timing[k] - from.timing[k];
+  return difference;
+}
+
+CalibratedQuantity::Status StatusOf(Eigen::Index num_refined, int size) {
+  if (num_refined == 0) return CalibratedQuantity::Status::kKept;
+  return num_refined == size ? CalibratedQuantity::Status::kRefined : CalibratedQuantity::Status::kPartlyRefined;
+}
+
+}  // namespace
+
+GatedCalibration GateCalibration(const std::string& camera, const CameraSettings& settings,
+                                 const CameraParameters& rig_parameters, const CameraParameters& estimate,
+                                 const Matrix8d& covariance) {
+  const Eigen::Array<bool, 8, 1> is_estimated = Estimated(settings);
+  const Vector8d prior = PriorSigmas(settings);
+  const Vector8d unit = is_estimated.select(prior.array(), 1.0).matrix();
+  Matrix8d whitened = unit.cwiseInverse().asDiagonal() * covariance * unit.cwiseInverse().asDiagonal();
+  for (int k = 0; k < 8; ++k) {
+    if (is_estimated[k]) continue;
+    whitened.row(k).setZero();
+    whitened.col(k).setZero();
+    whitened(k, k) = 1;
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix8d> eigen(whitened);
+  Matrix8d refine = Matrix8d::Zero();  // projects on the refined directions
+  for (int k = 0; k < 8; ++k)
+    if (eigen.eigenvalues()[k] < kMaxVarianceShare)
+      refine += eigen.eigenvectors().col(k) * eigen.eigenvectors().col(k).transpose();
+  const Vector8d change =
+      unit.asDiagonal() * (refine * (unit.cwiseInverse().asDiagonal() * Difference(estimate, rig_parameters)));
+
+  GatedCalibration gated{rig_parameters, {camera, {}}};
+  PoseManifold().Plus(rig_parameters.extrinsics.data(), change.data(), gated.parameters.extrinsics.data());
+  for (size_t k = 0; k < kTimingSize; ++k) gated.parameters.timing[k] += change[6 + static_cast<Eigen::Index>(k)];
+  const Vector8d variance = whitened.diagonal();
+  for (const Part& part : kParts) {
+    const Eigen::VectorXd sigma =
+        (variance.segment(part.begin, part.size).cwiseSqrt().array() * prior.segment(part.begin, part.size).array())
+            .matrix();
+    const Eigen::Index refined = (variance.segment(part.begin, part.size).array() < kMaxVarianceShare).count();
+    gated.report.quantities.push_back(
+        {part.name, change.segment(part.begin, part.size), sigma, StatusOf(refined, part.size)});
+  }
+  return gated;
+}
+
+double TimeShiftBetween(const Rig& from, const Rig& to, int camera) {
+  const auto index = static_cast<size_t>(camera);
+  return to.cameras[index].time_shift - from.cameras[index].time_shift;
+}
+
+}  // namespace parkade

@@ -1,0 +1,143 @@
+// What TrajectoryEstimator hands back at the end.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "core/error.h"
+#include "slam/gate_calibration.h"
+#include "slam/trajectory_estimator.h"
+
+namespace parkade {
+namespace {
+
+constexpr double kMinData = 1.0;  // [s] of IMU data that can be mapped at all
+
+std::string Seconds(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f", seconds);
+  return text;
+}
+
+/// Of one camera's [extrinsics, timing]; zero where they were not estimated.
+Eigen::Matrix<double, 8, 8> CovarianceOf(const JointEstimate& joint, std::int64_t camera) {
+  std::array<Eigen::Index, 8> from;
+  from.fill(-1);
+  Eigen::Index column = 0;
+  for (const PriorBlock& block : joint.states) {
+    if (block.name == StateName{StateName::Kind::kExtrinsics, camera})
+      for (size_t k = 0; k < 6; ++k) from[k] = column + static_cast<Eigen::Index>(k);
+    if (block.name == StateName{StateName::Kind::kTiming, camera})
+      for (size_t k = 0; k < 2; ++k) from[6 + k] = column + static_cast<Eigen::Index>(k);
+    column += block.TangentSize();
+  }
+  Eigen::Matrix<double, 8, 8> covariance = Eigen::Matrix<double, 8, 8>::Zero();
+  for (size_t i = 0; i < 8; ++i)
+    for (size_t j = 0; j < 8; ++j)
+      if (from[i] >= 0 && from[j] >= 0)
+        covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = joint.covariance(from[i], from[j]);
+  return covariance;
+}
+
+}  // namespace
+
+void TrajectoryEstimator::SelectKeyframes(OdometryResult& result) const {
+  std::vector<std::optional<Rigid3>> last(rig_.cameras.size());
+  std::vector<UsedImage> images = used_images_;
+  std::sort(images.begin(), images.end(), [](const UsedImage& a, const UsedImage& b) {
+    return std::pair(a.time, a.camera) < std::pair(b.time, b.camera);
+  });
+  const double max_rotation = options_.keyframe_rotation_deg * M_PI / 180;
+  for (const UsedImage& image : images) {
+    const Timestamp time = image.time + TimeShiftBetween(rig_, result.rig, image.camera);
+    const std::optional<Rigid3> pose = result.odom_from_body.At(time);
+    std::optional<Rigid3>& before = last[static_cast<size_t>(image.camera)];
+    if (!pose) continue;
+    if (before && (pose->translation - before->translation).norm() < options_.keyframe_distance &&
+        pose->rotation.angularDistance(before->rotation) < max_rotation)
+      continue;
+    before = pose;
+    result.keyframes.push_back({time, image.camera, *pose});
+  }
+  std::stable_sort(result.keyframes.begin(), result.keyframes.end(),
+                   [](const OdometryKeyframe& a, const OdometryKeyframe& b) { return a.time < b.time; });
+}
+
+void TrajectoryEstimator::BuildTrajectory(OdometryResult& result) {
+  std::map<std::int64_t, Rigid3> corrections;  // smoothed_from_estimated, by knot
+  for (const FinishedKnot& knot : finished_) corrections[knot.number] = knot.state.odom_from_imu.Inverse();
+  const JointEstimate last = smoother_.LastEstimate();
+  FinishCalibration(last, result);
+  if (options_.smooth_backwards) SmoothBackwards(finished_, last);
+  for (const FinishedKnot& knot : finished_) {
+    corrections[knot.number] = knot.state.odom_from_imu * corrections[knot.number];
+    builder_.Add(knot);
+    if (!after_start_ && knot.state.time >= first_knot_ + kOverlap) after_start_ = knot.state;
+  }
+  std::vector<TrajectoryState> states = builder_.Take();
+  FillBeforeStart(result.rig, states);
+  result.odom_from_body = Trajectory(std::move(states));
+  for (const FinishedLandmark& landmark : landmarks_)
+    result.landmarks.push_back({landmark.time, landmark.camera, corrections[landmark.knot] * landmark.point_in_odom,
+                                landmark.sigma, landmark.num_observations});
+  std::stable_sort(result.landmarks.begin(), result.landmarks.end(),
+                   [](const OdometryLandmark& a, const OdometryLandmark& b) { return a.time < b.time; });
+}
+
+void TrajectoryEstimator::FinishCalibration(const JointEstimate& last, OdometryResult& result) {
+  result.rig = rig_;
+  for (size_t i = 0; i < rig_.cameras.size(); ++i) {
+    CameraParameters by_rig;
+    PoseToParameters(rig_.ImuFromCamera(i), by_rig.extrinsics.data());
+    by_rig.timing = {0, rig_.cameras[i].line_delay};
+    RigCamera& camera = result.rig.cameras[i];
+    GatedCalibration gated = GateCalibration(camera.name, smoother_.camera_settings()[i], by_rig,
+                                             smoother_.cameras()[i], CovarianceOf(last, static_cast<std::int64_t>(i)));
+    camera.body_from_camera = rig_.body_from_imu * gated.parameters.ImuFromCamera();
+    camera.time_shift += gated.parameters.time_offset();
+    camera.line_delay = gated.parameters.line_delay();
+    report_.calibration.push_back(std::move(gated.report));
+  }
+}
+
+void TrajectoryEstimator::FinishReport() {
+  report_.wheel_scale = 1 + smoother_.wheel_scale();
+  report_.gyroscope_bias = smoother_.Latest().gyroscope_bias;
+  report_.accelerometer_bias = smoother_.Latest().accelerometer_bias;
+  for (size_t camera = 0; camera < report_.cameras.size(); ++camera) {
+    CameraHealth& health = report_.cameras[camera];
+    health.noise_scale = smoother_.camera_noise_scales()[camera];
+    if (health.frames_used > 0)
+      health.tracks_per_frame = static_cast<double>(tracks_seen_[camera]) / health.frames_used;
+  }
+  if (report_.solves > 0) {
+    report_.mean_solve_seconds = sum_solve_seconds_ / report_.solves;
+    report_.mean_bearings = sum_bearings_ / report_.solves;
+  }
+}
+
+OdometryResult TrajectoryEstimator::Finish() {
+  Require(!imu_.empty(), ErrorCode::kInvalidInput,
+          "the log holds no IMU data, without which no trajectory can be estimated");
+  const double seconds = imu_.back().time - log_begin_;
+  Require(seconds >= kMinData, ErrorCode::kInvalidInput,
+          "the log holds only " + Seconds(seconds) + " s of IMU data; at least " + Seconds(kMinData) + " s are needed");
+  if (!is_started_) TryStart(/*is_last_chance=*/true);
+  Require(is_started_, ErrorCode::kInvalidInput,
+          pending_.empty() && wheels_.empty()
+              ? "could not initialise because no camera saw anything while the IMU was running and there are no wheels"
+              : "could not initialise because the motion in the log never showed speed and gravity clearly enough");
+  PlaceKnots(imu_.back().time);
+  if (imu_.back().time - last_knot_ > 1e-3) MakeKnot(imu_.back().time, is_run_still_);
+  FinishReport();
+  Collect(smoother_.Finish());
+  OdometryResult result;
+  BuildTrajectory(result);
+  report_.length = result.odom_from_body.Length();
+  SelectKeyframes(result);
+  result.report = std::move(report_);
+  return result;
+}
+
+}  // namespace parkade
