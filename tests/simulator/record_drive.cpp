@@ -87,6 +87,7 @@ Shot ShotOf(const SimulateOptions& options, const Motion& motion, const Schedule
   shot.camera = is_knocked ? num_cameras : frame.camera;
   shot.world_from_body = [&motion, since_start](double offset) { return motion.WorldFromBody(since_start + offset); };
   shot.exposure = options.image.exposure;
+  shot.time = since_start;
   shot.with_semantics = options.semantic;
   return shot;
 }

@@ -8,6 +8,7 @@
 #include "tests/simulator/drive_summary.h"
 #include "tests/simulator/faulty_rig.h"
 #include "tests/simulator/record_drive.h"
+#include "tests/simulator/traffic.h"
 #include "tests/simulator/truth_files.h"
 
 namespace parkade::simulator {
@@ -57,6 +58,7 @@ void WriteRigs(const Rig& rig, const SimulateOptions& options, const OutputPaths
 void SimulateOptions::Validate() const {
   Require(seed >= 0 && place_seed >= -1, ErrorCode::kUsage, "the seed must not be negative");
   Require(day >= 0 && day <= 1000, ErrorCode::kUsage, "the day must be 0 to 1000");
+  Require(traffic >= 0 && traffic <= 50, ErrorCode::kUsage, "the traffic must be 0 to 50");
   Require(duration >= 10 && duration <= 3600, ErrorCode::kUsage, "the duration must be 10 to 3600 s");
   Require(relief >= 0 && relief <= 3, ErrorCode::kUsage, "the relief must be 0 to 3");
   Require(ground_texel >= 0.002 && ground_texel <= 0.2, ErrorCode::kUsage,
@@ -91,20 +93,21 @@ nlohmann::json SimulateDrive(const SimulateOptions& options, const OutputPaths& 
   const std::uint64_t seed = static_cast<std::uint64_t>(options.seed);
   const auto start = std::chrono::steady_clock::now();
   progress("build the scene", 0);
-  const Scene scene = BuildScene(options.scene, options.OfScene());
+  Scene scene = BuildScene(options.scene, options.OfScene());
   Rig rig = TrueRig(MakeSimulatedRig(options.rig, seed), options.faults);
   rig.imu = CalibrationOf(ImuGradeNamed(options.sensors.imu), options.sensors.imu_rate, rig.imu.topic);
   const Rig cameras = CamerasToRender(rig, options.faults.mirror);
+  const DrivePlan plan = PlanDrive(scene.place, options.drive, options.duration, seed);
+  AddTraffic(scene, plan.motion, options.traffic, seed);
   const Renderer renderer(scene, cameras, kHalfFieldOfView);
   for (size_t camera = 0; camera < rig.cameras.size(); ++camera) rig.cameras[camera].mask = renderer.Mask(camera);
-  const DrivePlan plan = PlanDrive(scene.place, options.drive, options.duration, seed);
   const double scene_seconds = SecondsSince(start);
 
   SimulateOptions applied = options;
   if (applied.image.exposure == 0) applied.image.exposure = scene.usual_exposure;
   const SensorRecords records = SimulateSensors(applied, plan.motion, rig, scene.place.is_covered);
   NameOnlyWhatIsThere(records, rig);
-  const std::unique_ptr<DriveSink> sink = MakeDriveSink(out.log, rig);
+  const std::unique_ptr<DriveSink> sink = MakeDriveSink(out.log, NominalRig(rig, options.faults, seed));
   const Recording recording = RecordDrive(applied, plan.motion, rig, renderer, records, *sink, progress);
 
   const fs::path truth = out.truth.empty() ? DefaultTruthFolder(out.log) : out.truth;
