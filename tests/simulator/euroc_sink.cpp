@@ -43,7 +43,7 @@ std::string CameraText(const RigCamera& camera) {
 }
 
 std::string ImuText(const Rig& rig) {
-  return "sensor_type: imu\ncomment: simulated MEMS\n" + BodyFromSensorText(rig.body_from_imu) +
+  return "sensor_type: imu\ncomment: simulated IMU\n" + BodyFromSensorText(rig.body_from_imu) +
          Format("rate_hz: %.17g\n", rig.imu.update_rate) +
          Format("gyroscope_noise_density: %.17g\ngyroscope_random_walk: %.17g\n", rig.imu.gyroscope_noise_density,
                 rig.imu.gyroscope_random_walk) +

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/simulator/drive_clock.h"
+#include "tests/simulator/plan_drive.h"
 #include "tests/simulator/simulated_rig.h"
 
 namespace parkade::simulator {
@@ -94,6 +95,21 @@ TEST(SimulateGnss, UnderARoofThereIsNoFixAndBesideItAWorseOne) {
 
   EXPECT_GT(sigma_near, 2.5 * sigma_far);
   EXPECT_NEAR(first_after, 30 + 3, 0.5);  // the sky is seen again at 30 s
+}
+
+TEST(SimulateGnss, ThereAreFixesBeforeTheGarageAndNoneWithin) {
+  const Place garage = PlanPlace("garage", {.seed = 2});
+  const DrivePlan plan = PlanDrive(garage, {.length = 150}, 0, 2);
+  const Rig rig = MakeSimulatedRig({}, 2);
+  size_t num_outside = 0;
+  for (const GnssFix& fix : SimulateGnss(plan.motion, rig, SimulatedDatum(), {}, 2, garage.is_covered)) {
+    const Rigid3 world_from_body = plan.motion.WorldFromBody(fix.time - DriveEpoch(2));
+    EXPECT_FALSE(garage.is_covered(world_from_body * *rig.vehicle->antenna_in_body));
+    ++num_outside;
+  }
+
+  EXPECT_GT(num_outside, 5u);
+  EXPECT_LT(num_outside, 0.5 * 5 * plan.motion.Duration());
 }
 
 TEST(SimulateGnss, NoneGivesNone) {

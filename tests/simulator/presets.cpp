@@ -13,6 +13,7 @@ SimulateOptions RealCar(const std::string& scene, int seed, double length) {
   options.drive.length = length;
   options.drive.stops = {};
   options.semantic = true;
+  options.traffic = scene == "street" ? 5 : 2;
   options.faults.extrinsic_rotation_deg = {0.12, 0.25, 0.25, 0.15};
   options.faults.extrinsic_translation_cm = {0.5, 1, 1, 0.5};
   options.faults.time_offsets = {0.004, -0.003, 0.006, 0.002};
@@ -51,8 +52,9 @@ void AddOutdoor(std::vector<Preset>& presets) {
   add(498, "lot", "lot, rounds").sensors.gnss = "rtk";
   add(445, "lot", "lot, two stops of 20 s").drive.stops = {20, 20};
   occlude(add(521, "street", "street, mud on the rear camera for minutes"), 3, 20, 140, "mud");
-  add(807, "street", "street, fast, long straights").drive.max_speed = 7;
-  add(537, "lot", "lot, both directions").drive.turns_around = true;
+  add(807, "street", "street, fast, long straights, crowds").drive.max_speed = 7;
+  presets.back().options.traffic = 10;
+  add(537, "lot", "lot full of moving cars and people").traffic = 12;
   occlude(add(514, "lot", "lot, right camera dark for a minute"), 2, 30, 90, "dark");
   add(448, "street", "street, wheel slip, no GNSS").sensors.gnss = "none";
   presets.back().options.faults.slip = {40, 43, 0.4};

@@ -212,12 +212,13 @@ TEST_F(SimulatedDrive, AKnockedMirrorIsInThePicturesAfterItAndInTheTrueRig) {
   EXPECT_NEAR(LogSo3(turn).norm() * 180 / M_PI, 3, 1e-6);
 }
 
-TEST_F(SimulatedDrive, AWrongCalibrationIsInTheRigAndNotInTheLog) {
+TEST_F(SimulatedDrive, AWrongCalibrationIsWhereCalibrationsAreAndNotInThePictures) {
   SimulateOptions options = SmallDrive();
-  options.faults.extrinsic_rotation_deg = {1};
+  options.faults.extrinsic_rotation_deg = {0, 0, 1, 0};
   Simulate("wrong_rig", options);
 
-  EXPECT_EQ(DifferentFolders(Contents(root_ / "euroc"), Contents(root_ / "wrong_rig")), std::set<std::string>{"rig"});
+  EXPECT_EQ(DifferentFolders(Contents(root_ / "euroc"), Contents(root_ / "wrong_rig")),
+            (std::set<std::string>{"mav0/cam2", "rig"}));  // sensor.yaml
 }
 
 TEST_F(SimulatedDrive, SlippingWheelsAreInTheOdometryAlone) {
