@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
   parkade::AddMapCommand(app, action);
   parkade::AddServeCommand(app, action);
   parkade::AddInspectCommand(app, action);
+  parkade::AddExportCommand(app, action);
   parkade::AddEvaluateCommand(app, action);
   parkade::AddPoseGraphCommand(app, action);
 

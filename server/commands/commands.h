@@ -12,6 +12,7 @@ using Action = std::function<int()>;
 void AddMapCommand(CLI::App& app, Action& action);
 void AddServeCommand(CLI::App& app, Action& action);
 void AddInspectCommand(CLI::App& app, Action& action);
+void AddExportCommand(CLI::App& app, Action& action);
 void AddEvaluateCommand(CLI::App& app, Action& action);
 void AddPoseGraphCommand(CLI::App& app, Action& action);
 

@@ -67,6 +67,22 @@ try {
     run('curl', '-fsSL', '-o', at(`served/${name}`), `${address}/api/v1/sites/yard/maps/latest/${name}`);
   console.log(run('python3', path.join(root, 'scripts/check_map.py'), at('served')));
 
+  // What the service published is a map for `parkade export` too.
+  const version = await json(address, '/api/v1/sites/yard/maps/1');
+  for (const { name, url } of version.files) {
+    mkdirSync(path.dirname(at(`map/${name}`)), { recursive: true });
+    run('curl', '-fsSL', '-o', at(`map/${name}`), `${address}${url}`);
+  }
+  const formats = [...run(parkade, 'export', '--help').matchAll(/^  ([a-z0-9-]+) {2,}\S/gm)].map((match) => match[1]);
+  assert.ok(formats.includes('pcd') && formats.includes('geotiff'), formats.join(' '));
+  mkdirSync(at('exports'));
+  for (const format of formats) {
+    const out = at(`exports/${format === 'occupancy' ? 'grid.yaml' : format}`);
+    run(parkade, 'export', at('map'), '--format', format, '--out', out);
+    assert.ok(existsSync(out), format);
+  }
+  console.log(`exports: ${formats.join(', ')}`);
+
   if (existsSync(process.env.CHROMIUM ?? '/usr/bin/chromium'))
     console.log(run('node', path.join(root, 'web/browser_test.mjs'), `${address}/`, at('viewer.png')));
   else console.log('no Chromium here: the viewer was not driven');

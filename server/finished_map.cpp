@@ -1,0 +1,58 @@
+#include "server/finished_map.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "mapping/read_ply.h"
+
+namespace parkade {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string Join(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+}  // namespace
+
+FinishedMap::FinishedMap(const std::filesystem::path& folder) : folder_(folder) {
+  Require(std::filesystem::is_directory(folder), ErrorCode::kNotFound, folder.string() + " is not a folder");
+  Require(std::filesystem::exists(folder / "report.json"), ErrorCode::kInvalidInput,
+          folder.string() + " holds no map: it has no report.json");
+  try {
+    const Json report = Json::parse(ReadFile(folder / "report.json"));
+    for (const Json& drive : report.at("drives")) drives_.push_back(drive.at("name").get<std::string>());
+    if (const Json& datum = report.at("datum"); !datum.is_null())
+      datum_ = SiteDatum{.latitude_deg = datum.at("latitude_deg").get<double>(),
+                         .longitude_deg = datum.at("longitude_deg").get<double>(),
+                         .altitude = datum.at("altitude").get<double>()};
+  } catch (const Json::exception&) {
+    throw Error(ErrorCode::kInvalidInput, (folder / "report.json").string() + " is not the report of a map");
+  }
+}
+
+std::filesystem::path FinishedMap::FileNamed(const std::string& name) const {
+  const std::filesystem::path file = folder_ / name;
+  Require(std::filesystem::exists(file), ErrorCode::kInvalidInput,
+          "the map in " + folder_.string() + " has no " + name +
+              (datum_ ? "" : " (it is not georeferenced: some files are only there with GNSS)"));
+  return file;
+}
+
+std::filesystem::path FinishedMap::FileOfDrive(const std::string& drive, const std::string& name) const {
+  Require(!drive.empty() || drives_.size() == 1, ErrorCode::kUsage,
+          "the map has several drives (" + Join(drives_) + "): choose one by --drive");
+  const std::string chosen = drive.empty() ? drives_.front() : drive;
+  Require(std::find(drives_.begin(), drives_.end(), chosen) != drives_.end(), ErrorCode::kUsage,
+          "the map has no drive '" + chosen + "', but: " + Join(drives_));
+  return FileNamed(chosen + "/" + name);
+}
+
+TriangleMesh FinishedMap::ReadGround() const { return ReadPly(FileNamed("ground.ply")); }
+
+}  // namespace parkade

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geo.h"
+#include "core/triangle_mesh.h"
+
+namespace parkade {
+
+/// A folder that `parkade map` left, opened again.
+class FinishedMap {
+ public:
+  /// Throws Error{kNotFound} where there is no folder, Error{kInvalidInput} where it holds no map.
+  explicit FinishedMap(const std::filesystem::path& folder);
+
+  /// One of the map's files. Throws Error{kInvalidInput} where this map does not have it.
+  std::filesystem::path FileNamed(const std::string& name) const;
+
+  /// A file of a drive. `drive` may be empty where the map has only one. Throws Error{kUsage} naming the drives.
+  std::filesystem::path FileOfDrive(const std::string& drive, const std::string& name) const;
+
+  TriangleMesh ReadGround() const;
+
+  const std::vector<std::string>& drives() const { return drives_; }
+  const std::optional<SiteDatum>& datum() const { return datum_; }
+
+ private:
+  std::filesystem::path folder_;
+  std::vector<std::string> drives_;
+  std::optional<SiteDatum> datum_;
+};
+
+}  // namespace parkade
