@@ -28,19 +28,31 @@ SimulateOptions SmallDrive() {
   return options;
 }
 
-/// One drive in each format, made once for all tests.
+/// One drive in each format, made when a test asks for it.
 class SimulatedDrive : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     root_ = fs::path(testing::TempDir()) / ("parkade_simulate_" + std::to_string(getpid()));
     fs::remove_all(root_);
     fs::create_directories(root_);
-    for (const char* name : {"euroc", "ros2.mcap", "ros1.bag"}) summaries_[name] = Simulate(name, SmallDrive());
   }
   static void TearDownTestSuite() { fs::remove_all(root_); }
 
   static nlohmann::json Simulate(const fs::path& log, const SimulateOptions& options) {
     return SimulateDrive(options, {root_ / log, {}, {}}, [](const std::string&, double) {});
+  }
+
+  static constexpr const char* kFormats[] = {"euroc", "ros2.mcap", "ros1.bag"};
+
+  /// Summary of the small drive in one of the formats.
+  static const nlohmann::json& Made(const std::string& name) {
+    if (!summaries_.contains(name)) summaries_[name] = Simulate(name, SmallDrive());
+    return summaries_[name];
+  }
+  /// Its folder or file.
+  static fs::path PathOf(const std::string& name) {
+    Made(name);
+    return root_ / name;
   }
 
   static std::unique_ptr<RecordedDrive> Open(const std::string& name) {
@@ -76,7 +88,8 @@ std::map<std::string, size_t> CountRecords(const DriveLog& log) {
 }
 
 TEST_F(SimulatedDrive, EveryFormatReadsBackWhole) {
-  for (const auto& [name, summary] : summaries_) {
+  for (const std::string name : kFormats) {
+    const nlohmann::json& summary = Made(name);
     const auto log = Open(name);
 
     const auto counts = CountRecords(*log);
@@ -93,7 +106,8 @@ TEST_F(SimulatedDrive, EveryFormatReadsBackWhole) {
 TEST_F(SimulatedDrive, AllFormatsHoldTheSameNumbers) {
   std::map<std::string, std::vector<ImuSample>> samples;
   std::map<std::string, std::vector<GnssFix>> fixes;
-  for (const auto& [name, summary] : summaries_) {
+  for (const std::string name : kFormats) {
+    Made(name);
     const auto log = Open(name);
     const auto stream = log->Read({});
     while (const auto record = stream->Next()) {
@@ -119,8 +133,8 @@ TEST_F(SimulatedDrive, AllFormatsHoldTheSameNumbers) {
 TEST_F(SimulatedDrive, TheSameOptionsGiveTheSameBytes) {
   for (const std::string name : {"euroc", "ros2.mcap"}) Simulate("again_" + name, SmallDrive());
 
-  EXPECT_EQ(ReadFile(root_ / "ros2.mcap"), ReadFile(root_ / "again_ros2.mcap"));
-  auto first = Contents(root_ / "euroc"), second = Contents(root_ / "again_euroc");
+  EXPECT_EQ(ReadFile(PathOf("ros2.mcap")), ReadFile(root_ / "again_ros2.mcap"));
+  auto first = Contents(PathOf("euroc")), second = Contents(root_ / "again_euroc");
   first.erase("summary.json");
   second.erase("summary.json");
   EXPECT_EQ(first, second);
@@ -131,7 +145,7 @@ TEST_F(SimulatedDrive, AnotherSeedGivesAnotherDrive) {
   SimulateOptions options = SmallDrive();
   options.seed = 2;
   Simulate("other.bag", options);
-  EXPECT_NE(ReadFile(root_ / "ros1.bag"), ReadFile(root_ / "other.bag"));
+  EXPECT_NE(ReadFile(PathOf("ros1.bag")), ReadFile(root_ / "other.bag"));
 }
 
 TEST_F(SimulatedDrive, SensorsThatWereSwitchedOffAreInNeitherLogNorRig) {
@@ -150,12 +164,12 @@ TEST_F(SimulatedDrive, SensorsThatWereSwitchedOffAreInNeitherLogNorRig) {
 }
 
 TEST_F(SimulatedDrive, TruthCoversEveryRecord) {
-  const std::vector<TimedPose> truth = ReadTum(root_ / "euroc" / "truth.tum");
+  const std::vector<TimedPose> truth = ReadTum(PathOf("euroc") / "truth.tum");
   const auto log = Open("euroc");
 
   EXPECT_LE(truth.front().time, log->span().begin);
   EXPECT_LT(log->span().end - truth.back().time, 0.005);
-  EXPECT_EQ(ReadFile(root_ / "euroc" / "ground_truth.ply").substr(0, 4), "ply\n");
+  EXPECT_EQ(ReadFile(PathOf("euroc") / "ground_truth.ply").substr(0, 4), "ply\n");
 }
 
 TEST_F(SimulatedDrive, TheSummaryTellsOptionsHashAndFaults) {
@@ -167,12 +181,12 @@ TEST_F(SimulatedDrive, TheSummaryTellsOptionsHashAndFaults) {
 
   EXPECT_EQ(nlohmann::json::parse(ReadFile(root_ / "faulty.truth" / "summary.json")), summary);
   EXPECT_EQ(summary["options_hash"], HashOf(options));
-  EXPECT_NE(summary["options_hash"], summaries_["euroc"]["options_hash"]);
+  EXPECT_NE(summary["options_hash"], Made("euroc")["options_hash"]);
   EXPECT_EQ(summary["faults"]["records_concerned"]["gap.imu"], 50);
   EXPECT_EQ(summary["faults"]["records_concerned"]["slip.wheels"], 100);
   EXPECT_NEAR(summary["faults"]["records_concerned"]["occlusion.cam1"].get<int>(), 4, 1);
   EXPECT_TRUE(summary["faults"]["asked_for"].contains("imu_gap"));
-  EXPECT_TRUE(summaries_["euroc"]["faults"]["asked_for"].empty());
+  EXPECT_TRUE(Made("euroc")["faults"]["asked_for"].empty());
 }
 
 /// Names of the files below a EuRoC folder that differ, without the name of the file itself where folders hold many.
@@ -194,7 +208,7 @@ TEST_F(SimulatedDrive, AFaultOfALensIsInThePicturesOfItsCameraAndNowhereElse) {
   options.faults.occlusion = {2, 3, 6, "dark"};
   Simulate("covered", options);
 
-  EXPECT_EQ(DifferentFolders(Contents(root_ / "euroc"), Contents(root_ / "covered")),
+  EXPECT_EQ(DifferentFolders(Contents(PathOf("euroc")), Contents(root_ / "covered")),
             std::set<std::string>{"mav0/cam2/data"});
 }
 
@@ -203,7 +217,7 @@ TEST_F(SimulatedDrive, AKnockedMirrorIsInThePicturesAfterItAndInTheTrueRig) {
   options.faults.mirror = {1, 5, 3};
   const nlohmann::json summary = Simulate("knocked", options);
 
-  EXPECT_EQ(DifferentFolders(Contents(root_ / "euroc"), Contents(root_ / "knocked")),
+  EXPECT_EQ(DifferentFolders(Contents(PathOf("euroc")), Contents(root_ / "knocked")),
             (std::set<std::string>{"mav0/cam1/data", "mav0/cam1/semantic/data", "rig_true_knocked"}));
   EXPECT_NEAR(summary["faults"]["records_concerned"]["mirror.cam1"].get<int>(), 10, 2);
   const Rig before = ReadRig(root_ / "knocked" / "rig_true"), after = ReadRig(root_ / "knocked" / "rig_true_knocked");
@@ -217,7 +231,7 @@ TEST_F(SimulatedDrive, AWrongCalibrationIsWhereCalibrationsAreAndNotInThePicture
   options.faults.extrinsic_rotation_deg = {0, 0, 1, 0};
   Simulate("wrong_rig", options);
 
-  EXPECT_EQ(DifferentFolders(Contents(root_ / "euroc"), Contents(root_ / "wrong_rig")),
+  EXPECT_EQ(DifferentFolders(Contents(PathOf("euroc")), Contents(root_ / "wrong_rig")),
             (std::set<std::string>{"mav0/cam2", "rig"}));  // sensor.yaml
 }
 
@@ -226,7 +240,7 @@ TEST_F(SimulatedDrive, SlippingWheelsAreInTheOdometryAlone) {
   options.faults.slip = {3, 6, 0.5};
   Simulate("slip", options);
 
-  EXPECT_EQ(DifferentFolders(Contents(root_ / "euroc"), Contents(root_ / "slip")), std::set<std::string>{"mav0/odom0"});
+  EXPECT_EQ(DifferentFolders(Contents(PathOf("euroc")), Contents(root_ / "slip")), std::set<std::string>{"mav0/odom0"});
 }
 
 TEST_F(SimulatedDrive, InspectNamesGapsJumpsAndDamage) {
@@ -258,7 +272,7 @@ TEST_F(SimulatedDrive, InspectNamesGapsJumpsAndDamage) {
 }
 
 TEST_F(SimulatedDrive, SlotsAreWhereThePlaceHasThem) {
-  const nlohmann::json slots = nlohmann::json::parse(ReadFile(root_ / "euroc" / "slots.geojson"));
+  const nlohmann::json slots = nlohmann::json::parse(ReadFile(PathOf("euroc") / "slots.geojson"));
   const Place place = PlanPlace("lot", SmallDrive().OfScene());
 
   ASSERT_EQ(slots["features"].size(), place.slots.size());
