@@ -37,6 +37,8 @@ async function showLatestMap(site: string): Promise<void> {
     const [isLatest, figures] = await Promise.all([view.load(mapUrl(map.site, map.version, 'map.glb')), report(map)]);
     if (!isLatest) return;
     renderMapPanel(panel, map, figures);
+    view.setCoveredHeight(panel.offsetHeight + 16);
+    view.lookAround();
     toolbar.hidden = false;
     say('');
     document.body.dataset['shown'] = name; // for tests and scripts that wait for the picture

@@ -9,6 +9,8 @@ export type ColorMode = 'photo' | 'height';
 
 const kTrajectoryColors = [0x39c0ff, 0xffb020, 0x6fe38a, 0xff6b8b, 0xb48cff];
 
+const kMargin = 1.08; // around what is looked at
+
 /** How a mesh looks when it shows photographs: vertex colours, or a picture. */
 interface PhotoLook {
   colors: THREE.BufferAttribute | THREE.InterleavedBufferAttribute | undefined;
@@ -24,6 +26,7 @@ export class MapView {
   private readonly loader = new GLTFLoader();
   private readonly photoLooks = new Map<THREE.Object3D, PhotoLook>();
   private content: THREE.Object3D | null = null;
+  private coveredHeight = 0;
   private isFrameRequested = false;
   private generation = 0;
 
@@ -51,7 +54,6 @@ export class MapView {
     this.content = gltf.scene;
     this.prepare(gltf.scene);
     this.scene.add(gltf.scene);
-    this.lookAround();
     return true;
   }
 
@@ -133,14 +135,39 @@ export class MapView {
     this.requestFrame();
   }
 
+  /** Pixels at the lower edge of the canvas that something covers: what is looked at keeps clear of them. */
+  setCoveredHeight(pixels: number): void {
+    this.coveredHeight = pixels;
+    this.resize();
+  }
+
+  /** Share of the canvas's height that nothing covers, at least half. */
+  private freeShare(): number {
+    return Math.max(0.5, 1 - this.coveredHeight / Math.max(1, this.canvas.clientHeight));
+  }
+
+  /** As near as everything is in view, from a direction that points from the map to the eye. */
   private lookFrom(direction: THREE.Vector3): void {
     if (!this.content) return;
-    const sphere = new THREE.Box3().setFromObject(this.content).getBoundingSphere(new THREE.Sphere());
-    const radius = Math.max(sphere.radius, 2);
-    const narrowest = Math.min(1, this.camera.aspect);
-    const distance = radius / Math.sin(THREE.MathUtils.degToRad(this.camera.fov / 2)) / narrowest;
-    this.controls.target.copy(sphere.center);
-    this.camera.position.copy(sphere.center).addScaledVector(direction.normalize(), distance * 0.85);
+    const box = new THREE.Box3().setFromObject(this.content);
+    const center = box.getCenter(new THREE.Vector3());
+    const back = direction.clone().normalize();
+    const right = new THREE.Vector3(0, 1, 0).cross(back).normalize();
+    const up = back.clone().cross(right);
+    const halfHeight = Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2));
+    let distance = 2;
+    for (let i = 0; i < 8; ++i) {
+      const corner = new THREE.Vector3(
+        i & 1 ? box.max.x : box.min.x,
+        i & 2 ? box.max.y : box.min.y,
+        i & 4 ? box.max.z : box.min.z,
+      ).sub(center);
+      const sideways = Math.abs(corner.dot(right)) / (halfHeight * this.camera.aspect);
+      const upwards = Math.abs(corner.dot(up)) / (halfHeight * this.freeShare());
+      distance = Math.max(distance, corner.dot(back) + kMargin * Math.max(sideways, upwards));
+    }
+    this.controls.target.copy(center);
+    this.camera.position.copy(center).addScaledVector(back, distance);
     this.camera.near = distance / 1000;
     this.camera.far = distance * 10;
     this.camera.updateProjectionMatrix();
@@ -154,7 +181,9 @@ export class MapView {
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.setSize(clientWidth, clientHeight);
     this.camera.aspect = clientWidth / clientHeight;
-    this.camera.updateProjectionMatrix();
+    // The middle of what is free is the middle of the picture.
+    const shift = ((1 - this.freeShare()) / 2) * clientHeight;
+    this.camera.setViewOffset(clientWidth, clientHeight, 0, shift, clientWidth, clientHeight);
     this.requestFrame();
   }
 
