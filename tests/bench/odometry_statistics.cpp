@@ -42,7 +42,7 @@ void MeasureAnswer(const OdometryResult& result, const StatisticsCase& question,
       MeasureConsistency(result.odom_from_body, drive.truth, drive.rig.body_from_imu, {0.25, 0.5, 0.75, 1});
   MeasureCalibration(result.rig, drive, run);
   if (result.report.has_wheels && question.odometry.use_wheels)
-    run.wheel_scale_error = result.report.wheel_scale * (1 + question.drive.sensors.wheel_scale_error) - 1;
+    run.wheel_scale_error = result.report.wheel_scale * (1 + question.drive.drive.sensors.wheel_scale_error) - 1;
   run.start_kind = result.report.start_kind;
   run.start_seconds = result.report.start_time + result.report.start_data;
   run.coverage = std::min(1.0, result.odom_from_body.span().Seconds() / run.duration);
@@ -74,7 +74,7 @@ OdometryResult EstimateTrackDrive(const TrackDrive& drive, const OdometryOptions
 
 StatisticsRun RunOnce(const StatisticsCase& question, int seed) {
   StatisticsCase asked = question;
-  asked.drive.seed = seed;
+  asked.drive.drive.seed = seed;
   if (asked.start != "standing") asked.drive.begin = simulator::FindMovingStart(asked.drive, asked.start == "turning");
   const double begin = Now();
   const TrackDrive drive = simulator::MakeTrackDrive(asked.drive, asked.odometry);

@@ -37,7 +37,7 @@ nlohmann::json ToJson(const StatisticsRun& run) {
 nlohmann::json ToJson(const StatisticsCase& question, const std::vector<StatisticsRun>& runs) {
   nlohmann::json json = {{"case", question.name},
                          {"start", question.start},
-                         {"drive", OptionsToJson(question.drive)},
+                         {"track_mode", OptionsToJson(question.drive)},
                          {"odometry", OptionsToJson(question.odometry)}};
   for (const StatisticsRun& run : runs) json["runs"].push_back(ToJson(run));
   return json;

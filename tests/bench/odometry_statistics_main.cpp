@@ -26,7 +26,7 @@ struct CommandLine {
   int num_runs = 10, num_threads = 1;
   double duration = 40;
   std::string scene = "lot";
-  std::vector<std::string> names, odometry_assignments, drive_assignments;
+  std::vector<std::string> names, odometry_assignments, drive_assignments, model_assignments;
   std::string json_file;
   bool wants_list = false, shows_runs = false;
 };
@@ -54,7 +54,8 @@ int Run(const CommandLine& line) {
       continue;
     }
     for (const std::string& assignment : line.odometry_assignments) SetOption(assignment, question.odometry);
-    for (const std::string& assignment : line.drive_assignments) SetOption(assignment, question.drive);
+    for (const std::string& assignment : line.drive_assignments) SetOption(assignment, question.drive.drive);
+    for (const std::string& assignment : line.model_assignments) SetOption(assignment, question.drive.model);
     const std::vector<StatisticsRun> runs = RunCase(question, line.num_runs);
     std::cout << TableLine(question.name, runs) << std::endl;
     if (line.shows_runs)
@@ -80,7 +81,8 @@ int main(int argc, char** argv) {
   app.add_option("--scene", line.scene, "As parkade-simulate --list")->capture_default_str();
   app.add_option("--threads", line.num_threads, "Runs at a time")->capture_default_str()->check(CLI::Range(1, 256));
   app.add_option("--set", line.odometry_assignments, "Of the odometry: stage.option=value");
-  app.add_option("--set-drive", line.drive_assignments, "Of the drive: faults, sensors, driver, rig, cameras, model");
+  app.add_option("--set-drive", line.drive_assignments, "Of the drive, as parkade-simulate --set");
+  app.add_option("--set-model", line.model_assignments, "Of the tracks: see tests/simulator/track_model.h");
   app.add_option("--json", line.json_file, "Every run, for later");
   app.add_flag("--each", line.shows_runs, "A line per run");
   CLI11_PARSE(app, argc, argv);

@@ -67,7 +67,7 @@ TEST(OdometryStatistics, EveryRunIsInTheJson) {
   const nlohmann::json json = ToJson(CaseNamed("off-large"), {run, run});
 
   EXPECT_EQ(json["case"], "off-large");
-  EXPECT_EQ(json["drive"]["faults"]["extrinsic_rotation_deg"][0], 1);
+  EXPECT_EQ(json["track_mode"]["drive"]["faults"]["extrinsic_rotation_deg"][0], 1);
   ASSERT_EQ(json["runs"].size(), 2u);
   EXPECT_EQ(json["runs"][0]["seed"], 7);
   EXPECT_EQ(json["runs"][0]["nees"][0]["position_error_m"], 6);

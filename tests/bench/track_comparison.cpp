@@ -86,11 +86,11 @@ int main(int argc, char** argv) {
             << " ms per frame of track mode\n";
   Print("tracks", frames, rig, plan.motion, epoch, world);
   TrackDriveOptions whole;
-  whole.scene = scene_name;
-  whole.seed = seed;
-  whole.duration = duration;
-  whole.rig = rig_options;
-  whole.cameras = stretch.cameras;
+  whole.drive.scene = scene_name;
+  whole.drive.seed = seed;
+  whole.drive.duration = duration;
+  whole.drive.rig = rig_options;
+  whole.drive.cameras = stretch.cameras;
   whole.model = model;
   size_t num_crossed = 0;
   for (const SeenPicture& picture : MakeTrackDrive(whole).pictures)

@@ -7,8 +7,10 @@
 #include "core/error.h"
 #include "tests/simulator/faulty_rig.h"
 #include "tests/simulator/plan_drive.h"
+#include "tests/simulator/record_drive.h"
 #include "tests/simulator/scene.h"
 #include "tests/simulator/track_crossing.h"
+#include "tests/simulator/traffic.h"
 
 namespace parkade::simulator {
 namespace {
@@ -17,13 +19,13 @@ constexpr double kImageMargin = 0.1;     // [s] without images at both ends, as 
 constexpr double kGroundTexel = 0.2;     // [m] colours are not looked at
 constexpr double kTruthInterval = 0.01;  // [s]
 
-SceneOptions SceneOf(const TrackDriveOptions& options) {
-  SceneOptions scene;
-  scene.seed = static_cast<std::uint64_t>(options.seed);
-  scene.relief = options.relief;
+SceneOptions SceneOf(const SimulateOptions& drive) {
+  SceneOptions scene = drive.OfScene();
   scene.ground_texel = kGroundTexel;
   return scene;
 }
+
+std::uint64_t SeedOf(const TrackDriveOptions& options) { return static_cast<std::uint64_t>(options.drive.seed); }
 
 /// The cameras of one drive and what they look at.
 class PictureTaker {
@@ -31,7 +33,7 @@ class PictureTaker {
   PictureTaker(const TrackDriveOptions& options, const OdometryOptions& odometry, const Scene& scene,
                const Motion& motion, TrackDrive& drive)
       : options_(options),
-        seed_(static_cast<std::uint64_t>(options.seed)),
+        seed_(SeedOf(options)),
         epoch_(DriveEpoch(seed_)),
         motion_(motion),
         world_(scene),
@@ -39,7 +41,7 @@ class PictureTaker {
         crossing_(world_, options.model, odometry.cross_camera, seed_) {
     for (RigCamera& camera : drive_.true_rig.cameras) camera.mask = world_.OwnCarMask(camera, kHalfFieldOfView);
     knocked_ = drive_.true_rig.cameras;
-    const MirrorMove& mirror = options.faults.mirror;
+    const MirrorMove& mirror = options.drive.faults.mirror;
     const auto moved = static_cast<size_t>(mirror.camera);
     if (mirror.angle_deg != 0 && moved < knocked_.size())
       knocked_[moved] = KnockedCamera(knocked_[moved], mirror.angle_deg);
@@ -59,7 +61,8 @@ class PictureTaker {
 
   void TakeAll() {
     const auto start = std::chrono::steady_clock::now();
-    for (const ScheduledFrame& frame : ScheduleFrames(motion_, knocked_.size(), options_.cameras, kImageMargin, seed_))
+    for (const ScheduledFrame& frame :
+         ScheduleFrames(motion_, knocked_.size(), options_.drive.cameras, kImageMargin, seed_))
       if (frame.time - epoch_ >= options_.begin) Take(frame);
     drive_.seconds_per_picture = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() /
                                  static_cast<double>(std::max<size_t>(1, drive_.pictures.size()));
@@ -69,14 +72,14 @@ class PictureTaker {
 
  private:
   bool IsMissing(size_t camera, double time) const {
-    const ImageGap& gap = options_.faults.image_gap;
+    const ImageGap& gap = options_.drive.faults.image_gap;
     return (gap.camera < 0 || static_cast<size_t>(gap.camera) == camera) && gap.begin <= time && time < gap.end;
   }
 
   /// Mud is taken for darkness: what little shows through is not modelled.
   bool IsDark(size_t camera, double time) const {
-    const Occlusion& occlusion = options_.faults.occlusion;
-    return options_.faults.darkness.Contains(time) ||
+    const Occlusion& occlusion = options_.drive.faults.occlusion;
+    return options_.drive.faults.darkness.Contains(time) ||
            (static_cast<size_t>(occlusion.camera) == camera && occlusion.begin <= time && time < occlusion.end);
   }
 
@@ -86,7 +89,7 @@ class PictureTaker {
     // The rig that is handed out says 0: stamps are wrong by the whole offset.
     const Timestamp stamp = frame.time - drive_.true_rig.cameras[frame.camera].time_shift;
     TrackSimulator& simulator = simulators_[frame.camera];
-    const MirrorMove& mirror = options_.faults.mirror;
+    const MirrorMove& mirror = options_.drive.faults.mirror;
     if (mirror.angle_deg != 0 && static_cast<size_t>(mirror.camera) == frame.camera && time >= mirror.at)
       eyes_[frame.camera].MountAs(knocked_[frame.camera]);
     const bool is_dark = IsDark(frame.camera, time);
@@ -144,21 +147,18 @@ class PictureTaker {
   std::vector<TrackedPicture> before_;  ///< the last picture per camera
 };
 
-std::vector<WheelSlip> SlipsOf(const FaultOptions& faults) {
-  if (!(faults.slip.end > faults.slip.begin)) return {};
-  return {{faults.slip.begin, faults.slip.end, faults.slip.ratio}};
-}
-
-void RecordSamples(const TrackDriveOptions& options, const Motion& motion, TrackDrive& drive) {
-  const auto seed = static_cast<std::uint64_t>(options.seed);
-  const Timestamp epoch = DriveEpoch(seed);
-  drive.imu = SimulateImu(motion, drive.true_rig, options.sensors, seed);
-  if (options.sensors.has_wheels) drive.wheels = SimulateWheels(motion, options.sensors, seed, SlipsOf(options.faults));
+void RecordSamples(const TrackDriveOptions& options, const Motion& motion, const RoofQuery& is_covered,
+                   TrackDrive& drive) {
+  const Timestamp epoch = DriveEpoch(SeedOf(options));
+  SensorRecords records = SimulateSensors(options.drive, motion, drive.true_rig, is_covered);
+  drive.imu = std::move(records.imu);
+  drive.wheels = std::move(records.wheels);
   const auto is_out = [&](const auto& sample, const TimeWindow& gap) {
     return sample.time - epoch < options.begin || gap.Contains(sample.time - epoch);
   };
-  std::erase_if(drive.imu, [&](const ImuSample& sample) { return is_out(sample, options.faults.imu_gap); });
-  std::erase_if(drive.wheels, [&](const WheelSample& sample) { return is_out(sample, options.faults.wheel_gap); });
+  std::erase_if(drive.imu, [&](const ImuSample& sample) { return is_out(sample, options.drive.faults.imu_gap); });
+  std::erase_if(drive.wheels,
+                [&](const WheelSample& sample) { return is_out(sample, options.drive.faults.wheel_gap); });
   for (double time = options.begin; time <= motion.Duration(); time += kTruthInterval) {
     drive.truth.push_back({epoch + time, motion.WorldFromBody(time)});
     if (drive.truth.size() < 2) continue;
@@ -170,38 +170,37 @@ void RecordSamples(const TrackDriveOptions& options, const Motion& motion, Track
 }  // namespace
 
 void TrackDriveOptions::Validate() const {
-  Require(seed >= 0, ErrorCode::kUsage, "the seed must not be negative");
-  Require(duration >= 5 && duration <= 3600, ErrorCode::kUsage, "the duration must be 5 to 3600 s");
-  Require(begin >= 0 && begin + 5 <= duration, ErrorCode::kUsage, "at least 5 s of the drive must be recorded");
+  drive.Validate();
+  const FaultOptions& faults = drive.faults;
+  Require(begin >= 0 && begin + 5 <= drive.duration, ErrorCode::kUsage, "at least 5 s of the drive must be recorded");
   const bool has_recorder_faults = faults.time_jump.end > faults.time_jump.begin || faults.duplicates > 0 ||
                                    faults.unordered > 0 || faults.corrupt_jpegs > 0;
   Require(!has_recorder_faults, ErrorCode::kUsage, "track mode has no faults of recorders");
-  driver.Validate();
-  rig.Validate();
-  sensors.Validate();
-  cameras.Validate();
-  faults.Validate();
   model.Validate();
 }
 
 TrackDrive MakeTrackDrive(const TrackDriveOptions& options, const OdometryOptions& odometry) {
   options.Validate();
-  const auto seed = static_cast<std::uint64_t>(options.seed);
-  const Scene scene = BuildScene(options.scene, SceneOf(options));
-  const DrivePlan plan = PlanDrive(scene.place, options.driver, options.duration, seed);
+  const SimulateOptions& simulated = options.drive;
+  const std::uint64_t seed = SeedOf(options);
+  Scene scene = BuildScene(simulated.scene, SceneOf(simulated));
+  const DrivePlan plan = PlanDrive(scene.place, simulated.drive, simulated.duration, seed);
+  AddTraffic(scene, plan.motion, simulated.traffic, seed);
   TrackDrive drive;
-  drive.true_rig = TrueRig(MakeSimulatedRig(options.rig, seed), options.faults);
-  drive.rig = NominalRig(drive.true_rig, options.faults, seed);
-  RecordSamples(options, plan.motion, drive);
+  drive.true_rig = TrueRig(MakeSimulatedRig(simulated.rig, seed), simulated.faults);
+  drive.true_rig.imu =
+      CalibrationOf(ImuGradeNamed(simulated.sensors.imu), simulated.sensors.imu_rate, drive.true_rig.imu.topic);
+  drive.rig = NominalRig(drive.true_rig, simulated.faults, seed);
+  RecordSamples(options, plan.motion, scene.place.is_covered, drive);
   PictureTaker(options, odometry, scene, plan.motion, drive).TakeAll();
   if (drive.wheels.empty()) drive.rig.vehicle->wheel_topic.clear();
   return drive;
 }
 
 double FindMovingStart(const TrackDriveOptions& options, bool is_turning) {
-  const Place place = PlanPlace(options.scene, SceneOf(options));
-  const DrivePlan plan = PlanDrive(place, options.driver, options.duration, static_cast<std::uint64_t>(options.seed));
-  for (double time = 0; time < options.duration / 2; time += 0.1) {
+  const Place place = PlanPlace(options.drive.scene, SceneOf(options.drive));
+  const DrivePlan plan = PlanDrive(place, options.drive.drive, options.drive.duration, SeedOf(options));
+  for (double time = 0; time < options.drive.duration / 2; time += 0.1) {
     const MotionState state = plan.motion.At(time);
     const double yaw_rate = std::abs(state.angular_velocity_in_body.z());
     if (state.velocity_in_world.norm() > 2 && (is_turning ? yaw_rate > 0.2 : yaw_rate < 0.05)) return time;

@@ -1,48 +1,28 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "core/drive_log.h"
 #include "core/trajectory.h"
 #include "slam/odometry_options.h"
-#include "tests/simulator/driver_options.h"
-#include "tests/simulator/fault_options.h"
-#include "tests/simulator/sensors.h"
-#include "tests/simulator/simulated_rig.h"
+#include "tests/simulator/simulate_drive.h"
 #include "tests/simulator/track_model.h"
 
 namespace parkade::simulator {
 
-/// A drive as parkade-simulate makes it, by the same scene, driver, sensors and
-/// faults, but without pictures. Faults of recorders (time jumps, duplicates,
+/// A drive as parkade-simulate makes it, by the same scene, driver, traffic, sensors
+/// and faults, but without pictures. Faults of recorders (time jumps, duplicates,
 /// disorder, damaged pictures) are the log reader's business and not of track mode.
 struct TrackDriveOptions {
-  std::string scene = "lot";
-  int seed = 1;          ///< of everything that is left to chance
-  double duration = 40;  ///< [s] of the whole drive
-  double begin = 0;      ///< [s] the record begins here: > 0 rolling, or in mid-turn
-  double relief = 1;     ///< scales the ground's slopes
-  DriverOptions driver;
-  RigOptions rig;
-  SensorOptions sensors;
-  CameraClockOptions cameras;
-  FaultOptions faults;
+  SimulateOptions drive;  ///< what concerns pictures alone is not looked at
+  double begin = 0;       ///< [s] the record begins here: > 0 rolling, or in mid-turn
   TrackModel model;
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
-    visit("scene", scene);
-    visit("seed", seed);
-    visit("duration", duration);
+    visit("drive", drive);
     visit("begin", begin);
-    visit("relief", relief);
-    visit("driver", driver);
-    visit("rig", rig);
-    visit("sensors", sensors);
-    visit("cameras", cameras);
-    visit("faults", faults);
     visit("model", model);
   }
   void Validate() const;  ///< throws Error{kUsage}

@@ -179,13 +179,13 @@ TEST(TrackCrossing, FindsTracksWhereTwoCamerasSeeThemAndTheRigIsRight) {
 
 TEST(TrackDrive, HasGapsAndStampsAsTheFaultsSay) {
   TrackDriveOptions options;
-  options.seed = 3;
-  options.duration = 12;
-  options.faults.darkness = {6, 8};
-  options.faults.image_gap = {2, 4, 5};
-  options.faults.imu_gap = {9, 9.4};
-  options.faults.time_offsets = {0.02};
-  options.faults.extrinsic_rotation_deg = {1};
+  options.drive.seed = 3;
+  options.drive.duration = 12;
+  options.drive.faults.darkness = {6, 8};
+  options.drive.faults.image_gap = {2, 4, 5};
+  options.drive.faults.imu_gap = {9, 9.4};
+  options.drive.faults.time_offsets = {0.02};
+  options.drive.faults.extrinsic_rotation_deg = {1};
 
   const TrackDrive drive = MakeTrackDrive(options);
 
