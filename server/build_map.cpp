@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "slam/calibrated_log.h"
 
 namespace parkade {
 namespace {
@@ -18,15 +19,16 @@ std::vector<GnssFix> ReadFixes(const DriveLog& log) {
   return fixes;
 }
 
-/// Puts the drive's trajectory and submaps into the site.
-void PlaceOnEarth(const DriveLog& log, const GnssAlignOptions& options, SiteMap& map, DriveOutcome& outcome,
-                  std::vector<Submap>&& submaps) {
-  SiteDrive& drive = map.drives.back();
+/// Puts the drive's trajectory, loops closed, and its submaps into the site.
+void PlaceOnEarth(const DriveLog& log, size_t index, const GnssAlignOptions& options, SiteMap& map,
+                  DriveOutcome& outcome, std::vector<Submap>&& submaps) {
+  const Trajectory& odom_from_body = outcome.loops.odom_from_body;
+  SiteDrive& drive = map.drives[index];
   const std::optional<VehicleCalibration>& vehicle = log.rig().vehicle;
   const Eigen::Vector3d antenna_in_body =
       vehicle && vehicle->antenna_in_body ? *vehicle->antenna_in_body : Eigen::Vector3d::Zero();
-  outcome.gnss = AlignToGnss(drive.odometry, ReadFixes(log), antenna_in_body, options, map.datum);
-  const bool is_first = map.drives.size() == 1;
+  outcome.gnss = AlignToGnss(odom_from_body, ReadFixes(log), antenna_in_body, options, map.datum);
+  const bool is_first = index == 0;
   Require(is_first || (map.datum && outcome.gnss), ErrorCode::kInvalidInput,
           "drive '" + drive.name + "' cannot be joined with the others: this version joins drives by GNSS, and " +
               (outcome.gnss ? "the first drive has" : "this one has") + " none that fixes its place");
@@ -35,9 +37,11 @@ void PlaceOnEarth(const DriveLog& log, const GnssAlignOptions& options, SiteMap&
     map.datum = outcome.gnss->datum;
     site_from_odom = outcome.gnss->site_from_odom;
   }
-  drive.site_from_body_trajectory = drive.odometry.Transformed(site_from_odom);
+  drive.site_from_body_trajectory = odom_from_body.Transformed(site_from_odom);
   for (Submap& submap : submaps) {
-    const Rigid3 site_from_submap = site_from_odom * submap.odom_from_submap;
+    const Timestamp begin = submap.keyframes.front().time;
+    const Rigid3 correction = *odom_from_body.At(begin) * drive.odometry.At(begin)->Inverse();
+    const Rigid3 site_from_submap = site_from_odom * correction * submap.odom_from_submap;
     map.submaps.push_back({std::move(submap), site_from_submap});
   }
 }
@@ -70,7 +74,7 @@ void ObserveGroundOf(const DriveLog& log, int drive, const GroundOptions& option
 std::vector<StagePlan> PlanStages(size_t num_drives, bool is_odometry_only) {
   // Weights are shares of the time that a typical drive takes.
   const double drives = static_cast<double>(num_drives);
-  std::vector<StagePlan> plan = {{"track", 70 * drives}, {"place on earth", 2 * drives}};
+  std::vector<StagePlan> plan = {{"track", 70 * drives}, {"close loops", 15 * drives}, {"place on earth", 2 * drives}};
   if (!is_odometry_only)
     plan.insert(plan.end(), {{"observe ground", 15 * drives},
                              {"fuse surface", 5 * drives},
@@ -95,19 +99,33 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
   for (size_t i = 0; i < logs.size(); ++i)
     odometry.push_back(EstimateTrajectory(*logs[i], options.odometry, share_of_drive(i)));
 
+  // From here on, cameras are where and when odometry found them to be.
+  std::vector<CalibratedLog> drives;
+  for (size_t i = 0; i < logs.size(); ++i) drives.emplace_back(*logs[i], odometry[i].rig);
+
+  progress.Begin("close loops");
+  for (size_t i = 0; i < logs.size(); ++i) {
+    const Trajectory& odom_from_body = odometry[i].odom_from_body;
+    map.drives.push_back({drives[i].name(), drives[i].rig(), odom_from_body, {}});
+    built.drives.push_back({odometry[i].report,
+                            CloseLoops(drives[i], odom_from_body, options.loops),
+                            {},
+                            odometry[i].keyframes.size(),
+                            0});
+    share_of_drive(i)(1);
+  }
+
   progress.Begin("place on earth");
   for (size_t i = 0; i < logs.size(); ++i) {
-    map.drives.push_back({logs[i]->name(), logs[i]->rig(), odometry[i].odom_from_body, {}});
-    built.drives.push_back({odometry[i].report, {}, odometry[i].keyframes.size(), 0});
     std::vector<Submap> submaps = CutIntoSubmaps(odometry[i], static_cast<int>(i), options.submaps);
-    PlaceOnEarth(*logs[i], options.gnss, map, built.drives.back(), std::move(submaps));
+    PlaceOnEarth(*logs[i], i, options.gnss, map, built.drives[i], std::move(submaps));
   }
   if (scope.is_odometry_only) return built;
 
   progress.Begin("observe ground");
   SiteGround ground;
   for (size_t i = 0; i < logs.size(); ++i) {
-    ObserveGroundOf(*logs[i], static_cast<int>(i), options.ground, built, ground);
+    ObserveGroundOf(drives[i], static_cast<int>(i), options.ground, built, ground);
     share_of_drive(i)(1);
   }
 
@@ -120,7 +138,7 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
 
   progress.Begin("texture");
   std::vector<TextureSource> sources;
-  for (size_t i = 0; i < logs.size(); ++i) sources.push_back({logs[i].get(), &ground.paths[i]});
+  for (size_t i = 0; i < logs.size(); ++i) sources.push_back({&drives[i], &ground.paths[i]});
   map.texture = PaintTexture(map.mesh, map.surface, sources, options.texture);
   return built;
 }

@@ -15,6 +15,7 @@ namespace parkade {
 /// What is known about one drive of a map beyond the map itself.
 struct DriveOutcome {
   OdometryReport odometry;
+  LoopClosure loops;
   std::optional<GnssAlignment> gnss;
   size_t num_keyframes = 0;
   int num_ground_images = 0;

@@ -5,6 +5,7 @@
 #include "mapping/observe_ground.h"
 #include "mapping/paint_texture.h"
 #include "slam/align_to_gnss.h"
+#include "slam/close_loops.h"
 #include "slam/cut_into_submaps.h"
 #include "slam/estimate_trajectory.h"
 
@@ -13,6 +14,7 @@ namespace parkade {
 /// Everything that can be set about a map, stage by stage: `--set odometry.max_iterations=6`.
 struct MapOptions {
   OdometryOptions odometry;
+  LoopOptions loops;
   SubmapOptions submaps;
   GnssAlignOptions gnss;
   GroundOptions ground;
@@ -23,6 +25,7 @@ struct MapOptions {
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
     visit("odometry", odometry);
+    visit("loops", loops);
     visit("submaps", submaps);
     visit("gnss", gnss);
     visit("ground", ground);

@@ -46,6 +46,7 @@ Json DriveToJson(const SiteDrive& drive, const DriveOutcome& outcome, const Reco
           {"streams", health.value("streams", nlohmann::json::array())},
           {"health", health},
           {"odometry", ToJson(outcome.odometry)},
+          {"loops", ToJson(outcome.loops)},
           {"gnss", GnssToJson(outcome.gnss)}};
 }
 

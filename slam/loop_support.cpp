@@ -19,7 +19,7 @@ struct Variances {
 
 Variances VariancesOf(const PoseGraphEdge& edge, bool is_planar) {
   const EdgeConcentrations concentrations = ConcentrationsOf(edge, is_planar);
-  constexpr double kUnknown = 1e12;
+  constexpr double kUnknown = 1e3;  // sums of it must not drown the others
   return {concentrations.kappa > 0 ? 0.5 / concentrations.kappa : kUnknown,
           concentrations.tau > 0 ? 1 / concentrations.tau : kUnknown};
 }

@@ -26,7 +26,7 @@ namespace {
 
 struct MapArguments {
   std::vector<std::string> logs;
-  std::string rig, out, progress_file, cameras;
+  std::string rig, out, progress_file, cameras, loops;
   std::vector<std::string> settings;
   bool no_wheel = false, no_gnss = false, is_odometry_only = false;
   bool print_options = false, is_quiet = false;
@@ -95,6 +95,7 @@ const char* CodeOf(ErrorCode code) {
 int RunMap(const MapArguments& arguments) {
   MapOptions options;
   for (const std::string& setting : arguments.settings) SetOption(setting, options);
+  if (!arguments.loops.empty()) SetOption("loops.method=" + arguments.loops, options);
   if (arguments.print_options) {
     std::printf("%s\n", OptionsToJson(options).dump(2).c_str());
     return 0;
@@ -129,6 +130,9 @@ void AddMapCommand(CLI::App& app, Action& action) {
   command->add_option("--cameras", arguments->cameras, "use these cameras only: cam0,cam2");
   command->add_flag("--no-wheel", arguments->no_wheel, "leave wheel odometry out");
   command->add_flag("--no-gnss", arguments->no_gnss, "leave GNSS out");
+  command->add_option("--loops", arguments->loops,
+                      "how loops are closed: rig (all cameras against metric points) or none; short for "
+                      "--set loops.method=");
   command->add_flag("--odometry-only", arguments->is_odometry_only, "trajectories, no surface");
   command->add_option("--set", arguments->settings, "stage.option=value; --print-options lists them");
   command->add_flag("--print-options", arguments->print_options, "print all options as JSON and end");

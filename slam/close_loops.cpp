@@ -1,0 +1,163 @@
+#include "slam/close_loops.h"
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "slam/robust_pose_graph.h"
+
+namespace parkade {
+namespace {
+
+double Square(double x) { return x * x; }
+
+/// Vertex 0 is the world, vertex i + 1 is place i.
+PoseGraph GraphOf(const std::vector<Place>& places, const LoopOptions& options) {
+  PoseGraph graph;
+  graph.vertices.push_back({-1'000'000, {}, true});
+  for (size_t i = 0; i < places.size(); ++i)
+    graph.vertices.push_back({static_cast<std::int64_t>(i), places[i].odom_from_place, i == 0});
+  for (size_t i = 0; i < places.size(); ++i) {
+    if (i > 0) {
+      const double way = std::max(places[i].distance - places[i - 1].distance, 0.1);
+      Vector6d variances;
+      variances << Eigen::Vector3d::Constant(Square(options.odometry_translation) * way),
+          Eigen::Vector3d(Square(options.odometry_tilt), Square(options.odometry_tilt),
+                          Square(options.odometry_yaw) * way);
+      graph.edges.push_back({i, i + 1, places[i - 1].odom_from_place.Inverse() * places[i].odom_from_place,
+                             variances.cwiseInverse().asDiagonal(), true});
+    }
+    // Gravity: places are level, whatever their yaw and position.
+    PoseGraphEdge gravity{0, i + 1, places[i].odom_from_place, Matrix6d::Zero(), true};
+    gravity.information(3, 3) = gravity.information(4, 4) = 1 / Square(options.odometry_tilt);
+    graph.edges.push_back(gravity);
+  }
+  return graph;
+}
+
+/// Relative poses of all candidates, in their order.
+std::vector<LoopEvidence> Measure(const std::vector<Place>& places, const std::vector<PlaceCandidate>& candidates,
+                                  const LoopOptions& options) {
+  return ParallelMap(candidates.size(), [&](size_t i) {
+    const PlaceCandidate& candidate = candidates[i];
+    const Place &earlier = places[candidate.earlier], &later = places[candidate.later];
+    LoopEvidence loop;
+    loop.earlier = earlier.time;
+    loop.later = later.time;
+    loop.way = later.distance - earlier.distance;
+    loop.score = candidate.score;
+    const std::vector<FeatureMatch> matches = MatchPlaces(earlier, later, options.relative_pose);
+    loop.pose = EstimateRigPose(earlier, later, matches, options.relative_pose);
+    const Rigid3 by_odometry = earlier.odom_from_place.Inverse() * later.odom_from_place;
+    loop.odometry_disagreement = (loop.pose.a_from_b.translation - by_odometry.translation).norm();
+    return loop;
+  });
+}
+
+/// Poses of the places once loops are closed; sets the loops' weights.
+std::vector<Rigid3> Optimize(const std::vector<Place>& places, const std::vector<PlaceCandidate>& candidates,
+                             const LoopOptions& options, LoopClosure& closure) {
+  PoseGraph graph = GraphOf(places, options);
+  const size_t first_loop = graph.edges.size();
+  std::vector<size_t> loop_of_edge;
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    const RelativePose& pose = closure.loops[i].pose;
+    if (!pose.rejected.empty()) continue;
+    graph.edges.push_back({candidates[i].earlier + 1, candidates[i].later + 1, pose.a_from_b, pose.information, false});
+    loop_of_edge.push_back(i);
+  }
+  std::vector<Rigid3> poses;
+  if (!loop_of_edge.empty()) {
+    RobustPoseGraphOptions robust;
+    robust.graph.objective = "information";
+    robust.adapts_noise = false;
+    const RobustPoseGraphSummary summary = OptimizePoseGraphRobustly(robust, graph);
+    for (size_t i = 0; i < loop_of_edge.size(); ++i) {
+      closure.loops[loop_of_edge[i]].weight = summary.weights[first_loop + i];
+      closure.num_accepted += summary.weights[first_loop + i] > 0.5;
+    }
+  }
+  for (size_t i = 0; i < places.size(); ++i) poses.push_back(graph.vertices[i + 1].world_from_vertex);
+  return poses;
+}
+
+}  // namespace
+
+void LoopOptions::Validate() const {
+  Require(method == "rig" || method == "none", ErrorCode::kUsage,
+          "loops are closed by 'rig' or 'none', not by '" + method + "'");
+  places.Validate();
+  recognition.Validate();
+  relative_pose.Validate();
+  Require(odometry_translation > 0 && odometry_yaw > 0 && odometry_tilt > 0, ErrorCode::kUsage,
+          "the odometry's sigmas must be positive");
+}
+
+Trajectory CarryAlong(const Trajectory& odometry, const std::vector<Place>& places,
+                      const std::vector<Rigid3>& odom_from_corrected) {
+  std::vector<TrajectoryState> states = odometry.states();
+  size_t before = 0;
+  for (TrajectoryState& state : states) {
+    while (before + 1 < places.size() && places[before + 1].time <= state.time) ++before;
+    const size_t after = std::min(before + 1, places.size() - 1);
+    const auto moved_with = [&](size_t place) {
+      return odom_from_corrected[place] * places[place].odom_from_place.Inverse();
+    };
+    const double gap = places[after].time - places[before].time;
+    const double fraction = gap > 0 ? std::clamp((state.time - places[before].time) / gap, 0.0, 1.0) : 0;
+    const Rigid3 pose = state.odom_from_body;
+    state.odom_from_body = Interpolate(moved_with(before) * pose, moved_with(after) * pose, fraction);
+    state.velocity_in_odom = state.odom_from_body.rotation * (pose.rotation.conjugate() * state.velocity_in_odom);
+  }
+  return Trajectory(std::move(states));
+}
+
+LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const LoopOptions& options) {
+  options.Validate();
+  const auto start = std::chrono::steady_clock::now();
+  LoopClosure closure;
+  closure.odom_from_body = odometry;
+  if (options.method == "none" || odometry.states().size() < 2) return closure;
+  const std::vector<Place> places = DescribePlaces(log, odometry, options.places);
+  closure.num_places = static_cast<int>(places.size());
+  const std::vector<PlaceCandidate> candidates = RecognisePlaces(places, options.recognition);
+  closure.loops = Measure(places, candidates, options);
+  const std::vector<Rigid3> poses = Optimize(places, candidates, options, closure);
+  for (size_t i = 0; i < places.size(); ++i)
+    closure.largest_correction =
+        std::max(closure.largest_correction, (poses[i].translation - places[i].odom_from_place.translation).norm());
+  if (closure.num_accepted > 0) closure.odom_from_body = CarryAlong(odometry, places, poses);
+  closure.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return closure;
+}
+
+nlohmann::json ToJson(const LoopClosure& closure) {
+  nlohmann::json json = {{"num_places", closure.num_places},     {"num_candidates", closure.loops.size()},
+                         {"num_accepted", closure.num_accepted}, {"largest_correction", closure.largest_correction},
+                         {"seconds", closure.seconds},           {"candidates", nlohmann::json::array()}};
+  for (const LoopEvidence& loop : closure.loops) {
+    const RelativePose& pose = loop.pose;
+    const Eigen::Vector3d &t = pose.a_from_b.translation, turn = LogSo3(pose.a_from_b.rotation);
+    const bool is_accepted = loop.weight > 0.5;
+    json["candidates"].push_back({{"earlier", static_cast<double>(loop.earlier.ns) * 1e-9},
+                                  {"later", static_cast<double>(loop.later.ns) * 1e-9},
+                                  {"way", loop.way},
+                                  {"score", loop.score},
+                                  {"num_matches", pose.num_matches},
+                                  {"num_inliers", pose.num_inliers},
+                                  {"num_camera_pairs", pose.num_camera_pairs},
+                                  {"residual", pose.residual},
+                                  {"worst_sigma", pose.worst_sigma},
+                                  {"translation", {t.x(), t.y(), t.z()}},
+                                  {"rotation_vector", {turn.x(), turn.y(), turn.z()}},
+                                  {"odometry_disagreement", loop.odometry_disagreement},
+                                  {"weight", loop.weight},
+                                  {"state", is_accepted              ? "accepted"
+                                            : !pose.rejected.empty() ? pose.rejected
+                                                                     : "rejected by the pose graph"}});
+  }
+  return json;
+}
+
+}  // namespace parkade

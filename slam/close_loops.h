@@ -1,0 +1,70 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "core/drive_log.h"
+#include "core/trajectory.h"
+#include "slam/describe_places.h"
+#include "slam/place_recognition.h"
+#include "slam/relative_pose.h"
+
+namespace parkade {
+
+struct LoopOptions {
+  std::string method = "none";  ///< "rig" or "none"
+  PlaceOptions places;
+  RecognitionOptions recognition;
+  RelativePoseOptions relative_pose;
+  // Random walk of the odometry over a way of d metres: sigma = value * sqrt(d).
+  double odometry_translation = 0.005;  ///< [m / sqrt(m)]
+  double odometry_yaw = 0.001;          ///< [rad / sqrt(m)]
+  double odometry_tilt = 0.0005;        ///< [rad] of roll and pitch, which do not drift
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("method", method);
+    visit("places", places);
+    visit("recognition", recognition);
+    visit("relative_pose", relative_pose);
+    visit("odometry_translation", odometry_translation);
+    visit("odometry_yaw", odometry_yaw);
+    visit("odometry_tilt", odometry_tilt);
+  }
+  void Validate() const;  ///< throws Error{kUsage}
+};
+
+/// One pair of places that looked alike, and what became of it.
+struct LoopEvidence {
+  Timestamp earlier, later;
+  double way = 0;                    ///< [m] driven between
+  double score = 0;                  ///< of place recognition
+  RelativePose pose;                 ///< of the later in the earlier place
+  double weight = 0;                 ///< 1 where the pose graph believed it
+  double odometry_disagreement = 0;  ///< [m] by which odometry alone put the later place elsewhere
+};
+
+struct LoopClosure {
+  Trajectory odom_from_body;  ///< corrected, at the times of the odometry; the odometry itself without loops
+  std::vector<LoopEvidence> loops;
+  int num_places = 0, num_accepted = 0;
+  double largest_correction = 0;  ///< [m]
+  double seconds = 0;             ///< of computing
+};
+
+/// Finds places that the drive visits again, measures how they lie to each other, and
+/// bends the odometry so that they do: keyframes' images are read again from `log`,
+/// DescribePlaces, RecognisePlaces, EstimateRigPose, OptimizePoseGraphRobustly with
+/// gravity held. `odometry` is odom_from_body of that log. Images are worked on in
+/// parallel; results do not depend on the number of threads.
+LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const LoopOptions& options);
+
+/// The poses of `odometry` carried along with its places: between two of them, what odometry says from either side is
+/// blended. `places` and `corrected` correspond, places in order of time.
+Trajectory CarryAlong(const Trajectory& odometry, const std::vector<Place>& places,
+                      const std::vector<Rigid3>& odom_from_corrected);
+
+nlohmann::json ToJson(const LoopClosure& closure);
+
+}  // namespace parkade

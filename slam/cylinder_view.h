@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+
+#include "core/rig.h"
+
+namespace parkade {
+
+/// A camera's image on an upright cylinder around the car: columns are equal
+/// angles about the body's z axis, rows the tangent of the elevation. What stands
+/// upright does so in every camera's view, and cameras that look the same way see
+/// the same picture, whatever their lenses. Immutable, thread-safe.
+class CylinderView {
+ public:
+  CylinderView() = default;  ///< sees nothing
+  explicit CylinderView(const RigCamera& camera);
+
+  /// CV_8UC1 of the calibrated size -> view. Pixels without sight are 0.
+  cv::Mat Warp(const cv::Mat& image) const;
+
+  /// CV_8UC1, 0 where the lens or the rig's mask leaves nothing to see.
+  const cv::Mat& usable() const { return usable_; }
+
+  /// Unit bearing in the body frame of a pixel of the view.
+  Eigen::Vector3d BearingInBody(double column, double row) const;
+
+  double pixels_per_radian() const { return scale_; }
+
+ private:
+  double scale_ = 1;    ///< [px/rad]
+  double azimuth_ = 0;  ///< [rad] of column 0, growing to the left of the car
+  cv::Mat map_x_, map_y_, usable_;
+};
+
+}  // namespace parkade

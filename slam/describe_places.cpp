@@ -1,0 +1,154 @@
+#include "slam/describe_places.h"
+
+#include <opencv2/features2d.hpp>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "slam/cylinder_view.h"
+
+namespace parkade {
+namespace {
+
+constexpr size_t kImagesPerBatch = 16;
+constexpr int kCell = 32;  // [px] corners are spread over cells of this size
+constexpr int kCornersPerCell = 6;
+constexpr double kPixelSigma = 0.7;     // [px] of a corner at full size
+constexpr double kMaxImageDelay = 0.5;  // [s] an image may come after the moment of its place
+
+Rigid3 Levelled(const Rigid3& odom_from_body) {
+  const Eigen::Vector3d forward = odom_from_body.rotation * Eigen::Vector3d::UnitX();
+  return {ExpSo3({0, 0, std::atan2(forward.y(), forward.x())}), odom_from_body.translation};
+}
+
+std::vector<Place> ChoosePlaces(const Trajectory& odom_from_body, const PlaceOptions& options) {
+  std::vector<Place> places;
+  double distance = 0;
+  const TrajectoryState* last = nullptr;
+  for (const TrajectoryState& state : odom_from_body.states()) {
+    if (last) distance += (state.odom_from_body.translation - last->odom_from_body.translation).norm();
+    last = &state;
+    const Rigid3 pose = Levelled(state.odom_from_body);
+    if (!places.empty()) {
+      const double turn = places.back().odom_from_place.rotation.angularDistance(pose.rotation);
+      if (distance - places.back().distance < options.spacing && turn < options.spacing_deg * M_PI / 180) continue;
+    }
+    places.push_back({state.time, distance, pose, {}, {}});
+  }
+  return places;
+}
+
+/// Wants, of each camera, the first image after the moment of each place.
+class ImagePicker {
+ public:
+  ImagePicker(const std::vector<Place>& places, size_t num_cameras) : places_(places), next_(num_cameras, 0) {}
+
+  bool Wants(int camera, Timestamp time) {
+    size_t& next = next_[static_cast<size_t>(camera)];
+    if (next == places_.size() || time < places_[next].time) return false;
+    while (next < places_.size() && places_[next].time <= time) ++next;
+    return time - places_[next - 1].time < kMaxImageDelay;
+  }
+
+ private:
+  const std::vector<Place>& places_;
+  std::vector<size_t> next_;  ///< per camera
+};
+
+/// The strongest corners, not more than a few per cell.
+std::vector<cv::KeyPoint> Spread(std::vector<cv::KeyPoint> corners, int max_count) {
+  std::stable_sort(corners.begin(), corners.end(),
+                   [](const cv::KeyPoint& a, const cv::KeyPoint& b) { return a.response > b.response; });
+  std::map<std::pair<int, int>, int> taken;
+  std::vector<cv::KeyPoint> spread;
+  for (const cv::KeyPoint& corner : corners) {
+    if (static_cast<int>(spread.size()) == max_count) break;
+    int& count = taken[{static_cast<int>(corner.pt.x) / kCell, static_cast<int>(corner.pt.y) / kCell}];
+    if (count++ < kCornersPerCell) spread.push_back(corner);
+  }
+  return spread;
+}
+
+/// What one image adds to its place.
+struct DescribedImage {
+  size_t place = 0;
+  std::vector<PlaceFeature> features;
+  cv::Mat descriptors;
+};
+
+DescribedImage Describe(const CameraFrame& frame, const CylinderView& view, const Rigid3& place_from_body,
+                        const Rigid3& body_from_camera, const PlaceOptions& options) {
+  const cv::Ptr<cv::ORB> orb =
+      cv::ORB::create(4 * options.max_features, 1.2F, 6, 16, 0, 2, cv::ORB::HARRIS_SCORE, 31, /*fastThreshold=*/8);
+  const cv::Mat image = view.Warp(frame.image);
+  std::vector<cv::KeyPoint> corners;
+  orb->detect(image, corners, view.usable());
+  corners = Spread(std::move(corners), options.max_features);
+  DescribedImage described;
+  orb->compute(image, corners, described.descriptors);
+  const Eigen::Vector3d origin = place_from_body * body_from_camera.translation;
+  for (const cv::KeyPoint& corner : corners) {
+    PlaceFeature feature;
+    feature.camera = frame.camera;
+    feature.origin = origin;
+    feature.bearing = place_from_body.rotation * view.BearingInBody(corner.pt.x, corner.pt.y);
+    feature.sigma = kPixelSigma * std::pow(1.2, corner.octave) / view.pixels_per_radian();
+    described.features.push_back(feature);
+  }
+  return described;
+}
+
+size_t PlaceAt(const std::vector<Place>& places, Timestamp time) {
+  const auto after = std::upper_bound(places.begin(), places.end(), time,
+                                      [](Timestamp t, const Place& place) { return t < place.time; });
+  return static_cast<size_t>(after - places.begin()) - 1;
+}
+
+}  // namespace
+
+void PlaceOptions::Validate() const {
+  Require(spacing > 0 && spacing_deg > 0 && max_distance > 0 && max_depth_error > 0, ErrorCode::kUsage,
+          "the options of places must be positive");
+  Require(max_features >= 10 && max_features <= 10000, ErrorCode::kUsage, "max_features of places must be 10 to 10000");
+}
+
+std::vector<Place> DescribePlaces(const DriveLog& log, const Trajectory& odom_from_body, const PlaceOptions& options) {
+  options.Validate();
+  const Rig& rig = log.rig();
+  std::vector<Place> places = ChoosePlaces(odom_from_body, options);
+  const std::vector<CylinderView> views =
+      ParallelMap(rig.cameras.size(), [&](size_t i) { return CylinderView(rig.cameras[i]); });
+  ImagePicker picker(places, rig.cameras.size());
+  ReadOptions read;
+  read.imu = read.wheels = read.gnss = false;
+  read.wants_image = [&](int camera, Timestamp time) { return picker.Wants(camera, time); };
+  const std::unique_ptr<RecordStream> stream = log.Read(read);
+  for (bool is_at_end = false; !is_at_end;) {
+    std::vector<CameraFrame> batch;
+    while (batch.size() < kImagesPerBatch && !is_at_end) {
+      std::optional<SensorRecord> record = stream->Next();
+      is_at_end = !record;
+      if (!record || !std::holds_alternative<CameraFrame>(*record)) continue;
+      auto& frame = std::get<CameraFrame>(*record);
+      if (odom_from_body.At(frame.time)) batch.push_back(std::move(frame));
+    }
+    std::vector<DescribedImage> described = ParallelMap(batch.size(), [&](size_t i) {
+      const CameraFrame& frame = batch[i];
+      const auto camera = static_cast<size_t>(frame.camera);
+      const size_t place = PlaceAt(places, frame.time);
+      const Rigid3 place_from_body = places[place].odom_from_place.Inverse() * *odom_from_body.At(frame.time);
+      DescribedImage image =
+          Describe(frame, views[camera], place_from_body, rig.cameras[camera].body_from_camera, options);
+      image.place = place;
+      return image;
+    });
+    for (DescribedImage& image : described) {
+      Place& place = places[image.place];
+      place.features.insert(place.features.end(), image.features.begin(), image.features.end());
+      place.descriptors.push_back(image.descriptors);
+    }
+  }
+  TriangulatePlaces(options, places);
+  return places;
+}
+
+}  // namespace parkade

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "core/drive_log.h"
+#include "core/trajectory.h"
+#include "slam/place.h"
+
+namespace parkade {
+
+struct PlaceOptions {
+  double spacing = 2;             ///< [m] between places
+  double spacing_deg = 25;        ///< a turn of this much makes a place too
+  int max_features = 400;         ///< per image
+  double max_distance = 40;       ///< [m] of points that are believed
+  double max_depth_error = 0.15;  ///< sigma / distance above which a point is not believed
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("spacing", spacing);
+    visit("spacing_deg", spacing_deg);
+    visit("max_features", max_features);
+    visit("max_distance", max_distance);
+    visit("max_depth_error", max_depth_error);
+  }
+  void Validate() const;  ///< throws Error{kUsage}
+};
+
+/// Looks again at images along the drive, one per camera and place: corners with ORB descriptors on upright views
+/// (CylinderView), and where neighbouring places see a corner too, its point by the odometry's motion. One pass over
+/// the log; images are worked on in parallel batches.
+std::vector<Place> DescribePlaces(const DriveLog& log, const Trajectory& odom_from_body, const PlaceOptions& options);
+
+/// Gives features points from matching features of the same camera at the next places of the drive.
+void TriangulatePlaces(const PlaceOptions& options, std::vector<Place>& places);
+
+}  // namespace parkade

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "core/rigid3.h"
+#include "core/timestamp.h"
+
+namespace parkade {
+
+/// One corner of one image, as a ray in the frame of its place.
+struct PlaceFeature {
+  int camera = 0;
+  Eigen::Vector3d origin;   ///< [m] of the camera when it took the image
+  Eigen::Vector3d bearing;  ///< unit
+  double sigma = 1e-3;      ///< [rad]
+  /// Where the drive's own motion shows how far away it is [m], and how surely along the ray [m].
+  std::optional<Eigen::Vector3d> point;
+  double depth_sigma = 0;
+};
+
+/// What all cameras saw at one spot of a drive. The frame of a place is the body, levelled: z up, x along the heading.
+struct Place {
+  Timestamp time;
+  double distance = 0;  ///< [m] driven until here
+  Rigid3 odom_from_place;
+  std::vector<PlaceFeature> features;
+  cv::Mat descriptors;  ///< CV_8UC1, one row of 32 bytes (ORB) per feature
+};
+
+}  // namespace parkade

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <vector>
+
+#include "slam/place.h"
+
+namespace parkade {
+
+struct RecognitionOptions {
+  double min_gap = 25;            ///< [m] driven between two visits
+  double drift_base = 4;          ///< [m] two visits may seem apart, plus ...
+  double drift_per_metre = 0.03;  ///< ... this share of the way between them
+  double height_base = 0.7;       ///< [m] the same for heights: decks of a garage lie 2.5 m apart or more
+  double height_per_metre = 0.005;
+  int max_candidates = 5;  ///< per place, the most alike first
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("min_gap", min_gap);
+    visit("drift_base", drift_base);
+    visit("drift_per_metre", drift_per_metre);
+    visit("height_base", height_base);
+    visit("height_per_metre", height_per_metre);
+    visit("max_candidates", max_candidates);
+  }
+  void Validate() const;  ///< throws Error{kUsage}
+};
+
+/// Two places that may be one.
+struct PlaceCandidate {
+  size_t earlier = 0, later = 0;  ///< indices of places
+  double score = 0;               ///< 0 to 1, cosine of their words
+};
+
+/// Earlier places that look like later ones and that odometry does not rule out.
+/// Words are fixed groups of 16 bits of the descriptors, four per feature, so that
+/// there is no vocabulary to train or to ship (locality-sensitive hashing: P. Indyk,
+/// R. Motwani, STOC 1998); all cameras of a place make one document, so that the left
+/// camera finds what the right one saw. Inverted index, tf-idf (J. Sivic,
+/// A. Zisserman, "Video Google", ICCV 2003). In order of `later`, then of score.
+std::vector<PlaceCandidate> RecognisePlaces(const std::vector<Place>& places, const RecognitionOptions& options);
+
+}  // namespace parkade

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slam/place.h"
+#include "slam/pose_graph.h"
+
+namespace parkade {
+
+struct RelativePoseOptions {
+  int max_hamming = 64;         ///< of 256 bits, of features that may match
+  double ratio = 0.9;           ///< of the best to the second best match
+  int iterations = 150;         ///< of RANSAC
+  double max_error = 3.5;       ///< [sigma] of inliers
+  double max_tilt_deg = 1.5;    ///< by which the two places' gravity may differ
+  int min_inliers = 25;         ///< from two cameras or more ...
+  int min_inliers_of_one = 40;  ///< ... or from one
+  double max_sigma = 0.3;       ///< [m] of the worst direction
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("max_hamming", max_hamming);
+    visit("ratio", ratio);
+    visit("iterations", iterations);
+    visit("max_error", max_error);
+    visit("max_tilt_deg", max_tilt_deg);
+    visit("min_inliers", min_inliers);
+    visit("min_inliers_of_one", min_inliers_of_one);
+    visit("max_sigma", max_sigma);
+  }
+  void Validate() const;  ///< throws Error{kUsage}
+};
+
+/// Features of two places that look alike.
+struct FeatureMatch {
+  size_t a = 0, b = 0;
+};
+
+/// Where place `b` lies in the frame of place `a`, and how that is known.
+struct RelativePose {
+  Rigid3 a_from_b;
+  Matrix6d information = Matrix6d::Zero();  ///< of RelativePoseError(measured, actual)
+  int num_matches = 0, num_inliers = 0, num_camera_pairs = 0;
+  double residual = 0;     ///< [sigma] RMS of the inliers' angles
+  double worst_sigma = 0;  ///< [m] of the worst direction
+  std::string rejected;    ///< empty: good; else why not, in a few words
+};
+
+/// Best matches that are mutual and distinct.
+std::vector<FeatureMatch> MatchPlaces(const Place& a, const Place& b, const RelativePoseOptions& options);
+
+/// The rig's relative pose from rays of either place to points of the other, all cameras at once (a generalised
+/// camera with metric points). Places are level, hence two matches fix a candidate: yaw and translation solve four
+/// linear equations and one circle. Then all inliers of both directions are adjusted over six degrees of freedom,
+/// whose Hessian is the information. Deterministic.
+RelativePose EstimateRigPose(const Place& a, const Place& b, const std::vector<FeatureMatch>& matches,
+                             const RelativePoseOptions& options);
+
+}  // namespace parkade
