@@ -1,101 +1,119 @@
 // How alike tracks of rendered pictures and tracks of track mode are: prints the
-// statistics of both, camera by camera.
+// statistics of both, camera by camera, and on request what the odometry makes of both.
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <iostream>
 
 #include "core/options_json.h"
+#include "slam/evaluate_trajectory.h"
+#include "tests/bench/odometry_statistics.h"
 #include "tests/simulator/plan_drive.h"
 #include "tests/simulator/simulated_rig.h"
-#include "tests/simulator/track_drive.h"
+#include "tests/simulator/track_crossing.h"
 #include "tests/simulator/track_rendered.h"
-#include "tests/simulator/track_simulator.h"
 #include "tests/simulator/track_statistics.h"
 
 namespace parkade::simulator {
 namespace {
 
-void Print(const std::string& title, const std::vector<TrackedFrame>& all, const Rig& rig, const Motion& motion,
-           Timestamp epoch, TrackWorld& world) {
+struct CommandLine {
+  TrackDriveOptions options;
+  Stretch stretch{.begin = 8, .end = 10, .cameras = {}};
+  std::vector<std::string> assignments;
+  bool is_quick = false, wants_estimate = false;
+};
+
+/// The pictures of a stretch.
+std::vector<SeenPicture> Within(const std::vector<SeenPicture>& pictures, const Stretch& stretch, Timestamp epoch) {
+  std::vector<SeenPicture> result;
+  for (const SeenPicture& picture : pictures)
+    if (picture.frame.time - epoch >= stretch.begin && picture.frame.time - epoch <= stretch.end)
+      result.push_back(picture);
+  return result;
+}
+
+void PrintTracks(const std::string& title, const std::vector<SeenPicture>& pictures, const Rig& rig,
+                 const Motion& motion, Timestamp epoch, TrackWorld& world) {
   for (size_t camera = 0; camera < rig.cameras.size(); ++camera) {
     const TrackEye eye(motion, epoch, rig.cameras[camera]);
     std::vector<TrackedFrame> frames;
-    for (const TrackedFrame& frame : all)
-      if (frame.camera == static_cast<int>(camera)) frames.push_back(frame);
-    std::cout << rig.cameras[camera].name << " " << title << ": " << ToText(MeasureTracks(frames, eye, world));
+    size_t num_crossed = 0;
+    for (const SeenPicture& picture : pictures) {
+      if (picture.frame.camera != static_cast<int>(camera)) continue;
+      frames.push_back(picture.frame);
+      num_crossed += picture.crossed.size();
+    }
+    std::cout << rig.cameras[camera].name << " " << title << ": " << ToText(MeasureTracks(frames, eye, world))
+              << "crossed per frame "
+              << static_cast<double>(num_crossed) / static_cast<double>(std::max<size_t>(1, frames.size())) << "\n";
   }
+}
+
+void PrintEstimate(const std::string& title, const TrackDrive& drive) {
+  const OdometryResult result = EstimateTrackDrive(drive, {});
+  const TrajectoryEvaluation error = EvaluateTrajectory(drive.truth, ToTimedPoses(result.odom_from_body));
+  std::cout << title << ": " << drive.length << " m, drift " << error.drift_percent << " %, NEES";
+  for (const PoseConsistency& at :
+       MeasureConsistency(result.odom_from_body, drive.truth, drive.rig.body_from_imu, {0.25, 0.5, 0.75, 1}))
+    std::cout << " " << at.pose << " (" << at.rotation << ", " << at.position << ")";
+  std::cout << "; noise scales";
+  for (const CameraHealth& camera : result.report.cameras) std::cout << " " << camera.noise_scale;
+  std::cout << "\n";
+}
+
+std::vector<SeenPicture> Render(const CommandLine& line, const Scene& scene, const Rig& rig, const Motion& motion) {
+  const RenderedTracks rendered =
+      TrackRenderedDrive(scene, rig, motion, line.stretch, static_cast<std::uint64_t>(line.options.drive.seed));
+  std::cout << "rendering " << rendered.render_seconds << " s, tracking " << rendered.track_seconds
+            << " s per picture\n";
+  std::vector<SeenPicture> pictures;
+  for (size_t i = 0; i < rendered.frames.size(); ++i)
+    pictures.push_back({.frame = rendered.frames[i], .crossed = rendered.crossed[i], .pair_seconds = kMaxPairTime});
+  return pictures;
+}
+
+int Run(CommandLine& line) {
+  for (const std::string& assignment : line.assignments) SetOption(assignment, line.options);
+  SimulateOptions& options = line.options.drive;
+  options.sensors.has_wheels = false;
+  line.stretch.cameras = options.cameras;
+  if (line.wants_estimate) line.stretch.begin = 0, line.stretch.end = options.duration;
+  const auto seed = static_cast<std::uint64_t>(options.seed);
+  const Timestamp epoch = DriveEpoch(seed);
+  if (line.is_quick) options.ground_texel = 0.2;
+  const Scene scene = BuildScene(options.scene, options.OfScene());
+  TrackWorld world(scene);
+  const Motion motion = PlanDrive(scene.place, options.drive, options.duration, seed).motion;
+  TrackDrive drive = MakeTrackDrive(line.options);
+  std::cout << 1e3 * drive.seconds_per_picture << " ms per picture of track mode\n";
+  PrintTracks("tracks", Within(drive.pictures, line.stretch, epoch), drive.true_rig, motion, epoch, world);
+  if (line.wants_estimate) PrintEstimate("track mode", drive);
+  if (line.is_quick) return 0;
+  drive.pictures = Render(line, scene, drive.true_rig, motion);
+  PrintTracks("rendered", drive.pictures, drive.true_rig, motion, epoch, world);
+  if (line.wants_estimate) PrintEstimate("rendered", drive);
+  return 0;
 }
 
 }  // namespace
 }  // namespace parkade::simulator
 
 int main(int argc, char** argv) {
-  using namespace parkade;
   using namespace parkade::simulator;
   CLI::App app{"Compares track mode with the real tracker on rendered pictures.", "parkade-track-comparison"};
-  std::string scene_name = "lot";
-  int seed = 1;
-  double duration = 40;
-  Stretch stretch{.begin = 8, .end = 10, .cameras = {}};
-  stretch.cameras.rate = 20;
-  RigOptions rig_options;
-  app.add_option("--scene", scene_name);
-  app.add_option("--seed", seed);
-  app.add_option("--duration", duration, "[s] of the drive");
-  app.add_option("--begin", stretch.begin, "[s] rendered from here");
-  app.add_option("--end", stretch.end, "[s] to here");
-  app.add_option("--rate", stretch.cameras.rate, "[Hz]");
-  app.add_option("--cameras", rig_options.num_cameras);
-  bool is_quick = false;
-  TrackModel model;
-  std::vector<std::string> assignments;
-  app.add_flag("--no-render", is_quick, "Track mode alone");
-  app.add_option("--set", assignments, "Of the track model: option=value");
+  CommandLine line;
+  app.add_option("--scene", line.options.drive.scene, "As parkade-simulate --list")->capture_default_str();
+  app.add_option("--seed", line.options.drive.seed, "Of everything")->capture_default_str();
+  app.add_option("--duration", line.options.drive.duration, "[s] of the drive")->capture_default_str();
+  app.add_option("--begin", line.stretch.begin, "[s] pictures are rendered from here")->capture_default_str();
+  app.add_option("--end", line.stretch.end, "[s] to here")->capture_default_str();
+  app.add_flag("--no-render", line.is_quick, "Track mode alone");
+  app.add_flag("--estimate", line.wants_estimate, "Render all of the drive, and run the odometry on both");
+  app.add_option("--set", line.assignments, "drive.cameras.rate=10, model.slide=0 and the like");
   CLI11_PARSE(app, argc, argv);
-  for (const std::string& assignment : assignments) SetOption(assignment, model);
-  const auto seed64 = static_cast<std::uint64_t>(seed);
-  const Scene scene = BuildScene(scene_name, {.seed = seed64, .ground_texel = is_quick ? 0.2 : 0.01});
-  TrackWorld world(scene);
-  Rig rig = MakeSimulatedRig(rig_options, seed64);
-  for (RigCamera& camera : rig.cameras) camera.mask = world.OwnCarMask(camera, kHalfFieldOfView);
-  const DrivePlan plan = PlanDrive(scene.place, DriverOptions{}, duration, seed64);
-  const Timestamp epoch = DriveEpoch(seed64);
-  if (!is_quick) {
-    const RenderedTracks rendered = TrackRenderedDrive(scene, rig, plan.motion, stretch, seed64);
-    std::cout << "rendering " << rendered.render_seconds << " s, tracking " << rendered.track_seconds
-              << " s per picture\n";
-    Print("rendered", rendered.frames, rig, plan.motion, epoch, world);
-    size_t crossed = 0;
-    for (const auto& observations : rendered.crossed) crossed += observations.size();
-    std::cout << crossed << " crossed\n";
+  try {
+    return Run(line);
+  } catch (const std::exception& error) {
+    std::cerr << "parkade-track-comparison: " << error.what() << "\n";
+    return 2;
   }
-  std::vector<TrackEye> eyes;
-  std::vector<TrackSimulator> simulators;
-  eyes.reserve(rig.cameras.size());
-  for (size_t camera = 0; camera < rig.cameras.size(); ++camera) {
-    eyes.emplace_back(plan.motion, epoch, rig.cameras[camera]);
-    simulators.emplace_back(eyes.back(), rig.cameras[camera], static_cast<int>(camera), world, model, seed64);
-  }
-  std::vector<TrackedFrame> frames;
-  const auto begin = std::chrono::steady_clock::now();
-  for (const ScheduledFrame& frame : ScheduleFrames(plan.motion, rig.cameras.size(), stretch.cameras, 0.1, seed64))
-    if (frame.time - epoch >= stretch.begin && frame.time - epoch <= stretch.end)
-      frames.push_back(simulators[frame.camera].Track(frame.time, frame.time));
-  std::cout << 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() /
-                   static_cast<double>(frames.size())
-            << " ms per frame of track mode\n";
-  Print("tracks", frames, rig, plan.motion, epoch, world);
-  TrackDriveOptions whole;
-  whole.drive.scene = scene_name;
-  whole.drive.seed = seed;
-  whole.drive.duration = duration;
-  whole.drive.rig = rig_options;
-  whole.drive.cameras = stretch.cameras;
-  whole.model = model;
-  size_t num_crossed = 0;
-  for (const SeenPicture& picture : MakeTrackDrive(whole).pictures)
-    if (picture.frame.time - epoch >= stretch.begin && picture.frame.time - epoch <= stretch.end)
-      num_crossed += picture.crossed.size();
-  std::cout << num_crossed << " crossed in track mode\n";
-  return 0;
 }
