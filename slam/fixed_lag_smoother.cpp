@@ -91,6 +91,7 @@ void FixedLagSmoother::AddKnot(KnotInterval interval, std::vector<NewImage> imag
 }
 
 void FixedLagSmoother::AddImages(std::vector<NewImage> images, std::int64_t knot_before, std::int64_t knot_at) {
+  const size_t first_new_view = views_.size();
   for (NewImage& image : images) {
     const bool is_at_knot = knot_before == knot_at || image.interpolation.fraction > 1 - kAtKnot;
     WindowView& view = views_.emplace_back();
@@ -117,6 +118,7 @@ void FixedLagSmoother::AddImages(std::vector<NewImage> images, std::int64_t knot
     }
   }
   PointViewsAtKnots();
+  if (options_.calibration.notice_jumps) LookForJumps(first_new_view);
   for (auto& [number, track] : tracks_)
     if (track.has_landmark)
       for (TrackObservation& seen : track.observations)

@@ -31,6 +31,13 @@ struct CameraSettings {
   bool has_line_delay = false;  ///< estimated
 };
 
+/// A camera whose mount turned at once.
+struct CameraJump {
+  Timestamp time;  ///< of its first image after that
+  int camera = 0;
+  double angle = 0;  ///< [rad]
+};
+
 /// What one solve was like, for reports and tests.
 struct SolveSummary {
   int iterations = 0;
@@ -76,6 +83,8 @@ class FixedLagSmoother {
   const std::vector<CameraParameters>& cameras() const { return cameras_; }
   CameraSigmas SigmasOf(int camera) const;
   const std::vector<CameraSettings>& camera_settings() const { return camera_settings_; }
+  /// Cameras whose mounts turned, in order of time.
+  const std::vector<CameraJump>& jumps() const { return jumps_; }
   /// Noise found / noise declared, per camera.
   const std::vector<double>& camera_noise_scales() const { return camera_noise_scales_; }
   int NumLandmarks() const;
@@ -86,6 +95,9 @@ class FixedLagSmoother {
   void AddPriorOfPair(size_t i, size_t j);
   void AddImages(std::vector<NewImage> images, std::int64_t knot_before, std::int64_t knot_at);
   Bearing BearingOf(const FeatureObservation& seen, int camera) const;
+  void LookForJumps(size_t first_new_view);
+  void TurnCamera(const WindowView& first_view, const Eigen::Quaterniond& new_from_old);
+  void ReopenExtrinsics(int camera, const Eigen::Quaterniond& new_from_old, const CameraSigmas& sigmas);
   void StartLandmarks();
   bool StartLandmark(Track& track);
   void PointViewsAtKnots();
@@ -116,6 +128,7 @@ class FixedLagSmoother {
   LinearPrior prior_;
   std::vector<StateConditional> reopened_;  ///< since the last knot that left
   double wheel_scale_ = 0;
+  std::vector<CameraJump> jumps_;
   std::vector<double> camera_noise_scales_;
   std::vector<FinishedLandmark> finished_landmarks_;
   Eigen::Matrix<double, 6, 6> oldest_covariance_ = Eigen::Matrix<double, 6, 6>::Zero();

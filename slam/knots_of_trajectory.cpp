@@ -6,13 +6,14 @@
 namespace parkade {
 namespace {
 
-constexpr double kMinInterval = 0.01;  // [s] between knots
-constexpr double kSnap = 0.03;         // [s] a knot moves this far to be at an image
-constexpr double kStillLook = 0.3;     // [s] over which standstill is judged
-constexpr double kWheelDoubt = 0.3;    // [s] a car may have moved before its wheels show it
-constexpr double kImageDoubt = 0.6;    // [s] or its images
-constexpr double kRateSpan = 0.04;     // [s] before and after an image over which its rotation rate is averaged
-constexpr int kFewBearings = 8;        // fewer say next to nothing
+constexpr double kMinInterval = 0.01;    // [s] between knots
+constexpr double kSnap = 0.03;           // [s] a knot moves this far to be at an image
+constexpr double kStillLook = 0.3;       // [s] over which standstill is judged
+constexpr double kWheelDoubt = 0.3;      // [s] a car may have moved before its wheels show it
+constexpr double kImageDoubt = 0.6;      // [s] or its images
+constexpr double kRateSpan = 0.04;       // [s] before and after an image over which its rotation rate is averaged
+constexpr double kShortInterval = 0.05;  // [s] that needs no image
+constexpr int kFewBearings = 8;          // fewer say next to nothing
 
 int CountCommon(const TrackedFrame& frame) { return static_cast<int>(frame.observations.size()); }
 
@@ -150,6 +151,7 @@ void TrajectoryEstimator::Collect(std::vector<FinishedKnot> finished) {
 }
 
 void TrajectoryEstimator::NoteDegradation(Timestamp begin, Timestamp end, int bearings_seen, bool has_wheels) {
+  if (end - begin < kShortInterval) return;  // shorter than a camera's, at the end of the log
   if (bearings_seen < kFewBearings)
     AddDegraded(begin, end,
                 has_wheels ? "no camera sees anything; IMU and wheels carry on"

@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kMinData = 1.0;  // [s] of IMU data that can be mapped at all
 
-std::string Seconds(double seconds) {
+std::string OneDecimal(double number) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.1f", seconds);
+  std::snprintf(text, sizeof text, "%.1f", number);
   return text;
 }
 
@@ -122,7 +122,8 @@ OdometryResult TrajectoryEstimator::Finish() {
           "the log holds no IMU data, without which no trajectory can be estimated");
   const double seconds = imu_.back().time - log_begin_;
   Require(seconds >= kMinData, ErrorCode::kInvalidInput,
-          "the log holds only " + Seconds(seconds) + " s of IMU data; at least " + Seconds(kMinData) + " s are needed");
+          "the log holds only " + OneDecimal(seconds) + " s of IMU data; at least " + OneDecimal(kMinData) +
+              " s are needed");
   if (!is_started_) TryStart(/*is_last_chance=*/true);
   Require(is_started_, ErrorCode::kInvalidInput,
           pending_.empty() && wheels_.empty()
@@ -131,6 +132,10 @@ OdometryResult TrajectoryEstimator::Finish() {
   PlaceKnots(imu_.back().time);
   if (imu_.back().time - last_knot_ > 1e-3) MakeKnot(imu_.back().time, is_run_still_);
   FinishReport();
+  for (const CameraJump& jump : smoother_.jumps())
+    AddDegraded(jump.time, jump.time,
+                "camera '" + rig_.cameras[static_cast<size_t>(jump.camera)].name + "' was turned by " +
+                    OneDecimal(jump.angle * 180 / M_PI) + " deg; calibrated anew from there");
   Collect(smoother_.Finish());
   OdometryResult result;
   BuildTrajectory(result);

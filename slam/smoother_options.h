@@ -23,6 +23,7 @@ struct CalibrationOptions {
   bool extrinsics = true;           ///< imu_from_camera of each camera
   bool time_offset = true;          ///< of each camera's stamps
   bool line_delay = true;           ///< of cameras whose rig declares one
+  bool notice_jumps = true;         ///< a mount that turns during the drive is calibrated anew
   double rotation_deg = 1.0;        ///< per axis; less for a camera within 1 m of the IMU
   double translation_share = 0.01;  ///< per axis, of the distance to the nearest camera (or IMU): small rigs are exact
   double translation = 0.03;        ///< [m] at most
@@ -34,6 +35,7 @@ struct CalibrationOptions {
     visit("extrinsics", extrinsics);
     visit("time_offset", time_offset);
     visit("line_delay", line_delay);
+    visit("notice_jumps", notice_jumps);
     visit("rotation_deg", rotation_deg);
     visit("translation_share", translation_share);
     visit("translation", translation);

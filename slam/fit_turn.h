@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
+#include <vector>
+
+namespace parkade {
+
+/// Where a landmark should be seen and where it was: unit vectors in the camera.
+struct DirectionPair {
+  Eigen::Vector3d predicted;
+  Eigen::Vector3d measured;
+};
+
+/// A rotation that takes all predictions to their measurements.
+struct Turn {
+  Eigen::Quaterniond measured_from_predicted = Eigen::Quaterniond::Identity();
+  double angle = 0;         ///< [rad] of it
+  double error_before = 0;  ///< [rad] median over the pairs
+  double error_after = 0;   ///< [rad] median once turned
+};
+
+/// Robust least squares over the pairs (Wahba's problem, reweighted); nothing for
+/// too few of them.
+/// K. Arun, T. Huang, S. Blostein, "Least-Squares Fitting of Two 3-D Point Sets", PAMI 1987.
+std::optional<Turn> FitTurn(const std::vector<DirectionPair>& pairs);
+
+}  // namespace parkade
