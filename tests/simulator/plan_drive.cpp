@@ -4,9 +4,11 @@
 #include <cmath>
 #include <numeric>
 
+#include "tests/simulator/car_mesh.h"
 #include "tests/simulator/noise.h"
 #include "tests/simulator/parking_manoeuvre.h"
 #include "tests/simulator/random.h"
+#include "tests/simulator/simulated_rig.h"
 #include "tests/simulator/speed_profile.h"
 #include "tests/simulator/suspension.h"
 
@@ -15,6 +17,7 @@ namespace {
 
 constexpr double kLowestSpeed = 1.5;  // [m/s]
 constexpr int kSpeedSteps = 20;       // bisection
+constexpr double kHalfTrack = 0.74;   // [m] from the middle to a wheel
 
 /// Unevenness of the road under the wheels at a way [m] along the route:
 /// metres up, and radians of pitch and roll.
@@ -34,14 +37,18 @@ struct Ride {
 
   PoseVector PoseAt(double time) const {
     const PathPoint at = path.At(profile.LegAt(time), profile.DistanceInLeg(time));
-    const Eigen::Vector2d gradient = ground.Gradient(at.position, at.near_z);
-    const double slope_ahead = gradient.dot(Eigen::Vector2d(std::cos(at.heading), std::sin(at.heading)));
-    const double slope_left = gradient.dot(Eigen::Vector2d(-std::sin(at.heading), std::cos(at.heading)));
+    // It stands on its wheels: a bump lifts one axle after the other.
+    const Eigen::Vector2d ahead(std::cos(at.heading), std::sin(at.heading)), left(-ahead.y(), ahead.x());
+    const auto height_at = [&](const Eigen::Vector2d& wheel) { return ground.Height(wheel, at.near_z); };
+    const double wheelbase = Wheelbase(kOwnCarStyle);
+    const double on_left = height_at(at.position + kHalfTrack * left),
+                 on_right = height_at(at.position - kHalfTrack * left), rear = (on_left + on_right) / 2;
+    const double slope_ahead = (height_at(at.position + wheelbase * ahead) - rear) / wheelbase;
+    const double slope_left = (on_left - on_right) / (2 * kHalfTrack);
     const Eigen::Vector3d shake = Roughness(profile.Way(time), shake_seed);
     PoseVector pose;
     // Rotation about the left axis by +pitch lowers the nose.
-    pose << at.position, ground.Height(at.position, at.near_z) + shake[0], at.heading,
-        -std::atan(slope_ahead) + suspension.Pitch(time) + shake[1],
+    pose << at.position, rear + shake[0], at.heading, -std::atan(slope_ahead) + suspension.Pitch(time) + shake[1],
         std::atan(slope_left * std::cos(std::atan(slope_ahead))) + suspension.Roll(time) + shake[2];
     return pose;
   }

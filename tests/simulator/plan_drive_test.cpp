@@ -113,6 +113,35 @@ TEST(PlanDrive, TheOtherWayAroundIsTheOtherWayAround) {
   EXPECT_LT(direction_at(forth).dot(direction_at(back)), -0.9);
 }
 
+TEST(PlanDrive, ABumpLiftsOneAxleAfterTheOther) {
+  Place road;
+  road.ground =
+      Ground({{.min = {-10, -10},
+               .max = {80, 10},
+               .height = [](const Eigen::Vector2d& xy) { return 0.08 * std::exp(-std::pow((xy.x() - 30) / 0.4, 2)); },
+               .covers = {}}});
+  road.plan_route = [](const RouteWish&) { return RoutePlan{.waypoints = {{0, 0, 0}, {60, 0, 0}}, .slot = {}}; };
+  const DrivePlan plan = PlanDrive(road, {.length = 60, .stops = {}, .suspension = 0}, 0, 1);
+  double highest = 0, highest_at = 0, steepest = 0, steepest_at = 0;
+  for (double time = 0; time < plan.motion.Duration(); time += 0.01) {
+    const Rigid3 world_from_body = plan.motion.WorldFromBody(time);
+    const double rise = (world_from_body.rotation * Eigen::Vector3d::UnitX()).z();
+    if (world_from_body.translation.z() > highest) {
+      highest = world_from_body.translation.z();
+      highest_at = world_from_body.translation.x();
+    }
+    if (rise > steepest) {
+      steepest = rise;
+      steepest_at = world_from_body.translation.x();
+    }
+  }
+
+  EXPECT_NEAR(highest_at, 30, 0.1);
+  EXPECT_NEAR(highest, 0.08, 0.015);
+  EXPECT_NEAR(steepest_at, 30 - Wheelbase(kOwnCarStyle), 0.1);  // the front axle is on it
+  EXPECT_NEAR(steepest, 0.08 / Wheelbase(kOwnCarStyle), 0.005);
+}
+
 /// Drives that end in a slot, on several lots.
 class ParkingDrive : public testing::TestWithParam<int> {
  protected:
