@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "slam/relative_pose_baselines.h"
 #include "slam/robust_pose_graph.h"
 
 namespace parkade {
@@ -36,6 +37,26 @@ PoseGraph GraphOf(const std::vector<Place>& places, const LoopOptions& options) 
   return graph;
 }
 
+/// The factor of the five-point method is between two cameras; the length of the way between them is unknown. The
+/// evidence shows the odometry's.
+void MeasureWithoutScale(const Place& earlier, const Place& later, const std::vector<FeatureMatch>& matches,
+                         const Rigid3& by_odometry, const LoopOptions& options, LoopEvidence& loop) {
+  const TwoViewPose pose = EstimateTwoViewPose(earlier, later, matches, options.relative_pose);
+  loop.pose.num_matches = pose.num_matches;
+  loop.pose.num_inliers = pose.num_inliers;
+  loop.pose.num_camera_pairs = 1;
+  loop.pose.rejected = pose.rejected;
+  if (!pose.rejected.empty()) return;
+  const Eigen::Vector3d baseline = by_odometry * pose.second_in_b - pose.first_in_a;
+  const Eigen::Vector3d direction = pose.first_from_second.translation;
+  const Rigid3 scaled{pose.first_from_second.rotation, std::max(direction.dot(baseline), 0.01) * direction};
+  loop.earlier_from_camera = {Eigen::Quaterniond::Identity(), pose.first_in_a};
+  loop.later_from_camera = {Eigen::Quaterniond::Identity(), pose.second_in_b};
+  loop.pose.a_from_b = loop.earlier_from_camera * scaled * loop.later_from_camera.Inverse();
+  loop.pose.information = ScaleLessInformation(scaled, options.scale_less_rotation, options.scale_less_translation,
+                                               options.method == "scale-less");
+}
+
 /// Relative poses of all candidates, in their order.
 std::vector<LoopEvidence> Measure(const std::vector<Place>& places, const std::vector<PlaceCandidate>& candidates,
                                   const LoopOptions& options) {
@@ -48,34 +69,64 @@ std::vector<LoopEvidence> Measure(const std::vector<Place>& places, const std::v
     loop.way = later.distance - earlier.distance;
     loop.score = candidate.score;
     const std::vector<FeatureMatch> matches = MatchPlaces(earlier, later, options.relative_pose);
-    loop.pose = EstimateRigPose(earlier, later, matches, options.relative_pose);
     const Rigid3 by_odometry = earlier.odom_from_place.Inverse() * later.odom_from_place;
+    if (options.method == "rig") {
+      loop.pose = EstimateRigPose(earlier, later, matches, options.relative_pose);
+    } else if (options.method == "pnp") {
+      loop.pose = EstimatePnpPose(earlier, later, matches, options.relative_pose);
+    } else {
+      MeasureWithoutScale(earlier, later, matches, by_odometry, options, loop);
+    }
     loop.odometry_disagreement = (loop.pose.a_from_b.translation - by_odometry.translation).norm();
     return loop;
   });
+}
+
+/// The loop's edge, the last of the graph. Where it is between cameras that are not the places themselves, they become
+/// vertices, tied to their places.
+void AddLoop(const PlaceCandidate& candidate, const LoopEvidence& loop, const LoopOptions& options, PoseGraph& graph) {
+  const bool is_between_places = options.method == "rig" || options.method == "pnp";
+  if (is_between_places) {
+    graph.edges.push_back(
+        {candidate.earlier + 1, candidate.later + 1, loop.pose.a_from_b, loop.pose.information, false});
+    return;
+  }
+  constexpr double kRigid = 1e8;  // [1/m^2], [1/rad^2]
+  const size_t first = graph.vertices.size();
+  const auto add_camera = [&](size_t place, const Rigid3& place_from_camera) {
+    // Ids far from each other's: nothing but their place is near them in time.
+    const auto id = static_cast<std::int64_t>(1'000'000'000 + 100 * graph.vertices.size());
+    graph.vertices.push_back({id, graph.vertices[place].world_from_vertex * place_from_camera, false});
+    graph.edges.push_back({place, graph.vertices.size() - 1, place_from_camera, kRigid * Matrix6d::Identity(), true});
+  };
+  add_camera(candidate.earlier + 1, loop.earlier_from_camera);
+  add_camera(candidate.later + 1, loop.later_from_camera);
+  const Rigid3 camera_from_camera = loop.earlier_from_camera.Inverse() * loop.pose.a_from_b * loop.later_from_camera;
+  graph.edges.push_back({first, first + 1, camera_from_camera, loop.pose.information, false});
 }
 
 /// Poses of the places once loops are closed; sets the loops' weights.
 std::vector<Rigid3> Optimize(const std::vector<Place>& places, const std::vector<PlaceCandidate>& candidates,
                              const LoopOptions& options, LoopClosure& closure) {
   PoseGraph graph = GraphOf(places, options);
-  const size_t first_loop = graph.edges.size();
-  std::vector<size_t> loop_of_edge;
+  std::vector<std::optional<size_t>> edge_of_loop(candidates.size());
+  int num_loops = 0;
   for (size_t i = 0; i < candidates.size(); ++i) {
     const RelativePose& pose = closure.loops[i].pose;
     if (!pose.rejected.empty()) continue;
-    graph.edges.push_back({candidates[i].earlier + 1, candidates[i].later + 1, pose.a_from_b, pose.information, false});
-    loop_of_edge.push_back(i);
+    AddLoop(candidates[i], closure.loops[i], options, graph);
+    edge_of_loop[i] = graph.edges.size() - 1;
+    ++num_loops;
   }
   std::vector<Rigid3> poses;
-  if (!loop_of_edge.empty()) {
+  if (num_loops > 0) {
     RobustPoseGraphOptions robust;
     robust.graph.objective = "information";
     robust.adapts_noise = false;
     const RobustPoseGraphSummary summary = OptimizePoseGraphRobustly(robust, graph);
-    for (size_t i = 0; i < loop_of_edge.size(); ++i) {
-      closure.loops[loop_of_edge[i]].weight = summary.weights[first_loop + i];
-      closure.num_accepted += summary.weights[first_loop + i] > 0.5;
+    for (size_t i = 0; i < candidates.size(); ++i) {
+      if (edge_of_loop[i]) closure.loops[i].weight = summary.weights[*edge_of_loop[i]];
+      closure.num_accepted += closure.loops[i].weight > 0.5;
     }
   }
   for (size_t i = 0; i < places.size(); ++i) poses.push_back(graph.vertices[i + 1].world_from_vertex);
@@ -85,13 +136,15 @@ std::vector<Rigid3> Optimize(const std::vector<Place>& places, const std::vector
 }  // namespace
 
 void LoopOptions::Validate() const {
-  Require(method == "rig" || method == "none", ErrorCode::kUsage,
-          "loops are closed by 'rig' or 'none', not by '" + method + "'");
+  Require(method == "rig" || method == "scale-less" || method == "rotation-only" || method == "pnp" || method == "none",
+          ErrorCode::kUsage,
+          "loops are closed by rig, scale-less, rotation-only, pnp or none, not by '" + method + "'");
   places.Validate();
   recognition.Validate();
   relative_pose.Validate();
-  Require(odometry_translation > 0 && odometry_yaw > 0 && odometry_tilt > 0, ErrorCode::kUsage,
-          "the odometry's sigmas must be positive");
+  Require(odometry_translation > 0 && odometry_yaw > 0 && odometry_tilt > 0 && scale_less_rotation > 0 &&
+              scale_less_translation > 0,
+          ErrorCode::kUsage, "the sigmas of odometry and loops must be positive");
 }
 
 Trajectory CarryAlong(const Trajectory& odometry, const std::vector<Place>& places,
@@ -119,8 +172,11 @@ LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const Lo
   LoopClosure closure;
   closure.odom_from_body = odometry;
   if (options.method == "none" || odometry.states().size() < 2) return closure;
-  const std::vector<Place> places = DescribePlaces(log, odometry, options.places);
+  std::vector<Place> places = ChoosePlaces(odometry, options.places);
   closure.num_places = static_cast<int>(places.size());
+  const std::vector<bool> is_possible = FindPossibleRevisits(places, options.recognition);
+  if (std::count(is_possible.begin(), is_possible.end(), true) == 0) return closure;
+  DescribePlaces(log, odometry, options.places, is_possible, places);
   const std::vector<PlaceCandidate> candidates = RecognisePlaces(places, options.recognition);
   closure.loops = Measure(places, candidates, options);
   const std::vector<Rigid3> poses = Optimize(places, candidates, options, closure);

@@ -13,7 +13,7 @@
 namespace parkade {
 
 struct LoopOptions {
-  std::string method = "none";  ///< "rig" or "none"
+  std::string method = "rig";  ///< "rig", "scale-less", "rotation-only", "pnp" or "none"
   PlaceOptions places;
   RecognitionOptions recognition;
   RelativePoseOptions relative_pose;
@@ -21,6 +21,9 @@ struct LoopOptions {
   double odometry_translation = 0.005;  ///< [m / sqrt(m)]
   double odometry_yaw = 0.001;          ///< [rad / sqrt(m)]
   double odometry_tilt = 0.0005;        ///< [rad] of roll and pitch, which do not drift
+  // Of a loop by the five-point method, the same for all.
+  double scale_less_rotation = 0.01;    ///< [rad]
+  double scale_less_translation = 0.2;  ///< [m] across the direction
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -31,6 +34,8 @@ struct LoopOptions {
     visit("odometry_translation", odometry_translation);
     visit("odometry_yaw", odometry_yaw);
     visit("odometry_tilt", odometry_tilt);
+    visit("scale_less_rotation", scale_less_rotation);
+    visit("scale_less_translation", scale_less_translation);
   }
   void Validate() const;  ///< throws Error{kUsage}
 };
@@ -38,11 +43,12 @@ struct LoopOptions {
 /// One pair of places that looked alike, and what became of it.
 struct LoopEvidence {
   Timestamp earlier, later;
-  double way = 0;                    ///< [m] driven between
-  double score = 0;                  ///< of place recognition
-  RelativePose pose;                 ///< of the later in the earlier place
-  double weight = 0;                 ///< 1 where the pose graph believed it
-  double odometry_disagreement = 0;  ///< [m] by which odometry alone put the later place elsewhere
+  double way = 0;                                 ///< [m] driven between
+  double score = 0;                               ///< of place recognition
+  RelativePose pose;                              ///< of the later in the earlier place
+  Rigid3 earlier_from_camera, later_from_camera;  ///< of a loop without scale: what its factor ties
+  double weight = 0;                              ///< 1 where the pose graph believed it
+  double odometry_disagreement = 0;               ///< [m] by which odometry alone put the later place elsewhere
 };
 
 struct LoopClosure {
@@ -55,7 +61,7 @@ struct LoopClosure {
 
 /// Finds places that the drive visits again, measures how they lie to each other, and
 /// bends the odometry so that they do: keyframes' images are read again from `log`,
-/// DescribePlaces, RecognisePlaces, EstimateRigPose, OptimizePoseGraphRobustly with
+/// DescribePlaces, RecognisePlaces, EstimateRigPose (or a baseline), OptimizePoseGraphRobustly with
 /// gravity held. `odometry` is odom_from_body of that log. Images are worked on in
 /// parallel; results do not depend on the number of threads.
 LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const LoopOptions& options);

@@ -12,8 +12,9 @@ constexpr double kBorder = 3;       // [px] of the image that are not trusted
 
 }  // namespace
 
-CylinderView::CylinderView(const RigCamera& camera) {
-  const Eigen::Vector3d axis = camera.body_from_camera.rotation * Eigen::Vector3d::UnitZ();
+CylinderView::CylinderView(const RigCamera& camera, const Eigen::Quaterniond& upright_from_body) {
+  const Eigen::Quaterniond upright_from_camera = upright_from_body * camera.body_from_camera.rotation;
+  const Eigen::Vector3d axis = upright_from_camera * Eigen::Vector3d::UnitZ();
   const Eigen::Vector2d middle(0.5 * camera.model.width(), 0.5 * camera.model.height());
   scale_ = camera.model.PixelsPerRadian(middle).value_or(0.3 * camera.model.width());
   azimuth_ = std::atan2(axis.y(), axis.x()) + kHalfWidth;
@@ -21,10 +22,10 @@ CylinderView::CylinderView(const RigCamera& camera) {
   map_x_ = cv::Mat(height, width, CV_32FC1, cv::Scalar(-1));
   map_y_ = map_x_.clone();
   usable_ = cv::Mat::zeros(height, width, CV_8UC1);
-  const Eigen::Quaterniond camera_from_body = camera.body_from_camera.rotation.conjugate();
+  const Eigen::Quaterniond camera_from_upright = upright_from_camera.conjugate();
   for (int row = 0; row < height; ++row) {
     for (int column = 0; column < width; ++column) {
-      const auto pixel = camera.model.Project(camera_from_body * BearingInBody(column, row));
+      const auto pixel = camera.model.Project(camera_from_upright * BearingInUpright(column, row));
       if (!pixel || !camera.model.IsInImage(*pixel, kBorder)) continue;
       const int x = static_cast<int>(std::lround(pixel->x())), y = static_cast<int>(std::lround(pixel->y()));
       if (!camera.mask.empty() && camera.mask.at<uchar>(y, x) == 0) continue;
@@ -41,7 +42,7 @@ cv::Mat CylinderView::Warp(const cv::Mat& image) const {
   return view;
 }
 
-Eigen::Vector3d CylinderView::BearingInBody(double column, double row) const {
+Eigen::Vector3d CylinderView::BearingInUpright(double column, double row) const {
   const double azimuth = azimuth_ - column / scale_;
   return Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), kHighest - row / scale_).normalized();
 }

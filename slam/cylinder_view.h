@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <opencv2/core/mat.hpp>
 
 #include "core/rig.h"
@@ -8,13 +9,14 @@
 namespace parkade {
 
 /// A camera's image on an upright cylinder around the car: columns are equal
-/// angles about the body's z axis, rows the tangent of the elevation. What stands
+/// angles about the upright axis, rows the tangent of the elevation. What stands
 /// upright does so in every camera's view, and cameras that look the same way see
 /// the same picture, whatever their lenses. Immutable, thread-safe.
 class CylinderView {
  public:
   CylinderView() = default;  ///< sees nothing
-  explicit CylinderView(const RigCamera& camera);
+  /// \param upright_from_body  turns the body's frame so that z is up where the car stands level
+  CylinderView(const RigCamera& camera, const Eigen::Quaterniond& upright_from_body);
 
   /// CV_8UC1 of the calibrated size -> view. Pixels without sight are 0.
   cv::Mat Warp(const cv::Mat& image) const;
@@ -22,8 +24,8 @@ class CylinderView {
   /// CV_8UC1, 0 where the lens or the rig's mask leaves nothing to see.
   const cv::Mat& usable() const { return usable_; }
 
-  /// Unit bearing in the body frame of a pixel of the view.
-  Eigen::Vector3d BearingInBody(double column, double row) const;
+  /// Unit bearing of a pixel of the view, in the upright frame.
+  Eigen::Vector3d BearingInUpright(double column, double row) const;
 
   double pixels_per_radian() const { return scale_; }
 

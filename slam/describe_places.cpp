@@ -20,37 +20,22 @@ Rigid3 Levelled(const Rigid3& odom_from_body) {
   return {ExpSo3({0, 0, std::atan2(forward.y(), forward.x())}), odom_from_body.translation};
 }
 
-std::vector<Place> ChoosePlaces(const Trajectory& odom_from_body, const PlaceOptions& options) {
-  std::vector<Place> places;
-  double distance = 0;
-  const TrajectoryState* last = nullptr;
-  for (const TrajectoryState& state : odom_from_body.states()) {
-    if (last) distance += (state.odom_from_body.translation - last->odom_from_body.translation).norm();
-    last = &state;
-    const Rigid3 pose = Levelled(state.odom_from_body);
-    if (!places.empty()) {
-      const double turn = places.back().odom_from_place.rotation.angularDistance(pose.rotation);
-      if (distance - places.back().distance < options.spacing && turn < options.spacing_deg * M_PI / 180) continue;
-    }
-    places.push_back({state.time, distance, pose, {}, {}});
-  }
-  return places;
-}
-
-/// Wants, of each camera, the first image after the moment of each place.
+/// Wants, of each camera, the first image after the moment of each place that is to be described.
 class ImagePicker {
  public:
-  ImagePicker(const std::vector<Place>& places, size_t num_cameras) : places_(places), next_(num_cameras, 0) {}
+  ImagePicker(const std::vector<Place>& places, const std::vector<bool>& is_wanted, size_t num_cameras)
+      : places_(places), is_wanted_(is_wanted), next_(num_cameras, 0) {}
 
   bool Wants(int camera, Timestamp time) {
     size_t& next = next_[static_cast<size_t>(camera)];
     if (next == places_.size() || time < places_[next].time) return false;
     while (next < places_.size() && places_[next].time <= time) ++next;
-    return time - places_[next - 1].time < kMaxImageDelay;
+    return is_wanted_[next - 1] && time - places_[next - 1].time < kMaxImageDelay;
   }
 
  private:
   const std::vector<Place>& places_;
+  const std::vector<bool>& is_wanted_;
   std::vector<size_t> next_;  ///< per camera
 };
 
@@ -75,8 +60,18 @@ struct DescribedImage {
   cv::Mat descriptors;
 };
 
+/// A rotation, the same for a whole drive, after which the body stands upright on average: without vehicle.yaml it is
+/// the IMU, which may lie in any way.
+Eigen::Quaterniond UprightFromBody(const Trajectory& odom_from_body) {
+  Eigen::Vector3d up_in_body = Eigen::Vector3d::Zero();
+  for (const TrajectoryState& state : odom_from_body.states())
+    up_in_body += state.odom_from_body.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  return Eigen::Quaterniond::FromTwoVectors(up_in_body, Eigen::Vector3d::UnitZ());
+}
+
 DescribedImage Describe(const CameraFrame& frame, const CylinderView& view, const Rigid3& place_from_body,
-                        const Rigid3& body_from_camera, const PlaceOptions& options) {
+                        const Rigid3& body_from_camera, const Eigen::Quaterniond& upright_from_body,
+                        const PlaceOptions& options) {
   const cv::Ptr<cv::ORB> orb =
       cv::ORB::create(4 * options.max_features, 1.2F, 6, 16, 0, 2, cv::ORB::HARRIS_SCORE, 31, /*fastThreshold=*/8);
   const cv::Mat image = view.Warp(frame.image);
@@ -86,11 +81,12 @@ DescribedImage Describe(const CameraFrame& frame, const CylinderView& view, cons
   DescribedImage described;
   orb->compute(image, corners, described.descriptors);
   const Eigen::Vector3d origin = place_from_body * body_from_camera.translation;
+  const Eigen::Quaterniond place_from_upright = place_from_body.rotation * upright_from_body.conjugate();
   for (const cv::KeyPoint& corner : corners) {
     PlaceFeature feature;
     feature.camera = frame.camera;
     feature.origin = origin;
-    feature.bearing = place_from_body.rotation * view.BearingInBody(corner.pt.x, corner.pt.y);
+    feature.bearing = place_from_upright * view.BearingInUpright(corner.pt.x, corner.pt.y);
     feature.sigma = kPixelSigma * std::pow(1.2, corner.octave) / view.pixels_per_radian();
     described.features.push_back(feature);
   }
@@ -111,13 +107,32 @@ void PlaceOptions::Validate() const {
   Require(max_features >= 10 && max_features <= 10000, ErrorCode::kUsage, "max_features of places must be 10 to 10000");
 }
 
-std::vector<Place> DescribePlaces(const DriveLog& log, const Trajectory& odom_from_body, const PlaceOptions& options) {
+std::vector<Place> ChoosePlaces(const Trajectory& odom_from_body, const PlaceOptions& options) {
+  options.Validate();
+  std::vector<Place> places;
+  double distance = 0;
+  const TrajectoryState* last = nullptr;
+  for (const TrajectoryState& state : odom_from_body.states()) {
+    if (last) distance += (state.odom_from_body.translation - last->odom_from_body.translation).norm();
+    last = &state;
+    const Rigid3 pose = Levelled(state.odom_from_body);
+    if (!places.empty()) {
+      const double turn = places.back().odom_from_place.rotation.angularDistance(pose.rotation);
+      if (distance - places.back().distance < options.spacing && turn < options.spacing_deg * M_PI / 180) continue;
+    }
+    places.push_back({state.time, distance, pose, {}, {}});
+  }
+  return places;
+}
+
+void DescribePlaces(const DriveLog& log, const Trajectory& odom_from_body, const PlaceOptions& options,
+                    const std::vector<bool>& is_wanted, std::vector<Place>& places) {
   options.Validate();
   const Rig& rig = log.rig();
-  std::vector<Place> places = ChoosePlaces(odom_from_body, options);
+  const Eigen::Quaterniond upright_from_body = UprightFromBody(odom_from_body);
   const std::vector<CylinderView> views =
-      ParallelMap(rig.cameras.size(), [&](size_t i) { return CylinderView(rig.cameras[i]); });
-  ImagePicker picker(places, rig.cameras.size());
+      ParallelMap(rig.cameras.size(), [&](size_t i) { return CylinderView(rig.cameras[i], upright_from_body); });
+  ImagePicker picker(places, is_wanted, rig.cameras.size());
   ReadOptions read;
   read.imu = read.wheels = read.gnss = false;
   read.wants_image = [&](int camera, Timestamp time) { return picker.Wants(camera, time); };
@@ -136,8 +151,8 @@ std::vector<Place> DescribePlaces(const DriveLog& log, const Trajectory& odom_fr
       const auto camera = static_cast<size_t>(frame.camera);
       const size_t place = PlaceAt(places, frame.time);
       const Rigid3 place_from_body = places[place].odom_from_place.Inverse() * *odom_from_body.At(frame.time);
-      DescribedImage image =
-          Describe(frame, views[camera], place_from_body, rig.cameras[camera].body_from_camera, options);
+      DescribedImage image = Describe(frame, views[camera], place_from_body, rig.cameras[camera].body_from_camera,
+                                      upright_from_body, options);
       image.place = place;
       return image;
     });
@@ -148,7 +163,6 @@ std::vector<Place> DescribePlaces(const DriveLog& log, const Trajectory& odom_fr
     }
   }
   TriangulatePlaces(options, places);
-  return places;
 }
 
 }  // namespace parkade

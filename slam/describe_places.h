@@ -24,10 +24,14 @@ struct PlaceOptions {
   void Validate() const;  ///< throws Error{kUsage}
 };
 
-/// Looks again at images along the drive, one per camera and place: corners with ORB descriptors on upright views
-/// (CylinderView), and where neighbouring places see a corner too, its point by the odometry's motion. One pass over
-/// the log; images are worked on in parallel batches.
-std::vector<Place> DescribePlaces(const DriveLog& log, const Trajectory& odom_from_body, const PlaceOptions& options);
+/// Places along the drive, without features.
+std::vector<Place> ChoosePlaces(const Trajectory& odom_from_body, const PlaceOptions& options);
+
+/// Looks again at images of the places that are wanted (one flag each), one per camera and place: corners with ORB
+/// descriptors on upright views (CylinderView), and where neighbouring places see a corner too, its point by the
+/// odometry's motion. One pass over the log; images are worked on in parallel batches.
+void DescribePlaces(const DriveLog& log, const Trajectory& odom_from_body, const PlaceOptions& options,
+                    const std::vector<bool>& is_wanted, std::vector<Place>& places);
 
 /// Gives features points from matching features of the same camera at the next places of the drive.
 void TriangulatePlaces(const PlaceOptions& options, std::vector<Place>& places);

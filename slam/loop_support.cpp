@@ -112,9 +112,10 @@ std::vector<Loop> LoopsOf(const PoseGraph& graph, const OdometryLine& line) {
 
 }  // namespace
 
-std::vector<bool> FindSupportedLoops(const PoseGraph& graph, double& noise_scale) {
-  const OdometryLine line = LineUp(graph);
-  const std::vector<Loop> loops = LoopsOf(graph, line);
+namespace {
+
+/// Per loop the least disagreement with a partner; infinite without one.
+std::vector<double> LeastDisagreements(const OdometryLine& line, const std::vector<Loop>& loops) {
   std::vector<double> least(loops.size(), std::numeric_limits<double>::infinity());
   for (size_t a = 0; a < loops.size(); ++a) {
     for (size_t b = a + 1; b < loops.size() && loops[b].first - loops[a].first <= kWindow; ++b) {
@@ -125,6 +126,11 @@ std::vector<bool> FindSupportedLoops(const PoseGraph& graph, double& noise_scale
       least[b] = std::min(least[b], disagreement);
     }
   }
+  return least;
+}
+
+/// What the better part of the loops shows of the noise, relative to what their information says.
+double NoiseScaleOf(const std::vector<double>& least) {
   std::vector<double> sorted;
   std::copy_if(least.begin(), least.end(), std::back_inserter(sorted), [](double d) { return std::isfinite(d); });
   std::sort(sorted.begin(), sorted.end());
@@ -132,8 +138,16 @@ std::vector<bool> FindSupportedLoops(const PoseGraph& graph, double& noise_scale
   // the factor makes good.
   constexpr double kMargin = 3;
   const double low = sorted.empty() ? 1 : sorted[sorted.size() / 4];
-  noise_scale = std::clamp(kMargin * std::sqrt(low / 6), 1e-6, 1.0);
+  return std::clamp(kMargin * std::sqrt(low / 6), 1e-6, 1.0);
+}
 
+}  // namespace
+
+std::vector<bool> FindSupportedLoops(const PoseGraph& graph, double max_noise_scale) {
+  const OdometryLine line = LineUp(graph);
+  const std::vector<Loop> loops = LoopsOf(graph, line);
+  const std::vector<double> least = LeastDisagreements(line, loops);
+  const double noise_scale = std::min(max_noise_scale, NoiseScaleOf(least));
   std::vector<bool> is_supported(graph.edges.size());
   for (size_t i = 0; i < loops.size(); ++i)
     is_supported[loops[i].edge] = least[i] < noise_scale * noise_scale * ChiSquared99(graph.is_planar ? 3 : 6);

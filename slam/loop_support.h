@@ -11,8 +11,8 @@ namespace parkade {
 /// et al., "Pairwise Consistent Measurement Set Maximization", ICRA 2018, eq. 4, within
 /// a window instead of over all pairs. One flag per edge; trusted edges have false.
 ///
-/// \param noise_scale  out: sigma that the partners' agreement shows, relative to what the edges' information
-///                     says; at most 1
-std::vector<bool> FindSupportedLoops(const PoseGraph& graph, double& noise_scale);
+/// \param max_noise_scale  the test is made with the noise that most partners show, relative to what the edges'
+///                         information says, but at most with this
+std::vector<bool> FindSupportedLoops(const PoseGraph& graph, double max_noise_scale = 1);
 
 }  // namespace parkade

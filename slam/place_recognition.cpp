@@ -60,6 +60,23 @@ void RecognitionOptions::Validate() const {
   Require(max_candidates > 0, ErrorCode::kUsage, "max_candidates of place recognition must be positive");
 }
 
+std::vector<bool> FindPossibleRevisits(const std::vector<Place>& places, const RecognitionOptions& options) {
+  constexpr size_t kNeighbours = 2;
+  std::vector<bool> is_possible(places.size());
+  const auto mark = [&](size_t index) {
+    const size_t last = std::min(index + kNeighbours, places.size() - 1);
+    for (size_t i = index - std::min(index, kNeighbours); i <= last; ++i) is_possible[i] = true;
+  };
+  for (size_t later = 0; later < places.size(); ++later) {
+    for (size_t earlier = 0; earlier < later; ++earlier) {
+      if (!IsPossible(places[earlier], places[later], options)) continue;
+      mark(earlier);
+      mark(later);
+    }
+  }
+  return is_possible;
+}
+
 std::vector<PlaceCandidate> RecognisePlaces(const std::vector<Place>& places, const RecognitionOptions& options) {
   options.Validate();
   std::vector<std::vector<std::uint32_t>> words;

@@ -32,6 +32,10 @@ struct PlaceCandidate {
   double score = 0;               ///< 0 to 1, cosine of their words
 };
 
+/// Places that odometry allows to be one with another, and two neighbours to each side of them, from whose images
+/// their points come. One flag per place.
+std::vector<bool> FindPossibleRevisits(const std::vector<Place>& places, const RecognitionOptions& options);
+
 /// Earlier places that look like later ones and that odometry does not rule out.
 /// Words are fixed groups of 16 bits of the descriptors, four per feature, so that
 /// there is no vocabulary to train or to ship (locality-sensitive hashing: P. Indyk,

@@ -15,6 +15,7 @@ constexpr int kStepsPerRound = 4;  // the weights change before a round has conv
 constexpr double kRoundTolerance = 1e-5;
 constexpr double kMuNearSolution = 0.01;  // loops off by up to 10 times their bound still pull
 constexpr size_t kFewLoops = 300;
+constexpr double kMuchLessNoise = 0.3;  // scale of sigma
 constexpr int kMaxAdaptions = 6;
 // Errors of real loops have longer tails than a normal distribution: the bound stays this factor above what the
 // median shows.
@@ -65,6 +66,7 @@ class GraduatedNonConvexity {
       summary.noise_scale = std::max(shown, summary.noise_scale / 4);
       Continue(kMuNearSolution, summary);
     }
+    if (summary.noise_scale < kMuchLessNoise) RestartWithLessNoise(summary);
     Settle(summary);
     return summary;
   }
@@ -77,8 +79,7 @@ class GraduatedNonConvexity {
   /// Loops that support each other are a good start, and the only one that is quick where many wrong ones join
   /// everything with everything. Few loops may have no partner: then all of them are a start, as in the paper.
   void ContinueFromBestStart(RobustPoseGraphSummary& summary) {
-    double noise_scale = 1;
-    const std::vector<bool> is_supported = FindSupportedLoops(graph_, noise_scale);
+    const std::vector<bool> is_supported = FindSupportedLoops(graph_);
     const auto num_supported = std::count(is_supported.begin(), is_supported.end(), true);
     size_t num_loops = 0;
     std::vector<double> weights;
@@ -91,14 +92,32 @@ class GraduatedNonConvexity {
       JoinParts(weights);
       Begin(weights);
       Continue(kMuNearSolution, summary);
-      cost = TruncatedCost();
+      cost = TruncatedCost(summary.noise_scale);
       if (num_loops > kFewLoops) return;
     }
     const std::vector<Rigid3> poses = problem_.Poses();
     const std::vector<double> reached = weights_;
     Begin(std::vector<double>(graph_.edges.size(), 1));
     Continue(0, summary);
-    if (!cost || TruncatedCost() <= *cost) return;
+    if (!cost || TruncatedCost(summary.noise_scale) <= *cost) return;
+    problem_.SetPoses(poses);
+    weights_ = reached;
+  }
+
+  /// What was wrong at the first, wide bound may have bent the graph so that right loops were lost. With the noise
+  /// that is known by now, fewer wrong ones find a partner.
+  void RestartWithLessNoise(RobustPoseGraphSummary& summary) {
+    const std::vector<Rigid3> poses = problem_.Poses();
+    const std::vector<double> reached = weights_;
+    const double cost = TruncatedCost(summary.noise_scale);
+    const std::vector<bool> is_supported = FindSupportedLoops(graph_, summary.noise_scale);
+    std::vector<double> weights;
+    for (size_t i = 0; i < graph_.edges.size(); ++i)
+      weights.push_back(graph_.edges[i].is_trusted || is_supported[i] ? 1 : 0);
+    JoinParts(weights);
+    Begin(weights);
+    Continue(kMuNearSolution, summary);
+    if (TruncatedCost(summary.noise_scale) <= cost) return;
     problem_.SetPoses(poses);
     weights_ = reached;
   }
@@ -113,11 +132,11 @@ class GraduatedNonConvexity {
   }
 
   /// What truncated least squares minimises.
-  double TruncatedCost() const {
+  double TruncatedCost(double noise_scale) const {
     const std::vector<double> squared_errors = problem_.SquaredErrors();
     double cost = 0;
     for (size_t i = 0; i < squared_errors.size(); ++i)
-      cost += graph_.edges[i].is_trusted ? squared_errors[i] : std::min(squared_errors[i], bounds_[i]);
+      cost += graph_.edges[i].is_trusted ? squared_errors[i] : std::min(squared_errors[i], BoundOf(i, noise_scale));
     return cost;
   }
 

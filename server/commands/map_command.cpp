@@ -131,8 +131,8 @@ void AddMapCommand(CLI::App& app, Action& action) {
   command->add_flag("--no-wheel", arguments->no_wheel, "leave wheel odometry out");
   command->add_flag("--no-gnss", arguments->no_gnss, "leave GNSS out");
   command->add_option("--loops", arguments->loops,
-                      "how loops are closed: rig (all cameras against metric points) or none; short for "
-                      "--set loops.method=");
+                      "how loops are closed: rig (default; all cameras against metric points), scale-less, "
+                      "rotation-only, pnp (one camera each, as in the literature) or none");
   command->add_flag("--odometry-only", arguments->is_odometry_only, "trajectories, no surface");
   command->add_option("--set", arguments->settings, "stage.option=value; --print-options lists them");
   command->add_flag("--print-options", arguments->print_options, "print all options as JSON and end");

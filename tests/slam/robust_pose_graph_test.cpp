@@ -51,8 +51,7 @@ TEST(RobustPoseGraph, ASingleTrueLoopWithoutAPartnerIsFound) {
   std::vector<PoseGraphEdge>& edges = made.graph.edges;
   edges.erase(edges.begin() + static_cast<std::ptrdiff_t>(made.truth.size()), edges.end());
   ASSERT_FALSE(edges.back().is_trusted);
-  double noise_scale = 0;
-  const std::vector<bool> is_supported = FindSupportedLoops(made.graph, noise_scale);
+  const std::vector<bool> is_supported = FindSupportedLoops(made.graph);
   EXPECT_EQ(std::count(is_supported.begin(), is_supported.end(), true), 0);
 
   EXPECT_EQ(OptimizePoseGraphRobustly({}, made.graph).weights.back(), 1);
@@ -60,9 +59,8 @@ TEST(RobustPoseGraph, ASingleTrueLoopWithoutAPartnerIsFound) {
 
 TEST(LoopSupport, RightLoopsHavePartnersAndWrongOnesHardlyEver) {
   const SyntheticGraph made = MakeSyntheticGraph({.wrong_share = 0.5});
-  double noise_scale = 0;
 
-  const std::vector<bool> is_supported = FindSupportedLoops(made.graph, noise_scale);
+  const std::vector<bool> is_supported = FindSupportedLoops(made.graph);
 
   const auto begin = is_supported.begin() + static_cast<std::ptrdiff_t>(made.truth.size() - 1);
   const auto wrong = begin + static_cast<std::ptrdiff_t>(made.num_right_loops);
