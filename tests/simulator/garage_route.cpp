@@ -92,14 +92,15 @@ class GarageTours {
 };
 
 /// The tours that come closest to a length; one at least.
-std::vector<Tour> ChooseTours(const GarageTours& tours, int num_ramps, double length, size_t least) {
+std::vector<Tour> ChooseTours(const GarageTours& tours, int num_ramps, double length) {
+  constexpr double kPreferred = 60;  // [m] of miss that a higher tour may have
   std::vector<Tour> best;
   double best_miss = 1e9;
   for (int top = 1; top <= num_ramps; ++top) {
     for (int rounds = 0; rounds <= 2; ++rounds) {
       const double one = tours.Length({top, rounds});
-      const size_t count = std::max(least, static_cast<size_t>(std::max(0L, std::lround(length / one))));
-      const double miss = std::abs(static_cast<double>(count) * one - length) + 2 * rounds;
+      const size_t count = static_cast<size_t>(std::max(1L, std::lround(length / one)));
+      const double miss = std::abs(static_cast<double>(count) * one - length) + 2 * rounds - kPreferred * top;
       if (miss >= best_miss) continue;
       best_miss = miss;
       best.assign(count, {top, rounds});
@@ -118,7 +119,8 @@ std::optional<ParkingSlot> ChooseSlot(const std::vector<ParkingSlot>& slots, dou
 
 RoutePlan PlanGarageRoute(const GarageLayout& layout, const std::vector<ParkingSlot>& slots, const RouteWish& wish) {
   const GarageTours tours(layout);
-  const std::vector<Tour> chosen = ChooseTours(tours, layout.num_ramps(), wish.length, wish.turns_around ? 2 : 1);
+  const double turn_around = wish.turns_around ? 2 * layout.length + 60 : 0;
+  const std::vector<Tour> chosen = ChooseTours(tours, layout.num_ramps(), wish.length - turn_around);
   WaypointTrail trail(tours.Start(), wish.seed);
   bool is_reversed = wish.is_reversed;
   const auto drive = [&](const Nodes& nodes) {

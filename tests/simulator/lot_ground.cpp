@@ -35,6 +35,13 @@ void Mark(const LotLayout& layout, GroundPainter& painter) {
         painter.Line({x, y + offset}, {x, y + offset + 0.5}, 0.3, 0.35f);
 }
 
+/// Stripes that warn of speed bumps.
+void MarkBumps(const LotLayout& layout, GroundPainter& painter) {
+  for (const Vector2d& bump : layout.bumps)
+    for (double y = -2.8; y < 2.9; y += 0.7)
+      painter.Line(bump + Vector2d(-1.7, y), bump + Vector2d(1.7, y), 0.32, 0.3f, kYellowPaint);
+}
+
 /// Slots with numbers, and where everybody drives.
 void MarkDeck(const LotLayout& layout, GroundPainter& painter, int first_number) {
   for (const double y : layout.aisle_y)
@@ -59,6 +66,7 @@ GroundCanvas PaintLot(const LotLayout& layout, double texel_size, std::uint64_t 
   painter.Cracks(per_area(45));
   painter.Stains(per_area(14), [&] { return InAnySlot(layout, painter.random()); });
   Mark(layout, painter);
+  MarkBumps(layout, painter);
   for (int i = 0; i < per_area(350); ++i) {
     const double x = painter.random().Uniform(2, layout.length - 2);
     painter.Manhole({x, layout.aisle_y[painter.random().Index(2)] + painter.random().Uniform(-2, 2)});

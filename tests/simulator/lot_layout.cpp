@@ -1,6 +1,7 @@
 #include "tests/simulator/lot_layout.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "tests/simulator/random.h"
@@ -48,6 +49,24 @@ bool LotLayout::IsDrivable(const Eigen::Vector2d& point) const {
   const auto covers = [&](const Rectangle& rectangle) { return rectangle.Contains(point); };
   return std::none_of(islands.begin(), islands.end(), covers) &&
          std::none_of(cars.begin(), cars.end(), [&](const ParkedCar& car) { return covers(car.footprint); });
+}
+
+double BumpHeight(const LotLayout& lot, const Eigen::Vector2d& point) {
+  constexpr double kHeight = 0.06, kHalfLength = 2.0, kHalfWidth = 4.5;  // [m]; it fades out in the slots
+  double height = 0;
+  for (const Eigen::Vector2d& bump : lot.bumps) {
+    const double u = (point.x() - bump.x()) / kHalfLength, v = (point.y() - bump.y()) / kHalfWidth;
+    if (std::abs(u) >= 1 || std::abs(v) >= 1) continue;
+    const double along = 1 - u * u, across = 1 - v * v * v * v;
+    height += kHeight * along * along * along * across * across * across;
+  }
+  return height;
+}
+
+void AddBumps(int count, LotLayout& lot) {
+  const std::array<double, 4> places = {0.38, 0.73, 0.73, 0.38};
+  for (int i = 0; i < std::min(count, 4); ++i)
+    lot.bumps.emplace_back(places[static_cast<size_t>(i)] * lot.length, lot.aisle_y[i % 2]);
 }
 
 LotLayout PlanLot(std::uint64_t seed, int day) {

@@ -25,11 +25,18 @@ struct LotLayout {
   /// Corners of the two closed round trips, through all of both aisles and through
   /// half of them. They begin with the same stretch of the same aisle.
   std::vector<Eigen::Vector2d> long_loop, short_loop;
-  double aisle_y[2] = {0, 0};  ///< [m] centre lines
+  double aisle_y[2] = {0, 0};          ///< [m] centre lines
+  std::vector<Eigen::Vector2d> bumps;  ///< middles of speed bumps across an aisle
 
   /// Asphalt that a car may drive on: neither island nor parked car.
   bool IsDrivable(const Eigen::Vector2d& point) const;
 };
+
+/// [m] that speed bumps raise the ground: 6 cm over a length of 4 m, twice differentiable.
+double BumpHeight(const LotLayout& lot, const Eigen::Vector2d& point);
+
+/// Puts speed bumps across the aisles, at most four.
+void AddBumps(int count, LotLayout& lot);
 
 /// The same seed gives the same plan, but for the parked cars, which change with the day.
 LotLayout PlanLot(std::uint64_t seed, int day = 0);

@@ -42,7 +42,9 @@ RoutePlan DriveRounds(const LotLayout& layout, const Rounds& rounds, const Route
       // By the lane across the middle back into the first aisle, the other way.
       const Eigen::Vector2d &first = layout.short_loop[1], &second = layout.short_loop[2];
       if (is_reversed)
-        drive({layout.long_loop[0], layout.long_loop[3], second, first});
+        // A long round brings it back to where all rounds begin.
+        drive({layout.long_loop[0], layout.long_loop[3], second, first, layout.long_loop[1], layout.long_loop[2],
+               layout.long_loop[3], layout.long_loop[0]});
       else
         drive({layout.long_loop[1], layout.long_loop[2], second, first});
       is_reversed = !is_reversed;
@@ -58,18 +60,18 @@ double LengthOf(const RoutePlan& plan) { return Route(plan.waypoints, plan.corne
 
 /// The rounds that come closest to the length wished for; one short one when none does.
 Rounds ChooseRounds(const LotLayout& layout, const RouteWish& wish) {
-  const double nothing = wish.turns_around ? LengthOf(DriveRounds(layout, {0, 2}, wish)) : 0;
+  const double nothing = wish.turns_around ? LengthOf(DriveRounds(layout, {0, 1}, wish)) : 0;
   RouteWish plain = wish;
   plain.turns_around = false;
   const double long_round = LengthOf(DriveRounds(layout, {1, 0}, plain)),
                short_round = LengthOf(DriveRounds(layout, {0, 1}, plain));
-  const double wanted = std::max(0.0, wish.length - std::max(0.0, nothing - 2 * short_round));
-  Rounds best{0, wish.turns_around ? 2 : 1};
+  const double wanted = std::max(0.0, wish.length - std::max(0.0, nothing - short_round));
+  Rounds best{0, 1};
   double best_miss = std::abs(best.num_short * short_round - wanted);
   for (int num_long = 0; num_long * long_round < wanted + long_round; ++num_long) {
     const int num_short = std::max(0, static_cast<int>(std::lround((wanted - num_long * long_round) / short_round)));
     const double miss = std::abs(num_long * long_round + num_short * short_round - wanted);
-    if (num_long + num_short < (wish.turns_around ? 2 : 1) || miss >= best_miss) continue;
+    if (num_long + num_short == 0 || miss >= best_miss) continue;
     best = {num_long, num_short};
     best_miss = miss;
   }
@@ -102,14 +104,16 @@ Place MakeLotPlace(const LotLayout& layout_in, const SceneOptions& options) {
   const Terrain terrain(options.seed, options.relief);
   Place place;
   place.name = "lot";
-  place.ground = Ground({{.min = Eigen::Vector2d::Zero(),
-                          .max = Eigen::Vector2d(layout->length, layout->width),
-                          .height = [terrain](const Eigen::Vector2d& xy) { return terrain.Height(xy.x(), xy.y()); },
-                          .covers = {}}});
+  place.ground = Ground(
+      {{.min = Eigen::Vector2d::Zero(),
+        .max = Eigen::Vector2d(layout->length, layout->width),
+        .height = [terrain, layout](
+                      const Eigen::Vector2d& xy) { return terrain.Height(xy.x(), xy.y()) + BumpHeight(*layout, xy); },
+        .covers = {}}});
   for (const Rectangle& outline : layout->slots) {
     const auto stands_in = [&](const ParkedCar& car) { return outline.Contains(car.footprint.center); };
     place.slots.push_back({.outline = outline,
-                           .height = terrain.Height(outline.center.x(), outline.center.y()),
+                           .height = place.ground.Height(outline.center, 0),
                            .is_occupied = std::any_of(layout->cars.begin(), layout->cars.end(), stands_in)});
   }
   place.is_drivable = [layout](size_t, const Eigen::Vector2d& xy) { return layout->IsDrivable(xy); };

@@ -62,6 +62,7 @@ void AddOptions(CLI::App& app, CommandLine& line) {
   app.add_option("--seed", options.seed, "Of the scene, the drive and all noise")->capture_default_str();
   app.add_option("--place-seed", options.place_seed, "Of the place alone; -1: --seed")->capture_default_str();
   app.add_option("--day", options.day, "Other parked cars and light at the same place")->capture_default_str();
+  app.add_option("--speed-bumps", options.speed_bumps, "Of a lot, 0 to 4")->capture_default_str();
   app.add_option("--traffic", options.traffic, "Cars that move, and as many people")->capture_default_str();
   app.add_option("--weather", options.weather, "dry, overcast, wet, dusk; default: as the day wants it");
   app.add_option_function<double>(

@@ -48,7 +48,9 @@ Place PlanPlace(const std::string& name, const SceneOptions& options) {
           "there is no scene '" + name + "'; there are: " + known);
   if (name == "garage") return MakeGaragePlace(PlanGarage(options.seed, options.day), options);
   if (name == "street") return MakeStreetPlace(PlanStreet(options.seed, options.day), options);
-  return MakeLotPlace(PlanLot(options.seed, options.day), options);
+  LotLayout lot = PlanLot(options.seed, options.day);
+  AddBumps(options.speed_bumps, lot);
+  return MakeLotPlace(lot, options);
 }
 
 }  // namespace parkade::simulator

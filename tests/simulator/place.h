@@ -15,6 +15,7 @@ struct SceneOptions {
   std::uint64_t seed = 1;      ///< of the place
   double relief = 1;           ///< scales the slopes of the ground
   double ground_texel = 0.01;  ///< [m] of painted asphalt; larger is quicker to make
+  int speed_bumps = 0;         ///< of a lot, at most 4
   int day = 0;                 ///< other parked cars and other light at the same place
   std::string weather = "";    ///< dry, overcast, wet, dusk; empty: as the day wants it, dry on day 0
 };

@@ -13,7 +13,8 @@ namespace parkade::simulator {
 namespace {
 
 Scene BuildLot(const Place& place, const SceneOptions& options) {
-  const LotLayout layout = PlanLot(options.seed, options.day);
+  LotLayout layout = PlanLot(options.seed, options.day);
+  AddBumps(options.speed_bumps, layout);
   const Weather weather = WeatherOf(options);
   Scene scene{.place = place,
               .sky = Sky(options.seed + 7919 * static_cast<std::uint64_t>(options.day), weather),
@@ -36,8 +37,8 @@ void AddWeather(Weather weather, Scene& scene) {
   if (weather == Weather::kWet && scene.finish.empty())
     scene.finish.assign(scene.place.ground.sheets().size(), {.wetness = 1});
   scene.has_headlights = weather == Weather::kDusk || scene.IsIndoors();
-  scene.usual_exposure = scene.IsIndoors()           ? 0.010
-                         : weather == Weather::kDusk ? 0.012
+  scene.usual_exposure = scene.IsIndoors()           ? 0.006
+                         : weather == Weather::kDusk ? 0.009
                          : weather == Weather::kDry  ? 0.003
                                                      : 0.005;
 }

@@ -58,6 +58,7 @@ void WriteRigs(const Rig& rig, const SimulateOptions& options, const OutputPaths
 void SimulateOptions::Validate() const {
   Require(seed >= 0 && place_seed >= -1, ErrorCode::kUsage, "the seed must not be negative");
   Require(day >= 0 && day <= 1000, ErrorCode::kUsage, "the day must be 0 to 1000");
+  Require(speed_bumps >= 0 && speed_bumps <= 4, ErrorCode::kUsage, "the speed bumps must be 0 to 4");
   Require(traffic >= 0 && traffic <= 50, ErrorCode::kUsage, "the traffic must be 0 to 50");
   Require(duration >= 10 && duration <= 3600, ErrorCode::kUsage, "the duration must be 10 to 3600 s");
   Require(relief >= 0 && relief <= 3, ErrorCode::kUsage, "the relief must be 0 to 3");
@@ -77,6 +78,7 @@ SceneOptions SimulateOptions::OfScene() const {
   scene_options.relief = relief;
   scene_options.ground_texel = ground_texel;
   scene_options.day = day;
+  scene_options.speed_bumps = speed_bumps;
   scene_options.weather = weather;
   return scene_options;
 }

@@ -21,6 +21,7 @@ struct SimulateOptions {
   int place_seed = -1;         ///< of the place; -1: `seed`. Drives of one place have it in common
   int day = 0;                 ///< of the place: other parked cars, other light
   std::string weather;         ///< dry, overcast, wet, dusk; empty: as the day wants it
+  int speed_bumps = 0;         ///< of a lot, at most 4
   int traffic = 0;             ///< cars that move, and as many people (see AddTraffic)
   double duration = 40;        ///< [s] 10 to 3600; counts where drive.length is 0
   double relief = 1;           ///< scales the ground's slopes
@@ -40,6 +41,7 @@ struct SimulateOptions {
     visit("place_seed", place_seed);
     visit("day", day);
     visit("weather", weather);
+    visit("speed_bumps", speed_bumps);
     visit("traffic", traffic);
     visit("duration", duration);
     visit("relief", relief);

@@ -40,8 +40,13 @@ void PlaceSlots(StreetLayout& street) {
         const Vector2d along = (at(place + kSlot - 1) - at(place)).normalized(), left(-along.y(), along.x());
         const Vector2d center = (at(place) + at(place + kSlot - 1)) / 2 + side * StreetLayout::kParking * left;
         const Rectangle slot{center, {kSlot / 2, 1.0}, std::atan2(along.y(), along.x()) + (side > 0 ? M_PI : 0)};
-        bool is_free =
-            (center - street.south_junction).norm() > kFree && (center - street.north_junction).norm() > kFree;
+        // Nobody parks in a bend or right beside one.
+        const double last = static_cast<double>(line->size()) - 2;
+        const Vector2d before = at(std::max(0.0, place - 7)), beyond = at(std::min(last, place + kSlot + 7));
+        const Vector2d head = (at(place) - before).normalized(), tail = (beyond - at(place + kSlot - 1)).normalized();
+        const bool is_straight = head.dot(along) > 0.999 && tail.dot(along) > 0.999;
+        bool is_free = is_straight && (center - street.south_junction).norm() > kFree &&
+                       (center - street.north_junction).norm() > kFree;
         for (int corner = 0; corner < 4; ++corner) is_free = is_free && street.field.At(slot.Corner(corner)) < 0.1;
         for (const double end : {-0.5, 0.5})
           is_free = is_free && std::abs(street.field.At(center + end * kSlot * along) + 1) < 0.2;

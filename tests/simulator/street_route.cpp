@@ -85,7 +85,10 @@ RoutePlan PlanStreetRoute(const StreetLayout& layout, const RouteWish& wish) {
     return lane.point + lane.along * lane.along.dot(layout.corners[0] + 70 * along - lane.point);
   };
   const double round = static_cast<double>(layout.loop.size());
-  const int num_rounds = std::max(wish.turns_around ? 2 : 1, static_cast<int>(std::lround(wish.length / round)));
+  // Turning around is most of a round; to the counter-clockwise it ends beyond the start, and a round must follow.
+  const double turn_around = wish.turns_around ? 0.85 * round : 0;
+  const int least = wish.turns_around && !wish.is_reversed ? 0 : 1;
+  const int num_rounds = std::max(least, static_cast<int>(std::lround((wish.length - turn_around) / round)));
   bool is_clockwise = wish.is_reversed;
   const Vector2d start = start_of(is_clockwise);
   WaypointTrail trail({start.x(), start.y(), 0}, wish.seed);
@@ -95,20 +98,18 @@ RoutePlan PlanStreetRoute(const StreetLayout& layout, const RouteWish& wish) {
       trail.DriveTo({corner.x(), corner.y(), 0}, is_long ? 0.25 : 0, 0);
     }
   };
-  bool has_turned = false;
-  for (int i = 0; i < num_rounds; ++i) {
-    if (wish.turns_around && i == num_rounds / 2) {
-      drive(TurnAround(layout, is_clockwise));
-      is_clockwise = !is_clockwise;
-      has_turned = true;
-    }
-    drive(LaneCorners(layout, is_clockwise));
+  const int num_before = wish.turns_around ? (num_rounds - least) / 2 : num_rounds;
+  for (int i = 0; i < num_before; ++i) drive(LaneCorners(layout, is_clockwise));
+  if (wish.turns_around) {
+    drive(TurnAround(layout, is_clockwise));
+    is_clockwise = !is_clockwise;
   }
+  for (int i = num_before; i < num_rounds; ++i) drive(LaneCorners(layout, is_clockwise));
   const Vector2d end = start_of(is_clockwise) + (is_clockwise ? -3 : 3) * along;
   trail.DriveTo({end.x(), end.y(), 0}, 0, 0);
   RoutePlan plan{.waypoints = trail.Take(), .slot = {}};
-  plan.corner_radius = StreetLayout::kCornerRadius + (is_clockwise || has_turned ? -1 : 1) * StreetLayout::kLane;
-  if (num_rounds == 1 && wish.length < 0.8 * round) plan.waypoints = FirstPart(plan.waypoints, wish.length);
+  plan.corner_radius = StreetLayout::kCornerRadius + (is_clockwise || wish.turns_around ? -1 : 1) * StreetLayout::kLane;
+  if (!wish.turns_around && wish.length < 0.8 * round) plan.waypoints = FirstPart(plan.waypoints, wish.length);
   return plan;
 }
 

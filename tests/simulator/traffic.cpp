@@ -91,6 +91,12 @@ double LengthOf(const std::vector<Vector3d>& loop) {
   return length;
 }
 
+/// On the ground nearest to where it is: the way straight on beyond a track's ends knows no hills.
+Rigid3 Seated(Rigid3 pose, const Ground& ground) {
+  pose.translation.z() = ground.Height(pose.translation.head<2>(), pose.translation.z());
+  return pose;
+}
+
 /// What takes up room: a rectangle in the plane of a body.
 struct Outline {
   PoseAt pose;
@@ -127,7 +133,9 @@ class TrafficPlanner {
     const std::shared_ptr<const Track> track = std::make_shared<Track>(track_);
     if (!track->runs_back() && count > 0) {
       const auto with_gap = [&](double gap, double lead) {
-        AddCar([track, gap, lead](double time) { return track->Pose(track->Distance(time + lead) + gap); });
+        AddCar([&ground = scene_.place.ground, track, gap, lead](double time) {
+          return Seated(track->Pose(track->Distance(time + lead) + gap), ground);
+        });
       };
       const int placed = static_cast<int>(outlines_.size());
       if (random_.Chance(0.5)) {
@@ -205,9 +213,10 @@ class TrafficPlanner {
 
   /// A car that drives the own car's way much earlier or later.
   bool AddCarLater(const std::shared_ptr<const Track>& track) {
-    const double lead = random_.Uniform(8, 45) * (random_.Chance(0.6) ? 1 : -1);
-    return AddCar(
-        [track, lead](double time) { return track->Pose(track->Distance(time + lead) + (lead > 0 ? 9 : -9)); });
+    const double lead = random_.Uniform(8, 45) * (random_.Chance(0.6) ? 1 : -1), gap = lead > 0 ? 9 : -9;
+    return AddCar([&ground = scene_.place.ground, track, lead, gap](double time) {
+      return Seated(track->Pose(track->Distance(time + lead) + gap), ground);
+    });
   }
 
   Scene& scene_;

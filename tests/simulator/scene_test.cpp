@@ -1,0 +1,156 @@
+#include "tests/simulator/scene.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+
+#include "core/parallel.h"
+#include "tests/simulator/image_sensor.h"
+#include "tests/simulator/plan_drive.h"
+#include "tests/simulator/renderer.h"
+#include "tests/simulator/simulated_rig.h"
+#include "tests/simulator/traffic.h"
+#include "tests/simulator/truth_files.h"
+
+namespace parkade::simulator {
+namespace {
+
+/// A drive through a scene, and pictures of it. Coarse ground paint: quick to make.
+struct DrivenScene {
+  Scene scene;
+  DrivePlan plan;
+  Rig rig;
+  std::unique_ptr<Renderer> renderer;
+
+  DrivenScene(const std::string& name, const SceneOptions& options, int traffic)
+      : scene(BuildScene(name, options)),
+        plan(PlanDrive(scene.place, 40, options.seed)),
+        rig(MakeSimulatedRig({}, options.seed)) {
+    AddTraffic(scene, plan.motion, traffic, options.seed);
+    renderer = std::make_unique<Renderer>(scene, rig, kHalfFieldOfView);
+  }
+
+  RenderedImage Take(size_t camera, double time) const {
+    Shot shot;
+    shot.camera = camera;
+    shot.world_from_body = [this, time](double offset) { return plan.motion.WorldFromBody(time + offset); };
+    shot.exposure = scene.usual_exposure;
+    shot.with_semantics = true;
+    shot.time = time;
+    return renderer->Render(shot);
+  }
+};
+
+/// Of 200 corners, those that are followed into the picture 50 ms later and back to where they were.
+int NumKeptTracks(const DrivenScene& driven, size_t camera, double time) {
+  ImageSensor sensor({}, camera);
+  cv::Mat gray[2];
+  for (int i = 0; i < 2; ++i)
+    cv::cvtColor(sensor.Develop(driven.Take(camera, time + 0.05 * i).radiance), gray[i], cv::COLOR_BGR2GRAY);
+  std::vector<cv::Point2f> corners, moved, back;
+  cv::goodFeaturesToTrack(gray[0], corners, 200, 0.004, 8, driven.renderer->Mask(camera));
+  EXPECT_GE(corners.size(), 195u) << camera;
+  std::vector<std::uint8_t> found, found_back;
+  cv::calcOpticalFlowPyrLK(gray[0], gray[1], corners, moved, found, cv::noArray());
+  cv::calcOpticalFlowPyrLK(gray[1], gray[0], moved, back, found_back, cv::noArray());
+  int num_kept = 0;
+  for (size_t i = 0; i < corners.size(); ++i)
+    num_kept += found[i] && found_back[i] && cv::norm(back[i] - corners[i]) < 1;
+  return num_kept;
+}
+
+/// Of places on drivable ground within 4 m of a camera, where little hides them, and of undrivable ones within 8 m,
+/// the share that the mask has right.
+double MaskAgreement(const DrivenScene& driven, size_t camera, double time) {
+  const cv::Mat drivable = driven.Take(camera, time).drivable, mask = driven.renderer->Mask(camera);
+  const Rigid3 world_from_body = driven.plan.motion.WorldFromBody(time);
+  const Rigid3 camera_from_world = (world_from_body * driven.rig.cameras[camera].body_from_camera).Inverse();
+  const Eigen::Vector2d eye = (world_from_body * driven.rig.cameras[camera].body_from_camera.translation).head<2>();
+  const Ground& ground = driven.scene.place.ground;
+  int num_right = 0, num_checked = 0;
+  for (double dx = -8; dx < 8; dx += 0.37) {
+    for (double dy = -8; dy < 8; dy += 0.37) {
+      const Eigen::Vector2d xy = eye + Eigen::Vector2d(dx, dy);
+      const double near_z = world_from_body.translation.z();
+      const size_t sheet = ground.SheetAt(xy, near_z);
+      if (!ground.sheets()[sheet].Covers(xy)) continue;
+      const bool is_road = driven.scene.place.is_drivable(sheet, xy);
+      // What stands on the ground hides the road behind it, so marks are asked for where nothing may stand.
+      const Eigen::Vector3d point(xy.x(), xy.y(), ground.Height(xy, near_z));
+      const auto pixel = driven.rig.cameras[camera].model.Project(camera_from_world * point);
+      if (!pixel || !driven.rig.cameras[camera].model.IsInImage(*pixel, 2)) continue;
+      const cv::Point place(static_cast<int>(std::lround(pixel->x())), static_cast<int>(std::lround(pixel->y())));
+      if (mask.at<std::uint8_t>(place) == 0 || (is_road && std::hypot(dx, dy) > 4)) continue;
+      num_right += (drivable.at<std::uint8_t>(place) == 255) == is_road;
+      ++num_checked;
+    }
+  }
+  EXPECT_GT(num_checked, 40) << camera;
+  return static_cast<double>(num_right) / std::max(1, num_checked);
+}
+
+struct SceneCase {
+  const char* name;
+  SceneOptions options;
+  double klt_time;  ///< [s] while it drives where the scene is typical
+};
+
+class DrivenScenes : public testing::TestWithParam<SceneCase> {
+ protected:
+  void SetUp() override { SetNumThreads(2); }
+};
+
+/// One test a scene: to build one is what takes the time.
+TEST_P(DrivenScenes, TracksSurviveMasksMatchTheGroundAndTheBytesRepeat) {
+  const SceneCase& wanted = GetParam();
+  const DrivenScene driven(wanted.name, wanted.options, 2);
+  ASSERT_GT(driven.plan.motion.At(wanted.klt_time).velocity_in_world.norm(), 1.5);
+
+  for (size_t camera = 0; camera < 4; ++camera) {
+    EXPECT_GE(NumKeptTracks(driven, camera, wanted.klt_time), 150) << wanted.name << " camera " << camera;
+    EXPECT_GT(MaskAgreement(driven, camera, wanted.klt_time), 0.92) << wanted.name << " camera " << camera;
+  }
+  const RenderedImage first = driven.Take(1, 9), second = driven.Take(1, 9);
+  EXPECT_EQ(cv::norm(first.radiance, second.radiance, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(first.drivable, second.drivable, cv::NORM_INF), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Worlds, DrivenScenes,
+                         testing::Values(SceneCase{"lot", {.seed = 5, .ground_texel = 0.015, .weather = "wet"}, 8},
+                                         SceneCase{"garage", {.seed = 5, .ground_texel = 0.015}, 16},
+                                         SceneCase{"street", {.seed = 5, .ground_texel = 0.012}, 9}),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+class SurfaceTruth : public testing::TestWithParam<const char*> {};
+
+TEST_P(SurfaceTruth, TheMeshThatIsSeenAndThePlyLieOnTheGround) {
+  const SceneOptions options{.seed = 2, .ground_texel = 0.1, .speed_bumps = 2};
+  const Scene scene = BuildScene(GetParam(), options);
+
+  double worst = 0;
+  for (size_t i = 0; i < scene.ground.triangles.size(); ++i) {
+    const auto& [a, b, c] = scene.ground.triangles[i];
+    const Eigen::Vector3d center =
+        ((scene.ground.positions[a] + scene.ground.positions[b] + scene.ground.positions[c]) / 3).cast<double>();
+    const GroundSheet& sheet = scene.place.ground.sheets()[scene.ground.triangle_materials[i]];
+    worst = std::max(worst, std::abs(sheet.height(center.head<2>()) - center.z()));
+  }
+  EXPECT_LT(worst, 0.001);
+
+  const TriangleMesh truth = DrivableSurface(scene.place);
+  double worst_truth = 0;
+  for (const Eigen::Vector3f& vertex : truth.vertices) {
+    double nearest = 1e9;
+    for (const GroundSheet& sheet : scene.place.ground.sheets())
+      nearest = std::min(nearest, std::abs(sheet.height(vertex.head<2>().cast<double>()) - vertex.cast<double>().z()));
+    worst_truth = std::max(worst_truth, nearest);
+  }
+  EXPECT_LT(worst_truth, 1e-5);
+  EXPECT_GT(SurfaceArea(truth), 1000);
+}
+
+INSTANTIATE_TEST_SUITE_P(Worlds, SurfaceTruth, testing::Values("lot", "garage", "street"));
+
+}  // namespace
+}  // namespace parkade::simulator
