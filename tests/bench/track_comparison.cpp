@@ -77,6 +77,7 @@ int Run(CommandLine& line) {
   options.sensors.has_wheels = false;
   line.stretch.cameras = options.cameras;
   if (line.wants_estimate) line.stretch.begin = 0, line.stretch.end = options.duration;
+  line.options.begin = line.stretch.begin;  // both see everything for the first time there
   const auto seed = static_cast<std::uint64_t>(options.seed);
   const Timestamp epoch = DriveEpoch(seed);
   if (line.is_quick) options.ground_texel = 0.2;

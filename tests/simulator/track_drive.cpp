@@ -159,7 +159,8 @@ void RecordSamples(const TrackDriveOptions& options, const Motion& motion, const
   std::erase_if(drive.imu, [&](const ImuSample& sample) { return is_out(sample, options.drive.faults.imu_gap); });
   std::erase_if(drive.wheels,
                 [&](const WheelSample& sample) { return is_out(sample, options.drive.faults.wheel_gap); });
-  for (double time = options.begin; time <= motion.Duration(); time += kTruthInterval) {
+  // To beyond the last sample: the motion stands still after its end.
+  for (double time = options.begin; time < motion.Duration() + kTruthInterval; time += kTruthInterval) {
     drive.truth.push_back({epoch + time, motion.WorldFromBody(time)});
     if (drive.truth.size() < 2) continue;
     const TimedPose& last = drive.truth[drive.truth.size() - 2];
