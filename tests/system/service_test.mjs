@@ -41,7 +41,7 @@ async function json(address, route) {
 
 rmSync(work, { recursive: true, force: true });
 mkdirSync(work, { recursive: true });
-run(simulate, 'lot', '--seed', '5', '--duration', '12', '--rate', '5', '--size', '480x300', '--out', at('drive.mcap'),
+run(simulate, 'lot', '--seed', '5', '--duration', '12', '--rate', '5', '--size', '480x300', '--gnss', 'rtk', '--out', at('drive.mcap'),
   '--rig-out', at('rig'), '--truth-out', at('truth'));
 
 const { service, address } = await startService();
