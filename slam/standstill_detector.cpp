@@ -13,14 +13,17 @@ constexpr size_t kMinCommonTracks = 8;
 constexpr double kKeepMotions = 5.0;  // [s]
 constexpr double kMovingFactor = 5;   // images this much livelier than still overrule the wheels
 constexpr double kNoiseSigmas = 3;
-constexpr double kHysteresis = 1.5;   // of the image motion of a car that stood
-constexpr double kImageSigmas = 2.2;  // median of the difference of two bearings at rest: 1.7
+constexpr double kHysteresis = 1.5;        // of the image motion of a car that stood
+constexpr double kImageSigmas = 2.2;       // median of the difference of two bearings at rest: 1.7
+constexpr double kMinChangeOfForce = 0.2;  // [m/s^2] engines shake
+constexpr double kMostTracks = 0.75;       // the share that has to rest where only images tell
+constexpr double kMostSigmas = 3.2;        // that quantile of the difference of two bearings at rest: 2.4
 
-struct MedianOfTracks {
-  double motion = 0, sigma = 0;  // [rad]
+struct MotionOfTracks {
+  double median = 0, most = 0, sigma = 0;  // [rad]
 };
 
-std::optional<MedianOfTracks> MedianMotion(const TrackedFrame& from, const TrackedFrame& to) {
+std::optional<MotionOfTracks> MeasureMotion(const TrackedFrame& from, const TrackedFrame& to) {
   std::unordered_map<std::int64_t, Eigen::Vector3d> before;
   for (const FeatureObservation& seen : from.observations) before.emplace(seen.track, seen.bearing);
   std::vector<double> angles, sigmas;
@@ -31,12 +34,12 @@ std::optional<MedianOfTracks> MedianMotion(const TrackedFrame& from, const Track
     sigmas.push_back(seen.sigma);
   }
   if (angles.size() < kMinCommonTracks) return std::nullopt;
-  const auto median = [](std::vector<double>& values) {
-    const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
+  const auto quantile = [](std::vector<double>& values, double share) {
+    const auto place = values.begin() + static_cast<long>(share * static_cast<double>(values.size()));
+    std::nth_element(values.begin(), place, values.end());
+    return *place;
   };
-  return MedianOfTracks{median(angles), median(sigmas)};
+  return MotionOfTracks{quantile(angles, 0.5), quantile(angles, kMostTracks), quantile(sigmas, 0.5)};
 }
 
 /// Root of the summed variances of the three axes.
@@ -48,6 +51,18 @@ double Deviation(const std::vector<ImuSample>& samples, Field field) {
   double sum = 0;
   for (const ImuSample& sample : samples) sum += (sample.*field - mean).squaredNorm();
   return std::sqrt(sum / static_cast<double>(samples.size()));
+}
+
+/// [m/s^2] from the first third of an interval to its last: the spread of a noisy accelerometer hides a gentle start.
+double ChangeOfForce(const std::vector<ImuSample>& samples) {
+  const size_t third = samples.size() / 3;
+  if (third == 0) return 0;
+  Eigen::Vector3d first = Eigen::Vector3d::Zero(), last = Eigen::Vector3d::Zero();
+  for (size_t i = 0; i < third; ++i) {
+    first += samples[i].linear_acceleration;
+    last += samples[samples.size() - 1 - i].linear_acceleration;
+  }
+  return (last - first).norm() / static_cast<double>(third);
 }
 
 }  // namespace
@@ -64,6 +79,10 @@ StandstillDetector::StandstillDetector(const ImuCalibration& imu, size_t num_cam
   max_gyroscope_deviation_ = std::max(options.gyroscope_deviation, three_axes * imu.gyroscope_noise_density);
   max_accelerometer_deviation_ =
       std::max(options.accelerometer_deviation, three_axes * imu.accelerometer_noise_density);
+  // Of the means over two thirds of the interval.
+  constexpr double kThird = 0.1;  // [s] as the estimator looks
+  max_change_of_force_ =
+      std::max(kMinChangeOfForce, kNoiseSigmas * std::sqrt(2 * 3 / kThird) * imu.accelerometer_noise_density);
 }
 
 void StandstillDetector::Add(const TrackedFrame& frame) {
@@ -74,8 +93,8 @@ void StandstillDetector::Add(const TrackedFrame& frame) {
   while (recent.size() > 2 && frame.time - recent[1].time >= options_.image_interval) recent.pop_front();
   const double age = frame.time - recent.front().time;
   if (age >= options_.image_interval && age < 3 * options_.image_interval)
-    if (const std::optional<MedianOfTracks> median = MedianMotion(recent.front(), frame))
-      motions.push_back({frame.time, median->motion, median->sigma});
+    if (const std::optional<MotionOfTracks> motion = MeasureMotion(recent.front(), frame))
+      motions.push_back({frame.time, motion->median, motion->most, motion->sigma});
   while (!motions.empty() && frame.time - motions.front().time > kKeepMotions) motions.pop_front();
 }
 
@@ -87,7 +106,9 @@ StandstillDetector::Images StandstillDetector::ImagesDuring(Timestamp begin, Tim
     for (const ImageMotion& motion : motions)
       // A motion is measured over the interval before its stamp: take those that end inside.
       if (motion.time > begin && motion.time <= end)
-        worst = std::max(worst, motion.median / std::max(options_.image_motion, kImageSigmas * motion.sigma));
+        worst =
+            std::max(worst, is_any_enough ? motion.median / std::max(options_.image_motion, kImageSigmas * motion.sigma)
+                                          : motion.most / std::max(options_.image_motion, kMostSigmas * motion.sigma));
     if (worst < 0) continue;
     (worst < tolerance ? num_still : num_moving) += 1;
     if (worst > tolerance * kMovingFactor) ++num_clearly_moving;
@@ -108,6 +129,7 @@ bool StandstillDetector::IsStill(const ImuBuffer& imu, const WheelBuffer& wheels
     return ImagesDuring(begin, end, /*is_any_enough=*/true, tolerance) != Images::kMoving;
   }
   if (Deviation(samples, &ImuSample::linear_acceleration) > max_accelerometer_deviation_) return false;
+  if (ChangeOfForce(samples) > max_change_of_force_) return false;
   const Images images = ImagesDuring(begin, end, /*is_any_enough=*/false, tolerance);
   return images == Images::kStill || (images == Images::kUnknown && was_still);
 }

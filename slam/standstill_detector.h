@@ -30,7 +30,8 @@ struct StandstillOptions {
 /// Says whether the car stood over an interval: the wheels do not turn and the
 /// gyroscope is quiet; without wheels, the images stand still and the whole IMU is
 /// quiet. Traffic that fills one camera does not matter: it takes the median
-/// track of the quietest camera against wheels, of every camera without.
+/// track of the quietest camera against wheels, and three quarters of the tracks of every camera without: what moves
+/// with the car, as its shadow does, must not pass for the world.
 class StandstillDetector {
  public:
   StandstillDetector(const ImuCalibration& imu, size_t num_cameras, const StandstillOptions& options);
@@ -47,6 +48,7 @@ class StandstillDetector {
   struct ImageMotion {
     Timestamp time;
     double median = 0;  ///< [rad]
+    double most = 0;    ///< [rad] a quarter of the tracks moves more
     double sigma = 0;   ///< [rad] of a bearing
   };
   enum class Images { kUnknown, kStill, kMoving };
@@ -56,6 +58,7 @@ class StandstillDetector {
   StandstillOptions options_;
   double max_gyroscope_deviation_;
   double max_accelerometer_deviation_;
+  double max_change_of_force_;                    ///< [m/s^2]
   std::vector<std::deque<TrackedFrame>> recent_;  ///< per camera, over `image_interval`
   std::vector<std::deque<ImageMotion>> motions_;  ///< per camera, the last second
 };

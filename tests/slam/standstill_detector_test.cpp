@@ -51,6 +51,31 @@ TEST(StandstillDetector, KnowsAMovingCarWithAndWithoutWheels) {
     }
 }
 
+TEST(StandstillDetector, WhatMovesWithTheCarDoesNotPassForTheWorld) {
+  // More than half of what a front camera tracks may lie on the edge of the own car's shadow.
+  for (const double start : {8.0, 12.0, 25.0, 40.0}) {
+    SyntheticDriveOptions options = Options(start, false);
+    options.num_cameras = 1;
+    SyntheticDrive drive = MakeCarDrive(options);
+    for (TrackedFrame& frame : drive.frames)
+      for (FeatureObservation& seen : frame.observations)
+        if (seen.track % 5 < 3)
+          seen.bearing =
+              ExpSo3({0.1 * static_cast<double>(seen.track % 7), 0.1 * static_cast<double>(seen.track % 11), 0}) *
+              Eigen::Vector3d::UnitZ();
+    EXPECT_FALSE(Detected(drive).IsStill(1, 1.5)) << start;
+  }
+}
+
+TEST(StandstillDetector, AGentleStartIsFeltBeforeItIsSeen) {
+  SyntheticDrive drive = MakeRestingDrive(Options(0, false));
+  const Timestamp zero = drive.imu.front().time;
+  for (ImuSample& sample : drive.imu)
+    sample.linear_acceleration.x() += std::clamp(4 * (sample.time - zero - 1.2), 0.0, 1.2);
+  EXPECT_TRUE(Detected(drive).IsStill(0.8, 1.1));
+  EXPECT_FALSE(Detected(drive).IsStill(1.2, 1.5));
+}
+
 TEST(StandstillDetector, TrafficInOneCameraDoesNotMoveACarWhoseWheelsStand) {
   SyntheticDrive drive = MakeRestingDrive(Options(0, true));
   for (TrackedFrame& frame : drive.frames)
