@@ -6,10 +6,11 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "mapping/image_sampling.h"
+
 namespace parkade {
 namespace {
 
-constexpr double kBodyMargin = 0.4;    // [m] by which a car's body reaches over its contact area
 constexpr double kOwnShade = 1.3;      // [m] beside the contact area the car's own shadow lies most of the time
 constexpr double kShadePenalty = 0.3;  // of the rank of sights in there: further cameras saw the place in the light
 constexpr double kMaxPixelGap = 60;    // [px] between two corners of a block: more is a fold of the lens
@@ -17,42 +18,16 @@ constexpr int kColorTolerance = 24;    // of lightness: sights further from the 
 constexpr int kMinGainSamples = 60;    // fewer say nothing about the exposure
 constexpr double kMaxGain = 3;
 
-using Color = std::array<float, 3>;  // BGR
-
 int Lightness(int blue, int green, int red) { return (29 * blue + 150 * green + 77 * red) >> 8; }
-
-bool IsMasked(const RigCamera& camera, const Eigen::Vector2d& pixel) {
-  return !camera.mask.empty() && camera.mask.at<std::uint8_t>(static_cast<int>(std::lround(pixel.y())),
-                                                              static_cast<int>(std::lround(pixel.x()))) == 0;
-}
 
 /// The pixel at which the photo shows a point of the ground, unless the own car is in the way.
 std::optional<Eigen::Vector2d> FindPixel(const GroundPhoto& photo, const Rigid3& camera_from_site,
                                          const Eigen::Vector3d& point_in_site) {
   const Eigen::Vector2d in_ground = (photo.site_from_ground.Inverse() * point_in_site).head<2>();
-  const bool is_known_car = photo.contact.wheelbase > 0 && photo.contact.track > 0;
-  if (is_known_car && photo.contact.DistanceTo(in_ground) < kBodyMargin) return {};
+  if (IsUnderCar(in_ground, photo.contact)) return {};
   std::optional<Eigen::Vector2d> pixel = photo.camera->model.Project(camera_from_site * point_in_site);
   if (!pixel || !photo.camera->model.IsInImage(*pixel, 1) || IsMasked(*photo.camera, *pixel)) return {};
   return pixel;
-}
-
-/// Bilinear; the pixel lies at least 1 px inside.
-Color ColorAt(const cv::Mat& image, float column, float row) {
-  const int channels = image.channels();
-  const int x = std::clamp(static_cast<int>(column), 0, image.cols - 2);
-  const int y = std::clamp(static_cast<int>(row), 0, image.rows - 2);
-  const float fx = column - static_cast<float>(x), fy = row - static_cast<float>(y);
-  const std::uint8_t* upper = image.ptr(y) + x * channels;
-  const std::uint8_t* lower = image.ptr(y + 1) + x * channels;
-  Color color;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const std::size_t left = channels == 3 ? c : 0, right = left + static_cast<std::size_t>(channels);
-    const float above = static_cast<float>(upper[left]) * (1 - fx) + static_cast<float>(upper[right]) * fx;
-    const float below = static_cast<float>(lower[left]) * (1 - fx) + static_cast<float>(lower[right]) * fx;
-    color[c] = above * (1 - fy) + below * fy;
-  }
-  return color;
 }
 
 std::uint8_t ToByte(float value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5F, 0.0F, 255.0F)); }
@@ -159,7 +134,7 @@ void ChartPainter::PaintBlock(const GroundPhoto& photo, const std::array<Corner,
       const float v = (static_cast<float>(dy) + 0.5F) / kTexelsPerStep;
       const Eigen::Vector2f pixel = (1 - v) * ((1 - u) * corners[0].pixel + u * corners[1].pixel) +
                                     v * ((1 - u) * corners[2].pixel + u * corners[3].pixel);
-      const Color color = ColorAt(photo.image, pixel.x(), pixel.y());
+      const std::array<float, 3> color = ColorAt(photo.image, pixel.x(), pixel.y());
       std::size_t slot = kNumSights - 1;
       for (; slot > 0 && sights[slot - 1].rank < rank; --slot) sights[slot] = sights[slot - 1];
       sights[slot] = {ToByte(gain * color[0]), ToByte(gain * color[1]), ToByte(gain * color[2]), rank};
@@ -175,7 +150,7 @@ std::array<std::uint8_t, 3> ChartPainter::Agree(const Sights& sights) {
   std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(count));
   const int median = sorted[(count - 1) / 2];
   // Steep sights are sharp ones: they weigh most, and the rest only hides the seams.
-  Color sum{};
+  std::array<float, 3> sum{};
   float total = 0;
   for (std::size_t i = 0; i < count; ++i) {
     if (std::abs(lightness[i] - median) > kColorTolerance) continue;
@@ -226,7 +201,7 @@ double FindGain(const GroundPhoto& photo, const CellFinder& cells, double max_ra
       const std::optional<Eigen::Vector2d> pixel = FindPixel(photo, camera_from_site, point);
       if (!pixel) continue;
       const Eigen::Vector2f place = pixel->cast<float>();
-      const Color color = ColorAt(photo.image, place.x(), place.y());
+      const std::array<float, 3> color = ColorAt(photo.image, place.x(), place.y());
       const int seen = Lightness(ToByte(color[0]), ToByte(color[1]), ToByte(color[2]));
       const int known = Lightness(cell->color[2], cell->color[1], cell->color[0]);
       if (seen > 8 && seen < 247 && known > 8 && known < 247) ratios.push_back(static_cast<double>(known) / seen);

@@ -4,12 +4,12 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "mapping/image_sampling.h"
 
 namespace parkade {
 namespace {
 
 constexpr double kMaxNearestRange = 15.0;  // [m] a camera that sees no nearer ground is not for mapping
-constexpr double kBodyMargin = 0.4;        // [m] by which a car's body reaches over its contact area
 
 /// Distances from the point below the camera: as dense as asked near it, then as the rays spread or as the
 /// pixels can tell, whichever is coarser.
@@ -24,15 +24,6 @@ std::vector<float> MakeRanges(double camera_height, double pixels_per_radian, do
     range += std::max({options.spacing, range * angle_step, 0.5 * pixel_length});
   }
   return ranges;
-}
-
-bool IsUnderCar(const Eigen::Vector2d& point_in_ground, const ContactArea& contact) {
-  return contact.wheelbase > 0 && contact.track > 0 && contact.DistanceTo(point_in_ground) < kBodyMargin;
-}
-
-bool IsMasked(const RigCamera& camera, const Eigen::Vector2d& pixel) {
-  if (camera.mask.empty()) return false;
-  return camera.mask.at<uchar>(static_cast<int>(std::lround(pixel.y())), static_cast<int>(std::lround(pixel.x()))) == 0;
 }
 
 GroundGridCell MakeCell(const RigCamera& camera, const Rigid3& camera_from_ground,
@@ -129,25 +120,13 @@ GroundGrid MakeGroundGrid(const RigCamera& camera, const Rigid3& ground_from_cam
 }
 
 cv::Mat SampleColors(const GroundGrid& grid, const cv::Mat& image) {
-  const int channels = image.channels();
   cv::Mat colors(std::max(grid.num_rays, 1), std::max(grid.num_ranges, 1), CV_8UC3, cv::Scalar(0, 0, 0));
   for (size_t i = 0; i < grid.cells.size(); ++i) {
     const GroundGridCell& cell = grid.cells[i];
     if (!cell.is_visible) continue;
-    const int x = std::clamp(static_cast<int>(cell.pixel.x()), 0, image.cols - 2);
-    const int y = std::clamp(static_cast<int>(cell.pixel.y()), 0, image.rows - 2);
-    const float fx = cell.pixel.x() - static_cast<float>(x);
-    const float fy = cell.pixel.y() - static_cast<float>(y);
-    const uchar* upper = image.ptr(y) + x * channels;
-    const uchar* lower = image.ptr(y + 1) + x * channels;
-    uchar* color = colors.ptr() + 3 * i;
-    for (int c = 0; c < 3; ++c) {
-      const int left = channels == 3 ? c : 0;
-      const int right = left + channels;
-      const float above = static_cast<float>(upper[left]) * (1 - fx) + static_cast<float>(upper[right]) * fx;
-      const float below = static_cast<float>(lower[left]) * (1 - fx) + static_cast<float>(lower[right]) * fx;
-      color[c] = static_cast<uchar>(above * (1 - fy) + below * fy + 0.5F);
-    }
+    const std::array<float, 3> color = ColorAt(image, cell.pixel.x(), cell.pixel.y());
+    uchar* sample = colors.ptr() + 3 * i;
+    for (size_t c = 0; c < 3; ++c) sample[c] = static_cast<uchar>(color[c] + 0.5F);
   }
   return colors;
 }
