@@ -67,6 +67,7 @@ void FixedLagSmoother::Start(const MotionState& first, const StartUncertainty& u
   prior_.sqrt_information(15, 15) = 1 / (options_.estimate_wheel_scale ? options_.wheel_scale_sigma : kExact);
   prior_.offset = Eigen::VectorXd::Zero(16);
   AddPriorOfCameras();
+  prior_.score_covariance = prior_.sqrt_information.transpose() * prior_.sqrt_information;
   oldest_covariance_.topLeftCorner<3, 3>() = (Eigen::Matrix3d::Identity() - about_up) * std::pow(uncertainty.tilt, 2);
   AddImages(std::move(images), 0, 0);
 }
@@ -105,7 +106,17 @@ void FixedLagSmoother::AddImages(std::vector<NewImage> images, std::int64_t knot
     view.geometry.holds_time_offset = !settings.has_time_offset;
     view.geometry.holds_line_delay = !settings.has_line_delay;
     if (!is_at_knot) view.geometry.interpolation = image.interpolation;
+    RecordedImage& recorded = recorded_images_.emplace_back(RecordedImage{view.time,
+                                                                          view.camera,
+                                                                          image.frame.time_offset,
+                                                                          view.first_knot,
+                                                                          view.second_knot,
+                                                                          view.geometry.interpolation,
+                                                                          view.angular_velocity,
+                                                                          {}});
     for (const FeatureObservation& seen : image.frame.observations) {
+      recorded.sightings.push_back({seen.track, seen.bearing.cast<float>(), static_cast<float>(seen.sigma),
+                                    static_cast<float>(seen.pixel.y() - settings.middle_row)});
       Track& track = tracks_[seen.track];
       track.last_time = view.time;
       if (track.num_rejections > kMaxRejections) continue;
@@ -181,7 +192,7 @@ std::vector<FinishedKnot> FixedLagSmoother::Finish() {
 }
 
 JointEstimate FixedLagSmoother::LastEstimate() const {
-  JointEstimate last{prior_.blocks, prior_.Covariance()};
+  JointEstimate last{prior_.blocks, prior_.Covariance(), prior_.AssumedCovariance()};
   for (PriorBlock& block : last.states)
     if (const double* values = ValuesOf(block.name)) std::copy_n(values, block.Size(), block.at.begin());
   return last;

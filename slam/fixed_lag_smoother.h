@@ -2,9 +2,11 @@
 
 #include <deque>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "core/rig.h"
+#include "slam/drive_measurements.h"
 #include "slam/knot_conditional.h"
 #include "slam/linear_prior.h"
 #include "slam/smoother_options.h"
@@ -75,6 +77,8 @@ class FixedLagSmoother {
   JointEstimate LastEstimate() const;
   /// Landmarks that left the window since the last call.
   std::vector<FinishedLandmark> TakeLandmarks();
+  /// All images since the start, for whoever adjusts the whole drive. Once, last.
+  std::vector<RecordedImage> TakeImages() { return std::exchange(recorded_images_, {}); }
 
   const std::deque<Knot>& knots() const { return knots_; }
   MotionState Latest() const { return knots_.back().State(); }
@@ -131,6 +135,7 @@ class FixedLagSmoother {
   std::vector<CameraJump> jumps_;
   std::vector<double> camera_noise_scales_;
   std::vector<FinishedLandmark> finished_landmarks_;
+  std::vector<RecordedImage> recorded_images_;
   Eigen::Matrix<double, 6, 6> oldest_covariance_ = Eigen::Matrix<double, 6, 6>::Zero();
   bool has_been_full_ = false;
 };

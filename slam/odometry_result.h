@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -9,6 +10,8 @@
 #include "core/trajectory.h"
 
 namespace parkade {
+
+struct DriveMeasurements;
 
 /// An image worth keeping.
 struct OdometryKeyframe {
@@ -82,6 +85,7 @@ struct OdometryResult {
   std::vector<OdometryLandmark> landmarks;  ///< in order of time
   Rig rig;                                  ///< the drive's, with what was refined
   OdometryReport report;
+  std::shared_ptr<const DriveMeasurements> measurements;  ///< all of them, see drive_measurements.h
 };
 
 std::string ToText(CalibratedQuantity::Status status);

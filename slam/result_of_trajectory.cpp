@@ -83,6 +83,20 @@ void TrajectoryEstimator::BuildTrajectory(OdometryResult& result) {
                                 landmark.sigma, landmark.num_observations});
   std::stable_sort(result.landmarks.begin(), result.landmarks.end(),
                    [](const OdometryLandmark& a, const OdometryLandmark& b) { return a.time < b.time; });
+  TakeMeasurements(result);
+}
+
+void TrajectoryEstimator::TakeMeasurements(OdometryResult& result) {
+  auto measurements = std::make_shared<DriveMeasurements>();
+  for (FinishedKnot& knot : finished_)
+    measurements->knots.push_back({knot.number, knot.state, knot.covariance, std::move(knot.interval)});
+  finished_.clear();
+  measurements->images = smoother_.TakeImages();
+  measurements->cameras = smoother_.cameras();
+  measurements->camera_noise_scales = smoother_.camera_noise_scales();
+  measurements->wheel_scale = smoother_.wheel_scale();
+  measurements->has_jumps = !smoother_.jumps().empty();
+  result.measurements = std::move(measurements);
 }
 
 void TrajectoryEstimator::FinishCalibration(const JointEstimate& last, OdometryResult& result) {

@@ -53,6 +53,7 @@ class TrajectoryEstimator {
   void NoteDegradation(Timestamp begin, Timestamp end, int bearings_seen, bool has_wheels);
   void AddDegraded(Timestamp begin, Timestamp end, const std::string& reason);
   void BuildTrajectory(OdometryResult& result);
+  void TakeMeasurements(OdometryResult& result);
   void FillBeforeStart(const Rig& refined, std::vector<TrajectoryState>& states);
   bool IsEarly(Timestamp time) const;
   void SelectKeyframes(OdometryResult& result) const;
