@@ -19,6 +19,7 @@ struct JointCovariance {
   std::vector<StateName> names;
   std::vector<Eigen::Index> columns;  // where each begins
   Eigen::MatrixXd matrix;
+  Eigen::MatrixXd assumed;  // inverse information
 
   void Append(const StateName& name) {
     columns.push_back(names.empty() ? 0 : columns.back() + names.back().TangentSize());
@@ -45,26 +46,37 @@ std::optional<JointCovariance> Extend(const StateConditional& conditional, const
   for (const PriorBlock& block : conditional.rest) rest_names.push_back(block.name);
   const std::optional<std::vector<Eigen::Index>> from = ColumnsOf(joint, rest_names);
   if (!from) return std::nullopt;
-  const Eigen::MatrixXd rest = joint.matrix(*from, *from);
+  const Eigen::MatrixXd rest = joint.matrix(*from, *from), assumed_rest = joint.assumed(*from, *from);
   const Eigen::MatrixXd own = conditional.own.cast<double>();
   const auto root = own.triangularView<Eigen::Upper>();
+  // Own error = gain (error of the rest) - inverse z; z goes with the rest's error as far as their scores do.
   const Eigen::MatrixXd gain = -root.solve(conditional.to_rest.cast<double>());
   const Eigen::MatrixXd inverse = root.solve(Eigen::MatrixXd::Identity(own.rows(), own.cols()));
-  const Eigen::MatrixXd cross = gain * rest;
+  const Eigen::MatrixXd assumed_cross = gain * assumed_rest;
+  const Eigen::MatrixXd rest_with_own_offset =
+      -assumed_rest * conditional.score_with_offset.cast<double>() * inverse.transpose();
+  const Eigen::MatrixXd cross = gain * rest - rest_with_own_offset.transpose();
+  const Eigen::MatrixXd mixed = gain * rest_with_own_offset;
 
   JointCovariance all;
   for (const PriorBlock& block : conditional.states) all.Append(block.name);
   for (const StateName& name : rest_names) all.Append(name);
   const Eigen::Index size = own.rows() + rest.rows();
   all.matrix.resize(size, size);
-  all.matrix << inverse * inverse.transpose() + cross * gain.transpose(), cross, cross.transpose(), rest;
-  if (!all.matrix.allFinite()) return std::nullopt;
+  all.matrix << gain * rest * gain.transpose() - mixed - mixed.transpose() +
+                    inverse * conditional.offset_covariance.cast<double>() * inverse.transpose(),
+      cross, cross.transpose(), rest;
+  all.assumed.resize(size, size);
+  all.assumed << inverse * inverse.transpose() + assumed_cross * gain.transpose(), assumed_cross,
+      assumed_cross.transpose(), assumed_rest;
+  if (!all.matrix.allFinite() || !all.assumed.allFinite()) return std::nullopt;
   JointCovariance unique;
   for (const StateName& name : all.names)
     if (std::find(unique.names.begin(), unique.names.end(), name) == unique.names.end()) unique.Append(name);
   if (unique.names.size() == all.names.size()) return all;
   const std::optional<std::vector<Eigen::Index>> kept = ColumnsOf(all, unique.names);
   unique.matrix = all.matrix(*kept, *kept);
+  unique.assumed = all.assumed(*kept, *kept);
   return unique;
 }
 
@@ -112,7 +124,10 @@ void Forget(StateValues& smoothed, std::int64_t from_knot) {
 void SmoothBackwards(std::vector<FinishedKnot>& knots, const JointEstimate& last) {
   StateValues smoothed;
   std::optional<JointCovariance> joint;
-  if (last.covariance.size() > 0) joint.emplace().matrix = last.covariance;
+  if (last.covariance.size() > 0) {
+    joint.emplace().matrix = last.covariance;
+    joint->assumed = last.assumed_covariance.size() > 0 ? last.assumed_covariance : last.covariance;
+  }
   for (const PriorBlock& block : last.states) {
     smoothed[block.name] = block.at;
     if (joint) joint->Append(block.name);

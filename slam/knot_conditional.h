@@ -18,13 +18,16 @@ struct StateConditional {
   Eigen::MatrixXf own;             ///< upper triangular
   Eigen::MatrixXf to_rest;
   Eigen::VectorXf offset;
+  Eigen::MatrixXf offset_covariance;  ///< ScoreElimination::dropped
+  Eigen::MatrixXf score_with_offset;  ///< ScoreElimination::cross
   std::vector<PriorBlock> rest;
 };
 
 /// States with their values, and the covariance of all of them.
 struct JointEstimate {
   std::vector<PriorBlock> states;
-  Eigen::MatrixXd covariance;  ///< may be empty: unknown
+  Eigen::MatrixXd covariance;          ///< may be empty: unknown
+  Eigen::MatrixXd assumed_covariance;  ///< inverse information; empty: the same
 };
 
 /// Corrects all knots of a drive by what was learned after they left the window,

@@ -52,12 +52,34 @@ int LinearPrior::ColumnOf(const StateName& name) const {
   return 0;
 }
 
-Eigen::MatrixXd LinearPrior::Covariance() const {
+Eigen::MatrixXd LinearPrior::AssumedCovariance() const {
   Eigen::MatrixXd root = sqrt_information;
   root.diagonal().array() += (root.diagonal().array().abs() < kMinRoot).cast<double>() * kMinRoot;
   const Eigen::MatrixXd inverse =
       root.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(root.rows(), root.cols()));
   return inverse * inverse.transpose();
+}
+
+Eigen::MatrixXd LinearPrior::Covariance() const {
+  const Eigen::MatrixXd assumed = AssumedCovariance();
+  return assumed * score_covariance * assumed;
+}
+
+ScoreElimination EliminateScores(const Eigen::MatrixXd& score_covariance, const Eigen::MatrixXd& root,
+                                 const Eigen::MatrixXd& to_kept) {
+  const Eigen::Index dropped = root.cols(), kept = to_kept.cols();
+  // W = root^-T M_dropped,all: covariance of z with all scores.
+  const Eigen::MatrixXd with_all =
+      root.transpose().triangularView<Eigen::Lower>().solve(score_covariance.topRows(dropped));
+  ScoreElimination result;
+  result.dropped =
+      root.transpose().triangularView<Eigen::Lower>().solve(with_all.leftCols(dropped).transpose()).transpose();
+  const Eigen::MatrixXd with_kept = with_all.rightCols(kept);
+  result.cross = with_kept.transpose() - to_kept.transpose() * result.dropped;
+  const Eigen::MatrixXd mixed = to_kept.transpose() * with_kept;
+  result.kept = score_covariance.bottomRightCorner(kept, kept) - mixed - mixed.transpose() +
+                to_kept.transpose() * result.dropped * to_kept;
+  return result;
 }
 
 LinearPriorCost::LinearPriorCost(const LinearPrior* prior) : prior_(prior) {

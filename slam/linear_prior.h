@@ -47,13 +47,37 @@ struct LinearPrior {
   std::vector<PriorBlock> blocks;
   Eigen::MatrixXd sqrt_information;
   Eigen::VectorXd offset;
+  /// Covariance of sqrt_information^T offset, which would be the information if errors were as independent and as
+  /// small as the weights have them: see ScoreElimination.
+  Eigen::MatrixXd score_covariance;
 
   int Columns() const;
   /// First column of a state, which must be one of the blocks.
   int ColumnOf(const StateName& name) const;
-  /// Of all its states; upper triangular sqrt_information. Directions that nothing is known about get a huge one.
+  /// The inverse of the information; upper triangular sqrt_information. Directions that nothing is known about get a
+  /// huge one. What the covariance of all its states would be if errors were as the weights have them.
+  Eigen::MatrixXd AssumedCovariance() const;
+  /// Of all its states.
   Eigen::MatrixXd Covariance() const;
 };
+
+/// What becomes of the scores' covariance when states are eliminated.
+///
+/// Least squares with weights that are not quite the noise's has errors e = -H^-1 s, where the score s = J^T r sums
+/// the residuals at the truth: their covariance is H^-1 M H^-1 with M = Cov(s) ("sandwich"). Eliminating states by
+///   root (x_dropped) + to_kept (x_kept) + z = 0
+/// leaves the rest with the score s_kept - to_kept^T z, z = root^-T s_dropped.
+/// P. J. Huber, "The behavior of maximum likelihood estimates under nonstandard conditions", 1967.
+struct ScoreElimination {
+  Eigen::MatrixXd dropped;  ///< Cov(z); unity if the weights were right
+  Eigen::MatrixXd cross;    ///< Cov(score of the kept, z); zero then
+  Eigen::MatrixXd kept;     ///< Cov(score of the kept); their information then
+};
+
+/// \param score_covariance  of all states, the dropped ones first
+/// \param root              upper triangular, square
+ScoreElimination EliminateScores(const Eigen::MatrixXd& score_covariance, const Eigen::MatrixXd& root,
+                                 const Eigen::MatrixXd& to_kept);
 
 /// The prior as a cost of its blocks, in their order. Its Jacobian is constant:
 /// that of the first estimate. `prior` is borrowed.

@@ -75,7 +75,7 @@ FinishedKnot FixedLagSmoother::MarginaliseOldest() {
   const LinearPriorCost prior_cost(&prior_);
   std::vector<StateName> prior_states;
   for (const PriorBlock& block : prior_.blocks) prior_states.push_back(block.name);
-  marginaliser.Add(block_of(&prior_cost, nullptr, prior_states));
+  marginaliser.Add(block_of(&prior_cost, nullptr, prior_states), &prior_.score_covariance);
   const ImuCost imu_cost(&interval.imu, &oldest.first_estimate, &next.first_estimate);
   const StateName pose_i{Kind::kPose, oldest.number}, motion_i{Kind::kMotion, oldest.number};
   const StateName pose_j{Kind::kPose, next.number}, motion_j{Kind::kMotion, next.number};
@@ -124,11 +124,14 @@ FinishedKnot FixedLagSmoother::MarginaliseOldest() {
                                result.dropped_information.cast<float>(),
                                result.dropped_to_kept.cast<float>(),
                                (result.dropped_offset - result.dropped_to_kept * since_first).cast<float>(),
+                               result.scores.dropped.cast<float>(),
+                               result.scores.cross.cast<float>(),
                                prior.blocks};
   std::copy(oldest.pose.begin(), oldest.pose.end(), conditional.states[0].at.begin());
   std::copy(oldest.motion.begin(), oldest.motion.end(), conditional.states[1].at.begin());
   prior.offset = result.offset - result.sqrt_information * since_first;
   prior.sqrt_information = std::move(result.sqrt_information);
+  prior.score_covariance = std::move(result.scores.kept);
   prior_ = std::move(prior);
 
   for (Track* track : consumed) {
@@ -160,10 +163,11 @@ void FixedLagSmoother::UpdateOldestCovariance() {
   const Eigen::Index width = prior_.sqrt_information.cols();
   Eigen::MatrixXd root = prior_.sqrt_information;
   root.diagonal().array() += (root.diagonal().array().abs() < kMinRoot).cast<double>() * kMinRoot;
-  // cov = (R^T R)^-1 = Z^T Z with R^T Z = selector of the oldest pose, the first columns.
+  // Columns of the oldest pose, the first, of (R^T R)^-1.
   const Eigen::MatrixXd selector = Eigen::MatrixXd::Identity(width, kPoseTangentSize);
-  const Eigen::MatrixXd z = root.transpose().triangularView<Eigen::Lower>().solve(selector);
-  const Eigen::Matrix<double, 6, 6> covariance = z.transpose() * z;
+  Eigen::MatrixXd columns = root.transpose().triangularView<Eigen::Lower>().solve(selector);
+  root.triangularView<Eigen::Upper>().solveInPlace(columns);
+  const Eigen::Matrix<double, 6, 6> covariance = columns.transpose() * prior_.score_covariance * columns;
   if (covariance.allFinite()) oldest_covariance_ = covariance;
 }
 

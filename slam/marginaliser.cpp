@@ -41,9 +41,19 @@ std::optional<Evaluated> Evaluate(const LinearisableBlock& block) {
 
 }  // namespace
 
-Marginaliser::Marginaliser(int num_dropped, int num_kept) : num_dropped_(num_dropped), num_kept_(num_kept) {}
+Marginaliser::Marginaliser(int num_dropped, int num_kept)
+    : num_dropped_(num_dropped),
+      num_kept_(num_kept),
+      score_covariance_(Eigen::MatrixXd::Zero(num_dropped + num_kept, num_dropped + num_kept)) {}
 
-bool Marginaliser::Add(const LinearisableBlock& block) {
+void Marginaliser::AddScores(const std::vector<int>& columns, const Eigen::MatrixXd& covariance) {
+  for (size_t j = 0; j < columns.size(); ++j)
+    for (size_t i = 0; i < columns.size(); ++i)
+      score_covariance_(columns[i], columns[j]) +=
+          covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+}
+
+bool Marginaliser::Add(const LinearisableBlock& block, const Eigen::MatrixXd* score_covariance) {
   const std::optional<Evaluated> evaluated = Evaluate(block);
   if (!evaluated) return false;
   int width = 0;
@@ -56,6 +66,8 @@ bool Marginaliser::Add(const LinearisableBlock& block) {
     at += size;
   }
   rows.matrix.rightCols<1>() = evaluated->residual;
+  const auto jacobian = rows.matrix.leftCols(width);
+  AddScores(rows.columns, score_covariance ? *score_covariance : jacobian.transpose() * jacobian);
   rows_.push_back(std::move(rows));
   return true;
 }
@@ -88,6 +100,8 @@ bool Marginaliser::AddLandmark(std::span<const LinearisableBlock> observations) 
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(stacked.leftCols(kOwn));
   stacked.applyOnTheLeft(qr.householderQ().adjoint());
   rows.matrix = stacked.bottomRightCorner(stacked.rows() - kOwn, width + 1);
+  const Eigen::VectorXd score = rows.matrix.leftCols(width).transpose() * rows.matrix.col(width);
+  AddScores(rows.columns, score * score.transpose());
   rows_.push_back(std::move(rows));
   return true;
 }
@@ -112,6 +126,7 @@ Marginaliser::Result Marginaliser::Finish() const {
   result.sqrt_information =
       stacked.block(num_dropped_, num_dropped_, num_kept_, num_kept_).triangularView<Eigen::Upper>();
   result.offset = stacked.block(num_dropped_, width, num_kept_, 1);
+  result.scores = EliminateScores(score_covariance_, result.dropped_information, result.dropped_to_kept);
   return result;
 }
 

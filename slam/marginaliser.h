@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "slam/linear_prior.h"
+
 namespace parkade {
 
 /// A residual block with the parameters to linearise it at. `columns` holds, per
@@ -30,10 +32,13 @@ class Marginaliser {
   Marginaliser(int num_dropped, int num_kept);
 
   /// Returns false, adding nothing, when the block cannot be evaluated.
-  bool Add(const LinearisableBlock& block);
+  /// `score_covariance`, of the block's tangents, where it is not the information.
+  bool Add(const LinearisableBlock& block, const Eigen::MatrixXd* score_covariance = nullptr);
 
   /// All observations of one landmark, whose three parameters are the last block
-  /// of each (its column is ignored): eliminated at once.
+  /// of each (its column is ignored): eliminated at once. A track's errors last from image to image; what they
+  /// add up to is read off its residuals, taken as one draw: K.-Y. Liang, S. L. Zeger, "Longitudinal data
+  /// analysis using generalized linear models", Biometrika 1986.
   bool AddLandmark(std::span<const LinearisableBlock> observations);
 
   struct Result {
@@ -42,6 +47,7 @@ class Marginaliser {
     Eigen::VectorXd dropped_offset;
     Eigen::MatrixXd sqrt_information;  ///< rows <= num_kept, upper triangular
     Eigen::VectorXd offset;
+    ScoreElimination scores;
   };
   /// What the blocks say about the kept columns, and about the dropped ones given those.
   Result Finish() const;
@@ -52,9 +58,12 @@ class Marginaliser {
     Eigen::MatrixXd matrix;    ///< Jacobian | residual
   };
 
+  void AddScores(const std::vector<int>& columns, const Eigen::MatrixXd& covariance);
+
   int num_dropped_;
   int num_kept_;
   std::vector<Rows> rows_;
+  Eigen::MatrixXd score_covariance_;
 };
 
 }  // namespace parkade

@@ -94,10 +94,20 @@ void FixedLagSmoother::ReopenExtrinsics(int camera, const Eigen::Quaterniond& ne
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(rows);
   const Eigen::MatrixXd root = qr.matrixQR().triangularView<Eigen::Upper>();
 
+  std::vector<Eigen::Index> place;  // of the old states among the columns
+  for (Eigen::Index k = 0; k < width; ++k) place.push_back(k >= column && k < column + kOwn ? k - column : kOwn + k);
+  const Eigen::MatrixXd link = rows.block(height, 0, kOwn, kOwn + width);
+  Eigen::MatrixXd score_covariance = link.transpose() * link;
+  score_covariance(place, place) += prior_.score_covariance;
+  ScoreElimination scores =
+      EliminateScores(score_covariance, root.topLeftCorner(kOwn, kOwn), root.block(0, kOwn, kOwn, width));
+
   StateConditional old{{},
                        root.topLeftCorner(kOwn, kOwn).cast<float>(),
                        root.block(0, kOwn, kOwn, width).cast<float>(),
                        root.block(0, kOwn + width, kOwn, 1).cast<float>(),
+                       scores.dropped.cast<float>(),
+                       scores.cross.cast<float>(),
                        prior_.blocks};
   for (PriorBlock& block : old.rest) {
     if (block.name != name) continue;
@@ -109,6 +119,7 @@ void FixedLagSmoother::ReopenExtrinsics(int camera, const Eigen::Quaterniond& ne
   const Eigen::Index kept = std::min(width, root.rows() - kOwn);
   prior_.sqrt_information = root.block(kOwn, kOwn, kept, width);
   prior_.offset = root.block(kOwn, kOwn + width, kept, 1);
+  prior_.score_covariance = std::move(scores.kept);
 }
 
 }  // namespace parkade
