@@ -16,25 +16,45 @@ namespace fs = std::filesystem;
 class ImageBatch {
  public:
   ImageBatch(const std::vector<TopicInfo>& topics, std::vector<TopicInspector>& inspectors)
-      : topics_(topics), inspectors_(inspectors) {}
+      : topics_(topics), inspectors_(inspectors), pictures_(topics.size()) {}
 
   void Add(RawMessage message, Timestamp time) {
     num_bytes_ += message.data.size();
-    images_.push_back({std::move(message), time});
+    const bool is_sampled = pictures_[static_cast<std::size_t>(message.topic)].WantsSample(time);
+    images_.push_back({std::move(message), time, is_sampled});
     if (images_.size() >= kMaxImages || num_bytes_ >= kMaxBytes) Flush();
   }
 
   void Flush() {
-    const auto found = ParallelMap(images_.size(), [&](std::size_t i) { return Look(images_[i].message); });
+    const auto found = ParallelMap(images_.size(), [&](std::size_t i) { return Look(images_[i]); });
     for (std::size_t i = 0; i < images_.size(); ++i) {
-      TopicInspector& inspector = inspectors_[static_cast<std::size_t>(images_[i].message.topic)];
-      if (found[i].fault.empty())
-        inspector.IncludeImage(images_[i].time, found[i].width, found[i].height);
-      else
-        inspector.IncludeFault(images_[i].time, found[i].fault);
+      const std::size_t topic = static_cast<std::size_t>(images_[i].message.topic);
+      if (found[i].fault.empty()) {
+        inspectors_[topic].IncludeImage(images_[i].time, found[i].width, found[i].height);
+        pictures_[topic].Include(images_[i].time, found[i].glance, found[i].sample);
+      } else {
+        inspectors_[topic].IncludeFault(images_[i].time, found[i].fault);
+      }
     }
     images_.clear();
     num_bytes_ = 0;
+  }
+
+  /// By topic; empty where topics are no camera.
+  std::vector<std::vector<PictureFault>> PictureFaults() const {
+    std::vector<std::vector<PictureFault>> faults(topics_.size());
+    std::vector<std::size_t> cameras;
+    std::vector<const PictureHistory*> histories;
+    for (std::size_t topic = 0; topic < topics_.size(); ++topic) {
+      if (!IsImageType(topics_[topic].type) || IsMaskTopic(topics_[topic].topic)) continue;
+      faults[topic] = pictures_[topic].Faults();
+      cameras.push_back(topic);
+      histories.push_back(&pictures_[topic]);
+    }
+    const std::vector<std::vector<PictureFault>> covers = FindCovers(histories);
+    for (std::size_t i = 0; i < cameras.size(); ++i)
+      faults[cameras[i]].insert(faults[cameras[i]].end(), covers[i].begin(), covers[i].end());
+    return faults;
   }
 
  private:
@@ -43,24 +63,38 @@ class ImageBatch {
   struct Image {
     RawMessage message;
     Timestamp time;
+    bool is_sampled = false;
   };
   struct Found {
     int width = 0, height = 0;
     std::string fault;
+    PictureGlance glance;
+    std::optional<PictureSample> sample;
   };
 
-  Found Look(const RawMessage& message) const {
-    const TopicInfo& topic = topics_[static_cast<std::size_t>(message.topic)];
+  /// Masks of drivable ground are no pictures: they may well be dark.
+  static bool IsMaskTopic(const std::string& topic) { return topic.ends_with("/semantic"); }
+
+  Found Look(const Image& image) const {
+    const TopicInfo& topic = topics_[static_cast<std::size_t>(image.message.topic)];
     SensorStream stream;
     stream.type = topic.type;
     stream.encoding = topic.encoding;
-    const DecodedImage decoded = DecodeMessageImage(message, stream, ImageRequest{});
-    if (decoded.fault != ImageFault::kNone) return {0, 0, decoded.what};
-    return {decoded.image.cols, decoded.image.rows, ""};
+    DecodedImage decoded = DecodeMessageImage(image.message, stream, {});
+    if (decoded.fault != ImageFault::kNone) return {0, 0, decoded.what, {}, {}};
+    // Of 16 bits perhaps only 12 are in use: no picture is dark for that.
+    if (const std::optional<int> bits = SampleBits(image.message, stream))
+      decoded = DecodeMessageImage(image.message, stream, {.sample_bits = *bits});
+    Found found{decoded.image.cols, decoded.image.rows, "", {}, {}};
+    if (IsMaskTopic(topic.topic)) return found;
+    found.glance = GlanceAt(decoded.image);
+    if (image.is_sampled) found.sample = SampleOf(decoded.image);
+    return found;
   }
 
   const std::vector<TopicInfo>& topics_;
   std::vector<TopicInspector>& inspectors_;
+  std::vector<PictureHistory> pictures_;  // by topic
   std::vector<Image> images_;
   std::size_t num_bytes_ = 0;
 };
@@ -77,6 +111,8 @@ void InspectTopics(const MessageSource& source, LogInspection& inspection) {
   }
   images.Flush();
   for (const TopicInspector& inspector : inspectors) inspection.topics.push_back(inspector.Finish());
+  const std::vector<std::vector<PictureFault>> picture_faults = images.PictureFaults();
+  for (std::size_t i = 0; i < topics.size(); ++i) inspection.topics[i].picture_faults = picture_faults[i];
   inspection.damage = stream->damage();
 }
 

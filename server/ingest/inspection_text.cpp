@@ -44,6 +44,15 @@ std::string RowOf(const TopicInspection& topic) {
 
 constexpr std::size_t kMaxGaps = 3;  // that are printed
 
+std::string PictureNote(const PictureFault& fault) {
+  switch (fault.kind) {
+    case PictureFault::Kind::kDark: return "dark";
+    case PictureFault::Kind::kUnchanged: return "the picture does not change";
+    case PictureFault::Kind::kCovered: break;
+  }
+  return Format("covered, %.0f %% of the picture,", 100 * fault.share);
+}
+
 std::string NotesOf(const LogInspection& log, const TopicInspection& topic) {
   std::string notes;
   const auto count = [&](std::uint64_t number, const char* what) {
@@ -61,6 +70,9 @@ std::string NotesOf(const LogInspection& log, const TopicInspection& topic) {
     notes += (notes.empty() ? "" : "; ") + ("gap of " + Seconds(topic.gaps[i].seconds)) + " at " +
              Since(log, topic.gaps[i].begin);
   if (topic.gaps.size() > kMaxGaps) notes += "; shorter gaps";
+  for (const PictureFault& fault : topic.picture_faults)
+    notes += (notes.empty() ? "" : "; ") + PictureNote(fault) + " from " + Since(log, fault.begin) + " to " +
+             Since(log, fault.end);
   return notes.empty() ? "" : "  " + Printable(topic.topic) + ": " + notes + "\n";
 }
 
@@ -96,7 +108,14 @@ nlohmann::json ToJson(const TopicInspection& topic) {
     json["begin"] = ToDecimalSeconds(topic.span.begin);
     json["end"] = ToDecimalSeconds(topic.span.end);
   }
+  nlohmann::json picture_faults = nlohmann::json::array();
+  for (const PictureFault& fault : topic.picture_faults)
+    picture_faults.push_back({{"kind", NameOf(fault.kind)},
+                              {"begin", ToDecimalSeconds(fault.begin)},
+                              {"end", ToDecimalSeconds(fault.end)},
+                              {"share", fault.share}});
   if (topic.width > 0) {
+    json["picture_faults"] = picture_faults;
     json["width"] = topic.width;
     json["height"] = topic.height;
   }

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+
+namespace parkade {
+
+/// What is told of every picture: some tens of microseconds for one of 640x400.
+struct PictureGlance {
+  int brightest = 0;          ///< grey level that 1 % of the pixels reach
+  std::uint64_t content = 0;  ///< hash of all pixels: equal pictures have the same
+};
+
+/// What is told of a few pictures: a grid of blocks over the picture, row by row from the upper left.
+struct PictureSample {
+  static constexpr int kRows = 10, kColumns = 16;
+  static constexpr std::size_t kBlocks = kRows * kColumns;
+  using Blocks = std::bitset<kBlocks>;
+
+  std::array<std::uint8_t, kBlocks> brightness{};  ///< mean grey level
+  Blocks blind;                                    ///< shows no detail that is more than noise
+};
+
+/// `gray`: CV_8UC1, not empty. Thread-safe, as the next.
+PictureGlance GlanceAt(const cv::Mat& gray);
+
+/// About as long as two blurs of a picture of 320 pixels' width, after it was made as small as that. Nothing for
+/// pictures below 160x100 pixels, which have too little detail to miss.
+std::optional<PictureSample> SampleOf(const cv::Mat& gray);
+
+}  // namespace parkade
