@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "core/error.h"
 
@@ -68,10 +69,9 @@ void ReadOptionsFromJson(const nlohmann::json& json, Options& options, const std
   if constexpr (requires { options.Validate(); }) options.Validate();
 }
 
-/// Applies one "stage.option=value" (the value as JSON; a bare word is a
-/// string). Throws Error{kUsage}.
-template <OptionStruct Options>
-void SetOption(const std::string& assignment, Options& options) {
+/// {"stage": {"option": value}} of "stage.option=value": the value as JSON, a bare word is a string. Throws
+/// Error{kUsage}.
+inline nlohmann::json ParseAssignment(const std::string& assignment) {
   const size_t equals = assignment.find('=');
   Require(equals != std::string::npos && equals > 0, ErrorCode::kUsage,
           "'" + assignment + "' is not of the form stage.option=value");
@@ -81,7 +81,21 @@ void SetOption(const std::string& assignment, Options& options) {
   std::string path = assignment.substr(0, equals);
   for (size_t dot; (dot = path.rfind('.')) != std::string::npos; path.resize(dot))
     value = nlohmann::json{{path.substr(dot + 1), value}};
-  ReadOptionsFromJson(nlohmann::json{{path, value}}, options);
+  return {{path, value}};
+}
+
+/// Applies one assignment (see ParseAssignment). Throws Error{kUsage}.
+template <OptionStruct Options>
+void SetOption(const std::string& assignment, Options& options) {
+  ReadOptionsFromJson(ParseAssignment(assignment), options);
+}
+
+/// Applies all of them at once, for options that are valid together only. Throws Error{kUsage}.
+template <OptionStruct Options>
+void SetOptions(const std::vector<std::string>& assignments, Options& options) {
+  nlohmann::json all = nlohmann::json::object();
+  for (const std::string& assignment : assignments) all.merge_patch(ParseAssignment(assignment));
+  ReadOptionsFromJson(all, options);
 }
 
 }  // namespace parkade

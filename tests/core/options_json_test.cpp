@@ -94,5 +94,26 @@ TEST(OptionsJson, OneOptionIsSetFromTheCommandLine) {
     EXPECT_NE(UsageError([&] { SetOption(wrong, options); }), "accepted") << wrong;
 }
 
+/// Valid together only.
+struct RangeOptions {
+  int begin = 0, end = 0;
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("begin", begin);
+    visit("end", end);
+  }
+  void Validate() const { Require(begin <= end, ErrorCode::kUsage, "the end must not lie before the begin"); }
+};
+
+TEST(OptionsJson, OptionsThatAreValidTogetherOnlyAreSetTogether) {
+  RangeOptions options;
+  SetOptions({"begin=3", "end=5"}, options);
+
+  EXPECT_EQ(options.begin, 3);
+  EXPECT_EQ(options.end, 5);
+  EXPECT_NE(UsageError([&] { SetOption("end=2", options); }), "accepted");
+}
+
 }  // namespace
 }  // namespace parkade
