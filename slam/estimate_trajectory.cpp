@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <unordered_map>
 
 #include "core/error.h"
 #include "core/log.h"
@@ -12,15 +13,19 @@
 namespace parkade {
 namespace {
 
-constexpr double kBatch = 0.2;          // [s] of the log handled at a time
-constexpr double kMinOverlap = 0.05;    // of two cameras' views that is worth matching
-constexpr double kMaxPairTime = 0.015;  // [s] between two images that are matched across cameras
-constexpr double kSameTime = 1e-3;      // [s] within which no motion needs to be known
+constexpr double kBatch = 0.2;           // [s] of the log handled at a time
+constexpr double kMinOverlap = 0.05;     // of two cameras' views that is worth matching
+constexpr double kMaxPairTime = 0.015;   // [s] between two images that are matched across cameras
+constexpr double kSameTime = 1e-3;       // [s] within which no motion needs to be known
+constexpr double kMatchInterval = 0.07;  // [s] between two images of a camera that another's tracks are sought in
+constexpr int kMissesPerTry = 4;         // images after which a track that another camera did not show is sought again
 
 using Batch = std::vector<SensorRecord>;
 
 struct CameraPair {
   int from = 0, to = 0;
+  std::optional<Timestamp> last_match;           // of the image of `to`
+  std::unordered_map<std::int64_t, int> misses;  // per track of `from`: images since it was sought in vain
 };
 
 /// Tracks the images of all cameras, batch by batch.
@@ -35,7 +40,7 @@ class FrontEnd {
     for (size_t a = 0; a < rig.cameras.size(); ++a)
       for (size_t b = a + 1; b < rig.cameras.size(); ++b)
         if (ViewOverlap(rig.cameras[a], rig.cameras[b], options.cross_camera.min_depth) > kMinOverlap)
-          pairs_.push_back({static_cast<int>(a), static_cast<int>(b)});
+          pairs_.push_back({static_cast<int>(a), static_cast<int>(b), {}, {}});
   }
 
   size_t num_cameras() const { return trackers_.size(); }
@@ -66,34 +71,15 @@ class FrontEnd {
     }
   }
 
-  /// Looks for tracks of one camera in another's images.
+  /// Looks for tracks of one camera in another's images. Pairs may run in parallel:
+  /// they find in images, and add to them one after the other.
   void MatchAcrossCameras() {
-    struct Task {
-      const TrackedImage* from;
-      const TrackedImage* to;
-      TrackedFrame* into;
-    };
-    std::vector<Task> tasks;
-    for (const CameraPair& pair : pairs_) {
-      const auto& from_images = images_[static_cast<size_t>(pair.from)];
-      for (size_t i = 0; i < frames_[static_cast<size_t>(pair.to)].size(); ++i) {
-        TrackedFrame& into = frames_[static_cast<size_t>(pair.to)][i];
-        const TrackedImage& to = images_[static_cast<size_t>(pair.to)][i];
-        const auto nearest =
-            std::min_element(from_images.begin(), from_images.end(), [&](const TrackedImage& a, const TrackedImage& b) {
-              return std::abs(a.time - into.time) < std::abs(b.time - into.time);
-            });
-        if (nearest == from_images.end() || nearest->empty() || to.empty() || to.time != into.time) continue;
-        const double apart = std::abs(nearest->time - into.time);
-        if (apart < (latest_ ? kMaxPairTime : kSameTime)) tasks.push_back({&*nearest, &to, &into});
+    const auto found = ParallelMap(pairs_.size(), [&](size_t i) { return MatchPair(pairs_[i]); });
+    for (size_t i = 0; i < pairs_.size(); ++i)
+      for (const CrossMatches& matches : found[i]) {
+        auto& observations = frames_[static_cast<size_t>(pairs_[i].to)][matches.frame].observations;
+        observations.insert(observations.end(), matches.observations.begin(), matches.observations.end());
       }
-    }
-    const auto matches = ParallelMap(tasks.size(), [&](size_t i) {
-      return MatchAcross(*tasks[i].from, *tasks[i].to, CameraMotion(*tasks[i].from, *tasks[i].to),
-                         options_.cross_camera);
-    });
-    for (size_t i = 0; i < tasks.size(); ++i)
-      tasks[i].into->observations.insert(tasks[i].into->observations.end(), matches[i].begin(), matches[i].end());
   }
 
   /// The tracked frames of the batch in the order of its records.
@@ -107,6 +93,50 @@ class FrontEnd {
   }
 
  private:
+  /// What an image shows of another camera's tracks.
+  struct CrossMatches {
+    size_t frame = 0;  ///< index into frames_ of the camera
+    std::vector<FeatureObservation> observations;
+  };
+
+  std::vector<CrossMatches> MatchPair(CameraPair& pair) const {
+    const auto& from_images = images_[static_cast<size_t>(pair.from)];
+    const auto& to_images = images_[static_cast<size_t>(pair.to)];
+    std::vector<CrossMatches> found;
+    for (size_t i = 0; i < to_images.size(); ++i) {
+      const TrackedImage& to = to_images[i];
+      if (to.empty() || to.time != frames_[static_cast<size_t>(pair.to)][i].time) continue;
+      if (pair.last_match && to.time - *pair.last_match < kMatchInterval) continue;
+      const auto nearest =
+          std::min_element(from_images.begin(), from_images.end(), [&](const TrackedImage& a, const TrackedImage& b) {
+            return std::abs(a.time - to.time) < std::abs(b.time - to.time);
+          });
+      if (nearest == from_images.end() || nearest->empty()) continue;
+      if (std::abs(nearest->time - to.time) >= (latest_ ? kMaxPairTime : kSameTime)) continue;
+      pair.last_match = to.time;
+      found.push_back({i, MatchImages(pair, *nearest, to)});
+    }
+    return found;
+  }
+
+  /// Tracks sought in vain rest for some images: most of them no camera beside shows.
+  std::vector<FeatureObservation> MatchImages(CameraPair& pair, const TrackedImage& from,
+                                              const TrackedImage& to) const {
+    std::unordered_map<std::int64_t, int> misses;
+    TrackedImage sought = from;
+    sought.observations.clear();
+    for (const FeatureObservation& seen : from.observations) {
+      const auto known = pair.misses.find(seen.track);
+      const int count = known == pair.misses.end() ? 0 : known->second;
+      misses[seen.track] = count % kMissesPerTry + 1;
+      if (count % kMissesPerTry == 0) sought.observations.push_back(seen);
+    }
+    std::vector<FeatureObservation> matches = MatchAcross(sought, to, CameraMotion(from, to), options_.cross_camera);
+    for (const FeatureObservation& match : matches) misses.erase(match.track);
+    pair.misses = std::move(misses);
+    return matches;
+  }
+
   Eigen::Quaterniond ImuRotation(Timestamp begin, Timestamp end) const {
     if (imu_.empty() || !(begin < end)) return Eigen::Quaterniond::Identity();
     const ImuBias bias{latest_ ? latest_->gyroscope_bias : Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};

@@ -2,26 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/video/tracking.hpp>
+#include <opencv2/core.hpp>
 
 #include "core/error.h"
 #include "slam/image_pyramid.h"
+#include "slam/lucas_kanade.h"
 #include "slam/parallax_field.h"
 
 namespace parkade {
 namespace {
 
 constexpr int kCameraShift = 40;        ///< bits of a track number below the camera index
-constexpr int kMaxIterations = 20;      ///< of Lucas-Kanade per level
-constexpr double kConvergence = 0.01;   ///< [px]
+constexpr double kOtherStart = 1.5;     ///< [px] from a start that failed: nearer ones would fail, too
 constexpr double kMinSimilarity = 0.8;  ///< correlation with the first look for it to be believed
 constexpr double kMaxCreep = 1.5;       ///< [px] between the look of the last image and the first look
 constexpr double kMaxGrowth = 2.5;      ///< of a patch's area before it gets a new reference
 constexpr double kMovingFlow = 1.0;     ///< [px] median flow of a car that moves
-
-cv::Point2f ToPoint(const Eigen::Vector2d& pixel) {
-  return {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
-}
 
 bool IsSet(const cv::Mat& mask, const Eigen::Vector2d& pixel) {
   const int x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
@@ -78,14 +74,15 @@ TrackedFrame FeatureTracker::Track(const CameraFrame& frame, const Eigen::Matrix
   }
   median_flow_ = 0;
   if (!last_.observations.empty()) {
-    std::vector<Found> found = Follow(now, Predict(seconds));
+    const std::vector<std::optional<Eigen::Vector2d>> predicted = Predict(seconds);
+    std::vector<Found> found = Follow(now, predicted);
     statistics_.lost_in_flow += std::ssize(last_.observations) - std::ssize(found);
     std::vector<BearingPair> pairs;
     for (const Found& track : found) pairs.push_back(track.pair);
     const EpipolarCheck check = CheckEpipolarGeometry(pairs, now_from_last_, options_.max_epipolar_error);
     if (options_.learn_own_body && check.is_trusted) LearnOwnBody(found, check);
     now.usable = usable_;
-    Keep(std::move(found), check, now);
+    Keep(std::move(found), predicted, check, now);
   } else {
     memories_.clear();
   }
@@ -133,38 +130,20 @@ std::vector<std::optional<Eigen::Vector2d>> FeatureTracker::Predict(double secon
 }
 
 /// Lucas-Kanade and back again, from the predicted pixels; tracks without one are left out.
-std::vector<FeatureTracker::Found> FeatureTracker::Follow(
-    const TrackedImage& now, const std::vector<std::optional<Eigen::Vector2d>>& predicted) const {
-  std::vector<size_t> origins;
-  std::vector<cv::Point2f> before, start;
+std::vector<FeatureTracker::Found> FeatureTracker::Follow(const TrackedImage& now,
+                                                          std::vector<std::optional<Eigen::Vector2d>> predicted) const {
+  std::vector<Eigen::Vector2d> before;
   for (size_t i = 0; i < predicted.size(); ++i) {
-    if (!predicted[i] || !model_.IsInImage(*predicted[i])) continue;
-    origins.push_back(i);
-    before.push_back(ToPoint(last_.observations[i].pixel));
-    start.push_back(ToPoint(*predicted[i]));
+    before.push_back(last_.observations[i].pixel);
+    if (predicted[i] && !model_.IsInImage(*predicted[i])) predicted[i].reset();
   }
+  const auto after = FollowThereAndBack(last_.pyramid, now.pyramid, before, predicted,
+                                        {.window = options_.window, .max_round_trip = options_.max_round_trip});
   std::vector<Found> found;
-  if (origins.empty()) return found;
-
-  const cv::TermCriteria criteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, kMaxIterations, kConvergence);
-  const cv::Size window(options_.window, options_.window);
-  const int top_level = static_cast<int>(now.pyramid.size() / 2) - 1;
-  std::vector<cv::Point2f> after = start, back(before.size());
-  std::vector<std::uint8_t> is_found, is_found_back;
-  std::vector<float> error;
-  cv::calcOpticalFlowPyrLK(last_.pyramid, now.pyramid, before, after, is_found, error, window, top_level, criteria,
-                           cv::OPTFLOW_USE_INITIAL_FLOW);
-  // The way back starts as far off as the prediction was, so that it proves something.
-  for (size_t i = 0; i < back.size(); ++i) back[i] = before[i] + (after[i] - start[i]);
-  cv::calcOpticalFlowPyrLK(now.pyramid, last_.pyramid, after, back, is_found_back, error, window, top_level, criteria,
-                           cv::OPTFLOW_USE_INITIAL_FLOW);
-  for (size_t i = 0; i < origins.size(); ++i) {
-    const Eigen::Vector2d pixel(after[i].x, after[i].y);
-    if (is_found[i] == 0 || is_found_back[i] == 0 || cv::norm(back[i] - before[i]) > options_.max_round_trip ||
-        !IsSet(lens_usable_, pixel))
-      continue;
-    Found track = Refine(now.pyramid[0], origins[i], pixel);
-    const FeatureObservation& last = last_.observations[origins[i]];
+  for (size_t i = 0; i < after.size(); ++i) {
+    if (!after[i] || !IsSet(lens_usable_, *after[i])) continue;
+    Found track = Refine(now.pyramid[0], i, *after[i]);
+    const FeatureObservation& last = last_.observations[i];
     const std::optional<FeatureObservation> observation = Observe(last.track, track.observation.pixel);
     if (!observation) continue;
     track.observation = *observation;
@@ -215,6 +194,7 @@ void FeatureTracker::LearnOwnBody(const std::vector<Found>& found, const Epipola
 /// Looks again for what was not found, from where its neighbours' parallax puts
 /// it: near ground moves far between two images of a fast car.
 std::vector<FeatureTracker::Found> FeatureTracker::Retry(const TrackedImage& now, const std::vector<Found>& found,
+                                                         const std::vector<std::optional<Eigen::Vector2d>>& tried,
                                                          const EpipolarCheck& check) const {
   ParallaxField field;
   std::vector<bool> is_missing(last_.observations.size(), true);
@@ -228,7 +208,9 @@ std::vector<FeatureTracker::Found> FeatureTracker::Retry(const TrackedImage& now
     if (!is_missing[i]) continue;
     const Eigen::Vector3d turned = check.now_from_last * last_.observations[i].bearing;
     const std::optional<double> parallax = field.At(turned);
-    if (parallax) predicted[i] = model_.Project(turned + *parallax * check.direction);
+    if (!parallax) continue;
+    const std::optional<Eigen::Vector2d> start = model_.Project(turned + *parallax * check.direction);
+    if (start && !(tried[i] && (*start - *tried[i]).norm() < kOtherStart)) predicted[i] = start;
   }
   std::vector<Found> again = Follow(now, predicted);
   std::erase_if(again, [&](const Found& track) { return !Agrees(check, track.pair, options_.max_epipolar_error); });
@@ -236,13 +218,14 @@ std::vector<FeatureTracker::Found> FeatureTracker::Retry(const TrackedImage& now
 }
 
 /// Hands the tracks that agree with the geometry on to `now`, in the order of last_.
-void FeatureTracker::Keep(std::vector<Found> found, const EpipolarCheck& check, TrackedImage& now) {
+void FeatureTracker::Keep(std::vector<Found> found, const std::vector<std::optional<Eigen::Vector2d>>& tried,
+                          const EpipolarCheck& check, TrackedImage& now) {
   std::vector<Found> kept;
   for (size_t i = 0; i < found.size(); ++i)
     if (check.agrees[i]) kept.push_back(found[i]);
   statistics_.lost_in_geometry += std::ssize(found) - std::ssize(kept);
   if (check.is_trusted) {
-    const std::vector<Found> again = Retry(now, found, check);
+    const std::vector<Found> again = Retry(now, found, tried, check);
     statistics_.lost_in_flow -= std::ssize(again);
     kept.insert(kept.end(), again.begin(), again.end());
     std::sort(kept.begin(), kept.end(), [](const Found& a, const Found& b) { return a.origin < b.origin; });

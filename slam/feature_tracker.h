@@ -101,11 +101,12 @@ class FeatureTracker {
 
   bool IsUsable(const cv::Mat& gray);
   std::vector<std::optional<Eigen::Vector2d>> Predict(double seconds) const;
-  std::vector<Found> Follow(const TrackedImage& now,
-                            const std::vector<std::optional<Eigen::Vector2d>>& predicted) const;
+  std::vector<Found> Follow(const TrackedImage& now, std::vector<std::optional<Eigen::Vector2d>> predicted) const;
   void LearnOwnBody(const std::vector<Found>& found, const EpipolarCheck& check);
-  std::vector<Found> Retry(const TrackedImage& now, const std::vector<Found>& found, const EpipolarCheck& check) const;
-  void Keep(std::vector<Found> found, const EpipolarCheck& check, TrackedImage& now);
+  std::vector<Found> Retry(const TrackedImage& now, const std::vector<Found>& found,
+                           const std::vector<std::optional<Eigen::Vector2d>>& tried, const EpipolarCheck& check) const;
+  void Keep(std::vector<Found> found, const std::vector<std::optional<Eigen::Vector2d>>& tried,
+            const EpipolarCheck& check, TrackedImage& now);
   Found Refine(const cv::Mat& image, size_t origin, const Eigen::Vector2d& pixel) const;
   static Memory Remember(Memory memory, const Found& track, const cv::Mat& image);
   void AddCorners(TrackedImage& now);

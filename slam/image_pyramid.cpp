@@ -1,5 +1,6 @@
 #include "slam/image_pyramid.h"
 
+#include <cassert>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
@@ -20,35 +21,68 @@ LocalMoments MeasureBlocks(const cv::Mat& gray) {
   const int rows = (gray.rows + kStatisticsScale - 1) / kStatisticsScale;
   const int columns = (gray.cols + kStatisticsScale - 1) / kStatisticsScale;
   LocalMoments moments{cv::Mat(rows, columns, CV_32FC1), cv::Mat(rows, columns, CV_32FC1)};
-  std::vector<int> sums(static_cast<size_t>(columns)), squares(static_cast<size_t>(columns));
+  const auto width = static_cast<size_t>(gray.cols);
+  std::vector<std::uint16_t> sums(width);  // per column of pixels: what the compiler adds up many at a time
+  std::vector<std::uint32_t> squares(width);
   for (int block_row = 0; block_row < rows; ++block_row) {
-    std::fill(sums.begin(), sums.end(), 0);
-    std::fill(squares.begin(), squares.end(), 0);
+    std::fill(sums.begin(), sums.end(), std::uint16_t{0});
+    std::fill(squares.begin(), squares.end(), 0u);
     const int begin = block_row * kStatisticsScale;
     const int end = std::min(begin + kStatisticsScale, gray.rows);
     for (int y = begin; y < end; ++y) {
       const std::uint8_t* row = gray.ptr<std::uint8_t>(y);
-      for (int block = 0; block < columns; ++block) {
-        const int first = block * kStatisticsScale;
-        const int last = std::min(first + kStatisticsScale, gray.cols);
-        int sum = 0, square = 0;
-        for (int x = first; x < last; ++x) {
-          sum += row[x];
-          square += row[x] * row[x];
-        }
-        sums[static_cast<size_t>(block)] += sum;
-        squares[static_cast<size_t>(block)] += square;
+      for (size_t x = 0; x < width; ++x) {
+        sums[x] = static_cast<std::uint16_t>(sums[x] + row[x]);
+        squares[x] += static_cast<std::uint32_t>(row[x] * row[x]);
       }
     }
     for (int block = 0; block < columns; ++block) {
-      const int width = std::min(kStatisticsScale, gray.cols - block * kStatisticsScale);
-      const float share = 1.0f / static_cast<float>(width * (end - begin));
-      moments.mean.at<float>(block_row, block) = share * static_cast<float>(sums[static_cast<size_t>(block)]);
-      moments.mean_square.at<float>(block_row, block) = share * static_cast<float>(squares[static_cast<size_t>(block)]);
+      const int first = block * kStatisticsScale, last = std::min(first + kStatisticsScale, gray.cols);
+      std::uint32_t sum = 0, square = 0;
+      for (int x = first; x < last; ++x) {
+        sum += sums[static_cast<size_t>(x)];
+        square += squares[static_cast<size_t>(x)];
+      }
+      const float share = 1.0f / static_cast<float>((last - first) * (end - begin));
+      moments.mean.at<float>(block_row, block) = share * static_cast<float>(sum);
+      moments.mean_square.at<float>(block_row, block) = share * static_cast<float>(square);
     }
   }
   return moments;
 }
+
+/// Values of blocks, linear between their centres and constant outside: one row of pixels at a time.
+class BlockRow {
+ public:
+  BlockRow(const cv::Mat& blocks, int width) : blocks_(blocks), width_(width) {}
+
+  /// Of the buffer that At wants.
+  size_t size() const { return static_cast<size_t>((blocks_.cols + 1) * kStatisticsScale); }
+
+  /// Values of the pixels of row `y`, held by `buffer`.
+  const float* At(int y, std::vector<float>& buffer) const {
+    assert(buffer.size() == size() && width_ <= blocks_.cols * kStatisticsScale);
+    const float place = (static_cast<float>(y) + 0.5f) / kStatisticsScale + 0.5f;  // in rows of blocks, from one above
+    const int below = std::min(static_cast<int>(place), blocks_.rows - 1),
+              above = std::max(static_cast<int>(place) - 1, 0);
+    const float share = place - std::floor(place);
+    const float *upper = blocks_.ptr<float>(above), *lower = blocks_.ptr<float>(below);
+    const auto value = [&](int column) { return upper[column] + share * (lower[column] - upper[column]); };
+    float left = value(0);
+    for (int column = 0; column <= blocks_.cols; ++column) {
+      const float right = value(std::min(column, blocks_.cols - 1));
+      float* out = buffer.data() + column * kStatisticsScale;
+      for (int i = 0; i < kStatisticsScale; ++i)
+        out[i] = left + (static_cast<float>(i) + 0.5f) / kStatisticsScale * (right - left);
+      left = right;
+    }
+    return buffer.data() + kStatisticsScale / 2;  // the buffer begins half a block to the left
+  }
+
+ private:
+  const cv::Mat& blocks_;
+  int width_ = 0;
+};
 
 }  // namespace
 
@@ -73,21 +107,18 @@ cv::Mat NormalizeLocally(const cv::Mat& gray, double noise_floor) {
       offset.at<float>(y, x) = 128 - gain.at<float>(y, x) * mean;
     }
   }
-  // Blocks are exactly kStatisticsScale wide, so enlarging keeps them in place
-  // also where the last block is cut.
-  const cv::Size padded = gain.size() * kStatisticsScale;
-  cv::Mat full_gain, full_offset;
-  cv::resize(gain, full_gain, padded, 0, 0, cv::INTER_LINEAR);
-  cv::resize(offset, full_offset, padded, 0, 0, cv::INTER_LINEAR);
+  const BlockRow gain_rows(gain, gray.cols), offset_rows(offset, gray.cols);
+  std::vector<float> row_gain(gain_rows.size()), row_offset(gain_rows.size());
   cv::Mat normalized(gray.size(), CV_8UC1);
+  const int width = gray.cols;  // pixels are bytes, which may be anything: kept in a register
   for (int y = 0; y < gray.rows; ++y) {
+    const float* a = gain_rows.At(y, row_gain);
+    const float* b = offset_rows.At(y, row_offset);
     const std::uint8_t* from = gray.ptr<std::uint8_t>(y);
-    const float* a = full_gain.ptr<float>(y);
-    const float* b = full_offset.ptr<float>(y);
     std::uint8_t* to = normalized.ptr<std::uint8_t>(y);
-    for (int x = 0; x < gray.cols; ++x) {
-      const int value = static_cast<int>(a[x] * static_cast<float>(from[x]) + b[x] + 0.5f);
-      to[x] = static_cast<std::uint8_t>(std::clamp(value, 0, 255));
+    for (int x = 0; x < width; ++x) {
+      const float value = a[x] * static_cast<float>(from[x]) + b[x] + 0.5f;
+      to[x] = static_cast<std::uint8_t>(static_cast<int>(std::min(std::max(value, 0.0f), 255.0f)));
     }
   }
   return normalized;

@@ -6,6 +6,28 @@
 
 namespace parkade {
 
+/// The same for a grid whose steps are pixels: all samples share their weights.
+template <int kEdge>
+void SampleUprightGrid(const cv::Mat& image, const Eigen::Vector2d& first,
+                       Eigen::Matrix<float, kEdge, kEdge>& samples) {
+  const int x = static_cast<int>(first.x()), y = static_cast<int>(first.y());
+  const auto u = static_cast<float>(first.x() - x), v = static_cast<float>(first.y() - y);
+  float above[kEdge], below[kEdge];
+  const auto fill = [&](int row, float* values) {
+    const std::uint8_t* pixels = image.ptr<std::uint8_t>(y + row) + x;
+    for (int i = 0; i < kEdge; ++i)
+      values[i] = static_cast<float>(pixels[i]) + u * static_cast<float>(pixels[i + 1] - pixels[i]);
+  };
+  fill(0, above);
+  for (int row = 0; row < kEdge; ++row) {
+    fill(row + 1, below);
+    for (int i = 0; i < kEdge; ++i) {
+      samples(row, i) = above[i] + v * (below[i] - above[i]);
+      above[i] = below[i];
+    }
+  }
+}
+
 /// Bilinear samples of a CV_8UC1 image on a square grid of kEdge x kEdge around
 /// `centre` [px], one step along a grid axis being a column of `image_from_grid`
 /// [px]. False where the grid leaves the image.
@@ -16,6 +38,10 @@ bool SampleGrid(const cv::Mat& image, const Eigen::Vector2d& centre, const Eigen
   const Eigen::Vector2d reach = kHalf * image_from_grid.cwiseAbs().rowwise().sum();
   const Eigen::Vector2d low = centre - reach, high = centre + reach;
   if (!(low.minCoeff() >= 0 && high.x() < image.cols - 1.001 && high.y() < image.rows - 1.001)) return false;
+  if (image_from_grid == Eigen::Matrix2d::Identity()) {
+    SampleUprightGrid<kEdge>(image, low, samples);
+    return true;
+  }
   const Eigen::Vector2f right = image_from_grid.col(0).cast<float>();
   const Eigen::Vector2f down = image_from_grid.col(1).cast<float>();
   const Eigen::Vector2f first = (centre - kHalf * (image_from_grid.col(0) + image_from_grid.col(1))).cast<float>();

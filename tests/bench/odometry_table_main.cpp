@@ -34,9 +34,9 @@ struct CommandLine {
 
 /// Runs of an earlier call.
 std::vector<TableRun> ReadRuns(const std::string& file) {
+  const nlohmann::json json = nlohmann::json::parse(ReadFile(file));
   std::vector<TableRun> runs;
-  for (const nlohmann::json& run : nlohmann::json::parse(ReadFile(file)).at("runs"))
-    runs.push_back(TableRunFromJson(run));
+  for (const nlohmann::json& run : json.at("runs")) runs.push_back(TableRunFromJson(run));
   return runs;
 }
 
@@ -130,6 +130,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     SetNumThreads(line.num_threads);
+    cv::setNumThreads(1);  // as the product: core/parallel works on many images at once
     return Run(line);
   } catch (const std::exception& error) {
     std::cerr << "parkade-odometry-table: " << error.what() << "\n";

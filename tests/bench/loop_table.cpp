@@ -1,0 +1,160 @@
+#include "tests/bench/loop_table.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "slam/calibrated_log.h"
+#include "slam/estimate_trajectory.h"
+#include "slam/evaluate_trajectory.h"
+#include "tests/bench/rerigged_log.h"
+
+namespace parkade {
+namespace {
+
+constexpr double kWrongTranslation = 1.0;          // [m] off: another place
+constexpr double kWrongRotation = 5 * M_PI / 180;  // [rad]
+constexpr double kSameSpot = 3.0;                  // [m] between two visits that could be a loop
+constexpr double kSameDeck = 1.0;                  // [m]
+constexpr double kOpposite = 135 * M_PI / 180;     // [rad] between headings
+
+/// Poses of the true drive at any time.
+class Truth {
+ public:
+  Truth(const SuiteDrive& drive) : imu_from_body_(drive.true_rig.body_from_imu.Inverse()) {
+    std::vector<TrajectoryState> states;
+    for (const TimedPose& pose : drive.world_from_imu) {
+      TrajectoryState state;
+      state.time = pose.time;
+      state.odom_from_body = pose.world_from_frame * imu_from_body_;
+      states.push_back(state);
+    }
+    trajectory_ = Trajectory(std::move(states));
+  }
+
+  std::optional<Rigid3> PlaceAt(Timestamp time) const {
+    const std::optional<Rigid3> body = trajectory_.At(time);
+    return body ? std::optional(LevelledPose(*body)) : std::nullopt;
+  }
+
+ private:
+  Rigid3 imu_from_body_;
+  Trajectory trajectory_;
+};
+
+void Evaluate(const SuiteDrive& drive, const Rig& rig, const Trajectory& odom_from_body, LoopRun& run) {
+  const TrajectoryEvaluation error =
+      EvaluateTrajectory(drive.world_from_imu, PosesOf(ToTimedPoses(odom_from_body), rig.body_from_imu));
+  run.ate = error.rigid.translation.rmse;
+  run.drift_percent = error.drift_percent;
+  run.length = error.path_length;
+}
+
+bool IsOpposite(const Rigid3& a, const Rigid3& b) { return a.rotation.angularDistance(b.rotation) > kOpposite; }
+
+void CountOpposite(const Truth& truth, const Trajectory& odometry, const LoopOptions& options, LoopRun& run,
+                   const LoopClosure& closure) {
+  const std::vector<Place> places = ChoosePlaces(odometry, options.places);
+  for (const Place& later : places) {
+    const std::optional<Rigid3> now = truth.PlaceAt(later.time);
+    const bool is_chance =
+        now && std::any_of(places.begin(), places.end(), [&](const Place& earlier) {
+          if (later.distance - earlier.distance < options.recognition.min_gap) return false;
+          const std::optional<Rigid3> then = truth.PlaceAt(earlier.time);
+          const Eigen::Vector3d apart =
+              then ? Eigen::Vector3d(then->translation - now->translation) : Eigen::Vector3d(1e9, 0, 0);
+          return apart.head<2>().norm() < kSameSpot && std::abs(apart.z()) < kSameDeck && IsOpposite(*then, *now);
+        });
+    if (!is_chance) continue;
+    ++run.num_opposite_chances;
+    run.num_opposite_found += std::any_of(closure.loops.begin(), closure.loops.end(), [&](const LoopEvidence& loop) {
+      if (loop.weight <= 0.5 || loop.later != later.time) return false;
+      const std::optional<Rigid3> then = truth.PlaceAt(loop.earlier);
+      return then && IsOpposite(*then, *now);
+    });
+  }
+}
+
+void JudgeLoops(const Truth& truth, const LoopClosure& closure, LoopRun& run) {
+  run.num_candidates = static_cast<int>(closure.loops.size());
+  for (const LoopEvidence& loop : closure.loops) {
+    run.num_measured += loop.pose.rejected.empty();
+    const std::optional<Rigid3> earlier = truth.PlaceAt(loop.earlier), later = truth.PlaceAt(loop.later);
+    if (loop.weight <= 0.5 || !earlier || !later) continue;
+    const Rigid3 actual = earlier->Inverse() * *later;
+    const Rigid3 error = actual.Inverse() * loop.pose.a_from_b;
+    LoopError& judged = run.accepted.emplace_back();
+    judged.translation = error.translation.norm();
+    judged.rotation = error.rotation.angularDistance(Eigen::Quaterniond::Identity());
+    judged.num_inliers = loop.pose.num_inliers;
+    judged.is_opposite = IsOpposite(*earlier, *later);
+    judged.height = actual.translation.z();
+    run.num_wrong += judged.translation > kWrongTranslation || judged.rotation > kWrongRotation;
+  }
+}
+
+}  // namespace
+
+std::vector<LoopRun> RunLoops(const SuiteDrive& drive, const TableVariant& variant, const OdometryOptions& odometry,
+                              const LoopOptions& loops, const RefinementOptions& refinement) {
+  const ReriggedLog log(*drive.log, RigOfVariant(variant, drive), {});
+  OdometryOptions odometry_options = odometry;
+  odometry_options.use_wheels = variant.has_wheels;
+  const OdometryResult tracked = EstimateTrajectory(log, odometry_options);
+  const CalibratedLog calibrated(log, tracked.rig);
+  const Truth truth(drive);
+  std::vector<LoopRun> runs;
+  for (const char* method : {"none", "pnp", "scale-less", "rotation-only", "rig"}) {
+    LoopOptions options = loops;
+    options.method = method;
+    const LoopClosure closure = CloseLoops(calibrated, tracked.odom_from_body, options);
+    LoopRun& run = runs.emplace_back();
+    run.drive = drive.name;
+    run.scene = drive.scene;
+    run.method = method;
+    run.odometry_seconds = tracked.report.seconds;
+    run.duration = log.span().Seconds();
+    run.seconds = closure.seconds;
+    Evaluate(drive, log.rig(), closure.odom_from_body, run);
+    JudgeLoops(truth, closure, run);
+    CountOpposite(truth, tracked.odom_from_body, options, run, closure);
+    if (options.method != "rig") continue;
+    LoopRun refined = run;
+    refined.method = "rig+refine";
+    refined.refinement = RefineDrive(tracked, log.rig(), closure, refinement);
+    refined.seconds = refined.refinement.seconds;
+    Evaluate(drive, log.rig(), refined.refinement.odom_from_body, refined);
+    runs.push_back(std::move(refined));
+  }
+  return runs;
+}
+
+nlohmann::json ToJson(const LoopRun& run) {
+  nlohmann::json accepted = nlohmann::json::array();
+  for (const LoopError& error : run.accepted)
+    accepted.push_back({{"translation", error.translation},
+                        {"rotation", error.rotation},
+                        {"num_inliers", error.num_inliers},
+                        {"is_opposite", error.is_opposite},
+                        {"height", error.height}});
+  nlohmann::json json = {{"drive", run.drive},
+                         {"scene", run.scene},
+                         {"method", run.method},
+                         {"length", run.length},
+                         {"duration", run.duration},
+                         {"ate", run.ate},
+                         {"drift_percent", run.drift_percent},
+                         {"num_candidates", run.num_candidates},
+                         {"num_measured", run.num_measured},
+                         {"num_wrong", run.num_wrong},
+                         {"num_opposite_chances", run.num_opposite_chances},
+                         {"num_opposite_found", run.num_opposite_found},
+                         {"seconds", run.seconds},
+                         {"odometry_seconds", run.odometry_seconds},
+                         {"accepted", accepted}};
+  if (run.method == "rig+refine") json["refinement"] = ToJson(run.refinement);
+  return json;
+}
+
+}  // namespace parkade

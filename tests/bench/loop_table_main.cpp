@@ -1,0 +1,87 @@
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "core/file.h"
+#include "core/options_json.h"
+#include "core/parallel.h"
+#include "tests/bench/loop_table.h"
+
+namespace parkade {
+namespace {
+
+struct LoopTableOptions {
+  OdometryOptions odometry;
+  LoopOptions loops;
+  RefinementOptions refinement;
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("odometry", odometry);
+    visit("loops", loops);
+    visit("refinement", refinement);
+  }
+};
+
+struct CommandLine {
+  std::string suite, variant = "four-wheels-nominal", json_file, markdown_file, plot_file;
+  std::vector<std::string> drives, assignments;
+  int num_threads = 2;
+};
+
+int Run(const CommandLine& line) {
+  LoopTableOptions options;
+  for (const std::string& assignment : line.assignments) SetOption(assignment, options);
+  const TableVariant variant = ParseVariant(line.variant);
+  std::vector<LoopRun> runs;
+  nlohmann::json json = {{"variant", line.variant}, {"options", OptionsToJson(options)}};
+  for (const std::string& name : line.drives.empty() ? ListSuite(line.suite) : line.drives) {
+    const SuiteDrive drive = OpenSuiteDrive(line.suite, name);
+    try {
+      for (LoopRun& run : RunLoops(drive, variant, options.odometry, options.loops, options.refinement)) {
+        json["runs"].push_back(ToJson(run));
+        std::printf("%-12s %-14s ATE %.4f m  drift %.4f %%  %zu of %d loops, %d wrong  %.1f s\n", run.drive.c_str(),
+                    run.method.c_str(), run.ate, run.drift_percent, run.accepted.size(), run.num_candidates,
+                    run.num_wrong, run.seconds);
+        runs.push_back(std::move(run));
+      }
+    } catch (const Error& error) {
+      std::cerr << name << ": " << error.what() << "\n";
+    }
+    std::fflush(stdout);
+    if (!line.json_file.empty()) WriteFileAtomically(line.json_file, json.dump(1) + "\n");
+  }
+  const std::string text = ToMarkdown(runs);
+  std::cout << "\n" << text;
+  if (!line.markdown_file.empty()) WriteFileAtomically(line.markdown_file, text);
+  if (!line.plot_file.empty()) cv::imwrite(line.plot_file, PlotLoopErrors(runs));
+  return 0;
+}
+
+}  // namespace
+}  // namespace parkade
+
+int main(int argc, char** argv) {
+  using namespace parkade;
+  CLI::App app{"Closes the loops of rendered drives in all ways and compares with the truth.", "parkade-loop-table"};
+  CommandLine line;
+  app.add_option("--suite", line.suite, "Folder that parkade-simulate suite filled")->required();
+  app.add_option("--only", line.drives, "Some drives; default: all that are there")->delimiter(',');
+  app.add_option("--variant", line.variant, "What the odometry is given, as parkade-odometry-table has it")
+      ->capture_default_str();
+  app.add_option("--threads", line.num_threads)->capture_default_str()->check(CLI::Range(1, 256));
+  app.add_option("--set", line.assignments, "odometry.*, loops.* or refinement.*: stage.option=value");
+  app.add_option("--json", line.json_file, "Every run, every accepted loop");
+  app.add_option("--markdown", line.markdown_file, "The table");
+  app.add_option("--plot", line.plot_file, "Histograms of the loops' errors, PNG");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    SetNumThreads(line.num_threads);
+    return Run(line);
+  } catch (const std::exception& error) {
+    std::cerr << "parkade-loop-table: " << error.what() << "\n";
+    return 2;
+  }
+}
