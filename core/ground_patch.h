@@ -15,6 +15,7 @@ struct GroundSample {
   std::uint8_t blue = 0, green = 0, red = 0;
   bool is_free = false;  ///< drivable ground; false: seen, and not ground
   float weight = 1;      ///< inverse variance of the height [1/m^2]
+  float confidence = 1;  ///< of is_free, 0 to 1: the share of a sure sight's log-odds that this one counts for
 };
 
 /// What one keyframe of one camera saw of the ground. Kept in body, so that it

@@ -83,6 +83,36 @@ class MaskedImageStream {
   bool is_at_end_ = false;
 };
 
+/// Labels what images show, by the surest means there is: the log's own mask, the network, or colours.
+class ImageLabeller {
+ public:
+  /// Borrows the trajectory and the options.
+  ImageLabeller(const Trajectory& odom_from_body, const Rigid3& body_from_ground, const ContactArea& contact,
+                const GroundOptions& options)
+      : odom_from_body_(&odom_from_body), body_from_ground_(body_from_ground), contact_(contact), options_(&options) {
+    if (options.method == "network") network_.emplace(options.freespace_model);
+  }
+
+  /// Thread-safe. `colors` are those of SampleColors.
+  GroundLabels Label(const ImageWithMask& image, const GroundGrid& grid, const cv::Mat& colors) const {
+    if (!image.mask.empty()) return {LabelsFromMask(grid, image.mask), {}, true};
+    const SegmentGroundOptions& options = options_->segmentation;
+    if (network_) return LabelsFromBelief(grid, network_->Run(image.frame.image), options.sure_log_odds);
+    return {
+        SegmentGround(grid, colors,
+                      FindPathSeeds(grid, *odom_from_body_, image.frame.time, body_from_ground_, contact_), options),
+        {},
+        false};
+  }
+
+ private:
+  const Trajectory* odom_from_body_;
+  Rigid3 body_from_ground_;
+  ContactArea contact_;
+  const GroundOptions* options_;
+  std::optional<FreespaceNetwork> network_;
+};
+
 /// Near the camera the rays lie closer than the spacing asked for: every how many-th is enough.
 int RayStride(const GroundGrid& grid, float range, double spacing) {
   int stride = 1;
@@ -116,23 +146,20 @@ std::vector<GroundGrid> MakeGrids(const Rig& rig, const Rigid3& body_from_ground
 void GroundOptions::Validate() const {
   Require(keyframe_distance > 0, ErrorCode::kUsage, "keyframe_distance must be > 0 m");
   Require(keyframe_angle_deg > 0, ErrorCode::kUsage, "keyframe_angle_deg must be > 0");
+  Require(method == "network" || method == "colors", ErrorCode::kUsage, "method must be network or colors");
   grid.Validate();
   segmentation.Validate();
   plane.Validate();
 }
 
-GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const cv::Mat& mask,
-                         const std::vector<std::uint8_t>& seeds, const Rigid3& body_from_ground,
-                         const GroundOptions& options) {
+GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const cv::Mat& colors, GroundLabels&& found,
+                         const Rigid3& body_from_ground, const GroundOptions& options) {
   GroundPatch patch{.drive = 0, .camera = frame.camera, .time = frame.time, .samples = {}};
-  if (grid.cells.empty()) return patch;
-  const cv::Mat colors = SampleColors(grid, frame.image);
-  std::vector<GroundLabel> labels =
-      mask.empty() ? SegmentGround(grid, colors, seeds, options.segmentation) : LabelsFromMask(grid, mask);
+  std::vector<GroundLabel>& labels = found.labels;
   // Of what is not ground only its foot is known to stand where its pixels meet the plane.
-  // A guess takes dark parts of cars for shade: it needs to hear more against them than a mask.
-  const double obstacle_depth = (mask.empty() ? 1.0 : 0.5) * options.segmentation.obstacle_depth;
-  HideBehindObstacles(grid, obstacle_depth, !mask.empty(), labels);
+  // A guess takes dark parts of cars for shade: it needs to hear more against them than a mask or a network.
+  const double obstacle_depth = (found.is_trusted ? 0.5 : 1.0) * options.segmentation.obstacle_depth;
+  HideBehindObstacles(grid, obstacle_depth, found.is_trusted, labels);
   const Eigen::Matrix3f rotation = body_from_ground.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = body_from_ground.translation.cast<float>();
   for (int range = 0; range < grid.num_ranges; ++range) {
@@ -148,7 +175,8 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
                                .green = color[1],
                                .red = color[2],
                                .is_free = labels[i] == GroundLabel::kGround,
-                               .weight = cell.weight});
+                               .weight = cell.weight,
+                               .confidence = found.confidence.empty() ? 1 : found.confidence[i]});
     }
   }
   patch.samples.shrink_to_fit();
@@ -169,7 +197,6 @@ GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from
   result.body_from_ground = *body_from_ground;
   if (!rig.vehicle) LogPlane(log.name(), *body_from_ground);
   const std::vector<GroundGrid> grids = MakeGrids(rig, *body_from_ground, options, result.warnings);
-  const ContactArea contact = ContactArea::Of(rig);
 
   KeyframePicker picker(odom_from_body, rig.cameras.size(), options.keyframe_distance,
                         options.keyframe_angle_deg * std::numbers::pi / 180);
@@ -182,6 +209,7 @@ GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from
                    .wants_image = [&](int camera, Timestamp time) {
                      return !grids[static_cast<size_t>(camera)].cells.empty() && picker.Wants(camera, time);
                    }};
+  const ImageLabeller labeller(odom_from_body, *body_from_ground, ContactArea::Of(rig), options);
   MaskedImageStream stream(log.Read(read));
   while (true) {
     const std::vector<ImageWithMask> batch = stream.NextBatch(kImagesPerBatch);
@@ -189,9 +217,8 @@ GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from
     std::vector<GroundPatch> patches = ParallelMap(batch.size(), [&](size_t i) {
       const CameraFrame& frame = batch[i].frame;
       const GroundGrid& grid = grids[static_cast<size_t>(frame.camera)];
-      std::vector<std::uint8_t> seeds;
-      if (batch[i].mask.empty()) seeds = FindPathSeeds(grid, odom_from_body, frame.time, *body_from_ground, contact);
-      return ObserveImage(grid, frame, batch[i].mask, seeds, *body_from_ground, options);
+      const cv::Mat colors = SampleColors(grid, frame.image);
+      return ObserveImage(grid, frame, colors, labeller.Label(batch[i], grid, colors), *body_from_ground, options);
     });
     for (size_t i = 0; i < batch.size(); ++i) {
       ++result.num_images;

@@ -17,7 +17,9 @@ namespace parkade {
 struct GroundOptions {
   double keyframe_distance = 1.0;    ///< [m] of travel between images used of one camera; less is slower, denser
   double keyframe_angle_deg = 10.0;  ///< or this much turning
-  bool use_semantics = true;         ///< masks of the log (`<camera>/semantic`) go before our own guess
+  bool use_semantics = true;         ///< masks of the log (`<camera>/semantic`) go before what we find ourselves
+  std::string method = "network";    ///< "network" finds drivable ground, or "colors" and geometry guess it
+  std::string freespace_model;       ///< ONNX file, see FreespaceNetwork; empty: Parkade's own network
   GroundGridOptions grid;
   SegmentGroundOptions segmentation;
   GroundPlaneOptions plane;
@@ -27,6 +29,8 @@ struct GroundOptions {
     visit("keyframe_distance", keyframe_distance);
     visit("keyframe_angle_deg", keyframe_angle_deg);
     visit("use_semantics", use_semantics);
+    visit("method", method);
+    visit("freespace_model", freespace_model);
     visit("grid", grid);
     visit("segmentation", segmentation);
     visit("plane", plane);
@@ -49,10 +53,10 @@ struct GroundObservation {
 GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from_body, std::span<const Submap> submaps,
                                 int drive, const GroundOptions& options = {});
 
-/// The samples of one image. `mask` may be empty: then `seeds` (see SegmentGround) start the guess.
+/// The samples of one image.
+/// \param colors            of SampleColors
 /// \param body_from_ground  frame of the grid
-GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const cv::Mat& mask,
-                         const std::vector<std::uint8_t>& seeds, const Rigid3& body_from_ground,
-                         const GroundOptions& options);
+GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const cv::Mat& colors, GroundLabels&& labels,
+                         const Rigid3& body_from_ground, const GroundOptions& options);
 
 }  // namespace parkade

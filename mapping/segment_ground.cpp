@@ -87,6 +87,7 @@ void SegmentGroundOptions::Validate() const {
   Require(max_marking_width >= 0, ErrorCode::kUsage, "max_marking_width must not be negative");
   Require(obstacle_depth > 0, ErrorCode::kUsage, "obstacle_depth must be > 0 m");
   Require(min_seeds > 0, ErrorCode::kUsage, "min_seeds must be > 0");
+  Require(sure_log_odds > 0, ErrorCode::kUsage, "sure_log_odds must be > 0");
 }
 
 std::vector<GroundLabel> SegmentGround(const GroundGrid& grid, const cv::Mat& colors,
@@ -128,6 +129,19 @@ std::vector<GroundLabel> LabelsFromMask(const GroundGrid& grid, const cv::Mat& m
     labels[i] = value >= 128 ? GroundLabel::kGround : GroundLabel::kNotGround;
   }
   return labels;
+}
+
+GroundLabels LabelsFromBelief(const GroundGrid& grid, const FreespaceBelief& belief, double sure_log_odds) {
+  GroundLabels result{std::vector<GroundLabel>(grid.cells.size(), GroundLabel::kUnknown),
+                      std::vector<float>(grid.cells.size()), true};
+  for (size_t i = 0; i < grid.cells.size(); ++i) {
+    const GroundGridCell& cell = grid.cells[i];
+    if (!cell.is_visible) continue;
+    const float log_odds = belief.At(cell.pixel);
+    result.labels[i] = log_odds > 0 ? GroundLabel::kGround : GroundLabel::kNotGround;
+    result.confidence[i] = std::min(1.0F, std::abs(log_odds) / static_cast<float>(sure_log_odds));
+  }
+  return result;
 }
 
 void HideBehindObstacles(const GroundGrid& grid, double obstacle_depth, bool is_trusted,

@@ -4,6 +4,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "mapping/freespace_network.h"
 #include "mapping/ground_grid.h"
 
 namespace parkade {
@@ -13,6 +14,7 @@ struct SegmentGroundOptions {
   double max_marking_width = 0.3;  ///< [m] a brighter stripe this wide, with road on both sides, is paint
   double obstacle_depth = 1.2;     ///< [m] of not-ground (half with a mask); what follows on its ray is hidden
   int min_seeds = 40;              ///< with fewer, nothing is called ground
+  double sure_log_odds = 4.0;      ///< of a network from which it is taken to be sure; below, it counts in proportion
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -20,6 +22,7 @@ struct SegmentGroundOptions {
     visit("max_marking_width", max_marking_width);
     visit("obstacle_depth", obstacle_depth);
     visit("min_seeds", min_seeds);
+    visit("sure_log_odds", sure_log_odds);
   }
   void Validate() const;  ///< throws Error{kUsage}
 };
@@ -30,7 +33,14 @@ enum class GroundLabel : std::uint8_t {
   kNotGround,  ///< something stands here, or the ground is not for driving
 };
 
-/// A first guess of what is road, without a network: the road's colours and their roughness are learnt from the
+/// The labels of a grid's cells and how sure they are.
+struct GroundLabels {
+  std::vector<GroundLabel> labels;
+  std::vector<float> confidence;  ///< 0 to 1; empty: all are sure
+  bool is_trusted = false;        ///< ground seen behind obstacles is believed
+};
+
+/// A guess of what is road, without a network: the road's colours and their roughness are learnt from the
 /// `seeds` (places where the car has just driven, or is about to) as a few clusters, and grown from them over
 /// neighbouring places that look alike. Thin bright stripes inside are paint. Conservative: what looks unlike the
 /// road is not ground. Follow it with HideBehindObstacles.
@@ -44,6 +54,9 @@ std::vector<GroundLabel> SegmentGround(const GroundGrid& grid, const cv::Mat& co
 
 /// The labels that a mask (CV_8UC1 of the image's size, >= 128 = drivable) gives.
 std::vector<GroundLabel> LabelsFromMask(const GroundGrid& grid, const cv::Mat& mask);
+
+/// The labels that a network gives, sure from `sure_log_odds` on.
+GroundLabels LabelsFromBelief(const GroundGrid& grid, const FreespaceBelief& belief, double sure_log_odds);
 
 /// Pixels of an obstacle meet the plane behind its foot: after `obstacle_depth` [m] of kNotGround the rest of it
 /// becomes kUnknown. So does kNotGround before a ray's first ground (most often the own car), and, unless the

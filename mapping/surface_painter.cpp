@@ -69,7 +69,8 @@ std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PosedGroundPatch
     if (found == HeightField::kNone) continue;
     // Evidence falls with distance, but much slower than the variance of a height grows.
     const double nearness = std::min(1.0, std::sqrt(std::sqrt(kNearVariance * static_cast<double>(sample.weight))));
-    const double log_odds = (sample.is_free ? log_odds_.free : -log_odds_.occupied) * std::sqrt(nearness);
+    const double log_odds = (sample.is_free ? log_odds_.free : -log_odds_.occupied) *
+                            static_cast<double>(sample.confidence) * std::sqrt(nearness);
     hits.push_back({.evidence = static_cast<std::uint32_t>(EvidenceAt(found, point.head<2>())),
                     .sight = {sample.blue, sample.green, sample.red,
                               static_cast<std::uint8_t>(1 + std::lround(254 * std::min(nearness, kNearEnough)))},

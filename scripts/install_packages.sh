@@ -20,7 +20,7 @@ build_packages=(
 )
 runtime_packages=(
   libopencv-core406 libopencv-imgproc406 libopencv-imgcodecs406 libopencv-features2d406 libopencv-calib3d406
-  libopencv-video406 libceres3 libopenblas0-pthread libpcl-common1.13 libpcl-kdtree1.13 libpcl-search1.13
+  libopencv-video406 libopencv-dnn406 libceres3 libopenblas0-pthread libpcl-common1.13 libpcl-kdtree1.13 libpcl-search1.13
   libpcl-sample-consensus1.13 libpcl-filters1.13 libpcl-segmentation1.13 libpcl-features1.13 libpcl-octree1.13
   libtinygltf2d libdraco7 libgeotiff5 libtiffxx6 libgeographiclib23 libcpp-httplib0.11 libyaml-cpp0.7 libspdlog1.10
   libsqlite3-0 libarchive13 libzstd1 liblz4-1 libbz2-1.0 zlib1g libjpeg62-turbo libfastcdr1 libgmp10 libmpfr6 curl

@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
   parkade::AddExportCommand(app, action);
   parkade::AddEvaluateCommand(app, action);
   parkade::AddPoseGraphCommand(app, action);
+  parkade::AddSegmentCommand(app, action);
 
   try {
     app.parse(argc, argv);

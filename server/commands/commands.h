@@ -15,5 +15,6 @@ void AddInspectCommand(CLI::App& app, Action& action);
 void AddExportCommand(CLI::App& app, Action& action);
 void AddEvaluateCommand(CLI::App& app, Action& action);
 void AddPoseGraphCommand(CLI::App& app, Action& action);
+void AddSegmentCommand(CLI::App& app, Action& action);
 
 }  // namespace parkade

@@ -14,6 +14,7 @@
 #include "core/options_json.h"
 #include "core/parallel.h"
 #include "export/write_site_map.h"
+#include "mapping/freespace_network.h"
 #include "server/build_map.h"
 #include "server/commands/commands.h"
 #include "server/ingest/open_drive_log.h"
@@ -26,7 +27,7 @@ namespace {
 
 struct MapArguments {
   std::vector<std::string> logs;
-  std::string rig, out, progress_file, cameras, loops;
+  std::string rig, out, progress_file, cameras, loops, freespace_model;
   std::vector<std::string> settings;
   bool no_wheel = false, no_gnss = false, is_odometry_only = false;
   bool print_options = false, is_quiet = false;
@@ -96,12 +97,15 @@ int RunMap(const MapArguments& arguments) {
   MapOptions options;
   for (const std::string& setting : arguments.settings) SetOption(setting, options);
   if (!arguments.loops.empty()) SetOption("loops.method=" + arguments.loops, options);
+  if (!arguments.freespace_model.empty()) options.ground.freespace_model = arguments.freespace_model;
   if (arguments.print_options) {
     std::printf("%s\n", OptionsToJson(options).dump(2).c_str());
     return 0;
   }
   Require(!arguments.logs.empty(), ErrorCode::kUsage, "map needs at least one drive log");
   Require(!arguments.out.empty(), ErrorCode::kUsage, "map needs --out DIR");
+  // Said now, not after a long drive was tracked.
+  if (!options.ground.freespace_model.empty()) FreespaceNetwork{options.ground.freespace_model};
   if (arguments.num_threads > 0) SetNumThreads(arguments.num_threads);
   const bool is_terminal = ::isatty(STDERR_FILENO) != 0;
   if (arguments.is_quiet || is_terminal) SetLogLevel(LogLevel::kWarning);
@@ -133,6 +137,8 @@ void AddMapCommand(CLI::App& app, Action& action) {
   command->add_option("--loops", arguments->loops,
                       "how loops are closed: rig (default; all cameras against metric points), scale-less, "
                       "rotation-only, pnp (one camera each, as in the literature) or none");
+  command->add_option("--freespace-model", arguments->freespace_model,
+                      "ONNX network that finds drivable ground, instead of the built-in one (docs/freespace.md)");
   command->add_flag("--odometry-only", arguments->is_odometry_only, "trajectories, no surface");
   command->add_option("--set", arguments->settings, "stage.option=value; --print-options lists them");
   command->add_flag("--print-options", arguments->print_options, "print all options as JSON and end");

@@ -126,10 +126,12 @@ TEST(MapScene, AParkedCarIsNotFreeSpace) {
   EXPECT_LT(num_free, 30) << "of 2128 cells under the car";
 }
 
-TEST(MapScene, WithoutMasksTheFirstGuessKeepsToTheLot) {
+TEST(MapScene, WithoutMasksAndNetworkTheGuessByColoursKeepsToTheLot) {
   const SyntheticDrive drive = LotDrive(false);
+  GroundOptions options;
+  options.method = "colors";
 
-  const MappedScene mapped = MapScene(drive, "lot_guess");
+  const MappedScene mapped = MapScene(drive, "lot_guess", options);
 
   EXPECT_EQ(mapped.observation.num_masks, 0);
   const SurfaceEvaluation evaluation = Evaluate(drive, mapped.mesh, 6.0);

@@ -1,0 +1,137 @@
+#include "mapping/freespace_network.h"
+
+#include <mutex>
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/dnn.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "mapping/builtin_network.h"
+#include "mapping/onnx_input_size.h"
+
+namespace parkade {
+namespace {
+
+constexpr size_t kMaxBytes = size_t{512} << 20;
+const cv::Size kOpenSize(320, 208);  // of networks that leave their input's size open
+
+/// OpenCV prints what it throws as well; the caller hears it once, from us.
+class QuietOpenCv {
+ public:
+  QuietOpenCv() : level_(cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT)) {}
+  ~QuietOpenCv() { cv::utils::logging::setLogLevel(level_); }
+
+ private:
+  cv::utils::logging::LogLevel level_;
+};
+
+cv::dnn::Net Parse(const std::string& model) {
+  cv::dnn::Net net = cv::dnn::readNetFromONNX(model.data(), model.size());
+  net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
+  net.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
+  return net;
+}
+
+/// Log-odds of the one or two channels of 1 x C x h x w, which must be of these.
+cv::Mat LogOddsOf(const cv::Mat& output) {
+  const bool is_usable = output.dims == 4 && output.type() == CV_32F && output.size[0] == 1 &&
+                         (output.size[1] == 1 || output.size[1] == 2) && output.size[2] > 1 && output.size[3] > 1;
+  Require(is_usable, ErrorCode::kInvalidInput, "its output is not 1 x 1 x h x w (log-odds) or 1 x 2 x h x w (scores)");
+  const auto channel = [&](int index) {
+    return cv::Mat(output.size[2], output.size[3], CV_32F, const_cast<float*>(output.ptr<float>(0, index)));
+  };
+  return output.size[1] == 1 ? channel(0).clone() : cv::Mat(channel(1) - channel(0));
+}
+
+}  // namespace
+
+float FreespaceBelief::At(const Eigen::Vector2f& pixel) const {
+  const auto on_axis = [](float at, int image_length, int length) {
+    const float scale = static_cast<float>(length) / static_cast<float>(image_length);
+    return std::clamp((at + 0.5F) * scale - 0.5F, 0.0F, static_cast<float>(length - 1));
+  };
+  const float column = on_axis(pixel.x(), image_size.width, log_odds.cols);
+  const float row = on_axis(pixel.y(), image_size.height, log_odds.rows);
+  const int x = std::min(static_cast<int>(column), log_odds.cols - 2);
+  const int y = std::min(static_cast<int>(row), log_odds.rows - 2);
+  const float fx = column - static_cast<float>(x), fy = row - static_cast<float>(y);
+  const float* upper = log_odds.ptr<float>(y) + x;
+  const float* lower = log_odds.ptr<float>(y + 1) + x;
+  return (upper[0] * (1 - fx) + upper[1] * fx) * (1 - fy) + (lower[0] * (1 - fx) + lower[1] * fx) * fy;
+}
+
+cv::Mat FreespaceBelief::Mask() const {
+  cv::Mat full;
+  cv::resize(log_odds, full, image_size, 0, 0, cv::INTER_LINEAR);
+  return full > 0;
+}
+
+/// As many copies of one network as there are callers at a time: OpenCV's are for one thread each.
+class FreespaceNetwork::Copies {
+ public:
+  explicit Copies(std::string model)
+      : model_(std::move(model)), input_size_(FindOnnxInputSize(model_).value_or(kOpenSize)), idle_{Parse(model_)} {}
+
+  cv::Size input_size() const { return input_size_; }
+
+  cv::Mat Run(const cv::Mat& image) {
+    cv::dnn::Net net = Take();
+    net.setInput(cv::dnn::blobFromImage(image, 1.0, input_size_));
+    const cv::Mat log_odds = LogOddsOf(net.forward());
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(std::move(net));
+    return log_odds;
+  }
+
+ private:
+  cv::dnn::Net Take() {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!idle_.empty()) {
+        cv::dnn::Net net = std::move(idle_.back());
+        idle_.pop_back();
+        return net;
+      }
+    }
+    return Parse(model_);
+  }
+
+  std::string model_;
+  cv::Size input_size_;
+  std::vector<cv::dnn::Net> idle_;
+  std::mutex mutex_;
+};
+
+FreespaceNetwork::FreespaceNetwork(const std::filesystem::path& file) {
+  const QuietOpenCv quiet;
+  const std::string name = file.empty() ? "the built-in free-space network" : "'" + file.string() + "'";
+  std::string model = file.empty() ? std::string(BuiltinFreespaceNetwork()) : ReadFile(file, kMaxBytes);
+  try {
+    copies_ = std::make_unique<Copies>(std::move(model));
+    copies_->Run(cv::Mat(copies_->input_size(), CV_8UC3, cv::Scalar::all(128)));
+  } catch (const Error& error) {
+    throw Error(ErrorCode::kInvalidInput, name + " is no free-space network: " + error.what());
+  } catch (const std::exception&) {
+    throw Error(ErrorCode::kInvalidInput, name + " is no free-space network: OpenCV cannot run it as ONNX");
+  }
+}
+
+FreespaceNetwork::~FreespaceNetwork() = default;
+
+cv::Size FreespaceNetwork::input_size() const { return copies_->input_size(); }
+
+FreespaceBelief FreespaceNetwork::Run(const cv::Mat& image) const {
+  Require(!image.empty() && image.depth() == CV_8U && (image.channels() == 1 || image.channels() == 3),
+          ErrorCode::kInvalidInput, "the network takes grey and colour images of 8 bits");
+  // Averaging, as in training: blobFromImage alone would skip pixels.
+  cv::Mat resized, color;
+  cv::resize(image, resized, copies_->input_size(), 0, 0, cv::INTER_AREA);
+  if (resized.channels() == 1)
+    cv::cvtColor(resized, color, cv::COLOR_GRAY2BGR);
+  else
+    color = resized;
+  return {copies_->Run(color), image.size()};
+}
+
+}  // namespace parkade

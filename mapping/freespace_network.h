@@ -1,0 +1,47 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+
+namespace parkade {
+
+/// How sure a network is that the pixels of one image show drivable ground.
+struct FreespaceBelief {
+  cv::Mat log_odds;     ///< CV_32FC1 over the whole image, most often coarser than it
+  cv::Size image_size;  ///< [px]
+
+  /// Log-odds of "drivable" at a pixel of the image, bilinear; off the image: at its border.
+  float At(const Eigen::Vector2f& pixel) const;
+
+  /// CV_8UC1 of the image's size: 255 where drivable is the likelier, 0 elsewhere.
+  cv::Mat Mask() const;
+};
+
+/// A network that tells drivable ground from everything else, run on one core by OpenCV's dnn.
+///
+/// The ONNX file must take one image, 1 x 3 x H x W (BGR, 0 to 255, resized to W x H; where the file leaves the size
+/// open: 320 x 208), and give 1 x 1 x h x w, the log-odds of "drivable", or 1 x 2 x h x w, the scores of "other" and
+/// "drivable" before their softmax. Parkade's own (mapping/models/) is part of the program.
+class FreespaceNetwork {
+ public:
+  /// Reads `file`, or takes Parkade's own network where it is empty. Throws Error{kNotFound} without a file, and
+  /// Error{kInvalidInput} where it is no ONNX that OpenCV can run, or one of other inputs and outputs.
+  explicit FreespaceNetwork(const std::filesystem::path& file = {});
+  ~FreespaceNetwork();
+  FreespaceNetwork(const FreespaceNetwork&) = delete;
+  FreespaceNetwork& operator=(const FreespaceNetwork&) = delete;
+
+  /// `image` is CV_8UC1 or CV_8UC3 (BGR), of any size. Thread-safe: every caller has a copy of the network to itself.
+  FreespaceBelief Run(const cv::Mat& image) const;
+
+  /// [px] images are resized to.
+  cv::Size input_size() const;
+
+ private:
+  class Copies;
+  std::unique_ptr<Copies> copies_;
+};
+
+}  // namespace parkade

@@ -1,0 +1,210 @@
+"""What is done to pictures so that the network does not learn ours by heart.
+
+Geometry: crops, turns, mirrors; pictures of a plain lens are bent as a fisheye would see them. Appearance: light,
+colour, blur, noise, darkness towards the rim; painted and shining floors; bodies of other own cars.
+"""
+import cv2
+import numpy as np
+
+from pictures import DRIVABLE, NOT_DRIVABLE, UNKNOWN
+
+
+def affine_map(rng, source_size, size):
+    """Random crop (or a little more than all), turn and stretch, as maps for cv2.remap."""
+    width, height = size
+    zoom = np.exp(rng.uniform(np.log(0.88), np.log(1.7)))
+    stretch = np.exp(rng.normal(0, 0.06))
+    angle = np.radians(rng.normal(0, 4))
+    scale_x, scale_y = source_size[0] / width / zoom * stretch, source_size[1] / height / zoom / stretch
+    slack = np.abs(1 - 1 / zoom) * 0.5 * np.array(source_size)
+    center = 0.5 * np.array(source_size) + rng.uniform(-1, 1, 2) * slack
+    u, v = np.meshgrid(np.arange(width) - 0.5 * (width - 1), np.arange(height) - 0.5 * (height - 1))
+    x = (u * np.cos(angle) - v * np.sin(angle)) * scale_x + center[0]
+    y = (u * np.sin(angle) + v * np.cos(angle)) * scale_y + center[1]
+    return x.astype(np.float32), y.astype(np.float32)
+
+
+def bearing_of_fisheye(rng, size, half_angle):
+    """Unit rays of a random fisheye: Kannala-Brandt's theta(r) with one coefficient, or Mei's unified sphere."""
+    width, height = size
+    u, v = np.meshgrid(np.arange(width) - 0.5 * (width - 1), np.arange(height) - 0.5 * (height - 1))
+    radius = np.hypot(u, v) + 1e-9
+    along = radius / (0.5 * width)
+    if rng.random() < 0.5:
+        bend = rng.uniform(-0.12, 0.12)
+        theta = half_angle * along * (1 + bend * along**2) / (1 + bend)
+    else:
+        xi = rng.uniform(0.4, 1.2)
+        focal = (np.cos(half_angle) + xi) / np.sin(half_angle)
+        m = along / focal
+        root = np.maximum(1 + (1 - xi**2) * m**2, 0)
+        z = (xi + np.sqrt(root)) / (m**2 + 1)
+        theta = np.arctan2(z * m, z - xi)
+    return np.stack([np.sin(theta) * u / radius, np.sin(theta) * v / radius, np.cos(theta)], -1)
+
+
+def fisheye_map(rng, source_size, size):
+    """A plain picture, taken to have a random field of view, as a random fisheye would see it."""
+    source_focal = 0.5 * source_size[0] / np.tan(np.radians(rng.uniform(32, 55)))
+    half_angle = np.arctan(0.5 * source_size[0] / source_focal) * rng.uniform(0.7, 1.15)
+    rays = bearing_of_fisheye(rng, size, half_angle)
+    rotation, _ = cv2.Rodrigues(np.radians(rng.normal(0, [7, 9, 5])))
+    rays = rays @ rotation.T
+    depth = np.where(rays[..., 2] > 0.05, rays[..., 2], np.nan)
+    x = rays[..., 0] / depth * source_focal + 0.5 * (source_size[0] - 1)
+    y = rays[..., 1] / depth * source_focal + 0.5 * (source_size[1] - 1)
+    return np.nan_to_num(x, nan=-1e4).astype(np.float32), np.nan_to_num(y, nan=-1e4).astype(np.float32)
+
+
+def change_geometry(rng, picture, size):
+    """Image and label of `size`; what lies off the picture is black and, mostly, unknown."""
+    source_size = picture.image.shape[1::-1]
+    bends = not picture.is_fisheye and rng.random() < 0.6
+    x, y = (fisheye_map if bends else affine_map)(rng, source_size, size)
+    if rng.random() < 0.5:
+        x, y = x[:, ::-1].copy(), y[:, ::-1].copy()
+    outside = UNKNOWN if rng.random() < 0.7 else NOT_DRIVABLE
+    border = cv2.BORDER_CONSTANT if rng.random() < 0.7 else cv2.BORDER_REPLICATE
+    image = cv2.remap(picture.image, x, y, cv2.INTER_LINEAR, borderMode=border)
+    label = cv2.remap(picture.label, x, y, cv2.INTER_NEAREST, borderMode=cv2.BORDER_CONSTANT, borderValue=outside)
+    return image, label
+
+
+def random_polygon(rng, size):
+    """A long quadrangle, as wide paint on a floor looks."""
+    width, height = size
+    start = rng.uniform([0, 0.3 * height], [width, height])
+    angle, length, thickness = rng.uniform(0, np.pi), rng.uniform(0.15, 0.9) * width, rng.uniform(2, 22)
+    along = np.array([np.cos(angle), np.sin(angle) * 0.6])
+    across = np.array([-along[1], along[0]])
+    taper = rng.uniform(0.2, 1)
+    corners = [start + across * thickness, start + along * length + across * thickness * taper,
+               start + along * length - across * thickness * taper, start - across * thickness]
+    return np.array(corners).astype(np.int32)
+
+
+def paint_floor(rng, image, label):
+    """Tint, shine and wide lines on what is drivable; the label stays."""
+    size = image.shape[1::-1]
+    ground = cv2.GaussianBlur((label == DRIVABLE).astype(np.float32), (3, 3), 0)[..., None]
+    floor = image.astype(np.float32)
+    if rng.random() < 0.6:
+        floor = floor * np.exp(rng.normal(0, 0.22, 3)) + rng.normal(0, 8, 3)
+    if rng.random() < 0.4:  # what stands above the horizon, mirrored
+        floor = floor + rng.uniform(0.05, 0.35) * np.roll(image[::-1], rng.integers(-40, 40), 0)
+    if rng.random() < 0.6:
+        colors = [(20, 170, 230), (230, 230, 230), (200, 120, 40), (40, 40, 200), (60, 150, 60)]
+        for _ in range(rng.integers(1, 4)):
+            paint = np.zeros(image.shape[:2], np.float32)
+            cv2.fillConvexPoly(paint, random_polygon(rng, size), 1.0)
+            paint = cv2.GaussianBlur(paint, (3, 3), 0)[..., None] * rng.uniform(0.4, 0.95)
+            color = np.array(colors[rng.integers(len(colors))]) * rng.uniform(0.5, 1.1)
+            floor = floor * (1 - paint) + paint * color
+    return np.clip(image * (1 - ground) + floor * ground, 0, 255).astype(np.uint8)
+
+
+def paint_walls(rng, image, label):
+    """Other colours, and smooth patches of any colour, on what is not drivable: smooth is not yet road."""
+    height, width = label.shape
+    wall = cv2.GaussianBlur((label == NOT_DRIVABLE).astype(np.float32), (3, 3), 0)[..., None]
+    painted = image.astype(np.float32)
+    if rng.random() < 0.6:
+        painted = painted * np.exp(rng.normal(0, 0.3, 3)) + rng.normal(0, 10, 3)
+    for _ in range(rng.integers(0, 4)):
+        center, half = rng.uniform([0, 0.1 * height], [width, 0.7 * height]), rng.uniform([8, 6], [90, 40])
+        corners = center + half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) + rng.normal(0, 5, (4, 2))
+        patch = np.zeros(label.shape, np.float32)
+        cv2.fillConvexPoly(patch, corners.astype(np.int32), 1.0)
+        patch = cv2.GaussianBlur(patch, (3, 3), 0)[..., None] * rng.uniform(0.5, 1.0)
+        shade = np.linspace(rng.uniform(0.6, 1.2), rng.uniform(0.6, 1.2), width)[None, :, None]
+        painted = painted * (1 - patch) + patch * rng.uniform(20, 220, 3) * shade
+    return np.clip(image * (1 - wall) + painted * wall, 0, 255).astype(np.uint8)
+
+
+def add_own_car(rng, image, label):
+    """A smooth body that bulges into the picture from below."""
+    height, width = label.shape
+    axes = (int(rng.uniform(0.45, 0.9) * width), int(rng.uniform(0.1, 0.35) * height))
+    center = (int(rng.uniform(0.2, 0.8) * width), int(height * rng.uniform(0.98, 1.1)))
+    if rng.random() < 0.5:  # some lenses look over a body that sags in the middle
+        body = np.full(label.shape, 255, np.uint8)
+        cv2.ellipse(body, (center[0], int(0.35 * height)), (int(0.62 * width), int(0.6 * height)), rng.normal(0, 6), 0,
+                    360, 0, -1)
+        body[: int(0.5 * height)] = 0
+    else:
+        body = np.zeros(label.shape, np.uint8)
+        cv2.ellipse(body, center, axes, rng.normal(0, 10), 0, 360, 255, -1)
+    shade = np.linspace(rng.uniform(0.4, 1.2), rng.uniform(0.4, 1.2), height)[:, None, None]
+    grey = rng.uniform(10, 235)
+    color = np.clip(grey + rng.normal(0, 25 if rng.random() < 0.4 else 4, 3), 0, 255) * shade
+    color = np.broadcast_to(color, image.shape).copy()
+    if rng.random() < 0.4:  # a licence plate, a lamp, a badge
+        x, y = rng.uniform(0.1, 0.8) * width, rng.uniform(0.75, 0.95) * height
+        corners = np.array([(x, y), (x + rng.uniform(5, 110), y + rng.normal(0, 12)), (x + 60, y + 25), (x, y + 20)])
+        cv2.fillConvexPoly(color, corners.astype(np.int32), tuple(rng.uniform(0, 255, 3)))
+    inside = (cv2.GaussianBlur(body, (5, 5), 0) / 255.0)[..., None]
+    label[body > 0] = NOT_DRIVABLE
+    return np.clip(image * (1 - inside) + color * inside, 0, 255).astype(np.uint8)
+
+
+def add_lens_rim(rng, image, label):
+    """Darkness outside of the image circle, and towards it."""
+    height, width = label.shape
+    u, v = np.meshgrid(np.linspace(-1, 1, width), np.linspace(-1, 1, height) * height / width)
+    radius = np.hypot(u - rng.normal(0, 0.03), v - rng.normal(0, 0.03))
+    rim = rng.uniform(0.85, 1.15)
+    softness = rng.uniform(0.01, 0.15)
+    light = np.clip((rim - radius) / softness, 0, 1)
+    label[radius > rim - 0.3 * softness] = NOT_DRIVABLE
+    glow = rng.uniform(0, 25, 3)
+    return np.clip(image * light[..., None] + glow * (1 - light[..., None]), 0, 255).astype(np.uint8)
+
+
+def change_light(rng, image):
+    """Exposure, contrast, gamma, white balance, saturation: one table per channel."""
+    if rng.random() < 0.15:
+        image = cv2.cvtColor(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), cv2.COLOR_GRAY2BGR)
+    elif rng.random() < 0.5:
+        hsv = cv2.cvtColor(image, cv2.COLOR_BGR2HSV)
+        hsv[..., 0] = (hsv[..., 0].astype(int) + rng.integers(-12, 13)) % 180
+        hsv[..., 1] = np.clip(hsv[..., 1] * rng.uniform(0.3, 1.7), 0, 255)
+        image = cv2.cvtColor(hsv, cv2.COLOR_HSV2BGR)
+    level = np.arange(256) / 255.0
+    gamma, gain = np.exp(rng.normal(0, 0.28)), np.exp(rng.normal(0, 0.22))
+    tables = [255 * np.exp(rng.normal(0, 0.08)) * gain * level**gamma + rng.normal(0, 8) for _ in range(3)]
+    table = np.clip(np.stack(tables, -1), 0, 255).astype(np.uint8)[None]
+    return cv2.LUT(image, table)
+
+
+def roughen(rng, image):
+    """Blur of focus or motion, noise of the sensor, blocks of JPEG."""
+    if rng.random() < 0.3:
+        image = cv2.GaussianBlur(image, (0, 0), rng.uniform(0.4, 1.6))
+    if rng.random() < 0.15:
+        kernel = np.zeros((7, 7), np.float32)
+        angle = rng.uniform(0, np.pi)
+        offset = 3 * np.array([np.cos(angle), np.sin(angle)])
+        cv2.line(kernel, tuple(np.int32(3 - offset).tolist()), tuple(np.int32(np.round(3 + offset)).tolist()), 1)
+        image = cv2.filter2D(image, -1, kernel / kernel.sum())
+    if rng.random() < 0.4:
+        noise = rng.normal(0, rng.uniform(1, 9), image.shape[:2] + (1 if rng.random() < 0.5 else 3,))
+        image = np.clip(image + noise, 0, 255).astype(np.uint8)
+    if rng.random() < 0.15:
+        _, code = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, int(rng.uniform(30, 80))])
+        image = cv2.imdecode(code, cv2.IMREAD_COLOR)
+    return image
+
+
+def augment(rng, picture, size):
+    """A picture of `size` (width, height) never seen before, and its label."""
+    image, label = change_geometry(rng, picture, size)
+    if rng.random() < 0.35:
+        image = paint_floor(rng, image, label)
+    if rng.random() < 0.35:
+        image = paint_walls(rng, image, label)
+    if rng.random() < 0.25:
+        image = add_own_car(rng, image, label)
+    image = change_light(rng, image)
+    if rng.random() < 0.2:
+        image = add_lens_rim(rng, image, label)
+    return roughen(rng, image), label

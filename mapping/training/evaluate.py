@@ -1,0 +1,72 @@
+#!/usr/bin/env python3
+"""IoU of drivable ground that an ONNX network reaches, run by OpenCV as Parkade runs it. Needs no PyTorch.
+
+    evaluate.py freespace.onnx --camvid CAMVID/val --drive DRIVES/val/lot_2000 ... [--overlays DIR]
+"""
+import argparse
+import sys
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+
+import cv2
+import numpy as np
+
+import pictures
+
+
+def find_log_odds(network, size, picture):
+    image = cv2.resize(picture.image, size, interpolation=cv2.INTER_AREA)
+    network.setInput(cv2.dnn.blobFromImage(image))
+    return cv2.resize(network.forward()[0, 0], picture.label.shape[::-1], interpolation=cv2.INTER_LINEAR)
+
+
+def overlay(picture, drivable):
+    """Right in green, missed in blue, false in red."""
+    truth = picture.label == pictures.DRIVABLE
+    colors = np.zeros_like(picture.image)
+    colors[drivable & truth], colors[~drivable & truth] = (0, 200, 0), (255, 0, 0)
+    colors[drivable & (picture.label == pictures.NOT_DRIVABLE)] = (0, 0, 255)
+    return cv2.addWeighted(picture.image, 0.6, colors, 0.4, 0)
+
+
+def evaluate(network, size, samples, folder):
+    """IoU over all labelled pixels, and how often a pixel is right at each tenth of probability."""
+    both = either = 0
+    right, count = np.zeros(10), np.zeros(10)
+    for picture in samples:
+        log_odds = find_log_odds(network, size, picture)
+        known, truth, drivable = picture.label != pictures.UNKNOWN, picture.label == pictures.DRIVABLE, log_odds > 0
+        both += int((drivable & truth).sum())
+        either += int(((drivable | truth) & known).sum())
+        tenth = np.minimum(10 / (1 + np.exp(-log_odds[known])), 9).astype(int)
+        count += np.bincount(tenth, minlength=10)
+        right += np.bincount(tenth, weights=truth[known], minlength=10)
+        if folder:
+            cv2.imwrite(str(Path(folder) / (picture.name.replace("/", "_") + ".jpg")), overlay(picture, drivable))
+    return both / max(either, 1), right / np.maximum(count, 1)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("onnx")
+    parser.add_argument("--camvid", help="folder with images/ and labels/")
+    parser.add_argument("--drive", action="append", default=[], help="a simulated drive with masks; may be repeated")
+    parser.add_argument("--size", default="320x208", help="of the network's input")
+    parser.add_argument("--overlays", help="folder for pictures with what was found")
+    arguments = parser.parse_args()
+    size = tuple(int(number) for number in arguments.size.split("x"))
+    cv2.setNumThreads(1)
+    network = cv2.dnn.readNetFromONNX(arguments.onnx)
+    if arguments.overlays:
+        Path(arguments.overlays).mkdir(parents=True, exist_ok=True)
+    sets = [("camvid", pictures.load_camvid(arguments.camvid))] if arguments.camvid else []
+    sets += [(Path(drive).name, pictures.load_drive(drive)) for drive in arguments.drive]
+    for name, samples in sets:
+        iou, share = evaluate(network, size, samples, arguments.overlays)
+        tenths = " ".join(f"{value:.2f}" for value in share)
+        print(f"{name}: {len(samples)} pictures, IoU {iou:.4f}; drivable per tenth of probability: {tenths}")
+
+
+if __name__ == "__main__":
+    main()

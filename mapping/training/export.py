@@ -1,0 +1,55 @@
+#!/usr/bin/env python3
+"""Writes a checkpoint of train.py as ONNX for OpenCV's dnn, and checks that both give the same answer.
+
+    export.py freespace.pt freespace.onnx [--size 320x208]
+"""
+import argparse
+
+import cv2
+import numpy as np
+import torch
+
+from network import FreespaceNetwork, count_parameters
+
+OPSET = 11  # what OpenCV 4.6 knows well
+MAX_DIFFERENCE = 1e-2  # of log-odds
+
+
+def load(path):
+    network = FreespaceNetwork()
+    network.load_state_dict(torch.load(path, map_location="cpu")["network"])
+    return network.eval()
+
+
+def largest_difference(network, onnx_path, size):
+    width, height = size
+    image = np.random.default_rng(1).integers(0, 256, (height, width, 3), np.uint8)
+    image = cv2.GaussianBlur(image, (0, 0), 3)
+    reader = cv2.dnn.readNetFromONNX(onnx_path)
+    reader.setInput(cv2.dnn.blobFromImage(image))
+    with torch.no_grad():
+        ours = network(torch.from_numpy(image).permute(2, 0, 1)[None].float()).numpy()
+    return float(np.abs(reader.forward() - ours).max())
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("checkpoint")
+    parser.add_argument("onnx")
+    parser.add_argument("--size", default="320x208", help="of the input: WxH, multiples of 16")
+    arguments = parser.parse_args()
+    width, height = (int(number) for number in arguments.size.split("x"))
+    if width % 16 or height % 16:
+        raise SystemExit("the size must be in multiples of 16")
+
+    network = load(arguments.checkpoint)
+    torch.onnx.export(network, torch.zeros(1, 3, height, width), arguments.onnx, opset_version=OPSET,
+                      input_names=["image"], output_names=["log_odds"])
+    difference = largest_difference(network, arguments.onnx, (width, height))
+    print(f"{count_parameters(network)} parameters, {arguments.size}, largest difference to OpenCV {difference:.1e}")
+    if difference > MAX_DIFFERENCE:
+        raise SystemExit("OpenCV reads the network differently")
+
+
+if __name__ == "__main__":
+    main()

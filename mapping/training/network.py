@@ -1,0 +1,77 @@
+"""The network that tells drivable ground from everything else.
+
+An encoder-decoder with skip connections, small enough for one processor core: depthwise-separable convolutions where
+pictures are large or channels many, a few dense ones in between. Input: N x 3 x H x W, BGR, 0..255, H and W multiples
+of 16. Output: N x 1 x H/2 x W/2, the log-odds of "drivable".
+"""
+import torch
+from torch import nn
+from torch.nn import functional
+
+PIXEL_SCALE = 1 / 128  # no offset: black stays zero, which is also what convolutions pad with
+
+
+def conv(inputs, outputs, size=3, stride=1, groups=1):
+    """Convolution, batch normalisation (folded on export), ReLU."""
+    return nn.Sequential(
+        nn.Conv2d(inputs, outputs, size, stride, size // 2, groups=groups, bias=False),
+        nn.BatchNorm2d(outputs),
+        nn.ReLU(inplace=True),
+    )
+
+
+def separable(inputs, outputs, size=3, stride=1):
+    """Depthwise, then pointwise convolution."""
+    return nn.Sequential(conv(inputs, inputs, size, stride, groups=inputs), conv(inputs, outputs, 1))
+
+
+class Residual(nn.Module):
+    """y = x + block(x)."""
+
+    def __init__(self, block):
+        super().__init__()
+        self.block = block
+
+    def forward(self, x):
+        return x + self.block(x)
+
+
+class Decoder(nn.Module):
+    """Doubles the resolution and adds what the encoder knew there."""
+
+    def __init__(self, deep, skip):
+        super().__init__()
+        self.reduce = conv(deep, skip, 1)
+        self.mix = Residual(separable(skip, skip))
+
+    def forward(self, deep, skip):
+        up = functional.interpolate(self.reduce(deep), scale_factor=2, mode="bilinear", align_corners=False)
+        return self.mix(up + skip)
+
+
+class FreespaceNetwork(nn.Module):
+    def __init__(self, widths=(16, 24, 48, 96, 192)):
+        super().__init__()
+        stem, half, quarter, eighth, sixteenth = widths
+        self.at_half = nn.Sequential(conv(3, stem, 3, 2), separable(stem, half))
+        self.at_quarter = nn.Sequential(separable(half, quarter, 3, 2), Residual(conv(quarter, quarter)))
+        self.at_eighth = nn.Sequential(separable(quarter, eighth, 3, 2), Residual(conv(eighth, eighth)),
+                                    Residual(separable(eighth, eighth, 5)))
+        # Wide kernels: whether grey is road depends on where in the picture it is.
+        self.at_sixteenth = nn.Sequential(separable(eighth, sixteenth, 5, 2),
+                                       *(Residual(separable(sixteenth, sixteenth, 7)) for _ in range(4)))
+        self.to_eighth = Decoder(sixteenth, eighth)
+        self.to_quarter = Decoder(eighth, quarter)
+        self.to_half = Decoder(quarter, half)
+        self.head = nn.Conv2d(half, 1, 1)
+
+    def forward(self, picture):
+        half = self.at_half(picture * PIXEL_SCALE)
+        quarter = self.at_quarter(half)
+        eighth = self.at_eighth(quarter)
+        deep = self.to_eighth(self.at_sixteenth(eighth), eighth)
+        return self.head(self.to_half(self.to_quarter(deep, quarter), half))
+
+
+def count_parameters(network):
+    return sum(parameter.numel() for parameter in network.parameters())

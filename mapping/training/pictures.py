@@ -1,0 +1,58 @@
+"""Labelled pictures: CamVid and drives of parkade-simulate (EuRoC folders with --semantic).
+
+A label is one byte per pixel: 0 not drivable, 255 drivable, 128 unknown (left out of training and figures).
+"""
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+NOT_DRIVABLE, UNKNOWN, DRIVABLE = 0, 128, 255
+CAMVID_ROAD, CAMVID_UNLABELLED = 3, 11
+
+
+@dataclass
+class Picture:
+    name: str
+    image: np.ndarray  # H x W x 3, BGR
+    label: np.ndarray  # H x W
+    is_fisheye: bool
+
+
+def read_image(path, flags=cv2.IMREAD_COLOR):
+    image = cv2.imread(str(path), flags)
+    if image is None:
+        raise SystemExit(f"cannot read the picture {path}")
+    return image
+
+
+def load_camvid(folder):
+    """Pictures of `folder`/images with class masks of the same name in `folder`/labels."""
+    pictures = []
+    for path in sorted((Path(folder) / "images").glob("*.jpg")):
+        classes = read_image(Path(folder) / "labels" / (path.stem + ".png"), cv2.IMREAD_GRAYSCALE)
+        label = np.where(classes == CAMVID_ROAD, DRIVABLE, NOT_DRIVABLE).astype(np.uint8)
+        label[classes == CAMVID_UNLABELLED] = UNKNOWN
+        pictures.append(Picture(path.name, read_image(path), label, is_fisheye=False))
+    return pictures
+
+
+def load_drive(folder, scale=1.0):
+    """Pictures of a simulated drive. Scaled down they need less memory."""
+    pictures = []
+    for path in sorted(Path(folder).glob("mav0/cam*/data/*.jpg")):
+        mask_path = path.parents[1] / "semantic" / "data" / (path.stem + ".png")
+        if not mask_path.exists():
+            continue
+        image, label = read_image(path), read_image(mask_path, cv2.IMREAD_GRAYSCALE)
+        if scale != 1.0:
+            image = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+            label = cv2.resize(label, image.shape[1::-1], interpolation=cv2.INTER_NEAREST)
+        pictures.append(Picture(f"{Path(folder).name}/{path.parents[1].name}/{path.stem}", image, label, True))
+    return pictures
+
+
+def finished_drives(folder):
+    """Drives below `folder` that are complete: the simulator writes summary.json last."""
+    return sorted(summary.parent for summary in Path(folder).glob("*/summary.json"))

@@ -1,0 +1,182 @@
+#!/usr/bin/env python3
+"""Trains the network for a given time on one processor core; see README.md.
+
+    nice train.py --camvid CAMVID --drives DRIVES --minutes 60 --out freespace.pt
+
+DRIVES/train/* and DRIVES/val/* are folders of `parkade-simulate ... --semantic --out`. Drives that are finished while
+training runs are taken in. The checkpoint holds the moving average of the weights and what --resume needs.
+"""
+import argparse
+import time
+from pathlib import Path
+
+import cv2
+import numpy as np
+import torch
+from torch.nn import functional
+
+import augment
+import pictures
+from network import FreespaceNetwork, count_parameters
+
+SIZE = (320, 208)  # of the network's input: width, height
+# Small pictures first: shapes and colours are learnt at a third of the cost. Until which part of the time, size.
+STAGES = ((0.35, (192, 128)), (0.6, (256, 160)), (1.0, SIZE))
+DRIVE_SCALE = 0.75  # at which simulated pictures are kept in memory
+
+
+def to_batch(images):
+    stacked = torch.from_numpy(np.stack(images)).permute(0, 3, 1, 2).float()
+    return stacked.contiguous(memory_format=torch.channels_last)
+
+
+def loss_of(log_odds, labels):
+    """Cross entropy, which keeps probabilities honest, and soft IoU, which is what is asked for."""
+    known = (labels != pictures.UNKNOWN).float()
+    target = (labels == pictures.DRIVABLE).float()
+    entropy = (functional.binary_cross_entropy_with_logits(log_odds, target, reduction="none") * known).sum()
+    probability = torch.sigmoid(log_odds) * known
+    both = (probability * target).sum((1, 2))
+    either = (probability + target * known).sum((1, 2)) - both
+    soft_iou = ((both + 50) / (either + 50)).mean()
+    return entropy / known.sum().clamp(min=1) + 0.3 * (1 - soft_iou)
+
+
+def size_at(progress):
+    return next((size for end, size in STAGES if progress < end), SIZE)
+
+
+def upsample(log_odds, size):
+    return functional.interpolate(log_odds, size=size, mode="bilinear", align_corners=False)[:, 0]
+
+
+def measure_iou(network, samples):
+    """IoU of drivable ground over all pixels with a label, at the labels' resolution."""
+    network.eval()
+    both = either = 0
+    with torch.no_grad():
+        for picture in samples:
+            image = cv2.resize(picture.image, SIZE, interpolation=cv2.INTER_AREA)
+            log_odds = upsample(network(to_batch([image])), picture.label.shape)[0].numpy()
+            known, truth = picture.label != pictures.UNKNOWN, picture.label == pictures.DRIVABLE
+            found = (log_odds > 0) & known
+            both += int((found & truth).sum())
+            either += int((found | (truth & known)).sum())
+    return both / max(either, 1)
+
+
+class Samples:
+    """Batches of augmented pictures, from plain and fisheye lenses in fixed shares."""
+
+    def __init__(self, plain, drives_folder, seed, share_of_plain=0.42):
+        self.plain, self.drives_folder, self.share_of_plain = plain, Path(drives_folder), share_of_plain
+        self.rng = np.random.default_rng(seed)
+        self.known_drives, self.fisheye = set(), []
+        self.take_in_new_drives()
+
+    def take_in_new_drives(self):
+        for drive in pictures.finished_drives(self.drives_folder):
+            if drive not in self.known_drives:
+                self.known_drives.add(drive)
+                self.fisheye += pictures.load_drive(drive, DRIVE_SCALE)
+
+    def batch(self, count, size):
+        images, labels = [], []
+        for i in range(count):
+            is_plain = not self.fisheye or (self.plain and self.rng.random() < self.share_of_plain)
+            pool = self.plain if is_plain else self.fisheye
+            image, label = augment.augment(self.rng, pool[self.rng.integers(len(pool))], size)
+            images.append(image)
+            labels.append(label)
+        return to_batch(images), torch.from_numpy(np.stack(labels))
+
+
+def follow(average, network, decay):
+    """Moves the average towards the network."""
+    with torch.no_grad():
+        for name, value in network.state_dict().items():
+            kept = average.state_dict()[name]
+            if value.dtype.is_floating_point:
+                kept.mul_(decay).add_(value, alpha=1 - decay)
+            else:
+                kept.copy_(value)
+
+
+def train(arguments):
+    torch.set_num_threads(1)
+    cv2.setNumThreads(1)
+    torch.manual_seed(arguments.seed)
+    network = FreespaceNetwork().to(memory_format=torch.channels_last)
+    average = FreespaceNetwork()
+    if arguments.resume:
+        network.load_state_dict(torch.load(arguments.resume)["network"])
+    average.load_state_dict(network.state_dict())
+    decays = [parameter for parameter in network.parameters() if parameter.ndim > 1]
+    others = [parameter for parameter in network.parameters() if parameter.ndim <= 1]
+    optimiser = torch.optim.AdamW([{"params": decays, "weight_decay": 0.02}, {"params": others, "weight_decay": 0.0}],
+                                  lr=arguments.rate)
+    plain = pictures.load_camvid(Path(arguments.camvid) / "train") if arguments.camvid else []
+    samples = Samples(plain, Path(arguments.drives) / "train", arguments.seed)
+    print(f"{count_parameters(network)} parameters, {len(plain)} plain pictures, {len(samples.fisheye)} of drives",
+          flush=True)
+
+    begin = last_report = time.monotonic()
+    budget, step, losses = 60 * arguments.minutes, 0, []
+    while True:
+        elapsed = time.monotonic() - begin
+        progress = elapsed / budget
+        # The schedule follows the clock: on a shared machine nobody knows how many steps an hour has.
+        rate = arguments.rate * min(1, (step + 1) / 100) * 0.5 * (1 + np.cos(np.pi * min(progress, 1)))
+        for group in optimiser.param_groups:
+            group["lr"] = rate
+        network.train()
+        images, labels = samples.batch(arguments.batch, size_at(progress if not arguments.resume else 1.0))
+        loss = loss_of(upsample(network(images), labels.shape[1:]), labels)
+        optimiser.zero_grad()
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(network.parameters(), 5.0)
+        optimiser.step()
+        follow(average, network, min(0.995, (step + 1) / (step + 10)))
+        losses.append(loss.item())
+        step += 1
+        is_over = progress >= 1 or (arguments.steps and step >= arguments.steps)
+        if is_over or time.monotonic() - last_report > 60 * arguments.report_minutes:
+            last_report = time.monotonic()
+            torch.save({"network": average.state_dict(), "steps": step, "size": SIZE}, arguments.out)
+            report(arguments, average, step, losses, samples, elapsed)
+            losses = []
+            samples.take_in_new_drives()
+        if is_over:
+            return
+
+
+def report(arguments, average, step, losses, samples, elapsed):
+    figures = []
+    if arguments.camvid:
+        val = pictures.load_camvid(Path(arguments.camvid) / "val")[:: arguments.val_stride]
+        figures.append(f"camvid {measure_iou(average, val):.4f}")
+    for drive in pictures.finished_drives(Path(arguments.drives) / "val"):
+        val = pictures.load_drive(drive)[:: arguments.val_stride]
+        figures.append(f"{drive.name} {measure_iou(average, val):.4f}")
+    print(f"{elapsed / 60:.1f} min, step {step}, loss {np.mean(losses):.4f}, {len(samples.known_drives)} drives, IoU: "
+          + ", ".join(figures), flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--camvid", help="folder with train/ and val/, each with images/ and labels/")
+    parser.add_argument("--drives", required=True, help="folder with train/ and val/ of simulated drives")
+    parser.add_argument("--out", required=True, help="checkpoint to write")
+    parser.add_argument("--resume", help="checkpoint to start from")
+    parser.add_argument("--minutes", type=float, default=60)
+    parser.add_argument("--steps", type=int, default=0, help="end earlier, after so many steps")
+    parser.add_argument("--rate", type=float, default=2e-3, help="learning rate at its highest")
+    parser.add_argument("--batch", type=int, default=16)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--report-minutes", type=float, default=4)
+    parser.add_argument("--val-stride", type=int, default=4, help="measure on every so many-th picture")
+    train(parser.parse_args())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,100 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "mapping/freespace_network.h"
+#include "server/commands/commands.h"
+
+namespace parkade {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct SegmentArguments {
+  std::vector<std::string> images;
+  std::string out, model;
+  bool has_overlays = false;
+};
+
+/// Throws Error{kInvalidInput} naming what is no picture.
+cv::Mat ReadImage(const std::string& file) {
+  const std::string bytes = ReadFile(file);
+  cv::Mat image;
+  if (!bytes.empty()) {
+    try {
+      image = cv::imdecode(std::vector<uchar>(bytes.begin(), bytes.end()), cv::IMREAD_COLOR);
+    } catch (const cv::Exception&) {
+      image.release();  // a header that promises too much
+    }
+  }
+  Require(!image.empty(), ErrorCode::kInvalidInput, "'" + file + "' is no picture that can be read");
+  return image;
+}
+
+void WriteImage(const fs::path& file, const cv::Mat& image) {
+  std::vector<uchar> bytes;
+  cv::imencode(file.extension().string(), image, bytes);
+  WriteFileAtomically(file, std::string(bytes.begin(), bytes.end()));
+}
+
+/// The picture with what is drivable in green.
+cv::Mat Overlay(const cv::Mat& image, const cv::Mat& mask) {
+  const cv::Mat green(image.size(), CV_8UC3, cv::Scalar(0, 200, 0));
+  cv::Mat mixed;
+  cv::addWeighted(image, 0.6, green, 0.4, 0, mixed);
+  cv::Mat overlay = image.clone();
+  mixed.copyTo(overlay, mask);
+  return overlay;
+}
+
+/// Names of the masks, which are those of the images; two images of one name have no place in one folder.
+std::vector<std::string> NamesOf(const std::vector<std::string>& images) {
+  std::vector<std::string> names;
+  std::set<std::string> taken;
+  for (const std::string& image : images) {
+    names.push_back(fs::path(image).stem().string());
+    Require(taken.insert(names.back()).second, ErrorCode::kUsage,
+            "two of the images are called '" + names.back() + "': their masks would have one name");
+  }
+  return names;
+}
+
+int Segment(const SegmentArguments& arguments) {
+  const std::vector<std::string> names = NamesOf(arguments.images);
+  const FreespaceNetwork network(arguments.model);
+  std::error_code error;
+  fs::create_directories(arguments.out, error);
+  Require(fs::is_directory(arguments.out), ErrorCode::kInvalidInput, "cannot make the folder '" + arguments.out + "'");
+  for (size_t i = 0; i < names.size(); ++i) {
+    const cv::Mat image = ReadImage(arguments.images[i]);
+    const cv::Mat mask = network.Run(image).Mask();
+    WriteImage(fs::path(arguments.out) / (names[i] + ".png"), mask);
+    if (arguments.has_overlays) WriteImage(fs::path(arguments.out) / (names[i] + "_overlay.jpg"), Overlay(image, mask));
+    std::printf("%s: %.1f %% drivable\n", names[i].c_str(),
+                100.0 * cv::countNonZero(mask) / static_cast<double>(mask.total()));
+  }
+  return 0;
+}
+
+}  // namespace
+
+void AddSegmentCommand(CLI::App& app, Action& action) {
+  const auto arguments = std::make_shared<SegmentArguments>();
+  CLI::App* command = app.add_subcommand("segment", "Masks of drivable ground for pictures (PNG, 255 = drivable)");
+  command->add_option("IMAGE", arguments->images, "pictures of any lens; read as JPEG, PNG and what else OpenCV knows")
+      ->required();
+  command->add_option("--out", arguments->out, "folder of the masks, made where missing")->required();
+  command->add_option("--freespace-model", arguments->model,
+                      "ONNX network to use instead of the built-in one (docs/freespace.md)");
+  command->add_flag("--overlay", arguments->has_overlays, "also the pictures with what is drivable in green");
+  command->callback([arguments, &action] { action = [arguments] { return Segment(*arguments); }; });
+}
+
+}  // namespace parkade
