@@ -1,11 +1,11 @@
 #include "slam/close_loops.h"
 
 #include <chrono>
-#include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "core/parallel.h"
 #include "slam/relative_pose_baselines.h"
+#include "slam/reviewed_loops.h"
 #include "slam/robust_pose_graph.h"
 
 namespace parkade {
@@ -57,6 +57,20 @@ void MeasureWithoutScale(const Place& earlier, const Place& later, const std::ve
                                                options.method == "scale-less");
 }
 
+/// Keeps pictures of the two cameras that share the most inliers.
+void ShowViews(const Place& earlier, const Place& later, LoopEvidence& loop) {
+  if (!loop.pose.inliers_of_cameras.empty()) {
+    loop.earlier_camera = loop.pose.inliers_of_cameras.front().camera_a;
+    loop.later_camera = loop.pose.inliers_of_cameras.front().camera_b;
+  }
+  const auto view_of = [](const Place& place, int camera) {
+    const auto index = static_cast<size_t>(camera);
+    return index < place.views.size() ? place.views[index] : cv::Mat();
+  };
+  loop.earlier_view = view_of(earlier, loop.earlier_camera);
+  loop.later_view = view_of(later, loop.later_camera);
+}
+
 /// Relative poses of all candidates, in their order.
 std::vector<LoopEvidence> Measure(const std::vector<Place>& places, const std::vector<PlaceCandidate>& candidates,
                                   const LoopOptions& options) {
@@ -64,6 +78,9 @@ std::vector<LoopEvidence> Measure(const std::vector<Place>& places, const std::v
     const PlaceCandidate& candidate = candidates[i];
     const Place &earlier = places[candidate.earlier], &later = places[candidate.later];
     LoopEvidence loop;
+    loop.id = std::to_string(candidate.earlier) + "-" + std::to_string(candidate.later);
+    loop.earlier_place = candidate.earlier;
+    loop.later_place = candidate.later;
     loop.earlier = earlier.time;
     loop.later = later.time;
     loop.way = later.distance - earlier.distance;
@@ -77,6 +94,7 @@ std::vector<LoopEvidence> Measure(const std::vector<Place>& places, const std::v
     } else {
       MeasureWithoutScale(earlier, later, matches, by_odometry, options, loop);
     }
+    ShowViews(earlier, later, loop);
     loop.odometry_disagreement = (loop.pose.a_from_b.translation - by_odometry.translation).norm();
     return loop;
   });
@@ -88,7 +106,7 @@ void AddLoop(const PlaceCandidate& candidate, const LoopEvidence& loop, const Lo
   const bool is_between_places = options.method == "rig" || options.method == "pnp";
   if (is_between_places) {
     graph.edges.push_back(
-        {candidate.earlier + 1, candidate.later + 1, loop.pose.a_from_b, loop.pose.information, false});
+        {candidate.earlier + 1, candidate.later + 1, loop.pose.a_from_b, loop.pose.information, loop.is_forced});
     return;
   }
   constexpr double kRigid = 1e8;  // [1/m^2], [1/rad^2]
@@ -102,7 +120,7 @@ void AddLoop(const PlaceCandidate& candidate, const LoopEvidence& loop, const Lo
   add_camera(candidate.earlier + 1, loop.earlier_from_camera);
   add_camera(candidate.later + 1, loop.later_from_camera);
   const Rigid3 camera_from_camera = loop.earlier_from_camera.Inverse() * loop.pose.a_from_b * loop.later_from_camera;
-  graph.edges.push_back({first, first + 1, camera_from_camera, loop.pose.information, false});
+  graph.edges.push_back({first, first + 1, camera_from_camera, loop.pose.information, loop.is_forced});
 }
 
 /// Poses of the places once loops are closed; sets the loops' weights.
@@ -125,7 +143,10 @@ std::vector<Rigid3> Optimize(const std::vector<Place>& places, const std::vector
     robust.adapts_noise = false;
     const RobustPoseGraphSummary summary = OptimizePoseGraphRobustly(robust, graph);
     for (size_t i = 0; i < candidates.size(); ++i) {
-      if (edge_of_loop[i]) closure.loops[i].weight = summary.weights[*edge_of_loop[i]];
+      if (edge_of_loop[i]) {
+        closure.loops[i].weight = summary.weights[*edge_of_loop[i]];
+        closure.loops[i].chi_squared = summary.chi_squared[*edge_of_loop[i]];
+      }
       closure.num_accepted += closure.loops[i].weight > 0.5;
     }
   }
@@ -166,7 +187,8 @@ Trajectory CarryAlong(const Trajectory& odometry, const std::vector<Place>& plac
   return Trajectory(std::move(states));
 }
 
-LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const LoopOptions& options) {
+LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const LoopOptions& options,
+                       const LoopReview& review) {
   options.Validate();
   const auto start = std::chrono::steady_clock::now();
   LoopClosure closure;
@@ -174,11 +196,15 @@ LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const Lo
   if (options.method == "none" || odometry.states().size() < 2) return closure;
   std::vector<Place> places = ChoosePlaces(odometry, options.places);
   closure.num_places = static_cast<int>(places.size());
-  const std::vector<bool> is_possible = FindPossibleRevisits(places, options.recognition);
+  std::vector<bool> is_possible = FindPossibleRevisits(places, options.recognition);
+  const ReviewedLoops reviewed(review, places.size());
+  reviewed.MarkPlaces(is_possible);
   if (std::count(is_possible.begin(), is_possible.end(), true) == 0) return closure;
   DescribePlaces(log, odometry, options.places, is_possible, places);
-  const std::vector<PlaceCandidate> candidates = RecognisePlaces(places, options.recognition);
+  std::vector<PlaceCandidate> candidates = RecognisePlaces(places, options.recognition);
+  reviewed.AddForced(candidates);
   closure.loops = Measure(places, candidates, options);
+  for (LoopEvidence& loop : closure.loops) reviewed.Judge(loop);
   const std::vector<Rigid3> poses = Optimize(places, candidates, options, closure);
   for (size_t i = 0; i < places.size(); ++i)
     closure.largest_correction =
@@ -186,34 +212,6 @@ LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const Lo
   if (closure.num_accepted > 0) closure.odom_from_body = CarryAlong(odometry, places, poses);
   closure.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return closure;
-}
-
-nlohmann::json ToJson(const LoopClosure& closure) {
-  nlohmann::json json = {{"num_places", closure.num_places},     {"num_candidates", closure.loops.size()},
-                         {"num_accepted", closure.num_accepted}, {"largest_correction", closure.largest_correction},
-                         {"seconds", closure.seconds},           {"candidates", nlohmann::json::array()}};
-  for (const LoopEvidence& loop : closure.loops) {
-    const RelativePose& pose = loop.pose;
-    const Eigen::Vector3d &t = pose.a_from_b.translation, turn = LogSo3(pose.a_from_b.rotation);
-    const bool is_accepted = loop.weight > 0.5;
-    json["candidates"].push_back({{"earlier", static_cast<double>(loop.earlier.ns) * 1e-9},
-                                  {"later", static_cast<double>(loop.later.ns) * 1e-9},
-                                  {"way", loop.way},
-                                  {"score", loop.score},
-                                  {"num_matches", pose.num_matches},
-                                  {"num_inliers", pose.num_inliers},
-                                  {"num_camera_pairs", pose.num_camera_pairs},
-                                  {"residual", pose.residual},
-                                  {"worst_sigma", pose.worst_sigma},
-                                  {"translation", {t.x(), t.y(), t.z()}},
-                                  {"rotation_vector", {turn.x(), turn.y(), turn.z()}},
-                                  {"odometry_disagreement", loop.odometry_disagreement},
-                                  {"weight", loop.weight},
-                                  {"state", is_accepted              ? "accepted"
-                                            : !pose.rejected.empty() ? pose.rejected
-                                                                     : "rejected by the pose graph"}});
-  }
-  return json;
 }
 
 }  // namespace parkade

@@ -40,13 +40,27 @@ struct LoopOptions {
   void Validate() const;  ///< throws Error{kUsage}
 };
 
+/// What a person decided about single loops, by LoopEvidence::id.
+struct LoopReview {
+  std::vector<std::string> rejected = {};  ///< never close
+  std::vector<std::string> forced = {};    ///< close without doubt, where they can be measured at all
+
+  bool empty() const { return rejected.empty() && forced.empty(); }
+};
+
 /// One pair of places that looked alike, and what became of it.
 struct LoopEvidence {
+  std::string id;  ///< "EARLIER-LATER", the places' numbers along the drive: the same for the same odometry
+  size_t earlier_place = 0, later_place = 0;
+  int earlier_camera = 0, later_camera = 0;  ///< that share the most inliers
+  cv::Mat earlier_view, later_view;          ///< what they saw, small; CV_8UC1, may be empty
   Timestamp earlier, later;
   double way = 0;                                 ///< [m] driven between
   double score = 0;                               ///< of place recognition
   RelativePose pose;                              ///< of the later in the earlier place
   Rigid3 earlier_from_camera, later_from_camera;  ///< of a loop without scale: what its factor ties
+  bool is_forced = false;                         ///< by a reviewer
+  double chi_squared = 0;                         ///< [sigma^2] of the loop once all are closed
   double weight = 0;                              ///< 1 where the pose graph believed it
   double odometry_disagreement = 0;               ///< [m] by which odometry alone put the later place elsewhere
 };
@@ -64,7 +78,9 @@ struct LoopClosure {
 /// DescribePlaces, RecognisePlaces, EstimateRigPose (or a baseline), OptimizePoseGraphRobustly with
 /// gravity held. `odometry` is odom_from_body of that log. Images are worked on in
 /// parallel; results do not depend on the number of threads.
-LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const LoopOptions& options);
+/// `review` overrules; a loop it names that no two places have throws Error{kUsage}.
+LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const LoopOptions& options,
+                       const LoopReview& review = {});
 
 /// The poses of `odometry` carried along with its places: between two of them, what odometry says from either side is
 /// blended. `places` and `corrected` correspond, places in order of time.

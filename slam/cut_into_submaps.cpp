@@ -4,15 +4,10 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "slam/place.h"
 
 namespace parkade {
 namespace {
-
-Rigid3 Levelled(const Rigid3& odom_from_body) {
-  const Eigen::Vector3d forward = odom_from_body.rotation * Eigen::Vector3d::UnitX();
-  const double heading = std::atan2(forward.y(), forward.x());
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ())), odom_from_body.translation};
-}
 
 /// [m] driven at each state.
 std::vector<double> DistancesAlong(const Trajectory& trajectory) {
@@ -60,7 +55,7 @@ std::vector<Submap> CutIntoSubmaps(const OdometryResult& odometry, int drive, co
     const long index = index_at(keyframe.time);
     if (index_of_submap.empty() || index > index_of_submap.back()) {
       index_of_submap.push_back(index);
-      submaps.push_back({drive, Levelled(keyframe.odom_from_body), {}, {}});
+      submaps.push_back({drive, LevelledPose(keyframe.odom_from_body), {}, {}});
     }
     Submap& submap = submaps.back();
     submap.keyframes.push_back(

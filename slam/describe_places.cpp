@@ -1,6 +1,7 @@
 #include "slam/describe_places.h"
 
 #include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -13,12 +14,8 @@ constexpr size_t kImagesPerBatch = 16;
 constexpr int kCell = 32;  // [px] corners are spread over cells of this size
 constexpr int kCornersPerCell = 6;
 constexpr double kPixelSigma = 0.7;     // [px] of a corner at full size
+constexpr int kViewWidth = 200;         // [px] of a place's pictures for people
 constexpr double kMaxImageDelay = 0.5;  // [s] an image may come after the moment of its place
-
-Rigid3 Levelled(const Rigid3& odom_from_body) {
-  const Eigen::Vector3d forward = odom_from_body.rotation * Eigen::Vector3d::UnitX();
-  return {ExpSo3({0, 0, std::atan2(forward.y(), forward.x())}), odom_from_body.translation};
-}
 
 /// Wants, of each camera, the first image after the moment of each place that is to be described.
 class ImagePicker {
@@ -56,8 +53,9 @@ std::vector<cv::KeyPoint> Spread(std::vector<cv::KeyPoint> corners, int max_coun
 /// What one image adds to its place.
 struct DescribedImage {
   size_t place = 0;
+  int camera = 0;
   std::vector<PlaceFeature> features;
-  cv::Mat descriptors;
+  cv::Mat descriptors, small;
 };
 
 /// A rotation, the same for a whole drive, after which the body stands upright on average: without vehicle.yaml it is
@@ -79,6 +77,9 @@ DescribedImage Describe(const CameraFrame& frame, const CylinderView& view, cons
   orb->detect(image, corners, view.usable());
   corners = Spread(std::move(corners), options.max_features);
   DescribedImage described;
+  described.camera = frame.camera;
+  const double scale = static_cast<double>(kViewWidth) / frame.image.cols;
+  cv::resize(frame.image, described.small, {}, scale, scale, cv::INTER_AREA);
   orb->compute(image, corners, described.descriptors);
   const Eigen::Vector3d origin = place_from_body * body_from_camera.translation;
   const Eigen::Quaterniond place_from_upright = place_from_body.rotation * upright_from_body.conjugate();
@@ -115,7 +116,7 @@ std::vector<Place> ChoosePlaces(const Trajectory& odom_from_body, const PlaceOpt
   for (const TrajectoryState& state : odom_from_body.states()) {
     if (last) distance += (state.odom_from_body.translation - last->odom_from_body.translation).norm();
     last = &state;
-    const Rigid3 pose = Levelled(state.odom_from_body);
+    const Rigid3 pose = LevelledPose(state.odom_from_body);
     if (!places.empty()) {
       const double turn = places.back().odom_from_place.rotation.angularDistance(pose.rotation);
       if (distance - places.back().distance < options.spacing && turn < options.spacing_deg * M_PI / 180) continue;
@@ -160,6 +161,8 @@ void DescribePlaces(const DriveLog& log, const Trajectory& odom_from_body, const
       Place& place = places[image.place];
       place.features.insert(place.features.end(), image.features.begin(), image.features.end());
       place.descriptors.push_back(image.descriptors);
+      place.views.resize(rig.cameras.size());
+      place.views[static_cast<size_t>(image.camera)] = image.small;
     }
   }
   TriangulatePlaces(options, places);

@@ -42,6 +42,7 @@ struct DriveMeasurements {
   std::vector<RecordedImage> images;  ///< in order of their first knot
   // What odometry found of the things that all knots share.
   std::vector<CameraParameters> cameras;
+  std::vector<CameraSigmas> camera_priors;  ///< how far off the rig may be; 0 of what was not estimated
   std::vector<double> camera_noise_scales;  ///< noise found / noise declared
   double wheel_scale = 0;                   ///< error of the reported speed, relative
   bool has_jumps = false;                   ///< a mount turned: one calibration does not hold for the whole drive

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <vector>
@@ -27,7 +28,14 @@ struct Place {
   double distance = 0;  ///< [m] driven until here
   Rigid3 odom_from_place;
   std::vector<PlaceFeature> features;
-  cv::Mat descriptors;  ///< CV_8UC1, one row of 32 bytes (ORB) per feature
+  cv::Mat descriptors;              ///< CV_8UC1, one row of 32 bytes (ORB) per feature
+  std::vector<cv::Mat> views = {};  ///< small pictures for people, one per camera; CV_8UC1, may be empty
 };
+
+/// The frame of a place (or submap) where the car is at `odom_from_body`.
+inline Rigid3 LevelledPose(const Rigid3& odom_from_body) {
+  const Eigen::Vector3d forward = odom_from_body.rotation * Eigen::Vector3d::UnitX();
+  return {ExpSo3({0, 0, std::atan2(forward.y(), forward.x())}), odom_from_body.translation};
+}
 
 }  // namespace parkade

@@ -2,11 +2,12 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <map>
 #include <opencv2/features2d.hpp>
 #include <random>
-#include <set>
 
 #include "core/error.h"
+#include "slam/guided_matches.h"
 #include "slam/sight.h"
 
 namespace parkade {
@@ -73,6 +74,39 @@ Matrix6d Adjust(const std::vector<Sight>& sights, Rigid3& a_from_b) {
   return hessian;
 }
 
+std::vector<CameraPairInliers> CountByCameras(const std::map<size_t, int>& camera_pair_of_match) {
+  std::map<int, int> counts;
+  for (const auto& [match, pair] : camera_pair_of_match) ++counts[pair];
+  std::vector<CameraPairInliers> by_cameras;
+  for (const auto& [pair, count] : counts)
+    by_cameras.push_back({pair / kCamerasPerPlace, pair % kCamerasPerPlace, count});
+  std::stable_sort(by_cameras.begin(), by_cameras.end(),
+                   [](const CameraPairInliers& a, const CameraPairInliers& b) { return a.count > b.count; });
+  return by_cameras;
+}
+
+/// Chooses inliers and adjusts the pose to them, by turns.
+Matrix6d AdjustToInliers(const std::vector<Sight>& sights, const RelativePoseOptions& options, RelativePose& pose) {
+  Matrix6d hessian = Matrix6d::Identity();
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<Sight> inliers;
+    std::map<size_t, int> camera_pair_of_match;
+    double sum = 0;
+    for (const Sight& sight : sights) {
+      if (!IsInlier(sight, pose.a_from_b, options.max_error)) continue;
+      inliers.push_back(sight);
+      camera_pair_of_match[sight.match] = sight.camera_pair;
+      sum += ErrorOf(sight, pose.a_from_b).whitened.squaredNorm();
+    }
+    pose.num_inliers = static_cast<int>(camera_pair_of_match.size());
+    pose.inliers_of_cameras = CountByCameras(camera_pair_of_match);
+    pose.num_camera_pairs = static_cast<int>(pose.inliers_of_cameras.size());
+    pose.residual = inliers.empty() ? 0 : std::sqrt(sum / (2.0 * static_cast<double>(inliers.size())));
+    hessian = Adjust(inliers, pose.a_from_b);
+  }
+  return hessian;
+}
+
 /// Covariance that says what is believed, the floor included, and its inverse.
 void SetInformation(const Matrix6d& hessian, RelativePose& pose) {
   Matrix6d covariance = hessian.ldlt().solve(Matrix6d::Identity()) * std::max(1.0, pose.residual * pose.residual);
@@ -101,9 +135,9 @@ std::string ReasonAgainst(const RelativePose& pose, const RelativePoseOptions& o
 void RelativePoseOptions::Validate() const {
   Require(max_hamming > 0 && max_hamming <= 256 && ratio > 0 && ratio <= 1, ErrorCode::kUsage,
           "max_hamming of relative poses must be 1 to 256 and ratio above 0, at most 1");
-  Require(
-      iterations > 0 && max_error > 0 && max_tilt_deg > 0 && min_inliers > 2 && min_inliers_of_one > 2 && max_sigma > 0,
-      ErrorCode::kUsage, "the options of relative poses must be positive, and at least 3 inliers");
+  Require(iterations > 0 && max_error > 0 && min_guiding_inliers > 2 && max_tilt_deg > 0 && min_inliers > 2 &&
+              min_inliers_of_one > 2 && max_sigma > 0,
+          ErrorCode::kUsage, "the options of relative poses must be positive, and at least 3 inliers");
 }
 
 std::vector<FeatureMatch> MatchPlaces(const Place& a, const Place& b, const RelativePoseOptions& options) {
@@ -136,23 +170,11 @@ RelativePose EstimateRigPose(const Place& a, const Place& b, const std::vector<F
     return pose;
   }
   pose.a_from_b = *found;
-  Matrix6d hessian = Matrix6d::Identity();
-  for (int round = 0; round < kRounds; ++round) {
-    std::vector<Sight> inliers;
-    std::set<size_t> matched;
-    std::set<int> camera_pairs;
-    double sum = 0;
-    for (const Sight& sight : sights) {
-      if (!IsInlier(sight, pose.a_from_b, options.max_error)) continue;
-      inliers.push_back(sight);
-      matched.insert(sight.match);
-      camera_pairs.insert(sight.camera_pair);
-      sum += ErrorOf(sight, pose.a_from_b).whitened.squaredNorm();
-    }
-    pose.num_inliers = static_cast<int>(matched.size());
-    pose.num_camera_pairs = static_cast<int>(camera_pairs.size());
-    pose.residual = inliers.empty() ? 0 : std::sqrt(sum / (2.0 * static_cast<double>(inliers.size())));
-    hessian = Adjust(inliers, pose.a_from_b);
+  Matrix6d hessian = AdjustToInliers(sights, options, pose);
+  pose.num_first_inliers = pose.num_inliers;
+  if (pose.num_inliers >= options.min_guiding_inliers) {
+    const std::vector<FeatureMatch> guided = FindGuidedMatches(a, b, pose.a_from_b, options);
+    hessian = AdjustToInliers(SightsOf(a, b, guided), options, pose);
   }
   SetInformation(hessian, pose);
   pose.rejected = ReasonAgainst(pose, options);

@@ -93,6 +93,12 @@ void TrajectoryEstimator::TakeMeasurements(OdometryResult& result) {
   finished_.clear();
   measurements->images = smoother_.TakeImages();
   measurements->cameras = smoother_.cameras();
+  for (const CameraSettings& settings : smoother_.camera_settings()) {
+    CameraSigmas& prior = measurements->camera_priors.emplace_back(settings.prior);
+    if (!settings.has_extrinsics) prior.rotation = prior.translation = 0;
+    if (!settings.has_time_offset) prior.time_offset = 0;
+    if (!settings.has_line_delay) prior.line_delay = 0;
+  }
   measurements->camera_noise_scales = smoother_.camera_noise_scales();
   measurements->wheel_scale = smoother_.wheel_scale();
   measurements->has_jumps = !smoother_.jumps().empty();

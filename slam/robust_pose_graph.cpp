@@ -15,7 +15,9 @@ constexpr int kStepsPerRound = 4;  // the weights change before a round has conv
 constexpr double kRoundTolerance = 1e-5;
 constexpr double kMuNearSolution = 0.01;  // loops off by up to 10 times their bound still pull
 constexpr size_t kFewLoops = 300;
-constexpr double kMuchLessNoise = 0.3;  // scale of sigma
+constexpr double kLessNoise = 0.7;    // scale of sigma below which the first, wide bound was too wide
+constexpr double kClearlyLess = 0.8;  // of one scale to the one before
+constexpr int kMaxRestarts = 3;
 constexpr int kMaxAdaptions = 6;
 // Errors of real loops have longer tails than a normal distribution: the bound stays this factor above what the
 // median shows.
@@ -59,14 +61,13 @@ class GraduatedNonConvexity {
   RobustPoseGraphSummary Run() {
     RobustPoseGraphSummary summary;
     ContinueFromBestStart(summary);
-    for (int i = 0; options_.adapts_noise && i < kMaxAdaptions; ++i) {
-      const double shown = NoiseScale();
-      if (shown > 0.8 * summary.noise_scale) break;
-      // In steps: the fewer wrong loops still pull, the closer the right ones come.
-      summary.noise_scale = std::max(shown, summary.noise_scale / 4);
-      Continue(kMuNearSolution, summary);
+    AdaptNoise(summary);
+    for (int i = 0; i < kMaxRestarts && summary.noise_scale < kLessNoise; ++i) {
+      const double before = summary.noise_scale;
+      RestartWithLessNoise(summary);
+      AdaptNoise(summary);
+      if (summary.noise_scale > kClearlyLess * before) break;
     }
-    if (summary.noise_scale < kMuchLessNoise) RestartWithLessNoise(summary);
     Settle(summary);
     return summary;
   }
@@ -74,6 +75,17 @@ class GraduatedNonConvexity {
   std::vector<Rigid3> Poses() const { return problem_.Poses(); }
 
  private:
+  /// Lowers the bound to what the accepted loops show, in steps: the fewer wrong loops still pull, the closer the
+  /// right ones come.
+  void AdaptNoise(RobustPoseGraphSummary& summary) {
+    for (int i = 0; options_.adapts_noise && i < kMaxAdaptions; ++i) {
+      const double shown = NoiseScale();
+      if (shown > kClearlyLess * summary.noise_scale) break;
+      summary.noise_scale = std::max(shown, summary.noise_scale / 4);
+      Continue(kMuNearSolution, summary);
+    }
+  }
+
   double BoundOf(size_t edge, double noise_scale) const { return noise_scale * noise_scale * bounds_[edge]; }
 
   /// Loops that support each other are a good start, and the only one that is quick where many wrong ones join

@@ -22,8 +22,8 @@ std::vector<Sight> SightsOf(const Place& a, const Place& b, const std::vector<Fe
     const auto add = [&](bool is_forward, const PlaceFeature& ray, const PlaceFeature& seen) {
       if (!seen.point) return;
       const double distance = (*seen.point - seen.origin).norm();
-      sights.push_back({is_forward, i, 64 * in_a.camera + in_b.camera, ray.origin, ray.bearing, *seen.point,
-                        seen.origin, ray.sigma, distance * seen.sigma, seen.depth_sigma});
+      sights.push_back({is_forward, i, kCamerasPerPlace * in_a.camera + in_b.camera, ray.origin, ray.bearing,
+                        *seen.point, seen.origin, ray.sigma, distance * seen.sigma, seen.depth_sigma});
     };
     add(true, in_a, in_b);
     add(false, in_b, in_a);

@@ -7,11 +7,13 @@
 
 namespace parkade {
 
+inline constexpr int kCamerasPerPlace = 64;  // more than any rig has
+
 /// A ray of one place to a point of the other. `is_forward`: the ray is of `a`, the point of `b`.
 struct Sight {
   bool is_forward = true;
   size_t match = 0;
-  int camera_pair = 0;              ///< cameras of `a` and of `b`
+  int camera_pair = 0;              ///< kCamerasPerPlace * camera of `a` + camera of `b`
   Eigen::Vector3d origin, bearing;  ///< of the ray, in its place
   Eigen::Vector3d point;            ///< in the other place
   Eigen::Vector3d point_origin;     ///< from where the point was seen, in the other place

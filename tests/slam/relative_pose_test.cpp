@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "core/error.h"
+#include "slam/guided_matches.h"
 #include "slam/relative_pose_baselines.h"
 #include "slam/sight.h"
 #include "tests/slam/place_world.h"
@@ -68,6 +71,25 @@ TEST(RelativePose, RigPoseIsRightInAllDirectionsAmongWrongMatches) {
       EXPECT_LT(AngleDeg(pose.a_from_b, truth), 0.2) << yaw_deg << " " << wrong_share;
     }
   }
+}
+
+TEST(RelativePose, ARoughPoseGuidesToMoreMatches) {
+  const Rigid3 truth = Level(1.2, 0.9, 0.05, 170);
+  const PlaceWorld world = MakePlaceWorld({.a_from_b = truth, .wrong_share = 0.3});
+  RelativePoseOptions options;
+  options.ratio = 0.6;  // as where much looks alike
+  const std::vector<FeatureMatch> without = MatchPlaces(world.a, world.b, options);
+  const Rigid3 rough = truth * Rigid3{ExpSo3({0, 0, 0.003}), {0.05, -0.05, 0.02}};
+
+  const std::vector<FeatureMatch> guided = FindGuidedMatches(world.a, world.b, rough, options);
+
+  EXPECT_GT(guided.size(), without.size() * 6 / 10);
+  int num_right = 0;
+  for (const Sight& sight : SightsOf(world.a, world.b, guided))
+    num_right += ErrorOf(sight, truth).whitened.norm() < 3.5;
+  EXPECT_GT(num_right, static_cast<int>(SightsOf(world.a, world.b, guided).size()) * 9 / 10);
+  std::set<size_t> of_a, of_b;
+  for (const FeatureMatch& match : guided) EXPECT_TRUE(of_a.insert(match.a).second && of_b.insert(match.b).second);
 }
 
 TEST(RelativePose, ItsInformationIsHonest) {

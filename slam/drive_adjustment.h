@@ -1,0 +1,97 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "core/rig.h"
+#include "slam/drive_measurements.h"
+#include "slam/linear_prior.h"
+#include "slam/pose_graph.h"
+#include "slam/refinement_options.h"
+
+namespace parkade {
+
+/// A loop as a measured relative pose of the IMU at two knots.
+struct AdjustedLoop {
+  size_t from = 0, to = 0;  ///< indices of knots
+  Rigid3 from_from_to;
+  Matrix6d square_root_weight = Matrix6d::Identity();  ///< of RelativePoseError
+  bool is_used = true;                                 ///< false: looked at, but pulls nothing
+};
+
+/// Median squared errors per degree of freedom: 1 where errors are as large as was thought. Of the IMU the mean.
+struct AdjustmentStatistics {
+  double imu = 0, wheels = 0, bearings = 0, loops = 0, unused_loops = 0;
+  size_t num_bearings = 0, num_landmarks = 0;
+};
+
+/// All states of a drive, its landmarks, the wheel scale and the calibration of its cameras as one least-squares
+/// problem: the costs of FixedLagSmoother without window and marginalisation, plus loops. Landmarks are eliminated
+/// first (Schur), the rest is a band with an arrow. Results do not depend on the number of threads.
+class DriveAdjustment {
+ public:
+  /// \param rig    what the drive's log says: calibration has its prior there
+  /// \param start  states of all knots, from which landmarks are triangulated
+  DriveAdjustment(const DriveMeasurements& measurements, const Rig& rig, const std::vector<MotionState>& start,
+                  const RefinementOptions& options);
+  ~DriveAdjustment();
+  DriveAdjustment(const DriveAdjustment&) = delete;
+  DriveAdjustment& operator=(const DriveAdjustment&) = delete;
+
+  void SetLoops(std::vector<AdjustedLoop> loops) { loops_ = std::move(loops); }
+
+  /// Moves the knots in [begin, end); those outside stay, and so does the calibration unless all knots move. The first
+  /// knot keeps position and yaw. Returns the number of steps.
+  int Solve(size_t begin, size_t end, int max_iterations);
+
+  /// Leaves out bearings that are too far off, and landmarks that too few are left of.
+  void RejectOutliers();
+
+  AdjustmentStatistics Statistics() const;
+  std::vector<MotionState> States() const;
+  std::vector<CameraParameters> Cameras() const;
+  double WheelScale() const { return *wheel_scale_; }
+  size_t num_knots() const { return knots_.size(); }
+
+ private:
+  struct Sighting;
+  struct Landmark;
+  struct Image {
+    int camera = 0;
+    size_t first = 0, second = 0;  ///< indices of knots; the same where the image is at a knot
+    Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< bias included
+    ImageView geometry;
+  };
+  struct AdjustedKnot {
+    Timestamp time;
+    double* pose = nullptr;
+    double* motion = nullptr;
+    std::optional<KnotInterval> interval;
+  };
+  struct CameraBlocks {
+    double* extrinsics = nullptr;
+    double* timing = nullptr;
+  };
+  void AddKnots(const DriveMeasurements& measurements, const std::vector<MotionState>& start);
+  void AddImages(const DriveMeasurements& measurements);
+  void AddLandmarks(const DriveMeasurements& measurements);
+  void HoldHeads(const Rig& rig);
+  void AddPriors(const Rig& rig);
+  void PointImages();
+  bool Triangulate(Landmark& landmark) const;
+  std::vector<double*> BlocksOf(const Image& image) const;
+
+  RefinementOptions options_;
+  std::vector<double> values_;  ///< all parameter blocks: Ceres orders by address
+  std::vector<AdjustedKnot> knots_;
+  std::vector<CameraBlocks> cameras_;
+  std::vector<CameraSigmas> camera_priors_;
+  double* wheel_scale_ = nullptr;
+  std::vector<Image> images_;
+  std::vector<Landmark> landmarks_;
+  std::vector<AdjustedLoop> loops_;
+  std::vector<LinearPrior> priors_;
+};
+
+}  // namespace parkade

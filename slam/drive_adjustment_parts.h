@@ -1,0 +1,22 @@
+#pragma once
+
+#include "slam/bearing_cost.h"
+#include "slam/drive_adjustment.h"
+
+namespace parkade {
+
+// What DriveAdjustment is made of; for its own source files only.
+
+struct DriveAdjustment::Sighting {
+  size_t image = 0;
+  Bearing bearing;
+  std::unique_ptr<BearingCost> cost;
+};
+
+struct DriveAdjustment::Landmark {
+  LandmarkRay ray;
+  double* values = nullptr;
+  std::vector<Sighting> sightings;
+};
+
+}  // namespace parkade

@@ -1,0 +1,51 @@
+// Loops as report.json has them.
+#include <nlohmann/json.hpp>
+
+#include "slam/close_loops.h"
+
+namespace parkade {
+namespace {
+
+std::string StateOf(const LoopEvidence& loop) {
+  if (!loop.pose.rejected.empty()) return loop.pose.rejected;
+  if (loop.is_forced) return "forced by the reviewer";
+  return loop.weight > 0.5 ? "accepted" : "rejected by the pose graph";
+}
+
+nlohmann::json ToJson(const LoopEvidence& loop) {
+  const RelativePose& pose = loop.pose;
+  const Eigen::Vector3d &t = pose.a_from_b.translation, turn = LogSo3(pose.a_from_b.rotation);
+  nlohmann::json pairs = nlohmann::json::array();
+  for (const CameraPairInliers& pair : pose.inliers_of_cameras)
+    pairs.push_back({{"earlier", pair.camera_a}, {"later", pair.camera_b}, {"num_inliers", pair.count}});
+  return {{"id", loop.id},
+          {"earlier", static_cast<double>(loop.earlier.ns) * 1e-9},
+          {"later", static_cast<double>(loop.later.ns) * 1e-9},
+          {"way", loop.way},
+          {"score", loop.score},
+          {"num_matches", pose.num_matches},
+          {"num_first_inliers", pose.num_first_inliers},
+          {"num_inliers", pose.num_inliers},
+          {"num_camera_pairs", pose.num_camera_pairs},
+          {"camera_pairs", pairs},
+          {"residual", pose.residual},
+          {"worst_sigma", pose.worst_sigma},
+          {"translation", {t.x(), t.y(), t.z()}},
+          {"rotation_vector", {turn.x(), turn.y(), turn.z()}},
+          {"odometry_disagreement", loop.odometry_disagreement},
+          {"chi_squared", loop.chi_squared},
+          {"weight", loop.weight},
+          {"state", StateOf(loop)}};
+}
+
+}  // namespace
+
+nlohmann::json ToJson(const LoopClosure& closure) {
+  nlohmann::json json = {{"num_places", closure.num_places},     {"num_candidates", closure.loops.size()},
+                         {"num_accepted", closure.num_accepted}, {"largest_correction", closure.largest_correction},
+                         {"seconds", closure.seconds},           {"candidates", nlohmann::json::array()}};
+  for (const LoopEvidence& loop : closure.loops) json["candidates"].push_back(ToJson(loop));
+  return json;
+}
+
+}  // namespace parkade

@@ -1,0 +1,276 @@
+#include "slam/refine_drive.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "slam/trajectory_builder.h"
+
+namespace parkade {
+namespace {
+
+constexpr int kMinHeldOut = 2;             // loops, fewer judge nothing
+constexpr int kSweeps = 2;                 // over the pieces of a long drive
+constexpr double kOutputInterval = 0.025;  // [s] between states
+constexpr double kNormalImuError = 1.5;    // mean squared error per degree of freedom that needs no excuse
+
+/// The states of the knots, moved as the pose graph moved the drive.
+std::vector<MotionState> MovedStates(const DriveMeasurements& measurements, const Trajectory& odometry,
+                                     const Trajectory& corrected) {
+  std::vector<MotionState> states;
+  Rigid3 correction;
+  for (const RecordedKnot& knot : measurements.knots) {
+    const std::optional<Rigid3> from = odometry.At(knot.state.time), to = corrected.At(knot.state.time);
+    if (from && to) correction = *to * from->Inverse();
+    MotionState& state = states.emplace_back(knot.state);
+    state.odom_from_imu = correction * state.odom_from_imu;
+    state.velocity_in_odom = correction.rotation * state.velocity_in_odom;
+  }
+  return states;
+}
+
+size_t NearestKnot(const DriveMeasurements& measurements, Timestamp time) {
+  const auto& knots = measurements.knots;
+  const auto after = std::lower_bound(knots.begin(), knots.end(), time,
+                                      [](const RecordedKnot& knot, Timestamp t) { return knot.state.time < t; });
+  if (after == knots.end()) return knots.size() - 1;
+  if (after == knots.begin() || after->state.time - time < time - (after - 1)->state.time)
+    return static_cast<size_t>(after - knots.begin());
+  return static_cast<size_t>(after - knots.begin()) - 1;
+}
+
+Matrix6d AdjointOf(const Rigid3& motion) {
+  const Eigen::Matrix3d rotation = motion.rotation.toRotationMatrix();
+  Matrix6d adjoint = Matrix6d::Zero();
+  adjoint.topLeftCorner<3, 3>() = adjoint.bottomRightCorner<3, 3>() = rotation;
+  adjoint.topRightCorner<3, 3>() = Skew(motion.translation) * rotation;
+  return adjoint;
+}
+
+/// S with S^T S = information, which may be singular.
+Matrix6d SquareRootOf(const Matrix6d& information) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information);
+  return solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * solver.eigenvectors().transpose();
+}
+
+/// A loop between frames that are rigid with two knots, as one between the knots.
+class LoopTranslator {
+ public:
+  LoopTranslator(const DriveMeasurements& measurements, const Trajectory& odometry)
+      : measurements_(measurements), odometry_(odometry) {}
+
+  std::optional<AdjustedLoop> Translate(const LoopEvidence& loop) const {
+    AdjustedLoop adjusted;
+    adjusted.from = NearestKnot(measurements_, loop.earlier);
+    adjusted.to = NearestKnot(measurements_, loop.later);
+    const std::optional<Rigid3> first = KnotFromPlace(adjusted.from, loop.earlier);
+    const std::optional<Rigid3> second = KnotFromPlace(adjusted.to, loop.later);
+    if (adjusted.from == adjusted.to || !first || !second) return std::nullopt;
+    const Rigid3 later_knot_from_end = *second * loop.later_from_camera;
+    adjusted.from_from_to = *first * loop.pose.a_from_b * second->Inverse();
+    adjusted.square_root_weight = SquareRootOf(loop.pose.information) * AdjointOf(later_knot_from_end.Inverse());
+    return adjusted;
+  }
+
+ private:
+  std::optional<Rigid3> KnotFromPlace(size_t knot, Timestamp time) const {
+    const std::optional<Rigid3> body = odometry_.At(time);
+    if (!body) return std::nullopt;
+    return measurements_.knots[knot].state.odom_from_imu.Inverse() * LevelledPose(*body);
+  }
+
+  const DriveMeasurements& measurements_;
+  const Trajectory& odometry_;
+};
+
+/// The whole drive through the refined knots; outside of them as it was, moved along.
+Trajectory Rebuild(const DriveMeasurements& measurements, const std::vector<MotionState>& states, const Rig& rig,
+                   const Trajectory& given) {
+  TrajectoryBuilder builder(rig, kOutputInterval);
+  for (size_t i = 0; i < states.size(); ++i) {
+    const RecordedKnot& knot = measurements.knots[i];
+    FinishedKnot finished;
+    finished.number = knot.number;
+    finished.state = states[i];
+    finished.covariance = knot.covariance;
+    finished.interval = knot.interval;
+    builder.Add(finished);
+  }
+  const std::vector<TrajectoryState> rebuilt = builder.Take();
+  const auto moved_like = [&](const TrajectoryState& state) {
+    const std::optional<Rigid3> before = given.At(state.time);
+    return given.Transformed(before ? state.odom_from_body * before->Inverse() : Rigid3{});
+  };
+  const Trajectory earlier = moved_like(rebuilt.front()), later = moved_like(rebuilt.back());
+  std::vector<TrajectoryState> all;
+  for (const TrajectoryState& state : earlier.states())
+    if (state.time < rebuilt.front().time) all.push_back(state);
+  all.insert(all.end(), rebuilt.begin(), rebuilt.end());
+  for (const TrajectoryState& state : later.states())
+    if (state.time > rebuilt.back().time) all.push_back(state);
+  return Trajectory(std::move(all));
+}
+
+/// Pieces of equal length with half a piece's shift from sweep to sweep, so that seams of one lie within another.
+void SolveAll(DriveAdjustment& adjustment, const RefinementOptions& options, int max_iterations,
+              DriveRefinement& result) {
+  const size_t count = adjustment.num_knots(), piece = static_cast<size_t>(options.max_knots);
+  if (count <= piece) {
+    result.num_pieces = 1;
+    result.num_iterations += adjustment.Solve(0, count, max_iterations);
+    return;
+  }
+  result.num_pieces = static_cast<int>((count + piece - 1) / piece);
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    const size_t shift = sweep % 2 == 0 ? 0 : piece / 2;
+    for (size_t begin = 0; begin < count + shift; begin += piece) {
+      const size_t from = begin - std::min(begin, shift), to = std::min(begin + piece - shift, count);
+      if (from < to) result.num_iterations += adjustment.Solve(from, to, max_iterations);
+    }
+  }
+}
+
+/// Of what odometry had found observable, the refined value is taken.
+void TakeCalibration(const OdometryResult& odometry, const std::vector<CameraParameters>& refined,
+                     DriveRefinement& result) {
+  const auto is_refined = [&](size_t camera, const char* name) {
+    for (const CalibratedQuantity& quantity : odometry.report.calibration[camera].quantities)
+      if (quantity.name == name) return quantity.status == CalibratedQuantity::Status::kRefined;
+    return false;
+  };
+  for (size_t i = 0; i < refined.size() && i < odometry.report.calibration.size(); ++i) {
+    const CameraParameters& before = odometry.measurements->cameras[i];
+    const Rigid3 now = refined[i].ImuFromCamera(), then = before.ImuFromCamera();
+    CameraRefinement& camera = result.cameras.emplace_back();
+    camera.name = odometry.rig.cameras[i].name;
+    camera.rotation = then.rotation.angularDistance(now.rotation);
+    camera.translation = (now.translation - then.translation).norm();
+    camera.time_offset = refined[i].time_offset() - before.time_offset();
+    Rigid3 imu_from_camera = result.rig.ImuFromCamera(i);
+    const bool takes_rotation = is_refined(i, "rotation"), takes_translation = is_refined(i, "translation");
+    if (takes_rotation) imu_from_camera.rotation = now.rotation;
+    if (takes_translation) imu_from_camera.translation = now.translation;
+    camera.is_taken = takes_rotation || takes_translation;
+    result.rig.cameras[i].body_from_camera = result.rig.body_from_imu * imu_from_camera;
+  }
+}
+
+std::string ReasonAgainst(const DriveRefinement& result, const RefinementOptions& options) {
+  const AdjustmentStatistics &before = result.before, &after = result.after;
+  if (!std::isfinite(after.imu + after.bearings + after.loops)) return "no finite solution";
+  if (result.num_held_out > 0 && after.unused_loops > options.max_held_out_growth * before.unused_loops)
+    return "held-out loops got worse";
+  if (after.imu > std::max(kNormalImuError, options.max_imu_growth * before.imu)) return "the IMU disagrees";
+  return "";
+}
+
+}  // namespace
+
+void RefinementOptions::Validate() const {
+  Require(bearings_per_image > 0 && min_sightings >= 3 && max_iterations > 0 && max_knots >= 100 && min_loops >= 0,
+          ErrorCode::kUsage, "the counts of the refinement must be positive, with at least 3 sightings and 100 knots");
+  Require(min_distance > 0 && bearing_inflation > 0 && robust_width > 0 && max_bearing_error > 0 &&
+              wheel_scale_sigma > 0 && max_imu_growth > 0 && max_held_out_growth > 0,
+          ErrorCode::kUsage, "the bounds of the refinement must be positive");
+  Require(held_out_share >= 0 && held_out_share < 1, ErrorCode::kUsage,
+          "the share of loops that the refinement holds out must be at least 0 and below 1");
+}
+
+DriveRefinement RefineDrive(const OdometryResult& odometry, const Rig& rig, const LoopClosure& closure,
+                            const RefinementOptions& options) {
+  options.Validate();
+  const auto start = std::chrono::steady_clock::now();
+  DriveRefinement result;
+  result.odom_from_body = closure.odom_from_body;
+  result.rig = odometry.rig;
+  const auto refuse = [&](const std::string& reason) {
+    result.reason = reason;
+    return result;
+  };
+  if (!options.enabled) return refuse("switched off");
+  if (!odometry.measurements || odometry.measurements->knots.size() < 3) return refuse("nothing was measured");
+  const DriveMeasurements& measurements = *odometry.measurements;
+  if (measurements.has_jumps) return refuse("a camera's mount turned during the drive");
+
+  const LoopTranslator translator(measurements, odometry.odom_from_body);
+  std::vector<AdjustedLoop> loops;
+  for (const LoopEvidence& evidence : closure.loops) {
+    if (evidence.weight <= 0.5) continue;
+    if (std::optional<AdjustedLoop> loop = translator.Translate(evidence)) loops.push_back(*loop);
+  }
+  result.num_loops = static_cast<int>(loops.size());
+  if (result.num_loops < options.min_loops) return refuse("too few loops");
+  const auto every = options.held_out_share > 0 ? std::lround(1 / options.held_out_share) : 0;
+  if (every > 0 && result.num_loops >= kMinHeldOut * every) {
+    for (size_t i = static_cast<size_t>(every) / 2; i < loops.size(); i += static_cast<size_t>(every)) {
+      loops[i].is_used = false;
+      ++result.num_held_out;
+    }
+  }
+
+  DriveAdjustment adjustment(measurements, rig,
+                             MovedStates(measurements, odometry.odom_from_body, closure.odom_from_body), options);
+  result.num_knots = adjustment.num_knots();
+  adjustment.SetLoops(loops);
+  result.before = adjustment.Statistics();
+  SolveAll(adjustment, options, options.max_iterations, result);
+  adjustment.RejectOutliers();
+  SolveAll(adjustment, options, options.max_iterations, result);
+  result.after = adjustment.Statistics();
+  result.reason = ReasonAgainst(result, options);
+  if (result.reason.empty()) {
+    for (AdjustedLoop& loop : loops) loop.is_used = true;
+    adjustment.SetLoops(loops);
+    if (result.num_held_out > 0) SolveAll(adjustment, options, options.max_iterations, result);
+    result.is_accepted = true;
+    result.odom_from_body = Rebuild(measurements, adjustment.States(), odometry.rig, closure.odom_from_body);
+    TakeCalibration(odometry, adjustment.Cameras(), result);
+    result.wheel_scale = 1 + adjustment.WheelScale();
+    for (const TrajectoryState& state : result.odom_from_body.states())
+      if (const std::optional<Rigid3> given = closure.odom_from_body.At(state.time))
+        result.largest_correction =
+            std::max(result.largest_correction, (given->translation - state.odom_from_body.translation).norm());
+  }
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  LogInfo("stage=refinement accepted=" + std::to_string(result.is_accepted) +
+          " bearings=" + std::to_string(result.after.num_bearings) + " seconds=" + std::to_string(result.seconds));
+  return result;
+}
+
+nlohmann::json ToJson(const DriveRefinement& refinement) {
+  const auto statistics = [](const AdjustmentStatistics& of) -> nlohmann::json {
+    return {{"imu", of.imu},
+            {"wheels", of.wheels},
+            {"bearings", of.bearings},
+            {"loops", of.loops},
+            {"held_out_loops", of.unused_loops},
+            {"num_bearings", of.num_bearings},
+            {"num_landmarks", of.num_landmarks}};
+  };
+  nlohmann::json cameras = nlohmann::json::array();
+  for (const CameraRefinement& camera : refinement.cameras)
+    cameras.push_back({{"name", camera.name},
+                       {"rotation", camera.rotation},
+                       {"translation", camera.translation},
+                       {"time_offset", camera.time_offset},
+                       {"taken", camera.is_taken}});
+  return {{"accepted", refinement.is_accepted},
+          {"reason", refinement.reason},
+          {"before", statistics(refinement.before)},
+          {"after", statistics(refinement.after)},
+          {"cameras", cameras},
+          {"wheel_scale", refinement.wheel_scale},
+          {"num_knots", refinement.num_knots},
+          {"num_loops", refinement.num_loops},
+          {"num_held_out", refinement.num_held_out},
+          {"num_pieces", refinement.num_pieces},
+          {"num_iterations", refinement.num_iterations},
+          {"largest_correction", refinement.largest_correction},
+          {"seconds", refinement.seconds}};
+}
+
+}  // namespace parkade

@@ -1,0 +1,150 @@
+// The non-linear solve of DriveAdjustment.
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <set>
+
+#include "slam/drive_adjustment_parts.h"
+#include "slam/imu_cost.h"
+#include "slam/relative_pose_cost.h"
+#include "slam/standstill_cost.h"
+#include "slam/wheel_cost.h"
+
+namespace parkade {
+namespace {
+
+/// Recomputes the pose of each image once per evaluation instead of once per bearing.
+class ImageCallback final : public ceres::EvaluationCallback {
+ public:
+  void Add(ImageView* view) { views_.push_back(view); }
+
+  void PrepareForEvaluation(bool, bool new_evaluation_point) override {
+    if (!new_evaluation_point) return;
+    for (ImageView* view : views_) view->Update();
+  }
+
+ private:
+  std::vector<ImageView*> views_;
+};
+
+ceres::Problem::Options ProblemOptions(ceres::EvaluationCallback* callback) {
+  ceres::Problem::Options options;
+  options.cost_function_ownership = options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.disable_all_safety_checks = true;
+  options.evaluation_callback = callback;
+  return options;
+}
+
+ceres::Solver::Options SolverOptions(int max_iterations) {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_SCHUR;
+  options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
+  options.max_num_iterations = max_iterations;
+  options.num_threads = 1;  // sums keep their order
+  options.function_tolerance = 1e-5;
+  options.initial_trust_region_radius = 1e6;  // the pose graph has brought it near
+  options.logging_type = ceres::SILENT;
+  options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  return options;
+}
+
+}  // namespace
+
+int DriveAdjustment::Solve(size_t begin, size_t end, int max_iterations) {
+  PointImages();
+  ImageCallback callback;
+  PoseManifold manifold;
+  ceres::CauchyLoss loss(options_.robust_width);
+  std::vector<std::unique_ptr<ceres::CostFunction>> costs;
+  ceres::Solver::Options solver = SolverOptions(max_iterations);
+  ceres::Problem problem(ProblemOptions(&callback));
+  std::set<const double*> known;
+  const auto know = [&](double* block, int size, bool is_pose, bool is_free) {
+    if (!known.insert(block).second) return;
+    problem.AddParameterBlock(block, size, is_pose ? &manifold : nullptr);
+    if (is_free)
+      solver.linear_solver_ordering->AddElementToGroup(block, 1);
+    else
+      problem.SetParameterBlockConstant(block);
+  };
+  const auto is_moved = [&](size_t knot) { return knot >= begin && knot < end; };
+  const auto pose_of = [&](size_t knot) {
+    know(knots_[knot].pose, kPoseSize, true, is_moved(knot));
+    return knots_[knot].pose;
+  };
+  const auto motion_of = [&](size_t knot) {
+    know(knots_[knot].motion, kMotionSize, false, is_moved(knot));
+    return knots_[knot].motion;
+  };
+  const auto add = [&](std::unique_ptr<ceres::CostFunction> cost, ceres::LossFunction* with,
+                       const std::vector<double*>& blocks) {
+    problem.AddResidualBlock(cost.get(), with, blocks);
+    costs.push_back(std::move(cost));
+  };
+  const bool is_whole = begin == 0 && end == knots_.size();
+
+  // In the order of the drive, so that the factorisation sees a band.
+  for (size_t j = begin; j < std::min(end + 1, knots_.size()); ++j) {
+    pose_of(j), motion_of(j);
+    if (j == 0 || !knots_[j].interval) continue;
+    const KnotInterval& interval = *knots_[j].interval;
+    add(std::make_unique<ImuCost>(&interval.imu, nullptr, nullptr), nullptr,
+        {pose_of(j - 1), motion_of(j - 1), pose_of(j), motion_of(j)});
+    if (interval.is_still)
+      add(std::make_unique<StandstillCost>(StandstillNoise(), nullptr, nullptr), nullptr,
+          {pose_of(j - 1), pose_of(j), motion_of(j)});
+    if (!interval.wheels) continue;
+    know(wheel_scale_, 1, false, is_whole);
+    add(std::make_unique<WheelCost>(*interval.wheels, nullptr, nullptr), &loss,
+        {pose_of(j - 1), motion_of(j - 1), pose_of(j), wheel_scale_});
+  }
+  for (size_t i = 0; i < cameras_.size(); ++i) {
+    const CameraSigmas& prior = camera_priors_[i];
+    know(cameras_[i].extrinsics, kPoseSize, true, is_whole && prior.rotation > 0);
+    know(cameras_[i].timing, kTimingSize, false, is_whole && (prior.time_offset > 0 || prior.line_delay > 0));
+  }
+  for (const LinearPrior& prior : priors_) {
+    const StateName& name = prior.blocks.front().name;
+    const auto number = static_cast<size_t>(name.number);
+    double* block = name.kind == StateName::Kind::kPose         ? knots_[number].pose
+                    : name.kind == StateName::Kind::kMotion     ? knots_[number].motion
+                    : name.kind == StateName::Kind::kExtrinsics ? cameras_[number].extrinsics
+                    : name.kind == StateName::Kind::kTiming     ? cameras_[number].timing
+                                                                : wheel_scale_;
+    if (!known.contains(block)) continue;
+    add(std::make_unique<LinearPriorCost>(&prior), nullptr, {block});
+  }
+  for (const AdjustedLoop& loop : loops_)
+    if (loop.is_used && (is_moved(loop.from) || is_moved(loop.to)))
+      add(std::make_unique<RelativePoseCost>(loop.from_from_to, loop.square_root_weight), &loss,
+          {pose_of(loop.from), pose_of(loop.to)});
+
+  std::vector<bool> is_seen(images_.size());
+  for (Landmark& landmark : landmarks_) {
+    const bool concerns = std::any_of(landmark.sightings.begin(), landmark.sightings.end(), [&](const Sighting& seen) {
+      return is_moved(images_[seen.image].first) || is_moved(images_[seen.image].second);
+    });
+    if (!concerns) continue;
+    problem.AddParameterBlock(landmark.values, kLandmarkSize);
+    solver.linear_solver_ordering->AddElementToGroup(landmark.values, 0);
+    for (const Sighting& sighting : landmark.sightings) {
+      Image& image = images_[sighting.image];
+      pose_of(image.first), pose_of(image.second);
+      if (!is_seen[sighting.image]) callback.Add(&image.geometry);
+      is_seen[sighting.image] = true;
+      std::vector<double*> blocks = BlocksOf(image);
+      blocks.push_back(landmark.values);
+      problem.AddResidualBlock(sighting.cost.get(), &loss, blocks);
+    }
+  }
+  const std::vector<double> before = values_;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+  const bool is_finite = std::all_of(values_.begin(), values_.end(), [](double value) { return std::isfinite(value); });
+  if (!summary.IsSolutionUsable() || !is_finite) std::copy(before.begin(), before.end(), values_.begin());
+  PointImages();
+  return static_cast<int>(summary.iterations.size()) - 1;
+}
+
+}  // namespace parkade

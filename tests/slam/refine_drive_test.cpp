@@ -1,0 +1,161 @@
+#include "slam/refine_drive.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/error.h"
+#include "slam/drive_measurements.h"
+#include "slam/odometry_file.h"
+#include "slam/place.h"
+#include "tests/slam/estimated_drive.h"
+
+namespace parkade {
+namespace {
+
+/// A drive in track mode and its odometry, made once: two cameras and IMU, no wheels.
+struct TrackedDrive {
+  SyntheticDrive drive = MakeCarDrive({.seed = 3,
+                                       .duration = 24,
+                                       .camera_rate = 10,
+                                       .num_cameras = 2,
+                                       .has_wheels = false,
+                                       .tracks = 40,
+                                       .rig_rotation_deg = 0.2});
+  OdometryResult odometry = EstimateDrive(drive);
+
+  double ErrorOf(const Trajectory& odom_from_body) const {
+    return EvaluateTrajectory(drive.truth, ToTimedPoses(odom_from_body)).rigid.translation.rmse;
+  }
+};
+
+const TrackedDrive& Tracked() {
+  static const TrackedDrive tracked;
+  return tracked;
+}
+
+Rigid3 TruthAt(const SyntheticDrive& drive, Timestamp time) {
+  const auto after = std::lower_bound(drive.truth.begin(), drive.truth.end(), time,
+                                      [](const TimedPose& pose, Timestamp t) { return pose.time < t; });
+  return LevelledPose(std::min(after, drive.truth.end() - 1)->world_from_frame);
+}
+
+/// Loops as a perfect recognition would measure them, from truth, off by `shift` [m] and noise of their sigma.
+LoopClosure LoopsOf(const TrackedDrive& tracked, double shift) {
+  constexpr double kSigma = 0.01, kTurn = 1e-3;
+  LoopClosure closure;
+  closure.odom_from_body = tracked.odometry.odom_from_body;
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise;
+  const auto draw = [&](double sigma) {
+    return Eigen::Vector3d(sigma * noise(random), sigma * noise(random), sigma * noise(random));
+  };
+  const Timestamp begin = tracked.drive.truth.front().time;
+  for (int i = 0; i < 20; ++i) {
+    LoopEvidence& loop = closure.loops.emplace_back();
+    // Truth is at 100 Hz: no interpolation.
+    loop.earlier = begin + (3.0 + 0.2 * i);
+    loop.later = begin + (15.0 + 0.4 * i);
+    loop.pose.a_from_b = TruthAt(tracked.drive, loop.earlier).Inverse() * TruthAt(tracked.drive, loop.later) *
+                         Rigid3{ExpSo3(draw(kTurn)), draw(kSigma)};
+    loop.pose.a_from_b.translation.x() += i % 2 == 0 ? shift : -shift;
+    Vector6d variances;
+    variances << Eigen::Vector3d::Constant(kSigma * kSigma), Eigen::Vector3d::Constant(kTurn * kTurn);
+    loop.pose.information = variances.cwiseInverse().asDiagonal();
+    loop.weight = 1;
+  }
+  closure.num_accepted = 20;
+  return closure;
+}
+
+TEST(RefineDrive, GoodLoopsBringTheDriveNearerToTheTruth) {
+  const TrackedDrive& tracked = Tracked();
+
+  const DriveRefinement refined =
+      RefineDrive(tracked.odometry, tracked.drive.rig, LoopsOf(tracked, 0), {.enabled = true});
+
+  ASSERT_TRUE(refined.is_accepted) << refined.reason;
+  EXPECT_EQ(refined.num_held_out, 4);
+  EXPECT_LT(refined.after.unused_loops, refined.before.unused_loops);
+  EXPECT_GT(refined.after.num_bearings, 2000u);
+  const double before = tracked.ErrorOf(tracked.odometry.odom_from_body),
+               after = tracked.ErrorOf(refined.odom_from_body);
+  EXPECT_LT(after, 0.7 * before) << before;
+  EXPECT_LT(after, 0.02) << "[m]: loops of 1 cm, twenty of them";
+  EXPECT_EQ(refined.odom_from_body.span().begin, tracked.odometry.odom_from_body.span().begin);
+  EXPECT_EQ(refined.odom_from_body.span().end, tracked.odometry.odom_from_body.span().end);
+}
+
+TEST(RefineDrive, PiecesComeOutNearTheWhole) {
+  const TrackedDrive& tracked = Tracked();
+  const LoopClosure closure = LoopsOf(tracked, 0);
+
+  const DriveRefinement pieces =
+      RefineDrive(tracked.odometry, tracked.drive.rig, closure, {.enabled = true, .max_knots = 100});
+
+  EXPECT_GE(pieces.num_pieces, 2);
+  ASSERT_TRUE(pieces.is_accepted) << pieces.reason;
+  EXPECT_LT(tracked.ErrorOf(pieces.odom_from_body), tracked.ErrorOf(tracked.odometry.odom_from_body));
+}
+
+TEST(RefineDrive, LoopsThatContradictTheDriveAndEachOtherChangeNothing) {
+  const TrackedDrive& tracked = Tracked();
+
+  const DriveRefinement refined =
+      RefineDrive(tracked.odometry, tracked.drive.rig, LoopsOf(tracked, 2), {.enabled = true});
+
+  if (refined.is_accepted) {
+    EXPECT_LT(tracked.ErrorOf(refined.odom_from_body), 1.3 * tracked.ErrorOf(tracked.odometry.odom_from_body));
+  } else {
+    EXPECT_EQ(tracked.ErrorOf(refined.odom_from_body), tracked.ErrorOf(tracked.odometry.odom_from_body));
+    EXPECT_NE(refined.reason, "");
+  }
+}
+
+TEST(RefineDrive, SaysWhyNothingWasDone) {
+  const TrackedDrive& tracked = Tracked();
+  LoopClosure none;
+  none.odom_from_body = tracked.odometry.odom_from_body;
+
+  EXPECT_EQ(RefineDrive(tracked.odometry, tracked.drive.rig, none, {.enabled = true}).reason, "too few loops");
+  EXPECT_EQ(RefineDrive(tracked.odometry, tracked.drive.rig, LoopsOf(tracked, 0), {.enabled = false}).reason,
+            "switched off");
+  EXPECT_THROW(RefineDrive(tracked.odometry, tracked.drive.rig, none, {.held_out_share = 1}), Error);
+}
+
+TEST(OdometryFile, WhatWasWrittenIsReadAndRefinesAlike) {
+  const TrackedDrive& tracked = Tracked();
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "odometry_file_test.bin";
+
+  WriteOdometry(tracked.odometry, file);
+  const OdometryResult read = ReadOdometry(file, tracked.drive.rig);
+
+  EXPECT_EQ(read.odom_from_body.states().size(), tracked.odometry.odom_from_body.states().size());
+  EXPECT_EQ(read.keyframes.size(), tracked.odometry.keyframes.size());
+  EXPECT_EQ(read.landmarks.size(), tracked.odometry.landmarks.size());
+  EXPECT_EQ(read.report.calibration.size(), tracked.odometry.report.calibration.size());
+  EXPECT_EQ(read.measurements->images.size(), tracked.odometry.measurements->images.size());
+  const LoopClosure closure = LoopsOf(tracked, 0);
+  const RefinementOptions quick{.enabled = true, .max_iterations = 2};
+  EXPECT_EQ(tracked.ErrorOf(RefineDrive(read, tracked.drive.rig, closure, quick).odom_from_body),
+            tracked.ErrorOf(RefineDrive(tracked.odometry, tracked.drive.rig, closure, quick).odom_from_body))
+      << "bit by bit";
+  std::filesystem::remove(file);
+}
+
+TEST(OdometryFile, DamageAndOtherRigsAreNamed) {
+  const TrackedDrive& tracked = Tracked();
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "odometry_file_damaged.bin";
+  WriteOdometry(tracked.odometry, file);
+  Rig other = tracked.drive.rig;
+  other.cameras.front().name = "another";
+  EXPECT_THROW(ReadOdometry(file, other), Error);
+
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 100);
+  EXPECT_THROW(ReadOdometry(file, tracked.drive.rig), Error);
+  EXPECT_THROW(ReadOdometry(file.string() + ".not", tracked.drive.rig), Error);
+  std::filesystem::remove(file);
+}
+
+}  // namespace
+}  // namespace parkade
