@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "slam/calibrated_log.h"
+#include "slam/odometry_file.h"
 
 namespace parkade {
 namespace {
@@ -22,7 +23,7 @@ std::vector<GnssFix> ReadFixes(const DriveLog& log) {
 /// Puts the drive's trajectory, loops closed, and its submaps into the site.
 void PlaceOnEarth(const DriveLog& log, size_t index, const GnssAlignOptions& options, SiteMap& map,
                   DriveOutcome& outcome, std::vector<Submap>&& submaps) {
-  const Trajectory& odom_from_body = outcome.loops.odom_from_body;
+  const Trajectory& odom_from_body = outcome.refinement.odom_from_body;
   SiteDrive& drive = map.drives[index];
   const std::optional<VehicleCalibration>& vehicle = log.rig().vehicle;
   const Eigen::Vector3d antenna_in_body =
@@ -69,12 +70,31 @@ void ObserveGroundOf(const DriveLog& log, int drive, const GroundOptions& option
       ground.patches.push_back({std::move(patch), *pose});
 }
 
+constexpr const char* kOdometryFile = "odometry.bin";
+
+OdometryResult ReadStoredOdometry(const DriveLog& log, const std::filesystem::path& map) {
+  const std::filesystem::path file = map / log.name() / kOdometryFile;
+  Require(std::filesystem::exists(file), ErrorCode::kInvalidInput,
+          "the map to start from holds no odometry of drive '" + log.name() + "'");
+  OdometryResult odometry = ReadOdometry(file, log.rig());
+  const TimeSpan stored = odometry.odom_from_body.span(), recorded = log.span();
+  Require(recorded.Contains(stored.begin) && recorded.Contains(stored.end), ErrorCode::kInvalidInput,
+          "the odometry of drive '" + log.name() + "' in the map to start from is of another log");
+  return odometry;
+}
+
+void StoreOdometry(const OdometryResult& odometry, const std::string& drive, const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder / drive);
+  WriteOdometry(odometry, folder / drive / kOdometryFile);
+}
+
 }  // namespace
 
 std::vector<StagePlan> PlanStages(size_t num_drives, bool is_odometry_only) {
   // Weights are shares of the time that a typical drive takes.
   const double drives = static_cast<double>(num_drives);
-  std::vector<StagePlan> plan = {{"track", 70 * drives}, {"close loops", 15 * drives}, {"place on earth", 2 * drives}};
+  std::vector<StagePlan> plan = {
+      {"track", 70 * drives}, {"close loops", 15 * drives}, {"refine", 10 * drives}, {"place on earth", 2 * drives}};
   if (!is_odometry_only)
     plan.insert(plan.end(), {{"observe ground", 15 * drives},
                              {"fuse surface", 5 * drives},
@@ -96,22 +116,34 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
 
   progress.Begin("track");
   std::vector<OdometryResult> odometry;
-  for (size_t i = 0; i < logs.size(); ++i)
-    odometry.push_back(EstimateTrajectory(*logs[i], options.odometry, share_of_drive(i)));
-
-  // From here on, cameras are where and when odometry found them to be.
-  std::vector<CalibratedLog> drives;
-  for (size_t i = 0; i < logs.size(); ++i) drives.emplace_back(*logs[i], odometry[i].rig);
+  for (size_t i = 0; i < logs.size(); ++i) {
+    odometry.push_back(scope.from.empty() ? EstimateTrajectory(*logs[i], options.odometry, share_of_drive(i))
+                                          : ReadStoredOdometry(*logs[i], scope.from));
+    if (!scope.products.empty()) StoreOdometry(odometry[i], logs[i]->name(), scope.products);
+  }
 
   progress.Begin("close loops");
   for (size_t i = 0; i < logs.size(); ++i) {
+    // Cameras are where and when odometry found them to be.
+    const CalibratedLog calibrated(*logs[i], odometry[i].rig);
     const Trajectory& odom_from_body = odometry[i].odom_from_body;
-    map.drives.push_back({drives[i].name(), drives[i].rig(), odom_from_body, {}});
-    built.drives.push_back({odometry[i].report,
-                            CloseLoops(drives[i], odom_from_body, options.loops),
-                            {},
-                            odometry[i].keyframes.size(),
-                            0});
+    DriveOutcome& outcome = built.drives.emplace_back();
+    outcome.odometry = odometry[i].report;
+    outcome.num_keyframes = odometry[i].keyframes.size();
+    const auto review = scope.loops.find(logs[i]->name());
+    outcome.loops = CloseLoops(calibrated, odom_from_body, options.loops,
+                               review == scope.loops.end() ? LoopReview{} : review->second);
+    share_of_drive(i)(1);
+  }
+
+  progress.Begin("refine");
+  std::vector<CalibratedLog> drives;  // as all that follows sees them
+  for (size_t i = 0; i < logs.size(); ++i) {
+    DriveOutcome& outcome = built.drives[i];
+    outcome.refinement = RefineDrive(odometry[i], logs[i]->rig(), outcome.loops, options.refinement);
+    odometry[i].measurements.reset();
+    drives.emplace_back(*logs[i], outcome.refinement.rig);
+    map.drives.push_back({drives[i].name(), drives[i].rig(), odometry[i].odom_from_body, {}});
     share_of_drive(i)(1);
   }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,6 +11,7 @@
 #include "server/ingest/recorded_drive.h"
 #include "server/map_options.h"
 #include "server/progress.h"
+#include "slam/refine_drive.h"
 
 namespace parkade {
 
@@ -16,6 +19,7 @@ namespace parkade {
 struct DriveOutcome {
   OdometryReport odometry;
   LoopClosure loops;
+  DriveRefinement refinement;
   std::optional<GnssAlignment> gnss;
   size_t num_keyframes = 0;
   int num_ground_images = 0;
@@ -33,7 +37,10 @@ std::vector<StagePlan> PlanStages(size_t num_drives, bool is_odometry_only);
 
 /// How much of the way to go.
 struct BuildScope {
-  bool is_odometry_only = false;  ///< trajectories, no surface
+  bool is_odometry_only = false;            ///< trajectories, no surface
+  std::filesystem::path from;               ///< finished map of the same logs whose odometry is taken; empty: track
+  std::filesystem::path products;           ///< folder in which odometry is stored per drive; empty: not stored
+  std::map<std::string, LoopReview> loops;  ///< what a reviewer decided, by drive
 };
 
 /// The program: recorded drives of one place in, one map out.

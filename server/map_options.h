@@ -8,6 +8,7 @@
 #include "slam/close_loops.h"
 #include "slam/cut_into_submaps.h"
 #include "slam/estimate_trajectory.h"
+#include "slam/refinement_options.h"
 
 namespace parkade {
 
@@ -15,6 +16,7 @@ namespace parkade {
 struct MapOptions {
   OdometryOptions odometry;
   LoopOptions loops;
+  RefinementOptions refinement;
   SubmapOptions submaps;
   GnssAlignOptions gnss;
   GroundOptions ground;
@@ -26,6 +28,7 @@ struct MapOptions {
   void VisitFields(Visitor&& visit) {
     visit("odometry", odometry);
     visit("loops", loops);
+    visit("refinement", refinement);
     visit("submaps", submaps);
     visit("gnss", gnss);
     visit("ground", ground);

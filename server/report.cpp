@@ -7,6 +7,7 @@
 
 #include "core/file.h"
 #include "core/options_json.h"
+#include "server/loop_pictures.h"
 #include "server/version.h"
 
 namespace parkade {
@@ -46,7 +47,8 @@ Json DriveToJson(const SiteDrive& drive, const DriveOutcome& outcome, const Reco
           {"streams", health.value("streams", nlohmann::json::array())},
           {"health", health},
           {"odometry", ToJson(outcome.odometry)},
-          {"loops", ToJson(outcome.loops)},
+          {"loops", LoopsToJson(outcome.loops, drive.rig, drive.name)},
+          {"refinement", ToJson(outcome.refinement)},
           {"gnss", GnssToJson(outcome.gnss)}};
 }
 

@@ -1,6 +1,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <memory>
@@ -18,6 +19,7 @@
 #include "server/build_map.h"
 #include "server/commands/commands.h"
 #include "server/ingest/open_drive_log.h"
+#include "server/loop_pictures.h"
 #include "server/output_folder.h"
 #include "server/report.h"
 #include "server/write_calibration.h"
@@ -27,9 +29,9 @@ namespace {
 
 struct MapArguments {
   std::vector<std::string> logs;
-  std::string rig, out, progress_file, cameras, loops, freespace_model;
-  std::vector<std::string> settings;
-  bool no_wheel = false, no_gnss = false, is_odometry_only = false;
+  std::string rig, out, from, progress_file, cameras, loops, freespace_model;
+  std::vector<std::string> settings, rejected_loops, forced_loops;
+  bool no_wheel = false, no_gnss = false, no_refine = false, is_odometry_only = false;
   bool print_options = false, is_quiet = false;
   int num_threads = 0;
 };
@@ -66,16 +68,40 @@ void WriteProducts(const std::vector<std::unique_ptr<RecordedDrive>>& drives, co
   WriteSiteMap(built.site, folder);
   for (size_t i = 0; i < built.site.drives.size(); ++i) {
     const SiteDrive& drive = built.site.drives[i];
+    WriteLoopPictures(built.drives[i].loops, drive.rig, drive.name, folder);
     WriteCalibration(drive.rig, built.drives[i].odometry.calibration, folder / drive.name / "calibration.yaml");
   }
   progress.Finish();
   WriteReport(built, drives, options, progress.timings(), folder / "report.json");
 }
 
+/// "DRIVE:LOOP", or only "LOOP" where there is one drive.
+void AddDecision(const std::string& text, const std::vector<std::unique_ptr<RecordedDrive>>& drives,
+                 std::vector<std::string> LoopReview::*decision, BuildScope& scope) {
+  const size_t colon = text.rfind(':');
+  Require(colon != std::string::npos || drives.size() == 1, ErrorCode::kUsage,
+          "with several drives a loop is named DRIVE:LOOP, not '" + text + "'");
+  const std::string drive = colon == std::string::npos ? drives.front()->name() : text.substr(0, colon);
+  Require(std::any_of(drives.begin(), drives.end(), [&](const auto& log) { return log->name() == drive; }),
+          ErrorCode::kUsage, "no drive is called '" + drive + "'");
+  (scope.loops[drive].*decision).push_back(colon == std::string::npos ? text : text.substr(colon + 1));
+}
+
+BuildScope ScopeOf(const MapArguments& arguments, const std::vector<std::unique_ptr<RecordedDrive>>& drives,
+                   const std::filesystem::path& products) {
+  BuildScope scope;
+  scope.is_odometry_only = arguments.is_odometry_only;
+  scope.from = arguments.from;
+  scope.products = products;
+  for (const std::string& loop : arguments.rejected_loops) AddDecision(loop, drives, &LoopReview::rejected, scope);
+  for (const std::string& loop : arguments.forced_loops) AddDecision(loop, drives, &LoopReview::forced, scope);
+  return scope;
+}
+
 void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Progress& progress) {
   OutputFolder output(arguments.out);
   const std::vector<std::unique_ptr<RecordedDrive>> drives = OpenLogs(arguments);
-  const BuiltMap built = BuildMap(drives, options, {arguments.is_odometry_only}, progress);
+  const BuiltMap built = BuildMap(drives, options, ScopeOf(arguments, drives, output.staging()), progress);
   WriteProducts(drives, built, options, progress, output.staging());
   output.Commit();
   for (const std::string& warning : built.warnings) LogWarning(warning);
@@ -98,6 +124,7 @@ int RunMap(const MapArguments& arguments) {
   for (const std::string& setting : arguments.settings) SetOption(setting, options);
   if (!arguments.loops.empty()) SetOption("loops.method=" + arguments.loops, options);
   if (!arguments.freespace_model.empty()) options.ground.freespace_model = arguments.freespace_model;
+  if (arguments.no_refine) options.refinement.enabled = false;
   if (arguments.print_options) {
     std::printf("%s\n", OptionsToJson(options).dump(2).c_str());
     return 0;
@@ -139,6 +166,15 @@ void AddMapCommand(CLI::App& app, Action& action) {
                       "rotation-only, pnp (one camera each, as in the literature) or none");
   command->add_option("--freespace-model", arguments->freespace_model,
                       "ONNX network that finds drivable ground, instead of the built-in one (docs/freespace.md)");
+  command->add_option("--from", arguments->from,
+                      "finished map of the same logs: its odometry is taken, nothing is tracked again");
+  command->add_option("--reject-loop", arguments->rejected_loops,
+                      "[DRIVE:]LOOP, by the id in report.json: never closed")
+      ->allow_extra_args(false);
+  command->add_option("--force-loop", arguments->forced_loops,
+                      "[DRIVE:]LOOP: closed without doubt, where the pictures allow to measure it")
+      ->allow_extra_args(false);
+  command->add_flag("--no-refine", arguments->no_refine, "no adjustment of the whole drive after loops are closed");
   command->add_flag("--odometry-only", arguments->is_odometry_only, "trajectories, no surface");
   command->add_option("--set", arguments->settings, "stage.option=value; --print-options lists them");
   command->add_flag("--print-options", arguments->print_options, "print all options as JSON and end");

@@ -26,6 +26,9 @@ std::vector<std::string> WorkerCommand(const JobSpec& spec) {
   std::vector<std::string> command = {"/proc/self/exe", "map"};
   command.insert(command.end(), spec.logs.begin(), spec.logs.end());
   if (spec.rig) command.insert(command.end(), {"--rig", *spec.rig});
+  if (spec.from) command.insert(command.end(), {"--from", *spec.from});
+  for (const std::string& loop : spec.rejected_loops) command.insert(command.end(), {"--reject-loop", loop});
+  for (const std::string& loop : spec.forced_loops) command.insert(command.end(), {"--force-loop", loop});
   command.insert(command.end(), {"--out", spec.out, "--progress-file", spec.progress});
   return command;
 }

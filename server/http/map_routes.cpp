@@ -48,24 +48,53 @@ void RedirectToLatest(RouteContext& context, const httplib::Request& request, ht
   response.set_redirect(MapAddress(site, version) + std::string(request.matches[2]), 307);
 }
 
-std::vector<std::string> ChosenDrives(const std::string& body) {
-  if (body.empty()) return {};
+/// What the body of a request to build a map may hold.
+struct MapRequest {
+  std::vector<std::string> drives;
+  MapReview review;
+};
+
+std::vector<std::string> TextsOf(const std::string& key, const Json& value) {
+  Require(value.is_array(), ErrorCode::kInvalidInput, '"' + key + "\" is a list");
+  std::vector<std::string> texts;
+  for (const Json& text : value) {
+    // What begins with a dash would pass for an option of the worker's command line.
+    Require(text.is_string() && !text.get<std::string>().empty() && text.get<std::string>().front() != '-',
+            ErrorCode::kInvalidInput, '"' + key + "\" is a list of ids");
+    texts.push_back(text);
+  }
+  return texts;
+}
+
+MapRequest ParseMapRequest(const std::string& body) {
+  MapRequest request;
+  if (body.empty()) return request;
   const Json json = Json::parse(body, nullptr, /*allow_exceptions=*/false);
   Require(json.is_object(), ErrorCode::kInvalidInput, "the body is a JSON object: {\"drives\": [\"ID\", ...]}");
-  std::vector<std::string> drives;
   for (const auto& [key, value] : json.items()) {
-    Require(key == "drives" && value.is_array(), ErrorCode::kInvalidInput,
-            "the body knows one key: \"drives\", a list of ids");
-    for (const Json& id : value) {
-      Require(id.is_string(), ErrorCode::kInvalidInput, "\"drives\" is a list of ids");
-      drives.push_back(id);
+    if (key == "drives") {
+      request.drives = TextsOf(key, value);
+    } else if (key == "from") {
+      Require(value.is_number_integer(), ErrorCode::kInvalidInput, "\"from\" is the number of a version");
+      request.review.from_version = value.get<std::int64_t>();
+    } else if (key == "reject_loops") {
+      request.review.rejected_loops = TextsOf(key, value);
+    } else if (key == "force_loops") {
+      request.review.forced_loops = TextsOf(key, value);
+    } else {
+      throw Error(ErrorCode::kInvalidInput,
+                  "the body knows \"drives\", \"from\", \"reject_loops\" and \"force_loops\"");
     }
   }
-  return drives;
+  const bool decides = !request.review.rejected_loops.empty() || !request.review.forced_loops.empty();
+  Require(!decides || request.review.from_version, ErrorCode::kInvalidInput,
+          "loops are those of a version: name it in \"from\"");
+  return request;
 }
 
 void BuildMap(RouteContext& context, const std::string& site, const std::string& body, httplib::Response& response) {
-  const Job job = QueueMap(context.store, site, ChosenDrives(body), context.options.merge_drives);
+  const MapRequest request = ParseMapRequest(body);
+  const Job job = QueueMap(context.store, site, request.drives, context.options.merge_drives, request.review);
   context.events.Publish("job", job.id);
   for (const std::string& drive : job.drives) context.events.Publish("drive", drive);
   context.jobs.Wake();

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "server/store/drive_table.h"
+#include "server/store/map_table.h"
 #include "server/store/rig_table.h"
 
 namespace parkade {
@@ -30,6 +31,14 @@ std::optional<fs::path> RigFolderOf(Store& store, const std::vector<Drive>& driv
   return store.directory.RigFolder(rig->id);
 }
 
+/// Published maps never change and are never deleted while the service runs: the worker may read there.
+std::optional<fs::path> MapToStartFrom(Store& store, const Job& job) {
+  if (!job.review.from_version) return std::nullopt;
+  const MapVersion map = store.database.Read(
+      [&](Connection& connection) { return FindMap(connection, job.site, *job.review.from_version); });
+  return store.directory.MapFolder(map.id);
+}
+
 }  // namespace
 
 AttemptFolder::AttemptFolder(Store& store, const Job& job) : path_(store.directory.AttemptFolder(job.id, job.attempt)) {
@@ -37,6 +46,9 @@ AttemptFolder::AttemptFolder(Store& store, const Job& job) : path_(store.directo
   spec_.job = job.id;
   spec_.attempt = job.attempt;
   spec_.rig = RigFolderOf(store, drives);
+  spec_.from = MapToStartFrom(store, job);
+  spec_.rejected_loops = job.review.rejected_loops;
+  spec_.forced_loops = job.review.forced_loops;
   spec_.out = path_ / "out";
   spec_.progress = path_ / "progress.ndjson";
   try {

@@ -10,12 +10,14 @@ namespace parkade {
 
 /// One attempt at a map, as a worker process is told of it.
 struct JobSpec {
-  std::string job;                           ///< id, for messages only
-  int attempt = 1;                           ///< counts from 1
-  std::vector<std::filesystem::path> logs;   ///< drive logs; the file name is the drive's name in the map
-  std::optional<std::filesystem::path> rig;  ///< folder with the rig files
-  std::filesystem::path out;                 ///< empty folder for the products
-  std::filesystem::path progress;            ///< file to append progress lines to
+  std::string job;                            ///< id, for messages only
+  int attempt = 1;                            ///< counts from 1
+  std::vector<std::filesystem::path> logs;    ///< drive logs; the file name is the drive's name in the map
+  std::optional<std::filesystem::path> rig;   ///< folder with the rig files
+  std::optional<std::filesystem::path> from;  ///< finished map whose odometry is taken instead of tracking again
+  std::vector<std::string> rejected_loops, forced_loops;  ///< [DRIVE:]LOOP
+  std::filesystem::path out;                              ///< empty folder for the products
+  std::filesystem::path progress;                         ///< file to append progress lines to
 };
 
 /// The command line of the worker for an attempt, the program first.

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "server/store/drive_table.h"
 #include "server/store/job_table.h"
+#include "server/store/map_table.h"
 #include "server/store/names.h"
 #include "server/store/site_table.h"
 
@@ -29,9 +30,18 @@ void SetStatesAfterEnd(Connection& connection, const Job& job, DriveState state,
 
 }  // namespace
 
-Job QueueMap(Store& store, const std::string& site, std::vector<std::string> drives, bool merge_drives) {
+Job QueueMap(Store& store, const std::string& site, std::vector<std::string> drives, bool merge_drives,
+             const MapReview& review) {
   return store.database.Write([&](Connection& connection) {
     Require(HasSite(connection, site), ErrorCode::kNotFound, "there is no site '" + site + "'");
+    if (review.from_version) {
+      std::vector<std::string> of_version;
+      for (const Drive& drive : FindMap(connection, site, *review.from_version).drives) of_version.push_back(drive.id);
+      if (drives.empty()) drives = of_version;
+      for (const std::string& drive : drives)
+        Require(std::count(of_version.begin(), of_version.end(), drive) == 1, ErrorCode::kInvalidInput,
+                "drive '" + drive + "' is not in version " + std::to_string(*review.from_version));
+    }
     if (drives.empty()) drives = DrivesOfSite(connection, site);
     Require(!drives.empty(), ErrorCode::kInvalidInput, "site '" + site + "' has no drives to map");
     Require(merge_drives || drives.size() == 1, ErrorCode::kInvalidInput,
@@ -47,6 +57,7 @@ Job QueueMap(Store& store, const std::string& site, std::vector<std::string> dri
     job.id = NewId();
     job.site = site;
     job.drives = drives;
+    job.review = review;
     job.created_at = NowUtc();
     InsertJob(connection, job);
     SetStates(connection, job, DriveState::kQueued);

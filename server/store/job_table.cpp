@@ -1,5 +1,7 @@
 #include "server/store/job_table.h"
 
+#include <nlohmann/json.hpp>
+
 #include "core/error.h"
 #include "server/store/names.h"
 #include "server/store/row.h"
@@ -9,8 +11,22 @@ namespace {
 
 const std::string kSelect = R"(
   SELECT sequence, id, site, state, attempt, crashes, error, error_code, pid, pid_started, map_version, created_at,
-         started_at, finished_at
+         started_at, finished_at, review
   FROM jobs )";
+
+std::optional<std::string> ReviewToText(const MapReview& review) {
+  if (!review.from_version) return std::nullopt;
+  const nlohmann::json json = {
+      {"from", *review.from_version}, {"reject_loops", review.rejected_loops}, {"force_loops", review.forced_loops}};
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+MapReview ReviewFromText(const std::optional<std::string>& text) {
+  if (!text) return {};
+  const nlohmann::json json = nlohmann::json::parse(*text);
+  return {json.at("from").get<std::int64_t>(), json.at("reject_loops").get<std::vector<std::string>>(),
+          json.at("force_loops").get<std::vector<std::string>>()};
+}
 
 Job FromRow(Connection& connection, const Statement& row) {
   Job job;
@@ -28,6 +44,7 @@ Job FromRow(Connection& connection, const Statement& row) {
   job.created_at = row.Text(11);
   job.started_at = OptionalText(row, 12);
   job.finished_at = OptionalText(row, 13);
+  job.review = ReviewFromText(OptionalText(row, 14));
   Statement drives = connection.Query("SELECT drive FROM job_drives WHERE job = ? ORDER BY position", job.id);
   while (drives.Step()) job.drives.push_back(drives.Text(0));
   return job;
@@ -38,8 +55,8 @@ std::string Word(JobState state) { return ToText(state); }
 }  // namespace
 
 void InsertJob(Connection& connection, const Job& job) {
-  connection.Execute("INSERT INTO jobs (id, site, state, created_at) VALUES (?, ?, ?, ?)", job.id, job.site,
-                     Word(JobState::kQueued), job.created_at);
+  connection.Execute("INSERT INTO jobs (id, site, state, created_at, review) VALUES (?, ?, ?, ?, ?)", job.id, job.site,
+                     Word(JobState::kQueued), job.created_at, ReviewToText(job.review));
   for (size_t i = 0; i < job.drives.size(); ++i)
     connection.Execute("INSERT INTO job_drives (job, drive, position) VALUES (?, ?, ?)", job.id, job.drives[i], i);
 }

@@ -38,11 +38,19 @@ struct Drive {
   std::optional<std::int64_t> map_version;  ///< the latest one made from this drive
 };
 
+/// What a reviewer wants of a map that is built anew from one that is there.
+struct MapReview {
+  std::optional<std::int64_t> from_version = {};  ///< of the site: its odometry is taken instead of tracking again
+  std::vector<std::string> rejected_loops = {};   ///< [DRIVE:]LOOP as report.json names them
+  std::vector<std::string> forced_loops = {};     ///< likewise
+};
+
 struct Job {
   std::int64_t sequence = 0;
   std::string id;
   std::string site;
   std::vector<std::string> drives;  ///< ids, in the order of the command line
+  MapReview review;
   JobState state = JobState::kQueued;
   int attempt = 0;                               ///< how often a worker was started
   int crashes = 0;                               ///< of these, ended by a signal since it was queued by hand

@@ -95,9 +95,12 @@ const std::vector<const char*> kVersion1 = {
     "CREATE INDEX map_drives_by_drive ON map_drives (drive)",
 };
 
+// What a review wants of the job, JSON; NULL: nothing.
+const std::vector<const char*> kVersion2 = {"ALTER TABLE jobs ADD COLUMN review TEXT"};
+
 // One entry per schema version, oldest first. A published entry never changes:
 // a change of the tables is a new entry.
-const std::vector<const std::vector<const char*>*> kMigrations = {&kVersion1};
+const std::vector<const std::vector<const char*>*> kMigrations = {&kVersion1, &kVersion2};
 
 }  // namespace
 

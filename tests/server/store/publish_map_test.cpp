@@ -80,6 +80,20 @@ TEST_F(PublishedMap, ADriveStaysReadyWhenALaterJobFails) {
   EXPECT_EQ(drive.state, DriveState::kReady);
 }
 
+TEST_F(PublishedMap, IsWhereAReviewStarts) {
+  PublishMap(store_, job_, Stage());
+  const MapReview review{1, {"17-140", "18-141"}, {"a:3-90"}};
+
+  QueueMap(store_, "lot", {}, false, review);
+  const Job again = *ClaimJob(store_);
+
+  EXPECT_EQ(again.drives, std::vector{received_.drive.id}) << "those of the version";
+  EXPECT_EQ(again.review.from_version, 1);
+  EXPECT_EQ(again.review.rejected_loops, review.rejected_loops);
+  EXPECT_EQ(again.review.forced_loops, review.forced_loops);
+  EXPECT_THROW(QueueMap(store_, "lot", {}, false, {.from_version = 7}), Error);
+}
+
 TEST_F(PublishedMap, NeedsAMeshAndAReport) {
   const auto staging = Stage();
   std::filesystem::remove(staging / "map.glb");
