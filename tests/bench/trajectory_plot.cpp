@@ -56,8 +56,8 @@ class Panel {
   void Label(double x, double y) {
     char text[40];
     std::snprintf(text, sizeof text, "%.4g, %.3g", x, y);
-    cv::putText(image_, text, At({x, y}) + cv::Point(-30, y > y_.low ? -8 : 16), cv::FONT_HERSHEY_SIMPLEX, 0.4,
-                {80, 80, 80}, 1, cv::LINE_AA);
+    cv::putText(image_, text, At({x, y}) + cv::Point(y > y_.low ? -90 : -20, y > y_.low ? -8 : 16),
+                cv::FONT_HERSHEY_SIMPLEX, 0.4, {80, 80, 80}, 1, cv::LINE_AA);
   }
 
   cv::Mat image_;
@@ -75,14 +75,19 @@ struct ErrorCurves {
   Points horizontal, vertical;
 };
 
-/// Against the truth's pose nearest in time.
+/// Against the truth, linear between its poses.
 ErrorCurves ErrorsOf(const std::vector<TimedPose>& way, const std::vector<TimedPose>& truth) {
   ErrorCurves curves;
   for (const TimedPose& pose : way) {
     const auto later = std::lower_bound(truth.begin(), truth.end(), pose.time,
                                         [](const TimedPose& a, Timestamp time) { return a.time < time; });
     if (later == truth.end()) break;
-    const Eigen::Vector3d off = pose.world_from_frame.translation - later->world_from_frame.translation;
+    if (later == truth.begin()) continue;
+    const TimedPose &before = *(later - 1), &after = *later;
+    const double share = (pose.time - before.time) / (after.time - before.time);
+    const Eigen::Vector3d there =
+        (1 - share) * before.world_from_frame.translation + share * after.world_from_frame.translation;
+    const Eigen::Vector3d off = pose.world_from_frame.translation - there;
     const double time = pose.time - truth.front().time;
     curves.horizontal.emplace_back(time, off.head<2>().norm());
     curves.vertical.emplace_back(time, off.z());
