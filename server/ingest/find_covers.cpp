@@ -85,9 +85,15 @@ class CoverFinder {
  private:
   void Close() {
     fault_.share /= std::max(1, num_pairs_);
-    if (num_moving_ >= kLeastPairs && fault_.Seconds() >= kShortest && faults_.size() < PictureHistory::kMaxFaults)
-      faults_.push_back(fault_);
+    const bool is_fault = num_moving_ >= kLeastPairs && fault_.Seconds() >= kShortest;
     num_pairs_ = num_moving_ = 0;
+    if (!is_fault) return;
+    // A picture or two may show more, as where the sun shines through the mud.
+    const bool goes_on = !faults_.empty() && fault_.begin.ToSeconds() - faults_.back().end.ToSeconds() <= kShortest;
+    if (goes_on)
+      faults_.back().end = fault_.end;
+    else if (faults_.size() < PictureHistory::kMaxFaults)
+      faults_.push_back(fault_);
   }
 
   const Blocks lit_;

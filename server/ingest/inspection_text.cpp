@@ -50,7 +50,7 @@ std::string PictureNote(const PictureFault& fault) {
     case PictureFault::Kind::kUnchanged: return "the picture does not change";
     case PictureFault::Kind::kCovered: break;
   }
-  return Format("covered, %.0f %% of the picture,", 100 * fault.share);
+  return Format("covered, at least %.0f %% of the picture,", 100 * fault.share);
 }
 
 std::string NotesOf(const LogInspection& log, const TopicInspection& topic) {

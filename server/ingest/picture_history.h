@@ -17,7 +17,7 @@ struct PictureFault {
   };
   Kind kind = Kind::kDark;
   Timestamp begin, end;  ///< stamps of the first and the last such picture
-  double share = 1;      ///< of the picture
+  double share = 1;      ///< of the picture, at least
 
   double Seconds() const { return end.ToSeconds() - begin.ToSeconds(); }  // no overflow, whatever the stamps
 };
