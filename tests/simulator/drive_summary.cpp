@@ -21,7 +21,10 @@ nlohmann::json FaultsOf(const FaultOptions& faults, const DriveCounts& counts) {
 }  // namespace
 
 std::string HashOf(const SimulateOptions& options) {
-  const std::string text = std::to_string(kSimulatorVersion) + OptionsToJson(options).dump();
+  nlohmann::json json = OptionsToJson(options);
+  // Drives that were made before there were other lenses stay as they are.
+  if (json["rig"]["lens"] == RigOptions{}.lens) json["rig"].erase("lens");
+  const std::string text = std::to_string(kSimulatorVersion) + json.dump();
   std::uint64_t hash = 0xcbf29ce484222325ULL;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
   char hex[17];

@@ -7,7 +7,7 @@ namespace parkade::simulator {
 void DriverOptions::Validate() const {
   Require(length >= 0 && length <= 5000 && (length == 0 || length >= 20), ErrorCode::kUsage,
           "drive.length must be 20 to 5000 m, or 0");
-  Require(max_speed >= 1.5 && max_speed <= 7, ErrorCode::kUsage, "drive.max_speed must be 1.5 to 7 m/s");
+  Require(max_speed >= 1 && max_speed <= 7, ErrorCode::kUsage, "drive.max_speed must be 1 to 7 m/s");
   Require(initial_stand >= 0 && initial_stand <= 300 && final_stand >= 0 && final_stand <= 300 && parked_stand >= 0 &&
               parked_stand <= 300,
           ErrorCode::kUsage, "the car stands 0 to 300 s at the start, in a slot, and at the end");

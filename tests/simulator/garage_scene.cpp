@@ -122,13 +122,6 @@ Scene BuildGarage(const SceneOptions& options) {
   const Place place = MakeGaragePlace(layout, options);
   Scene scene{.place = place,
               .sky = Sky(options.seed, weather == Weather::kDry ? Weather::kOvercast : weather),
-              .ground_colors = {},
-              .ground = {},
-              .objects = {},
-              .materials = {},
-              .own_car = {},
-              .movers = {},
-              .lamps = {},
               .bounce = Rgb(0.050f, 0.048f, 0.044f),
               .sky_reach = 60,
               .finish = std::vector<GroundFinish>(place.ground.sheets().size(), {.gloss = 0.4f})};

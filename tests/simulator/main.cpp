@@ -82,6 +82,8 @@ void AddOptions(CLI::App& app, CommandLine& line) {
   app.add_option("--exposure", options.image.exposure, "[s] motion blur; 0: as the light wants it")
       ->capture_default_str();
   app.add_option("--line-delay", options.rig.line_delay, "[s/row] rolling shutter")->capture_default_str();
+  app.add_option("--lens", options.rig.lens, "Model of the fisheyes: kb (equidistant), omni, eucm, ds, ocam")
+      ->capture_default_str();
   app.add_option("--gnss", options.sensors.gnss, "standard (1.5 m), rtk (0.02 m), none")->capture_default_str();
   app.add_option("--gnss-sigma", options.sensors.gnss_sigma, "[m] horizontal; 0 = as usual for the kind")
       ->capture_default_str();
@@ -94,27 +96,6 @@ void AddOptions(CLI::App& app, CommandLine& line) {
   app.add_flag("--quiet", line.is_quiet, "No progress");
 }
 
-/// {"a":{"b":value}} of "a.b=value".
-nlohmann::json NestedValue(const std::string& assignment) {
-  const size_t equals = assignment.find('=');
-  Require(equals != std::string::npos && equals > 0, ErrorCode::kUsage,
-          "'" + assignment + "' is not of the form group.option=value");
-  const std::string text = assignment.substr(equals + 1);
-  nlohmann::json value = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (value.is_discarded()) value = text;
-  std::string path = assignment.substr(0, equals);
-  for (size_t dot; (dot = path.rfind('.')) != std::string::npos; path.resize(dot))
-    value = nlohmann::json{{path.substr(dot + 1), value}};
-  return {{path, value}};
-}
-
-/// All at once: the begin and the end of a fault are valid together only.
-void ApplyAssignments(CommandLine& line) {
-  nlohmann::json all = nlohmann::json::object();
-  for (const std::string& assignment : line.assignments) all.merge_patch(NestedValue(assignment));
-  ReadOptionsFromJson(all, line.options);
-}
-
 void ApplyDerived(CommandLine& line) {
   int read = 0;
   const bool is_size =
@@ -123,7 +104,7 @@ void ApplyDerived(CommandLine& line) {
   Require(is_size, ErrorCode::kUsage, "--size is of the form 640x400, not '" + line.size + "'");
   if (line.has_no_gnss) line.options.sensors.gnss = "none";
   if (line.has_no_wheels) line.options.sensors.has_wheels = false;
-  ApplyAssignments(line);
+  SetOptions(line.assignments, line.options);  // at once: begin and end of a fault are valid together only
   Require(!line.out.log.empty(), ErrorCode::kUsage, "--out is missing: a FILE.bag, a FILE.mcap, or a folder");
   if (line.num_threads > 0) SetNumThreads(line.num_threads);
 }

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/simulator/imu_integration.h"
 #include "tests/simulator/plan_drive.h"
-#include "tests/simulator/sensors.h"
 #include "tests/simulator/simulated_rig.h"
 
 namespace parkade::simulator {
@@ -40,29 +40,6 @@ TEST(Motion, DerivativesMatchFiniteDifferences) {
     EXPECT_LT((turn - now.angular_velocity_in_body).norm(), 1e-6);
     EXPECT_LT((angular_acceleration - now.angular_acceleration_in_body).norm(), 1e-5);
   }
-}
-
-/// Integrates an ideal IMU's samples, taken at `rate`, by the midpoint rule in
-/// the rotating frame; returns the distance to the truth [m] after `seconds`.
-double IntegrationError(const Motion& motion, const Rigid3& body_from_imu, double start, double seconds, double rate) {
-  const Timestamp epoch{0};
-  const MotionState first = motion.At(start);
-  Eigen::Quaterniond rotation = first.world_from_body.rotation * body_from_imu.rotation;
-  Eigen::Vector3d position = first.world_from_body * body_from_imu.translation;
-  Eigen::Vector3d velocity =
-      first.velocity_in_world +
-      first.world_from_body.rotation * first.angular_velocity_in_body.cross(body_from_imu.translation);
-  const double step = 1 / rate;
-  for (int i = 0; i < static_cast<int>(seconds * rate); ++i) {
-    const ImuSample middle = IdealImuSample(motion, body_from_imu, epoch, epoch + (start + (i + 0.5) * step));
-    const Eigen::Vector3d acceleration =
-        rotation * ExpSo3(middle.angular_velocity * step / 2) * middle.linear_acceleration -
-        Eigen::Vector3d(0, 0, kGravity);
-    position += velocity * step + 0.5 * step * step * acceleration;
-    velocity += step * acceleration;
-    rotation = rotation * ExpSo3(middle.angular_velocity * step);
-  }
-  return (position - motion.WorldFromBody(start + seconds) * body_from_imu.translation).norm();
 }
 
 /// Each scene, driven from end to end: forward, and backwards into a slot where there is one.

@@ -17,12 +17,7 @@ Scene BallWorld(bool has_ball) {
   Scene scene{.place = {},
               .sky = Sky(1, Weather::kOvercast),
               .ground_colors = {GroundCanvas({-1, -1}, {1, 1}, 0.1)},
-              .ground = {},
-              .objects = {},
-              .materials = {Material{.albedo = Gray(0.9f)}},
-              .own_car = {},
-              .movers = {},
-              .lamps = {}};
+              .materials = {Material{.albedo = Gray(0.9f)}}};
   scene.place.ground = Ground(
       {{.min = {-40, -40}, .max = {40, 40}, .height = [](const Eigen::Vector2d&) { return 0.0; }, .covers = {}}});
   scene.place.is_drivable = [](size_t, const Eigen::Vector2d&) { return true; };

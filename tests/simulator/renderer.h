@@ -1,24 +1,14 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 
 #include "core/rig.h"
 #include "tests/simulator/sample_table.h"
 #include "tests/simulator/scene.h"
+#include "tests/simulator/shot.h"
 
 namespace parkade::simulator {
-
-/// One picture to take. `world_from_body(offset)` is the pose of the car `offset`
-/// seconds after the middle of the exposure of the image's middle row.
-struct Shot {
-  size_t camera = 0;
-  std::function<Rigid3(double)> world_from_body;
-  double exposure = 0.003;      ///< [s]
-  bool with_semantics = false;  ///< also make the mask of drivable ground
-  double time = 0;              ///< [s] since the start of the drive, for what moves
-};
 
 struct RenderedImage {
   cv::Mat radiance;  ///< CV_32FC3, red, green, blue, linear, as it arrives at the sensor

@@ -18,13 +18,7 @@ Scene BuildLot(const Place& place, const SceneOptions& options) {
   const Weather weather = WeatherOf(options);
   Scene scene{.place = place,
               .sky = Sky(options.seed + 7919 * static_cast<std::uint64_t>(options.day), weather),
-              .ground_colors = {},
-              .ground = MakeLotGround(layout, place.ground),
-              .objects = {},
-              .materials = {},
-              .own_car = {},
-              .movers = {},
-              .lamps = {}};
+              .ground = MakeLotGround(layout, place.ground)};
   scene.ground_colors.push_back(PaintLot(layout, options.ground_texel, options.seed));
   Props props(scene.place.ground, options.seed, weather == Weather::kDusk, scene.materials);
   FurnishLot(layout, props);

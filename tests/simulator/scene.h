@@ -24,14 +24,14 @@ struct GroundFinish {
 struct Scene {
   Place place;
   Sky sky;
-  std::vector<GroundCanvas> ground_colors;  ///< one per sheet of place.ground
-  Mesh ground;                              ///< the road surface; its material is its sheet
-  Mesh objects;                             ///< all else that stands still
-  std::vector<Material> materials;          ///< of `objects` and of the own car
-  Mesh own_car;                             ///< in body
-  Movers movers;                            ///< what moves (see AddTraffic)
-  LampField lamps;                          ///< those that are on
-  Color bounce = Gray(0);                   ///< irradiance from all sides inside a lit building
+  std::vector<GroundCanvas> ground_colors = {};  ///< one per sheet of place.ground
+  Mesh ground = {};                              ///< the road surface; its material is its sheet
+  Mesh objects = {};                             ///< all else that stands still
+  std::vector<Material> materials = {};          ///< of `objects` and of the own car
+  Mesh own_car = {};                             ///< in body
+  Movers movers = {};                            ///< what moves (see AddTraffic)
+  LampField lamps = {};                          ///< those that are on
+  Color bounce = Gray(0);                        ///< irradiance from all sides inside a lit building
   float sky_reach = 4;  ///< [m] what is farther away hides no sky; small outdoors, where there is more
   std::vector<GroundFinish> finish = {};  ///< of the sheets of ground; empty: all dry and dull
   bool has_headlights = false;            ///< the own car drives with its lights on

@@ -92,6 +92,8 @@ fs::path DefaultTruthFolder(const fs::path& log) {
 nlohmann::json SimulateDrive(const SimulateOptions& options, const OutputPaths& out, const ProgressListener& progress) {
   options.Validate();
   RequireNewOutput(out.log);
+  Require(IsLogFile(out.log) || options.rig.lens == RigOptions{}.lens, ErrorCode::kUsage,
+          "a EuRoC folder has no words for this lens: write a .bag or an .mcap");
   const std::uint64_t seed = static_cast<std::uint64_t>(options.seed);
   const auto start = std::chrono::steady_clock::now();
   progress("build the scene", 0);

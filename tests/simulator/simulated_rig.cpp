@@ -1,11 +1,13 @@
 #include "tests/simulator/simulated_rig.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
 
 #include "core/error.h"
 #include "tests/simulator/car_mesh.h"
+#include "tests/simulator/lens_models.h"
 #include "tests/simulator/random.h"
 
 namespace parkade::simulator {
@@ -61,7 +63,7 @@ RigCamera MakeCamera(size_t index, const RigOptions& options, Random& random) {
           .k2 = 0.0021,
           .k3 = -0.0011,
           .k4 = 0.00012};
-  camera.model = CameraModel(lens, options.width, options.height);
+  camera.model = CameraModel(LensLike(lens, options.lens), options.width, options.height);
   return camera;
 }
 
@@ -73,6 +75,9 @@ void RigOptions::Validate() const {
   Require(num_cameras >= 1 && num_cameras <= 4, ErrorCode::kUsage, "the number of cameras must be 1 to 4");
   Require(line_delay >= 0 && line_delay * height < 0.1, ErrorCode::kUsage,
           "the line delay must be 0 or more, and an image must take less than 0.1 s");
+  const auto& lenses = LensNames();
+  Require(std::find(lenses.begin(), lenses.end(), lens) != lenses.end(), ErrorCode::kUsage,
+          "rig.lens must be kb, omni, eucm, ds or ocam");
 }
 
 Rig MakeSimulatedRig(const RigOptions& options, std::uint64_t seed) {

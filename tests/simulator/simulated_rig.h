@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "core/geo.h"
 #include "core/rig.h"
 
@@ -12,6 +14,7 @@ struct RigOptions {
   int width = 640, height = 400;  ///< [px]
   int num_cameras = 4;            ///< 1..4: front, left, right, rear
   double line_delay = 0;          ///< [s/row] rolling shutter
+  std::string lens = "kb";        ///< model of the fisheyes, see LensNames()
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -19,6 +22,7 @@ struct RigOptions {
     visit("height", height);
     visit("num_cameras", num_cameras);
     visit("line_delay", line_delay);
+    visit("lens", lens);
   }
   void Validate() const;  ///< throws Error{kUsage}
 };

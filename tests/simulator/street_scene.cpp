@@ -201,14 +201,7 @@ Scene BuildStreet(const SceneOptions& options) {
   const StreetLayout layout = PlanStreet(options.seed, options.day);
   const Weather weather = WeatherOf(options);
   Scene scene{.place = MakeStreetPlace(layout, options),
-              .sky = Sky(options.seed + 7919 * static_cast<std::uint64_t>(options.day), weather),
-              .ground_colors = {},
-              .ground = {},
-              .objects = {},
-              .materials = {},
-              .own_car = {},
-              .movers = {},
-              .lamps = {}};
+              .sky = Sky(options.seed + 7919 * static_cast<std::uint64_t>(options.day), weather)};
   scene.ground = MakeRoad(layout, scene.place.ground);
   scene.ground_colors.push_back(PaintStreet(layout, kCoarser * options.ground_texel, options.seed));
   Props props(scene.place.ground, options.seed, weather == Weather::kDusk, scene.materials);

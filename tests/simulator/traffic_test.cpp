@@ -10,17 +10,7 @@ namespace {
 class Traffic : public testing::TestWithParam<const char*> {
  protected:
   /// A scene without its looks: traffic needs but the place.
-  static Scene BareScene(const Place& place) {
-    return {.place = place,
-            .sky = Sky(1),
-            .ground_colors = {},
-            .ground = {},
-            .objects = {},
-            .materials = {},
-            .own_car = {},
-            .movers = {},
-            .lamps = {}};
-  }
+  static Scene BareScene(const Place& place) { return {.place = place, .sky = Sky(1)}; }
 };
 
 TEST_P(Traffic, MovesAndKeepsClearOfTheOwnCar) {

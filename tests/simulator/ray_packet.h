@@ -1,0 +1,34 @@
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <array>
+
+#include "tests/simulator/sample_table.h"
+#include "tests/simulator/shading.h"
+
+namespace parkade::simulator {
+
+// One lane a ray: those of four neighbouring pixels, in the order of SamplePacket.
+using LaneFlags = std::array<bool, kPacketSize>;
+using SurfacePoints = std::array<SurfacePoint, kPacketSize>;
+
+/// `time`: 0..1 over the picture.
+inline void SetRay(RTCRay16& rays, int lane, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float far,
+                   float time) {
+  rays.org_x[lane] = origin.x(), rays.org_y[lane] = origin.y(), rays.org_z[lane] = origin.z();
+  rays.dir_x[lane] = direction.x(), rays.dir_y[lane] = direction.y(), rays.dir_z[lane] = direction.z();
+  rays.tnear[lane] = 0, rays.tfar[lane] = far, rays.time[lane] = time;
+  rays.mask[lane] = ~0u, rays.id[lane] = static_cast<unsigned>(lane), rays.flags[lane] = 0;
+}
+
+/// Marks a lane as one that has met nothing yet.
+inline void ClearHit(RTCRayHit16& hits, int lane) {
+  hits.hit.geomID[lane] = hits.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+}
+
+inline Eigen::Vector3f DirectionOf(const RTCRay16& rays, int lane) {
+  return {rays.dir_x[lane], rays.dir_y[lane], rays.dir_z[lane]};
+}
+
+}  // namespace parkade::simulator
