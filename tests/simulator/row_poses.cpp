@@ -5,8 +5,8 @@
 namespace parkade::simulator {
 namespace {
 
-/// Moments of the four samples within the exposure, in units of it; not in the
-/// order of their places in the pixel, so that blur and edges do not conspire.
+/// Moments of the four samples within the exposure, in units of it. They grow with the samples' places along the row:
+/// what moves to the right by a pixel in an exposure has a hard edge, what moves to the left a soft one.
 constexpr std::array<double, kSamplesPerPixel> kMoments = {-0.125, 0.375, -0.375, 0.125};
 
 /// From the middle of the picture [s].

@@ -126,11 +126,11 @@ TEST_P(DrivenScenes, TracksSurviveMasksMatchTheGroundAndTheBytesRepeat) {
 
 INSTANTIATE_TEST_SUITE_P(
     Worlds, DrivenScenes,
-    testing::Values(SceneCase{"lot_wet", "lot", {.seed = 5, .ground_texel = 0.015, .weather = "wet"}, {8, 21}},
+    testing::Values(SceneCase{"lot_wet", "lot", {.seed = 5, .ground_texel = 0.015, .weather = "wet"}, {8, 28}},
                     SceneCase{"garage", "garage", {.seed = 5, .ground_texel = 0.015}, {16, 30}},
                     SceneCase{"street", "street", {.seed = 5, .ground_texel = 0.012}, {9, 15}},
                     SceneCase{"street_dusk", "street", {.seed = 5, .ground_texel = 0.012, .weather = "dusk"}, {9, 15}},
-                    SceneCase{"lot_dusk", "lot", {.seed = 5, .ground_texel = 0.015, .weather = "dusk"}, {8, 21}}),
+                    SceneCase{"lot_dusk", "lot", {.seed = 5, .ground_texel = 0.015, .weather = "dusk"}, {8, 28}}),
     [](const auto& info) { return std::string(info.param.title); });
 
 class SurfaceTruth : public testing::TestWithParam<const char*> {};
