@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "core/error.h"
+#include "slam/imu_sensitivity.h"
 
 namespace parkade {
 namespace {
@@ -68,6 +69,7 @@ void FixedLagSmoother::Start(const MotionState& first, const StartUncertainty& u
   prior_.offset = Eigen::VectorXd::Zero(16);
   AddPriorOfCameras();
   prior_.score_covariance = prior_.sqrt_information.transpose() * prior_.sqrt_information;
+  prior_.score_sensitivity = Eigen::MatrixXd::Zero(prior_.sqrt_information.cols(), kImuSensitivities);
   oldest_covariance_.topLeftCorner<3, 3>() = (Eigen::Matrix3d::Identity() - about_up) * std::pow(uncertainty.tilt, 2);
   AddImages(std::move(images), 0, 0);
 }
@@ -192,7 +194,8 @@ std::vector<FinishedKnot> FixedLagSmoother::Finish() {
 }
 
 JointEstimate FixedLagSmoother::LastEstimate() const {
-  JointEstimate last{prior_.blocks, prior_.Covariance(), prior_.AssumedCovariance()};
+  const Eigen::MatrixXd assumed = prior_.AssumedCovariance();
+  JointEstimate last{prior_.blocks, prior_.Covariance(), assumed, -assumed * prior_.score_sensitivity};
   for (PriorBlock& block : last.states)
     if (const double* values = ValuesOf(block.name)) std::copy_n(values, block.Size(), block.at.begin());
   return last;

@@ -19,7 +19,8 @@ struct JointCovariance {
   std::vector<StateName> names;
   std::vector<Eigen::Index> columns;  // where each begins
   Eigen::MatrixXd matrix;
-  Eigen::MatrixXd assumed;  // inverse information
+  Eigen::MatrixXd assumed;      // inverse information
+  Eigen::MatrixXd sensitivity;  // by what is considered, which `matrix` leaves out
 
   void Append(const StateName& name) {
     columns.push_back(names.empty() ? 0 : columns.back() + names.back().TangentSize());
@@ -69,6 +70,10 @@ std::optional<JointCovariance> Extend(const StateConditional& conditional, const
   all.assumed.resize(size, size);
   all.assumed << inverse * inverse.transpose() + assumed_cross * gain.transpose(), assumed_cross,
       assumed_cross.transpose(), assumed_rest;
+  const Eigen::MatrixXd rest_sensitivity = joint.sensitivity(*from, Eigen::all);
+  all.sensitivity.resize(size, rest_sensitivity.cols());
+  all.sensitivity << gain * rest_sensitivity - inverse * conditional.offset_sensitivity.cast<double>(),
+      rest_sensitivity;
   if (!all.matrix.allFinite() || !all.assumed.allFinite()) return std::nullopt;
   JointCovariance unique;
   for (const StateName& name : all.names)
@@ -77,6 +82,7 @@ std::optional<JointCovariance> Extend(const StateConditional& conditional, const
   const std::optional<std::vector<Eigen::Index>> kept = ColumnsOf(all, unique.names);
   unique.matrix = all.matrix(*kept, *kept);
   unique.assumed = all.assumed(*kept, *kept);
+  unique.sensitivity = all.sensitivity(*kept, Eigen::all);
   return unique;
 }
 
@@ -125,8 +131,9 @@ void SmoothBackwards(std::vector<FinishedKnot>& knots, const JointEstimate& last
   StateValues smoothed;
   std::optional<JointCovariance> joint;
   if (last.covariance.size() > 0) {
-    joint.emplace().matrix = last.covariance;
-    joint->assumed = last.assumed_covariance.size() > 0 ? last.assumed_covariance : last.covariance;
+    joint.emplace().matrix = last.covariance - last.sensitivity * last.sensitivity.transpose();
+    joint->assumed = last.assumed_covariance;
+    joint->sensitivity = last.sensitivity;
   }
   for (const PriorBlock& block : last.states) {
     smoothed[block.name] = block.at;
@@ -145,7 +152,10 @@ void SmoothBackwards(std::vector<FinishedKnot>& knots, const JointEstimate& last
       if (state.IsFinite()) knot->state = state;
       knot->conditional.reset();
     }
-    if (joint) knot->covariance = joint->matrix.topLeftCorner<6, 6>();
+    if (joint) {
+      const auto sensitivity = joint->sensitivity.topRows<6>();
+      knot->covariance = joint->matrix.topLeftCorner<6, 6>() + sensitivity * sensitivity.transpose();
+    }
     for (auto reopened = knot->reopened.rbegin(); reopened != knot->reopened.rend(); ++reopened) apply(*reopened);
     knot->reopened.clear();
     Forget(smoothed, knot->number + kMaxWindow);

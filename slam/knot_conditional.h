@@ -18,8 +18,9 @@ struct StateConditional {
   Eigen::MatrixXf own;             ///< upper triangular
   Eigen::MatrixXf to_rest;
   Eigen::VectorXf offset;
-  Eigen::MatrixXf offset_covariance;  ///< ScoreElimination::dropped
-  Eigen::MatrixXf score_with_offset;  ///< ScoreElimination::cross
+  Eigen::MatrixXf offset_covariance;   ///< ScoreElimination::dropped
+  Eigen::MatrixXf score_with_offset;   ///< ScoreElimination::cross
+  Eigen::MatrixXf offset_sensitivity;  ///< ScoreElimination::dropped_sensitivity
   std::vector<PriorBlock> rest;
 };
 
@@ -27,7 +28,8 @@ struct StateConditional {
 struct JointEstimate {
   std::vector<PriorBlock> states;
   Eigen::MatrixXd covariance;          ///< may be empty: unknown
-  Eigen::MatrixXd assumed_covariance;  ///< inverse information; empty: the same
+  Eigen::MatrixXd assumed_covariance;  ///< inverse information
+  Eigen::MatrixXd sensitivity;         ///< of the errors, by what is considered: its square is part of `covariance`
 };
 
 /// Corrects all knots of a drive by what was learned after they left the window,

@@ -62,11 +62,12 @@ Eigen::MatrixXd LinearPrior::AssumedCovariance() const {
 
 Eigen::MatrixXd LinearPrior::Covariance() const {
   const Eigen::MatrixXd assumed = AssumedCovariance();
-  return assumed * score_covariance * assumed;
+  const Eigen::MatrixXd sensitivity = assumed * score_sensitivity;
+  return assumed * score_covariance * assumed + sensitivity * sensitivity.transpose();
 }
 
-ScoreElimination EliminateScores(const Eigen::MatrixXd& score_covariance, const Eigen::MatrixXd& root,
-                                 const Eigen::MatrixXd& to_kept) {
+ScoreElimination EliminateScores(const Eigen::MatrixXd& score_covariance, const Eigen::MatrixXd& score_sensitivity,
+                                 const Eigen::MatrixXd& root, const Eigen::MatrixXd& to_kept) {
   const Eigen::Index dropped = root.cols(), kept = to_kept.cols();
   // W = root^-T M_dropped,all: covariance of z with all scores.
   const Eigen::MatrixXd with_all =
@@ -79,6 +80,9 @@ ScoreElimination EliminateScores(const Eigen::MatrixXd& score_covariance, const 
   const Eigen::MatrixXd mixed = to_kept.transpose() * with_kept;
   result.kept = score_covariance.bottomRightCorner(kept, kept) - mixed - mixed.transpose() +
                 to_kept.transpose() * result.dropped * to_kept;
+  result.dropped_sensitivity =
+      root.transpose().triangularView<Eigen::Lower>().solve(score_sensitivity.topRows(dropped));
+  result.kept_sensitivity = score_sensitivity.bottomRows(kept) - to_kept.transpose() * result.dropped_sensitivity;
   return result;
 }
 

@@ -50,6 +50,8 @@ struct LinearPrior {
   /// Covariance of sqrt_information^T offset, which would be the information if errors were as independent and as
   /// small as the weights have them: see ScoreElimination.
   Eigen::MatrixXd score_covariance;
+  /// Of that score, by what is considered but not estimated, in units of its sigmas: see imu_sensitivity.h.
+  Eigen::MatrixXd score_sensitivity;
 
   int Columns() const;
   /// First column of a state, which must be one of the blocks.
@@ -67,17 +69,22 @@ struct LinearPrior {
 /// the residuals at the truth: their covariance is H^-1 M H^-1 with M = Cov(s) ("sandwich"). Eliminating states by
 ///   root (x_dropped) + to_kept (x_kept) + z = 0
 /// leaves the rest with the score s_kept - to_kept^T z, z = root^-T s_dropped.
-/// P. J. Huber, "The behavior of maximum likelihood estimates under nonstandard conditions", 1967.
+/// Constants that are considered but not estimated add B B^T to M, B = d score / d constant in units of its sigma,
+/// kept apart as all factors share them.
+/// P. J. Huber, "The behavior of maximum likelihood estimates under nonstandard conditions", 1967; S. F. Schmidt,
+/// "Application of state-space methods to navigation problems", 1966.
 struct ScoreElimination {
-  Eigen::MatrixXd dropped;  ///< Cov(z); unity if the weights were right
-  Eigen::MatrixXd cross;    ///< Cov(score of the kept, z); zero then
-  Eigen::MatrixXd kept;     ///< Cov(score of the kept); their information then
+  Eigen::MatrixXd dropped;              ///< Cov(z); unity if the weights were right
+  Eigen::MatrixXd cross;                ///< Cov(score of the kept, z); zero then
+  Eigen::MatrixXd kept;                 ///< Cov(score of the kept); their information then
+  Eigen::MatrixXd dropped_sensitivity;  ///< of z
+  Eigen::MatrixXd kept_sensitivity;     ///< of the score of the kept
 };
 
-/// \param score_covariance  of all states, the dropped ones first
-/// \param root              upper triangular, square
-ScoreElimination EliminateScores(const Eigen::MatrixXd& score_covariance, const Eigen::MatrixXd& root,
-                                 const Eigen::MatrixXd& to_kept);
+/// \param score_covariance, score_sensitivity  of all states, the dropped ones first
+/// \param root                                 upper triangular, square
+ScoreElimination EliminateScores(const Eigen::MatrixXd& score_covariance, const Eigen::MatrixXd& score_sensitivity,
+                                 const Eigen::MatrixXd& root, const Eigen::MatrixXd& to_kept);
 
 /// The prior as a cost of its blocks, in their order. Its Jacobian is constant:
 /// that of the first estimate. `prior` is borrowed.

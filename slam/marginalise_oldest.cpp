@@ -8,6 +8,7 @@
 
 #include "slam/fixed_lag_smoother.h"
 #include "slam/imu_cost.h"
+#include "slam/imu_sensitivity.h"
 #include "slam/marginaliser.h"
 #include "slam/wheel_cost.h"
 
@@ -36,6 +37,14 @@ class ColumnMap {
   std::map<StateName, int> columns_;
   int width_ = 0;
 };
+
+/// Columns of the system, one per column of the block's tangents.
+std::vector<int> ColumnsOf(const LinearisableBlock& block) {
+  std::vector<int> columns;
+  for (size_t i = 0; i < block.columns.size(); ++i)
+    for (int k = 0; k < block.tangent_sizes[i]; ++k) columns.push_back(block.columns[i] + k);
+  return columns;
+}
 
 }  // namespace
 
@@ -75,11 +84,15 @@ FinishedKnot FixedLagSmoother::MarginaliseOldest() {
   const LinearPriorCost prior_cost(&prior_);
   std::vector<StateName> prior_states;
   for (const PriorBlock& block : prior_.blocks) prior_states.push_back(block.name);
-  marginaliser.Add(block_of(&prior_cost, nullptr, prior_states), &prior_.score_covariance);
+  const LinearisableBlock prior_block = block_of(&prior_cost, nullptr, prior_states);
+  marginaliser.Add(prior_block, &prior_.score_covariance);
+  marginaliser.AddSensitivity(ColumnsOf(prior_block), prior_.score_sensitivity);
   const ImuCost imu_cost(&interval.imu, &oldest.first_estimate, &next.first_estimate);
   const StateName pose_i{Kind::kPose, oldest.number}, motion_i{Kind::kMotion, oldest.number};
   const StateName pose_j{Kind::kPose, next.number}, motion_j{Kind::kMotion, next.number};
-  marginaliser.Add(block_of(&imu_cost, nullptr, {pose_i, motion_i, pose_j, motion_j}));
+  const LinearisableBlock imu_block = block_of(&imu_cost, nullptr, {pose_i, motion_i, pose_j, motion_j});
+  marginaliser.Add(imu_block);
+  marginaliser.AddSensitivity(ColumnsOf(imu_block), ScoreSensitivity(imu_cost, interval.imu, imu_block.parameters));
   if (interval.wheels) {
     const WheelCost cost(*interval.wheels, &oldest.first_estimate, &next.first_estimate);
     const ceres::CauchyLoss loss(options_.wheel_robust_width);
@@ -126,12 +139,14 @@ FinishedKnot FixedLagSmoother::MarginaliseOldest() {
                                (result.dropped_offset - result.dropped_to_kept * since_first).cast<float>(),
                                result.scores.dropped.cast<float>(),
                                result.scores.cross.cast<float>(),
+                               result.scores.dropped_sensitivity.cast<float>(),
                                prior.blocks};
   std::copy(oldest.pose.begin(), oldest.pose.end(), conditional.states[0].at.begin());
   std::copy(oldest.motion.begin(), oldest.motion.end(), conditional.states[1].at.begin());
   prior.offset = result.offset - result.sqrt_information * since_first;
   prior.sqrt_information = std::move(result.sqrt_information);
   prior.score_covariance = std::move(result.scores.kept);
+  prior.score_sensitivity = std::move(result.scores.kept_sensitivity);
   prior_ = std::move(prior);
 
   for (Track* track : consumed) {
@@ -167,7 +182,9 @@ void FixedLagSmoother::UpdateOldestCovariance() {
   const Eigen::MatrixXd selector = Eigen::MatrixXd::Identity(width, kPoseTangentSize);
   Eigen::MatrixXd columns = root.transpose().triangularView<Eigen::Lower>().solve(selector);
   root.triangularView<Eigen::Upper>().solveInPlace(columns);
-  const Eigen::Matrix<double, 6, 6> covariance = columns.transpose() * prior_.score_covariance * columns;
+  const Eigen::MatrixXd sensitivity = columns.transpose() * prior_.score_sensitivity;
+  const Eigen::Matrix<double, 6, 6> covariance =
+      columns.transpose() * prior_.score_covariance * columns + sensitivity * sensitivity.transpose();
   if (covariance.allFinite()) oldest_covariance_ = covariance;
 }
 

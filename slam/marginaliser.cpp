@@ -4,10 +4,17 @@
 #include <algorithm>
 #include <optional>
 
+#include "slam/imu_sensitivity.h"
+
 namespace parkade {
 namespace {
 
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// Variance of what a track's errors add up to / what its residuals show of it. The estimate follows what tracks
+// that live side by side have in common, so that residuals are the smaller part. From drives with known truth, see
+// docs/decisions.md.
+constexpr double kCommonErrors = 6;
 
 struct Evaluated {
   std::vector<RowMajorMatrix> jacobians;  // by the blocks' tangents
@@ -44,7 +51,13 @@ std::optional<Evaluated> Evaluate(const LinearisableBlock& block) {
 Marginaliser::Marginaliser(int num_dropped, int num_kept)
     : num_dropped_(num_dropped),
       num_kept_(num_kept),
-      score_covariance_(Eigen::MatrixXd::Zero(num_dropped + num_kept, num_dropped + num_kept)) {}
+      score_covariance_(Eigen::MatrixXd::Zero(num_dropped + num_kept, num_dropped + num_kept)),
+      score_sensitivity_(Eigen::MatrixXd::Zero(num_dropped + num_kept, kImuSensitivities)) {}
+
+void Marginaliser::AddSensitivity(const std::vector<int>& columns, const Eigen::MatrixXd& sensitivity) {
+  for (size_t i = 0; i < columns.size(); ++i)
+    score_sensitivity_.row(columns[i]) += sensitivity.row(static_cast<Eigen::Index>(i));
+}
 
 void Marginaliser::AddScores(const std::vector<int>& columns, const Eigen::MatrixXd& covariance) {
   for (size_t j = 0; j < columns.size(); ++j)
@@ -101,7 +114,7 @@ bool Marginaliser::AddLandmark(std::span<const LinearisableBlock> observations) 
   stacked.applyOnTheLeft(qr.householderQ().adjoint());
   rows.matrix = stacked.bottomRightCorner(stacked.rows() - kOwn, width + 1);
   const Eigen::VectorXd score = rows.matrix.leftCols(width).transpose() * rows.matrix.col(width);
-  AddScores(rows.columns, score * score.transpose());
+  AddScores(rows.columns, kCommonErrors * score * score.transpose());
   rows_.push_back(std::move(rows));
   return true;
 }
@@ -126,7 +139,8 @@ Marginaliser::Result Marginaliser::Finish() const {
   result.sqrt_information =
       stacked.block(num_dropped_, num_dropped_, num_kept_, num_kept_).triangularView<Eigen::Upper>();
   result.offset = stacked.block(num_dropped_, width, num_kept_, 1);
-  result.scores = EliminateScores(score_covariance_, result.dropped_information, result.dropped_to_kept);
+  result.scores =
+      EliminateScores(score_covariance_, score_sensitivity_, result.dropped_information, result.dropped_to_kept);
   return result;
 }
 

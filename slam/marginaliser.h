@@ -35,10 +35,13 @@ class Marginaliser {
   /// `score_covariance`, of the block's tangents, where it is not the information.
   bool Add(const LinearisableBlock& block, const Eigen::MatrixXd* score_covariance = nullptr);
 
+  /// By what is considered but not estimated: rows as `columns` of the system.
+  void AddSensitivity(const std::vector<int>& columns, const Eigen::MatrixXd& sensitivity);
+
   /// All observations of one landmark, whose three parameters are the last block
   /// of each (its column is ignored): eliminated at once. A track's errors last from image to image; what they
-  /// add up to is read off its residuals, taken as one draw: K.-Y. Liang, S. L. Zeger, "Longitudinal data
-  /// analysis using generalized linear models", Biometrika 1986.
+  /// add up to is read off its residuals, taken as one draw, times kCommonErrors: K.-Y. Liang, S. L. Zeger,
+  /// "Longitudinal data analysis using generalized linear models", Biometrika 1986.
   bool AddLandmark(std::span<const LinearisableBlock> observations);
 
   struct Result {
@@ -63,7 +66,7 @@ class Marginaliser {
   int num_dropped_;
   int num_kept_;
   std::vector<Rows> rows_;
-  Eigen::MatrixXd score_covariance_;
+  Eigen::MatrixXd score_covariance_, score_sensitivity_;
 };
 
 }  // namespace parkade

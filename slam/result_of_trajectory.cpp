@@ -20,7 +20,8 @@ std::string OneDecimal(double number) {
   return text;
 }
 
-/// Of one camera's [extrinsics, timing]; zero where they were not estimated.
+/// Of one camera's [extrinsics, timing], as the weights have it: what share of the estimate is the prior's. Zero where
+/// they were not estimated.
 Eigen::Matrix<double, 8, 8> CovarianceOf(const JointEstimate& joint, std::int64_t camera) {
   std::array<Eigen::Index, 8> from;
   from.fill(-1);
@@ -36,7 +37,8 @@ Eigen::Matrix<double, 8, 8> CovarianceOf(const JointEstimate& joint, std::int64_
   for (size_t i = 0; i < 8; ++i)
     for (size_t j = 0; j < 8; ++j)
       if (from[i] >= 0 && from[j] >= 0)
-        covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = joint.covariance(from[i], from[j]);
+        covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+            joint.assumed_covariance(from[i], from[j]);
   return covariance;
 }
 

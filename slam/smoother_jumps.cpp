@@ -99,8 +99,10 @@ void FixedLagSmoother::ReopenExtrinsics(int camera, const Eigen::Quaterniond& ne
   const Eigen::MatrixXd link = rows.block(height, 0, kOwn, kOwn + width);
   Eigen::MatrixXd score_covariance = link.transpose() * link;
   score_covariance(place, place) += prior_.score_covariance;
-  ScoreElimination scores =
-      EliminateScores(score_covariance, root.topLeftCorner(kOwn, kOwn), root.block(0, kOwn, kOwn, width));
+  Eigen::MatrixXd score_sensitivity = Eigen::MatrixXd::Zero(kOwn + width, prior_.score_sensitivity.cols());
+  score_sensitivity(place, Eigen::all) = prior_.score_sensitivity;
+  ScoreElimination scores = EliminateScores(score_covariance, score_sensitivity, root.topLeftCorner(kOwn, kOwn),
+                                            root.block(0, kOwn, kOwn, width));
 
   StateConditional old{{},
                        root.topLeftCorner(kOwn, kOwn).cast<float>(),
@@ -108,6 +110,7 @@ void FixedLagSmoother::ReopenExtrinsics(int camera, const Eigen::Quaterniond& ne
                        root.block(0, kOwn + width, kOwn, 1).cast<float>(),
                        scores.dropped.cast<float>(),
                        scores.cross.cast<float>(),
+                       scores.dropped_sensitivity.cast<float>(),
                        prior_.blocks};
   for (PriorBlock& block : old.rest) {
     if (block.name != name) continue;
@@ -120,6 +123,7 @@ void FixedLagSmoother::ReopenExtrinsics(int camera, const Eigen::Quaterniond& ne
   prior_.sqrt_information = root.block(kOwn, kOwn, kept, width);
   prior_.offset = root.block(kOwn, kOwn + width, kept, 1);
   prior_.score_covariance = std::move(scores.kept);
+  prior_.score_sensitivity = std::move(scores.kept_sensitivity);
 }
 
 }  // namespace parkade
