@@ -16,7 +16,9 @@ namespace {
 constexpr int kMinHeldOut = 2;             // loops, fewer judge nothing
 constexpr int kSweeps = 2;                 // over the pieces of a long drive
 constexpr double kOutputInterval = 0.025;  // [s] between states
-constexpr double kNormalImuError = 1.5;    // mean squared error per degree of freedom that needs no excuse
+// Median squared error per degree of freedom of loops that need no excuse. The pose graph shows less: it has seen them.
+constexpr double kNormalLoopError = 2;
+constexpr double kNormalImuError = 1.5;  // mean squared error per degree of freedom that needs no excuse
 
 /// The states of the knots, moved as the pose graph moved the drive.
 std::vector<MotionState> MovedStates(const DriveMeasurements& measurements, const Trajectory& odometry,
@@ -162,7 +164,8 @@ void TakeCalibration(const OdometryResult& odometry, const std::vector<CameraPar
 std::string ReasonAgainst(const DriveRefinement& result, const RefinementOptions& options) {
   const AdjustmentStatistics &before = result.before, &after = result.after;
   if (!std::isfinite(after.imu + after.bearings + after.loops)) return "no finite solution";
-  if (result.num_held_out > 0 && after.unused_loops > options.max_held_out_growth * before.unused_loops)
+  if (result.num_held_out > 0 &&
+      after.unused_loops > std::max(kNormalLoopError, options.max_held_out_growth * before.unused_loops))
     return "held-out loops got worse";
   if (after.imu > std::max(kNormalImuError, options.max_imu_growth * before.imu)) return "the IMU disagrees";
   return "";

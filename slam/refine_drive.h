@@ -35,9 +35,9 @@ struct DriveRefinement {
 };
 
 /// Batch adjustment of a drive (IMU, wheels, bearings, calibration, accepted loops), warm-started from the pose graph.
-/// A share of the loops is held out at first; only where their error does not grow and the IMU still agrees is the
-/// result taken, and they join in a last solve. `rig` is what the log says. Nothing is done, with a reason, without
-/// enough loops or where a mount turned during the drive.
+/// A share of the loops is held out at first; only where their error stays within what they claim, or does not grow,
+/// and the IMU still agrees is the result taken, and they join in a last solve. `rig` is what the log says. Nothing is
+/// done, with a reason, without enough loops or where a mount turned during the drive.
 DriveRefinement RefineDrive(const OdometryResult& odometry, const Rig& rig, const LoopClosure& closure,
                             const RefinementOptions& options);
 
