@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/rig.h"
+#include "slam/adjustment_statistics.h"
 #include "slam/drive_measurements.h"
 #include "slam/linear_prior.h"
 #include "slam/pose_graph.h"
@@ -18,12 +19,6 @@ struct AdjustedLoop {
   Rigid3 from_from_to;
   Matrix6d square_root_weight = Matrix6d::Identity();  ///< of RelativePoseError
   bool is_used = true;                                 ///< false: looked at, but pulls nothing
-};
-
-/// Median squared errors per degree of freedom: 1 where errors are as large as was thought. Of the IMU the mean.
-struct AdjustmentStatistics {
-  double imu = 0, wheels = 0, bearings = 0, loops = 0, unused_loops = 0;
-  size_t num_bearings = 0, num_landmarks = 0;
 };
 
 /// All states of a drive, its landmarks, the wheel scale and the calibration of its cameras as one least-squares

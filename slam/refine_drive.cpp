@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "slam/drive_adjustment.h"
 #include "slam/trajectory_builder.h"
 
 namespace parkade {

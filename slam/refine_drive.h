@@ -4,9 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "slam/adjustment_statistics.h"
 #include "slam/close_loops.h"
-#include "slam/drive_adjustment.h"
 #include "slam/odometry_result.h"
+#include "slam/refinement_options.h"
 
 namespace parkade {
 
