@@ -168,11 +168,12 @@ void AddMapCommand(CLI::App& app, Action& action) {
                       "ONNX network that finds drivable ground, instead of the built-in one (docs/freespace.md)");
   command->add_option("--from", arguments->from,
                       "finished map of the same logs: its odometry is taken, nothing is tracked again");
-  command->add_option("--reject-loop", arguments->rejected_loops,
-                      "[DRIVE:]LOOP, by the id in report.json: never closed")
+  command
+      ->add_option("--reject-loop", arguments->rejected_loops, "[DRIVE:]LOOP, by the id in report.json: never closed")
       ->allow_extra_args(false);
-  command->add_option("--force-loop", arguments->forced_loops,
-                      "[DRIVE:]LOOP: closed without doubt, where the pictures allow to measure it")
+  command
+      ->add_option("--force-loop", arguments->forced_loops,
+                   "[DRIVE:]LOOP: closed without doubt, where the pictures allow to measure it")
       ->allow_extra_args(false);
   command->add_flag("--no-refine", arguments->no_refine, "no adjustment of the whole drive after loops are closed");
   command->add_flag("--odometry-only", arguments->is_odometry_only, "trajectories, no surface");
