@@ -209,7 +209,8 @@ DriveRefinement RefineDrive(const OdometryResult& odometry, const Rig& rig, cons
   result.num_loops = static_cast<int>(loops.size());
   if (result.num_loops < options.min_loops) return refuse("too few loops");
   const auto every = options.held_out_share > 0 ? std::lround(1 / options.held_out_share) : 0;
-  if (every > 0 && result.num_loops >= kMinHeldOut * every) {
+  if (every > 0) {
+    if (result.num_loops < kMinHeldOut * every) return refuse("too few loops to hold some out as judges");
     for (size_t i = static_cast<size_t>(every) / 2; i < loops.size(); i += static_cast<size_t>(every)) {
       loops[i].is_used = false;
       ++result.num_held_out;
