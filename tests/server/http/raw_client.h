@@ -39,11 +39,11 @@ class RawClient {
     return true;
   }
 
-  /// What comes until `end` is in it, the other side closes, or 10 s have passed.
+  /// What comes until `end` is in it, the other side closes, or a minute has passed.
   std::string ReceiveUntil(const std::string& end) {
     while (received_.find(end) == std::string::npos) {
       pollfd wanted{socket_, POLLIN, 0};
-      if (::poll(&wanted, 1, 10'000) <= 0) break;
+      if (::poll(&wanted, 1, 60'000) <= 0) break;
       std::string piece(65536, '\0');
       const ssize_t size = ::recv(socket_, piece.data(), piece.size(), 0);
       if (size <= 0) break;

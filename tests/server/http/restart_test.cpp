@@ -246,7 +246,7 @@ TEST_F(Restart, AFullDiskIsSaidAndLeavesNothingHalfWritten) {
   ServiceProcess service(data_, wrapper);
   ::unsetenv("RESERVE");
   httplib::Client client("127.0.0.1", service.Port());
-  client.set_read_timeout(20);
+  client.set_read_timeout(60);
   const std::string large = "log ok\n" + std::string(20'000'000, 'x');
   const auto refused = client.Put("/api/v1/drives?site=lot", large, kLogType);
   ExpectProblem(refused, 507, "disk_full");

@@ -33,7 +33,7 @@ TEST(EventHub, WakesAWaitingListener) {
   });
   const auto began = std::chrono::steady_clock::now();
 
-  const EventHub::News news = hub.WaitFor(start, milliseconds(10'000));
+  const EventHub::News news = hub.WaitFor(start, milliseconds(60'000));
 
   publisher.join();
   EXPECT_EQ(news.events.size(), 1u);
@@ -58,7 +58,7 @@ TEST(EventHub, LetsNobodyWaitOnceClosed) {
     hub.Close();
   });
   const auto began = std::chrono::steady_clock::now();
-  hub.WaitFor(hub.last_id(), milliseconds(10'000));
+  hub.WaitFor(hub.last_id(), milliseconds(60'000));
   closer.join();
   EXPECT_LT(std::chrono::steady_clock::now() - began, milliseconds(5'000));
 }

@@ -21,7 +21,7 @@ class Worker : public testing::Test {
   std::unique_ptr<WorkerProcess> Start(const std::string& script) {
     return std::make_unique<WorkerProcess>(std::vector<std::string>{"/bin/sh", "-c", script}, root_.path(), log_);
   }
-  int StatusOf(const std::string& script) { return Start(script)->Wait(milliseconds(10'000)).value(); }
+  int StatusOf(const std::string& script) { return Start(script)->Wait(milliseconds(60'000)).value(); }
   std::string Printed() const { return ReadFile(log_); }
 
   TemporaryRoot root_;
@@ -72,7 +72,7 @@ TEST_F(Worker, IsSignalledWithItsWholeGroup) {
   const pid_t grandchild = std::stoi(Printed());
 
   worker->Signal(SIGTERM);
-  const int status = worker->Wait(milliseconds(10'000)).value();
+  const int status = worker->Wait(milliseconds(60'000)).value();
 
   EXPECT_TRUE(WIFSIGNALED(status));
   bool is_alive = true;
