@@ -14,6 +14,8 @@ namespace {
 
 constexpr double kMergeGap = 0.1;          // [m] overlapping triangles of one sheet
 constexpr double kMaxAccuracyError = 1.0;  // [m] a sample without truth nearby counts with this
+constexpr double kRampSlope = 0.05;
+constexpr double kSlopeReach = 0.5;  // [m] to each side, over which a slope is measured
 
 double Percentile(const std::vector<double>& sorted, double percent) {
   if (sorted.empty()) return 0;
@@ -45,22 +47,103 @@ void CompareHeights(const std::vector<double>& differences, SurfaceEvaluation& e
   evaluation.height_max = Percentile(sorted, 100);
 }
 
-/// Intersection over union of the rims of two rasters.
-double BoundaryIou(const HeightRaster& truth, const HeightRaster& estimate, const SurfaceEvaluationOptions& options) {
-  const std::vector<bool> truth_rim = truth.FindRim(options.boundary_width, options.max_height_gap);
-  const std::vector<bool> estimate_rim = estimate.FindRim(options.boundary_width, options.max_height_gap);
+size_t Count(const std::vector<bool>& flags) {
+  return static_cast<size_t>(std::count(flags.begin(), flags.end(), true));
+}
+
+/// A surface on its raster, and which of it counts.
+struct ScopedRaster {
+  HeightRaster raster;
+  std::vector<bool> counts;      ///< of samples
+  std::vector<bool> rim_counts;  ///< if they were of the rim
+
+  const std::vector<HeightRaster::Sample>& samples() const { return raster.samples(); }
+  int Find(const HeightRaster::Sample& at, double max_gap) const { return raster.Find(at.x, at.y, at.height, max_gap); }
+};
+
+ScopedRaster NearPath(const TriangleMesh& mesh, const SurfaceScope& scope, const SurfaceEvaluationOptions& options) {
+  ScopedRaster scoped{HeightRaster(mesh, options.sample_spacing, kMergeGap), {}, {}};
+  scoped.counts = scope.path.empty() ? std::vector<bool>(scoped.samples().size(), true)
+                                     : scoped.raster.FindNear(scope.path, options.max_path_distance);
+  scoped.rim_counts = scoped.counts;
+  return scoped;
+}
+
+/// Leaves unseen truth out, and of both outlines what is near it.
+void LeaveOutUnseen(const SurfaceScope& scope, const SurfaceEvaluationOptions& options, ScopedRaster& truth,
+                    ScopedRaster& estimate) {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<size_t> sample_of;
+  for (size_t i = 0; i < truth.samples().size(); ++i)
+    if (truth.counts[i]) {
+      points.push_back(truth.raster.PointOf(truth.samples()[i]));
+      sample_of.push_back(i);
+    }
+  const std::vector<bool> is_seen = scope.find_seen(points);
+  std::vector<bool> is_unseen(truth.samples().size());
+  for (size_t k = 0; k < sample_of.size(); ++k) is_unseen[sample_of[k]] = !is_seen[k];
+  const std::vector<bool> is_near_unseen =
+      truth.raster.Widen(is_unseen, options.boundary_width, options.max_height_gap);
+  for (size_t i = 0; i < truth.samples().size(); ++i) {
+    if (is_unseen[i]) truth.counts[i] = false;
+    if (is_near_unseen[i]) truth.rim_counts[i] = false;
+  }
+  for (size_t i = 0; i < estimate.samples().size(); ++i) {
+    const int found = truth.Find(estimate.samples()[i], options.max_height_gap);
+    if (found < 0) continue;
+    if (is_unseen[static_cast<size_t>(found)]) estimate.counts[i] = false;
+    if (is_near_unseen[static_cast<size_t>(found)]) estimate.rim_counts[i] = false;
+  }
+}
+
+/// Intersection over union of the rims of two surfaces.
+double BoundaryIou(const ScopedRaster& truth, const ScopedRaster& estimate, const SurfaceEvaluationOptions& options) {
+  const auto rim_of = [&](const ScopedRaster& scoped) {
+    std::vector<bool> is_rim = scoped.raster.FindRim(options.boundary_width, options.max_height_gap);
+    for (size_t i = 0; i < is_rim.size(); ++i) is_rim[i] = is_rim[i] && scoped.rim_counts[i];
+    return is_rim;
+  };
+  const std::vector<bool> truth_rim = rim_of(truth), estimate_rim = rim_of(estimate);
   size_t both = 0;
   for (size_t i = 0; i < estimate_rim.size(); ++i) {
     if (!estimate_rim[i]) continue;
-    const HeightRaster::Sample& sample = estimate.samples()[i];
-    const int found = truth.Find(sample.x, sample.y, sample.height, options.max_height_gap);
+    const int found = truth.Find(estimate.samples()[i], options.max_height_gap);
     if (found >= 0 && truth_rim[static_cast<size_t>(found)]) ++both;
   }
-  const auto count = [](const std::vector<bool>& rim) {
-    return static_cast<size_t>(std::count(rim.begin(), rim.end(), true));
-  };
-  const size_t either = count(truth_rim) + count(estimate_rim) - both;
+  const size_t either = Count(truth_rim) + Count(estimate_rim) - both;
   return either == 0 ? 1 : static_cast<double>(both) / static_cast<double>(either);
+}
+
+/// Whether the true surface climbs by more than kRampSlope around one of its samples.
+bool IsRamp(const HeightRaster& truth, const HeightRaster::Sample& sample, const SurfaceEvaluationOptions& options) {
+  const int reach = static_cast<int>(std::ceil(kSlopeReach / options.sample_spacing));
+  const auto slope = [&](int dx, int dy) {
+    const int a = truth.Find(sample.x - dx, sample.y - dy, sample.height, options.max_height_gap);
+    const int b = truth.Find(sample.x + dx, sample.y + dy, sample.height, options.max_height_gap);
+    if (a < 0 || b < 0) return 0.0;
+    const auto& samples = truth.samples();
+    return (samples[static_cast<size_t>(b)].height - samples[static_cast<size_t>(a)].height) /
+           (2 * reach * options.sample_spacing);
+  };
+  return std::hypot(slope(reach, 0), slope(0, reach)) > kRampSlope;
+}
+
+/// Heights where both are.
+void CompareCommonGround(const ScopedRaster& truth, const ScopedRaster& estimate,
+                         const SurfaceEvaluationOptions& options, SurfaceEvaluation& evaluation) {
+  std::vector<double> differences, on_ramps;
+  for (size_t i = 0; i < estimate.samples().size(); ++i) {
+    if (!estimate.counts[i]) continue;
+    const HeightRaster::Sample& sample = estimate.samples()[i];
+    const int found = truth.Find(sample, options.max_height_gap);
+    if (found < 0) continue;
+    const HeightRaster::Sample& true_sample = truth.samples()[static_cast<size_t>(found)];
+    differences.push_back(sample.height - true_sample.height);
+    if (IsRamp(truth.raster, true_sample, options)) on_ramps.push_back(differences.back());
+  }
+  CompareHeights(differences, evaluation);
+  evaluation.ramp_area = options.sample_spacing * options.sample_spacing * static_cast<double>(on_ramps.size());
+  evaluation.ramp_height_rmse = RootMeanSquare(on_ramps);
 }
 
 }  // namespace
@@ -71,44 +154,41 @@ void SurfaceEvaluationOptions::Validate() const {
           ErrorCode::kUsage, "the distances of the surface evaluation must be > 0 m");
 }
 
-SurfaceEvaluation EvaluateSurface(const TriangleMesh& truth, const TriangleMesh& estimate,
-                                  const SurfaceEvaluationOptions& options, std::span<const Eigen::Vector3d> path) {
+SurfaceEvaluation EvaluateSurface(const TriangleMesh& truth_mesh, const TriangleMesh& estimate_mesh,
+                                  const SurfaceEvaluationOptions& options, const SurfaceScope& scope) {
   options.Validate();
-  Require(!truth.empty(), ErrorCode::kInvalidInput, "the true surface has no triangle");
-  Require(!estimate.empty(), ErrorCode::kInvalidInput, "the estimated surface has no triangle");
-  HeightRaster truth_raster(truth, options.sample_spacing, kMergeGap);
-  HeightRaster estimate_raster(estimate, options.sample_spacing, kMergeGap);
-  if (!path.empty()) {
-    truth_raster.KeepNear(path, options.max_path_distance);
-    estimate_raster.KeepNear(path, options.max_path_distance);
-  }
-  const auto& truth_samples = truth_raster.samples();
-  const auto& estimate_samples = estimate_raster.samples();
+  Require(!truth_mesh.empty(), ErrorCode::kInvalidInput, "the true surface has no triangle");
+  Require(!estimate_mesh.empty(), ErrorCode::kInvalidInput, "the estimated surface has no triangle");
+  ScopedRaster truth = NearPath(truth_mesh, scope, options), estimate = NearPath(estimate_mesh, scope, options);
+  const size_t num_estimated = Count(estimate.counts);
+  if (scope.find_seen) LeaveOutUnseen(scope, options, truth, estimate);
 
-  std::vector<double> differences;
-  for (const HeightRaster::Sample& sample : estimate_samples) {
-    const int found = truth_raster.Find(sample.x, sample.y, sample.height, options.max_height_gap);
-    if (found >= 0) differences.push_back(sample.height - truth_samples[static_cast<size_t>(found)].height);
-  }
   SurfaceEvaluation evaluation;
-  CompareHeights(differences, evaluation);
-  const std::vector<double> distances = ParallelMap(estimate_samples.size(), [&](size_t i) {
-    return truth_raster.DistanceTo(estimate_samples[i], kMaxAccuracyError).value_or(kMaxAccuracyError);
+  CompareCommonGround(truth, estimate, options, evaluation);
+  // What is there and was never seen cannot be false, but counts as part of the estimate.
+  const size_t num_false = Count(estimate.counts) - evaluation.num_samples;
+  const std::vector<double> distances = ParallelMap(estimate.samples().size(), [&](size_t i) {
+    if (!estimate.counts[i]) return -1.0;
+    return truth.raster.DistanceTo(estimate.samples()[i], kMaxAccuracyError).value_or(kMaxAccuracyError);
   });
-  evaluation.accuracy_rmse = RootMeanSquare(distances);
-  const std::vector<char> is_found = ParallelMap(truth_samples.size(), [&](size_t i) {
+  std::vector<double> counted;
+  std::copy_if(distances.begin(), distances.end(), std::back_inserter(counted), [](double d) { return d >= 0; });
+  evaluation.accuracy_rmse = RootMeanSquare(counted);
+  const std::vector<char> is_found = ParallelMap(truth.samples().size(), [&](size_t i) {
     return static_cast<char>(
-        estimate_raster.DistanceTo(truth_samples[i], options.max_completeness_distance).has_value());
+        truth.counts[i] &&
+        estimate.raster.DistanceTo(truth.samples()[i], options.max_completeness_distance).has_value());
   });
   const auto num_found = static_cast<size_t>(std::count(is_found.begin(), is_found.end(), 1));
+  const size_t num_true = Count(truth.counts);
   const double sample_area = options.sample_spacing * options.sample_spacing;
-  evaluation.truth_area = sample_area * static_cast<double>(truth_samples.size());
-  evaluation.estimate_area = sample_area * static_cast<double>(estimate_samples.size());
-  evaluation.completeness_percent = Percent(num_found, truth_samples.size());
-  evaluation.false_free_percent = Percent(estimate_samples.size() - differences.size(), estimate_samples.size());
-  const size_t either = truth_samples.size() + estimate_samples.size() - differences.size();
-  evaluation.iou = either == 0 ? 0 : static_cast<double>(differences.size()) / static_cast<double>(either);
-  evaluation.boundary_iou = BoundaryIou(truth_raster, estimate_raster, options);
+  evaluation.truth_area = sample_area * static_cast<double>(num_true);
+  evaluation.estimate_area = sample_area * static_cast<double>(num_estimated);
+  evaluation.completeness_percent = Percent(num_found, num_true);
+  evaluation.false_free_percent = Percent(num_false, num_estimated);
+  const size_t either = num_true + num_false;
+  evaluation.iou = either == 0 ? 0 : static_cast<double>(evaluation.num_samples) / static_cast<double>(either);
+  evaluation.boundary_iou = BoundaryIou(truth, estimate, options);
   return evaluation;
 }
 
@@ -121,10 +201,11 @@ std::string ToText(const SurfaceEvaluation& e) {
                 "completeness         %.2f %%\n"
                 "false free space     %.2f %%\n"
                 "IoU                  %.4f\n"
-                "boundary IoU         %.4f\n",
+                "boundary IoU         %.4f\n"
+                "ramps                rmse %.4f m on %.1f m^2\n",
                 e.estimate_area, e.truth_area, e.height_rmse, e.height_bias, e.height_median, e.height_p90,
                 e.height_p95, e.height_max, e.accuracy_rmse, e.completeness_percent, e.false_free_percent, e.iou,
-                e.boundary_iou);
+                e.boundary_iou, e.ramp_height_rmse, e.ramp_area);
   return text;
 }
 
@@ -142,7 +223,9 @@ nlohmann::json ToJson(const SurfaceEvaluation& e) {
           {"completeness_percent", e.completeness_percent},
           {"false_free_percent", e.false_free_percent},
           {"iou", e.iou},
-          {"boundary_iou", e.boundary_iou}};
+          {"boundary_iou", e.boundary_iou},
+          {"ramp_area", e.ramp_area},
+          {"ramp_height_rmse", e.ramp_height_rmse}};
 }
 
 }  // namespace parkade

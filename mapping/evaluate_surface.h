@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/triangle_mesh.h"
 #include "mapping/read_ply.h"
@@ -29,10 +31,19 @@ struct SurfaceEvaluationOptions {
   void Validate() const;  ///< throws Error{kUsage}
 };
 
+/// Which ground counts. A drive is not blamed for what it never came near, nor for what nothing could see; the outline
+/// of this scope is no outline of the ground.
+struct SurfaceScope {
+  std::span<const Eigen::Vector3d> path = {};  ///< points of the drive: only ground near them; empty: everything
+  /// Which of these points of the true surface were seen as drivable; none: all of them. What was not is neither missed
+  /// nor false, and no outline within boundary_width of it counts.
+  std::function<std::vector<bool>(const std::vector<Eigen::Vector3d>& points)> find_seen = {};
+};
+
 /// All areas are measured on the raster, seen from above; decks count each.
 struct SurfaceEvaluation {
   std::size_t num_samples = 0;  ///< of the estimate on true ground
-  double truth_area = 0;        ///< [m^2]
+  double truth_area = 0;        ///< [m^2] that counts
   double estimate_area = 0;     ///< [m^2]
   double height_rmse = 0;       ///< [m] where both are
   double height_bias = 0;       ///< [m] mean of estimate - truth
@@ -43,15 +54,16 @@ struct SurfaceEvaluation {
   double false_free_percent = 0;    ///< of the estimate, where there is no true ground
   double iou = 0;                   ///< of the areas
   double boundary_iou = 0;          ///< of what lies within boundary_width of the own outline
+  double ramp_area = 0;             ///< [m^2] of the estimate where the truth is steeper than 5 %
+  double ramp_height_rmse = 0;      ///< [m] there
 };
 
-/// Compares an estimated ground surface with the true one, both in one frame with z up. `path` (points of the drive
-/// in that frame) restricts the comparison to its surroundings; empty: everything counts.
+/// Compares an estimated ground surface with the true one, both in one frame with z up. Accuracy and false free space
+/// are of the estimate within the scope, completeness of the truth within it, IoUs of both.
 /// Accuracy and completeness: T. Schoeps et al., "A Multi-view Stereo Benchmark ...", CVPR 2017. Boundary IoU:
 /// B. Cheng et al., "Boundary IoU", CVPR 2021. Throws Error{kInvalidInput} when either mesh is empty.
 SurfaceEvaluation EvaluateSurface(const TriangleMesh& truth, const TriangleMesh& estimate,
-                                  const SurfaceEvaluationOptions& options = {},
-                                  std::span<const Eigen::Vector3d> path = {});
+                                  const SurfaceEvaluationOptions& options = {}, const SurfaceScope& scope = {});
 
 /// A few aligned lines for people.
 std::string ToText(const SurfaceEvaluation& evaluation);

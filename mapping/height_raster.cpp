@@ -20,9 +20,10 @@ void RasteriseTriangle(const Corners& corner, double spacing, std::vector<Height
   const double area = u.x() * v.y() - u.y() * v.x();
   if (std::abs(area) < 1e-12) return;
   constexpr double kOnEdge = -1e-9;
-  for (int y = static_cast<int>(std::ceil(low.y() / spacing)); y * spacing <= high.y(); ++y)
-    for (int x = static_cast<int>(std::ceil(low.x() / spacing)); x * spacing <= high.x(); ++x) {
-      const Eigen::Vector2d p = Eigen::Vector2d(x * spacing, y * spacing) - corner[0].head<2>();
+  const auto first = [&](double coordinate) { return static_cast<int>(std::ceil(coordinate / spacing - 0.5)); };
+  for (int y = first(low.y()); (y + 0.5) * spacing <= high.y(); ++y)
+    for (int x = first(low.x()); (x + 0.5) * spacing <= high.x(); ++x) {
+      const Eigen::Vector2d p = spacing * Eigen::Vector2d(x + 0.5, y + 0.5) - corner[0].head<2>();
       const double b = (p.x() * v.y() - p.y() * v.x()) / area;
       const double c = (u.x() * p.y() - u.y() * p.x()) / area;
       if (b < kOnEdge || c < kOnEdge || 1 - b - c < kOnEdge) continue;
@@ -64,11 +65,6 @@ HeightRaster::HeightRaster(const TriangleMesh& mesh, double spacing, double merg
       sum += all[end].height;
     samples_.push_back({all[begin].x, all[begin].y, sum / static_cast<double>(end - begin)});
   }
-  Index();
-}
-
-void HeightRaster::Index() {
-  first_at_.clear();
   for (size_t i = 0; i < samples_.size(); ++i)
     first_at_.try_emplace(KeyOf(samples_[i].x, samples_[i].y), static_cast<int>(i));
 }
@@ -99,43 +95,52 @@ std::optional<double> HeightRaster::DistanceTo(const Sample& place, double radiu
   return nearest;
 }
 
-std::vector<bool> HeightRaster::FindRim(double width, double max_gap) const {
-  // Rings of one raster step, from the outline inwards.
-  std::vector<int> depth(samples_.size(), std::numeric_limits<int>::max());
-  std::vector<size_t> ring;
+std::vector<bool> HeightRaster::GrowRings(const std::vector<size_t>& first_ring, int num_rings, double max_gap) const {
+  std::vector<bool> is_reached(samples_.size());
+  for (const size_t i : first_ring) is_reached[i] = true;
   const auto neighbours = Disc(1.5 * spacing_, spacing_);
-  for (size_t i = 0; i < samples_.size(); ++i)
-    for (const auto& [dx, dy] : neighbours)
-      if (Find(samples_[i].x + dx, samples_[i].y + dy, samples_[i].height, max_gap) < 0 && depth[i] != 1) {
-        depth[i] = 1;
-        ring.push_back(i);
-      }
-  const int rings = static_cast<int>(std::round(width / spacing_));
-  for (int step = 2; step <= rings; ++step) {
+  std::vector<size_t> ring = first_ring;
+  for (int step = 0; step < num_rings; ++step) {
     std::vector<size_t> next;
     for (const size_t i : ring)
       for (const auto& [dx, dy] : neighbours) {
         const int found = Find(samples_[i].x + dx, samples_[i].y + dy, samples_[i].height, max_gap);
-        if (found < 0 || depth[static_cast<size_t>(found)] <= step) continue;
-        depth[static_cast<size_t>(found)] = step;
+        if (found < 0 || is_reached[static_cast<size_t>(found)]) continue;
+        is_reached[static_cast<size_t>(found)] = true;
         next.push_back(static_cast<size_t>(found));
       }
     ring = std::move(next);
   }
-  std::vector<bool> is_rim(samples_.size());
-  for (size_t i = 0; i < samples_.size(); ++i) is_rim[i] = depth[i] <= rings;
-  return is_rim;
+  return is_reached;
 }
 
-void HeightRaster::KeepNear(std::span<const Eigen::Vector3d> path, double radius) {
+std::vector<bool> HeightRaster::FindRim(double width, double max_gap) const {
+  // Rings of one raster step, from the outline inwards.
+  const auto neighbours = Disc(1.5 * spacing_, spacing_);
+  std::vector<size_t> outline;
+  for (size_t i = 0; i < samples_.size(); ++i)
+    if (std::any_of(neighbours.begin(), neighbours.end(), [&](const std::pair<int, int>& step) {
+          return Find(samples_[i].x + step.first, samples_[i].y + step.second, samples_[i].height, max_gap) < 0;
+        }))
+      outline.push_back(i);
+  return GrowRings(outline, static_cast<int>(std::round(width / spacing_)) - 1, max_gap);
+}
+
+std::vector<bool> HeightRaster::Widen(const std::vector<bool>& is_marked, double width, double max_gap) const {
+  std::vector<size_t> marked;
+  for (size_t i = 0; i < is_marked.size(); ++i)
+    if (is_marked[i]) marked.push_back(i);
+  return GrowRings(marked, static_cast<int>(std::round(width / spacing_)), max_gap);
+}
+
+std::vector<bool> HeightRaster::FindNear(std::span<const Eigen::Vector3d> path, double radius) const {
   // Path points by squares of the radius: all that is near lies in the nine around.
   std::map<std::pair<int, int>, std::vector<Eigen::Vector3d>> squares;
   const auto square_of = [&](double x, double y) {
     return std::pair(static_cast<int>(std::floor(x / radius)), static_cast<int>(std::floor(y / radius)));
   };
   for (const Eigen::Vector3d& point : path) squares[square_of(point.x(), point.y())].push_back(point);
-  const auto is_far = [&](const Sample& sample) {
-    const Eigen::Vector3d place(sample.x * spacing_, sample.y * spacing_, sample.height);
+  const auto is_near = [&](const Eigen::Vector3d& place) {
     const auto [sx, sy] = square_of(place.x(), place.y());
     for (int dy = -1; dy <= 1; ++dy)
       for (int dx = -1; dx <= 1; ++dx) {
@@ -143,12 +148,13 @@ void HeightRaster::KeepNear(std::span<const Eigen::Vector3d> path, double radius
         if (found == squares.end()) continue;
         for (const Eigen::Vector3d& point : found->second)
           if ((point - place).head<2>().norm() <= radius && std::abs(point.z() - place.z()) <= kMaxDeckDistance)
-            return false;
+            return true;
       }
-    return true;
+    return false;
   };
-  std::erase_if(samples_, is_far);
-  Index();
+  std::vector<bool> result(samples_.size());
+  for (size_t i = 0; i < samples_.size(); ++i) result[i] = is_near(PointOf(samples_[i]));
+  return result;
 }
 
 }  // namespace parkade

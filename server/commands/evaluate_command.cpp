@@ -8,7 +8,9 @@
 #include "core/trajectory.h"
 #include "mapping/evaluate_surface.h"
 #include "mapping/read_ply.h"
+#include "mapping/seen_ground.h"
 #include "server/commands/commands.h"
+#include "server/ingest/open_drive_log.h"
 #include "slam/evaluate_trajectory.h"
 
 namespace parkade {
@@ -17,8 +19,38 @@ namespace {
 struct EvaluateArguments {
   std::string truth, estimate;  ///< TUM files
   std::string ground, surface;  ///< PLY meshes
+  double within = 0;            ///< [m] of the true path; 0: everywhere
+  std::string seen_in, rig;     ///< a log with masks, and the true rig
   bool is_json = false;
 };
+
+/// The surfaces, within the scope that the arguments ask for.
+SurfaceEvaluation EvaluateGround(const EvaluateArguments& arguments, const Rigid3& truth_from_estimate) {
+  const bool is_scoped = arguments.within > 0 || !arguments.seen_in.empty();
+  Require(!is_scoped || !arguments.truth.empty(), ErrorCode::kUsage, "--within and --seen-in need --truth");
+  const std::vector<TimedPose> truth = is_scoped ? ReadTum(arguments.truth) : std::vector<TimedPose>{};
+  SurfaceEvaluationOptions options;
+  SurfaceScope scope;
+  std::vector<Eigen::Vector3d> path;
+  if (arguments.within > 0) {
+    options.max_path_distance = arguments.within;
+    for (const TimedPose& pose : truth) path.push_back(pose.world_from_frame.translation);
+    scope.path = path;
+  }
+  std::unique_ptr<RecordedDrive> log;
+  if (!arguments.seen_in.empty()) {
+    OpenLogOptions open;
+    open.rig_folder = arguments.rig;
+    log = OpenDriveLog(arguments.seen_in, open);
+    SeenGroundOptions seen;
+    if (arguments.within > 0) seen.max_distance = arguments.within;
+    scope.find_seen = [&log, &truth, seen](const std::vector<Eigen::Vector3d>& points) {
+      return FindSeenGround(points, *log, truth, seen);
+    };
+  }
+  return EvaluateSurface(ReadPly(arguments.ground), Transformed(ReadPly(arguments.surface), truth_from_estimate),
+                         options, scope);
+}
 
 int Evaluate(const EvaluateArguments& arguments) {
   const bool has_trajectories = !arguments.truth.empty() && !arguments.estimate.empty();
@@ -36,8 +68,7 @@ int Evaluate(const EvaluateArguments& arguments) {
     truth_from_estimate = evaluation.rigid.truth_from_estimate;
   }
   if (has_surfaces) {
-    const TriangleMesh surface = Transformed(ReadPly(arguments.surface), truth_from_estimate);
-    const SurfaceEvaluation evaluation = EvaluateSurface(ReadPly(arguments.ground), surface);
+    const SurfaceEvaluation evaluation = EvaluateGround(arguments, truth_from_estimate);
     json["surface"] = ToJson(evaluation);
     text += ToText(evaluation);
   }
@@ -57,6 +88,12 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
   command->add_option("--estimate", arguments->estimate, "estimated trajectory (TUM), poses of the same frame");
   command->add_option("--ground", arguments->ground, "true ground surface (PLY mesh, z up)");
   command->add_option("--surface", arguments->surface, "estimated surface (PLY mesh, z up)");
+  command->add_option("--within", arguments->within, "only ground within so many metres of the true path, e.g. 12")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--seen-in", arguments->seen_in,
+                      "log with masks (<camera>/semantic): true ground that none of them shows within the same "
+                      "distance (else 12 m) is left out");
+  command->add_option("--rig", arguments->rig, "true calibration of that log; default: the one in the log");
   command->add_flag("--json", arguments->is_json, "print JSON");
   command->callback([arguments, &action] { action = [arguments] { return Evaluate(*arguments); }; });
 }

@@ -81,11 +81,64 @@ TEST(EvaluateSurface, OnlyTheSurroundingsOfThePathCount) {
   std::vector<Eigen::Vector3d> path;
   for (double x = 0; x <= 100; x += 0.5) path.push_back({x, 0, 0});
 
-  const SurfaceEvaluation evaluation =
-      EvaluateSurface(Rectangle(0, -20, 100, 20, 0), Rectangle(0, -3.5, 100, 3.5, 0), options, path);
+  const SurfaceEvaluation evaluation = EvaluateSurface(Rectangle(0, -20, 100, 20, 0), Rectangle(0, -3.5, 100, 3.5, 0),
+                                                       options, {.path = path, .find_seen = {}});
 
   EXPECT_DOUBLE_EQ(evaluation.completeness_percent, 100);
   EXPECT_NEAR(evaluation.truth_area, 600, 15);
+}
+
+TEST(EvaluateSurface, TheEdgeOfTheScopeIsNoOutline) {
+  SurfaceEvaluationOptions options;
+  options.max_path_distance = 3;
+  const std::vector<Eigen::Vector3d> path = {{0, 0, 0}, {2, 0, 0}};
+
+  // Both reach far beyond the scope, where they differ; inside neither has an outline.
+  const SurfaceEvaluation evaluation = EvaluateSurface(Rectangle(-50, -20, 50, 20, 0), Rectangle(-50, -10, 50, 30, 0),
+                                                       options, {.path = path, .find_seen = {}});
+
+  EXPECT_DOUBLE_EQ(evaluation.boundary_iou, 1);
+  EXPECT_DOUBLE_EQ(evaluation.false_free_percent, 0);
+}
+
+TEST(EvaluateSurface, GroundThatNothingSawIsNeitherMissedNorFalse) {
+  const SurfaceScope scope{{}, [](const std::vector<Eigen::Vector3d>& points) {
+                             std::vector<bool> is_seen;
+                             for (const Eigen::Vector3d& point : points) is_seen.push_back(point.x() < 10);
+                             return is_seen;
+                           }};
+  const TriangleMesh truth = Rectangle(0, 0, 20, 10, 0);
+
+  const SurfaceEvaluation cut = EvaluateSurface(truth, Rectangle(0, 0, 10.2, 10, 0), {}, scope);
+  EXPECT_DOUBLE_EQ(cut.completeness_percent, 100);
+  EXPECT_DOUBLE_EQ(cut.boundary_iou, 1) << "the end of what was seen is no outline";
+  const SurfaceEvaluation guessed = EvaluateSurface(truth, Rectangle(0, 0, 20, 10, 0), {}, scope);
+  EXPECT_DOUBLE_EQ(guessed.false_free_percent, 0);
+  EXPECT_DOUBLE_EQ(guessed.iou, 1);
+  const SurfaceEvaluation missed = EvaluateSurface(truth, Rectangle(0, 0, 5, 10, 0), {}, scope);
+  EXPECT_NEAR(missed.completeness_percent, 52, 0.5) << "what was seen is asked for";
+  EXPECT_LT(missed.boundary_iou, 0.8);
+}
+
+TEST(EvaluateSurface, AnOutlineMadeOfSquaresStaysWhereItIs) {
+  // The truth of simulated drives is made of squares of 0.1 m; its area must come out exactly.
+  const SurfaceEvaluation evaluation = EvaluateSurface(Rectangle(0, 0, 20, 10, 0), Rectangle(0.1, 0, 20, 10, 0));
+
+  EXPECT_NEAR(evaluation.truth_area, 200, 1e-9);
+  EXPECT_NEAR(evaluation.estimate_area, 199, 1e-9);
+}
+
+TEST(EvaluateSurface, RampsAreJudgedOnTheirOwn) {
+  TriangleMesh truth = Rectangle(0, 0, 20, 10, 0), estimate = Rectangle(0, 0, 20, 10, 0.01);
+  AddRectangle(truth, 20, 0, 40, 10, 0);
+  AddRectangle(estimate, 20, 0, 40, 10, 0);
+  for (TriangleMesh* mesh : {&truth, &estimate})
+    for (size_t i : {5, 6}) mesh->vertices[i].z() += mesh == &truth ? 3.0F : 3.06F;
+
+  const SurfaceEvaluation evaluation = EvaluateSurface(truth, estimate);
+
+  EXPECT_NEAR(evaluation.ramp_area, 190, 10);
+  EXPECT_NEAR(evaluation.ramp_height_rmse, 0.06 / std::sqrt(3), 0.005);
 }
 
 TEST(EvaluateSurface, AnEmptyEstimateIsNamed) {

@@ -65,8 +65,9 @@ std::vector<Eigen::Vector3d> PathOf(const Trajectory& trajectory) {
 SurfaceEvaluation Evaluate(const SyntheticDrive& drive, const TriangleMesh& mesh, double max_path_distance) {
   SurfaceEvaluationOptions options;
   options.max_path_distance = max_path_distance;
+  const std::vector<Eigen::Vector3d> path = PathOf(drive.trajectory());
   const SurfaceEvaluation evaluation =
-      EvaluateSurface(drive.scene().DrivableMesh(), mesh, options, PathOf(drive.trajectory()));
+      EvaluateSurface(drive.scene().DrivableMesh(), mesh, options, {.path = path, .find_seen = {}});
   if (std::getenv("PARKADE_TEST_PICTURES") != nullptr) std::printf("%s", ToText(evaluation).c_str());
   return evaluation;
 }

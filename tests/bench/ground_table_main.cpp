@@ -1,0 +1,211 @@
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/options_json.h"
+#include "core/parallel.h"
+#include "mapping/evaluate_surface.h"
+#include "mapping/fuse_surface.h"
+#include "mapping/height_raster.h"
+#include "mapping/mesh_surface.h"
+#include "mapping/observe_ground.h"
+#include "mapping/read_ply.h"
+#include "mapping/seen_ground.h"
+#include "slam/evaluate_trajectory.h"
+#include "tests/bench/suite_drive.h"
+
+namespace parkade {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFooter =
+    R"(Maps the ground of drives that `parkade-simulate suite` made, from true poses and the true rig, or from the poses of
+finished maps (MAPS/DRIVE/drive/trajectory.tum), and compares it with the truth: within 12 m of the path, and as far as
+the log's masks show that a camera saw it within 12 m.
+Examples: parkade-ground-table --suite SUITE --only sim1,in0,out0 --json ground.json --pictures pictures
+          parkade-ground-table --suite SUITE --poses MAPS --set ground.use_semantics=false)";
+
+struct GroundTableOptions {
+  GroundOptions ground;
+  SurfaceOptions surface;
+  MeshOptions mesh;
+  SurfaceEvaluationOptions evaluation;
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("ground", ground);
+    visit("surface", surface);
+    visit("mesh", mesh);
+    visit("evaluation", evaluation);
+  }
+};
+
+struct CommandLine {
+  std::string suite, poses, json_file, pictures_folder;
+  std::vector<std::string> drives, assignments;
+  int num_threads = 2;
+};
+
+struct GroundRun {
+  std::string drive, scene;
+  double length = 0, duration = 0;  ///< [m], [s]
+  double seconds = 0;               ///< to observe, fuse and mesh
+  std::size_t num_triangles = 0;
+  SurfaceEvaluation evaluation;
+};
+
+/// The poses to map with, and what moves them onto the truth.
+struct MappedPoses {
+  Trajectory site_from_body;
+  Rigid3 world_from_site;
+};
+
+MappedPoses PosesOf(const SuiteDrive& drive, const std::string& maps) {
+  if (maps.empty()) return {TrajectoryOf(drive.world_from_imu, drive.true_rig), {}};
+  const std::vector<TimedPose> site_from_imu = ReadTum(fs::path(maps) / drive.name / "drive" / "trajectory.tum");
+  return {TrajectoryOf(site_from_imu, drive.true_rig),
+          EvaluateTrajectory(drive.world_from_imu, site_from_imu).rigid.truth_from_estimate};
+}
+
+TriangleMesh MapGround(const SuiteDrive& drive, const Trajectory& site_from_body, GroundTableOptions& options) {
+  GroundObservation seen = ObserveGround(*drive.log, site_from_body, {}, 0, options.ground);
+  const DrivenPath path = MakeDrivenPath(0, drive.true_rig, site_from_body, seen.body_from_ground);
+  std::vector<PosedGroundPatch> patches;
+  for (GroundPatch& patch : seen.patches)
+    if (const std::optional<Rigid3> pose = site_from_body.At(patch.time)) patches.push_back({std::move(patch), *pose});
+  return MeshSurface(FuseSurface(patches, std::span(&path, 1), options.surface), options.mesh);
+}
+
+/// Truth and estimate from above, 5 cm per pixel: grey is right, red false, blue missed, dark truth that nothing saw.
+void WritePicture(const TriangleMesh& truth_mesh, const TriangleMesh& estimate_mesh,
+                  const std::vector<Eigen::Vector3d>& path, const SurfaceScope& scope, const fs::path& file) {
+  constexpr double kPixel = 0.05;
+  const HeightRaster truth(truth_mesh, kPixel, 0.1), estimate(estimate_mesh, kPixel, 0.1);
+  Eigen::Vector2d low = path.front().head<2>(), high = low;
+  for (const Eigen::Vector3d& point : path) {
+    low = low.cwiseMin(point.head<2>());
+    high = high.cwiseMax(point.head<2>());
+  }
+  const Eigen::Vector2i origin = ((low.array() - 13) / kPixel).floor().matrix().cast<int>();
+  const Eigen::Vector2i size = ((high - low).array() / kPixel + 26 / kPixel).ceil().matrix().cast<int>();
+  cv::Mat picture(size.y(), size.x(), CV_8UC3, cv::Scalar(255, 255, 255));
+  const auto pixel = [&](const HeightRaster::Sample& sample) -> cv::Vec3b* {
+    const int x = sample.x - origin.x(), y = size.y() - 1 - (sample.y - origin.y());
+    return x < 0 || y < 0 || x >= size.x() || y >= size.y() ? nullptr : &picture.at<cv::Vec3b>(y, x);
+  };
+  const std::vector<bool> is_truth_near = truth.FindNear(path, 12);
+  std::vector<Eigen::Vector3d> points;
+  for (const HeightRaster::Sample& sample : truth.samples()) points.push_back(truth.PointOf(sample));
+  const std::vector<bool> is_seen = scope.find_seen(points);
+  for (size_t i = 0; i < truth.samples().size(); ++i) {
+    cv::Vec3b* const at = pixel(truth.samples()[i]);
+    if (at == nullptr || !is_truth_near[i]) continue;
+    const HeightRaster::Sample& sample = truth.samples()[i];
+    const bool is_found = estimate.Find(sample.x, sample.y, sample.height, 0.5) >= 0;
+    *at = is_found ? cv::Vec3b(190, 190, 190) : is_seen[i] ? cv::Vec3b(220, 80, 0) : cv::Vec3b(90, 90, 90);
+  }
+  const std::vector<bool> is_near = estimate.FindNear(path, 12);
+  for (size_t i = 0; i < estimate.samples().size(); ++i) {
+    const HeightRaster::Sample& sample = estimate.samples()[i];
+    cv::Vec3b* const at = pixel(sample);
+    if (at != nullptr && is_near[i] && truth.Find(sample.x, sample.y, sample.height, 0.5) < 0) *at = {0, 0, 230};
+  }
+  cv::imwrite(file.string(), picture);
+}
+
+GroundRun RunDrive(const CommandLine& line, const std::string& name, GroundTableOptions options) {
+  const SuiteDrive drive = OpenSuiteDrive(line.suite, name);
+  const MappedPoses poses = PosesOf(drive, line.poses);
+  GroundRun run;
+  run.drive = name;
+  run.scene = drive.scene;
+  run.length = poses.site_from_body.Length();
+  run.duration = drive.log->span().end - drive.log->span().begin;
+  const auto start = std::chrono::steady_clock::now();
+  const TriangleMesh mesh = MapGround(drive, poses.site_from_body, options);
+  run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  run.num_triangles = mesh.triangles.size();
+
+  const TriangleMesh truth = ReadPly(fs::path(line.suite) / name / "truth" / "ground_truth.ply");
+  std::vector<Eigen::Vector3d> path;
+  const Trajectory world_from_body = TrajectoryOf(drive.world_from_imu, drive.true_rig);
+  for (const TrajectoryState& state : world_from_body.states())
+    if (path.empty() || (state.odom_from_body.translation - path.back()).norm() > 0.2)
+      path.push_back(state.odom_from_body.translation);
+  const SurfaceScope scope{path, [&](const std::vector<Eigen::Vector3d>& points) {
+                             return FindSeenGround(points, *drive.log, drive.world_from_imu);
+                           }};
+  const TriangleMesh estimate = Transformed(mesh, poses.world_from_site);
+  run.evaluation = EvaluateSurface(truth, estimate, options.evaluation, scope);
+  if (!line.pictures_folder.empty()) {
+    fs::create_directories(line.pictures_folder);
+    WritePicture(truth, estimate, path, scope, fs::path(line.pictures_folder) / (name + ".png"));
+  }
+  return run;
+}
+
+void Print(const GroundRun& run) {
+  const SurfaceEvaluation& e = run.evaluation;
+  std::printf(
+      "%-12s %-7s %5.0f m  accuracy %.4f  height %.4f median %.4f ramps %.4f  complete %6.2f %%  false %5.2f %%  "
+      "IoU %.3f  boundary %.3f  %6zu triangles  %.2f of real time\n",
+      run.drive.c_str(), run.scene.c_str(), run.length, e.accuracy_rmse, e.height_rmse, e.height_median,
+      e.ramp_height_rmse, e.completeness_percent, e.false_free_percent, e.iou, e.boundary_iou, run.num_triangles,
+      run.seconds / run.duration);
+  std::fflush(stdout);
+}
+
+int Run(const CommandLine& line) {
+  GroundTableOptions options;
+  for (const std::string& assignment : line.assignments) SetOption(assignment, options);
+  nlohmann::json json = {{"options", OptionsToJson(options)}, {"threads", line.num_threads}};
+  json["runs"] = nlohmann::json::array();
+  for (const std::string& name : line.drives.empty() ? ListSuite(line.suite) : line.drives) {
+    const GroundRun run = RunDrive(line, name, options);
+    Print(run);
+    json["runs"].push_back({{"drive", run.drive},
+                            {"scene", run.scene},
+                            {"length", run.length},
+                            {"duration", run.duration},
+                            {"seconds", run.seconds},
+                            {"triangles", run.num_triangles},
+                            {"surface", ToJson(run.evaluation)}});
+    if (!line.json_file.empty()) WriteFileAtomically(line.json_file, json.dump(1) + "\n");
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace parkade
+
+int main(int argc, char** argv) {
+  using namespace parkade;
+  CLI::App app{"Fills the table of goals of the ground from rendered drives.", "parkade-ground-table"};
+  CommandLine line;
+  app.footer(kFooter);
+  app.add_option("--suite", line.suite, "Folder that parkade-simulate suite filled")->required();
+  app.add_option("--only", line.drives, "Some drives; default: all that are there")->delimiter(',');
+  app.add_option("--poses", line.poses, "Folder of finished maps, one per drive; default: true poses");
+  app.add_option("--set", line.assignments, "Of the map or the evaluation: ground.max_range=10");
+  app.add_option("--threads", line.num_threads, "Of one run; runs go one after the other")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 256));
+  app.add_option("--json", line.json_file, "Every run");
+  app.add_option("--pictures", line.pictures_folder, "A picture per drive: truth and map from above");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    SetNumThreads(line.num_threads);
+    cv::setNumThreads(1);  // as the product: core/parallel works on many images at once
+    return Run(line);
+  } catch (const std::exception& error) {
+    std::cerr << "parkade-ground-table: " << error.what() << "\n";
+    return 2;
+  }
+}
