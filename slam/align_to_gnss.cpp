@@ -25,13 +25,6 @@ struct Pairs {
   Eigen::Index size() const { return sigma.cols(); }
 };
 
-bool IsUsable(const GnssFix& fix, const Trajectory& trajectory, double max_sigma) {
-  const bool is_finite = std::isfinite(fix.latitude_deg) && std::isfinite(fix.longitude_deg) &&
-                         std::isfinite(fix.altitude) && fix.sigma_enu.allFinite();
-  return is_finite && std::abs(fix.latitude_deg) <= 90 && fix.sigma_enu.minCoeff() >= 0 &&
-         fix.sigma_enu.head<2>().maxCoeff() <= max_sigma && trajectory.span().Contains(fix.time);
-}
-
 Eigen::Vector3d InEarth(const GnssFix& fix) {
   return EarthFromSite({fix.latitude_deg, fix.longitude_deg, fix.altitude}).translation;
 }
@@ -186,6 +179,13 @@ void GnssAlignOptions::Validate() const {
   Require(max_yaw_sigma > 0, ErrorCode::kUsage, "max_yaw_sigma must be > 0 rad");
   Require(odometry_drift >= 0, ErrorCode::kUsage, "odometry_drift must be >= 0");
   Require(correlation_time >= 0, ErrorCode::kUsage, "correlation_time must be >= 0 s");
+}
+
+bool IsUsable(const GnssFix& fix, const Trajectory& odom_from_body, double max_sigma) {
+  const bool is_finite = std::isfinite(fix.latitude_deg) && std::isfinite(fix.longitude_deg) &&
+                         std::isfinite(fix.altitude) && fix.sigma_enu.allFinite();
+  return is_finite && std::abs(fix.latitude_deg) <= 90 && fix.sigma_enu.minCoeff() >= 0 &&
+         fix.sigma_enu.head<2>().maxCoeff() <= max_sigma && odom_from_body.span().Contains(fix.time);
 }
 
 double GnssAlignment::YawSigma() const { return std::sqrt(covariance(0, 0)); }

@@ -41,6 +41,9 @@ struct GnssAlignment {
   double YawSigma() const;  ///< [rad]
 };
 
+/// Whether a fix is whole, within the trajectory's span, and claims at most `max_sigma` [m] horizontally.
+bool IsUsable(const GnssFix& fix, const Trajectory& odom_from_body, double max_sigma);
+
 /// Finds the site frame for one drive: rotation about z and translation such that
 /// the antenna of the trajectory lies on the fixes. Robust by graduated
 /// non-convexity with the Geman-McClure loss: H. Yang et al., "Graduated

@@ -56,7 +56,7 @@ DriveAdjustment::DriveAdjustment(const DriveMeasurements& measurements, const Ri
   for (const RecordedImage& image : measurements.images) num_sightings += image.sightings.size();
   const size_t num_landmarks = num_sightings / static_cast<size_t>(options.min_sightings);
   values_.reserve(start.size() * (kPoseSize + kMotionSize) + measurements.cameras.size() * (kPoseSize + kTimingSize) +
-                  1 + num_landmarks * kLandmarkSize);
+                  1 + kSiteSize + num_landmarks * kLandmarkSize);
   AddKnots(measurements, start);
   HoldHeads(rig);
   AddPriors(rig);
@@ -88,6 +88,14 @@ void DriveAdjustment::AddKnots(const DriveMeasurements& measurements, const std:
   for (const CameraParameters& camera : measurements.cameras)
     cameras_.push_back({add(camera.extrinsics), add(camera.timing)});
   wheel_scale_ = add(std::array<double, 1>{measurements.wheel_scale});
+  site_from_odom_ = add(std::array<double, kSiteSize>{});
+}
+
+void DriveAdjustment::SetGnss(std::vector<AdjustedFix> fixes, const Rigid3& site_from_odom) {
+  fixes_ = std::move(fixes);
+  const Eigen::Vector3d forward = site_from_odom.rotation * Eigen::Vector3d::UnitX();
+  site_from_odom_[0] = std::atan2(forward.y(), forward.x());
+  Eigen::Map<Eigen::Vector3d>(site_from_odom_ + 1) = site_from_odom.translation;
 }
 
 void DriveAdjustment::HoldHeads(const Rig& rig) {
@@ -191,7 +199,14 @@ AdjustmentStatistics DriveAdjustment::Statistics() const {
           MeanSquare(WheelCost(*knot.interval->wheels, nullptr, nullptr), {i.pose, i.motion, knot.pose, wheel_scale_}));
   }
   if (knots_.size() > 1) statistics.imu = imu / static_cast<double>(knots_.size() - 1);
+  double unused_bearings = 0;
+  size_t num_unused = 0;
   for (const Landmark& landmark : landmarks_) {
+    if (!landmark.is_used) {
+      unused_bearings += RobustErrorOf(landmark);
+      num_unused += landmark.sightings.size();
+      continue;
+    }
     statistics.num_landmarks += !landmark.sightings.empty();
     for (const Sighting& sighting : landmark.sightings) {
       std::vector<double*> blocks = BlocksOf(images_[sighting.image]);
@@ -199,10 +214,16 @@ AdjustmentStatistics DriveAdjustment::Statistics() const {
       bearings.push_back(MeanSquare(*sighting.cost, blocks));
     }
   }
+  if (num_unused > 0) statistics.unused_bearings = unused_bearings / static_cast<double>(num_unused);
   for (const AdjustedLoop& loop : loops_)
     (loop.is_used ? loops : unused_loops)
         .push_back(MeanSquare(RelativePoseCost(loop.from_from_to, loop.square_root_weight),
                               {knots_[loop.from].pose, knots_[loop.to].pose}));
+  std::vector<double> gnss;
+  for (const AdjustedFix& fix : fixes_)
+    gnss.push_back(
+        MeanSquare(GnssCost(fix.antenna), {knots_[fix.first].pose, knots_[fix.first + 1].pose, site_from_odom_}));
+  statistics.gnss = MedianOf(gnss);
   statistics.num_bearings = bearings.size();
   statistics.wheels = MedianOf(wheels);
   statistics.bearings = MedianOf(bearings);

@@ -7,6 +7,7 @@
 #include "core/rig.h"
 #include "slam/adjustment_statistics.h"
 #include "slam/drive_measurements.h"
+#include "slam/gnss_cost.h"
 #include "slam/linear_prior.h"
 #include "slam/pose_graph.h"
 #include "slam/refinement_options.h"
@@ -21,9 +22,15 @@ struct AdjustedLoop {
   bool is_used = true;                                 ///< false: looked at, but pulls nothing
 };
 
+/// A GNSS fix between knot `first` and the next.
+struct AdjustedFix {
+  size_t first = 0;
+  AntennaFix antenna;
+};
+
 /// All states of a drive, its landmarks, the wheel scale and the calibration of its cameras as one least-squares
-/// problem: the costs of FixedLagSmoother without window and marginalisation, plus loops. Landmarks are eliminated
-/// first (Schur), the rest is a band with an arrow. Results do not depend on the number of threads.
+/// problem: the costs of FixedLagSmoother without window and marginalisation, plus loops and GNSS. Landmarks are
+/// eliminated first (Schur), the rest is a band with an arrow. Results do not depend on the number of threads.
 class DriveAdjustment {
  public:
   /// \param rig    what the drive's log says: calibration has its prior there
@@ -36,9 +43,18 @@ class DriveAdjustment {
 
   void SetLoops(std::vector<AdjustedLoop> loops) { loops_ = std::move(loops); }
 
+  /// Fixes, and about where odom lies among them.
+  void SetGnss(std::vector<AdjustedFix> fixes, const Rigid3& site_from_odom);
+
   /// Moves the knots in [begin, end); those outside stay, and so does the calibration unless all knots move. The first
   /// knot keeps position and yaw. Returns the number of steps.
   int Solve(size_t begin, size_t end, int max_iterations);
+
+  /// Every so many-th landmark pulls nothing and judges the others; 0: all pull.
+  void HoldOutLandmarks(size_t every);
+
+  /// Moves each landmark to where its bearings meet best from the knots' current poses.
+  void FitLandmarks();
 
   /// Leaves out bearings that are too far off, and landmarks that too few are left of.
   void RejectOutliers();
@@ -75,6 +91,8 @@ class DriveAdjustment {
   void AddPriors(const Rig& rig);
   void PointImages();
   bool Triangulate(Landmark& landmark) const;
+  void FitLandmark(Landmark& landmark) const;
+  double RobustErrorOf(const Landmark& landmark) const;
   std::vector<double*> BlocksOf(const Image& image) const;
 
   RefinementOptions options_;
@@ -83,9 +101,11 @@ class DriveAdjustment {
   std::vector<CameraBlocks> cameras_;
   std::vector<CameraSigmas> camera_priors_;
   double* wheel_scale_ = nullptr;
+  double* site_from_odom_ = nullptr;  ///< yaw and translation; unused without fixes
   std::vector<Image> images_;
   std::vector<Landmark> landmarks_;
   std::vector<AdjustedLoop> loops_;
+  std::vector<AdjustedFix> fixes_;
   std::vector<LinearPrior> priors_;
 };
 

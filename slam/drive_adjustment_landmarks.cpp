@@ -1,5 +1,7 @@
 // Landmarks of DriveAdjustment: which tracks become one, where they begin, and what they lose.
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "slam/drive_adjustment_parts.h"
@@ -10,12 +12,21 @@ namespace {
 
 constexpr double kStartError = 10;       // [sigma] of rays that may still become a landmark
 constexpr size_t kMinSightingsLeft = 3;  // of a landmark that loses some
-constexpr double kRebaseTangent = 0.1;   // [a b] beyond which a landmark gets a new ray
+constexpr int kFitSteps = 3;
+constexpr double kRebaseTangent = 0.1;  // [a b] beyond which a landmark gets a new ray
 
 /// Where a track was seen: image and place among its sightings.
 struct Seen {
   size_t image = 0, sighting = 0;
 };
+
+/// At most `count` of `seen`, evenly spread, the first and the last among them.
+std::vector<Seen> Thinned(const std::vector<Seen>& seen, size_t count) {
+  if (seen.size() <= count) return seen;
+  std::vector<Seen> thinned;
+  for (size_t i = 0; i < count; ++i) thinned.push_back(seen[i * (seen.size() - 1) / (count - 1)]);
+  return thinned;
+}
 
 /// Tracks worth a landmark, the longest first, as long as one of their images has not got enough.
 std::vector<std::vector<Seen>> ChooseTracks(const DriveMeasurements& measurements, const RefinementOptions& options) {
@@ -24,8 +35,11 @@ std::vector<std::vector<Seen>> ChooseTracks(const DriveMeasurements& measurement
     for (size_t k = 0; k < measurements.images[i].sightings.size(); ++k)
       tracks[measurements.images[i].sightings[k].track].push_back({i, k});
   std::vector<const std::vector<Seen>*> candidates;
-  for (const auto& [number, seen] : tracks)
-    if (seen.size() >= static_cast<size_t>(options.min_sightings)) candidates.push_back(&seen);
+  for (auto& [number, seen] : tracks) {
+    if (seen.size() < static_cast<size_t>(options.min_sightings)) continue;
+    seen = Thinned(seen, static_cast<size_t>(options.sightings_per_track));
+    candidates.push_back(&seen);
+  }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const auto* a, const auto* b) { return a->size() > b->size(); });
   std::vector<int> taken(measurements.images.size());
@@ -82,10 +96,56 @@ bool DriveAdjustment::Triangulate(Landmark& landmark) const {
   return true;
 }
 
+void DriveAdjustment::HoldOutLandmarks(size_t every) {
+  for (size_t i = 0; i < landmarks_.size(); ++i) landmarks_[i].is_used = every == 0 || i % every != every / 2;
+}
+
+void DriveAdjustment::FitLandmark(Landmark& landmark) const {
+  for (int step = 0; step < kFitSteps; ++step) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (const Sighting& sighting : landmark.sightings) {
+      std::vector<double*> blocks = BlocksOf(images_[sighting.image]);
+      blocks.push_back(landmark.values);
+      Eigen::Vector2d residual;
+      Eigen::Matrix<double, 2, kLandmarkSize, Eigen::RowMajor> jacobian;
+      std::vector<double*> jacobians(blocks.size(), nullptr);
+      jacobians.back() = jacobian.data();
+      if (!sighting.cost->Evaluate(blocks.data(), residual.data(), jacobians.data())) return;
+      const double weight = 1 / (1 + residual.squaredNorm() / (options_.robust_width * options_.robust_width));
+      normal += weight * jacobian.transpose() * jacobian;
+      right -= weight * jacobian.transpose() * residual;
+    }
+    const Eigen::Vector3d change = normal.ldlt().solve(right);
+    if (!change.allFinite()) return;
+    Eigen::Map<Eigen::Vector3d>(landmark.values) += change;
+    landmark.values[2] = std::max(landmark.values[2], 0.0);
+  }
+}
+
+void DriveAdjustment::FitLandmarks() {
+  PointImages();
+  for (Landmark& landmark : landmarks_) FitLandmark(landmark);
+}
+
+double DriveAdjustment::RobustErrorOf(const Landmark& landmark) const {
+  const double width_squared = options_.robust_width * options_.robust_width;
+  double sum = 0;
+  for (const Sighting& sighting : landmark.sightings) {
+    std::vector<double*> blocks = BlocksOf(images_[sighting.image]);
+    blocks.push_back(landmark.values);
+    Eigen::Vector2d residual;
+    if (sighting.cost->Evaluate(blocks.data(), residual.data(), nullptr))
+      sum += 0.5 * width_squared * std::log1p(residual.squaredNorm() / width_squared);
+  }
+  return sum;
+}
+
 void DriveAdjustment::RejectOutliers() {
   PointImages();
   const double limit = options_.max_bearing_error * options_.max_bearing_error;
   for (Landmark& landmark : landmarks_) {
+    if (!landmark.is_used) continue;
     double* values = landmark.values;
     values[2] = std::max(values[2], 0.0);
     const bool is_near = values[2] > 1 / options_.min_distance;

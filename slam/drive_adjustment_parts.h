@@ -17,6 +17,7 @@ struct DriveAdjustment::Landmark {
   LandmarkRay ray;
   double* values = nullptr;
   std::vector<Sighting> sightings;
+  bool is_used = true;  ///< false: held out, it shows how good the poses are
 };
 
 }  // namespace parkade

@@ -110,47 +110,79 @@ std::vector<Loop> LoopsOf(const PoseGraph& graph, const OdometryLine& line) {
   return loops;
 }
 
-}  // namespace
+/// Two loops near each other along the drive at both ends.
+struct LoopPair {
+  size_t a, b;
+  double disagreement;
+};
 
-namespace {
-
-/// Per loop the least disagreement with a partner; infinite without one.
-std::vector<double> LeastDisagreements(const OdometryLine& line, const std::vector<Loop>& loops) {
-  std::vector<double> least(loops.size(), std::numeric_limits<double>::infinity());
+std::vector<LoopPair> PairsOf(const OdometryLine& line, const std::vector<Loop>& loops) {
+  std::vector<LoopPair> pairs;
   for (size_t a = 0; a < loops.size(); ++a) {
     for (size_t b = a + 1; b < loops.size() && loops[b].first - loops[a].first <= kWindow; ++b) {
       const size_t gap = std::max(loops[a].last, loops[b].last) - std::min(loops[a].last, loops[b].last);
-      if (gap > kWindow) continue;
-      const double disagreement = Disagreement(line, loops[a], loops[b]);
-      least[a] = std::min(least[a], disagreement);
-      least[b] = std::min(least[b], disagreement);
+      if (gap <= kWindow) pairs.push_back({a, b, Disagreement(line, loops[a], loops[b])});
     }
   }
-  return least;
+  return pairs;
 }
 
 /// What the better part of the loops shows of the noise, relative to what their information says.
-double NoiseScaleOf(const std::vector<double>& least) {
-  std::vector<double> sorted;
-  std::copy_if(least.begin(), least.end(), std::back_inserter(sorted), [](double d) { return std::isfinite(d); });
-  std::sort(sorted.begin(), sorted.end());
+double NoiseScaleOf(const std::vector<LoopPair>& pairs, size_t num_loops) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  std::vector<double> least(num_loops, kNone);
+  for (const LoopPair& pair : pairs)
+    for (const size_t loop : {pair.a, pair.b}) least[loop] = std::min(least[loop], pair.disagreement);
+  std::erase(least, kNone);
+  std::sort(least.begin(), least.end());
   // A quarter of the loops is taken to be right; the best of several partners agrees better than one would, which
   // the factor makes good.
   constexpr double kMargin = 3;
-  const double low = sorted.empty() ? 1 : sorted[sorted.size() / 4];
+  const double low = least.empty() ? 1 : least[least.size() / 4];
   return std::clamp(kMargin * std::sqrt(low / 6), 1e-6, 1.0);
+}
+
+/// Loops left when all that have fewer than `min_partners` partners among those left are taken away, again and again:
+/// the core of the graph whose edges are `pairs`.
+std::vector<bool> CoreOf(const std::vector<LoopPair>& pairs, size_t num_loops, int min_partners) {
+  std::vector<std::vector<size_t>> partners(num_loops);
+  for (const LoopPair& pair : pairs) {
+    partners[pair.a].push_back(pair.b);
+    partners[pair.b].push_back(pair.a);
+  }
+  std::vector<int> num_left;
+  std::vector<size_t> to_remove;
+  std::vector<bool> is_left(num_loops, true);
+  const auto remove_if_lonely = [&](size_t loop) {
+    if (!is_left[loop] || num_left[loop] >= min_partners) return;
+    is_left[loop] = false;
+    to_remove.push_back(loop);
+  };
+  for (const std::vector<size_t>& of_loop : partners) num_left.push_back(static_cast<int>(of_loop.size()));
+  for (size_t i = 0; i < num_loops; ++i) remove_if_lonely(i);
+  while (!to_remove.empty()) {
+    const size_t loop = to_remove.back();
+    to_remove.pop_back();
+    for (const size_t partner : partners[loop]) {
+      --num_left[partner];
+      remove_if_lonely(partner);
+    }
+  }
+  return is_left;
 }
 
 }  // namespace
 
-std::vector<bool> FindSupportedLoops(const PoseGraph& graph, double max_noise_scale) {
+std::vector<bool> FindSupportedLoops(const PoseGraph& graph, double max_noise_scale, int min_partners) {
   const OdometryLine line = LineUp(graph);
   const std::vector<Loop> loops = LoopsOf(graph, line);
-  const std::vector<double> least = LeastDisagreements(line, loops);
-  const double noise_scale = std::min(max_noise_scale, NoiseScaleOf(least));
+  std::vector<LoopPair> pairs = PairsOf(line, loops);
+  const double noise_scale = std::min(max_noise_scale, NoiseScaleOf(pairs, loops.size()));
+  const double bound = noise_scale * noise_scale * ChiSquared99(graph.is_planar ? 3 : 6);
+  std::erase_if(pairs, [bound](const LoopPair& pair) { return !(pair.disagreement < bound); });
+  const std::vector<bool> is_left = CoreOf(pairs, loops.size(), min_partners);
   std::vector<bool> is_supported(graph.edges.size());
-  for (size_t i = 0; i < loops.size(); ++i)
-    is_supported[loops[i].edge] = least[i] < noise_scale * noise_scale * ChiSquared99(graph.is_planar ? 3 : 6);
+  for (size_t i = 0; i < loops.size(); ++i) is_supported[loops[i].edge] = is_left[i];
   return is_supported;
 }
 

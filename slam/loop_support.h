@@ -4,8 +4,8 @@
 
 namespace parkade {
 
-/// Which edges that are not trusted agree with another such edge whose ends lie
-/// near both of theirs along the odometry: around the loop of the two edges and
+/// Which edges that are not trusted agree with other such edges whose ends lie
+/// near both of theirs along the odometry, and these with each other: around the loop of the two edges and
 /// the two stretches of odometry between them, the error passes a chi^2 test.
 /// Wrong loops at random places hardly ever find such a partner. After J. Mangelson
 /// et al., "Pairwise Consistent Measurement Set Maximization", ICRA 2018, eq. 4, within
@@ -13,6 +13,8 @@ namespace parkade {
 ///
 /// \param max_noise_scale  the test is made with the noise that most partners show, relative to what the edges'
 ///                         information says, but at most with this
-std::vector<bool> FindSupportedLoops(const PoseGraph& graph, double max_noise_scale = 1);
+/// \param min_partners     edges that each must agree with, out of those found: among many wrong loops some find one
+///                         partner by chance, hardly ever three
+std::vector<bool> FindSupportedLoops(const PoseGraph& graph, double max_noise_scale = 1, int min_partners = 1);
 
 }  // namespace parkade

@@ -1,6 +1,5 @@
 #include "slam/refine_drive.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -9,12 +8,13 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "slam/drive_adjustment.h"
+#include "slam/drive_ties.h"
 #include "slam/trajectory_builder.h"
 
 namespace parkade {
 namespace {
 
-constexpr int kMinHeldOut = 2;             // loops, fewer judge nothing
+constexpr size_t kMinHeldOut = 2;          // loops, fewer judge nothing
 constexpr int kSweeps = 2;                 // over the pieces of a long drive
 constexpr double kOutputInterval = 0.025;  // [s] between states
 // Median squared error per degree of freedom of loops that need no excuse. The pose graph shows less: it has seen them.
@@ -35,60 +35,6 @@ std::vector<MotionState> MovedStates(const DriveMeasurements& measurements, cons
   }
   return states;
 }
-
-size_t NearestKnot(const DriveMeasurements& measurements, Timestamp time) {
-  const auto& knots = measurements.knots;
-  const auto after = std::lower_bound(knots.begin(), knots.end(), time,
-                                      [](const RecordedKnot& knot, Timestamp t) { return knot.state.time < t; });
-  if (after == knots.end()) return knots.size() - 1;
-  if (after == knots.begin() || after->state.time - time < time - (after - 1)->state.time)
-    return static_cast<size_t>(after - knots.begin());
-  return static_cast<size_t>(after - knots.begin()) - 1;
-}
-
-Matrix6d AdjointOf(const Rigid3& motion) {
-  const Eigen::Matrix3d rotation = motion.rotation.toRotationMatrix();
-  Matrix6d adjoint = Matrix6d::Zero();
-  adjoint.topLeftCorner<3, 3>() = adjoint.bottomRightCorner<3, 3>() = rotation;
-  adjoint.topRightCorner<3, 3>() = Skew(motion.translation) * rotation;
-  return adjoint;
-}
-
-/// S with S^T S = information, which may be singular.
-Matrix6d SquareRootOf(const Matrix6d& information) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information);
-  return solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * solver.eigenvectors().transpose();
-}
-
-/// A loop between frames that are rigid with two knots, as one between the knots.
-class LoopTranslator {
- public:
-  LoopTranslator(const DriveMeasurements& measurements, const Trajectory& odometry)
-      : measurements_(measurements), odometry_(odometry) {}
-
-  std::optional<AdjustedLoop> Translate(const LoopEvidence& loop) const {
-    AdjustedLoop adjusted;
-    adjusted.from = NearestKnot(measurements_, loop.earlier);
-    adjusted.to = NearestKnot(measurements_, loop.later);
-    const std::optional<Rigid3> first = KnotFromPlace(adjusted.from, loop.earlier);
-    const std::optional<Rigid3> second = KnotFromPlace(adjusted.to, loop.later);
-    if (adjusted.from == adjusted.to || !first || !second) return std::nullopt;
-    const Rigid3 later_knot_from_end = *second * loop.later_from_camera;
-    adjusted.from_from_to = *first * loop.pose.a_from_b * second->Inverse();
-    adjusted.square_root_weight = SquareRootOf(loop.pose.information) * AdjointOf(later_knot_from_end.Inverse());
-    return adjusted;
-  }
-
- private:
-  std::optional<Rigid3> KnotFromPlace(size_t knot, Timestamp time) const {
-    const std::optional<Rigid3> body = odometry_.At(time);
-    if (!body) return std::nullopt;
-    return measurements_.knots[knot].state.odom_from_imu.Inverse() * LevelledPose(*body);
-  }
-
-  const DriveMeasurements& measurements_;
-  const Trajectory& odometry_;
-};
 
 /// The whole drive through the refined knots; outside of them as it was, moved along.
 Trajectory Rebuild(const DriveMeasurements& measurements, const std::vector<MotionState>& states, const Rig& rig,
@@ -164,7 +110,9 @@ void TakeCalibration(const OdometryResult& odometry, const std::vector<CameraPar
 
 std::string ReasonAgainst(const DriveRefinement& result, const RefinementOptions& options) {
   const AdjustmentStatistics &before = result.before, &after = result.after;
-  if (!std::isfinite(after.imu + after.bearings + after.loops)) return "no finite solution";
+  if (!std::isfinite(after.imu + after.bearings + after.unused_bearings + after.loops)) return "no finite solution";
+  if (after.num_landmarks == 0) return "no point was seen often enough";
+  if (after.unused_bearings > options.max_track_growth * before.unused_bearings) return "held-out tracks got worse";
   if (result.num_held_out > 0 &&
       after.unused_loops > std::max(kNormalLoopError, options.max_held_out_growth * before.unused_loops))
     return "held-out loops got worse";
@@ -175,17 +123,20 @@ std::string ReasonAgainst(const DriveRefinement& result, const RefinementOptions
 }  // namespace
 
 void RefinementOptions::Validate() const {
-  Require(bearings_per_image > 0 && min_sightings >= 3 && max_iterations > 0 && max_knots >= 100 && min_loops >= 0,
-          ErrorCode::kUsage, "the counts of the refinement must be positive, with at least 3 sightings and 100 knots");
+  Require(bearings_per_image > 0 && min_sightings >= 3 && max_iterations > 0 && max_knots >= 100 &&
+              sightings_per_track >= min_sightings,
+          ErrorCode::kUsage,
+          "the counts of the refinement must be positive, with at least 3 sightings, 100 knots, and tracks not thinned "
+          "below that");
   Require(min_distance > 0 && bearing_inflation > 0 && robust_width > 0 && max_bearing_error > 0 &&
-              wheel_scale_sigma > 0 && max_imu_growth > 0 && max_held_out_growth > 0,
+              wheel_scale_sigma > 0 && max_imu_growth > 0 && max_held_out_growth > 0 && max_track_growth > 0,
           ErrorCode::kUsage, "the bounds of the refinement must be positive");
   Require(held_out_share >= 0 && held_out_share < 1, ErrorCode::kUsage,
-          "the share of loops that the refinement holds out must be at least 0 and below 1");
+          "the share of tracks and loops that the refinement holds out must be at least 0 and below 1");
 }
 
 DriveRefinement RefineDrive(const OdometryResult& odometry, const Rig& rig, const LoopClosure& closure,
-                            const RefinementOptions& options) {
+                            const RefinementOptions& options, const GnssPositions& gnss) {
   options.Validate();
   const auto start = std::chrono::steady_clock::now();
   DriveRefinement result;
@@ -200,37 +151,37 @@ DriveRefinement RefineDrive(const OdometryResult& odometry, const Rig& rig, cons
   const DriveMeasurements& measurements = *odometry.measurements;
   if (measurements.has_jumps) return refuse("a camera's mount turned during the drive");
 
-  const LoopTranslator translator(measurements, odometry.odom_from_body);
-  std::vector<AdjustedLoop> loops;
-  for (const LoopEvidence& evidence : closure.loops) {
-    if (evidence.weight <= 0.5) continue;
-    if (std::optional<AdjustedLoop> loop = translator.Translate(evidence)) loops.push_back(*loop);
-  }
+  std::vector<AdjustedLoop> loops = LoopsBetweenKnots(measurements, odometry.odom_from_body, closure);
   result.num_loops = static_cast<int>(loops.size());
-  if (result.num_loops < options.min_loops) return refuse("too few loops");
-  const auto every = options.held_out_share > 0 ? std::lround(1 / options.held_out_share) : 0;
-  if (every > 0) {
-    if (result.num_loops < kMinHeldOut * every) return refuse("too few loops to hold some out as judges");
-    for (size_t i = static_cast<size_t>(every) / 2; i < loops.size(); i += static_cast<size_t>(every)) {
+  const auto every = options.held_out_share > 0 ? static_cast<size_t>(std::lround(1 / options.held_out_share)) : 0;
+  if (every > 0 && loops.size() >= kMinHeldOut * every)
+    for (size_t i = every / 2; i < loops.size(); i += every) {
       loops[i].is_used = false;
       ++result.num_held_out;
     }
-  }
 
   DriveAdjustment adjustment(measurements, rig,
                              MovedStates(measurements, odometry.odom_from_body, closure.odom_from_body), options);
   result.num_knots = adjustment.num_knots();
   adjustment.SetLoops(loops);
+  const PlacedFixes placed = FixesBetweenKnots(measurements, rig, closure.odom_from_body, gnss);
+  result.num_fixes = static_cast<int>(placed.fixes.size());
+  adjustment.SetGnss(placed.fixes, placed.site_from_odom);
+  adjustment.HoldOutLandmarks(every);
+  adjustment.FitLandmarks();
   result.before = adjustment.Statistics();
   SolveAll(adjustment, options, options.max_iterations, result);
   adjustment.RejectOutliers();
   SolveAll(adjustment, options, options.max_iterations, result);
+  adjustment.FitLandmarks();
   result.after = adjustment.Statistics();
   result.reason = ReasonAgainst(result, options);
   if (result.reason.empty()) {
     for (AdjustedLoop& loop : loops) loop.is_used = true;
     adjustment.SetLoops(loops);
-    if (result.num_held_out > 0) SolveAll(adjustment, options, options.max_iterations, result);
+    adjustment.HoldOutLandmarks(0);
+    adjustment.RejectOutliers();
+    if (every > 0) SolveAll(adjustment, options, options.max_iterations, result);
     result.is_accepted = true;
     result.odom_from_body = Rebuild(measurements, adjustment.States(), odometry.rig, closure.odom_from_body);
     TakeCalibration(odometry, adjustment.Cameras(), result);
@@ -252,7 +203,9 @@ nlohmann::json ToJson(const DriveRefinement& refinement) {
             {"wheels", of.wheels},
             {"bearings", of.bearings},
             {"loops", of.loops},
+            {"gnss", of.gnss},
             {"held_out_loops", of.unused_loops},
+            {"held_out_bearings", of.unused_bearings},
             {"num_bearings", of.num_bearings},
             {"num_landmarks", of.num_landmarks}};
   };
@@ -270,6 +223,7 @@ nlohmann::json ToJson(const DriveRefinement& refinement) {
           {"cameras", cameras},
           {"wheel_scale", refinement.wheel_scale},
           {"num_knots", refinement.num_knots},
+          {"num_fixes", refinement.num_fixes},
           {"num_loops", refinement.num_loops},
           {"num_held_out", refinement.num_held_out},
           {"num_pieces", refinement.num_pieces},

@@ -1,6 +1,7 @@
 #include "slam/robust_pose_graph.h"
 
 #include <Eigen/Eigenvalues>
+#include <limits>
 #include <numeric>
 
 #include "core/error.h"
@@ -17,6 +18,8 @@ constexpr double kMuNearSolution = 0.01;  // loops off by up to 10 times their b
 constexpr size_t kFewLoops = 300;
 constexpr double kLessNoise = 0.7;    // scale of sigma below which the first, wide bound was too wide
 constexpr double kClearlyLess = 0.8;  // of one scale to the one before
+constexpr int kPartnersInGroup = 3;
+constexpr double kNearlyAll = 0.95;
 constexpr int kMaxRestarts = 3;
 constexpr int kMaxAdaptions = 6;
 // Errors of real loops have longer tails than a normal distribution: the bound stays this factor above what the
@@ -88,50 +91,76 @@ class GraduatedNonConvexity {
 
   double BoundOf(size_t edge, double noise_scale) const { return noise_scale * noise_scale * bounds_[edge]; }
 
+  /// Where a continuation ended.
+  struct Reached {
+    std::vector<Rigid3> poses;
+    std::vector<double> weights;
+    double cost = std::numeric_limits<double>::infinity();  ///< truncated
+  };
+
+  Reached Current(double noise_scale) const { return {problem_.Poses(), weights_, TruncatedCost(noise_scale)}; }
+
+  void Restore(const Reached& reached) {
+    problem_.SetPoses(reached.poses);
+    weights_ = reached.weights;
+  }
+
+  /// 1 for trusted and supported edges; empty where no edge is supported.
+  std::vector<double> WeightsOfSupported(double max_noise_scale, int min_partners) const {
+    const std::vector<bool> is_supported = FindSupportedLoops(graph_, max_noise_scale, min_partners);
+    std::vector<double> weights;
+    for (size_t i = 0; i < graph_.edges.size(); ++i)
+      weights.push_back(graph_.edges[i].is_trusted || is_supported[i] ? 1 : 0);
+    if (std::count(is_supported.begin(), is_supported.end(), true) == 0) weights.clear();
+    return weights;
+  }
+
+  /// Continues from `weights`; takes the result where its truncated cost is lower than `best`'s.
+  void Try(std::vector<double> weights, double mu, RobustPoseGraphSummary& summary, Reached& best) {
+    JoinParts(weights);
+    Begin(weights);
+    Continue(mu, summary);
+    Reached reached = Current(summary.noise_scale);
+    if (best.poses.empty() || reached.cost < best.cost) best = std::move(reached);
+  }
+
+  /// Whether nearly all edges chosen by `weights` were believed in the end.
+  static bool Believes(const Reached& reached, const std::vector<double>& weights) {
+    size_t num_chosen = 0, num_believed = 0;
+    for (size_t i = 0; i < weights.size(); ++i) {
+      num_chosen += weights[i] > 0;
+      num_believed += weights[i] > 0 && reached.weights[i] > 0.5;
+    }
+    return static_cast<double>(num_believed) >= kNearlyAll * static_cast<double>(num_chosen);
+  }
+
+  /// Tries the loops that support each other in threes, then those with a single partner if they are not explained yet.
+  void TrySupported(RobustPoseGraphSummary& summary, Reached& best) {
+    const std::vector<double> pairs = WeightsOfSupported(summary.noise_scale, 1);
+    if (pairs.empty()) return;
+    const std::vector<double> groups = WeightsOfSupported(summary.noise_scale, kPartnersInGroup);
+    if (!groups.empty()) Try(groups, kMuNearSolution, summary, best);
+    if (groups.empty() || !Believes(best, pairs)) Try(pairs, kMuNearSolution, summary, best);
+  }
+
   /// Loops that support each other are a good start, and the only one that is quick where many wrong ones join
   /// everything with everything. Few loops may have no partner: then all of them are a start, as in the paper.
   void ContinueFromBestStart(RobustPoseGraphSummary& summary) {
-    const std::vector<bool> is_supported = FindSupportedLoops(graph_);
-    const auto num_supported = std::count(is_supported.begin(), is_supported.end(), true);
-    size_t num_loops = 0;
-    std::vector<double> weights;
-    for (size_t i = 0; i < graph_.edges.size(); ++i) {
-      num_loops += !graph_.edges[i].is_trusted;
-      weights.push_back(graph_.edges[i].is_trusted || is_supported[i] ? 1 : 0);
-    }
-    std::optional<double> cost;
-    if (num_supported > 0) {
-      JoinParts(weights);
-      Begin(weights);
-      Continue(kMuNearSolution, summary);
-      cost = TruncatedCost(summary.noise_scale);
-      if (num_loops > kFewLoops) return;
-    }
-    const std::vector<Rigid3> poses = problem_.Poses();
-    const std::vector<double> reached = weights_;
-    Begin(std::vector<double>(graph_.edges.size(), 1));
-    Continue(0, summary);
-    if (!cost || TruncatedCost(summary.noise_scale) <= *cost) return;
-    problem_.SetPoses(poses);
-    weights_ = reached;
+    Reached best;
+    TrySupported(summary, best);
+    const auto num_loops = static_cast<size_t>(
+        std::count_if(graph_.edges.begin(), graph_.edges.end(), [](const PoseGraphEdge& e) { return !e.is_trusted; }));
+    if (best.poses.empty() || num_loops <= kFewLoops)
+      Try(std::vector<double>(graph_.edges.size(), 1), 0, summary, best);
+    Restore(best);
   }
 
   /// What was wrong at the first, wide bound may have bent the graph so that right loops were lost. With the noise
   /// that is known by now, fewer wrong ones find a partner.
   void RestartWithLessNoise(RobustPoseGraphSummary& summary) {
-    const std::vector<Rigid3> poses = problem_.Poses();
-    const std::vector<double> reached = weights_;
-    const double cost = TruncatedCost(summary.noise_scale);
-    const std::vector<bool> is_supported = FindSupportedLoops(graph_, summary.noise_scale);
-    std::vector<double> weights;
-    for (size_t i = 0; i < graph_.edges.size(); ++i)
-      weights.push_back(graph_.edges[i].is_trusted || is_supported[i] ? 1 : 0);
-    JoinParts(weights);
-    Begin(weights);
-    Continue(kMuNearSolution, summary);
-    if (TruncatedCost(summary.noise_scale) <= cost) return;
-    problem_.SetPoses(poses);
-    weights_ = reached;
+    Reached best = Current(summary.noise_scale);
+    TrySupported(summary, best);
+    Restore(best);
   }
 
   /// Solves with these weights from the relaxation.

@@ -120,12 +120,18 @@ int DriveAdjustment::Solve(size_t begin, size_t end, int max_iterations) {
       add(std::make_unique<RelativePoseCost>(loop.from_from_to, loop.square_root_weight), &loss,
           {pose_of(loop.from), pose_of(loop.to)});
 
+  for (const AdjustedFix& fix : fixes_) {
+    if (!is_moved(fix.first) && !is_moved(fix.first + 1)) continue;
+    know(site_from_odom_, kSiteSize, false, is_whole);
+    add(std::make_unique<GnssCost>(fix.antenna), &loss, {pose_of(fix.first), pose_of(fix.first + 1), site_from_odom_});
+  }
+
   std::vector<bool> is_seen(images_.size());
   for (Landmark& landmark : landmarks_) {
     const bool concerns = std::any_of(landmark.sightings.begin(), landmark.sightings.end(), [&](const Sighting& seen) {
       return is_moved(images_[seen.image].first) || is_moved(images_[seen.image].second);
     });
-    if (!concerns) continue;
+    if (!concerns || !landmark.is_used) continue;
     problem.AddParameterBlock(landmark.values, kLandmarkSize);
     solver.linear_solver_ordering->AddElementToGroup(landmark.values, 0);
     for (const Sighting& sighting : landmark.sightings) {

@@ -1,6 +1,7 @@
 #include <ceres/ceres.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <iostream>
@@ -10,6 +11,8 @@
 #include "slam/g2o_file.h"
 #include "slam/optimize_pose_graph.h"
 #include "slam/pose_graph_start.h"
+#include "slam/robust_pose_graph.h"
+#include "tests/slam/synthetic_pose_graph.h"
 
 namespace parkade {
 namespace {
@@ -37,6 +40,8 @@ struct PlainError {
   const Rigid3 measured;
   const Matrix6d weight;
 };
+
+std::string NameOf(const std::string& file) { return file.substr(file.rfind('/') + 1); }
 
 double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -75,36 +80,80 @@ double SolvePlainly(PoseGraph& graph, int max_iterations) {
   return seconds;
 }
 
-int Run(const std::vector<std::string>& files, int max_iterations) {
+struct CommandLine {
+  std::vector<std::string> files;
+  std::vector<double> wrong_shares;
+  std::vector<std::uint32_t> seeds = {1};
+  int max_iterations = 200, num_threads = 2;
+};
+
+void CompareWithPlainCeres(const CommandLine& line) {
   std::printf("| graph | ours: objective | s | plain Ceres from odometry: objective | s |\n|---|---|---|---|---|\n");
-  for (const std::string& file : files) {
+  for (const std::string& file : line.files) {
     PoseGraph graph = ReadG2o(ReadFile(file));
     PoseGraph plain = graph;
     const double begin = Now();
     OptimizePoseGraph({}, graph);
-    const double seconds = Now() - begin, plain_seconds = SolvePlainly(plain, max_iterations);
-    std::printf("| %s | %.6g | %.2f | %.6g | %.2f |\n", file.substr(file.rfind('/') + 1).c_str(),
+    const double seconds = Now() - begin, plain_seconds = SolvePlainly(plain, line.max_iterations);
+    std::printf("| %s | %.6g | %.2f | %.6g | %.2f |\n", NameOf(file).c_str(),
                 ObjectiveOf(graph, PoseGraphObjective::kChordal), seconds,
                 ObjectiveOf(plain, PoseGraphObjective::kChordal), plain_seconds);
     std::fflush(stdout);
   }
-  return 0;
+}
+
+/// Wrong loops among all loops: how far the robust result lies from the optimum without them.
+void CompareWithClean(const CommandLine& line) {
+  std::printf("| graph | wrong loops | seed | off the clean optimum, m | wrong kept | right lost | noise | s |\n");
+  std::printf("|---|---|---|---|---|---|---|---|\n");
+  for (const std::string& file : line.files) {
+    PoseGraph clean = ReadG2o(ReadFile(file));
+    OptimizePoseGraph({}, clean);
+    for (const double share : line.wrong_shares) {
+      for (const std::uint32_t seed : line.seeds) {
+        PoseGraph graph = ReadG2o(ReadFile(file));
+        const size_t num_right = graph.edges.size();
+        AddWrongLoops(PosesOf(clean), share, seed, graph);
+        const double begin = Now();
+        const RobustPoseGraphSummary summary = OptimizePoseGraphRobustly({}, graph);
+        const double seconds = Now() - begin;
+        const auto is_kept = [](double weight) { return weight > 0.5; };
+        const auto middle = summary.weights.begin() + static_cast<std::ptrdiff_t>(num_right);
+        const auto num_wrong_kept = std::count_if(middle, summary.weights.end(), is_kept);
+        const auto num_right_lost =
+            middle - summary.weights.begin() - std::count_if(summary.weights.begin(), middle, is_kept);
+        std::printf("| %s | %zu (%.0f %%) | %u | %.3g | %td | %td | %.3g | %.1f |\n", NameOf(file).c_str(),
+                    graph.edges.size() - num_right, 100 * share, seed, AbsoluteError(PosesOf(clean), graph),
+                    num_wrong_kept, num_right_lost, summary.noise_scale, seconds);
+        std::fflush(stdout);
+      }
+    }
+  }
 }
 
 }  // namespace
 }  // namespace parkade
 
 int main(int argc, char** argv) {
-  CLI::App app{"Pose graphs: parkade's optimiser beside plain Ceres.", "parkade-pose-graph-comparison"};
-  std::vector<std::string> files;
-  int max_iterations = 200, num_threads = 2;
-  app.add_option("FILE", files, "g2o files, spatial")->required();
-  app.add_option("--iterations", max_iterations, "of plain Ceres, at most")->capture_default_str();
-  app.add_option("--threads", num_threads)->capture_default_str();
+  CLI::App app{"Pose graphs: parkade's optimiser beside plain Ceres, or with wrong loops beside itself without.",
+               "parkade-pose-graph-comparison"};
+  parkade::CommandLine line;
+  app.add_option("FILE", line.files, "g2o files, spatial")->required();
+  app.add_option("--wrong", line.wrong_shares, "Shares of wrong loops among all loops, to be added at random")
+      ->delimiter(',')
+      ->check(CLI::Range(0.0, 0.95));
+  app.add_option("--seeds", line.seeds, "of the wrong loops")->delimiter(',');
+  app.add_option("--iterations", line.max_iterations, "of plain Ceres, at most")->capture_default_str();
+  app.add_option("--threads", line.num_threads)->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {
-    parkade::SetNumThreads(num_threads);
-    return parkade::Run(files, max_iterations);
+    parkade::SetNumThreads(line.num_threads);
+    if (line.wrong_shares.empty()) {
+      parkade::CompareWithPlainCeres(line);
+    } else {
+      parkade::CompareWithClean(line);
+    }
+    return 0;
   } catch (const std::exception& error) {
     std::cerr << "parkade-pose-graph-comparison: " << error.what() << "\n";
     return 2;

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "slam/bearing_cost.h"
+#include "slam/gnss_cost.h"
 #include "slam/imu_cost.h"
 #include "slam/linear_prior.h"
 #include "slam/standstill_cost.h"
@@ -140,6 +141,34 @@ TEST(WheelPreintegration, BiasDerivativeAgreesWithIntegratingAgain) {
 
   EXPECT_LT((predicted - at(bias).displacement).norm(), 1e-6);
   EXPECT_GT((zero.displacement - at(bias).displacement).norm(), 1e-5);
+}
+
+TEST(GnssCost, JacobiansAreRight) {
+  AntennaFix fix;
+  fix.fraction = 0.3;
+  fix.antenna_in_imu = {0.5, -0.2, 1.4};
+  fix.antenna_in_site = {3, 4, 5};
+  fix.sigma = {0.02, 0.03, 0.05};
+  const GnssCost cost(fix);
+  const KnotValues i = KnotAt(1, 1, 0.02), j = KnotAt(1.2, 2, 0.02);
+  std::vector<std::vector<double>> parameters{i.pose, j.pose, {0.7, 10, -20, 3}};
+
+  EXPECT_LT(JacobianError(cost, parameters, {&kPose, &kPose, nullptr}), kTolerance);
+}
+
+TEST(GnssCost, IsZeroWhereTheAntennaIsSaidToBe) {
+  const KnotValues i = KnotAt(1, 1, 0.02);
+  const Rigid3 site_from_odom{ExpSo3({0, 0, 0.7}), {10, -20, 3}};
+  AntennaFix fix;
+  fix.antenna_in_imu = {0.5, -0.2, 1.4};
+  fix.antenna_in_site = site_from_odom * (PoseFromParameters(i.pose.data()) * fix.antenna_in_imu);
+  const std::vector<double> site = {0.7, 10, -20, 3};
+  const double* parameters[] = {i.pose.data(), i.pose.data(), site.data()};
+
+  Eigen::Vector3d residual;
+  ASSERT_TRUE(GnssCost(fix).Evaluate(parameters, residual.data(), nullptr));
+
+  EXPECT_LT(residual.norm(), 1e-9);
 }
 
 TEST(StandstillCost, JacobiansAreRight) {
