@@ -8,6 +8,7 @@
 #include "slam/calibrated_log.h"
 #include "slam/estimate_trajectory.h"
 #include "slam/evaluate_trajectory.h"
+#include "slam/odometry_file.h"
 #include "tests/bench/rerigged_log.h"
 
 namespace parkade {
@@ -96,33 +97,53 @@ void JudgeLoops(const Truth& truth, const LoopClosure& closure, LoopRun& run) {
 
 }  // namespace
 
-std::vector<LoopRun> RunLoops(const SuiteDrive& drive, const TableVariant& variant, const OdometryOptions& odometry,
-                              const LoopOptions& loops, const RefinementOptions& refinement) {
-  const ReriggedLog log(*drive.log, RigOfVariant(variant, drive), {});
-  OdometryOptions odometry_options = odometry;
-  odometry_options.use_wheels = variant.has_wheels;
-  const OdometryResult tracked = EstimateTrajectory(log, odometry_options);
-  const CalibratedLog calibrated(log, tracked.rig);
+TrackedDrive TrackDrive(const SuiteDrive& drive, const TableVariant& variant, const OdometryOptions& options,
+                        const std::filesystem::path& kept) {
+  TrackedDrive tracked;
+  tracked.log = std::make_unique<ReriggedLog>(*drive.log, RigOfVariant(variant, drive), std::vector<int>{});
+  if (!kept.empty() && std::filesystem::exists(kept)) {
+    tracked.odometry = ReadOdometry(kept, tracked.log->rig());
+    return tracked;
+  }
+  OdometryOptions odometry = options;
+  odometry.use_wheels = variant.has_wheels;
+  tracked.odometry = EstimateTrajectory(*tracked.log, odometry);
+  if (!kept.empty()) WriteOdometry(tracked.odometry, kept);
+  return tracked;
+}
+
+std::vector<LoopRun> RunLoops(const SuiteDrive& drive, const TrackedDrive& tracked,
+                              const std::vector<std::string>& methods, const LoopTableOptions& table_options) {
+  const OdometryResult& odometry = tracked.odometry;
+  const DriveLog& log = *tracked.log;
+  const CalibratedLog calibrated(log, odometry.rig);
   const Truth truth(drive);
   std::vector<LoopRun> runs;
-  for (const char* method : {"none", "pnp", "scale-less", "rotation-only", "rig"}) {
-    LoopOptions options = loops;
+  for (const std::string& method : methods) {
+    LoopOptions options = table_options.loops;
     options.method = method;
-    const LoopClosure closure = CloseLoops(calibrated, tracked.odom_from_body, options);
+    const LoopClosure closure = CloseLoops(calibrated, odometry.odom_from_body, options);
     LoopRun& run = runs.emplace_back();
     run.drive = drive.name;
     run.scene = drive.scene;
     run.method = method;
-    run.odometry_seconds = tracked.report.seconds;
+    run.odometry_seconds = odometry.report.seconds;
     run.duration = log.span().Seconds();
     run.seconds = closure.seconds;
     Evaluate(drive, log.rig(), closure.odom_from_body, run);
     JudgeLoops(truth, closure, run);
-    CountOpposite(truth, tracked.odom_from_body, options, run, closure);
-    if (options.method != "rig") continue;
+    CountOpposite(truth, odometry.odom_from_body, options, run, closure);
+    if (method != "rig" && method != "none") continue;
+    if (method == "rig" && table_options.wrong_share > 0) {
+      run.mixed = MixInWrongLoops(odometry.odom_from_body, closure, options, table_options.wrong_share,
+                                  table_options.wrong_seed);
+      LoopRun mixed;
+      Evaluate(drive, log.rig(), run.mixed.odom_from_body, mixed);
+      run.mixed_ate = mixed.ate;
+    }
     LoopRun refined = run;
-    refined.method = "rig+refine";
-    refined.refinement = RefineDrive(tracked, log.rig(), closure, refinement);
+    refined.method = method + "+refine";
+    refined.refinement = RefineDrive(odometry, log.rig(), closure, table_options.refinement);
     refined.seconds = refined.refinement.seconds;
     Evaluate(drive, log.rig(), refined.refinement.odom_from_body, refined);
     runs.push_back(std::move(refined));
@@ -153,7 +174,13 @@ nlohmann::json ToJson(const LoopRun& run) {
                          {"seconds", run.seconds},
                          {"odometry_seconds", run.odometry_seconds},
                          {"accepted", accepted}};
-  if (run.method == "rig+refine") json["refinement"] = ToJson(run.refinement);
+  if (run.mixed.num_wrong > 0)
+    json["mixed"] = {{"num_right", run.mixed.num_right},
+                     {"num_wrong", run.mixed.num_wrong},
+                     {"num_right_lost", run.mixed.num_right_lost},
+                     {"num_wrong_kept", run.mixed.num_wrong_kept},
+                     {"ate", run.mixed_ate}};
+  if (run.method.ends_with("+refine")) json["refinement"] = ToJson(run.refinement);
   return json;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -7,6 +8,7 @@
 #include "slam/close_loops.h"
 #include "slam/refine_drive.h"
 #include "tests/bench/odometry_table.h"
+#include "tests/bench/wrong_loops.h"
 
 namespace parkade {
 
@@ -30,12 +32,43 @@ struct LoopRun {
   int num_opposite_chances = 0, num_opposite_found = 0;  ///< places that were passed before the other way around
   double seconds = 0;                                    ///< of closing loops or refining
   double odometry_seconds = 0, duration = 0;             ///< of tracking; of the drive
+  MixedLoops mixed;                                      ///< of the way "rig", where wrong loops were asked for
+  double mixed_ate = 0;                                  ///< [m] with them
   DriveRefinement refinement;                            ///< of rig+refine
 };
 
-/// Tracks the drive once with the variant's rig and closes its loops in all ways.
-std::vector<LoopRun> RunLoops(const SuiteDrive& drive, const TableVariant& variant, const OdometryOptions& odometry,
-                              const LoopOptions& loops, const RefinementOptions& refinement);
+/// What a table is made with.
+struct LoopTableOptions {
+  OdometryOptions odometry;
+  LoopOptions loops;
+  RefinementOptions refinement;
+  double wrong_share = 0;  ///< of wrong loops that are mixed in among those of "rig"
+  std::uint32_t wrong_seed = 1;
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("odometry", odometry);
+    visit("loops", loops);
+    visit("refinement", refinement);
+    visit("wrong_share", wrong_share);
+    visit("wrong_seed", wrong_seed);
+  }
+};
+
+/// A drive as one variant of the odometry's table sees it, tracked.
+struct TrackedDrive {
+  std::unique_ptr<DriveLog> log;
+  OdometryResult odometry;
+};
+
+/// Tracks the drive with the variant's rig. Where `kept` is not empty, the odometry is read from that file, or written
+/// there.
+TrackedDrive TrackDrive(const SuiteDrive& drive, const TableVariant& variant, const OdometryOptions& options,
+                        const std::filesystem::path& kept);
+
+/// Closes the drive's loops in each of the ways, and refines what "rig" made; the odometry alone is refined too.
+std::vector<LoopRun> RunLoops(const SuiteDrive& drive, const TrackedDrive& tracked,
+                              const std::vector<std::string>& methods, const LoopTableOptions& options);
 
 nlohmann::json ToJson(const LoopRun& run);
 

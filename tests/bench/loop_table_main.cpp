@@ -12,22 +12,9 @@
 namespace parkade {
 namespace {
 
-struct LoopTableOptions {
-  OdometryOptions odometry;
-  LoopOptions loops;
-  RefinementOptions refinement;
-
-  template <typename Visitor>
-  void VisitFields(Visitor&& visit) {
-    visit("odometry", odometry);
-    visit("loops", loops);
-    visit("refinement", refinement);
-  }
-};
-
 struct CommandLine {
-  std::string suite, variant = "four-wheels-nominal", json_file, markdown_file, plot_file;
-  std::vector<std::string> drives, assignments;
+  std::string suite, variant = "four-wheels-nominal", kept_folder, json_file, markdown_file, plot_file;
+  std::vector<std::string> drives, assignments, methods = {"none", "pnp", "scale-less", "rotation-only", "rig"};
   int num_threads = 2;
 };
 
@@ -40,7 +27,10 @@ int Run(const CommandLine& line) {
   for (const std::string& name : line.drives.empty() ? ListSuite(line.suite) : line.drives) {
     const SuiteDrive drive = OpenSuiteDrive(line.suite, name);
     try {
-      for (LoopRun& run : RunLoops(drive, variant, options.odometry, options.loops, options.refinement)) {
+      const std::filesystem::path kept =
+          line.kept_folder.empty() ? "" : std::filesystem::path(line.kept_folder) / (name + "." + line.variant);
+      const TrackedDrive tracked = TrackDrive(drive, variant, options.odometry, kept);
+      for (LoopRun& run : RunLoops(drive, tracked, line.methods, options)) {
         json["runs"].push_back(ToJson(run));
         std::printf("%-12s %-14s ATE %.4f m  drift %.4f %%  %zu of %d loops, %d wrong  %.1f s\n", run.drive.c_str(),
                     run.method.c_str(), run.ate, run.drift_percent, run.accepted.size(), run.num_candidates,
@@ -71,6 +61,11 @@ int main(int argc, char** argv) {
   app.add_option("--only", line.drives, "Some drives; default: all that are there")->delimiter(',');
   app.add_option("--variant", line.variant, "What the odometry is given, as parkade-odometry-table has it")
       ->capture_default_str();
+  app.add_option("--methods", line.methods, "Some ways to close loops; none: odometry alone")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"none", "pnp", "scale-less", "rotation-only", "rig"}));
+  app.add_option("--odometry", line.kept_folder, "Folder that keeps tracked drives: each is tracked once")
+      ->check(CLI::ExistingDirectory);
   app.add_option("--threads", line.num_threads)->capture_default_str()->check(CLI::Range(1, 256));
   app.add_option("--set", line.assignments, "odometry.*, loops.* or refinement.*: stage.option=value");
   app.add_option("--json", line.json_file, "Every run, every accepted loop");

@@ -85,7 +85,7 @@ std::string ToMarkdown(const std::vector<LoopRun>& runs) {
     ++num_drives;
     std::string winner = "none";
     for (const auto& [method, ate] : of_drive) {
-      if (method != "rig+refine" && ate < of_drive.at(winner)) winner = method;
+      if (!method.ends_with("+refine") && ate < of_drive.at(winner)) winner = method;
       worse[method] += ate > kMuchWorse * of_drive.at("none");
     }
     ++best[winner];
