@@ -65,6 +65,19 @@ class LoopTranslator {
 
 }  // namespace
 
+GnssPositions ReadGnss(const DriveLog& log, const GnssAlignOptions& options) {
+  GnssPositions gnss;
+  gnss.options = options;
+  const std::optional<VehicleCalibration>& vehicle = log.rig().vehicle;
+  if (vehicle && vehicle->antenna_in_body) gnss.antenna_in_body = *vehicle->antenna_in_body;
+  ReadOptions only_gnss;
+  only_gnss.imu = only_gnss.wheels = only_gnss.images = false;
+  const std::unique_ptr<RecordStream> records = log.Read(only_gnss);
+  while (const std::optional<SensorRecord> record = records->Next())
+    if (const auto* fix = std::get_if<GnssFix>(&*record)) gnss.fixes.push_back(*fix);
+  return gnss;
+}
+
 std::vector<AdjustedLoop> LoopsBetweenKnots(const DriveMeasurements& measurements, const Trajectory& odometry,
                                             const LoopClosure& closure) {
   const LoopTranslator translator(measurements, odometry);

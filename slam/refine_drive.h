@@ -28,6 +28,9 @@ struct GnssPositions {
   GnssAlignOptions options = {};
 };
 
+/// Reads them from the log; the antenna is where the rig has it.
+GnssPositions ReadGnss(const DriveLog& log, const GnssAlignOptions& options);
+
 /// A drive after all its measurements were adjusted at once, or why it stays as it was.
 struct DriveRefinement {
   Trajectory odom_from_body;  ///< refined where accepted, else as it was given

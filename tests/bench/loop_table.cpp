@@ -143,7 +143,8 @@ std::vector<LoopRun> RunLoops(const SuiteDrive& drive, const TrackedDrive& track
     }
     LoopRun refined = run;
     refined.method = method + "+refine";
-    refined.refinement = RefineDrive(odometry, log.rig(), closure, table_options.refinement);
+    refined.refinement = RefineDrive(odometry, log.rig(), closure, table_options.refinement,
+                                     table_options.uses_gnss ? ReadGnss(log, {}) : GnssPositions{});
     refined.seconds = refined.refinement.seconds;
     Evaluate(drive, log.rig(), refined.refinement.odom_from_body, refined);
     runs.push_back(std::move(refined));

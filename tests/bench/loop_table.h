@@ -42,6 +42,7 @@ struct LoopTableOptions {
   OdometryOptions odometry;
   LoopOptions loops;
   RefinementOptions refinement;
+  bool uses_gnss = false;  ///< in the refinement
   double wrong_share = 0;  ///< of wrong loops that are mixed in among those of "rig"
   std::uint32_t wrong_seed = 1;
 
@@ -50,6 +51,7 @@ struct LoopTableOptions {
     visit("odometry", odometry);
     visit("loops", loops);
     visit("refinement", refinement);
+    visit("uses_gnss", uses_gnss);
     visit("wrong_share", wrong_share);
     visit("wrong_seed", wrong_seed);
   }

@@ -1,0 +1,76 @@
+// A reviewer's decisions about loops on their way from the request to the worker's command.
+#include <mutex>
+
+#include "tests/server/http/running_service.h"
+
+namespace parkade {
+namespace {
+
+class LoopReview : public RunningService {
+ protected:
+  void SetUp() override {
+    options_.job_command = [this, of_job = options_.job_command](const JobSpec& spec) {
+      const std::lock_guard lock(mutex_);
+      specs_.push_back(spec);
+      return of_job(spec);
+    };
+    ASSERT_EQ(MapNow("log ok\n").at("state"), "done");
+  }
+
+  httplib::Result Build(const std::string& body) {
+    return client().Post("/api/v1/sites/lot/maps", body, "application/json");
+  }
+
+  JobSpec LastSpec() {
+    const std::lock_guard lock(mutex_);
+    return specs_.back();
+  }
+
+  size_t NumAttempts() {
+    const std::lock_guard lock(mutex_);
+    return specs_.size();
+  }
+
+ private:
+  std::mutex mutex_;  // the service asks for commands on a thread of its own
+  std::vector<JobSpec> specs_;
+};
+
+TEST_F(LoopReview, BuildsAVersionFromAnotherWithoutTrackingAgain) {
+  const auto queued = Build(R"({"from": 1, "reject_loops": ["3-17", "a:5-20"], "force_loops": ["4-18"]})");
+  ASSERT_EQ(queued->status, 202) << queued->body;
+  const Json job = WaitForJob(Json::parse(queued->body).at("id"));
+
+  EXPECT_EQ(job.at("state"), "done");
+  EXPECT_EQ(job.at("map_version"), 2);
+  const JobSpec spec = LastSpec();
+  ASSERT_TRUE(spec.from);
+  EXPECT_TRUE(std::filesystem::exists(*spec.from / "a" / "trajectory.tum")) << "the files of version 1";
+  EXPECT_EQ(spec.rejected_loops, (std::vector<std::string>{"3-17", "a:5-20"}));
+  EXPECT_EQ(spec.forced_loops, std::vector<std::string>{"4-18"});
+}
+
+TEST_F(LoopReview, WithoutAVersionStartsAfresh) {
+  const auto queued = Build("");
+  ASSERT_EQ(queued->status, 202) << queued->body;
+  WaitForJob(Json::parse(queued->body).at("id"));
+
+  EXPECT_FALSE(LastSpec().from);
+  EXPECT_TRUE(LastSpec().rejected_loops.empty() && LastSpec().forced_loops.empty());
+}
+
+TEST_F(LoopReview, ThatMakesNoSenseStartsNoJob) {
+  const size_t before = NumAttempts();
+  ExpectProblem(Build(R"({"reject_loops": ["3-17"]})"), 400, "invalid_input");             // of which version?
+  ExpectProblem(Build(R"({"from": "1"})"), 400, "invalid_input");                          // not a number
+  ExpectProblem(Build(R"({"from": 1, "force_loops": "3-17"})"), 400, "invalid_input");     // not a list
+  ExpectProblem(Build(R"({"from": 1, "force_loops": ["--out"]})"), 400, "invalid_input");  // an option of the worker
+  ExpectProblem(Build(R"({"from": 7})"), 404, "not_found");
+  ExpectProblem(Build(R"({"from": 1, "drives": ["0000000000000000"]})"), 400, "invalid_input");
+
+  EXPECT_EQ(NumAttempts(), before);
+  EXPECT_EQ(Get("/api/v1/sites/lot").at("versions"), Json::parse("[1]"));
+}
+
+}  // namespace
+}  // namespace parkade
