@@ -15,6 +15,7 @@ struct GroundSample {
   std::uint8_t blue = 0, green = 0, red = 0;
   bool is_free = false;  ///< drivable ground; false: seen, and not ground
   float weight = 1;      ///< inverse variance of the height [1/m^2]
+  float footprint = 0;   ///< [m] side of the square of ground that it stands for; 0: one cell
   float confidence = 1;  ///< of is_free, 0 to 1: the share of a sure sight's log-odds that this one counts for
 };
 

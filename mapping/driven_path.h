@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <span>
 #include <vector>
 
 #include "core/rig.h"
@@ -17,6 +19,12 @@ struct DrivenPath {
   ContactArea contact;
   std::vector<Eigen::Vector3d> cameras_in_body;  ///< [m] optical centres, indexed as GroundPatch::camera
 };
+
+/// The path of a drive among `paths`; null where there is none.
+inline const DrivenPath* FindPath(std::span<const DrivenPath> paths, int drive) {
+  const auto found = std::find_if(paths.begin(), paths.end(), [&](const DrivenPath& p) { return p.drive == drive; });
+  return found == paths.end() ? nullptr : &*found;
+}
 
 DrivenPath MakeDrivenPath(int drive, const Rig& rig, const Trajectory& site_from_body, const Rigid3& body_from_ground);
 

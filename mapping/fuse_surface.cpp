@@ -20,28 +20,50 @@ constexpr int kPinholeRounds = 3;      // each fills holes of up to about two ce
 constexpr int kPinholeNeighbours = 4;  // of 8 that must be seen around a pinhole
 constexpr int kDrivenRounds = 60;      // to fill colour in under a car that stood: 3 m at 5 cm
 
-/// One observation per patch and square of the height field: the samples in it share their errors.
-std::vector<HeightObservation> SummariseHeights(const PosedGroundPatch& posed, double spacing) {
+/// The heights at which patches put the ground: the planes that their cars stood on.
+class PlaneHeights {
+ public:
+  explicit PlaneHeights(const HeightFieldOptions& options = {}) : options_(options) {}
+
+  void Add(const PosedGroundPatch& posed) {
+    for (const GroundSample& sample : posed.patch.samples) {
+      if (!sample.is_free) continue;
+      const Eigen::Vector3d point = posed.site_from_body * sample.point_in_body.cast<double>();
+      const auto index = [](double value, double step) { return static_cast<int>(std::floor(value / step)); };
+      Sum& sum = sums_[{index(point.z(), options_.level_separation), index(point.y(), options_.spacing),
+                        index(point.x(), options_.spacing)}];
+      const auto weight = static_cast<double>(sample.weight);
+      sum.point += weight * point;
+      sum.weight += weight;
+      sum.best_weight = std::max(sum.best_weight, weight);
+    }
+  }
+
+  /// One per square and deck: planes share their errors, so that many say hardly more than the best of them.
+  std::vector<HeightObservation> Observations() const {
+    std::vector<HeightObservation> observations;
+    observations.reserve(sums_.size());
+    for (const auto& [square, sum] : sums_) observations.push_back({sum.point / sum.weight, sum.best_weight});
+    return observations;
+  }
+
+  void Merge(const PlaneHeights& other) {
+    for (const auto& [square, sum] : other.sums_) {
+      Sum& here = sums_[square];
+      here.point += sum.point;
+      here.weight += sum.weight;
+      here.best_weight = std::max(here.best_weight, sum.best_weight);
+    }
+  }
+
+ private:
   struct Sum {
     Eigen::Vector3d point = Eigen::Vector3d::Zero();
-    double weight = 0;
-    int count = 0;
+    double weight = 0, best_weight = 0;
   };
-  std::map<std::pair<int, int>, Sum> sums;
-  for (const GroundSample& sample : posed.patch.samples) {
-    if (!sample.is_free) continue;
-    const Eigen::Vector3d point = posed.site_from_body * sample.point_in_body.cast<double>();
-    Sum& sum =
-        sums[{static_cast<int>(std::floor(point.y() / spacing)), static_cast<int>(std::floor(point.x() / spacing))}];
-    sum.point += point;
-    sum.weight += static_cast<double>(sample.weight);
-    ++sum.count;
-  }
-  std::vector<HeightObservation> observations;
-  observations.reserve(sums.size());
-  for (const auto& [square, sum] : sums) observations.push_back({sum.point / sum.count, sum.weight / sum.count});
-  return observations;
-}
+  HeightFieldOptions options_;
+  std::map<std::tuple<int, int, int>, Sum> sums_;
+};
 
 std::vector<HeightObservation> CollectHeights(std::span<const PosedGroundPatch> patches,
                                               std::span<const DrivenPath> paths, const SurfaceOptions& options) {
@@ -52,10 +74,35 @@ std::vector<HeightObservation> CollectHeights(std::span<const PosedGroundPatch> 
       const double variance = options.contact_sigma * options.contact_sigma + lever * lever;
       observations.push_back({contact.point_in_site, 1 / variance});
     }
-  const auto of_patches =
-      ParallelMap(patches.size(), [&](size_t i) { return SummariseHeights(patches[i], options.height.spacing); });
-  for (const auto& seen : of_patches) observations.insert(observations.end(), seen.begin(), seen.end());
+  const auto of_patches = ParallelMap(patches.size(), [&](size_t i) {
+    PlaneHeights heights(options.height);
+    heights.Add(patches[i]);
+    return heights;
+  });
+  PlaneHeights planes(options.height);
+  for (const PlaneHeights& heights : of_patches) planes.Merge(heights);
+  const std::vector<HeightObservation> seen = planes.Observations();
+  observations.insert(observations.end(), seen.begin(), seen.end());
   return observations;
+}
+
+/// Heights from all there is. Each round of the sweep starts from what the last one found, so that what is known of the
+/// ground grows outwards from the path.
+HeightField FitHeights(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths,
+                       const SurfaceOptions& options, std::span<const HeightObservation> measured) {
+  std::vector<HeightObservation> known = CollectHeights(patches, paths, options);
+  known.insert(known.end(), measured.begin(), measured.end());
+  HeightField field(known, options.height);
+  for (int round = 0; round < options.sweep.num_rounds; ++round) {
+    const bool is_last = round + 1 == options.sweep.num_rounds;
+    const std::vector<HeightObservation> swept =
+        MeasureHeights(patches, paths, field, (is_last ? 0.5 : 1.0) * options.sweep.max_offset, options.sweep);
+    LogDebug("stage=measure_heights round=" + std::to_string(round) + " windows=" + std::to_string(swept.size()));
+    std::vector<HeightObservation> all = known;
+    all.insert(all.end(), swept.begin(), swept.end());
+    field = HeightField(std::move(all), options.height);
+  }
+  return field;
 }
 
 SurfaceMap SurfaceOf(const std::vector<PaintedCell>& cells, double cell_size) {
@@ -155,6 +202,7 @@ std::vector<bool> FindSmallIslands(const std::vector<PaintedCell>& cells, const 
 void SurfaceOptions::Validate() const {
   Require(cell_size > 0, ErrorCode::kUsage, "cell_size must be > 0 m");
   height.Validate();
+  sweep.Validate();
   const double ratio = height.spacing / cell_size;
   Require(ratio >= 1 && std::abs(ratio - std::round(ratio)) < 1e-6, ErrorCode::kUsage,
           "height.spacing must be a multiple of cell_size");
@@ -166,9 +214,9 @@ void SurfaceOptions::Validate() const {
 }
 
 SurfaceMap FuseSurface(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths,
-                       const SurfaceOptions& options) {
+                       const SurfaceOptions& options, std::span<const HeightObservation> measured) {
   options.Validate();
-  const HeightField field(CollectHeights(patches, paths, options), options.height);
+  const HeightField field = FitHeights(patches, paths, options, measured);
   SurfacePainter painter(field, static_cast<int>(std::round(options.height.spacing / options.cell_size)),
                          {options.free_log_odds, options.occupied_log_odds, options.log_odds_limit});
   painter.Paint(patches, paths);

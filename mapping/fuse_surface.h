@@ -6,6 +6,7 @@
 #include "core/surface_map.h"
 #include "mapping/driven_path.h"
 #include "mapping/height_field.h"
+#include "mapping/measure_heights.h"
 
 namespace parkade {
 
@@ -14,10 +15,11 @@ struct SurfaceOptions {
   double contact_sigma = 0.01;      ///< [m] of the road's height at a wheel
   double suspension_sigma = 0.005;  ///< [rad] of the body's pitch: adds to the front wheels
   double free_log_odds = 0.8;       ///< of one sight of free ground near the car; less with distance
-  double occupied_log_odds = 1.2;   ///< of one sight of something else; more keeps obstacles, and their halo, out
-  double log_odds_limit = 6.0;      ///< so that a changed place can change again
+  double occupied_log_odds = 0.8;   ///< of one sight of something else; more keeps obstacles, and their halo, out
+  double log_odds_limit = 8.0;      ///< so that a changed place can change again
   double min_island_area = 10.0;    ///< [m^2] smaller free islands that no car drove on are noise
   HeightFieldOptions height;
+  MeasureHeightsOptions sweep;
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -29,22 +31,24 @@ struct SurfaceOptions {
     visit("log_odds_limit", log_odds_limit);
     visit("min_island_area", min_island_area);
     visit("height", height);
+    visit("sweep", sweep);
   }
   void Validate() const;  ///< throws Error{kUsage}
 };
 
 /// The ground of a site from all its drives.
 ///
-/// 1. Heights: wheel contacts (the surest) and, weakly and weaker with distance, the planes on which each
-///    keyframe saw ground, fitted by a HeightField.
+/// 1. Heights: wheel contacts (the surest); beside the path what many views agree on (MeasureHeights); and, weakly and
+///    weaker with distance, the planes on which keyframes saw ground. A HeightField is fitted to all of them.
 /// 2. Colour and free space: every sample moves along its ray of sight onto that surface, so that a ramp ahead is
 ///    painted where it is, and not where the car's own plane would have it. Free space is a log-odds sum; a
 ///    cell's colour is the median of its nearest sights; what a car drove over is free.
 /// 3. Pinholes are filled, islands that no car drove on and that are small are dropped.
 ///
-/// Cells that nothing was seen of are not in the map. The patches of a drive without a path are painted where their
-/// own plane says. Same input, same output, whatever the number of threads. O(samples).
+/// `measured` are heights that something else knows. Cells that nothing was seen of are not in the map. The patches of
+/// a drive without a path are painted where their own plane says. Same input, same output, whatever the number of
+/// threads. O(samples).
 SurfaceMap FuseSurface(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths,
-                       const SurfaceOptions& options = {});
+                       const SurfaceOptions& options = {}, std::span<const HeightObservation> measured = {});
 
 }  // namespace parkade

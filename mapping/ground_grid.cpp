@@ -11,19 +11,19 @@ namespace {
 
 constexpr double kMaxNearestRange = 15.0;  // [m] a camera that sees no nearer ground is not for mapping
 
-/// Distances from the point below the camera: as dense as asked near it, then as the rays spread or as the
+/// Ranges are distances from the point below the camera: as dense as asked near it, then as the rays spread or as the
 /// pixels can tell, whichever is coarser.
-std::vector<float> MakeRanges(double camera_height, double pixels_per_radian, double angle_step, double farthest,
-                              const GroundGridOptions& options) {
-  std::vector<float> ranges;
+void MakeRanges(double camera_height, double pixels_per_radian, double farthest, const GroundGridOptions& options,
+                GroundGrid& grid) {
   double range = options.spacing;
   while (range <= farthest) {
     const double pixel_length = (camera_height * camera_height + range * range) / (camera_height * pixels_per_radian);
     if (pixel_length > options.max_pixel_length) break;
-    ranges.push_back(static_cast<float>(range));
-    range += std::max({options.spacing, range * angle_step, 0.5 * pixel_length});
+    grid.ranges.push_back(static_cast<float>(range));
+    grid.pixel_lengths.push_back(static_cast<float>(pixel_length));
+    range += std::max({options.spacing, range * grid.angle_step, 0.5 * pixel_length});
   }
-  return ranges;
+  grid.num_ranges = static_cast<int>(grid.ranges.size());
 }
 
 GroundGridCell MakeCell(const RigCamera& camera, const Rigid3& camera_from_ground,
@@ -87,7 +87,7 @@ void GroundGridOptions::Validate() const {
   Require(max_pixel_length > 0, ErrorCode::kUsage, "max_pixel_length must be > 0 m");
   Require(pitch_sigma >= 0 && curvature_sigma >= 0, ErrorCode::kUsage,
           "pitch_sigma and curvature_sigma must not be negative");
-  Require(height_sigma > 0, ErrorCode::kUsage, "height_sigma must be > 0 m");
+  Require(height_sigma > 0 && sharp_length > 0, ErrorCode::kUsage, "height_sigma and sharp_length must be > 0 m");
 }
 
 GroundGrid MakeGroundGrid(const RigCamera& camera, const Rigid3& ground_from_camera, const ContactArea& contact,
@@ -100,8 +100,7 @@ GroundGrid MakeGroundGrid(const RigCamera& camera, const Rigid3& ground_from_cam
   if (center.z() <= 0.1 || !pixels_per_radian) return grid;
 
   const double farthest = FindNearestRange(camera, ground_from_camera, contact, options) + options.max_range;
-  grid.ranges = MakeRanges(center.z(), *pixels_per_radian, grid.angle_step, farthest, options);
-  grid.num_ranges = static_cast<int>(grid.ranges.size());
+  MakeRanges(center.z(), *pixels_per_radian, farthest, options, grid);
   grid.num_rays = static_cast<int>(std::floor(2 * std::numbers::pi / grid.angle_step));
   grid.cells.reserve(static_cast<size_t>(grid.num_rays * grid.num_ranges));
   // Rays start opposite to where the camera looks: the seam lies where it sees nothing.

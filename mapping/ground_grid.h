@@ -10,13 +10,14 @@
 namespace parkade {
 
 struct GroundGridOptions {
-  double max_range = 8.0;         ///< [m] beyond the nearest ground a camera sees; more covers more, less accurately
+  double max_range = 12.0;        ///< [m] beyond the nearest ground a camera sees; more covers more, less accurately
   double spacing = 0.05;          ///< [m] between samples near the camera
   double dense_range = 3.0;       ///< [m] beyond, the spacing grows in proportion to the range
-  double max_pixel_length = 0.5;  ///< [m] a view so grazing that a pixel covers more road is not used
+  double max_pixel_length = 0.8;  ///< [m] a view so grazing that a pixel covers more road is not used
   double pitch_sigma = 0.005;     ///< [rad] of the body against the road: suspension and attitude
   double curvature_sigma = 0.01;  ///< [1/m] of the road: how fast a plane loses it
   double height_sigma = 0.01;     ///< [m] of the road right at the wheels
+  double sharp_length = 0.35;     ///< [m] of ground in one pixel at which a sight says half as much of what is free
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -27,6 +28,7 @@ struct GroundGridOptions {
     visit("pitch_sigma", pitch_sigma);
     visit("curvature_sigma", curvature_sigma);
     visit("height_sigma", height_sigma);
+    visit("sharp_length", sharp_length);
   }
   void Validate() const;  ///< throws Error{kUsage}
 };
@@ -47,6 +49,7 @@ struct GroundGrid {
   int num_ranges = 0;
   double angle_step = 0;              ///< [rad] between rays
   std::vector<float> ranges;          ///< [m] num_ranges, increasing
+  std::vector<float> pixel_lengths;   ///< [m] of ground in one pixel, along the ray, at each range
   std::vector<GroundGridCell> cells;  ///< num_rays x num_ranges; those of one ray lie together
 
   int IndexOf(int ray, int range) const { return ray * num_ranges + range; }

@@ -7,7 +7,7 @@
 #include "core/log.h"
 #include "core/parallel.h"
 #include "mapping/cell_finder.h"
-#include "mapping/join_free_cells.h"
+#include "mapping/join_cells.h"
 #include "mapping/simplify_sheet.h"
 #include "mapping/voxel_sheet.h"
 
@@ -58,8 +58,8 @@ void MeshOptions::Validate() const {
 
 TriangleMesh MeshSurface(const SurfaceMap& surface, const MeshOptions& options) {
   options.Validate();
-  const SurfaceMap joined = JoinFreeCells(surface, options.cells_per_voxel, options.free_threshold, options.max_step);
-  VoxelSheet sheet = ExtractSheet(joined, options.voxel_height, options.max_step);
+  const SurfaceMap joined = JoinCells(surface, options.cells_per_voxel, options.free_threshold, options.max_step);
+  VoxelSheet sheet = ExtractSheet(joined, options.voxel_height, options.max_step, options.free_threshold);
   const CellFinder finder(joined);
   const auto colors_of = [&](const VoxelSheet& of) {
     return ParallelMap(of.vertices.size(), [&](size_t i) { return FindCell(finder, of.vertices[i]).color; });

@@ -8,7 +8,7 @@ namespace parkade {
 struct MeshOptions {
   int cells_per_voxel = 2;         ///< cells of the surface on each side of a voxel; more is coarser and smaller
   double voxel_height = 0.25;      ///< [m]; has no influence on accuracy, only on slivers on slopes
-  double free_threshold = 0.55;    ///< belief from which a cell is drivable
+  double free_threshold = 0.5;     ///< belief from which a cell is drivable
   double max_step = 0.3;           ///< [m] between neighbours of one deck; steeper is a gap
   bool simplify = true;            ///< merges flat triangles of one colour
   double max_height_error = 0.01;  ///< [m] that simplifying may cost
@@ -28,7 +28,8 @@ struct MeshOptions {
 };
 
 /// The drivable part of a surface as a mesh: voxels around the free cells hold the signed height above the
-/// ground, marching cubes takes the zero level, CGAL merges what is flat and of one colour. Each deck is a sheet
+/// ground, marching cubes takes the zero level, its outline is cut where the belief interpolated between cells passes
+/// the threshold, CGAL merges what is flat and of one colour. Each deck is a sheet
 /// of its own. Passes ValidateMesh; every edge has one or two triangles, every vertex one fan. Empty where
 /// nothing is free. Deterministic.
 TriangleMesh MeshSurface(const SurfaceMap& surface, const MeshOptions& options = {});

@@ -157,13 +157,16 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
   GroundPatch patch{.drive = 0, .camera = frame.camera, .time = frame.time, .samples = {}};
   std::vector<GroundLabel>& labels = found.labels;
   // Of what is not ground only its foot is known to stand where its pixels meet the plane.
-  // A guess takes dark parts of cars for shade: it needs to hear more against them than a mask or a network.
-  const double obstacle_depth = (found.is_trusted ? 0.5 : 1.0) * options.segmentation.obstacle_depth;
-  HideBehindObstacles(grid, obstacle_depth, found.is_trusted, labels);
+  HideBehindObstacles(grid, options.segmentation, found.is_trusted, labels);
   const Eigen::Matrix3f rotation = body_from_ground.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = body_from_ground.translation.cast<float>();
   for (int range = 0; range < grid.num_ranges; ++range) {
-    const int stride = RayStride(grid, grid.ranges[static_cast<size_t>(range)], options.grid.spacing);
+    const auto at = static_cast<size_t>(range);
+    const int stride = RayStride(grid, grid.ranges[at], options.grid.spacing);
+    const float footprint = grid.ranges[at] - (range > 0 ? grid.ranges[at - 1] : 0);
+    // Who sees an outline in longer pixels knows less well where it is.
+    const float blur = grid.pixel_lengths[at] / static_cast<float>(options.grid.sharp_length);
+    const float sharpness = 1 / (1 + blur * blur);
     for (int ray = 0; ray < grid.num_rays; ray += stride) {
       const auto i = static_cast<size_t>(grid.IndexOf(ray, range));
       if (labels[i] == GroundLabel::kUnknown) continue;
@@ -176,7 +179,8 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
                                .red = color[2],
                                .is_free = labels[i] == GroundLabel::kGround,
                                .weight = cell.weight,
-                               .confidence = found.confidence.empty() ? 1 : found.confidence[i]});
+                               .footprint = footprint,
+                               .confidence = sharpness * (found.confidence.empty() ? 1 : found.confidence[i])});
     }
   }
   patch.samples.shrink_to_fit();

@@ -85,7 +85,7 @@ void FillMarkings(const GroundGrid& grid, const std::vector<std::uint8_t>& may_b
 void SegmentGroundOptions::Validate() const {
   Require(color_tolerance > 0, ErrorCode::kUsage, "color_tolerance must be > 0");
   Require(max_marking_width >= 0, ErrorCode::kUsage, "max_marking_width must not be negative");
-  Require(obstacle_depth > 0, ErrorCode::kUsage, "obstacle_depth must be > 0 m");
+  Require(obstacle_depth > 0 && foot_depth > 0, ErrorCode::kUsage, "obstacle_depth and foot_depth must be > 0 m");
   Require(min_seeds > 0, ErrorCode::kUsage, "min_seeds must be > 0");
   Require(sure_log_odds > 0, ErrorCode::kUsage, "sure_log_odds must be > 0");
 }
@@ -144,17 +144,19 @@ GroundLabels LabelsFromBelief(const GroundGrid& grid, const FreespaceBelief& bel
   return result;
 }
 
-void HideBehindObstacles(const GroundGrid& grid, double obstacle_depth, bool is_trusted,
+void HideBehindObstacles(const GroundGrid& grid, const SegmentGroundOptions& options, bool is_trusted,
                          std::vector<GroundLabel>& labels) {
   for (int ray = 0; ray < grid.num_rays; ++ray) {
-    double depth = 0;
+    double depth = 0, max_depth = options.obstacle_depth;
     bool has_ground = false;
     for (int range = 0; range < grid.num_ranges; ++range) {
       GroundLabel& label = labels[static_cast<size_t>(grid.IndexOf(ray, range))];
-      const bool is_hidden = depth >= obstacle_depth;
+      const bool is_hidden = depth >= max_depth;
       if (label == GroundLabel::kGround) {
         if (is_hidden && !is_trusted) label = GroundLabel::kUnknown;
         if (is_trusted || !is_hidden) depth = 0;
+        if (is_trusted)
+          max_depth = options.foot_depth + static_cast<double>(grid.pixel_lengths[static_cast<size_t>(range)]);
         has_ground = true;
       } else if (label == GroundLabel::kNotGround) {
         if (is_hidden || !has_ground) label = GroundLabel::kUnknown;

@@ -12,7 +12,8 @@ namespace parkade {
 struct SegmentGroundOptions {
   double color_tolerance = 3.5;    ///< sigmas from the road's colours; higher takes in more, obstacles too
   double max_marking_width = 0.3;  ///< [m] a brighter stripe this wide, with road on both sides, is paint
-  double obstacle_depth = 1.2;     ///< [m] of not-ground (half with a mask); what follows on its ray is hidden
+  double obstacle_depth = 1.2;     ///< [m] of not-ground that a guess needs; what follows on its ray is hidden
+  double foot_depth = 0.1;         ///< [m] likewise for a mask or a network, to which one pixel's ground is added
   int min_seeds = 40;              ///< with fewer, nothing is called ground
   double sure_log_odds = 4.0;      ///< of a network from which it is taken to be sure; below, it counts in proportion
 
@@ -21,6 +22,7 @@ struct SegmentGroundOptions {
     visit("color_tolerance", color_tolerance);
     visit("max_marking_width", max_marking_width);
     visit("obstacle_depth", obstacle_depth);
+    visit("foot_depth", foot_depth);
     visit("min_seeds", min_seeds);
     visit("sure_log_odds", sure_log_odds);
   }
@@ -58,10 +60,10 @@ std::vector<GroundLabel> LabelsFromMask(const GroundGrid& grid, const cv::Mat& m
 /// The labels that a network gives, sure from `sure_log_odds` on.
 GroundLabels LabelsFromBelief(const GroundGrid& grid, const FreespaceBelief& belief, double sure_log_odds);
 
-/// Pixels of an obstacle meet the plane behind its foot: after `obstacle_depth` [m] of kNotGround the rest of it
-/// becomes kUnknown. So does kNotGround before a ray's first ground (most often the own car), and, unless the
-/// labels are trusted, any ground behind an obstacle.
-void HideBehindObstacles(const GroundGrid& grid, double obstacle_depth, bool is_trusted,
+/// Pixels of an obstacle meet the plane behind its foot: some kNotGround behind the last ground (see obstacle_depth,
+/// foot_depth) says where it stands, the rest becomes kUnknown. So does kNotGround before a ray's first ground (most
+/// often the own car), and, unless the labels are trusted, any ground behind an obstacle.
+void HideBehindObstacles(const GroundGrid& grid, const SegmentGroundOptions& options, bool is_trusted,
                          std::vector<GroundLabel>& labels);
 
 }  // namespace parkade

@@ -24,7 +24,7 @@ using EdgeFlags = Mesh::Property_map<Mesh::Edge_index, bool>;
 using Colors = std::vector<std::array<std::uint8_t, 3>>;
 
 constexpr double kMaxEdge = 3.0;       // [m] about the longest edge on a plane
-constexpr double kBorderWeight = 0.1;  // of a border's quadrics: it may move sqrt(10) times as far as a plane
+constexpr double kBorderWeight = 2.0;  // of a border's quadrics: an outline moves less than a plane
 
 /// Quadrics alone cost nothing on a plane, where edges would collapse in any order, and fans of hundreds of triangles
 /// would form, which are ugly and slow. Short edges therefore go first.

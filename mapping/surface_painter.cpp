@@ -5,36 +5,26 @@
 #include <tuple>
 
 #include "core/parallel.h"
+#include "mapping/meet_surface.h"
 
 namespace parkade {
 namespace {
 
-constexpr int kMaxRayRounds = 4;         // fixed-point rounds of ray and surface
-constexpr double kRayTolerance = 0.005;  // [m] of height at which they have met
-constexpr double kMaxStretch = 1.5;      // of a ray: beyond, the view is too grazing to trust
-constexpr double kNearVariance = 1e-4;   // [m^2] of the height of a sample right at the car
+constexpr double kNearVariance = 1e-4;  // [m^2] of the height of a sample right at the car
 constexpr double kNearEnough =
-    0.75;  // sights from here on are equally sharp; the first ones come before the own shadow
+    0.75;                            // sights from here on are equally sharp; the first ones come before the own shadow
+constexpr double kKnownShift = 0.3;  // [m] along the ray at which an outline counts half
+constexpr double kLeastTrust = 0.05;     // what is seen of a poorly known height still counts
+constexpr double kMinEyeHeight = 0.2;    // [m] above the ground
 constexpr size_t kPatchesPerBatch = 64;  // hits of so many patches are held at once
 constexpr int kColorTolerance = 30;      // of lightness; sights further off the median are not averaged
 
-int Lightness(const std::array<int, 3>& bgr) { return (114 * bgr[0] + 587 * bgr[1] + 299 * bgr[2]) / 1000; }
-
-/// Where the ray from `eye` through `point` meets the surface, with its patch; kNone where it does not.
-std::pair<int, Eigen::Vector3d> MeetSurface(const HeightField& field, const Eigen::Vector3d& eye,
-                                            const Eigen::Vector3d& point) {
-  Eigen::Vector3d current = point;
-  for (int round = 0; round < kMaxRayRounds; ++round) {
-    const int patch = field.FindPatch(current);
-    if (patch == HeightField::kNone) return {HeightField::kNone, current};
-    const double height = field.HeightAt(patch, current.head<2>());
-    if (std::abs(height - current.z()) < kRayTolerance) return {patch, current};
-    const double stretch = (eye.z() - height) / (eye.z() - point.z());
-    if (!(stretch > 0.1 && stretch < kMaxStretch)) return {HeightField::kNone, current};
-    current = eye + stretch * (point - eye);
-  }
-  return {field.FindPatch(current), current};
+/// 1 right at the car, falling with distance: whose colour counts. Much slower than the variance of a height grows.
+double NearnessOf(const GroundSample& sample) {
+  return std::min(1.0, std::sqrt(std::sqrt(kNearVariance * static_cast<double>(sample.weight))));
 }
+
+int Lightness(const std::array<int, 3>& bgr) { return (114 * bgr[0] + 587 * bgr[1] + 299 * bgr[2]) / 1000; }
 
 }  // namespace
 
@@ -45,12 +35,37 @@ SurfacePainter::SurfacePainter(const HeightField& field, int cells_per_side, con
       log_odds_(log_odds),
       evidence_(static_cast<size_t>(field.num_patches()) * static_cast<size_t>(cells_per_side * cells_per_side)) {}
 
-std::int64_t SurfacePainter::EvidenceAt(int patch, const Eigen::Vector2d& point_in_site) const {
-  const Eigen::Vector2i corner = field_->IndexOf(patch) * cells_per_side_;
-  const int last = cells_per_side_ - 1;
-  const int x = std::clamp(static_cast<int>(std::floor(point_in_site.x() / cell_size_)) - corner.x(), 0, last);
-  const int y = std::clamp(static_cast<int>(std::floor(point_in_site.y() / cell_size_)) - corner.y(), 0, last);
-  return (static_cast<std::int64_t>(patch) * cells_per_side_ + y) * cells_per_side_ + x;
+Eigen::Vector2i SurfacePainter::CellAt(const Eigen::Vector2d& point_in_site) const {
+  return (point_in_site / cell_size_).array().floor().matrix().cast<int>();
+}
+
+std::uint32_t SurfacePainter::EvidenceAt(int patch, const Eigen::Vector2i& cell) const {
+  const Eigen::Vector2i inside = cell - field_->IndexOf(patch) * cells_per_side_;
+  const int x = std::clamp(inside.x(), 0, cells_per_side_ - 1), y = std::clamp(inside.y(), 0, cells_per_side_ - 1);
+  return static_cast<std::uint32_t>((patch * cells_per_side_ + y) * cells_per_side_ + x);
+}
+
+/// A sample that stands for more than a cell counts for all of them.
+void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds,
+                            std::vector<Hit>& hits) const {
+  const double nearness = NearnessOf(sample);
+  Hit hit{.evidence = 0,
+          .sight = {sample.blue, sample.green, sample.red,
+                    static_cast<std::uint8_t>(1 + std::lround(254 * std::min(nearness, kNearEnough)))},
+          .log_odds = static_cast<float>(log_odds)};
+  const double reach = std::max(0.0, 0.5 * (static_cast<double>(sample.footprint) - cell_size_));
+  const Eigen::Vector2i low = CellAt(point.head<2>().array() - reach), high = CellAt(point.head<2>().array() + reach);
+  const Eigen::Vector2i first = field_->IndexOf(patch) * cells_per_side_;
+  for (int y = low.y(); y <= high.y(); ++y)
+    for (int x = low.x(); x <= high.x(); ++x) {
+      const Eigen::Vector2i inside = Eigen::Vector2i(x, y) - first;
+      int owner = patch;
+      if (inside.minCoeff() < 0 || inside.maxCoeff() >= cells_per_side_)
+        owner = field_->FindPatch({(x + 0.5) * cell_size_, (y + 0.5) * cell_size_, point.z()});
+      if (owner == HeightField::kNone) continue;
+      hit.evidence = EvidenceAt(owner, {x, y});
+      hits.push_back(hit);
+    }
 }
 
 std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PosedGroundPatch& patch, const DrivenPath* path) const {
@@ -61,34 +76,26 @@ std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PosedGroundPatch
   const Eigen::Vector3d eye = has_eye ? patch.site_from_body * path->cameras_in_body[camera] : Eigen::Vector3d::Zero();
   for (const GroundSample& sample : patch.patch.samples) {
     Eigen::Vector3d point = patch.site_from_body * sample.point_in_body.cast<double>();
-    int found = HeightField::kNone;
-    if (has_eye)
-      std::tie(found, point) = MeetSurface(*field_, eye, point);
-    else
-      found = field_->FindPatch(point);
+    const int found = has_eye ? MeetSurface(*field_, eye, point) : field_->FindPatch(point);
     if (found == HeightField::kNone) continue;
-    // Evidence falls with distance, but much slower than the variance of a height grows.
-    const double nearness = std::min(1.0, std::sqrt(std::sqrt(kNearVariance * static_cast<double>(sample.weight))));
-    const double log_odds = (sample.is_free ? log_odds_.free : -log_odds_.occupied) *
-                            static_cast<double>(sample.confidence) * std::sqrt(nearness);
-    hits.push_back({.evidence = static_cast<std::uint32_t>(EvidenceAt(found, point.head<2>())),
-                    .sight = {sample.blue, sample.green, sample.red,
-                              static_cast<std::uint8_t>(1 + std::lround(254 * std::min(nearness, kNearEnough)))},
-                    .log_odds = static_cast<float>(log_odds)});
+    const double distance = has_eye ? (point - eye).head<2>().norm() : 0;
+    const double depth = has_eye ? std::max(eye.z() - point.z(), kMinEyeHeight) : 1;
+    // An error of the height moves what is seen along the ray.
+    const double shift = distance / depth * field_->SigmaOf(found) / kKnownShift;
+    const double trust = std::max(kLeastTrust, 1 / (1 + shift * shift));
+    AddHit(sample, found, point,
+           (sample.is_free ? log_odds_.free : -log_odds_.occupied) * static_cast<double>(sample.confidence) * trust,
+           hits);
   }
   return hits;
 }
 
 void SurfacePainter::Paint(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths) {
-  const auto path_of = [&](const PosedGroundPatch& patch) -> const DrivenPath* {
-    const auto found = std::find_if(paths.begin(), paths.end(),
-                                    [&](const DrivenPath& path) { return path.drive == patch.patch.drive; });
-    return found == paths.end() ? nullptr : &*found;
-  };
   const auto limit = static_cast<float>(log_odds_.limit);
   for (size_t begin = 0; begin < patches.size(); begin += kPatchesPerBatch) {
     const std::span batch = patches.subspan(begin, std::min(kPatchesPerBatch, patches.size() - begin));
-    const auto hits_of = ParallelMap(batch.size(), [&](size_t i) { return FindHits(batch[i], path_of(batch[i])); });
+    const auto hits_of =
+        ParallelMap(batch.size(), [&](size_t i) { return FindHits(batch[i], FindPath(paths, batch[i].patch.drive)); });
     for (const std::vector<Hit>& hits : hits_of)
       for (const Hit& hit : hits) {
         Evidence& evidence = evidence_[hit.evidence];
@@ -115,7 +122,7 @@ void SurfacePainter::MarkDriven(const DrivenPath& path) {
         const Eigen::Vector3d point = site_from_ground * Eigen::Vector3d(x, y, 0);
         const int patch = field_->FindPatch(point);
         if (patch == HeightField::kNone) continue;
-        Evidence& evidence = evidence_[static_cast<size_t>(EvidenceAt(patch, point.head<2>()))];
+        Evidence& evidence = evidence_[EvidenceAt(patch, CellAt(point.head<2>()))];
         evidence.is_driven = true;
         evidence.log_odds = static_cast<float>(log_odds_.limit);
       }

@@ -57,8 +57,11 @@ class SurfacePainter {
     float log_odds = 0;
   };
 
+  void AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds,
+              std::vector<Hit>& hits) const;
   std::vector<Hit> FindHits(const PosedGroundPatch& patch, const DrivenPath* path) const;
-  std::int64_t EvidenceAt(int patch, const Eigen::Vector2d& point_in_site) const;
+  std::uint32_t EvidenceAt(int patch, const Eigen::Vector2i& cell) const;
+  Eigen::Vector2i CellAt(const Eigen::Vector2d& point_in_site) const;
   static std::array<std::uint8_t, 3> MedianColor(const Evidence& evidence);
 
   const HeightField* field_;

@@ -22,6 +22,9 @@ class SheetExtractor {
     column_vertices_.assign(surface.cells.size(), kNone);
   }
 
+  /// Of each vertex of the sheet.
+  const std::vector<double>& beliefs() const { return beliefs_; }
+
   VoxelSheet Extract() {
     for (size_t i = 0; i < surface_.cells.size(); ++i) {
       const int right = links_.right[i], up = links_.up[i];
@@ -78,7 +81,7 @@ class SheetExtractor {
 
   std::uint32_t ColumnVertex(int cell) {
     std::uint32_t& vertex = column_vertices_[static_cast<size_t>(cell)];
-    if (vertex == kNone) vertex = AddVertex(CenterOf(cell));
+    if (vertex == kNone) vertex = AddVertex(CenterOf(cell), BeliefOf(cell));
     return vertex;
   }
 
@@ -91,13 +94,16 @@ class SheetExtractor {
     if (is_new) {
       const Eigen::Vector3d from = CenterOf(a), to = CenterOf(b);
       const double fraction = (LayerHeight(layer) - from.z()) / (to.z() - from.z());
-      found->second = AddVertex(from + fraction * (to - from));
+      found->second = AddVertex(from + fraction * (to - from), BeliefOf(a) + fraction * (BeliefOf(b) - BeliefOf(a)));
     }
     return found->second;
   }
 
-  std::uint32_t AddVertex(const Eigen::Vector3d& vertex) {
+  double BeliefOf(int cell) const { return static_cast<double>(surface_.cells[static_cast<size_t>(cell)].free_belief); }
+
+  std::uint32_t AddVertex(const Eigen::Vector3d& vertex, double belief) {
     sheet_.vertices.push_back(vertex);
+    beliefs_.push_back(belief);
     return static_cast<std::uint32_t>(sheet_.vertices.size() - 1);
   }
 
@@ -108,6 +114,61 @@ class SheetExtractor {
   std::vector<std::uint32_t> column_vertices_;
   std::unordered_map<std::uint64_t, std::uint32_t> layer_vertices_;
   VoxelSheet sheet_;
+  std::vector<double> beliefs_;
+};
+
+/// Cuts a sheet where values on its vertices, linear in between, pass zero; what is negative goes. Edges are cut not
+/// nearer to their ends than kMinCut of their length: no slivers.
+class SheetCutter {
+ public:
+  SheetCutter(const VoxelSheet& sheet, std::vector<double> values) : sheet_(sheet), values_(std::move(values)) {
+    kept_.assign(sheet.vertices.size(), kNone);
+  }
+
+  VoxelSheet Cut() {
+    for (const auto& triangle : sheet_.triangles) {
+      // Corners that stay and the cuts between them, in order around the triangle.
+      std::array<std::uint32_t, 4> outline{};
+      size_t count = 0;
+      for (size_t i = 0; i < 3; ++i) {
+        const std::uint32_t a = triangle[i], b = triangle[(i + 1) % 3];
+        if (values_[a] >= 0) outline[count++] = Keep(a);
+        if ((values_[a] >= 0) != (values_[b] >= 0)) outline[count++] = CutEdge(a, b);
+      }
+      for (size_t i = 2; i < count; ++i) result_.triangles.push_back({outline[0], outline[i - 1], outline[i]});
+    }
+    return std::move(result_);
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = UINT32_MAX;
+  static constexpr double kMinCut = 0.03;
+
+  std::uint32_t Add(const Eigen::Vector3d& vertex) {
+    result_.vertices.push_back(vertex);
+    return static_cast<std::uint32_t>(result_.vertices.size() - 1);
+  }
+
+  std::uint32_t Keep(std::uint32_t vertex) {
+    if (kept_[vertex] == kNone) kept_[vertex] = Add(sheet_.vertices[vertex]);
+    return kept_[vertex];
+  }
+
+  std::uint32_t CutEdge(std::uint32_t a, std::uint32_t b) {
+    if (a > b) std::swap(a, b);
+    const auto [found, is_new] = cuts_.try_emplace((std::uint64_t{a} << 32) | b, 0);
+    if (is_new) {
+      const double fraction = std::clamp(values_[a] / (values_[a] - values_[b]), kMinCut, 1 - kMinCut);
+      found->second = Add(sheet_.vertices[a] + fraction * (sheet_.vertices[b] - sheet_.vertices[a]));
+    }
+    return found->second;
+  }
+
+  const VoxelSheet& sheet_;
+  std::vector<double> values_;
+  std::vector<std::uint32_t> kept_;
+  std::unordered_map<std::uint64_t, std::uint32_t> cuts_;
+  VoxelSheet result_;
 };
 
 /// Triangles of one vertex grouped into fans: for each triangle the number of the first in its fan.
@@ -177,8 +238,14 @@ std::vector<std::uint32_t> SplitFans(VoxelSheet& sheet) {
   return copied;
 }
 
-VoxelSheet ExtractSheet(const SurfaceMap& surface, double voxel_height, double max_step) {
-  VoxelSheet sheet = SheetExtractor(surface, voxel_height, max_step).Extract();
+VoxelSheet ExtractSheet(const SurfaceMap& surface, double voxel_height, double max_step, double min_belief) {
+  SheetExtractor extractor(surface, voxel_height, max_step);
+  VoxelSheet sheet = extractor.Extract();
+  if (min_belief > 0) {
+    std::vector<double> values = extractor.beliefs();
+    for (double& value : values) value -= min_belief;
+    sheet = SheetCutter(sheet, std::move(values)).Cut();
+  }
   SplitFans(sheet);
   return sheet;
 }

@@ -20,7 +20,8 @@ struct VoxelSheet {
 /// cells' heights. Voxels exist only around squares of four cells that are all there and linked. Vertices
 /// where two fans meet are doubled: the result is a manifold with borders.
 /// \param max_step  [m] of height between linked neighbours
-VoxelSheet ExtractSheet(const SurfaceMap& surface, double voxel_height, double max_step);
+/// \param min_belief  triangles are cut where the belief, linear between cells, falls below; 0: nothing is cut
+VoxelSheet ExtractSheet(const SurfaceMap& surface, double voxel_height, double max_step, double min_belief = 0);
 
 /// Doubles each vertex at which fans of triangles meet that share no edge there. The copies are appended in order
 /// of the vertex they copy; returned is, for each copy, that vertex.

@@ -51,6 +51,7 @@ struct CommandLine {
   std::string suite, poses, json_file, pictures_folder;
   std::vector<std::string> drives, assignments;
   int num_threads = 2;
+  bool has_true_heights = false;
 };
 
 struct GroundRun {
@@ -74,13 +75,23 @@ MappedPoses PosesOf(const SuiteDrive& drive, const std::string& maps) {
           EvaluateTrajectory(drive.world_from_imu, site_from_imu).rigid.truth_from_estimate};
 }
 
-TriangleMesh MapGround(const SuiteDrive& drive, const Trajectory& site_from_body, GroundTableOptions& options) {
+/// Every fifth vertex of the truth, as if a perfect instrument had measured it.
+std::vector<HeightObservation> HeightsOf(const TriangleMesh& truth, const Rigid3& site_from_world) {
+  constexpr size_t kStep = 5;
+  std::vector<HeightObservation> heights;
+  for (size_t i = 0; i < truth.vertices.size(); i += kStep)
+    heights.push_back({site_from_world * (truth.vertices[i].cast<double>() + truth.origin), 1e6});
+  return heights;
+}
+
+TriangleMesh MapGround(const SuiteDrive& drive, const Trajectory& site_from_body,
+                       std::span<const HeightObservation> heights, const GroundTableOptions& options) {
   GroundObservation seen = ObserveGround(*drive.log, site_from_body, {}, 0, options.ground);
   const DrivenPath path = MakeDrivenPath(0, drive.true_rig, site_from_body, seen.body_from_ground);
   std::vector<PosedGroundPatch> patches;
   for (GroundPatch& patch : seen.patches)
     if (const std::optional<Rigid3> pose = site_from_body.At(patch.time)) patches.push_back({std::move(patch), *pose});
-  return MeshSurface(FuseSurface(patches, std::span(&path, 1), options.surface), options.mesh);
+  return MeshSurface(FuseSurface(patches, std::span(&path, 1), options.surface, heights), options.mesh);
 }
 
 /// Truth and estimate from above, 5 cm per pixel: grey is right, red false, blue missed, dark truth that nothing saw.
@@ -120,7 +131,7 @@ void WritePicture(const TriangleMesh& truth_mesh, const TriangleMesh& estimate_m
   cv::imwrite(file.string(), picture);
 }
 
-GroundRun RunDrive(const CommandLine& line, const std::string& name, GroundTableOptions options) {
+GroundRun RunDrive(const CommandLine& line, const std::string& name, const GroundTableOptions& options) {
   const SuiteDrive drive = OpenSuiteDrive(line.suite, name);
   const MappedPoses poses = PosesOf(drive, line.poses);
   GroundRun run;
@@ -128,12 +139,14 @@ GroundRun RunDrive(const CommandLine& line, const std::string& name, GroundTable
   run.scene = drive.scene;
   run.length = poses.site_from_body.Length();
   run.duration = drive.log->span().end - drive.log->span().begin;
+  const TriangleMesh truth = ReadPly(fs::path(line.suite) / name / "truth" / "ground_truth.ply");
+  std::vector<HeightObservation> heights;
+  if (line.has_true_heights) heights = HeightsOf(truth, poses.world_from_site.Inverse());
   const auto start = std::chrono::steady_clock::now();
-  const TriangleMesh mesh = MapGround(drive, poses.site_from_body, options);
+  const TriangleMesh mesh = MapGround(drive, poses.site_from_body, heights, options);
   run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   run.num_triangles = mesh.triangles.size();
 
-  const TriangleMesh truth = ReadPly(fs::path(line.suite) / name / "truth" / "ground_truth.ply");
   std::vector<Eigen::Vector3d> path;
   const Trajectory world_from_body = TrajectoryOf(drive.world_from_imu, drive.true_rig);
   for (const TrajectoryState& state : world_from_body.states())
@@ -197,6 +210,7 @@ int main(int argc, char** argv) {
   app.add_option("--threads", line.num_threads, "Of one run; runs go one after the other")
       ->capture_default_str()
       ->check(CLI::Range(1, 256));
+  app.add_flag("--true-heights", line.has_true_heights, "Heights of the truth are known: what outlines alone cost");
   app.add_option("--json", line.json_file, "Every run");
   app.add_option("--pictures", line.pictures_folder, "A picture per drive: truth and map from above");
   CLI11_PARSE(app, argc, argv);

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "core/error.h"
-#include "mapping/join_free_cells.h"
+#include "mapping/join_cells.h"
 #include "mapping/marching_cubes.h"
 #include "mapping/simplify_sheet.h"
 #include "mapping/surface_links.h"
@@ -139,31 +139,63 @@ TEST(SurfaceLinks, JoinTheNearestHeightAndNoOther) {
   EXPECT_EQ(links.left, (std::vector<int>{-1, -1, 1, -1}));
 }
 
-TEST(JoinFreeCells, HalfOfABlockHasToBeFree) {
-  SurfaceMap surface = MakeSurface(4, 2, 0.05, [](double, double) { return 1.0; });
-  surface.cells[0].free_belief = 0.1F;                                      // one of the first block
-  for (const size_t i : {2u, 3u, 6u}) surface.cells[i].free_belief = 0.1F;  // three of the second
+TEST(JoinCells, TheBeliefIsTheShareThatIsFree) {
+  SurfaceMap surface{0.05,
+                     {{.x = 0, .y = 0, .height = 1, .free_belief = 1},
+                      {.x = 1, .y = 0, .height = 1, .free_belief = 1},
+                      {.x = 0, .y = 1, .height = 1, .free_belief = 0.5F}}};
 
-  const SurfaceMap joined = JoinFreeCells(surface, 2, 0.55, 0.3);
+  const SurfaceMap joined = JoinCells(surface, 2, 0.5, 0.3);
 
-  ASSERT_EQ(joined.cells.size(), 1u);
-  EXPECT_EQ(joined.cells[0].x, 0);
+  ASSERT_EQ(joined.cells.size(), 9u) << "and what lies around it";
   EXPECT_DOUBLE_EQ(joined.cell_size, 0.1);
+  for (const SurfaceCell& cell : joined.cells)
+    EXPECT_FLOAT_EQ(cell.free_belief, cell.x == 0 && cell.y == 0 ? 2.5F / 4 : 0);
 }
 
-TEST(JoinFreeCells, NegativeCellsJoinWithTheirOwn) {
+TEST(JoinCells, TheSlopeGoesOnBeyondTheLastCell) {
+  const SurfaceMap surface = MakeSurface(8, 8, 0.05, [](double x, double) { return 0.2 * x; });
+
+  for (const SurfaceCell& cell : JoinCells(surface, 2, 0.5, 0.3).cells)
+    if (cell.y >= 0 && cell.y < 4) {
+      EXPECT_NEAR(cell.height, 0.2 * 0.1 * (cell.x + 0.5), 1e-5) << cell.x;
+    }
+}
+
+TEST(JoinCells, NegativeCellsJoinWithTheirOwn) {
   SurfaceMap surface{0.05,
                      {{.x = -2, .y = -1, .free_belief = 1},
                       {.x = -1, .y = -1, .free_belief = 1},
                       {.x = 0, .y = -1, .free_belief = 1},
                       {.x = 1, .y = -1, .free_belief = 1}}};
 
-  const SurfaceMap joined = JoinFreeCells(surface, 2, 0.5, 0.3);
+  std::vector<Eigen::Vector2i> free;
+  for (const SurfaceCell& cell : JoinCells(surface, 2, 0.5, 0.3).cells)
+    if (cell.free_belief > 0) free.emplace_back(cell.x, cell.y);
 
-  ASSERT_EQ(joined.cells.size(), 2u);
-  EXPECT_EQ(joined.cells[0].x, -1);
-  EXPECT_EQ(joined.cells[1].x, 0);
-  EXPECT_EQ(joined.cells[0].y, -1);
+  EXPECT_EQ(free, (std::vector<Eigen::Vector2i>{{-1, -1}, {0, -1}}));
+}
+
+/// [m^2] of the mesh of a surface of `size` x `size` cells of 5 cm that is free where `is_free` says.
+double MeshAreaOf(int size, const std::function<bool(double, double)>& is_free) {
+  SurfaceMap surface = MakeSurface(size, size, 0.05, [](double, double) { return 0.0; });
+  for (SurfaceCell& cell : surface.cells)
+    cell.free_belief = is_free((cell.x + 0.5) * 0.05, (cell.y + 0.5) * 0.05) ? 0.999F : 0.001F;
+  const TriangleMesh mesh = MeshSurface(surface);
+  double area = 0;
+  for (const auto& [a, b, c] : mesh.triangles)
+    area +=
+        0.5 * static_cast<double>((mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]).z());
+  return area;
+}
+
+TEST(MeshSurface, AnOutlineLiesWhereTheCellsPutIt) {
+  // Neither grows nor shrinks, whatever its direction and however it meets the joined cells.
+  for (const double edge : {4.0, 4.05, 4.1})
+    EXPECT_NEAR(MeshAreaOf(160, [&](double x, double) { return x < edge; }) / 8, edge, 0.02) << edge;
+  EXPECT_NEAR(MeshAreaOf(160, [](double x, double y) { return x + 0.4 * y < 6; }), 8 * 6 - 0.4 * 32, 0.15);
+  const auto outside_pillar = [](double x, double y) { return std::abs(x - 4) > 0.25 || std::abs(y - 4) > 0.25; };
+  EXPECT_NEAR(64 - MeshAreaOf(160, outside_pillar), 0.25, 0.06);
 }
 
 TEST(SimplifySheet, AFlatSheetOfOneColourNeedsFewTriangles) {
@@ -213,7 +245,7 @@ TEST(MeshSurface, HoldsWhatAMeshPromises) {
   const TriangleMesh mesh = MeshSurface(surface);
 
   EXPECT_NO_THROW(ValidateMesh(mesh));
-  EXPECT_NEAR(SurfaceArea(mesh), 5.9 * 3.9 * std::sqrt(1 + 0.01 + 0.0004), 0.1);
+  EXPECT_NEAR(SurfaceArea(mesh), 6.0 * 4.0 * std::sqrt(1 + 0.01 + 0.0004), 0.1);
   const Eigen::Vector3f up = Eigen::Vector3d(-0.1, -0.02, 1).normalized().cast<float>();
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {
     EXPECT_NEAR(mesh.normals[i].norm(), 1, 1e-5);

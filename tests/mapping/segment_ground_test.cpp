@@ -13,7 +13,12 @@ constexpr int kRays = 60, kRanges = 80;
 
 /// A fan of rays with places every 10 cm, all visible: colours can be painted on it directly.
 GroundGrid MakeFan() {
-  GroundGrid grid{.num_rays = kRays, .num_ranges = kRanges, .angle_step = 0.02, .ranges = {}, .cells = {}};
+  GroundGrid grid{.num_rays = kRays,
+                  .num_ranges = kRanges,
+                  .angle_step = 0.02,
+                  .ranges = {},
+                  .pixel_lengths = std::vector<float>(kRanges, 0.1F),
+                  .cells = {}};
   for (int range = 0; range < kRanges; ++range) grid.ranges.push_back(0.1F * static_cast<float>(range + 5));
   for (int ray = 0; ray < kRays; ++ray)
     for (int range = 0; range < kRanges; ++range) {
@@ -124,8 +129,12 @@ class HidingBehindObstacles : public testing::Test {
  protected:
   /// g ground, n not ground, u unknown: one letter per range of the only ray.
   static std::string Hide(const std::string& before, bool is_trusted) {
-    GroundGrid grid{
-        .num_rays = 1, .num_ranges = static_cast<int>(before.size()), .angle_step = 0.02, .ranges = {}, .cells = {}};
+    GroundGrid grid{.num_rays = 1,
+                    .num_ranges = static_cast<int>(before.size()),
+                    .angle_step = 0.02,
+                    .ranges = {},
+                    .pixel_lengths = std::vector<float>(before.size(), 0.3F),
+                    .cells = {}};
     std::vector<GroundLabel> labels;
     for (size_t i = 0; i < before.size(); ++i) {
       grid.ranges.push_back(0.25F * static_cast<float>(i + 1));
@@ -134,7 +143,10 @@ class HidingBehindObstacles : public testing::Test {
                                           : GroundLabel::kUnknown);
     }
     grid.cells.resize(before.size());
-    HideBehindObstacles(grid, 0.5, is_trusted, labels);
+    SegmentGroundOptions options;
+    options.obstacle_depth = 0.5;
+    options.foot_depth = 0.15;
+    HideBehindObstacles(grid, options, is_trusted, labels);
     std::string after;
     for (const GroundLabel label : labels)
       after += label == GroundLabel::kGround ? 'g' : label == GroundLabel::kNotGround ? 'n' : 'u';

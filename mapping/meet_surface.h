@@ -1,0 +1,13 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "mapping/height_field.h"
+
+namespace parkade {
+
+/// Where the ray from `eye` through `point` meets the surface: its patch, and `point` is moved there. kNone where it
+/// does not, or at so grazing an angle that it cannot be trusted.
+int MeetSurface(const HeightField& field, const Eigen::Vector3d& eye, Eigen::Vector3d& point);
+
+}  // namespace parkade
