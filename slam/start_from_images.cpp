@@ -1,136 +1,166 @@
-#include <Eigen/Cholesky>
+// StartFromImages: hypotheses of the speed, adjusted; the scale from where it can be had.
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <map>
+#include <limits>
 
-#include "slam/imu_preintegration.h"
-#include "slam/landmark_parameters.h"
 #include "slam/start_motion.h"
+#include "slam/start_problem.h"
 
 namespace parkade {
 namespace {
 
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
-
-constexpr double kImageInterval = 0.08;  // [s] between images of one camera that are used
-constexpr size_t kMinObservations = 3;
 constexpr size_t kMinTracks = 15;
-constexpr int kReweightings = 8;
-constexpr double kRobustWidth = 3;          // [sigma] Cauchy
+constexpr double kSpeeds[] = {0.7, 3, 10};  // [m/s] hypotheses
+constexpr int kDirectionPasses = 4;
+constexpr double kRobustAngle = 0.005;  // [rad] off the epipolar plane
+constexpr int kFirstIterations = 12, kLastIterations = 8;
+constexpr int kPasses = 2;                  // at the noise that the pass before found
+constexpr double kCorrelation = 6;          // variance: errors of a track last (docs/decisions.md)
+constexpr double kSystematic = 10;          // the same for what acceleration tells of scale, of its sigma
+constexpr double kSystematicScale = 0.15;   // that is no contradiction between ground and IMU
 constexpr double kMaxTiltSigma = 0.10;      // [rad]
 constexpr double kMaxVelocitySigma = 0.15;  // [m/s] plus a share of the speed
-constexpr double kMaxVelocityShare = 0.10;
-constexpr double kMaxMeanError = 4;   // [sigma] of the median ray after the fit
-constexpr double kUnknownBias = 0.1;  // [m/s^2]
+constexpr double kMaxVelocityShare = 0.10, kMaxVelocityShareOfImu = 0.05;
+constexpr double kMinTiltSigma = 0.03, kMinVelocitySigma = 0.1, kMinBiasSigma = 1e-3;  // [rad, m/s, rad/s] handed on
+constexpr double kMaxNoise = 4;                                                        // [sigma] of the median sight
+constexpr int kGroundRounds = 3;
+constexpr double kSameScale = 0.1;      // of its logarithm
+constexpr double kMaxDisagreement = 3;  // [sigma] between scales
+constexpr double kUnknownBias = 0.1;    // [m/s^2]
+constexpr double kMinRest = 0.9;        // [s] after which a car that moves would show it
+constexpr double kRestingSigmas = 3, kRestingShare = 0.75;
 
-/// point seen along `direction` from velocity * t + gravity * t^2/2 + offset,
-/// all in the IMU frame at the start.
-struct Sight {
-  double t = 0;
-  Eigen::Vector3d direction;
-  Eigen::Vector3d offset;
-  double sigma = 1e-3;
-  double weight = 1;  ///< of its distance [m] across the ray
-};
-
-struct TrackSights {
-  std::vector<Sight> sights;
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();
-};
-
-std::vector<TrackSights> CollectSights(const ImuBuffer& imu, const std::vector<TrackedFrame>& frames, const Rig& rig,
-                                       const ImuBias& bias, Timestamp begin, Timestamp end) {
-  std::map<std::int64_t, TrackSights> tracks;
-  std::vector<Timestamp> last_used(rig.cameras.size(), begin - 1.0);
-  MotionIncrement increment;
-  Timestamp at = begin;
-  for (const TrackedFrame& frame : frames) {
-    const auto camera = static_cast<size_t>(frame.camera);
-    if (frame.time < begin || frame.time > end || frame.time - last_used[camera] < kImageInterval) continue;
-    last_used[camera] = frame.time;
-    if (frame.time > at) {
-      const std::vector<ImuSample> samples = imu.Between(at, frame.time);
-      for (size_t i = 1; i < samples.size(); ++i) Advance(increment, samples[i - 1], samples[i], bias);
-      at = frame.time;
+/// Direction of the velocity [unit] that suits the epipolar planes of first and last sights best, at a speed.
+Eigen::Vector3d DirectionAtSpeed(const StartProblem& problem, const Eigen::Vector3d& gravity, double speed) {
+  StartMotion rest;
+  rest.gravity = gravity;
+  rest.bias = problem.linearised_at;
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  for (int pass = 0; pass < kDirectionPasses; ++pass) {
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (const StartTrack& track : problem.tracks) {
+      const StartSight &first = track.sights.front(), &last = track.sights.back();
+      const StartImage &from = problem.images[first.image], &to = problem.images[last.image];
+      const Eigen::Vector3d normal = (from.rotation * first.bearing).cross(to.rotation * last.bearing);
+      const double time = to.t - from.t;
+      if (!(time > 0)) continue;
+      const double offset = normal.dot(CentreOf(to, rest, rest.bias) - CentreOf(from, rest, rest.bias)) / speed;
+      const double error = pass == 0 ? 0 : (normal.dot(direction) * time + offset) / (time * kRobustAngle);
+      const double weight = 1 / (1 + error * error);
+      information += weight * time * time * normal * normal.transpose();
+      right -= weight * time * offset * normal;
     }
-    const Rigid3 imu_from_camera = rig.ImuFromCamera(camera);
-    for (const FeatureObservation& seen : frame.observations)
-      tracks[seen.track].sights.push_back(
-          {frame.time - begin, increment.rotation * (imu_from_camera.rotation * seen.bearing),
-           increment.position + increment.rotation * imu_from_camera.translation, seen.sigma, 1});
+    // Smallest on the unit sphere: (information + multiplier) direction = right.
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information);
+    const Eigen::Vector3d in_eigen = eigen.eigenvectors().transpose() * right;
+    double low = -eigen.eigenvalues()[0], high = right.norm() + eigen.eigenvalues()[2];
+    for (int i = 0; i < 100; ++i) {
+      const double middle = 0.5 * (low + high);
+      const double norm = (in_eigen.array() / (eigen.eigenvalues().array() + middle)).matrix().norm();
+      (norm > 1 ? low : high) = middle;
+    }
+    direction = eigen.eigenvectors() * (in_eigen.array() / (eigen.eigenvalues().array() + high).max(1e-12)).matrix();
+    if (!(direction.norm() > 0.5)) direction = eigen.eigenvectors().col(0);
+    direction.normalize();
   }
-  std::vector<TrackSights> kept;
-  for (auto& [number, track] : tracks)
-    if (track.sights.size() >= kMinObservations) kept.push_back(std::move(track));
-  return kept;
+  return direction;
 }
 
-struct LinearSystem {
-  Matrix6d information = Matrix6d::Zero();  // of [velocity, gravity]
-  Vector6d right = Vector6d::Zero();
+struct Candidate {
+  StartProblem problem;  // with its points
+  StartFit fit;
 };
 
-struct TrackSystem {
-  Eigen::Matrix3d points = Eigen::Matrix3d::Zero();
-  Eigen::Matrix<double, 3, 6> cross = Eigen::Matrix<double, 3, 6>::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+/// The best of all hypotheses, at the declared noise.
+std::optional<Candidate> BestHypothesis(const StartProblem& problem, const Eigen::Vector3d& gravity) {
+  std::optional<Candidate> best;
+  for (const double speed : kSpeeds) {
+    const Eigen::Vector3d direction = DirectionAtSpeed(problem, gravity, speed);
+    Candidate candidate{problem, {}};
+    StartMotion motion{speed * direction, gravity, problem.linearised_at};
+    const double ahead = PlacePoints(candidate.problem, motion, 1);
+    motion.velocity *= -1;
+    StartProblem backwards = problem;
+    if (PlacePoints(backwards, motion, 1) < ahead)
+      candidate.problem = std::move(backwards);
+    else
+      motion.velocity *= -1;
+    candidate.fit = Adjust(candidate.problem, motion, 1, kFirstIterations);
+    if (!candidate.fit.motion.velocity.allFinite()) continue;
+    if (!best || candidate.fit.cost < best->fit.cost) best = std::move(candidate);
+  }
+  return best;
+}
+
+/// Of the logarithm of the way, as images and IMU have it. What tracks and IMU have in common over seconds looks like
+/// acceleration, which is all that tells scale here: hence far more than white noise.
+double ScaleSigma(const Candidate& candidate) {
+  const Eigen::Vector3d way = WayOf(candidate.problem, candidate.fit.motion);
+  const Eigen::Vector3d ahead = way.normalized();
+  const double variance = ahead.dot(candidate.fit.covariance.topLeftCorner<3, 3>() * ahead);
+  return kSystematic * std::sqrt(std::max(0.0, variance)) * candidate.problem.duration / std::max(way.norm(), 1e-3);
+}
+
+/// The same with everything larger by `factor`, adjusted to `scale` where it is given.
+Candidate Rescaled(const Candidate& candidate, double factor, const std::optional<ScalePrior>& scale, int iterations) {
+  Candidate rescaled = candidate;
+  StartMotion motion = candidate.fit.motion;
+  motion.velocity *= factor;
+  PlacePoints(rescaled.problem, motion, candidate.fit.noise);
+  rescaled.problem.scale = scale;
+  rescaled.fit = Adjust(rescaled.problem, motion, candidate.fit.noise, iterations);
+  return rescaled;
+}
+
+struct KnownScale {
+  double sigma = 0;  ///< of its logarithm; infinite where ground and IMU contradict each other
+  bool is_of_ground = false;
 };
 
-TrackSystem Accumulate(const TrackSights& track, LinearSystem& system) {
-  TrackSystem own;
-  for (const Sight& sight : track.sights) {
-    const Eigen::Matrix3d across =
-        sight.weight * (Eigen::Matrix3d::Identity() - sight.direction * sight.direction.transpose());
-    Eigen::Matrix<double, 3, 6> moved;
-    moved << sight.t * Eigen::Matrix3d::Identity(), 0.5 * sight.t * sight.t * Eigen::Matrix3d::Identity();
-    own.points += across;
-    own.cross -= across * moved;
-    own.right += across * sight.offset;
-    system.information += moved.transpose() * across * moved;
-    system.right -= moved.transpose() * across * sight.offset;
+/// Takes the scale from the ground where it is there to be seen.
+KnownScale UseGround(Candidate& candidate, const Rig& rig) {
+  std::optional<GroundScale> ground = MeasureGroundScale(candidate.problem, rig);
+  for (int round = 0; round < kGroundRounds && ground && std::abs(ground->log_scale) > kSameScale; ++round) {
+    Candidate rescaled = Rescaled(candidate, std::exp(ground->log_scale), {}, kFirstIterations);
+    if (!(rescaled.fit.cost < candidate.fit.cost)) break;
+    candidate = std::move(rescaled);
+    ground = MeasureGroundScale(candidate.problem, rig);
   }
-  own.points += 1e-6 * own.points.trace() * Eigen::Matrix3d::Identity();
-  const Eigen::Matrix<double, 6, 3> gain = own.cross.transpose() * own.points.inverse();
-  system.information -= gain * own.cross;
-  system.right -= gain * own.right;
-  return own;
+  const double sigma = ScaleSigma(candidate);
+  if (!ground) return {sigma, false};
+  if (std::abs(ground->log_scale) > kMaxDisagreement * std::hypot(ground->sigma, sigma, kSystematicScale))
+    return {std::numeric_limits<double>::infinity(), true};
+  const double way = WayOf(candidate.problem, candidate.fit.motion).norm() * std::exp(ground->log_scale);
+  candidate = Rescaled(candidate, std::exp(ground->log_scale), ScalePrior{way, ground->sigma}, kLastIterations);
+  return {1 / std::hypot(1 / sigma, 1 / ground->sigma), true};
 }
 
-/// Minimises the quadratic subject to |gravity| = 9.81 by its Lagrange multiplier.
-std::optional<Vector6d> SolveWithGravityNorm(const LinearSystem& system) {
-  const Eigen::Matrix3d velocity_inverse =
-      (system.information.topLeftCorner<3, 3>() + 1e-9 * Eigen::Matrix3d::Identity()).inverse();
-  const Eigen::Matrix3d gain = system.information.bottomLeftCorner<3, 3>() * velocity_inverse;
-  const Eigen::Matrix3d gravity_information =
-      system.information.bottomRightCorner<3, 3>() - gain * system.information.topRightCorner<3, 3>();
-  const Eigen::Vector3d gravity_right = system.right.tail<3>() - gain * system.right.head<3>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(gravity_information);
-  const Eigen::Vector3d in_eigen = eigen.eigenvectors().transpose() * gravity_right;
-  const double norm = kGravityInOdom.norm();
-  const auto norm_at = [&](double multiplier) {
-    return (in_eigen.array() / (eigen.eigenvalues().array() + multiplier)).matrix().norm();
-  };
-  // The norm falls monotonically right of the smallest pole.
-  double low = -eigen.eigenvalues()[0] * (1 - 1e-9), high = gravity_right.norm() / norm + eigen.eigenvalues()[2];
-  if (!(norm_at(low + 1e-12) > norm)) return std::nullopt;
-  for (int i = 0; i < 200; ++i) {
-    const double middle = 0.5 * (low + high);
-    (norm_at(middle) > norm ? low : high) = middle;
+/// Nothing moves but the IMU's noise, which motors that run may well make.
+bool IsAtRest(const StartProblem& problem) {
+  double num_tracks = 0, num_resting = 0;
+  for (const StartTrack& track : problem.tracks) {
+    const StartSight &first = track.sights.front(), &last = track.sights.back();
+    const StartImage &from = problem.images[first.image], &to = problem.images[last.image];
+    if (to.t - from.t < 0.5 * problem.duration) continue;
+    const Eigen::Vector3d seen_first = from.rotation * first.bearing, seen_last = to.rotation * last.bearing;
+    ++num_tracks;
+    num_resting += seen_first.cross(seen_last).norm() < kRestingSigmas * std::hypot(first.sigma, last.sigma);
   }
-  Vector6d solution;
-  solution.tail<3>() = eigen.eigenvectors() * (in_eigen.array() / (eigen.eigenvalues().array() + high)).matrix();
-  solution.head<3>() =
-      velocity_inverse * (system.right.head<3>() - system.information.topRightCorner<3, 3>() * solution.tail<3>());
-  if (!solution.allFinite()) return std::nullopt;
-  return solution;
+  return problem.duration > kMinRest && num_tracks >= kMinTracks && num_resting > kRestingShare * num_tracks;
 }
 
-double AngularError(const Sight& sight, const Vector6d& solution, const Eigen::Vector3d& point, double& distance) {
-  const Eigen::Vector3d offset =
-      point - (sight.t * solution.head<3>() + 0.5 * sight.t * sight.t * solution.tail<3>() + sight.offset);
-  distance = offset.norm();
-  return std::atan2(sight.direction.cross(offset).norm(), sight.direction.dot(offset));
+StartEstimate MakeStart(const StartProblem& problem, const StartMotion& motion, Timestamp begin, double tilt_sigma,
+                        double velocity_sigma) {
+  StartEstimate start;
+  start.kind = StartKind::kMovingInImages;
+  start.state.time = begin;
+  start.state.gyroscope_bias = motion.bias.gyroscope;
+  start.state.odom_from_imu.rotation = LevelledRotation(motion.gravity);
+  start.state.velocity_in_odom = start.state.odom_from_imu.rotation * motion.velocity;
+  start.uncertainty = {kMinTiltSigma + tilt_sigma, kMinVelocitySigma + velocity_sigma,
+                       std::max(3 * problem.gyroscope.sigma, kMinBiasSigma), kUnknownBias};
+  return start;
 }
 
 }  // namespace
@@ -138,57 +168,29 @@ double AngularError(const Sight& sight, const Vector6d& solution, const Eigen::V
 std::optional<StartEstimate> StartFromImages(const ImuBuffer& imu, const std::vector<TrackedFrame>& frames,
                                              const Rig& rig, const GyroscopeBiasEstimate& bias, Timestamp begin,
                                              Timestamp end) {
-  std::vector<TrackSights> tracks = CollectSights(imu, frames, rig, {bias.bias, Eigen::Vector3d::Zero()}, begin, end);
-  if (tracks.size() < kMinTracks) return std::nullopt;
-  LinearSystem system;
-  Vector6d solution = Vector6d::Zero();
-  std::vector<double> errors;
-  for (int pass = 0; pass < kReweightings; ++pass) {
-    system = {};
-    std::vector<TrackSystem> systems;
-    for (const TrackSights& track : tracks) systems.push_back(Accumulate(track, system));
-    const std::optional<Vector6d> solved = SolveWithGravityNorm(system);
-    if (!solved) return std::nullopt;
-    solution = *solved;
-    errors.clear();
-    for (size_t i = 0; i < tracks.size(); ++i) {
-      tracks[i].point = systems[i].points.ldlt().solve(systems[i].right - systems[i].cross * solution);
-      for (Sight& sight : tracks[i].sights) {
-        double distance = 1;
-        const double error = AngularError(sight, solution, tracks[i].point, distance) / sight.sigma;
-        errors.push_back(error);
-        sight.weight =
-            1 / (std::pow(std::max(distance, 0.1) * sight.sigma, 2) * (1 + std::pow(error / kRobustWidth, 2)));
-      }
-    }
-  }
-  std::nth_element(errors.begin(), errors.begin() + static_cast<long>(errors.size() / 2), errors.end());
-  const double median_error = errors[errors.size() / 2];
+  const StartProblem problem = CollectStartProblem(imu, frames, rig, bias, begin, end);
+  if (problem.tracks.size() < kMinTracks) return std::nullopt;
+  const Eigen::Vector3d mean_gravity = MeanGravity(imu, problem.linearised_at, begin, end);
+  if (IsAtRest(problem))
+    return MakeStart(problem, {Eigen::Vector3d::Zero(), mean_gravity, problem.linearised_at}, begin, 0, 0);
+  std::optional<Candidate> best = BestHypothesis(problem, mean_gravity);
+  if (!best) return std::nullopt;
+  for (int pass = 0; pass < kPasses; ++pass)
+    best->fit = Adjust(best->problem, best->fit.motion, best->fit.noise, kLastIterations);
+  const KnownScale scale = UseGround(*best, rig);
 
-  const Eigen::Vector3d down = solution.tail<3>().normalized();
-  // Gravity moves on its sphere only.
-  Eigen::Matrix<double, 6, 5> free = Eigen::Matrix<double, 6, 5>::Zero();
-  free.topLeftCorner<3, 3>().setIdentity();
-  free.bottomRightCorner<3, 2>() = kGravityInOdom.norm() * BasisAcross(down);
-  const Eigen::Matrix<double, 5, 5> covariance =
-      (free.transpose() * system.information * free + 1e-9 * Eigen::Matrix<double, 5, 5>::Identity()).inverse() *
-      std::max(1.0, median_error * median_error);
-  const auto largest = [](const auto& matrix) { return std::sqrt(matrix.eigenvalues().real().maxCoeff()); };
-  const double velocity_sigma = largest(covariance.topLeftCorner<3, 3>().eval());
-  const double tilt_sigma = largest(covariance.bottomRightCorner<2, 2>().eval());
-  const double speed = solution.head<3>().norm();
-  if (!(median_error < kMaxMeanError && tilt_sigma < kMaxTiltSigma &&
-        velocity_sigma < kMaxVelocitySigma + kMaxVelocityShare * speed))
+  const StartFit& fit = best->fit;
+  if (!fit.covariance.allFinite()) return std::nullopt;
+  const auto largest = [](const auto& matrix) {
+    return std::sqrt(kCorrelation * std::max(0.0, matrix.eigenvalues().real().maxCoeff()));
+  };
+  const double speed = fit.motion.velocity.norm();
+  const double velocity_sigma = std::max(largest(fit.covariance.topLeftCorner<3, 3>().eval()), speed * scale.sigma);
+  const double tilt_sigma = largest(fit.covariance.block<2, 2>(3, 3).eval());
+  const double share = scale.is_of_ground ? kMaxVelocityShare : kMaxVelocityShareOfImu;
+  if (!(fit.noise < kMaxNoise && tilt_sigma < kMaxTiltSigma && velocity_sigma < kMaxVelocitySigma + share * speed))
     return std::nullopt;
-
-  StartEstimate start;
-  start.kind = StartKind::kMovingInImages;
-  start.state.time = begin;
-  start.state.gyroscope_bias = bias.bias;
-  start.state.odom_from_imu.rotation = LevelledRotation(solution.tail<3>());
-  start.state.velocity_in_odom = start.state.odom_from_imu.rotation * solution.head<3>();
-  start.uncertainty = {0.03 + 3 * tilt_sigma, 0.1 + 3 * velocity_sigma, std::max(3 * bias.sigma, 1e-3), kUnknownBias};
-  return start;
+  return MakeStart(problem, fit.motion, begin, tilt_sigma, velocity_sigma);
 }
 
 }  // namespace parkade

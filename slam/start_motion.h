@@ -36,11 +36,13 @@ std::optional<StartEstimate> StartFromStandstill(const ImuBuffer& imu, const Imu
 std::optional<StartEstimate> StartFromWheels(const ImuBuffer& imu, const WheelBuffer& wheels, const Rig& rig,
                                              const GyroscopeBiasEstimate& bias, Timestamp begin, Timestamp end);
 
-/// No wheels: velocity and gravity that make the sight rays of all tracks, of
-/// all cameras, meet. Linear in both but for |g|; scale comes from the
-/// accelerometer and from the distance between cameras that see the same.
-/// A. Martinelli, "Closed-Form Solution of Visual-Inertial Structure from
-/// Motion", IJCV 2014; Y. He et al., CVPR 2023.
+/// No wheels: velocity, gravity and biases that make the sight rays of all tracks,
+/// of all cameras, meet, adjusted from several hypotheses of the speed. Scale comes
+/// from the accelerometer, from the distance between cameras that see the same, and
+/// from the height of the cameras above the ground where the rig knows that.
+/// The unknowns are those of A. Martinelli, "Closed-Form Solution of Visual-Inertial
+/// Structure from Motion", IJCV 2014; its linear solution is not used: it minimises
+/// distances across rays, which are smallest where everything is near and slow.
 std::optional<StartEstimate> StartFromImages(const ImuBuffer& imu, const std::vector<TrackedFrame>& frames,
                                              const Rig& rig, const GyroscopeBiasEstimate& bias, Timestamp begin,
                                              Timestamp end);

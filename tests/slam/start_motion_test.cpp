@@ -79,6 +79,39 @@ TEST(StartFromImages, RefusesACarAtConstantSpeedWhoseScaleNothingTells) {
   EXPECT_FALSE(StartFromImages(imu, drive.frames, drive.rig, {}, drive.imu.front().time, imu.back().time));
 }
 
+/// 1 s straight on at constant speed: nothing but the ground tells scale to cameras that do not see the same.
+std::optional<StartEstimate> StartAtConstantSpeed(std::uint32_t seed, bool knows_ground, double& speed) {
+  SyntheticDriveOptions options;
+  options.seed = seed;
+  options.start = 8;
+  options.duration = 1.2;
+  SyntheticDrive drive = MakeCarDrive(options);
+  if (!knows_ground) drive.rig.vehicle.reset();
+  speed = CarMotion(20)(options.start).velocity.norm();
+  const ImuBuffer imu = BuffersOf(drive).imu;
+  const auto bias = EstimateGyroscopeBias(drive.frames, imu, drive.rig);
+  EXPECT_TRUE(bias);
+  return StartFromImages(imu, drive.frames, drive.rig, *bias, drive.imu.front().time, imu.back().time);
+}
+
+TEST(StartFromImages, TakesTheScaleFromTheHeightOfTheCameras) {
+  for (const std::uint32_t seed : {1u, 2u, 3u, 4u}) {
+    double speed = 0;
+
+    const auto start = StartAtConstantSpeed(seed, /*knows_ground=*/true, speed);
+
+    ASSERT_TRUE(start) << seed;
+    EXPECT_NEAR(start->state.velocity_in_odom.norm(), speed, 0.12 * speed) << seed;
+  }
+}
+
+TEST(StartFromImages, WaitsWhereNeitherGroundNorAccelerationTellScale) {
+  for (const std::uint32_t seed : {1u, 2u, 3u, 4u}) {
+    double speed = 0;
+    EXPECT_FALSE(StartAtConstantSpeed(seed, /*knows_ground=*/false, speed)) << seed;
+  }
+}
+
 TEST(StartFromWheels, FindsTiltAndVelocityWhileBrakingInATurn) {
   SyntheticDriveOptions options;
   options.start = 14.5;
