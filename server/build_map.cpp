@@ -20,31 +20,69 @@ std::vector<GnssFix> ReadFixes(const DriveLog& log) {
   return fixes;
 }
 
-/// Puts the drive's trajectory, loops closed, and its submaps into the site.
-void PlaceOnEarth(const DriveLog& log, size_t index, const GnssAlignOptions& options, SiteMap& map,
-                  DriveOutcome& outcome, std::vector<Submap>&& submaps) {
-  const Trajectory& odom_from_body = outcome.refinement.odom_from_body;
-  SiteDrive& drive = map.drives[index];
-  const std::optional<VehicleCalibration>& vehicle = log.rig().vehicle;
-  const Eigen::Vector3d antenna_in_body =
-      vehicle && vehicle->antenna_in_body ? *vehicle->antenna_in_body : Eigen::Vector3d::Zero();
-  outcome.gnss = AlignToGnss(odom_from_body, ReadFixes(log), antenna_in_body, options, map.datum);
-  const bool is_first = index == 0;
-  Require(is_first || (map.datum && outcome.gnss), ErrorCode::kInvalidInput,
-          "drive '" + drive.name + "' cannot be joined with the others: this version joins drives by GNSS, and " +
-              (outcome.gnss ? "the first drive has" : "this one has") + " none that fixes its place");
-  Rigid3 site_from_odom;
-  if (outcome.gnss) {
-    map.datum = outcome.gnss->datum;
-    site_from_odom = outcome.gnss->site_from_odom;
+/// A drive on its way into the map.
+struct DriveInWork {
+  const RecordedDrive* log = nullptr;
+  OdometryResult odometry;
+  std::optional<CalibratedLog> calibrated;  ///< as all that follows the refinement sees it
+  DriveOutcome outcome;
+};
+
+/// Where GNSS puts each drive, all in one datum: that of the first drive that has one.
+std::optional<SiteDatum> AlignAllToGnss(const GnssAlignOptions& options, std::vector<DriveInWork>& drives) {
+  std::optional<SiteDatum> datum;
+  for (DriveInWork& drive : drives) {
+    const std::optional<VehicleCalibration>& vehicle = drive.log->rig().vehicle;
+    const Eigen::Vector3d antenna_in_body =
+        vehicle && vehicle->antenna_in_body ? *vehicle->antenna_in_body : Eigen::Vector3d::Zero();
+    drive.outcome.gnss =
+        AlignToGnss(drive.outcome.refinement.odom_from_body, ReadFixes(*drive.log), antenna_in_body, options, datum);
+    if (drive.outcome.gnss) datum = drive.outcome.gnss->datum;
   }
-  drive.site_from_body_trajectory = odom_from_body.Transformed(site_from_odom);
-  for (Submap& submap : submaps) {
+  return datum;
+}
+
+/// Puts the drive's final trajectory and its submaps into the site.
+void AddDrive(const DriveInWork& drive, Trajectory&& site_from_body, const SubmapOptions& options, BuiltMap& built) {
+  SiteMap& map = built.site;
+  for (Submap& submap : CutIntoSubmaps(drive.odometry, static_cast<int>(map.drives.size()), options)) {
     const Timestamp begin = submap.keyframes.front().time;
-    const Rigid3 correction = *odom_from_body.At(begin) * drive.odometry.At(begin)->Inverse();
-    const Rigid3 site_from_submap = site_from_odom * correction * submap.odom_from_submap;
+    const Rigid3 site_from_odom = *site_from_body.At(begin) * drive.odometry.odom_from_body.At(begin)->Inverse();
+    const Rigid3 site_from_submap = site_from_odom * submap.odom_from_submap;
     map.submaps.push_back({std::move(submap), site_from_submap});
   }
+  map.drives.push_back(
+      {drive.log->name(), drive.calibrated->rig(), drive.odometry.odom_from_body, std::move(site_from_body)});
+  built.drives.push_back(drive.outcome);
+}
+
+/// Joins the drives to one site; those that do not fit are taken off the list.
+void PlaceInSite(const MapOptions& options, std::vector<DriveInWork>& drives, BuiltMap& built) {
+  built.site.datum = AlignAllToGnss(options.gnss, drives);
+  std::vector<DriveToJoin> to_join;
+  for (const DriveInWork& drive : drives) {
+    built.names.push_back(drive.log->name());
+    const Trajectory& odom_from_body = drive.outcome.refinement.odom_from_body;
+    std::vector<Place> places;  // one drive has nothing to be linked with
+    if (drives.size() > 1)
+      places = PlacesAlong(*drive.calibrated, drive.odometry.odom_from_body, odom_from_body, options.loops.places);
+    to_join.push_back({odom_from_body, std::move(places), drive.outcome.loops, drive.outcome.gnss});
+  }
+  built.join = JoinDrives(to_join, options.loops, options.links);
+  bool has_gnss = false;
+  std::vector<DriveInWork> kept;
+  for (size_t i = 0; i < drives.size(); ++i) {
+    JoinedDrive& joined = built.join.drives[i];
+    if (!joined.left_out.empty()) {
+      built.warnings.push_back("drive '" + built.names[i] + "' is left out, as it does not fit: " + joined.left_out);
+      continue;
+    }
+    has_gnss = has_gnss || drives[i].outcome.gnss;
+    AddDrive(drives[i], std::move(joined.site_from_body), options.submaps, built);
+    kept.push_back(std::move(drives[i]));
+  }
+  drives = std::move(kept);
+  if (!has_gnss) built.site.datum.reset();
 }
 
 /// What all drives saw of the ground, and where they drove, in the site.
@@ -93,8 +131,10 @@ void StoreOdometry(const OdometryResult& odometry, const std::string& drive, con
 std::vector<StagePlan> PlanStages(size_t num_drives, bool is_odometry_only) {
   // Weights are shares of the time that a typical drive takes.
   const double drives = static_cast<double>(num_drives);
-  std::vector<StagePlan> plan = {
-      {"track", 70 * drives}, {"close loops", 15 * drives}, {"refine", 10 * drives}, {"place on earth", 2 * drives}};
+  std::vector<StagePlan> plan = {{"track", 70 * drives},
+                                 {"close loops", 15 * drives},
+                                 {"refine", 10 * drives},
+                                 {"join drives", num_drives > 1 ? 15 * drives : 2}};
   if (!is_odometry_only)
     plan.insert(plan.end(), {{"observe ground", 15 * drives},
                              {"fuse surface", 5 * drives},
@@ -115,49 +155,44 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
   };
 
   progress.Begin("track");
-  std::vector<OdometryResult> odometry;
+  std::vector<DriveInWork> drives(logs.size());
   for (size_t i = 0; i < logs.size(); ++i) {
-    odometry.push_back(scope.from.empty() ? EstimateTrajectory(*logs[i], options.odometry, share_of_drive(i))
-                                          : ReadStoredOdometry(*logs[i], scope.from));
-    if (!scope.products.empty()) StoreOdometry(odometry[i], logs[i]->name(), scope.products);
+    drives[i].log = logs[i].get();
+    drives[i].odometry = scope.from.empty() ? EstimateTrajectory(*logs[i], options.odometry, share_of_drive(i))
+                                            : ReadStoredOdometry(*logs[i], scope.from);
+    if (!scope.products.empty()) StoreOdometry(drives[i].odometry, logs[i]->name(), scope.products);
+    drives[i].outcome.log = i;
+    drives[i].outcome.odometry = drives[i].odometry.report;
+    drives[i].outcome.num_keyframes = drives[i].odometry.keyframes.size();
   }
 
   progress.Begin("close loops");
-  for (size_t i = 0; i < logs.size(); ++i) {
+  for (size_t i = 0; i < drives.size(); ++i) {
+    const OdometryResult& odometry = drives[i].odometry;
+    const auto review = scope.loops.find(drives[i].log->name());
     // Cameras are where and when odometry found them to be.
-    const CalibratedLog calibrated(*logs[i], odometry[i].rig);
-    const Trajectory& odom_from_body = odometry[i].odom_from_body;
-    DriveOutcome& outcome = built.drives.emplace_back();
-    outcome.odometry = odometry[i].report;
-    outcome.num_keyframes = odometry[i].keyframes.size();
-    const auto review = scope.loops.find(logs[i]->name());
-    outcome.loops = CloseLoops(calibrated, odom_from_body, options.loops,
-                               review == scope.loops.end() ? LoopReview{} : review->second);
+    drives[i].outcome.loops = CloseLoops(CalibratedLog(*drives[i].log, odometry.rig), odometry.odom_from_body,
+                                         options.loops, review == scope.loops.end() ? LoopReview{} : review->second);
     share_of_drive(i)(1);
   }
 
   progress.Begin("refine");
-  std::vector<CalibratedLog> drives;  // as all that follows sees them
-  for (size_t i = 0; i < logs.size(); ++i) {
-    DriveOutcome& outcome = built.drives[i];
-    outcome.refinement = RefineDrive(odometry[i], logs[i]->rig(), outcome.loops, options.refinement);
-    odometry[i].measurements.reset();
-    drives.emplace_back(*logs[i], outcome.refinement.rig);
-    map.drives.push_back({drives[i].name(), drives[i].rig(), odometry[i].odom_from_body, {}});
+  for (size_t i = 0; i < drives.size(); ++i) {
+    DriveInWork& drive = drives[i];
+    drive.outcome.refinement = RefineDrive(drive.odometry, drive.log->rig(), drive.outcome.loops, options.refinement);
+    drive.odometry.measurements.reset();
+    drive.calibrated.emplace(*drive.log, drive.outcome.refinement.rig);
     share_of_drive(i)(1);
   }
 
-  progress.Begin("place on earth");
-  for (size_t i = 0; i < logs.size(); ++i) {
-    std::vector<Submap> submaps = CutIntoSubmaps(odometry[i], static_cast<int>(i), options.submaps);
-    PlaceOnEarth(*logs[i], i, options.gnss, map, built.drives[i], std::move(submaps));
-  }
+  progress.Begin("join drives");
+  PlaceInSite(options, drives, built);
   if (scope.is_odometry_only) return built;
 
   progress.Begin("observe ground");
   SiteGround ground;
-  for (size_t i = 0; i < logs.size(); ++i) {
-    ObserveGroundOf(drives[i], static_cast<int>(i), options.ground, built, ground);
+  for (size_t i = 0; i < drives.size(); ++i) {
+    ObserveGroundOf(*drives[i].calibrated, static_cast<int>(i), options.ground, built, ground);
     share_of_drive(i)(1);
   }
 
@@ -170,7 +205,7 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
 
   progress.Begin("texture");
   std::vector<TextureSource> sources;
-  for (size_t i = 0; i < logs.size(); ++i) sources.push_back({&drives[i], &ground.paths[i]});
+  for (size_t i = 0; i < drives.size(); ++i) sources.push_back({&*drives[i].calibrated, &ground.paths[i]});
   map.texture = PaintTexture(map.mesh, map.surface, sources, options.texture);
   return built;
 }

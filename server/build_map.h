@@ -11,12 +11,14 @@
 #include "server/ingest/recorded_drive.h"
 #include "server/map_options.h"
 #include "server/progress.h"
+#include "slam/join_drives.h"
 #include "slam/refine_drive.h"
 
 namespace parkade {
 
 /// What is known about one drive of a map beyond the map itself.
 struct DriveOutcome {
+  size_t log = 0;  ///< index among the logs that were given
   OdometryReport odometry;
   LoopClosure loops;
   DriveRefinement refinement;
@@ -29,6 +31,8 @@ struct DriveOutcome {
 struct BuiltMap {
   SiteMap site;
   std::vector<DriveOutcome> drives;   ///< as SiteMap::drives
+  DriveJoin join;                     ///< of all drives that were given
+  std::vector<std::string> names;     ///< of these
   std::vector<std::string> warnings;  ///< one sentence each
 };
 
@@ -45,9 +49,8 @@ struct BuildScope {
 
 /// The program: recorded drives of one place in, one map out.
 ///
-/// Drives come together through GNSS: each is laid into the tangent plane at the
-/// first one's datum. Throws Error{kInvalidInput} when several drives are given
-/// and one of them cannot be placed on Earth, and what the stages throw.
+/// Drives are joined by places that both passed and by GNSS (JoinDrives). One that does not fit is left out, with a
+/// warning. Throws what the stages throw.
 BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const MapOptions& options,
                   const BuildScope& scope, Progress& progress);
 

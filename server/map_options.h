@@ -7,6 +7,7 @@
 #include "slam/align_to_gnss.h"
 #include "slam/close_loops.h"
 #include "slam/cut_into_submaps.h"
+#include "slam/drive_links.h"
 #include "slam/estimate_trajectory.h"
 #include "slam/refinement_options.h"
 
@@ -17,6 +18,7 @@ struct MapOptions {
   OdometryOptions odometry;
   LoopOptions loops;
   RefinementOptions refinement;
+  DriveLinkOptions links;
   SubmapOptions submaps;
   GnssAlignOptions gnss;
   GroundOptions ground;
@@ -29,6 +31,7 @@ struct MapOptions {
     visit("odometry", odometry);
     visit("loops", loops);
     visit("refinement", refinement);
+    visit("links", links);
     visit("submaps", submaps);
     visit("gnss", gnss);
     visit("ground", ground);

@@ -94,7 +94,12 @@ void WriteReport(const BuiltMap& built, const std::vector<std::unique_ptr<Record
   const Eigen::AlignedBox3d bounds = BoundsOf(map);
   report["bounds"] = {{"min", NumbersOf(bounds.min())}, {"max", NumbersOf(bounds.max())}};
   for (size_t i = 0; i < map.drives.size(); ++i)
-    report["drives"].push_back(DriveToJson(map.drives[i], built.drives[i], *logs[i]));
+    report["drives"].push_back(DriveToJson(map.drives[i], built.drives[i], *logs[built.drives[i].log]));
+  if (built.names.size() > 1) report["join"] = ToJson(built.join, built.names);
+  report["left_out"] = Json::array();
+  for (size_t i = 0; i < built.names.size(); ++i)
+    if (const std::string& reason = built.join.drives[i].left_out; !reason.empty())
+      report["left_out"].push_back({{"name", built.names[i]}, {"reason", reason}});
   report["map"] = MapToJson(map);
   report["warnings"] = built.warnings;
   // Names of topics come from the log and may hold any bytes.

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "slam/place_graph.h"
 #include "slam/relative_pose_baselines.h"
 #include "slam/reviewed_loops.h"
 #include "slam/robust_pose_graph.h"
@@ -11,29 +12,12 @@
 namespace parkade {
 namespace {
 
-double Square(double x) { return x * x; }
-
 /// Vertex 0 is the world, vertex i + 1 is place i.
 PoseGraph GraphOf(const std::vector<Place>& places, const LoopOptions& options) {
-  PoseGraph graph;
-  graph.vertices.push_back({-1'000'000, {}, true});
-  for (size_t i = 0; i < places.size(); ++i)
-    graph.vertices.push_back({static_cast<std::int64_t>(i), places[i].odom_from_place, i == 0});
-  for (size_t i = 0; i < places.size(); ++i) {
-    if (i > 0) {
-      const double way = std::max(places[i].distance - places[i - 1].distance, 0.1);
-      Vector6d variances;
-      variances << Eigen::Vector3d::Constant(Square(options.odometry_translation) * way),
-          Eigen::Vector3d(Square(options.odometry_tilt), Square(options.odometry_tilt),
-                          Square(options.odometry_yaw) * way);
-      graph.edges.push_back({i, i + 1, places[i - 1].odom_from_place.Inverse() * places[i].odom_from_place,
-                             variances.cwiseInverse().asDiagonal(), true});
-    }
-    // Gravity: places are level, whatever their yaw and position.
-    PoseGraphEdge gravity{0, i + 1, places[i].odom_from_place, Matrix6d::Zero(), true};
-    gravity.information(3, 3) = gravity.information(4, 4) = 1 / Square(options.odometry_tilt);
-    graph.edges.push_back(gravity);
-  }
+  PoseGraph graph = WorldGraph();
+  std::vector<Rigid3> poses;
+  for (const Place& place : places) poses.push_back(place.odom_from_place);
+  graph.vertices[AddPlaces(places, poses, options, 0, graph)].is_fixed = true;
   return graph;
 }
 

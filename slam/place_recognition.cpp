@@ -77,12 +77,13 @@ std::vector<bool> FindPossibleRevisits(const std::vector<Place>& places, const R
   return is_possible;
 }
 
-std::vector<PlaceCandidate> RecognisePlaces(const std::vector<Place>& places, const RecognitionOptions& options) {
-  options.Validate();
+std::vector<PlaceCandidate> FindAlikePlaces(const std::vector<const Place*>& places,
+                                            const std::function<bool(size_t, size_t)>& is_possible,
+                                            int max_candidates) {
   std::vector<std::vector<std::uint32_t>> words;
   std::unordered_map<std::uint32_t, std::vector<size_t>> places_with;
   for (size_t i = 0; i < places.size(); ++i) {
-    words.push_back(WordsOf(places[i]));
+    words.push_back(WordsOf(*places[i]));
     for (const std::uint32_t word : words.back()) places_with[word].push_back(i);
   }
   const auto inverse_frequency = [&](size_t count) {
@@ -108,14 +109,23 @@ std::vector<PlaceCandidate> RecognisePlaces(const std::vector<Place>& places, co
     }
     std::vector<PlaceCandidate> found;
     for (size_t earlier = 0; earlier < later; ++earlier)
-      if (scores[earlier] > 0 && IsPossible(places[earlier], places[later], options))
+      if (scores[earlier] > 0 && is_possible(earlier, later))
         found.push_back({earlier, later, scores[earlier] / (norms[earlier] * norms[later])});
     std::stable_sort(found.begin(), found.end(),
                      [](const PlaceCandidate& a, const PlaceCandidate& b) { return a.score > b.score; });
-    found.resize(std::min(found.size(), static_cast<size_t>(options.max_candidates)));
+    found.resize(std::min(found.size(), static_cast<size_t>(max_candidates)));
     candidates.insert(candidates.end(), found.begin(), found.end());
   }
   return candidates;
+}
+
+std::vector<PlaceCandidate> RecognisePlaces(const std::vector<Place>& places, const RecognitionOptions& options) {
+  options.Validate();
+  std::vector<const Place*> all;
+  for (const Place& place : places) all.push_back(&place);
+  return FindAlikePlaces(
+      all, [&](size_t earlier, size_t later) { return IsPossible(places[earlier], places[later], options); },
+      options.max_candidates);
 }
 
 }  // namespace parkade

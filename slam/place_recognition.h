@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "slam/place.h"
@@ -36,12 +37,16 @@ struct PlaceCandidate {
 /// their points come. One flag per place.
 std::vector<bool> FindPossibleRevisits(const std::vector<Place>& places, const RecognitionOptions& options);
 
-/// Earlier places that look like later ones and that odometry does not rule out.
+/// Earlier places that look like later ones, among the pairs (earlier, later) that are possible.
 /// Words are fixed groups of 16 bits of the descriptors, four per feature, so that
 /// there is no vocabulary to train or to ship (locality-sensitive hashing: P. Indyk,
 /// R. Motwani, STOC 1998); all cameras of a place make one document, so that the left
 /// camera finds what the right one saw. Inverted index, tf-idf (J. Sivic,
-/// A. Zisserman, "Video Google", ICCV 2003). In order of `later`, then of score.
+/// A. Zisserman, "Video Google", ICCV 2003). In order of `later`, then of score, at most `max_candidates` of each.
+std::vector<PlaceCandidate> FindAlikePlaces(const std::vector<const Place*>& places,
+                                            const std::function<bool(size_t, size_t)>& is_possible, int max_candidates);
+
+/// Alike places of one drive that its odometry does not rule out.
 std::vector<PlaceCandidate> RecognisePlaces(const std::vector<Place>& places, const RecognitionOptions& options);
 
 }  // namespace parkade

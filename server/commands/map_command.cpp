@@ -28,8 +28,8 @@ namespace parkade {
 namespace {
 
 struct MapArguments {
-  std::vector<std::string> logs;
-  std::string rig, out, from, progress_file, cameras, loops, freespace_model;
+  std::vector<std::string> logs, rigs;
+  std::string out, from, progress_file, cameras, loops, freespace_model;
   std::vector<std::string> settings, rejected_loops, forced_loops;
   bool no_wheel = false, no_gnss = false, no_refine = false, is_odometry_only = false;
   bool print_options = false, is_quiet = false;
@@ -48,17 +48,24 @@ std::vector<std::string> SplitAtCommas(const std::string& text) {
 
 std::vector<std::unique_ptr<RecordedDrive>> OpenLogs(const MapArguments& arguments) {
   OpenLogOptions options;
-  options.rig_folder = arguments.rig;
   options.cameras = SplitAtCommas(arguments.cameras);
   options.use_wheels = !arguments.no_wheel;
   options.use_gnss = !arguments.no_gnss;
   std::vector<std::unique_ptr<RecordedDrive>> drives;
   std::set<std::string> names;
-  for (const std::string& log : arguments.logs) {
-    drives.push_back(OpenDriveLog(log, options));
+  Require(arguments.rigs.size() <= 1 || arguments.rigs.size() == arguments.logs.size(), ErrorCode::kUsage,
+          "--rig is given once for all logs, or once for each, in their order");
+  for (size_t i = 0; i < arguments.logs.size(); ++i) {
+    const std::string rig = arguments.rigs.empty() ? "-" : arguments.rigs[std::min(i, arguments.rigs.size() - 1)];
+    options.rig_folder = rig == "-" ? "" : rig;
+    drives.push_back(OpenDriveLog(arguments.logs[i], options));
     Require(names.insert(drives.back()->name()).second, ErrorCode::kInvalidInput,
             "two of the logs are called '" + drives.back()->name() + "'; a drive's name is that of its file");
   }
+  // The same drives make the same map, in whatever order they are given.
+  std::sort(drives.begin(), drives.end(), [](const auto& a, const auto& b) {
+    return std::pair(a->span().begin, a->name()) < std::pair(b->span().begin, b->name());
+  });
   return drives;
 }
 
@@ -156,7 +163,11 @@ void AddMapCommand(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<MapArguments>();
   CLI::App* command = app.add_subcommand("map", "Build one map from one or more drives of one place");
   command->add_option("LOG", arguments->logs, "ROS 1 bag, MCAP, rosbag2, EuRoC folder or archive of one");
-  command->add_option("--rig", arguments->rig, "folder with camchain-imucam.yaml, imu0.yaml and vehicle.yaml");
+  command
+      ->add_option("--rig", arguments->rigs,
+                   "folder with camchain-imucam.yaml, imu0.yaml and vehicle.yaml; once for all logs or once for each, "
+                   "in their order ('-': the log's own)")
+      ->allow_extra_args(false);
   command->add_option("--out", arguments->out, "folder for the map; made where missing");
   command->add_option("--cameras", arguments->cameras, "use these cameras only: cam0,cam2");
   command->add_flag("--no-wheel", arguments->no_wheel, "leave wheel odometry out");

@@ -25,7 +25,8 @@ std::vector<std::string> WorkerCommand(const JobSpec& spec) {
   // By this name the running program is found even after an upgrade replaced its file.
   std::vector<std::string> command = {"/proc/self/exe", "map"};
   command.insert(command.end(), spec.logs.begin(), spec.logs.end());
-  if (spec.rig) command.insert(command.end(), {"--rig", *spec.rig});
+  for (const std::filesystem::path& rig : spec.rigs)
+    command.insert(command.end(), {"--rig", rig.empty() ? "-" : rig.string()});
   if (spec.from) command.insert(command.end(), {"--from", *spec.from});
   for (const std::string& loop : spec.rejected_loops) command.insert(command.end(), {"--reject-loop", loop});
   for (const std::string& loop : spec.forced_loops) command.insert(command.end(), {"--force-loop", loop});

@@ -20,14 +20,12 @@ std::vector<Drive> DrivesOf(Store& store, const Job& job) {
   });
 }
 
-std::optional<fs::path> RigFolderOf(Store& store, const std::vector<Drive>& drives) {
-  const std::optional<std::string> name = drives.front().rig;
-  for (const Drive& drive : drives)
-    Require(drive.rig == name, ErrorCode::kInvalidInput, "the drives of this job were recorded with different rigs");
-  if (!name) return std::nullopt;
+/// Empty where the drive names no rig.
+fs::path RigFolderOf(Store& store, const Drive& drive) {
+  if (!drive.rig) return {};
   const std::optional<Rig> rig =
-      store.database.Read([&](Connection& connection) { return FindRig(connection, *name); });
-  Require(rig.has_value(), ErrorCode::kNotFound, "there is no rig '" + *name + "'");
+      store.database.Read([&](Connection& connection) { return FindRig(connection, *drive.rig); });
+  Require(rig.has_value(), ErrorCode::kNotFound, "there is no rig '" + *drive.rig + "'");
   return store.directory.RigFolder(rig->id);
 }
 
@@ -45,7 +43,7 @@ AttemptFolder::AttemptFolder(Store& store, const Job& job) : path_(store.directo
   const std::vector<Drive> drives = DrivesOf(store, job);
   spec_.job = job.id;
   spec_.attempt = job.attempt;
-  spec_.rig = RigFolderOf(store, drives);
+  for (const Drive& drive : drives) spec_.rigs.push_back(RigFolderOf(store, drive));
   spec_.from = MapToStartFrom(store, job);
   spec_.rejected_loops = job.review.rejected_loops;
   spec_.forced_loops = job.review.forced_loops;

@@ -16,8 +16,7 @@ namespace parkade {
 /// input/ and out/ are gone when this object is.
 class AttemptFolder {
  public:
-  /// Throws Error{kNotFound} when a drive was deleted, Error{kInvalidInput} when
-  /// the drives name different rigs, Error{kDiskFull}.
+  /// Throws Error{kNotFound} when a drive or its rig was deleted, Error{kDiskFull}.
   AttemptFolder(Store& store, const Job& job);
   ~AttemptFolder();
   AttemptFolder(const AttemptFolder&) = delete;

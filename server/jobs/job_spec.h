@@ -13,7 +13,7 @@ struct JobSpec {
   std::string job;                            ///< id, for messages only
   int attempt = 1;                            ///< counts from 1
   std::vector<std::filesystem::path> logs;    ///< drive logs; the file name is the drive's name in the map
-  std::optional<std::filesystem::path> rig;   ///< folder with the rig files
+  std::vector<std::filesystem::path> rigs;    ///< per log: folder with the rig files; empty: what the log says
   std::optional<std::filesystem::path> from;  ///< finished map whose odometry is taken instead of tracking again
   std::vector<std::string> rejected_loops, forced_loops;  ///< [DRIVE:]LOOP
   std::filesystem::path out;                              ///< empty folder for the products

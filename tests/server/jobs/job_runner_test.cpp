@@ -30,8 +30,9 @@ class JobRunning : public StoreTest {
     JobRunnerOptions options;
     options.stop_patience = milliseconds(300);
     options.command = [script](const JobSpec& spec) {
+      const std::filesystem::path& rig = spec.rigs.at(0);
       return std::vector<std::string>{"/bin/sh", "-c",          script,          "worker",
-                                      spec.out,  spec.progress, spec.logs.at(0), spec.rig.value_or("none")};
+                                      spec.out,  spec.progress, spec.logs.at(0), rig.empty() ? "none" : rig};
     };
     return options;
   }

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slam/align_to_gnss.h"
+#include "slam/close_loops.h"
+#include "slam/drive_links.h"
+
+namespace parkade {
+
+/// One drive as it stands alone: loops closed and refined.
+struct DriveToJoin {
+  Trajectory odom_from_body;          ///< final
+  std::vector<Place> places;          ///< all of them, see PlacesAlong
+  LoopClosure loops;                  ///< between these places
+  std::optional<GnssAlignment> gnss;  ///< all drives' in one datum
+};
+
+/// The places that CloseLoops found along `odometry`, described anew where `odom_from_body` puts them; empty
+/// descriptors where `log` has no images near them.
+std::vector<Place> PlacesAlong(const DriveLog& log, const Trajectory& odometry, const Trajectory& odom_from_body,
+                               const PlaceOptions& options);
+
+/// Two drives and what links them.
+struct DrivePair {
+  size_t drive_a = 0, drive_b = 0;
+  DriveLinks found;
+  std::vector<double> weights;      ///< of found.links: 1 where the joint graph believed it
+  std::vector<double> chi_squared;  ///< [sigma^2] of found.links once all drives are joined
+
+  int num_accepted() const;
+};
+
+/// One drive in the site's frame, or why it is left out.
+struct JoinedDrive {
+  Trajectory site_from_body;  ///< empty where left out
+  std::string left_out;       ///< reason; empty where joined
+};
+
+struct DriveJoin {
+  std::vector<JoinedDrive> drives;  ///< as they were given
+  std::vector<DrivePair> pairs;
+  double seconds = 0;  ///< of computing
+};
+
+/// Joins drives of one place: links of all pairs by LinkDrives, gated by GNSS where both have it; one pose graph of all
+/// places, with the drives' own loops, GNSS and gravity, in which graduated non-convexity doubts the links. Kept is the
+/// largest set of drives that hang together by links or GNSS (of equal ones that with the longest way); a drive that
+/// does not is left out with a reason. `site` is the datum's tangent plane where a kept drive has GNSS, else the
+/// odometry frame of the first kept drive. A single drive is only placed.
+DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops, const DriveLinkOptions& links);
+
+/// \param names  of the drives
+nlohmann::json ToJson(const DriveJoin& join, const std::vector<std::string>& names);
+
+}  // namespace parkade
