@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "slam/odometry_drift.h"
 #include "slam/place_graph.h"
 #include "slam/relative_pose_baselines.h"
 #include "slam/reviewed_loops.h"
@@ -107,6 +108,19 @@ void AddLoop(const PlaceCandidate& candidate, const LoopEvidence& loop, const Lo
   graph.edges.push_back({first, first + 1, camera_from_camera, loop.pose.information, loop.is_forced});
 }
 
+/// `by_options`, or what the odometry says of itself within a factor.
+double Drift(double by_odometry, double by_options) {
+  constexpr double kLeast = 0.3, kMost = 2;
+  return by_odometry > 0 ? std::clamp(by_odometry, kLeast * by_options, kMost * by_options) : by_options;
+}
+
+LoopOptions WithDriftOf(const Trajectory& odometry, LoopOptions options) {
+  const OdometryDrift drift = DriftOf(odometry);
+  options.odometry_translation = Drift(drift.translation, options.odometry_translation);
+  options.odometry_yaw = Drift(drift.yaw, options.odometry_yaw);
+  return options;
+}
+
 /// Poses of the places once loops are closed; sets the loops' weights.
 std::vector<Rigid3> Optimize(const std::vector<Place>& places, const std::vector<PlaceCandidate>& candidates,
                              const LoopOptions& options, LoopClosure& closure) {
@@ -189,7 +203,7 @@ LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const Lo
   reviewed.AddForced(candidates);
   closure.loops = Measure(places, candidates, options);
   for (LoopEvidence& loop : closure.loops) reviewed.Judge(loop);
-  const std::vector<Rigid3> poses = Optimize(places, candidates, options, closure);
+  const std::vector<Rigid3> poses = Optimize(places, candidates, WithDriftOf(odometry, options), closure);
   for (size_t i = 0; i < places.size(); ++i)
     closure.largest_correction =
         std::max(closure.largest_correction, (poses[i].translation - places[i].odom_from_place.translation).norm());

@@ -17,9 +17,10 @@ struct LoopOptions {
   PlaceOptions places;
   RecognitionOptions recognition;
   RelativePoseOptions relative_pose;
-  // Random walk of the odometry over a way of d metres: sigma = value * sqrt(d).
-  double odometry_translation = 0.005;  ///< [m / sqrt(m)]
-  double odometry_yaw = 0.001;          ///< [rad / sqrt(m)]
+  // Random walk of the odometry over a way of d metres: sigma = value * sqrt(d). Where the odometry gives a covariance,
+  // that counts, within 0.3 to 2 times these.
+  double odometry_translation = 0.003;  ///< [m / sqrt(m)]
+  double odometry_yaw = 0.0006;         ///< [rad / sqrt(m)]
   double odometry_tilt = 0.0005;        ///< [rad] of roll and pitch, which do not drift
   // Of a loop by the five-point method, the same for all.
   double scale_less_rotation = 0.01;    ///< [rad]

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <opencv2/core/hal/hal.hpp>
+
+#include "slam/likest_feature.h"
 
 namespace parkade {
 namespace {
@@ -31,9 +32,7 @@ std::optional<Guess> FindNear(const Place& place, size_t index, const Place& oth
                               const RelativePoseOptions& options) {
   const PlaceFeature& feature = place.features[index];
   const Eigen::Vector3d point = other_from_place * *feature.point;
-  const uchar* descriptor = place.descriptors.ptr(static_cast<int>(index));
-  int best = options.max_hamming + 1, second = 256;
-  size_t found = 0;
+  LikestFeature likest(place.descriptors.ptr(static_cast<int>(index)));
   for (const auto& [camera, features] : by_camera) {
     const Eigen::Vector3d view = point - other.features[features.front()].origin;
     const double distance = view.norm();
@@ -41,20 +40,11 @@ std::optional<Guess> FindNear(const Place& place, size_t index, const Place& oth
     const double off = std::hypot(kPosePlace, feature.depth_sigma) / distance;
     const double cosine = std::cos(std::min(kMaxAngle, kSigmas * std::hypot(off, kPoseAngle)));
     const Eigen::Vector3d direction = view / distance;
-    for (const size_t i : features) {
-      if (other.features[i].bearing.dot(direction) < cosine) continue;
-      const int hamming = cv::hal::normHamming(descriptor, other.descriptors.ptr(static_cast<int>(i)), 32);
-      if (hamming < best) {
-        second = best;
-        best = hamming;
-        found = i;
-      } else {
-        second = std::min(second, hamming);
-      }
-    }
+    for (const size_t i : features)
+      if (other.features[i].bearing.dot(direction) >= cosine) likest.Look(other, i);
   }
-  if (best > options.max_hamming || best > options.ratio * second) return std::nullopt;
-  return Guess{{index, found}, best};
+  const std::optional<size_t> found = likest.Found(options.max_hamming, options.ratio);
+  return found ? std::optional(Guess{{index, *found}, likest.hamming()}) : std::nullopt;
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
-#include <opencv2/core/hal/hal.hpp>
-
 #include "core/parallel.h"
 #include "slam/describe_places.h"
+#include "slam/likest_feature.h"
 #include "slam/triangulate.h"
 
 namespace parkade {
@@ -19,9 +18,7 @@ constexpr double kExtraSigma = 5e-4;  // [rad] of the odometry between places
 /// two are alike.
 std::optional<size_t> FindAlong(const Place& place, size_t index, const Place& other, const Rigid3& place_from_other) {
   const PlaceFeature& feature = place.features[index];
-  const uchar* descriptor = place.descriptors.ptr(static_cast<int>(index));
-  int best = kMaxHamming + 1, second = 256;
-  std::optional<size_t> found;
+  LikestFeature likest(place.descriptors.ptr(static_cast<int>(index)));
   for (size_t i = 0; i < other.features.size(); ++i) {
     const PlaceFeature& candidate = other.features[i];
     if (candidate.camera != feature.camera) continue;
@@ -31,17 +28,9 @@ std::optional<size_t> FindAlong(const Place& place, size_t index, const Place& o
     if (size < 0.02) continue;  // [m] no parallax along the way of the car
     const Eigen::Vector3d bearing = place_from_other.rotation * candidate.bearing;
     const double sigma = feature.sigma + candidate.sigma + kExtraSigma;
-    if (std::abs(normal.dot(bearing)) > kMaxOffPlane * sigma * size) continue;
-    const int hamming = cv::hal::normHamming(descriptor, other.descriptors.ptr(static_cast<int>(i)), 32);
-    if (hamming < best) {
-      second = best;
-      best = hamming;
-      found = i;
-    } else {
-      second = std::min(second, hamming);
-    }
+    if (std::abs(normal.dot(bearing)) <= kMaxOffPlane * sigma * size) likest.Look(other, i);
   }
-  return best <= kMaxHamming && best < kRatio * second ? found : std::nullopt;
+  return likest.Found(kMaxHamming, kRatio);
 }
 
 void TriangulateFeature(std::span<const Place> places, size_t index, size_t i, const PlaceOptions& options,

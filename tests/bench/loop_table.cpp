@@ -128,6 +128,7 @@ std::vector<LoopRun> RunLoops(const SuiteDrive& drive, const TrackedDrive& track
     run.scene = drive.scene;
     run.method = method;
     run.odometry_seconds = odometry.report.seconds;
+    run.drift = DriftOf(odometry.odom_from_body);
     run.duration = log.span().Seconds();
     run.seconds = closure.seconds;
     Evaluate(drive, log.rig(), closure.odom_from_body, run);
@@ -174,6 +175,7 @@ nlohmann::json ToJson(const LoopRun& run) {
                          {"num_opposite_found", run.num_opposite_found},
                          {"seconds", run.seconds},
                          {"odometry_seconds", run.odometry_seconds},
+                         {"odometry_drift", {{"translation", run.drift.translation}, {"yaw", run.drift.yaw}}},
                          {"accepted", accepted}};
   if (run.mixed.num_wrong > 0)
     json["mixed"] = {{"num_right", run.mixed.num_right},

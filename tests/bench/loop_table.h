@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "slam/close_loops.h"
+#include "slam/odometry_drift.h"
 #include "slam/refine_drive.h"
 #include "tests/bench/odometry_table.h"
 #include "tests/bench/wrong_loops.h"
@@ -32,6 +33,7 @@ struct LoopRun {
   int num_opposite_chances = 0, num_opposite_found = 0;  ///< places that were passed before the other way around
   double seconds = 0;                                    ///< of closing loops or refining
   double odometry_seconds = 0, duration = 0;             ///< of tracking; of the drive
+  OdometryDrift drift;                                   ///< as the odometry claims it
   MixedLoops mixed;                                      ///< of the way "rig", where wrong loops were asked for
   double mixed_ate = 0;                                  ///< [m] with them
   DriveRefinement refinement;                            ///< of rig+refine
