@@ -11,7 +11,7 @@ struct RefinementOptions {
   double bearing_inflation = 1;      ///< on the sigma that odometry found
   double robust_width = 2;           ///< [sigma] Cauchy loss of bearings, wheels and loops
   double max_bearing_error = 5;      ///< [sigma] a bearing further off is left out
-  int max_iterations = 6;            ///< of each of the two or three solves
+  int max_iterations = 10;           ///< of each of the two or three solves
   int max_knots = 5000;              ///< adjusted at once; longer drives in pieces, calibration held
   double held_out_share = 0.2;       ///< of tracks and loops, which judge the result before they join it
   double wheel_scale_sigma = 0.01;   ///< of the tyres' radius before the drive tells
