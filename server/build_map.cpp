@@ -10,16 +10,6 @@
 namespace parkade {
 namespace {
 
-std::vector<GnssFix> ReadFixes(const DriveLog& log) {
-  ReadOptions only_gnss;
-  only_gnss.imu = only_gnss.wheels = only_gnss.images = false;
-  std::vector<GnssFix> fixes;
-  const std::unique_ptr<RecordStream> records = log.Read(only_gnss);
-  while (std::optional<SensorRecord> record = records->Next())
-    if (const auto* fix = std::get_if<GnssFix>(&*record)) fixes.push_back(*fix);
-  return fixes;
-}
-
 /// A drive on its way into the map.
 struct DriveInWork {
   const RecordedDrive* log = nullptr;
@@ -32,11 +22,9 @@ struct DriveInWork {
 std::optional<SiteDatum> AlignAllToGnss(const GnssAlignOptions& options, std::vector<DriveInWork>& drives) {
   std::optional<SiteDatum> datum;
   for (DriveInWork& drive : drives) {
-    const std::optional<VehicleCalibration>& vehicle = drive.log->rig().vehicle;
-    const Eigen::Vector3d antenna_in_body =
-        vehicle && vehicle->antenna_in_body ? *vehicle->antenna_in_body : Eigen::Vector3d::Zero();
+    const GnssPositions gnss = ReadGnss(*drive.log, options);
     drive.outcome.gnss =
-        AlignToGnss(drive.outcome.refinement.odom_from_body, ReadFixes(*drive.log), antenna_in_body, options, datum);
+        AlignToGnss(drive.outcome.refinement.odom_from_body, gnss.fixes, gnss.antenna_in_body, options, datum);
     if (drive.outcome.gnss) datum = drive.outcome.gnss->datum;
   }
   return datum;
@@ -179,7 +167,8 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
   progress.Begin("refine");
   for (size_t i = 0; i < drives.size(); ++i) {
     DriveInWork& drive = drives[i];
-    drive.outcome.refinement = RefineDrive(drive.odometry, drive.log->rig(), drive.outcome.loops, options.refinement);
+    drive.outcome.refinement = RefineDrive(drive.odometry, drive.log->rig(), drive.outcome.loops, options.refinement,
+                                           ReadGnss(*drive.log, options.gnss));
     drive.odometry.measurements.reset();
     drive.calibrated.emplace(*drive.log, drive.outcome.refinement.rig);
     share_of_drive(i)(1);
