@@ -52,6 +52,16 @@ void Evaluate(const SuiteDrive& drive, const Rig& rig, const Trajectory& odom_fr
   run.length = error.path_length;
 }
 
+MountError MountErrorOf(const Rig& rig, const Rig& true_rig) {
+  MountError worst;
+  for (size_t i = 0; i < rig.cameras.size(); ++i) {
+    const Rigid3 off = true_rig.ImuFromCamera(i).Inverse() * rig.ImuFromCamera(i);
+    worst.rotation = std::max(worst.rotation, off.rotation.angularDistance(Eigen::Quaterniond::Identity()));
+    worst.translation = std::max(worst.translation, off.translation.norm());
+  }
+  return worst;
+}
+
 bool IsOpposite(const Rigid3& a, const Rigid3& b) { return a.rotation.angularDistance(b.rotation) > kOpposite; }
 
 void CountOpposite(const Truth& truth, const Trajectory& odometry, const LoopOptions& options, LoopRun& run,
@@ -128,6 +138,7 @@ std::vector<LoopRun> RunLoops(const SuiteDrive& drive, const TrackedDrive& track
     run.scene = drive.scene;
     run.method = method;
     run.odometry_seconds = odometry.report.seconds;
+    run.mount_error = MountErrorOf(odometry.rig, drive.true_rig_at_end);
     run.drift = DriftOf(odometry.odom_from_body);
     run.duration = log.span().Seconds();
     run.seconds = closure.seconds;
@@ -146,6 +157,7 @@ std::vector<LoopRun> RunLoops(const SuiteDrive& drive, const TrackedDrive& track
     refined.method = method + "+refine";
     refined.refinement = RefineDrive(odometry, log.rig(), closure, table_options.refinement,
                                      table_options.uses_gnss ? ReadGnss(log, {}) : GnssPositions{});
+    refined.mount_error = MountErrorOf(refined.refinement.rig, drive.true_rig_at_end);
     refined.seconds = refined.refinement.seconds;
     Evaluate(drive, log.rig(), refined.refinement.odom_from_body, refined);
     runs.push_back(std::move(refined));
@@ -161,22 +173,24 @@ nlohmann::json ToJson(const LoopRun& run) {
                         {"num_inliers", error.num_inliers},
                         {"is_opposite", error.is_opposite},
                         {"height", error.height}});
-  nlohmann::json json = {{"drive", run.drive},
-                         {"scene", run.scene},
-                         {"method", run.method},
-                         {"length", run.length},
-                         {"duration", run.duration},
-                         {"ate", run.ate},
-                         {"drift_percent", run.drift_percent},
-                         {"num_candidates", run.num_candidates},
-                         {"num_measured", run.num_measured},
-                         {"num_wrong", run.num_wrong},
-                         {"num_opposite_chances", run.num_opposite_chances},
-                         {"num_opposite_found", run.num_opposite_found},
-                         {"seconds", run.seconds},
-                         {"odometry_seconds", run.odometry_seconds},
-                         {"odometry_drift", {{"translation", run.drift.translation}, {"yaw", run.drift.yaw}}},
-                         {"accepted", accepted}};
+  nlohmann::json json = {
+      {"drive", run.drive},
+      {"scene", run.scene},
+      {"method", run.method},
+      {"length", run.length},
+      {"duration", run.duration},
+      {"ate", run.ate},
+      {"drift_percent", run.drift_percent},
+      {"num_candidates", run.num_candidates},
+      {"num_measured", run.num_measured},
+      {"num_wrong", run.num_wrong},
+      {"num_opposite_chances", run.num_opposite_chances},
+      {"num_opposite_found", run.num_opposite_found},
+      {"seconds", run.seconds},
+      {"odometry_seconds", run.odometry_seconds},
+      {"mount_error", {{"rotation", run.mount_error.rotation}, {"translation", run.mount_error.translation}}},
+      {"odometry_drift", {{"translation", run.drift.translation}, {"yaw", run.drift.yaw}}},
+      {"accepted", accepted}};
   if (run.mixed.num_wrong > 0)
     json["mixed"] = {{"num_right", run.mixed.num_right},
                      {"num_wrong", run.mixed.num_wrong},

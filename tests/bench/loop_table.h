@@ -22,6 +22,12 @@ struct LoopError {
   double height = 0;         ///< [m] between the two places in truth
 };
 
+/// The worst camera of a rig against the true one.
+struct MountError {
+  double rotation = 0;     ///< [rad]
+  double translation = 0;  ///< [m]
+};
+
 /// One drive, one way to close its loops, and what came of it.
 struct LoopRun {
   std::string drive, scene, method;  ///< method: none, pnp, scale-less, rotation-only, rig, rig+refine
@@ -33,6 +39,7 @@ struct LoopRun {
   int num_opposite_chances = 0, num_opposite_found = 0;  ///< places that were passed before the other way around
   double seconds = 0;                                    ///< of closing loops or refining
   double odometry_seconds = 0, duration = 0;             ///< of tracking; of the drive
+  MountError mount_error;                                ///< of the cameras as found by odometry, or by the refinement
   OdometryDrift drift;                                   ///< as the odometry claims it
   MixedLoops mixed;                                      ///< of the way "rig", where wrong loops were asked for
   double mixed_ate = 0;                                  ///< [m] with them
