@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/log.h"
 #include "slam/calibrated_log.h"
 #include "slam/odometry_file.h"
 
@@ -62,7 +63,7 @@ void PlaceInSite(const MapOptions& options, std::vector<DriveInWork>& drives, Bu
   for (size_t i = 0; i < drives.size(); ++i) {
     JoinedDrive& joined = built.join.drives[i];
     if (!joined.left_out.empty()) {
-      built.warnings.push_back("drive '" + built.names[i] + "' is left out, as it does not fit: " + joined.left_out);
+      built.left_out.push_back({built.names[i], "it does not fit the others: " + joined.left_out});
       continue;
     }
     has_gnss = has_gnss || drives[i].outcome.gnss;
@@ -98,15 +99,26 @@ void ObserveGroundOf(const DriveLog& log, int drive, const GroundOptions& option
 
 constexpr const char* kOdometryFile = "odometry.bin";
 
-OdometryResult ReadStoredOdometry(const DriveLog& log, const std::filesystem::path& map) {
-  const std::filesystem::path file = map / log.name() / kOdometryFile;
-  Require(std::filesystem::exists(file), ErrorCode::kInvalidInput,
-          "the map to start from holds no odometry of drive '" + log.name() + "'");
+OdometryResult ReadStoredOdometry(const DriveLog& log, const std::filesystem::path& file) {
   OdometryResult odometry = ReadOdometry(file, log.rig());
   const TimeSpan stored = odometry.odom_from_body.span(), recorded = log.span();
   Require(recorded.Contains(stored.begin) && recorded.Contains(stored.end), ErrorCode::kInvalidInput,
-          "the odometry of drive '" + log.name() + "' in the map to start from is of another log");
+          "it is of another log");
   return odometry;
+}
+
+/// From the map to start from where it holds this drive's, else tracked.
+OdometryResult OdometryOf(const DriveLog& log, const std::filesystem::path& from, const OdometryOptions& options,
+                          const ProgressCallback& progress) {
+  const std::filesystem::path file = from / log.name() / kOdometryFile;
+  if (!from.empty() && std::filesystem::exists(file)) {
+    try {
+      return ReadStoredOdometry(log, file);
+    } catch (const Error& error) {
+      LogWarning("drive '" + log.name() + "' is tracked again, as its stored odometry cannot be used: " + error.what());
+    }
+  }
+  return EstimateTrajectory(log, options, progress);
 }
 
 void StoreOdometry(const OdometryResult& odometry, const std::string& drive, const std::filesystem::path& folder) {
@@ -143,16 +155,27 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
   };
 
   progress.Begin("track");
-  std::vector<DriveInWork> drives(logs.size());
+  built.left_out = scope.unreadable;
+  std::vector<DriveInWork> drives;
   for (size_t i = 0; i < logs.size(); ++i) {
-    drives[i].log = logs[i].get();
-    drives[i].odometry = scope.from.empty() ? EstimateTrajectory(*logs[i], options.odometry, share_of_drive(i))
-                                            : ReadStoredOdometry(*logs[i], scope.from);
-    if (!scope.products.empty()) StoreOdometry(drives[i].odometry, logs[i]->name(), scope.products);
-    drives[i].outcome.log = i;
-    drives[i].outcome.odometry = drives[i].odometry.report;
-    drives[i].outcome.num_keyframes = drives[i].odometry.keyframes.size();
+    DriveInWork drive;
+    drive.log = logs[i].get();
+    try {
+      drive.odometry = OdometryOf(*logs[i], scope.from, options.odometry, share_of_drive(i));
+    } catch (const Error& error) {
+      if (logs.size() == 1 || error.code() != ErrorCode::kInvalidInput) throw;
+      built.left_out.push_back({logs[i]->name(), error.what()});
+      continue;
+    }
+    if (!scope.products.empty()) StoreOdometry(drive.odometry, logs[i]->name(), scope.products);
+    drive.outcome.log = i;
+    drive.outcome.odometry = drive.odometry.report;
+    drive.outcome.num_keyframes = drive.odometry.keyframes.size();
+    drives.push_back(std::move(drive));
   }
+  Require(
+      !drives.empty(), ErrorCode::kInvalidInput,
+      "none of the drives can be used; the first: " + (built.left_out.empty() ? "" : built.left_out.front().reason));
 
   progress.Begin("close loops");
   for (size_t i = 0; i < drives.size(); ++i) {
@@ -176,6 +199,8 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
 
   progress.Begin("join drives");
   PlaceInSite(options, drives, built);
+  for (const LeftOutDrive& drive : built.left_out)
+    built.warnings.push_back("drive '" + drive.name + "' is left out: " + drive.reason);
   if (scope.is_odometry_only) return built;
 
   progress.Begin("observe ground");

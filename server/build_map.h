@@ -27,12 +27,18 @@ struct DriveOutcome {
   int num_ground_images = 0;
 };
 
+/// A drive that the map is made without.
+struct LeftOutDrive {
+  std::string name, reason;
+};
+
 /// A map and how it came about.
 struct BuiltMap {
   SiteMap site;
-  std::vector<DriveOutcome> drives;   ///< as SiteMap::drives
-  DriveJoin join;                     ///< of all drives that were given
-  std::vector<std::string> names;     ///< of these
+  std::vector<DriveOutcome> drives;  ///< as SiteMap::drives
+  DriveJoin join;                    ///< of all drives that have odometry
+  std::vector<std::string> names;    ///< of these
+  std::vector<LeftOutDrive> left_out;
   std::vector<std::string> warnings;  ///< one sentence each
 };
 
@@ -42,15 +48,16 @@ std::vector<StagePlan> PlanStages(size_t num_drives, bool is_odometry_only);
 /// How much of the way to go.
 struct BuildScope {
   bool is_odometry_only = false;            ///< trajectories, no surface
-  std::filesystem::path from;               ///< finished map of the same logs whose odometry is taken; empty: track
+  std::filesystem::path from;               ///< finished map whose odometry is taken for the drives it has
   std::filesystem::path products;           ///< folder in which odometry is stored per drive; empty: not stored
   std::map<std::string, LoopReview> loops;  ///< what a reviewer decided, by drive
+  std::vector<LeftOutDrive> unreadable;     ///< logs that are left out from the beginning
 };
 
 /// The program: recorded drives of one place in, one map out.
 ///
-/// Drives are joined by places that both passed and by GNSS (JoinDrives). One that does not fit is left out, with a
-/// warning. Throws what the stages throw.
+/// Drives are joined by places that both passed and by GNSS (JoinDrives). One of several that cannot be used or does
+/// not fit is left out, with a warning. Throws what the stages throw.
 BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const MapOptions& options,
                   const BuildScope& scope, Progress& progress);
 

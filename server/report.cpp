@@ -97,9 +97,8 @@ void WriteReport(const BuiltMap& built, const std::vector<std::unique_ptr<Record
     report["drives"].push_back(DriveToJson(map.drives[i], built.drives[i], *logs[built.drives[i].log]));
   if (built.names.size() > 1) report["join"] = ToJson(built.join, built.names);
   report["left_out"] = Json::array();
-  for (size_t i = 0; i < built.names.size(); ++i)
-    if (const std::string& reason = built.join.drives[i].left_out; !reason.empty())
-      report["left_out"].push_back({{"name", built.names[i]}, {"reason", reason}});
+  for (const LeftOutDrive& drive : built.left_out)
+    report["left_out"].push_back({{"name", drive.name}, {"reason", drive.reason}});
   report["map"] = MapToJson(map);
   report["warnings"] = built.warnings;
   // Names of topics come from the log and may hold any bytes.

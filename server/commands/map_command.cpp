@@ -46,7 +46,9 @@ std::vector<std::string> SplitAtCommas(const std::string& text) {
   return parts;
 }
 
-std::vector<std::unique_ptr<RecordedDrive>> OpenLogs(const MapArguments& arguments) {
+/// The logs in the order of their time. Of several, one that cannot be used is put on `unreadable`.
+std::vector<std::unique_ptr<RecordedDrive>> OpenLogs(const MapArguments& arguments,
+                                                     std::vector<LeftOutDrive>& unreadable) {
   OpenLogOptions options;
   options.cameras = SplitAtCommas(arguments.cameras);
   options.use_wheels = !arguments.no_wheel;
@@ -58,10 +60,18 @@ std::vector<std::unique_ptr<RecordedDrive>> OpenLogs(const MapArguments& argumen
   for (size_t i = 0; i < arguments.logs.size(); ++i) {
     const std::string rig = arguments.rigs.empty() ? "-" : arguments.rigs[std::min(i, arguments.rigs.size() - 1)];
     options.rig_folder = rig == "-" ? "" : rig;
-    drives.push_back(OpenDriveLog(arguments.logs[i], options));
+    try {
+      drives.push_back(OpenDriveLog(arguments.logs[i], options));
+    } catch (const Error& error) {
+      if (arguments.logs.size() == 1 || error.code() != ErrorCode::kInvalidInput) throw;
+      unreadable.push_back({std::filesystem::path(arguments.logs[i]).stem(), error.what()});
+      continue;
+    }
     Require(names.insert(drives.back()->name()).second, ErrorCode::kInvalidInput,
             "two of the logs are called '" + drives.back()->name() + "'; a drive's name is that of its file");
   }
+  Require(!drives.empty(), ErrorCode::kInvalidInput,
+          "none of the logs can be used; the first: " + (unreadable.empty() ? "" : unreadable.front().reason));
   // The same drives make the same map, in whatever order they are given.
   std::sort(drives.begin(), drives.end(), [](const auto& a, const auto& b) {
     return std::pair(a->span().begin, a->name()) < std::pair(b->span().begin, b->name());
@@ -107,8 +117,11 @@ BuildScope ScopeOf(const MapArguments& arguments, const std::vector<std::unique_
 
 void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Progress& progress) {
   OutputFolder output(arguments.out);
-  const std::vector<std::unique_ptr<RecordedDrive>> drives = OpenLogs(arguments);
-  const BuiltMap built = BuildMap(drives, options, ScopeOf(arguments, drives, output.staging()), progress);
+  std::vector<LeftOutDrive> unreadable;
+  const std::vector<std::unique_ptr<RecordedDrive>> drives = OpenLogs(arguments, unreadable);
+  BuildScope scope = ScopeOf(arguments, drives, output.staging());
+  scope.unreadable = std::move(unreadable);
+  const BuiltMap built = BuildMap(drives, options, scope, progress);
   WriteProducts(drives, built, options, progress, output.staging());
   output.Commit();
   for (const std::string& warning : built.warnings) LogWarning(warning);
@@ -178,7 +191,7 @@ void AddMapCommand(CLI::App& app, Action& action) {
   command->add_option("--freespace-model", arguments->freespace_model,
                       "ONNX network that finds drivable ground, instead of the built-in one (docs/freespace.md)");
   command->add_option("--from", arguments->from,
-                      "finished map of the same logs: its odometry is taken, nothing is tracked again");
+                      "finished map: its odometry is taken for the drives it has, which are not tracked again");
   command
       ->add_option("--reject-loop", arguments->rejected_loops, "[DRIVE:]LOOP, by the id in report.json: never closed")
       ->allow_extra_args(false);

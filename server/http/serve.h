@@ -17,7 +17,7 @@ struct ServeOptions {
   bool allow_public = false;              ///< listen on other than loopback addresses, without authentication
   std::filesystem::path web_root;         ///< the built viewer; "/" says how to build it where missing
   int num_workers = 1;                    ///< jobs at a time
-  bool merge_drives = false;              ///< a job maps all drives of its site; false: the new one alone
+  bool merge_drives = true;               ///< a job maps all drives of its site; false: the new one alone
   std::int64_t disk_reserve = std::int64_t{2} << 30;  ///< [bytes] uploads leave free
   int num_threads = 64;                               ///< connections served at a time
   int drain_seconds = 20;                             ///< [s] requests under way may take after SIGTERM

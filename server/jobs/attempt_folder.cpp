@@ -29,12 +29,15 @@ fs::path RigFolderOf(Store& store, const Drive& drive) {
   return store.directory.RigFolder(rig->id);
 }
 
-/// Published maps never change and are never deleted while the service runs: the worker may read there.
+/// The version that a review names. A job of several drives takes the site's latest, so that its work grows with what
+/// is new. Published maps never change and are never deleted while the service runs: the worker may read there.
 std::optional<fs::path> MapToStartFrom(Store& store, const Job& job) {
-  if (!job.review.from_version) return std::nullopt;
-  const MapVersion map = store.database.Read(
-      [&](Connection& connection) { return FindMap(connection, job.site, *job.review.from_version); });
-  return store.directory.MapFolder(map.id);
+  return store.database.Read([&](Connection& connection) -> std::optional<fs::path> {
+    std::int64_t version = job.review.from_version.value_or(0);
+    if (version == 0 && job.drives.size() > 1) version = NextMapVersion(connection, job.site) - 1;
+    if (version == 0) return std::nullopt;
+    return store.directory.MapFolder(FindMap(connection, job.site, version).id);
+  });
 }
 
 }  // namespace

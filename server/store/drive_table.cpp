@@ -40,6 +40,12 @@ Drive Only(Statement query, const std::string& id) {
   return FromRow(query);
 }
 
+std::vector<std::string> Ids(Statement query) {
+  std::vector<std::string> ids;
+  while (query.Step()) ids.push_back(query.Text(0));
+  return ids;
+}
+
 }  // namespace
 
 void InsertDrive(Connection& connection, const Drive& drive) {
@@ -69,11 +75,14 @@ std::vector<Drive> ListDrives(Connection& connection, const Page& page, const st
 }
 
 std::vector<std::string> DrivesOfSite(Connection& connection, const std::string& site) {
-  std::vector<std::string> ids;
-  Statement query =
-      connection.Query("SELECT id FROM drives WHERE site = ? AND deleted_at IS NULL ORDER BY sequence", site);
-  while (query.Step()) ids.push_back(query.Text(0));
-  return ids;
+  return Ids(connection.Query("SELECT id FROM drives WHERE site = ? AND deleted_at IS NULL ORDER BY sequence", site));
+}
+
+std::vector<std::string> UsableDrivesOfSite(Connection& connection, const std::string& site) {
+  return Ids(
+      connection.Query("SELECT id FROM drives WHERE site = ? AND deleted_at IS NULL AND state NOT IN ('failed', "
+                       "'received') ORDER BY sequence",
+                       site));
 }
 
 std::string FreeDriveName(Connection& connection, const std::string& site, const std::string& wanted) {

@@ -32,7 +32,7 @@ Job QueueFirstJob(Connection& connection, const Drive& drive, bool merge_drives)
   job.id = NewId();
   job.site = drive.site;
   job.created_at = drive.created_at;
-  job.drives = merge_drives ? DrivesOfSite(connection, drive.site) : std::vector{drive.id};
+  job.drives = merge_drives ? UsableDrivesOfSite(connection, drive.site) : std::vector{drive.id};
   InsertJob(connection, job);
   return FindJob(connection, job.id);
 }

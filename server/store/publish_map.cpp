@@ -93,7 +93,12 @@ MapVersion PublishMap(Store& store, const Job& job, const fs::path& staging) {
   SyncToDisk(folder.parent_path());
   store.database.Write([&](Connection& connection) {
     map.version = NextMapVersion(connection, map.site);
-    for (const std::string& drive : job.drives) map.drives.push_back(FindDriveOrTombstone(connection, drive));
+    std::vector<Drive> left_out;
+    for (const std::string& id : job.drives) {
+      Drive drive = FindDriveOrTombstone(connection, id);
+      (report.left_out.contains(drive.name) ? left_out : map.drives).push_back(std::move(drive));
+    }
+    Require(!map.drives.empty(), ErrorCode::kInternal, "the worker left all drives out and made a map");
     InsertMap(connection, map);
     const bool is_current =
         EndJob(connection, job.id, job.attempt, {JobState::kDone, std::nullopt, std::nullopt, map.version});
@@ -103,6 +108,16 @@ MapVersion PublishMap(Store& store, const Job& job, const fs::path& staging) {
       SetDriveState(connection, drive.id, DriveState::kReady, std::nullopt);
       const auto streams = report.streams_of_drive.find(drive.name);
       if (streams != report.streams_of_drive.end()) SetDriveStreams(connection, drive.id, streams->second);
+    }
+    for (const Drive& drive : left_out) {
+      const std::string reason =
+          "left out of version " + std::to_string(map.version) + ": " + report.left_out.at(drive.name);
+      // What already made it into a map stays ready, whatever comes later.
+      if (HasMap(connection, drive.id)) {
+        SetDriveState(connection, drive.id, DriveState::kReady, std::nullopt);
+      } else {
+        SetDriveState(connection, drive.id, DriveState::kFailed, reason);
+      }
     }
   });
   undo.Keep();

@@ -25,6 +25,10 @@ ReportSummary ReadReportSummary(const std::filesystem::path& report) {
   ReportSummary summary;
   summary.datum = ObjectAt(json, "datum");
   summary.bounds = ObjectAt(json, "bounds");
+  if (const auto left_out = json.find("left_out"); left_out != json.end() && left_out->is_array())
+    for (const nlohmann::json& drive : *left_out)
+      if (drive.is_object() && drive.contains("name") && drive["name"].is_string())
+        summary.left_out[drive["name"]] = drive.value("reason", "it is left out of the map");
   const auto drives = json.find("drives");
   if (drives == json.end() || !drives->is_array()) return summary;
   for (const nlohmann::json& drive : *drives) {

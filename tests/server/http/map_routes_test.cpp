@@ -148,5 +148,20 @@ TEST_F(Maps, AreBuiltOnlyFromWhatMakesSense) {
   ExpectProblem(build(""), 400, "invalid_input");
 }
 
+class MergedMaps : public RunningService {
+ protected:
+  MergedMaps() { options_.merge_drives = true; }
+};
+
+TEST_F(MergedMaps, GrowWithEachDriveOfTheSite) {
+  MapNow("log ok\n");
+  EXPECT_EQ(MapNow("log ok again\n", "?filename=b.bag&site=lot").at("state"), "done");
+  MapNow("log ok elsewhere\n", "?filename=c.bag&site=street");
+
+  EXPECT_EQ(client().Get("/api/v1/sites/lot/maps/1/map.glb")->body, "glTF of 1 drives");
+  EXPECT_EQ(client().Get("/api/v1/sites/lot/maps/2/map.glb")->body, "glTF of 2 drives");
+  EXPECT_EQ(client().Get("/api/v1/sites/street/maps/1/map.glb")->body, "glTF of 1 drives");
+}
+
 }  // namespace
 }  // namespace parkade

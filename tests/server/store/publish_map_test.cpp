@@ -70,6 +70,24 @@ TEST_F(PublishedMap, VersionsCountUpPerSite) {
   EXPECT_EQ(PublishMap(store_, again, Stage()).version, 2);
 }
 
+TEST_F(PublishedMap, ADriveThatTheWorkerLeftOutFailsWithTheReason) {
+  Receive(store_, "another log", {"b.bag", "lot", std::nullopt});
+  PublishMap(store_, job_, Stage());
+  ClaimJob(store_);  // of b alone
+  const Job both = (QueueMap(store_, "lot", {}, true), *ClaimJob(store_));
+  const auto staging = store_.directory.AttemptFolder(both.id, 1) / "out";
+  WriteText(staging / "map.glb", "glTF");
+  WriteText(staging / "report.json", R"({"left_out": [{"name": "b", "reason": "no places in common"}]})");
+  const MapVersion map = PublishMap(store_, both, staging);
+
+  ASSERT_EQ(map.drives.size(), 1u);
+  EXPECT_EQ(map.drives[0].name, "a");
+  const Drive left_out =
+      store_.database.Read([&](Connection& connection) { return FindDrive(connection, both.drives[1]); });
+  EXPECT_EQ(left_out.state, DriveState::kFailed);
+  EXPECT_EQ(left_out.error, "left out of version 2: no places in common");
+}
+
 TEST_F(PublishedMap, ADriveStaysReadyWhenALaterJobFails) {
   PublishMap(store_, job_, Stage());
   QueueMap(store_, "lot", {}, false);
