@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kBatch = 0.2;           // [s] of the log handled at a time
 constexpr double kMinOverlap = 0.05;     // of two cameras' views that is worth matching
-constexpr double kMaxPairTime = 0.015;   // [s] between two images that are matched across cameras
+constexpr double kMaxPairTime = 0.06;    // [s] between two images that are matched across cameras: any, at 10 Hz
 constexpr double kSameTime = 1e-3;       // [s] within which no motion needs to be known
 constexpr double kMatchInterval = 0.07;  // [s] between two images of a camera that another's tracks are sought in
 constexpr int kMissesPerTry = 4;         // images after which a track that another camera did not show is sought again

@@ -10,6 +10,7 @@ namespace {
 constexpr size_t kMinPairs = 10;
 constexpr int kReweightings = 6;
 constexpr double kMinWidth = 1e-3;  // [rad] of the Cauchy weights
+constexpr double kExplained = 0.3;  // share of the turn that may be left of an error
 
 double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
@@ -48,6 +49,14 @@ std::optional<Turn> FitTurn(const std::vector<DirectionPair>& pairs) {
   }
   turn.angle = turn.measured_from_predicted.angularDistance(Eigen::Quaterniond::Identity());
   turn.error_after = Median(errors);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double num_explained = 0;
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    if (errors[i] > std::max(kMinWidth, kExplained * turn.angle)) continue;
+    sum += pairs[i].measured;
+    ++num_explained;
+  }
+  turn.spread = num_explained > 0 ? 1 - sum.norm() / num_explained : 0;
   return turn;
 }
 

@@ -19,6 +19,7 @@ struct Turn {
   double angle = 0;         ///< [rad] of it
   double error_before = 0;  ///< [rad] median over the pairs
   double error_after = 0;   ///< [rad] median once turned
+  double spread = 0;  ///< 1 - |mean direction| of the pairs that it explains: 0.01 is one object, 0.5 a whole view
 };
 
 /// Robust least squares over the pairs (Wahba's problem, reweighted); nothing for

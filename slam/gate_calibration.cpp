@@ -9,6 +9,7 @@ using Vector8d = Eigen::Matrix<double, 8, 1>;
 using Matrix8d = Eigen::Matrix<double, 8, 8>;
 
 constexpr double kMaxVarianceShare = 0.25;  // of the prior's variance that may be left along a refined direction
+constexpr double kMaxHonestShare = 0.7;     // likewise of the estimate's real variance
 
 struct Part {
   const char* name;
@@ -38,6 +39,18 @@ Vector8d Difference(const CameraParameters& to, const CameraParameters& from) {
   return difference;
 }
 
+/// In units of the prior's sigmas; what is not estimated is known as well as by the prior.
+Matrix8d Whitened(const Matrix8d& covariance, const Vector8d& unit, const Eigen::Array<bool, 8, 1>& is_estimated) {
+  Matrix8d whitened = unit.cwiseInverse().asDiagonal() * covariance * unit.cwiseInverse().asDiagonal();
+  for (int k = 0; k < 8; ++k) {
+    if (is_estimated[k]) continue;
+    whitened.row(k).setZero();
+    whitened.col(k).setZero();
+    whitened(k, k) = 1;
+  }
+  return whitened;
+}
+
 CalibratedQuantity::Status StatusOf(Eigen::Index num_refined, int size) {
   if (num_refined == 0) return CalibratedQuantity::Status::kKept;
   return num_refined == size ? CalibratedQuantity::Status::kRefined : CalibratedQuantity::Status::kPartlyRefined;
@@ -47,34 +60,32 @@ CalibratedQuantity::Status StatusOf(Eigen::Index num_refined, int size) {
 
 GatedCalibration GateCalibration(const std::string& camera, const CameraSettings& settings,
                                  const CameraParameters& rig_parameters, const CameraParameters& estimate,
-                                 const Matrix8d& covariance) {
+                                 const CalibrationCovariance& covariance) {
   const Eigen::Array<bool, 8, 1> is_estimated = Estimated(settings);
   const Vector8d prior = PriorSigmas(settings);
   const Vector8d unit = is_estimated.select(prior.array(), 1.0).matrix();
-  Matrix8d whitened = unit.cwiseInverse().asDiagonal() * covariance * unit.cwiseInverse().asDiagonal();
-  for (int k = 0; k < 8; ++k) {
-    if (is_estimated[k]) continue;
-    whitened.row(k).setZero();
-    whitened.col(k).setZero();
-    whitened(k, k) = 1;
-  }
-  const Eigen::SelfAdjointEigenSolver<Matrix8d> eigen(whitened);
+  const Matrix8d assumed = Whitened(covariance.assumed, unit, is_estimated);
+  const Matrix8d honest = Whitened(covariance.honest, unit, is_estimated);
+  const Eigen::SelfAdjointEigenSolver<Matrix8d> eigen(assumed);
   Matrix8d refine = Matrix8d::Zero();  // projects on the refined directions
-  for (int k = 0; k < 8; ++k)
-    if (eigen.eigenvalues()[k] < kMaxVarianceShare)
-      refine += eigen.eigenvectors().col(k) * eigen.eigenvectors().col(k).transpose();
+  for (int k = 0; k < 8; ++k) {
+    const Vector8d direction = eigen.eigenvectors().col(k);
+    if (eigen.eigenvalues()[k] < kMaxVarianceShare && direction.dot(honest * direction) < kMaxHonestShare)
+      refine += direction * direction.transpose();
+  }
   const Vector8d change =
       unit.asDiagonal() * (refine * (unit.cwiseInverse().asDiagonal() * Difference(estimate, rig_parameters)));
 
   GatedCalibration gated{rig_parameters, {camera, {}}};
   PoseManifold().Plus(rig_parameters.extrinsics.data(), change.data(), gated.parameters.extrinsics.data());
   for (size_t k = 0; k < kTimingSize; ++k) gated.parameters.timing[k] += change[6 + static_cast<Eigen::Index>(k)];
-  const Vector8d variance = whitened.diagonal();
+  const Matrix8d keep = Matrix8d::Identity() - refine;
+  const Vector8d variance = (refine * honest * refine + keep).diagonal();
   for (const Part& part : kParts) {
     const Eigen::VectorXd sigma =
         (variance.segment(part.begin, part.size).cwiseSqrt().array() * prior.segment(part.begin, part.size).array())
             .matrix();
-    const Eigen::Index refined = (variance.segment(part.begin, part.size).array() < kMaxVarianceShare).count();
+    const Eigen::Index refined = (variance.segment(part.begin, part.size).array() < kMaxHonestShare).count();
     gated.report.quantities.push_back(
         {part.name, change.segment(part.begin, part.size), sigma, StatusOf(refined, part.size)});
   }

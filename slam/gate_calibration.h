@@ -11,20 +11,28 @@ namespace parkade {
 
 /// Decides what of a camera's calibration the drive has really measured.
 ///
-/// The marginal covariance of the camera, in units of the prior's sigmas, is
-/// decomposed into its principal directions: those along which the estimate is
-/// sure to better than half the prior's sigma are refined, along the others the
-/// rig is kept. Columns: [rotation 3 | translation 3 | time offset | line delay].
+/// The marginal covariance of the camera as the weights have it, in units of the
+/// prior's sigmas, is decomposed into its principal directions. Those along which
+/// less than a quarter of the prior's variance is left are observed; those of them
+/// along which the estimate is also surer than the rig once it is counted how long
+/// errors last are refined. Along all others the rig is kept.
+/// Columns: [rotation 3 | translation 3 | time offset | line delay].
 struct GatedCalibration {
   CameraParameters parameters;  ///< the rig's, moved along the refined directions
   CameraCalibration report;
 };
 
+/// Of a camera's calibration (8 x 8).
+struct CalibrationCovariance {
+  Eigen::Matrix<double, 8, 8> assumed;  ///< inverse information: what share of the estimate is the prior's
+  Eigen::Matrix<double, 8, 8> honest;   ///< of its errors
+};
+
 /// \param rig_parameters  what the rig says
-/// \param estimate        what the smoother says, with `covariance` (8 x 8)
+/// \param estimate        what the smoother says
 GatedCalibration GateCalibration(const std::string& camera, const CameraSettings& settings,
                                  const CameraParameters& rig_parameters, const CameraParameters& estimate,
-                                 const Eigen::Matrix<double, 8, 8>& covariance);
+                                 const CalibrationCovariance& covariance);
 
 /// [s] by which images of `camera` are later by `to` than by `from`.
 double TimeShiftBetween(const Rig& from, const Rig& to, int camera);

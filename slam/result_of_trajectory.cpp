@@ -20,9 +20,8 @@ std::string OneDecimal(double number) {
   return text;
 }
 
-/// Of one camera's [extrinsics, timing], as the weights have it: what share of the estimate is the prior's. Zero where
-/// they were not estimated.
-Eigen::Matrix<double, 8, 8> CovarianceOf(const JointEstimate& joint, std::int64_t camera) {
+/// Of one camera's [extrinsics, timing]. Zero where they were not estimated.
+CalibrationCovariance CovarianceOf(const JointEstimate& joint, std::int64_t camera) {
   std::array<Eigen::Index, 8> from;
   from.fill(-1);
   Eigen::Index column = 0;
@@ -33,12 +32,14 @@ Eigen::Matrix<double, 8, 8> CovarianceOf(const JointEstimate& joint, std::int64_
       for (size_t k = 0; k < 2; ++k) from[6 + k] = column + static_cast<Eigen::Index>(k);
     column += block.TangentSize();
   }
-  Eigen::Matrix<double, 8, 8> covariance = Eigen::Matrix<double, 8, 8>::Zero();
-  for (size_t i = 0; i < 8; ++i)
-    for (size_t j = 0; j < 8; ++j)
-      if (from[i] >= 0 && from[j] >= 0)
-        covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-            joint.assumed_covariance(from[i], from[j]);
+  CalibrationCovariance covariance{Eigen::Matrix<double, 8, 8>::Zero(), Eigen::Matrix<double, 8, 8>::Zero()};
+  for (Eigen::Index i = 0; i < 8; ++i)
+    for (Eigen::Index j = 0; j < 8; ++j) {
+      const Eigen::Index row = from[static_cast<size_t>(i)], other = from[static_cast<size_t>(j)];
+      if (row < 0 || other < 0) continue;
+      covariance.assumed(i, j) = joint.assumed_covariance(row, other);
+      covariance.honest(i, j) = joint.covariance(row, other);
+    }
   return covariance;
 }
 

@@ -14,6 +14,7 @@ using Kind = StateName::Kind;
 constexpr double kMinTurn = 0.5 * M_PI / 180;  // [rad] that is no error of the motion
 constexpr double kMaxErrorLeft = 0.3;          // share of the error that the turn may leave unexplained
 constexpr double kOthersShare = 0.3;           // of that turn, by which other cameras may seem to turn at most
+constexpr double kMinSpread = 0.15;            // of the pairs: a car behind fills many tracks, but not the view
 constexpr double kTurnSigma = 0.01;            // [rad] of the new rotation, plus a share of the turn
 constexpr double kTurnShare = 0.2;
 constexpr double kShiftSigma = 0.02;  // [m] by which the camera may have moved
@@ -38,7 +39,8 @@ void FixedLagSmoother::LookForJumps(size_t first_new_view) {
     if (const auto found = seen_in.find(&views_[i]); found != seen_in.end())
       if (const std::optional<Turn> turn = FitTurn(found->second)) turns.emplace_back(&views_[i], *turn);
   for (const auto& [view, turn] : turns) {
-    if (turn.angle < kMinTurn || turn.error_after > kMaxErrorLeft * turn.error_before) continue;
+    if (turn.angle < kMinTurn || turn.error_after > kMaxErrorLeft * turn.error_before || turn.spread < kMinSpread)
+      continue;
     const bool is_alone =
         turns.size() > 1 && std::all_of(turns.begin(), turns.end(), [&](const auto& other) {
           return other.first->camera == view->camera || other.second.angle < kOthersShare * turn.angle;

@@ -136,8 +136,23 @@ TEST(FitTurn, FindsARotationAmongOutliers) {
   EXPECT_LT(found->measured_from_predicted.angularDistance(turn), 1e-3);
   EXPECT_LT(found->error_after, 1e-3);
   EXPECT_GT(found->error_before, 0.03);
+  EXPECT_GT(found->spread, 0.15);
   pairs.resize(9);
   EXPECT_FALSE(FitTurn(pairs));
+}
+
+TEST(FitTurn, KnowsOneCarThatMovesFromAWholeViewThatTurns) {
+  std::vector<DirectionPair> pairs;
+  for (int i = 0; i < 20; ++i) {  // all within 10 degrees, all displaced alike
+    const Eigen::Vector3d predicted = Eigen::Vector3d(0.15 * std::sin(i), 0.15 * std::cos(1.7 * i), 1).normalized();
+    pairs.push_back({predicted, (predicted + Eigen::Vector3d(0.02, 0, 0)).normalized()});
+  }
+
+  const std::optional<Turn> found = FitTurn(pairs);
+
+  ASSERT_TRUE(found);
+  EXPECT_LT(found->error_after, 0.3 * found->error_before);  // a rotation explains it
+  EXPECT_LT(found->spread, 0.05);                            // but of how little
 }
 
 TEST(GateCalibration, MovesAlongSureDirectionsOnly) {
@@ -150,8 +165,9 @@ TEST(GateCalibration, MovesAlongSureDirectionsOnly) {
   Eigen::Matrix<double, 8, 1> sigmas;
   sigmas << 0.001, 0.001, 0.001, 0.002, 0.019, 0.019, 0.009, 0;
 
-  const GatedCalibration gated =
-      GateCalibration("front", settings, by_rig, estimate, sigmas.cwiseAbs2().asDiagonal().toDenseMatrix());
+  const Eigen::Matrix<double, 8, 8> covariance = sigmas.cwiseAbs2().asDiagonal();
+
+  const GatedCalibration gated = GateCalibration("front", settings, by_rig, estimate, {covariance, 4 * covariance});
 
   EXPECT_NEAR(gated.parameters.ImuFromCamera().translation.x(), 0.01, 1e-9);  // sure
   EXPECT_NEAR(gated.parameters.ImuFromCamera().translation.y(), 0, 1e-9);     // as unsure as before
@@ -160,6 +176,27 @@ TEST(GateCalibration, MovesAlongSureDirectionsOnly) {
   EXPECT_EQ(gated.report.quantities[0].status, CalibratedQuantity::Status::kRefined);
   EXPECT_EQ(gated.report.quantities[1].status, CalibratedQuantity::Status::kPartlyRefined);
   EXPECT_EQ(gated.report.quantities[2].status, CalibratedQuantity::Status::kKept);
+}
+
+TEST(GateCalibration, KeepsWhatIsObservedButNotSurerThanTheRig) {
+  CameraSettings settings;
+  settings.prior = {0.01, 0.02, 0.01, 1e-6};
+  CameraParameters by_rig, estimate;
+  PoseToParameters({}, by_rig.extrinsics.data());
+  PoseToParameters({ExpSo3({0, 0.004, 0.005}), {0, 0, 0}}, estimate.extrinsics.data());
+  Eigen::Matrix<double, 8, 1> assumed, honest;
+  assumed << 0.001, 0.001, 0.001, 0.019, 0.019, 0.019, 0.009, 0;
+  honest << 0.001, 0.002, 0.009, 0.019, 0.019, 0.019, 0.009, 0;  // of yaw: errors that last
+
+  const GatedCalibration gated = GateCalibration("front", settings, by_rig, estimate,
+                                                 {assumed.cwiseAbs2().asDiagonal(), honest.cwiseAbs2().asDiagonal()});
+
+  const CalibratedQuantity& rotation = gated.report.quantities[0];
+  EXPECT_NEAR(rotation.change.y(), 0.004, 1e-4);
+  EXPECT_NEAR(rotation.change.z(), 0, 1e-9);
+  EXPECT_NEAR(rotation.sigma.y(), 0.002, 1e-9);
+  EXPECT_NEAR(rotation.sigma.z(), 0.01, 1e-9);  // the rig's
+  EXPECT_EQ(rotation.status, CalibratedQuantity::Status::kPartlyRefined);
 }
 
 /// Two cameras at 10 Hz, 20 ms apart, and an IMU at 100 Hz.
