@@ -123,7 +123,7 @@ std::string ReasonAgainst(const DriveRefinement& result, const RefinementOptions
 }  // namespace
 
 void RefinementOptions::Validate() const {
-  Require(bearings_per_image > 0 && min_sightings >= 3 && max_iterations > 0 && max_knots >= 100 &&
+  Require(bearings_per_image > 0 && min_sightings >= 3 && max_iterations > 0 && max_knots >= 100 && min_knots >= 3 &&
               sightings_per_track >= min_sightings,
           ErrorCode::kUsage,
           "the counts of the refinement must be positive, with at least 3 sightings, 100 knots, and tracks not thinned "
@@ -147,8 +147,9 @@ DriveRefinement RefineDrive(const OdometryResult& odometry, const Rig& rig, cons
     return result;
   };
   if (!options.enabled) return refuse("switched off");
-  if (!odometry.measurements || odometry.measurements->knots.size() < 3) return refuse("nothing was measured");
+  if (!odometry.measurements) return refuse("nothing was measured");
   const DriveMeasurements& measurements = *odometry.measurements;
+  if (measurements.knots.size() < static_cast<size_t>(options.min_knots)) return refuse("the drive is too short");
   if (measurements.has_jumps) return refuse("a camera's mount turned during the drive");
 
   std::vector<AdjustedLoop> loops = LoopsBetweenKnots(measurements, odometry.odom_from_body, closure);

@@ -12,12 +12,13 @@ struct RefinementOptions {
   double robust_width = 2;           ///< [sigma] Cauchy loss of bearings, wheels and loops
   double max_bearing_error = 5;      ///< [sigma] a bearing further off is left out
   int max_iterations = 10;           ///< of each of the two or three solves
+  int min_knots = 100;               ///< fewer: the odometry's window has seen nearly all of them at once
   int max_knots = 5000;              ///< adjusted at once; longer drives in pieces, calibration held
   double held_out_share = 0.2;       ///< of tracks and loops, which judge the result before they join it
   double wheel_scale_sigma = 0.01;   ///< of the tyres' radius before the drive tells
   double max_imu_growth = 1.5;       ///< of the IMU's mean squared error, beyond which the result is not taken
   double max_held_out_growth = 1.0;  ///< of the held-out loops' median error, likewise
-  double max_track_growth = 1.15;    ///< of the held-out tracks' mean error, likewise; odometry has bent to them
+  double max_track_growth = 1.08;    ///< of the held-out tracks' mean error, likewise; odometry has bent to them
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -30,6 +31,7 @@ struct RefinementOptions {
     visit("robust_width", robust_width);
     visit("max_bearing_error", max_bearing_error);
     visit("max_iterations", max_iterations);
+    visit("min_knots", min_knots);
     visit("max_knots", max_knots);
     visit("held_out_share", held_out_share);
     visit("wheel_scale_sigma", wheel_scale_sigma);
