@@ -201,7 +201,10 @@ std::vector<bool> FindSmallIslands(const std::vector<PaintedCell>& cells, const 
 
 void SurfaceOptions::Validate() const {
   Require(cell_size > 0, ErrorCode::kUsage, "cell_size must be > 0 m");
+  Require(method == "surface" || method == "homography", ErrorCode::kUsage,
+          "method of the surface must be surface or homography");
   height.Validate();
+  voxels.Validate();
   sweep.Validate();
   const double ratio = height.spacing / cell_size;
   Require(ratio >= 1 && std::abs(ratio - std::round(ratio)) < 1e-6, ErrorCode::kUsage,
@@ -210,12 +213,14 @@ void SurfaceOptions::Validate() const {
           "contact_sigma must be > 0 m and suspension_sigma not negative");
   Require(free_log_odds > 0 && occupied_log_odds > 0 && log_odds_limit > std::max(free_log_odds, occupied_log_odds),
           ErrorCode::kUsage, "free_log_odds and occupied_log_odds must be in (0, log_odds_limit)");
+  Require(max_height_sigma > 0, ErrorCode::kUsage, "max_height_sigma must be > 0 m");
   Require(min_island_area >= 0, ErrorCode::kUsage, "min_island_area must not be negative");
 }
 
 SurfaceMap FuseSurface(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths,
                        const SurfaceOptions& options, std::span<const HeightObservation> measured) {
   options.Validate();
+  if (options.method == "homography") return FuseVoxels(patches, paths, options.cell_size, options.voxels);
   const HeightField field = FitHeights(patches, paths, options, measured);
   SurfacePainter painter(field, static_cast<int>(std::round(options.height.spacing / options.cell_size)),
                          {options.free_log_odds, options.occupied_log_odds, options.log_odds_limit});
@@ -230,7 +235,9 @@ SurfaceMap FuseSurface(std::span<const PosedGroundPatch> patches, std::span<cons
       FindSmallIslands(cells, links, options.min_island_area / (options.cell_size * options.cell_size));
   SurfaceMap surface{options.cell_size, {}};
   for (size_t i = 0; i < cells.size(); ++i)
-    if (cells[i].is_seen && !is_small[i]) surface.cells.push_back(cells[i].cell);
+    if (cells[i].is_seen && !is_small[i] &&
+        (cells[i].is_driven || static_cast<double>(cells[i].cell.height_sigma) <= options.max_height_sigma))
+      surface.cells.push_back(cells[i].cell);
   LogInfo("stage=fuse_surface patches=" + std::to_string(patches.size()) +
           " nodes=" + std::to_string(field.num_nodes()) + " cells=" + std::to_string(surface.cells.size()));
   return surface;

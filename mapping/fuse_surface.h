@@ -1,37 +1,45 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "core/ground_patch.h"
 #include "core/surface_map.h"
 #include "mapping/driven_path.h"
+#include "mapping/fuse_voxels.h"
 #include "mapping/height_field.h"
 #include "mapping/measure_heights.h"
 
 namespace parkade {
 
 struct SurfaceOptions {
+  std::string method = "surface";   ///< or "homography": flat ground in voxels, as in the seed paper, to compare
   double cell_size = 0.05;          ///< [m] of colours and free space; height.spacing must be a multiple
   double contact_sigma = 0.01;      ///< [m] of the road's height at a wheel
   double suspension_sigma = 0.005;  ///< [rad] of the body's pitch: adds to the front wheels
   double free_log_odds = 0.8;       ///< of one sight of free ground near the car; less with distance
   double occupied_log_odds = 0.8;   ///< of one sight of something else; more keeps obstacles, and their halo, out
   double log_odds_limit = 8.0;      ///< so that a changed place can change again
+  double max_height_sigma = 0.3;    ///< [m] ground whose height is known less well is not mapped
   double min_island_area = 10.0;    ///< [m^2] smaller free islands that no car drove on are noise
   HeightFieldOptions height;
   MeasureHeightsOptions sweep;
+  VoxelFusionOptions voxels;  ///< of the method "homography"
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
+    visit("method", method);
     visit("cell_size", cell_size);
     visit("contact_sigma", contact_sigma);
     visit("suspension_sigma", suspension_sigma);
     visit("free_log_odds", free_log_odds);
     visit("occupied_log_odds", occupied_log_odds);
     visit("log_odds_limit", log_odds_limit);
+    visit("max_height_sigma", max_height_sigma);
     visit("min_island_area", min_island_area);
     visit("height", height);
     visit("sweep", sweep);
+    visit("voxels", voxels);
   }
   void Validate() const;  ///< throws Error{kUsage}
 };
@@ -45,6 +53,7 @@ struct SurfaceOptions {
 ///    cell's colour is the median of its nearest sights; what a car drove over is free.
 /// 3. Pinholes are filled, islands that no car drove on and that are small are dropped.
 ///
+/// With the method "homography" FuseVoxels is asked instead.
 /// `measured` are heights that something else knows. Cells that nothing was seen of are not in the map. The patches of
 /// a drive without a path are painted where their own plane says. Same input, same output, whatever the number of
 /// threads. O(samples).

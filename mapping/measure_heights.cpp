@@ -11,10 +11,11 @@
 namespace parkade {
 namespace {
 
-constexpr int kWindowsPerTile = 12;       // a tile is worked on at once: that bounds memory
-constexpr double kMinLever = 1.0;         // distance over height of the eye: a steeper view tells no height
-constexpr double kMinSamplesPerCell = 2;  // on average, or nothing can disagree
-constexpr double kCorrelation = 4.0;      // samples of one view are not independent: variances times this
+constexpr int kWindowsPerTile = 12;   // a tile is worked on at once: that bounds memory
+constexpr double kMinLever = 1.0;     // distance over height of the eye: a steeper view tells no height
+constexpr int kRivalSteps = 3;        // of the sweep from the best height to what may be another one
+constexpr int kMinSupport = 2;        // windows around one that correct the height as it does
+constexpr double kCorrelation = 4.0;  // samples of one view are not independent: variances times this
 
 /// A sample on the surface, and how it moves when the surface rises.
 struct Sight {
@@ -22,6 +23,13 @@ struct Sight {
   Eigen::Vector2f shift;  ///< [m] per metre of height
   float grey = 0;
   float weight = 0;
+};
+
+/// What the sweep found in one window.
+struct WindowHeight {
+  HeightObservation observation;
+  double offset = 0;  ///< [m] from what was known
+  Eigen::Vector2i index;
 };
 
 /// Which patches are near enough to matter to a tile.
@@ -64,12 +72,12 @@ class TileSweep {
     cells_.resize(static_cast<size_t>(kWindowsPerTile * kWindowsPerTile * cells_per_window_ * cells_per_window_));
   }
 
-  std::vector<HeightObservation> Measure(const std::vector<std::vector<Sight>>& views, const HeightField& field,
-                                         std::span<const PosedGroundPatch> patches) {
+  std::vector<WindowHeight> Measure(const std::vector<std::vector<Sight>>& views, const HeightField& field,
+                                    std::span<const PosedGroundPatch> patches) {
     const int num_heights = 2 * options_->num_steps + 1;
     std::vector<std::vector<Agreement>> agreements;  // by height, then window
     for (int i = 0; i < num_heights; ++i) agreements.push_back(AgreementAt(views, OffsetOf(i)));
-    std::vector<HeightObservation> heights;
+    std::vector<WindowHeight> heights;
     for (int window = 0; window < kWindowsPerTile * kWindowsPerTile; ++window) {
       std::vector<Agreement> of_window;
       for (const auto& at_height : agreements) of_window.push_back(at_height[static_cast<size_t>(window)]);
@@ -118,10 +126,10 @@ class TileSweep {
     for (int y = 0; y < across; ++y)
       for (int x = 0; x < across; ++x) {
         const Cell& cell = cells_[static_cast<size_t>(y * across + x)];
-        if (cell.count == 0) continue;
-        Agreement& window =
-            agreements[static_cast<size_t>(y / cells_per_window_ * kWindowsPerTile + x / cells_per_window_)];
+        const auto index = static_cast<size_t>(y / cells_per_window_ * kWindowsPerTile + x / cells_per_window_);
+        Agreement& window = agreements[index];
         window.residual += cell.sums.Residual();
+        if (cell.count == 0) continue;
         window.total += cell.sums.square;
         window.weight += cell.sums.weight;
         window.num_samples += cell.count;
@@ -137,13 +145,19 @@ class TileSweep {
     const auto best = static_cast<size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
     if (best == 0 || best + 1 == misfits.size()) return std::nullopt;
     const Agreement& at = agreements[best];
-    if (at.num_samples < kMinSamplesPerCell * at.num_cells || 2 * at.num_cells < cells_per_window_ * cells_per_window_)
+    if (at.num_samples < options_->min_sights * at.num_cells ||
+        2 * at.num_cells < cells_per_window_ * cells_per_window_)
       return std::nullopt;
     const double contrast = std::sqrt(static_cast<double>(at.total / std::max(at.weight, 1e-6F)));
     if (contrast < options_->min_contrast) return std::nullopt;
     std::vector<double> sorted = misfits;
     std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
     if (misfits[best] > options_->max_misfit * sorted[sorted.size() / 2]) return std::nullopt;
+    for (size_t i = 1; i + 1 < misfits.size(); ++i) {
+      const bool is_rival = i + kRivalSteps <= best || best + kRivalSteps <= i;
+      const bool is_dip = misfits[i] <= misfits[i - 1] && misfits[i] <= misfits[i + 1];
+      if (is_rival && is_dip && misfits[best] > options_->max_rivalry * misfits[i]) return std::nullopt;
+    }
     // A parabola through the best three.
     const double before = misfits[best - 1], here = misfits[best], after = misfits[best + 1];
     const double curvature = before - 2 * here + after;
@@ -156,7 +170,7 @@ class TileSweep {
   }
 
   void AddHeight(int window, const Best& best, const HeightField& field, std::span<const PosedGroundPatch> patches,
-                 std::vector<HeightObservation>& heights) const {
+                 std::vector<WindowHeight>& heights) const {
     const Eigen::Vector2d center = tile_->corner + options_->window * Eigen::Vector2d(window % kWindowsPerTile + 0.5,
                                                                                       window / kWindowsPerTile + 0.5);
     // Of decks above each other the one that the nearest patch drove on.
@@ -169,12 +183,13 @@ class TileSweep {
     const int patch = field.FindPatch({center.x(), center.y(), deck});
     if (patch == HeightField::kNone) return;
     const double height = field.HeightAt(patch, center) + best.offset;
-    heights.push_back({{center.x(), center.y(), height}, 1 / (best.sigma * best.sigma)});
+    const Eigen::Vector2i index = (center / options_->window).array().floor().matrix().cast<int>();
+    heights.push_back({{{center.x(), center.y(), height}, 1 / (best.sigma * best.sigma)}, best.offset, index});
   }
 
   struct Cell {
-    Sums sums;
-    int count = 0;
+    Sums sums;      ///< of grey values
+    int count = 0;  ///< of grey values
   };
 
   const Tile* tile_;
@@ -191,7 +206,7 @@ std::vector<Sight> FindSights(const PosedGroundPatch& posed, const DrivenPath& p
   const Eigen::Vector3d eye = posed.site_from_body * path.cameras_in_body[static_cast<size_t>(posed.patch.camera)];
   const double side = kWindowsPerTile * options.window;
   for (const GroundSample& sample : posed.patch.samples) {
-    if (!sample.is_free) continue;
+    if (!sample.is_free || sample.confidence <= 0) continue;
     Eigen::Vector3d point = posed.site_from_body * sample.point_in_body.cast<double>();
     const Eigen::Vector2d ray = (point - eye).head<2>();
     const double distance = ray.norm();
@@ -236,6 +251,45 @@ std::vector<Tile> MakeTiles(std::span<const PosedGroundPatch> patches, std::span
   return result;
 }
 
+/// Heights that some of the windows around them support: chance agrees with nobody.
+std::vector<WindowHeight> KeepSupported(const std::vector<WindowHeight>& windows, double max_jump) {
+  constexpr double kSameDeck = 1.0;  // [m]
+  std::multimap<std::pair<int, int>, const WindowHeight*> at;
+  for (const WindowHeight& window : windows) at.emplace(std::pair(window.index.x(), window.index.y()), &window);
+  std::vector<WindowHeight> kept;
+  for (const WindowHeight& window : windows) {
+    int support = 0;
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx) {
+        const auto [begin, end] = at.equal_range({window.index.x() + dx, window.index.y() + dy});
+        for (auto other = begin; other != end; ++other)
+          if (other->second != &window && std::abs(other->second->offset - window.offset) <= max_jump &&
+              std::abs(other->second->observation.point_in_site.z() - window.observation.point_in_site.z()) < kSameDeck)
+            ++support;
+      }
+    if (support >= kMinSupport) kept.push_back(window);
+  }
+  return kept;
+}
+
+/// What is known of a window is known of all of it: an observation for each patch of the field, which follow its slope.
+std::vector<HeightObservation> SpreadOverWindows(const std::vector<WindowHeight>& windows, const HeightField& field,
+                                                 double side) {
+  const int count = std::max(1, static_cast<int>(std::lround(side / field.spacing())));
+  std::vector<HeightObservation> heights;
+  for (const WindowHeight& window : windows)
+    for (int y = 0; y < count; ++y)
+      for (int x = 0; x < count; ++x) {
+        const Eigen::Vector2d place = side * (window.index.cast<double>() + Eigen::Vector2d(x + 0.5, y + 0.5) / count);
+        const double known = window.observation.point_in_site.z() - window.offset;
+        const int patch = field.FindPatch({place.x(), place.y(), known});
+        if (patch == HeightField::kNone) continue;
+        heights.push_back({{place.x(), place.y(), field.HeightAt(patch, place) + window.offset},
+                           window.observation.weight / (count * count)});
+      }
+  return heights;
+}
+
 }  // namespace
 
 void MeasureHeightsOptions::Validate() const {
@@ -243,7 +297,8 @@ void MeasureHeightsOptions::Validate() const {
   Require(cell_size > 0 && window >= 2 * cell_size, ErrorCode::kUsage, "window must be two cell_size at least");
   Require(max_offset > 0 && max_distance > 0 && sigma > 0, ErrorCode::kUsage,
           "max_offset, max_distance and sigma must be > 0 m");
-  Require(min_contrast >= 0 && max_misfit > 0, ErrorCode::kUsage, "min_contrast and max_misfit must be positive");
+  Require(min_contrast >= 0 && max_misfit > 0 && max_rivalry > 0 && min_sights > 1 && max_jump > 0, ErrorCode::kUsage,
+          "min_contrast, max_misfit, max_rivalry and max_jump must be > 0, min_sights > 1");
 }
 
 std::vector<HeightObservation> MeasureHeights(std::span<const PosedGroundPatch> patches,
@@ -257,12 +312,12 @@ std::vector<HeightObservation> MeasureHeights(std::span<const PosedGroundPatch> 
           FindSights(patches[i], *FindPath(paths, patches[i].patch.drive), field, tiles[t], max_offset, options));
       if (views.back().empty()) views.pop_back();
     }
-    if (views.size() < 2) return std::vector<HeightObservation>{};
+    if (views.size() < 2) return std::vector<WindowHeight>{};
     return TileSweep(tiles[t], max_offset, options).Measure(views, field, patches);
   });
-  std::vector<HeightObservation> heights;
-  for (const auto& of_tile : of_tiles) heights.insert(heights.end(), of_tile.begin(), of_tile.end());
-  return heights;
+  std::vector<WindowHeight> windows;
+  for (const auto& of_tile : of_tiles) windows.insert(windows.end(), of_tile.begin(), of_tile.end());
+  return SpreadOverWindows(KeepSupported(windows, options.max_jump), field, options.window);
 }
 
 }  // namespace parkade

@@ -10,7 +10,7 @@
 namespace parkade {
 
 struct MeasureHeightsOptions {
-  int num_rounds = 3;          ///< 0: the height of the ground beside the path is extrapolated only
+  int num_rounds = 4;          ///< 0: the height of the ground beside the path is extrapolated only
   double window = 1.2;         ///< [m] side of the squares of ground that get a height each
   double cell_size = 0.1;      ///< [m] of the picture of the ground in a window
   double max_offset = 0.15;    ///< [m] above and below what is known so far; half of it in the last round
@@ -18,6 +18,9 @@ struct MeasureHeightsOptions {
   double max_distance = 12.0;  ///< [m] of ground to a camera
   double min_contrast = 1.5;   ///< [grey values] of the ground in a window, rms; less shows nothing
   double max_misfit = 0.85;    ///< of views at the best height, as a share of that at the median height
+  double max_rivalry = 0.93;   ///< likewise, of that at the best height elsewhere
+  double min_sights = 4;       ///< of a cell of a window on average: less agrees by chance
+  double max_jump = 0.03;      ///< [m] of correction between windows side by side
   double sigma = 0.01;         ///< [m] at best
 
   template <typename Visitor>
@@ -30,6 +33,9 @@ struct MeasureHeightsOptions {
     visit("max_distance", max_distance);
     visit("min_contrast", min_contrast);
     visit("max_misfit", max_misfit);
+    visit("max_rivalry", max_rivalry);
+    visit("min_sights", min_sights);
+    visit("max_jump", max_jump);
     visit("sigma", sigma);
   }
   void Validate() const;  ///< throws Error{kUsage}
@@ -37,12 +43,11 @@ struct MeasureHeightsOptions {
 
 /// Heights of the ground from many views of it: a plane sweep. Over each window of ground the surface is lifted and
 /// lowered in steps; at each height all samples of all views move along their rays of sight, and where the height is
-/// right, they agree: what remains of the variance of grey values within small cells is least. Each view's mean
-/// in a window is taken off first, so that exposures need not agree. R. Collins, "A space-sweep approach to true
-/// multi-image matching", CVPR 1996.
-/// \param field       what is known so far; windows follow its slopes
-/// \param max_offset  [m] of the sweep to each side
-/// \return at most one height per window, none where the ground shows nothing, or the views do not agree on one.
+/// right, they agree: what remains of the variance of grey values within small cells is least.
+/// Each view's mean in a window is taken off first, so that exposures need not agree. R. Collins, "A space-sweep
+/// approach to true multi-image matching", CVPR 1996. \param field       what is known so far; windows follow its
+/// slopes \param max_offset  [m] of the sweep to each side \return at most one height per window, none where the ground
+/// shows nothing, the views do not agree on one height, or the windows around do not support it.
 std::vector<HeightObservation> MeasureHeights(std::span<const PosedGroundPatch> patches,
                                               std::span<const DrivenPath> paths, const HeightField& field,
                                               double max_offset, const MeasureHeightsOptions& options);

@@ -170,6 +170,8 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
     for (int ray = 0; ray < grid.num_rays; ray += stride) {
       const auto i = static_cast<size_t>(grid.IndexOf(ray, range));
       if (labels[i] == GroundLabel::kUnknown) continue;
+      const float hint =
+          labels[i] == GroundLabel::kHidden ? static_cast<float>(options.segmentation.hidden_confidence) : 1;
       const GroundGridCell& cell = grid.cells[i];
       const uchar* color = colors.ptr() + 3 * i;
       const Eigen::Vector3f point_in_ground(cell.point_in_ground.x(), cell.point_in_ground.y(), 0);
@@ -180,7 +182,7 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
                                .is_free = labels[i] == GroundLabel::kGround,
                                .weight = cell.weight,
                                .footprint = footprint,
-                               .confidence = sharpness * (found.confidence.empty() ? 1 : found.confidence[i])});
+                               .confidence = sharpness * hint * (found.confidence.empty() ? 1 : found.confidence[i])});
     }
   }
   patch.samples.shrink_to_fit();

@@ -85,6 +85,7 @@ void FillMarkings(const GroundGrid& grid, const std::vector<std::uint8_t>& may_b
 void SegmentGroundOptions::Validate() const {
   Require(color_tolerance > 0, ErrorCode::kUsage, "color_tolerance must be > 0");
   Require(max_marking_width >= 0, ErrorCode::kUsage, "max_marking_width must not be negative");
+  Require(hidden_confidence >= 0 && hidden_confidence <= 1, ErrorCode::kUsage, "hidden_confidence must be in 0..1");
   Require(obstacle_depth > 0 && foot_depth > 0, ErrorCode::kUsage, "obstacle_depth and foot_depth must be > 0 m");
   Require(min_seeds > 0, ErrorCode::kUsage, "min_seeds must be > 0");
   Require(sure_log_odds > 0, ErrorCode::kUsage, "sure_log_odds must be > 0");
@@ -159,7 +160,9 @@ void HideBehindObstacles(const GroundGrid& grid, const SegmentGroundOptions& opt
           max_depth = options.foot_depth + static_cast<double>(grid.pixel_lengths[static_cast<size_t>(range)]);
         has_ground = true;
       } else if (label == GroundLabel::kNotGround) {
-        if (is_hidden || !has_ground) label = GroundLabel::kUnknown;
+        if (is_hidden || !has_ground)
+          label =
+              is_trusted && has_ground && depth < options.obstacle_depth ? GroundLabel::kHidden : GroundLabel::kUnknown;
         if (has_ground && range > 0)
           depth += static_cast<double>(grid.ranges[static_cast<size_t>(range)] -
                                        grid.ranges[static_cast<size_t>(range - 1)]);

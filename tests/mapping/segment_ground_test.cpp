@@ -128,7 +128,7 @@ TEST_F(SegmentingAFan, AMaskIsLookedUpAtEachPlace) {
 class HidingBehindObstacles : public testing::Test {
  protected:
   /// g ground, n not ground, u unknown: one letter per range of the only ray.
-  static std::string Hide(const std::string& before, bool is_trusted) {
+  static std::string Hide(const std::string& before, bool is_trusted, double obstacle_depth = 0.5) {
     GroundGrid grid{.num_rays = 1,
                     .num_ranges = static_cast<int>(before.size()),
                     .angle_step = 0.02,
@@ -144,17 +144,21 @@ class HidingBehindObstacles : public testing::Test {
     }
     grid.cells.resize(before.size());
     SegmentGroundOptions options;
-    options.obstacle_depth = 0.5;
+    options.obstacle_depth = obstacle_depth;
     options.foot_depth = 0.15;
     HideBehindObstacles(grid, options, is_trusted, labels);
     std::string after;
     for (const GroundLabel label : labels)
-      after += label == GroundLabel::kGround ? 'g' : label == GroundLabel::kNotGround ? 'n' : 'u';
+      after += label == GroundLabel::kGround      ? 'g'
+               : label == GroundLabel::kNotGround ? 'n'
+               : label == GroundLabel::kHidden    ? 'h'
+                                                  : 'u';
     return after;
   }
 };
 
 TEST_F(HidingBehindObstacles, OnlyTheFootOfAnObstacleIsKnown) { EXPECT_EQ(Hide("ggnnnnnn", true), "ggnnuuuu"); }
+TEST_F(HidingBehindObstacles, ShortlyBehindTheFootIsAHint) { EXPECT_EQ(Hide("ggnnnnnn", true, 1), "ggnnhhuu"); }
 TEST_F(HidingBehindObstacles, AGuessEndsAtTheFirstObstacle) { EXPECT_EQ(Hide("ggnnnngg", false), "ggnnuuuu"); }
 TEST_F(HidingBehindObstacles, AMaskMaySeeGroundAgainBehind) { EXPECT_EQ(Hide("ggnnnnggnnn", true), "ggnnuuggnnu"); }
 TEST_F(HidingBehindObstacles, WhatComesBeforeTheFirstGroundIsTheOwnCar) { EXPECT_EQ(Hide("nnggg", false), "uuggg"); }

@@ -1,0 +1,94 @@
+#include "mapping/measure_heights.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/error.h"
+#include "mapping/fuse_voxels.h"
+
+namespace parkade {
+namespace {
+
+constexpr double kEyeHeight = 1.0;  // [m]
+
+/// Grey values of a ground that shows something everywhere; `contrast` 0: nothing.
+double TextureAt(double x, double y, double contrast) {
+  return 120 + contrast * (std::sin(7 * x + 3 * y) + std::sin(4 * x - 9 * y) + std::sin(11 * x + 8 * y));
+}
+
+/// What cameras above (x, 0) see of a level ground at `height`, put onto the plane z = 0 on which their car stands.
+std::vector<PosedGroundPatch> LookAt(double height, double contrast) {
+  std::vector<PosedGroundPatch> patches;
+  for (double x = 0; x <= 12; x += 0.5) {
+    PosedGroundPatch posed{{.drive = 0, .camera = 0, .time = {}, .samples = {}}, {}};
+    posed.site_from_body.translation.x() = x;
+    for (double gx = x - 5; gx <= x + 5; gx += 0.09)
+      for (double gy = 1.5; gy <= 6; gy += 0.09) {
+        const double stretch = kEyeHeight / (kEyeHeight - height);
+        const auto grey = static_cast<std::uint8_t>(std::lround(TextureAt(gx, gy, contrast)));
+        GroundSample sample;
+        sample.point_in_body = Eigen::Vector3d(stretch * (gx - x), stretch * gy, 0).cast<float>();
+        sample.blue = sample.green = sample.red = grey;
+        sample.is_free = true;
+        posed.patch.samples.push_back(sample);
+      }
+    patches.push_back(std::move(posed));
+  }
+  return patches;
+}
+
+DrivenPath PathWithEye() {
+  DrivenPath path;
+  path.cameras_in_body.emplace_back(0, 0, kEyeHeight);
+  return path;
+}
+
+HeightField LevelField() {
+  std::vector<HeightObservation> heights;
+  for (double x = -8; x < 20; x += 0.4)
+    for (double y = -2; y < 10; y += 0.4) heights.push_back({{x, y, 0}, 100});
+  return HeightField(heights, {});
+}
+
+std::vector<HeightObservation> Measure(double height, double contrast) {
+  const std::vector<PosedGroundPatch> patches = LookAt(height, contrast);
+  const DrivenPath path = PathWithEye();
+  return MeasureHeights(patches, std::span(&path, 1), LevelField(), 0.15, {});
+}
+
+TEST(MeasureHeights, FindsTheHeightAtWhichViewsAgree) {
+  for (const double height : {0.06, -0.08}) {
+    const std::vector<HeightObservation> heights = Measure(height, 20);
+    ASSERT_GT(heights.size(), 100u);
+    for (const HeightObservation& found : heights) EXPECT_NEAR(found.point_in_site.z(), height, 0.01);
+  }
+}
+
+TEST(MeasureHeights, GroundThatShowsNothingGetsNoHeight) { EXPECT_TRUE(Measure(0.06, 0).empty()); }
+
+TEST(MeasureHeights, NothingInNothingOut) { EXPECT_TRUE(MeasureHeights({}, {}, LevelField(), 0.15, {}).empty()); }
+
+TEST(MeasureHeights, RejectsASweepWithoutSteps) {
+  MeasureHeightsOptions options;
+  options.num_steps = 0;
+  EXPECT_THROW(options.Validate(), Error);
+}
+
+TEST(FuseVoxels, TheSurfaceLiesOnThePlaneOfTheCar) {
+  const std::vector<PosedGroundPatch> patches = LookAt(0.06, 20);
+  const DrivenPath path = PathWithEye();
+
+  const SurfaceMap surface = FuseVoxels(patches, std::span(&path, 1), 0.05);
+
+  ASSERT_GT(surface.cells.size(), 1000u);
+  for (const SurfaceCell& cell : surface.cells) {
+    EXPECT_NEAR(cell.height, 0, 0.03) << "whatever the ground is really like";
+    EXPECT_GT(cell.free_belief, 0.5F);
+  }
+}
+
+TEST(FuseVoxels, RejectsVoxelsThatCellsDoNotFill) { EXPECT_THROW(FuseVoxels({}, {}, 0.03, {}), Error); }
+
+}  // namespace
+}  // namespace parkade
