@@ -142,7 +142,8 @@ RoutePlan PlanGarageRoute(const GarageLayout& layout, const std::vector<ParkingS
   }
   const Vector3d end = tours.Start() + Vector3d(is_reversed ? -3 : 3, 0, 0);
   trail.DriveTo(end, 0, 0);
-  RoutePlan plan{.waypoints = trail.Take(), .corner_radius = 5.4, .slot = {}};
+  // Between walls people are careful: 2.8 m/s around a pillar, 3.4 m/s up a half circle.
+  RoutePlan plan{.waypoints = trail.Take(), .corner_radius = 5.4, .max_lateral_acceleration = 1.45, .slot = {}};
   if (wish.ends_in_slot) plan.slot = ChooseSlot(slots, layout.decks[0].aisle_y[0]);
   return plan;
 }

@@ -14,20 +14,46 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// The canvas of a ramp: ribbed concrete between yellow lines.
-GroundCanvas PaintRamp(const GroundSheet& sheet, double texel, std::uint64_t seed, bool is_straight) {
+/// What drips and rolls leave on a ramp.
+void Soil(GroundPainter& painter, const GroundPainter::Chooser& anywhere) {
+  painter.Cracks(8, anywhere);
+  painter.Stains(40, anywhere, anywhere);
+  painter.Litter(60, anywhere);
+}
+
+/// The canvas of a straight ramp: ribbed concrete between yellow lines.
+GroundCanvas PaintStraightRamp(const GroundSheet& sheet, double texel, std::uint64_t seed) {
   GroundCanvas canvas(sheet.min, sheet.max, texel);
   GroundPainter painter(sheet.max - sheet.min, canvas, seed);
-  painter.Ribbed(is_straight ? 0 : 0.8);
-  if (is_straight) {
-    for (const double y : {sheet.min.y() + 0.35, sheet.max.y() - 0.35})
-      painter.Line({sheet.min.x(), y}, {sheet.max.x(), y}, 0.12, 0.3f, kYellowPaint);
-    const double middle = (sheet.min.y() + sheet.max.y()) / 2;
-    for (const double side : {-0.75, 0.75})
-      painter.TyreTrack({sheet.min.x(), middle + side}, {sheet.max.x(), middle + side}, 0.6, 0.4f);
-    for (const double share : {0.25, 0.6})
-      painter.Arrow({sheet.min.x() + share * (sheet.max.x() - sheet.min.x()), middle}, 0);
-  }
+  painter.Ribbed([](float x, float) { return x; });
+  for (const double y : {sheet.min.y() + 0.35, sheet.max.y() - 0.35})
+    painter.Line({sheet.min.x(), y}, {sheet.max.x(), y}, 0.12, 0.3f, kYellowPaint);
+  const double middle = (sheet.min.y() + sheet.max.y()) / 2;
+  for (const double side : {-0.75, 0.75})
+    painter.TyreTrack({sheet.min.x(), middle + side}, {sheet.max.x(), middle + side}, 0.6, 0.4f);
+  Soil(painter, [&]() -> Vector2d { return sheet.min + painter.Anywhere(); });
+  for (const double share : {0.25, 0.6})
+    painter.Arrow({sheet.min.x() + share * (sheet.max.x() - sheet.min.x()), middle}, 0);
+  canvas.Finish();
+  return canvas;
+}
+
+/// The canvas of a half circle: its grooves run from wall to wall.
+GroundCanvas PaintCurve(const GarageLayout& layout, const GroundSheet& sheet, double texel, std::uint64_t seed) {
+  GroundCanvas canvas(sheet.min, sheet.max, texel);
+  GroundPainter painter(sheet.max - sheet.min, canvas, seed);
+  const Vector2d center(layout.length, layout.curve_y);
+  const double radius = layout.curve_radius, half = GarageLayout::kCurveHalfWidth;
+  painter.Ribbed(
+      [&](float x, float y) { return static_cast<float>(radius * std::atan2(y - center.y(), x - center.x())); });
+  for (const double side : {0.35 - half, half - 0.35}) painter.Circle(center, radius + side, 0.12, 0.3f, kYellowPaint);
+  for (const double side : {-0.75, 0.75}) painter.TyreCircle(center, radius + side, 0.6, 0.4f);
+  const auto on_ring = [&](double angle, double aside) -> Vector2d {
+    return center + (radius + aside) * Vector2d(std::cos(angle), std::sin(angle));
+  };
+  Soil(painter,
+       [&] { return on_ring(painter.random().Uniform(-M_PI / 2, M_PI / 2), painter.random().Uniform(-half, half)); });
+  for (const double angle : {-0.9, 0.3}) painter.Arrow(on_ring(angle, 0), angle + M_PI / 2);
   canvas.Finish();
   return canvas;
 }
@@ -136,9 +162,9 @@ Scene BuildGarage(const SceneOptions& options) {
   for (size_t sheet = layout.ForecourtSheet(); sheet < ground.sheets().size(); ++sheet) {
     const GroundSheet& floor = ground.sheets()[sheet];
     scene.ground_colors.push_back(
-        sheet == layout.ForecourtSheet()
-            ? PaintForecourt(floor, options.ground_texel, options.seed)
-            : PaintRamp(floor, options.ground_texel, options.seed + sheet, sheet < layout.CurveSheet(0)));
+        sheet == layout.ForecourtSheet() ? PaintForecourt(floor, options.ground_texel, options.seed)
+        : sheet < layout.CurveSheet(0)   ? PaintStraightRamp(floor, options.ground_texel, options.seed + sheet)
+                                         : PaintCurve(layout, floor, options.ground_texel, options.seed + sheet));
   }
   GarageStructure structure(layout, options.seed, scene.materials);
   structure.Walls();

@@ -39,6 +39,8 @@ GarageStructure::GarageStructure(const GarageLayout& layout, std::uint64_t seed,
   red_ = Add({.albedo = Rgb(0.45f, 0.05f, 0.04f), .texture = TextureKind::kPlaster, .texture_contrast = 0.1f});
   exit_ = Add({.albedo = Rgb(0.03f, 0.3f, 0.1f), .emission = Rgb(0.02f, 0.35f, 0.12f)});
   white_ = Add({.albedo = Gray(0.7f), .emission = Gray(0.25f)});
+  paper_ = Add({.albedo = Gray(0.62f), .texture = TextureKind::kPlaster, .texture_contrast = 0.1f});
+  rubber_ = Add({.albedo = Gray(0.12f), .texture = TextureKind::kPlaster, .texture_contrast = 0.3f});
 }
 
 MaterialId GarageStructure::Add(const Material& material) {
@@ -229,7 +231,7 @@ void GarageStructure::ExitSign(const Vector3d& at, double yaw) {
 void GarageStructure::Poster(const Vector3d& at, double yaw) {
   const Vector3d left(-std::sin(yaw), std::cos(yaw), 0);
   const double half_width = random_.Uniform(0.25, 0.7), half_height = random_.Uniform(0.3, 0.5);
-  const MaterialId inks[] = {white_, red_, black_, yellow_, paint_};
+  const MaterialId inks[] = {paper_, red_, black_, yellow_, paint_};
   mesh_.AddBox(at, {0.02, half_width, half_height}, yaw, inks[random_.Index(3)]);
   for (int i = 0; i < 9; ++i)
     mesh_.AddBox(
@@ -262,25 +264,12 @@ void GarageStructure::DeckFittings(int deck) {
   }
 }
 
-void GarageStructure::RampLamps(int deck) {
-  const double floor = deck * layout_.storey;
-  for (const double share : {0.2, 0.5, 0.8}) {
-    const double along = share * layout_.straight.run;
-    TubeLamp({layout_.ramp_from + along, layout_.width + GarageLayout::kStrip - 0.3,
-              floor + layout_.straight.Height(along) + 2.15},
-             0);
-  }
-  for (const double share : {0.15, 0.5, 0.85}) {
-    const double angle = M_PI * (share - 0.5), radius = layout_.curve_radius + GarageLayout::kCurveHalfWidth - 0.3;
-    TubeLamp({layout_.length + radius * std::cos(angle), layout_.curve_y + radius * std::sin(angle),
-              floor + layout_.curve.Height(share * layout_.curve.run) + 2.15},
-             angle + M_PI / 2);
-  }
-}
-
 void GarageStructure::Fittings() {
   for (int deck = 0; deck < layout_.num_decks(); ++deck) DeckFittings(deck);
-  for (int deck = 0; deck < layout_.num_ramps(); ++deck) RampLamps(deck);
+  for (int deck = 0; deck < layout_.num_ramps(); ++deck) {
+    RampLamps(deck);
+    for (const bool is_outer : {false, true}) CurveWall(deck, is_outer);
+  }
 }
 
 }  // namespace parkade::simulator

@@ -39,6 +39,17 @@ class GarageStructure {
   void Poster(const Eigen::Vector3d& at, double yaw);
   void DeckFittings(int deck);
   void RampLamps(int deck);
+  /// Paint, scuffs and boards on a wall of a half circle.
+  void CurveWall(int deck, bool is_outer);
+  /// A place on a wall of a half circle.
+  struct CurvePlace {
+    int deck = 0;
+    bool is_outer = false;
+    double angle = 0;   ///< [rad]
+    double height = 0;  ///< [m] over the ramp
+  };
+  /// A box of `half_size` (off the wall, along it, up).
+  void AddToCurve(const CurvePlace& place, const Eigen::Vector3d& half_size, MaterialId material);
 
   const GarageLayout& layout_;
   Random random_;
@@ -46,7 +57,7 @@ class GarageStructure {
   Mesh mesh_;
   std::vector<Lamp> lamps_;
   MaterialId concrete_ = 0, paint_ = 0, ceiling_ = 0, yellow_ = 0, black_ = 0, tube_ = 0, dead_tube_ = 0, metal_ = 0,
-             red_ = 0, exit_ = 0, white_ = 0;
+             red_ = 0, exit_ = 0, white_ = 0, paper_ = 0, rubber_ = 0;
 };
 
 }  // namespace parkade::simulator

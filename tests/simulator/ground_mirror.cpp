@@ -4,8 +4,8 @@
 
 namespace parkade::simulator {
 
-void MirrorWorld(const Scene& scene, const SceneSurfaces& surfaces, const RowPoses& poses, const LaneFlags& is_surface,
-                 SurfacePoints& points) {
+void MirrorWorld(const Scene& scene, const SceneSurfaces& surfaces, const PacketPoses& poses,
+                 const LaneFlags& is_surface, SurfacePoints& points) {
   constexpr float kLift = 0.01f, kLeast = 0.012f;  // [m]; smaller shares are not seen
   constexpr std::array<float, kSamplesPerPixel> kTilts = {-0.012f, 0.006f, 0.012f, -0.006f};
   alignas(64) RTCRayHit16 hits;
@@ -21,7 +21,7 @@ void MirrorWorld(const Scene& scene, const SceneSurfaces& surfaces, const RowPos
     is_any = true;
     const Eigen::Vector3f normal = (point.normal + Eigen::Vector3f(kTilts[sample], -kTilts[sample], 0)).normalized();
     const Eigen::Vector3f mirrored = point.ray - 2 * point.ray.dot(normal) * normal;
-    SetRay(hits.ray, lane, point.position + kLift * point.flat_normal, mirrored, 150, poses.time[sample]);
+    SetRay(hits.ray, lane, point.position + kLift * point.flat_normal, mirrored, 150, poses.Of(lane).time);
     ClearHit(hits, lane);
   }
   if (!is_any) return;

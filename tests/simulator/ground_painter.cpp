@@ -54,20 +54,25 @@ void GroundPainter::Concrete() {
     const float slab = CellValue(FloorToInt(x / kSlab), FloorToInt(y / kSlab), seed_ + 30);
     const float joint =
         std::min(std::abs(x / kSlab - std::round(x / kSlab)), std::abs(y / kSlab - std::round(y / kSlab))) * kSlab;
-    const float value = 0.24f * (1 + 0.18f * broad + 0.20f * middle + 0.08f * slab + 0.10f * speckle);
+    const float grain = SmoothNoise(17 * x, 17 * y, seed_ + 21);
+    const float value = 0.24f * (1 + 0.18f * broad + 0.20f * middle + 0.10f * grain + 0.08f * slab + 0.10f * speckle);
     return Color(Rgb(value, 0.985f * value, 0.95f * value) * (1 - 0.7f * Cover(joint - 0.008f, texel_)));
   });
 }
 
-void GroundPainter::Ribbed(double yaw) {
-  const float c = static_cast<float>(std::cos(yaw)), s = static_cast<float>(std::sin(yaw));
+void GroundPainter::Ribbed(const std::function<float(float, float)>& along) {
+  constexpr float kSpacing = 0.16f, kHalf = 0.022f;  // [m]
   canvas_.Fill([&](float x, float y) {
-    const float along = (c * x + s * y) / 0.16f;
-    const float groove = std::abs(along - std::round(along)) * 0.16f - 0.022f;
-    const float middle = FractalNoise(1.1f * x, 1.1f * y, 4, seed_ + 10);
+    // No groove is quite straight, as deep as the next one, or as dirty all along.
+    const float across = along(x, y) / kSpacing + 0.3f * FractalNoise(0.8f * x, 0.8f * y, 2, seed_ + 30);
+    const float groove = (std::abs(across - std::round(across))) * kSpacing - kHalf;
+    const float depth = 0.38f + 0.12f * CellValue(FloorToInt(across + 0.5f), 0, seed_ + 31) +
+                        0.25f * FractalNoise(2.3f * x, 2.3f * y, 3, seed_ + 32);
+    const float middle = FractalNoise(1.1f * x, 1.1f * y, 4, seed_ + 10),
+                grain = FractalNoise(9 * x, 9 * y, 3, seed_ + 21);
     const float speckle = CellValue(static_cast<int>(x / texel_), static_cast<int>(y / texel_), seed_ + 20);
-    const float value = 0.19f * (1 + 0.30f * middle + 0.14f * speckle);
-    return Color(Gray(value) * (1 - 0.45f * Cover(groove, texel_)));
+    const float value = 0.19f * (1 + 0.30f * middle + 0.30f * grain + 0.14f * speckle);
+    return Color(Gray(value) * (1 - std::clamp(depth, 0.05f, 0.7f) * Cover(groove, texel_)));
   });
 }
 
@@ -162,6 +167,26 @@ void GroundPainter::TyreTrack(const Vector2d& from, const Vector2d& to, double w
     if (aside > 1) return {};
     const float streaks = 0.6f + 0.4f * FractalNoise(0.7f * x, 0.7f * y, 3, seed);
     return {Gray(0.035f), cover * streaks * (1 - SmoothStep(0.4f, 1.0f, aside))};
+  });
+}
+
+void GroundPainter::TyreCircle(const Vector2d& center, double radius, double width, float cover) {
+  const Vector2f middle = center.cast<float>();
+  const float half = static_cast<float>(width / 2);
+  const std::uint32_t seed = static_cast<std::uint32_t>(random_.Bits());
+  canvas_.Paint(center, radius + width, [&](float x, float y) -> GroundCanvas::Touch {
+    const float aside = std::abs((Vector2f(x, y) - middle).norm() - static_cast<float>(radius)) / half;
+    if (aside > 1) return {};
+    const float streaks = 0.6f + 0.4f * FractalNoise(0.7f * x, 0.7f * y, 3, seed);
+    return {Gray(0.035f), cover * streaks * (1 - SmoothStep(0.4f, 1.0f, aside))};
+  });
+}
+
+void GroundPainter::Circle(const Vector2d& center, double radius, double width, float wear, const Color& color) {
+  const Vector2f middle = center.cast<float>();
+  canvas_.Paint(center, radius + width, [&](float x, float y) -> GroundCanvas::Touch {
+    const float aside = std::abs((Vector2f(x, y) - middle).norm() - static_cast<float>(radius));
+    return Worn(x, y, aside - static_cast<float>(width / 2), wear, color);
   });
 }
 

@@ -21,8 +21,9 @@ class GroundPainter {
 
   /// Where `covers`, or everywhere; elsewhere flat grey.
   void Asphalt(const std::function<bool(float x, float y)>& covers = {});
-  void Concrete();                                     ///< sealed slabs of 6 m with joints
-  void Ribbed(double yaw);                             ///< rough concrete with grooves across `yaw`, for ramps
+  void Concrete();  ///< sealed slabs of 6 m with joints
+  /// Rough concrete with grooves raked by hand, for ramps; `along` [m] counts across the grooves.
+  void Ribbed(const std::function<float(float x, float y)>& along);
   void Patches(int count, const Chooser& place = {});  ///< repairs: rectangles of younger asphalt with a sealed seam
   void Cracks(int count, const Chooser& place = {});  ///< random walks of a dark line, thick or thin, sometimes forking
   /// Oil and rust at `oil_place()`, spills and tyre dust at `place()`.
@@ -39,6 +40,10 @@ class GroundPainter {
   void Number(int value, const Eigen::Vector2d& center, double yaw, double height);
   /// Rubber of many tyres along a track, `width` wide.
   void TyreTrack(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double width, float cover);
+  /// The same along a circle.
+  void TyreCircle(const Eigen::Vector2d& center, double radius, double width, float cover);
+  /// A worn circle of paint.
+  void Circle(const Eigen::Vector2d& center, double radius, double width, float wear, const Color& color);
 
   Eigen::Vector2d Anywhere() { return {random_.Uniform(0, extent_.x()), random_.Uniform(0, extent_.y())}; }
   Random& random() { return random_; }

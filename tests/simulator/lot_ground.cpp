@@ -84,6 +84,8 @@ GroundCanvas PaintDeck(const LotLayout& layout, double strip, double texel_size,
   painter.Concrete();
   painter.Cracks(per_area(120));
   painter.Stains(per_area(6), [&] { return InAnySlot(layout, painter.random()); });
+  const auto anywhere = [&] { return painter.Anywhere(); };
+  painter.Stains(per_area(12), anywhere);
   Mark(layout, painter);
   MarkDeck(layout, painter, 100 * (deck + 1) + 1);
   painter.Litter(per_area(1.5));

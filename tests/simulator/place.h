@@ -46,7 +46,8 @@ struct RouteWish {
 struct RoutePlan {
   /// x, y and a hint of the height [m]; at least two.
   std::vector<Eigen::Vector3d> waypoints;
-  double corner_radius = 6.2;  ///< [m] for Route
+  double corner_radius = 6.2;             ///< [m] for Route
+  double max_lateral_acceleration = 2.2;  ///< [m/s^2] as people drive there
   /// A free slot beside the last side of the route, for those who end in one:
   /// the car's middle comes to stand in its middle, its nose towards the aisle.
   std::optional<ParkingSlot> slot;

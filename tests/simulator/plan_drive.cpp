@@ -54,8 +54,9 @@ struct Ride {
   }
 };
 
-SpeedOptions SpeedOptionsOf(const DriverOptions& driver) {
+SpeedOptions SpeedOptionsOf(const DriverOptions& driver, double max_lateral_acceleration) {
   return {.max_speed = driver.max_speed,
+          .max_lateral_acceleration = max_lateral_acceleration,
           .initial_stand = driver.initial_stand,
           .stops = driver.stops,
           .leg_stands = {0, driver.leaves_slot ? driver.parked_stand : 0},
@@ -63,10 +64,9 @@ SpeedOptions SpeedOptionsOf(const DriverOptions& driver) {
           .rolling_speed = driver.rolling_start};
 }
 
-/// The slowest top speed for which the path is driven within `duration`, or the
-/// highest allowed.
-SpeedOptions FitSpeed(const DrivePath& path, const DriverOptions& driver, double duration) {
-  SpeedOptions slow = SpeedOptionsOf(driver), fast = slow;
+/// With the slowest top speed for which the path is driven within `duration`, or the highest allowed.
+SpeedOptions FitSpeed(const DrivePath& path, const SpeedOptions& options, double duration) {
+  SpeedOptions slow = options, fast = options;
   slow.max_speed = kLowestSpeed;
   for (int i = 0; i < kSpeedSteps; ++i) {
     SpeedOptions middle = fast;
@@ -88,6 +88,7 @@ double LengthFor(double duration, const DriverOptions& driver) {
 /// The path, and whether it ends in a slot.
 struct PlannedPath {
   DrivePath path;
+  double max_lateral_acceleration = 0;  ///< [m/s^2]
   bool is_parked = false;
 };
 
@@ -107,11 +108,11 @@ PlannedPath PlanPath(const Place& place, const DriverOptions& driver, double dur
   if (driver.parks) {
     if (auto legs = PlanParking(place, plan, driver.leaves_slot)) {
       if (driver.length > 0) StartLater(*legs, driver.length);
-      return {DrivePath(std::move(*legs)), true};
+      return {DrivePath(std::move(*legs)), plan.max_lateral_acceleration, true};
     }
   }
   Route route(plan.waypoints, plan.corner_radius);
-  if (driver.length == 0) return {DrivePath({{route, false}})};
+  if (driver.length == 0) return {DrivePath({{route, false}}), plan.max_lateral_acceleration};
   // Where no number of rounds has the length, a longer drive is cut off.
   constexpr double kTolerance = 0.08;
   for (int attempt = 0; attempt < 4 && route.Length() < (1 - kTolerance) * driver.length; ++attempt) {
@@ -120,7 +121,7 @@ PlannedPath PlanPath(const Place& place, const DriverOptions& driver, double dur
     route = Route(plan.waypoints, plan.corner_radius);
   }
   if (route.Length() > (1 + kTolerance) * driver.length) route = route.Part(0, driver.length);
-  return {DrivePath({{route, false}})};
+  return {DrivePath({{route, false}}), plan.max_lateral_acceleration};
 }
 
 }  // namespace
@@ -132,7 +133,8 @@ DrivePlan PlanDrive(const Place& place, double duration, std::uint64_t seed) {
 DrivePlan PlanDrive(const Place& place, const DriverOptions& driver, double duration, std::uint64_t seed) {
   const PlannedPath planned = PlanPath(place, driver, duration, seed);
   const DrivePath& path = planned.path;
-  const SpeedProfile profile(path, driver.length > 0 ? SpeedOptionsOf(driver) : FitSpeed(path, driver, duration));
+  const SpeedOptions speed = SpeedOptionsOf(driver, planned.max_lateral_acceleration);
+  const SpeedProfile profile(path, driver.length > 0 ? speed : FitSpeed(path, speed, duration));
   const double end = driver.length > 0 ? profile.Duration() : duration;
   const auto push_at = [&](double time) {
     const double speed = profile.Speed(time), distance = profile.DistanceInLeg(time);

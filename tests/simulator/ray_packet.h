@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "tests/simulator/row_poses.h"
 #include "tests/simulator/sample_table.h"
 #include "tests/simulator/shading.h"
 
@@ -12,6 +13,19 @@ namespace parkade::simulator {
 // One lane a ray: those of four neighbouring pixels, in the order of SamplePacket.
 using LaneFlags = std::array<bool, kPacketSize>;
 using SurfacePoints = std::array<SurfacePoint, kPacketSize>;
+
+/// Where the car is at the moment of each ray.
+struct PacketPoses {
+  const RowPoses& row;
+  std::array<std::uint8_t, kPacketSize> moments{};
+
+  /// For the samples of a pixel from `first` on.
+  void SetMoments(int pixel, const PixelMoments& of_pixel, int first) {
+    for (int sample = 0; sample < kSamplesPerPixel; ++sample)
+      moments[static_cast<size_t>(pixel * kSamplesPerPixel + sample)] = of_pixel.Of(first + sample);
+  }
+  const MomentPose& Of(int lane) const { return row.moments[moments[static_cast<size_t>(lane)]]; }
+};
 
 /// `time`: 0..1 over the picture.
 inline void SetRay(RTCRay16& rays, int lane, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float far,

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "core/parallel.h"
 #include "tests/simulator/drivable_raster.h"
@@ -13,10 +15,65 @@
 namespace parkade::simulator {
 namespace {
 
-struct PacketResult {
-  Color pixels[kPixelsPerPacket];
-  int drivable[kPixelsPerPacket];  ///< samples on drivable ground
+/// What the samples of a pixel saw.
+class PixelSamples {
+ public:
+  /// Null for the sky. Textures are averaged over what a ray covers; what is not are outlines, creases and shadows.
+  void Add(const Color& color, const SurfacePoint* surface) {
+    const float brightness = color.sum();
+    light += color;
+    darkest_ = std::min(darkest_, brightness);
+    brightest_ = std::max(brightest_, brightness);
+    if (++count == 1 && surface) first_ = *surface;
+    if (count == 1) is_sky_ = !surface;
+    is_cut_ = is_cut_ || (surface ? is_sky_ || !IsContinued(*surface) : !is_sky_);
+  }
+
+  /// Whether the samples see unlike things in unlike light.
+  bool IsEdge() const { return is_cut_ && darkest_ < kLeastShareOfBrightest * brightest_; }
+
+  Color light = Gray(0);  ///< summed
+  int count = 0, num_drivable = 0;
+
+ private:
+  static constexpr float kLeastShareOfBrightest = 0.82f;
+
+  bool IsContinued(const SurfacePoint& surface) const {
+    constexpr float kStep = 0.02f;  // [m]
+    return surface.is_ground == first_.is_ground && surface.material == first_.material &&
+           (surface.sun > 0) == (first_.sun > 0) && surface.flat_normal.dot(first_.flat_normal) > 0.95f &&
+           (surface.is_ground || std::abs(first_.flat_normal.dot(surface.position - first_.position)) < kStep);
+  }
+
+  SurfacePoint first_;
+  float darkest_ = std::numeric_limits<float>::max(), brightest_ = 0;
+  bool is_sky_ = false, is_cut_ = false;
 };
+using PixelsOfPacket = std::array<PixelSamples*, kPixelsPerPacket>;
+
+/// The rays of samples `first` to `first` + 3 of pixels of which a table has the first four: the lens is taken to be
+/// even within a pixel, a thousandth of a pixel off at most.
+void AddSamples(const SamplePacket& table, int pixel_in_table, int first, int pixel, SamplePacket& packet) {
+  const auto ray = [&](int sample) {
+    const int lane = pixel_in_table * kSamplesPerPixel + sample;
+    return Eigen::Vector3f(table.x[lane], table.y[lane], table.z[lane]);
+  };
+  // The table's samples lie in a square: two diagonals, at right angles.
+  const Eigen::Vector3f middle = 0.25f * (ray(0) + ray(1) + ray(2) + ray(3)), a = ray(3) - ray(0), b = ray(1) - ray(2);
+  const Eigen::Vector3f by_column = (0.25f * a + 0.75f * b) / 0.625f, by_row = (0.75f * a - 0.25f * b) / 0.625f;
+  for (int sample = 0; sample < kSamplesPerPixel; ++sample) {
+    const auto [right, down] = kSampleOffsets[static_cast<size_t>(first + sample)];
+    const Eigen::Vector3f direction = (middle + right * by_column + down * by_row).normalized();
+    const int lane = pixel * kSamplesPerPixel + sample;
+    packet.x[lane] = direction.x(), packet.y[lane] = direction.y(), packet.z[lane] = direction.z();
+    packet.target[lane] = kWorld;
+  }
+}
+
+bool SeesWorldAlone(const SamplePacket& packet, int pixel) {
+  const std::int32_t* target = packet.target + pixel * kSamplesPerPixel;
+  return std::all_of(target, target + kSamplesPerPixel, [](std::int32_t of_sample) { return of_sample == kWorld; });
+}
 
 }  // namespace
 
@@ -30,9 +87,11 @@ struct Renderer::Parts {
   std::vector<SampleTable> tables;
 
   Parts(const Scene& scene_in, const Rig& rig_in, double half_field_of_view);
-  PacketResult RenderPacket(const Shot& shot, const RowPoses& poses, const SamplePacket& packet,
-                            const float* sample_angles) const;
-  SurfacePoint PointOnOwnCar(const SampleTable& table, const RowPoses& poses, std::int32_t index, int sample) const;
+  std::vector<PixelSamples> RenderRow(const Shot& shot, const RowPoses& poses, int row) const;
+  void RenderEdges(const Shot& shot, const RowPoses& poses, int row, std::vector<PixelSamples>& pixels) const;
+  void RenderPacket(const Shot& shot, const PacketPoses& poses, const SamplePacket& packet,
+                    const std::array<float, kPixelsPerPacket>& sample_angles, const PixelsOfPacket& pixels) const;
+  SurfacePoint PointOnOwnCar(const OwnCarHit& hit, const MomentPose& pose, bool is_covered) const;
   void LightNearOwnCar(const FastPose& body_from_world, SurfacePoint& point) const;
 };
 
@@ -47,18 +106,15 @@ Renderer::Parts::Parts(const Scene& scene_in, const Rig& rig_in, double half_fie
     tables.push_back(MakeSampleTable(camera, scene.own_car, own_car, half_field_of_view));
 }
 
-SurfacePoint Renderer::Parts::PointOnOwnCar(const SampleTable& table, const RowPoses& poses, std::int32_t index,
-                                            int sample) const {
-  const OwnCarHit& hit = table.own_car_hits[static_cast<size_t>(index)];
-  const size_t moment = static_cast<size_t>(sample);
+SurfacePoint Renderer::Parts::PointOnOwnCar(const OwnCarHit& hit, const MomentPose& pose, bool is_covered) const {
   SurfacePoint point;
-  point.position = poses.world_from_body[moment] * hit.point_in_body;
-  point.normal = point.flat_normal = poses.world_from_body[moment].rotation * hit.normal_in_body;
-  point.ray = (point.position - poses.world_from_camera[moment].translation).normalized();
+  point.position = pose.world_from_body * hit.point_in_body;
+  point.normal = point.flat_normal = pose.world_from_body.rotation * hit.normal_in_body;
+  point.ray = (point.position - pose.world_from_camera.translation).normalized();
   point.distance = hit.distance;
-  point.ambient = poses.is_covered ? 0.03f : 0.8f;
-  point.openness = poses.is_covered ? 0.0f : 1.0f;
-  point.light = scene.lamps.Irradiance(point.position, point.normal) + (poses.is_covered ? scene.bounce : Gray(0));
+  point.ambient = is_covered ? 0.03f : 0.8f;
+  point.openness = is_covered ? 0.0f : 1.0f;
+  point.light = scene.lamps.Irradiance(point.position, point.normal) + (is_covered ? scene.bounce : Gray(0));
   point.material = hit.material;
   return point;
 }
@@ -77,56 +133,106 @@ void Renderer::Parts::LightNearOwnCar(const FastPose& body_from_world, SurfacePo
   if (scene.has_headlights) point.light += HeadlightIrradiance(in_body, body_from_world.rotation * point.normal);
 }
 
-PacketResult Renderer::Parts::RenderPacket(const Shot& shot, const RowPoses& poses, const SamplePacket& packet,
-                                           const float* sample_angles) const {
+void Renderer::Parts::RenderPacket(const Shot& shot, const PacketPoses& poses, const SamplePacket& packet,
+                                   const std::array<float, kPixelsPerPacket>& sample_angles,
+                                   const PixelsOfPacket& pixels) const {
   alignas(64) RTCRayHit16 hits;
   alignas(64) int valid[kPacketSize];
   for (int lane = 0; lane < kPacketSize; ++lane) {
-    const FastPose& world_from_camera = poses.world_from_camera[static_cast<size_t>(lane % kSamplesPerPixel)];
+    const MomentPose& pose = poses.Of(lane);
     valid[lane] = packet.target[lane] == kWorld ? -1 : 0;
     const Eigen::Vector3f direction(packet.x[lane], packet.y[lane], packet.z[lane]);
-    SetRay(hits.ray, lane, world_from_camera.translation, world_from_camera.rotation * direction, 1000,
-           poses.time[static_cast<size_t>(lane % kSamplesPerPixel)]);
+    SetRay(hits.ray, lane, pose.world_from_camera.translation, pose.world_from_camera.rotation * direction, 1000,
+           pose.time);
     ClearHit(hits, lane);
   }
   const LaneFlags is_mover = surfaces.Trace(valid, hits);
 
   SurfacePoints points;
   LaneFlags is_surface{};
-  PacketResult result{};
   for (int lane = 0; lane < kPacketSize; ++lane) {
-    const size_t index = static_cast<size_t>(lane);
-    const int sample = lane % kSamplesPerPixel;
+    const size_t index = static_cast<size_t>(lane), pixel = index / kSamplesPerPixel;
     const bool is_own_car = packet.target[lane] >= 0;
     is_surface[index] = is_own_car || (valid[lane] && hits.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID);
     if (!is_surface[index]) continue;
     SurfacePoint& point = points[index];
-    point = is_own_car ? PointOnOwnCar(tables[shot.camera], poses, packet.target[lane], sample)
+    point = is_own_car ? PointOnOwnCar(tables[shot.camera].own_car_hits[static_cast<size_t>(packet.target[lane])],
+                                       poses.Of(lane), poses.row.is_covered)
                        : surfaces.PointOfHit(hits, lane, is_mover[index]);
-    point.sample_angle = sample_angles[lane / kSamplesPerPixel];
+    point.sample_angle = sample_angles[pixel];
     if (!is_own_car) {
-      point.motion = 0.25f * poses.speed * static_cast<float>(shot.exposure);
+      point.motion = 0.25f * poses.row.speed * static_cast<float>(shot.exposure);
       if (point.is_ground && !surfaces.movers().empty()) {
         const float left = surfaces.movers().Ambient(point.position);
         point.ambient *= left;
         point.light *= left;
       }
-      LightNearOwnCar(poses.body_from_world[static_cast<size_t>(sample)], point);
+      LightNearOwnCar(poses.Of(lane).body_from_world, point);
     }
     if (shot.with_semantics && point.is_ground && drivable[point.material].At(point.position.x(), point.position.y()))
-      ++result.drivable[lane / kSamplesPerPixel];
+      ++pixels[pixel]->num_drivable;
   }
   sunlight.FallOn(poses, is_surface, points);
   if (!scene.finish.empty()) MirrorWorld(scene, surfaces, poses, is_surface, points);
-  for (Color& pixel : result.pixels) pixel.setZero();
   for (int lane = 0; lane < kPacketSize; ++lane) {
     if (packet.target[lane] == kOutside) continue;
     const size_t index = static_cast<size_t>(lane);
-    const Color color =
-        is_surface[index] ? Shade(scene, points[index]) : scene.sky.Radiance(DirectionOf(hits.ray, lane));
-    result.pixels[lane / kSamplesPerPixel] += color * (1.0f / kSamplesPerPixel);
+    PixelSamples& pixel = *pixels[index / kSamplesPerPixel];
+    if (is_surface[index])
+      pixel.Add(Shade(scene, points[index]), &points[index]);
+    else
+      pixel.Add(scene.sky.Radiance(DirectionOf(hits.ray, lane)), nullptr);
   }
-  return result;
+}
+
+std::vector<PixelSamples> Renderer::Parts::RenderRow(const Shot& shot, const RowPoses& poses, int row) const {
+  const SampleTable& table = tables[shot.camera];
+  // The last packet may be wider than the picture.
+  std::vector<PixelSamples> pixels(static_cast<size_t>(table.packets_per_row * kPixelsPerPacket));
+  for (int column = 0; column < table.width; column += kPixelsPerPacket) {
+    PacketPoses packet_poses{poses};
+    std::array<float, kPixelsPerPacket> sample_angles{};
+    PixelsOfPacket targets{};
+    for (int pixel = 0; pixel < kPixelsPerPacket; ++pixel) {
+      const size_t index = static_cast<size_t>(pixel);
+      targets[index] = &pixels[static_cast<size_t>(column) + index];
+      if (column + pixel < table.width) sample_angles[index] = table.SampleAngle(column + pixel, row);
+      packet_poses.SetMoments(pixel, PixelMoments(column + pixel, row), 0);
+    }
+    RenderPacket(shot, packet_poses, table.PacketOf(column, row), sample_angles, targets);
+  }
+  pixels.resize(static_cast<size_t>(table.width));
+  return pixels;
+}
+
+/// Adds twelve samples to each pixel that shows an edge.
+void Renderer::Parts::RenderEdges(const Shot& shot, const RowPoses& poses, int row,
+                                  std::vector<PixelSamples>& pixels) const {
+  const SampleTable& table = tables[shot.camera];
+  std::vector<int> columns;
+  for (int column = 0; column < table.width; ++column)
+    if (pixels[static_cast<size_t>(column)].IsEdge() &&
+        SeesWorldAlone(table.PacketOf(column, row), column % kPixelsPerPacket))
+      columns.push_back(column);
+  PixelSamples unused;
+  for (size_t begin = 0; begin < columns.size(); begin += kPixelsPerPacket) {
+    for (int first = kSamplesPerPixel; first < kSamplesPerEdgePixel; first += kSamplesPerPixel) {
+      SamplePacket packet{};
+      std::fill(std::begin(packet.target), std::end(packet.target), kOutside);
+      PacketPoses packet_poses{poses};
+      std::array<float, kPixelsPerPacket> sample_angles{};
+      PixelsOfPacket targets;
+      targets.fill(&unused);
+      for (size_t pixel = 0; pixel < kPixelsPerPacket && begin + pixel < columns.size(); ++pixel) {
+        const int column = columns[begin + pixel];
+        targets[pixel] = &pixels[static_cast<size_t>(column)];
+        sample_angles[pixel] = table.SampleAngle(column, row);
+        packet_poses.SetMoments(static_cast<int>(pixel), PixelMoments(column, row), first);
+        AddSamples(table.PacketOf(column, row), column % kPixelsPerPacket, first, static_cast<int>(pixel), packet);
+      }
+      RenderPacket(shot, packet_poses, packet, sample_angles, targets);
+    }
+  }
 }
 
 Renderer::Renderer(const Scene& scene, const Rig& rig, double half_field_of_view)
@@ -142,27 +248,23 @@ RenderedImage Renderer::Render(const Shot& shot) const {
   const auto& covers = parts_->scene.place.is_covered;
   const bool is_covered = covers && covers(world_from_body.translation);
   RenderedImage image;
-  image.radiance.create(table.height, table.width, CV_32FC3);
+  image.radiance = cv::Mat::zeros(table.height, table.width, CV_32FC3);
   if (shot.with_semantics) image.drivable = cv::Mat::zeros(table.height, table.width, CV_8UC1);
   ParallelFor(static_cast<size_t>(table.height), [&](size_t row_index) {
     const FlushDenormals flush;
     const int row = static_cast<int>(row_index);
     RowPoses poses = PosesOfRow(camera, shot, row);
     poses.is_covered = is_covered;
-    float* radiance = image.radiance.ptr<float>(row);
-    for (int index = 0; index < table.packets_per_row; ++index) {
-      const SamplePacket& packet = table.packets[static_cast<size_t>(row * table.packets_per_row + index)];
-      const int first = index * kPixelsPerPacket, count = std::min(kPixelsPerPacket, table.width - first);
-      std::array<float, kPixelsPerPacket> angles{};
-      std::copy_n(table.sample_angle.begin() + row * table.width + first, count, angles.begin());
-      const PacketResult result = parts_->RenderPacket(shot, poses, packet, angles.data());
-      for (int i = 0; i < count; ++i) {
-        const float arriving = table.vignetting[static_cast<size_t>(row * table.width + first + i)];
-        for (int channel = 0; channel < 3; ++channel)
-          radiance[3 * (first + i) + channel] = arriving * result.pixels[i][channel];
-        if (shot.with_semantics && 2 * result.drivable[i] > kSamplesPerPixel)
-          image.drivable.at<std::uint8_t>(row, first + i) = 255;
-      }
+    std::vector<PixelSamples> pixels = parts_->RenderRow(shot, poses, row);
+    parts_->RenderEdges(shot, poses, row, pixels);
+    for (int column = 0; column < table.width; ++column) {
+      const PixelSamples& pixel = pixels[static_cast<size_t>(column)];
+      if (pixel.count == 0) continue;
+      // A sample outside the lens is dark.
+      const int count = std::max(pixel.count, kSamplesPerPixel);
+      const Color arriving = pixel.light * (table.Vignetting(column, row) / static_cast<float>(count));
+      image.radiance.at<cv::Vec3f>(row, column) = {arriving[0], arriving[1], arriving[2]};
+      if (shot.with_semantics && 2 * pixel.num_drivable > count) image.drivable.at<std::uint8_t>(row, column) = 255;
     }
   });
   return image;

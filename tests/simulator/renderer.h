@@ -16,7 +16,7 @@ struct RenderedImage {
 };
 
 /// Takes pictures of a scene with the cameras of a rig, by ray tracing: four rays
-/// a pixel, each at its own moment of the exposure, textures averaged over what a
+/// a pixel, sixteen at edges, each at its own moment of the exposure, textures averaged over what a
 /// ray covers, shadows of the sun and of lamps, mirrors of wet ground. All cores; one
 /// picture at a time.
 class Renderer {

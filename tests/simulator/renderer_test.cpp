@@ -46,10 +46,10 @@ TEST_F(LotPictures, MostTracksSurviveFromFrameToFrameWhileDriving) {
     cv::Mat gray[2];
     for (int i = 0; i < 2; ++i)
       cv::cvtColor(sensor.Develop(Take(camera, 8 + 0.1 * i, false).radiance), gray[i], cv::COLOR_BGR2GRAY);
-    const KeptTracks tracks =
+    const FollowedCorners tracks =
         FollowCorners(gray[0], gray[1], renderer_->Mask(camera), {.quality = 0.005, .spacing = 10});
-    ASSERT_GE(tracks.num_corners, 150) << camera;
-    EXPECT_GE(tracks.num_kept, 0.75 * tracks.num_corners) << camera;
+    ASSERT_GE(tracks.num_corners(), 150) << camera;
+    EXPECT_GE(tracks.num_kept(), 0.75 * tracks.num_corners()) << camera;
   }
 }
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <numeric>
 #include <optional>
 
 #include "tests/simulator/lens_models.h"
@@ -25,7 +26,9 @@ struct MarkerWorld {
               .sky = Sky(1),
               .materials = {Material{.albedo = Gray(0)}, Material{.albedo = Gray(0), .emission = Gray(1)}}};
 
-  explicit MarkerWorld(const Rigid3& world_from_body) {
+  /// `is_white`: walls shine, too, which shows how much light arrives at each pixel.
+  explicit MarkerWorld(const Rigid3& world_from_body, bool is_white = false) {
+    if (is_white) scene.materials[0].emission = Gray(1);
     const Eigen::Vector3d& car = world_from_body.translation;
     for (const double side : {-1.0, 1.0}) {
       scene.objects.AddBox(car + Eigen::Vector3d(15 * side, 0, 5), {0.1, 15, 9}, 0, 0);
@@ -33,7 +36,7 @@ struct MarkerWorld {
     }
     scene.objects.AddBox(car - Eigen::Vector3d(0, 0, 2), {15, 15, 0.1}, 0, 0);
     for (int i = 0; i < 36; ++i) {
-      const double azimuth = 2 * M_PI * i / 36, distance = 5 + 0.7 * (i % 4), half = 0.022 * distance;
+      const double azimuth = 2 * M_PI * i / 36, distance = 5 + 0.7 * (i % 4), half = 0.034 * distance;
       const Eigen::Vector3d center(1.3 + distance * std::cos(azimuth), distance * std::sin(azimuth),
                                    0.35 + 0.6 * (i % 3));
       const Eigen::Vector3d front = (Eigen::Vector3d(1.3, 0, 0.8) - center).normalized();
@@ -56,30 +59,37 @@ struct Patch {
   double reach = 0;
 };
 
-/// Centre of the marker within a patch: each pixel weighs by how many of its samples are on it. Nothing when too little
-/// of it is there.
-std::optional<Eigen::Vector2d> MarkerIn(const cv::Mat& radiance, const Patch& patch) {
-  constexpr double kLeast = 0.4;  // of its own light; the rest is lost in the lens
+/// Centre of the marker within a patch of a picture in which 1 is its light: each pixel weighs by how many of its
+/// samples are on it. Nothing when it is not there, or the own car or the rim may cut it.
+std::optional<Eigen::Vector2d> MarkerIn(const cv::Mat& share, const Patch& patch) {
   const int reach = static_cast<int>(patch.reach) + 3;
   const int column = static_cast<int>(std::lround(patch.center.x())),
             row = static_cast<int>(std::lround(patch.center.y()));
   const cv::Rect window(column - reach, row - reach, 2 * reach + 1, 2 * reach + 1);
-  if ((window & cv::Rect(0, 0, radiance.cols, radiance.rows)) != window) return std::nullopt;
-  double brightest = 0;
-  for (int y = window.y; y < window.br().y; ++y)
-    for (int x = window.x; x < window.br().x; ++x)
-      brightest = std::max<double>(brightest, radiance.at<cv::Vec3f>(y, x)[1]);
-  if (brightest < kLeast) return std::nullopt;
+  if ((window & cv::Rect(0, 0, share.cols, share.rows)) != window) return std::nullopt;
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  double num_samples = 0;
+  double num_samples = 0, most = 0;
   for (int y = window.y; y < window.br().y; ++y) {
     for (int x = window.x; x < window.br().x; ++x) {
-      const double samples = std::round(4 * radiance.at<cv::Vec3f>(y, x)[1] / brightest);
+      if (share.at<float>(y, x) < 0) return std::nullopt;
+      const double samples = std::round(kSamplesPerEdgePixel * share.at<float>(y, x));
       sum += samples * Eigen::Vector2d(x, y);
       num_samples += samples;
+      most = std::max(most, samples);
     }
   }
+  if (most < kSamplesPerEdgePixel) return std::nullopt;
   return Eigen::Vector2d(sum / num_samples);
+}
+
+/// The share of light that the markers give, CV_32FC1; negative where the own car or the rim of the lens is.
+cv::Mat ShareOf(const cv::Mat& radiance, const cv::Mat& white, const cv::Mat& mask) {
+  cv::Mat share(radiance.size(), CV_32FC1, cv::Scalar(-1));
+  for (int y = 0; y < share.rows; ++y)
+    for (int x = 0; x < share.cols; ++x)
+      if (mask.at<std::uint8_t>(y, x))
+        share.at<float>(y, x) = radiance.at<cv::Vec3f>(y, x)[1] / white.at<cv::Vec3f>(y, x)[1];
+  return share;
 }
 
 /// Where a point of the world appears when the car drives and the shutter rolls.
@@ -124,7 +134,8 @@ std::optional<Patch> ProjectMarker(const RigCamera& camera, const Poses& world_f
 
 struct MarkerErrors {
   std::array<int, 4> count{};              ///< markers seen, per camera
-  double worst = 0, root_mean_square = 0;  ///< [px]
+  double worst = 0, root_mean_square = 0;  ///< [px] over all markers of all pictures
+  int num_beyond = 0;                      ///< more than 0.1 px off
 };
 
 /// The pictures to take: the first with its middle at time 0, the others a little later.
@@ -139,54 +150,61 @@ struct Pictures {
   }
 };
 
-/// How far a marker is from where it should be, as the mean over the pictures; nothing unless it is in all.
-std::optional<Eigen::Vector2d> MarkerError(const RigCamera& camera, const Pictures& pictures,
-                                           const std::vector<cv::Mat>& taken, const Marker& marker) {
+/// How far a marker is from where it should be in a picture [px]; nothing where it is not in the picture whole.
+std::optional<double> MarkerError(const RigCamera& camera, const Poses& world_from_body, const cv::Mat& share,
+                                  const Marker& marker) {
   constexpr double kWidest = 1.45;  // [rad] to the axis: beyond it the rim of the lens cuts plates
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  for (int picture = 0; picture < pictures.count; ++picture) {
-    const auto expected = ProjectMarker(camera, pictures.PosesOf(picture), marker);
-    const auto bearing = expected ? camera.model.Unproject(expected->center) : std::nullopt;
-    if (!bearing || bearing->z() < std::cos(kWidest)) return std::nullopt;
-    const auto seen = MarkerIn(taken[static_cast<size_t>(picture)], *expected);
-    if (!seen) return std::nullopt;
-    sum += *seen - expected->center;
-  }
-  return Eigen::Vector2d(sum / pictures.count);
+  const auto expected = ProjectMarker(camera, world_from_body, marker);
+  const auto bearing = expected ? camera.model.Unproject(expected->center) : std::nullopt;
+  if (!bearing || bearing->z() < std::cos(kWidest)) return std::nullopt;
+  const auto seen = MarkerIn(share, *expected);
+  if (!seen) return std::nullopt;
+  return (*seen - expected->center).norm();
+}
+
+cv::Mat Take(const Renderer& renderer, size_t camera, const Poses& world_from_body, double exposure) {
+  Shot shot;
+  shot.camera = camera;
+  shot.world_from_body = world_from_body;
+  shot.exposure = exposure;
+  return renderer.Render(shot).radiance;
 }
 
 MarkerErrors CompareMarkers(const Rig& rig, const Pictures& pictures) {
-  const MarkerWorld world(pictures.world_from_body(0));
-  const Renderer renderer(world.scene, rig, kHalfFieldOfView);
+  const MarkerWorld world(pictures.world_from_body(0)), white_world(pictures.world_from_body(0), true);
+  const Renderer renderer(world.scene, rig, kHalfFieldOfView), white(white_world.scene, rig, kHalfFieldOfView);
   MarkerErrors errors;
   double sum_squares = 0;
   int count = 0;
   for (size_t camera = 0; camera < rig.cameras.size(); ++camera) {
-    std::vector<cv::Mat> taken;
+    const cv::Mat all = Take(white, camera, pictures.PosesOf(0), 0), mask = renderer.Mask(camera);
     for (int picture = 0; picture < pictures.count; ++picture) {
-      Shot shot;
-      shot.camera = camera;
-      shot.world_from_body = pictures.PosesOf(picture);
-      shot.exposure = pictures.exposure;
-      taken.push_back(renderer.Render(shot).radiance);
-    }
-    for (const Marker& marker : world.markers) {
-      const auto error = MarkerError(rig.cameras[camera], pictures, taken, marker);
-      if (!error) continue;
-      errors.worst = std::max(errors.worst, error->norm());
-      sum_squares += error->squaredNorm();
-      ++errors.count[camera];
-      ++count;
+      const Poses world_from_body = pictures.PosesOf(picture);
+      const cv::Mat share = ShareOf(Take(renderer, camera, world_from_body, pictures.exposure), all, mask);
+      for (const Marker& marker : world.markers) {
+        const auto error = MarkerError(rig.cameras[camera], world_from_body, share, marker);
+        if (!error) continue;
+        errors.worst = std::max(errors.worst, *error);
+        errors.num_beyond += *error > 0.1;
+        sum_squares += *error * *error;
+        ++errors.count[camera];
+        ++count;
+      }
     }
   }
   errors.root_mean_square = std::sqrt(sum_squares / std::max(1, count));
   return errors;
 }
 
-void ExpectExact(const MarkerErrors& errors) {
-  for (size_t camera = 0; camera < errors.count.size(); ++camera) EXPECT_GE(errors.count[camera], 10) << camera;
-  EXPECT_LT(errors.worst, 0.1);
-  EXPECT_LT(errors.root_mean_square, 0.04);
+void ExpectExact(const MarkerErrors& errors, int num_pictures) {
+  for (size_t camera = 0; camera < errors.count.size(); ++camera)
+    EXPECT_GE(errors.count[camera], 10 * num_pictures) << camera;
+  // Sixteen samples at an edge leave some noise while it moves.
+  const int all = std::accumulate(errors.count.begin(), errors.count.end(), 0);
+  EXPECT_LE(errors.num_beyond, all / 300) << "of " << all;
+  EXPECT_LT(errors.worst, 0.12);
+  EXPECT_LT(errors.root_mean_square, 0.025);
+  testing::Test::RecordProperty("beyond", std::to_string(errors.num_beyond) + " of " + std::to_string(all));
   testing::Test::RecordProperty("worst_px", std::to_string(errors.worst));
   testing::Test::RecordProperty("rms_px", std::to_string(errors.root_mean_square));
 }
@@ -198,7 +216,7 @@ TEST_P(ReprojectionOfLens, AMarkerAppearsWhereTheCameraModelProjectsIt) {
   RigOptions options;
   options.lens = GetParam();
 
-  ExpectExact(CompareMarkers(MakeSimulatedRig(options, 4), {.world_from_body = [&](double) { return pose; }}));
+  ExpectExact(CompareMarkers(MakeSimulatedRig(options, 4), {.world_from_body = [&](double) { return pose; }}), 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, ReprojectionOfLens, testing::ValuesIn(LensNames()),
@@ -221,11 +239,9 @@ TEST_P(ReprojectionWhileDriving, MotionAndRollingShutterMoveAMarkerAsTheTruthSay
   }
   ASSERT_GT(turn_at(sharpest), 0.3);
 
-  // Each of a pixel's four samples has its own moment. While a plate moves by pixels in an exposure, the centre of one
-  // picture of it is uncertain by up to 0.17 px; what a wrong time or place would do is the same in all pictures.
   for (const double time : {fastest, sharpest}) {
     const Poses world_from_body = [&](double offset) { return plan.motion.WorldFromBody(time + offset); };
-    ExpectExact(CompareMarkers(rig, {.world_from_body = world_from_body, .exposure = 0.004, .count = 6}));
+    ExpectExact(CompareMarkers(rig, {.world_from_body = world_from_body, .exposure = 0.004, .count = 6}), 6);
   }
 }
 

@@ -1,7 +1,6 @@
 #include "tests/simulator/sample_table.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -9,11 +8,6 @@
 
 namespace parkade::simulator {
 namespace {
-
-// A rotated grid: the four samples differ in every column and row of the pixel,
-// always in the same places, so that nothing flickers. Their mean is the centre.
-constexpr std::array<std::array<double, 2>, kSamplesPerPixel> kOffsets = {
-    {{-0.125, -0.375}, {0.375, -0.125}, {-0.375, 0.125}, {0.125, 0.375}}};
 
 /// Natural fall-off of a lens at an angle to its axis: what fisheyes of this kind show.
 float Vignetting(double angle, double half_field_of_view) {
@@ -65,7 +59,8 @@ TableRow MakeRow(const RigCamera& camera, const Mesh& own_car, const RayScene& r
     if (made.vignetting.back() <= 0) continue;
     SamplePacket& packet = made.packets[static_cast<size_t>(column / kPixelsPerPacket)];
     for (size_t sample = 0; sample < kSamplesPerPixel; ++sample) {
-      const auto direction = model.Unproject({column + kOffsets[sample][0], row + kOffsets[sample][1]});
+      const auto [right, down] = kSampleOffsets[sample];
+      const auto direction = model.Unproject({column + double{right}, row + double{down}});
       if (!direction) continue;
       const size_t lane = static_cast<size_t>(column % kPixelsPerPacket) * kSamplesPerPixel + sample;
       packet.x[lane] = static_cast<float>(direction->x());

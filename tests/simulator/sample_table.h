@@ -7,14 +7,15 @@
 #include "core/rig.h"
 #include "tests/simulator/mesh.h"
 #include "tests/simulator/ray_scene.h"
+#include "tests/simulator/sample_pattern.h"
 
 namespace parkade::simulator {
 
-inline constexpr int kSamplesPerPixel = 4;
 inline constexpr int kPixelsPerPacket = 4;
 inline constexpr int kPacketSize = kSamplesPerPixel * kPixelsPerPacket;
 
-/// The rays of four neighbouring pixels, four each; lane = 4 * pixel + sample.
+/// The rays of four pixels, four each; lane = 4 * pixel + sample. In a SampleTable the pixels are neighbours and the
+/// samples their first four.
 struct alignas(64) SamplePacket {
   float x[kPacketSize], y[kPacketSize], z[kPacketSize];  ///< unit direction in camera
   std::int32_t target[kPacketSize];                      ///< kOutside, kWorld, or an index into own_car_hits
@@ -37,6 +38,13 @@ struct SampleTable {
   std::vector<float> sample_angle;    ///< [rad] between neighbouring samples, per pixel
   std::vector<float> vignetting;      ///< share of light that arrives, per pixel
   std::vector<OwnCarHit> own_car_hits;
+
+  /// The packet with a pixel; in it the pixel is number column % kPixelsPerPacket.
+  const SamplePacket& PacketOf(int column, int row) const {
+    return packets[static_cast<size_t>(row * packets_per_row + column / kPixelsPerPacket)];
+  }
+  float SampleAngle(int column, int row) const { return sample_angle[static_cast<size_t>(row * width + column)]; }
+  float Vignetting(int column, int row) const { return vignetting[static_cast<size_t>(row * width + column)]; }
 
   /// CV_8UC1, 0 where a pixel shows the own car or the outside of the lens.
   cv::Mat Mask() const;

@@ -18,7 +18,7 @@ Sunlight::Sunlight(const Scene& scene, const SceneSurfaces& surfaces, const RayS
     to_sun_[i] = (sun + Sky::kSunRadius * (kSunOffsets[i][0] * u + kSunOffsets[i][1] * v)).normalized();
 }
 
-void Sunlight::FallOn(const RowPoses& poses, const LaneFlags& is_surface, SurfacePoints& points) const {
+void Sunlight::FallOn(const PacketPoses& poses, const LaneFlags& is_surface, SurfacePoints& points) const {
   constexpr float kLift = 0.004f;          // [m] off the surface, against its own shadow
   constexpr float kOwnShadowReach = 8.0f;  // [m] from the body's origin
   if (scene_.sky.sun_irradiance()[0] <= 0) return;
@@ -32,10 +32,10 @@ void Sunlight::FallOn(const RowPoses& poses, const LaneFlags& is_surface, Surfac
     if (!is_surface[index] || point.flat_normal.dot(to_sun_[sample]) <= 0) continue;
     point.sun = std::max(0.0f, point.normal.dot(to_sun_[sample]));
     const Eigen::Vector3f origin = point.position + kLift * point.flat_normal;
-    SetRay(in_world, lane, origin, to_sun_[sample], 400, poses.time[sample]);
+    SetRay(in_world, lane, origin, to_sun_[sample], 400, poses.Of(lane).time);
     valid[lane] = -1;
     is_any = true;
-    const FastPose& body_from_world = poses.body_from_world[sample];
+    const FastPose& body_from_world = poses.Of(lane).body_from_world;
     const Eigen::Vector3f origin_in_body = body_from_world * origin;
     if (origin_in_body.squaredNorm() > kOwnShadowReach * kOwnShadowReach) continue;
     SetRay(in_body, lane, origin_in_body, body_from_world.rotation * to_sun_[sample], 20, 0);

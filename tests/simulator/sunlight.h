@@ -1,6 +1,5 @@
 #pragma once
 
-#include "tests/simulator/row_poses.h"
 #include "tests/simulator/scene_surfaces.h"
 
 namespace parkade::simulator {
@@ -12,7 +11,7 @@ class Sunlight {
   Sunlight(const Scene& scene, const SceneSurfaces& surfaces, const RayScene& own_car);
 
   /// Sets SurfacePoint::sun of the lanes that are a surface.
-  void FallOn(const RowPoses& poses, const LaneFlags& is_surface, SurfacePoints& points) const;
+  void FallOn(const PacketPoses& poses, const LaneFlags& is_surface, SurfacePoints& points) const;
 
  private:
   const Scene& scene_;
