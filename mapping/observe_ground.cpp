@@ -13,9 +13,13 @@
 namespace parkade {
 namespace {
 
-constexpr double kMaskDelay = 0.25;     // [s] of log within which the mask of an image must come
-constexpr double kSameImage = 0.002;    // [s] a mask may be stamped this far from its image
-constexpr size_t kImagesPerBatch = 16;  // kept in memory at once; worked on in parallel
+constexpr double kMaskDelay = 0.25;   // [s] of log within which the mask of an image must come
+constexpr double kSameImage = 0.002;  // [s] a mask may be stamped this far from its image
+// What is not a mask of the log may be wrong, at the foot of obstacles and far away most often.
+constexpr double kBeliefFootDepth = 0.6;        // [m] of a network's not-ground that counts against the ground in full
+constexpr double kBeliefRange = 8.0;            // [m] beyond the nearest ground, up to which it is asked
+constexpr float kBeliefFreeConfidence = 0.67F;  // of what it takes for free, beside what it takes for something else
+constexpr size_t kImagesPerBatch = 16;          // kept in memory at once; worked on in parallel
 
 struct ImageWithMask {
   CameraFrame frame;
@@ -157,11 +161,19 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
   GroundPatch patch{.drive = 0, .camera = frame.camera, .time = frame.time, .samples = {}};
   std::vector<GroundLabel>& labels = found.labels;
   // Of what is not ground only its foot is known to stand where its pixels meet the plane.
-  HideBehindObstacles(grid, options.segmentation, found.is_trusted, labels);
+  const bool is_mask = found.is_trusted && found.confidence.empty();
+  SegmentGroundOptions segmentation = options.segmentation;
+  if (!is_mask) segmentation.foot_depth = std::max(segmentation.foot_depth, kBeliefFootDepth);
+  HideBehindObstacles(grid, segmentation, found.is_trusted, labels);
   const Eigen::Matrix3f rotation = body_from_ground.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = body_from_ground.translation.cast<float>();
+  const auto last_range =
+      grid.ranges.empty()
+          ? 0
+          : grid.ranges.back() - static_cast<float>(std::max(0.0, options.grid.max_range - kBeliefRange));
   for (int range = 0; range < grid.num_ranges; ++range) {
     const auto at = static_cast<size_t>(range);
+    if (!is_mask && grid.ranges[at] > last_range) break;
     const int stride = RayStride(grid, grid.ranges[at], options.grid.spacing);
     const float footprint = grid.ranges[at] - (range > 0 ? grid.ranges[at - 1] : 0);
     // Who sees an outline in longer pixels knows less well where it is.
@@ -170,8 +182,9 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
     for (int ray = 0; ray < grid.num_rays; ray += stride) {
       const auto i = static_cast<size_t>(grid.IndexOf(ray, range));
       if (labels[i] == GroundLabel::kUnknown) continue;
-      const float hint =
-          labels[i] == GroundLabel::kHidden ? static_cast<float>(options.segmentation.hidden_confidence) : 1;
+      float hint = 1;
+      if (labels[i] == GroundLabel::kHidden) hint = static_cast<float>(options.segmentation.hidden_confidence);
+      if (labels[i] == GroundLabel::kGround && !is_mask) hint = kBeliefFreeConfidence;
       const GroundGridCell& cell = grid.cells[i];
       const uchar* color = colors.ptr() + 3 * i;
       const Eigen::Vector3f point_in_ground(cell.point_in_ground.x(), cell.point_in_ground.y(), 0);
