@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "slam/place_recognition.h"
+#include "slam/widen_place.h"
 
 namespace parkade {
 namespace {
@@ -106,9 +107,16 @@ class DriveLinker {
   /// Adds the good ones to measured_.
   void Measure(const std::vector<PlaceCandidate>& candidates) {
     std::vector<PlaceLink> links = ParallelMap(candidates.size(), [&](size_t i) {
-      const Place &a = places_a_[candidates[i].earlier], &b = places_b_[candidates[i].later];
-      return PlaceLink{candidates[i].earlier, candidates[i].later, candidates[i].score,
-                       EstimateRigPose(a, b, MatchPlaces(a, b, relative_pose_), relative_pose_)};
+      const auto neighbours = static_cast<size_t>(options_.neighbours);
+      const Place a = WidenPlace(places_a_, candidates[i].earlier, neighbours);
+      const Place b = WidenPlace(places_b_, candidates[i].later, neighbours);
+      PlaceLink link{candidates[i].earlier, candidates[i].later, candidates[i].score,
+                     EstimateRigPose(a, b, MatchPlaces(a, b, relative_pose_), relative_pose_)};
+      // What neighbours both saw counts more than once in it.
+      const double repeats = 2 * options_.neighbours + 1;
+      link.pose.information /= repeats;
+      link.pose.worst_sigma *= std::sqrt(repeats);
+      return link;
     });
     for (PlaceLink& link : links) {
       tried_.insert({link.place_a, link.place_b});
@@ -139,9 +147,9 @@ class DriveLinker {
 
   /// Where the links say that the drives pass each other, the nearest places are measured as well.
   void MeasureForetold() {
-    constexpr size_t kNearest = 2;
+    constexpr size_t kNearest = 1;
     std::vector<PlaceCandidate> foretold;
-    for (size_t b = 0; b < places_b_.size(); ++b) {
+    for (size_t b = 0; b < places_b_.size(); b += static_cast<size_t>(options_.neighbours) + 1) {
       const Rigid3 a_from_b = FrameOf(NearestLink(b), places_a_, places_b_);
       const Eigen::Vector3d position = a_from_b * places_b_[b].odom_from_place.translation;
       std::vector<std::pair<double, size_t>> near;
@@ -179,8 +187,8 @@ class DriveLinker {
 }  // namespace
 
 void DriveLinkOptions::Validate() const {
-  Require(max_candidates > 0 && batch > 0 && max_measured > 0 && min_links > 0, ErrorCode::kUsage,
-          "counts of links between drives must be positive");
+  Require(max_candidates > 0 && batch > 0 && max_measured > 0 && min_links > 0 && neighbours >= 0 && neighbours <= 10,
+          ErrorCode::kUsage, "counts of links between drives must be positive, and at most 10 neighbours");
   Require(min_spread >= 0 && max_rival_share >= 0 && reach > 0 && height_reach > 0 && closing_base > 0 &&
               closing_per_metre >= 0 && closing_deg > 0,
           ErrorCode::kUsage, "the bounds on links between drives must be positive");

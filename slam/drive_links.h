@@ -16,6 +16,7 @@ struct DriveLinkOptions {
   int min_links = 6;             ///< that agree with each other ...
   double min_spread = 6;         ///< [m] ... and lie this far apart
   double max_rival_share = 0.6;  ///< of links that agree on something else, relative to the best: more is ambiguous
+  int neighbours = 1;            ///< places before and after one that are measured with it
   double reach = 4;              ///< [m] around its foretold position in which a place is looked for
   double height_reach = 1.2;     ///< [m] likewise; decks of a garage lie 2.5 m apart or more
   // Two links agree where the ways between their ends in both drives close with them, up to these.
@@ -31,6 +32,7 @@ struct DriveLinkOptions {
     visit("min_links", min_links);
     visit("min_spread", min_spread);
     visit("max_rival_share", max_rival_share);
+    visit("neighbours", neighbours);
     visit("reach", reach);
     visit("height_reach", height_reach);
     visit("closing_base", closing_base);
