@@ -35,7 +35,7 @@ struct MapOptions {
     visit("submaps", submaps);
     visit("gnss", gnss);
     visit("ground", ground);
-    visit("surface", surface);
+    visit("mapping", surface);
     visit("mesh", mesh);
     visit("texture", texture);
   }

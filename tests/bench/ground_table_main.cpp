@@ -41,7 +41,7 @@ struct GroundTableOptions {
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
     visit("ground", ground);
-    visit("surface", surface);
+    visit("mapping", surface);
     visit("mesh", mesh);
     visit("evaluation", evaluation);
   }

@@ -151,8 +151,8 @@ class CommandLine(unittest.TestCase):
         self.refuse("x.bag", "--set", "odometry.use_wheels=7", status=2, names=["odometry.use_wheels"])
 
     def test_options_are_printed_as_json_and_can_be_set(self):
-        options = json.loads(run("map", "--print-options", "--set", "surface.cell_size=0.1").stdout)
-        self.assertEqual(options["surface"]["cell_size"], 0.1)
+        options = json.loads(run("map", "--print-options", "--set", "mapping.cell_size=0.1").stdout)
+        self.assertEqual(options["mapping"]["cell_size"], 0.1)
 
     def test_what_is_not_a_log_is_named(self):
         shopping = self.folder / "shopping.bag"
