@@ -121,9 +121,9 @@ OdometryResult OdometryOf(const DriveLog& log, const std::filesystem::path& from
   return EstimateTrajectory(log, options, progress);
 }
 
-void StoreOdometry(const OdometryResult& odometry, const std::string& drive, const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder / drive);
-  WriteOdometry(odometry, folder / drive / kOdometryFile);
+void StoreOdometry(const OdometryResult& odometry, const DriveLog& log, const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder / log.name());
+  WriteOdometry(odometry, log.rig(), folder / log.name() / kOdometryFile);
 }
 
 }  // namespace
@@ -167,7 +167,7 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
       built.left_out.push_back({logs[i]->name(), error.what()});
       continue;
     }
-    if (!scope.products.empty()) StoreOdometry(drive.odometry, logs[i]->name(), scope.products);
+    if (!scope.products.empty()) StoreOdometry(drive.odometry, *logs[i], scope.products);
     drive.outcome.log = i;
     drive.outcome.odometry = drive.odometry.report;
     drive.outcome.num_keyframes = drive.odometry.keyframes.size();

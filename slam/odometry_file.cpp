@@ -11,7 +11,7 @@ namespace parkade {
 namespace {
 
 constexpr std::string_view kMagic = "parkade odometry";
-constexpr std::uint32_t kVersion = 1;  // of the layout: other versions are tracked again
+constexpr std::uint32_t kVersion = 2;  // of the layout: other versions are tracked again
 constexpr size_t kMaxBytes = size_t{16} << 30;
 
 /// FNV-1a over 64 bits: finds damage, not malice.
@@ -19,6 +19,39 @@ std::uint64_t ChecksumOf(std::string_view bytes) {
   std::uint64_t sum = 14695981039346656037ULL;
   for (const char byte : bytes) sum = (sum ^ static_cast<unsigned char>(byte)) * 1099511628211ULL;
   return sum;
+}
+
+std::string_view BytesOf(const Eigen::Ref<const Eigen::VectorXd>& numbers) {
+  return {reinterpret_cast<const char*>(numbers.data()), sizeof(double) * static_cast<size_t>(numbers.size())};
+}
+
+/// Of all that tracking takes from a rig. A lens counts by the rays of some of its pixels.
+std::uint64_t FingerprintOf(const Rig& rig) {
+  std::string bytes;
+  const auto add_pose = [&bytes](const Rigid3& pose) {
+    bytes += BytesOf(pose.rotation.coeffs());
+    bytes += BytesOf(pose.translation);
+  };
+  for (const RigCamera& camera : rig.cameras) {
+    bytes += camera.name;
+    add_pose(camera.body_from_camera);
+    bytes +=
+        BytesOf(Eigen::Vector4d(camera.time_shift, camera.line_delay, camera.model.width(), camera.model.height()));
+    constexpr int kRaysPerSide = 7;
+    for (int i = 0; i < kRaysPerSide * kRaysPerSide; ++i) {
+      const Eigen::Vector2d at((i % kRaysPerSide + 0.5) / kRaysPerSide * camera.model.width(),
+                               (i / kRaysPerSide + 0.5) / kRaysPerSide * camera.model.height());
+      bytes += BytesOf(camera.model.Unproject(at).value_or(Eigen::Vector3d::Zero()));
+    }
+    for (int row = 0; row < camera.mask.rows; ++row)
+      bytes.append(camera.mask.ptr<char>(row), static_cast<size_t>(camera.mask.cols));
+  }
+  const ImuCalibration& imu = rig.imu;
+  bytes += BytesOf(Eigen::Vector4d(imu.accelerometer_noise_density, imu.accelerometer_random_walk,
+                                   imu.gyroscope_noise_density, imu.gyroscope_random_walk));
+  add_pose(rig.body_from_imu);
+  if (rig.vehicle) bytes += BytesOf(Eigen::Vector2d(rig.vehicle->wheelbase, rig.vehicle->track));
+  return ChecksumOf(bytes);
 }
 
 // What a file holds of one camera beyond its lens.
@@ -209,7 +242,7 @@ OdometryResult Restored(StoredOdometry&& stored, const Rig& rig) {
 
 }  // namespace
 
-void WriteOdometry(const OdometryResult& odometry, const std::filesystem::path& file) {
+void WriteOdometry(const OdometryResult& odometry, const Rig& rig, const std::filesystem::path& file) {
   StoredOdometry stored;
   stored.states = odometry.odom_from_body.states();
   stored.keyframes = odometry.keyframes;
@@ -227,8 +260,8 @@ void WriteOdometry(const OdometryResult& odometry, const std::filesystem::path& 
   content(stored);
   BinaryWriter head;
   std::uint32_t version = kVersion;
-  std::uint64_t checksum = ChecksumOf(content.bytes());
-  head(version, checksum);
+  std::uint64_t fingerprint = FingerprintOf(rig), checksum = ChecksumOf(content.bytes());
+  head(version, fingerprint, checksum);
   WriteFileAtomically(file, std::string(kMagic) + head.bytes() + content.bytes());
 }
 
@@ -239,13 +272,14 @@ OdometryResult ReadOdometry(const std::filesystem::path& file, const Rig& rig) {
   Require(rest.starts_with(kMagic), ErrorCode::kInvalidInput, name + "holds no odometry");
   rest.remove_prefix(kMagic.size());
   std::uint32_t version = 0;
-  std::uint64_t checksum = 0;
+  std::uint64_t fingerprint = 0, checksum = 0;
   BinaryReader head(rest);
-  head(version, checksum);
+  head(version, fingerprint, checksum);
   Require(version == kVersion, ErrorCode::kInvalidInput,
           name + "is of version " + std::to_string(version) + ", this program reads " + std::to_string(kVersion) +
               ": track the drive again");
-  rest.remove_prefix(sizeof version + sizeof checksum);
+  Require(fingerprint == FingerprintOf(rig), ErrorCode::kInvalidInput, name + "was made with another calibration");
+  rest.remove_prefix(sizeof version + sizeof fingerprint + sizeof checksum);
   Require(ChecksumOf(rest) == checksum, ErrorCode::kInvalidInput, name + "is damaged");
   StoredOdometry stored;
   BinaryReader content(rest);

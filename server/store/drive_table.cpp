@@ -79,10 +79,12 @@ std::vector<std::string> DrivesOfSite(Connection& connection, const std::string&
 }
 
 std::vector<std::string> UsableDrivesOfSite(Connection& connection, const std::string& site) {
-  return Ids(
-      connection.Query("SELECT id FROM drives WHERE site = ? AND deleted_at IS NULL AND state NOT IN ('failed', "
-                       "'received') ORDER BY sequence",
-                       site));
+  return Ids(connection.Query(R"(
+      SELECT id FROM drives d WHERE site = ? AND deleted_at IS NULL AND state NOT IN ('failed', 'received')
+        AND NOT EXISTS (SELECT 1 FROM drives later WHERE later.site = d.site AND later.sha256 = d.sha256
+                          AND later.sequence > d.sequence AND later.deleted_at IS NULL)
+      ORDER BY sequence)",
+                              site));
 }
 
 std::string FreeDriveName(Connection& connection, const std::string& site, const std::string& wanted) {

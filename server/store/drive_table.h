@@ -23,7 +23,7 @@ std::vector<Drive> ListDrives(Connection& connection, const Page& page, const st
 
 /// All ids of a site's drives, in order of arrival.
 std::vector<std::string> DrivesOfSite(Connection& connection, const std::string& site);
-/// Of these, all but those that failed or whose job was cancelled.
+/// Of these, all but those that failed or whose job was cancelled. Of equal logs the one that came last.
 std::vector<std::string> UsableDrivesOfSite(Connection& connection, const std::string& site);
 
 /// `wanted`, or `wanted-2`, ... where the site had a drive of that name: a drive's

@@ -118,7 +118,7 @@ TrackedDrive TrackDrive(const SuiteDrive& drive, const TableVariant& variant, co
   OdometryOptions odometry = options;
   odometry.use_wheels = variant.has_wheels;
   tracked.odometry = EstimateTrajectory(*tracked.log, odometry);
-  if (!kept.empty()) WriteOdometry(tracked.odometry, kept);
+  if (!kept.empty()) WriteOdometry(tracked.odometry, tracked.log->rig(), kept);
   return tracked;
 }
 

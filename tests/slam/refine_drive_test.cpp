@@ -187,7 +187,7 @@ TEST(OdometryFile, WhatWasWrittenIsReadAndRefinesAlike) {
   const TrackedDrive& tracked = Tracked();
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "odometry_file_test.bin";
 
-  WriteOdometry(tracked.odometry, file);
+  WriteOdometry(tracked.odometry, tracked.drive.rig, file);
   const OdometryResult read = ReadOdometry(file, tracked.drive.rig);
 
   EXPECT_EQ(read.odom_from_body.states().size(), tracked.odometry.odom_from_body.states().size());
@@ -206,10 +206,14 @@ TEST(OdometryFile, WhatWasWrittenIsReadAndRefinesAlike) {
 TEST(OdometryFile, DamageAndOtherRigsAreNamed) {
   const TrackedDrive& tracked = Tracked();
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "odometry_file_damaged.bin";
-  WriteOdometry(tracked.odometry, file);
+  WriteOdometry(tracked.odometry, tracked.drive.rig, file);
   Rig other = tracked.drive.rig;
   other.cameras.front().name = "another";
   EXPECT_THROW(ReadOdometry(file, other), Error);
+  Rig corrected = tracked.drive.rig;
+  corrected.cameras.back().body_from_camera.translation.x() += 1e-3;
+  EXPECT_THROW(ReadOdometry(file, corrected), Error);
+  EXPECT_NO_THROW(ReadOdometry(file, tracked.drive.rig));
 
   std::filesystem::resize_file(file, std::filesystem::file_size(file) - 100);
   EXPECT_THROW(ReadOdometry(file, tracked.drive.rig), Error);

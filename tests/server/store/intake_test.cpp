@@ -49,6 +49,16 @@ TEST_F(Intake, MergingJobsMapAllDrivesOfTheSite) {
   EXPECT_EQ(second.job.drives, (std::vector{first.drive.id, second.drive.id}));
 }
 
+TEST_F(Intake, MergingJobsMapEqualLogsOnce) {
+  Receive(store_, "the same", {"a.bag", "lot", std::nullopt});
+  GrowingFile log(store_.directory.NewTemporaryPath(), 0);
+  log.Append("the same");
+  const std::string sha256 = log.Finish();
+  const ReceivedDrive second = ReceiveDrive(store_, {"b.bag", "lot", std::nullopt}, log, sha256, /*merge_drives=*/true);
+
+  EXPECT_EQ(second.job.drives, std::vector{second.drive.id});
+}
+
 TEST_F(Intake, MergingJobsLeaveDrivesOutThatFailed) {
   const ReceivedDrive first = Receive(store_, "a log", {"a.bag", "lot", std::nullopt});
   FailJob(store_, *ClaimJob(store_), "invalid_input", "no IMU");
