@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/error.h"
+#include "slam/align_points.h"
 #include "slam/place_graph.h"
 #include "slam/robust_pose_graph.h"
 
@@ -35,49 +36,27 @@ DrivePair LinkPair(const std::vector<DriveToJoin>& drives, size_t a, size_t b, c
   return pair;
 }
 
-/// Drives that hang together have the same number, the lowest of their indices.
-std::vector<size_t> FindGroups(const std::vector<DriveToJoin>& drives, const std::vector<DrivePair>& pairs) {
-  std::vector<size_t> group(drives.size());
-  std::iota(group.begin(), group.end(), size_t{0});
-  const auto join = [&group](size_t a, size_t b) {
-    const auto [to, from] = std::minmax({group[a], group[b]});
-    std::replace(group.begin(), group.end(), size_t{from}, size_t{to});
-  };
-  std::optional<size_t> placed;
-  for (size_t i = 0; i < drives.size(); ++i) {
-    if (!drives[i].gnss) continue;
-    if (placed) join(*placed, i);
-    placed = i;
+/// Drives that hang together by links have the same number, the lowest of their indices.
+std::vector<size_t> FindGroups(size_t num_drives, const std::vector<DrivePair>& pairs) {
+  std::vector<size_t> groups(num_drives);
+  std::iota(groups.begin(), groups.end(), size_t{0});
+  for (const DrivePair& pair : pairs) {
+    if (pair.num_accepted() == 0) continue;
+    const auto [to, from] = std::minmax({groups[pair.drive_a], groups[pair.drive_b]});
+    std::replace(groups.begin(), groups.end(), size_t{from}, size_t{to});
   }
-  for (const DrivePair& pair : pairs)
-    if (pair.num_accepted() > 0) join(pair.drive_a, pair.drive_b);
-  return group;
+  return groups;
 }
 
-/// The group with the most drives, then with the longest way.
-size_t ChooseGroup(const std::vector<DriveToJoin>& drives, const std::vector<size_t>& groups) {
-  std::vector<std::pair<int, double>> sizes(drives.size());
-  for (size_t i = 0; i < drives.size(); ++i) {
-    ++sizes[groups[i]].first;
-    sizes[groups[i]].second += drives[i].odom_from_body.Length();
-  }
-  return static_cast<size_t>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
-}
-
-/// Where the drives' odometry frames lie before the joint graph: from GNSS, or else link by link from drives that are
-/// placed. Empty for drives outside the group.
+/// Where the drives' odometry frames lie in that of the group's first drive, link by link. Empty for other drives.
 std::vector<std::optional<Rigid3>> StartFrames(const std::vector<DriveToJoin>& drives,
-                                               const std::vector<DrivePair>& pairs, const std::vector<size_t>& groups,
-                                               size_t group) {
-  std::vector<std::optional<Rigid3>> site_from_odom(drives.size());
-  for (size_t i = 0; i < drives.size(); ++i)
-    if (groups[i] == group && drives[i].gnss) site_from_odom[i] = drives[i].gnss->site_from_odom;
-  if (std::none_of(site_from_odom.begin(), site_from_odom.end(), [](const auto& pose) { return pose.has_value(); }))
-    site_from_odom[group].emplace();
+                                               const std::vector<DrivePair>& pairs, size_t group) {
+  std::vector<std::optional<Rigid3>> group_from_odom(drives.size());
+  group_from_odom[group].emplace();
   for (bool is_changed = true; is_changed;) {
     is_changed = false;
     for (const DrivePair& pair : pairs) {
-      std::optional<Rigid3>&a = site_from_odom[pair.drive_a], &b = site_from_odom[pair.drive_b];
+      std::optional<Rigid3>&a = group_from_odom[pair.drive_a], &b = group_from_odom[pair.drive_b];
       if (pair.num_accepted() == 0 || a.has_value() == b.has_value()) continue;
       const PlaceLink& link = pair.found.links[pair.found.links.size() / 2];
       const Place& place_a = drives[pair.drive_a].places[link.place_a];
@@ -91,49 +70,60 @@ std::vector<std::optional<Rigid3>> StartFrames(const std::vector<DriveToJoin>& d
       is_changed = true;
     }
   }
-  return site_from_odom;
+  return group_from_odom;
 }
 
-/// What GNSS says about the drive as a whole, as an edge from the world to the place nearest to the fixes' centre.
-PoseGraphEdge GnssEdge(const DriveToJoin& drive, size_t first_vertex) {
-  const std::vector<Place>& places = drive.places;
-  const GnssAlignment& gnss = *drive.gnss;
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // of the drive, as good as that of the fixes
-  for (const Place& place : places) centre += place.odom_from_place.translation / static_cast<double>(places.size());
-  const auto nearest = std::min_element(places.begin(), places.end(), [&](const Place& a, const Place& b) {
-    return (a.odom_from_place.translation - centre).squaredNorm() <
-           (b.odom_from_place.translation - centre).squaredNorm();
-  });
-  const Rigid3 site_from_place = gnss.site_from_odom * nearest->odom_from_place;
-  const Eigen::Vector3d arm = gnss.site_from_odom.rotation * (nearest->odom_from_place.translation - centre);
-  Eigen::Matrix4d by_centre = Eigen::Matrix4d::Identity();  // [x, y, z, yaw] of the place by [yaw, x, y, z]
-  by_centre << -arm.y(), 1, 0, 0, arm.x(), 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0;
-  const Eigen::Matrix4d information = (by_centre * gnss.covariance * by_centre.transpose()).inverse();
-  Eigen::Matrix<double, 6, 4> to_place = Eigen::Matrix<double, 6, 4>::Zero();
-  to_place.topLeftCorner<3, 3>() = site_from_place.rotation.conjugate().toRotationMatrix();
-  to_place(5, 3) = 1;
-  return {0, first_vertex + static_cast<size_t>(nearest - places.begin()), site_from_place,
-          to_place * information * to_place.transpose(), false};
+/// Where a group lies by the GNSS of its drives, each as sure as its alignment; nothing without any.
+///
+/// \param poses  of all drives' places, in their group
+std::optional<Rigid3> PlaceByGnss(const std::vector<DriveToJoin>& drives, const std::vector<size_t>& groups,
+                                  size_t group, const std::vector<std::vector<Rigid3>>& poses) {
+  std::vector<Eigen::Vector3d> in_group, in_site;
+  std::vector<double> horizontal, vertical;
+  for (size_t i = 0; i < drives.size(); ++i) {
+    if (groups[i] != group || !drives[i].gnss) continue;
+    const GnssAlignment& gnss = *drives[i].gnss;
+    const double share = 1 / static_cast<double>(poses[i].size());
+    for (size_t k = 0; k < poses[i].size(); ++k) {
+      in_group.push_back(poses[i][k].translation);
+      in_site.push_back(gnss.site_from_odom * drives[i].places[k].odom_from_place.translation);
+      horizontal.push_back(share / (gnss.covariance(1, 1) + gnss.covariance(2, 2)));
+      vertical.push_back(share / gnss.covariance(3, 3));
+    }
+  }
+  if (in_group.empty()) return std::nullopt;
+  const auto count = static_cast<Eigen::Index>(in_group.size());
+  return AlignYawAndTranslation(Eigen::Map<const Eigen::Matrix3Xd>(in_group.front().data(), 3, count),
+                                Eigen::Map<const Eigen::Matrix3Xd>(in_site.front().data(), 3, count),
+                                Eigen::Map<const Eigen::VectorXd>(horizontal.data(), count),
+                                Eigen::Map<const Eigen::VectorXd>(vertical.data(), count));
 }
 
-/// All places of the kept drives as one graph.
+/// The group with the most drives, then with the longest way.
+size_t ChooseGroup(const std::vector<DriveToJoin>& drives, const std::vector<size_t>& groups) {
+  std::vector<std::pair<int, double>> sizes(drives.size());
+  for (size_t i = 0; i < drives.size(); ++i) {
+    ++sizes[groups[i]].first;
+    sizes[groups[i]].second += drives[i].odom_from_body.Length();
+  }
+  return static_cast<size_t>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
+}
+
+/// All places of a group of drives as one graph, held by the first place of its first drive.
 class JointGraph {
  public:
-  JointGraph(const std::vector<DriveToJoin>& drives, const std::vector<std::optional<Rigid3>>& site_from_odom,
+  JointGraph(const std::vector<DriveToJoin>& drives, const std::vector<std::optional<Rigid3>>& group_from_odom,
              const LoopOptions& options)
       : graph_(WorldGraph()), first_vertex_(drives.size()) {
-    bool is_placed = false;
     for (size_t i = 0; i < drives.size(); ++i) {
-      if (!site_from_odom[i]) continue;
+      if (!group_from_odom[i]) continue;
       std::vector<Rigid3> poses;
-      for (const Place& place : drives[i].places) poses.push_back(*site_from_odom[i] * place.odom_from_place);
+      for (const Place& place : drives[i].places) poses.push_back(*group_from_odom[i] * place.odom_from_place);
       first_vertex_[i] =
           AddPlaces(drives[i].places, poses, options, kIdsPerDrive * static_cast<std::int64_t>(i), graph_);
       AddOwnLoops(drives[i], first_vertex_[i]);
-      if (drives[i].gnss) graph_.edges.push_back(GnssEdge(drives[i], first_vertex_[i]));
-      is_placed = is_placed || drives[i].gnss;
     }
-    if (!is_placed) graph_.vertices[1].is_fixed = true;
+    graph_.vertices[1].is_fixed = true;
   }
 
   void AddLinks(const DrivePair& pair) {
@@ -182,6 +172,41 @@ class JointGraph {
   std::vector<size_t> first_link_;    ///< per pair: its first edge
 };
 
+/// Poses of the places of the group's drives in the frame of its first one; weighs the links between them.
+void SolveGroup(const std::vector<DriveToJoin>& drives, const std::vector<size_t>& groups, size_t group,
+                const LoopOptions& loops, std::vector<DrivePair>& pairs, std::vector<std::vector<Rigid3>>& poses) {
+  const std::vector<std::optional<Rigid3>> frames = StartFrames(drives, pairs, group);
+  JointGraph graph(drives, frames, loops);
+  std::vector<DrivePair*> used;
+  for (DrivePair& pair : pairs) {
+    if (groups[pair.drive_a] != group || pair.num_accepted() == 0) continue;
+    graph.AddLinks(pair);
+    used.push_back(&pair);
+  }
+  if (!used.empty()) graph.Solve(used);
+  for (size_t i = 0; i < drives.size(); ++i)
+    if (frames[i]) poses[i] = graph.Poses(i, drives[i].places.size());
+}
+
+/// Moves the groups that have GNSS to where it puts them, which makes them one group. Returns the group that is kept.
+size_t PlaceGroups(const std::vector<DriveToJoin>& drives, std::vector<size_t>& groups,
+                   std::vector<std::vector<Rigid3>>& poses) {
+  std::vector<size_t> placed = groups;
+  std::optional<size_t> on_earth;
+  for (size_t group = 0; group < drives.size(); ++group) {
+    const std::optional<Rigid3> site_from_group = PlaceByGnss(drives, groups, group, poses);
+    if (!site_from_group) continue;
+    if (!on_earth) on_earth = group;
+    for (size_t i = 0; i < drives.size(); ++i) {
+      if (groups[i] != group) continue;
+      placed[i] = *on_earth;
+      for (Rigid3& pose : poses[i]) pose = *site_from_group * pose;
+    }
+  }
+  groups = placed;
+  return ChooseGroup(drives, groups);
+}
+
 std::string ReasonFor(size_t drive, const std::vector<DrivePair>& pairs) {
   const DrivePair* nearest = nullptr;
   for (const DrivePair& pair : pairs)
@@ -220,25 +245,15 @@ DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& 
     for (size_t a = 0; a < b; ++a) join.pairs.push_back(LinkPair(drives, a, b, loops, links));
 
   // Links that the joint graph rejects may leave drives apart that seemed to hang together.
-  std::vector<size_t> groups = FindGroups(drives, join.pairs), before;
-  size_t group = 0;
+  std::vector<size_t> groups = FindGroups(drives.size(), join.pairs), before;
   std::vector<std::vector<Rigid3>> poses(drives.size());
   while (groups != before) {
-    group = ChooseGroup(drives, groups);
-    const std::vector<std::optional<Rigid3>> frames = StartFrames(drives, join.pairs, groups, group);
-    JointGraph graph(drives, frames, loops);
-    std::vector<DrivePair*> used;
-    for (DrivePair& pair : join.pairs) {
-      if (groups[pair.drive_a] != group || groups[pair.drive_b] != group || pair.num_accepted() == 0) continue;
-      graph.AddLinks(pair);
-      used.push_back(&pair);
-    }
-    graph.Solve(used);
     for (size_t i = 0; i < drives.size(); ++i)
-      if (frames[i]) poses[i] = graph.Poses(i, drives[i].places.size());
+      if (groups[i] == i) SolveGroup(drives, groups, i, loops, join.pairs, poses);
     before = groups;
-    groups = FindGroups(drives, join.pairs);
+    groups = FindGroups(drives.size(), join.pairs);
   }
+  const size_t group = PlaceGroups(drives, groups, poses);
   for (size_t i = 0; i < drives.size(); ++i) {
     if (groups[i] == group) {
       join.drives[i].site_from_body = CarryAlong(drives[i].odom_from_body, drives[i].places, poses[i]);

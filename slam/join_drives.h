@@ -46,10 +46,11 @@ struct DriveJoin {
   double seconds = 0;  ///< of computing
 };
 
-/// Joins drives of one place: links of all pairs by LinkDrives, gated by GNSS where both have it; one pose graph of all
-/// places, with the drives' own loops, GNSS and gravity, in which graduated non-convexity doubts the links. Kept is the
-/// largest set of drives that hang together by links or GNSS (of equal ones that with the longest way); a drive that
-/// does not is left out with a reason. `site` is the datum's tangent plane where a kept drive has GNSS, else the
+/// Joins drives of one place: links of all pairs by LinkDrives, gated by GNSS where both have it; one pose graph of the
+/// places of all drives that links hold together, with the drives' own loops and gravity, in which graduated
+/// non-convexity doubts the links; then each such group is placed on Earth by the GNSS of its drives, rigidly. Kept is
+/// the largest set of drives that hang together by links or by GNSS (of equal ones that with the longest way); a drive
+/// that does not is left out with a reason. `site` is the datum's tangent plane where a kept drive has GNSS, else the
 /// odometry frame of the first kept drive. A single drive is only placed.
 DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops, const DriveLinkOptions& links);
 

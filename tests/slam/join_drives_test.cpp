@@ -127,6 +127,23 @@ TEST(JoinDrives, GnssPlacesTheSiteAndLinksTheDrivesWithinIt) {
   EXPECT_LT(WorstOffset(a, join.drives[0].site_from_body, b, join.drives[1].site_from_body), 0.08);
 }
 
+TEST(JoinDrives, GnssThatIsOffBendsNothing) {
+  const DriveWorld world;
+  std::vector<WorldDrive> drives = {world.Drive(1), world.Drive(2, true), world.Drive(3)};
+  double off = 0.1;  // [rad], and that many times 10 m
+  for (WorldDrive& drive : drives) {
+    const Rigid3 true_frame = drive.world_from_place[10] * drive.drive.places[10].odom_from_place.Inverse();
+    drive.drive.gnss = Fix(Rigid3{ExpSo3({0, 0, off}), {10 * off, -5 * off, 5 * off}} * true_frame, 0.8);
+    off *= -1.2;
+  }
+  const DriveJoin join = JoinDrives({drives[0].drive, drives[1].drive, drives[2].drive}, {}, {});
+  for (size_t i = 1; i < 3; ++i) {
+    ASSERT_EQ(join.drives[i].left_out, "");
+    EXPECT_LT(WorstOffset(drives[i - 1], join.drives[i - 1].site_from_body, drives[i], join.drives[i].site_from_body),
+              0.08);
+  }
+}
+
 TEST(JoinDrives, GnssAloneHoldsDrivesTogetherThatShareNoPlace) {
   WorldDrive a = DriveWorld({.seed = 1}).Drive(1), b = DriveWorld({.seed = 2}).Drive(2);
   a.drive.gnss = Fix({Eigen::Quaterniond::Identity(), {0, 0, 0}}, 0.02);
