@@ -41,20 +41,14 @@ TEST_F(Intake, ADriveWithoutASiteGetsOneOfItsOwn) {
 
 TEST_F(Intake, MergingJobsMapAllDrivesOfTheSite) {
   const ReceivedDrive first = Receive(store_, "a log", {"a.bag", "lot", std::nullopt});
-  GrowingFile log(store_.directory.NewTemporaryPath(), 0);
-  log.Append("b");
-  const std::string sha256 = log.Finish();
-  const ReceivedDrive second = ReceiveDrive(store_, {"b.bag", "lot", std::nullopt}, log, sha256, /*merge_drives=*/true);
+  const ReceivedDrive second = Receive(store_, "b", {"b.bag", "lot", std::nullopt}, /*merge_drives=*/true);
 
   EXPECT_EQ(second.job.drives, (std::vector{first.drive.id, second.drive.id}));
 }
 
 TEST_F(Intake, MergingJobsMapEqualLogsOnce) {
   Receive(store_, "the same", {"a.bag", "lot", std::nullopt});
-  GrowingFile log(store_.directory.NewTemporaryPath(), 0);
-  log.Append("the same");
-  const std::string sha256 = log.Finish();
-  const ReceivedDrive second = ReceiveDrive(store_, {"b.bag", "lot", std::nullopt}, log, sha256, /*merge_drives=*/true);
+  const ReceivedDrive second = Receive(store_, "the same", {"b.bag", "lot", std::nullopt}, /*merge_drives=*/true);
 
   EXPECT_EQ(second.job.drives, std::vector{second.drive.id});
 }
@@ -62,10 +56,7 @@ TEST_F(Intake, MergingJobsMapEqualLogsOnce) {
 TEST_F(Intake, MergingJobsLeaveDrivesOutThatFailed) {
   const ReceivedDrive first = Receive(store_, "a log", {"a.bag", "lot", std::nullopt});
   FailJob(store_, *ClaimJob(store_), "invalid_input", "no IMU");
-  GrowingFile log(store_.directory.NewTemporaryPath(), 0);
-  log.Append("b");
-  const std::string sha256 = log.Finish();
-  const ReceivedDrive second = ReceiveDrive(store_, {"b.bag", "lot", std::nullopt}, log, sha256, /*merge_drives=*/true);
+  const ReceivedDrive second = Receive(store_, "b", {"b.bag", "lot", std::nullopt}, /*merge_drives=*/true);
 
   EXPECT_EQ(second.job.drives, std::vector{second.drive.id});
 }

@@ -44,11 +44,12 @@ inline std::set<std::string> ContentOf(const std::filesystem::path& folder) {
 }
 
 /// Takes in `content` as an upload would.
-inline ReceivedDrive Receive(Store& store, const std::string& content, const NewDrive& drive) {
+inline ReceivedDrive Receive(Store& store, const std::string& content, const NewDrive& drive,
+                             bool merge_drives = false) {
   GrowingFile log(store.directory.NewTemporaryPath(), static_cast<std::int64_t>(content.size()));
   log.Append(content);
   const std::string sha256 = log.Finish();
-  return ReceiveDrive(store, drive, log, sha256, /*merge_drives=*/false);
+  return ReceiveDrive(store, drive, log, sha256, merge_drives);
 }
 
 /// A store in a folder of its own.
