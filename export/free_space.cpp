@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/error.h"
+#include "export/geojson.h"
 
 namespace parkade {
 namespace {
@@ -133,25 +134,6 @@ FreeSheet MakeSheet(const std::vector<SurfaceCell>& all_cells, const std::vector
   return sheet;
 }
 
-/// Text of one position, and what GeoJSON calls it: site metres, or degrees with the ellipsoidal height.
-std::string FormatPosition(const Eigen::Vector3d& point, const std::optional<SiteDatum>& datum) {
-  char text[128];
-  if (datum) {
-    const Geodetic geodetic = GeodeticFromSite(*datum, point);
-    std::snprintf(text, sizeof text, "[%.9f,%.9f,%.3f]", geodetic.longitude_deg, geodetic.latitude_deg,
-                  geodetic.altitude);
-  } else {
-    std::snprintf(text, sizeof text, "[%.3f,%.3f,%.3f]", point.x(), point.y(), point.z());
-  }
-  return text;
-}
-
-std::string FormatRing(const Ring& ring, const std::optional<SiteDatum>& datum) {
-  std::string text = "[";
-  for (const Eigen::Vector3d& point : ring) text += FormatPosition(point, datum) + ",";
-  return text + FormatPosition(ring.front(), datum) + "]";  // GeoJSON repeats the first position
-}
-
 }  // namespace
 
 void FreeSpaceOptions::Validate() const {
@@ -194,20 +176,16 @@ std::vector<FreeSheet> FindFreeSheets(const SurfaceMap& surface, const FreeSpace
 }
 
 std::string EncodeFreeSpaceGeoJson(const std::vector<FreeSheet>& sheets, const std::optional<SiteDatum>& datum) {
-  std::string features;
+  std::vector<std::string> features;
   for (const FreeSheet& sheet : sheets) {
     char properties[256];
     std::snprintf(properties, sizeof properties,
                   R"({"level":%d,"area_m2":%.3f,"min_height_m":%.3f,"max_height_m":%.3f,"mean_height_m":%.3f})",
                   sheet.level, sheet.area, sheet.min_height, sheet.max_height, sheet.mean_height);
-    std::string rings;
-    for (const Ring& ring : sheet.rings) rings += (rings.empty() ? "" : ",") + FormatRing(ring, datum);
-    features += std::string(features.empty() ? "\n" : ",\n") + R"({"type":"Feature","properties":)" + properties +
-                R"(,"geometry":{"type":"Polygon","coordinates":[)" + rings + "]}}";
+    features.push_back(R"({"type":"Feature","properties":)" + std::string(properties) +
+                       R"(,"geometry":{"type":"Polygon","coordinates":)" + FormatPolygon(sheet.rings, datum) + "}}");
   }
-  // A foreign member says what RFC 7946 has no word for: coordinates that are not WGS84.
-  const std::string frame = datum ? "" : R"("frame":"site","units":"m",)";
-  return R"({"type":"FeatureCollection",)" + frame + R"("features":[)" + features + "\n]}\n";
+  return FormatFeatureCollection(features, datum);
 }
 
 }  // namespace parkade

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include "core/error.h"
 #include "core/log.h"
@@ -103,6 +104,21 @@ HeightField FitHeights(std::span<const PosedGroundPatch> patches, std::span<cons
     field = HeightField(std::move(all), options.height);
   }
   return field;
+}
+
+/// One drive after the other: where a car drove on an earlier day there may be an obstacle now.
+void PaintDrives(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths,
+                 SurfacePainter& painter) {
+  std::set<int> unseen;
+  for (const DrivenPath& path : paths) unseen.insert(path.drive);
+  for (size_t begin = 0, end = 0; begin < patches.size(); begin = end) {
+    const int drive = patches[begin].patch.drive;
+    while (end < patches.size() && patches[end].patch.drive == drive) ++end;
+    painter.Paint(patches.subspan(begin, end - begin), paths);
+    if (const DrivenPath* path = FindPath(paths, drive)) painter.MarkDriven(*path);
+    unseen.erase(drive);
+  }
+  for (const int drive : unseen) painter.MarkDriven(*FindPath(paths, drive));
 }
 
 SurfaceMap SurfaceOf(const std::vector<PaintedCell>& cells, double cell_size) {
@@ -224,8 +240,7 @@ SurfaceMap FuseSurface(std::span<const PosedGroundPatch> patches, std::span<cons
   const HeightField field = FitHeights(patches, paths, options, measured);
   SurfacePainter painter(field, static_cast<int>(std::round(options.height.spacing / options.cell_size)),
                          {options.free_log_odds, options.occupied_log_odds, options.log_odds_limit});
-  painter.Paint(patches, paths);
-  for (const DrivenPath& path : paths) painter.MarkDriven(path);
+  PaintDrives(patches, paths, painter);
 
   std::vector<PaintedCell> cells = painter.Cells();
   DropFalseDecks(options.height.level_separation, cells);

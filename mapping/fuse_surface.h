@@ -49,8 +49,9 @@ struct SurfaceOptions {
 /// 1. Heights: wheel contacts (the surest); beside the path what many views agree on (MeasureHeights); and, weakly and
 ///    weaker with distance, the planes on which keyframes saw ground. A HeightField is fitted to all of them.
 /// 2. Colour and free space: every sample moves along its ray of sight onto that surface, so that a ramp ahead is
-///    painted where it is, and not where the car's own plane would have it. Free space is a log-odds sum; a
-///    cell's colour is the median of its nearest sights; what a car drove over is free.
+///    painted where it is, and not where the car's own plane would have it. Free space is a log-odds sum, drive after
+///    drive in the order of the patches, bounded so that the latest drives count most where places change; a cell's
+///    colour is the median of its nearest sights; what a car drove over is free, until a later drive sees otherwise.
 /// 3. Pinholes are filled, islands that no car drove on and that are small are dropped.
 ///
 /// With the method "homography" FuseVoxels is asked instead.

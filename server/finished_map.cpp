@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "mapping/read_ply.h"
+#include "server/surface_file.h"
 
 namespace parkade {
 namespace {
@@ -54,5 +55,12 @@ std::filesystem::path FinishedMap::FileOfDrive(const std::string& drive, const s
 }
 
 TriangleMesh FinishedMap::ReadGround() const { return ReadPly(FileNamed("ground.ply")); }
+
+SurfaceMap FinishedMap::ReadSurfaceMap() const {
+  const std::filesystem::path file = folder_ / "surface.bin";
+  Require(std::filesystem::exists(file), ErrorCode::kInvalidInput,
+          "the map in " + folder_.string() + " has no surface.bin: an older version of this program made it");
+  return ReadSurface(file);
+}
 
 }  // namespace parkade

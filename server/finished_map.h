@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geo.h"
+#include "core/surface_map.h"
 #include "core/triangle_mesh.h"
 
 namespace parkade {
@@ -23,6 +24,7 @@ class FinishedMap {
   std::filesystem::path FileOfDrive(const std::string& drive, const std::string& name) const;
 
   TriangleMesh ReadGround() const;
+  SurfaceMap ReadSurfaceMap() const;  ///< without colours
 
   const std::vector<std::string>& drives() const { return drives_; }
   const std::optional<SiteDatum>& datum() const { return datum_; }

@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
   parkade::AddServeCommand(app, action);
   parkade::AddInspectCommand(app, action);
   parkade::AddExportCommand(app, action);
+  parkade::AddCompareCommand(app, action);
   parkade::AddEvaluateCommand(app, action);
   parkade::AddPoseGraphCommand(app, action);
   parkade::AddSegmentCommand(app, action);

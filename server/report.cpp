@@ -36,9 +36,16 @@ Json GnssToJson(const std::optional<GnssAlignment>& gnss) {
           {"cep95", gnss->cep95}};
 }
 
-Json DriveToJson(const SiteDrive& drive, const DriveOutcome& outcome, const RecordedDrive& log) {
+Json InputToJson(const InputHash& input) {
+  return {{"name", input.name}, {"bytes", input.bytes}, {"sha256", input.sha256}};
+}
+
+Json DriveToJson(const SiteDrive& drive, const DriveOutcome& outcome, const RecordedDrive& log,
+                 const DriveInputs& inputs) {
   const nlohmann::json health = HealthToJson(log.health());
   return {{"name", drive.name},
+          {"log", InputToJson(inputs.log)},
+          {"rig", inputs.rig ? InputToJson(*inputs.rig) : Json(nullptr)},
           {"length", drive.odometry.Length()},
           {"duration", drive.odometry.span().Seconds()},
           {"num_cameras", drive.rig.cameras.size()},
@@ -76,8 +83,8 @@ Eigen::AlignedBox3d BoundsOf(const SiteMap& map) {
 }  // namespace
 
 void WriteReport(const BuiltMap& built, const std::vector<std::unique_ptr<RecordedDrive>>& logs,
-                 const MapOptions& options, const std::vector<StageTiming>& timings,
-                 const std::filesystem::path& file) {
+                 const MapOptions& options, const std::map<std::string, DriveInputs>& inputs,
+                 const std::vector<StageTiming>& timings, const std::filesystem::path& file) {
   const SiteMap& map = built.site;
   Json report;
   report["version"] = kVersion;
@@ -94,7 +101,8 @@ void WriteReport(const BuiltMap& built, const std::vector<std::unique_ptr<Record
   const Eigen::AlignedBox3d bounds = BoundsOf(map);
   report["bounds"] = {{"min", NumbersOf(bounds.min())}, {"max", NumbersOf(bounds.max())}};
   for (size_t i = 0; i < map.drives.size(); ++i)
-    report["drives"].push_back(DriveToJson(map.drives[i], built.drives[i], *logs[built.drives[i].log]));
+    report["drives"].push_back(
+        DriveToJson(map.drives[i], built.drives[i], *logs[built.drives[i].log], inputs.at(map.drives[i].name)));
   if (built.names.size() > 1) report["join"] = ToJson(built.join, built.names);
   report["left_out"] = Json::array();
   for (const LeftOutDrive& drive : built.left_out)

@@ -1,17 +1,28 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "server/build_map.h"
+#include "server/input_hash.h"
 
 namespace parkade {
 
+/// What a drive of a map was made from.
+struct DriveInputs {
+  InputHash log;
+  std::optional<InputHash> rig;  ///< nothing: what the log says itself
+};
+
 /// Writes report.json: versions, options, timings per stage, peak memory, health
 /// per stream, initialisation, GNSS residuals, figures of the map, warnings.
-/// Paths and names of machines stay out of it. Whole or not at all.
+/// `inputs` by the drives' names. Paths and names of machines stay out of it. Whole or not at all.
 void WriteReport(const BuiltMap& built, const std::vector<std::unique_ptr<RecordedDrive>>& logs,
-                 const MapOptions& options, const std::vector<StageTiming>& timings, const std::filesystem::path& file);
+                 const MapOptions& options, const std::map<std::string, DriveInputs>& inputs,
+                 const std::vector<StageTiming>& timings, const std::filesystem::path& file);
 
 }  // namespace parkade

@@ -13,6 +13,7 @@ void AddMapCommand(CLI::App& app, Action& action);
 void AddServeCommand(CLI::App& app, Action& action);
 void AddInspectCommand(CLI::App& app, Action& action);
 void AddExportCommand(CLI::App& app, Action& action);
+void AddCompareCommand(CLI::App& app, Action& action);
 void AddEvaluateCommand(CLI::App& app, Action& action);
 void AddPoseGraphCommand(CLI::App& app, Action& action);
 void AddSegmentCommand(CLI::App& app, Action& action);

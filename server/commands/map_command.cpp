@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -22,6 +22,7 @@
 #include "server/loop_pictures.h"
 #include "server/output_folder.h"
 #include "server/report.h"
+#include "server/surface_file.h"
 #include "server/write_calibration.h"
 
 namespace parkade {
@@ -46,15 +47,24 @@ std::vector<std::string> SplitAtCommas(const std::string& text) {
   return parts;
 }
 
-/// The logs in the order of their time. Of several, one that cannot be used is put on `unreadable`.
-std::vector<std::unique_ptr<RecordedDrive>> OpenLogs(const MapArguments& arguments,
-                                                     std::vector<LeftOutDrive>& unreadable) {
+/// Where a drive comes from.
+struct DriveSource {
+  std::filesystem::path log, rig;  ///< the rig's folder may be empty: the log's own
+};
+
+struct OpenedLogs {
+  std::vector<std::unique_ptr<RecordedDrive>> drives;  ///< in the order of their time
+  std::map<std::string, DriveSource> sources;          ///< by the drives' names
+  std::vector<LeftOutDrive> unreadable;                ///< of several, those that cannot be used
+};
+
+OpenedLogs OpenLogs(const MapArguments& arguments) {
   OpenLogOptions options;
   options.cameras = SplitAtCommas(arguments.cameras);
   options.use_wheels = !arguments.no_wheel;
   options.use_gnss = !arguments.no_gnss;
-  std::vector<std::unique_ptr<RecordedDrive>> drives;
-  std::set<std::string> names;
+  OpenedLogs opened;
+  auto& [drives, sources, unreadable] = opened;
   Require(arguments.rigs.size() <= 1 || arguments.rigs.size() == arguments.logs.size(), ErrorCode::kUsage,
           "--rig is given once for all logs, or once for each, in their order");
   for (size_t i = 0; i < arguments.logs.size(); ++i) {
@@ -67,7 +77,8 @@ std::vector<std::unique_ptr<RecordedDrive>> OpenLogs(const MapArguments& argumen
       unreadable.push_back({std::filesystem::path(arguments.logs[i]).stem(), error.what()});
       continue;
     }
-    Require(names.insert(drives.back()->name()).second, ErrorCode::kInvalidInput,
+    const DriveSource source{arguments.logs[i], options.rig_folder};
+    Require(sources.emplace(drives.back()->name(), source).second, ErrorCode::kInvalidInput,
             "two of the logs are called '" + drives.back()->name() + "'; a drive's name is that of its file");
   }
   Require(!drives.empty(), ErrorCode::kInvalidInput,
@@ -76,20 +87,31 @@ std::vector<std::unique_ptr<RecordedDrive>> OpenLogs(const MapArguments& argumen
   std::sort(drives.begin(), drives.end(), [](const auto& a, const auto& b) {
     return std::pair(a->span().begin, a->name()) < std::pair(b->span().begin, b->name());
   });
-  return drives;
+  return opened;
 }
 
-void WriteProducts(const std::vector<std::unique_ptr<RecordedDrive>>& drives, const BuiltMap& built,
-                   const MapOptions& options, Progress& progress, const std::filesystem::path& folder) {
+std::map<std::string, DriveInputs> HashInputs(const std::map<std::string, DriveSource>& sources) {
+  std::map<std::string, DriveInputs> inputs;
+  for (const auto& [name, source] : sources) {
+    inputs[name].log = HashInput(source.log);
+    if (!source.rig.empty()) inputs[name].rig = HashInput(source.rig);
+  }
+  return inputs;
+}
+
+void WriteProducts(const OpenedLogs& logs, const BuiltMap& built, const MapOptions& options, Progress& progress,
+                   const std::filesystem::path& folder) {
   progress.Begin("write");
   WriteSiteMap(built.site, folder);
+  WriteSurface(built.site.surface, folder / "surface.bin");
   for (size_t i = 0; i < built.site.drives.size(); ++i) {
     const SiteDrive& drive = built.site.drives[i];
     WriteLoopPictures(built.drives[i].loops, drive.rig, drive.name, folder);
     WriteCalibration(drive.rig, built.drives[i].odometry.calibration, folder / drive.name / "calibration.yaml");
   }
+  const std::map<std::string, DriveInputs> inputs = HashInputs(logs.sources);
   progress.Finish();
-  WriteReport(built, drives, options, progress.timings(), folder / "report.json");
+  WriteReport(built, logs.drives, options, inputs, progress.timings(), folder / "report.json");
 }
 
 /// "DRIVE:LOOP", or only "LOOP" where there is one drive.
@@ -117,12 +139,11 @@ BuildScope ScopeOf(const MapArguments& arguments, const std::vector<std::unique_
 
 void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Progress& progress) {
   OutputFolder output(arguments.out);
-  std::vector<LeftOutDrive> unreadable;
-  const std::vector<std::unique_ptr<RecordedDrive>> drives = OpenLogs(arguments, unreadable);
-  BuildScope scope = ScopeOf(arguments, drives, output.staging());
-  scope.unreadable = std::move(unreadable);
-  const BuiltMap built = BuildMap(drives, options, scope, progress);
-  WriteProducts(drives, built, options, progress, output.staging());
+  const OpenedLogs logs = OpenLogs(arguments);
+  BuildScope scope = ScopeOf(arguments, logs.drives, output.staging());
+  scope.unreadable = logs.unreadable;
+  const BuiltMap built = BuildMap(logs.drives, options, scope, progress);
+  WriteProducts(logs, built, options, progress, output.staging());
   output.Commit();
   for (const std::string& warning : built.warnings) LogWarning(warning);
 }

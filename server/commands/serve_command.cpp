@@ -34,6 +34,11 @@ std::vector<std::string> WorkerCommand(const JobSpec& spec) {
   return command;
 }
 
+std::vector<std::string> ComparisonCommand(const std::filesystem::path& from, const std::filesystem::path& to,
+                                           const std::filesystem::path& out) {
+  return {"/proc/self/exe", "compare", from, to, "--out", out};
+}
+
 }  // namespace
 
 void AddServeCommand(CLI::App& app, Action& action) {
@@ -53,6 +58,7 @@ void AddServeCommand(CLI::App& app, Action& action) {
     action = [options] {
       if (options->web_root.empty()) options->web_root = FindWebRoot();
       options->job_command = WorkerCommand;
+      options->compare_command = ComparisonCommand;
       options->check_log = CheckLooksLikeLog;
       options->check_rig = [](const std::filesystem::path& folder) { ReadRig(folder); };
       return Serve(*options);

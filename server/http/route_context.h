@@ -7,6 +7,7 @@
 #include "server/http/serve.h"
 #include "server/jobs/event_hub.h"
 #include "server/jobs/job_runner.h"
+#include "server/jobs/map_comparer.h"
 #include "server/store/store.h"
 
 namespace parkade {
@@ -17,6 +18,7 @@ struct RouteContext {
   Store& store;
   EventHub& events;
   JobRunner& jobs;
+  MapComparer& comparer;
   Metrics& metrics;
   const Lifeline& lifeline;
 };

@@ -17,6 +17,7 @@ void AddRigRoutes(httplib::Server& http, RouteContext& context);
 void AddJobRoutes(httplib::Server& http, RouteContext& context);
 void AddSiteRoutes(httplib::Server& http, RouteContext& context);
 void AddMapRoutes(httplib::Server& http, RouteContext& context);
+void AddCompareRoute(httplib::Server& http, RouteContext& context);
 void AddEventRoute(httplib::Server& http, RouteContext& context);
 void AddStatusRoutes(httplib::Server& http, RouteContext& context);
 

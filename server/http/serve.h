@@ -6,6 +6,7 @@
 #include <string>
 
 #include "server/jobs/job_spec.h"
+#include "server/jobs/map_comparer.h"
 
 namespace parkade {
 
@@ -23,6 +24,7 @@ struct ServeOptions {
   int drain_seconds = 20;                             ///< [s] requests under way may take after SIGTERM
 
   JobCommand job_command;                                       ///< required: the worker of a job
+  CompareCommand compare_command;                               ///< required: compares two published maps
   std::function<void(const std::filesystem::path&)> check_log;  ///< throws unless the file looks like a drive log
   std::function<void(const std::filesystem::path&)> check_rig;  ///< throws unless the folder holds a rig
 };

@@ -38,7 +38,7 @@ const ServeOptions& Checked(const ServeOptions& options) {
   CheckedAddress(options);
   Require(options.num_workers >= 1 && options.num_workers <= 64, ErrorCode::kUsage, "workers: 1 to 64");
   Require(options.num_threads >= 4 && options.num_threads <= 1024, ErrorCode::kUsage, "threads: 4 to 1024");
-  Require(static_cast<bool>(options.job_command), ErrorCode::kInternal, "the service has no worker");
+  Require(options.job_command && options.compare_command, ErrorCode::kInternal, "the service has no worker");
   return options;
 }
 
@@ -56,6 +56,7 @@ class Service::Parts {
   explicit Parts(const ServeOptions& options)
       : options_(Checked(options)),
         store_(options_.data),
+        comparer_(store_.directory, options_.compare_command),
         viewer_(options_.web_root),
         http_(lifeline_, metrics_, options_.num_threads) {
     store_.disk_reserve = options_.disk_reserve;
@@ -65,7 +66,7 @@ class Service::Parts {
     const bool is_ipv6 = address.host.find(':') != std::string::npos;
     address_ = "http://" + (is_ipv6 ? "[" + address.host + "]" : address.host) + ":" + std::to_string(port_);
     jobs_.emplace(store_, events_, RunnerOptions(options_));
-    context_.emplace(RouteContext{options_, store_, events_, *jobs_, metrics_, lifeline_});
+    context_.emplace(RouteContext{options_, store_, events_, *jobs_, comparer_, metrics_, lifeline_});
     AddHandlers();
   }
 
@@ -76,6 +77,7 @@ class Service::Parts {
 
   void Stop(std::chrono::milliseconds patience) {
     lifeline_.Cut(patience);
+    comparer_.Stop();
     events_.Close();
     // Right after the start there may be nothing yet to stop.
     for (int i = 0; i < 500 && !http_.is_running(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -113,6 +115,7 @@ class Service::Parts {
     AddRigRoutes(http_, *context_);
     AddJobRoutes(http_, *context_);
     AddMapRoutes(http_, *context_);
+    AddCompareRoute(http_, *context_);
     AddSiteRoutes(http_, *context_);
     AddEventRoute(http_, *context_);
     AddStatusRoutes(http_, *context_);
@@ -154,6 +157,7 @@ class Service::Parts {
   Metrics metrics_;
   EventHub events_;
   Store store_;
+  MapComparer comparer_;
   ViewerFiles viewer_;
   HttpServer http_;
   std::optional<JobRunner> jobs_;

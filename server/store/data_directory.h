@@ -15,7 +15,7 @@ namespace parkade {
 ///   rigs/<id>/              rig files
 ///   maps/<id>/              published maps, never changed
 ///   jobs/<id>/attempt-<n>/  log, progress and unpublished products of a job
-///   tmp/                    uploads under way; emptied at start
+///   tmp/                    uploads under way, comparisons of maps; emptied at start
 ///   quarantine/             what was found without a row in the database
 class DataDirectory {
  public:
@@ -38,6 +38,11 @@ class DataDirectory {
   std::filesystem::path MapFolder(const std::string& map_id) const { return MapsFolder() / map_id; }
   std::filesystem::path JobFolder(const std::string& job_id) const { return JobsFolder() / job_id; }
   std::filesystem::path AttemptFolder(const std::string& job_id, int attempt) const;
+
+  /// Where the comparison of two published maps is kept, in tmp/.
+  std::filesystem::path ComparisonFolder(const std::string& from_map, const std::string& to_map) const {
+    return root_ / "tmp" / ("compare-" + from_map + "-" + to_map);
+  }
 
   /// A path in tmp/ that is not in use.
   std::filesystem::path NewTemporaryPath() const;

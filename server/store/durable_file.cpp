@@ -8,6 +8,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 
 #include "core/error.h"
 
@@ -49,6 +50,16 @@ std::string Sha256::Finish() {
 std::string Sha256Of(std::string_view bytes) {
   Sha256 hash;
   hash.Add(bytes);
+  return hash.Finish();
+}
+
+std::string Sha256OfFile(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::vector<char> piece(size_t{1} << 20);
+  Sha256 hash;
+  while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())) || stream.gcount() > 0)
+    hash.Add({piece.data(), static_cast<size_t>(stream.gcount())});
+  Require(stream.eof(), ErrorCode::kInternal, "cannot read '" + file.filename().string() + "'");
   return hash.Finish();
 }
 

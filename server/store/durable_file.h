@@ -29,6 +29,9 @@ class Sha256 {
 
 std::string Sha256Of(std::string_view bytes);
 
+/// Of the file's content. Throws Error{kInternal} where it cannot be read.
+std::string Sha256OfFile(const std::filesystem::path& file);
+
 /// A file that grows under a temporary name and is gone unless it was kept.
 /// Bounded memory: pieces are collected to writes of 1 MiB and hashed on the
 /// way. One thread at a time.

@@ -1,7 +1,6 @@
 #include "server/store/publish_map.h"
 
 #include <algorithm>
-#include <fstream>
 
 #include "core/error.h"
 #include "core/log.h"
@@ -17,16 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string HashOfFile(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::vector<char> piece(size_t{1} << 20);
-  Sha256 hash;
-  while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())) || stream.gcount() > 0)
-    hash.Add({piece.data(), static_cast<size_t>(stream.gcount())});
-  Require(stream.eof(), ErrorCode::kInternal, "cannot read '" + file.filename().string() + "' of a finished map");
-  return hash.Finish();
-}
-
 /// Lists, hashes and makes durable everything below `staging`.
 std::vector<MapFile> SealFiles(const fs::path& staging) {
   std::vector<MapFile> files;
@@ -39,7 +28,7 @@ std::vector<MapFile> SealFiles(const fs::path& staging) {
     SyncToDisk(entry.path());
     if (fs::is_directory(status)) continue;
     fs::permissions(entry.path(), fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
-    files.push_back({name, static_cast<std::int64_t>(entry.file_size()), HashOfFile(entry.path())});
+    files.push_back({name, static_cast<std::int64_t>(entry.file_size()), Sha256OfFile(entry.path())});
   }
   SyncToDisk(staging);
   std::sort(files.begin(), files.end(), [](const MapFile& a, const MapFile& b) { return a.name < b.name; });

@@ -66,6 +66,27 @@ TEST(FuseSurface, AMovedCarTurnsIntoFreeSpaceAgain) {
   EXPECT_GT(CellAt(after, 5.5, 2)->free_belief, 0.8F);
 }
 
+TEST(FuseSurface, ACarThatParksWhereAnotherDroveBlocksIt) {
+  std::vector<DrivenPath> paths{MakePath(10), MakePath(3)};
+  paths[1].drive = 1;
+  std::vector<PosedGroundPatch> patches{MakePatch(0, -3, 12, 3, 100, true)};
+  const auto add_day = [&](int drive, bool is_free) {
+    for (int i = 0; i < 30; ++i) {
+      patches.push_back(MakePatch(6, -1, 8, 1, 20, is_free));
+      patches.back().patch.drive = drive;
+    }
+  };
+  add_day(0, true);
+  add_day(1, false);
+  const SurfaceMap blocked = FuseSurface(patches, paths);
+  EXPECT_LT(CellAt(blocked, 7, 0.2)->free_belief, 0.2F);
+
+  patches.resize(31);
+  const SurfaceMap driven = FuseSurface(patches, paths);
+  EXPECT_GT(CellAt(driven, 7, 0.2)->free_belief, 0.8F);
+  EXPECT_GT(CellAt(driven, 2, 0.2)->free_belief, 0.8F) << "the second drive saw nothing, but drove here";
+}
+
 TEST(FuseSurface, OneOddSightDoesNotColourACell) {
   const DrivenPath path = MakePath(5);
   std::vector<PosedGroundPatch> patches;

@@ -25,6 +25,10 @@ inline ServeOptions FakeServeOptions(const std::filesystem::path& program, const
     command.insert(command.end(), spec.logs.begin(), spec.logs.end());
     return command;
   };
+  options.compare_command = [worker](const std::filesystem::path& from, const std::filesystem::path& to,
+                                     const std::filesystem::path& out) {
+    return std::vector<std::string>{worker, "compare", from, to, out};
+  };
   options.check_log = [](const std::filesystem::path& file) {
     std::ifstream stream(file);
     std::string word;

@@ -1,6 +1,7 @@
 // The service for tests that kill it:   parkade_serve_program serve DATA
 // and its worker, which does what the first line of the log says:
 //                                       parkade_serve_program work OUT PROGRESS LOG...
+//                                       parkade_serve_program compare FROM TO OUT
 //   log ok | slow | hang | stubborn | bad-input | crash | silent | no-map
 
 #include <unistd.h>
@@ -58,6 +59,24 @@ int Work(const fs::path& out, const fs::path& progress, const std::vector<fs::pa
   return 0;
 }
 
+/// Two maps differ by their meshes' sizes. Maps of several drives cannot be compared.
+int Compare(const fs::path& from, const fs::path& to, const fs::path& out) {
+  for (const fs::path& map : {from, to}) {
+    std::ifstream mesh(map / "map.glb");
+    const std::string content(std::istreambuf_iterator<char>(mesh), {});
+    if (content == "glTF of 1 drives") continue;
+    std::cerr << "parkade: nothing says how the two maps lie to each other" << std::endl;
+    return 1;
+  }
+  std::ofstream(out.parent_path() / "comparisons", std::ios::app) << out.filename().string() << "\n";
+  fs::create_directories(out);
+  std::ofstream(out / "changes.json") << R"({"free_space": {"gained": 0}})";
+  std::ofstream(out / "changes.geojson") << R"({"type": "FeatureCollection", "features": []})";
+  std::ofstream(out / "changes.png") << "PNG";
+  std::ofstream(out / "changes.pgw") << "0.05";
+  return 0;
+}
+
 int RunService(const std::string& data) {
   ServeOptions options = FakeServeOptions("/proc/self/exe", data);
   if (const char* reserve = std::getenv("RESERVE")) options.disk_reserve = std::stoll(reserve);
@@ -80,6 +99,8 @@ int RunService(const std::string& data) {
 int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);
   if (arguments.size() == 2 && arguments[0] == "serve") return parkade::RunService(arguments[1]);
+  if (arguments.size() == 4 && arguments[0] == "compare")
+    return parkade::Compare(arguments[1], arguments[2], arguments[3]);
   if (arguments.size() >= 4 && arguments[0] == "work")
     return parkade::Work(arguments[1], arguments[2], {arguments.begin() + 3, arguments.end()});
   return 2;

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "core/rigid3.h"
+#include "core/surface_changes.h"
+#include "core/surface_map.h"
+
+namespace parkade {
+
+struct CompareOptions {
+  double sure_belief = 0.65;        ///< from which a cell is drivable for sure; below 1 - this it is not, for sure
+  double min_width = 0.4;           ///< [m] narrower strips of change are borders that moved, no changes
+  double min_area = 1.0;            ///< [m^2] smaller regions are left out
+  double min_height_change = 0.05;  ///< [m] and three sigmas, of ground that is raised or lowered
+  double level_separation = 1.0;    ///< [m] heights further apart are different decks
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("sure_belief", sure_belief);
+    visit("min_width", min_width);
+    visit("min_area", min_area);
+    visit("min_height_change", min_height_change);
+    visit("level_separation", level_separation);
+  }
+  void Validate() const;  ///< throws Error{kUsage}
+};
+
+/// What changed on the ground from one version of a map to a later one. `to_from_from` takes the earlier site into the
+/// later one. A cell counts as changed where both versions are sure; then what is narrower than `min_width` goes
+/// (morphological opening, decks apart), and what is left is grouped into connected regions. Deterministic.
+/// O(number of cells), but for sorting.
+SurfaceChanges CompareSurfaces(const SurfaceMap& from, const SurfaceMap& to, const Rigid3& to_from_from,
+                               const CompareOptions& options = {});
+
+}  // namespace parkade

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace parkade {
+
+/// What a map was made from, so that it can be told again: a file, or a folder with all that is in it.
+struct InputHash {
+  std::string name;  ///< the last part of the path
+  std::int64_t bytes = 0;
+  std::string sha256;  ///< of a folder: of the lines "SHA256 BYTES NAME" of its files, sorted by name
+};
+
+/// Reads everything once. Throws Error{kInternal} for what cannot be read.
+InputHash HashInput(const std::filesystem::path& path);
+
+}  // namespace parkade

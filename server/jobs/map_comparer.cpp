@@ -1,0 +1,78 @@
+#include "server/jobs/map_comparer.h"
+
+#include <sys/wait.h>
+
+#include <chrono>
+#include <fstream>
+
+#include "core/error.h"
+#include "server/jobs/worker_process.h"
+
+namespace parkade {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMaxCallers = 8;                   // at a time: each keeps a connection waiting
+constexpr std::chrono::seconds kTimeLimit{300};  // for one comparison
+constexpr std::chrono::milliseconds kPatience{100};
+
+/// Counts one up as long as it lives.
+class Presence {
+ public:
+  explicit Presence(std::atomic<int>& count) : count_(count), number_(++count) {}
+  ~Presence() { --count_; }
+  Presence(const Presence&) = delete;
+  Presence& operator=(const Presence&) = delete;
+  int number() const { return number_; }
+
+ private:
+  std::atomic<int>& count_;
+  int number_;
+};
+
+/// What the process said at last, without its own name.
+std::string LastSentence(const fs::path& log) {
+  std::ifstream stream(log);
+  std::string line, last;
+  while (std::getline(stream, line))
+    if (!line.empty()) last = line;
+  const std::string name = "parkade: ";
+  return last.starts_with(name) ? last.substr(name.size()) : last;
+}
+
+}  // namespace
+
+MapComparer::MapComparer(const DataDirectory& directory, CompareCommand command)
+    : directory_(directory), command_(std::move(command)) {}
+
+std::optional<fs::path> MapComparer::Compare(const std::string& from_map, const std::string& to_map) {
+  const Presence presence(num_callers_);
+  if (presence.number() > kMaxCallers) return std::nullopt;
+  const fs::path out = directory_.ComparisonFolder(from_map, to_map);
+  const std::lock_guard lock(one_at_a_time_);
+  if (!fs::exists(out)) Run(from_map, to_map, out);
+  return out;
+}
+
+void MapComparer::Run(const std::string& from_map, const std::string& to_map, const fs::path& out) const {
+  Require(static_cast<bool>(command_), ErrorCode::kInternal, "the service cannot compare maps");
+  const fs::path log = directory_.NewTemporaryPath();
+  WorkerProcess process(command_(directory_.MapFolder(from_map), directory_.MapFolder(to_map), out), directory_.root(),
+                        log);
+  const auto end = std::chrono::steady_clock::now() + kTimeLimit;
+  std::optional<int> status;
+  while (!(status = process.Wait(kPatience))) {
+    Require(!is_stopping_, ErrorCode::kInternal, "the service stops before the maps are compared");
+    Require(std::chrono::steady_clock::now() < end, ErrorCode::kInternal, "comparing two maps took too long");
+  }
+  const std::string sentence = LastSentence(log);
+  std::error_code ignored;
+  fs::remove(log, ignored);
+  const bool is_done = WIFEXITED(*status) && WEXITSTATUS(*status) == 0 && fs::exists(out);
+  const bool is_refused = WIFEXITED(*status) && WEXITSTATUS(*status) == 1 && !sentence.empty();
+  Require(is_done || !is_refused, ErrorCode::kInvalidInput, sentence);
+  Require(is_done, ErrorCode::kInternal, "comparing two maps failed: " + sentence);
+}
+
+}  // namespace parkade

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+
+#include "core/surface_map.h"
+
+namespace parkade {
+
+/// The fused ground of a map, so that versions can be compared: binary, little-endian, compressed, with a version and a
+/// checksum; one or two bytes per cell. Heights and sigmas to the millimetre, beliefs to 1/255, no colours. Whole or
+/// not at all.
+void WriteSurface(const SurfaceMap& surface, const std::filesystem::path& file);
+
+/// What WriteSurface wrote. Throws Error{kNotFound} without the file, Error{kInvalidInput} where it is damaged or of
+/// another version.
+SurfaceMap ReadSurface(const std::filesystem::path& file);
+
+}  // namespace parkade
