@@ -13,6 +13,7 @@ struct DriverOptions {
   double final_stand = 1;             ///< [s]
   double rolling_start = 0;           ///< [m/s] the log begins at this speed; 0: standing
   bool is_opposite = false;           ///< the round trips the other way around
+  bool drives_last_part = false;      ///< of rounds that are longer than `length`, not the first
   bool turns_around = false;          ///< both ways, one after the other
   bool parks = false;                 ///< backs into a slot at the end
   double parked_stand = 5;            ///< [s] in the slot
@@ -28,6 +29,7 @@ struct DriverOptions {
     visit("final_stand", final_stand);
     visit("rolling_start", rolling_start);
     visit("is_opposite", is_opposite);
+    visit("drives_last_part", drives_last_part);
     visit("turns_around", turns_around);
     visit("parks", parks);
     visit("parked_stand", parked_stand);

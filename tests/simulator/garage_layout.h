@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "tests/simulator/garage_style.h"
 #include "tests/simulator/lot_layout.h"
 #include "tests/simulator/place.h"
 #include "tests/simulator/ramp_profile.h"
@@ -25,7 +26,13 @@ struct GarageLayout {
   RampProfile straight, curve;
   double ramp_from = 0, ramp_to = 0;  ///< x of the straight ramp
   double curve_y = 0, curve_radius = 0;
-  std::vector<Rectangle> pillars;  ///< on every deck
+  // On every deck:
+  std::vector<Rectangle> pillars;
+  std::vector<Rectangle> cores;         ///< stairs, lifts and rooms, from floor to ceiling
+  std::vector<Rectangle> median_walls;  ///< between the rows in the middle
+  double median_wall = 0;               ///< [m] their height
+  bool is_counter = false;              ///< see GarageMeasures
+  GarageStyle style;
 
   int num_decks() const { return static_cast<int>(decks.size()); }
   int num_ramps() const { return num_decks() - 1; }

@@ -122,7 +122,7 @@ RoutePlan PlanGarageRoute(const GarageLayout& layout, const std::vector<ParkingS
   const double turn_around = wish.turns_around ? 2 * layout.length + 60 : 0;
   const std::vector<Tour> chosen = ChooseTours(tours, layout.num_ramps(), wish.length - turn_around);
   WaypointTrail trail(tours.Start(), wish.seed);
-  bool is_reversed = wish.is_reversed;
+  bool is_reversed = wish.is_reversed != layout.is_counter;
   const auto drive = [&](const Nodes& nodes) {
     for (const Vector3d& node : nodes) {
       const Eigen::Vector2d side = (node - trail.nominal()).head<2>();

@@ -22,7 +22,7 @@ void Soil(GroundPainter& painter, const GroundPainter::Chooser& anywhere) {
 }
 
 /// The canvas of a straight ramp: ribbed concrete between yellow lines.
-GroundCanvas PaintStraightRamp(const GroundSheet& sheet, double texel, std::uint64_t seed) {
+GroundCanvas PaintStraightRamp(const GarageLayout& layout, const GroundSheet& sheet, double texel, std::uint64_t seed) {
   GroundCanvas canvas(sheet.min, sheet.max, texel);
   GroundPainter painter(sheet.max - sheet.min, canvas, seed);
   painter.Ribbed([](float x, float) { return x; });
@@ -33,7 +33,7 @@ GroundCanvas PaintStraightRamp(const GroundSheet& sheet, double texel, std::uint
     painter.TyreTrack({sheet.min.x(), middle + side}, {sheet.max.x(), middle + side}, 0.6, 0.4f);
   Soil(painter, [&]() -> Vector2d { return sheet.min + painter.Anywhere(); });
   for (const double share : {0.25, 0.6})
-    painter.Arrow({sheet.min.x() + share * (sheet.max.x() - sheet.min.x()), middle}, 0);
+    painter.Arrow({sheet.min.x() + share * (sheet.max.x() - sheet.min.x()), middle}, layout.is_counter ? 0 : M_PI);
   canvas.Finish();
   return canvas;
 }
@@ -53,7 +53,8 @@ GroundCanvas PaintCurve(const GarageLayout& layout, const GroundSheet& sheet, do
   };
   Soil(painter,
        [&] { return on_ring(painter.random().Uniform(-M_PI / 2, M_PI / 2), painter.random().Uniform(-half, half)); });
-  for (const double angle : {-0.9, 0.3}) painter.Arrow(on_ring(angle, 0), angle + M_PI / 2);
+  for (const double angle : {-0.9, 0.3})
+    painter.Arrow(on_ring(angle, 0), angle + (layout.is_counter ? -M_PI / 2 : M_PI / 2));
   canvas.Finish();
   return canvas;
 }
@@ -163,13 +164,14 @@ Scene BuildGarage(const SceneOptions& options) {
     const GroundSheet& floor = ground.sheets()[sheet];
     scene.ground_colors.push_back(
         sheet == layout.ForecourtSheet() ? PaintForecourt(floor, options.ground_texel, options.seed)
-        : sheet < layout.CurveSheet(0)   ? PaintStraightRamp(floor, options.ground_texel, options.seed + sheet)
+        : sheet < layout.CurveSheet(0)   ? PaintStraightRamp(layout, floor, options.ground_texel, options.seed + sheet)
                                          : PaintCurve(layout, floor, options.ground_texel, options.seed + sheet));
   }
   GarageStructure structure(layout, options.seed, scene.materials);
   structure.Walls();
   structure.Ceilings(ground);
   structure.Pillars();
+  structure.Rooms();
   structure.Fittings();
   Props props(ground, options.seed, weather == Weather::kDusk, scene.materials);
   FurnishOutside(layout, props);

@@ -18,16 +18,16 @@ constexpr double kGateHalf = 2.9;  // [m]
 
 GarageStructure::GarageStructure(const GarageLayout& layout, std::uint64_t seed, std::vector<Material>& materials)
     : layout_(layout), random_(seed, 0x6a7a), materials_(materials) {
-  concrete_ = Add({.albedo = Rgb(0.34f, 0.33f, 0.31f),
+  concrete_ = Add({.albedo = layout.style.concrete,
                    .texture = TextureKind::kConcrete,
                    .texture_size = 5.2f,
                    .texture_contrast = 0.17f});
-  paint_ = Add({.albedo = Rgb(0.10f, 0.22f, 0.40f),
+  paint_ = Add({.albedo = layout.style.paint,
                 .mirror = 0.02f,
                 .texture = TextureKind::kPlaster,
                 .texture_size = 2.7f,
                 .texture_contrast = 0.2f});
-  ceiling_ = Add({.albedo = Rgb(0.42f, 0.41f, 0.39f),
+  ceiling_ = Add({.albedo = layout.style.ceiling,
                   .texture = TextureKind::kConcrete,
                   .texture_size = 6.1f,
                   .texture_contrast = 0.15f});
@@ -40,6 +40,7 @@ GarageStructure::GarageStructure(const GarageLayout& layout, std::uint64_t seed,
   exit_ = Add({.albedo = Rgb(0.03f, 0.3f, 0.1f), .emission = Rgb(0.02f, 0.35f, 0.12f)});
   white_ = Add({.albedo = Gray(0.7f), .emission = Gray(0.25f)});
   paper_ = Add({.albedo = Gray(0.62f), .texture = TextureKind::kPlaster, .texture_contrast = 0.1f});
+  pipe_ = Add({.albedo = layout.style.pipe, .texture = TextureKind::kPlaster, .texture_contrast = 0.1f});
   rubber_ = Add({.albedo = Gray(0.12f), .texture = TextureKind::kPlaster, .texture_contrast = 0.3f});
 }
 
@@ -56,11 +57,11 @@ void GarageStructure::Panel(const Vector3d& corner, const Vector3d& u, const Vec
 }
 
 void GarageStructure::Wall(const Vector2d& from, const Vector2d& to, double bottom, double top) {
-  constexpr double kHalf = 0.1, kPaintTop = 0.9;
+  constexpr double kHalf = 0.1;
   const Vector2d along = (to - from).normalized(), side = kHalf * Vector2d(-along.y(), along.x());
   const auto at = [](const Vector2d& xy, double z) { return Vector3d(xy.x(), xy.y(), z); };
   const Vector3d run = at(to - from, 0);
-  const double band = std::min(top, bottom + kPaintTop);
+  const double band = std::min(top, bottom + layout_.style.paint_height);
   for (const double sign : {-1.0, 1.0}) {
     const Vector3d start = sign < 0 ? at(from - side, 0) : at(to + side, 0), face = sign < 0 ? run : -run;
     Panel(start + Vector3d(0, 0, bottom), face, {0, 0, band - bottom}, paint_);
@@ -181,13 +182,10 @@ void GarageStructure::Pillars() {
       const Vector3d foot(pillar.center.x(), pillar.center.y(), z);
       for (double height = 0; height < clear - 0.01; height += kBand) {
         const double half = std::min(kBand, clear - height) / 2;
-        const int band = static_cast<int>(std::lround(height / kBand));
         mesh_.AddBox(foot + Vector3d(0, 0, height + half), {pillar.half_size.x(), pillar.half_size.y(), half},
-                     pillar.yaw,
-                     band >= 5  ? concrete_
-                     : band % 2 ? black_
-                                : yellow_);
+                     pillar.yaw, PillarMaterial(height + half));
       }
+      if (layout_.style.has_bays_named) BayBoard(pillar, z, static_cast<int>(&pillar - layout_.pillars.data()));
       beams.insert(std::lround(pillar.center.x() * 100));
     }
     for (const long beam : beams)
@@ -196,10 +194,21 @@ void GarageStructure::Pillars() {
   }
 }
 
+MaterialId GarageStructure::PillarMaterial(double height) const {
+  const int band = static_cast<int>(height / 0.22);
+  switch (layout_.style.pillars) {
+    case PillarPaint::kBands: return band >= 5 ? concrete_ : band % 2 ? black_ : yellow_;
+    case PillarPaint::kFoot: return height < 1 ? paint_ : paper_;
+    case PillarPaint::kRing: return band == 1 || band == 6 ? red_ : concrete_;
+    case PillarPaint::kFull: return band == 7 ? paper_ : paint_;
+  }
+  return concrete_;
+}
+
 void GarageStructure::TubeLamp(const Vector3d& at, double yaw) {
   const bool is_on = !random_.Chance(0.1);
-  const float strength = static_cast<float>(random_.Uniform(1.6, 2.6)),
-              warm = static_cast<float>(random_.Uniform(0.86, 1));
+  const float strength = static_cast<float>(layout_.style.lamp_strength * random_.Uniform(1.6, 2.6)),
+              warm = static_cast<float>(1 - 0.14 * layout_.style.lamp_warmth - random_.Uniform(0, 0.05));
   mesh_.AddBox(at + Vector3d(0, 0, 0.06), {0.8, 0.11, 0.03}, yaw, metal_);
   mesh_.AddBox(at, {0.75, 0.05, 0.03}, yaw, is_on ? tube_ : dead_tube_);
   if (!is_on) return;
@@ -244,15 +253,18 @@ void GarageStructure::DeckFittings(int deck) {
   const double floor = deck * layout_.storey, ceiling = floor + layout_.storey - GarageLayout::kSlab;
   const double length = layout_.length, width = layout_.width;
   for (const double y : layout_.decks[0].aisle_y) {
-    for (double x = 3.5; x < length; x += 6.2) TubeLamp({x, y, ceiling - 0.16}, 0);
-    Pipe({0.3, y + 2.1, ceiling - 0.42}, {length - 0.3, y + 2.1, ceiling - 0.42}, 0.05, red_);
-    Pipe({0.3, y - 2.6, ceiling - 0.46}, {length - 0.3, y - 2.6, ceiling - 0.46}, 0.14, metal_);
+    const GarageStyle& style = layout_.style;
+    for (double x = 3.5; x < length; x += style.lamp_step)
+      TubeLamp({x, y + style.lamp_aside, ceiling - 0.16}, style.lamps_lie_across ? M_PI / 2 : 0);
+    const double thin = y + style.pipe_aside, thick = y - style.pipe_aside - 0.5;
+    Pipe({0.3, thin, ceiling - 0.42}, {length - 0.3, thin, ceiling - 0.42}, 0.05, pipe_);
+    Pipe({0.3, thick, ceiling - 0.46}, {length - 0.3, thick, ceiling - 0.46}, 0.14, metal_);
     for (const double x : {1.2, length - 1.2}) ExitSign({x, y + 1.2, ceiling - 0.3}, x < 5 ? 0 : M_PI);
     ExitSign({length / 2, y, ceiling - 0.35}, 0);
   }
   for (const double x : {4.0, length - 4.0})
     for (const double y : {width / 2, width - 2.5, width + 2.5}) TubeLamp({x, y, ceiling - 0.16}, M_PI / 2);
-  for (double x = 11; x < length - 10; x += random_.Uniform(3, 7)) {
+  for (double x = 11; x < length - 10; x += layout_.style.poster_step * random_.Uniform(0.6, 1.4)) {
     Poster({x, width - 0.14, floor + random_.Uniform(1.2, 1.9)}, -M_PI / 2);
     if (random_.Chance(0.6)) Poster({x + 1.7, 0.14, floor + 0.6}, M_PI / 2);
   }

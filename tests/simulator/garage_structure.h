@@ -16,6 +16,7 @@ class GarageStructure {
   void Walls();
   void Ceilings(const Ground& ground);
   void Pillars();
+  void Rooms();     ///< and walls inside
   void Fittings();  ///< lamps, pipes, signs
 
   Mesh& mesh() { return mesh_; }
@@ -38,6 +39,9 @@ class GarageStructure {
   void ExitSign(const Eigen::Vector3d& at, double yaw);
   void Poster(const Eigen::Vector3d& at, double yaw);
   void DeckFittings(int deck);
+  MaterialId PillarMaterial(double height) const;
+  void BayBoard(const Rectangle& pillar, double floor, int number);
+  void Room(const Rectangle& core, double floor);
   void RampLamps(int deck);
   /// Paint, scuffs and boards on a wall of a half circle.
   void CurveWall(int deck, bool is_outer);
@@ -57,7 +61,7 @@ class GarageStructure {
   Mesh mesh_;
   std::vector<Lamp> lamps_;
   MaterialId concrete_ = 0, paint_ = 0, ceiling_ = 0, yellow_ = 0, black_ = 0, tube_ = 0, dead_tube_ = 0, metal_ = 0,
-             red_ = 0, exit_ = 0, white_ = 0, paper_ = 0, rubber_ = 0;
+             red_ = 0, exit_ = 0, white_ = 0, paper_ = 0, rubber_ = 0, pipe_ = 0;
 };
 
 }  // namespace parkade::simulator

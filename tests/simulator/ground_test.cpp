@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/simulator/garage_layout.h"
@@ -142,7 +143,7 @@ TEST(Garage, ToursReachTheHighestDeckUnderTheRoofAndComeBackToTheForecourt) {
     ++num_steps;
   }
 
-  EXPECT_NEAR(highest, 5.8, 1e-6);
+  EXPECT_NEAR(highest, 2 * PlanGarage(2, 0).storey, 1e-6);
   EXPECT_GT(num_covered, 0.6 * num_steps);
   EXPECT_FALSE(place.is_covered({plan.waypoints.front().x(), plan.waypoints.front().y(), 1.5}));
   EXPECT_LT((plan.waypoints.front() - plan.waypoints.back()).norm(), 4);
@@ -164,6 +165,51 @@ TEST(Place, AnotherDayParksOtherCarsInTheSameSlots) {
     EXPECT_GT(num_occupied, static_cast<int>(first.slots.size()) / 3) << name;
     EXPECT_LT(num_occupied, static_cast<int>(first.slots.size())) << name;
   }
+}
+
+/// Share of a place's slots on its lowest level that another place has within a hand's breadth.
+double SharedSlots(const Place& place, const Place& other) {
+  int num_slots = 0, num_shared = 0;
+  for (const ParkingSlot& slot : place.slots) {
+    if (slot.height > 1) continue;
+    ++num_slots;
+    num_shared += std::any_of(other.slots.begin(), other.slots.end(), [&](const ParkingSlot& one) {
+      return one.height < 1 && (one.outline.center - slot.outline.center).norm() < 0.1;
+    });
+  }
+  return static_cast<double>(num_shared) / num_slots;
+}
+
+class PlacesOfSeeds : public testing::TestWithParam<std::pair<const char*, int>> {};
+
+/// By chance two may be alike, as in the world.
+TEST_P(PlacesOfSeeds, DoNotShareTheirPlan) {
+  const auto& [name, num_seeds] = GetParam();
+  std::vector<Place> places;
+  for (int seed = 1; seed <= num_seeds; ++seed)
+    places.push_back(PlanPlace(name, {.seed = static_cast<std::uint64_t>(seed), .relief = 0}));
+  int num_pairs = 0, num_alike = 0;
+  for (size_t i = 0; i < places.size(); ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      ++num_pairs;
+      num_alike += SharedSlots(places[i], places[j]) > 0.5;
+    }
+  }
+
+  EXPECT_LE(num_alike, 0.005 * num_pairs) << "of " << num_pairs;
+  RecordProperty("alike", num_alike);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, PlacesOfSeeds,
+                         testing::Values(std::pair("lot", 50), std::pair("garage", 50), std::pair("street", 8)),
+                         [](const auto& info) { return std::string(info.param.first); });
+
+TEST(Garage, EveryDeckHasTheSamePlan) {
+  const Place place = PlanPlace("garage", {.seed = 6});
+  const size_t num_on_deck = place.slots.size() / 3;
+  for (size_t i = 0; i < num_on_deck; ++i)
+    for (const size_t deck : {size_t{1}, size_t{2}})
+      EXPECT_EQ(place.slots[i].outline.center, place.slots[i + deck * num_on_deck].outline.center);
 }
 
 TEST(Place, ASlotToEndInIsFreeAndBesideTheWay) {

@@ -9,17 +9,25 @@
 namespace parkade::simulator {
 namespace {
 
-constexpr double kSlotWidth = 2.5, kSlotDepth = 5.0, kAisle = 6.5, kLane = 8.0, kIsland = 1.6, kMargin = 0.3;
+constexpr double kLane = 8.0, kIsland = 1.6, kMargin = 0.3;
+constexpr double kCrossLane = 9.6;  // [m] between slots; the lane across the middle takes the room of as many as that
 
-constexpr int kCrossLaneSlots = 4;  // the lane across the middle takes the room of these
+/// One row of slots: where, and how they stand.
+struct Row {
+  double center_y = 0;  ///< [m]
+  double yaw = 0;       ///< [rad] from the aisle into the slots
+  double pitch = 2.5;   ///< [m] from slot to slot
+  int count = 0;
+  int gap_begin = 0, gap_end = 0;  ///< slots that the lane across takes
 
-/// One row of slots; `yaw` points from the aisle into the slot.
-void AddRow(LotLayout& lot, double center_y, double yaw, int num_slots, bool has_cross_lane) {
-  const int gap = (num_slots - kCrossLaneSlots) / 2;
-  for (int i = 0; i < num_slots; ++i) {
-    if (has_cross_lane && i >= gap && i < gap + kCrossLaneSlots) continue;
-    const double x = kLane + kIsland + (i + 0.5) * kSlotWidth;
-    lot.slots.push_back({{x, center_y}, {kSlotDepth / 2, kSlotWidth / 2}, yaw});
+  double Boundary(int slot) const { return kLane + kIsland + slot * pitch; }
+};
+
+void AddRow(const LotMeasures& measures, const Row& row, LotLayout& lot) {
+  for (int i = 0; i < row.count; ++i) {
+    if (i >= row.gap_begin && i < row.gap_end) continue;
+    lot.slots.push_back(
+        {{row.Boundary(i) + row.pitch / 2, row.center_y}, {measures.slot_depth / 2, measures.slot_width / 2}, row.yaw});
   }
 }
 
@@ -69,37 +77,53 @@ void AddBumps(int count, LotLayout& lot) {
     lot.bumps.emplace_back(places[static_cast<size_t>(i)] * lot.length, lot.aisle_y[i % 2]);
 }
 
-LotLayout PlanLot(std::uint64_t seed, int day) {
-  Random random(seed, 0x107);
-  const int num_slots = 15 + random.Index(4);
-  LotLayout lot;
-  lot.length = 2 * (kLane + kIsland) + num_slots * kSlotWidth;
-  lot.width = 2 * kMargin + 4 * kSlotDepth + 2 * kAisle;
-  const double up = M_PI / 2;
-  AddRow(lot, kMargin + 0.5 * kSlotDepth, -up, num_slots, false);
-  AddRow(lot, kMargin + 1.5 * kSlotDepth + kAisle, up, num_slots, true);
-  AddRow(lot, kMargin + 2.5 * kSlotDepth + kAisle, -up, num_slots, true);
-  AddRow(lot, kMargin + 3.5 * kSlotDepth + 2 * kAisle, up, num_slots, false);
-  ParkCars(lot, random);
-  if (day > 0) {
-    lot.cars.clear();
-    Random other(seed, 0x107000 + static_cast<std::uint64_t>(day));
-    ParkCars(lot, other);
-  }
+LotMeasures MeasureLot(std::uint64_t seed) {
+  Random random(seed, 0x3ea5);
+  LotMeasures measures;
+  measures.num_slots = 14 + random.Index(6);
+  measures.slot_width = random.Uniform(2.42, 2.68);
+  measures.slot_depth = random.Uniform(4.85, 5.3);
+  measures.aisle = random.Uniform(6.3, 7.1);
+  measures.cross_shift = random.Index(4) - 1;
+  measures.is_turned = random.Chance(0.5);
+  return measures;
+}
 
-  const double middle = lot.width / 2, island_half = kSlotDepth - 0.4;
-  const double cross_x = kLane + kIsland + kSlotWidth * ((num_slots - kCrossLaneSlots) / 2 + kCrossLaneSlots / 2.0);
-  const double cross_half = kCrossLaneSlots * kSlotWidth / 2 - kIsland / 2;
+LotLayout PlanLot(std::uint64_t seed, int day) { return PlanLot(MeasureLot(seed), seed, day); }
+
+LotLayout PlanLot(const LotMeasures& measures, std::uint64_t seed, int day) {
+  const double depth = measures.slot_depth, slant = measures.slant, up = M_PI / 2;
+  const double depth_inside = depth * std::cos(slant) + measures.slot_width * std::sin(std::abs(slant));
+  LotLayout lot;
+  lot.length = 2 * (kLane + kIsland) + measures.num_slots * measures.slot_width;
+  lot.width = 2 * (kMargin + depth + measures.aisle + depth_inside) + measures.median;
+  const Row outer{kMargin + depth / 2, -up, measures.slot_width, measures.num_slots};
+  Row inner{kMargin + depth + measures.aisle + depth_inside / 2, up - slant, measures.slot_width / std::cos(slant)};
+  inner.count = static_cast<int>(measures.num_slots * outer.pitch / inner.pitch + 1e-9);
+  const int gap = static_cast<int>(std::ceil(kCrossLane / inner.pitch));
+  inner.gap_begin = (inner.count - gap) / 2 + measures.cross_shift;
+  inner.gap_end = inner.gap_begin + gap;
+  AddRow(measures, outer, lot);
+  AddRow(measures, inner, lot);
+  // The northern half is the southern one turned around, but for the gap, which it has in common.
+  inner.center_y = lot.width - inner.center_y, inner.yaw -= M_PI;
+  AddRow(measures, inner, lot);
+  AddRow(measures, {lot.width - outer.center_y, up, outer.pitch, outer.count}, lot);
+  Random parking(seed, 0x107000 + static_cast<std::uint64_t>(day));
+  ParkCars(lot, parking);
+
+  const double middle = lot.width / 2, island_half = depth_inside - 0.4 + measures.median / 2;
+  const double cross_x = (inner.Boundary(inner.gap_begin) + inner.Boundary(inner.gap_end)) / 2;
+  const double cross_half = gap * inner.pitch / 2 - kIsland / 2;
   for (const double x :
        {kLane + kIsland / 2, cross_x - cross_half, cross_x + cross_half, lot.length - kLane - kIsland / 2})
     lot.islands.push_back({{x, middle}, {kIsland / 2 - 0.15, island_half}, 0});
   for (const double x : {1.3, lot.length - 1.3})
     for (const double y : {1.2, lot.width - 1.2}) lot.islands.push_back({{x, y}, {1.3, 1.2}, 0});
 
-  lot.aisle_y[0] = kMargin + kSlotDepth + kAisle / 2;
+  lot.aisle_y[0] = kMargin + depth + measures.aisle / 2;
   lot.aisle_y[1] = lot.width - lot.aisle_y[0];
-  const bool is_turned = random.Chance(0.5);
-  const double first = lot.aisle_y[is_turned], second = lot.aisle_y[!is_turned];
+  const double first = lot.aisle_y[measures.is_turned], second = lot.aisle_y[!measures.is_turned];
   const auto loop_to = [&](double right) -> std::vector<Eigen::Vector2d> {
     return {{kLane / 2, first}, {right, first}, {right, second}, {kLane / 2, second}};
   };

@@ -15,6 +15,21 @@ struct ParkedCar {
   std::uint64_t seed = 0;  ///< of its colours and proportions
 };
 
+/// What differs from car park to car park.
+struct LotMeasures {
+  int num_slots = 16;       ///< of the rows along the sides
+  double slot_width = 2.5;  ///< [m]
+  double slot_depth = 5;    ///< [m]
+  double aisle = 6.5;       ///< [m] wide
+  double median = 0;        ///< [m] between the two rows in the middle
+  double slant = 0;         ///< [rad] by which those in the middle are turned from square to the aisle
+  int cross_shift = 0;      ///< slots by which the lane across lies east of the middle
+  bool is_turned = false;   ///< the northern aisle is driven first
+};
+
+/// Of a lot in the open.
+LotMeasures MeasureLot(std::uint64_t seed);
+
 /// The plan of a car park: asphalt over [0, length] x [0, width], two aisles
 /// along x joined by a lane at each end and one across the middle, four rows of slots.
 struct LotLayout {
@@ -40,5 +55,6 @@ void AddBumps(int count, LotLayout& lot);
 
 /// The same seed gives the same plan, but for the parked cars, which change with the day.
 LotLayout PlanLot(std::uint64_t seed, int day = 0);
+LotLayout PlanLot(const LotMeasures& measures, std::uint64_t seed, int day);
 
 }  // namespace parkade::simulator

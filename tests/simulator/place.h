@@ -38,6 +38,7 @@ struct RouteWish {
   double length = 100;        ///< [m]; the rounds that come closest to it are driven
   bool is_reversed = false;   ///< the other way around
   bool turns_around = false;  ///< changes its direction on the way: one place is seen from both sides
+  bool is_whole = false;      ///< a round is not cut short, however long it is
   bool ends_in_slot = false;  ///< asks for RoutePlan::slot
   std::uint64_t seed = 1;     ///< of the driver's swings
 };

@@ -102,6 +102,7 @@ PlannedPath PlanPath(const Place& place, const DriverOptions& driver, double dur
   RouteWish wish{.length = driver.length > 0 ? driver.length : LengthFor(duration, driver),
                  .is_reversed = driver.is_opposite,
                  .turns_around = driver.turns_around,
+                 .is_whole = driver.drives_last_part,
                  .ends_in_slot = driver.parks,
                  .seed = seed};
   RoutePlan plan = place.plan_route(wish);
@@ -120,7 +121,8 @@ PlannedPath PlanPath(const Place& place, const DriverOptions& driver, double dur
     plan = place.plan_route(wish);
     route = Route(plan.waypoints, plan.corner_radius);
   }
-  if (route.Length() > (1 + kTolerance) * driver.length) route = route.Part(0, driver.length);
+  const double spare = route.Length() - driver.length, begin = driver.drives_last_part ? spare : 0;
+  if (spare > kTolerance * driver.length) route = route.Part(begin, begin + driver.length);
   return {DrivePath({{route, false}}), plan.max_lateral_acceleration};
 }
 

@@ -92,17 +92,19 @@ void AddIndoor(std::vector<Preset>& presets) {
   presets[first + 5].options.faults.image_gap = {-1, 120, 122};
 }
 
-/// Sessions of one place: other cars stand there, the light is another, the last goes the other way around.
-void AddSessions(std::vector<Preset>& presets, const char* scene, double length, int num_sessions) {
-  for (int day = 0; day < num_sessions; ++day) {
-    const bool is_last = day + 1 == num_sessions;
-    Preset preset{
-        scene + std::string("-day") + std::to_string(day + 1),
-        std::string("one place with the other ") + scene + "-day sessions" + (is_last ? ", the other way around" : ""),
-        RealCar(scene, 400 + day, length)};
+/// Sessions of one place: other cars stand there, the light is another. One goes the other way around, by the way that
+/// the others have come, also where all are cut short.
+void AddSessions(std::vector<Preset>& presets, const char* scene, double length, int opposite_day) {
+  constexpr int kNumSessions = 3;
+  for (int day = 1; day <= kNumSessions; ++day) {
+    const bool is_opposite = day == opposite_day;
+    Preset preset{scene + std::string("-day") + std::to_string(day),
+                  std::string("one place with the other ") + scene + "-day sessions" +
+                      (is_opposite ? ", the other way around" : ""),
+                  RealCar(scene, 399 + day, length)};
     preset.options.place_seed = 40;
-    preset.options.day = day;
-    preset.options.drive.is_opposite = is_last;
+    preset.options.day = day - 1;
+    preset.options.drive.is_opposite = preset.options.drive.drives_last_part = is_opposite;
     presets.push_back(std::move(preset));
   }
 }

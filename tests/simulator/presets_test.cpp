@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <sstream>
 
@@ -28,7 +29,7 @@ TEST(Presets, AreTheSuiteOfThePaperAndSessionsOfOnePlace) {
   EXPECT_EQ(families["sim"], 4);
   EXPECT_EQ(families["out"], 16);
   EXPECT_EQ(families["in"], 6);
-  EXPECT_EQ(families["lot-day"], 3);
+  for (const std::string& scene : SceneNames()) EXPECT_EQ(families[scene + "-day"], 3);
   EXPECT_EQ(hashes.size(), Presets().size());
   EXPECT_EQ(FindPreset("out3")->options.drive.length, 807);
   EXPECT_EQ(FindPreset("out99"), nullptr);
@@ -58,6 +59,47 @@ TEST(Presets, TheQuickFormIsShorterAndItsFaultsAreWithinIt) {
     EXPECT_LT(quick.faults.occlusion.begin, duration) << preset.name;
     EXPECT_LT(quick.faults.mirror.at, duration) << preset.name;
     EXPECT_LT(quick.faults.darkness.begin, duration) << preset.name;
+  }
+}
+
+/// Share of `plan` within 5 m of `other`, on the same level.
+double SharedWay(const DrivePlan& plan, const DrivePlan& other) {
+  const auto places_of = [](const DrivePlan& drive) {
+    std::vector<Eigen::Vector3d> places;
+    for (double time = 0; time < drive.motion.Duration(); time += 0.2) {
+      const Eigen::Vector3d at = drive.motion.WorldFromBody(time).translation;
+      if (places.empty() || (places.back() - at).norm() > 0.5) places.push_back(at);
+    }
+    return places;
+  };
+  const std::vector<Eigen::Vector3d> places = places_of(plan), others = places_of(other);
+  const auto is_shared = [&](const Eigen::Vector3d& place) {
+    return std::any_of(others.begin(), others.end(), [&](const Eigen::Vector3d& at) {
+      return (at - place).head<2>().norm() < 5 && std::abs((at - place).z()) < 1;
+    });
+  };
+  return static_cast<double>(std::count_if(places.begin(), places.end(), is_shared)) /
+         static_cast<double>(places.size());
+}
+
+/// So that they can be joined, and it can be judged: in both forms, two the same way, one the other way around.
+TEST(Presets, SessionsOfOnePlaceHaveHalfOfTheirWayInCommon) {
+  for (const std::string& scene : SceneNames()) {
+    for (const bool is_quick : {false, true}) {
+      std::vector<DrivePlan> plans;
+      int num_opposite = 0;
+      for (const int day : {1, 2, 3}) {
+        const Preset& preset = *FindPreset(scene + "-day" + std::to_string(day));
+        const SimulateOptions options = is_quick ? QuickForm(preset.options) : preset.options;
+        plans.push_back(PlanDrive(PlanPlace(options.scene, options.OfScene()), options.drive, options.duration,
+                                  static_cast<std::uint64_t>(options.seed)));
+        num_opposite += options.drive.is_opposite;
+      }
+      EXPECT_EQ(num_opposite, 1);
+      for (const DrivePlan& plan : plans)
+        for (const DrivePlan& other : plans)
+          EXPECT_GT(SharedWay(plan, other), 0.5) << scene << (is_quick ? ", quick" : "");
+    }
   }
 }
 

@@ -3,52 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "core/parallel.h"
 #include "tests/simulator/drivable_raster.h"
 #include "tests/simulator/ground_mirror.h"
 #include "tests/simulator/headlights.h"
+#include "tests/simulator/pixel_samples.h"
 #include "tests/simulator/sunlight.h"
 
 namespace parkade::simulator {
 namespace {
 
-/// What the samples of a pixel saw.
-class PixelSamples {
- public:
-  /// Null for the sky. Textures are averaged over what a ray covers; what is not are outlines, creases and shadows.
-  void Add(const Color& color, const SurfacePoint* surface) {
-    const float brightness = color.sum();
-    light += color;
-    darkest_ = std::min(darkest_, brightness);
-    brightest_ = std::max(brightest_, brightness);
-    if (++count == 1 && surface) first_ = *surface;
-    if (count == 1) is_sky_ = !surface;
-    is_cut_ = is_cut_ || (surface ? is_sky_ || !IsContinued(*surface) : !is_sky_);
-  }
-
-  /// Whether the samples see unlike things in unlike light.
-  bool IsEdge() const { return is_cut_ && darkest_ < kLeastShareOfBrightest * brightest_; }
-
-  Color light = Gray(0);  ///< summed
-  int count = 0, num_drivable = 0;
-
- private:
-  static constexpr float kLeastShareOfBrightest = 0.82f;
-
-  bool IsContinued(const SurfacePoint& surface) const {
-    constexpr float kStep = 0.02f;  // [m]
-    return surface.is_ground == first_.is_ground && surface.material == first_.material &&
-           (surface.sun > 0) == (first_.sun > 0) && surface.flat_normal.dot(first_.flat_normal) > 0.95f &&
-           (surface.is_ground || std::abs(first_.flat_normal.dot(surface.position - first_.position)) < kStep);
-  }
-
-  SurfacePoint first_;
-  float darkest_ = std::numeric_limits<float>::max(), brightest_ = 0;
-  bool is_sky_ = false, is_cut_ = false;
-};
 using PixelsOfPacket = std::array<PixelSamples*, kPixelsPerPacket>;
 
 /// The rays of samples `first` to `first` + 3 of pixels of which a table has the first four: the lens is taken to be
@@ -88,7 +54,10 @@ struct Renderer::Parts {
 
   Parts(const Scene& scene_in, const Rig& rig_in, double half_field_of_view);
   std::vector<PixelSamples> RenderRow(const Shot& shot, const RowPoses& poses, int row) const;
-  void RenderEdges(const Shot& shot, const RowPoses& poses, int row, std::vector<PixelSamples>& pixels) const;
+  std::vector<int> EdgesOfRow(const Shot& shot, const PictureSamples& rows, int row) const;
+  void RenderEdges(const Shot& shot, const RowPoses& poses, int row, const std::vector<int>& columns,
+                   std::vector<PixelSamples>& pixels) const;
+  RenderedImage Picture(const Shot& shot, const PictureSamples& rows) const;
   void RenderPacket(const Shot& shot, const PacketPoses& poses, const SamplePacket& packet,
                     const std::array<float, kPixelsPerPacket>& sample_angles, const PixelsOfPacket& pixels) const;
   SurfacePoint PointOnOwnCar(const OwnCarHit& hit, const MomentPose& pose, bool is_covered) const;
@@ -205,15 +174,21 @@ std::vector<PixelSamples> Renderer::Parts::RenderRow(const Shot& shot, const Row
   return pixels;
 }
 
-/// Adds twelve samples to each pixel that shows an edge.
-void Renderer::Parts::RenderEdges(const Shot& shot, const RowPoses& poses, int row,
-                                  std::vector<PixelSamples>& pixels) const {
+/// Columns of the pixels that want more samples.
+std::vector<int> Renderer::Parts::EdgesOfRow(const Shot& shot, const PictureSamples& rows, int row) const {
   const SampleTable& table = tables[shot.camera];
   std::vector<int> columns;
   for (int column = 0; column < table.width; ++column)
-    if (pixels[static_cast<size_t>(column)].IsEdge() &&
-        SeesWorldAlone(table.PacketOf(column, row), column % kPixelsPerPacket))
+    if (SeesWorldAlone(table.PacketOf(column, row), column % kPixelsPerPacket) &&
+        HasEdge(rows, static_cast<size_t>(row), static_cast<size_t>(column)))
       columns.push_back(column);
+  return columns;
+}
+
+/// Adds twelve samples to each pixel at an edge.
+void Renderer::Parts::RenderEdges(const Shot& shot, const RowPoses& poses, int row, const std::vector<int>& columns,
+                                  std::vector<PixelSamples>& pixels) const {
+  const SampleTable& table = tables[shot.camera];
   PixelSamples unused;
   for (size_t begin = 0; begin < columns.size(); begin += kPixelsPerPacket) {
     for (int first = kSamplesPerPixel; first < kSamplesPerEdgePixel; first += kSamplesPerPixel) {
@@ -235,6 +210,25 @@ void Renderer::Parts::RenderEdges(const Shot& shot, const RowPoses& poses, int r
   }
 }
 
+RenderedImage Renderer::Parts::Picture(const Shot& shot, const PictureSamples& rows) const {
+  const SampleTable& table = tables[shot.camera];
+  RenderedImage image;
+  image.radiance = cv::Mat::zeros(table.height, table.width, CV_32FC3);
+  if (shot.with_semantics) image.drivable = cv::Mat::zeros(table.height, table.width, CV_8UC1);
+  for (int row = 0; row < table.height; ++row) {
+    for (int column = 0; column < table.width; ++column) {
+      const PixelSamples& pixel = rows[static_cast<size_t>(row)][static_cast<size_t>(column)];
+      if (pixel.count == 0) continue;
+      // A sample outside the lens is dark.
+      const int count = std::max(pixel.count, kSamplesPerPixel);
+      const Color arriving = pixel.light * (table.Vignetting(column, row) / static_cast<float>(count));
+      image.radiance.at<cv::Vec3f>(row, column) = {arriving[0], arriving[1], arriving[2]};
+      if (shot.with_semantics && 2 * pixel.num_drivable > count) image.drivable.at<std::uint8_t>(row, column) = 255;
+    }
+  }
+  return image;
+}
+
 Renderer::Renderer(const Scene& scene, const Rig& rig, double half_field_of_view)
     : parts_(std::make_unique<Parts>(scene, rig, half_field_of_view)) {}
 Renderer::~Renderer() = default;
@@ -247,27 +241,24 @@ RenderedImage Renderer::Render(const Shot& shot) const {
   parts_->surfaces.PlaceMovers(shot.time - half_picture, shot.time + half_picture, world_from_body.translation);
   const auto& covers = parts_->scene.place.is_covered;
   const bool is_covered = covers && covers(world_from_body.translation);
-  RenderedImage image;
-  image.radiance = cv::Mat::zeros(table.height, table.width, CV_32FC3);
-  if (shot.with_semantics) image.drivable = cv::Mat::zeros(table.height, table.width, CV_8UC1);
-  ParallelFor(static_cast<size_t>(table.height), [&](size_t row_index) {
-    const FlushDenormals flush;
-    const int row = static_cast<int>(row_index);
-    RowPoses poses = PosesOfRow(camera, shot, row);
-    poses.is_covered = is_covered;
-    std::vector<PixelSamples> pixels = parts_->RenderRow(shot, poses, row);
-    parts_->RenderEdges(shot, poses, row, pixels);
-    for (int column = 0; column < table.width; ++column) {
-      const PixelSamples& pixel = pixels[static_cast<size_t>(column)];
-      if (pixel.count == 0) continue;
-      // A sample outside the lens is dark.
-      const int count = std::max(pixel.count, kSamplesPerPixel);
-      const Color arriving = pixel.light * (table.Vignetting(column, row) / static_cast<float>(count));
-      image.radiance.at<cv::Vec3f>(row, column) = {arriving[0], arriving[1], arriving[2]};
-      if (shot.with_semantics && 2 * pixel.num_drivable > count) image.drivable.at<std::uint8_t>(row, column) = 255;
-    }
+  const size_t num_rows = static_cast<size_t>(table.height);
+  std::vector<RowPoses> poses(num_rows);
+  PictureSamples rows(num_rows);
+  std::vector<std::vector<int>> edges(num_rows);
+  const auto for_all_rows = [&](auto&& of_row) {
+    ParallelFor(num_rows, [&](size_t row) {
+      const FlushDenormals flush;
+      of_row(row, static_cast<int>(row));
+    });
+  };
+  for_all_rows([&](size_t index, int row) {
+    poses[index] = PosesOfRow(camera, shot, row);
+    poses[index].is_covered = is_covered;
+    rows[index] = parts_->RenderRow(shot, poses[index], row);
   });
-  return image;
+  for_all_rows([&](size_t index, int row) { edges[index] = parts_->EdgesOfRow(shot, rows, row); });
+  for_all_rows([&](size_t index, int row) { parts_->RenderEdges(shot, poses[index], row, edges[index], rows[index]); });
+  return parts_->Picture(shot, rows);
 }
 
 cv::Mat Renderer::Mask(size_t camera) const { return parts_->tables[camera].Mask(); }

@@ -128,14 +128,14 @@ std::optional<Patch> ProjectMarker(const RigCamera& camera, const Poses& world_f
     }
   }
   patch.center /= area_sum;
-  patch.reach = (grid[0][0] - grid[kCells][kCells]).norm() / 2;
+  for (const auto& corner : {grid[0][0], grid[0][kCells], grid[kCells][0], grid[kCells][kCells]})
+    patch.reach = std::max(patch.reach, (corner - patch.center).norm());
   return patch;
 }
 
 struct MarkerErrors {
   std::array<int, 4> count{};              ///< markers seen, per camera
   double worst = 0, root_mean_square = 0;  ///< [px] over all markers of all pictures
-  int num_beyond = 0;                      ///< more than 0.1 px off
 };
 
 /// The pictures to take: the first with its middle at time 0, the others a little later.
@@ -185,7 +185,6 @@ MarkerErrors CompareMarkers(const Rig& rig, const Pictures& pictures) {
         const auto error = MarkerError(rig.cameras[camera], world_from_body, share, marker);
         if (!error) continue;
         errors.worst = std::max(errors.worst, *error);
-        errors.num_beyond += *error > 0.1;
         sum_squares += *error * *error;
         ++errors.count[camera];
         ++count;
@@ -199,12 +198,10 @@ MarkerErrors CompareMarkers(const Rig& rig, const Pictures& pictures) {
 void ExpectExact(const MarkerErrors& errors, int num_pictures) {
   for (size_t camera = 0; camera < errors.count.size(); ++camera)
     EXPECT_GE(errors.count[camera], 10 * num_pictures) << camera;
-  // Sixteen samples at an edge leave some noise while it moves.
-  const int all = std::accumulate(errors.count.begin(), errors.count.end(), 0);
-  EXPECT_LE(errors.num_beyond, all / 300) << "of " << all;
-  EXPECT_LT(errors.worst, 0.12);
-  EXPECT_LT(errors.root_mean_square, 0.025);
-  testing::Test::RecordProperty("beyond", std::to_string(errors.num_beyond) + " of " + std::to_string(all));
+  EXPECT_LE(errors.worst, 0.1);
+  EXPECT_LT(errors.root_mean_square, 0.022);
+  testing::Test::RecordProperty("markers",
+                                std::to_string(std::accumulate(errors.count.begin(), errors.count.end(), 0)));
   testing::Test::RecordProperty("worst_px", std::to_string(errors.worst));
   testing::Test::RecordProperty("rms_px", std::to_string(errors.root_mean_square));
 }
@@ -222,30 +219,51 @@ TEST_P(ReprojectionOfLens, AMarkerAppearsWhereTheCameraModelProjectsIt) {
 INSTANTIATE_TEST_SUITE_P(Models, ReprojectionOfLens, testing::ValuesIn(LensNames()),
                          [](const auto& info) { return info.param; });
 
+/// The moments of a drive at which the largest errors are to be feared: the fastest, the sharpest turn, the hardest
+/// braking.
+std::array<double, 3> HardMoments(const Motion& motion) {
+  const auto hardness = [&](double time) -> std::array<double, 3> {
+    const MotionState state = motion.At(time);
+    return {state.velocity_in_world.norm(), state.angular_velocity_in_body.norm(),
+            -state.acceleration_in_world.dot(state.velocity_in_world.normalized())};
+  };
+  std::array<double, 3> moments, hardest;
+  moments.fill(3);
+  hardest.fill(-1e9);
+  for (double time = 3; time < motion.Duration() - 3; time += 0.1)
+    for (size_t kind = 0; kind < moments.size(); ++kind)
+      if (hardness(time)[kind] > hardest[kind]) {
+        hardest[kind] = hardness(time)[kind];
+        moments[kind] = time;
+      }
+  return moments;
+}
+
 /// Drives through the scenes: with slopes, bumps of the road, a body that leans, and a shutter that rolls.
-class ReprojectionWhileDriving : public testing::TestWithParam<const char*> {};
+class ReprojectionWhileDriving : public testing::TestWithParam<std::tuple<const char*, int>> {};
 
 TEST_P(ReprojectionWhileDriving, MotionAndRollingShutterMoveAMarkerAsTheTruthSays) {
+  constexpr int kNumPictures = 3;
+  const auto& [scene, number] = GetParam();
+  const std::uint64_t seed = static_cast<std::uint64_t>(number);
   RigOptions options;
   options.line_delay = 5e-5;
-  const Rig rig = MakeSimulatedRig(options, 4);
-  const DrivePlan plan = PlanDrive(PlanPlace(GetParam(), {.seed = 5}), {.length = 300, .stops = {}}, 0, 5);
-  const auto turn_at = [&](double time) { return plan.motion.At(time).angular_velocity_in_body.norm(); };
-  double fastest = 3, sharpest = 3;
-  for (double time = 3; time < plan.motion.Duration() - 3; time += 0.1) {
-    if (plan.motion.At(time).velocity_in_world.norm() > plan.motion.At(fastest).velocity_in_world.norm())
-      fastest = time;
-    if (turn_at(time) > turn_at(sharpest)) sharpest = time;
-  }
-  ASSERT_GT(turn_at(sharpest), 0.3);
+  const Rig rig = MakeSimulatedRig(options, seed);
+  const DrivePlan plan = PlanDrive(PlanPlace(scene, {.seed = seed}), {.length = 300, .stops = {}}, 0, seed);
 
-  for (const double time : {fastest, sharpest}) {
+  for (const double time : HardMoments(plan.motion)) {
+    SCOPED_TRACE(time);
     const Poses world_from_body = [&](double offset) { return plan.motion.WorldFromBody(time + offset); };
-    ExpectExact(CompareMarkers(rig, {.world_from_body = world_from_body, .exposure = 0.004, .count = 6}), 6);
+    ExpectExact(CompareMarkers(rig, {.world_from_body = world_from_body, .exposure = 0.004, .count = kNumPictures}),
+                kNumPictures);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, ReprojectionWhileDriving, testing::Values("lot", "garage", "street"));
+INSTANTIATE_TEST_SUITE_P(Scenes, ReprojectionWhileDriving,
+                         testing::Combine(testing::Values("lot", "garage", "street"), testing::Values(5, 6)),
+                         [](const auto& info) {
+                           return std::get<0>(info.param) + ("_" + std::to_string(std::get<1>(info.param)));
+                         });
 
 }  // namespace
 }  // namespace parkade::simulator

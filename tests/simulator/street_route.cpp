@@ -109,7 +109,8 @@ RoutePlan PlanStreetRoute(const StreetLayout& layout, const RouteWish& wish) {
   trail.DriveTo({end.x(), end.y(), 0}, 0, 0);
   RoutePlan plan{.waypoints = trail.Take(), .slot = {}};
   plan.corner_radius = StreetLayout::kCornerRadius + (is_clockwise || wish.turns_around ? -1 : 1) * StreetLayout::kLane;
-  if (!wish.turns_around && wish.length < 0.8 * round) plan.waypoints = FirstPart(plan.waypoints, wish.length);
+  if (!wish.turns_around && !wish.is_whole && wish.length < 0.8 * round)
+    plan.waypoints = FirstPart(plan.waypoints, wish.length);
   return plan;
 }
 
