@@ -1,11 +1,12 @@
 #include "slam/align_to_gnss.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
 #include "slam/align_points.h"
+#include "slam/correlated_errors.h"
 
 namespace parkade {
 namespace {
@@ -13,14 +14,21 @@ namespace {
 constexpr int kMinInliers = 5;
 constexpr double kOutlierSquaredError = 11.34;  ///< chi-square, 3 degrees of freedom, 99 %
 constexpr double kMinSigma = 0.01;              ///< [m] receivers that claim less are not believed
-constexpr double kMaxSiteRadius = 10e3;         ///< [m]
+constexpr double kLongArm = 20;                 ///< [m] from which on residuals tell of bends
+constexpr double kLeastBend = 1e-4;             ///< [m/m]
+constexpr double kBendsPerMedian = 1.5;
+constexpr double kSigmasOfExtent = 2;       ///< that a drive must reach for a heading
+constexpr double kMostWhiteVariance = 0.7;  ///< a drive may be too short to show that a receiver errs slowly
+constexpr int kCorrelatedRounds = 3;        ///< after the robust fit, which is near
+constexpr double kMaxSiteRadius = 10e3;     ///< [m]
 
 /// Fixes beside the antenna positions that odometry gives for their times.
 struct Pairs {
   Eigen::Matrix3Xd antenna_in_odom;
   Eigen::Matrix3Xd antenna_in_site;
-  Eigen::Matrix3Xd sigma;    ///< [m] east, north, up; odometry drift included
-  double mean_interval = 0;  ///< [s]
+  Eigen::Matrix3Xd sigma;  ///< [m] east, north, up; odometry drift included
+  Eigen::VectorXd times;   ///< [s] since the first
+  Eigen::VectorXd arms;    ///< [m] of way from the middle of the drive
 
   Eigen::Index size() const { return sigma.cols(); }
 };
@@ -56,9 +64,12 @@ Pairs MakePairs(const Trajectory& trajectory, const std::vector<GnssFix>& fixes,
   const auto count = static_cast<Eigen::Index>(fixes.size());
   for (Eigen::Matrix3Xd* points : {&pairs.antenna_in_odom, &pairs.antenna_in_site, &pairs.sigma})
     points->resize(3, count);
+  pairs.times.resize(count);
+  pairs.arms.resize(count);
   std::vector<double> travelled(fixes.size(), 0.0);
   for (Eigen::Index i = 0; i < count; ++i) {
     const GnssFix& fix = fixes[static_cast<size_t>(i)];
+    pairs.times[i] = fix.time - fixes.front().time;
     pairs.antenna_in_odom.col(i) = trajectory.At(fix.time).value() * antenna_in_body;
     pairs.antenna_in_site.col(i) = SiteFromGeodetic(datum, fix.latitude_deg, fix.longitude_deg, fix.altitude);
     if (i > 0)
@@ -67,11 +78,11 @@ Pairs MakePairs(const Trajectory& trajectory, const std::vector<GnssFix>& fixes,
   }
   // Drift grows away from the middle of the drive, where the alignment is best.
   for (Eigen::Index i = 0; i < count; ++i) {
-    const double bend = drift * (travelled[static_cast<size_t>(i)] - 0.5 * travelled.back());
+    pairs.arms[i] = travelled[static_cast<size_t>(i)] - 0.5 * travelled.back();
+    const double bend = drift * pairs.arms[i];
     const Eigen::Vector3d sigma = fixes[static_cast<size_t>(i)].sigma_enu.cwiseMax(kMinSigma);
     pairs.sigma.col(i) = (sigma.array().square() + bend * bend).sqrt();
   }
-  if (count > 1) pairs.mean_interval = (fixes.back().time - fixes.front().time) / static_cast<double>(count - 1);
   return pairs;
 }
 
@@ -116,17 +127,57 @@ RobustFit FitRobustly(const Pairs& pairs) {
   return fit;
 }
 
-/// Of [yaw, x, y, z] at `centre`, for independent errors of the given sigmas.
-Eigen::Matrix4d Information(const Pairs& pairs, const RobustFit& fit, const Eigen::Vector3d& centre_in_odom) {
-  Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
-  for (Eigen::Index i = 0; i < pairs.size(); ++i) {
-    const Eigen::Vector3d arm = fit.site_from_odom.rotation * (pairs.antenna_in_odom.col(i) - centre_in_odom);
-    Eigen::Matrix<double, 3, 4> jacobian;
-    jacobian << Eigen::Vector3d(-arm.y(), arm.x(), 0), Eigen::Matrix3d::Identity();
-    const Eigen::Vector3d precision = pairs.sigma.col(i).array().square().inverse();
-    information += fit.weights[i] * jacobian.transpose() * precision.asDiagonal() * jacobian;
+/// How far odometry bends at most, by what the fit leaves: much less than it may where fixes are exact and agree.
+double BendOf(const Pairs& pairs, const RobustFit& fit, double drift) {
+  const Eigen::Matrix3Xd residuals = Residuals(pairs, fit.site_from_odom);
+  std::vector<double> bends;
+  for (Eigen::Index i = 0; i < pairs.size(); ++i)
+    if (std::abs(pairs.arms[i]) > kLongArm)
+      bends.push_back(residuals.col(i).head<2>().norm() / std::abs(pairs.arms[i]));
+  if (bends.empty()) return drift;
+  return std::min(drift, std::max(kLeastBend, kBendsPerMedian * Median(bends)));
+}
+
+/// How the fit changes with [yaw, x, y, z] at a centre, and how sure that is.
+struct LinearFit {
+  Eigen::Vector4d step;
+  Eigen::Matrix4d covariance;
+};
+
+/// Least squares that knows that errors of fixes in quick succession are nearly the same.
+LinearFit FitCorrelated(const Pairs& pairs, const RobustFit& fit, const Eigen::Vector3d& centre_in_odom,
+                        double correlation_time) {
+  const Eigen::Matrix3Xd residuals = Residuals(pairs, fit.site_from_odom);
+  Eigen::Matrix4d information = 1e-6 * Eigen::Matrix4d::Identity();  // a car that stands still has no heading
+  Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
+  double squared_sum = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(pairs.size(), 5);  // [Jacobian | residual]
+    for (Eigen::Index i = 0; i < pairs.size(); ++i) {
+      const Eigen::Vector3d arm = fit.site_from_odom.rotation * (pairs.antenna_in_odom.col(i) - centre_in_odom);
+      rows(i, 0) = axis == 0 ? -arm.y() : axis == 1 ? arm.x() : 0;
+      rows(i, 1 + axis) = 1;
+      rows(i, 4) = residuals(axis, i);
+      rows.row(i) /= pairs.sigma(axis, i);
+    }
+    const double white = EstimateWhiteVariance(rows.col(4), pairs.times, correlation_time);
+    const ErrorModel model{correlation_time, std::min(white, kMostWhiteVariance)};
+    const Eigen::MatrixXd whitened = WhitenRows(rows, pairs.times, fit.weights, model);
+    information += whitened.leftCols<4>().transpose() * whitened.leftCols<4>();
+    gradient += whitened.leftCols<4>().transpose() * whitened.col(4);
+    squared_sum += whitened.col(4).squaredNorm();
   }
-  return information;
+  // Residuals larger than claimed say that the claims were too small.
+  const double excess = std::max(1.0, squared_sum / (3 * static_cast<double>(pairs.size())));
+  const Eigen::Matrix4d covariance = information.inverse();
+  return {covariance * gradient, excess * covariance};
+}
+
+Rigid3 Moved(const Rigid3& site_from_odom, const Eigen::Vector3d& centre_in_odom, const Eigen::Vector4d& step) {
+  const Eigen::Vector3d centre = site_from_odom * centre_in_odom;
+  const Rigid3 turn{ExpSo3({0, 0, step[0]}), Eigen::Vector3d::Zero()};
+  return Rigid3{Eigen::Quaterniond::Identity(), centre + step.tail<3>()} * turn *
+         Rigid3{Eigen::Quaterniond::Identity(), -centre} * site_from_odom;
 }
 
 double Quantile(std::vector<double> sorted_values, double share) {
@@ -136,14 +187,19 @@ double Quantile(std::vector<double> sorted_values, double share) {
 }
 
 /// Everything but the datum.
-GnssAlignment Describe(const Pairs& pairs, const RobustFit& fit, double correlation_time) {
+GnssAlignment Describe(const Pairs& pairs, RobustFit&& fit, double correlation_time) {
   GnssAlignment alignment;
+  const Eigen::Vector3d centre_in_odom = pairs.antenna_in_odom * fit.weights / fit.weights.sum();
+  for (int round = 0; round < kCorrelatedRounds; ++round) {
+    const LinearFit linear = FitCorrelated(pairs, fit, centre_in_odom, correlation_time);
+    fit.site_from_odom = Moved(fit.site_from_odom, centre_in_odom, linear.step);
+    alignment.covariance = linear.covariance;
+  }
   alignment.site_from_odom = fit.site_from_odom;
   const Eigen::Matrix3Xd residuals = Residuals(pairs, fit.site_from_odom);
   const Eigen::VectorXd squared = SquaredErrors(pairs, fit.site_from_odom);
-  const Eigen::Vector3d centre_in_odom = pairs.antenna_in_odom * fit.weights / fit.weights.sum();
   alignment.num_fixes = static_cast<int>(pairs.size());
-  double horizontal = 0, vertical = 0, squared_sum = 0;
+  double horizontal = 0, vertical = 0;
   std::vector<double> distances;
   for (Eigen::Index i = 0; i < pairs.size(); ++i) {
     distances.push_back(residuals.col(i).head<2>().norm());
@@ -151,7 +207,6 @@ GnssAlignment Describe(const Pairs& pairs, const RobustFit& fit, double correlat
     ++alignment.num_inliers;
     horizontal += residuals.col(i).head<2>().squaredNorm();
     vertical += residuals(2, i) * residuals(2, i);
-    squared_sum += squared[i];
     alignment.extent = std::max(alignment.extent, (pairs.antenna_in_odom.col(i) - centre_in_odom).head<2>().norm());
   }
   const double count = std::max(1, alignment.num_inliers);
@@ -159,16 +214,6 @@ GnssAlignment Describe(const Pairs& pairs, const RobustFit& fit, double correlat
   alignment.vertical_rmse = std::sqrt(vertical / count);
   alignment.cep50 = Quantile(distances, 0.50);
   alignment.cep95 = Quantile(distances, 0.95);
-
-  // Fixes in quick succession share their errors; and residuals larger than
-  // claimed say that the claims were too small.
-  const double shared = std::max(1.0, correlation_time / std::max(pairs.mean_interval, 1e-3));
-  const double repeats = std::min(shared, count);
-  const double excess = std::max(1.0, squared_sum / (3 * count));
-  const Eigen::Matrix4d information = Information(pairs, fit, centre_in_odom);
-  // The floor keeps the heading of a car that stands still finite (and useless).
-  alignment.covariance =
-      repeats * excess * (information + 1e-6 * Eigen::Matrix4d::Identity()).ldlt().solve(Eigen::Matrix4d::Identity());
   return alignment;
 }
 
@@ -198,12 +243,23 @@ std::optional<GnssAlignment> AlignToGnss(const Trajectory& odom_from_body, const
   std::copy_if(fixes.begin(), fixes.end(), std::back_inserter(usable),
                [&](const GnssFix& fix) { return IsUsable(fix, odom_from_body, options.max_fix_sigma); });
   if (usable.size() < static_cast<size_t>(kMinInliers)) return std::nullopt;
+  std::stable_sort(usable.begin(), usable.end(), [](const GnssFix& a, const GnssFix& b) { return a.time < b.time; });
 
   const SiteDatum site_datum = datum ? *datum : ChooseDatum(usable);
-  const Pairs pairs = MakePairs(odom_from_body, usable, antenna_in_body, site_datum, options.odometry_drift);
-  GnssAlignment alignment = Describe(pairs, FitRobustly(pairs), options.correlation_time);
+  const auto make_pairs = [&](double drift) {
+    return MakePairs(odom_from_body, usable, antenna_in_body, site_datum, drift);
+  };
+  Pairs pairs = make_pairs(options.odometry_drift);
+  RobustFit fit = FitRobustly(pairs);
+  pairs = make_pairs(BendOf(pairs, fit, options.odometry_drift));
+  fit = FitRobustly(pairs);
+  GnssAlignment alignment = Describe(pairs, std::move(fit), options.correlation_time);
   alignment.datum = site_datum;
   const bool most_agree = alignment.num_inliers >= kMinInliers && 2 * alignment.num_inliers >= alignment.num_fixes;
+  // Reflections go with the place: within their reach they look like a turn, whatever the noise averages to.
+  std::vector<double> sigmas;
+  for (const GnssFix& fix : usable) sigmas.push_back(fix.sigma_enu.head<2>().maxCoeff());
+  if (alignment.extent < kSigmasOfExtent * Median(sigmas)) return std::nullopt;
   if (!most_agree || alignment.YawSigma() > options.max_yaw_sigma) return std::nullopt;
   return alignment;
 }

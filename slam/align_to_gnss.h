@@ -12,10 +12,10 @@
 namespace parkade {
 
 struct GnssAlignOptions {
-  double max_fix_sigma = 10;     ///< [m] horizontal; fixes that claim less accuracy are left out
-  double max_yaw_sigma = 0.1;    ///< [rad] heading less sure than this: no alignment
-  double odometry_drift = 0.01;  ///< [m/m] how far odometry may bend away from GNSS
-  double correlation_time = 5;   ///< [s] errors of fixes closer in time than this are one error
+  double max_fix_sigma = 10;      ///< [m] horizontal; fixes that claim less accuracy are left out
+  double max_yaw_sigma = 0.1;     ///< [rad] heading less sure than this: no alignment
+  double odometry_drift = 0.003;  ///< [m/m] how far odometry may bend away from GNSS
+  double correlation_time = 60;   ///< [s] of the slow part of the fixes' errors; 0: there is none
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -47,7 +47,9 @@ bool IsUsable(const GnssFix& fix, const Trajectory& odom_from_body, double max_s
 /// Finds the site frame for one drive: rotation about z and translation such that
 /// the antenna of the trajectory lies on the fixes. Robust by graduated
 /// non-convexity with the Geman-McClure loss: H. Yang et al., "Graduated
-/// non-convexity for robust spatial perception", RA-L 2020, eq. 9-12.
+/// non-convexity for robust spatial perception", RA-L 2020, eq. 9-12. Then least squares in which the errors of
+/// successive fixes are as alike as their differences say (WhitenRows): that gives the ends of the drive, where heading
+/// comes from, their right weight, and a covariance that does not take a thousand fixes for a thousand answers.
 ///
 /// \param odom_from_body    gravity-aligned; fixes outside its span are left out
 /// \param antenna_in_body   [m] lever arm

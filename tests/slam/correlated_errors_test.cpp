@@ -1,115 +1,71 @@
+#include "slam/correlated_errors.h"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 #include <random>
 
-#include "slam/smoother_window.h"
-
 namespace parkade {
 namespace {
 
-constexpr Eigen::Index kState = kPoseTangentSize + kMotionSize;
-constexpr int kNumKnots = 3;
-
-using Kind = StateName::Kind;
-
-PriorBlock PoseOf(std::int64_t knot) {
-  PriorBlock block{{Kind::kPose, knot}, {}};
-  PoseToParameters(Rigid3{}, block.at.data());
-  return block;
+Eigen::VectorXd UnevenTimes(int count) {
+  Eigen::VectorXd times(count);
+  double time = 0;
+  for (int i = 0; i < count; ++i) times[i] = time += 0.2 + (i % 7 == 0 ? 3.0 : 0.0);
+  return times;
 }
 
-PriorBlock MotionOf(std::int64_t knot) { return {{Kind::kMotion, knot}, {}}; }
-
-/// r = J x + noise for three knots, weighted as if the noise were white and of unit variance, which it is not.
-class WrongWeights : public testing::Test {
- protected:
-  WrongWeights() {
-    std::mt19937 random(3);
-    std::normal_distribution<double> normal;
-    const Eigen::Index size = kNumKnots * kState, rows = 3 * size;
-    const auto draw = [&] { return normal(random); };
-    const Eigen::MatrixXd jacobian = Eigen::MatrixXd::NullaryExpr(rows, size, draw);
-    const Eigen::MatrixXd mixing = Eigen::MatrixXd::NullaryExpr(rows, rows, draw);
-    information_ = jacobian.transpose() * jacobian;
-    score_covariance_ = jacobian.transpose() * mixing * mixing.transpose() * jacobian;
-    sensitivity_ = jacobian.transpose() * Eigen::MatrixXd::NullaryExpr(rows, 4, draw);
-    const Eigen::MatrixXd inverse = information_.inverse();
-    expected_ = inverse * (score_covariance_ + sensitivity_ * sensitivity_.transpose()) * inverse;
-  }
-
-  Eigen::MatrixXd information_, score_covariance_;
-  Eigen::MatrixXd sensitivity_;  ///< of the score, by four constants of unit variance that nobody estimates
-  Eigen::MatrixXd expected_;     ///< covariance of the least-squares estimate
-};
-
-TEST_F(WrongWeights, EliminationLeavesTheCovarianceOfTheRest) {
-  const Eigen::MatrixXd root = information_.topLeftCorner(kState, kState).llt().matrixU();
-  const Eigen::MatrixXd to_kept =
-      root.transpose().triangularView<Eigen::Lower>().solve(information_.topRightCorner(kState, 2 * kState));
-
-  const ScoreElimination scores = EliminateScores(score_covariance_, sensitivity_, root, to_kept);
-
-  const Eigen::MatrixXd kept =
-      (information_.bottomRightCorner(2 * kState, 2 * kState) - to_kept.transpose() * to_kept).inverse();
-  const Eigen::MatrixXd by_constants = kept * scores.kept_sensitivity;
-  const Eigen::MatrixXd covariance = kept * scores.kept * kept + by_constants * by_constants.transpose();
-  EXPECT_LT((covariance - expected_.bottomRightCorner(2 * kState, 2 * kState)).norm(), 1e-9 * expected_.norm());
-}
-
-TEST_F(WrongWeights, RightOnesLeaveTheInformation) {
-  const Eigen::MatrixXd root = information_.topLeftCorner(kState, kState).llt().matrixU();
-  const Eigen::MatrixXd to_kept =
-      root.transpose().triangularView<Eigen::Lower>().solve(information_.topRightCorner(kState, 2 * kState));
-
-  const ScoreElimination scores = EliminateScores(information_, sensitivity_, root, to_kept);
-
-  EXPECT_LT((scores.dropped - Eigen::MatrixXd::Identity(kState, kState)).norm(), 1e-9);
-  EXPECT_LT(scores.cross.norm(), 1e-9 * information_.norm());
-}
-
-TEST_F(WrongWeights, SmoothingBackwardsGivesTheCovariancesOfTheWholeSystem) {
-  std::vector<FinishedKnot> knots;
-  Eigen::MatrixXd information = information_, score_covariance = score_covariance_, sensitivity = sensitivity_;
-  for (int number = 0; number + 1 < kNumKnots; ++number) {
-    const Eigen::Index kept = information.cols() - kState;
-    const Eigen::MatrixXd root = information.topLeftCorner(kState, kState).llt().matrixU();
-    const Eigen::MatrixXd to_kept =
-        root.transpose().triangularView<Eigen::Lower>().solve(information.topRightCorner(kState, kept));
-    const ScoreElimination scores = EliminateScores(score_covariance, sensitivity, root, to_kept);
-    StateConditional conditional{{PoseOf(number), MotionOf(number)},
-                                 root.cast<float>(),
-                                 to_kept.cast<float>(),
-                                 Eigen::VectorXf::Zero(kState),
-                                 scores.dropped.cast<float>(),
-                                 scores.cross.cast<float>(),
-                                 scores.dropped_sensitivity.cast<float>(),
-                                 {}};
-    for (int rest = number + 1; rest < kNumKnots; ++rest) {
-      conditional.rest.push_back(PoseOf(rest));
-      conditional.rest.push_back(MotionOf(rest));
+/// Of the errors of a series; weights as WhitenRows has them.
+Eigen::MatrixXd CovarianceOf(const Eigen::VectorXd& times, const Eigen::VectorXd& weights, const ErrorModel& model) {
+  const auto count = times.size();
+  Eigen::MatrixXd covariance(count, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    for (Eigen::Index k = 0; k < count; ++k) {
+      covariance(i, k) = (1 - model.white_variance) * std::exp(-std::abs(times[i] - times[k]) / model.correlation_time);
+      if (i == k) covariance(i, k) += model.white_variance / weights[i];
     }
-    FinishedKnot& knot = knots.emplace_back();
-    knot.number = number;
-    knot.conditional = std::move(conditional);
-    information = (information.bottomRightCorner(kept, kept) - to_kept.transpose() * to_kept).eval();
-    score_covariance = scores.kept;
-    sensitivity = scores.kept_sensitivity;
-  }
-  knots.emplace_back().number = kNumKnots - 1;
-  const Eigen::MatrixXd assumed = information.inverse();
-  const Eigen::MatrixXd last_sensitivity = -assumed * sensitivity;
-  const JointEstimate last{{PoseOf(kNumKnots - 1), MotionOf(kNumKnots - 1)},
-                           assumed * score_covariance * assumed + last_sensitivity * last_sensitivity.transpose(),
-                           assumed,
-                           last_sensitivity};
+  return covariance;
+}
 
-  SmoothBackwards(knots, last);
-
-  for (int number = 0; number < kNumKnots; ++number) {
-    const Eigen::MatrixXd expected = expected_.block<6, 6>(number * kState, number * kState);
-    EXPECT_LT((knots[static_cast<size_t>(number)].covariance - expected).norm(), 1e-4 * expected.norm()) << number;
+TEST(CorrelatedErrors, WhitenedRowsHaveTheInformationOfTheFullCovariance) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  const int count = 60;
+  Eigen::MatrixXd rows(count, 3);
+  Eigen::VectorXd weights(count);
+  for (int i = 0; i < count; ++i) {
+    for (int k = 0; k < 3; ++k) rows(i, k) = normal(random);
+    weights[i] = i % 5 == 0 ? 0.1 : 1;
   }
+  const Eigen::VectorXd times = UnevenTimes(count);
+  const ErrorModel model{20, 0.2};
+  const Eigen::MatrixXd white = WhitenRows(rows, times, weights, model);
+  const Eigen::MatrixXd expected = rows.transpose() * CovarianceOf(times, weights, model).ldlt().solve(rows);
+  EXPECT_LT((white.transpose() * white - expected).norm(), 1e-9 * expected.norm());
+}
+
+TEST(CorrelatedErrors, WithoutASlowPartNothingChanges) {
+  const Eigen::MatrixXd rows = Eigen::MatrixXd::Random(20, 2);
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(20);
+  EXPECT_LT((WhitenRows(rows, UnevenTimes(20), ones, {0, 1}) - rows).norm(), 1e-12);
+}
+
+TEST(CorrelatedErrors, TheWhiteShareIsFound) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  for (const double share : {0.04, 0.3, 1.0}) {
+    const double memory = std::exp(-0.2 / 60);
+    Eigen::VectorXd values(3000), times(3000);
+    double slow = normal(random);
+    for (int i = 0; i < 3000; ++i) {
+      slow = memory * slow + std::sqrt(1 - memory * memory) * normal(random);
+      values[i] = std::sqrt(1 - share) * slow + std::sqrt(share) * normal(random);
+      times[i] = 0.2 * i;
+    }
+    for (int i = 100; i < 110; ++i) values[i] += 40;  // a reflection
+    EXPECT_NEAR(EstimateWhiteVariance(values, times, 60), share, 0.15 * share);
+  }
+  EXPECT_EQ(EstimateWhiteVariance(Eigen::VectorXd::Zero(5), UnevenTimes(5), 60), 1);
 }
 
 }  // namespace

@@ -1,0 +1,186 @@
+// How well GNSS puts a drive on Earth, and whether the covariance that is reported is true, over many simulated drives
+// without pictures. The trajectory is the truth, bent as odometry bends it.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <numeric>
+#include <random>
+
+#include "core/options_json.h"
+#include "slam/align_to_gnss.h"
+#include "tests/simulator/drive_clock.h"
+#include "tests/simulator/gnss_sensor.h"
+#include "tests/simulator/plan_drive.h"
+#include "tests/simulator/simulated_rig.h"
+
+namespace parkade {
+namespace {
+
+using simulator::Motion;
+
+constexpr double kStateInterval = 0.1;  // [s]
+constexpr int kDegreesOfFreedom = 4;    // yaw and position
+
+struct CommandLine {
+  std::vector<std::string> scenes = {"street", "lot"};
+  std::vector<std::string> receivers = {"standard", "rtk"};
+  int num_seeds = 30;
+  double length = 500;  // [m]
+  double bend = 3e-4;   // [rad/sqrt(m)] random walk of the odometry's heading
+  double scale = 3e-4;  // of its length
+  std::vector<std::string> assignments;
+};
+
+/// One drive's errors against the truth.
+struct Georeference {
+  double horizontal = 0, vertical = 0;  ///< [m] RMS over the drive
+  double yaw = 0;                       ///< [rad] mean over the drive
+  double nees = 0;                      ///< of yaw and position at the fixes' centre
+};
+
+Trajectory BentTruth(const Motion& motion, const CommandLine& line, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  const double scale = 1 + line.scale * normal(random);
+  std::vector<TrajectoryState> states;
+  double yaw_error = 0.3;  // odometry's heading is arbitrary
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  std::optional<Rigid3> last;
+  for (double t = 0; t < motion.Duration(); t += kStateInterval) {
+    const Rigid3 pose = motion.WorldFromBody(t);
+    if (last) {
+      const Eigen::Vector3d step = pose.translation - last->translation;
+      yaw_error += line.bend * std::sqrt(step.norm()) * normal(random);
+      position += scale * (Eigen::AngleAxisd(yaw_error, Eigen::Vector3d::UnitZ()) * step);
+    }
+    last = pose;
+    TrajectoryState& state = states.emplace_back();
+    state.time = simulator::DriveEpoch(seed) + t;
+    state.odom_from_body = {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_error, Eigen::Vector3d::UnitZ())) * pose.rotation,
+                            position};
+  }
+  return Trajectory(std::move(states));
+}
+
+double YawOf(const Eigen::Quaterniond& rotation) {
+  const Eigen::Vector3d x = rotation * Eigen::Vector3d::UnitX();
+  return std::atan2(x.y(), x.x());
+}
+
+Georeference Compare(const Trajectory& odometry, const Motion& motion, std::uint64_t seed,
+                     const GnssAlignment& alignment) {
+  const Rigid3 world_from_site = EarthFromSite(simulator::SimulatedDatum()).Inverse() * EarthFromSite(alignment.datum);
+  Georeference errors;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const TrajectoryState& state : odometry.states()) {
+    const Rigid3 found = world_from_site * alignment.site_from_odom * state.odom_from_body;
+    const Rigid3 truth = motion.WorldFromBody(state.time - simulator::DriveEpoch(seed));
+    const Eigen::Vector3d error = found.translation - truth.translation;
+    mean += error;
+    errors.horizontal += error.head<2>().squaredNorm();
+    errors.vertical += error.z() * error.z();
+    errors.yaw += std::remainder(YawOf(found.rotation) - YawOf(truth.rotation), 2 * M_PI);
+  }
+  const auto count = static_cast<double>(odometry.states().size());
+  errors.horizontal = std::sqrt(errors.horizontal / count);
+  errors.vertical = std::sqrt(errors.vertical / count);
+  errors.yaw /= count;
+  // The fixes' centre is near the drive's: the mean error is the error there.
+  Eigen::Vector4d error;
+  error << errors.yaw, mean / count;
+  errors.nees = error.dot(alignment.covariance.ldlt().solve(error)) / kDegreesOfFreedom;
+  return errors;
+}
+
+template <typename Field>
+std::vector<double> Sorted(const std::vector<Georeference>& drives, Field Georeference::*field) {
+  std::vector<double> values;
+  for (const Georeference& drive : drives) values.push_back(std::abs(drive.*field));
+  std::sort(values.begin(), values.end());
+  return values;
+}
+
+void PrintRow(const std::string& scene, const std::string& receiver, double length, int num_failed,
+              const std::vector<Georeference>& drives) {
+  const auto describe = [](const std::vector<double>& sorted, double unit) {
+    char text[96];
+    const double mean = std::accumulate(sorted.begin(), sorted.end(), 0.0) / static_cast<double>(sorted.size());
+    std::snprintf(text, sizeof text, "%.3f / %.3f / %.3f", mean * unit, sorted[sorted.size() / 2] * unit,
+                  sorted.back() * unit);
+    return std::string(text);
+  };
+  if (drives.empty()) return;
+  const std::vector<double> nees = Sorted(drives, &Georeference::nees);
+  const double mean_nees = std::accumulate(nees.begin(), nees.end(), 0.0) / static_cast<double>(nees.size());
+  std::printf("| %s | %s | %zu of %.0f m | %d | %s | %s | %s | %.2f |\n", scene.c_str(), receiver.c_str(),
+              drives.size(), length, num_failed, describe(Sorted(drives, &Georeference::horizontal), 1).c_str(),
+              describe(Sorted(drives, &Georeference::vertical), 1).c_str(),
+              describe(Sorted(drives, &Georeference::yaw), 180 / M_PI).c_str(), mean_nees);
+  std::fflush(stdout);
+}
+
+void RunRow(const CommandLine& line, const std::string& scene, const std::string& receiver,
+            const GnssAlignOptions& options) {
+  std::vector<Georeference> drives;
+  double length = 0;
+  int num_failed = 0;
+  for (int i = 0; i < line.num_seeds; ++i) {
+    const auto seed = static_cast<std::uint64_t>(i + 1);
+    const simulator::Place place = simulator::PlanPlace(scene, {.seed = seed, .ground_texel = 0.05});
+    simulator::DriverOptions driver;
+    driver.length = line.length;
+    const simulator::DrivePlan plan = simulator::PlanDrive(place, driver, 0, seed);
+    const Rig rig = simulator::MakeSimulatedRig({}, seed);
+    simulator::SensorOptions sensors;
+    sensors.gnss = receiver;
+    const std::vector<GnssFix> fixes =
+        simulator::SimulateGnss(plan.motion, rig, simulator::SimulatedDatum(), sensors, seed);
+    const Trajectory odometry = BentTruth(plan.motion, line, seed);
+    length += plan.length / line.num_seeds;
+    const auto alignment = AlignToGnss(odometry, fixes, *rig.vehicle->antenna_in_body, options);
+    if (!alignment) {
+      ++num_failed;
+      continue;
+    }
+    drives.push_back(Compare(odometry, plan.motion, seed, *alignment));
+  }
+  PrintRow(scene, receiver, length, num_failed, drives);
+}
+
+int Run(const CommandLine& line) {
+  GnssAlignOptions options;
+  SetOptions(line.assignments, options);
+  std::printf(
+      "Mean / median / worst over the drives.\n\n"
+      "| scene | receiver | drives | not placed | position, m | height, m | yaw, deg | NEES |\n"
+      "|---|---|---|---|---|---|---|---|\n");
+  for (const std::string& scene : line.scenes)
+    for (const std::string& receiver : line.receivers) RunRow(line, scene, receiver, options);
+  return 0;
+}
+
+}  // namespace
+}  // namespace parkade
+
+int main(int argc, char** argv) {
+  using namespace parkade;
+  CLI::App app{"Puts simulated drives on Earth by their GNSS and compares with the truth.",
+               "parkade-georeference-table"};
+  CommandLine line;
+  app.add_option("--scenes", line.scenes)->delimiter(',');
+  app.add_option("--receivers", line.receivers, "standard, rtk")->delimiter(',');
+  app.add_option("--seeds", line.num_seeds, "drives per row")->capture_default_str();
+  app.add_option("--length", line.length, "[m] of each drive")->capture_default_str();
+  app.add_option("--bend", line.bend, "[rad/sqrt(m)] of the odometry's heading")->capture_default_str();
+  app.add_option("--scale", line.scale, "sigma of the odometry's scale")->capture_default_str();
+  app.add_option("--set", line.assignments, "of the alignment: option=value");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return Run(line);
+  } catch (const std::exception& error) {
+    std::cerr << "parkade-georeference-table: " << error.what() << "\n";
+    return 2;
+  }
+}
