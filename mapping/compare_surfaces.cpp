@@ -14,22 +14,26 @@
 namespace parkade {
 namespace {
 
-constexpr double kSureSigmas = 3;     // of a change of height
-constexpr double kMaxCellStep = 0.3;  // [m] of height between neighbouring cells of one region
+constexpr double kSureSigmas = 3;          // of a change of height
+constexpr double kMinObstacleShare = 0.1;  // of the cells of a region that was or is blocked
+constexpr double kMaxCellStep = 0.3;       // [m] of height between neighbouring cells of one region
 
-enum class Drivability { kYes, kNo, kUnsure, kUnseen };
+/// What a version says of a cell, from what is surely drivable to what is surely not, or was never seen.
+enum class Drivability { kYes, kLikely, kUnlikely, kNo, kUnseen };
 
 Drivability DrivabilityOf(const SurfaceCell* cell, double sure_belief) {
   if (cell == nullptr) return Drivability::kUnseen;
   const double belief = static_cast<double>(cell->free_belief);
   if (belief >= sure_belief) return Drivability::kYes;
-  return belief <= 1 - sure_belief ? Drivability::kNo : Drivability::kUnsure;
+  if (belief >= 0.5) return Drivability::kLikely;
+  return belief > 1 - sure_belief ? Drivability::kUnlikely : Drivability::kNo;
 }
 
 /// A cell of one kind of change, in the later grid.
 struct ChangedCell {
   SurfaceCell cell;
   double height_change = 0;
+  bool is_obstacle = false;  ///< in the version in which it is not drivable, for sure
 };
 
 bool IsBefore(const SurfaceCell& a, const SurfaceCell& b) {
@@ -78,18 +82,21 @@ class SurfaceComparison {
                     Classified& classified) const {
     const Drivability is = DrivabilityOf(&cell, options_.sure_belief);
     const Drivability was = DrivabilityOf(earlier, options_.sure_belief);
-    const auto add = [&](GroundChange change, double height_change = 0) {
-      classified.changed[change].push_back({cell, height_change});
+    const auto add = [&](GroundChange change, double height_change, bool is_obstacle) {
+      classified.changed[change].push_back({cell, height_change, is_obstacle});
     };
-    if (was == Drivability::kUnseen && is == Drivability::kYes) return add(GroundChange::kMapped);
-    if (was == Drivability::kNo && is == Drivability::kYes) return add(GroundChange::kFreed);
-    if (was == Drivability::kYes && is == Drivability::kNo) return add(GroundChange::kBlocked);
+    const auto is_against = [](Drivability found) {
+      return found == Drivability::kUnlikely || found == Drivability::kNo;
+    };
+    if (was == Drivability::kUnseen && is == Drivability::kYes) return add(GroundChange::kMapped, 0, false);
+    if (is_against(was) && is == Drivability::kYes) return add(GroundChange::kFreed, 0, was == Drivability::kNo);
+    if (was == Drivability::kYes && is_against(is)) return add(GroundChange::kBlocked, 0, is == Drivability::kNo);
     if (was != Drivability::kYes || is != Drivability::kYes) return;
     const double change = height_in_from - static_cast<double>(earlier->height);
     const double sigma = std::hypot(static_cast<double>(cell.height_sigma), static_cast<double>(earlier->height_sigma));
     classified.height_changes.push_back(change);
     if (std::abs(change) >= std::max(options_.min_height_change, kSureSigmas * sigma))
-      return add(change > 0 ? GroundChange::kRaised : GroundChange::kLowered, change);
+      return add(change > 0 ? GroundChange::kRaised : GroundChange::kLowered, change, false);
     classified.unchanged.push_back(cell);
   }
 
@@ -101,7 +108,7 @@ class SurfaceComparison {
     moved.x = static_cast<int>(std::floor(point.x() / to_.cell_size));
     moved.y = static_cast<int>(std::floor(point.y() / to_.cell_size));
     moved.height = static_cast<float>(point.z());
-    classified.changed[GroundChange::kUnmapped].push_back({moved, 0});
+    classified.changed[GroundChange::kUnmapped].push_back({moved});
   }
 
   /// Sorted as a SurfaceMap is. Cells of another grid may fall on one of ours twice: the lower one is kept.
@@ -163,12 +170,19 @@ class CellPatches {
 
   ChangedRegion RegionOf(GroundChange change, const std::vector<size_t>& part) const {
     ChangedRegion region{.change = change, .area = static_cast<double>(part.size()) * cell_size_ * cell_size_};
+    size_t num_obstacles = 0;
     for (const size_t index : part) {
-      const auto& [cell, height_change] = cells_[index];
+      const auto& [cell, height_change, is_obstacle] = cells_[index];
+      num_obstacles += is_obstacle;
       region.cells.push_back(cell);
       region.center +=
           Eigen::Vector3d((cell.x + 0.5) * cell_size_, (cell.y + 0.5) * cell_size_, static_cast<double>(cell.height));
       region.height_change += height_change;
+    }
+    // Of a car only the foot is sure; where there is none, what lies behind others came into sight or went out of it.
+    if (static_cast<double>(num_obstacles) < kMinObstacleShare * static_cast<double>(part.size())) {
+      if (change == GroundChange::kFreed) region.change = GroundChange::kMapped;
+      if (change == GroundChange::kBlocked) region.change = GroundChange::kUnmapped;
     }
     region.center /= static_cast<double>(part.size());
     region.height_change /= static_cast<double>(part.size());
@@ -230,13 +244,13 @@ SurfaceChanges CompareSurfaces(const SurfaceMap& from, const SurfaceMap& to, con
   for (const auto& [change, cells] : classified.changed) {
     CellPatches patches(cells, to.cell_size);
     patches.Open(rounds);
-    const auto first = static_cast<std::ptrdiff_t>(changes.regions.size());
     for (const std::vector<size_t>& part : patches.FindParts())
       if (static_cast<double>(part.size()) * to.cell_size * to.cell_size >= options.min_area)
         changes.regions.push_back(patches.RegionOf(change, part));
-    std::stable_sort(changes.regions.begin() + first, changes.regions.end(),
-                     [](const ChangedRegion& a, const ChangedRegion& b) { return a.area > b.area; });
   }
+  std::stable_sort(changes.regions.begin(), changes.regions.end(), [](const ChangedRegion& a, const ChangedRegion& b) {
+    return std::pair(a.change, b.area) < std::pair(b.change, a.area);
+  });
   changes.height = Summarise(classified.height_changes);
   return changes;
 }

@@ -25,9 +25,11 @@ struct CompareOptions {
 };
 
 /// What changed on the ground from one version of a map to a later one. `to_from_from` takes the earlier site into the
-/// later one. A cell counts as changed where both versions are sure; then what is narrower than `min_width` goes
-/// (morphological opening, decks apart), and what is left is grouped into connected regions. Deterministic.
-/// O(number of cells), but for sorting.
+/// later one. A cell counts as changed where one version is sure that it is drivable and the other says that it is
+/// not, or does not know it; then what is narrower than `min_width` goes (morphological opening, decks apart), and what
+/// is left is grouped into connected regions. One is freed or blocked where a tenth of it is surely an obstacle, as the
+/// foot of a parked car is; else it came into sight or went out of it. Deterministic. O(number of cells), but for
+/// sorting.
 SurfaceChanges CompareSurfaces(const SurfaceMap& from, const SurfaceMap& to, const Rigid3& to_from_from,
                                const CompareOptions& options = {});
 

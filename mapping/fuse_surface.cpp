@@ -114,7 +114,7 @@ void PaintDrives(std::span<const PosedGroundPatch> patches, std::span<const Driv
   for (size_t begin = 0, end = 0; begin < patches.size(); begin = end) {
     const int drive = patches[begin].patch.drive;
     while (end < patches.size() && patches[end].patch.drive == drive) ++end;
-    painter.Paint(patches.subspan(begin, end - begin), paths);
+    painter.PaintDrive(patches.subspan(begin, end - begin), paths);
     if (const DrivenPath* path = FindPath(paths, drive)) painter.MarkDriven(*path);
     unseen.erase(drive);
   }

@@ -1,6 +1,7 @@
 #include "mapping/surface_painter.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <tuple>
 
@@ -16,6 +17,11 @@ constexpr double kNearEnough =
 constexpr double kKnownShift = 0.3;  // [m] along the ray at which an outline counts half
 constexpr double kLeastTrust = 0.05;     // what is seen of a poorly known height still counts
 constexpr double kMinEyeHeight = 0.2;    // [m] above the ground
+constexpr int kViewDirections = 16;      // in which views are told apart
+constexpr double kNearView = 4.0;        // [m] of distance, likewise
+constexpr double kTrustedView = 0.5;     // trust from which on it is known what was looked at
+constexpr int kCoveringViews = 1;        // from which a drive misses what an earlier one saw
+constexpr float kCoveredLogOdds = -1;    // of what is covered
 constexpr size_t kPatchesPerBatch = 64;  // hits of so many patches are held at once
 constexpr int kColorTolerance = 30;      // of lightness; sights further off the median are not averaged
 
@@ -47,12 +53,13 @@ std::uint32_t SurfacePainter::EvidenceAt(int patch, const Eigen::Vector2i& cell)
 
 /// A sample that stands for more than a cell counts for all of them.
 void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds,
-                            std::vector<Hit>& hits) const {
+                            ViewSet view, std::vector<Hit>& hits) const {
   const double nearness = NearnessOf(sample);
   Hit hit{.evidence = 0,
           .sight = {sample.blue, sample.green, sample.red,
                     static_cast<std::uint8_t>(1 + std::lround(254 * std::min(nearness, kNearEnough)))},
-          .log_odds = static_cast<float>(log_odds)};
+          .log_odds = static_cast<float>(log_odds),
+          .view = view};
   const double reach = std::max(0.0, 0.5 * (static_cast<double>(sample.footprint) - cell_size_));
   const Eigen::Vector2i low = CellAt(point.head<2>().array() - reach), high = CellAt(point.head<2>().array() + reach);
   const Eigen::Vector2i first = field_->IndexOf(patch) * cells_per_side_;
@@ -85,7 +92,7 @@ std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PosedGroundPatch
     const double trust = std::max(kLeastTrust, 1 / (1 + shift * shift));
     AddHit(sample, found, point,
            (sample.is_free ? log_odds_.free : -log_odds_.occupied) * static_cast<double>(sample.confidence) * trust,
-           hits);
+           has_eye && trust > kTrustedView ? ViewFrom(eye, point) : 0, hits);
   }
   return hits;
 }
@@ -100,6 +107,7 @@ void SurfacePainter::Paint(std::span<const PosedGroundPatch> patches, std::span<
       for (const Hit& hit : hits) {
         Evidence& evidence = evidence_[hit.evidence];
         evidence.log_odds = std::clamp(evidence.log_odds + hit.log_odds, -limit, limit);
+        (hit.log_odds > 0 ? evidence.seen_now : evidence.hidden_now) |= hit.view;
         if (hit.sight.nearness <= evidence.sights.back().nearness) continue;
         size_t slot = kNumSights - 1;
         for (; slot > 0 && evidence.sights[slot - 1].nearness < hit.sight.nearness; --slot)
@@ -107,6 +115,31 @@ void SurfacePainter::Paint(std::span<const PosedGroundPatch> patches, std::span<
         evidence.sights[slot] = hit.sight;
       }
   }
+}
+
+SurfacePainter::ViewSet SurfacePainter::ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point) {
+  const Eigen::Vector2d ray = (point - eye).head<2>();
+  const double turns = 0.5 + std::atan2(ray.y(), ray.x()) / (2 * M_PI);
+  const int direction = std::min(static_cast<int>(turns * kViewDirections), kViewDirections - 1);
+  return ViewSet{1} << (direction + (ray.norm() < kNearView ? 0 : kViewDirections));
+}
+
+void SurfacePainter::EndDrive() {
+  for (Evidence& evidence : evidence_) {
+    const bool is_covered =
+        evidence.seen_now == 0 && std::popcount(evidence.seen_from & evidence.hidden_now) >= kCoveringViews;
+    if (is_covered) {
+      evidence.log_odds = std::min(evidence.log_odds, kCoveredLogOdds);
+      evidence.seen_from = 0;
+    }
+    evidence.seen_from |= evidence.seen_now;
+    evidence.seen_now = evidence.hidden_now = 0;
+  }
+}
+
+void SurfacePainter::PaintDrive(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths) {
+  Paint(patches, paths);
+  EndDrive();
 }
 
 void SurfacePainter::MarkDriven(const DrivenPath& path) {

@@ -17,14 +17,18 @@ struct SightLogOdds {
   double free = 0.8, occupied = 1.2, limit = 6;
 };
 
-/// Colours and free-space evidence gathered on the patches of a height field.
+/// Colours and free-space evidence gathered on the patches of a height field, one drive after the other.
 class SurfacePainter {
  public:
   /// The field is borrowed. `cells_per_side` cells on each side of a patch.
   SurfacePainter(const HeightField& field, int cells_per_side, const SightLogOdds& log_odds);
 
-  /// Samples of patches, moved along their rays onto the surface. In parallel, summed in order.
-  void Paint(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths);
+  /// Samples of a drive's patches, moved along their rays onto the surface. In parallel, summed in order.
+  ///
+  /// Behind the foot of an obstacle nothing is known, so that a parked car hardly counts against its slot. But ground
+  /// that an earlier drive saw, and that this drive does not see from anywhere although it looked from where that one
+  /// had seen it, is covered now.
+  void PaintDrive(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths);
 
   /// Where a car has been there is room for it.
   void MarkDriven(const DrivenPath& path);
@@ -42,6 +46,9 @@ class SurfacePainter {
  private:
   static constexpr int kNumSights = 5;  ///< kept per cell: the nearest
 
+  /// Directions and distances from which a cell was looked at: a bit each.
+  using ViewSet = std::uint32_t;
+
   struct Sight {
     std::uint8_t blue = 0, green = 0, red = 0;
     std::uint8_t nearness = 0;  ///< 0 = none
@@ -49,15 +56,21 @@ class SurfacePainter {
   struct Evidence {
     float log_odds = 0;
     bool is_driven = false;
+    ViewSet seen_from = 0;                   ///< in earlier drives, as free ground
+    ViewSet seen_now = 0, hidden_now = 0;    ///< in this drive; hidden: seen as something else
     std::array<Sight, kNumSights> sights{};  ///< nearest first
   };
   struct Hit {
     std::uint32_t evidence = 0;
     Sight sight;
     float log_odds = 0;
+    ViewSet view = 0;  ///< one bit, or none where it is not known well enough
   };
 
-  void AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds,
+  void Paint(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths);
+  void EndDrive();
+  static ViewSet ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point);
+  void AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds, ViewSet view,
               std::vector<Hit>& hits) const;
   std::vector<Hit> FindHits(const PosedGroundPatch& patch, const DrivenPath* path) const;
   std::uint32_t EvidenceAt(int patch, const Eigen::Vector2i& cell) const;

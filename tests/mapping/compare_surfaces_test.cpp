@@ -49,10 +49,22 @@ TEST(CompareSurfaces, FindsCarsThatCameAndWent) {
   EXPECT_NEAR(changes.AreaOf(GroundChange::kBlocked), 1.8 * 4.4, 0.1);
 }
 
+TEST(CompareSurfaces, KnowsACarByItsFoot) {
+  SurfaceMap after = FlatLot();
+  ParkCar(after, 3, 2);
+  ChangeInside(after, 3.2, 4.6, 2.2, 6.4, [](SurfaceCell& cell) { cell.free_belief = 0.45F; });  // hidden by its sides
+  ChangeInside(after, 12, 15, 5, 8, [](SurfaceCell& cell) { cell.free_belief = 0.45F; });        // hidden by others
+  const SurfaceChanges changes = CompareSurfaces(FlatLot(), after, {});
+  ASSERT_EQ(changes.regions.size(), 2U);
+  EXPECT_EQ(changes.regions[0].change, GroundChange::kBlocked);
+  EXPECT_NEAR(changes.regions[0].area, 1.8 * 4.4, 0.1);
+  EXPECT_EQ(changes.regions[1].change, GroundChange::kUnmapped);
+}
+
 TEST(CompareSurfaces, LeavesOutBordersThatMovedAndWhatIsUnsure) {
   SurfaceMap after = FlatLot();
   ChangeInside(after, 0, 20, 0, 0.3, [](SurfaceCell& cell) { cell.free_belief = 0.05F; });
-  ChangeInside(after, 5, 8, 5, 8, [](SurfaceCell& cell) { cell.free_belief = 0.45F; });
+  ChangeInside(after, 5, 8, 5, 8, [](SurfaceCell& cell) { cell.free_belief = 0.55F; });
   EXPECT_TRUE(CompareSurfaces(FlatLot(), after, {}).regions.empty());
 }
 

@@ -87,6 +87,53 @@ TEST(FuseSurface, ACarThatParksWhereAnotherDroveBlocksIt) {
   EXPECT_GT(CellAt(driven, 2, 0.2)->free_belief, 0.8F) << "the second drive saw nothing, but drove here";
 }
 
+TEST(FuseSurface, ASlotThatCannotBeSeenAnyMoreIsCovered) {
+  std::vector<DrivenPath> paths{MakePath(10), MakePath(10), MakePath(10)};
+  for (int drive = 0; drive < 3; ++drive) paths[static_cast<size_t>(drive)].drive = drive;
+  // A slot beside the path, seen in passing; of a car in it only the foot counts, the rest is hidden.
+  const auto pass = [&](int drive, bool is_free, double begin, double end) {
+    std::vector<PosedGroundPatch> patches;
+    for (double x = begin; x <= end; x += 0.5) {
+      PosedGroundPatch posed = MakePatch(4 - x, 2, 6 - x, 6, 100, is_free);
+      posed.patch.drive = drive;
+      posed.site_from_body.translation.x() = x;
+      for (GroundSample& sample : posed.patch.samples)
+        if (!is_free && sample.point_in_body.y() > 2.3F) sample.confidence = 0.03F;
+      patches.push_back(posed);
+    }
+    return patches;
+  };
+  std::vector<PosedGroundPatch> patches{MakePatch(-1, -2, 12, 7, 100, true)};
+  const auto add = [&](const std::vector<PosedGroundPatch>& more) {
+    patches.insert(patches.end(), more.begin(), more.end());
+  };
+  add(pass(0, true, 1, 9));
+  add(pass(1, false, 1, 9));
+  const SurfaceMap covered = FuseSurface(patches, paths);
+  EXPECT_LT(CellAt(covered, 5, 4.5)->free_belief, 0.35F);
+  EXPECT_GT(CellAt(covered, 8, 4.5)->free_belief, 0.5F) << "the slot beside it";
+
+  add(pass(2, true, 1, 9));
+  EXPECT_GT(CellAt(FuseSurface(patches, paths), 5, 4.5)->free_belief, 0.65F) << "the car has gone";
+}
+
+TEST(FuseSurface, WhatIsHiddenFromElsewhereIsNotCovered) {
+  std::vector<DrivenPath> paths{MakePath(10), MakePath(10)};
+  paths[1].drive = 1;
+  std::vector<PosedGroundPatch> patches{MakePatch(-1, -2, 12, 7, 100, true)};
+  const auto look = [&](int drive, const Eigen::Vector3d& from, bool is_free) {
+    PosedGroundPatch posed = MakePatch(4 - from.x(), 2 - from.y(), 6 - from.x(), 6 - from.y(), 100, is_free);
+    posed.patch.drive = drive;
+    posed.site_from_body.translation = from;
+    for (GroundSample& sample : posed.patch.samples)
+      if (!is_free) sample.confidence = 0.03F;
+    patches.push_back(posed);
+  };
+  for (const double x : {3.0, 4.0, 5.0, 6.0, 7.0}) look(0, {x, 0, 0}, true);
+  for (const double x : {3.0, 4.0, 5.0, 6.0, 7.0}) look(1, {x, 12, 0}, false);  // from the other side of a hedge
+  EXPECT_GT(CellAt(FuseSurface(patches, paths), 5, 4.5)->free_belief, 0.65F);
+}
+
 TEST(FuseSurface, OneOddSightDoesNotColourACell) {
   const DrivenPath path = MakePath(5);
   std::vector<PosedGroundPatch> patches;
@@ -165,7 +212,7 @@ TEST(SurfacePainter, ASampleMovesAlongItsRayOntoARampAhead) {
       {.point_in_body = {5, 0.02F, 0}, .blue = 9, .green = 9, .red = 9, .is_free = true, .weight = 1000});
 
   SurfacePainter painter(field, 8, {});
-  painter.Paint(std::span(&posed, 1), std::span(&path, 1));
+  painter.PaintDrive(std::span(&posed, 1), std::span(&path, 1));
 
   int num_seen = 0;
   for (const SurfacePainter::PaintedCell& cell : painter.Cells()) {
