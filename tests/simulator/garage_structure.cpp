@@ -280,7 +280,10 @@ void GarageStructure::Fittings() {
   for (int deck = 0; deck < layout_.num_decks(); ++deck) DeckFittings(deck);
   for (int deck = 0; deck < layout_.num_ramps(); ++deck) {
     RampLamps(deck);
-    for (const bool is_outer : {false, true}) CurveWall(deck, is_outer);
+    for (const bool is_far : {false, true}) {
+      CurveWall(deck, is_far);
+      RampWall(deck, is_far);
+    }
   }
 }
 

@@ -45,6 +45,8 @@ class GarageStructure {
   void RampLamps(int deck);
   /// Paint, scuffs and boards on a wall of a half circle.
   void CurveWall(int deck, bool is_outer);
+  /// The same on a wall of a straight ramp.
+  void RampWall(int deck, bool is_north);
   /// A place on a wall of a half circle.
   struct CurvePlace {
     int deck = 0;

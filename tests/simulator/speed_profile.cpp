@@ -8,14 +8,23 @@ namespace {
 
 constexpr double kDistanceStep = 0.01;  // [m]
 
+/// Whether the way leads from deck to deck there: of routes in the open the hint of the height does not change.
+bool IsOnRamp(const Route& route, double distance) {
+  constexpr double kReach = 1, kLeastSlope = 0.03;  // [m]
+  const double rise = route.HeightHint(distance + kReach) - route.HeightHint(distance - kReach);
+  return std::abs(rise) > 2 * kReach * kLeastSlope;
+}
+
 /// Highest speed [m/s] at each step of a stretch that begins and ends standing.
 std::vector<double> SpeedLimits(const Leg& leg, const SpeedOptions& options, double from, double to) {
   const size_t size = std::max<size_t>(3, static_cast<size_t>((to - from) / kDistanceStep) + 1);
   const double max_speed = leg.is_reverse ? options.max_reverse_speed : options.max_speed;
   std::vector<double> speeds(size);
   for (size_t i = 0; i < size; ++i) {
-    const double curvature = std::abs(leg.route.Curvature(from + kDistanceStep * static_cast<double>(i)));
-    speeds[i] = std::min(max_speed, std::sqrt(options.max_lateral_acceleration / std::max(curvature, 1e-6)));
+    const double distance = from + kDistanceStep * static_cast<double>(i);
+    const double curvature = std::abs(leg.route.Curvature(distance));
+    const double most = IsOnRamp(leg.route, distance) ? std::min(max_speed, options.max_ramp_speed) : max_speed;
+    speeds[i] = std::min(most, std::sqrt(options.max_lateral_acceleration / std::max(curvature, 1e-6)));
   }
   speeds.front() = speeds.back() = 0;
   for (size_t i = 1; i < size; ++i)

@@ -13,6 +13,7 @@ struct SpeedOptions {
   double max_acceleration = 1.5;          ///< [m/s^2]
   double max_deceleration = 1.8;          ///< [m/s^2]
   double max_lateral_acceleration = 2.2;  ///< [m/s^2]; slows down in curves
+  double max_ramp_speed = 3.2;            ///< [m/s] from deck to deck
   double initial_stand = 2;               ///< [s] before the start
   std::vector<double> stops = {2.5};      ///< [s] standing in mid-drive, spread evenly over the first leg
   std::vector<double> leg_stands = {};    ///< [s] before the second leg, the third ...; what is not there is 0

@@ -12,8 +12,11 @@ struct TrackModel {
   double white = 0.02;           ///< [px] per axis, new in every picture, at rest; grows with a track's own roughness
   double blur = 0.02;            ///< [px] likewise, per root of a pixel of flow
   double drift = 0.05;           ///< [px] per axis that the error walks per root of change
-  double slide = 0.35;           ///< [px] along the flow per unit of growth or shrinking, times the track's own rate
-  double slide_across = 0.2;     ///< [px] likewise across the flow
+  double slide = 9;              ///< [px] along the flow per unit of growth or shrinking, ahead and behind
+  double slide_limit = 0.1;      ///< of growth per picture: beyond it a track slides no faster there
+  double slide_age = 15;         ///< [pictures] until which it slides less than half as fast: its first look fades
+  double slide_beside = 0.2;     ///< [px] per unit of growth, where the camera looks across its way
+  double slide_across = 0.4;     ///< of all these, across the flow
   double roughness = 0.4;        ///< tracks differ: standard deviation of the logarithm of their noise
   double edges = 1.0;            ///< share of tracks near an outline that hold on to what is behind it as well
   double loss = 0.001;           ///< chance per picture to be lost without a reason
@@ -35,6 +38,9 @@ struct TrackModel {
     visit("blur", blur);
     visit("drift", drift);
     visit("slide", slide);
+    visit("slide_limit", slide_limit);
+    visit("slide_age", slide_age);
+    visit("slide_beside", slide_beside);
     visit("slide_across", slide_across);
     visit("roughness", roughness);
     visit("edges", edges);

@@ -39,7 +39,8 @@ Change ChangeOf(const LiveTrack& track, const Eigen::Vector3d& from, const Eigen
 
 void TrackModel::Validate() const {
   Require(white >= 0 && blur >= 0 && drift >= 0 && roughness >= 0 && crossing_noise >= 0 && loss_per_growth >= 0 &&
-              loss_per_flow >= 0 && loss_new >= 0 && frailty >= 0 && slide >= 0 && slide_across >= 0,
+              loss_per_flow >= 0 && loss_new >= 0 && frailty >= 0 && slide >= 0 && slide_across >= 0 && slide_age > 0 &&
+              slide_beside >= 0 && slide_limit >= 0,
           ErrorCode::kUsage, "noise and losses of tracks must not be negative");
   Require(crossing_angle > 0, ErrorCode::kUsage, "the crossing angle must be positive");
   for (const double share : {edges, loss, jump, texture, sky, shadow, crossing})
@@ -102,14 +103,17 @@ TrackedFrame TrackSimulator::Track(Timestamp time, Timestamp stamp) {
 std::optional<LiveTrack> TrackSimulator::Follow(LiveTrack track, Timestamp time) {
   const std::optional<Eigen::Vector2d> pixel = TruePixel(track, time);
   if (!pixel || !IsUsable(*pixel)) return std::nullopt;
-  const Eigen::Vector3d eye = eye_.WorldFromCamera(time, pixel->y()).translation;
+  const Rigid3 world_from_camera = eye_.WorldFromCamera(time, pixel->y());
+  const Eigen::Vector3d eye = world_from_camera.translation;
   const bool is_still = !track.is_shadow && !track.mover;
   const Change change = is_still ? ChangeOf(track, track.eye, eye) : Change{};
   if (!track.is_shadow && world_.IsHidden(eye, PointOf(track, time))) return std::nullopt;
   const Eigen::Vector2d flow = *pixel - track.true_pixel;
   if (IsLost(track, std::max(0.0, change.area), flow.norm())) return std::nullopt;
   track.drift += Noise(model_.drift * track.roughness * std::sqrt(change.Total()));
-  Slide(track, flow, std::abs(change.area));
+  ++track.age;
+  const Eigen::Vector3d sight = world_from_camera.rotation * Eigen::Vector3d::UnitZ();
+  Slide(track, flow, std::abs(change.area), sight.dot((eye - track.eye).normalized()));
   if (flow.norm() > kMovingFlow && random_.Chance(model_.jump)) {
     const double angle = random_.Uniform(0, 2 * M_PI), reach = random_.Uniform(3, 10);
     track.drift += reach * Eigen::Vector2d(std::cos(angle), std::sin(angle));
@@ -125,11 +129,16 @@ std::optional<LiveTrack> TrackSimulator::Follow(LiveTrack track, Timestamp time)
   return track;
 }
 
-/// The error that patches gather as their look changes.
-void TrackSimulator::Slide(LiveTrack& track, const Eigen::Vector2d& flow, double growth) {
+/// The error that patches gather as their look changes. From picture to picture the slides of a track are alike. A
+/// camera that looks along its way, forwards or backwards, sees patches stretch: there they slide the more, as the
+/// first look fades.
+void TrackSimulator::Slide(LiveTrack& track, const Eigen::Vector2d& flow, double growth, double sight_along_way) {
   if (flow.squaredNorm() == 0) return;
   const Eigen::Vector2d along = flow.normalized(), across(-along.y(), along.x());
-  track.drift += growth * (model_.slide * track.slide.x() * along + model_.slide_across * track.slide.y() * across);
+  const double ahead = sight_along_way * sight_along_way, fading = track.age / (track.age + model_.slide_age);
+  const double reach =
+      (1 - ahead) * model_.slide_beside * growth + ahead * model_.slide * fading * std::min(growth, model_.slide_limit);
+  track.drift += reach * (track.slide.x() * along + model_.slide_across * track.slide.y() * across);
 }
 
 bool TrackSimulator::IsLost(const LiveTrack& track, double growth, double flow) {

@@ -18,6 +18,7 @@ namespace parkade::simulator {
 /// something that moves, or, as a shadow of the own car, in the body.
 struct LiveTrack {
   std::int64_t number = 0;
+  int age = 0;                                       ///< pictures since the first
   Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  ///< [m] in world, or in `mover`, or in body where `is_shadow`
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   const Mover* mover = nullptr;
@@ -62,7 +63,7 @@ class TrackSimulator {
  private:
   std::optional<LiveTrack> Follow(LiveTrack track, Timestamp time);
   std::optional<Eigen::Vector2d> TruePixel(const LiveTrack& track, Timestamp time) const;
-  void Slide(LiveTrack& track, const Eigen::Vector2d& flow, double growth);
+  void Slide(LiveTrack& track, const Eigen::Vector2d& flow, double growth, double sight_along_way);
   bool IsLost(const LiveTrack& track, double growth, double flow);
   void DropDisagreeing(std::vector<LiveTrack>& tracks, Timestamp time) const;
   void AddCorners(Timestamp time);

@@ -18,7 +18,7 @@ constexpr double kDuration = 20, kRate = 20;  // [s], [Hz]
 /// Follows without any error.
 TrackModel Perfect() {
   TrackModel model;
-  model.white = model.blur = model.drift = model.slide = model.slide_across = model.jump = 0;
+  model.white = model.blur = model.drift = model.slide = model.slide_beside = model.jump = 0;
   model.edges = model.shadow = 0;
   model.crossing_noise = 0;
   return model;

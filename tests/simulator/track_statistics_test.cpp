@@ -58,10 +58,8 @@ TEST(TrackMode, LivesAndErrorsAreLikeThoseOfRenderedPictures) {
       SCOPED_TRACE(age);
       EXPECT_NEAR(At(made, age).survival, At(real, age).survival, 0.25);
       EXPECT_NEAR(At(made, age).gross, At(real, age).gross, 0.15);
-      // Of a hundred tracks that old a third have slid: where their middle lies is uncertain.
-      const double factor = age < 12 ? 2.5 : 4;
-      ExpectWithinFactor(At(made, age).along, At(real, age).along, factor, "error along the flow");
-      ExpectWithinFactor(At(made, age).across, At(real, age).across, factor, "error across the flow");
+      ExpectWithinFactor(At(made, age).along, At(real, age).along, 2.5, "error along the flow");
+      ExpectWithinFactor(At(made, age).across, At(real, age).across, 2.5, "error across the flow");
     }
   }
 }
