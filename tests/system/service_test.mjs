@@ -4,7 +4,8 @@
 //   node service_test.mjs PARKADE PARKADE_SIMULATE WORK_FOLDER
 import assert from 'node:assert/strict';
 import { execFileSync, spawn } from 'node:child_process';
-import { existsSync, mkdirSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
+import { createHash } from 'node:crypto';
+import { existsSync, mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 
@@ -39,6 +40,14 @@ async function json(address, route) {
   return response.json();
 }
 
+async function jobDone(address, id) {
+  const job = await until('the job ends', 400, async () => {
+    const found = await json(address, `/api/v1/jobs/${id}`);
+    return ['done', 'failed', 'cancelled'].includes(found.state) && found;
+  });
+  assert.equal(job.state, 'done', job.error);
+}
+
 rmSync(work, { recursive: true, force: true });
 mkdirSync(work, { recursive: true });
 run(simulate, 'lot', '--seed', '5', '--duration', '12', '--rate', '5', '--size', '480x300', '--gnss', 'rtk', '--out', at('drive.mcap'),
@@ -55,11 +64,7 @@ try {
   assert.equal(refused.headers.get('content-type'), 'application/problem+json');
 
   const accepted = JSON.parse(run('curl', '-fsS', '-T', at('drive.mcap'), `${address}/api/v1/drives?filename=drive.mcap&site=yard&rig=car`));
-  const job = await until('the job ends', 400, async () => {
-    const found = await json(address, `/api/v1/jobs/${accepted.job.id}`);
-    return ['done', 'failed', 'cancelled'].includes(found.state) && found;
-  });
-  assert.equal(job.state, 'done', job.error);
+  await jobDone(address, accepted.job.id);
   assert.equal((await json(address, `/api/v1/drives/${accepted.drive.id}`)).state, 'ready');
 
   mkdirSync(at('served'));
@@ -73,6 +78,24 @@ try {
     mkdirSync(path.dirname(at(`map/${name}`)), { recursive: true });
     run('curl', '-fsSL', '-o', at(`map/${name}`), `${address}${url}`);
   }
+  const report = JSON.parse(readFileSync(at('map/report.json')));
+  assert.equal(report.drives[0].log.sha256, createHash('sha256').update(readFileSync(at('drive.mcap'))).digest('hex'));
+
+  // Made again from the same it is the same, and a comparison finds nothing.
+  const again = await fetch(`${address}/api/v1/sites/yard/maps`, {
+    method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ from: 1 }) });
+  await jobDone(address, (await again.json()).id);
+  const second = await json(address, '/api/v1/sites/yard/maps/2');
+  // Timings are in the report.
+  const hashes = (map) => Object.fromEntries(map.files.filter(({ name }) => name !== 'report.json').map(({ name, sha256 }) => [name, sha256]));
+  assert.deepEqual(hashes(second), hashes(version));
+  const comparison = await json(address, '/api/v1/sites/yard/compare?from=1&to=2');
+  assert.ok(comparison.free_space.unchanged > 50, JSON.stringify(comparison.free_space));
+  assert.deepEqual([comparison.regions, comparison.alignment.aligned_by], [[], 'drives']);
+  const picture = await fetch(address + comparison.urls.png);
+  assert.equal(picture.headers.get('content-type'), 'image/png');
+  console.log(`compared: ${comparison.free_space.unchanged} m2 as before`);
+
   const formats = [...run(parkade, 'export', '--help').matchAll(/^  ([a-z0-9-]+) {2,}\S/gm)].map((match) => match[1]);
   assert.ok(formats.includes('pcd') && formats.includes('geotiff'), formats.join(' '));
   mkdirSync(at('exports'));
