@@ -1,6 +1,8 @@
 #include "slam/gate_calibration.h"
 
 #include <Eigen/Eigenvalues>
+#include <cmath>
+#include <limits>
 
 namespace parkade {
 namespace {
@@ -8,15 +10,19 @@ namespace {
 using Vector8d = Eigen::Matrix<double, 8, 1>;
 using Matrix8d = Eigen::Matrix<double, 8, 8>;
 
-constexpr double kMaxVarianceShare = 0.25;  // of the prior's variance that may be left along a refined direction
-constexpr double kMaxHonestShare = 0.7;     // likewise of the estimate's real variance
+constexpr double kMaxVarianceShare = 0.7;  // of the prior's variance that may be left along a direction that moves
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 struct Part {
   const char* name;
   int begin, size;
+  double sure;  // sigma at which it is refined
 };
 
-constexpr Part kParts[] = {{"rotation", 0, 3}, {"translation", 3, 3}, {"time_offset", 6, 1}, {"line_delay", 7, 1}};
+constexpr Part kParts[] = {{"rotation", 0, 3, 0.075 * M_PI / 180},
+                           {"translation", 3, 3, 0.007},
+                           {"time_offset", 6, 1, 0.001},
+                           {"line_delay", 7, 1, kUnlimited}};
 
 Vector8d PriorSigmas(const CameraSettings& settings) {
   Vector8d sigmas;
@@ -51,16 +57,19 @@ Matrix8d Whitened(const Matrix8d& covariance, const Vector8d& unit, const Eigen:
   return whitened;
 }
 
-CalibratedQuantity::Status StatusOf(Eigen::Index num_refined, int size) {
-  if (num_refined == 0) return CalibratedQuantity::Status::kKept;
-  return num_refined == size ? CalibratedQuantity::Status::kRefined : CalibratedQuantity::Status::kPartlyRefined;
+/// \param variance  in units of the prior's
+CalibratedQuantity::Status StatusOf(const Part& part, const Eigen::VectorXd& variance, const Eigen::VectorXd& sigma) {
+  const auto moved = (variance.array() < kMaxVarianceShare).count();
+  if (moved == 0) return CalibratedQuantity::Status::kKept;
+  return moved == part.size && (sigma.array() <= part.sure).all() ? CalibratedQuantity::Status::kRefined
+                                                                  : CalibratedQuantity::Status::kPartlyRefined;
 }
 
 }  // namespace
 
 GatedCalibration GateCalibration(const std::string& camera, const CameraSettings& settings,
                                  const CameraParameters& rig_parameters, const CameraParameters& estimate,
-                                 const CalibrationCovariance& covariance) {
+                                 const CalibrationCovariance& covariance, const KeptTurn& turn) {
   const Eigen::Array<bool, 8, 1> is_estimated = Estimated(settings);
   const Vector8d prior = PriorSigmas(settings);
   const Vector8d unit = is_estimated.select(prior.array(), 1.0).matrix();
@@ -70,7 +79,7 @@ GatedCalibration GateCalibration(const std::string& camera, const CameraSettings
   Matrix8d refine = Matrix8d::Zero();  // projects on the refined directions
   for (int k = 0; k < 8; ++k) {
     const Vector8d direction = eigen.eigenvectors().col(k);
-    if (eigen.eigenvalues()[k] < kMaxVarianceShare && direction.dot(honest * direction) < kMaxHonestShare)
+    if (eigen.eigenvalues()[k] < kMaxVarianceShare && direction.dot(honest * direction) < kMaxVarianceShare)
       refine += direction * direction.transpose();
   }
   const Vector8d change =
@@ -80,14 +89,15 @@ GatedCalibration GateCalibration(const std::string& camera, const CameraSettings
   PoseManifold().Plus(rig_parameters.extrinsics.data(), change.data(), gated.parameters.extrinsics.data());
   for (size_t k = 0; k < kTimingSize; ++k) gated.parameters.timing[k] += change[6 + static_cast<Eigen::Index>(k)];
   const Matrix8d keep = Matrix8d::Identity() - refine;
-  const Vector8d variance = (refine * honest * refine + keep).diagonal();
+  Vector8d variance = (refine * honest * refine + keep).diagonal();
+  const Eigen::Matrix3d imu_from_camera = estimate.ImuFromCamera().rotation.toRotationMatrix();
+  variance.head<3>() += (imu_from_camera.transpose() * turn.directions * imu_from_camera).diagonal();
+  variance = variance.cwiseMin(1.0);
   for (const Part& part : kParts) {
-    const Eigen::VectorXd sigma =
-        (variance.segment(part.begin, part.size).cwiseSqrt().array() * prior.segment(part.begin, part.size).array())
-            .matrix();
-    const Eigen::Index refined = (variance.segment(part.begin, part.size).array() < kMaxHonestShare).count();
+    const Eigen::VectorXd share = variance.segment(part.begin, part.size);
+    const Eigen::VectorXd sigma = (share.cwiseSqrt().array() * prior.segment(part.begin, part.size).array()).matrix();
     gated.report.quantities.push_back(
-        {part.name, change.segment(part.begin, part.size), sigma, StatusOf(refined, part.size)});
+        {part.name, change.segment(part.begin, part.size), sigma, StatusOf(part, share, sigma)});
   }
   return gated;
 }

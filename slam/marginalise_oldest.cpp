@@ -10,6 +10,7 @@
 #include "slam/imu_cost.h"
 #include "slam/imu_sensitivity.h"
 #include "slam/marginaliser.h"
+#include "slam/track_errors.h"
 #include "slam/wheel_cost.h"
 
 namespace parkade {
@@ -102,7 +103,7 @@ FinishedKnot FixedLagSmoother::MarginaliseOldest() {
     const StandstillCost cost(options_.standstill, &oldest.first_estimate, &next.first_estimate);
     marginaliser.Add(block_of(&cost, nullptr, {pose_i, pose_j, motion_j}));
   }
-  const ceres::CauchyLoss bearing_loss(options_.robust_width);
+  const ceres::ScaledLoss bearing_loss = BearingLoss(options_.robust_width);
   for (const Track* track : consumed) {
     std::vector<LinearisableBlock> observations;
     for (const TrackObservation& seen : track->observations) {

@@ -5,16 +5,12 @@
 #include <optional>
 
 #include "slam/imu_sensitivity.h"
+#include "slam/track_errors.h"
 
 namespace parkade {
 namespace {
 
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-// Variance of what a track's errors add up to / what its residuals show of it. The estimate follows what tracks
-// that live side by side have in common, so that residuals are the smaller part. From drives with known truth, see
-// docs/decisions.md.
-constexpr double kCommonErrors = 6;
 
 struct Evaluated {
   std::vector<RowMajorMatrix> jacobians;  // by the blocks' tangents

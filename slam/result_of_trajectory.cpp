@@ -1,6 +1,5 @@
 // What TrajectoryEstimator hands back at the end.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -18,29 +17,6 @@ std::string OneDecimal(double number) {
   char text[32];
   std::snprintf(text, sizeof text, "%.1f", number);
   return text;
-}
-
-/// Of one camera's [extrinsics, timing]. Zero where they were not estimated.
-CalibrationCovariance CovarianceOf(const JointEstimate& joint, std::int64_t camera) {
-  std::array<Eigen::Index, 8> from;
-  from.fill(-1);
-  Eigen::Index column = 0;
-  for (const PriorBlock& block : joint.states) {
-    if (block.name == StateName{StateName::Kind::kExtrinsics, camera})
-      for (size_t k = 0; k < 6; ++k) from[k] = column + static_cast<Eigen::Index>(k);
-    if (block.name == StateName{StateName::Kind::kTiming, camera})
-      for (size_t k = 0; k < 2; ++k) from[6 + k] = column + static_cast<Eigen::Index>(k);
-    column += block.TangentSize();
-  }
-  CalibrationCovariance covariance{Eigen::Matrix<double, 8, 8>::Zero(), Eigen::Matrix<double, 8, 8>::Zero()};
-  for (Eigen::Index i = 0; i < 8; ++i)
-    for (Eigen::Index j = 0; j < 8; ++j) {
-      const Eigen::Index row = from[static_cast<size_t>(i)], other = from[static_cast<size_t>(j)];
-      if (row < 0 || other < 0) continue;
-      covariance.assumed(i, j) = joint.assumed_covariance(row, other);
-      covariance.honest(i, j) = joint.covariance(row, other);
-    }
-  return covariance;
 }
 
 }  // namespace
@@ -110,18 +86,21 @@ void TrajectoryEstimator::TakeMeasurements(OdometryResult& result) {
 
 void TrajectoryEstimator::FinishCalibration(const JointEstimate& last, OdometryResult& result) {
   result.rig = rig_;
+  const KeptTurn turn = FindKeptTurn(rig_, smoother_.cameras(), last);
   for (size_t i = 0; i < rig_.cameras.size(); ++i) {
     CameraParameters by_rig;
     PoseToParameters(rig_.ImuFromCamera(i), by_rig.extrinsics.data());
     by_rig.timing = {0, rig_.cameras[i].line_delay};
     RigCamera& camera = result.rig.cameras[i];
-    GatedCalibration gated = GateCalibration(camera.name, smoother_.camera_settings()[i], by_rig,
-                                             smoother_.cameras()[i], CovarianceOf(last, static_cast<std::int64_t>(i)));
+    GatedCalibration gated =
+        GateCalibration(camera.name, smoother_.camera_settings()[i], by_rig, turn.Without(smoother_.cameras()[i]),
+                        CovarianceWithout(turn, smoother_.cameras(), last, i), turn);
     camera.body_from_camera = rig_.body_from_imu * gated.parameters.ImuFromCamera();
     camera.time_shift += gated.parameters.time_offset();
     camera.line_delay = gated.parameters.line_delay();
     report_.calibration.push_back(std::move(gated.report));
   }
+  builder_.MountOn(RigOfEstimate(result.rig, smoother_.cameras()));
 }
 
 void TrajectoryEstimator::FinishReport() {

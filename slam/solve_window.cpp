@@ -5,10 +5,15 @@
 
 #include "slam/fixed_lag_smoother.h"
 #include "slam/imu_cost.h"
+#include "slam/track_errors.h"
 #include "slam/wheel_cost.h"
 
 namespace parkade {
 namespace {
+
+/// Of the diagonal, 1 / this is added: enough for landmarks at infinity, and little enough for four iterations to move
+/// what only the sum of all measurements tells, as scale on a straight road.
+constexpr double kTrustRegion = 1e7;
 
 /// Recomputes the pose of each image once per evaluation instead of once per
 /// bearing.
@@ -61,6 +66,7 @@ ceres::Solver::Options SolverOptions(int max_iterations) {
   options.max_num_iterations = max_iterations;
   options.num_threads = 1;  // cameras are tracked beside this; and sums keep their order
   options.function_tolerance = 1e-4;
+  options.initial_trust_region_radius = kTrustRegion;
   options.logging_type = ceres::SILENT;
   options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   return options;
@@ -83,7 +89,8 @@ struct CameraBlocks {
 SolveSummary FixedLagSmoother::SolveWindow(int max_iterations) {
   WindowEvaluationCallback callback(views_);
   PoseManifold manifold;
-  ceres::CauchyLoss bearing_loss(options_.robust_width), wheel_loss(options_.wheel_robust_width);
+  ceres::ScaledLoss bearing_loss = BearingLoss(options_.robust_width);
+  ceres::CauchyLoss wheel_loss(options_.wheel_robust_width);
   std::vector<std::unique_ptr<ceres::CostFunction>> costs;
   ceres::Solver::Options solver = SolverOptions(max_iterations);
   ceres::Problem problem(ProblemOptions(&callback));

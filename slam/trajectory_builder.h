@@ -18,6 +18,9 @@ class TrajectoryBuilder {
  public:
   TrajectoryBuilder(const Rig& rig, double output_interval);
 
+  /// For the states that follow: where the IMU sits, once the cameras are calibrated.
+  void MountOn(const Rig& rig) { imu_from_body_ = rig.body_from_imu.Inverse(); }
+
   /// Knots come in order of time.
   void Add(const FinishedKnot& knot);
 

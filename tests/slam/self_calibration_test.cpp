@@ -33,9 +33,9 @@ TEST(SelfCalibration, ADegreeAndThreeCentimetresOffDriftHardlyMoreThanTheExactRi
     EXPECT_LT(estimated.error.drift_percent, 0.12) << has_wheels;
     for (size_t camera = 0; camera < 4; ++camera) {
       EXPECT_NEAR(RotationErrorDeg(drive, drive.rig, camera), 1, 1e-6);
-      EXPECT_LT(RotationErrorDeg(drive, estimated.odometry.rig, camera), has_wheels ? 0.15 : 0.35) << camera;
-      EXPECT_EQ(estimated.odometry.report.calibration[camera].quantities[0].status,
-                CalibratedQuantity::Status::kRefined);
+      // What the four have in common stays the rig's, as far as the drive does not refute it.
+      EXPECT_LT(RotationErrorDeg(drive, estimated.odometry.rig, camera), 0.4) << camera;
+      EXPECT_NE(estimated.odometry.report.calibration[camera].quantities[0].status, CalibratedQuantity::Status::kKept);
     }
   }
 }
@@ -167,7 +167,7 @@ TEST(GateCalibration, MovesAlongSureDirectionsOnly) {
 
   const Eigen::Matrix<double, 8, 8> covariance = sigmas.cwiseAbs2().asDiagonal();
 
-  const GatedCalibration gated = GateCalibration("front", settings, by_rig, estimate, {covariance, 4 * covariance});
+  const GatedCalibration gated = GateCalibration("front", settings, by_rig, estimate, {covariance, covariance});
 
   EXPECT_NEAR(gated.parameters.ImuFromCamera().translation.x(), 0.01, 1e-9);  // sure
   EXPECT_NEAR(gated.parameters.ImuFromCamera().translation.y(), 0, 1e-9);     // as unsure as before
