@@ -9,6 +9,7 @@
 #include "core/log.h"
 #include "slam/drive_adjustment.h"
 #include "slam/drive_ties.h"
+#include "slam/gate_calibration.h"
 #include "slam/trajectory_builder.h"
 
 namespace parkade {
@@ -184,8 +185,9 @@ DriveRefinement RefineDrive(const OdometryResult& odometry, const Rig& rig, cons
     adjustment.RejectOutliers();
     if (every > 0) SolveAll(adjustment, options, options.max_iterations, result);
     result.is_accepted = true;
-    result.odom_from_body = Rebuild(measurements, adjustment.States(), odometry.rig, closure.odom_from_body);
     TakeCalibration(odometry, adjustment.Cameras(), result);
+    result.odom_from_body = Rebuild(measurements, adjustment.States(), RigOfEstimate(result.rig, adjustment.Cameras()),
+                                    closure.odom_from_body);
     result.wheel_scale = 1 + adjustment.WheelScale();
     for (const TrajectoryState& state : result.odom_from_body.states())
       if (const std::optional<Rigid3> given = closure.odom_from_body.At(state.time))
