@@ -4,14 +4,20 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "slam/loop_shares.h"
 #include "slam/odometry_drift.h"
 #include "slam/place_graph.h"
 #include "slam/relative_pose_baselines.h"
 #include "slam/reviewed_loops.h"
 #include "slam/robust_pose_graph.h"
+#include "slam/widen_place.h"
 
 namespace parkade {
 namespace {
+
+// Below these no loop without scale is believed: two cameras do not hold together as four do.
+constexpr double kFloorTranslation = 0.02;           // [m] across the direction
+constexpr double kFloorRotation = 0.1 * M_PI / 180;  // [rad]
 
 /// Vertex 0 is the world, vertex i + 1 is place i.
 PoseGraph GraphOf(const std::vector<Place>& places, const LoopOptions& options) {
@@ -38,8 +44,11 @@ void MeasureWithoutScale(const Place& earlier, const Place& later, const std::ve
   loop.earlier_from_camera = {Eigen::Quaterniond::Identity(), pose.first_in_a};
   loop.later_from_camera = {Eigen::Quaterniond::Identity(), pose.second_in_b};
   loop.pose.a_from_b = loop.earlier_from_camera * scaled * loop.later_from_camera.Inverse();
-  loop.pose.information = ScaleLessInformation(scaled, options.scale_less_rotation, options.scale_less_translation,
-                                               options.method == "scale-less");
+  const double sigma = std::hypot(pose.direction_sigma * scaled.translation.norm(), kFloorTranslation);
+  loop.pose.worst_sigma = sigma;
+  loop.pose.information = ScaleLessInformation(
+      scaled, pose.rotation_covariance + kFloorRotation * kFloorRotation * Eigen::Matrix3d::Identity(), sigma,
+      options.method == "scale-less");
 }
 
 /// Keeps pictures of the two cameras that share the most inliers.
@@ -56,6 +65,21 @@ void ShowViews(const Place& earlier, const Place& later, LoopEvidence& loop) {
   loop.later_view = view_of(later, loop.later_camera);
 }
 
+/// The pose by all cameras, with what the neighbours of both places saw where that is asked for.
+RelativePose MeasureRig(const std::vector<Place>& places, const PlaceCandidate& candidate, const LoopOptions& options) {
+  const RelativePoseOptions& how = options.relative_pose;
+  if (options.neighbours == 0) {
+    const Place &earlier = places[candidate.earlier], &later = places[candidate.later];
+    return EstimateRigPose(earlier, later, MatchPlaces(earlier, later, how), how);
+  }
+  const auto reach = static_cast<size_t>(options.neighbours);
+  const Place earlier = WidenPlace(places, candidate.earlier, reach),
+              later = WidenPlace(places, candidate.later, reach);
+  RelativePose pose = EstimateRigPose(earlier, later, MatchPlaces(earlier, later, how), how);
+  pose.information /= 2 * options.neighbours + 1;  // what neighbours both saw counts more than once in it
+  return pose;
+}
+
 /// Relative poses of all candidates, in their order.
 std::vector<LoopEvidence> Measure(const std::vector<Place>& places, const std::vector<PlaceCandidate>& candidates,
                                   const LoopOptions& options) {
@@ -70,14 +94,16 @@ std::vector<LoopEvidence> Measure(const std::vector<Place>& places, const std::v
     loop.later = later.time;
     loop.way = later.distance - earlier.distance;
     loop.score = candidate.score;
-    const std::vector<FeatureMatch> matches = MatchPlaces(earlier, later, options.relative_pose);
     const Rigid3 by_odometry = earlier.odom_from_place.Inverse() * later.odom_from_place;
     if (options.method == "rig") {
-      loop.pose = EstimateRigPose(earlier, later, matches, options.relative_pose);
-    } else if (options.method == "pnp") {
-      loop.pose = EstimatePnpPose(earlier, later, matches, options.relative_pose);
+      loop.pose = MeasureRig(places, candidate, options);
     } else {
-      MeasureWithoutScale(earlier, later, matches, by_odometry, options, loop);
+      const std::vector<FeatureMatch> matches = MatchPlaces(earlier, later, options.relative_pose);
+      if (options.method == "pnp") {
+        loop.pose = EstimatePnpPose(earlier, later, matches, options.relative_pose);
+      } else {
+        MeasureWithoutScale(earlier, later, matches, by_odometry, options, loop);
+      }
     }
     ShowViews(earlier, later, loop);
     loop.odometry_disagreement = (loop.pose.a_from_b.translation - by_odometry.translation).norm();
@@ -88,10 +114,11 @@ std::vector<LoopEvidence> Measure(const std::vector<Place>& places, const std::v
 /// The loop's edge, the last of the graph. Where it is between cameras that are not the places themselves, they become
 /// vertices, tied to their places.
 void AddLoop(const PlaceCandidate& candidate, const LoopEvidence& loop, const LoopOptions& options, PoseGraph& graph) {
+  const Matrix6d information = loop.share * loop.pose.information;
   const bool is_between_places = options.method == "rig" || options.method == "pnp";
   if (is_between_places) {
     graph.edges.push_back(
-        {candidate.earlier + 1, candidate.later + 1, loop.pose.a_from_b, loop.pose.information, loop.is_forced});
+        {candidate.earlier + 1, candidate.later + 1, loop.pose.a_from_b, information, loop.is_forced});
     return;
   }
   constexpr double kRigid = 1e8;  // [1/m^2], [1/rad^2]
@@ -105,7 +132,7 @@ void AddLoop(const PlaceCandidate& candidate, const LoopEvidence& loop, const Lo
   add_camera(candidate.earlier + 1, loop.earlier_from_camera);
   add_camera(candidate.later + 1, loop.later_from_camera);
   const Rigid3 camera_from_camera = loop.earlier_from_camera.Inverse() * loop.pose.a_from_b * loop.later_from_camera;
-  graph.edges.push_back({first, first + 1, camera_from_camera, loop.pose.information, loop.is_forced});
+  graph.edges.push_back({first, first + 1, camera_from_camera, information, loop.is_forced});
 }
 
 /// `by_options`, or what the odometry says of itself within a factor.
@@ -161,9 +188,9 @@ void LoopOptions::Validate() const {
   places.Validate();
   recognition.Validate();
   relative_pose.Validate();
-  Require(odometry_translation > 0 && odometry_yaw > 0 && odometry_tilt > 0 && scale_less_rotation > 0 &&
-              scale_less_translation > 0,
-          ErrorCode::kUsage, "the sigmas of odometry and loops must be positive");
+  Require(neighbours >= 0 && neighbours <= 10, ErrorCode::kUsage, "a loop has at most 10 neighbours to each side");
+  Require(odometry_translation > 0 && odometry_yaw > 0 && odometry_tilt > 0 && shared_reach > 0, ErrorCode::kUsage,
+          "the sigmas of odometry and the reach of loops must be positive");
 }
 
 Trajectory CarryAlong(const Trajectory& odometry, const std::vector<Place>& places,
@@ -203,6 +230,8 @@ LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const Lo
   reviewed.AddForced(candidates);
   closure.loops = Measure(places, candidates, options);
   for (LoopEvidence& loop : closure.loops) reviewed.Judge(loop);
+  const std::vector<double> shares = SharesOf(closure.loops, places, options.shared_reach);
+  for (size_t i = 0; i < shares.size(); ++i) closure.loops[i].share = shares[i];
   const std::vector<Rigid3> poses = Optimize(places, candidates, WithDriftOf(odometry, options), closure);
   for (size_t i = 0; i < places.size(); ++i)
     closure.largest_correction =

@@ -22,9 +22,8 @@ struct LoopOptions {
   double odometry_translation = 0.003;  ///< [m / sqrt(m)]
   double odometry_yaw = 0.0006;         ///< [rad / sqrt(m)]
   double odometry_tilt = 0.0005;        ///< [rad] of roll and pitch, which do not drift
-  // Of a loop by the five-point method, the same for all.
-  double scale_less_rotation = 0.01;    ///< [rad]
-  double scale_less_translation = 0.2;  ///< [m] across the direction
+  int neighbours = 0;                   ///< places before and after one that a loop by "rig" is measured with
+  double shared_reach = 8;              ///< [m] within which loops see the same and share what they know
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -35,8 +34,8 @@ struct LoopOptions {
     visit("odometry_translation", odometry_translation);
     visit("odometry_yaw", odometry_yaw);
     visit("odometry_tilt", odometry_tilt);
-    visit("scale_less_rotation", scale_less_rotation);
-    visit("scale_less_translation", scale_less_translation);
+    visit("neighbours", neighbours);
+    visit("shared_reach", shared_reach);
   }
   void Validate() const;  ///< throws Error{kUsage}
 };
@@ -61,6 +60,7 @@ struct LoopEvidence {
   RelativePose pose;                              ///< of the later in the earlier place
   Rigid3 earlier_from_camera, later_from_camera;  ///< of a loop without scale: what its factor ties
   bool is_forced = false;                         ///< by a reviewer
+  double share = 1;                               ///< of its information that counts beside that of its neighbours
   double chi_squared = 0;                         ///< [sigma^2] of the loop once all are closed
   double weight = 0;                              ///< 1 where the pose graph believed it
   double odometry_disagreement = 0;               ///< [m] by which odometry alone put the later place elsewhere

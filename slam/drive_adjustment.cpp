@@ -247,4 +247,24 @@ std::vector<CameraParameters> DriveAdjustment::Cameras() const {
   return cameras;
 }
 
+void DriveAdjustment::MoveKnots(const std::vector<Rigid3>& odom_from_odom) {
+  for (size_t i = 0; i < knots_.size(); ++i) {
+    PoseToParameters(odom_from_odom[i] * PoseFromParameters(knots_[i].pose), knots_[i].pose);
+    Eigen::Map<Eigen::Vector3d> velocity(knots_[i].motion);
+    velocity = (odom_from_odom[i].rotation * velocity).eval();
+  }
+  PointImages();
+  for (Landmark& landmark : landmarks_)
+    if (!landmark.sightings.empty()) Triangulate(landmark);
+  FitLandmarks();
+}
+
+void DriveAdjustment::SetCalibration(const std::vector<CameraParameters>& cameras, double wheel_scale) {
+  for (size_t i = 0; i < cameras_.size(); ++i) {
+    std::copy_n(cameras[i].extrinsics.begin(), kPoseSize, cameras_[i].extrinsics);
+    std::copy_n(cameras[i].timing.begin(), kTimingSize, cameras_[i].timing);
+  }
+  *wheel_scale_ = wheel_scale;
+}
+
 }  // namespace parkade

@@ -28,6 +28,13 @@ struct AdjustedFix {
   AntennaFix antenna;
 };
 
+/// Knots [begin, end) that move in a solve.
+struct AdjustedStretch {
+  size_t begin = 0, end = 0;
+  bool has_open_end = false;  ///< what hangs on knots from `end` on is left out; else they hold their places
+  bool frees_calibration = false;
+};
+
 /// All states of a drive, its landmarks, the wheel scale and the calibration of its cameras as one least-squares
 /// problem: the costs of FixedLagSmoother without window and marginalisation, plus loops and GNSS. Landmarks are
 /// eliminated first (Schur), the rest is a band with an arrow. Results do not depend on the number of threads.
@@ -46,9 +53,13 @@ class DriveAdjustment {
   /// Fixes, and about where odom lies among them.
   void SetGnss(std::vector<AdjustedFix> fixes, const Rigid3& site_from_odom);
 
-  /// Moves the knots in [begin, end); those outside stay, and so does the calibration unless all knots move. The first
-  /// knot keeps position and yaw. Returns the number of steps.
-  int Solve(size_t begin, size_t end, int max_iterations);
+  /// Moves the knots of `stretch`; those outside stay. The first knot of the drive keeps position and yaw. Returns the
+  /// number of steps.
+  int Solve(const AdjustedStretch& stretch, int max_iterations);
+
+  /// Moves knots by one motion of odom each, at their places in time, and triangulates all landmarks anew.
+  void MoveKnots(const std::vector<Rigid3>& odom_from_odom);
+  void SetCalibration(const std::vector<CameraParameters>& cameras, double wheel_scale);
 
   /// Every so many-th landmark pulls nothing and judges the others; 0: all pull.
   void HoldOutLandmarks(size_t every);
@@ -63,6 +74,7 @@ class DriveAdjustment {
   std::vector<MotionState> States() const;
   std::vector<CameraParameters> Cameras() const;
   double WheelScale() const { return *wheel_scale_; }
+  const std::vector<AdjustedLoop>& loops() const { return loops_; }
   size_t num_knots() const { return knots_.size(); }
 
  private:

@@ -64,8 +64,7 @@ void DriveAdjustment::AddLandmarks(const DriveMeasurements& measurements) {
     for (const Seen& seen : track) {
       const RecordedImage& image = measurements.images[seen.image];
       const RecordedSighting& sighting = image.sightings[seen.sighting];
-      const double scale =
-          options_.bearing_inflation * measurements.camera_noise_scales[static_cast<size_t>(image.camera)];
+      const double scale = measurements.camera_noise_scales[static_cast<size_t>(image.camera)];
       landmark.sightings.push_back(
           {seen.image, {sighting.bearing.cast<double>().normalized(), scale * sighting.sigma, sighting.row}, nullptr});
     }

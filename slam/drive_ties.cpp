@@ -48,7 +48,8 @@ class LoopTranslator {
     if (adjusted.from == adjusted.to || !first || !second) return std::nullopt;
     const Rigid3 later_knot_from_end = *second * loop.later_from_camera;
     adjusted.from_from_to = *first * loop.pose.a_from_b * second->Inverse();
-    adjusted.square_root_weight = SquareRootOf(loop.pose.information) * AdjointOf(later_knot_from_end.Inverse());
+    adjusted.square_root_weight =
+        SquareRootOf(loop.share * loop.pose.information) * AdjointOf(later_knot_from_end.Inverse());
     return adjusted;
   }
 

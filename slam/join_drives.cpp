@@ -163,7 +163,7 @@ class JointGraph {
       graph_.edges.push_back(
           {first_vertex + loop.earlier_place, first_vertex + loop.later_place,
            places[loop.earlier_place].odom_from_place.Inverse() * places[loop.later_place].odom_from_place,
-           loop.pose.information, true});
+           loop.share * loop.pose.information, true});
     }
   }
 

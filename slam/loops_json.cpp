@@ -18,6 +18,9 @@ nlohmann::json ToJson(const LoopEvidence& loop) {
   nlohmann::json pairs = nlohmann::json::array();
   for (const CameraPairInliers& pair : pose.inliers_of_cameras)
     pairs.push_back({{"earlier", pair.camera_a}, {"later", pair.camera_b}, {"num_inliers", pair.count}});
+  nlohmann::json information = nlohmann::json::array();  // upper triangle, row by row
+  for (int row = 0; row < 6; ++row)
+    for (int column = row; column < 6; ++column) information.push_back(pose.information(row, column));
   return {{"id", loop.id},
           {"earlier", static_cast<double>(loop.earlier.ns) * 1e-9},
           {"later", static_cast<double>(loop.later.ns) * 1e-9},
@@ -30,6 +33,8 @@ nlohmann::json ToJson(const LoopEvidence& loop) {
           {"camera_pairs", pairs},
           {"residual", pose.residual},
           {"worst_sigma", pose.worst_sigma},
+          {"information", information},
+          {"information_share", loop.share},
           {"translation", {t.x(), t.y(), t.z()}},
           {"rotation_vector", {turn.x(), turn.y(), turn.z()}},
           {"odometry_disagreement", loop.odometry_disagreement},

@@ -10,13 +10,13 @@
 #include "slam/drive_adjustment.h"
 #include "slam/drive_ties.h"
 #include "slam/gate_calibration.h"
+#include "slam/solve_in_pieces.h"
 #include "slam/trajectory_builder.h"
 
 namespace parkade {
 namespace {
 
 constexpr size_t kMinHeldOut = 2;          // loops, fewer judge nothing
-constexpr int kSweeps = 2;                 // over the pieces of a long drive
 constexpr double kOutputInterval = 0.025;  // [s] between states
 // Median squared error per degree of freedom of loops that need no excuse. The pose graph shows less: it has seen them.
 constexpr double kNormalLoopError = 2;
@@ -63,25 +63,6 @@ Trajectory Rebuild(const DriveMeasurements& measurements, const std::vector<Moti
   for (const TrajectoryState& state : later.states())
     if (state.time > rebuilt.back().time) all.push_back(state);
   return Trajectory(std::move(all));
-}
-
-/// Pieces of equal length with half a piece's shift from sweep to sweep, so that seams of one lie within another.
-void SolveAll(DriveAdjustment& adjustment, const RefinementOptions& options, int max_iterations,
-              DriveRefinement& result) {
-  const size_t count = adjustment.num_knots(), piece = static_cast<size_t>(options.max_knots);
-  if (count <= piece) {
-    result.num_pieces = 1;
-    result.num_iterations += adjustment.Solve(0, count, max_iterations);
-    return;
-  }
-  result.num_pieces = static_cast<int>((count + piece - 1) / piece);
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    const size_t shift = sweep % 2 == 0 ? 0 : piece / 2;
-    for (size_t begin = 0; begin < count + shift; begin += piece) {
-      const size_t from = begin - std::min(begin, shift), to = std::min(begin + piece - shift, count);
-      if (from < to) result.num_iterations += adjustment.Solve(from, to, max_iterations);
-    }
-  }
 }
 
 /// Of what odometry had found observable, the refined value is taken.
@@ -170,11 +151,13 @@ DriveRefinement RefineDrive(const OdometryResult& odometry, const Rig& rig, cons
   result.num_fixes = static_cast<int>(placed.fixes.size());
   adjustment.SetGnss(placed.fixes, placed.site_from_odom);
   adjustment.HoldOutLandmarks(every);
+  const PieceOptions pieces{static_cast<size_t>(options.max_knots), options.max_iterations};
+  result.num_pieces = NumPieces(adjustment.num_knots(), pieces);
   adjustment.FitLandmarks();
   result.before = adjustment.Statistics();
-  SolveAll(adjustment, options, options.max_iterations, result);
+  result.num_iterations += SolveInPieces(adjustment, pieces);
   adjustment.RejectOutliers();
-  SolveAll(adjustment, options, options.max_iterations, result);
+  result.num_iterations += SolveInPieces(adjustment, pieces);
   adjustment.FitLandmarks();
   result.after = adjustment.Statistics();
   result.reason = ReasonAgainst(result, options);
@@ -183,7 +166,7 @@ DriveRefinement RefineDrive(const OdometryResult& odometry, const Rig& rig, cons
     adjustment.SetLoops(loops);
     adjustment.HoldOutLandmarks(0);
     adjustment.RejectOutliers();
-    if (every > 0) SolveAll(adjustment, options, options.max_iterations, result);
+    if (every > 0) result.num_iterations += SolveInPieces(adjustment, pieces);
     result.is_accepted = true;
     TakeCalibration(odometry, adjustment.Cameras(), result);
     result.odom_from_body = Rebuild(measurements, adjustment.States(), RigOfEstimate(result.rig, adjustment.Cameras()),

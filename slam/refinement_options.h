@@ -8,12 +8,12 @@ struct RefinementOptions {
   int sightings_per_track = 10;      ///< at most, spread over its images: errors of neighbours are alike
   int min_sightings = 4;             ///< of a track that becomes a landmark
   double min_distance = 0.3;         ///< [m] landmarks nearer are the car itself or nonsense
-  double bearing_inflation = 1;      ///< on the sigma that odometry found
+  double bearing_inflation = 2.45;   ///< of the sigma that odometry found, beside IMU, wheels and loops: errors last
   double robust_width = 2;           ///< [sigma] Cauchy loss of bearings, wheels and loops
   double max_bearing_error = 5;      ///< [sigma] a bearing further off is left out
   int max_iterations = 10;           ///< of each of the two or three solves
   int min_knots = 100;               ///< fewer: the odometry's window has seen nearly all of them at once
-  int max_knots = 5000;              ///< adjusted at once; longer drives in pieces, calibration held
+  int max_knots = 3000;              ///< adjusted at once, some 1.4 GB; longer drives in pieces (SolveInPieces)
   double held_out_share = 0.2;       ///< of tracks and loops, which judge the result before they join it
   double wheel_scale_sigma = 0.01;   ///< of the tyres' radius before the drive tells
   double max_imu_growth = 1.5;       ///< of the IMU's mean squared error, beyond which the result is not taken

@@ -1,23 +1,19 @@
 #include "slam/relative_pose.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <map>
 #include <opencv2/features2d.hpp>
 #include <random>
 
 #include "core/error.h"
+#include "slam/adjust_to_sights.h"
 #include "slam/guided_matches.h"
 #include "slam/sight.h"
 
 namespace parkade {
 namespace {
 
-constexpr int kRounds = 3;                            // of choosing inliers and adjusting
-constexpr int kSteps = 8;                             // Gauss-Newton steps per round
-constexpr double kTiltSigma = 0.3 * M_PI / 180;       // [rad] between the gravity of two places
-constexpr double kFloorTranslation = 0.01;            // [m] below which no loop is believed
-constexpr double kFloorRotation = 0.05 * M_PI / 180;  // [rad] the same
+constexpr int kRounds = 3;                       // of choosing inliers and adjusting
+constexpr double kTiltSigma = 0.3 * M_PI / 180;  // [rad] between the gravity of two places
 
 bool IsInlier(const Sight& sight, const Rigid3& a_from_b, double max_error) {
   const SightError error = ErrorOf(sight, a_from_b);
@@ -47,33 +43,6 @@ std::optional<Rigid3> SearchPose(const std::vector<Sight>& sights, const Relativ
   return best;
 }
 
-/// Gauss-Newton with Cauchy weights; the Hessian is that of the last step, gravity included.
-Matrix6d Adjust(const std::vector<Sight>& sights, Rigid3& a_from_b) {
-  Matrix6d hessian;
-  for (int step = 0; step < kSteps; ++step) {
-    hessian.setZero();
-    Vector6d gradient = Vector6d::Zero();
-    for (const Sight& sight : sights) {
-      const SightError error = ErrorOf(sight, a_from_b);
-      const double weight = 1 / (1 + error.whitened.squaredNorm() / 4);
-      hessian += weight * error.jacobian.transpose() * error.jacobian;
-      gradient += weight * error.jacobian.transpose() * error.whitened;
-    }
-    // Both places are level: what tilts one against the other costs.
-    const Eigen::Vector3d up_in_b = a_from_b.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-    const Eigen::Vector3d tilt_error = Eigen::Vector3d::UnitZ().cross(up_in_b);
-    const Eigen::Matrix3d by_turn = Skew(Eigen::Vector3d::UnitZ()) * Skew(up_in_b);
-    hessian.bottomRightCorner<3, 3>() += by_turn.transpose() * by_turn / (kTiltSigma * kTiltSigma);
-    gradient.tail<3>() += by_turn.transpose() * tilt_error / (kTiltSigma * kTiltSigma);
-
-    const Vector6d delta = -(hessian + 1e-9 * Matrix6d::Identity()).ldlt().solve(gradient);
-    a_from_b.translation += a_from_b.rotation * delta.head<3>();
-    a_from_b.rotation = (a_from_b.rotation * ExpSo3(delta.tail<3>())).normalized();
-    if (delta.norm() < 1e-7) break;
-  }
-  return hessian;
-}
-
 std::vector<CameraPairInliers> CountByCameras(const std::map<size_t, int>& camera_pair_of_match) {
   std::map<int, int> counts;
   for (const auto& [match, pair] : camera_pair_of_match) ++counts[pair];
@@ -85,40 +54,33 @@ std::vector<CameraPairInliers> CountByCameras(const std::map<size_t, int>& camer
   return by_cameras;
 }
 
-/// Chooses inliers and adjusts the pose to them, by turns.
-Matrix6d AdjustToInliers(const std::vector<Sight>& sights, const RelativePoseOptions& options, RelativePose& pose) {
+/// A pose adjusted to its inliers.
+struct Adjusted {
+  std::vector<Sight> inliers;
   Matrix6d hessian = Matrix6d::Identity();
+};
+
+/// Chooses inliers and adjusts the pose to them, by turns.
+Adjusted AdjustToInliers(const std::vector<Sight>& sights, const RelativePoseOptions& options, RelativePose& pose) {
+  Adjusted adjusted;
   for (int round = 0; round < kRounds; ++round) {
-    std::vector<Sight> inliers;
+    adjusted.inliers.clear();
     std::map<size_t, int> camera_pair_of_match;
     double sum = 0;
     for (const Sight& sight : sights) {
       if (!IsInlier(sight, pose.a_from_b, options.max_error)) continue;
-      inliers.push_back(sight);
+      adjusted.inliers.push_back(sight);
       camera_pair_of_match[sight.match] = sight.camera_pair;
       sum += ErrorOf(sight, pose.a_from_b).whitened.squaredNorm();
     }
     pose.num_inliers = static_cast<int>(camera_pair_of_match.size());
     pose.inliers_of_cameras = CountByCameras(camera_pair_of_match);
     pose.num_camera_pairs = static_cast<int>(pose.inliers_of_cameras.size());
-    pose.residual = inliers.empty() ? 0 : std::sqrt(sum / (2.0 * static_cast<double>(inliers.size())));
-    hessian = Adjust(inliers, pose.a_from_b);
+    const double num_numbers = 2.0 * static_cast<double>(adjusted.inliers.size());
+    pose.residual = adjusted.inliers.empty() ? 0 : std::sqrt(sum / num_numbers);
+    adjusted.hessian = AdjustToSights(adjusted.inliers, kTiltSigma, pose.a_from_b);
   }
-  return hessian;
-}
-
-/// Covariance that says what is believed, the floor included, and its inverse.
-void SetInformation(const Matrix6d& hessian, RelativePose& pose) {
-  Matrix6d covariance = hessian.ldlt().solve(Matrix6d::Identity()) * std::max(1.0, pose.residual * pose.residual);
-  // A match may give two sights, and points of one place share the odometry's errors.
-  covariance *= 2;
-  covariance.diagonal().head<3>().array() += kFloorTranslation * kFloorTranslation;
-  covariance.diagonal().tail<3>().array() += kFloorRotation * kFloorRotation;
-  const Eigen::Matrix3d translation = covariance.topLeftCorner<3, 3>();
-  pose.worst_sigma = std::sqrt(
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(translation, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff());
-  pose.information = covariance.ldlt().solve(Matrix6d::Identity());
-  pose.information = 0.5 * (pose.information + pose.information.transpose()).eval();
+  return adjusted;
 }
 
 std::string ReasonAgainst(const RelativePose& pose, const RelativePoseOptions& options) {
@@ -138,6 +100,8 @@ void RelativePoseOptions::Validate() const {
   Require(iterations > 0 && max_error > 0 && min_guiding_inliers > 2 && max_tilt_deg > 0 && min_inliers > 2 &&
               min_inliers_of_one > 2 && max_sigma > 0,
           ErrorCode::kUsage, "the options of relative poses must be positive, and at least 3 inliers");
+  Require(mount_rotation_deg >= 0 && mount_translation >= 0, ErrorCode::kUsage,
+          "errors of the mounts must not be negative");
 }
 
 std::vector<FeatureMatch> MatchPlaces(const Place& a, const Place& b, const RelativePoseOptions& options) {
@@ -170,13 +134,13 @@ RelativePose EstimateRigPose(const Place& a, const Place& b, const std::vector<F
     return pose;
   }
   pose.a_from_b = *found;
-  Matrix6d hessian = AdjustToInliers(sights, options, pose);
+  Adjusted adjusted = AdjustToInliers(sights, options, pose);
   pose.num_first_inliers = pose.num_inliers;
   if (pose.num_inliers >= options.min_guiding_inliers) {
     const std::vector<FeatureMatch> guided = FindGuidedMatches(a, b, pose.a_from_b, options);
-    hessian = AdjustToInliers(SightsOf(a, b, guided), options, pose);
+    adjusted = AdjustToInliers(SightsOf(a, b, guided), options, pose);
   }
-  SetInformation(hessian, pose);
+  SetInformation(CovarianceOfSights(adjusted.inliers, adjusted.hessian, pose.a_from_b, options), pose);
   pose.rejected = ReasonAgainst(pose, options);
   return pose;
 }

@@ -19,6 +19,9 @@ struct RelativePoseOptions {
   int min_inliers = 25;          ///< from two cameras or more ...
   int min_inliers_of_one = 40;   ///< ... or from one
   double max_sigma = 0.3;        ///< [m] of the worst direction
+  // By which each camera's mount may still be off after calibration: all loops that a camera sees share it.
+  double mount_rotation_deg = 0.06;
+  double mount_translation = 0.015;  ///< [m]
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -31,6 +34,8 @@ struct RelativePoseOptions {
     visit("min_inliers", min_inliers);
     visit("min_inliers_of_one", min_inliers_of_one);
     visit("max_sigma", max_sigma);
+    visit("mount_rotation_deg", mount_rotation_deg);
+    visit("mount_translation", mount_translation);
   }
   void Validate() const;  ///< throws Error{kUsage}
 };

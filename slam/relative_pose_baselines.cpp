@@ -4,14 +4,18 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/utility.hpp>
 
+#include "slam/adjust_to_sights.h"
+#include "slam/adjust_two_views.h"
+
 namespace parkade {
 namespace {
 
-constexpr double kMinForward = 0.3;     // cosine to the mean bearing below which a ray does not fit a plane
-constexpr int kMinInliersTwoView = 15;  // five points always fit
+constexpr double kMinForward = 0.3;  // cosine to the mean bearing below which a ray does not fit a plane
+// A wrong match passes where it happens to lie on its epipolar line: errors of accepted loops were twice as large
+// (squared) as their inliers show.
+constexpr double kEpipolarInflation = 2;
 constexpr int kMinInliersPnp = 10;
-constexpr double kPnpSigmaTranslation = 0.1;            // [m]
-constexpr double kPnpSigmaRotation = 1.0 * M_PI / 180;  // [rad]
+constexpr int kRoundsPnp = 3;  // of choosing inliers and adjusting
 constexpr double kRansacProbability = 0.999;
 
 /// Matches of the camera pair that has the most; those whose rays lie in front of both cameras.
@@ -73,6 +77,46 @@ Eigen::Vector3d ToVector(const cv::Mat& vector) {
   return {vector.at<double>(0), vector.at<double>(1), vector.at<double>(2)};
 }
 
+/// What errors of the two cameras' mounts add to the covariance of the rotation between them: the same camera twice
+/// errs alike, and nothing is left of it where the car heads the same way.
+Eigen::Matrix3d MountsIn(const Eigen::Quaterniond& a_from_b, bool is_same_camera, const RelativePoseOptions& options) {
+  const double variance = std::pow(options.mount_rotation_deg * M_PI / 180, 2);
+  if (!is_same_camera) return 2 * variance * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d off = Eigen::Matrix3d::Identity() - a_from_b.toRotationMatrix().transpose();
+  return variance * off * off.transpose();
+}
+
+bool IsTilted(const Eigen::Quaterniond& a_from_b, const RelativePoseOptions& options) {
+  const double tilt = std::acos(std::clamp((a_from_b * Eigen::Vector3d::UnitZ()).z(), -1.0, 1.0));
+  return tilt > options.max_tilt_deg * M_PI / 180;
+}
+
+/// Adjusts a first pose to the rays of `b` that meet points of `a`, and says how well it is known.
+void AdjustPnp(const Place& a, const Place& b, const std::vector<FeatureMatch>& matches,
+               const RelativePoseOptions& options, RelativePose& pose) {
+  std::vector<Sight> sights = SightsOf(a, b, matches), inliers;
+  std::erase_if(sights, [](const Sight& sight) { return sight.is_forward; });
+  Matrix6d hessian = Matrix6d::Identity();
+  for (int round = 0; round < kRoundsPnp; ++round) {
+    inliers.clear();
+    double sum = 0;
+    for (const Sight& sight : sights) {
+      const SightError error = ErrorOf(sight, pose.a_from_b);
+      if (!error.is_in_front || error.whitened.norm() >= options.max_error) continue;
+      inliers.push_back(sight);
+      sum += error.whitened.squaredNorm();
+    }
+    pose.num_inliers = static_cast<int>(inliers.size());
+    if (pose.num_inliers < kMinInliersPnp) return;
+    pose.residual = std::sqrt(sum / (2.0 * static_cast<double>(inliers.size())));
+    hessian = AdjustToSights(inliers, /*tilt_sigma=*/0, pose.a_from_b);
+  }
+  SetInformation(CovarianceOfSights(inliers, hessian, pose.a_from_b, options), pose);
+  pose.rejected.clear();
+  if (IsTilted(pose.a_from_b.rotation, options)) pose.rejected = "gravity differs";
+  if (!(pose.worst_sigma < options.max_sigma)) pose.rejected = "a direction is not fixed";
+}
+
 }  // namespace
 
 RelativePose EstimatePnpPose(const Place& a, const Place& b, const std::vector<FeatureMatch>& matches,
@@ -105,10 +149,7 @@ RelativePose EstimatePnpPose(const Place& a, const Place& b, const std::vector<F
   const Eigen::Vector3d centre_in_b = b.features[rays.matches.front().b].origin;
   const Rigid3 view_from_b{Eigen::Quaterniond(rays.view_from_b), -(rays.view_from_b * centre_in_b)};
   pose.a_from_b = view_from_a.Inverse() * view_from_b;
-  pose.worst_sigma = kPnpSigmaTranslation;
-  pose.information.diagonal() << Eigen::Vector3d::Constant(std::pow(kPnpSigmaTranslation, -2)),
-      Eigen::Vector3d::Constant(std::pow(kPnpSigmaRotation, -2));
-  pose.rejected.clear();
+  AdjustPnp(a, b, rays.matches, options, pose);
   return pose;
 }
 
@@ -118,7 +159,7 @@ TwoViewPose EstimateTwoViewPose(const Place& a, const Place& b, const std::vecto
   pose.num_matches = static_cast<int>(matches.size());
   pose.rejected = "too few inliers";
   const PlanarRays rays = Flatten(a, b, OfBestCameraPair(a, b, matches));
-  if (rays.matches.size() < static_cast<size_t>(kMinInliersTwoView)) return pose;
+  if (rays.matches.size() < static_cast<size_t>(options.min_inliers_of_one)) return pose;
   cv::theRNG().state = 1;
   cv::Mat inliers;
   const cv::Mat essential = cv::findEssentialMat(rays.in_b, rays.in_a, cv::Mat::eye(3, 3, CV_64F), cv::RANSAC,
@@ -128,21 +169,33 @@ TwoViewPose EstimateTwoViewPose(const Place& a, const Place& b, const std::vecto
   // x_in_view_a = R x_in_view_b + t
   pose.num_inliers =
       cv::recoverPose(essential, rays.in_b, rays.in_a, cv::Mat::eye(3, 3, CV_64F), rotation, direction, inliers);
-  if (pose.num_inliers < kMinInliersTwoView) return pose;
+  if (pose.num_inliers < options.min_inliers_of_one) return pose;
   const Eigen::Matrix3d a_from_b = rays.view_from_a.transpose() * ToEigen(rotation) * rays.view_from_b;
   pose.first_from_second = {Eigen::Quaterniond(a_from_b).normalized(),
                             rays.view_from_a.transpose() * ToVector(direction).normalized()};
-  pose.first_in_a = a.features[rays.matches.front().a].origin;
-  pose.second_in_b = b.features[rays.matches.front().b].origin;
-  const double tilt = std::acos(std::clamp((a_from_b * Eigen::Vector3d::UnitZ()).z(), -1.0, 1.0));
-  pose.rejected = tilt > options.max_tilt_deg * M_PI / 180 ? "gravity differs" : "";
+  std::vector<RayPair> pairs;
+  for (int i = 0; i < inliers.rows; ++i) {
+    const FeatureMatch& match = rays.matches[static_cast<size_t>(i)];
+    const PlaceFeature &in_a = a.features[match.a], &in_b = b.features[match.b];
+    if (inliers.at<uchar>(i)) pairs.push_back({in_a.bearing, in_b.bearing, in_a.sigma, in_b.sigma});
+  }
+  const AdjustedTwoViews adjusted = AdjustTwoViews(pairs, pose.first_from_second);
+  const PlaceFeature &first = a.features[rays.matches.front().a], &second = b.features[rays.matches.front().b];
+  pose.first_in_a = first.origin;
+  pose.second_in_b = second.origin;
+  pose.rotation_covariance =
+      adjusted.rotation_covariance + MountsIn(pose.first_from_second.rotation, first.camera == second.camera, options);
+  pose.direction_sigma =
+      std::hypot(std::sqrt(kEpipolarInflation) * adjusted.direction_sigma, options.mount_rotation_deg * M_PI / 180);
+  pose.rejected = IsTilted(pose.first_from_second.rotation, options) ? "gravity differs" : "";
   return pose;
 }
 
-Matrix6d ScaleLessInformation(const Rigid3& from_from_to, double rotation_sigma, double translation_sigma,
-                              bool has_direction) {
+Matrix6d ScaleLessInformation(const Rigid3& from_from_to, const Eigen::Matrix3d& rotation_covariance,
+                              double translation_sigma, bool has_direction) {
   Matrix6d information = Matrix6d::Zero();
-  information.diagonal().tail<3>().setConstant(1 / (rotation_sigma * rotation_sigma));
+  const Eigen::Matrix3d rotation = rotation_covariance.inverse();
+  information.bottomRightCorner<3, 3>() = 0.5 * (rotation + rotation.transpose());
   if (!has_direction) return information;
   // RelativePoseError has its translation in `to`.
   const Eigen::Vector3d direction = from_from_to.rotation.conjugate() * from_from_to.translation.normalized();

@@ -18,13 +18,11 @@ constexpr double kMuNearSolution = 0.01;  // loops off by up to 10 times their b
 constexpr size_t kFewLoops = 300;
 constexpr double kLessNoise = 0.7;    // scale of sigma below which the first, wide bound was too wide
 constexpr double kClearlyLess = 0.8;  // of one scale to the one before
-constexpr int kPartnersInGroup = 3;
+constexpr int kPartnersInGroup[] = {3, 6, 12};
 constexpr double kNearlyAll = 0.95;
 constexpr int kMaxRestarts = 3;
 constexpr int kMaxAdaptions = 6;
-// Errors of real loops have longer tails than a normal distribution: the bound stays this factor above what the
-// median shows.
-constexpr double kNoiseMargin = 3;
+constexpr double kNoiseMargin = 3;  // above what the median shows: errors of real loops have long tails
 
 /// Medians of chi^2 with 1 to 6 degrees of freedom.
 constexpr double kChiSquaredMedian[] = {0.4549, 1.3863, 2.3660, 3.3567, 4.3515, 5.3481};
@@ -134,13 +132,19 @@ class GraduatedNonConvexity {
     return static_cast<double>(num_believed) >= kNearlyAll * static_cast<double>(num_chosen);
   }
 
-  /// Tries the loops that support each other in threes, then those with a single partner if they are not explained yet.
+  /// Tries the loops that support each other in threes, and where the result does not explain these, in larger groups:
+  /// rows that look alike agree with each other too, but not with as many. Then those with a single partner if they are
+  /// not explained yet.
   void TrySupported(RobustPoseGraphSummary& summary, Reached& best) {
     const std::vector<double> pairs = WeightsOfSupported(summary.noise_scale, 1);
     if (pairs.empty()) return;
-    const std::vector<double> groups = WeightsOfSupported(summary.noise_scale, kPartnersInGroup);
-    if (!groups.empty()) Try(groups, kMuNearSolution, summary, best);
-    if (groups.empty() || !Believes(best, pairs)) Try(pairs, kMuNearSolution, summary, best);
+    for (const int num_partners : kPartnersInGroup) {
+      const std::vector<double> groups = WeightsOfSupported(summary.noise_scale, num_partners);
+      if (groups.empty()) break;
+      Try(groups, kMuNearSolution, summary, best);
+      if (Believes(best, groups)) break;
+    }
+    if (best.poses.empty() || !Believes(best, pairs)) Try(pairs, kMuNearSolution, summary, best);
   }
 
   /// Loops that support each other are a good start, and the only one that is quick where many wrong ones join

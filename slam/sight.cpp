@@ -13,6 +13,26 @@ Eigen::Matrix<double, 2, 3> BasisAcross(const Eigen::Vector3d& bearing) {
   return basis;
 }
 
+/// A sight at a pose, in the place of its ray.
+struct View {
+  Eigen::Matrix3d ray_from_point;  ///< rotation from the point's place
+  Eigen::Vector3d to_point;        ///< [m] from the ray's origin
+  Eigen::Matrix<double, 2, 3> whitening;
+};
+
+View ViewOf(const Sight& sight, const Rigid3& a_from_b) {
+  const Rigid3 ray_from_point = sight.is_forward ? a_from_b : a_from_b.Inverse();
+  View view{ray_from_point.rotation.toRotationMatrix(), ray_from_point * sight.point - sight.origin, {}};
+  const Eigen::Vector3d seen_along = view.ray_from_point * (sight.point - sight.point_origin);
+  const double distance = std::max(view.to_point.norm(), 0.1);
+  const double across = view.to_point.cross(seen_along).norm() / (distance * std::max(seen_along.norm(), 1e-6));
+  const double sigma =
+      std::sqrt(std::pow(sight.ray_sigma, 2) +
+                (std::pow(sight.point_sigma, 2) + std::pow(across * sight.depth_sigma, 2)) / (distance * distance));
+  view.whitening = BasisAcross(sight.bearing) / (distance * sigma);
+  return view;
+}
+
 }  // namespace
 
 std::vector<Sight> SightsOf(const Place& a, const Place& b, const std::vector<FeatureMatch>& matches) {
@@ -32,26 +52,27 @@ std::vector<Sight> SightsOf(const Place& a, const Place& b, const std::vector<Fe
 }
 
 SightError ErrorOf(const Sight& sight, const Rigid3& a_from_b) {
-  const Eigen::Matrix3d rotation = a_from_b.rotation.toRotationMatrix();
-  Eigen::Vector3d view, seen_along;  // to the point from the ray's origin; the line of sight that made the point
+  const View view = ViewOf(sight, a_from_b);
   Eigen::Matrix<double, 3, 6> by_tangent;
   if (sight.is_forward) {
-    view = a_from_b * sight.point - sight.origin;
-    seen_along = rotation * (sight.point - sight.point_origin);
-    by_tangent << rotation, -rotation * Skew(sight.point);
+    by_tangent << view.ray_from_point, -view.ray_from_point * Skew(sight.point);
   } else {
-    const Eigen::Vector3d in_b = a_from_b.Inverse() * sight.point;
-    view = in_b - sight.origin;
-    seen_along = rotation.transpose() * (sight.point - sight.point_origin);
-    by_tangent << -Eigen::Matrix3d::Identity(), Skew(in_b);
+    by_tangent << -Eigen::Matrix3d::Identity(), Skew(view.to_point + sight.origin);
   }
-  const double distance = std::max(view.norm(), 0.1);
-  const double across = view.cross(seen_along).norm() / (distance * std::max(seen_along.norm(), 1e-6));
-  const double sigma =
-      std::sqrt(std::pow(sight.ray_sigma, 2) +
-                (std::pow(sight.point_sigma, 2) + std::pow(across * sight.depth_sigma, 2)) / (distance * distance));
-  const Eigen::Matrix<double, 2, 3> basis = BasisAcross(sight.bearing) / (distance * sigma);
-  return {basis * view, basis * by_tangent, sight.bearing.dot(view) > 0.1};
+  return {view.whitening * view.to_point, view.whitening * by_tangent, sight.bearing.dot(view.to_point) > 0.1};
+}
+
+MountJacobians MountJacobiansOf(const Sight& sight, const Rigid3& a_from_b) {
+  const View view = ViewOf(sight, a_from_b);
+  const int camera_of_a = sight.camera_pair / kCamerasPerPlace, camera_of_b = sight.camera_pair % kCamerasPerPlace;
+  MountJacobians jacobians;
+  jacobians.ray_camera = sight.is_forward ? camera_of_a : camera_of_b;
+  jacobians.point_camera = sight.is_forward ? camera_of_b : camera_of_a;
+  // A ray that turns is a view that turns back; a point moves with the camera that saw it.
+  jacobians.by_ray << -view.whitening, view.whitening * Skew(view.to_point);
+  jacobians.by_point << view.whitening * view.ray_from_point,
+      -view.whitening * view.ray_from_point * Skew(sight.point - sight.point_origin);
+  return jacobians;
 }
 
 std::vector<Rigid3> SolveUprightPose(const Sight& first, const Sight& second) {

@@ -33,6 +33,14 @@ struct SightError {
 };
 SightError ErrorOf(const Sight& sight, const Rigid3& a_from_b);
 
+/// Derivatives of SightError::whitened by errors of the mounts of the two cameras, [translation | turn] in the body.
+/// Where one camera saw both, they add up.
+struct MountJacobians {
+  int ray_camera = 0, point_camera = 0;
+  Eigen::Matrix<double, 2, 6> by_ray, by_point;
+};
+MountJacobians MountJacobiansOf(const Sight& sight, const Rigid3& a_from_b);
+
 /// Poses with yaw alone that two sights of the same direction allow, at most two.
 std::vector<Rigid3> SolveUprightPose(const Sight& first, const Sight& second);
 

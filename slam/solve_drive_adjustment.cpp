@@ -13,6 +13,8 @@
 namespace parkade {
 namespace {
 
+constexpr int kMinSightings = 2;  // of a landmark within a stretch
+
 /// Recomputes the pose of each image once per evaluation instead of once per bearing.
 class ImageCallback final : public ceres::EvaluationCallback {
  public:
@@ -51,11 +53,15 @@ ceres::Solver::Options SolverOptions(int max_iterations) {
 
 }  // namespace
 
-int DriveAdjustment::Solve(size_t begin, size_t end, int max_iterations) {
+int DriveAdjustment::Solve(const AdjustedStretch& stretch, int max_iterations) {
+  const size_t begin = stretch.begin, end = stretch.end;
   PointImages();
   ImageCallback callback;
   PoseManifold manifold;
   ceres::CauchyLoss loss(options_.robust_width);
+  // Residuals show the part of a track's errors that it does not share with its neighbours, which is the smaller one.
+  const double bearing_weight = 1 / (options_.bearing_inflation * options_.bearing_inflation);
+  ceres::ScaledLoss bearing_loss(&loss, bearing_weight, ceres::DO_NOT_TAKE_OWNERSHIP);
   std::vector<std::unique_ptr<ceres::CostFunction>> costs;
   ceres::Solver::Options solver = SolverOptions(max_iterations);
   ceres::Problem problem(ProblemOptions(&callback));
@@ -82,10 +88,11 @@ int DriveAdjustment::Solve(size_t begin, size_t end, int max_iterations) {
     problem.AddResidualBlock(cost.get(), with, blocks);
     costs.push_back(std::move(cost));
   };
-  const bool is_whole = begin == 0 && end == knots_.size();
+  const bool frees_calibration = stretch.frees_calibration;
+  const size_t last = stretch.has_open_end ? end : std::min(end + 1, knots_.size());  // behind the knots that matter
 
   // In the order of the drive, so that the factorisation sees a band.
-  for (size_t j = begin; j < std::min(end + 1, knots_.size()); ++j) {
+  for (size_t j = begin; j < last; ++j) {
     pose_of(j), motion_of(j);
     if (j == 0 || !knots_[j].interval) continue;
     const KnotInterval& interval = *knots_[j].interval;
@@ -95,14 +102,14 @@ int DriveAdjustment::Solve(size_t begin, size_t end, int max_iterations) {
       add(std::make_unique<StandstillCost>(StandstillNoise(), nullptr, nullptr), nullptr,
           {pose_of(j - 1), pose_of(j), motion_of(j)});
     if (!interval.wheels) continue;
-    know(wheel_scale_, 1, false, is_whole);
+    know(wheel_scale_, 1, false, frees_calibration);
     add(std::make_unique<WheelCost>(*interval.wheels, nullptr, nullptr), &loss,
         {pose_of(j - 1), motion_of(j - 1), pose_of(j), wheel_scale_});
   }
   for (size_t i = 0; i < cameras_.size(); ++i) {
     const CameraSigmas& prior = camera_priors_[i];
-    know(cameras_[i].extrinsics, kPoseSize, true, is_whole && prior.rotation > 0);
-    know(cameras_[i].timing, kTimingSize, false, is_whole && (prior.time_offset > 0 || prior.line_delay > 0));
+    know(cameras_[i].extrinsics, kPoseSize, true, frees_calibration && prior.rotation > 0);
+    know(cameras_[i].timing, kTimingSize, false, frees_calibration && (prior.time_offset > 0 || prior.line_delay > 0));
   }
   for (const LinearPrior& prior : priors_) {
     const StateName& name = prior.blocks.front().name;
@@ -115,14 +122,15 @@ int DriveAdjustment::Solve(size_t begin, size_t end, int max_iterations) {
     if (!known.contains(block)) continue;
     add(std::make_unique<LinearPriorCost>(&prior), nullptr, {block});
   }
+  const auto is_left_out = [&](size_t knot) { return stretch.has_open_end && knot >= end; };
   for (const AdjustedLoop& loop : loops_)
-    if (loop.is_used && (is_moved(loop.from) || is_moved(loop.to)))
+    if (loop.is_used && (is_moved(loop.from) || is_moved(loop.to)) && !is_left_out(std::max(loop.from, loop.to)))
       add(std::make_unique<RelativePoseCost>(loop.from_from_to, loop.square_root_weight), &loss,
           {pose_of(loop.from), pose_of(loop.to)});
 
   for (const AdjustedFix& fix : fixes_) {
-    if (!is_moved(fix.first) && !is_moved(fix.first + 1)) continue;
-    know(site_from_odom_, kSiteSize, false, is_whole);
+    if ((!is_moved(fix.first) && !is_moved(fix.first + 1)) || is_left_out(fix.first + 1)) continue;
+    know(site_from_odom_, kSiteSize, false, frees_calibration);
     add(std::make_unique<GnssCost>(fix.antenna), &loss, {pose_of(fix.first), pose_of(fix.first + 1), site_from_odom_});
   }
 
@@ -131,17 +139,21 @@ int DriveAdjustment::Solve(size_t begin, size_t end, int max_iterations) {
     const bool concerns = std::any_of(landmark.sightings.begin(), landmark.sightings.end(), [&](const Sighting& seen) {
       return is_moved(images_[seen.image].first) || is_moved(images_[seen.image].second);
     });
-    if (!concerns || !landmark.is_used) continue;
+    const auto is_seen_here = [&](const Sighting& seen) { return !is_left_out(images_[seen.image].second); };
+    if (!concerns || !landmark.is_used ||
+        std::count_if(landmark.sightings.begin(), landmark.sightings.end(), is_seen_here) < kMinSightings)
+      continue;
     problem.AddParameterBlock(landmark.values, kLandmarkSize);
     solver.linear_solver_ordering->AddElementToGroup(landmark.values, 0);
     for (const Sighting& sighting : landmark.sightings) {
+      if (!is_seen_here(sighting)) continue;
       Image& image = images_[sighting.image];
       pose_of(image.first), pose_of(image.second);
       if (!is_seen[sighting.image]) callback.Add(&image.geometry);
       is_seen[sighting.image] = true;
       std::vector<double*> blocks = BlocksOf(image);
       blocks.push_back(landmark.values);
-      problem.AddResidualBlock(sighting.cost.get(), &loss, blocks);
+      problem.AddResidualBlock(sighting.cost.get(), &bearing_loss, blocks);
     }
   }
   const std::vector<double> before = values_;

@@ -1,5 +1,6 @@
 #include "tests/bench/loop_table.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -87,7 +88,22 @@ void CountOpposite(const Truth& truth, const Trajectory& odometry, const LoopOpt
   }
 }
 
+/// The error of a loop where it was measured, in the units of its own information.
+void JudgeClaim(const LoopEvidence& loop, const Rigid3& earlier_from_later, LoopError& judged) {
+  PoseGraphEdge edge;
+  edge.from_from_to = loop.earlier_from_camera.Inverse() * loop.pose.a_from_b * loop.later_from_camera;
+  judged.error = RelativePoseError(edge, loop.earlier_from_camera, earlier_from_later * loop.later_from_camera);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(loop.pose.information);
+  const Vector6d eigenvalues = solver.eigenvalues();
+  const auto is_known = eigenvalues.array() > 1e-9 * eigenvalues.maxCoeff();
+  const Vector6d variances = is_known.select(eigenvalues.cwiseInverse(), 0);
+  judged.sigmas =
+      (solver.eigenvectors() * variances.asDiagonal() * solver.eigenvectors().transpose()).diagonal().cwiseSqrt();
+  judged.squared = judged.error.dot(loop.pose.information * judged.error) / static_cast<double>(is_known.count());
+}
+
 void JudgeLoops(const Truth& truth, const LoopClosure& closure, LoopRun& run) {
+  const Timestamp odometry_begin = closure.odom_from_body.states().front().time;
   run.num_candidates = static_cast<int>(closure.loops.size());
   for (const LoopEvidence& loop : closure.loops) {
     run.num_measured += loop.pose.rejected.empty();
@@ -98,6 +114,9 @@ void JudgeLoops(const Truth& truth, const LoopClosure& closure, LoopRun& run) {
     LoopError& judged = run.accepted.emplace_back();
     judged.translation = error.translation.norm();
     judged.rotation = error.rotation.angularDistance(Eigen::Quaterniond::Identity());
+    JudgeClaim(loop, actual, judged);
+    judged.earlier = loop.earlier - odometry_begin;
+    judged.later = loop.later - odometry_begin;
     judged.num_inliers = loop.pose.num_inliers;
     judged.is_opposite = IsOpposite(*earlier, *later);
     judged.height = actual.translation.z();
@@ -146,9 +165,8 @@ std::vector<LoopRun> RunLoops(const SuiteDrive& drive, const TrackedDrive& track
     JudgeLoops(truth, closure, run);
     CountOpposite(truth, odometry.odom_from_body, options, run, closure);
     if (method != "rig" && method != "none") continue;
-    if (method == "rig" && table_options.wrong_share > 0) {
-      run.mixed = MixInWrongLoops(odometry.odom_from_body, closure, options, table_options.wrong_share,
-                                  table_options.wrong_seed);
+    if (method == "rig" && table_options.wrong.share > 0) {
+      run.mixed = MixInWrongLoops(odometry.odom_from_body, closure, options, table_options.wrong);
       LoopRun mixed;
       Evaluate(drive, log.rig(), run.mixed.odom_from_body, mixed);
       run.mixed_ate = mixed.ate;
@@ -170,6 +188,11 @@ nlohmann::json ToJson(const LoopRun& run) {
   for (const LoopError& error : run.accepted)
     accepted.push_back({{"translation", error.translation},
                         {"rotation", error.rotation},
+                        {"squared", error.squared},
+                        {"error", std::vector<double>(error.error.begin(), error.error.end())},
+                        {"sigmas", std::vector<double>(error.sigmas.begin(), error.sigmas.end())},
+                        {"earlier", error.earlier},
+                        {"later", error.later},
                         {"num_inliers", error.num_inliers},
                         {"is_opposite", error.is_opposite},
                         {"height", error.height}});

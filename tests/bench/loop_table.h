@@ -17,9 +17,12 @@ namespace parkade {
 struct LoopError {
   double translation = 0;  ///< [m]
   double rotation = 0;     ///< [rad]
+  double squared = 0;      ///< [sigma^2] by the loop's own information, per number that it measures: 1 is honest
   int num_inliers = 0;
-  bool is_opposite = false;  ///< the car stood the other way around
-  double height = 0;         ///< [m] between the two places in truth
+  bool is_opposite = false;                                      ///< the car stood the other way around
+  double height = 0;                                             ///< [m] between the two places in truth
+  Vector6d error = Vector6d::Zero(), sigmas = Vector6d::Zero();  ///< RelativePoseError and what is claimed of it
+  double earlier = 0, later = 0;                                 ///< [s] of the drive
 };
 
 /// The worst camera of a rig against the true one.
@@ -52,8 +55,7 @@ struct LoopTableOptions {
   LoopOptions loops;
   RefinementOptions refinement;
   bool uses_gnss = false;  ///< in the refinement
-  double wrong_share = 0;  ///< of wrong loops that are mixed in among those of "rig"
-  std::uint32_t wrong_seed = 1;
+  WrongLoopOptions wrong;  ///< that are mixed in among those of "rig"
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -61,8 +63,7 @@ struct LoopTableOptions {
     visit("loops", loops);
     visit("refinement", refinement);
     visit("uses_gnss", uses_gnss);
-    visit("wrong_share", wrong_share);
-    visit("wrong_seed", wrong_seed);
+    visit("wrong", wrong);
   }
 };
 

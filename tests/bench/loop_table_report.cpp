@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 
 #include "tests/bench/loop_table.h"
@@ -40,6 +41,19 @@ std::string RowOf(const LoopRun& run) {
                run.num_candidates, MedianOf(inliers), MedianOf(ErrorsOf(run, 1, &LoopError::translation)),
                MedianOf(ErrorsOf(run, 180 / M_PI, &LoopError::rotation)), run.num_wrong, decks, run.num_opposite_found,
                run.num_opposite_chances, run.seconds);
+}
+
+/// How honest the loops' information is: 1 where errors are as large as claimed.
+std::string HonestyOf(const std::vector<LoopRun>& runs) {
+  std::map<std::string, std::vector<double>> squared;
+  for (const LoopRun& run : runs)
+    for (const LoopError& error : run.accepted) squared[run.method].push_back(error.squared);
+  std::string text = "Squared errors of accepted loops, in units of what they claim, mean (median):";
+  for (const auto& [method, values] : squared)
+    text += Print(" %s %.2f (%.2f)", method.c_str(),
+                  std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size()),
+                  MedianOf(values));
+  return text + ".\n";
 }
 
 /// Bars of `values` between 0 and `limit`; what is larger falls into the last.
@@ -95,7 +109,7 @@ std::string ToMarkdown(const std::vector<LoopRun>& runs) {
   text += ". Worse than odometry by more than 5 %:";
   for (const auto& [method, count] : worse)
     if (count > 0) text += Print(" %s %d", method.c_str(), count);
-  return text + ".\n";
+  return text + ".\n" + HonestyOf(runs);
 }
 
 cv::Mat PlotLoopErrors(const std::vector<LoopRun>& runs) {

@@ -85,6 +85,7 @@ struct CommandLine {
   std::vector<std::string> files;
   std::vector<double> wrong_shares;
   std::vector<std::uint32_t> seeds = {1};
+  size_t group = 1;
   int max_iterations = 200, num_threads = 1;
 };
 
@@ -105,16 +106,24 @@ void CompareWithPlainCeres(const CommandLine& line) {
 
 /// Wrong loops among all loops: how far the robust result lies from the optimum without them.
 void CompareWithClean(const CommandLine& line) {
-  std::printf("| graph | wrong loops | seed | off the clean optimum, m | wrong kept | right lost | noise | s |\n");
+  std::printf(
+      "| graph | wrong loops | seed | off the clean optimum, m (odometry) | wrong kept | right lost | noise | s |\n");
   std::printf("|---|---|---|---|---|---|---|---|\n");
   for (const std::string& file : line.files) {
     PoseGraph clean = ReadG2o(ReadFile(file));
     OptimizePoseGraph({}, clean);
+    PoseGraph odometry = clean;
+    OptimizePoseGraph({.start = "odometry", .max_iterations = 0}, odometry);
+    const double of_odometry = AbsoluteError(PosesOf(clean), odometry);
     for (const double share : line.wrong_shares) {
       for (const std::uint32_t seed : line.seeds) {
         PoseGraph graph = ReadG2o(ReadFile(file));
         const size_t num_right = graph.edges.size();
-        AddWrongLoops(PosesOf(clean), share, seed, graph);
+        if (line.group > 1) {
+          AddAlikeStretches(PosesOf(clean), share, line.group, seed, graph);
+        } else {
+          AddWrongLoops(PosesOf(clean), share, seed, graph);
+        }
         const double begin = Now();
         const RobustPoseGraphSummary summary = OptimizePoseGraphRobustly({}, graph);
         const double seconds = Now() - begin;
@@ -123,9 +132,9 @@ void CompareWithClean(const CommandLine& line) {
         const auto num_wrong_kept = std::count_if(middle, summary.weights.end(), is_kept);
         const auto num_right_lost =
             middle - summary.weights.begin() - std::count_if(summary.weights.begin(), middle, is_kept);
-        std::printf("| %s | %zu (%.0f %%) | %u | %.3g | %td | %td | %.3g | %.1f |\n", NameOf(file).c_str(),
+        std::printf("| %s | %zu (%.0f %%) | %u | %.3g (%.3g) | %td | %td | %.3g | %.1f |\n", NameOf(file).c_str(),
                     graph.edges.size() - num_right, 100 * share, seed, AbsoluteError(PosesOf(clean), graph),
-                    num_wrong_kept, num_right_lost, summary.noise_scale, seconds);
+                    of_odometry, num_wrong_kept, num_right_lost, summary.noise_scale, seconds);
         std::fflush(stdout);
       }
     }
@@ -143,6 +152,8 @@ int main(int argc, char** argv) {
   app.add_option("--wrong", line.wrong_shares, "Shares of wrong loops among all loops, to be added at random")
       ->delimiter(',')
       ->check(CLI::Range(0.0, 0.95));
+  app.add_option("--alike", line.group, "Wrong loops come in groups of so many that agree with each other")
+      ->check(CLI::Range(1, 1000));
   app.add_option("--seeds", line.seeds, "of the wrong loops")->delimiter(',');
   app.add_option("--iterations", line.max_iterations, "of plain Ceres, at most")->capture_default_str();
   app.add_option("--threads", line.num_threads)->capture_default_str();

@@ -22,13 +22,14 @@ class Dice {
 };
 
 PoseGraphEdge EdgeOf(const LoopEvidence& loop, size_t first) {
-  return {first + loop.earlier_place, first + loop.later_place, loop.pose.a_from_b, loop.pose.information, false};
+  return {first + loop.earlier_place, first + loop.later_place, loop.pose.a_from_b, loop.share * loop.pose.information,
+          false};
 }
 
 }  // namespace
 
 MixedLoops MixInWrongLoops(const Trajectory& odometry, const LoopClosure& closure, const LoopOptions& options,
-                           double share, std::uint32_t seed) {
+                           const WrongLoopOptions& wrong) {
   MixedLoops mixed;
   mixed.odom_from_body = odometry;
   const std::vector<Place> places = ChoosePlaces(odometry, options.places);
@@ -41,21 +42,27 @@ MixedLoops MixInWrongLoops(const Trajectory& odometry, const LoopClosure& closur
   for (const LoopEvidence& loop : closure.loops)
     if (loop.weight > 0.5) graph.edges.push_back(EdgeOf(loop, first));
   mixed.num_right = graph.edges.size() - num_trusted;
-  if (mixed.num_right == 0) return mixed;
+  const auto group = static_cast<size_t>(std::max(wrong.group, 1));
+  if (mixed.num_right == 0 || places.size() <= group) return mixed;
 
-  Dice dice(seed);
-  mixed.num_wrong = static_cast<size_t>(std::lround(share / (1 - share) * static_cast<double>(mixed.num_right)));
+  Dice dice(wrong.seed);
+  mixed.num_wrong =
+      static_cast<size_t>(std::lround(wrong.share / (1 - wrong.share) * static_cast<double>(mixed.num_right)));
   for (size_t i = 0; i < mixed.num_wrong;) {
-    const auto [earlier, later] = std::minmax({dice.Index(places.size()), dice.Index(places.size())});
+    const size_t last = places.size() - group;
+    const auto [earlier, later] = std::minmax({dice.Index(last + 1), dice.Index(last + 1)});
     if (places[later].distance - places[earlier].distance < options.recognition.min_gap) continue;
-    PoseGraphEdge edge = graph.edges[num_trusted + dice.Index(mixed.num_right)];
-    edge.from = first + earlier;
-    edge.to = first + later;
     const double base = options.recognition.drift_base, height = options.recognition.height_base;
-    edge.from_from_to = {ExpSo3({0, 0, dice.Within(M_PI)}),
+    const Rigid3 seeming{ExpSo3({0, 0, dice.Within(M_PI)}),
                          Eigen::Vector3d(dice.Within(base), dice.Within(base), dice.Within(height))};
-    graph.edges.push_back(edge);
-    ++i;
+    for (size_t k = 0; k < group && i < mixed.num_wrong; ++k, ++i) {
+      PoseGraphEdge edge = graph.edges[num_trusted + dice.Index(mixed.num_right)];
+      edge.from = first + earlier + k;
+      edge.to = first + later + k;
+      edge.from_from_to =
+          poses[earlier + k].Inverse() * poses[earlier] * seeming * poses[later].Inverse() * poses[later + k];
+      graph.edges.push_back(edge);
+    }
   }
   RobustPoseGraphOptions robust;
   robust.graph.objective = "information";

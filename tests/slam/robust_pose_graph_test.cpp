@@ -46,6 +46,24 @@ TEST(RobustPoseGraph, WrongLoopsDoNotMoveTheDrive) {
   }
 }
 
+TEST(RobustPoseGraph, StretchesThatLookAlikeDoNotMoveTheDrive) {
+  for (const double share : {0.1, 0.3}) {
+    for (const std::uint32_t seed : {1u, 2u, 3u}) {
+      SyntheticGraph clean = MakeSyntheticGraph({.seed = seed}), made = clean;
+      OptimizePoseGraph({}, clean.graph);
+      const size_t num_before = made.graph.edges.size();
+      AddAlikeStretches(made.truth, share, 5, seed, made.graph);
+
+      const RobustPoseGraphSummary summary = OptimizePoseGraphRobustly({}, made.graph);
+
+      EXPECT_LT(AbsoluteError(made.truth, made.graph), 1.1 * AbsoluteError(clean.truth, clean.graph))
+          << "share " << share << " seed " << seed;
+      const auto first_wrong = summary.weights.begin() + static_cast<std::ptrdiff_t>(num_before);
+      EXPECT_EQ(std::count(first_wrong, summary.weights.end(), 1.0), 0) << "wrong loops that survived";
+    }
+  }
+}
+
 TEST(RobustPoseGraph, ASingleTrueLoopWithoutAPartnerIsFound) {
   SyntheticGraph made = MakeSyntheticGraph({});
   std::vector<PoseGraphEdge>& edges = made.graph.edges;

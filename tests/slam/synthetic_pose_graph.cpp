@@ -114,6 +114,34 @@ void AddWrongLoops(const std::vector<Rigid3>& placed, double share, std::uint32_
   }
 }
 
+void AddAlikeStretches(const std::vector<Rigid3>& placed, double share, size_t group, std::uint32_t seed,
+                       PoseGraph& graph) {
+  Noise noise(seed);
+  std::vector<Matrix6d> informations;
+  for (const PoseGraphEdge& edge : graph.edges)
+    if (!edge.is_trusted) informations.push_back(edge.information);
+  const double wanted = share / (1 - share) * static_cast<double>(informations.size());
+  size_t num_added = 0;
+  while (static_cast<double>(num_added) < wanted) {
+    const size_t first = noise.Index(placed.size() - group), second = noise.Index(placed.size() - group);
+    const Rigid3& there = placed[second];
+    const Rigid3 here_from_there = placed[first] * there.Inverse();
+    // Where the second stretch truly is beside the first, nothing would be wrong.
+    if (std::max(first, second) - std::min(first, second) < 2 * group ||
+        (there.translation - placed[first].translation).norm() < 3)
+      continue;
+    for (size_t i = 0; i < group; ++i) {
+      PoseGraphEdge edge;
+      edge.from = first + i;
+      edge.to = second + i;
+      edge.from_from_to = placed[edge.from].Inverse() * here_from_there * placed[edge.to];
+      edge.information = informations[noise.Index(informations.size())];
+      graph.edges.push_back(edge);
+      ++num_added;
+    }
+  }
+}
+
 double AbsoluteError(const std::vector<Rigid3>& truth, const PoseGraph& graph) {
   Eigen::Matrix3Xd source(3, static_cast<Eigen::Index>(truth.size())), target = source;
   for (Eigen::Index i = 0; i < source.cols(); ++i) {

@@ -29,6 +29,11 @@ SyntheticGraph MakeSyntheticGraph(const SyntheticGraphOptions& options);
 /// other loops of `graph`, until they are `share` of all loops.
 void AddWrongLoops(const std::vector<Rigid3>& placed, double share, std::uint32_t seed, PoseGraph& graph);
 
+/// Adds loops that are wrong and agree with each other, as rows of equal columns make them: `group` successive vertices
+/// seem to be where others are that lie elsewhere, all by the same motion, until they are `share` of all loops.
+void AddAlikeStretches(const std::vector<Rigid3>& placed, double share, size_t group, std::uint32_t seed,
+                       PoseGraph& graph);
+
 /// RMSE of positions after rigid alignment [m].
 double AbsoluteError(const std::vector<Rigid3>& truth, const PoseGraph& graph);
 
