@@ -114,8 +114,8 @@ TEST(RefineDrive, LoopsThatContradictTheDriveAndEachOtherChangeNothing) {
   }
 }
 
-TEST(RefineDrive, NeedsNoLoopsWhereThereAreWheels) {
-  const TrackedDrive tracked{.has_wheels = true};
+TEST(RefineDrive, NeedsNoLoops) {
+  const TrackedDrive& tracked = Tracked();
   LoopClosure none;
   none.odom_from_body = tracked.odometry.odom_from_body;
 
