@@ -27,7 +27,7 @@ struct KeptTurn {
   CameraParameters Without(const CameraParameters& estimate) const;
 };
 
-/// Directions of the mean turn that are neither sure to 0.05 degrees nor refute the rig by 3 sigma are kept.
+/// Directions of the mean turn that are neither sure to 0.075 degrees nor refute the rig by 3 sigma are kept.
 /// All cameras' extrinsics must be among the states of `joint`, else nothing is common.
 KeptTurn FindKeptTurn(const Rig& rig, const std::vector<CameraParameters>& estimate, const JointEstimate& joint);
 

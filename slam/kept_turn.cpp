@@ -9,8 +9,8 @@
 namespace parkade {
 namespace {
 
-constexpr double kSureTurn = 0.05 * M_PI / 180;  // [rad] sigma of a common turn that is taken whatever it is
-constexpr double kRefuted = 3;                   // [sigma] by which a turn less sure must differ from none
+constexpr double kSureTurn = 0.075 * M_PI / 180;  // [rad] sigma of a common turn that is taken whatever it is
+constexpr double kRefuted = 3;                    // [sigma] by which a turn less sure must differ from none
 
 /// First column of the camera's state in `joint`; -1 where it is not estimated.
 Eigen::Index ColumnOf(const JointEstimate& joint, StateName::Kind kind, size_t camera) {
