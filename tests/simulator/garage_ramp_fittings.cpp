@@ -61,20 +61,22 @@ void GarageStructure::CurveWall(int deck, bool is_outer) {
 
 void GarageStructure::RampWall(int deck, bool is_north) {
   const double y = layout_.width + (is_north ? GarageLayout::kStrip - 0.1 : 0.1);
+  // The flat ends of the way as well, on this deck and on the next.
+  const double begin = 9.5 - layout_.ramp_from, end = layout_.length - 9.5 - layout_.ramp_from;
   const auto add = [&](double along, double height, const Vector3d& half_size, MaterialId material) {
     const double floor = deck * layout_.storey + layout_.straight.Height(along);
     mesh_.AddBox({layout_.ramp_from + along, y, floor + height}, half_size, 0, material);
   };
-  const double run = layout_.straight.run, paint_half = layout_.style.paint_height / 2;
-  for (double along = 0.3; along < run; along += 0.55)
+  const double paint_half = layout_.style.paint_height / 2;
+  for (double along = begin; along < end; along += 0.55)
     add(along, paint_half, {0.28, 0.012, paint_half + random_.Uniform(0, 0.02)}, paint_);
-  const int num_scuffs = static_cast<int>(9 * run);
+  const int num_scuffs = static_cast<int>(9 * (end - begin));
   for (int i = 0; i < num_scuffs; ++i) {
     const MaterialId materials[] = {rubber_, paper_, concrete_, black_};
-    add(random_.Uniform(0, run), random_.Uniform(0.1, 1.9),
+    add(random_.Uniform(begin, end), random_.Uniform(0.1, 1.9),
         {random_.Uniform(0.03, 0.3), 0.02 + 0.0001 * i, random_.Uniform(0.006, 0.04)}, materials[random_.Index(4)]);
   }
-  for (double along = random_.Uniform(0.5, 2); along < run; along += random_.Uniform(1.5, 3.5))
+  for (double along = begin + random_.Uniform(0.5, 2); along < end; along += random_.Uniform(1.5, 3.5))
     add(along, random_.Uniform(1.2, 1.7), {random_.Uniform(0.1, 0.3), 0.06, random_.Uniform(0.1, 0.3)},
         random_.Chance(0.5) ? metal_ : paper_);
 }

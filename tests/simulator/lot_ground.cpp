@@ -54,6 +54,23 @@ void MarkDeck(const LotLayout& layout, GroundPainter& painter, int first_number)
   }
 }
 
+/// The way to the ramps, beside the slots: worn and dirty.
+void MarkStrip(const LotLayout& layout, double strip, GroundPainter& painter) {
+  constexpr double kPerMetre = 3;
+  const double middle = layout.width + strip / 2;
+  const auto anywhere = [&] {
+    return Vector2d(painter.random().Uniform(0, layout.length),
+                    layout.width + painter.random().Uniform(0.2, strip - 0.2));
+  };
+  for (const double side : {-0.75, 0.75})
+    painter.TyreTrack({3, middle + side}, {layout.length - 3, middle + side}, 0.6, 0.4f);
+  for (const double y : {layout.width + 0.35, layout.width + strip - 0.35})
+    painter.Line({9.5, y}, {layout.length - 9.5, y}, 0.12, 0.3f, kYellowPaint);
+  painter.Cracks(static_cast<int>(layout.length / 5), anywhere);
+  painter.Stains(static_cast<int>(kPerMetre * layout.length), anywhere, anywhere);
+  painter.Litter(static_cast<int>(kPerMetre * layout.length), anywhere);
+}
+
 }  // namespace
 
 GroundCanvas PaintLot(const LotLayout& layout, double texel_size, std::uint64_t seed) {
@@ -88,6 +105,7 @@ GroundCanvas PaintDeck(const LotLayout& layout, double strip, double texel_size,
   painter.Stains(per_area(12), anywhere);
   Mark(layout, painter);
   MarkDeck(layout, painter, 100 * (deck + 1) + 1);
+  MarkStrip(layout, strip, painter);
   painter.Litter(per_area(1.5));
   canvas.Finish();
   return canvas;

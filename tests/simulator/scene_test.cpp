@@ -8,6 +8,7 @@
 #include "tests/simulator/image_sensor.h"
 #include "tests/simulator/kept_tracks.h"
 #include "tests/simulator/plan_drive.h"
+#include "tests/simulator/ray_scene.h"
 #include "tests/simulator/renderer.h"
 #include "tests/simulator/simulated_rig.h"
 #include "tests/simulator/traffic.h"
@@ -53,6 +54,21 @@ int NumKeptTracks(const DrivenScene& driven, size_t camera, double time) {
   return tracks.num_kept();
 }
 
+/// Whether something that stands there hides a point of the ground from a camera.
+bool IsHidden(const RayScene& objects, const Eigen::Vector3d& eye, const Eigen::Vector3d& point) {
+  constexpr float kAlmost = 0.995f;  // of the way
+  const Eigen::Vector3f origin = eye.cast<float>(), way = (point - eye).cast<float>();
+  RTCRay ray{};
+  ray.org_x = origin.x(), ray.org_y = origin.y(), ray.org_z = origin.z();
+  ray.dir_x = way.x(), ray.dir_y = way.y(), ray.dir_z = way.z();
+  ray.tfar = kAlmost;
+  ray.mask = ~0u;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(objects.scene(), &context, &ray);
+  return ray.tfar < 0;
+}
+
 bool IsNearRim(const Place& place, size_t sheet, const Eigen::Vector2d& xy) {
   constexpr double kCell = 0.05;  // [m]
   for (const double dx : {-kCell, 0.0, kCell})
@@ -61,8 +77,8 @@ bool IsNearRim(const Place& place, size_t sheet, const Eigen::Vector2d& xy) {
   return false;
 }
 
-/// Of places on drivable ground within 4 m of a camera, where little hides them, and of undrivable ones within 8 m,
-/// the share that the mask has right, give or take a pixel and the cell of 5 cm that the renderer looks up.
+/// Of places on drivable ground within 4 m of a camera that nothing hides, and of undrivable ones within 8 m, the share
+/// that the mask has right, give or take a pixel and the cell of 5 cm that the renderer looks up.
 double MaskAgreement(const DrivenScene& driven, size_t camera, double time) {
   const cv::Mat drivable = driven.Take(camera, time).drivable, mask = driven.renderer->Mask(camera);
   const cv::Mat neighbours = cv::getStructuringElement(cv::MORPH_RECT, {3, 3});
@@ -71,7 +87,9 @@ double MaskAgreement(const DrivenScene& driven, size_t camera, double time) {
   cv::dilate(drivable, outer, neighbours);
   const Rigid3 world_from_body = driven.plan.motion.WorldFromBody(time);
   const Rigid3 camera_from_world = (world_from_body * driven.rig.cameras[camera].body_from_camera).Inverse();
-  const Eigen::Vector2d eye = (world_from_body * driven.rig.cameras[camera].body_from_camera.translation).head<2>();
+  const Eigen::Vector3d camera_place = world_from_body * driven.rig.cameras[camera].body_from_camera.translation;
+  const Eigen::Vector2d eye = camera_place.head<2>();
+  const RayScene objects({&driven.scene.objects});
   const Ground& ground = driven.scene.place.ground;
   int num_right = 0, num_checked = 0;
   for (double dx = -8; dx < 8; dx += 0.37) {
@@ -82,12 +100,12 @@ double MaskAgreement(const DrivenScene& driven, size_t camera, double time) {
       if (!ground.sheets()[sheet].Covers(xy)) continue;
       const bool is_road = driven.scene.place.is_drivable(sheet, xy);
       if (IsNearRim(driven.scene.place, sheet, xy)) continue;
-      // What stands on the ground hides the road behind it, so marks are asked for where nothing may stand.
       const Eigen::Vector3d point(xy.x(), xy.y(), ground.Height(xy, near_z));
       const auto pixel = driven.rig.cameras[camera].model.Project(camera_from_world * point);
       if (!pixel || !driven.rig.cameras[camera].model.IsInImage(*pixel, 2)) continue;
       const cv::Point place(static_cast<int>(std::lround(pixel->x())), static_cast<int>(std::lround(pixel->y())));
-      if (mask.at<std::uint8_t>(place) == 0 || (is_road && std::hypot(dx, dy) > 4)) continue;
+      if (mask.at<std::uint8_t>(place) == 0) continue;
+      if (is_road && (std::hypot(dx, dy) > 4 || IsHidden(objects, camera_place, point))) continue;
       num_right += is_road ? outer.at<std::uint8_t>(place) == 255 : inner.at<std::uint8_t>(place) == 0;
       ++num_checked;
     }
