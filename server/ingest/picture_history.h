@@ -25,7 +25,7 @@ struct PictureFault {
 /// "dark", "unchanged", "covered".
 const char* NameOf(PictureFault::Kind kind);
 
-/// The pictures of one camera in the order of the log. Keeps at most kMaxSamples samples of 200 bytes: one a second,
+/// The pictures of one camera in the order of the log. Keeps at most kMaxSamples samples of 330 bytes: one a second,
 /// in logs of hours fewer.
 class PictureHistory {
  public:
@@ -59,9 +59,11 @@ class PictureHistory {
 };
 
 /// Stretches in which something covers a part of a lens, per camera: blocks that stay blind although the car moves, and
-/// more of them than the camera or the others usually have. Sky and bare walls are blind too, but to all cameras that
-/// see them, and not in one place for long. Of a single camera only a cover that comes or goes is told. At least three
-/// seconds of driving. Linear but for a sort.
+/// more of them than the camera or the others usually have. Blind is what has much less contrast than the camera shows
+/// there at its best, or the others usually do at that height in the picture: mud lets a little through, and the
+/// exposure brings it up. Sky and bare walls are blind too, but to all cameras that see them, and not in one place for
+/// long. Of a single camera only a cover that comes or goes is told. At least five seconds of driving. Linear but for
+/// sorts.
 std::vector<std::vector<PictureFault>> FindCovers(const std::vector<const PictureHistory*>& cameras);
 
 }  // namespace parkade

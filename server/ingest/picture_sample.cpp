@@ -78,17 +78,22 @@ PictureGlance GlanceAt(const cv::Mat& gray) {
 
 std::optional<PictureSample> SampleOf(const cv::Mat& gray) {
   if (gray.cols < kMinWidth || gray.rows < kMinHeight) return std::nullopt;
-  // White noise loses half of its strength from one size to the next, what is to be seen hardly any.
   constexpr int kUsualWidth = 320;
-  constexpr float kLeastDetail = 0.8f, kNoiseRatio = 0.6f;  // grey levels; coarse to fine
+  constexpr float kNoiseRatio = 0.6f;  // coarse to fine, below which all is noise
+  constexpr float kDark = 8;           // grey levels added to the brightness: in the dark contrast means nothing
   const int factor = std::max(1, static_cast<int>(std::lround(static_cast<double>(gray.cols) / kUsualWidth)));
-  const cv::Mat fine = Smaller(gray, factor);
-  const auto brightness = MeansOfBlocks(fine), fine_detail = DetailOfBlocks(fine),
+  const cv::Mat small = Smaller(gray, factor);
+  const auto brightness = MeansOfBlocks(small), fine_detail = DetailOfBlocks(small),
              coarse_detail = DetailOfBlocks(Smaller(gray, 2 * factor));
   PictureSample sample;
   for (std::size_t i = 0; i < PictureSample::kBlocks; ++i) {
     sample.brightness[i] = static_cast<std::uint8_t>(std::lround(brightness[i]));
-    sample.blind[i] = coarse_detail[i] < kLeastDetail || coarse_detail[i] < kNoiseRatio * fine_detail[i];
+    // White noise loses half of its strength from one size to the next, what is to be seen hardly any.
+    const float fine = fine_detail[i], coarse = coarse_detail[i];
+    const float detail = coarse < kNoiseRatio * fine ? 0 : std::sqrt((4 * coarse * coarse - fine * fine) / 3);
+    const float contrast = detail / (brightness[i] + kDark);
+    sample.contrast[i] =
+        static_cast<std::uint8_t>(std::lround(std::min(255., contrast / PictureSample::kContrastUnit)));
   }
   return sample;
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <bitset>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <optional>
@@ -18,10 +17,11 @@ struct PictureGlance {
 struct PictureSample {
   static constexpr int kRows = 10, kColumns = 16;
   static constexpr std::size_t kBlocks = kRows * kColumns;
-  using Blocks = std::bitset<kBlocks>;
+  static constexpr double kContrastUnit = 1e-3;
 
   std::array<std::uint8_t, kBlocks> brightness{};  ///< mean grey level
-  Blocks blind;                                    ///< shows no detail that is more than noise
+  /// How much detail there is beyond noise, against the brightness, in kContrastUnit: does not depend on the exposure.
+  std::array<std::uint8_t, kBlocks> contrast{};
 };
 
 /// `gray`: CV_8UC1, not empty. Thread-safe, as the next.

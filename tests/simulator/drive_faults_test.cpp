@@ -139,7 +139,7 @@ TEST_F(DriveFaults, InspectNamesDarkAndCoveredCameras) {
     const PictureFault& mud = topic.picture_faults[1];
     EXPECT_EQ(mud.kind, PictureFault::Kind::kCovered);
     EXPECT_NEAR(mud.begin - inspection.span.begin, 3, 1.5);
-    EXPECT_NEAR(mud.end - inspection.span.begin, 10, 2.5);
+    EXPECT_NEAR(mud.end - inspection.span.begin, 10, 1.5);
   }
 }
 

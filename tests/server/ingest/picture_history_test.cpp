@@ -154,6 +154,20 @@ TEST(PictureHistory, MudFromTheFirstPictureToTheLastShowsBesideTheOtherCameras) 
   EXPECT_NEAR(covers[0][0].Seconds(), 19, 1);
 }
 
+TEST(PictureHistory, ThinMudOverMostOfADriveIsToldWhole) {
+  const auto covers = CoversOf({.seconds = 60}, [](std::size_t camera, double seconds, cv::Mat& picture) {
+    if (camera != 3 || seconds < 8 || 52 <= seconds) return;
+    cv::Mat behind = picture(cv::Rect(0, 0, kWidth, kHeight / 2));
+    behind.convertTo(behind, CV_8U, 0.15, 80 + seconds);  // as the exposure rises
+  });
+
+  for (const std::size_t camera : {0u, 1u, 2u}) EXPECT_TRUE(covers[camera].empty());
+  ASSERT_EQ(covers[3].size(), 1u);
+  EXPECT_NEAR(covers[3][0].begin - At(8), 0.5, 0.6);
+  EXPECT_NEAR(At(52) - covers[3][0].end, 0.5, 0.6);
+  EXPECT_NEAR(covers[3][0].share, 0.5, 0.1);
+}
+
 TEST(PictureHistory, ASingleCameraTellsACoverThatComes) {
   const auto covers = CoversOf({.num_cameras = 1}, [](std::size_t, double seconds, cv::Mat& picture) {
     if (seconds > 10) MudOnTheLeft(picture);
