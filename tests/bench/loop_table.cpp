@@ -171,6 +171,7 @@ std::vector<LoopRun> RunLoops(const SuiteDrive& drive, const TrackedDrive& track
       Evaluate(drive, log.rig(), run.mixed.odom_from_body, mixed);
       run.mixed_ate = mixed.ate;
     }
+    if (!table_options.refines) continue;
     LoopRun refined = run;
     refined.method = method + "+refine";
     refined.refinement = RefineDrive(odometry, log.rig(), closure, table_options.refinement,

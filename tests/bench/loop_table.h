@@ -54,6 +54,7 @@ struct LoopTableOptions {
   OdometryOptions odometry;
   LoopOptions loops;
   RefinementOptions refinement;
+  bool refines = true;     ///< adjusts the whole drive too, after "none" and "rig"
   bool uses_gnss = false;  ///< in the refinement
   WrongLoopOptions wrong;  ///< that are mixed in among those of "rig"
 
@@ -62,6 +63,7 @@ struct LoopTableOptions {
     visit("odometry", odometry);
     visit("loops", loops);
     visit("refinement", refinement);
+    visit("refines", refines);
     visit("uses_gnss", uses_gnss);
     visit("wrong", wrong);
   }
@@ -78,7 +80,8 @@ struct TrackedDrive {
 TrackedDrive TrackDrive(const SuiteDrive& drive, const TableVariant& variant, const OdometryOptions& options,
                         const std::filesystem::path& kept);
 
-/// Closes the drive's loops in each of the ways, and refines what "rig" made; the odometry alone is refined too.
+/// Closes the drive's loops in each of the ways; where options.refines, what "rig" made and the odometry alone are
+/// refined too.
 std::vector<LoopRun> RunLoops(const SuiteDrive& drive, const TrackedDrive& tracked,
                               const std::vector<std::string>& methods, const LoopTableOptions& options);
 

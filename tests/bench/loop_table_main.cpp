@@ -67,7 +67,8 @@ int main(int argc, char** argv) {
   app.add_option("--odometry", line.kept_folder, "Folder that keeps tracked drives: each is tracked once")
       ->check(CLI::ExistingDirectory);
   app.add_option("--threads", line.num_threads)->capture_default_str()->check(CLI::Range(1, 256));
-  app.add_option("--set", line.assignments, "odometry.*, loops.* or refinement.*: stage.option=value");
+  app.add_option("--set", line.assignments,
+                 "odometry.*, loops.* or refinement.*: stage.option=value; refines=false: loops alone");
   app.add_option("--json", line.json_file, "Every run, every accepted loop");
   app.add_option("--markdown", line.markdown_file, "The table");
   app.add_option("--plot", line.plot_file, "Histograms of the loops' errors, PNG");
