@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/geo.h"
+#include "core/ground_markings.h"
 #include "core/ground_texture.h"
 #include "core/rig.h"
 #include "core/submap.h"
@@ -29,6 +30,7 @@ struct SiteMap {
   SurfaceMap surface;
   TriangleMesh mesh;
   GroundTexture texture;           ///< of `mesh`; may be empty
+  GroundMarkings markings;         ///< ParkingSlot::states by `drives`
   std::optional<SiteDatum> datum;  ///< empty: arbitrary origin and yaw
 };
 

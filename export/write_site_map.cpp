@@ -7,6 +7,7 @@
 #include "core/log.h"
 #include "export/free_space.h"
 #include "export/gltf.h"
+#include "export/markings.h"
 #include "export/ortho.h"
 #include "export/ply.h"
 #include "export/tiles.h"
@@ -41,6 +42,15 @@ void WriteDrive(const SiteDrive& drive, const std::optional<SiteDatum>& datum, c
   WriteFileAtomically(folder / "trajectory.kml", EncodeTrajectoryKml(drive, *datum));
 }
 
+void WriteGeoJson(const SiteMap& map, const path& folder) {
+  const std::vector<FreeSheet> sheets = FindFreeSheets(map.surface);
+  std::vector<std::string> drives;
+  for (const SiteDrive& drive : map.drives) drives.push_back(drive.name);
+  WriteFileAtomically(folder / "free_space.geojson", EncodeFreeSpaceGeoJson(sheets, map.datum));
+  WriteFileAtomically(folder / "slots.geojson", EncodeSlotsGeoJson(map.markings.slots, drives, sheets, map.datum));
+  WriteFileAtomically(folder / "markings.geojson", EncodeMarkingsGeoJson(map.markings, sheets, map.datum));
+}
+
 }  // namespace
 
 void WriteSiteMap(const SiteMap& map, const path& folder) {
@@ -51,7 +61,7 @@ void WriteSiteMap(const SiteMap& map, const path& folder) {
   WriteFileAtomically(folder / "map.glb", EncodeGltf(map, MeshEncoding::kDraco));
   WriteFileAtomically(folder / "map_plain.glb", EncodeGltf(map, MeshEncoding::kPlain));
   WriteFileAtomically(folder / "ground.ply", EncodePly(map.mesh));
-  WriteFileAtomically(folder / "free_space.geojson", EncodeFreeSpaceGeoJson(FindFreeSheets(map.surface), map.datum));
+  WriteGeoJson(map, folder);
   const Orthophoto ortho =
       map.texture.empty() ? RenderOrthophoto(map.surface) : RenderOrthophoto(map.mesh, map.texture);
   WriteFileAtomically(folder / "ortho.png", EncodePng(ortho));

@@ -8,7 +8,8 @@ namespace parkade {
 
 /// Writes every file of a map that follows from the map alone into an existing folder, each whole or not at all:
 ///
-///   map.glb, map_plain.glb, tileset.json, tiles/*.glb, ground.ply, free_space.geojson, ortho.png, ortho.pgw
+///   map.glb, map_plain.glb, tileset.json, tiles/*.glb, ground.ply, ortho.png, ortho.pgw
+///   free_space.geojson, slots.geojson, markings.geojson
 ///   <drive>/odometry.tum, <drive>/trajectory.tum
 ///   <drive>/trajectory.geojson, <drive>/trajectory.kml, ortho.tif   where there is a datum
 ///

@@ -139,7 +139,8 @@ std::vector<StagePlan> PlanStages(size_t num_drives, bool is_odometry_only) {
     plan.insert(plan.end(), {{"observe ground", 15 * drives},
                              {"fuse surface", 5 * drives},
                              {"mesh", 4 * drives},
-                             {"texture", 15 * drives}});
+                             {"texture", 15 * drives},
+                             {"find markings", 2 * drives}});
   plan.push_back({"write", 4});
   return plan;
 }
@@ -221,6 +222,10 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
   std::vector<TextureSource> sources;
   for (size_t i = 0; i < drives.size(); ++i) sources.push_back({&*drives[i].calibrated, &ground.paths[i]});
   map.texture = PaintTexture(map.mesh, map.surface, sources, options.texture);
+
+  progress.Begin("find markings");
+  map.markings = FindMarkings({map.mesh, map.surface, map.texture, ground.patches, ground.paths, map.drives.size()},
+                              options.markings);
   return built;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "mapping/find_markings.h"
 #include "mapping/fuse_surface.h"
 #include "mapping/mesh_surface.h"
 #include "mapping/observe_ground.h"
@@ -25,6 +26,7 @@ struct MapOptions {
   SurfaceOptions surface;
   MeshOptions mesh;
   TextureOptions texture;
+  MarkingOptions markings;
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -38,6 +40,7 @@ struct MapOptions {
     visit("mapping", surface);
     visit("mesh", mesh);
     visit("texture", texture);
+    visit("markings", markings);
   }
 };
 

@@ -7,6 +7,7 @@
 
 #include "core/file.h"
 #include "core/options_json.h"
+#include "export/markings.h"
 #include "server/loop_pictures.h"
 #include "server/version.h"
 
@@ -59,15 +60,28 @@ Json DriveToJson(const SiteDrive& drive, const DriveOutcome& outcome, const Reco
           {"gnss", GnssToJson(outcome.gnss)}};
 }
 
+/// How many there are, by kind and by what the last drive that saw them saw.
+Json SlotsToJson(const SiteMap& map) {
+  Json json = {{"count", map.markings.slots.size()},
+               {"perpendicular", 0},
+               {"angled", 0},
+               {"parallel", 0},
+               {"free", 0},
+               {"occupied", 0},
+               {"unseen", 0}};
+  for (const ParkingSlot& slot : map.markings.slots)
+    for (const char* key : {ToText(slot.kind), ToText(LatestState(slot))}) json[key] = json[key].get<int>() + 1;
+  return json;
+}
+
 Json MapToJson(const SiteMap& map) {
   size_t num_free = 0;
   for (const SurfaceCell& cell : map.surface.cells) num_free += cell.free_belief > 0.5F;
   const double cell_area = map.surface.cell_size * map.surface.cell_size;
-  return {{"ground_area", SurfaceArea(map.mesh)},
-          {"free_cell_area", static_cast<double>(num_free) * cell_area},
-          {"num_cells", map.surface.cells.size()},
-          {"num_vertices", map.mesh.vertices.size()},
-          {"num_triangles", map.mesh.triangles.size()}};
+  return {{"ground_area", SurfaceArea(map.mesh)},         {"free_cell_area", static_cast<double>(num_free) * cell_area},
+          {"num_cells", map.surface.cells.size()},        {"num_vertices", map.mesh.vertices.size()},
+          {"num_triangles", map.mesh.triangles.size()},   {"slots", SlotsToJson(map)},
+          {"num_markings", map.markings.markings.size()}, {"num_speed_bumps", map.markings.bumps.size()}};
 }
 
 /// Of the ground and the trajectories.

@@ -1,0 +1,111 @@
+#include "export/markings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "export/geojson.h"
+
+namespace parkade {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kSheetSlack = 0.5;  // [m] by which things may lie beside a sheet's heights
+
+/// The level of the sheet that a height is of: its own range of heights first, then the nearest mean.
+int LevelAt(double height, const std::vector<FreeSheet>& sheets) {
+  int level = 0;
+  double best = 1e9;
+  for (const FreeSheet& sheet : sheets) {
+    const bool is_within = height > sheet.min_height - kSheetSlack && height < sheet.max_height + kSheetSlack;
+    const double distance = std::abs(height - sheet.mean_height) + (is_within ? 0 : 1e6);
+    if (distance < best) best = distance, level = sheet.level;
+  }
+  return level;
+}
+
+/// To so many parts of one, so that the text is short and the same everywhere.
+double Rounded(double value, double parts) { return std::round(value * parts) / parts; }
+
+std::string FormatFeature(const Json& properties, const std::string& type, const std::string& coordinates) {
+  return R"({"type":"Feature","properties":)" + properties.dump(-1, ' ', false, Json::error_handler_t::replace) +
+         R"(,"geometry":{"type":")" + type + R"(","coordinates":)" + coordinates + "}}";
+}
+
+std::string FormatSlot(const ParkingSlot& slot, const std::vector<std::string>& drives, int level,
+                       const std::optional<SiteDatum>& datum) {
+  const Eigen::Vector3d center = slot.Center();
+  Json states = Json::object();
+  for (size_t i = 0; i < drives.size() && i < slot.states.size(); ++i) states[drives[i]] = ToText(slot.states[i]);
+  const Json properties = {{"id", "slot_" + std::to_string(level) + "_" + std::to_string(std::lround(2 * center.x())) +
+                                      "_" + std::to_string(std::lround(2 * center.y()))},
+                           {"type", ToText(slot.kind)},
+                           {"width_m", Rounded(slot.Width(), 1000)},
+                           {"length_m", Rounded(slot.Length(), 1000)},
+                           {"angle_deg", Rounded(slot.angle * 180 / std::numbers::pi, 10)},
+                           {"level", level},
+                           {"height_m", Rounded(center.z(), 1000)},
+                           {"confidence", Rounded(slot.confidence, 100)},
+                           {"marked_sides", slot.num_marked_sides},
+                           {"state", ToText(LatestState(slot))},
+                           {"states", states}};
+  return FormatFeature(properties, "Polygon", FormatPolygon({Ring(slot.corners.begin(), slot.corners.end())}, datum));
+}
+
+std::string FormatMarking(const RoadMarking& marking, int level, const std::optional<SiteDatum>& datum) {
+  const char* color = marking.is_yellow ? "yellow" : "white";
+  if (marking.shape == RoadMarking::Shape::kArea) {
+    Ring ring(marking.points.begin(), marking.points.end());
+    if (SignedArea(ring) < 0) std::reverse(ring.begin(), ring.end());
+    return FormatFeature({{"type", "area"}, {"color", color}, {"level", level}}, "Polygon",
+                         FormatPolygon({ring}, datum));
+  }
+  const Json properties = {{"type", "line"},
+                           {"color", color},
+                           {"width_m", Rounded(marking.width, 100)},
+                           {"bounds_slot", marking.is_of_slot},
+                           {"level", level}};
+  return FormatFeature(
+      properties, "LineString",
+      "[" + FormatPosition(marking.points.front(), datum) + "," + FormatPosition(marking.points.back(), datum) + "]");
+}
+
+std::string FormatBump(const SpeedBump& bump, int level, const std::optional<SiteDatum>& datum) {
+  const Json properties = {{"type", "speed_bump"},
+                           {"height_m", Rounded(bump.height, 1000)},
+                           {"length_m", Rounded(bump.length, 100)},
+                           {"yaw_deg", Rounded(bump.yaw * 180 / std::numbers::pi, 10)},
+                           {"passes", bump.num_passes},
+                           {"level", level}};
+  return FormatFeature(properties, "Point", FormatPosition(bump.crest, datum));
+}
+
+}  // namespace
+
+SlotState LatestState(const ParkingSlot& slot) {
+  for (auto state = slot.states.rbegin(); state != slot.states.rend(); ++state)
+    if (*state != SlotState::kUnseen) return *state;
+  return SlotState::kUnseen;
+}
+
+std::string EncodeSlotsGeoJson(const std::vector<ParkingSlot>& slots, const std::vector<std::string>& drives,
+                               const std::vector<FreeSheet>& sheets, const std::optional<SiteDatum>& datum) {
+  std::vector<std::string> features;
+  for (const ParkingSlot& slot : slots)
+    features.push_back(FormatSlot(slot, drives, LevelAt(slot.Center().z(), sheets), datum));
+  return FormatFeatureCollection(features, datum);
+}
+
+std::string EncodeMarkingsGeoJson(const GroundMarkings& markings, const std::vector<FreeSheet>& sheets,
+                                  const std::optional<SiteDatum>& datum) {
+  std::vector<std::string> features;
+  for (const RoadMarking& marking : markings.markings)
+    features.push_back(FormatMarking(marking, LevelAt(marking.points.front().z(), sheets), datum));
+  for (const SpeedBump& bump : markings.bumps)
+    features.push_back(FormatBump(bump, LevelAt(bump.crest.z(), sheets), datum));
+  return FormatFeatureCollection(features, datum);
+}
+
+}  // namespace parkade

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geo.h"
+#include "core/ground_markings.h"
+#include "export/free_space.h"
+
+namespace parkade {
+
+/// GeoJSON: one Polygon per slot, its entrance first. Properties: `id`, `type`, `width_m`, `length_m`, `angle_deg`
+/// (between the lines beside it and the row), `level` (of `sheets`), `height_m`, `confidence`, `marked_sides`, `states`
+/// (by drive: free, occupied or unseen) and `state` (of the last drive that saw it). An id says where the slot is: deck
+/// and half metres, so that it stays when a map is made again. With a datum WGS84 (RFC 7946); without, site metres,
+/// said by "frame": "site".
+/// \param drives  names, as ParkingSlot::states
+std::string EncodeSlotsGeoJson(const std::vector<ParkingSlot>& slots, const std::vector<std::string>& drives,
+                               const std::vector<FreeSheet>& sheets, const std::optional<SiteDatum>& datum);
+
+/// GeoJSON of the rest, likewise: LineStrings of `type` "line" with `color`, `width_m` and `bounds_slot`; Polygons of
+/// `type` "area" with `color`; and Points of `type` "speed_bump" with `height_m`, `length_m`, `yaw_deg` (of the way
+/// over it, counter-clockwise from the site's x) and `passes`.
+std::string EncodeMarkingsGeoJson(const GroundMarkings& markings, const std::vector<FreeSheet>& sheets,
+                                  const std::optional<SiteDatum>& datum);
+
+/// What most recently was known of a slot.
+SlotState LatestState(const ParkingSlot& slot);
+
+}  // namespace parkade

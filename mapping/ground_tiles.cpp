@@ -1,0 +1,69 @@
+#include "mapping/ground_tiles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+
+namespace parkade {
+namespace {
+
+double MeanHeight(const TriangleMesh& mesh, const TextureChart& chart) {
+  double sum = 0;
+  for (const std::uint32_t triangle : chart.triangles)
+    for (const std::uint32_t vertex : mesh.triangles[triangle]) sum += static_cast<double>(mesh.vertices[vertex].z());
+  return mesh.origin.z() + sum / std::max(1.0, 3 * static_cast<double>(chart.triangles.size()));
+}
+
+/// Copies what `chart` knows into pixels of `tile` that are still empty.
+void Fill(const TextureChart& chart, GroundTile& tile) {
+  const int column = static_cast<int>(std::lround((chart.left - tile.left) / tile.pixel_size));
+  const int row = static_cast<int>(std::lround((tile.top - chart.top) / tile.pixel_size));
+  const cv::Rect in_tile =
+      cv::Rect(column, row, chart.image.cols, chart.image.rows) & cv::Rect(0, 0, tile.image.cols, tile.image.rows);
+  if (in_tile.empty()) return;
+  const cv::Rect in_chart = in_tile - cv::Point(column, row);
+  const cv::Mat mask_of_chart = chart.mask(in_chart), mask_of_tile = tile.mask(in_tile);
+  cv::Mat is_new;
+  cv::bitwise_not(mask_of_tile, is_new);
+  cv::bitwise_and(is_new, mask_of_chart, is_new);
+  chart.image(in_chart).copyTo(tile.image(in_tile), is_new);
+  mask_of_chart.copyTo(tile.mask(in_tile), is_new);
+}
+
+}  // namespace
+
+GroundTiles::GroundTiles(const TriangleMesh& mesh, const GroundTexture& texture, double margin, double max_step)
+    : texture_(&texture), margin_(margin), max_step_(max_step) {
+  for (const TextureChart& chart : texture.charts) heights_.push_back(MeanHeight(mesh, chart));
+}
+
+GroundTile GroundTiles::Make(std::size_t index) const {
+  const TextureChart& chart = texture_->charts[index];
+  const double texel = texture_->texel_size, size = texture_->chart_size;
+  const auto texels = [texel](double length) { return static_cast<int>(std::lround(length / texel)); };
+  GroundTile tile;
+  tile.pixel_size = texel;
+  tile.height = heights_[index];
+  const Eigen::Vector2d corner(chart.column * size, chart.row * size);
+  tile.core = Eigen::AlignedBox2d(corner, Eigen::Vector2d(corner.array() + size));
+  tile.left = texel * texels(corner.x() - margin_);
+  tile.top = texel * texels(corner.y() + size + margin_);
+  const int side = texels(size + 2 * margin_);
+  tile.image = cv::Mat(side, side, CV_8UC3, cv::Scalar::all(0));
+  tile.mask = cv::Mat(side, side, CV_8UC1, cv::Scalar::all(0));
+  Fill(chart, tile);
+
+  std::vector<std::pair<double, std::size_t>> others;  // the most alike in height first
+  for (std::size_t i = 0; i < texture_->charts.size(); ++i) {
+    const TextureChart& other = texture_->charts[i];
+    const double step = std::abs(heights_[i] - heights_[index]);
+    if (i != index && step <= max_step_ && std::abs(other.column - chart.column) <= 1 &&
+        std::abs(other.row - chart.row) <= 1)
+      others.emplace_back(step, i);
+  }
+  std::sort(others.begin(), others.end());
+  for (const auto& [step, i] : others) Fill(texture_->charts[i], tile);
+  return tile;
+}
+
+}  // namespace parkade

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "core/ground_texture.h"
+#include "core/triangle_mesh.h"
+
+namespace parkade {
+
+/// A square of one deck straight from above, with a margin of what lies around it on the same deck. Pixel (column, row)
+/// shows the square whose upper left corner is at (left + column * pixel_size, top - row * pixel_size) in site.
+struct GroundTile {
+  double left = 0, top = 0;  ///< [m] in site
+  double pixel_size = 0;     ///< [m]
+  double height = 0;         ///< [m] in site, mean
+  cv::Mat image;             ///< CV_8UC3 (BGR)
+  cv::Mat mask;              ///< CV_8UC1 of the same size: 255 where ground is known
+  Eigen::AlignedBox2d core;  ///< [m] in site: without the margin; the cores of one deck's tiles do not overlap
+
+  Eigen::Vector2d PlaceOf(double column, double row) const {
+    return {left + (column + 0.5) * pixel_size, top - (row + 0.5) * pixel_size};
+  }
+};
+
+/// One tile per chart of a texture, in its order. Charts around it count as the same deck where their mean height is
+/// at most `max_step` [m] off.
+class GroundTiles {
+ public:
+  GroundTiles(const TriangleMesh& mesh, const GroundTexture& texture, double margin, double max_step = 1.5);
+
+  std::size_t size() const { return texture_->charts.size(); }
+
+  /// Made when asked for: a tile takes more memory than its chart.
+  GroundTile Make(std::size_t index) const;
+
+ private:
+  const GroundTexture* texture_;
+  double margin_, max_step_;
+  std::vector<double> heights_;  ///< [m] of charts
+};
+
+}  // namespace parkade

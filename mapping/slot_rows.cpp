@@ -1,0 +1,396 @@
+#include "mapping/slot_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <optional>
+
+#include "core/error.h"
+#include "mapping/quadrilateral.h"
+#include "mapping/slot_row_fit.h"
+
+namespace parkade {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kRowReach = 60;         // [m] across from the line a row starts from
+constexpr double kPitchReach = 15;       // [m] likewise, of lines that say what its pitch is
+constexpr double kMaxHeightStep = 1.2;   // [m] between lines of one deck
+constexpr double kTurn_deg = 3.5;        // between long lines of one row
+constexpr double kShortTurn_deg = 7;     // likewise of short ones
+constexpr double kLongLine = 1.5;        // [m]
+constexpr double kMinOverlap = 0.4;      // [m] along, of neighbours
+constexpr double kSameDivider = 0.16;    // [m] across, of stretches of one line
+constexpr double kPitchTolerance = 0.2;  // [m] from line to line
+constexpr double kEdgeTolerance = 0.12;  // [m] likewise, of what may be the edge of something
+constexpr double kMinSeenShare = 0.25;   // of a row's lines whose ends have to agree
+constexpr double kSecondRank = 1.0;      // [m] of paint behind one rank of slots that say that there is another
+constexpr double kMarkedShare = 0.12;    // of a side's length from which it counts as seen
+constexpr double kSquareSlope = 0.08;    // of ends up to which a row is perpendicular
+constexpr double kMaxShare = 0.25;       // of a slot that a surer one may cover
+
+/// A group of parallel lines in the frame of the longest of them.
+struct Row {
+  Vector2d origin, along, across;  ///< [m] in site; unit vectors
+  double height = 0;
+  double pitch = 0;
+  std::vector<RowDivider> dividers;  ///< by `across`
+  std::vector<std::size_t> members;  ///< lines
+
+  Vector2d Place(double along_value, double across_value) const {
+    return origin + along_value * along + across_value * across;
+  }
+};
+
+struct Candidate {
+  std::size_t line = 0;
+  PaintStretch stretch;
+  bool is_edge = false;  ///< PaintLine::is_one_sided
+};
+
+double Overlap(const PaintStretch& a, const PaintStretch& b) {
+  return std::min(a.end, b.end) - std::max(a.begin, b.begin);
+}
+
+PaintStretch StretchOf(const PaintLine& line, const Row& row) {
+  Vector2d begin = line.begin - row.origin, end = line.end - row.origin;
+  bool is_begin_seen = line.is_begin_seen, is_end_seen = line.is_end_seen;
+  if (begin.dot(row.along) > end.dot(row.along)) std::swap(begin, end), std::swap(is_begin_seen, is_end_seen);
+  return {begin.dot(row.along), end.dot(row.along), begin.dot(row.across), end.dot(row.across), is_begin_seen,
+          is_end_seen,          line.width};
+}
+
+/// Lines parallel to the seed on its deck, by place across.
+std::vector<Candidate> FindParallels(const std::vector<PaintLine>& lines, const PaintLine& seed, const Row& row,
+                                     const std::vector<bool>& is_used) {
+  std::vector<Candidate> parallels;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const PaintLine& line = lines[i];
+    if (is_used[i] || std::abs(line.height - seed.height) > kMaxHeightStep) continue;
+    const double turn = std::acos(std::min(1.0, std::abs(line.Direction().dot(row.along)))) * 180 / std::numbers::pi;
+    if (turn > (line.Length() > kLongLine ? kTurn_deg : kShortTurn_deg)) continue;
+    const PaintStretch stretch = StretchOf(line, row);
+    if (std::abs(stretch.Across()) < kRowReach) parallels.push_back({i, stretch, line.is_one_sided});
+  }
+  std::stable_sort(parallels.begin(), parallels.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.stretch.Across() < b.stretch.Across(); });
+  return parallels;
+}
+
+/// [m] the distance across that most neighbours of the row's surroundings have; nothing where there are none.
+std::optional<double> FindPitch(const std::vector<Candidate>& parallels, const PaintStretch& seed,
+                                const SlotMeasures& measures) {
+  constexpr double kBin = 0.05;
+  const int num_bins = static_cast<int>((measures.max_pitch - measures.min_pitch) / kBin) + 2;
+  std::vector<double> votes(static_cast<std::size_t>(num_bins)), sums(votes.size());
+  for (std::size_t i = 0; i < parallels.size(); ++i)
+    for (std::size_t k = i + 1; k < parallels.size(); ++k) {
+      const PaintStretch &a = parallels[i].stretch, &b = parallels[k].stretch;
+      const double distance = b.Across() - a.Across(), overlap = Overlap(a, b);
+      if (distance > measures.max_pitch) break;
+      if (parallels[i].is_edge || parallels[k].is_edge) continue;
+      const bool is_far = std::abs(a.Across()) > kPitchReach || std::min(Overlap(a, seed), Overlap(b, seed)) < 0;
+      if (distance < measures.min_pitch || overlap < kMinOverlap || is_far) continue;
+      const auto bin = static_cast<std::size_t>((distance - measures.min_pitch) / kBin);
+      votes[bin] += overlap;
+      sums[bin] += overlap * distance;
+    }
+  std::size_t best = 0;
+  double best_votes = 0;
+  for (std::size_t i = 0; i + 1 < votes.size(); ++i)
+    if (votes[i] + votes[i + 1] > best_votes) best = i, best_votes = votes[i] + votes[i + 1];
+  if (!(best_votes > 0)) return {};
+  return (sums[best] + sums[best + 1]) / best_votes;
+}
+
+/// Whether a stretch lies beside what is known of a divider, or beside the row's first line.
+bool IsBeside(const PaintStretch& stretch, const RowDivider& divider) {
+  return std::any_of(divider.stretches.begin(), divider.stretches.end(),
+                     [&](const PaintStretch& other) { return Overlap(stretch, other) > kMinOverlap; });
+}
+
+/// The divider whose paint lies `expected` across, within a tolerance: of all places the one with the most paint.
+std::optional<RowDivider> FindDivider(const std::vector<Candidate>& parallels, const RowDivider& from, double expected,
+                                      double tolerance, bool takes_edges, std::vector<std::size_t>& members) {
+  RowDivider best;
+  std::vector<std::size_t> best_members;
+  double best_support = 0;
+  for (const Candidate& middle : parallels) {
+    if (std::abs(middle.stretch.Across() - expected) > tolerance || middle.is_edge != takes_edges ||
+        !IsBeside(middle.stretch, from))
+      continue;
+    RowDivider divider;
+    std::vector<std::size_t> of_divider;
+    double support = 0, sum = 0;
+    for (const Candidate& other : parallels) {
+      if (std::abs(other.stretch.Across() - middle.stretch.Across()) > kSameDivider || !IsBeside(other.stretch, from))
+        continue;
+      divider.stretches.push_back(other.stretch);
+      of_divider.push_back(other.line);
+      support += other.stretch.Length();
+      sum += other.stretch.Length() * other.stretch.Across();
+    }
+    divider.across = sum / support;
+    if (support > best_support) best_support = support, best = divider, best_members = of_divider;
+  }
+  if (!(best_support > 0)) return {};
+  members.insert(members.end(), best_members.begin(), best_members.end());
+  return best;
+}
+
+/// Adds dividers to one side of the row until none follows.
+void Grow(const std::vector<Candidate>& parallels, const SlotRowOptions& options, double sign, Row& row) {
+  double pitch = row.pitch;
+  while (true) {
+    const RowDivider from = sign > 0 ? row.dividers.back() : row.dividers.front();
+    std::optional<RowDivider> found;
+    int steps = 1;
+    for (; steps <= 1 + options.max_missing && !found; ++steps) {
+      const double expected = from.across + sign * steps * pitch, slack = 0.05 * (steps - 1);
+      found = FindDivider(parallels, from, expected, kPitchTolerance + slack, false, row.members);
+      if (!found) found = FindDivider(parallels, from, expected, kEdgeTolerance + slack, true, row.members);
+    }
+    if (!found) return;
+    --steps;
+    const double step = (found->across - from.across) / steps;
+    for (int i = 1; i < steps; ++i) {
+      const RowDivider hidden{from.across + i * step};
+      row.dividers.insert(sign > 0 ? row.dividers.end() : row.dividers.begin(), hidden);
+    }
+    row.dividers.insert(sign > 0 ? row.dividers.end() : row.dividers.begin(), *found);
+    pitch += 0.3 * (std::abs(step) - pitch);
+    if (std::abs(found->across) > kRowReach) return;
+  }
+}
+
+std::optional<Row> GrowRow(const std::vector<PaintLine>& lines, std::size_t seed, const SlotMeasures& measures,
+                           const SlotRowOptions& options, const std::vector<bool>& is_used) {
+  Row row;
+  row.origin = lines[seed].Middle();
+  row.along = lines[seed].Direction();
+  row.across = {-row.along.y(), row.along.x()};
+  row.height = lines[seed].height;
+  const std::vector<Candidate> parallels = FindParallels(lines, lines[seed], row, is_used);
+  const PaintStretch own = StretchOf(lines[seed], row);
+  const std::optional<double> pitch = FindPitch(parallels, own, measures);
+  if (!pitch) return {};
+  row.pitch = *pitch;
+  RowDivider first;
+  for (const Candidate& candidate : parallels)
+    if (std::abs(candidate.stretch.Across()) < kSameDivider && !candidate.is_edge) {
+      const double gap = -Overlap(candidate.stretch, own);
+      if (gap > measures.max_length) continue;
+      first.stretches.push_back(candidate.stretch);
+      row.members.push_back(candidate.line);
+    }
+  row.dividers.push_back(first);
+  Grow(parallels, options, 1, row);
+  Grow(parallels, options, -1, row);
+  if (row.dividers.size() < 2) return {};
+  return row;
+}
+
+/// The lengthwise division of a row: one rank of slots, or two back to back.
+struct Ranks {
+  RowEnds lower, upper;
+  int count = 1;
+  bool is_lower_known = true, is_upper_known = true;
+};
+
+/// [m] between the ends, of a slot's length: where lines stand askew they are longer than that.
+double LengthBetween(const RowEnds& lower, const RowEnds& upper, double pitch) {
+  return upper.offset - lower.offset - std::abs(lower.slope) * pitch;
+}
+
+int CountRanks(double length, const SlotMeasures& measures) {
+  if (length >= measures.min_length && length <= measures.max_length) return 1;
+  if (length >= 2 * measures.min_length && length <= 2 * measures.max_length) return 2;
+  return 0;
+}
+
+/// Ends that enough of the row's lines agree on.
+std::optional<RowEnds> SureEnds(const Row& row, bool is_lower, std::optional<double> slope = std::nullopt) {
+  const std::optional<RowEnds> ends = FitRowEnds(row.dividers, is_lower, slope);
+  const auto num_lines = std::count_if(row.dividers.begin(), row.dividers.end(),
+                                       [](const RowDivider& divider) { return !divider.stretches.empty(); });
+  if (!ends || ends->num_seen < std::max(2.0, kMinSeenShare * static_cast<double>(num_lines))) return {};
+  return ends;
+}
+
+/// How many lines go on behind one rank of slots that begins at known ends.
+int CountLongerLines(const Row& row, const RowEnds& known, bool is_lower, double length) {
+  return static_cast<int>(std::count_if(row.dividers.begin(), row.dividers.end(), [&](const RowDivider& divider) {
+    const double from = known.At(divider.across) + (is_lower ? length : -length);
+    return divider.Support(is_lower ? from : -1e9, is_lower ? 1e9 : from) > kSecondRank;
+  }));
+}
+
+/// Ranks of which only the ends on one side are known: the rest is as long as slots of this site are.
+Ranks ContinueFrom(const Row& row, const RowEnds& known, bool is_lower, double usual_length) {
+  const double slot = usual_length + std::abs(known.slope) * row.pitch;
+  Ranks ranks;
+  ranks.count = std::abs(known.slope) < kSquareSlope && CountLongerLines(row, known, is_lower, slot) >= 2 ? 2 : 1;
+  ranks.is_lower_known = is_lower, ranks.is_upper_known = !is_lower;
+  ranks.lower = is_lower ? known : RowEnds{known.offset - ranks.count * slot, known.slope, 0};
+  ranks.upper = is_lower ? RowEnds{known.offset + ranks.count * slot, known.slope, 0} : known;
+  return ranks;
+}
+
+std::optional<Ranks> FindRanks(const Row& row, const SlotMeasures& measures, bool is_parallel, double usual_length) {
+  std::optional<RowEnds> lower = SureEnds(row, true), upper = SureEnds(row, false);
+  if (lower && upper && std::abs(lower->slope - upper->slope) > 0.02) {
+    if (lower->num_seen >= upper->num_seen)
+      upper = SureEnds(row, false, lower->slope);
+    else
+      lower = SureEnds(row, true, upper->slope);
+  }
+  if (lower && upper) {
+    const Ranks ranks{*lower, *upper, CountRanks(LengthBetween(*lower, *upper, row.pitch), measures)};
+    if (ranks.count == 1 || (ranks.count == 2 && !is_parallel)) return ranks;
+    if (std::max(lower->num_seen, upper->num_seen) < 3) return {};
+    (lower->num_seen >= upper->num_seen ? upper : lower).reset();
+  }
+  if (is_parallel || (!lower && !upper)) return {};
+  return lower ? ContinueFrom(row, *lower, true, usual_length) : ContinueFrom(row, *upper, false, usual_length);
+}
+
+double ConfidenceOf(double left_share, double right_share, const Ranks& ranks, std::size_t num_dividers) {
+  const double ends = ranks.is_lower_known && ranks.is_upper_known ? 1 : 0.5;
+  const double company = std::min(1.0, static_cast<double>(num_dividers) / 4);
+  return std::min(
+      1.0, 0.35 * std::min(1.0, 1.3 * left_share) + 0.35 * std::min(1.0, 1.3 * right_share) + 0.3 * ends * company);
+}
+
+/// The slot between two neighbouring dividers, in one of the ranks.
+PlanarSlot MakeSlot(const Row& row, const Ranks& ranks, int rank, const RowDivider& left, const RowDivider& right,
+                    bool is_parallel) {
+  const double slope = ranks.lower.slope;
+  const auto split = [&](double across, int boundary) {
+    const double share = static_cast<double>(boundary) / ranks.count;
+    return (1 - share) * ranks.lower.At(across) + share * ranks.upper.At(across);
+  };
+  std::array<double, 2> low = {split(left.across, rank), split(right.across, rank)};
+  std::array<double, 2> high = {split(left.across, rank + 1), split(right.across, rank + 1)};
+  const bool is_slanted = std::abs(slope) > kSquareSlope;
+  if (is_slanted) {
+    low.fill(std::max(low[0], low[1]));
+    high.fill(std::min(high[0], high[1]));
+  }
+  PlanarSlot slot;
+  slot.corners = {row.Place(low[1], right.AcrossAt(low[1])), row.Place(high[1], right.AcrossAt(high[1])),
+                  row.Place(high[0], left.AcrossAt(high[0])), row.Place(low[0], left.AcrossAt(low[0]))};
+  if (SignedArea(slot.corners) < 0) std::reverse(slot.corners.begin(), slot.corners.end());
+  slot.height = row.height;
+  slot.kind = is_parallel ? SlotKind::kParallel : is_slanted ? SlotKind::kAngled : SlotKind::kPerpendicular;
+  slot.angle = is_parallel ? 0 : 0.5 * std::numbers::pi - (is_slanted ? std::atan(std::abs(slope)) : 0);
+  const double length = high[0] - low[0];
+  const double left_share = left.Support(low[0], high[0]) / length;
+  const double right_share = right.Support(low[1], high[1]) / length;
+  slot.num_marked_sides = (left_share > kMarkedShare) + (right_share > kMarkedShare);
+  slot.confidence = ConfidenceOf(left_share, right_share, ranks, row.dividers.size());
+  return slot;
+}
+
+void AddSlots(const Row& row, const Ranks& ranks, bool is_parallel, const SlotRowOptions& options,
+              std::vector<PlanarSlot>& slots) {
+  for (std::size_t i = 0; i + 1 < row.dividers.size(); ++i)
+    for (int rank = 0; rank < ranks.count; ++rank) {
+      const PlanarSlot slot = MakeSlot(row, ranks, rank, row.dividers[i], row.dividers[i + 1], is_parallel);
+      if (slot.confidence >= options.min_confidence) slots.push_back(slot);
+    }
+}
+
+/// Rows of one kind of slots; their lines are marked as used.
+std::vector<Row> FindRowsOf(const std::vector<PaintLine>& lines, const SlotMeasures& measures, bool is_parallel,
+                            const SlotRowOptions& options, std::vector<bool>& is_used) {
+  std::vector<std::size_t> seeds;
+  const double min_seed = 0.5 * measures.min_length, max_seed = (is_parallel ? 1.1 : 2.2) * measures.max_length;
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    if (!lines[i].is_one_sided && lines[i].Length() >= min_seed && lines[i].Length() <= max_seed) seeds.push_back(i);
+  std::stable_sort(seeds.begin(), seeds.end(),
+                   [&](std::size_t a, std::size_t b) { return lines[a].Length() > lines[b].Length(); });
+  std::vector<Row> rows;
+  for (const std::size_t seed : seeds) {
+    if (is_used[seed]) continue;
+    std::optional<Row> row = GrowRow(lines, seed, measures, options, is_used);
+    if (!row || (is_parallel && row->dividers.size() < 3)) continue;
+    if (!FindRanks(*row, measures, is_parallel, measures.usual_length)) continue;
+    for (const std::size_t line : row->members) is_used[line] = true;
+    rows.push_back(std::move(*row));
+  }
+  return rows;
+}
+
+/// The median of the lengths of slots in rows whose ends are seen on both sides.
+double FindUsualLength(const std::vector<Row>& rows, const SlotMeasures& measures, bool is_parallel) {
+  std::vector<double> lengths;
+  for (const Row& row : rows)
+    if (const std::optional<Ranks> ranks = FindRanks(row, measures, is_parallel, measures.usual_length))
+      if (ranks->is_lower_known && ranks->is_upper_known)
+        lengths.push_back(LengthBetween(ranks->lower, ranks->upper, row.pitch) / ranks->count);
+  if (lengths.empty()) return measures.usual_length;
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  return *middle;
+}
+
+void FindSlotsOf(const std::vector<PaintLine>& lines, const SlotMeasures& measures, bool is_parallel,
+                 const SlotRowOptions& options, std::vector<bool>& is_used, std::vector<PlanarSlot>& slots) {
+  const std::vector<Row> rows = FindRowsOf(lines, measures, is_parallel, options, is_used);
+  const double usual_length = FindUsualLength(rows, measures, is_parallel);
+  for (const Row& row : rows)
+    if (const std::optional<Ranks> ranks = FindRanks(row, measures, is_parallel, usual_length))
+      AddSlots(row, *ranks, is_parallel, options, slots);
+}
+
+/// The surest first; those that lie on one of them are left out. Back in the order of their rows.
+std::vector<PlanarSlot> DropOverlaps(const std::vector<PlanarSlot>& slots) {
+  std::vector<std::size_t> order(slots.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return slots[a].confidence > slots[b].confidence; });
+  std::vector<bool> is_kept(slots.size());
+  for (const std::size_t i : order) {
+    const double area = std::abs(SignedArea(slots[i].corners));
+    bool is_free = true;
+    for (std::size_t k = 0; k < slots.size() && is_free; ++k)
+      is_free = !is_kept[k] || std::abs(slots[i].height - slots[k].height) > kMaxHeightStep ||
+                SharedArea(slots[i].corners, slots[k].corners) <= kMaxShare * area;
+    is_kept[i] = is_free;
+  }
+  std::vector<PlanarSlot> kept;
+  for (std::size_t i = 0; i < slots.size(); ++i)
+    if (is_kept[i]) kept.push_back(slots[i]);
+  return kept;
+}
+
+}  // namespace
+
+void SlotMeasures::Validate() const {
+  Require(min_pitch > 0 && max_pitch > min_pitch, ErrorCode::kUsage, "slots: 0 < min_pitch < max_pitch");
+  Require(min_length > 0 && max_length > min_length, ErrorCode::kUsage, "slots: 0 < min_length < max_length");
+  Require(usual_length >= min_length && usual_length <= max_length, ErrorCode::kUsage,
+          "slots: usual_length must be in min_length..max_length");
+}
+
+void SlotRowOptions::Validate() const {
+  beside.Validate();
+  behind.Validate();
+  Require(max_missing >= 0, ErrorCode::kUsage, "slots: max_missing must not be negative");
+  Require(min_confidence >= 0 && min_confidence <= 1, ErrorCode::kUsage, "slots: min_confidence must be in 0..1");
+}
+
+std::vector<PlanarSlot> FindSlotRows(const std::vector<PaintLine>& lines, const SlotRowOptions& options) {
+  options.Validate();
+  std::vector<PlanarSlot> slots;
+  std::vector<bool> is_used(lines.size());
+  FindSlotsOf(lines, options.beside, false, options, is_used, slots);
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    is_used[i] = is_used[i] || lines[i].Length() > options.behind.max_length;
+  FindSlotsOf(lines, options.behind, true, options, is_used, slots);
+  return DropOverlaps(slots);
+}
+
+}  // namespace parkade

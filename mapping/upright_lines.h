@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+namespace parkade {
+
+struct PaintLineOptions;
+
+/// A picture of the ground turned so that lines of one direction stand upright.
+class TurnedGround {
+ public:
+  /// \param brightness   CV_32FC1, rows south, columns east
+  /// \param mask         CV_8UC1 of the same size: 0 where nothing is known
+  /// \param source_size  [m] of its pixels
+  /// \param direction    [rad] of the lines, counter-clockwise from east
+  /// \param pixel_size   [m] of the turned picture's pixels
+  TurnedGround(const cv::Mat& brightness, const cv::Mat& mask, double source_size, double direction, double pixel_size);
+
+  /// The pixel of the source at (column, row) of the turned picture.
+  Eigen::Vector2d SourceOf(double column, double row) const;
+
+  const cv::Mat& brightness() const { return brightness_; }  ///< CV_32FC1
+  const cv::Mat& mask() const { return mask_; }              ///< CV_32FC1: 1 where known, else 0
+  double pixel_size() const { return pixel_size_; }          ///< [m]
+
+ private:
+  double pixel_size_;
+  Eigen::Matrix<double, 2, 3> source_from_turned_;
+  cv::Mat brightness_, mask_;
+};
+
+/// A nearly upright line; columns and rows count from the middle of the upper left pixel.
+struct UprightLine {
+  double column_at_zero = 0, slope = 0;  ///< column = column_at_zero + slope * row
+  double first_row = 0, last_row = 0;
+  double width = 0;     ///< [pixels]
+  double contrast = 0;  ///< against its sides, of their brightness
+  bool is_first_seen = false, is_last_seen = false;
+  bool is_one_sided = false;  ///< most of it has known ground on one side only
+
+  double ColumnAt(double row) const { return column_at_zero + slope * row; }
+};
+
+/// Bright stripes that stand upright to a few degrees. O(pixels).
+std::vector<UprightLine> FindUprightLines(const TurnedGround& ground, const PaintLineOptions& options);
+
+}  // namespace parkade
