@@ -106,6 +106,29 @@ TEST_F(FeatureTrackerTest, ObservationsAreConsistentAndSpreadOverTheImage) {
   EXPECT_EQ(tracker.last_image().observations.size(), frame.observations.size());
 }
 
+TEST_F(FeatureTrackerTest, PointsLeftBehindDoNotCrowdTheVanishingPoint) {
+  const RenderedRoom corridor({-20, -4, 0}, {6, 4, 3}, 5);
+  const RoomCamera camera(SurroundFisheye(), corridor);
+  FeatureTracker tracker(Camera(), 0);
+  TrackedFrame frame;
+  for (int step = 0; step < 28; ++step) {  // 0.5 m backwards each
+    const Rigid3 last = PoseAt(std::max(0, step - 1), -10, 0), now = PoseAt(step, -10, 0);
+    frame = tracker.Track(Frame(step, camera.Render(now, 1.0, step)), Rotation(last, now));
+  }
+
+  const Eigen::Vector2d vanishing_point = *camera.model().Project(Eigen::Vector3d::UnitZ());
+  double nearest = 1e9;
+  int num_close = 0;
+  for (size_t i = 0; i < frame.observations.size(); ++i) {
+    const Eigen::Vector2d& pixel = frame.observations[i].pixel;
+    num_close += (pixel - vanishing_point).norm() < 50;
+    for (size_t j = 0; j < i; ++j) nearest = std::min(nearest, (frame.observations[j].pixel - pixel).norm());
+  }
+  EXPECT_GT(nearest, 9) << "[px]";
+  EXPECT_LT(num_close, 50);
+  EXPECT_GT(frame.observations.size(), 120u);
+}
+
 TEST_F(FeatureTrackerTest, APatchThatMovesOnItsOwnLosesItsTracks) {
   FeatureTracker tracker(Camera(), 0);
   cv::Mat patch(90, 120, CV_8UC1);
