@@ -118,7 +118,7 @@ struct Paint {
 };
 
 Paint FindPaint(const MarkedGround& ground, const MarkingOptions& options) {
-  const GroundTiles tiles(ground.mesh, ground.texture, kMargin);
+  const GroundTiles tiles(ground.mesh, ground.surface, ground.texture, kMargin);
   const auto found = ParallelMap(tiles.size(), [&](std::size_t i) {
     const GroundTile tile = tiles.Make(i);
     return Paint{FindPaintLines(tile, options.lines), FindPaintAreas(tile, options.areas)};

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/ground_texture.h"
+#include "core/surface_map.h"
 #include "core/triangle_mesh.h"
 
 namespace parkade {
@@ -17,8 +18,11 @@ struct GroundTile {
   double pixel_size = 0;     ///< [m]
   double height = 0;         ///< [m] in site, mean
   cv::Mat image;             ///< CV_8UC3 (BGR)
-  cv::Mat mask;              ///< CV_8UC1 of the same size: 255 where ground is known
+  cv::Mat mask;              ///< CV_8UC1 of the same size: kSure where ground is known
   Eigen::AlignedBox2d core;  ///< [m] in site: without the margin; the cores of one deck's tiles do not overlap
+
+  static constexpr std::uint8_t kSure = 255;    ///< ground
+  static constexpr std::uint8_t kUnsure = 128;  ///< something was seen, most often what stands there; 0: nothing
 
   Eigen::Vector2d PlaceOf(double column, double row) const {
     return {left + (column + 0.5) * pixel_size, top - (row + 0.5) * pixel_size};
@@ -26,10 +30,12 @@ struct GroundTile {
 };
 
 /// One tile per chart of a texture, in its order. Charts around it count as the same deck where their mean height is
-/// at most `max_step` [m] off.
+/// at most `max_step` [m] off; so do the cells of the surface, which go on between parked cars and where ground is not
+/// sure enough to be drivable. All is borrowed.
 class GroundTiles {
  public:
-  GroundTiles(const TriangleMesh& mesh, const GroundTexture& texture, double margin, double max_step = 1.5);
+  GroundTiles(const TriangleMesh& mesh, const SurfaceMap& surface, const GroundTexture& texture, double margin,
+              double max_step = 1.5);
 
   std::size_t size() const { return texture_->charts.size(); }
 
@@ -37,6 +43,9 @@ class GroundTiles {
   GroundTile Make(std::size_t index) const;
 
  private:
+  void AddCells(GroundTile& tile) const;
+
+  const SurfaceMap* surface_;
   const GroundTexture* texture_;
   double margin_, max_step_;
   std::vector<double> heights_;  ///< [m] of charts

@@ -40,7 +40,7 @@ std::vector<PaintArea> FindPaintAreas(const GroundTile& tile, const PaintAreaOpt
   const double scale = tile.pixel_size / kPixel;
   cv::Mat image, mask, brightness, opened, inside, paint;
   cv::resize(tile.image, image, {}, scale, scale, cv::INTER_AREA);
-  cv::resize(tile.mask, mask, image.size(), 0, 0, cv::INTER_NEAREST);
+  cv::resize(tile.mask == GroundTile::kSure, mask, image.size(), 0, 0, cv::INTER_NEAREST);
   cv::transform(image, brightness, cv::Matx13f(0.0F, 0.5F, 0.5F));
   brightness.convertTo(brightness, CV_32FC1);
   const auto disc = [](double diameter) {
@@ -59,7 +59,8 @@ std::vector<PaintArea> FindPaintAreas(const GroundTile& tile, const PaintAreaOpt
     const cv::Rect box = cv::boundingRect(contour);
     if (box.area() * kPixel * kPixel < options.min_area) continue;
     cv::Mat piece = cv::Mat::zeros(box.size(), CV_8UC1);
-    cv::drawContours(piece, std::vector<std::vector<cv::Point>>{contour}, 0, 255, cv::FILLED, cv::LINE_8, {}, 0, -box.tl());
+    cv::drawContours(piece, std::vector<std::vector<cv::Point>>{contour}, 0, 255, cv::FILLED, cv::LINE_8, {}, 0,
+                     -box.tl());
     cv::bitwise_and(piece, paint(box), piece);
     const double area = cv::countNonZero(piece), square_meters = area * kPixel * kPixel;
     if (square_meters < options.min_area || square_meters > options.max_area || IsLine(contour, area)) continue;

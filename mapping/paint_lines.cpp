@@ -123,7 +123,8 @@ std::vector<PaintLine> FindPaintLines(const GroundTile& tile, const PaintLineOpt
   options.Validate();
   const cv::Mat brightness = BrightnessOf(tile.image);
   std::vector<PaintLine> lines;
-  for (const double direction : FindDirections(brightness, tile.mask, tile.pixel_size, options.max_directions)) {
+  const cv::Mat sure = tile.mask == GroundTile::kSure;
+  for (const double direction : FindDirections(brightness, sure, tile.pixel_size, options.max_directions)) {
     const TurnedGround turned(brightness, tile.mask, tile.pixel_size, direction, options.pixel_size);
     std::vector<PaintLine> found;
     for (const UprightLine& upright : FindUprightLines(turned, options)) {

@@ -38,7 +38,7 @@ struct PaintLine {
   bool is_begin_seen = false;  ///< there is ground without paint beyond: the paint ends here
   bool is_end_seen = false;
   bool is_yellow = false;
-  bool is_one_sided = false;  ///< most of it is seen at a border of the known ground: an edge of something, maybe
+  bool is_one_sided = false;  ///< most of it has not sure ground on both sides: an edge of something, maybe
 
   double Length() const { return (end - begin).norm(); }
   Eigen::Vector2d Direction() const { return (end - begin).normalized(); }

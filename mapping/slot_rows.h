@@ -30,7 +30,7 @@ struct SlotRowOptions {
   SlotMeasures beside;                           ///< perpendicular and angled ones
   SlotMeasures behind{4.6, 7.4, 1.6, 2.9, 2.0};  ///< parallel ones: their lines are short and far apart
   int max_missing = 2;                           ///< lines that may be hidden or worn off in a row
-  double min_confidence = 0.3;
+  double min_confidence = 0.32;
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {

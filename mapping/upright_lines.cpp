@@ -37,15 +37,16 @@ struct RowAnswer {
   std::vector<bool> has_both_sides;
 };
 
-/// Mean brightness of boxes around each pixel, and the known share of each box.
+/// Mean brightness of boxes around each pixel, and the known and the sure share of each box.
 struct BoxMeans {
-  cv::Mat mean, share;  // CV_32FC1
+  cv::Mat mean, share, sure;  // CV_32FC1
 
   BoxMeans(const TurnedGround& ground, int width, int height) {
     cv::Mat known;
     cv::multiply(ground.brightness(), ground.mask(), known);
     cv::boxFilter(known, mean, -1, {width, height}, {-1, -1}, true, cv::BORDER_CONSTANT);
     cv::boxFilter(ground.mask(), share, -1, {width, height}, {-1, -1}, true, cv::BORDER_CONSTANT);
+    cv::boxFilter(ground.sure(), sure, -1, {width, height}, {-1, -1}, true, cv::BORDER_CONSTANT);
     mean /= cv::max(share, 1e-3);
   }
 };
@@ -56,6 +57,7 @@ RowAnswer AnswerRow(const BoxMeans& boxes, int row, int side) {
                    std::vector<bool>(static_cast<std::size_t>(columns), false)};
   const float* mean = boxes.mean.ptr<float>(row);
   const float* share = boxes.share.ptr<float>(row);
+  const float* sure = boxes.sure.ptr<float>(row);
   for (int column = side; column < columns - side; ++column) {
     if (share[column] < kKnownShare) continue;
     const bool has_left = share[column - side] >= kKnownShare, has_right = share[column + side] >= kKnownShare;
@@ -63,7 +65,8 @@ RowAnswer AnswerRow(const BoxMeans& boxes, int row, int side) {
     const float left = mean[column - side], right = mean[column + side];
     const float beside = has_left && has_right ? std::max(left, right) : has_left ? left : right;
     answer.value[static_cast<std::size_t>(column)] = (mean[column] - beside) / (beside + kDarkness);
-    answer.has_both_sides[static_cast<std::size_t>(column)] = has_left && has_right;
+    answer.has_both_sides[static_cast<std::size_t>(column)] =
+        sure[column - side] >= kKnownShare && sure[column + side] >= kKnownShare;
   }
   return answer;
 }
@@ -184,6 +187,13 @@ class LineProfile {
     return (*center - beside) / (beside + static_cast<double>(kDarkness));
   }
 
+  /// Whether there is sure ground at a row.
+  bool IsSureAt(int row) const {
+    const int column = static_cast<int>(std::lround(line_.ColumnAt(row)));
+    if (row < 0 || column < 0 || row >= ground_.sure().rows || column >= ground_.sure().cols) return false;
+    return ground_.sure().at<float>(row, column) > 0.5F;
+  }
+
   /// [pixels] of the paint: its area over its height, between the first and last row.
   double Width() const {
     const int reach = static_cast<int>(std::ceil(2.2 * stripe_));
@@ -249,7 +259,7 @@ double FindEnd(const LineProfile& profile, int from, int to, double level, doubl
   }
   int num_known = 0, num_asked = 0;
   for (int i = last + 1; i < std::min(count, last + 1 + beyond); ++i, ++num_asked)
-    num_known += contrasts[static_cast<std::size_t>(i)].has_value();
+    num_known += profile.IsSureAt(from + step * i);
   is_seen = num_asked >= beyond / 2 && num_known >= 0.8 * num_asked;
   return end;
 }
@@ -291,7 +301,13 @@ TurnedGround::TurnedGround(const cv::Mat& brightness, const cv::Mat& mask, doubl
   const cv::Size size(columns, rows);
   cv::warpAffine(brightness, brightness_, warp, size, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
   cv::warpAffine(mask, known, warp, size, cv::INTER_NEAREST | cv::WARP_INVERSE_MAP, cv::BORDER_CONSTANT);
-  known.convertTo(mask_, CV_32FC1, 1 / 255.0);
+  mask_ = cv::Mat(known.size(), CV_32FC1), sure_ = cv::Mat(known.size(), CV_32FC1);
+  for (int row = 0; row < known.rows; ++row)
+    for (int column = 0; column < known.cols; ++column) {
+      const std::uint8_t value = known.at<std::uint8_t>(row, column);
+      mask_.at<float>(row, column) = value == 0 ? 0.0F : 1.0F;
+      sure_.at<float>(row, column) = value == GroundTile::kSure ? 1.0F : 0.0F;
+    }
 }
 
 Eigen::Vector2d TurnedGround::SourceOf(double column, double row) const {

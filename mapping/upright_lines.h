@@ -12,7 +12,7 @@ struct PaintLineOptions;
 class TurnedGround {
  public:
   /// \param brightness   CV_32FC1, rows south, columns east
-  /// \param mask         CV_8UC1 of the same size: 0 where nothing is known
+  /// \param mask         CV_8UC1 of the same size, as GroundTile::mask
   /// \param source_size  [m] of its pixels
   /// \param direction    [rad] of the lines, counter-clockwise from east
   /// \param pixel_size   [m] of the turned picture's pixels
@@ -22,13 +22,14 @@ class TurnedGround {
   Eigen::Vector2d SourceOf(double column, double row) const;
 
   const cv::Mat& brightness() const { return brightness_; }  ///< CV_32FC1
-  const cv::Mat& mask() const { return mask_; }              ///< CV_32FC1: 1 where known, else 0
+  const cv::Mat& mask() const { return mask_; }              ///< CV_32FC1: 1 where something was seen, else 0
+  const cv::Mat& sure() const { return sure_; }              ///< CV_32FC1: 1 where that is ground, else 0
   double pixel_size() const { return pixel_size_; }          ///< [m]
 
  private:
   double pixel_size_;
   Eigen::Matrix<double, 2, 3> source_from_turned_;
-  cv::Mat brightness_, mask_;
+  cv::Mat brightness_, mask_, sure_;
 };
 
 /// A nearly upright line; columns and rows count from the middle of the upper left pixel.
@@ -38,7 +39,7 @@ struct UprightLine {
   double width = 0;     ///< [pixels]
   double contrast = 0;  ///< against its sides, of their brightness
   bool is_first_seen = false, is_last_seen = false;
-  bool is_one_sided = false;  ///< most of it has known ground on one side only
+  bool is_one_sided = false;  ///< most of it has not sure ground on both sides
 
   double ColumnAt(double row) const { return column_at_zero + slope * row; }
 };

@@ -6,11 +6,14 @@
 
 #include "core/error.h"
 #include "core/trajectory.h"
+#include "mapping/evaluate_slots.h"
 #include "mapping/evaluate_surface.h"
 #include "mapping/read_ply.h"
 #include "mapping/seen_ground.h"
 #include "server/commands/commands.h"
+#include "server/finished_map.h"
 #include "server/ingest/open_drive_log.h"
+#include "server/slots_file.h"
 #include "slam/evaluate_trajectory.h"
 
 namespace parkade {
@@ -21,6 +24,7 @@ struct EvaluateArguments {
   std::string ground, surface;  ///< PLY meshes
   double within = 0;            ///< [m] of the true path; 0: everywhere
   std::string seen_in, rig;     ///< a log with masks, and the true rig
+  std::string slots, map;       ///< true slots (GeoJSON), and the map whose slots are compared with them
   bool is_json = false;
 };
 
@@ -52,11 +56,38 @@ SurfaceEvaluation EvaluateGround(const EvaluateArguments& arguments, const Rigid
                          options, scope);
 }
 
+constexpr double kSlotSight = 8;  // [m] from which a camera may see the lines of a slot
+
+/// The slots of a map; those count whose lines were seen, where a log says so.
+SlotEvaluation EvaluateMapSlots(const EvaluateArguments& arguments, const Rigid3& truth_from_estimate) {
+  const FinishedMap map(arguments.map);
+  std::vector<ParkingSlot> found;
+  for (const StoredSlot& stored : ReadSlots(map.FileNamed("slots.geojson"), map.datum())) {
+    found.push_back(stored.slot);
+    for (Eigen::Vector3d& corner : found.back().corners) corner = truth_from_estimate * corner;
+  }
+  SlotScope scope;
+  std::unique_ptr<RecordedDrive> log;
+  if (!arguments.seen_in.empty()) {
+    Require(!arguments.truth.empty(), ErrorCode::kUsage, "--seen-in needs --truth");
+    OpenLogOptions open;
+    open.rig_folder = arguments.rig;
+    log = OpenDriveLog(arguments.seen_in, open);
+    SeenGroundOptions seen;
+    seen.max_distance = kSlotSight;
+    scope.find_seen = [&log, seen, truth = ReadTum(arguments.truth)](const std::vector<Eigen::Vector3d>& points) {
+      return FindSeenGround(points, *log, truth, seen);
+    };
+  }
+  return EvaluateSlots(ReadTrueSlots(arguments.slots, map.datum()), found, {}, scope);
+}
+
 int Evaluate(const EvaluateArguments& arguments) {
   const bool has_trajectories = !arguments.truth.empty() && !arguments.estimate.empty();
   const bool has_surfaces = !arguments.ground.empty() && !arguments.surface.empty();
-  Require(has_trajectories || has_surfaces, ErrorCode::kUsage,
-          "evaluate needs --truth with --estimate, or --ground with --surface");
+  const bool has_slots = !arguments.slots.empty() && !arguments.map.empty();
+  Require(has_trajectories || has_surfaces || has_slots, ErrorCode::kUsage,
+          "evaluate needs --truth with --estimate, --ground with --surface, or --slots with --map");
 
   nlohmann::json json = nlohmann::json::object();
   std::string text;
@@ -72,6 +103,11 @@ int Evaluate(const EvaluateArguments& arguments) {
     json["surface"] = ToJson(evaluation);
     text += ToText(evaluation);
   }
+  if (has_slots) {
+    const SlotEvaluation evaluation = EvaluateMapSlots(arguments, truth_from_estimate);
+    json["slots"] = ToJson(evaluation);
+    text += ToText(evaluation);
+  }
   std::printf("%s\n", arguments.is_json ? json.dump(2).c_str() : text.c_str());
   return 0;
 }
@@ -80,10 +116,10 @@ int Evaluate(const EvaluateArguments& arguments) {
 
 void AddEvaluateCommand(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<EvaluateArguments>();
-  CLI::App* command =
-      app.add_subcommand("evaluate",
-                         "Compare a trajectory or a surface with the truth; given both, the surface is moved "
-                         "by the alignment of the trajectories first");
+  CLI::App* command = app.add_subcommand(
+      "evaluate",
+      "Compare a trajectory, a surface or parking slots with the truth; given a trajectory, the others "
+      "are moved by its alignment first");
   command->add_option("--truth", arguments->truth, "true trajectory (TUM)");
   command->add_option("--estimate", arguments->estimate, "estimated trajectory (TUM), poses of the same frame");
   command->add_option("--ground", arguments->ground, "true ground surface (PLY mesh, z up)");
@@ -93,6 +129,10 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
   command->add_option("--seen-in", arguments->seen_in,
                       "log with masks (<camera>/semantic): true ground that none of them shows within the same "
                       "distance (else 12 m) is left out");
+  command->add_option("--slots", arguments->slots,
+                      "true parking slots (GeoJSON); with --seen-in those of which a camera saw a metre of both lines "
+                      "within 8 m");
+  command->add_option("--map", arguments->map, "finished map (folder) whose slots are compared with them");
   command->add_option("--rig", arguments->rig, "true calibration of that log; default: the one in the log");
   command->add_flag("--json", arguments->is_json, "print JSON");
   command->callback([arguments, &action] { action = [arguments] { return Evaluate(*arguments); }; });
