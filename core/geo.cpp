@@ -2,6 +2,7 @@
 
 #include <GeographicLib/Geocentric.hpp>
 #include <GeographicLib/LocalCartesian.hpp>
+#include <cmath>
 #include <vector>
 
 namespace parkade {
@@ -12,6 +13,17 @@ GeographicLib::LocalCartesian TangentPlane(const SiteDatum& datum) {
 }
 
 }  // namespace
+
+double SitePlacement::YawSigma() const { return std::sqrt(covariance(0, 0)); }
+
+Eigen::Vector3d SitePlacement::PositionSigma(const Eigen::Vector3d& point_in_site) const {
+  const Eigen::Vector3d arm = point_in_site - centre;
+  // z apart: its variance may be infinite, which a product with zero would spoil.
+  Eigen::Matrix<double, 2, 3> moved_by;  // [yaw, x, y]
+  moved_by << -arm.y(), 1, 0, arm.x(), 0, 1;
+  const Eigen::Matrix2d horizontal = moved_by * covariance.topLeftCorner<3, 3>() * moved_by.transpose();
+  return {std::sqrt(horizontal(0, 0)), std::sqrt(horizontal(1, 1)), std::sqrt(covariance(3, 3))};
+}
 
 Eigen::Vector3d SiteFromGeodetic(const SiteDatum& datum, double latitude_deg, double longitude_deg, double altitude) {
   Eigen::Vector3d enu;

@@ -9,7 +9,18 @@ namespace parkade {
 /// Where a site's origin lies on WGS84; x east, y north, z up there.
 struct SiteDatum {
   double latitude_deg = 0, longitude_deg = 0;
-  double altitude = 0;  ///< [m] above the ellipsoid
+  double altitude = 0;            ///< [m] above the ellipsoid
+  bool is_altitude_known = true;  ///< false: nobody said how high the site lies, and `altitude` is 0
+};
+
+/// How sure it is where a site lies on Earth.
+struct SitePlacement {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();      ///< [m] in site
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();  ///< of [yaw (rad), x, y, z (m) of the centre]
+
+  double YawSigma() const;  ///< [rad]
+  /// [m] of x, y and z of a point in site: the yaw's error grows with its distance from the centre.
+  Eigen::Vector3d PositionSigma(const Eigen::Vector3d& point_in_site) const;
 };
 
 /// WGS84 position (degrees, ellipsoidal height in m) in the local tangent plane

@@ -29,9 +29,10 @@ struct SiteMap {
   std::vector<PosedSubmap> submaps;
   SurfaceMap surface;
   TriangleMesh mesh;
-  GroundTexture texture;           ///< of `mesh`; may be empty
-  GroundMarkings markings;         ///< ParkingSlot::states by `drives`
-  std::optional<SiteDatum> datum;  ///< empty: arbitrary origin and yaw
+  GroundTexture texture;                   ///< of `mesh`; may be empty
+  GroundMarkings markings;                 ///< ParkingSlot::states by `drives`
+  std::optional<SiteDatum> datum;          ///< empty: arbitrary origin and yaw
+  std::optional<SitePlacement> placement;  ///< how well the datum is known; empty: not known
 };
 
 }  // namespace parkade

@@ -196,6 +196,7 @@ GnssAlignment Describe(const Pairs& pairs, RobustFit&& fit, double correlation_t
     alignment.covariance = linear.covariance;
   }
   alignment.site_from_odom = fit.site_from_odom;
+  alignment.centre_in_odom = centre_in_odom;
   const Eigen::Matrix3Xd residuals = Residuals(pairs, fit.site_from_odom);
   const Eigen::VectorXd squared = SquaredErrors(pairs, fit.site_from_odom);
   alignment.num_fixes = static_cast<int>(pairs.size());
@@ -234,6 +235,22 @@ bool IsUsable(const GnssFix& fix, const Trajectory& odom_from_body, double max_s
 }
 
 double GnssAlignment::YawSigma() const { return std::sqrt(covariance(0, 0)); }
+
+SitePlacement PlacementBy(const std::vector<GnssAlignment>& drives) {
+  SitePlacement placement;
+  const auto centre_of = [](const GnssAlignment& drive) { return drive.site_from_odom * drive.centre_in_odom; };
+  for (const GnssAlignment& drive : drives) placement.centre += centre_of(drive) / static_cast<double>(drives.size());
+  Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
+  for (const GnssAlignment& drive : drives) {
+    const Eigen::Vector3d arm = centre_of(drive) - placement.centre;
+    Eigen::Matrix4d moved_by = Eigen::Matrix4d::Identity();  // [yaw, x, y, z] of the drive's centre by the site's
+    moved_by(1, 0) = -arm.y();
+    moved_by(2, 0) = arm.x();
+    information += moved_by.transpose() * drive.covariance.inverse() * moved_by;
+  }
+  placement.covariance = information.inverse();
+  return placement;
+}
 
 std::optional<GnssAlignment> AlignToGnss(const Trajectory& odom_from_body, const std::vector<GnssFix>& fixes,
                                          const Eigen::Vector3d& antenna_in_body, const GnssAlignOptions& options,

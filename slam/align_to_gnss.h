@@ -29,9 +29,10 @@ struct GnssAlignOptions {
 
 /// Where a drive lies on Earth.
 struct GnssAlignment {
-  SiteDatum datum;                                       ///< origin of `site`
-  Rigid3 site_from_odom;                                 ///< yaw and translation; both worlds have z up
-  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();  ///< of [yaw (rad), x, y, z (m) of the fixes' centre]
+  SiteDatum datum;                                           ///< origin of `site`
+  Rigid3 site_from_odom;                                     ///< yaw and translation; both worlds have z up
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();      ///< of [yaw (rad), x, y, z (m) of the fixes' centre]
+  Eigen::Vector3d centre_in_odom = Eigen::Vector3d::Zero();  ///< [m] of the fixes
   double extent = 0;                              ///< [m] largest horizontal distance of a used fix from their centre
   int num_fixes = 0;                              ///< with a pose at their time and of acceptable sigma
   int num_inliers = 0;                            ///< of these, not rejected by the robust fit
@@ -40,6 +41,9 @@ struct GnssAlignment {
 
   double YawSigma() const;  ///< [rad]
 };
+
+/// How sure it is where a site lies that these drives' GNSS placed, all in one datum: they err independently.
+SitePlacement PlacementBy(const std::vector<GnssAlignment>& drives);
 
 /// Whether a fix is whole, within the trajectory's span, and claims at most `max_sigma` [m] horizontally.
 bool IsUsable(const GnssFix& fix, const Trajectory& odom_from_body, double max_sigma);

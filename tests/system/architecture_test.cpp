@@ -59,7 +59,7 @@ const std::vector<WallRule> kWallRules = {
     {"fastcdr/", {"server/ingest/"}},
     {"jpeglib.h", {"server/ingest/"}},
     {"turbojpeg.h", {"server/ingest/"}},
-    {"GeographicLib/", {"core/geo.cpp"}},
+    {"GeographicLib/", {"core/geo.cpp", "core/geoid.cpp"}},
     {"yaml-cpp/", {"core/", "server/"}},
     {"embree", {}},
     {"gtest/", {}},
