@@ -37,7 +37,9 @@ std::string FormatFeature(const Json& properties, const std::string& type, const
 std::string FormatSlot(const ParkingSlot& slot, const std::vector<std::string>& drives, int level,
                        const std::optional<SiteDatum>& datum) {
   const Eigen::Vector3d center = slot.Center();
-  Json states = Json::object();
+  Json states = Json::object(), corners = Json::array();
+  for (const Eigen::Vector3d& corner : slot.corners)
+    corners.push_back({Rounded(corner.x(), 1000), Rounded(corner.y(), 1000), Rounded(corner.z(), 1000)});
   for (size_t i = 0; i < drives.size() && i < slot.states.size(); ++i) states[drives[i]] = ToText(slot.states[i]);
   const Json properties = {{"id", "slot_" + std::to_string(level) + "_" + std::to_string(std::lround(2 * center.x())) +
                                       "_" + std::to_string(std::lround(2 * center.y()))},
@@ -50,7 +52,8 @@ std::string FormatSlot(const ParkingSlot& slot, const std::vector<std::string>& 
                            {"confidence", Rounded(slot.confidence, 100)},
                            {"marked_sides", slot.num_marked_sides},
                            {"state", ToText(LatestState(slot))},
-                           {"states", states}};
+                           {"states", states},
+                           {"corners_m", corners}};
   return FormatFeature(properties, "Polygon", FormatPolygon({Ring(slot.corners.begin(), slot.corners.end())}, datum));
 }
 

@@ -15,6 +15,7 @@ constexpr double kSameHeight = 1.0;    // [m] likewise
 constexpr double kBaseReach = 1.5;     // [m] of ground before and behind that the height is measured from
 constexpr double kFootShare = 0.1;     // of the height that ends a bump
 constexpr double kMaxBaseError = 0.5;  // of a bump's height, by which the ground around it may be uneven
+constexpr double kSame = 1e-4;         // [m] between heights that are the same
 
 /// The driven line of one path, at equal steps: the ground below the middle of the rear axle.
 struct DrivenProfile {
@@ -80,11 +81,15 @@ std::optional<SpeedBump> MeasureBump(const DrivenProfile& profile, int crest, co
   int begin = crest, end = crest;
   while (begin > crest - half && above(begin) > kFootShare * height) --begin;
   while (end < crest + half && above(end) > kFootShare * height) ++end;
-  for (int i = begin; i <= end; ++i)
-    if (above(i) > height + 1e-9) return {};
+  // Of a flat crest only the first place counts.
+  int last = crest;
+  for (int i = begin; i <= end; ++i) {
+    if (above(i) > height + kSame || (i < crest && above(i) > height - kSame)) return {};
+    if (above(i) > height - kSame) last = i;
+  }
   if (begin == crest - half || end == crest + half) return {};
-  return SpeedBump{profile.points[static_cast<std::size_t>(crest)], profile.yaws[static_cast<std::size_t>(crest)],
-                   height, (end - begin) * options.spacing, 1};
+  const auto middle = static_cast<std::size_t>((crest + last) / 2);
+  return SpeedBump{profile.points[middle], profile.yaws[middle], height, (end - begin) * options.spacing, 1};
 }
 
 /// Adds one pass to the bump that it is of, or as a new one.

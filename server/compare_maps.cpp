@@ -139,6 +139,18 @@ Json RegionsOf(const SurfaceChanges& ground) {
   return regions;
 }
 
+/// A map of an older version of this program has none.
+std::vector<StoredSlot> SlotsOf(const FinishedMap& map) {
+  return ReadSlots(map.FileNamed("slots.geojson"), map.datum());
+}
+
+Json SlotsToJson(const SlotChanges& slots) {
+  Json changed = Json::array();
+  for (const SlotChange& change : slots.changed)
+    changed.push_back({{"id", change.id}, {"from", ToText(change.from)}, {"to", ToText(change.to)}});
+  return {{"kept", slots.num_kept}, {"added", slots.added}, {"removed", slots.removed}, {"changed", changed}};
+}
+
 }  // namespace
 
 MapComparison CompareMaps(const FinishedMap& from, const FinishedMap& to, const CompareOptions& options) {
@@ -147,6 +159,8 @@ MapComparison CompareMaps(const FinishedMap& from, const FinishedMap& to, const 
   comparison.alignment = Align(shared, from, to);
   comparison.ground =
       CompareSurfaces(from.ReadSurfaceMap(), to.ReadSurfaceMap(), comparison.alignment.to_from_from, options);
+  if (from.Has("slots.geojson") && to.Has("slots.geojson"))
+    comparison.slots = CompareSlots(SlotsOf(from), SlotsOf(to), comparison.alignment.to_from_from);
   for (const SharedDrive& drive : shared)
     comparison.trajectories.push_back(OffsetOf(drive, comparison.alignment.to_from_from));
   comparison.added = Without(to.drives(), from.drives());
@@ -175,6 +189,7 @@ std::string EncodeComparison(const MapComparison& comparison) {
                      {"percentile_95", ToMillimetres(ground.height.percentile_95)},
                      {"raised", area(GroundChange::kRaised)},
                      {"lowered", area(GroundChange::kLowered)}};
+  json["slots"] = SlotsToJson(comparison.slots);
   json["drives"] = {{"added", comparison.added}, {"removed", comparison.removed}};
   json["trajectories"] = Json::array();
   for (const TrajectoryOffset& offset : comparison.trajectories)

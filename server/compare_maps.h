@@ -9,6 +9,7 @@
 #include "core/rigid3.h"
 #include "core/surface_changes.h"
 #include "mapping/compare_surfaces.h"
+#include "server/compare_slots.h"
 #include "server/finished_map.h"
 
 namespace parkade {
@@ -29,6 +30,7 @@ struct SiteAlignment {
 struct MapComparison {
   SiteAlignment alignment;
   SurfaceChanges ground;
+  SlotChanges slots;  ///< of maps that have them
   std::vector<TrajectoryOffset> trajectories;
   std::vector<std::string> added, removed;  ///< drives that only the later or only the earlier map has
   std::optional<SiteDatum> datum;           ///< of the later map

@@ -17,6 +17,8 @@ class FinishedMap {
   /// Throws Error{kNotFound} where there is no folder, Error{kInvalidInput} where it holds no map.
   explicit FinishedMap(const std::filesystem::path& folder);
 
+  bool Has(const std::string& name) const { return std::filesystem::exists(folder_ / name); }
+
   /// One of the map's files. Throws Error{kInvalidInput} where this map does not have it.
   std::filesystem::path FileNamed(const std::string& name) const;
 

@@ -43,6 +43,15 @@ export interface Report {
   warnings: string[];
 }
 
+export type SlotState = 'free' | 'occupied' | 'unseen';
+
+/** The part of slots.geojson that the page shows. */
+export interface SlotCollection {
+  features: {
+    properties: { id: string; type: string; state: SlotState; confidence: number; corners_m: [number, number, number][] };
+  }[];
+}
+
 async function get<T>(path: string): Promise<T> {
   const response = await fetch(path, { headers: { accept: 'application/json' } });
   if (response.ok) return (await response.json()) as T;
@@ -75,6 +84,12 @@ export function mapUrl(site: string, version: number | 'latest', file = ''): str
 
 export const latestMap = (site: string) => get<MapVersion>(mapUrl(site, 'latest'));
 export const report = (map: MapVersion) => get<Report>(mapUrl(map.site, map.version, 'report.json'));
+
+/** The parking slots of a map; none of one that an older version made. */
+export async function slots(map: MapVersion): Promise<SlotCollection> {
+  if (!map.files.some((file) => file.name === 'slots.geojson')) return { features: [] };
+  return get<SlotCollection>(mapUrl(map.site, map.version, 'slots.geojson'));
+}
 
 /** Calls `onChange` whenever a job or a map changed; reconnects by itself. */
 export function watchEvents(onChange: () => void): void {

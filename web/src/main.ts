@@ -1,10 +1,11 @@
 import './style.css';
 
-import { latestMap, listDrives, listJobs, mapUrl, report, watchEvents } from './api';
+import { latestMap, listDrives, listJobs, mapUrl, report, slots, watchEvents } from './api';
 import { byId } from './dom';
 import { renderDrives } from './drive_list';
 import { renderMapPanel } from './map_panel';
 import { MapView } from './map_view';
+import { countStates, renderSlotLegend } from './slot_layer';
 import { createToolbar } from './toolbar';
 import { createUpload } from './upload';
 
@@ -34,9 +35,15 @@ async function showLatestMap(site: string): Promise<void> {
   shownMap = name;
   say('Loading the map …');
   try {
-    const [isLatest, figures] = await Promise.all([view.load(mapUrl(map.site, map.version, 'map.glb')), report(map)]);
+    const [isLatest, figures, parking] = await Promise.all([
+      view.load(mapUrl(map.site, map.version, 'map.glb')),
+      report(map),
+      slots(map),
+    ]);
     if (!isLatest) return;
+    view.setSlots(parking);
     renderMapPanel(panel, map, figures);
+    renderSlotLegend(byId('legend'), countStates(parking));
     view.setCoveredHeight(panel.offsetHeight + 16);
     view.lookAround();
     toolbar.hidden = false;
@@ -69,6 +76,7 @@ function clearMap(why: string): void {
   shownMap = '';
   panel.hidden = true;
   toolbar.hidden = true;
+  byId('legend').hidden = true;
   say(why);
 }
 
@@ -86,7 +94,7 @@ async function requestRefresh(): Promise<void> {
   isRefreshing = false;
 }
 
-createToolbar(toolbar, view);
+createToolbar(toolbar, view, byId('legend'));
 createUpload(byId('upload'), () => void requestRefresh());
 watchEvents(() => void requestRefresh());
 void requestRefresh();

@@ -3,7 +3,9 @@ import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { DRACO_GLTF_CONFIG, DRACOLoader } from 'three/examples/jsm/loaders/DRACOLoader.js';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 
+import type { SlotCollection } from './api';
 import { colorsByHeight } from './height_colors';
+import { makeSlotLayer } from './slot_layer';
 
 export type ColorMode = 'photo' | 'height';
 
@@ -26,6 +28,8 @@ export class MapView {
   private readonly loader = new GLTFLoader();
   private readonly photoLooks = new Map<THREE.Object3D, PhotoLook>();
   private content: THREE.Object3D | null = null;
+  private slotLayer: THREE.Group | null = null;
+  private areSlotsVisible = true;
   private coveredHeight = 0;
   private isFrameRequested = false;
   private generation = 0;
@@ -71,6 +75,7 @@ export class MapView {
     });
     this.photoLooks.clear();
     this.content = null;
+    this.slotLayer = null; // a part of the content
     this.requestFrame();
   }
 
@@ -84,6 +89,22 @@ export class MapView {
     this.lookFrom(new THREE.Vector3(0, 1, 1e-4));
   }
 
+  /** Parking slots of the map that is shown. */
+  setSlots(slots: SlotCollection): void {
+    if (!this.content) return;
+    if (this.slotLayer) this.content.remove(this.slotLayer);
+    this.slotLayer = makeSlotLayer(slots);
+    this.slotLayer.visible = this.areSlotsVisible;
+    this.content.add(this.slotLayer);
+    this.requestFrame();
+  }
+
+  setSlotsVisible(isVisible: boolean): void {
+    this.areSlotsVisible = isVisible;
+    if (this.slotLayer) this.slotLayer.visible = isVisible;
+    this.requestFrame();
+  }
+
   setTrajectoriesVisible(isVisible: boolean): void {
     this.forEachNode('drive:', (node) => (node.visible = isVisible));
   }
@@ -94,15 +115,15 @@ export class MapView {
 
   setColorMode(mode: ColorMode): void {
     this.content?.traverse((object) => {
-      if (!(object instanceof THREE.Mesh)) return;
       const look = this.photoLooks.get(object);
+      if (!(object instanceof THREE.Mesh) || !look) return; // slots keep their colours
       const material = object.material as THREE.MeshBasicMaterial;
       const geometry = object.geometry as THREE.BufferGeometry;
       if (mode === 'height') geometry.setAttribute('color', colorsByHeight(geometry));
-      else if (look?.colors) geometry.setAttribute('color', look.colors);
+      else if (look.colors) geometry.setAttribute('color', look.colors);
       else geometry.deleteAttribute('color');
       material.vertexColors = geometry.hasAttribute('color');
-      material.map = mode === 'height' ? null : (look?.picture ?? null);
+      material.map = mode === 'height' ? null : look.picture;
       material.needsUpdate = true;
     });
     this.requestFrame();
