@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "server/drive_stages.h"
 #include "slam/calibrated_log.h"
 #include "slam/odometry_file.h"
 
@@ -46,18 +47,17 @@ void AddDrive(const DriveInWork& drive, Trajectory&& site_from_body, const Subma
 }
 
 /// Joins the drives to one site; those that do not fit are taken off the list.
-void PlaceInSite(const MapOptions& options, std::vector<DriveInWork>& drives, BuiltMap& built) {
+void PlaceInSite(const MapOptions& options, DriveStages& stages, std::vector<DriveInWork>& drives, BuiltMap& built) {
   built.site.datum = AlignAllToGnss(options.gnss, drives);
   std::vector<DriveToJoin> to_join;
   for (const DriveInWork& drive : drives) {
     built.names.push_back(drive.log->name());
     const Trajectory& odom_from_body = drive.outcome.refinement.odom_from_body;
     std::vector<Place> places;  // one drive has nothing to be linked with
-    if (drives.size() > 1)
-      places = PlacesAlong(*drive.calibrated, drive.odometry.odom_from_body, odom_from_body, options.loops.places);
+    if (drives.size() > 1) places = stages.FindPlaces(*drive.calibrated, drive.odometry, drive.outcome.refinement);
     to_join.push_back({odom_from_body, std::move(places), drive.outcome.loops, drive.outcome.gnss});
   }
-  built.join = JoinDrives(to_join, options.loops, options.links);
+  built.join = JoinDrives(to_join, options.loops, options.links, stages.MemoryOfPairs(built.names, to_join));
   bool has_gnss = false;
   std::vector<DriveInWork> kept;
   for (size_t i = 0; i < drives.size(); ++i) {
@@ -178,28 +178,28 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
       !drives.empty(), ErrorCode::kInvalidInput,
       "none of the drives can be used; the first: " + (built.left_out.empty() ? "" : built.left_out.front().reason));
 
+  DriveStages stages(scope.from, scope.products, options);
   progress.Begin("close loops");
   for (size_t i = 0; i < drives.size(); ++i) {
-    const OdometryResult& odometry = drives[i].odometry;
-    const auto review = scope.loops.find(drives[i].log->name());
-    // Cameras are where and when odometry found them to be.
-    drives[i].outcome.loops = CloseLoops(CalibratedLog(*drives[i].log, odometry.rig), odometry.odom_from_body,
-                                         options.loops, review == scope.loops.end() ? LoopReview{} : review->second);
+    const DriveLog& log = *drives[i].log;
+    const auto review = scope.loops.find(log.name());
+    stages.Begin(log, scope.products.empty() ? std::filesystem::path() : scope.products / log.name() / kOdometryFile);
+    drives[i].outcome.loops =
+        stages.CloseLoops(log, drives[i].odometry, review == scope.loops.end() ? LoopReview{} : review->second);
     share_of_drive(i)(1);
   }
 
   progress.Begin("refine");
   for (size_t i = 0; i < drives.size(); ++i) {
     DriveInWork& drive = drives[i];
-    drive.outcome.refinement = RefineDrive(drive.odometry, drive.log->rig(), drive.outcome.loops, options.refinement,
-                                           ReadGnss(*drive.log, options.gnss));
+    drive.outcome.refinement = stages.Refine(*drive.log, drive.odometry, drive.outcome.loops);
     drive.odometry.measurements.reset();
     drive.calibrated.emplace(*drive.log, drive.outcome.refinement.rig);
     share_of_drive(i)(1);
   }
 
   progress.Begin("join drives");
-  PlaceInSite(options, drives, built);
+  PlaceInSite(options, stages, drives, built);
   for (const LeftOutDrive& drive : built.left_out)
     built.warnings.push_back("drive '" + drive.name + "' is left out: " + drive.reason);
   if (scope.is_odometry_only) return built;

@@ -60,6 +60,27 @@ std::vector<PlaceLink> WithoutThoseAt(const std::vector<PlaceLink>& links, const
   return rest;
 }
 
+/// Alike places, the most alike first; with `a_from_b` only those within `reach` [m] of each other.
+std::vector<PlaceCandidate> FindCandidates(const std::vector<Place>& places_a, const std::vector<Place>& places_b,
+                                           const std::optional<Rigid3>& a_from_b, double reach, int max_candidates) {
+  std::vector<const Place*> all;
+  for (const Place& place : places_a) all.push_back(&place);
+  for (const Place& place : places_b) all.push_back(&place);
+  const size_t num_a = places_a.size();
+  const auto is_possible = [&](size_t a, size_t b) {
+    if (a >= num_a || b < num_a) return false;
+    if (!a_from_b) return true;
+    const Eigen::Vector3d apart =
+        places_a[a].odom_from_place.translation - *a_from_b * places_b[b - num_a].odom_from_place.translation;
+    return apart.head<2>().norm() < reach;
+  };
+  std::vector<PlaceCandidate> candidates = FindAlikePlaces(all, is_possible, max_candidates);
+  for (PlaceCandidate& candidate : candidates) candidate.later -= num_a;
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const PlaceCandidate& a, const PlaceCandidate& b) { return a.score > b.score; });
+  return candidates;
+}
+
 /// The work of LinkDrives on one pair of drives.
 class DriveLinker {
  public:
@@ -68,7 +89,8 @@ class DriveLinker {
       : places_a_(places_a), places_b_(places_b), options_(options), relative_pose_(relative_pose) {}
 
   DriveLinks Link(const std::optional<Rigid3>& a_from_b, double sigma) {
-    const std::vector<PlaceCandidate> candidates = Recognise(a_from_b, options_.reach + 3 * sigma);
+    const std::vector<PlaceCandidate> candidates =
+        FindCandidates(places_a_, places_b_, a_from_b, options_.reach + 3 * sigma, options_.max_candidates);
     result_.num_candidates = static_cast<int>(candidates.size());
     const size_t most = std::min(candidates.size(), static_cast<size_t>(options_.max_measured));
     for (size_t begin = 0; begin < most && result_.links.empty(); begin += static_cast<size_t>(options_.batch)) {
@@ -82,28 +104,6 @@ class DriveLinker {
   }
 
  private:
-  /// Alike places, the most alike first.
-  std::vector<PlaceCandidate> Recognise(const std::optional<Rigid3>& a_from_b, double reach) const {
-    std::vector<const Place*> all;
-    for (const Place& place : places_a_) all.push_back(&place);
-    for (const Place& place : places_b_) all.push_back(&place);
-    const size_t num_a = places_a_.size();
-    std::vector<PlaceCandidate> candidates = FindAlikePlaces(
-        all,
-        [&](size_t a, size_t b) {
-          if (a >= num_a || b < num_a) return false;
-          if (!a_from_b) return true;
-          const Eigen::Vector3d apart =
-              places_a_[a].odom_from_place.translation - *a_from_b * places_b_[b - num_a].odom_from_place.translation;
-          return apart.head<2>().norm() < reach;
-        },
-        options_.max_candidates);
-    for (PlaceCandidate& candidate : candidates) candidate.later -= num_a;
-    std::stable_sort(candidates.begin(), candidates.end(),
-                     [](const PlaceCandidate& a, const PlaceCandidate& b) { return a.score > b.score; });
-    return candidates;
-  }
-
   /// Adds the good ones to measured_.
   void Measure(const std::vector<PlaceCandidate>& candidates) {
     std::vector<PlaceLink> links = ParallelMap(candidates.size(), [&](size_t i) {
@@ -192,6 +192,8 @@ void DriveLinkOptions::Validate() const {
   Require(min_spread >= 0 && max_rival_share >= 0 && reach > 0 && height_reach > 0 && closing_base > 0 &&
               closing_per_metre >= 0 && closing_deg > 0,
           ErrorCode::kUsage, "the bounds on links between drives must be positive");
+  Require(all_pairs_up_to >= 2 && partners >= 1, ErrorCode::kUsage,
+          "links.all_pairs_up_to must be at least 2, links.partners at least 1");
 }
 
 std::vector<size_t> FindAgreeingLinks(const std::vector<Place>& places_a, const std::vector<Place>& places_b,
@@ -220,6 +222,16 @@ std::vector<size_t> FindAgreeingLinks(const std::vector<Place>& places_a, const 
   }
   std::sort(best.begin(), best.end());
   return best;
+}
+
+double LikenessOf(const std::vector<Place>& places_a, const std::vector<Place>& places_b,
+                  const DriveLinkOptions& options, const std::optional<Rigid3>& a_from_b, double sigma) {
+  const std::vector<PlaceCandidate> candidates =
+      FindCandidates(places_a, places_b, a_from_b, options.reach + 3 * sigma, 1);
+  const size_t count = 2 * static_cast<size_t>(options.min_links);  // as many as a good link needs, and some
+  double sum = 0;
+  for (size_t i = 0; i < std::min(count, candidates.size()); ++i) sum += candidates[i].score;
+  return sum / static_cast<double>(count);
 }
 
 DriveLinks LinkDrives(const std::vector<Place>& places_a, const std::vector<Place>& places_b,

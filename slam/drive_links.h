@@ -23,6 +23,8 @@ struct DriveLinkOptions {
   double closing_base = 0.15;       ///< [m], plus ...
   double closing_per_metre = 0.01;  ///< ... this share of the ways
   double closing_deg = 1.0;         ///< plus 0.02 degrees per metre
+  int all_pairs_up_to = 6;          ///< drives: of more not every pair is linked, but each drive with ...
+  int partners = 3;                 ///< ... these many that look most like it, and more where drives stay apart
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -38,6 +40,8 @@ struct DriveLinkOptions {
     visit("closing_base", closing_base);
     visit("closing_per_metre", closing_per_metre);
     visit("closing_deg", closing_deg);
+    visit("all_pairs_up_to", all_pairs_up_to);
+    visit("partners", partners);
   }
   void Validate() const;  ///< throws Error{kUsage}
 };
@@ -61,6 +65,12 @@ struct DriveLinks {
 /// Maximization for Robust Multi-Robot Map Merging", ICRA 2018. Indices, ascending.
 std::vector<size_t> FindAgreeingLinks(const std::vector<Place>& places_a, const std::vector<Place>& places_b,
                                       const std::vector<PlaceLink>& links, const DriveLinkOptions& options);
+
+/// How alike two drives look, 0 to 1: the mean score of their most alike places; 0 where GNSS puts them apart.
+/// Parameters as of LinkDrives; takes a small part of its time.
+double LikenessOf(const std::vector<Place>& places_a, const std::vector<Place>& places_b,
+                  const DriveLinkOptions& options, const std::optional<Rigid3>& a_from_b = std::nullopt,
+                  double sigma = 0);
 
 /// Links two drives: places that look alike are measured (EstimateRigPose), the most alike first, until enough of them
 /// agree; these foretell where the drives pass each other, in either direction, and there all places are measured.

@@ -1,11 +1,12 @@
 #include "slam/join_drives.h"
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
-#include <numeric>
 
 #include "core/error.h"
 #include "slam/align_points.h"
+#include "slam/link_all_drives.h"
 #include "slam/place_graph.h"
 #include "slam/robust_pose_graph.h"
 
@@ -13,40 +14,6 @@ namespace parkade {
 namespace {
 
 constexpr std::int64_t kIdsPerDrive = 1'000'000'000;
-
-double Square(double x) { return x * x; }
-
-/// [m] by which a drive may lie off, where GNSS puts it.
-double SigmaOf(const GnssAlignment& gnss) {
-  return std::sqrt(gnss.covariance(1, 1) + gnss.covariance(2, 2) + gnss.covariance(0, 0) * Square(gnss.extent));
-}
-
-DrivePair LinkPair(const std::vector<DriveToJoin>& drives, size_t a, size_t b, const LoopOptions& loops,
-                   const DriveLinkOptions& options) {
-  DrivePair pair{a, b, {}, {}, {}};
-  std::optional<Rigid3> a_from_b;
-  double sigma = 0;
-  if (drives[a].gnss && drives[b].gnss) {
-    a_from_b = drives[a].gnss->site_from_odom.Inverse() * drives[b].gnss->site_from_odom;
-    sigma = std::hypot(SigmaOf(*drives[a].gnss), SigmaOf(*drives[b].gnss));
-  }
-  pair.found = LinkDrives(drives[a].places, drives[b].places, options, loops.relative_pose, a_from_b, sigma);
-  pair.weights.assign(pair.found.links.size(), 1);
-  pair.chi_squared.assign(pair.found.links.size(), 0);
-  return pair;
-}
-
-/// Drives that hang together by links have the same number, the lowest of their indices.
-std::vector<size_t> FindGroups(size_t num_drives, const std::vector<DrivePair>& pairs) {
-  std::vector<size_t> groups(num_drives);
-  std::iota(groups.begin(), groups.end(), size_t{0});
-  for (const DrivePair& pair : pairs) {
-    if (pair.num_accepted() == 0) continue;
-    const auto [to, from] = std::minmax({groups[pair.drive_a], groups[pair.drive_b]});
-    std::replace(groups.begin(), groups.end(), size_t{from}, size_t{to});
-  }
-  return groups;
-}
 
 /// Where the drives' odometry frames lie in that of the group's first drive, link by link. Empty for other drives.
 std::vector<std::optional<Rigid3>> StartFrames(const std::vector<DriveToJoin>& drives,
@@ -213,7 +180,7 @@ std::string ReasonFor(size_t drive, const std::vector<DrivePair>& pairs) {
     if ((pair.drive_a == drive || pair.drive_b == drive) &&
         (!nearest || pair.found.num_agreeing > nearest->found.num_agreeing))
       nearest = &pair;
-  if (!nearest) return "there is no other drive";
+  if (!nearest) return "no other drive looks like it";
   return nearest->found.rejected.empty() ? "its links contradict those of other drives" : nearest->found.rejected;
 }
 
@@ -231,7 +198,8 @@ int DrivePair::num_accepted() const {
   return static_cast<int>(std::count_if(weights.begin(), weights.end(), [](double weight) { return weight > 0.5; }));
 }
 
-DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops, const DriveLinkOptions& links) {
+DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops, const DriveLinkOptions& links,
+                     const PairMemory& memory) {
   links.Validate();
   const auto start = std::chrono::steady_clock::now();
   DriveJoin join;
@@ -241,8 +209,7 @@ DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& 
         drives[0].odom_from_body.Transformed(drives[0].gnss ? drives[0].gnss->site_from_odom : Rigid3{});
     return join;
   }
-  for (size_t b = 1; b < drives.size(); ++b)
-    for (size_t a = 0; a < b; ++a) join.pairs.push_back(LinkPair(drives, a, b, loops, links));
+  join.pairs = LinkAllDrives(drives, loops, links, memory);
 
   // Links that the joint graph rejects may leave drives apart that seemed to hang together.
   std::vector<size_t> groups = FindGroups(drives.size(), join.pairs), before;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -34,6 +35,10 @@ struct DrivePair {
   int num_accepted() const;
 };
 
+/// Gives what `compute` gives, or gave for the same two drives in an earlier build; `what` names it. Drives by index.
+using PairMemory = std::function<std::string(const std::string& what, size_t drive_a, size_t drive_b,
+                                             const std::function<std::string()>& compute)>;
+
 /// One drive in the site's frame, or why it is left out.
 struct JoinedDrive {
   Trajectory site_from_body;  ///< empty where left out
@@ -46,13 +51,14 @@ struct DriveJoin {
   double seconds = 0;  ///< of computing
 };
 
-/// Joins drives of one place: links of all pairs by LinkDrives, gated by GNSS where both have it; one pose graph of the
+/// Joins drives of one place: links between them by LinkAllDrives; one pose graph of the
 /// places of all drives that links hold together, with the drives' own loops and gravity, in which graduated
 /// non-convexity doubts the links; then each such group is placed on Earth by the GNSS of its drives, rigidly. Kept is
 /// the largest set of drives that hang together by links or by GNSS (of equal ones that with the longest way); a drive
 /// that does not is left out with a reason. `site` is the datum's tangent plane where a kept drive has GNSS, else the
 /// odometry frame of the first kept drive. A single drive is only placed.
-DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops, const DriveLinkOptions& links);
+DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops, const DriveLinkOptions& links,
+                     const PairMemory& memory = {});
 
 /// \param names  of the drives
 nlohmann::json ToJson(const DriveJoin& join, const std::vector<std::string>& names);

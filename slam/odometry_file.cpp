@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "core/file.h"
-#include "slam/binary_archive.h"
+#include "slam/binary_exchange.h"
 #include "slam/drive_measurements.h"
 
 namespace parkade {
@@ -79,19 +79,6 @@ struct StoredKnot {
 
 // Found by argument-dependent lookup, hence in the types' own namespace. In the order of the file: a change needs a new
 // kVersion.
-template <typename A>
-void Exchange(A& archive, Timestamp& time) {
-  archive(time.ns);
-}
-template <typename A>
-void Exchange(A& archive, Rigid3& motion) {
-  archive(motion.rotation, motion.translation);
-}
-template <typename A>
-void Exchange(A& archive, TrajectoryState& state) {
-  archive(state.time, state.odom_from_body, state.velocity_in_odom, state.gyroscope_bias, state.accelerometer_bias,
-          state.covariance);
-}
 template <typename A>
 void Exchange(A& archive, OdometryKeyframe& keyframe) {
   archive(keyframe.time, keyframe.camera, keyframe.odom_from_body);

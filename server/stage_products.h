@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace parkade {
+
+/// Results of stages, kept in a map's folder under keys of all that they depend on, so that a later build from that map
+/// need not find them again. A file holds any number of them.
+class StageProducts {
+ public:
+  /// \param from  finished map whose results may be taken; empty: none
+  /// \param to    folder of the map in the making; empty: nothing is kept
+  StageProducts(std::filesystem::path from, std::filesystem::path to);
+
+  /// The result under `key`: taken where there is a whole one, else computed. Kept in the new map either way.
+  /// `file` is relative to the maps' folders.
+  std::string Get(const std::string& file, const std::string& key, const std::function<std::string()>& compute) const;
+
+ private:
+  std::filesystem::path from_, to_;
+};
+
+/// One key for all these, in their order.
+std::string KeyOf(const std::vector<std::string>& parts);
+
+}  // namespace parkade

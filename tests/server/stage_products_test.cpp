@@ -1,0 +1,65 @@
+#include "server/stage_products.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "core/file.h"
+#include "tests/server/store/temporary_store.h"
+
+namespace parkade {
+namespace {
+
+class StageProductsTest : public ::testing::Test {
+ protected:
+  /// What Get gives, and whether it was computed.
+  std::pair<std::string, bool> Get(const StageProducts& products, const std::string& key) {
+    bool is_computed = false;
+    const std::string result = products.Get("drive/loops.bin", key, [&] {
+      is_computed = true;
+      return "of " + key;
+    });
+    return {result, is_computed};
+  }
+
+  const std::string first_key_ = KeyOf({"first"}), second_key_ = KeyOf({"second"});
+  TemporaryRoot root_;
+  const std::filesystem::path old_map_ = root_.path() / "old", new_map_ = root_.path() / "new";
+};
+
+TEST_F(StageProductsTest, AResultIsComputedOnceForItsKey) {
+  const StageProducts first({}, old_map_);
+  EXPECT_EQ(Get(first, first_key_), std::pair("of " + first_key_, true));
+  EXPECT_EQ(Get(first, second_key_), std::pair("of " + second_key_, true));
+
+  const StageProducts second(old_map_, new_map_);
+  EXPECT_EQ(Get(second, second_key_), std::pair("of " + second_key_, false));
+  EXPECT_EQ(Get(second, KeyOf({"third"})).second, true);
+  EXPECT_EQ(Get(StageProducts(new_map_, {}), second_key_).second, false) << "kept for the build after next, too";
+  EXPECT_EQ(Get(StageProducts(new_map_, {}), first_key_).second, true) << "no longer asked for: not kept";
+}
+
+TEST_F(StageProductsTest, WhatIsDamagedOrCutOffIsComputedAgain) {
+  Get(StageProducts({}, old_map_), first_key_);
+  const std::filesystem::path file = old_map_ / "drive/loops.bin";
+  const std::string whole = ReadFile(file, 1 << 20);
+  for (const size_t length : {size_t{3}, size_t{40}, size_t{150}, whole.size() - 1}) {
+    std::ofstream(file, std::ios::binary) << whole.substr(0, length);
+    EXPECT_EQ(Get(StageProducts(old_map_, {}), first_key_), std::pair("of " + first_key_, true)) << length;
+  }
+  std::string damaged = whole;
+  damaged.back() ^= 1;
+  std::ofstream(file, std::ios::binary) << damaged;
+  EXPECT_TRUE(Get(StageProducts(old_map_, {}), first_key_).second);
+  std::ofstream(file, std::ios::binary) << whole;
+  EXPECT_FALSE(Get(StageProducts(old_map_, {}), first_key_).second);
+}
+
+TEST(KeyOf, TellsPartsApart) {
+  EXPECT_NE(KeyOf({"ab", "c"}), KeyOf({"a", "bc"}));
+  EXPECT_NE(KeyOf({"a", "b"}), KeyOf({"b", "a"}));
+  EXPECT_EQ(KeyOf({"a", "b"}), KeyOf({"a", "b"}));
+}
+
+}  // namespace
+}  // namespace parkade
