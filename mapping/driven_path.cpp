@@ -1,9 +1,11 @@
 #include "mapping/driven_path.h"
 
+#include "mapping/estimate_lean.h"
+
 namespace parkade {
 
 DrivenPath MakeDrivenPath(int drive, const Rig& rig, const Trajectory& site_from_body, const Rigid3& body_from_ground) {
-  DrivenPath path{drive, site_from_body, body_from_ground, ContactArea::Of(rig), {}};
+  DrivenPath path{drive, site_from_body, body_from_ground, ContactArea::Of(rig), {}, {}, 1};
   for (const RigCamera& camera : rig.cameras) path.cameras_in_body.push_back(camera.body_from_camera.translation);
   return path;
 }
@@ -18,10 +20,13 @@ std::vector<ContactPoint> FindContacts(const DrivenPath& path, double spacing) {
     // Between the wheels of an axle the road is as good as known: it joins the two tracks to one strip.
     const double half_track = 0.5 * path.contact.track;
     const std::vector<double> across = half_track > 0 ? std::vector{half_track, 0.0, -half_track} : std::vector{0.0};
+    const Eigen::Vector2d acceleration = AccelerationAt(path.site_from_body, state.time);
+    const auto contact_at = [&](double x, double y) {
+      return site_from_ground * Eigen::Vector3d(x, y, -path.lean.LiftAt(acceleration, {x, y}));
+    };
     for (const double y : across) {
-      contacts.push_back({site_from_ground * Eigen::Vector3d(0, y, 0), false});
-      if (path.contact.wheelbase > 0)
-        contacts.push_back({site_from_ground * Eigen::Vector3d(path.contact.wheelbase, y, 0), true});
+      contacts.push_back({contact_at(0, y), false});
+      if (path.contact.wheelbase > 0) contacts.push_back({contact_at(path.contact.wheelbase, y), true});
     }
   }
   return contacts;

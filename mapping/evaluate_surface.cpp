@@ -1,6 +1,7 @@
 #include "mapping/evaluate_surface.h"
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -54,8 +55,8 @@ size_t Count(const std::vector<bool>& flags) {
 /// A surface on its raster, and which of it counts.
 struct ScopedRaster {
   HeightRaster raster;
-  std::vector<bool> counts;      ///< of samples
-  std::vector<bool> rim_counts;  ///< if they were of the rim
+  std::vector<bool> counts;     ///< of samples
+  std::vector<bool> is_unseen;  ///< of samples of the truth: in the scope but for that
 
   const std::vector<HeightRaster::Sample>& samples() const { return raster.samples(); }
   int Find(const HeightRaster::Sample& at, double max_gap) const { return raster.Find(at.x, at.y, at.height, max_gap); }
@@ -65,11 +66,10 @@ ScopedRaster NearPath(const TriangleMesh& mesh, const SurfaceScope& scope, const
   ScopedRaster scoped{HeightRaster(mesh, options.sample_spacing, kMergeGap), {}, {}};
   scoped.counts = scope.path.empty() ? std::vector<bool>(scoped.samples().size(), true)
                                      : scoped.raster.FindNear(scope.path, options.max_path_distance);
-  scoped.rim_counts = scoped.counts;
   return scoped;
 }
 
-/// Leaves unseen truth out, and of both outlines what is near it.
+/// Leaves unseen truth out, and what was guessed there.
 void LeaveOutUnseen(const SurfaceScope& scope, const SurfaceEvaluationOptions& options, ScopedRaster& truth,
                     ScopedRaster& estimate) {
   std::vector<Eigen::Vector3d> points;
@@ -80,38 +80,69 @@ void LeaveOutUnseen(const SurfaceScope& scope, const SurfaceEvaluationOptions& o
       sample_of.push_back(i);
     }
   const std::vector<bool> is_seen = scope.find_seen(points);
-  std::vector<bool> is_unseen(truth.samples().size());
-  for (size_t k = 0; k < sample_of.size(); ++k) is_unseen[sample_of[k]] = !is_seen[k];
-  const std::vector<bool> is_near_unseen =
-      truth.raster.Widen(is_unseen, options.boundary_width, options.max_height_gap);
-  for (size_t i = 0; i < truth.samples().size(); ++i) {
-    if (is_unseen[i]) truth.counts[i] = false;
-    if (is_near_unseen[i]) truth.rim_counts[i] = false;
-  }
+  truth.is_unseen.assign(truth.samples().size(), false);
+  for (size_t k = 0; k < sample_of.size(); ++k) truth.is_unseen[sample_of[k]] = !is_seen[k];
+  for (size_t i = 0; i < truth.samples().size(); ++i)
+    if (truth.is_unseen[i]) truth.counts[i] = false;
   for (size_t i = 0; i < estimate.samples().size(); ++i) {
     const int found = truth.Find(estimate.samples()[i], options.max_height_gap);
-    if (found < 0) continue;
-    if (is_unseen[static_cast<size_t>(found)]) estimate.counts[i] = false;
-    if (is_near_unseen[static_cast<size_t>(found)]) estimate.rim_counts[i] = false;
+    if (found >= 0 && truth.is_unseen[static_cast<size_t>(found)]) estimate.counts[i] = false;
   }
 }
 
-/// Intersection over union of the rims of two surfaces.
-double BoundaryIou(const ScopedRaster& truth, const ScopedRaster& estimate, const SurfaceEvaluationOptions& options) {
+/// Samples of the rims of both, `width` wide. Where a hole would be outside of the scope or unseen it would be no
+/// outline: what is so near to that counts for neither.
+struct Rims {
+  std::vector<bool> of_truth, of_estimate;
+};
+
+Rims FindRims(const ScopedRaster& truth, const ScopedRaster& estimate, const SurfaceScope& scope, double width,
+              const SurfaceEvaluationOptions& options) {
   const auto rim_of = [&](const ScopedRaster& scoped) {
-    std::vector<bool> is_rim = scoped.raster.FindRim(options.boundary_width, options.max_height_gap);
-    for (size_t i = 0; i < is_rim.size(); ++i) is_rim[i] = is_rim[i] && scoped.rim_counts[i];
+    std::vector<bool> is_rim = scoped.raster.FindRim(width, options.max_height_gap);
+    const std::vector<bool> is_inside =
+        scope.path.empty() ? scoped.counts : scoped.raster.FindNear(scope.path, options.max_path_distance - width);
+    for (size_t i = 0; i < is_rim.size(); ++i) is_rim[i] = is_rim[i] && scoped.counts[i] && is_inside[i];
     return is_rim;
   };
-  const std::vector<bool> truth_rim = rim_of(truth), estimate_rim = rim_of(estimate);
-  size_t both = 0;
-  for (size_t i = 0; i < estimate_rim.size(); ++i) {
-    if (!estimate_rim[i]) continue;
+  Rims rims{rim_of(truth), rim_of(estimate)};
+  if (truth.is_unseen.empty()) return rims;
+  const std::vector<bool> is_near_unseen = truth.raster.Widen(truth.is_unseen, width, options.max_height_gap);
+  for (size_t i = 0; i < is_near_unseen.size(); ++i)
+    if (is_near_unseen[i]) rims.of_truth[i] = false;
+  for (size_t i = 0; i < estimate.samples().size(); ++i) {
     const int found = truth.Find(estimate.samples()[i], options.max_height_gap);
-    if (found >= 0 && truth_rim[static_cast<size_t>(found)]) ++both;
+    if (found >= 0 && is_near_unseen[static_cast<size_t>(found)]) rims.of_estimate[i] = false;
   }
-  const size_t either = Count(truth_rim) + Count(estimate_rim) - both;
+  return rims;
+}
+
+/// Intersection over union of the rims of two surfaces.
+double BoundaryIou(const ScopedRaster& truth, const ScopedRaster& estimate, const SurfaceScope& scope, double width,
+                   const SurfaceEvaluationOptions& options) {
+  const Rims rims = FindRims(truth, estimate, scope, width, options);
+  size_t both = 0;
+  for (size_t i = 0; i < rims.of_estimate.size(); ++i) {
+    if (!rims.of_estimate[i]) continue;
+    const int found = truth.Find(estimate.samples()[i], options.max_height_gap);
+    if (found >= 0 && rims.of_truth[static_cast<size_t>(found)]) ++both;
+  }
+  const size_t either = Count(rims.of_truth) + Count(rims.of_estimate) - both;
   return either == 0 ? 1 : static_cast<double>(both) / static_cast<double>(either);
+}
+
+/// [m] of the rim that B. Cheng et al. compare by default: 2 % of the diagonal of what the truth in the scope spans.
+double RelativeWidth(const ScopedRaster& truth, const SurfaceEvaluationOptions& options) {
+  constexpr double kShare = 0.02;
+  Eigen::Array2i low = Eigen::Array2i::Constant(INT_MAX), high = Eigen::Array2i::Constant(INT_MIN);
+  for (size_t i = 0; i < truth.samples().size(); ++i) {
+    if (!truth.counts[i]) continue;
+    const Eigen::Array2i place(truth.samples()[i].x, truth.samples()[i].y);
+    low = low.min(place);
+    high = high.max(place + 1);
+  }
+  const Eigen::Array2d span = (high.cast<double>() - low.cast<double>()).max(0) * options.sample_spacing;
+  return std::max(kShare * span.matrix().norm(), options.sample_spacing);
 }
 
 /// Whether the true surface climbs by more than kRampSlope around one of its samples.
@@ -188,7 +219,9 @@ SurfaceEvaluation EvaluateSurface(const TriangleMesh& truth_mesh, const Triangle
   evaluation.false_free_percent = Percent(num_false, num_estimated);
   const size_t either = num_true + num_false;
   evaluation.iou = either == 0 ? 0 : static_cast<double>(evaluation.num_samples) / static_cast<double>(either);
-  evaluation.boundary_iou = BoundaryIou(truth, estimate, options);
+  evaluation.boundary_iou = BoundaryIou(truth, estimate, scope, options.boundary_width, options);
+  evaluation.relative_boundary_width = RelativeWidth(truth, options);
+  evaluation.relative_boundary_iou = BoundaryIou(truth, estimate, scope, evaluation.relative_boundary_width, options);
   return evaluation;
 }
 
@@ -201,11 +234,11 @@ std::string ToText(const SurfaceEvaluation& e) {
                 "completeness         %.2f %%\n"
                 "false free space     %.2f %%\n"
                 "IoU                  %.4f\n"
-                "boundary IoU         %.4f\n"
+                "boundary IoU         %.4f  %.4f over 2 %% of the diagonal, %.2f m\n"
                 "ramps                rmse %.4f m on %.1f m^2\n",
                 e.estimate_area, e.truth_area, e.height_rmse, e.height_bias, e.height_median, e.height_p90,
                 e.height_p95, e.height_max, e.accuracy_rmse, e.completeness_percent, e.false_free_percent, e.iou,
-                e.boundary_iou, e.ramp_height_rmse, e.ramp_area);
+                e.boundary_iou, e.relative_boundary_iou, e.relative_boundary_width, e.ramp_height_rmse, e.ramp_area);
   return text;
 }
 
@@ -224,6 +257,8 @@ nlohmann::json ToJson(const SurfaceEvaluation& e) {
           {"false_free_percent", e.false_free_percent},
           {"iou", e.iou},
           {"boundary_iou", e.boundary_iou},
+          {"relative_boundary_iou", e.relative_boundary_iou},
+          {"relative_boundary_width", e.relative_boundary_width},
           {"ramp_area", e.ramp_area},
           {"ramp_height_rmse", e.ramp_height_rmse}};
 }

@@ -36,7 +36,7 @@ struct SurfaceEvaluationOptions {
 struct SurfaceScope {
   std::span<const Eigen::Vector3d> path = {};  ///< points of the drive: only ground near them; empty: everything
   /// Which of these points of the true surface were seen as drivable; none: all of them. What was not is neither missed
-  /// nor false, and no outline within boundary_width of it counts.
+  /// nor false, and no rim counts that may be one only because of it.
   std::function<std::vector<bool>(const std::vector<Eigen::Vector3d>& points)> find_seen = {};
 };
 
@@ -49,13 +49,15 @@ struct SurfaceEvaluation {
   double height_bias = 0;       ///< [m] mean of estimate - truth
   double height_median = 0;     ///< [m] of absolute differences, as the next three
   double height_p90 = 0, height_p95 = 0, height_max = 0;
-  double accuracy_rmse = 0;         ///< [m] distance of each sample of the estimate to the truth, false ones too
-  double completeness_percent = 0;  ///< of the truth, with an estimate within max_completeness_distance
-  double false_free_percent = 0;    ///< of the estimate, where there is no true ground
-  double iou = 0;                   ///< of the areas
-  double boundary_iou = 0;          ///< of what lies within boundary_width of the own outline
-  double ramp_area = 0;             ///< [m^2] of the estimate where the truth is steeper than 5 %
-  double ramp_height_rmse = 0;      ///< [m] there
+  double accuracy_rmse = 0;            ///< [m] distance of each sample of the estimate to the truth, false ones too
+  double completeness_percent = 0;     ///< of the truth, with an estimate within max_completeness_distance
+  double false_free_percent = 0;       ///< of the estimate, where there is no true ground
+  double iou = 0;                      ///< of the areas
+  double boundary_iou = 0;             ///< of what lies within boundary_width of the own outline
+  double relative_boundary_iou = 0;    ///< likewise, over the width that its authors use by default:
+  double relative_boundary_width = 0;  ///< [m] 2 % of the diagonal of the truth that counts
+  double ramp_area = 0;                ///< [m^2] of the estimate where the truth is steeper than 5 %
+  double ramp_height_rmse = 0;         ///< [m] there
 };
 
 /// Compares an estimated ground surface with the true one, both in one frame with z up. Accuracy and false free space

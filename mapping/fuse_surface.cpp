@@ -8,6 +8,8 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/parallel.h"
+#include "mapping/estimate_lean.h"
+#include "mapping/height_certainty.h"
 #include "mapping/surface_links.h"
 #include "mapping/surface_painter.h"
 
@@ -16,24 +18,32 @@ namespace {
 
 using PaintedCell = SurfacePainter::PaintedCell;
 
-constexpr double kMaxCellStep = 0.1;   // [m] of height between neighbouring cells of one deck
-constexpr int kPinholeRounds = 3;      // each fills holes of up to about two cells
-constexpr int kPinholeNeighbours = 4;  // of 8 that must be seen around a pinhole
-constexpr int kDrivenRounds = 60;      // to fill colour in under a car that stood: 3 m at 5 cm
+constexpr double kLeastPlaneVariance = 4e-4;  // [m^2] of a keyframe's plane: wheels and the sweep are surer
+constexpr double kMaxCellStep = 0.1;          // [m] of height between neighbouring cells of one deck
+constexpr int kPinholeRounds = 3;             // each fills holes of up to about two cells
+constexpr int kPinholeNeighbours = 4;         // of 8 that must be seen around a pinhole
+constexpr int kDrivenRounds = 60;             // to fill colour in under a car that stood: 3 m at 5 cm
 
 /// The heights at which patches put the ground: the planes that their cars stood on.
 class PlaneHeights {
  public:
-  explicit PlaneHeights(const HeightFieldOptions& options = {}) : options_(options) {}
+  explicit PlaneHeights(const HeightFieldOptions& options = {}, double share = 1) : options_(options), share_(share) {}
 
-  void Add(const PosedGroundPatch& posed) {
+  /// `path` is that of its drive, or null.
+  void Add(const PosedGroundPatch& posed, const DrivenPath* path) {
+    const Rigid3 ground_from_body = path ? path->body_from_ground.Inverse() : Rigid3{};
+    const Eigen::Vector2d acceleration =
+        path ? AccelerationAt(path->site_from_body, posed.patch.time) : Eigen::Vector2d::Zero();
+    const double share = path ? path->plane_errors * path->plane_errors : 1;
     for (const GroundSample& sample : posed.patch.samples) {
       if (!sample.is_free) continue;
-      const Eigen::Vector3d point = posed.site_from_body * sample.point_in_body.cast<double>();
+      const Eigen::Vector3d point_in_body = sample.point_in_body.cast<double>();
+      Eigen::Vector3d point = posed.site_from_body * point_in_body;
+      if (path) point.z() -= path->lean.LiftAt(acceleration, (ground_from_body * point_in_body).head<2>());
       const auto index = [](double value, double step) { return static_cast<int>(std::floor(value / step)); };
       Sum& sum = sums_[{index(point.z(), options_.level_separation), index(point.y(), options_.spacing),
                         index(point.x(), options_.spacing)}];
-      const auto weight = static_cast<double>(sample.weight);
+      const double weight = 1 / (share / static_cast<double>(sample.weight) + kLeastPlaneVariance);
       sum.point += weight * point;
       sum.weight += weight;
       sum.best_weight = std::max(sum.best_weight, weight);
@@ -44,7 +54,7 @@ class PlaneHeights {
   std::vector<HeightObservation> Observations() const {
     std::vector<HeightObservation> observations;
     observations.reserve(sums_.size());
-    for (const auto& [square, sum] : sums_) observations.push_back({sum.point / sum.weight, sum.best_weight});
+    for (const auto& [square, sum] : sums_) observations.push_back({sum.point / sum.weight, share_ * sum.best_weight});
     return observations;
   }
 
@@ -63,6 +73,7 @@ class PlaneHeights {
     double weight = 0, best_weight = 0;
   };
   HeightFieldOptions options_;
+  double share_ = 1;  ///< of an observation of its own
   std::map<std::tuple<int, int, int>, Sum> sums_;
 };
 
@@ -77,32 +88,50 @@ std::vector<HeightObservation> CollectHeights(std::span<const PosedGroundPatch> 
     }
   const auto of_patches = ParallelMap(patches.size(), [&](size_t i) {
     PlaneHeights heights(options.height);
-    heights.Add(patches[i]);
+    heights.Add(patches[i], FindPath(paths, patches[i].patch.drive));
     return heights;
   });
-  PlaneHeights planes(options.height);
+  PlaneHeights planes(options.height, options.plane_share);
   for (const PlaneHeights& heights : of_patches) planes.Merge(heights);
   const std::vector<HeightObservation> seen = planes.Observations();
   observations.insert(observations.end(), seen.begin(), seen.end());
   return observations;
 }
 
+void LogLean(const std::vector<DrivenPath>& paths) {
+  for (const DrivenPath& path : paths)
+    LogInfo("stage=lean drive=" + std::to_string(path.drive) + " roll=" + std::to_string(path.lean.roll) +
+            " pitch=" + std::to_string(path.lean.pitch) + " heave=" + std::to_string(path.lean.heave) +
+            " plane_errors=" + std::to_string(path.plane_errors));
+}
+
 /// Heights from all there is. Each round of the sweep starts from what the last one found, so that what is known of the
-/// ground grows outwards from the path.
+/// ground grows outwards from the path. The first one also tells how the cars lean.
 HeightField FitHeights(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths,
                        const SurfaceOptions& options, std::span<const HeightObservation> measured) {
-  std::vector<HeightObservation> known = CollectHeights(patches, paths, options);
+  std::vector<DrivenPath> leaning(paths.begin(), paths.end());
+  std::vector<HeightObservation> known = CollectHeights(patches, leaning, options);
   known.insert(known.end(), measured.begin(), measured.end());
   HeightField field(known, options.height);
   for (int round = 0; round < options.sweep.num_rounds; ++round) {
     const bool is_last = round + 1 == options.sweep.num_rounds;
     const std::vector<HeightObservation> swept =
         MeasureHeights(patches, paths, field, (is_last ? 0.5 : 1.0) * options.sweep.max_offset, options.sweep);
-    LogDebug("stage=measure_heights round=" + std::to_string(round) + " windows=" + std::to_string(swept.size()));
+    LogDebug("stage=measure_heights round=" + std::to_string(round) + " heights=" + std::to_string(swept.size()));
+    if (round == 0) {
+      for (DrivenPath& path : leaning) {
+        path.lean = EstimateLean(path, swept);
+        path.plane_errors = EstimatePlaneErrors(path, swept);
+      }
+      LogLean(leaning);
+      known = CollectHeights(patches, leaning, options);
+      known.insert(known.end(), measured.begin(), measured.end());
+    }
     std::vector<HeightObservation> all = known;
     all.insert(all.end(), swept.begin(), swept.end());
     field = HeightField(std::move(all), options.height);
   }
+  SpreadSigmas(field);
   return field;
 }
 
@@ -230,6 +259,7 @@ void SurfaceOptions::Validate() const {
   Require(free_log_odds > 0 && occupied_log_odds > 0 && log_odds_limit > std::max(free_log_odds, occupied_log_odds),
           ErrorCode::kUsage, "free_log_odds and occupied_log_odds must be in (0, log_odds_limit)");
   Require(max_height_sigma > 0, ErrorCode::kUsage, "max_height_sigma must be > 0 m");
+  Require(plane_share > 0 && plane_share <= 1, ErrorCode::kUsage, "plane_share must be in (0, 1]");
   Require(min_island_area >= 0, ErrorCode::kUsage, "min_island_area must not be negative");
 }
 

@@ -17,10 +17,11 @@ struct SurfaceOptions {
   double cell_size = 0.05;          ///< [m] of colours and free space; height.spacing must be a multiple
   double contact_sigma = 0.01;      ///< [m] of the road's height at a wheel
   double suspension_sigma = 0.005;  ///< [rad] of the body's pitch: adds to the front wheels
+  double plane_share = 0.1;         ///< weight of a square of a keyframe's plane: those around it err alike
   double free_log_odds = 0.8;       ///< of one sight of free ground near the car; less with distance
   double occupied_log_odds = 0.8;   ///< of one sight of something else; more keeps obstacles, and their halo, out
   double log_odds_limit = 8.0;      ///< so that a changed place can change again
-  double max_height_sigma = 0.3;    ///< [m] ground whose height is known less well is not mapped
+  double max_height_sigma = 0.12;   ///< [m] ground whose height is known less well is not mapped
   double min_island_area = 10.0;    ///< [m^2] smaller free islands that no car drove on are noise
   HeightFieldOptions height;
   MeasureHeightsOptions sweep;
@@ -32,6 +33,7 @@ struct SurfaceOptions {
     visit("cell_size", cell_size);
     visit("contact_sigma", contact_sigma);
     visit("suspension_sigma", suspension_sigma);
+    visit("plane_share", plane_share);
     visit("free_log_odds", free_log_odds);
     visit("occupied_log_odds", occupied_log_odds);
     visit("log_odds_limit", log_odds_limit);

@@ -10,10 +10,10 @@
 namespace parkade {
 
 struct GroundGridOptions {
-  double max_range = 12.0;         ///< [m] beyond the nearest ground a camera sees; more covers more, less accurately
+  double max_range = 12.5;         ///< [m] beyond the nearest ground a camera sees; more covers more, less accurately
   double spacing = 0.05;           ///< [m] between samples near the camera
   double dense_range = 3.0;        ///< [m] beyond, the spacing grows in proportion to the range
-  double max_pixel_length = 0.8;   ///< [m] a view so grazing that a pixel covers more road is not used
+  double max_pixel_length = 1.2;   ///< [m] a view so grazing that a pixel covers more road is not used
   double pitch_sigma = 0.005;      ///< [rad] of the body against the road: suspension and attitude
   double curvature_sigma = 0.007;  ///< [1/m] of the road: how fast a plane loses it
   double height_sigma = 0.01;      ///< [m] of the road right at the wheels

@@ -77,8 +77,15 @@ HeightField::HeightField(std::vector<HeightObservation> observations, const Heig
   if (!heights_.empty()) Solve(observations);
 }
 
-HeightField::Key HeightField::KeyOf(int x, int y) {
-  return (Key{static_cast<std::uint32_t>(x)} << 32) | static_cast<std::uint32_t>(y);
+bool HeightField::HasPatchNear(int x, int y, double height) const {
+  for (int patch = patches_at_.First(x, y); patch != kNone; patch = patches_at_.Next(patch))
+    if (std::abs(patches_[static_cast<size_t>(patch)].guess - height) < options_.level_separation) return true;
+  return false;
+}
+
+void HeightField::AddPatch(const Patch& patch) {
+  patches_at_.Add(patch.x, patch.y);
+  patches_.push_back(patch);
 }
 
 void HeightField::MakePatches(const std::vector<HeightObservation>& observations) {
@@ -86,49 +93,43 @@ void HeightField::MakePatches(const std::vector<HeightObservation>& observations
     const Eigen::Vector3d& point = observation.point_in_site;
     const int x = static_cast<int>(std::floor(point.x() / options_.spacing));
     const int y = static_cast<int>(std::floor(point.y() / options_.spacing));
-    std::vector<int>& here = patches_at_[KeyOf(x, y)];
-    const bool is_known = std::any_of(here.begin(), here.end(), [&](int patch) {
-      return std::abs(patches_[static_cast<size_t>(patch)].guess - point.z()) < options_.level_separation;
-    });
-    if (is_known) continue;
-    here.push_back(num_patches());
-    patches_.push_back({x, y, {}, point.z(), 1 / std::sqrt(observation.weight)});
+    if (!HasPatchNear(x, y, point.z())) AddPatch({.x = x, .y = y, .guess = point.z(), .sigma = observation.Sigma()});
   }
 }
 
 void HeightField::AddRing() {
   const int num_observed = num_patches();
   for (int i = 0; i < num_observed; ++i) {
+    const Patch observed = patches_[static_cast<size_t>(i)];
     for (int dy = -1; dy <= 1; ++dy)
-      for (int dx = -1; dx <= 1; ++dx) {
-        const Patch observed = patches_[static_cast<size_t>(i)];
-        std::vector<int>& here = patches_at_[KeyOf(observed.x + dx, observed.y + dy)];
-        const bool is_known = std::any_of(here.begin(), here.end(), [&](int patch) {
-          return std::abs(patches_[static_cast<size_t>(patch)].guess - observed.guess) < options_.level_separation;
-        });
-        if (is_known) continue;
-        here.push_back(num_patches());
-        patches_.push_back({observed.x + dx, observed.y + dy, {}, observed.guess, 2 * observed.sigma});
-      }
+      for (int dx = -1; dx <= 1; ++dx)
+        if (!HasPatchNear(observed.x + dx, observed.y + dy, observed.guess))
+          AddPatch({.x = observed.x + dx, .y = observed.y + dy, .guess = observed.guess, .sigma = 2 * observed.sigma});
   }
 }
 
 void HeightField::MakeNodes() {
-  std::unordered_map<Key, std::vector<int>> nodes_at;
+  PatchIndex nodes_at;
   for (Patch& patch : patches_)
     for (int corner = 0; corner < 4; ++corner) {
-      std::vector<int>& here = nodes_at[KeyOf(patch.x + corner % 2, patch.y + corner / 2)];
-      const auto found = std::find_if(here.begin(), here.end(), [&](int node) {
-        return std::abs(heights_[static_cast<size_t>(node)] - patch.guess) < 0.5 * options_.level_separation;
-      });
-      if (found != here.end()) {
-        patch.nodes[static_cast<size_t>(corner)] = *found;
-        continue;
+      const int x = patch.x + corner % 2, y = patch.y + corner / 2;
+      int node = nodes_at.First(x, y);
+      while (node != kNone &&
+             std::abs(heights_[static_cast<size_t>(node)] - patch.guess) >= 0.5 * options_.level_separation)
+        node = nodes_at.Next(node);
+      if (node == kNone) {
+        node = num_nodes();
+        nodes_at.Add(x, y);
+        heights_.push_back(patch.guess);
       }
-      here.push_back(num_nodes());
-      patch.nodes[static_cast<size_t>(corner)] = num_nodes();
-      heights_.push_back(patch.guess);
+      patch.nodes[static_cast<size_t>(corner)] = node;
     }
+  KeepHeights();
+}
+
+void HeightField::KeepHeights() {
+  for (Patch& patch : patches_)
+    for (size_t k = 0; k < 4; ++k) patch.heights[k] = heights_[static_cast<size_t>(patch.nodes[k])];
 }
 
 void HeightField::Solve(const std::vector<HeightObservation>& observations) {
@@ -141,6 +142,7 @@ void HeightField::Solve(const std::vector<HeightObservation>& observations) {
       equations.AddRow<1>({node}, {1}, heights_[static_cast<size_t>(node)], kTie);
     const Eigen::VectorXd solution = equations.Solve();
     heights_.assign(solution.data(), solution.data() + solution.size());
+    KeepHeights();
   }
 }
 
@@ -174,7 +176,7 @@ void HeightField::AddObservations(const std::vector<HeightObservation>& observat
     if (index == kNone) continue;
     const auto i = static_cast<size_t>(index);
     Patch& patch = patches_[i];
-    patch.sigma = std::min(patch.sigma, 1 / std::sqrt(observation.weight));
+    patch.sigma = std::min(patch.sigma, observation.Sigma());
     const double offset = is_first ? 0 : (point.z() - HeightAt(index, point.head<2>())) / options_.outlier_height;
     const double weight = observation.weight / ((1 + offset * offset) * (1 + offset * offset));
     const Coefficients c = Bilinear(point.x() / options_.spacing - patch.x, point.y() / options_.spacing - patch.y);
@@ -186,26 +188,29 @@ void HeightField::AddObservations(const std::vector<HeightObservation>& observat
 }
 
 int HeightField::FindPatch(const Eigen::Vector3d& point_in_site) const {
-  const int x = static_cast<int>(std::floor(point_in_site.x() / options_.spacing));
-  const int y = static_cast<int>(std::floor(point_in_site.y() / options_.spacing));
-  const auto here = patches_at_.find(KeyOf(x, y));
-  if (here == patches_at_.end()) return kNone;
+  double height = 0;
+  return FindPatch(point_in_site, height);
+}
+
+int HeightField::FindPatch(const Eigen::Vector3d& point_in_site, double& height) const {
+  const double x = point_in_site.x() / options_.spacing, y = point_in_site.y() / options_.spacing;
   int nearest = kNone;
   double nearest_distance = options_.level_separation;
-  for (const int patch : here->second) {
-    const double distance = std::abs(HeightAt(patch, point_in_site.head<2>()) - point_in_site.z());
-    if (distance < nearest_distance) nearest = patch, nearest_distance = distance;
+  for (int patch = patches_at_.First(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y))); patch != kNone;
+       patch = patches_at_.Next(patch)) {
+    const double here = HeightAt(patch, point_in_site.head<2>());
+    const double distance = std::abs(here - point_in_site.z());
+    if (distance < nearest_distance) nearest = patch, nearest_distance = distance, height = here;
   }
   return nearest;
 }
 
 double HeightField::HeightAt(int patch, const Eigen::Vector2d& point_in_site) const {
   const Patch& square = patches_[static_cast<size_t>(patch)];
-  const Coefficients c =
-      Bilinear(point_in_site.x() / options_.spacing - square.x, point_in_site.y() / options_.spacing - square.y);
-  double height = 0;
-  for (size_t k = 0; k < 4; ++k) height += c[k] * heights_[static_cast<size_t>(square.nodes[k])];
-  return height;
+  const double fx = point_in_site.x() / options_.spacing - square.x;
+  const double fy = point_in_site.y() / options_.spacing - square.y;
+  const auto& h = square.heights;
+  return (1 - fy) * (h[0] + fx * (h[1] - h[0])) + fy * (h[2] + fx * (h[3] - h[2]));
 }
 
 }  // namespace parkade

@@ -2,10 +2,11 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <cstdint>
+#include <cmath>
 #include <optional>
-#include <unordered_map>
 #include <vector>
+
+#include "mapping/patch_index.h"
 
 namespace parkade {
 
@@ -13,6 +14,9 @@ namespace parkade {
 struct HeightObservation {
   Eigen::Vector3d point_in_site;  ///< [m]
   double weight = 1;              ///< inverse variance of z [1/m^2]
+  double sigma = 0;  ///< [m] how well the height is known there, where observations share what they know; 0: by weight
+
+  double Sigma() const { return sigma > 0 ? sigma : 1 / std::sqrt(weight); }
 };
 
 struct HeightFieldOptions {
@@ -47,14 +51,18 @@ class HeightField {
   /// about 1 s for 40 000 nodes.
   HeightField(std::vector<HeightObservation> observations, const HeightFieldOptions& options);
 
-  /// The patch at (x, y) whose height is nearest to z, at most half a level separation away; or kNone.
+  /// The patch at (x, y) whose height is nearest to z, less than a level separation away; or kNone.
   int FindPatch(const Eigen::Vector3d& point_in_site) const;
+
+  /// Likewise; `height` [m] is that of the patch there, untouched where there is none.
+  int FindPatch(const Eigen::Vector3d& point_in_site, double& height) const;
 
   /// [m] of the bilinear surface of a patch at (x, y), which may lie a little outside of it.
   double HeightAt(int patch, const Eigen::Vector2d& point_in_site) const;
 
   /// [m] one sigma of the height: of the best observation in the patch or next to it.
   double SigmaOf(int patch) const { return patches_[static_cast<size_t>(patch)].sigma; }
+  void SetSigma(int patch, double sigma) { patches_[static_cast<size_t>(patch)].sigma = sigma; }
 
   /// Grid index of the patch's lower corner, which is at index * spacing.
   Eigen::Vector2i IndexOf(int patch) const {
@@ -68,24 +76,25 @@ class HeightField {
  private:
   struct Patch {
     int x = 0, y = 0;
-    std::array<int, 4> nodes{};  ///< at (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)
-    double guess = 0;            ///< [m] first height
-    double sigma = 0;            ///< [m]
+    std::array<int, 4> nodes{};       ///< at (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)
+    std::array<double, 4> heights{};  ///< [m] of the nodes
+    double guess = 0;                 ///< [m] first height
+    double sigma = 0;                 ///< [m]
   };
   class NormalEquations;
-  using Key = std::uint64_t;
-  static Key KeyOf(int x, int y);
-
   void MakePatches(const std::vector<HeightObservation>& observations);
   void AddRing();
   void MakeNodes();
+  bool HasPatchNear(int x, int y, double height) const;
+  void AddPatch(const Patch& patch);
+  void KeepHeights();
   void Solve(const std::vector<HeightObservation>& observations);
   void AddThinPlate(NormalEquations& equations) const;
   void AddObservations(const std::vector<HeightObservation>& observations, bool is_first, NormalEquations& equations);
 
   HeightFieldOptions options_;
   std::vector<Patch> patches_;
-  std::unordered_map<Key, std::vector<int>> patches_at_;
+  PatchIndex patches_at_;
   std::vector<double> heights_;  ///< [m] of the nodes
 };
 

@@ -14,9 +14,9 @@ constexpr double kMaxStretch = 1.5;    // of a ray: beyond, the view is too graz
 int MeetSurface(const HeightField& field, const Eigen::Vector3d& eye, Eigen::Vector3d& point) {
   const Eigen::Vector3d ray = point - eye;
   for (int round = 0; round < kMaxRounds; ++round) {
-    const int patch = field.FindPatch(point);
+    double height = 0;
+    const int patch = field.FindPatch(point, height);
     if (patch == HeightField::kNone) return HeightField::kNone;
-    const double height = field.HeightAt(patch, point.head<2>());
     if (std::abs(height - point.z()) < kTolerance) return patch;
     const double stretch = (height - eye.z()) / ray.z();
     if (!(stretch > 0.1 && stretch < kMaxStretch)) return HeightField::kNone;

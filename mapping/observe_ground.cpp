@@ -188,7 +188,7 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
       const GroundGridCell& cell = grid.cells[i];
       const uchar* color = colors.ptr() + 3 * i;
       const Eigen::Vector3f point_in_ground(cell.point_in_ground.x(), cell.point_in_ground.y(), 0);
-      patch.samples.push_back({.point_in_body = rotation * point_in_ground + translation,
+      patch.samples.push_back({.point_in_body = Eigen::Vector3f(rotation * point_in_ground + translation),
                                .blue = color[0],
                                .green = color[1],
                                .red = color[2],

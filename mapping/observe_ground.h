@@ -49,7 +49,7 @@ struct GroundObservation {
 
 /// The second pass over a drive: of each camera one image per stretch of travel, its pixels of the ground, in
 /// body. `drive` is stored in the patches. No patches and a warning where the ground plane is not known.
-/// Bounded memory but for the result: about 20 bytes per sample, 5 000 to 20 000 samples per image.
+/// Bounded memory but for the result: 16 bytes per sample, 5 000 to 20 000 samples per image.
 GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from_body, std::span<const Submap> submaps,
                                 int drive, const GroundOptions& options = {});
 

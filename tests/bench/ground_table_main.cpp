@@ -3,8 +3,7 @@
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core/utility.hpp>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -12,12 +11,12 @@
 #include "core/parallel.h"
 #include "mapping/evaluate_surface.h"
 #include "mapping/fuse_surface.h"
-#include "mapping/height_raster.h"
 #include "mapping/mesh_surface.h"
 #include "mapping/observe_ground.h"
 #include "mapping/read_ply.h"
 #include "mapping/seen_ground.h"
 #include "slam/evaluate_trajectory.h"
+#include "tests/bench/ground_pictures.h"
 #include "tests/bench/suite_drive.h"
 
 namespace parkade {
@@ -94,43 +93,6 @@ TriangleMesh MapGround(const SuiteDrive& drive, const Trajectory& site_from_body
   return MeshSurface(FuseSurface(patches, std::span(&path, 1), options.surface, heights), options.mesh);
 }
 
-/// Truth and estimate from above, 5 cm per pixel: grey is right, red false, blue missed, dark truth that nothing saw.
-void WritePicture(const TriangleMesh& truth_mesh, const TriangleMesh& estimate_mesh,
-                  const std::vector<Eigen::Vector3d>& path, const SurfaceScope& scope, const fs::path& file) {
-  constexpr double kPixel = 0.05;
-  const HeightRaster truth(truth_mesh, kPixel, 0.1), estimate(estimate_mesh, kPixel, 0.1);
-  Eigen::Vector2d low = path.front().head<2>(), high = low;
-  for (const Eigen::Vector3d& point : path) {
-    low = low.cwiseMin(point.head<2>());
-    high = high.cwiseMax(point.head<2>());
-  }
-  const Eigen::Vector2i origin = ((low.array() - 13) / kPixel).floor().matrix().cast<int>();
-  const Eigen::Vector2i size = ((high - low).array() / kPixel + 26 / kPixel).ceil().matrix().cast<int>();
-  cv::Mat picture(size.y(), size.x(), CV_8UC3, cv::Scalar(255, 255, 255));
-  const auto pixel = [&](const HeightRaster::Sample& sample) -> cv::Vec3b* {
-    const int x = sample.x - origin.x(), y = size.y() - 1 - (sample.y - origin.y());
-    return x < 0 || y < 0 || x >= size.x() || y >= size.y() ? nullptr : &picture.at<cv::Vec3b>(y, x);
-  };
-  const std::vector<bool> is_truth_near = truth.FindNear(path, 12);
-  std::vector<Eigen::Vector3d> points;
-  for (const HeightRaster::Sample& sample : truth.samples()) points.push_back(truth.PointOf(sample));
-  const std::vector<bool> is_seen = scope.find_seen(points);
-  for (size_t i = 0; i < truth.samples().size(); ++i) {
-    cv::Vec3b* const at = pixel(truth.samples()[i]);
-    if (at == nullptr || !is_truth_near[i]) continue;
-    const HeightRaster::Sample& sample = truth.samples()[i];
-    const bool is_found = estimate.Find(sample.x, sample.y, sample.height, 0.5) >= 0;
-    *at = is_found ? cv::Vec3b(190, 190, 190) : is_seen[i] ? cv::Vec3b(220, 80, 0) : cv::Vec3b(90, 90, 90);
-  }
-  const std::vector<bool> is_near = estimate.FindNear(path, 12);
-  for (size_t i = 0; i < estimate.samples().size(); ++i) {
-    const HeightRaster::Sample& sample = estimate.samples()[i];
-    cv::Vec3b* const at = pixel(sample);
-    if (at != nullptr && is_near[i] && truth.Find(sample.x, sample.y, sample.height, 0.5) < 0) *at = {0, 0, 230};
-  }
-  cv::imwrite(file.string(), picture);
-}
-
 GroundRun RunDrive(const CommandLine& line, const std::string& name, const GroundTableOptions& options) {
   const SuiteDrive drive = OpenSuiteDrive(line.suite, name);
   const MappedPoses poses = PosesOf(drive, line.poses);
@@ -159,7 +121,9 @@ GroundRun RunDrive(const CommandLine& line, const std::string& name, const Groun
   run.evaluation = EvaluateSurface(truth, estimate, options.evaluation, scope);
   if (!line.pictures_folder.empty()) {
     fs::create_directories(line.pictures_folder);
-    WritePicture(truth, estimate, path, scope, fs::path(line.pictures_folder) / (name + ".png"));
+    const fs::path folder = line.pictures_folder;
+    WriteOutlinePicture(truth, estimate, path, scope, folder / (name + ".png"));
+    WriteHeightPicture(truth, estimate, path, folder / (name + "_heights.png"));
   }
   return run;
 }
@@ -168,10 +132,10 @@ void Print(const GroundRun& run) {
   const SurfaceEvaluation& e = run.evaluation;
   std::printf(
       "%-12s %-7s %5.0f m  accuracy %.4f  height %.4f median %.4f ramps %.4f  complete %6.2f %%  false %5.2f %%  "
-      "IoU %.3f  boundary %.3f  %6zu triangles  %.2f of real time\n",
+      "IoU %.3f  boundary %.3f (%.3f over %.1f m)  %6zu triangles  %.2f of real time\n",
       run.drive.c_str(), run.scene.c_str(), run.length, e.accuracy_rmse, e.height_rmse, e.height_median,
-      e.ramp_height_rmse, e.completeness_percent, e.false_free_percent, e.iou, e.boundary_iou, run.num_triangles,
-      run.seconds / run.duration);
+      e.ramp_height_rmse, e.completeness_percent, e.false_free_percent, e.iou, e.boundary_iou, e.relative_boundary_iou,
+      e.relative_boundary_width, run.num_triangles, run.seconds / run.duration);
   std::fflush(stdout);
 }
 
@@ -212,7 +176,8 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 256));
   app.add_flag("--true-heights", line.has_true_heights, "Heights of the truth are known: what outlines alone cost");
   app.add_option("--json", line.json_file, "Every run");
-  app.add_option("--pictures", line.pictures_folder, "A picture per drive: truth and map from above");
+  app.add_option("--pictures", line.pictures_folder,
+                 "Two pictures per drive from above: outlines, and errors of height");
   CLI11_PARSE(app, argc, argv);
   try {
     SetNumThreads(line.num_threads);

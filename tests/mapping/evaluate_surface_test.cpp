@@ -101,6 +101,30 @@ TEST(EvaluateSurface, TheEdgeOfTheScopeIsNoOutline) {
   EXPECT_DOUBLE_EQ(evaluation.false_free_percent, 0);
 }
 
+TEST(EvaluateSurface, AMapThatEndsAtTheScopesLimitIsPerfect) {
+  SurfaceEvaluationOptions options;
+  options.max_path_distance = 12;
+  std::vector<Eigen::Vector3d> path;
+  for (double x = 0; x <= 60; x += 0.5) path.push_back({x, 0, 0});
+  // A kerb on one side; on the other the ground goes on, and the map ends where the scope does.
+  const TriangleMesh truth = Rectangle(-50, -40, 110, 6, 0);
+
+  const SurfaceEvaluation perfect =
+      EvaluateSurface(truth, Rectangle(-50, -12.1, 110, 6, 0), options, {.path = path, .find_seen = {}});
+  EXPECT_DOUBLE_EQ(perfect.boundary_iou, 1);
+  EXPECT_DOUBLE_EQ(perfect.relative_boundary_iou, 1);
+  const SurfaceEvaluation cut =
+      EvaluateSurface(truth, Rectangle(-50, -11, 110, 6, 0), options, {.path = path, .find_seen = {}});
+  EXPECT_NEAR(cut.boundary_iou, 0.5, 0.05) << "an end inside the scope is one";
+}
+
+TEST(EvaluateSurface, TheRelativeRimIsTwoPercentOfTheDiagonal) {
+  const SurfaceEvaluation evaluation = EvaluateSurface(Rectangle(0, 0, 80, 60, 0), Rectangle(0.3, 0.3, 79.7, 59.7, 0));
+
+  EXPECT_NEAR(evaluation.relative_boundary_width, 2, 1e-9);
+  EXPECT_NEAR(evaluation.relative_boundary_iou, 1.7 / 2.3, 0.05);
+}
+
 TEST(EvaluateSurface, GroundThatNothingSawIsNeitherMissedNorFalse) {
   const SurfaceScope scope{{}, [](const std::vector<Eigen::Vector3d>& points) {
                              std::vector<bool> is_seen;

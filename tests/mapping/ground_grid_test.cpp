@@ -33,11 +33,17 @@ TEST_F(GroundGridOfARig, EachVisiblePlaceIsWhereItsPixelMeetsThePlane) {
   EXPECT_GT(count, 3000);
 }
 
-TEST_F(GroundGridOfARig, NoPlaceIsMuchFartherThanAskedOrUnderTheCar) {
+TEST_F(GroundGridOfARig, NoPlaceIsSeenInLongerPixelsThanAskedOrUnderTheCar) {
+  const GroundGridOptions options;
+  const double height = camera_.body_from_camera.translation.z();
+  const Eigen::Vector2d middle(0.5 * camera_.model.width(), 0.5 * camera_.model.height());
+  const double farthest =
+      std::sqrt(options.max_pixel_length * height * camera_.model.PixelsPerRadian(middle).value() - height * height);
   for (const GroundGridCell& cell : grid_.cells) {
     const Eigen::Vector2d point = cell.point_in_ground.cast<double>();
     if (!cell.is_visible) continue;
-    EXPECT_LT((point - camera_.body_from_camera.translation.head<2>()).norm(), 8.7);
+    EXPECT_LT((point - camera_.body_from_camera.translation.head<2>()).norm(),
+              std::min(farthest, options.max_range + 1));
     EXPECT_GT(contact_.DistanceTo(point), 0.39);
   }
 }

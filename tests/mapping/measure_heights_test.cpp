@@ -28,7 +28,7 @@ std::vector<PosedGroundPatch> LookAt(double height, double contrast) {
         const double stretch = kEyeHeight / (kEyeHeight - height);
         const auto grey = static_cast<std::uint8_t>(std::lround(TextureAt(gx, gy, contrast)));
         GroundSample sample;
-        sample.point_in_body = Eigen::Vector3d(stretch * (gx - x), stretch * gy, 0).cast<float>();
+        sample.point_in_body = Eigen::Vector3f(Eigen::Vector3d(stretch * (gx - x), stretch * gy, 0).cast<float>());
         sample.blue = sample.green = sample.red = grey;
         sample.is_free = true;
         posed.patch.samples.push_back(sample);

@@ -1,0 +1,229 @@
+#include "mapping/height_sweep.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "core/parallel.h"
+#include "mapping/meet_surface.h"
+
+namespace parkade {
+namespace {
+
+constexpr int kWindowsPerTile = 12;  // a tile is worked on at once: that bounds memory
+constexpr double kMinLever = 1.0;    // distance over height of the eye: a steeper view tells no height
+
+/// A sample on the surface, and how it moves when the surface rises.
+struct Sight {
+  Eigen::Vector2f point;  ///< [m] from the tile's corner
+  Eigen::Vector2f shift;  ///< [m] per metre of height
+  float grey = 0;         ///< later less the mean of its view in its window
+  float weight = 0;
+};
+
+/// Which patches are near enough to matter to a tile.
+struct Tile {
+  int deck = 0, x = 0, y = 0;  ///< in tiles
+  Eigen::Vector2d corner;      ///< [m]
+  std::vector<size_t> patches;
+};
+
+/// Weighted sums over samples.
+struct Sums {
+  float weight = 0, grey = 0, square = 0;
+
+  void Add(float grey_value, float sample_weight) {
+    weight += sample_weight;
+    grey += sample_weight * grey_value;
+    square += sample_weight * grey_value * grey_value;
+  }
+  float Residual() const { return weight > 0 ? square - grey * grey / weight : 0; }
+};
+
+/// The windows of one tile at all heights of the sweep.
+class TileSweep {
+ public:
+  TileSweep(const Tile& tile, double max_offset, const MeasureHeightsOptions& options)
+      : tile_(&tile), options_(&options), max_offset_(max_offset) {
+    cells_per_window_ = static_cast<int>(std::lround(options.window / options.cell_size));
+    cells_.resize(static_cast<size_t>(kWindowsPerTile * kWindowsPerTile * cells_per_window_ * cells_per_window_));
+  }
+
+  std::vector<SweptWindow> Sweep(const std::vector<std::vector<Sight>>& views,
+                                 std::span<const PosedGroundPatch> patches) {
+    std::vector<SweptWindow> windows;
+    for (int y = 0; y < kWindowsPerTile; ++y)
+      for (int x = 0; x < kWindowsPerTile; ++x)
+        windows.push_back({tile_->deck, tile_->x * kWindowsPerTile + x, tile_->y * kWindowsPerTile + y, 0, {}});
+    for (int step = -options_->num_steps; step <= options_->num_steps; ++step) {
+      const std::vector<Agreement> at_height = AgreementAt(views, max_offset_ * step / options_->num_steps);
+      for (size_t i = 0; i < windows.size(); ++i) windows[i].agreements.push_back(at_height[i]);
+    }
+    std::erase_if(windows, [](const SweptWindow& window) {
+      return std::all_of(window.agreements.begin(), window.agreements.end(),
+                         [](const Agreement& agreement) { return agreement.num_samples == 0; });
+    });
+    for (SweptWindow& window : windows) window.deck_height = DeckOf(window, patches);
+    return windows;
+  }
+
+ private:
+  struct Cell {
+    Sums sums;  ///< of grey values
+    int count = 0;
+  };
+
+  std::vector<Agreement> AgreementAt(const std::vector<std::vector<Sight>>& views, double offset) {
+    std::fill(cells_.begin(), cells_.end(), Cell{});
+    const int across = kWindowsPerTile * cells_per_window_;
+    const auto per_cell = static_cast<float>(1 / options_->cell_size), rise = static_cast<float>(offset);
+    for (const std::vector<Sight>& view : views)
+      for (const Sight& sight : view) {
+        const float x = per_cell * (sight.point.x() + rise * sight.shift.x());
+        const float y = per_cell * (sight.point.y() + rise * sight.shift.y());
+        if (x < 0 || y < 0) continue;
+        const int column = static_cast<int>(x), row = static_cast<int>(y);
+        if (column >= across || row >= across) continue;
+        Cell& cell = cells_[static_cast<size_t>(row * across + column)];
+        cell.sums.Add(sight.grey, sight.weight);
+        ++cell.count;
+      }
+    return SumUp(across);
+  }
+
+  std::vector<Agreement> SumUp(int across) const {
+    std::vector<Agreement> agreements(static_cast<size_t>(kWindowsPerTile * kWindowsPerTile));
+    for (int y = 0; y < across; ++y)
+      for (int x = 0; x < across; ++x) {
+        const Cell& cell = cells_[static_cast<size_t>(y * across + x)];
+        const auto index = static_cast<size_t>(y / cells_per_window_ * kWindowsPerTile + x / cells_per_window_);
+        Agreement& window = agreements[index];
+        window.residual += cell.sums.Residual();
+        if (cell.count == 0) continue;
+        window.total += cell.sums.square;
+        window.weight += cell.sums.weight;
+        window.num_samples += cell.count;
+        ++window.num_cells;
+      }
+    return agreements;
+  }
+
+  /// Of decks above each other the one that the nearest patch drove on.
+  double DeckOf(const SweptWindow& window, std::span<const PosedGroundPatch> patches) const {
+    const Eigen::Vector2d center = options_->window * Eigen::Vector2d(window.x + 0.5, window.y + 0.5);
+    double nearest = 1e9, deck = 0;
+    for (const size_t i : tile_->patches) {
+      const Eigen::Vector3d& body = patches[i].site_from_body.translation;
+      const double distance = (body.head<2>() - center).norm();
+      if (distance < nearest) nearest = distance, deck = body.z();
+    }
+    return deck;
+  }
+
+  const Tile* tile_;
+  const MeasureHeightsOptions* options_;
+  double max_offset_;
+  int cells_per_window_ = 0;
+  std::vector<Cell> cells_;
+};
+
+/// The samples of a patch that lie on a tile, or may come to.
+std::vector<Sight> FindSights(const PosedGroundPatch& posed, const DrivenPath& path, const HeightField& field,
+                              const Tile& tile, double max_offset, const MeasureHeightsOptions& options) {
+  std::vector<Sight> sights;
+  const Eigen::Vector3d eye = posed.site_from_body * path.cameras_in_body[static_cast<size_t>(posed.patch.camera)];
+  const double side = kWindowsPerTile * options.window;
+  for (const GroundSample& sample : posed.patch.samples) {
+    if (!sample.is_free || sample.confidence <= 0) continue;
+    Eigen::Vector3d point = posed.site_from_body * sample.point_in_body.cast<double>();
+    const Eigen::Vector2d ray = (point - eye).head<2>();
+    const double distance = ray.norm();
+    if (distance > options.max_distance || distance < kMinLever * (eye.z() - point.z())) continue;
+    // Rays meet the surface not far from where they meet the car's plane.
+    constexpr double kMargin = 3.0;  // [m]
+    const Eigen::Vector2d inside = point.head<2>() - tile.corner;
+    if (inside.minCoeff() < -kMargin || inside.maxCoeff() > side + kMargin) continue;
+    if (MeetSurface(field, eye, point) == HeightField::kNone) continue;
+    const Eigen::Vector2d shift = -(point - eye).head<2>() / (eye.z() - point.z());
+    const Eigen::Vector2d on_tile = point.head<2>() - tile.corner;
+    const double reach = max_offset * shift.norm();
+    if (on_tile.minCoeff() < -reach || on_tile.maxCoeff() > side + reach) continue;
+    const float grey = (114.0F * sample.blue + 587.0F * sample.green + 299.0F * sample.red) / 1000;
+    sights.push_back({on_tile.cast<float>(), shift.cast<float>(), grey, sample.confidence});
+  }
+  return sights;
+}
+
+/// Takes off each window's mean, so that exposures need not agree. Windows just outside of the tile are told apart too.
+void TakeOffMeans(double window, std::vector<Sight>& view) {
+  constexpr int kAcross = kWindowsPerTile + 2;
+  const auto per_window = static_cast<float>(1 / window);
+  const auto window_of = [&](const Sight& sight) {
+    const Eigen::Array2i index = (per_window * sight.point.array()).floor().cast<int>() + 1;
+    const Eigen::Array2i inside = index.max(0).min(kAcross - 1);
+    return static_cast<size_t>(inside.y() * kAcross + inside.x());
+  };
+  std::array<Sums, static_cast<size_t>(kAcross) * kAcross> windows{};
+  for (const Sight& sight : view) windows[window_of(sight)].Add(sight.grey, sight.weight);
+  for (Sight& sight : view) {
+    const Sums& sums = windows[window_of(sight)];
+    sight.grey -= sums.grey / sums.weight;
+  }
+}
+
+/// Tiles by deck: patches that are more than half a deck apart in height do not share one.
+std::vector<Tile> MakeTiles(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths,
+                            const MeasureHeightsOptions& options) {
+  constexpr double kDeckHeight = 1.5;  // [m]
+  const double side = kWindowsPerTile * options.window;
+  std::map<std::tuple<int, int, int>, Tile> tiles;
+  for (size_t i = 0; i < patches.size(); ++i) {
+    const DrivenPath* path = FindPath(paths, patches[i].patch.drive);
+    if (path == nullptr || static_cast<size_t>(patches[i].patch.camera) >= path->cameras_in_body.size()) continue;
+    const Eigen::Vector3d& body = patches[i].site_from_body.translation;
+    const auto index = [&](double coordinate) { return static_cast<int>(std::floor(coordinate / side)); };
+    const double reach = options.max_distance + 3;
+    const int deck = static_cast<int>(std::floor(body.z() / kDeckHeight + 0.5));
+    for (int y = index(body.y() - reach); y <= index(body.y() + reach); ++y)
+      for (int x = index(body.x() - reach); x <= index(body.x() + reach); ++x) {
+        Tile& tile = tiles[{deck, y, x}];
+        tile.deck = deck, tile.x = x, tile.y = y;
+        tile.corner = side * Eigen::Vector2d(x, y);
+        tile.patches.push_back(i);
+      }
+  }
+  std::vector<Tile> result;
+  for (auto& [key, tile] : tiles) result.push_back(std::move(tile));
+  return result;
+}
+
+}  // namespace
+
+std::vector<SweptWindow> SweepWindows(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths,
+                                      const HeightField& field, double max_offset,
+                                      const MeasureHeightsOptions& options) {
+  const std::vector<Tile> tiles = MakeTiles(patches, paths, options);
+  const auto of_tiles = ParallelMap(tiles.size(), [&](size_t t) {
+    std::vector<std::vector<Sight>> views;
+    for (const size_t i : tiles[t].patches) {
+      views.push_back(
+          FindSights(patches[i], *FindPath(paths, patches[i].patch.drive), field, tiles[t], max_offset, options));
+      if (views.back().empty())
+        views.pop_back();
+      else
+        TakeOffMeans(options.window, views.back());
+    }
+    if (views.size() < 2) return std::vector<SweptWindow>{};
+    return TileSweep(tiles[t], max_offset, options).Sweep(views, patches);
+  });
+  std::vector<SweptWindow> windows;
+  for (const auto& of_tile : of_tiles) windows.insert(windows.end(), of_tile.begin(), of_tile.end());
+  std::sort(windows.begin(), windows.end(), [](const SweptWindow& a, const SweptWindow& b) {
+    return std::tie(a.deck, a.y, a.x) < std::tie(b.deck, b.y, b.x);
+  });
+  return windows;
+}
+
+}  // namespace parkade
