@@ -96,7 +96,7 @@ std::vector<Hit> FindHits(const PosedGroundPatch& patch, std::span<const DrivenP
       const double height = grids[slot].origin.z();
       if (std::abs(point.z() - height) > kMaxHeightStep) continue;
       const std::optional<std::size_t> cell = grids[slot].CellAt(MeetHeight(eye, point, height).head<2>());
-      if (cell) hits.push_back({slot, *cell, sample.is_free ? sample.confidence : -sample.confidence});
+      if (cell) hits.push_back({slot, *cell, (sample.is_free ? 1.0F : -1.0F) * sample.confidence});
     }
   }
   return hits;
