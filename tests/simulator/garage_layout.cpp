@@ -150,6 +150,31 @@ GarageLayout PlanGarage(std::uint64_t seed, int day) {
   return garage;
 }
 
+bool GarageLayout::IsUnderWall(size_t sheet, const Vector2d& point) const {
+  if (sheet >= CurveSheet(0)) return false;
+  const double north = width + kStrip;
+  const bool is_deck = sheet<decks.size(), is_ramp = sheet> ForecourtSheet();
+  const auto is_at = [](double place, double wall) { return std::abs(place - wall) < kWallHalf; };
+  const auto is_in_gate = [&](double aisle) { return std::abs(point.y() - aisle) < kGateHalf; };
+  const auto& aisle = decks[0].aisle_y;
+  if (!is_ramp && is_at(point.x(), 0)) {
+    const bool is_ground_floor = sheet == 0 || !is_deck;
+    return !is_ground_floor || !(is_in_gate(aisle[0]) || is_in_gate(aisle[1]));
+  }
+  if (is_deck && is_at(point.x(), length)) {
+    const bool goes_up = sheet + 1 < decks.size() && is_in_gate(aisle[0]);
+    const bool goes_down = sheet > 0 && is_in_gate(aisle[1]);
+    return !goes_up && !goes_down;
+  }
+  if (is_deck && is_at(point.y(), 0)) return true;
+  const bool is_at_strip = point.x() > kStripWallEnd && point.x() < length - kStripWallEnd && is_at(point.y(), width);
+  const auto is_in_core = [&](const Rectangle& core) {
+    return Rectangle{core.center, (core.half_size.array() + kWallHalf).matrix(), core.yaw}.Contains(point);
+  };
+  return (is_deck || is_ramp) &&
+         (is_at(point.y(), north) || is_at_strip || (is_deck && std::any_of(cores.begin(), cores.end(), is_in_core)));
+}
+
 Place MakeGaragePlace(const GarageLayout& layout_in, const SceneOptions&) {
   const auto layout = std::make_shared<const GarageLayout>(layout_in);
   Place place;
@@ -165,6 +190,7 @@ Place MakeGaragePlace(const GarageLayout& layout_in, const SceneOptions&) {
     }
   }
   place.is_drivable = [layout](size_t sheet, const Vector2d& xy) {
+    if (layout->IsUnderWall(sheet, xy)) return false;
     if (sheet >= layout->decks.size()) return true;
     const auto is_free_of = [&](const std::vector<Rectangle>& solids) {
       return std::none_of(solids.begin(), solids.end(), [&](const Rectangle& solid) { return solid.Contains(xy); });

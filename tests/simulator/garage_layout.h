@@ -19,6 +19,9 @@ struct GarageLayout {
   static constexpr double kStrip = 5;       ///< [m] width of the strip
   static constexpr double kForecourt = 30;  ///< [m] length
   static constexpr double kCurveHalfWidth = 2.5;
+  static constexpr double kWallHalf = 0.1;      ///< [m] of the thickness of walls
+  static constexpr double kGateHalf = 2.9;      ///< [m] of the width of gates
+  static constexpr double kStripWallEnd = 9.3;  ///< [m] from either end, where the strip's wall stops
 
   std::vector<LotLayout> decks;  ///< the same but for the cars
   double storey = 2.9;           ///< [m] from deck to deck
@@ -36,6 +39,8 @@ struct GarageLayout {
 
   int num_decks() const { return static_cast<int>(decks.size()); }
   int num_ramps() const { return num_decks() - 1; }
+  /// Whether a wall stands on a point of a sheet of the ground.
+  bool IsUnderWall(size_t sheet, const Eigen::Vector2d& point) const;
   double top() const { return storey * num_decks(); }  ///< [m] of the roof
 
   // Sheets of the ground: decks, forecourt, straight ramps, half circles.

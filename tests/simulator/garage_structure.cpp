@@ -11,8 +11,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kPiece = 0.7;     // [m] of a face
-constexpr double kGateHalf = 2.9;  // [m]
+constexpr double kPiece = 0.7;  // [m] of a face
 
 }  // namespace
 
@@ -57,8 +56,7 @@ void GarageStructure::Panel(const Vector3d& corner, const Vector3d& u, const Vec
 }
 
 void GarageStructure::Wall(const Vector2d& from, const Vector2d& to, double bottom, double top) {
-  constexpr double kHalf = 0.1;
-  const Vector2d along = (to - from).normalized(), side = kHalf * Vector2d(-along.y(), along.x());
+  const Vector2d along = (to - from).normalized(), side = GarageLayout::kWallHalf * Vector2d(-along.y(), along.x());
   const auto at = [](const Vector2d& xy, double z) { return Vector3d(xy.x(), xy.y(), z); };
   const Vector3d run = at(to - from, 0);
   const double band = std::min(top, bottom + layout_.style.paint_height);
@@ -78,8 +76,8 @@ void GarageStructure::WallWithGates(const Vector2d& from, const Vector2d& to, do
   const Vector2d along = (to - from) / length;
   double place = 0;
   for (const double gate : gates) {
-    Wall(from + place * along, from + (gate - kGateHalf) * along, bottom, top);
-    place = gate + kGateHalf;
+    Wall(from + place * along, from + (gate - GarageLayout::kGateHalf) * along, bottom, top);
+    place = gate + GarageLayout::kGateHalf;
   }
   Wall(from + place * along, to, bottom, top);
 }
@@ -122,7 +120,7 @@ void GarageStructure::Walls() {
     WallWithGates({length, 0}, {length, north}, bottom, top, east);
   }
   Wall({length, north}, {0, north}, 0, layout_.top());
-  Wall({9.3, width}, {length - 9.3, width}, 0, layout_.top());
+  Wall({GarageLayout::kStripWallEnd, width}, {length - GarageLayout::kStripWallEnd, width}, 0, layout_.top());
   Wall({layout_.ramp_to, width}, {layout_.ramp_to, north}, 0, layout_.storey - GarageLayout::kSlab);
   Wall({layout_.ramp_from, width}, {layout_.ramp_from, north}, layout_.top() - layout_.storey, layout_.top());
   HalfCylinder(layout_.curve_radius - GarageLayout::kCurveHalfWidth, false);
