@@ -4,12 +4,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <iostream>
 #include <numeric>
 #include <random>
 
 #include "core/options_json.h"
 #include "slam/align_to_gnss.h"
+#include "tests/bench/run_bench.h"
 #include "tests/simulator/drive_clock.h"
 #include "tests/simulator/gnss_sensor.h"
 #include "tests/simulator/plan_drive.h"
@@ -176,11 +176,6 @@ int main(int argc, char** argv) {
   app.add_option("--bend", line.bend, "[rad/sqrt(m)] of the odometry's heading")->capture_default_str();
   app.add_option("--scale", line.scale, "sigma of the odometry's scale")->capture_default_str();
   app.add_option("--set", line.assignments, "of the alignment: option=value");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    return Run(line);
-  } catch (const std::exception& error) {
-    std::cerr << "parkade-georeference-table: " << error.what() << "\n";
-    return 2;
-  }
+  constexpr int kOneThread = 1;
+  return RunBench(app, argc, argv, kOneThread, [&] { return Run(line); });
 }

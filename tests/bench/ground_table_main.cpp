@@ -1,14 +1,11 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <filesystem>
-#include <iostream>
 #include <nlohmann/json.hpp>
-#include <opencv2/core/utility.hpp>
 
 #include "core/error.h"
 #include "core/file.h"
 #include "core/options_json.h"
-#include "core/parallel.h"
 #include "mapping/evaluate_surface.h"
 #include "mapping/fuse_surface.h"
 #include "mapping/mesh_surface.h"
@@ -17,6 +14,7 @@
 #include "mapping/seen_ground.h"
 #include "slam/evaluate_trajectory.h"
 #include "tests/bench/ground_pictures.h"
+#include "tests/bench/run_bench.h"
 #include "tests/bench/suite_drive.h"
 
 namespace parkade {
@@ -178,13 +176,5 @@ int main(int argc, char** argv) {
   app.add_option("--json", line.json_file, "Every run");
   app.add_option("--pictures", line.pictures_folder,
                  "Two pictures per drive from above: outlines, and errors of height");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    SetNumThreads(line.num_threads);
-    cv::setNumThreads(1);  // as the product: core/parallel works on many images at once
-    return Run(line);
-  } catch (const std::exception& error) {
-    std::cerr << "parkade-ground-table: " << error.what() << "\n";
-    return 2;
-  }
+  return RunBench(app, argc, argv, line.num_threads, [&] { return Run(line); });
 }

@@ -6,8 +6,8 @@
 
 #include "core/file.h"
 #include "core/options_json.h"
-#include "core/parallel.h"
 #include "tests/bench/loop_table.h"
+#include "tests/bench/run_bench.h"
 
 namespace parkade {
 namespace {
@@ -72,12 +72,5 @@ int main(int argc, char** argv) {
   app.add_option("--json", line.json_file, "Every run, every accepted loop");
   app.add_option("--markdown", line.markdown_file, "The table");
   app.add_option("--plot", line.plot_file, "Histograms of the loops' errors, PNG");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    SetNumThreads(line.num_threads);
-    return Run(line);
-  } catch (const std::exception& error) {
-    std::cerr << "parkade-loop-table: " << error.what() << "\n";
-    return 2;
-  }
+  return RunBench(app, argc, argv, line.num_threads, [&] { return Run(line); });
 }

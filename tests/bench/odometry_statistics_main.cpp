@@ -5,8 +5,8 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/options_json.h"
-#include "core/parallel.h"
 #include "tests/bench/odometry_cases.h"
+#include "tests/bench/run_bench.h"
 
 namespace parkade {
 namespace {
@@ -85,12 +85,5 @@ int main(int argc, char** argv) {
   app.add_option("--set-model", line.model_assignments, "Of the tracks: see tests/simulator/track_model.h");
   app.add_option("--json", line.json_file, "Every run, for later");
   app.add_flag("--each", line.shows_runs, "A line per run");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    SetNumThreads(line.num_threads);
-    return Run(line);
-  } catch (const std::exception& error) {
-    std::cerr << "parkade-odometry-statistics: " << error.what() << "\n";
-    return 2;
-  }
+  return RunBench(app, argc, argv, line.num_threads, [&] { return Run(line); });
 }

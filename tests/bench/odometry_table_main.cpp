@@ -7,8 +7,8 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/options_json.h"
-#include "core/parallel.h"
 #include "tests/bench/odometry_table_report.h"
+#include "tests/bench/run_bench.h"
 #include "tests/bench/trajectory_plot.h"
 
 namespace parkade {
@@ -127,13 +127,5 @@ int main(int argc, char** argv) {
   app.add_flag("--keep", line.keeps_runs, "Runs that --json holds are not run again");
   app.add_flag("--report-only", line.is_report_only,
                "Print the tables of what --json holds (with --keep), run nothing");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    SetNumThreads(line.num_threads);
-    cv::setNumThreads(1);  // as the product: core/parallel works on many images at once
-    return Run(line);
-  } catch (const std::exception& error) {
-    std::cerr << "parkade-odometry-table: " << error.what() << "\n";
-    return 2;
-  }
+  return RunBench(app, argc, argv, line.num_threads, [&] { return Run(line); });
 }

@@ -1,14 +1,13 @@
 #include <CLI/CLI.hpp>
 #include <ctime>
-#include <iostream>
 
 #include "core/error.h"
 #include "core/options_json.h"
-#include "core/parallel.h"
 #include "slam/drive_measurements.h"
 #include "slam/evaluate_trajectory.h"
 #include "slam/refine_drive.h"
 #include "tests/bench/odometry_cases.h"
+#include "tests/bench/run_bench.h"
 
 namespace parkade {
 namespace {
@@ -79,12 +78,6 @@ int main(int argc, char** argv) {
   app.add_option("--duration", line.duration, "[s] of each drive")->capture_default_str();
   app.add_option("--set", line.assignments, "Of the refinement: option=value");
   app.add_option("--set-drive", line.drive_assignments, "Of the drive, as parkade-simulate --set");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    SetNumThreads(1);
-    return Run(line);
-  } catch (const std::exception& error) {
-    std::cerr << "parkade-refinement-statistics: " << error.what() << "\n";
-    return 2;
-  }
+  constexpr int kOneThread = 1;
+  return RunBench(app, argc, argv, kOneThread, [&] { return Run(line); });
 }
