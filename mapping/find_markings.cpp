@@ -20,6 +20,9 @@ constexpr double kMargin = 7.0;         // [m] around tiles: lines reach into th
 constexpr double kBesideSlot = 0.2;     // [m] of a line to the side of the slot that it bounds
 constexpr double kParallel = 0.98;      // cosine, likewise
 constexpr double kInArea = 0.15;        // [m] from an area's outline at which a line is a part of it
+constexpr double kSureSlot = 0.9;       // confidence
+constexpr double kInside = 0.4;         // [m] from a slot's sides
+constexpr double kParkingSpeed = 2.0;   // [m/s]
 constexpr double kMaxHeightStep = 1.2;  // [m] between things of one deck
 
 Vector3d OnSurface(const CellFinder& cells, const Vector2d& place, double height) {
@@ -76,6 +79,21 @@ ParkingSlot PlaceSlot(const PlanarSlot& planar, const CellFinder& cells, std::sp
   if (DistanceToPaths(middle(2), paths) < DistanceToPaths(middle(0), paths))
     std::rotate(slot.corners.begin(), slot.corners.begin() + 2, slot.corners.end());
   return slot;
+}
+
+/// Whether a car drove through a slot that is not sure, faster than one parks: then it is a lane's arrows or stripes.
+bool IsDrivenThrough(const PlanarSlot& slot, std::span<const DrivenPath> paths) {
+  if (slot.confidence > kSureSlot) return false;
+  for (const DrivenPath& path : paths) {
+    const std::vector<TrajectoryState>& states = path.site_from_body.states();
+    for (std::size_t i = 1; i < states.size(); ++i) {
+      const Vector3d& place = states[i].odom_from_body.translation;
+      if (std::abs(place.z() - slot.height) > 2 || !Contains(slot.corners, place.head<2>(), kInside)) continue;
+      const double seconds = states[i].time - states[i - 1].time;
+      if ((place - states[i - 1].odom_from_body.translation).norm() > kParkingSpeed * seconds) return true;
+    }
+  }
+  return false;
 }
 
 double DistanceToSegment(const Vector2d& point, const Vector2d& begin, const Vector2d& end) {
@@ -172,7 +190,7 @@ GroundMarkings FindMarkings(const MarkedGround& ground, const MarkingOptions& op
   for (PaintLine& line : paint.lines) line.height = OnSurface(cells, line.Middle(), line.height).z();
   for (PaintArea& area : paint.areas) area.height = OnSurface(cells, area.outline.front(), area.height).z();
   for (const PlanarSlot& slot : FindSlotRows(paint.lines, options.slots))
-    markings.slots.push_back(PlaceSlot(slot, cells, ground.paths));
+    if (!IsDrivenThrough(slot, ground.paths)) markings.slots.push_back(PlaceSlot(slot, cells, ground.paths));
   SeeSlots(ground.patches, ground.paths, ground.num_drives, options.states, markings.slots);
   markings.markings = MarkingsOf(paint, markings.slots, cells, options.min_line_contrast);
   LogInfo("stage=find_markings lines=" + std::to_string(paint.lines.size()) +

@@ -27,6 +27,9 @@ constexpr double kPitchTolerance = 0.2;  // [m] from line to line
 constexpr double kEdgeTolerance = 0.12;  // [m] likewise, of what may be the edge of something
 constexpr double kMinSeenShare = 0.25;   // of a row's lines whose ends have to agree
 constexpr double kSecondRank = 1.0;      // [m] of paint behind one rank of slots that say that there is another
+constexpr double kMaxHidden = 3.0;       // [m] that a car may hide of a line; aisles are wider
+constexpr int kFewLines = 4;             // seen ones: fewer are a row only where they are whole
+constexpr double kWhole = 0.7;           // of a slot's length
 constexpr double kMarkedShare = 0.12;    // of a side's length from which it counts as seen
 constexpr double kSquareSlope = 0.08;    // of ends up to which a row is perpendicular
 constexpr double kMaxShare = 0.25;       // of a slot that a surer one may cover
@@ -181,7 +184,7 @@ std::optional<Row> GrowRow(const std::vector<PaintLine>& lines, std::size_t seed
   for (const Candidate& candidate : parallels)
     if (std::abs(candidate.stretch.Across()) < kSameDivider && !candidate.is_edge) {
       const double gap = -Overlap(candidate.stretch, own);
-      if (gap > measures.max_length) continue;
+      if (gap > kMaxHidden) continue;
       first.stretches.push_back(candidate.stretch);
       row.members.push_back(candidate.line);
     }
@@ -238,7 +241,16 @@ Ranks ContinueFrom(const Row& row, const RowEnds& known, bool is_lower, double u
   return ranks;
 }
 
-std::optional<Ranks> FindRanks(const Row& row, const SlotMeasures& measures, bool is_parallel, double usual_length) {
+/// Whether a few lines are enough to be a row: two of them whole, their ends seen.
+bool HasWholeLines(const Row& row, const Ranks& ranks) {
+  if (!ranks.is_lower_known || !ranks.is_upper_known) return false;
+  return std::count_if(row.dividers.begin(), row.dividers.end(), [&](const RowDivider& divider) {
+           const double low = ranks.lower.At(divider.across), high = ranks.upper.At(divider.across);
+           return divider.Support(low, high) > kWhole * (high - low);
+         }) >= 2;
+}
+
+std::optional<Ranks> FitRanks(const Row& row, const SlotMeasures& measures, bool is_parallel, double usual_length) {
   std::optional<RowEnds> lower = SureEnds(row, true), upper = SureEnds(row, false);
   if (lower && upper && std::abs(lower->slope - upper->slope) > 0.02) {
     if (lower->num_seen >= upper->num_seen)
@@ -254,6 +266,15 @@ std::optional<Ranks> FindRanks(const Row& row, const SlotMeasures& measures, boo
   }
   if (is_parallel || (!lower && !upper)) return {};
   return lower ? ContinueFrom(row, *lower, true, usual_length) : ContinueFrom(row, *upper, false, usual_length);
+}
+
+/// The ranks of a row that is one; nothing where its lines are something else.
+std::optional<Ranks> FindRanks(const Row& row, const SlotMeasures& measures, bool is_parallel, double usual_length) {
+  std::optional<Ranks> ranks = FitRanks(row, measures, is_parallel, usual_length);
+  const auto num_seen = std::count_if(row.dividers.begin(), row.dividers.end(),
+                                      [](const RowDivider& divider) { return !divider.stretches.empty(); });
+  if (ranks && num_seen < kFewLines && !HasWholeLines(row, *ranks)) return {};
+  return ranks;
 }
 
 double ConfidenceOf(double left_share, double right_share, const Ranks& ranks, std::size_t num_dividers) {
