@@ -1,5 +1,6 @@
 #include "mapping/observe_ground.h"
 
+#include <cfloat>
 #include <deque>
 #include <numbers>
 #include <sstream>
@@ -18,6 +19,8 @@ constexpr double kSameImage = 0.002;  // [s] a mask may be stamped this far from
 // What is not a mask of the log may be wrong, at the foot of obstacles and far away most often.
 constexpr double kBeliefFootDepth = 0.6;        // [m] of a network's not-ground that counts against the ground in full
 constexpr double kBeliefRange = 8.0;            // [m] beyond the nearest ground, up to which it is asked
+constexpr float kBeliefPixel = 0.8F;            // [m] of ground in one pixel, at most ...
+constexpr float kBeliefMargin = 4.0F;           // [m] ... so far beyond
 constexpr float kBeliefFreeConfidence = 0.67F;  // of what it takes for free, beside what it takes for something else
 constexpr size_t kImagesPerBatch = 16;          // kept in memory at once; worked on in parallel
 
@@ -124,6 +127,16 @@ int RayStride(const GroundGrid& grid, float range, double spacing) {
   return stride;
 }
 
+/// [m] up to which a network is believed: not as far, and not in as long pixels as a mask.
+float LastRangeOfBelief(const GroundGrid& grid, double max_range) {
+  if (grid.ranges.empty()) return 0;
+  float sharp = 0;
+  for (size_t i = 0; i < grid.ranges.size() && grid.pixel_lengths[i] <= kBeliefPixel; ++i) sharp = grid.ranges[i];
+  const float last = grid.ranges.back();
+  const float in_reach = last - static_cast<float>(std::max(0.0, max_range - kBeliefRange));
+  return sharp < last ? std::min(in_reach, sharp - kBeliefMargin) : in_reach;
+}
+
 void LogPlane(const std::string& drive, const Rigid3& body_from_ground) {
   const Eigen::Vector3d normal = body_from_ground.rotation * Eigen::Vector3d::UnitZ();
   std::ostringstream text;
@@ -167,13 +180,10 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
   HideBehindObstacles(grid, segmentation, found.is_trusted, labels);
   const Eigen::Matrix3f rotation = body_from_ground.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = body_from_ground.translation.cast<float>();
-  const auto last_range =
-      grid.ranges.empty()
-          ? 0
-          : grid.ranges.back() - static_cast<float>(std::max(0.0, options.grid.max_range - kBeliefRange));
+  const float last_range = is_mask ? FLT_MAX : LastRangeOfBelief(grid, options.grid.max_range);
   for (int range = 0; range < grid.num_ranges; ++range) {
     const auto at = static_cast<size_t>(range);
-    if (!is_mask && grid.ranges[at] > last_range) break;
+    if (grid.ranges[at] > last_range) break;
     const int stride = RayStride(grid, grid.ranges[at], options.grid.spacing);
     const float footprint = grid.ranges[at] - (range > 0 ? grid.ranges[at - 1] : 0);
     // Who sees an outline in longer pixels knows less well where it is.
