@@ -17,6 +17,10 @@ std::string FormatPosition(const Eigen::Vector3d& point_in_site, const std::opti
   char text[128];
   if (datum) {
     const Geodetic geodetic = GeodeticFromSite(*datum, point_in_site);
+    if (!datum->is_altitude_known) {
+      std::snprintf(text, sizeof text, "[%.9f,%.9f]", geodetic.longitude_deg, geodetic.latitude_deg);
+      return text;
+    }
     std::snprintf(text, sizeof text, "[%.9f,%.9f,%.3f]", geodetic.longitude_deg, geodetic.latitude_deg,
                   geodetic.altitude);
   } else {

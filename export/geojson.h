@@ -10,7 +10,7 @@
 namespace parkade {
 
 /// The coordinates of a GeoJSON Polygon (RFC 7946), the first position of each ring repeated at its end. With a datum
-/// degrees and the ellipsoidal height, without one metres in the site.
+/// degrees and the ellipsoidal height where known, without one metres in the site.
 std::string FormatPolygon(const std::vector<Ring>& rings, const std::optional<SiteDatum>& datum);
 
 /// One position likewise.

@@ -70,10 +70,14 @@ std::string Format(const char* format, double value) {
 
 struct GlobePoint {
   Timestamp time;
-  std::string longitude, latitude, altitude;  ///< decimal: 1e-9 degrees are 0.1 mm
+  std::string longitude, latitude, altitude;  ///< decimal: 1e-9 degrees are 0.1 mm; altitude may be empty: unknown
+
+  std::string Text() const { return longitude + "," + latitude + (altitude.empty() ? "" : "," + altitude); }
 };
 
-std::vector<GlobePoint> LineOnGlobe(const SiteDrive& drive, const SiteDatum& datum) {
+/// Heights are above the geoid, or the ellipsoid where there is none.
+std::vector<GlobePoint> LineOnGlobe(const SiteDrive& drive, const SiteDatum& datum,
+                                    const std::optional<Geoid>& geoid = std::nullopt) {
   const Rigid3 imu_from_body = drive.rig.body_from_imu.Inverse();
   std::vector<GlobePoint> line;
   const std::vector<TimedPose> poses = SampleFinalTrajectory(drive);
@@ -83,11 +87,18 @@ std::vector<GlobePoint> LineOnGlobe(const SiteDrive& drive, const SiteDatum& dat
     const bool is_last = i + 1 == poses.size();
     if (last && !is_last && (position - *last).norm() < kMinLineStep) continue;
     const Geodetic geodetic = GeodeticFromSite(datum, position);
+    const double sea = geoid ? geoid->Undulation(geodetic.latitude_deg, geodetic.longitude_deg) : 0;
     line.push_back({poses[i].time, Format("%.9f", geodetic.longitude_deg), Format("%.9f", geodetic.latitude_deg),
-                    Format("%.3f", geodetic.altitude)});
+                    datum.is_altitude_known ? Format("%.3f", geodetic.altitude - sea) : ""});
     last = position;
   }
   return line;
+}
+
+std::string DescribeHeights(const SiteDatum& datum, const std::optional<Geoid>& geoid) {
+  if (!datum.is_altitude_known) return "Heights are not known: the line is drawn on the ground.";
+  if (geoid) return "Heights are above mean sea level (" + geoid->name() + ").";
+  return "Heights are above the WGS84 ellipsoid, not above the sea: no geoid model was there.";
 }
 
 std::string EscapeXml(const std::string& text) {
@@ -142,7 +153,7 @@ std::string EncodeTrajectoryGeoJson(const SiteDrive& drive, const SiteDatum& dat
   std::string coordinates, times;
   for (const GlobePoint& point : line) {
     const char* separator = coordinates.empty() ? "" : ",";
-    coordinates += separator + ("[" + point.longitude) + "," + point.latitude + "," + point.altitude + "]";
+    coordinates += separator + ("[" + point.Text()) + "]";
     times += separator + ("\"" + ToDecimalSeconds(point.time)) + "\"";
   }
   // RFC 7946: a LineString has two positions or more; a Feature may have no geometry.
@@ -152,13 +163,14 @@ std::string EncodeTrajectoryGeoJson(const SiteDrive& drive, const SiteDatum& dat
          nlohmann::json(drive.name).dump() + R"(,"times_s":[)" + times + R"(]},"geometry":)" + geometry + "}]}\n";
 }
 
-std::string EncodeTrajectoryKml(const SiteDrive& drive, const SiteDatum& datum) {
+std::string EncodeTrajectoryKml(const SiteDrive& drive, const SiteDatum& datum, const std::optional<Geoid>& geoid) {
   std::string kml =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml "
       "xmlns=\"http://www.opengis.net/kml/2.2\">\n<Placemark>\n<name>" +
-      EscapeXml(drive.name) + "</name>\n<LineString>\n<altitudeMode>absolute</altitudeMode>\n<coordinates>\n";
-  for (const GlobePoint& point : LineOnGlobe(drive, datum))
-    kml += point.longitude + "," + point.latitude + "," + point.altitude + "\n";
+      EscapeXml(drive.name) + "</name>\n<description>" + EscapeXml(DescribeHeights(datum, geoid)) +
+      "</description>\n<LineString>\n<altitudeMode>" + (datum.is_altitude_known ? "absolute" : "clampToGround") +
+      "</altitudeMode>\n<coordinates>\n";
+  for (const GlobePoint& point : LineOnGlobe(drive, datum, geoid)) kml += point.Text() + "\n";
   return kml + "</coordinates>\n</LineString>\n</Placemark>\n</kml>\n";
 }
 

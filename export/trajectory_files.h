@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/geoid.h"
 #include "core/site_map.h"
 
 namespace parkade {
@@ -16,11 +18,13 @@ std::vector<TimedPose> SampleFinalTrajectory(const SiteDrive& drive, double max_
 /// the final trajectory does; nothing else of the final trajectory is in it.
 std::vector<TimedPose> SampleOdometry(const SiteDrive& drive);
 
-/// RFC 7946: one LineString (longitude, latitude, ellipsoidal height) of the body's origin with `times_s` in
-/// the properties.
+/// RFC 7946: one LineString (longitude, latitude, ellipsoidal height where known) of the body's origin with `times_s`
+/// in the properties.
 std::string EncodeTrajectoryGeoJson(const SiteDrive& drive, const SiteDatum& datum);
 
-/// OGC KML 2.2, one LineString with absolute heights.
-std::string EncodeTrajectoryKml(const SiteDrive& drive, const SiteDatum& datum);
+/// OGC KML 2.2, one LineString. Its heights count from mean sea level where there is a geoid; without one they are
+/// ellipsoidal, which its description says. Where nobody knows how high the site lies, the line is on the ground.
+std::string EncodeTrajectoryKml(const SiteDrive& drive, const SiteDatum& datum,
+                                const std::optional<Geoid>& geoid = std::nullopt);
 
 }  // namespace parkade

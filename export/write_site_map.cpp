@@ -4,7 +4,9 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/geoid.h"
 #include "core/log.h"
+#include "export/covariance_file.h"
 #include "export/free_space.h"
 #include "export/gltf.h"
 #include "export/markings.h"
@@ -33,13 +35,14 @@ void ValidateNames(const std::vector<SiteDrive>& drives) {
   }
 }
 
-void WriteDrive(const SiteDrive& drive, const std::optional<SiteDatum>& datum, const path& folder) {
+void WriteDrive(const SiteDrive& drive, const SiteMap& map, const std::optional<Geoid>& geoid, const path& folder) {
   std::filesystem::create_directories(folder);
   WriteTum(SampleOdometry(drive), folder / "odometry.tum");
   WriteTum(SampleFinalTrajectory(drive), folder / "trajectory.tum");
-  if (!datum) return;
-  WriteFileAtomically(folder / "trajectory.geojson", EncodeTrajectoryGeoJson(drive, *datum));
-  WriteFileAtomically(folder / "trajectory.kml", EncodeTrajectoryKml(drive, *datum));
+  WriteFileAtomically(folder / "covariance.csv", EncodeCovarianceCsv(drive, map.placement));
+  if (!map.datum) return;
+  WriteFileAtomically(folder / "trajectory.geojson", EncodeTrajectoryGeoJson(drive, *map.datum));
+  WriteFileAtomically(folder / "trajectory.kml", EncodeTrajectoryKml(drive, *map.datum, geoid));
 }
 
 void WriteGeoJson(const SiteMap& map, const path& folder) {
@@ -56,7 +59,8 @@ void WriteGeoJson(const SiteMap& map, const path& folder) {
 void WriteSiteMap(const SiteMap& map, const path& folder) {
   ValidateNames(map.drives);
   ValidateMesh(map.mesh);
-  for (const SiteDrive& drive : map.drives) WriteDrive(drive, map.datum, folder / drive.name);
+  const std::optional<Geoid> geoid = map.datum ? Geoid::Find() : std::nullopt;
+  for (const SiteDrive& drive : map.drives) WriteDrive(drive, map, geoid, folder / drive.name);
 
   WriteFileAtomically(folder / "map.glb", EncodeGltf(map, MeshEncoding::kDraco));
   WriteFileAtomically(folder / "map_plain.glb", EncodeGltf(map, MeshEncoding::kPlain));

@@ -74,6 +74,16 @@ void PlaceInSite(const MapOptions& options, DriveStages& stages, std::vector<Dri
   if (!has_gnss) built.site.datum.reset();
 }
 
+/// GNSS says how sure the site's place is; pins, where there are any, have the last word.
+void PutOnEarth(const MapOptions& options, const BuildScope& scope, BuiltMap& built) {
+  std::vector<GnssAlignment> by_gnss;
+  for (const DriveOutcome& drive : built.drives)
+    if (drive.gnss) by_gnss.push_back(*drive.gnss);
+  if (!by_gnss.empty()) built.site.placement = PlacementBy(by_gnss);
+  built.pinning = PinSite(scope.pins, options.pins, built.site);
+  built.warnings.insert(built.warnings.end(), built.pinning.warnings.begin(), built.pinning.warnings.end());
+}
+
 /// What all drives saw of the ground, and where they drove, in the site.
 struct SiteGround {
   std::vector<PosedGroundPatch> patches;
@@ -202,6 +212,7 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
   PlaceInSite(options, stages, drives, built);
   for (const LeftOutDrive& drive : built.left_out)
     built.warnings.push_back("drive '" + drive.name + "' is left out: " + drive.reason);
+  PutOnEarth(options, scope, built);
   if (scope.is_odometry_only) return built;
 
   progress.Begin("observe ground");

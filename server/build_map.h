@@ -11,6 +11,7 @@
 #include "server/ingest/recorded_drive.h"
 #include "server/map_options.h"
 #include "server/progress.h"
+#include "server/site_pins.h"
 #include "slam/join_drives.h"
 #include "slam/refine_drive.h"
 
@@ -36,8 +37,9 @@ struct LeftOutDrive {
 struct BuiltMap {
   SiteMap site;
   std::vector<DriveOutcome> drives;  ///< as SiteMap::drives
-  DriveJoin join;                    ///< of all drives that have odometry
-  std::vector<std::string> names;    ///< of these
+  SitePinning pinning;
+  DriveJoin join;                  ///< of all drives that have odometry
+  std::vector<std::string> names;  ///< of these
   std::vector<LeftOutDrive> left_out;
   std::vector<std::string> warnings;  ///< one sentence each
 };
@@ -47,10 +49,11 @@ std::vector<StagePlan> PlanStages(size_t num_drives, bool is_odometry_only);
 
 /// How much of the way to go.
 struct BuildScope {
-  bool is_odometry_only = false;            ///< trajectories, no surface
-  std::filesystem::path from;               ///< finished map whose odometry is taken for the drives it has
-  std::filesystem::path products;           ///< folder in which odometry is stored per drive; empty: not stored
+  bool is_odometry_only = false;  ///< trajectories, no surface
+  std::filesystem::path from;  ///< finished map whose odometry, and stages (DriveStages), are taken where it has them
+  std::filesystem::path products;           ///< folder in which both are stored per drive; empty: not stored
   std::map<std::string, LoopReview> loops;  ///< what a reviewer decided, by drive
+  std::vector<SitePin> pins;                ///< where points of the site lie on Earth
   std::vector<LeftOutDrive> unreadable;     ///< logs that are left out from the beginning
 };
 

@@ -91,6 +91,7 @@ const std::vector<Exporter>& Exporters() {
       CopyOfDrive("tum", "trajectory.tum", "trajectory: t x y z qx qy qz qw"),
       FromPoses("kitti", EncodeKittiPoses, "trajectory: 3 x 4 matrices"),
       FromPoses("euroc", EncodeEurocPoses, "trajectory: ASL's CSV"),
+      CopyOfDrive("covariance", "covariance.csv", "how sure its poses are (CSV)"),
       CopyOfDrive("kml", "trajectory.kml", "trajectory on Earth"),
       CopyOfDrive("trajectory-geojson", "trajectory.geojson", "trajectory on Earth"),
   };

@@ -31,7 +31,8 @@ FinishedMap::FinishedMap(const std::filesystem::path& folder) : folder_(folder) 
     if (const Json& datum = report.at("datum"); !datum.is_null())
       datum_ = SiteDatum{.latitude_deg = datum.at("latitude_deg").get<double>(),
                          .longitude_deg = datum.at("longitude_deg").get<double>(),
-                         .altitude = datum.at("altitude").get<double>()};
+                         .altitude = datum.at("altitude").get<double>(),
+                         .is_altitude_known = datum.value("is_altitude_known", true)};
   } catch (const Json::exception&) {
     throw Error(ErrorCode::kInvalidInput, (folder / "report.json").string() + " is not the report of a map");
   }
@@ -41,7 +42,7 @@ std::filesystem::path FinishedMap::FileNamed(const std::string& name) const {
   const std::filesystem::path file = folder_ / name;
   Require(std::filesystem::exists(file), ErrorCode::kInvalidInput,
           "the map in " + folder_.string() + " has no " + name +
-              (datum_ ? "" : " (it is not georeferenced: some files are only there with GNSS)"));
+              (datum_ ? "" : " (it is not georeferenced: some files are only there with GNSS or pins)"));
   return file;
 }
 

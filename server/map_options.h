@@ -10,6 +10,7 @@
 #include "slam/cut_into_submaps.h"
 #include "slam/drive_links.h"
 #include "slam/estimate_trajectory.h"
+#include "slam/fit_pins.h"
 #include "slam/refinement_options.h"
 
 namespace parkade {
@@ -22,6 +23,7 @@ struct MapOptions {
   DriveLinkOptions links;
   SubmapOptions submaps;
   GnssAlignOptions gnss;
+  PinOptions pins;
   GroundOptions ground;
   SurfaceOptions surface;
   MeshOptions mesh;
@@ -36,6 +38,7 @@ struct MapOptions {
     visit("links", links);
     visit("submaps", submaps);
     visit("gnss", gnss);
+    visit("pins", pins);
     visit("ground", ground);
     visit("mapping", surface);
     visit("mesh", mesh);

@@ -110,8 +110,11 @@ void WriteReport(const BuiltMap& built, const std::vector<std::unique_ptr<Record
   if (map.datum) {
     report["datum"] = {{"latitude_deg", map.datum->latitude_deg},
                        {"longitude_deg", map.datum->longitude_deg},
-                       {"altitude", map.datum->altitude}};
+                       {"altitude", map.datum->altitude},
+                       {"is_altitude_known", map.datum->is_altitude_known}};
   }
+  report["georeference"] = GeoreferenceToJson(map, built.pinning);
+  report["pins"] = PinsToJson(built.pinning);
   const Eigen::AlignedBox3d bounds = BoundsOf(map);
   report["bounds"] = {{"min", NumbersOf(bounds.min())}, {"max", NumbersOf(bounds.max())}};
   for (size_t i = 0; i < map.drives.size(); ++i)

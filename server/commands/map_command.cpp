@@ -22,6 +22,7 @@
 #include "server/loop_pictures.h"
 #include "server/output_folder.h"
 #include "server/report.h"
+#include "server/site_pins.h"
 #include "server/surface_file.h"
 #include "server/write_calibration.h"
 
@@ -31,7 +32,8 @@ namespace {
 struct MapArguments {
   std::vector<std::string> logs, rigs;
   std::string out, from, progress_file, cameras, loops, freespace_model;
-  std::vector<std::string> settings, rejected_loops, forced_loops;
+  std::vector<std::string> settings, rejected_loops, forced_loops, pins;
+  bool no_pins = false;
   bool no_wheel = false, no_gnss = false, no_refine = false, is_odometry_only = false;
   bool print_options = false, is_quiet = false;
   int num_threads = 0;
@@ -126,6 +128,16 @@ void AddDecision(const std::string& text, const std::vector<std::unique_ptr<Reco
   (scope.loops[drive].*decision).push_back(colon == std::string::npos ? text : text.substr(colon + 1));
 }
 
+/// Those of the command line, which stand for all that the map to start from has; else these.
+std::vector<SitePin> PinsOf(const MapArguments& arguments, const PinOptions& options) {
+  Require(arguments.pins.empty() || !arguments.from.empty(), ErrorCode::kUsage,
+          "--pin needs --from: its X,Y,Z are of that map");
+  Require(arguments.pins.empty() || !arguments.no_pins, ErrorCode::kUsage, "--pin and --no-pins exclude each other");
+  if (!arguments.pins.empty()) return AnchorPins(arguments.pins, arguments.from, options);
+  if (arguments.no_pins || arguments.from.empty()) return {};
+  return ReadPins(arguments.from);
+}
+
 BuildScope ScopeOf(const MapArguments& arguments, const std::vector<std::unique_ptr<RecordedDrive>>& drives,
                    const std::filesystem::path& products) {
   BuildScope scope;
@@ -138,10 +150,12 @@ BuildScope ScopeOf(const MapArguments& arguments, const std::vector<std::unique_
 }
 
 void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Progress& progress) {
+  std::vector<SitePin> pins = PinsOf(arguments, options.pins);
   OutputFolder output(arguments.out);
   const OpenedLogs logs = OpenLogs(arguments);
   BuildScope scope = ScopeOf(arguments, logs.drives, output.staging());
   scope.unreadable = logs.unreadable;
+  scope.pins = std::move(pins);
   const BuiltMap built = BuildMap(logs.drives, options, scope, progress);
   WriteProducts(logs, built, options, progress, output.staging());
   output.Commit();
@@ -220,6 +234,12 @@ void AddMapCommand(CLI::App& app, Action& action) {
       ->add_option("--force-loop", arguments->forced_loops,
                    "[DRIVE:]LOOP: closed without doubt, where the pictures allow to measure it")
       ->allow_extra_args(false);
+  command
+      ->add_option("--pin", arguments->pins,
+                   "[DRIVE:]X,Y,Z=LAT,LON[,HEIGHT]: where a point of the map --from lies on Earth, metres in its site, "
+                   "degrees, metres above the ellipsoid; two or more, which stand for those that map has")
+      ->allow_extra_args(false);
+  command->add_flag("--no-pins", arguments->no_pins, "leave out the pins of the map --from");
   command->add_flag("--no-refine", arguments->no_refine, "no adjustment of the whole drive after loops are closed");
   command->add_flag("--odometry-only", arguments->is_odometry_only, "trajectories, no surface");
   command->add_option("--set", arguments->settings, "stage.option=value; --print-options lists them");

@@ -8,6 +8,7 @@
 #include "server/commands/commands.h"
 #include "server/http/serve.h"
 #include "server/ingest/sniff_log.h"
+#include "server/site_pins.h"
 
 namespace parkade {
 namespace {
@@ -30,6 +31,9 @@ std::vector<std::string> WorkerCommand(const JobSpec& spec) {
   if (spec.from) command.insert(command.end(), {"--from", *spec.from});
   for (const std::string& loop : spec.rejected_loops) command.insert(command.end(), {"--reject-loop", loop});
   for (const std::string& loop : spec.forced_loops) command.insert(command.end(), {"--force-loop", loop});
+  if (spec.pins && spec.pins->empty()) command.push_back("--no-pins");
+  // In one word: what begins with a dash is a number.
+  for (const std::string& pin : spec.pins.value_or(std::vector<std::string>())) command.push_back("--pin=" + pin);
   command.insert(command.end(), {"--out", spec.out, "--progress-file", spec.progress});
   return command;
 }
@@ -61,6 +65,9 @@ void AddServeCommand(CLI::App& app, Action& action) {
       options->compare_command = ComparisonCommand;
       options->check_log = CheckLooksLikeLog;
       options->check_rig = [](const std::filesystem::path& folder) { ReadRig(folder); };
+      options->check_pins = [](const std::vector<std::string>& pins, const std::filesystem::path& map) {
+        AnchorPins(pins, map, {});
+      };
       return Serve(*options);
     };
   });

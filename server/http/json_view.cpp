@@ -110,12 +110,13 @@ std::string MapAddress(const std::string& site, std::int64_t version) {
 }
 
 const char* ContentTypeOf(const std::string& filename) {
-  constexpr std::array<std::pair<const char*, const char*>, 24> kTypes = {{
+  constexpr std::array<std::pair<const char*, const char*>, 25> kTypes = {{
       {".glb", "model/gltf-binary"},
       {".geojson", "application/geo+json"},
       {".json", "application/json"},
       {".ply", "application/octet-stream"},
       {".tum", "text/plain; charset=utf-8"},
+      {".csv", "text/csv; charset=utf-8"},
       {".txt", "text/plain; charset=utf-8"},
       {".pgw", "text/plain; charset=utf-8"},
       {".yaml", "application/yaml"},

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "core/error.h"
 #include "server/http/answer.h"
 #include "server/http/file_response.h"
@@ -9,6 +11,7 @@
 namespace parkade {
 namespace {
 
+constexpr std::size_t kMaxPins = 1000;
 constexpr const char* kImmutable = "private, max-age=31536000, immutable";
 
 void SendManifest(RouteContext& context, const httplib::Request& request, httplib::Response& response) {
@@ -66,6 +69,43 @@ std::vector<std::string> TextsOf(const std::string& key, const Json& value) {
   return texts;
 }
 
+std::string NumberIn(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  Require(found != object.end() && found->is_number(), ErrorCode::kInvalidInput,
+          std::string("a pin's \"") + key + "\" is a number");
+  return found->dump();
+}
+
+/// {"point": [X, Y, Z], "latitude": LAT, "longitude": LON, "height": HEIGHT, "drive": NAME} as the worker takes it.
+std::string PinOf(const Json& pin) {
+  Require(pin.is_object(), ErrorCode::kInvalidInput, "a pin is an object");
+  for (const auto& [key, value] : pin.items())
+    Require(key == "point" || key == "latitude" || key == "longitude" || key == "height" || key == "drive",
+            ErrorCode::kInvalidInput, "a pin knows \"point\", \"latitude\", \"longitude\", \"height\" and \"drive\"");
+  const auto point = pin.find("point");
+  Require(point != pin.end() && point->is_array() && point->size() == 3 &&
+              std::all_of(point->begin(), point->end(), [](const Json& number) { return number.is_number(); }),
+          ErrorCode::kInvalidInput, "a pin's \"point\" is a list of three numbers");
+  std::string text;
+  if (const auto drive = pin.find("drive"); drive != pin.end()) {
+    Require(drive->is_string() && !drive->get<std::string>().empty(), ErrorCode::kInvalidInput,
+            "a pin's \"drive\" is the name of one");
+    text = drive->get<std::string>() + ":";
+  }
+  text += (*point)[0].dump() + "," + (*point)[1].dump() + "," + (*point)[2].dump() + "=";
+  text += NumberIn(pin, "latitude") + "," + NumberIn(pin, "longitude");
+  if (pin.contains("height") && !pin.at("height").is_null()) text += "," + NumberIn(pin, "height");
+  return text;
+}
+
+std::vector<std::string> PinsOf(const Json& value) {
+  Require(value.is_array() && value.size() <= kMaxPins, ErrorCode::kInvalidInput,
+          "\"pins\" is a list of at most " + std::to_string(kMaxPins) + " pins");
+  std::vector<std::string> pins;
+  for (const Json& pin : value) pins.push_back(PinOf(pin));
+  return pins;
+}
+
 MapRequest ParseMapRequest(const std::string& body) {
   MapRequest request;
   if (body.empty()) return request;
@@ -81,19 +121,30 @@ MapRequest ParseMapRequest(const std::string& body) {
       request.review.rejected_loops = TextsOf(key, value);
     } else if (key == "force_loops") {
       request.review.forced_loops = TextsOf(key, value);
+    } else if (key == "pins") {
+      request.review.pins = PinsOf(value);
     } else {
       throw Error(ErrorCode::kInvalidInput,
-                  "the body knows \"drives\", \"from\", \"reject_loops\" and \"force_loops\"");
+                  "the body knows \"drives\", \"from\", \"reject_loops\", \"force_loops\" and \"pins\"");
     }
   }
-  const bool decides = !request.review.rejected_loops.empty() || !request.review.forced_loops.empty();
+  const bool decides =
+      !request.review.rejected_loops.empty() || !request.review.forced_loops.empty() || request.review.pins;
   Require(!decides || request.review.from_version, ErrorCode::kInvalidInput,
-          "loops are those of a version: name it in \"from\"");
+          "loops and pins are those of a version: name it in \"from\"");
   return request;
+}
+
+void CheckPins(RouteContext& context, const std::string& site, const MapReview& review) {
+  if (!review.pins || review.pins->empty() || !context.options.check_pins) return;
+  const MapVersion from = context.store.database.Read(
+      [&](Connection& connection) { return FindMap(connection, site, *review.from_version); });
+  context.options.check_pins(*review.pins, context.store.directory.MapFolder(from.id));
 }
 
 void BuildMap(RouteContext& context, const std::string& site, const std::string& body, httplib::Response& response) {
   const MapRequest request = ParseMapRequest(body);
+  CheckPins(context, site, request.review);
   const Job job = QueueMap(context.store, site, request.drives, context.options.merge_drives, request.review);
   context.events.Publish("job", job.id);
   for (const std::string& drive : job.drives) context.events.Publish("drive", drive);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "server/jobs/job_spec.h"
 #include "server/jobs/map_comparer.h"
@@ -27,6 +28,8 @@ struct ServeOptions {
   CompareCommand compare_command;                               ///< required: compares two published maps
   std::function<void(const std::filesystem::path&)> check_log;  ///< throws unless the file looks like a drive log
   std::function<void(const std::filesystem::path&)> check_rig;  ///< throws unless the folder holds a rig
+  /// Throws unless these pins (`parkade map --pin`) fit each other and the map in the folder.
+  std::function<void(const std::vector<std::string>& pins, const std::filesystem::path& map)> check_pins;
 };
 
 /// Serves until SIGTERM or SIGINT, then lets requests under way end, puts running

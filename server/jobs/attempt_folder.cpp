@@ -50,6 +50,7 @@ AttemptFolder::AttemptFolder(Store& store, const Job& job) : path_(store.directo
   spec_.from = MapToStartFrom(store, job);
   spec_.rejected_loops = job.review.rejected_loops;
   spec_.forced_loops = job.review.forced_loops;
+  spec_.pins = job.review.pins;
   spec_.out = path_ / "out";
   spec_.progress = path_ / "progress.ndjson";
   try {

@@ -16,8 +16,9 @@ struct JobSpec {
   std::vector<std::filesystem::path> rigs;    ///< per log: folder with the rig files; empty: what the log says
   std::optional<std::filesystem::path> from;  ///< finished map whose odometry is taken instead of tracking again
   std::vector<std::string> rejected_loops, forced_loops;  ///< [DRIVE:]LOOP
-  std::filesystem::path out;                              ///< empty folder for the products
-  std::filesystem::path progress;                         ///< file to append progress lines to
+  std::optional<std::vector<std::string>> pins;  ///< as --pin takes them; nothing: those of `from`; empty: none
+  std::filesystem::path out;                     ///< empty folder for the products
+  std::filesystem::path progress;                ///< file to append progress lines to
 };
 
 /// The command line of the worker for an attempt, the program first.

@@ -16,16 +16,19 @@ const std::string kSelect = R"(
 
 std::optional<std::string> ReviewToText(const MapReview& review) {
   if (!review.from_version) return std::nullopt;
-  const nlohmann::json json = {
+  nlohmann::json json = {
       {"from", *review.from_version}, {"reject_loops", review.rejected_loops}, {"force_loops", review.forced_loops}};
+  if (review.pins) json["pins"] = *review.pins;
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 MapReview ReviewFromText(const std::optional<std::string>& text) {
   if (!text) return {};
   const nlohmann::json json = nlohmann::json::parse(*text);
-  return {json.at("from").get<std::int64_t>(), json.at("reject_loops").get<std::vector<std::string>>(),
-          json.at("force_loops").get<std::vector<std::string>>()};
+  MapReview review{json.at("from").get<std::int64_t>(), json.at("reject_loops").get<std::vector<std::string>>(),
+                   json.at("force_loops").get<std::vector<std::string>>(), std::nullopt};
+  if (const auto pins = json.find("pins"); pins != json.end()) review.pins = pins->get<std::vector<std::string>>();
+  return review;
 }
 
 Job FromRow(Connection& connection, const Statement& row) {

@@ -40,9 +40,10 @@ struct Drive {
 
 /// What a reviewer wants of a map that is built anew from one that is there.
 struct MapReview {
-  std::optional<std::int64_t> from_version = {};  ///< of the site: its odometry is taken instead of tracking again
-  std::vector<std::string> rejected_loops = {};   ///< [DRIVE:]LOOP as report.json names them
-  std::vector<std::string> forced_loops = {};     ///< likewise
+  std::optional<std::int64_t> from_version = {};      ///< of the site: its odometry is taken instead of tracking again
+  std::vector<std::string> rejected_loops = {};       ///< [DRIVE:]LOOP as report.json names them
+  std::vector<std::string> forced_loops = {};         ///< likewise
+  std::optional<std::vector<std::string>> pins = {};  ///< `parkade map --pin`; nothing: as the version has them
 };
 
 struct Job {

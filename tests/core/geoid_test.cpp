@@ -1,53 +1,11 @@
 #include "core/geoid.h"
 
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
-#include <string>
 
-#include "core/error.h"
+#include "tests/support/geoid_folder.h"
 
 namespace parkade {
 namespace {
-
-namespace fs = std::filesystem;
-
-/// A folder that stands for the one of the geoid's data files.
-class GeoidFolder : public testing::Test {
- protected:
-  GeoidFolder() {
-    fs::create_directories(folder_);
-    ::setenv("GEOGRAPHICLIB_GEOID_PATH", folder_.c_str(), 1);
-    ::unsetenv("GEOGRAPHICLIB_GEOID_NAME");
-  }
-  ~GeoidFolder() override {
-    ::unsetenv("GEOGRAPHICLIB_GEOID_PATH");
-    fs::remove_all(folder_);
-  }
-
-  /// GeographicLib's format: a PGM of 16 bits, big endian, from 90 N 0 E eastwards and southwards, here every 30
-  /// degrees; undulation = offset + scale * number.
-  void WriteGrid(const std::string& name) const {
-    constexpr int kWidth = 12, kHeight = 7;
-    std::ofstream file(folder_ / (name + ".pgm"), std::ios::binary);
-    file << "P5\n# Geoid file in PGM format for the GeographicLib::Geoid class\n# Description synthetic\n"
-            "# Offset -108\n# Scale 0.003\n# Origin 90N 0E\n# AREA_OR_POINT Point\n"
-         << kWidth << " " << kHeight << "\n65535\n";
-    for (int row = 0; row < kHeight; ++row)
-      for (int column = 0; column < kWidth; ++column) {
-        const int value = static_cast<int>(std::lround((UndulationAt(90 - 30 * row) + 108) / 0.003));
-        file.put(static_cast<char>(value >> 8)).put(static_cast<char>(value & 255));
-      }
-  }
-
-  static double UndulationAt(double latitude_deg) { return 20 + latitude_deg / 3; }
-
-  const fs::path folder_ = fs::path(testing::TempDir()) / ("geoids_" + std::to_string(::getpid()));
-};
 
 TEST_F(GeoidFolder, WithoutAFileThereIsNoGeoid) { EXPECT_FALSE(Geoid::Find()); }
 

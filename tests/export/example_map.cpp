@@ -96,6 +96,8 @@ SiteDrive MakeDrive(const std::string& name, double radius, double begin_seconds
     TrajectoryState state;
     state.time = TimestampFromSeconds(begin_seconds) + 0.01 * i;
     state.odom_from_body = pose_at(angle * drift, radius * drift);
+    const double sigma = 0.1 * i / kNumStates;  // along x, y, z in odom: this, its half and its quarter
+    state.covariance.diagonal() << 1e-6, 1e-6, 4e-6, sigma * sigma, sigma * sigma / 4, sigma * sigma / 16;
     odometry.push_back(state);
     if (i % 25 != 0 || i < 50 || i > kNumStates - 50) continue;
     state.odom_from_body = pose_at(angle, radius);
@@ -120,7 +122,10 @@ SiteMap MakeExampleMap(bool is_georeferenced) {
     return std::tuple(a.y, a.x, a.height) < std::tuple(b.y, b.x, b.height);
   });
   map.mesh = MeshOf(map.surface);
-  if (is_georeferenced) map.datum = SiteDatum{48.1372, 11.5756, 520};
+  if (is_georeferenced) {
+    map.datum = SiteDatum{48.1372, 11.5756, 520};
+    map.placement.emplace().covariance.diagonal() << 1e-6, 0.04, 0.04, 0.09;
+  }
   return map;
 }
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/export/example_map.h"
+#include "tests/support/geoid_folder.h"
 
 namespace parkade {
 namespace {
@@ -101,6 +102,40 @@ TEST(TrajectoryKml, HoldsTheSamePositions) {
   EXPECT_EQ(static_cast<size_t>(
                 std::count(kml.begin() + static_cast<long>(begin), kml.begin() + static_cast<long>(end), '\n')),
             num_points);
+}
+
+/// The third of the first coordinates in a KML.
+double FirstHeight(const std::string& kml) {
+  const size_t begin = kml.find("<coordinates>\n") + 14, end = kml.find('\n', begin);
+  return std::stod(kml.substr(kml.rfind(',', end) + 1));
+}
+
+TEST_F(GeoidFolder, KmlCountsHeightsFromTheSeaAndGeoJsonFromTheEllipsoid) {
+  const SiteDatum datum{48.1372, 11.5756, 520};
+  WriteGrid("egm96-15");
+  const std::optional<Geoid> geoid = Geoid::Find();
+  ASSERT_TRUE(geoid);
+  const std::string above_sea = EncodeTrajectoryKml(Drive(), datum, geoid);
+  const std::string above_ellipsoid = EncodeTrajectoryKml(Drive(), datum);
+
+  EXPECT_NEAR(FirstHeight(above_ellipsoid) - FirstHeight(above_sea), UndulationAt(datum.latitude_deg), 0.3);
+  EXPECT_NE(above_sea.find("above mean sea level (egm96-15)"), std::string::npos);
+  EXPECT_NE(above_ellipsoid.find("no geoid model"), std::string::npos);
+  const auto json = nlohmann::json::parse(EncodeTrajectoryGeoJson(Drive(), datum));
+  EXPECT_NEAR(json.at("features").at(0).at("geometry").at("coordinates").at(0).at(2), FirstHeight(above_ellipsoid),
+              1e-6);
+}
+
+TEST(TrajectoryKml, InventsNoHeights) {
+  const SiteDatum datum{48.1372, 11.5756, 0, false};
+  const std::string kml = EncodeTrajectoryKml(Drive(), datum);
+
+  EXPECT_NE(kml.find("<altitudeMode>clampToGround</altitudeMode>"), std::string::npos);
+  const size_t begin = kml.find("<coordinates>\n") + 14;
+  const std::string first = kml.substr(begin, kml.find('\n', begin) - begin);
+  EXPECT_EQ(std::count(first.begin(), first.end(), ','), 1) << first;
+  const auto json = nlohmann::json::parse(EncodeTrajectoryGeoJson(Drive(), datum));
+  EXPECT_EQ(json.at("features").at(0).at("geometry").at("coordinates").at(0).size(), 2U);
 }
 
 TEST(TrajectoryGeoJson, ADriveWithoutPosesHasNoGeometry) {

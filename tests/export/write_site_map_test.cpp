@@ -36,11 +36,27 @@ TEST_F(MapFolder, HoldsEveryFileOfTheContractAndNothingElse) {
   WriteSiteMap(MakeExampleMap(true), folder_);
 
   auto files = Files();
-  for (const char* name :
-       {"map.glb", "map_plain.glb", "tileset.json", "tiles/overview.glb", "ground.ply", "free_space.geojson",
-        "slots.geojson", "markings.geojson", "ortho.png", "ortho.pgw", "ortho.tif", "monday/odometry.tum",
-        "monday/trajectory.tum", "monday/trajectory.geojson", "monday/trajectory.kml", "tuesday_2/odometry.tum",
-        "tuesday_2/trajectory.tum", "tuesday_2/trajectory.geojson", "tuesday_2/trajectory.kml"})
+  for (const char* name : {"map.glb",
+                           "map_plain.glb",
+                           "tileset.json",
+                           "tiles/overview.glb",
+                           "ground.ply",
+                           "free_space.geojson",
+                           "slots.geojson",
+                           "markings.geojson",
+                           "ortho.png",
+                           "ortho.pgw",
+                           "ortho.tif",
+                           "monday/odometry.tum",
+                           "monday/trajectory.tum",
+                           "monday/trajectory.geojson",
+                           "monday/trajectory.kml",
+                           "monday/covariance.csv",
+                           "tuesday_2/covariance.csv",
+                           "tuesday_2/odometry.tum",
+                           "tuesday_2/trajectory.tum",
+                           "tuesday_2/trajectory.geojson",
+                           "tuesday_2/trajectory.kml"})
     EXPECT_EQ(files.erase(name), 1U) << name;
   std::erase_if(files, [](const auto& file) { return file.first.starts_with("tiles/"); });
   EXPECT_TRUE(files.empty()) << files.begin()->first;

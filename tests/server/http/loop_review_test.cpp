@@ -1,4 +1,4 @@
-// A reviewer's decisions about loops on their way from the request to the worker's command.
+// A reviewer's decisions about loops and pins on their way from the request to the worker's command.
 #include <mutex>
 
 #include "tests/server/http/running_service.h"
@@ -13,6 +13,10 @@ class LoopReview : public RunningService {
       const std::lock_guard lock(mutex_);
       specs_.push_back(spec);
       return of_job(spec);
+    };
+    options_.check_pins = [](const std::vector<std::string>& pins, const std::filesystem::path& map) {
+      Require(std::filesystem::exists(map / "a" / "trajectory.tum"), ErrorCode::kInternal, "not the version's folder");
+      Require(pins.size() > 1, ErrorCode::kInvalidInput, "a site is pinned by two points or more");
     };
     ASSERT_EQ(MapNow("log ok\n").at("state"), "done");
   }
@@ -50,6 +54,25 @@ TEST_F(LoopReview, BuildsAVersionFromAnotherWithoutTrackingAgain) {
   EXPECT_EQ(spec.forced_loops, std::vector<std::string>{"4-18"});
 }
 
+TEST_F(LoopReview, PinsReachTheWorkerToTheLastDigit) {
+  const auto queued = Build(R"({"from": 1, "pins": [
+      {"point": [-1.25, 2, 0.1], "latitude": 48.137154321, "longitude": -11.576124},
+      {"point": [31, -2.5, 0], "latitude": 48.1375, "longitude": -11.576, "height": 519.3, "drive": "a"}]})");
+  ASSERT_EQ(queued->status, 202) << queued->body;
+  WaitForJob(Json::parse(queued->body).at("id"));
+
+  EXPECT_EQ(LastSpec().pins,
+            (std::vector<std::string>{"-1.25,2,0.1=48.137154321,-11.576124", "a:31,-2.5,0=48.1375,-11.576,519.3"}));
+
+  const auto without = Build(R"({"from": 1, "pins": []})");
+  WaitForJob(Json::parse(without->body).at("id"));
+  EXPECT_EQ(LastSpec().pins, std::vector<std::string>()) << "an empty list takes them away";
+
+  const auto inherited = Build(R"({"from": 1})");
+  WaitForJob(Json::parse(inherited->body).at("id"));
+  EXPECT_FALSE(LastSpec().pins) << "without a word they stay as the version has them";
+}
+
 TEST_F(LoopReview, WithoutAVersionStartsAfresh) {
   const auto queued = Build("");
   ASSERT_EQ(queued->status, 202) << queued->body;
@@ -65,6 +88,18 @@ TEST_F(LoopReview, ThatMakesNoSenseStartsNoJob) {
   ExpectProblem(Build(R"({"from": "1"})"), 400, "invalid_input");                          // not a number
   ExpectProblem(Build(R"({"from": 1, "force_loops": "3-17"})"), 400, "invalid_input");     // not a list
   ExpectProblem(Build(R"({"from": 1, "force_loops": ["--out"]})"), 400, "invalid_input");  // an option of the worker
+  const std::string place = R"("latitude": 48, "longitude": 11)";
+  const std::vector<std::string> bodies = {
+      R"({"pins": []})",                                                  // of which version?
+      R"({"from": 1, "pins": {}})",                                       // not a list
+      R"({"from": 1, "pins": ["0,0,0=48,11"]})",                          // not objects
+      R"({"from": 1, "pins": [{"point": [0, 0], )" + place + "}]}",       // not three numbers
+      R"({"from": 1, "pins": [{"point": [0, 0, "0"], )" + place + "}]}",  // not numbers
+      R"({"from": 1, "pins": [{"point": [0, 0, 0], "latitude": 48}]})",   // no longitude
+      R"({"from": 1, "pins": [{"point": [0, 0, 0], "z": 1, )" + place + "}]}",
+      R"({"from": 1, "pins": [{"point": [0, 0, 0], )" + place + "}]}",  // what check_pins refuses
+  };
+  for (const std::string& body : bodies) ExpectProblem(Build(body), 400, "invalid_input");
   ExpectProblem(Build(R"({"from": 7})"), 404, "not_found");
   ExpectProblem(Build(R"({"from": 1, "drives": ["0000000000000000"]})"), 400, "invalid_input");
 
