@@ -9,191 +9,21 @@
 #include "core/error.h"
 #include "mapping/quadrilateral.h"
 #include "mapping/slot_row_fit.h"
+#include "mapping/slot_row_growth.h"
 
 namespace parkade {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kRowReach = 60;         // [m] across from the line a row starts from
-constexpr double kPitchReach = 15;       // [m] likewise, of lines that say what its pitch is
-constexpr double kMaxHeightStep = 1.2;   // [m] between lines of one deck
-constexpr double kTurn_deg = 3.5;        // between long lines of one row
-constexpr double kShortTurn_deg = 7;     // likewise of short ones
-constexpr double kLongLine = 1.5;        // [m]
-constexpr double kMinOverlap = 0.4;      // [m] along, of neighbours
-constexpr double kSameDivider = 0.16;    // [m] across, of stretches of one line
-constexpr double kPitchTolerance = 0.2;  // [m] from line to line
-constexpr double kEdgeTolerance = 0.12;  // [m] likewise, of what may be the edge of something
-constexpr double kMinSeenShare = 0.25;   // of a row's lines whose ends have to agree
-constexpr double kSecondRank = 1.0;      // [m] of paint behind one rank of slots that say that there is another
-constexpr double kMaxHidden = 3.0;       // [m] that a car may hide of a line; aisles are wider
-constexpr int kFewLines = 4;             // seen ones: fewer are a row only where they are whole
-constexpr double kWhole = 0.7;           // of a slot's length
-constexpr double kMarkedShare = 0.12;    // of a side's length from which it counts as seen
-constexpr double kSquareSlope = 0.08;    // of ends up to which a row is perpendicular
-constexpr double kMaxShare = 0.25;       // of a slot that a surer one may cover
-
-/// A group of parallel lines in the frame of the longest of them.
-struct Row {
-  Vector2d origin, along, across;  ///< [m] in site; unit vectors
-  double height = 0;
-  double pitch = 0;
-  std::vector<RowDivider> dividers;  ///< by `across`
-  std::vector<std::size_t> members;  ///< lines
-
-  Vector2d Place(double along_value, double across_value) const {
-    return origin + along_value * along + across_value * across;
-  }
-};
-
-struct Candidate {
-  std::size_t line = 0;
-  PaintStretch stretch;
-  bool is_edge = false;  ///< PaintLine::is_one_sided
-};
-
-double Overlap(const PaintStretch& a, const PaintStretch& b) {
-  return std::min(a.end, b.end) - std::max(a.begin, b.begin);
-}
-
-PaintStretch StretchOf(const PaintLine& line, const Row& row) {
-  Vector2d begin = line.begin - row.origin, end = line.end - row.origin;
-  bool is_begin_seen = line.is_begin_seen, is_end_seen = line.is_end_seen;
-  if (begin.dot(row.along) > end.dot(row.along)) std::swap(begin, end), std::swap(is_begin_seen, is_end_seen);
-  return {begin.dot(row.along), end.dot(row.along), begin.dot(row.across), end.dot(row.across), is_begin_seen,
-          is_end_seen,          line.width};
-}
-
-/// Lines parallel to the seed on its deck, by place across.
-std::vector<Candidate> FindParallels(const std::vector<PaintLine>& lines, const PaintLine& seed, const Row& row,
-                                     const std::vector<bool>& is_used) {
-  std::vector<Candidate> parallels;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const PaintLine& line = lines[i];
-    if (is_used[i] || std::abs(line.height - seed.height) > kMaxHeightStep) continue;
-    const double turn = std::acos(std::min(1.0, std::abs(line.Direction().dot(row.along)))) * 180 / std::numbers::pi;
-    if (turn > (line.Length() > kLongLine ? kTurn_deg : kShortTurn_deg)) continue;
-    const PaintStretch stretch = StretchOf(line, row);
-    if (std::abs(stretch.Across()) < kRowReach) parallels.push_back({i, stretch, line.is_one_sided});
-  }
-  std::stable_sort(parallels.begin(), parallels.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.stretch.Across() < b.stretch.Across(); });
-  return parallels;
-}
-
-/// [m] the distance across that most neighbours of the row's surroundings have; nothing where there are none.
-std::optional<double> FindPitch(const std::vector<Candidate>& parallels, const PaintStretch& seed,
-                                const SlotMeasures& measures) {
-  constexpr double kBin = 0.05;
-  const int num_bins = static_cast<int>((measures.max_pitch - measures.min_pitch) / kBin) + 2;
-  std::vector<double> votes(static_cast<std::size_t>(num_bins)), sums(votes.size());
-  for (std::size_t i = 0; i < parallels.size(); ++i)
-    for (std::size_t k = i + 1; k < parallels.size(); ++k) {
-      const PaintStretch &a = parallels[i].stretch, &b = parallels[k].stretch;
-      const double distance = b.Across() - a.Across(), overlap = Overlap(a, b);
-      if (distance > measures.max_pitch) break;
-      if (parallels[i].is_edge || parallels[k].is_edge) continue;
-      const bool is_far = std::abs(a.Across()) > kPitchReach || std::min(Overlap(a, seed), Overlap(b, seed)) < 0;
-      if (distance < measures.min_pitch || overlap < kMinOverlap || is_far) continue;
-      const auto bin = static_cast<std::size_t>((distance - measures.min_pitch) / kBin);
-      votes[bin] += overlap;
-      sums[bin] += overlap * distance;
-    }
-  std::size_t best = 0;
-  double best_votes = 0;
-  for (std::size_t i = 0; i + 1 < votes.size(); ++i)
-    if (votes[i] + votes[i + 1] > best_votes) best = i, best_votes = votes[i] + votes[i + 1];
-  if (!(best_votes > 0)) return {};
-  return (sums[best] + sums[best + 1]) / best_votes;
-}
-
-/// Whether a stretch lies beside what is known of a divider, or beside the row's first line.
-bool IsBeside(const PaintStretch& stretch, const RowDivider& divider) {
-  return std::any_of(divider.stretches.begin(), divider.stretches.end(),
-                     [&](const PaintStretch& other) { return Overlap(stretch, other) > kMinOverlap; });
-}
-
-/// The divider whose paint lies `expected` across, within a tolerance: of all places the one with the most paint.
-std::optional<RowDivider> FindDivider(const std::vector<Candidate>& parallels, const RowDivider& from, double expected,
-                                      double tolerance, bool takes_edges, std::vector<std::size_t>& members) {
-  RowDivider best;
-  std::vector<std::size_t> best_members;
-  double best_support = 0;
-  for (const Candidate& middle : parallels) {
-    if (std::abs(middle.stretch.Across() - expected) > tolerance || middle.is_edge != takes_edges ||
-        !IsBeside(middle.stretch, from))
-      continue;
-    RowDivider divider;
-    std::vector<std::size_t> of_divider;
-    double support = 0, sum = 0;
-    for (const Candidate& other : parallels) {
-      if (std::abs(other.stretch.Across() - middle.stretch.Across()) > kSameDivider || !IsBeside(other.stretch, from))
-        continue;
-      divider.stretches.push_back(other.stretch);
-      of_divider.push_back(other.line);
-      support += other.stretch.Length();
-      sum += other.stretch.Length() * other.stretch.Across();
-    }
-    divider.across = sum / support;
-    if (support > best_support) best_support = support, best = divider, best_members = of_divider;
-  }
-  if (!(best_support > 0)) return {};
-  members.insert(members.end(), best_members.begin(), best_members.end());
-  return best;
-}
-
-/// Adds dividers to one side of the row until none follows.
-void Grow(const std::vector<Candidate>& parallels, const SlotRowOptions& options, double sign, Row& row) {
-  double pitch = row.pitch;
-  while (true) {
-    const RowDivider from = sign > 0 ? row.dividers.back() : row.dividers.front();
-    std::optional<RowDivider> found;
-    int steps = 1;
-    for (; steps <= 1 + options.max_missing && !found; ++steps) {
-      const double expected = from.across + sign * steps * pitch, slack = 0.05 * (steps - 1);
-      found = FindDivider(parallels, from, expected, kPitchTolerance + slack, false, row.members);
-      if (!found) found = FindDivider(parallels, from, expected, kEdgeTolerance + slack, true, row.members);
-    }
-    if (!found) return;
-    --steps;
-    const double step = (found->across - from.across) / steps;
-    for (int i = 1; i < steps; ++i) {
-      const RowDivider hidden{from.across + i * step};
-      row.dividers.insert(sign > 0 ? row.dividers.end() : row.dividers.begin(), hidden);
-    }
-    row.dividers.insert(sign > 0 ? row.dividers.end() : row.dividers.begin(), *found);
-    pitch += 0.3 * (std::abs(step) - pitch);
-    if (std::abs(found->across) > kRowReach) return;
-  }
-}
-
-std::optional<Row> GrowRow(const std::vector<PaintLine>& lines, std::size_t seed, const SlotMeasures& measures,
-                           const SlotRowOptions& options, const std::vector<bool>& is_used) {
-  Row row;
-  row.origin = lines[seed].Middle();
-  row.along = lines[seed].Direction();
-  row.across = {-row.along.y(), row.along.x()};
-  row.height = lines[seed].height;
-  const std::vector<Candidate> parallels = FindParallels(lines, lines[seed], row, is_used);
-  const PaintStretch own = StretchOf(lines[seed], row);
-  const std::optional<double> pitch = FindPitch(parallels, own, measures);
-  if (!pitch) return {};
-  row.pitch = *pitch;
-  RowDivider first;
-  for (const Candidate& candidate : parallels)
-    if (std::abs(candidate.stretch.Across()) < kSameDivider && !candidate.is_edge) {
-      const double gap = -Overlap(candidate.stretch, own);
-      if (gap > kMaxHidden) continue;
-      first.stretches.push_back(candidate.stretch);
-      row.members.push_back(candidate.line);
-    }
-  row.dividers.push_back(first);
-  Grow(parallels, options, 1, row);
-  Grow(parallels, options, -1, row);
-  if (row.dividers.size() < 2) return {};
-  return row;
-}
+constexpr double kMaxHeightStep = 1.2;  // [m] between lines of one deck
+constexpr double kMinSeenShare = 0.25;  // of a row's lines whose ends have to agree
+constexpr double kSecondRank = 1.0;     // [m] of paint behind one rank of slots that say that there is another
+constexpr int kFewLines = 4;            // seen ones: fewer are a row only where they are whole
+constexpr double kWhole = 0.7;          // of a slot's length
+constexpr double kMarkedShare = 0.12;   // of a side's length from which it counts as seen
+constexpr double kSquareSlope = 0.08;   // of ends up to which a row is perpendicular
+constexpr double kMaxShare = 0.25;      // of a slot that a surer one may cover
 
 /// The lengthwise division of a row: one rank of slots, or two back to back.
 struct Ranks {
@@ -214,7 +44,7 @@ int CountRanks(double length, const SlotMeasures& measures) {
 }
 
 /// Ends that enough of the row's lines agree on.
-std::optional<RowEnds> SureEnds(const Row& row, bool is_lower, std::optional<double> slope = std::nullopt) {
+std::optional<RowEnds> SureEnds(const SlotRow& row, bool is_lower, std::optional<double> slope = std::nullopt) {
   const std::optional<RowEnds> ends = FitRowEnds(row.dividers, is_lower, slope);
   const auto num_lines = std::count_if(row.dividers.begin(), row.dividers.end(),
                                        [](const RowDivider& divider) { return !divider.stretches.empty(); });
@@ -223,7 +53,7 @@ std::optional<RowEnds> SureEnds(const Row& row, bool is_lower, std::optional<dou
 }
 
 /// How many lines go on behind one rank of slots that begins at known ends.
-int CountLongerLines(const Row& row, const RowEnds& known, bool is_lower, double length) {
+int CountLongerLines(const SlotRow& row, const RowEnds& known, bool is_lower, double length) {
   return static_cast<int>(std::count_if(row.dividers.begin(), row.dividers.end(), [&](const RowDivider& divider) {
     const double from = known.At(divider.across) + (is_lower ? length : -length);
     return divider.Support(is_lower ? from : -1e9, is_lower ? 1e9 : from) > kSecondRank;
@@ -231,7 +61,7 @@ int CountLongerLines(const Row& row, const RowEnds& known, bool is_lower, double
 }
 
 /// Ranks of which only the ends on one side are known: the rest is as long as slots of this site are.
-Ranks ContinueFrom(const Row& row, const RowEnds& known, bool is_lower, double usual_length) {
+Ranks ContinueFrom(const SlotRow& row, const RowEnds& known, bool is_lower, double usual_length) {
   const double slot = usual_length + std::abs(known.slope) * row.pitch;
   Ranks ranks;
   ranks.count = std::abs(known.slope) < kSquareSlope && CountLongerLines(row, known, is_lower, slot) >= 2 ? 2 : 1;
@@ -242,7 +72,7 @@ Ranks ContinueFrom(const Row& row, const RowEnds& known, bool is_lower, double u
 }
 
 /// Whether a few lines are enough to be a row: two of them whole, their ends seen.
-bool HasWholeLines(const Row& row, const Ranks& ranks) {
+bool HasWholeLines(const SlotRow& row, const Ranks& ranks) {
   if (!ranks.is_lower_known || !ranks.is_upper_known) return false;
   return std::count_if(row.dividers.begin(), row.dividers.end(), [&](const RowDivider& divider) {
            const double low = ranks.lower.At(divider.across), high = ranks.upper.At(divider.across);
@@ -250,7 +80,7 @@ bool HasWholeLines(const Row& row, const Ranks& ranks) {
          }) >= 2;
 }
 
-std::optional<Ranks> FitRanks(const Row& row, const SlotMeasures& measures, bool is_parallel, double usual_length) {
+std::optional<Ranks> FitRanks(const SlotRow& row, const SlotMeasures& measures, bool is_parallel, double usual_length) {
   std::optional<RowEnds> lower = SureEnds(row, true), upper = SureEnds(row, false);
   if (lower && upper && std::abs(lower->slope - upper->slope) > 0.02) {
     if (lower->num_seen >= upper->num_seen)
@@ -269,7 +99,8 @@ std::optional<Ranks> FitRanks(const Row& row, const SlotMeasures& measures, bool
 }
 
 /// The ranks of a row that is one; nothing where its lines are something else.
-std::optional<Ranks> FindRanks(const Row& row, const SlotMeasures& measures, bool is_parallel, double usual_length) {
+std::optional<Ranks> FindRanks(const SlotRow& row, const SlotMeasures& measures, bool is_parallel,
+                               double usual_length) {
   std::optional<Ranks> ranks = FitRanks(row, measures, is_parallel, usual_length);
   const auto num_seen = std::count_if(row.dividers.begin(), row.dividers.end(),
                                       [](const RowDivider& divider) { return !divider.stretches.empty(); });
@@ -285,7 +116,7 @@ double ConfidenceOf(double left_share, double right_share, const Ranks& ranks, s
 }
 
 /// The slot between two neighbouring dividers, in one of the ranks.
-PlanarSlot MakeSlot(const Row& row, const Ranks& ranks, int rank, const RowDivider& left, const RowDivider& right,
+PlanarSlot MakeSlot(const SlotRow& row, const Ranks& ranks, int rank, const RowDivider& left, const RowDivider& right,
                     bool is_parallel) {
   const double slope = ranks.lower.slope;
   const auto split = [&](double across, int boundary) {
@@ -314,7 +145,7 @@ PlanarSlot MakeSlot(const Row& row, const Ranks& ranks, int rank, const RowDivid
   return slot;
 }
 
-void AddSlots(const Row& row, const Ranks& ranks, bool is_parallel, const SlotRowOptions& options,
+void AddSlots(const SlotRow& row, const Ranks& ranks, bool is_parallel, const SlotRowOptions& options,
               std::vector<PlanarSlot>& slots) {
   for (std::size_t i = 0; i + 1 < row.dividers.size(); ++i)
     for (int rank = 0; rank < ranks.count; ++rank) {
@@ -324,18 +155,18 @@ void AddSlots(const Row& row, const Ranks& ranks, bool is_parallel, const SlotRo
 }
 
 /// Rows of one kind of slots; their lines are marked as used.
-std::vector<Row> FindRowsOf(const std::vector<PaintLine>& lines, const SlotMeasures& measures, bool is_parallel,
-                            const SlotRowOptions& options, std::vector<bool>& is_used) {
+std::vector<SlotRow> FindRowsOf(const std::vector<PaintLine>& lines, const SlotMeasures& measures, bool is_parallel,
+                                const SlotRowOptions& options, std::vector<bool>& is_used) {
   std::vector<std::size_t> seeds;
   const double min_seed = 0.5 * measures.min_length, max_seed = (is_parallel ? 1.1 : 2.2) * measures.max_length;
   for (std::size_t i = 0; i < lines.size(); ++i)
     if (!lines[i].is_one_sided && lines[i].Length() >= min_seed && lines[i].Length() <= max_seed) seeds.push_back(i);
   std::stable_sort(seeds.begin(), seeds.end(),
                    [&](std::size_t a, std::size_t b) { return lines[a].Length() > lines[b].Length(); });
-  std::vector<Row> rows;
+  std::vector<SlotRow> rows;
   for (const std::size_t seed : seeds) {
     if (is_used[seed]) continue;
-    std::optional<Row> row = GrowRow(lines, seed, measures, options, is_used);
+    std::optional<SlotRow> row = GrowRow(lines, seed, measures, options, is_used);
     if (!row || (is_parallel && row->dividers.size() < 3)) continue;
     if (!FindRanks(*row, measures, is_parallel, measures.usual_length)) continue;
     for (const std::size_t line : row->members) is_used[line] = true;
@@ -345,9 +176,9 @@ std::vector<Row> FindRowsOf(const std::vector<PaintLine>& lines, const SlotMeasu
 }
 
 /// The median of the lengths of slots in rows whose ends are seen on both sides.
-double FindUsualLength(const std::vector<Row>& rows, const SlotMeasures& measures, bool is_parallel) {
+double FindUsualLength(const std::vector<SlotRow>& rows, const SlotMeasures& measures, bool is_parallel) {
   std::vector<double> lengths;
-  for (const Row& row : rows)
+  for (const SlotRow& row : rows)
     if (const std::optional<Ranks> ranks = FindRanks(row, measures, is_parallel, measures.usual_length))
       if (ranks->is_lower_known && ranks->is_upper_known)
         lengths.push_back(LengthBetween(ranks->lower, ranks->upper, row.pitch) / ranks->count);
@@ -359,9 +190,9 @@ double FindUsualLength(const std::vector<Row>& rows, const SlotMeasures& measure
 
 void FindSlotsOf(const std::vector<PaintLine>& lines, const SlotMeasures& measures, bool is_parallel,
                  const SlotRowOptions& options, std::vector<bool>& is_used, std::vector<PlanarSlot>& slots) {
-  const std::vector<Row> rows = FindRowsOf(lines, measures, is_parallel, options, is_used);
+  const std::vector<SlotRow> rows = FindRowsOf(lines, measures, is_parallel, options, is_used);
   const double usual_length = FindUsualLength(rows, measures, is_parallel);
-  for (const Row& row : rows)
+  for (const SlotRow& row : rows)
     if (const std::optional<Ranks> ranks = FindRanks(row, measures, is_parallel, usual_length))
       AddSlots(row, *ranks, is_parallel, options, slots);
 }
