@@ -20,8 +20,9 @@ import zlib
 PARKADE = sys.argv.pop(1)
 
 
-def run(*arguments):
-    return subprocess.run([PARKADE, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+def run(*arguments, **environment):
+    return subprocess.run([PARKADE, *map(str, arguments)], capture_output=True, text=True, timeout=120,
+                          env={**os.environ, **environment})
 
 
 def write_png(path, width, height):
@@ -117,6 +118,14 @@ def write_drive(folder, seconds=2.0, imu=True, images=True, calibrated=True):
     return folder
 
 
+def write_geoid(folder, undulation):
+    """A sea that lies equally high everywhere, in the format of GeographicLib's data files."""
+    folder.mkdir()
+    header = "P5\n# Offset -108\n# Scale 0.003\n# Origin 90N 0E\n12 7\n65535\n"
+    (folder / "egm96-5.pgm").write_bytes(header.encode() + struct.pack(">H", round((undulation + 108) / 0.003)) * 84)
+    return folder
+
+
 class CommandLine(unittest.TestCase):
     def setUp(self):
         self.folder_guard = tempfile.TemporaryDirectory()
@@ -203,6 +212,53 @@ class CommandLine(unittest.TestCase):
         report = json.loads((self.out / "report.json").read_text())
         self.assertTrue(report["warnings"], "a map without ground comes without a warning")
         self.assertEqual([name for name in os.listdir(self.out) if name.startswith(".")], [])
+
+    def test_a_map_is_pinned_to_earth_and_stays_so(self):
+        drive = write_drive(self.folder / "parked", seconds=4.0)
+        relative, pinned, later, unpinned = (self.folder / name for name in ("relative", "pinned", "later", "unpinned"))
+        self.assertEqual(run("map", drive, "--out", relative, "--quiet").returncode, 0)
+        self.assertIsNone(json.loads((relative / "report.json").read_text())["georeference"])
+
+        # 20 m along the site's y are 20 m to the east, by the radius of curvature at 48 degrees north.
+        radius = 6378137 / math.sqrt(1 - 0.00669437999014 * math.sin(math.radians(48)) ** 2) + 500
+        east = 11 + math.degrees(20 / (radius * math.cos(math.radians(48))))
+        pins = ["--pin", "-1.5,0,0=48,11,500", "--pin", f"-1.5,20,0=48,{east:.10f},500"]
+        geoids = write_geoid(self.folder / "geoids", undulation=46.5)
+        result = run("map", drive, "--from", relative, *pins, "--out", pinned, "--quiet",
+                     GEOGRAPHICLIB_GEOID_PATH=str(geoids))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        report = json.loads((pinned / "report.json").read_text())
+        self.assertAlmostEqual(report["datum"]["latitude_deg"], 48, places=9)
+        self.assertEqual(report["georeference"]["source"], "pins")
+        self.assertEqual(report["georeference"]["geoid"]["model"], "egm96-5")
+        self.assertAlmostEqual(report["georeference"]["geoid"]["undulation"], 46.5, delta=0.01)
+        self.assertAlmostEqual(report["georeference"]["yaw_sigma"], 0.2 / math.sqrt(200), places=6)
+        for value, expected in zip(report["pins"][1]["point"], (20, 0, 0)):
+            self.assertAlmostEqual(value, expected, delta=0.01)
+        kml = (pinned / "parked/trajectory.kml").read_text()
+        self.assertIn("above mean sea level (egm96-5)", kml)
+        height = float(kml.split("<coordinates>")[1].split()[0].split(",")[2])
+        z = float((pinned / "parked/trajectory.tum").read_text().splitlines()[1].split()[3])
+        self.assertAlmostEqual(height, 500 + z - 46.5, delta=0.02)
+        csv_file = self.folder / "covariance.csv"
+        self.assertEqual(run("export", pinned, "--format", "covariance", "--out", csv_file).returncode, 0)
+        self.assertEqual(len(csv_file.read_text().splitlines()[1].split(",")), 26)
+
+        self.assertEqual(run("map", drive, "--from", pinned, "--out", later, "--quiet").returncode, 0)
+        self.assertEqual(json.loads((later / "report.json").read_text())["datum"], report["datum"])
+        self.assertEqual(run("map", drive, "--from", pinned, "--no-pins", "--out", unpinned, "--quiet").returncode, 0)
+        self.assertIsNone(json.loads((unpinned / "report.json").read_text())["datum"])
+
+        def refuse(*bad, names, status=1):
+            self.refuse(drive, "--from", relative, *bad, status=status, names=names)
+
+        refuse(*pins[:2], names=["two points or more"])
+        refuse(*pins[:2], *pins[:2], names=["0.00 m of each other"])
+        refuse(*pins[:2], "--pin", "0,20,0=98,11", names=["latitude of pin 2"])
+        refuse(*pins[:2], "--pin", f"0,25,0=48,{east:.10f}", names=["do not fit each other"])
+        refuse(*pins[:2], "--pin", f"moved:-1.5,20,0=48,{east:.10f}", names=["no drive 'moved'"])
+        refuse(*pins[:2], "--pin", "here", names=["'here'"])
+        self.refuse(drive, *pins, status=2, names=["--from"])
 
     def test_a_full_disk_is_said_and_leaves_nothing(self):
         disk = self.folder / "disk"
