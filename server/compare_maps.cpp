@@ -98,6 +98,8 @@ SiteAlignment Align(const std::vector<SharedDrive>& shared, const FinishedMap& f
   if (!shared.empty()) return {AlignDrives(shared), "drives"};
   Require(from.datum() && to.datum(), ErrorCode::kInvalidInput,
           "the two maps share no drive and do not both lie on Earth: nothing says how they lie to each other");
+  Require(from.datum()->is_altitude_known && to.datum()->is_altitude_known, ErrorCode::kInvalidInput,
+          "the two maps share no drive, and nobody said how high one of them lies: pin it with heights");
   const Rigid3 to_from_from = EarthFromSite(*to.datum()).Inverse() * EarthFromSite(*from.datum());
   Require(to_from_from.translation.norm() < kDatumsApart, ErrorCode::kInvalidInput,
           "the two maps lie " + std::to_string(std::lround(to_from_from.translation.norm() / 1000)) + " km apart");

@@ -91,6 +91,9 @@ TEST_F(CompareMapsTest, AlignsThemOnEarthWhereTheyShareNoDrive) {
       MakeMap("c", {"friday"}, {}, {}, R"({"latitude_deg": 52, "longitude_deg": 11.5, "altitude": 0})");
   EXPECT_THROW(CompareMaps(from, far), Error);
   EXPECT_THROW(CompareMaps(from, MakeMap("d", {"sunday"}, {}, {})), Error) << "nothing says how they lie";
+  const std::string of_no_height =
+      R"({"latitude_deg": 48.1, "longitude_deg": 11.5, "altitude": 0, "is_altitude_known": false})";
+  EXPECT_THROW(CompareMaps(from, MakeMap("e", {"sunday"}, {}, {}, of_no_height)), Error) << "500 m would be wrong";
 }
 
 TEST_F(CompareMapsTest, LeavesItsFilesOrNothing) {
