@@ -10,4 +10,8 @@ namespace parkade {
 /// does not, or at so grazing an angle that it cannot be trusted.
 int MeetSurface(const HeightField& field, const Eigen::Vector3d& eye, Eigen::Vector3d& point);
 
+/// Whether ground that is well known stands in the way from `eye` to `point` [m], as the foot of a ramp does before the
+/// deck that is continued below it. Looks every 0.8 m.
+bool IsHidden(const HeightField& field, const Eigen::Vector3d& eye, const Eigen::Vector3d& point);
+
 }  // namespace parkade

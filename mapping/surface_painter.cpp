@@ -84,7 +84,7 @@ std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PosedGroundPatch
   for (const GroundSample& sample : patch.patch.samples) {
     Eigen::Vector3d point = patch.site_from_body * sample.point_in_body.cast<double>();
     const int found = has_eye ? MeetSurface(*field_, eye, point) : field_->FindPatch(point);
-    if (found == HeightField::kNone) continue;
+    if (found == HeightField::kNone || (has_eye && IsHidden(*field_, eye, point))) continue;
     const double distance = has_eye ? (point - eye).head<2>().norm() : 0;
     const double depth = has_eye ? std::max(eye.z() - point.z(), kMinEyeHeight) : 1;
     // An error of the height moves what is seen along the ray.
