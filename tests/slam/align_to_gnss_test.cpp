@@ -166,5 +166,21 @@ TEST(AlignToGnss, ARealReceiverPlacesARealDrive) {
   EXPECT_GT(alignment->extent, 100);
 }
 
+TEST(AlignToGnss, DrivesPlaceASiteTogetherMoreSurelyThanEach) {
+  GnssAlignment west, east;
+  west.centre_in_odom = {-50, 0, 0};
+  east.centre_in_odom = {50, 0, 0};
+  for (GnssAlignment* drive : {&west, &east}) drive->covariance.diagonal() << 1e-2, 1, 1, 4;
+
+  EXPECT_TRUE(PlacementBy({east}).covariance.isApprox(east.covariance, 1e-9));
+  EXPECT_TRUE(PlacementBy({east}).centre.isApprox(east.centre_in_odom, 1e-9));
+  const SitePlacement both = PlacementBy({west, east});
+  EXPECT_LT(both.centre.norm(), 1e-9);
+  EXPECT_NEAR(both.covariance(1, 1), 0.5, 1e-9);
+  EXPECT_NEAR(both.covariance(3, 3), 2, 1e-9);
+  // The line between them has a heading of its own: one metre each at 50 m of arm.
+  EXPECT_NEAR(1 / both.covariance(0, 0), 2 / 1e-2 + 2 * 50.0 * 50.0, 1e-6);
+}
+
 }  // namespace
 }  // namespace parkade
