@@ -4,6 +4,7 @@
 
 #include "core/options_json.h"
 #include "server/store/durable_file.h"
+#include "server/version.h"
 #include "slam/binary_archive.h"
 #include "slam/calibrated_log.h"
 #include "slam/stage_results.h"
@@ -44,28 +45,38 @@ DriveStages::DriveStages(const std::filesystem::path& from, std::filesystem::pat
 
 void DriveStages::Begin(const DriveLog& log, const std::filesystem::path& odometry_file) {
   const std::string odometry = odometry_file.empty() ? "" : Sha256OfFile(odometry_file);
-  keys_[log.name()] = KeyOf({std::to_string(kStageResultsVersion), odometry});
+  keys_[log.name()] = KeyOf({kVersion, std::to_string(kStageResultsVersion), odometry});
 }
 
 LoopClosure DriveStages::CloseLoops(const DriveLog& log, const OdometryResult& odometry, const LoopReview& review) {
   std::string& key = keys_.at(log.name());
   key = KeyOf({key, "loops", TextOf(options_.loops), TextOf(review)});
+  double seconds = 0;
   const std::string bytes = products_.Get(log.name() + "/loops.bin", key, [&] {
     // Cameras are where and when odometry found them to be.
-    return EncodeLoops(
-        parkade::CloseLoops(CalibratedLog(log, odometry.rig), odometry.odom_from_body, options_.loops, review));
+    const LoopClosure loops =
+        parkade::CloseLoops(CalibratedLog(log, odometry.rig), odometry.odom_from_body, options_.loops, review);
+    seconds = loops.seconds;
+    return EncodeLoops(loops);
   });
-  return DecodeLoops(bytes);
+  LoopClosure loops = DecodeLoops(bytes);
+  loops.seconds = seconds;
+  return loops;
 }
 
 DriveRefinement DriveStages::Refine(const DriveLog& log, const OdometryResult& odometry, const LoopClosure& loops) {
   const GnssPositions gnss = ReadGnss(log, options_.gnss);
   std::string& key = keys_.at(log.name());
   key = KeyOf({key, "refinement", TextOf(options_.refinement), TextOf(options_.gnss), BytesOf(gnss)});
+  double seconds = 0;
   const std::string bytes = products_.Get(log.name() + "/refinement.bin", key, [&] {
-    return EncodeRefinement(RefineDrive(odometry, log.rig(), loops, options_.refinement, gnss));
+    const DriveRefinement refinement = RefineDrive(odometry, log.rig(), loops, options_.refinement, gnss);
+    seconds = refinement.seconds;
+    return EncodeRefinement(refinement);
   });
-  return DecodeRefinement(bytes, odometry.rig);
+  DriveRefinement refinement = DecodeRefinement(bytes, odometry.rig);
+  refinement.seconds = seconds;
+  return refinement;
 }
 
 std::vector<Place> DriveStages::FindPlaces(const DriveLog& log, const OdometryResult& odometry,

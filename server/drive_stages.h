@@ -15,7 +15,8 @@
 namespace parkade {
 
 /// The stages that look at one drive, or at two, each done once for the same inputs: results are taken from the map
-/// that the build starts from, so that a drive that joins a site of many costs its own work.
+/// that the build starts from, so that a drive that joins a site of many costs its own work. A result that was taken
+/// says that it took no seconds.
 class DriveStages {
  public:
   /// \param from, to  as of StageProducts
