@@ -8,7 +8,7 @@ struct RefinementOptions {
   int sightings_per_track = 10;      ///< at most, spread over its images: errors of neighbours are alike
   int min_sightings = 4;             ///< of a track that becomes a landmark
   double min_distance = 0.3;         ///< [m] landmarks nearer are the car itself or nonsense
-  double bearing_inflation = 1;      ///< of the sigma that odometry found, beside IMU, wheels and loops
+  double bearing_inflation = 2.45;   ///< of the sigma that odometry found, whose estimator weighs bearings alike
   double robust_width = 2;           ///< [sigma] Cauchy loss of bearings, wheels and loops
   double max_bearing_error = 5;      ///< [sigma] a bearing further off is left out
   int max_iterations = 10;           ///< of each of the two or three solves
