@@ -95,7 +95,7 @@ std::string ToMarkdown(const std::vector<LoopRun>& runs) {
   int num_drives = 0;
   std::map<std::string, int> best, worse;
   for (const auto& [drive, of_drive] : ates) {
-    if (!has_loops[drive]) continue;
+    if (!has_loops[drive] || !of_drive.contains("none")) continue;
     ++num_drives;
     std::string winner = "none";
     for (const auto& [method, ate] : of_drive) {
