@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "slam/align_points.h"
 #include "slam/link_all_drives.h"
+#include "slam/place_by_gnss.h"
 #include "slam/place_graph.h"
 #include "slam/robust_pose_graph.h"
 
@@ -40,30 +40,17 @@ std::vector<std::optional<Rigid3>> StartFrames(const std::vector<DriveToJoin>& d
   return group_from_odom;
 }
 
-/// Where a group lies by the GNSS of its drives, each as sure as its alignment; nothing without any.
-///
 /// \param poses  of all drives' places, in their group
-std::optional<Rigid3> PlaceByGnss(const std::vector<DriveToJoin>& drives, const std::vector<size_t>& groups,
-                                  size_t group, const std::vector<std::vector<Rigid3>>& poses) {
-  std::vector<Eigen::Vector3d> in_group, in_site;
-  std::vector<double> horizontal, vertical;
+std::vector<GnssDrive> GnssOfGroup(const std::vector<DriveToJoin>& drives, const std::vector<size_t>& groups,
+                                   size_t group, const std::vector<std::vector<Rigid3>>& poses) {
+  std::vector<GnssDrive> placed;
   for (size_t i = 0; i < drives.size(); ++i) {
-    if (groups[i] != group || !drives[i].gnss) continue;
-    const GnssAlignment& gnss = *drives[i].gnss;
-    const double share = 1 / static_cast<double>(poses[i].size());
-    for (size_t k = 0; k < poses[i].size(); ++k) {
-      in_group.push_back(poses[i][k].translation);
-      in_site.push_back(gnss.site_from_odom * drives[i].places[k].odom_from_place.translation);
-      horizontal.push_back(share / (gnss.covariance(1, 1) + gnss.covariance(2, 2)));
-      vertical.push_back(share / gnss.covariance(3, 3));
-    }
+    if (groups[i] != group || !drives[i].gnss || poses[i].empty()) continue;
+    GnssDrive& drive = placed.emplace_back(GnssDrive{*drives[i].gnss, {}, {}});
+    for (const Place& place : drives[i].places) drive.in_odom.push_back(place.odom_from_place.translation);
+    for (const Rigid3& pose : poses[i]) drive.in_group.push_back(pose.translation);
   }
-  if (in_group.empty()) return std::nullopt;
-  const auto count = static_cast<Eigen::Index>(in_group.size());
-  return AlignYawAndTranslation(Eigen::Map<const Eigen::Matrix3Xd>(in_group.front().data(), 3, count),
-                                Eigen::Map<const Eigen::Matrix3Xd>(in_site.front().data(), 3, count),
-                                Eigen::Map<const Eigen::VectorXd>(horizontal.data(), count),
-                                Eigen::Map<const Eigen::VectorXd>(vertical.data(), count));
+  return placed;
 }
 
 /// The group with the most drives, then with the longest way.
@@ -161,7 +148,7 @@ size_t PlaceGroups(const std::vector<DriveToJoin>& drives, std::vector<size_t>& 
   std::vector<size_t> placed = groups;
   std::optional<size_t> on_earth;
   for (size_t group = 0; group < drives.size(); ++group) {
-    const std::optional<Rigid3> site_from_group = PlaceByGnss(drives, groups, group, poses);
+    const std::optional<Rigid3> site_from_group = PlaceByGnss(GnssOfGroup(drives, groups, group, poses));
     if (!site_from_group) continue;
     if (!on_earth) on_earth = group;
     for (size_t i = 0; i < drives.size(); ++i) {

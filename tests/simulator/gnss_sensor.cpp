@@ -10,7 +10,6 @@ namespace parkade::simulator {
 namespace {
 
 constexpr double kRate = 5;                    // [Hz]
-constexpr double kCorrelationTime = 60;        // [s]
 constexpr double kUsualSigma[] = {1.5, 0.02};  // [m] standard, RTK
 constexpr double kAcquisition = 3;             // [s] of open sky before the first fix
 constexpr double kSettling = 8;                // [s] until sigma is as usual
@@ -65,7 +64,7 @@ std::vector<GnssFix> SimulateGnss(const Motion& motion, const Rig& rig, const Si
   const double sigma = options.gnss_sigma > 0 ? options.gnss_sigma : kUsualSigma[is_rtk];
   const std::vector<MultipathJump> jumps = PlanMultipath(motion.Duration(), options, seed);
   const double slow_share = is_rtk ? 0.6 : 0.98, white_share = std::sqrt(1 - slow_share * slow_share);
-  const double keep = std::exp(-1 / (kCorrelationTime * kRate));
+  const double keep = std::exp(-1 / (options.gnss_memory * kRate));
   Eigen::Vector3d slow = NormalVector(random);
   double open_since = -kAcquisition;  // a receiver that was on before the drive
   bool has_been_covered = false;

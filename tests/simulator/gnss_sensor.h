@@ -25,7 +25,7 @@ struct MultipathJump {
 };
 std::vector<MultipathJump> PlanMultipath(double duration, const SensorOptions& options, std::uint64_t seed);
 
-/// Fixes at 5 Hz in order of time. Standard GNSS errs slowly (Gauss-Markov of a minute) and jumps at times, RTK is
+/// Fixes at 5 Hz in order of time. Standard GNSS errs slowly (Gauss-Markov) and jumps at times, RTK is
 /// exact to centimetres. Errors and the sigma that is told grow towards a roof; below it there are no fixes, and
 /// for some seconds after it neither.
 std::vector<GnssFix> SimulateGnss(const Motion& motion, const Rig& rig, const SiteDatum& datum,

@@ -44,7 +44,7 @@ Examples: parkade-simulate lot --seed 1 --duration 40 --rate 10 --out demo-data/
 The driver, by --set drive.NAME=VALUE: length [m], max_speed [m/s], stops=[5,60] [s each], initial_stand, final_stand
 [s], rolling_start [m/s], is_opposite, drives_last_part, turns_around, parks (backs into a slot at the end), parked_stand [s],
 leaves_slot, suspension. Sensors, by --set sensors.NAME=VALUE: imu=mems|rt3000, imu_rate [Hz], imu_noise,
-wheel_scale_error, wheel_noise, wheel_slips, gnss_multipath [per minute].
+wheel_scale_error, wheel_noise, wheel_slips, gnss_multipath [per minute], gnss_memory [s].
 
 )";
 

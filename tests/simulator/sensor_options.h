@@ -14,6 +14,7 @@ struct SensorOptions {
   double wheel_slips = 2;            ///< short slips per minute of hard acceleration and braking
   std::string gnss = "standard";     ///< standard, rtk, none
   double gnss_sigma = 0;             ///< [m] horizontal; 0 = as usual for the kind (1.5 or 0.02)
+  double gnss_memory = 60;           ///< [s] of its slow errors (Gauss-Markov)
   double gnss_multipath = 1;         ///< jumps per minute; standard GNSS only
   bool has_wheels = true;
 
@@ -27,6 +28,7 @@ struct SensorOptions {
     visit("wheel_slips", wheel_slips);
     visit("gnss", gnss);
     visit("gnss_sigma", gnss_sigma);
+    visit("gnss_memory", gnss_memory);
     visit("gnss_multipath", gnss_multipath);
     visit("has_wheels", has_wheels);
   }
