@@ -14,7 +14,9 @@ struct CameraPair {
   size_t from = 0, to = 0;
 };
 
-inline constexpr double kMaxPairTime = 0.015;  ///< [s] between two pictures that are matched, as slam's front end does
+// As slam's front end matches across cameras:
+inline constexpr double kMaxPairTime = 0.06;    ///< [s] between two pictures that are matched
+inline constexpr double kMatchInterval = 0.07;  ///< [s] between two pictures of a camera that are
 
 /// The pairs, each once, that slam's front end would match across.
 std::vector<CameraPair> OverlappingPairs(const Rig& rig);

@@ -55,7 +55,7 @@ class PictureTaker {
                                options.model, seed_, odometry.tracker);
     }
     if (odometry.match_across_cameras)
-      for (const CameraPair& pair : OverlappingPairs(drive_.rig)) pairs_.push_back({pair, {}});
+      for (const CameraPair& pair : OverlappingPairs(drive_.rig)) pairs_.push_back({pair, {}, {}});
     before_.resize(knocked_.size());
   }
 
@@ -108,6 +108,7 @@ class PictureTaker {
   struct OpenPair {
     CameraPair cameras;
     std::vector<Waiting> waiting;
+    std::optional<Timestamp> last_match;  ///< of the second
   };
 
   /// Each picture of the second camera is matched with that of the first which is nearest in time, before or after.
@@ -118,17 +119,18 @@ class PictureTaker {
       if (pair.cameras.to == frame.camera) pair.waiting.push_back({frame.time, drive_.pictures.size() - 1});
       if (pair.cameras.from != frame.camera) continue;
       for (const Waiting& other : pair.waiting)
-        MatchPictures(pair.cameras, other.time - last.time < frame.time - other.time ? last : now, other);
+        MatchPictures(pair, other.time - last.time < frame.time - other.time ? last : now, other);
       pair.waiting.clear();
     }
     last = now;
   }
 
-  void MatchPictures(const CameraPair& pair, const TrackedPicture& from, const Waiting& to) {
+  void MatchPictures(OpenPair& pair, const TrackedPicture& from, const Waiting& to) {
     const double apart = std::abs(from.time - to.time);
-    if (apart >= kMaxPairTime) return;
+    if (apart >= kMaxPairTime || (pair.last_match && to.time - *pair.last_match < kMatchInterval)) return;
+    pair.last_match = to.time;
     SeenPicture& picture = drive_.pictures[to.picture];
-    const auto matches = crossing_.Match(simulators_[pair.from], from, simulators_[pair.to], to.time);
+    const auto matches = crossing_.Match(simulators_[pair.cameras.from], from, simulators_[pair.cameras.to], to.time);
     picture.crossed.insert(picture.crossed.end(), matches.begin(), matches.end());
     picture.pair_seconds = std::max(picture.pair_seconds, apart);
   }
@@ -182,18 +184,20 @@ void TrackDriveOptions::Validate() const {
 
 TrackDrive MakeTrackDrive(const TrackDriveOptions& options, const OdometryOptions& odometry) {
   options.Validate();
-  const SimulateOptions& simulated = options.drive;
+  const SimulateOptions& planned = options.drive;
   const std::uint64_t seed = SeedOf(options);
-  Scene scene = BuildScene(simulated.scene, SceneOf(simulated));
-  const DrivePlan plan = PlanDrive(scene.place, simulated.drive, simulated.duration, seed);
-  AddTraffic(scene, plan.motion, simulated.traffic, seed);
+  TrackDriveOptions recorded = options;
+  if (options.noise_seed >= 0) recorded.drive.seed = options.noise_seed;
+  Scene scene = BuildScene(planned.scene, SceneOf(planned));
+  const DrivePlan plan = PlanDrive(scene.place, planned.drive, planned.duration, seed);
+  AddTraffic(scene, plan.motion, planned.traffic, seed);
   TrackDrive drive;
-  drive.true_rig = TrueRig(MakeSimulatedRig(simulated.rig, seed), simulated.faults);
+  drive.true_rig = TrueRig(MakeSimulatedRig(planned.rig, seed), planned.faults);
   drive.true_rig.imu =
-      CalibrationOf(ImuGradeNamed(simulated.sensors.imu), simulated.sensors.imu_rate, drive.true_rig.imu.topic);
-  drive.rig = NominalRig(drive.true_rig, simulated.faults, seed);
-  RecordSamples(options, plan.motion, scene.place.is_covered, drive);
-  PictureTaker(options, odometry, scene, plan.motion, drive).TakeAll();
+      CalibrationOf(ImuGradeNamed(planned.sensors.imu), planned.sensors.imu_rate, drive.true_rig.imu.topic);
+  drive.rig = NominalRig(drive.true_rig, planned.faults, SeedOf(recorded));
+  RecordSamples(recorded, plan.motion, scene.place.is_covered, drive);
+  PictureTaker(recorded, odometry, scene, plan.motion, drive).TakeAll();
   if (drive.wheels.empty()) drive.rig.vehicle->wheel_topic.clear();
   return drive;
 }

@@ -17,12 +17,15 @@ namespace parkade::simulator {
 struct TrackDriveOptions {
   SimulateOptions drive;  ///< what concerns pictures alone is not looked at
   double begin = 0;       ///< [s] the record begins here: > 0 rolling, or in mid-turn
+  int noise_seed = -1;  ///< of sensors, clocks, tracks and the rig's errors; -1: the drive's. Place, path, traffic and
+                        ///< true rig stay
   TrackModel model;
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
     visit("drive", drive);
     visit("begin", begin);
+    visit("noise_seed", noise_seed);
     visit("model", model);
   }
   void Validate() const;  ///< throws Error{kUsage}
