@@ -213,7 +213,8 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
 }
 
 GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from_body, std::span<const Submap> submaps,
-                                int drive, const GroundOptions& options) {
+                                int drive, const GroundOptions& options,
+                                const std::function<void(GroundPatch&&)>& keep) {
   options.Validate();
   const Rig& rig = log.rig();
   GroundObservation result;
@@ -240,6 +241,7 @@ GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from
                    }};
   const ImageLabeller labeller(odom_from_body, *body_from_ground, ContactArea::Of(rig), options);
   MaskedImageStream stream(log.Read(read));
+  int num_patches = 0;
   while (true) {
     const std::vector<ImageWithMask> batch = stream.NextBatch(kImagesPerBatch);
     if (batch.empty()) break;
@@ -253,13 +255,17 @@ GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from
       ++result.num_images;
       if (!batch[i].mask.empty()) ++result.num_masks;
       patches[i].drive = drive;
-      if (!patches[i].samples.empty()) result.patches.push_back(std::move(patches[i]));
+      if (patches[i].samples.empty()) continue;
+      ++num_patches;
+      if (keep)
+        keep(std::move(patches[i]));
+      else
+        result.patches.push_back(std::move(patches[i]));
     }
   }
-  if (result.patches.empty())
-    result.warnings.push_back("drive '" + log.name() + "' shows no ground that could be mapped");
+  if (num_patches == 0) result.warnings.push_back("drive '" + log.name() + "' shows no ground that could be mapped");
   LogInfo("stage=observe_ground drive=" + log.name() + " images=" + std::to_string(result.num_images) +
-          " masks=" + std::to_string(result.num_masks) + " patches=" + std::to_string(result.patches.size()));
+          " masks=" + std::to_string(result.num_masks) + " patches=" + std::to_string(num_patches));
   return result;
 }
 

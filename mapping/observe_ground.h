@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -49,9 +50,11 @@ struct GroundObservation {
 
 /// The second pass over a drive: of each camera one image per stretch of travel, its pixels of the ground, in
 /// body. `drive` is stored in the patches. No patches and a warning where the ground plane is not known.
+/// \param keep  gets the patches, in their order, one at a time; else they are in the result.
 /// Bounded memory but for the result: 16 bytes per sample, 5 000 to 20 000 samples per image.
 GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from_body, std::span<const Submap> submaps,
-                                int drive, const GroundOptions& options = {});
+                                int drive, const GroundOptions& options = {},
+                                const std::function<void(GroundPatch&&)>& keep = {});
 
 /// The samples of one image.
 /// \param colors            of SampleColors

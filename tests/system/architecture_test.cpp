@@ -53,7 +53,7 @@ const std::vector<WallRule> kWallRules = {
     {"httplib.h", {"server/http/"}},
     {"sqlite3.h", {"server/ingest/", "server/store/"}},
     {"archive", {"server/ingest/", "server/store/"}},
-    {"zstd.h", {"server/ingest/", "server/surface_file"}},
+    {"zstd.h", {"server/ingest/", "server/surface_file", "server/ground_codec"}},
     {"lz4", {"server/ingest/"}},
     {"bzlib.h", {"server/ingest/"}},
     {"fastcdr/", {"server/ingest/"}},
