@@ -203,29 +203,45 @@ async function checkTiles(path, ground, isGeoreferenced) {
     assert.ok((up[0] * x + up[1] * y + up[2] * z) / radius > 0.999);
   }
   let triangles = 0;
+  let numFinest = 0;
   const seams = new Map();
-  for (const tile of [root, ...root.children]) {
+  const isWithin = (inner, outer) =>
+    [0, 1, 2].every((k) => Math.abs(inner[k] - outer[k]) + inner[3 + 4 * k] < outer[3 + 4 * k] + 1e-6);
+  /** Reads a tile and all that replaces it; -> triangles of this tile. */
+  const visit = async (tile) => {
     const bytes = readFileSync(join(path, tile.content.uri));
     const document = await decode(bytes, tile.content.uri);
     const [cx, cy, cz, hx, , , , hy, , , , hz] = tile.boundingVolume.box;
+    const isFinest = tile.children === undefined;
     for (const [x, y, z] of tilePoints(document)) {
       const isInside = Math.abs(x - cx) < hx + 0.003 && Math.abs(y - cy) < hy + 0.003 && Math.abs(z - cz) < hz + 0.003;
       assert.ok(isInside, `${tile.content.uri}: a vertex outside of its box`);
-      if (tile !== root) {
+      if (isFinest) {
         const near = `${x.toFixed(2)} ${y.toFixed(2)} ${z.toFixed(2)}`;
         seams.set(near, [...(seams.get(near) ?? []), [x, y, z]]);
       }
     }
-    const count = groundOf(document).getIndices().getCount() / 3;
-    if (tile === root) {
-      assert.ok(count > 0 && count < ground / 4, 'the overview is not smaller');
-    } else {
+    const primitives = nodeOf(document, 'ground').getMesh().listPrimitives();
+    const count = primitives.reduce((sum, primitive) => sum + primitive.getIndices().getCount() / 3, 0);
+    if (isFinest) {
       triangles += count;
+      numFinest += 1;
       assert.equal(tile.geometricError, 0);
+      return count;
     }
-  }
+    let finer = 0;
+    for (const child of tile.children) {
+      assert.ok(child.geometricError < tile.geometricError, 'a finer tile errs more');
+      assert.ok(isWithin(child.boundingVolume.box, tile.boundingVolume.box), 'a finer tile leaves its box');
+      finer += await visit(child);
+    }
+    assert.ok(count > 0 && count < finer, `${tile.content.uri} is not smaller than what replaces it`);
+    return count;
+  };
+  assert.equal(root.content.uri, 'tiles/overview.glb');
+  assert.ok((await visit(root)) < ground / 4, 'the overview is not smaller');
   assert.equal(triangles, ground, 'the tiles together are not the mesh');
-  assert.ok(root.children.length >= 4);
+  assert.ok(numFinest >= 4);
   // Draco's encoder keeps six decimals of the lattice, hence the micrometre.
   for (const [first, ...others] of seams.values())
     for (const other of others) assert.ok(distance(first, other) < 2e-6, `a crack between ${first} and ${other}`);
