@@ -14,7 +14,7 @@
 namespace parkade {
 namespace {
 
-constexpr double kSureSigmas = 3;          // of a change of height
+constexpr double kSureSigmas = 3;          // of a change
 constexpr double kMinObstacleShare = 0.1;  // of the cells of a region that was or is blocked
 constexpr double kMaxCellStep = 0.3;       // [m] of height between neighbouring cells of one region
 
@@ -49,13 +49,13 @@ struct Classified {
 
 class SurfaceComparison {
  public:
-  SurfaceComparison(const SurfaceMap& from, const SurfaceMap& to, const Rigid3& to_from_from,
+  SurfaceComparison(const SurfaceMap& from, const SurfaceMap& to, const SiteMotion& motion,
                     const CompareOptions& options)
-      : from_(from), to_(to), to_from_from_(to_from_from), from_cells_(from), to_cells_(to), options_(options) {}
+      : from_(from), to_(to), motion_(motion), from_cells_(from), to_cells_(to), options_(options) {}
 
   Classified Classify() const {
     Classified classified;
-    const Rigid3 from_from_to = to_from_from_.Inverse();
+    const Rigid3 from_from_to = motion_.to_from_from.Inverse();
     for (const SurfaceCell& cell : to_.cells) {
       const Eigen::Vector3d point = from_from_to * CenterOf(cell, to_.cell_size);
       ClassifyCell(cell, FindOnDeck(from_cells_, point), point.z(), classified);
@@ -93,7 +93,8 @@ class SurfaceComparison {
     if (was == Drivability::kYes && is_against(is)) return add(GroundChange::kBlocked, 0, is == Drivability::kNo);
     if (was != Drivability::kYes || is != Drivability::kYes) return;
     const double change = height_in_from - static_cast<double>(earlier->height);
-    const double sigma = std::hypot(static_cast<double>(cell.height_sigma), static_cast<double>(earlier->height_sigma));
+    const double sigma = std::hypot(static_cast<double>(cell.height_sigma), static_cast<double>(earlier->height_sigma),
+                                    motion_.height_sigma);
     classified.height_changes.push_back(change);
     if (std::abs(change) >= std::max(options_.min_height_change, kSureSigmas * sigma))
       return add(change > 0 ? GroundChange::kRaised : GroundChange::kLowered, change, false);
@@ -102,7 +103,7 @@ class SurfaceComparison {
 
   void AddUnmapped(const SurfaceCell& cell, Classified& classified) const {
     if (DrivabilityOf(&cell, options_.sure_belief) != Drivability::kYes) return;
-    const Eigen::Vector3d point = to_from_from_ * CenterOf(cell, from_.cell_size);
+    const Eigen::Vector3d point = motion_.to_from_from * CenterOf(cell, from_.cell_size);
     if (FindOnDeck(to_cells_, point) != nullptr) return;
     SurfaceCell moved = cell;
     moved.x = static_cast<int>(std::floor(point.x() / to_.cell_size));
@@ -124,7 +125,7 @@ class SurfaceComparison {
 
   const SurfaceMap& from_;
   const SurfaceMap& to_;
-  Rigid3 to_from_from_;
+  SiteMotion motion_;
   CellFinder from_cells_, to_cells_;
   CompareOptions options_;
 };
@@ -235,12 +236,13 @@ void CompareOptions::Validate() const {
   Require(level_separation > 0, ErrorCode::kUsage, "level_separation must be > 0 m");
 }
 
-SurfaceChanges CompareSurfaces(const SurfaceMap& from, const SurfaceMap& to, const Rigid3& to_from_from,
+SurfaceChanges CompareSurfaces(const SurfaceMap& from, const SurfaceMap& to, const SiteMotion& motion,
                                const CompareOptions& options) {
   options.Validate();
-  const Classified classified = SurfaceComparison(from, to, to_from_from, options).Classify();
+  const Classified classified = SurfaceComparison(from, to, motion, options).Classify();
   SurfaceChanges changes{.cell_size = to.cell_size, .unchanged = classified.unchanged};
-  const int rounds = static_cast<int>(std::lround(0.5 * options.min_width / to.cell_size));
+  const double min_width = std::max(options.min_width, kSureSigmas * motion.horizontal_sigma);
+  const int rounds = static_cast<int>(std::lround(0.5 * min_width / to.cell_size));
   for (const auto& [change, cells] : classified.changed) {
     CellPatches patches(cells, to.cell_size);
     patches.Open(rounds);

@@ -16,8 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kPosesApart = 0.2;     // [s] of those that are compared
-constexpr double kDatumsApart = 20000;  // [m] beyond which two tangent planes are two places
+constexpr double kMaxSlotSigma = 0.3;  // [m] of the alignment, beyond which a slot may be taken for its neighbour
 
 /// The value that a share of all lie below; `values` is not empty.
 double Percentile(std::vector<double> values, double share) {
@@ -26,84 +25,9 @@ double Percentile(std::vector<double> values, double share) {
   return *nth;
 }
 
-Trajectory ReadDrive(const FinishedMap& map, const std::string& drive) {
-  std::vector<TrajectoryState> states;
-  for (const TimedPose& pose : ReadTum(map.FileOfDrive(drive, "trajectory.tum")))
-    states.push_back({.time = pose.time, .odom_from_body = pose.world_from_frame});
-  return Trajectory(std::move(states));
-}
-
-/// One instant of a drive in both maps.
-struct PosePair {
-  Rigid3 in_from, in_to;
-};
-
-struct SharedDrive {
-  std::string name;
-  std::vector<PosePair> poses;
-};
-
-SharedDrive PairPoses(const std::string& drive, const FinishedMap& from, const FinishedMap& to) {
-  const Trajectory in_from = ReadDrive(from, drive), in_to = ReadDrive(to, drive);
-  SharedDrive shared{drive, {}};
-  std::optional<Timestamp> last;
-  for (const TrajectoryState& state : in_to.states()) {
-    if (last && state.time - *last < kPosesApart) continue;
-    last = state.time;
-    if (const std::optional<Rigid3> pose = in_from.At(state.time))
-      shared.poses.push_back({*pose, state.odom_from_body});
-  }
-  return shared;
-}
-
 double YawOf(const Eigen::Quaterniond& rotation) {
   const Eigen::Vector3d x = rotation * Eigen::Vector3d::UnitX();
   return std::atan2(x.y(), x.x());
-}
-
-/// Medians over all poses: a stretch that moved does not move the rest.
-Rigid3 AlignDrives(const std::vector<SharedDrive>& drives) {
-  std::vector<PosePair> pairs;
-  for (const SharedDrive& drive : drives) pairs.insert(pairs.end(), drive.poses.begin(), drive.poses.end());
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  std::vector<double> turns;
-  for (const PosePair& pair : pairs) {
-    turns.push_back(YawOf(pair.in_to.rotation * pair.in_from.rotation.conjugate()));
-    mean += Eigen::Vector2d(std::cos(turns.back()), std::sin(turns.back()));
-  }
-  const double center = std::atan2(mean.y(), mean.x());
-  for (double& turn : turns) turn = std::remainder(turn - center, 2 * M_PI);
-  Rigid3 to_from_from;
-  to_from_from.rotation = Eigen::AngleAxisd(center + Percentile(turns, 0.5), Eigen::Vector3d::UnitZ());
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> shifts;
-    for (const PosePair& pair : pairs)
-      shifts.push_back((pair.in_to.translation - to_from_from.rotation * pair.in_from.translation)[axis]);
-    to_from_from.translation[axis] = Percentile(std::move(shifts), 0.5);
-  }
-  return to_from_from;
-}
-
-std::vector<SharedDrive> FindSharedDrives(const FinishedMap& from, const FinishedMap& to) {
-  std::vector<SharedDrive> shared;
-  for (const std::string& drive : to.drives()) {
-    if (std::find(from.drives().begin(), from.drives().end(), drive) == from.drives().end()) continue;
-    SharedDrive pair = PairPoses(drive, from, to);
-    if (!pair.poses.empty()) shared.push_back(std::move(pair));
-  }
-  return shared;
-}
-
-SiteAlignment Align(const std::vector<SharedDrive>& shared, const FinishedMap& from, const FinishedMap& to) {
-  if (!shared.empty()) return {AlignDrives(shared), "drives"};
-  Require(from.datum() && to.datum(), ErrorCode::kInvalidInput,
-          "the two maps share no drive and do not both lie on Earth: nothing says how they lie to each other");
-  Require(from.datum()->is_altitude_known && to.datum()->is_altitude_known, ErrorCode::kInvalidInput,
-          "the two maps share no drive, and nobody said how high one of them lies: pin it with heights");
-  const Rigid3 to_from_from = EarthFromSite(*to.datum()).Inverse() * EarthFromSite(*from.datum());
-  Require(to_from_from.translation.norm() < kDatumsApart, ErrorCode::kInvalidInput,
-          "the two maps lie " + std::to_string(std::lround(to_from_from.translation.norm() / 1000)) + " km apart");
-  return {to_from_from, "datum"};
 }
 
 TrajectoryOffset OffsetOf(const SharedDrive& drive, const Rigid3& to_from_from) {
@@ -158,11 +82,13 @@ Json SlotsToJson(const SlotChanges& slots) {
 MapComparison CompareMaps(const FinishedMap& from, const FinishedMap& to, const CompareOptions& options) {
   MapComparison comparison;
   const std::vector<SharedDrive> shared = FindSharedDrives(from, to);
-  comparison.alignment = Align(shared, from, to);
+  comparison.alignment = AlignMaps(shared, from, to);
+  const SiteAlignment& alignment = comparison.alignment;
   comparison.ground =
-      CompareSurfaces(from.ReadSurfaceMap(), to.ReadSurfaceMap(), comparison.alignment.to_from_from, options);
-  if (from.Has("slots.geojson") && to.Has("slots.geojson"))
-    comparison.slots = CompareSlots(SlotsOf(from), SlotsOf(to), comparison.alignment.to_from_from);
+      CompareSurfaces(from.ReadSurfaceMap(), to.ReadSurfaceMap(),
+                      {alignment.to_from_from, alignment.horizontal_sigma, alignment.height_sigma}, options);
+  if (from.Has("slots.geojson") && to.Has("slots.geojson") && alignment.horizontal_sigma < kMaxSlotSigma)
+    comparison.slots = CompareSlots(SlotsOf(from), SlotsOf(to), alignment.to_from_from);
   for (const SharedDrive& drive : shared)
     comparison.trajectories.push_back(OffsetOf(drive, comparison.alignment.to_from_from));
   comparison.added = Without(to.drives(), from.drives());
@@ -178,7 +104,11 @@ std::string EncodeComparison(const MapComparison& comparison) {
   Json json;
   json["alignment"] = {{"aligned_by", comparison.alignment.aligned_by},
                        {"translation", NumbersOf(motion.translation)},
-                       {"yaw_deg", YawOf(motion.rotation) * 180 / M_PI}};
+                       {"yaw_deg", YawOf(motion.rotation) * 180 / M_PI},
+                       {"horizontal_sigma", ToMillimetres(comparison.alignment.horizontal_sigma)},
+                       {"height_sigma", ToMillimetres(comparison.alignment.height_sigma)},
+                       {"num_links", comparison.alignment.num_links},
+                       {"note", comparison.alignment.note}};
   json["free_space"] = {{"unchanged", ToMillimetres(ground.UnchangedArea())},
                         {"gained", area(GroundChange::kFreed) + area(GroundChange::kMapped)},
                         {"lost", area(GroundChange::kBlocked) + area(GroundChange::kUnmapped)},

@@ -9,6 +9,7 @@
 #include "core/rigid3.h"
 #include "core/surface_changes.h"
 #include "mapping/compare_surfaces.h"
+#include "server/align_maps.h"
 #include "server/compare_slots.h"
 #include "server/finished_map.h"
 
@@ -20,24 +21,18 @@ struct TrajectoryOffset {
   double median = 0, percentile_95 = 0, largest = 0;
 };
 
-/// Where the earlier map's site lies in the later one's.
-struct SiteAlignment {
-  Rigid3 to_from_from;     ///< a turn about z and a translation
-  std::string aligned_by;  ///< "drives": those that both hold; "datum": where both lie on Earth
-};
-
 /// What changed from one version of a map to another, in the later one's site.
 struct MapComparison {
   SiteAlignment alignment;
   SurfaceChanges ground;
-  SlotChanges slots;  ///< of maps that have them
+  SlotChanges slots;  ///< of maps that have them and are aligned well enough to tell a slot from its neighbour
   std::vector<TrajectoryOffset> trajectories;
   std::vector<std::string> added, removed;  ///< drives that only the later or only the earlier map has
   std::optional<SiteDatum> datum;           ///< of the later map
 };
 
-/// Throws Error{kInvalidInput} where a map lacks its surface (an older program made it), or where the two share no
-/// drive and do not both lie on Earth, so that nothing says how they lie to each other.
+/// Throws Error{kInvalidInput} where a map lacks its surface (an older program made it), and as AlignMaps does where
+/// nothing says how the two lie to each other.
 MapComparison CompareMaps(const FinishedMap& from, const FinishedMap& to, const CompareOptions& options = {});
 
 /// The whole comparison but for the regions' outlines, JSON.

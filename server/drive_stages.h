@@ -22,6 +22,9 @@ class DriveStages {
   /// \param from, to  as of StageProducts
   DriveStages(const std::filesystem::path& from, std::filesystem::path to, const MapOptions& options);
 
+  /// Whether results are kept for later builds.
+  bool keeps_products() const { return products_.is_kept(); }
+
   /// `odometry_file`: where the drive's odometry is stored; its content stands for the drive. Called once per drive,
   /// before the others; what follows names a drive by `log.name()`.
   void Begin(const DriveLog& log, const std::filesystem::path& odometry_file);

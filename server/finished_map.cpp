@@ -1,6 +1,7 @@
 #include "server/finished_map.h"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
@@ -19,6 +20,19 @@ std::string Join(const std::vector<std::string>& names) {
   return text;
 }
 
+/// Of the farthest corner of the map from where it is placed.
+Eigen::Vector3d SigmaOf(const Json& georeference, const Json& bounds) {
+  Eigen::Vector3d sigma;
+  double reach = 0;
+  for (size_t i = 0; i < 3; ++i) {
+    sigma[static_cast<Eigen::Index>(i)] = georeference.at("position_sigma").at(i).get<double>();
+    if (i < 2)
+      reach = std::hypot(reach, 0.5 * (bounds.at("max").at(i).get<double>() - bounds.at("min").at(i).get<double>()));
+  }
+  const double turned = reach * georeference.at("yaw_sigma").get<double>();
+  return {std::hypot(sigma.x(), turned), std::hypot(sigma.y(), turned), sigma.z()};
+}
+
 }  // namespace
 
 FinishedMap::FinishedMap(const std::filesystem::path& folder) : folder_(folder) {
@@ -33,6 +47,8 @@ FinishedMap::FinishedMap(const std::filesystem::path& folder) : folder_(folder) 
                          .longitude_deg = datum.at("longitude_deg").get<double>(),
                          .altitude = datum.at("altitude").get<double>(),
                          .is_altitude_known = datum.value("is_altitude_known", true)};
+    if (const auto placed = report.find("georeference"); placed != report.end() && placed->contains("position_sigma"))
+      placement_sigma_ = SigmaOf(*placed, report.at("bounds"));
   } catch (const Json::exception&) {
     throw Error(ErrorCode::kInvalidInput, (folder / "report.json").string() + " is not the report of a map");
   }

@@ -30,11 +30,15 @@ class FinishedMap {
 
   const std::vector<std::string>& drives() const { return drives_; }
   const std::optional<SiteDatum>& datum() const { return datum_; }
+  /// [m] east, north and up, by which any of the map may lie elsewhere on Earth; 3 m and 5 m of height where the map
+  /// does not say.
+  const Eigen::Vector3d& PlacementSigma() const { return placement_sigma_; }
 
  private:
   std::filesystem::path folder_;
   std::vector<std::string> drives_;
   std::optional<SiteDatum> datum_;
+  Eigen::Vector3d placement_sigma_{3, 3, 5};
 };
 
 }  // namespace parkade

@@ -15,22 +15,49 @@ constexpr std::string_view kMagic = "parkade stages 1\n";
 constexpr size_t kDigits = 64;
 constexpr std::uint64_t kMaxBytes = std::uint64_t{16} << 30;
 
+/// Reads a file of results one by one.
+class ProductReader {
+ public:
+  explicit ProductReader(const std::filesystem::path& file) : stream_(file, std::ios::binary) {
+    std::string magic(kMagic.size(), ' ');
+    is_good_ = stream_.read(magic.data(), std::ssize(magic)) && magic == kMagic;
+  }
+
+  /// The next result's key; nothing at the end. Then either Read or Skip.
+  std::optional<std::string> Next() {
+    std::string key(kDigits, ' ');
+    sum_.assign(kDigits, ' ');
+    if (!is_good_ || !stream_.read(key.data(), std::ssize(key)) || !stream_.read(sum_.data(), std::ssize(sum_)))
+      return std::nullopt;
+    stream_.read(reinterpret_cast<char*>(&size_), sizeof size_);
+    if (!stream_ || size_ > kMaxBytes) return std::nullopt;
+    return key;
+  }
+  void Skip() { stream_.seekg(static_cast<std::streamoff>(size_), std::ios::cur); }
+  /// Nothing where it is not whole.
+  std::optional<std::string> Read() {
+    std::string result(size_, ' ');
+    if (stream_.read(result.data(), std::ssize(result)) && Sha256Of(result) == sum_) return result;
+    return std::nullopt;
+  }
+
+ private:
+  std::ifstream stream_;
+  bool is_good_ = false;
+  std::string sum_;
+  std::uint64_t size_ = 0;
+};
+
 std::optional<std::string> Find(const std::filesystem::path& file, const std::string& key) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string magic(kMagic.size(), ' '), found(kDigits, ' '), sum(kDigits, ' ');
-  if (!stream.read(magic.data(), std::ssize(magic)) || magic != kMagic) return std::nullopt;
-  while (stream.read(found.data(), std::ssize(found)) && stream.read(sum.data(), std::ssize(sum))) {
-    std::uint64_t size = 0;
-    stream.read(reinterpret_cast<char*>(&size), sizeof size);
-    if (!stream || size > kMaxBytes) return std::nullopt;
-    if (found != key) {
-      stream.seekg(static_cast<std::streamoff>(size), std::ios::cur);
+  ProductReader reader(file);
+  while (const std::optional<std::string> found = reader.Next()) {
+    if (*found != key) {
+      reader.Skip();
       continue;
     }
-    std::string result(size, ' ');
-    if (stream.read(result.data(), std::ssize(result)) && Sha256Of(result) == sum) return result;
-    LogWarning("a result of an earlier build in '" + file.string() + "' is damaged; it is computed again");
-    return std::nullopt;
+    std::optional<std::string> result = reader.Read();
+    if (!result) LogWarning("a result of an earlier build in '" + file.string() + "' is damaged; it is computed again");
+    return result;
   }
   return std::nullopt;
 }
@@ -60,6 +87,13 @@ std::string StageProducts::Get(const std::string& file, const std::string& key,
   if (!result) result = compute();
   if (!to_.empty()) Append(to_ / file, key, *result);
   return std::move(*result);
+}
+
+std::optional<std::string> LastProduct(const std::filesystem::path& file) {
+  ProductReader reader(file);
+  std::optional<std::string> last;
+  while (reader.Next()) last = reader.Read();
+  return last;
 }
 
 std::string KeyOf(const std::vector<std::string>& parts) {

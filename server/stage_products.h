@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@ class StageProducts {
   /// \param to    folder of the map in the making; empty: nothing is kept
   StageProducts(std::filesystem::path from, std::filesystem::path to);
 
+  bool is_kept() const { return !to_.empty(); }
+
   /// The result under `key`: taken where there is a whole one, else computed. Kept in the new map either way.
   /// `file` is relative to the maps' folders.
   std::string Get(const std::string& file, const std::string& key, const std::function<std::string()>& compute) const;
@@ -22,6 +25,9 @@ class StageProducts {
  private:
   std::filesystem::path from_, to_;
 };
+
+/// The last result in a file of a finished map, whatever its key; nothing without a whole one.
+std::optional<std::string> LastProduct(const std::filesystem::path& file);
 
 /// One key for all these, in their order.
 std::string KeyOf(const std::vector<std::string>& parts);

@@ -19,7 +19,10 @@ struct CompareArguments {
 
 void PrintComparison(const MapComparison& comparison) {
   const SurfaceChanges& ground = comparison.ground;
-  std::printf("sites aligned by %s\n", comparison.alignment.aligned_by.c_str());
+  const SiteAlignment& alignment = comparison.alignment;
+  std::printf("sites aligned by %s, to %.3f m and %.3f m of height\n", alignment.aligned_by.c_str(),
+              alignment.horizontal_sigma, alignment.height_sigma);
+  if (!alignment.note.empty()) std::printf("%s\n", alignment.note.c_str());
   std::printf("free space, m^2: %.1f unchanged\n", ground.UnchangedArea());
   for (const GroundChange change : {GroundChange::kFreed, GroundChange::kBlocked, GroundChange::kMapped,
                                     GroundChange::kUnmapped, GroundChange::kRaised, GroundChange::kLowered})
@@ -37,7 +40,10 @@ void PrintComparison(const MapComparison& comparison) {
 
 void AddCompareCommand(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<CompareArguments>();
-  CLI::App* command = app.add_subcommand("compare", "What changed from one finished map to another of the same place");
+  CLI::App* command = app.add_subcommand("compare",
+                                         "What changed from one finished map to another of the same place: maps that "
+                                         "share no drive are laid on each other by "
+                                         "places that drives of both passed");
   command->add_option("from", arguments->from, "the earlier map: a folder that `parkade map` left")->required();
   command->add_option("to", arguments->to, "the later map")->required();
   command->add_option("--out", arguments->out,

@@ -96,6 +96,18 @@ TEST(CompareSurfaces, MeasuresHeightsThatChanged) {
   EXPECT_NEAR(changes.height.median, 0, 1e-6);
 }
 
+TEST(CompareSurfaces, ReportsNothingThatTheAlignmentMayHaveMade) {
+  SurfaceMap before = FlatLot(), after = FlatLot();
+  for (SurfaceCell& cell : after.cells) cell.height = 0.8F;                                 // all of it
+  ChangeInside(after, 0, 20, 0, 1, [](SurfaceCell& cell) { cell.free_belief = 0.05F; });    // one border
+  ChangeInside(before, 5, 10, 5, 12, [](SurfaceCell& cell) { cell.free_belief = 0.05F; });  // a van and more
+  EXPECT_EQ(CompareSurfaces(before, after, {}).regions.size(), 3U);
+  const SurfaceChanges changes = CompareSurfaces(before, after, {{}, 0.5, 0.4});
+  ASSERT_EQ(changes.regions.size(), 1U);
+  EXPECT_EQ(changes.regions[0].change, GroundChange::kFreed);
+  EXPECT_NEAR(changes.height.median, 0.8, 1e-6) << "which is said, but not called a change";
+}
+
 TEST(CompareSurfaces, WorksInTheLaterSite) {
   SurfaceMap before = FlatLot();
   ParkCar(before, 3, 2);
@@ -112,7 +124,7 @@ TEST(CompareSurfaces, WorksInTheLaterSite) {
   }
   std::sort(after.cells.begin(), after.cells.end(),
             [](const SurfaceCell& a, const SurfaceCell& b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); });
-  const SurfaceChanges changes = CompareSurfaces(before, after, to_from_from);
+  const SurfaceChanges changes = CompareSurfaces(before, after, {to_from_from});
   ASSERT_EQ(changes.regions.size(), 1U);
   EXPECT_EQ(changes.regions[0].change, GroundChange::kFreed);
   EXPECT_NEAR((changes.regions[0].center - Eigen::Vector3d(40 - 4.2, -5 + 3.9, 2)).norm(), 0, 0.1);

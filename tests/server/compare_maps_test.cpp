@@ -7,9 +7,12 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/trajectory.h"
+#include "server/stage_products.h"
 #include "server/surface_file.h"
+#include "slam/stage_results.h"
 #include "tests/mapping/test_surfaces.h"
-#include "tests/server/store/temporary_store.h"
+#include "tests/server/store/temporary_root.h"
+#include "tests/slam/drive_world.h"
 
 namespace parkade {
 namespace {
@@ -55,6 +58,24 @@ class CompareMapsTest : public testing::Test {
     return lot;
   }
 
+  /// Stores what a drive through a world of points saw, as if the map had been made from it.
+  void AddPlaces(const std::string& map, const std::string& name, const Rigid3& site_from_world,
+                 const WorldDrive& drive) {
+    const std::filesystem::path folder = root_.path() / map / name;
+    StageProducts({}, root_.path() / map).Get(name + "/places.bin", KeyOf({name}), [&] {
+      return EncodePlaces(drive.drive.places);
+    });
+    // The IMU sits backwards, a metre above the axle.
+    WriteFileAtomically(folder / "calibration.yaml",
+                        "vehicle:\n  T_imu_body: [[-1, 0, 0, 0.2], [0, -1, 0, 0], [0, 0, 1, -1], [0, 0, 0, 1]]\n");
+    const Rigid3 imu_from_body{ExpSo3({0, 0, M_PI}), {0.2, 0, -1}};
+    std::vector<TimedPose> poses;
+    for (size_t i = 0; i < drive.world_from_place.size(); ++i)
+      poses.push_back(
+          {drive.drive.places[i].time, site_from_world * drive.world_from_place[i] * imu_from_body.Inverse()});
+    WriteTum(poses, folder / "trajectory.tum");
+  }
+
   TemporaryRoot root_;
 };
 
@@ -75,6 +96,50 @@ TEST_F(CompareMapsTest, AlignsThemByTheDrivesTheyShare) {
   EXPECT_EQ(comparison.ground.regions[1].change, GroundChange::kBlocked);
   const Eigen::Vector3d came = to_from_from_.Inverse() * comparison.ground.regions[1].center;
   EXPECT_LT((came.head<2>() - Eigen::Vector2d(16, 3)).norm(), 0.1);
+}
+
+TEST_F(CompareMapsTest, AlignsThemByPlacesWhereTheyShareNoDrive) {
+  // GNSS is metres off.
+  const std::string munich = R"({"latitude_deg": 48.1, "longitude_deg": 11.5, "altitude": 500})";
+  const std::string nearby = R"({"latitude_deg": 48.10002, "longitude_deg": 11.50002, "altitude": 504})";
+  const Rigid3 site_from_first{Eigen::Quaterniond::Identity(), {2, -1, -3}};
+  const FinishedMap from = MakeMap("a", {"monday"}, {}, {{3, 12}}, munich);
+  const FinishedMap to = MakeMap("b", {"tuesday"}, site_from_first, {{16, 3}}, nearby);
+  EXPECT_EQ(CompareMaps(from, to).alignment.aligned_by, "datum");
+
+  const DriveWorld world;
+  AddPlaces("a", "monday", {}, world.Drive(1));
+  AddPlaces("b", "tuesday", site_from_first, world.Drive(2, /*is_opposite=*/true));
+  const MapComparison comparison = CompareMaps(from, to);
+  EXPECT_EQ(comparison.alignment.aligned_by, "places");
+  const Eigen::Vector3d middle(10, 7, 0);
+  EXPECT_LT((comparison.alignment.to_from_from * middle - site_from_first * middle).norm(), 0.05);
+  EXPECT_LT(comparison.alignment.horizontal_sigma, 0.05);
+  EXPECT_GT(comparison.alignment.num_links, 10U);
+  EXPECT_EQ(comparison.alignment.note, "");
+  ASSERT_EQ(comparison.ground.regions.size(), 2U);
+  EXPECT_EQ(comparison.ground.regions[0].change, GroundChange::kFreed);
+  EXPECT_EQ(comparison.ground.regions[1].change, GroundChange::kBlocked);
+
+  // Places alone do as well.
+  const FinishedMap of_no_place = MakeMap("c", {"friday"}, site_from_first, {{16, 3}});
+  AddPlaces("c", "friday", site_from_first, world.Drive(3));
+  EXPECT_EQ(CompareMaps(from, of_no_place).alignment.aligned_by, "places");
+}
+
+TEST_F(CompareMapsTest, ReportsNothingThatTheDatumsMayHaveMade) {
+  const std::string munich = R"({"latitude_deg": 48.1, "longitude_deg": 11.5, "altitude": 500})";
+  const std::string nearby = R"({"latitude_deg": 48.10001, "longitude_deg": 11.50001, "altitude": 504})";
+  const MapComparison comparison =
+      CompareMaps(MakeMap("a", {"monday"}, {}, {{3, 12}}, munich), MakeMap("b", {"tuesday"}, {}, {{16, 3}}, nearby));
+  EXPECT_EQ(comparison.alignment.aligned_by, "datum");
+  EXPECT_TRUE(comparison.ground.regions.empty());
+  EXPECT_GT(comparison.ground.UnchangedArea(), 250);
+  EXPECT_NEAR(comparison.ground.height.median, 0, 1e-3);
+  const auto json = nlohmann::json::parse(EncodeComparison(comparison));
+  EXPECT_EQ(json.at("alignment").at("note").get<std::string>().substr(0, 41),
+            "The two maps are not registered to each o");
+  EXPECT_GT(json.at("alignment").at("height_sigma"), 5);
 }
 
 TEST_F(CompareMapsTest, AlignsThemOnEarthWhereTheyShareNoDrive) {

@@ -39,6 +39,19 @@ TEST_F(StageProductsTest, AResultIsComputedOnceForItsKey) {
   EXPECT_EQ(Get(StageProducts(new_map_, {}), first_key_).second, true) << "no longer asked for: not kept";
 }
 
+TEST_F(StageProductsTest, AFinishedMapGivesWhatItHolds) {
+  const std::filesystem::path file = old_map_ / "drive/loops.bin";
+  EXPECT_FALSE(LastProduct(file));
+  const StageProducts products({}, old_map_);
+  Get(products, first_key_);
+  EXPECT_EQ(LastProduct(file), "of " + first_key_);
+  Get(products, second_key_);
+  EXPECT_EQ(LastProduct(file), "of " + second_key_);
+
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 1);
+  EXPECT_FALSE(LastProduct(file)) << "cut off";
+}
+
 TEST_F(StageProductsTest, WhatIsDamagedOrCutOffIsComputedAgain) {
   Get(StageProducts({}, old_map_), first_key_);
   const std::filesystem::path file = old_map_ / "drive/loops.bin";

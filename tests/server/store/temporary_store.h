@@ -9,26 +9,10 @@
 
 #include "server/store/durable_file.h"
 #include "server/store/intake.h"
-#include "server/store/names.h"
 #include "server/store/store.h"
+#include "tests/server/store/temporary_root.h"
 
 namespace parkade {
-
-/// A folder that is new at the start and gone at the end.
-class TemporaryRoot {
- public:
-  TemporaryRoot() : path_(std::filesystem::path(testing::TempDir()) / ("parkade-" + NewId())) {
-    std::filesystem::create_directories(path_);
-  }
-  ~TemporaryRoot() { std::filesystem::remove_all(path_); }
-  TemporaryRoot(const TemporaryRoot&) = delete;
-  TemporaryRoot& operator=(const TemporaryRoot&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 inline void WriteText(const std::filesystem::path& file, const std::string& text) {
   std::filesystem::create_directories(file.parent_path());
