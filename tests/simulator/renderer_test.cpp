@@ -53,14 +53,14 @@ TEST_F(LotPictures, MostTracksSurviveFromFrameToFrameWhileDriving) {
   }
 }
 
-/// The renderer looks drivable ground up in cells of 5 cm, and a pixel is that wide: nothing is said of either rim.
+/// A pixel is up to 10 cm wide where this looks, and drivable by the half: nothing is said of so narrow a rim.
 TEST_F(LotPictures, NoUndrivablePlaceOfThePlanIsMarkedAsDrivable) {
-  constexpr double kCell = 0.05;  // [m]
+  constexpr double kRim = 0.1;  // [m]
   const double time = 12;
   const GroundSheet& sheet = scene_->place.ground.sheets()[0];
   const auto is_far_from_drivable = [&](double x, double y) {
-    for (const double dx : {-kCell, 0.0, kCell})
-      for (const double dy : {-kCell, 0.0, kCell})
+    for (const double dx : {-kRim, 0.0, kRim})
+      for (const double dy : {-kRim, 0.0, kRim})
         if (scene_->place.is_drivable(0, {x + dx, y + dy})) return false;
     return true;
   };
