@@ -3,7 +3,6 @@
 #include <span>
 
 #include "core/ground_markings.h"
-#include "core/ground_patch.h"
 #include "core/ground_texture.h"
 #include "core/surface_map.h"
 #include "core/triangle_mesh.h"
@@ -11,6 +10,7 @@
 #include "mapping/find_speed_bumps.h"
 #include "mapping/paint_areas.h"
 #include "mapping/paint_lines.h"
+#include "mapping/patch_source.h"
 #include "mapping/slot_rows.h"
 #include "mapping/slot_states.h"
 
@@ -43,7 +43,7 @@ struct MarkedGround {
   const TriangleMesh& mesh;
   const SurfaceMap& surface;
   const GroundTexture& texture;
-  std::span<const PosedGroundPatch> patches;
+  const PatchSource& patches;
   std::span<const DrivenPath> paths;
   std::size_t num_drives = 0;
 };

@@ -4,12 +4,11 @@
 #include <cmath>
 #include <numeric>
 #include <set>
+#include <tuple>
 
 #include "core/error.h"
 #include "core/log.h"
 #include "core/parallel.h"
-#include "mapping/estimate_lean.h"
-#include "mapping/height_certainty.h"
 #include "mapping/surface_links.h"
 #include "mapping/surface_painter.h"
 
@@ -18,137 +17,10 @@ namespace {
 
 using PaintedCell = SurfacePainter::PaintedCell;
 
-constexpr double kLeastPlaneVariance = 4e-4;  // [m^2] of a keyframe's plane: wheels and the sweep are surer
-constexpr double kMaxCellStep = 0.1;          // [m] of height between neighbouring cells of one deck
-constexpr int kPinholeRounds = 3;             // each fills holes of up to about two cells
-constexpr int kPinholeNeighbours = 4;         // of 8 that must be seen around a pinhole
-constexpr int kDrivenRounds = 60;             // to fill colour in under a car that stood: 3 m at 5 cm
-
-/// The heights at which patches put the ground: the planes that their cars stood on.
-class PlaneHeights {
- public:
-  explicit PlaneHeights(const HeightFieldOptions& options = {}, double share = 1) : options_(options), share_(share) {}
-
-  /// `path` is that of its drive, or null.
-  void Add(const PosedGroundPatch& posed, const DrivenPath* path) {
-    const Rigid3 ground_from_body = path ? path->body_from_ground.Inverse() : Rigid3{};
-    const Eigen::Vector2d acceleration =
-        path ? AccelerationAt(path->site_from_body, posed.patch.time) : Eigen::Vector2d::Zero();
-    const double share = path ? path->plane_errors * path->plane_errors : 1;
-    for (const GroundSample& sample : posed.patch.samples) {
-      if (!sample.is_free) continue;
-      const Eigen::Vector3d point_in_body = sample.point_in_body.cast<double>();
-      Eigen::Vector3d point = posed.site_from_body * point_in_body;
-      if (path) point.z() -= path->lean.LiftAt(acceleration, (ground_from_body * point_in_body).head<2>());
-      const auto index = [](double value, double step) { return static_cast<int>(std::floor(value / step)); };
-      Sum& sum = sums_[{index(point.z(), options_.level_separation), index(point.y(), options_.spacing),
-                        index(point.x(), options_.spacing)}];
-      const double weight = 1 / (share / static_cast<double>(sample.weight) + kLeastPlaneVariance);
-      sum.point += weight * point;
-      sum.weight += weight;
-      sum.best_weight = std::max(sum.best_weight, weight);
-    }
-  }
-
-  /// One per square and deck: planes share their errors, so that many say hardly more than the best of them.
-  std::vector<HeightObservation> Observations() const {
-    std::vector<HeightObservation> observations;
-    observations.reserve(sums_.size());
-    for (const auto& [square, sum] : sums_) observations.push_back({sum.point / sum.weight, share_ * sum.best_weight});
-    return observations;
-  }
-
-  void Merge(const PlaneHeights& other) {
-    for (const auto& [square, sum] : other.sums_) {
-      Sum& here = sums_[square];
-      here.point += sum.point;
-      here.weight += sum.weight;
-      here.best_weight = std::max(here.best_weight, sum.best_weight);
-    }
-  }
-
- private:
-  struct Sum {
-    Eigen::Vector3d point = Eigen::Vector3d::Zero();
-    double weight = 0, best_weight = 0;
-  };
-  HeightFieldOptions options_;
-  double share_ = 1;  ///< of an observation of its own
-  std::map<std::tuple<int, int, int>, Sum> sums_;
-};
-
-std::vector<HeightObservation> CollectHeights(std::span<const PosedGroundPatch> patches,
-                                              std::span<const DrivenPath> paths, const SurfaceOptions& options) {
-  std::vector<HeightObservation> observations;
-  for (const DrivenPath& path : paths)
-    for (const ContactPoint& contact : FindContacts(path, 0.5 * options.height.spacing)) {
-      const double lever = contact.is_front ? path.contact.wheelbase * options.suspension_sigma : 0;
-      const double variance = options.contact_sigma * options.contact_sigma + lever * lever;
-      observations.push_back({contact.point_in_site, 1 / variance});
-    }
-  const auto of_patches = ParallelMap(patches.size(), [&](size_t i) {
-    PlaneHeights heights(options.height);
-    heights.Add(patches[i], FindPath(paths, patches[i].patch.drive));
-    return heights;
-  });
-  PlaneHeights planes(options.height, options.plane_share);
-  for (const PlaneHeights& heights : of_patches) planes.Merge(heights);
-  const std::vector<HeightObservation> seen = planes.Observations();
-  observations.insert(observations.end(), seen.begin(), seen.end());
-  return observations;
-}
-
-void LogLean(const std::vector<DrivenPath>& paths) {
-  for (const DrivenPath& path : paths)
-    LogInfo("stage=lean drive=" + std::to_string(path.drive) + " roll=" + std::to_string(path.lean.roll) +
-            " pitch=" + std::to_string(path.lean.pitch) + " heave=" + std::to_string(path.lean.heave) +
-            " plane_errors=" + std::to_string(path.plane_errors));
-}
-
-/// Heights from all there is. Each round of the sweep starts from what the last one found, so that what is known of the
-/// ground grows outwards from the path. The first one also tells how the cars lean.
-HeightField FitHeights(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths,
-                       const SurfaceOptions& options, std::span<const HeightObservation> measured) {
-  std::vector<DrivenPath> leaning(paths.begin(), paths.end());
-  std::vector<HeightObservation> known = CollectHeights(patches, leaning, options);
-  known.insert(known.end(), measured.begin(), measured.end());
-  HeightField field(known, options.height);
-  for (int round = 0; round < options.sweep.num_rounds; ++round) {
-    const bool is_last = round + 1 == options.sweep.num_rounds;
-    const std::vector<HeightObservation> swept =
-        MeasureHeights(patches, paths, field, (is_last ? 0.5 : 1.0) * options.sweep.max_offset, options.sweep);
-    LogDebug("stage=measure_heights round=" + std::to_string(round) + " heights=" + std::to_string(swept.size()));
-    if (round == 0) {
-      for (DrivenPath& path : leaning) {
-        path.lean = EstimateLean(path, swept);
-        path.plane_errors = EstimatePlaneErrors(path, swept);
-      }
-      LogLean(leaning);
-      known = CollectHeights(patches, leaning, options);
-      known.insert(known.end(), measured.begin(), measured.end());
-    }
-    std::vector<HeightObservation> all = known;
-    all.insert(all.end(), swept.begin(), swept.end());
-    field = HeightField(std::move(all), options.height);
-  }
-  SpreadSigmas(field);
-  return field;
-}
-
-/// One drive after the other: where a car drove on an earlier day there may be an obstacle now.
-void PaintDrives(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths,
-                 SurfacePainter& painter) {
-  std::set<int> unseen;
-  for (const DrivenPath& path : paths) unseen.insert(path.drive);
-  for (size_t begin = 0, end = 0; begin < patches.size(); begin = end) {
-    const int drive = patches[begin].patch.drive;
-    while (end < patches.size() && patches[end].patch.drive == drive) ++end;
-    painter.PaintDrive(patches.subspan(begin, end - begin), paths);
-    if (const DrivenPath* path = FindPath(paths, drive)) painter.MarkDriven(*path);
-    unseen.erase(drive);
-  }
-  for (const int drive : unseen) painter.MarkDriven(*FindPath(paths, drive));
-}
+constexpr double kMaxCellStep = 0.1;   // [m] of height between neighbouring cells of one deck
+constexpr int kPinholeRounds = 3;      // each fills holes of up to about two cells
+constexpr int kPinholeNeighbours = 4;  // of 8 that must be seen around a pinhole
+constexpr int kDrivenRounds = 60;      // to fill colour in under a car that stood: 3 m at 5 cm
 
 SurfaceMap SurfaceOf(const std::vector<PaintedCell>& cells, double cell_size) {
   SurfaceMap surface{cell_size, {}};
@@ -242,6 +114,66 @@ std::vector<bool> FindSmallIslands(const std::vector<PaintedCell>& cells, const 
   return is_small;
 }
 
+/// A square of the site, in squares of the height field.
+struct FieldTile {
+  Eigen::AlignedBox2i core;    ///< the last square is the one before max()
+  Eigen::AlignedBox2i window;  ///< with what pinholes at its rim depend on
+};
+
+/// The tiles in which the field has patches, by y, then x.
+std::vector<FieldTile> CutIntoTiles(const HeightField& field, int cells_per_side, double tile_size) {
+  const int side = std::max(1, static_cast<int>(std::lround(tile_size / field.spacing())));
+  const int margin = (kDrivenRounds + 1 + cells_per_side - 1) / cells_per_side;
+  std::set<std::pair<int, int>> corners;
+  const auto index = [side](int square) { return (square >= 0 ? square : square - side + 1) / side; };
+  for (int patch = 0; patch < field.num_patches(); ++patch) {
+    const Eigen::Vector2i at = field.IndexOf(patch);
+    corners.emplace(index(at.y()), index(at.x()));
+  }
+  std::vector<FieldTile> tiles;
+  for (const auto& [y, x] : corners) {
+    const Eigen::Array2i low = side * Eigen::Array2i(x, y), high = low + side;
+    tiles.push_back({{low.matrix(), high.matrix()}, {(low - margin).matrix(), (high + margin).matrix()}});
+  }
+  return tiles;
+}
+
+/// One drive after the other: where a car drove on an earlier day there may be an obstacle now.
+void PaintDrives(const PatchSource& patches, std::span<const DrivenPath> paths, SurfacePainter& painter) {
+  std::set<int> unseen;
+  for (const DrivenPath& path : paths) unseen.insert(path.drive);
+  const std::span<const PatchView> views = patches.views();
+  for (size_t begin = 0, end = 0; begin < views.size(); begin = end) {
+    const int drive = views[begin].drive;
+    const DrivenPath* path = FindPath(paths, drive);
+    std::vector<size_t> in_reach;
+    for (; end < views.size() && views[end].drive == drive; ++end)
+      if (painter.IsInReach(views[end], path)) in_reach.push_back(end);
+    if (!in_reach.empty()) painter.PaintDrive(patches, in_reach, path);
+    if (path) painter.MarkDriven(*path);
+    unseen.erase(drive);
+  }
+  for (const int drive : unseen) painter.MarkDriven(*FindPath(paths, drive));
+}
+
+/// The finished cells of one tile, but for islands.
+std::vector<PaintedCell> PaintTile(const FieldTile& tile, const PatchSource& patches, std::span<const DrivenPath> paths,
+                                   const HeightField& field, const SurfaceOptions& options) {
+  const int cells_per_side = static_cast<int>(std::round(options.height.spacing / options.cell_size));
+  SurfacePainter painter(field, cells_per_side,
+                         {options.free_log_odds, options.occupied_log_odds, options.log_odds_limit}, tile.window);
+  PaintDrives(patches, paths, painter);
+  std::vector<PaintedCell> cells = painter.Cells();
+  DropFalseDecks(options.height.level_separation, cells);
+  FillPinholes(LinkCells(SurfaceOf(cells, options.cell_size), kMaxCellStep), cells);
+  const Eigen::Array2i low = tile.core.min().array() * cells_per_side, high = tile.core.max().array() * cells_per_side;
+  std::erase_if(cells, [&](const PaintedCell& cell) {
+    const Eigen::Array2i at(cell.cell.x, cell.cell.y);
+    return !cell.is_seen || (at < low).any() || (at >= high).any();
+  });
+  return cells;
+}
+
 }  // namespace
 
 void SurfaceOptions::Validate() const {
@@ -261,31 +193,51 @@ void SurfaceOptions::Validate() const {
   Require(max_height_sigma > 0, ErrorCode::kUsage, "max_height_sigma must be > 0 m");
   Require(plane_share > 0 && plane_share <= 1, ErrorCode::kUsage, "plane_share must be in (0, 1]");
   Require(min_island_area >= 0, ErrorCode::kUsage, "min_island_area must not be negative");
+  Require(tile_size >= height.spacing, ErrorCode::kUsage, "tile_size must be height.spacing at least");
+}
+
+SurfaceMap FuseSurface(const PatchSource& patches, std::span<const DrivenPath> paths,
+                       std::span<const DriveHeights> heights, const SurfaceOptions& options,
+                       std::span<const HeightObservation> measured) {
+  options.Validate();
+  if (options.method == "homography") return FuseVoxels(patches, paths, options.cell_size, options.voxels);
+  const HeightField field = FitHeights(heights, paths, options.Heights(), measured);
+  const int cells_per_side = static_cast<int>(std::round(options.height.spacing / options.cell_size));
+  std::vector<PaintedCell> cells;
+  for (const FieldTile& tile : CutIntoTiles(field, cells_per_side, options.tile_size)) {
+    const std::vector<PaintedCell> of_tile = PaintTile(tile, patches, paths, field, options);
+    cells.insert(cells.end(), of_tile.begin(), of_tile.end());
+  }
+  std::sort(cells.begin(), cells.end(), [](const PaintedCell& a, const PaintedCell& b) {
+    return std::tie(a.cell.y, a.cell.x, a.cell.height) < std::tie(b.cell.y, b.cell.x, b.cell.height);
+  });
+  const std::vector<bool> is_small =
+      FindSmallIslands(cells, LinkCells(SurfaceOf(cells, options.cell_size), kMaxCellStep),
+                       options.min_island_area / (options.cell_size * options.cell_size));
+  SurfaceMap surface{options.cell_size, {}};
+  for (size_t i = 0; i < cells.size(); ++i)
+    if (!is_small[i] &&
+        (cells[i].is_driven || static_cast<double>(cells[i].cell.height_sigma) <= options.max_height_sigma))
+      surface.cells.push_back(cells[i].cell);
+  LogInfo("stage=fuse_surface patches=" + std::to_string(patches.views().size()) +
+          " nodes=" + std::to_string(field.num_nodes()) + " cells=" + std::to_string(surface.cells.size()));
+  return surface;
 }
 
 SurfaceMap FuseSurface(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths,
                        const SurfaceOptions& options, std::span<const HeightObservation> measured) {
   options.Validate();
-  if (options.method == "homography") return FuseVoxels(patches, paths, options.cell_size, options.voxels);
-  const HeightField field = FitHeights(patches, paths, options, measured);
-  SurfacePainter painter(field, static_cast<int>(std::round(options.height.spacing / options.cell_size)),
-                         {options.free_log_odds, options.occupied_log_odds, options.log_odds_limit});
-  PaintDrives(patches, paths, painter);
-
-  std::vector<PaintedCell> cells = painter.Cells();
-  DropFalseDecks(options.height.level_separation, cells);
-  const SurfaceLinks links = LinkCells(SurfaceOf(cells, options.cell_size), kMaxCellStep);
-  FillPinholes(links, cells);
-  const std::vector<bool> is_small =
-      FindSmallIslands(cells, links, options.min_island_area / (options.cell_size * options.cell_size));
-  SurfaceMap surface{options.cell_size, {}};
-  for (size_t i = 0; i < cells.size(); ++i)
-    if (cells[i].is_seen && !is_small[i] &&
-        (cells[i].is_driven || static_cast<double>(cells[i].cell.height_sigma) <= options.max_height_sigma))
-      surface.cells.push_back(cells[i].cell);
-  LogInfo("stage=fuse_surface patches=" + std::to_string(patches.size()) +
-          " nodes=" + std::to_string(field.num_nodes()) + " cells=" + std::to_string(surface.cells.size()));
-  return surface;
+  const PatchesInMemory source(patches);
+  std::vector<DriveHeights> heights;
+  std::set<int> drives;
+  for (const PatchView& view : source.views()) drives.insert(view.drive);
+  if (options.method == "surface")
+    for (const int drive : drives) {
+      heights.push_back(
+          MeasureDriveHeights(PatchesOfDrive(source, drive), FindPath(paths, drive), options.Heights(), measured));
+      heights.back().drive = drive;
+    }
+  return FuseSurface(source, paths, heights, options, measured);
 }
 
 }  // namespace parkade

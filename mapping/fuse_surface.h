@@ -3,12 +3,13 @@
 #include <span>
 #include <string>
 
-#include "core/ground_patch.h"
 #include "core/surface_map.h"
+#include "mapping/drive_heights.h"
 #include "mapping/driven_path.h"
 #include "mapping/fuse_voxels.h"
 #include "mapping/height_field.h"
 #include "mapping/measure_heights.h"
+#include "mapping/patch_source.h"
 
 namespace parkade {
 
@@ -23,6 +24,7 @@ struct SurfaceOptions {
   double log_odds_limit = 8.0;      ///< so that a changed place can change again
   double max_height_sigma = 0.12;   ///< [m] ground whose height is known less well is not mapped
   double min_island_area = 10.0;    ///< [m^2] smaller free islands that no car drove on are noise
+  double tile_size = 48.0;          ///< [m] of the squares that are painted one after the other; less takes less memory
   HeightFieldOptions height;
   MeasureHeightsOptions sweep;
   VoxelFusionOptions voxels;  ///< of the method "homography"
@@ -39,27 +41,36 @@ struct SurfaceOptions {
     visit("log_odds_limit", log_odds_limit);
     visit("max_height_sigma", max_height_sigma);
     visit("min_island_area", min_island_area);
+    visit("tile_size", tile_size);
     visit("height", height);
     visit("sweep", sweep);
     visit("voxels", voxels);
   }
   void Validate() const;  ///< throws Error{kUsage}
+  HeightOptions Heights() const { return {contact_sigma, suspension_sigma, plane_share, height, sweep}; }
 };
 
 /// The ground of a site from all its drives.
 ///
-/// 1. Heights: wheel contacts (the surest); beside the path what many views agree on (MeasureHeights); and, weakly and
-///    weaker with distance, the planes on which keyframes saw ground. A HeightField is fitted to all of them.
+/// 1. Heights: wheel contacts (the surest); beside the path what many views of a drive agree on; and, weakly and weaker
+///    with distance, the planes on which keyframes saw ground. A HeightField is fitted to what all drives know
+///    (FitHeights).
 /// 2. Colour and free space: every sample moves along its ray of sight onto that surface, so that a ramp ahead is
 ///    painted where it is, and not where the car's own plane would have it. Free space is a log-odds sum, drive after
 ///    drive in the order of the patches, bounded so that the latest drives count most where places change; a cell's
 ///    colour is the median of its nearest sights; what a car drove over is free, until a later drive sees otherwise.
 /// 3. Pinholes are filled, islands that no car drove on and that are small are dropped.
 ///
-/// With the method "homography" FuseVoxels is asked instead.
-/// `measured` are heights that something else knows. Cells that nothing was seen of are not in the map. The patches of
-/// a drive without a path are painted where their own plane says. Same input, same output, whatever the number of
-/// threads. O(samples).
+/// 2 and 3 go square by square of `tile_size`: in memory are the patches and the evidence of one square, and the cells
+/// of all. The result does not depend on the squares. With the method "homography" FuseVoxels is asked instead.
+/// `heights` are those of MeasureDriveHeights, of all drives; `measured` are heights that something else knows. Cells
+/// that nothing was seen of are not in the map. The patches of a drive without a path are painted where their own plane
+/// says. Same input, same output, whatever the number of threads. O(samples).
+SurfaceMap FuseSurface(const PatchSource& patches, std::span<const DrivenPath> paths,
+                       std::span<const DriveHeights> heights, const SurfaceOptions& options = {},
+                       std::span<const HeightObservation> measured = {});
+
+/// Likewise of patches in memory, whose heights are measured first.
 SurfaceMap FuseSurface(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths,
                        const SurfaceOptions& options = {}, std::span<const HeightObservation> measured = {});
 

@@ -102,14 +102,15 @@ void VoxelFusionOptions::Validate() const {
   Require(free_log_odds > 0, ErrorCode::kUsage, "free_log_odds of the voxels must be > 0");
 }
 
-SurfaceMap FuseVoxels(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths, double cell_size,
+SurfaceMap FuseVoxels(const PatchSource& patches, std::span<const DrivenPath> paths, double cell_size,
                       const VoxelFusionOptions& options) {
   options.Validate();
   const int cells_per_voxel = static_cast<int>(std::lround(options.voxel_size / cell_size));
   Require(cells_per_voxel >= 1 && std::abs(cells_per_voxel * cell_size - options.voxel_size) < 1e-9, ErrorCode::kUsage,
           "voxel_size must be a multiple of cell_size");
   VoxelGrid grid(options.voxel_size);
-  for (const PosedGroundPatch& posed : patches) {
+  for (size_t i = 0; i < patches.views().size(); ++i) {
+    const PosedGroundPatch posed = patches.Read(i);
     const DrivenPath* path = FindPath(paths, posed.patch.drive);
     const auto camera = static_cast<size_t>(posed.patch.camera);
     if (path == nullptr || camera >= path->cameras_in_body.size()) continue;

@@ -2,9 +2,9 @@
 
 #include <span>
 
-#include "core/ground_patch.h"
 #include "core/surface_map.h"
 #include "mapping/driven_path.h"
+#include "mapping/patch_source.h"
 
 namespace parkade {
 
@@ -27,7 +27,7 @@ struct VoxelFusionOptions {
 /// constant weight and a belief of being free; the surface is where the distance passes zero.
 /// H. Oleynikova et al., "Voxblox: Incremental 3D Euclidean Signed Distance Fields for On-Board MAV Planning", IROS
 /// 2017, whose fusion the paper uses. Patches without a path are left out. O(samples).
-SurfaceMap FuseVoxels(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths, double cell_size,
+SurfaceMap FuseVoxels(const PatchSource& patches, std::span<const DrivenPath> paths, double cell_size,
                       const VoxelFusionOptions& options = {});
 
 }  // namespace parkade

@@ -3,10 +3,10 @@
 #include <span>
 #include <vector>
 
-#include "core/ground_patch.h"
 #include "mapping/driven_path.h"
 #include "mapping/height_field.h"
 #include "mapping/measure_heights.h"
+#include "mapping/patch_source.h"
 
 namespace parkade {
 
@@ -40,8 +40,8 @@ struct SweptWindow {
 };
 
 /// Lifts and lowers the field by up to `max_offset` [m]. Windows that nothing was seen of are left out. Windows are in
-/// order of deck, y and x, whatever the number of threads. Memory: a tile of 14 m at once, per thread.
-std::vector<SweptWindow> SweepWindows(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths,
+/// order of deck, y and x, whatever the number of threads. Memory: the patches that reach into a square of 43 m.
+std::vector<SweptWindow> SweepWindows(const PatchSource& patches, std::span<const DrivenPath> paths,
                                       const HeightField& field, double max_offset,
                                       const MeasureHeightsOptions& options);
 

@@ -171,9 +171,9 @@ void MeasureHeightsOptions::Validate() const {
           "min_contrast, max_misfit, max_rivalry and max_jump must be > 0, min_sights > 1");
 }
 
-std::vector<HeightObservation> MeasureHeights(std::span<const PosedGroundPatch> patches,
-                                              std::span<const DrivenPath> paths, const HeightField& field,
-                                              double max_offset, const MeasureHeightsOptions& options) {
+std::vector<HeightObservation> MeasureHeights(const PatchSource& patches, std::span<const DrivenPath> paths,
+                                              const HeightField& field, double max_offset,
+                                              const MeasureHeightsOptions& options) {
   const std::vector<SweptWindow> swept = SweepWindows(patches, paths, field, max_offset, options);
   const WindowSums sums(swept);
   std::vector<WindowHeight> windows;

@@ -3,9 +3,9 @@
 #include <span>
 #include <vector>
 
-#include "core/ground_patch.h"
 #include "mapping/driven_path.h"
 #include "mapping/height_field.h"
+#include "mapping/patch_source.h"
 
 namespace parkade {
 
@@ -50,10 +50,9 @@ struct MeasureHeightsOptions {
 /// \param field       what is known so far; windows follow its slopes
 /// \param max_offset  [m] of the sweep to each side
 /// \return at most one height per window, spread over its patches; none where the ground shows nothing, the views do
-/// not
-///         agree on one height, or the windows around do not support it.
-std::vector<HeightObservation> MeasureHeights(std::span<const PosedGroundPatch> patches,
-                                              std::span<const DrivenPath> paths, const HeightField& field,
-                                              double max_offset, const MeasureHeightsOptions& options);
+///         not agree on one height, or the windows around do not support it.
+std::vector<HeightObservation> MeasureHeights(const PatchSource& patches, std::span<const DrivenPath> paths,
+                                              const HeightField& field, double max_offset,
+                                              const MeasureHeightsOptions& options);
 
 }  // namespace parkade

@@ -123,7 +123,7 @@ void SlotStateOptions::Validate() const {
           "shares of slots must be in 0..1");
 }
 
-void SeeSlots(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths, std::size_t num_drives,
+void SeeSlots(const PatchSource& patches, std::span<const DrivenPath> paths, std::size_t num_drives,
               const SlotStateOptions& options, std::vector<ParkingSlot>& slots) {
   options.Validate();
   const SlotSquares squares(slots);
@@ -131,12 +131,13 @@ void SeeSlots(std::span<const PosedGroundPatch> patches, std::span<const DrivenP
   for (const ParkingSlot& slot : slots) grids.emplace_back(slot, options);
   std::vector<std::vector<Cells>> cells(num_drives, std::vector<Cells>(slots.size(), Cells{}));
   constexpr std::size_t kBatch = 64;
-  for (std::size_t begin = 0; begin < patches.size(); begin += kBatch) {
-    const std::span batch = patches.subspan(begin, std::min(kBatch, patches.size() - begin));
+  const std::span<const PatchView> views = patches.views();
+  for (std::size_t begin = 0; begin < views.size(); begin += kBatch) {
+    const std::size_t count = std::min(kBatch, views.size() - begin);
     const auto hits =
-        ParallelMap(batch.size(), [&](std::size_t i) { return FindHits(batch[i], paths, squares, grids); });
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-      const auto drive = static_cast<std::size_t>(batch[i].patch.drive);
+        ParallelMap(count, [&](std::size_t i) { return FindHits(patches.Read(begin + i), paths, squares, grids); });
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto drive = static_cast<std::size_t>(views[begin + i].drive);
       if (drive >= num_drives) continue;
       for (const Hit& hit : hits[i]) cells[drive][hit.slot][hit.cell] += hit.evidence;
     }

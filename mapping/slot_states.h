@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/ground_markings.h"
-#include "core/ground_patch.h"
 #include "mapping/driven_path.h"
+#include "mapping/patch_source.h"
 
 namespace parkade {
 
@@ -28,7 +28,7 @@ struct SlotStateOptions {
 /// What each of `num_drives` drives saw in each slot: ground, something that stands there, or too little to tell. A
 /// sample of a drive counts where its ray meets the slot's own plane; what is hidden does not count. Sets
 /// ParkingSlot::states. O(samples).
-void SeeSlots(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths, std::size_t num_drives,
+void SeeSlots(const PatchSource& patches, std::span<const DrivenPath> paths, std::size_t num_drives,
               const SlotStateOptions& options, std::vector<ParkingSlot>& slots);
 
 }  // namespace parkade

@@ -22,6 +22,8 @@ constexpr double kNearView = 4.0;        // [m] of distance, likewise
 constexpr double kTrustedView = 0.5;     // trust from which on it is known what was looked at
 constexpr int kCoveringViews = 1;        // from which a drive misses what an earlier one saw
 constexpr float kCoveredLogOdds = -1;    // of what is covered
+constexpr double kMaxStretch = 1.5;      // of rays: MeetSurface goes no further
+constexpr double kMaxFootprint = 1.0;    // [m] that samples stand for reach less far from them
 constexpr size_t kPatchesPerBatch = 64;  // hits of so many patches are held at once
 constexpr int kColorTolerance = 30;      // of lightness; sights further off the median are not averaged
 
@@ -34,12 +36,42 @@ int Lightness(const std::array<int, 3>& bgr) { return (114 * bgr[0] + 587 * bgr[
 
 }  // namespace
 
-SurfacePainter::SurfacePainter(const HeightField& field, int cells_per_side, const SightLogOdds& log_odds)
+SurfacePainter::SurfacePainter(const HeightField& field, int cells_per_side, const SightLogOdds& log_odds,
+                               const std::optional<Eigen::AlignedBox2i>& window)
     : field_(&field),
       cells_per_side_(cells_per_side),
       cell_size_(field.spacing() / cells_per_side),
       log_odds_(log_odds),
-      evidence_(static_cast<size_t>(field.num_patches()) * static_cast<size_t>(cells_per_side * cells_per_side)) {}
+      slots_(static_cast<size_t>(field.num_patches()), HeightField::kNone) {
+  int num_slots = 0;
+  for (int patch = 0; patch < field.num_patches(); ++patch) {
+    const Eigen::Array2i at = field.IndexOf(patch).array();
+    if (window && ((at < window->min().array()).any() || (at >= window->max().array()).any())) continue;
+    slots_[static_cast<size_t>(patch)] = num_slots++;
+    const Eigen::Array2d low = at.cast<double>() * field.spacing();
+    reach_.extend((low - kMaxFootprint).matrix()).extend((low + field.spacing() + kMaxFootprint).matrix());
+  }
+  evidence_.resize(static_cast<size_t>(num_slots) * static_cast<size_t>(cells_per_side * cells_per_side));
+}
+
+bool SurfacePainter::IsInReach(const PatchView& view, const DrivenPath* path) const {
+  if (view.extent.isEmpty() || reach_.isEmpty()) return false;
+  Eigen::AlignedBox2d reached = view.extent;
+  const auto camera = static_cast<size_t>(view.camera);
+  if (path != nullptr && camera < path->cameras_in_body.size()) {
+    const Eigen::Vector2d eye = (view.site_from_body * path->cameras_in_body[camera]).head<2>();
+    reached = {eye + kMaxStretch * (reached.min() - eye), eye + kMaxStretch * (reached.max() - eye)};
+    reached.extend(view.extent).extend(eye);
+  }
+  return reach_.intersects(reached);
+}
+
+/// Whether the ray through a point may meet the surface in reach of the window.
+bool SurfacePainter::IsInReach(const Eigen::Vector3d* eye, const Eigen::Vector3d& point) const {
+  Eigen::AlignedBox2d ray(point.head<2>());
+  if (eye != nullptr) ray.extend(eye->head<2>()).extend((*eye + kMaxStretch * (point - *eye)).head<2>());
+  return reach_.intersects(ray);
+}
 
 Eigen::Vector2i SurfacePainter::CellAt(const Eigen::Vector2d& point_in_site) const {
   return (point_in_site / cell_size_).array().floor().matrix().cast<int>();
@@ -48,7 +80,7 @@ Eigen::Vector2i SurfacePainter::CellAt(const Eigen::Vector2d& point_in_site) con
 std::uint32_t SurfacePainter::EvidenceAt(int patch, const Eigen::Vector2i& cell) const {
   const Eigen::Vector2i inside = cell - field_->IndexOf(patch) * cells_per_side_;
   const int x = std::clamp(inside.x(), 0, cells_per_side_ - 1), y = std::clamp(inside.y(), 0, cells_per_side_ - 1);
-  return static_cast<std::uint32_t>((patch * cells_per_side_ + y) * cells_per_side_ + x);
+  return static_cast<std::uint32_t>((slots_[static_cast<size_t>(patch)] * cells_per_side_ + y) * cells_per_side_ + x);
 }
 
 /// A sample that stands for more than a cell counts for all of them.
@@ -69,7 +101,7 @@ void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::
       int owner = patch;
       if (inside.minCoeff() < 0 || inside.maxCoeff() >= cells_per_side_)
         owner = field_->FindPatch({(x + 0.5) * cell_size_, (y + 0.5) * cell_size_, point.z()});
-      if (owner == HeightField::kNone) continue;
+      if (owner == HeightField::kNone || !IsPainted(owner)) continue;
       hit.evidence = EvidenceAt(owner, {x, y});
       hits.push_back(hit);
     }
@@ -83,6 +115,7 @@ std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PosedGroundPatch
   const Eigen::Vector3d eye = has_eye ? patch.site_from_body * path->cameras_in_body[camera] : Eigen::Vector3d::Zero();
   for (const GroundSample& sample : patch.patch.samples) {
     Eigen::Vector3d point = patch.site_from_body * sample.point_in_body.cast<double>();
+    if (!IsInReach(has_eye ? &eye : nullptr, point)) continue;
     const int found = has_eye ? MeetSurface(*field_, eye, point) : field_->FindPatch(point);
     if (found == HeightField::kNone || (has_eye && IsHidden(*field_, eye, point))) continue;
     const double distance = has_eye ? (point - eye).head<2>().norm() : 0;
@@ -97,12 +130,11 @@ std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PosedGroundPatch
   return hits;
 }
 
-void SurfacePainter::Paint(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths) {
+void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path) {
   const auto limit = static_cast<float>(log_odds_.limit);
-  for (size_t begin = 0; begin < patches.size(); begin += kPatchesPerBatch) {
-    const std::span batch = patches.subspan(begin, std::min(kPatchesPerBatch, patches.size() - begin));
-    const auto hits_of =
-        ParallelMap(batch.size(), [&](size_t i) { return FindHits(batch[i], FindPath(paths, batch[i].patch.drive)); });
+  for (size_t begin = 0; begin < indices.size(); begin += kPatchesPerBatch) {
+    const std::span batch = indices.subspan(begin, std::min(kPatchesPerBatch, indices.size() - begin));
+    const auto hits_of = ParallelMap(batch.size(), [&](size_t i) { return FindHits(patches.Read(batch[i]), path); });
     for (const std::vector<Hit>& hits : hits_of)
       for (const Hit& hit : hits) {
         Evidence& evidence = evidence_[hit.evidence];
@@ -137,24 +169,25 @@ void SurfacePainter::EndDrive() {
   }
 }
 
-void SurfacePainter::PaintDrive(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths) {
-  Paint(patches, paths);
+void SurfacePainter::PaintDrive(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path) {
+  Paint(patches, indices, path);
   EndDrive();
 }
 
 void SurfacePainter::MarkDriven(const DrivenPath& path) {
   if (path.contact.wheelbase <= 0 || path.contact.track <= 0) return;
-  const double step = 2 * cell_size_;
+  const double step = 2 * cell_size_, length = path.contact.wheelbase + path.contact.track + 1;
   std::optional<Eigen::Vector3d> last;
   for (const TrajectoryState& state : path.site_from_body.states()) {
     if (last && (state.odom_from_body.translation - *last).norm() < step) continue;
     last = state.odom_from_body.translation;
+    if (reach_.isEmpty() || reach_.exteriorDistance(last->head<2>().eval()) > length) continue;
     const Rigid3 site_from_ground = state.odom_from_body * path.body_from_ground;
     for (double x = 0; x <= path.contact.wheelbase; x += 0.7 * cell_size_)
       for (double y = -0.5 * path.contact.track; y <= 0.5 * path.contact.track; y += 0.7 * cell_size_) {
         const Eigen::Vector3d point = site_from_ground * Eigen::Vector3d(x, y, 0);
         const int patch = field_->FindPatch(point);
-        if (patch == HeightField::kNone) continue;
+        if (patch == HeightField::kNone || !IsPainted(patch)) continue;
         Evidence& evidence = evidence_[EvidenceAt(patch, CellAt(point.head<2>()))];
         evidence.is_driven = true;
         evidence.log_odds = static_cast<float>(log_odds_.limit);
@@ -189,7 +222,8 @@ std::vector<SurfacePainter::PaintedCell> SurfacePainter::Cells() const {
   const auto cells_of = ParallelMap(static_cast<size_t>(field_->num_patches()), [&](size_t index) {
     std::vector<PaintedCell> cells;
     const auto patch = static_cast<int>(index);
-    const auto begin = evidence_.begin() + static_cast<std::ptrdiff_t>(patch) * cells_per_patch;
+    if (!IsPainted(patch)) return cells;
+    const auto begin = evidence_.begin() + static_cast<std::ptrdiff_t>(slots_[index]) * cells_per_patch;
     const auto is_known = [](const Evidence& evidence) {
       return evidence.is_driven || evidence.sights[0].nearness > 0;
     };

@@ -1,14 +1,16 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
-#include "core/ground_patch.h"
 #include "core/surface_map.h"
 #include "mapping/driven_path.h"
 #include "mapping/height_field.h"
+#include "mapping/patch_source.h"
 
 namespace parkade {
 
@@ -21,14 +23,21 @@ struct SightLogOdds {
 class SurfacePainter {
  public:
   /// The field is borrowed. `cells_per_side` cells on each side of a patch.
-  SurfacePainter(const HeightField& field, int cells_per_side, const SightLogOdds& log_odds);
+  /// \param window  squares of the field that are painted, the last one being the one before max(); nothing: all.
+  ///                What is painted of them does not depend on the window.
+  SurfacePainter(const HeightField& field, int cells_per_side, const SightLogOdds& log_odds,
+                 const std::optional<Eigen::AlignedBox2i>& window = {});
 
-  /// Samples of a drive's patches, moved along their rays onto the surface. In parallel, summed in order.
+  /// Whether samples of a patch may lie in the window, once they have moved along their rays. `path` may be null.
+  bool IsInReach(const PatchView& view, const DrivenPath* path) const;
+
+  /// Samples of some of a drive's patches, moved along their rays onto the surface. In parallel, summed in order.
+  /// `path` is that of the drive, or null.
   ///
   /// Behind the foot of an obstacle nothing is known, so that a parked car hardly counts against its slot. But ground
   /// that an earlier drive saw, and that this drive does not see from anywhere although it looked from where that one
   /// had seen it, is covered now.
-  void PaintDrive(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths);
+  void PaintDrive(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path);
 
   /// Where a car has been there is room for it.
   void MarkDriven(const DrivenPath& path);
@@ -67,12 +76,14 @@ class SurfacePainter {
     ViewSet view = 0;  ///< one bit, or none where it is not known well enough
   };
 
-  void Paint(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths);
+  void Paint(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path);
   void EndDrive();
   static ViewSet ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point);
   void AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds, ViewSet view,
               std::vector<Hit>& hits) const;
   std::vector<Hit> FindHits(const PosedGroundPatch& patch, const DrivenPath* path) const;
+  bool IsInReach(const Eigen::Vector3d* eye, const Eigen::Vector3d& point) const;
+  bool IsPainted(int patch) const { return slots_[static_cast<size_t>(patch)] != HeightField::kNone; }
   std::uint32_t EvidenceAt(int patch, const Eigen::Vector2i& cell) const;
   Eigen::Vector2i CellAt(const Eigen::Vector2d& point_in_site) const;
   static std::array<std::uint8_t, 3> MedianColor(const Evidence& evidence);
@@ -81,7 +92,9 @@ class SurfacePainter {
   int cells_per_side_;
   double cell_size_;
   SightLogOdds log_odds_;
-  std::vector<Evidence> evidence_;  ///< num_patches x cells_per_side^2
+  std::vector<int> slots_;          ///< by patch: where its evidence is, or none
+  Eigen::AlignedBox2d reach_;       ///< [m] of the window, and of samples that stand for more than a cell
+  std::vector<Evidence> evidence_;  ///< slots x cells_per_side^2
 };
 
 }  // namespace parkade

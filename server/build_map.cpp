@@ -87,25 +87,27 @@ void PutOnEarth(const MapOptions& options, const BuildScope& scope, BuiltMap& bu
 
 /// What all drives saw of the ground, and where they drove, in the site.
 struct SiteGround {
-  std::vector<PosedGroundPatch> patches;
+  StoredGround patches;
   std::vector<DrivenPath> paths;
+  std::vector<DriveHeights> heights;
 };
 
-void ObserveGroundOf(const DriveLog& log, int drive, const GroundOptions& options, BuiltMap& built,
+void ObserveGroundOf(const DriveInWork& work, int drive, bool measures_heights, DriveStages& stages, BuiltMap& built,
                      SiteGround& ground) {
   std::vector<Submap> submaps;
   for (const PosedSubmap& posed : built.site.submaps)
     if (posed.submap.drive == drive) submaps.push_back(posed.submap);
-  const SiteDrive& site_drive = built.site.drives[static_cast<size_t>(drive)];
-  GroundObservation seen = ObserveGround(log, site_drive.odometry, submaps, drive, options);
+  const std::shared_ptr<const GroundFile> file = stages.ObserveGround(*work.calibrated, work.odometry, submaps);
+  const GroundObservation& seen = file->observation();
   built.drives[static_cast<size_t>(drive)].num_ground_images = seen.num_images;
-  std::move(seen.warnings.begin(), seen.warnings.end(), std::back_inserter(built.warnings));
+  built.warnings.insert(built.warnings.end(), seen.warnings.begin(), seen.warnings.end());
+  if (measures_heights)
+    ground.heights.push_back(stages.MeasureHeights(*work.calibrated, file, work.outcome.refinement, drive));
 
+  const SiteDrive& site_drive = built.site.drives[static_cast<size_t>(drive)];
   const Trajectory& site_from_body = site_drive.site_from_body_trajectory;
   ground.paths.push_back(MakeDrivenPath(drive, site_drive.rig, site_from_body, seen.body_from_ground));
-  for (GroundPatch& patch : seen.patches)
-    if (const std::optional<Rigid3> pose = site_from_body.At(patch.time))
-      ground.patches.push_back({std::move(patch), *pose});
+  ground.patches.Add(file, drive, site_from_body);
 }
 
 constexpr const char* kOdometryFile = "odometry.bin";
@@ -118,23 +120,30 @@ OdometryResult ReadStoredOdometry(const DriveLog& log, const std::filesystem::pa
   return odometry;
 }
 
+/// In the map in the making, shared with the one that it was taken from.
+void StoreOdometry(const OdometryResult& odometry, const DriveLog& log, const BuildScope& scope, bool is_taken) {
+  const std::filesystem::path name = std::filesystem::path(log.name()) / kOdometryFile;
+  if (is_taken) return LinkOrCopy(scope.from / name, scope.products / name);
+  std::filesystem::create_directories(scope.products / log.name());
+  WriteOdometry(odometry, log.rig(), scope.products / name);
+}
+
 /// From the map to start from where it holds this drive's, else tracked.
-OdometryResult OdometryOf(const DriveLog& log, const std::filesystem::path& from, const OdometryOptions& options,
+OdometryResult OdometryOf(const DriveLog& log, const BuildScope& scope, const OdometryOptions& options,
                           const ProgressCallback& progress) {
-  const std::filesystem::path file = from / log.name() / kOdometryFile;
-  if (!from.empty() && std::filesystem::exists(file)) {
+  const std::filesystem::path file = scope.from / log.name() / kOdometryFile;
+  if (!scope.from.empty() && std::filesystem::exists(file)) {
     try {
-      return ReadStoredOdometry(log, file);
+      OdometryResult odometry = ReadStoredOdometry(log, file);
+      if (!scope.products.empty()) StoreOdometry(odometry, log, scope, /*is_taken=*/true);
+      return odometry;
     } catch (const Error& error) {
       LogWarning("drive '" + log.name() + "' is tracked again, as its stored odometry cannot be used: " + error.what());
     }
   }
-  return EstimateTrajectory(log, options, progress);
-}
-
-void StoreOdometry(const OdometryResult& odometry, const DriveLog& log, const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder / log.name());
-  WriteOdometry(odometry, log.rig(), folder / log.name() / kOdometryFile);
+  OdometryResult odometry = EstimateTrajectory(log, options, progress);
+  if (!scope.products.empty()) StoreOdometry(odometry, log, scope, /*is_taken=*/false);
+  return odometry;
 }
 
 }  // namespace
@@ -173,13 +182,12 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
     DriveInWork drive;
     drive.log = logs[i].get();
     try {
-      drive.odometry = OdometryOf(*logs[i], scope.from, options.odometry, share_of_drive(i));
+      drive.odometry = OdometryOf(*logs[i], scope, options.odometry, share_of_drive(i));
     } catch (const Error& error) {
       if (logs.size() == 1 || error.code() != ErrorCode::kInvalidInput) throw;
       built.left_out.push_back({logs[i]->name(), error.what()});
       continue;
     }
-    if (!scope.products.empty()) StoreOdometry(drive.odometry, *logs[i], scope.products);
     drive.outcome.log = i;
     drive.outcome.odometry = drive.odometry.report;
     drive.outcome.num_keyframes = drive.odometry.keyframes.size();
@@ -214,17 +222,18 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
   for (const LeftOutDrive& drive : built.left_out)
     built.warnings.push_back("drive '" + drive.name + "' is left out: " + drive.reason);
   PutOnEarth(options, scope, built);
+  if (scope.on_placed) scope.on_placed(map);
   if (scope.is_odometry_only) return built;
 
   progress.Begin("observe ground");
   SiteGround ground;
   for (size_t i = 0; i < drives.size(); ++i) {
-    ObserveGroundOf(*drives[i].calibrated, static_cast<int>(i), options.ground, built, ground);
+    ObserveGroundOf(drives[i], static_cast<int>(i), options.surface.method == "surface", stages, built, ground);
     share_of_drive(i)(1);
   }
 
   progress.Begin("fuse surface");
-  map.surface = FuseSurface(ground.patches, ground.paths, options.surface);
+  map.surface = FuseSurface(ground.patches, ground.paths, ground.heights, options.surface);
 
   progress.Begin("mesh");
   map.mesh = MeshSurface(map.surface, options.mesh);

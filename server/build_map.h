@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -51,10 +52,11 @@ std::vector<StagePlan> PlanStages(size_t num_drives, bool is_odometry_only);
 struct BuildScope {
   bool is_odometry_only = false;  ///< trajectories, no surface
   std::filesystem::path from;  ///< finished map whose odometry, and stages (DriveStages), are taken where it has them
-  std::filesystem::path products;           ///< folder in which both are stored per drive; empty: not stored
-  std::map<std::string, LoopReview> loops;  ///< what a reviewer decided, by drive
-  std::vector<SitePin> pins;                ///< where points of the site lie on Earth
-  std::vector<LeftOutDrive> unreadable;     ///< logs that are left out from the beginning
+  std::filesystem::path products;  ///< folder in which both are stored per drive; empty: not stored, no surface then
+  std::map<std::string, LoopReview> loops;        ///< what a reviewer decided, by drive
+  std::vector<SitePin> pins;                      ///< where points of the site lie on Earth
+  std::vector<LeftOutDrive> unreadable;           ///< logs that are left out from the beginning
+  std::function<void(const SiteMap&)> on_placed;  ///< called once trajectories are final, before there is ground
 };
 
 /// The program: recorded drives of one place in, one map out.

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/options_json.h"
+#include "server/heights_file.h"
 #include "server/store/durable_file.h"
 #include "server/version.h"
 #include "slam/binary_archive.h"
@@ -38,18 +39,27 @@ std::string BytesOf(const std::optional<GnssAlignment>& gnss) {
   return writer.bytes();
 }
 
+/// Of what the refinement may change about a rig: the rest belongs to the odometry.
+std::string BytesOf(Rig rig) {
+  BinaryWriter writer;
+  for (RigCamera& camera : rig.cameras)
+    writer(camera.body_from_camera.rotation, camera.body_from_camera.translation, camera.time_shift, camera.line_delay);
+  return writer.bytes();
+}
+
 }  // namespace
 
 DriveStages::DriveStages(const std::filesystem::path& from, std::filesystem::path to, const MapOptions& options)
-    : products_(from, std::move(to)), options_(options) {}
+    : from_(from), to_(to), products_(from, std::move(to)), options_(options) {}
 
 void DriveStages::Begin(const DriveLog& log, const std::filesystem::path& odometry_file) {
   const std::string odometry = odometry_file.empty() ? "" : Sha256OfFile(odometry_file);
-  keys_[log.name()] = KeyOf({kVersion, std::to_string(kStageResultsVersion), odometry});
+  const std::string key = KeyOf({kVersion, std::to_string(kStageResultsVersion), odometry});
+  keys_[log.name()] = {.odometry = key, .ground = {}, .refinement = {}, .so_far = key};
 }
 
 LoopClosure DriveStages::CloseLoops(const DriveLog& log, const OdometryResult& odometry, const LoopReview& review) {
-  std::string& key = keys_.at(log.name());
+  std::string& key = keys_.at(log.name()).so_far;
   key = KeyOf({key, "loops", TextOf(options_.loops), TextOf(review)});
   double seconds = 0;
   const std::string bytes = products_.Get(log.name() + "/loops.bin", key, [&] {
@@ -66,8 +76,9 @@ LoopClosure DriveStages::CloseLoops(const DriveLog& log, const OdometryResult& o
 
 DriveRefinement DriveStages::Refine(const DriveLog& log, const OdometryResult& odometry, const LoopClosure& loops) {
   const GnssPositions gnss = ReadGnss(log, options_.gnss);
-  std::string& key = keys_.at(log.name());
+  std::string& key = keys_.at(log.name()).so_far;
   key = KeyOf({key, "refinement", TextOf(options_.refinement), TextOf(options_.gnss), BytesOf(gnss)});
+  keys_.at(log.name()).refinement = key;
   double seconds = 0;
   const std::string bytes = products_.Get(log.name() + "/refinement.bin", key, [&] {
     const DriveRefinement refinement = RefineDrive(odometry, log.rig(), loops, options_.refinement, gnss);
@@ -81,7 +92,7 @@ DriveRefinement DriveStages::Refine(const DriveLog& log, const OdometryResult& o
 
 std::vector<Place> DriveStages::FindPlaces(const DriveLog& log, const OdometryResult& odometry,
                                            const DriveRefinement& refinement) {
-  std::string& key = keys_.at(log.name());
+  std::string& key = keys_.at(log.name()).so_far;
   key = KeyOf({key, "places"});
   const std::string bytes = products_.Get(log.name() + "/places.bin", key, [&] {
     return EncodePlaces(PlacesAlong(log, odometry.odom_from_body, refinement.odom_from_body, options_.loops.places));
@@ -89,12 +100,50 @@ std::vector<Place> DriveStages::FindPlaces(const DriveLog& log, const OdometryRe
   return DecodePlaces(bytes);
 }
 
+std::shared_ptr<const GroundFile> DriveStages::ObserveGround(const DriveLog& log, const OdometryResult& odometry,
+                                                             std::span<const Submap> drive_submaps) {
+  Require(!to_.empty(), ErrorCode::kInternal, "what is seen of the ground needs a folder to lie in");
+  const std::string& model = options_.ground.freespace_model;
+  std::string& key = keys_.at(log.name()).ground;
+  key = KeyOf({keys_.at(log.name()).odometry, "ground", std::to_string(kGroundVersion), BytesOf(log.rig()),
+               TextOf(options_.ground), TextOf(options_.submaps), model.empty() ? "" : Sha256OfFile(model)});
+  const std::filesystem::path name = std::filesystem::path(log.name()) / "ground.bin", file = to_ / name;
+  if (!from_.empty())
+    if (std::shared_ptr<const GroundFile> taken = GroundFile::Open(from_ / name, key)) {
+      LinkOrCopy(from_ / name, file);
+      return taken;
+    }
+  GroundFileWriter writer(file, key);
+  writer.Finish(parkade::ObserveGround(log, odometry.odom_from_body, drive_submaps, 0, options_.ground,
+                                       [&](GroundPatch&& patch) { writer.Add(patch); }));
+  std::shared_ptr<const GroundFile> written = GroundFile::Open(file, key);
+  Require(written != nullptr, ErrorCode::kInternal, "'" + file.string() + "' cannot be read again");
+  return written;
+}
+
+DriveHeights DriveStages::MeasureHeights(const DriveLog& log, const std::shared_ptr<const GroundFile>& ground,
+                                         const DriveRefinement& refinement, int drive) {
+  const HeightOptions options = options_.surface.Heights();
+  const Keys& keys = keys_.at(log.name());
+  const std::string key = KeyOf({keys.ground, keys.refinement, "heights", TextOf(options)});
+  const std::string bytes = products_.Get(log.name() + "/heights.bin", key, [&] {
+    StoredGround patches;
+    patches.Add(ground, 0, refinement.odom_from_body);
+    const DrivenPath path =
+        MakeDrivenPath(0, log.rig(), refinement.odom_from_body, ground->observation().body_from_ground);
+    return EncodeHeights(MeasureDriveHeights(patches, &path, options));
+  });
+  DriveHeights heights = DecodeHeights(bytes);
+  heights.drive = drive;
+  return heights;
+}
+
 PairMemory DriveStages::MemoryOfPairs(const std::vector<std::string>& names,
                                       const std::vector<DriveToJoin>& drives) const {
   return
       [this, names, &drives](const std::string& what, size_t a, size_t b, const std::function<std::string()>& compute) {
-        const std::string key = KeyOf({what, keys_.at(names[a]), keys_.at(names[b]), TextOf(options_.links),
-                                       BytesOf(drives[a].gnss), BytesOf(drives[b].gnss)});
+        const std::string key = KeyOf({what, keys_.at(names[a]).so_far, keys_.at(names[b]).so_far,
+                                       TextOf(options_.links), BytesOf(drives[a].gnss), BytesOf(drives[b].gnss)});
         return products_.Get(names[b] + "/" + what + ".bin", key, compute);
       };
 }

@@ -2,10 +2,14 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "core/drive_log.h"
+#include "mapping/drive_heights.h"
+#include "server/ground_file.h"
 #include "server/map_options.h"
 #include "server/stage_products.h"
 #include "slam/join_drives.h"
@@ -34,13 +38,27 @@ class DriveStages {
   DriveRefinement Refine(const DriveLog& log, const OdometryResult& odometry, const LoopClosure& loops);
   /// Along the refined drive, `log` being as the refinement found it to be.
   std::vector<Place> FindPlaces(const DriveLog& log, const OdometryResult& odometry, const DriveRefinement& refinement);
+  /// What the drive sees of the ground, in the map's folder. `log` as for places; `drive_submaps` are the drive's.
+  std::shared_ptr<const GroundFile> ObserveGround(const DriveLog& log, const OdometryResult& odometry,
+                                                  std::span<const Submap> drive_submaps);
+  /// What it knows of the ground's height; `drive` is its number in the site. After ObserveGround.
+  DriveHeights MeasureHeights(const DriveLog& log, const std::shared_ptr<const GroundFile>& ground,
+                              const DriveRefinement& refinement, int drive);
   /// For drives in the order of `names`, of which `drives` says how they stand.
   PairMemory MemoryOfPairs(const std::vector<std::string>& names, const std::vector<DriveToJoin>& drives) const;
 
  private:
+  /// What results of a drive depend on.
+  struct Keys {
+    std::string odometry, ground;
+    std::string refinement;  ///< with the loops before it
+    std::string so_far;      ///< of all stages that lead to links
+  };
+
+  std::filesystem::path from_, to_;
   StageProducts products_;
   const MapOptions& options_;
-  std::map<std::string, std::string> keys_;  // per drive: of all its stages so far
+  std::map<std::string, Keys> keys_;  // per drive
 };
 
 }  // namespace parkade

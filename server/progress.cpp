@@ -1,5 +1,7 @@
 #include "server/progress.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cstdio>
@@ -13,7 +15,27 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// Of this process, the workers of core/parallel included.
+rusage Usage() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return usage;
+}
+
+/// [s] so far.
+double ProcessorSeconds() {
+  const rusage usage = Usage();
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
 }  // namespace
+
+std::int64_t PeakMemoryBytes() {
+  return std::int64_t{1024} * Usage().ru_maxrss;  // Linux counts KiB
+}
 
 Progress::Progress(std::vector<StagePlan> plan, const Outputs& outputs) : plan_(std::move(plan)), outputs_(outputs) {}
 
@@ -30,6 +52,7 @@ void Progress::Begin(const std::string& stage) {
   has_begun_ = true;
   fraction_ = 0;
   stage_start_ = Clock::now();
+  processor_start_ = ProcessorSeconds();
   Send(/*is_forced=*/true);
 }
 
@@ -89,7 +112,8 @@ void Progress::Append(const std::string& line) {
 void Progress::EndStage() {
   if (!has_begun_) return;
   has_begun_ = false;
-  timings_.push_back({plan_[current_].name, SecondsSince(stage_start_)});
+  timings_.push_back(
+      {plan_[current_].name, SecondsSince(stage_start_), ProcessorSeconds() - processor_start_, PeakMemoryBytes()});
 }
 
 }  // namespace parkade

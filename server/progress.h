@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -18,7 +19,12 @@ struct StagePlan {
 struct StageTiming {
   std::string name;
   double seconds = 0;
+  double processor_seconds = 0;        ///< of all threads
+  std::int64_t peak_memory_bytes = 0;  ///< of the process, until its end
 };
+
+/// Of this process so far, the workers of core/parallel included.
+std::int64_t PeakMemoryBytes();
 
 /// Tells people and the service how far a run is: a line with an ETA on a
 /// terminal, and JSON lines {"stage", "progress", "eta"} in a file that the
@@ -64,6 +70,7 @@ class Progress {
   double fraction_ = 0;
   Clock::time_point start_ = Clock::now();
   Clock::time_point stage_start_ = start_;
+  double processor_start_ = 0;  ///< [s] of processor time
   Clock::time_point last_sent_{};
   std::vector<StageTiming> timings_;
 };

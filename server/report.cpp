@@ -1,7 +1,5 @@
 #include "server/report.h"
 
-#include <sys/resource.h>
-
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
@@ -17,13 +15,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json NumbersOf(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
-
-/// Of this process, the workers of core/parallel included.
-std::int64_t PeakMemoryBytes() {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  return std::int64_t{1024} * usage.ru_maxrss;  // Linux counts KiB
-}
 
 Json GnssToJson(const std::optional<GnssAlignment>& gnss) {
   if (!gnss) return nullptr;
@@ -104,7 +95,10 @@ void WriteReport(const BuiltMap& built, const std::vector<std::unique_ptr<Record
   report["version"] = kVersion;
   report["options"] = OptionsToJson(options);
   for (const StageTiming& timing : timings)
-    report["stages"].push_back({{"name", timing.name}, {"seconds", timing.seconds}});
+    report["stages"].push_back({{"name", timing.name},
+                                {"seconds", timing.seconds},
+                                {"processor_seconds", timing.processor_seconds},
+                                {"peak_memory_bytes", timing.peak_memory_bytes}});
   report["peak_memory_bytes"] = PeakMemoryBytes();
   report["datum"] = nullptr;
   if (map.datum) {

@@ -62,9 +62,26 @@ std::optional<std::string> Find(const std::filesystem::path& file, const std::st
   return std::nullopt;
 }
 
+bool HoldsOneResult(const std::filesystem::path& file) {
+  ProductReader reader(file);
+  if (!reader.Next()) return false;
+  reader.Skip();
+  return !reader.Next();
+}
+
+/// A copy of its own, where an older map shares the file.
+void StopSharing(const std::filesystem::path& file) {
+  if (std::filesystem::hard_link_count(file) < 2) return;
+  std::filesystem::path copy = file;
+  copy += ".own";
+  std::filesystem::copy_file(file, copy);
+  std::filesystem::rename(copy, file);
+}
+
 void Append(const std::filesystem::path& file, const std::string& key, const std::string& result) {
   std::filesystem::create_directories(file.parent_path());
   const bool is_new = !std::filesystem::exists(file);
+  if (!is_new) StopSharing(file);
   std::ofstream stream(file, std::ios::binary | std::ios::app);
   if (is_new) stream << kMagic;
   const std::uint64_t size = result.size();
@@ -84,6 +101,10 @@ std::string StageProducts::Get(const std::string& file, const std::string& key,
                                const std::function<std::string()>& compute) const {
   std::optional<std::string> result;
   if (!from_.empty()) result = Find(from_ / file, key);
+  if (result && !to_.empty() && !std::filesystem::exists(to_ / file) && HoldsOneResult(from_ / file)) {
+    LinkOrCopy(from_ / file, to_ / file);
+    return std::move(*result);
+  }
   if (!result) result = compute();
   if (!to_.empty()) Append(to_ / file, key, *result);
   return std::move(*result);
@@ -94,6 +115,14 @@ std::optional<std::string> LastProduct(const std::filesystem::path& file) {
   std::optional<std::string> last;
   while (reader.Next()) last = reader.Read();
   return last;
+}
+
+void LinkOrCopy(const std::filesystem::path& from, const std::filesystem::path& to) {
+  std::filesystem::create_directories(to.parent_path());
+  std::filesystem::remove(to);
+  std::error_code error;
+  std::filesystem::create_hard_link(from, to, error);
+  if (error) std::filesystem::copy_file(from, to);
 }
 
 std::string KeyOf(const std::vector<std::string>& parts) {

@@ -18,7 +18,8 @@ class StageProducts {
 
   bool is_kept() const { return !to_.empty(); }
 
-  /// The result under `key`: taken where there is a whole one, else computed. Kept in the new map either way.
+  /// The result under `key`: taken where there is a whole one, else computed. Kept in the new map either way; a file of
+  /// this one result is shared between the maps.
   /// `file` is relative to the maps' folders.
   std::string Get(const std::string& file, const std::string& key, const std::function<std::string()>& compute) const;
 
@@ -28,6 +29,9 @@ class StageProducts {
 
 /// The last result in a file of a finished map, whatever its key; nothing without a whole one.
 std::optional<std::string> LastProduct(const std::filesystem::path& file);
+
+/// The file `from` under the name `to` as well, or a copy where the file system has no hard links.
+void LinkOrCopy(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// One key for all these, in their order.
 std::string KeyOf(const std::vector<std::string>& parts);

@@ -69,7 +69,7 @@ TEST(FindMarkings, PutsSlotsAcrossTilesOnTheGround) {
   FlatGround ground(painted.tile());
   const DrivenPath path = PathOverBump(ground.surface, 0.001);
   const GroundMarkings markings =
-      FindMarkings({ground.mesh, ground.surface, ground.texture, {}, std::span(&path, 1), 1});
+      FindMarkings({ground.mesh, ground.surface, ground.texture, PatchesInMemory({}), std::span(&path, 1), 1});
 
   const SlotEvaluation evaluation = EvaluateSlots(truth, markings.slots);
   EXPECT_EQ(evaluation.num_missed, 0U);
@@ -88,10 +88,11 @@ TEST(FindMarkings, PutsSlotsAcrossTilesOnTheGround) {
 
 TEST(FindMarkings, FindsNothingOnBareGround) {
   FlatGround ground(PaintedGround().tile());
-  const GroundMarkings markings = FindMarkings({ground.mesh, ground.surface, ground.texture, {}, {}, 0});
+  const GroundMarkings markings =
+      FindMarkings({ground.mesh, ground.surface, ground.texture, PatchesInMemory({}), {}, 0});
   EXPECT_TRUE(markings.slots.empty());
   EXPECT_TRUE(markings.markings.empty());
-  EXPECT_TRUE(FindMarkings({ground.mesh, ground.surface, {}, {}, {}, 0}).slots.empty());
+  EXPECT_TRUE(FindMarkings({ground.mesh, ground.surface, {}, PatchesInMemory({}), {}, 0}).slots.empty());
 }
 
 TEST(FindSpeedBumps, MeasuresWhatACarDroveOver) {

@@ -216,7 +216,7 @@ TEST(SurfacePainter, ASampleMovesAlongItsRayOntoARampAhead) {
                                  .weight = 1000});
 
   SurfacePainter painter(field, 8, {});
-  painter.PaintDrive(std::span(&posed, 1), std::span(&path, 1));
+  painter.PaintDrive(PatchesInMemory(std::span(&posed, 1)), std::vector<size_t>{0}, &path);
 
   int num_seen = 0;
   for (const SurfacePainter::PaintedCell& cell : painter.Cells()) {

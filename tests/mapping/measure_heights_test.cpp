@@ -54,7 +54,7 @@ HeightField LevelField() {
 std::vector<HeightObservation> Measure(double height, double contrast) {
   const std::vector<PosedGroundPatch> patches = LookAt(height, contrast);
   const DrivenPath path = PathWithEye();
-  return MeasureHeights(patches, std::span(&path, 1), LevelField(), 0.15, {});
+  return MeasureHeights(PatchesInMemory(patches), std::span(&path, 1), LevelField(), 0.15, {});
 }
 
 TEST(MeasureHeights, FindsTheHeightAtWhichViewsAgree) {
@@ -73,7 +73,9 @@ TEST(MeasureHeights, FindsTheHeightAtWhichViewsAgree) {
 
 TEST(MeasureHeights, GroundThatShowsNothingGetsNoHeight) { EXPECT_TRUE(Measure(0.06, 0).empty()); }
 
-TEST(MeasureHeights, NothingInNothingOut) { EXPECT_TRUE(MeasureHeights({}, {}, LevelField(), 0.15, {}).empty()); }
+TEST(MeasureHeights, NothingInNothingOut) {
+  EXPECT_TRUE(MeasureHeights(PatchesInMemory({}), {}, LevelField(), 0.15, {}).empty());
+}
 
 TEST(MeasureHeights, RejectsASweepWithoutSteps) {
   MeasureHeightsOptions options;
@@ -85,7 +87,7 @@ TEST(FuseVoxels, TheSurfaceLiesOnThePlaneOfTheCar) {
   const std::vector<PosedGroundPatch> patches = LookAt(0.06, 20);
   const DrivenPath path = PathWithEye();
 
-  const SurfaceMap surface = FuseVoxels(patches, std::span(&path, 1), 0.05);
+  const SurfaceMap surface = FuseVoxels(PatchesInMemory(patches), std::span(&path, 1), 0.05);
 
   ASSERT_GT(surface.cells.size(), 1000u);
   for (const SurfaceCell& cell : surface.cells) {
@@ -94,7 +96,9 @@ TEST(FuseVoxels, TheSurfaceLiesOnThePlaneOfTheCar) {
   }
 }
 
-TEST(FuseVoxels, RejectsVoxelsThatCellsDoNotFill) { EXPECT_THROW(FuseVoxels({}, {}, 0.03, {}), Error); }
+TEST(FuseVoxels, RejectsVoxelsThatCellsDoNotFill) {
+  EXPECT_THROW(FuseVoxels(PatchesInMemory({}), {}, 0.03, {}), Error);
+}
 
 }  // namespace
 }  // namespace parkade

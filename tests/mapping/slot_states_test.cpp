@@ -37,7 +37,7 @@ TEST(SlotStates, AreWhatEachDriveSaw) {
       PatchOf(0, true, 0, 5, -2, 5),                                           // both are empty
       PatchOf(1, true, 0, 5, -2, 0.4), PatchOf(1, false, 0.4, 2.2, 0.5, 0.8),  // a car's front in the first one
       PatchOf(1, true, 2.5, 5, 0, 5)};
-  SeeSlots(patches, {}, 3, {}, slots);
+  SeeSlots(PatchesInMemory(patches), {}, 3, {}, slots);
   EXPECT_EQ(slots[0].states, (std::vector{SlotState::kFree, SlotState::kOccupied, SlotState::kUnseen}));
   EXPECT_EQ(slots[1].states, (std::vector{SlotState::kFree, SlotState::kFree, SlotState::kUnseen}));
 }
@@ -46,20 +46,20 @@ TEST(SlotStates, WhatStandsBesideTheSlotDoesNotTakeIt) {
   std::vector<ParkingSlot> slots = {SlotAt(0)};
   const std::vector<PosedGroundPatch> patches = {PatchOf(0, true, 0.2, 2.5, 0, 5), PatchOf(0, false, -1, 0.2, 0, 5),
                                                  PatchOf(0, false, 0, 2.5, -1, 0.3)};
-  SeeSlots(patches, {}, 1, {}, slots);
+  SeeSlots(PatchesInMemory(patches), {}, 1, {}, slots);
   EXPECT_EQ(slots[0].states[0], SlotState::kFree);
 }
 
 TEST(SlotStates, OtherDecksDoNotCount) {
   std::vector<ParkingSlot> slots = {SlotAt(0), SlotAt(0, 3)};
-  SeeSlots(std::vector{PatchOf(0, true, 0, 2.5, 0, 5, 3)}, {}, 1, {}, slots);
+  SeeSlots(PatchesInMemory(std::vector{PatchOf(0, true, 0, 2.5, 0, 5, 3)}), {}, 1, {}, slots);
   EXPECT_EQ(slots[0].states[0], SlotState::kUnseen);
   EXPECT_EQ(slots[1].states[0], SlotState::kFree);
 }
 
 TEST(SlotStates, RefuseOptionsThatMakeNoSense) {
   std::vector<ParkingSlot> slots;
-  EXPECT_THROW(SeeSlots({}, {}, 0, {.free_share = 0}, slots), Error);
+  EXPECT_THROW(SeeSlots(PatchesInMemory({}), {}, 0, {.free_share = 0}, slots), Error);
 }
 
 }  // namespace

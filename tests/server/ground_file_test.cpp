@@ -8,7 +8,7 @@
 
 #include "core/file.h"
 #include "server/stage_products.h"
-#include "tests/server/store/temporary_store.h"
+#include "tests/server/store/temporary_root.h"
 
 namespace parkade {
 namespace {

@@ -68,6 +68,21 @@ TEST_F(StageProductsTest, WhatIsDamagedOrCutOffIsComputedAgain) {
   EXPECT_FALSE(Get(StageProducts(old_map_, {}), first_key_).second);
 }
 
+TEST_F(StageProductsTest, AFileOfOneResultIsSharedUntilItGrows) {
+  Get(StageProducts({}, old_map_), first_key_);
+  const std::filesystem::path old_file = old_map_ / "drive/loops.bin", new_file = new_map_ / "drive/loops.bin";
+  const std::string before = ReadFile(old_file, 1 << 20);
+
+  const StageProducts second(old_map_, new_map_);
+  Get(second, first_key_);
+  EXPECT_TRUE(std::filesystem::equivalent(old_file, new_file));
+  Get(second, second_key_);
+
+  EXPECT_EQ(ReadFile(old_file, 1 << 20), before) << "a published map does not change";
+  EXPECT_FALSE(Get(StageProducts(new_map_, {}), first_key_).second);
+  EXPECT_FALSE(Get(StageProducts(new_map_, {}), second_key_).second);
+}
+
 TEST(KeyOf, TellsPartsApart) {
   EXPECT_NE(KeyOf({"ab", "c"}), KeyOf({"a", "bc"}));
   EXPECT_NE(KeyOf({"a", "b"}), KeyOf({"b", "a"}));
