@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/file.h"
 #include "core/log.h"
 #include "core/options_json.h"
 #include "core/parallel.h"
@@ -21,6 +22,7 @@
 #include "server/ingest/open_drive_log.h"
 #include "server/loop_pictures.h"
 #include "server/output_folder.h"
+#include "server/preview_map.h"
 #include "server/report.h"
 #include "server/site_pins.h"
 #include "server/surface_file.h"
@@ -31,7 +33,7 @@ namespace {
 
 struct MapArguments {
   std::vector<std::string> logs, rigs;
-  std::string out, from, progress_file, cameras, loops, freespace_model;
+  std::string out, from, preview, progress_file, cameras, loops, freespace_model;
   std::vector<std::string> settings, rejected_loops, forced_loops, pins;
   bool no_pins = false;
   bool no_wheel = false, no_gnss = false, no_refine = false, is_odometry_only = false;
@@ -149,6 +151,16 @@ BuildScope ScopeOf(const MapArguments& arguments, const std::vector<std::unique_
   return scope;
 }
 
+/// A preview that cannot be made costs nobody the map.
+void WritePreview(const MapArguments& arguments, const SiteMap& site) {
+  try {
+    WriteFileAtomically(arguments.preview, EncodePreview(arguments.from, site));
+    LogInfo("preview written");
+  } catch (const Error& error) {
+    LogWarning(std::string("there is no preview: ") + error.what());
+  }
+}
+
 void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Progress& progress) {
   std::vector<SitePin> pins = PinsOf(arguments, options.pins);
   OutputFolder output(arguments.out);
@@ -156,6 +168,7 @@ void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Pro
   BuildScope scope = ScopeOf(arguments, logs.drives, output.staging());
   scope.unreadable = logs.unreadable;
   scope.pins = std::move(pins);
+  if (!arguments.preview.empty()) scope.on_placed = [&](const SiteMap& site) { WritePreview(arguments, site); };
   const BuiltMap built = BuildMap(logs.drives, options, scope, progress);
   WriteProducts(logs, built, options, progress, output.staging());
   output.Commit();
@@ -186,6 +199,8 @@ int RunMap(const MapArguments& arguments) {
   }
   Require(!arguments.logs.empty(), ErrorCode::kUsage, "map needs at least one drive log");
   Require(!arguments.out.empty(), ErrorCode::kUsage, "map needs --out DIR");
+  Require(arguments.preview.empty() || !arguments.from.empty(), ErrorCode::kUsage,
+          "--preview needs --from: it is that map's ground, bent");
   // Said now, not after a long drive was tracked.
   if (!options.ground.freespace_model.empty()) FreespaceNetwork{options.ground.freespace_model};
   if (arguments.num_threads > 0) SetNumThreads(arguments.num_threads);
@@ -227,6 +242,9 @@ void AddMapCommand(CLI::App& app, Action& action) {
                       "ONNX network that finds drivable ground, instead of the built-in one (docs/freespace.md)");
   command->add_option("--from", arguments->from,
                       "finished map: its odometry is taken for the drives it has, which are not tracked again");
+  command->add_option("--preview", arguments->preview,
+                      "FILE.glb: the ground of the map --from, bent as trajectories have, written as soon as these are "
+                      "final");
   command
       ->add_option("--reject-loop", arguments->rejected_loops, "[DRIVE:]LOOP, by the id in report.json: never closed")
       ->allow_extra_args(false);

@@ -28,7 +28,7 @@ std::vector<std::string> WorkerCommand(const JobSpec& spec) {
   command.insert(command.end(), spec.logs.begin(), spec.logs.end());
   for (const std::filesystem::path& rig : spec.rigs)
     command.insert(command.end(), {"--rig", rig.empty() ? "-" : rig.string()});
-  if (spec.from) command.insert(command.end(), {"--from", *spec.from});
+  if (spec.from) command.insert(command.end(), {"--from", *spec.from, "--preview", spec.preview});
   for (const std::string& loop : spec.rejected_loops) command.insert(command.end(), {"--reject-loop", loop});
   for (const std::string& loop : spec.forced_loops) command.insert(command.end(), {"--force-loop", loop});
   if (spec.pins && spec.pins->empty()) command.push_back("--no-pins");

@@ -13,7 +13,20 @@ Job JobWithId(RouteContext& context, const std::string& id) {
   return context.store.database.Read([&](Connection& connection) { return FindJob(connection, id); });
 }
 
-Json View(RouteContext& context, const Job& job) { return ToJson(job, context.jobs.ProgressOf(job.id)); }
+/// Of a running job that has one.
+std::optional<std::filesystem::path> PreviewOf(RouteContext& context, const Job& job) {
+  if (job.state != JobState::kRunning) return std::nullopt;
+  const std::filesystem::path file =
+      context.store.directory.AttemptFolder(job.id, job.attempt) / AttemptFolder::kPreviewName;
+  std::error_code ignored;
+  return std::filesystem::exists(file, ignored) ? std::optional(file) : std::nullopt;
+}
+
+Json View(RouteContext& context, const Job& job) {
+  Json json = ToJson(job, context.jobs.ProgressOf(job.id));
+  json["preview"] = PreviewOf(context, job) ? Json("/api/v1/jobs/" + job.id + "/preview.glb") : Json(nullptr);
+  return json;
+}
 
 std::optional<JobState> StateParameter(const httplib::Request& request) {
   const auto text = QueryParameter(request, "state");
@@ -47,6 +60,20 @@ void SendLog(RouteContext& context, const httplib::Request& request, httplib::Re
   SendFile(request, response, log);
 }
 
+void SendPreview(RouteContext& context, const httplib::Request& request, httplib::Response& response) {
+  const std::optional<std::filesystem::path> file = PreviewOf(context, JobWithId(context, request.matches[1]));
+  std::error_code missing;
+  const auto bytes = file ? std::filesystem::file_size(*file, missing) : 0;
+  Require(file && !missing, ErrorCode::kNotFound,
+          "this job has no preview: none yet, none at all, or its map is there");
+  ServedFile preview;
+  preview.path = *file;
+  preview.bytes = static_cast<std::int64_t>(bytes);
+  preview.content_type = "model/gltf-binary";
+  preview.cache_control = "no-store";
+  SendFile(request, response, preview);
+}
+
 }  // namespace
 
 void AddJobRoutes(httplib::Server& http, RouteContext& context) {
@@ -66,6 +93,11 @@ void AddJobRoutes(httplib::Server& http, RouteContext& context) {
   http.Get("/api/v1/jobs/" + kIdPattern + "/log",
            [&context](const httplib::Request& request, httplib::Response& response) {
              SendLog(context, request, response);
+           });
+
+  http.Get("/api/v1/jobs/" + kIdPattern + "/preview.glb",
+           [&context](const httplib::Request& request, httplib::Response& response) {
+             SendPreview(context, request, response);
            });
 
   http.Post("/api/v1/jobs/" + kIdPattern + "/cancel",

@@ -53,6 +53,7 @@ AttemptFolder::AttemptFolder(Store& store, const Job& job) : path_(store.directo
   spec_.pins = job.review.pins;
   spec_.out = path_ / "out";
   spec_.progress = path_ / "progress.ndjson";
+  spec_.preview = path_ / kPreviewName;
   try {
     fs::create_directories(path_ / "input");
     fs::create_directories(spec_.out);
@@ -72,6 +73,7 @@ AttemptFolder::~AttemptFolder() {
   std::error_code ignored;
   fs::remove_all(path_ / "input", ignored);
   fs::remove_all(spec_.out, ignored);
+  fs::remove(spec_.preview, ignored);
 }
 
 }  // namespace parkade

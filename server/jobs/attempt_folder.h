@@ -11,9 +11,10 @@ namespace parkade {
 ///   input/<drive name>   the logs, as links into the store
 ///   out/                 what the worker makes; becomes the map
 ///   progress.ndjson      what the worker says about itself
+///   preview.glb          what the map will look like, once the worker knows; see EncodePreview
 ///   log.txt              what the worker prints; kept
 ///
-/// input/ and out/ are gone when this object is.
+/// input/, out/ and preview.glb are gone when this object is.
 class AttemptFolder {
  public:
   /// Throws Error{kNotFound} when a drive or its rig was deleted, Error{kDiskFull}.
@@ -27,6 +28,7 @@ class AttemptFolder {
   std::filesystem::path LogFile() const { return path_ / kLogName; }
 
   static constexpr const char* kLogName = "log.txt";
+  static constexpr const char* kPreviewName = "preview.glb";
 
  private:
   std::filesystem::path path_;

@@ -19,6 +19,7 @@ struct JobSpec {
   std::optional<std::vector<std::string>> pins;  ///< as --pin takes them; nothing: those of `from`; empty: none
   std::filesystem::path out;                     ///< empty folder for the products
   std::filesystem::path progress;                ///< file to append progress lines to
+  std::filesystem::path preview;  ///< file for what the map will look like, where `from` allows; written before the map
 };
 
 /// The command line of the worker for an attempt, the program first.

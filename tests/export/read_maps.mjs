@@ -248,6 +248,8 @@ async function checkTiles(path, ground, isGeoreferenced) {
   assert.ok([...seams.values()].some((positions) => positions.length > 1), 'no seam to look at');
 }
 
+await validate(readFileSync(join(folder, 'moved.glb')), 'moved.glb');
+
 for (const name of ['georeferenced', 'local', 'textured', 'without_ground', 'no_manifold', 'empty']) {
   const path = join(folder, name);
   const plainBytes = readFileSync(join(path, 'map_plain.glb'));

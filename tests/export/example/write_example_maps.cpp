@@ -2,7 +2,10 @@
 
 #include <cstdio>
 
+#include "core/file.h"
 #include "core/log.h"
+#include "export/gltf.h"
+#include "export/move_gltf.h"
 #include "export/write_site_map.h"
 #include "tests/export/example_map.h"
 
@@ -24,4 +27,10 @@ int main(int argc, char** argv) {
   write("without_ground", parkade::MakeMapWithoutGround());
   write("no_manifold", parkade::MakeMapOfNoManifold());
   write("empty", {});
+  const parkade::PointMotion bend = [](const Eigen::Vector3d& point) {
+    return Eigen::Vector3d(point + Eigen::Vector3d(100, 0.001 * point.x() * point.x(), 0));
+  };
+  parkade::WriteFileAtomically(
+      root / "moved.glb",
+      parkade::MoveGltf(EncodeGltf(parkade::MakeTexturedMap(), parkade::MeshEncoding::kPlain), bend, {}, {}));
 }

@@ -30,6 +30,32 @@ TEST_F(Jobs, ShowStageAndProgress) {
   EXPECT_EQ(WaitForJob(id).at("state"), "done");
 }
 
+TEST_F(Jobs, ShowAPreviewWhileTheyRun) {
+  options_.job_command = [of_job = options_.job_command](const JobSpec& spec) {
+    std::ofstream(spec.preview) << "glTF of the worker";
+    return of_job(spec);
+  };
+  const std::string id = Start("slow");
+  const std::string address = "/api/v1/jobs/" + id + "/preview.glb";
+
+  Eventually([&] { return Get("/api/v1/jobs/" + id).at("stage") == "track"; });
+  EXPECT_EQ(Get("/api/v1/jobs/" + id).at("preview"), address);
+  const auto preview = client().Get(address);
+  EXPECT_EQ(preview->status, 200);
+  EXPECT_EQ(preview->body, "glTF of the worker");
+  EXPECT_EQ(preview->get_header_value("Content-Type"), "model/gltf-binary");
+  EXPECT_EQ(preview->get_header_value("Cache-Control"), "no-store");
+
+  EXPECT_EQ(WaitForJob(id).at("state"), "done");
+  EXPECT_EQ(Get("/api/v1/jobs/" + id).at("preview"), nullptr);
+  ExpectProblem(client().Get(address), 404, "not_found");
+  Eventually([&] {
+    for (const std::string& file : Files())
+      if (file.ends_with("preview.glb")) return false;
+    return true;
+  });
+}
+
 TEST_F(Jobs, TellWhatIsWrongWithTheInput) {
   const Json job = WaitForJob(Start("bad-input"));
 

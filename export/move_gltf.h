@@ -1,0 +1,21 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "core/geo.h"
+
+namespace parkade {
+
+/// Where a point of the old site lies now [m].
+using PointMotion = std::function<Eigen::Vector3d(const Eigen::Vector3d& point_in_site)>;
+
+/// A .glb that EncodeGltf wrote with MeshEncoding::kPlain, whose ground and lines of drives have moved: positions,
+/// normals and the frames in `extras`; textures and triangles stay. Lines of drives other than `drives` are left out.
+/// Throws Error{kInvalidInput} for any other file.
+std::string MoveGltf(const std::string& glb, const PointMotion& motion, const std::set<std::string>& drives,
+                     const std::optional<SiteDatum>& datum);
+
+}  // namespace parkade

@@ -1,0 +1,96 @@
+#include "export/move_gltf.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "core/error.h"
+#include "export/gltf.h"
+#include "tests/export/example_map.h"
+
+namespace parkade {
+namespace {
+
+/// What a plain .glb shows at a node: points in site, and normals, one after the other.
+struct ShownNode {
+  std::vector<Eigen::Vector3d> points, normals;
+};
+
+nlohmann::json JsonOf(const std::string& glb) {
+  std::uint32_t bytes = 0;
+  std::memcpy(&bytes, glb.data() + 12, sizeof bytes);
+  return nlohmann::json::parse(glb.substr(20, bytes));
+}
+
+ShownNode Show(const std::string& glb, const std::string& name) {
+  const nlohmann::json json = JsonOf(glb);
+  const size_t binary = glb.size() - json.at("buffers").at(0).at("byteLength").get<size_t>() / 4 * 4;
+  ShownNode shown;
+  for (const auto& node : json.at("nodes")) {
+    if (node.value("name", "") != name || !node.contains("mesh")) continue;
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+    if (node.contains("translation"))
+      for (size_t i = 0; i < 3; ++i) origin[static_cast<Eigen::Index>(i)] = node["translation"][i].get<double>();
+    const auto read = [&](size_t accessor, const Eigen::Vector3d& add, std::vector<Eigen::Vector3d>& values) {
+      const auto& view = json.at("bufferViews").at(json.at("accessors").at(accessor).at("bufferView").get<size_t>());
+      for (size_t i = 0; i < json.at("accessors").at(accessor).at("count").get<size_t>(); ++i) {
+        Eigen::Vector3f value;
+        std::memcpy(value.data(), glb.data() + binary + view.value("byteOffset", size_t{0}) + 12 * i, 12);
+        const Eigen::Vector3d point = add + value.cast<double>();
+        values.emplace_back(point.x(), -point.z(), point.y());
+      }
+    };
+    for (const auto& primitive : json.at("meshes").at(node.at("mesh").get<size_t>()).at("primitives")) {
+      read(primitive.at("attributes").at("POSITION"), origin, shown.points);
+      if (primitive.at("attributes").contains("NORMAL"))
+        read(primitive.at("attributes").at("NORMAL"), Eigen::Vector3d::Zero(), shown.normals);
+    }
+  }
+  return shown;
+}
+
+TEST(MoveGltf, ShowsTheMapWhereItLiesNow) {
+  const SiteMap map = MakeTexturedMap();
+  const std::string before = EncodeGltf(map, MeshEncoding::kPlain);
+  const Rigid3 motion{ExpSo3({0, 0.1, 2}), {500, -300, 12}};
+  const SiteDatum datum{48, 11, 500};
+  std::set<std::string> drives;
+  for (const SiteDrive& drive : map.drives) drives.insert(drive.name);
+  const std::string after = MoveGltf(
+      before, [&](const Eigen::Vector3d& point) { return motion * point; }, drives, datum);
+
+  std::vector<std::string> names = {"ground"};
+  for (const std::string& drive : drives) names.push_back("drive:" + drive);
+  for (const std::string& name : names) {
+    const ShownNode was = Show(before, name), is = Show(after, name);
+    ASSERT_EQ(is.points.size(), was.points.size());
+    ASSERT_GT(is.points.size(), 2U) << name;
+    for (size_t i = 0; i < is.points.size(); ++i) EXPECT_LT((is.points[i] - motion * was.points[i]).norm(), 1e-4);
+    for (size_t i = 0; i < is.normals.size(); ++i)
+      EXPECT_LT((is.normals[i] - motion.rotation * was.normals[i]).norm(), 1e-4);
+  }
+  EXPECT_EQ(JsonOf(after).at("asset").at("extras").at("datum").at("latitude_deg"), 48);
+  EXPECT_EQ(JsonOf(after).at("images"), JsonOf(before).at("images"));
+}
+
+TEST(MoveGltf, LeavesOutDrivesThatAreGone) {
+  const SiteMap map = MakeExampleMap(false);
+  ASSERT_GE(map.drives.size(), 2U);
+  const std::string after = MoveGltf(
+      EncodeGltf(map, MeshEncoding::kPlain), [](const Eigen::Vector3d& point) { return point; }, {map.drives[1].name},
+      std::nullopt);
+  EXPECT_TRUE(Show(after, "drive:" + map.drives[0].name).points.empty());
+  EXPECT_FALSE(Show(after, "drive:" + map.drives[1].name).points.empty());
+}
+
+TEST(MoveGltf, RefusesWhatItCannotMove) {
+  const PointMotion stay = [](const Eigen::Vector3d& point) { return point; };
+  const std::string glb = EncodeGltf(MakeExampleMap(false), MeshEncoding::kPlain);
+  for (const std::string& broken :
+       {std::string(), std::string("no glTF at all, but long enough"), glb.substr(0, 200),
+        glb.substr(0, glb.size() - 9), EncodeGltf(MakeExampleMap(false), MeshEncoding::kDraco)})
+    EXPECT_THROW(MoveGltf(broken, stay, {}, std::nullopt), Error);
+}
+
+}  // namespace
+}  // namespace parkade

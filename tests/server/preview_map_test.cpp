@@ -1,0 +1,82 @@
+#include "server/preview_map.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "export/write_site_map.h"
+#include "tests/mapping/test_surfaces.h"
+#include "tests/server/store/temporary_root.h"
+
+namespace parkade {
+namespace {
+
+const Rigid3 kImuFromBody{ExpSo3({0, 0, 1}), {0.1, 0, -0.8}};
+
+/// A drive along x over ground of 40 m x 10 m, both moved.
+SiteMap MakeSite(const std::string& drive, const Rigid3& site_from_first) {
+  SiteMap site;
+  for (double x = 0; x < 40; x += 4) AddRectangle(site.mesh, x, -5, x + 4, 5, 0);
+  site.mesh = Transformed(site.mesh, site_from_first);
+  site.drives.emplace_back().name = drive;
+  site.drives[0].rig.body_from_imu = kImuFromBody.Inverse();
+  std::vector<TrajectoryState> states;
+  for (int i = 0; i <= 400; ++i) {
+    TrajectoryState& state = states.emplace_back();
+    state.time = TimestampFromSeconds(0.1 * i);
+    state.odom_from_body = Rigid3{Eigen::Quaterniond::Identity(), {0.1 * i, 0, 0}};
+  }
+  site.drives[0].odometry = Trajectory(std::move(states));
+  site.drives[0].site_from_body_trajectory = site.drives[0].odometry.Transformed(site_from_first);
+  return site;
+}
+
+/// The box around the ground of a .glb, in site.
+std::pair<Eigen::Vector3d, Eigen::Vector3d> BoundsOf(const std::string& glb) {
+  std::uint32_t bytes = 0;
+  std::memcpy(&bytes, glb.data() + 12, sizeof bytes);
+  const auto json = nlohmann::json::parse(glb.substr(20, bytes));
+  std::pair<Eigen::Vector3d, Eigen::Vector3d> bounds;
+  for (const auto& node : json.at("nodes")) {
+    if (node.at("name") != "ground") continue;
+    const size_t positions = json["meshes"][node["mesh"].get<size_t>()]["primitives"][0]["attributes"]["POSITION"];
+    const auto corner = [&](const char* key) {
+      Eigen::Vector3d point;
+      for (size_t i = 0; i < 3; ++i)
+        point[static_cast<Eigen::Index>(i)] = json["accessors"][positions][key][i].get<double>() +
+                                              (node.contains("translation") ? node["translation"][i].get<double>() : 0);
+      return Eigen::Vector3d(point.x(), -point.z(), point.y());
+    };
+    const Eigen::Vector3d low = corner("min"), high = corner("max");
+    bounds = {low.cwiseMin(high), low.cwiseMax(high)};
+  }
+  return bounds;
+}
+
+class PreviewMapTest : public testing::Test {
+ protected:
+  PreviewMapTest() {
+    WriteSiteMap(MakeSite("monday", {}), root_.path());
+    WriteFileAtomically(root_.path() / "report.json", R"({"datum": null, "drives": [{"name": "monday"}]})");
+  }
+  TemporaryRoot root_;
+};
+
+TEST_F(PreviewMapTest, ShowsTheOldGroundWhereTheNewTrajectoriesPutIt) {
+  const Rigid3 moved{ExpSo3({0, 0, M_PI / 2}), {100, 20, 3}};
+  const auto [low, high] = BoundsOf(EncodePreview(root_.path(), MakeSite("monday", moved)));
+  EXPECT_LT((low - Eigen::Vector3d(95, 20, 3)).norm(), 1e-3) << low.transpose();
+  EXPECT_LT((high - Eigen::Vector3d(105, 60, 3)).norm(), 1e-3) << high.transpose();
+}
+
+TEST_F(PreviewMapTest, SaysWhyThereIsNone) {
+  EXPECT_THROW(EncodePreview(root_.path(), MakeSite("tuesday", {})), Error) << "no drive in common";
+  std::filesystem::remove(root_.path() / "ground.ply");
+  EXPECT_THROW(EncodePreview(root_.path(), MakeSite("monday", {})), Error);
+}
+
+}  // namespace
+}  // namespace parkade
