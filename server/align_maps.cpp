@@ -105,10 +105,16 @@ void LevelByGround(const FinishedMap& from, const FinishedMap& to, SiteAlignment
 
 }  // namespace
 
+bool BothHold(const FinishedMap& a, const FinishedMap& b, const std::string& drive) {
+  for (const FinishedMap* map : {&a, &b})
+    if (std::find(map->drives().begin(), map->drives().end(), drive) == map->drives().end()) return false;
+  return a.LogOf(drive).empty() || b.LogOf(drive).empty() || a.LogOf(drive) == b.LogOf(drive);
+}
+
 std::vector<SharedDrive> FindSharedDrives(const FinishedMap& from, const FinishedMap& to) {
   std::vector<SharedDrive> shared;
   for (const std::string& drive : to.drives()) {
-    if (std::find(from.drives().begin(), from.drives().end(), drive) == from.drives().end()) continue;
+    if (!BothHold(from, to, drive)) continue;
     SharedDrive pair = PairPoses(drive, from, to);
     if (!pair.poses.empty()) shared.push_back(std::move(pair));
   }

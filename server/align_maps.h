@@ -19,6 +19,9 @@ struct SharedDrive {
   std::vector<PosePair> poses;  ///< not empty
 };
 
+/// Whether both hold a drive of this name, made from one log where both say from which.
+bool BothHold(const FinishedMap& a, const FinishedMap& b, const std::string& drive);
+
 /// In the order of the later map's drives.
 std::vector<SharedDrive> FindSharedDrives(const FinishedMap& from, const FinishedMap& to);
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -37,12 +36,11 @@ TrajectoryOffset OffsetOf(const SharedDrive& drive, const Rigid3& to_from_from) 
   return {drive.name, Percentile(offsets, 0.5), Percentile(offsets, 0.95), Percentile(offsets, 1)};
 }
 
-/// Names in `names` that are not in `others`.
-std::vector<std::string> Without(const std::vector<std::string>& names, const std::vector<std::string>& others) {
-  const std::set<std::string> known(others.begin(), others.end());
+/// Drives that `others` does not hold.
+std::vector<std::string> Without(const FinishedMap& map, const FinishedMap& others) {
   std::vector<std::string> rest;
-  std::copy_if(names.begin(), names.end(), std::back_inserter(rest),
-               [&](const std::string& name) { return !known.contains(name); });
+  std::copy_if(map.drives().begin(), map.drives().end(), std::back_inserter(rest),
+               [&](const std::string& drive) { return !BothHold(map, others, drive); });
   return rest;
 }
 
@@ -91,8 +89,8 @@ MapComparison CompareMaps(const FinishedMap& from, const FinishedMap& to, const 
     comparison.slots = CompareSlots(SlotsOf(from), SlotsOf(to), alignment.to_from_from);
   for (const SharedDrive& drive : shared)
     comparison.trajectories.push_back(OffsetOf(drive, comparison.alignment.to_from_from));
-  comparison.added = Without(to.drives(), from.drives());
-  comparison.removed = Without(from.drives(), to.drives());
+  comparison.added = Without(to, from);
+  comparison.removed = Without(from, to);
   comparison.datum = to.datum();
   return comparison;
 }

@@ -41,7 +41,10 @@ FinishedMap::FinishedMap(const std::filesystem::path& folder) : folder_(folder) 
           folder.string() + " holds no map: it has no report.json");
   try {
     const Json report = Json::parse(ReadFile(folder / "report.json"));
-    for (const Json& drive : report.at("drives")) drives_.push_back(drive.at("name").get<std::string>());
+    for (const Json& drive : report.at("drives")) {
+      drives_.push_back(drive.at("name").get<std::string>());
+      if (const auto log = drive.find("log"); log != drive.end()) logs_[drives_.back()] = log->value("sha256", "");
+    }
     if (const Json& datum = report.at("datum"); !datum.is_null())
       datum_ = SiteDatum{.latitude_deg = datum.at("latitude_deg").get<double>(),
                          .longitude_deg = datum.at("longitude_deg").get<double>(),
@@ -52,6 +55,11 @@ FinishedMap::FinishedMap(const std::filesystem::path& folder) : folder_(folder) 
   } catch (const Json::exception&) {
     throw Error(ErrorCode::kInvalidInput, (folder / "report.json").string() + " is not the report of a map");
   }
+}
+
+std::string FinishedMap::LogOf(const std::string& drive) const {
+  const auto found = logs_.find(drive);
+  return found == logs_.end() ? "" : found->second;
 }
 
 std::filesystem::path FinishedMap::FileNamed(const std::string& name) const {

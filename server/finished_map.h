@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,6 +30,8 @@ class FinishedMap {
   SurfaceMap ReadSurfaceMap() const;  ///< without colours
 
   const std::vector<std::string>& drives() const { return drives_; }
+  /// SHA-256 of the log that a drive was made from; empty where the map does not say.
+  std::string LogOf(const std::string& drive) const;
   const std::optional<SiteDatum>& datum() const { return datum_; }
   /// [m] east, north and up, by which any of the map may lie elsewhere on Earth; 3 m and 5 m of height where the map
   /// does not say.
@@ -37,6 +40,7 @@ class FinishedMap {
  private:
   std::filesystem::path folder_;
   std::vector<std::string> drives_;
+  std::map<std::string, std::string> logs_;
   std::optional<SiteDatum> datum_;
   Eigen::Vector3d placement_sigma_{3, 3, 5};
 };

@@ -161,6 +161,19 @@ TEST_F(CompareMapsTest, AlignsThemOnEarthWhereTheyShareNoDrive) {
   EXPECT_THROW(CompareMaps(from, MakeMap("e", {"sunday"}, {}, {}, of_no_height)), Error) << "500 m would be wrong";
 }
 
+TEST_F(CompareMapsTest, TwoLogsOfOneNameAreTwoDrives) {
+  const FinishedMap from = MakeMap("a", {"drive"}, {}, {}), to = MakeMap("b", {"drive"}, to_from_from_, {});
+  EXPECT_EQ(CompareMaps(from, to).alignment.aligned_by, "drives");
+  const auto with_log = [&](const char* map, const char* sha256) {
+    nlohmann::json report = nlohmann::json::parse(ReadFile(root_.path() / map / "report.json"));
+    report["drives"][0]["log"] = {{"name", "drive"}, {"sha256", sha256}};
+    WriteFileAtomically(root_.path() / map / "report.json", report.dump());
+    return FinishedMap(root_.path() / map);
+  };
+  EXPECT_EQ(CompareMaps(with_log("a", "12"), with_log("b", "12")).alignment.aligned_by, "drives");
+  EXPECT_THROW(CompareMaps(with_log("a", "12"), with_log("b", "34")), Error) << "nothing says how they lie";
+}
+
 TEST_F(CompareMapsTest, LeavesItsFilesOrNothing) {
   const FinishedMap from = MakeMap("a", {"monday"}, {}, {{3, 12}});
   const FinishedMap to = MakeMap("b", {"monday"}, {}, {});
