@@ -50,6 +50,18 @@ void ContinueBeyondBorder(TextureChart& chart) {
 
 }  // namespace
 
+GroundSight SeePoint(const GroundPhoto& photo, const Rigid3& camera_from_site, const Eigen::Vector3d& point_in_site,
+                     double max_range) {
+  const Eigen::Vector3d sight = point_in_site - photo.site_from_camera.translation;
+  if (sight.head<2>().squaredNorm() > max_range * max_range || sight.z() > -0.05) return {};
+  const std::optional<Eigen::Vector2d> pixel = FindPixel(photo, camera_from_site, point_in_site);
+  if (!pixel) return {};
+  const bool may_be_own_shade =
+      photo.contact.DistanceTo((photo.site_from_ground.Inverse() * point_in_site).head<2>()) < kOwnShade;
+  const double steepness = -sight.z() / sight.norm();
+  return {pixel->cast<float>(), static_cast<float>(may_be_own_shade ? kShadePenalty * steepness : steepness)};
+}
+
 ChartPainter::ChartPainter(BlankChart blank, double texel_size) : blank_(std::move(blank)), texel_size_(texel_size) {
   const cv::Mat& height = blank_.height;
   num_columns_ = (height.cols + kTexelsPerStep - 1) / kTexelsPerStep + 1;
@@ -72,21 +84,14 @@ Eigen::Vector2d ChartPainter::PlaceOf(double column, double row) const {
   return {blank_.chart.left + column * texel_size_, blank_.chart.top - row * texel_size_};
 }
 
-ChartPainter::Corner ChartPainter::See(const GroundPhoto& photo, const Rigid3& camera_from_site, int column, int row,
-                                       double max_range) const {
+GroundSight ChartPainter::See(const GroundPhoto& photo, const Rigid3& camera_from_site, int column, int row,
+                              double max_range) const {
   const float height = corner_heights_[static_cast<std::size_t>(row) * static_cast<std::size_t>(num_columns_) +
                                        static_cast<std::size_t>(column)];
   if (std::isnan(height)) return {};
   Eigen::Vector3d point;
   point << PlaceOf(column * kTexelsPerStep, row * kTexelsPerStep), static_cast<double>(height);
-  const Eigen::Vector3d sight = point - photo.site_from_camera.translation;
-  if (sight.head<2>().squaredNorm() > max_range * max_range || sight.z() > -0.05) return {};
-  const std::optional<Eigen::Vector2d> pixel = FindPixel(photo, camera_from_site, point);
-  if (!pixel) return {};
-  const bool may_be_own_shade =
-      photo.contact.DistanceTo((photo.site_from_ground.Inverse() * point).head<2>()) < kOwnShade;
-  const double steepness = -sight.z() / sight.norm();
-  return {pixel->cast<float>(), static_cast<float>(may_be_own_shade ? kShadePenalty * steepness : steepness)};
+  return SeePoint(photo, camera_from_site, point, max_range);
 }
 
 void ChartPainter::Paint(const GroundPhoto& photo, double max_range) {
@@ -103,7 +108,7 @@ void ChartPainter::Paint(const GroundPhoto& photo, double max_range) {
 
   const Rigid3 camera_from_site = photo.site_from_camera.Inverse();
   const auto width = static_cast<std::size_t>(last_column - first_column + 1);
-  std::vector<Corner> above(width), below(width);
+  std::vector<GroundSight> above(width), below(width);
   for (int row = first_row; row <= last_row; ++row) {
     std::swap(above, below);
     for (int column = first_column; column <= last_column; ++column)
@@ -114,9 +119,10 @@ void ChartPainter::Paint(const GroundPhoto& photo, double max_range) {
   }
 }
 
-void ChartPainter::PaintBlock(const GroundPhoto& photo, const std::array<Corner, 4>& corners, int column, int row) {
+void ChartPainter::PaintBlock(const GroundPhoto& photo, const std::array<GroundSight, 4>& corners, int column,
+                              int row) {
   float steepness = 1;
-  for (const Corner& corner : corners) {
+  for (const GroundSight& corner : corners) {
     steepness = std::min(steepness, corner.steepness);
     if (static_cast<double>((corner.pixel - corners[0].pixel).norm()) > kMaxPixelGap) return;
   }

@@ -23,6 +23,16 @@ struct GroundPhoto {
   double gain = 1;  ///< brings the picture's brightness to the surface's
 };
 
+/// Where a photo shows a point of the ground, and how steeply.
+struct GroundSight {
+  Eigen::Vector2f pixel = Eigen::Vector2f::Zero();
+  float steepness = 0;  ///< sine of the depression, less in what may be the own shade; 0: not seen
+};
+
+/// How a photo sees a point; not at all beyond `max_range` [m] (horizontally) from the camera. The image is not needed.
+GroundSight SeePoint(const GroundPhoto& photo, const Rigid3& camera_from_site, const Eigen::Vector3d& point_in_site,
+                     double max_range);
+
 /// Paints one chart. Each texel keeps the few steepest sights of it; what the most of them agree on wins, so that
 /// what passes by vanishes. Not thread-safe; charts are independent of each other.
 class ChartPainter {
@@ -46,14 +56,10 @@ class ChartPainter {
   };
   using Sights = std::array<Sight, kNumSights>;
 
-  struct Corner {
-    Eigen::Vector2f pixel = Eigen::Vector2f::Zero();
-    float steepness = 0;  ///< sine of the depression, less in what may be the own shade; 0 = not seen
-  };
-
   Eigen::Vector2d PlaceOf(double column, double row) const;
-  Corner See(const GroundPhoto& photo, const Rigid3& camera_from_site, int column, int row, double max_range) const;
-  void PaintBlock(const GroundPhoto& photo, const std::array<Corner, 4>& corners, int column, int row);
+  GroundSight See(const GroundPhoto& photo, const Rigid3& camera_from_site, int column, int row,
+                  double max_range) const;
+  void PaintBlock(const GroundPhoto& photo, const std::array<GroundSight, 4>& corners, int column, int row);
   static std::array<std::uint8_t, 3> Agree(const Sights& sights);
 
   BlankChart blank_;

@@ -1,59 +1,150 @@
 #include "mapping/paint_texture.h"
 
-#include <numbers>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <optional>
 
 #include "core/error.h"
 #include "core/log.h"
 #include "core/parallel.h"
 #include "mapping/chart_painter.h"
-#include "mapping/keyframe_picker.h"
+#include "mapping/choose_photos.h"
 
 namespace parkade {
 namespace {
 
 constexpr std::size_t kPhotosPerBatch = 16;  // in memory at once
+constexpr double kPlaceDistance = 0.5;       // [m] between places that photos are chosen for
 
-/// The next images of a drive with their poses, up to a batch; fewer only at the end.
-std::vector<GroundPhoto> NextPhotos(RecordStream& stream, const TextureSource& source) {
-  const DrivenPath& path = *source.path;
+const TextureSource* FindSource(std::span<const TextureSource> sources, int drive) {
+  const auto found = std::find_if(sources.begin(), sources.end(),
+                                  [&](const TextureSource& source) { return source.path->drive == drive; });
+  return found == sources.end() ? nullptr : &*found;
+}
+
+/// A photo that is yet to be read.
+GroundPhoto PhotoOf(const PatchView& view, const TextureSource& source) {
+  const RigCamera& camera = source.log->rig().cameras[static_cast<std::size_t>(view.camera)];
+  return {.image = {},
+          .camera = &camera,
+          .site_from_camera = view.site_from_body * camera.body_from_camera,
+          .site_from_ground = view.site_from_body * source.path->body_from_ground,
+          .contact = source.path->contact};
+}
+
+/// Places on the mesh, evenly spread.
+std::vector<Eigen::Vector3d> PlacesOn(const std::vector<ChartSquare>& squares, const TriangleMesh& mesh) {
+  const auto of_squares = ParallelMap(squares.size(), [&](std::size_t i) {
+    std::vector<Eigen::Vector3d> places;
+    for (const BlankChart& blank : ChartsOf(squares[i], mesh, kPlaceDistance))
+      for (int row = 0; row < blank.height.rows; ++row)
+        for (int column = 0; column < blank.height.cols; ++column)
+          if (const float height = blank.height.at<float>(row, column); !std::isnan(height))
+            places.emplace_back(blank.chart.left + (column + 0.5) * kPlaceDistance,
+                                blank.chart.top - (row + 0.5) * kPlaceDistance, height);
+    return places;
+  });
+  std::vector<Eigen::Vector3d> all;
+  for (const auto& places : of_squares) all.insert(all.end(), places.begin(), places.end());
+  return all;
+}
+
+/// The charts of one square: nothing but triangles until the first photo comes, pictures after the last.
+class SquarePainter {
+ public:
+  SquarePainter(ChartSquare square, const TriangleMesh& mesh, const TextureOptions& options)
+      : square_(std::move(square)), mesh_(&mesh), options_(&options) {
+    for (const std::uint32_t triangle : square_.triangles)
+      for (const std::uint32_t vertex : mesh.triangles[triangle])
+        box_.extend((mesh.origin + mesh.vertices[vertex].cast<double>()).head<2>());
+  }
+
+  bool IsInReach(const GroundPhoto& photo) const {
+    return box_.exteriorDistance(photo.site_from_camera.translation.head<2>().eval()) <= options_->max_range;
+  }
+
+  void ExpectPhoto() { ++num_to_come_; }
+
+  void Paint(const GroundPhoto& photo) {
+    Begin();
+    for (ChartPainter& painter : painters_) painter.Paint(photo, options_->max_range);
+    --num_to_come_;
+  }
+
+  /// Nothing more is to come and the pictures are not made yet.
+  bool IsReady() const { return num_to_come_ == 0 && charts_.empty(); }
+
+  void Finish(const CellFinder& cells) {
+    Begin();
+    for (ChartPainter& painter : painters_) charts_.push_back(painter.Finish(cells));
+    painters_ = {};
+  }
+
+  std::vector<TextureChart>& charts() { return charts_; }
+
+ private:
+  void Begin() {
+    if (!painters_.empty()) return;
+    for (BlankChart& blank : ChartsOf(square_, *mesh_, options_->texel_size))
+      painters_.emplace_back(std::move(blank), options_->texel_size);
+  }
+
+  ChartSquare square_;
+  const TriangleMesh* mesh_;
+  const TextureOptions* options_;
+  Eigen::AlignedBox2d box_;  // [m] in site
+  int num_to_come_ = 0;
+  std::vector<ChartPainter> painters_;
+  std::vector<TextureChart> charts_;
+};
+
+/// The photos of one drive that were chosen, by camera and time.
+using Choice = std::map<std::pair<int, Timestamp>, GroundPhoto>;
+
+/// The next of these, up to a batch; fewer only at the end.
+std::vector<GroundPhoto> NextPhotos(RecordStream& stream, const Choice& choice) {
   std::vector<GroundPhoto> photos;
   while (photos.size() < kPhotosPerBatch) {
     std::optional<SensorRecord> record = stream.Next();
     if (!record) break;
     const auto* frame = std::get_if<CameraFrame>(&*record);
-    const std::optional<Rigid3> site_from_body = frame ? path.site_from_body.At(frame->time) : std::nullopt;
-    if (!site_from_body) continue;
-    const RigCamera& camera = source.log->rig().cameras[static_cast<std::size_t>(frame->camera)];
-    photos.push_back({.image = frame->image,
-                      .camera = &camera,
-                      .site_from_camera = *site_from_body * camera.body_from_camera,
-                      .site_from_ground = *site_from_body * path.body_from_ground,
-                      .contact = path.contact});
+    if (frame == nullptr) continue;
+    const auto chosen = choice.find({frame->camera, frame->time});
+    if (chosen == choice.end()) continue;
+    photos.push_back(chosen->second);
+    photos.back().image = frame->image;
   }
   return photos;
 }
 
-int PaintDrive(const TextureSource& source, const CellFinder& cells, const TextureOptions& options,
-               std::vector<ChartPainter>& painters) {
-  KeyframePicker picker(source.path->site_from_body, source.log->rig().cameras.size(), options.keyframe_distance,
-                        options.keyframe_angle_deg * std::numbers::pi / 180);
+void FinishReady(std::vector<SquarePainter>& painters, const CellFinder& cells) {
+  std::vector<SquarePainter*> ready;
+  for (SquarePainter& painter : painters)
+    if (painter.IsReady()) ready.push_back(&painter);
+  ParallelFor(ready.size(), [&](std::size_t i) { ready[i]->Finish(cells); });
+}
+
+void PaintDrive(const DriveLog& log, const Choice& choice, const CellFinder& cells, double max_range,
+                std::vector<SquarePainter>& painters) {
   const auto stream =
-      source.log->Read({.imu = false,
-                        .wheels = false,
-                        .gnss = false,
-                        .images = true,
-                        .semantics = false,
-                        .grayscale = false,
-                        .wants_image = [&](int camera, Timestamp time) { return picker.Wants(camera, time); }});
-  int num_photos = 0;
+      log.Read({.imu = false,
+                .wheels = false,
+                .gnss = false,
+                .images = true,
+                .semantics = false,
+                .grayscale = false,
+                .wants_image = [&](int camera, Timestamp time) { return choice.contains(std::pair(camera, time)); }});
   while (true) {
-    std::vector<GroundPhoto> photos = NextPhotos(*stream, source);
-    if (photos.empty()) return num_photos;
-    num_photos += static_cast<int>(photos.size());
-    ParallelFor(photos.size(), [&](std::size_t i) { photos[i].gain = FindGain(photos[i], cells, options.max_range); });
+    std::vector<GroundPhoto> photos = NextPhotos(*stream, choice);
+    if (photos.empty()) return;
+    ParallelFor(photos.size(), [&](std::size_t i) { photos[i].gain = FindGain(photos[i], cells, max_range); });
     ParallelFor(painters.size(), [&](std::size_t i) {
-      for (const GroundPhoto& photo : photos) painters[i].Paint(photo, options.max_range);
+      for (const GroundPhoto& photo : photos)
+        if (painters[i].IsInReach(photo)) painters[i].Paint(photo);
     });
+    FinishReady(painters, cells);
   }
 }
 
@@ -64,24 +155,42 @@ void TextureOptions::Validate() const {
   Require(chart_size >= 10 * texel_size && chart_size <= 8000 * texel_size, ErrorCode::kUsage,
           "chart_size must be 10 to 8000 texels");
   Require(max_range > 0, ErrorCode::kUsage, "max_range must be > 0 m");
-  Require(keyframe_distance > 0 && keyframe_angle_deg > 0, ErrorCode::kUsage,
-          "keyframe_distance and keyframe_angle_deg must be > 0");
 }
 
-GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface, std::span<const TextureSource> sources,
-                           const TextureOptions& options) {
+GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface, std::span<const PatchView> views,
+                           std::span<const TextureSource> sources, const TextureOptions& options) {
   options.Validate();
   GroundTexture texture{options.texel_size, options.chart_size, {}};
   if (!options.enabled || mesh.empty()) return texture;
-  std::vector<ChartPainter> painters;
-  for (BlankChart& blank : CutIntoCharts(mesh, options.chart_size, options.texel_size))
-    painters.emplace_back(std::move(blank), options.texel_size);
+  std::vector<GroundPhoto> photos;
+  std::vector<PatchView> used;
+  for (const PatchView& view : views)
+    if (const TextureSource* source = FindSource(sources, view.drive)) {
+      photos.push_back(PhotoOf(view, *source));
+      used.push_back(view);
+    }
+  std::vector<ChartSquare> squares = CutIntoSquares(mesh, options.chart_size);
+  const std::vector<bool> is_chosen = ChoosePhotos(photos, PlacesOn(squares, mesh), options.max_range);
+  std::vector<SquarePainter> painters;
+  for (ChartSquare& square : squares) painters.emplace_back(std::move(square), mesh, options);
+  std::map<int, Choice> choices;  // per drive
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (!is_chosen[i]) continue;
+    choices[used[i].drive].emplace(std::pair(used[i].camera, used[i].time), photos[i]);
+    for (SquarePainter& painter : painters)
+      if (painter.IsInReach(photos[i])) painter.ExpectPhoto();
+  }
   const CellFinder cells(surface);
-  int num_photos = 0;
-  for (const TextureSource& source : sources) num_photos += PaintDrive(source, cells, options, painters);
-  texture.charts = ParallelMap(painters.size(), [&](std::size_t i) { return painters[i].Finish(cells); });
+  for (const auto& [drive, choice] : choices)
+    PaintDrive(*FindSource(sources, drive)->log, choice, cells, options.max_range, painters);
+  ParallelFor(painters.size(), [&](std::size_t i) {
+    if (painters[i].charts().empty()) painters[i].Finish(cells);
+  });
+  for (SquarePainter& painter : painters)
+    std::move(painter.charts().begin(), painter.charts().end(), std::back_inserter(texture.charts));
   LogInfo("stage=paint_texture charts=" + std::to_string(texture.charts.size()) +
-          " photos=" + std::to_string(num_photos));
+          " photos=" + std::to_string(std::count(is_chosen.begin(), is_chosen.end(), true)) + " of " +
+          std::to_string(photos.size()));
   return texture;
 }
 

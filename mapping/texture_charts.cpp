@@ -135,7 +135,7 @@ std::vector<BlankChart> ChartsOfSquare(const TriangleMesh& mesh, const Triangles
 
 }  // namespace
 
-std::vector<BlankChart> CutIntoCharts(const TriangleMesh& mesh, double chart_size, double texel_size) {
+std::vector<ChartSquare> CutIntoSquares(const TriangleMesh& mesh, double chart_size) {
   std::map<std::pair<int, int>, Triangles> squares;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const Eigen::Vector3d centre = CentreOf(mesh, i);
@@ -143,16 +143,24 @@ std::vector<BlankChart> CutIntoCharts(const TriangleMesh& mesh, double chart_siz
              static_cast<int>(std::floor(centre.x() / chart_size))}]
         .push_back(i);
   }
-  const std::vector<std::pair<std::pair<int, int>, Triangles>> list(squares.begin(), squares.end());
-  auto charts_of = ParallelMap(list.size(), [&](std::size_t i) {
-    std::vector<BlankChart> charts = ChartsOfSquare(mesh, list[i].second, texel_size);
-    for (std::size_t sheet = 0; sheet < charts.size(); ++sheet) {
-      charts[sheet].chart.row = list[i].first.first;
-      charts[sheet].chart.column = list[i].first.second;
-      charts[sheet].chart.sheet = static_cast<int>(sheet);
-    }
-    return charts;
-  });
+  std::vector<ChartSquare> list;
+  for (auto& [at, triangles] : squares) list.push_back({at.second, at.first, std::move(triangles)});
+  return list;
+}
+
+std::vector<BlankChart> ChartsOf(const ChartSquare& square, const TriangleMesh& mesh, double texel_size) {
+  std::vector<BlankChart> charts = ChartsOfSquare(mesh, square.triangles, texel_size);
+  for (std::size_t sheet = 0; sheet < charts.size(); ++sheet) {
+    charts[sheet].chart.row = square.row;
+    charts[sheet].chart.column = square.column;
+    charts[sheet].chart.sheet = static_cast<int>(sheet);
+  }
+  return charts;
+}
+
+std::vector<BlankChart> CutIntoCharts(const TriangleMesh& mesh, double chart_size, double texel_size) {
+  const std::vector<ChartSquare> squares = CutIntoSquares(mesh, chart_size);
+  auto charts_of = ParallelMap(squares.size(), [&](std::size_t i) { return ChartsOf(squares[i], mesh, texel_size); });
   std::vector<BlankChart> charts;
   for (auto& of_square : charts_of) std::move(of_square.begin(), of_square.end(), std::back_inserter(charts));
   return charts;

@@ -242,7 +242,7 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
   progress.Begin("texture");
   std::vector<TextureSource> sources;
   for (size_t i = 0; i < drives.size(); ++i) sources.push_back({&*drives[i].calibrated, &ground.paths[i]});
-  map.texture = PaintTexture(map.mesh, map.surface, sources, options.texture);
+  map.texture = PaintTexture(map.mesh, map.surface, ground.patches.views(), sources, options.texture);
 
   progress.Begin("find markings");
   map.markings = FindMarkings({map.mesh, map.surface, map.texture, ground.patches, ground.paths, map.drives.size()},

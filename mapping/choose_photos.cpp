@@ -1,0 +1,86 @@
+#include "mapping/choose_photos.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace parkade {
+namespace {
+
+constexpr double kSquare = 4.0;      // [m] of the squares in which places are sorted
+constexpr int kNumSights = 4;        // of a place that are wanted, as many as are painted from ...
+constexpr float kComparable = 0.5F;  // ... of at least this share of the best one's steepness
+constexpr float kClearly = 1.15F;    // times as steep as the best
+constexpr int kMinPlaces = 3;        // that a photo must serve
+
+/// A place and how steeply it is seen by the photos chosen so far, the steepest first.
+struct Place {
+  Eigen::Vector3d point;  ///< [m] in site
+  std::array<float, kNumSights> sights{};
+
+  bool Wants(float steepness) const {
+    const float comparable = kComparable * sights.front();
+    return steepness > kClearly * sights.front() || (sights.back() < comparable && steepness >= comparable);
+  }
+
+  void Add(float steepness) {
+    if (steepness <= sights.back()) return;
+    sights.back() = steepness;
+    std::sort(sights.begin(), sights.end(), std::greater<>());
+  }
+};
+
+class PlaceSquares {
+ public:
+  explicit PlaceSquares(std::span<const Eigen::Vector3d> points) {
+    for (const Eigen::Vector3d& point : points) squares_[SquareOf(point.head<2>())].push_back({point, {}});
+  }
+
+  template <typename Visitor>
+  void VisitAround(const Eigen::Vector2d& center, double radius, const Visitor& visit) {
+    const auto [low_x, low_y] = SquareOf(center.array() - radius);
+    const auto [high_x, high_y] = SquareOf(center.array() + radius);
+    for (int x = low_x; x <= high_x; ++x)
+      for (int y = low_y; y <= high_y; ++y)
+        if (const auto found = squares_.find({x, y}); found != squares_.end())
+          for (Place& place : found->second) visit(place);
+  }
+
+ private:
+  static std::pair<int, int> SquareOf(const Eigen::Vector2d& point) {
+    return {static_cast<int>(std::floor(point.x() / kSquare)), static_cast<int>(std::floor(point.y() / kSquare))};
+  }
+  std::map<std::pair<int, int>, std::vector<Place>> squares_;
+};
+
+}  // namespace
+
+std::vector<bool> ChoosePhotos(std::span<const GroundPhoto> photos, std::span<const Eigen::Vector3d> places,
+                               double max_range) {
+  PlaceSquares squares(places);
+  std::vector<bool> is_chosen(photos.size());
+  for (std::size_t i = photos.size(); i-- > 0;) {
+    const GroundPhoto& photo = photos[i];
+    const Rigid3 camera_from_site = photo.site_from_camera.Inverse();
+    const Eigen::Vector3d& eye = photo.site_from_camera.translation;
+    std::vector<std::pair<Place*, float>> shown;
+    int num_served = 0;
+    squares.VisitAround(eye.head<2>(), max_range, [&](Place& place) {
+      // As steep as it can be: most places are past wanting more, which is seen without a projection.
+      const Eigen::Vector3d sight = place.point - eye;
+      if (!place.Wants(static_cast<float>(-sight.z() / sight.norm()))) return;
+      const float steepness = SeePoint(photo, camera_from_site, place.point, max_range).steepness;
+      if (steepness <= 0) return;
+      shown.emplace_back(&place, steepness);
+      if (place.Wants(steepness)) ++num_served;
+    });
+    if (num_served < kMinPlaces) continue;
+    is_chosen[i] = true;
+    for (const auto& [place, steepness] : shown) place->Add(steepness);
+  }
+  return is_chosen;
+}
+
+}  // namespace parkade

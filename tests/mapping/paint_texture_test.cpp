@@ -1,0 +1,94 @@
+#include "mapping/paint_texture.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "mapping/fuse_surface.h"
+#include "mapping/mesh_surface.h"
+#include "mapping/observe_ground.h"
+#include "tests/mapping/synthetic_drive.h"
+
+namespace parkade {
+namespace {
+
+/// Counts what is decoded of a drive.
+class CountedDrive final : public DriveLog {
+ public:
+  explicit CountedDrive(const DriveLog& log) : log_(log) {}
+  const std::string& name() const override { return log_.name(); }
+  const Rig& rig() const override { return log_.rig(); }
+  TimeSpan span() const override { return log_.span(); }
+  std::unique_ptr<RecordStream> Read(const ReadOptions& options) const override {
+    ReadOptions counting = options;
+    counting.wants_image = [this, options](int camera, Timestamp time) {
+      const bool is_wanted = options.wants_image(camera, time);
+      count_ += is_wanted;
+      return is_wanted;
+    };
+    return log_.Read(counting);
+  }
+  int count() const { return count_; }
+
+ private:
+  const DriveLog& log_;
+  mutable int count_ = 0;
+};
+
+/// A lot that one car drove through, mapped.
+struct MappedLot {
+  SyntheticScene scene = MakeLot();
+  SyntheticDrive drive{scene, MakeTestRig(), DriveAlong(scene, {-18, 0, 0}, 0, {{10, 0}}, MakeTestRig()), true};
+  GroundObservation seen = ObserveGround(drive, drive.trajectory(), {}, 0);
+  DrivenPath path = MakeDrivenPath(0, drive.rig(), drive.trajectory(), seen.body_from_ground);
+  std::vector<PosedGroundPatch> patches;
+  SurfaceMap surface;
+  TriangleMesh mesh;
+
+  MappedLot() {
+    for (const GroundPatch& patch : seen.patches) patches.push_back({patch, *drive.trajectory().At(patch.time)});
+    surface = FuseSurface(patches, std::span(&path, 1));
+    mesh = MeshSurface(surface);
+  }
+};
+
+TEST(PaintTexture, ManyDrivesCostHardlyMoreDecodingThanOneAndTheLatestShows) {
+  const MappedLot lot;
+  TextureOptions options;
+  options.texel_size = 0.05;
+  const CountedDrive alone(lot.drive);
+  const std::vector<TextureSource> one{{&alone, &lot.path}};
+  const GroundTexture of_one = PaintTexture(lot.mesh, lot.surface, PatchesInMemory(lot.patches).views(), one, options);
+  ASSERT_FALSE(of_one.empty());
+  EXPECT_GT(alone.count(), 20);
+  EXPECT_LE(alone.count(), std::ssize(lot.patches));
+
+  const PatchesInMemory patches(lot.patches);
+  std::vector<PatchView> views;
+  std::vector<DrivenPath> paths;
+  for (int drive = 0; drive < 4; ++drive) {
+    paths.push_back(lot.path);
+    paths.back().drive = drive;
+    for (PatchView view : patches.views()) {
+      view.drive = drive;
+      views.push_back(view);
+    }
+  }
+  const CountedDrive early(lot.drive), late(lot.drive);
+  std::vector<TextureSource> four;
+  for (size_t drive = 0; drive < 4; ++drive) four.push_back({drive < 3 ? &early : &late, &paths[drive]});
+  const GroundTexture of_four = PaintTexture(lot.mesh, lot.surface, views, four, options);
+
+  EXPECT_EQ(late.count(), alone.count());
+  EXPECT_LT(early.count(), alone.count()) << "only where the latest drive saw a place fewer than four times";
+  ASSERT_EQ(of_four.charts.size(), of_one.charts.size());
+  for (size_t i = 0; i < of_one.charts.size(); ++i) EXPECT_EQ(of_four.charts[i].triangles, of_one.charts[i].triangles);
+}
+
+TEST(PaintTexture, RejectsChartsThatAreNone) {
+  TextureOptions options;
+  options.chart_size = 0.1;
+  EXPECT_THROW(options.Validate(), Error);
+}
+
+}  // namespace
+}  // namespace parkade
