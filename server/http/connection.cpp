@@ -39,7 +39,7 @@ void AddressOf(const sockaddr_storage& address, std::string& ip, int& port) {
 
 }  // namespace
 
-bool Connection::WaitFor(short events, Clock::time_point deadline) const {
+bool HttpConnection::WaitFor(short events, Clock::time_point deadline) const {
   for (;;) {
     if (lifeline_.is_over()) return false;
     const auto left = deadline - Clock::now();
@@ -53,7 +53,7 @@ bool Connection::WaitFor(short events, Clock::time_point deadline) const {
   }
 }
 
-bool Connection::Receive(Clock::time_point deadline) {
+bool HttpConnection::Receive(Clock::time_point deadline) {
   buffer_.erase(0, buffer_begin_);
   buffer_begin_ = 0;
   const size_t old_size = buffer_.size();
@@ -67,7 +67,7 @@ bool Connection::Receive(Clock::time_point deadline) {
   }
 }
 
-std::optional<RequestHead> Connection::ReadHead(std::chrono::milliseconds patience) {
+std::optional<RequestHead> HttpConnection::ReadHead(std::chrono::milliseconds patience) {
   const Clock::time_point idle_deadline = Clock::now() + patience;
   while (buffer_begin_ == buffer_.size()) {
     // In slices, so that an idle client does not hold up the end of the service.
@@ -92,19 +92,19 @@ std::optional<RequestHead> Connection::ReadHead(std::chrono::milliseconds patien
   }
 }
 
-void Connection::BeginRequest(std::string head_text, std::int64_t body_length) {
+void HttpConnection::BeginRequest(std::string head_text, std::int64_t body_length) {
   head_text_ = std::move(head_text);
   head_begin_ = 0;
   body_left_ = body_length_ = body_length;
   body_started_ = Clock::now();
 }
 
-bool Connection::IsTooSlow() const {
+bool HttpConnection::IsTooSlow() const {
   const double seconds = std::chrono::duration<double>(Clock::now() - body_started_ - kBodyGrace).count();
   return seconds * kMinBodyPace > static_cast<double>(body_length_ - body_left_);
 }
 
-ssize_t Connection::read(char* data, size_t size) {
+ssize_t HttpConnection::read(char* data, size_t size) {
   if (head_begin_ < head_text_.size()) {
     const size_t count = head_text_.copy(data, size, head_begin_);
     head_begin_ += count;
@@ -120,7 +120,7 @@ ssize_t Connection::read(char* data, size_t size) {
 }
 
 // All or nothing: the library does not look how much of a head was sent.
-ssize_t Connection::write(const char* data, size_t size) {
+ssize_t HttpConnection::write(const char* data, size_t size) {
   size_t sent = 0;
   while (sent < size) {
     const ssize_t result = ::send(socket_, data + sent, size - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -135,7 +135,7 @@ ssize_t Connection::write(const char* data, size_t size) {
   return static_cast<ssize_t>(size);
 }
 
-void Connection::SendProblem(const Problem& problem) {
+void HttpConnection::SendProblem(const Problem& problem) {
   const std::string body = ToJsonText(problem);
   const std::string text =
       "HTTP/1.1 " + std::to_string(problem.status) + " " + TitleOf(problem.status) +
@@ -145,7 +145,7 @@ void Connection::SendProblem(const Problem& problem) {
   write(text.data(), text.size());
 }
 
-void Connection::FinishSending() {
+void HttpConnection::FinishSending() {
   ::shutdown(socket_, SHUT_WR);
   if (body_left_ == 0) return;
   const Clock::time_point deadline = Clock::now() + kFinishPatience;
@@ -154,21 +154,21 @@ void Connection::FinishSending() {
   } while (!lifeline_.is_over() && Receive(deadline));
 }
 
-bool Connection::is_readable() const { return head_begin_ < head_text_.size() || body_left_ > 0; }
+bool HttpConnection::is_readable() const { return head_begin_ < head_text_.size() || body_left_ > 0; }
 
-bool Connection::is_writable() const {
+bool HttpConnection::is_writable() const {
   if (lifeline_.is_over()) return false;
   pollfd state{socket_, POLLOUT, 0};
   return ::poll(&state, 1, 0) >= 0 && (state.revents & (POLLERR | POLLHUP | POLLNVAL)) == 0;
 }
 
-void Connection::get_remote_ip_and_port(std::string& ip, int& port) const {
+void HttpConnection::get_remote_ip_and_port(std::string& ip, int& port) const {
   sockaddr_storage address{};
   socklen_t size = sizeof(address);
   if (::getpeername(socket_, reinterpret_cast<sockaddr*>(&address), &size) == 0) AddressOf(address, ip, port);
 }
 
-void Connection::get_local_ip_and_port(std::string& ip, int& port) const {
+void HttpConnection::get_local_ip_and_port(std::string& ip, int& port) const {
   sockaddr_storage address{};
   socklen_t size = sizeof(address);
   if (::getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size) == 0) AddressOf(address, ip, port);

@@ -15,9 +15,9 @@ namespace parkade {
 /// writes the answer to. What a client can cost is bounded here, where the
 /// library has no bounds: bytes and time of a head, pace of a body, time without
 /// progress. Never reads past a request's body for the library.
-class Connection : public httplib::Stream {
+class HttpConnection : public httplib::Stream {
  public:
-  Connection(socket_t socket, const Lifeline& lifeline) : socket_(socket), lifeline_(lifeline) {}
+  HttpConnection(socket_t socket, const Lifeline& lifeline) : socket_(socket), lifeline_(lifeline) {}
 
   /// Waits for the next request, at most `patience`, and reads its head. Nothing
   /// when there is none: the client is gone or idle, or the service ends. Throws

@@ -64,7 +64,7 @@ bool HttpServer::process_and_close_socket(socket_t socket) {
 void HttpServer::Serve(socket_t socket) {
   const int yes = 1;
   ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
-  Connection connection(socket, lifeline_);
+  HttpConnection connection(socket, lifeline_);
   if (ConnectionQueue::is_refusing()) {
     ++metrics_.connections_refused;
     connection.SendProblem({503, "busy", "too many connections: try again in a moment"});

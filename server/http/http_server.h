@@ -7,7 +7,7 @@
 
 namespace parkade {
 
-/// cpp-httplib's server behind our own reading of requests (Connection): it gets
+/// cpp-httplib's server behind our own reading of requests (HttpConnection): it gets
 /// to see only heads that are short, complete and checked.
 class HttpServer : public httplib::Server {
  public:

@@ -68,7 +68,7 @@ Json ToJson(const Job& job, const std::optional<JobProgress>& live_progress) {
           {"finished_at", OrNull(job.finished_at)}};
 }
 
-Json ToJson(const Rig& rig) {
+Json ToJson(const StoredRig& rig) {
   return {{"name", rig.name}, {"files", rig.files}, {"sha256", rig.sha256}, {"created_at", rig.created_at}};
 }
 

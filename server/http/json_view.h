@@ -15,7 +15,7 @@ using Json = nlohmann::ordered_json;
 /// Without what needs more than the row: see AddTrajectories.
 Json ToJson(const Drive& drive);
 Json ToJson(const Job& job, const std::optional<JobProgress>& progress);
-Json ToJson(const Rig& rig);
+Json ToJson(const StoredRig& rig);
 Json ToJson(const Site& site);
 
 /// `with_files`: the map has its files and drives (FindMap), not only its row.

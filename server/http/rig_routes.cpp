@@ -8,7 +8,7 @@
 namespace parkade {
 namespace {
 
-std::optional<Rig> RigNamed(RouteContext& context, const std::string& name) {
+std::optional<StoredRig> RigNamed(RouteContext& context, const std::string& name) {
   return context.store.database.Read([&](Connection& connection) { return FindRig(connection, name); });
 }
 
@@ -36,9 +36,9 @@ RigFiles ReadForm(const httplib::ContentReader& body) {
 void AddRigRoutes(httplib::Server& http, RouteContext& context) {
   http.Get("/api/v1/rigs", [&context](const httplib::Request& request, httplib::Response& response) {
     const Page page = PageOf(request);
-    std::vector<Rig> rigs =
+    std::vector<StoredRig> rigs =
         context.store.database.Read([&](Connection& connection) { return ListRigs(connection, WithOneMore(page)); });
-    SendPage(response, page, std::move(rigs), [](const Rig& rig) { return ToJson(rig); });
+    SendPage(response, page, std::move(rigs), [](const StoredRig& rig) { return ToJson(rig); });
   });
 
   http.Put("/api/v1/rigs/" + kNamePattern, [&context](const httplib::Request& request, httplib::Response& response,
@@ -46,14 +46,14 @@ void AddRigRoutes(httplib::Server& http, RouteContext& context) {
     const std::string name = request.matches[1];
     const RigFiles files = request.is_multipart_form_data() ? ReadForm(body) : UnpackRig(ReadBody(body));
     const bool is_new = !RigNamed(context, name);
-    const Rig rig = StoreRig(context.store, name, files, context.options.check_rig);
+    const StoredRig rig = StoreRig(context.store, name, files, context.options.check_rig);
     response.set_header("Location", "/api/v1/rigs/" + name);
     SendJson(response, is_new ? 201 : 200, ToJson(rig));
   });
 
   http.Get("/api/v1/rigs/" + kNamePattern, [&context](const httplib::Request& request, httplib::Response& response) {
     const std::string name = request.matches[1];
-    const std::optional<Rig> rig = RigNamed(context, name);
+    const std::optional<StoredRig> rig = RigNamed(context, name);
     Require(rig.has_value(), ErrorCode::kNotFound, "there is no rig '" + name + "'");
     const std::string etag = '"' + rig->sha256 + '"';
     if (SendNotModified(request, response, etag, "no-cache")) return;

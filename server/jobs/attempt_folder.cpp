@@ -23,7 +23,7 @@ std::vector<Drive> DrivesOf(Store& store, const Job& job) {
 /// Empty where the drive names no rig.
 fs::path RigFolderOf(Store& store, const Drive& drive) {
   if (!drive.rig) return {};
-  const std::optional<Rig> rig =
+  const std::optional<StoredRig> rig =
       store.database.Read([&](Connection& connection) { return FindRig(connection, *drive.rig); });
   Require(rig.has_value(), ErrorCode::kNotFound, "there is no rig '" + *drive.rig + "'");
   return store.directory.RigFolder(rig->id);

@@ -63,7 +63,7 @@ struct Job {
   std::optional<std::string> started_at, finished_at;
 };
 
-struct Rig {
+struct StoredRig {
   std::int64_t sequence = 0;
   std::string id;
   std::string name;

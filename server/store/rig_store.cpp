@@ -29,8 +29,8 @@ class TemporaryFolder {
 
 }  // namespace
 
-Rig StoreRig(Store& store, const std::string& name, const RigFiles& files,
-             const std::function<void(const fs::path&)>& check_rig) {
+StoredRig StoreRig(Store& store, const std::string& name, const RigFiles& files,
+                   const std::function<void(const fs::path&)>& check_rig) {
   Require(
       IsPlainName(name), ErrorCode::kInvalidInput,
       "the name of a rig is 1 to 64 letters, digits, dots, dashes or underscores, and starts with a letter or digit");
@@ -43,7 +43,7 @@ Rig StoreRig(Store& store, const std::string& name, const RigFiles& files,
   for (const auto& [file, content] : files) WriteFileAtomically(folder.path() / file, content);
   if (check_rig) check_rig(folder.path());
 
-  Rig rig;
+  StoredRig rig;
   rig.id = NewId();
   rig.name = name;
   rig.sha256 = Sha256Of(PackRig(files));
@@ -55,7 +55,7 @@ Rig StoreRig(Store& store, const std::string& name, const RigFiles& files,
   return rig;
 }
 
-std::string ReadRigArchive(const Store& store, const Rig& rig) {
+std::string ReadRigArchive(const Store& store, const StoredRig& rig) {
   RigFiles files;
   for (const std::string& file : rig.files) files[file] = ReadFile(store.directory.RigFolder(rig.id) / file);
   return PackRig(files);

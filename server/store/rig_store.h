@@ -26,10 +26,10 @@ std::string PackRig(const RigFiles& files);
 /// Checks and stores a revision of the rig `name`. `check_rig` is given a folder
 /// with the files and throws when they are not a rig. Throws Error{kInvalidInput}
 /// when one of the three files is missing.
-Rig StoreRig(Store& store, const std::string& name, const RigFiles& files,
-             const std::function<void(const std::filesystem::path&)>& check_rig);
+StoredRig StoreRig(Store& store, const std::string& name, const RigFiles& files,
+                   const std::function<void(const std::filesystem::path&)>& check_rig);
 
 /// The zip of a stored rig.
-std::string ReadRigArchive(const Store& store, const Rig& rig);
+std::string ReadRigArchive(const Store& store, const StoredRig& rig);
 
 }  // namespace parkade

@@ -12,11 +12,11 @@ namespace parkade {
 // Rows of `rigs`: one per revision; the newest of a name is the rig, older ones
 // stay because jobs that run may still read them.
 
-void InsertRig(Connection& connection, const Rig& rig);
+void InsertRig(Connection& connection, const StoredRig& rig);
 
-std::optional<Rig> FindRig(Connection& connection, const std::string& name);
+std::optional<StoredRig> FindRig(Connection& connection, const std::string& name);
 
 /// The newest revision of each name, newest first.
-std::vector<Rig> ListRigs(Connection& connection, const Page& page);
+std::vector<StoredRig> ListRigs(Connection& connection, const Page& page);
 
 }  // namespace parkade

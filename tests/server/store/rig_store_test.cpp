@@ -67,7 +67,7 @@ TEST_F(RigStore, KeepsTheNewestRevisionOfAName) {
   StoreRig(store_, "car", kRig, nullptr);
   RigFiles changed = kRig;
   changed["vehicle.yaml"] = "wheelbase: 3.1";
-  const Rig second = StoreRig(store_, "car", changed, nullptr);
+  const StoredRig second = StoreRig(store_, "car", changed, nullptr);
   StoreRig(store_, "van", kRig, nullptr);
 
   const auto found = store_.database.Read([](Connection& connection) { return FindRig(connection, "car"); });
