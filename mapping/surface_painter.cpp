@@ -151,9 +151,13 @@ void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> i
 
 SurfacePainter::ViewSet SurfacePainter::ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point) {
   const Eigen::Vector2d ray = (point - eye).head<2>();
-  const double turns = 0.5 + std::atan2(ray.y(), ray.x()) / (2 * M_PI);
-  const int direction = std::min(static_cast<int>(turns * kViewDirections), kViewDirections - 1);
-  return ViewSet{1} << (direction + (ray.norm() < kNearView ? 0 : kViewDirections));
+  // A turn has eight eighths, told apart by signs and by which is longer, and each two halves.
+  static_assert(kViewDirections == 16);
+  constexpr double kHalf = 0.41421356237309503;  // tangent of a sixteenth of a turn
+  const double x = std::abs(ray.x()), y = std::abs(ray.y());
+  const bool is_steep = y > x, is_outer = is_steep ? x < kHalf * y : y < kHalf * x;
+  const int direction = (ray.x() < 0) | (ray.y() < 0) << 1 | is_steep << 2 | is_outer << 3;
+  return ViewSet{1} << (direction + (ray.squaredNorm() < kNearView * kNearView ? 0 : kViewDirections));
 }
 
 void SurfacePainter::EndDrive() {
