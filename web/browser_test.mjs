@@ -33,6 +33,53 @@ async function countColors(page) {
   }, png);
 }
 
+// Two pins by mouse and keyboard, as far as the request that builds with them.
+async function checkPins(page) {
+  const requests = [];
+  await page.route('**/api/v1/sites/*/maps', (route) => {
+    if (route.request().method() !== 'POST') return route.continue();
+    requests.push(route.request().postDataJSON());
+    return route.fulfill({ status: 202, json: {} });
+  });
+  await page.getByRole('button', { name: 'Pins' }).click();
+  const build = page.locator('#pin-panel .primary');
+  const { width, height } = await page.locator('#canvas').boundingBox();
+  const pinsBefore = await page.locator('#pin-panel li').count();
+
+  // The panel covers the right; the ground lies in the middle. Not every pixel of it is ground.
+  for (const [x, y] of [[0.5, 0.4], [0.45, 0.45], [0.55, 0.35], [0.4, 0.5], [0.5, 0.55]]) {
+    await page.locator('#canvas').click({ position: { x: x * width, y: y * height } });
+    if (await page.locator('#pin-point').inputValue()) break;
+  }
+  const clicked = await page.locator('#pin-point').inputValue();
+  assert.match(clicked, /^-?[\d.]+, -?[\d.]+, -?[\d.]+$/, 'a click on the ground gives a point');
+  await page.keyboard.type('nowhere'); // the field for the place has the focus
+  await page.keyboard.press('Enter');
+  assert.match(await page.locator('#pin-panel [role=alert]').innerText(), /Latitude/);
+  await page.locator('#pin-place').fill('48.1371, 11.5761, 519.3');
+  await page.keyboard.press('Enter');
+  assert.equal(await page.locator('#pin-panel li').count(), pinsBefore + 1);
+  if (pinsBefore === 0) assert.match(await build.innerText(), /One more pin/);
+
+  await page.keyboard.type('12.5, -3, 0.1');
+  await page.keyboard.press('Tab');
+  await page.keyboard.type('48.1372 11.5763');
+  await page.keyboard.press('Enter');
+  await page.waitForTimeout(300);
+  await page.screenshot({ path: screenshotPath.replace(/\.png$/, '_pins.png') });
+  await build.click();
+  await page.getByText('In the queue').waitFor();
+  const { from, pins } = requests[0];
+  assert.equal(requests.length, 1);
+  assert.ok(from >= 1);
+  assert.equal(pins.length, pinsBefore + 2);
+  assert.deepEqual(pins.at(-1), { point: [12.5, -3, 0.1], latitude: 48.1372, longitude: 11.5763 });
+  assert.deepEqual(pins.at(-2).point.map((value) => value.toFixed(2)).join(', '), clicked);
+  assert.equal(pins.at(-2).height, 519.3);
+  await page.locator('#pin-place').press('Escape');
+  assert(await page.locator('#pin-panel').isHidden());
+}
+
 try {
   const page = await browser.newPage();
   const complaints = [];
@@ -58,6 +105,8 @@ try {
   await page.getByRole('button', { name: 'From above' }).click();
   await page.waitForTimeout(300);
   await page.screenshot({ path: screenshotPath.replace(/\.png$/, '_above.png') });
+
+  await checkPins(page);
 
   const [download] = await Promise.all([
     page.waitForEvent('download'),

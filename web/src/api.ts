@@ -21,6 +21,7 @@ export interface Job {
   eta_seconds: number | null;
   error: string | null;
   drives: string[];
+  preview?: string | null; // address of what the map will look like
 }
 
 export interface MapFile {
@@ -35,8 +36,21 @@ export interface MapVersion {
   files: MapFile[];
 }
 
+export type Vector = [number, number, number];
+
+/** A pin as report.json has it. */
+export interface ReportPin {
+  point: Vector;
+  latitude_deg: number;
+  longitude_deg: number;
+  height: number | null;
+  is_used: boolean;
+  residual: Vector | null; // [m] east, north, up
+}
+
 /** The part of report.json that the page shows. */
 export interface Report {
+  pins?: ReportPin[];
   drives: { name: string; length: number; duration: number; num_keyframes: number }[];
   map: { ground_area: number; num_triangles: number };
   stages: { name: string; seconds: number }[];
@@ -52,11 +66,14 @@ export interface SlotCollection {
   }[];
 }
 
-async function get<T>(path: string): Promise<T> {
-  const response = await fetch(path, { headers: { accept: 'application/json' } });
+async function answerOf<T>(path: string, response: Response): Promise<T> {
   if (response.ok) return (await response.json()) as T;
   const problem = (await response.json().catch(() => ({}))) as { detail?: string };
   throw new Error(problem.detail ?? `${path}: the service answered ${response.status}`);
+}
+
+async function get<T>(path: string): Promise<T> {
+  return answerOf<T>(path, await fetch(path, { headers: { accept: 'application/json' } }));
 }
 
 const segment = encodeURIComponent;
@@ -84,6 +101,13 @@ export function mapUrl(site: string, version: number | 'latest', file = ''): str
 
 export const latestMap = (site: string) => get<MapVersion>(mapUrl(site, 'latest'));
 export const report = (map: MapVersion) => get<Report>(mapUrl(map.site, map.version, 'report.json'));
+
+/** Builds a version from another one, with these pins in place of those it has. */
+export async function buildWithPins(map: MapVersion, pins: object[]): Promise<Job> {
+  const path = `/api/v1/sites/${segment(map.site)}/maps`;
+  const body = JSON.stringify({ from: map.version, pins });
+  return answerOf<Job>(path, await fetch(path, { method: 'POST', headers: { 'content-type': 'application/json' }, body }));
+}
 
 /** The parking slots of a map; none of one that an older version made. */
 export async function slots(map: MapVersion): Promise<SlotCollection> {

@@ -1,10 +1,11 @@
 import './style.css';
 
-import { latestMap, listDrives, listJobs, mapUrl, report, slots, watchEvents } from './api';
+import { latestMap, listDrives, listJobs, mapUrl, report, slots, watchEvents, type Job } from './api';
 import { byId } from './dom';
 import { renderDrives } from './drive_list';
 import { renderMapPanel } from './map_panel';
 import { MapView } from './map_view';
+import { PinPanel } from './pin_panel';
 import { countStates, renderSlotLegend } from './slot_layer';
 import { createToolbar } from './toolbar';
 import { createUpload } from './upload';
@@ -13,10 +14,11 @@ const message = byId('message');
 const panel = byId('map-panel');
 const toolbar = byId('toolbar');
 const view = new MapView(byId<HTMLCanvasElement>('canvas'));
+const pins = new PinPanel(byId('pin-panel'), view, () => void requestRefresh());
 const siteInUrl = new URLSearchParams(location.search).get('site');
 
 let selectedSite: string | null = siteInUrl;
-let shownMap = ''; // "site/version" on the canvas
+let shownMap = ''; // "site/version", or the address of a preview, on the canvas
 
 function say(text: string): void {
   message.textContent = text;
@@ -44,8 +46,11 @@ async function showLatestMap(site: string): Promise<void> {
     view.setSlots(parking);
     renderMapPanel(panel, map, figures);
     renderSlotLegend(byId('legend'), countStates(parking));
+    byId('badge').hidden = true;
     view.setCoveredHeight(panel.offsetHeight + 16);
     view.lookAround();
+    pins.show(map, figures);
+    setPinning(true);
     toolbar.hidden = false;
     say('');
     document.body.dataset['shown'] = name; // for tests and scripts that wait for the picture
@@ -55,11 +60,40 @@ async function showLatestMap(site: string): Promise<void> {
   }
 }
 
+function setPinning(isPossible: boolean): void {
+  const toggle = toolbar.querySelector<HTMLButtonElement>('[data-pins]');
+  if (!toggle) return;
+  if (!isPossible && toggle.getAttribute('aria-pressed') === 'true') toggle.click();
+  toggle.disabled = !isPossible;
+}
+
+/** What the next version will look like, while it is made. False where it is gone already. */
+async function showPreview({ preview }: Job): Promise<boolean> {
+  if (!preview) return false;
+  if (shownMap === preview) return true;
+  const isAnotherSite = !shownMap.startsWith(`${selectedSite}/`);
+  try {
+    if (!(await view.load(preview))) return true;
+  } catch {
+    return false; // the map is there
+  }
+  shownMap = preview;
+  setPinning(false); // its points are those of no version
+  if (isAnotherSite) view.lookAround();
+  byId('legend').hidden = true;
+  byId('badge').hidden = false;
+  toolbar.hidden = false;
+  document.body.dataset['shown'] = preview;
+  return true;
+}
+
 async function refresh(): Promise<void> {
   try {
     const [drives, jobs] = await Promise.all([listDrives(), listJobs()]);
     selectedSite ??= drives.find((drive) => drive.state === 'ready')?.site ?? null;
     renderDrives(byId('drives'), drives, jobs, selectedSite, (site) => void showSite(site));
+    const inWork = jobs.find((job) => job.site === selectedSite && job.state === 'running' && job.preview);
+    if (inWork && (await showPreview(inWork))) return;
     const isMapped = drives.some((drive) => drive.site === selectedSite && drive.state === 'ready');
     if (selectedSite && isMapped) {
       await showLatestMap(selectedSite);
@@ -77,6 +111,7 @@ function clearMap(why: string): void {
   panel.hidden = true;
   toolbar.hidden = true;
   byId('legend').hidden = true;
+  byId('badge').hidden = true;
   say(why);
 }
 
@@ -94,7 +129,7 @@ async function requestRefresh(): Promise<void> {
   isRefreshing = false;
 }
 
-createToolbar(toolbar, view, byId('legend'));
+createToolbar(toolbar, view, byId('legend'), pins);
 createUpload(byId('upload'), () => void requestRefresh());
 watchEvents(() => void requestRefresh());
 void requestRefresh();

@@ -3,8 +3,10 @@ import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { DRACO_GLTF_CONFIG, DRACOLoader } from 'three/examples/jsm/loaders/DRACOLoader.js';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 
-import type { SlotCollection } from './api';
+import type { SlotCollection, Vector } from './api';
 import { colorsByHeight } from './height_colors';
+import { makePinLayer, type PinMark } from './pin_layer';
+import { gltfFromSite, siteFromGltf } from './pins';
 import { makeSlotLayer } from './slot_layer';
 
 export type ColorMode = 'photo' | 'height';
@@ -30,6 +32,7 @@ export class MapView {
   private content: THREE.Object3D | null = null;
   private slotLayer: THREE.Group | null = null;
   private areSlotsVisible = true;
+  private pinLayer: THREE.Group | null = null;
   private coveredHeight = 0;
   private isFrameRequested = false;
   private generation = 0;
@@ -44,6 +47,7 @@ export class MapView {
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.maxPolarAngle = Math.PI * 0.495; // never below the ground
     this.controls.addEventListener('change', () => this.requestFrame());
+    this.watchClicks();
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement ?? canvas);
     this.resize();
   }
@@ -75,7 +79,8 @@ export class MapView {
     });
     this.photoLooks.clear();
     this.content = null;
-    this.slotLayer = null; // a part of the content
+    this.slotLayer = null; // parts of the content
+    this.pinLayer = null;
     this.requestFrame();
   }
 
@@ -97,6 +102,29 @@ export class MapView {
     this.slotLayer.visible = this.areSlotsVisible;
     this.content.add(this.slotLayer);
     this.requestFrame();
+  }
+
+  /** Numbered marks on the ground; they take the place of those before. */
+  setPins(pins: PinMark[]): void {
+    if (!this.content) return;
+    if (this.pinLayer) this.content.remove(this.pinLayer);
+    this.pinLayer = makePinLayer(pins);
+    this.content.add(this.pinLayer);
+    this.requestFrame();
+  }
+
+  /** Where the middle of the picture meets the ground, in the site. */
+  pickMiddle(): Vector | null {
+    return this.pick(new THREE.Vector2(0, 0));
+  }
+
+  /** Called with the point of the ground that is clicked; null: clicks mean nothing. */
+  onPick: ((point: Vector) => void) | null = null;
+
+  /** Where a point of the site is in the picture, [px] from its upper left corner. */
+  screenPosition(point: Vector): [number, number] {
+    const projected = new THREE.Vector3(...gltfFromSite(point)).project(this.camera);
+    return [((projected.x + 1) / 2) * this.canvas.clientWidth, ((1 - projected.y) / 2) * this.canvas.clientHeight];
   }
 
   setSlotsVisible(isVisible: boolean): void {
@@ -127,6 +155,36 @@ export class MapView {
       material.needsUpdate = true;
     });
     this.requestFrame();
+  }
+
+  private pick(at: THREE.Vector2): Vector | null {
+    const grounds: THREE.Object3D[] = [];
+    this.forEachNode('ground', (node) => grounds.push(node));
+    const ray = new THREE.Raycaster();
+    ray.setFromCamera(at, this.camera);
+    const hit = ray.intersectObjects(grounds).at(0);
+    return hit ? siteFromGltf(hit.point.toArray()) : null;
+  }
+
+  // A click is a press that does not move: dragging turns the map.
+  private watchClicks(): void {
+    const kSteady = 4; // [px]
+    let pressed: [number, number] | null = null;
+    this.canvas.addEventListener('pointerdown', (event) => {
+      pressed = event.button === 0 ? [event.clientX, event.clientY] : null;
+    });
+    this.canvas.addEventListener('pointerup', (event) => {
+      if (!pressed || !this.onPick) return;
+      if (Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) > kSteady) return;
+      const frame = this.canvas.getBoundingClientRect();
+      const point = this.pick(
+        new THREE.Vector2(
+          (2 * (event.clientX - frame.left)) / frame.width - 1,
+          1 - (2 * (event.clientY - frame.top)) / frame.height,
+        ),
+      );
+      if (point) this.onPick(point);
+    });
   }
 
   private prepare(root: THREE.Object3D): void {

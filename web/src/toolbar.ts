@@ -1,8 +1,9 @@
 import { element } from './dom';
 import type { MapView } from './map_view';
+import type { PinPanel } from './pin_panel';
 
 /** Buttons that change how the map is seen. */
-export function createToolbar(place: HTMLElement, view: MapView, legend: HTMLElement): void {
+export function createToolbar(place: HTMLElement, view: MapView, legend: HTMLElement, pins: PinPanel): void {
   const action = (text: string, run: () => void) => element('button', { type: 'button', click: run }, text);
   const toggle = (text: string, isOn: boolean, change: (isOn: boolean) => void) => {
     const button = element('button', { type: 'button', 'aria-pressed': String(isOn) }, text);
@@ -13,6 +14,8 @@ export function createToolbar(place: HTMLElement, view: MapView, legend: HTMLEle
     });
     return button;
   };
+  const pinToggle = toggle('Pins', false, (isOn) => pins.setOpen(isOn));
+  pinToggle.dataset['pins'] = '';
   place.replaceChildren(
     toggle('Ground', true, (isOn) => view.setGroundVisible(isOn)),
     toggle('Trajectory', true, (isOn) => view.setTrajectoriesVisible(isOn)),
@@ -21,6 +24,7 @@ export function createToolbar(place: HTMLElement, view: MapView, legend: HTMLEle
       legend.classList.toggle('off', !isOn);
     }),
     toggle('Heights', false, (isOn) => view.setColorMode(isOn ? 'height' : 'photo')),
+    pinToggle,
     action('From above', () => view.lookDown()),
     action('Around', () => view.lookAround()),
   );
