@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -59,6 +61,20 @@ class HeightField {
 
   /// [m] of the bilinear surface of a patch at (x, y), which may lie a little outside of it.
   double HeightAt(int patch, const Eigen::Vector2d& point_in_site) const;
+
+  /// Calls `visit(patch, low, high)` with the heights [m] between which each patch that reaches into a box lies.
+  template <typename Visitor>
+  void VisitPatches(const Eigen::AlignedBox2d& box, const Visitor& visit) const {
+    if (box.isEmpty()) return;
+    const auto index = [&](double coordinate) { return static_cast<int>(std::floor(coordinate / options_.spacing)); };
+    for (int y = index(box.min().y()); y <= index(box.max().y()); ++y)
+      for (int x = index(box.min().x()); x <= index(box.max().x()); ++x)
+        for (int patch = patches_at_.First(x, y); patch != kNone; patch = patches_at_.Next(patch)) {
+          const auto& heights = patches_[static_cast<size_t>(patch)].heights;
+          const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
+          visit(patch, *low, *high);
+        }
+  }
 
   /// [m] one sigma of the height: of the best observation in the patch or next to it.
   double SigmaOf(int patch) const { return patches_[static_cast<size_t>(patch)].sigma; }

@@ -1,6 +1,8 @@
 #include "mapping/meet_surface.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace parkade {
 namespace {
@@ -35,6 +37,14 @@ int MeetSurface(const HeightField& field, const Eigen::Vector3d& eye, Eigen::Vec
   double height = 0;
   const int patch = field.FindPatch(point, height);
   return patch != HeightField::kNone && std::abs(height - point.z()) < kNotMet ? patch : HeightField::kNone;
+}
+
+double HighestHidden(const HeightField& field, const Eigen::Vector3d& eye, const Eigen::AlignedBox2d& box) {
+  double ceiling = -std::numeric_limits<double>::infinity();
+  field.VisitPatches(box, [&](int patch, double low, double high) {
+    if (low < eye.z() && field.SigmaOf(patch) <= kHidingSigma) ceiling = std::max(ceiling, std::min(high, eye.z()));
+  });
+  return ceiling - kHidingHeight;
 }
 
 bool IsHidden(const HeightField& field, const Eigen::Vector3d& eye, const Eigen::Vector3d& point) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "mapping/height_field.h"
 
@@ -9,6 +10,10 @@ namespace parkade {
 /// Where the ray from `eye` through `point` meets the surface: its patch, and `point` is moved there. kNone where it
 /// does not, or at so grazing an angle that it cannot be trusted.
 int MeetSurface(const HeightField& field, const Eigen::Vector3d& eye, Eigen::Vector3d& point);
+
+/// [m] Of the places in a box none that is higher is hidden from an eye, wherever else in the box it lies: no well
+/// known ground there is high enough.
+double HighestHidden(const HeightField& field, const Eigen::Vector3d& eye, const Eigen::AlignedBox2d& box);
 
 /// Whether ground that is well known stands in the way from `eye` to `point` [m], as the foot of a ramp does before the
 /// deck that is continued below it. Looks every 0.8 m.

@@ -34,6 +34,13 @@ double NearnessOf(const GroundSample& sample) {
 
 int Lightness(const std::array<int, 3>& bgr) { return (114 * bgr[0] + 587 * bgr[1] + 299 * bgr[2]) / 1000; }
 
+/// [m] in site: the camera of a view. Nothing where it is not known.
+std::optional<Eigen::Vector3d> EyeOf(const PatchView& view, const DrivenPath* path) {
+  const auto camera = static_cast<size_t>(view.camera);
+  if (path == nullptr || camera >= path->cameras_in_body.size()) return std::nullopt;
+  return view.site_from_body * path->cameras_in_body[camera];
+}
+
 }  // namespace
 
 SurfacePainter::SurfacePainter(const HeightField& field, int cells_per_side, const SightLogOdds& log_odds,
@@ -54,16 +61,20 @@ SurfacePainter::SurfacePainter(const HeightField& field, int cells_per_side, con
   evidence_.resize(static_cast<size_t>(num_slots) * static_cast<size_t>(cells_per_side * cells_per_side));
 }
 
+/// Where samples of a patch may lie once they have moved along their rays. `eye` may be null.
+Eigen::AlignedBox2d SurfacePainter::ReachOf(const PatchView& view, const Eigen::Vector3d* eye) {
+  Eigen::AlignedBox2d reach = view.extent;
+  if (eye == nullptr || reach.isEmpty()) return reach;
+  const Eigen::Vector2d from = eye->head<2>();
+  return reach.extend(from)
+      .extend((from + kMaxStretch * (view.extent.min() - from)).eval())
+      .extend((from + kMaxStretch * (view.extent.max() - from)).eval());
+}
+
 bool SurfacePainter::IsInReach(const PatchView& view, const DrivenPath* path) const {
-  if (view.extent.isEmpty() || reach_.isEmpty()) return false;
-  Eigen::AlignedBox2d reached = view.extent;
-  const auto camera = static_cast<size_t>(view.camera);
-  if (path != nullptr && camera < path->cameras_in_body.size()) {
-    const Eigen::Vector2d eye = (view.site_from_body * path->cameras_in_body[camera]).head<2>();
-    reached = {eye + kMaxStretch * (reached.min() - eye), eye + kMaxStretch * (reached.max() - eye)};
-    reached.extend(view.extent).extend(eye);
-  }
-  return reach_.intersects(reached);
+  const std::optional<Eigen::Vector3d> eye = EyeOf(view, path);
+  const Eigen::AlignedBox2d reach = ReachOf(view, eye ? &*eye : nullptr);
+  return !reach.isEmpty() && !reach_.isEmpty() && reach_.intersects(reach);
 }
 
 /// Whether the ray through a point may meet the surface in reach of the window.
@@ -107,17 +118,22 @@ void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::
     }
 }
 
-std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PosedGroundPatch& patch, const DrivenPath* path) const {
+std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PatchView& view, const GroundPatch& patch,
+                                                          const DrivenPath* path) const {
   std::vector<Hit> hits;
-  hits.reserve(patch.patch.samples.size());
-  const auto camera = static_cast<size_t>(patch.patch.camera);
-  const bool has_eye = path != nullptr && camera < path->cameras_in_body.size();
-  const Eigen::Vector3d eye = has_eye ? patch.site_from_body * path->cameras_in_body[camera] : Eigen::Vector3d::Zero();
-  for (const GroundSample& sample : patch.patch.samples) {
-    Eigen::Vector3d point = patch.site_from_body * sample.point_in_body.cast<double>();
-    if (!IsInReach(has_eye ? &eye : nullptr, point)) continue;
+  hits.reserve(patch.samples.size());
+  const std::optional<Eigen::Vector3d> seen_from = EyeOf(view, path);
+  const bool has_eye = seen_from.has_value();
+  const Eigen::Vector3d eye = seen_from.value_or(Eigen::Vector3d::Zero());
+  const Eigen::AlignedBox2d reach = ReachOf(view, has_eye ? &eye : nullptr);
+  const bool is_all_in_reach = reach_.contains(reach);
+  const double highest_hidden = has_eye ? HighestHidden(*field_, eye, reach) : 0;
+  for (const GroundSample& sample : patch.samples) {
+    Eigen::Vector3d point = view.site_from_body * sample.point_in_body.cast<double>();
+    if (!is_all_in_reach && !IsInReach(has_eye ? &eye : nullptr, point)) continue;
     const int found = has_eye ? MeetSurface(*field_, eye, point) : field_->FindPatch(point);
-    if (found == HeightField::kNone || (has_eye && IsHidden(*field_, eye, point))) continue;
+    if (found == HeightField::kNone) continue;
+    if (has_eye && point.z() < highest_hidden && IsHidden(*field_, eye, point)) continue;
     const double distance = has_eye ? (point - eye).head<2>().norm() : 0;
     const double depth = has_eye ? std::max(eye.z() - point.z(), kMinEyeHeight) : 1;
     // An error of the height moves what is seen along the ray.
@@ -134,7 +150,9 @@ void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> i
   const auto limit = static_cast<float>(log_odds_.limit);
   for (size_t begin = 0; begin < indices.size(); begin += kPatchesPerBatch) {
     const std::span batch = indices.subspan(begin, std::min(kPatchesPerBatch, indices.size() - begin));
-    const auto hits_of = ParallelMap(batch.size(), [&](size_t i) { return FindHits(patches.Read(batch[i]), path); });
+    const auto hits_of = ParallelMap(batch.size(), [&](size_t i) {
+      return FindHits(patches.views()[batch[i]], patches.Read(batch[i]).patch, path);
+    });
     for (const std::vector<Hit>& hits : hits_of)
       for (const Hit& hit : hits) {
         Evidence& evidence = evidence_[hit.evidence];

@@ -81,7 +81,8 @@ class SurfacePainter {
   static ViewSet ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point);
   void AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds, ViewSet view,
               std::vector<Hit>& hits) const;
-  std::vector<Hit> FindHits(const PosedGroundPatch& patch, const DrivenPath* path) const;
+  std::vector<Hit> FindHits(const PatchView& view, const GroundPatch& patch, const DrivenPath* path) const;
+  static Eigen::AlignedBox2d ReachOf(const PatchView& view, const Eigen::Vector3d* eye);
   bool IsInReach(const Eigen::Vector3d* eye, const Eigen::Vector3d& point) const;
   bool IsPainted(int patch) const { return slots_[static_cast<size_t>(patch)] != HeightField::kNone; }
   std::uint32_t EvidenceAt(int patch, const Eigen::Vector2i& cell) const;
