@@ -58,6 +58,7 @@ test('residuals are across and up, and heights that nobody knows do not count', 
   ]);
   expect(formatResidual(known!)).toBe('off by 5.0 cm, 12.0 cm up');
   expect(formatResidual(unknown!)).toBe('off by 10.0 cm');
+  expect(formatResidual({ ...known!, residual: [0, 0, -1e-5] })).toBe('off by 0.0 cm, 0.0 cm up');
   expect(formatResidual(unused!)).toMatch(/^not used/);
   expect(rmsOfPins([known!, unused!])).toBeCloseTo(0.13);
   expect(rmsOfPins([unused!])).toBeNull();

@@ -63,7 +63,7 @@ export function formatResidual(pin: Pin): string {
   if (!pin.isUsed) return 'not used: no drive of this version passes it';
   const miss = missOf(pin);
   if (!miss) return 'new';
-  const centimetres = (metres: number) => `${(100 * metres).toFixed(1)} cm`;
+  const centimetres = (metres: number) => `${(Math.round(1000 * metres) / 10 || 0).toFixed(1)} cm`; // and no -0.0
   return `off by ${centimetres(miss.across)}` + (pin.height === null ? '' : `, ${centimetres(miss.up)} up`);
 }
 
