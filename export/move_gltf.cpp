@@ -18,7 +18,7 @@ constexpr int kFloat = 5126;
 
 [[noreturn]] void Refuse() { throw Error(ErrorCode::kInvalidInput, "this is no plain glTF binary of this program"); }
 
-/// The two chunks of a .glb.
+/// The two chunks of a .glb; the second is empty where nothing is shown.
 struct Chunks {
   Json json;
   std::string binary;
@@ -33,6 +33,7 @@ Chunks Split(const std::string& glb) {
   };
   if (word(0) != kMagic || word(4) != 2 || word(16) != kJsonChunk) Refuse();
   const size_t json_bytes = word(12), binary_at = 20 + json_bytes;
+  if (binary_at == glb.size()) return {Json::parse(glb.substr(20)), ""};
   if (word(binary_at + 4) != kBinaryChunk || binary_at + 8 + word(binary_at) > glb.size()) Refuse();
   return {Json::parse(glb.substr(20, json_bytes)), glb.substr(binary_at + 8, word(binary_at))};
 }
@@ -45,9 +46,10 @@ std::string Join(const Chunks& chunks) {
     const auto word = static_cast<std::uint32_t>(value);
     glb.append(reinterpret_cast<const char*>(&word), sizeof word);
   };
-  word(kMagic), word(2), word(28 + json.size() + chunks.binary.size());
+  word(kMagic), word(2), word(20 + json.size() + (chunks.binary.empty() ? 0 : 8 + chunks.binary.size()));
   word(json.size()), word(kJsonChunk);
   glb += json;
+  if (chunks.binary.empty()) return glb;
   word(chunks.binary.size()), word(kBinaryChunk);
   return glb + chunks.binary;
 }

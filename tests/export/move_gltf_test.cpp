@@ -83,6 +83,14 @@ TEST(MoveGltf, LeavesOutDrivesThatAreGone) {
   EXPECT_FALSE(Show(after, "drive:" + map.drives[1].name).points.empty());
 }
 
+TEST(MoveGltf, AnEmptyMapStaysEmpty) {
+  const std::string glb = EncodeGltf({}, MeshEncoding::kPlain);
+  const std::string after = MoveGltf(
+      glb, [](const Eigen::Vector3d& point) { return point; }, {}, SiteDatum{48, 11, 500});
+  EXPECT_EQ(JsonOf(after).at("nodes").size(), JsonOf(glb).at("nodes").size());
+  EXPECT_EQ(JsonOf(after).at("asset").at("extras").at("datum").at("altitude"), 500);
+}
+
 TEST(MoveGltf, RefusesWhatItCannotMove) {
   const PointMotion stay = [](const Eigen::Vector3d& point) { return point; };
   const std::string glb = EncodeGltf(MakeExampleMap(false), MeshEncoding::kPlain);

@@ -244,7 +244,9 @@ class CommandLine(unittest.TestCase):
         self.assertEqual(run("export", pinned, "--format", "covariance", "--out", csv_file).returncode, 0)
         self.assertEqual(len(csv_file.read_text().splitlines()[1].split(",")), 26)
 
-        self.assertEqual(run("map", drive, "--from", pinned, "--out", later, "--quiet").returncode, 0)
+        preview = self.folder / "preview.glb"
+        self.assertEqual(run("map", drive, "--from", pinned, "--preview", preview, "--out", later, "--quiet").returncode, 0)
+        self.assertEqual(preview.read_bytes()[:4], b"glTF")
         self.assertEqual(json.loads((later / "report.json").read_text())["datum"], report["datum"])
         self.assertEqual(run("map", drive, "--from", pinned, "--no-pins", "--out", unpinned, "--quiet").returncode, 0)
         self.assertIsNone(json.loads((unpinned / "report.json").read_text())["datum"])
@@ -259,6 +261,7 @@ class CommandLine(unittest.TestCase):
         refuse(*pins[:2], "--pin", f"moved:-1.5,20,0=48,{east:.10f}", names=["no drive 'moved'"])
         refuse(*pins[:2], "--pin", "here", names=["'here'"])
         self.refuse(drive, *pins, status=2, names=["--from"])
+        self.refuse(drive, "--preview", preview, status=2, names=["--from"])
 
     def test_a_full_disk_is_said_and_leaves_nothing(self):
         disk = self.folder / "disk"
