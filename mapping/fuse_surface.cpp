@@ -139,7 +139,8 @@ std::vector<FieldTile> CutIntoTiles(const HeightField& field, int cells_per_side
 }
 
 /// One drive after the other: where a car drove on an earlier day there may be an obstacle now.
-void PaintDrives(const PatchSource& patches, std::span<const DrivenPath> paths, SurfacePainter& painter) {
+void PaintDrives(const PatchSource& patches, std::span<const DrivenPath> paths, const LatestDrives& latest,
+                 SurfacePainter& painter) {
   std::set<int> unseen;
   for (const DrivenPath& path : paths) unseen.insert(path.drive);
   const std::span<const PatchView> views = patches.views();
@@ -148,8 +149,8 @@ void PaintDrives(const PatchSource& patches, std::span<const DrivenPath> paths, 
     const DrivenPath* path = FindPath(paths, drive);
     std::vector<size_t> in_reach;
     for (; end < views.size() && views[end].drive == drive; ++end)
-      if (painter.IsInReach(views[end], path)) in_reach.push_back(end);
-    if (!in_reach.empty()) painter.PaintDrive(patches, in_reach, path);
+      if (painter.IsInReach(views[end], path) && !latest.ShareOf(views[end]).is_none()) in_reach.push_back(end);
+    if (!in_reach.empty()) painter.PaintDrive(patches, in_reach, path, &latest);
     if (path) painter.MarkDriven(*path);
     unseen.erase(drive);
   }
@@ -158,11 +159,12 @@ void PaintDrives(const PatchSource& patches, std::span<const DrivenPath> paths, 
 
 /// The finished cells of one tile, but for islands.
 std::vector<PaintedCell> PaintTile(const FieldTile& tile, const PatchSource& patches, std::span<const DrivenPath> paths,
-                                   const HeightField& field, const SurfaceOptions& options) {
+                                   const LatestDrives& latest, const HeightField& field,
+                                   const SurfaceOptions& options) {
   const int cells_per_side = static_cast<int>(std::round(options.height.spacing / options.cell_size));
   SurfacePainter painter(field, cells_per_side,
                          {options.free_log_odds, options.occupied_log_odds, options.log_odds_limit}, tile.window);
-  PaintDrives(patches, paths, painter);
+  PaintDrives(patches, paths, latest, painter);
   std::vector<PaintedCell> cells = painter.Cells();
   DropFalseDecks(options.height.level_separation, cells);
   FillPinholes(LinkCells(SurfaceOf(cells, options.cell_size), kMaxCellStep), cells);
@@ -193,6 +195,7 @@ void SurfaceOptions::Validate() const {
   Require(max_height_sigma > 0, ErrorCode::kUsage, "max_height_sigma must be > 0 m");
   Require(plane_share > 0 && plane_share <= 1, ErrorCode::kUsage, "plane_share must be in (0, 1]");
   Require(min_island_area >= 0, ErrorCode::kUsage, "min_island_area must not be negative");
+  Require(latest_drives >= 1, ErrorCode::kUsage, "latest_drives must be 1 at least");
   Require(tile_size >= height.spacing, ErrorCode::kUsage, "tile_size must be height.spacing at least");
 }
 
@@ -203,9 +206,10 @@ SurfaceMap FuseSurface(const PatchSource& patches, std::span<const DrivenPath> p
   if (options.method == "homography") return FuseVoxels(patches, paths, options.cell_size, options.voxels);
   const HeightField field = FitHeights(heights, paths, options.Heights(), measured);
   const int cells_per_side = static_cast<int>(std::round(options.height.spacing / options.cell_size));
+  const LatestDrives latest(patches.views(), options.latest_drives);
   std::vector<PaintedCell> cells;
   for (const FieldTile& tile : CutIntoTiles(field, cells_per_side, options.tile_size)) {
-    const std::vector<PaintedCell> of_tile = PaintTile(tile, patches, paths, field, options);
+    const std::vector<PaintedCell> of_tile = PaintTile(tile, patches, paths, latest, field, options);
     cells.insert(cells.end(), of_tile.begin(), of_tile.end());
   }
   std::sort(cells.begin(), cells.end(), [](const PaintedCell& a, const PaintedCell& b) {

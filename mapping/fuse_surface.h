@@ -24,6 +24,7 @@ struct SurfaceOptions {
   double log_odds_limit = 8.0;      ///< so that a changed place can change again
   double max_height_sigma = 0.12;   ///< [m] ground whose height is known less well is not mapped
   double min_island_area = 10.0;    ///< [m^2] smaller free islands that no car drove on are noise
+  int latest_drives = 6;            ///< so many of the latest that looked at a place say what it looks like
   double tile_size = 48.0;          ///< [m] of the squares that are painted one after the other; less takes less memory
   HeightFieldOptions height;
   MeasureHeightsOptions sweep;
@@ -41,6 +42,7 @@ struct SurfaceOptions {
     visit("log_odds_limit", log_odds_limit);
     visit("max_height_sigma", max_height_sigma);
     visit("min_island_area", min_island_area);
+    visit("latest_drives", latest_drives);
     visit("tile_size", tile_size);
     visit("height", height);
     visit("sweep", sweep);
@@ -57,7 +59,8 @@ struct SurfaceOptions {
 ///    (FitHeights).
 /// 2. Colour and free space: every sample moves along its ray of sight onto that surface, so that a ramp ahead is
 ///    painted where it is, and not where the car's own plane would have it. Free space is a log-odds sum, drive after
-///    drive in the order of the patches, bounded so that the latest drives count most where places change; a cell's
+///    drive in the order of the patches, bounded so that the latest drives count most where places change (and at most
+///    `latest_drives` that looked at a place, see LatestDrives); a cell's
 ///    colour is the median of its nearest sights; what a car drove over is free, until a later drive sees otherwise.
 /// 3. Pinholes are filled, islands that no car drove on and that are small are dropped.
 ///

@@ -19,6 +19,10 @@ using Coefficients = std::array<double, 4>;
 /// Bilinear coefficients of the patch's nodes at (fx, fy), the fractions of its edges.
 Coefficients Bilinear(double fx, double fy) { return {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy}; }
 
+double Bilinear(const std::array<double, 4>& heights, double fx, double fy) {
+  return (1 - fy) * (heights[0] + fx * (heights[1] - heights[0])) + fy * (heights[2] + fx * (heights[3] - heights[2]));
+}
+
 }  // namespace
 
 /// Built row by row: each row is weight * (sum_k c_k h_k - value)^2.
@@ -194,11 +198,12 @@ int HeightField::FindPatch(const Eigen::Vector3d& point_in_site) const {
 
 int HeightField::FindPatch(const Eigen::Vector3d& point_in_site, double& height) const {
   const double x = point_in_site.x() / options_.spacing, y = point_in_site.y() / options_.spacing;
+  const double column = std::floor(x), row = std::floor(y), fx = x - column, fy = y - row;
   int nearest = kNone;
   double nearest_distance = options_.level_separation;
-  for (int patch = patches_at_.First(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y))); patch != kNone;
+  for (int patch = patches_at_.First(static_cast<int>(column), static_cast<int>(row)); patch != kNone;
        patch = patches_at_.Next(patch)) {
-    const double here = HeightAt(patch, point_in_site.head<2>());
+    const double here = Bilinear(patches_[static_cast<size_t>(patch)].heights, fx, fy);
     const double distance = std::abs(here - point_in_site.z());
     if (distance < nearest_distance) nearest = patch, nearest_distance = distance, height = here;
   }
@@ -209,8 +214,7 @@ double HeightField::HeightAt(int patch, const Eigen::Vector2d& point_in_site) co
   const Patch& square = patches_[static_cast<size_t>(patch)];
   const double fx = point_in_site.x() / options_.spacing - square.x;
   const double fy = point_in_site.y() / options_.spacing - square.y;
-  const auto& h = square.heights;
-  return (1 - fy) * (h[0] + fx * (h[1] - h[0])) + fy * (h[2] + fx * (h[3] - h[2]));
+  return Bilinear(square.heights, fx, fy);
 }
 
 }  // namespace parkade

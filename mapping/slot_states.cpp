@@ -2,11 +2,11 @@
 
 #include <array>
 #include <cmath>
-#include <map>
 #include <optional>
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "mapping/patch_index.h"
 
 namespace parkade {
 namespace {
@@ -32,19 +32,25 @@ class SlotSquares {
       const auto first = ((low - kReach) / kSquare).floor().cast<int>().eval();
       const auto last = ((high + kReach) / kSquare).floor().cast<int>().eval();
       for (int x = first.x(); x <= last.x(); ++x)
-        for (int y = first.y(); y <= last.y(); ++y) squares_[{x, y}].push_back(i);
+        for (int y = first.y(); y <= last.y(); ++y) {
+          squares_.Add(x, y);
+          slots_.push_back(i);
+        }
     }
   }
 
-  std::span<const std::size_t> At(const Eigen::Vector3d& point) const {
-    const auto found = squares_.find(
-        {static_cast<int>(std::floor(point.x() / kSquare)), static_cast<int>(std::floor(point.y() / kSquare))});
-    if (found == squares_.end()) return {};
-    return found->second;
+  /// Calls `visit(slot)` for those that may lie at a point.
+  template <typename Visitor>
+  void VisitAt(const Eigen::Vector3d& point, const Visitor& visit) const {
+    for (int entry = squares_.First(static_cast<int>(std::floor(point.x() / kSquare)),
+                                    static_cast<int>(std::floor(point.y() / kSquare)));
+         entry != PatchIndex::kNone; entry = squares_.Next(entry))
+      visit(slots_[static_cast<std::size_t>(entry)]);
   }
 
  private:
-  std::map<std::pair<int, int>, std::vector<std::size_t>> squares_;
+  PatchIndex squares_;
+  std::vector<std::size_t> slots_;  // by the entries' numbers
 };
 
 /// The part of a slot that counts, as an affine grid.
@@ -92,12 +98,12 @@ std::vector<Hit> FindHits(const PosedGroundPatch& patch, std::span<const DrivenP
     eye = patch.site_from_body * path->cameras_in_body[camera];
   for (const GroundSample& sample : patch.patch.samples) {
     const Eigen::Vector3d point = patch.site_from_body * sample.point_in_body.cast<double>();
-    for (const std::size_t slot : squares.At(point)) {
+    squares.VisitAt(point, [&](std::size_t slot) {
       const double height = grids[slot].origin.z();
-      if (std::abs(point.z() - height) > kMaxHeightStep) continue;
+      if (std::abs(point.z() - height) > kMaxHeightStep) return;
       const std::optional<std::size_t> cell = grids[slot].CellAt(MeetHeight(eye, point, height).head<2>());
       if (cell) hits.push_back({slot, *cell, (sample.is_free ? 1.0F : -1.0F) * sample.confidence});
-    }
+    });
   }
   return hits;
 }

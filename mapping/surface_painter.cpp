@@ -119,18 +119,20 @@ void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::
 }
 
 std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PatchView& view, const GroundPatch& patch,
-                                                          const DrivenPath* path) const {
+                                                          const DrivenPath* path, const LatestDrives* latest) const {
   std::vector<Hit> hits;
   hits.reserve(patch.samples.size());
   const std::optional<Eigen::Vector3d> seen_from = EyeOf(view, path);
   const bool has_eye = seen_from.has_value();
   const Eigen::Vector3d eye = seen_from.value_or(Eigen::Vector3d::Zero());
   const Eigen::AlignedBox2d reach = ReachOf(view, has_eye ? &eye : nullptr);
+  const LatestDrives::Share share = latest ? latest->ShareOf(view) : LatestDrives::Share{};
   const bool is_all_in_reach = reach_.contains(reach);
   const double highest_hidden = has_eye ? HighestHidden(*field_, eye, reach) : 0;
   for (const GroundSample& sample : patch.samples) {
     Eigen::Vector3d point = view.site_from_body * sample.point_in_body.cast<double>();
     if (!is_all_in_reach && !IsInReach(has_eye ? &eye : nullptr, point)) continue;
+    if (latest != nullptr && !share.Counts(point.head<2>())) continue;
     const int found = has_eye ? MeetSurface(*field_, eye, point) : field_->FindPatch(point);
     if (found == HeightField::kNone) continue;
     if (has_eye && point.z() < highest_hidden && IsHidden(*field_, eye, point)) continue;
@@ -146,12 +148,13 @@ std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PatchView& view,
   return hits;
 }
 
-void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path) {
+void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path,
+                           const LatestDrives* latest) {
   const auto limit = static_cast<float>(log_odds_.limit);
   for (size_t begin = 0; begin < indices.size(); begin += kPatchesPerBatch) {
     const std::span batch = indices.subspan(begin, std::min(kPatchesPerBatch, indices.size() - begin));
     const auto hits_of = ParallelMap(batch.size(), [&](size_t i) {
-      return FindHits(patches.views()[batch[i]], patches.Read(batch[i]).patch, path);
+      return FindHits(patches.views()[batch[i]], patches.Read(batch[i]).patch, path, latest);
     });
     for (const std::vector<Hit>& hits : hits_of)
       for (const Hit& hit : hits) {
@@ -191,8 +194,9 @@ void SurfacePainter::EndDrive() {
   }
 }
 
-void SurfacePainter::PaintDrive(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path) {
-  Paint(patches, indices, path);
+void SurfacePainter::PaintDrive(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path,
+                                const LatestDrives* latest) {
+  Paint(patches, indices, path, latest);
   EndDrive();
 }
 

@@ -10,6 +10,7 @@
 #include "core/surface_map.h"
 #include "mapping/driven_path.h"
 #include "mapping/height_field.h"
+#include "mapping/latest_drives.h"
 #include "mapping/patch_source.h"
 
 namespace parkade {
@@ -37,7 +38,8 @@ class SurfacePainter {
   /// Behind the foot of an obstacle nothing is known, so that a parked car hardly counts against its slot. But ground
   /// that an earlier drive saw, and that this drive does not see from anywhere although it looked from where that one
   /// had seen it, is covered now.
-  void PaintDrive(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path);
+  void PaintDrive(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path,
+                  const LatestDrives* latest = nullptr);
 
   /// Where a car has been there is room for it.
   void MarkDriven(const DrivenPath& path);
@@ -76,12 +78,14 @@ class SurfacePainter {
     ViewSet view = 0;  ///< one bit, or none where it is not known well enough
   };
 
-  void Paint(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path);
+  void Paint(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path,
+             const LatestDrives* latest);
   void EndDrive();
   static ViewSet ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point);
   void AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds, ViewSet view,
               std::vector<Hit>& hits) const;
-  std::vector<Hit> FindHits(const PatchView& view, const GroundPatch& patch, const DrivenPath* path) const;
+  std::vector<Hit> FindHits(const PatchView& view, const GroundPatch& patch, const DrivenPath* path,
+                            const LatestDrives* latest) const;
   static Eigen::AlignedBox2d ReachOf(const PatchView& view, const Eigen::Vector3d* eye);
   bool IsInReach(const Eigen::Vector3d* eye, const Eigen::Vector3d& point) const;
   bool IsPainted(int patch) const { return slots_[static_cast<size_t>(patch)] != HeightField::kNone; }
