@@ -8,6 +8,7 @@
 #include "slam/image_pyramid.h"
 #include "slam/lucas_kanade.h"
 #include "slam/parallax_field.h"
+#include "slam/spread_out.h"
 
 namespace parkade {
 namespace {
@@ -18,7 +19,6 @@ constexpr double kMinSimilarity = 0.8;  ///< correlation with the first look for
 constexpr double kMaxCreep = 1.5;       ///< [px] between the look of the last image and the first look
 constexpr double kMaxGrowth = 2.5;      ///< of a patch's area before it gets a new reference
 constexpr double kMovingFlow = 1.0;     ///< [px] median flow of a car that moves
-constexpr double kCrowded = 0.5;        ///< of the distance between new corners; nearer tracks converge
 
 bool IsSet(const cv::Mat& mask, const Eigen::Vector2d& pixel) {
   const int x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
@@ -30,16 +30,6 @@ double Median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
-}
-
-/// Indices of `pixels` that are at least `distance` from every one kept before.
-std::vector<size_t> SpreadOut(const std::vector<Eigen::Vector2d>& pixels, double distance) {
-  std::vector<size_t> kept;
-  for (size_t i = 0; i < pixels.size(); ++i)
-    if (std::none_of(kept.begin(), kept.end(),
-                     [&](size_t other) { return (pixels[other] - pixels[i]).squaredNorm() < distance * distance; }))
-      kept.push_back(i);
-  return kept;
 }
 
 }  // namespace

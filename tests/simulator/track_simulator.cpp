@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "slam/image_pyramid.h"
+#include "slam/spread_out.h"
 
 namespace parkade::simulator {
 namespace {
@@ -60,6 +61,7 @@ TrackSimulator::TrackSimulator(const TrackEye& eye, const RigCamera& nominal, in
       next_track_(static_cast<std::int64_t>(camera_index) << kCameraShift) {
   const double area = std::max(1, cv::countNonZero(usable_));
   cell_size_ = std::max(8, static_cast<int>(std::sqrt(area / options.max_tracks)) / 4 * 4);  // as CornerDetector
+  spacing_ = 0.6 * cell_size_;
 }
 
 bool TrackSimulator::IsUsable(const Eigen::Vector2d& pixel) const {
@@ -92,6 +94,7 @@ TrackedFrame TrackSimulator::Track(Timestamp time, Timestamp stamp) {
   for (LiveTrack& track : tracks_)
     if (std::optional<LiveTrack> followed = Follow(std::move(track), time)) now.push_back(std::move(*followed));
   if (last_time_) DropDisagreeing(now, time);
+  DropCrowded(now);
   tracks_ = std::move(now);
   AddCorners(time);
   last_time_ = time;
@@ -165,6 +168,15 @@ void TrackSimulator::DropDisagreeing(std::vector<LiveTrack>& tracks, Timestamp t
   tracks.resize(kept);
 }
 
+/// Of tracks that meet the older one goes on, as in the real tracker.
+void TrackSimulator::DropCrowded(std::vector<LiveTrack>& tracks) const {
+  std::vector<Eigen::Vector2d> pixels;
+  for (const LiveTrack& track : tracks) pixels.push_back(track.seen.pixel);
+  std::vector<LiveTrack> kept;
+  for (const size_t index : SpreadOut(pixels, kCrowded * spacing_)) kept.push_back(std::move(tracks[index]));
+  tracks = std::move(kept);
+}
+
 /// One corner in every empty cell first, then two, as long as there is room: see CornerDetector.
 void TrackSimulator::AddCorners(Timestamp time) {
   const int columns = (usable_.cols + cell_size_ - 1) / cell_size_, rows = (usable_.rows + cell_size_ - 1) / cell_size_;
@@ -181,7 +193,6 @@ void TrackSimulator::AddCorners(Timestamp time) {
   std::iota(order.begin(), order.end(), 0);
   for (size_t i = order.size(); i > 1; --i)
     std::swap(order[i - 1], order[static_cast<size_t>(random_.Index(static_cast<int>(i)))]);
-  const double spacing = 0.6 * cell_size_;
   for (int per_cell = 1; per_cell <= kMaxPerCell; ++per_cell) {
     for (const int cell : order) {
       if (std::ssize(tracks_) >= options_.max_tracks) return;
@@ -191,7 +202,7 @@ void TrackSimulator::AddCorners(Timestamp time) {
                                     (cell / columns + random_.Uniform()) * cell_size_);
         if (!IsUsable(pixel)) continue;
         if (std::any_of(present.begin(), present.end(),
-                        [&](const Eigen::Vector2d& other) { return (other - pixel).norm() < spacing; }))
+                        [&](const Eigen::Vector2d& other) { return (other - pixel).norm() < spacing_; }))
           continue;
         std::optional<LiveTrack> corner = Corner(pixel, time);
         if (!corner) continue;

@@ -66,6 +66,7 @@ class TrackSimulator {
   void Slide(LiveTrack& track, const Eigen::Vector2d& flow, double growth, double sight_along_way);
   bool IsLost(const LiveTrack& track, double growth, double flow);
   void DropDisagreeing(std::vector<LiveTrack>& tracks, Timestamp time) const;
+  void DropCrowded(std::vector<LiveTrack>& tracks) const;
   void AddCorners(Timestamp time);
   std::optional<LiveTrack> Corner(const Eigen::Vector2d& pixel, Timestamp time);
   bool IsAtOutline(LiveTrack& track, const SightLine& line, double distance, Timestamp time);
@@ -80,7 +81,8 @@ class TrackSimulator {
   FeatureTrackerOptions options_;
   Random random_;
   cv::Mat usable_;
-  int cell_size_ = 1;  ///< [px]
+  int cell_size_ = 1;     ///< [px]
+  double spacing_ = 0.6;  ///< [px] between new corners
   std::vector<LiveTrack> tracks_;
   std::optional<Timestamp> last_time_;
   std::int64_t next_track_ = 0;

@@ -131,6 +131,20 @@ TEST(TrackSimulator, SameSeedSameTracksOtherSeedOthers) {
   EXPECT_TRUE(differs);
 }
 
+// What a rear camera leaves behind converges on its vanishing point.
+TEST(TrackSimulator, TracksThatMeetAreThinned) {
+  Stage& stage = TheStage();
+  const TrackEye eye = stage.EyeOf(3);
+  TrackSimulator simulator(eye, stage.rig.cameras[3], 3, stage.world, TrackModel{}, kSeed);
+  for (int i = 0; i < 120; ++i) {
+    const Timestamp time = stage.epoch + (6 + i / kRate);
+    const TrackedFrame frame = simulator.Track(time, time);
+    for (size_t a = 0; a < frame.observations.size(); ++a)
+      for (size_t b = 0; b < a; ++b)
+        ASSERT_GT((frame.observations[a].pixel - frame.observations[b].pixel).norm(), 6) << "[px]";
+  }
+}
+
 TEST(TrackSimulator, ForgetsItsTracksInALongPause) {
   Stage& stage = TheStage();
   const TrackEye eye = stage.EyeOf(0);
