@@ -72,7 +72,8 @@ TEST_F(Status, DescribesOnlyWhatAnswers) {
       // Found, and its body or state found wanting at most.
       const bool is_missing_rig = path == "/api/v1/rigs/{rig}" && method == "get" && answer->status == 404;
       const bool has_no_preview = path.ends_with("/preview.glb") && answer->status == 404;
-      EXPECT_TRUE(is_missing_rig || has_no_preview || answer->status < 300 || answer->status == 400 || answer->status == 409)
+      EXPECT_TRUE(is_missing_rig || has_no_preview || answer->status < 300 || answer->status == 400 ||
+                  answer->status == 409)
           << method << " " << address << ": " << answer->status << " " << answer->body;
       const bool is_described = operation.at("responses").contains(std::to_string(answer->status)) ||
                                 operation.at("responses").contains("default");
