@@ -132,8 +132,9 @@ void HeightField::MakeNodes() {
 }
 
 void HeightField::KeepHeights() {
-  for (Patch& patch : patches_)
-    for (size_t k = 0; k < 4; ++k) patch.heights[k] = heights_[static_cast<size_t>(patch.nodes[k])];
+  corners_.resize(patches_.size());
+  for (size_t i = 0; i < patches_.size(); ++i)
+    for (size_t k = 0; k < 4; ++k) corners_[i][k] = heights_[static_cast<size_t>(patches_[i].nodes[k])];
 }
 
 void HeightField::Solve(const std::vector<HeightObservation>& observations) {
@@ -203,7 +204,7 @@ int HeightField::FindPatch(const Eigen::Vector3d& point_in_site, double& height)
   double nearest_distance = options_.level_separation;
   for (int patch = patches_at_.First(static_cast<int>(column), static_cast<int>(row)); patch != kNone;
        patch = patches_at_.Next(patch)) {
-    const double here = Bilinear(patches_[static_cast<size_t>(patch)].heights, fx, fy);
+    const double here = Bilinear(corners_[static_cast<size_t>(patch)], fx, fy);
     const double distance = std::abs(here - point_in_site.z());
     if (distance < nearest_distance) nearest = patch, nearest_distance = distance, height = here;
   }
@@ -214,7 +215,7 @@ double HeightField::HeightAt(int patch, const Eigen::Vector2d& point_in_site) co
   const Patch& square = patches_[static_cast<size_t>(patch)];
   const double fx = point_in_site.x() / options_.spacing - square.x;
   const double fy = point_in_site.y() / options_.spacing - square.y;
-  return Bilinear(square.heights, fx, fy);
+  return Bilinear(corners_[static_cast<size_t>(patch)], fx, fy);
 }
 
 }  // namespace parkade

@@ -70,7 +70,7 @@ class HeightField {
     for (int y = index(box.min().y()); y <= index(box.max().y()); ++y)
       for (int x = index(box.min().x()); x <= index(box.max().x()); ++x)
         for (int patch = patches_at_.First(x, y); patch != kNone; patch = patches_at_.Next(patch)) {
-          const auto& heights = patches_[static_cast<size_t>(patch)].heights;
+          const auto& heights = corners_[static_cast<size_t>(patch)];
           const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
           visit(patch, *low, *high);
         }
@@ -92,10 +92,9 @@ class HeightField {
  private:
   struct Patch {
     int x = 0, y = 0;
-    std::array<int, 4> nodes{};       ///< at (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)
-    std::array<double, 4> heights{};  ///< [m] of the nodes
-    double guess = 0;                 ///< [m] first height
-    double sigma = 0;                 ///< [m]
+    std::array<int, 4> nodes{};  ///< at (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)
+    double guess = 0;            ///< [m] first height
+    double sigma = 0;            ///< [m]
   };
   class NormalEquations;
   void MakePatches(const std::vector<HeightObservation>& observations);
@@ -111,7 +110,8 @@ class HeightField {
   HeightFieldOptions options_;
   std::vector<Patch> patches_;
   PatchIndex patches_at_;
-  std::vector<double> heights_;  ///< [m] of the nodes
+  std::vector<double> heights_;                 ///< [m] of the nodes
+  std::vector<std::array<double, 4>> corners_;  ///< [m] of the patches' nodes: what is looked up is packed densely
 };
 
 }  // namespace parkade
