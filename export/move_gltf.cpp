@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
-constexpr int kFloat = 5126;
+constexpr int kFloat = 5126, kUnsignedInt = 5125, kUnsignedShort = 5123;
 
 [[noreturn]] void Refuse() { throw Error(ErrorCode::kInvalidInput, "this is no plain glTF binary of this program"); }
 
@@ -91,6 +91,29 @@ class VectorAccessor {
 Eigen::Vector3d SiteFromGltf(const Eigen::Vector3d& point) { return {point.x(), -point.z(), point.y()}; }
 Eigen::Vector3d GltfFromSite(const Eigen::Vector3d& point) { return {point.x(), point.z(), -point.y()}; }
 
+/// Shrinks triangles to a point where one of their corners is gone.
+void Shrink(Chunks& chunks, size_t accessor, const std::vector<bool>& is_gone) {
+  const Json& json = chunks.json.at("accessors").at(accessor);
+  const Json& view = chunks.json.at("bufferViews").at(json.at("bufferView").get<size_t>());
+  const size_t size = json.at("componentType") == kUnsignedInt ? 4 : json.at("componentType") == kUnsignedShort ? 2 : 0;
+  const size_t begin = view.value("byteOffset", size_t{0}) + json.value("byteOffset", size_t{0});
+  const size_t count = json.at("count").get<size_t>();
+  if (size == 0 || count % 3 != 0 || begin + count * size > chunks.binary.size()) Refuse();
+  for (size_t i = 0; i < count; i += 3) {
+    char* corners = chunks.binary.data() + begin + i * size;
+    bool is_kept = true;
+    for (size_t k = 0; k < 3; ++k) {
+      std::uint32_t index = 0;  // little-endian, as glTF is
+      std::memcpy(&index, corners + k * size, size);
+      if (index >= is_gone.size()) Refuse();
+      is_kept = is_kept && !is_gone[index];
+    }
+    if (is_kept) continue;
+    std::memcpy(corners + size, corners, size);
+    std::memcpy(corners + 2 * size, corners, size);
+  }
+}
+
 void MoveMesh(Chunks& chunks, Json& node, const PointMotion& motion) {
   constexpr double kArm = 0.1;  // [m] along a normal, to see it turn
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
@@ -102,17 +125,22 @@ void MoveMesh(Chunks& chunks, Json& node, const PointMotion& motion) {
     VectorAccessor positions(chunks, attributes.at("POSITION").get<size_t>());
     std::optional<VectorAccessor> normals;
     if (attributes.contains("NORMAL")) normals.emplace(chunks, attributes.at("NORMAL").get<size_t>());
+    std::vector<bool> is_gone(positions.size());
     for (size_t i = 0; i < positions.size(); ++i) {
       const Eigen::Vector3d point = SiteFromGltf(origin + positions.At(i));
-      const Eigen::Vector3d moved = motion(point);
-      if (!new_origin) new_origin = GltfFromSite(moved).array().round();
-      if (normals) {
-        const Eigen::Vector3d tip = motion(point + kArm * SiteFromGltf(normals->At(i)));
-        normals->Set(i, GltfFromSite((tip - moved).normalized()));
-      }
-      positions.Set(i, GltfFromSite(moved) - *new_origin);
+      const std::optional<Eigen::Vector3d> moved = motion(point);
+      is_gone[i] = !moved;
+      if (!moved) continue;
+      if (!new_origin) new_origin = GltfFromSite(*moved).array().round();
+      const auto tip = normals ? motion(point + kArm * SiteFromGltf(normals->At(i))) : std::nullopt;
+      if (tip) normals->Set(i, GltfFromSite((*tip - *moved).normalized()));
+      positions.Set(i, GltfFromSite(*moved) - *new_origin);
     }
+    if (!new_origin) continue;
+    for (size_t i = 0; i < positions.size(); ++i)  // nobody sees them, but bounds do
+      if (is_gone[i]) positions.Set(i, Eigen::Vector3d::Zero());
     positions.SetBounds();
+    if (primitive.contains("indices")) Shrink(chunks, primitive.at("indices").get<size_t>(), is_gone);
   }
   if (new_origin) node["translation"] = {new_origin->x(), new_origin->y(), new_origin->z()};
 }

@@ -171,31 +171,44 @@ MeshDeformation DeformGround(const TriangleMesh& mesh, std::span<const MovedKeyf
     deformation.neighbours_[first].push_back(second);
     deformation.neighbours_[second].push_back(first);
   }
-  for (size_t i = 0; i < grouped.nodes.size(); ++i)
-    for (const auto& [distance, keyframe] : SightsOf(keyframes, grouped.nodes[i], options))
+  for (size_t i = 0; i < grouped.nodes.size(); ++i) {
+    const std::vector<std::pair<double, size_t>> sights = SightsOf(keyframes, grouped.nodes[i], options);
+    deformation.is_seen_.push_back(!sights.empty());
+    for (const auto& [distance, keyframe] : sights)
       HoldEachOther(i, grouped.nodes.size() + keyframe, options.seen_sigma + kSigmaPerMetre * distance,
                     options.stiffness * (1 + distance), graph);
+  }
   SolveDeformation(graph);
   return deformation;
 }
 
-Eigen::Vector3d MeshDeformation::Apply(const Eigen::Vector3d& point) const {
-  if (num_ground_nodes_ == 0) return graph_.nodes.front().Carry(point);
-  const auto distance_to = [&](size_t node) {
-    const Eigen::Vector3d apart = point - graph_.nodes[node].rest;
-    return std::hypot(apart.x(), apart.y(), kHeightCounts * apart.z());
-  };
-  std::vector<std::pair<double, size_t>> near;
+double MeshDeformation::DistanceTo(size_t node, const Eigen::Vector3d& point) const {
+  const Eigen::Vector3d apart = point - graph_.nodes[node].rest;
+  return std::hypot(apart.x(), apart.y(), kHeightCounts * apart.z());
+}
+
+size_t MeshDeformation::NodeNear(const Eigen::Vector3d& point) const {
+  std::pair<double, size_t> nearest{std::numeric_limits<double>::max(), 0};
   const auto [column, row] = SquareOf(point, spacing_);
   for (int x = column - 1; x <= column + 1; ++x)
     for (int y = row - 1; y <= row + 1; ++y)
       if (const auto found = columns_.find({x, y}); found != columns_.end())
-        for (const size_t node : found->second) near.emplace_back(distance_to(node), node);
-  if (near.empty())  // off the ground: whatever is nearest
-    for (size_t node = 0; node < num_ground_nodes_; ++node) near.emplace_back(distance_to(node), node);
-  const size_t own = std::min_element(near.begin(), near.end())->second;
-  near = {{distance_to(own), own}};
-  for (const size_t node : neighbours_[own]) near.emplace_back(distance_to(node), node);
+        for (const size_t node : found->second) nearest = std::min(nearest, {DistanceTo(node, point), node});
+  if (nearest.first == std::numeric_limits<double>::max())  // off the ground
+    for (size_t node = 0; node < num_ground_nodes_; ++node)
+      nearest = std::min(nearest, {DistanceTo(node, point), node});
+  return nearest.second;
+}
+
+bool MeshDeformation::IsSeen(const Eigen::Vector3d& point) const {
+  return num_ground_nodes_ > 0 && is_seen_[NodeNear(point)];
+}
+
+Eigen::Vector3d MeshDeformation::Apply(const Eigen::Vector3d& point) const {
+  if (num_ground_nodes_ == 0) return graph_.nodes.front().Carry(point);
+  const size_t own = NodeNear(point);
+  std::vector<std::pair<double, size_t>> near = {{DistanceTo(own, point), own}};
+  for (const size_t node : neighbours_[own]) near.emplace_back(DistanceTo(node, point), node);
   std::sort(near.begin() + 1, near.end());
   if (near.size() > kBlended + 1) near.resize(kBlended + 1);
   // The farthest of them has no weight: points cross from one set of nodes to the next without a jump.

@@ -33,17 +33,24 @@ class MeshDeformation {
   /// (Sumner et al., eq. 1 to 4).
   Eigen::Vector3d Apply(const Eigen::Vector3d& point_in_from) const;
 
+  /// Whether any of the keyframes saw the ground there. Of what none did, only its neighbours say where it lies.
+  bool IsSeen(const Eigen::Vector3d& point_in_from) const;
+
   const DeformationGraph& graph() const { return graph_; }
   size_t num_ground_nodes() const { return num_ground_nodes_; }
 
  private:
   friend MeshDeformation DeformGround(const TriangleMesh&, std::span<const MovedKeyframe>, const DeformationOptions&);
 
+  size_t NodeNear(const Eigen::Vector3d& point) const;
+  double DistanceTo(size_t node, const Eigen::Vector3d& point) const;
+
   DeformationGraph graph_;  ///< nodes of the ground, then of keyframes
   size_t num_ground_nodes_ = 0;
   double spacing_ = 1;
   std::map<std::pair<int, int>, std::vector<size_t>> columns_;  ///< nodes of the ground by square
   std::vector<std::vector<size_t>> neighbours_;                 ///< of each, by the mesh
+  std::vector<bool> is_seen_;                                   ///< each
 };
 
 /// Nodes are spread over the mesh, squares of `spacing`, decks apart; those that one sheet of the mesh joins hold each

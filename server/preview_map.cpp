@@ -43,7 +43,12 @@ std::string EncodePreview(const std::filesystem::path& from, const SiteMap& site
   }
   Require(!keyframes.empty(), ErrorCode::kInvalidInput, "the two maps have no drive in common");
   const MeshDeformation deformation = DeformGround(old_map.ReadGround(), keyframes);
-  const auto motion = [&](const Eigen::Vector3d& point) { return deformation.Apply(point); };
+  // What only drives saw that have left is not shown; without one that left, all of the ground was seen.
+  const bool has_lost_drives = drives.size() < old_map.drives().size();
+  const auto motion = [&](const Eigen::Vector3d& point) -> std::optional<Eigen::Vector3d> {
+    if (has_lost_drives && !deformation.IsSeen(point)) return std::nullopt;
+    return deformation.Apply(point);
+  };
   return MoveGltf(ReadFile(old_map.FileNamed("map_plain.glb"), kMaxBytes), motion, drives, site.datum);
 }
 

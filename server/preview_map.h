@@ -9,7 +9,7 @@ namespace parkade {
 
 /// What a map will look like, moments after its trajectories are final: the ground of the map that it is built from,
 /// bent as the trajectories of the drives of both have bent (DeformGround), textured as it was, as a .glb. Ground that
-/// only a new drive saw is not in it yet; ground that only a drive saw which left is still there.
+/// only a new drive saw is not in it yet; ground that no drive came near which is left is not in it any more.
 ///
 /// \param from  the finished map's folder
 /// \param site  of the map in the making: drives and datum are read

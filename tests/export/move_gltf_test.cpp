@@ -83,6 +83,41 @@ TEST(MoveGltf, LeavesOutDrivesThatAreGone) {
   EXPECT_FALSE(Show(after, "drive:" + map.drives[1].name).points.empty());
 }
 
+/// [m^2] of the ground's triangles, of indices of 32 bits.
+double AreaOf(const std::string& glb) {
+  const nlohmann::json json = JsonOf(glb);
+  const size_t binary = glb.size() - json.at("buffers").at(0).at("byteLength").get<size_t>() / 4 * 4;
+  double area = 0;
+  for (const auto& node : json.at("nodes")) {
+    if (node.at("name") != "ground") continue;
+    size_t first = 0;
+    const std::vector<Eigen::Vector3d> points = Show(glb, "ground").points;
+    for (const auto& primitive : json.at("meshes").at(node.at("mesh").get<size_t>()).at("primitives")) {
+      const auto& indices = json.at("accessors").at(primitive.at("indices").get<size_t>());
+      const size_t width = indices.at("componentType") == 5125 ? 4 : 2;
+      const auto& view = json.at("bufferViews").at(indices.at("bufferView").get<size_t>());
+      const auto corner = [&](size_t i) {
+        std::uint32_t index = 0;
+        std::memcpy(&index, glb.data() + binary + view.value("byteOffset", size_t{0}) + width * i, width);
+        return points[first + index];
+      };
+      for (size_t i = 0; i < indices.at("count").get<size_t>(); i += 3)
+        area += 0.5 * (corner(i + 1) - corner(i)).cross(corner(i + 2) - corner(i)).norm();
+      first += json["accessors"][primitive["attributes"]["POSITION"].get<size_t>()]["count"].get<size_t>();
+    }
+  }
+  return area;
+}
+
+TEST(MoveGltf, GroundThatIsGoneIsNotShown) {
+  const std::string before = EncodeGltf(MakeTexturedMap(), MeshEncoding::kPlain);
+  const auto keep = [](const Eigen::Vector3d& point) { return point.x() < 0 ? std::optional(point) : std::nullopt; };
+  const std::string after = MoveGltf(before, keep, {}, std::nullopt);
+  for (const Eigen::Vector3d& point : Show(after, "ground").points) EXPECT_LT(point.x(), 1);
+  EXPECT_GT(AreaOf(after), 0.3 * AreaOf(before));
+  EXPECT_LT(AreaOf(after), 0.6 * AreaOf(before));
+}
+
 TEST(MoveGltf, AnEmptyMapStaysEmpty) {
   const std::string glb = EncodeGltf({}, MeshEncoding::kPlain);
   const std::string after = MoveGltf(

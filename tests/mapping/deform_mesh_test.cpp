@@ -111,6 +111,17 @@ TEST(DeformMesh, GroundBetweenDrivesThatPartIsStretched) {
   EXPECT_LT(between, 10.3);
 }
 
+TEST(DeformMesh, KnowsWhichGroundKeyframesSaw) {
+  TriangleMesh mesh;
+  for (double x = 0; x < 80; x += 4) AddRectangle(mesh, x, -5, x + 4, 5, 0);
+  const auto keyframes = Keyframes(0, [](const Rigid3& pose) { return pose; });  // until x = 40
+  const MeshDeformation deformation = DeformGround(mesh, keyframes);
+  EXPECT_TRUE(deformation.IsSeen({30, 4, 0}));
+  EXPECT_TRUE(deformation.IsSeen({48, 0, 0}));
+  EXPECT_FALSE(deformation.IsSeen({56, 0, 0}));
+  EXPECT_LT((deformation.Apply({70, 0, 0}) - Eigen::Vector3d(70, 0, 0)).norm(), 1e-4) << "its neighbours hold it";
+}
+
 TEST(DeformMesh, NothingSaysHowGroundMovesWithoutKeyframes) { EXPECT_THROW(DeformGround(Strip(), {}), Error); }
 
 /// What one keyframe a metre sees: ground ahead and to both sides, striped across.

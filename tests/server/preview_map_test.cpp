@@ -72,6 +72,21 @@ TEST_F(PreviewMapTest, ShowsTheOldGroundWhereTheNewTrajectoriesPutIt) {
   EXPECT_LT((high - Eigen::Vector3d(105, 60, 3)).norm(), 1e-3) << high.transpose();
 }
 
+TEST_F(PreviewMapTest, LeavesOutWhatOnlyADriveSawThatLeft) {
+  SiteMap site = MakeSite("monday", {});
+  site.drives[0].site_from_body_trajectory = Trajectory([&] {
+    std::vector<TrajectoryState> states = site.drives[0].site_from_body_trajectory.states();
+    states.resize(151);  // until x = 15
+    return states;
+  }());
+  EXPECT_NEAR(BoundsOf(EncodePreview(root_.path(), site)).second.x(), 40, 1e-3) << "it has not left";
+  WriteFileAtomically(root_.path() / "report.json",
+                      R"({"datum": null, "drives": [{"name": "monday"}, {"name": "tuesday"}]})");
+  const double end = BoundsOf(EncodePreview(root_.path(), site)).second.x();
+  EXPECT_GT(end, 23);
+  EXPECT_LT(end, 33);
+}
+
 TEST_F(PreviewMapTest, SaysWhyThereIsNone) {
   EXPECT_THROW(EncodePreview(root_.path(), MakeSite("tuesday", {})), Error) << "no drive in common";
   std::filesystem::remove(root_.path() / "ground.ply");

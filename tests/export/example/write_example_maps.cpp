@@ -27,8 +27,9 @@ int main(int argc, char** argv) {
   write("without_ground", parkade::MakeMapWithoutGround());
   write("no_manifold", parkade::MakeMapOfNoManifold());
   write("empty", {});
-  const parkade::PointMotion bend = [](const Eigen::Vector3d& point) {
-    return Eigen::Vector3d(point + Eigen::Vector3d(100, 0.001 * point.x() * point.x(), 0));
+  const parkade::PointMotion bend = [](const Eigen::Vector3d& point) -> std::optional<Eigen::Vector3d> {
+    if (point.y() > 8) return std::nullopt;
+    return point + Eigen::Vector3d(100, 0.001 * point.x() * point.x(), 0);
   };
   parkade::WriteFileAtomically(
       root / "moved.glb",
