@@ -61,6 +61,7 @@ void ReconcileJobFolders(Store& store) {
     for (const fs::path& attempt : EntriesOf(folder)) {
       fs::remove_all(attempt / "out");
       fs::remove_all(attempt / "input");
+      fs::remove(attempt / "preview.glb");
     }
   }
 }

@@ -73,6 +73,7 @@ TEST_F(ReconciledFiles, DropUnpublishedProductsAndKeepTheLog) {
   const ReceivedDrive received = Receive(store_, "a log", {"a.bag", "lot", std::nullopt});
   const auto attempt = store_.directory.AttemptFolder(received.job.id, 1);
   WriteText(attempt / "out" / "map.glb", "half a map");
+  WriteText(attempt / "preview.glb", "what it would have been");
   WriteText(attempt / "log.txt", "said");
 
   ReconcileFiles(store_);
