@@ -100,14 +100,15 @@ std::vector<PairOfDrives> AllPairs(size_t num_drives) {
   return pairs;
 }
 
-/// Each drive with those that look most like it.
+/// Each drive with those before it that look most like it: a drive that comes last makes no more pairs than that,
+/// however many would choose it.
 std::vector<PairOfDrives> AlikePairs(size_t num_drives, size_t partners, PairLinker& linker) {
   std::set<PairOfDrives> chosen;
   for (size_t i = 0; i < num_drives; ++i) {
     std::vector<std::pair<double, PairOfDrives>> others;  // likeness, negative
-    for (size_t k = 0; k < num_drives; ++k) {
-      const PairOfDrives key = std::minmax(i, k);
-      if (k != i && linker.Likeness(key) > 0) others.emplace_back(-linker.Likeness(key), key);
+    for (size_t k = 0; k < i; ++k) {
+      const PairOfDrives key(k, i);
+      if (linker.Likeness(key) > 0) others.emplace_back(-linker.Likeness(key), key);
     }
     std::sort(others.begin(), others.end());
     for (size_t n = 0; n < std::min(partners, others.size()); ++n) chosen.insert(others[n].second);
