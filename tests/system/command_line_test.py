@@ -250,6 +250,10 @@ class CommandLine(unittest.TestCase):
         self.assertEqual(json.loads((later / "report.json").read_text())["datum"], report["datum"])
         self.assertEqual(run("map", drive, "--from", pinned, "--no-pins", "--out", unpinned, "--quiet").returncode, 0)
         self.assertIsNone(json.loads((unpinned / "report.json").read_text())["datum"])
+        # What was kept of the ground gives the same surface, and is one file of all these versions.
+        for name in ("surface.bin", "ground.ply", "map.glb", "parked/heights.bin"):
+            self.assertEqual((unpinned / name).read_bytes(), (relative / name).read_bytes(), name)
+        self.assertTrue(os.path.samefile(unpinned / "parked/ground.bin", relative / "parked/ground.bin"))
 
         def refuse(*bad, names, status=1):
             self.refuse(drive, "--from", relative, *bad, status=status, names=names)
