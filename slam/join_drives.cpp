@@ -161,12 +161,15 @@ size_t PlaceGroups(const std::vector<DriveToJoin>& drives, std::vector<size_t>& 
   return ChooseGroup(drives, groups);
 }
 
-std::string ReasonFor(size_t drive, const std::vector<DrivePair>& pairs) {
+/// By the drives that are kept: others that are left out may well fit it.
+std::string ReasonFor(size_t drive, const std::vector<DrivePair>& pairs, const std::vector<size_t>& groups,
+                      size_t group) {
   const DrivePair* nearest = nullptr;
-  for (const DrivePair& pair : pairs)
-    if ((pair.drive_a == drive || pair.drive_b == drive) &&
-        (!nearest || pair.found.num_agreeing > nearest->found.num_agreeing))
-      nearest = &pair;
+  for (const DrivePair& pair : pairs) {
+    if (pair.drive_a != drive && pair.drive_b != drive) continue;
+    const size_t other = pair.drive_a == drive ? pair.drive_b : pair.drive_a;
+    if (groups[other] == group && (!nearest || pair.found.num_agreeing > nearest->found.num_agreeing)) nearest = &pair;
+  }
   if (!nearest) return "no other drive looks like it";
   return nearest->found.rejected.empty() ? "its links contradict those of other drives" : nearest->found.rejected;
 }
@@ -212,7 +215,7 @@ DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& 
     if (groups[i] == group) {
       join.drives[i].site_from_body = CarryAlong(drives[i].odom_from_body, drives[i].places, poses[i]);
     } else {
-      join.drives[i].left_out = ReasonFor(i, join.pairs);
+      join.drives[i].left_out = ReasonFor(i, join.pairs, groups, group);
     }
   }
   join.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -144,6 +144,15 @@ TEST(JoinDrives, GnssThatIsOffBendsNothing) {
   }
 }
 
+TEST(JoinDrives, DrivesOfAnotherPlaceThatFitEachOtherAreLeftOutForTheRightReason) {
+  const DriveWorld here({.seed = 1}), there({.seed = 2});
+  const DriveJoin join = JoinDrives(
+      {there.Drive(4).drive, here.Drive(1).drive, here.Drive(2).drive, here.Drive(3).drive, there.Drive(5).drive}, {},
+      {});
+  for (const size_t kept : {1, 2, 3}) EXPECT_EQ(join.drives[kept].left_out, "");
+  for (const size_t foreign : {0, 4}) EXPECT_EQ(join.drives[foreign].left_out, "no places in common");
+}
+
 TEST(JoinDrives, GnssAloneHoldsDrivesTogetherThatShareNoPlace) {
   WorldDrive a = DriveWorld({.seed = 1}).Drive(1), b = DriveWorld({.seed = 2}).Drive(2);
   a.drive.gnss = Fix({Eigen::Quaterniond::Identity(), {0, 0, 0}}, 0.02);
