@@ -17,7 +17,7 @@ struct GroundGridOptions {
   double pitch_sigma = 0.005;      ///< [rad] of the body against the road: suspension and attitude
   double curvature_sigma = 0.007;  ///< [1/m] of the road: how fast a plane loses it
   double height_sigma = 0.01;      ///< [m] of the road right at the wheels
-  double sharp_length = 0.35;      ///< [m] of ground in one pixel at which a sight says half as much of what is free
+  double sharp_length = 0.1;       ///< [m] of ground in one pixel at which a sight says half as much of what is free
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {

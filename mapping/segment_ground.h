@@ -10,13 +10,13 @@
 namespace parkade {
 
 struct SegmentGroundOptions {
-  double color_tolerance = 3.5;    ///< sigmas from the road's colours; higher takes in more, obstacles too
-  double max_marking_width = 0.3;  ///< [m] a brighter stripe this wide, with road on both sides, is paint
-  double obstacle_depth = 1.2;     ///< [m] of not-ground that a guess needs; what follows on its ray is hidden
-  double hidden_confidence = 0.1;  ///< of what a mask or a network has behind the foot: a hint that it is not free
-  double foot_depth = 0.1;         ///< [m] likewise for a mask or a network, to which one pixel's ground is added
-  int min_seeds = 40;              ///< with fewer, nothing is called ground
-  double sure_log_odds = 4.0;      ///< of a network from which it is taken to be sure; below, it counts in proportion
+  double color_tolerance = 3.5;     ///< sigmas from the road's colours; higher takes in more, obstacles too
+  double max_marking_width = 0.3;   ///< [m] a brighter stripe this wide, with road on both sides, is paint
+  double obstacle_depth = 1.2;      ///< [m] of not-ground that a guess needs; what follows on its ray is hidden
+  double hidden_confidence = 0.25;  ///< of what a mask or a network has behind the foot: a hint that it is not free
+  double foot_depth = 0.2;          ///< [m] likewise for a mask or a network, to which one pixel's ground is added
+  int min_seeds = 40;               ///< with fewer, nothing is called ground
+  double sure_log_odds = 4.0;       ///< of a network from which it is taken to be sure; below, it counts in proportion
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
