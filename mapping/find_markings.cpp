@@ -24,6 +24,7 @@ constexpr double kSureSlot = 0.9;       // confidence
 constexpr double kInside = 0.4;         // [m] from a slot's sides
 constexpr double kParkingSpeed = 2.0;   // [m/s]
 constexpr double kMaxHeightStep = 1.2;  // [m] between things of one deck
+constexpr float kBareBelief = 0.8F;     // of free ground where a line would have been seen
 
 Vector3d OnSurface(const CellFinder& cells, const Vector2d& place, double height) {
   Vector3d point(place.x(), place.y(), height);
@@ -189,7 +190,12 @@ GroundMarkings FindMarkings(const MarkedGround& ground, const MarkingOptions& op
   Paint paint = FindPaint(ground, options);
   for (PaintLine& line : paint.lines) line.height = OnSurface(cells, line.Middle(), line.height).z();
   for (PaintArea& area : paint.areas) area.height = OnSurface(cells, area.outline.front(), area.height).z();
-  for (const PlanarSlot& slot : FindSlotRows(paint.lines, options.slots))
+  const auto is_bare = [&](const Vector2d& place, double height) {
+    const SurfaceCell* cell = cells.Find({place.x(), place.y(), height});
+    return cell != nullptr && cell->free_belief > kBareBelief &&
+           std::abs(static_cast<double>(cell->height) - height) < kMaxHeightStep;
+  };
+  for (const PlanarSlot& slot : FindSlotRows(paint.lines, options.slots, is_bare))
     if (!IsDrivenThrough(slot, ground.paths)) markings.slots.push_back(PlaceSlot(slot, cells, ground.paths));
   SeeSlots(ground.patches, ground.paths, ground.num_drives, options.states, markings.slots);
   markings.markings = MarkingsOf(paint, markings.slots, cells, options.min_line_contrast);

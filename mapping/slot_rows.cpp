@@ -23,6 +23,8 @@ constexpr int kFewLines = 4;            // seen ones: fewer are a row only where
 constexpr double kWhole = 0.7;          // of a slot's length
 constexpr double kMarkedShare = 0.12;   // of a side's length from which it counts as seen
 constexpr double kSquareSlope = 0.08;   // of ends up to which a row is perpendicular
+constexpr double kBareStep = 0.2;       // [m] along lines that may be missing
+constexpr double kWornShare = 1.0 / 3;  // of a row's paint that may have worn off
 constexpr double kMaxShare = 0.25;      // of a slot that a surer one may cover
 
 /// The lengthwise division of a row: one rank of slots, or two back to back.
@@ -108,6 +110,35 @@ std::optional<Ranks> FindRanks(const SlotRow& row, const SlotMeasures& measures,
   return ranks;
 }
 
+/// What is seen where a line should be.
+struct SeenLine {
+  double painted = 0, bare = 0;  ///< [m]
+
+  bool IsBare() const { return bare > painted; }
+};
+
+/// What is seen of one line of a row between two places along it.
+SeenLine SeeLine(const SlotRow& row, const RowDivider& divider, double from, double to, const IsBareGround& is_bare) {
+  SeenLine seen;
+  for (double along = from + kBareStep / 2; along < to; along += kBareStep)
+    if (divider.Support(along - kBareStep / 2, along + kBareStep / 2) > 0)
+      seen.painted += kBareStep;
+    else if (is_bare && is_bare(row.Place(along, divider.AcrossAt(along)), row.height))
+      seen.bare += kBareStep;
+  return seen;
+}
+
+/// Whether so much bare ground is seen where a row's lines should be that single ones are not just worn off.
+bool HasBareLines(const SlotRow& row, const Ranks& ranks, const IsBareGround& is_bare) {
+  SeenLine sum;
+  for (const RowDivider& divider : row.dividers) {
+    const SeenLine seen =
+        SeeLine(row, divider, ranks.lower.At(divider.across), ranks.upper.At(divider.across), is_bare);
+    sum.painted += seen.painted, sum.bare += seen.bare;
+  }
+  return sum.bare > kWornShare * sum.painted;
+}
+
 double ConfidenceOf(double left_share, double right_share, const Ranks& ranks, std::size_t num_dividers) {
   const double ends = ranks.is_lower_known && ranks.is_upper_known ? 1 : 0.5;
   const double company = std::min(1.0, static_cast<double>(num_dividers) / 4);
@@ -145,10 +176,17 @@ PlanarSlot MakeSlot(const SlotRow& row, const Ranks& ranks, int rank, const RowD
   return slot;
 }
 
+/// Slots beside a line that is not there are none, unless few of the row's lines are missing.
 void AddSlots(const SlotRow& row, const Ranks& ranks, bool is_parallel, const SlotRowOptions& options,
-              std::vector<PlanarSlot>& slots) {
+              const IsBareGround& is_bare, std::vector<PlanarSlot>& slots) {
+  const bool has_bare = HasBareLines(row, ranks, is_bare);
+  const auto is_bare_in = [&](const RowDivider& divider, int rank) {
+    const double low = ranks.lower.At(divider.across), length = (ranks.upper.At(divider.across) - low) / ranks.count;
+    return SeeLine(row, divider, low + rank * length, low + (rank + 1) * length, is_bare).IsBare();
+  };
   for (std::size_t i = 0; i + 1 < row.dividers.size(); ++i)
     for (int rank = 0; rank < ranks.count; ++rank) {
+      if (has_bare && (is_bare_in(row.dividers[i], rank) || is_bare_in(row.dividers[i + 1], rank))) continue;
       const PlanarSlot slot = MakeSlot(row, ranks, rank, row.dividers[i], row.dividers[i + 1], is_parallel);
       if (slot.confidence >= options.min_confidence) slots.push_back(slot);
     }
@@ -189,12 +227,13 @@ double FindUsualLength(const std::vector<SlotRow>& rows, const SlotMeasures& mea
 }
 
 void FindSlotsOf(const std::vector<PaintLine>& lines, const SlotMeasures& measures, bool is_parallel,
-                 const SlotRowOptions& options, std::vector<bool>& is_used, std::vector<PlanarSlot>& slots) {
+                 const SlotRowOptions& options, const IsBareGround& is_bare, std::vector<bool>& is_used,
+                 std::vector<PlanarSlot>& slots) {
   const std::vector<SlotRow> rows = FindRowsOf(lines, measures, is_parallel, options, is_used);
   const double usual_length = FindUsualLength(rows, measures, is_parallel);
   for (const SlotRow& row : rows)
     if (const std::optional<Ranks> ranks = FindRanks(row, measures, is_parallel, usual_length))
-      AddSlots(row, *ranks, is_parallel, options, slots);
+      AddSlots(row, *ranks, is_parallel, options, is_bare, slots);
 }
 
 /// The surest first; those that lie on one of them are left out. Back in the order of their rows.
@@ -234,14 +273,15 @@ void SlotRowOptions::Validate() const {
   Require(min_confidence >= 0 && min_confidence <= 1, ErrorCode::kUsage, "slots: min_confidence must be in 0..1");
 }
 
-std::vector<PlanarSlot> FindSlotRows(const std::vector<PaintLine>& lines, const SlotRowOptions& options) {
+std::vector<PlanarSlot> FindSlotRows(const std::vector<PaintLine>& lines, const SlotRowOptions& options,
+                                     const IsBareGround& is_bare) {
   options.Validate();
   std::vector<PlanarSlot> slots;
   std::vector<bool> is_used(lines.size());
-  FindSlotsOf(lines, options.beside, false, options, is_used, slots);
+  FindSlotsOf(lines, options.beside, false, options, is_bare, is_used, slots);
   for (std::size_t i = 0; i < lines.size(); ++i)
     is_used[i] = is_used[i] || lines[i].Length() > options.behind.max_length;
-  FindSlotsOf(lines, options.behind, true, options, is_used, slots);
+  FindSlotsOf(lines, options.behind, true, options, is_bare, is_used, slots);
   return DropOverlaps(slots);
 }
 

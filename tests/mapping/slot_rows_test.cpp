@@ -55,6 +55,26 @@ std::vector<ParkingSlot> Lifted(const std::vector<PlanarSlot>& planar) {
   return slots;
 }
 
+/// Stripes 5.5 m apart and a dash between each two make a row at half that distance, but for the ground beside the
+/// dashes.
+TEST(SlotRows, AreNoneWhereTheirLinesWouldBeBareGround) {
+  const PaintedRow row{.pitch = 2.75};
+  std::vector<PaintLine> lines;
+  for (int i = 0; i < 7; ++i) lines.push_back(i % 2 == 0 ? row.Line(i) : row.Line(i, 0, 0.25));
+  for (int i = 1; i < 7; i += 2) lines[static_cast<std::size_t>(i)].is_end_seen = true;
+  for (int i = 2; i < 7; i += 4) lines[static_cast<std::size_t>(i)] = row.Line(i, 0, 0.25);
+  EXPECT_FALSE(FindSlotRows(lines).empty()) << "where parked cars may hide lines";
+  EXPECT_TRUE(FindSlotRows(lines, {}, [](const Vector2d&, double) { return true; }).empty());
+}
+
+TEST(SlotRows, LackAWornLineOrTwo) {
+  const PaintedRow row;
+  std::vector<PaintLine> lines;
+  for (int i = 0; i < 9; ++i)
+    if (i != 3 && i != 6) lines.push_back(row.Line(i));
+  EXPECT_EQ(FindSlotRows(lines, {}, [](const Vector2d&, double) { return true; }).size(), 8U);
+}
+
 TEST(SlotRows, OfWholeLinesAreFoundToTheCentimetre) {
   const PaintedRow row;
   std::vector<PaintLine> lines;
