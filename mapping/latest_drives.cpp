@@ -6,9 +6,9 @@
 namespace parkade {
 namespace {
 
-constexpr double kSquare = 4.0;  // [m]
-constexpr double kDeck = 3.0;    // [m]
-constexpr int kGoodViews = 6;    // of a drive, that look at a square well
+constexpr double kSquare = 4.0;   // [m]
+constexpr double kDeck = 3.0;     // [m]
+constexpr int kEnoughViews = 24;  // of a square, at least
 
 int Index(double coordinate, double step) { return static_cast<int>(std::floor(coordinate / step)); }
 
@@ -24,15 +24,21 @@ LatestDrives::LatestDrives(std::span<const PatchView> views, int max_drives) {
   for (const PatchView& view : views) {
     const int rank = ranks_.try_emplace(view.drive, static_cast<int>(ranks_.size())).first->second;
     if (view.extent.isEmpty()) continue;
-    // Squares that are looked at as a whole.
-    for (int y = Index(view.extent.min().y(), kSquare) + 1; (y + 1) * kSquare <= view.extent.max().y(); ++y)
-      for (int x = Index(view.extent.min().x(), kSquare) + 1; (x + 1) * kSquare <= view.extent.max().x(); ++x)
+    // Squares whose middle is looked at.
+    for (int y = Index(view.extent.min().y() + 0.5 * kSquare, kSquare); (y + 0.5) * kSquare <= view.extent.max().y();
+         ++y)
+      for (int x = Index(view.extent.min().x() + 0.5 * kSquare, kSquare); (x + 0.5) * kSquare <= view.extent.max().x();
+           ++x)
         ++num_views[SquareOf(view, {(x + 0.5) * kSquare, (y + 0.5) * kSquare})][rank];
   }
   for (const auto& [square, of_drives] : num_views) {
-    int count = 0;
-    for (auto drive = of_drives.rbegin(); drive != of_drives.rend() && count < max_drives; ++drive)
-      if (drive->second >= kGoodViews && ++count == max_drives) oldest_[square] = drive->first;
+    int count = 0, sum = 0;
+    for (auto drive = of_drives.rbegin(); drive != of_drives.rend(); ++drive) {
+      sum += drive->second;
+      if (++count < max_drives || sum < kEnoughViews) continue;
+      oldest_[square] = drive->first;
+      break;
+    }
   }
 }
 

@@ -22,20 +22,22 @@ TEST(LatestDrives, OfManyTheLatestCount) {
 
   for (size_t i = 0; i < views.size(); ++i)
     EXPECT_EQ(latest.ShareOf(views[i]).Counts({5, 1}), views[i].drive >= 2) << views[i].drive;
-  EXPECT_TRUE(latest.ShareOf(views[0]).Counts({-9, 1})) << "few looked there";
-  EXPECT_TRUE(!latest.ShareOf(views[0]).is_none()) << "since it reaches there";
-}
-
-TEST(LatestDrives, AViewThatSaysNothingNewNeedNotBeRead) {
-  std::vector<PatchView> views;
-  AddDrive(0, 0, views);
   PatchView narrow = views[5];
   narrow.extent = {Eigen::Vector2d(1, -3), Eigen::Vector2d(7, 3)};
-  views.push_back(narrow);
-  for (int drive = 1; drive < 4; ++drive) AddDrive(drive, 0, views);
+  EXPECT_TRUE(latest.ShareOf(narrow).is_none()) << "it need not be read";
+}
 
-  EXPECT_TRUE(LatestDrives(views, 3).ShareOf(narrow).is_none());
-  EXPECT_FALSE(LatestDrives(views, 4).ShareOf(narrow).is_none());
+TEST(LatestDrives, WherePlacesAreSeldomLookedAtMoreDrivesCount) {
+  std::vector<PatchView> views;
+  for (int drive = 0; drive < 6; ++drive) AddDrive(drive, 0, views);
+  const LatestDrives latest(views, 2);
+
+  // Ten views of a drive see (6, 2), three see (-6, 2).
+  for (int drive = 0; drive < 6; ++drive) {
+    const LatestDrives::Share share = latest.ShareOf(views[static_cast<size_t>(10 * drive)]);
+    EXPECT_EQ(share.Counts({6, 2}), drive >= 3) << drive;
+    EXPECT_TRUE(share.Counts({-6, 2})) << drive;
+  }
 }
 
 TEST(LatestDrives, DecksAreToldApart) {
