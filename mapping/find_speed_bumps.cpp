@@ -13,7 +13,7 @@ namespace {
 constexpr double kSameBump = 1.5;      // [m] between the crests of two passes
 constexpr double kSameHeight = 1.0;    // [m] likewise
 constexpr double kBaseReach = 1.5;     // [m] of ground before and behind that the height is measured from
-constexpr double kFootShare = 0.1;     // of the height that ends a bump
+constexpr double kFootShare = 0.25;    // of the height that ends a bump: the ground around it is not straight
 constexpr double kMaxBaseError = 0.5;  // of a bump's height, by which the ground around it may be uneven
 constexpr double kSame = 1e-4;         // [m] between heights that are the same
 

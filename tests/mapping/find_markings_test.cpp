@@ -108,6 +108,19 @@ TEST(FindSpeedBumps, MeasuresWhatACarDroveOver) {
   EXPECT_NEAR(bumps[0].yaw, 0, 0.01);
 }
 
+TEST(FindSpeedBumps, MeasuresThemOnTopOfARise) {
+  FlatGround ground(PaintedGround(30, 0.1).tile());
+  const DrivenPath path = PathOverBump(ground.surface, 0.05);
+  for (SurfaceCell& cell : ground.surface.cells) {
+    const double from_crest = (cell.x + 0.5) * ground.surface.cell_size - 4;
+    cell.height -= static_cast<float>(0.5 * 0.004 * from_crest * from_crest);
+  }
+  const std::vector<SpeedBump> bumps = FindSpeedBumps(ground.surface, std::span(&path, 1));
+  ASSERT_EQ(bumps.size(), 1U);
+  EXPECT_NEAR(bumps[0].crest.x(), 4, 0.3);
+  EXPECT_NEAR(bumps[0].height, 0.07, 0.01) << "with the rise below it";
+}
+
 TEST(FindSpeedBumps, RampsAndRoughnessAreNone) {
   FlatGround ground(PaintedGround(30, 0.1).tile());
   const DrivenPath path = PathOverBump(ground.surface, 0.015);
