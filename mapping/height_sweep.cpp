@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "core/parallel.h"
@@ -14,6 +15,7 @@ namespace {
 
 constexpr int kWindowsPerTile = 12;  // a tile is worked on at once: that bounds memory
 constexpr int kTilesPerBlock = 3;    // the patches of a block are read at once
+constexpr size_t kMaxPatches = 300;  // of a block; where a car came by more often, its tiles are worked on one by one
 constexpr double kMinLever = 1.0;    // distance over height of the eye: a steeper view tells no height
 constexpr double kMargin = 3.0;      // [m] rays meet the surface not further from where they meet the car's plane
 
@@ -154,7 +156,7 @@ std::vector<Meeting> FindMeetings(const PosedGroundPatch& posed, const DrivenPat
     if (!sample.is_free || sample.confidence <= 0) continue;
     Eigen::Vector3d point = posed.site_from_body * sample.point_in_body.cast<double>();
     const Eigen::Vector2d ray = (point - eye).head<2>(), on_plane = point.head<2>() - block.min();
-    if (block.exteriorDistance(point.head<2>().eval()) > 2 * kMargin) continue;
+    if (block.exteriorDistance(point.head<2>().eval()) > 1.5 * kMargin) continue;
     const double distance = ray.norm();
     if (distance > max_distance || distance < kMinLever * (eye.z() - point.z())) continue;
     if (MeetSurface(field, eye, point) == HeightField::kNone) continue;
@@ -232,7 +234,19 @@ std::vector<Block> MakeBlocks(std::span<const PatchView> patches, std::span<cons
     block.tiles.push_back(std::move(tile));
   }
   std::vector<Block> result;
-  for (auto& [key, block] : blocks) result.push_back(std::move(block));
+  for (auto& [key, block] : blocks) {
+    std::set<size_t> of_block;
+    for (const Tile& tile : block.tiles) of_block.insert(tile.patches.begin(), tile.patches.end());
+    if (of_block.size() <= kMaxPatches) {
+      result.push_back(std::move(block));
+      continue;
+    }
+    for (Tile& tile : block.tiles) {
+      Block& alone = result.emplace_back();
+      alone.box = {tile.corner, tile.corner.array() + side};
+      alone.tiles.push_back(std::move(tile));
+    }
+  }
   return result;
 }
 

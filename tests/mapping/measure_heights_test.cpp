@@ -71,6 +71,40 @@ TEST(MeasureHeights, FindsTheHeightAtWhichViewsAgree) {
   }
 }
 
+/// [m] RMS error where a car came by so many times.
+double ErrorAfter(size_t num_passes, size_t& num_patches) {
+  std::vector<PosedGroundPatch> patches;
+  for (size_t pass = 0; pass < num_passes; ++pass)
+    for (PosedGroundPatch& posed : LookAt(0.06, 20)) {
+      std::vector<GroundSample> few;
+      for (size_t i = pass % 4; i < posed.patch.samples.size(); i += 4) few.push_back(posed.patch.samples[i]);
+      posed.patch.samples = std::move(few);
+      patches.push_back(std::move(posed));
+    }
+  num_patches = patches.size();
+  const DrivenPath path = PathWithEye();
+  double sum = 0;
+  int count = 0;
+  for (const HeightObservation& found :
+       MeasureHeights(PatchesInMemory(patches), std::span(&path, 1), LevelField(), 0.15, {})) {
+    sum += std::pow(found.point_in_site.z() - 0.06, 2);
+    ++count;
+  }
+  EXPECT_GT(count, 100);
+  return std::sqrt(sum / count);
+}
+
+TEST(MeasureHeights, WhereACarCameByOftenTilesAreSweptOneByOneAndFindTheSame) {
+  size_t num_patches = 0;
+  const double together = ErrorAfter(12, num_patches);
+  ASSERT_LE(num_patches, 300u) << "in a block";
+  const double one_by_one = ErrorAfter(16, num_patches);
+  ASSERT_GT(num_patches, 300u);
+
+  EXPECT_LT(one_by_one, 0.015);
+  EXPECT_NEAR(one_by_one, together, 0.001);
+}
+
 TEST(MeasureHeights, GroundThatShowsNothingGetsNoHeight) { EXPECT_TRUE(Measure(0.06, 0).empty()); }
 
 TEST(MeasureHeights, NothingInNothingOut) {
