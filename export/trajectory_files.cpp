@@ -4,15 +4,12 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "core/yaw.h"
+
 namespace parkade {
 namespace {
 
 constexpr double kMinLineStep = 0.1;  // [m] between the points of a line on a globe
-
-double YawOf(const Eigen::Quaterniond& rotation) {
-  const Eigen::Vector3d forward = rotation * Eigen::Vector3d::UnitX();
-  return std::atan2(forward.y(), forward.x());
-}
 
 /// The correction site_from_odom over time: known at the states of the final trajectory that lie inside the
 /// odometry, interpolated between them and held beyond.

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/trajectory.h"
+#include "core/yaw.h"
 #include "mapping/surface_rise.h"
 #include "server/site_places.h"
 #include "slam/register_sites.h"
@@ -24,15 +25,8 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-Trajectory ReadDrive(const FinishedMap& map, const std::string& drive) {
-  std::vector<TrajectoryState> states;
-  for (const TimedPose& pose : ReadTum(map.FileOfDrive(drive, "trajectory.tum")))
-    states.push_back({.time = pose.time, .odom_from_body = pose.world_from_frame});
-  return Trajectory(std::move(states));
-}
-
 SharedDrive PairPoses(const std::string& drive, const FinishedMap& from, const FinishedMap& to) {
-  const Trajectory in_from = ReadDrive(from, drive), in_to = ReadDrive(to, drive);
+  const Trajectory in_from = from.ReadTrajectory(drive), in_to = to.ReadTrajectory(drive);
   SharedDrive shared{drive, {}};
   std::optional<Timestamp> last;
   for (const TrajectoryState& state : in_to.states()) {
@@ -42,11 +36,6 @@ SharedDrive PairPoses(const std::string& drive, const FinishedMap& from, const F
       shared.poses.push_back({*pose, state.odom_from_body});
   }
   return shared;
-}
-
-double YawOf(const Eigen::Quaterniond& rotation) {
-  const Eigen::Vector3d x = rotation * Eigen::Vector3d::UnitX();
-  return std::atan2(x.y(), x.x());
 }
 
 /// Medians over all poses: a stretch that moved does not move the rest.

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/trajectory.h"
+#include "core/yaw.h"
 #include "export/changes.h"
 #include "server/output_folder.h"
 
@@ -22,11 +23,6 @@ double Percentile(std::vector<double> values, double share) {
   const auto nth = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), nth, values.end());
   return *nth;
-}
-
-double YawOf(const Eigen::Quaterniond& rotation) {
-  const Eigen::Vector3d x = rotation * Eigen::Vector3d::UnitX();
-  return std::atan2(x.y(), x.x());
 }
 
 TrajectoryOffset OffsetOf(const SharedDrive& drive, const Rigid3& to_from_from) {

@@ -81,6 +81,13 @@ std::filesystem::path FinishedMap::FileOfDrive(const std::string& drive, const s
 
 TriangleMesh FinishedMap::ReadGround() const { return ReadPly(FileNamed("ground.ply")); }
 
+Trajectory FinishedMap::ReadTrajectory(const std::string& drive) const {
+  std::vector<TrajectoryState> states;
+  for (const TimedPose& pose : ReadTum(FileOfDrive(drive, "trajectory.tum")))
+    states.push_back({.time = pose.time, .odom_from_body = pose.world_from_frame});
+  return Trajectory(std::move(states));
+}
+
 SurfaceMap FinishedMap::ReadSurfaceMap() const {
   const std::filesystem::path file = folder_ / "surface.bin";
   Require(std::filesystem::exists(file), ErrorCode::kInvalidInput,

@@ -8,6 +8,7 @@
 
 #include "core/geo.h"
 #include "core/surface_map.h"
+#include "core/trajectory.h"
 #include "core/triangle_mesh.h"
 
 namespace parkade {
@@ -27,7 +28,8 @@ class FinishedMap {
   std::filesystem::path FileOfDrive(const std::string& drive, const std::string& name) const;
 
   TriangleMesh ReadGround() const;
-  SurfaceMap ReadSurfaceMap() const;  ///< without colours
+  Trajectory ReadTrajectory(const std::string& drive) const;  ///< final, site_from_imu
+  SurfaceMap ReadSurfaceMap() const;                          ///< without colours
 
   const std::vector<std::string>& drives() const { return drives_; }
   /// SHA-256 of the log that a drive was made from; empty where the map does not say.

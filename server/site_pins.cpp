@@ -157,8 +157,7 @@ std::vector<SitePin> AnchorPins(const std::vector<std::string>& texts, const std
   RequireAgreement(FitPins(places, options), options);
   const FinishedMap finished(map);
   Trajectories trajectories;
-  for (const std::string& drive : finished.drives())
-    trajectories.emplace_back(drive, SiteFromImu(ReadTum(finished.FileOfDrive(drive, "trajectory.tum"))));
+  for (const std::string& drive : finished.drives()) trajectories.emplace_back(drive, finished.ReadTrajectory(drive));
   std::vector<SitePin> pins;
   for (size_t i = 0; i < asked.size(); ++i)
     pins.push_back({asked[i].place, FindAnchors(asked[i], trajectories, "pin " + std::to_string(i + 1)), true});

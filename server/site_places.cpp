@@ -25,18 +25,11 @@ Rigid3 ImuFromBody(const std::filesystem::path& calibration) {
   }
 }
 
-Trajectory ReadTrajectory(const std::filesystem::path& file) {
-  std::vector<TrajectoryState> states;
-  for (const TimedPose& pose : ReadTum(file))
-    states.push_back({.time = pose.time, .odom_from_body = pose.world_from_frame});
-  return Trajectory(std::move(states));
-}
-
 std::vector<Place> ReadPlaces(const FinishedMap& map, const std::string& drive) {
   const std::optional<std::string> bytes = LastProduct(map.FileOfDrive(drive, "places.bin"));
   if (!bytes) return {};
   const Rigid3 imu_from_body = ImuFromBody(map.FileOfDrive(drive, "calibration.yaml"));
-  const Trajectory site_from_imu = ReadTrajectory(map.FileOfDrive(drive, "trajectory.tum"));
+  const Trajectory site_from_imu = map.ReadTrajectory(drive);
   std::vector<Place> places;
   for (Place& place : DecodePlaces(*bytes)) {
     const std::optional<Rigid3> pose = site_from_imu.At(place.time);

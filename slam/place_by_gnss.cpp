@@ -4,17 +4,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/yaw.h"
 #include "slam/align_points.h"
 
 namespace parkade {
 namespace {
 
 constexpr int kNumIterations = 5;  // yaw is the only angle: two already leave nothing
-
-double YawOf(const Rigid3& pose) {
-  const Eigen::Vector3d x = pose.rotation * Eigen::Vector3d::UnitX();
-  return std::atan2(x.y(), x.x());
-}
 
 Rigid3 TurnedAndMoved(double yaw, const Eigen::Vector3d& translation) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())), translation};
@@ -34,7 +30,7 @@ Opinion OpinionOf(const GnssDrive& drive) {
       AlignYawAndTranslation(Eigen::Map<const Eigen::Matrix3Xd>(drive.in_odom.front().data(), 3, count),
                              Eigen::Map<const Eigen::Matrix3Xd>(drive.in_group.front().data(), 3, count), ones, ones);
   const GnssAlignment& gnss = drive.alignment;
-  return {.yaw = YawOf(gnss.site_from_odom) - YawOf(group_from_odom),
+  return {.yaw = YawOf(gnss.site_from_odom.rotation) - YawOf(group_from_odom.rotation),
           .centre_in_group = group_from_odom * gnss.centre_in_odom,
           .centre_in_site = gnss.site_from_odom * gnss.centre_in_odom,
           .information = gnss.covariance.inverse()};

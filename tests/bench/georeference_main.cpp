@@ -9,6 +9,7 @@
 #include <random>
 
 #include "core/options_json.h"
+#include "core/yaw.h"
 #include "slam/align_to_gnss.h"
 #include "slam/place_by_gnss.h"
 #include "tests/bench/run_bench.h"
@@ -66,11 +67,6 @@ Trajectory BentTruth(const Motion& motion, const CommandLine& line, std::uint64_
                             position};
   }
   return Trajectory(std::move(states));
-}
-
-double YawOf(const Eigen::Quaterniond& rotation) {
-  const Eigen::Vector3d x = rotation * Eigen::Vector3d::UnitX();
-  return std::atan2(x.y(), x.x());
 }
 
 /// A drive of a site that GNSS has placed.
