@@ -131,55 +131,116 @@ Rigid3 NearestMotion(const std::vector<MovedKeyframe>& keyframes, const Eigen::V
   return MotionOf(*nearest);
 }
 
-void HoldEachOther(size_t a, size_t b, double sigma, double turn_sigma, DeformationGraph& graph) {
-  graph.edges.push_back({a, b, sigma, turn_sigma});
-  graph.edges.push_back({b, a, sigma, turn_sigma});
-}
-
 }  // namespace
+
+/// Puts together what holds what; nodes of the ground first, keyframes after them.
+class DeformationBuilder {
+ public:
+  /// \param share  of the ground's information that counts
+  DeformationBuilder(const TriangleMesh& mesh, const DeformationOptions& options, double share)
+      : options_(options), slack_(1 / std::sqrt(share)) {
+    const MeshSamples samples = SampleMesh(mesh, 0.5 * options.spacing);
+    const NodeSamples grouped = GroupSamples(samples, options);
+    deformation_.spacing_ = options.spacing;
+    deformation_.num_ground_nodes_ = grouped.nodes.size();
+    deformation_.neighbours_.resize(grouped.nodes.size());
+    for (const Eigen::Vector3d& rest : grouped.nodes) {
+      deformation_.columns_[SquareOf(rest, options.spacing)].push_back(graph().nodes.size());
+      graph().nodes.push_back({rest, {Eigen::Quaterniond::Identity(), rest}});
+    }
+    JoinNeighbours(samples, grouped);
+  }
+
+  /// Ground begins as the nearest of these moved, and hangs on those that saw it; `nodes` are theirs.
+  void HangOn(const std::vector<MovedKeyframe>& keyframes, const std::vector<size_t>& nodes) {
+    for (size_t i = 0; i < deformation_.num_ground_nodes_; ++i) {
+      DeformationNode& node = graph().nodes[i];
+      const Rigid3 motion = NearestMotion(keyframes, node.rest);
+      node.motion = {motion.rotation, motion * node.rest};
+      const std::vector<std::pair<double, size_t>> sights = SightsOf(keyframes, node.rest, options_);
+      deformation_.is_seen_.push_back(!sights.empty());
+      for (const auto& [distance, keyframe] : sights)
+        HoldEachOther(i, nodes[keyframe], options_.seen_sigma + kSigmaPerMetre * distance,
+                      options_.stiffness * (1 + distance));
+    }
+  }
+
+  size_t AddKeyframe(const MovedKeyframe& keyframe) {
+    const Rigid3 motion = MotionOf(keyframe);
+    const Eigen::Vector3d& rest = keyframe.from_from_body.translation;
+    graph().nodes.push_back({rest, {motion.rotation, motion * rest}, keyframe.from_from_body.rotation});
+    return graph().nodes.size() - 1;
+  }
+  void Hold(size_t node) { graph().anchors.push_back({.node = node, .motion = graph().nodes[node].motion}); }
+
+  DeformationGraph& graph() { return deformation_.graph_; }
+
+  MeshDeformation Solve() && {
+    SolveDeformation(graph());
+    return std::move(deformation_);
+  }
+
+ private:
+  void HoldEachOther(size_t a, size_t b, double sigma, double turn_sigma) {
+    graph().edges.push_back({a, b, slack_ * sigma, slack_ * turn_sigma});
+    graph().edges.push_back({b, a, slack_ * sigma, slack_ * turn_sigma});
+  }
+
+  void JoinNeighbours(const MeshSamples& samples, const NodeSamples& grouped) {
+    std::set<std::pair<size_t, size_t>> joined;
+    for (const auto& [a, b] : samples.links) {
+      const auto [first, second] = std::minmax(grouped.node_of_sample[a], grouped.node_of_sample[b]);
+      if (first == second || !joined.insert({first, second}).second) continue;
+      const double distance = (graph().nodes[first].rest - graph().nodes[second].rest).norm();
+      HoldEachOther(first, second, options_.stiffness * std::max(distance, 0.1), options_.stiffness);
+      deformation_.neighbours_[first].push_back(second);
+      deformation_.neighbours_[second].push_back(first);
+    }
+  }
+
+  const DeformationOptions& options_;
+  double slack_;  // factor on the sigmas of all edges
+  MeshDeformation deformation_;
+};
 
 MeshDeformation DeformGround(const TriangleMesh& mesh, std::span<const MovedKeyframe> all_keyframes,
                              const DeformationOptions& options) {
   Require(!all_keyframes.empty(), ErrorCode::kInvalidInput, "nothing says how the ground has moved");
   const std::vector<MovedKeyframe> keyframes = ThinOut(all_keyframes, options.keyframe_spacing);
-  const MeshSamples samples = SampleMesh(mesh, 0.5 * options.spacing);
-  const NodeSamples grouped = GroupSamples(samples, options);
-  MeshDeformation deformation;
-  DeformationGraph& graph = deformation.graph_;
-  deformation.spacing_ = options.spacing;
-  deformation.num_ground_nodes_ = grouped.nodes.size();
-  deformation.neighbours_.resize(grouped.nodes.size());
-  for (size_t i = 0; i < grouped.nodes.size(); ++i) {
-    const Eigen::Vector3d& rest = grouped.nodes[i];
-    const Rigid3 motion = NearestMotion(keyframes, rest);
-    graph.nodes.push_back({rest, {motion.rotation, motion * rest}});
-    deformation.columns_[SquareOf(rest, options.spacing)].push_back(i);
-  }
+  DeformationBuilder builder(mesh, options, /*share=*/1);
+  std::vector<size_t> nodes;
   for (const MovedKeyframe& keyframe : keyframes) {
-    const Rigid3 motion = MotionOf(keyframe);
-    const Eigen::Vector3d& rest = keyframe.from_from_body.translation;
-    graph.anchors.push_back({.node = graph.nodes.size(), .motion = {motion.rotation, motion * rest}});
-    graph.nodes.push_back({rest, graph.anchors.back().motion});
+    nodes.push_back(builder.AddKeyframe(keyframe));
+    builder.Hold(nodes.back());
   }
+  builder.HangOn(keyframes, nodes);
+  return std::move(builder).Solve();
+}
 
-  std::set<std::pair<size_t, size_t>> joined;
-  for (const auto& [a, b] : samples.links) {
-    const auto [first, second] = std::minmax(grouped.node_of_sample[a], grouped.node_of_sample[b]);
-    if (first == second || !joined.insert({first, second}).second) continue;
-    const double distance = (graph.nodes[first].rest - graph.nodes[second].rest).norm();
-    HoldEachOther(first, second, options.stiffness * std::max(distance, 0.1), options.stiffness, graph);
-    deformation.neighbours_[first].push_back(second);
-    deformation.neighbours_[second].push_back(first);
+JointDeformation DeformJointly(const TriangleMesh& mesh, std::span<const FreeKeyframe> keyframes,
+                               std::span<const DeformationMeasurement> measurements,
+                               const DeformationOptions& options) {
+  DeformationBuilder builder(mesh, options, options.ground_share);
+  std::vector<MovedKeyframe> old_keyframes;  // those that the ground hangs on
+  std::vector<size_t> nodes, old_nodes;
+  for (const FreeKeyframe& keyframe : keyframes) {
+    nodes.push_back(
+        builder.AddKeyframe({keyframe.from_from_body.value_or(keyframe.to_from_body), keyframe.to_from_body}));
+    if (keyframe.is_held) builder.Hold(nodes.back());
+    if (!keyframe.from_from_body) continue;
+    old_keyframes.push_back({*keyframe.from_from_body, keyframe.to_from_body});
+    old_nodes.push_back(nodes.back());
   }
-  for (size_t i = 0; i < grouped.nodes.size(); ++i) {
-    const std::vector<std::pair<double, size_t>> sights = SightsOf(keyframes, grouped.nodes[i], options);
-    deformation.is_seen_.push_back(!sights.empty());
-    for (const auto& [distance, keyframe] : sights)
-      HoldEachOther(i, grouped.nodes.size() + keyframe, options.seen_sigma + kSigmaPerMetre * distance,
-                    options.stiffness * (1 + distance), graph);
+  Require(!old_keyframes.empty(), ErrorCode::kInvalidInput, "nothing says how the ground has moved");
+  builder.HangOn(old_keyframes, old_nodes);
+  for (DeformationMeasurement measurement : measurements) {
+    if (measurement.from) measurement.from = nodes[*measurement.from];
+    measurement.to = nodes[measurement.to];
+    builder.graph().measurements.push_back(measurement);
   }
-  SolveDeformation(graph);
-  return deformation;
+  JointDeformation joint{std::move(builder).Solve(), {}};
+  for (const size_t node : nodes) joint.to_from_body.push_back(joint.ground.graph().nodes[node].Pose());
+  return joint;
 }
 
 double MeshDeformation::DistanceTo(size_t node, const Eigen::Vector3d& point) const {

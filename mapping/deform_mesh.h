@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,13 @@ struct MovedKeyframe {
   Rigid3 from_from_body, to_from_body;
 };
 
+/// One keyframe whose place is looked for together with that of the ground.
+struct FreeKeyframe {
+  std::optional<Rigid3> from_from_body;  ///< nothing: it is new, and no ground hangs on it
+  Rigid3 to_from_body;                   ///< where the search begins
+  bool is_held = false;                  ///< it ends there, too
+};
+
 struct DeformationOptions {
   double spacing = 2.5;           ///< [m] of nodes on the ground
   double reach = 12;              ///< [m] within which a keyframe saw ground and holds it
@@ -24,6 +32,7 @@ struct DeformationOptions {
   double stiffness = 0.01;        ///< [m/m] and [rad] by which neighbouring nodes may disagree
   double seen_sigma = 0.02;       ///< [m] of ground beside a keyframe, and 0.01 more per metre away
   double level_gap = 1.0;         ///< [m] of height between nodes of one column: more are two decks
+  double ground_share = 1e-3;  ///< of the ground's information that counts where keyframes are free, see DeformJointly
 };
 
 /// How the ground of a map moves with the trajectories it was seen from.
@@ -40,7 +49,7 @@ class MeshDeformation {
   size_t num_ground_nodes() const { return num_ground_nodes_; }
 
  private:
-  friend MeshDeformation DeformGround(const TriangleMesh&, std::span<const MovedKeyframe>, const DeformationOptions&);
+  friend class DeformationBuilder;
 
   size_t NodeNear(const Eigen::Vector3d& point) const;
   double DistanceTo(size_t node, const Eigen::Vector3d& point) const;
@@ -59,6 +68,24 @@ class MeshDeformation {
 /// keyframe.
 MeshDeformation DeformGround(const TriangleMesh& mesh, std::span<const MovedKeyframe> keyframes,
                              const DeformationOptions& options = {});
+
+struct JointDeformation {
+  MeshDeformation ground;
+  std::vector<Rigid3> to_from_body;  ///< of all keyframes, as they were given
+};
+
+/// Ground and keyframes solved as one problem, as A. Rosinol et al., IJRR 2021, section 3.3 (Kimera-PGMO) do it: what
+/// was measured between keyframes (odometry, loops, links), ground that hangs on those that saw it, and ground that
+/// holds together. `measurements` name keyframes by index. Loops that may be wrong do not belong among them: whoever
+/// solved the pose graph knows which to leave out. Without a held keyframe or a measurement in the target frame all of
+/// it may float.
+///
+/// The old ground is where the old keyframes put it: stiff, it would pull them back to that, and two passes whose
+/// ground was fused into one would never come apart. Of its information only `ground_share` counts against
+/// measurements. Throws Error{kInvalidInput} without any keyframe that has been in the old map.
+JointDeformation DeformJointly(const TriangleMesh& mesh, std::span<const FreeKeyframe> keyframes,
+                               std::span<const DeformationMeasurement> measurements,
+                               const DeformationOptions& options = {});
 
 /// The whole mesh moved, its normals turned; the same triangles.
 TriangleMesh Deformed(const TriangleMesh& mesh, const MeshDeformation& deformation);

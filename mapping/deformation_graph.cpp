@@ -1,5 +1,6 @@
 #include "mapping/deformation_graph.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Sparse>
 #include <Eigen/SparseCholesky>
 
@@ -12,6 +13,8 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kTie = 1e-6;           // information that keeps what nothing holds where it is
 constexpr double kSmallestStep = 1e-4;  // [m] and [rad]
+constexpr int kMaxHalvings = 6;
+constexpr double kRounding = 1e-9;  // of costs
 
 /// The normal equations of one Gauss-Newton step.
 class NormalEquations {
@@ -67,6 +70,36 @@ TurnBetween Between(const Eigen::Quaterniond& first, const Eigen::Quaterniond& s
   return between;
 }
 
+/// S with S^T S = information.
+DeformationBlock SquareRootOf(const DeformationBlock& information) {
+  const Eigen::SelfAdjointEigenSolver<DeformationBlock> solver(information);
+  return solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * solver.eigenvectors().transpose();
+}
+
+/// The normal equations at the graph's motions.
+Eigen::VectorXd GaussNewtonStep(const DeformationGraph& graph) {
+  NormalEquations equations(graph.nodes.size());
+  const auto add = [&](const DeformationFactor& factor, std::optional<size_t> first, std::optional<size_t> second) {
+    if (first) equations.Add(*first, factor.by_first, factor.residual);
+    if (second) equations.Add(*second, factor.by_second, factor.residual);
+    if (first && second) equations.AddCross(*first, factor.by_first, *second, factor.by_second);
+  };
+  for (const DeformationEdge& edge : graph.edges) add(EvaluateEdge(graph, edge), edge.from, edge.to);
+  for (const DeformationAnchor& anchor : graph.anchors) add(EvaluateAnchor(graph, anchor), anchor.node, std::nullopt);
+  for (const DeformationMeasurement& measurement : graph.measurements)
+    add(EvaluateMeasurement(graph, measurement), measurement.from, measurement.to);
+  return equations.Solve();
+}
+
+void MoveNodes(const std::vector<DeformationNode>& start, const Eigen::VectorXd& change, DeformationGraph& graph) {
+  for (size_t i = 0; i < graph.nodes.size(); ++i) {
+    const auto first = 6 * static_cast<Eigen::Index>(i);
+    const Rigid3& motion = start[i].motion;
+    graph.nodes[i].motion = {(ExpSo3(change.segment<3>(first)) * motion.rotation).normalized(),
+                             motion.translation + change.segment<3>(first + 3)};
+  }
+}
+
 }  // namespace
 
 DeformationFactor EvaluateEdge(const DeformationGraph& graph, const DeformationEdge& edge) {
@@ -93,26 +126,55 @@ DeformationFactor EvaluateAnchor(const DeformationGraph& graph, const Deformatio
   return factor;
 }
 
+DeformationFactor EvaluateMeasurement(const DeformationGraph& graph, const DeformationMeasurement& measurement) {
+  const Rigid3 from = measurement.from ? graph.nodes[*measurement.from].Pose() : Rigid3{};
+  const Rigid3 to = graph.nodes[measurement.to].Pose();
+  const Eigen::Vector3d apart = to.translation - from.translation;
+  const Eigen::Quaterniond measured_from_target = (from.rotation * measurement.from_from_to.rotation).conjugate();
+  const Eigen::Matrix3d turn = measured_from_target.toRotationMatrix();
+  const Eigen::Vector3d rest = LogSo3(measured_from_target * to.rotation);
+  const Eigen::Matrix3d by_turn = InverseRightJacobianSo3(-rest) * turn;  // the inverse left Jacobian
+  DeformationFactor factor;
+  factor.residual << turn * apart -
+                         measurement.from_from_to.rotation.conjugate() * measurement.from_from_to.translation,
+      rest;
+  if (measurement.from) {
+    factor.by_first.topLeftCorner<3, 3>() = turn * Skew(apart);
+    factor.by_first.topRightCorner<3, 3>() = -turn;
+    factor.by_first.bottomLeftCorner<3, 3>() = -by_turn;
+  }
+  factor.by_second.topRightCorner<3, 3>() = turn;
+  factor.by_second.bottomLeftCorner<3, 3>() = by_turn;
+  const DeformationBlock root = SquareRootOf(measurement.information);
+  return {root * factor.residual, root * factor.by_first, root * factor.by_second};
+}
+
+double CostOf(const DeformationGraph& graph) {
+  double sum = 0;
+  for (const DeformationEdge& edge : graph.edges) sum += EvaluateEdge(graph, edge).residual.squaredNorm();
+  for (const DeformationAnchor& anchor : graph.anchors) sum += EvaluateAnchor(graph, anchor).residual.squaredNorm();
+  for (const DeformationMeasurement& measurement : graph.measurements)
+    sum += EvaluateMeasurement(graph, measurement).residual.squaredNorm();
+  return 0.5 * sum;
+}
+
 int SolveDeformation(DeformationGraph& graph, int max_steps) {
+  double cost = CostOf(graph);
   for (int step = 1; step <= max_steps; ++step) {
-    NormalEquations equations(graph.nodes.size());
-    for (const DeformationEdge& edge : graph.edges) {
-      const DeformationFactor factor = EvaluateEdge(graph, edge);
-      equations.Add(edge.from, factor.by_first, factor.residual);
-      equations.Add(edge.to, factor.by_second, factor.residual);
-      equations.AddCross(edge.from, factor.by_first, edge.to, factor.by_second);
+    Eigen::VectorXd change = GaussNewtonStep(graph);
+    const std::vector<DeformationNode> start = graph.nodes;
+    MoveNodes(start, change, graph);
+    double moved_cost = CostOf(graph);
+    const double allowed = (1 + kRounding) * cost + kRounding;
+    for (int i = 0; i < kMaxHalvings && moved_cost > allowed; ++i) {
+      MoveNodes(start, change *= 0.5, graph);
+      moved_cost = CostOf(graph);
     }
-    for (const DeformationAnchor& anchor : graph.anchors) {
-      const DeformationFactor factor = EvaluateAnchor(graph, anchor);
-      equations.Add(anchor.node, factor.by_first, factor.residual);
+    if (moved_cost > allowed) {
+      graph.nodes = start;
+      return step;
     }
-    const Eigen::VectorXd change = equations.Solve();
-    for (size_t i = 0; i < graph.nodes.size(); ++i) {
-      const auto first = 6 * static_cast<Eigen::Index>(i);
-      Rigid3& motion = graph.nodes[i].motion;
-      motion.rotation = (ExpSo3(change.segment<3>(first)) * motion.rotation).normalized();
-      motion.translation += change.segment<3>(first + 3);
-    }
+    cost = moved_cost;
     if (change.size() == 0 || change.cwiseAbs().maxCoeff() < kSmallestStep) return step;
   }
   return max_steps;

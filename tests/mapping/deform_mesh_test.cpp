@@ -55,6 +55,58 @@ TEST(DeformationGraph, JacobiansMatchFiniteDifferences) {
   EXPECT_LT((EvaluateAnchor(graph, anchor).by_first - Differences(graph, 1, by_anchor)).norm(), 1e-4);
 }
 
+/// Any symmetric matrix with these eigenvalues at least.
+DeformationBlock Information(std::uint32_t seed, double least) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  const DeformationBlock root = DeformationBlock::NullaryExpr([&] { return normal(random); });
+  return root.transpose() * root + least * DeformationBlock::Identity();
+}
+
+TEST(DeformationGraph, JacobiansOfMeasurementsMatchFiniteDifferences) {
+  DeformationGraph graph = RandomGraph();
+  for (DeformationNode& node : graph.nodes) node.attitude = ExpSo3(0.5 * node.rest);
+  for (const std::optional<size_t>& from : {std::optional<size_t>(0), std::optional<size_t>()}) {
+    const DeformationMeasurement measurement{from, 1, PoseAt(1, -2, 0.5, 1.2), Information(5, 0.1)};
+    const auto evaluate = [&](const DeformationGraph& at) { return EvaluateMeasurement(at, measurement); };
+    const DeformationFactor factor = EvaluateMeasurement(graph, measurement);
+    EXPECT_GT(factor.residual.norm(), 1) << "far from what was measured";
+    EXPECT_LT((factor.by_first - Differences(graph, 0, evaluate)).norm(), 1e-4);
+    EXPECT_LT((factor.by_second - Differences(graph, 1, evaluate)).norm(), 1e-4);
+    const Rigid3 pose = from ? graph.nodes[0].Pose().Inverse() * graph.nodes[1].Pose() : graph.nodes[1].Pose();
+    EXPECT_LT(EvaluateMeasurement(graph, {from, 1, pose, measurement.information}).residual.norm(), 1e-9);
+  }
+}
+
+TEST(DeformationGraph, TheSolutionIsAMinimumInEveryDirection) {
+  DeformationGraph graph;
+  for (int i = 0; i < 4; ++i) {
+    const Rigid3 pose = PoseAt(3 * i, 0.2 * i * i, 0, 0.1 * i);
+    graph.nodes.push_back({pose.translation, {Eigen::Quaterniond::Identity(), pose.translation}, pose.rotation});
+    if (i > 0)
+      graph.measurements.push_back({static_cast<size_t>(i - 1), static_cast<size_t>(i), PoseAt(3, 0, 0, 0.2),
+                                    Information(static_cast<std::uint32_t>(i), 50)});
+  }
+  graph.measurements.push_back({0, 3, PoseAt(8, 3, 0.3, 0.4), Information(9, 20)});
+  graph.measurements.push_back({std::nullopt, 0, PoseAt(0.1, 0, 0, 0.05), Information(10, 20)});
+  graph.edges.push_back({1, 2, 0.2, 0.1});
+  const double before = CostOf(graph);
+  EXPECT_LT(SolveDeformation(graph, 50), 50);
+  const double cost = CostOf(graph);
+  EXPECT_LT(cost, 0.5 * before);
+  for (size_t node = 0; node < graph.nodes.size(); ++node)
+    for (int i = 0; i < 6; ++i)
+      for (const double step : {-1e-3, 1e-3}) {
+        DeformationGraph moved = graph;
+        Rigid3& motion = moved.nodes[node].motion;
+        if (i < 3)
+          motion.translation[i] += step;
+        else
+          motion.rotation = ExpSo3(step * Eigen::Vector3d::Unit(i - 3)) * motion.rotation;
+        EXPECT_GT(CostOf(moved), cost) << "node " << node << ", direction " << i;
+      }
+}
+
 /// Ground of 40 m x 10 m around a drive along x.
 TriangleMesh Strip(double z = 0) {
   TriangleMesh mesh;
@@ -122,7 +174,73 @@ TEST(DeformMesh, KnowsWhichGroundKeyframesSaw) {
   EXPECT_LT((deformation.Apply({70, 0, 0}) - Eigen::Vector3d(70, 0, 0)).norm(), 1e-4) << "its neighbours hold it";
 }
 
-TEST(DeformMesh, NothingSaysHowGroundMovesWithoutKeyframes) { EXPECT_THROW(DeformGround(Strip(), {}), Error); }
+TEST(DeformMesh, NothingSaysHowGroundMovesWithoutKeyframes) {
+  EXPECT_THROW(DeformGround(Strip(), {}), Error);
+  const std::vector<FreeKeyframe> new_ones = {{std::nullopt, PoseAt(1, 0)}};
+  EXPECT_THROW(DeformJointly(Strip(), new_ones, {}), Error);
+}
+
+DeformationBlock Sigmas(double translation, double turn) {
+  Eigen::Matrix<double, 6, 1> variances;
+  variances << Eigen::Vector3d::Constant(translation * translation), Eigen::Vector3d::Constant(turn * turn);
+  return variances.cwiseInverse().asDiagonal();
+}
+
+/// A chain of keyframes as they were, along x, each measured in the one before it; the first is held.
+void AddChain(double y, std::vector<FreeKeyframe>& keyframes, std::vector<DeformationMeasurement>& measurements) {
+  for (int i = 0; i <= 20; ++i) {
+    const size_t index = keyframes.size();
+    keyframes.push_back({PoseAt(2 * i, y), PoseAt(2 * i, y), i == 0});
+    if (i > 0) measurements.push_back({index - 1, index, PoseAt(2, 0), Sigmas(0.01, 0.005)});
+  }
+}
+
+TEST(DeformJointly, ALoopMovesKeyframesAndTheirGround) {
+  std::vector<FreeKeyframe> keyframes;
+  std::vector<DeformationMeasurement> measurements;
+  AddChain(0, keyframes, measurements);
+  const JointDeformation still = DeformJointly(Strip(), keyframes, measurements);
+  EXPECT_LT((still.to_from_body[20].translation - Eigen::Vector3d(40, 0, 0)).norm(), 1e-6);
+  measurements.push_back({0, 20, PoseAt(40, 0.5), Sigmas(0.005, 0.002)});
+
+  const JointDeformation joint = DeformJointly(Strip(), keyframes, measurements);
+
+  EXPECT_NEAR(joint.to_from_body[20].translation.y(), 0.5, 0.02);
+  const double middle = joint.to_from_body[10].translation.y();
+  EXPECT_GT(middle, 0.1);
+  EXPECT_LT(middle, 0.4);
+  for (const size_t i : {size_t{2}, size_t{10}, size_t{18}}) {
+    const Eigen::Vector3d ground = joint.ground.Apply({2.0 * static_cast<double>(i), 0, 0});
+    EXPECT_LT((ground - joint.to_from_body[i].translation).norm(), 0.02) << i;
+  }
+}
+
+TEST(DeformJointly, GroundTellsADriveThatNothingElseTies) {
+  std::vector<FreeKeyframe> keyframes;
+  std::vector<DeformationMeasurement> measurements;
+  AddChain(-2, keyframes, measurements);
+  keyframes.front().is_held = false;
+  measurements.push_back({std::nullopt, 0, PoseAt(0, -1.6), Sigmas(0.001, 0.001)});  // moved by 0.4 m to the side
+  const size_t other = keyframes.size();
+  AddChain(2, keyframes, measurements);
+  keyframes[other].is_held = false;
+  const JointDeformation joint = DeformJointly(Strip(), keyframes, measurements);
+  for (const size_t i : {size_t{0}, size_t{10}, size_t{20}}) {
+    EXPECT_NEAR(joint.to_from_body[i].translation.y(), -1.6, 0.02);
+    EXPECT_NEAR(joint.to_from_body[other + i].translation.y(), 2.4, 0.02) << "over the same ground";
+  }
+}
+
+TEST(DeformJointly, ANewKeyframeHoldsNoGround) {
+  std::vector<FreeKeyframe> keyframes;
+  std::vector<DeformationMeasurement> measurements;
+  AddChain(0, keyframes, measurements);
+  keyframes.push_back({std::nullopt, PoseAt(10, 3)});
+  measurements.push_back({5, keyframes.size() - 1, PoseAt(0, 2.5), Sigmas(0.01, 0.01)});
+  const JointDeformation joint = DeformJointly(Strip(), keyframes, measurements);
+  EXPECT_NEAR(joint.to_from_body.back().translation.y(), 2.5, 1e-3);
+  EXPECT_LT((joint.ground.Apply({10, 3, 0}) - Eigen::Vector3d(10, 3, 0)).norm(), 1e-3);
+}
 
 /// What one keyframe a metre sees: ground ahead and to both sides, striped across.
 std::vector<GroundPatch> PatchesAlong(const std::vector<Rigid3>& poses) {
