@@ -5,7 +5,6 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "slam/loop_shares.h"
-#include "slam/odometry_drift.h"
 #include "slam/place_graph.h"
 #include "slam/relative_pose_baselines.h"
 #include "slam/reviewed_loops.h"
@@ -133,19 +132,6 @@ void AddLoop(const PlaceCandidate& candidate, const LoopEvidence& loop, const Lo
   add_camera(candidate.later + 1, loop.later_from_camera);
   const Rigid3 camera_from_camera = loop.earlier_from_camera.Inverse() * loop.pose.a_from_b * loop.later_from_camera;
   graph.edges.push_back({first, first + 1, camera_from_camera, information, loop.is_forced});
-}
-
-/// `by_options`, or what the odometry says of itself within a factor.
-double Drift(double by_odometry, double by_options) {
-  constexpr double kLeast = 0.3, kMost = 2;
-  return by_odometry > 0 ? std::clamp(by_odometry, kLeast * by_options, kMost * by_options) : by_options;
-}
-
-LoopOptions WithDriftOf(const Trajectory& odometry, LoopOptions options) {
-  const OdometryDrift drift = DriftOf(odometry);
-  options.odometry_translation = Drift(drift.translation, options.odometry_translation);
-  options.odometry_yaw = Drift(drift.yaw, options.odometry_yaw);
-  return options;
 }
 
 /// Poses of the places once loops are closed; sets the loops' weights.

@@ -230,6 +230,9 @@ nlohmann::json ToJson(const DriveJoin& join, const std::vector<std::string>& nam
       const PlaceLink& link = pair.found.links[i];
       const Eigen::Vector3d& t = link.pose.a_from_b.translation;
       const Eigen::Vector3d turn = LogSo3(link.pose.a_from_b.rotation);
+      nlohmann::json information = nlohmann::json::array();  // upper triangle, row by row
+      for (int row = 0; row < 6; ++row)
+        for (int column = row; column < 6; ++column) information.push_back(link.pose.information(row, column));
       links.push_back({{"place_a", link.place_a},
                        {"place_b", link.place_b},
                        {"score", link.score},
@@ -237,6 +240,7 @@ nlohmann::json ToJson(const DriveJoin& join, const std::vector<std::string>& nam
                        {"num_camera_pairs", link.pose.num_camera_pairs},
                        {"residual", link.pose.residual},
                        {"worst_sigma", link.pose.worst_sigma},
+                       {"information", information},
                        {"translation", {t.x(), t.y(), t.z()}},
                        {"rotation_vector", {turn.x(), turn.y(), turn.z()}},
                        {"chi_squared", pair.chi_squared[i]},

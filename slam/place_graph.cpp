@@ -1,6 +1,9 @@
 #include "slam/place_graph.h"
 
+#include <algorithm>
+
 #include "slam/close_loops.h"
+#include "slam/odometry_drift.h"
 
 namespace parkade {
 namespace {
@@ -9,7 +12,20 @@ constexpr std::int64_t kWorldId = -1'000'000;
 
 double Square(double x) { return x * x; }
 
+/// `by_options`, or what the odometry says of itself within a factor.
+double Drift(double by_odometry, double by_options) {
+  constexpr double kLeast = 0.3, kMost = 2;
+  return by_odometry > 0 ? std::clamp(by_odometry, kLeast * by_options, kMost * by_options) : by_options;
+}
+
 }  // namespace
+
+LoopOptions WithDriftOf(const Trajectory& odometry, LoopOptions options) {
+  const OdometryDrift drift = DriftOf(odometry);
+  options.odometry_translation = Drift(drift.translation, options.odometry_translation);
+  options.odometry_yaw = Drift(drift.yaw, options.odometry_yaw);
+  return options;
+}
 
 PoseGraph WorldGraph() {
   PoseGraph graph;

@@ -3,12 +3,16 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/trajectory.h"
 #include "slam/place.h"
 #include "slam/pose_graph.h"
 
 namespace parkade {
 
 struct LoopOptions;
+
+/// The random walk of AddPlaces as the odometry itself knows it, see LoopOptions.
+LoopOptions WithDriftOf(const Trajectory& odometry, LoopOptions options);
 
 /// A graph that holds nothing but the world, its vertex 0.
 PoseGraph WorldGraph();
