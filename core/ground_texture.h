@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <opencv2/core/mat.hpp>
 #include <vector>
+
+#include "core/scratch_vector.h"
 
 namespace parkade {
 
@@ -19,11 +22,17 @@ struct TextureChart {
 
 /// The texture of a mesh: each triangle belongs to exactly one chart. No charts: the mesh has vertex colours only.
 struct GroundTexture {
-  double texel_size = 0.02;          ///< [m]
-  double chart_size = 24;            ///< [m] edge of the squares
-  std::vector<TextureChart> charts;  ///< sorted by row, column, sheet
+  double texel_size = 0.02;                                                     ///< [m]
+  double chart_size = 24;                                                       ///< [m] edge of the squares
+  std::vector<TextureChart> charts;                                             ///< sorted by row, column, sheet
+  std::vector<std::shared_ptr<const ScratchVector<std::uint8_t>>> pixels = {};  ///< where pictures of large maps lie
 
   bool empty() const { return charts.empty(); }
+
+  /// Pictures of large maps are out of memory until they are looked at again: for those who go through all charts.
+  void Release() const {
+    for (const auto& array : pixels) ReleaseMemory(*array);
+  }
 };
 
 }  // namespace parkade

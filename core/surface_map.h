@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/scratch_vector.h"
+
 namespace parkade {
 
 /// One horizontal cell of one level of the fused ground.
@@ -19,8 +21,8 @@ struct SurfaceCell {
 /// The fused multi-level ground as a sparse grid: several cells may share (x, y)
 /// when decks lie above each other. Unknown is not free.
 struct SurfaceMap {
-  double cell_size = 0.1;          ///< [m]
-  std::vector<SurfaceCell> cells;  ///< sorted by (y, x, height)
+  double cell_size = 0.1;            ///< [m]
+  ScratchVector<SurfaceCell> cells;  ///< sorted by (y, x, height)
 };
 
 }  // namespace parkade

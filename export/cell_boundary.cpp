@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <map>
-#include <unordered_set>
+#include <tuple>
 
 namespace parkade {
 namespace {
@@ -21,22 +21,42 @@ struct Edge {
 /// By the key of the corner they start at: two where cells touch diagonally, else one.
 using EdgeMap = std::map<std::int64_t, std::vector<Edge>>;
 
-EdgeMap FindEdges(const std::vector<SurfaceCell>& cells) {
-  std::unordered_set<std::int64_t> inside;
-  for (const SurfaceCell& cell : cells) inside.insert(CellKey(cell.x, cell.y));
+/// For each cell, which of its sides have no cell beyond them: a bit per side, east first. `cells` sorted by (y, x).
+std::vector<std::uint8_t> FindOpenSides(std::span<const SurfaceCell> cells) {
+  std::vector<std::uint8_t> open(cells.size(), 15);
+  const auto close = [&](size_t cell, int side) { open[cell] = static_cast<std::uint8_t>(open[cell] & ~(1 << side)); };
+  constexpr int kEast = 0, kNorth = 1, kWest = 2, kSouth = 3;
+  size_t below = 0;  // walks along as the cells do, one row lower
+  for (size_t i = 0; i < cells.size(); ++i) {
+    const SurfaceCell& cell = cells[i];
+    if (i > 0 && cells[i - 1].y == cell.y && cells[i - 1].x + 1 == cell.x) {
+      close(i, kWest);
+      close(i - 1, kEast);
+    }
+    const std::int64_t key = CellKey(cell.x, cell.y - 1);
+    while (CellKey(cells[below].x, cells[below].y) < key) ++below;
+    if (CellKey(cells[below].x, cells[below].y) != key) continue;
+    close(i, kSouth);
+    close(below, kNorth);
+  }
+  return open;
+}
+
+EdgeMap FindEdges(std::span<const SurfaceCell> cells) {
+  const std::vector<std::uint8_t> open = FindOpenSides(cells);
   EdgeMap edges;
-  for (const SurfaceCell& cell : cells) {
+  for (size_t i = 0; i < cells.size(); ++i) {
+    const SurfaceCell& cell = cells[i];
     // Counter-clockwise around the cell: its south side goes east, its east side north, ...
     constexpr int kCornerX[] = {0, 1, 1, 0};
     constexpr int kCornerY[] = {0, 0, 1, 1};
     for (int direction = 0; direction < 4; ++direction) {
       const int outwards = (direction + 3) % 4;
-      if (inside.contains(CellKey(cell.x + kStepX[outwards], cell.y + kStepY[outwards]))) continue;
+      if ((open[i] >> outwards & 1) == 0) continue;
       const int x = cell.x + kCornerX[direction], y = cell.y + kCornerY[direction];
       edges[CellKey(x, y)].push_back({x, y, direction, cell.height});
     }
   }
-  // Whatever the order of the cells was.
   for (auto& [key, starting] : edges)
     std::sort(starting.begin(), starting.end(), [](const Edge& a, const Edge& b) { return a.direction < b.direction; });
   return edges;
@@ -68,7 +88,16 @@ Ring TraceRing(EdgeMap& edges, Edge& first, double cell_size) {
 
 }  // namespace
 
-std::vector<Ring> TraceBoundary(const std::vector<SurfaceCell>& cells, double cell_size) {
+std::vector<Ring> TraceBoundary(std::span<const SurfaceCell> cells, double cell_size) {
+  const auto is_before = [](const SurfaceCell& a, const SurfaceCell& b) {
+    return std::tie(a.y, a.x) < std::tie(b.y, b.x);
+  };
+  ScratchVector<SurfaceCell> sorted;
+  if (!std::is_sorted(cells.begin(), cells.end(), is_before)) {
+    sorted.assign(cells.begin(), cells.end());
+    std::sort(sorted.begin(), sorted.end(), is_before);
+    cells = sorted;
+  }
   EdgeMap edges = FindEdges(cells);
   std::vector<Ring> rings;
   // The southernmost corner of all lies on the outer ring, so that one comes first.

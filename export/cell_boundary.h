@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/surface_map.h"
@@ -14,7 +15,7 @@ using Ring = std::vector<Eigen::Vector3d>;
 /// The boundary of cells that are connected through edges, no two at one (x, y): first the outer ring, counter-
 /// clockwise from above, then the holes, clockwise. Rings may touch each other in corners and never cross
 /// (valid as OGC polygon). Only corners are kept. The result does not depend on the order of the cells.
-std::vector<Ring> TraceBoundary(const std::vector<SurfaceCell>& cells, double cell_size);
+std::vector<Ring> TraceBoundary(std::span<const SurfaceCell> cells, double cell_size);
 
 /// [m^2], positive for a counter-clockwise ring.
 double SignedArea(const Ring& ring);

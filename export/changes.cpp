@@ -27,7 +27,7 @@ std::array<std::uint8_t, 3> ColorOf(GroundChange change) {
 
 /// The region as polygons, none of which lies above itself.
 std::string FormatMultiPolygon(const ChangedRegion& region, double cell_size, const std::optional<SiteDatum>& datum) {
-  SurfaceMap surface{cell_size, region.cells};
+  SurfaceMap surface{cell_size, {region.cells.begin(), region.cells.end()}};
   for (SurfaceCell& cell : surface.cells) cell.free_belief = 1;
   FreeSpaceOptions options;
   options.min_area = 0;

@@ -12,37 +12,46 @@
 namespace parkade {
 namespace {
 
+using Cells = ScratchVector<SurfaceCell>;
+using Indices = ScratchVector<int>;  // of cells
+
 constexpr int kNone = -1;
 constexpr double kHeightBin = 0.05;  // [m]
 
 /// Free cells sorted by (y, x, height), of which no two of one (x, y) are closer than a deck's height.
-std::vector<SurfaceCell> SelectFreeCells(const SurfaceMap& surface, const FreeSpaceOptions& options) {
-  std::vector<SurfaceCell> free_cells;
+Cells SelectFreeCells(const SurfaceMap& surface, const FreeSpaceOptions& options) {
+  Cells free_cells;
   for (const SurfaceCell& cell : surface.cells) {
     if (!(static_cast<double>(cell.free_belief) > options.min_belief)) continue;
     const bool is_double = !free_cells.empty() && free_cells.back().x == cell.x && free_cells.back().y == cell.y &&
                            static_cast<double>(cell.height - free_cells.back().height) < options.deck_height;
     if (!is_double) free_cells.push_back(cell);
   }
+  ReleaseMemory(surface.cells);
   return free_cells;
 }
 
 /// Connects cells through their edges where the height hardly changes.
 class CellGraph {
  public:
-  CellGraph(std::vector<SurfaceCell> cells, double max_step)
-      : cells_(std::move(cells)), max_step_(max_step), is_open_(cells_.size(), false) {}
+  CellGraph(Cells&& cells, double max_step)
+      : cells_(std::move(cells)), max_step_(max_step), is_open_(cells_.size(), false) {
+    if (!cells_.empty()) row_begins_.resize(static_cast<size_t>(cells_.back().y - cells_.front().y) + 2, cells_.size());
+    for (size_t i = cells_.size(); i-- > 0;) row_begins_[static_cast<size_t>(cells_[i].y - cells_.front().y)] = i;
+    for (size_t row = row_begins_.size(); row-- > 1;)
+      row_begins_[row - 1] = std::min(row_begins_[row - 1], row_begins_[row]);
+  }
 
-  const std::vector<SurfaceCell>& cells() const { return cells_; }
+  const Cells& cells() const { return cells_; }
 
   /// Indices of the connected parts of `members`; a cell joins only a part of its own `slice`.
-  std::vector<std::vector<int>> FindParts(const std::vector<int>& members, const std::vector<int>& slice) {
-    std::vector<std::vector<int>> parts;
+  std::vector<Indices> FindParts(const Indices& members, const Indices& slice) {
+    std::vector<Indices> parts;
     for (const int index : members) is_open_[static_cast<size_t>(index)] = true;
     for (const int seed : members) {
       if (!is_open_[static_cast<size_t>(seed)]) continue;
       is_open_[static_cast<size_t>(seed)] = false;
-      std::vector<int> part = {seed};
+      Indices part = {seed};
       for (size_t i = 0; i < part.size(); ++i) {
         for (const int next : Neighbours(part[i])) {
           if (next == kNone || !is_open_[static_cast<size_t>(next)]) continue;
@@ -65,23 +74,27 @@ class CellGraph {
 
   /// The cell at (x, y) within the step of a height: decks are further apart, so there is at most one.
   int Find(int x, int y, float height) const {
-    const auto begin = std::lower_bound(
-        cells_.begin(), cells_.end(), std::pair(y, x),
-        [](const SurfaceCell& cell, const std::pair<int, int>& key) { return std::pair(cell.y, cell.x) < key; });
-    for (auto cell = begin; cell != cells_.end() && cell->x == x && cell->y == y; ++cell)
+    const int row = y - cells_.front().y;
+    if (row < 0 || static_cast<size_t>(row) + 1 >= row_begins_.size()) return kNone;
+    const SurfaceCell* begin = cells_.data() + row_begins_[static_cast<size_t>(row)];
+    const SurfaceCell* end = cells_.data() + row_begins_[static_cast<size_t>(row) + 1];
+    const SurfaceCell* cell =
+        std::lower_bound(begin, end, x, [](const SurfaceCell& other, int at) { return other.x < at; });
+    for (; cell != end && cell->x == x; ++cell)
       if (std::abs(static_cast<double>(cell->height - height)) <= max_step_)
-        return static_cast<int>(cell - cells_.begin());
+        return static_cast<int>(cell - cells_.data());
     return kNone;
   }
 
-  std::vector<SurfaceCell> cells_;
+  Cells cells_;
   double max_step_;
-  std::vector<bool> is_open_;  ///< members not yet in a part; all false between calls
+  std::vector<size_t> row_begins_;  ///< from the lowest y on, and where the last row ends
+  std::vector<bool> is_open_;       ///< members not yet in a part; all false between calls
 };
 
 /// The fewest heights [m] that lie between the cells of every (x, y) that has several; each where the part has the
 /// least ground, so that ramps are cut and not decks. Increasing. Greedy stabbing of intervals.
-std::vector<double> FindCuts(const std::vector<SurfaceCell>& cells, std::vector<int> part) {
+std::vector<double> FindCuts(const Cells& cells, Indices part) {
   std::sort(part.begin(), part.end());
   std::vector<std::pair<double, double>> gaps;  // (upper, lower) height
   std::map<int, int> ground_at;                 // cells by height bin
@@ -116,20 +129,22 @@ std::vector<double> FindCuts(const std::vector<SurfaceCell>& cells, std::vector<
   return cuts;
 }
 
-FreeSheet MakeSheet(const std::vector<SurfaceCell>& all_cells, const std::vector<int>& part, double cell_size) {
-  std::vector<SurfaceCell> cells;
-  for (const int index : part) cells.push_back(all_cells[static_cast<size_t>(index)]);
+FreeSheet MakeSheet(const Cells& all_cells, Indices&& part, double cell_size) {
   FreeSheet sheet;
-  sheet.area = static_cast<double>(cells.size()) * cell_size * cell_size;
-  sheet.min_height = sheet.max_height = static_cast<double>(cells[0].height);
+  sheet.area = static_cast<double>(part.size()) * cell_size * cell_size;
+  sheet.min_height = sheet.max_height = static_cast<double>(all_cells[static_cast<size_t>(part[0])].height);
   double sum = 0;
-  for (const SurfaceCell& cell : cells) {
-    const double height = static_cast<double>(cell.height);
+  for (const int index : part) {
+    const double height = static_cast<double>(all_cells[static_cast<size_t>(index)].height);
     sheet.min_height = std::min(sheet.min_height, height);
     sheet.max_height = std::max(sheet.max_height, height);
     sum += height;
   }
-  sheet.mean_height = sum / static_cast<double>(cells.size());
+  sheet.mean_height = sum / static_cast<double>(part.size());
+  std::sort(part.begin(), part.end());
+  Cells cells;
+  cells.reserve(part.size());
+  for (const int index : part) cells.push_back(all_cells[static_cast<size_t>(index)]);
   sheet.rings = TraceBoundary(cells, cell_size);
   return sheet;
 }
@@ -146,20 +161,20 @@ void FreeSpaceOptions::Validate() const {
 std::vector<FreeSheet> FindFreeSheets(const SurfaceMap& surface, const FreeSpaceOptions& options) {
   options.Validate();
   CellGraph graph(SelectFreeCells(surface, options), options.max_step);
-  std::vector<int> all(graph.cells().size());
+  Indices all(graph.cells().size());
   std::iota(all.begin(), all.end(), 0);
-  std::vector<int> slice(all.size(), 0);
+  Indices slice(all.size(), 0);
   std::vector<FreeSheet> sheets;
-  for (const std::vector<int>& connected : graph.FindParts(all, slice)) {
+  for (const Indices& connected : graph.FindParts(all, slice)) {
     const std::vector<double> cuts = FindCuts(graph.cells(), connected);
     for (const int index : connected) {
       const double height = static_cast<double>(graph.cells()[static_cast<size_t>(index)].height);
       slice[static_cast<size_t>(index)] =
           static_cast<int>(std::upper_bound(cuts.begin(), cuts.end(), height) - cuts.begin());
     }
-    for (const std::vector<int>& part : graph.FindParts(connected, slice))
+    for (Indices& part : graph.FindParts(connected, slice))
       if (static_cast<double>(part.size()) * surface.cell_size * surface.cell_size >= options.min_area)
-        sheets.push_back(MakeSheet(graph.cells(), part, surface.cell_size));
+        sheets.push_back(MakeSheet(graph.cells(), std::move(part), surface.cell_size));
   }
   std::stable_sort(sheets.begin(), sheets.end(),
                    [](const FreeSheet& a, const FreeSheet& b) { return a.mean_height < b.mean_height; });

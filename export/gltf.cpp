@@ -1,5 +1,7 @@
 #include "export/gltf.h"
 
+#include <sstream>
+
 #include "export/gltf_builder.h"
 #include "export/texture_jpeg.h"
 
@@ -29,9 +31,11 @@ std::vector<Eigen::Vector3f> LineOf(const Trajectory& trajectory, const Eigen::V
 void AddGround(GltfBuilder& builder, const TriangleMesh& mesh, const GroundTexture& texture, MeshEncoding encoding,
                std::optional<int> parent) {
   std::vector<GltfPiece> pieces;
-  for (const TextureChart& chart : texture.charts)
+  for (const TextureChart& chart : texture.charts) {
     pieces.push_back({MakeGltfGeometry(mesh, chart, texture.texel_size),
                       builder.AddTexturedMaterial("ground", EncodeTextureJpeg(chart))});
+    texture.Release();
+  }
   if (texture.empty() && !mesh.empty())
     pieces.push_back({MakeGltfGeometry(mesh), builder.AddMaterial("ground", Eigen::Vector3d::Ones())});
   builder.AddNode("ground", parent, GltfFromSite(mesh.origin), builder.AddTriangles("ground", pieces, encoding));
@@ -58,7 +62,7 @@ void AddDrive(GltfBuilder& builder, const SiteDrive& drive, const Eigen::Vector3
 
 }  // namespace
 
-std::string EncodeGltf(const SiteMap& map, MeshEncoding encoding) {
+void WriteGltf(const SiteMap& map, MeshEncoding encoding, std::ostream& stream) {
   GltfBuilder builder;
   const nlohmann::json frames = DescribeFrames(map.datum);
   builder.SetAssetExtras(frames);
@@ -66,13 +70,21 @@ std::string EncodeGltf(const SiteMap& map, MeshEncoding encoding) {
   AddGround(builder, map.mesh, map.texture, encoding, site);
   for (size_t i = 0; i < map.drives.size(); ++i)
     AddDrive(builder, map.drives[i], kDriveColors[i % std::size(kDriveColors)], site);
-  return builder.Finish();
+  builder.Write(stream);
+}
+
+std::string EncodeGltf(const SiteMap& map, MeshEncoding encoding) {
+  std::ostringstream stream;
+  WriteGltf(map, encoding, stream);
+  return std::move(stream).str();
 }
 
 std::string EncodeGltfTile(const TriangleMesh& mesh, const GroundTexture& texture) {
   GltfBuilder builder;
   AddGround(builder, mesh, texture, MeshEncoding::kDraco, {});
-  return builder.Finish();
+  std::ostringstream stream;
+  builder.Write(stream);
+  return std::move(stream).str();
 }
 
 std::vector<double> ColumnMajor(const Rigid3& motion) {

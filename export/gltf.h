@@ -1,5 +1,6 @@
 #pragma once
 
+#include <iosfwd>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -14,6 +15,9 @@ enum class MeshEncoding { kPlain, kDraco };
 /// drive (a line strip of the final trajectory of the body's origin). Datum and transforms are in `asset.extras`. Valid
 /// without a mesh, without drives, and without both. Same map, same bytes.
 std::string EncodeGltf(const SiteMap& map, MeshEncoding encoding);
+
+/// The same bytes, to a stream: one copy less of all pictures in memory.
+void WriteGltf(const SiteMap& map, MeshEncoding encoding, std::ostream& stream);
 
 /// One tile: the mesh alone, with its texture or else vertex colours.
 std::string EncodeGltfTile(const TriangleMesh& mesh, const GroundTexture& texture = {});

@@ -1,7 +1,7 @@
 #include "export/gltf_builder.h"
 
 #include <algorithm>
-#include <sstream>
+#include <ostream>
 
 #include "core/error.h"
 #include "export/draco_encoder.h"
@@ -133,12 +133,10 @@ int GltfBuilder::AddNode(const std::string& name, std::optional<int> parent, con
 
 void GltfBuilder::SetAssetExtras(const nlohmann::json& extras) { model_.asset.extras = ToGltfValue(extras); }
 
-std::string GltfBuilder::Finish() const {
-  std::ostringstream stream;
+void GltfBuilder::Write(std::ostream& stream) const {
   tinygltf::TinyGLTF writer;
   Require(writer.WriteGltfSceneToStream(&model_, stream, /*prettyPrint=*/false, /*writeBinary=*/true),
           ErrorCode::kInternal, "tinygltf could not write the scene");
-  return std::move(stream).str();
 }
 
 int GltfBuilder::AddBufferView(const void* data, size_t num_bytes, int target) {

@@ -2,6 +2,7 @@
 
 #include <tiny_gltf.h>
 
+#include <iosfwd>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -38,8 +39,8 @@ class GltfBuilder {
 
   void SetAssetExtras(const nlohmann::json& extras);
 
-  /// The bytes of the .glb.
-  std::string Finish() const;
+  /// The .glb.
+  void Write(std::ostream& stream) const;
 
  private:
   /// Appends bytes on a boundary of 4; `target` as in glTF, or 0.

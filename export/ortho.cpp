@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numeric>
 #include <opencv2/imgcodecs.hpp>
+#include <span>
 
 #include "core/error.h"
 
@@ -44,7 +45,7 @@ struct Canvas {
   }
 };
 
-GridBounds BoundsOf(const std::vector<SurfaceCell>& cells) {
+GridBounds BoundsOf(std::span<const SurfaceCell> cells) {
   GridBounds bounds;
   if (!cells.empty()) bounds = {cells[0].x, cells[0].x, cells[0].y, cells[0].y};
   for (const SurfaceCell& cell : cells) {

@@ -44,42 +44,55 @@ struct Branch {
 /// By square, of one level.
 using Branches = std::map<std::pair<int, int>, std::vector<Branch>>;
 
-/// Writes the tiles of a level and hangs the finer ones below them.
-Branches WriteLevel(const MapLevel& level, bool is_coarsest, Branches finer,
-                    const std::function<void(const std::string&, const std::string&)>& write) {
-  Branches branches;
-  for (const MapTile& tile : level.tiles) {
+/// Puts the tree of tiles together, from its leaves.
+class TileTree {
+ public:
+  explicit TileTree(const std::function<void(const std::string&, const std::string&)>& write) : write_(write) {}
+
+  /// A tile whose finer ones are all there.
+  void Add(const MapTile& tile) {
+    const auto level = static_cast<size_t>(tile.level);
+    if (level >= levels_.size()) levels_.resize(level + 1);
     std::vector<Branch> children;
     for (const int row : {2 * tile.row, 2 * tile.row + 1})
       for (const int column : {2 * tile.column, 2 * tile.column + 1})
-        for (Branch& child : finer[{row, column}]) children.push_back(std::move(child));
+        if (level > 0)
+          for (Branch& child : levels_[level - 1][{row, column}]) children.push_back(std::move(child));
     SiteBox box = tile.mesh.empty() ? children.front().box : SiteBox::Around(tile.mesh);
     for (const Branch& child : children) box.Include(child.box);
-    Json json = {{"boundingVolume", box.ToJson()}, {"geometricError", level.error}, {"refine", "REPLACE"}};
+    Json json = {{"boundingVolume", box.ToJson()}, {"geometricError", tile.error}, {"refine", "REPLACE"}};
     if (!tile.mesh.empty()) {
-      const std::string uri = "tiles/" + (is_coarsest ? "overview" : tile.name) + ".glb";
-      write(uri, EncodeGltfTile(tile.mesh, tile.texture));
+      const std::string uri = "tiles/" + (tile.is_coarsest ? "overview" : tile.name) + ".glb";
+      write_(uri, EncodeGltfTile(tile.mesh, tile.texture));
       json["content"] = {{"uri", uri}};
     }
     for (Branch& child : children) json["children"].push_back(std::move(child.json));
-    branches[{tile.row, tile.column}].push_back({box, std::move(json)});
+    levels_[level][{tile.row, tile.column}].push_back({box, std::move(json)});
+    coarsest_error_ = tile.error;
   }
-  return branches;
-}
+
+  bool empty() const { return levels_.empty(); }
+  Json TakeRoot() { return std::move(levels_.back().begin()->second.front().json); }
+  double coarsest_error() const { return coarsest_error_; }
+
+ private:
+  const std::function<void(const std::string&, const std::string&)>& write_;
+  std::vector<Branches> levels_;
+  double coarsest_error_ = 0;
+};
 
 }  // namespace
 
 void EncodeTiles(const SiteMap& map, const std::function<void(const std::string&, const std::string&)>& write,
                  const TileOptions& options) {
-  const std::vector<MapLevel> levels = CutIntoLevels(map.mesh, map.texture, options.tile_size, options.coarse_cell);
-  Branches branches;
-  for (const MapLevel& level : levels)
-    branches = WriteLevel(level, &level == &levels.back(), std::move(branches), write);
+  TileTree tree(write);
+  VisitTiles(map.mesh, map.texture, options.tile_size, options.coarse_cell,
+             [&](const MapTile& tile) { tree.Add(tile); });
   Json root = {{"boundingVolume", SiteBox::Around(map.mesh).ToJson()}, {"geometricError", options.coarse_cell}};
-  if (!branches.empty()) root = std::move(branches.begin()->second.front().json);
+  const double coarsest = tree.empty() ? options.coarse_cell : tree.coarsest_error();
+  if (!tree.empty()) root = tree.TakeRoot();
   if (map.datum) root["transform"] = ColumnMajor(EarthFromSite(*map.datum));
 
-  const double coarsest = levels.empty() ? options.coarse_cell : levels.back().error;
   Json tileset = {
       {"asset", {{"version", "1.1"}, {"generator", "parkade"}}}, {"geometricError", 16 * coarsest}, {"root", root}};
   // Frames as in the .glb files, in 3D Tiles' words: extras are free.

@@ -13,7 +13,7 @@ struct TileOptions {
   double coarse_cell = 0.5;  ///< [m] vertices of the first coarser level are merged within cubes of this edge
 };
 
-/// 3D Tiles 1.1 of the map's mesh: a quadtree of levels of detail (CutIntoLevels), the coarsest being one tile, each
+/// 3D Tiles 1.1 of the map's mesh: a quadtree of levels of detail (VisitTiles), the coarsest being one tile, each
 /// replaced from near by finer ones. The root's transform puts the site on the ellipsoid where there is a datum. Tiles
 /// are .glb with Draco; neighbours of one level meet without cracks. Gives each file's path ("tileset.json",
 /// "tiles/...") and bytes to `write`.

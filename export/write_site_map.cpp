@@ -1,5 +1,7 @@
 #include "export/write_site_map.h"
 
+#include <cerrno>
+#include <fstream>
 #include <set>
 
 #include "core/error.h"
@@ -45,6 +47,16 @@ void WriteDrive(const SiteDrive& drive, const SiteMap& map, const std::optional<
   WriteFileAtomically(folder / "trajectory.kml", EncodeTrajectoryKml(drive, *map.datum, geoid));
 }
 
+void WriteGlb(const SiteMap& map, MeshEncoding encoding, const path& file) {
+  WriteFileAtomically(file, [&](const path& temporary) {
+    std::ofstream stream(temporary, std::ios::binary);
+    WriteGltf(map, encoding, stream);
+    stream.close();
+    Require(!stream.fail(), errno == ENOSPC ? ErrorCode::kDiskFull : ErrorCode::kInternal,
+            "cannot write '" + file.filename().string() + "'");
+  });
+}
+
 void WriteGeoJson(const SiteMap& map, const path& folder) {
   const std::vector<FreeSheet> sheets = FindFreeSheets(map.surface);
   std::vector<std::string> drives;
@@ -62,8 +74,8 @@ void WriteSiteMap(const SiteMap& map, const path& folder) {
   const std::optional<Geoid> geoid = map.datum ? Geoid::Find() : std::nullopt;
   for (const SiteDrive& drive : map.drives) WriteDrive(drive, map, geoid, folder / drive.name);
 
-  WriteFileAtomically(folder / "map.glb", EncodeGltf(map, MeshEncoding::kDraco));
-  WriteFileAtomically(folder / "map_plain.glb", EncodeGltf(map, MeshEncoding::kPlain));
+  WriteGlb(map, MeshEncoding::kDraco, folder / "map.glb");
+  WriteGlb(map, MeshEncoding::kPlain, folder / "map_plain.glb");
   WriteFileAtomically(folder / "ground.ply", EncodePly(map.mesh));
   WriteGeoJson(map, folder);
   const Orthophoto ortho =

@@ -1,13 +1,24 @@
 #include "mapping/cell_finder.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace parkade {
 
 CellFinder::CellFinder(const SurfaceMap& surface) : surface_(&surface) {
-  first_at_.reserve(surface.cells.size());
-  for (std::size_t i = 0; i < surface.cells.size(); ++i)
-    first_at_.try_emplace(KeyOf(surface.cells[i].x, surface.cells[i].y), i);
+  const auto& cells = surface.cells;
+  if (cells.empty()) return;
+  first_y_ = cells.front().y;
+  rows_.resize(static_cast<std::size_t>(cells.back().y - first_y_) + 1);
+  for (std::size_t begin = 0, end; begin < cells.size(); begin = end) {
+    Row& row = rows_[static_cast<std::size_t>(cells[begin].y - first_y_)];
+    row = {.first_x = cells[begin].x, .num_blocks = 0, .first_cell = begin, .first_block = blocks_.size()};
+    for (end = begin; end < cells.size() && cells[end].y == cells[begin].y; ++end) {
+      const auto block = static_cast<std::uint32_t>((cells[end].x - row.first_x) / kBlock);
+      for (; row.num_blocks <= block; ++row.num_blocks) blocks_.push_back(static_cast<std::uint32_t>(end - begin));
+    }
+    blocks_.push_back(static_cast<std::uint32_t>(end - begin));
+  }
 }
 
 const SurfaceCell* CellFinder::Find(const Eigen::Vector3d& point_in_site) const {
@@ -30,11 +41,17 @@ const SurfaceCell* CellFinder::Find(const Eigen::Vector3d& point_in_site) const 
 }
 
 std::span<const SurfaceCell> CellFinder::At(int x, int y) const {
-  const auto found = first_at_.find(KeyOf(x, y));
-  if (found == first_at_.end()) return {};
-  std::size_t end = found->second;
-  while (end < surface_->cells.size() && surface_->cells[end].x == x && surface_->cells[end].y == y) ++end;
-  return {surface_->cells.data() + found->second, end - found->second};
+  if (y < first_y_ || static_cast<std::size_t>(y - first_y_) >= rows_.size()) return {};
+  const Row& row = rows_[static_cast<std::size_t>(y - first_y_)];
+  const auto block = static_cast<std::uint32_t>((x - row.first_x) / kBlock);
+  if (x < row.first_x || block >= row.num_blocks) return {};
+  const SurfaceCell* cells = surface_->cells.data() + row.first_cell;
+  const SurfaceCell* begin = cells + blocks_[row.first_block + block];
+  const SurfaceCell* end = cells + blocks_[row.first_block + block + 1];
+  begin = std::lower_bound(begin, end, x, [](const SurfaceCell& cell, int at) { return cell.x < at; });
+  const SurfaceCell* last = begin;
+  while (last != end && last->x == x) ++last;
+  return {begin, last};
 }
 
 }  // namespace parkade

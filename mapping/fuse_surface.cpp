@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <set>
 #include <tuple>
 
 #include "core/error.h"
 #include "core/log.h"
 #include "core/parallel.h"
+#include "mapping/free_islands.h"
 #include "mapping/surface_links.h"
 #include "mapping/surface_painter.h"
 
@@ -83,37 +83,6 @@ void FillPinholes(const SurfaceLinks& links, std::vector<PaintedCell>& cells) {
   }
 }
 
-/// Cells of free islands that are small and that no car drove on.
-std::vector<bool> FindSmallIslands(const std::vector<PaintedCell>& cells, const SurfaceLinks& links, double min_cells) {
-  std::vector<int> root(cells.size());
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int i) {
-    while (root[static_cast<size_t>(i)] != i)
-      i = root[static_cast<size_t>(i)] = root[static_cast<size_t>(root[static_cast<size_t>(i)])];
-    return i;
-  };
-  const auto is_free = [&](size_t i) { return cells[i].is_seen && cells[i].cell.free_belief > 0.5F; };
-  for (size_t i = 0; i < cells.size(); ++i)
-    for (const int next : {links.right[i], links.up[i]}) {
-      if (next < 0 || !is_free(i) || !is_free(static_cast<size_t>(next))) continue;
-      const int a = find(static_cast<int>(i)), b = find(next);
-      root[static_cast<size_t>(std::max(a, b))] = std::min(a, b);
-    }
-  std::vector<int> size(cells.size());
-  std::vector<bool> is_driven(cells.size());
-  for (size_t i = 0; i < cells.size(); ++i) {
-    const auto island = static_cast<size_t>(find(static_cast<int>(i)));
-    ++size[island];
-    if (cells[i].is_driven) is_driven[island] = true;
-  }
-  std::vector<bool> is_small(cells.size());
-  for (size_t i = 0; i < cells.size(); ++i) {
-    const auto island = static_cast<size_t>(find(static_cast<int>(i)));
-    is_small[i] = is_free(i) && !is_driven[island] && size[island] < min_cells;
-  }
-  return is_small;
-}
-
 /// A square of the site, in squares of the height field.
 struct FieldTile {
   Eigen::AlignedBox2i core;    ///< the last square is the one before max()
@@ -176,6 +145,58 @@ std::vector<PaintedCell> PaintTile(const FieldTile& tile, const PatchSource& pat
   return cells;
 }
 
+/// The cells of the site, row after row, without small islands and without ground whose height is not known.
+class CellCollector {
+ public:
+  CellCollector(const SurfaceOptions& options, size_t max_cells)
+      : options_(options), islands_(kMaxCellStep), surface_{options.cell_size, {}} {
+    surface_.cells.reserve(max_cells);
+    islands_of_.reserve(max_cells);
+  }
+
+  /// Whole rows, above all that came before; sorted.
+  void Add(std::span<const PaintedCell> cells) {
+    for (size_t begin = 0, end = 0; begin < cells.size(); begin = end) {
+      for (end = std::min(cells.size(), begin + kMinBatch);
+           end < cells.size() && cells[end].cell.y == cells[end - 1].cell.y;)
+        ++end;
+      AddRows(cells.subspan(begin, end - begin));
+    }
+    ReleaseMemory(surface_.cells);
+    ReleaseMemory(islands_of_);
+  }
+
+  SurfaceMap Finish() && {
+    const double min_cells = options_.min_island_area / (options_.cell_size * options_.cell_size);
+    size_t count = 0;
+    for (size_t i = 0; i < islands_of_.size(); ++i) {
+      if (islands_of_[i] != FreeIslands::kNone && islands_.IsSmall(islands_of_[i], min_cells)) continue;
+      surface_.cells[count++] = surface_.cells[i];
+    }
+    surface_.cells.resize(count);
+    ReleaseMemory(surface_.cells);
+    return std::move(surface_);
+  }
+
+ private:
+  static constexpr size_t kMinBatch = 1 << 16;  // cells whose neighbours are looked for at once
+
+  void AddRows(std::span<const PaintedCell> cells) {
+    const std::vector<int> islands = islands_.AddRows(cells);
+    for (size_t i = 0; i < cells.size(); ++i) {
+      const double sigma = static_cast<double>(cells[i].cell.height_sigma);
+      if (!cells[i].is_driven && sigma > options_.max_height_sigma) continue;
+      surface_.cells.push_back(cells[i].cell);
+      islands_of_.push_back(islands[i]);
+    }
+  }
+
+  const SurfaceOptions& options_;
+  FreeIslands islands_;
+  SurfaceMap surface_;
+  ScratchVector<int> islands_of_;  // as the cells
+};
+
 }  // namespace
 
 void SurfaceOptions::Validate() const {
@@ -207,22 +228,21 @@ SurfaceMap FuseSurface(const PatchSource& patches, std::span<const DrivenPath> p
   const HeightField field = FitHeights(heights, paths, options.Heights(), measured);
   const int cells_per_side = static_cast<int>(std::round(options.height.spacing / options.cell_size));
   const LatestDrives latest(patches.views(), options.latest_drives);
-  std::vector<PaintedCell> cells;
-  for (const FieldTile& tile : CutIntoTiles(field, cells_per_side, options.tile_size)) {
-    const std::vector<PaintedCell> of_tile = PaintTile(tile, patches, paths, latest, field, options);
-    cells.insert(cells.end(), of_tile.begin(), of_tile.end());
+  const auto cells_per_patch = static_cast<size_t>(cells_per_side * cells_per_side);
+  CellCollector collector(options, static_cast<size_t>(field.num_patches()) * cells_per_patch);
+  const std::vector<FieldTile> tiles = CutIntoTiles(field, cells_per_side, options.tile_size);
+  for (size_t begin = 0, end = 0; begin < tiles.size(); begin = end) {
+    std::vector<PaintedCell> cells;  // of a row of tiles
+    for (; end < tiles.size() && tiles[end].core.min().y() == tiles[begin].core.min().y(); ++end) {
+      const std::vector<PaintedCell> of_tile = PaintTile(tiles[end], patches, paths, latest, field, options);
+      cells.insert(cells.end(), of_tile.begin(), of_tile.end());
+    }
+    std::sort(cells.begin(), cells.end(), [](const PaintedCell& a, const PaintedCell& b) {
+      return std::tie(a.cell.y, a.cell.x, a.cell.height) < std::tie(b.cell.y, b.cell.x, b.cell.height);
+    });
+    collector.Add(cells);
   }
-  std::sort(cells.begin(), cells.end(), [](const PaintedCell& a, const PaintedCell& b) {
-    return std::tie(a.cell.y, a.cell.x, a.cell.height) < std::tie(b.cell.y, b.cell.x, b.cell.height);
-  });
-  const std::vector<bool> is_small =
-      FindSmallIslands(cells, LinkCells(SurfaceOf(cells, options.cell_size), kMaxCellStep),
-                       options.min_island_area / (options.cell_size * options.cell_size));
-  SurfaceMap surface{options.cell_size, {}};
-  for (size_t i = 0; i < cells.size(); ++i)
-    if (!is_small[i] &&
-        (cells[i].is_driven || static_cast<double>(cells[i].cell.height_sigma) <= options.max_height_sigma))
-      surface.cells.push_back(cells[i].cell);
+  SurfaceMap surface = std::move(collector).Finish();
   LogInfo("stage=fuse_surface patches=" + std::to_string(patches.views().size()) +
           " nodes=" + std::to_string(field.num_nodes()) + " cells=" + std::to_string(surface.cells.size()));
   return surface;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
+#include "mapping/surface_window.h"
+
 namespace parkade {
 namespace {
 
@@ -65,6 +67,7 @@ GroundTile GroundTiles::Make(std::size_t index) const {
   std::sort(others.begin(), others.end());
   for (const auto& [step, i] : others) Fill(texture_->charts[i], tile);
   AddCells(tile);
+  texture_->Release();
   return tile;
 }
 
@@ -72,22 +75,25 @@ void GroundTiles::AddCells(GroundTile& tile) const {
   const double size = surface_->cell_size;
   const int side = static_cast<int>(std::ceil(size / tile.pixel_size));
   const cv::Rect whole(0, 0, tile.image.cols, tile.image.rows);
-  const int first_y = static_cast<int>(std::floor((tile.top - tile.image.rows * tile.pixel_size) / size));
-  const auto begin = std::lower_bound(surface_->cells.begin(), surface_->cells.end(), first_y,
-                                      [](const SurfaceCell& cell, int y) { return cell.y < y; });
-  for (auto cell = begin; cell != surface_->cells.end() && cell->y * size < tile.top; ++cell) {
-    if (std::abs(static_cast<double>(cell->height) - tile.height) > max_step_) continue;
-    const int column = static_cast<int>(std::lround((cell->x * size - tile.left) / tile.pixel_size));
-    const int row = static_cast<int>(std::lround((tile.top - (cell->y + 1) * size) / tile.pixel_size));
+  const auto first = [size](double coordinate) { return static_cast<int>(std::floor(coordinate / size)); };
+  const Eigen::AlignedBox2i window(
+      Eigen::Vector2i(first(tile.left) - 1, first(tile.top - tile.image.rows * tile.pixel_size)),
+      Eigen::Vector2i(first(tile.left + tile.image.cols * tile.pixel_size) + 2, first(tile.top) + 1));
+  const auto add = [&](const SurfaceCell& cell) {
+    if (cell.y * size >= tile.top || std::abs(static_cast<double>(cell.height) - tile.height) > max_step_) return;
+    const int column = static_cast<int>(std::lround((cell.x * size - tile.left) / tile.pixel_size));
+    const int row = static_cast<int>(std::lround((tile.top - (cell.y + 1) * size) / tile.pixel_size));
     const cv::Rect square = cv::Rect(column, row, side, side) & whole;
     for (int y = square.y; y < square.y + square.height; ++y)
       for (int x = square.x; x < square.x + square.width; ++x) {
         std::uint8_t& mask = tile.mask.at<std::uint8_t>(y, x);
         if (mask == GroundTile::kSure) continue;
         mask = GroundTile::kUnsure;
-        tile.image.at<cv::Vec3b>(y, x) = {cell->color[2], cell->color[1], cell->color[0]};
+        tile.image.at<cv::Vec3b>(y, x) = {cell.color[2], cell.color[1], cell.color[0]};
       }
-  }
+  };
+  VisitRows(*surface_, window,
+            [&](std::span<const SurfaceCell> cells) { std::for_each(cells.begin(), cells.end(), add); });
 }
 
 }  // namespace parkade

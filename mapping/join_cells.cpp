@@ -31,7 +31,7 @@ SurfaceCell Join(const SurfaceCell* begin, const SurfaceCell* end, int x, int y,
 }
 
 std::vector<SurfaceCell> JoinAll(const SurfaceMap& surface, int factor, double max_step) {
-  std::vector<SurfaceCell> cells = surface.cells;
+  std::vector<SurfaceCell> cells(surface.cells.begin(), surface.cells.end());
   const auto block = [&](const SurfaceCell& cell) {
     return std::pair(FloorDivide(cell.y, factor), FloorDivide(cell.x, factor));
   };
@@ -86,7 +86,7 @@ struct Proposal {
 };
 
 /// Cells of which neighbours propose several are their mean; who knows the slope goes before who does not.
-void AddProposed(std::vector<Proposal>& proposals, double max_step, std::vector<SurfaceCell>& cells) {
+void AddProposed(std::vector<Proposal>& proposals, double max_step, ScratchVector<SurfaceCell>& cells) {
   std::stable_sort(proposals.begin(), proposals.end(),
                    [](const Proposal& a, const Proposal& b) { return IsBefore(a.cell, b.cell); });
   for (size_t begin = 0, end; begin < proposals.size(); begin = end) {

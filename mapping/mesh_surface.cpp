@@ -1,24 +1,18 @@
 #include "mapping/mesh_surface.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <tuple>
 
 #include "core/error.h"
 #include "core/log.h"
 #include "core/parallel.h"
-#include "mapping/cell_finder.h"
-#include "mapping/join_cells.h"
-#include "mapping/simplify_sheet.h"
-#include "mapping/voxel_sheet.h"
+#include "mapping/mesh_window.h"
 
 namespace parkade {
 namespace {
-
-const SurfaceCell& FindCell(const CellFinder& finder, const Eigen::Vector3d& vertex) {
-  const SurfaceCell* cell = finder.Find(vertex);
-  Require(cell != nullptr, ErrorCode::kInternal, "a vertex of the mesh lies off its surface");
-  return *cell;
-}
 
 /// [m] a whole-metre point amid the vertices, so that float coordinates stay small.
 Eigen::Vector3d OriginOf(const std::vector<Eigen::Vector3d>& vertices) {
@@ -45,6 +39,40 @@ std::vector<Eigen::Vector3f> NormalsOf(const VoxelSheet& sheet) {
   return normals;
 }
 
+/// The pieces of all windows, by row, then column.
+std::vector<MeshPiece> MeshPieces(const SurfaceMap& surface, const MeshOptions& options, size_t& num_full_triangles) {
+  std::vector<MeshPiece> pieces;
+  SeamNumbers numbers;
+  const auto add = [&](WindowMesh&& mesh) {
+    numbers.Renumber(mesh.sheet, mesh.pieces);
+    std::move(mesh.pieces.begin(), mesh.pieces.end(), std::back_inserter(pieces));
+    num_full_triangles += mesh.num_full_triangles;
+  };
+  if (!options.simplify) {
+    add(MeshWithoutSimplifying(surface, options));
+    return pieces;
+  }
+  const std::vector<MeshWindow> windows = CutIntoWindows(surface, options);
+  // Many windows go side by side; of few, each one's tiles.
+  const auto num_threads = static_cast<size_t>(NumThreads());
+  const size_t num_at_once = windows.size() < 2 * num_threads ? 1 : num_threads;
+  for (size_t begin = 0; begin < windows.size(); begin += num_at_once) {
+    if (num_at_once == 1) {
+      add(MeshWindowOf(surface, windows[begin], options));
+    } else {
+      const size_t count = std::min(num_at_once, windows.size() - begin);
+      for (WindowMesh& mesh :
+           ParallelMap(count, [&](size_t i) { return MeshWindowOf(surface, windows[begin + i], options); }))
+        add(std::move(mesh));
+    }
+    ReleaseMemory(surface.cells);
+  }
+  std::sort(pieces.begin(), pieces.end(), [](const MeshPiece& a, const MeshPiece& b) {
+    return std::tie(a.sheet.row, a.sheet.column) < std::tie(b.sheet.row, b.sheet.column);
+  });
+  return pieces;
+}
+
 }  // namespace
 
 void MeshOptions::Validate() const {
@@ -53,33 +81,32 @@ void MeshOptions::Validate() const {
   Require(free_threshold > 0 && free_threshold < 1, ErrorCode::kUsage, "free_threshold must be in (0, 1)");
   Require(max_step > 0, ErrorCode::kUsage, "max_step must be > 0 m");
   Require(max_height_error > 0, ErrorCode::kUsage, "max_height_error must be > 0 m");
+  Require(window_size > 0, ErrorCode::kUsage, "window_size must be > 0 m");
   Require(color_contrast >= 0, ErrorCode::kUsage, "color_contrast must not be negative");
 }
 
 TriangleMesh MeshSurface(const SurfaceMap& surface, const MeshOptions& options) {
   options.Validate();
-  const SurfaceMap joined = JoinCells(surface, options.cells_per_voxel, options.free_threshold, options.max_step);
-  VoxelSheet sheet = ExtractSheet(joined, options.voxel_height, options.max_step, options.free_threshold);
-  const CellFinder finder(joined);
-  const auto colors_of = [&](const VoxelSheet& of) {
-    return ParallelMap(of.vertices.size(), [&](size_t i) { return FindCell(finder, of.vertices[i]).color; });
-  };
-  const size_t num_full_triangles = sheet.triangles.size();
-  if (options.simplify)
-    sheet = SimplifySheet(sheet, colors_of(sheet),
-                          {.max_error = options.max_height_error, .color_contrast = options.color_contrast});
+  size_t num_full_triangles = 0;
+  const std::vector<MeshPiece> pieces = MeshPieces(surface, options, num_full_triangles);
+  std::vector<SheetPiece> sheets;
+  for (const MeshPiece& piece : pieces) sheets.push_back(piece.sheet);
+  VoxelSheet sheet;
+  const std::vector<std::vector<std::uint32_t>> in_sheet = JoinPieces(sheets, sheet);
 
   TriangleMesh mesh;
   mesh.origin = OriginOf(sheet.vertices);
   mesh.triangles = sheet.triangles;
   mesh.normals = NormalsOf(sheet);
-  mesh.colors = colors_of(sheet);
   mesh.vertices.reserve(sheet.vertices.size());
-  mesh.height_sigmas.reserve(sheet.vertices.size());
-  for (const Eigen::Vector3d& vertex : sheet.vertices) {
-    mesh.vertices.push_back((vertex - mesh.origin).cast<float>());
-    mesh.height_sigmas.push_back(FindCell(finder, vertex).height_sigma);
-  }
+  for (const Eigen::Vector3d& vertex : sheet.vertices) mesh.vertices.push_back((vertex - mesh.origin).cast<float>());
+  mesh.colors.resize(sheet.vertices.size());
+  mesh.height_sigmas.resize(sheet.vertices.size());
+  for (size_t p = 0; p < pieces.size(); ++p)
+    for (size_t i = 0; i < in_sheet[p].size(); ++i) {
+      mesh.colors[in_sheet[p][i]] = pieces[p].colors[i];
+      mesh.height_sigmas[in_sheet[p][i]] = pieces[p].height_sigmas[i];
+    }
   ValidateMesh(mesh);
   LogInfo("stage=mesh_surface triangles=" + std::to_string(mesh.triangles.size()) +
           " before_simplifying=" + std::to_string(num_full_triangles));

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <optional>
+#include <tuple>
 
 #include "core/error.h"
 #include "core/log.h"
@@ -59,6 +61,14 @@ class SquarePainter {
     for (const std::uint32_t triangle : square_.triangles)
       for (const std::uint32_t vertex : mesh.triangles[triangle])
         box_.extend((mesh.origin + mesh.vertices[vertex].cast<double>()).head<2>());
+  }
+
+  int column() const { return square_.column; }
+  int row() const { return square_.row; }
+
+  /// About how many texels its charts will have.
+  double NumTexels() const {
+    return (box_.sizes().array() / options_->texel_size + 2).prod();  // and a margin of one around
   }
 
   bool IsInReach(const GroundPhoto& photo) const {
@@ -119,7 +129,7 @@ std::vector<GroundPhoto> NextPhotos(RecordStream& stream, const Choice& choice) 
   return photos;
 }
 
-void FinishReady(std::vector<SquarePainter>& painters, const CellFinder& cells) {
+void FinishReady(std::span<SquarePainter> painters, const CellFinder& cells) {
   std::vector<SquarePainter*> ready;
   for (SquarePainter& painter : painters)
     if (painter.IsReady()) ready.push_back(&painter);
@@ -127,7 +137,7 @@ void FinishReady(std::vector<SquarePainter>& painters, const CellFinder& cells) 
 }
 
 void PaintDrive(const DriveLog& log, const Choice& choice, const CellFinder& cells, double max_range,
-                std::vector<SquarePainter>& painters) {
+                std::span<SquarePainter> painters) {
   const auto stream =
       log.Read({.imu = false,
                 .wheels = false,
@@ -136,9 +146,10 @@ void PaintDrive(const DriveLog& log, const Choice& choice, const CellFinder& cel
                 .semantics = false,
                 .grayscale = false,
                 .wants_image = [&](int camera, Timestamp time) { return choice.contains(std::pair(camera, time)); }});
-  while (true) {
+  for (std::size_t num_read = 0; num_read < choice.size();) {
     std::vector<GroundPhoto> photos = NextPhotos(*stream, choice);
     if (photos.empty()) return;
+    num_read += photos.size();
     ParallelFor(photos.size(), [&](std::size_t i) { photos[i].gain = FindGain(photos[i], cells, max_range); });
     ParallelFor(painters.size(), [&](std::size_t i) {
       for (const GroundPhoto& photo : photos)
@@ -148,6 +159,74 @@ void PaintDrive(const DriveLog& log, const Choice& choice, const CellFinder& cel
   }
 }
 
+/// Squares that are painted at once: neighbours where not all are.
+std::vector<std::span<SquarePainter>> CutIntoParts(std::vector<SquarePainter>& painters, double max_texels) {
+  constexpr int kBlock = 4;  // squares
+  double sum = 0;
+  for (const SquarePainter& painter : painters) sum += painter.NumTexels();
+  if (sum <= max_texels) return {painters};
+  const auto block = [](int index) { return (index - (index < 0 ? kBlock - 1 : 0)) / kBlock; };
+  std::stable_sort(painters.begin(), painters.end(), [&](const SquarePainter& a, const SquarePainter& b) {
+    return std::pair(block(a.row()), block(a.column())) < std::pair(block(b.row()), block(b.column()));
+  });
+  std::vector<std::span<SquarePainter>> parts;
+  for (std::size_t begin = 0, end; begin < painters.size(); begin = end) {
+    sum = painters[begin].NumTexels();
+    for (end = begin + 1; end < painters.size() && sum + painters[end].NumTexels() <= max_texels; ++end)
+      sum += painters[end].NumTexels();
+    parts.push_back(std::span(painters).subspan(begin, end - begin));
+  }
+  return parts;
+}
+
+/// A view whose image was chosen.
+struct ChosenPhoto {
+  int drive = 0, camera = 0;
+  Timestamp time;
+  GroundPhoto photo;
+};
+
+/// The charts of some squares.
+std::vector<TextureChart> PaintPart(std::span<SquarePainter> painters, const std::vector<ChosenPhoto>& chosen,
+                                    std::span<const TextureSource> sources, const CellFinder& cells, double max_range) {
+  std::map<int, Choice> choices;  // per drive
+  for (const ChosenPhoto& one : chosen)
+    for (SquarePainter& painter : painters) {
+      if (!painter.IsInReach(one.photo)) continue;
+      choices[one.drive].emplace(std::pair(one.camera, one.time), one.photo);
+      painter.ExpectPhoto();
+    }
+  for (const auto& [drive, choice] : choices)
+    PaintDrive(*FindSource(sources, drive)->log, choice, cells, max_range, painters);
+  ParallelFor(painters.size(), [&](std::size_t i) {
+    if (painters[i].charts().empty()) painters[i].Finish(cells);
+  });
+  std::vector<TextureChart> charts;
+  for (SquarePainter& painter : painters) {
+    std::move(painter.charts().begin(), painter.charts().end(), std::back_inserter(charts));
+    painter.charts().clear();
+  }
+  return charts;
+}
+
+/// Where there is more of them than fits at once, pictures wait on disk.
+std::shared_ptr<const ScratchVector<std::uint8_t>> MoveToScratch(std::vector<TextureChart>& charts) {
+  std::size_t size = 0;
+  const auto size_of = [](const cv::Mat& picture) { return picture.total() * picture.elemSize(); };
+  for (const TextureChart& chart : charts) size += size_of(chart.image) + size_of(chart.mask);
+  const auto pixels = std::make_shared<ScratchVector<std::uint8_t>>(size);
+  std::uint8_t* next = pixels->data();
+  for (TextureChart& chart : charts)
+    for (cv::Mat* picture : {&chart.image, &chart.mask}) {
+      const cv::Mat moved(picture->rows, picture->cols, picture->type(), next);
+      next += size_of(*picture);
+      picture->copyTo(moved);
+      *picture = moved;
+    }
+  ReleaseMemory(*pixels);
+  return pixels;
+}
+
 }  // namespace
 
 void TextureOptions::Validate() const {
@@ -155,6 +234,7 @@ void TextureOptions::Validate() const {
   Require(chart_size >= 10 * texel_size && chart_size <= 8000 * texel_size, ErrorCode::kUsage,
           "chart_size must be 10 to 8000 texels");
   Require(max_range > 0, ErrorCode::kUsage, "max_range must be > 0 m");
+  Require(max_texels > 0, ErrorCode::kUsage, "max_texels must be > 0");
 }
 
 GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface, std::span<const PatchView> views,
@@ -171,26 +251,24 @@ GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface, 
     }
   std::vector<ChartSquare> squares = CutIntoSquares(mesh, options.chart_size);
   const std::vector<bool> is_chosen = ChoosePhotos(photos, PlacesOn(squares, mesh), options.max_range);
+  std::vector<ChosenPhoto> chosen;
+  for (std::size_t i = 0; i < photos.size(); ++i)
+    if (is_chosen[i]) chosen.push_back({used[i].drive, used[i].camera, used[i].time, photos[i]});
   std::vector<SquarePainter> painters;
   for (ChartSquare& square : squares) painters.emplace_back(std::move(square), mesh, options);
-  std::map<int, Choice> choices;  // per drive
-  for (std::size_t i = 0; i < photos.size(); ++i) {
-    if (!is_chosen[i]) continue;
-    choices[used[i].drive].emplace(std::pair(used[i].camera, used[i].time), photos[i]);
-    for (SquarePainter& painter : painters)
-      if (painter.IsInReach(photos[i])) painter.ExpectPhoto();
-  }
+  const std::vector<std::span<SquarePainter>> parts = CutIntoParts(painters, options.max_texels);
   const CellFinder cells(surface);
-  for (const auto& [drive, choice] : choices)
-    PaintDrive(*FindSource(sources, drive)->log, choice, cells, options.max_range, painters);
-  ParallelFor(painters.size(), [&](std::size_t i) {
-    if (painters[i].charts().empty()) painters[i].Finish(cells);
+  for (const std::span<SquarePainter> part : parts) {
+    std::vector<TextureChart> charts = PaintPart(part, chosen, sources, cells, options.max_range);
+    if (parts.size() > 1) texture.pixels.push_back(MoveToScratch(charts));
+    std::move(charts.begin(), charts.end(), std::back_inserter(texture.charts));
+    ReleaseMemory(surface.cells);
+  }
+  std::sort(texture.charts.begin(), texture.charts.end(), [](const TextureChart& a, const TextureChart& b) {
+    return std::tie(a.row, a.column, a.sheet) < std::tie(b.row, b.column, b.sheet);
   });
-  for (SquarePainter& painter : painters)
-    std::move(painter.charts().begin(), painter.charts().end(), std::back_inserter(texture.charts));
   LogInfo("stage=paint_texture charts=" + std::to_string(texture.charts.size()) +
-          " photos=" + std::to_string(std::count(is_chosen.begin(), is_chosen.end(), true)) + " of " +
-          std::to_string(photos.size()));
+          " photos=" + std::to_string(chosen.size()) + " of " + std::to_string(photos.size()));
   return texture;
 }
 

@@ -16,6 +16,7 @@ struct TextureOptions {
   double texel_size = 0.02;  ///< [m]
   double chart_size = 24;    ///< [m] edge of the squares that have a picture each
   double max_range = 10;     ///< [m] from the camera; ground further off keeps its cells' colour
+  double max_texels = 40e6;  ///< that are painted at once, 24 bytes each; of more ground logs are read several times
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -23,6 +24,7 @@ struct TextureOptions {
     visit("texel_size", texel_size);
     visit("chart_size", chart_size);
     visit("max_range", max_range);
+    visit("max_texels", max_texels);
   }
   void Validate() const;  ///< throws Error{kUsage}
 };
@@ -37,10 +39,11 @@ struct TextureSource {
 /// near, brightness is made equal to the surface's, and the steepest sights that agree are blended.
 ///
 /// Of the images that `views` name only those are decoded that some place needs (ChoosePhotos). Logs are read one after
-/// the other; a chart takes 24 bytes per texel from the first image that shows it to the last, 4 before and after. In
-/// parallel over charts, the same every time.
-/// \param views    images that showed ground, with their poses; those of drives without a source are not used
-/// \param sources  at most one per drive
+/// the other; a chart takes 24 bytes per texel from the first image that shows it to the last, 4 before and after.
+/// Where charts have more than `max_texels` they are painted part by part, each from all the logs that show it, and lie
+/// on disk once they are done. In parallel over charts, the same every time, whatever the parts. \param views    images
+/// that showed ground, with their poses; those of drives without a source are not used \param sources  at most one per
+/// drive
 GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface, std::span<const PatchView> views,
                            std::span<const TextureSource> sources, const TextureOptions& options = {});
 

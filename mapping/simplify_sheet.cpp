@@ -9,6 +9,9 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <map>
+#include <tuple>
+#include <unordered_map>
 
 #include "core/parallel.h"
 
@@ -102,16 +105,21 @@ EdgeFlags MarkKept(Mesh& mesh, const Tile& tile, const Colors& colors, const std
   return is_kept;
 }
 
-/// A simplified tile: `in_sheet` has kNew for vertices that moved.
-constexpr std::uint32_t kNew = UINT32_MAX;
+/// A tile as it is.
+SheetPiece PieceOf(const Tile& tile, const std::vector<bool>& is_seam) {
+  SheetPiece piece{.sheet = tile.sheet, .seams = tile.in_sheet};
+  for (std::uint32_t& vertex : piece.seams)
+    if (!is_seam[vertex]) vertex = SheetPiece::kNoSeam;
+  return piece;
+}
 
-Tile Simplify(const Tile& tile, const Colors& colors, const std::vector<bool>& is_seam,
-              const SimplifySheetOptions& options) {
+SheetPiece Simplify(const Tile& tile, const Colors& colors, const std::vector<bool>& is_seam,
+                    const SimplifySheetOptions& options) {
   Mesh mesh;
   for (const Eigen::Vector3d& vertex : tile.sheet.vertices) mesh.add_vertex({vertex.x(), vertex.y(), vertex.z()});
   for (const auto& [a, b, c] : tile.sheet.triangles)
     if (mesh.add_face(Mesh::Vertex_index(a), Mesh::Vertex_index(b), Mesh::Vertex_index(c)) == Mesh::null_face())
-      return tile;
+      return PieceOf(tile, is_seam);
   const EdgeFlags is_kept = MarkKept(mesh, tile, colors, is_seam, options.color_contrast);
   const EvenPolicies policies(mesh, options.max_error);
   const collapse::Constrained_placement<EvenPolicies, EdgeFlags> placement(is_kept, policies);
@@ -119,14 +127,14 @@ Tile Simplify(const Tile& tile, const Colors& colors, const std::vector<bool>& i
       mesh, StopAtCost{options.max_error * options.max_error},
       CGAL::parameters::edge_is_constrained_map(is_kept).get_cost(policies).get_placement(placement).filter(
           collapse::Bounded_normal_change_filter<>()));
-  Tile simplified;
-  std::vector<std::uint32_t> compact(tile.in_sheet.size(), kNew);
+  SheetPiece simplified;
+  std::vector<std::uint32_t> compact(tile.in_sheet.size());
   for (const Mesh::Vertex_index vertex : mesh.vertices()) {
     const auto i = static_cast<std::uint32_t>(vertex);
-    compact[i] = static_cast<std::uint32_t>(simplified.in_sheet.size());
+    compact[i] = static_cast<std::uint32_t>(simplified.seams.size());
     const auto& point = mesh.point(vertex);
     simplified.sheet.vertices.emplace_back(point.x(), point.y(), point.z());
-    simplified.in_sheet.push_back(is_seam[tile.in_sheet[i]] ? tile.in_sheet[i] : kNew);
+    simplified.seams.push_back(is_seam[tile.in_sheet[i]] ? tile.in_sheet[i] : SheetPiece::kNoSeam);
   }
   for (const Mesh::Face_index face : mesh.faces()) {
     std::array<std::uint32_t, 3>& triangle = simplified.sheet.triangles.emplace_back();
@@ -137,55 +145,77 @@ Tile Simplify(const Tile& tile, const Colors& colors, const std::vector<bool>& i
   return simplified;
 }
 
-/// Triangles by tile, in order of tiles.
-std::vector<std::vector<std::uint32_t>> GroupByTile(const VoxelSheet& sheet, double tile_size) {
-  std::map<std::pair<int, int>, std::vector<std::uint32_t>> groups;
+/// Triangles by square, in order of row and column.
+using Groups = std::map<std::pair<int, int>, std::vector<std::uint32_t>>;
+
+Groups GroupByTile(const VoxelSheet& sheet, double tile_size) {
+  Groups groups;
   for (size_t t = 0; t < sheet.triangles.size(); ++t) {
     const auto& [a, b, c] = sheet.triangles[t];
     const Eigen::Vector3d center = (sheet.vertices[a] + sheet.vertices[b] + sheet.vertices[c]) / 3;
     groups[{static_cast<int>(std::floor(center.y() / tile_size)), static_cast<int>(std::floor(center.x() / tile_size))}]
         .push_back(static_cast<std::uint32_t>(t));
   }
-  std::vector<std::vector<std::uint32_t>> result;
-  for (auto& [square, triangles] : groups) result.push_back(std::move(triangles));
-  return result;
+  return groups;
 }
 
 /// Vertices that triangles of more than one tile use.
-std::vector<bool> FindSeams(const VoxelSheet& sheet, const std::vector<std::vector<std::uint32_t>>& tiles) {
-  std::vector<std::uint32_t> tile_of(sheet.vertices.size(), kNew);
+std::vector<bool> FindSeams(const VoxelSheet& sheet, const Groups& tiles) {
+  constexpr std::uint32_t kNone = UINT32_MAX;
+  std::vector<std::uint32_t> tile_of(sheet.vertices.size(), kNone);
   std::vector<bool> is_seam(sheet.vertices.size());
-  for (std::uint32_t i = 0; i < tiles.size(); ++i)
-    for (const std::uint32_t t : tiles[i])
+  std::uint32_t i = 0;
+  for (const auto& [square, triangles] : tiles) {
+    for (const std::uint32_t t : triangles)
       for (const std::uint32_t vertex : sheet.triangles[t]) {
-        if (tile_of[vertex] != kNew && tile_of[vertex] != i) is_seam[vertex] = true;
+        if (tile_of[vertex] != kNone && tile_of[vertex] != i) is_seam[vertex] = true;
         tile_of[vertex] = i;
       }
+    ++i;
+  }
   return is_seam;
 }
 
 }  // namespace
 
-VoxelSheet SimplifySheet(const VoxelSheet& sheet, const Colors& colors, const SimplifySheetOptions& options) {
-  const auto groups = GroupByTile(sheet, options.tile_size);
+std::vector<SheetPiece> SimplifyPieces(const VoxelSheet& sheet, const Colors& colors,
+                                       const SimplifySheetOptions& options,
+                                       const std::optional<Eigen::AlignedBox2i>& wanted) {
+  const Groups groups = GroupByTile(sheet, options.tile_size);
   const std::vector<bool> is_seam = FindSeams(sheet, groups);
-  const std::vector<Tile> tiles = ParallelMap(
-      groups.size(), [&](size_t i) { return Simplify(CutTile(sheet, groups[i]), colors, is_seam, options); });
-
-  VoxelSheet result;
-  std::unordered_map<std::uint32_t, std::uint32_t> seam_vertices;  // of the sheet -> of the result
-  for (const Tile& tile : tiles) {
-    std::vector<std::uint32_t> in_result(tile.in_sheet.size());
-    for (size_t i = 0; i < in_result.size(); ++i) {
-      const auto next = static_cast<std::uint32_t>(result.vertices.size());
-      const bool is_shared = tile.in_sheet[i] != kNew && is_seam[tile.in_sheet[i]];
-      in_result[i] = is_shared ? seam_vertices.try_emplace(tile.in_sheet[i], next).first->second : next;
-      if (in_result[i] == next) result.vertices.push_back(tile.sheet.vertices[i]);
-    }
-    for (const auto& [a, b, c] : tile.sheet.triangles)
-      result.triangles.push_back({in_result[a], in_result[b], in_result[c]});
+  std::vector<const Groups::value_type*> tiles;
+  for (const auto& group : groups) {
+    const Eigen::Array2i at(group.first.second, group.first.first);
+    if (!wanted || ((at >= wanted->min().array()).all() && (at < wanted->max().array()).all())) tiles.push_back(&group);
   }
-  return result;
+  return ParallelMap(tiles.size(), [&](size_t i) {
+    SheetPiece piece = Simplify(CutTile(sheet, tiles[i]->second), colors, is_seam, options);
+    std::tie(piece.row, piece.column) = tiles[i]->first;
+    return piece;
+  });
+}
+
+std::vector<std::vector<std::uint32_t>> JoinPieces(std::span<const SheetPiece> pieces, VoxelSheet& joined) {
+  std::vector<std::vector<std::uint32_t>> in_joined(pieces.size());
+  std::unordered_map<std::uint32_t, std::uint32_t> seam_vertices;  // of the whole -> of the result
+  for (size_t p = 0; p < pieces.size(); ++p) {
+    const SheetPiece& piece = pieces[p];
+    for (size_t i = 0; i < piece.seams.size(); ++i) {
+      const auto next = static_cast<std::uint32_t>(joined.vertices.size());
+      const bool is_shared = piece.seams[i] != SheetPiece::kNoSeam;
+      in_joined[p].push_back(is_shared ? seam_vertices.try_emplace(piece.seams[i], next).first->second : next);
+      if (in_joined[p][i] == next) joined.vertices.push_back(piece.sheet.vertices[i]);
+    }
+    for (const auto& [a, b, c] : piece.sheet.triangles)
+      joined.triangles.push_back({in_joined[p][a], in_joined[p][b], in_joined[p][c]});
+  }
+  return in_joined;
+}
+
+VoxelSheet SimplifySheet(const VoxelSheet& sheet, const Colors& colors, const SimplifySheetOptions& options) {
+  VoxelSheet joined;
+  JoinPieces(SimplifyPieces(sheet, colors, options), joined);
+  return joined;
 }
 
 }  // namespace parkade

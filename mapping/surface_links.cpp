@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <span>
 #include <utility>
 
 namespace parkade {
@@ -10,7 +11,7 @@ namespace {
 bool IsBefore(const SurfaceCell& cell, int x, int y) { return cell.y < y || (cell.y == y && cell.x < x); }
 
 /// Links each cell with the nearest in height at (x + dx, y + dy); `first` walks along as cells are sorted.
-void Link(const std::vector<SurfaceCell>& cells, int dx, int dy, double max_step, std::vector<int>& forward,
+void Link(std::span<const SurfaceCell> cells, int dx, int dy, double max_step, std::vector<int>& forward,
           std::vector<int>& backward) {
   size_t first = 0;
   for (size_t i = 0; i < cells.size(); ++i) {

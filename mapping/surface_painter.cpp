@@ -55,6 +55,7 @@ SurfacePainter::SurfacePainter(const HeightField& field, int cells_per_side, con
     const Eigen::Array2i at = field.IndexOf(patch).array();
     if (window && ((at < window->min().array()).any() || (at >= window->max().array()).any())) continue;
     slots_[static_cast<size_t>(patch)] = num_slots++;
+    painted_.push_back(patch);
     const Eigen::Array2d low = at.cast<double>() * field.spacing();
     reach_.extend((low - kMaxFootprint).matrix()).extend((low + field.spacing() + kMaxFootprint).matrix());
   }
@@ -245,11 +246,10 @@ std::array<std::uint8_t, 3> SurfacePainter::MedianColor(const Evidence& evidence
 
 std::vector<SurfacePainter::PaintedCell> SurfacePainter::Cells() const {
   const int cells_per_patch = cells_per_side_ * cells_per_side_;
-  const auto cells_of = ParallelMap(static_cast<size_t>(field_->num_patches()), [&](size_t index) {
+  const auto cells_of = ParallelMap(painted_.size(), [&](size_t slot) {
     std::vector<PaintedCell> cells;
-    const auto patch = static_cast<int>(index);
-    if (!IsPainted(patch)) return cells;
-    const auto begin = evidence_.begin() + static_cast<std::ptrdiff_t>(slots_[index]) * cells_per_patch;
+    const int patch = painted_[slot];
+    const auto begin = evidence_.begin() + static_cast<std::ptrdiff_t>(slot) * cells_per_patch;
     const auto is_known = [](const Evidence& evidence) {
       return evidence.is_driven || evidence.sights[0].nearness > 0;
     };

@@ -98,6 +98,7 @@ class SurfacePainter {
   double cell_size_;
   SightLogOdds log_odds_;
   std::vector<int> slots_;          ///< by patch: where its evidence is, or none
+  std::vector<int> painted_;        ///< patches that have a slot, in order
   Eigen::AlignedBox2d reach_;       ///< [m] of the window, and of samples that stand for more than a cell
   std::vector<Evidence> evidence_;  ///< slots x cells_per_side^2
 };

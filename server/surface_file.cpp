@@ -3,9 +3,12 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
-#include <limits>
+#include <cstdint>
+#include <fstream>
 #include <memory>
+#include <utility>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -36,21 +39,6 @@ std::int32_t Millimetres(float metres) {
   return static_cast<std::int32_t>(std::lround(1000 * static_cast<double>(metres)));
 }
 
-StoredSurface Stored(const SurfaceMap& surface) {
-  StoredSurface stored{.cell_size = surface.cell_size};
-  std::int32_t x = 0, y = 0, height = 0;
-  for (const SurfaceCell& cell : surface.cells) {
-    stored.x_steps.push_back(cell.x - x);
-    stored.y_steps.push_back(cell.y - y);
-    stored.height_steps.push_back(Millimetres(cell.height) - height);
-    x = cell.x, y = cell.y, height = Millimetres(cell.height);
-    stored.sigmas.push_back(
-        static_cast<std::uint16_t>(std::min<std::int32_t>(Millimetres(cell.height_sigma), UINT16_MAX)));
-    stored.beliefs.push_back(static_cast<std::uint8_t>(std::lround(255 * static_cast<double>(cell.free_belief))));
-  }
-  return stored;
-}
-
 SurfaceMap Restored(const StoredSurface& stored) {
   const size_t count = stored.x_steps.size();
   Require(stored.cell_size > 0 && stored.y_steps.size() == count && stored.height_steps.size() == count &&
@@ -70,16 +58,80 @@ SurfaceMap Restored(const StoredSurface& stored) {
   return surface;
 }
 
-std::string Compress(const std::string& bytes) {
-  const std::unique_ptr<ZSTD_CCtx, size_t (*)(ZSTD_CCtx*)> context(ZSTD_createCCtx(), ZSTD_freeCCtx);
-  Require(context != nullptr, ErrorCode::kInternal, "no memory for zstd");
-  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, kCompressionLevel);
-  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);
-  std::string packed(ZSTD_compressBound(bytes.size()), '\0');
-  const size_t size = ZSTD_compress2(context.get(), packed.data(), packed.size(), bytes.data(), bytes.size());
-  Require(ZSTD_isError(size) == 0, ErrorCode::kInternal, "zstd cannot compress the surface");
-  packed.resize(size);
-  return packed;
+/// Packs bytes as they come into one frame that says how long it is.
+class FrameWriter {
+ public:
+  FrameWriter(std::ostream& stream, std::uint64_t num_bytes)
+      : stream_(stream), context_(ZSTD_createCCtx(), ZSTD_freeCCtx), packed_(ZSTD_CStreamOutSize(), '\0') {
+    Require(context_ != nullptr, ErrorCode::kInternal, "no memory for zstd");
+    ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_compressionLevel, kCompressionLevel);
+    ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_checksumFlag, 1);
+    ZSTD_CCtx_setPledgedSrcSize(context_.get(), num_bytes);
+  }
+
+  template <typename Value>
+  void Add(const Value& value) {
+    const auto* bytes = reinterpret_cast<const char*>(&value);
+    pending_.append(bytes, sizeof value);
+    if (pending_.size() >= kBatch) Pack(ZSTD_e_continue);
+  }
+
+  void Finish() { Pack(ZSTD_e_end); }
+
+ private:
+  static constexpr size_t kBatch = 1 << 20;
+
+  void Pack(ZSTD_EndDirective directive) {
+    ZSTD_inBuffer input{pending_.data(), pending_.size(), 0};
+    for (size_t left = 1; directive == ZSTD_e_end ? left > 0 : input.pos < input.size;) {
+      ZSTD_outBuffer output{packed_.data(), packed_.size(), 0};
+      left = ZSTD_compressStream2(context_.get(), &output, &input, directive);
+      Require(ZSTD_isError(left) == 0, ErrorCode::kInternal, "zstd cannot compress the surface");
+      stream_.write(packed_.data(), static_cast<std::streamsize>(output.pos));
+    }
+    pending_.clear();
+  }
+
+  std::ostream& stream_;
+  std::unique_ptr<ZSTD_CCtx, size_t (*)(ZSTD_CCtx*)> context_;
+  std::string pending_, packed_;
+};
+
+/// A column of StoredSurface: how many there are, and what `value_of` says of each cell.
+template <typename Value, typename ValueOf>
+void AddColumn(const SurfaceMap& surface, const ValueOf& value_of, FrameWriter& frame) {
+  frame.Add(std::uint64_t{surface.cells.size()});
+  for (const SurfaceCell& cell : surface.cells) frame.Add(static_cast<Value>(value_of(cell)));
+  ReleaseMemory(surface.cells);
+}
+
+/// The same of differences from the cell before.
+template <typename ValueOf>
+void AddSteps(const SurfaceMap& surface, const ValueOf& value_of, FrameWriter& frame) {
+  std::int32_t last = 0;
+  AddColumn<std::int32_t>(
+      surface, [&](const SurfaceCell& cell) { return value_of(cell) - std::exchange(last, value_of(cell)); }, frame);
+}
+
+/// As StoredSurface lies in a file, which may be larger than memory.
+void WriteFrame(const SurfaceMap& surface, std::ostream& stream) {
+  constexpr size_t kNumColumns = 5, kBytesPerCell = 3 * sizeof(std::int32_t) + sizeof(std::uint16_t) + 1;
+  FrameWriter frame(stream,
+                    sizeof(double) + kNumColumns * sizeof(std::uint64_t) + kBytesPerCell * surface.cells.size());
+  frame.Add(surface.cell_size);
+  AddSteps(
+      surface, [](const SurfaceCell& cell) { return std::int32_t{cell.x}; }, frame);
+  AddSteps(
+      surface, [](const SurfaceCell& cell) { return std::int32_t{cell.y}; }, frame);
+  AddSteps(
+      surface, [](const SurfaceCell& cell) { return Millimetres(cell.height); }, frame);
+  AddColumn<std::uint16_t>(
+      surface,
+      [](const SurfaceCell& cell) { return std::min<std::int32_t>(Millimetres(cell.height_sigma), UINT16_MAX); },
+      frame);
+  AddColumn<std::uint8_t>(
+      surface, [](const SurfaceCell& cell) { return std::lround(255 * static_cast<double>(cell.free_belief)); }, frame);
+  frame.Finish();
 }
 
 std::string Decompress(std::string_view packed) {
@@ -111,12 +163,17 @@ SurfaceMap Parse(std::string_view bytes) {
 }  // namespace
 
 void WriteSurface(const SurfaceMap& surface, const std::filesystem::path& file) {
-  StoredSurface stored = Stored(surface);
-  BinaryWriter content, head;
-  content(stored);
+  BinaryWriter head;
   std::uint32_t version = kVersion;
   head(version);
-  WriteFileAtomically(file, std::string(kMagic) + head.bytes() + Compress(content.bytes()));
+  WriteFileAtomically(file, [&](const std::filesystem::path& temporary) {
+    std::ofstream stream(temporary, std::ios::binary);
+    stream << kMagic << head.bytes();
+    WriteFrame(surface, stream);
+    stream.close();
+    Require(!stream.fail(), errno == ENOSPC ? ErrorCode::kDiskFull : ErrorCode::kInternal,
+            "cannot write '" + file.filename().string() + "'");
+  });
 }
 
 SurfaceMap ReadSurface(const std::filesystem::path& file) {

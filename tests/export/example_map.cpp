@@ -10,8 +10,8 @@ namespace {
 constexpr double kCellSize = 0.25;
 
 /// The lower deck, 160 x 80 cells, with a gentle fall and a hole where a pillar stands.
-std::vector<SurfaceCell> LowerDeck() {
-  std::vector<SurfaceCell> cells;
+ScratchVector<SurfaceCell> LowerDeck() {
+  ScratchVector<SurfaceCell> cells;
   for (int y = -40; y < 40; ++y) {
     for (int x = -80; x < 80; ++x) {
       if (x >= -10 && x < -6 && y >= 4 && y < 8) continue;  // a pillar of 1 m x 1 m
@@ -32,8 +32,8 @@ std::vector<SurfaceCell> LowerDeck() {
 }
 
 /// A ramp outside of the lower deck's south edge, then the upper deck above the east half.
-std::vector<SurfaceCell> RampAndUpperDeck() {
-  std::vector<SurfaceCell> cells;
+ScratchVector<SurfaceCell> RampAndUpperDeck() {
+  ScratchVector<SurfaceCell> cells;
   SurfaceCell cell;
   cell.height_sigma = 0.01F;
   cell.free_belief = 0.9F;

@@ -12,7 +12,23 @@
 namespace parkade {
 namespace {
 
-std::vector<MapLevel> LevelsOf(const SiteMap& map) { return CutIntoLevels(map.mesh, map.texture, 8, 0.5); }
+struct MapLevel {
+  double error = 0;
+  std::vector<MapTile> tiles;
+};
+
+std::vector<MapLevel> LevelsOf(const TriangleMesh& mesh, const GroundTexture& texture, double square_size) {
+  std::vector<MapLevel> levels;
+  VisitTiles(mesh, texture, square_size, 0.5, [&](const MapTile& tile) {
+    const auto level = static_cast<size_t>(tile.level);
+    if (level >= levels.size()) levels.resize(level + 1);
+    levels[level].error = tile.error;
+    levels[level].tiles.push_back(tile);
+  });
+  return levels;
+}
+
+std::vector<MapLevel> LevelsOf(const SiteMap& map) { return LevelsOf(map.mesh, map.texture, 8); }
 
 size_t NumTriangles(const MapLevel& level) {
   size_t count = 0;
@@ -35,10 +51,22 @@ TEST(TileLevels, EachIsCoarserAndTheLastIsOneTile) {
   EXPECT_EQ(levels.back().tiles.size(), 1U);
 }
 
+TEST(TileLevels, ATileComesAfterAllThatItTakesThePlaceOf) {
+  const SiteMap map = MakeTexturedMap();
+  std::set<std::tuple<int, int, int>> visited;  // level, row, column
+  int num_coarsest = 0;
+  VisitTiles(map.mesh, map.texture, 8, 0.5, [&](const MapTile& tile) {
+    visited.emplace(tile.level, tile.row, tile.column);
+    EXPECT_FALSE(visited.contains({tile.level + 1, tile.row / 2, tile.column / 2}));
+    num_coarsest += tile.is_coarsest;
+  });
+  EXPECT_EQ(num_coarsest, 1);
+}
+
 TEST(TileLevels, ASmallMapHasAnOverviewToo) {
   const SiteMap map = MakeExampleMap(false);
-  EXPECT_EQ(CutIntoLevels(map.mesh, {}, 1000, 0.5).size(), 2U);
-  EXPECT_TRUE(CutIntoLevels({}, {}, 8, 0.5).empty());
+  EXPECT_EQ(LevelsOf(map.mesh, {}, 1000).size(), 2U);
+  EXPECT_TRUE(LevelsOf({}, {}, 8).empty());
 }
 
 TEST(TileLevels, NeighboursOfOneLevelShareTheirVertices) {

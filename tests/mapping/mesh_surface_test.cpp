@@ -257,6 +257,70 @@ TEST(MeshSurface, HoldsWhatAMeshPromises) {
   }
 }
 
+/// Two decks above each other and a ramp between them, 64 m x 30 m about the origin, with painted lines, pillars,
+/// ragged outlines, and places where free ground touches in corners only.
+SurfaceMap MakeTwoDecks() {
+  SurfaceMap surface{0.1, {}};
+  for (int y = -150; y < 150; ++y)
+    for (int x = -320; x < 320; ++x) {
+      const auto noise = static_cast<std::uint32_t>((x + 1000) * 7919 + (y + 1000) * 104729) * 2654435761U >> 24;
+      const bool is_line = x % 25 == 0 && y > 40;
+      const bool is_pillar = x % 120 < 3 && y % 80 < 3;
+      const bool is_chequered = std::abs(x) < 20 && y < -100;
+      SurfaceCell cell{.x = x,
+                       .y = y,
+                       .height = 0.004F * static_cast<float>(y) + 0.0001F * static_cast<float>(noise),
+                       .height_sigma = 0.01F + 0.0001F * static_cast<float>(noise),
+                       .free_belief = is_pillar || (is_chequered && (x / 4 + y / 4) % 2 == 0) ? 0.1F : 0.9F,
+                       .color = {100, 100, static_cast<std::uint8_t>(is_line ? 220 : 90 + noise / 16)}};
+      if (y > 135 && noise > 120) cell.free_belief = 0.3F;
+      surface.cells.push_back(cell);
+      // The upper deck, and the ramp that leaves the lower one.
+      if (std::abs(y) > 100 || x < -200) continue;
+      cell.height = x < 0 ? 0.015F * static_cast<float>(x + 200) + 0.004F * static_cast<float>(y) : 3;
+      if (x < -120 && std::abs(y) <= 100) cell.free_belief = 0;
+      if (cell.height - surface.cells.back().height > 1.5F) surface.cells.push_back(cell);
+    }
+  return surface;
+}
+
+TEST(MeshSurface, TheWindowsLeaveNoTrace) {
+  const SurfaceMap surface = MakeTwoDecks();
+  MeshOptions options;
+  options.window_size = 1000;
+  const TriangleMesh whole = MeshSurface(surface, options);
+  ASSERT_GT(whole.triangles.size(), 5000u);
+  for (const double window_size : {24.0, 12.0}) {
+    options.window_size = window_size;
+    const TriangleMesh cut = MeshSurface(surface, options);
+    ASSERT_EQ(cut.vertices.size(), whole.vertices.size()) << window_size;
+    EXPECT_EQ(cut.triangles, whole.triangles);
+    EXPECT_EQ(cut.origin, whole.origin);
+    EXPECT_EQ(cut.vertices, whole.vertices);
+    EXPECT_EQ(cut.normals, whole.normals);
+    EXPECT_EQ(cut.colors, whole.colors);
+    EXPECT_EQ(cut.height_sigmas, whole.height_sigmas);
+  }
+}
+
+TEST(MeshSurface, SeamsOfWindowsHaveNoCracks) {
+  // A plain without holes: but for its rim, each edge has its triangle on the other side.
+  const SurfaceMap surface =
+      MakeSurface(500, 260, 0.1, [](double x, double y) { return 0.02 * x + 0.1 * std::sin(y); });
+  MeshOptions options;
+  options.window_size = 12;
+  const TriangleMesh mesh = MeshSurface(surface, options);
+  const auto edges = CountDirectedEdges(mesh.triangles);
+  for (const auto& [edge, count] : edges) {
+    ASSERT_EQ(count, 1);
+    if (edges.contains({edge.second, edge.first})) continue;
+    for (const std::uint32_t vertex : {edge.first, edge.second}) {
+      const Eigen::Vector3d at = mesh.origin + mesh.vertices[vertex].cast<double>();
+      EXPECT_LT(std::min({at.x(), at.y(), 50 - at.x(), 26 - at.y()}), 0.3) << at.transpose();
+    }
+  }
+}
+
 TEST(MeshSurface, NothingFreeGivesNoMesh) {
   SurfaceMap surface = MakeSurface(20, 20, 0.05, [](double, double) { return 0.0; });
   for (SurfaceCell& cell : surface.cells) cell.free_belief = 0.3F;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/core.hpp>
+
 #include "core/error.h"
 #include "mapping/fuse_surface.h"
 #include "mapping/mesh_surface.h"
@@ -51,8 +53,13 @@ struct MappedLot {
   }
 };
 
+const MappedLot& Lot() {
+  static const MappedLot lot;
+  return lot;
+}
+
 TEST(PaintTexture, ManyDrivesCostHardlyMoreDecodingThanOneAndTheLatestShows) {
-  const MappedLot lot;
+  const MappedLot& lot = Lot();
   TextureOptions options;
   options.texel_size = 0.05;
   const CountedDrive alone(lot.drive);
@@ -82,6 +89,32 @@ TEST(PaintTexture, ManyDrivesCostHardlyMoreDecodingThanOneAndTheLatestShows) {
   EXPECT_LT(early.count(), alone.count()) << "only where the latest drive saw a place fewer than four times";
   ASSERT_EQ(of_four.charts.size(), of_one.charts.size());
   for (size_t i = 0; i < of_one.charts.size(); ++i) EXPECT_EQ(of_four.charts[i].triangles, of_one.charts[i].triangles);
+}
+
+TEST(PaintTexture, ThePartsLeaveNoTrace) {
+  const MappedLot& lot = Lot();
+  TextureOptions options;
+  options.texel_size = 0.05;
+  options.chart_size = 8;
+  const PatchesInMemory patches(lot.patches);
+  const CountedDrive log(lot.drive), log_of_parts(lot.drive);
+  const std::vector<TextureSource> source{{&log, &lot.path}}, source_of_parts{{&log_of_parts, &lot.path}};
+  const GroundTexture whole = PaintTexture(lot.mesh, lot.surface, patches.views(), source, options);
+  options.max_texels = 60e3;  // two charts or three
+
+  const GroundTexture parts = PaintTexture(lot.mesh, lot.surface, patches.views(), source_of_parts, options);
+
+  EXPECT_TRUE(whole.pixels.empty());
+  EXPECT_GT(parts.pixels.size(), 2u);
+  EXPECT_GT(log_of_parts.count(), log.count());
+  ASSERT_EQ(parts.charts.size(), whole.charts.size());
+  for (size_t i = 0; i < whole.charts.size(); ++i) {
+    const TextureChart &a = whole.charts[i], &b = parts.charts[i];
+    EXPECT_EQ(a.triangles, b.triangles);
+    EXPECT_TRUE(a.column == b.column && a.row == b.row && a.sheet == b.sheet && a.left == b.left && a.top == b.top);
+    EXPECT_EQ(cv::norm(a.image, b.image, cv::NORM_INF), 0);
+    EXPECT_EQ(cv::norm(a.mask, b.mask, cv::NORM_INF), 0);
+  }
 }
 
 TEST(PaintTexture, RejectsChartsThatAreNone) {
