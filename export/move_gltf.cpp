@@ -148,12 +148,13 @@ void MoveMesh(Chunks& chunks, Json& node, const PointMotion& motion) {
 }  // namespace
 
 std::string MoveGltf(const std::string& glb, const PointMotion& motion, const std::set<std::string>& drives,
-                     const std::optional<SiteDatum>& datum) {
+                     const std::optional<SiteDatum>& datum, const std::string& preview) {
   constexpr std::string_view kDrive = "drive:";
   try {
     Chunks chunks = Split(glb);
     const Json frames = DescribeFrames(datum);
     chunks.json["asset"]["extras"] = frames;
+    if (!preview.empty()) chunks.json["asset"]["extras"]["preview"] = preview;
     for (Json& node : chunks.json.at("nodes")) {
       const std::string name = node.value("name", "");
       if (name == "site") node["extras"] = frames;

@@ -95,9 +95,7 @@ void LevelByGround(const FinishedMap& from, const FinishedMap& to, SiteAlignment
 }  // namespace
 
 bool BothHold(const FinishedMap& a, const FinishedMap& b, const std::string& drive) {
-  for (const FinishedMap* map : {&a, &b})
-    if (std::find(map->drives().begin(), map->drives().end(), drive) == map->drives().end()) return false;
-  return a.LogOf(drive).empty() || b.LogOf(drive).empty() || a.LogOf(drive) == b.LogOf(drive);
+  return a.Holds(drive, b.LogOf(drive)) && b.Holds(drive, a.LogOf(drive));
 }
 
 std::vector<SharedDrive> FindSharedDrives(const FinishedMap& from, const FinishedMap& to) {

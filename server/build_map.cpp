@@ -16,6 +16,7 @@ namespace {
 struct DriveInWork {
   const RecordedDrive* log = nullptr;
   OdometryResult odometry;
+  bool is_odometry_taken = false;
   std::optional<CalibratedLog> calibrated;  ///< as all that follows the refinement sees it
   DriveOutcome outcome;
 };
@@ -129,21 +130,30 @@ void StoreOdometry(const OdometryResult& odometry, const DriveLog& log, const Bu
 }
 
 /// From the map to start from where it holds this drive's, else tracked.
-OdometryResult OdometryOf(const DriveLog& log, const BuildScope& scope, const OdometryOptions& options,
-                          const ProgressCallback& progress) {
+void FindOdometry(const BuildScope& scope, const OdometryOptions& options, const ProgressCallback& progress,
+                  DriveInWork& drive) {
+  const RecordedDrive& log = *drive.log;
   const std::filesystem::path file = scope.from / log.name() / kOdometryFile;
   if (!scope.from.empty() && std::filesystem::exists(file)) {
     try {
-      OdometryResult odometry = ReadStoredOdometry(log, file);
-      if (!scope.products.empty()) StoreOdometry(odometry, log, scope, /*is_taken=*/true);
-      return odometry;
+      drive.odometry = ReadStoredOdometry(log, file);
+      if (!scope.products.empty()) StoreOdometry(drive.odometry, log, scope, /*is_taken=*/true);
+      drive.is_odometry_taken = true;
+      return;
     } catch (const Error& error) {
       LogWarning("drive '" + log.name() + "' is tracked again, as its stored odometry cannot be used: " + error.what());
     }
   }
-  OdometryResult odometry = EstimateTrajectory(log, options, progress);
-  if (!scope.products.empty()) StoreOdometry(odometry, log, scope, /*is_taken=*/false);
-  return odometry;
+  drive.odometry = EstimateTrajectory(log, options, progress);
+  if (!scope.products.empty()) StoreOdometry(drive.odometry, log, scope, /*is_taken=*/false);
+}
+
+std::vector<ClosedDrive> AsClosed(const std::vector<DriveInWork>& drives) {
+  std::vector<ClosedDrive> closed;
+  for (const DriveInWork& drive : drives)
+    closed.push_back({drive.log->name(), drive.log->rig().body_from_imu, &drive.odometry.odom_from_body,
+                      &drive.outcome.loops, drive.is_odometry_taken});
+  return closed;
 }
 
 }  // namespace
@@ -182,7 +192,7 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
     DriveInWork drive;
     drive.log = logs[i].get();
     try {
-      drive.odometry = OdometryOf(*logs[i], scope, options.odometry, share_of_drive(i));
+      FindOdometry(scope, options.odometry, share_of_drive(i), drive);
     } catch (const Error& error) {
       if (logs.size() == 1 || error.code() != ErrorCode::kInvalidInput) throw;
       built.left_out.push_back({logs[i]->name(), error.what()});
@@ -207,6 +217,7 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
         stages.CloseLoops(log, drives[i].odometry, review == scope.loops.end() ? LoopReview{} : review->second);
     share_of_drive(i)(1);
   }
+  if (scope.on_closed) scope.on_closed(AsClosed(drives));
 
   progress.Begin("refine");
   for (size_t i = 0; i < drives.size(); ++i) {

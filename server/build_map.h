@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,15 @@ struct BuiltMap {
   std::vector<std::string> warnings;  ///< one sentence each
 };
 
+/// A drive whose loops have just been closed.
+struct ClosedDrive {
+  std::string name;
+  Rigid3 body_from_imu;
+  const Trajectory* odometry = nullptr;
+  const LoopClosure* loops = nullptr;
+  bool is_odometry_taken = false;  ///< from the map that the build starts from
+};
+
 /// The stages that BuildMap goes through, for Progress.
 std::vector<StagePlan> PlanStages(size_t num_drives, bool is_odometry_only);
 
@@ -53,9 +63,10 @@ struct BuildScope {
   bool is_odometry_only = false;  ///< trajectories, no surface
   std::filesystem::path from;  ///< finished map whose odometry, and stages (DriveStages), are taken where it has them
   std::filesystem::path products;  ///< folder in which both are stored per drive; empty: not stored, no surface then
-  std::map<std::string, LoopReview> loops;        ///< what a reviewer decided, by drive
-  std::vector<SitePin> pins;                      ///< where points of the site lie on Earth
-  std::vector<LeftOutDrive> unreadable;           ///< logs that are left out from the beginning
+  std::map<std::string, LoopReview> loops;                      ///< what a reviewer decided, by drive
+  std::vector<SitePin> pins;                                    ///< where points of the site lie on Earth
+  std::vector<LeftOutDrive> unreadable;                         ///< logs that are left out from the beginning
+  std::function<void(std::span<const ClosedDrive>)> on_closed;  ///< called once all drives' loops are closed
   std::function<void(const SiteMap&)> on_placed;  ///< called once trajectories are final, before there is ground
 };
 

@@ -57,6 +57,12 @@ FinishedMap::FinishedMap(const std::filesystem::path& folder) : folder_(folder) 
   }
 }
 
+bool FinishedMap::Holds(const std::string& drive, const std::string& log) const {
+  if (std::find(drives_.begin(), drives_.end(), drive) == drives_.end()) return false;
+  const std::string own = LogOf(drive);
+  return own.empty() || log.empty() || own == log;
+}
+
 std::string FinishedMap::LogOf(const std::string& drive) const {
   const auto found = logs_.find(drive);
   return found == logs_.end() ? "" : found->second;

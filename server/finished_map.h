@@ -32,6 +32,8 @@ class FinishedMap {
   SurfaceMap ReadSurfaceMap() const;                          ///< without colours
 
   const std::vector<std::string>& drives() const { return drives_; }
+  /// Whether it has a drive of this name, made from the log with this hash where both say from which.
+  bool Holds(const std::string& drive, const std::string& log) const;
   /// SHA-256 of the log that a drive was made from; empty where the map does not say.
   std::string LogOf(const std::string& drive) const;
   const std::optional<SiteDatum>& datum() const { return datum_; }

@@ -103,8 +103,9 @@ std::map<std::string, DriveInputs> HashInputs(const std::map<std::string, DriveS
   return inputs;
 }
 
-void WriteProducts(const OpenedLogs& logs, const BuiltMap& built, const MapOptions& options, Progress& progress,
-                   const std::filesystem::path& folder) {
+/// \param inputs  hashed already; empty: hashed now
+void WriteProducts(const OpenedLogs& logs, const BuiltMap& built, const MapOptions& options,
+                   std::map<std::string, DriveInputs> inputs, Progress& progress, const std::filesystem::path& folder) {
   progress.Begin("write");
   WriteSiteMap(built.site, folder);
   WriteSurface(built.site.surface, folder / "surface.bin");
@@ -113,7 +114,7 @@ void WriteProducts(const OpenedLogs& logs, const BuiltMap& built, const MapOptio
     WriteLoopPictures(built.drives[i].loops, drive.rig, drive.name, folder);
     WriteCalibration(drive.rig, built.drives[i].odometry.calibration, folder / drive.name / "calibration.yaml");
   }
-  const std::map<std::string, DriveInputs> inputs = HashInputs(logs.sources);
+  if (inputs.empty()) inputs = HashInputs(logs.sources);
   progress.Finish();
   WriteReport(built, logs.drives, options, inputs, progress.timings(), folder / "report.json");
 }
@@ -151,14 +152,27 @@ BuildScope ScopeOf(const MapArguments& arguments, const std::vector<std::unique_
   return scope;
 }
 
-/// A preview that cannot be made costs nobody the map.
-void WritePreview(const MapArguments& arguments, const SiteMap& site) {
+/// A preview that cannot be made costs nobody the map. One after the other, each replaces the one before.
+void WritePreview(const MapArguments& arguments, const std::function<std::optional<std::string>()>& encode) {
   try {
-    WriteFileAtomically(arguments.preview, EncodePreview(arguments.from, site));
+    const std::optional<std::string> preview = encode();
+    if (!preview) return;
+    WriteFileAtomically(arguments.preview, *preview);
     LogInfo("preview written");
   } catch (const Error& error) {
     LogWarning(std::string("there is no preview: ") + error.what());
   }
+}
+
+/// \param hashes  of the logs, which `scope` keeps using
+void AskForPreviews(const MapArguments& arguments, const LoopOptions& loops, const LogHashes& hashes,
+                    BuildScope& scope) {
+  scope.on_closed = [&](std::span<const ClosedDrive> drives) {
+    WritePreview(arguments, [&] { return EncodeJointPreview(arguments.from, hashes, drives, loops); });
+  };
+  scope.on_placed = [&](const SiteMap& site) {
+    WritePreview(arguments, [&] { return EncodePreview(arguments.from, hashes, site); });
+  };
 }
 
 void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Progress& progress) {
@@ -168,9 +182,15 @@ void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Pro
   BuildScope scope = ScopeOf(arguments, logs.drives, output.staging());
   scope.unreadable = logs.unreadable;
   scope.pins = std::move(pins);
-  if (!arguments.preview.empty()) scope.on_placed = [&](const SiteMap& site) { WritePreview(arguments, site); };
+  std::map<std::string, DriveInputs> inputs;
+  LogHashes hashes;
+  if (!arguments.preview.empty()) {
+    inputs = HashInputs(logs.sources);
+    for (const auto& [name, input] : inputs) hashes[name] = input.log.sha256;
+    AskForPreviews(arguments, options.loops, hashes, scope);
+  }
   const BuiltMap built = BuildMap(logs.drives, options, scope, progress);
-  WriteProducts(logs, built, options, progress, output.staging());
+  WriteProducts(logs, built, options, std::move(inputs), progress, output.staging());
   output.Commit();
   for (const std::string& warning : built.warnings) LogWarning(warning);
 }
@@ -243,8 +263,8 @@ void AddMapCommand(CLI::App& app, Action& action) {
   command->add_option("--from", arguments->from,
                       "finished map: its odometry is taken for the drives it has, which are not tracked again");
   command->add_option("--preview", arguments->preview,
-                      "FILE.glb: the ground of the map --from, bent as trajectories have, written as soon as these are "
-                      "final");
+                      "FILE.glb: the ground of the map --from, bent as trajectories have: written as soon as other "
+                      "loops are closed, and again once trajectories are final");
   command
       ->add_option("--reject-loop", arguments->rejected_loops, "[DRIVE:]LOOP, by the id in report.json: never closed")
       ->allow_extra_args(false);

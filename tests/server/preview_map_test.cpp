@@ -8,6 +8,8 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "export/write_site_map.h"
+#include "server/stage_products.h"
+#include "slam/stage_results.h"
 #include "tests/mapping/test_surfaces.h"
 #include "tests/server/store/temporary_root.h"
 
@@ -62,12 +64,82 @@ class PreviewMapTest : public testing::Test {
     WriteSiteMap(MakeSite("monday", {}), root_.path());
     WriteFileAtomically(root_.path() / "report.json", R"({"datum": null, "drives": [{"name": "monday"}]})");
   }
+  /// Of the drive, once `after` is believed where `before` was in the old map.
+  std::optional<std::string> Joint(const std::vector<LoopEvidence>& before, const std::vector<LoopEvidence>& after,
+                                   bool is_odometry_taken = true, const LogHashes& logs = {}) {
+    LoopClosure old_loops, loops;
+    const SiteMap site = MakeSite("monday", {});
+    old_loops.odom_from_body = loops.odom_from_body = site.drives[0].odometry;
+    old_loops.loops = before, loops.loops = after;
+    std::filesystem::remove(root_.path() / "monday/loops.bin");
+    StageProducts({}, root_.path()).Get("monday/loops.bin", KeyOf({"loops"}), [&] { return EncodeLoops(old_loops); });
+    const ClosedDrive drive{"monday", kImuFromBody.Inverse(), &site.drives[0].odometry, &loops, is_odometry_taken};
+    return EncodeJointPreview(root_.path(), logs, std::span(&drive, 1), LoopOptions{});
+  }
   TemporaryRoot root_;
 };
 
+/// The end of the drive lies by so much to the left of where it began, as seen there.
+LoopEvidence Loop(double left) {
+  LoopEvidence loop;
+  loop.id = "0-20", loop.earlier_place = 0, loop.later_place = 20, loop.weight = 1;
+  loop.later = TimestampFromSeconds(40);
+  loop.pose.a_from_b.translation = {40, left, 0};
+  loop.pose.information = 1e6 * Matrix6d::Identity();
+  return loop;
+}
+
+std::string PreviewIn(const std::string& glb) {
+  std::uint32_t bytes = 0;
+  std::memcpy(&bytes, glb.data() + 12, sizeof bytes);
+  return nlohmann::json::parse(glb.substr(20, bytes)).at("asset").at("extras").at("preview");
+}
+
+TEST_F(PreviewMapTest, ComesOnceAnotherLoopIsClosed) {
+  const std::optional<std::string> preview = Joint({}, {Loop(0.5)});
+  ASSERT_TRUE(preview);
+  EXPECT_EQ(PreviewIn(*preview), "joint");
+  const auto [low, high] = BoundsOf(*preview);
+  EXPECT_NEAR(high.y(), 5.5, 0.05) << "the far end went to the left";
+  EXPECT_NEAR(low.y(), -5, 0.05) << "the beginning stayed";
+  EXPECT_EQ(PreviewIn(EncodePreview(root_.path(), {}, MakeSite("monday", {}))), "final");
+}
+
+TEST_F(PreviewMapTest, AWithdrawnLoopLetsGoOfTheDrive) {
+  SiteMap bent = MakeSite("monday", {});  // as the loop had bent it; odometry was straight
+  for (Eigen::Vector3f& vertex : bent.mesh.vertices) vertex.y() += 0.5F * std::pow(vertex.x() / 40, 2.0F);
+  std::vector<TrajectoryState> states = bent.drives[0].odometry.states();
+  for (TrajectoryState& state : states) {
+    Eigen::Vector3d& at = state.odom_from_body.translation;
+    state.odom_from_body.rotation = ExpSo3({0, 0, at.x() / 1600});
+    at.y() = 0.5 * std::pow(at.x() / 40, 2);
+  }
+  bent.drives[0].site_from_body_trajectory = Trajectory(std::move(states));
+  WriteSiteMap(bent, root_.path());
+
+  const std::optional<std::string> preview = Joint({Loop(0.5)}, {});
+  ASSERT_TRUE(preview);
+  EXPECT_NEAR(BoundsOf(*preview).second.y(), 5, 0.05) << "as the odometry saw it, not as the loop had bent it";
+}
+
+TEST_F(PreviewMapTest, WaitsForTheFinalOneWhereNothingWasClosedAnew) {
+  EXPECT_FALSE(Joint({Loop(0)}, {Loop(0)}));
+  EXPECT_FALSE(Joint({}, {Loop(0.5)}, /*is_odometry_taken=*/false)) << "its places are others";
+}
+
+TEST_F(PreviewMapTest, DrivesOfOneNameAndOfTwoLogsAreTwo) {
+  WriteFileAtomically(root_.path() / "report.json",
+                      R"({"datum": null, "drives": [{"name": "monday", "log": {"sha256": "one"}}]})");
+  EXPECT_NO_THROW(EncodePreview(root_.path(), {{"monday", "one"}}, MakeSite("monday", {})));
+  EXPECT_NO_THROW(EncodePreview(root_.path(), {}, MakeSite("monday", {}))) << "nobody says so";
+  EXPECT_THROW(EncodePreview(root_.path(), {{"monday", "two"}}, MakeSite("monday", {})), Error);
+  EXPECT_TRUE(Joint({}, {Loop(0.5)}, true, {{"monday", "one"}}));
+  EXPECT_FALSE(Joint({}, {Loop(0.5)}, true, {{"monday", "two"}}));
+}
+
 TEST_F(PreviewMapTest, ShowsTheOldGroundWhereTheNewTrajectoriesPutIt) {
   const Rigid3 moved{ExpSo3({0, 0, M_PI / 2}), {100, 20, 3}};
-  const auto [low, high] = BoundsOf(EncodePreview(root_.path(), MakeSite("monday", moved)));
+  const auto [low, high] = BoundsOf(EncodePreview(root_.path(), {}, MakeSite("monday", moved)));
   EXPECT_LT((low - Eigen::Vector3d(95, 20, 3)).norm(), 1e-3) << low.transpose();
   EXPECT_LT((high - Eigen::Vector3d(105, 60, 3)).norm(), 1e-3) << high.transpose();
 }
@@ -79,18 +151,18 @@ TEST_F(PreviewMapTest, LeavesOutWhatOnlyADriveSawThatLeft) {
     states.resize(151);  // until x = 15
     return states;
   }());
-  EXPECT_NEAR(BoundsOf(EncodePreview(root_.path(), site)).second.x(), 40, 1e-3) << "it has not left";
+  EXPECT_NEAR(BoundsOf(EncodePreview(root_.path(), {}, site)).second.x(), 40, 1e-3) << "it has not left";
   WriteFileAtomically(root_.path() / "report.json",
                       R"({"datum": null, "drives": [{"name": "monday"}, {"name": "tuesday"}]})");
-  const double end = BoundsOf(EncodePreview(root_.path(), site)).second.x();
+  const double end = BoundsOf(EncodePreview(root_.path(), {}, site)).second.x();
   EXPECT_GT(end, 23);
   EXPECT_LT(end, 33);
 }
 
 TEST_F(PreviewMapTest, SaysWhyThereIsNone) {
-  EXPECT_THROW(EncodePreview(root_.path(), MakeSite("tuesday", {})), Error) << "no drive in common";
+  EXPECT_THROW(EncodePreview(root_.path(), {}, MakeSite("tuesday", {})), Error) << "no drive in common";
   std::filesystem::remove(root_.path() / "ground.ply");
-  EXPECT_THROW(EncodePreview(root_.path(), MakeSite("monday", {})), Error);
+  EXPECT_THROW(EncodePreview(root_.path(), {}, MakeSite("monday", {})), Error);
 }
 
 }  // namespace
