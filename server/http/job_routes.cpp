@@ -1,3 +1,5 @@
+#include <chrono>
+
 #include "core/error.h"
 #include "server/http/answer.h"
 #include "server/http/file_response.h"
@@ -22,9 +24,20 @@ std::optional<std::filesystem::path> PreviewOf(RouteContext& context, const Job&
   return std::filesystem::exists(file, ignored) ? std::optional(file) : std::nullopt;
 }
 
+/// Another one for each preview of a job, so that whoever shows one sees that it was replaced.
+Json AddressOfPreview(RouteContext& context, const Job& job) {
+  const std::optional<std::filesystem::path> file = PreviewOf(context, job);
+  std::error_code missing;
+  const auto written = file ? std::filesystem::last_write_time(*file, missing) : std::filesystem::file_time_type();
+  if (!file || missing) return nullptr;
+  const auto since = std::chrono::file_clock::to_sys(written).time_since_epoch();
+  return "/api/v1/jobs/" + job.id +
+         "/preview.glb?written=" + std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(since).count());
+}
+
 Json View(RouteContext& context, const Job& job) {
   Json json = ToJson(job, context.jobs.ProgressOf(job.id));
-  json["preview"] = PreviewOf(context, job) ? Json("/api/v1/jobs/" + job.id + "/preview.glb") : Json(nullptr);
+  json["preview"] = AddressOfPreview(context, job);
   return json;
 }
 

@@ -71,7 +71,8 @@ function setPinning(isPossible: boolean): void {
 async function showPreview({ preview }: Job): Promise<boolean> {
   if (!preview) return false;
   if (shownMap === preview) return true;
-  const isAnotherSite = !shownMap.startsWith(`${selectedSite}/`);
+  const isReplaced = shownMap.split('?')[0] === preview.split('?')[0];
+  const isAnotherSite = !isReplaced && !shownMap.startsWith(`${selectedSite}/`);
   try {
     if (!(await view.load(preview))) return true;
   } catch {

@@ -39,12 +39,18 @@ TEST_F(Jobs, ShowAPreviewWhileTheyRun) {
   const std::string address = "/api/v1/jobs/" + id + "/preview.glb";
 
   Eventually([&] { return Get("/api/v1/jobs/" + id).at("stage") == "track"; });
-  EXPECT_EQ(Get("/api/v1/jobs/" + id).at("preview"), address);
-  const auto preview = client().Get(address);
+  const std::string first = Get("/api/v1/jobs/" + id).at("preview");
+  EXPECT_TRUE(first.starts_with(address + "?written=")) << first;
+  const auto preview = client().Get(first);
   EXPECT_EQ(preview->status, 200);
   EXPECT_EQ(preview->body, "glTF of the worker");
   EXPECT_EQ(preview->get_header_value("Content-Type"), "model/gltf-binary");
   EXPECT_EQ(preview->get_header_value("Cache-Control"), "no-store");
+  for (const std::string& file : Files())
+    if (file.ends_with("preview.glb"))
+      std::filesystem::last_write_time(options_.data / file,
+                                       std::filesystem::file_time_type::clock::now() + std::chrono::seconds(5));
+  EXPECT_NE(Get("/api/v1/jobs/" + id).at("preview"), first) << "it was replaced";
 
   EXPECT_EQ(WaitForJob(id).at("state"), "done");
   EXPECT_EQ(Get("/api/v1/jobs/" + id).at("preview"), nullptr);
