@@ -61,7 +61,7 @@ class CommandLine(unittest.TestCase):
         self.assertEqual(options["drive"]["length"], 0)
         self.assertAlmostEqual(summary["drive"]["duration_s"], 10)
         self.assertEqual(summary["faults"]["records_concerned"]["gap.imu"], 100)
-        for name in ["rig", "rig_true", "truth.tum", "ground_truth.ply", "slots.geojson"]:
+        for name in ["rig", "rig_true", "truth.tum", "ground_truth.ply", "slots.geojson", "kerbs.geojson"]:
             self.assertTrue((self.folder / "drive.truth" / name).exists(), name)
 
     def test_an_existing_log_is_kept(self):
@@ -73,6 +73,15 @@ class CommandLine(unittest.TestCase):
     def test_the_height_of_the_ground_depends_on_the_deck(self):
         heights = {run("garage", "--height", f"20,10,{z}").stdout for z in (0, 3, 6)}
         self.assertEqual(len(heights), 3)
+
+    def test_true_kerbs_can_be_had_without_a_drive(self):
+        file = self.folder / "kerbs.geojson"
+        done = run("lot", "--seed", "3", "--kerbs", file)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        kerbs = json.loads(file.read_text())["features"]
+        self.assertGreater(len(kerbs), 100)
+        for kerb in kerbs:
+            self.assertAlmostEqual(kerb["properties"]["height_m"], 0.114, delta=0.0061)
 
 
 if __name__ == "__main__":

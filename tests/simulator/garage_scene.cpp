@@ -123,9 +123,9 @@ void FurnishOutside(const GarageLayout& layout, Props& props) {
       const double x1 = x < west && x + kStep > west && y >= 0 && y < north ? west : x + kStep, z = -0.03;
       props.mesh().AddQuad({Vector3d(x, y, z), {x1, y, z}, {x1, y + kStep, z}, {x, y + kStep, z}}, props.grass());
     }
-  props.Kerb({west, 0}, {-0.3, 0});
-  props.Kerb({-0.3, layout.width}, {west, layout.width});
-  props.Kerb({west, layout.width}, {west, 0});
+  props.Kerb({-0.3, 0}, {west, 0});
+  props.Kerb({west, layout.width}, {-0.3, layout.width});
+  props.Kerb({west, 0}, {west, layout.width});
   Random& random = props.random();
   for (double y = 2; y < layout.width; y += random.Uniform(5, 9)) props.Tree({west - 3, y}, random.Uniform(4, 7));
   for (double x = west; x < layout.length; x += random.Uniform(6, 11)) props.Tree({x, -4}, random.Uniform(4, 8));
@@ -180,6 +180,7 @@ Scene BuildGarage(const SceneOptions& options) {
       props.Car(car.footprint, deck * layout.storey, car.style, car.seed);
   scene.objects = std::move(structure.mesh());
   scene.objects.Append(props.mesh(), {});
+  scene.kerbs = std::move(props.kerbs());
   std::vector<Lamp> lamps = std::move(structure.lamps());
   lamps.insert(lamps.end(), props.lamps().begin(), props.lamps().end());
   scene.lamps = LampField(std::move(lamps));

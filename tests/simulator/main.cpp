@@ -11,6 +11,7 @@
 #include "tests/simulator/presets.h"
 #include "tests/simulator/run_suite.h"
 #include "tests/simulator/simulate_drive.h"
+#include "tests/simulator/truth_files.h"
 
 namespace parkade::simulator {
 namespace {
@@ -22,7 +23,7 @@ struct CommandLine {
   std::string scene;
   OutputPaths out;
   std::string size = "640x400";
-  std::string height_at;
+  std::string height_at, kerbs_file;
   bool has_no_gnss = false, has_no_wheels = false, is_quiet = false, wants_list = false, is_quick = false;
   int num_threads = 0;
   std::vector<std::string> assignments, names;
@@ -32,7 +33,8 @@ const char* const kFooter = R"(Writes, for --out DIR (an EuRoC folder):       fo
   DIR/mav0/{cam*,imu0,odom0,gnss0}               FILE.mcap  (ROS 2, CDR) or FILE.bag (ROS 1)
   DIR/{rig,rig_true}/                            FILE.truth/{rig,rig_true}/
   DIR/{truth.tum,ground_truth.ply,               FILE.truth/{truth.tum,ground_truth.ply,
-       slots.geojson,summary.json}                           slots.geojson,summary.json}
+       slots.geojson,kerbs.geojson,                          slots.geojson,kerbs.geojson,
+       summary.json}                                         summary.json}
 rig/ holds camchain-imucam.yaml, imu0.yaml, vehicle.yaml and a mask per camera, as the owner of the car knows them;
 rig_true/ the same as they are (rig_true_knocked/ after a mirror was hit). truth.tum is world_from_imu, the world being
 the local tangent plane (x east, y north, z up). Same options, same bytes (but for summary.json's timings).
@@ -56,6 +58,7 @@ void AddOptions(CLI::App& app, CommandLine& line) {
   app.add_flag("--quick", line.is_quick, "Of a preset or the suite: in short, 10 Hz, 640x400");
   app.add_option("--only", line.names, "Of the suite: this preset (may be repeated)");
   app.add_option("--height", line.height_at, "X,Y[,Z]: print the ground's true height there (nearest to Z) and exit");
+  app.add_option("--kerbs", line.kerbs_file, "FILE: write the true kerbs of the place (GeoJSON) and exit");
   app.add_option("--out", line.out.log, "FILE.bag, FILE.mcap, or a folder (EuRoC); must not exist");
   app.add_option("--truth-out", line.out.truth, "Folder of truth.tum, ground_truth.ply, summary.json");
   app.add_option("--rig-out", line.out.rig, "Folder of the rig files");
@@ -126,6 +129,13 @@ void PrintHeight(const CommandLine& line) {
   std::printf("%.4f\n", place.ground.Height({x, y}, near_z));
 }
 
+/// What a drive writes beside its log, without a drive: for logs of older versions.
+void WriteKerbsOf(const CommandLine& line) {
+  SceneOptions options = line.options.OfScene();
+  options.ground_texel = 0.2;  // nobody looks at it
+  WriteKerbs(BuildScene(line.options.scene, options).kerbs, SimulatedDatum(), line.kerbs_file);
+}
+
 int MakeSuite(const CommandLine& line) {
   if (line.num_threads > 0) SetNumThreads(line.num_threads);
   const std::filesystem::path folder = line.out.log.empty() ? "build/suite" : line.out.log;
@@ -138,6 +148,7 @@ int Run(CommandLine& line) {
   if (line.scene == "suite") return MakeSuite(line);
   if (!line.scene.empty() && !FindPreset(line.scene)) line.options.scene = line.scene;
   if (!line.height_at.empty()) return PrintHeight(line), 0;
+  if (!line.kerbs_file.empty()) return WriteKerbsOf(line), 0;
   ApplyDerived(line);
   const bool shows_progress = !line.is_quiet && isatty(STDERR_FILENO);
   const auto progress = [&](const std::string& stage, double fraction) {

@@ -63,6 +63,7 @@ void Props::Kerb(const Vector2d& from, const Vector2d& to) {
       return OnGround(moved.x(), moved.y(), above);
     };
     const double top = kKerbHeight - sink, inner = -kKerbWidth;
+    kerbs_.push_back({at(b, 0, 0), at(a, 0, 0), top});
     mesh_.AddQuad({at(a, 0, top), at(a, 0, -0.1), at(b, 0, -0.1), at(b, 0, top)}, stone);
     mesh_.AddQuad({at(a, inner, top), at(a, 0, top), at(b, 0, top), at(b, inner, top)}, stone);
   }

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "tests/simulator/ground.h"
+#include "tests/simulator/kerb_stone.h"
 #include "tests/simulator/lamp.h"
 #include "tests/simulator/mesh.h"
 #include "tests/simulator/random.h"
@@ -46,6 +47,7 @@ class Props {
   Random& random() { return random_; }
   Mesh& mesh() { return mesh_; }
   std::vector<Lamp>& lamps() { return lamps_; }
+  std::vector<KerbStone>& kerbs() { return kerbs_; }
 
  private:
   const Ground& ground_;
@@ -54,6 +56,7 @@ class Props {
   std::vector<Material>& materials_;
   Mesh mesh_;
   std::vector<Lamp> lamps_;
+  std::vector<KerbStone> kerbs_;
   std::vector<MaterialId> kerb_, leaves_;
   MaterialId grass_ = 0, pavement_ = 0, bark_ = 0, metal_ = 0, white_ = 0, blue_ = 0, red_ = 0, wood_ = 0, lamp_ = 0;
 };

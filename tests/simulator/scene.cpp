@@ -24,6 +24,7 @@ Scene BuildLot(const Place& place, const SceneOptions& options) {
   FurnishLot(layout, props);
   scene.objects = std::move(props.mesh());
   scene.lamps = LampField(props.lamps());
+  scene.kerbs = std::move(props.kerbs());
   return scene;
 }
 

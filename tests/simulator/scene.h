@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tests/simulator/ground_canvas.h"
+#include "tests/simulator/kerb_stone.h"
 #include "tests/simulator/lamp.h"
 #include "tests/simulator/mesh.h"
 #include "tests/simulator/mover.h"
@@ -32,6 +33,7 @@ struct Scene {
   Movers movers = {};                            ///< what moves (see AddTraffic)
   LampField lamps = {};                          ///< those that are on
   Color bounce = Gray(0);                        ///< irradiance from all sides inside a lit building
+  std::vector<KerbStone> kerbs = {};             ///< at the border of `ground`, some behind parked cars
   float sky_reach = 4;  ///< [m] what is farther away hides no sky; small outdoors, where there is more
   std::vector<GroundFinish> finish = {};  ///< of the sheets of ground; empty: all dry and dull
   bool has_headlights = false;            ///< the own car drives with its lights on

@@ -179,6 +179,28 @@ TEST_P(SurfaceTruth, TheMeshThatIsSeenAndThePlyLieOnTheGround) {
   EXPECT_GT(SurfaceArea(truth), 1000);
 }
 
+TEST_P(SurfaceTruth, KerbsBoundTheGroundThatLiesLeftOfThem) {
+  const Scene scene = BuildScene(GetParam(), {.seed = 2, .ground_texel = 0.2});
+  const Place& place = scene.place;
+  const auto is_drivable = [&](const Eigen::Vector2d& point) {
+    for (size_t i = 0; i < place.ground.sheets().size(); ++i)
+      if (place.ground.sheets()[i].Covers(point) && place.is_drivable(i, point)) return true;
+    return false;
+  };
+  ASSERT_GT(scene.kerbs.size(), 50u);
+  size_t num_left = 0, num_right = 0;
+  for (const KerbStone& stone : scene.kerbs) {
+    const Eigen::Vector2d begin = stone.begin.head<2>(), along = stone.end.head<2>() - begin;
+    const Eigen::Vector2d left = Eigen::Vector2d(-along.y(), along.x()).normalized();
+    num_left += is_drivable(begin + 0.5 * along + 0.1 * left);
+    num_right += is_drivable(begin + 0.5 * along - 0.1 * left);
+    EXPECT_NEAR(stone.height, 0.114, 0.0061);
+    EXPECT_NEAR(stone.begin.z(), place.ground.Height(begin, stone.begin.z()), 1e-9);
+  }
+  EXPECT_LT(num_right, 0.01 * static_cast<double>(scene.kerbs.size())) << "in the corners of squares that bends cross";
+  EXPECT_GT(num_left, 0.8 * static_cast<double>(scene.kerbs.size())) << "cars stand at some";
+}
+
 INSTANTIATE_TEST_SUITE_P(Worlds, SurfaceTruth, testing::Values("lot", "garage", "street"));
 
 }  // namespace

@@ -120,6 +120,7 @@ nlohmann::json SimulateDrive(const SimulateOptions& options, const OutputPaths& 
   WriteTruthTrajectory(plan.motion, rig.body_from_imu, DriveEpoch(seed), truth / "truth.tum");
   WritePly(DrivableSurface(scene.place), truth / "ground_truth.ply");
   WriteSlots(scene.place, SimulatedDatum(), truth / "slots.geojson");
+  WriteKerbs(scene.kerbs, SimulatedDatum(), truth / "kerbs.geojson");
   nlohmann::json summary = SummaryOf(options, plan, recording.counts);
   const double num_images = static_cast<double>(std::max<size_t>(1, recording.counts.images));
   summary["timings"] = {{"scene_s", scene_seconds},

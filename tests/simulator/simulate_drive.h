@@ -73,9 +73,9 @@ std::filesystem::path DefaultTruthFolder(const std::filesystem::path& log);
 using ProgressListener = std::function<void(const std::string& stage, double fraction)>;
 
 /// Makes a drive and writes the log, the rig as its owner knows it (rig/) and as it is (rig_true/, and
-/// rig_true_knocked/ after a mirror was hit), truth.tum, ground_truth.ply, slots.geojson and summary.json, which it
-/// also returns. The same options give the same bytes, but for the summary's timings. Throws Error{kUsage} for
-/// options that cannot be.
+/// rig_true_knocked/ after a mirror was hit), truth.tum, ground_truth.ply, slots.geojson, kerbs.geojson and
+/// summary.json, which it also returns. The same options give the same bytes, but for the summary's timings. Throws
+/// Error{kUsage} for options that cannot be.
 nlohmann::json SimulateDrive(const SimulateOptions& options, const OutputPaths& out, const ProgressListener& progress);
 
 }  // namespace parkade::simulator

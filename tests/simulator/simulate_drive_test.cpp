@@ -135,6 +135,20 @@ TEST_F(SimulatedDrive, SlotsAreWhereThePlaceHasThem) {
   }
 }
 
+TEST_F(SimulatedDrive, KerbsAreWhereTheSceneHasThem) {
+  const nlohmann::json kerbs = nlohmann::json::parse(ReadFile(PathOf("euroc") / "kerbs.geojson"));
+  const Scene scene = BuildScene("lot", SmallDrive().OfScene());
+
+  ASSERT_EQ(kerbs["features"].size(), scene.kerbs.size());
+  for (size_t i = 0; i < scene.kerbs.size(); ++i) {
+    const auto line = kerbs["features"][i]["geometry"]["coordinates"];
+    const Eigen::Vector3d begin = SiteFromGeodetic(SimulatedDatum(), line[0][1], line[0][0], line[0][2]);
+    EXPECT_LT((begin - scene.kerbs[i].begin).norm(), 1e-3);
+    EXPECT_EQ(kerbs["features"][i]["properties"]["height_m"], scene.kerbs[i].height);
+    EXPECT_EQ(kerbs["features"][i]["properties"]["type"], "kerb");
+  }
+}
+
 TEST_F(SimulatedDrive, AnExistingLogIsNotOverwritten) {
   WriteFileAtomically(root_ / "mine.bag", "precious");
   EXPECT_THROW(Simulate("mine.bag", SmallDrive()), Error);

@@ -215,6 +215,7 @@ Scene BuildStreet(const SceneOptions& options) {
   for (const ParkedCar& car : layout.cars) props.Car(car.footprint, 0, car.style, car.seed);
   scene.objects = std::move(props.mesh());
   scene.lamps = LampField(props.lamps());
+  scene.kerbs = std::move(props.kerbs());
   return scene;
 }
 

@@ -79,6 +79,23 @@ void WriteSlots(const Place& place, const SiteDatum& datum, const std::filesyste
   WriteFileAtomically(file, collection.dump() + "\n");
 }
 
+void WriteKerbs(std::span<const KerbStone> kerbs, const SiteDatum& datum, const std::filesystem::path& file) {
+  nlohmann::json features = nlohmann::json::array();
+  for (const KerbStone& stone : kerbs) {
+    nlohmann::json places = nlohmann::json::array(), line = nlohmann::json::array();
+    for (const Eigen::Vector3d& point : {stone.begin, stone.end}) {
+      const Geodetic at = GeodeticFromSite(datum, point);
+      places.push_back({at.longitude_deg, at.latitude_deg, at.altitude});
+      line.push_back({point.x(), point.y(), point.z()});
+    }
+    features.push_back({{"type", "Feature"},
+                        {"geometry", {{"type", "LineString"}, {"coordinates", places}}},
+                        {"properties", {{"type", "kerb"}, {"height_m", stone.height}, {"line", line}}}});
+  }
+  const nlohmann::json collection = {{"type", "FeatureCollection"}, {"features", features}};
+  WriteFileAtomically(file, collection.dump() + "\n");
+}
+
 void WritePly(const TriangleMesh& mesh, const std::filesystem::path& file) {
   std::string content =
       "ply\nformat binary_little_endian 1.0\ncomment drivable ground, metres, z up\nelement vertex " +
