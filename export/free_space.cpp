@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/error.h"
+#include "core/visit_once.h"
 #include "export/geojson.h"
 
 namespace parkade {
@@ -21,13 +22,17 @@ constexpr double kHeightBin = 0.05;  // [m]
 /// Free cells sorted by (y, x, height), of which no two of one (x, y) are closer than a deck's height.
 Cells SelectFreeCells(const SurfaceMap& surface, const FreeSpaceOptions& options) {
   Cells free_cells;
-  for (const SurfaceCell& cell : surface.cells) {
-    if (!(static_cast<double>(cell.free_belief) > options.min_belief)) continue;
-    const bool is_double = !free_cells.empty() && free_cells.back().x == cell.x && free_cells.back().y == cell.y &&
-                           static_cast<double>(cell.height - free_cells.back().height) < options.deck_height;
-    if (!is_double) free_cells.push_back(cell);
-  }
-  ReleaseMemory(surface.cells);
+  free_cells.reserve(surface.cells.size());
+  VisitOnce(
+      surface.cells,
+      [&](size_t i) {
+        const SurfaceCell& cell = surface.cells[i];
+        if (!(static_cast<double>(cell.free_belief) > options.min_belief)) return;
+        const bool is_double = !free_cells.empty() && free_cells.back().x == cell.x && free_cells.back().y == cell.y &&
+                               static_cast<double>(cell.height - free_cells.back().height) < options.deck_height;
+        if (!is_double) free_cells.push_back(cell);
+      },
+      free_cells);
   return free_cells;
 }
 

@@ -115,6 +115,7 @@ Orthophoto RenderOrthophoto(const TriangleMesh& mesh, const GroundTexture& textu
         canvas.image.at<cv::Vec4b>(canvas.PixelOf(bounds.min_x + column, bounds.max_y - row)) = {color[0], color[1],
                                                                                                  color[2], 255};
       }
+    texture.Release();
   }
   return std::move(canvas).Take(texture.texel_size);
 }

@@ -10,6 +10,7 @@ CellFinder::CellFinder(const SurfaceMap& surface) : surface_(&surface) {
   if (cells.empty()) return;
   first_y_ = cells.front().y;
   rows_.resize(static_cast<std::size_t>(cells.back().y - first_y_) + 1);
+  std::size_t released = 0;
   for (std::size_t begin = 0, end; begin < cells.size(); begin = end) {
     Row& row = rows_[static_cast<std::size_t>(cells[begin].y - first_y_)];
     row = {.first_x = cells[begin].x, .num_blocks = 0, .first_cell = begin, .first_block = blocks_.size()};
@@ -18,6 +19,9 @@ CellFinder::CellFinder(const SurfaceMap& surface) : surface_(&surface) {
       for (; row.num_blocks <= block; ++row.num_blocks) blocks_.push_back(static_cast<std::uint32_t>(end - begin));
     }
     blocks_.push_back(static_cast<std::uint32_t>(end - begin));
+    if ((end - released) * sizeof(SurfaceCell) < kMinScratchBytes && end < cells.size()) continue;
+    ReleaseMemory(cells);
+    released = end;
   }
 }
 

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/parallel.h"
+#include "core/visit_once.h"
 #include "mapping/free_islands.h"
 #include "mapping/surface_links.h"
 #include "mapping/surface_painter.h"
@@ -169,12 +170,12 @@ class CellCollector {
   SurfaceMap Finish() && {
     const double min_cells = options_.min_island_area / (options_.cell_size * options_.cell_size);
     size_t count = 0;
-    for (size_t i = 0; i < islands_of_.size(); ++i) {
-      if (islands_of_[i] != FreeIslands::kNone && islands_.IsSmall(islands_of_[i], min_cells)) continue;
-      surface_.cells[count++] = surface_.cells[i];
-    }
+    const auto keep = [&](size_t i) {
+      if (islands_of_[i] == FreeIslands::kNone || !islands_.IsSmall(islands_of_[i], min_cells))
+        surface_.cells[count++] = surface_.cells[i];
+    };
+    VisitOnce(islands_of_, keep, surface_.cells);
     surface_.cells.resize(count);
-    ReleaseMemory(surface_.cells);
     return std::move(surface_);
   }
 

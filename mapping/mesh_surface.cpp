@@ -73,6 +73,13 @@ std::vector<MeshPiece> MeshPieces(const SurfaceMap& surface, const MeshOptions& 
   return pieces;
 }
 
+/// The sheets of the pieces, which are gone then, as one. -> for each piece where its vertices are in there
+std::vector<std::vector<std::uint32_t>> JoinSheets(std::vector<MeshPiece>& pieces, VoxelSheet& sheet) {
+  std::vector<SheetPiece> sheets;
+  for (MeshPiece& piece : pieces) sheets.push_back(std::move(piece.sheet));
+  return JoinPieces(sheets, sheet);
+}
+
 }  // namespace
 
 void MeshOptions::Validate() const {
@@ -88,16 +95,14 @@ void MeshOptions::Validate() const {
 TriangleMesh MeshSurface(const SurfaceMap& surface, const MeshOptions& options) {
   options.Validate();
   size_t num_full_triangles = 0;
-  const std::vector<MeshPiece> pieces = MeshPieces(surface, options, num_full_triangles);
-  std::vector<SheetPiece> sheets;
-  for (const MeshPiece& piece : pieces) sheets.push_back(piece.sheet);
+  std::vector<MeshPiece> pieces = MeshPieces(surface, options, num_full_triangles);
   VoxelSheet sheet;
-  const std::vector<std::vector<std::uint32_t>> in_sheet = JoinPieces(sheets, sheet);
+  const std::vector<std::vector<std::uint32_t>> in_sheet = JoinSheets(pieces, sheet);
 
   TriangleMesh mesh;
   mesh.origin = OriginOf(sheet.vertices);
-  mesh.triangles = sheet.triangles;
   mesh.normals = NormalsOf(sheet);
+  mesh.triangles = std::move(sheet.triangles);
   mesh.vertices.reserve(sheet.vertices.size());
   for (const Eigen::Vector3d& vertex : sheet.vertices) mesh.vertices.push_back((vertex - mesh.origin).cast<float>());
   mesh.colors.resize(sheet.vertices.size());

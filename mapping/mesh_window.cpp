@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/visit_once.h"
 #include "mapping/cell_finder.h"
 #include "mapping/join_cells.h"
 #include "mapping/surface_window.h"
@@ -64,14 +65,15 @@ std::vector<MeshWindow> CutIntoWindows(const SurfaceMap& surface, const MeshOpti
   };
   std::set<std::pair<int, int>> found;  // y, x
   Eigen::AlignedBox2i last;
-  for (const SurfaceCell& cell : surface.cells) {
+  VisitOnce(surface.cells, [&](size_t i) {
+    const SurfaceCell& cell = surface.cells[i];
     const Eigen::AlignedBox2i around(Eigen::Vector2i(window_of(cell.x - reach), window_of(cell.y - reach)),
                                      Eigen::Vector2i(window_of(cell.x + reach), window_of(cell.y + reach)));
-    if (around.min() == last.min() && around.max() == last.max()) continue;
+    if (around.min() == last.min() && around.max() == last.max()) return;
     last = around;
     for (int y = around.min().y(); y <= around.max().y(); ++y)
       for (int x = around.min().x(); x <= around.max().x(); ++x) found.emplace(y, x);
-  }
+  });
   std::vector<MeshWindow> windows;
   for (const auto& [y, x] : found) {
     const Eigen::Array2i low = side * Eigen::Array2i(x, y), high = low + side;

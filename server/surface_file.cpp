@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/visit_once.h"
 #include "slam/binary_archive.h"
 
 namespace parkade {
@@ -101,8 +102,7 @@ class FrameWriter {
 template <typename Value, typename ValueOf>
 void AddColumn(const SurfaceMap& surface, const ValueOf& value_of, FrameWriter& frame) {
   frame.Add(std::uint64_t{surface.cells.size()});
-  for (const SurfaceCell& cell : surface.cells) frame.Add(static_cast<Value>(value_of(cell)));
-  ReleaseMemory(surface.cells);
+  VisitOnce(surface.cells, [&](size_t i) { frame.Add(static_cast<Value>(value_of(surface.cells[i]))); });
 }
 
 /// The same of differences from the cell before.
