@@ -73,11 +73,25 @@ struct SpeedBump {
   int num_passes = 0;                               ///< axles of which drives felt it
 };
 
+/// A step at the border of the drivable ground up to something level: a pavement, an island, a verge.
+struct Kerb {
+  std::vector<Eigen::Vector3d> points = {};  ///< [m] in site, along its foot; the drivable ground lies on the left
+  double height = 0;                         ///< [m] of its top above that ground
+  double height_sigma = 0;                   ///< [m]
+
+  double Length() const {  ///< [m]
+    double length = 0;
+    for (std::size_t i = 1; i < points.size(); ++i) length += (points[i] - points[i - 1]).norm();
+    return length;
+  }
+};
+
 /// What is painted on the ground and what stands out of it.
 struct GroundMarkings {
   std::vector<ParkingSlot> slots = {};  ///< by row, then along it
   std::vector<RoadMarking> markings = {};
   std::vector<SpeedBump> bumps = {};
+  std::vector<Kerb> kerbs = {};
 };
 
 }  // namespace parkade

@@ -57,7 +57,8 @@ struct GroundSample {
   bool is_free = false;         ///< drivable ground; false: seen, and not ground
   CompactFloat weight = 1;      ///< inverse variance of the height [1/m^2]
   CompactFloat footprint = 0;   ///< [m] side of the square of ground that it stands for; 0: one cell
-  CompactFloat confidence = 1;  ///< of is_free, 0 to 1: the share of a sure sight's log-odds that this one counts for
+  CompactFloat confidence = 1;  ///< of is_free, 0 to 1: the share of a sure sight's log-odds that this one counts for;
+                                ///< 0: it lies beyond what bounds the ground, and has colours only
 };
 static_assert(sizeof(GroundSample) == 16);
 

@@ -85,6 +85,22 @@ std::string FormatBump(const SpeedBump& bump, int level, const std::optional<Sit
   return FormatFeature(properties, "Point", FormatPosition(bump.crest, datum));
 }
 
+std::string FormatKerb(const Kerb& kerb, int level, const std::optional<SiteDatum>& datum) {
+  Json points = Json::array();
+  std::string coordinates;
+  for (const Eigen::Vector3d& point : kerb.points) {
+    points.push_back({Rounded(point.x(), 1000), Rounded(point.y(), 1000), Rounded(point.z(), 1000)});
+    coordinates += (coordinates.empty() ? "" : ",") + FormatPosition(point, datum);
+  }
+  const Json properties = {{"type", "kerb"},
+                           {"height_m", Rounded(kerb.height, 1000)},
+                           {"height_sigma_m", Rounded(kerb.height_sigma, 1000)},
+                           {"length_m", Rounded(kerb.Length(), 100)},
+                           {"level", level},
+                           {"points_m", points}};
+  return FormatFeature(properties, "LineString", "[" + coordinates + "]");
+}
+
 }  // namespace
 
 SlotState LatestState(const ParkingSlot& slot) {
@@ -108,6 +124,8 @@ std::string EncodeMarkingsGeoJson(const GroundMarkings& markings, const std::vec
     features.push_back(FormatMarking(marking, LevelAt(marking.points.front().z(), sheets), datum));
   for (const SpeedBump& bump : markings.bumps)
     features.push_back(FormatBump(bump, LevelAt(bump.crest.z(), sheets), datum));
+  for (const Kerb& kerb : markings.kerbs)
+    features.push_back(FormatKerb(kerb, LevelAt(kerb.points.front().z(), sheets), datum));
   return FormatFeatureCollection(features, datum);
 }
 

@@ -19,8 +19,9 @@ std::string EncodeSlotsGeoJson(const std::vector<ParkingSlot>& slots, const std:
                                const std::vector<FreeSheet>& sheets, const std::optional<SiteDatum>& datum);
 
 /// GeoJSON of the rest, likewise: LineStrings of `type` "line" with `color`, `width_m` and `bounds_slot`; Polygons of
-/// `type` "area" with `color`; and Points of `type` "speed_bump" with `height_m`, `length_m`, `yaw_deg` (of the way
-/// over it, counter-clockwise from the site's x) and `passes`.
+/// `type` "area" with `color`; Points of `type` "speed_bump" with `height_m`, `length_m`, `yaw_deg` (of the way over
+/// it, counter-clockwise from the site's x) and `passes`; and LineStrings of `type` "kerb", the drivable ground on the
+/// left, with `height_m` (of the top above that ground), `height_sigma_m`, `length_m` and `points_m` (in site).
 std::string EncodeMarkingsGeoJson(const GroundMarkings& markings, const std::vector<FreeSheet>& sheets,
                                   const std::optional<SiteDatum>& datum);
 

@@ -179,6 +179,7 @@ void MarkingOptions::Validate() const {
   slots.Validate();
   states.Validate();
   bumps.Validate();
+  kerbs.Validate();
 }
 
 GroundMarkings FindMarkings(const MarkedGround& ground, const MarkingOptions& options) {
@@ -186,6 +187,7 @@ GroundMarkings FindMarkings(const MarkedGround& ground, const MarkingOptions& op
   GroundMarkings markings;
   if (!options.enabled) return markings;
   markings.bumps = FindSpeedBumps(ground.surface, ground.paths, options.bumps);
+  markings.kerbs = FindKerbs(ground.mesh, ground.surface, ground.patches, ground.paths, options.kerbs);
   const CellFinder cells(ground.surface);
   Paint paint = FindPaint(ground, options);
   for (PaintLine& line : paint.lines) line.height = OnSurface(cells, line.Middle(), line.height).z();
@@ -201,7 +203,7 @@ GroundMarkings FindMarkings(const MarkedGround& ground, const MarkingOptions& op
   markings.markings = MarkingsOf(paint, markings.slots, cells, options.min_line_contrast);
   LogInfo("stage=find_markings lines=" + std::to_string(paint.lines.size()) +
           " slots=" + std::to_string(markings.slots.size()) + " markings=" + std::to_string(markings.markings.size()) +
-          " bumps=" + std::to_string(markings.bumps.size()));
+          " bumps=" + std::to_string(markings.bumps.size()) + " kerbs=" + std::to_string(markings.kerbs.size()));
   return markings;
 }
 

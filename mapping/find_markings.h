@@ -7,6 +7,7 @@
 #include "core/surface_map.h"
 #include "core/triangle_mesh.h"
 #include "mapping/driven_path.h"
+#include "mapping/find_kerbs.h"
 #include "mapping/find_speed_bumps.h"
 #include "mapping/paint_areas.h"
 #include "mapping/paint_lines.h"
@@ -24,6 +25,7 @@ struct MarkingOptions {
   SlotRowOptions slots;
   SlotStateOptions states;
   SpeedBumpOptions bumps;
+  KerbOptions kerbs;
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -34,6 +36,7 @@ struct MarkingOptions {
     visit("slots", slots);
     visit("states", states);
     visit("bumps", bumps);
+    visit("kerbs", kerbs);
   }
   void Validate() const;  ///< throws Error{kUsage}
 };
@@ -48,12 +51,12 @@ struct MarkedGround {
   std::size_t num_drives = 0;
 };
 
-/// Parking slots with what each drive saw in them, other paint, and speed bumps.
+/// Parking slots with what each drive saw in them, other paint, speed bumps, and kerbs.
 ///
 /// Deck by deck, tile by tile, lines and areas of paint are found in the texture (FindPaintLines, FindPaintAreas); rows
 /// of lines are slots (FindSlotRows); samples of the ground say who stood in them (SeeSlots); the heights that the
-/// wheels drove over say where bumps are (FindSpeedBumps). Without a texture there are bumps only. In parallel over
-/// tiles, the same every time.
+/// wheels drove over say where bumps are (FindSpeedBumps); what is seen beyond the outline says where kerbs are
+/// (FindKerbs). Without a texture there are bumps and kerbs only. In parallel over tiles, the same every time.
 GroundMarkings FindMarkings(const MarkedGround& ground, const MarkingOptions& options = {});
 
 }  // namespace parkade

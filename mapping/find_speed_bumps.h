@@ -26,8 +26,8 @@ struct SpeedBumpOptions {
 };
 
 /// Ridges that cars drove over: places of a path that lie higher than the straight line between the ground before and
-/// behind them. The same bump of several passes counts once. What lies beside the path, kerbs too, has no heights of
-/// its own to be found in.
+/// behind them. The same bump of several passes counts once. What lies beside the path has no heights of its own to be
+/// found in; kerbs have a sweep of theirs (FindKerbs).
 std::vector<SpeedBump> FindSpeedBumps(const SurfaceMap& surface, std::span<const DrivenPath> paths,
                                       const SpeedBumpOptions& options = {});
 

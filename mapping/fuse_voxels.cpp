@@ -115,8 +115,10 @@ SurfaceMap FuseVoxels(const PatchSource& patches, std::span<const DrivenPath> pa
     const auto camera = static_cast<size_t>(posed.patch.camera);
     if (path == nullptr || camera >= path->cameras_in_body.size()) continue;
     const Eigen::Vector3d eye = posed.site_from_body * path->cameras_in_body[camera];
-    for (const GroundSample& sample : posed.patch.samples)
+    for (const GroundSample& sample : posed.patch.samples) {
+      if (sample.confidence <= 0) continue;
       CastRay(eye, posed.site_from_body * sample.point_in_body.cast<double>(), sample, options, grid);
+    }
   }
   SurfaceMap surface{cell_size, {}};
   grid.VisitColumns([&](int x, int y, const std::map<int, Voxel>& column) {

@@ -22,6 +22,7 @@ constexpr double kBeliefRange = 8.0;            // [m] beyond the nearest ground
 constexpr float kBeliefPixel = 0.8F;            // [m] of ground in one pixel, at most ...
 constexpr float kBeliefMargin = 4.0F;           // [m] ... so far beyond
 constexpr float kBeliefFreeConfidence = 0.67F;  // of what it takes for free, beside what it takes for something else
+constexpr float kBeyondRange = 8;               // [m] to which what lies beyond the outline is kept: steps are small
 constexpr size_t kImagesPerBatch = 16;          // kept in memory at once; worked on in parallel
 
 struct ImageWithMask {
@@ -193,6 +194,10 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
       const auto i = static_cast<size_t>(grid.IndexOf(ray, range));
       if (labels[i] == GroundLabel::kUnknown) continue;
       float hint = 1;
+      if (labels[i] == GroundLabel::kBeyond) {
+        if (grid.ranges[at] > kBeyondRange) continue;
+        hint = 0;
+      }
       if (labels[i] == GroundLabel::kHidden) hint = static_cast<float>(options.segmentation.hidden_confidence);
       if (labels[i] == GroundLabel::kGround && !is_mask) hint = kBeliefFreeConfidence;
       const GroundGridCell& cell = grid.cells[i];

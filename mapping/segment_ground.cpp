@@ -80,6 +80,12 @@ void FillMarkings(const GroundGrid& grid, const std::vector<std::uint8_t>& may_b
   }
 }
 
+/// Of what lies `depth` [m] behind the foot of an obstacle, on its ray.
+GroundLabel LabelBehind(double depth, const SegmentGroundOptions& options, bool is_trusted) {
+  if (is_trusted && depth < options.obstacle_depth) return GroundLabel::kHidden;
+  return depth < options.beyond_depth ? GroundLabel::kBeyond : GroundLabel::kUnknown;
+}
+
 }  // namespace
 
 void SegmentGroundOptions::Validate() const {
@@ -87,6 +93,7 @@ void SegmentGroundOptions::Validate() const {
   Require(max_marking_width >= 0, ErrorCode::kUsage, "max_marking_width must not be negative");
   Require(hidden_confidence >= 0 && hidden_confidence <= 1, ErrorCode::kUsage, "hidden_confidence must be in 0..1");
   Require(obstacle_depth > 0 && foot_depth > 0, ErrorCode::kUsage, "obstacle_depth and foot_depth must be > 0 m");
+  Require(beyond_depth >= 0, ErrorCode::kUsage, "beyond_depth must not be negative");
   Require(min_seeds > 0, ErrorCode::kUsage, "min_seeds must be > 0");
   Require(sure_log_odds > 0, ErrorCode::kUsage, "sure_log_odds must be > 0");
 }
@@ -161,8 +168,7 @@ void HideBehindObstacles(const GroundGrid& grid, const SegmentGroundOptions& opt
         has_ground = true;
       } else if (label == GroundLabel::kNotGround) {
         if (is_hidden || !has_ground)
-          label =
-              is_trusted && has_ground && depth < options.obstacle_depth ? GroundLabel::kHidden : GroundLabel::kUnknown;
+          label = has_ground ? LabelBehind(depth, options, is_trusted) : GroundLabel::kUnknown;
         if (has_ground && range > 0)
           depth += static_cast<double>(grid.ranges[static_cast<size_t>(range)] -
                                        grid.ranges[static_cast<size_t>(range - 1)]);

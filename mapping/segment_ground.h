@@ -14,6 +14,7 @@ struct SegmentGroundOptions {
   double max_marking_width = 0.3;   ///< [m] a brighter stripe this wide, with road on both sides, is paint
   double obstacle_depth = 1.2;      ///< [m] of not-ground that a guess needs; what follows on its ray is hidden
   double hidden_confidence = 0.25;  ///< of what a mask or a network has behind the foot: a hint that it is not free
+  double beyond_depth = 2.0;        ///< [m] of not-ground of which the colours are kept: how high it is can be told
   double foot_depth = 0.2;          ///< [m] likewise for a mask or a network, to which one pixel's ground is added
   int min_seeds = 40;               ///< with fewer, nothing is called ground
   double sure_log_odds = 4.0;       ///< of a network from which it is taken to be sure; below, it counts in proportion
@@ -23,6 +24,7 @@ struct SegmentGroundOptions {
     visit("color_tolerance", color_tolerance);
     visit("max_marking_width", max_marking_width);
     visit("obstacle_depth", obstacle_depth);
+    visit("beyond_depth", beyond_depth);
     visit("foot_depth", foot_depth);
     visit("hidden_confidence", hidden_confidence);
     visit("min_seeds", min_seeds);
@@ -36,6 +38,7 @@ enum class GroundLabel : std::uint8_t {
   kGround,     ///< drivable
   kNotGround,  ///< something stands here, or the ground is not for driving
   kHidden,     ///< shortly behind that: of what stands there most often
+  kBeyond,     ///< further behind: it says nothing of where one can drive
 };
 
 /// The labels of a grid's cells and how sure they are.
@@ -64,9 +67,9 @@ std::vector<GroundLabel> LabelsFromMask(const GroundGrid& grid, const cv::Mat& m
 GroundLabels LabelsFromBelief(const GroundGrid& grid, const FreespaceBelief& belief, double sure_log_odds);
 
 /// Pixels of an obstacle meet the plane behind its foot: some kNotGround behind the last ground (see obstacle_depth,
-/// foot_depth) says where it stands, what follows becomes kHidden, after obstacle_depth kUnknown. So does kNotGround
-/// before a ray's first ground (most often the own car), and, unless the labels are trusted, any ground behind an
-/// obstacle.
+/// foot_depth) says where it stands, what follows becomes kHidden, after obstacle_depth kBeyond, after beyond_depth
+/// kUnknown. So does kNotGround before a ray's first ground (most often the own car), and, unless the labels are
+/// trusted, any ground behind an obstacle.
 void HideBehindObstacles(const GroundGrid& grid, const SegmentGroundOptions& options, bool is_trusted,
                          std::vector<GroundLabel>& labels);
 

@@ -97,6 +97,7 @@ std::vector<Hit> FindHits(const PosedGroundPatch& patch, std::span<const DrivenP
   if (path != nullptr && camera < path->cameras_in_body.size())
     eye = patch.site_from_body * path->cameras_in_body[camera];
   for (const GroundSample& sample : patch.patch.samples) {
+    if (sample.confidence <= 0) continue;
     const Eigen::Vector3d point = patch.site_from_body * sample.point_in_body.cast<double>();
     squares.VisitAt(point, [&](std::size_t slot) {
       const double height = grids[slot].origin.z();

@@ -131,6 +131,7 @@ std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PatchView& view,
   const bool is_all_in_reach = reach_.contains(reach);
   const double highest_hidden = has_eye ? HighestHidden(*field_, eye, reach) : 0;
   for (const GroundSample& sample : patch.samples) {
+    if (sample.confidence <= 0) continue;
     Eigen::Vector3d point = view.site_from_body * sample.point_in_body.cast<double>();
     if (!is_all_in_reach && !IsInReach(has_eye ? &eye : nullptr, point)) continue;
     if (latest != nullptr && !share.Counts(point.head<2>())) continue;

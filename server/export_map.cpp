@@ -85,7 +85,7 @@ const std::vector<Exporter>& Exporters() {
       {{"occupancy", "FILE.yaml and FILE.pgm for ROS' map_server"}, WriteOccupancy},
       Copy("geojson", "free_space.geojson", "outline of the free space"),
       Copy("slots", "slots.geojson", "parking slots and who stood in them (GeoJSON)"),
-      Copy("markings", "markings.geojson", "other paint on the ground, and speed bumps (GeoJSON)"),
+      Copy("markings", "markings.geojson", "other paint on the ground, speed bumps, kerbs with heights (GeoJSON)"),
       Copy("png", "ortho.png", "orthophoto"),
       Copy("geotiff", "ortho.tif", "orthophoto on Earth"),
       CopyOfDrive("tum", "trajectory.tum", "trajectory: t x y z qx qy qz qw"),

@@ -72,7 +72,8 @@ Json MapToJson(const SiteMap& map) {
   return {{"ground_area", SurfaceArea(map.mesh)},         {"free_cell_area", static_cast<double>(num_free) * cell_area},
           {"num_cells", map.surface.cells.size()},        {"num_vertices", map.mesh.vertices.size()},
           {"num_triangles", map.mesh.triangles.size()},   {"slots", SlotsToJson(map)},
-          {"num_markings", map.markings.markings.size()}, {"num_speed_bumps", map.markings.bumps.size()}};
+          {"num_markings", map.markings.markings.size()}, {"num_speed_bumps", map.markings.bumps.size()},
+          {"num_kerbs", map.markings.kerbs.size()}};
 }
 
 /// Of the ground and the trajectories.

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/trajectory.h"
+#include "mapping/evaluate_kerbs.h"
 #include "mapping/evaluate_slots.h"
 #include "mapping/evaluate_surface.h"
 #include "mapping/read_ply.h"
@@ -13,6 +14,7 @@
 #include "server/commands/commands.h"
 #include "server/finished_map.h"
 #include "server/ingest/open_drive_log.h"
+#include "server/kerbs_file.h"
 #include "server/slots_file.h"
 #include "slam/evaluate_trajectory.h"
 
@@ -25,6 +27,7 @@ struct EvaluateArguments {
   double within = 0;            ///< [m] of the true path; 0: everywhere
   std::string seen_in, rig;     ///< a log with masks, and the true rig
   std::string slots, map;       ///< true slots (GeoJSON), and the map whose slots are compared with them
+  std::string kerbs;            ///< true kerbs (GeoJSON), likewise
   bool is_json = false;
 };
 
@@ -57,6 +60,21 @@ SurfaceEvaluation EvaluateGround(const EvaluateArguments& arguments, const Rigid
 }
 
 constexpr double kSlotSight = 8;  // [m] from which a camera may see the lines of a slot
+constexpr double kKerbSight = 6;  // [m] likewise the ground before a kerb
+
+/// What the masks of a log show from near, where there is one.
+SlotScope ScopeOf(const EvaluateArguments& arguments, double max_distance) {
+  if (arguments.seen_in.empty()) return {};
+  Require(!arguments.truth.empty(), ErrorCode::kUsage, "--seen-in needs --truth");
+  OpenLogOptions open;
+  open.rig_folder = arguments.rig;
+  const std::shared_ptr<RecordedDrive> log = OpenDriveLog(arguments.seen_in, open);
+  SeenGroundOptions seen;
+  seen.max_distance = max_distance;
+  return {[log, seen, truth = ReadTum(arguments.truth)](const std::vector<Eigen::Vector3d>& points) {
+    return FindSeenGround(points, *log, truth, seen);
+  }};
+}
 
 /// The slots of a map; those count whose lines were seen, where a log says so.
 SlotEvaluation EvaluateMapSlots(const EvaluateArguments& arguments, const Rigid3& truth_from_estimate) {
@@ -66,28 +84,29 @@ SlotEvaluation EvaluateMapSlots(const EvaluateArguments& arguments, const Rigid3
     found.push_back(stored.slot);
     for (Eigen::Vector3d& corner : found.back().corners) corner = truth_from_estimate * corner;
   }
-  SlotScope scope;
-  std::unique_ptr<RecordedDrive> log;
-  if (!arguments.seen_in.empty()) {
-    Require(!arguments.truth.empty(), ErrorCode::kUsage, "--seen-in needs --truth");
-    OpenLogOptions open;
-    open.rig_folder = arguments.rig;
-    log = OpenDriveLog(arguments.seen_in, open);
-    SeenGroundOptions seen;
-    seen.max_distance = kSlotSight;
-    scope.find_seen = [&log, seen, truth = ReadTum(arguments.truth)](const std::vector<Eigen::Vector3d>& points) {
-      return FindSeenGround(points, *log, truth, seen);
-    };
-  }
-  return EvaluateSlots(ReadTrueSlots(arguments.slots, map.datum()), found, {}, scope);
+  return EvaluateSlots(ReadTrueSlots(arguments.slots, map.datum()), found, {}, ScopeOf(arguments, kSlotSight));
+}
+
+/// The kerbs of a map; those count that the true path came near, and that were seen, where a log says so.
+KerbEvaluation EvaluateMapKerbs(const EvaluateArguments& arguments, const Rigid3& truth_from_estimate) {
+  const FinishedMap map(arguments.map);
+  std::vector<Kerb> found = ReadKerbs(map.FileNamed("markings.geojson"));
+  for (Kerb& kerb : found)
+    for (Eigen::Vector3d& point : kerb.points) point = truth_from_estimate * point;
+  KerbScope scope;
+  scope.ground = ScopeOf(arguments, kKerbSight);
+  if (!arguments.truth.empty())
+    for (const TimedPose& pose : ReadTum(arguments.truth)) scope.path.push_back(pose.world_from_frame.translation);
+  return EvaluateKerbs(ReadTrueKerbs(arguments.kerbs, map.datum()), found, {}, scope);
 }
 
 int Evaluate(const EvaluateArguments& arguments) {
   const bool has_trajectories = !arguments.truth.empty() && !arguments.estimate.empty();
   const bool has_surfaces = !arguments.ground.empty() && !arguments.surface.empty();
   const bool has_slots = !arguments.slots.empty() && !arguments.map.empty();
-  Require(has_trajectories || has_surfaces || has_slots, ErrorCode::kUsage,
-          "evaluate needs --truth with --estimate, --ground with --surface, or --slots with --map");
+  const bool has_kerbs = !arguments.kerbs.empty() && !arguments.map.empty();
+  Require(has_trajectories || has_surfaces || has_slots || has_kerbs, ErrorCode::kUsage,
+          "evaluate needs --truth with --estimate, --ground with --surface, or --slots or --kerbs with --map");
 
   nlohmann::json json = nlohmann::json::object();
   std::string text;
@@ -108,6 +127,11 @@ int Evaluate(const EvaluateArguments& arguments) {
     json["slots"] = ToJson(evaluation);
     text += ToText(evaluation);
   }
+  if (has_kerbs) {
+    const KerbEvaluation evaluation = EvaluateMapKerbs(arguments, truth_from_estimate);
+    json["kerbs"] = ToJson(evaluation);
+    text += ToText(evaluation);
+  }
   std::printf("%s\n", arguments.is_json ? json.dump(2).c_str() : text.c_str());
   return 0;
 }
@@ -118,7 +142,7 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<EvaluateArguments>();
   CLI::App* command = app.add_subcommand(
       "evaluate",
-      "Compare a trajectory, a surface or parking slots with the truth; given a trajectory, the others "
+      "Compare a trajectory, a surface, parking slots or kerbs with the truth; given a trajectory, the others "
       "are moved by its alignment first");
   command->add_option("--truth", arguments->truth, "true trajectory (TUM)");
   command->add_option("--estimate", arguments->estimate, "estimated trajectory (TUM), poses of the same frame");
@@ -132,7 +156,11 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
   command->add_option("--slots", arguments->slots,
                       "true parking slots (GeoJSON); with --seen-in those of which a camera saw a metre of both lines "
                       "within 8 m");
-  command->add_option("--map", arguments->map, "finished map (folder) whose slots are compared with them");
+  command->add_option(
+      "--kerbs", arguments->kerbs,
+      "true kerbs (GeoJSON); with --truth those within 5 m of the true path, with --seen-in those before "
+      "which a camera saw the ground within 6 m");
+  command->add_option("--map", arguments->map, "finished map (folder) whose slots and kerbs are compared with them");
   command->add_option("--rig", arguments->rig, "true calibration of that log; default: the one in the log");
   command->add_flag("--json", arguments->is_json, "print JSON");
   command->callback([arguments, &action] { action = [arguments] { return Evaluate(*arguments); }; });

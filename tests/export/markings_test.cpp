@@ -75,6 +75,22 @@ TEST(Markings, AreLinesAreasAndBumps) {
   EXPECT_DOUBLE_EQ(features[2].at("properties").at("yaw_deg"), 90);
 }
 
+TEST(Markings, KerbsHaveTheirHeightAndLengthOnTheirLevel) {
+  GroundMarkings markings;
+  markings.kerbs.push_back({{{0, 0, 3}, {4, 0, 3}, {4, 3, 3.1}}, 0.1184, 0.0061});
+  const json features = json::parse(EncodeMarkingsGeoJson(markings, TwoDecks(), {})).at("features");
+  ASSERT_EQ(features.size(), 1U);
+  EXPECT_EQ(features[0].at("geometry").at("type"), "LineString");
+  EXPECT_EQ(features[0].at("geometry").at("coordinates"), json({{0.0, 0.0, 3.0}, {4.0, 0.0, 3.0}, {4.0, 3.0, 3.1}}));
+  const json& properties = features[0].at("properties");
+  EXPECT_EQ(properties.at("type"), "kerb");
+  EXPECT_DOUBLE_EQ(properties.at("height_m"), 0.118);
+  EXPECT_DOUBLE_EQ(properties.at("height_sigma_m"), 0.006);
+  EXPECT_DOUBLE_EQ(properties.at("length_m"), 7);
+  EXPECT_EQ(properties.at("level"), 1);
+  EXPECT_EQ(properties.at("points_m"), features[0].at("geometry").at("coordinates"));
+}
+
 TEST(Markings, OfNothingAreEmptyCollections) {
   EXPECT_TRUE(json::parse(EncodeSlotsGeoJson({}, {}, {}, {})).at("features").empty());
   EXPECT_TRUE(json::parse(EncodeMarkingsGeoJson({}, {}, {})).at("features").empty());

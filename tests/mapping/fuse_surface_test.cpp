@@ -53,6 +53,27 @@ TEST(FuseSurface, WhatWasNeverSeenIsNotInTheMap) {
   EXPECT_EQ(CellAt(surface, 6, 3), nullptr);
 }
 
+TEST(FuseSurface, SamplesBeyondTheOutlineSayNothing) {
+  const DrivenPath path = MakePath(5);
+  std::vector<PosedGroundPatch> patches{MakePatch(3, -2, 8, 2, 100, true)};
+  for (const char* method : {"surface", "homography"}) {
+    SurfaceOptions options;
+    options.method = method;
+    const SurfaceMap before = FuseSurface(patches, std::span(&path, 1), options);
+    std::vector<PosedGroundPatch> with_beyond = patches;
+    for (GroundSample sample : MakePatch(3, 1, 8, 4, 30, false).patch.samples) {
+      sample.confidence = 0;
+      with_beyond[0].patch.samples.push_back(sample);
+    }
+    const SurfaceMap after = FuseSurface(with_beyond, std::span(&path, 1), options);
+    ASSERT_EQ(after.cells.size(), before.cells.size()) << method;
+    for (size_t i = 0; i < before.cells.size(); ++i) {
+      EXPECT_EQ(after.cells[i].color, before.cells[i].color);
+      EXPECT_EQ(after.cells[i].free_belief, before.cells[i].free_belief);
+    }
+  }
+}
+
 TEST(FuseSurface, AMovedCarTurnsIntoFreeSpaceAgain) {
   const DrivenPath path = MakePath(5);
   std::vector<PosedGroundPatch> patches{MakePatch(3, -3, 8, 3, 100, true)};

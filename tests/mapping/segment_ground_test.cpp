@@ -128,7 +128,8 @@ TEST_F(SegmentingAFan, AMaskIsLookedUpAtEachPlace) {
 class HidingBehindObstacles : public testing::Test {
  protected:
   /// g ground, n not ground, u unknown: one letter per range of the only ray.
-  static std::string Hide(const std::string& before, bool is_trusted, double obstacle_depth = 0.5) {
+  static std::string Hide(const std::string& before, bool is_trusted, double obstacle_depth = 0.5,
+                          double beyond_depth = 0) {
     GroundGrid grid{.num_rays = 1,
                     .num_ranges = static_cast<int>(before.size()),
                     .angle_step = 0.02,
@@ -146,12 +147,14 @@ class HidingBehindObstacles : public testing::Test {
     SegmentGroundOptions options;
     options.obstacle_depth = obstacle_depth;
     options.foot_depth = 0.15;
+    options.beyond_depth = beyond_depth;
     HideBehindObstacles(grid, options, is_trusted, labels);
     std::string after;
     for (const GroundLabel label : labels)
       after += label == GroundLabel::kGround      ? 'g'
                : label == GroundLabel::kNotGround ? 'n'
                : label == GroundLabel::kHidden    ? 'h'
+               : label == GroundLabel::kBeyond    ? 'b'
                                                   : 'u';
     return after;
   }
@@ -159,6 +162,11 @@ class HidingBehindObstacles : public testing::Test {
 
 TEST_F(HidingBehindObstacles, OnlyTheFootOfAnObstacleIsKnown) { EXPECT_EQ(Hide("ggnnnnnn", true), "ggnnuuuu"); }
 TEST_F(HidingBehindObstacles, ShortlyBehindTheFootIsAHint) { EXPECT_EQ(Hide("ggnnnnnn", true, 1), "ggnnhhuu"); }
+TEST_F(HidingBehindObstacles, FurtherBehindColoursAreKept) {
+  EXPECT_EQ(Hide("ggnnnnnnn", true, 1, 1.5), "ggnnhhbbu");
+  EXPECT_EQ(Hide("ggnnnnnnn", false, 0.5, 1), "ggnnbbuuu");
+  EXPECT_EQ(Hide("nngnn", true, 0.5, 1), "uugnn") << "but nothing of the own car";
+}
 TEST_F(HidingBehindObstacles, AGuessEndsAtTheFirstObstacle) { EXPECT_EQ(Hide("ggnnnngg", false), "ggnnuuuu"); }
 TEST_F(HidingBehindObstacles, AMaskMaySeeGroundAgainBehind) { EXPECT_EQ(Hide("ggnnnnggnnn", true), "ggnnuuggnnu"); }
 TEST_F(HidingBehindObstacles, WhatComesBeforeTheFirstGroundIsTheOwnCar) { EXPECT_EQ(Hide("nnggg", false), "uuggg"); }
