@@ -6,14 +6,24 @@
 
 #include <cstdlib>
 #include <new>
+#include <string>
 
 namespace parkade {
 namespace {
 
+int OpenNameless(const std::string& folder) {
+  const int file = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  if (file >= 0) return file;
+  std::string name = folder + "/parkade-XXXXXX";  // not every file system has files without names
+  const int named = ::mkostemp(name.data(), O_CLOEXEC);
+  if (named >= 0) ::unlink(name.c_str());
+  return named;
+}
+
 /// A file of this length that nobody else sees, or -1. Its room is taken right away: to find the disk full while a page
 /// is written would end the program.
-int OpenFileIn(const char* folder, std::size_t num_bytes) {
-  const int file = ::open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+int OpenFileIn(const std::string& folder, std::size_t num_bytes) {
+  const int file = OpenNameless(folder);
   if (file < 0) return -1;
   if (::posix_fallocate(file, 0, static_cast<off_t>(num_bytes)) == 0) return file;
   ::close(file);

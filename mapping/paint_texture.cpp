@@ -156,6 +156,7 @@ void PaintDrive(const DriveLog& log, const Choice& choice, const CellFinder& cel
         if (painters[i].IsInReach(photo)) painters[i].Paint(photo);
     });
     FinishReady(painters, cells);
+    ReleaseMemory(cells.surface().cells);
   }
 }
 
