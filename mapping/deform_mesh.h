@@ -32,7 +32,7 @@ struct DeformationOptions {
   double stiffness = 0.01;        ///< [m/m] and [rad] by which neighbouring nodes may disagree
   double seen_sigma = 0.02;       ///< [m] of ground beside a keyframe, and 0.01 more per metre away
   double level_gap = 1.0;         ///< [m] of height between nodes of one column: more are two decks
-  double ground_share = 1e-3;  ///< of the ground's information that counts where keyframes are free, see DeformJointly
+  double ground_share = 1e-4;  ///< of the ground's information that counts where keyframes are free, see DeformJointly
 };
 
 /// How the ground of a map moves with the trajectories it was seen from.
