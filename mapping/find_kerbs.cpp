@@ -71,15 +71,24 @@ std::vector<StripAgreement> SumOf(std::span<const std::size_t> indices, std::spa
   return sums;
 }
 
-/// Misfits from the lowest height up, as far as enough is seen.
-std::vector<double> MisfitsOf(const std::vector<StripAgreement>& agreements) {
-  int most = 0;
-  for (const StripAgreement& agreement : agreements) most = std::max(most, agreement.num_samples);
-  std::vector<double> misfits;
-  for (const StripAgreement& agreement : agreements) {
-    if (agreement.num_samples < kSeenShare * most || agreement.num_samples == 0) break;
-    misfits.push_back(agreement.Misfit());
-  }
+/// Misfits at those heights of a sweep at which enough is seen.
+struct Misfits {
+  std::size_t first = 0;  ///< step of the sweep that the first is of
+  std::vector<double> values = {};
+};
+
+Misfits MisfitsOf(const std::vector<StripAgreement>& agreements) {
+  if (agreements.empty()) return {};
+  const auto most = std::max_element(agreements.begin(), agreements.end(),
+                                     [](const auto& a, const auto& b) { return a.num_samples < b.num_samples; });
+  const auto is_seen = [&](const StripAgreement& at) {
+    return at.num_samples > 0 && at.num_samples >= kSeenShare * most->num_samples;
+  };
+  auto begin = most, end = most;
+  while (begin != agreements.begin() && is_seen(*(begin - 1))) --begin;
+  while (end != agreements.end() && is_seen(*end)) ++end;
+  Misfits misfits{static_cast<std::size_t>(begin - agreements.begin())};
+  for (auto at = begin; at != end; ++at) misfits.values.push_back(at->Misfit());
   return misfits;
 }
 
@@ -95,12 +104,12 @@ bool HasRival(const std::vector<double>& misfits, std::size_t best, double max_r
 /// The height at which views agree, unless they do nowhere, or as well elsewhere. `num_cells` are all there are.
 std::optional<Dip> FindDip(const std::vector<StripAgreement>& agreements, const StripWindow& window, double num_cells,
                            const Clarity& clarity) {
-  const std::vector<double> misfits = MisfitsOf(agreements);
+  const auto [first, misfits] = MisfitsOf(agreements);
   if (misfits.size() < kMinHeights) return {};
   const auto lowest = std::min_element(misfits.begin(), misfits.end());
   const auto best = static_cast<std::size_t>(lowest - misfits.begin());
   if (best < 2 || best + 3 > misfits.size()) return {};
-  const StripAgreement& at = agreements[best];
+  const StripAgreement& at = agreements[first + best];
   if (at.num_samples < kMinSights * at.num_cells || at.num_cells < kMinCells * num_cells) return {};
   if (static_cast<double>(at.total) < kMinContrast * kMinContrast * static_cast<double>(at.weight)) return {};
   std::vector<double> sorted = misfits;
@@ -113,14 +122,16 @@ std::optional<Dip> FindDip(const std::vector<StripAgreement>& agreements, const 
   if (curvature <= 0) return {};
   const double step = StripWindow::kHeightStep;
   const double variance = 2 * kCorrelation * *lowest * step * step / (curvature * at.num_samples);
-  return Dip{window.HeightAt(static_cast<double>(best) + 0.5 * (before - after) / curvature), std::sqrt(variance)};
+  return Dip{window.HeightAt(static_cast<double>(first + best) + 0.5 * (before - after) / curvature),
+             std::sqrt(variance)};
 }
 
 /// Whether what lies farther off is as high: then the step has a level top.
 bool IsLevel(const std::vector<StripAgreement>& far_off, double height) {
-  const std::vector<double> misfits = MisfitsOf(far_off);
+  const Misfits seen = MisfitsOf(far_off);
+  const std::vector<double>& misfits = seen.values;
   const auto step_at = [&](double at) {
-    const double step = (at - kBeyond.min_height) / StripWindow::kHeightStep;
+    const double step = (at - kBeyond.HeightAt(static_cast<double>(seen.first))) / StripWindow::kHeightStep;
     return std::clamp(static_cast<std::ptrdiff_t>(std::lround(step)), std::ptrdiff_t{1},
                       static_cast<std::ptrdiff_t>(misfits.size()) - 2);
   };

@@ -53,6 +53,18 @@ std::vector<Seen> FindViews(const OutlineStrip& strip, std::span<const PatchView
   return seen;
 }
 
+/// Heights of a sweep; none where the lowest exceeds the highest.
+struct Heights {
+  double lowest = 0, highest = 0;  ///< [m]
+
+  /// Those at which a coordinate that is `at` [m] at height 0 and falls by `per_metre` lies between two bounds.
+  Heights Within(double at, double per_metre, double from, double to) const {
+    if (std::abs(per_metre) < 1e-9) return at >= from && at <= to ? *this : Heights{1, 0};
+    const double a = (at - from) / per_metre, b = (at - to) / per_metre;
+    return {std::max(lowest, std::min(a, b)), std::min(highest, std::max(a, b))};
+  }
+};
+
 /// The samples of a patch that show a strip at some height of the sweep.
 View LookAt(const OutlineStrip& strip, double length, const PosedGroundPatch& posed, const Vector3d& eye,
             const StripWindow& window) {
@@ -70,11 +82,10 @@ View LookAt(const OutlineStrip& strip, double length, const PosedGroundPatch& po
     if (descent < 0.05 * ray.norm()) continue;
     const Vector2d per_metre = ray.head<2>() / descent;
     const Vector2d place = eye_in_strip.head<2>() + above * per_metre;
-    const double farthest = place.y() - window.min_height * per_metre.y();
-    const double nearest = place.y() - window.max_height * per_metre.y();
-    if (farthest < window.begin || nearest > window.End()) continue;
-    const double reach = std::max(-window.min_height, window.max_height) * std::abs(per_metre.x());
-    if (std::abs(place.x()) > 0.5 * length + reach) continue;
+    Heights heights{window.min_height, window.max_height};
+    heights = heights.Within(place.y(), per_metre.y(), window.begin, window.End());
+    heights = heights.Within(place.x(), per_metre.x(), -0.5 * length, 0.5 * length);
+    if (heights.lowest > heights.highest) continue;
     const double distance = above * per_metre.norm();
     view.push_back({static_cast<float>(place.x()), static_cast<float>(place.y()), static_cast<float>(-per_metre.x()),
                     static_cast<float>(-per_metre.y()),
