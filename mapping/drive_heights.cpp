@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "mapping/estimate_lean.h"
 #include "mapping/height_certainty.h"
+#include "mapping/plane_heights.h"
 
 namespace parkade {
 namespace {
@@ -19,84 +20,26 @@ constexpr double kPoseDistance = 0.5;         // [m] between poses that heights 
 constexpr double kPoseSquare = 8.0;           // [m] of the squares in which these are sorted
 constexpr size_t kPatchesPerBatch = 64;       // in memory at once
 
-/// The heights at which patches put the ground: the planes that their cars stood on.
-class PlaneHeights {
+/// Every second keyframe of each camera: enough to come near the ground, in
+/// half the time.
+class EverySecond final : public PatchSource {
  public:
-  explicit PlaneHeights(const HeightFieldOptions& options = {}) : options_(options) {}
-
-  /// `path` is that of its drive, or null.
-  void Add(const PosedGroundPatch& posed, const DrivenPath* path) {
-    const Rigid3 ground_from_body = path ? path->body_from_ground.Inverse() : Rigid3{};
-    const Eigen::Vector2d acceleration =
-        path ? AccelerationAt(path->site_from_body, posed.patch.time) : Eigen::Vector2d::Zero();
-    const double share = path ? path->plane_errors * path->plane_errors : 1;
-    for (const GroundSample& sample : posed.patch.samples) {
-      if (!sample.is_free) continue;
-      const Eigen::Vector3d point_in_body = sample.point_in_body.cast<double>();
-      Eigen::Vector3d point = posed.site_from_body * point_in_body;
-      if (path) point.z() -= path->lean.LiftAt(acceleration, (ground_from_body * point_in_body).head<2>());
-      const double weight = 1 / (share / static_cast<double>(sample.weight) + kLeastPlaneVariance);
-      Add(point, weight, weight);
-    }
+  /// The source is borrowed. \param which  0 or 1: the others
+  EverySecond(const PatchSource& source, int which) : source_(&source) {
+    std::map<int, int> counts;
+    for (std::size_t i = 0; i < source.views().size(); ++i)
+      if (counts[source.views()[i].camera]++ % 2 == which) {
+        views_.push_back(source.views()[i]);
+        indices_.push_back(i);
+      }
   }
 
-  void Add(const Eigen::Vector3d& point, double weight, double best_weight) {
-    const auto index = [](double value, double step) { return static_cast<int>(std::floor(value / step)); };
-    Sum& sum = sums_[{index(point.z(), options_.level_separation), index(point.y(), options_.spacing),
-                      index(point.x(), options_.spacing)}];
-    sum.point += weight * point;
-    sum.weight += weight;
-    sum.best_weight = std::max(sum.best_weight, best_weight);
-  }
-
-  void Merge(const PlaneHeights& other) {
-    for (const auto& [square, sum] : other.sums_) {
-      Sum& here = sums_[square];
-      here.point += sum.point;
-      here.weight += sum.weight;
-      here.best_weight = std::max(here.best_weight, sum.best_weight);
-    }
-  }
-
-  /// One per square and deck; the weight of all of them, and the sigma of the best.
-  std::vector<HeightObservation> Sums() const {
-    std::vector<HeightObservation> sums;
-    sums.reserve(sums_.size());
-    for (const auto& [square, sum] : sums_)
-      sums.push_back({sum.point / sum.weight, sum.weight, 1 / std::sqrt(sum.best_weight)});
-    return sums;
-  }
-
-  /// One per square and deck, with `share` of the weight of the best.
-  std::vector<HeightObservation> Observations(double share) const {
-    std::vector<HeightObservation> observations;
-    observations.reserve(sums_.size());
-    for (const auto& [square, sum] : sums_) observations.push_back({sum.point / sum.weight, share * sum.best_weight});
-    return observations;
-  }
+  PosedGroundPatch Read(std::size_t index) const override { return source_->Read(indices_[index]); }
 
  private:
-  struct Sum {
-    Eigen::Vector3d point = Eigen::Vector3d::Zero();
-    double weight = 0, best_weight = 0;
-  };
-  HeightFieldOptions options_;
-  std::map<std::tuple<int, int, int>, Sum> sums_;
+  const PatchSource* source_;
+  std::vector<std::size_t> indices_;
 };
-
-PlaneHeights CollectPlanes(const PatchSource& patches, const DrivenPath* path, const HeightOptions& options) {
-  PlaneHeights planes(options.field);
-  const size_t count = patches.views().size();
-  for (size_t begin = 0; begin < count; begin += kPatchesPerBatch) {
-    const auto of_patches = ParallelMap(std::min(kPatchesPerBatch, count - begin), [&](size_t i) {
-      PlaneHeights heights(options.field);
-      heights.Add(patches.Read(begin + i), path);
-      return heights;
-    });
-    for (const PlaneHeights& heights : of_patches) planes.Merge(heights);
-  }
-  return planes;
-}
 
 void AddContacts(const DrivenPath& path, const HeightOptions& options, std::vector<HeightObservation>& observations) {
   for (const ContactPoint& contact : FindContacts(path, 0.5 * options.field.spacing)) {
@@ -187,20 +130,27 @@ DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* p
     known.insert(known.end(), measured.begin(), measured.end());
     return known;
   };
-  PlaneHeights planes = CollectPlanes(patches, leaning_path, options);
+  const int num_rounds = path ? options.sweep.num_rounds : 0;
+  const EverySecond even(patches, 0), odd(patches, 1);
+  const auto used_in = [&](int round) -> const PatchSource& {
+    if (round + 1 >= num_rounds) return patches;
+    if (getenv("FULL")) return patches;
+    return round % 2 == 0 ? even : odd;
+  };
+  PlaneHeights planes = CollectPlanes(used_in(0), leaning_path, options.field);
   std::vector<HeightObservation> known = find_known(planes), swept;
-  for (int round = 0; path && round < options.sweep.num_rounds; ++round) {
+  for (int round = 0; round < num_rounds; ++round) {
     std::vector<HeightObservation> all = known;
     all.insert(all.end(), swept.begin(), swept.end());
     const HeightField field(std::move(all), options.field);
-    const bool is_last = round + 1 == options.sweep.num_rounds;
-    swept = MeasureHeights(patches, std::span(path, 1), field, (is_last ? 0.5 : 1.0) * options.sweep.max_offset,
+    const bool is_last = round + 1 == num_rounds;
+    swept = MeasureHeights(used_in(round), std::span(path, 1), field, (is_last ? 0.5 : 1.0) * options.sweep.max_offset,
                            options.sweep);
     LogDebug("stage=measure_heights round=" + std::to_string(round) + " heights=" + std::to_string(swept.size()));
     if (round > 0) continue;
     leaning.lean = EstimateLean(leaning, swept);
     leaning.plane_errors = EstimatePlaneErrors(leaning, swept);
-    planes = CollectPlanes(patches, leaning_path, options);
+    planes = CollectPlanes(patches, leaning_path, options.field);
     known = find_known(planes);
   }
   if (path)

@@ -8,32 +8,20 @@
 #include <tuple>
 
 #include "core/parallel.h"
+#include "mapping/local_means.h"
 #include "mapping/meet_surface.h"
 
 namespace parkade {
 namespace {
 
-constexpr int kWindowsPerTile = 12;  // a tile is worked on at once: that bounds memory
-constexpr int kTilesPerBlock = 3;    // the patches of a block are read at once
-constexpr size_t kMaxPatches = 300;  // of a block; where a car came by more often, its tiles are worked on one by one
-constexpr double kMinLever = 1.0;    // distance over height of the eye: a steeper view tells no height
-constexpr double kMargin = 3.0;      // [m] rays meet the surface not further from where they meet the car's plane
-
-/// A sample on the surface, and how it moves when the surface rises.
-struct Sight {
-  Eigen::Vector2f point;  ///< [m] from the tile's corner
-  Eigen::Vector2f shift;  ///< [m] per metre of height
-  float grey = 0;         ///< later less the mean of its view in its window
-  float weight = 0;
-};
-
-/// Where a sample of a patch meets the surface.
-struct Meeting {
-  Eigen::Vector2f on_plane;  ///< [m] from the block's corner: where it lies on its car's plane ...
-  Eigen::Vector2f point;     ///< [m] ... and on the surface
-  Eigen::Vector2f shift;     ///< [m] of the latter per metre of height
-  float grey = 0, weight = 0;
-};
+constexpr int kWindowsPerTile = 12;   // a tile is worked on at once: that bounds memory
+constexpr int kTilesPerBlock = 3;     // the patches of a block are read at once
+constexpr size_t kMaxPatches = 300;   // of a block; where a car came by more
+                                      // often, its tiles are worked on one by one
+constexpr double kMinLever = 1.0;     // distance over height of the eye: a steeper view tells no height
+constexpr double kMeanSquare = 0.75;  // of a window: the squares of LocalMeans
+constexpr double kMargin = 3.0;       // [m] rays meet the surface not further from
+                                      // where they meet the car's plane
 
 /// Which patches are near enough to matter to a tile.
 struct Tile {
@@ -49,160 +37,44 @@ struct Block {
   std::vector<Tile> tiles;
 };
 
-/// Weighted sums over samples.
-struct Sums {
-  float weight = 0, grey = 0, square = 0;
-
-  void Add(float grey_value, float sample_weight) {
-    weight += sample_weight;
-    grey += sample_weight * grey_value;
-    square += sample_weight * grey_value * grey_value;
-  }
-  float Residual() const { return weight > 0 ? square - grey * grey / weight : 0; }
-};
-
-/// The windows of one tile at all heights of the sweep.
-class TileSweep {
- public:
-  TileSweep(const Tile& tile, double max_offset, const MeasureHeightsOptions& options)
-      : tile_(&tile), options_(&options), max_offset_(max_offset) {
-    cells_per_window_ = static_cast<int>(std::lround(options.window / options.cell_size));
-    cells_.resize(static_cast<size_t>(kWindowsPerTile * kWindowsPerTile * cells_per_window_ * cells_per_window_));
-  }
-
-  std::vector<SweptWindow> Sweep(const std::vector<std::vector<Sight>>& views, std::span<const PatchView> patches) {
-    std::vector<SweptWindow> windows;
-    for (int y = 0; y < kWindowsPerTile; ++y)
-      for (int x = 0; x < kWindowsPerTile; ++x)
-        windows.push_back({tile_->deck, tile_->x * kWindowsPerTile + x, tile_->y * kWindowsPerTile + y, 0, {}});
-    for (int step = -options_->num_steps; step <= options_->num_steps; ++step) {
-      const std::vector<Agreement> at_height = AgreementAt(views, max_offset_ * step / options_->num_steps);
-      for (size_t i = 0; i < windows.size(); ++i) windows[i].agreements.push_back(at_height[i]);
-    }
-    std::erase_if(windows, [](const SweptWindow& window) {
-      return std::all_of(window.agreements.begin(), window.agreements.end(),
-                         [](const Agreement& agreement) { return agreement.num_samples == 0; });
-    });
-    for (SweptWindow& window : windows) window.deck_height = DeckOf(window, patches);
-    return windows;
-  }
-
- private:
-  struct Cell {
-    Sums sums;  ///< of grey values
-    int count = 0;
-  };
-
-  std::vector<Agreement> AgreementAt(const std::vector<std::vector<Sight>>& views, double offset) {
-    std::fill(cells_.begin(), cells_.end(), Cell{});
-    const int across = kWindowsPerTile * cells_per_window_;
-    const auto per_cell = static_cast<float>(1 / options_->cell_size), rise = static_cast<float>(offset);
-    for (const std::vector<Sight>& view : views)
-      for (const Sight& sight : view) {
-        const float x = per_cell * (sight.point.x() + rise * sight.shift.x());
-        const float y = per_cell * (sight.point.y() + rise * sight.shift.y());
-        if (x < 0 || y < 0) continue;
-        const int column = static_cast<int>(x), row = static_cast<int>(y);
-        if (column >= across || row >= across) continue;
-        Cell& cell = cells_[static_cast<size_t>(row * across + column)];
-        cell.sums.Add(sight.grey, sight.weight);
-        ++cell.count;
-      }
-    return SumUp(across);
-  }
-
-  std::vector<Agreement> SumUp(int across) const {
-    std::vector<Agreement> agreements(static_cast<size_t>(kWindowsPerTile * kWindowsPerTile));
-    for (int y = 0; y < across; ++y)
-      for (int x = 0; x < across; ++x) {
-        const Cell& cell = cells_[static_cast<size_t>(y * across + x)];
-        const auto index = static_cast<size_t>(y / cells_per_window_ * kWindowsPerTile + x / cells_per_window_);
-        Agreement& window = agreements[index];
-        window.residual += cell.sums.Residual();
-        if (cell.count == 0) continue;
-        window.total += cell.sums.square;
-        window.weight += cell.sums.weight;
-        window.num_samples += cell.count;
-        ++window.num_cells;
-      }
-    return agreements;
-  }
-
-  /// Of decks above each other the one that the nearest patch drove on.
-  double DeckOf(const SweptWindow& window, std::span<const PatchView> patches) const {
-    const Eigen::Vector2d center = options_->window * Eigen::Vector2d(window.x + 0.5, window.y + 0.5);
-    double nearest = 1e9, deck = 0;
-    for (const size_t i : tile_->near) {
-      const Eigen::Vector3d& body = patches[i].site_from_body.translation;
-      const double distance = (body.head<2>() - center).norm();
-      if (distance < nearest) nearest = distance, deck = body.z();
-    }
-    return deck;
-  }
-
-  const Tile* tile_;
-  const MeasureHeightsOptions* options_;
-  double max_offset_;
-  int cells_per_window_ = 0;
-  std::vector<Cell> cells_;
-};
-
 /// The samples of a patch that say something about heights, on the surface.
-std::vector<Meeting> FindMeetings(const PosedGroundPatch& posed, const DrivenPath& path, const HeightField& field,
-                                  const Eigen::AlignedBox2d& block, double max_distance) {
-  std::vector<Meeting> meetings;
+std::vector<Sight> FindMeetings(const PosedGroundPatch& posed, const DrivenPath& path, const HeightField& field,
+                                const Eigen::AlignedBox2d& block, const MeasureHeightsOptions& options) {
+  std::vector<Sight> meetings;
+  const LocalMeans means(posed.patch.samples, kMeanSquare * options.window);
   const Eigen::Vector3d eye = posed.site_from_body * path.cameras_in_body[static_cast<size_t>(posed.patch.camera)];
   for (const GroundSample& sample : posed.patch.samples) {
-    if (!sample.is_free || sample.confidence <= 0) continue;
+    if (!LocalMeans::IsUsed(sample)) continue;
     Eigen::Vector3d point = posed.site_from_body * sample.point_in_body.cast<double>();
-    const Eigen::Vector2d ray = (point - eye).head<2>(), on_plane = point.head<2>() - block.min();
+    const Eigen::Vector2d ray = (point - eye).head<2>();
     if (block.exteriorDistance(point.head<2>().eval()) > 1.5 * kMargin) continue;
     const double distance = ray.norm();
-    if (distance > max_distance || distance < kMinLever * (eye.z() - point.z())) continue;
+    if (distance > options.max_distance || distance < kMinLever * (eye.z() - point.z())) continue;
     if (MeetSurface(field, eye, point) == HeightField::kNone) continue;
     const Eigen::Vector2d shift = -(point - eye).head<2>() / (eye.z() - point.z());
-    const float grey = (114.0F * sample.blue + 587.0F * sample.green + 299.0F * sample.red) / 1000;
-    meetings.push_back({on_plane.cast<float>(), (point.head<2>() - block.min()).cast<float>(), shift.cast<float>(),
-                        grey, sample.confidence});
+    meetings.push_back({(point.head<2>() - block.min()).cast<float>(), shift.cast<float>(),
+                        LocalMeans::GreyOf(sample) - means.At(sample), sample.confidence});
   }
   return meetings;
 }
 
-/// Those that lie on a tile, or may come to.
-std::vector<Sight> FindSights(const std::vector<Meeting>& meetings, const Eigen::Vector2f& tile_in_block, float side,
-                              float max_offset) {
-  constexpr auto kReach = static_cast<float>(kMargin);
-  std::vector<Sight> sights;
-  for (const Meeting& meeting : meetings) {
-    const Eigen::Vector2f on_plane = meeting.on_plane - tile_in_block, on_tile = meeting.point - tile_in_block;
-    if (on_plane.minCoeff() < -kReach || on_plane.maxCoeff() > side + kReach) continue;
-    const float reach = max_offset * meeting.shift.norm();
-    if (on_tile.minCoeff() < -reach || on_tile.maxCoeff() > side + reach) continue;
-    sights.push_back({on_tile, meeting.shift, meeting.grey, meeting.weight});
+/// Adds those that lie on a tile, or may come to. \return whether there are any
+bool AddSights(const std::vector<Sight>& meetings, const Eigen::Vector2f& tile_in_block, float side, float max_offset,
+               TileSweep& sweep) {
+  const size_t before = sweep.num_sights();
+  for (Sight sight : meetings) {
+    sight.point -= tile_in_block;
+    const float reach = max_offset * sight.shift.norm();
+    if (sight.point.minCoeff() < -reach || sight.point.maxCoeff() > side + reach) continue;
+    sweep.Add(sight);
   }
-  return sights;
-}
-
-/// Takes off each window's mean, so that exposures need not agree. Windows just outside of the tile are told apart too.
-void TakeOffMeans(double window, std::vector<Sight>& view) {
-  constexpr int kAcross = kWindowsPerTile + 2;
-  const auto per_window = static_cast<float>(1 / window);
-  const auto window_of = [&](const Sight& sight) {
-    const Eigen::Array2i index = (per_window * sight.point.array()).floor().cast<int>() + 1;
-    const Eigen::Array2i inside = index.max(0).min(kAcross - 1);
-    return static_cast<size_t>(inside.y() * kAcross + inside.x());
-  };
-  std::array<Sums, static_cast<size_t>(kAcross) * kAcross> windows{};
-  for (const Sight& sight : view) windows[window_of(sight)].Add(sight.grey, sight.weight);
-  for (Sight& sight : view) {
-    const Sums& sums = windows[window_of(sight)];
-    sight.grey -= sums.grey / sums.weight;
-  }
+  return sweep.num_sights() > before;
 }
 
 int FloorDivide(int a, int b) { return (a >= 0 ? a : a - b + 1) / b; }
 
-/// Tiles by deck: patches that are more than half a deck apart in height do not share one.
+/// Tiles by deck: patches that are more than half a deck apart in height do not
+/// share one.
 std::vector<Block> MakeBlocks(std::span<const PatchView> patches, std::span<const DrivenPath> paths,
                               const MeasureHeightsOptions& options) {
   constexpr double kDeckHeight = 1.5;  // [m]
@@ -251,19 +123,56 @@ std::vector<Block> MakeBlocks(std::span<const PatchView> patches, std::span<cons
 }
 
 /// The patches of a block on the surface, by their number.
-std::map<size_t, std::vector<Meeting>> MeetAll(const Block& block, const PatchSource& patches,
-                                               std::span<const DrivenPath> paths, const HeightField& field,
-                                               double max_distance) {
-  std::map<size_t, std::vector<Meeting>> meetings;
+std::map<size_t, std::vector<Sight>> MeetAll(const Block& block, const PatchSource& patches,
+                                             std::span<const DrivenPath> paths, const HeightField& field,
+                                             const MeasureHeightsOptions& options) {
+  std::map<size_t, std::vector<Sight>> meetings;
   for (const Tile& tile : block.tiles)
     for (const size_t i : tile.patches) meetings.try_emplace(i);
-  std::vector<std::pair<const size_t, std::vector<Meeting>>*> list;
+  std::vector<std::pair<const size_t, std::vector<Sight>>*> list;
   for (auto& of_patch : meetings) list.push_back(&of_patch);
   ParallelFor(list.size(), [&](size_t k) {
     const PosedGroundPatch posed = patches.Read(list[k]->first);
-    list[k]->second = FindMeetings(posed, *FindPath(paths, posed.patch.drive), field, block.box, max_distance);
+    list[k]->second = FindMeetings(posed, *FindPath(paths, posed.patch.drive), field, block.box, options);
   });
   return meetings;
+}
+
+/// Of decks above each other the one that the nearest patch drove on [m].
+double DeckOf(const Tile& tile, const Eigen::Vector2d& place, std::span<const PatchView> patches) {
+  double nearest = 1e9, deck = 0;
+  for (const size_t i : tile.near) {
+    const Eigen::Vector3d& body = patches[i].site_from_body.translation;
+    const double distance = (body.head<2>() - place).norm();
+    if (distance < nearest) nearest = distance, deck = body.z();
+  }
+  return deck;
+}
+
+SweepShape ShapeOf(double max_offset, const MeasureHeightsOptions& options) {
+  SweepShape shape{kWindowsPerTile,
+                   static_cast<int>(std::lround(options.window / options.cell_size)),
+                   static_cast<float>(options.cell_size),
+                   {}};
+  for (int step = -options.num_steps; step <= options.num_steps; ++step)
+    shape.offsets.push_back(static_cast<float>(max_offset * step / options.num_steps));
+  return shape;
+}
+
+/// The windows of a tile of which anything was seen.
+std::vector<SweptWindow> WindowsOf(const Tile& tile, const std::vector<Agreement>& agreements, size_t num_heights,
+                                   std::span<const PatchView> patches, double side) {
+  std::vector<SweptWindow> windows;
+  for (int y = 0; y < kWindowsPerTile; ++y)
+    for (int x = 0; x < kWindowsPerTile; ++x) {
+      const auto begin = agreements.begin() + static_cast<std::ptrdiff_t>(num_heights) * (y * kWindowsPerTile + x);
+      const auto end = begin + static_cast<std::ptrdiff_t>(num_heights);
+      if (std::all_of(begin, end, [](const Agreement& agreement) { return agreement.num_samples == 0; })) continue;
+      SweptWindow window{tile.deck, tile.x * kWindowsPerTile + x, tile.y * kWindowsPerTile + y, 0, {begin, end}};
+      window.deck_height = DeckOf(tile, side * Eigen::Vector2d(window.x + 0.5, window.y + 0.5), patches);
+      windows.push_back(std::move(window));
+    }
+  return windows;
 }
 
 }  // namespace
@@ -272,22 +181,19 @@ std::vector<SweptWindow> SweepWindows(const PatchSource& patches, std::span<cons
                                       const HeightField& field, double max_offset,
                                       const MeasureHeightsOptions& options) {
   const auto side = static_cast<float>(kWindowsPerTile * options.window);
+  const SweepShape shape = ShapeOf(max_offset, options);
   std::vector<SweptWindow> windows;
   for (const Block& block : MakeBlocks(patches.views(), paths, options)) {
-    const std::map<size_t, std::vector<Meeting>> meetings = MeetAll(block, patches, paths, field, options.max_distance);
+    const std::map<size_t, std::vector<Sight>> meetings = MeetAll(block, patches, paths, field, options);
     const auto of_tiles = ParallelMap(block.tiles.size(), [&](size_t t) {
       const Tile& tile = block.tiles[t];
       const Eigen::Vector2f tile_in_block = (tile.corner - block.box.min()).cast<float>();
-      std::vector<std::vector<Sight>> views;
-      for (const size_t i : tile.patches) {
-        views.push_back(FindSights(meetings.at(i), tile_in_block, side, static_cast<float>(max_offset)));
-        if (views.back().empty())
-          views.pop_back();
-        else
-          TakeOffMeans(options.window, views.back());
-      }
-      if (views.size() < 2) return std::vector<SweptWindow>{};
-      return TileSweep(tile, max_offset, options).Sweep(views, patches.views());
+      TileSweep sweep(shape);
+      int num_views = 0;
+      for (const size_t i : tile.patches)
+        num_views += AddSights(meetings.at(i), tile_in_block, side, static_cast<float>(max_offset), sweep);
+      if (num_views < 2) return std::vector<SweptWindow>{};
+      return WindowsOf(tile, sweep.Sweep(), shape.offsets.size(), patches.views(), options.window);
     });
     for (const auto& of_tile : of_tiles) windows.insert(windows.end(), of_tile.begin(), of_tile.end());
   }

@@ -15,8 +15,10 @@ constexpr int kRivalSteps = 3;          // of the sweep from the best height to 
 constexpr int kMinSupport = 2;          // windows around one that correct the height as it does
 constexpr double kCorrelation = 4.0;    // samples of one view are not independent: variances times this
 constexpr double kMinSignificance = 4;  // sigmas of a minimum below the rest
-constexpr double kLeastDip = 0.03;      // share of a minimum below the rest that lies beyond errors of the model
-constexpr int kMaxReach = 2;            // windows to each side that are asked with one that does not know by itself
+constexpr double kLeastDip = 0.03;      // share of a minimum below the rest that
+                                        // lies beyond errors of the model
+constexpr int kMaxReach = 2;            // windows to each side that are asked with one
+                                        // that does not know by itself
 
 /// What the sweep found in one window.
 struct WindowHeight {
@@ -32,7 +34,8 @@ class WindowSums {
     for (const SweptWindow& window : windows) at_[{window.deck, window.y, window.x}] = &window;
   }
 
-  /// Over a square of windows, or nothing where less than half of them saw anything.
+  /// Over a square of windows, or nothing where less than half of them saw
+  /// anything.
   std::vector<Agreement> Around(const SweptWindow& center, int reach) const {
     std::vector<Agreement> sums(center.agreements.size());
     int count = 0;
@@ -56,14 +59,15 @@ struct Best {
   double offset = 0, sigma = 0;  ///< [m]
 };
 
-/// Share by which the misfit at the best height must lie below that at most heights: more samples show a fainter dip.
+/// Share by which the misfit at the best height must lie below that at most
+/// heights: more samples show a fainter dip.
 double NeededDip(int num_samples, const MeasureHeightsOptions& options) {
   const double noise = std::sqrt(2 * kCorrelation / num_samples);
   return std::clamp(kMinSignificance * noise, kLeastDip, 1 - options.max_misfit);
 }
 
-/// The height at which the views agree, unless they do nowhere, or as well elsewhere. `num_cells` make half of what is
-/// looked at.
+/// The height at which the views agree, unless they do nowhere, or as well
+/// elsewhere. `num_cells` make half of what is looked at.
 std::optional<Best> FindBest(const std::vector<Agreement>& agreements, int num_cells, double max_offset,
                              const MeasureHeightsOptions& options) {
   std::vector<double> misfits;
@@ -89,15 +93,16 @@ std::optional<Best> FindBest(const std::vector<Agreement>& agreements, int num_c
   const double curvature = before - 2 * here + after;
   if (curvature <= 0) return std::nullopt;
   const double step = max_offset / options.num_steps;
-  // Misfit is a mean of squares over samples: its noise is misfit / n, its second derivative curvature / step^2.
+  // Misfit is a mean of squares over samples: its noise is misfit / n, its
+  // second derivative curvature / step^2.
   const double variance = kCorrelation * 2 * here * step * step / (curvature * at.num_samples);
   return Best{
       max_offset * (static_cast<double>(best) / options.num_steps - 1) + 0.5 * step * (before - after) / curvature,
       std::hypot(options.sigma, std::sqrt(variance))};
 }
 
-/// The height of a window by itself or, where its ground shows too little, together with those around: errors of what
-/// is known change slowly.
+/// The height of a window by itself or, where its ground shows too little,
+/// together with those around: errors of what is known change slowly.
 std::optional<WindowHeight> HeightOf(const SweptWindow& window, const WindowSums& sums, const HeightField& field,
                                      double max_offset, const MeasureHeightsOptions& options) {
   const Eigen::Vector2d center = options.window * Eigen::Vector2d(window.x + 0.5, window.y + 0.5);
@@ -120,28 +125,37 @@ std::optional<WindowHeight> HeightOf(const SweptWindow& window, const WindowSums
   return std::nullopt;
 }
 
-/// Heights that some of the windows around them support: chance agrees with nobody.
+/// Heights that some of the windows around them support: chance agrees with
+/// nobody. Two windows to both sides support what lies between them, so that a
+/// correction may rise.
 std::vector<WindowHeight> KeepSupported(const std::vector<WindowHeight>& windows, double max_jump) {
   constexpr double kSameDeck = 1.0;  // [m]
   std::multimap<std::pair<int, int>, const WindowHeight*> at;
   for (const WindowHeight& window : windows) at.emplace(std::pair(window.index.x(), window.index.y()), &window);
+  const auto offset_beside = [&](const WindowHeight& window, int dx, int dy) -> std::optional<double> {
+    const auto [begin, end] = at.equal_range({window.index.x() + dx, window.index.y() + dy});
+    for (auto other = begin; other != end; ++other)
+      if (std::abs(other->second->observation.point_in_site.z() - window.observation.point_in_site.z()) < kSameDeck)
+        return other->second->offset;
+    return std::nullopt;
+  };
   std::vector<WindowHeight> kept;
   for (const WindowHeight& window : windows) {
     int support = 0;
-    for (int dy = -1; dy <= 1; ++dy)
-      for (int dx = -1; dx <= 1; ++dx) {
-        const auto [begin, end] = at.equal_range({window.index.x() + dx, window.index.y() + dy});
-        for (auto other = begin; other != end; ++other)
-          if (other->second != &window && std::abs(other->second->offset - window.offset) <= max_jump &&
-              std::abs(other->second->observation.point_in_site.z() - window.observation.point_in_site.z()) < kSameDeck)
-            ++support;
-      }
+    for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(0, 1), std::pair(1, 1), std::pair(1, -1)}) {
+      const std::optional<double> before = offset_beside(window, -dx, -dy), after = offset_beside(window, dx, dy);
+      const bool is_before = before && std::abs(*before - window.offset) <= max_jump;
+      const bool is_after = after && std::abs(*after - window.offset) <= max_jump;
+      const bool is_between = before && after && std::abs(0.5 * (*before + *after) - window.offset) <= max_jump;
+      support += std::max(is_before + is_after, 2 * is_between);
+    }
     if (support >= kMinSupport) kept.push_back(window);
   }
   return kept;
 }
 
-/// What is known of a window is known of all of it: an observation for each patch of the field, which follow its slope.
+/// What is known of a window is known of all of it: an observation for each
+/// patch of the field, which follow its slope.
 std::vector<HeightObservation> SpreadOverWindows(const std::vector<WindowHeight>& windows, const HeightField& field,
                                                  double side) {
   const int count = std::max(1, static_cast<int>(std::lround(side / field.spacing())));
@@ -168,7 +182,8 @@ void MeasureHeightsOptions::Validate() const {
   Require(max_offset > 0 && max_distance > 0 && sigma > 0, ErrorCode::kUsage,
           "max_offset, max_distance and sigma must be > 0 m");
   Require(min_contrast >= 0 && max_misfit > 0 && max_rivalry > 0 && min_sights > 1 && max_jump > 0, ErrorCode::kUsage,
-          "min_contrast, max_misfit, max_rivalry and max_jump must be > 0, min_sights > 1");
+          "min_contrast, max_misfit, max_rivalry and max_jump must be > 0, "
+          "min_sights > 1");
 }
 
 std::vector<HeightObservation> MeasureHeights(const PatchSource& patches, std::span<const DrivenPath> paths,

@@ -18,7 +18,8 @@ double TextureAt(double x, double y, double contrast) {
 }
 
 /// What cameras above (x, 0) see of a level ground at `height`, put onto the plane z = 0 on which their car stands.
-std::vector<PosedGroundPatch> LookAt(double height, double contrast) {
+/// \param shade  grey values of a shade that goes along with the car
+std::vector<PosedGroundPatch> LookAt(double height, double contrast, double shade = 0) {
   std::vector<PosedGroundPatch> patches;
   for (double x = 0; x <= 12; x += 0.5) {
     PosedGroundPatch posed{{.drive = 0, .camera = 0, .time = {}, .samples = {}}, {}};
@@ -26,7 +27,8 @@ std::vector<PosedGroundPatch> LookAt(double height, double contrast) {
     for (double gx = x - 5; gx <= x + 5; gx += 0.09)
       for (double gy = 1.5; gy <= 6; gy += 0.09) {
         const double stretch = kEyeHeight / (kEyeHeight - height);
-        const auto grey = static_cast<std::uint8_t>(std::lround(TextureAt(gx, gy, contrast)));
+        const auto grey = static_cast<std::uint8_t>(
+            std::lround(TextureAt(gx, gy, contrast) + shade * std::sin(0.9 * (gx - x) + 0.7 * gy)));
         GroundSample sample;
         sample.point_in_body = Eigen::Vector3f(Eigen::Vector3d(stretch * (gx - x), stretch * gy, 0).cast<float>());
         sample.blue = sample.green = sample.red = grey;
@@ -103,6 +105,23 @@ TEST(MeasureHeights, WhereACarCameByOftenTilesAreSweptOneByOneAndFindTheSame) {
 
   EXPECT_LT(one_by_one, 0.015);
   EXPECT_NEAR(one_by_one, together, 0.001);
+}
+
+TEST(MeasureHeights, ShadesThatGoAlongWithTheCarDoNotHoldTheSurfaceWhereItIs) {
+  const std::vector<PosedGroundPatch> patches = LookAt(0.06, 4, 30);
+  const DrivenPath path = PathWithEye();
+  const std::vector<HeightObservation> heights =
+      MeasureHeights(PatchesInMemory(patches), std::span(&path, 1), LevelField(), 0.15, {});
+
+  ASSERT_GT(heights.size(), 100u);
+  size_t num_held = 0;
+  double sum = 0;
+  for (const HeightObservation& found : heights) {
+    num_held += std::abs(found.point_in_site.z()) < 0.02;
+    sum += std::pow(found.point_in_site.z() - 0.06, 2);
+  }
+  EXPECT_EQ(num_held, 0u);
+  EXPECT_LT(std::sqrt(sum / static_cast<double>(heights.size())), 0.015);
 }
 
 TEST(MeasureHeights, GroundThatShowsNothingGetsNoHeight) { EXPECT_TRUE(Measure(0.06, 0).empty()); }

@@ -1,0 +1,69 @@
+#include "mapping/sweep_tile.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace parkade {
+namespace {
+
+constexpr std::size_t kChunk = 512;  // sights whose cells are found at once
+
+float Clamped(float value, float limit) {
+  value = value > 0 ? value : 0;
+  return value < limit ? value : limit;
+}
+
+}  // namespace
+
+TileSweep::TileSweep(SweepShape shape)
+    : shape_(std::move(shape)),
+      per_cell_(1 / shape_.cell_size),
+      across_(shape_.num_windows * shape_.cells_per_window + 2) {
+  cells_.resize(static_cast<std::size_t>(across_) * static_cast<std::size_t>(across_));
+}
+
+std::vector<Agreement> TileSweep::Sweep() {
+  std::vector<Agreement> agreements(static_cast<std::size_t>(shape_.num_windows * shape_.num_windows) *
+                                    shape_.offsets.size());
+  for (std::size_t height = 0; height < shape_.offsets.size(); ++height) {
+    AddUp(shape_.offsets[height]);
+    AgreementsInto(height, agreements);
+  }
+  return agreements;
+}
+
+void TileSweep::AddUp(float offset) {
+  std::fill(cells_.begin(), cells_.end(), Sums::Zero());
+  std::array<std::int32_t, kChunk> at;
+  const auto limit = static_cast<float>(across_ - 1);
+  for (std::size_t begin = 0; begin < x_.size(); begin += kChunk) {
+    const std::size_t count = std::min(kChunk, x_.size() - begin);
+    const float *x = &x_[begin], *y = &y_[begin], *dx = &dx_[begin], *dy = &dy_[begin];
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto column = static_cast<std::int32_t>(Clamped(x[i] + offset * dx[i], limit));
+      const auto row = static_cast<std::int32_t>(Clamped(y[i] + offset * dy[i], limit));
+      at[i] = row * across_ + column;
+    }
+    const Sums* sums = &sums_[begin];
+    for (std::size_t i = 0; i < count; ++i) cells_[static_cast<std::size_t>(at[i])] += sums[i];
+  }
+}
+
+void TileSweep::AgreementsInto(std::size_t height, std::vector<Agreement>& agreements) const {
+  for (int y = 0; y + 2 < across_; ++y)
+    for (int x = 0; x + 2 < across_; ++x) {
+      const Sums& cell = cells_[static_cast<std::size_t>((y + 1) * across_ + x + 1)];
+      if (cell[3] == 0) continue;
+      const auto window =
+          static_cast<std::size_t>(y / shape_.cells_per_window * shape_.num_windows + x / shape_.cells_per_window);
+      Agreement& agreement = agreements[window * shape_.offsets.size() + height];
+      agreement.residual += cell[2] - cell[1] * cell[1] / cell[0];
+      agreement.total += cell[2];
+      agreement.weight += cell[0];
+      agreement.num_samples += static_cast<int>(cell[3]);
+      ++agreement.num_cells;
+    }
+}
+
+}  // namespace parkade

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace parkade {
+
+/// How well views agree over a piece of ground at one height.
+struct Agreement {
+  float residual = 0,
+        total = 0;  ///< of squared grey values: within cells, and altogether
+  float weight = 0;
+  int num_samples = 0, num_cells = 0;
+
+  void Add(const Agreement& other) {
+    residual += other.residual;
+    total += other.total;
+    weight += other.weight;
+    num_samples += other.num_samples;
+    num_cells += other.num_cells;
+  }
+
+  /// Share of the variance that remains within cells: 1 where heights do not
+  /// matter.
+  double Misfit() const {
+    const double freedom = num_samples - num_cells;
+    return freedom > 0 && total > 0 ? static_cast<double>(residual) / static_cast<double>(total) * num_samples / freedom
+                                    : 1;
+  }
+};
+
+/// A sample on the surface, and how it moves when the surface rises.
+struct Sight {
+  Eigen::Vector2f point;  ///< [m] from the corner of the square that is swept
+  Eigen::Vector2f shift;  ///< [m] per metre of height
+  float grey = 0;         ///< less what is usual around it
+  float weight = 0;
+};
+
+/// The square that is swept, and the heights.
+struct SweepShape {
+  int num_windows = 12;  ///< along each side
+  int cells_per_window = 12;
+  float cell_size = 0.1F;      ///< [m]
+  std::vector<float> offsets;  ///< [m] of the surface
+};
+
+/// Moves samples along their rays to each height and sums up how well they
+/// agree there. Sights of many views follow each other in any order. \return
+/// one per window (row by row) and height: [window * offsets.size() + height].
+/// O(sights * heights).
+class TileSweep {
+ public:
+  explicit TileSweep(SweepShape shape);
+
+  void Add(const Sight& sight) {
+    x_.push_back(sight.point.x() * per_cell_ + 1), y_.push_back(sight.point.y() * per_cell_ + 1);
+    dx_.push_back(sight.shift.x() * per_cell_), dy_.push_back(sight.shift.y() * per_cell_);
+    const float weighted = sight.weight * sight.grey;
+    sums_.emplace_back(sight.weight, weighted, weighted * sight.grey, 1.0F);
+  }
+  std::size_t num_sights() const { return x_.size(); }
+
+  std::vector<Agreement> Sweep();
+
+ private:
+  /// Of a cell or a sample: weight, grey, its square (both weighted), number.
+  using Sums = Eigen::Array4f;
+
+  void AddUp(float offset);
+  void AgreementsInto(std::size_t height, std::vector<Agreement>& agreements) const;
+
+  SweepShape shape_;
+  float per_cell_ = 0;          ///< [1/m]
+  int across_ = 0;              ///< cells, with a rim of one that gathers what lies outside
+  std::vector<float> x_, y_;    ///< [cells]
+  std::vector<float> dx_, dy_;  ///< [cells] per metre of height
+  std::vector<Sums> sums_, cells_;
+};
+
+}  // namespace parkade
