@@ -1,5 +1,7 @@
 #include "core/parallel.h"
 
+#include <dlfcn.h>
+
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
@@ -89,6 +91,12 @@ int& ThreadCount() {
 }
 
 }  // namespace
+
+void KeepLinearAlgebraToCaller() {
+  using SetThreads = void (*)(int);
+  if (void* set_threads = dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))
+    reinterpret_cast<SetThreads>(set_threads)(1);
+}
 
 void SetNumThreads(int num_threads) { ThreadCount() = std::max(1, num_threads); }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/error.h"
 
@@ -50,9 +51,11 @@ class HeightField::NormalEquations {
     }
   }
 
-  Eigen::VectorXd Solve() const {
+  /// Ends the equations: their rows, which take more than the matrix, are let go before it is factored.
+  Eigen::VectorXd Solve() && {
     Eigen::SparseMatrix<double> matrix(right_side_.size(), right_side_.size());
     matrix.setFromTriplets(triplets_.begin(), triplets_.end());
+    triplets_ = {};
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(matrix);
     Require(factor.info() == Eigen::Success, ErrorCode::kInternal, "the heights of the ground have no solution");
     return factor.solve(right_side_);
@@ -145,7 +148,7 @@ void HeightField::Solve(const std::vector<HeightObservation>& observations) {
     // A node that nothing binds keeps its first guess.
     for (int node = 0; node < num_nodes(); ++node)
       equations.AddRow<1>({node}, {1}, heights_[static_cast<size_t>(node)], kTie);
-    const Eigen::VectorXd solution = equations.Solve();
+    const Eigen::VectorXd solution = std::move(equations).Solve();
     heights_.assign(solution.data(), solution.data() + solution.size());
     KeepHeights();
   }

@@ -5,6 +5,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "server/commands/commands.h"
 #include "server/version.h"
 
@@ -27,6 +28,7 @@ int ExitStatus(parkade::ErrorCode code) {
 
 int main(int argc, char** argv) {
   cv::setNumThreads(1);  // the only threads are ours: core/parallel works on many images at once
+  parkade::KeepLinearAlgebraToCaller();
   CLI::App app("Parkade: maps of car parks from recorded drives", "parkade");
   app.set_version_flag("--version", std::string("parkade ") + parkade::kVersion);
   app.require_subcommand(1);

@@ -17,6 +17,7 @@ int RunBench(CLI::App& app, int argc, char** argv, const int& num_threads, Run r
   try {
     SetNumThreads(num_threads);
     cv::setNumThreads(1);  // as the product: core/parallel works on many images at once
+    KeepLinearAlgebraToCaller();
     return run();
   } catch (const std::exception& error) {
     std::cerr << app.get_name() << ": " << error.what() << "\n";

@@ -1,5 +1,6 @@
 #include "core/parallel.h"
 
+#include <dlfcn.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -55,6 +56,14 @@ TEST_F(Parallel, ManySmallLoopsFollowEachOther) {
     sum += std::accumulate(ones.begin(), ones.end(), 0);
   }
   EXPECT_EQ(sum, 6000);
+}
+
+TEST_F(Parallel, LinearAlgebraTakesNoThreadsOfItsOwn) {
+  using GetThreads = int (*)();
+  void* get_threads = dlsym(RTLD_DEFAULT, "openblas_get_num_threads");
+  if (!get_threads) GTEST_SKIP() << "linear algebra does not run on OpenBLAS here";
+  KeepLinearAlgebraToCaller();
+  EXPECT_EQ(reinterpret_cast<GetThreads>(get_threads)(), 1);
 }
 
 TEST_F(Parallel, NothingToDoIsDone) {
