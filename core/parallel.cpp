@@ -94,8 +94,7 @@ int& ThreadCount() {
 
 void KeepLinearAlgebraToCaller() {
   using SetThreads = void (*)(int);
-  if (void* set_threads = dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))
-    reinterpret_cast<SetThreads>(set_threads)(1);
+  if (void* set_threads = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<SetThreads>(set_threads)(1);
 }
 
 void SetNumThreads(int num_threads) { ThreadCount() = std::max(1, num_threads); }
