@@ -115,7 +115,8 @@ int Evaluate(const EvaluateArguments& arguments) {
     const TrajectoryEvaluation evaluation = EvaluateTrajectory(ReadTum(arguments.truth), ReadTum(arguments.estimate));
     json["trajectory"] = ToJson(evaluation);
     text += ToText(evaluation);
-    truth_from_estimate = evaluation.rigid.truth_from_estimate;
+    // Positions along a straight street leave its roll open, which would tilt the ground beside it.
+    truth_from_estimate = evaluation.yaw_only.truth_from_estimate;
   }
   if (has_surfaces) {
     const SurfaceEvaluation evaluation = EvaluateGround(arguments, truth_from_estimate);
@@ -143,7 +144,7 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "evaluate",
       "Compare a trajectory, a surface, parking slots or kerbs with the truth; given a trajectory, the others "
-      "are moved by its alignment first");
+      "are moved by its alignment first (yaw and translation)");
   command->add_option("--truth", arguments->truth, "true trajectory (TUM)");
   command->add_option("--estimate", arguments->estimate, "estimated trajectory (TUM), poses of the same frame");
   command->add_option("--ground", arguments->ground, "true ground surface (PLY mesh, z up)");
