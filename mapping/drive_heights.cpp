@@ -15,13 +15,10 @@
 namespace parkade {
 namespace {
 
-constexpr double kLeastPlaneVariance = 4e-4;  // [m^2] of a keyframe's plane: wheels and the sweep are surer
-constexpr double kPoseDistance = 0.5;         // [m] between poses that heights may be tied to
-constexpr double kPoseSquare = 8.0;           // [m] of the squares in which these are sorted
-constexpr size_t kPatchesPerBatch = 64;       // in memory at once
+constexpr double kPoseDistance = 0.5;  // [m] between poses that heights may be tied to
+constexpr double kPoseSquare = 8.0;    // [m] of the squares in which these are sorted
 
-/// Every second keyframe of each camera: enough to come near the ground, in
-/// half the time.
+/// Every second keyframe of each camera: enough to come near the ground, in half the time.
 class EverySecond final : public PatchSource {
  public:
   /// The source is borrowed. \param which  0 or 1: the others

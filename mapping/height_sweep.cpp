@@ -73,8 +73,7 @@ bool AddSights(const std::vector<Sight>& meetings, const Eigen::Vector2f& tile_i
 
 int FloorDivide(int a, int b) { return (a >= 0 ? a : a - b + 1) / b; }
 
-/// Tiles by deck: patches that are more than half a deck apart in height do not
-/// share one.
+/// Tiles by deck: patches that are more than half a deck apart in height do not share one.
 std::vector<Block> MakeBlocks(std::span<const PatchView> patches, std::span<const DrivenPath> paths,
                               const MeasureHeightsOptions& options) {
   constexpr double kDeckHeight = 1.5;  // [m]

@@ -19,10 +19,9 @@ struct SweptWindow {
   std::vector<Agreement> agreements;  ///< 2 num_steps + 1, from -max_offset to max_offset
 };
 
-/// Lifts and lowers the field by up to `max_offset` [m]. Windows that nothing
-/// was seen of are left out. Windows are in order of deck, y and x, whatever
-/// the number of threads. Memory: 32 bytes per sample in a square of 43 m or,
-/// where more than 300 patches reach into it, of 14.
+/// Lifts and lowers the field by up to `max_offset` [m]. Windows that nothing was seen of are left out. Windows are in
+/// order of deck, y and x, whatever the number of threads. Memory: 32 bytes per sample in a square of 43 m or, where
+/// more than 300 patches reach into it, of 14.
 std::vector<SweptWindow> SweepWindows(const PatchSource& patches, std::span<const DrivenPath> paths,
                                       const HeightField& field, double max_offset,
                                       const MeasureHeightsOptions& options);

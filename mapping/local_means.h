@@ -7,12 +7,10 @@
 
 namespace parkade {
 
-/// What is usual around a sample of the ground in its own image. Taken off, it
-/// makes exposures and shades agree. It is smooth, and its squares lie on the
-/// car's plane, where the car carries them along: a mean that hung on the
-/// surface, or that jumped from window to window, would jump at the same places
-/// in all views as long as the surface stays where it is, and views would agree
-/// best there, right or wrong.
+/// What is usual around a sample of the ground in its own image. Taken off, it makes exposures and shades agree. It is
+/// smooth, and its squares lie on the car's plane, where the car carries them along: a mean that hung on the surface,
+/// or that jumped from window to window, would jump at the same places in all views as long as the surface stays where
+/// it is, and views would agree best there, right or wrong.
 class LocalMeans {
  public:
   /// The samples are borrowed. \param square  [m] side
@@ -24,8 +22,7 @@ class LocalMeans {
     return (114.0F * sample.blue + 587.0F * sample.green + 299.0F * sample.red) / 1000;
   }
 
-  /// Around one of the samples that are used: bilinear between the middles of
-  /// squares.
+  /// Around one of the samples that are used: bilinear between the middles of squares.
   float At(const GroundSample& sample) const;
 
  private:

@@ -15,10 +15,8 @@ constexpr int kRivalSteps = 3;          // of the sweep from the best height to 
 constexpr int kMinSupport = 2;          // windows around one that correct the height as it does
 constexpr double kCorrelation = 4.0;    // samples of one view are not independent: variances times this
 constexpr double kMinSignificance = 4;  // sigmas of a minimum below the rest
-constexpr double kLeastDip = 0.03;      // share of a minimum below the rest that
-                                        // lies beyond errors of the model
-constexpr int kMaxReach = 2;            // windows to each side that are asked with one
-                                        // that does not know by itself
+constexpr double kLeastDip = 0.03;      // share of a minimum below the rest that lies beyond errors of the model
+constexpr int kMaxReach = 2;            // windows to each side that are asked with one that does not know by itself
 
 /// What the sweep found in one window.
 struct WindowHeight {
@@ -34,8 +32,7 @@ class WindowSums {
     for (const SweptWindow& window : windows) at_[{window.deck, window.y, window.x}] = &window;
   }
 
-  /// Over a square of windows, or nothing where less than half of them saw
-  /// anything.
+  /// Over a square of windows, or nothing where less than half of them saw anything.
   std::vector<Agreement> Around(const SweptWindow& center, int reach) const {
     std::vector<Agreement> sums(center.agreements.size());
     int count = 0;
@@ -59,15 +56,14 @@ struct Best {
   double offset = 0, sigma = 0;  ///< [m]
 };
 
-/// Share by which the misfit at the best height must lie below that at most
-/// heights: more samples show a fainter dip.
+/// Share by which the misfit at the best height must lie below that at most heights: more samples show a fainter dip.
 double NeededDip(int num_samples, const MeasureHeightsOptions& options) {
   const double noise = std::sqrt(2 * kCorrelation / num_samples);
   return std::clamp(kMinSignificance * noise, kLeastDip, 1 - options.max_misfit);
 }
 
-/// The height at which the views agree, unless they do nowhere, or as well
-/// elsewhere. `num_cells` make half of what is looked at.
+/// The height at which the views agree, unless they do nowhere, or as well elsewhere. `num_cells` make half of what is
+/// looked at.
 std::optional<Best> FindBest(const std::vector<Agreement>& agreements, int num_cells, double max_offset,
                              const MeasureHeightsOptions& options) {
   std::vector<double> misfits;
@@ -93,16 +89,15 @@ std::optional<Best> FindBest(const std::vector<Agreement>& agreements, int num_c
   const double curvature = before - 2 * here + after;
   if (curvature <= 0) return std::nullopt;
   const double step = max_offset / options.num_steps;
-  // Misfit is a mean of squares over samples: its noise is misfit / n, its
-  // second derivative curvature / step^2.
+  // Misfit is a mean of squares over samples: its noise is misfit / n, its second derivative curvature / step^2.
   const double variance = kCorrelation * 2 * here * step * step / (curvature * at.num_samples);
   return Best{
       max_offset * (static_cast<double>(best) / options.num_steps - 1) + 0.5 * step * (before - after) / curvature,
       std::hypot(options.sigma, std::sqrt(variance))};
 }
 
-/// The height of a window by itself or, where its ground shows too little,
-/// together with those around: errors of what is known change slowly.
+/// The height of a window by itself or, where its ground shows too little, together with those around: errors of what
+/// is known change slowly.
 std::optional<WindowHeight> HeightOf(const SweptWindow& window, const WindowSums& sums, const HeightField& field,
                                      double max_offset, const MeasureHeightsOptions& options) {
   const Eigen::Vector2d center = options.window * Eigen::Vector2d(window.x + 0.5, window.y + 0.5);
@@ -125,9 +120,8 @@ std::optional<WindowHeight> HeightOf(const SweptWindow& window, const WindowSums
   return std::nullopt;
 }
 
-/// Heights that some of the windows around them support: chance agrees with
-/// nobody. Two windows to both sides support what lies between them, so that a
-/// correction may rise.
+/// Heights that some of the windows around them support: chance agrees with nobody. Two windows to both sides support
+/// what lies between them, so that a correction may rise.
 std::vector<WindowHeight> KeepSupported(const std::vector<WindowHeight>& windows, double max_jump) {
   constexpr double kSameDeck = 1.0;  // [m]
   std::multimap<std::pair<int, int>, const WindowHeight*> at;
@@ -154,8 +148,7 @@ std::vector<WindowHeight> KeepSupported(const std::vector<WindowHeight>& windows
   return kept;
 }
 
-/// What is known of a window is known of all of it: an observation for each
-/// patch of the field, which follow its slope.
+/// What is known of a window is known of all of it: an observation for each patch of the field, which follow its slope.
 std::vector<HeightObservation> SpreadOverWindows(const std::vector<WindowHeight>& windows, const HeightField& field,
                                                  double side) {
   const int count = std::max(1, static_cast<int>(std::lround(side / field.spacing())));
@@ -182,8 +175,7 @@ void MeasureHeightsOptions::Validate() const {
   Require(max_offset > 0 && max_distance > 0 && sigma > 0, ErrorCode::kUsage,
           "max_offset, max_distance and sigma must be > 0 m");
   Require(min_contrast >= 0 && max_misfit > 0 && max_rivalry > 0 && min_sights > 1 && max_jump > 0, ErrorCode::kUsage,
-          "min_contrast, max_misfit, max_rivalry and max_jump must be > 0, "
-          "min_sights > 1");
+          "min_contrast, max_misfit, max_rivalry and max_jump must be > 0, min_sights > 1");
 }
 
 std::vector<HeightObservation> MeasureHeights(const PatchSource& patches, std::span<const DrivenPath> paths,

@@ -46,8 +46,7 @@ void PlaneHeights::Add(const PosedGroundPatch& posed, const DrivenPath* path) {
     if (path) point.z() -= path->lean.LiftAt(acceleration, (ground_from_body * point_in_body).head<2>());
     const Square square = SquareOf(point);
     if (here == nullptr || square != last) here = &sums_[square], last = square;
-    // Of planes that disagree the nearest car's is right, however well they
-    // agree elsewhere.
+    // Of planes that disagree the nearest car's is right, however well they agree elsewhere.
     const double variance = 1 / static_cast<double>(sample.weight);
     here->Add(point, 1 / (variance + kLeastPlaneVariance), 1 / (share * variance + kLeastPlaneVariance));
   }

@@ -12,8 +12,8 @@
 
 namespace parkade {
 
-/// The heights at which patches put the ground: the planes that their cars
-/// stood on. Sums per square of the field and deck.
+/// The heights at which patches put the ground: the planes that their cars stood on. Sums per square of the field and
+/// deck.
 class PlaneHeights {
  public:
   explicit PlaneHeights(const HeightFieldOptions& options = {}) : options_(options) {}
@@ -21,16 +21,14 @@ class PlaneHeights {
   /// `path` is that of its drive, or null.
   void Add(const PosedGroundPatch& posed, const DrivenPath* path);
 
-  /// Planes of one square that somebody summed up. Weights [1/m^2]: of all, and
-  /// of the best.
+  /// Planes of one square that somebody summed up. Weights [1/m^2]: of all, and of the best.
   void Add(const Eigen::Vector3d& point, double weight, double best_weight) {
     sums_[SquareOf(point)].Add(point, weight, best_weight);
   }
 
   void Merge(const PlaneHeights& other);
 
-  /// One per square and deck: their mean, with the weight of all of them and
-  /// the sigma of the mean.
+  /// One per square and deck: their mean, with the weight of all of them and the sigma of the mean.
   std::vector<HeightObservation> Sums() const;
 
   /// Likewise, with `share` of the weight that the sigma stands for.
@@ -46,8 +44,8 @@ class PlaneHeights {
 
     void Add(const Eigen::Vector3d& at, double its_weight, double its_best_weight);
 
-    /// [1/m^2] that of the best plane, unless planes disagree: where a ramp
-    /// begins, cars on the flat before it know nothing of it.
+    /// [1/m^2] that of the best plane, unless planes disagree: where a ramp begins, cars on the flat before it know
+    /// nothing of it.
     double SureWeight() const;
   };
 
@@ -57,8 +55,7 @@ class PlaneHeights {
   std::map<Square, Sum> sums_;
 };
 
-/// Of all patches; read in batches, in parallel. `path` is that of their drive,
-/// or null.
+/// Of all patches; read in batches, in parallel. `path` is that of their drive, or null.
 PlaneHeights CollectPlanes(const PatchSource& patches, const DrivenPath* path, const HeightFieldOptions& options);
 
 }  // namespace parkade

@@ -20,8 +20,7 @@ struct Agreement {
     num_cells += other.num_cells;
   }
 
-  /// Share of the variance that remains within cells: 1 where heights do not
-  /// matter.
+  /// Share of the variance that remains within cells: 1 where heights do not matter.
   double Misfit() const {
     const double freedom = num_samples - num_cells;
     return freedom > 0 && total > 0 ? static_cast<double>(residual) / static_cast<double>(total) * num_samples / freedom
@@ -45,9 +44,8 @@ struct SweepShape {
   std::vector<float> offsets;  ///< [m] of the surface
 };
 
-/// Moves samples along their rays to each height and sums up how well they
-/// agree there. Sights of many views follow each other in any order. \return
-/// one per window (row by row) and height: [window * offsets.size() + height].
+/// Moves samples along their rays to each height and sums up how well they agree there. Sights of many views follow
+/// each other in any order. \return one per window (row by row) and height: [window * offsets.size() + height].
 /// O(sights * heights).
 class TileSweep {
  public:

@@ -13,8 +13,6 @@
 namespace parkade {
 namespace {
 
-constexpr std::int64_t kIdsPerDrive = 1'000'000'000;
-
 /// Where the drives' odometry frames lie in that of the group's first drive, link by link. Empty for other drives.
 std::vector<std::optional<Rigid3>> StartFrames(const std::vector<DriveToJoin>& drives,
                                                const std::vector<DrivePair>& pairs, size_t group) {

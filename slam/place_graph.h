@@ -11,6 +11,8 @@ namespace parkade {
 
 struct LoopOptions;
 
+inline constexpr std::int64_t kIdsPerDrive = 1'000'000'000;  ///< keeps those of several drives in one graph apart
+
 /// The random walk of AddPlaces as the odometry itself knows it, see LoopOptions.
 LoopOptions WithDriftOf(const Trajectory& odometry, LoopOptions options);
 

@@ -11,7 +11,6 @@
 namespace parkade {
 namespace {
 
-constexpr std::int64_t kIdsPerDrive = 1'000'000'000;
 constexpr double kHardlyHeld = 1e-4;  // [1/m^2], [1/rad^2] of a drive's first place: all there is without links
 
 std::set<std::string> BelievedLoops(const LoopClosure& closure) {

@@ -107,11 +107,7 @@ GroundRun RunDrive(const CommandLine& line, const std::string& name, const Groun
   run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   run.num_triangles = mesh.triangles.size();
 
-  std::vector<Eigen::Vector3d> path;
-  const Trajectory world_from_body = TrajectoryOf(drive.world_from_imu, drive.true_rig);
-  for (const TrajectoryState& state : world_from_body.states())
-    if (path.empty() || (state.odom_from_body.translation - path.back()).norm() > 0.2)
-      path.push_back(state.odom_from_body.translation);
+  const std::vector<Eigen::Vector3d> path = PathOf(TrajectoryOf(drive.world_from_imu, drive.true_rig));
   const SurfaceScope scope{path, [&](const std::vector<Eigen::Vector3d>& points) {
                              return FindSeenGround(points, *drive.log, drive.world_from_imu);
                            }};

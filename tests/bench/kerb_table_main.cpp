@@ -54,14 +54,6 @@ struct KerbRun {
   double seconds = 0;  ///< of processor time, to find them
 };
 
-std::vector<Eigen::Vector3d> PathOf(const Trajectory& trajectory) {
-  std::vector<Eigen::Vector3d> path;
-  for (const TrajectoryState& state : trajectory.states())
-    if (path.empty() || (state.odom_from_body.translation - path.back()).norm() > 0.2)
-      path.push_back(state.odom_from_body.translation);
-  return path;
-}
-
 KerbRun RunDrive(const CommandLine& line, const std::string& name, const KerbTableOptions& options) {
   const SuiteDrive drive = OpenSuiteDrive(line.suite, name);
   const Trajectory world_from_body = TrajectoryOf(drive.world_from_imu, drive.true_rig);
@@ -107,8 +99,7 @@ int Run(const CommandLine& line) {
     const KerbEvaluation& e = run.evaluation;
     std::printf(
         "%-12s recall %5.1f %% of %4.0f m  precision %5.1f %% of %4.0f m in %2zu  height %.3f median %.3f p95 %+.3f "
-        "bias  "
-        "%.1f sigmas  %.1f s\n",
+        "bias  %.1f sigmas  %.1f s\n",
         name.c_str(), e.recall_percent, e.true_length, e.precision_percent, e.found_length, run.kerbs.size(),
         e.height_median, e.height_p95, e.height_bias, e.height_normalised_rmse, run.seconds);
     std::fflush(stdout);

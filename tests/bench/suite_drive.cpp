@@ -59,4 +59,12 @@ SuiteDrive OpenSuiteDrive(const fs::path& suite, const std::string& name) {
   return drive;
 }
 
+std::vector<Eigen::Vector3d> PathOf(const Trajectory& trajectory) {
+  std::vector<Eigen::Vector3d> path;
+  for (const TrajectoryState& state : trajectory.states())
+    if (path.empty() || (state.odom_from_body.translation - path.back()).norm() > 0.2)
+      path.push_back(state.odom_from_body.translation);
+  return path;
+}
+
 }  // namespace parkade

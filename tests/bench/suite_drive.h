@@ -30,4 +30,7 @@ std::vector<std::string> ListSuite(const std::filesystem::path& suite);
 /// Opens a drive. Throws Error where something of it is missing.
 SuiteDrive OpenSuiteDrive(const std::filesystem::path& suite, const std::string& name);
 
+/// Points [m] of a drive, 0.2 m apart: what is judged lies near them.
+std::vector<Eigen::Vector3d> PathOf(const Trajectory& trajectory);
+
 }  // namespace parkade
