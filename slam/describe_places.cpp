@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "slam/cylinder_view.h"
+#include "slam/floor_view.h"
 
 namespace parkade {
 namespace {
@@ -56,6 +57,7 @@ struct DescribedImage {
   int camera = 0;
   std::vector<PlaceFeature> features;
   cv::Mat descriptors, small;
+  FloorSight floor;
 };
 
 /// A rotation, the same for a whole drive, after which the body stands upright on average: without vehicle.yaml it is
@@ -133,6 +135,10 @@ void DescribePlaces(const DriveLog& log, const Trajectory& odom_from_body, const
   const Eigen::Quaterniond upright_from_body = UprightFromBody(odom_from_body);
   const std::vector<CylinderView> views =
       ParallelMap(rig.cameras.size(), [&](size_t i) { return CylinderView(rig.cameras[i], upright_from_body); });
+  // Without a vehicle nobody knows where the ground is below the body.
+  std::vector<FloorView> floors;
+  if (rig.vehicle) floors = ParallelMap(rig.cameras.size(), [&](size_t i) { return FloorView(rig.cameras[i]); });
+  std::vector<FloorSight> floor_of(places.size());
   ImagePicker picker(places, is_wanted, rig.cameras.size());
   ReadOptions read;
   read.imu = read.wheels = read.gnss = false;
@@ -155,6 +161,7 @@ void DescribePlaces(const DriveLog& log, const Trajectory& odom_from_body, const
       DescribedImage image = Describe(frame, views[camera], place_from_body, rig.cameras[camera].body_from_camera,
                                       upright_from_body, options);
       image.place = place;
+      if (!floors.empty()) image.floor = floors[camera].Look(frame.image, place_from_body);
       return image;
     });
     for (DescribedImage& image : described) {
@@ -163,8 +170,10 @@ void DescribePlaces(const DriveLog& log, const Trajectory& odom_from_body, const
       place.descriptors.push_back(image.descriptors);
       place.views.resize(rig.cameras.size());
       place.views[static_cast<size_t>(image.camera)] = image.small;
+      if (!image.floor.picture.empty()) AddSight(image.floor, floor_of[image.place]);
     }
   }
+  for (size_t i = 0; i < places.size(); ++i) places[i].floor = floor_of[i].picture;
   TriangulatePlaces(options, places);
 }
 

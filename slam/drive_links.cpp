@@ -13,6 +13,7 @@ namespace parkade {
 namespace {
 
 constexpr double kClosingDegreesPerMetre = 0.02;
+constexpr size_t kMaxFloors = 24;  // pairs of places whose floors are compared
 
 /// By the link, of the frame of drive b in that of drive a.
 Rigid3 FrameOf(const PlaceLink& link, const std::vector<Place>& places_a, const std::vector<Place>& places_b) {
@@ -140,9 +141,30 @@ class DriveLinker {
       result_.rejected = "all links are at one spot";
     } else if (result_.num_rivals > options_.max_rival_share * result_.num_agreeing) {
       result_.rejected = "ambiguous: other links agree on another pose";
+    } else if (IsOnAnotherFloor(agreeing)) {
+      result_.rejected = "the floor is another one";
     } else {
       result_.links = agreeing;
     }
+  }
+
+  /// Whether the floors of both drives show enough to tell that they are not the same.
+  bool IsOnAnotherFloor(const std::vector<PlaceLink>& links) {
+    const DriveFloors floors_a(places_a_), floors_b(places_b_);
+    FloorEvidence& floor = result_.floor = {};
+    const FloorAgreement within_a = CompareNeighbours(floors_a, places_a_),
+                         within_b = CompareNeighbours(floors_b, places_b_);
+    (floor.within += within_a) += within_b;
+    const std::vector<size_t> chosen = SpreadOver(links.size(), kMaxFloors);
+    for (const FloorAgreement& agreement : ParallelMap(chosen.size(), [&](size_t i) {
+           const PlaceLink& link = links[chosen[i]];
+           return CompareFloors(floors_a, link.place_a, floors_b, link.place_b, link.pose.a_from_b);
+         }))
+      floor.across += agreement;
+    for (const FloorAgreement& agreement : {within_a, within_b, floor.across})
+      if (agreement.num_tiles < options_.min_floor_tiles) return false;
+    return std::min(within_a.share(), within_b.share()) > options_.telling_floor &&
+           floor.across.share() < options_.min_floor_share * floor.within.share();
   }
 
   /// Where the links say that the drives pass each other, the nearest places are measured as well.
@@ -192,6 +214,9 @@ void DriveLinkOptions::Validate() const {
   Require(min_spread >= 0 && max_rival_share >= 0 && reach > 0 && height_reach > 0 && closing_base > 0 &&
               closing_per_metre >= 0 && closing_deg > 0,
           ErrorCode::kUsage, "the bounds on links between drives must be positive");
+  Require(
+      min_floor_tiles >= 1 && telling_floor > 0 && telling_floor <= 1 && min_floor_share >= 0 && min_floor_share < 1,
+      ErrorCode::kUsage, "what floors must show to tell places apart must be shares of at least one tile");
   Require(all_pairs_up_to >= 2 && partners >= 1, ErrorCode::kUsage,
           "links.all_pairs_up_to must be at least 2, links.partners at least 1");
 }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "slam/compare_floors.h"
 #include "slam/place.h"
 #include "slam/relative_pose.h"
 
@@ -23,8 +24,12 @@ struct DriveLinkOptions {
   double closing_base = 0.15;       ///< [m], plus ...
   double closing_per_metre = 0.01;  ///< ... this share of the ways
   double closing_deg = 1.0;         ///< plus 0.02 degrees per metre
-  int all_pairs_up_to = 6;          ///< drives: of more not every pair is linked, but each drive with ...
-  int partners = 3;                 ///< ... these many that look most like it, and more where drives stay apart
+  // Drives whose places look alike lie on one floor, too, if theirs show enough to tell.
+  int min_floor_tiles = 12;      ///< compared, in both drives and between them; fewer tell nothing
+  double telling_floor = 0.3;    ///< share of a drive's tiles that fit its own next place; less tells nothing
+  double min_floor_share = 0.4;  ///< of what fits within the drives, fits between them
+  int all_pairs_up_to = 6;       ///< drives: of more not every pair is linked, but each drive with ...
+  int partners = 3;              ///< ... these many that look most like it, and more where drives stay apart
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -40,6 +45,9 @@ struct DriveLinkOptions {
     visit("closing_base", closing_base);
     visit("closing_per_metre", closing_per_metre);
     visit("closing_deg", closing_deg);
+    visit("min_floor_tiles", min_floor_tiles);
+    visit("telling_floor", telling_floor);
+    visit("min_floor_share", min_floor_share);
     visit("all_pairs_up_to", all_pairs_up_to);
     visit("partners", partners);
   }
@@ -57,6 +65,7 @@ struct PlaceLink {
 struct DriveLinks {
   std::vector<PlaceLink> links;  ///< that agree; empty where the drives do not fit
   int num_candidates = 0, num_measured = 0, num_agreeing = 0, num_rivals = 0;
+  FloorEvidence floor;   ///< of the links that agreed; empty where there were none
   std::string rejected;  ///< why there are no links, in a few words
 };
 
@@ -74,8 +83,8 @@ double LikenessOf(const std::vector<Place>& places_a, const std::vector<Place>& 
 
 /// Links two drives: places that look alike are measured (EstimateRigPose), the most alike first, until enough of them
 /// agree; these foretell where the drives pass each other, in either direction, and there all places are measured.
-/// Nothing is forced: too few agreeing links, links all at one spot, or another set that agrees as well (decks that
-/// look alike) leave the drives apart.
+/// Nothing is forced: too few agreeing links, links all at one spot, another set that agrees as well (decks that look
+/// alike), or a floor that is not the same (buildings that look alike) leave the drives apart.
 ///
 /// \param places_a, places_b  described places along either drive; odom_from_place is the drive's best trajectory
 /// \param a_from_b            what GNSS says about the drives' frames; empty: nothing

@@ -172,6 +172,13 @@ std::string ReasonFor(size_t drive, const std::vector<DrivePair>& pairs, const s
   return nearest->found.rejected.empty() ? "its links contradict those of other drives" : nearest->found.rejected;
 }
 
+nlohmann::json FloorJson(const FloorEvidence& floor) {
+  return {{"tiles_within", floor.within.num_tiles},
+          {"best_within", floor.within.num_best},
+          {"tiles_across", floor.across.num_tiles},
+          {"best_across", floor.across.num_best}};
+}
+
 }  // namespace
 
 std::vector<Place> PlacesAlong(const DriveLog& log, const Trajectory& odometry, const Trajectory& odom_from_body,
@@ -250,6 +257,7 @@ nlohmann::json ToJson(const DriveJoin& join, const std::vector<std::string>& nam
                              {"num_measured", pair.found.num_measured},
                              {"num_agreeing", pair.found.num_agreeing},
                              {"num_rivals", pair.found.num_rivals},
+                             {"floor", FloorJson(pair.found.floor)},
                              {"num_accepted", pair.num_accepted()},
                              {"rejected", pair.found.rejected},
                              {"links", links}});

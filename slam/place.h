@@ -30,6 +30,7 @@ struct Place {
   std::vector<PlaceFeature> features;
   cv::Mat descriptors;              ///< CV_8UC1, one row of 32 bytes (ORB) per feature
   std::vector<cv::Mat> views = {};  ///< small pictures for people, one per camera; CV_8UC1, may be empty
+  cv::Mat floor = {};               ///< the ground from above (floor_view.h); empty where the rig has no vehicle
 };
 
 /// The frame of a place (or submap) where the car is at `odom_from_body`.

@@ -58,8 +58,17 @@ void Exchange(A& archive, PlaceLink& link) {
   archive(link.place_a, link.place_b, link.score, link.pose);
 }
 template <typename A>
+void Exchange(A& archive, FloorAgreement& agreement) {
+  archive(agreement.num_tiles, agreement.num_best);
+}
+template <typename A>
+void Exchange(A& archive, FloorEvidence& floor) {
+  archive(floor.within, floor.across);
+}
+template <typename A>
 void Exchange(A& archive, DriveLinks& links) {
-  archive(links.links, links.num_candidates, links.num_measured, links.num_agreeing, links.num_rivals, links.rejected);
+  archive(links.links, links.num_candidates, links.num_measured, links.num_agreeing, links.num_rivals, links.rejected,
+          links.floor);
 }
 
 namespace {
@@ -91,8 +100,25 @@ DriveRefinement DecodeRefinement(std::string_view bytes, const Rig& rig) {
   return Decode(bytes, std::move(refinement));
 }
 
-std::string EncodePlaces(std::vector<Place> places) { return Encode(places); }
-std::vector<Place> DecodePlaces(std::string_view bytes) { return Decode<std::vector<Place>>(bytes); }
+std::string EncodePlaces(std::vector<Place> places) {
+  std::vector<cv::Mat> floors;
+  for (const Place& place : places) floors.push_back(place.floor);
+  BinaryWriter writer;
+  writer(places, floors);
+  return writer.bytes();
+}
+
+std::vector<Place> DecodePlaces(std::string_view bytes) {
+  BinaryReader reader(bytes);
+  std::vector<Place> places;
+  reader(places);
+  if (reader.is_at_end()) return places;  // of a version that knew no floors
+  std::vector<cv::Mat> floors;
+  reader(floors);
+  Require(reader.is_at_end() && floors.size() == places.size(), ErrorCode::kInvalidInput, "its floors do not fit");
+  for (size_t i = 0; i < places.size(); ++i) places[i].floor = floors[i];
+  return places;
+}
 
 std::string EncodeLinks(DriveLinks links) { return Encode(links); }
 DriveLinks DecodeLinks(std::string_view bytes) { return Decode<DriveLinks>(bytes); }

@@ -2,6 +2,9 @@
 
 #include <random>
 
+#include "slam/floor_view.h"
+#include "tests/slam/rendered_room.h"
+
 namespace parkade {
 namespace {
 
@@ -12,6 +15,20 @@ constexpr double kBearingSigma = 2e-3;  // [rad]
 constexpr double kDepthError = 0.05;
 constexpr int kFlippedBits = 8;  // of the 256 of a look, each time it is seen
 const Eigen::Vector3d kMounts[] = {{3.7, 0, 0.6}, {2, 1, 1}, {-0.9, 0, 0.9}, {2, -1, 1}};  // front, left, rear, right
+
+cv::Mat FloorAround(const Rigid3& world_from_place, std::uint32_t seed) {
+  const RenderedRoom room({-100, -100, 0}, {100, 100, 100}, seed);
+  cv::Mat floor(kFloorSize, CV_8UC1);
+  for (int row = 0; row < floor.rows; ++row) {
+    for (int column = 0; column < floor.cols; ++column) {
+      Eigen::Vector3d cell = world_from_place * Eigen::Vector3d(kFloorFront - (row + 0.5) * kFloorCell,
+                                                                kFloorLeft - (column + 0.5) * kFloorCell, 0);
+      cell.z() = 0;
+      floor.at<uchar>(row, column) = cv::saturate_cast<uchar>(1 + 0.9 * room.BrightnessAt(cell, 0.06));
+    }
+  }
+  return floor;
+}
 
 }  // namespace
 
@@ -83,6 +100,7 @@ WorldDrive DriveWorld::Drive(std::uint32_t seed, bool is_opposite, const std::ve
       place.distance = kSpacing * static_cast<double>(states.size());
       place.odom_from_place = odom_from_place;
       Observe(world_from_place, static_cast<std::uint32_t>(random()), place);
+      if (options_.floor_seed > 0) place.floor = FloorAround(world_from_place, options_.floor_seed);
       result.drive.places.push_back(std::move(place));
       TrajectoryState state;
       state.time = result.drive.places.back().time;

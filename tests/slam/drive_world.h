@@ -9,9 +9,10 @@ namespace parkade {
 
 struct DriveWorldOptions {
   std::uint32_t seed = 1;
-  int num_decks = 1;         ///< 3 m above each other ...
-  double shared_looks = 0;   ///< ... this share of their points looks the same on all of them
-  double wrong_share = 0.2;  ///< of what a drive sees that looks like something else
+  int num_decks = 1;             ///< 3 m above each other ...
+  double shared_looks = 0;       ///< ... this share of their points looks the same on all of them
+  double wrong_share = 0.2;      ///< of what a drive sees that looks like something else
+  std::uint32_t floor_seed = 0;  ///< of what the floor shows; 0: no pictures of it
 };
 
 /// A drive of which the truth is known.

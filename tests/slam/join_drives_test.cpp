@@ -59,6 +59,22 @@ TEST(LinkDrives, DecksAreToldApartByWhatDiffers) {
   EXPECT_LT(WorstLink(a, b, found.links), 0.15);
 }
 
+TEST(LinkDrives, BuildingsThatLookAlikeAreToldApartByTheirFloors) {
+  const std::vector<Place> here = DriveWorld({.floor_seed = 1}).Drive(1).drive.places;
+  const DriveLinks twins = LinkDrives(here, DriveWorld({.floor_seed = 2}).Drive(2).drive.places, {}, {});
+  EXPECT_TRUE(twins.links.empty());
+  EXPECT_EQ(twins.rejected, "the floor is another one");
+  EXPECT_GT(twins.num_agreeing, 10);
+  const DriveLinks same = LinkDrives(here, DriveWorld({.floor_seed = 1}).Drive(2, true).drive.places, {}, {});
+  EXPECT_GT(same.links.size(), 10U);
+  EXPECT_GT(same.floor.across.share(), 0.8);
+}
+
+TEST(LinkDrives, AFloorThatNobodySawTellsNothing) {
+  const std::vector<Place> here = DriveWorld({.floor_seed = 1}).Drive(1).drive.places;
+  EXPECT_GT(LinkDrives(here, DriveWorld().Drive(2).drive.places, {}, {}).links.size(), 10U);
+}
+
 TEST(LinkDrives, GnssKeepsApartWhatItPutsFarApart) {
   const DriveWorld world;
   const WorldDrive a = world.Drive(1), b = world.Drive(2);

@@ -1,0 +1,89 @@
+#include "slam/floor_view.h"
+
+#include <Eigen/SVD>
+#include <opencv2/imgproc.hpp>
+
+#include "core/yaw.h"
+
+namespace parkade {
+namespace {
+
+constexpr int kFiner = 2;            // samples per cell and direction
+constexpr double kMinSharpness = 6;  // [px/m]; less shows nothing of 10 cm
+constexpr double kBorder = 3;        // [px] of the image that are not trusted
+const cv::Scalar kUnseen = cv::Scalar(0);
+
+Eigen::Vector3d MiddleOfCell(double row, double column, double cell) {
+  return {kFloorFront - (row + 0.5) * cell, kFloorLeft - (column + 0.5) * cell, 0};
+}
+
+bool IsUsable(const RigCamera& camera, const Eigen::Vector2d& pixel) {
+  if (!camera.model.IsInImage(pixel, kBorder)) return false;
+  return camera.mask.empty() ||
+         camera.mask.at<uchar>(static_cast<int>(std::lround(pixel.y())), static_cast<int>(std::lround(pixel.x()))) > 0;
+}
+
+/// [px/m] of a point on the ground in the direction in which the image resolves it worst; 0 where it is not seen.
+double SharpnessAt(const RigCamera& camera, const Rigid3& camera_from_body, const Eigen::Vector3d& point) {
+  CameraModel::Jacobian jacobian;
+  const auto pixel = camera.model.Project(camera_from_body * point, &jacobian);
+  if (!pixel || !IsUsable(camera, *pixel)) return 0;
+  const Eigen::Matrix2d on_ground = jacobian * camera_from_body.rotation.toRotationMatrix().leftCols<2>();
+  const double worst = on_ground.jacobiSvd().singularValues()(1);
+  return worst < kMinSharpness ? 0 : worst;
+}
+
+}  // namespace
+
+FloorView::FloorView(const RigCamera& camera) {
+  const Rigid3 camera_from_body = camera.body_from_camera.Inverse();
+  sharpness_ = cv::Mat::zeros(kFloorSize, CV_32FC1);
+  for (int row = 0; row < kFloorSize.height; ++row)
+    for (int column = 0; column < kFloorSize.width; ++column)
+      sharpness_.at<float>(row, column) =
+          static_cast<float>(SharpnessAt(camera, camera_from_body, MiddleOfCell(row, column, kFloorCell)));
+  map_x_ = cv::Mat(kFloorSize * kFiner, CV_32FC1, cv::Scalar(-1));
+  map_y_ = map_x_.clone();
+  for (int row = 0; row < map_x_.rows; ++row) {
+    for (int column = 0; column < map_x_.cols; ++column) {
+      if (sharpness_.at<float>(row / kFiner, column / kFiner) == 0) continue;
+      const auto pixel = camera.model.Project(camera_from_body * MiddleOfCell(row, column, kFloorCell / kFiner));
+      if (!pixel) continue;
+      map_x_.at<float>(row, column) = static_cast<float>(pixel->x());
+      map_y_.at<float>(row, column) = static_cast<float>(pixel->y());
+    }
+  }
+}
+
+FloorSight FloorView::Look(const cv::Mat& image, const Rigid3& place_from_body) const {
+  cv::Mat fine, picture;
+  cv::remap(image, fine, map_x_, map_y_, cv::INTER_LINEAR, cv::BORDER_CONSTANT, kUnseen);
+  cv::resize(fine, picture, kFloorSize, 0, 0, cv::INTER_AREA);
+  const cv::Matx23f move = MoveOfFloor(place_from_body);
+  FloorSight sight;
+  cv::warpAffine(cv::max(picture, 1), sight.picture, move, kFloorSize, cv::INTER_LINEAR, cv::BORDER_CONSTANT, kUnseen);
+  cv::warpAffine(sharpness_, sight.sharpness, move, kFloorSize, cv::INTER_NEAREST, cv::BORDER_CONSTANT, kUnseen);
+  sight.picture.setTo(kUnseen, sight.sharpness == 0);
+  return sight;
+}
+
+cv::Matx23f MoveOfFloor(const Rigid3& to_from) {
+  const double yaw = YawOf(to_from.rotation), c = std::cos(yaw), s = std::sin(yaw);
+  // Of the pixel (u, v) in the middle of the frame; u counts to the right and v to the back, y and x against them.
+  const double u0 = kFloorLeft / kFloorCell - 0.5, v0 = kFloorFront / kFloorCell - 0.5;
+  const double tx = to_from.translation.x() / kFloorCell, ty = to_from.translation.y() / kFloorCell;
+  return {static_cast<float>(c),  static_cast<float>(s), static_cast<float>(u0 - s * v0 - c * u0 - ty),
+          static_cast<float>(-s), static_cast<float>(c), static_cast<float>(v0 - c * v0 + s * u0 - tx)};
+}
+
+void AddSight(const FloorSight& sight, FloorSight& floor) {
+  if (floor.picture.empty()) {
+    floor = {sight.picture.clone(), sight.sharpness.clone()};
+    return;
+  }
+  const cv::Mat is_sharper = sight.sharpness > floor.sharpness;
+  sight.picture.copyTo(floor.picture, is_sharper);
+  sight.sharpness.copyTo(floor.sharpness, is_sharper);
+}
+
+}  // namespace parkade

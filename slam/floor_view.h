@@ -1,0 +1,46 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <opencv2/core/matx.hpp>
+
+#include "core/rig.h"
+
+namespace parkade {
+
+/// A picture of the ground around a place from above, in the frame of the place: row 0 is ahead, column 0 to the left.
+/// Cells of kFloorCell; the middle of cell (row, column) is x = kFloorFront - (row + 0.5) kFloorCell,
+/// y = kFloorLeft - (column + 0.5) kFloorCell. CV_8UC1, 0 where no camera sees the ground.
+constexpr double kFloorCell = 0.05;  ///< [m]
+constexpr double kFloorFront = 6;    ///< [m] ahead of the rear axle
+constexpr double kFloorBack = -4;    ///< [m]
+constexpr double kFloorLeft = 5;     ///< [m] to either side
+inline const cv::Size kFloorSize(200, 200);
+
+/// What one camera shows of the ground.
+struct FloorSight {
+  cv::Mat picture;    ///< as above
+  cv::Mat sharpness;  ///< CV_32FC1 [px/m] of the image across the cell in its worse direction; 0 where unseen
+};
+
+/// The ground as one camera of a car sees it, which stands on the plane z = 0 of its body. Immutable, thread-safe.
+class FloorView {
+ public:
+  FloorView() = default;  ///< sees nothing
+  explicit FloorView(const RigCamera& camera);
+
+  /// \param image            CV_8UC1 of the calibrated size
+  /// \param place_from_body  when the image was taken; what it tilts is left out
+  FloorSight Look(const cv::Mat& image, const Rigid3& place_from_body) const;
+
+ private:
+  cv::Mat map_x_, map_y_;  ///< at half the cell size, in the frame of the body
+  cv::Mat sharpness_;      ///< CV_32FC1, likewise in the frame of the body
+};
+
+/// The affine map that moves pictures of the ground from one frame to another, both upright.
+cv::Matx23f MoveOfFloor(const Rigid3& to_from);
+
+/// Takes over the cells that `sight` shows more sharply than what is there. Both start empty.
+void AddSight(const FloorSight& sight, FloorSight& floor);
+
+}  // namespace parkade
