@@ -162,10 +162,11 @@ Scene BuildGarage(const SceneOptions& options) {
                                             options.ground_texel, options.seed, deck));
   for (size_t sheet = layout.ForecourtSheet(); sheet < ground.sheets().size(); ++sheet) {
     const GroundSheet& floor = ground.sheets()[sheet];
+    const std::uint64_t seed = SeedOfPart(options.seed, sheet);
     scene.ground_colors.push_back(
         sheet == layout.ForecourtSheet() ? PaintForecourt(floor, options.ground_texel, options.seed)
-        : sheet < layout.CurveSheet(0)   ? PaintStraightRamp(layout, floor, options.ground_texel, options.seed + sheet)
-                                         : PaintCurve(layout, floor, options.ground_texel, options.seed + sheet));
+        : sheet < layout.CurveSheet(0)   ? PaintStraightRamp(layout, floor, options.ground_texel, seed)
+                                         : PaintCurve(layout, floor, options.ground_texel, seed));
   }
   GarageStructure structure(layout, options.seed, scene.materials);
   structure.Walls();

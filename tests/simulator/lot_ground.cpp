@@ -97,7 +97,8 @@ GroundCanvas PaintDeck(const LotLayout& layout, double strip, double texel_size,
   GroundCanvas canvas(Vector2d::Zero(), Vector2d(layout.length, layout.width + strip), texel_size);
   const double area = layout.length * layout.width;
   const auto per_area = [&](double square_meters) { return static_cast<int>(area / square_meters); };
-  GroundPainter painter({layout.length, layout.width + strip}, canvas, seed + static_cast<std::uint64_t>(deck));
+  GroundPainter painter({layout.length, layout.width + strip}, canvas,
+                        SeedOfPart(seed, static_cast<std::uint64_t>(deck)));
   painter.Concrete();
   painter.Cracks(per_area(120));
   painter.Stains(per_area(6), [&] { return InAnySlot(layout, painter.random()); });

@@ -13,6 +13,10 @@ inline std::uint64_t Mix64(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
+/// A seed for one part of what comes from `seed`: no part of another seed has it. (seed + part would: decks of one
+/// garage had the floors of the next seed's.)
+inline std::uint64_t SeedOfPart(std::uint64_t seed, std::uint64_t part) { return Mix64(seed) + part; }
+
 /// Random numbers that are the same with every compiler and library, unlike
 /// std's distributions. Streams of one seed are independent of each other, so
 /// that one more draw in one sensor leaves all others as they were.
