@@ -93,7 +93,7 @@ DriveRefinement DriveStages::Refine(const DriveLog& log, const OdometryResult& o
 std::vector<Place> DriveStages::FindPlaces(const DriveLog& log, const OdometryResult& odometry,
                                            const DriveRefinement& refinement) {
   std::string& key = keys_.at(log.name()).so_far;
-  key = KeyOf({key, "places with floors"});
+  key = KeyOf({key, "places on floors"});
   const std::string bytes = products_.Get(log.name() + "/places.bin", key, [&] {
     return EncodePlaces(PlacesAlong(log, odometry.odom_from_body, refinement.odom_from_body, options_.loops.places));
   });

@@ -8,13 +8,14 @@
 namespace parkade {
 namespace {
 
-constexpr int kTile = 40;    // cells
+constexpr int kTile = 32;    // cells
 constexpr int kSquare = 11;  // cells: a tile is looked for in squares of this many shifts ...
 constexpr int kSquares = 5;  // ... in each direction
 constexpr int kReach = kSquare * kSquares / 2;
 constexpr double kMinTileSeen = 0.8;
 constexpr double kMinSearchSeen = 0.7;
-constexpr double kLightSigma = 6;      // cells: changes over more than this are light
+constexpr double kMiddle = 128;  // grey level of what is as bright as the ground around it
+constexpr double kMaxContrast = 1.5;
 constexpr double kContrastSigma = 12;  // cells
 constexpr double kNoise = 2;           // grey values that count as no contrast
 
@@ -24,18 +25,15 @@ cv::Mat Smooth(const cv::Mat& values, double sigma) {
   return smooth;
 }
 
-/// The picture without slow changes, over its contrast.
+/// The picture over its contrast. What is painted counts no more than stains and grain: much of it is alike elsewhere.
 cv::Mat PatternOf(const cv::Mat& floor, const cv::Mat& is_seen) {
-  cv::Mat values, weights;
-  floor.convertTo(values, CV_32F);
+  cv::Mat values, weights, contrast;
+  floor.convertTo(values, CV_32F, 1, -kMiddle);
   is_seen.convertTo(weights, CV_32F, 1.0 / 255);
   values = values.mul(weights);
-  const cv::Mat mean = Smooth(values, kLightSigma) / (Smooth(weights, kLightSigma) + 1e-3F);
-  const cv::Mat fast = (values - mean).mul(weights);
-  cv::Mat contrast;
-  cv::sqrt(Smooth(fast.mul(fast), kContrastSigma) / (Smooth(weights, kContrastSigma) + 1e-3F), contrast);
-  cv::Mat pattern = fast / (contrast + kNoise);
-  return pattern;
+  cv::sqrt(Smooth(values.mul(values), kContrastSigma) / (Smooth(weights, kContrastSigma) + 1e-3F), contrast);
+  cv::Mat pattern = values / (contrast + kNoise);
+  return cv::min(cv::max(pattern, -kMaxContrast), kMaxContrast);
 }
 
 double ShareSeen(const cv::Mat& is_seen) {

@@ -161,7 +161,7 @@ void DescribePlaces(const DriveLog& log, const Trajectory& odom_from_body, const
       DescribedImage image = Describe(frame, views[camera], place_from_body, rig.cameras[camera].body_from_camera,
                                       upright_from_body, options);
       image.place = place;
-      if (!floors.empty()) image.floor = floors[camera].Look(frame.image, place_from_body);
+      if (!floors.empty()) image.floor = floors[camera].Look(frame.image, place_from_body, frame.camera);
       return image;
     });
     for (DescribedImage& image : described) {
@@ -173,7 +173,7 @@ void DescribePlaces(const DriveLog& log, const Trajectory& odom_from_body, const
       if (!image.floor.picture.empty()) AddSight(image.floor, floor_of[image.place]);
     }
   }
-  for (size_t i = 0; i < places.size(); ++i) places[i].floor = floor_of[i].picture;
+  for (size_t i = 0; i < places.size(); ++i) places[i].floor = PictureOf(floor_of[i]);
   TriangulatePlaces(options, places);
 }
 

@@ -10,6 +10,8 @@ namespace {
 
 constexpr int kFiner = 2;            // samples per cell and direction
 constexpr double kMinSharpness = 6;  // [px/m]; less shows nothing of 10 cm
+constexpr double kMiddle = 128;      // grey level of ground as bright as what is around it
+constexpr double kLightSigma = 6;    // cells: changes over more than this are light
 constexpr double kBorder = 3;        // [px] of the image that are not trusted
 const cv::Scalar kUnseen = cv::Scalar(0);
 
@@ -31,6 +33,20 @@ double SharpnessAt(const RigCamera& camera, const Rigid3& camera_from_body, cons
   const Eigen::Matrix2d on_ground = jacobian * camera_from_body.rotation.toRotationMatrix().leftCols<2>();
   const double worst = on_ground.jacobiSvd().singularValues()(1);
   return worst < kMinSharpness ? 0 : worst;
+}
+
+/// What is brighter or darker than the ground around, about kMiddle. Unseen cells are kMiddle.
+cv::Mat WithoutLight(const cv::Mat& picture, const cv::Mat& is_seen) {
+  cv::Mat values, weights, mean, sum_of_weights;
+  is_seen.convertTo(weights, CV_32F, 1.0 / 255);
+  picture.convertTo(values, CV_32F);
+  values = values.mul(weights);
+  cv::GaussianBlur(values, mean, {}, kLightSigma, kLightSigma, cv::BORDER_CONSTANT);
+  cv::GaussianBlur(weights, sum_of_weights, {}, kLightSigma, kLightSigma, cv::BORDER_CONSTANT);
+  mean /= sum_of_weights + 1e-3F;
+  cv::Mat flat;
+  cv::Mat((values - mean).mul(weights)).convertTo(flat, CV_8U, 1, kMiddle);
+  return cv::max(flat, 1);
 }
 
 }  // namespace
@@ -55,15 +71,17 @@ FloorView::FloorView(const RigCamera& camera) {
   }
 }
 
-FloorSight FloorView::Look(const cv::Mat& image, const Rigid3& place_from_body) const {
+FloorSight FloorView::Look(const cv::Mat& image, const Rigid3& place_from_body, int camera) const {
   cv::Mat fine, picture;
   cv::remap(image, fine, map_x_, map_y_, cv::INTER_LINEAR, cv::BORDER_CONSTANT, kUnseen);
   cv::resize(fine, picture, kFloorSize, 0, 0, cv::INTER_AREA);
   const cv::Matx23f move = MoveOfFloor(place_from_body);
   FloorSight sight;
-  cv::warpAffine(cv::max(picture, 1), sight.picture, move, kFloorSize, cv::INTER_LINEAR, cv::BORDER_CONSTANT, kUnseen);
+  cv::warpAffine(WithoutLight(picture, sharpness_ > 0), sight.picture, move, kFloorSize, cv::INTER_LINEAR,
+                 cv::BORDER_CONSTANT, kUnseen);
   cv::warpAffine(sharpness_, sight.sharpness, move, kFloorSize, cv::INTER_NEAREST, cv::BORDER_CONSTANT, kUnseen);
   sight.picture.setTo(kUnseen, sight.sharpness == 0);
+  sight.camera = cv::Mat(kFloorSize, CV_8UC1, cv::Scalar(camera));
   return sight;
 }
 
@@ -78,12 +96,22 @@ cv::Matx23f MoveOfFloor(const Rigid3& to_from) {
 
 void AddSight(const FloorSight& sight, FloorSight& floor) {
   if (floor.picture.empty()) {
-    floor = {sight.picture.clone(), sight.sharpness.clone()};
+    floor = {sight.picture.clone(), sight.sharpness.clone(), sight.camera.clone()};
     return;
   }
   const cv::Mat is_sharper = sight.sharpness > floor.sharpness;
   sight.picture.copyTo(floor.picture, is_sharper);
   sight.sharpness.copyTo(floor.sharpness, is_sharper);
+  sight.camera.copyTo(floor.camera, is_sharper);
+}
+
+cv::Mat PictureOf(const FloorSight& floor) {
+  if (floor.picture.empty()) return {};
+  cv::Mat lowest, highest, picture = floor.picture.clone();
+  cv::erode(floor.camera, lowest, {});
+  cv::dilate(floor.camera, highest, {});
+  picture.setTo(kUnseen, lowest != highest);
+  return picture;
 }
 
 }  // namespace parkade

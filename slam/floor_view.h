@@ -9,7 +9,8 @@ namespace parkade {
 
 /// A picture of the ground around a place from above, in the frame of the place: row 0 is ahead, column 0 to the left.
 /// Cells of kFloorCell; the middle of cell (row, column) is x = kFloorFront - (row + 0.5) kFloorCell,
-/// y = kFloorLeft - (column + 0.5) kFloorCell. CV_8UC1, 0 where no camera sees the ground.
+/// y = kFloorLeft - (column + 0.5) kFloorCell. CV_8UC1: 128 is as bright as the ground around as the same camera shows
+/// it, 0 is where no camera sees the ground, or where the sight of one meets that of another.
 constexpr double kFloorCell = 0.05;  ///< [m]
 constexpr double kFloorFront = 6;    ///< [m] ahead of the rear axle
 constexpr double kFloorBack = -4;    ///< [m]
@@ -20,6 +21,7 @@ inline const cv::Size kFloorSize(200, 200);
 struct FloorSight {
   cv::Mat picture;    ///< as above
   cv::Mat sharpness;  ///< CV_32FC1 [px/m] of the image across the cell in its worse direction; 0 where unseen
+  cv::Mat camera;     ///< CV_8UC1, which one
 };
 
 /// The ground as one camera of a car sees it, which stands on the plane z = 0 of its body. Immutable, thread-safe.
@@ -30,7 +32,8 @@ class FloorView {
 
   /// \param image            CV_8UC1 of the calibrated size
   /// \param place_from_body  when the image was taken; what it tilts is left out
-  FloorSight Look(const cv::Mat& image, const Rigid3& place_from_body) const;
+  /// \param camera           its number, for what is returned
+  FloorSight Look(const cv::Mat& image, const Rigid3& place_from_body, int camera) const;
 
  private:
   cv::Mat map_x_, map_y_;  ///< at half the cell size, in the frame of the body
@@ -42,5 +45,8 @@ cv::Matx23f MoveOfFloor(const Rigid3& to_from);
 
 /// Takes over the cells that `sight` shows more sharply than what is there. Both start empty.
 void AddSight(const FloorSight& sight, FloorSight& floor);
+
+/// The picture of all sights together, without the seams between them.
+cv::Mat PictureOf(const FloorSight& floor);
 
 }  // namespace parkade

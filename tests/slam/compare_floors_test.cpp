@@ -31,8 +31,8 @@ FloorDrive DriveOver(const RenderedRoom& room, const Rigid3& start, double light
       for (int column = 0; column < kFloorSize.width; ++column) {
         const Eigen::Vector3d cell(kFloorFront - (row + 0.5) * kFloorCell, kFloorLeft - (column + 0.5) * kFloorCell, 0);
         const double lamp = 0.3 + 0.7 * std::exp(-0.05 * cell.squaredNorm());  // moves with the car
-        place.floor.at<uchar>(row, column) =
-            cv::saturate_cast<uchar>(1 + light * lamp * room.BrightnessAt(drive.room_from_place.back() * cell, 0.06));
+        place.floor.at<uchar>(row, column) = cv::saturate_cast<uchar>(
+            128 + 0.9 * light * lamp * (room.BrightnessAt(drive.room_from_place.back() * cell, 0.06) - 128));
       }
     }
     place.floor(cv::Rect(80, 40, 40, 120)) = 0;  // the car
@@ -85,8 +85,7 @@ TEST(CompareFloors, NeighboursTellHowMuchAFloorShows) {
   const FloorDrive drive = DriveOver(kRoom, {});
   EXPECT_GT(CompareNeighbours(DriveFloors(drive.places), drive.places).share(), 0.9);
   std::vector<Place> bare = drive.places;
-  for (size_t i = 0; i < bare.size(); ++i)
-    cv::randn(bare[i].floor, 100 + static_cast<double>(i), 3);  // a sealed floor, and the camera's noise
+  for (Place& place : bare) cv::randn(place.floor, 128, 3);  // a sealed floor, and the camera's noise
   const FloorAgreement agreement = CompareNeighbours(DriveFloors(bare), bare);
   EXPECT_GT(agreement.num_tiles, 20);
   EXPECT_LT(agreement.share(), 0.2);

@@ -24,7 +24,7 @@ cv::Mat FloorAround(const Rigid3& world_from_place, std::uint32_t seed) {
       Eigen::Vector3d cell = world_from_place * Eigen::Vector3d(kFloorFront - (row + 0.5) * kFloorCell,
                                                                 kFloorLeft - (column + 0.5) * kFloorCell, 0);
       cell.z() = 0;
-      floor.at<uchar>(row, column) = cv::saturate_cast<uchar>(1 + 0.9 * room.BrightnessAt(cell, 0.06));
+      floor.at<uchar>(row, column) = cv::saturate_cast<uchar>(128 + 0.9 * (room.BrightnessAt(cell, 0.06) - 128));
     }
   }
   return floor;

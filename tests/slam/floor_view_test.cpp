@@ -50,11 +50,11 @@ TEST(FloorView, ShowsTheGroundWhereItLiesWhereverTheCarIsByThen) {
   const RigCamera camera = RightCamera();
   const FloorView view(camera);
   for (const Rigid3& place_from_body : {Rigid3(), Rigid3{ExpSo3({0, 0, 0.2}), {0.6, -0.3, 0}}}) {
-    const FloorSight sight = view.Look(ImageOf(camera, place_from_body), place_from_body);
+    const FloorSight sight = view.Look(ImageOf(camera, place_from_body), place_from_body, 0);
     EXPECT_GT(cv::countNonZero(sight.picture), 5000) << "of 40,000 cells, on the right of the car";
     EXPECT_EQ(cv::countNonZero(sight.picture(cv::Rect(0, 0, 60, 200))), 0) << "and none on its left";
     const double found = CorrelationWithTruth(sight.picture);
-    EXPECT_GT(found, 0.8);
+    EXPECT_GT(found, 0.6) << "the floor's slow changes are taken for light";
     for (const int off : {-1, 1}) {
       EXPECT_LT(CorrelationWithTruth(sight.picture, off, 0), found) << "5 cm ahead or behind";
       EXPECT_LT(CorrelationWithTruth(sight.picture, 0, off), found) << "5 cm beside it";
@@ -66,21 +66,28 @@ TEST(FloorView, WhatTheMaskHidesIsUnseen) {
   RigCamera camera = RightCamera();
   camera.mask = cv::Mat(camera.model.height(), camera.model.width(), CV_8UC1, cv::Scalar(255));
   camera.mask(cv::Rect(0, 0, camera.model.width() / 2, camera.model.height())) = 0;
-  const FloorSight all = FloorView(RightCamera()).Look(ImageOf(camera, {}), {});
-  const FloorSight half = FloorView(camera).Look(ImageOf(camera, {}), {});
+  const FloorSight all = FloorView(RightCamera()).Look(ImageOf(camera, {}), {}, 0);
+  const FloorSight half = FloorView(camera).Look(ImageOf(camera, {}), {}, 0);
   EXPECT_GT(cv::countNonZero(half.picture), 0.4 * cv::countNonZero(all.picture));
   EXPECT_LT(cv::countNonZero(half.picture), 0.6 * cv::countNonZero(all.picture));
 }
 
 TEST(FloorView, TheSharperSightOfACellStays) {
   FloorSight floor;
-  AddSight({cv::Mat(kFloorSize, CV_8UC1, cv::Scalar(10)), cv::Mat(kFloorSize, CV_32FC1, cv::Scalar(50))}, floor);
-  FloorSight second{cv::Mat(kFloorSize, CV_8UC1, cv::Scalar(20)), cv::Mat(kFloorSize, CV_32FC1, cv::Scalar(40))};
-  second.sharpness.row(7) = 60;
+  AddSight({cv::Mat(kFloorSize, CV_8UC1, cv::Scalar(10)), cv::Mat(kFloorSize, CV_32FC1, cv::Scalar(50)),
+            cv::Mat(kFloorSize, CV_8UC1, cv::Scalar(0))},
+           floor);
+  FloorSight second{cv::Mat(kFloorSize, CV_8UC1, cv::Scalar(20)), cv::Mat(kFloorSize, CV_32FC1, cv::Scalar(40)),
+                    cv::Mat(kFloorSize, CV_8UC1, cv::Scalar(1))};
+  second.sharpness.rowRange(7, 60) = 60;
   AddSight(second, floor);
   EXPECT_EQ(floor.picture.at<uchar>(6, 100), 10);
   EXPECT_EQ(floor.picture.at<uchar>(7, 100), 20);
   EXPECT_EQ(floor.sharpness.at<float>(7, 100), 60);
+  const cv::Mat picture = PictureOf(floor);
+  EXPECT_EQ(picture.at<uchar>(5, 100), 10);
+  EXPECT_EQ(picture.at<uchar>(7, 100), 0) << "a seam";
+  EXPECT_EQ(picture.at<uchar>(8, 100), 20);
 }
 
 }  // namespace
