@@ -1,9 +1,9 @@
 #pragma once
 
 #include <algorithm>
-#include <opencv2/core/hal/hal.hpp>
 #include <optional>
 
+#include "slam/hamming.h"
 #include "slam/place.h"
 
 namespace parkade {
@@ -15,7 +15,7 @@ class LikestFeature {
   explicit LikestFeature(const uchar* descriptor) : descriptor_(descriptor) {}
 
   void Look(const Place& place, size_t index) {
-    const int hamming = cv::hal::normHamming(descriptor_, place.descriptors.ptr(static_cast<int>(index)), kBytes);
+    const int hamming = HammingDistance(descriptor_, place.descriptors.ptr(static_cast<int>(index)));
     if (hamming < best_) {
       second_ = best_;
       best_ = hamming;
@@ -34,7 +34,7 @@ class LikestFeature {
   int hamming() const { return best_; }
 
  private:
-  static constexpr int kBytes = 32, kBits = 8 * kBytes;
+  static constexpr int kBits = 8 * kDescriptorBytes;
 
   const uchar* descriptor_;
   int best_ = kBits, second_ = kBits;

@@ -1,12 +1,12 @@
 #include "slam/relative_pose.h"
 
 #include <map>
-#include <opencv2/features2d.hpp>
 #include <random>
 
 #include "core/error.h"
 #include "slam/adjust_to_sights.h"
 #include "slam/guided_matches.h"
+#include "slam/hamming.h"
 #include "slam/sight.h"
 
 namespace parkade {
@@ -15,9 +15,14 @@ namespace {
 constexpr int kRounds = 3;                       // of choosing inliers and adjusting
 constexpr double kTiltSigma = 0.3 * M_PI / 180;  // [rad] between the gravity of two places
 
-bool IsInlier(const Sight& sight, const Rigid3& a_from_b, double max_error) {
-  const SightError error = ErrorOf(sight, a_from_b);
-  return error.is_in_front && error.whitened.norm() < max_error;
+/// How many sights a pose explains; 0 as soon as they cannot be more than `most`.
+size_t CountInliers(const std::vector<Sight>& sights, const Rigid3& a_from_b, double max_error, size_t most) {
+  size_t count = 0;
+  for (size_t i = 0; i < sights.size(); ++i) {
+    if (count + sights.size() - i <= most) return 0;
+    count += IsInlier(sights[i], a_from_b, max_error);
+  }
+  return count;
 }
 
 std::optional<Rigid3> SearchPose(const std::vector<Sight>& sights, const RelativePoseOptions& options) {
@@ -33,8 +38,7 @@ std::optional<Rigid3> SearchPose(const std::vector<Sight>& sights, const Relativ
     const size_t first = pick(from), second = pick(from);
     if (first == second) continue;
     for (const Rigid3& pose : SolveUprightPose(sights[first], sights[second])) {
-      const auto count = static_cast<size_t>(std::count_if(
-          sights.begin(), sights.end(), [&](const Sight& sight) { return IsInlier(sight, pose, options.max_error); }));
+      const size_t count = CountInliers(sights, pose, options.max_error, most);
       if (count <= most) continue;
       most = count;
       best = pose;
@@ -106,20 +110,22 @@ void RelativePoseOptions::Validate() const {
 
 std::vector<FeatureMatch> MatchPlaces(const Place& a, const Place& b, const RelativePoseOptions& options) {
   if (a.descriptors.rows < 2 || b.descriptors.rows < 2) return {};
-  const cv::BFMatcher matcher(cv::NORM_HAMMING);
-  std::vector<std::vector<cv::DMatch>> pairs;
-  matcher.knnMatch(a.descriptors, b.descriptors, pairs, 2);
-  std::vector<std::optional<cv::DMatch>> best_of_b(b.features.size());
-  for (const auto& pair : pairs) {
-    if (pair.size() < 2 || pair[0].distance > static_cast<float>(options.max_hamming) ||
-        pair[0].distance > options.ratio * pair[1].distance)
+  struct Best {
+    size_t of_a = 0;
+    int distance = 0;
+  };
+  std::vector<std::optional<Best>> best_of_b(b.features.size());
+  for (int row = 0; row < a.descriptors.rows; ++row) {
+    const NearestDescriptor nearest = FindNearestDescriptor(a.descriptors.ptr(row), b.descriptors);
+    if (nearest.index < 0 || nearest.distance > options.max_hamming ||
+        nearest.distance > options.ratio * nearest.second_distance)
       continue;
-    std::optional<cv::DMatch>& best = best_of_b[static_cast<size_t>(pair[0].trainIdx)];
-    if (!best || pair[0].distance < best->distance) best = pair[0];
+    std::optional<Best>& best = best_of_b[static_cast<size_t>(nearest.index)];
+    if (!best || nearest.distance < best->distance) best = {static_cast<size_t>(row), nearest.distance};
   }
   std::vector<FeatureMatch> matches;
-  for (const auto& best : best_of_b)
-    if (best) matches.push_back({static_cast<size_t>(best->queryIdx), static_cast<size_t>(best->trainIdx)});
+  for (size_t i = 0; i < best_of_b.size(); ++i)
+    if (best_of_b[i]) matches.push_back({best_of_b[i]->of_a, i});
   return matches;
 }
 

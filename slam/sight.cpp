@@ -18,6 +18,9 @@ struct View {
   Eigen::Matrix3d ray_from_point;  ///< rotation from the point's place
   Eigen::Vector3d to_point;        ///< [m] from the ray's origin
   Eigen::Matrix<double, 2, 3> whitening;
+
+  Eigen::Vector2d Whitened() const { return whitening * to_point; }
+  bool IsInFront(const Sight& sight) const { return sight.bearing.dot(to_point) > 0.1; }
 };
 
 View ViewOf(const Sight& sight, const Rigid3& a_from_b) {
@@ -51,6 +54,11 @@ std::vector<Sight> SightsOf(const Place& a, const Place& b, const std::vector<Fe
   return sights;
 }
 
+bool IsInlier(const Sight& sight, const Rigid3& a_from_b, double max_error) {
+  const View view = ViewOf(sight, a_from_b);
+  return view.IsInFront(sight) && view.Whitened().norm() < max_error;
+}
+
 SightError ErrorOf(const Sight& sight, const Rigid3& a_from_b) {
   const View view = ViewOf(sight, a_from_b);
   Eigen::Matrix<double, 3, 6> by_tangent;
@@ -59,7 +67,7 @@ SightError ErrorOf(const Sight& sight, const Rigid3& a_from_b) {
   } else {
     by_tangent << -Eigen::Matrix3d::Identity(), Skew(view.to_point + sight.origin);
   }
-  return {view.whitening * view.to_point, view.whitening * by_tangent, sight.bearing.dot(view.to_point) > 0.1};
+  return {view.Whitened(), view.whitening * by_tangent, view.IsInFront(sight)};
 }
 
 MountJacobians MountJacobiansOf(const Sight& sight, const Rigid3& a_from_b) {

@@ -33,6 +33,9 @@ struct SightError {
 };
 SightError ErrorOf(const Sight& sight, const Rigid3& a_from_b);
 
+/// Whether the point lies before the camera and less than `max_error` sigmas off the ray: ErrorOf without derivatives.
+bool IsInlier(const Sight& sight, const Rigid3& a_from_b, double max_error);
+
 /// Derivatives of SightError::whitened by errors of the mounts of the two cameras, [translation | turn] in the body.
 /// Where one camera saw both, they add up.
 struct MountJacobians {
