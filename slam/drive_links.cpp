@@ -62,21 +62,15 @@ std::vector<PlaceLink> WithoutThoseAt(const std::vector<PlaceLink>& links, const
 }
 
 /// Alike places, the most alike first; with `a_from_b` only those within `reach` [m] of each other.
-std::vector<PlaceCandidate> FindCandidates(const std::vector<Place>& places_a, const std::vector<Place>& places_b,
+std::vector<PlaceCandidate> FindCandidates(const ComparedDrive& drive_a, const ComparedDrive& drive_b,
                                            const std::optional<Rigid3>& a_from_b, double reach, int max_candidates) {
-  std::vector<const Place*> all;
-  for (const Place& place : places_a) all.push_back(&place);
-  for (const Place& place : places_b) all.push_back(&place);
-  const size_t num_a = places_a.size();
   const auto is_possible = [&](size_t a, size_t b) {
-    if (a >= num_a || b < num_a) return false;
     if (!a_from_b) return true;
     const Eigen::Vector3d apart =
-        places_a[a].odom_from_place.translation - *a_from_b * places_b[b - num_a].odom_from_place.translation;
+        (*drive_a.places)[a].odom_from_place.translation - *a_from_b * (*drive_b.places)[b].odom_from_place.translation;
     return apart.head<2>().norm() < reach;
   };
-  std::vector<PlaceCandidate> candidates = FindAlikePlaces(all, is_possible, max_candidates);
-  for (PlaceCandidate& candidate : candidates) candidate.later -= num_a;
+  std::vector<PlaceCandidate> candidates = FindAlikePlaces(drive_a.words, drive_b.words, is_possible, max_candidates);
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const PlaceCandidate& a, const PlaceCandidate& b) { return a.score > b.score; });
   return candidates;
@@ -91,7 +85,8 @@ class DriveLinker {
 
   DriveLinks Link(const std::optional<Rigid3>& a_from_b, double sigma) {
     const std::vector<PlaceCandidate> candidates =
-        FindCandidates(places_a_, places_b_, a_from_b, options_.reach + 3 * sigma, options_.max_candidates);
+        FindCandidates(ComparedDrive(places_a_), ComparedDrive(places_b_), a_from_b, options_.reach + 3 * sigma,
+                       options_.max_candidates);
     result_.num_candidates = static_cast<int>(candidates.size());
     const size_t most = std::min(candidates.size(), static_cast<size_t>(options_.max_measured));
     for (size_t begin = 0; begin < most && result_.links.empty(); begin += static_cast<size_t>(options_.batch)) {
@@ -249,10 +244,9 @@ std::vector<size_t> FindAgreeingLinks(const std::vector<Place>& places_a, const 
   return best;
 }
 
-double LikenessOf(const std::vector<Place>& places_a, const std::vector<Place>& places_b,
-                  const DriveLinkOptions& options, const std::optional<Rigid3>& a_from_b, double sigma) {
-  const std::vector<PlaceCandidate> candidates =
-      FindCandidates(places_a, places_b, a_from_b, options.reach + 3 * sigma, 1);
+double LikenessOf(const ComparedDrive& a, const ComparedDrive& b, const DriveLinkOptions& options,
+                  const std::optional<Rigid3>& a_from_b, double sigma) {
+  const std::vector<PlaceCandidate> candidates = FindCandidates(a, b, a_from_b, options.reach + 3 * sigma, 1);
   const size_t count = 2 * static_cast<size_t>(options.min_links);  // as many as a good link needs, and some
   double sum = 0;
   for (size_t i = 0; i < std::min(count, candidates.size()); ++i) sum += candidates[i].score;

@@ -6,6 +6,7 @@
 
 #include "slam/compare_floors.h"
 #include "slam/place.h"
+#include "slam/place_words.h"
 #include "slam/relative_pose.h"
 
 namespace parkade {
@@ -75,11 +76,18 @@ struct DriveLinks {
 std::vector<size_t> FindAgreeingLinks(const std::vector<Place>& places_a, const std::vector<Place>& places_b,
                                       const std::vector<PlaceLink>& links, const DriveLinkOptions& options);
 
+/// The places of a drive and their words, which are found once however many other drives it is compared with.
+struct ComparedDrive {
+  explicit ComparedDrive(const std::vector<Place>& drive_places) : places(&drive_places), words(drive_places) {}
+
+  const std::vector<Place>* places;  ///< borrowed
+  PlaceWords words;
+};
+
 /// How alike two drives look, 0 to 1: the mean score of their most alike places; 0 where GNSS puts them apart.
-/// Parameters as of LinkDrives; takes a small part of its time.
-double LikenessOf(const std::vector<Place>& places_a, const std::vector<Place>& places_b,
-                  const DriveLinkOptions& options, const std::optional<Rigid3>& a_from_b = std::nullopt,
-                  double sigma = 0);
+/// Parameters as of LinkDrives; takes a hundredth of its time.
+double LikenessOf(const ComparedDrive& a, const ComparedDrive& b, const DriveLinkOptions& options,
+                  const std::optional<Rigid3>& a_from_b = std::nullopt, double sigma = 0);
 
 /// Links two drives: places that look alike are measured (EstimateRigPose), the most alike first, until enough of them
 /// agree; these foretell where the drives pass each other, in either direction, and there all places are measured.

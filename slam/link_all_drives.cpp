@@ -57,7 +57,7 @@ class PairLinker {
     const auto [a, b] = key;
     const std::string bytes = Recall("likeness", key, [&] {
       const GnssPrior prior = PriorOf(drives_[a], drives_[b]);
-      double likeness = LikenessOf(drives_[a].places, drives_[b].places, options_, prior.a_from_b, prior.sigma);
+      double likeness = LikenessOf(Compared(a), Compared(b), options_, prior.a_from_b, prior.sigma);
       BinaryWriter writer;
       writer(likeness);
       return writer.bytes();
@@ -81,6 +81,10 @@ class PairLinker {
   }
 
  private:
+  const ComparedDrive& Compared(size_t drive) {
+    return compared_.try_emplace(drive, drives_[drive].places).first->second;
+  }
+
   std::string Recall(const std::string& what, const PairOfDrives& key, const std::function<std::string()>& compute) {
     return memory_ ? memory_(what, key.first, key.second, compute) : compute();
   }
@@ -89,6 +93,7 @@ class PairLinker {
   const LoopOptions& loops_;
   const DriveLinkOptions& options_;
   const PairMemory& memory_;
+  std::map<size_t, ComparedDrive> compared_;  ///< of drives whose likeness is asked for
   std::map<PairOfDrives, DrivePair> pairs_;
   std::map<PairOfDrives, double> likeness_;
 };

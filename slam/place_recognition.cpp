@@ -1,47 +1,72 @@
 #include "slam/place_recognition.h"
 
-#include <unordered_map>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
 
 #include "core/error.h"
 
 namespace parkade {
 namespace {
 
-constexpr int kTables = 4;
-constexpr int kBits = 16;
-
-/// Positions of bits in a descriptor that make up the words: a fixed shuffle.
-std::array<int, kTables * kBits> ChooseBits() {
-  std::array<int, 256> bits{};
-  for (int i = 0; i < 256; ++i) bits[static_cast<size_t>(i)] = i;
-  std::uint32_t random = 12345;
-  for (size_t i = 255; i > 0; --i) {
-    random = random * 1664525u + 1013904223u;
-    std::swap(bits[i], bits[(random >> 8) % (i + 1)]);
-  }
-  std::array<int, kTables * kBits> chosen{};
-  std::copy_n(bits.begin(), chosen.size(), chosen.begin());
-  return chosen;
-}
-
-/// The words of a place, sorted, each once.
-std::vector<std::uint32_t> WordsOf(const Place& place) {
-  static const std::array<int, kTables* kBits> kChosen = ChooseBits();
-  std::vector<std::uint32_t> words;
-  for (int row = 0; row < place.descriptors.rows; ++row) {
-    const uchar* descriptor = place.descriptors.ptr(row);
-    for (int table = 0; table < kTables; ++table) {
-      std::uint32_t word = static_cast<std::uint32_t>(table);
-      for (int i = 0; i < kBits; ++i) {
-        const int bit = kChosen[static_cast<size_t>(table * kBits + i)];
-        word = 2 * word + ((descriptor[bit / 8] >> (bit % 8)) & 1u);
+/// Which places have each word.
+class WordIndex {
+ public:
+  /// \param entries  of all places, sorted, each once
+  WordIndex(const std::vector<PlaceWords::Entry>& entries, size_t num_places)
+      : words_of_(num_places), norms_(num_places) {
+    places_.reserve(entries.size());
+    for (size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
+      while (end < entries.size() && entries[end].word == entries[begin].word) ++end;
+      const double inverse_frequency = std::log(static_cast<double>(num_places) / static_cast<double>(end - begin));
+      const double weight = inverse_frequency * inverse_frequency;
+      for (size_t i = begin; i < end; ++i) {
+        places_.push_back(entries[i].place);
+        words_of_[entries[i].place].push_back(words_.size());
+        norms_[entries[i].place] += weight;
       }
-      words.push_back(word);
+      words_.push_back({begin, weight});
     }
+    for (double& norm : norms_) norm = std::sqrt(norm);
   }
-  std::sort(words.begin(), words.end());
-  words.erase(std::unique(words.begin(), words.end()), words.end());
-  return words;
+
+  /// Cosines of the words of `later` with those of each of the first places, up to `end`.
+  void ScoreThoseBefore(size_t end, size_t later, std::vector<double>& scores) const {
+    std::fill(scores.begin(), scores.end(), 0);
+    for (const size_t word : words_of_[later])
+      for (size_t i = words_[word].begin; places_[i] < end; ++i) scores[places_[i]] += words_[word].weight;
+    for (size_t i = 0; i < end; ++i)
+      if (scores[i] > 0) scores[i] /= norms_[i] * norms_[later];
+  }
+
+ private:
+  struct Word {
+    size_t begin = 0;   ///< in places_
+    double weight = 0;  ///< tf-idf, squared
+  };
+  std::vector<Word> words_;
+  std::vector<std::uint32_t> places_;          ///< word by word, ascending
+  std::vector<std::vector<size_t>> words_of_;  ///< per place, ascending
+  std::vector<double> norms_;                  ///< per place
+};
+
+/// What looks most like each of the places from `first_later` on, of those before it and before `end_earlier`.
+std::vector<PlaceCandidate> FindAlike(const WordIndex& index, size_t num_places, size_t first_later, size_t end_earlier,
+                                      const std::function<bool(size_t, size_t)>& is_possible, int max_candidates) {
+  std::vector<PlaceCandidate> candidates;
+  std::vector<double> scores(num_places);
+  for (size_t later = first_later; later < num_places; ++later) {
+    const size_t end = std::min(later, end_earlier);
+    index.ScoreThoseBefore(end, later, scores);
+    std::vector<PlaceCandidate> found;
+    for (size_t earlier = 0; earlier < end; ++earlier)
+      if (scores[earlier] > 0 && is_possible(earlier, later)) found.push_back({earlier, later, scores[earlier]});
+    std::stable_sort(found.begin(), found.end(),
+                     [](const PlaceCandidate& a, const PlaceCandidate& b) { return a.score > b.score; });
+    found.resize(std::min(found.size(), static_cast<size_t>(max_candidates)));
+    candidates.insert(candidates.end(), found.begin(), found.end());
+  }
+  return candidates;
 }
 
 bool IsPossible(const Place& earlier, const Place& later, const RecognitionOptions& options) {
@@ -77,54 +102,34 @@ std::vector<bool> FindPossibleRevisits(const std::vector<Place>& places, const R
   return is_possible;
 }
 
-std::vector<PlaceCandidate> FindAlikePlaces(const std::vector<const Place*>& places,
+std::vector<PlaceCandidate> FindAlikePlaces(const PlaceWords& places,
                                             const std::function<bool(size_t, size_t)>& is_possible,
                                             int max_candidates) {
-  std::vector<std::vector<std::uint32_t>> words;
-  std::unordered_map<std::uint32_t, std::vector<size_t>> places_with;
-  for (size_t i = 0; i < places.size(); ++i) {
-    words.push_back(WordsOf(*places[i]));
-    for (const std::uint32_t word : words.back()) places_with[word].push_back(i);
-  }
-  const auto inverse_frequency = [&](size_t count) {
-    return std::log(static_cast<double>(places.size()) / static_cast<double>(count));
-  };
-  std::vector<double> norms(places.size());
-  for (size_t i = 0; i < places.size(); ++i) {
-    for (const std::uint32_t word : words[i]) norms[i] += std::pow(inverse_frequency(places_with[word].size()), 2);
-    norms[i] = std::sqrt(norms[i]);
-  }
+  const size_t count = places.num_places();
+  return FindAlike(WordIndex(places.entries(), count), count, 0, count, is_possible, max_candidates);
+}
 
-  std::vector<PlaceCandidate> candidates;
-  std::vector<double> scores(places.size());
-  for (size_t later = 0; later < places.size(); ++later) {
-    std::fill(scores.begin(), scores.end(), 0);
-    for (const std::uint32_t word : words[later]) {
-      const std::vector<size_t>& others = places_with[word];
-      const double weight = std::pow(inverse_frequency(others.size()), 2);
-      for (const size_t other : others) {
-        if (other >= later) break;
-        scores[other] += weight;
-      }
-    }
-    std::vector<PlaceCandidate> found;
-    for (size_t earlier = 0; earlier < later; ++earlier)
-      if (scores[earlier] > 0 && is_possible(earlier, later))
-        found.push_back({earlier, later, scores[earlier] / (norms[earlier] * norms[later])});
-    std::stable_sort(found.begin(), found.end(),
-                     [](const PlaceCandidate& a, const PlaceCandidate& b) { return a.score > b.score; });
-    found.resize(std::min(found.size(), static_cast<size_t>(max_candidates)));
-    candidates.insert(candidates.end(), found.begin(), found.end());
-  }
+std::vector<PlaceCandidate> FindAlikePlaces(const PlaceWords& earlier, const PlaceWords& later,
+                                            const std::function<bool(size_t, size_t)>& is_possible,
+                                            int max_candidates) {
+  const size_t num_earlier = earlier.num_places(), count = num_earlier + later.num_places();
+  std::vector<PlaceWords::Entry> of_later = later.entries(), all;
+  for (PlaceWords::Entry& entry : of_later) entry.place += static_cast<std::uint32_t>(num_earlier);
+  all.reserve(earlier.entries().size() + of_later.size());
+  std::merge(earlier.entries().begin(), earlier.entries().end(), of_later.begin(), of_later.end(),
+             std::back_inserter(all));
+  const auto is_possible_pair = [&](size_t a, size_t b) { return is_possible(a, b - num_earlier); };
+  std::vector<PlaceCandidate> candidates =
+      FindAlike(WordIndex(all, count), count, num_earlier, num_earlier, is_possible_pair, max_candidates);
+  for (PlaceCandidate& candidate : candidates) candidate.later -= num_earlier;
   return candidates;
 }
 
 std::vector<PlaceCandidate> RecognisePlaces(const std::vector<Place>& places, const RecognitionOptions& options) {
   options.Validate();
-  std::vector<const Place*> all;
-  for (const Place& place : places) all.push_back(&place);
   return FindAlikePlaces(
-      all, [&](size_t earlier, size_t later) { return IsPossible(places[earlier], places[later], options); },
+      PlaceWords(places),
+      [&](size_t earlier, size_t later) { return IsPossible(places[earlier], places[later], options); },
       options.max_candidates);
 }
 

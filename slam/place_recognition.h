@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "slam/place.h"
+#include "slam/place_words.h"
 
 namespace parkade {
 
@@ -37,13 +38,14 @@ struct PlaceCandidate {
 /// their points come. One flag per place.
 std::vector<bool> FindPossibleRevisits(const std::vector<Place>& places, const RecognitionOptions& options);
 
-/// Earlier places that look like later ones, among the pairs (earlier, later) that are possible.
-/// Words are fixed groups of 16 bits of the descriptors, four per feature, so that
-/// there is no vocabulary to train or to ship (locality-sensitive hashing: P. Indyk,
-/// R. Motwani, STOC 1998); all cameras of a place make one document, so that the left
-/// camera finds what the right one saw. Inverted index, tf-idf (J. Sivic,
-/// A. Zisserman, "Video Google", ICCV 2003). In order of `later`, then of score, at most `max_candidates` of each.
-std::vector<PlaceCandidate> FindAlikePlaces(const std::vector<const Place*>& places,
+/// Earlier places that look like later ones, among the pairs (earlier, later) that are possible. Inverted index, tf-idf
+/// (J. Sivic, A. Zisserman, "Video Google", ICCV 2003). In order of `later`, then of score, at most `max_candidates` of
+/// each. O(places that share a word, summed over words).
+std::vector<PlaceCandidate> FindAlikePlaces(const PlaceWords& places,
+                                            const std::function<bool(size_t, size_t)>& is_possible, int max_candidates);
+
+/// Likewise of two drives: `earlier` and `later` of a candidate are indices into either's places.
+std::vector<PlaceCandidate> FindAlikePlaces(const PlaceWords& earlier, const PlaceWords& later,
                                             const std::function<bool(size_t, size_t)>& is_possible, int max_candidates);
 
 /// Alike places of one drive that its odometry does not rule out.

@@ -31,8 +31,9 @@ std::vector<DrivePairIndex> ChoosePairs(const std::vector<std::vector<Place>>& f
   for (size_t i = 0; i < from.size(); ++i)
     for (size_t j = 0; j < to.size(); ++j) pairs.push_back({i, j});
   if (pairs.size() <= kMostPairs) return pairs;
+  const std::vector<ComparedDrive> drives_from(from.begin(), from.end()), drives_to(to.begin(), to.end());
   for (DrivePairIndex& pair : pairs)
-    pair.likeness = LikenessOf(from[pair.from], to[pair.to], options, from_from_to, sigma);
+    pair.likeness = LikenessOf(drives_from[pair.from], drives_to[pair.to], options, from_from_to, sigma);
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const DrivePairIndex& a, const DrivePairIndex& b) { return a.likeness > b.likeness; });
   pairs.resize(kMostPairs);

@@ -81,13 +81,14 @@ TEST(LinkAllDrives, ADriveOfAnotherPlaceStaysApart) {
 
 TEST(LikenessOf, TellsDrivesOfOnePlaceFromThoseOfAnother) {
   const DriveWorld world, elsewhere({.seed = 2});
-  const std::vector<Place> places = world.Drive(1).drive.places;
-  const double same = LikenessOf(places, world.Drive(2, true).drive.places, {});
-  const double other = LikenessOf(places, elsewhere.Drive(3).drive.places, {});
+  const std::vector<Place> places = world.Drive(1).drive.places, back = world.Drive(2, true).drive.places,
+                           there = world.Drive(2).drive.places, apart = elsewhere.Drive(3).drive.places;
+  const ComparedDrive drive(places);
+  const double same = LikenessOf(drive, ComparedDrive(back), {});
+  const double other = LikenessOf(drive, ComparedDrive(apart), {});
   EXPECT_GT(same, 3 * other);
   EXPECT_LE(same, 1);
-  EXPECT_EQ(LikenessOf(places, world.Drive(2).drive.places, {}, Rigid3{Eigen::Quaterniond::Identity(), {500, 0, 0}}),
-            0);
+  EXPECT_EQ(LikenessOf(drive, ComparedDrive(there), {}, Rigid3{Eigen::Quaterniond::Identity(), {500, 0, 0}}), 0);
 }
 
 }  // namespace
