@@ -3,11 +3,11 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "core/error.h"
 #include "core/log.h"
-#include "core/parallel.h"
 #include "slam/binary_exchange.h"
 
 namespace parkade {
@@ -34,7 +34,7 @@ void Exchange(A& archive, StoredPatch& patch) {
 namespace {
 
 // A file is the magic, the key, the patches one after the other, the index, and last where the index is.
-constexpr std::string_view kMagic = "parkade ground 1\n";
+constexpr std::string_view kMagic = "parkade ground 2\n";
 constexpr std::size_t kDigits = 64;
 constexpr std::uint64_t kMaxSamples = std::uint64_t{1} << 26;  // of an image
 constexpr std::uint64_t kMaxIndex = std::uint64_t{1} << 32;
@@ -49,11 +49,13 @@ struct Index {
   std::vector<std::string> warnings;
   std::vector<std::vector<GroundPlace>> places;
   std::vector<StoredPatch> patches;
+  std::string hash;  // of the patches, as they are in the file
 };
 
 template <typename A>
 void Exchange(A& archive, Index& index) {
-  archive(index.body_from_ground, index.num_images, index.num_masks, index.warnings, index.places, index.patches);
+  archive(index.body_from_ground, index.num_images, index.num_masks, index.warnings, index.places, index.patches,
+          index.hash);
 }
 
 }  // namespace
@@ -73,12 +75,18 @@ void GroundFileWriter::Add(const GroundPatch& patch) {
   const std::string bytes = EncodeSamples(patch.samples, places_[camera]);
   patches_.push_back({patch.camera, patch.time, patch.samples.size(), size_, bytes.size(), ExtentOf(patch)});
   stream_ << bytes;
+  hash_.Add(bytes);
   size_ += bytes.size();
 }
 
 void GroundFileWriter::Finish(const GroundObservation& observation) {
-  Index index{
-      observation.body_from_ground, observation.num_images, observation.num_masks, observation.warnings, {}, patches_};
+  Index index{observation.body_from_ground,
+              observation.num_images,
+              observation.num_masks,
+              observation.warnings,
+              {},
+              patches_,
+              hash_.Finish()};
   for (const GroundPlaces& places : places_) index.places.emplace_back(places.places().begin(), places.places().end());
   BinaryWriter writer;
   writer(index);
@@ -106,6 +114,14 @@ std::string GroundFile::Bytes(std::uint64_t offset, std::uint64_t size) const {
   return bytes;
 }
 
+std::string GroundFile::HashOfPatches(std::uint64_t end) const {
+  constexpr std::uint64_t kPiece = std::uint64_t{1} << 20;
+  Sha256 hash;
+  for (std::uint64_t begin = kMagic.size() + kDigits; begin < end; begin += kPiece)
+    hash.Add(Bytes(begin, std::min(kPiece, end - begin)));
+  return hash.Finish();
+}
+
 void GroundFile::ReadIndex(const std::string& key) {
   Require(Bytes(0, kMagic.size()) == kMagic, ErrorCode::kInvalidInput, "it is of another kind");
   Require(Bytes(kMagic.size(), kDigits) == key, ErrorCode::kNotFound, "it was made from something else");
@@ -123,6 +139,7 @@ void GroundFile::ReadIndex(const std::string& key) {
     Require(patch.camera >= 0 && static_cast<std::size_t>(patch.camera) < index.places.size() &&
                 patch.num_samples <= kMaxSamples && patch.size <= static_cast<std::uint64_t>(length),
             ErrorCode::kInvalidInput, "its index is damaged");
+  Require(HashOfPatches(tail.offset) == index.hash, ErrorCode::kInvalidInput, "it holds a damaged piece");
   observation_ = {{}, index.body_from_ground, index.num_images, index.num_masks, std::move(index.warnings)};
   places_ = std::move(index.places);
   patches_ = std::move(index.patches);
@@ -133,7 +150,6 @@ std::unique_ptr<const GroundFile> GroundFile::Open(const std::filesystem::path& 
   if (opened->file_ < 0) return nullptr;
   try {
     opened->ReadIndex(key);
-    ParallelFor(opened->patches_.size(), [&](std::size_t i) { opened->Read(i, 0); });
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kNotFound)
       LogWarning("the ground in '" + file.string() + "' is observed again, since " + error.what());
