@@ -24,6 +24,12 @@ double Bilinear(const std::array<double, 4>& heights, double fx, double fy) {
   return (1 - fy) * (heights[0] + fx * (heights[1] - heights[0])) + fy * (heights[2] + fx * (heights[3] - heights[2]));
 }
 
+/// The largest whole number that is not above x: this is called for every sample of the ground.
+int FloorOf(double x) {
+  const int truncated = static_cast<int>(x);
+  return truncated - (x < truncated ? 1 : 0);
+}
+
 }  // namespace
 
 /// Built row by row: each row is weight * (sum_k c_k h_k - value)^2.
@@ -202,11 +208,11 @@ int HeightField::FindPatch(const Eigen::Vector3d& point_in_site) const {
 
 int HeightField::FindPatch(const Eigen::Vector3d& point_in_site, double& height) const {
   const double x = point_in_site.x() / options_.spacing, y = point_in_site.y() / options_.spacing;
-  const double column = std::floor(x), row = std::floor(y), fx = x - column, fy = y - row;
+  const int column = FloorOf(x), row = FloorOf(y);
+  const double fx = x - column, fy = y - row;
   int nearest = kNone;
   double nearest_distance = options_.level_separation;
-  for (int patch = patches_at_.First(static_cast<int>(column), static_cast<int>(row)); patch != kNone;
-       patch = patches_at_.Next(patch)) {
+  for (int patch = patches_at_.First(column, row); patch != kNone; patch = patches_at_.Next(patch)) {
     const double here = Bilinear(corners_[static_cast<size_t>(patch)], fx, fy);
     const double distance = std::abs(here - point_in_site.z());
     if (distance < nearest_distance) nearest = patch, nearest_distance = distance, height = here;

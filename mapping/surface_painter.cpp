@@ -34,6 +34,14 @@ double NearnessOf(const GroundSample& sample) {
 
 int Lightness(const std::array<int, 3>& bgr) { return (114 * bgr[0] + 587 * bgr[1] + 299 * bgr[2]) / 1000; }
 
+/// Where a motion takes points of the plane z = 0, seen along z.
+Eigen::Affine2d InPlane(const Rigid3& motion) {
+  Eigen::Affine2d in_plane;
+  in_plane.linear() = motion.rotation.toRotationMatrix().topLeftCorner<2, 2>();
+  in_plane.translation() = motion.translation.head<2>();
+  return in_plane;
+}
+
 /// [m] in site: the camera of a view. Nothing where it is not known.
 std::optional<Eigen::Vector3d> EyeOf(const PatchView& view, const DrivenPath* path) {
   const auto camera = static_cast<size_t>(view.camera);
@@ -205,14 +213,22 @@ void SurfacePainter::PaintDrive(const PatchSource& patches, std::span<const size
 void SurfacePainter::MarkDriven(const DrivenPath& path) {
   if (path.contact.wheelbase <= 0 || path.contact.track <= 0) return;
   const double step = 2 * cell_size_, length = path.contact.wheelbase + path.contact.track + 1;
+  // Every cell well inside of where the car stood last is marked already.
+  const double rim = 2.5 * cell_size_, half_track = 0.5 * path.contact.track;
+  const Eigen::AlignedBox2d inside(Eigen::Vector2d(rim, rim - half_track),
+                                   Eigen::Vector2d(path.contact.wheelbase - rim, half_track - rim));
+  std::optional<Rigid3> stood_from_site;
   std::optional<Eigen::Vector3d> last;
   for (const TrajectoryState& state : path.site_from_body.states()) {
     if (last && (state.odom_from_body.translation - *last).norm() < step) continue;
     last = state.odom_from_body.translation;
     if (reach_.isEmpty() || reach_.exteriorDistance(last->head<2>().eval()) > length) continue;
     const Rigid3 site_from_ground = state.odom_from_body * path.body_from_ground;
+    const Eigen::Affine2d stood_from_ground =
+        stood_from_site ? InPlane(*stood_from_site * site_from_ground) : Eigen::Affine2d::Identity();
     for (double x = 0; x <= path.contact.wheelbase; x += 0.7 * cell_size_)
-      for (double y = -0.5 * path.contact.track; y <= 0.5 * path.contact.track; y += 0.7 * cell_size_) {
+      for (double y = -half_track; y <= half_track; y += 0.7 * cell_size_) {
+        if (stood_from_site && inside.contains(stood_from_ground * Eigen::Vector2d(x, y))) continue;
         const Eigen::Vector3d point = site_from_ground * Eigen::Vector3d(x, y, 0);
         const int patch = field_->FindPatch(point);
         if (patch == HeightField::kNone || !IsPainted(patch)) continue;
@@ -220,6 +236,7 @@ void SurfacePainter::MarkDriven(const DrivenPath& path) {
         evidence.is_driven = true;
         evidence.log_odds = static_cast<float>(log_odds_.limit);
       }
+    stood_from_site = site_from_ground.Inverse();
   }
 }
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "core/parallel.h"
+
 namespace parkade {
 namespace {
 
@@ -19,22 +21,18 @@ float Clamped(float value, float limit) {
 TileSweep::TileSweep(SweepShape shape)
     : shape_(std::move(shape)),
       per_cell_(1 / shape_.cell_size),
-      across_(shape_.num_windows * shape_.cells_per_window + 2) {
-  cells_.resize(static_cast<std::size_t>(across_) * static_cast<std::size_t>(across_));
-}
+      across_(shape_.num_windows * shape_.cells_per_window + 2) {}
 
-std::vector<Agreement> TileSweep::Sweep() {
+std::vector<Agreement> TileSweep::Sweep() const {
   std::vector<Agreement> agreements(static_cast<std::size_t>(shape_.num_windows * shape_.num_windows) *
                                     shape_.offsets.size());
-  for (std::size_t height = 0; height < shape_.offsets.size(); ++height) {
-    AddUp(shape_.offsets[height]);
-    AgreementsInto(height, agreements);
-  }
+  ParallelFor(shape_.offsets.size(),
+              [&](std::size_t height) { AgreementsInto(height, AddUp(shape_.offsets[height]), agreements); });
   return agreements;
 }
 
-void TileSweep::AddUp(float offset) {
-  std::fill(cells_.begin(), cells_.end(), Sums::Zero());
+std::vector<TileSweep::Sums> TileSweep::AddUp(float offset) const {
+  std::vector<Sums> cells(static_cast<std::size_t>(across_) * static_cast<std::size_t>(across_), Sums::Zero());
   std::array<std::int32_t, kChunk> at;
   const auto limit = static_cast<float>(across_ - 1);
   for (std::size_t begin = 0; begin < x_.size(); begin += kChunk) {
@@ -46,14 +44,16 @@ void TileSweep::AddUp(float offset) {
       at[i] = row * across_ + column;
     }
     const Sums* sums = &sums_[begin];
-    for (std::size_t i = 0; i < count; ++i) cells_[static_cast<std::size_t>(at[i])] += sums[i];
+    for (std::size_t i = 0; i < count; ++i) cells[static_cast<std::size_t>(at[i])] += sums[i];
   }
+  return cells;
 }
 
-void TileSweep::AgreementsInto(std::size_t height, std::vector<Agreement>& agreements) const {
+void TileSweep::AgreementsInto(std::size_t height, const std::vector<Sums>& cells,
+                               std::vector<Agreement>& agreements) const {
   for (int y = 0; y + 2 < across_; ++y)
     for (int x = 0; x + 2 < across_; ++x) {
-      const Sums& cell = cells_[static_cast<std::size_t>((y + 1) * across_ + x + 1)];
+      const Sums& cell = cells[static_cast<std::size_t>((y + 1) * across_ + x + 1)];
       if (cell[3] == 0) continue;
       const auto window =
           static_cast<std::size_t>(y / shape_.cells_per_window * shape_.num_windows + x / shape_.cells_per_window);

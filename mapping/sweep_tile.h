@@ -46,7 +46,7 @@ struct SweepShape {
 
 /// Moves samples along their rays to each height and sums up how well they agree there. Sights of many views follow
 /// each other in any order. \return one per window (row by row) and height: [window * offsets.size() + height].
-/// O(sights * heights).
+/// O(sights * heights), heights in parallel.
 class TileSweep {
  public:
   explicit TileSweep(SweepShape shape);
@@ -59,21 +59,21 @@ class TileSweep {
   }
   std::size_t num_sights() const { return x_.size(); }
 
-  std::vector<Agreement> Sweep();
+  std::vector<Agreement> Sweep() const;
 
  private:
   /// Of a cell or a sample: weight, grey, its square (both weighted), number.
   using Sums = Eigen::Array4f;
 
-  void AddUp(float offset);
-  void AgreementsInto(std::size_t height, std::vector<Agreement>& agreements) const;
+  std::vector<Sums> AddUp(float offset) const;
+  void AgreementsInto(std::size_t height, const std::vector<Sums>& cells, std::vector<Agreement>& agreements) const;
 
   SweepShape shape_;
   float per_cell_ = 0;          ///< [1/m]
   int across_ = 0;              ///< cells, with a rim of one that gathers what lies outside
   std::vector<float> x_, y_;    ///< [cells]
   std::vector<float> dx_, dy_;  ///< [cells] per metre of height
-  std::vector<Sums> sums_, cells_;
+  std::vector<Sums> sums_;
 };
 
 }  // namespace parkade

@@ -2,6 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <set>
+#include <utility>
+
 #include "core/error.h"
 #include "mapping/surface_painter.h"
 #include "tests/mapping/synthetic_drive.h"
@@ -216,6 +222,45 @@ TEST(FuseSurface, RejectsCellsThatDoNotDivideTheHeightField) {
   SurfaceOptions options;
   options.cell_size = 0.07;
   EXPECT_THROW(FuseSurface({}, {}, options), Error);
+}
+
+TEST(SurfacePainter, EveryCellThatTheCarStoodOnIsDriven) {
+  // In bends of both directions, there and back again in reverse.
+  std::vector<TrajectoryState> states;
+  Rigid3 pose;
+  for (int i = 0; i < 600; ++i) {
+    states.push_back({.time = TimestampFromSeconds(0.1 * i), .odom_from_body = pose});
+    const double yaw = 0.02 * std::sin(0.02 * i), step = i < 400 ? 0.03 : -0.03;
+    pose = pose * Rigid3{ExpSo3({0, 0, yaw}), {step, 0, 0}};
+  }
+  const DrivenPath path = MakeDrivenPath(0, MakeTestRig(), Trajectory(states), Rigid3{});
+  std::vector<HeightObservation> flat;
+  for (double x = -10; x < 25; x += 0.4)
+    for (double y = -15; y < 15; y += 0.4) flat.push_back({{x, y, 0}, 1e4});
+  const HeightField field(flat, {});
+
+  SurfacePainter painter(field, 8, {});
+  painter.MarkDriven(path);
+
+  std::set<std::pair<int, int>> driven, stood_on;
+  for (const SurfacePainter::PaintedCell& cell : painter.Cells())
+    if (cell.is_driven) driven.emplace(cell.cell.x, cell.cell.y);
+  std::optional<Eigen::Vector3d> last;
+  for (const TrajectoryState& state : path.site_from_body.states()) {
+    if (last && (state.odom_from_body.translation - *last).norm() < 0.1) continue;
+    last = state.odom_from_body.translation;
+    for (double x = 0; x <= path.contact.wheelbase; x += 0.035)
+      for (double y = -0.5 * path.contact.track; y <= 0.5 * path.contact.track; y += 0.035) {
+        const Eigen::Vector3d point = state.odom_from_body * Eigen::Vector3d(x, y, 0);
+        stood_on.emplace(static_cast<int>(std::floor(point.x() / 0.05)),
+                         static_cast<int>(std::floor(point.y() / 0.05)));
+      }
+  }
+  std::vector<std::pair<int, int>> different;
+  std::set_symmetric_difference(driven.begin(), driven.end(), stood_on.begin(), stood_on.end(),
+                                std::back_inserter(different));
+  EXPECT_GT(driven.size(), 10000u);
+  EXPECT_LT(different.size(), 3u) << "but for points that rounding puts to either side";
 }
 
 TEST(SurfacePainter, ASampleMovesAlongItsRayOntoARampAhead) {

@@ -7,6 +7,8 @@
 #include <random>
 #include <utility>
 
+#include "core/parallel.h"
+
 namespace parkade {
 namespace {
 
@@ -71,6 +73,24 @@ TEST(TileSweep, SumsUpWhatASimpleOneDoes) {
     EXPECT_NEAR(fast[i].total, slow[i].total, 0.02F * slow[i].total) << i;
     EXPECT_NEAR(fast[i].residual, slow[i].residual, 0.03F * slow[i].total) << i;
     EXPECT_NEAR(fast[i].Misfit(), slow[i].Misfit(), 0.04) << i;
+  }
+}
+
+TEST(TileSweep, DoesNotDependOnTheNumberOfThreads) {
+  TileSweep sweep(SmallShape());
+  for (const Sight& sight : RandomSights(3000)) sweep.Add(sight);
+  const int before = NumThreads();
+
+  SetNumThreads(1);
+  const std::vector<Agreement> alone = sweep.Sweep();
+  SetNumThreads(3);
+  const std::vector<Agreement> together = sweep.Sweep();
+  SetNumThreads(before);
+
+  ASSERT_EQ(alone.size(), together.size());
+  for (size_t i = 0; i < alone.size(); ++i) {
+    EXPECT_EQ(alone[i].residual, together[i].residual);
+    EXPECT_EQ(alone[i].num_samples, together[i].num_samples);
   }
 }
 
