@@ -8,15 +8,11 @@
 #include <cstring>
 #include <fstream>
 
+#include "core/appended_file.h"
 #include "core/error.h"
 
 namespace parkade {
 namespace {
-
-[[noreturn]] void ThrowErrno(const std::string& what, int error) {
-  const bool is_full = error == ENOSPC || error == EDQUOT;
-  throw Error(is_full ? ErrorCode::kDiskFull : ErrorCode::kInternal, what + ": " + std::strerror(error));
-}
 
 /// Removes the temporary file unless it was renamed away.
 class TemporaryFile {
@@ -50,6 +46,11 @@ void Sync(const std::filesystem::path& path, int flags) {
 
 }  // namespace
 
+void ThrowErrno(const std::string& what, int error) {
+  const bool is_full = error == ENOSPC || error == EDQUOT;
+  throw Error(is_full ? ErrorCode::kDiskFull : ErrorCode::kInternal, what + ": " + std::strerror(error));
+}
+
 void WriteFileAtomically(const std::filesystem::path& file,
                          const std::function<void(const std::filesystem::path&)>& write) {
   const TemporaryFile temporary(file);
@@ -62,19 +63,9 @@ void WriteFileAtomically(const std::filesystem::path& file,
 
 void WriteFileAtomically(const std::filesystem::path& file, std::string_view content) {
   WriteFileAtomically(file, [&](const std::filesystem::path& temporary) {
-    const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
-    if (fd < 0) ThrowErrno("cannot create '" + file.filename().string() + "'", errno);
-    int error = 0;
-    while (!content.empty() && error == 0) {
-      const ssize_t written = ::write(fd, content.data(), content.size());
-      if (written >= 0) {
-        content.remove_prefix(static_cast<size_t>(written));
-      } else if (errno != EINTR) {
-        error = errno;
-      }
-    }
-    if (::close(fd) != 0 && error == 0) error = errno;
-    if (error != 0) ThrowErrno("cannot write '" + file.filename().string() + "'", error);
+    AppendedFile written(temporary);
+    written.Append(content);
+    written.Flush();
   });
 }
 

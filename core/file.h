@@ -16,6 +16,9 @@ void WriteFileAtomically(const std::filesystem::path& file, std::string_view con
 void WriteFileAtomically(const std::filesystem::path& file,
                          const std::function<void(const std::filesystem::path&)>& write);
 
+/// Throws Error{kDiskFull} where `error` says so, else Error{kInternal}; `what` becomes the sentence's beginning.
+[[noreturn]] void ThrowErrno(const std::string& what, int error);
+
 /// Whole content. Throws Error{kNotFound}, or Error{kInvalidInput} above `max_bytes`.
 std::string ReadFile(const std::filesystem::path& file, std::size_t max_bytes = std::size_t{1} << 30);
 

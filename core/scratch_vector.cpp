@@ -4,26 +4,17 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <new>
-#include <string>
+
+#include "core/appended_file.h"
 
 namespace parkade {
 namespace {
 
-int OpenNameless(const std::string& folder) {
-  const int file = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  if (file >= 0) return file;
-  std::string name = folder + "/parkade-XXXXXX";  // not every file system has files without names
-  const int named = ::mkostemp(name.data(), O_CLOEXEC);
-  if (named >= 0) ::unlink(name.c_str());
-  return named;
-}
-
 /// A file of this length that nobody else sees, or -1. Its room is taken right away: to find the disk full while a page
 /// is written would end the program.
-int OpenFileIn(const std::string& folder, std::size_t num_bytes) {
-  const int file = OpenNameless(folder);
+int OpenFileOf(std::size_t num_bytes) {
+  const int file = OpenNamelessFile();
   if (file < 0) return -1;
   if (::posix_fallocate(file, 0, static_cast<off_t>(num_bytes)) == 0) return file;
   ::close(file);
@@ -43,8 +34,7 @@ int OpenMemory(std::size_t num_bytes) {
 
 void* AllocateScratch(std::size_t num_bytes) {
   if (num_bytes < kMinScratchBytes) return ::operator new(num_bytes);
-  const char* folder = std::getenv("TMPDIR");
-  int file = OpenFileIn(folder != nullptr && *folder != '\0' ? folder : "/var/tmp", num_bytes);
+  int file = OpenFileOf(num_bytes);
   if (file < 0) file = OpenMemory(num_bytes);
   if (file < 0) throw std::bad_alloc();
   void* data = ::mmap(nullptr, num_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/appended_file.h"
 #include "core/error.h"
 #include "core/file.h"
 
@@ -78,16 +79,19 @@ std::vector<TimedPose> ReadTum(const std::filesystem::path& file) {
 }
 
 void WriteTum(const std::vector<TimedPose>& poses, const std::filesystem::path& file) {
-  std::string text = "# t x y z qx qy qz qw\n";
-  for (const TimedPose& pose : poses) {
-    const Eigen::Vector3d& p = pose.world_from_frame.translation;
-    const Eigen::Quaterniond& q = pose.world_from_frame.rotation;
-    char line[256];
-    std::snprintf(line, sizeof line, "%s %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", ToDecimalSeconds(pose.time).c_str(),
-                  p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
-    text += line;
-  }
-  WriteFileAtomically(file, text);
+  WriteFileAtomically(file, [&](const std::filesystem::path& temporary) {
+    AppendedFile text(temporary);
+    text.Append("# t x y z qx qy qz qw\n");
+    for (const TimedPose& pose : poses) {
+      const Eigen::Vector3d& p = pose.world_from_frame.translation;
+      const Eigen::Quaterniond& q = pose.world_from_frame.rotation;
+      char line[256];
+      std::snprintf(line, sizeof line, "%s %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", ToDecimalSeconds(pose.time).c_str(),
+                    p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+      text.Append(line);
+    }
+    text.Flush();
+  });
 }
 
 }  // namespace parkade
