@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
@@ -30,6 +31,7 @@ class BinaryWriter {
     (Put(values), ...);
   }
   const std::string& bytes() const { return bytes_; }
+  void Clear() { bytes_.clear(); }
 
   void Raw(void* data, size_t size) { bytes_.append(static_cast<const char*>(data), size); }
   std::uint64_t Count(std::uint64_t count) {
@@ -44,26 +46,29 @@ class BinaryWriter {
   std::string bytes_;
 };
 
-/// Takes values from bytes. Throws Error{kInvalidInput} where they end too early.
-class BinaryReader {
+/// Takes values from bytes, of which `Source` delivers the next few at a time. Throws Error{kInvalidInput} where they
+/// end too early.
+template <typename Source>
+class BinaryReaderOf {
  public:
-  explicit BinaryReader(std::string_view bytes) : bytes_(bytes) {}
+  template <typename... Arguments>
+  explicit BinaryReaderOf(Arguments&&... of_source) : source_(std::forward<Arguments>(of_source)...) {}
 
   template <typename... Values>
   void operator()(Values&... values) {
     (Put(values), ...);
   }
-  bool is_at_end() const { return bytes_.empty(); }
+  bool is_at_end() const { return source_.num_left() == 0; }
+  std::uint64_t num_left() const { return source_.num_left(); }
 
   void Raw(void* data, size_t size) {
-    Require(size <= bytes_.size(), ErrorCode::kInvalidInput, "the file ends in the middle");
-    std::memcpy(data, bytes_.data(), size);
-    bytes_.remove_prefix(size);
+    Require(size <= source_.num_left(), ErrorCode::kInvalidInput, "the file ends in the middle");
+    source_.Take(static_cast<char*>(data), size);
   }
   std::uint64_t Count(std::uint64_t) {
     std::uint64_t count = 0;
     Raw(&count, sizeof count);
-    Require(count <= bytes_.size(), ErrorCode::kInvalidInput, "the file holds a count that cannot be");
+    Require(count <= source_.num_left(), ErrorCode::kInvalidInput, "the file holds a count that cannot be");
     return count;
   }
 
@@ -71,8 +76,24 @@ class BinaryReader {
   template <typename Value>
   void Put(Value& value);
 
+  Source source_;
+};
+
+/// Borrows them.
+class BytesInMemory {
+ public:
+  explicit BytesInMemory(std::string_view bytes) : bytes_(bytes) {}
+  std::uint64_t num_left() const { return bytes_.size(); }
+  void Take(char* data, size_t size) {
+    bytes_.copy(data, size);
+    bytes_.remove_prefix(size);
+  }
+
+ private:
   std::string_view bytes_;
 };
+
+using BinaryReader = BinaryReaderOf<BytesInMemory>;
 
 template <typename Archive, typename Value>
 void ExchangeValue(Archive& archive, Value& value) {
@@ -111,8 +132,12 @@ void ExchangeValue(Archive& archive, std::array<Item, N>& items) {
 
 template <typename Archive, typename Scalar, int Rows, int Columns, int Options, int MaxRows, int MaxColumns>
 void ExchangeValue(Archive& archive, Eigen::Matrix<Scalar, Rows, Columns, Options, MaxRows, MaxColumns>& matrix) {
-  if constexpr (Rows == Eigen::Dynamic)
-    matrix.resize(static_cast<Eigen::Index>(archive.Count(static_cast<std::uint64_t>(matrix.rows()))), Columns);
+  const auto count = [&archive](Eigen::Index size) {
+    return static_cast<Eigen::Index>(archive.Count(static_cast<std::uint64_t>(size)));
+  };
+  const Eigen::Index rows = Rows == Eigen::Dynamic ? count(matrix.rows()) : Rows;
+  const Eigen::Index columns = Columns == Eigen::Dynamic ? count(matrix.cols()) : Columns;
+  matrix.resize(rows, columns);  // nothing happens where it has that size already
   archive.Raw(matrix.data(), sizeof(Scalar) * static_cast<size_t>(matrix.size()));
 }
 
@@ -126,8 +151,9 @@ void BinaryWriter::Put(Value& value) {
   ExchangeValue(*this, value);
 }
 
+template <typename Source>
 template <typename Value>
-void BinaryReader::Put(Value& value) {
+void BinaryReaderOf<Source>::Put(Value& value) {
   ExchangeValue(*this, value);
 }
 

@@ -50,18 +50,17 @@ LinearPrior PriorOf(const StateName& name, const double* at, const Eigen::Matrix
 
 DriveAdjustment::DriveAdjustment(const DriveMeasurements& measurements, const Rig& rig,
                                  const std::vector<MotionState>& start, const RefinementOptions& options)
-    : options_(options), camera_priors_(measurements.camera_priors) {
+    : options_(options), camera_priors_(measurements.shared.camera_priors) {
   assert(start.size() == measurements.knots.size() && !start.empty());
-  size_t num_sightings = 0;
-  for (const RecordedImage& image : measurements.images) num_sightings += image.sightings.size();
-  const size_t num_landmarks = num_sightings / static_cast<size_t>(options.min_sightings);
-  values_.reserve(start.size() * (kPoseSize + kMotionSize) + measurements.cameras.size() * (kPoseSize + kTimingSize) +
-                  1 + kSiteSize + num_landmarks * kLandmarkSize);
+  const std::vector<ChosenTrack> tracks = ChooseTracks(measurements, options);
+  values_.reserve(start.size() * (kPoseSize + kMotionSize) +
+                  measurements.shared.cameras.size() * (kPoseSize + kTimingSize) + 1 + kSiteSize +
+                  tracks.size() * kLandmarkSize);
   AddKnots(measurements, start);
   HoldHeads(rig);
   AddPriors(rig);
   AddImages(measurements);
-  AddLandmarks(measurements);
+  AddLandmarks(measurements, tracks);
 }
 
 DriveAdjustment::~DriveAdjustment() = default;
@@ -82,12 +81,12 @@ void DriveAdjustment::AddKnots(const DriveMeasurements& measurements, const std:
     knot.time = state.time;
     knot.pose = add(pose);
     knot.motion = add(motion);
-    knot.interval = measurements.knots[i].interval;
+    knot.interval = measurements.IntervalBefore(i);
     if (knot.interval) knot.interval->imu.Reintegrate({state.gyroscope_bias, state.accelerometer_bias});
   }
-  for (const CameraParameters& camera : measurements.cameras)
+  for (const CameraParameters& camera : measurements.shared.cameras)
     cameras_.push_back({add(camera.extrinsics), add(camera.timing)});
-  wheel_scale_ = add(std::array<double, 1>{measurements.wheel_scale});
+  wheel_scale_ = add(std::array<double, 1>{measurements.shared.wheel_scale});
   site_from_odom_ = add(std::array<double, kSiteSize>{});
 }
 
@@ -146,7 +145,9 @@ void DriveAdjustment::AddImages(const DriveMeasurements& measurements) {
   const auto index_of = [&](std::int64_t number) {
     return std::min(static_cast<size_t>(std::max<std::int64_t>(number - first_number, 0)), knots_.size() - 1);
   };
-  for (const RecordedImage& recorded : measurements.images) {
+  images_.reserve(measurements.num_images());
+  for (size_t i = 0; i < measurements.num_images(); ++i) {
+    const RecordedImage recorded = measurements.Image(i);
     Image& image = images_.emplace_back();
     image.camera = recorded.camera;
     image.first = index_of(recorded.first_knot);

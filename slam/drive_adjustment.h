@@ -80,6 +80,9 @@ class DriveAdjustment {
  private:
   struct Sighting;
   struct Landmark;
+  struct Seen;
+  using ChosenTrack = std::vector<Seen>;
+  static std::vector<ChosenTrack> ChooseTracks(const DriveMeasurements& measurements, const RefinementOptions& options);
   struct Image {
     int camera = 0;
     size_t first = 0, second = 0;  ///< indices of knots; the same where the image is at a knot
@@ -98,7 +101,7 @@ class DriveAdjustment {
   };
   void AddKnots(const DriveMeasurements& measurements, const std::vector<MotionState>& start);
   void AddImages(const DriveMeasurements& measurements);
-  void AddLandmarks(const DriveMeasurements& measurements);
+  void AddLandmarks(const DriveMeasurements& measurements, const std::vector<ChosenTrack>& tracks);
   void HoldHeads(const Rig& rig);
   void AddPriors(const Rig& rig);
   void PointImages();

@@ -15,12 +15,8 @@ constexpr size_t kMinSightingsLeft = 3;  // of a landmark that loses some
 constexpr int kFitSteps = 3;
 constexpr double kRebaseTangent = 0.1;  // [a b] beyond which a landmark gets a new ray
 
-/// Where a track was seen: image and place among its sightings.
-struct Seen {
-  size_t image = 0, sighting = 0;
-};
-
 /// At most `count` of `seen`, evenly spread, the first and the last among them.
+template <typename Seen>
 std::vector<Seen> Thinned(const std::vector<Seen>& seen, size_t count) {
   if (seen.size() <= count) return seen;
   std::vector<Seen> thinned;
@@ -28,13 +24,17 @@ std::vector<Seen> Thinned(const std::vector<Seen>& seen, size_t count) {
   return thinned;
 }
 
+}  // namespace
+
 /// Tracks worth a landmark, the longest first, as long as one of their images has not got enough.
-std::vector<std::vector<Seen>> ChooseTracks(const DriveMeasurements& measurements, const RefinementOptions& options) {
-  std::map<std::int64_t, std::vector<Seen>> tracks;
-  for (size_t i = 0; i < measurements.images.size(); ++i)
-    for (size_t k = 0; k < measurements.images[i].sightings.size(); ++k)
-      tracks[measurements.images[i].sightings[k].track].push_back({i, k});
-  std::vector<const std::vector<Seen>*> candidates;
+std::vector<DriveAdjustment::ChosenTrack> DriveAdjustment::ChooseTracks(const DriveMeasurements& measurements,
+                                                                        const RefinementOptions& options) {
+  std::map<std::int64_t, ChosenTrack> tracks;
+  for (std::uint32_t i = 0; i < measurements.num_images(); ++i) {
+    std::uint32_t k = 0;
+    for (const RecordedSighting& sighting : measurements.Image(i).sightings) tracks[sighting.track].push_back({i, k++});
+  }
+  std::vector<ChosenTrack*> candidates;
   for (auto& [number, seen] : tracks) {
     if (seen.size() < static_cast<size_t>(options.min_sightings)) continue;
     seen = Thinned(seen, static_cast<size_t>(options.sightings_per_track));
@@ -42,32 +42,38 @@ std::vector<std::vector<Seen>> ChooseTracks(const DriveMeasurements& measurement
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const auto* a, const auto* b) { return a->size() > b->size(); });
-  std::vector<int> taken(measurements.images.size());
-  std::vector<std::vector<Seen>> chosen;
-  for (const std::vector<Seen>* track : candidates) {
+  std::vector<int> taken(measurements.num_images());
+  std::vector<ChosenTrack> chosen;
+  for (ChosenTrack* track : candidates) {
     if (std::none_of(track->begin(), track->end(),
                      [&](const Seen& seen) { return taken[seen.image] < options.bearings_per_image; }))
       continue;
     for (const Seen& seen : *track) ++taken[seen.image];
-    chosen.push_back(*track);
+    chosen.push_back(std::move(*track));
   }
   return chosen;
 }
 
-}  // namespace
-
-void DriveAdjustment::AddLandmarks(const DriveMeasurements& measurements) {
-  const std::vector<std::vector<Seen>> tracks = ChooseTracks(measurements, options_);
-  landmarks_.reserve(tracks.size());  // costs point at their rays
-  for (const std::vector<Seen>& track : tracks) {
-    Landmark landmark;
-    for (const Seen& seen : track) {
-      const RecordedImage& image = measurements.images[seen.image];
-      const RecordedSighting& sighting = image.sightings[seen.sighting];
-      const double scale = measurements.camera_noise_scales[static_cast<size_t>(image.camera)];
-      landmark.sightings.push_back(
-          {seen.image, {sighting.bearing.cast<double>().normalized(), scale * sighting.sigma, sighting.row}, nullptr});
+void DriveAdjustment::AddLandmarks(const DriveMeasurements& measurements, const std::vector<ChosenTrack>& tracks) {
+  struct Needed {
+    std::uint32_t sighting, track;
+  };
+  std::vector<std::vector<Needed>> needed(images_.size());  // of each image: read once
+  for (std::uint32_t t = 0; t < tracks.size(); ++t)
+    for (const Seen& seen : tracks[t]) needed[seen.image].push_back({seen.sighting, t});
+  std::vector<Landmark> candidates(tracks.size());
+  for (size_t i = 0; i < images_.size(); ++i) {
+    if (needed[i].empty()) continue;
+    const RecordedImage image = measurements.Image(i);
+    const double scale = measurements.shared.camera_noise_scales[static_cast<size_t>(image.camera)];
+    for (const Needed& need : needed[i]) {
+      const RecordedSighting& sighting = image.sightings[need.sighting];
+      candidates[need.track].sightings.push_back(
+          {i, {sighting.bearing.cast<double>().normalized(), scale * sighting.sigma, sighting.row}, nullptr});
     }
+  }
+  landmarks_.reserve(tracks.size());  // costs point at their rays
+  for (Landmark& landmark : candidates) {
     std::array<double, kLandmarkSize> begin{};
     landmark.values = begin.data();
     if (!Triangulate(landmark)) continue;

@@ -7,6 +7,11 @@ namespace parkade {
 
 // What DriveAdjustment is made of; for its own source files only.
 
+/// Where a track was seen: image and place among its sightings.
+struct DriveAdjustment::Seen {
+  std::uint32_t image = 0, sighting = 0;
+};
+
 struct DriveAdjustment::Sighting {
   size_t image = 0;
   Bearing bearing;

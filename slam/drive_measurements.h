@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "slam/record_store.h"
 #include "slam/smoother_window.h"
 
 namespace parkade {
@@ -28,24 +30,57 @@ struct RecordedImage {
   std::vector<RecordedSighting> sightings;
 };
 
-/// A state of the drive, and what IMU and wheels say about the way from the one before.
+/// What a KnotInterval is made from.
+struct RecordedInterval {
+  std::vector<ImuSample> samples;
+  ImuBias bias;
+  std::optional<WheelPreintegration> wheels;
+  bool is_still = false;
+};
+
+/// A state of the drive.
 struct RecordedKnot {
   std::int64_t number = 0;
   MotionState state;
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< [rotation in imu, position]
-  std::optional<KnotInterval> interval;                                          ///< empty at the first
 };
 
-/// Everything the odometry measured, so that the whole drive can be adjusted at once. About 40 KB per second.
-struct DriveMeasurements {
-  std::vector<RecordedKnot> knots;    ///< in order, numbers without gaps
-  std::vector<RecordedImage> images;  ///< in order of their first knot
-  // What odometry found of the things that all knots share.
+/// What odometry found of the things that all knots share.
+struct SharedFindings {
   std::vector<CameraParameters> cameras;
   std::vector<CameraSigmas> camera_priors;  ///< how far off the rig may be; 0 of what was not estimated
   std::vector<double> camera_noise_scales;  ///< noise found / noise declared
   double wheel_scale = 0;                   ///< error of the reported speed, relative
   bool has_jumps = false;                   ///< a mount turned: one calibration does not hold for the whole drive
+};
+
+/// Everything the odometry measured, so that the whole drive can be adjusted at once. It lies on disk, where the drive
+/// may be as long as it likes; only the knots' states are in memory.
+class DriveMeasurements {
+ public:
+  explicit DriveMeasurements(const ImuCalibration& imu) : imu_(imu) {}
+
+  /// \param interval  what IMU and wheels say about the way from the knot before; empty at the first
+  void AddKnot(const RecordedKnot& knot, const std::optional<KnotInterval>& interval);
+  void AddKnot(const RecordedKnot& knot, std::optional<RecordedInterval> interval);
+  /// In order of their first knot.
+  void AddImage(RecordedImage image);
+
+  // From disk, by index. Several threads may read at once.
+  std::optional<KnotInterval> IntervalBefore(size_t knot) const;
+  RecordedImage Image(size_t image) const;
+  size_t num_images() const { return images_.size(); }
+  // As BinaryWriter encodes std::optional<RecordedInterval> and RecordedImage.
+  std::string IntervalBytes(size_t knot) const { return intervals_.Bytes(knot); }
+  std::string ImageBytes(size_t image) const { return images_.Bytes(image); }
+
+  std::vector<RecordedKnot> knots;  ///< in order, numbers without gaps; AddKnot adds, states may be corrected
+  SharedFindings shared;
+
+ private:
+  ImuCalibration imu_;
+  RecordStore<std::optional<RecordedInterval>> intervals_;
+  RecordStore<RecordedImage> images_;
 };
 
 }  // namespace parkade

@@ -106,7 +106,7 @@ PlacedFixes FixesBetweenKnots(const DriveMeasurements& measurements, const Rig& 
   for (const GnssFix& fix : usable) {
     const auto after = std::upper_bound(knots.begin(), knots.end(), fix.time,
                                         [](Timestamp t, const RecordedKnot& knot) { return t < knot.state.time; });
-    if (after == knots.begin() || after == knots.end() || !after->interval) continue;
+    if (after == knots.begin() || after == knots.end()) continue;
     AdjustedFix& adjusted = placed.fixes.emplace_back();
     adjusted.first = static_cast<size_t>(after - knots.begin()) - 1;
     const Timestamp before = knots[adjusted.first].state.time;

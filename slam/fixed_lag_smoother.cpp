@@ -188,7 +188,7 @@ std::vector<FinishedKnot> FixedLagSmoother::Finish() {
   while (knots_.size() > 1) finished.push_back(MarginaliseOldest());
   if (!knots_.empty()) {
     finished.push_back(
-        {knots_.front().number, knots_.front().State(), knots_.front().interval, oldest_covariance_, {}, {}});
+        {knots_.front().number, knots_.front().State(), knots_.front().interval, oldest_covariance_, {}});
   }
   return finished;
 }

@@ -77,7 +77,7 @@ class FixedLagSmoother {
   JointEstimate LastEstimate() const;
   /// Landmarks that left the window since the last call.
   std::vector<FinishedLandmark> TakeLandmarks();
-  /// All images since the start, for whoever adjusts the whole drive. Once, last.
+  /// Images that came since the last call, for whoever adjusts the whole drive.
   std::vector<RecordedImage> TakeImages() { return std::exchange(recorded_images_, {}); }
 
   const std::deque<Knot>& knots() const { return knots_; }

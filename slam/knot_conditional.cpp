@@ -1,12 +1,34 @@
 #include "slam/knot_conditional.h"
 
 #include <algorithm>
+#include <cassert>
 #include <map>
 #include <optional>
 
-#include "slam/smoother_window.h"
+#include "slam/binary_exchange.h"
+#include "slam/drive_measurements.h"
 
 namespace parkade {
+
+// Found by argument-dependent lookup, hence in the types' own namespace.
+template <typename A>
+void Exchange(A& archive, StateName& name) {
+  archive(name.kind, name.number);
+}
+template <typename A>
+void Exchange(A& archive, PriorBlock& block) {
+  archive(block.name, block.at);
+}
+template <typename A>
+void Exchange(A& archive, StateConditional& conditional) {
+  archive(conditional.states, conditional.own, conditional.to_rest, conditional.offset, conditional.offset_covariance,
+          conditional.score_with_offset, conditional.offset_sensitivity, conditional.rest);
+}
+template <typename A>
+void Exchange(A& archive, KnotConditionals& conditionals) {
+  archive(conditionals.own, conditionals.reopened);
+}
+
 namespace {
 
 constexpr std::int64_t kMaxWindow = 128;  // knots; SmootherOptions allows fewer
@@ -127,7 +149,13 @@ void Forget(StateValues& smoothed, std::int64_t from_knot) {
 
 }  // namespace
 
-void SmoothBackwards(std::vector<FinishedKnot>& knots, const JointEstimate& last) {
+void ConditionalStore::Add(KnotConditionals conditionals) { store_.Add(conditionals); }
+
+KnotConditionals ConditionalStore::operator[](size_t knot) const { return store_[knot]; }
+
+void SmoothBackwards(std::vector<RecordedKnot>& knots, const ConditionalStore& conditionals,
+                     const JointEstimate& last) {
+  assert(conditionals.size() == knots.size());
   StateValues smoothed;
   std::optional<JointCovariance> joint;
   if (last.covariance.size() > 0) {
@@ -143,22 +171,22 @@ void SmoothBackwards(std::vector<FinishedKnot>& knots, const JointEstimate& last
     SmoothStates(conditional, smoothed);
     if (joint) joint = Extend(conditional, *joint);
   };
-  for (auto knot = knots.rbegin(); knot != knots.rend(); ++knot) {
-    if (knot->conditional) {
-      apply(*knot->conditional);
+  for (size_t i = knots.size(); i-- > 0;) {
+    RecordedKnot& knot = knots[i];
+    const KnotConditionals learned = conditionals[i];
+    if (learned.own) {
+      apply(*learned.own);
       const MotionState state =
-          StateFromParameters(knot->state.time, smoothed[{StateName::Kind::kPose, knot->number}].data(),
-                              smoothed[{StateName::Kind::kMotion, knot->number}].data());
-      if (state.IsFinite()) knot->state = state;
-      knot->conditional.reset();
+          StateFromParameters(knot.state.time, smoothed[{StateName::Kind::kPose, knot.number}].data(),
+                              smoothed[{StateName::Kind::kMotion, knot.number}].data());
+      if (state.IsFinite()) knot.state = state;
     }
     if (joint) {
       const auto sensitivity = joint->sensitivity.topRows<6>();
-      knot->covariance = joint->matrix.topLeftCorner<6, 6>() + sensitivity * sensitivity.transpose();
+      knot.covariance = joint->matrix.topLeftCorner<6, 6>() + sensitivity * sensitivity.transpose();
     }
-    for (auto reopened = knot->reopened.rbegin(); reopened != knot->reopened.rend(); ++reopened) apply(*reopened);
-    knot->reopened.clear();
-    Forget(smoothed, knot->number + kMaxWindow);
+    for (auto reopened = learned.reopened.rbegin(); reopened != learned.reopened.rend(); ++reopened) apply(*reopened);
+    Forget(smoothed, knot.number + kMaxWindow);
   }
 }
 

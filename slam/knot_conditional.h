@@ -1,13 +1,15 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "slam/linear_prior.h"
+#include "slam/record_store.h"
 
 namespace parkade {
 
-struct FinishedKnot;
+struct RecordedKnot;
 
 /// What states were, given the states that stayed when they left the window: the
 /// rows that marginalisation in square-root form sets aside,
@@ -24,6 +26,24 @@ struct StateConditional {
   std::vector<PriorBlock> rest;
 };
 
+/// What was learned of a knot when it left the window, and of what left with it.
+struct KnotConditionals {
+  std::optional<StateConditional> own;  ///< empty for the last knot of all
+  /// Of cameras whose calibration was reopened before this knot left and after the knot before it did.
+  std::vector<StateConditional> reopened;
+};
+
+/// The conditionals of all knots of a drive, on disk: 3 KB each.
+class ConditionalStore {
+ public:
+  void Add(KnotConditionals conditionals);
+  KnotConditionals operator[](size_t knot) const;
+  size_t size() const { return store_.size(); }
+
+ private:
+  RecordStore<KnotConditionals> store_;
+};
+
 /// States with their values, and the covariance of all of them.
 struct JointEstimate {
   std::vector<PriorBlock> states;
@@ -38,9 +58,9 @@ struct JointEstimate {
 ///
 /// H. E. Rauch, F. Tung, C. T. Striebel, "Maximum likelihood estimates of linear
 /// dynamic systems", AIAA Journal 1965, here as back-substitution of the QR.
-/// `knots` are all that left the window, in order; the last is taken as it is.
+/// `knots` are all that left the window, in order, with `conditionals` of each; the last is taken as it is.
 /// `last` holds its pose and motion, and what all knots share: wheel scale, cameras.
-/// Sets the covariances, too. Linear in the drive's length.
-void SmoothBackwards(std::vector<FinishedKnot>& knots, const JointEstimate& last);
+/// Sets the covariances, too. Linear in the drive's length; reads one knot's conditionals at a time.
+void SmoothBackwards(std::vector<RecordedKnot>& knots, const ConditionalStore& conditionals, const JointEstimate& last);
 
 }  // namespace parkade

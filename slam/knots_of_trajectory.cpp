@@ -145,7 +145,11 @@ void TrajectoryEstimator::SolveAndCollect() {
 
 void TrajectoryEstimator::Collect(std::vector<FinishedKnot> finished) {
   report_.knots += static_cast<int>(finished.size());
-  std::move(finished.begin(), finished.end(), std::back_inserter(finished_));
+  for (FinishedKnot& knot : finished) {
+    measurements_->AddKnot({knot.number, knot.state, knot.covariance}, knot.interval);
+    if (options_.smooth_backwards) conditionals_.Add(std::move(knot.conditionals));
+  }
+  for (RecordedImage& image : smoother_.TakeImages()) measurements_->AddImage(std::move(image));
   std::vector<FinishedLandmark> landmarks = smoother_.TakeLandmarks();
   std::move(landmarks.begin(), landmarks.end(), std::back_inserter(landmarks_));
 }

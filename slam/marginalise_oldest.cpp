@@ -156,8 +156,11 @@ FinishedKnot FixedLagSmoother::MarginaliseOldest() {
     track->observations.clear();
     track->has_landmark = false;
   }
-  FinishedKnot finished{oldest.number,      oldest.State(),         std::move(oldest.interval),
-                        oldest_covariance_, std::move(conditional), std::exchange(reopened_, {})};
+  FinishedKnot finished{oldest.number,
+                        oldest.State(),
+                        std::move(oldest.interval),
+                        oldest_covariance_,
+                        {std::move(conditional), std::exchange(reopened_, {})}};
   ForgetOldest();
   UpdateOldestCovariance();
   return finished;

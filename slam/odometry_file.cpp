@@ -1,25 +1,31 @@
 #include "slam/odometry_file.h"
 
 #include <algorithm>
+#include <fstream>
 #include <memory>
 
+#include "core/appended_file.h"
 #include "core/file.h"
-#include "slam/binary_exchange.h"
-#include "slam/drive_measurements.h"
+#include "slam/measurement_exchange.h"
+#include "slam/odometry_exchange.h"
 
 namespace parkade {
 namespace {
 
 constexpr std::string_view kMagic = "parkade odometry";
 constexpr std::uint32_t kVersion = 2;  // of the layout: other versions are tracked again
-constexpr size_t kMaxBytes = size_t{16} << 30;
 
-/// FNV-1a over 64 bits: finds damage, not malice.
-std::uint64_t ChecksumOf(std::string_view bytes) {
-  std::uint64_t sum = 14695981039346656037ULL;
-  for (const char byte : bytes) sum = (sum ^ static_cast<unsigned char>(byte)) * 1099511628211ULL;
-  return sum;
-}
+/// FNV-1a over 64 bits, of bytes that come in pieces: finds damage, not malice.
+class Checksum {
+ public:
+  void Add(std::string_view bytes) {
+    for (const char byte : bytes) sum_ = (sum_ ^ static_cast<unsigned char>(byte)) * 1099511628211ULL;
+  }
+  std::uint64_t sum() const { return sum_; }
+
+ private:
+  std::uint64_t sum_ = 14695981039346656037ULL;
+};
 
 std::string_view BytesOf(const Eigen::Ref<const Eigen::VectorXd>& numbers) {
   return {reinterpret_cast<const char*>(numbers.data()), sizeof(double) * static_cast<size_t>(numbers.size())};
@@ -51,228 +57,201 @@ std::uint64_t FingerprintOf(const Rig& rig) {
                                    imu.gyroscope_noise_density, imu.gyroscope_random_walk));
   add_pose(rig.body_from_imu);
   if (rig.vehicle) bytes += BytesOf(Eigen::Vector2d(rig.vehicle->wheelbase, rig.vehicle->track));
-  return ChecksumOf(bytes);
+  Checksum checksum;
+  checksum.Add(bytes);
+  return checksum.sum();
 }
 
-// What a file holds of one camera beyond its lens.
+// A file is the magic, the head and the content: the trajectory, keyframes, landmarks, cameras, the report, knots,
+// images, and what all knots share.
+
+struct Head {
+  std::uint32_t version = kVersion;
+  std::uint64_t fingerprint = 0;
+  std::uint64_t checksum = 0;  ///< of the content
+};
+
+/// What a file holds of one camera beyond its lens.
 struct StoredCamera {
   std::string name;
   Rigid3 body_from_camera;
   double time_shift = 0, line_delay = 0;
 };
 
-struct StoredInterval {
-  std::vector<ImuSample> samples;
-  ImuBias bias;
-  std::optional<WheelPreintegration> wheels;
-  bool is_still = false;
-};
-
-struct StoredKnot {
-  std::int64_t number = 0;
-  MotionState state;
-  Eigen::Matrix<double, 6, 6> covariance;
-  std::optional<StoredInterval> interval;
-};
-
-}  // namespace
-
-// Found by argument-dependent lookup, hence in the types' own namespace. In the order of the file: a change needs a new
-// kVersion.
 template <typename A>
-void Exchange(A& archive, OdometryKeyframe& keyframe) {
-  archive(keyframe.time, keyframe.camera, keyframe.odom_from_body);
+void Exchange(A& archive, Head& head) {
+  archive(head.version, head.fingerprint, head.checksum);
 }
-template <typename A>
-void Exchange(A& archive, OdometryLandmark& landmark) {
-  archive(landmark.time, landmark.camera, landmark.point_in_odom, landmark.sigma, landmark.num_observations);
-}
-template <typename A>
-void Exchange(A& archive, DegradedInterval& interval) {
-  archive(interval.begin, interval.end, interval.reason);
-}
-template <typename A>
-void Exchange(A& archive, CameraHealth& health) {
-  archive(health.name, health.frames, health.frames_used, health.frames_rejected, health.tracks_per_frame,
-          health.noise_scale);
-}
-template <typename A>
-void Exchange(A& archive, CalibratedQuantity& quantity) {
-  archive(quantity.name, quantity.change, quantity.sigma, quantity.status);
-}
-template <typename A>
-void Exchange(A& archive, CameraCalibration& calibration) {
-  archive(calibration.name, calibration.quantities);
-}
-template <typename A>
-void Exchange(A& archive, OdometryReport& report) {
-  archive(report.start_kind, report.start_time, report.start_data, report.cameras, report.calibration, report.degraded,
-          report.knots, report.solves, report.mean_solve_seconds, report.max_solve_seconds, report.mean_bearings,
-          report.seconds, report.length, report.still_seconds, report.has_wheels, report.wheel_scale,
-          report.gyroscope_bias, report.accelerometer_bias);
-}
-template <typename A>
-void Exchange(A& archive, MotionState& state) {
-  archive(state.time, state.odom_from_imu, state.velocity_in_odom, state.gyroscope_bias, state.accelerometer_bias);
-}
-template <typename A>
-void Exchange(A& archive, ImuSample& sample) {
-  archive(sample.time, sample.angular_velocity, sample.linear_acceleration);
-}
-template <typename A>
-void Exchange(A& archive, ImuBias& bias) {
-  archive(bias.gyroscope, bias.accelerometer);
-}
-template <typename A>
-void Exchange(A& archive, WheelPreintegration& wheels) {
-  archive(wheels.duration, wheels.displacement, wheels.d_gyroscope_bias, wheels.gyroscope_bias, wheels.covariance,
-          wheels.body_in_imu);
-}
-template <typename A>
-void Exchange(A& archive, KnotInterpolation& interpolation) {
-  archive(interpolation.fraction, interpolation.rotation_since_first, interpolation.rotation_over_interval,
-          interpolation.bend);
-}
-template <typename A>
-void Exchange(A& archive, RecordedSighting& sighting) {
-  archive(sighting.track, sighting.bearing, sighting.sigma, sighting.row);
-}
-template <typename A>
-void Exchange(A& archive, RecordedImage& image) {
-  archive(image.time, image.camera, image.time_offset, image.first_knot, image.second_knot, image.interpolation,
-          image.angular_velocity, image.sightings);
-}
-template <typename A>
-void Exchange(A& archive, CameraParameters& camera) {
-  archive(camera.extrinsics, camera.timing);
-}
-template <typename A>
-void Exchange(A& archive, CameraSigmas& sigmas) {
-  archive(sigmas.rotation, sigmas.translation, sigmas.time_offset, sigmas.line_delay);
-}
-
-namespace {
-
 template <typename A>
 void Exchange(A& archive, StoredCamera& camera) {
   archive(camera.name, camera.body_from_camera, camera.time_shift, camera.line_delay);
 }
-template <typename A>
-void Exchange(A& archive, StoredInterval& interval) {
-  archive(interval.samples, interval.bias, interval.wheels, interval.is_still);
-}
-template <typename A>
-void Exchange(A& archive, StoredKnot& knot) {
-  archive(knot.number, knot.state, knot.covariance, knot.interval);
-}
+/// The content on its way into a file.
+class ContentWriter {
+ public:
+  explicit ContentWriter(AppendedFile& file) : file_(file) {}
 
-/// The whole content, between its two forms.
-struct StoredOdometry {
-  std::vector<TrajectoryState> states;
-  std::vector<OdometryKeyframe> keyframes;
-  std::vector<OdometryLandmark> landmarks;
-  std::vector<StoredCamera> cameras;
-  OdometryReport report;
-  std::vector<StoredKnot> knots;
-  DriveMeasurements measurements;  ///< without its knots
+  template <typename... Values>
+  void operator()(Values&... values) {
+    encoder_(values...);
+    Pass(encoder_.bytes());
+    encoder_.Clear();
+  }
+  /// What is encoded already.
+  void Pass(std::string_view bytes) {
+    checksum_.Add(bytes);
+    file_.Append(bytes);
+  }
+  void Count(std::uint64_t count) { (*this)(count); }
+  template <typename Item>
+  void All(const std::vector<Item>& items) {
+    Count(items.size());
+    for (Item item : items) (*this)(item);
+  }
+  std::uint64_t checksum() const { return checksum_.sum(); }
+
+ private:
+  AppendedFile& file_;
+  BinaryWriter encoder_;
+  Checksum checksum_;
 };
 
-template <typename A>
-void Exchange(A& archive, StoredOdometry& stored) {
-  DriveMeasurements& measurements = stored.measurements;
-  archive(stored.states, stored.keyframes, stored.landmarks, stored.cameras, stored.report, stored.knots,
-          measurements.images, measurements.cameras, measurements.camera_priors, measurements.camera_noise_scales,
-          measurements.wheel_scale, measurements.has_jumps);
+/// The rest of a file, for BinaryReaderOf.
+class BytesOfFile {
+ public:
+  BytesOfFile(std::ifstream& stream, std::uint64_t num_left) : stream_(&stream), num_left_(num_left) {}
+  std::uint64_t num_left() const { return num_left_; }
+  void Take(char* data, size_t size) {
+    const auto count = static_cast<std::streamsize>(size);
+    Require(stream_->rdbuf()->sgetn(data, count) == count, ErrorCode::kInvalidInput, "the file ends in the middle");
+    num_left_ -= size;
+  }
+
+ private:
+  std::ifstream* stream_;
+  std::uint64_t num_left_;
+};
+
+using FileReader = BinaryReaderOf<BytesOfFile>;
+
+void WriteMeasurements(const DriveMeasurements& measurements, ContentWriter& content) {
+  content.Count(measurements.knots.size());
+  for (size_t i = 0; i < measurements.knots.size(); ++i) {
+    RecordedKnot knot = measurements.knots[i];
+    content(knot);
+    content.Pass(measurements.IntervalBytes(i));
+  }
+  content.Count(measurements.num_images());
+  for (size_t i = 0; i < measurements.num_images(); ++i) content.Pass(measurements.ImageBytes(i));
+  SharedFindings shared = measurements.shared;
+  content(shared);
 }
 
-StoredKnot Stored(const RecordedKnot& knot) {
-  StoredKnot stored{knot.number, knot.state, knot.covariance, {}};
-  if (knot.interval)
-    stored.interval = StoredInterval{knot.interval->imu.samples(), knot.interval->imu.bias(), knot.interval->wheels,
-                                     knot.interval->is_still};
-  return stored;
+std::shared_ptr<const DriveMeasurements> ReadMeasurements(FileReader& content, const ImuCalibration& imu) {
+  auto measurements = std::make_shared<DriveMeasurements>(imu);
+  for (std::uint64_t left = content.Count(0); left > 0; --left) {
+    RecordedKnot knot;
+    std::optional<RecordedInterval> interval;
+    content(knot, interval);
+    Require(!interval || interval->samples.size() > 1, ErrorCode::kInvalidInput, "it holds a stretch without IMU data");
+    measurements->AddKnot(knot, std::move(interval));
+  }
+  for (std::uint64_t left = content.Count(0); left > 0; --left) {
+    RecordedImage image;
+    content(image);
+    measurements->AddImage(std::move(image));
+  }
+  content(measurements->shared);
+  return measurements;
 }
 
-RecordedKnot Restored(const StoredKnot& stored, const ImuCalibration& imu) {
-  RecordedKnot knot{stored.number, stored.state, stored.covariance, {}};
-  if (!stored.interval) return knot;
-  Require(stored.interval->samples.size() > 1, ErrorCode::kInvalidInput, "it holds a stretch without IMU data");
-  knot.interval = KnotInterval{ImuPreintegration(stored.interval->samples, stored.interval->bias, imu),
-                               stored.interval->wheels, stored.interval->is_still};
-  return knot;
-}
-
-OdometryResult Restored(StoredOdometry&& stored, const Rig& rig) {
-  OdometryResult odometry;
-  odometry.odom_from_body = Trajectory(std::move(stored.states));
-  odometry.keyframes = std::move(stored.keyframes);
-  odometry.landmarks = std::move(stored.landmarks);
-  odometry.report = std::move(stored.report);
-  odometry.rig = rig;
-  Require(stored.cameras.size() == rig.cameras.size(), ErrorCode::kInvalidInput,
-          "it was made with " + std::to_string(stored.cameras.size()) + " cameras, not " +
-              std::to_string(rig.cameras.size()));
-  for (size_t i = 0; i < rig.cameras.size(); ++i) {
-    const StoredCamera& camera = stored.cameras[i];
-    RigCamera& restored = odometry.rig.cameras[i];
+/// The log's rig with the calibration of `cameras`.
+Rig Calibrated(const Rig& rig, const std::vector<StoredCamera>& cameras) {
+  Require(cameras.size() == rig.cameras.size(), ErrorCode::kInvalidInput,
+          "it was made with " + std::to_string(cameras.size()) + " cameras, not " + std::to_string(rig.cameras.size()));
+  Rig calibrated = rig;
+  for (size_t i = 0; i < cameras.size(); ++i) {
+    const StoredCamera& camera = cameras[i];
+    RigCamera& restored = calibrated.cameras[i];
     Require(camera.name == restored.name, ErrorCode::kInvalidInput,
             "it was made with camera '" + camera.name + "' where the log has '" + restored.name + "'");
     restored.body_from_camera = camera.body_from_camera;
     restored.time_shift = camera.time_shift;
     restored.line_delay = camera.line_delay;
   }
-  auto measurements = std::make_shared<DriveMeasurements>(std::move(stored.measurements));
-  for (const StoredKnot& knot : stored.knots) measurements->knots.push_back(Restored(knot, rig.imu));
-  odometry.measurements = std::move(measurements);
+  return calibrated;
+}
+
+OdometryResult ReadContent(FileReader& content, const Rig& rig) {
+  OdometryResult odometry;
+  std::vector<StoredCamera> cameras;
+  content(odometry.odom_from_body, odometry.keyframes, odometry.landmarks, cameras, odometry.report);
+  odometry.rig = Calibrated(rig, cameras);
+  odometry.measurements = ReadMeasurements(content, rig.imu);
   return odometry;
+}
+
+/// Of what is left of `stream`.
+Checksum ChecksumOf(std::ifstream& stream) {
+  Checksum checksum;
+  std::string piece(AppendedFile::kBufferBytes, '\0');
+  while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())), stream.gcount() > 0)
+    checksum.Add({piece.data(), static_cast<size_t>(stream.gcount())});
+  return checksum;
+}
+
+std::string EncodedHead(Head head) {
+  BinaryWriter writer;
+  writer(head);
+  return writer.bytes();
 }
 
 }  // namespace
 
 void WriteOdometry(const OdometryResult& odometry, const Rig& rig, const std::filesystem::path& file) {
-  StoredOdometry stored;
-  stored.states = odometry.odom_from_body.states();
-  stored.keyframes = odometry.keyframes;
-  stored.landmarks = odometry.landmarks;
-  stored.report = odometry.report;
+  std::vector<StoredCamera> cameras;
   for (const RigCamera& camera : odometry.rig.cameras)
-    stored.cameras.push_back({camera.name, camera.body_from_camera, camera.time_shift, camera.line_delay});
-  if (odometry.measurements) {
-    for (const RecordedKnot& knot : odometry.measurements->knots) stored.knots.push_back(Stored(knot));
-    const DriveMeasurements& all = *odometry.measurements;
-    stored.measurements = {
-        {}, all.images, all.cameras, all.camera_priors, all.camera_noise_scales, all.wheel_scale, all.has_jumps};
-  }
-  BinaryWriter content;
-  content(stored);
-  BinaryWriter head;
-  std::uint32_t version = kVersion;
-  std::uint64_t fingerprint = FingerprintOf(rig), checksum = ChecksumOf(content.bytes());
-  head(version, fingerprint, checksum);
-  WriteFileAtomically(file, std::string(kMagic) + head.bytes() + content.bytes());
+    cameras.push_back({camera.name, camera.body_from_camera, camera.time_shift, camera.line_delay});
+  OdometryReport report = odometry.report;
+  WriteFileAtomically(file, [&](const std::filesystem::path& temporary) {
+    AppendedFile written(temporary);
+    Head head{.fingerprint = FingerprintOf(rig)};
+    written.Append(kMagic);
+    written.Append(EncodedHead(head));
+    ContentWriter content(written);
+    content.All(odometry.odom_from_body.states());
+    content.All(odometry.keyframes);
+    content.All(odometry.landmarks);
+    content(cameras, report);
+    const DriveMeasurements none(rig.imu);
+    WriteMeasurements(odometry.measurements ? *odometry.measurements : none, content);
+    head.checksum = content.checksum();
+    written.Overwrite(kMagic.size(), EncodedHead(head));
+  });
 }
 
 OdometryResult ReadOdometry(const std::filesystem::path& file, const Rig& rig) {
-  const std::string bytes = ReadFile(file, kMaxBytes);
+  std::ifstream stream(file, std::ios::binary);
+  Require(stream.good(), ErrorCode::kNotFound, "cannot read '" + file.string() + "'");
   const std::string name = "'" + file.filename().string() + "' ";
-  std::string_view rest = bytes;
-  Require(rest.starts_with(kMagic), ErrorCode::kInvalidInput, name + "holds no odometry");
-  rest.remove_prefix(kMagic.size());
-  std::uint32_t version = 0;
-  std::uint64_t fingerprint = 0, checksum = 0;
-  BinaryReader head(rest);
-  head(version, fingerprint, checksum);
-  Require(version == kVersion, ErrorCode::kInvalidInput,
-          name + "is of version " + std::to_string(version) + ", this program reads " + std::to_string(kVersion) +
+  std::string magic(kMagic.size(), '\0');
+  stream.read(magic.data(), static_cast<std::streamsize>(magic.size()));
+  Require(magic == kMagic, ErrorCode::kInvalidInput, name + "holds no odometry");
+  const std::uint64_t num_bytes = std::filesystem::file_size(file) - kMagic.size();
+  FileReader reader(stream, num_bytes);
+  Head head;
+  reader(head);
+  Require(head.version == kVersion, ErrorCode::kInvalidInput,
+          name + "is of version " + std::to_string(head.version) + ", this program reads " + std::to_string(kVersion) +
               ": track the drive again");
-  Require(fingerprint == FingerprintOf(rig), ErrorCode::kInvalidInput, name + "was made with another calibration");
-  rest.remove_prefix(sizeof version + sizeof fingerprint + sizeof checksum);
-  Require(ChecksumOf(rest) == checksum, ErrorCode::kInvalidInput, name + "is damaged");
-  StoredOdometry stored;
-  BinaryReader content(rest);
-  content(stored);
-  Require(content.is_at_end(), ErrorCode::kInvalidInput, name + "is longer than it says");
-  return Restored(std::move(stored), rig);
+  Require(head.fingerprint == FingerprintOf(rig), ErrorCode::kInvalidInput, name + "was made with another calibration");
+  const auto begin = stream.tellg();
+  Require(ChecksumOf(stream).sum() == head.checksum, ErrorCode::kInvalidInput, name + "is damaged");
+  stream.clear();
+  stream.seekg(begin);
+  OdometryResult odometry = ReadContent(reader, rig);
+  Require(reader.is_at_end(), ErrorCode::kInvalidInput, name + "is longer than it says");
+  return odometry;
 }
 
 }  // namespace parkade

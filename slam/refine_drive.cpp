@@ -43,12 +43,7 @@ Trajectory Rebuild(const DriveMeasurements& measurements, const std::vector<Moti
   TrajectoryBuilder builder(rig, kOutputInterval);
   for (size_t i = 0; i < states.size(); ++i) {
     const RecordedKnot& knot = measurements.knots[i];
-    FinishedKnot finished;
-    finished.number = knot.number;
-    finished.state = states[i];
-    finished.covariance = knot.covariance;
-    finished.interval = knot.interval;
-    builder.Add(finished);
+    builder.Add({knot.number, states[i], knot.covariance}, measurements.IntervalBefore(i));
   }
   const std::vector<TrajectoryState> rebuilt = builder.Take();
   const auto moved_like = [&](const TrajectoryState& state) {
@@ -74,7 +69,7 @@ void TakeCalibration(const OdometryResult& odometry, const std::vector<CameraPar
     return false;
   };
   for (size_t i = 0; i < refined.size() && i < odometry.report.calibration.size(); ++i) {
-    const CameraParameters& before = odometry.measurements->cameras[i];
+    const CameraParameters& before = odometry.measurements->shared.cameras[i];
     const Rigid3 now = refined[i].ImuFromCamera(), then = before.ImuFromCamera();
     CameraRefinement& camera = result.cameras.emplace_back();
     camera.name = odometry.rig.cameras[i].name;
@@ -132,7 +127,7 @@ DriveRefinement RefineDrive(const OdometryResult& odometry, const Rig& rig, cons
   if (!odometry.measurements) return refuse("nothing was measured");
   const DriveMeasurements& measurements = *odometry.measurements;
   if (measurements.knots.size() < static_cast<size_t>(options.min_knots)) return refuse("the drive is too short");
-  if (measurements.has_jumps) return refuse("a camera's mount turned during the drive");
+  if (measurements.shared.has_jumps) return refuse("a camera's mount turned during the drive");
 
   std::vector<AdjustedLoop> loops = LoopsBetweenKnots(measurements, odometry.odom_from_body, closure);
   result.num_loops = static_cast<int>(loops.size());

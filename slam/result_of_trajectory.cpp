@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
 
 #include "core/error.h"
 #include "slam/gate_calibration.h"
@@ -44,21 +43,24 @@ void TrajectoryEstimator::SelectKeyframes(OdometryResult& result) const {
 }
 
 void TrajectoryEstimator::BuildTrajectory(OdometryResult& result) {
-  std::map<std::int64_t, Rigid3> corrections;  // smoothed_from_estimated, by knot
-  for (const FinishedKnot& knot : finished_) corrections[knot.number] = knot.state.odom_from_imu.Inverse();
+  std::vector<RecordedKnot>& knots = measurements_->knots;
+  std::vector<Rigid3> corrections;  // smoothed_from_estimated
+  for (const RecordedKnot& knot : knots) corrections.push_back(knot.state.odom_from_imu.Inverse());
   const JointEstimate last = smoother_.LastEstimate();
   FinishCalibration(last, result);
-  if (options_.smooth_backwards) SmoothBackwards(finished_, last);
-  for (const FinishedKnot& knot : finished_) {
-    corrections[knot.number] = knot.state.odom_from_imu * corrections[knot.number];
-    builder_.Add(knot);
-    if (!after_start_ && knot.state.time >= first_knot_ + kOverlap) after_start_ = knot.state;
+  if (options_.smooth_backwards) SmoothBackwards(knots, conditionals_, last);
+  for (size_t i = 0; i < knots.size(); ++i) {
+    const MotionState& state = knots[i].state;
+    corrections[i] = state.odom_from_imu * corrections[i];
+    builder_.Add(knots[i], measurements_->IntervalBefore(i));
+    if (!after_start_ && state.time >= first_knot_ + kOverlap) after_start_ = state;
   }
   std::vector<TrajectoryState> states = builder_.Take();
   FillBeforeStart(result.rig, states);
   result.odom_from_body = Trajectory(std::move(states));
   for (const FinishedLandmark& landmark : landmarks_)
-    result.landmarks.push_back({landmark.time, landmark.camera, corrections[landmark.knot] * landmark.point_in_odom,
+    result.landmarks.push_back({landmark.time, landmark.camera,
+                                corrections[static_cast<size_t>(landmark.knot)] * landmark.point_in_odom,
                                 landmark.sigma, landmark.num_observations});
   std::stable_sort(result.landmarks.begin(), result.landmarks.end(),
                    [](const OdometryLandmark& a, const OdometryLandmark& b) { return a.time < b.time; });
@@ -66,22 +68,18 @@ void TrajectoryEstimator::BuildTrajectory(OdometryResult& result) {
 }
 
 void TrajectoryEstimator::TakeMeasurements(OdometryResult& result) {
-  auto measurements = std::make_shared<DriveMeasurements>();
-  for (FinishedKnot& knot : finished_)
-    measurements->knots.push_back({knot.number, knot.state, knot.covariance, std::move(knot.interval)});
-  finished_.clear();
-  measurements->images = smoother_.TakeImages();
-  measurements->cameras = smoother_.cameras();
+  SharedFindings& shared = measurements_->shared;
+  shared.cameras = smoother_.cameras();
   for (const CameraSettings& settings : smoother_.camera_settings()) {
-    CameraSigmas& prior = measurements->camera_priors.emplace_back(settings.prior);
+    CameraSigmas& prior = shared.camera_priors.emplace_back(settings.prior);
     if (!settings.has_extrinsics) prior.rotation = prior.translation = 0;
     if (!settings.has_time_offset) prior.time_offset = 0;
     if (!settings.has_line_delay) prior.line_delay = 0;
   }
-  measurements->camera_noise_scales = smoother_.camera_noise_scales();
-  measurements->wheel_scale = smoother_.wheel_scale();
-  measurements->has_jumps = !smoother_.jumps().empty();
-  result.measurements = std::move(measurements);
+  shared.camera_noise_scales = smoother_.camera_noise_scales();
+  shared.wheel_scale = smoother_.wheel_scale();
+  shared.has_jumps = !smoother_.jumps().empty();
+  result.measurements = std::move(measurements_);
 }
 
 void TrajectoryEstimator::FinishCalibration(const JointEstimate& last, OdometryResult& result) {

@@ -82,16 +82,14 @@ struct FinishedLandmark {
   int num_observations = 0;
 };
 
-/// A knot that left the window: only SmoothBackwards will change its estimate.
+/// A knot that left the window: only SmoothBackwards will correct its state.
 struct FinishedKnot {
   std::int64_t number = 0;
   MotionState state;
   std::optional<KnotInterval> interval;  ///< since the knot before
   Eigen::Matrix<double, 6, 6> covariance =
-      Eigen::Matrix<double, 6, 6>::Zero();      ///< [rotation in imu, position in odom]
-  std::optional<StateConditional> conditional;  ///< empty for the last knot of all
-  /// Of cameras whose calibration was reopened before this knot left and after the knot before it did.
-  std::vector<StateConditional> reopened;
+      Eigen::Matrix<double, 6, 6>::Zero();  ///< [rotation in imu, position in odom]
+  KnotConditionals conditionals;
 };
 
 }  // namespace parkade

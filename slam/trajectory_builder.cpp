@@ -31,27 +31,25 @@ TrajectoryState TrajectoryBuilder::ToBody(const MotionState& state, const Eigen:
   return body;
 }
 
-void TrajectoryBuilder::Add(const FinishedKnot& knot) {
+void TrajectoryBuilder::Add(const RecordedKnot& knot, const std::optional<KnotInterval>& interval) {
   if (!first_) first_ = knot.state;
-  if (last_ && knot.interval) AddBetween(*last_, knot);
-  const Eigen::Vector3d rate =
-      knot.interval ? knot.interval->imu.samples().back().angular_velocity : knot.state.gyroscope_bias;
+  if (last_ && interval) AddBetween(*last_, knot, *interval);
+  const Eigen::Vector3d rate = interval ? interval->imu.samples().back().angular_velocity : knot.state.gyroscope_bias;
   states_.push_back(ToBody(knot.state, rate, knot.covariance));
-  last_ = knot;
+  last_ = knot.state;
 }
 
-void TrajectoryBuilder::AddBetween(const FinishedKnot& first, const FinishedKnot& second) {
-  const KnotInterval& interval = *second.interval;
+void TrajectoryBuilder::AddBetween(const MotionState& first, const RecordedKnot& second, const KnotInterval& interval) {
   const std::vector<ImuSample>& samples = interval.imu.samples();
-  const ImuBias bias = BiasOf(first.state);
+  const ImuBias bias = BiasOf(first);
   const MotionIncrement whole = Integrate(samples, bias);
-  const Eigen::Vector3d velocity_error = second.state.velocity_in_odom - Propagate(first.state, whole).velocity_in_odom;
+  const Eigen::Vector3d velocity_error = second.state.velocity_in_odom - Propagate(first, whole).velocity_in_odom;
   const int pieces = static_cast<int>(std::ceil(whole.duration / output_interval_ - 1e-9));
   MotionIncrement part;
   size_t next = 1;
   ImuSample at = samples.front();
   for (int k = 1; k < pieces; ++k) {
-    const Timestamp time = first.state.time + whole.duration * k / pieces;
+    const Timestamp time = first.time + whole.duration * k / pieces;
     for (; next < samples.size() && samples[next].time <= time; ++next) {
       if (samples[next].time > at.time) Advance(part, at, samples[next], bias);
       at = samples[next];
@@ -61,13 +59,13 @@ void TrajectoryBuilder::AddBetween(const FinishedKnot& first, const FinishedKnot
       Advance(part, at, middle, bias);
       at = middle;
     }
-    const KnotInterpolation shape = MakeKnotInterpolation(part, whole, first.state.odom_from_imu.rotation);
-    MotionState state = Propagate(first.state, part);
+    const KnotInterpolation shape = MakeKnotInterpolation(part, whole, first.odom_from_imu.rotation);
+    MotionState state = Propagate(first, part);
     state.time = time;
     state.velocity_in_odom += shape.fraction * velocity_error;
-    state.odom_from_imu = shape.At(first.state.odom_from_imu, second.state.odom_from_imu);
+    state.odom_from_imu = shape.At(first.odom_from_imu, second.state.odom_from_imu);
     if (interval.is_still) {
-      state.odom_from_imu = Interpolate(first.state.odom_from_imu, second.state.odom_from_imu, shape.fraction);
+      state.odom_from_imu = Interpolate(first.odom_from_imu, second.state.odom_from_imu, shape.fraction);
       state.velocity_in_odom = second.state.velocity_in_odom;
     }
     states_.push_back(ToBody(state, at.angular_velocity, second.covariance));

@@ -5,9 +5,9 @@
 
 #include "core/rig.h"
 #include "core/trajectory.h"
+#include "slam/drive_measurements.h"
 #include "slam/run_backwards.h"
 #include "slam/sample_buffer.h"
-#include "slam/smoother_window.h"
 
 namespace parkade {
 
@@ -21,8 +21,8 @@ class TrajectoryBuilder {
   /// For the states that follow: where the IMU sits, once the cameras are calibrated.
   void MountOn(const Rig& rig) { imu_from_body_ = rig.body_from_imu.Inverse(); }
 
-  /// Knots come in order of time.
-  void Add(const FinishedKnot& knot);
+  /// Knots come in order of time. `interval`: since the knot before, empty at the first.
+  void Add(const RecordedKnot& knot, const std::optional<KnotInterval>& interval);
 
   /// States of the time before the first knot, running backwards on the
   /// gyroscope and the wheels, or on the IMU alone where there are none.
@@ -36,12 +36,11 @@ class TrajectoryBuilder {
  private:
   TrajectoryState ToBody(const MotionState& state, const Eigen::Vector3d& angular_velocity,
                          const Eigen::Matrix<double, 6, 6>& covariance) const;
-  void AddBetween(const FinishedKnot& first, const FinishedKnot& second);
+  void AddBetween(const MotionState& first, const RecordedKnot& second, const KnotInterval& interval);
 
   Rigid3 imu_from_body_;
   double output_interval_;
-  std::optional<FinishedKnot> last_;
-  std::optional<MotionState> first_;
+  std::optional<MotionState> first_, last_;
   std::vector<TrajectoryState> states_;
 };
 

@@ -23,7 +23,8 @@ TrajectoryEstimator::TrajectoryEstimator(const Rig& rig, const OdometryOptions& 
       smoother_(rig, options.smoother),
       builder_(rig, options.output_interval),
       last_frame_(rig.cameras.size()),
-      tracks_seen_(rig.cameras.size(), 0) {
+      tracks_seen_(rig.cameras.size(), 0),
+      measurements_(std::make_shared<DriveMeasurements>(rig.imu)) {
   options_.Validate();
   for (const RigCamera& camera : rig.cameras) report_.cameras.push_back({camera.name, 0, 0, 0, 0, 1});
 }

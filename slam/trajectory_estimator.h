@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -87,9 +88,10 @@ class TrajectoryEstimator {
     int camera;
   };
   std::vector<UsedImage> used_images_;
-  std::vector<Timestamp> last_frame_;      ///< per camera
-  std::vector<std::int64_t> tracks_seen_;  ///< per camera, in frames used
-  std::vector<FinishedKnot> finished_;
+  std::vector<Timestamp> last_frame_;                ///< per camera
+  std::vector<std::int64_t> tracks_seen_;            ///< per camera, in frames used
+  std::shared_ptr<DriveMeasurements> measurements_;  ///< of knots that left the window, and of all images
+  ConditionalStore conditionals_;                    ///< of the same knots
   std::vector<FinishedLandmark> landmarks_;
   OdometryReport report_;
   double sum_bearings_ = 0;

@@ -51,7 +51,7 @@ TEST(SelfCalibration, ADegreeAndThreeCentimetresOffDriftHardlyMoreThanTheExactRi
       EXPECT_NEAR(RotationErrorDeg(drive, drive.rig, camera), 1, 1e-6);
       EXPECT_LT((turns[camera] - common).norm() / kDegree, 0.1) << camera;
       // The estimate itself, before it is judged.
-      const Rigid3 estimate = estimated.odometry.measurements->cameras[camera].ImuFromCamera();
+      const Rigid3 estimate = estimated.odometry.measurements->shared.cameras[camera].ImuFromCamera();
       EXPECT_LT(estimate.rotation.angularDistance(drive.true_rig.ImuFromCamera(camera).rotation) / kDegree, 0.15);
       EXPECT_NE(estimated.odometry.report.calibration[camera].quantities[0].status, CalibratedQuantity::Status::kKept);
     }
