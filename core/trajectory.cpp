@@ -11,29 +11,37 @@
 
 namespace parkade {
 
-Trajectory::Trajectory(std::vector<TrajectoryState> states) : states_(std::move(states)) {
-  for (size_t i = 0; i < states_.size(); ++i) {
-    const TrajectoryState& state = states_[i];
+Trajectory::Trajectory(std::vector<TrajectoryState> states) {
+  for (size_t i = 0; i < states.size(); ++i) {
+    const TrajectoryState& state = states[i];
     Require(state.odom_from_body.translation.allFinite() && state.odom_from_body.rotation.coeffs().allFinite() &&
                 state.velocity_in_odom.allFinite(),
             ErrorCode::kInternal, "a trajectory holds a pose that is not finite");
-    Require(i == 0 || states_[i - 1].time < state.time, ErrorCode::kInternal,
+    Require(i == 0 || states[i - 1].time < state.time, ErrorCode::kInternal,
             "the times of a trajectory do not increase");
   }
+  states_ = std::make_shared<const std::vector<TrajectoryState>>(std::move(states));
 }
 
-TimeSpan Trajectory::span() const { return empty() ? TimeSpan{} : TimeSpan{states_.front().time, states_.back().time}; }
+const std::vector<TrajectoryState>& Trajectory::states() const {
+  static const std::vector<TrajectoryState> none;
+  return states_ ? *states_ : none;
+}
+
+TimeSpan Trajectory::span() const {
+  return empty() ? TimeSpan{} : TimeSpan{states().front().time, states().back().time};
+}
 
 double Trajectory::Length() const {
   double length = 0;
-  for (size_t i = 1; i < states_.size(); ++i)
-    length += (states_[i].odom_from_body.translation - states_[i - 1].odom_from_body.translation).norm();
+  for (size_t i = 1; i < states().size(); ++i)
+    length += (states()[i].odom_from_body.translation - states()[i - 1].odom_from_body.translation).norm();
   return length;
 }
 
 std::optional<Rigid3> Trajectory::At(Timestamp time) const {
   if (!span().Contains(time)) return std::nullopt;
-  const auto after = std::lower_bound(states_.begin(), states_.end(), time,
+  const auto after = std::lower_bound(states().begin(), states().end(), time,
                                       [](const TrajectoryState& state, Timestamp t) { return state.time < t; });
   if (after->time == time) return after->odom_from_body;
   const auto before = std::prev(after);
@@ -42,16 +50,16 @@ std::optional<Rigid3> Trajectory::At(Timestamp time) const {
 }
 
 Trajectory Trajectory::Transformed(const Rigid3& target_from_odom) const {
-  Trajectory moved = *this;
+  std::vector<TrajectoryState> moved = states();
   const Eigen::Matrix3d rotation = target_from_odom.rotation.toRotationMatrix();
-  for (TrajectoryState& state : moved.states_) {
+  for (TrajectoryState& state : moved) {
     state.odom_from_body = target_from_odom * state.odom_from_body;
     state.velocity_in_odom = rotation * state.velocity_in_odom;
     Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Identity();
     turn.bottomRightCorner<3, 3>() = rotation;
     state.covariance = turn * state.covariance * turn.transpose();
   }
-  return moved;
+  return Trajectory(std::move(moved));
 }
 
 std::vector<TimedPose> ReadTum(const std::filesystem::path& file) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,15 +25,15 @@ struct TrajectoryState {
 
 /// Timed poses of one drive, strictly increasing in time. `odom` is
 /// gravity-aligned (z up) and drifts; the same type holds `site_from_body` once
-/// a trajectory has been moved by Transformed().
+/// a trajectory has been moved by Transformed(). Copies share what they hold.
 class Trajectory {
  public:
   Trajectory() = default;
   /// Throws Error{kInternal} unless times strictly increase and all is finite.
   explicit Trajectory(std::vector<TrajectoryState> states);
 
-  const std::vector<TrajectoryState>& states() const { return states_; }
-  bool empty() const { return states_.empty(); }
+  const std::vector<TrajectoryState>& states() const;
+  bool empty() const { return states().empty(); }
   TimeSpan span() const;
   double Length() const;  ///< [m] travelled by the body origin
 
@@ -44,7 +45,7 @@ class Trajectory {
   Trajectory Transformed(const Rigid3& target_from_odom) const;
 
  private:
-  std::vector<TrajectoryState> states_;
+  std::shared_ptr<const std::vector<TrajectoryState>> states_;  ///< null: none
 };
 
 /// One pose of a TUM file.

@@ -54,9 +54,11 @@ void PlaceInSite(const MapOptions& options, DriveStages& stages, std::vector<Dri
   for (const DriveInWork& drive : drives) {
     built.names.push_back(drive.log->name());
     const Trajectory& odom_from_body = drive.outcome.refinement.odom_from_body;
-    std::vector<Place> places;  // of one drive: for maps that it is compared with, and drives that join it
-    if (drives.size() > 1 || stages.keeps_products())
+    std::vector<Place> places;
+    if (drives.size() > 1)
       places = stages.FindPlaces(*drive.calibrated, drive.odometry, drive.outcome.refinement);
+    else  // for maps that it is compared with, and drives that join it
+      stages.KeepPlaces(*drive.calibrated, drive.odometry, drive.outcome.refinement);
     to_join.push_back({odom_from_body, std::move(places), drive.outcome.loops, drive.outcome.gnss});
   }
   built.join = JoinDrives(to_join, options.loops, options.links, stages.MemoryOfPairs(built.names, to_join));

@@ -20,6 +20,8 @@ std::string TextOf(const Options& options) {
 
 std::string TextOf(const LoopReview& review) { return nlohmann::json{review.rejected, review.forced}.dump(); }
 
+constexpr const char* kPlacesFile = "/places.bin";
+
 // Numbers with every bit, as they are in memory.
 
 std::string BytesOf(GnssPositions gnss) {
@@ -92,12 +94,35 @@ DriveRefinement DriveStages::Refine(const DriveLog& log, const OdometryResult& o
 
 std::vector<Place> DriveStages::FindPlaces(const DriveLog& log, const OdometryResult& odometry,
                                            const DriveRefinement& refinement) {
-  std::string& key = keys_.at(log.name()).so_far;
-  key = KeyOf({key, "places on floors"});
-  const std::string bytes = products_.Get(log.name() + "/places.bin", key, [&] {
-    return EncodePlaces(PlacesAlong(log, odometry.odom_from_body, refinement.odom_from_body, options_.loops.places));
+  const std::string bytes = products_.Get(log.name() + kPlacesFile, KeyOfPlaces(log), [&] {
+    std::string encoded;
+    EncodePlacesAlong(log, odometry, refinement, [&encoded](std::string_view piece) { encoded += piece; });
+    return encoded;
   });
   return DecodePlaces(bytes);
+}
+
+void DriveStages::KeepPlaces(const DriveLog& log, const OdometryResult& odometry, const DriveRefinement& refinement) {
+  products_.Keep(log.name() + kPlacesFile, KeyOfPlaces(log),
+                 [&](const PieceSink& sink) { EncodePlacesAlong(log, odometry, refinement, sink); });
+}
+
+std::string DriveStages::KeyOfPlaces(const DriveLog& log) {
+  std::string& key = keys_.at(log.name()).so_far;
+  key = KeyOf({key, "places on floors"});
+  return key;
+}
+
+void DriveStages::EncodePlacesAlong(const DriveLog& log, const OdometryResult& odometry,
+                                    const DriveRefinement& refinement, const PieceSink& sink) const {
+  const Trajectory& odom_from_body = refinement.odom_from_body;
+  const PlaceOptions& options = options_.loops.places;
+  std::vector<Place> places = PlacesAlong(odometry.odom_from_body, odom_from_body, options);
+  PlacesEncoder encoder(places.size(), sink);
+  const std::vector<bool> all(places.size(), true);
+  DescribePlaces(log, odom_from_body, options, all, std::move(places),
+                 [&encoder](Place&& place) { encoder.Add(std::move(place)); });
+  encoder.Finish();
 }
 
 std::shared_ptr<const GroundFile> DriveStages::ObserveGround(const DriveLog& log, const OdometryResult& odometry,

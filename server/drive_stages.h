@@ -26,9 +26,6 @@ class DriveStages {
   /// \param from, to  as of StageProducts
   DriveStages(const std::filesystem::path& from, std::filesystem::path to, const MapOptions& options);
 
-  /// Whether results are kept for later builds.
-  bool keeps_products() const { return products_.is_kept(); }
-
   /// `odometry_file`: where the drive's odometry is stored; its content stands for the drive. Called once per drive,
   /// before the others; what follows names a drive by `log.name()`.
   void Begin(const DriveLog& log, const std::filesystem::path& odometry_file);
@@ -38,6 +35,8 @@ class DriveStages {
   DriveRefinement Refine(const DriveLog& log, const OdometryResult& odometry, const LoopClosure& loops);
   /// Along the refined drive, `log` being as the refinement found it to be.
   std::vector<Place> FindPlaces(const DriveLog& log, const OdometryResult& odometry, const DriveRefinement& refinement);
+  /// The same, but they are only kept: few are in memory at a time.
+  void KeepPlaces(const DriveLog& log, const OdometryResult& odometry, const DriveRefinement& refinement);
   /// What the drive sees of the ground, in the map's folder. `log` as for places; `drive_submaps` are the drive's.
   std::shared_ptr<const GroundFile> ObserveGround(const DriveLog& log, const OdometryResult& odometry,
                                                   std::span<const Submap> drive_submaps);
@@ -48,6 +47,10 @@ class DriveStages {
   PairMemory MemoryOfPairs(const std::vector<std::string>& names, const std::vector<DriveToJoin>& drives) const;
 
  private:
+  std::string KeyOfPlaces(const DriveLog& log);
+  void EncodePlacesAlong(const DriveLog& log, const OdometryResult& odometry, const DriveRefinement& refinement,
+                         const PieceSink& sink) const;
+
   /// What results of a drive depend on.
   struct Keys {
     std::string odometry, ground;

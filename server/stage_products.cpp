@@ -14,6 +14,7 @@ namespace {
 constexpr std::string_view kMagic = "parkade stages 1\n";
 constexpr size_t kDigits = 64;
 constexpr std::uint64_t kMaxBytes = std::uint64_t{16} << 30;
+constexpr std::uint64_t kPieceBytes = std::uint64_t{1} << 20;
 
 /// Reads a file of results one by one.
 class ProductReader {
@@ -34,10 +35,22 @@ class ProductReader {
     return key;
   }
   void Skip() { stream_.seekg(static_cast<std::streamoff>(size_), std::ios::cur); }
+  /// Hands on the result; whether it was whole shows only at its end.
+  bool Read(const PieceSink& sink) {
+    Sha256 hash;
+    std::string piece;
+    for (std::uint64_t left = size_; left > 0; left -= piece.size()) {
+      piece.resize(std::min(left, kPieceBytes));
+      if (!stream_.read(piece.data(), std::ssize(piece))) return false;
+      hash.Add(piece);
+      sink(piece);
+    }
+    return hash.Finish() == sum_;
+  }
   /// Nothing where it is not whole.
   std::optional<std::string> Read() {
-    std::string result(size_, ' ');
-    if (stream_.read(result.data(), std::ssize(result)) && Sha256Of(result) == sum_) return result;
+    std::string result;
+    if (Read([&result](std::string_view piece) { result += piece; })) return result;
     return std::nullopt;
   }
 
@@ -48,18 +61,19 @@ class ProductReader {
   std::uint64_t size_ = 0;
 };
 
-std::optional<std::string> Find(const std::filesystem::path& file, const std::string& key) {
+/// Hands on the result under the key; says whether there is a whole one.
+bool Find(const std::filesystem::path& file, const std::string& key, const PieceSink& sink) {
   ProductReader reader(file);
   while (const std::optional<std::string> found = reader.Next()) {
     if (*found != key) {
       reader.Skip();
       continue;
     }
-    std::optional<std::string> result = reader.Read();
-    if (!result) LogWarning("a result of an earlier build in '" + file.string() + "' is damaged; it is computed again");
-    return result;
+    if (reader.Read(sink)) return true;
+    LogWarning("a result of an earlier build in '" + file.string() + "' is damaged; it is computed again");
+    return false;
   }
-  return std::nullopt;
+  return false;
 }
 
 bool HoldsOneResult(const std::filesystem::path& file) {
@@ -78,18 +92,38 @@ void StopSharing(const std::filesystem::path& file) {
   std::filesystem::rename(copy, file);
 }
 
-void Append(const std::filesystem::path& file, const std::string& key, const std::string& result) {
+void Append(const std::filesystem::path& file, const std::string& key,
+            const std::function<void(const PieceSink&)>& write) {
   std::filesystem::create_directories(file.parent_path());
   const bool is_new = !std::filesystem::exists(file);
   if (!is_new) StopSharing(file);
-  std::ofstream stream(file, std::ios::binary | std::ios::app);
-  if (is_new) stream << kMagic;
-  const std::uint64_t size = result.size();
-  stream << key << Sha256Of(result);
-  stream.write(reinterpret_cast<const char*>(&size), sizeof size);
-  stream << result;
+  if (is_new) std::ofstream(file, std::ios::binary) << kMagic;
+  std::ofstream stream(file, std::ios::binary | std::ios::in | std::ios::ate);
+  stream << key;
+  const std::ofstream::pos_type begin = stream.tellp();
+  std::uint64_t size = 0;
+  const auto write_head = [&](const std::string& sum) {
+    stream << sum;
+    stream.write(reinterpret_cast<const char*>(&size), sizeof size);
+  };
+  write_head(std::string(kDigits, '0'));  // until they are known
+  Sha256 hash;
+  write([&](std::string_view piece) {
+    hash.Add(piece);
+    size += piece.size();
+    stream << piece;
+  });
+  stream.seekp(begin);
+  write_head(hash.Finish());
   stream.close();
   Require(!stream.fail(), ErrorCode::kInternal, "cannot write '" + file.string() + "'");
+}
+
+/// The whole file becomes the new map's, too, where it holds nothing else.
+bool TakeOver(const std::filesystem::path& from, const std::filesystem::path& to) {
+  if (std::filesystem::exists(to) || !HoldsOneResult(from)) return false;
+  LinkOrCopy(from, to);
+  return true;
 }
 
 }  // namespace
@@ -99,15 +133,26 @@ StageProducts::StageProducts(std::filesystem::path from, std::filesystem::path t
 
 std::string StageProducts::Get(const std::string& file, const std::string& key,
                                const std::function<std::string()>& compute) const {
-  std::optional<std::string> result;
-  if (!from_.empty()) result = Find(from_ / file, key);
-  if (result && !to_.empty() && !std::filesystem::exists(to_ / file) && HoldsOneResult(from_ / file)) {
-    LinkOrCopy(from_ / file, to_ / file);
-    return std::move(*result);
-  }
-  if (!result) result = compute();
-  if (!to_.empty()) Append(to_ / file, key, *result);
-  return std::move(*result);
+  std::string result;
+  const bool is_there =
+      !from_.empty() && Find(from_ / file, key, [&result](std::string_view piece) { result += piece; });
+  if (is_there && !to_.empty() && TakeOver(from_ / file, to_ / file)) return result;
+  if (!is_there) result = compute();
+  if (!to_.empty()) Append(to_ / file, key, [&](const PieceSink& sink) { sink(result); });
+  return result;
+}
+
+void StageProducts::Keep(const std::string& file, const std::string& key,
+                         const std::function<void(const PieceSink&)>& compute) const {
+  if (to_.empty()) return;
+  const bool is_there = !from_.empty() && Find(from_ / file, key, [](std::string_view) {});
+  if (is_there && TakeOver(from_ / file, to_ / file)) return;
+  Append(to_ / file, key, [&](const PieceSink& sink) {
+    if (is_there)
+      Find(from_ / file, key, sink);
+    else
+      compute(sink);
+  });
 }
 
 std::optional<std::string> LastProduct(const std::filesystem::path& file) {

@@ -4,9 +4,13 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace parkade {
+
+/// Takes a result piece by piece.
+using PieceSink = std::function<void(std::string_view piece)>;
 
 /// Results of stages, kept in a map's folder under keys of all that they depend on, so that a later build from that map
 /// need not find them again. A file holds any number of them.
@@ -16,12 +20,14 @@ class StageProducts {
   /// \param to    folder of the map in the making; empty: nothing is kept
   StageProducts(std::filesystem::path from, std::filesystem::path to);
 
-  bool is_kept() const { return !to_.empty(); }
-
   /// The result under `key`: taken where there is a whole one, else computed. Kept in the new map either way; a file of
   /// this one result is shared between the maps.
   /// `file` is relative to the maps' folders.
   std::string Get(const std::string& file, const std::string& key, const std::function<std::string()>& compute) const;
+
+  /// The same for results that are long and not needed now: they are only kept, piece by piece.
+  void Keep(const std::string& file, const std::string& key,
+            const std::function<void(const PieceSink&)>& compute) const;
 
  private:
   std::filesystem::path from_, to_;

@@ -211,7 +211,9 @@ LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const Lo
   const ReviewedLoops reviewed(review, places.size());
   reviewed.MarkPlaces(is_possible);
   if (std::count(is_possible.begin(), is_possible.end(), true) == 0) return closure;
-  DescribePlaces(log, odometry, options.places, is_possible, places);
+  std::vector<Place> chosen = std::exchange(places, {});
+  DescribePlaces(log, odometry, options.places, is_possible, std::move(chosen),
+                 [&places](Place&& place) { places.push_back(std::move(place)); });
   std::vector<PlaceCandidate> candidates = RecognisePlaces(places, options.recognition);
   reviewed.AddForced(candidates);
   closure.loops = Measure(places, candidates, options);

@@ -12,7 +12,8 @@ namespace parkade {
 namespace {
 
 constexpr size_t kImagesPerBatch = 16;
-constexpr int kCell = 32;  // [px] corners are spread over cells of this size
+constexpr size_t kPlacesPerPiece = 32;  // that are triangulated at once
+constexpr int kCell = 32;               // [px] corners are spread over cells of this size
 constexpr int kCornersPerCell = 6;
 constexpr double kPixelSigma = 0.7;     // [px] of a corner at full size
 constexpr int kViewWidth = 200;         // [px] of a place's pictures for people
@@ -102,6 +103,56 @@ size_t PlaceAt(const std::vector<Place>& places, Timestamp time) {
   return static_cast<size_t>(after - places.begin()) - 1;
 }
 
+/// Places in order, from their first image until their neighbours have all of theirs.
+class PlacesInWork {
+ public:
+  PlacesInWork(std::vector<Place> places, size_t num_cameras, const PlaceOptions& options, const PlaceSink& sink)
+      : places_(std::move(places)),
+        floors_(places_.size()),
+        num_cameras_(num_cameras),
+        options_(options),
+        sink_(sink) {}
+
+  const std::vector<Place>& places() const { return places_; }
+
+  void Add(const DescribedImage& image) {
+    Place& place = places_[image.place];
+    place.features.insert(place.features.end(), image.features.begin(), image.features.end());
+    place.descriptors.push_back(image.descriptors);
+    place.views.resize(num_cameras_);
+    place.views[static_cast<size_t>(image.camera)] = image.small;
+    if (!image.floor.picture.empty()) AddSight(image.floor, floors_[image.place]);
+  }
+
+  /// Places before `end` will get no more images.
+  void Finish(size_t end) {
+    const bool is_all = end == places_.size();
+    const size_t ready = is_all ? end : end - std::min(end, kNeighbourPlaces);
+    if (ready < num_done_ + (is_all ? 0 : kPlacesPerPiece)) return;
+    std::vector<std::vector<PlaceFeature>> features =
+        ParallelMap(ready - num_done_, [&](size_t i) { return TriangulateFeatures(places_, num_done_ + i, options_); });
+    for (size_t i = num_done_; i < ready; ++i) {
+      Place done = places_[i];
+      done.features = std::move(features[i - num_done_]);
+      done.floor = PictureOf(std::exchange(floors_[i], {}));
+      sink_(std::move(done));
+    }
+    num_done_ = ready;
+    for (; num_forgotten_ + kNeighbourPlaces < num_done_; ++num_forgotten_) {
+      Place& past = places_[num_forgotten_];
+      past = {past.time, past.distance, past.odom_from_place, {}, {}};
+    }
+  }
+
+ private:
+  std::vector<Place> places_;
+  std::vector<FloorSight> floors_;
+  size_t num_cameras_;
+  const PlaceOptions& options_;
+  const PlaceSink& sink_;
+  size_t num_done_ = 0, num_forgotten_ = 0;
+};
+
 }  // namespace
 
 void PlaceOptions::Validate() const {
@@ -129,7 +180,7 @@ std::vector<Place> ChoosePlaces(const Trajectory& odom_from_body, const PlaceOpt
 }
 
 void DescribePlaces(const DriveLog& log, const Trajectory& odom_from_body, const PlaceOptions& options,
-                    const std::vector<bool>& is_wanted, std::vector<Place>& places) {
+                    const std::vector<bool>& is_wanted, std::vector<Place> chosen, const PlaceSink& sink) {
   options.Validate();
   const Rig& rig = log.rig();
   const Eigen::Quaterniond upright_from_body = UprightFromBody(odom_from_body);
@@ -138,7 +189,8 @@ void DescribePlaces(const DriveLog& log, const Trajectory& odom_from_body, const
   // Without a vehicle nobody knows where the ground is below the body.
   std::vector<FloorView> floors;
   if (rig.vehicle) floors = ParallelMap(rig.cameras.size(), [&](size_t i) { return FloorView(rig.cameras[i]); });
-  std::vector<FloorSight> floor_of(places.size());
+  PlacesInWork work(std::move(chosen), rig.cameras.size(), options, sink);
+  const std::vector<Place>& places = work.places();
   ImagePicker picker(places, is_wanted, rig.cameras.size());
   ReadOptions read;
   read.imu = read.wheels = read.gnss = false;
@@ -153,7 +205,7 @@ void DescribePlaces(const DriveLog& log, const Trajectory& odom_from_body, const
       auto& frame = std::get<CameraFrame>(*record);
       if (odom_from_body.At(frame.time)) batch.push_back(std::move(frame));
     }
-    std::vector<DescribedImage> described = ParallelMap(batch.size(), [&](size_t i) {
+    const std::vector<DescribedImage> described = ParallelMap(batch.size(), [&](size_t i) {
       const CameraFrame& frame = batch[i];
       const auto camera = static_cast<size_t>(frame.camera);
       const size_t place = PlaceAt(places, frame.time);
@@ -164,17 +216,10 @@ void DescribePlaces(const DriveLog& log, const Trajectory& odom_from_body, const
       if (!floors.empty()) image.floor = floors[camera].Look(frame.image, place_from_body, frame.camera);
       return image;
     });
-    for (DescribedImage& image : described) {
-      Place& place = places[image.place];
-      place.features.insert(place.features.end(), image.features.begin(), image.features.end());
-      place.descriptors.push_back(image.descriptors);
-      place.views.resize(rig.cameras.size());
-      place.views[static_cast<size_t>(image.camera)] = image.small;
-      if (!image.floor.picture.empty()) AddSight(image.floor, floor_of[image.place]);
-    }
+    for (const DescribedImage& image : described) work.Add(image);
+    if (!described.empty()) work.Finish(described.back().place);  // images come in order of time
   }
-  for (size_t i = 0; i < places.size(); ++i) places[i].floor = PictureOf(floor_of[i]);
-  TriangulatePlaces(options, places);
+  work.Finish(places.size());
 }
 
 }  // namespace parkade

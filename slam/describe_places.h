@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "core/drive_log.h"
 #include "core/trajectory.h"
 #include "slam/place.h"
@@ -27,13 +29,20 @@ struct PlaceOptions {
 /// Places along the drive, without features.
 std::vector<Place> ChoosePlaces(const Trajectory& odom_from_body, const PlaceOptions& options);
 
+using PlaceSink = std::function<void(Place&& place)>;
+
 /// Looks again at images of the places that are wanted (one flag each), one per camera and place: corners with ORB
 /// descriptors on upright views (CylinderView), and where neighbouring places see a corner too, its point by the
-/// odometry's motion. One pass over the log; images are worked on in parallel batches.
+/// odometry's motion. One pass over the log; images are worked on in parallel batches. `sink` gets all places in their
+/// order as they are done: only some dozens are in memory with their features.
 void DescribePlaces(const DriveLog& log, const Trajectory& odom_from_body, const PlaceOptions& options,
-                    const std::vector<bool>& is_wanted, std::vector<Place>& places);
+                    const std::vector<bool>& is_wanted, std::vector<Place> places, const PlaceSink& sink);
 
-/// Gives features points from matching features of the same camera at the next places of the drive.
-void TriangulatePlaces(const PlaceOptions& options, std::vector<Place>& places);
+/// Places before and after one that see the same corners.
+inline constexpr size_t kNeighbourPlaces = 2;
+
+/// The features of place `index` with points from matching features of the same camera at its neighbours.
+std::vector<PlaceFeature> TriangulateFeatures(const std::vector<Place>& places, size_t index,
+                                              const PlaceOptions& options);
 
 }  // namespace parkade

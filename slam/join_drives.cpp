@@ -181,11 +181,10 @@ nlohmann::json FloorJson(const FloorEvidence& floor) {
 
 }  // namespace
 
-std::vector<Place> PlacesAlong(const DriveLog& log, const Trajectory& odometry, const Trajectory& odom_from_body,
+std::vector<Place> PlacesAlong(const Trajectory& odometry, const Trajectory& odom_from_body,
                                const PlaceOptions& options) {
   std::vector<Place> places = ChoosePlaces(odometry, options);
   for (Place& place : places) place.odom_from_place = LevelledPose(*odom_from_body.At(place.time));
-  DescribePlaces(log, odom_from_body, options, std::vector<bool>(places.size(), true), places);
   return places;
 }
 

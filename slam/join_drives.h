@@ -15,14 +15,14 @@ namespace parkade {
 /// One drive as it stands alone: loops closed and refined.
 struct DriveToJoin {
   Trajectory odom_from_body;          ///< final
-  std::vector<Place> places;          ///< all of them, see PlacesAlong
+  std::vector<Place> places;          ///< all of them, see PlacesAlong; a drive alone needs none
   LoopClosure loops;                  ///< between these places
   std::optional<GnssAlignment> gnss;  ///< all drives' in one datum
 };
 
-/// The places that CloseLoops found along `odometry`, described anew where `odom_from_body` puts them; empty
-/// descriptors where `log` has no images near them.
-std::vector<Place> PlacesAlong(const DriveLog& log, const Trajectory& odometry, const Trajectory& odom_from_body,
+/// The places that CloseLoops found along `odometry`, where `odom_from_body` puts them. DescribePlaces says anew what
+/// is seen there.
+std::vector<Place> PlacesAlong(const Trajectory& odometry, const Trajectory& odom_from_body,
                                const PlaceOptions& options);
 
 /// Two drives and what links them.

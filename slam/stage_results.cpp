@@ -1,5 +1,7 @@
 #include "slam/stage_results.h"
 
+#include <algorithm>
+
 #include "slam/binary_exchange.h"
 
 namespace parkade {
@@ -73,6 +75,8 @@ void Exchange(A& archive, DriveLinks& links) {
 
 namespace {
 
+constexpr std::uint64_t kPieceBytes = std::uint64_t{1} << 20;
+
 template <typename Result>
 std::string Encode(Result& result) {
   BinaryWriter writer;
@@ -100,12 +104,31 @@ DriveRefinement DecodeRefinement(std::string_view bytes, const Rig& rig) {
   return Decode(bytes, std::move(refinement));
 }
 
-std::string EncodePlaces(std::vector<Place> places) {
-  std::vector<cv::Mat> floors;
-  for (const Place& place : places) floors.push_back(place.floor);
-  BinaryWriter writer;
-  writer(places, floors);
-  return writer.bytes();
+PlacesEncoder::PlacesEncoder(size_t num_places, std::function<void(std::string_view)> sink) : sink_(std::move(sink)) {
+  std::uint64_t count = num_places;
+  sink_(Encode(count));
+  floors_.Append(Encode(count));
+}
+
+void PlacesEncoder::Add(Place place) {
+  sink_(Encode(place));
+  floors_.Append(Encode(place.floor));
+}
+
+void PlacesEncoder::Finish() {
+  for (std::uint64_t offset = 0; offset < floors_.size();) {
+    const std::string piece = floors_.Read(offset, std::min<std::uint64_t>(floors_.size() - offset, kPieceBytes));
+    sink_(piece);
+    offset += piece.size();
+  }
+}
+
+std::string EncodePlaces(const std::vector<Place>& places) {
+  std::string bytes;
+  PlacesEncoder encoder(places.size(), [&bytes](std::string_view piece) { bytes += piece; });
+  for (const Place& place : places) encoder.Add(place);
+  encoder.Finish();
+  return bytes;
 }
 
 std::vector<Place> DecodePlaces(std::string_view bytes) {

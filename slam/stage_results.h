@@ -1,9 +1,11 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/appended_file.h"
 #include "slam/close_loops.h"
 #include "slam/drive_links.h"
 #include "slam/refine_drive.h"
@@ -24,8 +26,23 @@ LoopClosure DecodeLoops(std::string_view bytes);
 std::string EncodeRefinement(DriveRefinement refinement);
 DriveRefinement DecodeRefinement(std::string_view bytes, const Rig& rig);
 
-std::string EncodePlaces(std::vector<Place> places);
+std::string EncodePlaces(const std::vector<Place>& places);
 std::vector<Place> DecodePlaces(std::string_view bytes);
+
+/// What EncodePlaces gives, in pieces, of places that come one by one. Holds one at a time: floors, which come last,
+/// wait on disk.
+class PlacesEncoder {
+ public:
+  /// `num_places` will be added. `sink` gets the bytes in order.
+  PlacesEncoder(size_t num_places, std::function<void(std::string_view)> sink);
+  void Add(Place place);
+  /// Last.
+  void Finish();
+
+ private:
+  std::function<void(std::string_view)> sink_;
+  AppendedFile floors_;
+};
 
 std::string EncodeLinks(DriveLinks links);
 DriveLinks DecodeLinks(std::string_view bytes);

@@ -1,4 +1,3 @@
-#include "core/parallel.h"
 #include "slam/describe_places.h"
 #include "slam/likest_feature.h"
 #include "slam/triangulate.h"
@@ -6,7 +5,6 @@
 namespace parkade {
 namespace {
 
-constexpr size_t kNeighbours = 2;     // places before and after that are searched
 constexpr int kMaxHamming = 60;       // of 256 bits
 constexpr double kRatio = 0.85;       // of the best to the second best distance
 constexpr double kMaxOffPlane = 4;    // [sigma] off the epipolar plane
@@ -37,7 +35,8 @@ void TriangulateFeature(std::span<const Place> places, size_t index, size_t i, c
                         PlaceFeature& feature) {
   const Place& place = places[index];
   std::vector<SightRay> rays = {{feature.origin, feature.bearing, feature.sigma + kExtraSigma}};
-  const size_t first = index - std::min(index, kNeighbours), last = std::min(index + kNeighbours, places.size() - 1);
+  const size_t first = index - std::min(index, kNeighbourPlaces),
+               last = std::min(index + kNeighbourPlaces, places.size() - 1);
   for (size_t other = first; other <= last; ++other) {
     if (other == index) continue;
     const Rigid3 place_from_other = place.odom_from_place.Inverse() * places[other].odom_from_place;
@@ -58,13 +57,11 @@ void TriangulateFeature(std::span<const Place> places, size_t index, size_t i, c
 
 }  // namespace
 
-void TriangulatePlaces(const PlaceOptions& options, std::vector<Place>& places) {
-  const std::vector<std::vector<PlaceFeature>> results = ParallelMap(places.size(), [&](size_t index) {
-    std::vector<PlaceFeature> features = places[index].features;
-    for (size_t i = 0; i < features.size(); ++i) TriangulateFeature(places, index, i, options, features[i]);
-    return features;
-  });
-  for (size_t i = 0; i < places.size(); ++i) places[i].features = results[i];
+std::vector<PlaceFeature> TriangulateFeatures(const std::vector<Place>& places, size_t index,
+                                              const PlaceOptions& options) {
+  std::vector<PlaceFeature> features = places[index].features;
+  for (size_t i = 0; i < features.size(); ++i) TriangulateFeature(places, index, i, options, features[i]);
+  return features;
 }
 
 }  // namespace parkade

@@ -39,6 +39,34 @@ TEST_F(StageProductsTest, AResultIsComputedOnceForItsKey) {
   EXPECT_EQ(Get(StageProducts(new_map_, {}), first_key_).second, true) << "no longer asked for: not kept";
 }
 
+TEST_F(StageProductsTest, PieceByPieceTheSameIsKept) {
+  const std::string file = "drive/places.bin", long_result(3'000'000, 'x');
+  const auto compute = [&](const PieceSink& sink) {
+    sink("of ");
+    sink(first_key_);
+    sink("");
+    sink(long_result);
+  };
+  const auto never = [](const PieceSink&) { FAIL() << "it is there already"; };
+  const StageProducts whole({}, old_map_ / "whole"), pieces({}, old_map_);
+  whole.Get(file, first_key_, [&] { return "of " + first_key_ + long_result; });
+  pieces.Keep(file, first_key_, compute);
+  EXPECT_TRUE(ReadFile(old_map_ / file) == ReadFile(old_map_ / "whole" / file));
+
+  StageProducts(old_map_, new_map_).Keep(file, first_key_, never);
+  EXPECT_EQ(std::filesystem::hard_link_count(new_map_ / file), 2U);
+  pieces.Keep(file, second_key_, compute);  // one of two
+  StageProducts(old_map_, root_.path() / "newer").Keep(file, first_key_, never);
+  EXPECT_TRUE(ReadFile(root_.path() / "newer" / file) == ReadFile(old_map_ / "whole" / file));
+
+  std::string damaged = ReadFile(new_map_ / file);
+  damaged[1'000'000] ^= 1;
+  std::filesystem::remove(new_map_ / file);
+  std::ofstream(new_map_ / file, std::ios::binary) << damaged;
+  StageProducts(new_map_, root_.path() / "newest").Keep(file, first_key_, compute);
+  EXPECT_TRUE(ReadFile(root_.path() / "newest" / file) == ReadFile(old_map_ / "whole" / file));
+}
+
 TEST_F(StageProductsTest, AFinishedMapGivesWhatItHolds) {
   const std::filesystem::path file = old_map_ / "drive/loops.bin";
   EXPECT_FALSE(LastProduct(file));
