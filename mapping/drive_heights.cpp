@@ -128,6 +128,8 @@ DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* p
     return known;
   };
   const int num_rounds = path ? options.sweep.num_rounds : 0;
+  MeasureHeightsOptions early = options.sweep;
+  early.max_views /= 2;
   const EverySecond even(patches, 0), odd(patches, 1);
   const auto used_in = [&](int round) -> const PatchSource& {
     if (round + 1 >= num_rounds) return patches;
@@ -141,7 +143,7 @@ DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* p
     const HeightField field(std::move(all), options.field);
     const bool is_last = round + 1 == num_rounds;
     swept = MeasureHeights(used_in(round), std::span(path, 1), field, (is_last ? 0.5 : 1.0) * options.sweep.max_offset,
-                           options.sweep);
+                           is_last ? options.sweep : early);
     LogDebug("stage=measure_heights round=" + std::to_string(round) + " heights=" + std::to_string(swept.size()));
     if (round > 0) continue;
     leaning.lean = EstimateLean(leaning, swept);

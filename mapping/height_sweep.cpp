@@ -73,6 +73,19 @@ bool AddSights(const std::vector<Sight>& meetings, const Eigen::Vector2f& tile_i
 
 int FloorDivide(int a, int b) { return (a >= 0 ? a : a - b + 1) / b; }
 
+/// Of each camera's patches, which are in order of time, as many of every stretch of the drive.
+std::vector<size_t> ChooseEvenly(const std::vector<size_t>& indices, size_t max_count,
+                                 std::span<const PatchView> patches) {
+  if (indices.size() <= max_count) return indices;
+  std::map<int, size_t> seen;  // per camera
+  std::vector<size_t> chosen;
+  for (const size_t i : indices) {
+    const size_t number = seen[patches[i].camera]++;
+    if ((number + 1) * max_count / indices.size() > number * max_count / indices.size()) chosen.push_back(i);
+  }
+  return chosen;
+}
+
 /// Tiles by deck: patches that are more than half a deck apart in height do not share one.
 std::vector<Block> MakeBlocks(std::span<const PatchView> patches, std::span<const DrivenPath> paths,
                               const MeasureHeightsOptions& options) {
@@ -98,6 +111,7 @@ std::vector<Block> MakeBlocks(std::span<const PatchView> patches, std::span<cons
   }
   std::map<std::tuple<int, int, int>, Block> blocks;
   for (auto& [key, tile] : tiles) {
+    tile.patches = ChooseEvenly(tile.patches, static_cast<size_t>(options.max_views), patches);
     const int x = FloorDivide(tile.x, kTilesPerBlock), y = FloorDivide(tile.y, kTilesPerBlock);
     Block& block = blocks[{tile.deck, y, x}];
     const Eigen::Vector2d corner = kTilesPerBlock * side * Eigen::Vector2d(x, y);

@@ -174,6 +174,7 @@ void MeasureHeightsOptions::Validate() const {
   Require(cell_size > 0 && window >= 2 * cell_size, ErrorCode::kUsage, "window must be two cell_size at least");
   Require(max_offset > 0 && max_distance > 0 && sigma > 0, ErrorCode::kUsage,
           "max_offset, max_distance and sigma must be > 0 m");
+  Require(max_views >= 4, ErrorCode::kUsage, "max_views must be 4 at least");
   Require(min_contrast >= 0 && max_misfit > 0 && max_rivalry > 0 && min_sights > 1 && max_jump > 0, ErrorCode::kUsage,
           "min_contrast, max_misfit, max_rivalry and max_jump must be > 0, min_sights > 1");
 }

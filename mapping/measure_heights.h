@@ -16,6 +16,7 @@ struct MeasureHeightsOptions {
   double max_offset = 0.15;    ///< [m] above and below what is known so far; half of it in the last round
   int num_steps = 10;          ///< to each side
   double max_distance = 12.0;  ///< [m] of ground to a camera
+  int max_views = 400;         ///< of a tile of twelve windows: of more, an even selection; half in early rounds
   double min_contrast = 1.5;   ///< [grey values] of the ground in a window, rms; less shows nothing
   double max_misfit = 0.85;    ///< of views at the best height, as a share of that at the median height
   double max_rivalry = 0.93;   ///< likewise, of that at the best height elsewhere
@@ -31,6 +32,7 @@ struct MeasureHeightsOptions {
     visit("max_offset", max_offset);
     visit("num_steps", num_steps);
     visit("max_distance", max_distance);
+    visit("max_views", max_views);
     visit("min_contrast", min_contrast);
     visit("max_misfit", max_misfit);
     visit("max_rivalry", max_rivalry);

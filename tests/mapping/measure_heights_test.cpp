@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 
 #include "core/error.h"
@@ -105,6 +106,39 @@ TEST(MeasureHeights, WhereACarCameByOftenTilesAreSweptOneByOneAndFindTheSame) {
 
   EXPECT_LT(one_by_one, 0.015);
   EXPECT_NEAR(one_by_one, together, 0.001);
+}
+
+/// Counts how often patches are read.
+class CountingSource final : public PatchSource {
+ public:
+  explicit CountingSource(const PatchSource& source) : source_(&source) {
+    views_.assign(source.views().begin(), source.views().end());
+  }
+  PosedGroundPatch Read(std::size_t index) const override { return ++num_reads_, source_->Read(index); }
+  int num_reads() const { return num_reads_; }
+
+ private:
+  const PatchSource* source_;
+  mutable std::atomic<int> num_reads_ = 0;
+};
+
+TEST(MeasureHeights, OfManyViewsASelectionFindsTheSame) {
+  std::vector<PosedGroundPatch> patches;
+  for (int pass = 0; pass < 6; ++pass)
+    for (PosedGroundPatch& posed : LookAt(0.06, 20)) patches.push_back(std::move(posed));
+  const PatchesInMemory source(patches);
+  const CountingSource all(source), selection(source);
+  const DrivenPath path = PathWithEye();
+
+  const auto by_all = MeasureHeights(all, std::span(&path, 1), LevelField(), 0.15, {});
+  const auto by_selection = MeasureHeights(selection, std::span(&path, 1), LevelField(), 0.15, {.max_views = 20});
+
+  EXPECT_GE(all.num_reads(), 150) << "each patch reaches into a tile";
+  EXPECT_LT(selection.num_reads(), all.num_reads() / 2);
+  ASSERT_GT(by_selection.size(), 0.9 * static_cast<double>(by_all.size()));
+  double sum = 0;
+  for (const HeightObservation& found : by_selection) sum += std::pow(found.point_in_site.z() - 0.06, 2);
+  EXPECT_LT(std::sqrt(sum / static_cast<double>(by_selection.size())), 0.015);
 }
 
 TEST(MeasureHeights, ShadesThatGoAlongWithTheCarDoNotHoldTheSurfaceWhereItIs) {
