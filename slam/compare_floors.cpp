@@ -14,7 +14,6 @@ constexpr int kSquares = 5;  // ... in each direction
 constexpr int kReach = kSquare * kSquares / 2;
 constexpr double kMinTileSeen = 0.8;
 constexpr double kMinSearchSeen = 0.7;
-constexpr double kMiddle = 128;  // grey level of what is as bright as the ground around it
 constexpr double kMaxContrast = 1.5;
 constexpr double kContrastSigma = 12;  // cells
 constexpr double kNoise = 2;           // grey values that count as no contrast
@@ -28,7 +27,7 @@ cv::Mat Smooth(const cv::Mat& values, double sigma) {
 /// The picture over its contrast. What is painted counts no more than stains and grain: much of it is alike elsewhere.
 cv::Mat PatternOf(const cv::Mat& floor, const cv::Mat& is_seen) {
   cv::Mat values, weights, contrast;
-  floor.convertTo(values, CV_32F, 1, -kMiddle);
+  floor.convertTo(values, CV_32F, 1, -kFloorGrey);
   is_seen.convertTo(weights, CV_32F, 1.0 / 255);
   values = values.mul(weights);
   cv::sqrt(Smooth(values.mul(values), kContrastSigma) / (Smooth(weights, kContrastSigma) + 1e-3F), contrast);

@@ -8,11 +8,11 @@
 namespace parkade {
 namespace {
 
-constexpr int kFiner = 2;            // samples per cell and direction
-constexpr double kMinSharpness = 6;  // [px/m]; less shows nothing of 10 cm
-constexpr double kMiddle = 128;      // grey level of ground as bright as what is around it
-constexpr double kLightSigma = 6;    // cells: changes over more than this are light
-constexpr double kBorder = 3;        // [px] of the image that are not trusted
+constexpr int kFiner = 2;             // samples per cell and direction
+constexpr double kMinSharpness = 6;   // [px/m]; less shows nothing of 10 cm
+constexpr double kMaxFlatness = 4.5;  // distance over height; beyond, pillars and walls hide the ground more and more
+constexpr double kLightSigma = 6;     // cells: changes over more than this are light
+constexpr double kBorder = 3;         // [px] of the image that are not trusted
 const cv::Scalar kUnseen = cv::Scalar(0);
 
 Eigen::Vector3d MiddleOfCell(double row, double column, double cell) {
@@ -27,6 +27,8 @@ bool IsUsable(const RigCamera& camera, const Eigen::Vector2d& pixel) {
 
 /// [px/m] of a point on the ground in the direction in which the image resolves it worst; 0 where it is not seen.
 double SharpnessAt(const RigCamera& camera, const Rigid3& camera_from_body, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d sight = point - camera.body_from_camera.translation;
+  if (sight.head<2>().norm() > -kMaxFlatness * sight.z()) return 0;
   CameraModel::Jacobian jacobian;
   const auto pixel = camera.model.Project(camera_from_body * point, &jacobian);
   if (!pixel || !IsUsable(camera, *pixel)) return 0;
@@ -35,7 +37,7 @@ double SharpnessAt(const RigCamera& camera, const Rigid3& camera_from_body, cons
   return worst < kMinSharpness ? 0 : worst;
 }
 
-/// What is brighter or darker than the ground around, about kMiddle. Unseen cells are kMiddle.
+/// What is brighter or darker than the ground around, about kFloorGrey. Unseen cells are kFloorGrey.
 cv::Mat WithoutLight(const cv::Mat& picture, const cv::Mat& is_seen) {
   cv::Mat values, weights, mean, sum_of_weights;
   is_seen.convertTo(weights, CV_32F, 1.0 / 255);
@@ -45,7 +47,7 @@ cv::Mat WithoutLight(const cv::Mat& picture, const cv::Mat& is_seen) {
   cv::GaussianBlur(weights, sum_of_weights, {}, kLightSigma, kLightSigma, cv::BORDER_CONSTANT);
   mean /= sum_of_weights + 1e-3F;
   cv::Mat flat;
-  cv::Mat((values - mean).mul(weights)).convertTo(flat, CV_8U, 1, kMiddle);
+  cv::Mat((values - mean).mul(weights)).convertTo(flat, CV_8U, 1, kFloorGrey);
   return cv::max(flat, 1);
 }
 

@@ -9,12 +9,13 @@ namespace parkade {
 
 /// A picture of the ground around a place from above, in the frame of the place: row 0 is ahead, column 0 to the left.
 /// Cells of kFloorCell; the middle of cell (row, column) is x = kFloorFront - (row + 0.5) kFloorCell,
-/// y = kFloorLeft - (column + 0.5) kFloorCell. CV_8UC1: 128 is as bright as the ground around as the same camera shows
-/// it, 0 is where no camera sees the ground, or where the sight of one meets that of another.
+/// y = kFloorLeft - (column + 0.5) kFloorCell. CV_8UC1: kFloorGrey is as bright as the ground around as the same camera
+/// shows it, 0 is where no camera sees the ground, or where the sight of one meets that of another.
 constexpr double kFloorCell = 0.05;  ///< [m]
 constexpr double kFloorFront = 6;    ///< [m] ahead of the rear axle
-constexpr double kFloorBack = -4;    ///< [m]
 constexpr double kFloorLeft = 5;     ///< [m] to either side
+constexpr double kFloorGrey = 128;   ///< as bright as the ground around
+/// Cells: to 4 m behind the axle, and as far to the right as to the left.
 inline const cv::Size kFloorSize(200, 200);
 
 /// What one camera shows of the ground.
