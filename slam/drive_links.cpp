@@ -143,7 +143,8 @@ class DriveLinker {
     }
   }
 
-  /// Whether the floors of both drives show enough to tell that they are not the same.
+  /// Whether the floors show enough to tell that they are not the same. Reflections move with the car and spoil a
+  /// drive's fit with itself, not with another day: one drive that shows its floor is enough.
   bool IsOnAnotherFloor(const std::vector<PlaceLink>& links) {
     const DriveFloors floors_a(places_a_), floors_b(places_b_);
     FloorEvidence& floor = result_.floor = {};
@@ -158,7 +159,7 @@ class DriveLinker {
       floor.across += agreement;
     for (const FloorAgreement& agreement : {within_a, within_b, floor.across})
       if (agreement.num_tiles < options_.min_floor_tiles) return false;
-    return std::min(within_a.share(), within_b.share()) > options_.telling_floor &&
+    return std::max(within_a.share(), within_b.share()) > options_.telling_floor &&
            floor.across.share() < options_.min_floor_share * floor.within.share();
   }
 
