@@ -13,6 +13,7 @@
 #include "core/file.h"
 
 namespace parkade {
+
 int OpenNamelessFile() {
   const char* set = std::getenv("TMPDIR");
   const std::string folder = set != nullptr && *set != '\0' ? set : "/var/tmp";

@@ -38,6 +38,12 @@ void ValidateCamera(const RigCamera& camera) {
 
 }  // namespace
 
+bool RigCamera::IsUsable(const Eigen::Vector2d& pixel, double margin) const {
+  if (!model.IsInImage(pixel, margin)) return false;
+  return mask.empty() ||
+         mask.at<uchar>(static_cast<int>(std::lround(pixel.y())), static_cast<int>(std::lround(pixel.x()))) > 0;
+}
+
 void ValidateRig(const Rig& rig) {
   Require(!rig.cameras.empty(), ErrorCode::kInvalidInput, "the rig has no camera");
   std::set<std::string> names, topics;

@@ -21,6 +21,9 @@ struct RigCamera {
   double time_shift = 0;  ///< [s] t_imu = t_camera + time_shift
   double line_delay = 0;  ///< [s/row] rolling shutter; a stamp means mid exposure of the middle row
   cv::Mat mask;           ///< CV_8UC1 of the image's size, 0 = ignore; empty = use all
+
+  /// Whether a pixel lies at least `margin` [px] inside the image, and the mask leaves it.
+  bool IsUsable(const Eigen::Vector2d& pixel, double margin) const;
 };
 
 /// Continuous-time noise of the IMU, as in Kalibr's imu0.yaml.

@@ -109,7 +109,7 @@ void DriveStages::KeepPlaces(const DriveLog& log, const OdometryResult& odometry
 
 std::string DriveStages::KeyOfPlaces(const DriveLog& log) {
   std::string& key = keys_.at(log.name()).so_far;
-  key = KeyOf({key, "places on floors"});
+  key = KeyOf({key, "places with floors"});
   return key;
 }
 

@@ -4,6 +4,7 @@
 
 #include "core/parallel.h"
 #include "slam/floor_view.h"
+#include "slam/weighted_blur.h"
 
 namespace parkade {
 namespace {
@@ -14,15 +15,10 @@ constexpr int kSquares = 5;  // ... in each direction
 constexpr int kReach = kSquare * kSquares / 2;
 constexpr double kMinTileSeen = 0.8;
 constexpr double kMinSearchSeen = 0.7;
+constexpr size_t kMaxNeighbours = 16;
 constexpr double kMaxContrast = 1.5;
 constexpr double kContrastSigma = 12;  // cells
 constexpr double kNoise = 2;           // grey values that count as no contrast
-
-cv::Mat Smooth(const cv::Mat& values, double sigma) {
-  cv::Mat smooth;
-  cv::GaussianBlur(values, smooth, {}, sigma, sigma, cv::BORDER_CONSTANT);
-  return smooth;
-}
 
 /// The picture over its contrast. What is painted counts no more than stains and grain: much of it is alike elsewhere.
 cv::Mat PatternOf(const cv::Mat& floor, const cv::Mat& is_seen) {
@@ -30,7 +26,7 @@ cv::Mat PatternOf(const cv::Mat& floor, const cv::Mat& is_seen) {
   floor.convertTo(values, CV_32F, 1, -kFloorGrey);
   is_seen.convertTo(weights, CV_32F, 1.0 / 255);
   values = values.mul(weights);
-  cv::sqrt(Smooth(values.mul(values), kContrastSigma) / (Smooth(weights, kContrastSigma) + 1e-3F), contrast);
+  cv::sqrt(MeanAround(values.mul(values), weights, kContrastSigma), contrast);
   cv::Mat pattern = values / (contrast + kNoise);
   return cv::min(cv::max(pattern, -kMaxContrast), kMaxContrast);
 }
@@ -84,24 +80,19 @@ FloorAgreement CompareFloors(const DriveFloors& a, size_t place_a, const DriveFl
   return agreement;
 }
 
-FloorAgreement CompareNeighbours(const DriveFloors& floors, const std::vector<Place>& places, size_t max_count) {
+FloorAgreement SumOverSome(size_t count, size_t max_count, const std::function<FloorAgreement(size_t)>& compare) {
+  const size_t num_chosen = std::min(count, max_count);
   FloorAgreement sum;
-  if (places.size() < 2) return sum;
-  const std::vector<size_t> chosen = SpreadOver(places.size() - 1, max_count);
-  for (const FloorAgreement& agreement : ParallelMap(chosen.size(), [&](size_t k) {
-         const size_t i = chosen[k];
-         return CompareFloors(floors, i, floors, i + 1,
-                              places[i].odom_from_place.Inverse() * places[i + 1].odom_from_place);
-       }))
+  for (const FloorAgreement& agreement :
+       ParallelMap(num_chosen, [&](size_t i) { return compare(i * count / num_chosen); }))
     sum += agreement;
   return sum;
 }
 
-std::vector<size_t> SpreadOver(size_t count, size_t max_count) {
-  std::vector<size_t> chosen;
-  for (size_t i = 0; i < std::min(count, max_count); ++i)
-    chosen.push_back(count <= max_count ? i : i * count / max_count);
-  return chosen;
+FloorAgreement CompareNeighbours(const DriveFloors& floors, const std::vector<Place>& places) {
+  return SumOverSome(std::max(places.size(), size_t{1}) - 1, kMaxNeighbours, [&](size_t i) {
+    return CompareFloors(floors, i, floors, i + 1, places[i].odom_from_place.Inverse() * places[i + 1].odom_from_place);
+  });
 }
 
 }  // namespace parkade

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -34,21 +35,21 @@ struct FloorAgreement {
   }
 };
 
-/// Lays the floor of one place on that of another: tiles of 1.6 m of the first are looked for in the second within 1.35
-/// m of where `a_from_b` puts them, in 25 squares of 0.55 m. By chance the middle one is the best for one tile in 25.
-FloorAgreement CompareFloors(const DriveFloors& a, size_t place_a, const DriveFloors& b, size_t place_b,
-                             const Rigid3& a_from_b);
-
-/// At most `max_count` of the indices below `count`, evenly spread.
-std::vector<size_t> SpreadOver(size_t count, size_t max_count);
-
 /// What two drives' floors say about their being of one place.
 struct FloorEvidence {
   FloorAgreement within;  ///< each drive with itself, neighbouring places: how much its floor shows
   FloorAgreement across;  ///< one drive with the other, where links put them
 };
 
-/// The same of places of a drive with the next ones, at most `max_count` all along it: how much its floor shows at all.
-FloorAgreement CompareNeighbours(const DriveFloors& floors, const std::vector<Place>& places, size_t max_count = 16);
+/// Lays the floor of one place on that of another: tiles of 1.6 m of the first are looked for in the second within 1.35
+/// m of where `a_from_b` puts them, in 25 squares of 0.55 m. By chance the middle one is the best for one tile in 25.
+FloorAgreement CompareFloors(const DriveFloors& a, size_t place_a, const DriveFloors& b, size_t place_b,
+                             const Rigid3& a_from_b);
+
+/// How much a drive's floor shows at all: places all along it are compared with the next ones.
+FloorAgreement CompareNeighbours(const DriveFloors& floors, const std::vector<Place>& places);
+
+/// What `compare` says of at most `max_count` of the indices below `count`, evenly spread; in parallel.
+FloorAgreement SumOverSome(size_t count, size_t max_count, const std::function<FloorAgreement(size_t)>& compare);
 
 }  // namespace parkade

@@ -26,9 +26,7 @@ CylinderView::CylinderView(const RigCamera& camera, const Eigen::Quaterniond& up
   for (int row = 0; row < height; ++row) {
     for (int column = 0; column < width; ++column) {
       const auto pixel = camera.model.Project(camera_from_upright * BearingInUpright(column, row));
-      if (!pixel || !camera.model.IsInImage(*pixel, kBorder)) continue;
-      const int x = static_cast<int>(std::lround(pixel->x())), y = static_cast<int>(std::lround(pixel->y()));
-      if (!camera.mask.empty() && camera.mask.at<uchar>(y, x) == 0) continue;
+      if (!pixel || !camera.IsUsable(*pixel, kBorder)) continue;
       map_x_.at<float>(row, column) = static_cast<float>(pixel->x());
       map_y_.at<float>(row, column) = static_cast<float>(pixel->y());
       usable_.at<uchar>(row, column) = 255;

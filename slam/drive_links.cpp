@@ -150,13 +150,11 @@ class DriveLinker {
     FloorEvidence& floor = result_.floor = {};
     const FloorAgreement within_a = CompareNeighbours(floors_a, places_a_),
                          within_b = CompareNeighbours(floors_b, places_b_);
-    (floor.within += within_a) += within_b;
-    const std::vector<size_t> chosen = SpreadOver(links.size(), kMaxFloors);
-    for (const FloorAgreement& agreement : ParallelMap(chosen.size(), [&](size_t i) {
-           const PlaceLink& link = links[chosen[i]];
-           return CompareFloors(floors_a, link.place_a, floors_b, link.place_b, link.pose.a_from_b);
-         }))
-      floor.across += agreement;
+    floor.within += within_a;
+    floor.within += within_b;
+    floor.across = SumOverSome(links.size(), kMaxFloors, [&](size_t i) {
+      return CompareFloors(floors_a, links[i].place_a, floors_b, links[i].place_b, links[i].pose.a_from_b);
+    });
     for (const FloorAgreement& agreement : {within_a, within_b, floor.across})
       if (agreement.num_tiles < options_.min_floor_tiles) return false;
     return std::max(within_a.share(), within_b.share()) > options_.telling_floor &&

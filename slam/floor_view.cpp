@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/yaw.h"
+#include "slam/weighted_blur.h"
 
 namespace parkade {
 namespace {
@@ -19,19 +20,13 @@ Eigen::Vector3d MiddleOfCell(double row, double column, double cell) {
   return {kFloorFront - (row + 0.5) * cell, kFloorLeft - (column + 0.5) * cell, 0};
 }
 
-bool IsUsable(const RigCamera& camera, const Eigen::Vector2d& pixel) {
-  if (!camera.model.IsInImage(pixel, kBorder)) return false;
-  return camera.mask.empty() ||
-         camera.mask.at<uchar>(static_cast<int>(std::lround(pixel.y())), static_cast<int>(std::lround(pixel.x()))) > 0;
-}
-
 /// [px/m] of a point on the ground in the direction in which the image resolves it worst; 0 where it is not seen.
 double SharpnessAt(const RigCamera& camera, const Rigid3& camera_from_body, const Eigen::Vector3d& point) {
   const Eigen::Vector3d sight = point - camera.body_from_camera.translation;
   if (sight.head<2>().norm() > -kMaxFlatness * sight.z()) return 0;
   CameraModel::Jacobian jacobian;
   const auto pixel = camera.model.Project(camera_from_body * point, &jacobian);
-  if (!pixel || !IsUsable(camera, *pixel)) return 0;
+  if (!pixel || !camera.IsUsable(*pixel, kBorder)) return 0;
   const Eigen::Matrix2d on_ground = jacobian * camera_from_body.rotation.toRotationMatrix().leftCols<2>();
   const double worst = on_ground.jacobiSvd().singularValues()(1);
   return worst < kMinSharpness ? 0 : worst;
@@ -39,13 +34,10 @@ double SharpnessAt(const RigCamera& camera, const Rigid3& camera_from_body, cons
 
 /// What is brighter or darker than the ground around, about kFloorGrey. Unseen cells are kFloorGrey.
 cv::Mat WithoutLight(const cv::Mat& picture, const cv::Mat& is_seen) {
-  cv::Mat values, weights, mean, sum_of_weights;
+  cv::Mat values, weights;
   is_seen.convertTo(weights, CV_32F, 1.0 / 255);
   picture.convertTo(values, CV_32F);
-  values = values.mul(weights);
-  cv::GaussianBlur(values, mean, {}, kLightSigma, kLightSigma, cv::BORDER_CONSTANT);
-  cv::GaussianBlur(weights, sum_of_weights, {}, kLightSigma, kLightSigma, cv::BORDER_CONSTANT);
-  mean /= sum_of_weights + 1e-3F;
+  const cv::Mat mean = MeanAround(values, weights, kLightSigma);
   cv::Mat flat;
   cv::Mat((values - mean).mul(weights)).convertTo(flat, CV_8U, 1, kFloorGrey);
   return cv::max(flat, 1);

@@ -39,4 +39,5 @@ void Exchange(A& archive, OdometryReport& report) {
           report.seconds, report.length, report.still_seconds, report.has_wheels, report.wheel_scale,
           report.gyroscope_bias, report.accelerometer_bias);
 }
+
 }  // namespace parkade

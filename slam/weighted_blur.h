@@ -1,0 +1,14 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+namespace parkade {
+
+/// The mean of the values around each pixel, by a Gaussian and by their weights.
+///
+/// \param values, weights  CV_32FC1 of one size, weights 0 to 1
+/// \param sigma            [px]
+/// \return CV_32FC1; 0 where nothing around weighs anything
+cv::Mat MeanAround(const cv::Mat& values, const cv::Mat& weights, double sigma);
+
+}  // namespace parkade
