@@ -11,14 +11,12 @@
 namespace parkade {
 namespace {
 
-constexpr double kOwnShade = 1.3;      // [m] beside the contact area the car's own shadow lies most of the time
-constexpr double kShadePenalty = 0.3;  // of the rank of sights in there: further cameras saw the place in the light
-constexpr double kMaxPixelGap = 60;    // [px] between two corners of a block: more is a fold of the lens
-constexpr int kColorTolerance = 24;    // of lightness: sights further from the median are something else
-constexpr int kMinGainSamples = 60;    // fewer say nothing about the exposure
-constexpr double kMaxGain = 3;
-
-int Lightness(int blue, int green, int red) { return (29 * blue + 150 * green + 77 * red) >> 8; }
+constexpr double kOwnShade = 1.3;       // [m] beside the contact area the car's own shadow lies most of the time
+constexpr double kShadePenalty = 0.3;   // of the rank of sights in there: further cameras saw the place in the light
+constexpr double kMaxPixelGap = 60;     // [px] between two corners of a block: more is a fold of the lens
+constexpr int kColorTolerance = 24;     // of lightness: sights further from the median are something else
+constexpr size_t kMinGainSamples = 60;  // fewer say nothing about the exposure
+constexpr float kMaxGain = 3;
 
 /// The pixel at which the photo shows a point of the ground, unless the own car is in the way.
 std::optional<Eigen::Vector2d> FindPixel(const GroundPhoto& photo, const Rigid3& camera_from_site,
@@ -26,7 +24,7 @@ std::optional<Eigen::Vector2d> FindPixel(const GroundPhoto& photo, const Rigid3&
   const Eigen::Vector2d in_ground = (photo.site_from_ground.Inverse() * point_in_site).head<2>();
   if (IsUnderCar(in_ground, photo.contact)) return {};
   std::optional<Eigen::Vector2d> pixel = photo.camera->model.Project(camera_from_site * point_in_site);
-  if (!pixel || !photo.camera->model.IsInImage(*pixel, 1) || IsMasked(*photo.camera, *pixel)) return {};
+  if (!pixel || !photo.camera->IsUsable(*pixel, 1)) return {};
   return pixel;
 }
 
@@ -94,6 +92,17 @@ GroundSight ChartPainter::See(const GroundPhoto& photo, const Rigid3& camera_fro
   return SeePoint(photo, camera_from_site, point, max_range);
 }
 
+/// What earlier drives saw steps back.
+void ChartPainter::BeginDrive(int drive) {
+  if (drive_ == drive) return;
+  if (drive_)
+    for (Sights& sights : sights_)
+      for (Sight& sight : sights)
+        if (sight.rank > 0)
+          sight.rank = static_cast<std::uint8_t>(std::max(1.0F, kEarlierShare * static_cast<float>(sight.rank)));
+  drive_ = drive;
+}
+
 void ChartPainter::Paint(const GroundPhoto& photo, double max_range) {
   const Eigen::Vector3d& eye = photo.site_from_camera.translation;
   const double step = kTexelsPerStep * texel_size_;
@@ -106,6 +115,7 @@ void ChartPainter::Paint(const GroundPhoto& photo, double max_range) {
   const int last_row = clamp_to(std::ceil((blank_.chart.top - eye.y() + max_range) / step), num_rows_);
   if (first_column >= last_column || first_row >= last_row) return;
 
+  BeginDrive(photo.drive);
   const Rigid3 camera_from_site = photo.site_from_camera.Inverse();
   const auto width = static_cast<std::size_t>(last_column - first_column + 1);
   std::vector<GroundSight> above(width), below(width);
@@ -128,7 +138,7 @@ void ChartPainter::PaintBlock(const GroundPhoto& photo, const std::array<GroundS
   }
   if (steepness <= 0) return;
   const auto rank = static_cast<std::uint8_t>(1 + std::lround(254 * steepness));
-  const auto gain = static_cast<float>(photo.gain);
+  const Eigen::Array3f& gain = photo.gain;
   for (int dy = 0; dy < kTexelsPerStep; ++dy)
     for (int dx = 0; dx < kTexelsPerStep; ++dx) {
       const int x = column * kTexelsPerStep + dx, y = row * kTexelsPerStep + dy;
@@ -143,14 +153,15 @@ void ChartPainter::PaintBlock(const GroundPhoto& photo, const std::array<GroundS
       const std::array<float, 3> color = ColorAt(photo.image, pixel.x(), pixel.y());
       std::size_t slot = kNumSights - 1;
       for (; slot > 0 && sights[slot - 1].rank < rank; --slot) sights[slot] = sights[slot - 1];
-      sights[slot] = {ToByte(gain * color[0]), ToByte(gain * color[1]), ToByte(gain * color[2]), rank};
+      sights[slot] = {ToByte(gain[0] * color[0]), ToByte(gain[1] * color[1]), ToByte(gain[2] * color[2]), rank};
     }
 }
 
 std::array<std::uint8_t, 3> ChartPainter::Agree(const Sights& sights) {
   std::array<int, kNumSights> lightness{};
   std::size_t count = 0;
-  for (; count < kNumSights && sights[count].rank > 0; ++count)
+  const float least_rank = std::max(1.0F, kComparable * static_cast<float>(sights[0].rank));
+  for (; count < kNumSights && static_cast<float>(sights[count].rank) >= least_rank; ++count)
     lightness[count] = Lightness(sights[count].blue, sights[count].green, sights[count].red);
   std::array<int, kNumSights> sorted = lightness;
   std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(count));
@@ -191,11 +202,11 @@ TextureChart ChartPainter::Finish(const CellFinder& cells) {
   return std::move(chart);
 }
 
-double FindGain(const GroundPhoto& photo, const CellFinder& cells, double max_range) {
+Eigen::Array3f FindGain(const GroundPhoto& photo, const CellFinder& cells, double max_range) {
   constexpr int kNumAngles = 48, kNumRanges = 12;
   const Rigid3 camera_from_site = photo.site_from_camera.Inverse();
   const Eigen::Vector3d& eye = photo.site_from_camera.translation;
-  std::vector<double> ratios;
+  std::array<std::vector<float>, 3> ratios;
   for (int i = 0; i < kNumAngles; ++i)
     for (int k = 1; k <= kNumRanges; ++k) {
       const double angle = 2 * std::numbers::pi * i / kNumAngles, range = max_range * k / kNumRanges;
@@ -210,12 +221,18 @@ double FindGain(const GroundPhoto& photo, const CellFinder& cells, double max_ra
       const std::array<float, 3> color = ColorAt(photo.image, place.x(), place.y());
       const int seen = Lightness(ToByte(color[0]), ToByte(color[1]), ToByte(color[2]));
       const int known = Lightness(cell->color[2], cell->color[1], cell->color[0]);
-      if (seen > 8 && seen < 247 && known > 8 && known < 247) ratios.push_back(static_cast<double>(known) / seen);
+      if (seen <= 8 || seen >= 247 || known <= 8 || known >= 247) continue;
+      for (size_t c = 0; c < 3; ++c)
+        ratios[c].push_back(static_cast<float>(cell->color[2 - c]) / std::max(color[c], 1.0F));
     }
-  if (ratios.size() < kMinGainSamples) return 1;
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  return std::clamp(*middle, 1 / kMaxGain, kMaxGain);
+  Eigen::Array3f gain = Eigen::Array3f::Ones();
+  if (ratios[0].size() < kMinGainSamples) return gain;
+  for (size_t c = 0; c < 3; ++c) {
+    const auto middle = ratios[c].begin() + static_cast<std::ptrdiff_t>(ratios[c].size() / 2);
+    std::nth_element(ratios[c].begin(), middle, ratios[c].end());
+    gain[static_cast<Eigen::Index>(c)] = std::clamp(*middle, 1 / kMaxGain, kMaxGain);
+  }
+  return gain;
 }
 
 }  // namespace parkade

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <vector>
 
 #include "core/rig.h"
@@ -20,8 +21,12 @@ struct GroundPhoto {
   Rigid3 site_from_camera;
   Rigid3 site_from_ground;  ///< of the car: its own contact area is not looked at
   ContactArea contact;
-  double gain = 1;  ///< brings the picture's brightness to the surface's
+  int drive = 0;                                 ///< that took it
+  Eigen::Array3f gain = Eigen::Array3f::Ones();  ///< of blue, green, red: brings the picture to the surface's light
 };
+
+constexpr float kComparable = 0.5F;      ///< of the best sight's steepness: a sight that has a say beside it
+constexpr float kEarlierShare = 0.125F;  ///< of its steepness that a sight keeps with each later drive over the site
 
 /// Where a photo shows a point of the ground, and how steeply.
 struct GroundSight {
@@ -34,12 +39,14 @@ GroundSight SeePoint(const GroundPhoto& photo, const Rigid3& camera_from_site, c
                      double max_range);
 
 /// Paints one chart. Each texel keeps the few steepest sights of it; what the most of them agree on wins, so that
-/// what passes by vanishes. Not thread-safe; charts are independent of each other.
+/// what passes by vanishes. The latest drive shows a place wherever it saw it well: days differ in light, and mixed
+/// they leave a seam around every photo. Not thread-safe; charts are independent of each other.
 class ChartPainter {
  public:
   explicit ChartPainter(BlankChart blank, double texel_size);
 
-  /// Texels further than `max_range` [m] (horizontally) from the camera are left alone.
+  /// Texels further than `max_range` [m] (horizontally) from the camera are left alone. Photos come drive by drive, the
+  /// latest last.
   void Paint(const GroundPhoto& photo, double max_range);
 
   /// The picture; texels without a sight have the colour of their cell, those off the mesh that of the nearest
@@ -59,6 +66,7 @@ class ChartPainter {
   Eigen::Vector2d PlaceOf(double column, double row) const;
   GroundSight See(const GroundPhoto& photo, const Rigid3& camera_from_site, int column, int row,
                   double max_range) const;
+  void BeginDrive(int drive);
   void PaintBlock(const GroundPhoto& photo, const std::array<GroundSight, 4>& corners, int column, int row);
   static std::array<std::uint8_t, 3> Agree(const Sights& sights);
 
@@ -67,10 +75,11 @@ class ChartPainter {
   int num_columns_ = 0, num_rows_ = 0;  ///< of corners
   std::vector<float> corner_heights_;   ///< [m] NaN where no mesh is near
   std::vector<Sights> sights_;
+  std::optional<int> drive_;  ///< whose photos are being painted
 };
 
-/// Mean lightness of cells over that of the photo at the same places: what its exposure has to be multiplied
-/// by to look like the surface; 1 where too little is seen. Within [1/3, 3].
-double FindGain(const GroundPhoto& photo, const CellFinder& cells, double max_range);
+/// Median of cells' blue, green and red over those of the photo at the same places: what it has to be multiplied by to
+/// look like the surface; 1 where too little is seen. Within [1/3, 3].
+Eigen::Array3f FindGain(const GroundPhoto& photo, const CellFinder& cells, double max_range);
 
 }  // namespace parkade

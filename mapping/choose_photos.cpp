@@ -9,11 +9,10 @@
 namespace parkade {
 namespace {
 
-constexpr double kSquare = 4.0;      // [m] of the squares in which places are sorted
-constexpr int kNumSights = 4;        // of a place that are wanted, as many as are painted from ...
-constexpr float kComparable = 0.5F;  // ... of at least this share of the best one's steepness
-constexpr float kClearly = 1.15F;    // times as steep as the best
-constexpr int kMinPlaces = 3;        // that a photo must serve
+constexpr double kSquare = 4.0;    // [m] of the squares in which places are sorted
+constexpr int kNumSights = 4;      // of a place that are wanted, as many as are painted from
+constexpr float kClearly = 1.15F;  // times as steep as the best
+constexpr int kMinPlaces = 3;      // that a photo must serve
 
 /// A place and how steeply it is seen by the photos chosen so far, the steepest first.
 struct Place {
@@ -61,8 +60,10 @@ std::vector<bool> ChoosePhotos(std::span<const GroundPhoto> photos, std::span<co
                                double max_range) {
   PlaceSquares squares(places);
   std::vector<bool> is_chosen(photos.size());
+  float worth = 1;  // of a sight's steepness
   for (std::size_t i = photos.size(); i-- > 0;) {
     const GroundPhoto& photo = photos[i];
+    if (i + 1 < photos.size() && photo.drive != photos[i + 1].drive) worth *= kEarlierShare;
     const Rigid3 camera_from_site = photo.site_from_camera.Inverse();
     const Eigen::Vector3d& eye = photo.site_from_camera.translation;
     std::vector<std::pair<Place*, float>> shown;
@@ -70,8 +71,8 @@ std::vector<bool> ChoosePhotos(std::span<const GroundPhoto> photos, std::span<co
     squares.VisitAround(eye.head<2>(), max_range, [&](Place& place) {
       // As steep as it can be: most places are past wanting more, which is seen without a projection.
       const Eigen::Vector3d sight = place.point - eye;
-      if (!place.Wants(static_cast<float>(-sight.z() / sight.norm()))) return;
-      const float steepness = SeePoint(photo, camera_from_site, place.point, max_range).steepness;
+      if (!place.Wants(worth * static_cast<float>(-sight.z() / sight.norm()))) return;
+      const float steepness = worth * SeePoint(photo, camera_from_site, place.point, max_range).steepness;
       if (steepness <= 0) return;
       shown.emplace_back(&place, steepness);
       if (place.Wants(steepness)) ++num_served;

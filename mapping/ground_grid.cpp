@@ -35,7 +35,7 @@ GroundGridCell MakeCell(const RigCamera& camera, const Rigid3& camera_from_groun
   const Eigen::Vector3d point_in_camera =
       camera_from_ground * Eigen::Vector3d(point_in_ground.x(), point_in_ground.y(), 0);
   const std::optional<Eigen::Vector2d> pixel = camera.model.Project(point_in_camera);
-  if (!pixel || !camera.model.IsInImage(*pixel, 1) || IsMasked(camera, *pixel)) return cell;
+  if (!pixel || !camera.IsUsable(*pixel, 1)) return cell;
   const double distance = contact.DistanceTo(point_in_ground);
   const double from_pitch = distance * options.pitch_sigma;
   const double from_curvature = 0.5 * options.curvature_sigma * distance * distance;

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 
-#include "core/rig.h"
 #include "mapping/contact_area.h"
 
 namespace parkade {
@@ -31,12 +30,8 @@ inline std::array<float, 3> ColorAt(const cv::Mat& image, float column, float ro
   return color;
 }
 
-/// True for pixels (inside the image) that the camera's mask leaves out.
-inline bool IsMasked(const RigCamera& camera, const Eigen::Vector2d& pixel) {
-  if (camera.mask.empty()) return false;
-  return camera.mask.at<std::uint8_t>(static_cast<int>(std::lround(pixel.y())),
-                                      static_cast<int>(std::lround(pixel.x()))) == 0;
-}
+/// Luma as in ITU-R BT.601.
+inline int Lightness(int blue, int green, int red) { return (29 * blue + 150 * green + 77 * red) >> 8; }
 
 /// True below a car of known size, body included: what is seen there is the car.
 inline bool IsUnderCar(const Eigen::Vector2d& point_in_ground, const ContactArea& contact) {

@@ -33,7 +33,8 @@ GroundPhoto PhotoOf(const PatchView& view, const TextureSource& source) {
           .camera = &camera,
           .site_from_camera = view.site_from_body * camera.body_from_camera,
           .site_from_ground = view.site_from_body * source.path->body_from_ground,
-          .contact = source.path->contact};
+          .contact = source.path->contact,
+          .drive = view.drive};
 }
 
 /// Places on the mesh, evenly spread.

@@ -36,14 +36,17 @@ struct TextureSource {
 };
 
 /// The texture of a mesh from images of the drives over it: every texel is projected into the images that see it from
-/// near, brightness is made equal to the surface's, and the steepest sights that agree are blended.
+/// near, its light is made equal to the surface's, and the steepest sights of the latest drive that agree are blended.
 ///
 /// Of the images that `views` name only those are decoded that some place needs (ChoosePhotos). Logs are read one after
 /// the other; a chart takes 24 bytes per texel from the first image that shows it to the last, 4 before and after.
 /// Where charts have more than `max_texels` they are painted part by part, each from all the logs that show it, and lie
-/// on disk once they are done. In parallel over charts, the same every time, whatever the parts. \param views    images
-/// that showed ground, with their poses; those of drives without a source are not used \param sources  at most one per
-/// drive
+/// on disk once they are done. In parallel over charts, the same every time, whatever the parts.
+///
+/// \param views    images that showed ground, with their poses, drive by drive, the latest last; those of drives
+/// without
+///                 a source are not used
+/// \param sources  at most one per drive
 GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface, std::span<const PatchView> views,
                            std::span<const TextureSource> sources, const TextureOptions& options = {});
 

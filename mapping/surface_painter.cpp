@@ -6,15 +6,15 @@
 #include <tuple>
 
 #include "core/parallel.h"
+#include "mapping/image_sampling.h"
 #include "mapping/meet_surface.h"
 
 namespace parkade {
 namespace {
 
-constexpr double kNearVariance = 1e-4;  // [m^2] of the height of a sample right at the car
-constexpr double kNearEnough =
-    0.75;                            // sights from here on are equally sharp; the first ones come before the own shadow
-constexpr double kKnownShift = 0.3;  // [m] along the ray at which an outline counts half
+constexpr double kNearVariance = 1e-4;   // [m^2] of the height of a sample right at the car
+constexpr double kNearEnough = 0.75;     // sights from here on are equally sharp: the first come before the own shadow
+constexpr double kKnownShift = 0.3;      // [m] along the ray at which an outline counts half
 constexpr double kLeastTrust = 0.05;     // what is seen of a poorly known height still counts
 constexpr double kMinEyeHeight = 0.2;    // [m] above the ground
 constexpr int kViewDirections = 16;      // in which views are told apart
@@ -26,13 +26,13 @@ constexpr double kMaxStretch = 1.5;      // of rays: MeetSurface goes no further
 constexpr double kMaxFootprint = 1.0;    // [m] that samples stand for reach less far from them
 constexpr size_t kPatchesPerBatch = 64;  // hits of so many patches are held at once
 constexpr int kColorTolerance = 30;      // of lightness; sights further off the median are not averaged
+constexpr int kAgeing = 8;      // sights of earlier drives count as so many times less near: days differ in light
+constexpr int kComparable = 2;  // times nearer than another, a sight has a say alone
 
 /// 1 right at the car, falling with distance: whose colour counts. Much slower than the variance of a height grows.
 double NearnessOf(const GroundSample& sample) {
   return std::min(1.0, std::sqrt(std::sqrt(kNearVariance * static_cast<double>(sample.weight))));
 }
-
-int Lightness(const std::array<int, 3>& bgr) { return (114 * bgr[0] + 587 * bgr[1] + 299 * bgr[2]) / 1000; }
 
 /// Where a motion takes points of the plane z = 0, seen along z.
 Eigen::Affine2d InPlane(const Rigid3& motion) {
@@ -199,6 +199,8 @@ void SurfacePainter::EndDrive() {
       evidence.log_odds = std::min(evidence.log_odds, kCoveredLogOdds);
       evidence.seen_from = 0;
     }
+    for (Sight& sight : evidence.sights)
+      if (sight.nearness > 0) sight.nearness = static_cast<std::uint8_t>(std::max(1, sight.nearness / kAgeing));
     evidence.seen_from |= evidence.seen_now;
     evidence.seen_now = evidence.hidden_now = 0;
   }
@@ -244,9 +246,9 @@ std::array<std::uint8_t, 3> SurfacePainter::MedianColor(const Evidence& evidence
   std::array<std::pair<int, std::array<int, 3>>, kNumSights> sorted;
   size_t count = 0;
   for (const Sight& sight : evidence.sights) {
-    if (sight.nearness == 0) break;
+    if (sight.nearness == 0 || kComparable * sight.nearness < evidence.sights[0].nearness) break;
     const std::array<int, 3> bgr{sight.blue, sight.green, sight.red};
-    sorted[count++] = {Lightness(bgr), bgr};
+    sorted[count++] = {Lightness(sight.blue, sight.green, sight.red), bgr};
   }
   if (count == 0) return {};
   std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(count));

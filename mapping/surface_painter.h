@@ -35,6 +35,8 @@ class SurfacePainter {
   /// Samples of some of a drive's patches, moved along their rays onto the surface. In parallel, summed in order.
   /// `path` is that of the drive, or null.
   ///
+  /// A cell has the colour that the latest of the drives that saw it well gives it.
+  ///
   /// Behind the foot of an obstacle nothing is known, so that a parked car hardly counts against its slot. But ground
   /// that an earlier drive saw, and that this drive does not see from anywhere although it looked from where that one
   /// had seen it, is covered now.

@@ -125,6 +125,29 @@ TEST_F(ChartPainters, ForgetWhatOnlyOnePhotoShows) {
   EXPECT_LT(CompareWithPattern(painter.Finish(cells_), 2.2, 4, 1.5, 2.5).mean, 3);
 }
 
+TEST_F(ChartPainters, ShowTheLatestDriveWhereItSawThePlace) {
+  ChartPainter painter = NewPainter();
+  for (const double x : {-1.0, 0.0, 1.0, 1.5, 2.0, 2.5}) {
+    GroundPhoto photo = PhotoFrom(camera_, {x, 2, 1.2 + 0.1 * x});
+    photo.image.setTo(cv::Scalar::all(200));
+    photo.drive = 3;
+    painter.Paint(photo, 4);
+  }
+  GroundPhoto later = PhotoFrom(camera_, {1, 2, 1.3});
+  later.image.setTo(cv::Scalar::all(120));
+  later.drive = 7;
+  painter.Paint(later, 2);
+
+  const TextureChart chart = painter.Finish(cells_);
+
+  const auto blue_at = [&](double x) {
+    return chart.image.at<cv::Vec3b>(chart.image.rows / 2, static_cast<int>((x - chart.left) / kTexel))[0];
+  };
+  EXPECT_EQ(blue_at(2), 120) << "although the earlier drive saw it four times, and more steeply";
+  EXPECT_EQ(blue_at(2.8), 120);
+  EXPECT_EQ(blue_at(4), 200) << "beyond what the later one saw";
+}
+
 TEST_F(ChartPainters, LeaveMaskedPixelsAndFarGroundToTheColoursOfTheCells) {
   camera_.mask = cv::Mat(480, 640, CV_8UC1, cv::Scalar(0));
   ChartPainter painter = NewPainter();
@@ -166,11 +189,13 @@ TEST_F(ChartPainters, ContinueTheBordersColourBeyondTheMesh) {
 TEST_F(ChartPainters, FindTheGainOfADarkPhoto) {
   GroundPhoto photo = PhotoFrom(camera_, {2, 2, 1.4});
   photo.image = cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(60));
-  EXPECT_NEAR(FindGain(photo, cells_, 4), 100.0 / 60, 0.02);
+  EXPECT_TRUE(FindGain(photo, cells_, 4).isApproxToConstant(100.0F / 60, 0.01F));
+  photo.image.setTo(cv::Scalar(80, 50, 125));
+  EXPECT_TRUE(FindGain(photo, cells_, 4).isApprox(Eigen::Array3f(1.25F, 2, 0.8F), 0.01F)) << "blue light";
   photo.image.setTo(cv::Scalar::all(10));
-  EXPECT_EQ(FindGain(photo, cells_, 4), 3);
+  EXPECT_TRUE((FindGain(photo, cells_, 4) == 3).all());
   photo.site_from_camera.translation.x() = 50;
-  EXPECT_EQ(FindGain(photo, cells_, 4), 1) << "nothing of the surface is seen";
+  EXPECT_TRUE((FindGain(photo, cells_, 4) == 1).all()) << "nothing of the surface is seen";
 }
 
 }  // namespace

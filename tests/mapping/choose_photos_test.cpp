@@ -33,7 +33,10 @@ GroundPhoto PhotoAt(double x) {
 std::vector<GroundPhoto> Drives(int num_drives) {
   std::vector<GroundPhoto> photos;
   for (int drive = 0; drive < num_drives; ++drive)
-    for (int i = 0; i <= 20; ++i) photos.push_back(PhotoAt(i + 0.037 * drive));
+    for (int i = 0; i <= 20; ++i) {
+      photos.push_back(PhotoAt(i + 0.037 * drive));
+      photos.back().drive = drive;
+    }
   return photos;
 }
 
@@ -64,6 +67,22 @@ TEST(ChoosePhotos, OfDrivesThatSeeAlikeTheLatestIsChosen) {
 
   EXPECT_EQ(std::count(is_chosen.begin(), is_chosen.begin() + static_cast<long>(half), true), 0);
   EXPECT_GT(std::count(is_chosen.end() - static_cast<long>(half), is_chosen.end(), true), 10);
+}
+
+TEST(ChoosePhotos, ALaterDriveThatSawPlacesLessSteeplyStillShowsThem) {
+  std::vector<GroundPhoto> photos = Drives(1);
+  const auto early = static_cast<long>(photos.size());
+  for (int x = 0; x <= 20; x += 2) {
+    photos.push_back(PhotoAt(x));
+    photos.back().drive = 1;
+  }
+
+  std::vector<Eigen::Vector3d> ground = Ground(0, 20);
+  std::erase_if(ground, [](const Eigen::Vector3d& place) { return std::abs(place.y()) > 1; });  // seen from every 2 m
+
+  const std::vector<bool> is_chosen = ChoosePhotos(photos, ground, 10);
+
+  EXPECT_EQ(std::count(is_chosen.begin(), is_chosen.begin() + early, true), 0);
 }
 
 TEST(ChoosePhotos, WhatOnlyAnEarlierDriveSawIsTakenFromIt) {

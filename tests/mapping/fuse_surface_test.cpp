@@ -172,6 +172,19 @@ TEST(FuseSurface, OneOddSightDoesNotColourACell) {
   EXPECT_EQ(CellAt(surface, 6, 1)->color[0], 100);
 }
 
+TEST(FuseSurface, ACellHasTheColourOfTheLatestDriveThatSawIt) {
+  const DrivenPath path = MakePath(5);
+  std::vector<PosedGroundPatch> patches;
+  for (int i = 0; i < 4; ++i) patches.push_back(MakePatch(3, -2, 8, 2, 100, true));
+  patches.push_back(MakePatch(3, -2, 8, 0, 130, true));  // at dusk, one sight
+  patches.back().patch.drive = 1;
+
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1));
+
+  EXPECT_EQ(CellAt(surface, 6, -1)->color[0], 130);
+  EXPECT_EQ(CellAt(surface, 6, 1)->color[0], 100);
+}
+
 TEST(FuseSurface, WhatACarDroveOverIsFreeWhateverWasSeen) {
   const DrivenPath path = MakePath(5);
   std::vector<PosedGroundPatch> patches{MakePatch(0, -3, 8, 3, 100, true)};
