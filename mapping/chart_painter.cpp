@@ -92,15 +92,19 @@ GroundSight ChartPainter::See(const GroundPhoto& photo, const Rigid3& camera_fro
   return SeePoint(photo, camera_from_site, point, max_range);
 }
 
-/// What earlier drives saw steps back.
 void ChartPainter::BeginDrive(int drive) {
   if (drive_ == drive) return;
-  if (drive_)
-    for (Sights& sights : sights_)
-      for (Sight& sight : sights)
-        if (sight.rank > 0)
-          sight.rank = static_cast<std::uint8_t>(std::max(1.0F, kEarlierShare * static_cast<float>(sight.rank)));
   drive_ = drive;
+  is_shown_.assign(sights_.size(), false);
+}
+
+/// What earlier drives saw of a texel steps back once this one shows it.
+void ChartPainter::StepBack(std::size_t texel) {
+  if (is_shown_[texel]) return;
+  is_shown_[texel] = true;
+  for (Sight& sight : sights_[texel])
+    if (sight.rank > 0)
+      sight.rank = static_cast<std::uint8_t>(std::max(1.0F, kEarlierShare * static_cast<float>(sight.rank)));
 }
 
 void ChartPainter::Paint(const GroundPhoto& photo, double max_range) {
@@ -143,8 +147,10 @@ void ChartPainter::PaintBlock(const GroundPhoto& photo, const std::array<GroundS
     for (int dx = 0; dx < kTexelsPerStep; ++dx) {
       const int x = column * kTexelsPerStep + dx, y = row * kTexelsPerStep + dy;
       if (x >= blank_.height.cols || y >= blank_.height.rows || blank_.chart.mask.at<std::uint8_t>(y, x) == 0) continue;
-      Sights& sights = sights_[static_cast<std::size_t>(y) * static_cast<std::size_t>(blank_.height.cols) +
-                               static_cast<std::size_t>(x)];
+      const std::size_t texel =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(blank_.height.cols) + static_cast<std::size_t>(x);
+      StepBack(texel);
+      Sights& sights = sights_[texel];
       if (rank <= sights.back().rank) continue;
       const float u = (static_cast<float>(dx) + 0.5F) / kTexelsPerStep;
       const float v = (static_cast<float>(dy) + 0.5F) / kTexelsPerStep;

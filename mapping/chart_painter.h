@@ -25,8 +25,9 @@ struct GroundPhoto {
   Eigen::Array3f gain = Eigen::Array3f::Ones();  ///< of blue, green, red: brings the picture to the surface's light
 };
 
-constexpr float kComparable = 0.5F;      ///< of the best sight's steepness: a sight that has a say beside it
-constexpr float kEarlierShare = 0.125F;  ///< of its steepness that a sight keeps with each later drive over the site
+constexpr float kComparable = 0.5F;  ///< of the best sight's steepness: a sight that has a say beside it
+constexpr float kEarlierShare =
+    0.125F;  ///< of its steepness that a sight keeps with each later drive that shows the place
 
 /// Where a photo shows a point of the ground, and how steeply.
 struct GroundSight {
@@ -67,6 +68,7 @@ class ChartPainter {
   GroundSight See(const GroundPhoto& photo, const Rigid3& camera_from_site, int column, int row,
                   double max_range) const;
   void BeginDrive(int drive);
+  void StepBack(std::size_t texel);
   void PaintBlock(const GroundPhoto& photo, const std::array<GroundSight, 4>& corners, int column, int row);
   static std::array<std::uint8_t, 3> Agree(const Sights& sights);
 
@@ -75,7 +77,8 @@ class ChartPainter {
   int num_columns_ = 0, num_rows_ = 0;  ///< of corners
   std::vector<float> corner_heights_;   ///< [m] NaN where no mesh is near
   std::vector<Sights> sights_;
-  std::optional<int> drive_;  ///< whose photos are being painted
+  std::optional<int> drive_;    ///< whose photos are being painted
+  std::vector<bool> is_shown_;  ///< by it
 };
 
 /// Median of cells' blue, green and red over those of the photo at the same places: what it has to be multiplied by to

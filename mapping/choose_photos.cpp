@@ -18,15 +18,21 @@ constexpr int kMinPlaces = 3;      // that a photo must serve
 struct Place {
   Eigen::Vector3d point;  ///< [m] in site
   std::array<float, kNumSights> sights{};
+  int drive = 0;    ///< the earliest that shows it
+  float worth = 1;  ///< of that one's sights
 
-  bool Wants(float steepness) const {
-    const float comparable = kComparable * sights.front();
-    return steepness > kClearly * sights.front() || (sights.back() < comparable && steepness >= comparable);
+  float WorthOf(int of_drive) const { return of_drive == drive || sights.front() == 0 ? worth : kEarlierShare * worth; }
+
+  bool Wants(int of_drive, float steepness) const {
+    const float worthy = WorthOf(of_drive) * steepness, comparable = kComparable * sights.front();
+    return worthy > kClearly * sights.front() || (sights.back() < comparable && worthy >= comparable);
   }
 
-  void Add(float steepness) {
-    if (steepness <= sights.back()) return;
-    sights.back() = steepness;
+  void Add(int of_drive, float steepness) {
+    worth = WorthOf(of_drive);
+    drive = of_drive;
+    if (worth * steepness <= sights.back()) return;
+    sights.back() = worth * steepness;
     std::sort(sights.begin(), sights.end(), std::greater<>());
   }
 };
@@ -60,10 +66,8 @@ std::vector<bool> ChoosePhotos(std::span<const GroundPhoto> photos, std::span<co
                                double max_range) {
   PlaceSquares squares(places);
   std::vector<bool> is_chosen(photos.size());
-  float worth = 1;  // of a sight's steepness
   for (std::size_t i = photos.size(); i-- > 0;) {
     const GroundPhoto& photo = photos[i];
-    if (i + 1 < photos.size() && photo.drive != photos[i + 1].drive) worth *= kEarlierShare;
     const Rigid3 camera_from_site = photo.site_from_camera.Inverse();
     const Eigen::Vector3d& eye = photo.site_from_camera.translation;
     std::vector<std::pair<Place*, float>> shown;
@@ -71,15 +75,15 @@ std::vector<bool> ChoosePhotos(std::span<const GroundPhoto> photos, std::span<co
     squares.VisitAround(eye.head<2>(), max_range, [&](Place& place) {
       // As steep as it can be: most places are past wanting more, which is seen without a projection.
       const Eigen::Vector3d sight = place.point - eye;
-      if (!place.Wants(worth * static_cast<float>(-sight.z() / sight.norm()))) return;
-      const float steepness = worth * SeePoint(photo, camera_from_site, place.point, max_range).steepness;
+      if (!place.Wants(photo.drive, static_cast<float>(-sight.z() / sight.norm()))) return;
+      const float steepness = SeePoint(photo, camera_from_site, place.point, max_range).steepness;
       if (steepness <= 0) return;
       shown.emplace_back(&place, steepness);
-      if (place.Wants(steepness)) ++num_served;
+      if (place.Wants(photo.drive, steepness)) ++num_served;
     });
     if (num_served < kMinPlaces) continue;
     is_chosen[i] = true;
-    for (const auto& [place, steepness] : shown) place->Add(steepness);
+    for (const auto& [place, steepness] : shown) place->Add(photo.drive, steepness);
   }
   return is_chosen;
 }

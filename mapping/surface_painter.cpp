@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include "core/parallel.h"
 #include "mapping/image_sampling.h"
@@ -26,7 +27,7 @@ constexpr double kMaxStretch = 1.5;      // of rays: MeetSurface goes no further
 constexpr double kMaxFootprint = 1.0;    // [m] that samples stand for reach less far from them
 constexpr size_t kPatchesPerBatch = 64;  // hits of so many patches are held at once
 constexpr int kColorTolerance = 30;      // of lightness; sights further off the median are not averaged
-constexpr int kAgeing = 8;      // sights of earlier drives count as so many times less near: days differ in light
+constexpr int kAgeing = 8;      // a later drive over a cell makes sights so many times less near: days differ in light
 constexpr int kComparable = 2;  // times nearer than another, a sight has a say alone
 
 /// 1 right at the car, falling with distance: whose colour counts. Much slower than the variance of a height grows.
@@ -171,13 +172,20 @@ void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> i
         Evidence& evidence = evidence_[hit.evidence];
         evidence.log_odds = std::clamp(evidence.log_odds + hit.log_odds, -limit, limit);
         (hit.log_odds > 0 ? evidence.seen_now : evidence.hidden_now) |= hit.view;
-        if (hit.sight.nearness <= evidence.sights.back().nearness) continue;
-        size_t slot = kNumSights - 1;
-        for (; slot > 0 && evidence.sights[slot - 1].nearness < hit.sight.nearness; --slot)
-          evidence.sights[slot] = evidence.sights[slot - 1];
-        evidence.sights[slot] = hit.sight;
+        AddSight(hit.sight, evidence);
       }
   }
+}
+
+void SurfacePainter::AddSight(const Sight& sight, Evidence& evidence) {
+  if (!std::exchange(evidence.is_hit, true))
+    for (Sight& earlier : evidence.sights)
+      if (earlier.nearness > 0) earlier.nearness = static_cast<std::uint8_t>(std::max(1, earlier.nearness / kAgeing));
+  if (sight.nearness <= evidence.sights.back().nearness) return;
+  size_t slot = kNumSights - 1;
+  for (; slot > 0 && evidence.sights[slot - 1].nearness < sight.nearness; --slot)
+    evidence.sights[slot] = evidence.sights[slot - 1];
+  evidence.sights[slot] = sight;
 }
 
 SurfacePainter::ViewSet SurfacePainter::ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point) {
@@ -199,8 +207,7 @@ void SurfacePainter::EndDrive() {
       evidence.log_odds = std::min(evidence.log_odds, kCoveredLogOdds);
       evidence.seen_from = 0;
     }
-    for (Sight& sight : evidence.sights)
-      if (sight.nearness > 0) sight.nearness = static_cast<std::uint8_t>(std::max(1, sight.nearness / kAgeing));
+    evidence.is_hit = false;
     evidence.seen_from |= evidence.seen_now;
     evidence.seen_now = evidence.hidden_now = 0;
   }

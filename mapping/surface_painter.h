@@ -69,6 +69,7 @@ class SurfacePainter {
   struct Evidence {
     float log_odds = 0;
     bool is_driven = false;
+    bool is_hit = false;                     ///< in this drive
     ViewSet seen_from = 0;                   ///< in earlier drives, as free ground
     ViewSet seen_now = 0, hidden_now = 0;    ///< in this drive; hidden: seen as something else
     std::array<Sight, kNumSights> sights{};  ///< nearest first
@@ -83,6 +84,7 @@ class SurfacePainter {
   void Paint(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path,
              const LatestDrives* latest);
   void EndDrive();
+  static void AddSight(const Sight& sight, Evidence& evidence);
   static ViewSet ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point);
   void AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds, ViewSet view,
               std::vector<Hit>& hits) const;

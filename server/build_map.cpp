@@ -115,7 +115,9 @@ void ObserveGroundOf(const DriveInWork& work, int drive, bool measures_heights, 
 
 constexpr const char* kOdometryFile = "odometry.bin";
 
-OdometryResult ReadStoredOdometry(const DriveLog& log, const std::filesystem::path& file) {
+OdometryResult ReadStoredOdometry(const DriveLog& log, const BuildScope& scope, const std::filesystem::path& file) {
+  if (const auto hash = scope.logs.find(log.name()); hash != scope.logs.end())
+    Require(FinishedMap(scope.from).Holds(log.name(), hash->second), ErrorCode::kInvalidInput, "it is of another log");
   OdometryResult odometry = ReadOdometry(file, log.rig());
   const TimeSpan stored = odometry.odom_from_body.span(), recorded = log.span();
   Require(recorded.Contains(stored.begin) && recorded.Contains(stored.end), ErrorCode::kInvalidInput,
@@ -138,7 +140,7 @@ void FindOdometry(const BuildScope& scope, const OdometryOptions& options, const
   const std::filesystem::path file = scope.from / log.name() / kOdometryFile;
   if (!scope.from.empty() && std::filesystem::exists(file)) {
     try {
-      drive.odometry = ReadStoredOdometry(log, file);
+      drive.odometry = ReadStoredOdometry(log, scope, file);
       if (!scope.products.empty()) StoreOdometry(drive.odometry, log, scope, /*is_taken=*/true);
       drive.is_odometry_taken = true;
       return;

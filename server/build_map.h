@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/site_map.h"
+#include "server/finished_map.h"
 #include "server/ingest/recorded_drive.h"
 #include "server/map_options.h"
 #include "server/progress.h"
@@ -62,6 +63,7 @@ std::vector<StagePlan> PlanStages(size_t num_drives, bool is_odometry_only);
 struct BuildScope {
   bool is_odometry_only = false;  ///< trajectories, no surface
   std::filesystem::path from;  ///< finished map whose odometry, and stages (DriveStages), are taken where it has them
+  LogHashes logs;  ///< of the drives: what `from` has of a drive that was made from another log is not taken
   std::filesystem::path products;  ///< folder in which both are stored per drive; empty: not stored, no surface then
   std::map<std::string, LoopReview> loops;                      ///< what a reviewer decided, by drive
   std::vector<SitePin> pins;                                    ///< where points of the site lie on Earth

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/options_json.h"
+#include "mapping/builtin_network.h"
 #include "server/heights_file.h"
 #include "server/store/durable_file.h"
 #include "server/version.h"
@@ -109,7 +110,7 @@ void DriveStages::KeepPlaces(const DriveLog& log, const OdometryResult& odometry
 
 std::string DriveStages::KeyOfPlaces(const DriveLog& log) {
   std::string& key = keys_.at(log.name()).so_far;
-  key = KeyOf({key, "places with floors"});
+  key = KeyOf({key, "places"});
   return key;
 }
 
@@ -131,7 +132,8 @@ std::shared_ptr<const GroundFile> DriveStages::ObserveGround(const DriveLog& log
   const std::string& model = options_.ground.freespace_model;
   std::string& key = keys_.at(log.name()).ground;
   key = KeyOf({keys_.at(log.name()).odometry, "ground", std::to_string(kGroundVersion), BytesOf(log.rig()),
-               TextOf(options_.ground), TextOf(options_.submaps), model.empty() ? "" : Sha256OfFile(model)});
+               TextOf(options_.ground), TextOf(options_.submaps),
+               model.empty() ? KeyOf({std::string(BuiltinFreespaceNetwork())}) : Sha256OfFile(model)});
   const std::filesystem::path name = std::filesystem::path(log.name()) / "ground.bin", file = to_ / name;
   if (!from_.empty())
     if (std::shared_ptr<const GroundFile> taken = GroundFile::Open(from_ / name, key)) {

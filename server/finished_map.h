@@ -13,6 +13,10 @@
 
 namespace parkade {
 
+/// SHA-256 of logs, by drive; of others nothing is known. A drive of a finished map is one of a new map if both have
+/// its name and neither says that they are of two logs.
+using LogHashes = std::map<std::string, std::string>;
+
 /// A folder that `parkade map` left, opened again.
 class FinishedMap {
  public:

@@ -11,10 +11,6 @@
 
 namespace parkade {
 
-/// SHA-256 of the logs of the map in the making, by drive; of others nothing is known. A drive of the old map is one of
-/// the new if both have its name and neither says that they are of two logs.
-using LogHashes = std::map<std::string, std::string>;
-
 /// What a map will look like, moments after its trajectories are final: the ground of the map that it is built from,
 /// bent as the trajectories of the drives of both have bent (DeformGround), textured as it was, as a .glb. Ground that
 /// only a new drive saw is not in it yet; ground that no drive came near which is left is not in it any more.

@@ -83,12 +83,18 @@ bool HoldsOneResult(const std::filesystem::path& file) {
   return !reader.Next();
 }
 
+/// Published files are read-only; a copy of one is not.
+void CopyToWrite(const std::filesystem::path& from, const std::filesystem::path& to) {
+  std::filesystem::copy_file(from, to);
+  std::filesystem::permissions(to, std::filesystem::perms::owner_write, std::filesystem::perm_options::add);
+}
+
 /// A copy of its own, where an older map shares the file.
 void StopSharing(const std::filesystem::path& file) {
   if (std::filesystem::hard_link_count(file) < 2) return;
   std::filesystem::path copy = file;
   copy += ".own";
-  std::filesystem::copy_file(file, copy);
+  CopyToWrite(file, copy);
   std::filesystem::rename(copy, file);
 }
 
@@ -167,7 +173,7 @@ void LinkOrCopy(const std::filesystem::path& from, const std::filesystem::path& 
   std::filesystem::remove(to);
   std::error_code error;
   std::filesystem::create_hard_link(from, to, error);
-  if (error) std::filesystem::copy_file(from, to);
+  if (error) CopyToWrite(from, to);
 }
 
 std::string KeyOf(const std::vector<std::string>& parts) {

@@ -139,8 +139,10 @@ class PlacesInWork {
     }
     num_done_ = ready;
     for (; num_forgotten_ + kNeighbourPlaces < num_done_; ++num_forgotten_) {
-      Place& past = places_[num_forgotten_];
-      past = {past.time, past.distance, past.odom_from_place, {}, {}};
+      Place& past = places_[num_forgotten_];  // whose time is read on other threads
+      past.features = {};
+      past.descriptors.release();
+      past.views = {};
     }
   }
 

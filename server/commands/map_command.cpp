@@ -164,9 +164,9 @@ void WritePreview(const MapArguments& arguments, const std::function<std::option
   }
 }
 
-/// \param hashes  of the logs, which `scope` keeps using
-void AskForPreviews(const MapArguments& arguments, const LoopOptions& loops, const LogHashes& hashes,
-                    BuildScope& scope) {
+/// \param scope  knows the logs
+void AskForPreviews(const MapArguments& arguments, const LoopOptions& loops, BuildScope& scope) {
+  const LogHashes& hashes = scope.logs;
   scope.on_closed = [&](std::span<const ClosedDrive> drives) {
     WritePreview(arguments, [&] { return EncodeJointPreview(arguments.from, hashes, drives, loops); });
   };
@@ -183,12 +183,11 @@ void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Pro
   scope.unreadable = logs.unreadable;
   scope.pins = std::move(pins);
   std::map<std::string, DriveInputs> inputs;
-  LogHashes hashes;
-  if (!arguments.preview.empty()) {
+  if (!arguments.from.empty()) {
     inputs = HashInputs(logs.sources);
-    for (const auto& [name, input] : inputs) hashes[name] = input.log.sha256;
-    AskForPreviews(arguments, options.loops, hashes, scope);
+    for (const auto& [name, input] : inputs) scope.logs[name] = input.log.sha256;
   }
+  if (!arguments.preview.empty()) AskForPreviews(arguments, options.loops, scope);
   const BuiltMap built = BuildMap(logs.drives, options, scope, progress);
   WriteProducts(logs, built, options, std::move(inputs), progress, output.staging());
   output.Commit();

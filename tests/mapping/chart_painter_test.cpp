@@ -148,6 +148,23 @@ TEST_F(ChartPainters, ShowTheLatestDriveWhereItSawThePlace) {
   EXPECT_EQ(blue_at(4), 200) << "beyond what the later one saw";
 }
 
+TEST_F(ChartPainters, ADriveThatDoesNotShowATexelTakesNothingFromIt) {
+  ChartPainter painter = NewPainter();
+  const auto paint = [&](int drive, double x, double max_range, double grey) {
+    GroundPhoto photo = PhotoFrom(camera_, {x, 2, 1.2 + 0.1 * x});
+    photo.image.setTo(cv::Scalar::all(grey));
+    photo.drive = drive;
+    painter.Paint(photo, max_range);
+  };
+  paint(0, 2, 4, 90);     // shows x = 2.5 steeply,
+  paint(1, 4.5, 4, 150);  // nothing of it,
+  paint(2, -6, 9, 200);   // and flatly: a little less than an eighth
+
+  const TextureChart chart = painter.Finish(cells_);
+
+  EXPECT_EQ(chart.image.at<cv::Vec3b>(chart.image.rows / 2, static_cast<int>((2.5 - chart.left) / kTexel))[0], 90);
+}
+
 TEST_F(ChartPainters, LeaveMaskedPixelsAndFarGroundToTheColoursOfTheCells) {
   camera_.mask = cv::Mat(480, 640, CV_8UC1, cv::Scalar(0));
   ChartPainter painter = NewPainter();

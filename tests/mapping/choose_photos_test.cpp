@@ -60,8 +60,11 @@ TEST(ChoosePhotos, ManyDrivesNeedHardlyMorePhotosThanOne) {
 TEST(ChoosePhotos, OfDrivesThatSeeAlikeTheLatestIsChosen) {
   std::vector<GroundPhoto> photos = Drives(1);
   const size_t half = photos.size();
-  for (int day = 0; day < 4; ++day)
-    for (size_t i = 0; i < half; ++i) photos.push_back(photos[i]);
+  for (int day = 1; day < 5; ++day)
+    for (size_t i = 0; i < half; ++i) {
+      photos.push_back(photos[i]);
+      photos.back().drive = day;
+    }
 
   const std::vector<bool> is_chosen = ChoosePhotos(photos, Ground(0, 20), 10);
 
@@ -88,12 +91,31 @@ TEST(ChoosePhotos, ALaterDriveThatSawPlacesLessSteeplyStillShowsThem) {
 TEST(ChoosePhotos, WhatOnlyAnEarlierDriveSawIsTakenFromIt) {
   std::vector<GroundPhoto> photos = Drives(1);
   const size_t early = photos.size();
-  for (double x = 0; x <= 8; x += 0.2) photos.push_back(PhotoAt(x));
+  for (double x = 0; x <= 8; x += 0.2) {
+    photos.push_back(PhotoAt(x));
+    photos.back().drive = 1;
+  }
 
   const std::vector<bool> is_chosen = ChoosePhotos(photos, Ground(0, 20), 10);
 
   for (size_t i = 13; i < early; ++i) EXPECT_TRUE(is_chosen[i]) << i;
   EXPECT_FALSE(is_chosen[3]);
+}
+
+TEST(ChoosePhotos, DrivesElsewhereTakeNothingFromWhatOneDriveSaw) {
+  std::vector<GroundPhoto> photos = Drives(1);
+  const auto early = static_cast<long>(photos.size());
+  for (int drive = 1; drive < 60; ++drive) {
+    photos.push_back(PhotoAt(100));
+    photos.back().drive = drive;
+  }
+  std::vector<Eigen::Vector3d> ground = Ground(0, 20);
+  const long alone = CountChosen(ChoosePhotos(std::span(photos).first(static_cast<size_t>(early)), ground, 10));
+  for (const Eigen::Vector3d& place : Ground(95, 105)) ground.push_back(place);
+
+  const std::vector<bool> is_chosen = ChoosePhotos(photos, ground, 10);
+
+  EXPECT_EQ(std::count(is_chosen.begin(), is_chosen.begin() + early, true), alone);
 }
 
 TEST(ChoosePhotos, APhotoOfNoGroundIsNotRead) {

@@ -185,6 +185,23 @@ TEST(FuseSurface, ACellHasTheColourOfTheLatestDriveThatSawIt) {
   EXPECT_EQ(CellAt(surface, 6, 1)->color[0], 100);
 }
 
+TEST(FuseSurface, ADriveElsewhereDoesNotAgeACellWhateverTheTiles) {
+  std::vector<HeightObservation> flat;
+  for (double x = -2; x < 30; x += 0.4)
+    for (double y = -4; y < 4; y += 0.4) flat.push_back({{x, y, 0}, 1e4});
+  std::vector<PosedGroundPatch> patches{MakePatch(3, -2, 8, 2, 100, true), MakePatch(22, -2, 27, 2, 150, true),
+                                        MakePatch(3, -2, 8, 2, 200, true)};
+  for (size_t i = 0; i < patches.size(); ++i) patches[i].patch.drive = static_cast<int>(i);
+  for (GroundSample& sample : patches[2].patch.samples) sample.weight = 1e-4F * sample.weight;  // from afar: a tenth as near
+  for (const double tile_size : {6.0, 1000.0}) {
+    SurfaceOptions options;
+    options.tile_size = tile_size;
+    const SurfaceMap surface = FuseSurface(PatchesInMemory(patches), {}, {}, options, flat);
+    EXPECT_EQ(CellAt(surface, 6, 1)->color[0], 100) << tile_size;
+    EXPECT_EQ(CellAt(surface, 25, 1)->color[0], 150) << tile_size;
+  }
+}
+
 TEST(FuseSurface, WhatACarDroveOverIsFreeWhateverWasSeen) {
   const DrivenPath path = MakePath(5);
   std::vector<PosedGroundPatch> patches{MakePatch(0, -3, 8, 3, 100, true)};

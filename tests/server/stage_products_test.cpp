@@ -100,6 +100,7 @@ TEST_F(StageProductsTest, AFileOfOneResultIsSharedUntilItGrows) {
   Get(StageProducts({}, old_map_), first_key_);
   const std::filesystem::path old_file = old_map_ / "drive/loops.bin", new_file = new_map_ / "drive/loops.bin";
   const std::string before = ReadFile(old_file, 1 << 20);
+  std::filesystem::permissions(old_file, std::filesystem::perms::owner_read);  // as of a published map
 
   const StageProducts second(old_map_, new_map_);
   Get(second, first_key_);
@@ -107,6 +108,9 @@ TEST_F(StageProductsTest, AFileOfOneResultIsSharedUntilItGrows) {
   Get(second, second_key_);
 
   EXPECT_EQ(ReadFile(old_file, 1 << 20), before) << "a published map does not change";
+  EXPECT_NE(std::filesystem::status(new_file).permissions() & std::filesystem::perms::owner_write,
+            std::filesystem::perms::none)
+      << "only root may write without";
   EXPECT_FALSE(Get(StageProducts(new_map_, {}), first_key_).second);
   EXPECT_FALSE(Get(StageProducts(new_map_, {}), second_key_).second);
 }

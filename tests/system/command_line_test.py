@@ -255,6 +255,13 @@ class CommandLine(unittest.TestCase):
             self.assertEqual((unpinned / name).read_bytes(), (relative / name).read_bytes(), name)
         self.assertTrue(os.path.samefile(unpinned / "parked/ground.bin", relative / "parked/ground.bin"))
 
+        # A drive of the same name and stamps from another log is not taken for the one that was mapped.
+        (self.folder / "longer").mkdir()
+        longer = write_drive(self.folder / "longer/parked", seconds=5.0)
+        result = run("map", longer, "--from", relative, "--out", self.folder / "other", "--quiet")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("of another log", result.stderr)
+
         def refuse(*bad, names, status=1):
             self.refuse(drive, "--from", relative, *bad, status=status, names=names)
 
