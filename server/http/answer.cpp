@@ -9,11 +9,10 @@ namespace {
 
 constexpr int kMaxLimit = 200;
 
-std::int64_t Number(const std::string& text, const char* name) {
+std::optional<std::int64_t> Number(const std::string& text) {
   std::int64_t number = 0;
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
-  const bool is_number = parsed.ec == std::errc{} && parsed.ptr == text.data() + text.size();
-  Require(is_number, ErrorCode::kInvalidInput, std::string("'") + name + "' is not a value this service gave");
+  if (parsed.ec != std::errc{} || parsed.ptr != text.data() + text.size()) return std::nullopt;
   return number;
 }
 
@@ -36,11 +35,15 @@ std::optional<std::string> QueryParameter(const httplib::Request& request, const
 Page PageOf(const httplib::Request& request) {
   Page page;
   if (const auto limit = QueryParameter(request, "limit")) {
-    const std::int64_t number = Number(*limit, "limit");
+    const std::int64_t number = Number(*limit).value_or(0);
     Require(number >= 1 && number <= kMaxLimit, ErrorCode::kInvalidInput, "'limit' is a number from 1 to 200");
     page.limit = static_cast<int>(number);
   }
-  if (const auto cursor = QueryParameter(request, "cursor")) page.before = Number(*cursor, "cursor");
+  if (const auto cursor = QueryParameter(request, "cursor")) {
+    const std::optional<std::int64_t> before = Number(*cursor);
+    Require(before.has_value(), ErrorCode::kInvalidInput, "'cursor' is not a value this service gave");
+    page.before = *before;
+  }
   return page;
 }
 

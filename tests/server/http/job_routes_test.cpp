@@ -144,6 +144,8 @@ TEST_F(Jobs, AreListedByState) {
   ExpectProblem(client().Get("/api/v1/jobs?state=odd"), 400, "invalid_input");
   for (const char* query : {"?limit=0", "?limit=201", "?limit=x", "?cursor=x"})
     ExpectProblem(client().Get(std::string("/api/v1/jobs") + query), 400, "invalid_input");
+  const auto no_number = client().Get("/api/v1/jobs?limit=abc");
+  EXPECT_EQ(Json::parse(no_number->body).at("detail"), "'limit' is a number from 1 to 200");
 }
 
 TEST_F(Jobs, ThatDoNotExistAreNotFound) {

@@ -36,7 +36,10 @@ TEST_F(Uploads, BecomeAMapByThemselves) {
 }
 
 TEST_F(Uploads, OfNothingAreRefused) {
-  ExpectProblem(Upload(""), 400, "invalid_input");
+  const auto answer = Upload("");
+
+  ExpectProblem(answer, 400, "invalid_input");
+  EXPECT_EQ(Json::parse(answer->body).at("detail"), "the upload is empty");
   EXPECT_TRUE(Files().empty());
 }
 
