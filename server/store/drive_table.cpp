@@ -80,9 +80,10 @@ std::vector<std::string> DrivesOfSite(Connection& connection, const std::string&
 
 std::vector<std::string> UsableDrivesOfSite(Connection& connection, const std::string& site) {
   return Ids(connection.Query(R"(
-      SELECT id FROM drives d WHERE site = ? AND deleted_at IS NULL AND state NOT IN ('failed', 'received')
-        AND NOT EXISTS (SELECT 1 FROM drives later WHERE later.site = d.site AND later.sha256 = d.sha256
-                          AND later.sequence > d.sequence AND later.deleted_at IS NULL)
+      WITH usable AS (
+        SELECT * FROM drives WHERE site = ? AND deleted_at IS NULL AND state NOT IN ('failed', 'received'))
+      SELECT id FROM usable d
+        WHERE NOT EXISTS (SELECT 1 FROM usable later WHERE later.sha256 = d.sha256 AND later.sequence > d.sequence)
       ORDER BY sequence)",
                               site));
 }

@@ -53,6 +53,15 @@ TEST_F(Intake, MergingJobsMapEqualLogsOnce) {
   EXPECT_EQ(second.job.drives, std::vector{second.drive.id});
 }
 
+TEST_F(Intake, MergingJobsKeepALogWhoseLaterCopyIsNotUsable) {
+  const ReceivedDrive first = Receive(store_, "the same", {"a.bag", "lot", std::nullopt});
+  const ReceivedDrive cancelled = Receive(store_, "the same", {"b.bag", "lot", std::nullopt}, /*merge_drives=*/true);
+  CancelWaitingJob(store_, cancelled.job.id);
+  const ReceivedDrive third = Receive(store_, "another", {"c.bag", "lot", std::nullopt}, /*merge_drives=*/true);
+
+  EXPECT_EQ(third.job.drives, (std::vector{first.drive.id, third.drive.id}));
+}
+
 TEST_F(Intake, MergingJobsLeaveDrivesOutThatFailed) {
   const ReceivedDrive first = Receive(store_, "a log", {"a.bag", "lot", std::nullopt});
   FailJob(store_, *ClaimJob(store_), "invalid_input", "no IMU");
