@@ -50,8 +50,9 @@ void AddServeCommand(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("serve", "Run the service: uploads, jobs, maps, viewer");
   command->add_option("--data", options->data, "folder for everything the service keeps")->capture_default_str();
   command->add_option("--listen", options->listen, "HOST:PORT; port 0 takes a free one")->capture_default_str();
-  command->add_flag("--allow-public", options->allow_public,
-                    "listen on other than loopback addresses: anyone who reaches them may upload and delete");
+  command->add_flag(
+      "--allow-public", options->allow_public,
+      "listen on other than loopback addresses, to any Host: anyone who reaches them may upload and delete");
   command->add_flag("!--separate-drives", options->merge_drives,
                     "map each new drive by itself instead of joining it to its site");
   command->add_option("--web", options->web_root, "folder of the built viewer");

@@ -9,6 +9,7 @@
 #include "core/log.h"
 #include "server/http/connection.h"
 #include "server/http/connection_queue.h"
+#include "server/http/host_check.h"
 
 namespace parkade {
 namespace {
@@ -23,8 +24,8 @@ constexpr int kBacklog = 512;
 
 }  // namespace
 
-HttpServer::HttpServer(const Lifeline& lifeline, Metrics& metrics, int num_threads)
-    : lifeline_(lifeline), metrics_(metrics) {
+HttpServer::HttpServer(const Lifeline& lifeline, Metrics& metrics, int num_threads, bool any_host)
+    : lifeline_(lifeline), metrics_(metrics), any_host_(any_host) {
   new_task_queue = [num_threads] { return new ConnectionQueue(num_threads, kMaxWaitingConnections); };
   // Not SO_REUSEPORT, the library's default: two services would share a port.
   set_socket_options([](socket_t socket) {
@@ -75,6 +76,7 @@ void HttpServer::Serve(socket_t socket) {
       const auto head = connection.ReadHead(count == 1 ? kFirstRequestPatience : kKeepAlivePatience);
       if (!head) break;
       const std::int64_t body_length = CheckRequestHead(*head);
+      if (!any_host_) RefuseForeignHost(*head);
       connection.BeginRequest(ToText(*head, body_length), body_length);
     } catch (const HttpError& error) {
       ++metrics_.requests_refused;

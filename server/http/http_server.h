@@ -11,7 +11,8 @@ namespace parkade {
 /// to see only heads that are short, complete and checked.
 class HttpServer : public httplib::Server {
  public:
-  HttpServer(const Lifeline& lifeline, Metrics& metrics, int num_threads);
+  /// Requests have to name this machine as their Host, unless `any_host`.
+  HttpServer(const Lifeline& lifeline, Metrics& metrics, int num_threads, bool any_host);
   ~HttpServer() override;
 
   /// Binds; port 0 takes a free one. Returns the port. Throws Error{kUsage} when
@@ -24,6 +25,7 @@ class HttpServer : public httplib::Server {
 
   const Lifeline& lifeline_;
   Metrics& metrics_;
+  const bool any_host_;
 };
 
 }  // namespace parkade

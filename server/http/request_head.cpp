@@ -84,6 +84,20 @@ void RefuseForeignChange(const RequestHead& head) {
     throw HttpError({403, "foreign_origin", "requests that change something must come from this service's own page"});
 }
 
+/// Takes the host out of a target that names it, "http://HOST/PATH", as RFC 9112 (3.2.2) asks for: it stands for what
+/// the Host field says.
+void SplitAbsoluteTarget(RequestHead& head) {
+  constexpr std::string_view kScheme = "http://";
+  if (InLowerCase(head.target.substr(0, kScheme.size())) != kScheme) return;
+  const size_t end = std::min(head.target.find_first_of("/?", kScheme.size()), head.target.size());
+  const std::string host = head.target.substr(kScheme.size(), end - kScheme.size());
+  if (host.empty() || host.find('@') != std::string::npos) Refuse(400, "the request line is malformed");
+  head.target.erase(0, end);
+  if (!head.target.starts_with('/')) head.target.insert(0, "/");
+  for (auto& [field, value] : head.fields)
+    if (field == "host") value = host;
+}
+
 }  // namespace
 
 std::optional<std::string> RequestHead::Find(std::string_view name) const {
@@ -108,8 +122,8 @@ RequestHead ParseRequestHead(std::string_view text) {
   head.method = line.substr(0, first);
   head.target = line.substr(first + 1, last - first - 1);
   head.version = line.substr(last + 1);
-  const bool is_target = head.target.starts_with('/') && head.target.find(' ') == std::string::npos;
-  if (!IsToken(head.method) || !is_target || HasControlByte(head.target)) Refuse(400, "the request line is malformed");
+  if (!IsToken(head.method) || head.target.find(' ') != std::string::npos || HasControlByte(head.target))
+    Refuse(400, "the request line is malformed");
   if (head.version != "HTTP/1.1" && head.version != "HTTP/1.0") Refuse(505, "this service speaks HTTP/1.1");
 
   for (std::string_view field = next_line(); !field.empty(); field = next_line()) {
@@ -119,6 +133,8 @@ RequestHead ParseRequestHead(std::string_view text) {
     if (HasControlByte(value)) Refuse(400, "a header field holds control characters");
     head.fields.emplace_back(InLowerCase(field.substr(0, colon)), value);
   }
+  SplitAbsoluteTarget(head);
+  if (!head.target.starts_with('/')) Refuse(400, "the request line is malformed");
   return head;
 }
 

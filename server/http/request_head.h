@@ -26,7 +26,8 @@ struct RequestHead {
 
 /// Parses the text up to and including the empty line. Strict where RFC 9112
 /// allows to be: lines end with CR LF, names are tokens, no folding, no control
-/// bytes, also none written as %0d or %00. Throws HttpError{400, 505}.
+/// bytes, also none written as %0d or %00. A target that names the host,
+/// "http://HOST/PATH", sets the Host field. Throws HttpError{400, 505}.
 RequestHead ParseRequestHead(std::string_view text);
 
 /// Refuses what the HTTP library would get wrong or what costs memory before our

@@ -58,7 +58,7 @@ class Service::Parts {
         store_(options_.data),
         comparer_(store_.directory, options_.compare_command),
         viewer_(options_.web_root),
-        http_(lifeline_, metrics_, options_.num_threads) {
+        http_(lifeline_, metrics_, options_.num_threads, options_.allow_public) {
     store_.disk_reserve = options_.disk_reserve;
     ReconcileFiles(store_);
     const ListenAddress address = CheckedAddress(options_);

@@ -9,7 +9,7 @@ class Events : public RunningService {
   std::unique_ptr<RawClient> Listen(const std::string& fields = "") {
     client();
     auto listener = std::make_unique<RawClient>(service_->port());
-    listener->Send("GET /api/v1/events HTTP/1.1\r\nHost: h\r\n" + fields + "\r\n");
+    listener->Send("GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\n" + fields + "\r\n");
     EXPECT_NE(listener->ReceiveUntil("retry: 2000").find("text/event-stream"), std::string::npos);
     return listener;
   }

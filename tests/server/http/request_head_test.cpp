@@ -27,6 +27,16 @@ TEST(RequestHead, ReachesTheLibraryWithALengthAndWithoutRangeOrCompression) {
             "DELETE /x HTTP/1.1\r\nhost: h\r\nx-parkade-range: bytes=0-1\r\ncontent-length: 0\r\n\r\n");
 }
 
+TEST(RequestHead, TakesTheHostFromATargetThatNamesIt) {
+  const RequestHead head = ParseRequestHead("GET http://127.0.0.1:80/a?b=http://c HTTP/1.1\r\nHost: h\r\n\r\n");
+  EXPECT_EQ(head.target, "/a?b=http://c");
+  EXPECT_EQ(head.Find("host"), "127.0.0.1:80");
+
+  EXPECT_EQ(ParseRequestHead("GET http://h HTTP/1.1\r\nHost: h\r\n\r\n").target, "/");
+  EXPECT_EQ(ParseRequestHead("GET http://h?a HTTP/1.1\r\nHost: h\r\n\r\n").target, "/?a");
+  EXPECT_THROW(CheckRequestHead(ParseRequestHead("GET http://h/ HTTP/1.1\r\n\r\n")), HttpError);
+}
+
 TEST(RequestHead, OfAnActionNeedsNoLength) {
   for (const char* path : {"/api/v1/jobs/0/cancel", "/api/v1/jobs/0/retry", "/api/v1/sites/lot/maps"}) {
     const RequestHead head = ParseRequestHead(std::string("POST ") + path + " HTTP/1.1\r\nHost: h\r\n\r\n");

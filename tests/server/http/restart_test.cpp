@@ -93,7 +93,7 @@ TEST_F(Restart, AfterAKillMidUploadFindsNothingHalfWritten) {
   {
     ServiceProcess service(data_);
     RawClient raw(service.Port());
-    raw.Send("PUT /api/v1/drives?site=lot HTTP/1.1\r\nHost: h\r\nContent-Length: 90000000\r\n\r\nlog ok\n" +
+    raw.Send("PUT /api/v1/drives?site=lot HTTP/1.1\r\nHost: localhost\r\nContent-Length: 90000000\r\n\r\nlog ok\n" +
              std::string(5'000'000, 'x'));
     Eventually([&] { return !std::filesystem::is_empty(data_ / "tmp"); });
     service.End(SIGKILL);
@@ -193,7 +193,7 @@ TEST_F(Restart, SigtermLetsAnUploadEndAndPutsTheJobBack) {
   const std::string job = Upload(client, "log stubborn\n");
   Eventually([&] { return StateOf(client, job) == "running"; });
   RawClient raw(service.Port());
-  raw.Send("PUT /api/v1/drives?site=lot HTTP/1.1\r\nHost: h\r\nContent-Length: 7\r\n\r\nlog");
+  raw.Send("PUT /api/v1/drives?site=lot HTTP/1.1\r\nHost: localhost\r\nContent-Length: 7\r\n\r\nlog");
   Eventually([&] { return !std::filesystem::is_empty(data_ / "tmp"); });
 
   ::kill(service.pid(), SIGTERM);
