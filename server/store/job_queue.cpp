@@ -28,20 +28,29 @@ void SetStatesAfterEnd(Connection& connection, const Job& job, DriveState state,
   }
 }
 
+/// `named`, which have to be among the drives of a version, or else all of these that were not deleted meanwhile.
+std::vector<std::string> DrivesOfReview(Connection& connection, const std::string& site, std::int64_t version,
+                                        std::vector<std::string> named) {
+  std::vector<std::string> of_version;
+  for (const Drive& drive : FindMap(connection, site, version).drives) of_version.push_back(drive.id);
+  for (const std::string& drive : named)
+    Require(std::count(of_version.begin(), of_version.end(), drive) == 1, ErrorCode::kInvalidInput,
+            "drive '" + drive + "' is not in version " + std::to_string(version));
+  if (!named.empty()) return named;
+  const std::vector<std::string> of_site = DrivesOfSite(connection, site);
+  for (const std::string& drive : of_version)
+    if (std::count(of_site.begin(), of_site.end(), drive) == 1) named.push_back(drive);
+  Require(!named.empty(), ErrorCode::kConflict, "all drives of version " + std::to_string(version) + " were deleted");
+  return named;
+}
+
 }  // namespace
 
 Job QueueMap(Store& store, const std::string& site, std::vector<std::string> drives, bool merge_drives,
              const MapReview& review) {
   return store.database.Write([&](Connection& connection) {
     Require(HasSite(connection, site), ErrorCode::kNotFound, "there is no site '" + site + "'");
-    if (review.from_version) {
-      std::vector<std::string> of_version;
-      for (const Drive& drive : FindMap(connection, site, *review.from_version).drives) of_version.push_back(drive.id);
-      if (drives.empty()) drives = of_version;
-      for (const std::string& drive : drives)
-        Require(std::count(of_version.begin(), of_version.end(), drive) == 1, ErrorCode::kInvalidInput,
-                "drive '" + drive + "' is not in version " + std::to_string(*review.from_version));
-    }
+    if (review.from_version) drives = DrivesOfReview(connection, site, *review.from_version, std::move(drives));
     if (drives.empty()) drives = DrivesOfSite(connection, site);
     Require(!drives.empty(), ErrorCode::kInvalidInput, "site '" + site + "' has no drives to map");
     Require(merge_drives || drives.size() == 1, ErrorCode::kInvalidInput,

@@ -17,7 +17,8 @@ namespace parkade {
 /// Queues a job that maps `drives` of a site; all of the site's where empty.
 /// Throws Error{kNotFound} for an unknown site or drive, Error{kInvalidInput}
 /// when there is nothing to map, or several drives without `merge_drives`. With a review that starts from a version,
-/// the drives are that version's where none are named, and must be among them otherwise.
+/// the drives are that version's where none are named, without those deleted since (Error{kConflict} when none is
+/// left), and must be among them otherwise.
 Job QueueMap(Store& store, const std::string& site, std::vector<std::string> drives, bool merge_drives,
              const MapReview& review = {});
 

@@ -112,6 +112,30 @@ TEST_F(PublishedMap, IsWhereAReviewStarts) {
   EXPECT_THROW(QueueMap(store_, "lot", {}, false, {.from_version = 7}), Error);
 }
 
+TEST_F(PublishedMap, IsReviewedWithoutTheDrivesThatWereDeleted) {
+  Receive(store_, "another log", {"b.bag", "lot", std::nullopt});
+  PublishMap(store_, job_, Stage());
+  ClaimJob(store_);  // of b alone
+  const Job both = (QueueMap(store_, "lot", {}, true), *ClaimJob(store_));
+  const auto [a, b] = std::pair(both.drives.at(0), both.drives.at(1));
+  PublishMap(store_, both, Stage());
+  DeleteDrive(store_, a);
+
+  const Job review = QueueMap(store_, "lot", {}, true, {.from_version = 2});
+  EXPECT_EQ(review.drives, std::vector{b});
+  EXPECT_THROW(QueueMap(store_, "lot", {a}, true, {.from_version = 2}), Error) << "named by the caller";
+
+  CancelWaitingJob(store_, review.id);
+  DeleteDrive(store_, b);
+  try {
+    QueueMap(store_, "lot", {}, true, {.from_version = 2});
+    FAIL() << "queued";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kConflict);
+    EXPECT_STREQ(error.what(), "all drives of version 2 were deleted");
+  }
+}
+
 TEST_F(PublishedMap, NeedsAMeshAndAReport) {
   const auto staging = Stage();
   std::filesystem::remove(staging / "map.glb");
