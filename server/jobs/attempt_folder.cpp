@@ -13,6 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::vector<Drive> DrivesOf(Store& store, const Job& job) {
+  Require(!job.drives.empty(), ErrorCode::kInvalidInput, "all drives of this job were deleted");
   return store.database.Read([&](Connection& connection) {
     std::vector<Drive> drives;
     for (const std::string& id : job.drives) drives.push_back(FindDrive(connection, id));

@@ -76,11 +76,13 @@ Job QueueMap(Store& store, const std::string& site, std::vector<std::string> dri
 
 std::optional<Job> ClaimJob(Store& store) {
   return store.database.Write([&](Connection& connection) -> std::optional<Job> {
-    const std::optional<Job> job = OldestQueuedJob(connection);
-    if (!job) return std::nullopt;
-    StartJob(connection, job->id);
-    SetStates(connection, *job, DriveState::kProcessing);
-    return FindJob(connection, job->id);
+    const std::optional<Job> oldest = OldestQueuedJob(connection);
+    if (!oldest) return std::nullopt;
+    DropDeletedDrives(connection, oldest->id);
+    StartJob(connection, oldest->id);
+    const Job job = FindJob(connection, oldest->id);
+    SetStates(connection, job, DriveState::kProcessing);
+    return job;
   });
 }
 
@@ -129,17 +131,16 @@ bool CancelWaitingJob(Store& store, const std::string& id) {
 
 Job RetryJob(Store& store, const std::string& id) {
   return store.database.Write([&](Connection& connection) {
-    const Job job = FindJob(connection, id);
-    const bool can_retry = job.state == JobState::kFailed || job.state == JobState::kCancelled;
+    const JobState state = FindJob(connection, id).state;
+    const bool can_retry = state == JobState::kFailed || state == JobState::kCancelled;
     Require(can_retry, ErrorCode::kConflict,
-            "only a failed or cancelled job can be tried again: job '" + id + "' is " + ToText(job.state));
-    const std::vector<std::string> drives = DrivesOfSite(connection, job.site);
-    for (const std::string& drive : job.drives)
-      Require(std::count(drives.begin(), drives.end(), drive) == 1, ErrorCode::kConflict,
-              "drive '" + drive + "' of job '" + id + "' was deleted");
+            "only a failed or cancelled job can be tried again: job '" + id + "' is " + ToText(state));
+    DropDeletedDrives(connection, id);
     QueueJobAgain(connection, id);
+    const Job job = FindJob(connection, id);
+    Require(!job.drives.empty(), ErrorCode::kConflict, "all drives of job '" + id + "' were deleted");
     SetStates(connection, job, DriveState::kQueued);
-    return FindJob(connection, id);
+    return job;
   });
 }
 

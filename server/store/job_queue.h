@@ -22,7 +22,8 @@ namespace parkade {
 Job QueueMap(Store& store, const std::string& site, std::vector<std::string> drives, bool merge_drives,
              const MapReview& review = {});
 
-/// Takes the oldest queued job, if any, and starts an attempt of it.
+/// Takes the oldest queued job, if any, and starts an attempt of it, without the drives that were deleted since it was
+/// queued. These may have been all.
 std::optional<Job> ClaimJob(Store& store);
 
 /// How often a job is started by itself after its worker crashed.
@@ -45,7 +46,7 @@ void ReturnJob(Store& store, const Job& job);
 bool CancelWaitingJob(Store& store, const std::string& id);
 
 /// Queues a failed or cancelled job again. Throws Error{kNotFound},
-/// Error{kConflict} in another state or when a drive of it was deleted.
+/// Error{kConflict} in another state or when all drives of it were deleted.
 Job RetryJob(Store& store, const std::string& id);
 
 }  // namespace parkade

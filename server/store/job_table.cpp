@@ -96,6 +96,11 @@ std::int64_t CountJobs(Connection& connection, JobState state) {
   return query.Integer(0);
 }
 
+void DropDeletedDrives(Connection& connection, const std::string& id) {
+  connection.Execute(
+      "DELETE FROM job_drives WHERE job = ? AND drive IN (SELECT id FROM drives WHERE deleted_at IS NOT NULL)", id);
+}
+
 void StartJob(Connection& connection, const std::string& id) {
   connection.Execute(
       "UPDATE jobs SET state = ?, attempt = attempt + 1, started_at = ?, error = NULL, error_code = NULL WHERE id = ?",

@@ -25,6 +25,9 @@ std::vector<Job> ListJobs(Connection& connection, const Page& page, const std::o
 std::optional<Job> OldestQueuedJob(Connection& connection);
 std::int64_t CountJobs(Connection& connection, JobState state);
 
+/// Takes drives off the job's list that were deleted.
+void DropDeletedDrives(Connection& connection, const std::string& id);
+
 /// Queued -> running with attempt + 1.
 void StartJob(Connection& connection, const std::string& id);
 

@@ -39,10 +39,14 @@ class JobRunning : public StoreTest {
   Job JobNow() {
     return store_.database.Read([&](Connection& connection) { return FindJob(connection, received_.job.id); });
   }
-  Job WaitFor(JobState state) {
-    for (int i = 0; i < 2000 && JobNow().state != state; ++i) std::this_thread::sleep_for(milliseconds(10));
-    EXPECT_EQ(JobNow().state, state);
-    return JobNow();
+  Job WaitFor(JobState state) { return WaitFor(received_.job.id, state); }
+  Job WaitFor(const std::string& id, JobState state) {
+    const auto now = [&] {
+      return store_.database.Read([&](Connection& connection) { return FindJob(connection, id); });
+    };
+    for (int i = 0; i < 2000 && now().state != state; ++i) std::this_thread::sleep_for(milliseconds(10));
+    EXPECT_EQ(now().state, state);
+    return now();
   }
   void ExpectNoLeftOvers() {
     for (const std::string& name : ContentOf(store_.directory.JobsFolder())) {
@@ -172,6 +176,32 @@ TEST_F(JobRunning, TakesUpAJobOfAServiceThatDied) {
   int status = 0;
   EXPECT_EQ(::waitpid(stray, &status, 0), stray);
   EXPECT_EQ(WTERMSIG(status), SIGKILL);
+}
+
+TEST_F(JobRunning, MapsTheDrivesThatWereNotDeletedMeanwhile) {
+  const ReceivedDrive second = Receive(store_, "second", {"b.bag", "lot", std::nullopt}, /*merge_drives=*/true);
+  ASSERT_EQ(second.job.drives.size(), 2u);
+  CancelWaitingJob(store_, received_.job.id);
+  DeleteDrive(store_, received_.drive.id);
+  JobRunner runner(store_, events_, Shell(std::string(kMakeMap) + "cat $3 > $1/copy.txt"));
+
+  WaitFor(second.job.id, JobState::kDone);
+  const MapVersion map = store_.database.Read([](Connection& connection) { return FindMap(connection, "lot", 1); });
+  EXPECT_EQ(ReadFile(store_.directory.MapFolder(map.id) / "copy.txt"), "second");
+  ASSERT_EQ(map.drives.size(), 1u);
+  EXPECT_EQ(map.drives[0].id, second.drive.id);
+}
+
+TEST_F(JobRunning, SaysThatAllDrivesOfAJobWereDeleted) {
+  const std::string second = QueueMap(store_, "lot", {received_.drive.id}, true).id;
+  CancelWaitingJob(store_, second);  // and with it goes the hold on the drive
+  DeleteDrive(store_, received_.drive.id);
+  JobRunner runner(store_, events_, Shell(kMakeMap));
+
+  const Job job = WaitFor(JobState::kFailed);
+  EXPECT_EQ(job.error, "all drives of this job were deleted");
+  EXPECT_EQ(job.error_code, "invalid_input");
+  EXPECT_THROW(RetryJob(store_, job.id), Error);
 }
 
 TEST_F(JobRunning, EndsAnAttemptThatTakesTooLong) {

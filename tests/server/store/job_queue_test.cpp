@@ -17,6 +17,11 @@ class JobQueue : public StoreTest {
     return store_.database.Read([&](Connection& connection) { return FindDrive(connection, received_.drive.id); });
   }
 
+  void MakeReady(const std::string& drive) {
+    store_.database.Write(
+        [&](Connection& connection) { SetDriveState(connection, drive, DriveState::kReady, std::nullopt); });
+  }
+
   ReceivedDrive received_ = Receive(store_, "a log", {"a.bag", "lot", std::nullopt});
 };
 
@@ -96,6 +101,29 @@ TEST_F(JobQueue, OnlyEndedJobsAreRetriedAndOnlyWithTheirDrives) {
   CancelWaitingJob(store_, received_.job.id);
   DeleteDrive(store_, received_.drive.id);
   EXPECT_THROW(RetryJob(store_, received_.job.id), Error);
+}
+
+TEST_F(JobQueue, ADriveDeletedMeanwhileIsLeftOut) {
+  CancelWaitingJob(store_, received_.job.id);
+  MakeReady(received_.drive.id);
+  const ReceivedDrive second = Receive(store_, "second", {"b.bag", "lot", std::nullopt}, /*merge_drives=*/true);
+  ASSERT_EQ(second.job.drives.size(), 2u);
+
+  DeleteDrive(store_, received_.drive.id);
+
+  const std::optional<Job> claimed = ClaimJob(store_);
+  EXPECT_EQ(claimed->id, second.job.id);
+  EXPECT_EQ(claimed->drives, std::vector{second.drive.id});
+}
+
+TEST_F(JobQueue, AnEndedJobIsRetriedWithTheDrivesThatAreLeft) {
+  const ReceivedDrive second = Receive(store_, "second", {"b.bag", "lot", std::nullopt}, /*merge_drives=*/true);
+  CancelWaitingJob(store_, received_.job.id);
+  CancelWaitingJob(store_, second.job.id);
+  DeleteDrive(store_, received_.drive.id);
+
+  EXPECT_EQ(RetryJob(store_, second.job.id).drives, std::vector{second.drive.id});
+  EXPECT_EQ(ClaimJob(store_)->drives, std::vector{second.drive.id});
 }
 
 TEST_F(JobQueue, AMapIsBuiltFromChosenDrivesOfTheSite) {
