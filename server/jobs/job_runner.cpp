@@ -56,7 +56,7 @@ void JobRunner::RecoverJobs() {
       [](Connection& connection) { return ListJobs(connection, {.limit = 1000}, JobState::kRunning, std::nullopt); });
   for (const Job& job : left_over) {
     KillLeftOver(job);
-    RetryCrashedJob(store_, job, "the service ended while the job was running");
+    RecoverJob(store_, job);
     LogWarning("job recovered id=" + job.id + " attempt=" + std::to_string(job.attempt));
   }
 }

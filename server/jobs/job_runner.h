@@ -33,7 +33,8 @@ struct JobProgress {
 
 /// Takes jobs from the queue of the store, runs each in a worker process and
 /// publishes what it made. A job can crash its worker, never the service: a
-/// crashed worker is started again, at most kMaxCrashes times in all. Thread-safe.
+/// crashed worker is started again, at most kMaxCrashes times in all. Jobs that a
+/// service was at when it died are queued again by the next one. Thread-safe.
 class JobRunner {
  public:
   /// Puts jobs back into the queue that an earlier service left running, and

@@ -28,6 +28,12 @@ void SetStatesAfterEnd(Connection& connection, const Job& job, DriveState state,
   }
 }
 
+void Requeue(Store& store, const Job& job, Setback setback, const std::string& reason) {
+  store.database.Write([&](Connection& connection) {
+    if (RequeueJob(connection, job.id, job.attempt, setback, reason)) SetStates(connection, job, DriveState::kQueued);
+  });
+}
+
 /// `named`, which have to be among the drives of a version, or else all of these that were not deleted meanwhile.
 std::vector<std::string> DrivesOfReview(Connection& connection, const std::string& site, std::int64_t version,
                                         std::vector<std::string> named) {
@@ -103,20 +109,21 @@ void FinishCancelledJob(Store& store, const Job& job) {
 void RetryCrashedJob(Store& store, const Job& job, const std::string& sentence) {
   if (job.crashes + 1 >= kMaxCrashes) {
     FailJob(store, job, "crashed", sentence);
-    return;
+  } else {
+    Requeue(store, job, Setback::kCrash, sentence);
   }
-  store.database.Write([&](Connection& connection) {
-    if (RequeueJob(connection, job.id, job.attempt, /*crashed=*/true, sentence))
-      SetStates(connection, job, DriveState::kQueued);
-  });
 }
 
-void ReturnJob(Store& store, const Job& job) {
-  store.database.Write([&](Connection& connection) {
-    if (RequeueJob(connection, job.id, job.attempt, /*crashed=*/false, "the service was stopped"))
-      SetStates(connection, job, DriveState::kQueued);
-  });
+void RecoverJob(Store& store, const Job& job) {
+  const int ends = job.service_ends + 1;
+  if (ends >= kMaxServiceEnds) {
+    FailJob(store, job, "crashed", "the service ended " + std::to_string(ends) + " times while the job was running");
+  } else {
+    Requeue(store, job, Setback::kServiceEnd, "the service ended while the job was running");
+  }
 }
+
+void ReturnJob(Store& store, const Job& job) { Requeue(store, job, Setback::kStop, "the service was stopped"); }
 
 bool CancelWaitingJob(Store& store, const std::string& id) {
   return store.database.Write([&](Connection& connection) {

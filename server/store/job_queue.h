@@ -26,8 +26,11 @@ Job QueueMap(Store& store, const std::string& site, std::vector<std::string> dri
 /// queued. These may have been all.
 std::optional<Job> ClaimJob(Store& store);
 
-/// How often a job is started by itself after its worker crashed.
+/// How many attempts at a job may end by a crash of its worker.
 constexpr int kMaxCrashes = 3;
+/// The same for ends of the service. Mostly these have nothing to do with the job, but a job that takes the whole
+/// machine down must not do so for ever.
+constexpr int kMaxServiceEnds = 20;
 
 /// Ends an attempt that will not be tried again. Nothing happens when it is no
 /// longer the running one.
@@ -37,6 +40,10 @@ void FinishCancelledJob(Store& store, const Job& job);
 /// Puts an attempt whose worker crashed back into the queue, or fails it after
 /// kMaxCrashes crashes.
 void RetryCrashedJob(Store& store, const Job& job, const std::string& sentence);
+
+/// Puts an attempt back into the queue that an earlier service was at when it died, or fails it after kMaxServiceEnds
+/// of them.
+void RecoverJob(Store& store, const Job& job);
 
 /// Puts an attempt back into the queue that the service itself stopped.
 void ReturnJob(Store& store, const Job& job);

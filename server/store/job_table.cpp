@@ -11,7 +11,7 @@ namespace {
 
 const std::string kSelect = R"(
   SELECT sequence, id, site, state, attempt, crashes, error, error_code, pid, pid_started, map_version, created_at,
-         started_at, finished_at, review
+         started_at, finished_at, review, service_ends
   FROM jobs )";
 
 std::optional<std::string> ReviewToText(const MapReview& review) {
@@ -48,6 +48,7 @@ Job FromRow(Connection& connection, const Statement& row) {
   job.started_at = OptionalText(row, 12);
   job.finished_at = OptionalText(row, 13);
   job.review = ReviewFromText(OptionalText(row, 14));
+  job.service_ends = static_cast<int>(row.Integer(15));
   Statement drives = connection.Query("SELECT drive FROM job_drives WHERE job = ? ORDER BY position", job.id);
   while (drives.Step()) job.drives.push_back(drives.Text(0));
   return job;
@@ -122,17 +123,20 @@ bool EndJob(Connection& connection, const std::string& id, int attempt, const Jo
              Word(JobState::kRunning)) == 1;
 }
 
-bool RequeueJob(Connection& connection, const std::string& id, int attempt, bool crashed, const std::string& reason) {
+bool RequeueJob(Connection& connection, const std::string& id, int attempt, Setback setback,
+                const std::string& reason) {
   return connection.Execute(
-             R"(UPDATE jobs SET state = ?, crashes = crashes + ?, error = ?, pid = NULL, pid_started = NULL
+             R"(UPDATE jobs SET state = ?, crashes = crashes + ?, service_ends = service_ends + ?, error = ?,
+                                pid = NULL, pid_started = NULL
                 WHERE id = ? AND attempt = ? AND state = ?)",
-             Word(JobState::kQueued), crashed ? 1 : 0, reason, id, attempt, Word(JobState::kRunning)) == 1;
+             Word(JobState::kQueued), setback == Setback::kCrash ? 1 : 0, setback == Setback::kServiceEnd ? 1 : 0,
+             reason, id, attempt, Word(JobState::kRunning)) == 1;
 }
 
 void QueueJobAgain(Connection& connection, const std::string& id) {
   connection.Execute(
-      R"(UPDATE jobs SET state = ?, crashes = 0, error = NULL, error_code = NULL, started_at = NULL,
-                         finished_at = NULL WHERE id = ?)",
+      R"(UPDATE jobs SET state = ?, crashes = 0, service_ends = 0, error = NULL, error_code = NULL,
+                         started_at = NULL, finished_at = NULL WHERE id = ?)",
       Word(JobState::kQueued), id);
 }
 

@@ -43,11 +43,13 @@ struct JobEnd {
 /// Running -> an end. False when the attempt is not the running one.
 bool EndJob(Connection& connection, const std::string& id, int attempt, const JobEnd& end);
 
-/// Running -> queued. `crashed` counts towards the limit of automatic retries.
-/// False when the attempt is not the running one.
-bool RequeueJob(Connection& connection, const std::string& id, int attempt, bool crashed, const std::string& reason);
+/// Why an attempt ended without a result. Crashes and ends of the service are counted.
+enum class Setback { kCrash, kServiceEnd, kStop };
 
-/// Failed or cancelled -> queued, with the crashes forgotten.
+/// Running -> queued. False when the attempt is not the running one.
+bool RequeueJob(Connection& connection, const std::string& id, int attempt, Setback setback, const std::string& reason);
+
+/// Failed or cancelled -> queued, with the counts of interruptions forgotten.
 void QueueJobAgain(Connection& connection, const std::string& id);
 
 /// Queued -> cancelled. False when it is not queued.

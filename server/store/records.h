@@ -55,6 +55,7 @@ struct Job {
   JobState state = JobState::kQueued;
   int attempt = 0;                               ///< how often a worker was started
   int crashes = 0;                               ///< of these, ended by a signal since it was queued by hand
+  int service_ends = 0;                          ///< of these, ended because the service died, likewise
   std::optional<std::string> error;              ///< one sentence
   std::optional<std::string> error_code;         ///< "invalid_input", "crashed", ...
   std::optional<std::int64_t> pid, pid_started;  ///< of the running worker; start in clock ticks since boot

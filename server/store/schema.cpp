@@ -98,9 +98,12 @@ const std::vector<const char*> kVersion1 = {
 // What a review wants of the job, JSON; NULL: nothing.
 const std::vector<const char*> kVersion2 = {"ALTER TABLE jobs ADD COLUMN review TEXT"};
 
+// How often the service ended while the job was running, other than by being stopped.
+const std::vector<const char*> kVersion3 = {"ALTER TABLE jobs ADD COLUMN service_ends INTEGER NOT NULL DEFAULT 0"};
+
 // One entry per schema version, oldest first. A published entry never changes:
 // a change of the tables is a new entry.
-const std::vector<const std::vector<const char*>*> kMigrations = {&kVersion1, &kVersion2};
+const std::vector<const std::vector<const char*>*> kMigrations = {&kVersion1, &kVersion2, &kVersion3};
 
 }  // namespace
 

@@ -48,6 +48,12 @@ class JobRunning : public StoreTest {
     EXPECT_EQ(now().state, state);
     return now();
   }
+  /// What a service does at its start with the jobs of one that died.
+  void StartAfterDeath() {
+    JobRunnerOptions options = Shell("");
+    options.num_workers = 0;
+    const JobRunner runner(store_, events_, options);
+  }
   void ExpectNoLeftOvers() {
     for (const std::string& name : ContentOf(store_.directory.JobsFolder())) {
       EXPECT_EQ(name.find("/out/"), std::string::npos) << name;
@@ -176,6 +182,28 @@ TEST_F(JobRunning, TakesUpAJobOfAServiceThatDied) {
   int status = 0;
   EXPECT_EQ(::waitpid(stray, &status, 0), stray);
   EXPECT_EQ(WTERMSIG(status), SIGKILL);
+}
+
+TEST_F(JobRunning, AnEndOfTheServiceIsNoCrashOfTheWorker) {
+  for (int end = 1; end <= 5; ++end) {
+    ClaimJob(store_);
+    StartAfterDeath();
+    EXPECT_EQ(JobNow().state, JobState::kQueued);
+  }
+  JobRunner runner(store_, events_, Shell("kill -SEGV $$"));
+
+  EXPECT_EQ(WaitFor(JobState::kFailed).attempt, 5 + 3) << "the worker crashed three times";
+}
+
+TEST_F(JobRunning, GivesUpAJobThatTheServiceEndsWithTwentyTimes) {
+  for (int end = 1; end <= 20; ++end) {
+    ASSERT_TRUE(ClaimJob(store_)) << end;
+    StartAfterDeath();
+  }
+
+  EXPECT_EQ(JobNow().state, JobState::kFailed);
+  EXPECT_EQ(JobNow().error_code, "crashed");
+  EXPECT_EQ(JobNow().error, "the service ended 20 times while the job was running");
 }
 
 TEST_F(JobRunning, MapsTheDrivesThatWereNotDeletedMeanwhile) {
