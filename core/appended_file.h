@@ -39,7 +39,7 @@ class AppendedFile {
  private:
   void Write(std::uint64_t offset, std::string_view bytes);
 
-  std::string name_ = "a scratch file";  ///< for messages
+  std::string name_ = "a scratch file in $TMPDIR or /var/tmp";  ///< for messages
   int file_ = -1;
   std::uint64_t written_ = 0;
   std::string pending_;

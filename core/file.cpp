@@ -51,6 +51,21 @@ void ThrowErrno(const std::string& what, int error) {
   throw Error(is_full ? ErrorCode::kDiskFull : ErrorCode::kInternal, what + ": " + std::strerror(error));
 }
 
+void ThrowCannotWrite(const std::filesystem::path& file) {
+  constexpr std::uintmax_t kAlmostFull = std::uintmax_t{1} << 20;
+  std::error_code ignored;
+  const bool is_full = std::filesystem::space(file.parent_path(), ignored).available < kAlmostFull;
+  ThrowErrno("cannot write '" + file.string() + "'", is_full ? ENOSPC : EIO);
+}
+
+void CopyToWrite(const std::filesystem::path& from, const std::filesystem::path& to) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
+  if (error) ThrowCannotWrite(to);
+  fs::permissions(to, fs::perms::owner_write, fs::perm_options::add);
+}
+
 void WriteFileAtomically(const std::filesystem::path& file,
                          const std::function<void(const std::filesystem::path&)>& write) {
   const TemporaryFile temporary(file);

@@ -19,6 +19,12 @@ void WriteFileAtomically(const std::filesystem::path& file,
 /// Throws Error{kDiskFull} where `error` says so, else Error{kInternal}; `what` becomes the sentence's beginning.
 [[noreturn]] void ThrowErrno(const std::string& what, int error);
 
+/// The same of a stream that failed, which does not say why.
+[[noreturn]] void ThrowCannotWrite(const std::filesystem::path& file);
+
+/// A copy that can be written to, also of a read-only file. Throws as ThrowErrno.
+void CopyToWrite(const std::filesystem::path& from, const std::filesystem::path& to);
+
 /// Whole content. Throws Error{kNotFound}, or Error{kInvalidInput} above `max_bytes`.
 std::string ReadFile(const std::filesystem::path& file, std::size_t max_bytes = std::size_t{1} << 30);
 

@@ -113,6 +113,18 @@ void ObserveGroundOf(const DriveInWork& work, int drive, bool measures_heights, 
   ground.patches.Add(file, drive, site_from_body);
 }
 
+/// What of the logs was missing or lost, as far as they were read.
+void WarnOfLogs(const std::vector<DriveInWork>& drives, std::vector<std::string>& warnings) {
+  for (const DriveInWork& drive : drives) {
+    const DriveLogHealth health = drive.log->health();
+    const std::string name = "drive '" + drive.log->name() + "': ";
+    for (const std::string& warning : health.warnings) warnings.push_back(name + warning);
+    if (health.damage.is_truncated) warnings.push_back(name + "the log is cut off; what came after is not in the map");
+    if (!health.damage.ranges.empty())
+      warnings.push_back(name + "parts of the log are damaged and left out, see the health of the drive");
+  }
+}
+
 constexpr const char* kOdometryFile = "odometry.bin";
 
 OdometryResult ReadStoredOdometry(const DriveLog& log, const BuildScope& scope, const std::filesystem::path& file) {
@@ -236,6 +248,7 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
   PlaceInSite(options, stages, drives, built);
   for (const LeftOutDrive& drive : built.left_out)
     built.warnings.push_back("drive '" + drive.name + "' is left out: " + drive.reason);
+  WarnOfLogs(drives, built.warnings);
   PutOnEarth(options, scope, built);
   if (scope.on_placed) scope.on_placed(map);
   if (scope.is_odometry_only) return built;

@@ -20,9 +20,7 @@ struct Exporter {
 };
 
 void CopyFile(const path& from, const path& to) {
-  WriteFileAtomically(to, [&](const path& temporary) {
-    std::filesystem::copy_file(from, temporary, std::filesystem::copy_options::overwrite_existing);
-  });
+  WriteFileAtomically(to, [&](const path& temporary) { CopyToWrite(from, temporary); });
 }
 
 /// A format that is one of the map's own files.
@@ -110,6 +108,9 @@ const std::vector<ExportFormat>& ExportFormats() {
 }
 
 void ExportMap(const FinishedMap& map, const std::string& format, const path& out, const ExportOptions& options) {
+  const path folder = std::filesystem::absolute(out).lexically_normal().parent_path();
+  Require(std::filesystem::is_directory(folder), ErrorCode::kInvalidInput,
+          "cannot write '" + out.string() + "': there is no folder " + folder.string());
   std::string known;
   for (const Exporter& exporter : Exporters()) {
     if (exporter.format.name == format) return exporter.write(map, out, options);

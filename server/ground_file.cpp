@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "core/file.h"
 #include "core/log.h"
 #include "slam/binary_exchange.h"
 
@@ -95,7 +96,7 @@ void GroundFileWriter::Finish(const GroundObservation& observation) {
   stream_ << bytes;
   stream_.write(reinterpret_cast<const char*>(&tail), sizeof tail);
   stream_.close();
-  Require(!stream_.fail(), ErrorCode::kInternal, "cannot write '" + file_.string() + "'");
+  if (stream_.fail()) ThrowCannotWrite(file_);
 }
 
 GroundFile::GroundFile(const std::filesystem::path& file) : file_(::open(file.c_str(), O_RDONLY | O_CLOEXEC)) {}

@@ -1,7 +1,11 @@
 #include "server/output_folder.h"
 
+#include <signal.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
 #include <string>
 
 #include "core/error.h"
@@ -10,13 +14,31 @@ namespace parkade {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+constexpr const char* kStaging = ".staging.";  // and the process
+
+/// What processes that were ended in the middle left behind.
+void RemoveOrphans(const fs::path& folder) {
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename();
+    if (!name.starts_with(kStaging)) continue;
+    const int process = std::atoi(name.c_str() + std::strlen(kStaging));
+    if (process > 0 && ::kill(process, 0) != 0 && errno == ESRCH) fs::remove_all(entry.path(), ignored);
+  }
+}
+
+}  // namespace
+
 OutputFolder::OutputFolder(const fs::path& folder) : folder_(folder) {
   std::error_code error;
   is_made_here_ = !fs::exists(folder_, error);
   fs::create_directories(folder_, error);
   Require(fs::is_directory(folder_), ErrorCode::kInvalidInput,
           "cannot make the folder '" + folder_.string() + "'" + (error ? ": " + error.message() : ""));
-  staging_ = folder_ / (".staging." + std::to_string(::getpid()));
+  RemoveOrphans(folder_);
+  staging_ = folder_ / (kStaging + std::to_string(::getpid()));
   fs::remove_all(staging_, error);
   fs::create_directory(staging_, error);
   Require(!error, ErrorCode::kInvalidInput, "cannot write into '" + folder_.string() + "': " + error.message());

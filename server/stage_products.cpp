@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/error.h"
+#include "core/file.h"
 #include "core/log.h"
 #include "server/store/durable_file.h"
 
@@ -83,12 +84,6 @@ bool HoldsOneResult(const std::filesystem::path& file) {
   return !reader.Next();
 }
 
-/// Published files are read-only; a copy of one is not.
-void CopyToWrite(const std::filesystem::path& from, const std::filesystem::path& to) {
-  std::filesystem::copy_file(from, to);
-  std::filesystem::permissions(to, std::filesystem::perms::owner_write, std::filesystem::perm_options::add);
-}
-
 /// A copy of its own, where an older map shares the file.
 void StopSharing(const std::filesystem::path& file) {
   if (std::filesystem::hard_link_count(file) < 2) return;
@@ -122,7 +117,7 @@ void Append(const std::filesystem::path& file, const std::string& key,
   stream.seekp(begin);
   write_head(hash.Finish());
   stream.close();
-  Require(!stream.fail(), ErrorCode::kInternal, "cannot write '" + file.string() + "'");
+  if (stream.fail()) ThrowCannotWrite(file);
 }
 
 /// The whole file becomes the new map's, too, where it holds nothing else.
@@ -173,7 +168,7 @@ void LinkOrCopy(const std::filesystem::path& from, const std::filesystem::path& 
   std::filesystem::remove(to);
   std::error_code error;
   std::filesystem::create_hard_link(from, to, error);
-  if (error) CopyToWrite(from, to);
+  if (error) CopyToWrite(from, to);  // published files are read-only
 }
 
 std::string KeyOf(const std::vector<std::string>& parts) {

@@ -175,7 +175,17 @@ void AskForPreviews(const MapArguments& arguments, const LoopOptions& loops, Bui
   };
 }
 
+/// What the new map does not have would pass for its own.
+void RemoveRestOfOldMap(const std::filesystem::path& folder, const std::filesystem::path& staging) {
+  if (!std::filesystem::exists(folder / "report.json")) return;
+  std::vector<std::string> names = FinishedMap(folder).drives();
+  names.push_back("ortho.tif");
+  for (const std::string& name : names)
+    if (!std::filesystem::exists(staging / name)) std::filesystem::remove_all(folder / name);
+}
+
 void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Progress& progress) {
+  if (!arguments.from.empty()) FinishedMap(arguments.from);  // throws where there is none
   std::vector<SitePin> pins = PinsOf(arguments, options.pins);
   OutputFolder output(arguments.out);
   const OpenedLogs logs = OpenLogs(arguments);
@@ -190,6 +200,7 @@ void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Pro
   if (!arguments.preview.empty()) AskForPreviews(arguments, options.loops, scope);
   const BuiltMap built = BuildMap(logs.drives, options, scope, progress);
   WriteProducts(logs, built, options, std::move(inputs), progress, output.staging());
+  RemoveRestOfOldMap(arguments.out, output.staging());
   output.Commit();
   for (const std::string& warning : built.warnings) LogWarning(warning);
 }
@@ -212,6 +223,7 @@ int RunMap(const MapArguments& arguments) {
   if (!arguments.loops.empty()) SetOption("loops.method=" + arguments.loops, options);
   if (!arguments.freespace_model.empty()) options.ground.freespace_model = arguments.freespace_model;
   if (arguments.no_refine) options.refinement.enabled = false;
+  if (arguments.no_wheel) options.odometry.use_wheels = false;
   if (arguments.print_options) {
     std::printf("%s\n", OptionsToJson(options).dump(2).c_str());
     return 0;

@@ -34,6 +34,14 @@ Rig WithCameras(Rig rig, const std::vector<std::string>& names) {
   return rig;
 }
 
+/// Whether a folder of this name may lie in a map: not hidden, not taken by one of its own files.
+bool IsNameOfDrive(const std::string& name) {
+  if (name.empty() || name.front() == '.' || name == "tiles") return false;
+  const auto ends_so = [&](const char* extension) { return name.ends_with(extension); };
+  const auto of_files = {".json", ".geojson", ".glb", ".ply", ".png", ".pgw", ".tif", ".bin"};
+  return std::none_of(of_files.begin(), of_files.end(), ends_so);
+}
+
 /// Letters, digits, '-', '_' and '.' of the log's name without its extension.
 std::string DriveName(const fs::path& log) {
   fs::path path = fs::absolute(log).lexically_normal();
@@ -42,7 +50,7 @@ std::string DriveName(const fs::path& log) {
   std::string name = fs::is_directory(path) ? path.filename().string() : path.stem().string();
   for (char& c : name)
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_' && c != '.') c = '_';
-  return name.empty() ? "drive" : name;
+  return IsNameOfDrive(name) ? name : "drive" + name;
 }
 
 int DecodeThreads(const OpenLogOptions& options) {

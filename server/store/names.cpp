@@ -63,7 +63,7 @@ std::string PlainNameFromFilename(std::string_view filename) {
   std::string name;
   for (const char c : filename.substr(0, kMaxMadeNameLength)) name += IsPlain(c) && c != '.' ? c : '-';
   name.erase(name.begin(), std::find_if(name.begin(), name.end(), IsLetterOrDigit));
-  return name.empty() ? "drive" : name;
+  return name.empty() || name == "tiles" ? "drive" + name : name;  // a map has a folder tiles/ of its own
 }
 
 bool IsPlainPath(std::string_view path) {

@@ -49,6 +49,18 @@ TEST_F(Files, AFailedWriterLeavesTheOldFileAndNothingElse) {
   EXPECT_EQ(NumEntries(), 1U);
 }
 
+TEST_F(Files, ACopyOfAReadOnlyFileCanBeWritten) {
+  WriteFileAtomically(folder_ / "published", "old");
+  std::filesystem::permissions(folder_ / "published", std::filesystem::perms::owner_read);
+
+  CopyToWrite(folder_ / "published", folder_ / "copy");
+
+  EXPECT_EQ(ReadFile(folder_ / "copy"), "old");
+  EXPECT_NE(std::filesystem::status(folder_ / "copy").permissions() & std::filesystem::perms::owner_write,
+            std::filesystem::perms::none);
+  EXPECT_THROW(CopyToWrite(folder_ / "nothing", folder_ / "copy"), Error);
+}
+
 TEST_F(Files, ReadingSaysWhatIsWrong) {
   const auto code = [&](const fs::path& file, size_t max_bytes) {
     try {

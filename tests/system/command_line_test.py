@@ -9,6 +9,7 @@ import json
 import math
 import os
 import pathlib
+import shutil
 import signal
 import struct
 import subprocess
@@ -203,10 +204,10 @@ class CommandLine(unittest.TestCase):
         self.assertEqual(self.out.read_text(), "precious")
 
     def test_a_car_that_stands_still_is_mapped_without_moving(self):
-        drive = write_drive(self.folder / "parked", seconds=4.0)
+        drive = write_drive(self.folder / "tiles", seconds=4.0)  # a map has a folder of that name
         result = run("map", drive, "--out", self.out, "--quiet")
         self.assertEqual(result.returncode, 0, result.stderr)
-        poses = [line.split() for line in (self.out / "parked/trajectory.tum").read_text().splitlines() if line[0] != "#"]
+        poses = [line.split() for line in (self.out / "drivetiles/trajectory.tum").read_text().splitlines() if line[0] != "#"]
         self.assertGreater(len(poses), 70)
         self.assertLess(max(abs(float(value)) for pose in poses for value in pose[1:4]), 0.02)
         report = json.loads((self.out / "report.json").read_text())
@@ -255,6 +256,13 @@ class CommandLine(unittest.TestCase):
             self.assertEqual((unpinned / name).read_bytes(), (relative / name).read_bytes(), name)
         self.assertTrue(os.path.samefile(unpinned / "parked/ground.bin", relative / "parked/ground.bin"))
 
+        # Where a map lay, nothing of it passes for a part of the next one.
+        self.assertTrue((later / "ortho.tif").exists() and (later / "parked/trajectory.kml").exists())
+        (self.folder / "renamed").mkdir()
+        renamed = shutil.copytree(drive, self.folder / "renamed/moved")
+        (later / ".staging.99999999").mkdir()  # of a run that was ended
+        self.assertEqual(run("map", renamed, "--out", later, "--quiet").returncode, 0)
+        self.assertEqual([name for name in ("ortho.tif", "parked", ".staging.99999999") if (later / name).exists()], [])
         # A drive of the same name and stamps from another log is not taken for the one that was mapped.
         (self.folder / "longer").mkdir()
         longer = write_drive(self.folder / "longer/parked", seconds=5.0)
@@ -272,6 +280,11 @@ class CommandLine(unittest.TestCase):
         refuse(*pins[:2], "--pin", f"moved:-1.5,20,0=48,{east:.10f}", names=["no drive 'moved'"])
         refuse(*pins[:2], "--pin", "here", names=["'here'"])
         self.refuse(drive, *pins, status=2, names=["--from"])
+        self.refuse(drive, "--from", self.folder / "nowhere", status=1, names=["nowhere"])
+        for out in ("nowhere/map.glb", "relative/report.json/map.glb"):
+            result = run("export", relative, "--format", "glb", "--out", self.folder / out)
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertIn("there is no folder", result.stderr)
         self.refuse(drive, "--preview", preview, status=2, names=["--from"])
 
     def test_a_full_disk_is_said_and_leaves_nothing(self):

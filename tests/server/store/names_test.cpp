@@ -35,6 +35,7 @@ TEST(PlainName, RefusesWhatCouldBeAPathOrAnOption) {
 
 TEST(PlainNameFromFilename, KeepsWhatPeopleRecognise) {
   EXPECT_EQ(PlainNameFromFilename("lot.mcap"), "lot");
+  EXPECT_EQ(PlainNameFromFilename("tiles.mcap"), "drivetiles") << "a map has a folder tiles/ itself";
   EXPECT_EQ(PlainNameFromFilename("MH_01_easy.tar.gz"), "MH_01_easy");
   EXPECT_EQ(PlainNameFromFilename("2026-11-21 drive (3).bag"), "2026-11-21-drive--3-");
   EXPECT_EQ(PlainNameFromFilename("lot.v2.bag"), "lot-v2");
