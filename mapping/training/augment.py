@@ -8,6 +8,8 @@ import numpy as np
 
 from pictures import DRIVABLE, NOT_DRIVABLE, UNKNOWN
 
+EQUIDISTANT_FOCAL = 0.31  # of the simulator's fisheyes, in widths of the picture, to 2 %
+
 
 def affine_map(rng, source_size, size):
     """Random crop (or a little more than all), turn and stretch, as maps for cv2.remap."""
@@ -43,13 +45,28 @@ def bearing_of_fisheye(rng, size, half_angle):
     return np.stack([np.sin(theta) * u / radius, np.sin(theta) * v / radius, np.cos(theta)], -1)
 
 
+def turn(rng, rays, sigmas):
+    """Rays of a camera mounted otherwise, by random angles about x, y and z [degrees]."""
+    rotation, _ = cv2.Rodrigues(np.radians(rng.normal(0, sigmas)))
+    return rays @ rotation.T
+
+
+def other_fisheye_map(rng, source_size, size):
+    """A picture of the simulator's fisheyes as another fisheye, mounted otherwise, would see it."""
+    rays = turn(rng, bearing_of_fisheye(rng, size, np.radians(rng.uniform(55, 98))), [9, 9, 6])
+    focal = EQUIDISTANT_FOCAL * source_size[0]
+    along = np.hypot(rays[..., 0], rays[..., 1]) + 1e-9
+    radius = focal * np.arctan2(along, rays[..., 2]) / along
+    x = radius * rays[..., 0] + 0.5 * (source_size[0] - 1)
+    y = radius * rays[..., 1] + 0.5 * (source_size[1] - 1)
+    return x.astype(np.float32), y.astype(np.float32)
+
+
 def fisheye_map(rng, source_size, size):
     """A plain picture, taken to have a random field of view, as a random fisheye would see it."""
     source_focal = 0.5 * source_size[0] / np.tan(np.radians(rng.uniform(32, 55)))
     half_angle = np.arctan(0.5 * source_size[0] / source_focal) * rng.uniform(0.7, 1.15)
-    rays = bearing_of_fisheye(rng, size, half_angle)
-    rotation, _ = cv2.Rodrigues(np.radians(rng.normal(0, [7, 9, 5])))
-    rays = rays @ rotation.T
+    rays = turn(rng, bearing_of_fisheye(rng, size, half_angle), [7, 9, 5])
     depth = np.where(rays[..., 2] > 0.05, rays[..., 2], np.nan)
     x = rays[..., 0] / depth * source_focal + 0.5 * (source_size[0] - 1)
     y = rays[..., 1] / depth * source_focal + 0.5 * (source_size[1] - 1)
@@ -59,8 +76,8 @@ def fisheye_map(rng, source_size, size):
 def change_geometry(rng, picture, size):
     """Image and label of `size`; what lies off the picture is black and, mostly, unknown."""
     source_size = picture.image.shape[1::-1]
-    bends = not picture.is_fisheye and rng.random() < 0.6
-    x, y = (fisheye_map if bends else affine_map)(rng, source_size, size)
+    bend = other_fisheye_map if picture.is_fisheye else fisheye_map
+    x, y = (bend if rng.random() < 0.5 else affine_map)(rng, source_size, size)
     if rng.random() < 0.5:
         x, y = x[:, ::-1].copy(), y[:, ::-1].copy()
     outside = UNKNOWN if rng.random() < 0.7 else NOT_DRIVABLE

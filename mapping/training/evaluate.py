@@ -52,7 +52,7 @@ def main():
     parser.add_argument("onnx")
     parser.add_argument("--camvid", help="folder with images/ and labels/")
     parser.add_argument("--drive", action="append", default=[], help="a simulated drive with masks; may be repeated")
-    parser.add_argument("--size", default="320x208", help="of the network's input")
+    parser.add_argument("--size", default="640x384", help="of the network's input")
     parser.add_argument("--overlays", help="folder for pictures with what was found")
     arguments = parser.parse_args()
     size = tuple(int(number) for number in arguments.size.split("x"))

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes a checkpoint of train.py as ONNX for OpenCV's dnn, and checks that both give the same answer.
 
-    export.py freespace.pt freespace.onnx [--size 320x208]
+    export.py freespace.pt freespace.onnx [--size 640x384]
 """
 import argparse
 
@@ -36,11 +36,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("checkpoint")
     parser.add_argument("onnx")
-    parser.add_argument("--size", default="320x208", help="of the input: WxH, multiples of 16")
+    parser.add_argument("--size", default="640x384", help="of the input: WxH, multiples of 32")
     arguments = parser.parse_args()
     width, height = (int(number) for number in arguments.size.split("x"))
-    if width % 16 or height % 16:
-        raise SystemExit("the size must be in multiples of 16")
+    if width % 32 or height % 32:
+        raise SystemExit("the size must be in multiples of 32")
 
     network = load(arguments.checkpoint)
     torch.onnx.export(network, torch.zeros(1, 3, height, width), arguments.onnx, opset_version=OPSET,

@@ -1,8 +1,6 @@
-"""The network that tells drivable ground from everything else.
-
-An encoder-decoder with skip connections, small enough for one processor core: depthwise-separable convolutions where
-pictures are large or channels many, a few dense ones in between. Input: N x 3 x H x W, BGR, 0..255, H and W multiples
-of 16. Output: N x 1 x H/2 x W/2, the log-odds of "drivable".
+"""The free-space network: an encoder-decoder with skip connections, small enough for one processor core:
+depthwise-separable convolutions where pictures are large or channels many, a few dense ones in between. Input: N x 3 x
+H x W, BGR, 0..255, H and W multiples of 32. Output: N x 1 x H/2 x W/2, the log-odds of "drivable".
 """
 import torch
 from torch import nn
@@ -50,16 +48,19 @@ class Decoder(nn.Module):
 
 
 class FreespaceNetwork(nn.Module):
-    def __init__(self, widths=(16, 24, 48, 96, 192)):
+    def __init__(self, widths=(12, 24, 48, 96, 192)):
         super().__init__()
-        stem, half, quarter, eighth, sixteenth = widths
-        self.at_half = nn.Sequential(conv(3, stem, 3, 2), separable(stem, half))
+        half, quarter, eighth, sixteenth, deepest = widths
+        # Hardly more than colours at half of the resolution: it is for edges, and costs the most per channel.
+        self.at_half = conv(3, half, 3, 2)
         self.at_quarter = nn.Sequential(separable(half, quarter, 3, 2), Residual(conv(quarter, quarter)))
-        self.at_eighth = nn.Sequential(separable(quarter, eighth, 3, 2), Residual(conv(eighth, eighth)),
-                                    Residual(separable(eighth, eighth, 5)))
+        self.at_eighth = nn.Sequential(separable(quarter, eighth, 3, 2), Residual(conv(eighth, eighth)))
+        self.at_sixteenth = nn.Sequential(separable(eighth, sixteenth, 3, 2), Residual(conv(sixteenth, sixteenth)),
+                                          Residual(separable(sixteenth, sixteenth, 5)))
         # Wide kernels: whether grey is road depends on where in the picture it is.
-        self.at_sixteenth = nn.Sequential(separable(eighth, sixteenth, 5, 2),
-                                       *(Residual(separable(sixteenth, sixteenth, 7)) for _ in range(4)))
+        self.at_deepest = nn.Sequential(separable(sixteenth, deepest, 5, 2),
+                                        *(Residual(separable(deepest, deepest, 7)) for _ in range(4)))
+        self.to_sixteenth = Decoder(deepest, sixteenth)
         self.to_eighth = Decoder(sixteenth, eighth)
         self.to_quarter = Decoder(eighth, quarter)
         self.to_half = Decoder(quarter, half)
@@ -69,8 +70,9 @@ class FreespaceNetwork(nn.Module):
         half = self.at_half(picture * PIXEL_SCALE)
         quarter = self.at_quarter(half)
         eighth = self.at_eighth(quarter)
-        deep = self.to_eighth(self.at_sixteenth(eighth), eighth)
-        return self.head(self.to_half(self.to_quarter(deep, quarter), half))
+        sixteenth = self.at_sixteenth(eighth)
+        deep = self.to_sixteenth(self.at_deepest(sixteenth), sixteenth)
+        return self.head(self.to_half(self.to_quarter(self.to_eighth(deep, eighth), quarter), half))
 
 
 def count_parameters(network):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Trains the network for a given time on one processor core; see README.md.
+"""Trains the network for a given time on two processor cores, one of which makes the pictures; see README.md.
 
     nice train.py --camvid CAMVID --drives DRIVES --minutes 60 --out freespace.pt
 
@@ -19,27 +19,39 @@ import augment
 import pictures
 from network import FreespaceNetwork, count_parameters
 
-SIZE = (320, 208)  # of the network's input: width, height
-# Small pictures first: shapes and colours are learnt at a third of the cost. Until which part of the time, size.
-STAGES = ((0.35, (192, 128)), (0.6, (256, 160)), (1.0, SIZE))
-DRIVE_SCALE = 0.75  # at which simulated pictures are kept in memory
+SIZE = (640, 384)  # of the network's input: width, height
+# Small pictures first: shapes and colours are learnt at a fraction of the cost. Until which part of the time, size.
+STAGES = ((0.3, (320, 192)), (0.6, (448, 256)), (1.0, SIZE))
+EDGE_WEIGHT = 4.0  # of pixels at an outline, where others weigh 1: far ground is but a few rows of pixels
+EDGE_REACH = 1 / 100  # of the picture's width, to both sides
+PREFETCHED = 4  # batches
 
 
 def to_batch(images):
-    stacked = torch.from_numpy(np.stack(images)).permute(0, 3, 1, 2).float()
+    """N x H x W x 3 to what the network takes."""
+    stacked = torch.from_numpy(images).permute(0, 3, 1, 2).float()
     return stacked.contiguous(memory_format=torch.channels_last)
 
 
-def loss_of(log_odds, labels):
+def weights_of(label):
+    """H x W, float32: 0 where nothing is known, EDGE_WEIGHT at outlines of drivable ground, else 1."""
+    drivable = (label == pictures.DRIVABLE).astype(np.uint8)
+    reach = max(1, round(EDGE_REACH * label.shape[1]))
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
+    edge = cv2.morphologyEx(drivable, cv2.MORPH_GRADIENT, kernel)
+    return np.where(label == pictures.UNKNOWN, 0, np.where(edge, EDGE_WEIGHT, 1)).astype(np.float32)
+
+
+def loss_of(log_odds, labels, weights):
     """Cross entropy, which keeps probabilities honest, and soft IoU, which is what is asked for."""
     known = (labels != pictures.UNKNOWN).float()
     target = (labels == pictures.DRIVABLE).float()
-    entropy = (functional.binary_cross_entropy_with_logits(log_odds, target, reduction="none") * known).sum()
+    entropy = (functional.binary_cross_entropy_with_logits(log_odds, target, reduction="none") * weights).sum()
     probability = torch.sigmoid(log_odds) * known
     both = (probability * target).sum((1, 2))
     either = (probability + target * known).sum((1, 2)) - both
     soft_iou = ((both + 50) / (either + 50)).mean()
-    return entropy / known.sum().clamp(min=1) + 0.3 * (1 - soft_iou)
+    return entropy / weights.sum().clamp(min=1) + 0.3 * (1 - soft_iou)
 
 
 def size_at(progress):
@@ -57,7 +69,7 @@ def measure_iou(network, samples):
     with torch.no_grad():
         for picture in samples:
             image = cv2.resize(picture.image, SIZE, interpolation=cv2.INTER_AREA)
-            log_odds = upsample(network(to_batch([image])), picture.label.shape)[0].numpy()
+            log_odds = upsample(network(to_batch(image[None])), picture.label.shape)[0].numpy()
             known, truth = picture.label != pictures.UNKNOWN, picture.label == pictures.DRIVABLE
             found = (log_odds > 0) & known
             both += int((found & truth).sum())
@@ -65,12 +77,14 @@ def measure_iou(network, samples):
     return both / max(either, 1)
 
 
-class Samples:
-    """Batches of augmented pictures, from plain and fisheye lenses in fixed shares."""
+class Samples(torch.utils.data.IterableDataset):
+    """Batches of augmented pictures without end, from plain and fisheye lenses in fixed shares, made by a process of
+    their own. `progress` tells which part of the time is over."""
 
-    def __init__(self, plain, drives_folder, seed, share_of_plain=0.42):
+    def __init__(self, plain, drives_folder, arguments, progress, share_of_plain=0.3):
         self.plain, self.drives_folder, self.share_of_plain = plain, Path(drives_folder), share_of_plain
-        self.rng = np.random.default_rng(seed)
+        self.arguments, self.progress = arguments, progress
+        self.rng = np.random.default_rng(arguments.seed)
         self.known_drives, self.fisheye = set(), []
         self.take_in_new_drives()
 
@@ -78,17 +92,26 @@ class Samples:
         for drive in pictures.finished_drives(self.drives_folder):
             if drive not in self.known_drives:
                 self.known_drives.add(drive)
-                self.fisheye += pictures.load_drive(drive, DRIVE_SCALE)
+                self.fisheye += pictures.load_drive(drive)
+
+    def __iter__(self):
+        cv2.setNumThreads(1)
+        count = 0
+        while True:
+            count += 1
+            if count % 200 == 0:
+                self.take_in_new_drives()
+            yield self.batch(self.arguments.batch, size_at(self.progress()))
 
     def batch(self, count, size):
         images, labels = [], []
-        for i in range(count):
+        for _ in range(count):
             is_plain = not self.fisheye or (self.plain and self.rng.random() < self.share_of_plain)
             pool = self.plain if is_plain else self.fisheye
             image, label = augment.augment(self.rng, pool[self.rng.integers(len(pool))], size)
             images.append(image)
             labels.append(label)
-        return to_batch(images), torch.from_numpy(np.stack(labels))
+        return np.stack(images), np.stack(labels), np.stack([weights_of(label) for label in labels])
 
 
 def follow(average, network, decay):
@@ -116,13 +139,15 @@ def train(arguments):
     optimiser = torch.optim.AdamW([{"params": decays, "weight_decay": 0.02}, {"params": others, "weight_decay": 0.0}],
                                   lr=arguments.rate)
     plain = pictures.load_camvid(Path(arguments.camvid) / "train") if arguments.camvid else []
-    samples = Samples(plain, Path(arguments.drives) / "train", arguments.seed)
-    print(f"{count_parameters(network)} parameters, {len(plain)} plain pictures, {len(samples.fisheye)} of drives",
-          flush=True)
-
     begin = last_report = time.monotonic()
     budget, step, losses = 60 * arguments.minutes, 0, []
-    while True:
+    samples = Samples(plain, Path(arguments.drives) / "train", arguments,
+                      lambda: (time.monotonic() - begin) / budget if not arguments.resume else 1.0)
+    print(f"{count_parameters(network)} parameters, {len(plain)} plain pictures, {len(samples.fisheye)} of drives",
+          flush=True)
+    batches = torch.utils.data.DataLoader(samples, batch_size=None, num_workers=1, prefetch_factor=PREFETCHED,
+                                          collate_fn=lambda batch: batch)
+    for images, labels, weights in batches:
         elapsed = time.monotonic() - begin
         progress = elapsed / budget
         # The schedule follows the clock: on a shared machine nobody knows how many steps an hour has.
@@ -130,8 +155,8 @@ def train(arguments):
         for group in optimiser.param_groups:
             group["lr"] = rate
         network.train()
-        images, labels = samples.batch(arguments.batch, size_at(progress if not arguments.resume else 1.0))
-        loss = loss_of(upsample(network(images), labels.shape[1:]), labels)
+        labels = torch.from_numpy(labels)
+        loss = loss_of(upsample(network(to_batch(images)), labels.shape[1:]), labels, torch.from_numpy(weights))
         optimiser.zero_grad()
         loss.backward()
         torch.nn.utils.clip_grad_norm_(network.parameters(), 5.0)
@@ -143,14 +168,13 @@ def train(arguments):
         if is_over or time.monotonic() - last_report > 60 * arguments.report_minutes:
             last_report = time.monotonic()
             torch.save({"network": average.state_dict(), "steps": step, "size": SIZE}, arguments.out)
-            report(arguments, average, step, losses, samples, elapsed)
+            report(arguments, average, step, losses, elapsed)
             losses = []
-            samples.take_in_new_drives()
         if is_over:
             return
 
 
-def report(arguments, average, step, losses, samples, elapsed):
+def report(arguments, average, step, losses, elapsed):
     figures = []
     if arguments.camvid:
         val = pictures.load_camvid(Path(arguments.camvid) / "val")[:: arguments.val_stride]
@@ -158,8 +182,7 @@ def report(arguments, average, step, losses, samples, elapsed):
     for drive in pictures.finished_drives(Path(arguments.drives) / "val"):
         val = pictures.load_drive(drive)[:: arguments.val_stride]
         figures.append(f"{drive.name} {measure_iou(average, val):.4f}")
-    print(f"{elapsed / 60:.1f} min, step {step}, loss {np.mean(losses):.4f}, {len(samples.known_drives)} drives, IoU: "
-          + ", ".join(figures), flush=True)
+    print(f"{elapsed / 60:.1f} min, step {step}, loss {np.mean(losses):.4f}, IoU: " + ", ".join(figures), flush=True)
 
 
 def main():
@@ -173,7 +196,7 @@ def main():
     parser.add_argument("--rate", type=float, default=2e-3, help="learning rate at its highest")
     parser.add_argument("--batch", type=int, default=16)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--report-minutes", type=float, default=4)
+    parser.add_argument("--report-minutes", type=float, default=8)
     parser.add_argument("--val-stride", type=int, default=4, help="measure on every so many-th picture")
     train(parser.parse_args())
 
