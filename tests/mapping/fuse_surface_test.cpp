@@ -192,7 +192,8 @@ TEST(FuseSurface, ADriveElsewhereDoesNotAgeACellWhateverTheTiles) {
   std::vector<PosedGroundPatch> patches{MakePatch(3, -2, 8, 2, 100, true), MakePatch(22, -2, 27, 2, 150, true),
                                         MakePatch(3, -2, 8, 2, 200, true)};
   for (size_t i = 0; i < patches.size(); ++i) patches[i].patch.drive = static_cast<int>(i);
-  for (GroundSample& sample : patches[2].patch.samples) sample.weight = 1e-4F * sample.weight;  // from afar: a tenth as near
+  for (GroundSample& sample : patches[2].patch.samples)
+    sample.weight = 1e-4F * sample.weight;  // from afar: a tenth as near
   for (const double tile_size : {6.0, 1000.0}) {
     SurfaceOptions options;
     options.tile_size = tile_size;
