@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "core/parallel.h"
-#include "mapping/image_sampling.h"
 #include "mapping/meet_surface.h"
 
 namespace parkade {
@@ -26,9 +25,6 @@ constexpr float kCoveredLogOdds = -1;    // of what is covered
 constexpr double kMaxStretch = 1.5;      // of rays: MeetSurface goes no further
 constexpr double kMaxFootprint = 1.0;    // [m] that samples stand for reach less far from them
 constexpr size_t kPatchesPerBatch = 64;  // hits of so many patches are held at once
-constexpr int kColorTolerance = 30;      // of lightness; sights further off the median are not averaged
-constexpr int kAgeing = 8;      // a later drive over a cell makes sights so many times less near: days differ in light
-constexpr int kComparable = 2;  // times nearer than another, a sight has a say alone
 
 /// 1 right at the car, falling with distance: whose colour counts. Much slower than the variance of a height grows.
 double NearnessOf(const GroundSample& sample) {
@@ -172,20 +168,9 @@ void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> i
         Evidence& evidence = evidence_[hit.evidence];
         evidence.log_odds = std::clamp(evidence.log_odds + hit.log_odds, -limit, limit);
         (hit.log_odds > 0 ? evidence.seen_now : evidence.hidden_now) |= hit.view;
-        AddSight(hit.sight, evidence);
+        evidence.sights.Add(hit.sight, /*is_first=*/!std::exchange(evidence.is_hit, true));
       }
   }
-}
-
-void SurfacePainter::AddSight(const Sight& sight, Evidence& evidence) {
-  if (!std::exchange(evidence.is_hit, true))
-    for (Sight& earlier : evidence.sights)
-      if (earlier.nearness > 0) earlier.nearness = static_cast<std::uint8_t>(std::max(1, earlier.nearness / kAgeing));
-  if (sight.nearness <= evidence.sights.back().nearness) return;
-  size_t slot = kNumSights - 1;
-  for (; slot > 0 && evidence.sights[slot - 1].nearness < sight.nearness; --slot)
-    evidence.sights[slot] = evidence.sights[slot - 1];
-  evidence.sights[slot] = sight;
 }
 
 SurfacePainter::ViewSet SurfacePainter::ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point) {
@@ -249,37 +234,13 @@ void SurfacePainter::MarkDriven(const DrivenPath& path) {
   }
 }
 
-std::array<std::uint8_t, 3> SurfacePainter::MedianColor(const Evidence& evidence) {
-  std::array<std::pair<int, std::array<int, 3>>, kNumSights> sorted;
-  size_t count = 0;
-  for (const Sight& sight : evidence.sights) {
-    if (sight.nearness == 0 || kComparable * sight.nearness < evidence.sights[0].nearness) break;
-    const std::array<int, 3> bgr{sight.blue, sight.green, sight.red};
-    sorted[count++] = {Lightness(sight.blue, sight.green, sight.red), bgr};
-  }
-  if (count == 0) return {};
-  std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(count));
-  const int median = sorted[(count - 1) / 2].first;
-  std::array<int, 3> sum{};
-  int number = 0;
-  for (size_t i = 0; i < count; ++i) {
-    if (std::abs(sorted[i].first - median) > kColorTolerance) continue;
-    for (size_t c = 0; c < 3; ++c) sum[c] += sorted[i].second[c];
-    ++number;
-  }
-  const auto mean = [&](int value) { return static_cast<std::uint8_t>((value + number / 2) / number); };
-  return {mean(sum[2]), mean(sum[1]), mean(sum[0])};
-}
-
 std::vector<SurfacePainter::PaintedCell> SurfacePainter::Cells() const {
   const int cells_per_patch = cells_per_side_ * cells_per_side_;
   const auto cells_of = ParallelMap(painted_.size(), [&](size_t slot) {
     std::vector<PaintedCell> cells;
     const int patch = painted_[slot];
     const auto begin = evidence_.begin() + static_cast<std::ptrdiff_t>(slot) * cells_per_patch;
-    const auto is_known = [](const Evidence& evidence) {
-      return evidence.is_driven || evidence.sights[0].nearness > 0;
-    };
+    const auto is_known = [](const Evidence& evidence) { return evidence.is_driven || !evidence.sights.empty(); };
     if (std::none_of(begin, begin + cells_per_patch, is_known)) return cells;
     const Eigen::Vector2i corner = field_->IndexOf(patch) * cells_per_side_;
     for (int i = 0; i < cells_per_patch; ++i) {
@@ -291,8 +252,8 @@ std::vector<SurfacePainter::PaintedCell> SurfacePainter::Cells() const {
       painted.cell.height = static_cast<float>(field_->HeightAt(patch, center));
       painted.cell.height_sigma = static_cast<float>(field_->SigmaOf(patch));
       painted.cell.free_belief = 1 / (1 + std::exp(-evidence.log_odds));
-      painted.cell.color = MedianColor(evidence);
-      painted.is_seen = evidence.sights[0].nearness > 0;
+      painted.cell.color = evidence.sights.Color();
+      painted.is_seen = !evidence.sights.empty();
       painted.is_driven = evidence.is_driven;
     }
     return cells;

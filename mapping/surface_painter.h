@@ -1,13 +1,13 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "core/surface_map.h"
+#include "mapping/cell_sights.h"
 #include "mapping/driven_path.h"
 #include "mapping/height_field.h"
 #include "mapping/latest_drives.h"
@@ -57,26 +57,20 @@ class SurfacePainter {
   std::vector<PaintedCell> Cells() const;
 
  private:
-  static constexpr int kNumSights = 5;  ///< kept per cell: the nearest
-
   /// Directions and distances from which a cell was looked at: a bit each.
   using ViewSet = std::uint32_t;
 
-  struct Sight {
-    std::uint8_t blue = 0, green = 0, red = 0;
-    std::uint8_t nearness = 0;  ///< 0 = none
-  };
   struct Evidence {
     float log_odds = 0;
     bool is_driven = false;
-    bool is_hit = false;                     ///< in this drive
-    ViewSet seen_from = 0;                   ///< in earlier drives, as free ground
-    ViewSet seen_now = 0, hidden_now = 0;    ///< in this drive; hidden: seen as something else
-    std::array<Sight, kNumSights> sights{};  ///< nearest first
+    bool is_hit = false;                   ///< in this drive
+    ViewSet seen_from = 0;                 ///< in earlier drives, as free ground
+    ViewSet seen_now = 0, hidden_now = 0;  ///< in this drive; hidden: seen as something else
+    CellSights sights;
   };
   struct Hit {
     std::uint32_t evidence = 0;
-    Sight sight;
+    CellSights::Sight sight;
     float log_odds = 0;
     ViewSet view = 0;  ///< one bit, or none where it is not known well enough
   };
@@ -84,7 +78,6 @@ class SurfacePainter {
   void Paint(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path,
              const LatestDrives* latest);
   void EndDrive();
-  static void AddSight(const Sight& sight, Evidence& evidence);
   static ViewSet ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point);
   void AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds, ViewSet view,
               std::vector<Hit>& hits) const;
@@ -95,7 +88,6 @@ class SurfacePainter {
   bool IsPainted(int patch) const { return slots_[static_cast<size_t>(patch)] != HeightField::kNone; }
   std::uint32_t EvidenceAt(int patch, const Eigen::Vector2i& cell) const;
   Eigen::Vector2i CellAt(const Eigen::Vector2d& point_in_site) const;
-  static std::array<std::uint8_t, 3> MedianColor(const Evidence& evidence);
 
   const HeightField* field_;
   int cells_per_side_;
