@@ -25,9 +25,8 @@ struct GroundPhoto {
   Eigen::Array3f gain = Eigen::Array3f::Ones();  ///< of blue, green, red: brings the picture to the surface's light
 };
 
-constexpr float kComparable = 0.5F;  ///< of the best sight's steepness: a sight that has a say beside it
-constexpr float kEarlierShare =
-    0.125F;  ///< of its steepness that a sight keeps with each later drive that shows the place
+constexpr float kComparable = 0.5F;      ///< of the best sight's steepness: a sight that has a say beside it
+constexpr float kEarlierShare = 0.125F;  ///< of its steepness: what a sight keeps once a later drive shows the place
 
 /// Where a photo shows a point of the ground, and how steeply.
 struct GroundSight {

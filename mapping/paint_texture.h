@@ -44,8 +44,7 @@ struct TextureSource {
 /// on disk once they are done. In parallel over charts, the same every time, whatever the parts.
 ///
 /// \param views    images that showed ground, with their poses, drive by drive, the latest last; those of drives
-/// without
-///                 a source are not used
+///                 without a source are not used
 /// \param sources  at most one per drive
 GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface, std::span<const PatchView> views,
                            std::span<const TextureSource> sources, const TextureOptions& options = {});

@@ -175,13 +175,23 @@ void AskForPreviews(const MapArguments& arguments, const LoopOptions& loops, Bui
   };
 }
 
+/// Drives that an older map in this folder has; none where there is no map.
+std::vector<std::string> DrivesOfOldMap(const std::filesystem::path& folder) {
+  try {
+    return FinishedMap(folder).drives();
+  } catch (const Error&) {
+    return {};
+  }
+}
+
 /// What the new map does not have would pass for its own.
 void RemoveRestOfOldMap(const std::filesystem::path& folder, const std::filesystem::path& staging) {
-  if (!std::filesystem::exists(folder / "report.json")) return;
-  std::vector<std::string> names = FinishedMap(folder).drives();
+  std::vector<std::string> names = DrivesOfOldMap(folder);
+  if (names.empty()) return;
   names.push_back("ortho.tif");
-  for (const std::string& name : names)
-    if (!std::filesystem::exists(staging / name)) std::filesystem::remove_all(folder / name);
+  for (const std::filesystem::path name : names)
+    if (name.has_filename() && name == name.filename() && name.native().front() != '.' && !exists(staging / name))
+      std::filesystem::remove_all(folder / name);
 }
 
 void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Progress& progress) {

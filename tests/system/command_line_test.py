@@ -263,6 +263,11 @@ class CommandLine(unittest.TestCase):
         (later / ".staging.99999999").mkdir()  # of a run that was ended
         self.assertEqual(run("map", renamed, "--out", later, "--quiet").returncode, 0)
         self.assertEqual([name for name in ("ortho.tif", "parked", ".staging.99999999") if (later / name).exists()], [])
+        report = json.loads((later / "report.json").read_text())
+        report["drives"] = [{"name": name} for name in ("../relative", "..", ".", "", "/")]
+        (later / "report.json").write_text(json.dumps(report))
+        self.assertEqual(run("map", renamed, "--out", later, "--quiet").returncode, 0)
+        self.assertTrue((relative / "map.glb").exists() and (later / "moved").exists(), "what lies beside it is not its own")
         # A drive of the same name and stamps from another log is not taken for the one that was mapped.
         (self.folder / "longer").mkdir()
         longer = write_drive(self.folder / "longer/parked", seconds=5.0)
