@@ -102,9 +102,7 @@ void ChartPainter::BeginDrive(int drive) {
 void ChartPainter::StepBack(std::size_t texel) {
   if (is_shown_[texel]) return;
   is_shown_[texel] = true;
-  for (Sight& sight : sights_[texel])
-    if (sight.rank > 0)
-      sight.rank = static_cast<std::uint8_t>(std::max(1.0F, kEarlierShare * static_cast<float>(sight.rank)));
+  sights_[texel].StepBack();
 }
 
 void ChartPainter::Paint(const GroundPhoto& photo, double max_range) {
@@ -151,24 +149,20 @@ void ChartPainter::PaintBlock(const GroundPhoto& photo, const std::array<GroundS
           static_cast<std::size_t>(y) * static_cast<std::size_t>(blank_.height.cols) + static_cast<std::size_t>(x);
       StepBack(texel);
       Sights& sights = sights_[texel];
-      if (rank <= sights.back().rank) continue;
+      if (!sights.Wants(rank)) continue;
       const float u = (static_cast<float>(dx) + 0.5F) / kTexelsPerStep;
       const float v = (static_cast<float>(dy) + 0.5F) / kTexelsPerStep;
       const Eigen::Vector2f pixel = (1 - v) * ((1 - u) * corners[0].pixel + u * corners[1].pixel) +
                                     v * ((1 - u) * corners[2].pixel + u * corners[3].pixel);
       const std::array<float, 3> color = ColorAt(photo.image, pixel.x(), pixel.y());
-      std::size_t slot = kNumSights - 1;
-      for (; slot > 0 && sights[slot - 1].rank < rank; --slot) sights[slot] = sights[slot - 1];
-      sights[slot] = {ToByte(gain[0] * color[0]), ToByte(gain[1] * color[1]), ToByte(gain[2] * color[2]), rank};
+      sights.Add({ToByte(gain[0] * color[0]), ToByte(gain[1] * color[1]), ToByte(gain[2] * color[2]), rank});
     }
 }
 
 std::array<std::uint8_t, 3> ChartPainter::Agree(const Sights& sights) {
+  const std::size_t count = sights.CountComparable();
   std::array<int, kNumSights> lightness{};
-  std::size_t count = 0;
-  const float least_rank = std::max(1.0F, kComparable * static_cast<float>(sights[0].rank));
-  for (; count < kNumSights && static_cast<float>(sights[count].rank) >= least_rank; ++count)
-    lightness[count] = Lightness(sights[count].blue, sights[count].green, sights[count].red);
+  for (std::size_t i = 0; i < count; ++i) lightness[i] = Lightness(sights[i].blue, sights[i].green, sights[i].red);
   std::array<int, kNumSights> sorted = lightness;
   std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(count));
   const int median = sorted[(count - 1) / 2];
@@ -195,7 +189,7 @@ TextureChart ChartPainter::Finish(const CellFinder& cells) {
       const Sights& sights = sights_[static_cast<std::size_t>(row) * static_cast<std::size_t>(chart.image.cols) +
                                      static_cast<std::size_t>(column)];
       cv::Vec3b& texel = chart.image.at<cv::Vec3b>(row, column);
-      if (sights[0].rank > 0) {
+      if (!sights.empty()) {
         const auto [blue, green, red] = Agree(sights);
         texel = {blue, green, red};
         continue;

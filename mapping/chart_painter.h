@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/rig.h"
+#include "mapping/best_sights.h"
 #include "mapping/cell_finder.h"
 #include "mapping/contact_area.h"
 #include "mapping/texture_charts.h"
@@ -24,9 +25,6 @@ struct GroundPhoto {
   int drive = 0;                                 ///< that took it
   Eigen::Array3f gain = Eigen::Array3f::Ones();  ///< of blue, green, red: brings the picture to the surface's light
 };
-
-constexpr float kComparable = 0.5F;      ///< of the best sight's steepness: a sight that has a say beside it
-constexpr float kEarlierShare = 0.125F;  ///< of its steepness: what a sight keeps once a later drive shows the place
 
 /// Where a photo shows a point of the ground, and how steeply.
 struct GroundSight {
@@ -54,14 +52,10 @@ class ChartPainter {
   TextureChart Finish(const CellFinder& cells);
 
  private:
-  static constexpr int kNumSights = 4;      // kept per texel: the steepest
-  static constexpr int kTexelsPerStep = 4;  // between exact projections; linear inside
+  static constexpr std::size_t kNumSights = 4;  // kept per texel: the steepest
+  static constexpr int kTexelsPerStep = 4;      // between exact projections; linear inside
 
-  struct Sight {
-    std::uint8_t blue = 0, green = 0, red = 0;
-    std::uint8_t rank = 0;  ///< 1 + 254 steepness; 0 = none
-  };
-  using Sights = std::array<Sight, kNumSights>;
+  using Sights = BestSights<kNumSights>;  ///< rank: 1 + 254 steepness
 
   Eigen::Vector2d PlaceOf(double column, double row) const;
   GroundSight See(const GroundPhoto& photo, const Rigid3& camera_from_site, int column, int row,

@@ -70,7 +70,7 @@ class SurfacePainter {
   };
   struct Hit {
     std::uint32_t evidence = 0;
-    CellSights::Sight sight;
+    ColorSight sight;
     float log_odds = 0;
     ViewSet view = 0;  ///< one bit, or none where it is not known well enough
   };

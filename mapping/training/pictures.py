@@ -38,17 +38,14 @@ def load_camvid(folder):
     return pictures
 
 
-def load_drive(folder, scale=1.0):
-    """Pictures of a simulated drive. Scaled down they need less memory."""
+def load_drive(folder):
+    """Pictures of a simulated drive."""
     pictures = []
     for path in sorted(Path(folder).glob("mav0/cam*/data/*.jpg")):
         mask_path = path.parents[1] / "semantic" / "data" / (path.stem + ".png")
         if not mask_path.exists():
             continue
         image, label = read_image(path), read_image(mask_path, cv2.IMREAD_GRAYSCALE)
-        if scale != 1.0:
-            image = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-            label = cv2.resize(label, image.shape[1::-1], interpolation=cv2.INTER_NEAREST)
         pictures.append(Picture(f"{Path(folder).name}/{path.parents[1].name}/{path.stem}", image, label, True))
     return pictures
 

@@ -7,16 +7,16 @@ namespace {
 
 using Color = std::array<std::uint8_t, 3>;
 
-CellSights::Sight Grey(std::uint8_t value, std::uint8_t nearness) { return {value, value, value, nearness}; }
+ColorSight Grey(std::uint8_t value, std::uint8_t rank) { return {value, value, value, rank}; }
 
 TEST(CellSights, TheNearestThatAgreeAreAveraged) {
   CellSights sights;
   EXPECT_TRUE(sights.empty());
   EXPECT_EQ(sights.Color(), (Color{0, 0, 0}));
-  sights.Add({.blue = 10, .green = 100, .red = 60, .nearness = 200}, true);
+  sights.Add({.blue = 10, .green = 100, .red = 60, .rank = 200}, true);
   EXPECT_EQ(sights.Color(), (Color{60, 100, 10}));
-  sights.Add({.blue = 20, .green = 110, .red = 70, .nearness = 190}, false);
-  sights.Add({.blue = 30, .green = 120, .red = 80, .nearness = 180}, false);
+  sights.Add({.blue = 20, .green = 110, .red = 70, .rank = 190}, false);
+  sights.Add({.blue = 30, .green = 120, .red = 80, .rank = 180}, false);
   sights.Add(Grey(255, 199), false);  // a reflection
   EXPECT_EQ(sights.Color(), (Color{70, 110, 20}));
 }
