@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <new>
@@ -11,12 +12,18 @@
 namespace parkade {
 namespace {
 
+/// To take more than there is would fill the disk for everybody else before it fails.
+bool HasRoomFor(int file, std::size_t num_bytes) {
+  struct statvfs disk {};
+  return ::fstatvfs(file, &disk) == 0 && num_bytes / disk.f_frsize < disk.f_bavail;
+}
+
 /// A file of this length that nobody else sees, or -1. Its room is taken right away: to find the disk full while a page
 /// is written would end the program.
 int OpenFileOf(std::size_t num_bytes) {
   const int file = OpenNamelessFile();
   if (file < 0) return -1;
-  if (::posix_fallocate(file, 0, static_cast<off_t>(num_bytes)) == 0) return file;
+  if (HasRoomFor(file, num_bytes) && ::posix_fallocate(file, 0, static_cast<off_t>(num_bytes)) == 0) return file;
   ::close(file);
   return -1;
 }

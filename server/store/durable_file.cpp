@@ -64,6 +64,8 @@ std::string Sha256OfFile(const std::filesystem::path& file) {
 }
 
 GrowingFile::GrowingFile(std::filesystem::path path, std::int64_t expected_bytes) : path_(std::move(path)) {
+  // To reserve more than there is would take all of it from everybody else before it fails.
+  if (expected_bytes > FreeBytes(path_.parent_path())) ThrowErrno("cannot reserve space", ENOSPC);
   fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (fd_ < 0) ThrowErrno("cannot create a file in the data directory", errno);
   pending_.reserve(kWriteSize);

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <random>
+#include <thread>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -47,15 +50,27 @@ TEST(GrowingFile, IsGoneUnlessItWasKept) {
   EXPECT_TRUE(ContentOf(root.path()).empty());
 }
 
-TEST(GrowingFile, SaysThatTheDiskIsFullWhenTheReservationFails) {
+TEST(GrowingFile, RefusesMoreThanTheDiskHoldsAndLeavesItsRoomToOthers) {
   const TemporaryRoot root;
-  try {
-    GrowingFile file(root.path() / "growing", FreeBytes(root.path()) * 4);
-    GTEST_SKIP() << "this filesystem does not reserve space";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kDiskFull);
+  const std::int64_t free_bytes = FreeBytes(root.path());
+  std::atomic<bool> is_over = false;
+  std::int64_t least_free = free_bytes;
+  std::thread watch([&] {
+    while (!is_over) least_free = std::min(least_free, FreeBytes(root.path()));
+  });
+  for (int i = 0; i < 100; ++i) {
+    try {
+      GrowingFile file(root.path() / "growing", free_bytes * 4);
+      ADD_FAILURE() << "room for more than there is";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kDiskFull);
+    }
   }
+  is_over = true;
+  watch.join();
+
   EXPECT_TRUE(ContentOf(root.path()).empty());
+  EXPECT_GT(least_free, free_bytes / 2);
 }
 
 TEST(DataDirectory, BelongsToOneServiceAtATime) {
