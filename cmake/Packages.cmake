@@ -41,6 +41,7 @@ endfunction()
 parkade_imported(Pcl HEADER pcl/point_types.h SUBDIRS pcl-1.13
                  LIBRARIES pcl_common pcl_kdtree pcl_search pcl_octree pcl_sample_consensus
                            pcl_filters pcl_features pcl_segmentation flann_cpp lz4)
+parkade_imported(Cholmod HEADER cholmod.h SUBDIRS suitesparse LIBRARIES cholmod)
 parkade_imported(Tinygltf HEADER tiny_gltf.h LIBRARIES tinygltf)
 parkade_imported(GeoTiff HEADER geotiffio.h SUBDIRS geotiff LIBRARIES geotiff tiffxx tiff)
 parkade_imported(Draco HEADER draco/compression/encode.h LIBRARIES draco)

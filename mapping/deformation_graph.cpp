@@ -2,9 +2,8 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Sparse>
-#include <Eigen/SparseCholesky>
 
-#include "core/error.h"
+#include "mapping/solve_cholesky.h"
 
 namespace parkade {
 namespace {
@@ -39,9 +38,7 @@ class NormalEquations {
   Eigen::VectorXd Solve() const {
     Eigen::SparseMatrix<double> matrix(gradient_.size(), gradient_.size());
     matrix.setFromTriplets(entries_.begin(), entries_.end());
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver(matrix);
-    Require(solver.info() == Eigen::Success, ErrorCode::kInternal, "the deformation graph cannot be solved");
-    return solver.solve(-gradient_);
+    return SolveCholesky(matrix, -gradient_);
   }
 
  private:

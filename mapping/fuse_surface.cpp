@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "core/visit_once.h"
 #include "mapping/free_islands.h"
+#include "mapping/sort_cells.h"
 #include "mapping/surface_links.h"
 #include "mapping/surface_painter.h"
 
@@ -238,9 +239,7 @@ SurfaceMap FuseSurface(const PatchSource& patches, std::span<const DrivenPath> p
       const std::vector<PaintedCell> of_tile = PaintTile(tiles[end], patches, paths, latest, field, options);
       cells.insert(cells.end(), of_tile.begin(), of_tile.end());
     }
-    std::sort(cells.begin(), cells.end(), [](const PaintedCell& a, const PaintedCell& b) {
-      return std::tie(a.cell.y, a.cell.x, a.cell.height) < std::tie(b.cell.y, b.cell.x, b.cell.height);
-    });
+    SortCells(cells);
     collector.Add(cells);
   }
   SurfaceMap surface = std::move(collector).Finish();

@@ -1,13 +1,14 @@
 #include "mapping/height_field.h"
 
 #include <Eigen/Sparse>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "core/error.h"
+#include "core/floor_of.h"
+#include "mapping/solve_cholesky.h"
 
 namespace parkade {
 namespace {
@@ -22,12 +23,6 @@ Coefficients Bilinear(double fx, double fy) { return {(1 - fx) * (1 - fy), fx * 
 
 double Bilinear(const std::array<double, 4>& heights, double fx, double fy) {
   return (1 - fy) * (heights[0] + fx * (heights[1] - heights[0])) + fy * (heights[2] + fx * (heights[3] - heights[2]));
-}
-
-/// The largest whole number that is not above x: this is called for every sample of the ground.
-int FloorOf(double x) {
-  const int truncated = static_cast<int>(x);
-  return truncated - (x < truncated ? 1 : 0);
 }
 
 }  // namespace
@@ -62,9 +57,7 @@ class HeightField::NormalEquations {
     Eigen::SparseMatrix<double> matrix(right_side_.size(), right_side_.size());
     matrix.setFromTriplets(triplets_.begin(), triplets_.end());
     triplets_ = {};
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(matrix);
-    Require(factor.info() == Eigen::Success, ErrorCode::kInternal, "the heights of the ground have no solution");
-    return factor.solve(right_side_);
+    return SolveCholesky(matrix, right_side_);
   }
 
  private:
@@ -80,7 +73,7 @@ void HeightFieldOptions::Validate() const {
 }
 
 HeightField::HeightField(std::vector<HeightObservation> observations, const HeightFieldOptions& options)
-    : options_(options) {
+    : options_(options), squares_per_metre_(1 / options.spacing) {
   // The surest come first: they decide which decks there are.
   std::stable_sort(observations.begin(), observations.end(),
                    [](const HeightObservation& a, const HeightObservation& b) { return a.weight > b.weight; });
@@ -104,8 +97,7 @@ void HeightField::AddPatch(const Patch& patch) {
 void HeightField::MakePatches(const std::vector<HeightObservation>& observations) {
   for (const HeightObservation& observation : observations) {
     const Eigen::Vector3d& point = observation.point_in_site;
-    const int x = static_cast<int>(std::floor(point.x() / options_.spacing));
-    const int y = static_cast<int>(std::floor(point.y() / options_.spacing));
+    const int x = FloorOf(SquaresOf(point.x())), y = FloorOf(SquaresOf(point.y()));
     if (!HasPatchNear(x, y, point.z())) AddPatch({.x = x, .y = y, .guess = point.z(), .sigma = observation.Sigma()});
   }
 }
@@ -193,7 +185,7 @@ void HeightField::AddObservations(const std::vector<HeightObservation>& observat
     patch.sigma = std::min(patch.sigma, observation.Sigma());
     const double offset = is_first ? 0 : (point.z() - HeightAt(index, point.head<2>())) / options_.outlier_height;
     const double weight = observation.weight / ((1 + offset * offset) * (1 + offset * offset));
-    const Coefficients c = Bilinear(point.x() / options_.spacing - patch.x, point.y() / options_.spacing - patch.y);
+    const Coefficients c = Bilinear(SquaresOf(point.x()) - patch.x, SquaresOf(point.y()) - patch.y);
     const Eigen::Map<const Eigen::Vector4d> row(c.data());
     lefts[i] += weight * row * row.transpose();
     rights[i] += weight * point.z() * row;
@@ -207,7 +199,7 @@ int HeightField::FindPatch(const Eigen::Vector3d& point_in_site) const {
 }
 
 int HeightField::FindPatch(const Eigen::Vector3d& point_in_site, double& height) const {
-  const double x = point_in_site.x() / options_.spacing, y = point_in_site.y() / options_.spacing;
+  const double x = SquaresOf(point_in_site.x()), y = SquaresOf(point_in_site.y());
   const int column = FloorOf(x), row = FloorOf(y);
   const double fx = x - column, fy = y - row;
   int nearest = kNone;
@@ -222,9 +214,25 @@ int HeightField::FindPatch(const Eigen::Vector3d& point_in_site, double& height)
 
 double HeightField::HeightAt(int patch, const Eigen::Vector2d& point_in_site) const {
   const Patch& square = patches_[static_cast<size_t>(patch)];
-  const double fx = point_in_site.x() / options_.spacing - square.x;
-  const double fy = point_in_site.y() / options_.spacing - square.y;
+  const double fx = SquaresOf(point_in_site.x()) - square.x, fy = SquaresOf(point_in_site.y()) - square.y;
   return Bilinear(corners_[static_cast<size_t>(patch)], fx, fy);
+}
+
+int PatchFinder::Find(const Eigen::Vector3d& point_in_site, double& height) {
+  const double x = field_->SquaresOf(point_in_site.x()), y = field_->SquaresOf(point_in_site.y());
+  const int column = FloorOf(x), row = FloorOf(y);
+  if (column != column_ || row != row_) {
+    const int first = field_->patches_at_.First(column, row);
+    if (first != HeightField::kNone && field_->patches_at_.Next(first) != HeightField::kNone)
+      return field_->FindPatch(point_in_site, height);
+    column_ = column, row_ = row, patch_ = first;
+    if (first != HeightField::kNone) corners_ = field_->corners_[static_cast<size_t>(first)];
+  }
+  if (patch_ == HeightField::kNone) return HeightField::kNone;
+  const double here = Bilinear(corners_, x - column, y - row);
+  if (std::abs(here - point_in_site.z()) >= field_->options_.level_separation) return HeightField::kNone;
+  height = here;
+  return patch_;
 }
 
 }  // namespace parkade

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -66,7 +67,7 @@ class HeightField {
   template <typename Visitor>
   void VisitPatches(const Eigen::AlignedBox2d& box, const Visitor& visit) const {
     if (box.isEmpty()) return;
-    const auto index = [&](double coordinate) { return static_cast<int>(std::floor(coordinate / options_.spacing)); };
+    const auto index = [&](double coordinate) { return static_cast<int>(std::floor(SquaresOf(coordinate))); };
     for (int y = index(box.min().y()); y <= index(box.max().y()); ++y)
       for (int x = index(box.min().x()); x <= index(box.max().x()); ++x)
         for (int patch = patches_at_.First(x, y); patch != kNone; patch = patches_at_.Next(patch)) {
@@ -97,6 +98,8 @@ class HeightField {
     double sigma = 0;            ///< [m]
   };
   class NormalEquations;
+  friend class PatchFinder;
+  double SquaresOf(double coordinate) const { return coordinate * squares_per_metre_; }
   void MakePatches(const std::vector<HeightObservation>& observations);
   void AddRing();
   void MakeNodes();
@@ -108,10 +111,26 @@ class HeightField {
   void AddObservations(const std::vector<HeightObservation>& observations, bool is_first, NormalEquations& equations);
 
   HeightFieldOptions options_;
+  double squares_per_metre_;
   std::vector<Patch> patches_;
   PatchIndex patches_at_;
   std::vector<double> heights_;                 ///< [m] of the nodes
   std::vector<std::array<double, 4>> corners_;  ///< [m] of the patches' nodes: what is looked up is packed densely
+};
+
+/// HeightField::FindPatch for places of which most lie in the same square as the one before: those cost no look into
+/// the field. Borrows the field; for one thread.
+class PatchFinder {
+ public:
+  explicit PatchFinder(const HeightField& field) : field_(&field) {}
+
+  int Find(const Eigen::Vector3d& point_in_site, double& height);
+
+ private:
+  const HeightField* field_;
+  int column_ = std::numeric_limits<int>::min(), row_ = 0;  // of the last square
+  int patch_ = HeightField::kNone;                          // the only one there, if any
+  std::array<double, 4> corners_{};                         // [m] of it
 };
 
 }  // namespace parkade

@@ -7,6 +7,7 @@
 #include <set>
 #include <tuple>
 
+#include "core/largest_first.h"
 #include "core/parallel.h"
 #include "mapping/local_means.h"
 #include "mapping/meet_surface.h"
@@ -41,6 +42,7 @@ struct Block {
 std::vector<Sight> FindMeetings(const PosedGroundPatch& posed, const DrivenPath& path, const HeightField& field,
                                 const Eigen::AlignedBox2d& block, const MeasureHeightsOptions& options) {
   std::vector<Sight> meetings;
+  PatchFinder patches_at(field);
   const LocalMeans means(posed.patch.samples, kMeanSquare * options.window);
   const Eigen::Vector3d eye = posed.site_from_body * path.cameras_in_body[static_cast<size_t>(posed.patch.camera)];
   for (const GroundSample& sample : posed.patch.samples) {
@@ -50,7 +52,7 @@ std::vector<Sight> FindMeetings(const PosedGroundPatch& posed, const DrivenPath&
     if (block.exteriorDistance(point.head<2>().eval()) > 1.5 * kMargin) continue;
     const double distance = ray.norm();
     if (distance > options.max_distance || distance < kMinLever * (eye.z() - point.z())) continue;
-    if (MeetSurface(field, eye, point) == HeightField::kNone) continue;
+    if (MeetSurface(patches_at, eye, point) == HeightField::kNone) continue;
     const Eigen::Vector2d shift = -(point - eye).head<2>() / (eye.z() - point.z());
     meetings.push_back({(point.head<2>() - block.min()).cast<float>(), shift.cast<float>(),
                         LocalMeans::GreyOf(sample) - means.At(sample), sample.confidence});
@@ -198,7 +200,8 @@ std::vector<SweptWindow> SweepWindows(const PatchSource& patches, std::span<cons
   std::vector<SweptWindow> windows;
   for (const Block& block : MakeBlocks(patches.views(), paths, options)) {
     const std::map<size_t, std::vector<Sight>> meetings = MeetAll(block, patches, paths, field, options);
-    const auto of_tiles = ParallelMap(block.tiles.size(), [&](size_t t) {
+    const auto num_patches = [&](size_t t) { return block.tiles[t].patches.size(); };
+    const auto of_tiles = ParallelMapLargestFirst(block.tiles.size(), num_patches, [&](size_t t) {
       const Tile& tile = block.tiles[t];
       const Eigen::Vector2f tile_in_block = (tile.corner - block.box.min()).cast<float>();
       TileSweep sweep(shape);

@@ -18,12 +18,12 @@ constexpr double kHidingSigma = 0.05;  // [m] of ground that hides what is behin
 
 }  // namespace
 
-int MeetSurface(const HeightField& field, const Eigen::Vector3d& eye, Eigen::Vector3d& point) {
+int MeetSurface(PatchFinder& patches, const Eigen::Vector3d& eye, Eigen::Vector3d& point) {
   const Eigen::Vector3d ray = point - eye;
   double stretch = 1, last_stretch = 1, last_gap = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
     double height = 0;
-    const int patch = field.FindPatch(point, height);
+    const int patch = patches.Find(point, height);
     if (patch == HeightField::kNone) return HeightField::kNone;
     const double gap = height - point.z();
     if (std::abs(gap) < kTolerance) return patch;
@@ -35,7 +35,7 @@ int MeetSurface(const HeightField& field, const Eigen::Vector3d& eye, Eigen::Vec
     point = eye + stretch * ray;
   }
   double height = 0;
-  const int patch = field.FindPatch(point, height);
+  const int patch = patches.Find(point, height);
   return patch != HeightField::kNone && std::abs(height - point.z()) < kNotMet ? patch : HeightField::kNone;
 }
 

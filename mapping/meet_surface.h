@@ -9,7 +9,7 @@ namespace parkade {
 
 /// Where the ray from `eye` through `point` meets the surface: its patch, and `point` is moved there. kNone where it
 /// does not, or at so grazing an angle that it cannot be trusted.
-int MeetSurface(const HeightField& field, const Eigen::Vector3d& eye, Eigen::Vector3d& point);
+int MeetSurface(PatchFinder& patches, const Eigen::Vector3d& eye, Eigen::Vector3d& point);
 
 /// [m] Of the places in a box none that is higher is hidden from an eye, wherever else in the box it lies: no well
 /// known ground there is high enough.

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "core/error.h"
+#include "core/largest_first.h"
 #include "core/log.h"
 #include "core/parallel.h"
 #include "mapping/mesh_window.h"
@@ -55,15 +56,15 @@ std::vector<MeshPiece> MeshPieces(const SurfaceMap& surface, const MeshOptions& 
   const std::vector<MeshWindow> windows = CutIntoWindows(surface, options);
   // Many windows go side by side; of few, each one's tiles.
   const auto num_threads = static_cast<size_t>(NumThreads());
-  const size_t num_at_once = windows.size() < 2 * num_threads ? 1 : num_threads;
+  const size_t num_at_once = windows.size() < 2 * num_threads ? 1 : 4 * num_threads;
   for (size_t begin = 0; begin < windows.size(); begin += num_at_once) {
     if (num_at_once == 1) {
       add(MeshWindowOf(surface, windows[begin], options));
     } else {
       const size_t count = std::min(num_at_once, windows.size() - begin);
-      for (WindowMesh& mesh :
-           ParallelMap(count, [&](size_t i) { return MeshWindowOf(surface, windows[begin + i], options); }))
-        add(std::move(mesh));
+      const auto num_cells = [&](size_t i) { return windows[begin + i].num_cells; };
+      const auto mesh_of = [&](size_t i) { return MeshWindowOf(surface, windows[begin + i], options); };
+      for (WindowMesh& mesh : ParallelMapLargestFirst(count, num_cells, mesh_of)) add(std::move(mesh));
     }
     ReleaseMemory(surface.cells);
   }

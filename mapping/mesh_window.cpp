@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <set>
+#include <map>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -63,23 +63,28 @@ std::vector<MeshWindow> CutIntoWindows(const SurfaceMap& surface, const MeshOpti
   const auto window_of = [&](int cell) {
     return FloorDivide(static_cast<int>(std::floor(cell * surface.cell_size / kTileSize)), side);
   };
-  std::set<std::pair<int, int>> found;  // y, x
+  std::map<std::pair<int, int>, std::size_t> found;  // y, x -> cells
+  std::vector<std::size_t*> counts;                  // of the windows around the last cell
   Eigen::AlignedBox2i last;
   VisitOnce(surface.cells, [&](size_t i) {
     const SurfaceCell& cell = surface.cells[i];
     const Eigen::AlignedBox2i around(Eigen::Vector2i(window_of(cell.x - reach), window_of(cell.y - reach)),
                                      Eigen::Vector2i(window_of(cell.x + reach), window_of(cell.y + reach)));
-    if (around.min() == last.min() && around.max() == last.max()) return;
-    last = around;
-    for (int y = around.min().y(); y <= around.max().y(); ++y)
-      for (int x = around.min().x(); x <= around.max().x(); ++x) found.emplace(y, x);
+    if (around.min() != last.min() || around.max() != last.max()) {
+      last = around;
+      counts.clear();
+      for (int y = around.min().y(); y <= around.max().y(); ++y)
+        for (int x = around.min().x(); x <= around.max().x(); ++x) counts.push_back(&found[{y, x}]);
+    }
+    for (std::size_t* count : counts) ++*count;
   });
   std::vector<MeshWindow> windows;
-  for (const auto& [y, x] : found) {
+  for (const auto& [at, num_cells] : found) {
+    const auto& [y, x] = at;
     const Eigen::Array2i low = side * Eigen::Array2i(x, y), high = low + side;
     const Eigen::Array2i first = (low.cast<double>() * kTileSize / joined_size).floor().cast<int>() - kMargin;
     const Eigen::Array2i end = (high.cast<double>() * kTileSize / joined_size).ceil().cast<int>() + kMargin;
-    windows.push_back({{low.matrix(), high.matrix()}, {(first * factor).matrix(), (end * factor).matrix()}});
+    windows.push_back({{low.matrix(), high.matrix()}, {(first * factor).matrix(), (end * factor).matrix()}, num_cells});
   }
   return windows;
 }

@@ -23,6 +23,7 @@ struct MeshPiece {
 struct MeshWindow {
   Eigen::AlignedBox2i tiles;  ///< squares of SimplifySheetOptions::tile_size; the last is the one before max()
   Eigen::AlignedBox2i cells;  ///< with those around, so that within `tiles` all is as if the whole site were there
+  std::size_t num_cells = 0;  ///< about as many hold something
 };
 
 /// The windows of about `options.window_size` that may hold triangles, by row, then column.

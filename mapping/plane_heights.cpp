@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/floor_of.h"
 #include "core/parallel.h"
 #include "mapping/estimate_lean.h"
 
@@ -27,9 +28,8 @@ double PlaneHeights::Sum::SureWeight() const {
 }
 
 PlaneHeights::Square PlaneHeights::SquareOf(const Eigen::Vector3d& point) const {
-  const auto index = [](double value, double step) { return static_cast<int>(std::floor(value / step)); };
-  return {index(point.z(), options_.level_separation), index(point.y(), options_.spacing),
-          index(point.x(), options_.spacing)};
+  return {FloorOf(point.z() * levels_per_metre_), FloorOf(point.y() * squares_per_metre_),
+          FloorOf(point.x() * squares_per_metre_)};
 }
 
 void PlaneHeights::Add(const PosedGroundPatch& posed, const DrivenPath* path) {
@@ -47,8 +47,8 @@ void PlaneHeights::Add(const PosedGroundPatch& posed, const DrivenPath* path) {
     const Square square = SquareOf(point);
     if (here == nullptr || square != last) here = &sums_[square], last = square;
     // Of planes that disagree the nearest car's is right, however well they agree elsewhere.
-    const double variance = 1 / static_cast<double>(sample.weight);
-    here->Add(point, 1 / (variance + kLeastPlaneVariance), 1 / (share * variance + kLeastPlaneVariance));
+    const auto weight = static_cast<double>(sample.weight), sureness = kLeastPlaneVariance * weight;
+    here->Add(point, weight / (1 + sureness), weight / (share + sureness));
   }
 }
 

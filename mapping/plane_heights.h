@@ -16,7 +16,8 @@ namespace parkade {
 /// deck.
 class PlaneHeights {
  public:
-  explicit PlaneHeights(const HeightFieldOptions& options = {}) : options_(options) {}
+  explicit PlaneHeights(const HeightFieldOptions& options = {})
+      : squares_per_metre_(1 / options.spacing), levels_per_metre_(1 / options.level_separation) {}
 
   /// `path` is that of its drive, or null.
   void Add(const PosedGroundPatch& posed, const DrivenPath* path);
@@ -51,7 +52,7 @@ class PlaneHeights {
 
   Square SquareOf(const Eigen::Vector3d& point) const;
 
-  HeightFieldOptions options_;
+  double squares_per_metre_, levels_per_metre_;
   std::map<Square, Sum> sums_;
 };
 

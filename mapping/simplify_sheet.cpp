@@ -13,7 +13,7 @@
 #include <tuple>
 #include <unordered_map>
 
-#include "core/parallel.h"
+#include "core/largest_first.h"
 
 namespace parkade {
 namespace {
@@ -188,7 +188,8 @@ std::vector<SheetPiece> SimplifyPieces(const VoxelSheet& sheet, const Colors& co
     const Eigen::Array2i at(group.first.second, group.first.first);
     if (!wanted || ((at >= wanted->min().array()).all() && (at < wanted->max().array()).all())) tiles.push_back(&group);
   }
-  return ParallelMap(tiles.size(), [&](size_t i) {
+  const auto num_triangles = [&](size_t i) { return tiles[i]->second.size(); };
+  return ParallelMapLargestFirst(tiles.size(), num_triangles, [&](size_t i) {
     SheetPiece piece = Simplify(CutTile(sheet, tiles[i]->second), colors, is_seam, options);
     std::tie(piece.row, piece.column) = tiles[i]->first;
     return piece;

@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "mapping/meet_surface.h"
+#include "mapping/sort_cells.h"
 
 namespace parkade {
 namespace {
@@ -25,6 +26,8 @@ constexpr float kCoveredLogOdds = -1;    // of what is covered
 constexpr double kMaxStretch = 1.5;      // of rays: MeetSurface goes no further
 constexpr double kMaxFootprint = 1.0;    // [m] that samples stand for reach less far from them
 constexpr size_t kPatchesPerBatch = 64;  // hits of so many patches are held at once
+constexpr size_t kShares = 4;            // into which their cells are divided among threads, so many after each other
+constexpr size_t kCellsInARow = 64;      // to each
 
 /// 1 right at the car, falling with distance: whose colour counts. Much slower than the variance of a height grows.
 double NearnessOf(const GroundSample& sample) {
@@ -134,13 +137,14 @@ std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PatchView& view,
   const Eigen::AlignedBox2d reach = ReachOf(view, has_eye ? &eye : nullptr);
   const LatestDrives::Share share = latest ? latest->ShareOf(view) : LatestDrives::Share{};
   const bool is_all_in_reach = reach_.contains(reach);
+  PatchFinder patches(*field_);
   const double highest_hidden = has_eye ? HighestHidden(*field_, eye, reach) : 0;
   for (const GroundSample& sample : patch.samples) {
     if (sample.confidence <= 0) continue;
     Eigen::Vector3d point = view.site_from_body * sample.point_in_body.cast<double>();
     if (!is_all_in_reach && !IsInReach(has_eye ? &eye : nullptr, point)) continue;
     if (latest != nullptr && !share.Counts(point.head<2>())) continue;
-    const int found = has_eye ? MeetSurface(*field_, eye, point) : field_->FindPatch(point);
+    const int found = has_eye ? MeetSurface(patches, eye, point) : field_->FindPatch(point);
     if (found == HeightField::kNone) continue;
     if (has_eye && point.z() < highest_hidden && IsHidden(*field_, eye, point)) continue;
     const double distance = has_eye ? (point - eye).head<2>().norm() : 0;
@@ -163,13 +167,17 @@ void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> i
     const auto hits_of = ParallelMap(batch.size(), [&](size_t i) {
       return FindHits(patches.views()[batch[i]], patches.Read(batch[i]).patch, path, latest);
     });
-    for (const std::vector<Hit>& hits : hits_of)
-      for (const Hit& hit : hits) {
-        Evidence& evidence = evidence_[hit.evidence];
-        evidence.log_odds = std::clamp(evidence.log_odds + hit.log_odds, -limit, limit);
-        (hit.log_odds > 0 ? evidence.seen_now : evidence.hidden_now) |= hit.view;
-        evidence.sights.Add(hit.sight, /*is_first=*/!std::exchange(evidence.is_hit, true));
-      }
+    // Each thread has cells of its own, so that those of a cell come in order.
+    ParallelFor(kShares, [&](size_t share) {
+      for (const std::vector<Hit>& hits : hits_of)
+        for (const Hit& hit : hits) {
+          if (hit.evidence / kCellsInARow % kShares != share) continue;
+          Evidence& evidence = evidence_[hit.evidence];
+          evidence.log_odds = std::clamp(evidence.log_odds + hit.log_odds, -limit, limit);
+          (hit.log_odds > 0 ? evidence.seen_now : evidence.hidden_now) |= hit.view;
+          evidence.sights.Add(hit.sight, /*is_first=*/!std::exchange(evidence.is_hit, true));
+        }
+    });
   }
 }
 
@@ -260,9 +268,7 @@ std::vector<SurfacePainter::PaintedCell> SurfacePainter::Cells() const {
   });
   std::vector<PaintedCell> all;
   for (const auto& cells : cells_of) all.insert(all.end(), cells.begin(), cells.end());
-  std::sort(all.begin(), all.end(), [](const PaintedCell& a, const PaintedCell& b) {
-    return std::tie(a.cell.y, a.cell.x, a.cell.height) < std::tie(b.cell.y, b.cell.x, b.cell.height);
-  });
+  SortCells(all);
   return all;
 }
 

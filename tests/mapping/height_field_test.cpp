@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+#include <set>
+
 #include "core/error.h"
 
 namespace parkade {
@@ -73,6 +76,30 @@ TEST(HeightField, TwoDecksStayApart) {
   EXPECT_NEAR(HeightOf(field, 5, 3, 0.2), 0.0, 1e-3);
   EXPECT_NEAR(HeightOf(field, 5, 3, 2.5), 2.8, 1e-3);
   EXPECT_NE(field.FindPatch({5, 3, 0.2}), field.FindPatch({5, 3, 2.5}));
+}
+
+TEST(PatchFinder, FindsWhatTheFieldFinds) {
+  Observations observations = Observe([](double x, double y) { return 0.05 * x + 0.02 * y; }, 1000);
+  for (const HeightObservation& above : Observe([](double, double) { return 2.8; }, 500))
+    if (above.point_in_site.x() < 4) observations.push_back(above);
+  const HeightField field(observations, {});
+  PatchFinder patches(field);
+
+  std::mt19937 random(5);
+  std::normal_distribution<double> step(0, 0.15);
+  std::set<int> found;
+  Eigen::Vector3d point(5, 3, 0.5);
+  for (int i = 0; i < 20'000; ++i) {
+    if (i % 500 == 0) point = {5, 3, 0.5};
+    point += Eigen::Vector3d(step(random), step(random), step(random));
+    double height = -1, expected_height = -1;
+    const int expected = field.FindPatch(point, expected_height);
+    ASSERT_EQ(patches.Find(point, height), expected) << point.transpose();
+    ASSERT_EQ(height, expected_height);
+    found.insert(expected);
+  }
+  EXPECT_GT(found.size(), 400U);
+  EXPECT_TRUE(found.contains(HeightField::kNone));
 }
 
 TEST(HeightField, NothingIsKnownFarFromObservations) {

@@ -16,7 +16,8 @@ HeightField RampAhead(double sigma) {
 TEST(MeetSurface, ARampIsMetWhereItIs) {
   const HeightField field = RampAhead(0.01);
   Eigen::Vector3d point(10, 0, 0);  // where the ray meets the level
-  ASSERT_NE(MeetSurface(field, {0, 0, 1}, point), HeightField::kNone);
+  PatchFinder patches(field);
+  ASSERT_NE(MeetSurface(patches, {0, 0, 1}, point), HeightField::kNone);
 
   EXPECT_NEAR(point.x(), 1.6 / 0.22, 0.1);
   EXPECT_NEAR(point.z(), 0.12 * (point.x() - 5), 0.02);

@@ -1,0 +1,54 @@
+#include "mapping/solve_cholesky.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <random>
+
+#include "core/error.h"
+
+namespace parkade {
+namespace {
+
+/// Of a grid whose neighbours are tied with random weights; large enough for supernodes. Lower triangle.
+Eigen::SparseMatrix<double> GridMatrix(int side) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> weight(0.5, 2);
+  std::vector<Eigen::Triplet<double>> triplets;
+  const auto tie = [&](int a, int b) {
+    const double w = weight(random);
+    triplets.emplace_back(a, a, w);
+    triplets.emplace_back(b, b, w);
+    triplets.emplace_back(std::max(a, b), std::min(a, b), -w);
+  };
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      const int node = y * side + x;
+      triplets.emplace_back(node, node, 0.01);
+      if (x + 1 < side) tie(node, node + 1);
+      if (y + 1 < side) tie(node, node + side);
+      if (x + 1 < side && y + 1 < side) tie(node, node + side + 1);
+    }
+  Eigen::SparseMatrix<double> matrix(side * side, side * side);
+  matrix.setFromTriplets(triplets.begin(), triplets.end());
+  return matrix;
+}
+
+TEST(SolveCholesky, GivesWhatADenseOneGives) {
+  const Eigen::SparseMatrix<double> matrix = GridMatrix(25);
+  const Eigen::VectorXd b = Eigen::VectorXd::Random(matrix.rows());
+
+  const Eigen::VectorXd x = SolveCholesky(matrix, b);
+
+  const Eigen::MatrixXd dense = Eigen::MatrixXd(matrix).selfadjointView<Eigen::Lower>();
+  EXPECT_LT((x - dense.llt().solve(b)).norm(), 1e-9 * x.norm());
+}
+
+TEST(SolveCholesky, RefusesWhatIsNotPositiveDefinite) {
+  Eigen::SparseMatrix<double> matrix = GridMatrix(3);
+  matrix.coeffRef(4, 4) = -1;
+  EXPECT_THROW(SolveCholesky(matrix, Eigen::VectorXd::Ones(9)), Error);
+}
+
+}  // namespace
+}  // namespace parkade
