@@ -1,11 +1,17 @@
 #include "server/build_map.h"
 
+#include <algorithm>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "core/error.h"
 #include "core/log.h"
+#include "core/options_json.h"
 #include "server/drive_stages.h"
+#include "server/finished_map.h"
+#include "server/ingest/drive_log_health.h"
+#include "server/tracked_by.h"
 #include "slam/calibrated_log.h"
 #include "slam/odometry_file.h"
 
@@ -127,9 +133,15 @@ void WarnOfLogs(const std::vector<DriveInWork>& drives, std::vector<std::string>
 
 constexpr const char* kOdometryFile = "odometry.bin";
 
-OdometryResult ReadStoredOdometry(const DriveLog& log, const BuildScope& scope, const std::filesystem::path& file) {
+OdometryResult ReadStoredOdometry(const RecordedDrive& log, const BuildScope& scope, const OdometryOptions& options,
+                                  const std::filesystem::path& file) {
+  const FinishedMap from(scope.from);
   if (const auto hash = scope.logs.find(log.name()); hash != scope.logs.end())
-    Require(FinishedMap(scope.from).Holds(log.name(), hash->second), ErrorCode::kInvalidInput, "it is of another log");
+    Require(from.Holds(log.name(), hash->second), ErrorCode::kInvalidInput, "it is of another log");
+  const std::string tracked_by =
+      TrackedBy({{"odometry", OptionsToJson(options)}}, HealthToJson(log.health()).at("streams"));
+  Require(from.TrackedBy(log.name()) == tracked_by, ErrorCode::kInvalidInput,
+          "it was tracked with other options or from other streams");
   OdometryResult odometry = ReadOdometry(file, log.rig());
   const TimeSpan stored = odometry.odom_from_body.span(), recorded = log.span();
   Require(recorded.Contains(stored.begin) && recorded.Contains(stored.end), ErrorCode::kInvalidInput,
@@ -152,7 +164,7 @@ void FindOdometry(const BuildScope& scope, const OdometryOptions& options, const
   const std::filesystem::path file = scope.from / log.name() / kOdometryFile;
   if (!scope.from.empty() && std::filesystem::exists(file)) {
     try {
-      drive.odometry = ReadStoredOdometry(log, scope, file);
+      drive.odometry = ReadStoredOdometry(log, scope, options, file);
       if (!scope.products.empty()) StoreOdometry(drive.odometry, log, scope, /*is_taken=*/true);
       drive.is_odometry_taken = true;
       return;
@@ -162,6 +174,22 @@ void FindOdometry(const BuildScope& scope, const OdometryOptions& options, const
   }
   drive.odometry = EstimateTrajectory(log, options, progress);
   if (!scope.products.empty()) StoreOdometry(drive.odometry, log, scope, /*is_taken=*/false);
+}
+
+/// The decisions of this build and, of the one that it starts from, those that it does not overrule. Places, by which
+/// loops are called, are those of the odometry.
+LoopReview ReviewFor(const DriveInWork& drive, const BuildScope& scope) {
+  LoopReview review;
+  if (const auto own = scope.loops.find(drive.log->name()); own != scope.loops.end()) review = own->second;
+  if (!drive.is_odometry_taken) return review;
+  const LoopReview now = review, before = FinishedMap(scope.from).ReviewOf(drive.log->name());
+  const auto has = [](const std::vector<std::string>& loops, const std::string& loop) {
+    return std::find(loops.begin(), loops.end(), loop) != loops.end();
+  };
+  const auto is_new = [&](const std::string& loop) { return !has(now.rejected, loop) && !has(now.forced, loop); };
+  std::copy_if(before.rejected.begin(), before.rejected.end(), std::back_inserter(review.rejected), is_new);
+  std::copy_if(before.forced.begin(), before.forced.end(), std::back_inserter(review.forced), is_new);
+  return review;
 }
 
 std::vector<ClosedDrive> AsClosed(const std::vector<DriveInWork>& drives) {
@@ -227,10 +255,9 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
   progress.Begin("close loops");
   for (size_t i = 0; i < drives.size(); ++i) {
     const DriveLog& log = *drives[i].log;
-    const auto review = scope.loops.find(log.name());
     stages.Begin(log, scope.products.empty() ? std::filesystem::path() : scope.products / log.name() / kOdometryFile);
-    drives[i].outcome.loops =
-        stages.CloseLoops(log, drives[i].odometry, review == scope.loops.end() ? LoopReview{} : review->second);
+    drives[i].outcome.review = ReviewFor(drives[i], scope);
+    drives[i].outcome.loops = stages.CloseLoops(log, drives[i].odometry, drives[i].outcome.review);
     share_of_drive(i)(1);
   }
   if (scope.on_closed) scope.on_closed(AsClosed(drives));

@@ -25,6 +25,7 @@ struct DriveOutcome {
   size_t log = 0;  ///< index among the logs that were given
   OdometryReport odometry;
   LoopClosure loops;
+  LoopReview review;  ///< decisions that hold for them, of this build and of those before
   DriveRefinement refinement;
   std::optional<GnssAlignment> gnss;
   size_t num_keyframes = 0;

@@ -7,6 +7,7 @@
 #include "core/trajectory.h"
 #include "export/point_cloud.h"
 #include "export/pose_files.h"
+#include "server/old_map_folder.h"
 #include "server/output_folder.h"
 
 namespace parkade {
@@ -66,6 +67,7 @@ void WriteOccupancy(const FinishedMap& map, const path& out, const ExportOptions
 }
 
 void WriteTiles(const FinishedMap& map, const path& out, const ExportOptions&) {
+  RequireReplaceable(out, {});
   OutputFolder folder(out);
   CopyFile(map.FileNamed("tileset.json"), folder.staging() / "tileset.json");
   std::filesystem::copy(map.FileNamed("tiles"), folder.staging() / "tiles");
@@ -108,12 +110,13 @@ const std::vector<ExportFormat>& ExportFormats() {
 }
 
 void ExportMap(const FinishedMap& map, const std::string& format, const path& out, const ExportOptions& options) {
-  const path folder = std::filesystem::absolute(out).lexically_normal().parent_path();
+  const path plain = out.has_filename() ? out : out.parent_path();  // "folder/"
+  const path folder = std::filesystem::absolute(plain).lexically_normal().parent_path();
   Require(std::filesystem::is_directory(folder), ErrorCode::kInvalidInput,
           "cannot write '" + out.string() + "': there is no folder " + folder.string());
   std::string known;
   for (const Exporter& exporter : Exporters()) {
-    if (exporter.format.name == format) return exporter.write(map, out, options);
+    if (exporter.format.name == format) return exporter.write(map, plain, options);
     known += (known.empty() ? "" : ", ") + exporter.format.name;
   }
   throw Error(ErrorCode::kUsage, "there is no format '" + format + "', but: " + known);

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "core/file.h"
 #include "mapping/read_ply.h"
 #include "server/surface_file.h"
+#include "server/tracked_by.h"
 
 namespace parkade {
 namespace {
@@ -20,16 +22,21 @@ std::string Join(const std::vector<std::string>& names) {
   return text;
 }
 
+/// JSON has no infinity: how sure a height is of which nothing is known is null.
+double ReadSigma(const Json& sigma) {
+  return sigma.is_null() ? std::numeric_limits<double>::infinity() : sigma.get<double>();
+}
+
 /// Of the farthest corner of the map from where it is placed.
 Eigen::Vector3d SigmaOf(const Json& georeference, const Json& bounds) {
   Eigen::Vector3d sigma;
   double reach = 0;
   for (size_t i = 0; i < 3; ++i) {
-    sigma[static_cast<Eigen::Index>(i)] = georeference.at("position_sigma").at(i).get<double>();
+    sigma[static_cast<Eigen::Index>(i)] = ReadSigma(georeference.at("position_sigma").at(i));
     if (i < 2)
       reach = std::hypot(reach, 0.5 * (bounds.at("max").at(i).get<double>() - bounds.at("min").at(i).get<double>()));
   }
-  const double turned = reach * georeference.at("yaw_sigma").get<double>();
+  const double turned = reach * ReadSigma(georeference.at("yaw_sigma"));
   return {std::hypot(sigma.x(), turned), std::hypot(sigma.y(), turned), sigma.z()};
 }
 
@@ -44,6 +51,11 @@ FinishedMap::FinishedMap(const std::filesystem::path& folder) : folder_(folder) 
     for (const Json& drive : report.at("drives")) {
       drives_.push_back(drive.at("name").get<std::string>());
       if (const auto log = drive.find("log"); log != drive.end()) logs_[drives_.back()] = log->value("sha256", "");
+      tracked_by_[drives_.back()] =
+          parkade::TrackedBy(report.value("options", Json::object()), drive.value("streams", Json::array()));
+      if (const auto loops = drive.find("loops"); loops != drive.end() && loops->contains("review"))
+        reviews_[drives_.back()] = {.rejected = loops->at("review").at("rejected"),
+                                    .forced = loops->at("review").at("forced")};
     }
     if (const Json& datum = report.at("datum"); !datum.is_null())
       datum_ = SiteDatum{.latitude_deg = datum.at("latitude_deg").get<double>(),
@@ -66,6 +78,16 @@ bool FinishedMap::Holds(const std::string& drive, const std::string& log) const 
 std::string FinishedMap::LogOf(const std::string& drive) const {
   const auto found = logs_.find(drive);
   return found == logs_.end() ? "" : found->second;
+}
+
+std::string FinishedMap::TrackedBy(const std::string& drive) const {
+  const auto found = tracked_by_.find(drive);
+  return found == tracked_by_.end() ? "" : found->second;
+}
+
+LoopReview FinishedMap::ReviewOf(const std::string& drive) const {
+  const auto found = reviews_.find(drive);
+  return found == reviews_.end() ? LoopReview{} : found->second;
 }
 
 std::filesystem::path FinishedMap::FileNamed(const std::string& name) const {

@@ -10,6 +10,7 @@
 #include "core/surface_map.h"
 #include "core/trajectory.h"
 #include "core/triangle_mesh.h"
+#include "slam/close_loops.h"
 
 namespace parkade {
 
@@ -40,6 +41,10 @@ class FinishedMap {
   bool Holds(const std::string& drive, const std::string& log) const;
   /// SHA-256 of the log that a drive was made from; empty where the map does not say.
   std::string LogOf(const std::string& drive) const;
+  /// What a drive was tracked by, see TrackedBy.
+  std::string TrackedBy(const std::string& drive) const;
+  /// What reviewers have decided on its loops, in this version or in those that it was made from.
+  LoopReview ReviewOf(const std::string& drive) const;
   const std::optional<SiteDatum>& datum() const { return datum_; }
   /// [m] east, north and up, by which any of the map may lie elsewhere on Earth; 3 m and 5 m of height where the map
   /// does not say.
@@ -48,7 +53,8 @@ class FinishedMap {
  private:
   std::filesystem::path folder_;
   std::vector<std::string> drives_;
-  std::map<std::string, std::string> logs_;
+  std::map<std::string, std::string> logs_, tracked_by_;
+  std::map<std::string, LoopReview> reviews_;
   std::optional<SiteDatum> datum_;
   Eigen::Vector3d placement_sigma_{3, 3, 5};
 };

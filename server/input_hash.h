@@ -13,7 +13,9 @@ struct InputHash {
   std::string sha256;  ///< of a folder: of the lines "SHA256 BYTES NAME" of its files, sorted by name
 };
 
-/// Reads everything once. Throws Error{kInternal} for what cannot be read.
-InputHash HashInput(const std::filesystem::path& path);
+/// Reads everything once. Folders that may not be opened count as empty.
+/// \param left_out  a folder inside of `path` that does not count, as that to which a map is written
+/// Throws Error{kInvalidInput} for a file that cannot be read.
+InputHash HashInput(const std::filesystem::path& path, const std::filesystem::path& left_out = {});
 
 }  // namespace parkade

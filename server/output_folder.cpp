@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <string>
+#include <vector>
 
 #include "core/error.h"
 
@@ -51,10 +52,12 @@ OutputFolder::~OutputFolder() {
 }
 
 void OutputFolder::Commit() {
-  for (const fs::directory_entry& entry : fs::directory_iterator(staging_)) {
-    const fs::path target = folder_ / entry.path().filename();
-    // A folder cannot be renamed onto one that has files.
-    if (entry.is_directory()) fs::remove_all(target);
+  std::vector<fs::directory_entry> made;
+  for (const fs::directory_entry& entry : fs::directory_iterator(staging_)) made.push_back(entry);
+  for (const fs::directory_entry& entry : made) {
+    const fs::path name = entry.path().filename(), target = folder_ / name;
+    // A folder cannot be renamed onto one that has files; what was there goes with what is left of staging.
+    if (entry.is_directory() && fs::exists(target)) fs::rename(target, staging_ / ("old " + name.string()));
     fs::rename(entry.path(), target);
   }
 }

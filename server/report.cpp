@@ -32,6 +32,13 @@ Json InputToJson(const InputHash& input) {
   return {{"name", input.name}, {"bytes", input.bytes}, {"sha256", input.sha256}};
 }
 
+/// The loops with what reviewers decided on them, which the next build from this map keeps.
+Json LoopsToJson(const DriveOutcome& outcome, const Rig& rig, const std::string& drive) {
+  Json json = LoopsToJson(outcome.loops, rig, drive);
+  json["review"] = {{"rejected", outcome.review.rejected}, {"forced", outcome.review.forced}};
+  return json;
+}
+
 Json DriveToJson(const SiteDrive& drive, const DriveOutcome& outcome, const RecordedDrive& log,
                  const DriveInputs& inputs) {
   const nlohmann::json health = HealthToJson(log.health());
@@ -46,7 +53,7 @@ Json DriveToJson(const SiteDrive& drive, const DriveOutcome& outcome, const Reco
           {"streams", health.value("streams", nlohmann::json::array())},
           {"health", health},
           {"odometry", ToJson(outcome.odometry)},
-          {"loops", LoopsToJson(outcome.loops, drive.rig, drive.name)},
+          {"loops", LoopsToJson(outcome, drive.rig, drive.name)},
           {"refinement", ToJson(outcome.refinement)},
           {"gnss", GnssToJson(outcome.gnss)}};
 }

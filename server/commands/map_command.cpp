@@ -21,6 +21,7 @@
 #include "server/commands/commands.h"
 #include "server/ingest/open_drive_log.h"
 #include "server/loop_pictures.h"
+#include "server/old_map_folder.h"
 #include "server/output_folder.h"
 #include "server/preview_map.h"
 #include "server/report.h"
@@ -94,18 +95,25 @@ OpenedLogs OpenLogs(const MapArguments& arguments) {
   return opened;
 }
 
-std::map<std::string, DriveInputs> HashInputs(const std::map<std::string, DriveSource>& sources) {
+std::vector<std::string> NamesOf(const std::vector<std::unique_ptr<RecordedDrive>>& drives) {
+  std::vector<std::string> names;
+  for (const auto& drive : drives) names.push_back(drive->name());
+  return names;
+}
+
+std::map<std::string, DriveInputs> HashInputs(const std::map<std::string, DriveSource>& sources,
+                                              const std::filesystem::path& out) {
   std::map<std::string, DriveInputs> inputs;
   for (const auto& [name, source] : sources) {
-    inputs[name].log = HashInput(source.log);
+    inputs[name].log = HashInput(source.log, out);
     if (!source.rig.empty()) inputs[name].rig = HashInput(source.rig);
   }
   return inputs;
 }
 
-/// \param inputs  hashed already; empty: hashed now
 void WriteProducts(const OpenedLogs& logs, const BuiltMap& built, const MapOptions& options,
-                   std::map<std::string, DriveInputs> inputs, Progress& progress, const std::filesystem::path& folder) {
+                   const std::map<std::string, DriveInputs>& inputs, Progress& progress,
+                   const std::filesystem::path& folder) {
   progress.Begin("write");
   WriteSiteMap(built.site, folder);
   WriteSurface(built.site.surface, folder / "surface.bin");
@@ -114,7 +122,6 @@ void WriteProducts(const OpenedLogs& logs, const BuiltMap& built, const MapOptio
     WriteLoopPictures(built.drives[i].loops, drive.rig, drive.name, folder);
     WriteCalibration(drive.rig, built.drives[i].odometry.calibration, folder / drive.name / "calibration.yaml");
   }
-  if (inputs.empty()) inputs = HashInputs(logs.sources);
   progress.Finish();
   WriteReport(built, logs.drives, options, inputs, progress.timings(), folder / "report.json");
 }
@@ -175,41 +182,21 @@ void AskForPreviews(const MapArguments& arguments, const LoopOptions& loops, Bui
   };
 }
 
-/// Drives that an older map in this folder has; none where there is no map.
-std::vector<std::string> DrivesOfOldMap(const std::filesystem::path& folder) {
-  try {
-    return FinishedMap(folder).drives();
-  } catch (const Error&) {
-    return {};
-  }
-}
-
-/// What the new map does not have would pass for its own.
-void RemoveRestOfOldMap(const std::filesystem::path& folder, const std::filesystem::path& staging) {
-  std::vector<std::string> names = DrivesOfOldMap(folder);
-  if (names.empty()) return;
-  names.push_back("ortho.tif");
-  for (const std::filesystem::path name : names)
-    if (name.has_filename() && name == name.filename() && name.native().front() != '.' && !exists(staging / name))
-      std::filesystem::remove_all(folder / name);
-}
-
 void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Progress& progress) {
   if (!arguments.from.empty()) FinishedMap(arguments.from);  // throws where there is none
   std::vector<SitePin> pins = PinsOf(arguments, options.pins);
   OutputFolder output(arguments.out);
   const OpenedLogs logs = OpenLogs(arguments);
+  RequireReplaceable(arguments.out, NamesOf(logs.drives));
   BuildScope scope = ScopeOf(arguments, logs.drives, output.staging());
   scope.unreadable = logs.unreadable;
   scope.pins = std::move(pins);
-  std::map<std::string, DriveInputs> inputs;
-  if (!arguments.from.empty()) {
-    inputs = HashInputs(logs.sources);
-    for (const auto& [name, input] : inputs) scope.logs[name] = input.log.sha256;
-  }
+  // What cannot be read is said now, not after a long drive was tracked.
+  const std::map<std::string, DriveInputs> inputs = HashInputs(logs.sources, arguments.out);
+  for (const auto& [name, input] : inputs) scope.logs[name] = input.log.sha256;
   if (!arguments.preview.empty()) AskForPreviews(arguments, options.loops, scope);
   const BuiltMap built = BuildMap(logs.drives, options, scope, progress);
-  WriteProducts(logs, built, options, std::move(inputs), progress, output.staging());
+  WriteProducts(logs, built, options, inputs, progress, output.staging());
   RemoveRestOfOldMap(arguments.out, output.staging());
   output.Commit();
   for (const std::string& warning : built.warnings) LogWarning(warning);

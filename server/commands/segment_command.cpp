@@ -66,8 +66,26 @@ std::vector<std::string> NamesOf(const std::vector<std::string>& images) {
   return names;
 }
 
+/// Of one image: the mask, and the overlay where it is asked for.
+std::vector<fs::path> TargetsOf(const SegmentArguments& arguments, const std::string& name) {
+  std::vector<fs::path> targets = {fs::path(arguments.out) / (name + ".png")};
+  if (arguments.has_overlays) targets.push_back(fs::path(arguments.out) / (name + "_overlay.jpg"));
+  return targets;
+}
+
+/// Throws Error{kUsage} where a mask would replace one of the images.
+void RequireImagesStay(const SegmentArguments& arguments, const std::vector<std::string>& names) {
+  std::error_code ignored;  // what is missing is no image
+  for (const std::string& name : names)
+    for (const fs::path& target : TargetsOf(arguments, name))
+      for (const std::string& image : arguments.images)
+        Require(!fs::equivalent(target, image, ignored), ErrorCode::kUsage,
+                "the mask of '" + name + "' would replace the image '" + image + "': choose another --out");
+}
+
 int Segment(const SegmentArguments& arguments) {
   const std::vector<std::string> names = NamesOf(arguments.images);
+  RequireImagesStay(arguments, names);
   const FreespaceNetwork network(arguments.model);
   std::error_code error;
   fs::create_directories(arguments.out, error);
@@ -75,8 +93,9 @@ int Segment(const SegmentArguments& arguments) {
   for (size_t i = 0; i < names.size(); ++i) {
     const cv::Mat image = ReadImage(arguments.images[i]);
     const cv::Mat mask = network.Run(image).Mask();
-    WriteImage(fs::path(arguments.out) / (names[i] + ".png"), mask);
-    if (arguments.has_overlays) WriteImage(fs::path(arguments.out) / (names[i] + "_overlay.jpg"), Overlay(image, mask));
+    const std::vector<fs::path> targets = TargetsOf(arguments, names[i]);
+    WriteImage(targets.front(), mask);
+    if (arguments.has_overlays) WriteImage(targets.back(), Overlay(image, mask));
     std::printf("%s: %.1f %% drivable\n", names[i].c_str(),
                 100.0 * cv::countNonZero(mask) / static_cast<double>(mask.total()));
   }

@@ -1,6 +1,8 @@
 #include "server/ingest/euroc_csv.h"
 
+#include <cctype>
 #include <charconv>
+#include <utility>
 
 #include "core/error.h"
 
@@ -44,8 +46,10 @@ std::optional<EurocLine> EurocCsv::Next() {
     const std::string_view line = Trimmed({buffer_.data(), stream_.eof() ? length : length - 1});
     if (line.empty() || line.front() == '#') continue;
     const std::optional<Timestamp> stamp = ParseStamp(SplitCsv(line).front());
+    const bool is_first = std::exchange(is_first_, false);
     if (stamp) return EurocLine{*stamp, std::string(line)};
-    ++num_bad_lines_;
+    // The names of the columns may stand without '#'.
+    if (!is_first || std::isdigit(static_cast<unsigned char>(line.front())) != 0) ++num_bad_lines_;
   }
 }
 

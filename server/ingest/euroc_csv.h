@@ -31,6 +31,7 @@ class EurocCsv {
   std::ifstream stream_;
   std::vector<char> buffer_;
   std::uint64_t num_bad_lines_ = 0;
+  bool is_first_ = true;
 };
 
 /// The fields of a CSV line, without surrounding blanks.

@@ -135,7 +135,7 @@ LogState StateOf(const LogInspection& inspection, bool is_rig_given) {
 std::uint64_t SizeOf(const fs::path& log) {
   if (!fs::is_directory(log)) return fs::file_size(log);
   std::uint64_t size = 0;
-  for (const auto& entry : fs::recursive_directory_iterator(log))
+  for (const auto& entry : fs::recursive_directory_iterator(log, fs::directory_options::skip_permission_denied))
     if (entry.is_regular_file()) size += entry.file_size();
   return size;
 }

@@ -112,7 +112,8 @@ std::unique_ptr<MessageSource> OpenFolder(const fs::path& folder, const fs::path
       AddLoss(missing, {"the file '" + name + "' that metadata.yaml names is missing", "", {}, 0});
     }
   }
-  if (names.empty()) {
+  const bool are_named = !names.empty();
+  if (!are_named) {
     missing = {};
     for (const fs::directory_entry& entry : fs::directory_iterator(folder))
       if (entry.is_regular_file()) names.push_back(entry.path().filename().string());
@@ -121,8 +122,12 @@ std::unique_ptr<MessageSource> OpenFolder(const fs::path& folder, const fs::path
   std::vector<std::unique_ptr<MessageSource>> parts;
   std::set<std::string> formats;
   for (const std::string& name : names) {
-    const LogKind kind = KindOf(InputFile(folder / name));
-    if (kind == LogKind::kNone) continue;
+    LogKind kind = KindOf(InputFile(folder / name));
+    if (kind == LogKind::kNone && are_named) kind = KindOfDamaged(InputFile(folder / name));
+    if (kind == LogKind::kNone) {
+      if (are_named) AddLoss(missing, {"the file '" + name + "' that metadata.yaml names holds nothing", "", {}, 0});
+      continue;
+    }
     parts.push_back(OpenAs(kind, folder / name, scratch_folder));
     formats.insert(parts.back()->format());
   }

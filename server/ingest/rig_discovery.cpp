@@ -47,7 +47,10 @@ class RigCollector {
       if (topic.type == "sensor_msgs/CameraInfo") folders_with_info.insert(FolderOf(PlainTopic(topic.topic)));
     std::map<std::string, CameraTopics> cameras;
     std::vector<std::string> imus;
+    const bool has_index =
+        std::any_of(topics_.begin(), topics_.end(), [](const TopicInfo& topic) { return topic.num_messages > 0; });
     for (std::size_t i = 0; i < topics_.size(); ++i) {
+      if (has_index && topics_[i].num_messages == 0) continue;  // announced, and nothing came
       const std::string& type = topics_[i].type;
       if (type == "sensor_msgs/Imu") {
         imu_topic_ = static_cast<int>(i);
@@ -55,7 +58,7 @@ class RigCollector {
       }
       const std::string_view plain = PlainTopic(topics_[i].topic);
       if (type == "sensor_msgs/CameraInfo") cameras[FolderOf(plain)].info_topic = static_cast<int>(i);
-      if (IsImageType(type) && LastPart(plain) != "semantic")
+      if (IsImageType(type) && LastPart(plain) != "semantic" && LastPart(plain) != "compressedDepth")
         AddImageTopic(cameras[CameraOf(plain, folders_with_info)], i);
       if (type == "tf2_msgs/TFMessage" && plain.ends_with("tf_static"))
         transform_topics_.push_back(static_cast<int>(i));

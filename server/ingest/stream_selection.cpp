@@ -95,9 +95,20 @@ std::string FolderOf(std::string_view topic) {
   return std::string(topic.substr(0, slash == std::string_view::npos ? 0 : slash));
 }
 
-int FindMask(const Selector& log, const RigCamera& camera) {
+/// Whether a topic name starts as another camera's: rigs number their cameras from 0, logs often from 1.
+bool IsOfOtherCamera(const std::string& name, const RigCamera& camera, const Rig& rig) {
+  return std::any_of(rig.cameras.begin(), rig.cameras.end(), [&](const RigCamera& other) {
+    const std::string topic(PlainTopic(other.topic));
+    return other.name != camera.name && (topic == name || FolderOf(topic) == name);
+  });
+}
+
+int FindMask(const Selector& log, const RigCamera& camera, const Rig& rig) {
   const std::string topic(PlainTopic(camera.topic));
-  for (const std::string& name : {camera.name, topic, FolderOf(topic)}) {
+  std::vector<std::string> names;
+  if (!log.is_euroc()) names = {FolderOf(topic), topic};
+  if (log.is_euroc() || !IsOfOtherCamera(camera.name, camera, rig)) names.push_back(camera.name);
+  for (const std::string& name : names) {
     const int found = name.empty() ? -1 : log.Find(name + "/semantic", IsImageType);
     if (found >= 0) return found;
   }
@@ -118,7 +129,7 @@ void AddCameras(const Selector& log, const Rig& rig, StreamSelection& selection)
     selection.streams.push_back(log.Make(StreamKind::kImage, image, camera.name));
     selection.streams.back().camera = static_cast<int>(i);
     selection.streams.back().time_shift = camera.time_shift;
-    if (const int mask = FindMask(log, camera); mask >= 0) {
+    if (const int mask = FindMask(log, camera, rig); mask >= 0) {
       masks.push_back(log.Make(StreamKind::kSemantic, mask, camera.name + "/semantic"));
       masks.back().camera = static_cast<int>(i);
       masks.back().time_shift = camera.time_shift;

@@ -33,5 +33,17 @@ TEST(InputHash, OfAFolderIsThatOfAllItsFilesByName) {
   EXPECT_NE(HashInput(folder).sha256, hash.sha256);
 }
 
+TEST(InputHash, OfAFolderDoesNotCountTheMapThatIsMadeInIt) {
+  TemporaryRoot root;
+  const auto folder = root.path() / "drive";
+  WriteText(folder / "a", "a");
+  const std::string sha256 = HashInput(folder).sha256;
+  WriteText(folder / "map" / "map.glb", "made since");
+
+  EXPECT_NE(HashInput(folder).sha256, sha256);
+  EXPECT_EQ(HashInput(folder, folder / "map").sha256, sha256);
+  EXPECT_EQ(HashInput(folder / "", folder / "map" / "").sha256, sha256);
+}
+
 }  // namespace
 }  // namespace parkade

@@ -291,6 +291,42 @@ class CommandLine(unittest.TestCase):
             self.assertEqual(result.returncode, 1, result.stderr)
             self.assertIn("there is no folder", result.stderr)
         self.refuse(drive, "--preview", preview, status=2, names=["--from"])
+        result = run("export", pinned, "--format", "autoware", "--out", f"{self.folder}/autoware/")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertTrue((self.folder / "autoware/map_projector_info.yaml").exists())
+
+    def test_a_map_pinned_without_heights_is_one_to_go_on_from(self):
+        drive = write_drive(self.folder / "parked", seconds=4.0)
+        relative, flat, later = (self.folder / name for name in ("relative", "flat", "later"))
+        self.assertEqual(run("map", drive, "--out", relative, "--quiet").returncode, 0)
+        pins = ["--pin", "-1.5,0,0=48,11", "--pin", "-1.5,20,0=48,11.000268"]
+        self.assertEqual(run("map", drive, "--from", relative, *pins, "--out", flat, "--quiet").returncode, 0)
+        self.assertIsNone(json.loads((flat / "report.json").read_text())["georeference"]["position_sigma"][2])
+        result = run("map", drive, "--from", flat, "--out", later, "--quiet")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        result = run("compare", flat, later, "--out", self.folder / "changes")
+        self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_a_map_replaces_nothing_but_a_map(self):
+        drive = write_drive(self.folder / "parked", seconds=2.0)
+        (self.folder / "site/tiles").mkdir(parents=True)
+        (self.folder / "site/tiles/mine.txt").write_text("mine")
+        before = sorted(self.folder.rglob("*"))
+        for out, name in ((self.folder, "parked"), (self.folder / "site", "tiles")):
+            result = run("map", drive, "--out", out)
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertIn(f"{name}', which is of no map", result.stderr)
+        self.assertEqual(sorted(self.folder.rglob("*")), before)
+
+    def test_other_options_of_odometry_track_a_drive_again(self):
+        drive = write_drive(self.folder / "parked", seconds=4.0)
+        relative, same, other = (self.folder / name for name in ("relative", "same", "other"))
+        only = ("--odometry-only", "--quiet")
+        self.assertEqual(run("map", drive, *only, "--out", relative).returncode, 0)
+        self.assertNotIn("tracked again", run("map", drive, *only, "--from", relative, "--out", same).stderr)
+        result = run("map", drive, *only, "--from", relative, "--set", "odometry.keyframe_distance=0.4", "--out", other)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("other options", result.stderr)
 
     def test_a_full_disk_is_said_and_leaves_nothing(self):
         disk = self.folder / "disk"

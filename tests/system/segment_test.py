@@ -63,6 +63,13 @@ class Segment(unittest.TestCase):
         self.assertEqual(done.returncode, 2)
         self.assertFalse((self.folder / "masks").exists())
 
+    def test_a_picture_is_never_replaced_by_a_mask(self):
+        before = (self.folder / "a.png").read_bytes()
+        done = run("segment", self.folder / "a.png", "--out", self.folder)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("a.png", done.stderr)
+        self.assertEqual((self.folder / "a.png").read_bytes(), before)
+
     def test_a_model_that_is_none_is_named_in_one_sentence_by_both_commands(self):
         (self.folder / "model.onnx").write_text("hello")
         (self.folder / "drive.bag").write_text("not read")

@@ -203,6 +203,18 @@ TEST(EurocDrive, ChosenCamerasAreDeliveredInTheOrderNamed) {
             "the rig has no camera cam7, it has cam0, cam1 and cam2");
 }
 
+TEST(EurocDrive, TheNamesOfColumnsNeedNoHash) {
+  const TestFolder folder;
+  WriteEurocFolder(folder.path() / "mav0", {.num_cameras = 1});
+  const fs::path csv = folder.path() / "mav0" / "imu0" / "data.csv";
+  Edit(csv, "#timestamp", "timestamp");
+  const auto log = OpenDriveLog(folder.path());
+
+  EXPECT_EQ(Select<ImuSample>(ReadAll(*log)).size(), 201u);
+
+  EXPECT_TRUE(log->health().damage.IsClean());
+}
+
 TEST(EurocDrive, SemanticImagesBecomeMasks) {
   const TestFolder folder;
   const fs::path mav0 = folder.path() / "mav0";

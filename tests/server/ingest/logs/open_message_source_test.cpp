@@ -111,6 +111,23 @@ TEST_F(OpenMessageSourceTest, MetadataTellsWhichFilesBelongAndWhichAreMissing) {
   EXPECT_NE(log.damage.ranges[0].what.find("'drive_1.mcap'"), std::string::npos);
 }
 
+TEST_F(OpenMessageSourceTest, NamedFilesWithADamagedHeadGiveWhatTheyHold) {
+  WritePart("drive_0.mcap", 0, 300);
+  WritePart("drive_1.mcap", 300, 710);
+  WriteText("drive_2.mcap", "");
+  std::fstream(folder_ / "drive_1.mcap", std::ios::in | std::ios::out | std::ios::binary).write("\0\0\0\0\0\0\0\0", 8);
+  WriteText("metadata.yaml",
+            "rosbag2_bagfile_information:\n  relative_file_paths:\n    - drive_0.mcap\n    - drive_1.mcap\n    - "
+            "drive_2.mcap\n");
+
+  const ReadLog log = ReadWhole(folder_);
+
+  EXPECT_EQ(log.found, AllSamples());
+  EXPECT_TRUE(std::any_of(log.damage.ranges.begin(), log.damage.ranges.end(), [](const LostRange& range) {
+    return range.what.find("'drive_2.mcap'") != std::string::npos;
+  }));
+}
+
 TEST_F(OpenMessageSourceTest, BrokenMetadataIsDoneWithout) {
   WritePart("drive_0.mcap", 0, 710);
   WriteText("metadata.yaml", "rosbag2_bagfile_information: [[[\n\t{");
