@@ -114,13 +114,26 @@ void Shrink(Chunks& chunks, size_t accessor, const std::vector<bool>& is_gone) {
   }
 }
 
+/// Where the node goes: near where the first point that stays goes, or else nowhere.
+Eigen::Vector3d FindOrigin(Chunks& chunks, const Json& primitives, const Eigen::Vector3d& origin,
+                           const PointMotion& motion) {
+  for (const Json& primitive : primitives) {
+    const VectorAccessor positions(chunks, primitive.at("attributes").at("POSITION").get<size_t>());
+    for (size_t i = 0; i < positions.size(); ++i)
+      if (const auto moved = motion(SiteFromGltf(origin + positions.At(i))))
+        return GltfFromSite(*moved).array().round();
+  }
+  return origin;
+}
+
 void MoveMesh(Chunks& chunks, Json& node, const PointMotion& motion) {
   constexpr double kArm = 0.1;  // [m] along a normal, to see it turn
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   if (node.contains("translation"))
     for (size_t i = 0; i < 3; ++i) origin[static_cast<Eigen::Index>(i)] = node.at("translation").at(i).get<double>();
-  std::optional<Eigen::Vector3d> new_origin;
-  for (const Json& primitive : chunks.json.at("meshes").at(node.at("mesh").get<size_t>()).at("primitives")) {
+  const Json primitives = chunks.json.at("meshes").at(node.at("mesh").get<size_t>()).at("primitives");
+  const Eigen::Vector3d new_origin = FindOrigin(chunks, primitives, origin, motion);
+  for (const Json& primitive : primitives) {
     const Json& attributes = primitive.at("attributes");
     VectorAccessor positions(chunks, attributes.at("POSITION").get<size_t>());
     std::optional<VectorAccessor> normals;
@@ -131,18 +144,16 @@ void MoveMesh(Chunks& chunks, Json& node, const PointMotion& motion) {
       const std::optional<Eigen::Vector3d> moved = motion(point);
       is_gone[i] = !moved;
       if (!moved) continue;
-      if (!new_origin) new_origin = GltfFromSite(*moved).array().round();
       const auto tip = normals ? motion(point + kArm * SiteFromGltf(normals->At(i))) : std::nullopt;
       if (tip) normals->Set(i, GltfFromSite((*tip - *moved).normalized()));
-      positions.Set(i, GltfFromSite(*moved) - *new_origin);
+      positions.Set(i, GltfFromSite(*moved) - new_origin);
     }
-    if (!new_origin) continue;
     for (size_t i = 0; i < positions.size(); ++i)  // nobody sees them, but bounds do
       if (is_gone[i]) positions.Set(i, Eigen::Vector3d::Zero());
     positions.SetBounds();
     if (primitive.contains("indices")) Shrink(chunks, primitive.at("indices").get<size_t>(), is_gone);
   }
-  if (new_origin) node["translation"] = {new_origin->x(), new_origin->y(), new_origin->z()};
+  node["translation"] = {new_origin.x(), new_origin.y(), new_origin.z()};
 }
 
 }  // namespace

@@ -111,11 +111,18 @@ double AreaOf(const std::string& glb) {
 
 TEST(MoveGltf, GroundThatIsGoneIsNotShown) {
   const std::string before = EncodeGltf(MakeTexturedMap(), MeshEncoding::kPlain);
-  const auto keep = [](const Eigen::Vector3d& point) { return point.x() < 0 ? std::optional(point) : std::nullopt; };
-  const std::string after = MoveGltf(before, keep, {}, std::nullopt);
-  for (const Eigen::Vector3d& point : Show(after, "ground").points) EXPECT_LT(point.x(), 1);
-  EXPECT_GT(AreaOf(after), 0.3 * AreaOf(before));
-  EXPECT_LT(AreaOf(after), 0.6 * AreaOf(before));
+  for (const double side : {-1, 1}) {  // that of the first primitive, and another one
+    const auto keep = [side](const Eigen::Vector3d& point) {
+      return side * point.x() > 0 ? std::optional(point) : std::nullopt;
+    };
+    const std::string after = MoveGltf(before, keep, {}, std::nullopt);
+    for (const Eigen::Vector3d& point : Show(after, "ground").points) EXPECT_GT(side * point.x(), -1);
+    EXPECT_GT(AreaOf(after), 0.3 * AreaOf(before));
+    EXPECT_LT(AreaOf(after), 0.7 * AreaOf(before));
+  }
+  const std::string none = MoveGltf(
+      before, [](const Eigen::Vector3d&) { return std::nullopt; }, {}, std::nullopt);
+  EXPECT_EQ(AreaOf(none), 0);
 }
 
 TEST(MoveGltf, AnEmptyMapStaysEmpty) {
