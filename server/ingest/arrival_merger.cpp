@@ -6,7 +6,7 @@
 namespace parkade {
 namespace {
 
-constexpr std::size_t kMaxBytes = 48 << 20;
+constexpr std::size_t kMaxBytes = 256 << 20;  // half a second of six raw colour cameras
 
 std::size_t SizeOf(const Arrival& arrival) {
   const auto* image = std::get_if<EncodedImage>(&arrival.content);
