@@ -78,10 +78,10 @@ const std::vector<Exporter>& Exporters() {
   static const std::vector<Exporter> exporters = {
       Copy("glb", "map.glb", "glTF 2.0, compressed by Draco"),
       Copy("glb-plain", "map_plain.glb", "glTF 2.0"),
-      {{"3d-tiles", "folder: 3D Tiles 1.1"}, WriteTiles},
+      {{"3d-tiles", "folder: 3D Tiles 1.1", /*is_folder=*/true}, WriteTiles},
       Copy("ply", "ground.ply", "the ground as a mesh, with colours and height sigma"),
       {{"pcd", "the ground as points (PCL)"}, WritePcd},
-      {{"autoware", "folder: pointcloud_map.pcd and map_projector_info.yaml"}, WriteAutoware},
+      {{"autoware", "folder: pointcloud_map.pcd and map_projector_info.yaml", /*is_folder=*/true}, WriteAutoware},
       {{"occupancy", "FILE.yaml and FILE.pgm for ROS' map_server"}, WriteOccupancy},
       Copy("geojson", "free_space.geojson", "outline of the free space"),
       Copy("slots", "slots.geojson", "parking slots and who stood in them (GeoJSON)"),
@@ -112,11 +112,14 @@ const std::vector<ExportFormat>& ExportFormats() {
 void ExportMap(const FinishedMap& map, const std::string& format, const path& out, const ExportOptions& options) {
   const path plain = out.has_filename() ? out : out.parent_path();  // "folder/"
   const path folder = std::filesystem::absolute(plain).lexically_normal().parent_path();
-  Require(std::filesystem::is_directory(folder), ErrorCode::kInvalidInput,
-          "cannot write '" + out.string() + "': there is no folder " + folder.string());
+  RequireWritable(folder);
   std::string known;
   for (const Exporter& exporter : Exporters()) {
-    if (exporter.format.name == format) return exporter.write(map, plain, options);
+    if (exporter.format.name == format) {
+      Require(exporter.format.is_folder || !std::filesystem::is_directory(plain), ErrorCode::kInvalidInput,
+              "'" + plain.string() + "' is a folder, and " + format + " is a file");
+      return exporter.write(map, plain, options);
+    }
     known += (known.empty() ? "" : ", ") + exporter.format.name;
   }
   throw Error(ErrorCode::kUsage, "there is no format '" + format + "', but: " + known);

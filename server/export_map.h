@@ -20,6 +20,7 @@ struct ExportOptions {
 struct ExportFormat {
   std::string name;
   std::string description;
+  bool is_folder = false;
 };
 
 /// All formats in the order of --help.

@@ -32,6 +32,12 @@ void RemoveOrphans(const fs::path& folder) {
 
 }  // namespace
 
+void RequireWritable(const fs::path& folder) {
+  Require(fs::is_directory(folder), ErrorCode::kInvalidInput, "there is no folder '" + folder.string() + "'");
+  Require(::access(folder.c_str(), W_OK) == 0, ErrorCode::kInvalidInput,
+          "cannot write into '" + folder.string() + "': " + std::strerror(errno));
+}
+
 OutputFolder::OutputFolder(const fs::path& folder) : folder_(folder) {
   std::error_code error;
   is_made_here_ = !fs::exists(folder_, error);

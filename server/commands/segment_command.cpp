@@ -11,6 +11,7 @@
 #include "core/file.h"
 #include "mapping/freespace_network.h"
 #include "server/commands/commands.h"
+#include "server/output_folder.h"
 
 namespace parkade {
 namespace {
@@ -90,6 +91,7 @@ int Segment(const SegmentArguments& arguments) {
   std::error_code error;
   fs::create_directories(arguments.out, error);
   Require(fs::is_directory(arguments.out), ErrorCode::kInvalidInput, "cannot make the folder '" + arguments.out + "'");
+  RequireWritable(arguments.out);
   for (size_t i = 0; i < names.size(); ++i) {
     const cv::Mat image = ReadImage(arguments.images[i]);
     const cv::Mat mask = network.Run(image).Mask();
