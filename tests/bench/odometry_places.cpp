@@ -2,81 +2,79 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "slam/evaluate_trajectory.h"
+#include "slam/refine_drive.h"
 #include "tests/bench/odometry_statistics.h"
-#include "tests/simulator/random.h"
 
 namespace parkade {
 namespace {
 
 using simulator::TrackDrive;
 
-constexpr int kResamples = 2000;
-constexpr double kNear = 1.05;  // of the luckiest camera's drift
+constexpr size_t kErrorStride = 10;  // poses of the truth
 
-void Estimate(const TrackDrive& drive, const OdometryOptions& odometry, PlaceRun& run) {
-  double drift = kNoAnswer, scale = 0;
+/// Of one estimate, after rigid alignment.
+struct EstimateErrors {
+  double drift = kNoAnswer, scale = 0;                          // [%]
+  std::vector<std::optional<Eigen::Vector3d>> position_errors;  // [m] at every kErrorStride-th pose of the truth
+};
+
+EstimateErrors ErrorsOf(const TrackDrive& drive, const Trajectory& odom_from_body) {
+  const TrajectoryEvaluation evaluation = EvaluateTrajectory(drive.truth, ToTimedPoses(odom_from_body));
+  EstimateErrors errors;
+  errors.drift = std::min(kNoAnswer, 100 * evaluation.rigid.translation.rmse / std::max(1.0, drive.length));
+  errors.scale = 100 * (evaluation.scale - 1);
+  for (size_t i = 0; i < drive.truth.size(); i += kErrorStride) {
+    const std::optional<Rigid3> at = odom_from_body.At(drive.truth[i].time);
+    std::optional<Eigen::Vector3d>& error = errors.position_errors.emplace_back();
+    if (at)
+      error = evaluation.rigid.truth_from_estimate * at->translation - drive.truth[i].world_from_frame.translation;
+  }
+  return errors;
+}
+
+/// Of the odometry and, where asked for, of the whole drive's adjustment.
+std::vector<EstimateErrors> Estimate(const TrackDrive& drive, const PlaceEstimators& estimators) {
+  std::vector<EstimateErrors> errors(estimators.whole_drive ? 2 : 1);
   try {
-    const OdometryResult result = EstimateTrackDrive(drive, odometry);
-    const TrajectoryEvaluation evaluation = EvaluateTrajectory(drive.truth, ToTimedPoses(result.odom_from_body));
-    drift = std::min(kNoAnswer, 100 * evaluation.rigid.translation.rmse / std::max(1.0, drive.length));
-    scale = 100 * (evaluation.scale - 1);
+    const OdometryResult odometry = EstimateTrackDrive(drive, estimators.odometry);
+    errors[0] = ErrorsOf(drive, odometry.odom_from_body);
+    if (!estimators.whole_drive) return errors;
+    LoopClosure open;
+    open.odom_from_body = odometry.odom_from_body;
+    const DriveRefinement refined = RefineDrive(odometry, drive.rig, open, *estimators.whole_drive);
+    if (refined.is_accepted) errors[1] = ErrorsOf(drive, refined.odom_from_body);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::kUsage) throw;
   }
-  run.drift_percent.push_back(drift);
-  run.scale_percent.push_back(scale);
+  return errors;
 }
 
-std::vector<double> RootMeanSquares(const std::vector<const std::vector<double>*>& rows) {
-  std::vector<double> rms(rows.front()->size(), 0);
-  for (const std::vector<double>* row : rows)
-    for (size_t i = 0; i < rms.size(); ++i) rms[i] += row->at(i) * row->at(i) / static_cast<double>(rows.size());
-  for (double& value : rms) value = std::sqrt(value);
-  return rms;
-}
-
-size_t BestSingle(const std::vector<double>& rms) {
-  return static_cast<size_t>(std::min_element(rms.begin() + 1, rms.end()) - rms.begin());
-}
-
-double RatioToBest(const std::vector<double>& rms) { return rms.front() / rms[BestSingle(rms)]; }
-
-/// 2.5 % and 97.5 % of the ratio, runs drawn with repetition (B. Efron, "Bootstrap methods: another look at the
-/// jackknife", 1979).
-void Resample(const std::vector<const std::vector<double>*>& rows, PlaceSummary& summary) {
-  simulator::Random random(rows.size(), 0xb007);
-  std::vector<double> ratios;
-  for (int k = 0; k < kResamples; ++k) {
-    std::vector<const std::vector<double>*> drawn;
-    for (size_t i = 0; i < rows.size(); ++i)
-      drawn.push_back(rows[static_cast<size_t>(random.Index(static_cast<int>(rows.size())))]);
-    ratios.push_back(RatioToBest(RootMeanSquares(drawn)));
+std::vector<double> ErrorProducts(const std::vector<EstimateErrors>& estimates, double length) {
+  const size_t n = estimates.size();
+  for (const EstimateErrors& estimate : estimates)
+    if (estimate.position_errors.empty()) return {};
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
+  double count = 0;
+  for (size_t i = 0; i < estimates.front().position_errors.size(); ++i) {
+    Eigen::Matrix3Xd errors(3, n);
+    bool is_known = true;
+    for (size_t j = 0; j < n; ++j) {
+      const std::optional<Eigen::Vector3d>& error = estimates[j].position_errors[i];
+      is_known = is_known && error;
+      if (error) errors.col(static_cast<Eigen::Index>(j)) = *error;
+    }
+    if (!is_known) continue;
+    sum += errors.transpose() * errors;
+    ++count;
   }
-  std::sort(ratios.begin(), ratios.end());
-  summary.low = ratios[kResamples / 40];
-  summary.high = ratios[kResamples - 1 - kResamples / 40];
-}
-
-std::string TableRow(const PlaceRun& first, const PlaceSummary& summary) {
-  char text[80];
-  std::string row = "| " + first.place + " | " + first.rig + " | " + std::to_string(summary.num_runs);
-  for (const double drift : summary.rms_drift) {
-    std::snprintf(text, sizeof text, " | %.3f", drift);
-    row += text;
-  }
-  std::snprintf(text, sizeof text, " | %.2f [%.2f, %.2f] | %.0f %% |", summary.ratio, summary.low, summary.high,
-                100 * summary.near_luckiest);
-  row += text;
-  for (const double scale : summary.rms_scale) {
-    std::snprintf(text, sizeof text, " %.2f", scale);
-    row += text;
-  }
-  return row + " |\n";
+  if (count == 0) return {};
+  const double to_percent = 100 / std::max(1.0, length);
+  sum *= to_percent * to_percent / count;
+  return {sum.data(), sum.data() + sum.size()};
 }
 
 }  // namespace
@@ -122,81 +120,68 @@ TrackDrive OneCamera(const TrackDrive& drive, size_t camera) {
   return one;
 }
 
-PlaceRun RunPlace(const PlaceCase& place, const std::string& rig, int noise_seed, const OdometryOptions& odometry) {
+RefinementOptions WholeDriveOptions() {
+  constexpr int kAll = 100000;
+  constexpr double kWhatever = 1e9;
+  RefinementOptions options;
+  options.bearings_per_image = options.sightings_per_track = kAll;
+  options.min_sightings = options.min_knots = 3;
+  options.held_out_share = 0;
+  options.max_imu_growth = options.max_held_out_growth = options.max_track_growth = kWhatever;
+  return options;
+}
+
+std::vector<PlaceRun> RunPlace(const PlaceCase& place, const std::string& rig, int noise_seed,
+                               const PlaceEstimators& estimators) {
   simulator::TrackDriveOptions asked = place.drive;
   SetRigError(rig, asked);
   asked.noise_seed = noise_seed;
   if (place.start != "standing") asked.begin = simulator::FindMovingStart(asked, place.start == "turning");
-  const TrackDrive drive = simulator::MakeTrackDrive(asked, odometry);
-  PlaceRun run{place.name, rig, noise_seed, drive.length, {}, {}};
-  Estimate(drive, odometry, run);
+  const TrackDrive drive = simulator::MakeTrackDrive(asked, estimators.odometry);
+  std::vector<std::vector<EstimateErrors>> errors{Estimate(drive, estimators)};
   for (size_t camera = 0; camera < drive.rig.cameras.size(); ++camera)
-    Estimate(OneCamera(drive, camera), odometry, run);
-  return run;
-}
-
-PlaceSummary SummarizePlace(const std::vector<PlaceRun>& runs) {
-  Require(!runs.empty() && runs.front().drift_percent.size() > 1, ErrorCode::kUsage,
-          "a place needs runs of two estimates at least");
-  std::vector<const std::vector<double>*> drifts, scales;
-  PlaceSummary summary;
-  for (const PlaceRun& run : runs) {
-    Require(run.drift_percent.size() == runs.front().drift_percent.size(), ErrorCode::kUsage,
-            "runs of one place must have as many cameras each");
-    drifts.push_back(&run.drift_percent);
-    scales.push_back(&run.scale_percent);
-    const double luckiest = *std::min_element(run.drift_percent.begin() + 1, run.drift_percent.end());
-    summary.near_luckiest += (run.drift_percent.front() <= kNear * luckiest) / static_cast<double>(runs.size());
+    errors.push_back(Estimate(OneCamera(drive, camera), estimators));
+  std::vector<PlaceRun> runs;
+  for (size_t i = 0; i < errors.front().size(); ++i) {
+    PlaceRun& run = runs.emplace_back();
+    run.place = place.name;
+    run.rig = rig;
+    run.estimator = i == 0 ? PlaceRun::kOdometry : PlaceRun::kWholeDrive;
+    run.noise_seed = noise_seed;
+    run.length = drive.length;
+    std::vector<EstimateErrors> of_this;
+    for (const std::vector<EstimateErrors>& of_cameras : errors) of_this.push_back(of_cameras[i]);
+    for (const EstimateErrors& of_cameras : of_this) {
+      run.drift_percent.push_back(of_cameras.drift);
+      run.scale_percent.push_back(of_cameras.scale);
+    }
+    run.error_products = ErrorProducts(of_this, drive.length);
   }
-  summary.num_runs = runs.size();
-  summary.rms_drift = RootMeanSquares(drifts);
-  summary.rms_scale = RootMeanSquares(scales);
-  summary.best = BestSingle(summary.rms_drift);
-  summary.ratio = RatioToBest(summary.rms_drift);
-  Resample(drifts, summary);
-  return summary;
+  return runs;
 }
 
 nlohmann::json ToJson(const PlaceRun& run) {
   return {{"place", run.place},
           {"rig", run.rig},
+          {"estimator", run.estimator},
           {"noise_seed", run.noise_seed},
           {"length_m", run.length},
           {"drift_percent", run.drift_percent},
-          {"scale_percent", run.scale_percent}};
+          {"scale_percent", run.scale_percent},
+          {"error_products", run.error_products}};
 }
 
 PlaceRun PlaceRunFromJson(const nlohmann::json& json) {
   PlaceRun run;
   json.at("place").get_to(run.place);
   json.at("rig").get_to(run.rig);
+  json.at("estimator").get_to(run.estimator);
   json.at("noise_seed").get_to(run.noise_seed);
   json.at("length_m").get_to(run.length);
   json.at("drift_percent").get_to(run.drift_percent);
   json.at("scale_percent").get_to(run.scale_percent);
+  json.at("error_products").get_to(run.error_products);
   return run;
-}
-
-std::string PlaceTable(const std::vector<PlaceRun>& runs) {
-  std::vector<std::vector<PlaceRun>> groups;
-  for (const PlaceRun& run : runs) {
-    const auto group = std::find_if(groups.begin(), groups.end(), [&](const std::vector<PlaceRun>& known) {
-      return known.front().place == run.place && known.front().rig == run.rig;
-    });
-    if (group != groups.end())
-      group->push_back(run);
-    else
-      groups.push_back({run});
-  }
-  if (groups.empty()) return {};
-  std::string head = "| place | rig off by | runs | all", rule = "|---|---|---|---";
-  for (size_t camera = 1; camera < groups.front().front().drift_percent.size(); ++camera) {
-    head += " | cam" + std::to_string(camera - 1);
-    rule += "|---";
-  }
-  std::string table = head + " | all / best | near the luckiest | scale |\n" + rule + "|---|---|---|\n";
-  for (const std::vector<PlaceRun>& group : groups) table += TableRow(group.front(), SummarizePlace(group));
-  return table;
 }
 
 }  // namespace parkade

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
@@ -11,7 +12,12 @@ namespace parkade {
 namespace {
 
 PlaceRun RunOf(std::vector<double> drifts) {
-  PlaceRun run{"lot:1", "exact", 1, 50, std::move(drifts), {}};
+  PlaceRun run;
+  run.place = "lot:1";
+  run.rig = "exact";
+  run.noise_seed = 1;
+  run.length = 50;
+  run.drift_percent = std::move(drifts);
   run.scale_percent.assign(run.drift_percent.size(), 0.1);
   return run;
 }
@@ -62,8 +68,52 @@ TEST(OdometryPlaces, TheBestCameraIsBestOverAllSeeds) {
   EXPECT_GE(summary.high, summary.ratio);
 }
 
+TEST(OdometryPlaces, TheWholeDriveIsAdjustedBesideItsOdometry) {
+  PlaceCase place = ParsePlace("lot:3", 10);
+  place.drive.drive.cameras.rate = 5;
+
+  const std::vector<PlaceRun> runs = RunPlace(place, "exact", 1, {{}, WholeDriveOptions()});
+
+  ASSERT_EQ(runs.size(), 2u);
+  EXPECT_EQ(runs[0].estimator, PlaceRun::kOdometry);
+  EXPECT_EQ(runs[1].estimator, PlaceRun::kWholeDrive);
+  const size_t n = 5;
+  for (const PlaceRun& run : runs) {
+    ASSERT_EQ(run.drift_percent.size(), n);
+    ASSERT_EQ(run.error_products.size(), n * n);
+    for (size_t i = 0; i < n; ++i) {
+      EXPECT_LT(run.drift_percent[i], 1) << run.estimator << " of estimate " << i;
+      EXPECT_NEAR(std::sqrt(run.error_products[i * n + i]), run.drift_percent[i], 0.1 * run.drift_percent[i]);
+      for (size_t j = 0; j < i; ++j) EXPECT_EQ(run.error_products[i * n + j], run.error_products[j * n + i]);
+    }
+  }
+  EXPECT_NE(runs[0].drift_percent[0], runs[1].drift_percent[0]);
+}
+
+TEST(OdometryPlaces, EachEstimatorHasARowOfItsOwn) {
+  PlaceRun adjusted = RunOf({1, 2, 3});
+  adjusted.estimator = PlaceRun::kWholeDrive;
+
+  const std::string table = PlaceTable({RunOf({4, 5, 6}), adjusted});
+
+  EXPECT_NE(table.find("| lot:1 | exact | odometry | 1 | 4.000 | 5.000 |"), std::string::npos);
+  EXPECT_NE(table.find("| lot:1 | exact | whole drive | 1 | 1.000 | 2.000 |"), std::string::npos);
+}
+
+TEST(OdometryPlaces, AnEstimateThatIgnoresABetterOneWantsIt) {
+  PlaceRun independent = RunOf({2, 1}), optimal = RunOf({1, 2});
+  independent.error_products = {4, 0, 0, 1};
+  optimal.error_products = {1, 1, 1, 4};
+
+  EXPECT_DOUBLE_EQ(SummarizePlace({independent}).wanted_share, 0.8);
+  EXPECT_DOUBLE_EQ(SummarizePlace({optimal}).wanted_share, 0);
+  EXPECT_DOUBLE_EQ(SummarizePlace({RunOf({1, 2})}).wanted_share, 0);
+}
+
 TEST(OdometryPlaces, RunsSurviveTheirFile) {
-  const PlaceRun run = RunOf({0.1, 0.2, 0.3, 0.4, kNoAnswer});
+  PlaceRun run = RunOf({0.1, 0.2, 0.3, 0.4, kNoAnswer});
+  run.estimator = PlaceRun::kWholeDrive;
+  run.error_products = {0.01, 0.002};
 
   const PlaceRun again = PlaceRunFromJson(nlohmann::json::parse(ToJson(run).dump()));
 
@@ -71,8 +121,9 @@ TEST(OdometryPlaces, RunsSurviveTheirFile) {
   EXPECT_EQ(again.rig, run.rig);
   EXPECT_EQ(again.noise_seed, run.noise_seed);
   EXPECT_EQ(again.drift_percent, run.drift_percent);
+  EXPECT_EQ(again.error_products, run.error_products);
   EXPECT_EQ(again.scale_percent, run.scale_percent);
-  EXPECT_NE(PlaceTable({run, again}).find("| lot:1 | exact | 2 | 0.100 | 0.200 |"), std::string::npos);
+  EXPECT_NE(PlaceTable({run, again}).find("| lot:1 | exact | whole drive | 2 | 0.100 | 0.200 |"), std::string::npos);
 }
 
 TEST(OdometryPlaces, RefusesWhatIsNoPlace) {
