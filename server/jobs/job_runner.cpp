@@ -22,18 +22,6 @@ constexpr milliseconds kQueueInterval{2000};
 constexpr milliseconds kRetryInterval{1000};
 constexpr double kMinProgressForEta = 0.02;
 
-const char* CodeOf(const Error& error) {
-  switch (error.code()) {
-    case ErrorCode::kInvalidInput: return "invalid_input";
-    case ErrorCode::kNotFound: return "not_found";
-    case ErrorCode::kConflict: return "conflict";
-    case ErrorCode::kDiskFull: return "disk_full";
-    case ErrorCode::kUsage:
-    case ErrorCode::kInternal: break;
-  }
-  return "internal";
-}
-
 /// Kills the worker of a job that an earlier service left behind, if it lives.
 void KillLeftOver(const Job& job) {
   if (!job.pid || !job.pid_started) return;
@@ -78,7 +66,8 @@ void JobRunner::Cancel(const std::string& job_id) {
     const std::lock_guard lock(mutex_);
     const auto found = running_.find(job_id);
     // It is running in the store, but here it is not: it is about to end.
-    Require(found != running_.end(), ErrorCode::kConflict, "job '" + job_id + "' is just ending");
+    const bool is_in_time = found != running_.end() && !found->second.is_ending;
+    Require(is_in_time, ErrorCode::kConflict, "job '" + job_id + "' is just ending");
     found->second.is_cancelled = true;
     return;
   }
@@ -123,20 +112,22 @@ void JobRunner::RunAttempt(const Job& job) {
   LogInfo("job started id=" + job.id + " attempt=" + std::to_string(job.attempt));
   {
     const std::lock_guard lock(mutex_);
-    running_[job.id] = {{}, steady_clock::now(), false};
+    running_[job.id] = {.attempt = job.attempt, .latest = {}, .started = steady_clock::now()};
   }
   PublishStates(job);
   try {
     RunWorker(job);
   } catch (const Error& error) {
-    Persist([&] { FailJob(store_, job, CodeOf(error), error.what()); });
+    End(job, [&] { FailJob(store_, job, JobErrorCode(error.code()), error.what()); });
   } catch (const std::exception& error) {
     LogError("job id=" + job.id + " exception=" + error.what());
-    Persist([&] { FailJob(store_, job, "internal", "the service could not run the job; its log has the reason"); });
+    End(job, [&] { FailJob(store_, job, "internal", "the service could not run the job; its log has the reason"); });
   }
   {
     const std::lock_guard lock(mutex_);
-    running_.erase(job.id);
+    const auto found = running_.find(job.id);
+    // Put back into the queue, it may already be at its next attempt, in another thread.
+    if (found != running_.end() && found->second.attempt == job.attempt) running_.erase(found);
   }
   PublishStates(job);
   LogInfo("job ended id=" + job.id + " attempt=" + std::to_string(job.attempt));
@@ -151,20 +142,27 @@ void JobRunner::RunWorker(const Job& job) {
   });
 
   switch (Supervise(job, worker, progress)) {
-    case Interruption::kCancelled: Persist([&] { FinishCancelledJob(store_, job); }); return;
-    case Interruption::kStopped: Persist([&] { ReturnJob(store_, job); }); return;
+    case Interruption::kCancelled: End(job, [&] { FinishCancelledJob(store_, job); }); return;
+    case Interruption::kStopped: End(job, [&] { ReturnJob(store_, job); }); return;
     case Interruption::kTimedOut:
       throw Error(ErrorCode::kInternal, "the job took longer than " + std::to_string(options_.time_limit.count()) +
                                             " seconds and was stopped");
     case Interruption::kNone: break;
   }
   const WorkerEnd end = UnderstandEnd(worker.Wait(milliseconds{0}).value(), progress.latest());
-  if (end.kind == WorkerEnd::Kind::kFailed) Persist([&] { FailJob(store_, job, end.code, end.sentence); });
-  if (end.kind == WorkerEnd::Kind::kCrashed) Persist([&] { RetryCrashedJob(store_, job, end.sentence); });
-  if (end.kind == WorkerEnd::Kind::kDone) {
-    const MapVersion map = PublishMap(store_, job, folder.spec().out);
-    events_.Publish("map", map.site + "/" + std::to_string(map.version));
+  if (end.kind == WorkerEnd::Kind::kFailed) End(job, [&] { FailJob(store_, job, end.code, end.sentence); });
+  if (end.kind == WorkerEnd::Kind::kCrashed) End(job, [&] { RetryCrashedJob(store_, job, end.sentence); });
+  if (end.kind == WorkerEnd::Kind::kDone) Publish(job, folder.spec().out);
+}
+
+void JobRunner::Publish(const Job& job, const std::filesystem::path& products) {
+  const SealedMap sealed = SealMap(products);
+  if (BeginEnd(job)) {
+    Persist([&] { FinishCancelledJob(store_, job); });
+    return;
   }
+  const MapVersion map = PublishMap(store_, job, sealed);
+  events_.Publish("map", map.site + "/" + std::to_string(map.version));
 }
 
 JobRunner::Interruption JobRunner::Supervise(const Job& job, WorkerProcess& worker, ProgressReader& progress) {
@@ -183,9 +181,7 @@ JobRunner::Interruption JobRunner::Supervise(const Job& job, WorkerProcess& work
     kill_time = now + options_.stop_patience;
   }
   progress.Poll();
-  // Cancelled in its very last moment is cancelled all the same.
-  const bool is_cancelled = interruption == Interruption::kNone && Interrupted(job) == Interruption::kCancelled;
-  return is_cancelled ? Interruption::kCancelled : interruption;
+  return interruption;
 }
 
 JobRunner::Interruption JobRunner::Interrupted(const Job& job) const {
@@ -195,6 +191,24 @@ JobRunner::Interruption JobRunner::Interrupted(const Job& job) const {
   if (is_stopping_) return Interruption::kStopped;
   if (steady_clock::now() - running.started > options_.time_limit) return Interruption::kTimedOut;
   return Interruption::kNone;
+}
+
+/// From here on the job cannot be cancelled any more. True when it was before.
+bool JobRunner::BeginEnd(const Job& job) {
+  const std::lock_guard lock(mutex_);
+  Running& running = running_.at(job.id);
+  running.is_ending = true;
+  return running.is_cancelled;
+}
+
+/// Ends an attempt by `change`, or as cancelled when it was cancelled in its very last moment.
+template <typename Change>
+void JobRunner::End(const Job& job, const Change& change) {
+  if (BeginEnd(job)) {
+    Persist([&] { FinishCancelledJob(store_, job); });
+  } else {
+    Persist(change);
+  }
 }
 
 void JobRunner::Announce(const Job& job, const WorkerProgress& latest) {

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <filesystem>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -48,7 +49,7 @@ class JobRunner {
   void Wake();
 
   /// Cancels a queued or running job. Throws Error{kNotFound}, Error{kConflict}
-  /// when it has ended.
+  /// when it has ended or its end is already being stored.
   void Cancel(const std::string& job_id);
 
   std::optional<JobProgress> ProgressOf(const std::string& job_id) const;
@@ -58,9 +59,11 @@ class JobRunner {
 
  private:
   struct Running {
+    int attempt = 1;
     WorkerProgress latest;
     std::chrono::steady_clock::time_point started;
     bool is_cancelled = false;
+    bool is_ending = false;  ///< too late to cancel it
   };
   enum class Interruption { kNone, kCancelled, kStopped, kTimedOut };
 
@@ -68,8 +71,12 @@ class JobRunner {
   void Work();
   void RunAttempt(const Job& job);
   void RunWorker(const Job& job);
+  void Publish(const Job& job, const std::filesystem::path& products);
   Interruption Supervise(const Job& job, class WorkerProcess& worker, ProgressReader& progress);
   Interruption Interrupted(const Job& job) const;
+  bool BeginEnd(const Job& job);
+  template <typename Change>
+  void End(const Job& job, const Change& change);
   void Announce(const Job& job, const WorkerProgress& latest);
   void PublishStates(const Job& job);
   template <typename Change>

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "core/error.h"
 #include "server/jobs/progress_reader.h"
 
 namespace parkade {
@@ -17,6 +18,10 @@ struct WorkerEnd {
   std::string code;      ///< "invalid_input", "disk_full", "internal", "crashed"
   std::string sentence;  ///< for the user
 };
+
+/// The `error_code` of a job that ended by an error: one of those above. What a job misses or is told wrongly is its
+/// input; a conflict is between us.
+const char* JobErrorCode(ErrorCode code);
 
 /// `status` as given by waitpid(2), `last_words` as read from its progress file.
 WorkerEnd UnderstandEnd(int status, const WorkerProgress& last_words);

@@ -9,7 +9,6 @@
 #include "server/store/job_table.h"
 #include "server/store/map_table.h"
 #include "server/store/names.h"
-#include "server/store/report_summary.h"
 
 namespace parkade {
 namespace {
@@ -64,21 +63,25 @@ class FolderUndo {
 
 }  // namespace
 
-MapVersion PublishMap(Store& store, const Job& job, const fs::path& staging) {
+SealedMap SealMap(const fs::path& staging) {
+  return {staging, SealFiles(staging), ReadReportSummary(staging / "report.json")};
+}
+
+MapVersion PublishMap(Store& store, const Job& job, const SealedMap& sealed) {
+  const ReportSummary& report = sealed.report;
   MapVersion map;
   map.id = NewId();
   map.site = job.site;
   map.job = job.id;
-  map.files = SealFiles(staging);
+  map.files = sealed.files;
   map.sha256 = HashOfManifest(map.files);
-  const ReportSummary report = ReadReportSummary(staging / "report.json");
   map.datum = report.datum;
   map.bounds = report.bounds;
   map.created_at = NowUtc();
 
   const fs::path folder = store.directory.MapFolder(map.id);
   FolderUndo undo(folder);
-  fs::rename(staging, folder);
+  fs::rename(sealed.staging, folder);
   SyncToDisk(folder.parent_path());
   store.database.Write([&](Connection& connection) {
     map.version = NextMapVersion(connection, map.site);

@@ -149,6 +149,56 @@ TEST_F(JobRunning, CancelsAWorkerEvenOneThatDoesNotListen) {
   ExpectNoLeftOvers();
 }
 
+TEST_F(JobRunning, CancelsAJobWhoseMapIsBeingSealed) {
+  JobRunner runner(store_, events_, Shell(std::string(kMakeMap) + "truncate -s 2G $1/big"));
+  const std::filesystem::path big = store_.directory.AttemptFolder(received_.job.id, 1) / "out" / "big";
+  std::error_code missing;
+  const auto is_sealed = [&] {  // or is about to be: hashing takes longer
+    using std::filesystem::perms;
+    const perms permissions = std::filesystem::status(big, missing).permissions();
+    return std::filesystem::exists(big, missing) && (permissions & perms::owner_write) == perms::none;
+  };
+  for (int i = 0; i < 20'000 && !is_sealed(); ++i) std::this_thread::sleep_for(milliseconds(1));
+
+  runner.Cancel(received_.job.id);
+
+  const Job job = WaitFor(JobState::kCancelled);
+  EXPECT_EQ(job.error_code, "cancelled");
+  EXPECT_TRUE(ContentOf(store_.directory.MapsFolder()).empty());
+}
+
+TEST_F(JobRunning, RefusesToCancelAJobWhoseMapIsBeingPublished) {
+  const std::string go = (root_.path() / "go").string();
+  JobRunner runner(store_, events_, Shell("until [ -e " + go + " ]; do sleep 0.05; done; " + kMakeMap));
+  for (int i = 0; i < 2000 && !JobNow().pid; ++i) std::this_thread::sleep_for(milliseconds(10));
+
+  // While nobody else gets at the database, the map is there and not yet published.
+  const auto is_there = [&] { return !ContentOf(store_.directory.MapsFolder()).empty(); };
+  store_.database.Read([&](Connection&) {
+    WriteText(go, "");
+    for (int i = 0; i < 2000 && !is_there(); ++i) std::this_thread::sleep_for(milliseconds(10));
+  });
+  try {
+    runner.Cancel(received_.job.id);
+    ADD_FAILURE() << "cancelled";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kConflict);
+  }
+
+  EXPECT_EQ(WaitFor(JobState::kDone).map_version, 1);
+}
+
+TEST_F(JobRunning, SaysThatAMissingRigIsTheInputsFault) {
+  store_.database.Write([&](Connection& connection) {
+    connection.Execute("UPDATE drives SET rig = 'gone' WHERE id = ?", received_.drive.id);
+  });
+  JobRunner runner(store_, events_, Shell(kMakeMap));
+
+  const Job job = WaitFor(JobState::kFailed);
+  EXPECT_EQ(job.error, "there is no rig 'gone'");
+  EXPECT_EQ(job.error_code, "invalid_input");
+}
+
 TEST_F(JobRunning, StoppingPutsTheJobBackAndTheNextRunnerDoesIt) {
   {
     JobRunner runner(store_, events_, Shell("sleep 100"));
@@ -207,13 +257,14 @@ TEST_F(JobRunning, GivesUpAJobThatTheServiceEndsWithTwentyTimes) {
 }
 
 TEST_F(JobRunning, MapsTheDrivesThatWereNotDeletedMeanwhile) {
-  const ReceivedDrive second = Receive(store_, "second", {"b.bag", "lot", std::nullopt}, /*merge_drives=*/true);
-  ASSERT_EQ(second.job.drives.size(), 2u);
-  CancelWaitingJob(store_, received_.job.id);
+  const ReceivedDrive second = Receive(store_, "second", {"b.bag", "lot", std::nullopt});
+  const Job both = QueueMap(store_, "lot", {}, /*merge_drives=*/true);
+  ASSERT_EQ(both.drives.size(), 2u);
+  for (const std::string& job : {received_.job.id, second.job.id}) CancelWaitingJob(store_, job);
   DeleteDrive(store_, received_.drive.id);
   JobRunner runner(store_, events_, Shell(std::string(kMakeMap) + "cat $3 > $1/copy.txt"));
 
-  WaitFor(second.job.id, JobState::kDone);
+  WaitFor(both.id, JobState::kDone);
   const MapVersion map = store_.database.Read([](Connection& connection) { return FindMap(connection, "lot", 1); });
   EXPECT_EQ(ReadFile(store_.directory.MapFolder(map.id) / "copy.txt"), "second");
   ASSERT_EQ(map.drives.size(), 1u);

@@ -101,6 +101,13 @@ TEST_F(Worker, EndIsUnderstood) {
   EXPECT_EQ(failed.code, "invalid_input");
   EXPECT_EQ(failed.sentence, "the log has no IMU");
 
+  for (const auto& [said, code] :
+       {std::pair("usage", "invalid_input"), std::pair("not_found", "invalid_input"), std::pair("conflict", "internal"),
+        std::pair("disk_full", "disk_full"), std::pair("nonsense", "internal")}) {
+    last_words.code = said;
+    EXPECT_EQ(UnderstandEnd(StatusOf("exit 2"), last_words).code, code) << said;
+  }
+
   const WorkerEnd silent = UnderstandEnd(StatusOf("exit 3"), {});
   EXPECT_EQ(silent.kind, WorkerEnd::Kind::kFailed);
   EXPECT_EQ(silent.code, "internal");

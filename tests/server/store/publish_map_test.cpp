@@ -34,7 +34,7 @@ class PublishedMap : public StoreTest {
 
 TEST_F(PublishedMap, HasAManifestOfItsFiles) {
   const auto staging = Stage();
-  const MapVersion map = PublishMap(store_, job_, staging);
+  const MapVersion map = PublishMap(store_, job_, SealMap(staging));
 
   EXPECT_EQ(map.version, 1);
   ASSERT_EQ(map.files.size(), 3u);
@@ -47,7 +47,7 @@ TEST_F(PublishedMap, HasAManifestOfItsFiles) {
 }
 
 TEST_F(PublishedMap, EndsTheJobAndMakesTheDriveReady) {
-  PublishMap(store_, job_, Stage());
+  PublishMap(store_, job_, SealMap(Stage()));
 
   const auto [job, drive, site] = store_.database.Read([&](Connection& connection) {
     return std::tuple(FindJob(connection, job_.id), FindDrive(connection, received_.drive.id),
@@ -63,22 +63,22 @@ TEST_F(PublishedMap, EndsTheJobAndMakesTheDriveReady) {
 }
 
 TEST_F(PublishedMap, VersionsCountUpPerSite) {
-  PublishMap(store_, job_, Stage());
+  PublishMap(store_, job_, SealMap(Stage()));
   QueueMap(store_, "lot", {}, false);
   const Job again = *ClaimJob(store_);
 
-  EXPECT_EQ(PublishMap(store_, again, Stage()).version, 2);
+  EXPECT_EQ(PublishMap(store_, again, SealMap(Stage())).version, 2);
 }
 
 TEST_F(PublishedMap, ADriveThatTheWorkerLeftOutFailsWithTheReason) {
   Receive(store_, "another log", {"b.bag", "lot", std::nullopt});
-  PublishMap(store_, job_, Stage());
+  PublishMap(store_, job_, SealMap(Stage()));
   ClaimJob(store_);  // of b alone
   const Job both = (QueueMap(store_, "lot", {}, true), *ClaimJob(store_));
   const auto staging = store_.directory.AttemptFolder(both.id, 1) / "out";
   WriteText(staging / "map.glb", "glTF");
   WriteText(staging / "report.json", R"({"left_out": [{"name": "b", "reason": "no places in common"}]})");
-  const MapVersion map = PublishMap(store_, both, staging);
+  const MapVersion map = PublishMap(store_, both, SealMap(staging));
 
   ASSERT_EQ(map.drives.size(), 1u);
   EXPECT_EQ(map.drives[0].name, "a");
@@ -89,7 +89,7 @@ TEST_F(PublishedMap, ADriveThatTheWorkerLeftOutFailsWithTheReason) {
 }
 
 TEST_F(PublishedMap, ADriveStaysReadyWhenALaterJobFails) {
-  PublishMap(store_, job_, Stage());
+  PublishMap(store_, job_, SealMap(Stage()));
   QueueMap(store_, "lot", {}, false);
   FailJob(store_, *ClaimJob(store_), "internal", "no luck");
 
@@ -99,7 +99,7 @@ TEST_F(PublishedMap, ADriveStaysReadyWhenALaterJobFails) {
 }
 
 TEST_F(PublishedMap, IsWhereAReviewStarts) {
-  PublishMap(store_, job_, Stage());
+  PublishMap(store_, job_, SealMap(Stage()));
   const MapReview review{1, {"17-140", "18-141"}, {"a:3-90"}};
 
   QueueMap(store_, "lot", {}, false, review);
@@ -114,11 +114,11 @@ TEST_F(PublishedMap, IsWhereAReviewStarts) {
 
 TEST_F(PublishedMap, IsReviewedWithoutTheDrivesThatWereDeleted) {
   Receive(store_, "another log", {"b.bag", "lot", std::nullopt});
-  PublishMap(store_, job_, Stage());
+  PublishMap(store_, job_, SealMap(Stage()));
   ClaimJob(store_);  // of b alone
   const Job both = (QueueMap(store_, "lot", {}, true), *ClaimJob(store_));
   const auto [a, b] = std::pair(both.drives.at(0), both.drives.at(1));
-  PublishMap(store_, both, Stage());
+  PublishMap(store_, both, SealMap(Stage()));
   DeleteDrive(store_, a);
 
   const Job review = QueueMap(store_, "lot", {}, true, {.from_version = 2});
@@ -140,7 +140,7 @@ TEST_F(PublishedMap, NeedsAMeshAndAReport) {
   const auto staging = Stage();
   std::filesystem::remove(staging / "map.glb");
 
-  EXPECT_THROW(PublishMap(store_, job_, staging), Error);
+  EXPECT_THROW(PublishMap(store_, job_, SealMap(staging)), Error);
   ExpectNothingPublished();
 }
 
@@ -148,7 +148,7 @@ TEST_F(PublishedMap, TakesNoLinksOutOfTheFolder) {
   const auto staging = Stage();
   std::filesystem::create_symlink("/etc/passwd", staging / "ground.ply");
 
-  EXPECT_THROW(PublishMap(store_, job_, staging), Error);
+  EXPECT_THROW(PublishMap(store_, job_, SealMap(staging)), Error);
   ExpectNothingPublished();
 }
 
@@ -156,7 +156,7 @@ TEST_F(PublishedMap, IsNotPublishedByAnAttemptThatWasGivenUp) {
   RetryCrashedJob(store_, job_, "lost");
   ClaimJob(store_);
 
-  EXPECT_THROW(PublishMap(store_, job_, Stage()), Error);
+  EXPECT_THROW(PublishMap(store_, job_, SealMap(Stage())), Error);
   ExpectNothingPublished();
 }
 
@@ -164,7 +164,7 @@ TEST_F(PublishedMap, NeedsAReportThatIsJson) {
   const auto staging = Stage();
   WriteText(staging / "report.json", "{\"datum\": ");
 
-  EXPECT_THROW(PublishMap(store_, job_, staging), Error);
+  EXPECT_THROW(PublishMap(store_, job_, SealMap(staging)), Error);
   ExpectNothingPublished();
 }
 

@@ -23,7 +23,7 @@ TEST(Store, OpensAgainWithRowsInEveryTable) {
     const auto staging = store.directory.AttemptFolder(job.id, 1) / "out";
     WriteText(staging / "map.glb", "glTF");
     WriteText(staging / "report.json", "{}");
-    PublishMap(store, job, staging);
+    PublishMap(store, job, SealMap(staging));
   }
   Store store(root.path());
   for (const char* table : {"sites", "rigs", "drives", "jobs", "job_drives", "maps", "map_files", "map_drives"}) {
