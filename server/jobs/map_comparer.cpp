@@ -31,6 +31,22 @@ class Presence {
   int number_;
 };
 
+/// A path that is removed with all below it when this object goes.
+class TemporaryPath {
+ public:
+  explicit TemporaryPath(fs::path path) : path_(std::move(path)) {}
+  ~TemporaryPath() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  TemporaryPath(const TemporaryPath&) = delete;
+  TemporaryPath& operator=(const TemporaryPath&) = delete;
+  const fs::path& get() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
 /// What the process said at last, without its own name.
 std::string LastSentence(const fs::path& log) {
   std::ifstream stream(log);
@@ -57,22 +73,22 @@ std::optional<fs::path> MapComparer::Compare(const std::string& from_map, const 
 
 void MapComparer::Run(const std::string& from_map, const std::string& to_map, const fs::path& out) const {
   Require(static_cast<bool>(command_), ErrorCode::kInternal, "the service cannot compare maps");
-  const fs::path log = directory_.NewTemporaryPath();
-  WorkerProcess process(command_(directory_.MapFolder(from_map), directory_.MapFolder(to_map), out), directory_.root(),
-                        log);
+  // Gone after the process, which may still write there.
+  const TemporaryPath log(directory_.NewTemporaryPath()), products(directory_.NewTemporaryPath());
+  WorkerProcess process(command_(directory_.MapFolder(from_map), directory_.MapFolder(to_map), products.get()),
+                        directory_.root(), log.get());
   const auto end = std::chrono::steady_clock::now() + kTimeLimit;
   std::optional<int> status;
   while (!(status = process.Wait(kPatience))) {
     Require(!is_stopping_, ErrorCode::kInternal, "the service stops before the maps are compared");
     Require(std::chrono::steady_clock::now() < end, ErrorCode::kInternal, "comparing two maps took too long");
   }
-  const std::string sentence = LastSentence(log);
-  std::error_code ignored;
-  fs::remove(log, ignored);
-  const bool is_done = WIFEXITED(*status) && WEXITSTATUS(*status) == 0 && fs::exists(out);
+  const std::string sentence = LastSentence(log.get());
+  const bool is_done = WIFEXITED(*status) && WEXITSTATUS(*status) == 0 && fs::exists(products.get());
   const bool is_refused = WIFEXITED(*status) && WEXITSTATUS(*status) == 1 && !sentence.empty();
   Require(is_done || !is_refused, ErrorCode::kInvalidInput, sentence);
   Require(is_done, ErrorCode::kInternal, "comparing two maps failed: " + sentence);
+  fs::rename(products.get(), out);  // as a whole: a process that is ended early leaves no comparison
 }
 
 }  // namespace parkade

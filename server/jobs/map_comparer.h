@@ -26,7 +26,8 @@ class MapComparer {
   MapComparer(const DataDirectory& directory, CompareCommand command);
 
   /// The folder with the files of a comparison. Waits where another is under way; nothing where too many wait
-  /// already. Throws Error{kInvalidInput} for maps that cannot be compared, Error{kInternal} otherwise.
+  /// already. Throws Error{kInvalidInput} for maps that cannot be compared, Error{kInternal} otherwise; nothing is kept
+  /// then, and the next caller tries again.
   std::optional<std::filesystem::path> Compare(const std::string& from_map, const std::string& to_map);
 
   /// Ends what is under way. Final.

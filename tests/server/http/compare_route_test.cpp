@@ -1,4 +1,6 @@
+#include <atomic>
 #include <fstream>
+#include <memory>
 
 #include "tests/server/http/running_service.h"
 
@@ -58,6 +60,27 @@ TEST_F(Comparisons, RefuseWhatDoesNotExist) {
   ExpectProblem(Compare("?from=1&to=9"), 404, "not_found");
   ExpectProblem(client().Get("/api/v1/sites/none/compare?from=1&to=2"), 404, "not_found");
   EXPECT_TRUE(Made().empty());
+}
+
+class ComparisonsThatAreKilled : public Comparisons {
+ protected:
+  ComparisonsThatAreKilled() {
+    options_.compare_command = [of_pair = options_.compare_command,
+                                is_first = std::make_shared<std::atomic<bool>>(true)](const auto& from, const auto& to,
+                                                                                      const auto& out) {
+      const std::string half = "mkdir -p " + out.string() + " && kill -KILL $$";
+      return is_first->exchange(false) ? std::vector<std::string>{"/bin/sh", "-c", half} : of_pair(from, to, out);
+    };
+  }
+};
+
+TEST_F(ComparisonsThatAreKilled, AreMadeAnewForTheNextWhoAsks) {
+  ExpectProblem(Compare("?from=1&to=2"), 500, "internal");
+  for (const std::string& name : ContentOf(options_.data / "tmp")) ADD_FAILURE() << name << " was left";
+
+  EXPECT_EQ(Get("/api/v1/sites/lot/compare?from=1&to=2").at("free_space").at("gained"), 0);
+  EXPECT_EQ(Compare("?from=1&to=2&format=png")->status, 200);
+  EXPECT_EQ(Made().size(), 1U);
 }
 
 class ComparisonsOfMergedMaps : public Comparisons {
