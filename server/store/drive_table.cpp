@@ -78,14 +78,17 @@ std::vector<std::string> DrivesOfSite(Connection& connection, const std::string&
   return Ids(connection.Query("SELECT id FROM drives WHERE site = ? AND deleted_at IS NULL ORDER BY sequence", site));
 }
 
-std::vector<std::string> UsableDrivesOfSite(Connection& connection, const std::string& site) {
+std::vector<std::string> DrivesToJoin(Connection& connection, const std::string& new_drive) {
   return Ids(connection.Query(R"(
-      WITH usable AS (
-        SELECT * FROM drives WHERE site = ? AND deleted_at IS NULL AND state NOT IN ('failed', 'received'))
+      WITH newest AS (SELECT * FROM drives WHERE id = ? AND deleted_at IS NULL),
+           usable AS (
+        SELECT d.*, d.id = n.id AS is_new FROM newest n JOIN drives d ON d.site = n.site
+          WHERE d.deleted_at IS NULL AND (d.id = n.id OR d.state = 'ready'))
       SELECT id FROM usable d
-        WHERE NOT EXISTS (SELECT 1 FROM usable later WHERE later.sha256 = d.sha256 AND later.sequence > d.sequence)
+        WHERE NOT EXISTS (SELECT 1 FROM usable other WHERE other.sha256 = d.sha256
+                            AND (other.is_new, other.sequence) > (d.is_new, d.sequence))
       ORDER BY sequence)",
-                              site));
+                              new_drive));
 }
 
 std::string FreeDriveName(Connection& connection, const std::string& site, const std::string& wanted) {

@@ -32,7 +32,8 @@ Job QueueFirstJob(Connection& connection, const Drive& drive, bool merge_drives)
   job.id = NewId();
   job.site = drive.site;
   job.created_at = drive.created_at;
-  job.drives = merge_drives ? UsableDrivesOfSite(connection, drive.site) : std::vector{drive.id};
+  job.drives = {drive.id};
+  if (merge_drives) job.new_drive = drive.id;
   InsertJob(connection, job);
   return FindJob(connection, job.id);
 }
@@ -95,9 +96,11 @@ ReceivedDrive ReceiveDrive(Store& store, const NewDrive& new_drive, GrowingFile&
 void DeleteDrive(Store& store, const std::string& id) {
   const std::string sha256 = store.database.Write([&](Connection& connection) {
     const Drive drive = FindDrive(connection, id);
-    const bool is_in_use = drive.state == DriveState::kQueued || drive.state == DriveState::kProcessing;
-    Require(!is_in_use, ErrorCode::kConflict,
-            "drive '" + id + "' is in use by job '" + drive.job.value_or("") + "': cancel the job first");
+    const bool is_waiting = drive.state == DriveState::kQueued || drive.state == DriveState::kProcessing;
+    std::optional<std::string> user = RunningJobOf(connection, id);
+    if (!user && is_waiting) user = drive.job.value_or("");
+    Require(!user, ErrorCode::kConflict,
+            "drive '" + id + "' is in use by job '" + user.value_or("") + "': cancel the job first");
     MarkDriveDeleted(connection, id);
     return drive.sha256;
   });

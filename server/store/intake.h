@@ -26,14 +26,14 @@ struct ReceivedDrive {
 void CheckNewDrive(Store& store, const NewDrive& drive);
 
 /// Stores a finished log (GrowingFile::Finish gave `sha256`) as a drive of its
-/// site and queues the job that maps it: together with the site's other drives
+/// site and queues the job that maps it: joined with its site as it is when the job starts
 /// where `merge_drives`, alone otherwise. Durable when it returns. Equal logs
 /// share one file.
 ReceivedDrive ReceiveDrive(Store& store, const NewDrive& drive, GrowingFile& log, const std::string& sha256,
                            bool merge_drives);
 
 /// Deletes a drive and its log; maps made from it stay. Throws Error{kNotFound},
-/// Error{kConflict} while a job uses it.
+/// Error{kConflict} while it waits for a map or a job that uses it runs.
 void DeleteDrive(Store& store, const std::string& id);
 
 }  // namespace parkade

@@ -12,14 +12,10 @@
 namespace parkade {
 namespace {
 
-void SetStates(Connection& connection, const Job& job, DriveState state) {
-  for (const std::string& drive : job.drives) SetDriveState(connection, drive, state, std::nullopt);
-}
-
-/// A drive that already made it into a map stays ready, whatever comes later.
-void SetStatesAfterEnd(Connection& connection, const Job& job, DriveState state,
-                       const std::optional<std::string>& error) {
-  for (const std::string& drive : job.drives) {
+void SetStates(Connection& connection, const Job& job, DriveState state,
+               const std::optional<std::string>& error = std::nullopt) {
+  const std::vector<std::string> moved = job.new_drive ? std::vector{*job.new_drive} : job.drives;
+  for (const std::string& drive : moved) {
     if (HasMap(connection, drive)) {
       SetDriveState(connection, drive, DriveState::kReady, std::nullopt);
     } else {
@@ -28,9 +24,17 @@ void SetStatesAfterEnd(Connection& connection, const Job& job, DriveState state,
   }
 }
 
+/// Of a job that waits again.
+void ResetDrives(Connection& connection, const Job& job) {
+  if (job.new_drive) SetJobDrives(connection, job.id, {*job.new_drive});
+  DropDeletedDrives(connection, job.id);
+}
+
 void Requeue(Store& store, const Job& job, Setback setback, const std::string& reason) {
   store.database.Write([&](Connection& connection) {
-    if (RequeueJob(connection, job.id, job.attempt, setback, reason)) SetStates(connection, job, DriveState::kQueued);
+    if (!RequeueJob(connection, job.id, job.attempt, setback, reason)) return;
+    ResetDrives(connection, job);
+    SetStates(connection, job, DriveState::kQueued);
   });
 }
 
@@ -82,11 +86,15 @@ Job QueueMap(Store& store, const std::string& site, std::vector<std::string> dri
 
 std::optional<Job> ClaimJob(Store& store) {
   return store.database.Write([&](Connection& connection) -> std::optional<Job> {
-    const std::optional<Job> oldest = OldestQueuedJob(connection);
-    if (!oldest) return std::nullopt;
-    DropDeletedDrives(connection, oldest->id);
-    StartJob(connection, oldest->id);
-    const Job job = FindJob(connection, oldest->id);
+    const std::optional<Job> next = NextQueuedJob(connection);
+    if (!next) return std::nullopt;
+    if (next->new_drive) {
+      SetJobDrives(connection, next->id, DrivesToJoin(connection, *next->new_drive));
+    } else {
+      DropDeletedDrives(connection, next->id);
+    }
+    StartJob(connection, next->id);
+    const Job job = FindJob(connection, next->id);
     SetStates(connection, job, DriveState::kProcessing);
     return job;
   });
@@ -95,14 +103,14 @@ std::optional<Job> ClaimJob(Store& store) {
 void FailJob(Store& store, const Job& job, const std::string& code, const std::string& sentence) {
   store.database.Write([&](Connection& connection) {
     if (EndJob(connection, job.id, job.attempt, {JobState::kFailed, sentence, code, std::nullopt}))
-      SetStatesAfterEnd(connection, job, DriveState::kFailed, sentence);
+      SetStates(connection, job, DriveState::kFailed, sentence);
   });
 }
 
 void FinishCancelledJob(Store& store, const Job& job) {
   store.database.Write([&](Connection& connection) {
     if (EndJob(connection, job.id, job.attempt, {JobState::kCancelled, "cancelled", "cancelled", std::nullopt}))
-      SetStatesAfterEnd(connection, job, DriveState::kReceived, std::nullopt);
+      SetStates(connection, job, DriveState::kReceived);
   });
 }
 
@@ -131,18 +139,18 @@ bool CancelWaitingJob(Store& store, const std::string& id) {
     const bool has_ended = job.state != JobState::kQueued && job.state != JobState::kRunning;
     Require(!has_ended, ErrorCode::kConflict, "job '" + id + "' has already ended: it is " + ToText(job.state));
     if (!CancelQueuedJob(connection, id)) return false;
-    SetStatesAfterEnd(connection, job, DriveState::kReceived, std::nullopt);
+    SetStates(connection, job, DriveState::kReceived);
     return true;
   });
 }
 
 Job RetryJob(Store& store, const std::string& id) {
   return store.database.Write([&](Connection& connection) {
-    const JobState state = FindJob(connection, id).state;
-    const bool can_retry = state == JobState::kFailed || state == JobState::kCancelled;
+    const Job ended = FindJob(connection, id);
+    const bool can_retry = ended.state == JobState::kFailed || ended.state == JobState::kCancelled;
     Require(can_retry, ErrorCode::kConflict,
-            "only a failed or cancelled job can be tried again: job '" + id + "' is " + ToText(state));
-    DropDeletedDrives(connection, id);
+            "only a failed or cancelled job can be tried again: job '" + id + "' is " + ToText(ended.state));
+    ResetDrives(connection, ended);
     QueueJobAgain(connection, id);
     const Job job = FindJob(connection, id);
     Require(!job.drives.empty(), ErrorCode::kConflict, "all drives of job '" + id + "' were deleted");

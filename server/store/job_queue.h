@@ -13,6 +13,9 @@ namespace parkade {
 // job's drives along:
 //
 //   queued -> running -> done | failed | cancelled | queued (once more)
+//
+// A job with a new drive moves that one only: those it is joined with are in a map. A drive in a map is ready and
+// stays so.
 
 /// Queues a job that maps `drives` of a site; all of the site's where empty.
 /// Throws Error{kNotFound} for an unknown site or drive, Error{kInvalidInput}
@@ -23,7 +26,8 @@ Job QueueMap(Store& store, const std::string& site, std::vector<std::string> dri
              const MapReview& review = {});
 
 /// Takes the oldest queued job, if any, and starts an attempt of it, without the drives that were deleted since it was
-/// queued. These may have been all.
+/// queued. These may have been all. A job with a new drive is joined with what its site has now, and waits
+/// while another job of its site runs.
 std::optional<Job> ClaimJob(Store& store);
 
 /// How many attempts at a job may end by a crash of its worker.

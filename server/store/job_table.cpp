@@ -11,7 +11,7 @@ namespace {
 
 const std::string kSelect = R"(
   SELECT sequence, id, site, state, attempt, crashes, error, error_code, pid, pid_started, map_version, created_at,
-         started_at, finished_at, review, service_ends
+         started_at, finished_at, review, service_ends, new_drive
   FROM jobs )";
 
 std::optional<std::string> ReviewToText(const MapReview& review) {
@@ -49,6 +49,7 @@ Job FromRow(Connection& connection, const Statement& row) {
   job.finished_at = OptionalText(row, 13);
   job.review = ReviewFromText(OptionalText(row, 14));
   job.service_ends = static_cast<int>(row.Integer(15));
+  job.new_drive = OptionalText(row, 16);
   Statement drives = connection.Query("SELECT drive FROM job_drives WHERE job = ? ORDER BY position", job.id);
   while (drives.Step()) job.drives.push_back(drives.Text(0));
   return job;
@@ -59,10 +60,10 @@ std::string Word(JobState state) { return ToText(state); }
 }  // namespace
 
 void InsertJob(Connection& connection, const Job& job) {
-  connection.Execute("INSERT INTO jobs (id, site, state, created_at, review) VALUES (?, ?, ?, ?, ?)", job.id, job.site,
-                     Word(JobState::kQueued), job.created_at, ReviewToText(job.review));
-  for (size_t i = 0; i < job.drives.size(); ++i)
-    connection.Execute("INSERT INTO job_drives (job, drive, position) VALUES (?, ?, ?)", job.id, job.drives[i], i);
+  connection.Execute("INSERT INTO jobs (id, site, state, created_at, review, new_drive) VALUES (?, ?, ?, ?, ?, ?)",
+                     job.id, job.site, Word(JobState::kQueued), job.created_at, ReviewToText(job.review),
+                     job.new_drive);
+  SetJobDrives(connection, job.id, job.drives);
 }
 
 Job FindJob(Connection& connection, const std::string& id) {
@@ -85,8 +86,12 @@ std::vector<Job> ListJobs(Connection& connection, const Page& page, const std::o
   return jobs;
 }
 
-std::optional<Job> OldestQueuedJob(Connection& connection) {
-  Statement query = connection.Query(kSelect + "WHERE state = ? ORDER BY sequence LIMIT 1", Word(JobState::kQueued));
+std::optional<Job> NextQueuedJob(Connection& connection) {
+  Statement query = connection.Query(kSelect + R"(
+      WHERE state = ? AND (new_drive IS NULL
+                           OR NOT EXISTS (SELECT 1 FROM jobs other WHERE other.site = jobs.site AND other.state = ?))
+      ORDER BY sequence LIMIT 1)",
+                                     Word(JobState::kQueued), Word(JobState::kRunning));
   if (!query.Step()) return std::nullopt;
   return FromRow(connection, query);
 }
@@ -95,6 +100,20 @@ std::int64_t CountJobs(Connection& connection, JobState state) {
   Statement query = connection.Query("SELECT count(*) FROM jobs WHERE state = ?", Word(state));
   query.Step();
   return query.Integer(0);
+}
+
+std::optional<std::string> RunningJobOf(Connection& connection, const std::string& drive) {
+  Statement query = connection.Query(
+      "SELECT j.id FROM job_drives jd JOIN jobs j ON j.id = jd.job WHERE jd.drive = ? AND j.state = ? LIMIT 1", drive,
+      Word(JobState::kRunning));
+  if (!query.Step()) return std::nullopt;
+  return query.Text(0);
+}
+
+void SetJobDrives(Connection& connection, const std::string& id, const std::vector<std::string>& drives) {
+  connection.Execute("DELETE FROM job_drives WHERE job = ?", id);
+  for (size_t i = 0; i < drives.size(); ++i)
+    connection.Execute("INSERT INTO job_drives (job, drive, position) VALUES (?, ?, ?)", id, drives[i], i);
 }
 
 void DropDeletedDrives(Connection& connection, const std::string& id) {

@@ -22,9 +22,15 @@ Job FindJob(Connection& connection, const std::string& id);
 std::vector<Job> ListJobs(Connection& connection, const Page& page, const std::optional<JobState>& state,
                           const std::optional<std::string>& site);
 
-std::optional<Job> OldestQueuedJob(Connection& connection);
+/// The oldest queued job that may start. One with a new drive waits for jobs of its site that run: their map is not
+/// there to be joined with yet, and would come after one that knows nothing of it.
+std::optional<Job> NextQueuedJob(Connection& connection);
 std::int64_t CountJobs(Connection& connection, JobState state);
 
+/// The running job that maps a drive, if any.
+std::optional<std::string> RunningJobOf(Connection& connection, const std::string& drive);
+
+void SetJobDrives(Connection& connection, const std::string& id, const std::vector<std::string>& drives);
 /// Takes drives off the job's list that were deleted.
 void DropDeletedDrives(Connection& connection, const std::string& id);
 

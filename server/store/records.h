@@ -50,7 +50,10 @@ struct Job {
   std::int64_t sequence = 0;
   std::string id;
   std::string site;
-  std::vector<std::string> drives;  ///< ids, in the order of the command line
+  /// Ids, in the order of the command line. Of a job with a new drive: that one while it waits, and all it was joined
+  /// with since it was started.
+  std::vector<std::string> drives;
+  std::optional<std::string> new_drive;  ///< an upload's, to be joined with its site; nothing: `drives` were chosen
   MapReview review;
   JobState state = JobState::kQueued;
   int attempt = 0;                               ///< how often a worker was started

@@ -5,6 +5,8 @@
 #include <thread>
 
 #include "core/error.h"
+#include "server/store/drive_table.h"
+#include "server/store/job_table.h"
 #include "tests/server/store/temporary_store.h"
 
 namespace parkade {
@@ -92,6 +94,32 @@ TEST(Database, RefusesASchemaOfTheFuture) {
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kConflict);
   }
+}
+
+TEST(Database, TakesOverJobsOfTheSchemaBefore) {
+  const TemporaryRoot root;
+  {
+    Database database(root.path() / "main.db");
+    database.Write([](Connection& connection) {
+      AddSite(connection, "lot");
+      connection.Execute(R"(INSERT INTO drives (id, name, filename, site, state, bytes, sha256, created_at, updated_at)
+                            VALUES ('d', 'a', 'a.bag', 'lot', 'processing', 1, 'x', 'now', 'now'))");
+      connection.Execute("INSERT INTO jobs (id, site, state, created_at) VALUES ('j', 'lot', 'queued', 'now')");
+      connection.Execute("INSERT INTO job_drives (job, position, drive) VALUES ('j', 0, 'd')");
+      connection.Execute(R"(INSERT INTO maps (id, site, version, job, sha256, created_at)
+                            VALUES ('m', 'lot', 1, 'j', 'x', 'now'))");
+      connection.Execute("INSERT INTO map_drives (map, position, drive) VALUES ('m', 0, 'd')");
+      connection.Execute("ALTER TABLE jobs DROP COLUMN new_drive");
+      connection.Execute("PRAGMA user_version=3");
+    });
+  }
+  Database database(root.path() / "main.db");
+
+  database.Read([](Connection& connection) {
+    EXPECT_EQ(FindJob(connection, "j").new_drive, std::nullopt) << "its drives stay as they were chosen";
+    EXPECT_EQ(FindJob(connection, "j").drives, std::vector<std::string>{"d"});
+    EXPECT_EQ(FindDrive(connection, "d").state, DriveState::kReady) << "it is in a map";
+  });
 }
 
 TEST(Database, RefusesAFileThatIsNoDatabase) {

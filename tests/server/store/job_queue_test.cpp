@@ -3,6 +3,8 @@
 #include "core/error.h"
 #include "server/store/drive_table.h"
 #include "server/store/job_table.h"
+#include "server/store/map_table.h"
+#include "server/store/publish_map.h"
 #include "tests/server/store/temporary_store.h"
 
 namespace parkade {
@@ -104,25 +106,28 @@ TEST_F(JobQueue, OnlyEndedJobsAreRetriedAndOnlyWithTheirDrives) {
 }
 
 TEST_F(JobQueue, ADriveDeletedMeanwhileIsLeftOut) {
+  const ReceivedDrive second = Receive(store_, "second", {"b.bag", "lot", std::nullopt});
+  CancelWaitingJob(store_, second.job.id);
   CancelWaitingJob(store_, received_.job.id);
   MakeReady(received_.drive.id);
-  const ReceivedDrive second = Receive(store_, "second", {"b.bag", "lot", std::nullopt}, /*merge_drives=*/true);
-  ASSERT_EQ(second.job.drives.size(), 2u);
+  const Job both = QueueMap(store_, "lot", {}, /*merge_drives=*/true);
+  ASSERT_EQ(both.drives.size(), 2u);
+  MakeReady(received_.drive.id);
 
   DeleteDrive(store_, received_.drive.id);
 
   const std::optional<Job> claimed = ClaimJob(store_);
-  EXPECT_EQ(claimed->id, second.job.id);
+  EXPECT_EQ(claimed->id, both.id);
   EXPECT_EQ(claimed->drives, std::vector{second.drive.id});
 }
 
 TEST_F(JobQueue, AnEndedJobIsRetriedWithTheDrivesThatAreLeft) {
-  const ReceivedDrive second = Receive(store_, "second", {"b.bag", "lot", std::nullopt}, /*merge_drives=*/true);
-  CancelWaitingJob(store_, received_.job.id);
-  CancelWaitingJob(store_, second.job.id);
+  const ReceivedDrive second = Receive(store_, "second", {"b.bag", "lot", std::nullopt});
+  const Job both = QueueMap(store_, "lot", {}, /*merge_drives=*/true);
+  for (const std::string& job : {received_.job.id, second.job.id, both.id}) CancelWaitingJob(store_, job);
   DeleteDrive(store_, received_.drive.id);
 
-  EXPECT_EQ(RetryJob(store_, second.job.id).drives, std::vector{second.drive.id});
+  EXPECT_EQ(RetryJob(store_, both.id).drives, std::vector{second.drive.id});
   EXPECT_EQ(ClaimJob(store_)->drives, std::vector{second.drive.id});
 }
 
@@ -139,6 +144,117 @@ TEST_F(JobQueue, AMapIsBuiltFromChosenDrivesOfTheSite) {
   Receive(store_, "second", {"c.bag", "lot", std::nullopt});
   EXPECT_THROW(QueueMap(store_, "lot", {}, /*merge_drives=*/false), Error);
   EXPECT_EQ(QueueMap(store_, "lot", {}, /*merge_drives=*/true).drives.size(), 2u);
+}
+
+/// A site whose uploads are joined.
+class GrowingSite : public StoreTest {
+ protected:
+  ReceivedDrive Upload(const std::string& name) {
+    return Receive(store_, "log " + name, {name + ".bag", "lot", std::nullopt}, /*merge_drives=*/true);
+  }
+  void Publish(const Job& job) {
+    const auto out = store_.directory.AttemptFolder(job.id, job.attempt) / "out";
+    WriteText(out / "map.glb", "glTF");
+    WriteText(out / "report.json", "{}");
+    PublishMap(store_, job, SealMap(out));
+  }
+  void CrashThreeTimes(const std::string& job) {
+    for (int attempt = 1; attempt <= 3; ++attempt) {
+      const Job claimed = *ClaimJob(store_);
+      ASSERT_EQ(claimed.id, job);
+      RetryCrashedJob(store_, claimed, "segmentation fault");
+    }
+  }
+  DriveState StateOf(const ReceivedDrive& received) {
+    return store_.database.Read([&](Connection& connection) { return FindDrive(connection, received.drive.id).state; });
+  }
+};
+
+TEST_F(GrowingSite, IsJoinedAsItIsWhenTheJobStarts) {
+  const ReceivedDrive a = Upload("a"), b = Upload("b"), c = Upload("c");
+
+  const Job first = *ClaimJob(store_);
+  EXPECT_EQ(first.drives, std::vector{a.drive.id}) << "b and c wait for jobs of their own";
+  Publish(first);
+  CrashThreeTimes(b.job.id);
+  EXPECT_EQ(StateOf(a), DriveState::kReady);
+  EXPECT_EQ(StateOf(b), DriveState::kFailed);
+
+  const Job third = *ClaimJob(store_);
+  EXPECT_EQ(third.drives, (std::vector{a.drive.id, c.drive.id}));
+  EXPECT_EQ(store_.database.Read([&](Connection& connection) { return FindJob(connection, c.job.id); }).drives,
+            third.drives);
+}
+
+TEST_F(GrowingSite, IsJoinedWithoutADriveWhoseJobWasCancelled) {
+  const ReceivedDrive a = Upload("a"), b = Upload("b"), c = Upload("c");
+  Publish(*ClaimJob(store_));
+  CancelWaitingJob(store_, b.job.id);
+
+  EXPECT_EQ(ClaimJob(store_)->drives, (std::vector{a.drive.id, c.drive.id}));
+}
+
+TEST_F(GrowingSite, IsJoinedByAJobThatIsTriedAgain) {
+  const ReceivedDrive a = Upload("a");
+  FailJob(store_, *ClaimJob(store_), "invalid_input", "no luck");
+  const ReceivedDrive b = Upload("b");
+  Publish(*ClaimJob(store_));
+
+  EXPECT_EQ(RetryJob(store_, a.job.id).drives, std::vector{a.drive.id});
+  const Job again = *ClaimJob(store_);
+  EXPECT_EQ(again.drives, (std::vector{a.drive.id, b.drive.id}));
+  Publish(again);
+  const MapVersion latest = store_.database.Read([&](Connection& connection) { return FindMap(connection, "lot", 2); });
+  EXPECT_EQ(latest.drives.size(), 2u);
+}
+
+TEST_F(GrowingSite, IsJoinedByOneJobAfterTheOther) {
+  const ReceivedDrive a = Upload("a"), b = Upload("b");
+  const ReceivedDrive elsewhere = Receive(store_, "other", {"other.bag", "garage", std::nullopt}, true);
+
+  const Job first = *ClaimJob(store_);
+  EXPECT_EQ(ClaimJob(store_)->id, elsewhere.job.id) << "another worker does not wait for another site";
+  EXPECT_FALSE(ClaimJob(store_).has_value());
+  EXPECT_EQ(StateOf(b), DriveState::kQueued);
+  Publish(first);
+
+  EXPECT_EQ(ClaimJob(store_)->drives, (std::vector{a.drive.id, b.drive.id}));
+}
+
+TEST_F(GrowingSite, IsJoinedAnewAfterACrash) {
+  const ReceivedDrive a = Upload("a"), b = Upload("b");
+  Publish(*ClaimJob(store_));
+  const Job second = *ClaimJob(store_);
+  EXPECT_EQ(second.drives, (std::vector{a.drive.id, b.drive.id}));
+
+  RetryCrashedJob(store_, second, "segmentation fault");
+  EXPECT_EQ(StateOf(a), DriveState::kReady);
+  EXPECT_EQ(StateOf(b), DriveState::kQueued);
+  DeleteDrive(store_, a.drive.id);
+
+  EXPECT_EQ(ClaimJob(store_)->drives, std::vector{b.drive.id});
+}
+
+TEST_F(GrowingSite, IsNotMappedAnewForADriveThatWasDeleted) {
+  const ReceivedDrive a = Upload("a"), b = Upload("b");
+  Publish(*ClaimJob(store_));
+  CancelWaitingJob(store_, b.job.id);
+  DeleteDrive(store_, b.drive.id);
+
+  EXPECT_THROW(RetryJob(store_, b.job.id), Error);
+  EXPECT_FALSE(ClaimJob(store_).has_value());
+  EXPECT_EQ(StateOf(a), DriveState::kReady);
+}
+
+TEST_F(GrowingSite, TakesTheNewDriveOfEqualLogs) {
+  const ReceivedDrive a = Upload("a");
+  FailJob(store_, *ClaimJob(store_), "internal", "no luck");
+  const ReceivedDrive copy = Receive(store_, "log a", {"copy.bag", "lot", std::nullopt}, /*merge_drives=*/true);
+  Publish(*ClaimJob(store_));
+  RetryJob(store_, a.job.id);
+
+  EXPECT_EQ(ClaimJob(store_)->drives, std::vector{a.drive.id});
+  EXPECT_EQ(StateOf(copy), DriveState::kReady);
 }
 
 }  // namespace

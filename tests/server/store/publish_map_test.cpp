@@ -98,6 +98,24 @@ TEST_F(PublishedMap, ADriveStaysReadyWhenALaterJobFails) {
   EXPECT_EQ(drive.state, DriveState::kReady);
 }
 
+TEST_F(PublishedMap, KeepsItsDriveReadyWhileALaterJobWaitsAndRuns) {
+  PublishMap(store_, job_, SealMap(Stage()));
+  const auto drive_now = [&] {
+    return store_.database.Read([&](Connection& connection) { return FindDrive(connection, received_.drive.id); });
+  };
+
+  QueueMap(store_, "lot", {}, false);
+  EXPECT_EQ(drive_now().state, DriveState::kReady);
+  const Job again = *ClaimJob(store_);
+  EXPECT_EQ(drive_now().state, DriveState::kReady);
+  EXPECT_THROW(DeleteDrive(store_, received_.drive.id), Error) << "a job that runs uses it";
+  ReturnJob(store_, again);
+  EXPECT_EQ(drive_now().state, DriveState::kReady);
+
+  DeleteDrive(store_, received_.drive.id);
+  EXPECT_TRUE(ClaimJob(store_)->drives.empty()) << "a job that waits does without it";
+}
+
 TEST_F(PublishedMap, IsWhereAReviewStarts) {
   PublishMap(store_, job_, SealMap(Stage()));
   const MapReview review{1, {"17-140", "18-141"}, {"a:3-90"}};
@@ -115,7 +133,7 @@ TEST_F(PublishedMap, IsWhereAReviewStarts) {
 TEST_F(PublishedMap, IsReviewedWithoutTheDrivesThatWereDeleted) {
   Receive(store_, "another log", {"b.bag", "lot", std::nullopt});
   PublishMap(store_, job_, SealMap(Stage()));
-  ClaimJob(store_);  // of b alone
+  FinishCancelledJob(store_, *ClaimJob(store_));  // of b alone
   const Job both = (QueueMap(store_, "lot", {}, true), *ClaimJob(store_));
   const auto [a, b] = std::pair(both.drives.at(0), both.drives.at(1));
   PublishMap(store_, both, SealMap(Stage()));
