@@ -12,6 +12,12 @@ export interface Drive {
   created_at: string;
 }
 
+/** The part of a site that the page needs. */
+export interface Site {
+  name: string;
+  latest_version: number | null; // none yet
+}
+
 export interface Job {
   id: string;
   site: string;
@@ -93,6 +99,7 @@ async function list<T>(path: string): Promise<T[]> {
 }
 
 export const listDrives = () => list<Drive>('/api/v1/drives');
+export const listSites = () => list<Site>('/api/v1/sites');
 export const listJobs = () => list<Job>('/api/v1/jobs');
 
 export function mapUrl(site: string, version: number | 'latest', file = ''): string {

@@ -1,12 +1,19 @@
-import type { Drive, Job } from './api';
+import type { Drive, Job, Site } from './api';
 import { element } from './dom';
 import { formatBytes, formatDuration } from './format';
+import { sitesWithoutDrives } from './sites';
 
-/** Shows drives with the progress of their jobs; both newest first, as the service lists them. */
+/** What the service has, newest first, as it lists them. */
+export interface Stock {
+  drives: Drive[];
+  jobs: Job[];
+  sites: Site[];
+}
+
+/** Shows drives with the progress of their jobs, and sites that have maps and no drives any more. */
 export function renderDrives(
   place: HTMLElement,
-  drives: Drive[],
-  jobs: Job[],
+  { drives, jobs, sites }: Stock,
   selectedSite: string | null,
   onSelect: (site: string) => void,
 ): void {
@@ -17,8 +24,18 @@ export function renderDrives(
   place.replaceChildren(
     element('h2', {}, 'Drives'),
     ...(entries.length > 0 ? entries : [element('p', { class: 'hint' }, 'None yet. Add one above, or with curl.')]),
+    ...sitesWithoutDrives(drives, sites).map(({ name }) => renderSite(name, name === selectedSite, onSelect)),
   );
   if (focused) place.querySelector<HTMLElement>(`[data-drive="${CSS.escape(focused)}"]`)?.focus();
+}
+
+function renderSite(name: string, isSelected: boolean, onSelect: (site: string) => void): HTMLElement {
+  return element(
+    'button',
+    { class: 'drive', type: 'button', 'data-drive': `site ${name}`, 'aria-pressed': String(isSelected), click: () => onSelect(name) },
+    element('span', { class: 'name' }, element('span', {}, name)),
+    element('p', { class: 'hint' }, 'its drives were deleted, its maps stay'),
+  );
 }
 
 export function newestJobOf(drive: Drive, jobs: Job[]): Job | undefined {

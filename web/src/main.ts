@@ -1,11 +1,12 @@
 import './style.css';
 
-import { latestMap, listDrives, listJobs, mapUrl, report, slots, watchEvents, type Job } from './api';
+import { latestMap, listDrives, listJobs, listSites, mapUrl, report, slots, watchEvents, type Job } from './api';
 import { byId } from './dom';
 import { renderDrives } from './drive_list';
 import { renderMapPanel } from './map_panel';
 import { MapView } from './map_view';
 import { PinPanel } from './pin_panel';
+import { firstSite, hasMap } from './sites';
 import { countStates, renderSlotLegend } from './slot_layer';
 import { createToolbar } from './toolbar';
 import { createUpload } from './upload';
@@ -90,13 +91,12 @@ async function showPreview({ preview }: Job): Promise<boolean> {
 
 async function refresh(): Promise<void> {
   try {
-    const [drives, jobs] = await Promise.all([listDrives(), listJobs()]);
-    selectedSite ??= drives.find((drive) => drive.state === 'ready')?.site ?? null;
-    renderDrives(byId('drives'), drives, jobs, selectedSite, (site) => void showSite(site));
+    const [drives, jobs, sites] = await Promise.all([listDrives(), listJobs(), listSites()]);
+    selectedSite ??= firstSite(drives, sites);
+    renderDrives(byId('drives'), { drives, jobs, sites }, selectedSite, (site) => void showSite(site));
     const inWork = jobs.find((job) => job.site === selectedSite && job.state === 'running' && job.preview);
     if (inWork && (await showPreview(inWork))) return;
-    const isMapped = drives.some((drive) => drive.site === selectedSite && drive.state === 'ready');
-    if (selectedSite && isMapped) {
+    if (selectedSite && hasMap(selectedSite, sites)) {
       await showLatestMap(selectedSite);
     } else if (shownMap.split('/')[0] !== selectedSite) {
       clearMap(selectedSite ? `${selectedSite} has no map yet` : 'Add a drive to see its map');

@@ -1,0 +1,47 @@
+import { describe, expect, test } from 'vitest';
+
+import type { Drive, DriveState, Site } from './api';
+import { firstSite, hasMap, sitesWithoutDrives } from './sites';
+
+const site = (name: string, latest_version: number | null): Site => ({ name, latest_version });
+const drive = (name: string, state: DriveState): Drive => ({
+  id: name,
+  name,
+  site: name,
+  state,
+  bytes: 1,
+  error: null,
+  created_at: '2026-01-01T00:00:00Z',
+});
+
+describe('hasMap', () => {
+  test('goes by versions', () => {
+    const sites = [site('new', null), site('lot', 3)];
+
+    expect(hasMap('lot', sites)).toBe(true);
+    expect(hasMap('new', sites)).toBe(false);
+    expect(hasMap('elsewhere', sites)).toBe(false);
+    expect(hasMap(null, sites)).toBe(false);
+  });
+});
+
+describe('firstSite', () => {
+  test('is that of the newest drive with a map, whatever the drive does now', () => {
+    const sites = [site('new', null), site('lot', 3), site('old', 1)];
+
+    expect(firstSite([drive('new', 'queued'), drive('lot', 'processing'), drive('old', 'ready')], sites)).toBe('lot');
+  });
+
+  test('may have no drives left', () => {
+    expect(firstSite([drive('new', 'queued')], [site('new', null), site('lot', 3)])).toBe('lot');
+    expect(firstSite([], [])).toBeNull();
+  });
+});
+
+describe('sitesWithoutDrives', () => {
+  test('are those with versions only', () => {
+    const sites = [site('new', null), site('lot', 3), site('gone', 2)];
+
+    expect(sitesWithoutDrives([drive('lot', 'ready')], sites).map(({ name }) => name)).toEqual(['gone']);
+  });
+});
