@@ -31,7 +31,10 @@ export class MapView {
   private readonly photoLooks = new Map<THREE.Object3D, PhotoLook>();
   private content: THREE.Object3D | null = null;
   private slotLayer: THREE.Group | null = null;
-  private areSlotsVisible = true;
+  private areSlotsVisible = true; // this and the next three outlive the map that is shown
+  private isGroundVisible = true;
+  private areTrajectoriesVisible = true;
+  private colorMode: ColorMode = 'photo';
   private pinLayer: THREE.Group | null = null;
   private coveredHeight = 0;
   private isFrameRequested = false;
@@ -52,7 +55,7 @@ export class MapView {
     this.resize();
   }
 
-  /** Replaces what is shown; resolves false when a later load overtook this one. */
+  /** Replaces what is shown, seen as before; resolves false when a later load overtook this one. */
   async load(url: string): Promise<boolean> {
     this.generation += 1;
     const generation = this.generation;
@@ -62,6 +65,9 @@ export class MapView {
     this.content = gltf.scene;
     this.prepare(gltf.scene);
     this.scene.add(gltf.scene);
+    this.setGroundVisible(this.isGroundVisible);
+    this.setTrajectoriesVisible(this.areTrajectoriesVisible);
+    this.setColorMode(this.colorMode);
     return true;
   }
 
@@ -134,14 +140,17 @@ export class MapView {
   }
 
   setTrajectoriesVisible(isVisible: boolean): void {
+    this.areTrajectoriesVisible = isVisible;
     this.forEachNode('drive:', (node) => (node.visible = isVisible));
   }
 
   setGroundVisible(isVisible: boolean): void {
+    this.isGroundVisible = isVisible;
     this.forEachNode('ground', (node) => (node.visible = isVisible));
   }
 
   setColorMode(mode: ColorMode): void {
+    this.colorMode = mode;
     this.content?.traverse((object) => {
       const look = this.photoLooks.get(object);
       if (!(object instanceof THREE.Mesh) || !look) return; // slots keep their colours
