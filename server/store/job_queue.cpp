@@ -12,6 +12,7 @@
 namespace parkade {
 namespace {
 
+/// Those in a map are ready, whatever comes later.
 void SetStates(Connection& connection, const Job& job, DriveState state,
                const std::optional<std::string>& error = std::nullopt) {
   const std::vector<std::string> moved = job.new_drive ? std::vector{*job.new_drive} : job.drives;
