@@ -7,8 +7,11 @@ DRIVES/train/* and DRIVES/val/* are folders of `parkade-simulate ... --semantic 
 training runs are taken in. The checkpoint holds the moving average of the weights and what --resume needs.
 """
 import argparse
+import os
 import time
 from pathlib import Path
+
+os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before PyTorch is loaded: its threads spin while they wait for a busy core
 
 import cv2
 import numpy as np
