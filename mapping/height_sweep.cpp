@@ -9,6 +9,7 @@
 
 #include "core/largest_first.h"
 #include "core/parallel.h"
+#include "mapping/isometry_of.h"
 #include "mapping/local_means.h"
 #include "mapping/meet_surface.h"
 
@@ -44,10 +45,11 @@ std::vector<Sight> FindMeetings(const PosedGroundPatch& posed, const DrivenPath&
   std::vector<Sight> meetings;
   PatchFinder patches_at(field);
   const LocalMeans means(posed.patch.samples, kMeanSquare * options.window);
-  const Eigen::Vector3d eye = posed.site_from_body * path.cameras_in_body[static_cast<size_t>(posed.patch.camera)];
+  const Eigen::Isometry3d site_from_body = IsometryOf(posed.site_from_body);
+  const Eigen::Vector3d eye = site_from_body * path.cameras_in_body[static_cast<size_t>(posed.patch.camera)];
   for (const GroundSample& sample : posed.patch.samples) {
     if (!LocalMeans::IsUsed(sample)) continue;
-    Eigen::Vector3d point = posed.site_from_body * sample.point_in_body.cast<double>();
+    Eigen::Vector3d point = site_from_body * sample.point_in_body.cast<double>();
     const Eigen::Vector2d ray = (point - eye).head<2>();
     if (block.exteriorDistance(point.head<2>().eval()) > 1.5 * kMargin) continue;
     const double distance = ray.norm();

@@ -6,6 +6,7 @@
 #include "core/floor_of.h"
 #include "core/parallel.h"
 #include "mapping/estimate_lean.h"
+#include "mapping/isometry_of.h"
 
 namespace parkade {
 namespace {
@@ -33,7 +34,8 @@ PlaneHeights::Square PlaneHeights::SquareOf(const Eigen::Vector3d& point) const 
 }
 
 void PlaneHeights::Add(const PosedGroundPatch& posed, const DrivenPath* path) {
-  const Rigid3 ground_from_body = path ? path->body_from_ground.Inverse() : Rigid3{};
+  const Eigen::Isometry3d site_from_body = IsometryOf(posed.site_from_body);
+  const Eigen::Isometry3d ground_from_body = IsometryOf(path ? path->body_from_ground.Inverse() : Rigid3{});
   const Eigen::Vector2d acceleration =
       path ? AccelerationAt(path->site_from_body, posed.patch.time) : Eigen::Vector2d::Zero();
   const double share = path ? path->plane_errors * path->plane_errors : 1;
@@ -42,7 +44,7 @@ void PlaneHeights::Add(const PosedGroundPatch& posed, const DrivenPath* path) {
   for (const GroundSample& sample : posed.patch.samples) {
     if (!sample.is_free) continue;
     const Eigen::Vector3d point_in_body = sample.point_in_body.cast<double>();
-    Eigen::Vector3d point = posed.site_from_body * point_in_body;
+    Eigen::Vector3d point = site_from_body * point_in_body;
     if (path) point.z() -= path->lean.LiftAt(acceleration, (ground_from_body * point_in_body).head<2>());
     const Square square = SquareOf(point);
     if (here == nullptr || square != last) here = &sums_[square], last = square;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "mapping/isometry_of.h"
 #include "mapping/meet_surface.h"
 #include "mapping/sort_cells.h"
 
@@ -138,10 +139,11 @@ std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PatchView& view,
   const LatestDrives::Share share = latest ? latest->ShareOf(view) : LatestDrives::Share{};
   const bool is_all_in_reach = reach_.contains(reach);
   PatchFinder patches(*field_);
+  const Eigen::Isometry3d site_from_body = IsometryOf(view.site_from_body);
   const double highest_hidden = has_eye ? HighestHidden(*field_, eye, reach) : 0;
   for (const GroundSample& sample : patch.samples) {
     if (sample.confidence <= 0) continue;
-    Eigen::Vector3d point = view.site_from_body * sample.point_in_body.cast<double>();
+    Eigen::Vector3d point = site_from_body * sample.point_in_body.cast<double>();
     if (!is_all_in_reach && !IsInReach(has_eye ? &eye : nullptr, point)) continue;
     if (latest != nullptr && !share.Counts(point.head<2>())) continue;
     const int found = has_eye ? MeetSurface(patches, eye, point) : field_->FindPatch(point);
