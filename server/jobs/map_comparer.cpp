@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "server/jobs/worker_process.h"
+#include "server/store/temporary_path.h"
 
 namespace parkade {
 namespace {
@@ -29,22 +30,6 @@ class Presence {
  private:
   std::atomic<int>& count_;
   int number_;
-};
-
-/// A path that is removed with all below it when this object goes.
-class TemporaryPath {
- public:
-  explicit TemporaryPath(fs::path path) : path_(std::move(path)) {}
-  ~TemporaryPath() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryPath(const TemporaryPath&) = delete;
-  TemporaryPath& operator=(const TemporaryPath&) = delete;
-  const fs::path& get() const { return path_; }
-
- private:
-  fs::path path_;
 };
 
 /// What the process said at last, without its own name.

@@ -5,29 +5,11 @@
 #include "server/store/durable_file.h"
 #include "server/store/names.h"
 #include "server/store/rig_table.h"
+#include "server/store/temporary_path.h"
 
 namespace parkade {
-namespace {
 
 namespace fs = std::filesystem;
-
-/// A folder that is gone at the end unless it was moved away.
-class TemporaryFolder {
- public:
-  explicit TemporaryFolder(fs::path path) : path_(std::move(path)) { fs::create_directory(path_); }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
-}  // namespace
 
 StoredRig StoreRig(Store& store, const std::string& name, const RigFiles& files,
                    const std::function<void(const fs::path&)>& check_rig) {
@@ -39,9 +21,10 @@ StoredRig StoreRig(Store& store, const std::string& name, const RigFiles& files,
   for (const auto& [file, content] : files)
     Require(IsPlainName(file), ErrorCode::kInvalidInput, "the rig holds a file with an unusual name");
 
-  const TemporaryFolder folder(store.directory.NewTemporaryPath());
-  for (const auto& [file, content] : files) WriteFileAtomically(folder.path() / file, content);
-  if (check_rig) check_rig(folder.path());
+  const TemporaryPath folder(store.directory.NewTemporaryPath());
+  fs::create_directory(folder.get());
+  for (const auto& [file, content] : files) WriteFileAtomically(folder.get() / file, content);
+  if (check_rig) check_rig(folder.get());
 
   StoredRig rig;
   rig.id = NewId();
@@ -49,7 +32,7 @@ StoredRig StoreRig(Store& store, const std::string& name, const RigFiles& files,
   rig.sha256 = Sha256Of(PackRig(files));
   for (const auto& [file, content] : files) rig.files.push_back(file);
   rig.created_at = NowUtc();
-  fs::rename(folder.path(), store.directory.RigFolder(rig.id));
+  fs::rename(folder.get(), store.directory.RigFolder(rig.id));
   SyncToDisk(store.directory.RigsFolder());
   store.database.Write([&](Connection& connection) { InsertRig(connection, rig); });
   return rig;
