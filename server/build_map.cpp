@@ -133,9 +133,8 @@ void WarnOfLogs(const std::vector<DriveInWork>& drives, std::vector<std::string>
 
 constexpr const char* kOdometryFile = "odometry.bin";
 
-OdometryResult ReadStoredOdometry(const RecordedDrive& log, const BuildScope& scope, const OdometryOptions& options,
-                                  const std::filesystem::path& file) {
-  const FinishedMap from(scope.from);
+OdometryResult ReadStoredOdometry(const RecordedDrive& log, const BuildScope& scope, const FinishedMap& from,
+                                  const OdometryOptions& options, const std::filesystem::path& file) {
   if (const auto hash = scope.logs.find(log.name()); hash != scope.logs.end())
     Require(from.Holds(log.name(), hash->second), ErrorCode::kInvalidInput, "it is of another log");
   const std::string tracked_by =
@@ -158,13 +157,13 @@ void StoreOdometry(const OdometryResult& odometry, const DriveLog& log, const Bu
 }
 
 /// From the map to start from where it holds this drive's, else tracked.
-void FindOdometry(const BuildScope& scope, const OdometryOptions& options, const ProgressCallback& progress,
-                  DriveInWork& drive) {
+void FindOdometry(const BuildScope& scope, const std::optional<FinishedMap>& from, const OdometryOptions& options,
+                  const ProgressCallback& progress, DriveInWork& drive) {
   const RecordedDrive& log = *drive.log;
   const std::filesystem::path file = scope.from / log.name() / kOdometryFile;
-  if (!scope.from.empty() && std::filesystem::exists(file)) {
+  if (from && std::filesystem::exists(file)) {
     try {
-      drive.odometry = ReadStoredOdometry(log, scope, options, file);
+      drive.odometry = ReadStoredOdometry(log, scope, *from, options, file);
       if (!scope.products.empty()) StoreOdometry(drive.odometry, log, scope, /*is_taken=*/true);
       drive.is_odometry_taken = true;
       return;
@@ -176,13 +175,24 @@ void FindOdometry(const BuildScope& scope, const OdometryOptions& options, const
   if (!scope.products.empty()) StoreOdometry(drive.odometry, log, scope, /*is_taken=*/false);
 }
 
+/// The map to start from; nothing where the build starts anew, or from a folder without a report.
+std::optional<FinishedMap> OpenFrom(const BuildScope& scope) {
+  if (scope.from.empty()) return std::nullopt;
+  try {
+    return FinishedMap(scope.from);
+  } catch (const Error& error) {
+    LogWarning(std::string("all drives are tracked: ") + error.what());
+    return std::nullopt;
+  }
+}
+
 /// The decisions of this build and, of the one that it starts from, those that it does not overrule. Places, by which
 /// loops are called, are those of the odometry.
-LoopReview ReviewFor(const DriveInWork& drive, const BuildScope& scope) {
+LoopReview ReviewFor(const DriveInWork& drive, const BuildScope& scope, const std::optional<FinishedMap>& from) {
   LoopReview review;
   if (const auto own = scope.loops.find(drive.log->name()); own != scope.loops.end()) review = own->second;
   if (!drive.is_odometry_taken) return review;
-  const LoopReview now = review, before = FinishedMap(scope.from).ReviewOf(drive.log->name());
+  const LoopReview now = review, before = from->ReviewOf(drive.log->name());
   const auto has = [](const std::vector<std::string>& loops, const std::string& loop) {
     return std::find(loops.begin(), loops.end(), loop) != loops.end();
   };
@@ -223,6 +233,7 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
                   const BuildScope& scope, Progress& progress) {
   BuiltMap built;
   SiteMap& map = built.site;
+  const std::optional<FinishedMap> from = OpenFrom(scope);
   const auto share_of_drive = [&](size_t i) {
     return [&progress, i, n = static_cast<double>(logs.size())](double fraction) {
       progress.Update((static_cast<double>(i) + fraction) / n);
@@ -236,7 +247,7 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
     DriveInWork drive;
     drive.log = logs[i].get();
     try {
-      FindOdometry(scope, options.odometry, share_of_drive(i), drive);
+      FindOdometry(scope, from, options.odometry, share_of_drive(i), drive);
     } catch (const Error& error) {
       if (logs.size() == 1 || error.code() != ErrorCode::kInvalidInput) throw;
       built.left_out.push_back({logs[i]->name(), error.what()});
@@ -256,7 +267,7 @@ BuiltMap BuildMap(const std::vector<std::unique_ptr<RecordedDrive>>& logs, const
   for (size_t i = 0; i < drives.size(); ++i) {
     const DriveLog& log = *drives[i].log;
     stages.Begin(log, scope.products.empty() ? std::filesystem::path() : scope.products / log.name() / kOdometryFile);
-    drives[i].outcome.review = ReviewFor(drives[i], scope);
+    drives[i].outcome.review = ReviewFor(drives[i], scope, from);
     drives[i].outcome.loops = stages.CloseLoops(log, drives[i].odometry, drives[i].outcome.review);
     share_of_drive(i)(1);
   }
