@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "tests/simulator/garage_route.h"
+#include "tests/simulator/props.h"
 #include "tests/simulator/random.h"
 
 namespace parkade::simulator {
@@ -141,6 +142,8 @@ GarageLayout PlanGarage(std::uint64_t seed, int day) {
   garage.length = lot.length;
   garage.width = lot.width;
   garage.pillars = PlacePillars(lot, measures);
+  for (const double x : {-8.0, -20.0})
+    garage.lamp_feet.push_back({{x, garage.width / 2 - 2}, Vector2d::Constant(Props::kLampFoot), 0});
   garage.straight = {.rise = garage.storey, .run = kRampRun * garage.storey, .transition = 5};
   garage.ramp_from = kEnds + measures.ramp_share * (lot.length - garage.straight.run - 2 * kEnds);
   garage.ramp_to = garage.ramp_from + garage.straight.run;
@@ -191,10 +194,11 @@ Place MakeGaragePlace(const GarageLayout& layout_in, const SceneOptions&) {
   }
   place.is_drivable = [layout](size_t sheet, const Vector2d& xy) {
     if (layout->IsUnderWall(sheet, xy)) return false;
-    if (sheet >= layout->decks.size()) return true;
     const auto is_free_of = [&](const std::vector<Rectangle>& solids) {
       return std::none_of(solids.begin(), solids.end(), [&](const Rectangle& solid) { return solid.Contains(xy); });
     };
+    if (sheet == layout->ForecourtSheet()) return is_free_of(layout->lamp_feet);
+    if (sheet >= layout->decks.size()) return true;
     return (xy.y() >= layout->width || layout->decks[sheet].IsDrivable(xy)) && is_free_of(layout->pillars) &&
            is_free_of(layout->cores) && is_free_of(layout->median_walls);
   };

@@ -34,6 +34,7 @@ struct GarageLayout {
   std::vector<Rectangle> cores;         ///< stairs, lifts and rooms, from floor to ceiling
   std::vector<Rectangle> median_walls;  ///< between the rows in the middle
   double median_wall = 0;               ///< [m] their height
+  std::vector<Rectangle> lamp_feet;     ///< of the lamps on the forecourt
   bool is_counter = false;              ///< see GarageMeasures
   GarageStyle style;
 

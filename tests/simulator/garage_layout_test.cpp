@@ -23,5 +23,16 @@ TEST(GarageLayout, NothingDrivesUnderWalls) {
   EXPECT_TRUE(place.is_drivable(layout.ForecourtSheet(), {-0.15, aisle + GarageLayout::kGateHalf + 0.5}));
 }
 
+TEST(GarageLayout, NothingDrivesThroughTheLampsOnTheForecourt) {
+  const GarageLayout layout = PlanGarage(5, 0);
+  const Place place = MakeGaragePlace(layout, {.seed = 5});
+
+  ASSERT_FALSE(layout.lamp_feet.empty());
+  for (const Rectangle& foot : layout.lamp_feet) {
+    EXPECT_FALSE(place.is_drivable(layout.ForecourtSheet(), foot.center + Eigen::Vector2d(0.15, 0)));
+    EXPECT_TRUE(place.is_drivable(layout.ForecourtSheet(), foot.center + Eigen::Vector2d(0.17, 0)));
+  }
+}
+
 }  // namespace
 }  // namespace parkade::simulator

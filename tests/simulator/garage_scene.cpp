@@ -137,7 +137,7 @@ void FurnishOutside(const GarageLayout& layout, Props& props) {
     props.Building({{x, layout.width + 28}, {10, 7}, random.Uniform(-0.05, 0.05)}, random.Uniform(6, 14), true);
   }
   for (const double y : {layout.decks[0].aisle_y[0] - 4, layout.decks[0].aisle_y[1] + 4}) props.Sign({-1, y}, M_PI);
-  for (const double x : {-8.0, -20.0}) props.StreetLamp({x, layout.width / 2 - 2});
+  for (const Rectangle& foot : layout.lamp_feet) props.StreetLamp(foot.center);
 }
 
 }  // namespace

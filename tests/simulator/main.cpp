@@ -23,7 +23,7 @@ struct CommandLine {
   std::string scene;
   OutputPaths out;
   std::string size = "640x400";
-  std::string height_at, kerbs_file;
+  std::string height_at, kerbs_file, ground_file;
   bool has_no_gnss = false, has_no_wheels = false, is_quiet = false, wants_list = false, is_quick = false;
   int num_threads = 0;
   std::vector<std::string> assignments, names;
@@ -59,6 +59,7 @@ void AddOptions(CLI::App& app, CommandLine& line) {
   app.add_option("--only", line.names, "Of the suite: this preset (may be repeated)");
   app.add_option("--height", line.height_at, "X,Y[,Z]: print the ground's true height there (nearest to Z) and exit");
   app.add_option("--kerbs", line.kerbs_file, "FILE: write the true kerbs of the place (GeoJSON) and exit");
+  app.add_option("--ground", line.ground_file, "FILE: write the true drivable ground of the place (PLY) and exit");
   app.add_option("--out", line.out.log, "FILE.bag, FILE.mcap, or a folder (EuRoC); must not exist");
   app.add_option("--truth-out", line.out.truth, "Folder of truth.tum, ground_truth.ply, summary.json");
   app.add_option("--rig-out", line.out.rig, "Folder of the rig files");
@@ -136,6 +137,10 @@ void WriteKerbsOf(const CommandLine& line) {
   WriteKerbs(BuildScene(line.options.scene, options).kerbs, SimulatedDatum(), line.kerbs_file);
 }
 
+void WriteGroundOf(const CommandLine& line) {
+  WritePly(DrivableSurface(PlanPlace(line.options.scene, line.options.OfScene())), line.ground_file);
+}
+
 int MakeSuite(const CommandLine& line) {
   if (line.num_threads > 0) SetNumThreads(line.num_threads);
   const std::filesystem::path folder = line.out.log.empty() ? "build/suite" : line.out.log;
@@ -149,6 +154,7 @@ int Run(CommandLine& line) {
   if (!line.scene.empty() && !FindPreset(line.scene)) line.options.scene = line.scene;
   if (!line.height_at.empty()) return PrintHeight(line), 0;
   if (!line.kerbs_file.empty()) return WriteKerbsOf(line), 0;
+  if (!line.ground_file.empty()) return WriteGroundOf(line), 0;
   ApplyDerived(line);
   const bool shows_progress = !line.is_quiet && isatty(STDERR_FILENO);
   const auto progress = [&](const std::string& stage, double fraction) {

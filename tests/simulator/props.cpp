@@ -110,7 +110,7 @@ void Props::Fence(const Vector2d& from, const Vector2d& to) {
 void Props::StreetLamp(const Vector2d& at) {
   const Vector3d foot = OnGround(at.x(), at.y(), 0), top = foot + Vector3d(0, 0, 6);
   mesh_.AddCylinder(foot, top, 0.09, 0.05, metal_, 10);
-  mesh_.AddBox(foot + Vector3d(0, 0, 0.25), {0.16, 0.16, 0.25}, 0, kerb_[0]);
+  mesh_.AddBox(foot + Vector3d(0, 0, 0.25), {kLampFoot, kLampFoot, 0.25}, 0, kerb_[0]);
   const double yaw = random_.Uniform(0, M_PI);
   mesh_.AddBox(top + Vector3d(0, 0, 0.05), {0.7, 0.12, 0.05}, yaw, metal_);
   mesh_.AddBox(top - Vector3d(0, 0, 0.01), {0.6, 0.09, 0.015}, yaw, lamp_);

@@ -17,6 +17,7 @@ namespace parkade::simulator {
 class Props {
  public:
   static constexpr double kKerbHeight = 0.12, kKerbWidth = 0.15;  ///< [m]
+  static constexpr double kLampFoot = 0.16;                       ///< [m] half the width of a street lamp's foot
 
   /// Keeps references to `ground` and `materials`. `is_dark` lights windows and lamps.
   Props(const Ground& ground, std::uint64_t seed, bool is_dark, std::vector<Material>& materials);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <opencv2/imgproc.hpp>
+#include <set>
 
 #include "core/parallel.h"
 #include "tests/simulator/image_sensor.h"
@@ -177,6 +178,33 @@ TEST_P(SurfaceTruth, TheMeshThatIsSeenAndThePlyLieOnTheGround) {
   }
   EXPECT_LT(worst_truth, 1e-5);
   EXPECT_GT(SurfaceArea(truth), 1000);
+}
+
+TEST_P(SurfaceTruth, IsTheDrivableGroundAtTheMiddlesOfItsSquaresAndHasNoGapBetweenSheets) {
+  constexpr int kPerMetre = 10;
+  const Place place = PlanPlace(GetParam(), {.seed = 90});  // whose half circles begin between two squares
+  const TriangleMesh truth = DrivableSurface(place);
+  std::set<std::pair<int, int>> squares;
+  for (const auto& [a, b, c] : truth.triangles) {
+    const Eigen::Vector2f corner = truth.vertices[a].head<2>();  // of both triangles of a square the lowest one
+    squares.emplace(std::lround(kPerMetre * corner.x()), std::lround(kPerMetre * corner.y()));
+  }
+  Eigen::AlignedBox2d box;
+  for (const GroundSheet& sheet : place.ground.sheets()) box.extend(sheet.min).extend(sheet.max);
+  const auto is_drivable = [&](const Eigen::Vector2d& point) {
+    for (size_t i = 0; i < place.ground.sheets().size(); ++i)
+      if (place.ground.sheets()[i].Covers(point) && place.is_drivable(i, point)) return true;
+    return false;
+  };
+  size_t num_wrong = 0;
+  for (int x = static_cast<int>(kPerMetre * box.min().x()) - 2; x < kPerMetre * box.max().x() + 2; ++x)
+    for (int y = static_cast<int>(kPerMetre * box.min().y()) - 2; y < kPerMetre * box.max().y() + 2; ++y) {
+      const Eigen::Vector2d middle = Eigen::Vector2d(x + 0.5, y + 0.5) / kPerMetre;
+      const bool expected = is_drivable(middle);
+      const bool is_tie = is_drivable(middle.array() - 1e-9) != is_drivable(middle.array() + 1e-9);
+      num_wrong += !is_tie && expected != squares.contains({x, y});
+    }
+  EXPECT_EQ(num_wrong, 0u);
 }
 
 TEST_P(SurfaceTruth, KerbsBoundTheGroundThatLiesLeftOfThem) {

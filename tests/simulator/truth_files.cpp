@@ -19,26 +19,31 @@ void AppendBytes(std::string& content, const T& value) {
   std::memcpy(content.data() + size, &value, sizeof(T));
 }
 
+/// Squares of the world's lattice whose middles are drivable: surfaces that are compared at those middles are compared
+/// with the exact outline, and parts of the ground that touch leave no gap.
 void AppendSheet(const Place& place, size_t sheet_index, TriangleMesh& mesh) {
   constexpr double kStep = 0.1;  // [m]
   const GroundSheet& sheet = place.ground.sheets()[sheet_index];
-  const Eigen::Vector2d size = sheet.max - sheet.min;
-  const int columns = static_cast<int>(size.x() / kStep), rows = static_cast<int>(size.y() / kStep);
-  std::vector<int> indices(static_cast<size_t>((columns + 1) * (rows + 1)), -1);
+  const Eigen::Array2i first = (sheet.min / kStep).array().floor().cast<int>();
+  const Eigen::Array2i size = (sheet.max / kStep).array().ceil().cast<int>() - first;
+  const auto place_of = [&](double column, double row) {
+    return Eigen::Vector2d((first.x() + column) * kStep, (first.y() + row) * kStep);
+  };
+  std::vector<int> indices(static_cast<size_t>((size.x() + 1) * (size.y() + 1)), -1);
   const auto vertex = [&](int column, int row) {
-    int& index = indices[static_cast<size_t>(row * (columns + 1) + column)];
+    int& index = indices[static_cast<size_t>(row * (size.x() + 1) + column)];
     if (index < 0) {
       index = static_cast<int>(mesh.vertices.size());
-      const Eigen::Vector2d xy = sheet.min + kStep * Eigen::Vector2d(column, row);
+      const Eigen::Vector2d xy = place_of(column, row);
       const double height = sheet.height(xy);
       mesh.vertices.push_back(Eigen::Vector3d(xy.x(), xy.y(), height).cast<float>());
       mesh.normals.push_back(place.ground.Normal(xy, height).cast<float>());
     }
     return static_cast<std::uint32_t>(index);
   };
-  for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < columns; ++column) {
-      const Eigen::Vector2d center = sheet.min + kStep * Eigen::Vector2d(column + 0.5, row + 0.5);
+  for (int row = 0; row < size.y(); ++row) {
+    for (int column = 0; column < size.x(); ++column) {
+      const Eigen::Vector2d center = place_of(column + 0.5, row + 0.5);
       if (!sheet.Covers(center) || !place.is_drivable(sheet_index, center)) continue;
       const std::uint32_t a = vertex(column, row), b = vertex(column + 1, row), c = vertex(column + 1, row + 1),
                           d = vertex(column, row + 1);
