@@ -99,8 +99,8 @@ GroundGrid MakeGroundGrid(const RigCamera& camera, const Rigid3& ground_from_cam
   const std::optional<double> pixels_per_radian = camera.model.PixelsPerRadian(middle);
   if (center.z() <= 0.1 || !pixels_per_radian) return grid;
 
-  const double farthest = FindNearestRange(camera, ground_from_camera, contact, options) + options.max_range;
-  MakeRanges(center.z(), *pixels_per_radian, farthest, options, grid);
+  grid.nearest_range = FindNearestRange(camera, ground_from_camera, contact, options);
+  MakeRanges(center.z(), *pixels_per_radian, grid.nearest_range + options.max_range, options, grid);
   grid.num_rays = static_cast<int>(std::floor(2 * std::numbers::pi / grid.angle_step));
   grid.cells.reserve(static_cast<size_t>(grid.num_rays * grid.num_ranges));
   // Rays start opposite to where the camera looks: the seam lies where it sees nothing.

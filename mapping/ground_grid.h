@@ -10,7 +10,7 @@
 namespace parkade {
 
 struct GroundGridOptions {
-  double max_range = 12.5;         ///< [m] beyond the nearest ground a camera sees; more covers more, less accurately
+  double max_range = 16.0;         ///< [m] on level ground, beyond the nearest a camera sees; less where it rises
   double spacing = 0.05;           ///< [m] between samples near the camera
   double dense_range = 3.0;        ///< [m] beyond, the spacing grows in proportion to the range
   double max_pixel_length = 1.2;   ///< [m] a view so grazing that a pixel covers more road is not used
@@ -48,6 +48,7 @@ struct GroundGrid {
   int num_rays = 0;
   int num_ranges = 0;
   double angle_step = 0;              ///< [rad] between rays
+  double nearest_range = 0;           ///< [m] at which the camera sees its nearest ground
   std::vector<float> ranges;          ///< [m] num_ranges, increasing
   std::vector<float> pixel_lengths;   ///< [m] of ground in one pixel, along the ray, at each range
   std::vector<GroundGridCell> cells;  ///< num_rays x num_ranges; those of one ray lie together

@@ -8,25 +8,33 @@
 namespace parkade {
 
 /// Chooses the images worth mapping: per camera one for every stretch of travel, none at standstill but the
-/// first. Decides by the pose alone, before anything is decoded. Ask in order of time per camera; asking again
-/// for the time just chosen (its mask) answers the same. Not thread-safe.
+/// first. An image is taken where waiting for the next one would overshoot the stretch by more than it falls short.
+/// Decides by the pose alone, before anything is decoded. Ask in order of time per camera; asking again for the time
+/// just asked for (its mask) answers the same. Not thread-safe.
 class KeyframePicker {
  public:
   /// The trajectory is borrowed.
-  KeyframePicker(const Trajectory& odom_from_body, size_t num_cameras, double min_distance, double min_angle);
+  /// \param stretch  [m] of travel
+  /// \param turn     [rad], or so much turning
+  KeyframePicker(const Trajectory& odom_from_body, size_t num_cameras, double stretch, double turn);
 
   /// False outside the trajectory.
   bool Wants(int camera, Timestamp time);
 
  private:
-  struct Choice {
+  struct Image {
     Timestamp time;
     Rigid3 odom_from_body;
+    bool is_chosen = false;
   };
+  struct Camera {
+    std::optional<Image> last_chosen, last;
+  };
+  bool IsStretchOver(const Camera& camera, const Rigid3& odom_from_body) const;
+
   const Trajectory* odom_from_body_;
-  double min_distance_;  ///< [m]
-  double min_angle_;     ///< [rad]
-  std::vector<std::optional<Choice>> last_choices_;
+  double stretch_, turn_;
+  std::vector<Camera> cameras_;
 };
 
 }  // namespace parkade

@@ -129,13 +129,11 @@ int RayStride(const GroundGrid& grid, float range, double spacing) {
 }
 
 /// [m] up to which a network is believed: not as far, and not in as long pixels as a mask.
-float LastRangeOfBelief(const GroundGrid& grid, double max_range) {
-  if (grid.ranges.empty()) return 0;
+float LastRangeOfBelief(const GroundGrid& grid) {
   float sharp = 0;
   for (size_t i = 0; i < grid.ranges.size() && grid.pixel_lengths[i] <= kBeliefPixel; ++i) sharp = grid.ranges[i];
-  const float last = grid.ranges.back();
-  const float in_reach = last - static_cast<float>(std::max(0.0, max_range - kBeliefRange));
-  return sharp < last ? std::min(in_reach, sharp - kBeliefMargin) : in_reach;
+  const auto in_reach = static_cast<float>(grid.nearest_range + kBeliefRange);
+  return grid.ranges.empty() || sharp == grid.ranges.back() ? in_reach : std::min(in_reach, sharp - kBeliefMargin);
 }
 
 void LogPlane(const std::string& drive, const Rigid3& body_from_ground) {
@@ -181,7 +179,7 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
   HideBehindObstacles(grid, segmentation, found.is_trusted, labels);
   const Eigen::Matrix3f rotation = body_from_ground.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = body_from_ground.translation.cast<float>();
-  const float last_range = is_mask ? FLT_MAX : LastRangeOfBelief(grid, options.grid.max_range);
+  const float last_range = is_mask ? FLT_MAX : LastRangeOfBelief(grid);
   for (int range = 0; range < grid.num_ranges; ++range) {
     const auto at = static_cast<size_t>(range);
     if (grid.ranges[at] > last_range) break;

@@ -16,7 +16,7 @@
 namespace parkade {
 
 struct GroundOptions {
-  double keyframe_distance = 1.0;    ///< [m] of travel between images used of one camera; less is slower, denser
+  double keyframe_distance = 1.2;    ///< [m] of travel between images used of one camera; less is slower, denser
   double keyframe_angle_deg = 10.0;  ///< or this much turning
   bool use_semantics = true;         ///< masks of the log (`<camera>/semantic`) go before what we find ourselves
   std::string method = "network";    ///< "network" finds drivable ground, or "colors" and geometry guess it

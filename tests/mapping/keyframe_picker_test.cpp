@@ -25,6 +25,23 @@ TEST(KeyframePicker, TakesOneImagePerStretchOfTravel) {
   EXPECT_NEAR(CountWanted(trajectory, 0, picker), 10, 1);
 }
 
+TEST(KeyframePicker, StretchesAreAsNearToTheirLengthAsTheRateOfImagesAllows) {
+  constexpr double kStep = 0.2, kStretch = 1.13;  // [m]
+  std::vector<TrajectoryState> states(1001);
+  for (size_t i = 0; i < states.size(); ++i) {
+    states[i].time = TimestampFromSeconds(0.05 * static_cast<double>(i));
+    states[i].odom_from_body.translation.x() = kStep * static_cast<double>(i);
+  }
+  const Trajectory trajectory(states);
+  for (const int every : {1, 2, 3, 4, 5, 9}) {
+    KeyframePicker picker(trajectory, 1, kStretch, 0.2);
+    int count = 0;
+    for (size_t i = 0; i < states.size(); i += static_cast<size_t>(every)) count += picker.Wants(0, states[i].time);
+    const double between = kStep * every, nearest = between * std::max(1.0, std::round(kStretch / between));
+    EXPECT_NEAR(200.0 / count, nearest, 0.02) << "an image every " << between << " m";
+  }
+}
+
 TEST(KeyframePicker, CamerasAreChosenEachOnItsOwn) {
   const Trajectory trajectory = StraightDrive(10);
   KeyframePicker picker(trajectory, 2, 1.0, 0.2);
@@ -66,6 +83,7 @@ TEST(KeyframePicker, TheMaskOfAChosenImageIsWantedToo) {
 
   EXPECT_TRUE(picker.Wants(0, begin));
   EXPECT_TRUE(picker.Wants(0, begin));
+  EXPECT_FALSE(picker.Wants(0, begin + 0.1));
   EXPECT_FALSE(picker.Wants(0, begin + 0.1));
 }
 
