@@ -133,8 +133,9 @@ std::vector<PaintedCell> PaintTile(const FieldTile& tile, const PatchSource& pat
                                    const LatestDrives& latest, const HeightField& field,
                                    const SurfaceOptions& options) {
   const int cells_per_side = static_cast<int>(std::round(options.height.spacing / options.cell_size));
-  SurfacePainter painter(field, cells_per_side,
-                         {options.free_log_odds, options.occupied_log_odds, options.log_odds_limit}, tile.window);
+  SurfacePainter painter(
+      field, cells_per_side,
+      {options.free_log_odds, options.occupied_log_odds, options.log_odds_limit, options.change_log_odds}, tile.window);
   PaintDrives(patches, paths, latest, painter);
   std::vector<PaintedCell> cells = painter.Cells();
   DropFalseDecks(options.height.level_separation, cells);
@@ -215,6 +216,7 @@ void SurfaceOptions::Validate() const {
           "contact_sigma must be > 0 m and suspension_sigma not negative");
   Require(free_log_odds > 0 && occupied_log_odds > 0 && log_odds_limit > std::max(free_log_odds, occupied_log_odds),
           ErrorCode::kUsage, "free_log_odds and occupied_log_odds must be in (0, log_odds_limit)");
+  Require(change_log_odds >= 0, ErrorCode::kUsage, "change_log_odds must not be negative");
   Require(max_height_sigma > 0, ErrorCode::kUsage, "max_height_sigma must be > 0 m");
   Require(plane_share > 0 && plane_share <= 1, ErrorCode::kUsage, "plane_share must be in (0, 1]");
   Require(min_island_area >= 0, ErrorCode::kUsage, "min_island_area must not be negative");

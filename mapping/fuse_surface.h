@@ -21,7 +21,8 @@ struct SurfaceOptions {
   double plane_share = 0.1;         ///< weight of a square of a keyframe's plane: those around it err alike
   double free_log_odds = 0.8;       ///< of one sight of free ground near the car; less with distance
   double occupied_log_odds = 0.8;   ///< of one sight of something else; more keeps obstacles, and their halo, out
-  double log_odds_limit = 8.0;      ///< so that a changed place can change again
+  double log_odds_limit = 8.0;      ///< of one drive
+  double change_log_odds = 0.1;     ///< from which a drive that contradicts those before it is believed alone
   double max_height_sigma = 0.12;   ///< [m] ground whose height is known less well is not mapped
   double min_island_area = 10.0;    ///< [m^2] smaller free islands that no car drove on are noise
   int latest_drives = 6;            ///< so many of the latest that looked at a place say what it looks like
@@ -40,6 +41,7 @@ struct SurfaceOptions {
     visit("free_log_odds", free_log_odds);
     visit("occupied_log_odds", occupied_log_odds);
     visit("log_odds_limit", log_odds_limit);
+    visit("change_log_odds", change_log_odds);
     visit("max_height_sigma", max_height_sigma);
     visit("min_island_area", min_island_area);
     visit("latest_drives", latest_drives);
@@ -58,10 +60,10 @@ struct SurfaceOptions {
 ///    with distance, the planes on which keyframes saw ground. A HeightField is fitted to what all drives know
 ///    (FitHeights).
 /// 2. Colour and free space: every sample moves along its ray of sight onto that surface, so that a ramp ahead is
-///    painted where it is, and not where the car's own plane would have it. Free space is a log-odds sum, drive after
-///    drive in the order of the patches, bounded so that the latest drives count most where places change (and at most
-///    `latest_drives` that looked at a place, see LatestDrives); a cell's
-///    colour is the median of its nearest sights; what a car drove over is free, until a later drive sees otherwise.
+///    painted where it is, and not where the car's own plane would have it. Free space is a log-odds sum, bounded; of a
+///    drive that contradicts those before it nothing else counts there, and at most `latest_drives` that looked at a
+///    place do (see LatestDrives); a cell's colour is the median of its nearest sights; what a car drove over is free,
+///    until a later drive sees otherwise.
 /// 3. Pinholes are filled, islands that no car drove on and that are small are dropped.
 ///
 /// 2 and 3 go square by square of `tile_size`: in memory are the patches and the evidence of one square, and the cells

@@ -108,9 +108,10 @@ std::uint32_t SurfacePainter::EvidenceAt(int patch, const Eigen::Vector2i& cell)
 void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds,
                             ViewSet view, std::vector<Hit>& hits) const {
   const double nearness = NearnessOf(sample);
+  const auto rank = static_cast<std::uint8_t>(1 + std::lround(254 * std::min(nearness, kNearEnough)));
+  // What lies far behind an outline is no sight of the ground: it only tells that there is none.
   Hit hit{.evidence = 0,
-          .sight = {sample.blue, sample.green, sample.red,
-                    static_cast<std::uint8_t>(1 + std::lround(254 * std::min(nearness, kNearEnough)))},
+          .sight = {sample.blue, sample.green, sample.red, sample.confidence > 0 ? rank : std::uint8_t{0}},
           .log_odds = static_cast<float>(log_odds),
           .view = view};
   const double reach = std::max(0.0, 0.5 * (static_cast<double>(sample.footprint) - cell_size_));
@@ -141,8 +142,9 @@ std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PatchView& view,
   PatchFinder patches(*field_);
   const Eigen::Isometry3d site_from_body = IsometryOf(view.site_from_body);
   const double highest_hidden = has_eye ? HighestHidden(*field_, eye, reach) : 0;
+  const bool tells_beyond = has_earlier_ && has_eye;
   for (const GroundSample& sample : patch.samples) {
-    if (sample.confidence <= 0) continue;
+    if (sample.confidence <= 0 && !tells_beyond) continue;
     Eigen::Vector3d point = site_from_body * sample.point_in_body.cast<double>();
     if (!is_all_in_reach && !IsInReach(has_eye ? &eye : nullptr, point)) continue;
     if (latest != nullptr && !share.Counts(point.head<2>())) continue;
@@ -154,9 +156,11 @@ std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PatchView& view,
     // An error of the height moves what is seen along the ray.
     const double shift = distance / depth * field_->SigmaOf(found) / kKnownShift;
     const double trust = std::max(kLeastTrust, 1 / (1 + shift * shift));
+    const ViewSet view_bit = has_eye && trust > kTrustedView ? ViewFrom(eye, point) : 0;
+    if (sample.confidence <= 0 && view_bit == 0) continue;
     AddHit(sample, found, point,
            (sample.is_free ? log_odds_.free : -log_odds_.occupied) * static_cast<double>(sample.confidence) * trust,
-           has_eye && trust > kTrustedView ? ViewFrom(eye, point) : 0, hits);
+           view_bit, hits);
   }
   return hits;
 }
@@ -175,9 +179,9 @@ void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> i
         for (const Hit& hit : hits) {
           if (hit.evidence / kCellsInARow % kShares != share) continue;
           Evidence& evidence = evidence_[hit.evidence];
-          evidence.log_odds = std::clamp(evidence.log_odds + hit.log_odds, -limit, limit);
+          evidence.log_odds_now = std::clamp(evidence.log_odds_now + hit.log_odds, -limit, limit);
           (hit.log_odds > 0 ? evidence.seen_now : evidence.hidden_now) |= hit.view;
-          evidence.sights.Add(hit.sight, /*is_first=*/!std::exchange(evidence.is_hit, true));
+          if (hit.sight.rank > 0) evidence.sights.Add(hit.sight, /*is_first=*/!std::exchange(evidence.is_hit, true));
         }
     });
   }
@@ -195,9 +199,15 @@ SurfacePainter::ViewSet SurfacePainter::ViewFrom(const Eigen::Vector3d& eye, con
 }
 
 void SurfacePainter::EndDrive() {
+  const auto limit = static_cast<float>(log_odds_.limit), change = static_cast<float>(log_odds_.change);
   for (Evidence& evidence : evidence_) {
-    const bool is_covered =
-        evidence.seen_now == 0 && std::popcount(evidence.seen_from & evidence.hidden_now) >= kCoveringViews;
+    // From where it was seen, something stands in the way now; from elsewhere it may always have been hidden.
+    const bool is_blocked = std::popcount(evidence.seen_from & evidence.hidden_now) >= kCoveringViews;
+    const float now = std::exchange(evidence.log_odds_now, 0.0F);
+    const bool has_changed =
+        now * evidence.log_odds < 0 && std::abs(now) >= change && (now > 0 || is_blocked || evidence.is_driven);
+    evidence.log_odds = has_changed ? now : std::clamp(evidence.log_odds + now, -limit, limit);
+    const bool is_covered = is_blocked && evidence.seen_now == 0;
     if (is_covered) {
       evidence.log_odds = std::min(evidence.log_odds, kCoveredLogOdds);
       evidence.seen_from = 0;
@@ -206,6 +216,7 @@ void SurfacePainter::EndDrive() {
     evidence.seen_from |= evidence.seen_now;
     evidence.seen_now = evidence.hidden_now = 0;
   }
+  has_earlier_ = true;
 }
 
 void SurfacePainter::PaintDrive(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path,

@@ -15,9 +15,10 @@
 
 namespace parkade {
 
-/// Log-odds that one sight near the car adds for and against free space, and the largest sum.
+/// Log-odds that one sight near the car adds for and against free space, the largest sum, and the sum from which a
+/// drive that contradicts those before it is believed alone.
 struct SightLogOdds {
-  double free = 0.8, occupied = 1.2, limit = 6;
+  double free = 0.8, occupied = 1.2, limit = 6, change = 0.1;
 };
 
 /// Colours and free-space evidence gathered on the patches of a height field, one drive after the other.
@@ -61,7 +62,8 @@ class SurfacePainter {
   using ViewSet = std::uint32_t;
 
   struct Evidence {
-    float log_odds = 0;
+    float log_odds = 0;      ///< of the drives before this one
+    float log_odds_now = 0;  ///< of this drive
     bool is_driven = false;
     bool is_hit = false;                   ///< in this drive
     ViewSet seen_from = 0;                 ///< in earlier drives, as free ground
@@ -97,6 +99,7 @@ class SurfacePainter {
   std::vector<int> painted_;        ///< patches that have a slot, in order
   Eigen::AlignedBox2d reach_;       ///< [m] of the window, and of samples that stand for more than a cell
   std::vector<Evidence> evidence_;  ///< slots x cells_per_side^2
+  bool has_earlier_ = false;        ///< a drive before the one that is painted
 };
 
 }  // namespace parkade

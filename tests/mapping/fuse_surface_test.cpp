@@ -114,6 +114,44 @@ TEST(FuseSurface, ACarThatParksWhereAnotherDroveBlocksIt) {
   EXPECT_GT(CellAt(driven, 2, 0.2)->free_belief, 0.8F) << "the second drive saw nothing, but drove here";
 }
 
+TEST(FuseSurface, WhatTheLatestDriveSeesFromAfarCountsAgainstAllBefore) {
+  std::vector<DrivenPath> paths{MakePath(10), MakePath(10), MakePath(10)};
+  std::vector<PosedGroundPatch> patches{MakePatch(0, -3, 12, 3, 100, true)};
+  const auto add_day = [&](int drive, bool is_free, int count, float confidence) {
+    paths[static_cast<size_t>(drive)].drive = drive;
+    for (int i = 0; i < count; ++i) {
+      PosedGroundPatch posed = MakePatch(6, 1.5, 8, 2.5, 20, is_free);
+      posed.patch.drive = drive;
+      for (GroundSample& sample : posed.patch.samples) sample.confidence = confidence;
+      patches.push_back(posed);
+    }
+  };
+  add_day(0, true, 30, 1);
+  add_day(1, true, 1, 0.03F);
+  add_day(1, false, 2, 0.03F);
+  EXPECT_GT(CellAt(FuseSurface(patches, paths), 7, 2)->free_belief, 0.9F) << "a glance is not enough";
+  add_day(2, false, 12, 0.03F);
+  EXPECT_LT(CellAt(FuseSurface(patches, paths), 7, 2)->free_belief, 0.5F);
+}
+
+TEST(FuseSurface, WhatLiesBeyondAnOutlineCoversWhatAnEarlierDriveSaw) {
+  std::vector<DrivenPath> paths{MakePath(10), MakePath(10)};
+  paths[1].drive = 1;
+  std::vector<PosedGroundPatch> patches{MakePatch(-1, -2, 12, 7, 100, true)};
+  for (const int drive : {0, 1})
+    for (double x = 3; x <= 7; x += 0.5) {
+      PosedGroundPatch posed = MakePatch(4 - x, 2, 6 - x, 6, drive == 0 ? 100 : 240, drive == 0);
+      posed.patch.drive = drive;
+      posed.site_from_body.translation.x() = x;
+      if (drive == 1)
+        for (GroundSample& sample : posed.patch.samples) sample.confidence = 0;
+      patches.push_back(posed);
+    }
+  const SurfaceMap covered = FuseSurface(patches, paths);
+  EXPECT_LT(CellAt(covered, 5, 4.5)->free_belief, 0.35F);
+  EXPECT_EQ(CellAt(covered, 5, 4.5)->color[0], 100) << "it is no sight of the ground";
+}
+
 TEST(FuseSurface, ASlotThatCannotBeSeenAnyMoreIsCovered) {
   std::vector<DrivenPath> paths{MakePath(10), MakePath(10), MakePath(10)};
   for (int drive = 0; drive < 3; ++drive) paths[static_cast<size_t>(drive)].drive = drive;
