@@ -120,6 +120,18 @@ Eigen::Matrix3Xd PositionsOf(const std::vector<Rigid3>& poses) {
   return positions;
 }
 
+/// Each pose as a rigid body: its position and the ends of three arms along its axes.
+Eigen::Matrix3Xd BodiesOf(const std::vector<Rigid3>& poses) {
+  constexpr double kArm = 5;  // [m] as far as most of the ground that is mapped lies beside the car
+  Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(4 * poses.size()));
+  for (size_t i = 0; i < poses.size(); ++i) {
+    auto body = points.middleCols<4>(static_cast<Eigen::Index>(4 * i));
+    body.col(0) = poses[i].translation;
+    body.rightCols<3>() = (kArm * poses[i].rotation.toRotationMatrix()).colwise() + poses[i].translation;
+  }
+  return points;
+}
+
 nlohmann::json JsonOf(const ErrorSummary& summary) {
   return {{"rmse", summary.rmse}, {"mean", summary.mean}, {"median", summary.median}, {"max", summary.max}};
 }
@@ -176,6 +188,9 @@ TrajectoryEvaluation EvaluateTrajectory(const std::vector<TimedPose>& truth, con
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(source.cols());
   evaluation.rigid = AbsoluteAfter(alignment.target_from_source, matches);
   evaluation.yaw_only = AbsoluteAfter(AlignYawAndTranslation(source, target, ones, ones), matches);
+  const Rigid3 by_poses = AlignPoints(BodiesOf(matches.estimate), BodiesOf(matches.truth)).target_from_source;
+  evaluation.by_poses = AbsoluteAfter(by_poses, matches);
+  evaluation.tilt = std::acos(std::clamp((by_poses.rotation * Eigen::Vector3d::UnitZ()).z(), -1.0, 1.0));
   // Scale means nothing below what noise alone would travel.
   if (evaluation.path_length > 1.0) {
     evaluation.drift_percent = 100 * evaluation.rigid.translation.rmse / evaluation.path_length;
@@ -201,7 +216,8 @@ std::string ToText(const TrajectoryEvaluation& evaluation) {
   };
   absolute("ATE (6 DoF)", evaluation.rigid);
   absolute("ATE (4 DoF)", evaluation.yaw_only);
-  text += Line("drift        %.3f %%   scale %.5f\n", evaluation.drift_percent, evaluation.scale);
+  text += Line("drift        %.3f %%   scale %.5f   tilt %.3f deg\n", evaluation.drift_percent, evaluation.scale,
+               kDegrees * evaluation.tilt);
   const auto relative = [&](const RelativeError& error, const char* unit) {
     if (error.count == 0) return;
     text += Line("RPE %5.0f %-2s  rmse %.4f m  median %.4f  max %.4f   %.4f deg   (%zu)\n", error.length, unit,
@@ -222,6 +238,8 @@ nlohmann::json ToJson(const TrajectoryEvaluation& evaluation) {
           {"duration", evaluation.duration},
           {"rigid", JsonOf(evaluation.rigid)},
           {"yaw_only", JsonOf(evaluation.yaw_only)},
+          {"by_poses", JsonOf(evaluation.by_poses)},
+          {"tilt", evaluation.tilt},
           {"drift_percent", evaluation.drift_percent},
           {"scale", evaluation.scale},
           {"per_length", per_length},

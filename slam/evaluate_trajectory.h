@@ -51,6 +51,8 @@ struct TrajectoryEvaluation {
   double duration = 0;                    ///< [s] from the first match to the last
   AbsoluteError rigid;                    ///< ATE after 6-DoF alignment: what the paper reports
   AbsoluteError yaw_only;                 ///< the same with yaw and translation only: both worlds have z up
+  AbsoluteError by_poses;                 ///< after 6-DoF alignment of attitudes, too: what lies beside the drive
+  double tilt = 0;                        ///< [rad] between the two verticals in that alignment
   double drift_percent = 0;               ///< 100 * rigid.translation.rmse / path_length; 0 at standstill
   double scale = 1;                       ///< of the estimate, from a 7-DoF alignment: diagnostic, never applied
   std::vector<RelativeError> per_length;  ///< one per EvaluationOptions::segment_lengths
@@ -64,8 +66,9 @@ struct TrajectoryEvaluation {
 ///
 /// Alignment without scale: S. Umeyama, "Least-squares estimation of
 /// transformation parameters between two point patterns", TPAMI 1991, eq. 40-42.
-/// Relative error: J. Sturm et al., "A benchmark for the evaluation of RGB-D SLAM
-/// systems", IROS 2012, eq. 2.
+/// Alignment by poses: likewise, of each pose its position and three points 5 m off along its axes, since positions
+/// along a straight street leave the roll about it open. Relative error: J. Sturm et al., "A benchmark for the
+/// evaluation of RGB-D SLAM systems", IROS 2012, eq. 2.
 ///
 /// Throws Error{kInvalidInput} when fewer than 3 estimates have a truth, or the
 /// times of either list do not increase. O(n log n).

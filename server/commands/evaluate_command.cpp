@@ -23,6 +23,7 @@ namespace {
 
 struct EvaluateArguments {
   std::string truth, estimate;  ///< TUM files
+  std::string align = "yaw";    ///< or "poses": how what lies beside the trajectory is moved onto the truth
   std::string ground, surface;  ///< PLY meshes
   double within = 0;            ///< [m] of the true path; 0: everywhere
   std::string seen_in, rig;     ///< a log with masks, and the true rig
@@ -115,8 +116,7 @@ int Evaluate(const EvaluateArguments& arguments) {
     const TrajectoryEvaluation evaluation = EvaluateTrajectory(ReadTum(arguments.truth), ReadTum(arguments.estimate));
     json["trajectory"] = ToJson(evaluation);
     text += ToText(evaluation);
-    // Positions along a straight street leave its roll open, which would tilt the ground beside it.
-    truth_from_estimate = evaluation.yaw_only.truth_from_estimate;
+    truth_from_estimate = (arguments.align == "poses" ? evaluation.by_poses : evaluation.yaw_only).truth_from_estimate;
   }
   if (has_surfaces) {
     const SurfaceEvaluation evaluation = EvaluateGround(arguments, truth_from_estimate);
@@ -144,9 +144,15 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "evaluate",
       "Compare a trajectory, a surface, parking slots or kerbs with the truth; given a trajectory, the others "
-      "are moved by its alignment first (yaw and translation)");
+      "are moved by its alignment first");
   command->add_option("--truth", arguments->truth, "true trajectory (TUM)");
   command->add_option("--estimate", arguments->estimate, "estimated trajectory (TUM), poses of the same frame");
+  command
+      ->add_option("--align", arguments->align,
+                   "yaw: both have z up; poses: a tilt against gravity is taken off, too (on a straight street no "
+                   "sensor tells it from the accelerometer's bias)")
+      ->check(CLI::IsMember({"yaw", "poses"}))
+      ->capture_default_str();
   command->add_option("--ground", arguments->ground, "true ground surface (PLY mesh, z up)");
   command->add_option("--surface", arguments->surface, "estimated surface (PLY mesh, z up)");
   command->add_option("--within", arguments->within, "only ground within so many metres of the true path, e.g. 12")

@@ -42,6 +42,21 @@ TEST(EvaluateTrajectory, TheSameDriveInAnotherWorldHasNoError) {
   EXPECT_LT(loop.translation.norm() + LogSo3(loop.rotation).norm(), 1e-6);
 }
 
+TEST(EvaluateTrajectory, AttitudesTellTheRollThatAStraightDriveLeavesOpen) {
+  std::vector<TimedPose> truth;
+  for (int i = 0; i <= 100; ++i) {
+    const double x = static_cast<double>(i);
+    truth.push_back({TimestampFromSeconds(0.1 * x), Rigid3{Eigen::Quaterniond::Identity(), {x, 0, 0}}});
+  }
+  const Rigid3 tilted{ExpSo3({0.02, -0.01, 1.0}), {3, 2, 1}};
+
+  const TrajectoryEvaluation evaluation = EvaluateTrajectory(truth, Moved(truth, tilted));
+
+  EXPECT_LT(evaluation.by_poses.translation.max + evaluation.by_poses.rotation.max, 1e-6);
+  EXPECT_NEAR(evaluation.tilt, std::acos((tilted.rotation * Eigen::Vector3d::UnitZ()).z()), 1e-9);
+  EXPECT_GT(evaluation.yaw_only.translation.rmse, 0.2);
+}
+
 TEST(EvaluateTrajectory, AlternatingOffsetIsExactlyTheRmse) {
   const std::vector<TimedPose> truth = Curve();
   std::vector<TimedPose> estimate = truth;
