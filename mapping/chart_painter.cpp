@@ -52,6 +52,7 @@ GroundSight SeePoint(const GroundPhoto& photo, const Rigid3& camera_from_site, c
                      double max_range) {
   const Eigen::Vector3d sight = point_in_site - photo.site_from_camera.translation;
   if (sight.head<2>().squaredNorm() > max_range * max_range || sight.z() > -0.05) return {};
+  if (!photo.open_ground.Shows(photo.site_from_camera.translation.head<2>(), point_in_site.head<2>())) return {};
   const std::optional<Eigen::Vector2d> pixel = FindPixel(photo, camera_from_site, point_in_site);
   if (!pixel) return {};
   const bool may_be_own_shade =

@@ -11,6 +11,7 @@
 #include "mapping/best_sights.h"
 #include "mapping/cell_finder.h"
 #include "mapping/contact_area.h"
+#include "mapping/open_ground.h"
 #include "mapping/texture_charts.h"
 
 namespace parkade {
@@ -24,6 +25,7 @@ struct GroundPhoto {
   ContactArea contact;
   int drive = 0;                                 ///< that took it
   Eigen::Array3f gain = Eigen::Array3f::Ones();  ///< of blue, green, red: brings the picture to the surface's light
+  OpenGround open_ground = {};                   ///< what it shows of the ground
 };
 
 /// Where a photo shows a point of the ground, and how steeply.
@@ -32,7 +34,8 @@ struct GroundSight {
   float steepness = 0;  ///< sine of the depression, less in what may be the own shade; 0: not seen
 };
 
-/// How a photo sees a point; not at all beyond `max_range` [m] (horizontally) from the camera. The image is not needed.
+/// How a photo sees a point; not at all beyond `max_range` [m] (horizontally) from the camera, or where something
+/// stands in the way. The image is not needed.
 GroundSight SeePoint(const GroundPhoto& photo, const Rigid3& camera_from_site, const Eigen::Vector3d& point_in_site,
                      double max_range);
 

@@ -62,12 +62,13 @@ class PlaceSquares {
 
 }  // namespace
 
-std::vector<bool> ChoosePhotos(std::span<const GroundPhoto> photos, std::span<const Eigen::Vector3d> places,
-                               double max_range) {
+std::vector<bool> ChoosePhotos(std::span<GroundPhoto> photos, std::span<const Eigen::Vector3d> places, double max_range,
+                               const std::function<void(GroundPhoto&)>& prepare) {
   PlaceSquares squares(places);
   std::vector<bool> is_chosen(photos.size());
   for (std::size_t i = photos.size(); i-- > 0;) {
-    const GroundPhoto& photo = photos[i];
+    GroundPhoto& photo = photos[i];
+    bool is_prepared = !prepare;
     const Rigid3 camera_from_site = photo.site_from_camera.Inverse();
     const Eigen::Vector3d& eye = photo.site_from_camera.translation;
     std::vector<std::pair<Place*, float>> shown;
@@ -76,6 +77,7 @@ std::vector<bool> ChoosePhotos(std::span<const GroundPhoto> photos, std::span<co
       // As steep as it can be: most places are past wanting more, which is seen without a projection.
       const Eigen::Vector3d sight = place.point - eye;
       if (!place.Wants(photo.drive, static_cast<float>(-sight.z() / sight.norm()))) return;
+      if (!std::exchange(is_prepared, true)) prepare(photo);
       const float steepness = SeePoint(photo, camera_from_site, place.point, max_range).steepness;
       if (steepness <= 0) return;
       shown.emplace_back(&place, steepness);

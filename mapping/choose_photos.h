@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -14,10 +15,11 @@ namespace parkade {
 /// saw a place, an earlier one shows it only if it saw it eight times as steeply. Decided by geometry alone, before
 /// anything is decoded. O(photos x places near them).
 ///
-/// \param photos  drive by drive, the latest last; their images are not looked at
-/// \param places  [m] in site, on the ground, evenly spread
+/// \param photos   drive by drive, the latest last; their images are not looked at
+/// \param places   [m] in site, on the ground, evenly spread
+/// \param prepare  is called once with each photo that may be chosen, before it is asked what it shows
 /// \return for each photo whether it is chosen
-std::vector<bool> ChoosePhotos(std::span<const GroundPhoto> photos, std::span<const Eigen::Vector3d> places,
-                               double max_range);
+std::vector<bool> ChoosePhotos(std::span<GroundPhoto> photos, std::span<const Eigen::Vector3d> places, double max_range,
+                               const std::function<void(GroundPhoto&)>& prepare = {});
 
 }  // namespace parkade

@@ -252,14 +252,17 @@ GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface, 
       used.push_back(view);
     }
   std::vector<ChartSquare> squares = CutIntoSquares(mesh, options.chart_size);
-  const std::vector<bool> is_chosen = ChoosePhotos(photos, PlacesOn(squares, mesh), options.max_range);
+  const CellFinder cells(surface);
+  const std::vector<bool> is_chosen =
+      ChoosePhotos(photos, PlacesOn(squares, mesh), options.max_range, [&](GroundPhoto& photo) {
+        photo.open_ground = OpenGround(photo.site_from_camera, photo.site_from_ground, options.max_range, cells);
+      });
   std::vector<ChosenPhoto> chosen;
   for (std::size_t i = 0; i < photos.size(); ++i)
     if (is_chosen[i]) chosen.push_back({used[i].drive, used[i].camera, used[i].time, photos[i]});
   std::vector<SquarePainter> painters;
   for (ChartSquare& square : squares) painters.emplace_back(std::move(square), mesh, options);
   const std::vector<std::span<SquarePainter>> parts = CutIntoParts(painters, options.max_texels);
-  const CellFinder cells(surface);
   for (const std::span<SquarePainter> part : parts) {
     std::vector<TextureChart> charts = PaintPart(part, chosen, sources, cells, options.max_range);
     if (parts.size() > 1) texture.pixels.push_back(MoveToScratch(charts));

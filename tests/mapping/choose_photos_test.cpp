@@ -47,14 +47,32 @@ std::vector<Eigen::Vector3d> Ground(double x0, double x1) {
   return places;
 }
 
+std::vector<bool> Choose(std::vector<GroundPhoto> photos, const std::vector<Eigen::Vector3d>& ground) {
+  return ChoosePhotos(photos, ground, 10);
+}
+
 long CountChosen(const std::vector<bool>& is_chosen) { return std::count(is_chosen.begin(), is_chosen.end(), true); }
 
 TEST(ChoosePhotos, ManyDrivesNeedHardlyMorePhotosThanOne) {
   const std::vector<Eigen::Vector3d> ground = Ground(0, 20);
-  const long of_one = CountChosen(ChoosePhotos(Drives(1), ground, 10));
+  const long of_one = CountChosen(Choose(Drives(1), ground));
   EXPECT_GT(of_one, 10);
 
-  EXPECT_LT(CountChosen(ChoosePhotos(Drives(20), ground, 10)), 3 * of_one) << "of 420";
+  EXPECT_LT(CountChosen(Choose(Drives(20), ground)), 3 * of_one) << "of 420";
+}
+
+TEST(ChoosePhotos, WhereSomethingStandsInTheWayAnEarlierDriveIsAsked) {
+  std::vector<GroundPhoto> photos = Drives(2);
+  const SurfaceMap nothing{0.05, {}};
+  const CellFinder no_ground(nothing);
+  int num_prepared = 0;
+  const std::vector<bool> is_chosen = ChoosePhotos(photos, Ground(0, 20), 10, [&](GroundPhoto& photo) {
+    ++num_prepared;
+    if (photo.drive == 1) photo.open_ground = OpenGround(photo.site_from_camera, {}, 10, no_ground);
+  });
+
+  EXPECT_GT(std::count(is_chosen.begin(), is_chosen.begin() + 21, true), 10);
+  EXPECT_LE(num_prepared, 42);
 }
 
 TEST(ChoosePhotos, OfDrivesThatSeeAlikeTheLatestIsChosen) {
@@ -119,8 +137,8 @@ TEST(ChoosePhotos, DrivesElsewhereTakeNothingFromWhatOneDriveSaw) {
 }
 
 TEST(ChoosePhotos, APhotoOfNoGroundIsNotRead) {
-  EXPECT_EQ(CountChosen(ChoosePhotos(Drives(1), Ground(50, 60), 10)), 0);
-  EXPECT_EQ(CountChosen(ChoosePhotos(Drives(1), {}, 10)), 0);
+  EXPECT_EQ(CountChosen(Choose(Drives(1), Ground(50, 60))), 0);
+  EXPECT_EQ(CountChosen(Choose(Drives(1), {})), 0);
   EXPECT_TRUE(ChoosePhotos({}, Ground(0, 5), 10).empty());
 }
 
