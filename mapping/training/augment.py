@@ -1,11 +1,12 @@
 """What is done to pictures so that the network does not learn ours by heart.
 
 Geometry: crops, turns, mirrors; pictures of a plain lens are bent as a fisheye would see them. Appearance: light,
-colour, blur, noise, darkness towards the rim; painted and shining floors; bodies of other own cars.
+colour, blur, noise, darkness towards the rim; painted and shining floors; bodies of other own cars (own_car.py).
 """
 import cv2
 import numpy as np
 
+from own_car import add_own_car
 from pictures import DRIVABLE, NOT_DRIVABLE, UNKNOWN
 
 EQUIDISTANT_FOCAL = 0.31  # of the simulator's fisheyes, in widths of the picture, to 2 %
@@ -138,32 +139,6 @@ def paint_walls(rng, image, label):
     return np.clip(image * (1 - wall) + painted * wall, 0, 255).astype(np.uint8)
 
 
-def add_own_car(rng, image, label):
-    """A smooth body that bulges into the picture from below."""
-    height, width = label.shape
-    axes = (int(rng.uniform(0.45, 0.9) * width), int(rng.uniform(0.1, 0.35) * height))
-    center = (int(rng.uniform(0.2, 0.8) * width), int(height * rng.uniform(0.98, 1.1)))
-    if rng.random() < 0.5:  # some lenses look over a body that sags in the middle
-        body = np.full(label.shape, 255, np.uint8)
-        cv2.ellipse(body, (center[0], int(0.35 * height)), (int(0.62 * width), int(0.6 * height)), rng.normal(0, 6), 0,
-                    360, 0, -1)
-        body[: int(0.5 * height)] = 0
-    else:
-        body = np.zeros(label.shape, np.uint8)
-        cv2.ellipse(body, center, axes, rng.normal(0, 10), 0, 360, 255, -1)
-    shade = np.linspace(rng.uniform(0.4, 1.2), rng.uniform(0.4, 1.2), height)[:, None, None]
-    grey = rng.uniform(10, 235)
-    color = np.clip(grey + rng.normal(0, 25 if rng.random() < 0.4 else 4, 3), 0, 255) * shade
-    color = np.broadcast_to(color, image.shape).copy()
-    if rng.random() < 0.4:  # a licence plate, a lamp, a badge
-        x, y = rng.uniform(0.1, 0.8) * width, rng.uniform(0.75, 0.95) * height
-        corners = np.array([(x, y), (x + rng.uniform(5, 110), y + rng.normal(0, 12)), (x + 60, y + 25), (x, y + 20)])
-        cv2.fillConvexPoly(color, corners.astype(np.int32), tuple(rng.uniform(0, 255, 3)))
-    inside = (cv2.GaussianBlur(body, (5, 5), 0) / 255.0)[..., None]
-    label[body > 0] = NOT_DRIVABLE
-    return np.clip(image * (1 - inside) + color * inside, 0, 255).astype(np.uint8)
-
-
 def add_lens_rim(rng, image, label):
     """Darkness outside of the image circle, and towards it."""
     height, width = label.shape
@@ -219,7 +194,7 @@ def augment(rng, picture, size):
         image = paint_floor(rng, image, label)
     if rng.random() < 0.35:
         image = paint_walls(rng, image, label)
-    if rng.random() < 0.25:
+    if rng.random() < (0.5 if picture.is_fisheye else 0.25):
         image = add_own_car(rng, image, label)
     image = change_light(rng, image)
     if rng.random() < 0.2:
