@@ -26,11 +26,11 @@ struct DriveLinkOptions {
   double closing_per_metre = 0.01;  ///< ... this share of the ways
   double closing_deg = 1.0;         ///< plus 0.02 degrees per metre
   // Drives whose places look alike lie on one floor, too, if theirs show enough to tell.
-  int min_floor_tiles = 12;      ///< compared, in both drives and between them; fewer tell nothing
-  double telling_floor = 0.3;    ///< share of a drive's tiles that fit its own next place; less in both tells nothing
-  double min_floor_share = 0.5;  ///< of what fits within the drives, fits between them
-  int all_pairs_up_to = 6;       ///< drives: of more not every pair is linked, but each drive with ...
-  int partners = 3;              ///< ... these many that look most like it, and more where drives stay apart
+  int min_floor_tiles = 12;       ///< compared, in both drives and between them; fewer tell nothing
+  double telling_floor = 0.3;     ///< share of a drive's tiles that fit its own next place; less in both tells nothing
+  double min_floor_share = 0.65;  ///< of what fits within the drives, fits between them
+  int all_pairs_up_to = 6;        ///< drives: of more not every pair is linked, but each drive with ...
+  int partners = 3;               ///< ... these many that look most like it, and more where drives stay apart
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
