@@ -116,6 +116,7 @@ int Evaluate(const EvaluateArguments& arguments) {
     const TrajectoryEvaluation evaluation = EvaluateTrajectory(ReadTum(arguments.truth), ReadTum(arguments.estimate));
     json["trajectory"] = ToJson(evaluation);
     text += ToText(evaluation);
+    // Not the alignment by positions: along a straight street they leave the roll open.
     truth_from_estimate = (arguments.align == "poses" ? evaluation.by_poses : evaluation.yaw_only).truth_from_estimate;
   }
   if (has_surfaces) {
