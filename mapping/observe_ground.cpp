@@ -16,14 +16,13 @@ namespace {
 
 constexpr double kMaskDelay = 0.25;   // [s] of log within which the mask of an image must come
 constexpr double kSameImage = 0.002;  // [s] a mask may be stamped this far from its image
-// What is not a mask of the log may be wrong, at the foot of obstacles and far away most often.
-constexpr double kBeliefFootDepth = 0.6;        // [m] of a network's not-ground that counts against the ground in full
-constexpr double kBeliefRange = 8.0;            // [m] beyond the nearest ground, up to which it is asked
-constexpr float kBeliefPixel = 0.8F;            // [m] of ground in one pixel, at most ...
-constexpr float kBeliefMargin = 4.0F;           // [m] ... so far beyond
-constexpr float kBeliefFreeConfidence = 0.67F;  // of what it takes for free, beside what it takes for something else
-constexpr float kBeyondRange = 8;               // [m] to which what lies beyond the outline is kept: steps are small
-constexpr size_t kImagesPerBatch = 16;          // kept in memory at once; worked on in parallel
+// What colours alone guess is wrong far away most often.
+constexpr double kGuessRange = 8.0;            // [m] beyond the nearest ground, up to which it is asked
+constexpr float kGuessPixel = 0.8F;            // [m] of ground in one pixel, at most ...
+constexpr float kGuessMargin = 4.0F;           // [m] ... so far beyond
+constexpr float kGuessFreeConfidence = 0.67F;  // of what it takes for free, beside what it takes for something else
+constexpr float kBeyondRange = 8;              // [m] to which what lies beyond the outline is kept: steps are small
+constexpr size_t kImagesPerBatch = 16;         // kept in memory at once; worked on in parallel
 
 struct ImageWithMask {
   CameraFrame frame;
@@ -105,7 +104,7 @@ class ImageLabeller {
   GroundLabels Label(const ImageWithMask& image, const GroundGrid& grid, const cv::Mat& colors) const {
     if (!image.mask.empty()) return {LabelsFromMask(grid, image.mask), {}, true};
     const SegmentGroundOptions& options = options_->segmentation;
-    if (network_) return LabelsFromBelief(grid, network_->Run(image.frame.image), options.sure_log_odds);
+    if (network_) return LabelsFromBelief(grid, network_->Run(image.frame.image), options);
     return {
         SegmentGround(grid, colors,
                       FindPathSeeds(grid, *odom_from_body_, image.frame.time, body_from_ground_, contact_), options),
@@ -128,12 +127,12 @@ int RayStride(const GroundGrid& grid, float range, double spacing) {
   return stride;
 }
 
-/// [m] up to which a network is believed: not as far, and not in as long pixels as a mask.
-float LastRangeOfBelief(const GroundGrid& grid) {
+/// [m] up to which a guess is believed: not as far, and not in as long pixels as a mask.
+float LastRangeOfGuess(const GroundGrid& grid) {
   float sharp = 0;
-  for (size_t i = 0; i < grid.ranges.size() && grid.pixel_lengths[i] <= kBeliefPixel; ++i) sharp = grid.ranges[i];
-  const auto in_reach = static_cast<float>(grid.nearest_range + kBeliefRange);
-  return grid.ranges.empty() || sharp == grid.ranges.back() ? in_reach : std::min(in_reach, sharp - kBeliefMargin);
+  for (size_t i = 0; i < grid.ranges.size() && grid.pixel_lengths[i] <= kGuessPixel; ++i) sharp = grid.ranges[i];
+  const auto in_reach = static_cast<float>(grid.nearest_range + kGuessRange);
+  return grid.ranges.empty() || sharp == grid.ranges.back() ? in_reach : std::min(in_reach, sharp - kGuessMargin);
 }
 
 void LogPlane(const std::string& drive, const Rigid3& body_from_ground) {
@@ -173,13 +172,10 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
   GroundPatch patch{.drive = 0, .camera = frame.camera, .time = frame.time, .samples = {}};
   std::vector<GroundLabel>& labels = found.labels;
   // Of what is not ground only its foot is known to stand where its pixels meet the plane.
-  const bool is_mask = found.is_trusted && found.confidence.empty();
-  SegmentGroundOptions segmentation = options.segmentation;
-  if (!is_mask) segmentation.foot_depth = std::max(segmentation.foot_depth, kBeliefFootDepth);
-  HideBehindObstacles(grid, segmentation, found.is_trusted, labels);
+  HideBehindObstacles(grid, options.segmentation, found.is_trusted, labels);
   const Eigen::Matrix3f rotation = body_from_ground.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = body_from_ground.translation.cast<float>();
-  const float last_range = is_mask ? FLT_MAX : LastRangeOfBelief(grid);
+  const float last_range = found.is_trusted ? FLT_MAX : LastRangeOfGuess(grid);
   for (int range = 0; range < grid.num_ranges; ++range) {
     const auto at = static_cast<size_t>(range);
     if (grid.ranges[at] > last_range) break;
@@ -197,7 +193,7 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
         hint = 0;
       }
       if (labels[i] == GroundLabel::kHidden) hint = static_cast<float>(options.segmentation.hidden_confidence);
-      if (labels[i] == GroundLabel::kGround && !is_mask) hint = kBeliefFreeConfidence;
+      if (labels[i] == GroundLabel::kGround && !found.is_trusted) hint = kGuessFreeConfidence;
       const GroundGridCell& cell = grid.cells[i];
       const uchar* color = colors.ptr() + 3 * i;
       const Eigen::Vector3f point_in_ground(cell.point_in_ground.x(), cell.point_in_ground.y(), 0);

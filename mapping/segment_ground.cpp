@@ -96,6 +96,7 @@ void SegmentGroundOptions::Validate() const {
   Require(beyond_depth >= 0, ErrorCode::kUsage, "beyond_depth must not be negative");
   Require(min_seeds > 0, ErrorCode::kUsage, "min_seeds must be > 0");
   Require(sure_log_odds > 0, ErrorCode::kUsage, "sure_log_odds must be > 0");
+  Require(doubt_per_meter >= 0, ErrorCode::kUsage, "doubt_per_meter must not be negative");
 }
 
 std::vector<GroundLabel> SegmentGround(const GroundGrid& grid, const cv::Mat& colors,
@@ -139,15 +140,19 @@ std::vector<GroundLabel> LabelsFromMask(const GroundGrid& grid, const cv::Mat& m
   return labels;
 }
 
-GroundLabels LabelsFromBelief(const GroundGrid& grid, const FreespaceBelief& belief, double sure_log_odds) {
+GroundLabels LabelsFromBelief(const GroundGrid& grid, const FreespaceBelief& belief,
+                              const SegmentGroundOptions& options) {
+  const auto sure = static_cast<float>(options.sure_log_odds), doubt = static_cast<float>(options.doubt_per_meter),
+             doubt_from = static_cast<float>(options.doubt_from);
   GroundLabels result{std::vector<GroundLabel>(grid.cells.size(), GroundLabel::kUnknown),
                       std::vector<float>(grid.cells.size()), true};
   for (size_t i = 0; i < grid.cells.size(); ++i) {
     const GroundGridCell& cell = grid.cells[i];
     if (!cell.is_visible) continue;
-    const float log_odds = belief.At(cell.pixel);
+    const float range = grid.ranges[i % static_cast<size_t>(grid.num_ranges)];
+    const float log_odds = belief.At(cell.pixel) - doubt * (range - doubt_from);
     result.labels[i] = log_odds > 0 ? GroundLabel::kGround : GroundLabel::kNotGround;
-    result.confidence[i] = std::min(1.0F, std::abs(log_odds) / static_cast<float>(sure_log_odds));
+    result.confidence[i] = std::min(1.0F, std::abs(log_odds) / sure);
   }
   return result;
 }

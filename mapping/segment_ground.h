@@ -18,6 +18,8 @@ struct SegmentGroundOptions {
   double foot_depth = 0.2;          ///< [m] likewise for a mask or a network, to which one pixel's ground is added
   int min_seeds = 40;               ///< with fewer, nothing is called ground
   double sure_log_odds = 4.0;       ///< of a network from which it is taken to be sure; below, it counts in proportion
+  double doubt_per_meter = 0.25;    ///< taken off a network's log-odds the farther the ground is: far outlines blur ...
+  double doubt_from = 2.0;          ///< [m] ... where nothing is taken off; nearer, it is added
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -29,6 +31,8 @@ struct SegmentGroundOptions {
     visit("hidden_confidence", hidden_confidence);
     visit("min_seeds", min_seeds);
     visit("sure_log_odds", sure_log_odds);
+    visit("doubt_per_meter", doubt_per_meter);
+    visit("doubt_from", doubt_from);
   }
   void Validate() const;  ///< throws Error{kUsage}
 };
@@ -63,8 +67,10 @@ std::vector<GroundLabel> SegmentGround(const GroundGrid& grid, const cv::Mat& co
 /// The labels that a mask (CV_8UC1 of the image's size, >= 128 = drivable) gives.
 std::vector<GroundLabel> LabelsFromMask(const GroundGrid& grid, const cv::Mat& mask);
 
-/// The labels that a network gives, sure from `sure_log_odds` on.
-GroundLabels LabelsFromBelief(const GroundGrid& grid, const FreespaceBelief& belief, double sure_log_odds);
+/// The labels that a network gives: ground where its log-odds, less the doubt at that range, are above 0; sure from
+/// `sure_log_odds` on.
+GroundLabels LabelsFromBelief(const GroundGrid& grid, const FreespaceBelief& belief,
+                              const SegmentGroundOptions& options);
 
 /// Pixels of an obstacle meet the plane behind its foot: some kNotGround behind the last ground (see obstacle_depth,
 /// foot_depth) says where it stands, what follows becomes kHidden, after obstacle_depth kBeyond, after beyond_depth

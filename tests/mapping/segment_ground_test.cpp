@@ -125,6 +125,33 @@ TEST_F(SegmentingAFan, AMaskIsLookedUpAtEachPlace) {
   EXPECT_EQ(At(labels, 10, 30), GroundLabel::kNotGround);
 }
 
+TEST_F(SegmentingAFan, FarGroundMustBeTheSurer) {
+  const FreespaceBelief belief{cv::Mat(4, 4, CV_32FC1, cv::Scalar(1)), {kRays, kRanges}};
+  SegmentGroundOptions options;
+  options.sure_log_odds = 2;
+  options.doubt_per_meter = 0.25;
+  options.doubt_from = 2;
+
+  const GroundLabels found = LabelsFromBelief(grid_, belief, options);
+
+  constexpr int kTwoMeters = 15, kSixMeters = 55;
+  EXPECT_EQ(At(found.labels, 10, kSixMeters - 1), GroundLabel::kGround);
+  EXPECT_EQ(At(found.labels, 10, kSixMeters + 1), GroundLabel::kNotGround);
+  EXPECT_NEAR(found.confidence[static_cast<size_t>(grid_.IndexOf(10, kTwoMeters))], 0.5, 1e-6);
+  EXPECT_NEAR(found.confidence[static_cast<size_t>(grid_.IndexOf(10, kSixMeters + 4))], 0.05, 1e-6);
+}
+
+TEST_F(SegmentingAFan, WithoutDoubtANetworkIsTakenAtItsWord) {
+  const FreespaceBelief belief{cv::Mat(4, 4, CV_32FC1, cv::Scalar(1)), {kRays, kRanges}};
+  SegmentGroundOptions options;
+  options.doubt_per_meter = 0;
+
+  const GroundLabels found = LabelsFromBelief(grid_, belief, options);
+
+  EXPECT_EQ(At(found.labels, 10, kRanges - 1), GroundLabel::kGround);
+  EXPECT_NEAR(found.confidence.back(), 0.25, 1e-6);
+}
+
 class HidingBehindObstacles : public testing::Test {
  protected:
   /// g ground, n not ground, u unknown: one letter per range of the only ray.
