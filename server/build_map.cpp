@@ -73,7 +73,8 @@ void PlaceInSite(const MapOptions& options, DriveStages& stages, std::vector<Dri
   for (size_t i = 0; i < drives.size(); ++i) {
     JoinedDrive& joined = built.join.drives[i];
     if (!joined.left_out.empty()) {
-      built.left_out.push_back({built.names[i], "it does not fit the others: " + joined.left_out});
+      built.left_out.push_back({built.names[i], "it does not fit the others: " + joined.left_out, drives[i].outcome.log,
+                                drives[i].outcome.review});
       continue;
     }
     has_gnss = has_gnss || drives[i].outcome.gnss;
@@ -136,7 +137,7 @@ constexpr const char* kOdometryFile = "odometry.bin";
 OdometryResult ReadStoredOdometry(const RecordedDrive& log, const BuildScope& scope, const FinishedMap& from,
                                   const OdometryOptions& options, const std::filesystem::path& file) {
   if (const auto hash = scope.logs.find(log.name()); hash != scope.logs.end())
-    Require(from.Holds(log.name(), hash->second), ErrorCode::kInvalidInput, "it is of another log");
+    Require(from.MayBeOf(log.name(), hash->second), ErrorCode::kInvalidInput, "it is of another log");
   const std::string tracked_by =
       TrackedBy({{"odometry", OptionsToJson(options)}}, HealthToJson(log.health()).at("streams"));
   Require(from.TrackedBy(log.name()) == tracked_by, ErrorCode::kInvalidInput,

@@ -35,6 +35,8 @@ struct DriveOutcome {
 /// A drive that the map is made without.
 struct LeftOutDrive {
   std::string name, reason;
+  std::optional<size_t> log = {};  ///< of those that BuildMap was given, where it has odometry for the next version
+  LoopReview review = {};
 };
 
 /// A map and how it came about.

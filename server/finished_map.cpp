@@ -50,13 +50,10 @@ FinishedMap::FinishedMap(const std::filesystem::path& folder) : folder_(folder) 
     const Json report = Json::parse(ReadFile(folder / "report.json"));
     for (const Json& drive : report.at("drives")) {
       drives_.push_back(drive.at("name").get<std::string>());
-      if (const auto log = drive.find("log"); log != drive.end()) logs_[drives_.back()] = log->value("sha256", "");
-      tracked_by_[drives_.back()] =
-          parkade::TrackedBy(report.value("options", Json::object()), drive.value("streams", Json::array()));
-      if (const auto loops = drive.find("loops"); loops != drive.end() && loops->contains("review"))
-        reviews_[drives_.back()] = {.rejected = loops->at("review").at("rejected"),
-                                    .forced = loops->at("review").at("forced")};
+      Remember(report, drive);
     }
+    for (const Json& drive : report.value("left_out", Json::array()))
+      if (drive.contains("streams")) Remember(report, drive);
     if (const Json& datum = report.at("datum"); !datum.is_null())
       datum_ = SiteDatum{.latitude_deg = datum.at("latitude_deg").get<double>(),
                          .longitude_deg = datum.at("longitude_deg").get<double>(),
@@ -69,8 +66,20 @@ FinishedMap::FinishedMap(const std::filesystem::path& folder) : folder_(folder) 
   }
 }
 
+void FinishedMap::Remember(const Json& report, const Json& drive) {
+  const auto name = drive.at("name").get<std::string>();
+  if (const auto log = drive.find("log"); log != drive.end()) logs_[name] = log->value("sha256", "");
+  tracked_by_[name] =
+      parkade::TrackedBy(report.value("options", Json::object()), drive.value("streams", Json::array()));
+  if (const auto loops = drive.find("loops"); loops != drive.end() && loops->contains("review"))
+    reviews_[name] = {.rejected = loops->at("review").at("rejected"), .forced = loops->at("review").at("forced")};
+}
+
 bool FinishedMap::Holds(const std::string& drive, const std::string& log) const {
-  if (std::find(drives_.begin(), drives_.end(), drive) == drives_.end()) return false;
+  return std::find(drives_.begin(), drives_.end(), drive) != drives_.end() && MayBeOf(drive, log);
+}
+
+bool FinishedMap::MayBeOf(const std::string& drive, const std::string& log) const {
   const std::string own = LogOf(drive);
   return own.empty() || log.empty() || own == log;
 }

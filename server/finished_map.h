@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,18 +40,26 @@ class FinishedMap {
   const std::vector<std::string>& drives() const { return drives_; }
   /// Whether it has a drive of this name, made from the log with this hash where both say from which.
   bool Holds(const std::string& drive, const std::string& log) const;
+
+  // Of its drives and of those that it left out:
+  /// Whether its drive of this name may have been made from the log with this hash: only two hashes that differ tell.
+  bool MayBeOf(const std::string& drive, const std::string& log) const;
   /// SHA-256 of the log that a drive was made from; empty where the map does not say.
   std::string LogOf(const std::string& drive) const;
   /// What a drive was tracked by, see TrackedBy.
   std::string TrackedBy(const std::string& drive) const;
   /// What reviewers have decided on its loops, in this version or in those that it was made from.
   LoopReview ReviewOf(const std::string& drive) const;
+
   const std::optional<SiteDatum>& datum() const { return datum_; }
   /// [m] east, north and up, by which any of the map may lie elsewhere on Earth; 3 m and 5 m of height where the map
   /// does not say.
   const Eigen::Vector3d& PlacementSigma() const { return placement_sigma_; }
 
  private:
+  /// Takes in what `drive`, one entry of `report`, says of how it was made.
+  void Remember(const nlohmann::json& report, const nlohmann::json& drive);
+
   std::filesystem::path folder_;
   std::vector<std::string> drives_;
   std::map<std::string, std::string> logs_, tracked_by_;

@@ -32,10 +32,12 @@ Json InputToJson(const InputHash& input) {
   return {{"name", input.name}, {"bytes", input.bytes}, {"sha256", input.sha256}};
 }
 
+Json ToJson(const LoopReview& review) { return {{"rejected", review.rejected}, {"forced", review.forced}}; }
+
 /// The loops with what reviewers decided on them, which the next build from this map keeps.
 Json LoopsToJson(const DriveOutcome& outcome, const Rig& rig, const std::string& drive) {
   Json json = LoopsToJson(outcome.loops, rig, drive);
-  json["review"] = {{"rejected", outcome.review.rejected}, {"forced", outcome.review.forced}};
+  json["review"] = ToJson(outcome.review);
   return json;
 }
 
@@ -93,6 +95,17 @@ Eigen::AlignedBox3d BoundsOf(const SiteMap& map) {
   return bounds;
 }
 
+/// With what the next build from this map must know to take its odometry.
+Json LeftOutToJson(const LeftOutDrive& drive, const std::vector<std::unique_ptr<RecordedDrive>>& logs,
+                   const std::map<std::string, DriveInputs>& inputs) {
+  Json json = {{"name", drive.name}, {"reason", drive.reason}};
+  if (!drive.log) return json;
+  json["log"] = InputToJson(inputs.at(drive.name).log);
+  json["streams"] = HealthToJson(logs[*drive.log]->health()).value("streams", Json::array());
+  json["loops"]["review"] = ToJson(drive.review);
+  return json;
+}
+
 }  // namespace
 
 void WriteReport(const BuiltMap& built, const std::vector<std::unique_ptr<RecordedDrive>>& logs,
@@ -124,8 +137,7 @@ void WriteReport(const BuiltMap& built, const std::vector<std::unique_ptr<Record
         DriveToJson(map.drives[i], built.drives[i], *logs[built.drives[i].log], inputs.at(map.drives[i].name)));
   if (built.names.size() > 1) report["join"] = ToJson(built.join, built.names);
   report["left_out"] = Json::array();
-  for (const LeftOutDrive& drive : built.left_out)
-    report["left_out"].push_back({{"name", drive.name}, {"reason", drive.reason}});
+  for (const LeftOutDrive& drive : built.left_out) report["left_out"].push_back(LeftOutToJson(drive, logs, inputs));
   report["map"] = MapToJson(map);
   report["warnings"] = built.warnings;
   // Names of topics come from the log and may hold any bytes.
