@@ -8,6 +8,7 @@ import numpy as np
 
 from own_car import add_own_car
 from pictures import DRIVABLE, NOT_DRIVABLE, UNKNOWN
+from stripes import paint_stripe
 
 EQUIDISTANT_FOCAL = 0.31  # of the simulator's fisheyes, in widths of the picture, to 2 %
 
@@ -98,7 +99,7 @@ def random_polygon(rng, size):
     taper = rng.uniform(0.2, 1)
     corners = [start + across * thickness, start + along * length + across * thickness * taper,
                start + along * length - across * thickness * taper, start - across * thickness]
-    return np.array(corners).astype(np.int32)
+    return np.array(corners)
 
 
 def paint_floor(rng, image, label):
@@ -111,31 +112,47 @@ def paint_floor(rng, image, label):
     if rng.random() < 0.4:  # what stands above the horizon, mirrored
         floor = floor + rng.uniform(0.05, 0.35) * np.roll(image[::-1], rng.integers(-40, 40), 0)
     if rng.random() < 0.6:
-        colors = [(20, 170, 230), (230, 230, 230), (200, 120, 40), (40, 40, 200), (60, 150, 60)]
         for _ in range(rng.integers(1, 4)):
-            paint = np.zeros(image.shape[:2], np.float32)
-            cv2.fillConvexPoly(paint, random_polygon(rng, size), 1.0)
-            paint = cv2.GaussianBlur(paint, (3, 3), 0)[..., None] * rng.uniform(0.4, 0.95)
-            color = np.array(colors[rng.integers(len(colors))]) * rng.uniform(0.5, 1.1)
-            floor = floor * (1 - paint) + paint * color
+            floor = paint_stripe(rng, floor, random_polygon(rng, size), where=1)
     return np.clip(image * (1 - ground) + floor * ground, 0, 255).astype(np.uint8)
 
 
-def paint_walls(rng, image, label):
-    """Other colours, and smooth patches of any colour, on what is not drivable: smooth is not yet road."""
+def wall_patch(rng, size):
+    """0 to 1: a quadrangle somewhere in the upper part of the picture, turned as walls are at a fisheye's rim."""
+    width, height = size
+    center = rng.uniform([0, 0], [width, 0.7 * height])
+    half = np.exp(rng.uniform(np.log([8, 6]), np.log([0.35 * width, 0.25 * height])))
+    angle = np.radians(rng.normal(0, 25))
+    axes = np.array([(np.cos(angle), np.sin(angle)), (-np.sin(angle), np.cos(angle))])
+    corners = center + (half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])) @ axes + rng.normal(0, 5, (4, 2))
+    patch = np.zeros((height, width), np.float32)
+    cv2.fillConvexPoly(patch, corners.astype(np.int32), 1.0)
+    return cv2.GaussianBlur(patch, (3, 3), 0)
+
+
+def wall_paint(rng, image, label):
+    """What a patch of wall shows, and where it can: any colour, the floor's own, or the floor itself."""
     height, width = label.shape
+    kind, ground, everywhere = rng.random(), image[label == DRIVABLE], np.ones(label.shape, np.float32)
+    if kind < 0.35 and len(ground):
+        shift = (-rng.integers(height // 4, 2 * height // 3), rng.integers(-width // 3, width // 3))
+        return np.roll(image, shift, (0, 1)).astype(np.float32), np.roll(label == DRIVABLE, shift, (0, 1))
+    shade = np.linspace(rng.uniform(0.6, 1.2), rng.uniform(0.6, 1.2), width)[None, :, None]
+    if kind < 0.6 and len(ground):
+        return ground.mean(0) * np.exp(rng.normal(0, 0.15)) * shade, everywhere
+    return rng.uniform(20, 220, 3) * shade, everywhere
+
+
+def paint_walls(rng, image, label):
+    """Other colours, and smooth patches, on what is not drivable: neither smooth nor grey is yet road."""
     wall = cv2.GaussianBlur((label == NOT_DRIVABLE).astype(np.float32), (3, 3), 0)[..., None]
     painted = image.astype(np.float32)
     if rng.random() < 0.6:
-        painted = painted * np.exp(rng.normal(0, 0.3, 3)) + rng.normal(0, 10, 3)
-    for _ in range(rng.integers(0, 4)):
-        center, half = rng.uniform([0, 0.1 * height], [width, 0.7 * height]), rng.uniform([8, 6], [90, 40])
-        corners = center + half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) + rng.normal(0, 5, (4, 2))
-        patch = np.zeros(label.shape, np.float32)
-        cv2.fillConvexPoly(patch, corners.astype(np.int32), 1.0)
-        patch = cv2.GaussianBlur(patch, (3, 3), 0)[..., None] * rng.uniform(0.5, 1.0)
-        shade = np.linspace(rng.uniform(0.6, 1.2), rng.uniform(0.6, 1.2), width)[None, :, None]
-        painted = painted * (1 - patch) + patch * rng.uniform(20, 220, 3) * shade
+        painted = painted * np.exp(rng.normal(0, 0.5) + rng.normal(0, 0.3, 3)) + rng.normal(0, 10, 3)
+    for _ in range(rng.integers(0, 5)):
+        paint, where = wall_paint(rng, image, label)
+        share = (wall_patch(rng, image.shape[1::-1]) * where)[..., None] * rng.uniform(0.5, 1.0)
+        painted = painted * (1 - share) + share * paint
     return np.clip(image * (1 - wall) + painted * wall, 0, 255).astype(np.uint8)
 
 
@@ -192,9 +209,9 @@ def augment(rng, picture, size):
     image, label = change_geometry(rng, picture, size)
     if rng.random() < 0.35:
         image = paint_floor(rng, image, label)
-    if rng.random() < 0.35:
+    if rng.random() < 0.5:
         image = paint_walls(rng, image, label)
-    if rng.random() < (0.5 if picture.is_fisheye else 0.25):
+    if rng.random() < (0.65 if picture.is_fisheye else 0.25):
         image = add_own_car(rng, image, label)
     image = change_light(rng, image)
     if rng.random() < 0.2:

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 
 from pictures import DRIVABLE, NOT_DRIVABLE
+from stripes import paint_stripe
 
 
 @dataclass
@@ -17,6 +18,7 @@ class Body:
     column: np.ndarray
     row: np.ndarray
     depth: np.ndarray  # below the body's edge, at right angles to it; negative above
+    edge: np.ndarray  # row where the body begins; W
     normal: tuple  # out of the body, at the nearest point of the edge above; each W
 
 
@@ -40,6 +42,23 @@ def edge_of_body(rng, size):
     return height * row
 
 
+def lead_stripes_to(rng, image, label, body):
+    """Paint on the floor that ends at the body's edge: what tells its mirror image from the floor is but a bend."""
+    height, width = label.shape
+    ground = cv2.GaussianBlur((label == DRIVABLE).astype(np.float32), (3, 3), 0)[..., None]
+    painted = image.astype(np.float32)
+    for _ in range(rng.integers(1, 4)):
+        x = rng.integers(0, width)
+        foot = np.array([x, min(body.edge[x], height) + 4])
+        angle, length = rng.uniform(0.15, 0.85) * np.pi, rng.uniform(0.1, 0.7) * width
+        tip = foot - length * np.array([np.cos(angle), np.sin(angle)])
+        half = rng.uniform(2, 22) * np.array([np.sin(angle), -np.cos(angle)])
+        left, right = rng.uniform(0.2, 1, 2)
+        corners = np.array([foot - half, foot + half, tip + left * half, tip - right * half])
+        painted = paint_stripe(rng, painted, corners, ground)
+    return np.clip(painted, 0, 255).astype(np.uint8)
+
+
 def shape_body(rng, size):
     """A body, or None if it lies below the picture."""
     width, height = size
@@ -50,7 +69,8 @@ def shape_body(rng, size):
     column, row = np.meshgrid(np.arange(width, dtype=np.float32), np.arange(top, height, dtype=np.float32))
     slope = np.gradient(edge).clip(-4, 4)
     length = np.sqrt(1 + slope**2)
-    return Body(top, column, row, ((row - edge) / length).astype(np.float32), (slope / length, -1 / length))
+    depth = ((row - edge) / length).astype(np.float32)
+    return Body(top, column, row, depth, edge, (slope / length, -1 / length))
 
 
 def mirrored(rng, image, body):
@@ -65,9 +85,9 @@ def mirrored(rng, image, body):
 def lacquer_color(rng, image, label):
     """BGR: of the floor itself, of the whole place, grey, or any."""
     kind, ground = rng.random(), image[label == DRIVABLE]
-    if kind < 0.35 and len(ground):
+    if kind < 0.5 and len(ground):
         return ground.mean(0) * np.exp(rng.normal(0, 0.2)) + rng.normal(0, 6, 3)
-    if kind < 0.5:
+    if kind < 0.6:
         return image.reshape(-1, 3).mean(0) * np.exp(rng.normal(0, 0.4)) + rng.normal(0, 6, 3)
     if kind < 0.85:
         return rng.uniform(8, 245) + rng.normal(0, 5, 3)
@@ -146,6 +166,8 @@ def add_own_car(rng, image, label):
     body = shape_body(rng, image.shape[1::-1])
     if body is None:
         return image
+    if rng.random() < 0.4:
+        image = lead_stripes_to(rng, image, label, body)
     surface = lacquer(rng, image, label, body)
     for _ in range(rng.integers(0, 5) if rng.random() < 0.7 else 0):
         surface = add_part(rng, image, surface, body)

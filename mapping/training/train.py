@@ -23,7 +23,7 @@ import pictures
 from network import FreespaceNetwork, count_parameters
 
 SIZE = (640, 384)  # of the network's input: width, height
-# Small pictures first: shapes and colours are learnt at a fraction of the cost. Until which part of the time, size.
+# Small pictures first: shapes and colours are learnt at a fraction of the cost. Until which part, size.
 STAGES = ((0.3, (320, 192)), (0.6, (448, 256)), (1.0, SIZE))
 EDGE_WEIGHT = 4.0  # of pixels at an outline, where others weigh 1: far ground is but a few rows of pixels
 EDGE_REACH = 1 / 100  # of the picture's width, to both sides
@@ -145,7 +145,7 @@ def train(arguments):
     begin = last_report = time.monotonic()
     budget, step, losses = 60 * arguments.minutes, 0, []
     samples = Samples(plain, Path(arguments.drives) / "train", arguments,
-                      lambda: (time.monotonic() - begin) / budget if not arguments.resume else 1.0)
+                      lambda: arguments.begin + (1 - arguments.begin) * (time.monotonic() - begin) / budget)
     print(f"{count_parameters(network)} parameters, {len(plain)} plain pictures, {len(samples.fisheye)} of drives",
           flush=True)
     batches = torch.utils.data.DataLoader(samples, batch_size=None, num_workers=1, prefetch_factor=PREFETCHED,
@@ -194,6 +194,7 @@ def main():
     parser.add_argument("--drives", required=True, help="folder with train/ and val/ of simulated drives")
     parser.add_argument("--out", required=True, help="checkpoint to write")
     parser.add_argument("--resume", help="checkpoint to start from")
+    parser.add_argument("--begin", type=float, default=0, help="part of STAGES that is over: 1 for large pictures only")
     parser.add_argument("--minutes", type=float, default=60)
     parser.add_argument("--steps", type=int, default=0, help="end earlier, after so many steps")
     parser.add_argument("--rate", type=float, default=2e-3, help="learning rate at its highest")
