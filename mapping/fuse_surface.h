@@ -24,7 +24,7 @@ struct SurfaceOptions {
   double log_odds_limit = 8.0;      ///< of one drive
   double change_log_odds = 0.1;     ///< from which a drive that contradicts those before it is believed alone
   double max_height_sigma = 0.12;   ///< [m] ground whose height is known less well is not mapped
-  double min_island_area = 10.0;    ///< [m^2] smaller free islands that no car drove on are noise
+  double min_island_area = 200.0;   ///< [m^2] smaller free islands that no car drove on are most often walls
   int latest_drives = 6;            ///< so many of the latest that looked at a place say what it looks like
   double tile_size = 48.0;          ///< [m] of the squares that are painted one after the other; less takes less memory
   HeightFieldOptions height;

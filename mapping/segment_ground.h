@@ -67,8 +67,8 @@ std::vector<GroundLabel> SegmentGround(const GroundGrid& grid, const cv::Mat& co
 /// The labels that a mask (CV_8UC1 of the image's size, >= 128 = drivable) gives.
 std::vector<GroundLabel> LabelsFromMask(const GroundGrid& grid, const cv::Mat& mask);
 
-/// The labels that a network gives: ground where its log-odds, less the doubt at that range, are above 0; sure from
-/// `sure_log_odds` on.
+/// The labels that a network gives: ground where its log-odds, less the doubt at that range, are above 0, unknown where
+/// the doubt alone makes the difference; sure from `sure_log_odds` on.
 GroundLabels LabelsFromBelief(const GroundGrid& grid, const FreespaceBelief& belief,
                               const SegmentGroundOptions& options);
 

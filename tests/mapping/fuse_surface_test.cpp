@@ -235,6 +235,7 @@ TEST(FuseSurface, ADriveElsewhereDoesNotAgeACellWhateverTheTiles) {
   for (const double tile_size : {6.0, 1000.0}) {
     SurfaceOptions options;
     options.tile_size = tile_size;
+    options.min_island_area = 0;  // nobody drives here
     const SurfaceMap surface = FuseSurface(PatchesInMemory(patches), {}, {}, options, flat);
     EXPECT_EQ(CellAt(surface, 6, 1)->color[0], 100) << tile_size;
     EXPECT_EQ(CellAt(surface, 25, 1)->color[0], 150) << tile_size;
@@ -266,8 +267,10 @@ TEST(FuseSurface, SmallIslandsThatNoCarReachedAreDropped) {
   const DrivenPath path = MakePath(5);
   const std::vector patches{MakePatch(-1, -3, 8, 3, 100, true), MakePatch(2, 6, 3, 7, 100, true),
                             MakePatch(1, -10, 5, -6, 100, true)};
+  SurfaceOptions options;
+  options.min_island_area = 10;
 
-  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1));
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), options);
 
   EXPECT_EQ(CellAt(surface, 2.5, 6.5), nullptr) << "1 m^2";
   EXPECT_NE(CellAt(surface, 3, -7), nullptr) << "16 m^2";

@@ -136,9 +136,24 @@ TEST_F(SegmentingAFan, FarGroundMustBeTheSurer) {
 
   constexpr int kTwoMeters = 15, kSixMeters = 55;
   EXPECT_EQ(At(found.labels, 10, kSixMeters - 1), GroundLabel::kGround);
-  EXPECT_EQ(At(found.labels, 10, kSixMeters + 1), GroundLabel::kNotGround);
+  EXPECT_EQ(At(found.labels, 10, kSixMeters + 1), GroundLabel::kUnknown);
   EXPECT_NEAR(found.confidence[static_cast<size_t>(grid_.IndexOf(10, kTwoMeters))], 0.5, 1e-6);
-  EXPECT_NEAR(found.confidence[static_cast<size_t>(grid_.IndexOf(10, kSixMeters + 4))], 0.05, 1e-6);
+  EXPECT_NEAR(found.confidence[static_cast<size_t>(grid_.IndexOf(10, kSixMeters - 4))], 0.05, 1e-6);
+}
+
+TEST_F(SegmentingAFan, WhatIsNotGroundIsTheLessSoNearTheCar) {
+  const FreespaceBelief belief{cv::Mat(4, 4, CV_32FC1, cv::Scalar(-1)), {kRays, kRanges}};
+  SegmentGroundOptions options;
+  options.sure_log_odds = 2;
+  options.doubt_per_meter = 0.25;
+  options.doubt_from = 6;
+
+  const GroundLabels found = LabelsFromBelief(grid_, belief, options);
+
+  constexpr int kOneMeter = 5, kSixMeters = 55;
+  EXPECT_EQ(At(found.labels, 10, kOneMeter), GroundLabel::kUnknown);
+  EXPECT_EQ(At(found.labels, 10, kSixMeters), GroundLabel::kNotGround);
+  EXPECT_NEAR(found.confidence[static_cast<size_t>(grid_.IndexOf(10, kSixMeters))], 0.5, 1e-6);
 }
 
 TEST_F(SegmentingAFan, WithoutDoubtANetworkIsTakenAtItsWord) {
