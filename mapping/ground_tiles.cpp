@@ -38,15 +38,24 @@ GroundTiles::GroundTiles(const TriangleMesh& mesh, const SurfaceMap& surface, co
                          double margin, double max_step)
     : surface_(&surface), texture_(&texture), margin_(margin), max_step_(max_step) {
   for (const TextureChart& chart : texture.charts) heights_.push_back(MeanHeight(mesh, chart));
+  for (std::size_t i = 0; i < texture.charts.size(); ++i) {
+    const TextureChart& chart = texture.charts[i];
+    const bool is_in_tile = std::any_of(leaders_.begin(), leaders_.end(), [&](std::size_t leader) {
+      const TextureChart& other = texture.charts[leader];
+      return other.column == chart.column && other.row == chart.row && IsOfDeck(i, leader);
+    });
+    if (!is_in_tile) leaders_.push_back(i);
+  }
 }
 
 GroundTile GroundTiles::Make(std::size_t index) const {
-  const TextureChart& chart = texture_->charts[index];
+  const std::size_t leader = leaders_[index];
+  const TextureChart& chart = texture_->charts[leader];
   const double texel = texture_->texel_size, size = texture_->chart_size;
   const auto texels = [texel](double length) { return static_cast<int>(std::lround(length / texel)); };
   GroundTile tile;
   tile.pixel_size = texel;
-  tile.height = heights_[index];
+  tile.height = heights_[leader];
   const Eigen::Vector2d corner(chart.column * size, chart.row * size);
   tile.core = Eigen::AlignedBox2d(corner, Eigen::Vector2d(corner.array() + size));
   tile.left = texel * texels(corner.x() - margin_);
@@ -59,10 +68,9 @@ GroundTile GroundTiles::Make(std::size_t index) const {
   std::vector<std::pair<double, std::size_t>> others;  // the most alike in height first
   for (std::size_t i = 0; i < texture_->charts.size(); ++i) {
     const TextureChart& other = texture_->charts[i];
-    const double step = std::abs(heights_[i] - heights_[index]);
-    if (i != index && step <= max_step_ && std::abs(other.column - chart.column) <= 1 &&
+    if (i != leader && IsOfDeck(i, leader) && std::abs(other.column - chart.column) <= 1 &&
         std::abs(other.row - chart.row) <= 1)
-      others.emplace_back(step, i);
+      others.emplace_back(std::abs(heights_[i] - heights_[leader]), i);
   }
   std::sort(others.begin(), others.end());
   for (const auto& [step, i] : others) Fill(texture_->charts[i], tile);

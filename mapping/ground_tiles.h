@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -29,26 +30,29 @@ struct GroundTile {
   }
 };
 
-/// One tile per chart of a texture, in its order. Charts around it count as the same deck where their mean height is
-/// at most `max_step` [m] off; so do the cells of the surface, which go on between parked cars and where ground is not
-/// sure enough to be drivable. All is borrowed.
+/// The tiles that the charts of a texture lie in, in their order; several charts of one square and one deck (islands of
+/// drivable ground) are in one tile. Charts count as the same deck where their mean height is at most `max_step` [m]
+/// off; so do the cells of the surface, which go on between parked cars and where ground is not sure enough to be
+/// drivable. All is borrowed.
 class GroundTiles {
  public:
   GroundTiles(const TriangleMesh& mesh, const SurfaceMap& surface, const GroundTexture& texture, double margin,
               double max_step = 1.5);
 
-  std::size_t size() const { return texture_->charts.size(); }
+  std::size_t size() const { return leaders_.size(); }
 
   /// Made when asked for: a tile takes more memory than its chart.
   GroundTile Make(std::size_t index) const;
 
  private:
+  bool IsOfDeck(std::size_t a, std::size_t b) const { return std::abs(heights_[a] - heights_[b]) <= max_step_; }
   void AddCells(GroundTile& tile) const;
 
   const SurfaceMap* surface_;
   const GroundTexture* texture_;
   double margin_, max_step_;
-  std::vector<double> heights_;  ///< [m] of charts
+  std::vector<double> heights_;       ///< [m] of charts
+  std::vector<std::size_t> leaders_;  ///< per tile, its first chart
 };
 
 }  // namespace parkade

@@ -9,7 +9,8 @@ namespace {
 constexpr double kOwnSupport = 2.0;     // [m] of paint from which a line says itself where it lies
 constexpr double kEndTolerance = 0.15;  // [m]
 constexpr double kMaxSlope = 1.2;       // of ends: 50 degrees
-constexpr int kSlantAdvantage = 2;      // ends that a slant has to explain more
+constexpr int kSlantAdvantage = 2;      // ends that a slant has to explain more than a square end,
+constexpr int kSureSlant = 4;           // and at least
 constexpr double kLonger = 0.5;         // [m] of paint beyond an end that speak against it
 constexpr double kFar = 1e6;            // [m]
 
@@ -92,14 +93,15 @@ double RowDivider::AcrossAt(double along) const {
 std::optional<RowEnds> FitRowEnds(std::span<const RowDivider> dividers, bool is_lower, std::optional<double> slope) {
   const std::vector<SeenEnd> ends = SeenEnds(dividers, is_lower);
   RowEnds best;
-  int best_score = 0;
+  int best_score = 0, best_handicap = 0;
   const auto consider = [&](double line_slope, const SeenEnd& through, int handicap) {
     RowEnds line{through.along - line_slope * through.across, line_slope, 0};
     line.num_seen = CountInliers(ends, line);
     const int score = line.num_seen - CountLonger(dividers, is_lower, line) - handicap;
     const bool is_outer = is_lower ? line.offset < best.offset : line.offset > best.offset;
-    if (score > best_score || (score == best_score && score > 0 && handicap == 0 && is_outer))
-      best = line, best_score = score;
+    const bool is_equal = score == best_score && score > 0;
+    const bool is_better = handicap == 0 ? is_outer : best_handicap == 0 && line.num_seen >= kSureSlant;
+    if (score > best_score || (is_equal && is_better)) best = line, best_score = score, best_handicap = handicap;
   };
   for (const SeenEnd& end : ends) consider(slope.value_or(0), end, 0);
   if (!slope)

@@ -19,6 +19,7 @@ constexpr double kMinOverlap = 0.4;      // [m] along, of neighbours
 constexpr double kSameDivider = 0.16;    // [m] across, of stretches of one line
 constexpr double kPitchTolerance = 0.2;  // [m] from line to line
 constexpr double kEdgeTolerance = 0.12;  // [m] likewise, of what may be the edge of something
+constexpr double kMaxSlide = 0.6;        // [m] along per [m] across, by which the ends of slanted rows move on
 constexpr double kMaxHidden = 3.0;       // [m] that a car may hide of a line; aisles are wider
 
 struct Candidate {
@@ -39,13 +40,14 @@ PaintStretch StretchOf(const PaintLine& line, const SlotRow& row) {
           is_end_seen,          line.width};
 }
 
-/// Lines parallel to the seed on its deck, by place across.
+/// Lines parallel to the seed on its deck, by place across. What is longer than two slots bounds something else.
 std::vector<Candidate> FindParallels(const std::vector<PaintLine>& lines, const PaintLine& seed, const SlotRow& row,
-                                     const std::vector<bool>& is_used) {
+                                     const SlotMeasures& measures, const std::vector<bool>& is_used) {
   std::vector<Candidate> parallels;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const PaintLine& line = lines[i];
     if (is_used[i] || std::abs(line.height - seed.height) > kMaxHeightStep) continue;
+    if (line.Length() > 2 * measures.max_length) continue;
     const double turn = std::acos(std::min(1.0, std::abs(line.Direction().dot(row.along)))) * 180 / std::numbers::pi;
     if (turn > (line.Length() > kLongLine ? kTurn_deg : kShortTurn_deg)) continue;
     const PaintStretch stretch = StretchOf(line, row);
@@ -82,27 +84,35 @@ std::optional<double> FindPitch(const std::vector<Candidate>& parallels, const P
   return (sums[best] + sums[best + 1]) / best_votes;
 }
 
-/// Whether a stretch lies beside what is known of a divider, or beside the row's first line.
-bool IsBeside(const PaintStretch& stretch, const RowDivider& divider) {
+/// Whether a stretch lies beside what is known of a divider, moved along by up to `slide` [m].
+bool IsBeside(const PaintStretch& stretch, const RowDivider& divider, double slide) {
   return std::any_of(divider.stretches.begin(), divider.stretches.end(),
-                     [&](const PaintStretch& other) { return Overlap(stretch, other) > kMinOverlap; });
+                     [&](const PaintStretch& other) { return Overlap(stretch, other) > kMinOverlap - slide; });
 }
 
-/// The divider whose paint lies `expected` across, within a tolerance: of all places the one with the most paint.
-std::optional<RowDivider> FindDivider(const std::vector<Candidate>& parallels, const RowDivider& from, double expected,
-                                      double tolerance, bool takes_edges, std::vector<std::size_t>& members) {
+/// Where a row's next divider is looked for.
+struct NextDivider {
+  double across = 0, tolerance = 0;  ///< [m]
+  double slide = 0;                  ///< [m] along
+  bool is_edge = false;              ///< made of what may be the edge of something
+};
+
+/// The divider whose paint lies where it is looked for: of all places the one with the most paint.
+std::optional<RowDivider> FindDivider(const std::vector<Candidate>& parallels, const RowDivider& from,
+                                      const NextDivider& next, std::vector<std::size_t>& members) {
   RowDivider best;
   std::vector<std::size_t> best_members;
   double best_support = 0;
   for (const Candidate& middle : parallels) {
-    if (std::abs(middle.stretch.Across() - expected) > tolerance || middle.is_edge != takes_edges ||
-        !IsBeside(middle.stretch, from))
+    if (std::abs(middle.stretch.Across() - next.across) > next.tolerance || middle.is_edge != next.is_edge ||
+        !IsBeside(middle.stretch, from, next.slide))
       continue;
     RowDivider divider;
     std::vector<std::size_t> of_divider;
     double support = 0, sum = 0;
     for (const Candidate& other : parallels) {
-      if (std::abs(other.stretch.Across() - middle.stretch.Across()) > kSameDivider || !IsBeside(other.stretch, from))
+      if (std::abs(other.stretch.Across() - middle.stretch.Across()) > kSameDivider ||
+          !IsBeside(other.stretch, from, next.slide))
         continue;
       divider.stretches.push_back(other.stretch);
       of_divider.push_back(other.line);
@@ -117,7 +127,8 @@ std::optional<RowDivider> FindDivider(const std::vector<Candidate>& parallels, c
   return best;
 }
 
-/// Adds dividers to one side of the row until none follows.
+/// Adds dividers to one side of the row until none follows. Of slanted rows little more than the ends may be seen,
+/// which do not lie beside each other: they come last.
 void Grow(const std::vector<Candidate>& parallels, const SlotRowOptions& options, double sign, SlotRow& row) {
   double pitch = row.pitch;
   while (true) {
@@ -126,8 +137,10 @@ void Grow(const std::vector<Candidate>& parallels, const SlotRowOptions& options
     int steps = 1;
     for (; steps <= 1 + options.max_missing && !found; ++steps) {
       const double expected = from.across + sign * steps * pitch, slack = 0.05 * (steps - 1);
-      found = FindDivider(parallels, from, expected, kPitchTolerance + slack, false, row.members);
-      if (!found) found = FindDivider(parallels, from, expected, kEdgeTolerance + slack, true, row.members);
+      for (const NextDivider& next : {NextDivider{expected, kPitchTolerance + slack, 0, false},
+                                      NextDivider{expected, kEdgeTolerance + slack, 0, true},
+                                      NextDivider{expected, kEdgeTolerance + slack, kMaxSlide * row.pitch, false}})
+        if (!found) found = FindDivider(parallels, from, next, row.members);
     }
     if (!found) return;
     --steps;
@@ -151,7 +164,7 @@ std::optional<SlotRow> GrowRow(const std::vector<PaintLine>& lines, std::size_t 
   row.along = lines[seed].Direction();
   row.across = {-row.along.y(), row.along.x()};
   row.height = lines[seed].height;
-  const std::vector<Candidate> parallels = FindParallels(lines, lines[seed], row, is_used);
+  const std::vector<Candidate> parallels = FindParallels(lines, lines[seed], row, measures, is_used);
   const PaintStretch own = StretchOf(lines[seed], row);
   const std::optional<double> pitch = FindPitch(parallels, own, measures);
   if (!pitch) return {};

@@ -21,6 +21,8 @@ constexpr double kMinSeenShare = 0.25;  // of a row's lines whose ends have to a
 constexpr double kSecondRank = 1.0;     // [m] of paint behind one rank of slots that say that there is another
 constexpr int kFewLines = 4;            // seen ones: fewer are a row only where they are whole
 constexpr double kWhole = 0.7;          // of a slot's length
+constexpr double kMaxEdgeWidth = 0.2;   // [m] of what has an unseen side and may be paint all the same ...
+constexpr double kMinEdgeContrast = 0.12;
 constexpr double kMarkedShare = 0.12;   // of a side's length from which it counts as seen
 constexpr double kSquareSlope = 0.08;   // of ends up to which a row is perpendicular
 constexpr double kBareStep = 0.2;       // [m] along lines that may be missing
@@ -45,12 +47,15 @@ int CountRanks(double length, const SlotMeasures& measures) {
   return 0;
 }
 
+int CountSeenLines(const SlotRow& row) {
+  return static_cast<int>(std::count_if(row.dividers.begin(), row.dividers.end(),
+                                        [](const RowDivider& divider) { return !divider.stretches.empty(); }));
+}
+
 /// Ends that enough of the row's lines agree on.
 std::optional<RowEnds> SureEnds(const SlotRow& row, bool is_lower, std::optional<double> slope = std::nullopt) {
   const std::optional<RowEnds> ends = FitRowEnds(row.dividers, is_lower, slope);
-  const auto num_lines = std::count_if(row.dividers.begin(), row.dividers.end(),
-                                       [](const RowDivider& divider) { return !divider.stretches.empty(); });
-  if (!ends || ends->num_seen < std::max(2.0, kMinSeenShare * static_cast<double>(num_lines))) return {};
+  if (!ends || ends->num_seen < std::max(2.0, kMinSeenShare * CountSeenLines(row))) return {};
   return ends;
 }
 
@@ -104,9 +109,7 @@ std::optional<Ranks> FitRanks(const SlotRow& row, const SlotMeasures& measures, 
 std::optional<Ranks> FindRanks(const SlotRow& row, const SlotMeasures& measures, bool is_parallel,
                                double usual_length) {
   std::optional<Ranks> ranks = FitRanks(row, measures, is_parallel, usual_length);
-  const auto num_seen = std::count_if(row.dividers.begin(), row.dividers.end(),
-                                      [](const RowDivider& divider) { return !divider.stretches.empty(); });
-  if (ranks && num_seen < kFewLines && !HasWholeLines(row, *ranks)) return {};
+  if (ranks && CountSeenLines(row) < kFewLines && !HasWholeLines(row, *ranks)) return {};
   return ranks;
 }
 
@@ -192,9 +195,16 @@ void AddSlots(const SlotRow& row, const Ranks& ranks, bool is_parallel, const Sl
     }
 }
 
+/// A row whose ends many of its lines agree on, and all of them or two whole ones: nothing but paint looks like that.
+bool IsBeyondDoubt(const SlotRow& row, const Ranks& ranks) {
+  const int num_agreeing = std::max(ranks.lower.num_seen, ranks.upper.num_seen);
+  return num_agreeing >= kFewLines && (num_agreeing == CountSeenLines(row) || HasWholeLines(row, ranks));
+}
+
 /// Rows of one kind of slots; their lines are marked as used.
+/// \param is_doubtful  the lines may be something else than paint: only rows beyond doubt are taken
 std::vector<SlotRow> FindRowsOf(const std::vector<PaintLine>& lines, const SlotMeasures& measures, bool is_parallel,
-                                const SlotRowOptions& options, std::vector<bool>& is_used) {
+                                bool is_doubtful, const SlotRowOptions& options, std::vector<bool>& is_used) {
   std::vector<std::size_t> seeds;
   const double min_seed = 0.5 * measures.min_length, max_seed = (is_parallel ? 1.1 : 2.2) * measures.max_length;
   for (std::size_t i = 0; i < lines.size(); ++i)
@@ -206,7 +216,8 @@ std::vector<SlotRow> FindRowsOf(const std::vector<PaintLine>& lines, const SlotM
     if (is_used[seed]) continue;
     std::optional<SlotRow> row = GrowRow(lines, seed, measures, options, is_used);
     if (!row || (is_parallel && row->dividers.size() < 3)) continue;
-    if (!FindRanks(*row, measures, is_parallel, measures.usual_length)) continue;
+    const std::optional<Ranks> ranks = FindRanks(*row, measures, is_parallel, measures.usual_length);
+    if (!ranks || (is_doubtful && !IsBeyondDoubt(*row, *ranks))) continue;
     for (const std::size_t line : row->members) is_used[line] = true;
     rows.push_back(std::move(*row));
   }
@@ -226,10 +237,10 @@ double FindUsualLength(const std::vector<SlotRow>& rows, const SlotMeasures& mea
   return *middle;
 }
 
-void FindSlotsOf(const std::vector<PaintLine>& lines, const SlotMeasures& measures, bool is_parallel,
+void FindSlotsOf(const std::vector<PaintLine>& lines, const SlotMeasures& measures, bool is_parallel, bool is_doubtful,
                  const SlotRowOptions& options, const IsBareGround& is_bare, std::vector<bool>& is_used,
                  std::vector<PlanarSlot>& slots) {
-  const std::vector<SlotRow> rows = FindRowsOf(lines, measures, is_parallel, options, is_used);
+  const std::vector<SlotRow> rows = FindRowsOf(lines, measures, is_parallel, is_doubtful, options, is_used);
   const double usual_length = FindUsualLength(rows, measures, is_parallel);
   for (const SlotRow& row : rows)
     if (const std::optional<Ranks> ranks = FindRanks(row, measures, is_parallel, usual_length))
@@ -278,10 +289,18 @@ std::vector<PlanarSlot> FindSlotRows(const std::vector<PaintLine>& lines, const 
   options.Validate();
   std::vector<PlanarSlot> slots;
   std::vector<bool> is_used(lines.size());
-  FindSlotsOf(lines, options.beside, false, options, is_bare, is_used, slots);
+  FindSlotsOf(lines, options.beside, false, false, options, is_bare, is_used, slots);
+  std::vector<bool> is_used_behind = is_used;
   for (std::size_t i = 0; i < lines.size(); ++i)
-    is_used[i] = is_used[i] || lines[i].Length() > options.behind.max_length;
-  FindSlotsOf(lines, options.behind, true, options, is_bare, is_used, slots);
+    is_used_behind[i] = is_used[i] || lines[i].Length() > options.behind.max_length;
+  FindSlotsOf(lines, options.behind, true, false, options, is_bare, is_used_behind, slots);
+  // Where parked cars, or what is taken for them, reach up to every line, none has two sides.
+  std::vector<PaintLine> edges = lines;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    is_used[i] = is_used[i] || edges[i].width > kMaxEdgeWidth || edges[i].contrast < kMinEdgeContrast;
+    edges[i].is_one_sided = false;
+  }
+  FindSlotsOf(edges, options.beside, false, true, options, is_bare, is_used, slots);
   return DropOverlaps(slots);
 }
 

@@ -160,6 +160,45 @@ TEST(SlotRows, DecksDoNotMix) {
   EXPECT_TRUE(FindSlotRows(lines).empty());  // those of one deck are two pitches apart
 }
 
+/// In front of parked cars only stubs are seen; those of slanted rows do not lie beside each other.
+TEST(SlotRows, OfSlantedStubsAreFound) {
+  for (const double slant : {-0.4, -0.2, 0.2, 0.4}) {
+    PaintedRow row;
+    row.slant = slant, row.pitch = 2.7;
+    std::vector<PaintLine> lines;
+    std::vector<TrueSlot> truth;
+    for (int i = 0; i < 6; ++i) lines.push_back(row.Line(i, 0, i % 2 ? 0.45 : 0.14));
+    for (int i = 0; i < 5; ++i) truth.push_back(row.Slot(i));
+    const SlotEvaluation evaluation = EvaluateSlots(truth, Lifted(FindSlotRows(lines)));
+    EXPECT_EQ(evaluation.num_found, 5U) << slant;
+    EXPECT_EQ(evaluation.num_right, 5U) << slant;
+  }
+}
+
+/// Between cars on both sides of every line no line has ground on both.
+TEST(SlotRows, OfLinesWithOneUnseenSideNeedAgreeingEnds) {
+  const PaintedRow row;
+  std::vector<PaintLine> lines;
+  for (int i = 0; i < 5; ++i) lines.push_back(row.Line(i, 0, i % 2 ? 0.3 : 0.9));
+  for (PaintLine& line : lines) line.is_one_sided = true;
+  EXPECT_EQ(FindSlotRows(lines).size(), 4U);
+
+  std::vector<PaintLine> cars = lines;  // not parked in line
+  for (int i = 0; i < 5; ++i) cars[static_cast<std::size_t>(i)].begin += i % 3 * 0.3 * row.Inward();
+  EXPECT_TRUE(FindSlotRows(cars).empty());
+  for (PaintLine& line : lines) line.width = 0.3;  // no paint
+  EXPECT_TRUE(FindSlotRows(lines).empty());
+}
+
+/// A ramp's edges and the shaft of an arrow halfway between them.
+TEST(SlotRows, AreNotBoundByLinesThatAreMuchLonger) {
+  PaintedRow row;
+  row.pitch = 2.2;
+  std::vector<PaintLine> lines;
+  for (int i = 0; i < 3; ++i) lines.push_back(row.Line(i, 0, i == 1 ? 0.6 : 4));
+  EXPECT_TRUE(FindSlotRows(lines).empty());
+}
+
 TEST(SlotRows, AreNotFoundInDisorder) {
   std::mt19937 random(5);
   const auto uniform = [&](double low, double high) {
