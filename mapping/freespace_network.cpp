@@ -14,7 +14,8 @@ namespace parkade {
 namespace {
 
 constexpr size_t kMaxBytes = size_t{512} << 20;
-const cv::Size kOpenSize(320, 208);  // of networks that leave their input's size open
+constexpr double kMinIsland = 0.005;  // of the picture
+const cv::Size kOpenSize(320, 208);   // of networks that leave their input's size open
 
 /// OpenCV prints what it throws as well; the caller hears it once, from us.
 class QuietOpenCv {
@@ -42,6 +43,20 @@ cv::Mat LogOddsOf(const cv::Mat& output) {
     return cv::Mat(output.size[2], output.size[3], CV_32F, const_cast<float*>(output.ptr<float>(0, index)));
   };
   return output.size[1] == 1 ? channel(0).clone() : cv::Mat(channel(1) - channel(0));
+}
+
+/// What a camera of a car calls drivable hangs together: small islands, specks on walls most often, get log-odds of 0.
+void DoubtIslands(cv::Mat& log_odds) {
+  cv::Mat labels, stats, centroids;
+  const cv::Mat is_free = log_odds > 0;
+  const int num_labels = cv::connectedComponentsWithStats(is_free, labels, stats, centroids, 4);
+  const double min_area = kMinIsland * static_cast<double>(log_odds.total());
+  std::vector<std::uint8_t> is_island(static_cast<size_t>(num_labels));
+  for (int i = 1; i < num_labels; ++i)
+    is_island[static_cast<size_t>(i)] = stats.at<int>(i, cv::CC_STAT_AREA) < min_area;
+  for (int row = 0; row < labels.rows; ++row)
+    for (int column = 0; column < labels.cols; ++column)
+      if (is_island[static_cast<size_t>(labels.at<int>(row, column))]) log_odds.at<float>(row, column) = 0;
 }
 
 }  // namespace
@@ -131,7 +146,9 @@ FreespaceBelief FreespaceNetwork::Run(const cv::Mat& image) const {
     cv::cvtColor(resized, color, cv::COLOR_GRAY2BGR);
   else
     color = resized;
-  return {copies_->Run(color), image.size()};
+  FreespaceBelief belief{copies_->Run(color), image.size()};
+  DoubtIslands(belief.log_odds);
+  return belief;
 }
 
 }  // namespace parkade

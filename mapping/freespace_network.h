@@ -9,7 +9,7 @@ namespace parkade {
 
 /// How sure a network is that the pixels of one image show drivable ground.
 struct FreespaceBelief {
-  cv::Mat log_odds;     ///< CV_32FC1 over the whole image, most often coarser than it
+  cv::Mat log_odds;     ///< CV_32FC1 over the whole image, most often coarser than it; 0: nothing is known
   cv::Size image_size;  ///< [px]
 
   /// Log-odds of "drivable" at a pixel of the image, bilinear; off the image: at its border.
@@ -33,7 +33,9 @@ class FreespaceNetwork {
   FreespaceNetwork(const FreespaceNetwork&) = delete;
   FreespaceNetwork& operator=(const FreespaceNetwork&) = delete;
 
-  /// `image` is CV_8UC1 or CV_8UC3 (BGR), of any size. Thread-safe: every caller has a copy of the network to itself.
+  /// `image` is CV_8UC1 or CV_8UC3 (BGR), of any size. Of drivable islands smaller than half a hundredth of the image
+  /// nothing is known: they are specks on walls and ceilings more often than ground. Thread-safe: every caller has a
+  /// copy of the network to itself.
   FreespaceBelief Run(const cv::Mat& image) const;
 
   /// [px] images are resized to.

@@ -76,7 +76,7 @@ def fisheye_map(rng, source_size, size):
 
 
 def change_geometry(rng, picture, size):
-    """Image and label of `size`; what lies off the picture is black and, mostly, unknown."""
+    """Image, label and weights of `size`; what lies off the picture is black and, mostly, unknown."""
     source_size = picture.image.shape[1::-1]
     bend = other_fisheye_map if picture.is_fisheye else fisheye_map
     x, y = (bend if rng.random() < 0.5 else affine_map)(rng, source_size, size)
@@ -86,7 +86,10 @@ def change_geometry(rng, picture, size):
     border = cv2.BORDER_CONSTANT if rng.random() < 0.7 else cv2.BORDER_REPLICATE
     image = cv2.remap(picture.image, x, y, cv2.INTER_LINEAR, borderMode=border)
     label = cv2.remap(picture.label, x, y, cv2.INTER_NEAREST, borderMode=cv2.BORDER_CONSTANT, borderValue=outside)
-    return image, label
+    weights = np.ones(label.shape, np.float32)
+    if picture.weights is not None:
+        weights = cv2.remap(picture.weights, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=1)
+    return image, label, weights
 
 
 def random_polygon(rng, size):
@@ -102,13 +105,28 @@ def random_polygon(rng, size):
     return np.array(corners)
 
 
+def half_plane(rng, size):
+    """0 to 1: what lies on one side of a line through the picture."""
+    width, height = size
+    u, v = np.meshgrid(np.arange(width), np.arange(height))
+    angle = rng.uniform(0, 2 * np.pi)
+    through = rng.uniform([0.1 * width, 0.3 * height], [0.9 * width, 0.9 * height])
+    side = (u - through[0]) * np.cos(angle) + (v - through[1]) * np.sin(angle)
+    return np.clip(side + 0.5, 0, 1)[..., None]
+
+
 def paint_floor(rng, image, label):
-    """Tint, shine and wide lines on what is drivable; the label stays."""
+    """Tint, shine, wide lines and a second colour on what is drivable; the label stays."""
     size = image.shape[1::-1]
     ground = cv2.GaussianBlur((label == DRIVABLE).astype(np.float32), (3, 3), 0)[..., None]
     floor = image.astype(np.float32)
     if rng.random() < 0.6:
         floor = floor * np.exp(rng.normal(0, 0.22, 3)) + rng.normal(0, 8, 3)
+    if rng.random() < 0.4:  # floors of two colours
+        other = floor.mean() if rng.random() < 0.5 else floor
+        other = (0.7 * other + 0.3 * floor) * np.exp(rng.normal(0, 0.3) + rng.normal(0, 0.2, 3))
+        side = half_plane(rng, size)
+        floor = floor * (1 - side) + other * side
     if rng.random() < 0.4:  # what stands above the horizon, mirrored
         floor = floor + rng.uniform(0.05, 0.35) * np.roll(image[::-1], rng.integers(-40, 40), 0)
     if rng.random() < 0.6:
@@ -205,8 +223,8 @@ def roughen(rng, image):
 
 
 def augment(rng, picture, size):
-    """A picture of `size` (width, height) never seen before, and its label."""
-    image, label = change_geometry(rng, picture, size)
+    """A picture of `size` (width, height) never seen before, its label and its weights."""
+    image, label, weights = change_geometry(rng, picture, size)
     if rng.random() < 0.35:
         image = paint_floor(rng, image, label)
     if rng.random() < 0.5:
@@ -216,4 +234,4 @@ def augment(rng, picture, size):
     image = change_light(rng, image)
     if rng.random() < 0.2:
         image = add_lens_rim(rng, image, label)
-    return roughen(rng, image), label
+    return roughen(rng, image), label, weights

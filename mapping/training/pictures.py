@@ -8,6 +8,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from ground_area import read_rig, weigh_pixels
+
 NOT_DRIVABLE, UNKNOWN, DRIVABLE = 0, 128, 255
 CAMVID_ROAD, CAMVID_UNLABELLED = 3, 11
 
@@ -18,6 +20,7 @@ class Picture:
     image: np.ndarray  # H x W x 3, BGR
     label: np.ndarray  # H x W
     is_fisheye: bool
+    weights: np.ndarray = None  # H x W, see ground_area.py; None: all the same
 
 
 def read_image(path, flags=cv2.IMREAD_COLOR):
@@ -41,12 +44,15 @@ def load_camvid(folder):
 def load_drive(folder):
     """Pictures of a simulated drive."""
     pictures = []
+    weights = {name: weigh_pixels(*camera) for name, camera in read_rig(Path(folder) / "rig_true").items()}
     for path in sorted(Path(folder).glob("mav0/cam*/data/*.jpg")):
         mask_path = path.parents[1] / "semantic" / "data" / (path.stem + ".png")
         if not mask_path.exists():
             continue
         image, label = read_image(path), read_image(mask_path, cv2.IMREAD_GRAYSCALE)
-        pictures.append(Picture(f"{Path(folder).name}/{path.parents[1].name}/{path.stem}", image, label, True))
+        camera = path.parents[1].name
+        name = f"{Path(folder).name}/{camera}/{path.stem}"
+        pictures.append(Picture(name, image, label, True, weights[camera]))
     return pictures
 
 

@@ -26,6 +26,7 @@ SIZE = (640, 384)  # of the network's input: width, height
 # Small pictures first: shapes and colours are learnt at a fraction of the cost. Until which part, size.
 STAGES = ((0.3, (320, 192)), (0.6, (448, 256)), (1.0, SIZE))
 EDGE_WEIGHT = 4.0  # of pixels at an outline, where others weigh 1: far ground is but a few rows of pixels
+MOST_WEIGHT = 12.0
 EDGE_REACH = 1 / 100  # of the picture's width, to both sides
 PREFETCHED = 4  # batches
 
@@ -36,13 +37,14 @@ def to_batch(images):
     return stacked.contiguous(memory_format=torch.channels_last)
 
 
-def weights_of(label):
-    """H x W, float32: 0 where nothing is known, EDGE_WEIGHT at outlines of drivable ground, else 1."""
+def weights_of(label, area):
+    """H x W, float32: 0 where nothing is known, else `area` (ground_area.py), the more at outlines of drivable ground."""
     drivable = (label == pictures.DRIVABLE).astype(np.uint8)
     reach = max(1, round(EDGE_REACH * label.shape[1]))
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
     edge = cv2.morphologyEx(drivable, cv2.MORPH_GRADIENT, kernel)
-    return np.where(label == pictures.UNKNOWN, 0, np.where(edge, EDGE_WEIGHT, 1)).astype(np.float32)
+    weights = np.minimum(area * np.where(edge, EDGE_WEIGHT, 1), MOST_WEIGHT)
+    return np.where(label == pictures.UNKNOWN, 0, weights).astype(np.float32)
 
 
 def loss_of(log_odds, labels, weights):
@@ -107,14 +109,15 @@ class Samples(torch.utils.data.IterableDataset):
             yield self.batch(self.arguments.batch, size_at(self.progress()))
 
     def batch(self, count, size):
-        images, labels = [], []
+        images, labels, weights = [], [], []
         for _ in range(count):
             is_plain = not self.fisheye or (self.plain and self.rng.random() < self.share_of_plain)
             pool = self.plain if is_plain else self.fisheye
-            image, label = augment.augment(self.rng, pool[self.rng.integers(len(pool))], size)
+            image, label, area = augment.augment(self.rng, pool[self.rng.integers(len(pool))], size)
             images.append(image)
             labels.append(label)
-        return np.stack(images), np.stack(labels), np.stack([weights_of(label) for label in labels])
+            weights.append(weights_of(label, area))
+        return np.stack(images), np.stack(labels), np.stack(weights)
 
 
 def follow(average, network, decay):

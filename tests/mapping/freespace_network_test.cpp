@@ -88,6 +88,21 @@ TEST_F(FreespaceNetworkFiles, ANetworkOfOpenSizeIsRunAt320x208) {
   EXPECT_NEAR(network.Run(Gradient(64, 48)).At({30, 20}), 30, 1);
 }
 
+TEST_F(FreespaceNetworkFiles, SmallIslandsOfDrivableGroundAreDoubted) {
+  const FreespaceNetwork network(Write(TinyOnnx({1, 0, 0}, {-100}, 128, 64)));
+  cv::Mat image(64, 128, CV_8UC3, cv::Scalar::all(50));
+  const cv::Rect ground(0, 32, 128, 32), island(20, 8, 8, 8), speck(100, 8, 6, 6);
+  for (const cv::Rect& part : {ground, island, speck}) image(part).setTo(cv::Scalar::all(150));
+
+  const FreespaceBelief belief = network.Run(image);
+
+  EXPECT_FLOAT_EQ(belief.At({60, 50}), 50);
+  EXPECT_FLOAT_EQ(belief.At({24, 12}), 50) << "0.8 % of the picture";
+  EXPECT_FLOAT_EQ(belief.At({103, 11}), 0) << "0.4 % of the picture";
+  EXPECT_FLOAT_EQ(belief.At({60, 12}), -50);
+  EXPECT_EQ(belief.Mask().at<uchar>(11, 103), 0);
+}
+
 TEST_F(FreespaceNetworkFiles, GreyImagesAreThreeTimesTheSame) {
   const FreespaceNetwork network(Write(TinyOnnx({1, 1, 1}, {0}, 32, 16)));
 

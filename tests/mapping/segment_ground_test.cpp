@@ -167,6 +167,14 @@ TEST_F(SegmentingAFan, WithoutDoubtANetworkIsTakenAtItsWord) {
   EXPECT_NEAR(found.confidence.back(), 0.25, 1e-6);
 }
 
+TEST_F(SegmentingAFan, ANetworkThatKnowsNothingSaysNothing) {
+  const FreespaceBelief belief{cv::Mat(4, 4, CV_32FC1, cv::Scalar(0)), {kRays, kRanges}};
+
+  const GroundLabels found = LabelsFromBelief(grid_, belief, SegmentGroundOptions{});
+
+  for (const GroundLabel label : found.labels) EXPECT_EQ(label, GroundLabel::kUnknown);
+}
+
 class HidingBehindObstacles : public testing::Test {
  protected:
   /// g ground, n not ground, u unknown: one letter per range of the only ray.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Two steps of training on made-up pictures, exported and read by OpenCV. Skipped (77) where PyTorch is not installed.
+"""Weights of pixels; two steps of training on made-up pictures, exported and read by OpenCV. Skipped (77) without PyTorch.
 
 training_smoke_test.py TRAINING_FOLDER
 """
@@ -12,6 +12,7 @@ try:
     import cv2
     import numpy as np
     import torch  # noqa: F401
+    import yaml  # noqa: F401
 except ImportError as error:
     print(f"skipped: {error}")
     sys.exit(77)
@@ -28,8 +29,27 @@ def write_picture(folder, name, rng):
     cv2.imwrite(str(folder / "labels" / (name + ".png")), classes)
 
 
+def check_weights(training):
+    """Of a fisheye 1 m above the ground that looks ahead: the ground of its pixels grows with the cube of the distance."""
+    sys.path.insert(0, str(training))
+    sys.dont_write_bytecode = True
+    from ground_area import weigh_pixels
+
+    focal, size = 200.0, (641, 401)
+    matrix = np.array([[focal, 0, 320], [0, focal, 200], [0, 0, 1.0]])
+    body_from_camera = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1], [0, 0, 0, 1.0]])
+    weights = weigh_pixels(size, matrix, np.zeros(4), body_from_camera)
+    assert weights.shape == (401, 641) and np.isfinite(weights).all() and weights.min() == 1
+    at = lambda distance: weights[round(200 + focal * np.arctan2(1.0, distance)), 320]
+    for near, far in ((4.0, 5.0), (4.0, 6.0), (5.0, 7.0)):
+        expected = ((far**2 + 1) / (near**2 + 1)) ** 0.75
+        assert abs(at(far) / at(near) / expected - 1) < 0.1, (near, far, at(far) / at(near), expected)
+    assert weights[300, 320] == 1 and weights[100, 320] == 1  # at the car; sky
+
+
 def main():
     training = pathlib.Path(sys.argv[1])
+    check_weights(training)
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         rng = np.random.default_rng(1)
