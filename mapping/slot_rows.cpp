@@ -201,10 +201,17 @@ bool IsBeyondDoubt(const SlotRow& row, const Ranks& ranks) {
   return num_agreeing >= kFewLines && (num_agreeing == CountSeenLines(row) || HasWholeLines(row, ranks));
 }
 
-/// Rows of one kind of slots; their lines are marked as used.
-/// \param is_doubtful  the lines may be something else than paint: only rows beyond doubt are taken
-std::vector<SlotRow> FindRowsOf(const std::vector<PaintLine>& lines, const SlotMeasures& measures, bool is_parallel,
-                                bool is_doubtful, const SlotRowOptions& options, std::vector<bool>& is_used) {
+/// What rows are looked for.
+struct RowKind {
+  const SlotMeasures& measures;
+  bool is_parallel = false;
+  bool is_doubtful = false;  ///< the lines may be something else than paint: only rows beyond doubt are taken
+};
+
+/// Rows of one kind; their lines are marked as used.
+std::vector<SlotRow> FindRowsOf(const std::vector<PaintLine>& lines, const RowKind& kind, const SlotRowOptions& options,
+                                std::vector<bool>& is_used) {
+  const auto& [measures, is_parallel, is_doubtful] = kind;
   std::vector<std::size_t> seeds;
   const double min_seed = 0.5 * measures.min_length, max_seed = (is_parallel ? 1.1 : 2.2) * measures.max_length;
   for (std::size_t i = 0; i < lines.size(); ++i)
@@ -237,14 +244,15 @@ double FindUsualLength(const std::vector<SlotRow>& rows, const SlotMeasures& mea
   return *middle;
 }
 
-void FindSlotsOf(const std::vector<PaintLine>& lines, const SlotMeasures& measures, bool is_parallel, bool is_doubtful,
-                 const SlotRowOptions& options, const IsBareGround& is_bare, std::vector<bool>& is_used,
-                 std::vector<PlanarSlot>& slots) {
-  const std::vector<SlotRow> rows = FindRowsOf(lines, measures, is_parallel, is_doubtful, options, is_used);
-  const double usual_length = FindUsualLength(rows, measures, is_parallel);
+/// Adds the slots of one kind of rows; returns how long they are along their lines [m].
+double FindSlotsOf(const std::vector<PaintLine>& lines, const RowKind& kind, const SlotRowOptions& options,
+                   const IsBareGround& is_bare, std::vector<bool>& is_used, std::vector<PlanarSlot>& slots) {
+  const std::vector<SlotRow> rows = FindRowsOf(lines, kind, options, is_used);
+  const double usual_length = FindUsualLength(rows, kind.measures, kind.is_parallel);
   for (const SlotRow& row : rows)
-    if (const std::optional<Ranks> ranks = FindRanks(row, measures, is_parallel, usual_length))
-      AddSlots(row, *ranks, is_parallel, options, is_bare, slots);
+    if (const std::optional<Ranks> ranks = FindRanks(row, kind.measures, kind.is_parallel, usual_length))
+      AddSlots(row, *ranks, kind.is_parallel, options, is_bare, slots);
+  return usual_length;
 }
 
 /// The surest first; those that lie on one of them are left out. Back in the order of their rows.
@@ -289,18 +297,19 @@ std::vector<PlanarSlot> FindSlotRows(const std::vector<PaintLine>& lines, const 
   options.Validate();
   std::vector<PlanarSlot> slots;
   std::vector<bool> is_used(lines.size());
-  FindSlotsOf(lines, options.beside, false, false, options, is_bare, is_used, slots);
+  SlotMeasures beside = options.beside;
+  beside.usual_length = FindSlotsOf(lines, {.measures = options.beside}, options, is_bare, is_used, slots);
   std::vector<bool> is_used_behind = is_used;
   for (std::size_t i = 0; i < lines.size(); ++i)
     is_used_behind[i] = is_used[i] || lines[i].Length() > options.behind.max_length;
-  FindSlotsOf(lines, options.behind, true, false, options, is_bare, is_used_behind, slots);
+  FindSlotsOf(lines, {.measures = options.behind, .is_parallel = true}, options, is_bare, is_used_behind, slots);
   // Where parked cars, or what is taken for them, reach up to every line, none has two sides.
   std::vector<PaintLine> edges = lines;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     is_used[i] = is_used[i] || edges[i].width > kMaxEdgeWidth || edges[i].contrast < kMinEdgeContrast;
     edges[i].is_one_sided = false;
   }
-  FindSlotsOf(edges, options.beside, false, true, options, is_bare, is_used, slots);
+  FindSlotsOf(edges, {.measures = beside, .is_doubtful = true}, options, is_bare, is_used, slots);
   return DropOverlaps(slots);
 }
 
