@@ -125,14 +125,18 @@ TEST_F(SegmentingAFan, AMaskIsLookedUpAtEachPlace) {
   EXPECT_EQ(At(labels, 10, 30), GroundLabel::kNotGround);
 }
 
-TEST_F(SegmentingAFan, FarGroundMustBeTheSurer) {
-  const FreespaceBelief belief{cv::Mat(4, 4, CV_32FC1, cv::Scalar(1)), {kRays, kRanges}};
+/// What a network that has the same log-odds everywhere says, sure from 2 on.
+GroundLabels LabelsFrom(const GroundGrid& grid, float log_odds, double doubt_per_meter, double doubt_from = 0) {
+  const FreespaceBelief belief{cv::Mat(4, 4, CV_32FC1, cv::Scalar(log_odds)), {kRays, kRanges}};
   SegmentGroundOptions options;
   options.sure_log_odds = 2;
-  options.doubt_per_meter = 0.25;
-  options.doubt_from = 2;
+  options.doubt_per_meter = doubt_per_meter;
+  options.doubt_from = doubt_from;
+  return LabelsFromBelief(grid, belief, options);
+}
 
-  const GroundLabels found = LabelsFromBelief(grid_, belief, options);
+TEST_F(SegmentingAFan, FarGroundMustBeTheSurer) {
+  const GroundLabels found = LabelsFrom(grid_, 1, 0.25, 2);
 
   constexpr int kTwoMeters = 15, kSixMeters = 55;
   EXPECT_EQ(At(found.labels, 10, kSixMeters - 1), GroundLabel::kGround);
@@ -142,13 +146,7 @@ TEST_F(SegmentingAFan, FarGroundMustBeTheSurer) {
 }
 
 TEST_F(SegmentingAFan, WhatIsNotGroundIsTheLessSoNearTheCar) {
-  const FreespaceBelief belief{cv::Mat(4, 4, CV_32FC1, cv::Scalar(-1)), {kRays, kRanges}};
-  SegmentGroundOptions options;
-  options.sure_log_odds = 2;
-  options.doubt_per_meter = 0.25;
-  options.doubt_from = 6;
-
-  const GroundLabels found = LabelsFromBelief(grid_, belief, options);
+  const GroundLabels found = LabelsFrom(grid_, -1, 0.25, 6);
 
   constexpr int kOneMeter = 5, kSixMeters = 55;
   EXPECT_EQ(At(found.labels, 10, kOneMeter), GroundLabel::kUnknown);
@@ -157,22 +155,14 @@ TEST_F(SegmentingAFan, WhatIsNotGroundIsTheLessSoNearTheCar) {
 }
 
 TEST_F(SegmentingAFan, WithoutDoubtANetworkIsTakenAtItsWord) {
-  const FreespaceBelief belief{cv::Mat(4, 4, CV_32FC1, cv::Scalar(1)), {kRays, kRanges}};
-  SegmentGroundOptions options;
-  options.doubt_per_meter = 0;
-
-  const GroundLabels found = LabelsFromBelief(grid_, belief, options);
+  const GroundLabels found = LabelsFrom(grid_, 1, 0);
 
   EXPECT_EQ(At(found.labels, 10, kRanges - 1), GroundLabel::kGround);
-  EXPECT_NEAR(found.confidence.back(), 0.25, 1e-6);
+  EXPECT_NEAR(found.confidence.back(), 0.5, 1e-6);
 }
 
 TEST_F(SegmentingAFan, ANetworkThatKnowsNothingSaysNothing) {
-  const FreespaceBelief belief{cv::Mat(4, 4, CV_32FC1, cv::Scalar(0)), {kRays, kRanges}};
-
-  const GroundLabels found = LabelsFromBelief(grid_, belief, SegmentGroundOptions{});
-
-  for (const GroundLabel label : found.labels) EXPECT_EQ(label, GroundLabel::kUnknown);
+  for (const GroundLabel label : LabelsFrom(grid_, 0, 0.25, 2).labels) EXPECT_EQ(label, GroundLabel::kUnknown);
 }
 
 class HidingBehindObstacles : public testing::Test {
