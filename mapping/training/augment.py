@@ -9,6 +9,7 @@ import numpy as np
 from own_car import add_own_car
 from pictures import DRIVABLE, NOT_DRIVABLE, UNKNOWN
 from stripes import paint_stripe
+from walls import paint_walls, smooth_walls
 
 EQUIDISTANT_FOCAL = 0.31  # of the simulator's fisheyes, in widths of the picture, to 2 %
 
@@ -135,45 +136,6 @@ def paint_floor(rng, image, label):
     return np.clip(image * (1 - ground) + floor * ground, 0, 255).astype(np.uint8)
 
 
-def wall_patch(rng, size):
-    """0 to 1: a quadrangle somewhere in the upper part of the picture, turned as walls are at a fisheye's rim."""
-    width, height = size
-    center = rng.uniform([0, 0], [width, 0.7 * height])
-    half = np.exp(rng.uniform(np.log([8, 6]), np.log([0.35 * width, 0.25 * height])))
-    angle = np.radians(rng.normal(0, 25))
-    axes = np.array([(np.cos(angle), np.sin(angle)), (-np.sin(angle), np.cos(angle))])
-    corners = center + (half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])) @ axes + rng.normal(0, 5, (4, 2))
-    patch = np.zeros((height, width), np.float32)
-    cv2.fillConvexPoly(patch, corners.astype(np.int32), 1.0)
-    return cv2.GaussianBlur(patch, (3, 3), 0)
-
-
-def wall_paint(rng, image, label):
-    """What a patch of wall shows, and where it can: any colour, the floor's own, or the floor itself."""
-    height, width = label.shape
-    kind, ground, everywhere = rng.random(), image[label == DRIVABLE], np.ones(label.shape, np.float32)
-    if kind < 0.35 and len(ground):
-        shift = (-rng.integers(height // 4, 2 * height // 3), rng.integers(-width // 3, width // 3))
-        return np.roll(image, shift, (0, 1)).astype(np.float32), np.roll(label == DRIVABLE, shift, (0, 1))
-    shade = np.linspace(rng.uniform(0.6, 1.2), rng.uniform(0.6, 1.2), width)[None, :, None]
-    if kind < 0.6 and len(ground):
-        return ground.mean(0) * np.exp(rng.normal(0, 0.15)) * shade, everywhere
-    return rng.uniform(20, 220, 3) * shade, everywhere
-
-
-def paint_walls(rng, image, label):
-    """Other colours, and smooth patches, on what is not drivable: neither smooth nor grey is yet road."""
-    wall = cv2.GaussianBlur((label == NOT_DRIVABLE).astype(np.float32), (3, 3), 0)[..., None]
-    painted = image.astype(np.float32)
-    if rng.random() < 0.6:
-        painted = painted * np.exp(rng.normal(0, 0.5) + rng.normal(0, 0.3, 3)) + rng.normal(0, 10, 3)
-    for _ in range(rng.integers(0, 5)):
-        paint, where = wall_paint(rng, image, label)
-        share = (wall_patch(rng, image.shape[1::-1]) * where)[..., None] * rng.uniform(0.5, 1.0)
-        painted = painted * (1 - share) + share * paint
-    return np.clip(image * (1 - wall) + painted * wall, 0, 255).astype(np.uint8)
-
-
 def add_lens_rim(rng, image, label):
     """Darkness outside of the image circle, and towards it."""
     height, width = label.shape
@@ -227,6 +189,9 @@ def augment(rng, picture, size):
     image, label, weights = change_geometry(rng, picture, size)
     if rng.random() < 0.35:
         image = paint_floor(rng, image, label)
+    # Along a street no wall stands on the outline but a pavement lies behind it, which must not pass for floor.
+    if picture.is_fisheye and not picture.name.startswith("street") and rng.random() < 0.35:
+        image = smooth_walls(rng, image, label)
     if rng.random() < 0.5:
         image = paint_walls(rng, image, label)
     if rng.random() < (0.65 if picture.is_fisheye else 0.25):

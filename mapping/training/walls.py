@@ -1,0 +1,78 @@
+"""Walls as they are elsewhere: other colours, smooth patches, plain panels that stand on the outline of the floor."""
+import cv2
+import numpy as np
+
+from pictures import DRIVABLE, NOT_DRIVABLE
+
+
+def wall_patch(rng, size):
+    """0 to 1: a quadrangle somewhere in the upper part of the picture, turned as walls are at a fisheye's rim."""
+    width, height = size
+    center = rng.uniform([0, 0], [width, 0.7 * height])
+    half = np.exp(rng.uniform(np.log([8, 6]), np.log([0.35 * width, 0.25 * height])))
+    angle = np.radians(rng.normal(0, 25))
+    axes = np.array([(np.cos(angle), np.sin(angle)), (-np.sin(angle), np.cos(angle))])
+    corners = center + (half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])) @ axes + rng.normal(0, 5, (4, 2))
+    patch = np.zeros((height, width), np.float32)
+    cv2.fillConvexPoly(patch, corners.astype(np.int32), 1.0)
+    return cv2.GaussianBlur(patch, (3, 3), 0)
+
+
+def wall_paint(rng, image, label):
+    """What a patch of wall shows, and where it can: any colour, the floor's own, or the floor itself."""
+    height, width = label.shape
+    kind, ground, everywhere = rng.random(), image[label == DRIVABLE], np.ones(label.shape, np.float32)
+    if kind < 0.35 and len(ground):
+        shift = (-rng.integers(height // 4, 2 * height // 3), rng.integers(-width // 3, width // 3))
+        return np.roll(image, shift, (0, 1)).astype(np.float32), np.roll(label == DRIVABLE, shift, (0, 1))
+    shade = np.linspace(rng.uniform(0.6, 1.2), rng.uniform(0.6, 1.2), width)[None, :, None]
+    if kind < 0.6 and len(ground):
+        return ground.mean(0) * np.exp(rng.normal(0, 0.15)) * shade, everywhere
+    return rng.uniform(20, 220, 3) * shade, everywhere
+
+
+def shifted(mask, right, down):
+    """`mask` moved by so many pixels; 0 comes in."""
+    matrix = np.float32([[1, 0, right], [0, 1, down]])
+    return cv2.warpAffine(mask, matrix, mask.shape[::-1], flags=cv2.INTER_NEAREST).astype(np.float32)
+
+
+def smooth_walls(rng, image, label):
+    """Plain walls and gates that stand on the outline of the floor, side by side, each of one colour."""
+    height, width = label.shape
+    ground = (label == DRIVABLE).astype(np.uint8)
+    reach = int(rng.uniform(0.06, 0.4) * height)
+    # What lies above the floor in the picture, by up to `reach`; at the rims walls lean, so that the shift does too.
+    wall = np.zeros(label.shape, np.float32)
+    lean = rng.uniform(0, 0.5)
+    for step in range(0, reach, 2):
+        for side in (-1, 1):
+            wall = np.maximum(wall, shifted(ground, int(side * lean * step), -step))
+    wall *= ground == 0
+    edges = np.sort(rng.uniform(0, width, rng.integers(0, 6))).astype(int)
+    tilt = rng.normal(0, 0.3)
+    u, v = np.meshgrid(np.arange(width), np.arange(height))
+    panel = np.searchsorted(edges, u + tilt * (v - height / 2)) if len(edges) else np.zeros((height, width), int)
+    floor = image[ground > 0].mean(0) if ground.any() else np.full(3, 100.0)
+    paint = np.empty(image.shape, np.float32)
+    for index in range(len(edges) + 1):
+        color = rng.uniform(15, 190) + rng.uniform(0.2, 1) * rng.uniform(-80, 80, 3)
+        paint[panel == index] = floor * np.exp(rng.normal(0, 0.3)) if rng.random() < 0.35 else color
+    shade = 1 + rng.normal(0, 0.2) * (v / height - 0.5) + rng.normal(0, 0.2) * (u / width - 0.5)
+    texture = image.astype(np.float32) - cv2.GaussianBlur(image, (0, 0), 6)
+    paint = paint * shade[..., None] + rng.uniform(0, 0.3) * texture + rng.normal(0, rng.uniform(0, 3), image.shape)
+    share = cv2.GaussianBlur(wall, (3, 3), 0)[..., None]
+    return np.clip(image * (1 - share) + paint * share, 0, 255).astype(np.uint8)
+
+
+def paint_walls(rng, image, label):
+    """Other colours, and smooth patches, on what is not drivable: neither smooth nor grey is yet road."""
+    wall = cv2.GaussianBlur((label == NOT_DRIVABLE).astype(np.float32), (3, 3), 0)[..., None]
+    painted = image.astype(np.float32)
+    if rng.random() < 0.6:
+        painted = painted * np.exp(rng.normal(0, 0.5) + rng.normal(0, 0.3, 3)) + rng.normal(0, 10, 3)
+    for _ in range(rng.integers(0, 5)):
+        paint, where = wall_paint(rng, image, label)
+        share = (wall_patch(rng, image.shape[1::-1]) * where)[..., None] * rng.uniform(0.5, 1.0)
+        painted = painted * (1 - share) + share * paint
+    return np.clip(image * (1 - wall) + painted * wall, 0, 255).astype(np.uint8)
