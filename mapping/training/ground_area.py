@@ -5,7 +5,7 @@ import cv2
 import numpy as np
 import yaml
 
-REACH = 14.0  # [m] around the camera; beyond, nothing is mapped
+REACH = 14.0  # [m] around the camera; beyond, a map believes little of what a network says
 FULL_RANGE = 3.0  # [m] at which a pixel weighs 1; nearer ones no less
 MOST = 5.0
 
