@@ -1,8 +1,6 @@
 #include "mapping/meet_surface.h"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace parkade {
 namespace {
@@ -11,10 +9,7 @@ constexpr int kMaxRounds = 5;          // of ray and surface
 constexpr double kTolerance = 0.0025;  // [m] of height at which they have met
 constexpr double kNotMet = 0.02;       // [m] off after all rounds: the view cannot be trusted
 constexpr double kMaxStretch = 1.5;    // of a ray: beyond, the view is too grazing to trust
-constexpr double kLookStep = 0.8;      // [m] between places where something may stand in the way ...
-constexpr double kLookMargin = 1.0;    // [m] ... but for the ends
-constexpr double kHidingHeight = 0.1;  // [m] above the ray
-constexpr double kHidingSigma = 0.05;  // [m] of ground that hides what is behind it
+constexpr double kLookStep = 0.8;      // [m] between places where something may stand in the way
 
 }  // namespace
 
@@ -37,14 +32,6 @@ int MeetSurface(PatchFinder& patches, const Eigen::Vector3d& eye, Eigen::Vector3
   double height = 0;
   const int patch = patches.Find(point, height);
   return patch != HeightField::kNone && std::abs(height - point.z()) < kNotMet ? patch : HeightField::kNone;
-}
-
-double HighestHidden(const HeightField& field, const Eigen::Vector3d& eye, const Eigen::AlignedBox2d& box) {
-  double ceiling = -std::numeric_limits<double>::infinity();
-  field.VisitPatches(box, [&](int patch, double low, double high) {
-    if (low < eye.z() && field.SigmaOf(patch) <= kHidingSigma) ceiling = std::max(ceiling, std::min(high, eye.z()));
-  });
-  return ceiling - kHidingHeight;
 }
 
 bool IsHidden(const HeightField& field, const Eigen::Vector3d& eye, const Eigen::Vector3d& point) {

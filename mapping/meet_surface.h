@@ -11,9 +11,9 @@ namespace parkade {
 /// does not, or at so grazing an angle that it cannot be trusted.
 int MeetSurface(PatchFinder& patches, const Eigen::Vector3d& eye, Eigen::Vector3d& point);
 
-/// [m] Of the places in a box none that is higher is hidden from an eye, wherever else in the box it lies: no well
-/// known ground there is high enough.
-double HighestHidden(const HeightField& field, const Eigen::Vector3d& eye, const Eigen::AlignedBox2d& box);
+constexpr double kLookMargin = 1.0;    ///< [m] from the ends of a ray nothing is looked for that hides
+constexpr double kHidingHeight = 0.1;  ///< [m] above a ray: what hides
+constexpr double kHidingSigma = 0.05;  ///< [m] of ground that hides what is behind it
 
 /// Whether ground that is well known stands in the way from `eye` to `point` [m], as the foot of a ramp does before the
 /// deck that is continued below it. Looks every 0.8 m.

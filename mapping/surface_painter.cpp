@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "mapping/ground_horizon.h"
 #include "mapping/isometry_of.h"
 #include "mapping/meet_surface.h"
 #include "mapping/sort_cells.h"
@@ -27,8 +28,6 @@ constexpr float kCoveredLogOdds = -1;    // of what is covered
 constexpr double kMaxStretch = 1.5;      // of rays: MeetSurface goes no further
 constexpr double kMaxFootprint = 1.0;    // [m] that samples stand for reach less far from them
 constexpr size_t kPatchesPerBatch = 64;  // hits of so many patches are held at once
-constexpr size_t kShares = 4;            // into which their cells are divided among threads, so many after each other
-constexpr size_t kCellsInARow = 64;      // to each
 
 /// 1 right at the car, falling with distance: whose colour counts. Much slower than the variance of a height grows.
 double NearnessOf(const GroundSample& sample) {
@@ -98,15 +97,24 @@ Eigen::Vector2i SurfacePainter::CellAt(const Eigen::Vector2d& point_in_site) con
   return (point_in_site / cell_size_).array().floor().matrix().cast<int>();
 }
 
+Eigen::Vector2i SurfacePainter::SquareAt(const Eigen::Vector2i& cell) const {
+  const auto divide = [side = cells_per_side_](int index) { return (index >= 0 ? index : index - side + 1) / side; };
+  return {divide(cell.x()), divide(cell.y())};
+}
+
+std::uint32_t SurfacePainter::FirstEvidenceOf(int patch) const {
+  return static_cast<std::uint32_t>(slots_[static_cast<size_t>(patch)] * cells_per_side_ * cells_per_side_);
+}
+
 std::uint32_t SurfacePainter::EvidenceAt(int patch, const Eigen::Vector2i& cell) const {
   const Eigen::Vector2i inside = cell - field_->IndexOf(patch) * cells_per_side_;
   const int x = std::clamp(inside.x(), 0, cells_per_side_ - 1), y = std::clamp(inside.y(), 0, cells_per_side_ - 1);
-  return static_cast<std::uint32_t>((slots_[static_cast<size_t>(patch)] * cells_per_side_ + y) * cells_per_side_ + x);
+  return FirstEvidenceOf(patch) + static_cast<std::uint32_t>(y * cells_per_side_ + x);
 }
 
 /// A sample that stands for more than a cell counts for all of them.
 void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds,
-                            ViewSet view, std::vector<Hit>& hits) const {
+                            ViewSet view, SharedHits& hits) const {
   const double nearness = NearnessOf(sample);
   const auto rank = static_cast<std::uint8_t>(1 + std::lround(254 * std::min(nearness, kNearEnough)));
   // What lies far behind an outline is no sight of the ground: it only tells that there is none.
@@ -116,23 +124,28 @@ void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::
           .view = view};
   const double reach = std::max(0.0, 0.5 * (static_cast<double>(sample.footprint) - cell_size_));
   const Eigen::Vector2i low = CellAt(point.head<2>().array() - reach), high = CellAt(point.head<2>().array() + reach);
-  const Eigen::Vector2i first = field_->IndexOf(patch) * cells_per_side_;
-  for (int y = low.y(); y <= high.y(); ++y)
-    for (int x = low.x(); x <= high.x(); ++x) {
-      const Eigen::Vector2i inside = Eigen::Vector2i(x, y) - first;
-      int owner = patch;
-      if (inside.minCoeff() < 0 || inside.maxCoeff() >= cells_per_side_)
-        owner = field_->FindPatch({(x + 0.5) * cell_size_, (y + 0.5) * cell_size_, point.z()});
+  const Eigen::Vector2i home = field_->IndexOf(patch), first = SquareAt(low), last = SquareAt(high);
+  for (int row = first.y(); row <= last.y(); ++row)
+    for (int column = first.x(); column <= last.x(); ++column) {
+      const Eigen::Vector2i square(column, row), corner = square * cells_per_side_;
+      const Eigen::Vector2i begin = low.cwiseMax(corner),
+                            end = (high.array() + 1).min(corner.array() + cells_per_side_);
+      const Eigen::Vector2d middle = 0.5 * cell_size_ * (begin + end).cast<double>();
+      const int owner = square == home ? patch : field_->FindPatch({middle.x(), middle.y(), point.z()});
       if (owner == HeightField::kNone || !IsPainted(owner)) continue;
-      hit.evidence = EvidenceAt(owner, {x, y});
-      hits.push_back(hit);
+      const std::uint32_t of_owner = FirstEvidenceOf(owner);
+      for (int y = begin.y(); y < end.y(); ++y)
+        for (int x = begin.x(); x < end.x(); ++x) {
+          hit.evidence = of_owner + static_cast<std::uint32_t>((y - corner.y()) * cells_per_side_ + x - corner.x());
+          hits[ShareOf(hit.evidence)].push_back(hit);
+        }
     }
 }
 
-std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PatchView& view, const GroundPatch& patch,
-                                                          const DrivenPath* path, const LatestDrives* latest) const {
-  std::vector<Hit> hits;
-  hits.reserve(patch.samples.size());
+SurfacePainter::SharedHits SurfacePainter::FindHits(const PatchView& view, const GroundPatch& patch,
+                                                    const DrivenPath* path, const LatestDrives* latest) const {
+  SharedHits hits;
+  for (std::vector<Hit>& of_share : hits) of_share.reserve(2 * patch.samples.size() / kShares);
   const std::optional<Eigen::Vector3d> seen_from = EyeOf(view, path);
   const bool has_eye = seen_from.has_value();
   const Eigen::Vector3d eye = seen_from.value_or(Eigen::Vector3d::Zero());
@@ -141,7 +154,8 @@ std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PatchView& view,
   const bool is_all_in_reach = reach_.contains(reach);
   PatchFinder patches(*field_);
   const Eigen::Isometry3d site_from_body = IsometryOf(view.site_from_body);
-  const double highest_hidden = has_eye ? HighestHidden(*field_, eye, reach) : 0;
+  const std::optional<GroundHorizon> horizon =
+      has_eye ? std::make_optional<GroundHorizon>(*field_, eye, reach) : std::nullopt;
   const bool tells_beyond = has_earlier_ && has_eye;
   for (const GroundSample& sample : patch.samples) {
     if (sample.confidence <= 0 && !tells_beyond) continue;
@@ -150,7 +164,7 @@ std::vector<SurfacePainter::Hit> SurfacePainter::FindHits(const PatchView& view,
     if (latest != nullptr && !share.Counts(point.head<2>())) continue;
     const int found = has_eye ? MeetSurface(patches, eye, point) : field_->FindPatch(point);
     if (found == HeightField::kNone) continue;
-    if (has_eye && point.z() < highest_hidden && IsHidden(*field_, eye, point)) continue;
+    if (horizon && horizon->MayHide(point) && IsHidden(*field_, eye, point)) continue;
     const double distance = has_eye ? (point - eye).head<2>().norm() : 0;
     const double depth = has_eye ? std::max(eye.z() - point.z(), kMinEyeHeight) : 1;
     // An error of the height moves what is seen along the ray.
@@ -175,9 +189,8 @@ void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> i
     });
     // Each thread has cells of its own, so that those of a cell come in order.
     ParallelFor(kShares, [&](size_t share) {
-      for (const std::vector<Hit>& hits : hits_of)
-        for (const Hit& hit : hits) {
-          if (hit.evidence / kCellsInARow % kShares != share) continue;
+      for (const SharedHits& hits : hits_of)
+        for (const Hit& hit : hits[share]) {
           Evidence& evidence = evidence_[hit.evidence];
           evidence.log_odds_now = std::clamp(evidence.log_odds_now + hit.log_odds, -limit, limit);
           (hit.log_odds > 0 ? evidence.seen_now : evidence.hidden_now) |= hit.view;

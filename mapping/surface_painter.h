@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -77,17 +78,25 @@ class SurfacePainter {
     ViewSet view = 0;  ///< one bit, or none where it is not known well enough
   };
 
+  /// Cells are divided among threads, so many after each other to each.
+  static constexpr std::uint32_t kShares = 4, kCellsInARow = 64;
+  using SharedHits = std::array<std::vector<Hit>, kShares>;
+  static std::uint32_t ShareOf(std::uint32_t evidence) { return evidence / kCellsInARow % kShares; }
+
   void Paint(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path,
              const LatestDrives* latest);
   void EndDrive();
   static ViewSet ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point);
   void AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds, ViewSet view,
-              std::vector<Hit>& hits) const;
-  std::vector<Hit> FindHits(const PatchView& view, const GroundPatch& patch, const DrivenPath* path,
-                            const LatestDrives* latest) const;
+              SharedHits& hits) const;
+  SharedHits FindHits(const PatchView& view, const GroundPatch& patch, const DrivenPath* path,
+                      const LatestDrives* latest) const;
   static Eigen::AlignedBox2d ReachOf(const PatchView& view, const Eigen::Vector3d* eye);
   bool IsInReach(const Eigen::Vector3d* eye, const Eigen::Vector3d& point) const;
   bool IsPainted(int patch) const { return slots_[static_cast<size_t>(patch)] != HeightField::kNone; }
+  /// Of the height field, in which a cell lies.
+  Eigen::Vector2i SquareAt(const Eigen::Vector2i& cell) const;
+  std::uint32_t FirstEvidenceOf(int patch) const;
   std::uint32_t EvidenceAt(int patch, const Eigen::Vector2i& cell) const;
   Eigen::Vector2i CellAt(const Eigen::Vector2d& point_in_site) const;
 

@@ -43,6 +43,14 @@ std::int32_t Unfold(std::uint32_t value) {
   return static_cast<std::int32_t>(value >> 1) ^ -static_cast<std::int32_t>(value & 1);
 }
 
+/// Fills `unpacked`; throws Error{kInvalidInput} unless `bytes` unfold to just that.
+void DecompressInto(std::span<char> unpacked, std::string_view bytes) {
+  thread_local const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), &ZSTD_freeDCtx);
+  const std::size_t got =
+      ZSTD_decompressDCtx(context.get(), unpacked.data(), unpacked.size(), bytes.data(), bytes.size());
+  Require(ZSTD_isError(got) == 0 && got == unpacked.size(), ErrorCode::kInvalidInput, "it holds a damaged piece");
+}
+
 std::uint8_t Minus(std::uint8_t a, std::uint8_t b) { return static_cast<std::uint8_t>(a - b); }
 std::uint8_t Plus(std::uint8_t a, std::uint8_t b) { return static_cast<std::uint8_t>(a + b); }
 
@@ -93,7 +101,9 @@ std::string EncodeSamples(std::span<const GroundSample> samples, GroundPlaces& p
 
 std::vector<GroundSample> DecodeSamples(std::string_view bytes, std::size_t num_samples,
                                         std::span<const GroundPlace> places) {
-  const std::string planes = Decompress(bytes, kNumPlanes * num_samples);
+  thread_local std::string planes;  // kept: memory that comes and goes costs more than what is done in it
+  if (planes.size() < kNumPlanes * num_samples) planes.resize(kNumPlanes * num_samples);
+  DecompressInto({planes.data(), kNumPlanes * num_samples}, bytes);
   const auto at = [&](std::size_t plane, std::size_t i) {
     return static_cast<std::uint8_t>(planes[plane * num_samples + i]);
   };
@@ -137,8 +147,7 @@ std::string Compress(std::string_view bytes) {
 
 std::string Decompress(std::string_view bytes, std::size_t size) {
   std::string unpacked(size, '\0');
-  const std::size_t got = ZSTD_decompress(unpacked.data(), size, bytes.data(), bytes.size());
-  Require(ZSTD_isError(got) == 0 && got == size, ErrorCode::kInvalidInput, "it holds a damaged piece");
+  DecompressInto(unpacked, bytes);
   return unpacked;
 }
 

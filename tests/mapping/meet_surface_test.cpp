@@ -38,24 +38,5 @@ TEST(IsHidden, NothingHidesTheGroundThatIsSeen) {
   }
 }
 
-TEST(HighestHidden, NothingHigherIsHidden) {
-  const HeightField field = RampAhead(0.01);
-  int num_hidden = 0, num_spared = 0;
-  for (const double height : {0.5, 1.0, 1.5}) {
-    const Eigen::Vector3d eye(0, 0, height);
-    const double highest = HighestHidden(field, eye, {Eigen::Vector2d(-1, -3), Eigen::Vector2d(14, 3)});
-    for (double x = 0.5; x < 14; x += 0.5)
-      for (double z = -0.5; z < 1.5; z += 0.05) {
-        const bool is_hidden = IsHidden(field, eye, {x, 0.5, z});
-        EXPECT_TRUE(!is_hidden || z < highest) << x << " " << z;
-        num_hidden += is_hidden;
-        num_spared += z >= highest;
-      }
-  }
-  EXPECT_GT(num_hidden, 100);
-  EXPECT_GT(num_spared, 100);
-  EXPECT_LT(HighestHidden(RampAhead(0.2), {0, 0, 1}, {Eigen::Vector2d(-1, -3), Eigen::Vector2d(14, 3)}), -1e9);
-}
-
 }  // namespace
 }  // namespace parkade
