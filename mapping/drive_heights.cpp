@@ -1,6 +1,7 @@
 #include "mapping/drive_heights.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -18,14 +19,14 @@ namespace {
 constexpr double kPoseDistance = 0.5;  // [m] between poses that heights may be tied to
 constexpr double kPoseSquare = 8.0;    // [m] of the squares in which these are sorted
 
-/// Every second keyframe of each camera: enough to come near the ground, in half the time.
-class EverySecond final : public PatchSource {
+/// Every third keyframe of each camera: enough to come near the ground, in a third of the time.
+class EveryThird final : public PatchSource {
  public:
-  /// The source is borrowed. \param which  0 or 1: the others
-  EverySecond(const PatchSource& source, int which) : source_(&source) {
+  /// The source is borrowed. \param which  0 to 2: others
+  EveryThird(const PatchSource& source, int which) : source_(&source) {
     std::map<int, int> counts;
     for (std::size_t i = 0; i < source.views().size(); ++i)
-      if (counts[source.views()[i].camera]++ % 2 == which) {
+      if (counts[source.views()[i].camera]++ % 3 == which) {
         views_.push_back(source.views()[i]);
         indices_.push_back(i);
       }
@@ -130,10 +131,10 @@ DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* p
   const int num_rounds = path ? options.sweep.num_rounds : 0;
   MeasureHeightsOptions early = options.sweep;
   early.max_views /= 2;
-  const EverySecond even(patches, 0), odd(patches, 1);
+  const std::array<EveryThird, 3> thirds = {EveryThird(patches, 0), EveryThird(patches, 1), EveryThird(patches, 2)};
   const auto used_in = [&](int round) -> const PatchSource& {
     if (round + 1 >= num_rounds) return patches;
-    return round % 2 == 0 ? even : odd;
+    return thirds[static_cast<size_t>(round) % thirds.size()];
   };
   PlaneHeights planes = CollectPlanes(used_in(0), leaning_path, options.field);
   std::vector<HeightObservation> known = find_known(planes), swept;

@@ -23,7 +23,8 @@ constexpr size_t kMaxPatches = 300;   // of a block; where a car came by more
 constexpr double kMinLever = 1.0;     // distance over height of the eye: a steeper view tells no height
 constexpr double kMeanSquare = 0.75;  // of a window: the squares of LocalMeans
 constexpr double kMargin = 3.0;       // [m] rays meet the surface not further from
-                                      // where they meet the car's plane
+                                      // where they meet the car's plane ...
+constexpr double kMaxShift = 0.375;   // ... nor this share of the way there
 
 /// Which patches are near enough to matter to a tile.
 struct Tile {
@@ -50,10 +51,9 @@ std::vector<Sight> FindMeetings(const PosedGroundPatch& posed, const DrivenPath&
   for (const GroundSample& sample : posed.patch.samples) {
     if (!LocalMeans::IsUsed(sample)) continue;
     Eigen::Vector3d point = site_from_body * sample.point_in_body.cast<double>();
-    const Eigen::Vector2d ray = (point - eye).head<2>();
-    if (block.exteriorDistance(point.head<2>().eval()) > 1.5 * kMargin) continue;
-    const double distance = ray.norm();
+    const double distance = (point - eye).head<2>().norm();
     if (distance > options.max_distance || distance < kMinLever * (eye.z() - point.z())) continue;
+    if (block.exteriorDistance(point.head<2>().eval()) > kMaxShift * distance) continue;
     if (MeetSurface(patches_at, eye, point) == HeightField::kNone) continue;
     const Eigen::Vector2d shift = -(point - eye).head<2>() / (eye.z() - point.z());
     meetings.push_back({(point.head<2>() - block.min()).cast<float>(), shift.cast<float>(),

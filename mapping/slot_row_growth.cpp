@@ -40,14 +40,14 @@ PaintStretch StretchOf(const PaintLine& line, const SlotRow& row) {
           is_end_seen,          line.width};
 }
 
-/// Lines parallel to the seed on its deck, by place across. What is longer than two slots bounds something else.
+/// Lines parallel to the seed on its deck, by place across.
 std::vector<Candidate> FindParallels(const std::vector<PaintLine>& lines, const PaintLine& seed, const SlotRow& row,
                                      const SlotMeasures& measures, const std::vector<bool>& is_used) {
   std::vector<Candidate> parallels;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const PaintLine& line = lines[i];
     if (is_used[i] || std::abs(line.height - seed.height) > kMaxHeightStep) continue;
-    if (line.Length() > 2 * measures.max_length) continue;
+    if (line.Length() > measures.LongestLine()) continue;
     const double turn = std::acos(std::min(1.0, std::abs(line.Direction().dot(row.along)))) * 180 / std::numbers::pi;
     if (turn > (line.Length() > kLongLine ? kTurn_deg : kShortTurn_deg)) continue;
     const PaintStretch stretch = StretchOf(line, row);

@@ -43,7 +43,7 @@ double LengthBetween(const RowEnds& lower, const RowEnds& upper, double pitch) {
 
 int CountRanks(double length, const SlotMeasures& measures) {
   if (length >= measures.min_length && length <= measures.max_length) return 1;
-  if (length >= 2 * measures.min_length && length <= 2 * measures.max_length) return 2;
+  if (length >= 2 * measures.min_length && length <= measures.LongestLine()) return 2;
   return 0;
 }
 
@@ -213,7 +213,8 @@ std::vector<SlotRow> FindRowsOf(const std::vector<PaintLine>& lines, const RowKi
                                 std::vector<bool>& is_used) {
   const auto& [measures, is_parallel, is_doubtful] = kind;
   std::vector<std::size_t> seeds;
-  const double min_seed = 0.5 * measures.min_length, max_seed = (is_parallel ? 1.1 : 2.2) * measures.max_length;
+  const double min_seed = 0.5 * measures.min_length;
+  const double max_seed = is_parallel ? 1.1 * measures.max_length : measures.LongestLine();
   for (std::size_t i = 0; i < lines.size(); ++i)
     if (!lines[i].is_one_sided && lines[i].Length() >= min_seed && lines[i].Length() <= max_seed) seeds.push_back(i);
   std::stable_sort(seeds.begin(), seeds.end(),

@@ -16,6 +16,9 @@ struct SlotMeasures {
   double min_length = 4.0, max_length = 6.3;  ///< [m] of a slot along its lines
   double usual_length = 5.0;                  ///< [m] where only one end of the lines is seen anywhere
 
+  /// [m] of a line between slots, of which two may stand behind each other; what is longer bounds something else.
+  double LongestLine() const { return 2 * max_length; }
+
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
     visit("min_pitch", min_pitch);
