@@ -38,13 +38,14 @@ def shifted(mask, right, down):
 
 
 def smooth_walls(rng, image, label):
-    """Plain walls and gates that stand on the outline of the floor, side by side, each of one colour."""
+    """Plain walls and gates that stand on the outline of the floor, side by side, each of one colour, and between them
+    openings through which one sees ceilings and walls further off."""
     height, width = label.shape
     ground = (label == DRIVABLE).astype(np.uint8)
     reach = int(rng.uniform(0.06, 0.4) * height)
     # What lies above the floor in the picture, by up to `reach`; at the rims walls lean, so that the shift does too.
     wall = np.zeros(label.shape, np.float32)
-    lean = rng.uniform(0, 0.5)
+    lean = rng.uniform(0, 1.2 if rng.random() < 0.3 else 0.5)
     for step in range(0, reach, 2):
         for side in (-1, 1):
             wall = np.maximum(wall, shifted(ground, int(side * lean * step), -step))
@@ -58,6 +59,12 @@ def smooth_walls(rng, image, label):
     for index in range(len(edges) + 1):
         color = rng.uniform(15, 190) + rng.uniform(0.2, 1) * rng.uniform(-80, 80, 3)
         paint[panel == index] = floor * np.exp(rng.normal(0, 0.3)) if rng.random() < 0.35 else color
+    shift = (int(rng.uniform(0.1, 0.45) * height), int(rng.uniform(-0.4, 0.4) * width))
+    beyond, is_beyond = np.roll(image, shift, (0, 1)), np.roll(label == NOT_DRIVABLE, shift, (0, 1))
+    for index in range(len(edges) + 1):
+        if rng.random() < 0.3:
+            opening = (panel == index) & is_beyond
+            paint[opening] = beyond[opening] * np.exp(rng.normal(0, 0.3) + rng.normal(0, 0.2, 3))
     shade = 1 + rng.normal(0, 0.2) * (v / height - 0.5) + rng.normal(0, 0.2) * (u / width - 0.5)
     texture = image.astype(np.float32) - cv2.GaussianBlur(image, (0, 0), 6)
     paint = paint * shade[..., None] + rng.uniform(0, 0.3) * texture + rng.normal(0, rng.uniform(0, 3), image.shape)
