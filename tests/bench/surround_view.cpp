@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr double kTexel = 0.1, kHalfSide = 9;  // of the pictures that are compared
 constexpr double kWide = 4;                    // blurs: what is wider is light, not paint
+constexpr double kEyeHeight = 1.2;             // of the cameras on average, to begin with: a unit is about half a metre
 constexpr int kLeastShared = 500;              // texels that neighbours must both see
 constexpr std::array<std::pair<size_t, size_t>, 4> kNeighbours = {{{0, 1}, {0, 3}, {2, 1}, {2, 3}}};
 
@@ -214,7 +215,7 @@ SurroundRig ReadOpenCalib(const fs::path& folder) {
     camera.drivable = network.Run(camera.image).Mask();
     rig.ground += camera.camera_from_view.Inverse().translation.z() / 4;
   }
-  rig.ground += 1.2;
+  rig.ground += kEyeHeight;
   return rig;
 }
 
