@@ -9,4 +9,7 @@ inline int FloorOf(double x) {
   return truncated - (x < truncated ? 1 : 0);
 }
 
+/// value / divisor, rounded down; the divisor is > 0.
+inline int FloorDivide(int value, int divisor) { return (value - (value < 0 ? divisor - 1 : 0)) / divisor; }
+
 }  // namespace parkade

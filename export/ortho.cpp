@@ -8,11 +8,10 @@
 #include <span>
 
 #include "core/error.h"
+#include "core/floor_of.h"
 
 namespace parkade {
 namespace {
-
-int FloorDivide(int value, int divisor) { return value >= 0 ? value / divisor : -((-value + divisor - 1) / divisor); }
 
 /// Columns and rows of a grid that lies on the site's axes, both ends included; rows count north.
 struct GridBounds {

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "core/error.h"
+#include "core/floor_of.h"
 #include "core/log.h"
 #include "core/parallel.h"
 #include "core/visit_once.h"
@@ -96,10 +97,9 @@ std::vector<FieldTile> CutIntoTiles(const HeightField& field, int cells_per_side
   const int side = std::max(1, static_cast<int>(std::lround(tile_size / field.spacing())));
   const int margin = (kDrivenRounds + 1 + cells_per_side - 1) / cells_per_side;
   std::set<std::pair<int, int>> corners;
-  const auto index = [side](int square) { return (square >= 0 ? square : square - side + 1) / side; };
   for (int patch = 0; patch < field.num_patches(); ++patch) {
     const Eigen::Vector2i at = field.IndexOf(patch);
-    corners.emplace(index(at.y()), index(at.x()));
+    corners.emplace(FloorDivide(at.y(), side), FloorDivide(at.x(), side));
   }
   std::vector<FieldTile> tiles;
   for (const auto& [y, x] : corners) {

@@ -1,6 +1,7 @@
 #include "mapping/ground_horizon.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 

@@ -7,6 +7,7 @@
 #include <set>
 #include <tuple>
 
+#include "core/floor_of.h"
 #include "core/largest_first.h"
 #include "core/parallel.h"
 #include "mapping/isometry_of.h"
@@ -74,8 +75,6 @@ bool AddSights(const std::vector<Sight>& meetings, const Eigen::Vector2f& tile_i
   }
   return sweep.num_sights() > before;
 }
-
-int FloorDivide(int a, int b) { return (a >= 0 ? a : a - b + 1) / b; }
 
 /// Of each camera's patches, which are in order of time, as many of every stretch of the drive.
 std::vector<size_t> ChooseEvenly(const std::vector<size_t>& indices, size_t max_count,

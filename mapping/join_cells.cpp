@@ -6,10 +6,10 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/floor_of.h"
+
 namespace parkade {
 namespace {
-
-int FloorDivide(int value, int divisor) { return (value - (value < 0 ? divisor - 1 : 0)) / divisor; }
 
 bool IsBefore(const SurfaceCell& a, const SurfaceCell& b) {
   return std::tie(a.y, a.x, a.height) < std::tie(b.y, b.x, b.height);

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "core/floor_of.h"
 #include "core/parallel.h"
 #include "core/visit_once.h"
 #include "mapping/cell_finder.h"
@@ -51,8 +52,6 @@ bool Contains(const Eigen::AlignedBox2i& tiles, const Eigen::Vector3d& center) {
   const Eigen::Array2i at = (center.head<2>() / kTileSize).array().floor().cast<int>();
   return (at >= tiles.min().array()).all() && (at < tiles.max().array()).all();
 }
-
-int FloorDivide(int value, int divisor) { return (value - (value < 0 ? divisor - 1 : 0)) / divisor; }
 
 }  // namespace
 

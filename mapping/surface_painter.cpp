@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/floor_of.h"
 #include "core/parallel.h"
 #include "mapping/ground_horizon.h"
 #include "mapping/isometry_of.h"
@@ -98,8 +99,7 @@ Eigen::Vector2i SurfacePainter::CellAt(const Eigen::Vector2d& point_in_site) con
 }
 
 Eigen::Vector2i SurfacePainter::SquareAt(const Eigen::Vector2i& cell) const {
-  const auto divide = [side = cells_per_side_](int index) { return (index >= 0 ? index : index - side + 1) / side; };
-  return {divide(cell.x()), divide(cell.y())};
+  return {FloorDivide(cell.x(), cells_per_side_), FloorDivide(cell.y(), cells_per_side_)};
 }
 
 std::uint32_t SurfacePainter::FirstEvidenceOf(int patch) const {
