@@ -14,10 +14,13 @@ namespace parkade {
 struct TextureChart {
   double left = 0, top = 0;              ///< [m] in site, of the picture's upper left corner
   cv::Mat image;                         ///< CV_8UC3 (BGR, sRGB); beyond the mesh its border colours go on
-  cv::Mat mask;                          ///< CV_8UC1 of the same size: 255 where the mesh is
+  cv::Mat mask;                          ///< CV_8UC1 of the same size: 0 off the mesh, kPainted or kPlain on it
   std::vector<std::uint32_t> triangles;  ///< of the mesh, painted by this chart, increasing
   int column = 0, row = 0;               ///< of the square of ground that the triangles' centres lie in
   int sheet = 0;                         ///< counts where decks lie above each other in one square
+
+  static constexpr std::uint8_t kPainted = 255;  ///< by photos
+  static constexpr std::uint8_t kPlain = 128;    ///< no photo shows it from near: it has the colour of a cell
 };
 
 /// The texture of a mesh: each triangle belongs to exactly one chart. No charts: the mesh has vertex colours only.

@@ -75,7 +75,7 @@ TextureChart HalveAndJoin(const std::vector<TextureChart>& charts, double texel_
       if (half.width <= 0 || half.height <= 0) continue;
       cv::Mat image, mask;
       cv::resize(chart.image, image, half, 0, 0, cv::INTER_AREA);
-      cv::resize(chart.mask, mask, half, 0, 0, cv::INTER_AREA);
+      cv::resize(chart.mask != 0, mask, half, 0, 0, cv::INTER_AREA);
       mask = mask >= 128;
       const cv::Rect place({column, row}, half);
       image.copyTo(joined.image(place), is_mesh ? mask : cv::Mat());

@@ -33,7 +33,7 @@ std::uint8_t ToByte(float value) { return static_cast<std::uint8_t>(std::clamp(v
 /// Gives texels off the mesh the colour of the nearest one on it: no dark fringe when a viewer interpolates.
 void ContinueBeyondBorder(TextureChart& chart) {
   cv::Mat off, distance, nearest;
-  cv::bitwise_not(chart.mask, off);
+  off = chart.mask == 0;
   if (cv::countNonZero(off) == 0 || cv::countNonZero(chart.mask) == 0) return;
   cv::distanceTransform(off, distance, nearest, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
   std::vector<cv::Vec3b> color_of(static_cast<std::size_t>(cv::countNonZero(chart.mask)) + 1);
@@ -186,13 +186,15 @@ TextureChart ChartPainter::Finish(const CellFinder& cells) {
   TextureChart& chart = blank_.chart;
   for (int row = 0; row < chart.image.rows; ++row)
     for (int column = 0; column < chart.image.cols; ++column) {
-      if (chart.mask.at<std::uint8_t>(row, column) == 0) continue;
+      std::uint8_t& mask = chart.mask.at<std::uint8_t>(row, column);
+      if (mask == 0) continue;
       const Sights& sights = sights_[static_cast<std::size_t>(row) * static_cast<std::size_t>(chart.image.cols) +
                                      static_cast<std::size_t>(column)];
       cv::Vec3b& texel = chart.image.at<cv::Vec3b>(row, column);
       if (!sights.empty()) {
         const auto [blue, green, red] = Agree(sights);
         texel = {blue, green, red};
+        mask = TextureChart::kPainted;
         continue;
       }
       Eigen::Vector3d point;

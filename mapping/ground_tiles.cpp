@@ -24,12 +24,13 @@ void Fill(const TextureChart& chart, GroundTile& tile) {
       cv::Rect(column, row, chart.image.cols, chart.image.rows) & cv::Rect(0, 0, tile.image.cols, tile.image.rows);
   if (in_tile.empty()) return;
   const cv::Rect in_chart = in_tile - cv::Point(column, row);
-  const cv::Mat mask_of_chart = chart.mask(in_chart), mask_of_tile = tile.mask(in_tile);
-  cv::Mat is_new;
-  cv::bitwise_not(mask_of_tile, is_new);
-  cv::bitwise_and(is_new, mask_of_chart, is_new);
+  const cv::Mat mask_of_chart = chart.mask(in_chart);
+  cv::Mat mask_of_tile = tile.mask(in_tile);
+  const cv::Mat is_new = (mask_of_tile == 0) & (mask_of_chart != 0);
+  const cv::Mat is_painted = is_new & (mask_of_chart == TextureChart::kPainted);
   chart.image(in_chart).copyTo(tile.image(in_tile), is_new);
-  mask_of_chart.copyTo(tile.mask(in_tile), is_new);
+  mask_of_tile.setTo(GroundTile::kUnsure, is_new);
+  mask_of_tile.setTo(GroundTile::kSure, is_painted);
 }
 
 }  // namespace

@@ -22,8 +22,8 @@ struct GroundTile {
   cv::Mat mask;              ///< CV_8UC1 of the same size: kSure where ground is known
   Eigen::AlignedBox2d core;  ///< [m] in site: without the margin; the cores of one deck's tiles do not overlap
 
-  static constexpr std::uint8_t kSure = 255;    ///< ground
-  static constexpr std::uint8_t kUnsure = 128;  ///< something was seen, most often what stands there; 0: nothing
+  static constexpr std::uint8_t kSure = 255;    ///< ground that photos show from near
+  static constexpr std::uint8_t kUnsure = 128;  ///< something was seen: what stands there, ground far off; 0: nothing
 
   Eigen::Vector2d PlaceOf(double column, double row) const {
     return {left + (column + 0.5) * pixel_size, top - (row + 0.5) * pixel_size};

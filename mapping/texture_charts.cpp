@@ -71,7 +71,7 @@ bool DrawTriangle(const std::array<Eigen::Vector3d, 3>& corners, double texel_si
       float& texel = blank.height.at<float>(row, column);
       if (!std::isnan(texel) && std::abs(static_cast<double>(texel - height)) > kFoldHeight) is_single = false;
       if (std::isnan(texel) || height > texel) texel = height;
-      blank.chart.mask.at<std::uint8_t>(row, column) = 255;
+      blank.chart.mask.at<std::uint8_t>(row, column) = TextureChart::kPlain;
     }
   return is_single;
 }

@@ -177,6 +177,8 @@ TEST_F(ChartPainters, LeaveMaskedPixelsAndFarGroundToTheColoursOfTheCells) {
   const int row = chart.image.rows / 2;
   EXPECT_EQ(chart.image.at<cv::Vec3b>(row, chart.image.cols - 10), cv::Vec3b(100, 100, 100));
   EXPECT_EQ(chart.image.at<cv::Vec3b>(row, static_cast<int>(2 / kTexel)), cv::Vec3b(100, 100, 100));
+  EXPECT_EQ(chart.mask.at<std::uint8_t>(row, static_cast<int>(2 / kTexel)), TextureChart::kPlain);
+  EXPECT_EQ(chart.mask.at<std::uint8_t>(row, static_cast<int>(0.7 / kTexel)), TextureChart::kPainted);
 }
 
 TEST_F(ChartPainters, DoNotPaintThePlaceTheOwnCarStandsOn) {

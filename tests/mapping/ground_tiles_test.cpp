@@ -49,5 +49,20 @@ TEST(GroundTiles, HoldTheIslandsOfOneDeckTogether) {
   EXPECT_EQ(ColorAt(next, {3.5, 1.8}), 100);
 }
 
+/// Paint fades with the texture's range; lines must not be taken to end there.
+TEST(GroundTiles, AreSureOfNothingThatNoPhotoShows) {
+  TriangleMesh mesh;
+  GroundTexture texture;
+  texture.texel_size = 0.1, texture.chart_size = kSide;
+  AddChart(0.0, 0, 0, 50, mesh, texture);
+  texture.charts[0].mask.colRange(20, 40).setTo(TextureChart::kPlain, texture.charts[0].mask.colRange(20, 40));
+  const SurfaceMap surface;
+  const GroundTile tile = GroundTiles(mesh, surface, texture, 1.0).Make(0);
+  EXPECT_EQ(ColorAt(tile, {1, 3.8}), 50);
+  EXPECT_EQ(ColorAt(tile, {3, 3.8}), 0);
+  EXPECT_EQ(tile.mask.at<uchar>(12, 40), GroundTile::kUnsure);
+  EXPECT_EQ(tile.image.at<cv::Vec3b>(12, 40)[0], 50);
+}
+
 }  // namespace
 }  // namespace parkade
