@@ -6,6 +6,7 @@ colour, blur, noise, darkness towards the rim; painted and shining floors; bodie
 import cv2
 import numpy as np
 
+from kerbs import add_kerb
 from own_car import add_own_car
 from pictures import DRIVABLE, NOT_DRIVABLE, UNKNOWN
 from stripes import paint_stripe
@@ -189,6 +190,8 @@ def augment(rng, picture, size):
     image, label, weights = change_geometry(rng, picture, size)
     if rng.random() < 0.35:
         image = paint_floor(rng, image, label)
+    if rng.random() < 0.15:
+        image = add_kerb(rng, image, label)
     # Along a street no wall stands on the outline but a pavement lies behind it, which must not pass for floor.
     if picture.is_fisheye and not picture.name.startswith("street") and rng.random() < 0.35:
         image = smooth_walls(rng, image, label)

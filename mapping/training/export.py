@@ -9,16 +9,10 @@ import cv2
 import numpy as np
 import torch
 
-from network import FreespaceNetwork, count_parameters
+from network import count_parameters, load
 
 OPSET = 11  # what OpenCV 4.6 knows well
 MAX_DIFFERENCE = 1e-2  # of log-odds
-
-
-def load(path):
-    network = FreespaceNetwork()
-    network.load_state_dict(torch.load(path, map_location="cpu")["network"])
-    return network.eval()
 
 
 def largest_difference(network, onnx_path, size):
@@ -42,7 +36,7 @@ def main():
     if width % 32 or height % 32:
         raise SystemExit("the size must be in multiples of 32")
 
-    network = load(arguments.checkpoint)
+    network = load(arguments.checkpoint).eval()
     torch.onnx.export(network, torch.zeros(1, 3, height, width), arguments.onnx, opset_version=OPSET,
                       input_names=["image"], output_names=["log_odds"])
     difference = largest_difference(network, arguments.onnx, (width, height))

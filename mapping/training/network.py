@@ -5,6 +5,7 @@ H x W, BGR, 0..255, H and W multiples of 32. Output: N x 1 x H/2 x W/2, the log-
 import torch
 from torch import nn
 from torch.nn import functional
+from torch.nn.utils.fusion import fuse_conv_bn_eval
 
 PIXEL_SCALE = 1 / 128  # no offset: black stays zero, which is also what convolutions pad with
 
@@ -73,6 +74,25 @@ class FreespaceNetwork(nn.Module):
         sixteenth = self.at_sixteenth(eighth)
         deep = self.to_sixteenth(self.at_deepest(sixteenth), sixteenth)
         return self.head(self.to_half(self.to_quarter(self.to_eighth(deep, eighth), quarter), half))
+
+
+def fold(network):
+    """The same network with batch normalisation folded into the convolutions: more than twice as fast to train further."""
+    network.eval()
+    for block in network.modules():
+        if isinstance(block, nn.Sequential) and len(block) == 3 and isinstance(block[1], nn.BatchNorm2d):
+            block[0], block[1] = fuse_conv_bn_eval(block[0], block[1]), nn.Identity()
+    return network
+
+
+def load(path):
+    """What train.py has saved, folded or not."""
+    state = torch.load(path, map_location="cpu")["network"]
+    network = FreespaceNetwork()
+    if not any(name.endswith("running_mean") for name in state):
+        network = fold(network)
+    network.load_state_dict(state)
+    return network
 
 
 def count_parameters(network):

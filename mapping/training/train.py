@@ -7,6 +7,7 @@ DRIVES/train/* and DRIVES/val/* are folders of `parkade-simulate ... --semantic 
 training runs are taken in. The checkpoint holds the moving average of the weights and what --resume needs.
 """
 import argparse
+import copy
 import os
 import time
 from pathlib import Path
@@ -20,7 +21,7 @@ from torch.nn import functional
 
 import augment
 import pictures
-from network import FreespaceNetwork, count_parameters
+from network import FreespaceNetwork, count_parameters, fold, load
 
 SIZE = (640, 384)  # of the network's input: width, height
 # Small pictures first: shapes and colours are learnt at a fraction of the cost. Until which part, size.
@@ -135,11 +136,11 @@ def train(arguments):
     torch.set_num_threads(1)
     cv2.setNumThreads(1)
     torch.manual_seed(arguments.seed)
-    network = FreespaceNetwork().to(memory_format=torch.channels_last)
-    average = FreespaceNetwork()
-    if arguments.resume:
-        network.load_state_dict(torch.load(arguments.resume)["network"])
-    average.load_state_dict(network.state_dict())
+    network = load(arguments.resume) if arguments.resume else FreespaceNetwork()
+    if arguments.fold:
+        network = fold(network)
+    average = copy.deepcopy(network)
+    network = network.to(memory_format=torch.channels_last)
     decays = [parameter for parameter in network.parameters() if parameter.ndim > 1]
     others = [parameter for parameter in network.parameters() if parameter.ndim <= 1]
     optimiser = torch.optim.AdamW([{"params": decays, "weight_decay": 0.02}, {"params": others, "weight_decay": 0.0}],
@@ -197,6 +198,7 @@ def main():
     parser.add_argument("--drives", required=True, help="folder with train/ and val/ of simulated drives")
     parser.add_argument("--out", required=True, help="checkpoint to write")
     parser.add_argument("--resume", help="checkpoint to start from")
+    parser.add_argument("--fold", action="store_true", help="fold batch normalisation first: further steps take half the time")
     parser.add_argument("--begin", type=float, default=0, help="part of STAGES that is over: 1 for large pictures only")
     parser.add_argument("--minutes", type=float, default=60)
     parser.add_argument("--steps", type=int, default=0, help="end earlier, after so many steps")

@@ -5,11 +5,16 @@ import numpy as np
 from pictures import DRIVABLE, NOT_DRIVABLE
 
 
-def wall_patch(rng, size):
-    """0 to 1: a quadrangle somewhere in the upper part of the picture, turned as walls are at a fisheye's rim."""
-    width, height = size
+def wall_patch(rng, label):
+    """0 to 1: a quadrangle somewhere in the upper part of the picture, turned as walls are at a fisheye's rim; or a
+    small one at the outline of the floor, as walls at the far end of an aisle are."""
+    height, width = label.shape
     center = rng.uniform([0, 0], [width, 0.7 * height])
     half = np.exp(rng.uniform(np.log([8, 6]), np.log([0.35 * width, 0.25 * height])))
+    outline = np.argwhere((label[:-1] == NOT_DRIVABLE) & (label[1:] == DRIVABLE)) if rng.random() < 0.4 else []
+    if len(outline):
+        center = outline[rng.integers(len(outline))][::-1] + rng.normal(0, 4, 2)
+        half = np.exp(rng.uniform(np.log([4, 3]), np.log([0.12 * width, 0.08 * height])))
     angle = np.radians(rng.normal(0, 25))
     axes = np.array([(np.cos(angle), np.sin(angle)), (-np.sin(angle), np.cos(angle))])
     corners = center + (half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])) @ axes + rng.normal(0, 5, (4, 2))
@@ -42,7 +47,7 @@ def smooth_walls(rng, image, label):
     openings through which one sees ceilings and walls further off."""
     height, width = label.shape
     ground = (label == DRIVABLE).astype(np.uint8)
-    reach = int(rng.uniform(0.06, 0.4) * height)
+    reach = max(4, int(np.exp(rng.uniform(np.log(0.015), np.log(0.4))) * height))  # walls far off are a few rows
     # What lies above the floor in the picture, by up to `reach`; at the rims walls lean, so that the shift does too.
     wall = np.zeros(label.shape, np.float32)
     lean = rng.uniform(0, 1.2 if rng.random() < 0.3 else 0.5)
@@ -50,7 +55,7 @@ def smooth_walls(rng, image, label):
         for side in (-1, 1):
             wall = np.maximum(wall, shifted(ground, int(side * lean * step), -step))
     wall *= ground == 0
-    edges = np.sort(rng.uniform(0, width, rng.integers(0, 6))).astype(int)
+    edges = np.sort(rng.uniform(0, width, rng.integers(0, 6 if rng.random() < 0.7 else 24))).astype(int)
     tilt = rng.normal(0, 0.3)
     u, v = np.meshgrid(np.arange(width), np.arange(height))
     panel = np.searchsorted(edges, u + tilt * (v - height / 2)) if len(edges) else np.zeros((height, width), int)
@@ -69,7 +74,18 @@ def smooth_walls(rng, image, label):
     texture = image.astype(np.float32) - cv2.GaussianBlur(image, (0, 0), 6)
     paint = paint * shade[..., None] + rng.uniform(0, 0.3) * texture + rng.normal(0, rng.uniform(0, 3), image.shape)
     share = cv2.GaussianBlur(wall, (3, 3), 0)[..., None]
+    if rng.random() < 0.4:
+        image = shine_of(rng, image, paint, wall, reach) * ground[..., None] + image * (1 - ground[..., None])
     return np.clip(image * (1 - share) + paint * share, 0, 255).astype(np.uint8)
+
+
+def shine_of(rng, image, paint, wall, reach):
+    """`image` with the wall's colours on the floor at its foot, as a polished floor shows them."""
+    box = (5, 2 * reach + 1)
+    near = cv2.blur(wall, box)
+    color = cv2.blur(paint * wall[..., None], box) / np.maximum(near, 1e-3)[..., None]
+    share = (np.minimum(2 * near, 1) * rng.uniform(0, 0.7))[..., None]
+    return image * (1 - share) + share * color
 
 
 def paint_walls(rng, image, label):
@@ -80,6 +96,6 @@ def paint_walls(rng, image, label):
         painted = painted * np.exp(rng.normal(0, 0.5) + rng.normal(0, 0.3, 3)) + rng.normal(0, 10, 3)
     for _ in range(rng.integers(0, 5)):
         paint, where = wall_paint(rng, image, label)
-        share = (wall_patch(rng, image.shape[1::-1]) * where)[..., None] * rng.uniform(0.5, 1.0)
+        share = (wall_patch(rng, label) * where)[..., None] * rng.uniform(0.5, 1.0)
         painted = painted * (1 - share) + share * paint
     return np.clip(image * (1 - wall) + painted * wall, 0, 255).astype(np.uint8)

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Weights of pixels; two steps of training on made-up pictures, exported and read by OpenCV. Skipped (77) without PyTorch.
+"""Weights of pixels; kerbs; two steps of training on made-up pictures and one more with batch normalisation folded,
+exported and read by OpenCV. Skipped (77) without PyTorch.
 
 training_smoke_test.py TRAINING_FOLDER
 """
@@ -11,7 +12,7 @@ import tempfile
 try:
     import cv2
     import numpy as np
-    import torch  # noqa: F401
+    import torch
     import yaml  # noqa: F401
 except ImportError as error:
     print(f"skipped: {error}")
@@ -47,9 +48,39 @@ def check_weights(training):
     assert weights[300, 320] == 1 and weights[100, 320] == 1  # at the car; sky
 
 
+def check_kerbs():
+    """A kerb is not drivable, and the floor on both its sides stays so."""
+    from kerbs import add_kerb
+
+    image, rng, changes = np.full((192, 320, 3), 90, np.uint8), np.random.default_rng(3), []
+    for _ in range(20):
+        label = np.full((192, 320), 255, np.uint8)
+        painted = add_kerb(rng, image, label)
+        assert 0.001 < (label == 0).mean() < 0.2, (label == 0).mean()
+        change = np.abs(painted.astype(float) - 90).mean(2)
+        changes.append((change[label == 0].mean(), change[label == 255].mean()))
+    of_kerbs, of_floor = np.mean(changes, 0)
+    assert of_kerbs > 2 * of_floor, (of_kerbs, of_floor)
+
+
+def check_fold():
+    """Folding changes nothing of what the network says."""
+    from network import FreespaceNetwork, fold
+
+    torch.manual_seed(1)
+    network, picture = FreespaceNetwork(), 255 * torch.rand(2, 3, 64, 96)
+    network.train()(picture)  # means and variances that are not 0 and 1
+    before = network.eval()(picture)
+    after = fold(network)(picture)
+    assert not any(isinstance(part, torch.nn.BatchNorm2d) for part in network.modules())
+    assert torch.allclose(before, after, atol=1e-3 * float(before.abs().max())), (before - after).abs().max()
+
+
 def main():
     training = pathlib.Path(sys.argv[1])
     check_weights(training)
+    check_kerbs()
+    check_fold()
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         rng = np.random.default_rng(1)
@@ -65,6 +96,10 @@ def main():
 
         log = run("train.py", "--camvid", folder / "camvid", "--drives", folder, "--steps", 2, "--batch", 2, "--out", folder / "a.pt")
         assert "step 2" in log and "camvid" in log, log
+        folded = ("--resume", folder / "a.pt", "--fold", "--begin", 1)
+        log = run("train.py", "--camvid", folder / "camvid", "--drives", folder, "--steps", 1, "--batch", 2, *folded, "--out", folder / "b.pt")
+        assert "step 1" in log, log
+        assert "difference" in run("export.py", folder / "b.pt", folder / "b.onnx")
         assert "difference" in run("export.py", folder / "a.pt", folder / "a.onnx")
         figures = run("evaluate.py", folder / "a.onnx", "--camvid", folder / "camvid/val")
         assert "3 pictures, IoU" in figures, figures
