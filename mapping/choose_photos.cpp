@@ -68,22 +68,29 @@ std::vector<bool> ChoosePhotos(std::span<GroundPhoto> photos, std::span<const Ei
   std::vector<bool> is_chosen(photos.size());
   for (std::size_t i = photos.size(); i-- > 0;) {
     GroundPhoto& photo = photos[i];
-    bool is_prepared = !prepare;
     const Rigid3 camera_from_site = photo.site_from_camera.Inverse();
     const Eigen::Vector3d& eye = photo.site_from_camera.translation;
+    // From what costs least to what costs most: how steep a sight can be at all, the projection, and what is in the
+    // way.
     std::vector<std::pair<Place*, float>> shown;
-    int num_served = 0;
+    const auto count_served = [&] {
+      return std::count_if(shown.begin(), shown.end(),
+                           [&](const auto& sight) { return sight.first->Wants(photo.drive, sight.second); });
+    };
     squares.VisitAround(eye.head<2>(), max_range, [&](Place& place) {
-      // As steep as it can be: most places are past wanting more, which is seen without a projection.
       const Eigen::Vector3d sight = place.point - eye;
       if (!place.Wants(photo.drive, static_cast<float>(-sight.z() / sight.norm()))) return;
-      if (!std::exchange(is_prepared, true)) prepare(photo);
       const float steepness = SeePoint(photo, camera_from_site, place.point, max_range).steepness;
-      if (steepness <= 0) return;
-      shown.emplace_back(&place, steepness);
-      if (place.Wants(photo.drive, steepness)) ++num_served;
+      if (steepness > 0) shown.emplace_back(&place, steepness);
     });
-    if (num_served < kMinPlaces) continue;
+    if (count_served() < kMinPlaces) continue;
+    if (prepare) {
+      prepare(photo);
+      std::erase_if(shown, [&](const auto& sight) {
+        return !photo.open_ground.Shows(eye.head<2>(), sight.first->point.template head<2>());
+      });
+      if (count_served() < kMinPlaces) continue;
+    }
     is_chosen[i] = true;
     for (const auto& [place, steepness] : shown) place->Add(photo.drive, steepness);
   }

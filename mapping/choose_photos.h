@@ -17,7 +17,7 @@ namespace parkade {
 ///
 /// \param photos   drive by drive, the latest last; their images are not looked at
 /// \param places   [m] in site, on the ground, evenly spread
-/// \param prepare  is called once with each photo that may be chosen, before it is asked what it shows
+/// \param prepare  is called once with each photo that may be chosen: says what of the ground it shows (open_ground)
 /// \return for each photo whether it is chosen
 std::vector<bool> ChoosePhotos(std::span<GroundPhoto> photos, std::span<const Eigen::Vector3d> places, double max_range,
                                const std::function<void(GroundPhoto&)>& prepare = {});
