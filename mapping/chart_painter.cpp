@@ -32,8 +32,8 @@ std::uint8_t ToByte(float value) { return static_cast<std::uint8_t>(std::clamp(v
 
 /// Gives texels off the mesh the colour of the nearest one on it: no dark fringe when a viewer interpolates.
 void ContinueBeyondBorder(TextureChart& chart) {
-  cv::Mat off, distance, nearest;
-  off = chart.mask == 0;
+  const cv::Mat off = chart.mask == 0;
+  cv::Mat distance, nearest;
   if (cv::countNonZero(off) == 0 || cv::countNonZero(chart.mask) == 0) return;
   cv::distanceTransform(off, distance, nearest, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
   std::vector<cv::Vec3b> color_of(static_cast<std::size_t>(cv::countNonZero(chart.mask)) + 1);

@@ -70,8 +70,7 @@ std::vector<bool> ChoosePhotos(std::span<GroundPhoto> photos, std::span<const Ei
     GroundPhoto& photo = photos[i];
     const Rigid3 camera_from_site = photo.site_from_camera.Inverse();
     const Eigen::Vector3d& eye = photo.site_from_camera.translation;
-    // From what costs least to what costs most: how steep a sight can be at all, the projection, and what is in the
-    // way.
+    // What costs least comes first: how steep a sight can be at all, then the projection, then what is in the way.
     std::vector<std::pair<Place*, float>> shown;
     const auto count_served = [&] {
       return std::count_if(shown.begin(), shown.end(),
