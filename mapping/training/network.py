@@ -77,7 +77,7 @@ class FreespaceNetwork(nn.Module):
 
 
 def fold(network):
-    """The same network with batch normalisation folded into the convolutions: more than twice as fast to train further."""
+    """The same network with batch normalisation folded into the convolutions: nearly twice as fast to train further."""
     network.eval()
     for block in network.modules():
         if isinstance(block, nn.Sequential) and len(block) == 3 and isinstance(block[1], nn.BatchNorm2d):

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <opencv2/core.hpp>
 #include <set>
 #include <tuple>
 
@@ -106,6 +107,19 @@ TEST(TileLevels, PicturesStayWhereTheyAre) {
       EXPECT_EQ(painted, tile.mesh.triangles.size());
     }
   EXPECT_LE(levels.back().tiles[0].texture.charts[0].image.cols, 500 / 4 + 1);
+}
+
+TEST(TileLevels, GroundThatNoPhotoShowsIsGround) {
+  const SiteMap painted = MakeTexturedMap();
+  SiteMap plain = MakeTexturedMap();
+  for (TextureChart& chart : plain.texture.charts) chart.mask.setTo(TextureChart::kPlain, chart.mask);
+  const auto coarsest_mask = [](const SiteMap& map) -> cv::Mat {
+    return LevelsOf(map).back().tiles[0].texture.charts[0].mask != 0;
+  };
+  const cv::Mat one = coarsest_mask(painted), other = coarsest_mask(plain);
+  ASSERT_EQ(one.size(), other.size());
+  EXPECT_EQ(cv::countNonZero(one != other), 0);
+  EXPECT_GT(cv::countNonZero(other), 0);
 }
 
 TEST(MergeVertices, MovesNoVertexFurtherThanItsCubeIsLong) {
