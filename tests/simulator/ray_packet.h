@@ -3,6 +3,7 @@
 #include <embree3/rtcore.h>
 
 #include <array>
+#include <limits>
 
 #include "tests/simulator/row_poses.h"
 #include "tests/simulator/sample_table.h"
@@ -34,6 +35,17 @@ inline void SetRay(RTCRay16& rays, int lane, const Eigen::Vector3f& origin, cons
   rays.dir_x[lane] = direction.x(), rays.dir_y[lane] = direction.y(), rays.dir_z[lane] = direction.z();
   rays.tnear[lane] = 0, rays.tfar[lane] = far, rays.time[lane] = time;
   rays.mask[lane] = ~0u, rays.id[lane] = static_cast<unsigned>(lane), rays.flags[lane] = 0;
+}
+
+/// Empties the rays of lanes that are not valid. Embree splits packets that are wider than the processor's registers, and
+/// then knows such lanes by their interval alone.
+inline void EmptyOtherLanes(const int* valid, RTCRay16& rays) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  for (int lane = 0; lane < static_cast<int>(kPacketSize); ++lane) {
+    if (valid[lane]) continue;
+    SetRay(rays, lane, Eigen::Vector3f::Zero(), Eigen::Vector3f::UnitZ(), -kInfinity, 0);
+    rays.tnear[lane] = kInfinity;
+  }
 }
 
 /// Marks a lane as one that has met nothing yet.

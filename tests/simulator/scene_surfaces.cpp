@@ -78,6 +78,7 @@ LaneFlags SceneSurfaces::Trace(const int* valid, RTCRayHit16& hits) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  EmptyOtherLanes(valid, hits.ray);
   rtcIntersect16(valid, world_.scene(), &context, &hits);
   LaneFlags is_mover{};
   if (movers_.empty()) return is_mover;
@@ -92,6 +93,7 @@ void SceneSurfaces::Occlude(const int* valid, RTCRay16& rays) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  EmptyOtherLanes(valid, rays);
   rtcOccluded16(valid, world_.scene(), &context, &rays);
   if (!movers_.empty()) rtcOccluded16(valid, movers_.scene(), &context, &rays);
 }

@@ -47,6 +47,7 @@ void Sunlight::FallOn(const PacketPoses& poses, const LaneFlags& is_surface, Sur
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    EmptyOtherLanes(valid_near, in_body);
     rtcOccluded16(valid_near, own_car_.scene(), &context, &in_body);
   }
   for (int lane = 0; lane < kPacketSize; ++lane) {
