@@ -3,7 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Sparse>
 
-#include "mapping/solve_cholesky.h"
+#include "core/sparse_cholesky.h"
 
 namespace parkade {
 namespace {

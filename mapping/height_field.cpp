@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "core/floor_of.h"
-#include "mapping/solve_cholesky.h"
+#include "core/sparse_cholesky.h"
 
 namespace parkade {
 namespace {

@@ -65,7 +65,8 @@ void PlaceInSite(const MapOptions& options, DriveStages& stages, std::vector<Dri
       places = stages.FindPlaces(*drive.calibrated, drive.odometry, drive.outcome.refinement);
     else  // for maps that it is compared with, and drives that join it
       stages.KeepPlaces(*drive.calibrated, drive.odometry, drive.outcome.refinement);
-    to_join.push_back({odom_from_body, std::move(places), drive.outcome.loops, drive.outcome.gnss});
+    to_join.push_back(
+        {odom_from_body, std::move(places), drive.outcome.loops, drive.outcome.gnss, drive.outcome.refinement.modes});
   }
   built.join = JoinDrives(to_join, options.loops, options.links, stages.MemoryOfPairs(built.names, to_join));
   bool has_gnss = false;

@@ -57,6 +57,10 @@ class DriveAdjustment {
   /// number of steps.
   int Solve(const AdjustedStretch& stretch, int max_iterations);
 
+  /// Of the poses of `knots` around the solution, [rotation in imu, position in odom] each; position and yaw of the
+  /// first knot of the drive are certain. See MarginalCovariance.
+  Eigen::MatrixXd PoseCovariance(const std::vector<size_t>& knots);
+
   /// Moves knots by one motion of odom each, at their places in time, and triangulates all landmarks anew.
   void MoveKnots(const std::vector<Rigid3>& odom_from_odom);
   void SetCalibration(const std::vector<CameraParameters>& cameras, double wheel_scale);
@@ -81,6 +85,7 @@ class DriveAdjustment {
   struct Sighting;
   struct Landmark;
   struct Seen;
+  struct StretchProblem;
   using ChosenTrack = std::vector<Seen>;
   static std::vector<ChosenTrack> ChooseTracks(const DriveMeasurements& measurements, const RefinementOptions& options);
   struct Image {
@@ -99,6 +104,7 @@ class DriveAdjustment {
     double* extrinsics = nullptr;
     double* timing = nullptr;
   };
+  std::unique_ptr<StretchProblem> Pose(const AdjustedStretch& stretch);
   void AddKnots(const DriveMeasurements& measurements, const std::vector<MotionState>& start);
   void AddImages(const DriveMeasurements& measurements);
   void AddLandmarks(const DriveMeasurements& measurements, const std::vector<ChosenTrack>& tracks);

@@ -1,6 +1,5 @@
 #include "slam/drive_ties.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -25,12 +24,6 @@ Matrix6d AdjointOf(const Rigid3& motion) {
   adjoint.topLeftCorner<3, 3>() = adjoint.bottomRightCorner<3, 3>() = rotation;
   adjoint.topRightCorner<3, 3>() = Skew(motion.translation) * rotation;
   return adjoint;
-}
-
-/// S with S^T S = information, which may be singular.
-Matrix6d SquareRootOf(const Matrix6d& information) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information);
-  return solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * solver.eigenvectors().transpose();
 }
 
 /// A loop between frames that are rigid with two knots, as one between the knots.

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "slam/adjust_jointly.h"
 #include "slam/link_all_drives.h"
 #include "slam/place_by_gnss.h"
 #include "slam/place_graph.h"
@@ -73,7 +74,7 @@ class JointGraph {
       for (const Place& place : drives[i].places) poses.push_back(*group_from_odom[i] * place.odom_from_place);
       first_vertex_[i] =
           AddPlaces(drives[i].places, poses, options, kIdsPerDrive * static_cast<std::int64_t>(i), graph_);
-      AddOwnLoops(drives[i], first_vertex_[i]);
+      AddClosedLoops(drives[i], first_vertex_[i], graph_);
     }
     graph_.vertices[1].is_fixed = true;
   }
@@ -107,18 +108,6 @@ class JointGraph {
   }
 
  private:
-  /// The final trajectory has them closed: they only hold it together as firmly as they were measured.
-  void AddOwnLoops(const DriveToJoin& drive, size_t first_vertex) {
-    const std::vector<Place>& places = drive.places;
-    for (const LoopEvidence& loop : drive.loops.loops) {
-      if (loop.weight < 0.5 || loop.pose.information.diagonal().minCoeff() <= 0) continue;
-      graph_.edges.push_back(
-          {first_vertex + loop.earlier_place, first_vertex + loop.later_place,
-           places[loop.earlier_place].odom_from_place.Inverse() * places[loop.later_place].odom_from_place,
-           loop.share * loop.pose.information, true});
-    }
-  }
-
   PoseGraph graph_;
   std::vector<size_t> first_vertex_;  ///< per drive
   std::vector<size_t> first_link_;    ///< per pair: its first edge
@@ -138,6 +127,21 @@ void SolveGroup(const std::vector<DriveToJoin>& drives, const std::vector<size_t
   if (!used.empty()) graph.Solve(used);
   for (size_t i = 0; i < drives.size(); ++i)
     if (frames[i]) poses[i] = graph.Poses(i, drives[i].places.size());
+}
+
+/// All drives of a group at once.
+void RefineGroup(const std::vector<DriveToJoin>& drives, const std::vector<size_t>& groups, size_t group,
+                 const LoopOptions& loops, std::vector<DrivePair>& pairs, std::vector<std::vector<Rigid3>>& poses) {
+  std::vector<DrivePair*> used;
+  for (DrivePair& pair : pairs)
+    if (groups[pair.drive_a] == group && pair.num_accepted() > 0) used.push_back(&pair);
+  if (used.empty()) return;
+  std::vector<std::vector<Rigid3>> group_from_place(drives.size());
+  for (size_t i = 0; i < drives.size(); ++i)
+    if (groups[i] == group) group_from_place[i] = poses[i];
+  AdjustJointly(drives, loops, used, group_from_place);
+  for (size_t i = 0; i < drives.size(); ++i)
+    if (groups[i] == group) poses[i] = std::move(group_from_place[i]);
 }
 
 /// Moves the groups that have GNSS to where it puts them, which makes them one group. Returns the group that is kept.
@@ -214,6 +218,8 @@ DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& 
     before = groups;
     groups = FindGroups(drives.size(), join.pairs);
   }
+  for (size_t i = 0; i < drives.size(); ++i)
+    if (groups[i] == i) RefineGroup(drives, groups, i, loops, join.pairs, poses);
   const size_t group = PlaceGroups(drives, groups, poses);
   for (size_t i = 0; i < drives.size(); ++i) {
     if (groups[i] == group) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "slam/align_to_gnss.h"
+#include "slam/bending_modes.h"
 #include "slam/close_loops.h"
 #include "slam/drive_links.h"
 
@@ -18,6 +19,7 @@ struct DriveToJoin {
   std::vector<Place> places;          ///< all of them, see PlacesAlong; a drive alone needs none
   LoopClosure loops;                  ///< between these places
   std::optional<GnssAlignment> gnss;  ///< all drives' in one datum
+  BendingModes modes = {};            ///< how it may be off; empty: as AddPlaces has it
 };
 
 /// The places that CloseLoops found along `odometry`, where `odom_from_body` puts them. DescribePlaces says anew what
@@ -53,10 +55,11 @@ struct DriveJoin {
 
 /// Joins drives of one place: links between them by LinkAllDrives; one pose graph of the
 /// places of all drives that links hold together, with the drives' own loops and gravity, in which graduated
-/// non-convexity doubts the links; then each such group is placed on Earth by the GNSS of its drives, rigidly. Kept is
-/// the largest set of drives that hang together by links or by GNSS (of equal ones that with the longest way); a drive
-/// that does not is left out with a reason. `site` is the datum's tangent plane where a kept drive has GNSS, else the
-/// odometry frame of the first kept drive. A single drive is only placed.
+/// non-convexity doubts the links; all these drives adjusted at once, each as its own refinement allows
+/// (AdjustJointly); then each such group is placed on Earth by the GNSS of its drives, rigidly. Kept is the largest set
+/// of drives that hang together by links or by GNSS (of equal ones that with the longest way); a drive that does not is
+/// left out with a reason. `site` is the datum's tangent plane where a kept drive has GNSS, else the odometry frame of
+/// the first kept drive. A single drive is only placed.
 DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops, const DriveLinkOptions& links,
                      const PairMemory& memory = {});
 

@@ -5,19 +5,40 @@
 
 namespace parkade {
 
-std::vector<double> SharesOf(const std::vector<LoopEvidence>& loops, const std::vector<Place>& places, double reach) {
+namespace {
+
+/// \param ways  [m] along either drive, of what counts
+std::vector<double> SharesOf(const std::vector<Eigen::Vector2d>& ways, double reach) {
   std::vector<double> shares;
-  for (const LoopEvidence& loop : loops) {
-    double sum = 1;
-    for (const LoopEvidence& other : loops) {
-      if (&other == &loop || !other.pose.rejected.empty()) continue;
-      const double earlier = places[loop.earlier_place].distance - places[other.earlier_place].distance;
-      const double later = places[loop.later_place].distance - places[other.later_place].distance;
-      sum += kNeighbourCorrelation * std::max(0.0, 1 - std::hypot(earlier, later) / reach);
-    }
-    shares.push_back(loop.pose.rejected.empty() ? 1 / sum : 0);
+  for (const Eigen::Vector2d& way : ways) {
+    double sum = 1 - kNeighbourCorrelation;
+    for (const Eigen::Vector2d& other : ways)
+      sum += kNeighbourCorrelation * std::max(0.0, 1 - (way - other).norm() / reach);
+    shares.push_back(1 / sum);
   }
   return shares;
+}
+
+}  // namespace
+
+std::vector<double> SharesOf(const std::vector<LoopEvidence>& loops, const std::vector<Place>& places, double reach) {
+  std::vector<Eigen::Vector2d> ways;
+  for (const LoopEvidence& loop : loops)
+    if (loop.pose.rejected.empty())
+      ways.emplace_back(places[loop.earlier_place].distance, places[loop.later_place].distance);
+  const std::vector<double> of_measured = SharesOf(ways, reach);
+  auto share = of_measured.begin();
+  std::vector<double> shares;
+  for (const LoopEvidence& loop : loops) shares.push_back(loop.pose.rejected.empty() ? *share++ : 0);
+  return shares;
+}
+
+std::vector<double> SharesOf(const std::vector<PlaceLink>& links, const std::vector<Place>& places_a,
+                             const std::vector<Place>& places_b, double reach) {
+  std::vector<Eigen::Vector2d> ways;
+  for (const PlaceLink& link : links)
+    ways.emplace_back(places_a[link.place_a].distance, places_b[link.place_b].distance);
+  return SharesOf(ways, reach);
 }
 
 }  // namespace parkade

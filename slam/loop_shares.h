@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "slam/close_loops.h"
+#include "slam/drive_links.h"
 
 namespace parkade {
 
@@ -13,6 +14,10 @@ namespace parkade {
 ///
 /// \param reach  [m] along the drive, both ends together
 std::vector<double> SharesOf(const std::vector<LoopEvidence>& loops, const std::vector<Place>& places, double reach);
+
+/// The same of links between the places of two drives.
+std::vector<double> SharesOf(const std::vector<PlaceLink>& links, const std::vector<Place>& places_a,
+                             const std::vector<Place>& places_b, double reach);
 
 /// Of the errors of two loops at the same places. Measured on 370 loops of 12 rendered drives: 0.37 below 2 m, 0.19
 /// from 2 to 4 m, 0.12 from 4 to 6 m, 0.05 beyond.

@@ -8,41 +8,6 @@
 #include "slam/track_errors.h"
 
 namespace parkade {
-namespace {
-
-using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-struct Evaluated {
-  std::vector<RowMajorMatrix> jacobians;  // by the blocks' tangents
-  Eigen::VectorXd residual;
-};
-
-// Residual and Jacobians, both scaled by the root of the loss' slope: the
-// Gauss-Newton part of Triggs' correction, which keeps the system definite.
-std::optional<Evaluated> Evaluate(const LinearisableBlock& block) {
-  Evaluated result;
-  result.residual.resize(block.cost->num_residuals());
-  std::vector<RowMajorMatrix> full;
-  std::vector<double*> pointers;
-  for (const int size : block.cost->parameter_block_sizes()) full.emplace_back(block.cost->num_residuals(), size);
-  for (RowMajorMatrix& jacobian : full) pointers.push_back(jacobian.data());
-  if (!block.cost->Evaluate(block.parameters.data(), result.residual.data(), pointers.data())) return std::nullopt;
-  double scale = 1;
-  if (block.loss) {
-    double rho[3];
-    block.loss->Evaluate(result.residual.squaredNorm(), rho);
-    scale = std::sqrt(rho[1]);
-  }
-  result.residual *= scale;
-  for (size_t i = 0; i < full.size(); ++i) result.jacobians.push_back(scale * full[i].leftCols(block.tangent_sizes[i]));
-  const bool is_finite =
-      result.residual.allFinite() && std::all_of(result.jacobians.begin(), result.jacobians.end(),
-                                                 [](const RowMajorMatrix& jacobian) { return jacobian.allFinite(); });
-  if (!is_finite) return std::nullopt;
-  return result;
-}
-
-}  // namespace
 
 Marginaliser::Marginaliser(int num_dropped, int num_kept)
     : num_dropped_(num_dropped),
@@ -63,7 +28,7 @@ void Marginaliser::AddScores(const std::vector<int>& columns, const Eigen::Matri
 }
 
 bool Marginaliser::Add(const LinearisableBlock& block, const Eigen::MatrixXd* score_covariance) {
-  const std::optional<Evaluated> evaluated = Evaluate(block);
+  const std::optional<LinearisedBlock> evaluated = Linearise(block);
   if (!evaluated) return false;
   int width = 0;
   for (const int size : block.tangent_sizes) width += size;
@@ -95,7 +60,7 @@ bool Marginaliser::AddLandmark(std::span<const LinearisableBlock> observations) 
   if (stacked.rows() <= kOwn) return false;
   Eigen::Index row = 0;
   for (const LinearisableBlock& block : observations) {
-    const std::optional<Evaluated> evaluated = Evaluate(block);
+    const std::optional<LinearisedBlock> evaluated = Linearise(block);
     if (!evaluated) return false;
     stacked.block<2, kOwn>(row, 0) = evaluated->jacobians.back();
     for (size_t i = 0; i + 1 < block.columns.size(); ++i) {

@@ -1,26 +1,13 @@
 #pragma once
 
-#include <ceres/cost_function.h>
-#include <ceres/loss_function.h>
-
 #include <Eigen/Core>
 #include <span>
 #include <vector>
 
 #include "slam/linear_prior.h"
+#include "slam/linearise_block.h"
 
 namespace parkade {
-
-/// A residual block with the parameters to linearise it at. `columns` holds, per
-/// parameter block, the first column of its tangent in the system; the tangent
-/// is the first `tangent_sizes` columns of the block's Jacobian (identity lift).
-struct LinearisableBlock {
-  const ceres::CostFunction* cost = nullptr;
-  const ceres::LossFunction* loss = nullptr;  ///< null: none
-  std::vector<const double*> parameters;
-  std::vector<int> columns;
-  std::vector<int> tangent_sizes;
-};
 
 /// Turns residual blocks into a prior on the columns that stay, by Householder
 /// QR of the stacked Jacobian: never squares it as a Hessian would.

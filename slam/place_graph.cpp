@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "slam/close_loops.h"
+#include "slam/join_drives.h"
 #include "slam/odometry_drift.h"
 
 namespace parkade {
@@ -54,6 +54,17 @@ size_t AddPlaces(const std::vector<Place>& places, const std::vector<Rigid3>& wo
     graph.edges.push_back(gravity);
   }
   return first;
+}
+
+void AddClosedLoops(const DriveToJoin& drive, size_t first_vertex, PoseGraph& graph) {
+  const std::vector<Place>& places = drive.places;
+  for (const LoopEvidence& loop : drive.loops.loops) {
+    if (loop.weight < 0.5 || loop.pose.information.diagonal().minCoeff() <= 0) continue;
+    graph.edges.push_back(
+        {first_vertex + loop.earlier_place, first_vertex + loop.later_place,
+         places[loop.earlier_place].odom_from_place.Inverse() * places[loop.later_place].odom_from_place,
+         loop.share * loop.pose.information, true});
+  }
 }
 
 }  // namespace parkade

@@ -9,6 +9,7 @@
 
 namespace parkade {
 
+struct DriveToJoin;
 struct LoopOptions;
 
 inline constexpr std::int64_t kIdsPerDrive = 1'000'000'000;  ///< keeps those of several drives in one graph apart
@@ -26,5 +27,9 @@ PoseGraph WorldGraph();
 /// \param first_id          of the first place; the others count up. Ids of several drives must lie far apart.
 size_t AddPlaces(const std::vector<Place>& places, const std::vector<Rigid3>& world_from_place,
                  const LoopOptions& options, std::int64_t first_id, PoseGraph& graph);
+
+/// The loops of a drive that were believed, between its places as they are: its final trajectory has them closed, so
+/// that they only hold it together as firmly as they were measured. Edges between vertices from `first_vertex` on.
+void AddClosedLoops(const DriveToJoin& drive, size_t first_vertex, PoseGraph& graph);
 
 }  // namespace parkade

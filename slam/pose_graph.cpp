@@ -39,6 +39,11 @@ EdgeConcentrations ConcentrationsOf(const PoseGraphEdge& edge, bool is_planar) {
           HarmonicMeanOfEigenvalues(Eigen::Matrix3d(edge.information.topLeftCorner<3, 3>()))};
 }
 
+Matrix6d SquareRootOf(const Matrix6d& information) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information);
+  return solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * solver.eigenvectors().transpose();
+}
+
 Matrix6d SquareRootWeight(const PoseGraph& graph, const PoseGraphEdge& edge, PoseGraphObjective objective) {
   if (objective == PoseGraphObjective::kChordal) {
     const EdgeConcentrations concentrations = ConcentrationsOf(edge, graph.is_planar);

@@ -20,6 +20,8 @@ constexpr size_t kMinHeldOut = 2;          // loops, fewer judge nothing
 constexpr double kOutputInterval = 0.025;  // [s] between states
 // Median squared error per degree of freedom of loops that need no excuse. The pose graph shows less: it has seen them.
 constexpr double kNormalLoopError = 2;
+constexpr double kModeDistance = 2;  // [m] between poses that modes speak about
+constexpr double kMaxModePoses = 60;
 constexpr double kNormalImuError = 1.5;  // mean squared error per degree of freedom that needs no excuse
 
 /// The states of the knots, moved as the pose graph moved the drive.
@@ -58,6 +60,41 @@ Trajectory Rebuild(const DriveMeasurements& measurements, const std::vector<Moti
   for (const TrajectoryState& state : later.states())
     if (state.time > rebuilt.back().time) all.push_back(state);
   return Trajectory(std::move(all));
+}
+
+/// Knots at even distances along the drive, the first and the last among them.
+std::vector<size_t> SpreadKnots(const std::vector<MotionState>& states) {
+  std::vector<double> ways(states.size());
+  for (size_t i = 1; i < states.size(); ++i)
+    ways[i] = ways[i - 1] + (states[i].odom_from_imu.translation - states[i - 1].odom_from_imu.translation).norm();
+  const double distance = std::max(kModeDistance, ways.back() / kMaxModePoses);
+  std::vector<size_t> knots = {0};
+  for (size_t i = 1; i + 1 < states.size(); ++i)
+    if (ways[i] - ways[knots.back()] >= distance && ways.back() - ways[i] >= distance) knots.push_back(i);
+  knots.push_back(states.size() - 1);
+  return knots;
+}
+
+/// Empty where the drive was solved in pieces: the whole would take too much memory.
+BendingModes ModesOf(DriveAdjustment& adjustment, const Rig& rig, int num_pieces) {
+  if (num_pieces > 1) return {};
+  const std::vector<MotionState> states = adjustment.States();
+  const std::vector<size_t> knots = SpreadKnots(states);
+  const Rigid3 imu_from_body = rig.body_from_imu.Inverse();
+  std::vector<Timestamp> times;
+  Eigen::MatrixXd covariance = adjustment.PoseCovariance(knots);
+  for (size_t i = 0; i < knots.size(); ++i) {
+    const Rigid3& odom_from_imu = states[knots[i]].odom_from_imu;
+    const Eigen::Matrix3d rotation = odom_from_imu.rotation.toRotationMatrix();
+    Matrix6d to_body = Matrix6d::Identity();  // from [rotation in imu | position of the imu]
+    to_body.topLeftCorner<3, 3>() = rotation;
+    to_body.bottomLeftCorner<3, 3>() = -Skew(rotation * imu_from_body.translation) * rotation;
+    const auto at = 6 * static_cast<Eigen::Index>(i);
+    covariance.middleRows<6>(at) = (to_body * covariance.middleRows<6>(at)).eval();
+    covariance.middleCols<6>(at) = (covariance.middleCols<6>(at) * to_body.transpose()).eval();
+    times.push_back(states[knots[i]].time);
+  }
+  return FindBendingModes(std::move(times), covariance);
 }
 
 /// Of what odometry had found observable, the refined value is taken.
@@ -166,6 +203,7 @@ DriveRefinement RefineDrive(const OdometryResult& odometry, const Rig& rig, cons
     TakeCalibration(odometry, adjustment.Cameras(), result);
     result.odom_from_body = Rebuild(measurements, adjustment.States(), RigOfEstimate(result.rig, adjustment.Cameras()),
                                     closure.odom_from_body);
+    result.modes = ModesOf(adjustment, rig, result.num_pieces);
     result.wheel_scale = 1 + adjustment.WheelScale();
     for (const TrajectoryState& state : result.odom_from_body.states())
       if (const std::optional<Rigid3> given = closure.odom_from_body.At(state.time))

@@ -6,6 +6,7 @@
 
 #include "slam/adjustment_statistics.h"
 #include "slam/align_to_gnss.h"
+#include "slam/bending_modes.h"
 #include "slam/close_loops.h"
 #include "slam/odometry_result.h"
 #include "slam/refinement_options.h"
@@ -35,6 +36,7 @@ GnssPositions ReadGnss(const DriveLog& log, const GnssAlignOptions& options);
 struct DriveRefinement {
   Trajectory odom_from_body;  ///< refined where accepted, else as it was given
   Rig rig;                    ///< likewise
+  BendingModes modes;         ///< how it may be off; empty where not accepted, or where the drive came in pieces
   bool is_accepted = false;
   std::string reason;  ///< why not accepted
   AdjustmentStatistics before, after;

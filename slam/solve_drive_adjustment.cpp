@@ -1,11 +1,13 @@
-// The non-linear solve of DriveAdjustment.
+// The non-linear problem of DriveAdjustment, its solution and how sure that is.
 #include <ceres/ceres.h>
 
 #include <algorithm>
 #include <set>
+#include <unordered_set>
 
 #include "slam/drive_adjustment_parts.h"
 #include "slam/imu_cost.h"
+#include "slam/marginal_covariance.h"
 #include "slam/relative_pose_cost.h"
 #include "slam/standstill_cost.h"
 #include "slam/wheel_cost.h"
@@ -53,24 +55,36 @@ ceres::Solver::Options SolverOptions(int max_iterations) {
 
 }  // namespace
 
-int DriveAdjustment::Solve(const AdjustedStretch& stretch, int max_iterations) {
-  const size_t begin = stretch.begin, end = stretch.end;
-  PointImages();
+/// A stretch of the drive as Ceres sees it.
+struct DriveAdjustment::StretchProblem {
+  explicit StretchProblem(const RefinementOptions& options)
+      : loss(options.robust_width),
+        // Residuals show the part of a track's errors that it does not share with its neighbours, the smaller one.
+        bearing_loss(&loss, 1 / (options.bearing_inflation * options.bearing_inflation), ceres::DO_NOT_TAKE_OWNERSHIP),
+        problem(ProblemOptions(&callback)) {}
+
   ImageCallback callback;
   PoseManifold manifold;
-  ceres::CauchyLoss loss(options_.robust_width);
-  // Residuals show the part of a track's errors that it does not share with its neighbours, which is the smaller one.
-  const double bearing_weight = 1 / (options_.bearing_inflation * options_.bearing_inflation);
-  ceres::ScaledLoss bearing_loss(&loss, bearing_weight, ceres::DO_NOT_TAKE_OWNERSHIP);
+  ceres::CauchyLoss loss;
+  ceres::ScaledLoss bearing_loss;
   std::vector<std::unique_ptr<ceres::CostFunction>> costs;
-  ceres::Solver::Options solver = SolverOptions(max_iterations);
-  ceres::Problem problem(ProblemOptions(&callback));
+  std::vector<double*> states;  ///< free blocks but landmarks
+  std::unordered_set<const double*> landmarks;
+  ceres::Problem problem;  // before what it points to goes
+};
+
+std::unique_ptr<DriveAdjustment::StretchProblem> DriveAdjustment::Pose(const AdjustedStretch& stretch) {
+  const size_t begin = stretch.begin, end = stretch.end;
+  PointImages();
+  auto posed = std::make_unique<StretchProblem>(options_);
+  ceres::Problem& problem = posed->problem;
+  ceres::LossFunction* const loss = &posed->loss;
   std::set<const double*> known;
   const auto know = [&](double* block, int size, bool is_pose, bool is_free) {
     if (!known.insert(block).second) return;
-    problem.AddParameterBlock(block, size, is_pose ? &manifold : nullptr);
+    problem.AddParameterBlock(block, size, is_pose ? &posed->manifold : nullptr);
     if (is_free)
-      solver.linear_solver_ordering->AddElementToGroup(block, 1);
+      posed->states.push_back(block);
     else
       problem.SetParameterBlockConstant(block);
   };
@@ -86,7 +100,7 @@ int DriveAdjustment::Solve(const AdjustedStretch& stretch, int max_iterations) {
   const auto add = [&](std::unique_ptr<ceres::CostFunction> cost, ceres::LossFunction* with,
                        const std::vector<double*>& blocks) {
     problem.AddResidualBlock(cost.get(), with, blocks);
-    costs.push_back(std::move(cost));
+    posed->costs.push_back(std::move(cost));
   };
   const bool frees_calibration = stretch.frees_calibration;
   const size_t last = stretch.has_open_end ? end : std::min(end + 1, knots_.size());  // behind the knots that matter
@@ -103,7 +117,7 @@ int DriveAdjustment::Solve(const AdjustedStretch& stretch, int max_iterations) {
           {pose_of(j - 1), pose_of(j), motion_of(j)});
     if (!interval.wheels) continue;
     know(wheel_scale_, 1, false, frees_calibration);
-    add(std::make_unique<WheelCost>(*interval.wheels, nullptr, nullptr), &loss,
+    add(std::make_unique<WheelCost>(*interval.wheels, nullptr, nullptr), loss,
         {pose_of(j - 1), motion_of(j - 1), pose_of(j), wheel_scale_});
   }
   for (size_t i = 0; i < cameras_.size(); ++i) {
@@ -125,13 +139,13 @@ int DriveAdjustment::Solve(const AdjustedStretch& stretch, int max_iterations) {
   const auto is_left_out = [&](size_t knot) { return stretch.has_open_end && knot >= end; };
   for (const AdjustedLoop& loop : loops_)
     if (loop.is_used && (is_moved(loop.from) || is_moved(loop.to)) && !is_left_out(std::max(loop.from, loop.to)))
-      add(std::make_unique<RelativePoseCost>(loop.from_from_to, loop.square_root_weight), &loss,
+      add(std::make_unique<RelativePoseCost>(loop.from_from_to, loop.square_root_weight), loss,
           {pose_of(loop.from), pose_of(loop.to)});
 
   for (const AdjustedFix& fix : fixes_) {
     if ((!is_moved(fix.first) && !is_moved(fix.first + 1)) || is_left_out(fix.first + 1)) continue;
     know(site_from_odom_, kSiteSize, false, frees_calibration);
-    add(std::make_unique<GnssCost>(fix.antenna), &loss, {pose_of(fix.first), pose_of(fix.first + 1), site_from_odom_});
+    add(std::make_unique<GnssCost>(fix.antenna), loss, {pose_of(fix.first), pose_of(fix.first + 1), site_from_odom_});
   }
 
   std::vector<bool> is_seen(images_.size());
@@ -144,25 +158,42 @@ int DriveAdjustment::Solve(const AdjustedStretch& stretch, int max_iterations) {
         std::count_if(landmark.sightings.begin(), landmark.sightings.end(), is_seen_here) < kMinSightings)
       continue;
     problem.AddParameterBlock(landmark.values, kLandmarkSize);
-    solver.linear_solver_ordering->AddElementToGroup(landmark.values, 0);
+    posed->landmarks.insert(landmark.values);
     for (const Sighting& sighting : landmark.sightings) {
       if (!is_seen_here(sighting)) continue;
       Image& image = images_[sighting.image];
       pose_of(image.first), pose_of(image.second);
-      if (!is_seen[sighting.image]) callback.Add(&image.geometry);
+      if (!is_seen[sighting.image]) posed->callback.Add(&image.geometry);
       is_seen[sighting.image] = true;
       std::vector<double*> blocks = BlocksOf(image);
       blocks.push_back(landmark.values);
-      problem.AddResidualBlock(sighting.cost.get(), &bearing_loss, blocks);
+      problem.AddResidualBlock(sighting.cost.get(), &posed->bearing_loss, blocks);
     }
   }
+  return posed;
+}
+
+int DriveAdjustment::Solve(const AdjustedStretch& stretch, int max_iterations) {
+  const std::unique_ptr<StretchProblem> posed = Pose(stretch);
+  ceres::Solver::Options solver = SolverOptions(max_iterations);
+  for (double* block : posed->states) solver.linear_solver_ordering->AddElementToGroup(block, 1);
+  for (Landmark& landmark : landmarks_)
+    if (posed->landmarks.contains(landmark.values))
+      solver.linear_solver_ordering->AddElementToGroup(landmark.values, 0);
   const std::vector<double> before = values_;
   ceres::Solver::Summary summary;
-  ceres::Solve(solver, &problem, &summary);
+  ceres::Solve(solver, &posed->problem, &summary);
   const bool is_finite = std::all_of(values_.begin(), values_.end(), [](double value) { return std::isfinite(value); });
   if (!summary.IsSolutionUsable() || !is_finite) std::copy(before.begin(), before.end(), values_.begin());
   PointImages();
   return static_cast<int>(summary.iterations.size()) - 1;
+}
+
+Eigen::MatrixXd DriveAdjustment::PoseCovariance(const std::vector<size_t>& knots) {
+  const std::unique_ptr<StretchProblem> posed = Pose({0, knots_.size(), false, true});
+  std::vector<const double*> poses;
+  for (const size_t knot : knots) poses.push_back(knots_[knot].pose);
+  return MarginalCovariance(posed->problem, posed->landmarks, poses);
 }
 
 }  // namespace parkade

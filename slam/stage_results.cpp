@@ -37,10 +37,15 @@ void Exchange(A& archive, CameraRefinement& camera) {
   archive(camera.name, camera.rotation, camera.translation, camera.time_offset, camera.is_taken);
 }
 template <typename A>
+void Exchange(A& archive, BendingModes& modes) {
+  archive(modes.times, modes.modes);
+}
+template <typename A>
 void Exchange(A& archive, DriveRefinement& refinement) {
   archive(refinement.odom_from_body, refinement.is_accepted, refinement.reason, refinement.before, refinement.after,
           refinement.cameras, refinement.wheel_scale, refinement.num_knots, refinement.num_fixes, refinement.num_loops,
-          refinement.num_held_out, refinement.num_pieces, refinement.num_iterations, refinement.largest_correction);
+          refinement.num_held_out, refinement.num_pieces, refinement.num_iterations, refinement.largest_correction,
+          refinement.modes);
   std::uint64_t num_cameras = refinement.rig.cameras.size();
   archive(num_cameras);
   Require(num_cameras == refinement.rig.cameras.size(), ErrorCode::kInvalidInput, "it is of another rig");

@@ -17,7 +17,7 @@ namespace parkade {
 // seconds of computing are 0. Reading throws Error{kInvalidInput} for bytes that are none.
 
 /// Raised whenever one of the layouts, or what a stage does with the same inputs, changes.
-constexpr int kStageResultsVersion = 2;
+constexpr int kStageResultsVersion = 3;
 
 std::string EncodeLoops(LoopClosure loops);
 LoopClosure DecodeLoops(std::string_view bytes);

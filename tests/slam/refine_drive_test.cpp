@@ -89,6 +89,33 @@ TEST(RefineDrive, GoodLoopsBringTheDriveNearerToTheTruth) {
   EXPECT_EQ(refined.odom_from_body.span().end, tracked.odometry.odom_from_body.span().end);
 }
 
+/// Mean square of the amounts of modes by which a refined drive differs from the truth, [sigma^2].
+double MeanSquareOfBends(const TrackedDrive& tracked, const DriveRefinement& refined) {
+  const BendingModes& modes = refined.modes;
+  std::vector<Rigid3> truth, estimate;
+  for (const Timestamp time : modes.times) {
+    const std::optional<Rigid3> pose = refined.odom_from_body.At(time);
+    const auto after = std::lower_bound(tracked.drive.truth.begin(), tracked.drive.truth.end(), time,
+                                        [](const TimedPose& pose, Timestamp t) { return pose.time < t; });
+    if (!pose || after == tracked.drive.truth.end()) return -1;
+    truth.push_back(after->world_from_frame);
+    estimate.push_back(*pose);
+  }
+  // Position and yaw of the first pose are the estimate's choice.
+  const Rigid3 frame = LevelledPose(estimate.front()) * LevelledPose(truth.front()).Inverse();
+  Eigen::VectorXd error(modes.modes.rows());
+  for (size_t i = 0; i < truth.size(); ++i) {
+    const Rigid3 actual = frame * truth[i];
+    error.segment<6>(6 * static_cast<Eigen::Index>(i)) << LogSo3(actual.rotation * estimate[i].rotation.conjugate()),
+        actual.translation - estimate[i].translation;
+  }
+  // The likeliest amounts beside a millimetre of what no mode has.
+  const Eigen::MatrixXd normal =
+      modes.modes.transpose() * modes.modes + 1e-6 * Eigen::MatrixXd::Identity(modes.size(), modes.size());
+  const Eigen::VectorXd amounts = normal.ldlt().solve(modes.modes.transpose() * error);
+  return amounts.squaredNorm() / static_cast<double>(modes.size());
+}
+
 TEST(RefineDrive, PiecesComeOutNearTheWhole) {
   const TrackedDrive& tracked = Tracked();
   const LoopClosure closure = LoopsOf(tracked, 0);
@@ -97,6 +124,7 @@ TEST(RefineDrive, PiecesComeOutNearTheWhole) {
       RefineDrive(tracked.odometry, tracked.drive.rig, closure, {.enabled = true, .max_knots = 100});
 
   EXPECT_GE(pieces.num_pieces, 2);
+  EXPECT_TRUE(pieces.modes.empty());
   ASSERT_TRUE(pieces.is_accepted) << pieces.reason;
   EXPECT_LT(tracked.ErrorOf(pieces.odom_from_body), tracked.ErrorOf(tracked.odometry.odom_from_body));
 }
@@ -128,8 +156,8 @@ TEST(RefineDrive, NeedsNoLoops) {
 }
 
 // Not each of them: what a drive without loops does not tell, scale above all, may as well come out worse.
-TEST(RefineDrive, DrivesWithoutLoopsComeOutBetterTakenTogether) {
-  double before = 0, after = 0;
+TEST(RefineDrive, DrivesWithoutLoopsComeOutBetterTakenTogetherAndKnowHowTheyMayBeOff) {
+  double before = 0, after = 0, bends = 0;
   for (const std::uint32_t seed : {3u, 4u, 5u}) {
     const TrackedDrive tracked{.seed = seed};
     LoopClosure none;
@@ -140,9 +168,13 @@ TEST(RefineDrive, DrivesWithoutLoopsComeOutBetterTakenTogether) {
     ASSERT_TRUE(refined.is_accepted) << refined.reason;
     before += std::pow(tracked.ErrorOf(tracked.odometry.odom_from_body), 2);
     after += std::pow(tracked.ErrorOf(refined.odom_from_body), 2);
+    ASSERT_GT(refined.modes.size(), 3);
+    bends += MeanSquareOfBends(tracked, refined) / 3;
   }
 
   EXPECT_LT(std::sqrt(after / before), 0.9);
+  EXPECT_GT(bends, 0.2);
+  EXPECT_LT(bends, 3);
 }
 
 /// What an RTK receiver reports every half second, one fix in ten being 5 m off.

@@ -23,6 +23,7 @@ DriveRefinement SomeRefinement() {
   refinement.cameras = {{"cam0", 0.1, 0.2, 0.3, true}};
   refinement.wheel_scale = 1.01;
   refinement.num_pieces = 3;
+  refinement.modes = {{Timestamp{5}, Timestamp{7}}, Eigen::MatrixXd::Random(12, 3)};
   refinement.seconds = 12;
   return refinement;
 }
@@ -77,6 +78,8 @@ TEST(StageResults, ARefinementComesBackOntoItsRig) {
   rig.cameras.resize(2);
   rig.cameras[1].name = "kept";
   const DriveRefinement read = DecodeRefinement(EncodeRefinement(refinement), rig);
+  EXPECT_EQ(read.modes.times, refinement.modes.times);
+  EXPECT_EQ(read.modes.modes, refinement.modes.modes);
   EXPECT_EQ(read.rig.cameras[1].name, "kept");
   EXPECT_EQ(read.rig.cameras[1].body_from_camera.translation, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(read.rig.cameras[1].time_shift, 0.01);

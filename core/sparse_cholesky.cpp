@@ -1,4 +1,4 @@
-#include "mapping/solve_cholesky.h"
+#include "core/sparse_cholesky.h"
 
 #include <dlfcn.h>
 
@@ -17,7 +17,7 @@ void KeepOpenMpToCaller() {
 
 }  // namespace
 
-Eigen::VectorXd SolveCholesky(const Eigen::SparseMatrix<double>& a, const Eigen::VectorXd& b) {
+Eigen::MatrixXd SolveCholesky(const Eigen::SparseMatrix<double>& a, const Eigen::MatrixXd& b) {
   KeepOpenMpToCaller();
   Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(a);
   Require(factor.info() == Eigen::Success, ErrorCode::kInternal, "the matrix is not positive definite");

@@ -1,4 +1,4 @@
-#include "mapping/solve_cholesky.h"
+#include "core/sparse_cholesky.h"
 
 #include <gtest/gtest.h>
 
