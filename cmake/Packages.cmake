@@ -51,3 +51,13 @@ parkade_imported(Embree HEADER embree3/rtcore.h LIBRARIES embree3)
 # CGAL's own config adds flags to every target; headers and GMP/MPFR are enough.
 parkade_imported(Cgal HEADER CGAL/version.h LIBRARIES gmp mpfr)
 target_compile_definitions(Cgal INTERFACE CGAL_NDEBUG)
+
+# parkade_header_version(NAME FILE TEXT): NAME_VERSION, of what has it in a header alone, behind TEXT.
+function(parkade_header_version name file text)
+  file(STRINGS ${${name}_INCLUDE}/${file} line REGEX "${text}[^0-9]*[0-9.]+" LIMIT_COUNT 1)
+  string(REGEX REPLACE ".*${text}[^0-9]*([0-9.]+).*" "\\1" version "${line}")
+  set(${name}_VERSION ${version} PARENT_SCOPE)
+endfunction()
+parkade_header_version(Pcl pcl/pcl_config.h PCL_VERSION_PRETTY)
+parkade_header_version(Cgal CGAL/version.h "define CGAL_VERSION ")
+parkade_header_version(Draco draco/core/draco_version.h "kDracoVersion")

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "core/file.h"
 #include "core/options_json.h"
@@ -60,6 +61,17 @@ Json DriveToJson(const SiteDrive& drive, const DriveOutcome& outcome, const Reco
           {"gnss", GnssToJson(outcome.gnss)}};
 }
 
+/// "NAME=VERSION NAME=VERSION ..." as the program was built with them.
+Json LibrariesToJson(const char* versions) {
+  Json json = Json::object();
+  std::istringstream words(versions);
+  for (std::string word; words >> word;) {
+    const size_t at = word.find('=');
+    json[word.substr(0, at)] = word.substr(at + 1);
+  }
+  return json;
+}
+
 /// How many there are, by kind and by what the last drive that saw them saw.
 Json SlotsToJson(const SiteMap& map) {
   Json json = {{"count", map.markings.slots.size()},
@@ -114,6 +126,7 @@ void WriteReport(const BuiltMap& built, const std::vector<std::unique_ptr<Record
   const SiteMap& map = built.site;
   Json report;
   report["version"] = kVersion;
+  report["libraries"] = LibrariesToJson(PARKADE_LIBRARY_VERSIONS);
   report["options"] = OptionsToJson(options);
   for (const StageTiming& timing : timings)
     report["stages"].push_back({{"name", timing.name},

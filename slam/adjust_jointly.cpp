@@ -3,12 +3,16 @@
 #include <ceres/ceres.h>
 #include <ceres/normal_prior.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <optional>
 
 #include "core/log.h"
+#include "slam/join_drives.h"
 #include "slam/link_cost.h"
 #include "slam/loop_shares.h"
+#include "slam/median_of.h"
 #include "slam/walk_modes.h"
 
 namespace parkade {
@@ -66,6 +70,15 @@ BentDrive MakeBent(const DriveToJoin& drive, const LoopOptions& loops, const std
   return bent;
 }
 
+/// Of the links that count, as they are known [sigma^2].
+std::vector<double> SquaredErrorsOf(const std::vector<DrivePair*>& pairs) {
+  std::vector<double> errors;
+  for (const DrivePair* pair : pairs)
+    for (size_t i = 0; i < pair->weights.size(); ++i)
+      if (pair->weights[i] > 0.5) errors.push_back(pair->chi_squared[i]);
+  return errors;
+}
+
 /// A link in the problem, and where its error goes.
 struct PosedLink {
   const ceres::CostFunction* cost = nullptr;
@@ -104,6 +117,8 @@ class JointProblem {
     }
   }
 
+  size_t num_links() const { return links_.size(); }
+
   /// Returns whether there is a solution.
   bool Solve() {
     ceres::Solver::Options options;
@@ -115,8 +130,6 @@ class JointProblem {
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem_, &summary);
-    LogInfo("stage=joint_adjustment unknowns=" + std::to_string(problem_.NumParameters()) +
-            " links=" + std::to_string(links_.size()) + " seconds=" + std::to_string(summary.total_time_in_seconds));
     if (!summary.IsSolutionUsable() || !std::isfinite(summary.final_cost)) return false;
     for (const PosedLink& link : links_) {
       Vector6d error;
@@ -135,8 +148,10 @@ class JointProblem {
 
 }  // namespace
 
-void AdjustJointly(const std::vector<DriveToJoin>& drives, const LoopOptions& loops,
-                   const std::vector<DrivePair*>& pairs, std::vector<std::vector<Rigid3>>& group_from_place) {
+JointAdjustment AdjustJointly(const std::vector<DriveToJoin>& drives, const LoopOptions& loops,
+                              const std::vector<DrivePair*>& pairs,
+                              std::vector<std::vector<Rigid3>>& group_from_place) {
+  const auto start = std::chrono::steady_clock::now();
   std::vector<std::optional<BentDrive>> bent(drives.size());
   JointProblem problem(drives, loops);
   for (size_t i = 0; i < drives.size(); ++i) {
@@ -145,9 +160,24 @@ void AdjustJointly(const std::vector<DriveToJoin>& drives, const LoopOptions& lo
     problem.AddDrive(*bent[i]);
   }
   for (DrivePair* pair : pairs) problem.AddLinks(*pair, *bent[pair->drive_a], *bent[pair->drive_b]);
-  if (!problem.Solve()) return;
-  for (size_t i = 0; i < drives.size(); ++i)
-    if (bent[i]) group_from_place[i] = bent[i]->WithoutMounts();
+  JointAdjustment result;
+  result.num_links = static_cast<int>(problem.num_links());
+  result.before = result.after = MedianOf(SquaredErrorsOf(pairs));
+  if (problem.Solve()) {
+    result.after = MedianOf(SquaredErrorsOf(pairs));
+    for (size_t i = 0; i < drives.size(); ++i) {
+      if (!bent[i]) continue;
+      const std::vector<Rigid3> moved = bent[i]->WithoutMounts();
+      for (size_t k = 0; k < moved.size(); ++k)
+        result.largest_correction =
+            std::max(result.largest_correction, (moved[k].translation - group_from_place[i][k].translation).norm());
+      group_from_place[i] = moved;
+    }
+  }
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  LogInfo("stage=joint_adjustment links=" + std::to_string(result.num_links) +
+          " seconds=" + std::to_string(result.seconds));
+  return result;
 }
 
 }  // namespace parkade

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "slam/drive_adjustment_parts.h"
 #include "slam/imu_cost.h"
+#include "slam/median_of.h"
 #include "slam/relative_pose_cost.h"
 #include "slam/wheel_cost.h"
 
@@ -22,13 +23,6 @@ constexpr double kFirstAccelerometerBias = 0.3;  // [m/s^2] likewise
 // ties.
 constexpr double kHeadSize = 1.0;      // [m]
 constexpr double kFirstVelocity = 30;  // [m/s] likewise
-
-double MedianOf(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Sum of squares of a cost at its parameters, per residual.
 double MeanSquare(const ceres::CostFunction& cost, const std::vector<double*>& blocks) {

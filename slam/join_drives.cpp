@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "slam/adjust_jointly.h"
 #include "slam/link_all_drives.h"
 #include "slam/place_by_gnss.h"
 #include "slam/place_graph.h"
@@ -130,18 +129,20 @@ void SolveGroup(const std::vector<DriveToJoin>& drives, const std::vector<size_t
 }
 
 /// All drives of a group at once.
-void RefineGroup(const std::vector<DriveToJoin>& drives, const std::vector<size_t>& groups, size_t group,
-                 const LoopOptions& loops, std::vector<DrivePair>& pairs, std::vector<std::vector<Rigid3>>& poses) {
+JointAdjustment RefineGroup(const std::vector<DriveToJoin>& drives, const std::vector<size_t>& groups, size_t group,
+                            const LoopOptions& loops, std::vector<DrivePair>& pairs,
+                            std::vector<std::vector<Rigid3>>& poses) {
   std::vector<DrivePair*> used;
   for (DrivePair& pair : pairs)
     if (groups[pair.drive_a] == group && pair.num_accepted() > 0) used.push_back(&pair);
-  if (used.empty()) return;
+  if (used.empty()) return {};
   std::vector<std::vector<Rigid3>> group_from_place(drives.size());
   for (size_t i = 0; i < drives.size(); ++i)
     if (groups[i] == group) group_from_place[i] = poses[i];
-  AdjustJointly(drives, loops, used, group_from_place);
+  const JointAdjustment adjustment = AdjustJointly(drives, loops, used, group_from_place);
   for (size_t i = 0; i < drives.size(); ++i)
     if (groups[i] == group) poses[i] = std::move(group_from_place[i]);
+  return adjustment;
 }
 
 /// Moves the groups that have GNSS to where it puts them, which makes them one group. Returns the group that is kept.
@@ -218,8 +219,11 @@ DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& 
     before = groups;
     groups = FindGroups(drives.size(), join.pairs);
   }
-  for (size_t i = 0; i < drives.size(); ++i)
-    if (groups[i] == i) RefineGroup(drives, groups, i, loops, join.pairs, poses);
+  for (size_t i = 0; i < drives.size(); ++i) {
+    if (groups[i] != i) continue;
+    const JointAdjustment adjustment = RefineGroup(drives, groups, i, loops, join.pairs, poses);
+    if (adjustment.num_links > join.adjustment.num_links) join.adjustment = adjustment;
+  }
   const size_t group = PlaceGroups(drives, groups, poses);
   for (size_t i = 0; i < drives.size(); ++i) {
     if (groups[i] == group) {
@@ -233,7 +237,15 @@ DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& 
 }
 
 nlohmann::json ToJson(const DriveJoin& join, const std::vector<std::string>& names) {
-  nlohmann::json json = {{"seconds", join.seconds}, {"pairs", nlohmann::json::array()}};
+  const JointAdjustment& adjustment = join.adjustment;
+  nlohmann::json json = {{"seconds", join.seconds},
+                         {"adjustment",
+                          {{"num_links", adjustment.num_links},
+                           {"before", adjustment.before},
+                           {"after", adjustment.after},
+                           {"largest_correction", adjustment.largest_correction},
+                           {"seconds", adjustment.seconds}}},
+                         {"pairs", nlohmann::json::array()}};
   for (const DrivePair& pair : join.pairs) {
     nlohmann::json links = nlohmann::json::array();
     for (size_t i = 0; i < pair.found.links.size(); ++i) {

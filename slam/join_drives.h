@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "slam/adjust_jointly.h"
 #include "slam/align_to_gnss.h"
 #include "slam/bending_modes.h"
 #include "slam/close_loops.h"
@@ -50,7 +51,8 @@ struct JoinedDrive {
 struct DriveJoin {
   std::vector<JoinedDrive> drives;  ///< as they were given
   std::vector<DrivePair> pairs;
-  double seconds = 0;  ///< of computing
+  JointAdjustment adjustment;  ///< of the group with the most links
+  double seconds = 0;          ///< of computing
 };
 
 /// Joins drives of one place: links between them by LinkAllDrives; one pose graph of the

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "slam/join_drives.h"
 #include "slam/walk_modes.h"
 
 namespace parkade {
@@ -59,8 +60,11 @@ TEST(AdjustJointly, DrivesMeetHalfwayByTheirModes) {
   std::vector<std::vector<Rigid3>> poses = PosesOf(drives);
   DrivePair pair = Linked(0, 1, false);
 
-  AdjustJointly(drives, {}, {&pair}, poses);
+  const JointAdjustment adjustment = AdjustJointly(drives, {}, {&pair}, poses);
 
+  EXPECT_EQ(adjustment.num_links, static_cast<int>(kPlaces));
+  EXPECT_NEAR(adjustment.largest_correction, 0.2, 0.05);
+  EXPECT_LT(adjustment.after, 1);
   EXPECT_NEAR(Length(poses[0]), 40, 0.01);
   EXPECT_NEAR(Length(poses[1]), 40, 0.01);
   for (size_t i = 0; i < kPlaces; ++i) EXPECT_LT((poses[0][i].translation - poses[1][i].translation).norm(), 0.01) << i;

@@ -212,6 +212,8 @@ class CommandLine(unittest.TestCase):
         self.assertLess(max(abs(float(value)) for pose in poses for value in pose[1:4]), 0.02)
         report = json.loads((self.out / "report.json").read_text())
         self.assertTrue(report["warnings"], "a map without ground comes without a warning")
+        for library in ("Eigen", "OpenCV", "Ceres", "PCL", "CGAL", "Draco", "GeographicLib"):
+            self.assertRegex(report["libraries"][library], r"^[0-9]+\.[0-9]+")
         self.assertEqual([name for name in os.listdir(self.out) if name.startswith(".")], [])
 
     def test_a_map_is_pinned_to_earth_and_stays_so(self):
