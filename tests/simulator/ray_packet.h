@@ -37,8 +37,8 @@ inline void SetRay(RTCRay16& rays, int lane, const Eigen::Vector3f& origin, cons
   rays.mask[lane] = ~0u, rays.id[lane] = static_cast<unsigned>(lane), rays.flags[lane] = 0;
 }
 
-/// Empties the rays of lanes that are not valid. Embree splits packets that are wider than the processor's registers, and
-/// then knows such lanes by their interval alone.
+/// Empties the rays of lanes that are not valid. Embree splits packets that are wider than the processor's registers,
+/// and then knows such lanes by their interval alone.
 inline void EmptyOtherLanes(const int* valid, RTCRay16& rays) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   for (int lane = 0; lane < static_cast<int>(kPacketSize); ++lane) {
