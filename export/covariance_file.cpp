@@ -1,5 +1,6 @@
 #include "export/covariance_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -28,19 +29,26 @@ void Append(double number, std::string& text) {
   text += buffer;
 }
 
-/// Of the IMU's turn and of its position in the site, from those of the body in odom.
-Eigen::Matrix<double, 6, 6> OfImuInSite(const TrajectoryState& state, const Rigid3& body_from_imu,
-                                        const Eigen::Matrix3d& site_from_odom) {
-  const Eigen::Matrix3d odom_from_body = state.odom_from_body.rotation.toRotationMatrix();
+/// Of the IMU's turn and of its position, from those of the body.
+Eigen::Matrix<double, 6, 6> OfImu(const Eigen::Matrix<double, 6, 6>& covariance, const Rigid3& body_from_imu,
+                                  const Eigen::Matrix3d& site_from_body) {
   // p_imu = p_body + R l moves by R (r x l) = -R [l]x r.
   const Eigen::Vector3d& lever = body_from_imu.translation;
   Eigen::Matrix3d cross;
   cross << 0, -lever.z(), lever.y(), lever.z(), 0, -lever.x(), -lever.y(), lever.x(), 0;
-  Eigen::Matrix<double, 6, 6> moved_by = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 6> moved_by = Eigen::Matrix<double, 6, 6>::Identity();
   moved_by.topLeftCorner<3, 3>() = body_from_imu.rotation.conjugate().toRotationMatrix();
-  moved_by.bottomLeftCorner<3, 3>() = -site_from_odom * odom_from_body * cross;
-  moved_by.bottomRightCorner<3, 3>() = site_from_odom;
-  return moved_by * state.covariance * moved_by.transpose();
+  moved_by.bottomLeftCorner<3, 3>() = -site_from_body * cross;
+  return moved_by * covariance * moved_by.transpose();
+}
+
+/// The state next in time; `states` are not empty.
+const TrajectoryState& Nearest(const std::vector<TrajectoryState>& states, Timestamp time) {
+  const auto after = std::lower_bound(states.begin(), states.end(), time,
+                                      [](const TrajectoryState& state, Timestamp t) { return state.time < t; });
+  if (after == states.end()) return states.back();
+  if (after == states.begin() || after->time - time < time - (after - 1)->time) return *after;
+  return *(after - 1);
 }
 
 void AppendSigmas(const std::optional<SitePlacement>& placement, const Eigen::Vector3d& position, std::string& text) {
@@ -64,10 +72,11 @@ std::string EncodeCovarianceCsv(const SiteDrive& drive, const std::optional<Site
     if (poses[next].time != state.time) continue;
     last = state.time;
     const Rigid3& site_from_imu = poses[next].world_from_frame;
-    const Rigid3 odom_from_imu = state.odom_from_body * drive.rig.body_from_imu;
-    const Eigen::Matrix3d site_from_odom =
-        (site_from_imu.rotation * odom_from_imu.rotation.conjugate()).toRotationMatrix();
-    const Eigen::Matrix<double, 6, 6> covariance = OfImuInSite(state, drive.rig.body_from_imu, site_from_odom);
+    const Eigen::Matrix3d site_from_body =
+        (site_from_imu.rotation * drive.rig.body_from_imu.rotation.conjugate()).toRotationMatrix();
+    const Eigen::Matrix<double, 6, 6> covariance =
+        OfImu(Nearest(drive.site_from_body_trajectory.states(), state.time).covariance, drive.rig.body_from_imu,
+              site_from_body);
     text += ToDecimalSeconds(state.time);
     for (Eigen::Index row = 0; row < 6; ++row)
       for (Eigen::Index column = row; column < 6; ++column) Append(covariance(row, column), text);

@@ -40,6 +40,16 @@ BendingModes FindBendingModes(std::vector<Timestamp> times, const Eigen::MatrixX
   return result;
 }
 
+Trajectory WithCovariances(const Trajectory& odom_from_body, const BendingModes& modes) {
+  std::vector<TrajectoryState> states = odom_from_body.states();
+  for (TrajectoryState& state : states) {
+    Eigen::MatrixXd at = modes.At(state.time);
+    at.topRows<3>() = (state.odom_from_body.rotation.conjugate().toRotationMatrix() * at.topRows<3>()).eval();
+    state.covariance = at * at.transpose();
+  }
+  return Trajectory(std::move(states));
+}
+
 Rigid3 Bent(const Rigid3& pose, const Eigen::Matrix<double, 6, 1>& error) {
   return {(ExpSo3(error.head<3>()) * pose.rotation).normalized(), pose.translation + error.tail<3>()};
 }

@@ -28,6 +28,9 @@ struct BendingModes {
 /// What is left out adds up to less than 0.3 mm at a place (rms), rotations counted at 5 m.
 BendingModes FindBendingModes(std::vector<Timestamp> times, const Eigen::MatrixXd& covariance);
 
+/// The same trajectory with the covariances that its modes have.
+Trajectory WithCovariances(const Trajectory& odom_from_body, const BendingModes& modes);
+
 /// `pose`, off by [rotation vector in odom | position].
 Rigid3 Bent(const Rigid3& pose, const Eigen::Matrix<double, 6, 1>& error);
 

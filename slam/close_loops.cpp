@@ -193,7 +193,11 @@ Trajectory CarryAlong(const Trajectory& odometry, const std::vector<Place>& plac
     const double fraction = gap > 0 ? std::clamp((state.time - places[before].time) / gap, 0.0, 1.0) : 0;
     const Rigid3 pose = state.odom_from_body;
     state.odom_from_body = Interpolate(moved_with(before) * pose, moved_with(after) * pose, fraction);
-    state.velocity_in_odom = state.odom_from_body.rotation * (pose.rotation.conjugate() * state.velocity_in_odom);
+    const Eigen::Matrix3d turn = (state.odom_from_body.rotation * pose.rotation.conjugate()).toRotationMatrix();
+    state.velocity_in_odom = (turn * state.velocity_in_odom).eval();
+    Matrix6d turned = Matrix6d::Identity();  // [rotation in body | position]
+    turned.bottomRightCorner<3, 3>() = turn;
+    state.covariance = (turned * state.covariance * turned.transpose()).eval();
   }
   return Trajectory(std::move(states));
 }

@@ -24,6 +24,7 @@ class ImuCost final : public ceres::SizedCostFunction<15, kPoseSize, kMotionSize
   ImuCost(const ImuPreintegration* preintegration, const FirstEstimate* first_i, const FirstEstimate* first_j);
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+  const ImuPreintegration& preintegration() const { return *preintegration_; }
 
  private:
   using Vector15d = Eigen::Matrix<double, 15, 1>;

@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "core/sparse_cholesky.h"
+#include "slam/imu_sensitivity.h"
 #include "slam/landmark_parameters.h"
 #include "slam/linearise_block.h"
 #include "slam/track_errors.h"
@@ -35,6 +36,7 @@ class NormalEquations {
       places_.emplace(block, place);
       if (!is_constant) num_columns_ += place.size;
     }
+    sensitivity_ = Eigen::MatrixXd::Zero(num_columns_, kImuSensitivities);
     std::vector<ceres::ResidualBlockId> residuals;
     problem.GetResidualBlocks(&residuals);
     const double* landmark = nullptr;
@@ -72,6 +74,9 @@ class NormalEquations {
     matrix.setFromTriplets(scores_.begin(), scores_.end());
     return matrix;
   }
+
+  /// Of the score, by what is considered but not estimated.
+  const Eigen::MatrixXd& sensitivity() const { return sensitivity_; }
 
   const Block& PlaceOf(const double* block) const { return places_.at(block); }
   int num_columns() const { return num_columns_; }
@@ -115,6 +120,16 @@ class NormalEquations {
                          by_i.transpose() * linear->jacobians[j]);
     }
     num_scores_ += static_cast<int>(linear->residual.size());
+    if (const auto* imu = dynamic_cast<const ImuCost*>(block.cost)) AddSensitivity(*imu, block);
+  }
+
+  void AddSensitivity(const ImuCost& imu, const LinearisableBlock& block) {
+    const Eigen::MatrixXd of_block = ScoreSensitivity(imu, imu.preintegration(), block.parameters);
+    Eigen::Index row = 0;
+    for (size_t i = 0; i < block.columns.size(); row += block.tangent_sizes[i++])
+      if (block.columns[i] != kConstant)
+        sensitivity_.middleRows(block.columns[i], block.tangent_sizes[i]) +=
+            of_block.middleRows(row, block.tangent_sizes[i]);
   }
 
   /// All sights of one landmark; empties them.
@@ -170,6 +185,7 @@ class NormalEquations {
   std::unordered_map<const double*, Block> places_;
   std::unordered_map<std::uint64_t, Eigen::MatrixXd> information_;  ///< lower triangle, by row and column
   std::vector<Eigen::Triplet<double>> scores_;
+  Eigen::MatrixXd sensitivity_;
   int num_columns_ = 0, num_scores_ = 0;
 };
 
@@ -189,6 +205,7 @@ Eigen::MatrixXd MarginalCovariance(const ceres::Problem& problem, const std::uno
   constexpr Eigen::Index kRows = 512;  // of scores at a time
   const Eigen::SparseMatrix<double, Eigen::RowMajor> scores = normal.Scores();
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count);
+  covariance.selfadjointView<Eigen::Lower>().rankUpdate(by_score.transpose() * normal.sensitivity());
   for (Eigen::Index row = 0; row < scores.rows(); row += kRows) {
     const Eigen::MatrixXd part = scores.middleRows(row, std::min(kRows, scores.rows() - row)) * by_score;
     covariance.selfadjointView<Eigen::Lower>().rankUpdate(part.transpose());

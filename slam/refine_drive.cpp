@@ -201,9 +201,10 @@ DriveRefinement RefineDrive(const OdometryResult& odometry, const Rig& rig, cons
     if (every > 0) result.num_iterations += SolveInPieces(adjustment, pieces);
     result.is_accepted = true;
     TakeCalibration(odometry, adjustment.Cameras(), result);
+    result.modes = ModesOf(adjustment, rig, result.num_pieces);
     result.odom_from_body = Rebuild(measurements, adjustment.States(), RigOfEstimate(result.rig, adjustment.Cameras()),
                                     closure.odom_from_body);
-    result.modes = ModesOf(adjustment, rig, result.num_pieces);
+    if (!result.modes.empty()) result.odom_from_body = WithCovariances(result.odom_from_body, result.modes);
     result.wheel_scale = 1 + adjustment.WheelScale();
     for (const TrajectoryState& state : result.odom_from_body.states())
       if (const std::optional<Rigid3> given = closure.odom_from_body.At(state.time))

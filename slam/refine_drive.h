@@ -34,7 +34,7 @@ GnssPositions ReadGnss(const DriveLog& log, const GnssAlignOptions& options);
 
 /// A drive after all its measurements were adjusted at once, or why it stays as it was.
 struct DriveRefinement {
-  Trajectory odom_from_body;  ///< refined where accepted, else as it was given
+  Trajectory odom_from_body;  ///< refined where accepted, else as it was given; with the covariances of `modes`
   Rig rig;                    ///< likewise
   BendingModes modes;         ///< how it may be off; empty where not accepted, or where the drive came in pieces
   bool is_accepted = false;

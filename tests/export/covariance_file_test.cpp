@@ -57,28 +57,43 @@ TEST(CovarianceFile, IsOfTheImuAsSmallErrorsOfTheBodyMoveIt) {
   const std::vector<Row> rows = Parse(EncodeCovarianceCsv(drive, std::nullopt));
   ASSERT_GT(rows.size(), 250U);
 
-  for (const size_t i : {size_t{0}, rows.size() / 3, rows.size() - 1}) {
-    const auto state = std::find_if(drive.odometry.states().begin(), drive.odometry.states().end(),
-                                    [&](const TrajectoryState& candidate) { return candidate.time == rows[i].time; });
-    const std::vector<TimedPose> poses = SampleFinalTrajectory(drive);
+  const std::vector<TimedPose> poses = SampleFinalTrajectory(drive);
+  int num_compared = 0;
+  for (const Row& row : rows) {
+    const auto& states = drive.site_from_body_trajectory.states();
+    const auto state = std::find_if(states.begin(), states.end(),
+                                    [&](const TrajectoryState& candidate) { return candidate.time == row.time; });
+    if (state == states.end()) continue;
     const auto pose = std::find_if(poses.begin(), poses.end(),
-                                   [&](const TimedPose& candidate) { return candidate.time == rows[i].time; });
-    const Rigid3 site_from_odom = pose->world_from_frame * (state->odom_from_body * drive.rig.body_from_imu).Inverse();
+                                   [&](const TimedPose& candidate) { return candidate.time == row.time; });
     constexpr double kStep = 1e-6;
     Matrix6d numeric;
     for (int column = 0; column < 6; ++column) {
       Vector6d step = Vector6d::Zero();
       step[column] = kStep;
-      Rigid3 moved = state->odom_from_body;
+      Rigid3 moved = pose->world_from_frame * drive.rig.body_from_imu.Inverse();
       moved.rotation = moved.rotation * ExpSo3(step.head<3>());
       moved.translation += step.tail<3>();
-      const Rigid3 imu = site_from_odom * moved * drive.rig.body_from_imu;
+      const Rigid3 imu = moved * drive.rig.body_from_imu;
       numeric.col(column) << LogSo3(pose->world_from_frame.rotation.conjugate() * imu.rotation) / kStep,
           (imu.translation - pose->world_from_frame.translation) / kStep;
     }
     const Matrix6d expected = numeric * state->covariance * numeric.transpose();
-    EXPECT_LT((rows[i].covariance - expected).norm(), 1e-4 * expected.norm()) << "row " << i;
+    EXPECT_LT((row.covariance - expected).norm(), 1e-4 * expected.norm()) << "after " << num_compared;
+    ++num_compared;
   }
+  EXPECT_GT(num_compared, 50);
+}
+
+TEST(CovarianceFile, IsThatOfTheFinalStates) {
+  SiteDrive drive = MakeMapWithoutGround().drives[0];
+  std::vector<TrajectoryState> states = drive.site_from_body_trajectory.states();
+  for (TrajectoryState& state : states) state.covariance *= 4;
+  SiteDrive doubtful = drive;
+  doubtful.site_from_body_trajectory = Trajectory(states);
+  const Row row = Parse(EncodeCovarianceCsv(drive, std::nullopt)).back();
+  const Row of_doubtful = Parse(EncodeCovarianceCsv(doubtful, std::nullopt)).back();
+  EXPECT_LT((of_doubtful.covariance - 4 * row.covariance).norm(), 1e-4 * row.covariance.norm());
 }
 
 TEST(CovarianceFile, TellsHowSureTheSiteIsOnlyWhereItLiesOnEarth) {

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "slam/pose_graph.h"
+
 namespace parkade {
 namespace {
 
@@ -41,6 +45,22 @@ TEST(BendingModes, LieBetweenTheirTimesAndStayBeyond) {
   EXPECT_DOUBLE_EQ(modes.At(Timestamp{} + 1.0)(3, 0), 3);
   EXPECT_DOUBLE_EQ(modes.At(Timestamp{} + 7.0)(3, 0), 3);
   EXPECT_DOUBLE_EQ(modes.At(Timestamp{} + -7.0)(3, 0), 1);
+}
+
+TEST(BendingModes, GiveATrajectoryItsCovariances) {
+  TrajectoryState state;
+  state.odom_from_body.rotation = ExpSo3({0, 0, M_PI / 2});
+  BendingModes modes{Seconds(1), Eigen::MatrixXd::Zero(6, 2)};
+  modes.modes(0, 0) = 0.01;  // about x of odom, which is -y of the body
+  modes.modes(3, 0) = 0.2;
+  modes.modes(4, 1) = 0.1;
+  const Matrix6d covariance = WithCovariances(Trajectory({state}), modes).states()[0].covariance;
+  Matrix6d expected = Matrix6d::Zero();
+  expected(1, 1) = 1e-4;
+  expected(3, 3) = 0.04;
+  expected(4, 4) = 0.01;
+  expected(1, 3) = expected(3, 1) = -0.002;
+  EXPECT_LT((covariance - expected).norm(), 1e-12) << covariance;
 }
 
 TEST(BendingModes, BendTurnsAboutThePoseItself) {

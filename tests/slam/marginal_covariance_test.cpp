@@ -8,7 +8,9 @@
 #include <random>
 
 #include "core/error.h"
+#include "slam/imu_sensitivity.h"
 #include "slam/landmark_parameters.h"
+#include "slam/linearise_block.h"
 #include "slam/track_errors.h"
 
 namespace parkade {
@@ -147,6 +149,43 @@ TEST_F(MarginalCovarianceTest, WhatIsHeldHasNone) {
   const Eigen::MatrixXd free = MarginalCovariance(problem_, landmarks, {states_[1].data()});
   EXPECT_NE(held, free);
   EXPECT_GT(held.determinant(), 0);
+}
+
+TEST(MarginalCovariance, ErrorsOfTheImusScaleCount) {
+  // A second of turning and speeding up, from a state that is known: what scale and axes may do comes on top of noise.
+  std::vector<ImuSample> samples;
+  for (int k = 0; k <= 100; ++k)
+    samples.push_back({Timestamp{} + 0.01 * k, {0, 0, 1}, Eigen::Vector3d(2, 0, 0) - kGravityInOdom});
+  const ImuPreintegration imu(samples, {}, {});
+  std::array<double, kPoseSize> pose_i{}, pose_j{};
+  std::array<double, kMotionSize> motion_i{}, motion_j{};
+  PoseToParameters({}, pose_i.data());
+  PoseToParameters({ExpSo3({0, 0, 1}), {1, 0, 0}}, pose_j.data());
+  PoseManifold manifold;
+  ceres::Problem::Options options;
+  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(options);
+  problem.AddParameterBlock(pose_i.data(), kPoseSize, &manifold);
+  problem.AddParameterBlock(pose_j.data(), kPoseSize, &manifold);
+  auto* const cost = new ImuCost(&imu, nullptr, nullptr);
+  problem.AddResidualBlock(cost, nullptr, pose_i.data(), motion_i.data(), pose_j.data(), motion_j.data());
+  problem.SetParameterBlockConstant(pose_i.data());
+  problem.SetParameterBlockConstant(motion_i.data());
+
+  const Eigen::MatrixXd covariance = MarginalCovariance(problem, {}, {pose_j.data()});
+
+  // All that is free is the second knot: H = J^T J of 15 x 15.
+  const LinearisableBlock block{
+      cost, nullptr, {pose_i.data(), motion_i.data(), pose_j.data(), motion_j.data()}, {0, 6, 15, 21}, {6, 9, 6, 9}};
+  const std::optional<LinearisedBlock> linear = Linearise(block);
+  Eigen::MatrixXd jacobian(15, 15);
+  jacobian << linear->jacobians[2], linear->jacobians[3];
+  const Eigen::MatrixXd by_noise = (jacobian.transpose() * jacobian).inverse();
+  const Eigen::MatrixXd by_scale = by_noise * ScoreSensitivity(*cost, imu, block.parameters).bottomRows<15>();
+  const Eigen::MatrixXd expected = (by_noise + by_scale * by_scale.transpose()).topLeftCorner<6, 6>();
+  EXPECT_LT((covariance - expected).norm(), 1e-6 * expected.norm());
+  const double of_noise = by_noise.topLeftCorner(6, 6).trace();
+  EXPECT_GT(covariance.trace(), 1.05 * of_noise);
 }
 
 TEST(MarginalCovariance, RefusesWhatNothingHolds) {
