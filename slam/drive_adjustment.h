@@ -59,7 +59,7 @@ class DriveAdjustment {
 
   /// Of the poses of `knots` around the solution, [rotation in imu, position in odom] each; position and yaw of the
   /// first knot of the drive are certain. See MarginalCovariance.
-  Eigen::MatrixXd PoseCovariance(const std::vector<size_t>& knots);
+  std::optional<Eigen::MatrixXd> PoseCovariance(const std::vector<size_t>& knots);
 
   /// Moves knots by one motion of odom each, at their places in time, and triangulates all landmarks anew.
   void MoveKnots(const std::vector<Rigid3>& odom_from_odom);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <unordered_map>
 
+#include "core/error.h"
 #include "core/sparse_cholesky.h"
 #include "slam/imu_sensitivity.h"
 #include "slam/landmark_parameters.h"
@@ -191,8 +192,9 @@ class NormalEquations {
 
 }  // namespace
 
-Eigen::MatrixXd MarginalCovariance(const ceres::Problem& problem, const std::unordered_set<const double*>& landmarks,
-                                   const std::vector<const double*>& of) {
+std::optional<Eigen::MatrixXd> MarginalCovariance(const ceres::Problem& problem,
+                                                  const std::unordered_set<const double*>& landmarks,
+                                                  const std::vector<const double*>& of) {
   const NormalEquations normal(problem, landmarks);
   std::vector<int> columns;
   for (const double* block : of)
@@ -200,7 +202,12 @@ Eigen::MatrixXd MarginalCovariance(const ceres::Problem& problem, const std::uno
   const auto count = static_cast<Eigen::Index>(columns.size());
   Eigen::MatrixXd wanted = Eigen::MatrixXd::Zero(normal.num_columns(), count);
   for (Eigen::Index i = 0; i < count; ++i) wanted(columns[static_cast<size_t>(i)], i) = 1;
-  const Eigen::MatrixXd by_score = SolveCholesky(normal.Information(), wanted);
+  Eigen::MatrixXd by_score;
+  try {
+    by_score = SolveCholesky(normal.Information(), wanted);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
 
   constexpr Eigen::Index kRows = 512;  // of scores at a time
   const Eigen::SparseMatrix<double, Eigen::RowMajor> scores = normal.Scores();
@@ -210,6 +217,7 @@ Eigen::MatrixXd MarginalCovariance(const ceres::Problem& problem, const std::uno
     const Eigen::MatrixXd part = scores.middleRows(row, std::min(kRows, scores.rows() - row)) * by_score;
     covariance.selfadjointView<Eigen::Lower>().rankUpdate(part.transpose());
   }
+  if (!covariance.allFinite()) return std::nullopt;
   return covariance.selfadjointView<Eigen::Lower>();
 }
 

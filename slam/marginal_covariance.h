@@ -3,6 +3,7 @@
 #include <ceres/problem.h>
 
 #include <Eigen/Core>
+#include <optional>
 #include <unordered_set>
 #include <vector>
 
@@ -18,8 +19,9 @@ namespace parkade {
 ///
 /// \param landmarks  blocks of 3 that no residual shares; a residual that sees one has it as its last parameter, and
 ///                   those of one landmark follow each other
-/// Throws Error{kInternal} where the rest is not determined.
-Eigen::MatrixXd MarginalCovariance(const ceres::Problem& problem, const std::unordered_set<const double*>& landmarks,
-                                   const std::vector<const double*>& of);
+/// \return nothing where the rest is not determined
+std::optional<Eigen::MatrixXd> MarginalCovariance(const ceres::Problem& problem,
+                                                  const std::unordered_set<const double*>& landmarks,
+                                                  const std::vector<const double*>& of);
 
 }  // namespace parkade

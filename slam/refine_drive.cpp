@@ -75,14 +75,16 @@ std::vector<size_t> SpreadKnots(const std::vector<MotionState>& states) {
   return knots;
 }
 
-/// Empty where the drive was solved in pieces: the whole would take too much memory.
+/// Empty where the drive was solved in pieces, as the whole would take too much memory, or leaves something open.
 BendingModes ModesOf(DriveAdjustment& adjustment, const Rig& rig, int num_pieces) {
   if (num_pieces > 1) return {};
   const std::vector<MotionState> states = adjustment.States();
   const std::vector<size_t> knots = SpreadKnots(states);
   const Rigid3 imu_from_body = rig.body_from_imu.Inverse();
   std::vector<Timestamp> times;
-  Eigen::MatrixXd covariance = adjustment.PoseCovariance(knots);
+  const std::optional<Eigen::MatrixXd> of_imu = adjustment.PoseCovariance(knots);
+  if (!of_imu) return {};
+  Eigen::MatrixXd covariance = *of_imu;
   for (size_t i = 0; i < knots.size(); ++i) {
     const Rigid3& odom_from_imu = states[knots[i]].odom_from_imu;
     const Eigen::Matrix3d rotation = odom_from_imu.rotation.toRotationMatrix();

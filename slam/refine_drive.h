@@ -36,7 +36,7 @@ GnssPositions ReadGnss(const DriveLog& log, const GnssAlignOptions& options);
 struct DriveRefinement {
   Trajectory odom_from_body;  ///< refined where accepted, else as it was given; with the covariances of `modes`
   Rig rig;                    ///< likewise
-  BendingModes modes;         ///< how it may be off; empty where not accepted, or where the drive came in pieces
+  BendingModes modes;         ///< how it may be off; empty where not accepted, in pieces, or not determined
   bool is_accepted = false;
   std::string reason;  ///< why not accepted
   AdjustmentStatistics before, after;

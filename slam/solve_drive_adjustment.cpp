@@ -189,7 +189,7 @@ int DriveAdjustment::Solve(const AdjustedStretch& stretch, int max_iterations) {
   return static_cast<int>(summary.iterations.size()) - 1;
 }
 
-Eigen::MatrixXd DriveAdjustment::PoseCovariance(const std::vector<size_t>& knots) {
+std::optional<Eigen::MatrixXd> DriveAdjustment::PoseCovariance(const std::vector<size_t>& knots) {
   const std::unique_ptr<StretchProblem> posed = Pose({0, knots_.size(), false, true});
   std::vector<const double*> poses;
   for (const size_t knot : knots) poses.push_back(knots_[knot].pose);

@@ -44,7 +44,9 @@ BendingModes WalkModes(const DriveToJoin& drive, const LoopOptions& options) {
   std::vector<Timestamp> times = {drive.places.front().time};
   const auto count = 6 * static_cast<Eigen::Index>(chosen.size() + 1);
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count);
-  if (!blocks.empty()) covariance.bottomRightCorner(count - 6, count - 6) = MarginalCovariance(problem, {}, blocks);
+  // Each place is held by the one before.
+  if (!blocks.empty())
+    covariance.bottomRightCorner(count - 6, count - 6) = MarginalCovariance(problem, {}, blocks).value();
   for (size_t i = 0; i < chosen.size(); ++i) {
     times.push_back(drive.places[chosen[i]].time);
     const Eigen::Matrix3d turn = poses[chosen[i]].rotation.toRotationMatrix();
