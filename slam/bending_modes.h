@@ -25,7 +25,7 @@ struct BendingModes {
 };
 
 /// \param covariance  of the errors at `times`, 6 x 6 blocks as in BendingModes
-/// What is left out adds up to less than 0.3 mm at a place (rms), rotations counted at 5 m.
+/// What is left out adds up to less than 1 mm at a place (rms), rotations counted at 5 m.
 BendingModes FindBendingModes(std::vector<Timestamp> times, const Eigen::MatrixXd& covariance);
 
 /// The same trajectory with the covariances that its modes have.

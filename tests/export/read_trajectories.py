@@ -13,6 +13,7 @@ import xml.etree.ElementTree
 
 SECONDS, LEVER = 30.0, (1.2, 0.0, 0.6)  # of MakeExampleMap's drives
 TURN_VARIANCES = (1e-6, 1e-6, 4e-6)
+FINAL_INTERVAL, FINAL_SPAN = 0.25, (0.5, 29.5)  # of its drives' final states, whose covariances are written
 
 
 def is_positive(matrix):
@@ -56,8 +57,10 @@ def check_covariances(folder):
         numbers = [float(text) for text in row]
         covariance = symmetric(numbers[1:22])
         assert is_positive(covariance), row
-        # Traces do not depend on frames: what the odometry walked, and what its turns move the IMU by.
-        sigma = 0.1 * (numbers[0] - float(poses[0])) / SECONDS
+        # Traces do not depend on frames: what the drive had walked by its nearest final state, and what its turns move
+        # the IMU by.
+        walked = FINAL_INTERVAL * round((numbers[0] - float(poses[0])) / FINAL_INTERVAL)
+        sigma = 0.1 * min(max(walked, FINAL_SPAN[0]), FINAL_SPAN[1]) / SECONDS
         expected = sigma**2 * (1 + 1 / 4 + 1 / 16) + turned
         assert math.isclose(sum(covariance[i][i] for i in (3, 4, 5)), expected, rel_tol=1e-3), (row, expected)
         for axis, variance in enumerate(TURN_VARIANCES):
