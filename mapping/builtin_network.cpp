@@ -1,26 +1,34 @@
 #include "mapping/builtin_network.h"
 
-// The assembler takes the file in as it is; CMake rebuilds this file when the network changes.
-asm(R"(
-  .section .rodata
-  .balign 16
-parkade_freespace_network:
-  .incbin ")" PARKADE_FREESPACE_NETWORK R"("
-parkade_freespace_network_end:
-  .byte 0
-  .text
-)");
+// The assembler takes the files in as they are; CMake rebuilds this file when a network changes.
+#define PARKADE_TAKE_IN(name, file) \
+  asm(".section .rodata\n"          \
+      ".balign 16\n" name           \
+      ":\n"                         \
+      ".incbin \"" file "\"\n" name \
+      "_end:\n"                     \
+      ".byte 0\n"                   \
+      ".text\n")
+
+PARKADE_TAKE_IN("parkade_freespace_network", PARKADE_FREESPACE_NETWORK);
+PARKADE_TAKE_IN("parkade_outline_network", PARKADE_OUTLINE_NETWORK);
 
 extern "C" {
 extern const char parkade_freespace_network[];
 extern const char parkade_freespace_network_end[];
+extern const char parkade_outline_network[];
+extern const char parkade_outline_network_end[];
 }
 
 namespace parkade {
+namespace {
 
-std::string_view BuiltinFreespaceNetwork() {
-  return {parkade_freespace_network,
-          static_cast<std::size_t>(parkade_freespace_network_end - parkade_freespace_network)};
-}
+std::string_view Between(const char* begin, const char* end) { return {begin, static_cast<std::size_t>(end - begin)}; }
+
+}  // namespace
+
+std::string_view BuiltinFreespaceNetwork() { return Between(parkade_freespace_network, parkade_freespace_network_end); }
+
+std::string_view BuiltinOutlineNetwork() { return Between(parkade_outline_network, parkade_outline_network_end); }
 
 }  // namespace parkade

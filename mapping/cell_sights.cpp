@@ -17,6 +17,16 @@ void CellSights::Add(const ColorSight& sight, bool is_first) {
   nearest_.Add(sight);
 }
 
+std::uint8_t CellSights::Disagreement() const {
+  int low = 255, high = 0;
+  for (size_t i = 0; i < kNumSights && nearest_[i].rank > 0; ++i) {
+    const int lightness = Lightness(nearest_[i].blue, nearest_[i].green, nearest_[i].red);
+    low = std::min(low, lightness);
+    high = std::max(high, lightness);
+  }
+  return static_cast<std::uint8_t>(std::clamp(high - low, 0, 255));
+}
+
 std::array<std::uint8_t, 3> CellSights::Color() const {
   const size_t count = nearest_.CountComparable();
   if (count == 0) return {};

@@ -19,6 +19,11 @@ class CellSights {
   /// sRGB, the mean of those that agree with the median of the nearest; black where there is none.
   std::array<std::uint8_t, 3> Color() const;
 
+  std::uint8_t Nearness() const { return nearest_[0].rank; }
+
+  /// Largest difference of lightness among the nearest: large where what was seen is not on the ground.
+  std::uint8_t Disagreement() const;
+
  private:
   static constexpr std::size_t kNumSights = 5;
   BestSights<kNumSights> nearest_;

@@ -1,13 +1,12 @@
 #include "mapping/freespace_network.h"
 
-#include <mutex>
-#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.h"
 #include "core/file.h"
 #include "mapping/builtin_network.h"
+#include "mapping/network_copies.h"
 #include "mapping/onnx_input_size.h"
 
 namespace parkade {
@@ -16,23 +15,6 @@ namespace {
 constexpr size_t kMaxBytes = size_t{512} << 20;
 constexpr double kMinIsland = 0.005;  // of the picture
 const cv::Size kOpenSize(320, 208);   // of networks that leave their input's size open
-
-/// OpenCV prints what it throws as well; the caller hears it once, from us.
-class QuietOpenCv {
- public:
-  QuietOpenCv() : level_(cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT)) {}
-  ~QuietOpenCv() { cv::utils::logging::setLogLevel(level_); }
-
- private:
-  cv::utils::logging::LogLevel level_;
-};
-
-cv::dnn::Net Parse(const std::string& model) {
-  cv::dnn::Net net = cv::dnn::readNetFromONNX(model.data(), model.size());
-  net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
-  net.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
-  return net;
-}
 
 /// Log-odds of the one or two channels of 1 x C x h x w, which must be of these.
 cv::Mat LogOddsOf(const cv::Mat& output) {
@@ -82,40 +64,21 @@ cv::Mat FreespaceBelief::Mask() const {
   return full > 0;
 }
 
-/// As many copies of one network as there are callers at a time: OpenCV's are for one thread each.
+/// The network, and what it takes and gives.
 class FreespaceNetwork::Copies {
  public:
   explicit Copies(std::string model)
-      : model_(std::move(model)), input_size_(FindOnnxInputSize(model_).value_or(kOpenSize)), idle_{Parse(model_)} {}
+      : input_size_(FindOnnxInputSize(model).value_or(kOpenSize)), networks_(std::move(model)) {}
 
   cv::Size input_size() const { return input_size_; }
 
   cv::Mat Run(const cv::Mat& image) {
-    cv::dnn::Net net = Take();
-    net.setInput(cv::dnn::blobFromImage(image, 1.0, input_size_));
-    const cv::Mat log_odds = LogOddsOf(net.forward());
-    const std::lock_guard lock(mutex_);
-    idle_.push_back(std::move(net));
-    return log_odds;
+    return LogOddsOf(networks_.Run(cv::dnn::blobFromImage(image, 1.0, input_size_)));
   }
 
  private:
-  cv::dnn::Net Take() {
-    {
-      const std::lock_guard lock(mutex_);
-      if (!idle_.empty()) {
-        cv::dnn::Net net = std::move(idle_.back());
-        idle_.pop_back();
-        return net;
-      }
-    }
-    return Parse(model_);
-  }
-
-  std::string model_;
   cv::Size input_size_;
-  std::vector<cv::dnn::Net> idle_;
-  std::mutex mutex_;
+  NetworkCopies networks_;
 };
 
 FreespaceNetwork::FreespaceNetwork(const std::filesystem::path& file) {

@@ -194,6 +194,7 @@ void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> i
           Evidence& evidence = evidence_[hit.evidence];
           evidence.log_odds_now = std::clamp(evidence.log_odds_now + hit.log_odds, -limit, limit);
           (hit.log_odds > 0 ? evidence.seen_now : evidence.hidden_now) |= hit.view;
+          (hit.log_odds > 0 ? evidence.free_sum : evidence.occupied_sum) += std::abs(hit.log_odds);
           if (hit.sight.rank > 0) evidence.sights.Add(hit.sight, /*is_first=*/!std::exchange(evidence.is_hit, true));
         }
     });
@@ -220,13 +221,16 @@ void SurfacePainter::EndDrive() {
     const bool has_changed =
         now * evidence.log_odds < 0 && std::abs(now) >= change && (now > 0 || is_blocked || evidence.is_driven);
     evidence.log_odds = has_changed ? now : std::clamp(evidence.log_odds + now, -limit, limit);
+    if (has_changed) (now > 0 ? evidence.occupied_sum : evidence.free_sum) = 0;
     const bool is_covered = is_blocked && evidence.seen_now == 0;
     if (is_covered) {
       evidence.log_odds = std::min(evidence.log_odds, kCoveredLogOdds);
+      evidence.free_sum = 0;
       evidence.seen_from = 0;
     }
     evidence.is_hit = false;
     evidence.seen_from |= evidence.seen_now;
+    evidence.hidden_from |= evidence.hidden_now;
     evidence.seen_now = evidence.hidden_now = 0;
   }
   has_earlier_ = true;
@@ -289,6 +293,12 @@ std::vector<SurfacePainter::PaintedCell> SurfacePainter::Cells() const {
       painted.cell.color = evidence.sights.Color();
       painted.is_seen = !evidence.sights.empty();
       painted.is_driven = evidence.is_driven;
+      painted.sights = {.free = SightSummary::PackLogOdds(evidence.free_sum),
+                        .occupied = SightSummary::PackLogOdds(evidence.occupied_sum),
+                        .nearness = evidence.sights.Nearness(),
+                        .disagreement = evidence.sights.Disagreement(),
+                        .free_views = static_cast<std::uint8_t>(std::popcount(evidence.seen_from)),
+                        .occupied_views = static_cast<std::uint8_t>(std::popcount(evidence.hidden_from))};
     }
     return cells;
   });

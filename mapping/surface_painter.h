@@ -13,6 +13,7 @@
 #include "mapping/height_field.h"
 #include "mapping/latest_drives.h"
 #include "mapping/patch_source.h"
+#include "mapping/sight_summary.h"
 
 namespace parkade {
 
@@ -53,6 +54,7 @@ class SurfacePainter {
     SurfaceCell cell;
     bool is_seen = false;  ///< has a colour
     bool is_driven = false;
+    SightSummary sights;
   };
 
   /// Every cell of every patch in which anything was seen or driven, the unseen ones too; sorted as SurfaceMap.
@@ -69,6 +71,8 @@ class SurfacePainter {
     bool is_hit = false;                   ///< in this drive
     ViewSet seen_from = 0;                 ///< in earlier drives, as free ground
     ViewSet seen_now = 0, hidden_now = 0;  ///< in this drive; hidden: seen as something else
+    ViewSet hidden_from = 0;               ///< in earlier drives
+    float free_sum = 0, occupied_sum = 0;  ///< log-odds for and against, of all drives that count
     CellSights sights;
   };
   struct Hit {

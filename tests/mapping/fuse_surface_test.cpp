@@ -41,6 +41,13 @@ PosedGroundPatch MakePatch(double x0, double y0, double x1, double y1, std::uint
   return posed;
 }
 
+/// What is asked here is what sights say; the network of outlines has tests of its own.
+SurfaceOptions SightsAlone() {
+  SurfaceOptions options;
+  options.outlines = "sights";
+  return options;
+}
+
 const SurfaceCell* CellAt(const SurfaceMap& surface, double x, double y) {
   const int cx = static_cast<int>(std::floor(x / surface.cell_size)),
             cy = static_cast<int>(std::floor(y / surface.cell_size));
@@ -53,7 +60,7 @@ TEST(FuseSurface, WhatWasNeverSeenIsNotInTheMap) {
   const DrivenPath path = MakePath(5);
   const std::vector patches{MakePatch(3, -2, 8, 2, 100, true)};
 
-  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1));
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), SightsAlone());
 
   EXPECT_NE(CellAt(surface, 6, 1), nullptr);
   EXPECT_EQ(CellAt(surface, 6, 3), nullptr);
@@ -63,7 +70,7 @@ TEST(FuseSurface, SamplesBeyondTheOutlineSayNothing) {
   const DrivenPath path = MakePath(5);
   std::vector<PosedGroundPatch> patches{MakePatch(3, -2, 8, 2, 100, true)};
   for (const char* method : {"surface", "homography"}) {
-    SurfaceOptions options;
+    SurfaceOptions options = SightsAlone();
     options.method = method;
     const SurfaceMap before = FuseSurface(patches, std::span(&path, 1), options);
     std::vector<PosedGroundPatch> with_beyond = patches;
@@ -85,9 +92,9 @@ TEST(FuseSurface, AMovedCarTurnsIntoFreeSpaceAgain) {
   std::vector<PosedGroundPatch> patches{MakePatch(3, -3, 8, 3, 100, true)};
   for (int i = 0; i < 6; ++i) patches.push_back(MakePatch(5, 1.5, 6, 2.5, 20, false));
 
-  const SurfaceMap with_car = FuseSurface(patches, std::span(&path, 1));
+  const SurfaceMap with_car = FuseSurface(patches, std::span(&path, 1), SightsAlone());
   for (int i = 0; i < 20; ++i) patches.push_back(MakePatch(5, 1.5, 6, 2.5, 100, true));
-  const SurfaceMap after = FuseSurface(patches, std::span(&path, 1));
+  const SurfaceMap after = FuseSurface(patches, std::span(&path, 1), SightsAlone());
 
   EXPECT_LT(CellAt(with_car, 5.5, 2)->free_belief, 0.2F);
   EXPECT_GT(CellAt(after, 5.5, 2)->free_belief, 0.8F);
@@ -105,11 +112,11 @@ TEST(FuseSurface, ACarThatParksWhereAnotherDroveBlocksIt) {
   };
   add_day(0, true);
   add_day(1, false);
-  const SurfaceMap blocked = FuseSurface(patches, paths);
+  const SurfaceMap blocked = FuseSurface(patches, paths, SightsAlone());
   EXPECT_LT(CellAt(blocked, 7, 0.2)->free_belief, 0.2F);
 
   patches.resize(31);
-  const SurfaceMap driven = FuseSurface(patches, paths);
+  const SurfaceMap driven = FuseSurface(patches, paths, SightsAlone());
   EXPECT_GT(CellAt(driven, 7, 0.2)->free_belief, 0.8F);
   EXPECT_GT(CellAt(driven, 2, 0.2)->free_belief, 0.8F) << "the second drive saw nothing, but drove here";
 }
@@ -129,9 +136,9 @@ TEST(FuseSurface, WhatTheLatestDriveSeesFromAfarCountsAgainstAllBefore) {
   add_day(0, true, 30, 1);
   add_day(1, true, 1, 0.03F);
   add_day(1, false, 2, 0.03F);
-  EXPECT_GT(CellAt(FuseSurface(patches, paths), 7, 2)->free_belief, 0.9F) << "a glance is not enough";
+  EXPECT_GT(CellAt(FuseSurface(patches, paths, SightsAlone()), 7, 2)->free_belief, 0.9F) << "a glance is not enough";
   add_day(2, false, 12, 0.03F);
-  EXPECT_LT(CellAt(FuseSurface(patches, paths), 7, 2)->free_belief, 0.5F);
+  EXPECT_LT(CellAt(FuseSurface(patches, paths, SightsAlone()), 7, 2)->free_belief, 0.5F);
 }
 
 TEST(FuseSurface, WhatLiesBeyondAnOutlineCoversWhatAnEarlierDriveSaw) {
@@ -147,7 +154,7 @@ TEST(FuseSurface, WhatLiesBeyondAnOutlineCoversWhatAnEarlierDriveSaw) {
         for (GroundSample& sample : posed.patch.samples) sample.confidence = 0;
       patches.push_back(posed);
     }
-  const SurfaceMap covered = FuseSurface(patches, paths);
+  const SurfaceMap covered = FuseSurface(patches, paths, SightsAlone());
   EXPECT_LT(CellAt(covered, 5, 4.5)->free_belief, 0.35F);
   EXPECT_EQ(CellAt(covered, 5, 4.5)->color[0], 100) << "it is no sight of the ground";
 }
@@ -174,12 +181,12 @@ TEST(FuseSurface, ASlotThatCannotBeSeenAnyMoreIsCovered) {
   };
   add(pass(0, true, 1, 9));
   add(pass(1, false, 1, 9));
-  const SurfaceMap covered = FuseSurface(patches, paths);
+  const SurfaceMap covered = FuseSurface(patches, paths, SightsAlone());
   EXPECT_LT(CellAt(covered, 5, 4.5)->free_belief, 0.35F);
   EXPECT_GT(CellAt(covered, 8, 4.5)->free_belief, 0.5F) << "the slot beside it";
 
   add(pass(2, true, 1, 9));
-  EXPECT_GT(CellAt(FuseSurface(patches, paths), 5, 4.5)->free_belief, 0.65F) << "the car has gone";
+  EXPECT_GT(CellAt(FuseSurface(patches, paths, SightsAlone()), 5, 4.5)->free_belief, 0.65F) << "the car has gone";
 }
 
 TEST(FuseSurface, WhatIsHiddenFromElsewhereIsNotCovered) {
@@ -196,7 +203,7 @@ TEST(FuseSurface, WhatIsHiddenFromElsewhereIsNotCovered) {
   };
   for (const double x : {3.0, 4.0, 5.0, 6.0, 7.0}) look(0, {x, 0, 0}, true);
   for (const double x : {3.0, 4.0, 5.0, 6.0, 7.0}) look(1, {x, 12, 0}, false);  // from the other side of a hedge
-  EXPECT_GT(CellAt(FuseSurface(patches, paths), 5, 4.5)->free_belief, 0.65F);
+  EXPECT_GT(CellAt(FuseSurface(patches, paths, SightsAlone()), 5, 4.5)->free_belief, 0.65F);
 }
 
 TEST(FuseSurface, OneOddSightDoesNotColourACell) {
@@ -205,7 +212,7 @@ TEST(FuseSurface, OneOddSightDoesNotColourACell) {
   for (int i = 0; i < 4; ++i) patches.push_back(MakePatch(3, -2, 8, 2, 100, true));
   patches.push_back(MakePatch(3, -2, 8, 2, 250, true));  // a reflection
 
-  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1));
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), SightsAlone());
 
   EXPECT_EQ(CellAt(surface, 6, 1)->color[0], 100);
 }
@@ -217,7 +224,7 @@ TEST(FuseSurface, ACellHasTheColourOfTheLatestDriveThatSawIt) {
   patches.push_back(MakePatch(3, -2, 8, 0, 130, true));  // at dusk, one sight
   patches.back().patch.drive = 1;
 
-  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1));
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), SightsAlone());
 
   EXPECT_EQ(CellAt(surface, 6, -1)->color[0], 130);
   EXPECT_EQ(CellAt(surface, 6, 1)->color[0], 100);
@@ -233,7 +240,7 @@ TEST(FuseSurface, ADriveElsewhereDoesNotAgeACellWhateverTheTiles) {
   for (GroundSample& sample : patches[2].patch.samples)
     sample.weight = 1e-4F * sample.weight;  // from afar: a tenth as near
   for (const double tile_size : {6.0, 1000.0}) {
-    SurfaceOptions options;
+    SurfaceOptions options = SightsAlone();
     options.tile_size = tile_size;
     options.min_island_area = 0;  // nobody drives here
     const SurfaceMap surface = FuseSurface(PatchesInMemory(patches), {}, {}, options, flat);
@@ -247,7 +254,7 @@ TEST(FuseSurface, WhatACarDroveOverIsFreeWhateverWasSeen) {
   std::vector<PosedGroundPatch> patches{MakePatch(0, -3, 8, 3, 100, true)};
   for (int i = 0; i < 20; ++i) patches.push_back(MakePatch(2, -0.5, 4, 0.5, 30, false));
 
-  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1));
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), SightsAlone());
 
   EXPECT_GT(CellAt(surface, 3, 0)->free_belief, 0.9F);
 }
@@ -257,7 +264,7 @@ TEST(FuseSurface, TheGroundUnderTheCarAtTheStartIsFilled) {
   const std::vector patches{MakePatch(-3, -3, -0.5, 3, 100, true), MakePatch(3.2, -3, 6, 3, 100, true),
                             MakePatch(-0.5, 1.2, 3.2, 3, 100, true), MakePatch(-0.5, -3, 3.2, -1.2, 100, true)};
 
-  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1));
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), SightsAlone());
 
   EXPECT_EQ(CellAt(surface, -0.2, 0.0), nullptr) << "not between the wheels";
   EXPECT_EQ(CellAt(surface, 1.3, 0.0), nullptr) << "nothing seen is near enough to lend its colour";
@@ -267,7 +274,7 @@ TEST(FuseSurface, SmallIslandsThatNoCarReachedAreDropped) {
   const DrivenPath path = MakePath(5);
   const std::vector patches{MakePatch(-1, -3, 8, 3, 100, true), MakePatch(2, 6, 3, 7, 100, true),
                             MakePatch(1, -10, 5, -6, 100, true)};
-  SurfaceOptions options;
+  SurfaceOptions options = SightsAlone();
   options.min_island_area = 10;
 
   const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), options);
@@ -280,7 +287,7 @@ TEST(FuseSurface, CellsAreSortedAsPromised) {
   const DrivenPath path = MakePath(5);
   const std::vector patches{MakePatch(-1, -3, 8, 3, 100, true)};
 
-  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1));
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), SightsAlone());
 
   EXPECT_TRUE(
       std::is_sorted(surface.cells.begin(), surface.cells.end(), [](const SurfaceCell& a, const SurfaceCell& b) {
@@ -291,7 +298,7 @@ TEST(FuseSurface, CellsAreSortedAsPromised) {
 TEST(FuseSurface, NothingInNothingOut) { EXPECT_TRUE(FuseSurface({}, {}).cells.empty()); }
 
 TEST(FuseSurface, RejectsCellsThatDoNotDivideTheHeightField) {
-  SurfaceOptions options;
+  SurfaceOptions options = SightsAlone();
   options.cell_size = 0.07;
   EXPECT_THROW(FuseSurface({}, {}, options), Error);
 }

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Weights of pixels; kerbs; two steps of training on made-up pictures and one more with batch normalisation folded,
-exported and read by OpenCV. Skipped (77) without PyTorch.
+exported and read by OpenCV; likewise of the network of outlines, on made-up ground. Skipped (77) without PyTorch.
 
 training_smoke_test.py TRAINING_FOLDER
 """
+import json
 import pathlib
 import subprocess
 import sys
@@ -76,6 +77,47 @@ def check_fold():
     assert torch.allclose(before, after, atol=1e-3 * float(before.abs().max())), (before - after).abs().max()
 
 
+def write_raster(name, rng):
+    """Ground with a box on it: as parkade-outline-rasters writes them."""
+    truth = np.ones((180, 200), np.uint8)
+    truth[60:100, 70:90], truth[:, 190:], truth[:10] = 0, 2, 3
+    features = rng.random((12, *truth.shape)).astype(np.float32)
+    features[0] = truth != 3
+    features[1] = np.where(truth == 0, -0.3, 0.3)
+    features.tofile(name.with_suffix(".features"))
+    truth.tofile(name.with_suffix(".truth"))
+    name.with_suffix(".json").write_text(json.dumps({"channels": 12, "rows": truth.shape[0], "columns": truth.shape[1]}))
+
+
+def check_outlines(folder):
+    """What is near a box weighs more, what is unknown nothing; a perfect outline is one, a shrunken one is not."""
+    import outline_rasters as rasters
+    from outline_network import OutlineNetwork, corrected
+
+    write_raster(folder / "ground_0", np.random.default_rng(2))
+    ((name, features, truth),) = rasters.load_rasters(folder)
+    assert name == "ground_0" and features.shape == (12, 180, 200)
+    weights = rasters.weights_of(features, truth)
+    assert weights[5].max() == 0 and weights[:, 195].max() == 0 and weights[55, 80] > weights[150, 20] > 0
+    perfect = rasters.compare(features, truth, np.where(truth == 0, -1, 1))
+    assert perfect["boundary"] == 1 and perfect["missed"] == 0 and perfect["false"] == 0, perfect
+    smaller = rasters.compare(features, truth, np.where(cv2.dilate((truth == 0).astype(np.uint8), np.ones((9, 9))), -1, 1))
+    assert 0.5 < smaller["boundary"] < 0.9 and smaller["missed"] > 0 and smaller["false"] == 0, smaller
+    for seed in range(5):
+        square = rasters.cut_square(np.random.default_rng(seed), features, truth, 96)
+        changed, label = rasters.augment(np.random.default_rng(seed), *square)
+        assert sorted(label.ravel()) == sorted(square[1].ravel()) and np.isfinite(changed).all()
+        assert (np.sign(changed[1]) == np.where(label == 0, -1, 1))[(changed[0] > 0) & (label != 3)].all()
+    # What lies further than the reach that the program relies on has no say.
+    network = OutlineNetwork().eval()
+    ground = torch.rand(1, 12, 96, 96)
+    other = ground.clone()
+    other[..., 64:] = 0
+    with torch.no_grad():
+        difference = (corrected(network, ground) - corrected(network, other)).abs()[0, 0].amax(0)
+    assert difference[:32].max() < 1e-5 < difference[63], difference
+
+
 def main():
     training = pathlib.Path(sys.argv[1])
     check_weights(training)
@@ -103,6 +145,14 @@ def main():
         assert "difference" in run("export.py", folder / "a.pt", folder / "a.onnx")
         figures = run("evaluate.py", folder / "a.onnx", "--camvid", folder / "camvid/val")
         assert "3 pictures, IoU" in figures, figures
+
+        (folder / "rasters").mkdir()
+        check_outlines(folder / "rasters")
+        ground = ("--rasters", folder / "rasters", "--val", folder / "rasters", "--batch", 2)
+        log = run("train_outlines.py", *ground, "--steps", 2, "--out", folder / "c.pt")
+        assert "step 2" in log and "boundary" in log, log
+        assert "step 1" in run("train_outlines.py", *ground, "--steps", 1, "--resume", folder / "c.pt", "--out", folder / "c.pt")
+        assert "difference" in run("export_outlines.py", folder / "c.pt", folder / "c.onnx")
 
 
 if __name__ == "__main__":

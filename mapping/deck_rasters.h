@@ -1,0 +1,23 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+#include <span>
+#include <vector>
+
+#include "mapping/surface_painter.h"
+
+namespace parkade {
+
+/// Cells that hang together on one deck, none above another, as a picture.
+struct DeckRaster {
+  Eigen::Vector2i origin = Eigen::Vector2i::Zero();  ///< (x, y) of the cell in column 0, row 0; multiples of `align`
+  cv::Mat index;                                     ///< CV_32SC1: of the cell at (origin + (column, row)), or -1
+};
+
+/// Sorted cells, neighbours at most `max_step` [m] apart in height -> their decks, where they have `min_cells` at
+/// least. Width and height are multiples of `align` cells as well. A deck that winds above itself is cut.
+std::vector<DeckRaster> CutIntoDecks(std::span<const SurfacePainter::PaintedCell> cells, double max_step, int align,
+                                     std::size_t min_cells);
+
+}  // namespace parkade

@@ -1,0 +1,48 @@
+#!/usr/bin/env python3
+"""Writes a checkpoint of train_outlines.py as ONNX for OpenCV's dnn, and checks that both give the same answer.
+
+    export_outlines.py outlines.pt outlines.onnx
+"""
+import argparse
+
+import cv2
+import numpy as np
+import torch
+
+from outline_network import FEATURES, fold, load
+
+OPSET = 11  # what OpenCV 4.6 knows well
+SIDE = 320  # pixels of a block: OutlineNetwork's core and its reach on both sides
+MAX_DIFFERENCE = 1e-3  # of log-odds
+
+
+def largest_difference(network, onnx_path):
+    features = np.random.default_rng(1).random((1, FEATURES, SIDE, SIDE), np.float32)
+    reader = cv2.dnn.readNetFromONNX(onnx_path)
+    reader.setInput(features)
+    with torch.no_grad():
+        ours = network(torch.from_numpy(features)).numpy()
+    return float(np.abs(reader.forward() - ours).max())
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("checkpoint")
+    parser.add_argument("onnx")
+    parser.add_argument("--doubt", type=float, default=0.0,
+                        help="log-odds that every correction loses: less false free space for more ground missed")
+    arguments = parser.parse_args()
+    network = fold(load(arguments.checkpoint))
+    with torch.no_grad():
+        network.head.bias -= arguments.doubt
+    torch.onnx.export(network, torch.zeros(1, FEATURES, SIDE, SIDE), arguments.onnx, opset_version=OPSET,
+                      input_names=["ground"], output_names=["correction"])
+    difference = largest_difference(network, arguments.onnx)
+    count = sum(parameter.numel() for parameter in network.parameters())
+    print(f"{count} parameters, largest difference to OpenCV {difference:.1e}")
+    if difference > MAX_DIFFERENCE:
+        raise SystemExit("OpenCV reads the network differently")
+
+
+if __name__ == "__main__":
+    main()

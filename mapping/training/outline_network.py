@@ -1,0 +1,85 @@
+"""The network that corrects outlines: looks at painted ground from above (mapping/outline_features.h), a pixel per 0.1 m.
+Input: N x 12 x H x W, H and W multiples of 4. Output: N x 1 x H x W, what is added to the log-odds of "drivable".
+A pixel depends on at most 31 others in each direction, so that the ground can be painted square by square.
+"""
+import torch
+from torch import nn
+from torch.nn import functional
+from torch.nn.utils.fusion import fuse_conv_bn_eval
+
+FEATURES = 12
+SEEN, LOG_ODDS, FREE, OCCUPIED, COLORS = 0, 1, 2, 3, slice(9, 12)
+LOG_ODDS_UNIT = 8  # of feature LOG_ODDS
+MAX_CORRECTION = 6  # as OutlineNetwork::kMaxCorrection
+
+
+def conv(inputs, outputs, size=3, stride=1):
+    """Convolution, batch normalisation (folded on export), ReLU."""
+    return nn.Sequential(
+        nn.Conv2d(inputs, outputs, size, stride, size // 2, bias=False),
+        nn.BatchNorm2d(outputs),
+        nn.ReLU(inplace=True),
+    )
+
+
+class Residual(nn.Module):
+    """y = x + block(x)."""
+
+    def __init__(self, block):
+        super().__init__()
+        self.block = block
+
+    def forward(self, x):
+        return x + self.block(x)
+
+
+class Decoder(nn.Module):
+    """Doubles the resolution and adds what the encoder knew there."""
+
+    def __init__(self, deep, skip):
+        super().__init__()
+        self.reduce = conv(deep, skip, 1)
+        self.mix = Residual(conv(skip, skip))
+
+    def forward(self, deep, skip):
+        up = functional.interpolate(self.reduce(deep), scale_factor=2, mode="bilinear", align_corners=False)
+        return self.mix(up + skip)
+
+
+class OutlineNetwork(nn.Module):
+    def __init__(self, widths=(12, 24, 48), depth=4):
+        super().__init__()
+        full, half, quarter = widths
+        self.at_full = conv(FEATURES, full)
+        self.at_half = nn.Sequential(conv(full, half, 3, 2), Residual(conv(half, half)))
+        self.at_quarter = nn.Sequential(conv(half, quarter, 3, 2), *(Residual(conv(quarter, quarter)) for _ in range(depth)))
+        self.to_half = Decoder(quarter, half)
+        self.to_full = Decoder(half, full)
+        self.head = nn.Conv2d(full, 1, 1)
+
+    def forward(self, features):
+        full = self.at_full(features)
+        half = self.at_half(full)
+        deep = self.to_half(self.at_quarter(half), half)
+        return MAX_CORRECTION * torch.tanh(self.head(self.to_full(deep, full)) / MAX_CORRECTION)
+
+
+def corrected(network, features):
+    """Log-odds of the input with the correction: N x 1 x H x W."""
+    return LOG_ODDS_UNIT * features[:, LOG_ODDS : LOG_ODDS + 1] + network(features)
+
+
+def fold(network):
+    """The same network with batch normalisation folded into the convolutions."""
+    network.eval()
+    for block in network.modules():
+        if isinstance(block, nn.Sequential) and len(block) == 3 and isinstance(block[1], nn.BatchNorm2d):
+            block[0], block[1] = fuse_conv_bn_eval(block[0], block[1]), nn.Identity()
+    return network
+
+
+def load(path):
+    """What train_outlines.py has saved."""
+    network = OutlineNetwork()
+    network.load_state_dict(torch.load(path, map_location="cpu")["network"])
+    return network

@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""Trains the network of outlines for a given time on two processor cores, one of which makes the squares.
+
+    nice train_outlines.py --rasters RASTERS --val RASTERS --minutes 40 --out outlines.pt
+
+RASTERS are folders that parkade-outline-rasters filled. The checkpoint holds the moving average of the weights.
+"""
+import argparse
+import copy
+import os
+import time
+
+os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before PyTorch is loaded: its threads spin while they wait for a busy core
+
+import cv2
+import numpy as np
+import torch
+from torch.nn import functional
+
+import outline_rasters as rasters
+from outline_network import LOG_ODDS, LOG_ODDS_UNIT, OutlineNetwork, corrected, load
+
+SIDE = 160  # pixels of a square
+PREFETCHED = 6  # batches
+
+
+class Squares(torch.utils.data.IterableDataset):
+    """Batches of squares without end, made by a process of their own."""
+
+    def __init__(self, arguments):
+        self.pool = [raster for folder in arguments.rasters for raster in rasters.load_rasters(folder)]
+        areas = np.array([(truth <= rasters.DRIVABLE).sum() for _, _, truth in self.pool], float)
+        self.shares = areas / areas.sum()
+        self.batch, self.rng = arguments.batch, np.random.default_rng(arguments.seed)
+
+    def __iter__(self):
+        cv2.setNumThreads(1)
+        while True:
+            squares = [self.square() for _ in range(self.batch)]
+            yield tuple(np.stack(part) for part in zip(*squares))
+
+    def square(self):
+        _, features, truth = self.pool[self.rng.choice(len(self.pool), p=self.shares)]
+        features, truth = rasters.augment(self.rng, *rasters.cut_square(self.rng, features, truth, SIDE))
+        return features, (truth == rasters.DRIVABLE).astype(np.float32), rasters.weights_of(features, truth)
+
+
+def loss_of(log_odds, drivable, weights):
+    """Cross entropy and soft IoU."""
+    entropy = (functional.binary_cross_entropy_with_logits(log_odds, drivable, reduction="none") * weights).sum()
+    probability = torch.sigmoid(log_odds) * weights
+    both = (probability * drivable).sum()
+    either = (probability + drivable * weights).sum() - both
+    return entropy / weights.sum().clamp(min=1) + 0.5 * (1 - both / either.clamp(min=1))
+
+
+def follow(average, network, decay):
+    """Moves the average towards the network."""
+    with torch.no_grad():
+        for name, value in network.state_dict().items():
+            kept = average.state_dict()[name]
+            if value.dtype.is_floating_point:
+                kept.mul_(decay).add_(value, alpha=1 - decay)
+            else:
+                kept.copy_(value)
+
+
+def measure(network, pool, prints=True):
+    network.eval()
+    before, after = [], []
+    for name, features, truth in pool:
+        with torch.no_grad():
+            log_odds = corrected(network, torch.from_numpy(features[None]))[0, 0].numpy()
+        before.append(rasters.compare(features, truth, LOG_ODDS_UNIT * features[LOG_ODDS]))
+        after.append(rasters.compare(features, truth, log_odds))
+        if prints:
+            print(f"  {name:16}", figures(before[-1:], after[-1:]))
+    print("  mean            ", figures(before, after), flush=True)
+
+
+def figures(before, after):
+    mean = lambda rows, key: np.mean([row[key] for row in rows])
+    return ", ".join(f"{key} {mean(before, key):.4f} -> {mean(after, key):.4f}" for key in before[0])
+
+
+def train(arguments):
+    torch.set_num_threads(arguments.threads)
+    cv2.setNumThreads(1)
+    torch.manual_seed(arguments.seed)
+    network = load(arguments.resume) if arguments.resume else OutlineNetwork()
+    average = copy.deepcopy(network)
+    decays = [parameter for parameter in network.parameters() if parameter.ndim > 1]
+    others = [parameter for parameter in network.parameters() if parameter.ndim <= 1]
+    optimiser = torch.optim.AdamW([{"params": decays, "weight_decay": 0.02}, {"params": others, "weight_decay": 0.0}],
+                                  lr=arguments.rate)
+    val = [raster for folder in arguments.val for raster in rasters.load_rasters(folder)]
+    squares = Squares(arguments)
+    print(f"{sum(p.numel() for p in network.parameters())} parameters, {len(squares.pool)} rasters", flush=True)
+    batches = torch.utils.data.DataLoader(squares, batch_size=None, num_workers=1, prefetch_factor=PREFETCHED,
+                                          collate_fn=lambda batch: batch)
+    begin = last_report = time.monotonic()
+    step, losses = 0, []
+    for features, drivable, weights in batches:
+        elapsed = (time.monotonic() - begin) / 60
+        progress = elapsed / arguments.minutes
+        rate = arguments.rate * min(1, (step + 1) / 100) * 0.5 * (1 + np.cos(np.pi * min(progress, 1)))
+        for group in optimiser.param_groups:
+            group["lr"] = rate
+        network.train()
+        log_odds = corrected(network, torch.from_numpy(features))[:, 0]
+        loss = loss_of(log_odds, torch.from_numpy(drivable), torch.from_numpy(weights))
+        optimiser.zero_grad()
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
+        optimiser.step()
+        follow(average, network, min(0.995, (step + 1) / (step + 10)))
+        losses.append(loss.item())
+        step += 1
+        is_over = progress >= 1 or (arguments.steps and step >= arguments.steps)
+        if is_over or time.monotonic() - last_report > 60 * arguments.report_minutes:
+            last_report = time.monotonic()
+            torch.save({"network": average.state_dict(), "steps": step}, arguments.out)
+            print(f"{elapsed:.1f} min, step {step}, loss {np.mean(losses):.4f}", flush=True)
+            if val:
+                measure(average, val, prints=is_over)
+            losses = []
+        if is_over:
+            return
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--rasters", required=True, nargs="+", help="folders to learn from")
+    parser.add_argument("--val", default=[], nargs="+", help="folders to measure on")
+    parser.add_argument("--out", required=True, help="checkpoint to write")
+    parser.add_argument("--resume", help="checkpoint to start from")
+    parser.add_argument("--minutes", type=float, default=40)
+    parser.add_argument("--steps", type=int, default=0, help="0: as many as the time allows")
+    parser.add_argument("--rate", type=float, default=2e-3)
+    parser.add_argument("--batch", type=int, default=8)
+    parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--report-minutes", type=float, default=5)
+    parser.add_argument("--seed", type=int, default=1)
+    train(parser.parse_args())
+
+
+if __name__ == "__main__":
+    main()
