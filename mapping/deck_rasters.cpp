@@ -1,38 +1,58 @@
 #include "mapping/deck_rasters.h"
 
-#include <algorithm>
-#include <cstdint>
-#include <unordered_set>
+#include <Eigen/Geometry>
+#include <ranges>
+#include <utility>
 
 #include "core/floor_of.h"
-#include "mapping/surface_links.h"
 
 namespace parkade {
 namespace {
 
 using PaintedCell = SurfacePainter::PaintedCell;
 
-SurfaceMap SurfaceOf(std::span<const PaintedCell> cells) {
-  SurfaceMap surface;
-  surface.cells.reserve(cells.size());
-  for (const PaintedCell& cell : cells) surface.cells.push_back(cell.cell);
-  return surface;
+using Box = Eigen::AlignedBox2i;
+
+template <typename Indices>
+Box BoxAround(std::span<const PaintedCell> cells, const Indices& indices) {
+  Box box;
+  for (const int i : indices) {
+    const SurfaceCell& cell = cells[static_cast<size_t>(i)].cell;
+    box.extend(Eigen::Vector2i(cell.x, cell.y));
+  }
+  return box;
 }
 
+/// Where which deck has a cell already.
+class Occupancy {
+ public:
+  explicit Occupancy(const Box& box)
+      : box_(box),
+        width_(static_cast<size_t>(box.sizes().x()) + 1),
+        deck_(width_ * (static_cast<size_t>(box.sizes().y()) + 1), -1) {}
+
+  /// Whether the place was free for this deck; it no longer is.
+  bool Take(const SurfaceCell& cell, int deck) {
+    int& owner =
+        deck_[static_cast<size_t>(cell.y - box_.min().y()) * width_ + static_cast<size_t>(cell.x - box_.min().x())];
+    return std::exchange(owner, deck) != deck;
+  }
+
+ private:
+  Box box_;
+  size_t width_;
+  std::vector<int> deck_;
+};
+
 DeckRaster RasterOf(std::span<const PaintedCell> cells, std::span<const int> members, int align) {
-  Eigen::Array2i low(cells[static_cast<size_t>(members[0])].cell.x, cells[static_cast<size_t>(members[0])].cell.y);
-  Eigen::Array2i high = low;
-  for (const int i : members) {
-    const SurfaceCell& cell = cells[static_cast<size_t>(i)].cell;
-    low = low.min(Eigen::Array2i(cell.x, cell.y));
-    high = high.max(Eigen::Array2i(cell.x, cell.y));
-  }
+  const Box box = BoxAround(cells, members);
   DeckRaster deck;
+  Eigen::Vector2i size;
   for (int axis = 0; axis < 2; ++axis) {
-    deck.origin[axis] = align * FloorDivide(low[axis], align);
-    high[axis] = align * (FloorDivide(high[axis], align) + 1);
+    deck.origin[axis] = align * FloorDivide(box.min()[axis], align);
+    size[axis] = align * (FloorDivide(box.max()[axis], align) + 1) - deck.origin[axis];
   }
-  deck.index = cv::Mat(high[1] - deck.origin.y(), high[0] - deck.origin.x(), CV_32SC1, cv::Scalar(-1));
+  deck.index = cv::Mat(size.y(), size.x(), CV_32SC1, cv::Scalar(-1));
   for (const int i : members) {
     const SurfaceCell& cell = cells[static_cast<size_t>(i)].cell;
     deck.index.at<int>(cell.y - deck.origin.y(), cell.x - deck.origin.x()) = i;
@@ -42,27 +62,29 @@ DeckRaster RasterOf(std::span<const PaintedCell> cells, std::span<const int> mem
 
 }  // namespace
 
-std::vector<DeckRaster> CutIntoDecks(std::span<const PaintedCell> cells, double max_step, int align,
+std::vector<DeckRaster> CutIntoDecks(std::span<const PaintedCell> cells, const SurfaceLinks& links, int align,
                                      std::size_t min_cells) {
-  const SurfaceLinks links = LinkCells(SurfaceOf(cells), max_step);
   std::vector<DeckRaster> decks;
+  if (cells.empty()) return decks;
+  Occupancy occupancy(BoxAround(cells, std::views::iota(0, static_cast<int>(cells.size()))));
   std::vector<bool> is_taken(cells.size());
+  std::vector<int> members;
+  int num_pieces = 0;
   for (size_t first = 0; first < cells.size(); ++first) {
     if (is_taken[first]) continue;
-    std::vector<int> members = {static_cast<int>(first)};
-    std::unordered_set<std::uint64_t> places;
-    const auto take = [&](size_t i) {
-      const SurfaceCell& cell = cells[i].cell;
-      const std::uint64_t place =
-          std::uint64_t{static_cast<std::uint32_t>(cell.x)} << 32U | static_cast<std::uint32_t>(cell.y);
-      return is_taken[i] = places.insert(place).second;
+    const int piece = num_pieces++;
+    const auto take = [&](int i) {
+      const auto at = static_cast<size_t>(i);
+      if (is_taken[at] || !occupancy.Take(cells[at].cell, piece)) return;
+      is_taken[at] = true;
+      members.push_back(i);
     };
-    take(first);
+    members.clear();
+    take(static_cast<int>(first));
     for (size_t next = 0; next < members.size(); ++next) {
       const auto i = static_cast<size_t>(members[next]);
       for (const int neighbour : {links.left[i], links.right[i], links.down[i], links.up[i]})
-        if (neighbour >= 0 && !is_taken[static_cast<size_t>(neighbour)] && take(static_cast<size_t>(neighbour)))
-          members.push_back(neighbour);
+        if (neighbour >= 0) take(neighbour);
     }
     if (members.size() >= min_cells) decks.push_back(RasterOf(cells, members, align));
   }

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "mapping/surface_links.h"
 #include "mapping/surface_painter.h"
 
 namespace parkade {
@@ -15,9 +16,9 @@ struct DeckRaster {
   cv::Mat index;                                     ///< CV_32SC1: of the cell at (origin + (column, row)), or -1
 };
 
-/// Sorted cells, neighbours at most `max_step` [m] apart in height -> their decks, where they have `min_cells` at
-/// least. Width and height are multiples of `align` cells as well. A deck that winds above itself is cut.
-std::vector<DeckRaster> CutIntoDecks(std::span<const SurfacePainter::PaintedCell> cells, double max_step, int align,
-                                     std::size_t min_cells);
+/// Cells and their neighbours on the same deck (LinkCells) -> decks of `min_cells` at least. Width and height are
+/// multiples of `align` cells as well. A deck that winds above itself is cut. O(cells + area of their bounding box).
+std::vector<DeckRaster> CutIntoDecks(std::span<const SurfacePainter::PaintedCell> cells, const SurfaceLinks& links,
+                                     int align, std::size_t min_cells);
 
 }  // namespace parkade

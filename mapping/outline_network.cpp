@@ -17,10 +17,10 @@ namespace {
 
 using PaintedCell = SurfacePainter::PaintedCell;
 
-constexpr int kCore = 256;                                  // pixels of a block that are kept
-constexpr int kBlock = kCore + 2 * OutlineNetwork::kReach;  // that the network sees
-constexpr std::size_t kMinCells = 2000;                     // of a deck: 5 m^2, less tells nothing
-constexpr float kStep = 1.0F / 64;                          // corrections are multiples of it: rounding does not show
+constexpr int kSide = 384;               // pixels of a block at most
+constexpr int kAlign = 16;               // pixels: what blocks begin and end at
+constexpr std::size_t kMinCells = 2000;  // of a deck: 5 m^2, less tells nothing
+constexpr float kStep = 1.0F / 64;       // corrections are multiples of it: rounding does not show
 
 /// A square of a deck: what is kept of it, in pixels of the deck's features.
 struct Block {
@@ -29,27 +29,37 @@ struct Block {
 };
 
 bool IsAnySeen(std::span<const PaintedCell> cells, const Block& block) {
-  const cv::Rect core = block.core & OutlineWindow(*block.deck);
-  const cv::Mat index = block.deck->index(cv::Rect(core.tl() * kOutlineFactor, core.size() * kOutlineFactor));
+  const cv::Rect core(block.core.tl() * kOutlineFactor, block.core.size() * kOutlineFactor);
+  const cv::Mat index = block.deck->index(core);
   return std::any_of(index.begin<int>(), index.end<int>(),
                      [&](int i) { return i >= 0 && cells[static_cast<size_t>(i)].is_seen; });
 }
 
-/// Blocks lie on one grid of the whole site, so that a cell is always at the same place of its block.
+/// Blocks lie on one grid of the whole site, which is what the network's coarser levels go by; they end with the deck.
 std::vector<Block> CutIntoBlocks(std::span<const PaintedCell> cells, std::span<const DeckRaster> decks) {
   std::vector<Block> blocks;
   for (const DeckRaster& deck : decks) {
-    const cv::Size size = OutlineWindow(deck).size();
-    const auto first = [](int origin) {
-      return kCore * FloorDivide(origin / kOutlineFactor, kCore) - origin / kOutlineFactor;
-    };
-    for (int row = first(deck.origin.y()); row < size.height; row += kCore)
-      for (int column = first(deck.origin.x()); column < size.width; column += kCore) {
-        const Block block{&deck, {column, row, kCore, kCore}};
+    const cv::Point origin(deck.origin.x() / kOutlineFactor, deck.origin.y() / kOutlineFactor);
+    const cv::Rect whole = OutlineWindow(deck) + origin;
+    for (int y = kSide * FloorDivide(whole.y, kSide); y < whole.br().y; y += kSide)
+      for (int x = kSide * FloorDivide(whole.x, kSide); x < whole.br().x; x += kSide) {
+        const Block block{&deck, (cv::Rect(x, y, kSide, kSide) & whole) - origin};
         if (IsAnySeen(cells, block)) blocks.push_back(block);
       }
   }
   return blocks;
+}
+
+/// What the network adds to the log-odds of the block's cells: CV_32FC1, a pixel per cell.
+cv::Mat CorrectionsOf(std::span<const PaintedCell> cells, const Block& block, NetworkCopies& network) {
+  constexpr int kReach = OutlineNetwork::kReach;
+  const cv::Rect window(block.core.x - kReach, block.core.y - kReach, block.core.width + 2 * kReach,
+                        block.core.height + 2 * kReach);
+  const cv::Mat output = network.Run(OutlineFeatures(cells, *block.deck, window));
+  cv::Mat fine;
+  cv::resize(cv::Mat(window.size(), CV_32F, const_cast<float*>(output.ptr<float>(0, 0))), fine, {}, kOutlineFactor,
+             kOutlineFactor, cv::INTER_LINEAR);
+  return fine(cv::Rect(cv::Point(kReach, kReach) * kOutlineFactor, block.core.size() * kOutlineFactor));
 }
 
 float Corrected(float belief, float correction) {
@@ -68,29 +78,20 @@ OutlineNetwork::OutlineNetwork() : copies_(std::make_unique<Copies>(std::string(
 
 OutlineNetwork::~OutlineNetwork() = default;
 
-void OutlineNetwork::Refine(double max_step, std::vector<PaintedCell>& cells) const {
-  const std::vector<DeckRaster> decks = CutIntoDecks(cells, max_step, kOutlineFactor, kMinCells);
+void OutlineNetwork::Refine(const SurfaceLinks& links, std::vector<PaintedCell>& cells) const {
+  const std::vector<DeckRaster> decks = CutIntoDecks(cells, links, kAlign * kOutlineFactor, kMinCells);
   const std::vector<Block> blocks = CutIntoBlocks(cells, decks);
-  const std::vector<cv::Mat> corrections = ParallelMap(blocks.size(), [&](size_t i) {
-    const cv::Rect& core = blocks[i].core;
-    const cv::Rect window(core.x - kReach, core.y - kReach, kBlock, kBlock);
-    const cv::Mat output = copies_->Run(OutlineFeatures(cells, *blocks[i].deck, window));
-    cv::Mat fine;
-    cv::resize(cv::Mat(kBlock, kBlock, CV_32F, const_cast<float*>(output.ptr<float>(0, 0))), fine, {}, kOutlineFactor,
-               kOutlineFactor, cv::INTER_LINEAR);
-    constexpr int kRim = kReach * kOutlineFactor, kSide = kCore * kOutlineFactor;
-    return fine(cv::Rect(kRim, kRim, kSide, kSide)).clone();
-  });
+  const std::vector<cv::Mat> corrections =
+      ParallelMap(blocks.size(), [&](size_t i) { return CorrectionsOf(cells, blocks[i], *copies_); });
   for (size_t k = 0; k < blocks.size(); ++k) {
-    const cv::Rect core = blocks[k].core & OutlineWindow(*blocks[k].deck);
-    for (int row = kOutlineFactor * core.y; row < kOutlineFactor * (core.y + core.height); ++row)
-      for (int column = kOutlineFactor * core.x; column < kOutlineFactor * (core.x + core.width); ++column) {
-        const int i = blocks[k].deck->index.at<int>(row, column);
+    const cv::Point corner = kOutlineFactor * blocks[k].core.tl();
+    for (int row = 0; row < corrections[k].rows; ++row)
+      for (int column = 0; column < corrections[k].cols; ++column) {
+        const int i = blocks[k].deck->index.at<int>(corner.y + row, corner.x + column);
         if (i < 0) continue;
         PaintedCell& cell = cells[static_cast<size_t>(i)];
-        if (!cell.is_seen || cell.is_driven) continue;
-        const cv::Point in_block = cv::Point(column, row) - kOutlineFactor * blocks[k].core.tl();
-        cell.cell.free_belief = Corrected(cell.cell.free_belief, corrections[k].at<float>(in_block));
+        if (cell.is_seen && !cell.is_driven)
+          cell.cell.free_belief = Corrected(cell.cell.free_belief, corrections[k].at<float>(row, column));
       }
   }
 }

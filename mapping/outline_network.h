@@ -1,10 +1,9 @@
 #pragma once
 
 #include <memory>
-#include <opencv2/core/mat.hpp>
-#include <span>
 #include <vector>
 
+#include "mapping/surface_links.h"
 #include "mapping/surface_painter.h"
 
 namespace parkade {
@@ -24,9 +23,9 @@ class OutlineNetwork {
   OutlineNetwork(const OutlineNetwork&) = delete;
   OutlineNetwork& operator=(const OutlineNetwork&) = delete;
 
-  /// Corrects the beliefs of seen cells; those that were driven on stay. Cells are sorted as SurfaceMap. In parallel;
-  /// thread-safe. A cell depends on those within kReach pixels alone, whatever else there is.
-  void Refine(double max_step, std::vector<SurfacePainter::PaintedCell>& cells) const;
+  /// Corrects the beliefs of seen cells; those that were driven on stay. `links` are those of the cells (LinkCells). In
+  /// parallel; thread-safe. A cell depends on those within kReach pixels alone, whatever else there is.
+  void Refine(const SurfaceLinks& links, std::vector<SurfacePainter::PaintedCell>& cells) const;
 
  private:
   class Copies;

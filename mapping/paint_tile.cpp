@@ -124,8 +124,9 @@ std::vector<PaintedCell> PaintTile(const FieldTile& tile, const PatchSource& pat
   PaintDrives(patches, paths, latest, painter);
   std::vector<PaintedCell> cells = painter.Cells();
   DropFalseDecks(options.height.level_separation, cells);
-  if (network) network->Refine(kMaxCellStep, cells);
-  FillPinholes(LinkCells(SurfaceOf(cells, options.cell_size), kMaxCellStep), cells);
+  const SurfaceLinks links = LinkCells(SurfaceOf(cells, options.cell_size), kMaxCellStep);
+  if (network) network->Refine(links, cells);
+  FillPinholes(links, cells);
   const Eigen::Array2i low = tile.core.min().array() * cells_per_side, high = tile.core.max().array() * cells_per_side;
   std::erase_if(cells, [&](const PaintedCell& cell) {
     const Eigen::Array2i at(cell.cell.x, cell.cell.y);

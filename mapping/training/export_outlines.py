@@ -12,17 +12,19 @@ import torch
 from outline_network import FEATURES, fold, load
 
 OPSET = 11  # what OpenCV 4.6 knows well
-SIDE = 320  # pixels of a block: OutlineNetwork's core and its reach on both sides
+SIZES = ((320, 320), (96, 208))  # rows and columns: the file is for all multiples of 4
 MAX_DIFFERENCE = 1e-3  # of log-odds
 
 
 def largest_difference(network, onnx_path):
-    features = np.random.default_rng(1).random((1, FEATURES, SIDE, SIDE), np.float32)
-    reader = cv2.dnn.readNetFromONNX(onnx_path)
-    reader.setInput(features)
-    with torch.no_grad():
-        ours = network(torch.from_numpy(features)).numpy()
-    return float(np.abs(reader.forward() - ours).max())
+    differences, reader = [], cv2.dnn.readNetFromONNX(onnx_path)
+    for size in SIZES:
+        features = np.random.default_rng(1).random((1, FEATURES, *size), np.float32)
+        reader.setInput(features)
+        with torch.no_grad():
+            ours = network(torch.from_numpy(features)).numpy()
+        differences.append(float(np.abs(reader.forward() - ours).max()))
+    return max(differences)
 
 
 def main():
@@ -35,7 +37,7 @@ def main():
     network = fold(load(arguments.checkpoint))
     with torch.no_grad():
         network.head.bias -= arguments.doubt
-    torch.onnx.export(network, torch.zeros(1, FEATURES, SIDE, SIDE), arguments.onnx, opset_version=OPSET,
+    torch.onnx.export(network, torch.zeros(1, FEATURES, *SIZES[0]), arguments.onnx, opset_version=OPSET,
                       input_names=["ground"], output_names=["correction"])
     difference = largest_difference(network, arguments.onnx)
     count = sum(parameter.numel() for parameter in network.parameters())

@@ -12,6 +12,12 @@ namespace {
 
 using PaintedCell = SurfacePainter::PaintedCell;
 
+SurfaceLinks LinksOf(const std::vector<PaintedCell>& cells) {
+  SurfaceMap surface;
+  for (const PaintedCell& cell : cells) surface.cells.push_back(cell.cell);
+  return LinkCells(surface, 0.1);
+}
+
 PaintedCell CellAt(int x, int y, double height) {
   PaintedCell cell;
   cell.cell = {.x = x, .y = y, .height = static_cast<float>(height)};
@@ -44,7 +50,7 @@ TEST(DeckRasters, DecksAboveEachOtherAreApart) {
       if (x < 10) cells.push_back(CellAt(x, y, 3));
     }
   SortCells(cells);
-  const std::vector<DeckRaster> decks = CutIntoDecks(cells, 0.1, 4, 10);
+  const std::vector<DeckRaster> decks = CutIntoDecks(cells, LinksOf(cells), 4, 10);
   ASSERT_EQ(decks.size(), 2);
   EXPECT_EQ(decks[0].origin, Eigen::Vector2i(-8, -16));
   EXPECT_EQ(decks[0].index.size(), cv::Size(40, 36));
@@ -67,7 +73,7 @@ TEST(DeckRasters, ARampThatWindsAboveItselfIsCutAndWhole) {
     return a.cell.x == b.cell.x && a.cell.y == b.cell.y && b.cell.height - a.cell.height < 1;
   };
   cells.erase(std::unique(cells.begin(), cells.end(), is_same), cells.end());
-  const std::vector<DeckRaster> decks = CutIntoDecks(cells, 0.1, 2, 1);
+  const std::vector<DeckRaster> decks = CutIntoDecks(cells, LinksOf(cells), 2, 1);
   size_t sum = 0;
   for (const std::set<int>& members : MembersOf(cells, decks)) sum += members.size();
   EXPECT_EQ(sum, cells.size());
@@ -80,10 +86,10 @@ TEST(DeckRasters, WhatIsSmallIsNoDeck) {
   for (int y = 0; y < 10; ++y)
     for (int x = 0; x < 20; ++x)
       if (x != 12) cells.push_back(CellAt(x, y, 0));
-  const std::vector<DeckRaster> decks = CutIntoDecks(cells, 0.1, 2, 100);
+  const std::vector<DeckRaster> decks = CutIntoDecks(cells, LinksOf(cells), 2, 100);
   ASSERT_EQ(decks.size(), 1);
   EXPECT_EQ(MembersOf(cells, decks)[0].size(), 120);
-  EXPECT_TRUE(CutIntoDecks({}, 0.1, 2, 1).empty());
+  EXPECT_TRUE(CutIntoDecks({}, {}, 2, 1).empty());
 }
 
 }  // namespace
