@@ -269,7 +269,9 @@ SurfaceMap Fuse(const std::vector<Rigid3>& poses) {
     states.push_back({.time = patches[i].time, .odom_from_body = poses[i]});
   }
   const DrivenPath path = MakeDrivenPath(0, MakeTestRig(), Trajectory(std::move(states)), Rigid3{});
-  return FuseSurface(posed, std::span(&path, 1));
+  SurfaceOptions options;
+  options.outlines = "sights";  // of a ground without anything around it a network says one thing here, another there
+  return FuseSurface(posed, std::span(&path, 1), options);
 }
 
 /// [m] from each point of one outline to the other, in order of size.
