@@ -9,7 +9,8 @@ import cv2
 import numpy as np
 import torch
 
-from outline_network import FEATURES, fold, load
+from network import fold
+from outline_network import FEATURES, load
 
 OPSET = 11  # what OpenCV 4.6 knows well
 SIZES = ((320, 320), (96, 208))  # rows and columns: the file is for all multiples of 4

@@ -5,32 +5,13 @@ A pixel depends on at most 31 others in each direction, so that the ground can b
 import torch
 from torch import nn
 from torch.nn import functional
-from torch.nn.utils.fusion import fuse_conv_bn_eval
+
+from network import Residual, conv
 
 FEATURES = 12
 SEEN, LOG_ODDS, FREE, OCCUPIED, COLORS = 0, 1, 2, 3, slice(9, 12)
 LOG_ODDS_UNIT = 8  # of feature LOG_ODDS
 MAX_CORRECTION = 6  # as OutlineNetwork::kMaxCorrection
-
-
-def conv(inputs, outputs, size=3, stride=1):
-    """Convolution, batch normalisation (folded on export), ReLU."""
-    return nn.Sequential(
-        nn.Conv2d(inputs, outputs, size, stride, size // 2, bias=False),
-        nn.BatchNorm2d(outputs),
-        nn.ReLU(inplace=True),
-    )
-
-
-class Residual(nn.Module):
-    """y = x + block(x)."""
-
-    def __init__(self, block):
-        super().__init__()
-        self.block = block
-
-    def forward(self, x):
-        return x + self.block(x)
 
 
 class Decoder(nn.Module):
@@ -67,15 +48,6 @@ class OutlineNetwork(nn.Module):
 def corrected(network, features):
     """Log-odds of the input with the correction: N x 1 x H x W."""
     return LOG_ODDS_UNIT * features[:, LOG_ODDS : LOG_ODDS + 1] + network(features)
-
-
-def fold(network):
-    """The same network with batch normalisation folded into the convolutions."""
-    network.eval()
-    for block in network.modules():
-        if isinstance(block, nn.Sequential) and len(block) == 3 and isinstance(block[1], nn.BatchNorm2d):
-            block[0], block[1] = fuse_conv_bn_eval(block[0], block[1]), nn.Identity()
-    return network
 
 
 def load(path):

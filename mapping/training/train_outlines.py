@@ -19,6 +19,7 @@ from torch.nn import functional
 
 import outline_rasters as rasters
 from outline_network import LOG_ODDS, LOG_ODDS_UNIT, OutlineNetwork, corrected, load
+from train import follow
 
 SIDE = 160  # pixels of a square
 PREFETCHED = 6  # batches
@@ -52,17 +53,6 @@ def loss_of(log_odds, drivable, weights):
     both = (probability * drivable).sum()
     either = (probability + drivable * weights).sum() - both
     return entropy / weights.sum().clamp(min=1) + 0.5 * (1 - both / either.clamp(min=1))
-
-
-def follow(average, network, decay):
-    """Moves the average towards the network."""
-    with torch.no_grad():
-        for name, value in network.state_dict().items():
-            kept = average.state_dict()[name]
-            if value.dtype.is_floating_point:
-                kept.mul_(decay).add_(value, alpha=1 - decay)
-            else:
-                kept.copy_(value)
 
 
 def measure(network, pool, prints=True):
