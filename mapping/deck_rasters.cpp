@@ -62,6 +62,13 @@ DeckRaster RasterOf(std::span<const PaintedCell> cells, std::span<const int> mem
 
 }  // namespace
 
+SurfaceLinks LinkPaintedCells(std::span<const PaintedCell> cells, double max_step) {
+  SurfaceMap surface;
+  surface.cells.reserve(cells.size());
+  for (const PaintedCell& cell : cells) surface.cells.push_back(cell.cell);
+  return LinkCells(surface, max_step);
+}
+
 std::vector<DeckRaster> CutIntoDecks(std::span<const PaintedCell> cells, const SurfaceLinks& links, int align,
                                      std::size_t min_cells) {
   std::vector<DeckRaster> decks;

@@ -16,6 +16,9 @@ struct DeckRaster {
   cv::Mat index;                                     ///< CV_32SC1: of the cell at (origin + (column, row)), or -1
 };
 
+/// LinkCells of painted cells.
+SurfaceLinks LinkPaintedCells(std::span<const SurfacePainter::PaintedCell> cells, double max_step);
+
 /// Cells and their neighbours on the same deck (LinkCells) -> decks of `min_cells` at least. Width and height are
 /// multiples of `align` cells as well. A deck that winds above itself is cut. O(cells + area of their bounding box).
 std::vector<DeckRaster> CutIntoDecks(std::span<const SurfacePainter::PaintedCell> cells, const SurfaceLinks& links,

@@ -24,7 +24,7 @@ cv::Mat LogOddsOf(const cv::Mat& output) {
   const auto channel = [&](int index) {
     return cv::Mat(output.size[2], output.size[3], CV_32F, const_cast<float*>(output.ptr<float>(0, index)));
   };
-  return output.size[1] == 1 ? channel(0).clone() : cv::Mat(channel(1) - channel(0));
+  return output.size[1] == 1 ? output.reshape(1, output.size[2]) : cv::Mat(channel(1) - channel(0));
 }
 
 /// What a camera of a car calls drivable hangs together: small islands, specks on walls most often, get log-odds of 0.

@@ -57,8 +57,7 @@ cv::Mat CorrectionsOf(std::span<const PaintedCell> cells, const Block& block, Ne
                         block.core.height + 2 * kReach);
   const cv::Mat output = network.Run(OutlineFeatures(cells, *block.deck, window));
   cv::Mat fine;
-  cv::resize(cv::Mat(window.size(), CV_32F, const_cast<float*>(output.ptr<float>(0, 0))), fine, {}, kOutlineFactor,
-             kOutlineFactor, cv::INTER_LINEAR);
+  cv::resize(output.reshape(1, window.height), fine, {}, kOutlineFactor, kOutlineFactor, cv::INTER_LINEAR);
   return fine(cv::Rect(cv::Point(kReach, kReach) * kOutlineFactor, block.core.size() * kOutlineFactor));
 }
 
@@ -69,12 +68,7 @@ float Corrected(float belief, float correction) {
 
 }  // namespace
 
-class OutlineNetwork::Copies : public NetworkCopies {
- public:
-  using NetworkCopies::NetworkCopies;
-};
-
-OutlineNetwork::OutlineNetwork() : copies_(std::make_unique<Copies>(std::string(BuiltinOutlineNetwork()))) {}
+OutlineNetwork::OutlineNetwork() : copies_(std::make_unique<NetworkCopies>(std::string(BuiltinOutlineNetwork()))) {}
 
 OutlineNetwork::~OutlineNetwork() = default;
 

@@ -8,6 +8,8 @@
 
 namespace parkade {
 
+class NetworkCopies;
+
 /// A network that looks at the painted ground from above and corrects what its sights say of where it can be driven on:
 /// rows of cars, kerbs and slots are plain from there, where every sight of them was slanted. It adds to the log-odds
 /// of cells, by kMaxCorrection at most: what near sights are sure of stays.
@@ -28,8 +30,7 @@ class OutlineNetwork {
   void Refine(const SurfaceLinks& links, std::vector<SurfacePainter::PaintedCell>& cells) const;
 
  private:
-  class Copies;
-  std::unique_ptr<Copies> copies_;
+  std::unique_ptr<NetworkCopies> copies_;
 };
 
 }  // namespace parkade

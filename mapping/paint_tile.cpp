@@ -5,7 +5,7 @@
 #include <set>
 
 #include "core/floor_of.h"
-#include "mapping/surface_links.h"
+#include "mapping/deck_rasters.h"
 
 namespace parkade {
 namespace {
@@ -15,13 +15,6 @@ using PaintedCell = SurfacePainter::PaintedCell;
 constexpr int kPinholeRounds = 3;      // each fills holes of up to about two cells
 constexpr int kPinholeNeighbours = 4;  // of 8 that must be seen around a pinhole
 constexpr int kDrivenRounds = 60;      // to fill colour in under a car that stood: 3 m at 5 cm
-
-SurfaceMap SurfaceOf(const std::vector<PaintedCell>& cells, double cell_size) {
-  SurfaceMap surface{cell_size, {}};
-  surface.cells.reserve(cells.size());
-  for (const PaintedCell& cell : cells) surface.cells.push_back(cell.cell);
-  return surface;
-}
 
 /// Where two surfaces lie too close above each other to be decks, the less certain one is an error.
 void DropFalseDecks(double level_separation, std::vector<PaintedCell>& cells) {
@@ -124,7 +117,7 @@ std::vector<PaintedCell> PaintTile(const FieldTile& tile, const PatchSource& pat
   PaintDrives(patches, paths, latest, painter);
   std::vector<PaintedCell> cells = painter.Cells();
   DropFalseDecks(options.height.level_separation, cells);
-  const SurfaceLinks links = LinkCells(SurfaceOf(cells, options.cell_size), kMaxCellStep);
+  const SurfaceLinks links = LinkPaintedCells(cells, kMaxCellStep);
   if (network) network->Refine(links, cells);
   FillPinholes(links, cells);
   const Eigen::Array2i low = tile.core.min().array() * cells_per_side, high = tile.core.max().array() * cells_per_side;

@@ -132,6 +132,13 @@ def follow(average, network, decay):
                 kept.copy_(value)
 
 
+def make_optimiser(network, rate):
+    """Weights decay, biases and scales do not."""
+    decays = [parameter for parameter in network.parameters() if parameter.ndim > 1]
+    others = [parameter for parameter in network.parameters() if parameter.ndim <= 1]
+    return torch.optim.AdamW([{"params": decays, "weight_decay": 0.02}, {"params": others, "weight_decay": 0.0}], lr=rate)
+
+
 def train(arguments):
     torch.set_num_threads(1)
     cv2.setNumThreads(1)
@@ -141,10 +148,7 @@ def train(arguments):
         network = fold(network)
     average = copy.deepcopy(network)
     network = network.to(memory_format=torch.channels_last)
-    decays = [parameter for parameter in network.parameters() if parameter.ndim > 1]
-    others = [parameter for parameter in network.parameters() if parameter.ndim <= 1]
-    optimiser = torch.optim.AdamW([{"params": decays, "weight_decay": 0.02}, {"params": others, "weight_decay": 0.0}],
-                                  lr=arguments.rate)
+    optimiser = make_optimiser(network, arguments.rate)
     plain = pictures.load_camvid(Path(arguments.camvid) / "train") if arguments.camvid else []
     begin = last_report = time.monotonic()
     budget, step, losses = 60 * arguments.minutes, 0, []

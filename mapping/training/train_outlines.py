@@ -19,7 +19,7 @@ from torch.nn import functional
 
 import outline_rasters as rasters
 from outline_network import LOG_ODDS, LOG_ODDS_UNIT, OutlineNetwork, corrected, load
-from train import follow
+from train import follow, make_optimiser
 
 SIDE = 160  # pixels of a square
 PREFETCHED = 6  # batches
@@ -79,10 +79,7 @@ def train(arguments):
     torch.manual_seed(arguments.seed)
     network = load(arguments.resume) if arguments.resume else OutlineNetwork()
     average = copy.deepcopy(network)
-    decays = [parameter for parameter in network.parameters() if parameter.ndim > 1]
-    others = [parameter for parameter in network.parameters() if parameter.ndim <= 1]
-    optimiser = torch.optim.AdamW([{"params": decays, "weight_decay": 0.02}, {"params": others, "weight_decay": 0.0}],
-                                  lr=arguments.rate)
+    optimiser = make_optimiser(network, arguments.rate)
     val = [raster for folder in arguments.val for raster in rasters.load_rasters(folder)]
     squares = Squares(arguments)
     print(f"{sum(p.numel() for p in network.parameters())} parameters, {len(squares.pool)} rasters", flush=True)

@@ -136,19 +136,13 @@ std::vector<Truth> LabelsOf(std::span<const SurfacePainter::PaintedCell> cells, 
   return labels;
 }
 
-SurfaceLinks LinksOf(std::span<const SurfacePainter::PaintedCell> cells) {
-  SurfaceMap surface;
-  for (const SurfacePainter::PaintedCell& cell : cells) surface.cells.push_back(cell.cell);
-  return LinkCells(surface, kMaxCellStep);
-}
-
 void RunDrive(const CommandLine& line, const std::string& name, const Options& options) {
   const SuiteDrive drive = OpenSuiteDrive(line.suite, name);
   const std::vector<SurfacePainter::PaintedCell> cells = Paint(drive, options);
   const double cell_size = options.surface.cell_size;
   const TrueGround truth(ReadPly(fs::path(line.suite) / name / "truth" / "ground_truth.ply"),
                          kOutlineFactor * cell_size, drive);
-  const std::vector<DeckRaster> decks = CutIntoDecks(cells, LinksOf(cells), kAlign, kMinCells);
+  const std::vector<DeckRaster> decks = CutIntoDecks(cells, LinkPaintedCells(cells, kMaxCellStep), kAlign, kMinCells);
   for (size_t k = 0; k < decks.size(); ++k)
     Write(fs::path(line.out) / (name + "_" + std::to_string(k)),
           OutlineFeatures(cells, decks[k], OutlineWindow(decks[k])), LabelsOf(cells, decks[k], cell_size, truth));

@@ -13,11 +13,7 @@ namespace {
 
 using PaintedCell = SurfacePainter::PaintedCell;
 
-SurfaceLinks LinksOf(const std::vector<PaintedCell>& cells) {
-  SurfaceMap surface;
-  for (const PaintedCell& cell : cells) surface.cells.push_back(cell.cell);
-  return LinkCells(surface, 0.1);
-}
+constexpr double kMaxStep = 0.1;  // [m]
 
 /// Ground with patches of all colours and beliefs, some cells unseen, a lane driven.
 std::vector<PaintedCell> MakeGround(const Eigen::Vector2i& corner, const Eigen::Vector2i& size, unsigned seed) {
@@ -50,7 +46,7 @@ double LogOdds(const PaintedCell& cell) {
 
 TEST(OutlineFeatures, AreMeansOfSeenCells) {
   const std::vector<PaintedCell> cells = MakeGround({-5, 4}, {60, 40}, 1);
-  const std::vector<DeckRaster> decks = CutIntoDecks(cells, LinksOf(cells), kOutlineFactor, 1);
+  const std::vector<DeckRaster> decks = CutIntoDecks(cells, LinkPaintedCells(cells, kMaxStep), kOutlineFactor, 1);
   ASSERT_EQ(decks.size(), 1);
   const cv::Rect window(-3, 2, 20, 30);
   const cv::Mat features = OutlineFeatures(cells, decks[0], window);
@@ -75,7 +71,7 @@ TEST(OutlineFeatures, AreMeansOfSeenCells) {
 TEST(OutlineNetwork, CorrectsWhatWasSeenAndNotDrivenOnWithinBounds) {
   const std::vector<PaintedCell> before = MakeGround({-100, 30}, {150, 120}, 2);
   std::vector<PaintedCell> after = before;
-  OutlineNetwork().Refine(LinksOf(after), after);
+  OutlineNetwork().Refine(LinkPaintedCells(after, kMaxStep), after);
   int num_changed = 0;
   for (size_t i = 0; i < before.size(); ++i) {
     if (!before[i].is_seen || before[i].is_driven) {
@@ -96,8 +92,8 @@ TEST(OutlineNetwork, ACellDependsOnWhatIsNear) {
   for (PaintedCell& cell : changed)
     if (cell.cell.x - corner.x() >= from) cell.cell.free_belief = 0.3F, cell.cell.color = {200, 10, 10};
   const OutlineNetwork network;
-  network.Refine(LinksOf(whole), whole);
-  network.Refine(LinksOf(changed), changed);
+  network.Refine(LinkPaintedCells(whole, kMaxStep), whole);
+  network.Refine(LinkPaintedCells(changed, kMaxStep), changed);
   int num_far = 0, num_near_changed = 0;
   for (size_t i = 0; i < whole.size(); ++i) {
     const int x = whole[i].cell.x - corner.x();
@@ -116,18 +112,18 @@ TEST(OutlineNetwork, ACellDependsOnWhatIsNear) {
 TEST(OutlineNetwork, APlaceIsTheSameElsewhere) {
   std::vector<PaintedCell> here = MakeGround({-30, 40}, {150, 120}, 4), there = MakeGround({482, -984}, {150, 120}, 4);
   const OutlineNetwork network;
-  network.Refine(LinksOf(here), here);
-  network.Refine(LinksOf(there), there);
+  network.Refine(LinkPaintedCells(here, kMaxStep), here);
+  network.Refine(LinkPaintedCells(there, kMaxStep), there);
   for (size_t i = 0; i < here.size(); ++i) EXPECT_EQ(here[i].cell.free_belief, there[i].cell.free_belief);
 }
 
 TEST(OutlineNetwork, LeavesNothingAndLittleAsItIs) {
   std::vector<PaintedCell> none, little = MakeGround({0, 0}, {20, 20}, 5);
   const OutlineNetwork network;
-  network.Refine(LinksOf(none), none);
+  network.Refine(LinkPaintedCells(none, kMaxStep), none);
   EXPECT_TRUE(none.empty());
   const std::vector<PaintedCell> before = little;
-  network.Refine(LinksOf(little), little);
+  network.Refine(LinkPaintedCells(little, kMaxStep), little);
   for (size_t i = 0; i < little.size(); ++i) EXPECT_EQ(little[i].cell.free_belief, before[i].cell.free_belief);
 }
 
