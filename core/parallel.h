@@ -17,8 +17,8 @@ int NumThreads();
 void KeepLinearAlgebraToCaller();
 
 /// Calls `body(i)` once for every i in [0, count), on up to NumThreads() threads.
-/// Returns when all are done. The first exception by index is rethrown. Calls
-/// from inside `body` run serially, so nesting is safe.
+/// Returns when all are done. The first exception by index is rethrown. Loops
+/// inside `body` are safe: threads that have nothing else to do help with them.
 void ParallelFor(std::size_t count, const std::function<void(std::size_t)>& body);
 
 /// Results of `body(i)` in index order, whatever the order of execution.

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "core/parallel.h"
 #include "core/visit_once.h"
 #include "mapping/free_islands.h"
 #include "mapping/paint_tile.h"
@@ -16,6 +17,8 @@ namespace parkade {
 namespace {
 
 using PaintedCell = SurfacePainter::PaintedCell;
+
+constexpr size_t kTilesAtOnce = 2;  // one is finished on few threads while the next is painted on many
 
 /// The cells of the site, row after row, without small islands and without ground whose height is not known.
 class CellCollector {
@@ -109,11 +112,13 @@ SurfaceMap FuseSurface(const PatchSource& patches, std::span<const DrivenPath> p
   if (options.outlines == "network") network.emplace();
   const std::vector<FieldTile> tiles = CutIntoTiles(field, cells_per_side, options.tile_size);
   for (size_t begin = 0, end = 0; begin < tiles.size(); begin = end) {
+    while (end < tiles.size() && tiles[end].core.min().y() == tiles[begin].core.min().y()) ++end;
     std::vector<PaintedCell> cells;  // of a row of tiles
-    for (; end < tiles.size() && tiles[end].core.min().y() == tiles[begin].core.min().y(); ++end) {
-      const std::vector<PaintedCell> of_tile =
-          PaintTile(tiles[end], patches, paths, latest, field, options, network ? &*network : nullptr);
-      cells.insert(cells.end(), of_tile.begin(), of_tile.end());
+    for (size_t first = begin; first < end; first += kTilesAtOnce) {
+      const auto of_tiles = ParallelMap(std::min(kTilesAtOnce, end - first), [&](size_t i) {
+        return PaintTile(tiles[first + i], patches, paths, latest, field, options, network ? &*network : nullptr);
+      });
+      for (const auto& of_tile : of_tiles) cells.insert(cells.end(), of_tile.begin(), of_tile.end());
     }
     SortCells(cells);
     collector.Add(cells);

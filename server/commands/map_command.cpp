@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/keep_memory.h"
 #include "core/log.h"
 #include "core/options_json.h"
 #include "core/parallel.h"
@@ -231,6 +232,7 @@ int RunMap(const MapArguments& arguments) {
           "--preview needs --from: it is that map's ground, bent");
   // Said now, not after a long drive was tracked.
   if (!options.ground.freespace_model.empty()) FreespaceNetwork{options.ground.freespace_model};
+  KeepFreedMemory();
   if (arguments.num_threads > 0) SetNumThreads(arguments.num_threads);
   const bool is_terminal = ::isatty(STDERR_FILENO) != 0;
   if (arguments.is_quiet || is_terminal) SetLogLevel(LogLevel::kWarning);

@@ -4,8 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
 #include <numeric>
+#include <set>
 #include <stdexcept>
+#include <thread>
 
 namespace parkade {
 namespace {
@@ -47,6 +52,46 @@ TEST_F(Parallel, ALoopInsideALoopIsSafe) {
   std::atomic<int> count{0};
   ParallelFor(8, [&](size_t) { ParallelFor(8, [&](size_t) { ++count; }); });
   EXPECT_EQ(count, 64);
+}
+
+TEST_F(Parallel, ALoopInsideALoopIsHelpedWith) {
+  std::mutex mutex;
+  std::set<std::thread::id> threads;
+  std::condition_variable both;
+  ParallelFor(2, [&](size_t outer) {
+    if (outer == 1) return;
+    ParallelFor(2, [&](size_t) {  // neither is done before both have begun
+      std::unique_lock lock(mutex);
+      threads.insert(std::this_thread::get_id());
+      both.notify_all();
+      EXPECT_TRUE(both.wait_for(lock, std::chrono::seconds(20), [&] { return threads.size() == 2; }));
+    });
+  });
+}
+
+TEST_F(Parallel, FailuresOfLoopsInsideLoopsComeOut) {
+  const auto fails_at = [](size_t outer, size_t inner) { return outer == 3 && inner % 4 == 2; };
+  std::atomic<int> num_done{0};
+  EXPECT_THROW(ParallelFor(6,
+                           [&](size_t outer) {
+                             ParallelFor(10, [&](size_t inner) {
+                               if (fails_at(outer, inner)) throw std::runtime_error(std::to_string(inner));
+                               ++num_done;
+                             });
+                           }),
+               std::runtime_error);
+  EXPECT_EQ(num_done, 58);
+}
+
+TEST_F(Parallel, ThreadsThatAreNotOfThePoolMayLoopAtOnce) {
+  std::atomic<int> count{0};
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < 4; ++i)
+    threads.emplace_back([&] {
+      for (int k = 0; k < 50; ++k) ParallelFor(20, [&](size_t) { ++count; });
+    });
+  threads.clear();
+  EXPECT_EQ(count, 4000);
 }
 
 TEST_F(Parallel, ManySmallLoopsFollowEachOther) {
