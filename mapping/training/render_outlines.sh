@@ -16,17 +16,22 @@ paint_ground() {
   rmdir "$out/$2/$3"
 }
 
-scenes=(lot garage street lot)
+first_scenes=(lot garage street lot) scenes=(garage street garage lot)  # garages are harder: more of them later
 weathers=(dry wet overcast dusk dry overcast dry)
-for i in {0..17}; do
-  scene=${scenes[i % 4]} seed=$((3000 + i))
+for i in {0..36}; do
+  if ((i < 18)); then
+    scene=${first_scenes[i % 4]} traffic=$((i % 4))
+  else
+    scene=${scenes[i % 4]} traffic=$((i / 4 % 4))
+  fi
+  seed=$((3000 + i))
   name=${scene}_$seed
   folder=$out/drives/$name
   if [ ! -e "$folder/truth/summary.json" ]; then
     rm -rf "$folder"
     mkdir -p "$folder"
     nice "$simulate" "$scene" --seed "$seed" --weather "${weathers[i % 7]}" --day $((i % 3)) --length 60 --rate 3 \
-      --size 640x400 --semantic --drop 0 --traffic $((i % 4)) --quiet --set 'faults.extrinsic_rotation_deg=[0.3]' \
+      --size 640x400 --semantic --drop 0 --traffic "$traffic" --quiet --set 'faults.extrinsic_rotation_deg=[0.3]' \
       --set 'faults.extrinsic_translation_cm=[1]' --out "$folder/drive"
     ln -s drive "$folder/truth"
   fi

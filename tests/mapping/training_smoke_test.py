@@ -118,11 +118,31 @@ def check_outlines(folder):
     assert difference[:32].max() < 1e-5 < difference[63], difference
 
 
+def check_rims():
+    """Rims are those of an erosion; a pinhole far from all outlines costs more than a step in one."""
+    from train_outlines import RIM, loss_of, rim_of
+
+    side, truth = 96, np.ones((96, 96), np.uint8)
+    truth[:, :20] = 0
+    drivable = torch.from_numpy(truth[None]).float()
+    inner = cv2.erode(truth, np.ones((2 * RIM + 1, 2 * RIM + 1)), borderType=cv2.BORDER_CONSTANT, borderValue=1)
+    assert (rim_of(drivable)[0].numpy() == truth - inner).all()
+
+    def loss(changed):
+        found = drivable.clone()
+        found[0][changed] = 1 - found[0][changed]
+        ones = torch.ones(1, side, side)
+        return loss_of(20 * (found - 0.5), ones, torch.from_numpy(truth[None]), ones).item()
+
+    assert loss(np.s_[:0, :0]) < 1e-3 < loss(np.s_[48:50, 20:22]) < loss(np.s_[48:50, 60:62]) / 3
+
+
 def main():
     training = pathlib.Path(sys.argv[1])
     check_weights(training)
     check_kerbs()
     check_fold()
+    check_rims()
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         rng = np.random.default_rng(1)
