@@ -69,10 +69,10 @@ struct SurfaceOptions {
 /// 3. The free space is corrected from above (OutlineNetwork).
 /// 4. Pinholes are filled, islands that no car drove on and that are small are dropped.
 ///
-/// 2 to 4 go square by square of `tile_size`: in memory are the patches and the evidence of one square, and the cells
-/// of all. The result does not depend on the squares, but for rounding in 3 and for specks of a deck that it leaves
-/// out. With the method "homography" FuseVoxels is asked instead. `heights` are those of MeasureDriveHeights, of all
-/// drives; `measured` are heights that something else knows. Cells that nothing was seen of are not in the map. The
+/// 2 to 4 go square by square of `tile_size`: in memory are the patches and the evidence of two squares, and the
+/// cells of all. The result does not depend on the squares, but for rounding in 3 and for specks of a deck that it
+/// leaves out. With the method "homography" FuseVoxels is asked instead. `heights` are those of MeasureDriveHeights, of
+/// all drives; `measured` are heights that something else knows. Cells that nothing was seen of are not in the map. The
 /// patches of a drive without a path are painted where their own plane says. Same input, same output, whatever the
 /// number of threads. O(samples).
 SurfaceMap FuseSurface(const PatchSource& patches, std::span<const DrivenPath> paths,
