@@ -58,7 +58,11 @@ struct GroundSample {
   CompactFloat weight = 1;      ///< inverse variance of the height [1/m^2]
   CompactFloat footprint = 0;   ///< [m] side of the square of ground that it stands for; 0: one cell
   CompactFloat confidence = 1;  ///< of is_free, 0 to 1: the share of a sure sight's log-odds that this one counts for;
-                                ///< 0: it lies beyond what bounds the ground, and has colours only
+                                ///< 0: it has colours only, being beyond what bounds the ground, or, where is_free,
+                                ///< nothing can be told
+
+  bool IsDoubtful() const { return is_free && confidence <= 0; }
+  bool IsBeyond() const { return !is_free && confidence <= 0; }
 };
 static_assert(sizeof(GroundSample) == 16);
 

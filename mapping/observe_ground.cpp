@@ -192,6 +192,7 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
         if (grid.ranges[at] > kBeyondRange) continue;
         hint = 0;
       }
+      if (labels[i] == GroundLabel::kDoubtful) hint = 0;
       if (labels[i] == GroundLabel::kHidden) hint = static_cast<float>(options.segmentation.hidden_confidence);
       if (labels[i] == GroundLabel::kGround && !found.is_trusted) hint = kGuessFreeConfidence;
       const GroundGridCell& cell = grid.cells[i];
@@ -201,7 +202,7 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
                                .blue = color[0],
                                .green = color[1],
                                .red = color[2],
-                               .is_free = labels[i] == GroundLabel::kGround,
+                               .is_free = labels[i] == GroundLabel::kGround || labels[i] == GroundLabel::kDoubtful,
                                .weight = cell.weight,
                                .footprint = footprint,
                                .confidence = sharpness * hint * (found.confidence.empty() ? 1 : found.confidence[i])});

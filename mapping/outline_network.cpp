@@ -21,6 +21,7 @@ constexpr int kSide = 384;               // pixels of a block at most
 constexpr int kAlign = 16;               // pixels: what blocks begin and end at
 constexpr std::size_t kMinCells = 2000;  // of a deck: 5 m^2, less tells nothing
 constexpr float kStep = 1.0F / 64;       // corrections are multiples of it: rounding does not show
+constexpr float kUnsure = 0.6F;          // log-odds: CompareSurfaces is sure from 0.62 on
 
 /// A square of a deck: what is kept of it, in pixels of the deck's features.
 struct Block {
@@ -61,9 +62,12 @@ cv::Mat CorrectionsOf(std::span<const PaintedCell> cells, const Block& block, Ne
   return fine(cv::Rect(cv::Point(kReach, kReach) * kOutlineFactor, block.core.size() * kOutlineFactor));
 }
 
+/// What sights were not sure of is corrected, but nobody is surer of it.
 float Corrected(float belief, float correction) {
   const float log_odds = std::log(belief / (1 - belief));
-  return 1 / (1 + std::exp(-(log_odds + kStep * std::round(correction / kStep))));
+  const float corrected = std::clamp(log_odds + kStep * std::round(correction / kStep), std::min(log_odds, -kUnsure),
+                                     std::max(log_odds, kUnsure));
+  return 1 / (1 + std::exp(-corrected));
 }
 
 }  // namespace

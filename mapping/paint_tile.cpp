@@ -12,9 +12,10 @@ namespace {
 
 using PaintedCell = SurfacePainter::PaintedCell;
 
-constexpr int kPinholeRounds = 3;      // each fills holes of up to about two cells
-constexpr int kPinholeNeighbours = 4;  // of 8 that must be seen around a pinhole
-constexpr int kDrivenRounds = 60;      // to fill colour in under a car that stood: 3 m at 5 cm
+constexpr int kPinholeRounds = 3;         // each fills holes of up to about two cells
+constexpr int kPinholeNeighbours = 4;     // of 8 that must be seen around a pinhole
+constexpr float kDoubtfulBelief = 0.49F;  // below, something was said: ground that is covered now has no sums
+constexpr int kDrivenRounds = 60;         // to fill colour in under a car that stood: 3 m at 5 cm
 
 /// Where two surfaces lie too close above each other to be decks, the less certain one is an error.
 void DropFalseDecks(double level_separation, std::vector<PaintedCell>& cells) {
@@ -30,6 +31,14 @@ void DropFalseDecks(double level_separation, std::vector<PaintedCell>& cells) {
       kept.back() = cell;
   }
   cells = std::move(kept);
+}
+
+/// What could not be told from anywhere is as good as unseen, unless something else is known of it.
+void ForgetDoubtful(std::vector<PaintedCell>& cells) {
+  for (PaintedCell& cell : cells) {
+    const bool has_said = cell.sights.free > 0 || cell.sights.occupied > 0 || cell.cell.free_belief < kDoubtfulBelief;
+    if (!cell.is_driven && !has_said) cell.is_seen = false;
+  }
 }
 
 /// Gives unseen cells the mean of their seen neighbours: single pinholes everywhere, and whatever a car drove on.
@@ -118,7 +127,10 @@ std::vector<PaintedCell> PaintTile(const FieldTile& tile, const PatchSource& pat
   std::vector<PaintedCell> cells = painter.Cells();
   DropFalseDecks(options.height.level_separation, cells);
   const SurfaceLinks links = LinkPaintedCells(cells, kMaxCellStep);
-  if (network) network->Refine(links, cells);
+  if (network)
+    network->Refine(links, cells);
+  else
+    ForgetDoubtful(cells);
   FillPinholes(links, cells);
   const Eigen::Array2i low = tile.core.min().array() * cells_per_side, high = tile.core.max().array() * cells_per_side;
   std::erase_if(cells, [&](const PaintedCell& cell) {

@@ -151,7 +151,10 @@ GroundLabels LabelsFromBelief(const GroundGrid& grid, const FreespaceBelief& bel
     if (!cell.is_visible) continue;
     const float range = grid.ranges[i % static_cast<size_t>(grid.num_ranges)];
     const float believed = belief.At(cell.pixel), log_odds = believed - doubt * (range - doubt_from);
-    if (!(believed * log_odds > 0)) continue;  // neither: doubt says nothing against the ground
+    if (!(believed * log_odds > 0)) {  // neither: doubt says nothing against the ground
+      result.labels[i] = GroundLabel::kDoubtful;
+      continue;
+    }
     result.labels[i] = log_odds > 0 ? GroundLabel::kGround : GroundLabel::kNotGround;
     result.confidence[i] = std::min(1.0F, std::abs(log_odds) / sure);
   }

@@ -43,6 +43,7 @@ enum class GroundLabel : std::uint8_t {
   kNotGround,  ///< something stands here, or the ground is not for driving
   kHidden,     ///< shortly behind that: of what stands there most often
   kBeyond,     ///< further behind: it says nothing of where one can drive
+  kDoubtful,   ///< drivable or not, which cannot be told from here: it has colours only
 };
 
 /// The labels of a grid's cells and how sure they are.
@@ -67,8 +68,8 @@ std::vector<GroundLabel> SegmentGround(const GroundGrid& grid, const cv::Mat& co
 /// The labels that a mask (CV_8UC1 of the image's size, >= 128 = drivable) gives.
 std::vector<GroundLabel> LabelsFromMask(const GroundGrid& grid, const cv::Mat& mask);
 
-/// The labels that a network gives: ground where its log-odds, less the doubt at that range, are above 0, unknown where
-/// the doubt alone makes the difference; sure from `sure_log_odds` on.
+/// The labels that a network gives: ground where its log-odds, less the doubt at that range, are above 0, doubtful
+/// where the doubt alone makes the difference; sure from `sure_log_odds` on.
 GroundLabels LabelsFromBelief(const GroundGrid& grid, const FreespaceBelief& belief,
                               const SegmentGroundOptions& options);
 

@@ -16,19 +16,20 @@
 namespace parkade {
 namespace {
 
-constexpr double kNearVariance = 1e-4;   // [m^2] of the height of a sample right at the car
-constexpr double kNearEnough = 0.75;     // sights from here on are equally sharp: the first come before the own shadow
-constexpr double kKnownShift = 0.3;      // [m] along the ray at which an outline counts half
-constexpr double kLeastTrust = 0.05;     // what is seen of a poorly known height still counts
-constexpr double kMinEyeHeight = 0.2;    // [m] above the ground
-constexpr int kViewDirections = 16;      // in which views are told apart
-constexpr double kNearView = 4.0;        // [m] of distance, likewise
-constexpr double kTrustedView = 0.5;     // trust from which on it is known what was looked at
-constexpr int kCoveringViews = 1;        // from which a drive misses what an earlier one saw
-constexpr float kCoveredLogOdds = -1;    // of what is covered
-constexpr double kMaxStretch = 1.5;      // of rays: MeetSurface goes no further
-constexpr double kMaxFootprint = 1.0;    // [m] that samples stand for reach less far from them
-constexpr size_t kPatchesPerBatch = 64;  // hits of so many patches are held at once
+constexpr double kNearVariance = 1e-4;  // [m^2] of the height of a sample right at the car
+constexpr double kNearEnough = 0.75;    // sights from here on are equally sharp: the first come before the own shadow
+constexpr double kKnownShift = 0.3;     // [m] along the ray at which an outline counts half
+constexpr double kLeastTrust = 0.05;    // what is seen of a poorly known height still counts
+constexpr double kMinEyeHeight = 0.2;   // [m] above the ground
+constexpr int kViewDirections = 16;     // in which views are told apart
+constexpr double kNearView = 4.0;       // [m] of distance, likewise
+constexpr double kTrustedView = 0.5;    // trust from which on it is known what was looked at
+constexpr int kCoveringViews = 1;       // from which a drive misses what an earlier one saw
+constexpr float kCoveredLogOdds = -1;   // of what is covered
+constexpr double kDoubtfulLogOdds = -1e-6;  // of a sight that cannot tell: with nothing else, not drivable
+constexpr double kMaxStretch = 1.5;         // of rays: MeetSurface goes no further
+constexpr double kMaxFootprint = 1.0;       // [m] that samples stand for reach less far from them
+constexpr size_t kPatchesPerBatch = 64;     // hits of so many patches are held at once
 
 /// 1 right at the car, falling with distance: whose colour counts. Much slower than the variance of a height grows.
 double NearnessOf(const GroundSample& sample) {
@@ -119,7 +120,7 @@ void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::
   const auto rank = static_cast<std::uint8_t>(1 + std::lround(254 * std::min(nearness, kNearEnough)));
   // What lies far behind an outline is no sight of the ground: it only tells that there is none.
   Hit hit{.evidence = 0,
-          .sight = {sample.blue, sample.green, sample.red, sample.confidence > 0 ? rank : std::uint8_t{0}},
+          .sight = {sample.blue, sample.green, sample.red, sample.IsBeyond() ? std::uint8_t{0} : rank},
           .log_odds = static_cast<float>(log_odds),
           .view = view};
   const double reach = std::max(0.0, 0.5 * (static_cast<double>(sample.footprint) - cell_size_));
@@ -158,7 +159,7 @@ SurfacePainter::SharedHits SurfacePainter::FindHits(const PatchView& view, const
       has_eye ? std::make_optional<GroundHorizon>(*field_, eye, reach) : std::nullopt;
   const bool tells_beyond = has_earlier_ && has_eye;
   for (const GroundSample& sample : patch.samples) {
-    if (sample.confidence <= 0 && !tells_beyond) continue;
+    if (sample.IsBeyond() && !tells_beyond) continue;
     Eigen::Vector3d point = site_from_body * sample.point_in_body.cast<double>();
     if (!is_all_in_reach && !IsInReach(has_eye ? &eye : nullptr, point)) continue;
     if (latest != nullptr && !share.Counts(point.head<2>())) continue;
@@ -170,8 +171,12 @@ SurfacePainter::SharedHits SurfacePainter::FindHits(const PatchView& view, const
     // An error of the height moves what is seen along the ray.
     const double shift = distance / depth * field_->SigmaOf(found) / kKnownShift;
     const double trust = std::max(kLeastTrust, 1 / (1 + shift * shift));
+    if (sample.IsDoubtful()) {
+      AddHit(sample, found, point, kDoubtfulLogOdds, 0, hits);
+      continue;
+    }
     const ViewSet view_bit = has_eye && trust > kTrustedView ? ViewFrom(eye, point) : 0;
-    if (sample.confidence <= 0 && view_bit == 0) continue;
+    if (sample.IsBeyond() && view_bit == 0) continue;
     AddHit(sample, found, point,
            (sample.is_free ? log_odds_.free : -log_odds_.occupied) * static_cast<double>(sample.confidence) * trust,
            view_bit, hits);

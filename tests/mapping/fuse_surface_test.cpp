@@ -87,6 +87,34 @@ TEST(FuseSurface, SamplesBeyondTheOutlineSayNothing) {
   }
 }
 
+TEST(FuseSurface, SamplesThatCannotTellChangeNothingWithoutANetwork) {
+  const DrivenPath path = MakePath(5);
+  std::vector<PosedGroundPatch> patches{MakePatch(3, -2, 8, 2, 100, true)};
+  const SurfaceMap before = FuseSurface(patches, std::span(&path, 1), SightsAlone());
+  for (GroundSample sample : MakePatch(3, 0, 8, 4, 100, true).patch.samples) {
+    sample.confidence = 0;
+    patches[0].patch.samples.push_back(sample);
+  }
+  const SurfaceMap after = FuseSurface(patches, std::span(&path, 1), SightsAlone());
+  ASSERT_GT(before.cells.size(), 1000U);
+  ASSERT_EQ(after.cells.size(), before.cells.size());
+  for (size_t i = 0; i < before.cells.size(); ++i)
+    EXPECT_NEAR(after.cells[i].free_belief, before.cells[i].free_belief, 1e-5);
+}
+
+TEST(FuseSurface, SamplesThatCannotTellAreSeenByTheNetwork) {
+  const DrivenPath path = MakePath(5);
+  std::vector<PosedGroundPatch> patches{MakePatch(3, -2, 8, 2, 100, true)};
+  for (GroundSample sample : MakePatch(3, 2.5, 8, 4, 100, true).patch.samples) {
+    sample.confidence = 0;
+    patches[0].patch.samples.push_back(sample);
+  }
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1));
+  ASSERT_NE(CellAt(surface, 6, 1), nullptr);
+  ASSERT_NE(CellAt(surface, 6, 3), nullptr);
+  EXPECT_EQ(CellAt(surface, 6, 3)->color, CellAt(surface, 6, 1)->color);
+}
+
 TEST(FuseSurface, AMovedCarTurnsIntoFreeSpaceAgain) {
   const DrivenPath path = MakePath(5);
   std::vector<PosedGroundPatch> patches{MakePatch(3, -3, 8, 3, 100, true)};

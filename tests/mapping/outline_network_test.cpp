@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <random>
 
+#include "mapping/compare_surfaces.h"
 #include "mapping/outline_features.h"
 
 namespace parkade {
@@ -83,6 +84,23 @@ TEST(OutlineNetwork, CorrectsWhatWasSeenAndNotDrivenOnWithinBounds) {
     num_changed += std::abs(correction) > 0.1;
   }
   EXPECT_GT(num_changed, 1000);
+}
+
+TEST(OutlineNetwork, MakesNothingSurerThanSightsAre) {
+  const std::vector<PaintedCell> before = MakeGround({-100, 30}, {150, 120}, 2);
+  std::vector<PaintedCell> after = before;
+  OutlineNetwork().Refine(LinkPaintedCells(after, kMaxStep), after);
+  const double sure = std::log(CompareOptions{}.sure_belief / (1 - CompareOptions{}.sure_belief));
+  int num_turned = 0;
+  for (size_t i = 0; i < before.size(); ++i) {
+    const double was = LogOdds(before[i]), is = LogOdds(after[i]);
+    if (std::abs(is) >= sure) {
+      EXPECT_LE(std::abs(is), std::abs(was) + 1e-4);
+      EXPECT_GT(is * was, 0);
+    }
+    num_turned += is * was < 0;
+  }
+  EXPECT_GT(num_turned, 300);
 }
 
 TEST(OutlineNetwork, ACellDependsOnWhatIsNear) {

@@ -140,7 +140,7 @@ TEST_F(SegmentingAFan, FarGroundMustBeTheSurer) {
 
   constexpr int kTwoMeters = 15, kSixMeters = 55;
   EXPECT_EQ(At(found.labels, 10, kSixMeters - 1), GroundLabel::kGround);
-  EXPECT_EQ(At(found.labels, 10, kSixMeters + 1), GroundLabel::kUnknown);
+  EXPECT_EQ(At(found.labels, 10, kSixMeters + 1), GroundLabel::kDoubtful);
   EXPECT_NEAR(found.confidence[static_cast<size_t>(grid_.IndexOf(10, kTwoMeters))], 0.5, 1e-6);
   EXPECT_NEAR(found.confidence[static_cast<size_t>(grid_.IndexOf(10, kSixMeters - 4))], 0.05, 1e-6);
 }
@@ -149,7 +149,7 @@ TEST_F(SegmentingAFan, WhatIsNotGroundIsTheLessSoNearTheCar) {
   const GroundLabels found = LabelsFrom(grid_, -1, 0.25, 6);
 
   constexpr int kOneMeter = 5, kSixMeters = 55;
-  EXPECT_EQ(At(found.labels, 10, kOneMeter), GroundLabel::kUnknown);
+  EXPECT_EQ(At(found.labels, 10, kOneMeter), GroundLabel::kDoubtful);
   EXPECT_EQ(At(found.labels, 10, kSixMeters), GroundLabel::kNotGround);
   EXPECT_NEAR(found.confidence[static_cast<size_t>(grid_.IndexOf(10, kSixMeters))], 0.5, 1e-6);
 }
@@ -162,7 +162,7 @@ TEST_F(SegmentingAFan, WithoutDoubtANetworkIsTakenAtItsWord) {
 }
 
 TEST_F(SegmentingAFan, ANetworkThatKnowsNothingSaysNothing) {
-  for (const GroundLabel label : LabelsFrom(grid_, 0, 0.25, 2).labels) EXPECT_EQ(label, GroundLabel::kUnknown);
+  for (const GroundLabel label : LabelsFrom(grid_, 0, 0.25, 2).labels) EXPECT_EQ(label, GroundLabel::kDoubtful);
 }
 
 class HidingBehindObstacles : public testing::Test {
