@@ -13,7 +13,7 @@ enum class GroundChange {
   kBlocked,   ///< was drivable, is seen and not drivable
   kMapped,    ///< was not seen, is drivable
   kUnmapped,  ///< was drivable, is not seen
-  kRaised,    ///< drivable in both, higher now
+  kRaised,    ///< drivable in both, higher now beside the ground around
   kLowered,   ///< drivable in both, lower now
 };
 
@@ -35,7 +35,7 @@ struct ChangedRegion {
   GroundChange change = GroundChange::kFreed;
   double area = 0;                                   ///< [m^2]
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< [m] in the later map's site
-  double height_change = 0;                          ///< [m] mean, where drivable in both; else 0
+  double height_change = 0;                          ///< [m] mean, beside the ground around, where drivable in both; else 0
   std::vector<SurfaceCell> cells = {};               ///< in the later map's grid
 };
 

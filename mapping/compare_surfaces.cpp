@@ -6,9 +6,11 @@
 #include <map>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "core/error.h"
 #include "mapping/cell_finder.h"
+#include "mapping/height_drift.h"
 #include "mapping/surface_links.h"
 
 namespace parkade {
@@ -44,7 +46,7 @@ bool IsBefore(const SurfaceCell& a, const SurfaceCell& b) {
 struct Classified {
   std::map<GroundChange, std::vector<ChangedCell>> changed;
   std::vector<SurfaceCell> unchanged;
-  std::vector<double> height_changes;  ///< of all ground that is drivable in both
+  std::vector<double> height_changes, height_sigmas;  ///< [m] of all ground that is drivable in both
 };
 
 class SurfaceComparison {
@@ -60,6 +62,7 @@ class SurfaceComparison {
       const Eigen::Vector3d point = from_from_to * CenterOf(cell, to_.cell_size);
       ClassifyCell(cell, FindOnDeck(from_cells_, point), point.z(), classified);
     }
+    ClassifyHeights(classified);
     for (const SurfaceCell& cell : from_.cells) AddUnmapped(cell, classified);
     for (auto& [change, cells] : classified.changed) SortAndMerge(cells);
     return classified;
@@ -82,23 +85,38 @@ class SurfaceComparison {
                     Classified& classified) const {
     const Drivability is = DrivabilityOf(&cell, options_.sure_belief);
     const Drivability was = DrivabilityOf(earlier, options_.sure_belief);
-    const auto add = [&](GroundChange change, double height_change, bool is_obstacle) {
-      classified.changed[change].push_back({cell, height_change, is_obstacle});
+    const auto add = [&](GroundChange change, bool is_obstacle) {
+      classified.changed[change].push_back({cell, 0, is_obstacle});
     };
     const auto is_against = [](Drivability found) {
       return found == Drivability::kUnlikely || found == Drivability::kNo;
     };
-    if (was == Drivability::kUnseen && is == Drivability::kYes) return add(GroundChange::kMapped, 0, false);
-    if (is_against(was) && is == Drivability::kYes) return add(GroundChange::kFreed, 0, was == Drivability::kNo);
-    if (was == Drivability::kYes && is_against(is)) return add(GroundChange::kBlocked, 0, is == Drivability::kNo);
+    if (was == Drivability::kUnseen && is == Drivability::kYes) return add(GroundChange::kMapped, false);
+    if (is_against(was) && is == Drivability::kYes) return add(GroundChange::kFreed, was == Drivability::kNo);
+    if (was == Drivability::kYes && is_against(is)) return add(GroundChange::kBlocked, is == Drivability::kNo);
     if (was != Drivability::kYes || is != Drivability::kYes) return;
-    const double change = height_in_from - static_cast<double>(earlier->height);
-    const double sigma = std::hypot(static_cast<double>(cell.height_sigma), static_cast<double>(earlier->height_sigma),
-                                    motion_.height_sigma);
-    classified.height_changes.push_back(change);
-    if (std::abs(change) >= std::max(options_.min_height_change, kSureSigmas * sigma))
-      return add(change > 0 ? GroundChange::kRaised : GroundChange::kLowered, change, false);
     classified.unchanged.push_back(cell);
+    classified.height_changes.push_back(height_in_from - static_cast<double>(earlier->height));
+    classified.height_sigmas.push_back(std::hypot(static_cast<double>(cell.height_sigma),
+                                                  static_cast<double>(earlier->height_sigma), motion_.height_sigma));
+  }
+
+  /// Takes what was raised or lowered out of what is unchanged.
+  void ClassifyHeights(Classified& classified) const {
+    const std::vector<SurfaceCell> cells = std::exchange(classified.unchanged, {});
+    HeightDrift drift;
+    for (size_t i = 0; i < cells.size(); ++i)
+      drift.Add(CenterOf(cells[i], to_.cell_size), classified.height_changes[i]);
+    drift.Finish();
+    for (size_t i = 0; i < cells.size(); ++i) {
+      const HeightDrift::Around around = drift.At(CenterOf(cells[i], to_.cell_size));
+      const double change = classified.height_changes[i] - around.median;
+      const double sigma = std::hypot(classified.height_sigmas[i], around.sigma);
+      if (std::abs(change) >= std::max(options_.min_height_change, kSureSigmas * sigma))
+        classified.changed[change > 0 ? GroundChange::kRaised : GroundChange::kLowered].push_back({cells[i], change});
+      else
+        classified.unchanged.push_back(cells[i]);
+    }
   }
 
   void AddUnmapped(const SurfaceCell& cell, Classified& classified) const {

@@ -101,11 +101,29 @@ TEST(CompareSurfaces, ReportsNothingThatTheAlignmentMayHaveMade) {
   for (SurfaceCell& cell : after.cells) cell.height = 0.8F;                                 // all of it
   ChangeInside(after, 0, 20, 0, 1, [](SurfaceCell& cell) { cell.free_belief = 0.05F; });    // one border
   ChangeInside(before, 5, 10, 5, 12, [](SurfaceCell& cell) { cell.free_belief = 0.05F; });  // a van and more
-  EXPECT_EQ(CompareSurfaces(before, after, {}).regions.size(), 3U);
+  EXPECT_EQ(CompareSurfaces(before, after, {}).regions.size(), 2U);
   const SurfaceChanges changes = CompareSurfaces(before, after, {{}, 0.5, 0.4});
   ASSERT_EQ(changes.regions.size(), 1U);
   EXPECT_EQ(changes.regions[0].change, GroundChange::kFreed);
   EXPECT_NEAR(changes.height.median, 0.8, 1e-6) << "which is said, but not called a change";
+}
+
+TEST(CompareSurfaces, TellsRaisedGroundFromPosesThatDrift) {
+  SurfaceMap after = FlatLot();
+  // A deck that is off, with a ramp of 10 m to it, and a mound on either side.
+  for (SurfaceCell& cell : after.cells)
+    cell.height = 0.06F * std::clamp(0.1F * (static_cast<float>(cell.x) * 0.1F - 5), 0.0F, 1.0F);
+  ChangeInside(after, 1, 3, 4, 7, [](SurfaceCell& cell) { cell.height += 0.12F; });
+  ChangeInside(after, 17, 19, 8, 11, [](SurfaceCell& cell) { cell.height -= 0.12F; });
+  const SurfaceChanges changes = CompareSurfaces(FlatLot(), after, {});
+  ASSERT_EQ(changes.regions.size(), 2U);
+  EXPECT_EQ(changes.regions[0].change, GroundChange::kRaised);
+  EXPECT_NEAR(changes.regions[0].area, 6, 0.3);
+  EXPECT_NEAR(changes.regions[0].height_change, 0.12, 0.02);
+  EXPECT_EQ(changes.regions[1].change, GroundChange::kLowered);
+  EXPECT_NEAR(changes.regions[1].area, 6, 0.3);
+  EXPECT_NEAR(changes.regions[1].height_change, -0.12, 0.02);
+  EXPECT_NEAR(changes.height.percentile_95, 0.06, 0.01) << "which is said, but not called a change";
 }
 
 TEST(CompareSurfaces, WorksInTheLaterSite) {
