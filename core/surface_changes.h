@@ -35,8 +35,8 @@ struct ChangedRegion {
   GroundChange change = GroundChange::kFreed;
   double area = 0;                                   ///< [m^2]
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< [m] in the later map's site
-  double height_change = 0;                          ///< [m] mean, beside the ground around, where drivable in both; else 0
-  std::vector<SurfaceCell> cells = {};               ///< in the later map's grid
+  double height_change = 0;             ///< [m] mean, beside the ground around, where drivable in both; else 0
+  std::vector<SurfaceCell> cells = {};  ///< in the later map's grid
 };
 
 /// Heights of ground that is drivable in both versions, later minus earlier [m].
