@@ -17,11 +17,30 @@ void KeepOpenMpToCaller() {
 
 }  // namespace
 
-Eigen::MatrixXd SolveCholesky(const Eigen::SparseMatrix<double>& a, const Eigen::MatrixXd& b) {
+class CholeskySolver::Factor : public Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>, Eigen::Lower> {
+ public:
+  Eigen::MatrixXd Solve(const Eigen::SparseMatrix<double>& a, const Eigen::MatrixXd& b) {
+    if (m_cholmodFactor == nullptr) analyzePattern(a);
+    factorize(a);
+    Require(info() == Eigen::Success, ErrorCode::kInternal, "the matrix is not positive definite");
+    Eigen::MatrixXd x = solve(b);
+    cholmod_change_factor(CHOLMOD_PATTERN, /*to_ll=*/1, /*to_super=*/1, /*to_packed=*/1, /*to_monotonic=*/1,
+                          m_cholmodFactor, &cholmod());
+    return x;
+  }
+};
+
+CholeskySolver::CholeskySolver() : factor_(std::make_unique<Factor>()) {}
+
+CholeskySolver::~CholeskySolver() = default;
+
+Eigen::MatrixXd CholeskySolver::Solve(const Eigen::SparseMatrix<double>& a, const Eigen::MatrixXd& b) {
   KeepOpenMpToCaller();
-  Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(a);
-  Require(factor.info() == Eigen::Success, ErrorCode::kInternal, "the matrix is not positive definite");
-  return factor.solve(b);
+  return factor_->Solve(a, b);
+}
+
+Eigen::MatrixXd SolveCholesky(const Eigen::SparseMatrix<double>& a, const Eigen::MatrixXd& b) {
+  return CholeskySolver().Solve(a, b);
 }
 
 }  // namespace parkade

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Sparse>
+#include <memory>
 
 namespace parkade {
 
@@ -12,5 +13,21 @@ namespace parkade {
 /// positive definite. Y. Chen, T. Davis, W. Hager, S. Rajamanickam, "Algorithm 887: CHOLMOD ...", ACM Trans. Math.
 /// Softw. 35(3), 2008.
 Eigen::MatrixXd SolveCholesky(const Eigen::SparseMatrix<double>& a, const Eigen::MatrixXd& b);
+
+/// The same for matrices whose entries are at the same places, one after the other: the order in which they are
+/// eliminated is found once. Between them it keeps no numbers.
+class CholeskySolver {
+ public:
+  CholeskySolver();
+  ~CholeskySolver();
+  CholeskySolver(const CholeskySolver&) = delete;
+  CholeskySolver& operator=(const CholeskySolver&) = delete;
+
+  Eigen::MatrixXd Solve(const Eigen::SparseMatrix<double>& a, const Eigen::MatrixXd& b);
+
+ private:
+  class Factor;
+  std::unique_ptr<Factor> factor_;
+};
 
 }  // namespace parkade

@@ -53,11 +53,11 @@ class HeightField::NormalEquations {
   }
 
   /// Ends the equations: their rows, which take more than the matrix, are let go before it is factored.
-  Eigen::VectorXd Solve() && {
+  Eigen::VectorXd Solve(CholeskySolver& solver) && {
     Eigen::SparseMatrix<double> matrix(right_side_.size(), right_side_.size());
     matrix.setFromTriplets(triplets_.begin(), triplets_.end());
     triplets_ = {};
-    return SolveCholesky(matrix, right_side_);
+    return solver.Solve(matrix, right_side_);
   }
 
  private:
@@ -139,6 +139,7 @@ void HeightField::KeepHeights() {
 }
 
 void HeightField::Solve(const std::vector<HeightObservation>& observations) {
+  CholeskySolver solver;
   for (int round = 0; round < kNumRounds; ++round) {
     NormalEquations equations(num_nodes());
     AddThinPlate(equations);
@@ -146,7 +147,7 @@ void HeightField::Solve(const std::vector<HeightObservation>& observations) {
     // A node that nothing binds keeps its first guess.
     for (int node = 0; node < num_nodes(); ++node)
       equations.AddRow<1>({node}, {1}, heights_[static_cast<size_t>(node)], kTie);
-    const Eigen::VectorXd solution = std::move(equations).Solve();
+    const Eigen::VectorXd solution = std::move(equations).Solve(solver);
     heights_.assign(solution.data(), solution.data() + solution.size());
     KeepHeights();
   }

@@ -8,12 +8,12 @@
 #include <CGAL/Surface_mesh_simplification/edge_collapse.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <map>
 #include <tuple>
 #include <unordered_map>
 
 #include "core/largest_first.h"
+#include "mapping/thin_sheet.h"
 
 namespace parkade {
 namespace {
@@ -88,10 +88,18 @@ Tile CutTile(const VoxelSheet& sheet, const std::vector<std::uint32_t>& triangle
   return tile;
 }
 
-bool HasContrast(const std::array<std::uint8_t, 3>& a, const std::array<std::uint8_t, 3>& b, int contrast) {
-  for (size_t c = 0; c < 3; ++c)
-    if (std::abs(int{a[c]} - int{b[c]}) > contrast) return true;
-  return false;
+/// Most of a tile is flat: what need not be ordered by its cost goes first.
+void Thin(const Colors& colors, const std::vector<bool>& is_seam, const SimplifySheetOptions& options, Tile& tile) {
+  Colors of_tile;
+  std::vector<bool> is_kept;
+  for (const std::uint32_t vertex : tile.in_sheet) {
+    of_tile.push_back(colors[vertex]);
+    is_kept.push_back(is_seam[vertex]);
+  }
+  const std::vector<std::uint32_t> left =
+      ThinSheet(of_tile, is_kept, {.color_contrast = options.color_contrast}, tile.sheet);
+  for (size_t i = 0; i < left.size(); ++i) tile.in_sheet[i] = tile.in_sheet[left[i]];
+  tile.in_sheet.resize(left.size());
 }
 
 /// Marks the edges that must stay: seams between tiles and edges of colour.
@@ -113,8 +121,9 @@ SheetPiece PieceOf(const Tile& tile, const std::vector<bool>& is_seam) {
   return piece;
 }
 
-SheetPiece Simplify(const Tile& tile, const Colors& colors, const std::vector<bool>& is_seam,
+SheetPiece Simplify(Tile tile, const Colors& colors, const std::vector<bool>& is_seam,
                     const SimplifySheetOptions& options) {
+  Thin(colors, is_seam, options, tile);
   Mesh mesh;
   for (const Eigen::Vector3d& vertex : tile.sheet.vertices) mesh.add_vertex({vertex.x(), vertex.y(), vertex.z()});
   for (const auto& [a, b, c] : tile.sheet.triangles)

@@ -44,6 +44,18 @@ TEST(SolveCholesky, GivesWhatADenseOneGives) {
   EXPECT_LT((x - dense.llt().solve(b)).norm(), 1e-9 * x.norm());
 }
 
+TEST(CholeskySolver, SolvesMatricesOfOnePatternAsIfEachWereAlone) {
+  Eigen::SparseMatrix<double> matrix = GridMatrix(25);
+  const Eigen::MatrixXd b = Eigen::MatrixXd::Random(matrix.rows(), 2);
+  CholeskySolver solver;
+  for (int round = 0; round < 3; ++round) {
+    EXPECT_EQ(solver.Solve(matrix, b), SolveCholesky(matrix, b)) << round;
+    for (int i = 0; i < matrix.rows(); ++i) matrix.coeffRef(i, i) += 0.1 * (i % 7);
+  }
+  matrix.coeffRef(4, 4) = -1;
+  EXPECT_THROW(solver.Solve(matrix, b), Error);
+}
+
 TEST(SolveCholesky, RefusesWhatIsNotPositiveDefinite) {
   Eigen::SparseMatrix<double> matrix = GridMatrix(3);
   matrix.coeffRef(4, 4) = -1;
