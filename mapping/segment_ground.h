@@ -76,7 +76,7 @@ GroundLabels LabelsFromBelief(const GroundGrid& grid, const FreespaceBelief& bel
 /// Pixels of an obstacle meet the plane behind its foot: some kNotGround behind the last ground (see obstacle_depth,
 /// foot_depth) says where it stands, what follows becomes kHidden, after obstacle_depth kBeyond, after beyond_depth
 /// kUnknown. So does kNotGround before a ray's first ground (most often the own car), and, unless the labels are
-/// trusted, any ground behind an obstacle.
+/// trusted, any ground behind an obstacle. kDoubtful stays.
 void HideBehindObstacles(const GroundGrid& grid, const SegmentGroundOptions& options, bool is_trusted,
                          std::vector<GroundLabel>& labels);
 
