@@ -90,6 +90,7 @@ bool SurfacePainter::IsInReach(const PatchView& view, const DrivenPath* path) co
 
 /// Whether the ray through a point may meet the surface in reach of the window.
 bool SurfacePainter::IsInReach(const Eigen::Vector3d* eye, const Eigen::Vector3d& point) const {
+  if (reach_.contains(point.head<2>().eval())) return true;
   Eigen::AlignedBox2d ray(point.head<2>());
   if (eye != nullptr) ray.extend(eye->head<2>()).extend((*eye + kMaxStretch * (point - *eye)).head<2>());
   return reach_.intersects(ray);
@@ -119,8 +120,7 @@ void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::
   const double nearness = NearnessOf(sample);
   const auto rank = static_cast<std::uint8_t>(1 + std::lround(254 * std::min(nearness, kNearEnough)));
   // What lies far behind an outline is no sight of the ground: it only tells that there is none.
-  Hit hit{.evidence = 0,
-          .sight = {sample.blue, sample.green, sample.red, sample.IsBeyond() ? std::uint8_t{0} : rank},
+  Hit hit{.sight = {sample.blue, sample.green, sample.red, sample.IsBeyond() ? std::uint8_t{0} : rank},
           .log_odds = static_cast<float>(log_odds),
           .view = view};
   const double reach = std::max(0.0, 0.5 * (static_cast<double>(sample.footprint) - cell_size_));
@@ -134,12 +134,10 @@ void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::
       const Eigen::Vector2d middle = 0.5 * cell_size_ * (begin + end).cast<double>();
       const int owner = square == home ? patch : field_->FindPatch({middle.x(), middle.y(), point.z()});
       if (owner == HeightField::kNone || !IsPainted(owner)) continue;
-      const std::uint32_t of_owner = FirstEvidenceOf(owner);
-      for (int y = begin.y(); y < end.y(); ++y)
-        for (int x = begin.x(); x < end.x(); ++x) {
-          hit.evidence = of_owner + static_cast<std::uint32_t>((y - corner.y()) * cells_per_side_ + x - corner.x());
-          hits[ShareOf(hit.evidence)].push_back(hit);
-        }
+      hit.first = EvidenceAt(owner, begin);
+      hit.columns = static_cast<std::uint16_t>(end.x() - begin.x());
+      hit.rows = static_cast<std::uint16_t>(end.y() - begin.y());
+      hits[static_cast<size_t>(slots_[static_cast<size_t>(owner)]) % kShares].push_back(hit);
     }
 }
 
@@ -184,9 +182,16 @@ SurfacePainter::SharedHits SurfacePainter::FindHits(const PatchView& view, const
   return hits;
 }
 
+void SurfacePainter::Count(const Hit& hit, Evidence& evidence) const {
+  const auto limit = static_cast<float>(log_odds_.limit);
+  evidence.log_odds_now = std::clamp(evidence.log_odds_now + hit.log_odds, -limit, limit);
+  (hit.log_odds > 0 ? evidence.seen_now : evidence.hidden_now) |= hit.view;
+  (hit.log_odds > 0 ? evidence.free_sum : evidence.occupied_sum) += std::abs(hit.log_odds);
+  if (hit.sight.rank > 0) evidence.sights.Add(hit.sight, /*is_first=*/!std::exchange(evidence.is_hit, true));
+}
+
 void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path,
                            const LatestDrives* latest) {
-  const auto limit = static_cast<float>(log_odds_.limit);
   for (size_t begin = 0; begin < indices.size(); begin += kPatchesPerBatch) {
     const std::span batch = indices.subspan(begin, std::min(kPatchesPerBatch, indices.size() - begin));
     const auto hits_of = ParallelMap(batch.size(), [&](size_t i) {
@@ -196,11 +201,10 @@ void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> i
     ParallelFor(kShares, [&](size_t share) {
       for (const SharedHits& hits : hits_of)
         for (const Hit& hit : hits[share]) {
-          Evidence& evidence = evidence_[hit.evidence];
-          evidence.log_odds_now = std::clamp(evidence.log_odds_now + hit.log_odds, -limit, limit);
-          (hit.log_odds > 0 ? evidence.seen_now : evidence.hidden_now) |= hit.view;
-          (hit.log_odds > 0 ? evidence.free_sum : evidence.occupied_sum) += std::abs(hit.log_odds);
-          if (hit.sight.rank > 0) evidence.sights.Add(hit.sight, /*is_first=*/!std::exchange(evidence.is_hit, true));
+          for (size_t y = 0; y < hit.rows; ++y) {
+            const auto row = std::span(evidence_).subspan(hit.first + y * static_cast<size_t>(cells_per_side_));
+            for (Evidence& evidence : row.first(hit.columns)) Count(hit, evidence);
+          }
         }
     });
   }

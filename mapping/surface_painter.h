@@ -75,20 +75,22 @@ class SurfacePainter {
     float free_sum = 0, occupied_sum = 0;  ///< log-odds for and against, of all drives that count
     CellSights sights;
   };
+  /// Of the cells of one square that a sample stands for.
   struct Hit {
-    std::uint32_t evidence = 0;
+    std::uint32_t first = 0;              ///< evidence of the lowest of them
+    std::uint16_t columns = 0, rows = 0;  ///< of cells
     ColorSight sight;
     float log_odds = 0;
     ViewSet view = 0;  ///< one bit, or none where it is not known well enough
   };
 
-  /// Cells are divided among threads, so many after each other to each.
-  static constexpr std::uint32_t kShares = 4, kCellsInARow = 64;
+  /// Squares are divided among threads.
+  static constexpr std::size_t kShares = 4;
   using SharedHits = std::array<std::vector<Hit>, kShares>;
-  static std::uint32_t ShareOf(std::uint32_t evidence) { return evidence / kCellsInARow % kShares; }
 
   void Paint(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path,
              const LatestDrives* latest);
+  void Count(const Hit& hit, Evidence& evidence) const;
   void EndDrive();
   static ViewSet ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point);
   void AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds, ViewSet view,
