@@ -138,12 +138,13 @@ DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* p
   };
   PlaneHeights planes = CollectPlanes(used_in(0), leaning_path, options.field);
   std::vector<HeightObservation> known = find_known(planes), swept;
+  std::optional<HeightField> field;
   for (int round = 0; round < num_rounds; ++round) {
     std::vector<HeightObservation> all = known;
     all.insert(all.end(), swept.begin(), swept.end());
-    const HeightField field(std::move(all), options.field);
+    field = HeightField(std::move(all), options.field, field ? &*field : nullptr);
     const bool is_last = round + 1 == num_rounds;
-    swept = MeasureHeights(used_in(round), std::span(path, 1), field, (is_last ? 0.5 : 1.0) * options.sweep.max_offset,
+    swept = MeasureHeights(used_in(round), std::span(path, 1), *field, (is_last ? 0.5 : 1.0) * options.sweep.max_offset,
                            is_last ? options.sweep : early);
     LogDebug("stage=measure_heights round=" + std::to_string(round) + " heights=" + std::to_string(swept.size()));
     if (round > 0) continue;

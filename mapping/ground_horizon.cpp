@@ -29,11 +29,21 @@ GroundHorizon::GroundHorizon(const HeightField& field, const Eigen::Vector3d& ey
       (box.min() - eye.head<2>()).cwiseAbs().cwiseMax((box.max() - eye.head<2>()).cwiseAbs());
   num_rings_ = RingOf(farthest.norm()) + 1;
   slopes_.assign(static_cast<size_t>(kNumSectors * num_rings_), kNothing);
+  struct Square {
+    int patch = 0;
+    double top = 0;  // [m]
+  };
+  std::vector<Square> squares;
+  double lowest = eye.z();
   field.VisitPatches(box, [&](int patch, double low, double high) {
-    if (low >= eye.z() || field.SigmaOf(patch) > kHidingSigma) return;
-    const Eigen::Vector2d corner = field.spacing() * field.IndexOf(patch).cast<double>();
-    Raise({corner, (corner.array() + field.spacing()).matrix()}, std::min(high, eye.z()) - kHidingHeight);
+    lowest = std::min(lowest, low);
+    if (low < eye.z()) squares.push_back({patch, std::min(high, eye.z()) - kHidingHeight});
   });
+  for (const auto& [patch, top] : squares) {
+    if (top <= lowest || field.SigmaOf(patch) > kHidingSigma) continue;  // too low to hide anything
+    const Eigen::Vector2d corner = field.spacing() * field.IndexOf(patch).cast<double>();
+    Raise({corner, (corner.array() + field.spacing()).matrix()}, top);
+  }
   for (int sector = 0; sector < kNumSectors; ++sector) {
     const auto begin = slopes_.begin() + sector * num_rings_;
     for (int ring = 1; ring < num_rings_; ++ring) begin[ring] = std::max(begin[ring - 1], begin[ring]);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "core/error.h"
@@ -72,15 +73,17 @@ void HeightFieldOptions::Validate() const {
   Require(outlier_height > 0, ErrorCode::kUsage, "outlier_height must be > 0 m");
 }
 
-HeightField::HeightField(std::vector<HeightObservation> observations, const HeightFieldOptions& options)
+HeightField::HeightField(std::vector<HeightObservation> observations, const HeightFieldOptions& options,
+                         const HeightField* before)
     : options_(options), squares_per_metre_(1 / options.spacing) {
   // The surest come first: they decide which decks there are.
   std::stable_sort(observations.begin(), observations.end(),
                    [](const HeightObservation& a, const HeightObservation& b) { return a.weight > b.weight; });
   MakePatches(observations);
   AddRing();
+  NumberByPlace();
   MakeNodes();
-  if (!heights_.empty()) Solve(observations);
+  if (!heights_.empty()) Solve(observations, before);
 }
 
 bool HeightField::HasPatchNear(int x, int y, double height) const {
@@ -113,6 +116,18 @@ void HeightField::AddRing() {
   }
 }
 
+/// What lies side by side is looked up together: it had better lie side by side in memory.
+void HeightField::NumberByPlace() {
+  constexpr int kBits = 4;  // squares of 16 by 16
+  const auto place = [](const Patch& patch) {
+    return std::tuple(patch.y >> kBits, patch.x >> kBits, patch.y, patch.x);
+  };
+  std::stable_sort(patches_.begin(), patches_.end(),
+                   [&](const Patch& a, const Patch& b) { return place(a) < place(b); });
+  patches_at_ = {};
+  for (const Patch& patch : patches_) patches_at_.Add(patch.x, patch.y);
+}
+
 void HeightField::MakeNodes() {
   PatchIndex nodes_at;
   for (Patch& patch : patches_)
@@ -138,18 +153,20 @@ void HeightField::KeepHeights() {
     for (size_t k = 0; k < 4; ++k) corners_[i][k] = heights_[static_cast<size_t>(patches_[i].nodes[k])];
 }
 
-void HeightField::Solve(const std::vector<HeightObservation>& observations) {
+void HeightField::Solve(const std::vector<HeightObservation>& observations, const HeightField* before) {
   CholeskySolver solver;
-  for (int round = 0; round < kNumRounds; ++round) {
+  const HeightField* weighed_by = before;
+  for (int round = before ? 1 : 0; round < kNumRounds; ++round) {
     NormalEquations equations(num_nodes());
     AddThinPlate(equations);
-    AddObservations(observations, /*is_first=*/round == 0, equations);
+    AddObservations(observations, weighed_by, equations);
     // A node that nothing binds keeps its first guess.
     for (int node = 0; node < num_nodes(); ++node)
       equations.AddRow<1>({node}, {1}, heights_[static_cast<size_t>(node)], kTie);
     const Eigen::VectorXd solution = std::move(equations).Solve(solver);
     heights_.assign(solution.data(), solution.data() + solution.size());
     KeepHeights();
+    weighed_by = this;
   }
 }
 
@@ -173,7 +190,15 @@ void HeightField::AddThinPlate(NormalEquations& equations) const {
   for (const Patch& patch : patches_) equations.AddRow<4>(patch.nodes, {1, -1, -1, 1}, 0, 2 * stiffness);
 }
 
-void HeightField::AddObservations(const std::vector<HeightObservation>& observations, bool is_first,
+/// Less, the further it is from the surface. Where there is none, its own.
+double HeightField::WeightOf(const HeightObservation& observation) const {
+  double height = observation.point_in_site.z();
+  FindPatch(observation.point_in_site, height);
+  const double offset = (observation.point_in_site.z() - height) / options_.outlier_height;
+  return observation.weight / ((1 + offset * offset) * (1 + offset * offset));
+}
+
+void HeightField::AddObservations(const std::vector<HeightObservation>& observations, const HeightField* weighed_by,
                                   NormalEquations& equations) {
   std::vector<Eigen::Matrix4d> lefts(patches_.size(), Eigen::Matrix4d::Zero());
   std::vector<Eigen::Vector4d> rights(patches_.size(), Eigen::Vector4d::Zero());
@@ -184,8 +209,7 @@ void HeightField::AddObservations(const std::vector<HeightObservation>& observat
     const auto i = static_cast<size_t>(index);
     Patch& patch = patches_[i];
     patch.sigma = std::min(patch.sigma, observation.Sigma());
-    const double offset = is_first ? 0 : (point.z() - HeightAt(index, point.head<2>())) / options_.outlier_height;
-    const double weight = observation.weight / ((1 + offset * offset) * (1 + offset * offset));
+    const double weight = weighed_by ? weighed_by->WeightOf(observation) : observation.weight;
     const Coefficients c = Bilinear(SquaresOf(point.x()) - patch.x, SquaresOf(point.y()) - patch.y);
     const Eigen::Map<const Eigen::Vector4d> row(c.data());
     lefts[i] += weight * row * row.transpose();

@@ -52,7 +52,9 @@ class HeightField {
 
   /// Observations may come in any order; the result does not depend on it but for rounding. Sparse Cholesky:
   /// about 1 s for 40 000 nodes.
-  HeightField(std::vector<HeightObservation> observations, const HeightFieldOptions& options);
+  /// \param before  a field of much the same observations, by which they are weighed at first: that saves a round
+  HeightField(std::vector<HeightObservation> observations, const HeightFieldOptions& options,
+              const HeightField* before = nullptr);
 
   /// The patch at (x, y) whose height is nearest to z, less than a level separation away; or kNone.
   int FindPatch(const Eigen::Vector3d& point_in_site) const;
@@ -102,13 +104,16 @@ class HeightField {
   double SquaresOf(double coordinate) const { return coordinate * squares_per_metre_; }
   void MakePatches(const std::vector<HeightObservation>& observations);
   void AddRing();
+  void NumberByPlace();
   void MakeNodes();
   bool HasPatchNear(int x, int y, double height) const;
   void AddPatch(const Patch& patch);
   void KeepHeights();
-  void Solve(const std::vector<HeightObservation>& observations);
+  void Solve(const std::vector<HeightObservation>& observations, const HeightField* before);
   void AddThinPlate(NormalEquations& equations) const;
-  void AddObservations(const std::vector<HeightObservation>& observations, bool is_first, NormalEquations& equations);
+  void AddObservations(const std::vector<HeightObservation>& observations, const HeightField* weighed_by,
+                       NormalEquations& equations);
+  double WeightOf(const HeightObservation& observation) const;
 
   HeightFieldOptions options_;
   double squares_per_metre_;

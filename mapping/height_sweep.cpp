@@ -45,6 +45,8 @@ struct Block {
 std::vector<Sight> FindMeetings(const PosedGroundPatch& posed, const DrivenPath& path, const HeightField& field,
                                 const Eigen::AlignedBox2d& block, const MeasureHeightsOptions& options) {
   std::vector<Sight> meetings;
+  meetings.reserve(posed.patch.samples.size());
+  const double max_squared_distance = options.max_distance * options.max_distance;
   PatchFinder patches_at(field);
   const LocalMeans means(posed.patch.samples, kMeanSquare * options.window);
   const Eigen::Isometry3d site_from_body = IsometryOf(posed.site_from_body);
@@ -52,9 +54,9 @@ std::vector<Sight> FindMeetings(const PosedGroundPatch& posed, const DrivenPath&
   for (const GroundSample& sample : posed.patch.samples) {
     if (!LocalMeans::IsUsed(sample)) continue;
     Eigen::Vector3d point = site_from_body * sample.point_in_body.cast<double>();
-    const double distance = (point - eye).head<2>().norm();
-    if (distance > options.max_distance || distance < kMinLever * (eye.z() - point.z())) continue;
-    if (block.exteriorDistance(point.head<2>().eval()) > kMaxShift * distance) continue;
+    const double squared_distance = (point - eye).head<2>().squaredNorm(), least = kMinLever * (eye.z() - point.z());
+    if (squared_distance > max_squared_distance || (least > 0 && squared_distance < least * least)) continue;
+    if (block.squaredExteriorDistance(point.head<2>().eval()) > kMaxShift * kMaxShift * squared_distance) continue;
     if (MeetSurface(patches_at, eye, point) == HeightField::kNone) continue;
     const Eigen::Vector2d shift = -(point - eye).head<2>() / (eye.z() - point.z());
     meetings.push_back({(point.head<2>() - block.min()).cast<float>(), shift.cast<float>(),
@@ -69,8 +71,8 @@ bool AddSights(const std::vector<Sight>& meetings, const Eigen::Vector2f& tile_i
   const size_t before = sweep.num_sights();
   for (Sight sight : meetings) {
     sight.point -= tile_in_block;
-    const float reach = max_offset * sight.shift.norm();
-    if (sight.point.minCoeff() < -reach || sight.point.maxCoeff() > side + reach) continue;
+    const float outside = std::max({-sight.point.minCoeff(), sight.point.maxCoeff() - side, 0.0F});
+    if (outside * outside > max_offset * max_offset * sight.shift.squaredNorm()) continue;
     sweep.Add(sight);
   }
   return sweep.num_sights() > before;

@@ -66,6 +66,30 @@ TEST(HeightField, AFarViewThatIsFarOffLosesItsSay) {
   EXPECT_NEAR(HeightOf(field, 5, 3, 0), 0, 0.02) << "the mean would be 0.12";
 }
 
+TEST(HeightField, WeighedByAnEarlierFieldItIsTheSame) {
+  Observations observations = Observe([](double x, double) { return 0.02 * x; }, 400);
+  for (double x = 0.1; x < 10; x += 0.2)
+    for (double y = 0.1; y < 6; y += 0.2) observations.push_back({{x, y, 0.02 * x + 0.6}, 100});
+  const HeightField earlier(observations, {});
+
+  const HeightField field(observations, {}, &earlier);
+
+  const HeightField alone(observations, {});
+  for (double x = 0.3; x < 9.8; x += 0.37)
+    EXPECT_NEAR(HeightOf(field, x, 3, 0.02 * x), HeightOf(alone, x, 3, 0.02 * x), 1e-3);
+}
+
+TEST(HeightField, WhatIsLearntLaterMovesItOffAnEarlierField) {
+  Observations observations = Observe([](double, double) { return 0.0; }, 25);
+  const HeightField earlier(observations, {});
+  const Observations learnt = Observe([](double, double) { return 0.15; }, 10000);
+  observations.insert(observations.end(), learnt.begin(), learnt.end());
+
+  const HeightField field(observations, {}, &earlier);
+
+  EXPECT_NEAR(HeightOf(field, 5, 3, 0.1), 0.15, 2e-3);
+}
+
 TEST(HeightField, TwoDecksStayApart) {
   Observations observations = Observe([](double, double) { return 0.0; }, 1000);
   const Observations upper = Observe([](double, double) { return 2.8; }, 500);
