@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 #include <tuple>
 
-#include "core/floor_of.h"
 #include "core/largest_first.h"
 #include "core/parallel.h"
 #include "mapping/isometry_of.h"
@@ -17,10 +17,8 @@
 namespace parkade {
 namespace {
 
-constexpr int kWindowsPerTile = 12;   // a tile is worked on at once: that bounds memory
-constexpr int kTilesPerBlock = 3;     // the patches of a block are read at once
-constexpr size_t kMaxPatches = 300;   // of a block; where a car came by more
-                                      // often, its tiles are worked on one by one
+constexpr int kWindowsPerTile = 12;   // a tile is swept by one thread
+constexpr size_t kMaxPatches = 500;   // of a block, read at once: that bounds memory
 constexpr double kMinLever = 1.0;     // distance over height of the eye: a steeper view tells no height
 constexpr double kMeanSquare = 0.75;  // of a window: the squares of LocalMeans
 constexpr double kMargin = 3.0;       // [m] rays meet the surface not further from
@@ -91,9 +89,33 @@ std::vector<size_t> ChooseEvenly(const std::vector<size_t>& indices, size_t max_
   return chosen;
 }
 
+/// The patches that reach into any of the tiles.
+std::set<size_t> PatchesOf(std::span<const Tile> tiles) {
+  std::set<size_t> patches;
+  for (const Tile& tile : tiles) patches.insert(tile.patches.begin(), tile.patches.end());
+  return patches;
+}
+
+/// Tiles of one deck as blocks of kMaxPatches at most, or of one tile: halved where there are too many, so that few
+/// patches reach into more than one block.
+void MakeBlocks(std::span<Tile> tiles, double side, std::vector<Block>& blocks) {
+  Eigen::AlignedBox2d box;
+  for (const Tile& tile : tiles) box.extend(tile.corner).extend((tile.corner.array() + side).matrix());
+  if (tiles.size() <= 1 || PatchesOf(tiles).size() <= kMaxPatches) {
+    blocks.push_back({box, {std::make_move_iterator(tiles.begin()), std::make_move_iterator(tiles.end())}});
+    return;
+  }
+  const int axis = box.sizes().x() > box.sizes().y() ? 0 : 1;
+  const double middle = box.center()[axis] - 0.25 * side;  // never a tile's corner
+  const auto upper =
+      std::stable_partition(tiles.begin(), tiles.end(), [&](const Tile& tile) { return tile.corner[axis] < middle; });
+  MakeBlocks({tiles.begin(), upper}, side, blocks);
+  MakeBlocks({upper, tiles.end()}, side, blocks);
+}
+
 /// Tiles by deck: patches that are more than half a deck apart in height do not share one.
-std::vector<Block> MakeBlocks(std::span<const PatchView> patches, std::span<const DrivenPath> paths,
-                              const MeasureHeightsOptions& options) {
+std::vector<Tile> MakeTiles(std::span<const PatchView> patches, std::span<const DrivenPath> paths,
+                            const MeasureHeightsOptions& options) {
   constexpr double kDeckHeight = 1.5;  // [m]
   const double side = kWindowsPerTile * options.window;
   std::map<std::tuple<int, int, int>, Tile> tiles;
@@ -114,30 +136,21 @@ std::vector<Block> MakeBlocks(std::span<const PatchView> patches, std::span<cons
         if (reached.intersects(patches[i].extent)) tile.patches.push_back(i);
       }
   }
-  std::map<std::tuple<int, int, int>, Block> blocks;
+  std::vector<Tile> result;
   for (auto& [key, tile] : tiles) {
     tile.patches = ChooseEvenly(tile.patches, static_cast<size_t>(options.max_views), patches);
-    const int x = FloorDivide(tile.x, kTilesPerBlock), y = FloorDivide(tile.y, kTilesPerBlock);
-    Block& block = blocks[{tile.deck, y, x}];
-    const Eigen::Vector2d corner = kTilesPerBlock * side * Eigen::Vector2d(x, y);
-    block.box = {corner, corner.array() + kTilesPerBlock * side};
-    block.tiles.push_back(std::move(tile));
-  }
-  std::vector<Block> result;
-  for (auto& [key, block] : blocks) {
-    std::set<size_t> of_block;
-    for (const Tile& tile : block.tiles) of_block.insert(tile.patches.begin(), tile.patches.end());
-    if (of_block.size() <= kMaxPatches) {
-      result.push_back(std::move(block));
-      continue;
-    }
-    for (Tile& tile : block.tiles) {
-      Block& alone = result.emplace_back();
-      alone.box = {tile.corner, tile.corner.array() + side};
-      alone.tiles.push_back(std::move(tile));
-    }
+    if (!tile.patches.empty()) result.push_back(std::move(tile));
   }
   return result;
+}
+
+std::vector<Block> MakeBlocks(std::vector<Tile> tiles, double side) {
+  std::vector<Block> blocks;
+  for (size_t begin = 0, end = 0; begin < tiles.size(); begin = end) {
+    while (end < tiles.size() && tiles[end].deck == tiles[begin].deck) ++end;
+    MakeBlocks(std::span(tiles).subspan(begin, end - begin), side, blocks);
+  }
+  return blocks;
 }
 
 /// The patches of a block on the surface, by their number.
@@ -145,8 +158,7 @@ std::map<size_t, std::vector<Sight>> MeetAll(const Block& block, const PatchSour
                                              std::span<const DrivenPath> paths, const HeightField& field,
                                              const MeasureHeightsOptions& options) {
   std::map<size_t, std::vector<Sight>> meetings;
-  for (const Tile& tile : block.tiles)
-    for (const size_t i : tile.patches) meetings.try_emplace(i);
+  for (const size_t i : PatchesOf(block.tiles)) meetings.try_emplace(i);
   std::vector<std::pair<const size_t, std::vector<Sight>>*> list;
   for (auto& of_patch : meetings) list.push_back(&of_patch);
   ParallelFor(list.size(), [&](size_t k) {
@@ -201,7 +213,7 @@ std::vector<SweptWindow> SweepWindows(const PatchSource& patches, std::span<cons
   const auto side = static_cast<float>(kWindowsPerTile * options.window);
   const SweepShape shape = ShapeOf(max_offset, options);
   std::vector<SweptWindow> windows;
-  for (const Block& block : MakeBlocks(patches.views(), paths, options)) {
+  for (const Block& block : MakeBlocks(MakeTiles(patches.views(), paths, options), static_cast<double>(side))) {
     const std::map<size_t, std::vector<Sight>> meetings = MeetAll(block, patches, paths, field, options);
     const auto num_patches = [&](size_t t) { return block.tiles[t].patches.size(); };
     const auto of_tiles = ParallelMapLargestFirst(block.tiles.size(), num_patches, [&](size_t t) {

@@ -20,8 +20,8 @@ struct SweptWindow {
 };
 
 /// Lifts and lowers the field by up to `max_offset` [m]. Windows that nothing was seen of are left out. Windows are in
-/// order of deck, y and x, whatever the number of threads. Memory: 32 bytes per sample in a square of 43 m or, where
-/// more than 300 patches reach into it, of 14.
+/// order of deck, y and x, whatever the number of threads. Memory: 24 bytes per sample of 500 patches (some 100 m of a
+/// drive), or of as many as reach into a square of 14 m.
 std::vector<SweptWindow> SweepWindows(const PatchSource& patches, std::span<const DrivenPath> paths,
                                       const HeightField& field, double max_offset,
                                       const MeasureHeightsOptions& options);
