@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/floor_of.h"
+#include "core/parallel.h"
 #include "core/sparse_cholesky.h"
 
 namespace parkade {
@@ -22,8 +23,10 @@ using Coefficients = std::array<double, 4>;
 /// Bilinear coefficients of the patch's nodes at (fx, fy), the fractions of its edges.
 Coefficients Bilinear(double fx, double fy) { return {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy}; }
 
-double Bilinear(const std::array<double, 4>& heights, double fx, double fy) {
-  return (1 - fy) * (heights[0] + fx * (heights[1] - heights[0])) + fy * (heights[2] + fx * (heights[3] - heights[2]));
+double Bilinear(const std::array<float, 4>& heights, double fx, double fy) {
+  const auto a = static_cast<double>(heights[0]), b = static_cast<double>(heights[1]);
+  const auto c = static_cast<double>(heights[2]), d = static_cast<double>(heights[3]);
+  return (1 - fy) * (a + fx * (b - a)) + fy * (c + fx * (d - c));
 }
 
 }  // namespace
@@ -150,7 +153,8 @@ void HeightField::MakeNodes() {
 void HeightField::KeepHeights() {
   corners_.resize(patches_.size());
   for (size_t i = 0; i < patches_.size(); ++i)
-    for (size_t k = 0; k < 4; ++k) corners_[i][k] = heights_[static_cast<size_t>(patches_[i].nodes[k])];
+    for (size_t k = 0; k < 4; ++k)
+      corners_[i][k] = static_cast<float>(heights_[static_cast<size_t>(patches_[i].nodes[k])]);
 }
 
 void HeightField::Solve(const std::vector<HeightObservation>& observations, const HeightField* before) {
@@ -200,20 +204,28 @@ double HeightField::WeightOf(const HeightObservation& observation) const {
 
 void HeightField::AddObservations(const std::vector<HeightObservation>& observations, const HeightField* weighed_by,
                                   NormalEquations& equations) {
+  struct Part {
+    int patch = kNone;
+    double weight = 0;
+  };
   std::vector<Eigen::Matrix4d> lefts(patches_.size(), Eigen::Matrix4d::Zero());
   std::vector<Eigen::Vector4d> rights(patches_.size(), Eigen::Vector4d::Zero());
-  for (const HeightObservation& observation : observations) {
+  const std::vector<Part> parts = ParallelMap(observations.size(), [&](size_t i) {
+    const HeightObservation& observation = observations[i];
+    return Part{FindPatch(observation.point_in_site),
+                weighed_by ? weighed_by->WeightOf(observation) : observation.weight};
+  });
+  for (size_t k = 0; k < observations.size(); ++k) {
+    if (parts[k].patch == kNone) continue;
+    const HeightObservation& observation = observations[k];
     const Eigen::Vector3d& point = observation.point_in_site;
-    const int index = FindPatch(point);
-    if (index == kNone) continue;
-    const auto i = static_cast<size_t>(index);
+    const auto i = static_cast<size_t>(parts[k].patch);
     Patch& patch = patches_[i];
     patch.sigma = std::min(patch.sigma, observation.Sigma());
-    const double weight = weighed_by ? weighed_by->WeightOf(observation) : observation.weight;
     const Coefficients c = Bilinear(SquaresOf(point.x()) - patch.x, SquaresOf(point.y()) - patch.y);
     const Eigen::Map<const Eigen::Vector4d> row(c.data());
-    lefts[i] += weight * row * row.transpose();
-    rights[i] += weight * point.z() * row;
+    lefts[i] += parts[k].weight * row * row.transpose();
+    rights[i] += parts[k].weight * point.z() * row;
   }
   for (size_t i = 0; i < patches_.size(); ++i) equations.AddBlock(patches_[i].nodes, lefts[i], rights[i]);
 }

@@ -75,7 +75,7 @@ class HeightField {
         for (int patch = patches_at_.First(x, y); patch != kNone; patch = patches_at_.Next(patch)) {
           const auto& heights = corners_[static_cast<size_t>(patch)];
           const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
-          visit(patch, *low, *high);
+          visit(patch, static_cast<double>(*low), static_cast<double>(*high));
         }
   }
 
@@ -119,8 +119,8 @@ class HeightField {
   double squares_per_metre_;
   std::vector<Patch> patches_;
   PatchIndex patches_at_;
-  std::vector<double> heights_;                 ///< [m] of the nodes
-  std::vector<std::array<double, 4>> corners_;  ///< [m] of the patches' nodes: what is looked up is packed densely
+  std::vector<double> heights_;                ///< [m] of the nodes
+  std::vector<std::array<float, 4>> corners_;  ///< [m] of the patches' nodes: what is looked up is packed densely
 };
 
 /// HeightField::FindPatch for places of which most lie in the same square as the one before: those cost no look into
@@ -135,7 +135,7 @@ class PatchFinder {
   const HeightField* field_;
   int column_ = std::numeric_limits<int>::min(), row_ = 0;  // of the last square
   int patch_ = HeightField::kNone;                          // the only one there, if any
-  std::array<double, 4> corners_{};                         // [m] of it
+  std::array<float, 4> corners_{};                          // [m] of it
 };
 
 }  // namespace parkade

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <opencv2/core/utility.hpp>
 
+#include "core/keep_memory.h"
 #include "core/parallel.h"
 
 namespace parkade {
@@ -18,6 +19,7 @@ int RunBench(CLI::App& app, int argc, char** argv, const int& num_threads, Run r
     SetNumThreads(num_threads);
     cv::setNumThreads(1);  // as the product: core/parallel works on many images at once
     KeepLinearAlgebraToCaller();
+    KeepFreedMemory();  // as `parkade map`
     return run();
   } catch (const std::exception& error) {
     std::cerr << app.get_name() << ": " << error.what() << "\n";
