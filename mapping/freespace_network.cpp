@@ -1,5 +1,7 @@
 #include "mapping/freespace_network.h"
 
+#include <algorithm>
+#include <cmath>
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -15,6 +17,7 @@ namespace {
 constexpr size_t kMaxBytes = size_t{512} << 20;
 constexpr double kMinIsland = 0.005;  // of the picture
 const cv::Size kOpenSize(320, 208);   // of networks that leave their input's size open
+constexpr int kOwnMultiple = 32;      // pixels: what the sides of our own network's input are multiples of
 
 /// Log-odds of the one or two channels of 1 x C x h x w, which must be of these.
 cv::Mat LogOddsOf(const cv::Mat& output) {
@@ -25,6 +28,17 @@ cv::Mat LogOddsOf(const cv::Mat& output) {
     return cv::Mat(output.size[2], output.size[3], CV_32F, const_cast<float*>(output.ptr<float>(0, index)));
   };
   return output.size[1] == 1 ? output.reshape(1, output.size[2]) : cv::Mat(channel(1) - channel(0));
+}
+
+/// The largest size within `limit` that has the proportions of `image`, its sides rounded up to what our own network
+/// takes.
+cv::Size OwnSizeFor(const cv::Size& image, const cv::Size& limit) {
+  const double scale =
+      std::min(limit.width / static_cast<double>(image.width), limit.height / static_cast<double>(image.height));
+  const auto round_up = [&](int length) {
+    return kOwnMultiple * std::max(1, static_cast<int>(std::ceil(scale * length / kOwnMultiple - 1e-6)));
+  };
+  return {round_up(image.width), round_up(image.height)};
 }
 
 /// What a camera of a car calls drivable hangs together: small islands, specks on walls most often, get log-odds of 0.
@@ -67,17 +81,17 @@ cv::Mat FreespaceBelief::Mask() const {
 /// The network, and what it takes and gives.
 class FreespaceNetwork::Copies {
  public:
-  explicit Copies(std::string model)
-      : input_size_(FindOnnxInputSize(model).value_or(kOpenSize)), networks_(std::move(model)) {}
+  Copies(std::string model, bool is_own)
+      : input_size_(FindOnnxInputSize(model).value_or(kOpenSize)), is_own_(is_own), networks_(std::move(model)) {}
 
-  cv::Size input_size() const { return input_size_; }
+  cv::Size InputSizeFor(const cv::Size& image) const { return is_own_ ? OwnSizeFor(image, input_size_) : input_size_; }
 
-  cv::Mat Run(const cv::Mat& image) {
-    return LogOddsOf(networks_.Run(cv::dnn::blobFromImage(image, 1.0, input_size_)));
-  }
+  /// `image` is of such a size.
+  cv::Mat Run(const cv::Mat& image) { return LogOddsOf(networks_.Run(cv::dnn::blobFromImage(image))); }
 
  private:
   cv::Size input_size_;
+  bool is_own_;
   NetworkCopies networks_;
 };
 
@@ -86,8 +100,8 @@ FreespaceNetwork::FreespaceNetwork(const std::filesystem::path& file) {
   const std::string name = file.empty() ? "the built-in free-space network" : "'" + file.string() + "'";
   std::string model = file.empty() ? std::string(BuiltinFreespaceNetwork()) : ReadFile(file, kMaxBytes);
   try {
-    copies_ = std::make_unique<Copies>(std::move(model));
-    copies_->Run(cv::Mat(copies_->input_size(), CV_8UC3, cv::Scalar::all(128)));
+    copies_ = std::make_unique<Copies>(std::move(model), file.empty());
+    copies_->Run(cv::Mat(copies_->InputSizeFor({640, 400}), CV_8UC3, cv::Scalar::all(128)));
   } catch (const Error& error) {
     throw Error(ErrorCode::kInvalidInput, name + " is no free-space network: " + error.what());
   } catch (const std::exception&) {
@@ -97,14 +111,14 @@ FreespaceNetwork::FreespaceNetwork(const std::filesystem::path& file) {
 
 FreespaceNetwork::~FreespaceNetwork() = default;
 
-cv::Size FreespaceNetwork::input_size() const { return copies_->input_size(); }
+cv::Size FreespaceNetwork::InputSizeFor(const cv::Size& image) const { return copies_->InputSizeFor(image); }
 
 FreespaceBelief FreespaceNetwork::Run(const cv::Mat& image) const {
   Require(!image.empty() && image.depth() == CV_8U && (image.channels() == 1 || image.channels() == 3),
           ErrorCode::kInvalidInput, "the network takes grey and colour images of 8 bits");
   // Averaging, as in training: blobFromImage alone would skip pixels.
   cv::Mat resized, color;
-  cv::resize(image, resized, copies_->input_size(), 0, 0, cv::INTER_AREA);
+  cv::resize(image, resized, copies_->InputSizeFor(image.size()), 0, 0, cv::INTER_AREA);
   if (resized.channels() == 1)
     cv::cvtColor(resized, color, cv::COLOR_GRAY2BGR);
   else

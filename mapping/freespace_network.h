@@ -38,8 +38,9 @@ class FreespaceNetwork {
   /// copy of the network to itself.
   FreespaceBelief Run(const cv::Mat& image) const;
 
-  /// [px] images are resized to.
-  cv::Size input_size() const;
+  /// [px] that images of a size are resized to: what the file asks for. Parkade's own network takes them in their own
+  /// proportions, within the size that it was trained at: squeezed as those of 4:3 would be, walls pass for floor.
+  cv::Size InputSizeFor(const cv::Size& image) const;
 
  private:
   class Copies;

@@ -8,7 +8,7 @@
 namespace parkade {
 
 /// Raised whenever what is stored of the ground of a drive, or how it is found with the same inputs, changes.
-constexpr int kGroundVersion = 3;
+constexpr int kGroundVersion = 4;
 
 // As the results of slam/stage_results.h: exact, but without the number of the drive.
 

@@ -15,8 +15,14 @@ import numpy as np
 import pictures
 
 
-def find_log_odds(network, size, picture):
-    image = cv2.resize(picture.image, size, interpolation=cv2.INTER_AREA)
+def size_for(picture, limit):
+    """As Parkade's own network is run: in the picture's proportions, sides rounded up to multiples of 32."""
+    scale = min(limit[0] / picture.image.shape[1], limit[1] / picture.image.shape[0])
+    return tuple(32 * int(np.ceil(scale * length / 32 - 1e-6)) for length in picture.image.shape[1::-1])
+
+
+def find_log_odds(network, limit, picture):
+    image = cv2.resize(picture.image, size_for(picture, limit), interpolation=cv2.INTER_AREA)
     network.setInput(cv2.dnn.blobFromImage(image))
     return cv2.resize(network.forward()[0, 0], picture.label.shape[::-1], interpolation=cv2.INTER_LINEAR)
 
@@ -52,7 +58,7 @@ def main():
     parser.add_argument("onnx")
     parser.add_argument("--camvid", help="folder with images/ and labels/")
     parser.add_argument("--drive", action="append", default=[], help="a simulated drive with masks; may be repeated")
-    parser.add_argument("--size", default="640x384", help="of the network's input")
+    parser.add_argument("--size", default="640x384", help="of the network's input at most")
     parser.add_argument("--overlays", help="folder for pictures with what was found")
     arguments = parser.parse_args()
     size = tuple(int(number) for number in arguments.size.split("x"))

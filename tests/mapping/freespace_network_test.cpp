@@ -57,7 +57,7 @@ TEST_F(FreespaceNetworkFiles, TheNetworkSeesBlueGreenRedFrom0To255) {
 
   const FreespaceBelief belief = network.Run(Gradient(32, 16));
 
-  EXPECT_EQ(network.input_size(), cv::Size(32, 16));
+  EXPECT_EQ(network.InputSizeFor({64, 64}), cv::Size(32, 16));
   EXPECT_FLOAT_EQ(belief.At({7, 3}), 7 + 10 * 6 + 100 * 200 - 5);
 }
 
@@ -84,8 +84,24 @@ TEST_F(FreespaceNetworkFiles, OfTwoChannelsTheSecondIsDrivable) {
 TEST_F(FreespaceNetworkFiles, ANetworkOfOpenSizeIsRunAt320x208) {
   const FreespaceNetwork network(Write(TinyOnnx({1, 0, 0}, {0}, 0, 0)));
 
-  EXPECT_EQ(network.input_size(), cv::Size(320, 208));
+  EXPECT_EQ(network.InputSizeFor({64, 48}), cv::Size(320, 208));
   EXPECT_NEAR(network.Run(Gradient(64, 48)).At({30, 20}), 30, 1);
+}
+
+TEST(FreespaceNetwork, OursTakesPicturesInTheirOwnProportions) {
+  const FreespaceNetwork network;
+  EXPECT_EQ(network.InputSizeFor({640, 400}), cv::Size(640, 384));
+  EXPECT_EQ(network.InputSizeFor({1280, 800}), cv::Size(640, 384));
+  EXPECT_EQ(network.InputSizeFor({1280, 720}), cv::Size(640, 384));
+  EXPECT_EQ(network.InputSizeFor({1280, 960}), cv::Size(512, 384));
+  EXPECT_EQ(network.InputSizeFor({1000, 1000}), cv::Size(384, 384));
+  EXPECT_EQ(network.InputSizeFor({480, 640}), cv::Size(288, 384));
+  EXPECT_EQ(network.InputSizeFor({6400, 10}), cv::Size(640, 32));
+  for (const cv::Size& size : {cv::Size(48, 36), cv::Size(640, 400), cv::Size(36, 48), cv::Size(640, 4)}) {
+    const FreespaceBelief belief = network.Run(cv::Mat(size, CV_8UC3, cv::Scalar::all(90)));
+    EXPECT_EQ(belief.log_odds.size() * 2, network.InputSizeFor(size));
+    EXPECT_EQ(belief.Mask().size(), size);
+  }
 }
 
 TEST_F(FreespaceNetworkFiles, SmallIslandsOfDrivableGroundAreDoubted) {
