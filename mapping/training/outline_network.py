@@ -6,7 +6,7 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from network import Residual, conv
+from network import Residual, conv, fold, read_onnx
 
 FEATURES = 12
 SEEN, LOG_ODDS, FREE, OCCUPIED, COLORS = 0, 1, 2, 3, slice(9, 12)
@@ -45,13 +45,20 @@ class OutlineNetwork(nn.Module):
         return MAX_CORRECTION * torch.tanh(self.head(self.to_full(deep, full)) / MAX_CORRECTION)
 
 
-def corrected(network, features):
+def with_correction(features, correction):
     """Log-odds of the input with the correction: N x 1 x H x W."""
-    return LOG_ODDS_UNIT * features[:, LOG_ODDS : LOG_ODDS + 1] + network(features)
+    return LOG_ODDS_UNIT * features[:, LOG_ODDS : LOG_ODDS + 1] + correction
+
+
+def corrected(network, features):
+    return with_correction(features, network(features))
 
 
 def load(path):
-    """What train_outlines.py has saved."""
+    """What train_outlines.py has saved, or export_outlines.py has written (FILE.onnx), with batch normalisation folded."""
+    state = read_onnx(path) if str(path).endswith(".onnx") else torch.load(path, map_location="cpu")["network"]
     network = OutlineNetwork()
-    network.load_state_dict(torch.load(path, map_location="cpu")["network"])
+    if not any(name.endswith("running_mean") for name in state):
+        network = fold(network)
+    network.load_state_dict(state)
     return network

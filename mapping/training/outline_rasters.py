@@ -5,7 +5,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from outline_network import COLORS, FREE, LOG_ODDS, OCCUPIED, SEEN
+from outline_network import COLORS, FREE, LOG_ODDS, LOG_ODDS_UNIT, OCCUPIED, SEEN
 
 NOT_DRIVABLE, DRIVABLE, UNSEEN, FAR = range(4)  # of the truth; UNSEEN: drivable, but no camera saw it
 
@@ -18,30 +18,38 @@ def load_raster(name):
     return features, np.fromfile(name.with_suffix(".truth"), np.uint8).reshape(size)
 
 
-def load_rasters(folder):
-    """-> list of (name, features, truth)."""
-    return [(name.stem, *load_raster(name)) for name in sorted(Path(folder).glob("*.json"))]
+def load_rasters(folder, known=()):
+    """-> list of (name, features, truth), but for those whose (folder, name) is known."""
+    names = [name for name in sorted(Path(folder).glob("*.json")) if (folder, name.stem) not in known]
+    return [(name.stem, *load_raster(name)) for name in names]
 
 
-def cut_square(rng, features, truth, side):
-    """A square with an outline in it, where there is one; beyond the raster nothing was seen."""
-    height, width = truth.shape
+def cut_square(rng, features, truth, side, share_turned=0.6):
+    """A square with an outline in it, where there is one; beyond the raster nothing was seen. A share of the squares lies
+    askew and is larger or smaller than others: simulated places have right angles, and a map lies as its drive began."""
     for _ in range(20):
-        top, left = rng.integers(-side // 2, height - side // 2), rng.integers(-side // 2, width - side // 2)
-        rows, columns = slice(max(0, top), min(height, top + side)), slice(max(0, left), min(width, left + side))
-        inside = truth[rows, columns]
-        if (inside <= DRIVABLE).sum() > 0.25 * side * side and (inside == NOT_DRIVABLE).any():
+        middle = rng.uniform((0, 0), truth.shape[::-1])
+        angle, scale = 0.0, 1.0
+        if rng.random() < share_turned:
+            angle, scale = rng.uniform(0, 2 * np.pi), np.exp(rng.normal(0, 0.05))
+        else:
+            middle = np.floor(middle)
+        turn = scale * np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        raster_from_square = np.column_stack([turn, middle - turn @ np.full(2, side // 2)])
+        label = warp(truth, raster_from_square, side, cv2.INTER_NEAREST, FAR)
+        if (label <= DRIVABLE).sum() > 0.25 * side * side and (label == NOT_DRIVABLE).any():
             break
-    cut = np.zeros((len(features), side, side), np.float32)
-    label = np.full((side, side), FAR, np.uint8)
-    into = (slice(rows.start - top, rows.stop - top), slice(columns.start - left, columns.stop - left))
-    cut[(slice(None), *into)] = features[:, rows, columns]
-    label[into] = inside
-    return cut, label
+    cut = [warp(channel, raster_from_square, side, cv2.INTER_LINEAR, 0) for channel in features]
+    return np.stack(cut), label
+
+
+def warp(image, source_from_target, side, interpolation, beyond):
+    return cv2.warpAffine(image, source_from_target, (side, side), flags=interpolation | cv2.WARP_INVERSE_MAP,
+                          borderMode=cv2.BORDER_CONSTANT, borderValue=beyond)
 
 
 def augment(rng, features, truth):
-    """Turns, mirrors, changes colours and light, and how sure the first network was."""
+    """Turns, mirrors, changes colours and light, how sure the first network was, and where it erred."""
     turns = rng.integers(4)
     features, truth = np.rot90(features, turns, (1, 2)), np.rot90(truth, turns)
     if rng.random() < 0.5:
@@ -54,7 +62,15 @@ def augment(rng, features, truth):
         features[LOG_ODDS] = np.clip(features[LOG_ODDS] * certainty, -1, 1)
         for channel in (FREE, OCCUPIED):  # roots
             features[channel] = np.clip(features[channel] * np.sqrt(certainty), 0, 1)
+    if rng.random() < 0.3:
+        features[LOG_ODDS] += seen[0] * smooth_noise(rng, truth.shape, rng.uniform(8, 40)) * rng.uniform(0.2, 1) / LOG_ODDS_UNIT
     return features, truth
+
+
+def smooth_noise(rng, shape, length):
+    """Normal errors that are alike over `length` pixels: another network errs elsewhere."""
+    knots = rng.normal(0, 1, [int(size / length) + 2 for size in shape]).astype(np.float32)
+    return cv2.resize(knots, shape[::-1], interpolation=cv2.INTER_CUBIC)
 
 
 def change_colors(rng, colors, seen):

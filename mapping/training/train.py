@@ -21,7 +21,7 @@ from torch.nn import functional
 
 import augment
 import pictures
-from network import FreespaceNetwork, count_parameters, fold, load
+from network import FreespaceNetwork, count_parameters, fold, in_bfloat16, load
 
 SIZE = (640, 384)  # of the network's input: width, height
 # Small pictures first: shapes and colours are learnt at a fraction of the cost. Until which part, size.
@@ -167,7 +167,9 @@ def train(arguments):
             group["lr"] = rate
         network.train()
         labels = torch.from_numpy(labels)
-        loss = loss_of(upsample(network(to_batch(images)), labels.shape[1:]), labels, torch.from_numpy(weights))
+        with in_bfloat16(arguments.bfloat16):
+            log_odds = network(to_batch(images))
+        loss = loss_of(upsample(log_odds.float(), labels.shape[1:]), labels, torch.from_numpy(weights))
         optimiser.zero_grad()
         loss.backward()
         torch.nn.utils.clip_grad_norm_(network.parameters(), 5.0)
@@ -201,13 +203,14 @@ def main():
     parser.add_argument("--camvid", help="folder with train/ and val/, each with images/ and labels/")
     parser.add_argument("--drives", required=True, help="folder with train/ and val/ of simulated drives")
     parser.add_argument("--out", required=True, help="checkpoint to write")
-    parser.add_argument("--resume", help="checkpoint to start from")
+    parser.add_argument("--resume", help="checkpoint, or ONNX file of a folded network, to start from")
     parser.add_argument("--fold", action="store_true", help="fold batch normalisation first: further steps take half the time")
     parser.add_argument("--begin", type=float, default=0, help="part of STAGES that is over: 1 for large pictures only")
     parser.add_argument("--minutes", type=float, default=60)
     parser.add_argument("--steps", type=int, default=0, help="end earlier, after so many steps")
     parser.add_argument("--rate", type=float, default=2e-3, help="learning rate at its highest")
     parser.add_argument("--batch", type=int, default=16)
+    parser.add_argument("--bfloat16", action="store_true", help="calculate in bfloat16: faster where the processor knows it")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--report-minutes", type=float, default=8)
     parser.add_argument("--val-stride", type=int, default=4, help="measure on every so many-th picture")

@@ -7,6 +7,7 @@ RASTERS are folders that parkade-outline-rasters filled. The checkpoint holds th
 """
 import argparse
 import copy
+import itertools
 import os
 import time
 
@@ -18,11 +19,12 @@ import torch
 from torch.nn import functional
 
 import outline_rasters as rasters
-from outline_network import LOG_ODDS, LOG_ODDS_UNIT, OutlineNetwork, corrected, load
+from outline_network import LOG_ODDS, LOG_ODDS_UNIT, OutlineNetwork, corrected, load, with_correction
+from network import in_bfloat16
 from train import follow, make_optimiser
 
 SIDE = 224  # pixels of a square
-RIM = 13  # pixels: a square about as large as the disc of 1.5 m that the measure takes
+RIM = 12  # pixels: a square about as large as the disc of 1.5 m that the measure takes; a multiple of 2
 PREFETCHED = 6  # batches
 
 
@@ -30,14 +32,24 @@ class Squares(torch.utils.data.IterableDataset):
     """Batches of squares without end, made by a process of their own."""
 
     def __init__(self, arguments):
-        self.pool = [raster for folder in arguments.rasters for raster in rasters.load_rasters(folder)]
+        self.folders, self.known, self.pool = arguments.rasters, set(), []
+        self.batch, self.rng = arguments.batch, np.random.default_rng(arguments.seed)
+        self.take_in_new_rasters()
+
+    def take_in_new_rasters(self):
+        """Those that were finished while training runs."""
+        for folder in self.folders:
+            new = rasters.load_rasters(folder, self.known)
+            self.known |= {(folder, name) for name, _, _ in new}
+            self.pool += new
         areas = np.array([(truth <= rasters.DRIVABLE).sum() for _, _, truth in self.pool], float)
         self.shares = areas / areas.sum()
-        self.batch, self.rng = arguments.batch, np.random.default_rng(arguments.seed)
 
     def __iter__(self):
         cv2.setNumThreads(1)
-        while True:
+        for count in itertools.count():
+            if count % 200 == 199:
+                self.take_in_new_rasters()
             squares = [self.square() for _ in range(self.batch)]
             yield tuple(np.stack(part) for part in zip(*squares))
 
@@ -72,10 +84,13 @@ def rim_of(area):
 
 
 def eroded(area, beyond):
-    """The least within RIM rows and columns; `beyond`: what lies around the square."""
-    padded = -functional.pad(area, (RIM, RIM, RIM, RIM), value=beyond)
-    by_rows = functional.max_pool2d(padded, (2 * RIM + 1, 1), 1)
-    return -functional.max_pool2d(by_rows, (1, 2 * RIM + 1), 1)
+    """The least within RIM rows and columns; `beyond`: what lies around the square. By squares of two pixels, which takes
+    a sixth of the time."""
+    least = -functional.max_pool2d(-area, 2)
+    reach = RIM // 2
+    padded = -functional.pad(least, (reach, reach, reach, reach), value=beyond)
+    by_rows = functional.max_pool2d(padded, (2 * reach + 1, 1), 1)
+    return -functional.interpolate(functional.max_pool2d(by_rows, (1, 2 * reach + 1), 1)[:, None], scale_factor=2)[:, 0]
 
 
 def measure(network, pool, prints=True):
@@ -102,6 +117,7 @@ def train(arguments):
     torch.manual_seed(arguments.seed)
     network = load(arguments.resume) if arguments.resume else OutlineNetwork()
     average = copy.deepcopy(network)
+    network = network.to(memory_format=torch.channels_last)
     optimiser = make_optimiser(network, arguments.rate)
     val = [raster for folder in arguments.val for raster in rasters.load_rasters(folder)]
     squares = Squares(arguments)
@@ -119,7 +135,10 @@ def train(arguments):
         network.train()
         features, truth, weights = map(torch.from_numpy, (features, truth, weights))
         seen = (features[:, rasters.SEEN] > 0).float()
-        loss = loss_of(corrected(network, features)[:, 0], seen, truth, weights)
+        features = features.contiguous(memory_format=torch.channels_last)
+        with in_bfloat16(arguments.bfloat16):
+            correction = network(features)
+        loss = loss_of(with_correction(features, correction.float())[:, 0], seen, truth, weights)
         optimiser.zero_grad()
         loss.backward()
         torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
@@ -150,6 +169,7 @@ def main():
     parser.add_argument("--rate", type=float, default=2e-3)
     parser.add_argument("--batch", type=int, default=4)
     parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--bfloat16", action="store_true", help="calculate in bfloat16: faster where the processor knows it")
     parser.add_argument("--report-minutes", type=float, default=5)
     parser.add_argument("--seed", type=int, default=1)
     train(parser.parse_args())
