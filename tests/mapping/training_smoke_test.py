@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Weights of pixels; kerbs; two steps of training on made-up pictures and one more with batch normalisation folded,
-exported and read by OpenCV; likewise of the network of outlines, on made-up ground. Skipped (77) without PyTorch.
+exported, read by OpenCV and trained on from there; likewise of the network of outlines, on made-up ground. Skipped (77) without PyTorch.
 
 training_smoke_test.py TRAINING_FOLDER
 """
@@ -13,6 +13,7 @@ import tempfile
 try:
     import cv2
     import numpy as np
+    import onnx  # noqa: F401
     import torch
     import yaml  # noqa: F401
 except ImportError as error:
@@ -103,11 +104,13 @@ def check_outlines(folder):
     assert perfect["boundary"] == 1 and perfect["missed"] == 0 and perfect["false"] == 0, perfect
     smaller = rasters.compare(features, truth, np.where(cv2.dilate((truth == 0).astype(np.uint8), np.ones((9, 9))), -1, 1))
     assert 0.5 < smaller["boundary"] < 0.9 and smaller["missed"] > 0 and smaller["false"] == 0, smaller
-    for seed in range(5):
-        square = rasters.cut_square(np.random.default_rng(seed), features, truth, 96)
+    for seed in range(10):
+        square = rasters.cut_square(np.random.default_rng(seed), features, truth, 96, share_turned=seed % 2)
         changed, label = rasters.augment(np.random.default_rng(seed), *square)
         assert sorted(label.ravel()) == sorted(square[1].ravel()) and np.isfinite(changed).all()
-        assert (np.sign(changed[1]) == np.where(label == 0, -1, 1))[(changed[0] > 0) & (label != 3)].all()
+        # Turned or not, the box lies where it is labelled, but for cells along its outline and errors that were added.
+        counts = (changed[0] > 0.9) & (label != 3)
+        assert ((changed[1] < 0) == (label == 0))[counts].mean() > 0.93, seed
     # What lies further than the reach that the program relies on has no say.
     network = OutlineNetwork().eval()
     ground = torch.rand(1, 12, 96, 96)
@@ -163,6 +166,9 @@ def main():
         assert "step 1" in log, log
         assert "difference" in run("export.py", folder / "b.pt", folder / "b.onnx")
         assert "difference" in run("export.py", folder / "a.pt", folder / "a.onnx")
+        again = ("--resume", folder / "b.onnx", "--begin", 1, "--bfloat16")
+        log = run("train.py", "--camvid", folder / "camvid", "--drives", folder, "--steps", 1, "--batch", 2, *again, "--out", folder / "d.pt")
+        assert "step 1" in log, log
         figures = run("evaluate.py", folder / "a.onnx", "--camvid", folder / "camvid/val")
         assert "3 pictures, IoU" in figures, figures
 
@@ -173,6 +179,9 @@ def main():
         assert "step 2" in log and "boundary" in log, log
         assert "step 1" in run("train_outlines.py", *ground, "--steps", 1, "--resume", folder / "c.pt", "--out", folder / "c.pt")
         assert "difference" in run("export_outlines.py", folder / "c.pt", folder / "c.onnx")
+        again = ("--resume", folder / "c.onnx", "--bfloat16")
+        assert "step 1" in run("train_outlines.py", *ground, "--steps", 1, *again, "--out", folder / "e.pt")
+        assert "difference" in run("export_outlines.py", folder / "e.pt", folder / "e.onnx")
 
 
 if __name__ == "__main__":
