@@ -15,14 +15,8 @@ import numpy as np
 import pictures
 
 
-def size_for(picture, limit):
-    """As Parkade's own network is run: in the picture's proportions, sides rounded up to multiples of 32."""
-    scale = min(limit[0] / picture.image.shape[1], limit[1] / picture.image.shape[0])
-    return tuple(32 * int(np.ceil(scale * length / 32 - 1e-6)) for length in picture.image.shape[1::-1])
-
-
 def find_log_odds(network, limit, picture):
-    image = cv2.resize(picture.image, size_for(picture, limit), interpolation=cv2.INTER_AREA)
+    image = cv2.resize(picture.image, pictures.input_size(picture.image, limit), interpolation=cv2.INTER_AREA)
     network.setInput(cv2.dnn.blobFromImage(image))
     return cv2.resize(network.forward()[0, 0], picture.label.shape[::-1], interpolation=cv2.INTER_LINEAR)
 
@@ -36,12 +30,12 @@ def overlay(picture, drivable):
     return cv2.addWeighted(picture.image, 0.6, colors, 0.4, 0)
 
 
-def evaluate(network, size, samples, folder):
+def evaluate(network, limit, samples, folder):
     """IoU over all labelled pixels, and how often a pixel is right at each tenth of probability."""
     both = either = 0
     right, count = np.zeros(10), np.zeros(10)
     for picture in samples:
-        log_odds = find_log_odds(network, size, picture)
+        log_odds = find_log_odds(network, limit, picture)
         known, truth, drivable = picture.label != pictures.UNKNOWN, picture.label == pictures.DRIVABLE, log_odds > 0
         both += int((drivable & truth).sum())
         either += int(((drivable | truth) & known).sum())
@@ -61,7 +55,7 @@ def main():
     parser.add_argument("--size", default="640x384", help="of the network's input at most")
     parser.add_argument("--overlays", help="folder for pictures with what was found")
     arguments = parser.parse_args()
-    size = tuple(int(number) for number in arguments.size.split("x"))
+    limit = tuple(int(number) for number in arguments.size.split("x"))
     cv2.setNumThreads(1)
     network = cv2.dnn.readNetFromONNX(arguments.onnx)
     if arguments.overlays:
@@ -69,7 +63,7 @@ def main():
     sets = [("camvid", pictures.load_camvid(arguments.camvid))] if arguments.camvid else []
     sets += [(Path(drive).name, pictures.load_drive(drive)) for drive in arguments.drive]
     for name, samples in sets:
-        iou, share = evaluate(network, size, samples, arguments.overlays)
+        iou, share = evaluate(network, limit, samples, arguments.overlays)
         tenths = " ".join(f"{value:.2f}" for value in share)
         print(f"{name}: {len(samples)} pictures, IoU {iou:.4f}; drivable per tenth of probability: {tenths}")
 

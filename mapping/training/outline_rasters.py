@@ -12,15 +12,15 @@ NOT_DRIVABLE, DRIVABLE, UNSEEN, FAR = range(4)  # of the truth; UNSEEN: drivable
 
 def load_raster(name):
     """-> channels x H x W (float32), H x W (uint8)."""
-    shape = json.loads(name.read_text())
+    shape = json.loads(name.with_suffix(".json").read_text())
     size = shape["rows"], shape["columns"]
     features = np.fromfile(name.with_suffix(".features"), np.float32).reshape(shape["channels"], *size)
     return features, np.fromfile(name.with_suffix(".truth"), np.uint8).reshape(size)
 
 
 def load_rasters(folder, known=()):
-    """-> list of (name, features, truth), but for those whose (folder, name) is known."""
-    names = [name for name in sorted(Path(folder).glob("*.json")) if (folder, name.stem) not in known]
+    """-> list of (name, features, truth), but for those whose (folder, name) is known. The truth is written last."""
+    names = [name for name in sorted(Path(folder).glob("*.truth")) if (folder, name.stem) not in known]
     return [(name.stem, *load_raster(name)) for name in names]
 
 

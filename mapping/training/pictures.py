@@ -30,6 +30,13 @@ def read_image(path, flags=cv2.IMREAD_COLOR):
     return image
 
 
+def input_size(image, limit):
+    """(width, height) at which Parkade runs its own network: in the picture's proportions, sides rounded up to multiples of
+    32."""
+    scale = min(limit[0] / image.shape[1], limit[1] / image.shape[0])
+    return tuple(32 * int(np.ceil(scale * length / 32 - 1e-6)) for length in image.shape[1::-1])
+
+
 def load_camvid(folder):
     """Pictures of `folder`/images with class masks of the same name in `folder`/labels."""
     pictures = []

@@ -74,7 +74,7 @@ def measure_iou(network, samples):
     both = either = 0
     with torch.no_grad():
         for picture in samples:
-            image = cv2.resize(picture.image, SIZE, interpolation=cv2.INTER_AREA)
+            image = cv2.resize(picture.image, pictures.input_size(picture.image, SIZE), interpolation=cv2.INTER_AREA)
             log_odds = upsample(network(to_batch(image[None])), picture.label.shape)[0].numpy()
             known, truth = picture.label != pictures.UNKNOWN, picture.label == pictures.DRIVABLE
             found = (log_odds > 0) & known
