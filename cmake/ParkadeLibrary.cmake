@@ -10,7 +10,11 @@ target_compile_options(parkade_options INTERFACE
   -Wall -Wextra -Wconversion
   # False reports of g++ 12 on inlined std::string code (GCC bugs 105329, 105651).
   -Wno-restrict -Wno-stringop-overflow -Wno-array-bounds
-  $<$<BOOL:${PARKADE_WERROR}>:-Werror>)
+  $<$<BOOL:${PARKADE_WERROR}>:-Werror>
+  # Several sources as one (UnityGroups.cmake): a class of a .cpp may have members of that file's own types.
+  $<$<BOOL:${PARKADE_UNITY}>:-Wno-subobject-linkage>
+  # g++ collects garbage from 128 MB on: a fifth of its time.
+  --param=ggc-min-heapsize=600000 --param=ggc-min-expand=100)
 if(PARKADE_SANITIZE)
   # Under ASan Eigen takes to an allocator of its own, and what Debian's PCL has allocated could not be freed.
   target_compile_definitions(parkade_options INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)

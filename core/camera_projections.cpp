@@ -1,5 +1,6 @@
 #include "core/camera_projections.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 #include <string>

@@ -40,9 +40,9 @@ struct Block {
 };
 
 /// The samples of a patch that say something about heights, on the surface.
-std::vector<Sight> FindMeetings(const PosedGroundPatch& posed, const DrivenPath& path, const HeightField& field,
-                                const Eigen::AlignedBox2d& block, const MeasureHeightsOptions& options) {
-  std::vector<Sight> meetings;
+std::vector<Meeting> FindMeetings(const PosedGroundPatch& posed, const DrivenPath& path, const HeightField& field,
+                                  const Eigen::AlignedBox2d& block, const MeasureHeightsOptions& options) {
+  std::vector<Meeting> meetings;
   meetings.reserve(posed.patch.samples.size());
   const double max_squared_distance = options.max_distance * options.max_distance;
   PatchFinder patches_at(field);
@@ -64,10 +64,10 @@ std::vector<Sight> FindMeetings(const PosedGroundPatch& posed, const DrivenPath&
 }
 
 /// Adds those that lie on a tile, or may come to. \return whether there are any
-bool AddSights(const std::vector<Sight>& meetings, const Eigen::Vector2f& tile_in_block, float side, float max_offset,
+bool AddSights(const std::vector<Meeting>& meetings, const Eigen::Vector2f& tile_in_block, float side, float max_offset,
                TileSweep& sweep) {
   const size_t before = sweep.num_sights();
-  for (Sight sight : meetings) {
+  for (Meeting sight : meetings) {
     sight.point -= tile_in_block;
     const float outside = std::max({-sight.point.minCoeff(), sight.point.maxCoeff() - side, 0.0F});
     if (outside * outside > max_offset * max_offset * sight.shift.squaredNorm()) continue;
@@ -154,12 +154,12 @@ std::vector<Block> MakeBlocks(std::vector<Tile> tiles, double side) {
 }
 
 /// The patches of a block on the surface, by their number.
-std::map<size_t, std::vector<Sight>> MeetAll(const Block& block, const PatchSource& patches,
-                                             std::span<const DrivenPath> paths, const HeightField& field,
-                                             const MeasureHeightsOptions& options) {
-  std::map<size_t, std::vector<Sight>> meetings;
+std::map<size_t, std::vector<Meeting>> MeetAll(const Block& block, const PatchSource& patches,
+                                               std::span<const DrivenPath> paths, const HeightField& field,
+                                               const MeasureHeightsOptions& options) {
+  std::map<size_t, std::vector<Meeting>> meetings;
   for (const size_t i : PatchesOf(block.tiles)) meetings.try_emplace(i);
-  std::vector<std::pair<const size_t, std::vector<Sight>>*> list;
+  std::vector<std::pair<const size_t, std::vector<Meeting>>*> list;
   for (auto& of_patch : meetings) list.push_back(&of_patch);
   ParallelFor(list.size(), [&](size_t k) {
     const PosedGroundPatch posed = patches.Read(list[k]->first);
@@ -214,7 +214,7 @@ std::vector<SweptWindow> SweepWindows(const PatchSource& patches, std::span<cons
   const SweepShape shape = ShapeOf(max_offset, options);
   std::vector<SweptWindow> windows;
   for (const Block& block : MakeBlocks(MakeTiles(patches.views(), paths, options), static_cast<double>(side))) {
-    const std::map<size_t, std::vector<Sight>> meetings = MeetAll(block, patches, paths, field, options);
+    const std::map<size_t, std::vector<Meeting>> meetings = MeetAll(block, patches, paths, field, options);
     const auto num_patches = [&](size_t t) { return block.tiles[t].patches.size(); };
     const auto of_tiles = ParallelMapLargestFirst(block.tiles.size(), num_patches, [&](size_t t) {
       const Tile& tile = block.tiles[t];

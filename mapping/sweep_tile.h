@@ -28,8 +28,8 @@ struct Agreement {
   }
 };
 
-/// A sample on the surface, and how it moves when the surface rises.
-struct Sight {
+/// Where a sight meets the surface, and how that moves when the surface rises.
+struct Meeting {
   Eigen::Vector2f point;  ///< [m] from the corner of the square that is swept
   Eigen::Vector2f shift;  ///< [m] per metre of height
   float grey = 0;         ///< less what is usual around it
@@ -51,7 +51,7 @@ class TileSweep {
  public:
   explicit TileSweep(SweepShape shape);
 
-  void Add(const Sight& sight) {
+  void Add(const Meeting& sight) {
     x_.push_back(sight.point.x() * per_cell_ + 1), y_.push_back(sight.point.y() * per_cell_ + 1);
     dx_.push_back(sight.shift.x() * per_cell_), dy_.push_back(sight.shift.y() * per_cell_);
     const float weighted = sight.weight * sight.grey;

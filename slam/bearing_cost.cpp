@@ -8,7 +8,7 @@ constexpr double kMinNorm = 1e-9;
 
 /// A landmark on its way into the camera; each step but the last is a vector
 /// times inverse distance.
-struct Sight {
+struct Look {
   Eigen::Vector3d velocity;   // w R(t0)^T v: of the imu, in imu at the image's time t0
   Eigen::Vector3d before;     // R(t0)^T (ray + w (origin - p(t))), not turned on yet
   Eigen::Vector3d in_imu;     // at t
@@ -21,10 +21,10 @@ Eigen::Vector3d TurnBack(const Eigen::Vector3d& angle, const Eigen::Vector3d& v)
   return v - turned + 0.5 * angle.cross(turned);
 }
 
-Sight LookAt(const ImageView& view, const ImagePose& pose, const LandmarkRay& ray, const double* landmark,
+Look LookAt(const ImageView& view, const ImagePose& pose, const LandmarkRay& ray, const double* landmark,
              double delay) {
   const double w = landmark[2];
-  Sight sight;
+  Look sight;
   sight.velocity = w * (pose.odom_from_imu.transpose() * view.velocity_in_odom);
   sight.before = pose.odom_from_imu.transpose() * (ray.Ray(landmark) + w * (ray.origin - pose.imu_in_odom)) -
                  delay * sight.velocity;
@@ -63,7 +63,7 @@ Eigen::Vector3d LandmarkInCamera(const ImageView& view, const LandmarkRay& ray, 
 
 /// Of the residual, by what the landmark passes through.
 struct BearingCost::Derivatives {
-  Sight sight;
+  Look sight;
   double w = 0;                        // inverse distance
   Eigen::Matrix<double, 2, 3> camera;  // by a vector in the camera
   Eigen::Matrix<double, 2, 3> imu;     // by one in imu at t

@@ -6,7 +6,7 @@ namespace parkade {
 namespace {
 
 /// Two unit vectors across `bearing`, as rows.
-Eigen::Matrix<double, 2, 3> BasisAcross(const Eigen::Vector3d& bearing) {
+Eigen::Matrix<double, 2, 3> RowsAcross(const Eigen::Vector3d& bearing) {
   const Eigen::Vector3d first = bearing.unitOrthogonal();
   Eigen::Matrix<double, 2, 3> basis;
   basis << first.transpose(), bearing.cross(first).transpose();
@@ -32,7 +32,7 @@ View ViewOf(const Sight& sight, const Rigid3& a_from_b) {
   const double sigma =
       std::sqrt(std::pow(sight.ray_sigma, 2) +
                 (std::pow(sight.point_sigma, 2) + std::pow(across * sight.depth_sigma, 2)) / (distance * distance));
-  view.whitening = BasisAcross(sight.bearing) / (distance * sigma);
+  view.whitening = RowsAcross(sight.bearing) / (distance * sigma);
   return view;
 }
 
@@ -90,7 +90,7 @@ std::vector<Rigid3> SolveUprightPose(const Sight& first, const Sight& second) {
   const Sight* const sights[] = {&first, &second};
   for (int i = 0; i < 2; ++i) {
     const Sight& sight = *sights[i];
-    const Eigen::Matrix<double, 2, 3> across = BasisAcross(sight.bearing);
+    const Eigen::Matrix<double, 2, 3> across = RowsAcross(sight.bearing);
     const Eigen::Vector3d& point = sight.point;
     left.middleRows<2>(2 * i).col(0) = across * Eigen::Vector3d(point.x(), point.y(), 0);
     left.middleRows<2>(2 * i).col(1) = across * Eigen::Vector3d(-point.y(), point.x(), 0);

@@ -114,7 +114,7 @@ void CompareWithClean(const CommandLine& line) {
     OptimizePoseGraph({}, clean);
     PoseGraph odometry = clean;
     OptimizePoseGraph({.start = "odometry", .max_iterations = 0}, odometry);
-    const double of_odometry = AbsoluteError(PosesOf(clean), odometry);
+    const double of_odometry = PositionError(PosesOf(clean), odometry);
     for (const double share : line.wrong_shares) {
       for (const std::uint32_t seed : line.seeds) {
         PoseGraph graph = ReadG2o(ReadFile(file));
@@ -133,7 +133,7 @@ void CompareWithClean(const CommandLine& line) {
         const auto num_right_lost =
             middle - summary.weights.begin() - std::count_if(summary.weights.begin(), middle, is_kept);
         std::printf("| %s | %zu (%.0f %%) | %u | %.3g (%.3g) | %td | %td | %.3g | %.1f |\n", NameOf(file).c_str(),
-                    graph.edges.size() - num_right, 100 * share, seed, AbsoluteError(PosesOf(clean), graph),
+                    graph.edges.size() - num_right, 100 * share, seed, PositionError(PosesOf(clean), graph),
                     of_odometry, num_wrong_kept, num_right_lost, summary.noise_scale, seconds);
         std::fflush(stdout);
       }

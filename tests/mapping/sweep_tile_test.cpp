@@ -16,23 +16,23 @@ SweepShape SmallShape() {
   return {.num_windows = 3, .cells_per_window = 4, .cell_size = 0.1F, .offsets = {-0.1F, -0.03F, 0, 0.05F, 0.1F}};
 }
 
-std::vector<Sight> RandomSights(int count) {
+std::vector<Meeting> RandomSights(int count) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> place(-0.4F, 1.6F), shift(-6, 6), grey(-40, 40), weight(0.1F, 1);
-  std::vector<Sight> sights;
+  std::vector<Meeting> sights;
   for (int i = 0; i < count; ++i)
     sights.push_back({{place(random), place(random)}, {shift(random), shift(random)}, grey(random), weight(random)});
   return sights;
 }
 
 /// By the book: sorted into cells one by one, height by height.
-std::vector<Agreement> SweepSlowly(const std::vector<Sight>& sights, const SweepShape& shape) {
+std::vector<Agreement> SweepSlowly(const std::vector<Meeting>& sights, const SweepShape& shape) {
   const int across = shape.num_windows * shape.cells_per_window;
   std::vector<Agreement> agreements;
   for (int window = 0; window < shape.num_windows * shape.num_windows; ++window)
     for (const float offset : shape.offsets) {
-      std::map<std::pair<int, int>, std::vector<Sight>> cells;
-      for (const Sight& sight : sights) {
+      std::map<std::pair<int, int>, std::vector<Meeting>> cells;
+      for (const Meeting& sight : sights) {
         const Eigen::Vector2f place = (sight.point + offset * sight.shift) / shape.cell_size;
         const int x = static_cast<int>(std::floor(place.x())), y = static_cast<int>(std::floor(place.y()));
         if (x < 0 || y < 0 || x >= across || y >= across) continue;
@@ -42,9 +42,9 @@ std::vector<Agreement> SweepSlowly(const std::vector<Sight>& sights, const Sweep
       Agreement agreement;
       for (const auto& [cell, in_cell] : cells) {
         float mean = 0, weight = 0;
-        for (const Sight& sight : in_cell) mean += sight.weight * sight.grey, weight += sight.weight;
+        for (const Meeting& sight : in_cell) mean += sight.weight * sight.grey, weight += sight.weight;
         mean /= weight;
-        for (const Sight& sight : in_cell) {
+        for (const Meeting& sight : in_cell) {
           agreement.residual += sight.weight * (sight.grey - mean) * (sight.grey - mean);
           agreement.total += sight.weight * sight.grey * sight.grey;
         }
@@ -58,9 +58,9 @@ std::vector<Agreement> SweepSlowly(const std::vector<Sight>& sights, const Sweep
 }
 
 TEST(TileSweep, SumsUpWhatASimpleOneDoes) {
-  const std::vector<Sight> sights = RandomSights(3000);
+  const std::vector<Meeting> sights = RandomSights(3000);
   TileSweep sweep(SmallShape());
-  for (const Sight& sight : sights) sweep.Add(sight);
+  for (const Meeting& sight : sights) sweep.Add(sight);
 
   const std::vector<Agreement> fast = sweep.Sweep(), slow = SweepSlowly(sights, SmallShape());
 
@@ -78,7 +78,7 @@ TEST(TileSweep, SumsUpWhatASimpleOneDoes) {
 
 TEST(TileSweep, DoesNotDependOnTheNumberOfThreads) {
   TileSweep sweep(SmallShape());
-  for (const Sight& sight : RandomSights(3000)) sweep.Add(sight);
+  for (const Meeting& sight : RandomSights(3000)) sweep.Add(sight);
   const int before = NumThreads();
 
   SetNumThreads(1);

@@ -24,7 +24,7 @@ TEST(JointSolution, WhereGroundHardlyCountsItIsThatOfThePoseGraph) {
 
   PoseGraphOptions by_ceres;
   by_ceres.objective = "information";
-  EXPECT_GT(AbsoluteError(made.truth, graph), 0.3) << "odometry alone";
+  EXPECT_GT(PositionError(made.truth, graph), 0.3) << "odometry alone";
   OptimizePoseGraph(by_ceres, graph);
   double apart = 0;
   for (size_t i = 0; i < graph.vertices.size(); ++i)

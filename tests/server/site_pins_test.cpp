@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 const SiteDatum kTruth{48.137154, 11.576124, 519.3};
 
 /// A circle of 20 m around `centre`, once in 20 s.
-SiteDrive Drive(const std::string& name, double begin, const Eigen::Vector3d& centre) {
+SiteDrive DriveOf(const std::string& name, double begin, const Eigen::Vector3d& centre) {
   std::vector<TrajectoryState> states;
   for (int i = 0; i < 400; ++i) {
     const double angle = 2 * M_PI * i / 400;
@@ -37,7 +37,7 @@ SiteDrive Drive(const std::string& name, double begin, const Eigen::Vector3d& ce
 /// Two drives in the true tangent plane, seen from a site frame that lies anyhow.
 SiteMap MapSeenFrom(const Rigid3& site_from_truth) {
   SiteMap map;
-  map.drives = {Drive("monday", 1000, {0, 0, 0}), Drive("tuesday", 2000, {5, 0, 0})};
+  map.drives = {DriveOf("monday", 1000, {0, 0, 0}), DriveOf("tuesday", 2000, {5, 0, 0})};
   for (SiteDrive& drive : map.drives)
     drive.site_from_body_trajectory = drive.site_from_body_trajectory.Transformed(site_from_truth);
   return map;
@@ -138,7 +138,7 @@ TEST_F(SitePins, WithoutTheirDrivesLeaveTheMapAsItWas) {
   WriteMap(MapSeenFrom(first_frame_), {});
   const std::vector<SitePin> pins = AnchorPins(texts_, folder_, {});
   SiteMap other;
-  other.drives = {Drive("friday", 3000, {0, 0, 0})};
+  other.drives = {DriveOf("friday", 3000, {0, 0, 0})};
   const SitePinning pinning = PinSite(pins, {}, other);
 
   EXPECT_FALSE(pinning.fit || other.datum);

@@ -74,12 +74,12 @@ TEST(PoseGraph, WithoutNoiseEveryStartIsTheTruth) {
 TEST(PoseGraph, LoopsMakeADriveBetterThanItsOdometry) {
   for (const bool is_planar : {false, true}) {
     SyntheticGraph made = MakeSyntheticGraph({.is_planar = is_planar});
-    const double before = AbsoluteError(made.truth, made.graph);
+    const double before = PositionError(made.truth, made.graph);
 
     const PoseGraphSummary summary = OptimizePoseGraph({}, made.graph);
 
     EXPECT_TRUE(summary.has_converged);
-    EXPECT_LT(AbsoluteError(made.truth, made.graph), 0.7 * before);
+    EXPECT_LT(PositionError(made.truth, made.graph), 0.7 * before);
     const double edges = static_cast<double>(made.graph.edges.size()), poses = static_cast<double>(made.truth.size());
     if (!is_planar) {
       EXPECT_NEAR(summary.final_cost / (6 * (edges - poses + 1)), 1, 0.2) << "chi^2 per degree of freedom";

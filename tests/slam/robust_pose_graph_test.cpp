@@ -22,8 +22,8 @@ TEST(RobustPoseGraph, WithoutWrongLoopsItIsThePlainSolution) {
 
   const auto num_kept = std::count(summary.weights.begin(), summary.weights.end(), 1.0);
   EXPECT_GE(static_cast<double>(num_kept), 0.98 * static_cast<double>(summary.weights.size()));
-  EXPECT_NEAR(AbsoluteError(made.truth, made.graph), AbsoluteError(made.truth, plain),
-              0.05 * AbsoluteError(made.truth, plain));
+  EXPECT_NEAR(PositionError(made.truth, made.graph), PositionError(made.truth, plain),
+              0.05 * PositionError(made.truth, plain));
 }
 
 TEST(RobustPoseGraph, WrongLoopsDoNotMoveTheDrive) {
@@ -37,7 +37,7 @@ TEST(RobustPoseGraph, WrongLoopsDoNotMoveTheDrive) {
 
         const RobustPoseGraphSummary summary = OptimizePoseGraphRobustly({}, made.graph);
 
-        const double error = AbsoluteError(made.truth, made.graph), expected = AbsoluteError(clean.truth, clean.graph);
+        const double error = PositionError(made.truth, made.graph), expected = PositionError(clean.truth, clean.graph);
         EXPECT_LT(error, 1.05 * expected) << "share " << share << " seed " << seed << " planar " << is_planar;
         const auto first_wrong = summary.weights.end() - static_cast<std::ptrdiff_t>(made.num_wrong_loops);
         EXPECT_EQ(std::count(first_wrong, summary.weights.end(), 1.0), 0) << "wrong loops that survived";
@@ -56,7 +56,7 @@ TEST(RobustPoseGraph, StretchesThatLookAlikeDoNotMoveTheDrive) {
 
       const RobustPoseGraphSummary summary = OptimizePoseGraphRobustly({}, made.graph);
 
-      EXPECT_LT(AbsoluteError(made.truth, made.graph), 1.1 * AbsoluteError(clean.truth, clean.graph))
+      EXPECT_LT(PositionError(made.truth, made.graph), 1.1 * PositionError(clean.truth, clean.graph))
           << "share " << share << " seed " << seed;
       const auto first_wrong = summary.weights.begin() + static_cast<std::ptrdiff_t>(num_before);
       EXPECT_EQ(std::count(first_wrong, summary.weights.end(), 1.0), 0) << "wrong loops that survived";
@@ -110,7 +110,7 @@ TEST_P(SharedRobustPoseGraph, FortyPercentWrongLoopsChangeNothing) {
 
   OptimizePoseGraphRobustly({}, graph);
 
-  EXPECT_LT(AbsoluteError(reference, graph), 0.05 * AbsoluteError(reference, odometry))
+  EXPECT_LT(PositionError(reference, graph), 0.05 * PositionError(reference, odometry))
       << "distance to the clean optimum, in terms of the odometry's";
 }
 

@@ -142,7 +142,7 @@ void AddAlikeStretches(const std::vector<Rigid3>& placed, double share, size_t g
   }
 }
 
-double AbsoluteError(const std::vector<Rigid3>& truth, const PoseGraph& graph) {
+double PositionError(const std::vector<Rigid3>& truth, const PoseGraph& graph) {
   Eigen::Matrix3Xd source(3, static_cast<Eigen::Index>(truth.size())), target = source;
   for (Eigen::Index i = 0; i < source.cols(); ++i) {
     source.col(i) = graph.vertices[static_cast<size_t>(i)].world_from_vertex.translation;

@@ -35,7 +35,7 @@ void AddAlikeStretches(const std::vector<Rigid3>& placed, double share, size_t g
                        PoseGraph& graph);
 
 /// RMSE of positions after rigid alignment [m].
-double AbsoluteError(const std::vector<Rigid3>& truth, const PoseGraph& graph);
+double PositionError(const std::vector<Rigid3>& truth, const PoseGraph& graph);
 
 std::vector<Rigid3> PosesOf(const PoseGraph& graph);
 

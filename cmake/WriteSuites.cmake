@@ -1,0 +1,13 @@
+# Asks `program` for its suites and writes `file`, a test each, with `label`, run in `folder` (DiscoverSuites.cmake).
+execute_process(COMMAND ${program} --gtest_list_tests OUTPUT_VARIABLE listing COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCHALL "(^|\n)[A-Za-z0-9_/]+\\." lines "${listing}")
+set(script "")
+foreach(line IN LISTS lines)
+  string(STRIP "${line}" suite)
+  string(REGEX REPLACE "\\.$" "" suite "${suite}")
+  string(APPEND script
+    "add_test([=[${suite}]=] [=[${program}]=] [=[--gtest_filter=${suite}.*]=])\n"
+    "set_tests_properties([=[${suite}]=] PROPERTIES LABELS ${label} TIMEOUT 900 WORKING_DIRECTORY [=[${folder}]=]\n"
+    "  ENVIRONMENT [=[TSAN_OPTIONS=suppressions=${folder}/tests/tsan.supp]=])\n")
+endforeach()
+file(WRITE ${file} "${script}")
