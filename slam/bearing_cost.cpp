@@ -22,7 +22,7 @@ Eigen::Vector3d TurnBack(const Eigen::Vector3d& angle, const Eigen::Vector3d& v)
 }
 
 Look LookAt(const ImageView& view, const ImagePose& pose, const LandmarkRay& ray, const double* landmark,
-             double delay) {
+            double delay) {
   const double w = landmark[2];
   Look sight;
   sight.velocity = w * (pose.odom_from_imu.transpose() * view.velocity_in_odom);
