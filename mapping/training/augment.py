@@ -8,11 +8,25 @@ import numpy as np
 
 from kerbs import add_kerb
 from own_car import add_own_car
-from pictures import DRIVABLE, NOT_DRIVABLE, UNKNOWN
+from pictures import DRIVABLE, NOT_DRIVABLE, UNKNOWN, normals, to_bytes
 from stripes import paint_stripe
 from walls import paint_walls, smooth_walls
 
 EQUIDISTANT_FOCAL = 0.31  # of the simulator's fisheyes, in widths of the picture, to 2 %
+KNOT = 8  # pixels between those that a bend is calculated for; sides of pictures are multiples of it
+
+
+def knots_of(size):
+    """Columns and rows, from the picture's middle, of a pixel in KNOT; one more all around."""
+    u, v = (np.arange(-1, side // KNOT + 1) * KNOT + 0.5 * (KNOT - side) for side in size)
+    return np.meshgrid(u, v)
+
+
+def between_knots(values):
+    """A float32 per pixel; bends are smooth, so that it is a tenth of a pixel off at most, but at the rims of a few."""
+    rows, columns = values.shape
+    fine = cv2.resize(values.astype(np.float32), (columns * KNOT, rows * KNOT), interpolation=cv2.INTER_LINEAR)
+    return fine[KNOT:-KNOT, KNOT:-KNOT]
 
 
 def affine_map(rng, source_size, size):
@@ -24,18 +38,17 @@ def affine_map(rng, source_size, size):
     scale_x, scale_y = source_size[0] / width / zoom * stretch, source_size[1] / height / zoom / stretch
     slack = np.abs(1 - 1 / zoom) * 0.5 * np.array(source_size)
     center = 0.5 * np.array(source_size) + rng.uniform(-1, 1, 2) * slack
-    u, v = np.meshgrid(np.arange(width) - 0.5 * (width - 1), np.arange(height) - 0.5 * (height - 1))
+    u, v = knots_of(size)
     x = (u * np.cos(angle) - v * np.sin(angle)) * scale_x + center[0]
     y = (u * np.sin(angle) + v * np.cos(angle)) * scale_y + center[1]
-    return x.astype(np.float32), y.astype(np.float32)
+    return between_knots(x), between_knots(y)
 
 
 def bearing_of_fisheye(rng, size, half_angle):
-    """Unit rays of a random fisheye: Kannala-Brandt's theta(r) with one coefficient, or Mei's unified sphere."""
-    width, height = size
-    u, v = np.meshgrid(np.arange(width) - 0.5 * (width - 1), np.arange(height) - 0.5 * (height - 1))
+    """Unit rays, at the knots, of a random fisheye: Kannala-Brandt's theta(r) with one coefficient, or Mei's sphere."""
+    u, v = knots_of(size)
     radius = np.hypot(u, v) + 1e-9
-    along = radius / (0.5 * width)
+    along = radius / (0.5 * size[0])
     if rng.random() < 0.5:
         bend = rng.uniform(-0.12, 0.12)
         theta = half_angle * along * (1 + bend * along**2) / (1 + bend)
@@ -63,7 +76,7 @@ def other_fisheye_map(rng, source_size, size):
     radius = focal * np.arctan2(along, rays[..., 2]) / along
     x = radius * rays[..., 0] + 0.5 * (source_size[0] - 1)
     y = radius * rays[..., 1] + 0.5 * (source_size[1] - 1)
-    return x.astype(np.float32), y.astype(np.float32)
+    return between_knots(x), between_knots(y)
 
 
 def fisheye_map(rng, source_size, size):
@@ -74,7 +87,7 @@ def fisheye_map(rng, source_size, size):
     depth = np.where(rays[..., 2] > 0.05, rays[..., 2], np.nan)
     x = rays[..., 0] / depth * source_focal + 0.5 * (source_size[0] - 1)
     y = rays[..., 1] / depth * source_focal + 0.5 * (source_size[1] - 1)
-    return np.nan_to_num(x, nan=-1e4).astype(np.float32), np.nan_to_num(y, nan=-1e4).astype(np.float32)
+    return between_knots(np.nan_to_num(x, nan=-1e4)), between_knots(np.nan_to_num(y, nan=-1e4))
 
 
 def change_geometry(rng, picture, size):
@@ -110,10 +123,10 @@ def random_polygon(rng, size):
 def half_plane(rng, size):
     """0 to 1: what lies on one side of a line through the picture."""
     width, height = size
-    u, v = np.meshgrid(np.arange(width), np.arange(height))
     angle = rng.uniform(0, 2 * np.pi)
     through = rng.uniform([0.1 * width, 0.3 * height], [0.9 * width, 0.9 * height])
-    side = (u - through[0]) * np.cos(angle) + (v - through[1]) * np.sin(angle)
+    u, v = np.ogrid[:height, :width][::-1]
+    side = np.float32((u - through[0]) * np.cos(angle)) + np.float32((v - through[1]) * np.sin(angle))
     return np.clip(side + 0.5, 0, 1)[..., None]
 
 
@@ -123,31 +136,31 @@ def paint_floor(rng, image, label):
     ground = cv2.GaussianBlur((label == DRIVABLE).astype(np.float32), (3, 3), 0)[..., None]
     floor = image.astype(np.float32)
     if rng.random() < 0.6:
-        floor = floor * np.exp(rng.normal(0, 0.22, 3)) + rng.normal(0, 8, 3)
+        floor = floor * np.exp(normals(rng, 0, 0.22, 3)) + normals(rng, 0, 8, 3)
     if rng.random() < 0.4:  # floors of two colours
         other = floor.mean() if rng.random() < 0.5 else floor
-        other = (0.7 * other + 0.3 * floor) * np.exp(rng.normal(0, 0.3) + rng.normal(0, 0.2, 3))
+        other = (0.7 * other + 0.3 * floor) * np.exp(normals(rng, 0, 0.3) + normals(rng, 0, 0.2, 3))
         side = half_plane(rng, size)
         floor = floor * (1 - side) + other * side
     if rng.random() < 0.4:  # what stands above the horizon, mirrored
-        floor = floor + rng.uniform(0.05, 0.35) * np.roll(image[::-1], rng.integers(-40, 40), 0)
+        floor = floor + np.float32(rng.uniform(0.05, 0.35)) * np.roll(image[::-1], rng.integers(-40, 40), 0)
     if rng.random() < 0.6:
         for _ in range(rng.integers(1, 4)):
             floor = paint_stripe(rng, floor, random_polygon(rng, size), where=1)
-    return np.clip(image * (1 - ground) + floor * ground, 0, 255).astype(np.uint8)
+    return to_bytes(image * (1 - ground) + floor * ground)
 
 
 def add_lens_rim(rng, image, label):
     """Darkness outside of the image circle, and towards it."""
     height, width = label.shape
-    u, v = np.meshgrid(np.linspace(-1, 1, width), np.linspace(-1, 1, height) * height / width)
-    radius = np.hypot(u - rng.normal(0, 0.03), v - rng.normal(0, 0.03))
+    u, v = np.linspace(-1, 1, width), np.linspace(-1, 1, height)[:, None] * height / width
+    radius = np.hypot(np.float32(u - rng.normal(0, 0.03)), np.float32(v - rng.normal(0, 0.03)))
     rim = rng.uniform(0.85, 1.15)
     softness = rng.uniform(0.01, 0.15)
     light = np.clip((rim - radius) / softness, 0, 1)
     label[radius > rim - 0.3 * softness] = NOT_DRIVABLE
-    glow = rng.uniform(0, 25, 3)
-    return np.clip(image * light[..., None] + glow * (1 - light[..., None]), 0, 255).astype(np.uint8)
+    glow = np.float32(rng.uniform(0, 25, 3))
+    return to_bytes(image * light[..., None] + glow * (1 - light[..., None]))
 
 
 def change_light(rng, image):
@@ -177,8 +190,8 @@ def roughen(rng, image):
         cv2.line(kernel, tuple(np.int32(3 - offset).tolist()), tuple(np.int32(np.round(3 + offset)).tolist()), 1)
         image = cv2.filter2D(image, -1, kernel / kernel.sum())
     if rng.random() < 0.4:
-        noise = rng.normal(0, rng.uniform(1, 9), image.shape[:2] + (1 if rng.random() < 0.5 else 3,))
-        image = np.clip(image + noise, 0, 255).astype(np.uint8)
+        shape = image.shape[:2] + (1 if rng.random() < 0.5 else 3,)
+        image = to_bytes(image + np.float32(rng.uniform(1, 9)) * rng.standard_normal(shape, np.float32))
     if rng.random() < 0.15:
         _, code = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, int(rng.uniform(30, 80))])
         image = cv2.imdecode(code, cv2.IMREAD_COLOR)

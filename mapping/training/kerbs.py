@@ -2,7 +2,7 @@
 import cv2
 import numpy as np
 
-from pictures import DRIVABLE, NOT_DRIVABLE
+from pictures import DRIVABLE, NOT_DRIVABLE, to_bytes
 
 PAINTS = [((30, 180, 220), (35, 40, 45)), ((225, 225, 225), (40, 40, 190)), ((225, 225, 225), (40, 40, 40))]  # BGR
 
@@ -34,7 +34,7 @@ def add_kerb(rng, image, label):
     if rng.random() < 0.5:
         beyond = np.zeros(label.shape, np.float32)
         cv2.fillPoly(beyond, [np.concatenate([points, [[width, 0], [0, 0]]]).astype(np.int32)], 1.0)
-        tint = np.exp(rng.normal(0, 0.15) + rng.normal(0, 0.05, 3))
+        tint = np.float32(np.exp(rng.normal(0, 0.15) + rng.normal(0, 0.05, 3)))
         painted = painted * (1 + (beyond * ground)[..., None] * (tint - 1))
     # The nearer, the wider: by the row; the face that looks at the camera is darker than the top, or brighter.
     most, face = rng.uniform(4, 22), np.exp(rng.normal(-0.3, 0.25))
@@ -49,5 +49,5 @@ def add_kerb(rng, image, label):
             cv2.fillConvexPoly(kerb, np.round(corners).astype(np.int32), 1.0)
     label[(kerb > 0) & (ground > 0)] = NOT_DRIVABLE
     texture = image.astype(np.float32) - cv2.GaussianBlur(image, (0, 0), 6)
-    share = (cv2.GaussianBlur(kerb, (3, 3), 0) * ground)[..., None] * rng.uniform(0.7, 1)
-    return np.clip(painted * (1 - share) + share * (color + texture), 0, 255).astype(np.uint8)
+    share = (cv2.GaussianBlur(kerb, (3, 3), 0) * ground)[..., None] * np.float32(rng.uniform(0.7, 1))
+    return to_bytes(painted * (1 - share) + share * (color + texture))

@@ -2,7 +2,7 @@
 import cv2
 import numpy as np
 
-from pictures import DRIVABLE, NOT_DRIVABLE
+from pictures import DRIVABLE, NOT_DRIVABLE, normals, to_bytes
 
 
 def wall_patch(rng, label):
@@ -30,36 +30,37 @@ def wall_paint(rng, image, label):
     if kind < 0.35 and len(ground):
         shift = (-rng.integers(height // 4, 2 * height // 3), rng.integers(-width // 3, width // 3))
         return np.roll(image, shift, (0, 1)).astype(np.float32), np.roll(label == DRIVABLE, shift, (0, 1))
-    shade = np.linspace(rng.uniform(0.6, 1.2), rng.uniform(0.6, 1.2), width)[None, :, None]
+    shade = np.linspace(rng.uniform(0.6, 1.2), rng.uniform(0.6, 1.2), width, dtype=np.float32)[None, :, None]
     if kind < 0.6 and len(ground):
-        return ground.mean(0) * np.exp(rng.normal(0, 0.15)) * shade, everywhere
-    return rng.uniform(20, 220, 3) * shade, everywhere
+        return np.float32(ground.mean(0) * np.exp(rng.normal(0, 0.15))) * shade, everywhere
+    return np.float32(rng.uniform(20, 220, 3)) * shade, everywhere
 
 
-def shifted(mask, right, down):
-    """`mask` moved by so many pixels; 0 comes in."""
-    matrix = np.float32([[1, 0, right], [0, 1, down]])
-    return cv2.warpAffine(mask, matrix, mask.shape[::-1], flags=cv2.INTER_NEAREST).astype(np.float32)
+def add_moved(area, mask, right, up):
+    """Adds to `area` what `mask` covers when it is moved by so many pixels (bool, H x W; up >= 0)."""
+    height, width = area.shape
+    to, source = slice(max(0, right), width + min(0, right)), slice(max(0, -right), width - max(0, right))
+    area[: height - up, to] |= mask[up:, source]
 
 
 def smooth_walls(rng, image, label):
     """Plain walls and gates that stand on the outline of the floor, side by side, each of one colour, and between them
     openings through which one sees ceilings and walls further off."""
     height, width = label.shape
-    ground = (label == DRIVABLE).astype(np.uint8)
+    ground = label == DRIVABLE
     reach = max(4, int(np.exp(rng.uniform(np.log(0.015), np.log(0.4))) * height))  # walls far off are a few rows
     # What lies above the floor in the picture, by up to `reach`; at the rims walls lean, so that the shift does too.
-    wall = np.zeros(label.shape, np.float32)
+    wall = np.zeros(label.shape, bool)
     lean = rng.uniform(0, 1.2 if rng.random() < 0.3 else 0.5)
     for step in range(0, reach, 2):
         for side in (-1, 1):
-            wall = np.maximum(wall, shifted(ground, int(side * lean * step), -step))
-    wall *= ground == 0
+            add_moved(wall, ground, int(side * lean * step), step)
+    wall = (wall & ~ground).astype(np.float32)
     edges = np.sort(rng.uniform(0, width, rng.integers(0, 6 if rng.random() < 0.7 else 24))).astype(int)
     tilt = rng.normal(0, 0.3)
     u, v = np.meshgrid(np.arange(width), np.arange(height))
     panel = np.searchsorted(edges, u + tilt * (v - height / 2)) if len(edges) else np.zeros((height, width), int)
-    floor = image[ground > 0].mean(0) if ground.any() else np.full(3, 100.0)
+    floor = image[ground].mean(0) if ground.any() else np.full(3, 100.0)
     paint = np.empty(image.shape, np.float32)
     for index in range(len(edges) + 1):
         color = rng.uniform(15, 190) + rng.uniform(0.2, 1) * rng.uniform(-80, 80, 3)
@@ -70,13 +71,15 @@ def smooth_walls(rng, image, label):
         if rng.random() < 0.3:
             opening = (panel == index) & is_beyond
             paint[opening] = beyond[opening] * np.exp(rng.normal(0, 0.3) + rng.normal(0, 0.2, 3))
-    shade = 1 + rng.normal(0, 0.2) * (v / height - 0.5) + rng.normal(0, 0.2) * (u / width - 0.5)
+    shade = np.float32(1 + rng.normal(0, 0.2) * (v / height - 0.5) + rng.normal(0, 0.2) * (u / width - 0.5))
     texture = image.astype(np.float32) - cv2.GaussianBlur(image, (0, 0), 6)
-    paint = paint * shade[..., None] + rng.uniform(0, 0.3) * texture + rng.normal(0, rng.uniform(0, 3), image.shape)
+    noise = np.float32(rng.uniform(0, 3)) * rng.standard_normal(image.shape, np.float32)
+    paint = paint * shade[..., None] + np.float32(rng.uniform(0, 0.3)) * texture + noise
     share = cv2.GaussianBlur(wall, (3, 3), 0)[..., None]
     if rng.random() < 0.4:
-        image = shine_of(rng, image, paint, wall, reach) * ground[..., None] + image * (1 - ground[..., None])
-    return np.clip(image * (1 - share) + paint * share, 0, 255).astype(np.uint8)
+        on_ground = ground[..., None].astype(np.float32)
+        image = shine_of(rng, image, paint, wall, reach) * on_ground + image * (1 - on_ground)
+    return to_bytes(image * (1 - share) + paint * share)
 
 
 def shine_of(rng, image, paint, wall, reach):
@@ -84,7 +87,7 @@ def shine_of(rng, image, paint, wall, reach):
     box = (5, 2 * reach + 1)
     near = cv2.blur(wall, box)
     color = cv2.blur(paint * wall[..., None], box) / np.maximum(near, 1e-3)[..., None]
-    share = (np.minimum(2 * near, 1) * rng.uniform(0, 0.7))[..., None]
+    share = (np.minimum(2 * near, 1) * np.float32(rng.uniform(0, 0.7)))[..., None]
     return image * (1 - share) + share * color
 
 
@@ -93,9 +96,9 @@ def paint_walls(rng, image, label):
     wall = cv2.GaussianBlur((label == NOT_DRIVABLE).astype(np.float32), (3, 3), 0)[..., None]
     painted = image.astype(np.float32)
     if rng.random() < 0.6:
-        painted = painted * np.exp(rng.normal(0, 0.5) + rng.normal(0, 0.3, 3)) + rng.normal(0, 10, 3)
+        painted = painted * np.exp(normals(rng, 0, 0.5) + normals(rng, 0, 0.3, 3)) + normals(rng, 0, 10, 3)
     for _ in range(rng.integers(0, 5)):
         paint, where = wall_paint(rng, image, label)
-        share = (wall_patch(rng, label) * where)[..., None] * rng.uniform(0.5, 1.0)
+        share = (wall_patch(rng, label) * where)[..., None] * np.float32(rng.uniform(0.5, 1.0))
         painted = painted * (1 - share) + share * paint
-    return np.clip(image * (1 - wall) + painted * wall, 0, 255).astype(np.uint8)
+    return to_bytes(image * (1 - wall) + painted * wall)
