@@ -6,9 +6,10 @@ colour, blur, noise, darkness towards the rim; painted and shining floors; bodie
 import cv2
 import numpy as np
 
+from colors import normals, to_bytes
 from kerbs import add_kerb
 from own_car import add_own_car
-from pictures import DRIVABLE, NOT_DRIVABLE, UNKNOWN, normals, to_bytes
+from pictures import DRIVABLE, NOT_DRIVABLE, UNKNOWN
 from stripes import paint_stripe
 from walls import paint_walls, smooth_walls
 

@@ -2,7 +2,8 @@
 import cv2
 import numpy as np
 
-from pictures import DRIVABLE, NOT_DRIVABLE, to_bytes
+from colors import to_bytes
+from pictures import DRIVABLE, NOT_DRIVABLE
 
 PAINTS = [((30, 180, 220), (35, 40, 45)), ((225, 225, 225), (40, 40, 190)), ((225, 225, 225), (40, 40, 40))]  # BGR
 

@@ -23,17 +23,6 @@ class Picture:
     weights: np.ndarray = None  # H x W, see ground_area.py; None: all the same
 
 
-def to_bytes(values):
-    """0..255, float32: twice as fast as what NumPy makes of them wherever a factor is a float64."""
-    assert values.dtype == np.float32
-    return np.clip(values, 0, 255, out=values).astype(np.uint8)
-
-
-def normals(rng, mean, sigma, count=None):
-    """`count` of them (None: one), float32."""
-    return np.float32(rng.normal(mean, sigma, count))
-
-
 def read_image(path, flags=cv2.IMREAD_COLOR):
     image = cv2.imread(str(path), flags)
     if image is None:

@@ -2,7 +2,8 @@
 import cv2
 import numpy as np
 
-from pictures import DRIVABLE, NOT_DRIVABLE, normals, to_bytes
+from colors import normals, to_bytes
+from pictures import DRIVABLE, NOT_DRIVABLE
 
 
 def wall_patch(rng, label):
