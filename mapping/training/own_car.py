@@ -173,7 +173,7 @@ def add_own_car(rng, image, label):
         surface = add_part(rng, image, surface, body)
     surface = add_lines(rng, surface, body)
     if rng.random() < 0.3:  # dirt
-        grain = rng.normal(0, rng.uniform(0.02, 0.1), [side // rng.integers(2, 12) for side in body.depth.shape])
+        grain = rng.normal(0, rng.uniform(0.02, 0.1), [max(1, side // rng.integers(2, 12)) for side in body.depth.shape])
         surface = surface * np.exp(cv2.resize(grain, body.depth.shape[::-1]))[..., None]
     inside = np.clip(body.depth / rng.uniform(1, 3) + 0.5, 0, 1)[..., None]
     label[body.top :][body.depth > 0] = NOT_DRIVABLE

@@ -21,6 +21,7 @@ from torch.nn import functional
 
 import augment
 import pictures
+from huge_pages import use_huge_pages
 from network import FreespaceNetwork, count_parameters, fold, in_bfloat16, load
 
 SIZE = (640, 384)  # of the network's input: width, height
@@ -218,4 +219,5 @@ def main():
 
 
 if __name__ == "__main__":
+    use_huge_pages()
     main()

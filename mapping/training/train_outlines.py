@@ -19,6 +19,7 @@ import torch
 from torch.nn import functional
 
 import outline_rasters as rasters
+from huge_pages import use_huge_pages
 from outline_network import LOG_ODDS, LOG_ODDS_UNIT, OutlineNetwork, corrected, load, with_correction
 from network import in_bfloat16
 from train import follow, make_optimiser
@@ -176,4 +177,5 @@ def main():
 
 
 if __name__ == "__main__":
+    use_huge_pages()
     main()
