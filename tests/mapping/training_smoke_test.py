@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Weights of pixels; kerbs; two steps of training on made-up pictures and one more with batch normalisation folded,
-exported, read by OpenCV and trained on from there; kernels carried over; likewise of the network of outlines, on made-up ground. Skipped (77) without PyTorch.
+exported, read by OpenCV and trained on from there; likewise of the network of outlines, on made-up ground. Skipped (77) without PyTorch.
 
 training_smoke_test.py TRAINING_FOLDER
 """
@@ -78,19 +78,6 @@ def check_fold():
     assert torch.allclose(before, after, atol=1e-3 * float(before.abs().max())), (before - after).abs().max()
 
 
-def check_composed():
-    """Small depthwise kernels one after the other are the one that carry_over.py makes of them, but at the rim."""
-    from carry_over import composed
-
-    torch.manual_seed(2)
-    kernels, picture = [torch.randn(5, 1, 3, 3) for _ in range(3)], torch.rand(1, 5, 20, 24)
-    after = picture
-    for kernel in kernels:
-        after = torch.nn.functional.conv2d(after, kernel, padding=1, groups=5)
-    at_once = torch.nn.functional.conv2d(picture, composed(kernels), padding=3, groups=5)
-    assert torch.allclose(after[..., 3:-3, 3:-3], at_once[..., 3:-3, 3:-3], atol=1e-3), (after - at_once).abs().max()
-
-
 def write_raster(name, rng):
     """Ground with a box on it: as parkade-outline-rasters writes them."""
     truth = np.ones((180, 200), np.uint8)
@@ -158,7 +145,6 @@ def main():
     check_weights(training)
     check_kerbs()
     check_fold()
-    check_composed()
     check_rims()
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
