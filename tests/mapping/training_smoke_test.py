@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Weights of pixels; kerbs; two steps of training on made-up pictures and one more with batch normalisation folded,
+"""Weights of pixels; kerbs; own cars; two steps of training on made-up pictures and one more with batch normalisation folded,
 exported, read by OpenCV and trained on from there; likewise of the network of outlines, on made-up ground. Skipped (77) without PyTorch.
 
 training_smoke_test.py TRAINING_FOLDER
@@ -63,6 +63,20 @@ def check_kerbs():
         changes.append((change[label == 0].mean(), change[label == 255].mean()))
     of_kerbs, of_floor = np.mean(changes, 0)
     assert of_kerbs > 2 * of_floor, (of_kerbs, of_floor)
+
+
+def check_thin_car():
+    """A body of nine rows, the fewest that are painted, with dirt or without."""
+    import own_car
+
+    edge_of_body, changed = own_car.edge_of_body, 0
+    own_car.edge_of_body = lambda rng, size: np.full(size[0], size[1] - 7.5)
+    for seed in range(60):
+        image, label = np.full((48, 80, 3), 90, np.uint8), np.full((48, 80), 255, np.uint8)
+        changed += (own_car.add_own_car(np.random.default_rng(seed), image, label)[-5:] != 90).any()
+        assert (label[:40] == 255).all() and (label[-5:] == 0).all(), seed
+    own_car.edge_of_body = edge_of_body
+    assert changed > 50, changed
 
 
 def check_fold():
@@ -144,6 +158,7 @@ def main():
     training = pathlib.Path(sys.argv[1])
     check_weights(training)
     check_kerbs()
+    check_thin_car()
     check_fold()
     check_rims()
     with tempfile.TemporaryDirectory() as folder:
