@@ -85,6 +85,9 @@ void WriteFileAtomically(const std::filesystem::path& file, std::string_view con
 }
 
 std::string ReadFile(const std::filesystem::path& file, std::size_t max_bytes) {
+  std::error_code ignored;
+  Require(!std::filesystem::is_directory(file, ignored), ErrorCode::kInvalidInput,
+          "'" + file.string() + "' is a folder, not a file");  // one opens, and claims to be larger than any file
   std::ifstream stream(file, std::ios::binary | std::ios::ate);
   Require(stream.good(), ErrorCode::kNotFound, "cannot read '" + file.string() + "'");
   const auto size = static_cast<std::size_t>(stream.tellg());

@@ -78,6 +78,16 @@ TEST_F(Files, ReadingSaysWhatIsWrong) {
   EXPECT_EQ(ReadFile(folder_ / "f", 5), "12345");
 }
 
+TEST_F(Files, AFolderIsNotCalledTooLarge) {
+  try {
+    ReadFile(folder_);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInvalidInput);
+    EXPECT_EQ(std::string(error.what()), "'" + folder_.string() + "' is a folder, not a file");
+  }
+}
+
 TEST_F(Files, AFolderThatDoesNotExistIsAnErrorNotACrash) {
   EXPECT_THROW(WriteFileAtomically(folder_ / "no" / "f", "x"), Error);
 }
