@@ -72,6 +72,11 @@ float FreespaceBelief::At(const Eigen::Vector2f& pixel) const {
   return (upper[0] * (1 - fx) + upper[1] * fx) * (1 - fy) + (lower[0] * (1 - fx) + lower[1] * fx) * fy;
 }
 
+bool FreespaceBelief::Covers(const Eigen::Vector2f& pixel) const {
+  const Eigen::Array2f size(static_cast<float>(image_size.width), static_cast<float>(image_size.height));
+  return (pixel.array() >= -0.5F).all() && (pixel.array() <= size - 0.5F).all();
+}
+
 cv::Mat FreespaceBelief::Mask() const {
   cv::Mat full;
   cv::resize(log_odds, full, image_size, 0, 0, cv::INTER_LINEAR);
@@ -95,12 +100,19 @@ class FreespaceNetwork::Copies {
   NetworkCopies networks_;
 };
 
-FreespaceNetwork::FreespaceNetwork(const std::filesystem::path& file) {
+FreespaceNetwork::FreespaceNetwork(const std::filesystem::path& file)
+    : FreespaceNetwork(file.empty() ? std::string(BuiltinFreespaceNetwork()) : ReadFile(file, kMaxBytes), file.empty(),
+                       file.empty() ? "the built-in free-space network" : "'" + file.string() + "'") {}
+
+std::unique_ptr<FreespaceNetwork> FreespaceNetwork::OfLevelViews() {
+  return std::unique_ptr<FreespaceNetwork>(
+      new FreespaceNetwork(std::string(BuiltinLevelNetwork()), true, "the built-in network of level views"));
+}
+
+FreespaceNetwork::FreespaceNetwork(std::string model, bool is_own, const std::string& name) {
   const QuietOpenCv quiet;
-  const std::string name = file.empty() ? "the built-in free-space network" : "'" + file.string() + "'";
-  std::string model = file.empty() ? std::string(BuiltinFreespaceNetwork()) : ReadFile(file, kMaxBytes);
   try {
-    copies_ = std::make_unique<Copies>(std::move(model), file.empty());
+    copies_ = std::make_unique<Copies>(std::move(model), is_own);
     copies_->Run(cv::Mat(copies_->InputSizeFor({640, 400}), CV_8UC3, cv::Scalar::all(128)));
   } catch (const Error& error) {
     throw Error(ErrorCode::kInvalidInput, name + " is no free-space network: " + error.what());

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <opencv2/core/mat.hpp>
+#include <string>
 
 namespace parkade {
 
@@ -14,6 +15,9 @@ struct FreespaceBelief {
 
   /// Log-odds of "drivable" at a pixel of the image, bilinear; off the image: at its border.
   float At(const Eigen::Vector2f& pixel) const;
+
+  /// Whether a pixel lies on the image.
+  bool Covers(const Eigen::Vector2f& pixel) const;
 
   /// CV_8UC1 of the image's size: 255 where drivable is the likelier, 0 elsewhere.
   cv::Mat Mask() const;
@@ -29,6 +33,9 @@ class FreespaceNetwork {
   /// Reads `file`, or takes Parkade's own network where it is empty. Throws Error{kNotFound} without a file, and
   /// Error{kInvalidInput} where it is no ONNX that OpenCV can run, or one of other inputs and outputs.
   explicit FreespaceNetwork(const std::filesystem::path& file = {});
+
+  /// Parkade's own network for what LevelView shows (mapping/models/level.onnx).
+  static std::unique_ptr<FreespaceNetwork> OfLevelViews();
   ~FreespaceNetwork();
   FreespaceNetwork(const FreespaceNetwork&) = delete;
   FreespaceNetwork& operator=(const FreespaceNetwork&) = delete;
@@ -44,6 +51,9 @@ class FreespaceNetwork {
 
  private:
   class Copies;
+  /// Throws Error{kInvalidInput} that begins with `name`.
+  FreespaceNetwork(std::string model, bool is_own, const std::string& name);
+
   std::unique_ptr<Copies> copies_;
 };
 

@@ -9,6 +9,7 @@
 #include "core/log.h"
 #include "core/parallel.h"
 #include "mapping/keyframe_picker.h"
+#include "mapping/level_view.h"
 #include "mapping/path_seeds.h"
 
 namespace parkade {
@@ -90,21 +91,53 @@ class MaskedImageStream {
   bool is_at_end_ = false;
 };
 
+/// What a network is shown of one camera's pictures, and where in it the cells of the camera's grid lie.
+struct NetworkView {
+  std::optional<LevelView> level;  ///< empty: the pictures as they are
+  std::vector<Eigen::Vector2f> pixels;
+};
+
+NetworkView MakeNetworkView(const RigCamera& camera, const GroundGrid& grid, const Rigid3& body_from_ground,
+                            bool wants_level) {
+  const Rigid3 ground_from_camera = body_from_ground.Inverse() * camera.body_from_camera;
+  NetworkView view;
+  if (wants_level && !grid.cells.empty()) view.level = LevelView::Of(camera.model, ground_from_camera);
+  view.pixels.reserve(grid.cells.size());
+  for (const GroundGridCell& cell : grid.cells) {
+    const Eigen::Vector3d point(cell.point_in_ground.x(), cell.point_in_ground.y(), 0);
+    view.pixels.push_back(view.level ? view.level->PixelOf(point - ground_from_camera.translation) : cell.pixel);
+  }
+  return view;
+}
+
 /// Labels what images show, by the surest means there is: the log's own mask, the network, or colours.
 class ImageLabeller {
  public:
-  /// Borrows the trajectory and the options.
-  ImageLabeller(const Trajectory& odom_from_body, const Rigid3& body_from_ground, const ContactArea& contact,
-                const GroundOptions& options)
-      : odom_from_body_(&odom_from_body), body_from_ground_(body_from_ground), contact_(contact), options_(&options) {
-    if (options.method == "network") network_.emplace(options.freespace_model);
+  /// Borrows the trajectory, the grids (one per camera of the rig) and the options.
+  ImageLabeller(const Trajectory& odom_from_body, const Rigid3& body_from_ground, const Rig& rig,
+                std::span<const GroundGrid> grids, const GroundOptions& options)
+      : odom_from_body_(&odom_from_body),
+        body_from_ground_(body_from_ground),
+        contact_(ContactArea::Of(rig)),
+        grids_(grids),
+        options_(&options) {
+    if (options.method != "network") return;
+    const bool wants_level = options.level_views && options.freespace_model.empty();
+    views_ = ParallelMap(grids.size(), [&](size_t i) {
+      return MakeNetworkView(rig.cameras[i], grids[i], body_from_ground, wants_level);
+    });
+    const auto is_level = [](const NetworkView& view) { return view.level.has_value(); };
+    if (std::ranges::any_of(views_, is_level)) level_network_ = FreespaceNetwork::OfLevelViews();
+    if (!std::ranges::all_of(views_, is_level)) picture_network_.emplace(options.freespace_model);
   }
 
   /// Thread-safe. `colors` are those of SampleColors.
-  GroundLabels Label(const ImageWithMask& image, const GroundGrid& grid, const cv::Mat& colors) const {
+  GroundLabels Label(const ImageWithMask& image, const cv::Mat& colors) const {
+    const auto camera = static_cast<size_t>(image.frame.camera);
+    const GroundGrid& grid = grids_[camera];
     if (!image.mask.empty()) return {LabelsFromMask(grid, image.mask), {}, true};
     const SegmentGroundOptions& options = options_->segmentation;
-    if (network_) return LabelsFromBelief(grid, network_->Run(image.frame.image), options);
+    if (!views_.empty()) return LabelsFromBelief(grid, views_[camera].pixels, BeliefOf(image.frame), options);
     return {
         SegmentGround(grid, colors,
                       FindPathSeeds(grid, *odom_from_body_, image.frame.time, body_from_ground_, contact_), options),
@@ -113,11 +146,19 @@ class ImageLabeller {
   }
 
  private:
+  FreespaceBelief BeliefOf(const CameraFrame& frame) const {
+    const std::optional<LevelView>& level = views_[static_cast<size_t>(frame.camera)].level;
+    return level ? level_network_->Run(level->Show(frame.image)) : picture_network_->Run(frame.image);
+  }
+
   const Trajectory* odom_from_body_;
   Rigid3 body_from_ground_;
   ContactArea contact_;
+  std::span<const GroundGrid> grids_;
   const GroundOptions* options_;
-  std::optional<FreespaceNetwork> network_;
+  std::vector<NetworkView> views_;  ///< one per camera; empty: no network is asked
+  std::unique_ptr<FreespaceNetwork> level_network_;
+  std::optional<FreespaceNetwork> picture_network_;
 };
 
 /// Near the camera the rays lie closer than the spacing asked for: every how many-th is enough.
@@ -239,7 +280,7 @@ GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from
                    .wants_image = [&](int camera, Timestamp time) {
                      return !grids[static_cast<size_t>(camera)].cells.empty() && picker.Wants(camera, time);
                    }};
-  const ImageLabeller labeller(odom_from_body, *body_from_ground, ContactArea::Of(rig), options);
+  const ImageLabeller labeller(odom_from_body, *body_from_ground, rig, grids, options);
   MaskedImageStream stream(log.Read(read));
   int num_patches = 0;
   while (true) {
@@ -249,7 +290,7 @@ GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from
       const CameraFrame& frame = batch[i].frame;
       const GroundGrid& grid = grids[static_cast<size_t>(frame.camera)];
       const cv::Mat colors = SampleColors(grid, frame.image);
-      return ObserveImage(grid, frame, colors, labeller.Label(batch[i], grid, colors), *body_from_ground, options);
+      return ObserveImage(grid, frame, colors, labeller.Label(batch[i], colors), *body_from_ground, options);
     });
     for (size_t i = 0; i < batch.size(); ++i) {
       ++result.num_images;

@@ -20,7 +20,8 @@ struct GroundOptions {
   double keyframe_angle_deg = 10.0;  ///< or this much turning
   bool use_semantics = true;         ///< masks of the log (`<camera>/semantic`) go before what we find ourselves
   std::string method = "network";    ///< "network" finds drivable ground, or "colors" and geometry guess it
-  std::string freespace_model;       ///< ONNX file, see FreespaceNetwork; empty: Parkade's own network
+  std::string freespace_model;       ///< ONNX file, see FreespaceNetwork; empty: Parkade's own networks
+  bool level_views = true;           ///< our own network sees wide lenses' pictures as LevelView shows them
   GroundGridOptions grid;
   SegmentGroundOptions segmentation;
   GroundPlaneOptions plane;
@@ -32,6 +33,7 @@ struct GroundOptions {
     visit("use_semantics", use_semantics);
     visit("method", method);
     visit("freespace_model", freespace_model);
+    visit("level_views", level_views);
     visit("grid", grid);
     visit("segmentation", segmentation);
     visit("plane", plane);

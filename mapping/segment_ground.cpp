@@ -140,17 +140,17 @@ std::vector<GroundLabel> LabelsFromMask(const GroundGrid& grid, const cv::Mat& m
   return labels;
 }
 
-GroundLabels LabelsFromBelief(const GroundGrid& grid, const FreespaceBelief& belief,
-                              const SegmentGroundOptions& options) {
+GroundLabels LabelsFromBelief(const GroundGrid& grid, std::span<const Eigen::Vector2f> pixels,
+                              const FreespaceBelief& belief, const SegmentGroundOptions& options) {
   const auto sure = static_cast<float>(options.sure_log_odds), doubt = static_cast<float>(options.doubt_per_meter),
              doubt_from = static_cast<float>(options.doubt_from);
   GroundLabels result{std::vector<GroundLabel>(grid.cells.size(), GroundLabel::kUnknown),
                       std::vector<float>(grid.cells.size()), true};
   for (size_t i = 0; i < grid.cells.size(); ++i) {
     const GroundGridCell& cell = grid.cells[i];
-    if (!cell.is_visible) continue;
+    if (!cell.is_visible || !belief.Covers(pixels[i])) continue;
     const float range = grid.ranges[i % static_cast<size_t>(grid.num_ranges)];
-    const float believed = belief.At(cell.pixel), log_odds = believed - doubt * (range - doubt_from);
+    const float believed = belief.At(pixels[i]), log_odds = believed - doubt * (range - doubt_from);
     if (!(believed * log_odds > 0)) {  // neither: doubt says nothing against the ground
       result.labels[i] = GroundLabel::kDoubtful;
       continue;

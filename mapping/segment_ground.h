@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
+#include <span>
 #include <vector>
 
 #include "mapping/freespace_network.h"
@@ -70,8 +71,9 @@ std::vector<GroundLabel> LabelsFromMask(const GroundGrid& grid, const cv::Mat& m
 
 /// The labels that a network gives: ground where its log-odds, less the doubt at that range, are above 0, doubtful
 /// where the doubt alone makes the difference; sure from `sure_log_odds` on.
-GroundLabels LabelsFromBelief(const GroundGrid& grid, const FreespaceBelief& belief,
-                              const SegmentGroundOptions& options);
+/// \param pixels  of what the belief is of, one per cell of the grid; beyond it nothing is known
+GroundLabels LabelsFromBelief(const GroundGrid& grid, std::span<const Eigen::Vector2f> pixels,
+                              const FreespaceBelief& belief, const SegmentGroundOptions& options);
 
 /// Pixels of an obstacle meet the plane behind its foot: some kNotGround behind the last ground (see obstacle_depth,
 /// foot_depth) says where it stands, what follows becomes kHidden, after obstacle_depth kBeyond, after beyond_depth

@@ -133,7 +133,8 @@ std::shared_ptr<const GroundFile> DriveStages::ObserveGround(const DriveLog& log
   std::string& key = keys_.at(log.name()).ground;
   key = KeyOf({keys_.at(log.name()).odometry, "ground", std::to_string(kGroundVersion), BytesOf(log.rig()),
                TextOf(options_.ground), TextOf(options_.submaps),
-               model.empty() ? KeyOf({std::string(BuiltinFreespaceNetwork())}) : Sha256OfFile(model)});
+               model.empty() ? KeyOf({std::string(BuiltinFreespaceNetwork()), std::string(BuiltinLevelNetwork())})
+                             : Sha256OfFile(model)});
   const std::filesystem::path name = std::filesystem::path(log.name()) / "ground.bin", file = to_ / name;
   if (!from_.empty())
     if (std::shared_ptr<const GroundFile> taken = GroundFile::Open(from_ / name, key)) {

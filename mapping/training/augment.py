@@ -8,6 +8,8 @@ import numpy as np
 
 from colors import normals, to_bytes
 from kerbs import add_kerb
+from level_view import SIZE as LEVEL_SIZE
+from level_view import angles_of, level_map, level_map_of_plain
 from own_car import add_own_car
 from pictures import DRIVABLE, NOT_DRIVABLE, UNKNOWN
 from stripes import paint_stripe
@@ -91,17 +93,36 @@ def fisheye_map(rng, source_size, size):
     return between_knots(np.nan_to_num(x, nan=-1e4)), between_knots(np.nan_to_num(y, nan=-1e4))
 
 
+def random_level_map(rng, picture):
+    """A picture as a level view (level_view.py) of another camera would show it."""
+    u, v = knots_of(LEVEL_SIZE)
+    angles = angles_of(u + 0.5 * (LEVEL_SIZE[0] - 1), v + 0.5 * (LEVEL_SIZE[1] - 1))
+    x, y = (level_map_of_plain if picture.camera is None else level_map)(rng, picture, *angles)
+    return between_knots(x), between_knots(y)
+
+
+def random_map(rng, picture, size):
+    """A picture of `size` as another camera would take it."""
+    source_size = picture.image.shape[1::-1]
+    bend = other_fisheye_map if picture.is_fisheye else fisheye_map
+    return (bend if rng.random() < 0.5 else affine_map)(rng, source_size, size)
+
+
 def change_geometry(rng, picture, size):
     """Image, label and weights of `size`; what lies off the picture is black and, mostly, unknown."""
     source_size = picture.image.shape[1::-1]
-    bend = other_fisheye_map if picture.is_fisheye else fisheye_map
-    x, y = (bend if rng.random() < 0.5 else affine_map)(rng, source_size, size)
+    x, y = random_level_map(rng, picture) if size == LEVEL_SIZE else random_map(rng, picture, size)
     if rng.random() < 0.5:
         x, y = x[:, ::-1].copy(), y[:, ::-1].copy()
     outside = UNKNOWN if rng.random() < 0.7 else NOT_DRIVABLE
     border = cv2.BORDER_CONSTANT if rng.random() < 0.7 else cv2.BORDER_REPLICATE
     image = cv2.remap(picture.image, x, y, cv2.INTER_LINEAR, borderMode=border)
     label = cv2.remap(picture.label, x, y, cv2.INTER_NEAREST, borderMode=cv2.BORDER_CONSTANT, borderValue=outside)
+    if picture.camera is not None and size == LEVEL_SIZE:  # larger than the picture: outlines between its pixels
+        soft = cv2.GaussianBlur(picture.label, (3, 3), 0.6)
+        share = cv2.remap(soft, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        is_inside = (np.abs(x / source_size[0] - 0.5) < 0.5) & (np.abs(y / source_size[1] - 0.5) < 0.5)
+        label = np.where(is_inside, np.where(share > 127, DRIVABLE, NOT_DRIVABLE), outside).astype(np.uint8)
     weights = np.ones(label.shape, np.float32)
     if picture.weights is not None:
         weights = cv2.remap(picture.weights, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=1)
@@ -199,6 +220,12 @@ def roughen(rng, image):
     return image
 
 
+def share_of_own_cars(picture, size):
+    if size == LEVEL_SIZE:
+        return 0.25  # below the ground that such views are for
+    return 0.65 if picture.is_fisheye else 0.25
+
+
 def augment(rng, picture, size):
     """A picture of `size` (width, height) never seen before, its label and its weights."""
     image, label, weights = change_geometry(rng, picture, size)
@@ -211,7 +238,7 @@ def augment(rng, picture, size):
         image = smooth_walls(rng, image, label)
     if rng.random() < 0.5:
         image = paint_walls(rng, image, label)
-    if rng.random() < (0.65 if picture.is_fisheye else 0.25):
+    if rng.random() < share_of_own_cars(picture, size):
         image = add_own_car(rng, image, label)
     image = change_light(rng, image)
     if rng.random() < 0.2:

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """IoU of drivable ground that an ONNX network reaches, run by OpenCV as Parkade runs it. Needs no PyTorch.
 
+    evaluate.py level.onnx --level --drive DRIVES/val/lot_2000 ...
     evaluate.py freespace.onnx --camvid CAMVID/val --drive DRIVES/val/lot_2000 ... [--overlays DIR]
 """
 import argparse
@@ -12,6 +13,7 @@ sys.dont_write_bytecode = True
 import cv2
 import numpy as np
 
+import level_view
 import pictures
 
 
@@ -52,16 +54,19 @@ def main():
     parser.add_argument("onnx")
     parser.add_argument("--camvid", help="folder with images/ and labels/")
     parser.add_argument("--drive", action="append", default=[], help="a simulated drive with masks; may be repeated")
+    parser.add_argument("--level", action="store_true", help="drives as level views show them (level_view.py)")
     parser.add_argument("--size", default="640x384", help="of the network's input at most")
     parser.add_argument("--overlays", help="folder for pictures with what was found")
     arguments = parser.parse_args()
-    limit = tuple(int(number) for number in arguments.size.split("x"))
+    limit = level_view.SIZE if arguments.level else tuple(int(number) for number in arguments.size.split("x"))
     cv2.setNumThreads(1)
     network = cv2.dnn.readNetFromONNX(arguments.onnx)
     if arguments.overlays:
         Path(arguments.overlays).mkdir(parents=True, exist_ok=True)
     sets = [("camvid", pictures.load_camvid(arguments.camvid))] if arguments.camvid else []
-    sets += [(Path(drive).name, pictures.load_drive(drive)) for drive in arguments.drive]
+    for drive in arguments.drive:
+        samples = pictures.load_drive(drive)
+        sets.append((Path(drive).name, [level_view.as_seen_level(p) for p in samples] if arguments.level else samples))
     for name, samples in sets:
         iou, share = evaluate(network, limit, samples, arguments.overlays)
         tenths = " ".join(f"{value:.2f}" for value in share)

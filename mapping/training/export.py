@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes a checkpoint of train.py as ONNX for OpenCV's dnn, and checks that both give the same answer.
 
-    export.py freespace.pt freespace.onnx [--size 640x384]
+    export.py freespace.pt freespace.onnx [--size WxH]
 """
 import argparse
 
@@ -26,13 +26,17 @@ def largest_difference(network, onnx_path, size):
     return float(np.abs(reader.forward() - ours).max())
 
 
+def size_of(checkpoint):
+    return torch.load(checkpoint, map_location="cpu")["size"]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("checkpoint")
     parser.add_argument("onnx")
-    parser.add_argument("--size", default="640x384", help="of the input: WxH, multiples of 32")
+    parser.add_argument("--size", help="of the input: WxH, multiples of 32; default: that of the training")
     arguments = parser.parse_args()
-    width, height = (int(number) for number in arguments.size.split("x"))
+    width, height = (int(number) for number in arguments.size.split("x")) if arguments.size else size_of(arguments.checkpoint)
     if width % 32 or height % 32:
         raise SystemExit("the size must be in multiples of 32")
 
@@ -40,7 +44,7 @@ def main():
     torch.onnx.export(network, torch.zeros(1, 3, height, width), arguments.onnx, opset_version=OPSET,
                       input_names=["image"], output_names=["log_odds"])
     difference = largest_difference(network, arguments.onnx, (width, height))
-    print(f"{count_parameters(network)} parameters, {arguments.size}, largest difference to OpenCV {difference:.1e}")
+    print(f"{count_parameters(network)} parameters, {width}x{height}, largest difference to OpenCV {difference:.1e}")
     if difference > MAX_DIFFERENCE:
         raise SystemExit("OpenCV reads the network differently")
 

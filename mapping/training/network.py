@@ -24,6 +24,18 @@ def separable(inputs, outputs, size=3, stride=1):
     return nn.Sequential(conv(inputs, inputs, size, stride, groups=inputs), conv(inputs, outputs, 1))
 
 
+def wide(channels, size):
+    """What a depthwise convolution of `size` (odd) reaches, as several of 3 x 3, for which OpenCV has fast code."""
+    return nn.Sequential(*(nn.Sequential(nn.Conv2d(channels, channels, 3, padding=1, groups=channels, bias=False),
+                                         nn.BatchNorm2d(channels), nn.Identity()) for _ in range(size // 2)),
+                         nn.ReLU(inplace=True))
+
+
+def wide_separable(channels, size):
+    """Wide depthwise, then pointwise convolution."""
+    return nn.Sequential(wide(channels, size), conv(channels, channels, 1))
+
+
 class Residual(nn.Module):
     """y = x + block(x)."""
 
@@ -36,12 +48,12 @@ class Residual(nn.Module):
 
 
 class Decoder(nn.Module):
-    """Doubles the resolution and adds what the encoder knew there."""
+    """Doubles the resolution, adds what the encoder knew there and mixes both."""
 
-    def __init__(self, deep, skip):
+    def __init__(self, deep, skip, *mixes):
         super().__init__()
         self.reduce = conv(deep, skip, 1)
-        self.mix = Residual(separable(skip, skip))
+        self.mix = nn.Sequential(*(Residual(mix) for mix in mixes))
 
     def forward(self, deep, skip):
         up = functional.interpolate(self.reduce(deep), scale_factor=2, mode="bilinear", align_corners=False)
@@ -55,16 +67,19 @@ class FreespaceNetwork(nn.Module):
         # Hardly more than colours at half of the resolution: it is for edges, and costs the most per channel.
         self.at_half = conv(3, half, 3, 2)
         self.at_quarter = nn.Sequential(separable(half, quarter, 3, 2), Residual(conv(quarter, quarter)))
-        self.at_eighth = nn.Sequential(separable(quarter, eighth, 3, 2), Residual(conv(eighth, eighth)))
+        self.at_eighth = nn.Sequential(separable(quarter, eighth, 3, 2), Residual(conv(eighth, eighth)),
+                                       Residual(conv(eighth, eighth)))
         self.at_sixteenth = nn.Sequential(separable(eighth, sixteenth, 3, 2), Residual(conv(sixteenth, sixteenth)),
-                                          Residual(separable(sixteenth, sixteenth, 5)))
-        # Wide kernels: whether grey is road depends on where in the picture it is.
+                                          Residual(wide_separable(sixteenth, 5)),
+                                          *(Residual(conv(sixteenth, sixteenth)) for _ in range(2)))
+        # Wide reach: whether grey is road depends on where in the picture it is.
         self.at_deepest = nn.Sequential(separable(sixteenth, deepest, 5, 2),
-                                        *(Residual(separable(deepest, deepest, 7)) for _ in range(4)))
-        self.to_sixteenth = Decoder(deepest, sixteenth)
-        self.to_eighth = Decoder(sixteenth, eighth)
-        self.to_quarter = Decoder(eighth, quarter)
-        self.to_half = Decoder(quarter, half)
+                                        *(Residual(wide_separable(deepest, 7)) for _ in range(4)))
+        self.to_sixteenth = Decoder(deepest, sixteenth, separable(sixteenth, sixteenth))
+        # Where the outline runs is decided between these two: dense once more, above what the deeper ones say.
+        self.to_eighth = Decoder(sixteenth, eighth, separable(eighth, eighth), conv(eighth, eighth))
+        self.to_quarter = Decoder(eighth, quarter, separable(quarter, quarter), conv(quarter, quarter))
+        self.to_half = Decoder(quarter, half, separable(half, half))
         self.head = nn.Conv2d(half, 1, 1)
 
     def forward(self, picture):

@@ -21,6 +21,7 @@ class Picture:
     label: np.ndarray  # H x W
     is_fisheye: bool
     weights: np.ndarray = None  # H x W, see ground_area.py; None: all the same
+    camera: tuple = None  # see ground_area.read_rig; None: not known
 
 
 def read_image(path, flags=cv2.IMREAD_COLOR):
@@ -51,7 +52,8 @@ def load_camvid(folder):
 def load_drive(folder):
     """Pictures of a simulated drive."""
     pictures = []
-    weights = {name: weigh_pixels(*camera) for name, camera in read_rig(Path(folder) / "rig_true").items()}
+    rig = read_rig(Path(folder) / "rig_true")
+    weights = {name: weigh_pixels(*camera) for name, camera in rig.items()}
     for path in sorted(Path(folder).glob("mav0/cam*/data/*.jpg")):
         mask_path = path.parents[1] / "semantic" / "data" / (path.stem + ".png")
         if not mask_path.exists():
@@ -59,7 +61,7 @@ def load_drive(folder):
         image, label = read_image(path), read_image(mask_path, cv2.IMREAD_GRAYSCALE)
         camera = path.parents[1].name
         name = f"{Path(folder).name}/{camera}/{path.stem}"
-        pictures.append(Picture(name, image, label, True, weights[camera]))
+        pictures.append(Picture(name, image, label, True, weights[camera], rig[camera]))
     return pictures
 
 

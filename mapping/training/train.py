@@ -20,6 +20,7 @@ import torch
 from torch.nn import functional
 
 import augment
+import level_view
 import pictures
 from huge_pages import use_huge_pages
 from network import FreespaceNetwork, count_parameters, fold, in_bfloat16, load
@@ -69,13 +70,17 @@ def upsample(log_odds, size):
     return functional.interpolate(log_odds, size=size, mode="bilinear", align_corners=False)[:, 0]
 
 
-def measure_iou(network, samples):
+def measure_iou(network, samples, is_level):
     """IoU of drivable ground over all pixels with a label, at the labels' resolution."""
     network.eval()
     both = either = 0
     with torch.no_grad():
         for picture in samples:
-            image = cv2.resize(picture.image, pictures.input_size(picture.image, SIZE), interpolation=cv2.INTER_AREA)
+            if is_level:
+                picture = level_view.as_seen_level(picture)
+                image = picture.image
+            else:
+                image = cv2.resize(picture.image, pictures.input_size(picture.image, SIZE), interpolation=cv2.INTER_AREA)
             log_odds = upsample(network(to_batch(image[None])), picture.label.shape)[0].numpy()
             known, truth = picture.label != pictures.UNKNOWN, picture.label == pictures.DRIVABLE
             found = (log_odds > 0) & known
@@ -88,8 +93,9 @@ class Samples(torch.utils.data.IterableDataset):
     """Batches of augmented pictures without end, from plain and fisheye lenses in fixed shares, made by a process of
     their own. `progress` tells which part of the time is over."""
 
-    def __init__(self, plain, drives_folder, arguments, progress, share_of_plain=0.3):
-        self.plain, self.drives_folder, self.share_of_plain = plain, Path(drives_folder), share_of_plain
+    def __init__(self, plain, drives_folder, arguments, progress):
+        self.plain, self.drives_folder = plain, Path(drives_folder)
+        self.share_of_plain = 0.15 if arguments.level else 0.3
         self.arguments, self.progress = arguments, progress
         self.rng = np.random.default_rng(arguments.seed)
         self.known_drives, self.fisheye = set(), []
@@ -108,7 +114,7 @@ class Samples(torch.utils.data.IterableDataset):
             count += 1
             if count % 200 == 0:
                 self.take_in_new_drives()
-            yield self.batch(self.arguments.batch, size_at(self.progress()))
+            yield self.batch(self.arguments.batch, level_view.SIZE if self.arguments.level else size_at(self.progress()))
 
     def batch(self, count, size):
         images, labels, weights = [], [], []
@@ -181,7 +187,7 @@ def train(arguments):
         is_over = progress >= 1 or (arguments.steps and step >= arguments.steps)
         if is_over or time.monotonic() - last_report > 60 * arguments.report_minutes:
             last_report = time.monotonic()
-            torch.save({"network": average.state_dict(), "steps": step, "size": SIZE}, arguments.out)
+            torch.save({"network": average.state_dict(), "steps": step, "size": level_view.SIZE if arguments.level else SIZE}, arguments.out)
             report(arguments, average, step, losses, elapsed)
             losses = []
         if is_over:
@@ -190,12 +196,12 @@ def train(arguments):
 
 def report(arguments, average, step, losses, elapsed):
     figures = []
-    if arguments.camvid:
+    if arguments.camvid and not arguments.level:
         val = pictures.load_camvid(Path(arguments.camvid) / "val")[:: arguments.val_stride]
-        figures.append(f"camvid {measure_iou(average, val):.4f}")
+        figures.append(f"camvid {measure_iou(average, val, False):.4f}")
     for drive in pictures.finished_drives(Path(arguments.drives) / "val"):
         val = pictures.load_drive(drive)[:: arguments.val_stride]
-        figures.append(f"{drive.name} {measure_iou(average, val):.4f}")
+        figures.append(f"{drive.name} {measure_iou(average, val, arguments.level):.4f}")
     print(f"{elapsed / 60:.1f} min, step {step}, loss {np.mean(losses):.4f}, IoU: " + ", ".join(figures), flush=True)
 
 
@@ -204,6 +210,7 @@ def main():
     parser.add_argument("--camvid", help="folder with train/ and val/, each with images/ and labels/")
     parser.add_argument("--drives", required=True, help="folder with train/ and val/ of simulated drives")
     parser.add_argument("--out", required=True, help="checkpoint to write")
+    parser.add_argument("--level", action="store_true", help="train on level views of calibrated cameras (level_view.py)")
     parser.add_argument("--resume", help="checkpoint, or ONNX file of a folded network, to start from")
     parser.add_argument("--fold", action="store_true", help="fold batch normalisation first: further steps take half the time")
     parser.add_argument("--begin", type=float, default=0, help="part of STAGES that is over: 1 for large pictures only")

@@ -9,7 +9,9 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/rig.h"
 #include "mapping/freespace_network.h"
+#include "mapping/segment_picture.h"
 #include "server/commands/commands.h"
 #include "server/output_folder.h"
 
@@ -20,7 +22,7 @@ namespace fs = std::filesystem;
 
 struct SegmentArguments {
   std::vector<std::string> images;
-  std::string out, model;
+  std::string out, model, rig, camera;
   bool has_overlays = false;
 };
 
@@ -84,17 +86,51 @@ void RequireImagesStay(const SegmentArguments& arguments, const std::vector<std:
                 "the mask of '" + name + "' would replace the image '" + image + "': choose another --out");
 }
 
+/// The camera that took the pictures. Throws Error{kUsage} or {kInvalidInput} where the rig does not tell.
+RigCamera FindCamera(const SegmentArguments& arguments) {
+  const Rig rig = ReadRig(arguments.rig);
+  Require(rig.vehicle.has_value(), ErrorCode::kInvalidInput,
+          "the rig '" + arguments.rig + "' has no vehicle.yaml, which says where the ground is");
+  std::string names;
+  for (const RigCamera& camera : rig.cameras) {
+    if (camera.name == arguments.camera || (arguments.camera.empty() && rig.cameras.size() == 1)) return camera;
+    names += (names.empty() ? "" : ", ") + camera.name;
+  }
+  throw Error(ErrorCode::kUsage, "--camera must name the camera of the rig that took the pictures: " + names);
+}
+
+/// Finds drivable ground in pictures: of a camera that is known as maps do, else as they are.
+class Segmenter {
+ public:
+  explicit Segmenter(const SegmentArguments& arguments) {
+    if (!arguments.rig.empty()) camera_ = FindCamera(arguments);
+    if (camera_)
+      network_ = FreespaceNetwork::OfLevelViews();
+    else
+      network_ = std::make_unique<FreespaceNetwork>(arguments.model);
+  }
+
+  cv::Mat MaskOf(const cv::Mat& image) const {
+    if (!camera_) return network_->Run(image).Mask();
+    return SegmentPicture(*network_, camera_->model, camera_->body_from_camera, image).Mask();
+  }
+
+ private:
+  std::optional<RigCamera> camera_;
+  std::unique_ptr<FreespaceNetwork> network_;
+};
+
 int Segment(const SegmentArguments& arguments) {
   const std::vector<std::string> names = NamesOf(arguments.images);
   RequireImagesStay(arguments, names);
-  const FreespaceNetwork network(arguments.model);
+  const Segmenter segmenter(arguments);
   std::error_code error;
   fs::create_directories(arguments.out, error);
   Require(fs::is_directory(arguments.out), ErrorCode::kInvalidInput, "cannot make the folder '" + arguments.out + "'");
   RequireWritable(arguments.out);
   for (size_t i = 0; i < names.size(); ++i) {
     const cv::Mat image = ReadImage(arguments.images[i]);
-    const cv::Mat mask = network.Run(image).Mask();
+    const cv::Mat mask = segmenter.MaskOf(image);
     const std::vector<fs::path> targets = TargetsOf(arguments, names[i]);
     WriteImage(targets.front(), mask);
     if (arguments.has_overlays) WriteImage(targets.back(), Overlay(image, mask));
@@ -112,8 +148,13 @@ void AddSegmentCommand(CLI::App& app, Action& action) {
   command->add_option("IMAGE", arguments->images, "pictures of any lens; read as JPEG, PNG and what else OpenCV knows")
       ->required();
   command->add_option("--out", arguments->out, "folder of the masks, made where missing")->required();
-  command->add_option("--freespace-model", arguments->model,
-                      "ONNX network to use instead of the built-in one (docs/freespace.md)");
+  CLI::Option* model = command->add_option("--freespace-model", arguments->model,
+                                           "ONNX network to use instead of the built-in one (docs/freespace.md)");
+  CLI::Option* rig = command->add_option(
+      "--rig", arguments->rig, "calibration folder: pictures of its fisheyes are shown to the network as maps do it");
+  rig->excludes(model);
+  command->add_option("--camera", arguments->camera, "which camera of the rig took the pictures (\"cam0\")")
+      ->needs(rig);
   command->add_flag("--overlay", arguments->has_overlays, "also the pictures with what is drivable in green");
   command->callback([arguments, &action] { action = [arguments] { return Segment(*arguments); }; });
 }

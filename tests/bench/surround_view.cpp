@@ -14,6 +14,7 @@
 #include "core/file.h"
 #include "core/parallel.h"
 #include "mapping/freespace_network.h"
+#include "mapping/segment_picture.h"
 
 namespace parkade {
 namespace {
@@ -203,7 +204,8 @@ class NeighbourSearch {
 
 SurroundRig ReadOpenCalib(const fs::path& folder) {
   SurroundRig rig;
-  const FreespaceNetwork network;
+  const std::unique_ptr<FreespaceNetwork> network = FreespaceNetwork::OfLevelViews();
+  const Rigid3 ground_from_view{Eigen::Quaterniond(0, 1, 0, 0), Eigen::Vector3d::Zero()};  // z of the views is down
   for (const char* name : {"Front", "Left", "Back", "Right"}) {
     SurroundCamera& camera = rig.cameras.emplace_back();
     camera.name = name;
@@ -212,7 +214,9 @@ SurroundRig ReadOpenCalib(const fs::path& folder) {
     camera.model = CameraModel(FitOcam(ParamsOf(folder / "intrinsic" / (camera.name + ".json")), &camera.fit_error),
                                camera.image.cols, camera.image.rows);
     camera.camera_from_view = ReadPose(ParamsOf(folder / "extrinsic" / (camera.name + ".json")));
-    camera.drivable = network.Run(camera.image).Mask();
+    camera.drivable =
+        SegmentPicture(*network, camera.model, ground_from_view * camera.camera_from_view.Inverse(), camera.image)
+            .Mask();
     rig.ground += camera.camera_from_view.Inverse().translation.z() / 4;
   }
   rig.ground += kEyeHeight;

@@ -132,7 +132,7 @@ GroundLabels LabelsFrom(const GroundGrid& grid, float log_odds, double doubt_per
   options.sure_log_odds = 2;
   options.doubt_per_meter = doubt_per_meter;
   options.doubt_from = doubt_from;
-  return LabelsFromBelief(grid, belief, options);
+  return LabelsFromBelief(grid, std::vector<Eigen::Vector2f>(grid.cells.size(), {5, 5}), belief, options);
 }
 
 TEST_F(SegmentingAFan, FarGroundMustBeTheSurer) {

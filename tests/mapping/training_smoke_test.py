@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Weights of pixels; kerbs; own cars; two steps of training on made-up pictures and one more with batch normalisation folded,
-exported, read by OpenCV and trained on from there; likewise of the network of outlines, on made-up ground. Skipped (77) without PyTorch.
+"""Weights of pixels; level views; kerbs; own cars; two steps of training on made-up pictures and one more with batch normalisation folded,
+exported, read by OpenCV and trained on from there; kernels carried over; likewise of the network of outlines, on made-up ground. Skipped (77) without PyTorch.
 
 training_smoke_test.py TRAINING_FOLDER
 """
@@ -50,6 +50,37 @@ def check_weights(training):
     assert weights[300, 320] == 1 and weights[100, 320] == 1  # at the car; sky
 
 
+def check_level_views():
+    """Of a fisheye that looks down and to the left: what lies lower than -5 degrees lies below one row of the view, whether
+    the camera is taken as it is or as another one."""
+    import augment
+    import level_view
+    import pictures
+
+    columns, rows = np.meshgrid(np.arange(0.0, 832, 50), np.arange(0.0, 288, 20))
+    assert np.allclose(level_view.pixel_of(*level_view.angles_of(columns, rows)), (columns, rows))
+    # As PixelOf of mapping/level_view.h has it, 3 m ahead, 3 m to the left and 1 m down.
+    assert np.allclose(level_view.pixel_of(-np.pi / 4, -np.arctan2(1, np.hypot(3, 3))), (219.848, 140.948), atol=0.01)
+
+    ahead = np.array([[0, 0, 1.0], [-1, 0, 0], [0, -1, 0]])
+    turned = cv2.Rodrigues(np.array([0, 0, 0.7]))[0] @ cv2.Rodrigues(np.array([0, 0.5, 0]))[0] @ ahead
+    matrix, coefficients = np.array([[198.0, 0, 320], [0, 198, 200], [0, 0, 1]]), np.array([0.01, -0.002, 0, 0])
+    body_from_camera = np.block([[turned, np.array([[1.0], [2], [0.9]])], [np.zeros((1, 3)), np.ones((1, 1))]])
+    pixels = np.stack(np.meshgrid(np.arange(640), np.arange(400)), -1).reshape(-1, 1, 2).astype(float)
+    rays = cv2.convertPointsToHomogeneous(cv2.fisheye.undistortPoints(pixels, matrix, coefficients))[:, 0] @ turned.T
+    is_low = rays[:, 2] < -np.tan(np.radians(5)) * np.hypot(rays[:, 0], rays[:, 1])
+    label = np.where(is_low, 255, 0).reshape(400, 640).astype(np.uint8)
+    picture = pictures.Picture("a", cv2.cvtColor(label, cv2.COLOR_GRAY2BGR), label, True,
+                               camera=((640, 400), matrix, coefficients, body_from_camera))
+    middle = level_view.as_seen_level(picture).label[:200, 200:632]
+    row = level_view.pixel_of(0, np.radians(-5))[1]
+    assert (middle[: int(row) - 1] == 0).all() and (middle[int(row) + 3 :] == 255).all()
+    for seed in range(5):
+        _, label, _ = augment.change_geometry(np.random.default_rng(seed), picture, level_view.SIZE)
+        edges = (label[:200, 300:532] == 255).argmax(0)
+        assert edges.min() > row - 40 and edges.max() < row + 40 and np.ptp(edges) < 25, (seed, edges)
+
+
 def check_kerbs():
     """A kerb is not drivable, and the floor on both its sides stays so."""
     from kerbs import add_kerb
@@ -90,6 +121,19 @@ def check_fold():
     after = fold(network)(picture)
     assert not any(isinstance(part, torch.nn.BatchNorm2d) for part in network.modules())
     assert torch.allclose(before, after, atol=1e-3 * float(before.abs().max())), (before - after).abs().max()
+
+
+def check_composed():
+    """Small depthwise kernels one after the other are the one that carry_over.py makes of them, but at the rim."""
+    from carry_over import composed
+
+    torch.manual_seed(2)
+    kernels, picture = [torch.randn(5, 1, 3, 3) for _ in range(3)], torch.rand(1, 5, 20, 24)
+    after = picture
+    for kernel in kernels:
+        after = torch.nn.functional.conv2d(after, kernel, padding=1, groups=5)
+    at_once = torch.nn.functional.conv2d(picture, composed(kernels), padding=3, groups=5)
+    assert torch.allclose(after[..., 3:-3, 3:-3], at_once[..., 3:-3, 3:-3], atol=1e-3), (after - at_once).abs().max()
 
 
 def write_raster(name, rng):
@@ -157,9 +201,11 @@ def check_rims():
 def main():
     training = pathlib.Path(sys.argv[1])
     check_weights(training)
+    check_level_views()
     check_kerbs()
     check_thin_car()
     check_fold()
+    check_composed()
     check_rims()
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
@@ -184,6 +230,10 @@ def main():
         again = ("--resume", folder / "b.onnx", "--begin", 1, "--bfloat16")
         log = run("train.py", "--camvid", folder / "camvid", "--drives", folder, "--steps", 1, "--batch", 2, *again, "--out", folder / "d.pt")
         assert "step 1" in log, log
+        level = ("--resume", folder / "b.onnx", "--level")
+        log = run("train.py", "--camvid", folder / "camvid", "--drives", folder, "--steps", 1, "--batch", 2, *level, "--out", folder / "l.pt")
+        assert "step 1" in log, log
+        assert "832x288" in run("export.py", folder / "l.pt", folder / "l.onnx")
         figures = run("evaluate.py", folder / "a.onnx", "--camvid", folder / "camvid/val")
         assert "3 pictures, IoU" in figures, figures
 

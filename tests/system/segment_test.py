@@ -33,6 +33,33 @@ def size_of(path):
     return struct.unpack(">II", path.read_bytes()[16:24])
 
 
+CAMERA = """{name}:
+  camera_model: pinhole
+  intrinsics: [{focal}, {focal}, 79.5, 49.5]
+  distortion_model: equidistant
+  distortion_coeffs: [0, 0, 0, 0]
+  resolution: [160, 100]
+  rostopic: {name}
+  T_cam_imu: [[0, -1, 0, 0], [0, 0, -1, 1], [1, 0, 0, -3], [0, 0, 0, 1]]
+"""
+IMU = """rostopic: imu0
+update_rate: 100
+accelerometer_noise_density: 0.01
+accelerometer_random_walk: 0.001
+gyroscope_noise_density: 0.001
+gyroscope_random_walk: 0.0001
+"""
+VEHICLE = "T_imu_body: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
+
+
+def write_rig(folder, **cameras):
+    """Cameras a metre above the ground that look ahead, each with a focal length [px]."""
+    folder.mkdir()
+    (folder / "camchain-imucam.yaml").write_text("".join(CAMERA.format(name=n, focal=f) for n, f in cameras.items()))
+    (folder / "imu0.yaml").write_text(IMU)
+    (folder / "vehicle.yaml").write_text(VEHICLE)
+
+
 class Segment(unittest.TestCase):
     def setUp(self):
         self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
@@ -47,6 +74,25 @@ class Segment(unittest.TestCase):
         self.assertEqual(size_of(self.folder / "masks/b.png"), (97, 61))
         self.assertTrue((self.folder / "masks/a_overlay.jpg").exists())
         self.assertEqual(len(done.stdout.splitlines()), 2)
+
+    def test_pictures_of_a_calibrated_camera_are_segmented_as_maps_do_it(self):
+        write_rig(self.folder / "rig", cam0=49.5, cam1=400)
+        command = ("segment", self.folder / "a.png", "--out", self.folder / "masks", "--rig", self.folder / "rig")
+        done = run(*command, "--camera", "cam0")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(size_of(self.folder / "masks/a.png"), (160, 100))
+
+        for options, code, said in (((), 2, "cam0, cam1"), (("--camera", "front"), 2, "cam0, cam1"),
+                                    (("--camera", "cam1"), 1, "less than half of the ground"),
+                                    (("--camera", "cam0", "--freespace-model", "x.onnx"), 2, "excludes")):
+            done = run(*command, *options)
+            self.assertEqual((done.returncode, len(done.stderr.splitlines())), (code, 1), done.stderr)
+            self.assertIn(said, done.stderr)
+        done = run("segment", self.folder / "b.png", "--out", self.folder / "masks", "--rig", self.folder / "rig", "--camera", "cam0")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("160x100", done.stderr)
+        (self.folder / "rig/vehicle.yaml").unlink()
+        self.assertIn("vehicle.yaml", run(*command, "--camera", "cam0").stderr)
 
     def test_what_is_no_picture_is_named(self):
         (self.folder / "c.png").write_text("hello")
