@@ -229,7 +229,7 @@ def share_of_own_cars(picture, size):
 def augment(rng, picture, size):
     """A picture of `size` (width, height) never seen before, its label and its weights."""
     image, label, weights = change_geometry(rng, picture, size)
-    if rng.random() < 0.35:
+    if rng.random() < (0.5 if size == LEVEL_SIZE else 0.35):
         image = paint_floor(rng, image, label)
     if rng.random() < 0.15:
         image = add_kerb(rng, image, label)
