@@ -105,19 +105,20 @@ class Segmenter {
   explicit Segmenter(const SegmentArguments& arguments) {
     if (!arguments.rig.empty()) camera_ = FindCamera(arguments);
     if (camera_)
-      network_ = FreespaceNetwork::OfLevelViews();
+      own_ = std::make_unique<PictureNetworks>();
     else
       network_ = std::make_unique<FreespaceNetwork>(arguments.model);
   }
 
   cv::Mat MaskOf(const cv::Mat& image) const {
     if (!camera_) return network_->Run(image).Mask();
-    return SegmentPicture(*network_, camera_->model, camera_->body_from_camera, image).Mask();
+    return SegmentPicture(*own_, camera_->model, camera_->body_from_camera, image).Mask();
   }
 
  private:
   std::optional<RigCamera> camera_;
-  std::unique_ptr<FreespaceNetwork> network_;
+  std::unique_ptr<PictureNetworks> own_;       ///< where the camera is known
+  std::unique_ptr<FreespaceNetwork> network_;  ///< else
 };
 
 int Segment(const SegmentArguments& arguments) {

@@ -204,7 +204,7 @@ class NeighbourSearch {
 
 SurroundRig ReadOpenCalib(const fs::path& folder) {
   SurroundRig rig;
-  const std::unique_ptr<FreespaceNetwork> network = FreespaceNetwork::OfLevelViews();
+  const PictureNetworks networks;
   const Rigid3 ground_from_view{Eigen::Quaterniond(0, 1, 0, 0), Eigen::Vector3d::Zero()};  // z of the views is down
   for (const char* name : {"Front", "Left", "Back", "Right"}) {
     SurroundCamera& camera = rig.cameras.emplace_back();
@@ -215,7 +215,7 @@ SurroundRig ReadOpenCalib(const fs::path& folder) {
                                camera.image.cols, camera.image.rows);
     camera.camera_from_view = ReadPose(ParamsOf(folder / "extrinsic" / (camera.name + ".json")));
     camera.drivable =
-        SegmentPicture(*network, camera.model, ground_from_view * camera.camera_from_view.Inverse(), camera.image)
+        SegmentPicture(networks, camera.model, ground_from_view * camera.camera_from_view.Inverse(), camera.image)
             .Mask();
     rig.ground += camera.camera_from_view.Inverse().translation.z() / 4;
   }
