@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes a checkpoint of train_outlines.py as ONNX for OpenCV's dnn, and checks that both give the same answer.
 
-    export_outlines.py outlines.pt outlines.onnx
+    export_outlines.py outlines.pt outlines.onnx [--mix earlier.onnx]
 """
 import argparse
 
@@ -28,14 +28,24 @@ def largest_difference(network, onnx_path):
     return max(differences)
 
 
+def mean_of(one, other):
+    """A network whose weights lie halfway: what a training gained on its places, less what it lost on others."""
+    weights, others = one.state_dict(), other.state_dict()
+    one.load_state_dict({name: 0.5 * (weights[name] + others[name]) for name in weights})
+    return one
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("checkpoint")
     parser.add_argument("onnx")
     parser.add_argument("--doubt", type=float, default=0.0,
                         help="log-odds that every correction loses: less false free space for more ground missed")
+    parser.add_argument("--mix", help="earlier weights that these were trained from: the mean of both is written")
     arguments = parser.parse_args()
     network = fold(load(arguments.checkpoint))
+    if arguments.mix:
+        network = mean_of(network, fold(load(arguments.mix)))
     with torch.no_grad():
         network.head.bias -= arguments.doubt
     torch.onnx.export(network, torch.zeros(1, FEATURES, *SIZES[0]), arguments.onnx, opset_version=OPSET,

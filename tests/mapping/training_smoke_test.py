@@ -237,6 +237,8 @@ def main():
         figures = run("evaluate.py", folder / "a.onnx", "--camvid", folder / "camvid/val")
         assert "3 pictures, IoU" in figures, figures
 
+        from outline_network import load as load_outlines
+
         (folder / "rasters").mkdir()
         check_outlines(folder / "rasters")
         ground = ("--rasters", folder / "rasters", "--val", folder / "rasters", "--batch", 2)
@@ -247,6 +249,9 @@ def main():
         again = ("--resume", folder / "c.onnx", "--bfloat16")
         assert "step 1" in run("train_outlines.py", *ground, "--steps", 1, *again, "--out", folder / "e.pt")
         assert "difference" in run("export_outlines.py", folder / "e.pt", folder / "e.onnx")
+        assert "difference" in run("export_outlines.py", folder / "e.pt", folder / "f.onnx", "--mix", folder / "c.onnx")
+        weights = [load_outlines(folder / f"{name}.onnx").head.weight for name in "cef"]
+        assert torch.allclose(weights[2], 0.5 * (weights[0] + weights[1]), atol=1e-6)
 
 
 if __name__ == "__main__":
