@@ -14,7 +14,6 @@
 #include "core/file.h"
 #include "core/parallel.h"
 #include "mapping/freespace_network.h"
-#include "mapping/segment_picture.h"
 
 namespace parkade {
 namespace {
@@ -204,8 +203,7 @@ class NeighbourSearch {
 
 SurroundRig ReadOpenCalib(const fs::path& folder) {
   SurroundRig rig;
-  const PictureNetworks networks;
-  const Rigid3 ground_from_view{Eigen::Quaterniond(0, 1, 0, 0), Eigen::Vector3d::Zero()};  // z of the views is down
+  const FreespaceNetwork network;
   for (const char* name : {"Front", "Left", "Back", "Right"}) {
     SurroundCamera& camera = rig.cameras.emplace_back();
     camera.name = name;
@@ -214,9 +212,7 @@ SurroundRig ReadOpenCalib(const fs::path& folder) {
     camera.model = CameraModel(FitOcam(ParamsOf(folder / "intrinsic" / (camera.name + ".json")), &camera.fit_error),
                                camera.image.cols, camera.image.rows);
     camera.camera_from_view = ReadPose(ParamsOf(folder / "extrinsic" / (camera.name + ".json")));
-    camera.drivable =
-        SegmentPicture(networks, camera.model, ground_from_view * camera.camera_from_view.Inverse(), camera.image)
-            .Mask();
+    camera.drivable = network.Run(camera.image).Mask();
     rig.ground += camera.camera_from_view.Inverse().translation.z() / 4;
   }
   rig.ground += kEyeHeight;
