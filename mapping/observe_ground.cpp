@@ -1,8 +1,11 @@
 #include "mapping/observe_ground.h"
 
+#include <algorithm>
 #include <cfloat>
 #include <deque>
+#include <memory>
 #include <numbers>
+#include <optional>
 #include <sstream>
 
 #include "core/error.h"

@@ -81,7 +81,8 @@ def main():
     parser.add_argument("checkpoint")
     arguments = parser.parse_args()
     torch.manual_seed(1)
-    torch.save({"network": carry_over(read_onnx(arguments.earlier)).state_dict()}, arguments.checkpoint)
+    network = carry_over(read_onnx(arguments.earlier))
+    torch.save({"network": network.state_dict(), "size": (640, 384)}, arguments.checkpoint)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
