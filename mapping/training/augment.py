@@ -9,13 +9,14 @@ import numpy as np
 from colors import normals, to_bytes
 from kerbs import add_kerb
 from level_view import SIZE as LEVEL_SIZE
-from level_view import angles_of, level_map, level_map_of_plain
+from level_view import angles_of, level_map, level_map_of_plain, view_map
 from own_car import add_own_car
 from pictures import DRIVABLE, NOT_DRIVABLE, UNKNOWN
-from stripes import paint_stripe
+from stripes import band_in_view, paint, paint_stripe
 from walls import paint_walls, smooth_walls
 
 EQUIDISTANT_FOCAL = 0.31  # of the simulator's fisheyes, in widths of the picture, to 2 %
+AS_MAPPED_SHARE = 0.4  # of level views of calibrated cameras
 KNOT = 8  # pixels between those that a bend is calculated for; sides of pictures are multiples of it
 
 
@@ -104,21 +105,27 @@ def random_level_map(rng, picture):
 def random_map(rng, picture, size):
     """A picture of `size` as another camera would take it."""
     source_size = picture.image.shape[1::-1]
-    bend = other_fisheye_map if picture.is_fisheye else fisheye_map
-    return (bend if rng.random() < 0.5 else affine_map)(rng, source_size, size)
+    other_lens = other_fisheye_map if picture.is_fisheye else fisheye_map
+    return (other_lens if rng.random() < 0.5 else affine_map)(rng, source_size, size)
 
 
 def change_geometry(rng, picture, size):
     """Image, label and weights of `size`; what lies off the picture is black and, mostly, unknown."""
+    maps = random_level_map(rng, picture) if size == LEVEL_SIZE else random_map(rng, picture, size)
+    border = cv2.BORDER_CONSTANT if rng.random() < 0.7 else cv2.BORDER_REPLICATE
+    return bend(rng, picture, maps, border, is_enlarged=picture.camera is not None and size == LEVEL_SIZE)
+
+
+def bend(rng, picture, maps, border, is_enlarged):
+    """Image, label and weights at pixels (x, y) of the picture, or mirrored."""
     source_size = picture.image.shape[1::-1]
-    x, y = random_level_map(rng, picture) if size == LEVEL_SIZE else random_map(rng, picture, size)
+    x, y = maps
     if rng.random() < 0.5:
         x, y = x[:, ::-1].copy(), y[:, ::-1].copy()
     outside = UNKNOWN if rng.random() < 0.7 else NOT_DRIVABLE
-    border = cv2.BORDER_CONSTANT if rng.random() < 0.7 else cv2.BORDER_REPLICATE
     image = cv2.remap(picture.image, x, y, cv2.INTER_LINEAR, borderMode=border)
     label = cv2.remap(picture.label, x, y, cv2.INTER_NEAREST, borderMode=cv2.BORDER_CONSTANT, borderValue=outside)
-    if picture.camera is not None and size == LEVEL_SIZE:  # larger than the picture: outlines between its pixels
+    if is_enlarged:  # outlines between the picture's pixels
         soft = cv2.GaussianBlur(picture.label, (3, 3), 0.6)
         share = cv2.remap(soft, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         is_inside = (np.abs(x / source_size[0] - 0.5) < 0.5) & (np.abs(y / source_size[1] - 0.5) < 0.5)
@@ -127,6 +134,13 @@ def change_geometry(rng, picture, size):
     if picture.weights is not None:
         weights = cv2.remap(picture.weights, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=1)
     return image, label, weights
+
+
+def show_as_mapped(rng, picture):
+    """A calibrated camera's level view as maps show it to the network, but mirrored or in another light: what is painted
+    and bent keeps it from learning ours by heart, what is not shows it how sharp outlines can be seen."""
+    image, label, weights = bend(rng, picture, view_map(picture.camera), cv2.BORDER_CONSTANT, is_enlarged=True)
+    return change_light(rng, image) if rng.random() < 0.5 else image, label, weights
 
 
 def random_polygon(rng, size):
@@ -168,7 +182,10 @@ def paint_floor(rng, image, label):
         floor = floor + np.float32(rng.uniform(0.05, 0.35)) * np.roll(image[::-1], rng.integers(-40, 40), 0)
     if rng.random() < 0.6:
         for _ in range(rng.integers(1, 4)):
-            floor = paint_stripe(rng, floor, random_polygon(rng, size), where=1)
+            if size == LEVEL_SIZE:
+                floor = paint(rng, floor, band_in_view(rng))
+            else:
+                floor = paint_stripe(rng, floor, random_polygon(rng, size), where=1)
     return to_bytes(image * (1 - ground) + floor * ground)
 
 
@@ -228,6 +245,8 @@ def share_of_own_cars(picture, size):
 
 def augment(rng, picture, size):
     """A picture of `size` (width, height) never seen before, its label and its weights."""
+    if size == LEVEL_SIZE and picture.camera is not None and rng.random() < AS_MAPPED_SHARE:
+        return show_as_mapped(rng, picture)
     image, label, weights = change_geometry(rng, picture, size)
     if rng.random() < (0.5 if size == LEVEL_SIZE else 0.35):
         image = paint_floor(rng, image, label)

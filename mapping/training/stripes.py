@@ -1,6 +1,12 @@
-"""Paint on floors: long quadrangles of the colours that lines and arrows have."""
+"""Paint on floors, of the colours that lines and arrows have: long quadrangles in the picture, or bands on the ground that
+level views show bent.
+"""
+import functools
+
 import cv2
 import numpy as np
+
+import level_view
 
 COLORS = [(20, 170, 230), (230, 230, 230), (200, 120, 40), (40, 40, 200), (60, 150, 60)]  # BGR
 
@@ -9,6 +15,40 @@ def paint_stripe(rng, picture, corners, where):
     """`picture`, H x W x 3, with a stripe between `corners`, as far as `where`, H x W x 1 of 0 to 1, lets it show."""
     stripe = np.zeros(picture.shape[:2], np.float32)
     cv2.fillConvexPoly(stripe, corners.astype(np.int32), 1.0)
-    share = cv2.GaussianBlur(stripe, (3, 3), 0)[..., None] * where * np.float32(rng.uniform(0.4, 0.95))
+    return paint(rng, picture, cv2.GaussianBlur(stripe, (3, 3), 0)[..., None] * where)
+
+
+def paint(rng, picture, share):
+    """`picture` in another colour to a `share`, H x W x 1, which wear makes less."""
+    share = share * np.float32(rng.uniform(0.4, 0.95))
     color = np.float32(COLORS[rng.integers(len(COLORS))]) * np.float32(rng.uniform(0.5, 1.1))
     return picture * (1 - share) + share * color
+
+
+@functools.cache
+def ground_of_view():
+    """Where level views show the ground: to the right and ahead, in heights of the camera; NaN above it."""
+    columns, rows = np.meshgrid(np.arange(level_view.SIZE[0]), np.arange(level_view.SIZE[1]))
+    azimuth, elevation = level_view.angles_of(columns, rows)
+    distance = np.where(elevation < np.radians(-1), 1 / np.tan(-np.minimum(elevation, -1e-3)), np.nan)
+    return np.float32(distance * np.sin(azimuth)), np.float32(distance * np.cos(azimuth))
+
+
+def band_in_view(rng):
+    """H x W x 1, 0 to 1: what a random straight band on the ground covers of a level view; some end."""
+    right, ahead = ground_of_view()
+    toward, reach = rng.uniform(0, 2 * np.pi), np.exp(rng.uniform(np.log(0.3), np.log(8)))
+    width = np.exp(rng.uniform(np.log(0.06), np.log(0.6)))
+    across = right * np.float32(np.cos(toward)) + ahead * np.float32(np.sin(toward)) - np.float32(reach)
+    share = share_below(np.abs(across), 0.5 * width)
+    if rng.random() < 0.5:
+        along = right * np.float32(np.sin(toward)) - ahead * np.float32(np.cos(toward)) - np.float32(rng.normal(0, 3))
+        share = share * share_below(np.abs(along), rng.uniform(0.5, 4))
+    return share[..., None]
+
+
+def share_below(values, bound):
+    """About how much of a pixel has less than `bound`; 0 where the ground is not seen."""
+    per_row, per_column = np.gradient(values)
+    change = np.hypot(per_row, per_column) + np.float32(1e-6)
+    return np.nan_to_num(np.clip(0.5 + (np.float32(bound) - values) / change, 0, np.minimum(1, np.float32(2 * bound) / change)))

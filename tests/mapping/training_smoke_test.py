@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Weights of pixels; level views; kerbs; own cars; two steps of training on made-up pictures and one more with batch normalisation folded,
+"""Weights of pixels; level views; bands of paint; kerbs; own cars; two steps of training on made-up pictures and one more with batch normalisation folded,
 exported, read by OpenCV and trained on from there; kernels carried over; likewise of the network of outlines, on made-up ground. Skipped (77) without PyTorch.
 
 training_smoke_test.py TRAINING_FOLDER
@@ -79,6 +79,28 @@ def check_level_views():
         _, label, _ = augment.change_geometry(np.random.default_rng(seed), picture, level_view.SIZE)
         edges = (label[:200, 300:532] == 255).argmax(0)
         assert edges.min() > row - 40 and edges.max() < row + 40 and np.ptp(edges) < 25, (seed, edges)
+        _, label, _ = augment.show_as_mapped(np.random.default_rng(seed), picture)
+        edges = (label[:200, 200:632] == 255).argmax(0)
+        assert abs(edges - row).max() < 4, (seed, edges)
+
+
+def check_bands_on_the_ground():
+    """Bands are seen on the ground alone; across them, pixels of the share that is covered add up to the width."""
+    import level_view
+    import stripes
+
+    _, elevation = level_view.angles_of(0, np.arange(level_view.SIZE[1]))
+    covered = 0
+    for seed in range(20):
+        band = stripes.band_in_view(np.random.default_rng(seed))
+        assert band.shape == (288, 832, 1) and np.isfinite(band).all() and band.min() >= 0 and band.max() <= 1
+        assert (band[elevation > np.radians(-1)] == 0).all()
+        covered += band.max() > 0.5
+    assert covered > 10, covered
+    for pixel in (0.01, 0.1, 0.5):  # of ground; the band is 0.3 wide
+        across = np.float32(np.abs(np.arange(-50, 50) + 0.3)) * np.float32(pixel) * np.ones((3, 1), np.float32)
+        width = pixel * stripes.share_below(across, 0.15)[1].sum()
+        assert abs(width - 0.3) < 0.1 * max(pixel, 0.3), (pixel, width)
 
 
 def check_kerbs():
@@ -202,6 +224,7 @@ def main():
     training = pathlib.Path(sys.argv[1])
     check_weights(training)
     check_level_views()
+    check_bands_on_the_ground()
     check_kerbs()
     check_thin_car()
     check_fold()
