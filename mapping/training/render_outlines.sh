@@ -18,9 +18,12 @@ paint_ground() {
 
 first_scenes=(lot garage street lot) scenes=(garage street garage lot)  # garages are harder: more of them later
 weathers=(dry wet overcast dusk dry overcast dry)
-for i in {0..36}; do
+last_scenes=(lot garage lot street)  # lots are worst now
+for i in {0..36} {40..59}; do
   if ((i < 18)); then
     scene=${first_scenes[i % 4]} traffic=$((i % 4))
+  elif ((i >= 40)); then
+    scene=${last_scenes[i % 4]} traffic=$((i % 4))
   else
     scene=${scenes[i % 4]} traffic=$((i / 4 % 4))
   fi
@@ -36,7 +39,7 @@ for i in {0..36}; do
     ln -s drive "$folder/truth"
   fi
   case $name in
-    lot_3003 | garage_3005 | street_3006) paint_ground "$name" val network --set ground.use_semantics=false ;;
+    lot_3003 | garage_3005 | street_3006 | *_305[6-9]) paint_ground "$name" val network --set ground.use_semantics=false ;;
     *)
       paint_ground "$name" train network --set ground.use_semantics=false
       paint_ground "$name" train earlier --set ground.use_semantics=false --set "ground.freespace_model=$earlier"

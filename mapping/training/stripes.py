@@ -11,6 +11,19 @@ import level_view
 COLORS = [(20, 170, 230), (230, 230, 230), (200, 120, 40), (40, 40, 200), (60, 150, 60)]  # BGR
 
 
+def random_polygon(rng, size):
+    """A long quadrangle, as wide paint on a floor looks."""
+    width, height = size
+    start = rng.uniform([0, 0.3 * height], [width, height])
+    angle, length, thickness = rng.uniform(0, np.pi), rng.uniform(0.15, 0.9) * width, rng.uniform(2, 22)
+    along = np.array([np.cos(angle), np.sin(angle) * 0.6])
+    across = np.array([-along[1], along[0]])
+    taper = rng.uniform(0.2, 1)
+    corners = [start + across * thickness, start + along * length + across * thickness * taper,
+               start + along * length - across * thickness * taper, start - across * thickness]
+    return np.array(corners)
+
+
 def paint_stripe(rng, picture, corners, where):
     """`picture`, H x W x 3, with a stripe between `corners`, as far as `where`, H x W x 1 of 0 to 1, lets it show."""
     stripe = np.zeros(picture.shape[:2], np.float32)

@@ -24,6 +24,7 @@ import level_view
 import pictures
 from huge_pages import use_huge_pages
 from network import FreespaceNetwork, count_parameters, fold, in_bfloat16, load
+from views import CameraView, LevelView
 
 SIZE = (640, 384)  # of the network's input: width, height
 # Small pictures first: shapes and colours are learnt at a fraction of the cost. Until which part, size.
@@ -114,14 +115,14 @@ class Samples(torch.utils.data.IterableDataset):
             count += 1
             if count % 200 == 0:
                 self.take_in_new_drives()
-            yield self.batch(self.arguments.batch, level_view.SIZE if self.arguments.level else size_at(self.progress()))
+            yield self.batch(self.arguments.batch, LevelView() if self.arguments.level else CameraView(size_at(self.progress())))
 
-    def batch(self, count, size):
+    def batch(self, count, view):
         images, labels, weights = [], [], []
         for _ in range(count):
             is_plain = not self.fisheye or (self.plain and self.rng.random() < self.share_of_plain)
             pool = self.plain if is_plain else self.fisheye
-            image, label, area = augment.augment(self.rng, pool[self.rng.integers(len(pool))], size)
+            image, label, area = augment.augment(self.rng, pool[self.rng.integers(len(pool))], view)
             images.append(image)
             labels.append(label)
             weights.append(weights_of(label, area))

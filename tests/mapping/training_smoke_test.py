@@ -53,9 +53,9 @@ def check_weights(training):
 def check_level_views():
     """Of a fisheye that looks down and to the left: what lies lower than -5 degrees lies below one row of the view, whether
     the camera is taken as it is or as another one."""
-    import augment
     import level_view
     import pictures
+    import views
 
     columns, rows = np.meshgrid(np.arange(0.0, 832, 50), np.arange(0.0, 288, 20))
     assert np.allclose(level_view.pixel_of(*level_view.angles_of(columns, rows)), (columns, rows))
@@ -76,10 +76,10 @@ def check_level_views():
     row = level_view.pixel_of(0, np.radians(-5))[1]
     assert (middle[: int(row) - 1] == 0).all() and (middle[int(row) + 3 :] == 255).all()
     for seed in range(5):
-        _, label, _ = augment.change_geometry(np.random.default_rng(seed), picture, level_view.SIZE)
+        _, label, _ = views.LevelView().change_geometry(np.random.default_rng(seed), picture)
         edges = (label[:200, 300:532] == 255).argmax(0)
         assert edges.min() > row - 40 and edges.max() < row + 40 and np.ptp(edges) < 25, (seed, edges)
-        _, label, _ = augment.show_as_mapped(np.random.default_rng(seed), picture)
+        _, label, _ = views.LevelView().show_as_mapped(np.random.default_rng(seed), picture)
         edges = (label[:200, 200:632] == 255).argmax(0)
         assert abs(edges - row).max() < 4, (seed, edges)
 
