@@ -9,6 +9,7 @@
 namespace parkade {
 namespace {
 
+constexpr int kMaxLooks = 4;               // at the pixels of a cell, along each side
 constexpr double kMaxNearestRange = 15.0;  // [m] a camera that sees no nearer ground is not for mapping
 
 /// Ranges are distances from the point below the camera: as dense as asked near it, then as the rays spread or as the
@@ -78,6 +79,42 @@ void DropBlindRays(GroundGrid& grid) {
   grid.num_rays = num_kept;
 }
 
+const GroundGridCell* VisibleAt(const GroundGrid& grid, int ray, int range) {
+  if (ray < 0 || range < 0 || ray >= grid.num_rays || range >= grid.num_ranges) return nullptr;
+  const GroundGridCell& cell = grid.cells[static_cast<size_t>(grid.IndexOf(ray, range))];
+  return cell.is_visible ? &cell : nullptr;
+}
+
+/// [px] from one cell to the next. Neighbours that are not visible are null.
+Eigen::Vector2f PixelStep(const GroundGridCell* before, const GroundGridCell& cell, const GroundGridCell* after) {
+  if (before && after) return 0.5F * (after->pixel - before->pixel);
+  if (before) return cell.pixel - before->pixel;
+  return after ? Eigen::Vector2f(after->pixel - cell.pixel) : Eigen::Vector2f::Zero();
+}
+
+/// BGR of what lies around a pixel between half a step to all sides, looked at about once per pixel.
+cv::Vec3b MeanColor(const cv::Mat& image, const Eigen::Vector2f& pixel, const Eigen::Vector2f& across,
+                    const Eigen::Vector2f& along) {
+  const auto looks_along = [](const Eigen::Vector2f& step) {
+    return std::clamp(static_cast<int>(std::lround(step.norm())), 1, kMaxLooks);
+  };
+  const int num_across = looks_along(across), num_along = looks_along(along);
+  const Eigen::Array2f last(static_cast<float>(image.cols - 1), static_cast<float>(image.rows - 1));
+  std::array<float, 3> sum{};
+  for (int i = 0; i < num_along; ++i)
+    for (int k = 0; k < num_across; ++k) {
+      const float on_along = (static_cast<float>(i) + 0.5F) / static_cast<float>(num_along) - 0.5F;
+      const float on_across = (static_cast<float>(k) + 0.5F) / static_cast<float>(num_across) - 0.5F;
+      const Eigen::Array2f at = (pixel + on_across * across + on_along * along).array().max(0).min(last);
+      const std::array<float, 3> color = ColorAt(image, at.x(), at.y());
+      for (size_t c = 0; c < 3; ++c) sum[c] += color[c];
+    }
+  cv::Vec3b mean;
+  for (int c = 0; c < 3; ++c)
+    mean[c] = static_cast<uchar>(sum[static_cast<size_t>(c)] / static_cast<float>(num_across * num_along) + 0.5F);
+  return mean;
+}
+
 }  // namespace
 
 void GroundGridOptions::Validate() const {
@@ -120,13 +157,14 @@ GroundGrid MakeGroundGrid(const RigCamera& camera, const Rigid3& ground_from_cam
 
 cv::Mat SampleColors(const GroundGrid& grid, const cv::Mat& image) {
   cv::Mat colors(std::max(grid.num_rays, 1), std::max(grid.num_ranges, 1), CV_8UC3, cv::Scalar(0, 0, 0));
-  for (size_t i = 0; i < grid.cells.size(); ++i) {
-    const GroundGridCell& cell = grid.cells[i];
-    if (!cell.is_visible) continue;
-    const std::array<float, 3> color = ColorAt(image, cell.pixel.x(), cell.pixel.y());
-    uchar* sample = colors.ptr() + 3 * i;
-    for (size_t c = 0; c < 3; ++c) sample[c] = static_cast<uchar>(color[c] + 0.5F);
-  }
+  for (int ray = 0; ray < grid.num_rays; ++ray)
+    for (int range = 0; range < grid.num_ranges; ++range) {
+      const GroundGridCell& cell = grid.cells[static_cast<size_t>(grid.IndexOf(ray, range))];
+      if (!cell.is_visible) continue;
+      const Eigen::Vector2f across = PixelStep(VisibleAt(grid, ray - 1, range), cell, VisibleAt(grid, ray + 1, range));
+      const Eigen::Vector2f along = PixelStep(VisibleAt(grid, ray, range - 1), cell, VisibleAt(grid, ray, range + 1));
+      colors.at<cv::Vec3b>(ray, range) = MeanColor(image, cell.pixel, across, along);
+    }
   return colors;
 }
 

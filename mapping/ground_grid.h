@@ -62,7 +62,8 @@ struct GroundGrid {
 GroundGrid MakeGroundGrid(const RigCamera& camera, const Rigid3& ground_from_camera, const ContactArea& contact,
                           const GroundGridOptions& options = {});
 
-/// The image's colours at the grid's places, bilinear: num_rays x num_ranges, CV_8UC3 (BGR); black where not
+/// The image's colours at the grid's places, each the mean of the pixels that are nearer to it than to the next ones:
+/// single pixels of a fine texture differ from view to view. num_rays x num_ranges, CV_8UC3 (BGR); black where not
 /// visible. `image` is CV_8UC1 or CV_8UC3.
 cv::Mat SampleColors(const GroundGrid& grid, const cv::Mat& image);
 

@@ -190,17 +190,23 @@ SweepShape ShapeOf(double max_offset, const MeasureHeightsOptions& options) {
 }
 
 /// The windows of a tile of which anything was seen.
-std::vector<SweptWindow> WindowsOf(const Tile& tile, const std::vector<Agreement>& agreements, size_t num_heights,
+std::vector<SweptWindow> WindowsOf(const Tile& tile, const TileSweep& sweep, size_t num_heights,
                                    std::span<const PatchView> patches, double side) {
+  const std::vector<Agreement> agreements = sweep.Sweep();
+  const std::vector<float> parallaxes = sweep.Parallaxes();
   std::vector<SweptWindow> windows;
   for (int y = 0; y < kWindowsPerTile; ++y)
     for (int x = 0; x < kWindowsPerTile; ++x) {
       const auto begin = agreements.begin() + static_cast<std::ptrdiff_t>(num_heights) * (y * kWindowsPerTile + x);
       const auto end = begin + static_cast<std::ptrdiff_t>(num_heights);
       if (std::all_of(begin, end, [](const Agreement& agreement) { return agreement.num_samples == 0; })) continue;
-      SweptWindow window{tile.deck, tile.x * kWindowsPerTile + x, tile.y * kWindowsPerTile + y, 0, {begin, end}};
-      window.deck_height = DeckOf(tile, side * Eigen::Vector2d(window.x + 0.5, window.y + 0.5), patches);
-      windows.push_back(std::move(window));
+      const Eigen::Vector2i at(tile.x * kWindowsPerTile + x, tile.y * kWindowsPerTile + y);
+      windows.push_back({.deck = tile.deck,
+                         .x = at.x(),
+                         .y = at.y(),
+                         .deck_height = DeckOf(tile, side * (at.cast<double>().array() + 0.5).matrix(), patches),
+                         .parallax = static_cast<double>(parallaxes[static_cast<size_t>(y * kWindowsPerTile + x)]),
+                         .agreements = {begin, end}});
     }
   return windows;
 }
@@ -224,7 +230,7 @@ std::vector<SweptWindow> SweepWindows(const PatchSource& patches, std::span<cons
       for (const size_t i : tile.patches)
         num_views += AddSights(meetings.at(i), tile_in_block, side, static_cast<float>(max_offset), sweep);
       if (num_views < 2) return std::vector<SweptWindow>{};
-      return WindowsOf(tile, sweep.Sweep(), shape.offsets.size(), patches.views(), options.window);
+      return WindowsOf(tile, sweep, shape.offsets.size(), patches.views(), options.window);
     });
     for (const auto& of_tile : of_tiles) windows.insert(windows.end(), of_tile.begin(), of_tile.end());
   }

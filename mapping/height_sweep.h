@@ -16,6 +16,7 @@ struct SweptWindow {
   int deck = 0, x = 0,
       y = 0;                          ///< its lower corner lies at (x, y) times the window's side
   double deck_height = 0;             ///< [m] of the nearest car: tells decks apart
+  double parallax = 0;                ///< [m per metre of height] see TileSweep::Parallaxes
   std::vector<Agreement> agreements;  ///< 2 num_steps + 1, from -max_offset to max_offset
 };
 

@@ -12,10 +12,13 @@ namespace parkade {
 namespace {
 
 constexpr int kRivalSteps = 3;          // of the sweep from the best height to what may be another one
+constexpr double kMinParallax = 0.8;    // [m per metre of height] of a window: views from one side agree on any height
 constexpr int kMinSupport = 2;          // windows around one that correct the height as it does
 constexpr double kCorrelation = 4.0;    // samples of one view are not independent: variances times this
-constexpr double kMinSignificance = 4;  // sigmas of a minimum below the rest
+constexpr double kMinSignificance = 2;  // sigmas of a minimum below the rest
+constexpr double kRivalDip = 0.5;       // share of it by which it must lie below any dip elsewhere
 constexpr double kLeastDip = 0.03;      // share of a minimum below the rest that lies beyond errors of the model
+constexpr double kMostDip = 0.4;        // share that few samples must show
 constexpr int kMaxReach = 2;            // windows to each side that are asked with one that does not know by itself
 
 /// What the sweep found in one window.
@@ -25,11 +28,12 @@ struct WindowHeight {
   Eigen::Vector2i index;
 };
 
-/// Windows by place, and what several of them say together.
+/// Windows that were seen from different sides, by place, and what several of them say together.
 class WindowSums {
  public:
   explicit WindowSums(const std::vector<SweptWindow>& windows) {
-    for (const SweptWindow& window : windows) at_[{window.deck, window.y, window.x}] = &window;
+    for (const SweptWindow& window : windows)
+      if (window.parallax >= kMinParallax) at_[{window.deck, window.y, window.x}] = &window;
   }
 
   /// Over a square of windows, or nothing where less than half of them saw anything.
@@ -57,9 +61,10 @@ struct Best {
 };
 
 /// Share by which the misfit at the best height must lie below that at most heights: more samples show a fainter dip.
-double NeededDip(int num_samples, const MeasureHeightsOptions& options) {
-  const double noise = std::sqrt(2 * kCorrelation / num_samples);
-  return std::clamp(kMinSignificance * noise, kLeastDip, 1 - options.max_misfit);
+/// \param freedom  samples less the cells whose means they gave
+double NeededDip(int freedom) {
+  const double noise = std::sqrt(2 * kCorrelation / freedom);
+  return std::clamp(kMinSignificance * noise, kLeastDip, kMostDip);
 }
 
 /// The height at which the views agree, unless they do nowhere, or as well elsewhere. `num_cells` make half of what is
@@ -74,11 +79,12 @@ std::optional<Best> FindBest(const std::vector<Agreement>& agreements, int num_c
   if (at.num_samples < options.min_sights * at.num_cells || at.num_cells < num_cells) return std::nullopt;
   const double contrast = std::sqrt(static_cast<double>(at.total / std::max(at.weight, 1e-6F)));
   if (contrast < options.min_contrast) return std::nullopt;
-  const double dip = NeededDip(at.num_samples, options);
+  const int freedom = at.num_samples - at.num_cells;
+  const double dip = NeededDip(freedom);
   std::vector<double> sorted = misfits;
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
   if (misfits[best] > (1 - dip) * sorted[sorted.size() / 2]) return std::nullopt;
-  const double rivalry = 1 - dip * (1 - options.max_rivalry) / (1 - options.max_misfit);
+  const double rivalry = 1 - kRivalDip * dip;
   for (size_t i = 1; i + 1 < misfits.size(); ++i) {
     const bool is_rival = i + kRivalSteps <= best || best + kRivalSteps <= i;
     const bool is_dip = misfits[i] <= misfits[i - 1] && misfits[i] <= misfits[i + 1];
@@ -90,7 +96,7 @@ std::optional<Best> FindBest(const std::vector<Agreement>& agreements, int num_c
   if (curvature <= 0) return std::nullopt;
   const double step = max_offset / options.num_steps;
   // Misfit is a mean of squares over samples: its noise is misfit / n, its second derivative curvature / step^2.
-  const double variance = kCorrelation * 2 * here * step * step / (curvature * at.num_samples);
+  const double variance = kCorrelation * 2 * here * step * step / (curvature * freedom);
   return Best{
       max_offset * (static_cast<double>(best) / options.num_steps - 1) + 0.5 * step * (before - after) / curvature,
       std::hypot(options.sigma, std::sqrt(variance))};
@@ -175,8 +181,8 @@ void MeasureHeightsOptions::Validate() const {
   Require(max_offset > 0 && max_distance > 0 && sigma > 0, ErrorCode::kUsage,
           "max_offset, max_distance and sigma must be > 0 m");
   Require(max_views >= 4, ErrorCode::kUsage, "max_views must be 4 at least");
-  Require(min_contrast >= 0 && max_misfit > 0 && max_rivalry > 0 && min_sights > 1 && max_jump > 0, ErrorCode::kUsage,
-          "min_contrast, max_misfit, max_rivalry and max_jump must be > 0, min_sights > 1");
+  Require(min_contrast >= 0 && min_sights > 1 && max_jump > 0, ErrorCode::kUsage,
+          "min_contrast must not be negative, max_jump > 0 m and min_sights > 1");
 }
 
 std::vector<HeightObservation> MeasureHeights(const PatchSource& patches, std::span<const DrivenPath> paths,

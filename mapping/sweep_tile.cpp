@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "core/parallel.h"
@@ -29,6 +30,25 @@ std::vector<Agreement> TileSweep::Sweep() const {
   ParallelFor(shape_.offsets.size(),
               [&](std::size_t height) { AgreementsInto(height, AddUp(shape_.offsets[height]), agreements); });
   return agreements;
+}
+
+std::vector<float> TileSweep::Parallaxes() const {
+  std::vector<Sums> sums(static_cast<std::size_t>(shape_.num_windows * shape_.num_windows), Sums::Zero());
+  const auto side = static_cast<float>(shape_.num_windows),
+             per_window = 1 / static_cast<float>(shape_.cells_per_window);
+  for (std::size_t i = 0; i < x_.size(); ++i) {
+    const float x = (x_[i] - 1) * per_window, y = (y_[i] - 1) * per_window;
+    if (x < 0 || y < 0 || x >= side || y >= side) continue;
+    const auto window = static_cast<std::size_t>(static_cast<int>(y) * shape_.num_windows + static_cast<int>(x));
+    const float dx = dx_[i] / per_cell_, dy = dy_[i] / per_cell_;
+    sums[window] += Sums(1, dx, dy, dx * dx + dy * dy);
+  }
+  std::vector<float> parallaxes;
+  for (const Sums& sum : sums) {
+    const Eigen::Array3f mean = sum.tail<3>() / std::max(sum[0], 1.0F);
+    parallaxes.push_back(std::sqrt(std::max(mean[2] - mean[0] * mean[0] - mean[1] * mean[1], 0.0F)));
+  }
+  return parallaxes;
 }
 
 std::vector<TileSweep::Sums> TileSweep::AddUp(float offset) const {

@@ -61,6 +61,10 @@ class TileSweep {
 
   std::vector<Agreement> Sweep() const;
 
+  /// By how much the shifts of a window's sights differ, rms [m per metre of height]: sights from one side say nothing
+  /// of heights. One per window.
+  std::vector<float> Parallaxes() const;
+
  private:
   /// Of a cell or a sample: weight, grey, its square (both weighted), number.
   using Sums = Eigen::Array4f;

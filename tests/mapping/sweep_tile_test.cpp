@@ -76,6 +76,21 @@ TEST(TileSweep, SumsUpWhatASimpleOneDoes) {
   }
 }
 
+TEST(TileSweep, SightsFromOneSideHaveNoParallax) {
+  TileSweep from_one_side(SmallShape()), from_two(SmallShape());
+  for (Meeting sight : RandomSights(500)) {
+    sight.shift = {3, 1};
+    from_one_side.Add(sight);
+    from_two.Add(sight);
+    sight.shift = {-1, -2};
+    from_two.Add(sight);
+  }
+
+  ASSERT_EQ(from_two.Parallaxes().size(), 9u);
+  for (const float parallax : from_one_side.Parallaxes()) EXPECT_NEAR(parallax, 0, 0.02F);
+  for (const float parallax : from_two.Parallaxes()) EXPECT_NEAR(parallax, 2.5F, 0.02F) << "half of (4, 3)";
+}
+
 TEST(TileSweep, DoesNotDependOnTheNumberOfThreads) {
   TileSweep sweep(SmallShape());
   for (const Meeting& sight : RandomSights(3000)) sweep.Add(sight);
