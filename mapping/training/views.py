@@ -114,7 +114,7 @@ class LevelView:
     """Pictures as level_view.py shows them."""
 
     size = level_view.SIZE
-    share_as_mapped = 0.4
+    share_as_mapped = 0.5
     share_of_floors = 0.5
 
     def change_geometry(self, rng, picture):
