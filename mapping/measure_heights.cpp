@@ -16,9 +16,9 @@ constexpr double kMinParallax = 0.8;    // [m per metre of height] of a window: 
 constexpr int kMinSupport = 2;          // windows around one that correct the height as it does
 constexpr double kCorrelation = 4.0;    // samples of one view are not independent: variances times this
 constexpr double kMinSignificance = 2;  // sigmas of a minimum below the rest
-constexpr double kRivalDip = 0.5;       // share of it by which it must lie below any dip elsewhere
 constexpr double kLeastDip = 0.03;      // share of a minimum below the rest that lies beyond errors of the model
 constexpr double kMostDip = 0.4;        // share that few samples must show
+constexpr double kRivalDip = 0.5;       // part of the share asked for by which it must lie below a dip elsewhere
 constexpr int kMaxReach = 2;            // windows to each side that are asked with one that does not know by itself
 
 /// What the sweep found in one window.
@@ -95,7 +95,7 @@ std::optional<Best> FindBest(const std::vector<Agreement>& agreements, int num_c
   const double curvature = before - 2 * here + after;
   if (curvature <= 0) return std::nullopt;
   const double step = max_offset / options.num_steps;
-  // Misfit is a mean of squares over samples: its noise is misfit / n, its second derivative curvature / step^2.
+  // Misfit is a mean of squares: its noise is misfit / freedom, its second derivative curvature / step^2.
   const double variance = kCorrelation * 2 * here * step * step / (curvature * freedom);
   return Best{
       max_offset * (static_cast<double>(best) / options.num_steps - 1) + 0.5 * step * (before - after) / curvature,

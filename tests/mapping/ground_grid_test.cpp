@@ -85,7 +85,8 @@ TEST_F(GroundGridOfARig, ColoursOfALinearImageAreExact) {
     if (!grid_.cells[i].is_visible) continue;
     const uchar* color = colors.ptr() + 3 * i;
     EXPECT_NEAR(color[0], grid_.cells[i].pixel.x() / 2, 1.1);
-    EXPECT_NEAR(color[1], grid_.cells[i].pixel.y(), 0.7) << "rounded, and off the middle at rims";
+    const bool is_cut_off = grid_.cells[i].pixel.y() > static_cast<float>(image.rows - 3);  // its share is
+    EXPECT_NEAR(color[1], grid_.cells[i].pixel.y(), is_cut_off ? 0.7 : 0.51);
     EXPECT_EQ(color[2], 77);
   }
 }
