@@ -11,8 +11,10 @@
 namespace parkade {
 namespace {
 
-constexpr double kOwnShade = 1.3;       // [m] beside the contact area the car's own shadow lies most of the time
+constexpr double kOwnShade = 1.3;       // [m] beside the contact area the car's own shadow lies most of the time ...
+constexpr double kShadeRim = 0.6;       // [m] ... and beyond that less and less
 constexpr double kShadePenalty = 0.3;   // of the rank of sights in there: further cameras saw the place in the light
+constexpr float kLeastAbove = 1;        // of the rank of a sight above the least: sights all alike weigh alike
 constexpr double kMaxPixelGap = 60;     // [px] between two corners of a block: more is a fold of the lens
 constexpr int kColorTolerance = 24;     // of lightness: sights further from the median are something else
 constexpr size_t kMinGainSamples = 60;  // fewer say nothing about the exposure
@@ -26,6 +28,28 @@ std::optional<Eigen::Vector2d> FindPixel(const GroundPhoto& photo, const Rigid3&
   std::optional<Eigen::Vector2d> pixel = photo.camera->model.Project(camera_from_site * point_in_site);
   if (!pixel || !photo.camera->IsUsable(*pixel, 1)) return {};
   return pixel;
+}
+
+std::uint8_t RankOf(float steepness) { return static_cast<std::uint8_t>(1 + std::lround(254 * steepness)); }
+
+/// Values of a part of a grid, by row.
+template <typename Value>
+struct Window {
+  int width = 0;
+  std::vector<Value> values;
+
+  Value At(int column, int row) const {
+    return values[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column)];
+  }
+};
+
+template <typename Value, typename Function>
+Window<Value> ComputeWindow(int width, int height, const Function& compute) {
+  Window<Value> window{width, {}};
+  window.values.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  for (int row = 0; row < height; ++row)
+    for (int column = 0; column < width; ++column) window.values.push_back(compute(column, row));
+  return window;
 }
 
 std::uint8_t ToByte(float value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5F, 0.0F, 255.0F)); }
@@ -55,10 +79,9 @@ GroundSight SeePoint(const GroundPhoto& photo, const Rigid3& camera_from_site, c
   if (!photo.open_ground.Shows(photo.site_from_camera.translation.head<2>(), point_in_site.head<2>())) return {};
   const std::optional<Eigen::Vector2d> pixel = FindPixel(photo, camera_from_site, point_in_site);
   if (!pixel) return {};
-  const bool may_be_own_shade =
-      photo.contact.DistanceTo((photo.site_from_ground.Inverse() * point_in_site).head<2>()) < kOwnShade;
-  const double steepness = -sight.z() / sight.norm();
-  return {pixel->cast<float>(), static_cast<float>(may_be_own_shade ? kShadePenalty * steepness : steepness)};
+  const double off = photo.contact.DistanceTo((photo.site_from_ground.Inverse() * point_in_site).head<2>());
+  const double lit = kShadePenalty + (1 - kShadePenalty) * std::clamp((off - kOwnShade) / kShadeRim, 0.0, 1.0);
+  return {pixel->cast<float>(), static_cast<float>(lit * -sight.z() / sight.norm())};
 }
 
 ChartPainter::ChartPainter(BlankChart blank, double texel_size) : blank_(std::move(blank)), texel_size_(texel_size) {
@@ -85,18 +108,26 @@ Eigen::Vector2d ChartPainter::PlaceOf(double column, double row) const {
 
 GroundSight ChartPainter::See(const GroundPhoto& photo, const Rigid3& camera_from_site, int column, int row,
                               double max_range) const {
-  const float height = corner_heights_[static_cast<std::size_t>(row) * static_cast<std::size_t>(num_columns_) +
-                                       static_cast<std::size_t>(column)];
+  const float height = corner_heights_[BlockAt(column, row)];
   if (std::isnan(height)) return {};
   Eigen::Vector3d point;
   point << PlaceOf(column * kTexelsPerStep, row * kTexelsPerStep), static_cast<double>(height);
   return SeePoint(photo, camera_from_site, point, max_range);
 }
 
+float ChartPainter::SteepestAt(const Eigen::Vector3d& eye, int column, int row) const {
+  const float height = corner_heights_[BlockAt(column, row)];
+  if (std::isnan(height)) return 0;
+  Eigen::Vector3d point;
+  point << PlaceOf(column * kTexelsPerStep, row * kTexelsPerStep), static_cast<double>(height);
+  return static_cast<float>((eye.z() - point.z()) / (eye - point).norm());
+}
+
 void ChartPainter::BeginDrive(int drive) {
   if (drive_ == drive) return;
   drive_ = drive;
   is_shown_.assign(sights_.size(), false);
+  least_ranks_.assign(corner_heights_.size(), 0);
 }
 
 /// What earlier drives saw of a texel steps back once this one shows it.
@@ -120,15 +151,34 @@ void ChartPainter::Paint(const GroundPhoto& photo, double max_range) {
 
   BeginDrive(photo.drive);
   const Rigid3 camera_from_site = photo.site_from_camera.Inverse();
-  const auto width = static_cast<std::size_t>(last_column - first_column + 1);
-  std::vector<GroundSight> above(width), below(width);
-  for (int row = first_row; row <= last_row; ++row) {
+  // Most of a drive's sights are too flat to be kept: blocks that want none, and corners of no other, are left out.
+  const int width = last_column - first_column + 1, height = last_row - first_row + 1;
+  const Window<float> bounds = ComputeWindow<float>(
+      width, height, [&](int column, int row) { return SteepestAt(eye, first_column + column, first_row + row); });
+  const Window<char> is_wanted = ComputeWindow<char>(width - 1, height - 1, [&](int column, int row) {
+    const float bound = std::min({bounds.At(column, row), bounds.At(column + 1, row), bounds.At(column, row + 1),
+                                  bounds.At(column + 1, row + 1)});
+    return bound > 0 && RankOf(bound) > least_ranks_[BlockAt(first_column + column, first_row + row)];
+  });
+  const auto has_wanted = [&](int column, int row) {
+    for (int y = std::max(0, row - 1); y <= std::min(row, height - 2); ++y)
+      for (int x = std::max(0, column - 1); x <= std::min(column, width - 2); ++x)
+        if (is_wanted.At(x, y) != 0) return true;
+    return false;
+  };
+  std::vector<GroundSight> above(static_cast<std::size_t>(width)), below(above.size());
+  for (int row = 0; row < height; ++row) {
     std::swap(above, below);
-    for (int column = first_column; column <= last_column; ++column)
-      below[static_cast<std::size_t>(column - first_column)] = See(photo, camera_from_site, column, row, max_range);
-    if (row == first_row) continue;
-    for (std::size_t i = 0; i + 1 < width; ++i)
-      PaintBlock(photo, {above[i], above[i + 1], below[i], below[i + 1]}, first_column + static_cast<int>(i), row - 1);
+    for (int column = 0; column < width; ++column)
+      below[static_cast<std::size_t>(column)] =
+          has_wanted(column, row) ? See(photo, camera_from_site, first_column + column, first_row + row, max_range)
+                                  : GroundSight{};
+    if (row == 0) continue;
+    for (int column = 0; column + 1 < width; ++column) {
+      if (is_wanted.At(column, row - 1) == 0) continue;
+      const auto i = static_cast<std::size_t>(column);
+      PaintBlock(photo, {above[i], above[i + 1], below[i], below[i + 1]}, first_column + column, first_row + row - 1);
+    }
   }
 }
 
@@ -140,8 +190,8 @@ void ChartPainter::PaintBlock(const GroundPhoto& photo, const std::array<GroundS
     if (static_cast<double>((corner.pixel - corners[0].pixel).norm()) > kMaxPixelGap) return;
   }
   if (steepness <= 0) return;
-  const auto rank = static_cast<std::uint8_t>(1 + std::lround(254 * steepness));
-  const Eigen::Array3f& gain = photo.gain;
+  const std::uint8_t rank = RankOf(steepness);
+  std::uint8_t least = std::numeric_limits<std::uint8_t>::max();
   for (int dy = 0; dy < kTexelsPerStep; ++dy)
     for (int dx = 0; dx < kTexelsPerStep; ++dx) {
       const int x = column * kTexelsPerStep + dx, y = row * kTexelsPerStep + dy;
@@ -150,14 +200,20 @@ void ChartPainter::PaintBlock(const GroundPhoto& photo, const std::array<GroundS
           static_cast<std::size_t>(y) * static_cast<std::size_t>(blank_.height.cols) + static_cast<std::size_t>(x);
       StepBack(texel);
       Sights& sights = sights_[texel];
-      if (!sights.Wants(rank)) continue;
+      if (!sights.Wants(rank)) {
+        least = std::min(least, sights[kNumSights - 1].rank);
+        continue;
+      }
       const float u = (static_cast<float>(dx) + 0.5F) / kTexelsPerStep;
       const float v = (static_cast<float>(dy) + 0.5F) / kTexelsPerStep;
       const Eigen::Vector2f pixel = (1 - v) * ((1 - u) * corners[0].pixel + u * corners[1].pixel) +
                                     v * ((1 - u) * corners[2].pixel + u * corners[3].pixel);
       const std::array<float, 3> color = ColorAt(photo.image, pixel.x(), pixel.y());
-      sights.Add({ToByte(gain[0] * color[0]), ToByte(gain[1] * color[1]), ToByte(gain[2] * color[2]), rank});
+      const std::array<float, 3>& light = photo.light.At(pixel);
+      sights.Add({ToByte(light[0] * color[0]), ToByte(light[1] * color[1]), ToByte(light[2] * color[2]), rank});
+      least = std::min(least, sights[kNumSights - 1].rank);
     }
+  least_ranks_[BlockAt(column, row)] = least;
 }
 
 std::array<std::uint8_t, 3> ChartPainter::Agree(const Sights& sights) {
@@ -167,13 +223,16 @@ std::array<std::uint8_t, 3> ChartPainter::Agree(const Sights& sights) {
   std::array<int, kNumSights> sorted = lightness;
   std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(count));
   const int median = sorted[(count - 1) / 2];
-  // Steep sights are sharp ones: they weigh most, and the rest only hides the seams.
+  // Steep sights are sharp ones: they weigh most, and the rest only hides the seams, so that one that comes to be kept
+  // or is no more weighs nothing at first.
+  const float least =
+      std::max(kComparable * static_cast<float>(sights[0].rank), static_cast<float>(sights[kNumSights - 1].rank));
   std::array<float, 3> sum{};
   float total = 0;
   for (std::size_t i = 0; i < count; ++i) {
     if (std::abs(lightness[i] - median) > kColorTolerance) continue;
-    const float steepness = static_cast<float>(sights[i].rank) / 255;
-    const float weight = steepness * steepness * steepness * steepness;
+    const float above = std::max(static_cast<float>(sights[i].rank) - least, 0.0F) + kLeastAbove;
+    const float weight = above * above;
     sum[0] += weight * static_cast<float>(sights[i].blue);
     sum[1] += weight * static_cast<float>(sights[i].green);
     sum[2] += weight * static_cast<float>(sights[i].red);

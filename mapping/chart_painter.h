@@ -12,6 +12,7 @@
 #include "mapping/cell_finder.h"
 #include "mapping/contact_area.h"
 #include "mapping/open_ground.h"
+#include "mapping/photo_light.h"
 #include "mapping/texture_charts.h"
 
 namespace parkade {
@@ -23,9 +24,10 @@ struct GroundPhoto {
   Rigid3 site_from_camera;
   Rigid3 site_from_ground;  ///< of the car: its own contact area is not looked at
   ContactArea contact;
-  int drive = 0;                                 ///< that took it
-  Eigen::Array3f gain = Eigen::Array3f::Ones();  ///< of blue, green, red: brings the picture to the surface's light
-  OpenGround open_ground = {};                   ///< what it shows of the ground
+  int drive = 0;                ///< that took it
+  std::uint32_t index = 0;      ///< among the photos that paint
+  PhotoLight light = {};        ///< brings the picture to the light of the others
+  OpenGround open_ground = {};  ///< what it shows of the ground
 };
 
 /// Where a photo shows a point of the ground, and how steeply.
@@ -63,6 +65,12 @@ class ChartPainter {
   Eigen::Vector2d PlaceOf(double column, double row) const;
   GroundSight See(const GroundPhoto& photo, const Rigid3& camera_from_site, int column, int row,
                   double max_range) const;
+  /// How steeply a corner is seen from a place if nothing hides it; 0 or less: not at all.
+  float SteepestAt(const Eigen::Vector3d& eye, int column, int row) const;
+  /// Of a block, or the corner before it.
+  std::size_t BlockAt(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(num_columns_) + static_cast<std::size_t>(column);
+  }
   void BeginDrive(int drive);
   void StepBack(std::size_t texel);
   void PaintBlock(const GroundPhoto& photo, const std::array<GroundSight, 4>& corners, int column, int row);
@@ -73,8 +81,9 @@ class ChartPainter {
   int num_columns_ = 0, num_rows_ = 0;  ///< of corners
   std::vector<float> corner_heights_;   ///< [m] NaN where no mesh is near
   std::vector<Sights> sights_;
-  std::optional<int> drive_;    ///< whose photos are being painted
-  std::vector<bool> is_shown_;  ///< by it
+  std::vector<std::uint8_t> least_ranks_;  ///< per block: a photo of this drive that ranks no higher adds nothing
+  std::optional<int> drive_;               ///< whose photos are being painted
+  std::vector<bool> is_shown_;             ///< by it
 };
 
 /// Median of cells' blue, green and red over those of the photo at the same places: what it has to be multiplied by to

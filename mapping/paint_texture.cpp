@@ -13,12 +13,14 @@
 #include "core/parallel.h"
 #include "mapping/chart_painter.h"
 #include "mapping/choose_photos.h"
+#include "mapping/light_meter.h"
+#include "mapping/photo_reader.h"
 
 namespace parkade {
 namespace {
 
-constexpr std::size_t kPhotosPerBatch = 16;  // in memory at once
-constexpr double kPlaceDistance = 0.5;       // [m] between places that photos are chosen for
+constexpr double kPlaceDistance = 0.5;       // [m] between places that photos are chosen for ...
+constexpr double kLightPlaceDistance = 1.0;  // ... and at which their light is compared
 
 const TextureSource* FindSource(std::span<const TextureSource> sources, int drive) {
   const auto found = std::find_if(sources.begin(), sources.end(),
@@ -38,15 +40,16 @@ GroundPhoto PhotoOf(const PatchView& view, const TextureSource& source) {
 }
 
 /// Places on the mesh, evenly spread.
-std::vector<Eigen::Vector3d> PlacesOn(const std::vector<ChartSquare>& squares, const TriangleMesh& mesh) {
+std::vector<Eigen::Vector3d> PlacesOn(const std::vector<ChartSquare>& squares, const TriangleMesh& mesh,
+                                      double distance) {
   const auto of_squares = ParallelMap(squares.size(), [&](std::size_t i) {
     std::vector<Eigen::Vector3d> places;
-    for (const BlankChart& blank : ChartsOf(squares[i], mesh, kPlaceDistance))
+    for (const BlankChart& blank : ChartsOf(squares[i], mesh, distance))
       for (int row = 0; row < blank.height.rows; ++row)
         for (int column = 0; column < blank.height.cols; ++column)
           if (const float height = blank.height.at<float>(row, column); !std::isnan(height))
-            places.emplace_back(blank.chart.left + (column + 0.5) * kPlaceDistance,
-                                blank.chart.top - (row + 0.5) * kPlaceDistance, height);
+            places.emplace_back(blank.chart.left + (column + 0.5) * distance, blank.chart.top - (row + 0.5) * distance,
+                                height);
     return places;
   });
   std::vector<Eigen::Vector3d> all;
@@ -111,25 +114,6 @@ class SquarePainter {
   std::vector<TextureChart> charts_;
 };
 
-/// The photos of one drive that were chosen, by camera and time.
-using Choice = std::map<std::pair<int, Timestamp>, GroundPhoto>;
-
-/// The next of these, up to a batch; fewer only at the end.
-std::vector<GroundPhoto> NextPhotos(RecordStream& stream, const Choice& choice) {
-  std::vector<GroundPhoto> photos;
-  while (photos.size() < kPhotosPerBatch) {
-    std::optional<SensorRecord> record = stream.Next();
-    if (!record) break;
-    const auto* frame = std::get_if<CameraFrame>(&*record);
-    if (frame == nullptr) continue;
-    const auto chosen = choice.find({frame->camera, frame->time});
-    if (chosen == choice.end()) continue;
-    photos.push_back(chosen->second);
-    photos.back().image = frame->image;
-  }
-  return photos;
-}
-
 void FinishReady(std::span<SquarePainter> painters, const CellFinder& cells) {
   std::vector<SquarePainter*> ready;
   for (SquarePainter& painter : painters)
@@ -137,21 +121,10 @@ void FinishReady(std::span<SquarePainter> painters, const CellFinder& cells) {
   ParallelFor(ready.size(), [&](std::size_t i) { ready[i]->Finish(cells); });
 }
 
-void PaintDrive(const DriveLog& log, const Choice& choice, const CellFinder& cells, double max_range,
+void PaintDrive(const DriveLog& log, const PhotoChoice& choice, const CellFinder& cells,
                 std::span<SquarePainter> painters) {
-  const auto stream =
-      log.Read({.imu = false,
-                .wheels = false,
-                .gnss = false,
-                .images = true,
-                .semantics = false,
-                .grayscale = false,
-                .wants_image = [&](int camera, Timestamp time) { return choice.contains(std::pair(camera, time)); }});
-  for (std::size_t num_read = 0; num_read < choice.size();) {
-    std::vector<GroundPhoto> photos = NextPhotos(*stream, choice);
-    if (photos.empty()) return;
-    num_read += photos.size();
-    ParallelFor(photos.size(), [&](std::size_t i) { photos[i].gain = FindGain(photos[i], cells, max_range); });
+  PhotoReader reader(log, choice);
+  for (std::vector<GroundPhoto> photos = reader.Next(); !photos.empty(); photos = reader.Next()) {
     ParallelFor(painters.size(), [&](std::size_t i) {
       for (const GroundPhoto& photo : photos)
         if (painters[i].IsInReach(photo)) painters[i].Paint(photo);
@@ -188,18 +161,35 @@ struct ChosenPhoto {
   GroundPhoto photo;
 };
 
+/// Looks at all photos once to bring them to one light.
+void BalancePhotos(std::vector<ChosenPhoto>& chosen, std::span<const TextureSource> sources, const CellFinder& cells,
+                   std::vector<Eigen::Vector3d> places, double max_range) {
+  LightMeter meter(std::move(places), chosen.size(), max_range);
+  std::map<int, PhotoChoice> choices;  // per drive
+  std::vector<GroundPhoto*> photos;
+  for (ChosenPhoto& one : chosen) {
+    one.photo.index = static_cast<std::uint32_t>(photos.size());
+    photos.push_back(&one.photo);
+    choices[one.drive].emplace(std::pair(one.camera, one.time), one.photo);
+  }
+  for (const auto& [drive, choice] : choices) {
+    PhotoReader reader(*FindSource(sources, drive)->log, choice);
+    for (auto batch = reader.Next(); !batch.empty(); batch = reader.Next()) meter.Measure(batch, cells);
+  }
+  meter.Balance(photos);
+}
+
 /// The charts of some squares.
 std::vector<TextureChart> PaintPart(std::span<SquarePainter> painters, const std::vector<ChosenPhoto>& chosen,
-                                    std::span<const TextureSource> sources, const CellFinder& cells, double max_range) {
-  std::map<int, Choice> choices;  // per drive
+                                    std::span<const TextureSource> sources, const CellFinder& cells) {
+  std::map<int, PhotoChoice> choices;  // per drive
   for (const ChosenPhoto& one : chosen)
     for (SquarePainter& painter : painters) {
       if (!painter.IsInReach(one.photo)) continue;
       choices[one.drive].emplace(std::pair(one.camera, one.time), one.photo);
       painter.ExpectPhoto();
     }
-  for (const auto& [drive, choice] : choices)
-    PaintDrive(*FindSource(sources, drive)->log, choice, cells, max_range, painters);
+  for (const auto& [drive, choice] : choices) PaintDrive(*FindSource(sources, drive)->log, choice, cells, painters);
   ParallelFor(painters.size(), [&](std::size_t i) {
     if (painters[i].charts().empty()) painters[i].Finish(cells);
   });
@@ -254,17 +244,18 @@ GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface, 
   std::vector<ChartSquare> squares = CutIntoSquares(mesh, options.chart_size);
   const CellFinder cells(surface);
   const std::vector<bool> is_chosen =
-      ChoosePhotos(photos, PlacesOn(squares, mesh), options.max_range, [&](GroundPhoto& photo) {
+      ChoosePhotos(photos, PlacesOn(squares, mesh, kPlaceDistance), options.max_range, [&](GroundPhoto& photo) {
         photo.open_ground = OpenGround(photo.site_from_camera, photo.site_from_ground, options.max_range, cells);
       });
   std::vector<ChosenPhoto> chosen;
   for (std::size_t i = 0; i < photos.size(); ++i)
     if (is_chosen[i]) chosen.push_back({used[i].drive, used[i].camera, used[i].time, photos[i]});
+  BalancePhotos(chosen, sources, cells, PlacesOn(squares, mesh, kLightPlaceDistance), options.max_range);
   std::vector<SquarePainter> painters;
   for (ChartSquare& square : squares) painters.emplace_back(std::move(square), mesh, options);
   const std::vector<std::span<SquarePainter>> parts = CutIntoParts(painters, options.max_texels);
   for (const std::span<SquarePainter> part : parts) {
-    std::vector<TextureChart> charts = PaintPart(part, chosen, sources, cells, options.max_range);
+    std::vector<TextureChart> charts = PaintPart(part, chosen, sources, cells);
     if (parts.size() > 1) texture.pixels.push_back(MoveToScratch(charts));
     std::move(charts.begin(), charts.end(), std::back_inserter(texture.charts));
     ReleaseMemory(surface.cells);

@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "core/error.h"
 #include "mapping/fuse_surface.h"
 #include "mapping/mesh_surface.h"
 #include "mapping/observe_ground.h"
+#include "mapping/photo_light.h"
 #include "tests/mapping/synthetic_drive.h"
 
 namespace parkade {
@@ -34,6 +37,47 @@ class CountedDrive final : public DriveLog {
  private:
   const DriveLog& log_;
   mutable int count_ = 0;
+};
+
+/// A drive whose exposures jump from photo to photo and whose lenses darken towards their rims.
+class DimmedDrive final : public DriveLog {
+ public:
+  explicit DimmedDrive(const DriveLog& log) : log_(log) {}
+  const std::string& name() const override { return log_.name(); }
+  const Rig& rig() const override { return log_.rig(); }
+  TimeSpan span() const override { return log_.span(); }
+  std::unique_ptr<RecordStream> Read(const ReadOptions& options) const override {
+    return std::make_unique<Stream>(log_.Read(options));
+  }
+
+ private:
+  class Stream final : public RecordStream {
+   public:
+    explicit Stream(std::unique_ptr<RecordStream> stream) : stream_(std::move(stream)) {}
+    std::optional<SensorRecord> Next() override {
+      std::optional<SensorRecord> record = stream_->Next();
+      if (auto* frame = record ? std::get_if<CameraFrame>(&*record) : nullptr) {
+        const float exposure = 0.6F + 0.1F * static_cast<float>(num_read_++ * 7 % 5);
+        cv::Mat light(frame->image.size(), CV_32FC1);
+        for (int row = 0; row < light.rows; ++row)
+          for (int column = 0; column < light.cols; ++column) {
+            const float square =
+                PhotoLight::SquaredRadius(Eigen::Vector2i(column, row).cast<float>(), light.cols, light.rows);
+            light.at<float>(row, column) = exposure * std::exp(-0.5F * square);
+          }
+        if (frame->image.channels() == 3) cv::merge(std::vector<cv::Mat>{light, light, light}, light);
+        cv::Mat dimmed;
+        cv::multiply(frame->image, light, dimmed, 1, frame->image.type());
+        frame->image = dimmed;
+      }
+      return record;
+    }
+
+   private:
+    std::unique_ptr<RecordStream> stream_;
+    int num_read_ = 0;
+  };
+  const DriveLog& log_;
 };
 
 /// A lot that one car drove through, mapped.
@@ -67,7 +111,7 @@ TEST(PaintTexture, ManyDrivesCostHardlyMoreDecodingThanOneAndTheLatestShows) {
   const GroundTexture of_one = PaintTexture(lot.mesh, lot.surface, PatchesInMemory(lot.patches).views(), one, options);
   ASSERT_FALSE(of_one.empty());
   EXPECT_GT(alone.count(), 20);
-  EXPECT_LE(alone.count(), std::ssize(lot.patches));
+  EXPECT_LE(alone.count(), 2 * std::ssize(lot.patches)) << "once for their light, once to paint";
 
   const PatchesInMemory patches(lot.patches);
   std::vector<PatchView> views;
@@ -115,6 +159,38 @@ TEST(PaintTexture, ThePartsLeaveNoTrace) {
     EXPECT_EQ(cv::norm(a.image, b.image, cv::NORM_INF), 0);
     EXPECT_EQ(cv::norm(a.mask, b.mask, cv::NORM_INF), 0);
   }
+}
+
+/// How much one texture's light against another's differs from place to place: standard deviation of the log-ratio.
+double SpreadOfLight(const GroundTexture& texture, const GroundTexture& plain) {
+  std::vector<double> logs;
+  for (size_t i = 0; i < texture.charts.size(); ++i) {
+    cv::Mat blurred, plain_blurred;
+    cv::blur(texture.charts[i].image, blurred, {9, 9});
+    cv::blur(plain.charts[i].image, plain_blurred, {9, 9});
+    for (int row = 0; row < blurred.rows; ++row)
+      for (int column = 0; column < blurred.cols; ++column)
+        if (texture.charts[i].mask.at<std::uint8_t>(row, column) == TextureChart::kPainted)
+          logs.push_back(std::log((1.0 + blurred.at<cv::Vec3b>(row, column)[1]) /
+                                  (1.0 + plain_blurred.at<cv::Vec3b>(row, column)[1])));
+  }
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(logs, mean, deviation);
+  return deviation[0];
+}
+
+TEST(PaintTexture, ExposuresAndLensesLeaveNoSeams) {
+  const MappedLot& lot = Lot();
+  TextureOptions options;
+  options.texel_size = 0.05;
+  const DimmedDrive dimmed(lot.drive);
+  const std::vector<TextureSource> source{{&lot.drive, &lot.path}}, dimmed_source{{&dimmed, &lot.path}};
+  const PatchesInMemory patches(lot.patches);
+
+  const GroundTexture plain = PaintTexture(lot.mesh, lot.surface, patches.views(), source, options);
+  const GroundTexture balanced = PaintTexture(lot.mesh, lot.surface, patches.views(), dimmed_source, options);
+
+  EXPECT_LT(SpreadOfLight(balanced, plain), 0.03) << "exposures differ by 1.7, lenses lose two fifths at their rims";
 }
 
 TEST(PaintTexture, RejectsChartsThatAreNone) {
