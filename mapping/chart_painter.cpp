@@ -32,26 +32,6 @@ std::optional<Eigen::Vector2d> FindPixel(const GroundPhoto& photo, const Rigid3&
 
 std::uint8_t RankOf(float steepness) { return static_cast<std::uint8_t>(1 + std::lround(254 * steepness)); }
 
-/// Values of a part of a grid, by row.
-template <typename Value>
-struct Window {
-  int width = 0;
-  std::vector<Value> values;
-
-  Value At(int column, int row) const {
-    return values[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column)];
-  }
-};
-
-template <typename Value, typename Function>
-Window<Value> ComputeWindow(int width, int height, const Function& compute) {
-  Window<Value> window{width, {}};
-  window.values.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  for (int row = 0; row < height; ++row)
-    for (int column = 0; column < width; ++column) window.values.push_back(compute(column, row));
-  return window;
-}
-
 std::uint8_t ToByte(float value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5F, 0.0F, 255.0F)); }
 
 /// Gives texels off the mesh the colour of the nearest one on it: no dark fringe when a viewer interpolates.
@@ -137,47 +117,56 @@ void ChartPainter::StepBack(std::size_t texel) {
   sights_[texel].StepBack();
 }
 
-void ChartPainter::Paint(const GroundPhoto& photo, double max_range) {
-  const Eigen::Vector3d& eye = photo.site_from_camera.translation;
+ChartPainter::Part ChartPainter::PartAround(const Eigen::Vector3d& eye, double max_range) const {
   const double step = kTexelsPerStep * texel_size_;
   const auto clamp_to = [](double value, int count) {
     return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(count - 1)));
   };
-  const int first_column = clamp_to(std::floor((eye.x() - max_range - blank_.chart.left) / step), num_columns_);
-  const int last_column = clamp_to(std::ceil((eye.x() + max_range - blank_.chart.left) / step), num_columns_);
-  const int first_row = clamp_to(std::floor((blank_.chart.top - eye.y() - max_range) / step), num_rows_);
-  const int last_row = clamp_to(std::ceil((blank_.chart.top - eye.y() + max_range) / step), num_rows_);
-  if (first_column >= last_column || first_row >= last_row) return;
+  const int left = clamp_to(std::floor((eye.x() - max_range - blank_.chart.left) / step), num_columns_);
+  const int right = clamp_to(std::ceil((eye.x() + max_range - blank_.chart.left) / step), num_columns_);
+  const int top = clamp_to(std::floor((blank_.chart.top - eye.y() - max_range) / step), num_rows_);
+  const int bottom = clamp_to(std::ceil((blank_.chart.top - eye.y() + max_range) / step), num_rows_);
+  return {left, top, right - left, bottom - top};
+}
+
+/// Most of a drive's sights are too flat to be kept by any texel of a block, and need not be looked at.
+cv::Mat1b ChartPainter::FindWanted(const Part& part, const Eigen::Vector3d& eye) const {
+  cv::Mat1f bounds(part.height + 1, part.width + 1);
+  for (int y = 0; y <= part.height; ++y)
+    for (int x = 0; x <= part.width; ++x) bounds(y, x) = SteepestAt(eye, part.column + x, part.row + y);
+  cv::Mat1b is_wanted(part.height, part.width);
+  for (int y = 0; y < part.height; ++y)
+    for (int x = 0; x < part.width; ++x) {
+      const float bound = std::min({bounds(y, x), bounds(y, x + 1), bounds(y + 1, x), bounds(y + 1, x + 1)});
+      is_wanted(y, x) = bound > 0 && RankOf(bound) > least_ranks_[BlockAt(part.column + x, part.row + y)];
+    }
+  return is_wanted;
+}
+
+void ChartPainter::Paint(const GroundPhoto& photo, double max_range) {
+  const Eigen::Vector3d& eye = photo.site_from_camera.translation;
+  const Part part = PartAround(eye, max_range);
+  if (part.width <= 0 || part.height <= 0) return;
 
   BeginDrive(photo.drive);
   const Rigid3 camera_from_site = photo.site_from_camera.Inverse();
-  // Most of a drive's sights are too flat to be kept: blocks that want none, and corners of no other, are left out.
-  const int width = last_column - first_column + 1, height = last_row - first_row + 1;
-  const Window<float> bounds = ComputeWindow<float>(
-      width, height, [&](int column, int row) { return SteepestAt(eye, first_column + column, first_row + row); });
-  const Window<char> is_wanted = ComputeWindow<char>(width - 1, height - 1, [&](int column, int row) {
-    const float bound = std::min({bounds.At(column, row), bounds.At(column + 1, row), bounds.At(column, row + 1),
-                                  bounds.At(column + 1, row + 1)});
-    return bound > 0 && RankOf(bound) > least_ranks_[BlockAt(first_column + column, first_row + row)];
-  });
-  const auto has_wanted = [&](int column, int row) {
-    for (int y = std::max(0, row - 1); y <= std::min(row, height - 2); ++y)
-      for (int x = std::max(0, column - 1); x <= std::min(column, width - 2); ++x)
-        if (is_wanted.At(x, y) != 0) return true;
-    return false;
-  };
-  std::vector<GroundSight> above(static_cast<std::size_t>(width)), below(above.size());
-  for (int row = 0; row < height; ++row) {
+  const cv::Mat1b is_wanted = FindWanted(part, eye);
+  cv::Mat1b is_corner_wanted;  // of any of the four blocks around
+  cv::copyMakeBorder(is_wanted, is_corner_wanted, 0, 1, 0, 1, cv::BORDER_CONSTANT, 0);
+  cv::dilate(is_corner_wanted, is_corner_wanted, cv::Mat1b::ones(2, 2), {1, 1});
+  std::vector<GroundSight> above(static_cast<std::size_t>(part.width) + 1), below(above.size());
+  for (int y = 0; y <= part.height; ++y) {
     std::swap(above, below);
-    for (int column = 0; column < width; ++column)
-      below[static_cast<std::size_t>(column)] =
-          has_wanted(column, row) ? See(photo, camera_from_site, first_column + column, first_row + row, max_range)
-                                  : GroundSight{};
-    if (row == 0) continue;
-    for (int column = 0; column + 1 < width; ++column) {
-      if (is_wanted.At(column, row - 1) == 0) continue;
-      const auto i = static_cast<std::size_t>(column);
-      PaintBlock(photo, {above[i], above[i + 1], below[i], below[i + 1]}, first_column + column, first_row + row - 1);
+    for (int x = 0; x <= part.width; ++x) {
+      GroundSight& sight = below[static_cast<std::size_t>(x)];
+      sight = {};
+      if (is_corner_wanted(y, x) != 0) sight = See(photo, camera_from_site, part.column + x, part.row + y, max_range);
+    }
+    if (y == 0) continue;
+    for (int x = 0; x < part.width; ++x) {
+      const auto i = static_cast<std::size_t>(x);
+      if (is_wanted(y - 1, x) != 0)
+        PaintBlock(photo, {above[i], above[i + 1], below[i], below[i + 1]}, part.column + x, part.row + y - 1);
     }
   }
 }

@@ -62,6 +62,13 @@ class ChartPainter {
 
   using Sights = BestSights<kNumSights>;  ///< rank: 1 + 254 steepness
 
+  /// Blocks of texels: the first column and row, and how many of each.
+  struct Part {
+    int column = 0, row = 0, width = 0, height = 0;
+  };
+
+  Part PartAround(const Eigen::Vector3d& eye, double max_range) const;
+  cv::Mat1b FindWanted(const Part& part, const Eigen::Vector3d& eye) const;
   Eigen::Vector2d PlaceOf(double column, double row) const;
   GroundSight See(const GroundPhoto& photo, const Rigid3& camera_from_site, int column, int row,
                   double max_range) const;

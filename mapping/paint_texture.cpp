@@ -174,7 +174,10 @@ void BalancePhotos(std::vector<ChosenPhoto>& chosen, std::span<const TextureSour
   }
   for (const auto& [drive, choice] : choices) {
     PhotoReader reader(*FindSource(sources, drive)->log, choice);
-    for (auto batch = reader.Next(); !batch.empty(); batch = reader.Next()) meter.Measure(batch, cells);
+    for (auto batch = reader.Next(); !batch.empty(); batch = reader.Next()) {
+      meter.Measure(batch, cells);
+      ReleaseMemory(cells.surface().cells);
+    }
   }
   meter.Balance(photos);
 }

@@ -114,6 +114,24 @@ TEST_F(ChartPainters, PutThePatternOfTheGroundWhereItIs) {
   EXPECT_LT(difference.largest, 12);
 }
 
+/// A photo after steeper ones is left out where it adds nothing; first, it is painted and pushed out.
+TEST_F(ChartPainters, LeaveOutOnlyWhatAddsNothing) {
+  ChartPainter near_first = NewPainter(), far_first = NewPainter();
+  const std::vector<double> places{2, 1.6, 1.2, 0.8, 0.4, 0};
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const double near = places[i], far = places[places.size() - 1 - i];
+    near_first.Paint(PhotoFrom(camera_, {near, 2, 1.2 + 0.1 * near}), 4);
+    far_first.Paint(PhotoFrom(camera_, {far, 2, 1.2 + 0.1 * far}), 4);
+  }
+
+  const TextureChart chart = near_first.Finish(cells_), other = far_first.Finish(cells_);
+
+  cv::Mat difference;
+  cv::absdiff(chart.image, other.image, difference);
+  EXPECT_LT(cv::mean(difference)[0], 0.05) << "but for sights that rank alike";
+  EXPECT_EQ(cv::norm(chart.mask, other.mask, cv::NORM_INF), 0);
+}
+
 TEST_F(ChartPainters, ForgetWhatOnlyOnePhotoShows) {
   ChartPainter painter = NewPainter();
   for (const double x : {0.0, 1.0, 1.5, 2.0}) {
