@@ -9,7 +9,7 @@
 namespace parkade {
 namespace {
 
-constexpr double kPriorWeight = 0.1;  // of a photo's gain, where a steep sight has 1
+constexpr double kPriorWeight = 5;   // of a photo's gain, where a steep sight has 1: a few sights do not move it
 constexpr double kFalloffWeight = 1;  // of a lens without any
 constexpr double kTolerance = 0.06;   // of log-colours: sights further off count a half or less
 constexpr int kNumRounds = 4;         // of reweighting
