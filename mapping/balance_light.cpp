@@ -9,7 +9,7 @@
 namespace parkade {
 namespace {
 
-constexpr double kPriorWeight = 5;   // of a photo's gain, where a steep sight has 1: a few sights do not move it
+constexpr double kPriorWeight = 5;    // of a photo's gain, where a steep sight has 1: a few sights do not move it
 constexpr double kFalloffWeight = 1;  // of a lens without any
 constexpr double kTolerance = 0.06;   // of log-colours: sights further off count a half or less
 constexpr int kNumRounds = 4;         // of reweighting
@@ -142,13 +142,13 @@ BalancedLight BalanceLight(const std::vector<LightPrior>& photos, const std::vec
   return Balance(photos, places).Solve();
 }
 
-double LightDisagreement(const std::vector<LightPlace>& places, const std::vector<LightPrior>& photos,
+double LightDisagreement(const std::vector<LightPrior>& photos, const std::vector<LightPlace>& places,
                          const BalancedLight& light) {
   double sum = 0, total = 0;
   for (const LightPlace& place : places) {
     const auto sights = SightsOf(place);
     if (sights.size() < 2) continue;
-    std::array<double, LightPlace::kNumSights> lumas{};
+    std::array<double, LightPlace::kNumSights> values{};
     double mean = 0, weight = 0;
     for (std::size_t i = 0; i < sights.size(); ++i) {
       const LightSight& sight = sights[i];
@@ -156,13 +156,13 @@ double LightDisagreement(const std::vector<LightPlace>& places, const std::vecto
       const Eigen::Array3f log_color = sight.log_color + light.gains[sight.photo].log() +
                                        sight.squared_radius * falloff[0] +
                                        sight.squared_radius * sight.squared_radius * falloff[1];
-      lumas[i] = static_cast<double>(log_color.mean());
-      mean += static_cast<double>(sight.weight) * lumas[i];
+      values[i] = static_cast<double>(log_color.mean());
+      mean += static_cast<double>(sight.weight) * values[i];
       weight += static_cast<double>(sight.weight);
     }
     mean /= weight;
     for (std::size_t i = 0; i < sights.size(); ++i)
-      sum += static_cast<double>(sights[i].weight) * (lumas[i] - mean) * (lumas[i] - mean);
+      sum += static_cast<double>(sights[i].weight) * (values[i] - mean) * (values[i] - mean);
     total += weight;
   }
   return total > 0 ? std::sqrt(sum / total) : 0;

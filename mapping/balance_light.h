@@ -46,8 +46,8 @@ struct BalancedLight {
 /// tells stays at the priors. The size of `falloffs` is the largest lens and one.
 BalancedLight BalanceLight(const std::vector<LightPrior>& photos, const std::vector<LightPlace>& places);
 
-/// Root mean square of the differences of luma between sights of a place, in log, weighted; 0 without any.
-double LightDisagreement(const std::vector<LightPlace>& places, const std::vector<LightPrior>& photos,
+/// Weighted root mean square by which sights of a place differ from their mean, in mean log-colour; 0 without any.
+double LightDisagreement(const std::vector<LightPrior>& photos, const std::vector<LightPlace>& places,
                          const BalancedLight& light);
 
 }  // namespace parkade

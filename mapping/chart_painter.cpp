@@ -86,21 +86,23 @@ Eigen::Vector2d ChartPainter::PlaceOf(double column, double row) const {
   return {blank_.chart.left + column * texel_size_, blank_.chart.top - row * texel_size_};
 }
 
-GroundSight ChartPainter::See(const GroundPhoto& photo, const Rigid3& camera_from_site, int column, int row,
-                              double max_range) const {
+std::optional<Eigen::Vector3d> ChartPainter::CornerAt(int column, int row) const {
   const float height = corner_heights_[BlockAt(column, row)];
   if (std::isnan(height)) return {};
   Eigen::Vector3d point;
   point << PlaceOf(column * kTexelsPerStep, row * kTexelsPerStep), static_cast<double>(height);
-  return SeePoint(photo, camera_from_site, point, max_range);
+  return point;
+}
+
+GroundSight ChartPainter::See(const GroundPhoto& photo, const Rigid3& camera_from_site, int column, int row,
+                              double max_range) const {
+  const std::optional<Eigen::Vector3d> point = CornerAt(column, row);
+  return point ? SeePoint(photo, camera_from_site, *point, max_range) : GroundSight{};
 }
 
 float ChartPainter::SteepestAt(const Eigen::Vector3d& eye, int column, int row) const {
-  const float height = corner_heights_[BlockAt(column, row)];
-  if (std::isnan(height)) return 0;
-  Eigen::Vector3d point;
-  point << PlaceOf(column * kTexelsPerStep, row * kTexelsPerStep), static_cast<double>(height);
-  return static_cast<float>((eye.z() - point.z()) / (eye - point).norm());
+  const std::optional<Eigen::Vector3d> point = CornerAt(column, row);
+  return point ? static_cast<float>((eye.z() - point->z()) / (eye - *point).norm()) : 0;
 }
 
 void ChartPainter::BeginDrive(int drive) {

@@ -70,6 +70,8 @@ class ChartPainter {
   Part PartAround(const Eigen::Vector3d& eye, double max_range) const;
   cv::Mat1b FindWanted(const Part& part, const Eigen::Vector3d& eye) const;
   Eigen::Vector2d PlaceOf(double column, double row) const;
+  /// [m] in site; nothing where no mesh is near.
+  std::optional<Eigen::Vector3d> CornerAt(int column, int row) const;
   GroundSight See(const GroundPhoto& photo, const Rigid3& camera_from_site, int column, int row,
                   double max_range) const;
   /// How steeply a corner is seen from a place if nothing hides it; 0 or less: not at all.

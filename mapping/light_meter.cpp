@@ -70,8 +70,8 @@ void LightMeter::Balance(std::span<GroundPhoto* const> photos) const {
     photo->light = PhotoLight(light.gains[photo->index], light.falloffs[priors[photo->index].lens],
                               photo->camera->model.width(), photo->camera->model.height());
   LogInfo("stage=balance_light photos=" + std::to_string(photos.size()) +
-          " disagreement=" + std::to_string(LightDisagreement(places_, priors, before)) + "->" +
-          std::to_string(LightDisagreement(places_, priors, light)));
+          " disagreement=" + std::to_string(LightDisagreement(priors, places_, before)) + "->" +
+          std::to_string(LightDisagreement(priors, places_, light)));
 }
 
 }  // namespace parkade

@@ -83,8 +83,8 @@ TEST(BalanceLight, LeavesHardlyADifference) {
   BalancedLight before{{}, {none, none}};
   for (const LightPrior& photo : row.photos) before.gains.push_back(photo.log_gain.exp());
 
-  EXPECT_GT(LightDisagreement(row.places, row.photos, before), 0.15);
-  EXPECT_LT(LightDisagreement(row.places, row.photos, BalanceLight(row.photos, row.places)), 0.05);
+  EXPECT_GT(LightDisagreement(row.photos, row.places, before), 0.15);
+  EXPECT_LT(LightDisagreement(row.photos, row.places, BalanceLight(row.photos, row.places)), 0.05);
 }
 
 TEST(BalanceLight, StaysAtThePriorsWhereNothingTells) {

@@ -16,13 +16,22 @@
 namespace parkade {
 namespace {
 
-/// Counts what is decoded of a drive.
-class CountedDrive final : public DriveLog {
+/// A drive whose records another one gives.
+class WrappedDrive : public DriveLog {
  public:
-  explicit CountedDrive(const DriveLog& log) : log_(log) {}
+  explicit WrappedDrive(const DriveLog& log) : log_(log) {}
   const std::string& name() const override { return log_.name(); }
   const Rig& rig() const override { return log_.rig(); }
   TimeSpan span() const override { return log_.span(); }
+
+ protected:
+  const DriveLog& log_;
+};
+
+/// Counts what is decoded of a drive.
+class CountedDrive final : public WrappedDrive {
+ public:
+  using WrappedDrive::WrappedDrive;
   std::unique_ptr<RecordStream> Read(const ReadOptions& options) const override {
     ReadOptions counting = options;
     counting.wants_image = [this, options](int camera, Timestamp time) {
@@ -35,17 +44,13 @@ class CountedDrive final : public DriveLog {
   int count() const { return count_; }
 
  private:
-  const DriveLog& log_;
   mutable int count_ = 0;
 };
 
 /// A drive whose exposures jump from photo to photo and whose lenses darken towards their rims.
-class DimmedDrive final : public DriveLog {
+class DimmedDrive final : public WrappedDrive {
  public:
-  explicit DimmedDrive(const DriveLog& log) : log_(log) {}
-  const std::string& name() const override { return log_.name(); }
-  const Rig& rig() const override { return log_.rig(); }
-  TimeSpan span() const override { return log_.span(); }
+  using WrappedDrive::WrappedDrive;
   std::unique_ptr<RecordStream> Read(const ReadOptions& options) const override {
     return std::make_unique<Stream>(log_.Read(options));
   }
@@ -77,7 +82,6 @@ class DimmedDrive final : public DriveLog {
     std::unique_ptr<RecordStream> stream_;
     int num_read_ = 0;
   };
-  const DriveLog& log_;
 };
 
 /// A lot that one car drove through, mapped.
