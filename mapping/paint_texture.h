@@ -39,11 +39,11 @@ struct TextureSource {
 /// near, all images are brought to one light (BalanceLight), and the steepest sights of the latest drive that agree are
 /// blended.
 ///
-/// Of the images that `views` name only those are decoded that some place needs (ChoosePhotos), once for their light and
-/// once to paint. Logs are read one after the other; a chart takes 24 bytes per texel from the first image that shows it
-/// to the last, 4 before and after. Where charts have more than `max_texels` they are painted part by part, each from all
-/// the logs that show it, and lie on disk once they are done. In parallel over charts, the same every time, whatever the
-/// parts.
+/// Of the images that `views` name only those are decoded that some place needs (ChoosePhotos), once for their light
+/// and once to paint. Logs are read one after the other; a chart takes 24 bytes per texel from the first image that
+/// shows it to the last, 4 before and after. Where charts have more than `max_texels` they are painted part by part,
+/// each from all the logs that show it, and lie on disk once they are done. In parallel over charts, the same every
+/// time, whatever the parts.
 ///
 /// \param views    images that showed ground, with their poses, drive by drive, the latest last; those of drives
 ///                 without a source are not used
