@@ -22,7 +22,7 @@ def half_plane(rng, size):
 
 
 def paint_floor(rng, image, label, view):
-    """Tint, shine, wide lines and a second colour on what is drivable; the label stays."""
+    """Tint, shine, wide lines, fields between lines and a second colour on what is drivable; the label stays."""
     size = image.shape[1::-1]
     ground = cv2.GaussianBlur((label == DRIVABLE).astype(np.float32), (3, 3), 0)[..., None]
     floor = image.astype(np.float32)
@@ -35,10 +35,19 @@ def paint_floor(rng, image, label, view):
         floor = floor * (1 - side) + other * side
     if rng.random() < 0.4:  # what stands above the horizon, mirrored
         floor = floor + np.float32(rng.uniform(0.05, 0.35)) * np.roll(image[::-1], rng.integers(-40, 40), 0)
+    if rng.random() < 0.5:
+        floor = view.paint_field(rng, floor)
     if rng.random() < 0.6:
         for _ in range(rng.integers(1, 4)):
             floor = view.paint_stripe(rng, floor)
     return to_bytes(image * (1 - ground) + floor * ground)
+
+
+def change_ground(rng, image, label, view):
+    """Other floors, and kerbs on some."""
+    if rng.random() < view.share_of_floors:
+        image = paint_floor(rng, image, label, view)
+    return add_kerb(rng, image, label) if rng.random() < view.share_of_kerbs else image
 
 
 def add_lens_rim(rng, image, label):
@@ -90,16 +99,16 @@ def roughen(rng, image):
 
 
 def augment(rng, picture, view):
-    """A picture never seen before, in a view of views.py, its label and its weights. A share is left as maps show it: what is
-    bent and painted keeps the network from learning ours by heart, what is not shows it how sharp outlines can be seen."""
+    """A picture never seen before, in a view of views.py, its label and its weights. A share is shown as maps show it, half of that
+    unchanged: what is bent and painted keeps the network from learning ours by heart, what is not shows it how sharp outlines
+    can be seen."""
     if picture.camera is not None and rng.random() < view.share_as_mapped:
         image, label, weights = view.show_as_mapped(rng, picture)
+        if rng.random() < 0.5:
+            image = change_ground(rng, image, label, view)
         return change_light(rng, image) if rng.random() < 0.5 else image, label, weights
     image, label, weights = view.change_geometry(rng, picture)
-    if rng.random() < view.share_of_floors:
-        image = paint_floor(rng, image, label, view)
-    if rng.random() < 0.15:
-        image = add_kerb(rng, image, label)
+    image = change_ground(rng, image, label, view)
     # Along a street no wall stands on the outline but a pavement lies behind it, which must not pass for floor.
     if picture.is_fisheye and not picture.name.startswith("street") and rng.random() < 0.35:
         image = smooth_walls(rng, image, label)

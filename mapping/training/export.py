@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes a checkpoint of train.py as ONNX for OpenCV's dnn, and checks that both give the same answer.
 
-    export.py freespace.pt freespace.onnx [--size WxH]
+    export.py freespace.pt freespace.onnx [--size WxH] [--mix earlier.onnx --share 0.1]
 """
 import argparse
 
@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import torch
 
-from network import count_parameters, load
+from network import count_parameters, fold, load, mixed
 
 OPSET = 11  # what OpenCV 4.6 knows well
 MAX_DIFFERENCE = 1e-2  # of log-odds
@@ -35,12 +35,16 @@ def main():
     parser.add_argument("checkpoint")
     parser.add_argument("onnx")
     parser.add_argument("--size", help="of the input: WxH, multiples of 32; default: that of the training")
+    parser.add_argument("--mix", help="earlier weights that these were trained from: a share of them is kept")
+    parser.add_argument("--share", type=float, default=0.5, help="of the earlier weights, 0 to 1")
     arguments = parser.parse_args()
     width, height = (int(number) for number in arguments.size.split("x")) if arguments.size else size_of(arguments.checkpoint)
     if width % 32 or height % 32:
         raise SystemExit("the size must be in multiples of 32")
 
     network = load(arguments.checkpoint).eval()
+    if arguments.mix:
+        network = mixed(fold(network), fold(load(arguments.mix)), arguments.share)
     torch.onnx.export(network, torch.zeros(1, 3, height, width), arguments.onnx, opset_version=OPSET,
                       input_names=["image"], output_names=["log_odds"])
     difference = largest_difference(network, arguments.onnx, (width, height))

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import torch
 
-from network import fold
+from network import fold, mixed
 from outline_network import FEATURES, load
 
 OPSET = 11  # what OpenCV 4.6 knows well
@@ -28,13 +28,6 @@ def largest_difference(network, onnx_path):
     return max(differences)
 
 
-def mean_of(one, other):
-    """A network whose weights lie halfway: what a training gained on its places, less what it lost on others."""
-    weights, others = one.state_dict(), other.state_dict()
-    one.load_state_dict({name: 0.5 * (weights[name] + others[name]) for name in weights})
-    return one
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("checkpoint")
@@ -45,7 +38,7 @@ def main():
     arguments = parser.parse_args()
     network = fold(load(arguments.checkpoint))
     if arguments.mix:
-        network = mean_of(network, fold(load(arguments.mix)))
+        network = mixed(network, fold(load(arguments.mix)), 0.5)
     with torch.no_grad():
         network.head.bias -= arguments.doubt
     torch.onnx.export(network, torch.zeros(1, FEATURES, *SIZES[0]), arguments.onnx, opset_version=OPSET,

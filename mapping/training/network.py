@@ -100,6 +100,14 @@ def fold(network):
     return network
 
 
+def mixed(network, earlier, share):
+    """`network` with a `share` of the weights of `earlier`, which it was trained from: what the training gained on its
+    places stays for the most part, what it lost on others comes back."""
+    weights, others = network.state_dict(), earlier.state_dict()
+    network.load_state_dict({name: torch.lerp(weights[name], others[name], share) for name in weights})
+    return network
+
+
 def load(path):
     """What train.py has saved, folded or not, or export.py has written of a folded one (FILE.onnx)."""
     state = read_onnx(path) if str(path).endswith(".onnx") else torch.load(path, map_location="cpu")["network"]

@@ -1,5 +1,5 @@
 """Paint on floors, of the colours that lines and arrows have: long quadrangles in the picture, or bands on the ground that
-level views show bent.
+level views show bent, and fields between two of them.
 """
 import functools
 
@@ -47,21 +47,58 @@ def ground_of_view():
     return np.float32(distance * np.sin(azimuth)), np.float32(distance * np.cos(azimuth))
 
 
+def random_width(rng):
+    """Of paint on the ground, in heights of the camera."""
+    return np.exp(rng.uniform(np.log(0.06), np.log(0.6)))
+
+
+def beyond_line(toward, reach):
+    """H x W: how far the ground of a level view lies beyond the line that passes the camera at `reach` in the direction
+    `toward` [rad]: 0 is to the right, half pi ahead. In heights of the camera; NaN above the ground."""
+    right, ahead = ground_of_view()
+    return right * np.float32(np.cos(toward)) + ahead * np.float32(np.sin(toward)) - np.float32(reach)
+
+
 def band_in_view(rng):
     """H x W x 1, 0 to 1: what a random straight band on the ground covers of a level view; some end."""
-    right, ahead = ground_of_view()
-    toward, reach = rng.uniform(0, 2 * np.pi), np.exp(rng.uniform(np.log(0.3), np.log(8)))
-    width = np.exp(rng.uniform(np.log(0.06), np.log(0.6)))
-    across = right * np.float32(np.cos(toward)) + ahead * np.float32(np.sin(toward)) - np.float32(reach)
-    share = share_below(np.abs(across), 0.5 * width)
+    toward = rng.uniform(0, 2 * np.pi)
+    share = share_below(np.abs(beyond_line(toward, np.exp(rng.uniform(np.log(0.3), np.log(8))))), 0.5 * random_width(rng))
     if rng.random() < 0.5:
-        along = right * np.float32(np.sin(toward)) - ahead * np.float32(np.cos(toward)) - np.float32(rng.normal(0, 3))
+        along = beyond_line(toward - 0.5 * np.pi, rng.normal(0, 3))
         share = share * share_below(np.abs(along), rng.uniform(0.5, 4))
     return share[..., None]
 
 
+def paint_field(rng, floor):
+    """`floor`, H x W x 3, of a level view with a field as between parts of a car park: plain ground of a shade of its own
+    between two wide lines of one colour, which meet, cross or run side by side."""
+    toward = rng.uniform(0, 2 * np.pi)
+    first = beyond_line(toward, np.exp(rng.uniform(np.log(0.4), np.log(6))))
+    if rng.random() < 0.3:
+        second = -first - np.float32(rng.uniform(0.6, 4))
+    else:
+        second = beyond_line(toward + rng.uniform(0.3, 2.9) * rng.choice([-1, 1]), np.exp(rng.uniform(np.log(0.4), np.log(6))))
+    inside = share_behind(first) * share_behind(second)
+    plain = cv2.GaussianBlur(floor, (0, 0), rng.uniform(2, 12))
+    plain = plain * np.float32(np.exp(rng.normal(0, 0.25))) * np.float32(np.exp(rng.normal(0, 0.06, 3)))
+    inside = inside[..., None] * np.float32(rng.uniform(0.3, 1))
+    floor = floor * (1 - inside) + plain * inside
+    width = 0.5 * random_width(rng)
+    lines = np.maximum(share_below(np.abs(first), width), share_below(np.abs(second), width))
+    return paint(rng, floor, lines[..., None])
+
+
 def share_below(values, bound):
-    """About how much of a pixel has less than `bound`; 0 where the ground is not seen."""
-    per_row, per_column = np.gradient(values)
-    change = np.hypot(per_row, per_column) + np.float32(1e-6)
+    """About how much of a pixel has less than `bound`, of values that are not negative; 0 where the ground is not seen."""
+    change = change_per_pixel(values)
     return np.nan_to_num(np.clip(0.5 + (np.float32(bound) - values) / change, 0, np.minimum(1, np.float32(2 * bound) / change)))
+
+
+def share_behind(values):
+    """About how much of a pixel has negative values; 0 where the ground is not seen."""
+    return np.nan_to_num(np.clip(0.5 - values / change_per_pixel(values), 0, 1))
+
+
+def change_per_pixel(values):
+    per_row, per_column = np.gradient(values)
+    return np.hypot(per_row, per_column) + np.float32(1e-6)

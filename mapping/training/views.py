@@ -6,7 +6,7 @@ import numpy as np
 
 import level_view
 from pictures import DRIVABLE, NOT_DRIVABLE, UNKNOWN
-from stripes import band_in_view, paint, paint_stripe, random_polygon
+from stripes import band_in_view, paint, paint_field, paint_stripe, random_polygon
 
 EQUIDISTANT_FOCAL = 0.31  # of the simulator's fisheyes, in widths of the picture, to 2 %
 KNOT = 8  # pixels between those that a bend is calculated for; sides of pictures are multiples of it
@@ -91,6 +91,7 @@ class CameraView:
 
     share_as_mapped = 0  # of pictures of calibrated cameras
     share_of_floors = 0.35  # that are painted
+    share_of_kerbs = 0.15
 
     def __init__(self, size):
         self.size = size
@@ -109,13 +110,17 @@ class CameraView:
     def paint_stripe(self, rng, floor):
         return paint_stripe(rng, floor, random_polygon(rng, self.size), where=1)
 
+    def paint_field(self, rng, floor):
+        return floor  # where the ground lies is not known
+
 
 class LevelView:
     """Pictures as level_view.py shows them."""
 
     size = level_view.SIZE
-    share_as_mapped = 0.5
-    share_of_floors = 0.5
+    share_as_mapped = 0.4
+    share_of_floors = 0.7
+    share_of_kerbs = 0.25  # the more paint, the more of what looks like it
 
     def change_geometry(self, rng, picture):
         """Image, label and weights as the view of another camera would show them."""
@@ -134,6 +139,9 @@ class LevelView:
 
     def paint_stripe(self, rng, floor):
         return paint(rng, floor, band_in_view(rng))
+
+    def paint_field(self, rng, floor):
+        return paint_field(rng, floor)
 
 
 def random_border(rng):
