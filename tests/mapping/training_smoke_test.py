@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Weights of pixels; level views; bands of paint; kerbs; own cars; two steps of training on made-up pictures and one more with batch normalisation folded,
+"""Weights of pixels; level views; bands of paint; fields; kerbs; own cars; two steps of training on made-up pictures and one more with batch normalisation folded,
 exported, read by OpenCV and trained on from there; kernels carried over; likewise of the network of outlines, on made-up ground. Skipped (77) without PyTorch.
 
 training_smoke_test.py TRAINING_FOLDER
@@ -101,6 +101,23 @@ def check_bands_on_the_ground():
         across = np.float32(np.abs(np.arange(-50, 50) + 0.3)) * np.float32(pixel) * np.ones((3, 1), np.float32)
         width = pixel * stripes.share_below(across, 0.15)[1].sum()
         assert abs(width - 0.3) < 0.1 * max(pixel, 0.3), (pixel, width)
+
+
+def check_fields():
+    """Fields change the ground alone, and more of it than their lines; of a pixel that a line cuts both sides have their share."""
+    import level_view
+    import stripes
+
+    _, elevation = level_view.angles_of(0, np.arange(level_view.SIZE[1]))
+    floor, areas = np.full((288, 832, 3), 90, np.float32), []
+    for seed in range(20):
+        change = np.abs(stripes.paint_field(np.random.default_rng(seed), floor) - floor).max(2)
+        assert np.isfinite(change).all() and (change[elevation > np.radians(-1)] < 1e-3).all()
+        areas.append((change > 2).mean())
+    assert np.median(areas) > 0.1, areas
+    for pixel in (0.01, 0.5):
+        beyond = np.float32(np.arange(-50, 50) + 0.3) * np.float32(pixel) * np.ones((3, 1), np.float32)
+        assert abs(stripes.share_behind(beyond)[1].sum() - 50.2) < 0.01, pixel
 
 
 def check_kerbs():
@@ -225,11 +242,14 @@ def main():
     check_weights(training)
     check_level_views()
     check_bands_on_the_ground()
+    check_fields()
     check_kerbs()
     check_thin_car()
     check_fold()
     check_composed()
     check_rims()
+    from network import load
+
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         rng = np.random.default_rng(1)
@@ -257,6 +277,9 @@ def main():
         log = run("train.py", "--camvid", folder / "camvid", "--drives", folder, "--steps", 1, "--batch", 2, *level, "--out", folder / "l.pt")
         assert "step 1" in log, log
         assert "832x288" in run("export.py", folder / "l.pt", folder / "l.onnx")
+        assert "832x288" in run("export.py", folder / "l.pt", folder / "m.onnx", "--mix", folder / "b.onnx", "--share", 0.25)
+        weights = [load(folder / name).head.weight for name in ("l.pt", "b.onnx", "m.onnx")]
+        assert torch.allclose(weights[2], 0.75 * weights[0] + 0.25 * weights[1], atol=1e-6)
         figures = run("evaluate.py", folder / "a.onnx", "--camvid", folder / "camvid/val")
         assert "3 pictures, IoU" in figures, figures
 
