@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes a checkpoint of train.py as ONNX for OpenCV's dnn, and checks that both give the same answer.
 
-    export.py freespace.pt freespace.onnx [--size WxH] [--mix earlier.onnx --share 0.1]
+    export.py freespace.pt freespace.onnx [--size WxH] [--mix earlier.onnx 0.3]...
 """
 import argparse
 
@@ -35,8 +35,8 @@ def main():
     parser.add_argument("checkpoint")
     parser.add_argument("onnx")
     parser.add_argument("--size", help="of the input: WxH, multiples of 32; default: that of the training")
-    parser.add_argument("--mix", help="earlier weights that these were trained from: a share of them is kept")
-    parser.add_argument("--share", type=float, default=0.5, help="of the earlier weights, 0 to 1")
+    parser.add_argument("--mix", nargs=2, action="append", default=[], metavar=("FILE", "SHARE"),
+                        help="earlier weights that these were trained from, and the share of them to keep")
     arguments = parser.parse_args()
     width, height = (int(number) for number in arguments.size.split("x")) if arguments.size else size_of(arguments.checkpoint)
     if width % 32 or height % 32:
@@ -44,7 +44,7 @@ def main():
 
     network = load(arguments.checkpoint).eval()
     if arguments.mix:
-        network = mixed(fold(network), fold(load(arguments.mix)), arguments.share)
+        network = mixed(fold(network), [(fold(load(path)), float(share)) for path, share in arguments.mix])
     torch.onnx.export(network, torch.zeros(1, 3, height, width), arguments.onnx, opset_version=OPSET,
                       input_names=["image"], output_names=["log_odds"])
     difference = largest_difference(network, arguments.onnx, (width, height))

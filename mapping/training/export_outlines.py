@@ -38,7 +38,7 @@ def main():
     arguments = parser.parse_args()
     network = fold(load(arguments.checkpoint))
     if arguments.mix:
-        network = mixed(network, fold(load(arguments.mix)), 0.5)
+        network = mixed(network, [(fold(load(arguments.mix)), 0.5)])
     with torch.no_grad():
         network.head.bias -= arguments.doubt
     torch.onnx.export(network, torch.zeros(1, FEATURES, *SIZES[0]), arguments.onnx, opset_version=OPSET,

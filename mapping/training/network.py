@@ -100,11 +100,12 @@ def fold(network):
     return network
 
 
-def mixed(network, earlier, share):
-    """`network` with a `share` of the weights of `earlier`, which it was trained from: what the training gained on its
-    places stays for the most part, what it lost on others comes back."""
-    weights, others = network.state_dict(), earlier.state_dict()
-    network.load_state_dict({name: torch.lerp(weights[name], others[name], share) for name in weights})
+def mixed(network, others):
+    """`network` with a share of the weights of `others`, pairs of networks and shares, that it was trained from: what the
+    training gained on its places stays for the most part, what it lost on others comes back."""
+    own_share = 1 - sum(share for _, share in others)
+    states = [(network.state_dict(), own_share)] + [(other.state_dict(), share) for other, share in others]
+    network.load_state_dict({name: sum(share * state[name] for state, share in states) for name in states[0][0]})
     return network
 
 

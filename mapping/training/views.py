@@ -118,7 +118,7 @@ class LevelView:
     """Pictures as level_view.py shows them."""
 
     size = level_view.SIZE
-    share_as_mapped = 0.4
+    share_as_mapped = 0.55
     share_of_floors = 0.7
     share_of_kerbs = 0.25  # the more paint, the more of what looks like it
 

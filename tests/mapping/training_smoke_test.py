@@ -277,9 +277,10 @@ def main():
         log = run("train.py", "--camvid", folder / "camvid", "--drives", folder, "--steps", 1, "--batch", 2, *level, "--out", folder / "l.pt")
         assert "step 1" in log, log
         assert "832x288" in run("export.py", folder / "l.pt", folder / "l.onnx")
-        assert "832x288" in run("export.py", folder / "l.pt", folder / "m.onnx", "--mix", folder / "b.onnx", "--share", 0.25)
-        weights = [load(folder / name).head.weight for name in ("l.pt", "b.onnx", "m.onnx")]
-        assert torch.allclose(weights[2], 0.75 * weights[0] + 0.25 * weights[1], atol=1e-6)
+        mix = ("--mix", folder / "b.onnx", 0.25, "--mix", folder / "d.pt", 0.5)
+        assert "832x288" in run("export.py", folder / "l.pt", folder / "m.onnx", *mix)
+        weights = [load(folder / name).head.weight for name in ("l.pt", "b.onnx", "d.pt", "m.onnx")]
+        assert torch.allclose(weights[3], 0.25 * weights[0] + 0.25 * weights[1] + 0.5 * weights[2], atol=1e-6)
         figures = run("evaluate.py", folder / "a.onnx", "--camvid", folder / "camvid/val")
         assert "3 pictures, IoU" in figures, figures
 
