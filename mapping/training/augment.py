@@ -99,9 +99,9 @@ def roughen(rng, image):
 
 
 def augment(rng, picture, view):
-    """A picture never seen before, in a view of views.py, its label and its weights. A share is shown as maps show it, most of that
-    unchanged: what is bent and painted keeps the network from learning ours by heart, what is not shows it how sharp outlines
-    can be seen."""
+    """A picture never seen before, in a view of views.py, its label and its weights. A share is shown as maps show it, most of
+    that unchanged: what is bent and painted keeps the network from learning ours by heart, what is not shows it how sharp
+    outlines can be seen."""
     if picture.camera is not None and rng.random() < view.share_as_mapped:
         image, label, weights = view.show_as_mapped(rng, picture)
         if rng.random() < 0.35:

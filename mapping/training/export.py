@@ -30,6 +30,16 @@ def size_of(checkpoint):
     return torch.load(checkpoint, map_location="cpu")["size"]
 
 
+def share_of(text):
+    try:
+        share = float(text)
+    except ValueError:
+        share = -1
+    if not 0 <= share <= 1:
+        raise SystemExit(f"--mix: a share is a number from 0 to 1, not {text}")
+    return share
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("checkpoint")
@@ -44,7 +54,7 @@ def main():
 
     network = load(arguments.checkpoint).eval()
     if arguments.mix:
-        network = mixed(fold(network), [(fold(load(path)), float(share)) for path, share in arguments.mix])
+        network = mixed(fold(network), [(fold(load(path)), share_of(text)) for path, text in arguments.mix])
     torch.onnx.export(network, torch.zeros(1, 3, height, width), arguments.onnx, opset_version=OPSET,
                       input_names=["image"], output_names=["log_odds"])
     difference = largest_difference(network, arguments.onnx, (width, height))

@@ -47,9 +47,13 @@ def ground_of_view():
     return np.float32(distance * np.sin(azimuth)), np.float32(distance * np.cos(azimuth))
 
 
+def log_uniform(rng, low, high):
+    return np.exp(rng.uniform(np.log(low), np.log(high)))
+
+
 def random_width(rng):
     """Of paint on the ground, in heights of the camera."""
-    return np.exp(rng.uniform(np.log(0.06), np.log(0.6)))
+    return log_uniform(rng, 0.06, 0.6)
 
 
 def beyond_line(toward, reach):
@@ -62,7 +66,7 @@ def beyond_line(toward, reach):
 def band_in_view(rng):
     """H x W x 1, 0 to 1: what a random straight band on the ground covers of a level view; some end."""
     toward = rng.uniform(0, 2 * np.pi)
-    share = share_below(np.abs(beyond_line(toward, np.exp(rng.uniform(np.log(0.3), np.log(8))))), 0.5 * random_width(rng))
+    share = share_below(np.abs(beyond_line(toward, log_uniform(rng, 0.3, 8))), 0.5 * random_width(rng))
     if rng.random() < 0.5:
         along = beyond_line(toward - 0.5 * np.pi, rng.normal(0, 3))
         share = share * share_below(np.abs(along), rng.uniform(0.5, 4))
@@ -73,18 +77,17 @@ def paint_field(rng, floor):
     """`floor`, H x W x 3, of a level view with a field as between parts of a car park: plain ground of a shade of its own
     between two wide lines of one colour, which meet, cross or run side by side."""
     toward = rng.uniform(0, 2 * np.pi)
-    first = beyond_line(toward, np.exp(rng.uniform(np.log(0.4), np.log(6))))
+    first = beyond_line(toward, log_uniform(rng, 0.4, 6))
     if rng.random() < 0.3:
         second = -first - np.float32(rng.uniform(0.6, 4))
     else:
-        second = beyond_line(toward + rng.uniform(0.3, 2.9) * rng.choice([-1, 1]), np.exp(rng.uniform(np.log(0.4), np.log(6))))
-    inside = share_behind(first) * share_behind(second)
+        second = beyond_line(toward + rng.uniform(0.3, 2.9) * rng.choice([-1, 1]), log_uniform(rng, 0.4, 6))
     plain = cv2.GaussianBlur(floor, (0, 0), rng.uniform(2, 12))
     plain = plain * np.float32(np.exp(rng.normal(0, 0.25))) * np.float32(np.exp(rng.normal(0, 0.06, 3)))
-    inside = inside[..., None] * np.float32(rng.uniform(0.3, 1))
-    floor = floor * (1 - inside) + plain * inside
-    width = 0.5 * random_width(rng)
-    lines = np.maximum(share_below(np.abs(first), width), share_below(np.abs(second), width))
+    between = (share_behind(first) * share_behind(second))[..., None] * np.float32(rng.uniform(0.3, 1))
+    floor = floor * (1 - between) + plain * between
+    half_width = 0.5 * random_width(rng)
+    lines = np.maximum(share_below(np.abs(first), half_width), share_below(np.abs(second), half_width))
     return paint(rng, floor, lines[..., None])
 
 
