@@ -21,12 +21,11 @@ Eigen::Vector3d TurnBack(const Eigen::Vector3d& angle, const Eigen::Vector3d& v)
   return v - turned + 0.5 * angle.cross(turned);
 }
 
-Look LookAt(const ImageView& view, const ImagePose& pose, const LandmarkRay& ray, const double* landmark,
-            double delay) {
+Look LookAt(const ImageView& view, const LandmarkRay& ray, const double* landmark, double delay) {
   const double w = landmark[2];
   Look sight;
-  sight.velocity = w * (pose.odom_from_imu.transpose() * view.velocity_in_odom);
-  sight.before = pose.odom_from_imu.transpose() * (ray.Ray(landmark) + w * (ray.origin - pose.imu_in_odom)) -
+  sight.velocity = w * (view.pose.odom_from_imu.transpose() * view.velocity_in_odom);
+  sight.before = view.pose.odom_from_imu.transpose() * (ray.Ray(landmark) + w * (ray.origin - view.pose.imu_in_odom)) -
                  delay * sight.velocity;
   sight.in_imu = TurnBack(delay * view.angular_velocity, sight.before);
   sight.in_camera = view.camera_from_imu * (sight.in_imu - w * view.camera_in_imu);
@@ -37,28 +36,21 @@ Look LookAt(const ImageView& view, const ImagePose& pose, const LandmarkRay& ray
 
 void ImageView::Update() {
   const double* second = second_pose ? second_pose : first_pose;
-  current = EvaluateImagePose(interpolation, PoseFromParameters(first_pose), PoseFromParameters(second));
+  pose = EvaluateImagePose(interpolation, PoseFromParameters(first_pose), PoseFromParameters(second));
   const Rigid3 imu_from_camera = PoseFromParameters(extrinsics);
   camera_from_imu = imu_from_camera.rotation.toRotationMatrix().transpose();
   camera_in_imu = imu_from_camera.translation;
-  is_at_first_estimate = (first_estimate && first_estimate->is_fixed) || (second_estimate && second_estimate->is_fixed);
-  if (!is_at_first_estimate) return;
-  const double* first_at = first_estimate ? first_estimate->Pose(first_pose) : first_pose;
-  const double* second_at = !second_pose      ? first_at
-                            : second_estimate ? second_estimate->Pose(second_pose)
-                                              : second_pose;
-  linearised = EvaluateImagePose(interpolation, PoseFromParameters(first_at), PoseFromParameters(second_at));
 }
 
 Rigid3 ImageView::OdomFromCamera(double row) const {
   const double delay = Delay(row);
-  const Eigen::Quaterniond rotation(current.odom_from_imu);
-  return Rigid3{rotation * ExpSo3(delay * angular_velocity), current.imu_in_odom + delay * velocity_in_odom} *
+  const Eigen::Quaterniond rotation(pose.odom_from_imu);
+  return Rigid3{rotation * ExpSo3(delay * angular_velocity), pose.imu_in_odom + delay * velocity_in_odom} *
          PoseFromParameters(extrinsics);
 }
 
 Eigen::Vector3d LandmarkInCamera(const ImageView& view, const LandmarkRay& ray, const double* landmark, double row) {
-  return LookAt(view, view.current, ray, landmark, view.Delay(row)).in_camera;
+  return LookAt(view, ray, landmark, view.Delay(row)).in_camera;
 }
 
 /// Of the residual, by what the landmark passes through.
@@ -82,7 +74,8 @@ BearingCost::BearingCost(const ImageView* view, const LandmarkRay* ray, const Be
 
 using PoseJacobian = Eigen::Map<Eigen::Matrix<double, 2, kPoseSize, Eigen::RowMajor>>;
 
-void BearingCost::FillPoses(const ImagePose& pose, const Derivatives& by, double** jacobians) const {
+void BearingCost::FillPoses(const Derivatives& by, double** jacobians) const {
+  const ImagePose& pose = view_->pose;
   const bool is_between = view_->second_pose != nullptr;
   if (!jacobians[0] && !(is_between && jacobians[1])) return;
   const Eigen::Matrix<double, 2, 3> by_rotation = by.before * Skew(by.sight.before);
@@ -126,18 +119,13 @@ bool BearingCost::Evaluate(double const* const* parameters, double* residuals, d
   const double delay = view_->Delay(bearing_.row);
   const Eigen::Matrix<double, 2, 3> across = bearing_.basis.transpose() / bearing_.sigma;
   Derivatives by;
-  by.sight = LookAt(*view_, view_->current, *ray_, landmark, delay);
-  double norm = by.sight.in_camera.norm();
+  by.sight = LookAt(*view_, *ray_, landmark, delay);
+  const double norm = by.sight.in_camera.norm();
   if (!(norm > kMinNorm)) return false;
   Eigen::Map<Eigen::Vector2d>(residuals).noalias() = across * (by.sight.in_camera / norm);
   if (!jacobians) return true;
 
-  const ImagePose& pose = view_->is_at_first_estimate ? view_->linearised : view_->current;
-  if (view_->is_at_first_estimate) {
-    by.sight = LookAt(*view_, pose, *ray_, landmark, delay);
-    norm = by.sight.in_camera.norm();
-    if (!(norm > kMinNorm)) return false;
-  }
+  const ImagePose& pose = view_->pose;
   const Eigen::Vector3d unit = by.sight.in_camera / norm;
   const Eigen::Vector3d angle = delay * view_->angular_velocity;
   by.w = landmark[2];
@@ -146,7 +134,7 @@ bool BearingCost::Evaluate(double const* const* parameters, double* residuals, d
   for (int i = 0; i < 2; ++i) by.before.row(i) = TurnBack(-angle, by.imu.row(i).transpose()).transpose();
   by.odom = by.before * pose.odom_from_imu.transpose();
 
-  FillPoses(pose, by, jacobians);
+  FillPoses(by, jacobians);
   FillCamera(by, jacobians + camera_block);
   if (jacobians[camera_block + 2]) {
     Eigen::Map<Eigen::Matrix<double, 2, kLandmarkSize, Eigen::RowMajor>> jacobian(jacobians[camera_block + 2]);

@@ -3,7 +3,6 @@
 #include <ceres/cost_function.h>
 
 #include "slam/camera_parameters.h"
-#include "slam/first_estimate.h"
 #include "slam/image_pose.h"
 #include "slam/landmark_parameters.h"
 
@@ -14,29 +13,25 @@ namespace parkade {
 /// WindowEvaluationCallback).
 struct ImageView {
   KnotInterpolation interpolation;
-  const double* first_pose = nullptr;              ///< parameter block of the knot before
-  const double* second_pose = nullptr;             ///< of the knot after; null: the image is at the first knot
-  const double* extrinsics = nullptr;              ///< parameter block of the camera
-  const double* timing = nullptr;                  ///< parameter block of the camera
-  const FirstEstimate* first_estimate = nullptr;   ///< may be null
-  const FirstEstimate* second_estimate = nullptr;  ///< may be null
-  double time_offset = 0;                          ///< [s] with which `interpolation` was made
+  const double* first_pose = nullptr;   ///< parameter block of the knot before
+  const double* second_pose = nullptr;  ///< of the knot after; null: the image is at the first knot
+  const double* extrinsics = nullptr;   ///< parameter block of the camera
+  const double* timing = nullptr;       ///< parameter block of the camera
+  double time_offset = 0;               ///< [s] with which `interpolation` was made
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< [rad/s] in imu, held fixed
   Eigen::Vector3d velocity_in_odom = Eigen::Vector3d::Zero();  ///< [m/s] of the imu, held fixed
 
   bool holds_time_offset = false;  ///< not estimated
   bool holds_line_delay = false;   ///< not estimated
 
-  ImagePose current;                  ///< where residuals are evaluated
-  ImagePose linearised;               ///< where Jacobians are evaluated
-  bool is_at_first_estimate = false;  ///< the two differ
+  ImagePose pose;
   Eigen::Matrix3d camera_from_imu = Eigen::Matrix3d::Identity();
   Eigen::Vector3d camera_in_imu = Eigen::Vector3d::Zero();  ///< [m]
 
-  /// Recomputes both poses and the camera's from the parameter blocks.
+  /// Recomputes the pose and the camera's from the parameter blocks.
   void Update();
 
-  /// [s] by which what is seen `row` rows below the middle was seen later than `current`.
+  /// [s] by which what is seen `row` rows below the middle was seen later than `pose`.
   double Delay(double row) const { return timing[0] - time_offset + row * timing[1]; }
   /// odom_from_camera when that row was exposed.
   Rigid3 OdomFromCamera(double row) const;
@@ -75,7 +70,7 @@ class BearingCost final : public ceres::CostFunction {
 
  private:
   struct Derivatives;
-  void FillPoses(const ImagePose& pose, const Derivatives& by, double** jacobians) const;
+  void FillPoses(const Derivatives& by, double** jacobians) const;
   void FillCamera(const Derivatives& by, double** jacobians) const;
 
   const ImageView* view_;

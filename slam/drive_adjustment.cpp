@@ -188,10 +188,9 @@ AdjustmentStatistics DriveAdjustment::Statistics() const {
   for (size_t j = 1; j < knots_.size(); ++j) {
     const AdjustedKnot &i = knots_[j - 1], &knot = knots_[j];
     if (!knot.interval) continue;
-    imu += MeanSquare(ImuCost(&knot.interval->imu, nullptr, nullptr), {i.pose, i.motion, knot.pose, knot.motion});
+    imu += MeanSquare(ImuCost(&knot.interval->imu), {i.pose, i.motion, knot.pose, knot.motion});
     if (knot.interval->wheels && !knot.interval->is_still)
-      wheels.push_back(
-          MeanSquare(WheelCost(*knot.interval->wheels, nullptr, nullptr), {i.pose, i.motion, knot.pose, wheel_scale_}));
+      wheels.push_back(MeanSquare(WheelCost(*knot.interval->wheels), {i.pose, i.motion, knot.pose, wheel_scale_}));
   }
   if (knots_.size() > 1) statistics.imu = imu / static_cast<double>(knots_.size() - 1);
   double unused_bearings = 0;

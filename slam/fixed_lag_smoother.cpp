@@ -146,13 +146,11 @@ void FixedLagSmoother::PointViewsAtKnots() {
     geometry.extrinsics = camera.extrinsics.data();
     geometry.timing = camera.timing.data();
     geometry.first_pose = first.pose.data();
-    geometry.first_estimate = &first.first_estimate;
     geometry.velocity_in_odom = Eigen::Vector3d::Map(first.motion.data());
     geometry.angular_velocity = view.angular_velocity - BiasFromParameters(first.motion.data()).gyroscope;
     if (view.second_knot) {
       const Knot& second = KnotNumbered(*view.second_knot);
       geometry.second_pose = second.pose.data();
-      geometry.second_estimate = &second.first_estimate;
       geometry.velocity_in_odom +=
           geometry.interpolation.fraction * (Eigen::Vector3d::Map(second.motion.data()) - geometry.velocity_in_odom);
     }

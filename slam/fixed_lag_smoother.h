@@ -51,8 +51,8 @@ struct SolveSummary {
 
 /// Fixed-lag smoother: the states of the last knots, the landmarks in their
 /// images, the wheel scale and the calibration of the cameras, estimated together
-/// from IMU, wheels, standstill and bearings; what leaves the window is condensed into a linear prior with
-/// first-estimate Jacobians. Deterministic; one thread.
+/// from IMU, wheels, standstill and bearings; what leaves the window is condensed into a linear prior.
+/// Deterministic; one thread.
 ///
 /// S. Leutenegger et al., "Keyframe-based visual-inertial odometry using
 /// nonlinear optimization", IJRR 2015; N. Demmel et al., ICCV 2021 (prior).

@@ -9,15 +9,9 @@ namespace {
 // declared (nearly) noise-free.
 constexpr double kCovarianceFloor = 1e-12;
 
-const double* PoseAt(const FirstEstimate* first, const double* pose) { return first ? first->Pose(pose) : pose; }
-const double* MotionAt(const FirstEstimate* first, const double* motion) {
-  return first ? first->Motion(motion) : motion;
-}
-
 }  // namespace
 
-ImuCost::ImuCost(const ImuPreintegration* preintegration, const FirstEstimate* first_i, const FirstEstimate* first_j)
-    : preintegration_(preintegration), first_i_(first_i), first_j_(first_j) {
+ImuCost::ImuCost(const ImuPreintegration* preintegration) : preintegration_(preintegration) {
   Eigen::Matrix<double, 9, 9> covariance = preintegration->covariance();
   covariance.diagonal().array() += kCovarianceFloor;
   // S = L^-1 of covariance = L L^T.
@@ -103,10 +97,7 @@ bool ImuCost::Evaluate(double const* const* parameters, double* residuals, doubl
   const MotionState i = StateFromParameters(none, parameters[0], parameters[1]);
   const MotionState j = StateFromParameters(none, parameters[2], parameters[3]);
   Eigen::Map<Vector15d>(residuals).noalias() = Residual(i, j);
-  if (jacobians)
-    FillJacobians(StateFromParameters(none, PoseAt(first_i_, parameters[0]), MotionAt(first_i_, parameters[1])),
-                  StateFromParameters(none, PoseAt(first_j_, parameters[2]), MotionAt(first_j_, parameters[3])),
-                  jacobians);
+  if (jacobians) FillJacobians(i, j, jacobians);
   return true;
 }
 

@@ -2,8 +2,8 @@
 
 #include <ceres/sized_cost_function.h>
 
-#include "slam/first_estimate.h"
 #include "slam/imu_preintegration.h"
+#include "slam/knot_parameters.h"
 
 namespace parkade {
 
@@ -16,12 +16,10 @@ namespace parkade {
 ///           b_aj - b_ai ],      S^T S = covariance^-1
 ///
 /// Parameter blocks: pose_i 7, motion_i 9, pose_j 7, motion_j 9.
-/// C. Forster et al., TRO 2017, eqs. 44-45. Jacobians at first estimates where
-/// a knot has one. `preintegration` and the first estimates are borrowed and
-/// may be null / must outlive the cost.
+/// C. Forster et al., TRO 2017, eqs. 44-45. `preintegration` is borrowed and must outlive the cost.
 class ImuCost final : public ceres::SizedCostFunction<15, kPoseSize, kMotionSize, kPoseSize, kMotionSize> {
  public:
-  ImuCost(const ImuPreintegration* preintegration, const FirstEstimate* first_i, const FirstEstimate* first_j);
+  explicit ImuCost(const ImuPreintegration* preintegration);
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
   const ImuPreintegration& preintegration() const { return *preintegration_; }
@@ -33,8 +31,6 @@ class ImuCost final : public ceres::SizedCostFunction<15, kPoseSize, kMotionSize
   void FillJacobians(const MotionState& i, const MotionState& j, double** jacobians) const;
 
   const ImuPreintegration* preintegration_;
-  const FirstEstimate* first_i_;
-  const FirstEstimate* first_j_;
   Eigen::Matrix<double, 9, 9> sqrt_information_;
   double gyroscope_weight_;
   double accelerometer_weight_;

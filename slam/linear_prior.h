@@ -87,7 +87,7 @@ ScoreElimination EliminateScores(const Eigen::MatrixXd& score_covariance, const 
                                  const Eigen::MatrixXd& root, const Eigen::MatrixXd& to_kept);
 
 /// The prior as a cost of its blocks, in their order. Its Jacobian is constant:
-/// that of the first estimate. `prior` is borrowed.
+/// that where states were condensed. `prior` is borrowed.
 class LinearPriorCost final : public ceres::CostFunction {
  public:
   explicit LinearPriorCost(const LinearPrior* prior);

@@ -88,19 +88,19 @@ FinishedKnot FixedLagSmoother::MarginaliseOldest() {
   const LinearisableBlock prior_block = block_of(&prior_cost, nullptr, prior_states);
   marginaliser.Add(prior_block, &prior_.score_covariance);
   marginaliser.AddSensitivity(ColumnsOf(prior_block), prior_.score_sensitivity);
-  const ImuCost imu_cost(&interval.imu, &oldest.first_estimate, &next.first_estimate);
+  const ImuCost imu_cost(&interval.imu);
   const StateName pose_i{Kind::kPose, oldest.number}, motion_i{Kind::kMotion, oldest.number};
   const StateName pose_j{Kind::kPose, next.number}, motion_j{Kind::kMotion, next.number};
   const LinearisableBlock imu_block = block_of(&imu_cost, nullptr, {pose_i, motion_i, pose_j, motion_j});
   marginaliser.Add(imu_block);
   marginaliser.AddSensitivity(ColumnsOf(imu_block), ScoreSensitivity(imu_cost, interval.imu, imu_block.parameters));
   if (interval.wheels) {
-    const WheelCost cost(*interval.wheels, &oldest.first_estimate, &next.first_estimate);
+    const WheelCost cost(*interval.wheels);
     const ceres::CauchyLoss loss(options_.wheel_robust_width);
     marginaliser.Add(block_of(&cost, &loss, {pose_i, motion_i, pose_j, kWheelScale}));
   }
   if (interval.is_still) {
-    const StandstillCost cost(options_.standstill, &oldest.first_estimate, &next.first_estimate);
+    const StandstillCost cost(options_.standstill);
     marginaliser.Add(block_of(&cost, nullptr, {pose_i, pose_j, motion_j}));
   }
   const ceres::ScaledLoss bearing_loss = BearingLoss(options_.robust_width);
@@ -116,35 +116,24 @@ FinishedKnot FixedLagSmoother::MarginaliseOldest() {
   }
   Marginaliser::Result result = marginaliser.Finish();
 
-  // Residuals were evaluated at the current values, Jacobians at first estimates:
-  // refer the prior to the latter.
   LinearPrior prior;
-  Eigen::VectorXd since_first = Eigen::VectorXd::Zero(result.sqrt_information.cols());
   for (const StateName& name : states) {
     if (name == pose_i || name == motion_i) continue;
     PriorBlock block{name, {}};
-    const double* values = ValuesOf(name);
-    const double* at = values;
-    if (options_.first_estimates && name.IsOfKnot()) {
-      Knot& knot = KnotNumbered(name.number);
-      if (!knot.first_estimate.is_fixed) knot.first_estimate = {true, knot.pose, knot.motion};
-      at = name.kind == Kind::kPose ? knot.first_estimate.pose.data() : knot.first_estimate.motion.data();
-    }
-    std::copy_n(at, block.Size(), block.at.begin());
-    block.Deviation(values, since_first.data() + columns[name] - kDropped);
+    std::copy_n(ValuesOf(name), block.Size(), block.at.begin());
     prior.blocks.push_back(block);
   }
   StateConditional conditional{{{pose_i, {}}, {motion_i, {}}},
                                result.dropped_information.cast<float>(),
                                result.dropped_to_kept.cast<float>(),
-                               (result.dropped_offset - result.dropped_to_kept * since_first).cast<float>(),
+                               result.dropped_offset.cast<float>(),
                                result.scores.dropped.cast<float>(),
                                result.scores.cross.cast<float>(),
                                result.scores.dropped_sensitivity.cast<float>(),
                                prior.blocks};
   std::copy(oldest.pose.begin(), oldest.pose.end(), conditional.states[0].at.begin());
   std::copy(oldest.motion.begin(), oldest.motion.end(), conditional.states[1].at.begin());
-  prior.offset = result.offset - result.sqrt_information * since_first;
+  prior.offset = std::move(result.offset);
   prior.sqrt_information = std::move(result.sqrt_information);
   prior.score_covariance = std::move(result.scores.kept);
   prior.score_sensitivity = std::move(result.scores.kept_sensitivity);

@@ -54,7 +54,6 @@ struct SmootherOptions {
   double wheel_robust_width = 2.0;  ///< [sigma] Cauchy loss of wheels: slip
   double max_bearing_error = 5.0;   ///< [sigma] a bearing further off is left out
   double min_distance = 0.3;        ///< [m] landmarks nearer are the car itself or nonsense
-  bool first_estimates = true;      ///< Jacobians of states in the prior at their first estimates
   bool estimate_wheel_scale = true;
   double wheel_scale_sigma = 0.01;  ///< of the tyres' radius before the drive tells
   bool scale_camera_noise = true;   ///< per camera, from its residuals
@@ -71,7 +70,6 @@ struct SmootherOptions {
     visit("wheel_robust_width", wheel_robust_width);
     visit("max_bearing_error", max_bearing_error);
     visit("min_distance", min_distance);
-    visit("first_estimates", first_estimates);
     visit("estimate_wheel_scale", estimate_wheel_scale);
     visit("wheel_scale_sigma", wheel_scale_sigma);
     visit("scale_camera_noise", scale_camera_noise);

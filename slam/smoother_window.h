@@ -8,9 +8,9 @@
 
 #include "slam/bearing_cost.h"
 #include "slam/feature_track.h"
-#include "slam/first_estimate.h"
 #include "slam/imu_preintegration.h"
 #include "slam/knot_conditional.h"
+#include "slam/knot_parameters.h"
 #include "slam/wheel_preintegration.h"
 
 namespace parkade {
@@ -28,7 +28,6 @@ struct Knot {
   Timestamp time;
   std::array<double, kPoseSize> pose{};
   std::array<double, kMotionSize> motion{};
-  FirstEstimate first_estimate;
   std::optional<KnotInterval> interval;  ///< since the knot before; empty at the very first
 
   MotionState State() const { return StateFromParameters(time, pose.data(), motion.data()); }

@@ -110,14 +110,13 @@ std::unique_ptr<DriveAdjustment::StretchProblem> DriveAdjustment::Pose(const Adj
     pose_of(j), motion_of(j);
     if (j == 0 || !knots_[j].interval) continue;
     const KnotInterval& interval = *knots_[j].interval;
-    add(std::make_unique<ImuCost>(&interval.imu, nullptr, nullptr), nullptr,
+    add(std::make_unique<ImuCost>(&interval.imu), nullptr,
         {pose_of(j - 1), motion_of(j - 1), pose_of(j), motion_of(j)});
     if (interval.is_still)
-      add(std::make_unique<StandstillCost>(StandstillNoise(), nullptr, nullptr), nullptr,
-          {pose_of(j - 1), pose_of(j), motion_of(j)});
+      add(std::make_unique<StandstillCost>(StandstillNoise()), nullptr, {pose_of(j - 1), pose_of(j), motion_of(j)});
     if (!interval.wheels) continue;
     know(wheel_scale_, 1, false, frees_calibration);
-    add(std::make_unique<WheelCost>(*interval.wheels, nullptr, nullptr), loss,
+    add(std::make_unique<WheelCost>(*interval.wheels), loss,
         {pose_of(j - 1), motion_of(j - 1), pose_of(j), wheel_scale_});
   }
   for (size_t i = 0; i < cameras_.size(); ++i) {

@@ -150,17 +150,16 @@ SolveSummary FixedLagSmoother::SolveWindow(int max_iterations) {
 
   for (size_t j = 1; j < knots_.size(); ++j) {
     const KnotInterval& interval = *knots_[j].interval;
-    const FirstEstimate *first_i = &knots_[j - 1].first_estimate, *first_j = &knots_[j].first_estimate;
-    costs.push_back(std::make_unique<ImuCost>(&interval.imu, first_i, first_j));
+    costs.push_back(std::make_unique<ImuCost>(&interval.imu));
     problem.AddResidualBlock(costs.back().get(), nullptr, blocks[j - 1].pose, blocks[j - 1].motion, blocks[j].pose,
                              blocks[j].motion);
     if (interval.wheels) {
-      costs.push_back(std::make_unique<WheelCost>(*interval.wheels, first_i, first_j));
+      costs.push_back(std::make_unique<WheelCost>(*interval.wheels));
       problem.AddResidualBlock(costs.back().get(), &wheel_loss, blocks[j - 1].pose, blocks[j - 1].motion,
                                blocks[j].pose, wheel_scale);
     }
     if (interval.is_still) {
-      costs.push_back(std::make_unique<StandstillCost>(options_.standstill, first_i, first_j));
+      costs.push_back(std::make_unique<StandstillCost>(options_.standstill));
       problem.AddResidualBlock(costs.back().get(), nullptr, blocks[j - 1].pose, blocks[j].pose, blocks[j].motion);
     }
   }

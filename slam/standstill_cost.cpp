@@ -9,23 +9,19 @@ void StandstillNoise::Validate() const {
           "the noise of a standstill must be positive");
 }
 
-StandstillCost::StandstillCost(const StandstillNoise& noise, const FirstEstimate* first_i, const FirstEstimate* first_j)
-    : noise_(noise), first_i_(first_i), first_j_(first_j) {}
+StandstillCost::StandstillCost(const StandstillNoise& noise) : noise_(noise) {}
 
 bool StandstillCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
   Eigen::Map<Eigen::Matrix<double, 9, 1>> residual(residuals);
-  {
-    const Rigid3 i = PoseFromParameters(parameters[0]), j = PoseFromParameters(parameters[1]);
-    residual.head<3>() = LogSo3(i.rotation.conjugate() * j.rotation) / noise_.rotation;
-    residual.segment<3>(3) = (j.translation - i.translation) / noise_.position;
-    residual.tail<3>() = Eigen::Map<const Eigen::Vector3d>(parameters[2]) / noise_.velocity;
-  }
+  const Rigid3 i = PoseFromParameters(parameters[0]), j = PoseFromParameters(parameters[1]);
+  const Eigen::Quaterniond i_from_j = i.rotation.conjugate() * j.rotation;
+  const Eigen::Vector3d turned = LogSo3(i_from_j);
+  residual.head<3>() = turned / noise_.rotation;
+  residual.segment<3>(3) = (j.translation - i.translation) / noise_.position;
+  residual.tail<3>() = Eigen::Map<const Eigen::Vector3d>(parameters[2]) / noise_.velocity;
   if (!jacobians) return true;
 
-  const Rigid3 i = PoseFromParameters(first_i_ ? first_i_->Pose(parameters[0]) : parameters[0]);
-  const Rigid3 j = PoseFromParameters(first_j_ ? first_j_->Pose(parameters[1]) : parameters[1]);
-  const Eigen::Quaterniond i_from_j = i.rotation.conjugate() * j.rotation;
-  const Eigen::Matrix3d d_log = InverseRightJacobianSo3(LogSo3(i_from_j));
+  const Eigen::Matrix3d d_log = InverseRightJacobianSo3(turned);
   if (jacobians[0]) {
     Eigen::Map<Eigen::Matrix<double, 9, 7, Eigen::RowMajor>> jacobian(jacobians[0]);
     jacobian.setZero();

@@ -2,7 +2,7 @@
 
 #include <ceres/sized_cost_function.h>
 
-#include "slam/first_estimate.h"
+#include "slam/knot_parameters.h"
 #include "slam/smoother_options.h"
 
 namespace parkade {
@@ -14,14 +14,12 @@ namespace parkade {
 /// Parameter blocks: pose_i 7, pose_j 7, motion_j 9.
 class StandstillCost final : public ceres::SizedCostFunction<9, kPoseSize, kPoseSize, kMotionSize> {
  public:
-  StandstillCost(const StandstillNoise& noise, const FirstEstimate* first_i, const FirstEstimate* first_j);
+  explicit StandstillCost(const StandstillNoise& noise);
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
 
  private:
   StandstillNoise noise_;
-  const FirstEstimate* first_i_;
-  const FirstEstimate* first_j_;
 };
 
 }  // namespace parkade

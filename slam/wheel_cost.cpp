@@ -4,29 +4,21 @@
 
 namespace parkade {
 
-WheelCost::WheelCost(const WheelPreintegration& preintegration, const FirstEstimate* first_i,
-                     const FirstEstimate* first_j)
-    : preintegration_(preintegration), first_i_(first_i), first_j_(first_j) {
+WheelCost::WheelCost(const WheelPreintegration& preintegration) : preintegration_(preintegration) {
   sqrt_information_ = preintegration.covariance.llt().matrixL().solve(Eigen::Matrix3d::Identity());
 }
 
 bool WheelCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
-  const auto displacement_at = [&](const double* motion) -> Eigen::Vector3d {
-    return preintegration_.displacement +
-           preintegration_.d_gyroscope_bias * (BiasFromParameters(motion).gyroscope - preintegration_.gyroscope_bias);
-  };
+  const Eigen::Vector3d displacement =
+      preintegration_.displacement +
+      preintegration_.d_gyroscope_bias * (BiasFromParameters(parameters[1]).gyroscope - preintegration_.gyroscope_bias);
   const Eigen::Vector3d& lever = preintegration_.body_in_imu;
-  {
-    const Rigid3 i = PoseFromParameters(parameters[0]), j = PoseFromParameters(parameters[2]);
-    const Eigen::Vector3d moved = i.rotation.conjugate() * (j * lever - i * lever);
-    Eigen::Map<Eigen::Vector3d>(residuals).noalias() =
-        sqrt_information_ * (moved - (1 + parameters[3][0]) * displacement_at(parameters[1]));
-  }
+  const Rigid3 i = PoseFromParameters(parameters[0]), j = PoseFromParameters(parameters[2]);
+  const Eigen::Vector3d moved = i.rotation.conjugate() * (j * lever - i * lever);
+  Eigen::Map<Eigen::Vector3d>(residuals).noalias() =
+      sqrt_information_ * (moved - (1 + parameters[3][0]) * displacement);
   if (!jacobians) return true;
 
-  const double* motion = first_i_ ? first_i_->Motion(parameters[1]) : parameters[1];
-  const Rigid3 i = PoseFromParameters(first_i_ ? first_i_->Pose(parameters[0]) : parameters[0]);
-  const Rigid3 j = PoseFromParameters(first_j_ ? first_j_->Pose(parameters[2]) : parameters[2]);
   const Eigen::Matrix3d back = i.rotation.toRotationMatrix().transpose();
   if (jacobians[0]) {
     Eigen::Map<Eigen::Matrix<double, 3, 7, Eigen::RowMajor>> jacobian(jacobians[0]);
@@ -47,7 +39,7 @@ bool WheelCost::Evaluate(double const* const* parameters, double* residuals, dou
     jacobian.middleCols<3>(3).noalias() = sqrt_information_ * back;
     jacobian.col(6).setZero();
   }
-  if (jacobians[3]) Eigen::Map<Eigen::Vector3d>(jacobians[3]).noalias() = -sqrt_information_ * displacement_at(motion);
+  if (jacobians[3]) Eigen::Map<Eigen::Vector3d>(jacobians[3]).noalias() = -sqrt_information_ * displacement;
   return true;
 }
 

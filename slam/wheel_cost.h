@@ -2,7 +2,7 @@
 
 #include <ceres/sized_cost_function.h>
 
-#include "slam/first_estimate.h"
+#include "slam/knot_parameters.h"
 #include "slam/wheel_preintegration.h"
 
 namespace parkade {
@@ -16,14 +16,12 @@ namespace parkade {
 /// Parameter blocks: pose_i 7, motion_i 9, pose_j 7, wheel_scale 1.
 class WheelCost final : public ceres::SizedCostFunction<3, kPoseSize, kMotionSize, kPoseSize, 1> {
  public:
-  WheelCost(const WheelPreintegration& preintegration, const FirstEstimate* first_i, const FirstEstimate* first_j);
+  explicit WheelCost(const WheelPreintegration& preintegration);
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
 
  private:
   WheelPreintegration preintegration_;
-  const FirstEstimate* first_i_;
-  const FirstEstimate* first_j_;
   Eigen::Matrix3d sqrt_information_;
 };
 

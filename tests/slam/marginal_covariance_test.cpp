@@ -167,7 +167,7 @@ TEST(MarginalCovariance, ErrorsOfTheImusScaleCount) {
   ceres::Problem problem(options);
   problem.AddParameterBlock(pose_i.data(), kPoseSize, &manifold);
   problem.AddParameterBlock(pose_j.data(), kPoseSize, &manifold);
-  auto* const cost = new ImuCost(&imu, nullptr, nullptr);
+  auto* const cost = new ImuCost(&imu);
   problem.AddResidualBlock(cost, nullptr, pose_i.data(), motion_i.data(), pose_j.data(), motion_j.data());
   problem.SetParameterBlockConstant(pose_i.data());
   problem.SetParameterBlockConstant(motion_i.data());
