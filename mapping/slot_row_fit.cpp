@@ -18,15 +18,16 @@ struct SeenEnd {
   double across = 0, along = 0;
 };
 
-/// The outermost seen end of each line, half its width taken off.
-std::vector<SeenEnd> SeenEnds(std::span<const RowDivider> dividers, bool is_lower) {
+/// The outermost end of each line that counts, half its width taken off.
+std::vector<SeenEnd> SeenEnds(std::span<const RowDivider> dividers, bool is_lower, LineEnds which) {
   std::vector<SeenEnd> ends;
   for (const RowDivider& divider : dividers) {
     const PaintStretch* outermost = nullptr;
     for (const PaintStretch& stretch : divider.stretches)
       if (outermost == nullptr || (is_lower ? stretch.begin < outermost->begin : stretch.end > outermost->end))
         outermost = &stretch;
-    if (outermost == nullptr || !(is_lower ? outermost->is_begin_seen : outermost->is_end_seen)) continue;
+    if (outermost == nullptr) continue;
+    if (which == LineEnds::kOfPaint && !(is_lower ? outermost->is_begin_seen : outermost->is_end_seen)) continue;
     ends.push_back(is_lower ? SeenEnd{outermost->across_begin, outermost->begin + 0.5 * outermost->width}
                             : SeenEnd{outermost->across_end, outermost->end - 0.5 * outermost->width});
   }
@@ -90,8 +91,9 @@ double RowDivider::AcrossAt(double along) const {
   return mean_y + (sum_xy / weight - mean_x * mean_y) / variance * (along - mean_x);
 }
 
-std::optional<RowEnds> FitRowEnds(std::span<const RowDivider> dividers, bool is_lower, std::optional<double> slope) {
-  const std::vector<SeenEnd> ends = SeenEnds(dividers, is_lower);
+std::optional<RowEnds> FitRowEnds(std::span<const RowDivider> dividers, bool is_lower, std::optional<double> slope,
+                                  LineEnds which) {
+  const std::vector<SeenEnd> ends = SeenEnds(dividers, is_lower, which);
   RowEnds best;
   int best_score = 0, best_handicap = 0;
   const auto consider = [&](double line_slope, const SeenEnd& through, int handicap) {

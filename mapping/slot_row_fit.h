@@ -36,9 +36,12 @@ struct RowEnds {
   double At(double across) const { return offset + slope * across; }
 };
 
-/// The straight line that the ends which agree most lie on; nothing where no end is seen. Ends are seen paint ends only
-/// (`is_lower`: at the begin). Square to the lines unless a slant explains two ends more.
+/// Which ends of lines count: where paint ends, or also where no more of a line is seen.
+enum class LineEnds { kOfPaint, kAll };
+
+/// The straight line that the ends which agree most lie on; nothing where there is none (`is_lower`: at the begin).
+/// Square to the lines unless a slant explains two ends more.
 std::optional<RowEnds> FitRowEnds(std::span<const RowDivider> dividers, bool is_lower,
-                                  std::optional<double> slope = std::nullopt);
+                                  std::optional<double> slope = std::nullopt, LineEnds which = LineEnds::kOfPaint);
 
 }  // namespace parkade

@@ -18,6 +18,7 @@ using Eigen::Vector2d;
 
 constexpr double kMaxHeightStep = 1.2;  // [m] between lines of one deck
 constexpr double kMinSeenShare = 0.25;  // of a row's lines whose ends have to agree
+constexpr double kMinWallShare = 0.4;   // likewise, of those that a wall cuts off
 constexpr double kSecondRank = 1.0;     // [m] of paint behind one rank of slots that say that there is another
 constexpr int kFewLines = 4;            // seen ones: fewer are a row only where they are whole
 constexpr double kWhole = 0.7;          // of a slot's length
@@ -34,6 +35,7 @@ struct Ranks {
   RowEnds lower, upper;
   int count = 1;
   bool is_lower_known = true, is_upper_known = true;
+  bool is_length_measured = true;  ///< and not that of other rows
 };
 
 /// [m] between the ends, of a slot's length: where lines stand askew they are longer than that.
@@ -59,6 +61,14 @@ std::optional<RowEnds> SureEnds(const SlotRow& row, bool is_lower, std::optional
   return ends;
 }
 
+/// Ends opposite to known ones that are not seen, as no ground is seen behind them, but that many lines have in common:
+/// a wall stands there.
+std::optional<RowEnds> EndsAtWall(const SlotRow& row, bool is_lower, double slope) {
+  const std::optional<RowEnds> ends = FitRowEnds(row.dividers, is_lower, slope, LineEnds::kAll);
+  if (!ends || ends->num_seen < std::max(3.0, kMinWallShare * CountSeenLines(row))) return {};
+  return ends;
+}
+
 /// How many lines go on behind one rank of slots that begins at known ends.
 int CountLongerLines(const SlotRow& row, const RowEnds& known, bool is_lower, double length) {
   return static_cast<int>(std::count_if(row.dividers.begin(), row.dividers.end(), [&](const RowDivider& divider) {
@@ -73,6 +83,7 @@ Ranks ContinueFrom(const SlotRow& row, const RowEnds& known, bool is_lower, doub
   Ranks ranks;
   ranks.count = std::abs(known.slope) < kSquareSlope && CountLongerLines(row, known, is_lower, slot) >= 2 ? 2 : 1;
   ranks.is_lower_known = is_lower, ranks.is_upper_known = !is_lower;
+  ranks.is_length_measured = false;
   ranks.lower = is_lower ? known : RowEnds{known.offset - ranks.count * slot, known.slope, 0};
   ranks.upper = is_lower ? RowEnds{known.offset + ranks.count * slot, known.slope, 0} : known;
   return ranks;
@@ -87,14 +98,20 @@ bool HasWholeLines(const SlotRow& row, const Ranks& ranks) {
          }) >= 2;
 }
 
-std::optional<Ranks> FitRanks(const SlotRow& row, const SlotMeasures& measures, bool is_parallel, double usual_length) {
+/// Ends on both sides of a row, as far as they are sure. They are parallel: where one side has a slant of its own, or
+/// none that its lines agree on, it is asked again with the other one's.
+std::pair<std::optional<RowEnds>, std::optional<RowEnds>> SureEndsOnBothSides(const SlotRow& row) {
   std::optional<RowEnds> lower = SureEnds(row, true), upper = SureEnds(row, false);
-  if (lower && upper && std::abs(lower->slope - upper->slope) > 0.02) {
-    if (lower->num_seen >= upper->num_seen)
-      upper = SureEnds(row, false, lower->slope);
-    else
-      lower = SureEnds(row, true, upper->slope);
-  }
+  if (lower && upper && std::abs(lower->slope - upper->slope) <= 0.02) return {lower, upper};
+  if (lower && (!upper || lower->num_seen >= upper->num_seen))
+    upper = SureEnds(row, false, lower->slope);
+  else if (upper)
+    lower = SureEnds(row, true, upper->slope);
+  return {lower, upper};
+}
+
+std::optional<Ranks> FitRanks(const SlotRow& row, const SlotMeasures& measures, bool is_parallel, double usual_length) {
+  auto [lower, upper] = SureEndsOnBothSides(row);
   if (lower && upper) {
     const Ranks ranks{*lower, *upper, CountRanks(LengthBetween(*lower, *upper, row.pitch), measures)};
     if (ranks.count == 1 || (ranks.count == 2 && !is_parallel)) return ranks;
@@ -102,6 +119,11 @@ std::optional<Ranks> FitRanks(const SlotRow& row, const SlotMeasures& measures, 
     (lower->num_seen >= upper->num_seen ? upper : lower).reset();
   }
   if (is_parallel || (!lower && !upper)) return {};
+  if (const std::optional<RowEnds> wall = EndsAtWall(row, !lower, (lower ? lower : upper)->slope)) {
+    Ranks ranks{lower ? *lower : *wall, upper ? *upper : *wall};
+    ranks.is_lower_known = lower.has_value(), ranks.is_upper_known = upper.has_value();
+    if (CountRanks(LengthBetween(ranks.lower, ranks.upper, row.pitch), measures) == 1) return ranks;
+  }
   return lower ? ContinueFrom(row, *lower, true, usual_length) : ContinueFrom(row, *upper, false, usual_length);
 }
 
@@ -232,12 +254,12 @@ std::vector<SlotRow> FindRowsOf(const std::vector<PaintLine>& lines, const RowKi
   return rows;
 }
 
-/// The median of the lengths of slots in rows whose ends are seen on both sides.
+/// The median of the lengths of slots in rows that tell it.
 double FindUsualLength(const std::vector<SlotRow>& rows, const SlotMeasures& measures, bool is_parallel) {
   std::vector<double> lengths;
   for (const SlotRow& row : rows)
     if (const std::optional<Ranks> ranks = FindRanks(row, measures, is_parallel, measures.usual_length))
-      if (ranks->is_lower_known && ranks->is_upper_known)
+      if (ranks->is_length_measured)
         lengths.push_back(LengthBetween(ranks->lower, ranks->upper, row.pitch) / ranks->count);
   if (lengths.empty()) return measures.usual_length;
   const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);

@@ -175,6 +175,44 @@ TEST(SlotRows, OfSlantedStubsAreFound) {
   }
 }
 
+/// Near ends are seen of all lines, far ones blurred and mostly too short: only with the slant of the near ones do
+/// three of them agree.
+TEST(SlotRows, HaveParallelEnds) {
+  PaintedRow row;
+  row.slant = 0.3, row.pitch = 2.7, row.length = 5.5;
+  std::vector<PaintLine> lines;
+  std::vector<TrueSlot> truth;
+  for (int i = 0; i < 8; ++i) {
+    lines.push_back(row.Line(i));
+    if (i % 3 != 0) lines.back().end -= (0.5 + 0.2 * i) * row.Inward();
+  }
+  for (int i = 0; i < 7; ++i) truth.push_back(row.Slot(i));
+  const SlotEvaluation evaluation = EvaluateSlots(truth, Lifted(FindSlotRows(lines)));
+  EXPECT_EQ(evaluation.num_right, 7U);
+  EXPECT_LT(evaluation.corner_rmse, 0.03);
+}
+
+/// Behind the ends no ground is seen: what they have in common is a wall, what differs are parked cars.
+TEST(SlotRows, EndAtWalls) {
+  PaintedRow row;
+  row.length = 4.6;
+  std::vector<PaintLine> lines, hidden;
+  std::vector<TrueSlot> truth;
+  for (int i = 0; i < 7; ++i) {
+    lines.push_back(row.Line(i, 0, i == 2 ? 0.7 : 1));
+    lines.back().is_end_seen = false;
+    hidden.push_back(row.Line(i, 0, 0.88 - 0.09 * (i * 3 % 7)));
+  }
+  for (int i = 0; i < 6; ++i) truth.push_back(row.Slot(i));
+  const SlotEvaluation evaluation = EvaluateSlots(truth, Lifted(FindSlotRows(lines)));
+  EXPECT_EQ(evaluation.num_right, 6U);
+  EXPECT_LT(evaluation.corner_rmse, 0.02);
+
+  const std::vector<PlanarSlot> slots = FindSlotRows(hidden);
+  ASSERT_EQ(slots.size(), 6U);
+  for (const PlanarSlot& slot : slots) EXPECT_NEAR(SignedArea(slot.corners), row.pitch * 5.0, 0.2) << "as is usual";
+}
+
 /// Between cars on both sides of every line no line has ground on both.
 TEST(SlotRows, OfLinesWithOneUnseenSideNeedAgreeingEnds) {
   const PaintedRow row;
