@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "mapping/quadrilateral.h"
-#include "mapping/slot_row_fit.h"
+#include "mapping/slot_ranks.h"
 #include "mapping/slot_row_growth.h"
 
 namespace parkade {
@@ -17,123 +17,12 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kMaxHeightStep = 1.2;  // [m] between lines of one deck
-constexpr double kMinSeenShare = 0.25;  // of a row's lines whose ends have to agree
-constexpr double kMinWallShare = 0.4;   // likewise, of those that a wall cuts off
-constexpr double kSecondRank = 1.0;     // [m] of paint behind one rank of slots that say that there is another
-constexpr int kFewLines = 4;            // seen ones: fewer are a row only where they are whole
-constexpr double kWhole = 0.7;          // of a slot's length
 constexpr double kMaxEdgeWidth = 0.2;   // [m] of what has an unseen side and may be paint all the same ...
 constexpr double kMinEdgeContrast = 0.12;
 constexpr double kMarkedShare = 0.12;   // of a side's length from which it counts as seen
-constexpr double kSquareSlope = 0.08;   // of ends up to which a row is perpendicular
 constexpr double kBareStep = 0.2;       // [m] along lines that may be missing
 constexpr double kWornShare = 1.0 / 3;  // of a row's paint that may have worn off
 constexpr double kMaxShare = 0.25;      // of a slot that a surer one may cover
-
-/// The lengthwise division of a row: one rank of slots, or two back to back.
-struct Ranks {
-  RowEnds lower, upper;
-  int count = 1;
-  bool is_lower_known = true, is_upper_known = true;
-  bool is_length_measured = true;  ///< and not that of other rows
-};
-
-/// [m] between the ends, of a slot's length: where lines stand askew they are longer than that.
-double LengthBetween(const RowEnds& lower, const RowEnds& upper, double pitch) {
-  return upper.offset - lower.offset - std::abs(lower.slope) * pitch;
-}
-
-int CountRanks(double length, const SlotMeasures& measures) {
-  if (length >= measures.min_length && length <= measures.max_length) return 1;
-  if (length >= 2 * measures.min_length && length <= measures.LongestLine()) return 2;
-  return 0;
-}
-
-int CountSeenLines(const SlotRow& row) {
-  return static_cast<int>(std::count_if(row.dividers.begin(), row.dividers.end(),
-                                        [](const RowDivider& divider) { return !divider.stretches.empty(); }));
-}
-
-/// Ends that enough of the row's lines agree on.
-std::optional<RowEnds> SureEnds(const SlotRow& row, bool is_lower, std::optional<double> slope = std::nullopt) {
-  const std::optional<RowEnds> ends = FitRowEnds(row.dividers, is_lower, slope);
-  if (!ends || ends->num_seen < std::max(2.0, kMinSeenShare * CountSeenLines(row))) return {};
-  return ends;
-}
-
-/// Ends opposite to known ones that are not seen, as no ground is seen behind them, but that many lines have in common:
-/// a wall stands there.
-std::optional<RowEnds> EndsAtWall(const SlotRow& row, bool is_lower, double slope) {
-  const std::optional<RowEnds> ends = FitRowEnds(row.dividers, is_lower, slope, LineEnds::kAll);
-  if (!ends || ends->num_seen < std::max(3.0, kMinWallShare * CountSeenLines(row))) return {};
-  return ends;
-}
-
-/// How many lines go on behind one rank of slots that begins at known ends.
-int CountLongerLines(const SlotRow& row, const RowEnds& known, bool is_lower, double length) {
-  return static_cast<int>(std::count_if(row.dividers.begin(), row.dividers.end(), [&](const RowDivider& divider) {
-    const double from = known.At(divider.across) + (is_lower ? length : -length);
-    return divider.Support(is_lower ? from : -1e9, is_lower ? 1e9 : from) > kSecondRank;
-  }));
-}
-
-/// Ranks of which only the ends on one side are known: the rest is as long as slots of this site are.
-Ranks ContinueFrom(const SlotRow& row, const RowEnds& known, bool is_lower, double usual_length) {
-  const double slot = usual_length + std::abs(known.slope) * row.pitch;
-  Ranks ranks;
-  ranks.count = std::abs(known.slope) < kSquareSlope && CountLongerLines(row, known, is_lower, slot) >= 2 ? 2 : 1;
-  ranks.is_lower_known = is_lower, ranks.is_upper_known = !is_lower;
-  ranks.is_length_measured = false;
-  ranks.lower = is_lower ? known : RowEnds{known.offset - ranks.count * slot, known.slope, 0};
-  ranks.upper = is_lower ? RowEnds{known.offset + ranks.count * slot, known.slope, 0} : known;
-  return ranks;
-}
-
-/// Whether a few lines are enough to be a row: two of them whole, their ends seen.
-bool HasWholeLines(const SlotRow& row, const Ranks& ranks) {
-  if (!ranks.is_lower_known || !ranks.is_upper_known) return false;
-  return std::count_if(row.dividers.begin(), row.dividers.end(), [&](const RowDivider& divider) {
-           const double low = ranks.lower.At(divider.across), high = ranks.upper.At(divider.across);
-           return divider.Support(low, high) > kWhole * (high - low);
-         }) >= 2;
-}
-
-/// Ends on both sides of a row, as far as they are sure. They are parallel: where one side has a slant of its own, or
-/// none that its lines agree on, it is asked again with the other one's.
-std::pair<std::optional<RowEnds>, std::optional<RowEnds>> SureEndsOnBothSides(const SlotRow& row) {
-  std::optional<RowEnds> lower = SureEnds(row, true), upper = SureEnds(row, false);
-  if (lower && upper && std::abs(lower->slope - upper->slope) <= 0.02) return {lower, upper};
-  if (lower && (!upper || lower->num_seen >= upper->num_seen))
-    upper = SureEnds(row, false, lower->slope);
-  else if (upper)
-    lower = SureEnds(row, true, upper->slope);
-  return {lower, upper};
-}
-
-std::optional<Ranks> FitRanks(const SlotRow& row, const SlotMeasures& measures, bool is_parallel, double usual_length) {
-  auto [lower, upper] = SureEndsOnBothSides(row);
-  if (lower && upper) {
-    const Ranks ranks{*lower, *upper, CountRanks(LengthBetween(*lower, *upper, row.pitch), measures)};
-    if (ranks.count == 1 || (ranks.count == 2 && !is_parallel)) return ranks;
-    if (std::max(lower->num_seen, upper->num_seen) < 3) return {};
-    (lower->num_seen >= upper->num_seen ? upper : lower).reset();
-  }
-  if (is_parallel || (!lower && !upper)) return {};
-  if (const std::optional<RowEnds> wall = EndsAtWall(row, !lower, (lower ? lower : upper)->slope)) {
-    Ranks ranks{lower ? *lower : *wall, upper ? *upper : *wall};
-    ranks.is_lower_known = lower.has_value(), ranks.is_upper_known = upper.has_value();
-    if (CountRanks(LengthBetween(ranks.lower, ranks.upper, row.pitch), measures) == 1) return ranks;
-  }
-  return lower ? ContinueFrom(row, *lower, true, usual_length) : ContinueFrom(row, *upper, false, usual_length);
-}
-
-/// The ranks of a row that is one; nothing where its lines are something else.
-std::optional<Ranks> FindRanks(const SlotRow& row, const SlotMeasures& measures, bool is_parallel,
-                               double usual_length) {
-  std::optional<Ranks> ranks = FitRanks(row, measures, is_parallel, usual_length);
-  if (ranks && CountSeenLines(row) < kFewLines && !HasWholeLines(row, *ranks)) return {};
-  return ranks;
-}
 
 /// What is seen where a line should be.
 struct SeenLine {
@@ -181,7 +70,7 @@ PlanarSlot MakeSlot(const SlotRow& row, const Ranks& ranks, int rank, const RowD
   };
   std::array<double, 2> low = {split(left.across, rank), split(right.across, rank)};
   std::array<double, 2> high = {split(left.across, rank + 1), split(right.across, rank + 1)};
-  const bool is_slanted = std::abs(slope) > kSquareSlope;
+  const bool is_slanted = ranks.IsSlanted();
   if (is_slanted) {
     low.fill(std::max(low[0], low[1]));
     high.fill(std::min(high[0], high[1]));
@@ -217,12 +106,6 @@ void AddSlots(const SlotRow& row, const Ranks& ranks, bool is_parallel, const Sl
     }
 }
 
-/// A row whose ends many of its lines agree on, and all of them or two whole ones: nothing but paint looks like that.
-bool IsBeyondDoubt(const SlotRow& row, const Ranks& ranks) {
-  const int num_agreeing = std::max(ranks.lower.num_seen, ranks.upper.num_seen);
-  return num_agreeing >= kFewLines && (num_agreeing == CountSeenLines(row) || HasWholeLines(row, ranks));
-}
-
 /// What rows are looked for.
 struct RowKind {
   const SlotMeasures& measures;
@@ -230,9 +113,9 @@ struct RowKind {
   bool is_doubtful = false;  ///< the lines may be something else than paint: only rows beyond doubt are taken
 };
 
-/// Rows of one kind; their lines are marked as used.
-std::vector<SlotRow> FindRowsOf(const std::vector<PaintLine>& lines, const RowKind& kind, const SlotRowOptions& options,
-                                std::vector<bool>& is_used) {
+/// Adds rows of one kind; their lines are marked as used.
+void AddRowsOf(const std::vector<PaintLine>& lines, const RowKind& kind, const SlotRowOptions& options,
+               const RowHabits& habits, std::vector<bool>& is_used, std::vector<SlotRow>& rows) {
   const auto& [measures, is_parallel, is_doubtful] = kind;
   std::vector<std::size_t> seeds;
   const double min_seed = 0.5 * measures.min_length;
@@ -241,41 +124,29 @@ std::vector<SlotRow> FindRowsOf(const std::vector<PaintLine>& lines, const RowKi
     if (!lines[i].is_one_sided && lines[i].Length() >= min_seed && lines[i].Length() <= max_seed) seeds.push_back(i);
   std::stable_sort(seeds.begin(), seeds.end(),
                    [&](std::size_t a, std::size_t b) { return lines[a].Length() > lines[b].Length(); });
-  std::vector<SlotRow> rows;
   for (const std::size_t seed : seeds) {
     if (is_used[seed]) continue;
     std::optional<SlotRow> row = GrowRow(lines, seed, measures, options, is_used);
     if (!row || (is_parallel && row->dividers.size() < 3)) continue;
-    const std::optional<Ranks> ranks = FindRanks(*row, measures, is_parallel, measures.usual_length);
+    const std::optional<Ranks> ranks = FindRanks(*row, measures, is_parallel, habits);
     if (!ranks || (is_doubtful && !IsBeyondDoubt(*row, *ranks))) continue;
     for (const std::size_t line : row->members) is_used[line] = true;
     rows.push_back(std::move(*row));
   }
-  return rows;
-}
-
-/// The median of the lengths of slots in rows that tell it.
-double FindUsualLength(const std::vector<SlotRow>& rows, const SlotMeasures& measures, bool is_parallel) {
-  std::vector<double> lengths;
-  for (const SlotRow& row : rows)
-    if (const std::optional<Ranks> ranks = FindRanks(row, measures, is_parallel, measures.usual_length))
-      if (ranks->is_length_measured)
-        lengths.push_back(LengthBetween(ranks->lower, ranks->upper, row.pitch) / ranks->count);
-  if (lengths.empty()) return measures.usual_length;
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  return *middle;
 }
 
 /// Adds the slots of one kind of rows; returns how long they are along their lines [m].
 double FindSlotsOf(const std::vector<PaintLine>& lines, const RowKind& kind, const SlotRowOptions& options,
                    const IsBareGround& is_bare, std::vector<bool>& is_used, std::vector<PlanarSlot>& slots) {
-  const std::vector<SlotRow> rows = FindRowsOf(lines, kind, options, is_used);
-  const double usual_length = FindUsualLength(rows, kind.measures, kind.is_parallel);
+  std::vector<SlotRow> rows;
+  RowHabits habits{kind.measures.usual_length, {}};
+  AddRowsOf(lines, kind, options, habits, is_used, rows);
+  habits = FindHabits(rows, kind.measures, kind.is_parallel);
+  if (!habits.slants.empty()) AddRowsOf(lines, kind, options, habits, is_used, rows);
   for (const SlotRow& row : rows)
-    if (const std::optional<Ranks> ranks = FindRanks(row, kind.measures, kind.is_parallel, usual_length))
+    if (const std::optional<Ranks> ranks = FindRanks(row, kind.measures, kind.is_parallel, habits))
       AddSlots(row, *ranks, kind.is_parallel, options, is_bare, slots);
-  return usual_length;
+  return habits.length;
 }
 
 /// The surest first; those that lie on one of them are left out. Back in the order of their rows.

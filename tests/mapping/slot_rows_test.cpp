@@ -192,6 +192,27 @@ TEST(SlotRows, HaveParallelEnds) {
   EXPECT_LT(evaluation.corner_rmse, 0.03);
 }
 
+/// Of a second row, behind the aisle of the first one, three lines show where they begin, one goes on beneath a stain,
+/// and two end where cars happen to stand square to the lines.
+TEST(SlotRows, WithParallelLinesHaveOneSlant) {
+  PaintedRow row;
+  row.slant = 0.35, row.pitch = 2.7, row.length = 5.9;
+  std::vector<PaintLine> lines;
+  std::vector<TrueSlot> truth;
+  for (int i = 0; i < 7; ++i) lines.push_back(row.Line(i));
+  for (int i = 0; i < 6; ++i) truth.push_back(row.Slot(i));
+  row.start += 11 * row.Inward();
+  const double square = row.pitch * std::sin(row.slant) / row.length;  // of a line's length
+  for (const PaintLine& line : {row.Line(0, 0.3, 0.6), row.Line(1, -0.12, 0.7), row.Line(2, 0, 0.6),
+                                row.Line(3, 0, 0.6 + square), row.Line(4, 0, 0.5)})
+    lines.push_back(line);
+  for (const std::size_t i : {9U, 10U}) lines[i].is_end_seen = true;
+  for (int i = 0; i < 4; ++i) truth.push_back(row.Slot(i));
+  const SlotEvaluation evaluation = EvaluateSlots(truth, Lifted(FindSlotRows(lines)));
+  EXPECT_EQ(evaluation.num_right, 10U);
+  EXPECT_LT(evaluation.corner_rmse, 0.07);
+}
+
 /// Behind the ends no ground is seen: what they have in common is a wall, what differs are parked cars.
 TEST(SlotRows, EndAtWalls) {
   PaintedRow row;
