@@ -11,6 +11,9 @@
 namespace parkade {
 namespace {
 
+constexpr double kSteepest = 0.17;      // of ramps: what lies higher or lower is another deck's, ...
+constexpr double kDeckStep = 0.1;       // [m] ... but for this little, ...
+constexpr double kDeckHeight = 2.0;     // [m] ... and so is all that lies so much off the plane that the car stands on
 constexpr double kOwnShade = 1.3;       // [m] beside the contact area the car's own shadow lies most of the time ...
 constexpr double kShadeRim = 0.6;       // [m] ... and beyond that less and less
 constexpr double kShadePenalty = 0.3;   // of the rank of sights in there: further cameras saw the place in the light
@@ -20,11 +23,13 @@ constexpr int kColorTolerance = 24;     // of lightness: sights further from the
 constexpr size_t kMinGainSamples = 60;  // fewer say nothing about the exposure
 constexpr float kMaxGain = 3;
 
-/// The pixel at which the photo shows a point of the ground, unless the own car is in the way.
+/// The pixel at which the photo shows a point of the ground, unless the own car is in the way, or the own deck.
 std::optional<Eigen::Vector2d> FindPixel(const GroundPhoto& photo, const Rigid3& camera_from_site,
                                          const Eigen::Vector3d& point_in_site) {
-  const Eigen::Vector2d in_ground = (photo.site_from_ground.Inverse() * point_in_site).head<2>();
-  if (IsUnderCar(in_ground, photo.contact)) return {};
+  const Eigen::Vector3d in_ground = photo.site_from_ground.Inverse() * point_in_site;
+  const double height_of_deck = std::min(kDeckHeight, kDeckStep + kSteepest * in_ground.head<2>().norm());
+  if (std::abs(in_ground.z()) > height_of_deck) return {};
+  if (IsUnderCar(in_ground.head<2>(), photo.contact)) return {};
   std::optional<Eigen::Vector2d> pixel = photo.camera->model.Project(camera_from_site * point_in_site);
   if (!pixel || !photo.camera->IsUsable(*pixel, 1)) return {};
   return pixel;

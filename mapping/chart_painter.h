@@ -36,8 +36,8 @@ struct GroundSight {
   float steepness = 0;  ///< sine of the depression, less in what may be the own shade; 0: not seen
 };
 
-/// How a photo sees a point; not at all beyond `max_range` [m] (horizontally) from the camera, or where something
-/// stands in the way. The image is not needed.
+/// How a photo sees a point; not at all beyond `max_range` [m] (horizontally) from the camera, where something stands
+/// in the way, or on another deck than the car's: its own floor is what a photo shows there. The image is not needed.
 GroundSight SeePoint(const GroundPhoto& photo, const Rigid3& camera_from_site, const Eigen::Vector3d& point_in_site,
                      double max_range);
 

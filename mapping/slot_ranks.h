@@ -23,7 +23,7 @@ struct Ranks {
 /// How the ends of a row lie whose lines run along a direction.
 struct RowSlant {
   Eigen::Vector2d along;
-  double slope = 0;  ///< as RowEnds
+  double slope = 0;  ///< as RowEnds; the same for both senses of `along`
 };
 
 /// What the rows of one site have in common.

@@ -216,6 +216,16 @@ TEST_F(ChartPainters, DoNotPaintThePlaceTheOwnCarStandsOn) {
   EXPECT_NE(color_at(3.5, 2.0), cv::Vec3b(100, 100, 100));
 }
 
+/// Its floor hides the one below, which from up there would be seen more steeply than from anywhere on it.
+TEST_F(ChartPainters, DoNotPaintTheDeckBelow) {
+  ChartPainter painter = NewPainter();
+  GroundPhoto photo = PhotoFrom(camera_, {1, 2, 3.9});
+  photo.site_from_ground.translation = {1, 2, 2.7};
+  painter.Paint(photo, 4);
+
+  EXPECT_EQ(cv::countNonZero(painter.Finish(cells_).mask == TextureChart::kPainted), 0);
+}
+
 TEST_F(ChartPainters, ContinueTheBordersColourBeyondTheMesh) {
   const TextureChart chart = NewPainter().Finish(cells_);
 
