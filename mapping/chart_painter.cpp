@@ -24,12 +24,12 @@ constexpr size_t kMinGainSamples = 60;  // fewer say nothing about the exposure
 constexpr float kMaxGain = 3;
 
 /// The pixel at which the photo shows a point of the ground, unless the own car is in the way, or the own deck.
+/// `point_in_ground` is the same point.
 std::optional<Eigen::Vector2d> FindPixel(const GroundPhoto& photo, const Rigid3& camera_from_site,
-                                         const Eigen::Vector3d& point_in_site) {
-  const Eigen::Vector3d in_ground = photo.site_from_ground.Inverse() * point_in_site;
-  const double height_of_deck = std::min(kDeckHeight, kDeckStep + kSteepest * in_ground.head<2>().norm());
-  if (std::abs(in_ground.z()) > height_of_deck) return {};
-  if (IsUnderCar(in_ground.head<2>(), photo.contact)) return {};
+                                         const Eigen::Vector3d& point_in_site, const Eigen::Vector3d& point_in_ground) {
+  const double height_of_deck = std::min(kDeckHeight, kDeckStep + kSteepest * point_in_ground.head<2>().norm());
+  if (std::abs(point_in_ground.z()) > height_of_deck) return {};
+  if (IsUnderCar(point_in_ground.head<2>(), photo.contact)) return {};
   std::optional<Eigen::Vector2d> pixel = photo.camera->model.Project(camera_from_site * point_in_site);
   if (!pixel || !photo.camera->IsUsable(*pixel, 1)) return {};
   return pixel;
@@ -62,9 +62,10 @@ GroundSight SeePoint(const GroundPhoto& photo, const Rigid3& camera_from_site, c
   const Eigen::Vector3d sight = point_in_site - photo.site_from_camera.translation;
   if (sight.head<2>().squaredNorm() > max_range * max_range || sight.z() > -0.05) return {};
   if (!photo.open_ground.Shows(photo.site_from_camera.translation.head<2>(), point_in_site.head<2>())) return {};
-  const std::optional<Eigen::Vector2d> pixel = FindPixel(photo, camera_from_site, point_in_site);
+  const Eigen::Vector3d point_in_ground = photo.site_from_ground.Inverse() * point_in_site;
+  const std::optional<Eigen::Vector2d> pixel = FindPixel(photo, camera_from_site, point_in_site, point_in_ground);
   if (!pixel) return {};
-  const double off = photo.contact.DistanceTo((photo.site_from_ground.Inverse() * point_in_site).head<2>());
+  const double off = photo.contact.DistanceTo(point_in_ground.head<2>());
   const double lit = kShadePenalty + (1 - kShadePenalty) * std::clamp((off - kOwnShade) / kShadeRim, 0.0, 1.0);
   return {pixel->cast<float>(), static_cast<float>(lit * -sight.z() / sight.norm())};
 }
@@ -262,7 +263,7 @@ TextureChart ChartPainter::Finish(const CellFinder& cells) {
 
 Eigen::Array3f FindGain(const GroundPhoto& photo, const CellFinder& cells, double max_range) {
   constexpr int kNumAngles = 48, kNumRanges = 12;
-  const Rigid3 camera_from_site = photo.site_from_camera.Inverse();
+  const Rigid3 camera_from_site = photo.site_from_camera.Inverse(), ground_from_site = photo.site_from_ground.Inverse();
   const Eigen::Vector3d& eye = photo.site_from_camera.translation;
   std::array<std::vector<float>, 3> ratios;
   for (int i = 0; i < kNumAngles; ++i)
@@ -273,7 +274,7 @@ Eigen::Array3f FindGain(const GroundPhoto& photo, const CellFinder& cells, doubl
       const SurfaceCell* cell = cells.Find(point);
       if (cell == nullptr) continue;
       point.z() = static_cast<double>(cell->height);
-      const std::optional<Eigen::Vector2d> pixel = FindPixel(photo, camera_from_site, point);
+      const std::optional<Eigen::Vector2d> pixel = FindPixel(photo, camera_from_site, point, ground_from_site * point);
       if (!pixel) continue;
       const Eigen::Vector2f place = pixel->cast<float>();
       const std::array<float, 3> color = ColorAt(photo.image, place.x(), place.y());

@@ -28,7 +28,7 @@ struct RowSlant {
 
 /// What the rows of one site have in common.
 struct RowHabits {
-  double length = 5.0;           ///< [m] of slots along their lines
+  double length = 0;             ///< [m] of slots along their lines
   std::vector<RowSlant> slants;  ///< of rows that are sure of theirs
 };
 

@@ -33,6 +33,13 @@ struct PaintedRow {
     return line;
   }
 
+  /// Whole lines, from the first on.
+  std::vector<PaintLine> Lines(int count) const {
+    std::vector<PaintLine> lines;
+    for (int i = 0; i < count; ++i) lines.push_back(Line(i));
+    return lines;
+  }
+
   /// The rectangle between two lines.
   TrueSlot Slot(int index) const {
     const double shift = pitch * std::sin(std::abs(slant)), width = pitch * std::cos(slant);
@@ -42,6 +49,12 @@ struct PaintedRow {
     const double depth = length - shift;
     return {{corner, corner + width * across, corner + width * across + depth * Inward(), corner + depth * Inward()},
             0};
+  }
+
+  std::vector<TrueSlot> Slots(int count) const {
+    std::vector<TrueSlot> slots;
+    for (int i = 0; i < count; ++i) slots.push_back(Slot(i));
+    return slots;
   }
 };
 
@@ -77,10 +90,8 @@ TEST(SlotRows, LackAWornLineOrTwo) {
 
 TEST(SlotRows, OfWholeLinesAreFoundToTheCentimetre) {
   const PaintedRow row;
-  std::vector<PaintLine> lines;
-  std::vector<TrueSlot> truth;
-  for (int i = 0; i < 7; ++i) lines.push_back(row.Line(i));
-  for (int i = 0; i < 6; ++i) truth.push_back(row.Slot(i));
+  const std::vector<PaintLine> lines = row.Lines(7);
+  const std::vector<TrueSlot> truth = row.Slots(6);
   const std::vector<PlanarSlot> slots = FindSlotRows(lines);
   ASSERT_EQ(slots.size(), 6U);
   for (const PlanarSlot& slot : slots) {
@@ -97,12 +108,11 @@ TEST(SlotRows, OfWholeLinesAreFoundToTheCentimetre) {
 TEST(SlotRows, HiddenLinesFollowFromTheirNeighbours) {
   const PaintedRow row;
   std::vector<PaintLine> lines;
-  std::vector<TrueSlot> truth;
   for (int i = 0; i < 9; ++i) {
     if (i == 3 || i == 6 || i == 7) continue;          // beneath cars
     lines.push_back(row.Line(i, 0, i % 2 ? 0.3 : 1));  // cars hide the rear
   }
-  for (int i = 0; i < 8; ++i) truth.push_back(row.Slot(i));
+  const std::vector<TrueSlot> truth = row.Slots(8);
   const std::vector<PlanarSlot> slots = FindSlotRows(lines);
   const SlotEvaluation evaluation = EvaluateSlots(truth, Lifted(slots));
   EXPECT_EQ(evaluation.num_missed, 1U);  // nothing is seen of either line of the one between 6 and 7
@@ -114,10 +124,8 @@ TEST(SlotRows, AskewToTheAisleAreAngled) {
   for (const double slant : {-0.5, -0.25, 0.25, 0.5}) {
     PaintedRow row;
     row.slant = slant, row.pitch = 2.8, row.length = 6;
-    std::vector<PaintLine> lines;
-    std::vector<TrueSlot> truth;
-    for (int i = 0; i < 7; ++i) lines.push_back(row.Line(i));
-    for (int i = 0; i < 6; ++i) truth.push_back(row.Slot(i));
+    const std::vector<PaintLine> lines = row.Lines(7);
+    const std::vector<TrueSlot> truth = row.Slots(6);
     const std::vector<PlanarSlot> slots = FindSlotRows(lines);
     ASSERT_EQ(slots.size(), 6U) << slant;
     for (const PlanarSlot& slot : slots) {
@@ -133,8 +141,7 @@ TEST(SlotRows, AskewToTheAisleAreAngled) {
 TEST(SlotRows, LinesOfTwoSlotsAreTwoRowsBackToBack) {
   PaintedRow row;
   row.length = 10;
-  std::vector<PaintLine> lines;
-  for (int i = 0; i < 5; ++i) lines.push_back(row.Line(i));
+  const std::vector<PaintLine> lines = row.Lines(5);
   const std::vector<PlanarSlot> slots = FindSlotRows(lines);
   ASSERT_EQ(slots.size(), 8U);
   for (const PlanarSlot& slot : slots) EXPECT_NEAR(SignedArea(slot.corners), 12.5, 0.3);
@@ -143,8 +150,7 @@ TEST(SlotRows, LinesOfTwoSlotsAreTwoRowsBackToBack) {
 TEST(SlotRows, ShortLinesFarApartBoundParallelSlots) {
   PaintedRow row;
   row.pitch = 6, row.length = 2.1;
-  std::vector<PaintLine> lines;
-  for (int i = 0; i < 5; ++i) lines.push_back(row.Line(i));
+  const std::vector<PaintLine> lines = row.Lines(5);
   const std::vector<PlanarSlot> slots = FindSlotRows(lines);
   ASSERT_EQ(slots.size(), 4U);
   for (const PlanarSlot& slot : slots) EXPECT_EQ(slot.kind, SlotKind::kParallel);
@@ -166,9 +172,8 @@ TEST(SlotRows, OfSlantedStubsAreFound) {
     PaintedRow row;
     row.slant = slant, row.pitch = 2.7;
     std::vector<PaintLine> lines;
-    std::vector<TrueSlot> truth;
     for (int i = 0; i < 6; ++i) lines.push_back(row.Line(i, 0, i % 2 ? 0.45 : 0.14));
-    for (int i = 0; i < 5; ++i) truth.push_back(row.Slot(i));
+    const std::vector<TrueSlot> truth = row.Slots(5);
     const SlotEvaluation evaluation = EvaluateSlots(truth, Lifted(FindSlotRows(lines)));
     EXPECT_EQ(evaluation.num_found, 5U) << slant;
     EXPECT_EQ(evaluation.num_right, 5U) << slant;
@@ -181,12 +186,11 @@ TEST(SlotRows, HaveParallelEnds) {
   PaintedRow row;
   row.slant = 0.3, row.pitch = 2.7, row.length = 5.5;
   std::vector<PaintLine> lines;
-  std::vector<TrueSlot> truth;
   for (int i = 0; i < 8; ++i) {
     lines.push_back(row.Line(i));
     if (i % 3 != 0) lines.back().end -= (0.5 + 0.2 * i) * row.Inward();
   }
-  for (int i = 0; i < 7; ++i) truth.push_back(row.Slot(i));
+  const std::vector<TrueSlot> truth = row.Slots(7);
   const SlotEvaluation evaluation = EvaluateSlots(truth, Lifted(FindSlotRows(lines)));
   EXPECT_EQ(evaluation.num_right, 7U);
   EXPECT_LT(evaluation.corner_rmse, 0.03);
@@ -197,17 +201,15 @@ TEST(SlotRows, HaveParallelEnds) {
 TEST(SlotRows, WithParallelLinesHaveOneSlant) {
   PaintedRow row;
   row.slant = 0.35, row.pitch = 2.7, row.length = 5.9;
-  std::vector<PaintLine> lines;
-  std::vector<TrueSlot> truth;
-  for (int i = 0; i < 7; ++i) lines.push_back(row.Line(i));
-  for (int i = 0; i < 6; ++i) truth.push_back(row.Slot(i));
+  std::vector<PaintLine> lines = row.Lines(7);
+  std::vector<TrueSlot> truth = row.Slots(6);
   row.start += 11 * row.Inward();
   const double square = row.pitch * std::sin(row.slant) / row.length;  // of a line's length
   for (const PaintLine& line : {row.Line(0, 0.3, 0.6), row.Line(1, -0.12, 0.7), row.Line(2, 0, 0.6),
                                 row.Line(3, 0, 0.6 + square), row.Line(4, 0, 0.5)})
     lines.push_back(line);
   for (const std::size_t i : {9U, 10U}) lines[i].is_end_seen = true;
-  for (int i = 0; i < 4; ++i) truth.push_back(row.Slot(i));
+  for (const TrueSlot& slot : row.Slots(4)) truth.push_back(slot);
   const SlotEvaluation evaluation = EvaluateSlots(truth, Lifted(FindSlotRows(lines)));
   EXPECT_EQ(evaluation.num_right, 10U);
   EXPECT_LT(evaluation.corner_rmse, 0.07);
@@ -218,13 +220,12 @@ TEST(SlotRows, EndAtWalls) {
   PaintedRow row;
   row.length = 4.6;
   std::vector<PaintLine> lines, hidden;
-  std::vector<TrueSlot> truth;
   for (int i = 0; i < 7; ++i) {
     lines.push_back(row.Line(i, 0, i == 2 ? 0.7 : 1));
     lines.back().is_end_seen = false;
     hidden.push_back(row.Line(i, 0, 0.88 - 0.09 * (i * 3 % 7)));
   }
-  for (int i = 0; i < 6; ++i) truth.push_back(row.Slot(i));
+  const std::vector<TrueSlot> truth = row.Slots(6);
   const SlotEvaluation evaluation = EvaluateSlots(truth, Lifted(FindSlotRows(lines)));
   EXPECT_EQ(evaluation.num_right, 6U);
   EXPECT_LT(evaluation.corner_rmse, 0.02);
