@@ -1,9 +1,9 @@
 # Compile options of our own code, and one static library per folder.
 #
-#   parkade_library(slam LINKS parkade_core PRIVATE_LINKS Ceres::ceres)
+#   parkade_library(slam ROOMS tracking factors LINKS parkade_core PRIVATE_LINKS Ceres::ceres)
 #
-# takes every .cpp of the current folder. PRIVATE_LINKS is the wall: what is
-# linked privately cannot be included by another folder.
+# takes every .cpp of the current folder and of its ROOMS, which are listed from the lowest to the highest. PRIVATE_LINKS
+# is the wall: what is linked privately cannot be included by another folder.
 
 add_library(parkade_options INTERFACE)
 target_compile_options(parkade_options INTERFACE
@@ -23,11 +23,22 @@ if(PARKADE_SANITIZE)
   target_link_options(parkade_options INTERFACE -fsanitize=${PARKADE_SANITIZE})
 endif()
 
-function(parkade_library name)
-  cmake_parse_arguments(A "" "" "LINKS;PRIVATE_LINKS;EXCLUDE" ${ARGN})
+# Every .cpp of the current folder and of `rooms` below it.
+function(parkade_sources result rooms)
   file(GLOB sources CONFIGURE_DEPENDS *.cpp)
+  foreach(room IN LISTS rooms)
+    file(GLOB sources_of_room CONFIGURE_DEPENDS ${room}/*.cpp)
+    list(APPEND sources ${sources_of_room})
+  endforeach()
+  set(${result} "${sources}" PARENT_SCOPE)
+endfunction()
+
+function(parkade_library name)
+  cmake_parse_arguments(A "" "" "ROOMS;LINKS;PRIVATE_LINKS;EXCLUDE" ${ARGN})
+  parkade_sources(sources "${A_ROOMS}")
   foreach(excluded ${A_EXCLUDE})
-    list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/${excluded})
+    cmake_path(ABSOLUTE_PATH excluded)
+    list(REMOVE_ITEM sources ${excluded})
   endforeach()
   if(NOT sources)
     add_library(parkade_${name} INTERFACE)

@@ -10,7 +10,7 @@
 #include <cstdlib>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/file_error.h"
 
 namespace parkade {
 

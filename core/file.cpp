@@ -5,7 +5,6 @@
 
 #include <atomic>
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 
 #include "core/appended_file.h"
@@ -45,18 +44,6 @@ void Sync(const std::filesystem::path& path, int flags) {
 }
 
 }  // namespace
-
-void ThrowErrno(const std::string& what, int error) {
-  const bool is_full = error == ENOSPC || error == EDQUOT;
-  throw Error(is_full ? ErrorCode::kDiskFull : ErrorCode::kInternal, what + ": " + std::strerror(error));
-}
-
-void ThrowCannotWrite(const std::filesystem::path& file) {
-  constexpr std::uintmax_t kAlmostFull = std::uintmax_t{1} << 20;
-  std::error_code ignored;
-  const bool is_full = std::filesystem::space(file.parent_path(), ignored).available < kAlmostFull;
-  ThrowErrno("cannot write '" + file.string() + "'", is_full ? ENOSPC : EIO);
-}
 
 void CopyToWrite(const std::filesystem::path& from, const std::filesystem::path& to) {
   namespace fs = std::filesystem;

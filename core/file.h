@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/file_error.h"
+
 namespace parkade {
 
 /// Writes a file whole or not at all: to a temporary name beside it, fsync,
@@ -15,12 +17,6 @@ void WriteFileAtomically(const std::filesystem::path& file, std::string_view con
 /// The same for writers that want a path: `write` is given the temporary name.
 void WriteFileAtomically(const std::filesystem::path& file,
                          const std::function<void(const std::filesystem::path&)>& write);
-
-/// Throws Error{kDiskFull} where `error` says so, else Error{kInternal}; `what` becomes the sentence's beginning.
-[[noreturn]] void ThrowErrno(const std::string& what, int error);
-
-/// The same of a stream that failed, which does not say why.
-[[noreturn]] void ThrowCannotWrite(const std::filesystem::path& file);
 
 /// A copy that can be written to, also of a read-only file. Throws as ThrowErrno.
 void CopyToWrite(const std::filesystem::path& from, const std::filesystem::path& to);

@@ -5,6 +5,9 @@
 
 namespace parkade {
 
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
 /// A rigid motion, always named `target_from_source`:
 /// `x_in_target = target_from_source * x_in_source`. Neighbours cancel.
 struct Rigid3 {

@@ -5,10 +5,9 @@
 #include <string>
 
 #include "core/site_map.h"
+#include "export/mesh_encoding.h"
 
 namespace parkade {
-
-enum class MeshEncoding { kPlain, kDraco };
 
 /// The map as one glTF 2.0 binary (.glb), y up: node `site` with `ground` (the mesh, unlit, a piece with a JPEG per
 /// chart of the texture or else vertex colours, and the vertex attribute _HEIGHT_SIGMA [m]) and one `drive:<name>` per

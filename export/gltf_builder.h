@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "export/gltf.h"
 #include "export/gltf_geometry.h"
+#include "export/mesh_encoding.h"
 
 namespace parkade {
 

@@ -6,8 +6,8 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/version.h"
 #include "server/commands/commands.h"
-#include "server/version.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 
 #include "core/options_json.h"
 #include "server/commands/commands.h"
-#include "server/compare_maps.h"
+#include "server/compare/compare_maps.h"
 
 namespace parkade {
 namespace {

@@ -6,17 +6,17 @@
 
 #include "core/error.h"
 #include "core/trajectory.h"
-#include "mapping/evaluate_kerbs.h"
-#include "mapping/evaluate_slots.h"
-#include "mapping/evaluate_surface.h"
-#include "mapping/read_ply.h"
-#include "mapping/seen_ground.h"
+#include "mapping/evaluation/evaluate_kerbs.h"
+#include "mapping/evaluation/evaluate_slots.h"
+#include "mapping/evaluation/evaluate_surface.h"
+#include "mapping/mesh/read_ply.h"
+#include "mapping/observation/seen_ground.h"
 #include "server/commands/commands.h"
-#include "server/finished_map.h"
-#include "server/ingest/open_drive_log.h"
-#include "server/kerbs_file.h"
-#include "server/slots_file.h"
-#include "slam/evaluate_trajectory.h"
+#include "server/ingest/drive/open_drive_log.h"
+#include "server/map_folder/finished_map.h"
+#include "server/map_folder/kerbs_file.h"
+#include "server/map_folder/slots_file.h"
+#include "slam/evaluation/evaluate_trajectory.h"
 
 namespace parkade {
 namespace {

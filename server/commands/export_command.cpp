@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 #include "server/commands/commands.h"
-#include "server/export_map.h"
+#include "server/commands/export_map.h"
 
 namespace parkade {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "server/commands/commands.h"
-#include "server/ingest/inspect_log.h"
+#include "server/ingest/inspection/inspect_log.h"
 
 namespace parkade {
 namespace {

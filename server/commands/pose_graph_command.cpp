@@ -9,8 +9,8 @@
 #include "core/file.h"
 #include "core/parallel.h"
 #include "server/commands/commands.h"
-#include "slam/g2o_file.h"
-#include "slam/robust_pose_graph.h"
+#include "slam/pose_graph/g2o_file.h"
+#include "slam/pose_graph/robust_pose_graph.h"
 
 namespace parkade {
 namespace {

@@ -11,10 +11,10 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/rig.h"
-#include "mapping/freespace_network.h"
-#include "mapping/segment_picture.h"
+#include "mapping/networks/freespace_network.h"
+#include "mapping/observation/segment_picture.h"
 #include "server/commands/commands.h"
-#include "server/output_folder.h"
+#include "server/map_folder/output_folder.h"
 
 namespace parkade {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "core/rig.h"
 #include "server/commands/commands.h"
-#include "server/http/serve.h"
-#include "server/ingest/sniff_log.h"
-#include "server/site_pins.h"
+#include "server/http/service/serve.h"
+#include "server/ingest/containers/sniff_log.h"
+#include "server/pipeline/site_pins.h"
 
 namespace parkade {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "server/jobs/job_runner.h"
-#include "server/store/records.h"
+#include "server/store/tables/records.h"
 
 namespace parkade {
 

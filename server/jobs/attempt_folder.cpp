@@ -3,9 +3,9 @@
 #include <system_error>
 
 #include "core/error.h"
-#include "server/store/drive_table.h"
-#include "server/store/map_table.h"
-#include "server/store/rig_table.h"
+#include "server/store/tables/drive_table.h"
+#include "server/store/tables/map_table.h"
+#include "server/store/tables/rig_table.h"
 
 namespace parkade {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "server/jobs/job_spec.h"
-#include "server/store/records.h"
 #include "server/store/store.h"
+#include "server/store/tables/records.h"
 
 namespace parkade {
 

@@ -8,8 +8,8 @@
 #include "server/jobs/worker_end.h"
 #include "server/jobs/worker_process.h"
 #include "server/store/job_queue.h"
-#include "server/store/job_table.h"
 #include "server/store/publish_map.h"
+#include "server/store/tables/job_table.h"
 
 namespace parkade {
 namespace {

@@ -13,8 +13,8 @@
 #include "server/jobs/event_hub.h"
 #include "server/jobs/job_spec.h"
 #include "server/jobs/progress_reader.h"
-#include "server/store/records.h"
 #include "server/store/store.h"
+#include "server/store/tables/records.h"
 
 namespace parkade {
 

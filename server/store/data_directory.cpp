@@ -12,7 +12,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "server/store/durable_file.h"
-#include "server/store/names.h"
+#include "server/store/tables/names.h"
 
 namespace parkade {
 namespace {

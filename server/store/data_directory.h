@@ -10,7 +10,7 @@ namespace parkade {
 /// lies under its SHA-256, everything else under generated ids.
 ///
 ///   LOCK                    held as long as this object lives
-///   db/main.db              the truth (server/store/database.h)
+///   db/main.db              the truth (server/store/tables/database.h)
 ///   logs/ab/<sha256>        drive logs as uploaded, read-only
 ///   rigs/<id>/              rig files
 ///   maps/<id>/              published maps, never changed

@@ -1,36 +1,14 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
-struct evp_md_ctx_st;
+#include "core/sha256.h"
 
 namespace parkade {
-
-/// SHA-256 of what was added, as 64 hexadecimal digits.
-class Sha256 {
- public:
-  Sha256();
-  ~Sha256();
-  Sha256(const Sha256&) = delete;
-  Sha256& operator=(const Sha256&) = delete;
-
-  void Add(std::string_view bytes);
-  std::string Finish();
-
- private:
-  evp_md_ctx_st* context_;
-};
-
-std::string Sha256Of(std::string_view bytes);
-
-/// Of the file's content. Throws Error{kInternal} where it cannot be read.
-std::string Sha256OfFile(const std::filesystem::path& file);
 
 /// A file that grows under a temporary name and is gone unless it was kept.
 /// Bounded memory: pieces are collected to writes of 1 MiB and hashed on the

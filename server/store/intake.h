@@ -4,8 +4,8 @@
 #include <string>
 
 #include "server/store/durable_file.h"
-#include "server/store/records.h"
 #include "server/store/store.h"
+#include "server/store/tables/records.h"
 
 namespace parkade {
 

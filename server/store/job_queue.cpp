@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "server/store/drive_table.h"
-#include "server/store/job_table.h"
-#include "server/store/map_table.h"
-#include "server/store/names.h"
-#include "server/store/site_table.h"
+#include "server/store/tables/drive_table.h"
+#include "server/store/tables/job_table.h"
+#include "server/store/tables/map_table.h"
+#include "server/store/tables/names.h"
+#include "server/store/tables/site_table.h"
 
 namespace parkade {
 namespace {

@@ -4,11 +4,12 @@
 
 #include "core/error.h"
 #include "core/log.h"
-#include "server/store/drive_table.h"
+#include "core/sha256.h"
 #include "server/store/durable_file.h"
-#include "server/store/job_table.h"
-#include "server/store/map_table.h"
-#include "server/store/names.h"
+#include "server/store/tables/drive_table.h"
+#include "server/store/tables/job_table.h"
+#include "server/store/tables/map_table.h"
+#include "server/store/tables/names.h"
 
 namespace parkade {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "server/store/records.h"
 #include "server/store/report_summary.h"
 #include "server/store/store.h"
+#include "server/store/tables/records.h"
 
 namespace parkade {
 

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "core/error.h"
-#include "server/store/names.h"
 #include "server/store/rig_store.h"
+#include "server/store/tables/names.h"
 
 namespace parkade {
 namespace {

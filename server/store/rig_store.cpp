@@ -2,9 +2,10 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/sha256.h"
 #include "server/store/durable_file.h"
-#include "server/store/names.h"
-#include "server/store/rig_table.h"
+#include "server/store/tables/names.h"
+#include "server/store/tables/rig_table.h"
 #include "server/store/temporary_path.h"
 
 namespace parkade {

@@ -5,8 +5,8 @@
 #include <map>
 #include <string>
 
-#include "server/store/records.h"
 #include "server/store/store.h"
+#include "server/store/tables/records.h"
 
 namespace parkade {
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "server/store/data_directory.h"
-#include "server/store/database.h"
+#include "server/store/tables/database.h"
 
 namespace parkade {
 

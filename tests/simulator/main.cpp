@@ -8,10 +8,10 @@
 #include "core/error.h"
 #include "core/options_json.h"
 #include "core/parallel.h"
-#include "tests/simulator/presets.h"
-#include "tests/simulator/run_suite.h"
-#include "tests/simulator/simulate_drive.h"
-#include "tests/simulator/truth_files.h"
+#include "tests/simulator/drives/presets.h"
+#include "tests/simulator/drives/run_suite.h"
+#include "tests/simulator/drives/simulate_drive.h"
+#include "tests/simulator/sinks/truth_files.h"
 
 namespace parkade::simulator {
 namespace {

@@ -6,7 +6,7 @@
 #include "core/drive_log.h"
 #include "core/rig.h"
 #include "core/trajectory.h"
-#include "slam/feature_track.h"
+#include "slam/tracking/feature_track.h"
 #include "tests/support/synthetic_motion.h"
 
 namespace parkade {

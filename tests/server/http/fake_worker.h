@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/error.h"
-#include "server/http/serve.h"
+#include "server/http/service/serve.h"
 
 namespace parkade {
 

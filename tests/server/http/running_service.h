@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "server/http/service.h"
+#include "server/http/service/service.h"
 #include "tests/server/http/fake_worker.h"
 #include "tests/server/store/temporary_store.h"
 

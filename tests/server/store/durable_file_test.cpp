@@ -9,14 +9,11 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/sha256.h"
 #include "tests/server/store/temporary_store.h"
 
 namespace parkade {
 namespace {
-
-TEST(Sha256, GivesTheStandardsExample) {
-  EXPECT_EQ(Sha256Of("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-}
 
 TEST(GrowingFile, KeepsEveryByteWhateverTheSizeOfThePieces) {
   const TemporaryRoot root;

@@ -1,10 +1,10 @@
 #include "server/store/job_queue.h"
 
 #include "core/error.h"
-#include "server/store/drive_table.h"
-#include "server/store/job_table.h"
-#include "server/store/map_table.h"
 #include "server/store/publish_map.h"
+#include "server/store/tables/drive_table.h"
+#include "server/store/tables/job_table.h"
+#include "server/store/tables/map_table.h"
 #include "tests/server/store/temporary_store.h"
 
 namespace parkade {

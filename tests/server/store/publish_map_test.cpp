@@ -2,11 +2,11 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "server/store/drive_table.h"
 #include "server/store/job_queue.h"
-#include "server/store/job_table.h"
-#include "server/store/map_table.h"
-#include "server/store/site_table.h"
+#include "server/store/tables/drive_table.h"
+#include "server/store/tables/job_table.h"
+#include "server/store/tables/map_table.h"
+#include "server/store/tables/site_table.h"
 #include "tests/server/store/temporary_store.h"
 
 namespace parkade {

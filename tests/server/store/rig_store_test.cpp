@@ -4,7 +4,7 @@
 #include <archive_entry.h>
 
 #include "core/error.h"
-#include "server/store/rig_table.h"
+#include "server/store/tables/rig_table.h"
 #include "tests/server/store/temporary_store.h"
 
 namespace parkade {

@@ -1,10 +1,10 @@
 #include "server/store/store.h"
 
 #include "core/file.h"
-#include "server/store/drive_table.h"
 #include "server/store/job_queue.h"
 #include "server/store/publish_map.h"
 #include "server/store/rig_store.h"
+#include "server/store/tables/drive_table.h"
 #include "tests/server/store/temporary_store.h"
 
 namespace parkade {

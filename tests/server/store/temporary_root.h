@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "server/store/names.h"
+#include "server/store/tables/names.h"
 
 namespace parkade {
 

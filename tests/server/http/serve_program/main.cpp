@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "server/http/serve.h"
+#include "server/http/service/serve.h"
 #include "tests/server/http/fake_worker.h"
 
 namespace parkade {

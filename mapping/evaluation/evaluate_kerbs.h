@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "core/ground_markings.h"
+#include "mapping/evaluation/evaluate_slots.h"
+
+namespace parkade {
+
+/// A straight piece of a kerb as it really is.
+struct TrueKerb {
+  Eigen::Vector3d begin, end;  ///< [m] its foot, the ground on the left
+  double height = 0;           ///< [m] above that ground
+};
+
+struct KerbEvaluationOptions {
+  double max_distance = 0.3;    ///< [m] from a true kerb, horizontally, at which a found one is right
+  double max_height_gap = 1.0;  ///< [m] of decks above each other
+  double reach = 5.0;           ///< [m] from the path to which true kerbs count
+  double step = 0.2;            ///< [m] along kerbs
+
+  void Validate() const;  ///< throws Error{kUsage}
+};
+
+/// A drive is not blamed for kerbs that it did not come near, or that parked cars hid.
+struct KerbScope {
+  std::vector<Eigen::Vector3d> path = {};  ///< [m] where the car was; none: all true kerbs count
+  SlotScope ground = {};                   ///< which ground was seen: that before a kerb must have been
+};
+
+struct KerbEvaluation {
+  double true_length = 0;    ///< [m] that counts
+  double missed_length = 0;  ///< [m] of it
+  double found_length = 0;   ///< [m]
+  double right_length = 0;   ///< [m] of it that is kerb
+  double recall_percent = 0, precision_percent = 0;
+  double height_median = 0, height_p95 = 0;  ///< [m] of the errors' sizes along right ones
+  double height_bias = 0, height_rmse = 0;   ///< [m]
+  double height_normalised_rmse = 0;         ///< of errors in sigmas
+};
+
+/// Compares kerbs with the true ones, by length. `found` in the frame of the truth.
+KerbEvaluation EvaluateKerbs(const std::vector<TrueKerb>& truth, const std::vector<Kerb>& found,
+                             const KerbEvaluationOptions& options = {}, const KerbScope& scope = {});
+
+/// A few aligned lines for people.
+std::string ToText(const KerbEvaluation& evaluation);
+
+/// Every field under its own name.
+nlohmann::json ToJson(const KerbEvaluation& evaluation);
+
+}  // namespace parkade

@@ -1,0 +1,58 @@
+#include "mapping/evaluation/height_drift.h"
+
+#include <algorithm>
+#include <climits>
+#include <cmath>
+
+#include "core/floor_of.h"
+
+namespace parkade {
+namespace {
+
+constexpr double kSide = 2;         // [m] of a square
+constexpr double kMaxHeight = 1.5;  // [m] to the ground around: a steep ramp over kReach, less than from deck to deck
+constexpr double kSigmaOfMad = 1.4826;
+
+double MedianOf(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+HeightDrift::Square HeightDrift::SquareOf(const Eigen::Vector3d& point) {
+  return {FloorOf(point.y() / kSide), FloorOf(point.x() / kSide), FloorOf(point.z())};
+}
+
+void HeightDrift::Add(const Eigen::Vector3d& point, double difference) {
+  Sum& sum = sums_[SquareOf(point)];
+  sum.point += point;
+  sum.difference += difference;
+  ++sum.count;
+}
+
+void HeightDrift::Finish() {
+  for (const auto& [square, sum] : sums_) around_[square] = FindAround(square);
+}
+
+HeightDrift::Around HeightDrift::FindAround(const Square& square) const {
+  constexpr int kSteps = static_cast<int>(kReach / kSide);
+  const Sum& here = sums_.at(square);
+  const Eigen::Vector3d place = here.point / here.count;
+  std::vector<double> differences;
+  for (int y = square[0] - kSteps; y <= square[0] + kSteps; ++y) {
+    const auto end = sums_.upper_bound({y, square[1] + kSteps, INT_MAX});
+    for (auto at = sums_.lower_bound({y, square[1] - kSteps, INT_MIN}); at != end; ++at) {
+      const Eigen::Vector3d offset = at->second.point / at->second.count - place;
+      if (offset.head<2>().norm() > kReach || std::abs(offset.z()) > kMaxHeight) continue;
+      differences.push_back(at->second.difference / at->second.count);
+    }
+  }
+  Around around{.median = MedianOf(differences)};
+  for (double& difference : differences) difference = std::abs(difference - around.median);
+  around.sigma = kSigmaOfMad * MedianOf(differences);
+  return around;
+}
+
+}  // namespace parkade

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "mapping/ground/patch_source.h"
+
+namespace parkade {
+
+/// Which drives have a say in what a place looks like: the latest few that looked at it well. What earlier ones saw
+/// would be outweighed anyway, since evidence is bounded, and so what a site costs is in proportion to its ground and
+/// not to the number of its drives. Asked of squares of 4 m, deck by deck; by where views reach, not by what they show.
+class LatestDrives {
+ public:
+  /// \param views  drive after drive, the latest last
+  LatestDrives(std::span<const PatchView> views, int max_drives);
+
+  /// Where samples of one view count.
+  class Share {
+   public:
+    bool is_none() const { return num_counting_ == 0; }
+    /// Of a sample that lies at `point_in_site` on its car's plane.
+    bool Counts(const Eigen::Vector2d& point_in_site) const;
+
+   private:
+    friend class LatestDrives;
+    int x_ = 0, y_ = 0, width_ = 0, height_ = 0;  // squares that the view reaches into
+    std::vector<bool> counts_;
+    int num_counting_ = 0;
+  };
+  Share ShareOf(const PatchView& view) const;
+
+ private:
+  using Square = std::tuple<int, int, int>;  // deck, y, x
+  static Square SquareOf(const PatchView& view, const Eigen::Vector2d& point_in_site);
+
+  std::map<int, int> ranks_;      // of drives, in the order of the views
+  std::map<Square, int> oldest_;  // rank of the first drive that counts; squares where all count are left out
+};
+
+}  // namespace parkade

@@ -1,0 +1,196 @@
+#include "mapping/heights/drive_heights.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+
+#include "core/log.h"
+#include "core/parallel.h"
+#include "mapping/heights/estimate_lean.h"
+#include "mapping/heights/height_certainty.h"
+#include "mapping/heights/measure_heights.h"
+#include "mapping/heights/plane_heights.h"
+
+namespace parkade {
+namespace {
+
+constexpr double kPoseDistance = 0.5;  // [m] between poses that heights may be tied to
+constexpr double kPoseSquare = 8.0;    // [m] of the squares in which these are sorted
+
+/// Every third keyframe of each camera: enough to come near the ground, in a third of the time.
+class EveryThird final : public PatchSource {
+ public:
+  /// The source is borrowed. \param which  0 to 2: others
+  EveryThird(const PatchSource& source, int which) : source_(&source) {
+    std::map<int, int> counts;
+    for (std::size_t i = 0; i < source.views().size(); ++i)
+      if (counts[source.views()[i].camera]++ % 3 == which) {
+        views_.push_back(source.views()[i]);
+        indices_.push_back(i);
+      }
+  }
+
+  PosedGroundPatch Read(std::size_t index) const override { return source_->Read(indices_[index]); }
+
+ private:
+  const PatchSource* source_;
+  std::vector<std::size_t> indices_;
+};
+
+void AddContacts(const DrivenPath& path, const HeightOptions& options, std::vector<HeightObservation>& observations) {
+  for (const ContactPoint& contact : FindContacts(path, 0.5 * options.field.spacing)) {
+    const double lever = contact.is_front ? path.contact.wheelbase * options.suspension_sigma : 0;
+    const double variance = options.contact_sigma * options.contact_sigma + lever * lever;
+    observations.push_back({contact.point_in_site, 1 / variance});
+  }
+}
+
+/// Ties points of site to the poses of a path that are nearest to them.
+class PoseTies {
+ public:
+  explicit PoseTies(const DrivenPath* path) {
+    if (path == nullptr) return;
+    const TrajectoryState* last = nullptr;
+    for (const TrajectoryState& state : path->site_from_body.states()) {
+      const Eigen::Vector3d& place = state.odom_from_body.translation;
+      if (last && (place - last->odom_from_body.translation).norm() < kPoseDistance) continue;
+      last = &state;
+      poses_.push_back(&state);
+      squares_[SquareOf(place)].push_back(&state);
+    }
+  }
+
+  DriveHeight Tie(const HeightObservation& height) const {
+    DriveHeight tied{
+        {}, height.point_in_site.cast<float>(), static_cast<float>(height.weight), static_cast<float>(height.sigma)};
+    if (const TrajectoryState* pose = NearestTo(height.point_in_site)) {
+      tied.time = pose->time;
+      tied.point_in_body = (pose->odom_from_body.Inverse() * height.point_in_site).cast<float>();
+    }
+    return tied;
+  }
+
+ private:
+  static std::pair<int, int> SquareOf(const Eigen::Vector3d& point) {
+    return {static_cast<int>(std::floor(point.x() / kPoseSquare)),
+            static_cast<int>(std::floor(point.y() / kPoseSquare))};
+  }
+
+  /// Of the squares around a point, or of all where these are empty.
+  const TrajectoryState* NearestTo(const Eigen::Vector3d& point) const {
+    const TrajectoryState* nearest = nullptr;
+    double least = std::numeric_limits<double>::max();
+    const auto look = [&](const std::vector<const TrajectoryState*>& poses) {
+      for (const TrajectoryState* pose : poses) {
+        const double distance = (pose->odom_from_body.translation - point).squaredNorm();
+        if (distance < least) least = distance, nearest = pose;
+      }
+    };
+    const auto [x, y] = SquareOf(point);
+    for (int reach = 1; reach <= 2 && least > reach * reach * kPoseSquare * kPoseSquare; ++reach)
+      for (int sx = x - reach; sx <= x + reach; ++sx)
+        for (int sy = y - reach; sy <= y + reach; ++sy)
+          if (const auto found = squares_.find({sx, sy}); found != squares_.end()) look(found->second);
+    if (nearest == nullptr) look(poses_);
+    return nearest;
+  }
+
+  std::vector<const TrajectoryState*> poses_;
+  std::map<std::pair<int, int>, std::vector<const TrajectoryState*>> squares_;
+};
+
+std::vector<DriveHeight> TieAll(const std::vector<HeightObservation>& heights, const PoseTies& ties) {
+  return ParallelMap(heights.size(), [&](size_t i) { return ties.Tie(heights[i]); });
+}
+
+/// Where a height lies now. Nothing where the path does not reach its time.
+std::optional<Eigen::Vector3d> PointInSite(const DriveHeight& height, const DrivenPath* path) {
+  const Eigen::Vector3d point = height.point_in_body.cast<double>();
+  if (path == nullptr) return point;
+  const std::optional<Rigid3> site_from_body = path->site_from_body.At(height.time);
+  if (!site_from_body) return std::nullopt;
+  return *site_from_body * point;
+}
+
+}  // namespace
+
+DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* path, const HeightOptions& options,
+                                 std::span<const HeightObservation> measured) {
+  DrivenPath leaning = path ? *path : DrivenPath{};
+  const DrivenPath* const leaning_path = path ? &leaning : nullptr;
+  const auto find_known = [&](const PlaneHeights& planes) {
+    std::vector<HeightObservation> known;
+    if (path) AddContacts(leaning, options, known);
+    const std::vector<HeightObservation> seen = planes.Observations(options.plane_share);
+    known.insert(known.end(), seen.begin(), seen.end());
+    known.insert(known.end(), measured.begin(), measured.end());
+    return known;
+  };
+  const int num_rounds = path ? options.sweep.num_rounds : 0;
+  MeasureHeightsOptions early = options.sweep;
+  early.max_views /= 2;
+  const std::array<EveryThird, 3> thirds = {EveryThird(patches, 0), EveryThird(patches, 1), EveryThird(patches, 2)};
+  const auto used_in = [&](int round) -> const PatchSource& {
+    if (round + 1 >= num_rounds) return patches;
+    return thirds[static_cast<size_t>(round) % thirds.size()];
+  };
+  PlaneHeights planes = CollectPlanes(used_in(0), leaning_path, options.field);
+  std::vector<HeightObservation> known = find_known(planes), swept;
+  std::optional<HeightField> field;
+  for (int round = 0; round < num_rounds; ++round) {
+    std::vector<HeightObservation> all = known;
+    all.insert(all.end(), swept.begin(), swept.end());
+    field = HeightField(std::move(all), options.field, field ? &*field : nullptr);
+    const bool is_last = round + 1 == num_rounds;
+    swept = MeasureHeights(used_in(round), std::span(path, 1), *field, (is_last ? 0.5 : 1.0) * options.sweep.max_offset,
+                           is_last ? options.sweep : early);
+    LogDebug("stage=measure_heights round=" + std::to_string(round) + " heights=" + std::to_string(swept.size()));
+    if (round > 0) continue;
+    leaning.lean = EstimateLean(leaning, swept);
+    leaning.plane_errors = EstimatePlaneErrors(leaning, swept);
+    planes = CollectPlanes(patches, leaning_path, options.field);
+    known = find_known(planes);
+  }
+  if (path)
+    LogInfo("stage=measure_heights drive=" + std::to_string(path->drive) + " heights=" + std::to_string(swept.size()) +
+            " roll=" + std::to_string(leaning.lean.roll) + " pitch=" + std::to_string(leaning.lean.pitch) +
+            " heave=" + std::to_string(leaning.lean.heave) + " plane_errors=" + std::to_string(leaning.plane_errors));
+  const PoseTies ties(path);
+  return {path ? path->drive : 0, leaning.lean, leaning.plane_errors, TieAll(swept, ties), TieAll(planes.Sums(), ties)};
+}
+
+HeightField FitHeights(std::span<const DriveHeights> drives, std::span<const DrivenPath> paths,
+                       const HeightOptions& options, std::span<const HeightObservation> measured) {
+  std::vector<HeightObservation> heights;
+  for (const DrivenPath& path : paths) {
+    const auto own = std::find_if(drives.begin(), drives.end(),
+                                  [&](const DriveHeights& of_drive) { return of_drive.drive == path.drive; });
+    DrivenPath leaning = path;
+    if (own != drives.end()) leaning.lean = own->lean;
+    AddContacts(leaning, options, heights);
+  }
+  PlaneHeights planes(options.field);
+  std::vector<HeightObservation> swept;
+  for (const DriveHeights& of_drive : drives) {
+    const DrivenPath* path = FindPath(paths, of_drive.drive);
+    for (const DriveHeight& plane : of_drive.planes)
+      if (const std::optional<Eigen::Vector3d> point = PointInSite(plane, path)) {
+        const double sigma = static_cast<double>(plane.sigma);
+        planes.Add(*point, static_cast<double>(plane.weight), 1 / (sigma * sigma));
+      }
+    for (const DriveHeight& height : of_drive.swept)
+      if (const std::optional<Eigen::Vector3d> point = PointInSite(height, path))
+        swept.push_back({*point, static_cast<double>(height.weight), static_cast<double>(height.sigma)});
+  }
+  for (const auto& more : {planes.Observations(options.plane_share), swept})
+    heights.insert(heights.end(), more.begin(), more.end());
+  heights.insert(heights.end(), measured.begin(), measured.end());
+  HeightField field(std::move(heights), options.field);
+  SpreadSigmas(field);
+  return field;
+}
+
+}  // namespace parkade

@@ -1,0 +1,159 @@
+#include "mapping/markings/slot_states.h"
+
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "mapping/ground/patch_index.h"
+
+namespace parkade {
+namespace {
+
+constexpr double kSquare = 2.0;         // [m] of the squares in which slots are sorted
+constexpr double kReach = 0.5;          // [m] that a ray may move between its own plane and the slot's
+constexpr double kMaxHeightStep = 1.2;  // [m] between those
+constexpr int kColumns = 8, kRows = 16;
+constexpr float kKnown = 0.15F;  // of evidence in a cell
+
+using Cells = std::array<float, kColumns * kRows>;
+
+/// Slots by squares of ground.
+class SlotSquares {
+ public:
+  explicit SlotSquares(const std::vector<ParkingSlot>& slots) {
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+      Eigen::Array2d low = slots[i].corners[0].head<2>().array(), high = low;
+      for (const Eigen::Vector3d& corner : slots[i].corners) {
+        low = low.min(corner.head<2>().array());
+        high = high.max(corner.head<2>().array());
+      }
+      const auto first = ((low - kReach) / kSquare).floor().cast<int>().eval();
+      const auto last = ((high + kReach) / kSquare).floor().cast<int>().eval();
+      for (int x = first.x(); x <= last.x(); ++x)
+        for (int y = first.y(); y <= last.y(); ++y) {
+          squares_.Add(x, y);
+          slots_.push_back(i);
+        }
+    }
+  }
+
+  /// Calls `visit(slot)` for those that may lie at a point.
+  template <typename Visitor>
+  void VisitAt(const Eigen::Vector3d& point, const Visitor& visit) const {
+    for (int entry = squares_.First(static_cast<int>(std::floor(point.x() / kSquare)),
+                                    static_cast<int>(std::floor(point.y() / kSquare)));
+         entry != PatchIndex::kNone; entry = squares_.Next(entry))
+      visit(slots_[static_cast<std::size_t>(entry)]);
+  }
+
+ private:
+  PatchIndex squares_;
+  std::vector<std::size_t> slots_;  // by the entries' numbers
+};
+
+/// The part of a slot that counts, as an affine grid.
+struct SlotGrid {
+  Eigen::Vector3d origin;
+  Eigen::Vector2d across, inward;  ///< unit vectors
+  double width = 0, length = 0;    ///< [m]
+  SlotStateOptions options;
+
+  SlotGrid(const ParkingSlot& slot, const SlotStateOptions& options_in) : options(options_in) {
+    origin = slot.corners[0];
+    across = (slot.corners[1] - slot.corners[0]).head<2>().normalized();
+    inward = Eigen::Vector2d(-across.y(), across.x());
+    width = slot.Entrance(), length = slot.Depth();
+  }
+
+  /// Index of the cell at a point on the slot's plane, or nothing.
+  std::optional<std::size_t> CellAt(const Eigen::Vector2d& point) const {
+    const Eigen::Vector2d offset = point - origin.head<2>();
+    const double u = (offset.dot(across) - options.side_margin) / (width - 2 * options.side_margin);
+    const double v = (offset.dot(inward) - options.end_margin) / (length - 2 * options.end_margin);
+    if (!(u >= 0 && u < 1 && v >= 0 && v < 1)) return {};
+    return static_cast<std::size_t>(static_cast<int>(v * kRows) * kColumns + static_cast<int>(u * kColumns));
+  }
+};
+
+/// Where the ray from the eye through a point meets the height of a slot.
+Eigen::Vector3d MeetHeight(const std::optional<Eigen::Vector3d>& eye, const Eigen::Vector3d& point, double height) {
+  if (!eye || eye->z() - point.z() < 0.1 || eye->z() - height < 0.1) return point;
+  return *eye + (eye->z() - height) / (eye->z() - point.z()) * (point - *eye);
+}
+
+struct Hit {
+  std::size_t slot = 0, cell = 0;
+  float evidence = 0;  ///< positive: ground
+};
+
+std::vector<Hit> FindHits(const PosedGroundPatch& patch, std::span<const DrivenPath> paths, const SlotSquares& squares,
+                          const std::vector<SlotGrid>& grids) {
+  std::vector<Hit> hits;
+  const DrivenPath* path = FindPath(paths, patch.patch.drive);
+  const auto camera = static_cast<std::size_t>(patch.patch.camera);
+  std::optional<Eigen::Vector3d> eye;
+  if (path != nullptr && camera < path->cameras_in_body.size())
+    eye = patch.site_from_body * path->cameras_in_body[camera];
+  for (const GroundSample& sample : patch.patch.samples) {
+    if (sample.confidence <= 0) continue;
+    const Eigen::Vector3d point = patch.site_from_body * sample.point_in_body.cast<double>();
+    squares.VisitAt(point, [&](std::size_t slot) {
+      const double height = grids[slot].origin.z();
+      if (std::abs(point.z() - height) > kMaxHeightStep) return;
+      const std::optional<std::size_t> cell = grids[slot].CellAt(MeetHeight(eye, point, height).head<2>());
+      if (cell) hits.push_back({slot, *cell, (sample.is_free ? 1.0F : -1.0F) * sample.confidence});
+    });
+  }
+  return hits;
+}
+
+SlotState StateOf(const Cells& cells, const SlotStateOptions& options) {
+  double num_free = 0, num_other = 0;
+  for (const float evidence : cells) {
+    num_free += evidence > kKnown;
+    num_other += evidence < -kKnown;
+  }
+  const double count = kColumns * kRows;
+  if (num_free >= options.free_share * count && num_other < 0.25 * num_free) return SlotState::kFree;
+  if (num_other >= options.occupied_share * count && num_free < options.free_share * count) return SlotState::kOccupied;
+  return SlotState::kUnseen;
+}
+
+}  // namespace
+
+void SlotStateOptions::Validate() const {
+  Require(side_margin >= 0 && side_margin < 0.7 && end_margin >= 0 && end_margin < 0.7, ErrorCode::kUsage,
+          "margins of slots must be in 0..0.7 m");
+  Require(free_share > 0 && free_share <= 1 && occupied_share > 0 && occupied_share <= 1, ErrorCode::kUsage,
+          "shares of slots must be in 0..1");
+}
+
+void SeeSlots(const PatchSource& patches, std::span<const DrivenPath> paths, std::size_t num_drives,
+              const SlotStateOptions& options, std::vector<ParkingSlot>& slots) {
+  options.Validate();
+  const SlotSquares squares(slots);
+  std::vector<SlotGrid> grids;
+  for (const ParkingSlot& slot : slots) grids.emplace_back(slot, options);
+  std::vector<std::vector<Cells>> cells(num_drives, std::vector<Cells>(slots.size(), Cells{}));
+  constexpr std::size_t kBatch = 64;
+  const std::span<const PatchView> views = patches.views();
+  for (std::size_t begin = 0; begin < views.size(); begin += kBatch) {
+    const std::size_t count = std::min(kBatch, views.size() - begin);
+    const auto hits =
+        ParallelMap(count, [&](std::size_t i) { return FindHits(patches.Read(begin + i), paths, squares, grids); });
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto drive = static_cast<std::size_t>(views[begin + i].drive);
+      if (drive >= num_drives) continue;
+      for (const Hit& hit : hits[i]) cells[drive][hit.slot][hit.cell] += hit.evidence;
+    }
+  }
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    slots[i].states.clear();
+    for (std::size_t drive = 0; drive < num_drives; ++drive)
+      slots[i].states.push_back(StateOf(cells[drive][i], options));
+  }
+}
+
+}  // namespace parkade

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <vector>
+
+#include "mapping/markings/paint_line_options.h"
+#include "mapping/markings/turned_ground.h"
+#include "mapping/markings/upright_line.h"
+
+namespace parkade {
+
+/// Bright stripes that stand upright to a few degrees. O(pixels).
+std::vector<UprightLine> FindUprightLines(const TurnedGround& ground, const PaintLineOptions& options);
+
+}  // namespace parkade

@@ -1,0 +1,140 @@
+#include "server/compare/compare_maps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/trajectory.h"
+#include "core/yaw.h"
+#include "export/changes.h"
+#include "server/map_folder/output_folder.h"
+
+namespace parkade {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kMaxSlotSigma = 0.3;  // [m] of the alignment, beyond which a slot may be taken for its neighbour
+
+/// The value that a share of all lie below; `values` is not empty.
+double Percentile(std::vector<double> values, double share) {
+  const auto nth = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
+TrajectoryOffset OffsetOf(const SharedDrive& drive, const Rigid3& to_from_from) {
+  std::vector<double> offsets;
+  for (const PosePair& pair : drive.poses)
+    offsets.push_back((pair.in_to.translation - to_from_from * pair.in_from.translation).norm());
+  return {drive.name, Percentile(offsets, 0.5), Percentile(offsets, 0.95), Percentile(offsets, 1)};
+}
+
+/// Drives that `others` does not hold.
+std::vector<std::string> Without(const FinishedMap& map, const FinishedMap& others) {
+  std::vector<std::string> rest;
+  std::copy_if(map.drives().begin(), map.drives().end(), std::back_inserter(rest),
+               [&](const std::string& drive) { return !BothHold(map, others, drive); });
+  return rest;
+}
+
+double ToMillimetres(double metres) { return std::round(1000 * metres) / 1000; }
+
+Json NumbersOf(const Eigen::Vector3d& vector) {
+  return {ToMillimetres(vector.x()), ToMillimetres(vector.y()), ToMillimetres(vector.z())};
+}
+
+Json RegionsOf(const SurfaceChanges& ground) {
+  Json regions = Json::array();
+  for (size_t i = 0; i < ground.regions.size(); ++i) {
+    const ChangedRegion& region = ground.regions[i];
+    regions.push_back({{"id", i},
+                       {"change", ToText(region.change)},
+                       {"area", ToMillimetres(region.area)},
+                       {"center", NumbersOf(region.center)},
+                       {"height_change", ToMillimetres(region.height_change)}});
+  }
+  return regions;
+}
+
+/// A map of an older version of this program has none.
+std::vector<StoredSlot> SlotsOf(const FinishedMap& map) {
+  return ReadSlots(map.FileNamed("slots.geojson"), map.datum());
+}
+
+Json SlotsToJson(const SlotChanges& slots) {
+  Json changed = Json::array();
+  for (const SlotChange& change : slots.changed)
+    changed.push_back({{"id", change.id}, {"from", ToText(change.from)}, {"to", ToText(change.to)}});
+  return {{"kept", slots.num_kept}, {"added", slots.added}, {"removed", slots.removed}, {"changed", changed}};
+}
+
+}  // namespace
+
+MapComparison CompareMaps(const FinishedMap& from, const FinishedMap& to, const CompareOptions& options) {
+  MapComparison comparison;
+  const std::vector<SharedDrive> shared = FindSharedDrives(from, to);
+  comparison.alignment = AlignMaps(shared, from, to);
+  const SiteAlignment& alignment = comparison.alignment;
+  comparison.ground =
+      CompareSurfaces(from.ReadSurfaceMap(), to.ReadSurfaceMap(),
+                      {alignment.to_from_from, alignment.horizontal_sigma, alignment.height_sigma}, options);
+  if (from.Has("slots.geojson") && to.Has("slots.geojson") && alignment.horizontal_sigma < kMaxSlotSigma)
+    comparison.slots = CompareSlots(SlotsOf(from), SlotsOf(to), alignment.to_from_from);
+  for (const SharedDrive& drive : shared)
+    comparison.trajectories.push_back(OffsetOf(drive, comparison.alignment.to_from_from));
+  comparison.added = Without(to, from);
+  comparison.removed = Without(from, to);
+  comparison.datum = to.datum();
+  return comparison;
+}
+
+std::string EncodeComparison(const MapComparison& comparison) {
+  const SurfaceChanges& ground = comparison.ground;
+  const Rigid3& motion = comparison.alignment.to_from_from;
+  const auto area = [&](GroundChange change) { return ToMillimetres(ground.AreaOf(change)); };
+  Json json;
+  json["alignment"] = {{"aligned_by", comparison.alignment.aligned_by},
+                       {"translation", NumbersOf(motion.translation)},
+                       {"yaw_deg", YawOf(motion.rotation) * 180 / M_PI},
+                       {"horizontal_sigma", ToMillimetres(comparison.alignment.horizontal_sigma)},
+                       {"height_sigma", ToMillimetres(comparison.alignment.height_sigma)},
+                       {"num_links", comparison.alignment.num_links},
+                       {"note", comparison.alignment.note}};
+  json["free_space"] = {{"unchanged", ToMillimetres(ground.UnchangedArea())},
+                        {"gained", area(GroundChange::kFreed) + area(GroundChange::kMapped)},
+                        {"lost", area(GroundChange::kBlocked) + area(GroundChange::kUnmapped)},
+                        {"freed", area(GroundChange::kFreed)},
+                        {"mapped", area(GroundChange::kMapped)},
+                        {"blocked", area(GroundChange::kBlocked)},
+                        {"unmapped", area(GroundChange::kUnmapped)}};
+  json["heights"] = {{"median", ToMillimetres(ground.height.median)},
+                     {"rmse", ToMillimetres(ground.height.rmse)},
+                     {"percentile_95", ToMillimetres(ground.height.percentile_95)},
+                     {"raised", area(GroundChange::kRaised)},
+                     {"lowered", area(GroundChange::kLowered)}};
+  json["slots"] = SlotsToJson(comparison.slots);
+  json["drives"] = {{"added", comparison.added}, {"removed", comparison.removed}};
+  json["trajectories"] = Json::array();
+  for (const TrajectoryOffset& offset : comparison.trajectories)
+    json["trajectories"].push_back({{"drive", offset.drive},
+                                    {"median", ToMillimetres(offset.median)},
+                                    {"percentile_95", ToMillimetres(offset.percentile_95)},
+                                    {"largest", ToMillimetres(offset.largest)}});
+  json["regions"] = RegionsOf(ground);
+  return json.dump(2) + "\n";
+}
+
+void WriteComparison(const MapComparison& comparison, const std::filesystem::path& out) {
+  OutputFolder folder(out);
+  const Orthophoto picture = RenderChanges(comparison.ground);
+  WriteFileAtomically(folder.staging() / "changes.json", EncodeComparison(comparison));
+  WriteFileAtomically(folder.staging() / "changes.geojson", EncodeChangesGeoJson(comparison.ground, comparison.datum));
+  WriteFileAtomically(folder.staging() / "changes.png", EncodePng(picture));
+  WriteFileAtomically(folder.staging() / "changes.pgw", EncodeWorldFile(picture));
+  folder.Commit();
+}
+
+}  // namespace parkade

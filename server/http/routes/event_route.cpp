@@ -1,0 +1,117 @@
+#include <charconv>
+
+#include "core/error.h"
+#include "server/http/answer.h"
+#include "server/http/problem.h"
+#include "server/http/routes/routes.h"
+#include "server/store/tables/drive_table.h"
+#include "server/store/tables/job_table.h"
+
+namespace parkade {
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr int kMaxClients = 32;
+constexpr std::chrono::milliseconds kLookInterval{500};
+constexpr std::chrono::seconds kHeartbeatInterval{10};
+constexpr std::chrono::minutes kMaxLifetime{10};  // then the client comes back with Last-Event-ID
+
+/// What an event is about, as it is now: a listener that comes late gets one
+/// state, not the way to it.
+Json DataOf(RouteContext& context, const Event& event) {
+  try {
+    if (event.kind == "job") {
+      const Job job =
+          context.store.database.Read([&](Connection& connection) { return FindJob(connection, event.subject); });
+      return ToJson(job, context.jobs.ProgressOf(job.id));
+    }
+    if (event.kind == "drive")
+      return ToJson(
+          context.store.database.Read([&](Connection& connection) { return FindDrive(connection, event.subject); }));
+    const size_t slash = event.subject.rfind('/');
+    const std::string site = event.subject.substr(0, slash);
+    const std::int64_t version = std::stoll(event.subject.substr(slash + 1));
+    return {{"site", site}, {"version", version}, {"url", MapAddress(site, version)}};
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kNotFound) throw;
+    return {{"id", event.subject}, {"deleted", true}};
+  }
+}
+
+std::string TextOf(const std::string& kind, std::int64_t id, const Json& data) {
+  return "event: " + kind + "\nid: " + std::to_string(id) +
+         "\ndata: " + data.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n\n";
+}
+
+/// One listener.
+class EventStream {
+ public:
+  EventStream(RouteContext& context, std::int64_t last_seen)
+      : context_(context), presence_(context.metrics.event_clients), last_seen_(last_seen) {}
+
+  /// Sends what there is, waiting a moment for it; false at the end.
+  bool Send(httplib::DataSink& sink) {
+    const steady_clock::time_point now = steady_clock::now();
+    if (context_.lifeline.is_stopping() || now - started_ > kMaxLifetime) {
+      sink.done();
+      return true;
+    }
+    std::string text = News();
+    if (text.empty() && now - last_sent_ >= kHeartbeatInterval) text = ": still here\n\n";
+    if (is_first_) text = "retry: 2000\n\n" + text;
+    is_first_ = false;
+    if (text.empty()) return sink.is_writable();
+    last_sent_ = now;
+    return sink.write(text.data(), text.size());
+  }
+
+ private:
+  std::string News() {
+    const EventHub::News news =
+        context_.events.WaitFor(last_seen_, is_first_ ? std::chrono::milliseconds(0) : kLookInterval);
+    std::string text;
+    if (news.has_gap) {
+      last_seen_ = news.events.empty() ? context_.events.last_id() : news.events.back().id;
+      return TextOf("reload", last_seen_, Json::object());
+    }
+    for (const Event& event : news.events) text += TextOf(event.kind, event.id, DataOf(context_, event));
+    if (!news.events.empty()) last_seen_ = news.events.back().id;
+    return text;
+  }
+
+  RouteContext& context_;
+  CountedPresence presence_;
+  std::int64_t last_seen_;
+  const steady_clock::time_point started_ = steady_clock::now();
+  steady_clock::time_point last_sent_ = started_;
+  bool is_first_ = true;
+};
+
+std::int64_t LastSeen(const httplib::Request& request, const EventHub& events) {
+  const std::string text = request.get_header_value("Last-Event-ID");
+  std::int64_t id = 0;
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), id);
+  const bool is_number = !text.empty() && parsed.ec == std::errc{} && parsed.ptr == text.data() + text.size();
+  if (!text.empty() && !is_number) return 0;  // not one of ours: has missed everything
+  return is_number ? id : events.last_id();
+}
+
+}  // namespace
+
+void AddEventRoute(httplib::Server& http, RouteContext& context) {
+  http.Get("/api/v1/events", [&context](const httplib::Request& request, httplib::Response& response) {
+    if (context.metrics.event_clients >= kMaxClients) {
+      response.set_header("Retry-After", "10");
+      throw HttpError({503, "busy", "too many listeners: try again in a moment"});
+    }
+    const auto stream = std::make_shared<EventStream>(context, LastSeen(request, context.events));
+    response.status = 200;
+    response.set_header("Cache-Control", "no-store");
+    response.set_header("X-Accel-Buffering", "no");
+    response.set_chunked_content_provider("text/event-stream",
+                                          [stream](size_t, httplib::DataSink& sink) { return stream->Send(sink); });
+  });
+}
+
+}  // namespace parkade

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+
+#include "server/http/lifeline.h"
+#include "server/http/metrics.h"
+#include "server/http/serve_options.h"
+#include "server/jobs/event_hub.h"
+#include "server/jobs/job_runner.h"
+#include "server/jobs/map_comparer.h"
+#include "server/store/store.h"
+
+namespace parkade {
+
+/// What handlers work with. Outlives the server they are added to.
+struct RouteContext {
+  const ServeOptions& options;
+  Store& store;
+  EventHub& events;
+  JobRunner& jobs;
+  MapComparer& comparer;
+  Metrics& metrics;
+  const Lifeline& lifeline;
+};
+
+// Bounded patterns: they run on whatever path a stranger sends.
+inline const std::string kIdPattern = "([0-9a-f]{16})";
+inline const std::string kNamePattern = "([A-Za-z0-9][A-Za-z0-9._-]{0,63})";
+
+}  // namespace parkade

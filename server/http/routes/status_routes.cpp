@@ -1,0 +1,119 @@
+#include <unistd.h>
+
+#include <fstream>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "server/http/answer.h"
+#include "server/http/routes/openapi.h"
+#include "server/http/routes/routes.h"
+#include "server/store/durable_file.h"
+#include "server/store/tables/job_table.h"
+
+namespace parkade {
+namespace {
+
+/// [bytes] of memory this process has, from /proc.
+std::int64_t ResidentBytes() {
+  std::ifstream stream("/proc/self/statm");
+  std::int64_t total = 0, resident = 0;
+  stream >> total >> resident;
+  return resident * ::sysconf(_SC_PAGESIZE);
+}
+
+/// Text format of Prometheus, version 0.0.4.
+class MetricsText {
+ public:
+  void Add(const std::string& name, const std::string& type, const std::string& help) {
+    text_ += "# HELP " + name + " " + help + "\n# TYPE " + name + " " + type + "\n";
+    name_ = name;
+  }
+  void Value(std::int64_t value, const std::string& labels = "") {
+    text_ += name_ + labels + " " + std::to_string(value) + "\n";
+  }
+  void Gauge(const std::string& name, const std::string& help, std::int64_t value) {
+    Add(name, "gauge", help);
+    Value(value);
+  }
+  void Counter(const std::string& name, const std::string& help, std::int64_t value) {
+    Add(name, "counter", help);
+    Value(value);
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string name_, text_;
+};
+
+void AddJobCounts(RouteContext& context, MetricsText& text) {
+  text.Add("parkade_jobs", "gauge", "Jobs by state.");
+  context.store.database.Read([&](Connection& connection) {
+    for (const JobState state :
+         {JobState::kQueued, JobState::kRunning, JobState::kDone, JobState::kFailed, JobState::kCancelled})
+      text.Value(CountJobs(connection, state), std::string("{state=\"") + ToText(state) + "\"}");
+  });
+}
+
+std::string MetricsOf(RouteContext& context) {
+  const Metrics& metrics = context.metrics;
+  MetricsText text;
+  text.Add("parkade_http_answers_total", "counter", "Answers by class of status.");
+  for (size_t i = 1; i < metrics.answers_by_class.size(); ++i)
+    text.Value(metrics.answers_by_class[i], "{class=\"" + std::to_string(i) + "xx\"}");
+  text.Counter("parkade_http_requests_refused_total", "Requests refused by their head.", metrics.requests_refused);
+  text.Counter("parkade_http_connections_refused_total", "Connections refused for want of threads.",
+               metrics.connections_refused);
+  text.Gauge("parkade_http_connections", "Connections being served.", metrics.connections);
+  text.Gauge("parkade_event_clients", "Listeners to server-sent events.", metrics.event_clients);
+  text.Counter("parkade_upload_bytes_total", "Bytes of drive logs received.", metrics.upload_bytes);
+  AddJobCounts(context, text);
+  text.Gauge("parkade_disk_free_bytes", "Free bytes on the disk of the data directory.",
+             FreeBytes(context.store.directory.root()));
+  text.Gauge("process_resident_memory_bytes", "Memory of the service, without its workers.", ResidentBytes());
+  const auto uptime = std::chrono::steady_clock::now() - metrics.started;
+  text.Gauge("parkade_uptime_seconds", "Time since the start.",
+             std::chrono::duration_cast<std::chrono::seconds>(uptime).count());
+  return text.text();
+}
+
+/// Ready to take a drive: the database answers and there is room on the disk.
+Json Readiness(RouteContext& context, bool& is_ready) {
+  bool has_database = false, has_room = false;
+  try {
+    context.store.database.Read([](Connection& connection) { CountJobs(connection, JobState::kQueued); });
+    has_database = true;
+    has_room = FreeBytes(context.store.directory.root()) > context.store.disk_reserve;
+  } catch (const Error& error) {
+    LogWarning(std::string("not ready: ") + error.what());
+  }
+  is_ready = has_database && has_room && !context.lifeline.is_stopping();
+  return {{"ready", is_ready},
+          {"database", has_database},
+          {"disk", has_room},
+          {"stopping", context.lifeline.is_stopping()}};
+}
+
+}  // namespace
+
+void AddStatusRoutes(httplib::Server& http, RouteContext& context) {
+  http.Get("/healthz", [](const httplib::Request&, httplib::Response& response) {
+    SendJson(response, 200, {{"healthy", true}});
+  });
+  http.Get("/readyz", [&context](const httplib::Request&, httplib::Response& response) {
+    bool is_ready = false;
+    const Json json = Readiness(context, is_ready);
+    SendJson(response, is_ready ? 200 : 503, json);
+  });
+  http.Get("/metrics", [&context](const httplib::Request&, httplib::Response& response) {
+    response.status = 200;
+    response.set_header("Cache-Control", "no-store");
+    response.set_content(MetricsOf(context), "text/plain; version=0.0.4; charset=utf-8");
+  });
+  http.Get("/api/v1/openapi.json", [](const httplib::Request&, httplib::Response& response) {
+    response.status = 200;
+    response.set_header("Cache-Control", "no-cache");
+    response.set_content(OpenApiText(), "application/json");
+  });
+}
+
+}  // namespace parkade

@@ -1,0 +1,84 @@
+#include "server/http/routes/upload_route.h"
+
+#include "core/error.h"
+#include "core/log.h"
+#include "server/http/answer.h"
+#include "server/http/problem.h"
+#include "server/http/routes/routes.h"
+#include "server/store/durable_file.h"
+
+namespace parkade {
+namespace {
+
+std::int64_t LengthOf(const httplib::Request& request) {
+  return std::stoll(request.get_header_value("Content-Length"));  // CheckRequestHead saw to it
+}
+
+void Replace(std::string& text, const std::string& from, const std::string& to) {
+  for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+}
+
+/// The check speaks of the temporary file it was given; the user knows another name.
+void CheckLog(const RouteContext& context, const std::filesystem::path& file, const std::string& filename) {
+  if (!context.options.check_log) return;
+  try {
+    context.options.check_log(file);
+  } catch (const Error& error) {
+    const std::string name = filename.empty() ? "the upload" : filename;
+    std::string sentence = error.what();
+    Replace(sentence, file.string(), name);
+    Replace(sentence, file.filename().string(), name);
+    if (sentence.find(name) == std::string::npos) sentence = "'" + name + "': " + sentence;
+    throw Error(error.code(), sentence);
+  }
+}
+
+/// Streams the body to `log`. Bounded memory: it goes on piece by piece.
+void ReceiveBody(const httplib::ContentReader& body, std::int64_t length, GrowingFile& log, Metrics& metrics) {
+  const bool is_complete = body([&](const char* data, size_t size) {
+    log.Append({data, size});
+    metrics.upload_bytes += static_cast<std::int64_t>(size);
+    return true;
+  });
+  Require(is_complete && log.size() == length, ErrorCode::kInvalidInput, "the upload broke off");
+}
+
+}  // namespace
+
+NewDrive CheckUpload(const httplib::Request& request, const RouteContext& context) {
+  const bool is_form = request.get_header_value("Content-Type").starts_with("multipart/");
+  if (is_form) throw HttpError({415, "unsupported_media_type", "send the log itself as the body: curl -T FILE"});
+  const std::int64_t length = LengthOf(request);
+  Require(length > 0, ErrorCode::kInvalidInput, "the upload is empty");
+  NewDrive drive;
+  drive.filename = QueryParameter(request, "filename").value_or("");
+  drive.site = QueryParameter(request, "site");
+  drive.rig = QueryParameter(request, "rig");
+  CheckNewDrive(context.store, drive);
+  RequireSpace(context.store, length);
+  return drive;
+}
+
+void AddUploadRoute(httplib::Server& http, RouteContext& context) {
+  http.Put("/api/v1/drives", [&context](const httplib::Request& request, httplib::Response& response,
+                                        const httplib::ContentReader& body) {
+    const NewDrive drive = CheckUpload(request, context);
+    const std::int64_t length = LengthOf(request);
+    GrowingFile log(context.store.directory.NewTemporaryPath(), length);
+    ReceiveBody(body, length, log, context.metrics);
+    const std::string sha256 = log.Finish();
+    CheckLog(context, log.path(), drive.filename);
+    const ReceivedDrive received = ReceiveDrive(context.store, drive, log, sha256, context.options.merge_drives);
+
+    LogInfo("received drive=" + received.drive.id + " bytes=" + std::to_string(length) +
+            " site=" + received.drive.site + " job=" + received.job.id);
+    context.events.Publish("drive", received.drive.id);
+    context.events.Publish("job", received.job.id);
+    context.jobs.Wake();
+    response.set_header("Location", "/api/v1/drives/" + received.drive.id);
+    SendJson(response, 201, {{"drive", ToJson(received.drive)}, {"job", ToJson(received.job, std::nullopt)}});
+  });
+}
+
+}  // namespace parkade

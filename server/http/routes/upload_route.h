@@ -1,0 +1,14 @@
+#pragma once
+
+#include <httplib.h>
+
+#include "server/http/routes/route_context.h"
+#include "server/store/intake.h"
+
+namespace parkade {
+
+/// What can be said against an upload before its first byte is taken. Returns
+/// what it says about itself; throws HttpError or Error.
+NewDrive CheckUpload(const httplib::Request& request, const RouteContext& context);
+
+}  // namespace parkade

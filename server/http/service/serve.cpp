@@ -1,0 +1,102 @@
+#include "server/http/service/serve.h"
+
+#include <pthread.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <thread>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "server/http/service/service.h"
+
+namespace parkade {
+namespace {
+
+std::atomic<int> wake_fd = -1;  // what a handler may use: lock-free
+
+/// Adds to the event counter: all that is safe inside a signal handler.
+void Wake(int) {
+  const int saved = errno;
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t ignored = ::write(wake_fd, &one, sizeof(one));
+  errno = saved;
+}
+
+/// Hears SIGTERM and SIGINT, and acts in a thread of its own, where anything may be called.
+/// Our threads leave the signals to that one: a handler would disturb what they do. But
+/// libraries start threads before main (OpenBLAS does) that leave signals open, so that
+/// whichever thread the kernel picks there is a handler, and not the default: the end.
+/// To be made before any other thread of ours.
+class SignalWaiter {
+ public:
+  SignalWaiter() {
+    wake_fd = event_fd_ = ::eventfd(0, EFD_CLOEXEC);
+    Require(event_fd_ >= 0, ErrorCode::kInternal, "no file descriptor is left to hear signals with");
+    struct sigaction action {};
+    action.sa_handler = Wake;
+    action.sa_flags = SA_RESTART;
+    sigfillset(&action.sa_mask);
+    ::sigaction(SIGTERM, &action, &terminate_before_);
+    ::sigaction(SIGINT, &action, &interrupt_before_);
+    std::signal(SIGPIPE, SIG_IGN);
+    sigemptyset(&signals_);
+    for (const int signal : {SIGTERM, SIGINT}) sigaddset(&signals_, signal);
+    ::pthread_sigmask(SIG_BLOCK, &signals_, &mask_before_);
+  }
+  ~SignalWaiter() {
+    ::sigaction(SIGTERM, &terminate_before_, nullptr);
+    ::sigaction(SIGINT, &interrupt_before_, nullptr);
+    is_ending_ = true;
+    Wake(0);
+    if (thread_.joinable()) thread_.join();
+    wake_fd = -1;
+    ::close(event_fd_);
+    ::pthread_sigmask(SIG_SETMASK, &mask_before_, nullptr);
+  }
+  SignalWaiter(const SignalWaiter&) = delete;
+  SignalWaiter& operator=(const SignalWaiter&) = delete;
+
+  /// A signal that came before counts too.
+  template <typename Action>
+  void Start(Action action) {
+    thread_ = std::thread([this, action] {
+      ::pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
+      std::uint64_t count = 0;
+      while (::read(event_fd_, &count, sizeof(count)) < 0 && errno == EINTR) {
+      }
+      if (!is_ending_) action();
+    });
+  }
+
+ private:
+  int event_fd_ = -1;
+  sigset_t signals_{}, mask_before_{};
+  std::atomic<bool> is_ending_ = false;
+  struct sigaction terminate_before_ {
+  }, interrupt_before_{};
+  std::thread thread_;
+};
+
+}  // namespace
+
+int Serve(const ServeOptions& options) {
+  SignalWaiter signals;
+  Service service(options);
+  signals.Start([&service, patience = std::chrono::seconds(options.drain_seconds)] {
+    LogInfo("stopping");
+    service.Stop(patience);
+  });
+  if (options.allow_public) LogWarning("listening without authentication, as --allow-public says");
+  LogInfo("listening on " + service.address());
+  service.Run();
+  LogInfo("stopped");
+  return 0;
+}
+
+}  // namespace parkade

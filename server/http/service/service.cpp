@@ -1,0 +1,176 @@
+#include "server/http/service/service.h"
+
+#include <httplib.h>
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "server/http/http_server.h"
+#include "server/http/listen_address.h"
+#include "server/http/problem.h"
+#include "server/http/routes/openapi.h"
+#include "server/http/routes/routes.h"
+#include "server/http/routes/upload_route.h"
+#include "server/http/routes/viewer_files.h"
+
+namespace parkade {
+namespace {
+
+// blob: for textures and the mesh decoder's worker, which three.js makes of
+// bytes it has; wasm-unsafe-eval for the decoder itself.
+constexpr const char* kContentSecurityPolicy =
+    "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self' blob:; connect-src 'self' blob: "
+    "data:; "
+    "img-src 'self' blob: data:; style-src 'self'; font-src 'self'; object-src 'none'; base-uri 'none'; "
+    "form-action 'self'; frame-ancestors 'none'";
+
+ListenAddress CheckedAddress(const ServeOptions& options) {
+  const ListenAddress address = ParseListenAddress(options.listen);
+  Require(options.allow_public || IsLoopback(address.host), ErrorCode::kUsage,
+          "'" + address.host +
+              "' is not a loopback address: without authentication anyone who reaches it may read, "
+              "add and delete drives and maps; put a proxy in front, or say --allow-public");
+  return address;
+}
+
+const ServeOptions& Checked(const ServeOptions& options) {
+  CheckedAddress(options);
+  Require(options.num_workers >= 1 && options.num_workers <= 64, ErrorCode::kUsage, "workers: 1 to 64");
+  Require(options.num_threads >= 4 && options.num_threads <= 1024, ErrorCode::kUsage, "threads: 4 to 1024");
+  Require(options.job_command && options.compare_command, ErrorCode::kInternal, "the service has no worker");
+  return options;
+}
+
+JobRunnerOptions RunnerOptions(const ServeOptions& options) {
+  JobRunnerOptions runner;
+  runner.command = options.job_command;
+  runner.num_workers = options.num_workers;
+  return runner;
+}
+
+}  // namespace
+
+class Service::Parts {
+ public:
+  explicit Parts(const ServeOptions& options)
+      : options_(Checked(options)),
+        store_(options_.data),
+        comparer_(store_.directory, options_.compare_command),
+        viewer_(options_.web_root),
+        http_(lifeline_, metrics_, options_.num_threads, options_.allow_public) {
+    store_.disk_reserve = options_.disk_reserve;
+    ReconcileFiles(store_);
+    const ListenAddress address = CheckedAddress(options_);
+    port_ = http_.Bind(address.host, address.port);
+    const bool is_ipv6 = address.host.find(':') != std::string::npos;
+    address_ = "http://" + (is_ipv6 ? "[" + address.host + "]" : address.host) + ":" + std::to_string(port_);
+    jobs_.emplace(store_, events_, RunnerOptions(options_));
+    context_.emplace(RouteContext{options_, store_, events_, *jobs_, comparer_, metrics_, lifeline_});
+    AddHandlers();
+  }
+
+  void Run() {
+    Require(http_.listen_after_bind() || lifeline_.is_stopping(), ErrorCode::kInternal, "the service cannot listen");
+    jobs_->Stop();
+  }
+
+  void Stop(std::chrono::milliseconds patience) {
+    lifeline_.Cut(patience);
+    comparer_.Stop();
+    events_.Close();
+    // Right after the start there may be nothing yet to stop.
+    for (int i = 0; i < 500 && !http_.is_running(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    http_.stop();
+  }
+
+  const std::string& address() const { return address_; }
+  int port() const { return port_; }
+
+ private:
+  void AddHandlers() {
+    http_.set_default_headers({{"X-Content-Type-Options", "nosniff"},
+                               {"Content-Security-Policy", kContentSecurityPolicy},
+                               {"Referrer-Policy", "no-referrer"},
+                               {"Cross-Origin-Resource-Policy", "same-origin"}});
+    http_.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
+      return viewer_.Send(request, response) ? httplib::Server::HandlerResponse::Handled
+                                             : httplib::Server::HandlerResponse::Unhandled;
+    });
+    http_.set_exception_handler([](const httplib::Request&, httplib::Response& response, std::exception_ptr thrown) {
+      SendException(response, thrown);
+    });
+    http_.set_error_handler(
+        [](const httplib::Request& request, httplib::Response& response) { ExplainError(request, response); });
+    http_.set_expect_100_continue_handler(
+        [this](const httplib::Request& request, httplib::Response& response) { return Expected(request, response); });
+    http_.set_logger([this](const httplib::Request& request, const httplib::Response& response) {
+      const size_t status_class = static_cast<size_t>(std::clamp(response.status / 100, 0, 5));
+      ++metrics_.answers_by_class[status_class];
+      LogDebug("request method=" + request.method + " path=" + request.path +
+               " status=" + std::to_string(response.status));
+    });
+    AddUploadRoute(http_, *context_);
+    AddDriveRoutes(http_, *context_);
+    AddRigRoutes(http_, *context_);
+    AddJobRoutes(http_, *context_);
+    AddMapRoutes(http_, *context_);
+    AddCompareRoute(http_, *context_);
+    AddSiteRoutes(http_, *context_);
+    AddEventRoute(http_, *context_);
+    AddStatusRoutes(http_, *context_);
+  }
+
+  /// Gives the library's own bare refusals a body.
+  static void ExplainError(const httplib::Request& request, httplib::Response& response) {
+    if (!response.body.empty() || response.status == 503) return;
+    if (response.status != 404) {
+      SendProblem(response, {response.status, "invalid_request", "the request is malformed"});
+      return;
+    }
+    const std::vector<std::string> methods = MethodsOf(request.path);
+    const bool is_method = std::find(methods.begin(), methods.end(), request.method) != methods.end();
+    if (methods.empty() || is_method) {
+      SendProblem(response, {404, "not_found", "there is nothing at this address"});
+      return;
+    }
+    std::string allowed;
+    for (const std::string& method : methods) allowed += (allowed.empty() ? "" : ", ") + method;
+    response.set_header("Allow", allowed);
+    SendProblem(response, {405, "method_not_allowed", "this address knows " + allowed});
+  }
+
+  /// Whether a client may go on that asked before it sends a large body.
+  int Expected(const httplib::Request& request, httplib::Response& response) const {
+    if (request.method != "PUT" || request.path != "/api/v1/drives") return 100;
+    try {
+      CheckUpload(request, *context_);
+      return 100;
+    } catch (const std::exception&) {
+      SendException(response, std::current_exception());
+      return response.status;
+    }
+  }
+
+  const ServeOptions options_;
+  Lifeline lifeline_;
+  Metrics metrics_;
+  EventHub events_;
+  Store store_;
+  MapComparer comparer_;
+  ViewerFiles viewer_;
+  HttpServer http_;
+  std::optional<JobRunner> jobs_;
+  std::optional<RouteContext> context_;
+  std::string address_;
+  int port_ = 0;
+};
+
+Service::Service(const ServeOptions& options) : parts_(std::make_unique<Parts>(options)) {}
+Service::~Service() = default;
+const std::string& Service::address() const { return parts_->address(); }
+int Service::port() const { return parts_->port(); }
+void Service::Run() { parts_->Run(); }
+void Service::Stop(std::chrono::milliseconds patience) { parts_->Stop(patience); }
+
+}  // namespace parkade

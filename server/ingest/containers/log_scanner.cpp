@@ -1,0 +1,310 @@
+#include "server/ingest/containers/log_scanner.h"
+
+#include <algorithm>
+#include <set>
+
+#include "server/ingest/containers/chunk_content.h"
+#include "server/ingest/containers/damage.h"
+#include "server/ingest/containers/record_walker.h"
+
+namespace parkade {
+namespace {
+
+constexpr std::uint64_t kSegmentSize = std::uint64_t{2} << 20;
+
+struct Counted {
+  std::uint64_t num_messages = 0;
+  TimeSpan time;
+};
+
+/// A loss whose topic is known when all channels are.
+struct ChannelLoss {
+  std::string what;
+  std::optional<std::uint32_t> channel;
+  Counted lost;
+};
+
+class LogScanner {
+ public:
+  LogScanner(std::shared_ptr<const InputFile> file, const LogFormat& format)
+      : format_(&format), reader_(*file, format.EndOfRecords(*file)) {
+    log_.file = std::move(file);
+    log_.format = &format;
+  }
+
+  ScannedLog Scan();
+
+ private:
+  /// A chunk whose index records are still coming.
+  struct OpenedChunk {
+    LogRecord record;
+    std::map<std::uint32_t, Counted> index;  ///< by channel
+    bool has_damage_behind = false;
+    std::vector<LogRecord> doubtful_indexes;  ///< behind the damage: its own, or of a chunk that was lost
+  };
+  struct ChunkMessages {
+    std::map<std::uint32_t, Counted> by_channel;
+    std::set<std::pair<std::uint32_t, Timestamp>> stamps;  ///< only where doubtful indexes need them
+    TimeSpan time;
+  };
+
+  void OnRecord(const LogRecord& record);
+  void OnDamage(std::uint64_t begin, const RecordWalker::Step& step);
+  void OnIndex(const LogRecord& record);
+  void OnMessage(const LogRecord& record);
+  void CloseChunk();
+  bool MustUnpack(const OpenedChunk& chunk) const;
+  bool IsIndexOf(const LogRecord& index, const ChunkMessages& messages);
+  ChunkMessages Unpack(const OpenedChunk& chunk);
+  void GuessDefinitions(const LogRecord& chunk);
+  void AddSegment(const LogRecord& record, std::uint64_t held_size, const TimeSpan& time);
+  void AddOrphan(const LogRecord& index);
+  Counted CountEntries(const LogRecord& index);
+  void AddChannelLoss(ChannelLoss loss);
+  void NameLosses();
+
+  const LogFormat* format_;
+  FileReader reader_;
+  ScannedLog log_;
+  ChannelTable channels_;
+  ChannelTable guessed_channels_;  ///< of damaged chunks
+  LogSummary summary_;
+  bool has_all_channels_ = false;
+  std::map<std::uint32_t, std::uint64_t> num_messages_;
+  std::optional<OpenedChunk> chunk_;
+  std::map<std::uint32_t, std::uint64_t> num_salvaged_;  ///< messages outside chunks since the last damage
+  std::vector<ChannelLoss> losses_;
+  bool is_new_segment_due_ = true;
+  std::uint64_t covered_end_ = 0;  ///< of all segments
+};
+
+ScannedLog LogScanner::Scan() {
+  summary_ = format_->ReadSummary(*log_.file, channels_);
+  has_all_channels_ = summary_.num_channels && *summary_.num_channels <= channels_.num_channels();
+  log_.damage.is_truncated = !summary_.is_closed;
+  if (!summary_.problem.empty()) AddLoss(log_.damage, {summary_.problem, "", {}, 0});
+  RecordWalker walker(*format_, reader_);
+  for (std::uint64_t offset = format_->FirstRecord(); offset < reader_.size();) {
+    const RecordWalker::Step step = walker.At(offset);
+    if (step.is_damaged) {
+      OnDamage(offset, step);
+    } else {
+      OnRecord(*step.record);
+    }
+    offset = step.next;
+  }
+  CloseChunk();
+  // A chunk is complete only after what lies open behind it.
+  std::sort(log_.segments.begin(), log_.segments.end(),
+            [](const LogSegment& a, const LogSegment& b) { return a.begin < b.begin; });
+  channels_.AddMissing(guessed_channels_);
+  const bool knows_counts = has_all_channels_ && !summary_.num_messages.empty();
+  log_.topics = channels_.MakeTopics(knows_counts ? summary_.num_messages : num_messages_);
+  NameLosses();
+  return std::move(log_);
+}
+
+void LogScanner::OnRecord(const LogRecord& record) {
+  if (record.kind == RecordKind::kChunkIndex) return OnIndex(record);
+  // Messages of a damaged chunk may lie open between it and its index.
+  const bool may_be_of_chunk = record.kind == RecordKind::kMessage || record.kind == RecordKind::kDefinition;
+  if (!may_be_of_chunk || (chunk_ && !chunk_->has_damage_behind)) CloseChunk();
+  if (record.kind == RecordKind::kDefinition) format_->Learn(reader_, record, channels_);
+  if (record.kind == RecordKind::kMessage) OnMessage(record);
+  if (record.kind == RecordKind::kChunk) {
+    num_salvaged_.clear();
+    log_.damage.is_truncated |= record.is_at_end;
+    chunk_ = OpenedChunk{record, {}, false, {}};
+  }
+}
+
+void LogScanner::OnDamage(std::uint64_t begin, const RecordWalker::Step& step) {
+  const std::string size = std::to_string(step.next - begin);
+  ChannelLoss loss{size + " bytes at byte " + std::to_string(begin) + " are damaged", {}, {}};
+  if (step.next == reader_.size()) {
+    log_.damage.is_truncated = true;
+    if (step.record && step.record->kind == RecordKind::kMessage) {
+      loss.what = "the file ends inside of a message";
+      loss.channel = step.record->channel;
+      loss.lost = {1, {step.record->time, step.record->time}};
+    }
+  }
+  AddChannelLoss(std::move(loss));
+  num_salvaged_.clear();
+  is_new_segment_due_ = true;
+  if (chunk_) chunk_->has_damage_behind = true;
+}
+
+void LogScanner::OnIndex(const LogRecord& record) {
+  if (!chunk_) return AddOrphan(record);
+  if (chunk_->has_damage_behind) {
+    constexpr std::size_t kMaxDoubtful = 65536;
+    if (chunk_->doubtful_indexes.size() < kMaxDoubtful) chunk_->doubtful_indexes.push_back(record);
+    return;
+  }
+  const Counted counted = CountEntries(record);
+  Counted& known = chunk_->index[record.channel];
+  known.num_messages += counted.num_messages;
+  if (counted.time.IsEmpty()) return;
+  known.time.Include(counted.time.begin);
+  known.time.Include(counted.time.end);
+}
+
+void LogScanner::OnMessage(const LogRecord& record) {
+  if (record.data_size > kMaxMessageSize) {
+    AddChannelLoss({"a message is larger than 64 MiB", record.channel, {1, {record.time, record.time}}});
+    is_new_segment_due_ = true;
+    return;
+  }
+  ++num_messages_[record.channel];
+  ++num_salvaged_[record.channel];
+  AddSegment(record, record.end - record.begin, {record.time, record.time});
+}
+
+void LogScanner::CloseChunk() {
+  if (!chunk_) return;
+  const OpenedChunk chunk = std::move(*chunk_);
+  chunk_.reset();
+  std::map<std::uint32_t, Counted> by_channel = chunk.index;
+  TimeSpan time = chunk.record.span;
+  if (MustUnpack(chunk)) {
+    const ChunkMessages messages = Unpack(chunk);
+    if (!messages.time.IsEmpty()) {
+      time = messages.time;
+      by_channel = messages.by_channel;
+      for (const LogRecord& index : chunk.doubtful_indexes)
+        if (!IsIndexOf(index, messages)) AddOrphan(index);
+    }
+  }
+  const bool is_time_open = time.IsEmpty();
+  for (const auto& [channel, counted] : by_channel) {
+    num_messages_[channel] += counted.num_messages;
+    if (!is_time_open || counted.time.IsEmpty()) continue;
+    time.Include(counted.time.begin);
+    time.Include(counted.time.end);
+  }
+  // Of a chunk that cannot be unpacked nor has an index: where the log was before.
+  if (time.IsEmpty() && !log_.segments.empty()) time = {log_.segments.back().time.end, log_.segments.back().time.end};
+  AddSegment(chunk.record, std::min(chunk.record.unpacked_size, kMaxHeldChunk), time);
+}
+
+bool LogScanner::MustUnpack(const OpenedChunk& chunk) const {
+  if (chunk.record.is_at_end || chunk.has_damage_behind) return true;
+  const bool has_new_channel = std::any_of(chunk.index.begin(), chunk.index.end(),
+                                           [&](const auto& entry) { return !channels_.HasChannel(entry.first); });
+  if (!has_all_channels_ && (has_new_channel || chunk.index.empty())) return true;
+  const TimeSpan& claimed = chunk.record.span;
+  if (claimed.IsEmpty()) return chunk.index.empty();
+  // A jump is rare, and a damaged time would move the whole chunk to the wrong place.
+  constexpr double kLargeJump = 3600;  // [s]
+  if (log_.segments.empty()) return claimed.Seconds() > kLargeJump;
+  const Timestamp before = log_.segments.back().time.end;
+  return std::abs(claimed.begin - before) > kLargeJump || std::abs(claimed.end - before) > kLargeJump;
+}
+
+/// True when one of the index's messages is in the chunk: others of it may be damaged.
+bool LogScanner::IsIndexOf(const LogRecord& index, const ChunkMessages& messages) {
+  bool is_index = false;
+  format_->ReadIndex(reader_, index, [&](const ChunkIndexEntry& entry) {
+    is_index |= messages.stamps.contains({index.channel, entry.time});
+  });
+  return is_index;
+}
+
+LogScanner::ChunkMessages LogScanner::Unpack(const OpenedChunk& chunk) {
+  ChunkMessages messages;
+  const ChunkContent content = OpenChunk(*log_.file, chunk.record);
+  if (!content.reader) {
+    GuessDefinitions(chunk.record);
+    return messages;
+  }
+  RecordWalker walker(*format_, *content.reader);
+  for (std::uint64_t offset = 0; offset < content.reader->size();) {
+    content.reader->Release(offset);
+    const RecordWalker::Step step = walker.At(offset);
+    offset = step.next;
+    if (step.is_damaged) continue;
+    if (step.record->kind == RecordKind::kDefinition) format_->Learn(*content.reader, *step.record, channels_);
+    if (step.record->kind != RecordKind::kMessage) continue;
+    Counted& counted = messages.by_channel[step.record->channel];
+    ++counted.num_messages;
+    counted.time.Include(step.record->time);
+    messages.time.Include(step.record->time);
+    if (!chunk.doubtful_indexes.empty()) messages.stamps.insert({step.record->channel, step.record->time});
+  }
+  return messages;
+}
+
+/// Some writers define a channel only once. Where that is in a damaged chunk, what still looks like a definition is
+/// better than nothing: without it every message of the channel would be lost.
+void LogScanner::GuessDefinitions(const LogRecord& chunk) {
+  const std::vector<std::uint8_t> bytes = UnpackDamagedChunk(*log_.file, chunk);
+  MemoryReader reader(bytes);
+  RecordWalker walker(*format_, reader);
+  for (std::uint64_t offset = 0; offset < reader.size();) {
+    const RecordWalker::Step step = walker.At(offset);
+    offset = step.next;
+    const bool is_definition = !step.is_damaged && step.record->kind == RecordKind::kDefinition;
+    if (is_definition) format_->Learn(reader, *step.record, guessed_channels_);
+  }
+}
+
+void LogScanner::AddSegment(const LogRecord& record, std::uint64_t held_size, const TimeSpan& time) {
+  const bool is_large_chunk = record.kind == RecordKind::kChunk && record.unpacked_size > kMaxHeldChunk;
+  std::vector<LogSegment>& segments = log_.segments;
+  is_new_segment_due_ |= record.begin < covered_end_ || (!segments.empty() && segments.back().end < covered_end_);
+  covered_end_ = std::max(covered_end_, record.end);
+  const bool fits = !segments.empty() && !is_new_segment_due_ && !is_large_chunk && !segments.back().is_large_chunk &&
+                    !record.is_at_end && record.end - segments.back().begin <= kSegmentSize &&
+                    held_size + segments.back().held_size <= kSegmentSize;
+  is_new_segment_due_ = false;
+  if (!fits) {
+    segments.push_back({record.begin, record.end, held_size, time, is_large_chunk, record.is_at_end});
+    return;
+  }
+  segments.back().end = record.end;
+  segments.back().held_size += held_size;
+  if (time.IsEmpty()) return;
+  segments.back().time.Include(time.begin);
+  segments.back().time.Include(time.end);
+}
+
+void LogScanner::AddOrphan(const LogRecord& index) {
+  Counted counted = CountEntries(index);
+  std::uint64_t& num_salvaged = num_salvaged_[index.channel];
+  const std::uint64_t num_found = std::min(num_salvaged, counted.num_messages);
+  num_salvaged -= num_found;
+  counted.num_messages -= num_found;
+  if (counted.num_messages == 0) return;
+  AddChannelLoss({"the chunk before byte " + std::to_string(index.begin) + " is damaged", index.channel, counted});
+}
+
+Counted LogScanner::CountEntries(const LogRecord& index) {
+  Counted counted;
+  format_->ReadIndex(reader_, index, [&](const ChunkIndexEntry& entry) {
+    ++counted.num_messages;
+    counted.time.Include(entry.time);
+  });
+  return counted;
+}
+
+void LogScanner::AddChannelLoss(ChannelLoss loss) {
+  constexpr std::size_t kMaxLosses = 100'000;
+  if (losses_.size() < kMaxLosses) losses_.push_back(std::move(loss));
+}
+
+void LogScanner::NameLosses() {
+  for (ChannelLoss& loss : losses_) {
+    const int topic = loss.channel ? log_.topics.TopicOf(*loss.channel).value_or(-1) : -1;
+    const std::string name = topic < 0 ? "" : log_.topics.topics[static_cast<std::size_t>(topic)].topic;
+    AddLoss(log_.damage, {std::move(loss.what), name, loss.lost.time, loss.lost.num_messages});
+  }
+}
+
+}  // namespace
+
+ScannedLog ScanLog(std::shared_ptr<const InputFile> file, const LogFormat& format) {
+  return LogScanner(std::move(file), format).Scan();
+}
+
+}  // namespace parkade

@@ -1,0 +1,28 @@
+#include "server/ingest/containers/open_log_source.h"
+
+#include "core/error.h"
+#include "server/ingest/containers/euroc_source.h"
+#include "server/ingest/containers/open_message_source.h"
+#include "server/ingest/files/archive_extraction.h"
+
+namespace parkade {
+
+namespace fs = std::filesystem;
+
+std::shared_ptr<const MessageSource> OpenLogSource(const fs::path& log, const fs::path& scratch_folder) {
+  const std::string name = log.filename().string();
+  std::error_code error;
+  Require(fs::exists(log, error), ErrorCode::kNotFound, "there is no log " + name);
+  if (fs::is_directory(log)) {
+    if (const auto euroc = FindEurocFolder(log)) return std::make_shared<EurocSource>(*euroc);
+    return OpenMessageSource(log, scratch_folder);
+  }
+  Require(fs::is_regular_file(log), ErrorCode::kInvalidInput, name + " is neither a file nor a folder");
+  Require(fs::file_size(log) > 0, ErrorCode::kInvalidInput, name + " is empty");
+  if (!IsArchive(log)) return OpenMessageSource(log, scratch_folder);
+  auto folder = std::make_shared<const TemporaryFolder>(scratch_folder);
+  const ExtractionResult result = ExtractEurocArchive(log, folder->path());
+  return std::make_shared<EurocSource>(std::move(folder), result.damage);
+}
+
+}  // namespace parkade

@@ -1,0 +1,237 @@
+#include "server/ingest/containers/rosbag2_sqlite_source.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "core/error.h"
+#include "server/ingest/containers/channel_table.h"
+#include "server/ingest/containers/damage.h"
+#include "server/ingest/containers/log_record.h"
+#include "server/ingest/containers/message_packing.h"
+#include "server/ingest/containers/sqlite_pages.h"
+#include "server/ingest/files/sqlite_database.h"
+
+namespace parkade {
+namespace {
+
+/// What all passes share.
+struct Rosbag2File {
+  std::filesystem::path path;
+  std::shared_ptr<const InputFile> file;
+  TopicMap topics;         ///< a topic's id is its channel
+  std::string time_index;  ///< name of the index on the timestamp, quoted; empty: none
+  DamageReport damage;
+  bool is_damaged = false;  ///< found so when it was opened
+};
+
+/// Of a message in the order of a pass.
+using Rank = std::tuple<std::int64_t, std::int64_t>;
+
+class SqliteStream : public MessageStream {
+ public:
+  SqliteStream(std::shared_ptr<const Rosbag2File> log, std::vector<bool> wanted)
+      : log_(std::move(log)), wanted_(std::move(wanted)) {
+    damage_ = OfWanted(log_->damage, log_->topics.topics, wanted_);
+    if (log_->is_damaged) {
+      TurnToPages("the database is damaged");
+      return;
+    }
+    try {
+      database_.emplace(log_->path);
+      const std::string from = log_->time_index.empty()
+                                   ? "messages ORDER BY id"
+                                   : "messages INDEXED BY " + log_->time_index + " ORDER BY timestamp, id";
+      query_.emplace(*database_, "SELECT id, topic_id, timestamp, length(data), data FROM " + from);
+    } catch (const Error& error) {
+      TurnToPages(error.what());
+    }
+  }
+
+  std::optional<RawMessage> Next() override {
+    while (!is_finished_) {
+      std::optional<RawMessage> message = pages_ ? NextFromPages() : NextFromQuery();
+      if (message && UnpackMessage(TopicOf(*message), *message, damage_)) return message;
+    }
+    return std::nullopt;
+  }
+
+  const DamageReport& damage() const override { return damage_; }
+
+ private:
+  std::optional<RawMessage> NextFromQuery() {
+    try {
+      while (query_->Step()) {
+        const std::int64_t id = query_->Integer(0), time = query_->Integer(2);
+        const std::optional<int> topic = WantedTopic(query_->Integer(1));
+        std::optional<RawMessage> message;
+        if (topic && query_->Integer(3) > static_cast<std::int64_t>(kMaxMessageSize)) {
+          CountLoss("a message is larger than 64 MiB", *topic, time);
+        } else if (topic) {
+          const auto [bytes, size] = query_->Blob(4);
+          message = RawMessage{*topic, {std::max<std::int64_t>(time, 0)}, {bytes, bytes + size}};
+        }
+        last_ = RankOf(id, time);
+        if (message) return message;
+      }
+      is_finished_ = true;
+    } catch (const Error& error) {
+      TurnToPages(error.what());
+    }
+    return std::nullopt;
+  }
+
+  std::optional<RawMessage> NextFromPages() {
+    const auto wants = [this](std::int64_t topic_id) { return WantedTopic(topic_id).has_value(); };
+    while (auto row = pages_->Next(wants)) {
+      largest_id_ = std::max(largest_id_, row->id);
+      ++num_rows_;
+      if (last_ && RankOf(row->id, row->timestamp) <= *last_) continue;  // the query had it
+      const std::optional<int> topic = WantedTopic(row->topic_id);
+      if (!topic) continue;
+      if (row->data) return RawMessage{*topic, {std::max<std::int64_t>(row->timestamp, 0)}, std::move(*row->data)};
+      CountLoss("pages of a message are missing", *topic, row->timestamp);
+    }
+    // rosbag2 counts ids up by one.
+    constexpr std::int64_t kImplausible = std::int64_t{1} << 40;
+    if (largest_id_ > num_rows_ && largest_id_ < kImplausible)
+      AddLoss(damage_,
+              {"pages of the database are damaged", "", {}, static_cast<std::uint64_t>(largest_id_ - num_rows_)});
+    is_finished_ = true;
+    return std::nullopt;
+  }
+
+  void TurnToPages(const std::string& reason) {
+    AddLoss(damage_, {reason, "", {}, 0});
+    query_.reset();
+    database_.reset();
+    pages_.emplace(log_->file);
+  }
+
+  Rank RankOf(std::int64_t id, std::int64_t time) const {
+    return log_->time_index.empty() ? Rank{id, 0} : Rank{time, id};
+  }
+
+  std::optional<int> WantedTopic(std::int64_t topic_id) const {
+    if (topic_id < 0 || topic_id > UINT32_MAX) return std::nullopt;
+    const int topic = log_->topics.TopicOf(static_cast<std::uint32_t>(topic_id)).value_or(-1);
+    return topic >= 0 && wanted_[static_cast<std::size_t>(topic)] ? std::optional(topic) : std::nullopt;
+  }
+
+  const TopicInfo& TopicOf(const RawMessage& message) const {
+    return log_->topics.topics[static_cast<std::size_t>(message.topic)];
+  }
+
+  void CountLoss(const std::string& what, int topic, std::int64_t time) {
+    const TimeSpan span{{time}, {time}};
+    AddLoss(damage_, {what, log_->topics.topics[static_cast<std::size_t>(topic)].topic, span, 1});
+  }
+
+  std::shared_ptr<const Rosbag2File> log_;
+  std::vector<bool> wanted_;
+  DamageReport damage_;
+  std::optional<SqliteDatabase> database_;
+  std::optional<SqliteQuery> query_;
+  std::optional<Rank> last_;  ///< of the message the query gave last
+  std::optional<SqlitePages> pages_;
+  std::int64_t largest_id_ = 0, num_rows_ = 0;
+  bool is_finished_ = false;
+};
+
+/// Tables, not views: those could run for ever.
+bool HasTables(const SqliteDatabase& database) {
+  SqliteQuery query(database,
+                    "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name IN ('messages', 'topics')");
+  return query.Step() && query.Integer(0) == 2;
+}
+
+std::string FindTimeIndex(const SqliteDatabase& database) {
+  SqliteQuery query(database,
+                    "SELECT list.name FROM pragma_index_list('messages') AS list, pragma_index_info(list.name) AS info "
+                    "WHERE info.seqno = 0 AND info.name = 'timestamp' AND NOT list.partial LIMIT 1");
+  if (!query.Step()) return "";
+  std::string quoted = "\"";
+  for (const char c : query.Text(0)) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::map<std::uint32_t, std::uint64_t> ReadTables(const SqliteDatabase& database, ChannelTable& channels) {
+  SqliteQuery topics(database, "SELECT id, name, type, serialization_format FROM topics");
+  while (topics.Step())
+    channels.AddChannel(static_cast<std::uint32_t>(topics.Integer(0)),
+                        {topics.Text(1), topics.Text(2), topics.Text(3), std::nullopt});
+  std::map<std::uint32_t, std::uint64_t> num_messages;
+  SqliteQuery counts(database, "SELECT topic_id, count(*) FROM messages GROUP BY topic_id");
+  while (counts.Step())
+    num_messages[static_cast<std::uint32_t>(counts.Integer(0))] = static_cast<std::uint64_t>(counts.Integer(1));
+  return num_messages;
+}
+
+/// SQLite writes the number of pages into its header.
+bool IsShorterThanItClaims(const InputFile& file) {
+  std::array<std::uint8_t, 100> header{};
+  if (file.ReadAt(0, header) < header.size()) return true;
+  const auto number = [&](std::size_t offset, std::size_t size) {
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < size; ++i) value = value << 8 | header[offset + i];
+    return value;
+  };
+  const std::uint64_t page_size = number(16, 2) == 1 ? 65536 : number(16, 2);
+  return number(28, 4) * page_size > file.size();
+}
+
+class SqliteSource : public MessageSource {
+ public:
+  explicit SqliteSource(const std::filesystem::path& path) : log_(std::make_shared<Rosbag2File>()) {
+    log_->path = path;
+    log_->file = std::make_shared<const InputFile>(path);
+    log_->damage.is_truncated = IsShorterThanItClaims(*log_->file);
+    for (const char* suffix : {"-wal", "-journal"}) {
+      std::error_code error;
+      const std::filesystem::path sibling = path.string() + suffix;
+      if (std::filesystem::file_size(sibling, error) > 0 && !error)
+        AddLoss(log_->damage, {"'" + sibling.filename().string() + "' beside it was not read", "", {}, 0});
+    }
+    Scan();
+  }
+
+  const std::vector<TopicInfo>& topics() const override { return log_->topics.topics; }
+  std::string format() const override { return "rosbag2 sqlite3"; }
+  std::unique_ptr<MessageStream> Read(const std::vector<bool>& wanted) const override {
+    return std::make_unique<SqliteStream>(log_, wanted);
+  }
+
+ private:
+  void Scan() {
+    ChannelTable channels;
+    std::map<std::uint32_t, std::uint64_t> num_messages;
+    bool has_tables = true;
+    try {
+      const SqliteDatabase database(log_->path);
+      has_tables = HasTables(database);
+      if (has_tables) {
+        log_->time_index = FindTimeIndex(database);
+        num_messages = ReadTables(database, channels);
+      }
+    } catch (const Error&) {
+      log_->is_damaged = true;
+      for (const auto& [id, topic] : SqlitePages(log_->file).FindTopics())
+        channels.AddChannel(static_cast<std::uint32_t>(id), {topic.name, topic.type, topic.encoding, std::nullopt});
+      has_tables = channels.num_channels() > 0;
+    }
+    Require(has_tables, ErrorCode::kInvalidInput,
+            "'" + log_->file->name() + "' is an SQLite database, but not one of rosbag2");
+    log_->topics = channels.MakeTopics(num_messages);
+  }
+
+  std::shared_ptr<Rosbag2File> log_;
+};
+
+}  // namespace
+
+std::unique_ptr<MessageSource> OpenRosbag2Sqlite(const std::filesystem::path& file) {
+  return std::make_unique<SqliteSource>(file);
+}
+
+}  // namespace parkade

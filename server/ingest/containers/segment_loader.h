@@ -1,0 +1,23 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "server/ingest/containers/log_scanner.h"
+
+namespace parkade {
+
+/// The messages of one segment, in order of log_time as far as that is possible in bounded memory.
+class SegmentCursor {
+ public:
+  virtual ~SegmentCursor() = default;
+  /// Log time of the next message; nothing at the end.
+  virtual std::optional<Timestamp> NextTime() = 0;
+  virtual RawMessage Take() = 0;
+};
+
+/// Opens a segment; losses, also those met later, are added to `damage`. All arguments must outlive the cursor.
+std::unique_ptr<SegmentCursor> OpenSegment(const ScannedLog& log, const LogSegment& segment,
+                                           const std::vector<bool>& wanted, DamageReport& damage);
+
+}  // namespace parkade

@@ -1,0 +1,114 @@
+#include "server/ingest/drive/arrival_stream.h"
+
+#include "core/error.h"
+
+namespace parkade {
+namespace {
+
+/// Stamps outside have no difference in 64 bits, and are no time of a drive.
+bool IsTime(Timestamp time) { return time.ns >= 0 && time.ns < 4'300'000'000'000'000'000; }
+
+bool IsPlausible(const Arrival& arrival) {
+  return std::visit(
+      [](const auto& content) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(content)>, EncodedImage>)
+          return true;
+        else
+          return parkade::IsPlausible(content);
+      },
+      arrival.content);
+}
+
+}  // namespace
+
+ArrivalStream::ArrivalStream(const MessageSource& source, const std::vector<SensorStream>& streams,
+                             std::vector<bool> wanted, Filter filter)
+    : streams_(streams),
+      wanted_(std::move(wanted)),
+      filter_(std::move(filter)),
+      stream_of_topic_(source.topics().size(), -1) {
+  std::vector<bool> wanted_topics(source.topics().size(), false);
+  for (std::size_t i = 0; i < streams_.size(); ++i) {
+    const bool is_imu = streams_[i].kind == StreamKind::kImu;
+    const auto topic = static_cast<std::size_t>(streams_[i].topic);
+    stream_of_topic_[topic] = static_cast<int>(i);
+    wanted_topics[topic] = wanted_[i] || is_imu;
+    guards_.emplace_back(is_imu);
+    health_.emplace_back();
+    health_.back().topic = streams_[i].topic_name;
+    health_.back().role = streams_[i].role;
+  }
+  messages_ = source.Read(wanted_topics);
+}
+
+std::optional<Arrival> ArrivalStream::Next() {
+  while (ready_.empty() && !is_finished_) {
+    if (std::optional<RawMessage> message = messages_->Next()) {
+      Take(std::move(*message));
+      continue;
+    }
+    is_finished_ = true;
+    for (std::size_t i = 0; i < guards_.size(); ++i) Release(guards_[i].Finish(imu_front_, health_[i]));
+  }
+  if (ready_.empty()) return std::nullopt;
+  Arrival arrival = std::move(ready_.front());
+  ready_.pop_front();
+  return arrival;
+}
+
+void ArrivalStream::Take(RawMessage message) {
+  const int stream = stream_of_topic_[static_cast<std::size_t>(message.topic)];
+  if (stream < 0) return;
+  StreamHealth& health = health_[static_cast<std::size_t>(stream)];
+  std::optional<Arrival> arrival;
+  try {
+    arrival = Decode(std::move(message), stream);
+  } catch (const Error&) {
+    ++health.Dropped(DropReason::kDamaged);
+    return;
+  }
+  if (!arrival) return;
+  if (!IsTime(arrival->time)) {
+    ++health.Dropped(DropReason::kOffClock);
+  } else if (!IsPlausible(*arrival)) {
+    ++health.Dropped(DropReason::kNotFinite);
+  } else {
+    Release(guards_[static_cast<std::size_t>(stream)].Push(std::move(*arrival), imu_front_, health));
+  }
+}
+
+void ArrivalStream::Release(std::vector<Arrival> arrivals) {
+  for (Arrival& arrival : arrivals) {
+    const auto stream = static_cast<std::size_t>(arrival.stream);
+    ++health_[stream].num_delivered;
+    if (streams_[stream].kind == StreamKind::kImu) imu_front_ = arrival.time;
+    if (wanted_[stream] && (!filter_ || filter_(arrival))) ready_.push_back(std::move(arrival));
+  }
+}
+
+std::optional<Arrival> ArrivalStream::Decode(RawMessage message, int index) {
+  const SensorStream& stream = streams_[static_cast<std::size_t>(index)];
+  switch (stream.kind) {
+    case StreamKind::kImu: {
+      const ImuSample sample = ReadImuSample(message, stream);
+      return Arrival{sample.time, index, sample};
+    }
+    case StreamKind::kWheels: {
+      const std::optional<WheelSample> sample = wheel_reader_.Read(message, stream);
+      if (!sample) return std::nullopt;
+      return Arrival{sample->time, index, *sample};
+    }
+    case StreamKind::kGnss: {
+      const std::optional<GnssFix> fix = ReadGnssFix(message, stream);
+      if (fix) return Arrival{fix->time, index, *fix};
+      ++health_[static_cast<std::size_t>(index)].Dropped(DropReason::kNoFix);
+      return std::nullopt;
+    }
+    case StreamKind::kImage:
+    case StreamKind::kSemantic: break;
+  }
+  const Timestamp time = StampOf(message, stream.encoding);
+  return Arrival{IsTime(time) ? time + stream.time_shift : time, index, EncodedImage{std::move(message)}};
+}
+
+}  // namespace parkade

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "server/ingest/containers/raw_message.h"
+#include "server/ingest/drive/drive_log_health.h"
+#include "server/ingest/drive/stamp_guard.h"
+#include "server/ingest/messages/sensor_decoding.h"
+#include "server/ingest/messages/sensor_stream.h"
+
+namespace parkade {
+
+/// One pass over the records of a drive in the order of the log: small ones decoded, images not; each stream strictly
+/// increasing in time. The IMU is always read, since its clock judges the other stamps.
+class ArrivalStream {
+ public:
+  using Filter = std::function<bool(const Arrival& arrival)>;
+
+  /// Only streams with `wanted[stream]`, and of these only arrivals that `filter` (where set) accepts. `source` and
+  /// `streams` must outlive this.
+  ArrivalStream(const MessageSource& source, const std::vector<SensorStream>& streams, std::vector<bool> wanted,
+                Filter filter);
+
+  std::optional<Arrival> Next();
+
+  /// Counts so far, one per stream; `num_delivered` counts good records before the filter.
+  const std::vector<StreamHealth>& health() const { return health_; }
+  const DamageReport& damage() const { return messages_->damage(); }
+
+  /// True for the wheel stream when only its pose moved.
+  bool HasWheelsWithOnlyPoses() const { return wheel_reader_.HasOnlyPoses(); }
+
+ private:
+  void Take(RawMessage message);
+  void Release(std::vector<Arrival> arrivals);
+  std::optional<Arrival> Decode(RawMessage message, int stream);
+
+  const std::vector<SensorStream>& streams_;
+  std::vector<bool> wanted_;
+  Filter filter_;
+  std::vector<int> stream_of_topic_;  ///< -1: none
+  std::unique_ptr<MessageStream> messages_;
+  std::vector<StampGuard> guards_;
+  std::vector<StreamHealth> health_;
+  WheelReader wheel_reader_;
+  std::optional<Timestamp> imu_front_;
+  std::deque<Arrival> ready_;
+  bool is_finished_ = false;
+};
+
+}  // namespace parkade

@@ -1,0 +1,181 @@
+#include "server/ingest/inspection/inspect_log.h"
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "server/ingest/containers/open_log_source.h"
+#include "server/ingest/drive/open_drive_log.h"
+#include "server/ingest/messages/image_decoding.h"
+#include "server/ingest/messages/message_decoding.h"
+
+namespace parkade {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Decodes images in batches on all cores.
+class ImageBatch {
+ public:
+  ImageBatch(const std::vector<TopicInfo>& topics, std::vector<TopicInspector>& inspectors)
+      : topics_(topics), inspectors_(inspectors), pictures_(topics.size()) {}
+
+  void Add(RawMessage message, Timestamp time) {
+    num_bytes_ += message.data.size();
+    const bool is_sampled = pictures_[static_cast<std::size_t>(message.topic)].WantsSample(time);
+    images_.push_back({std::move(message), time, is_sampled});
+    if (images_.size() >= kMaxImages || num_bytes_ >= kMaxBytes) Flush();
+  }
+
+  void Flush() {
+    const auto found = ParallelMap(images_.size(), [&](std::size_t i) { return Look(images_[i]); });
+    for (std::size_t i = 0; i < images_.size(); ++i) {
+      const std::size_t topic = static_cast<std::size_t>(images_[i].message.topic);
+      if (found[i].fault.empty()) {
+        inspectors_[topic].IncludeImage(images_[i].time, found[i].width, found[i].height);
+        pictures_[topic].Include(images_[i].time, found[i].glance, found[i].sample);
+      } else {
+        inspectors_[topic].IncludeFault(images_[i].time, found[i].fault);
+      }
+    }
+    images_.clear();
+    num_bytes_ = 0;
+  }
+
+  /// By topic; empty where topics are no camera.
+  std::vector<std::vector<PictureFault>> PictureFaults() const {
+    std::vector<std::vector<PictureFault>> faults(topics_.size());
+    std::vector<std::size_t> cameras;
+    std::vector<const PictureHistory*> histories;
+    for (std::size_t topic = 0; topic < topics_.size(); ++topic) {
+      if (!IsImageType(topics_[topic].type) || IsMaskTopic(topics_[topic].topic)) continue;
+      faults[topic] = pictures_[topic].Faults();
+      cameras.push_back(topic);
+      histories.push_back(&pictures_[topic]);
+    }
+    const std::vector<std::vector<PictureFault>> covers = FindCovers(histories);
+    for (std::size_t i = 0; i < cameras.size(); ++i)
+      faults[cameras[i]].insert(faults[cameras[i]].end(), covers[i].begin(), covers[i].end());
+    return faults;
+  }
+
+ private:
+  static constexpr std::size_t kMaxImages = 64, kMaxBytes = 48 << 20;
+
+  struct Image {
+    RawMessage message;
+    Timestamp time;
+    bool is_sampled = false;
+  };
+  struct Found {
+    int width = 0, height = 0;
+    std::string fault;
+    PictureGlance glance;
+    std::optional<PictureSample> sample;
+  };
+
+  /// Masks of drivable ground are no pictures: they may well be dark.
+  static bool IsMaskTopic(const std::string& topic) { return topic.ends_with("/semantic"); }
+
+  Found Look(const Image& image) const {
+    const TopicInfo& topic = topics_[static_cast<std::size_t>(image.message.topic)];
+    SensorStream stream;
+    stream.type = topic.type;
+    stream.encoding = topic.encoding;
+    DecodedImage decoded = DecodeMessageImage(image.message, stream, {});
+    if (decoded.fault != ImageFault::kNone) return {0, 0, decoded.what, {}, {}};
+    // Of 16 bits perhaps only 12 are in use: no picture is dark for that.
+    if (const std::optional<int> bits = SampleBits(image.message, stream))
+      decoded = DecodeMessageImage(image.message, stream, {.sample_bits = *bits});
+    Found found{decoded.image.cols, decoded.image.rows, "", {}, {}};
+    if (IsMaskTopic(topic.topic)) return found;
+    found.glance = GlanceAt(decoded.image);
+    if (image.is_sampled) found.sample = SampleOf(decoded.image);
+    return found;
+  }
+
+  const std::vector<TopicInfo>& topics_;
+  std::vector<TopicInspector>& inspectors_;
+  std::vector<PictureHistory> pictures_;  // by topic
+  std::vector<Image> images_;
+  std::size_t num_bytes_ = 0;
+};
+
+void InspectTopics(const MessageSource& source, LogInspection& inspection) {
+  const std::vector<TopicInfo>& topics = source.topics();
+  std::vector<TopicInspector> inspectors(topics.begin(), topics.end());
+  ImageBatch images(topics, inspectors);
+  const auto stream = source.Read(std::vector<bool>(topics.size(), true));
+  while (std::optional<RawMessage> message = stream->Next()) {
+    const auto index = static_cast<std::size_t>(message->topic);
+    inspectors[index].IncludeMessage(*message);
+    if (IsImageType(topics[index].type)) images.Add(std::move(*message), inspectors[index].last_stamp());
+  }
+  images.Flush();
+  for (const TopicInspector& inspector : inspectors) inspection.topics.push_back(inspector.Finish());
+  const std::vector<std::vector<PictureFault>> picture_faults = images.PictureFaults();
+  for (std::size_t i = 0; i < topics.size(); ++i) inspection.topics[i].picture_faults = picture_faults[i];
+  inspection.damage = stream->damage();
+}
+
+std::uint64_t NumGood(const LogInspection& inspection, const std::function<bool(const std::string&)>& is_type) {
+  std::uint64_t count = 0;
+  for (const TopicInspection& topic : inspection.topics)
+    if (is_type(topic.type)) count += topic.num_messages - std::min(topic.num_messages, topic.num_undecodable);
+  return count;
+}
+
+LogState StateOf(const LogInspection& inspection, bool is_rig_given) {
+  const bool has_imu = NumGood(inspection, [](const std::string& type) { return type == "sensor_msgs/Imu"; }) > 0;
+  const bool has_images = NumGood(inspection, IsImageType) > 0;
+  if (!has_imu || !has_images || (is_rig_given && !inspection.missing.empty())) return LogState::kUnusable;
+  bool is_clean = inspection.damage.IsClean();
+  for (const TopicInspection& topic : inspection.topics) is_clean = is_clean && topic.NumLost() == 0;
+  return is_clean ? LogState::kClean : LogState::kLossy;
+}
+
+std::uint64_t SizeOf(const fs::path& log) {
+  if (!fs::is_directory(log)) return fs::file_size(log);
+  std::uint64_t size = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(log, fs::directory_options::skip_permission_denied))
+    if (entry.is_regular_file()) size += entry.file_size();
+  return size;
+}
+
+}  // namespace
+
+int LogInspection::ExitStatus() const {
+  switch (state) {
+    case LogState::kClean: return 0;
+    case LogState::kLossy: return 3;
+    case LogState::kUnusable: break;
+  }
+  return 1;
+}
+
+LogInspection InspectLog(const fs::path& log, const fs::path& rig_folder, const fs::path& scratch_folder) {
+  const std::shared_ptr<const MessageSource> source = OpenLogSource(log, scratch_folder);
+  LogInspection inspection;
+  inspection.name = log.filename().string();
+  inspection.format = source->format();
+  inspection.num_bytes = SizeOf(log);
+  InspectTopics(*source, inspection);
+  for (const TopicInspection& topic : inspection.topics) {
+    if (topic.span.IsEmpty()) continue;
+    inspection.span.Include(topic.span.begin);
+    inspection.span.Include(topic.span.end);
+  }
+  try {
+    OpenLogOptions options;
+    options.rig_folder = rig_folder;
+    options.warn = false;
+    const auto drive = OpenDriveLog(source, inspection.name, options);
+    inspection.rig = drive->rig();
+    inspection.span = drive->span();
+    inspection.warnings = drive->health().warnings;
+  } catch (const Error& error) {
+    inspection.missing.push_back(error.what());
+  }
+  inspection.state = StateOf(inspection, !rig_folder.empty());
+  return inspection;
+}
+
+}  // namespace parkade

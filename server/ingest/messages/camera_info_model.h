@@ -1,0 +1,13 @@
+#pragma once
+
+#include "core/camera_model.h"
+#include "server/ingest/messages/message_decoding.h"
+
+namespace parkade {
+
+/// The lens that a CameraInfo describes: plumb_bob; rational_polynomial where its denominator is 1; equidistant, also
+/// spelled fisheye or kannala_brandt; none. `is_rectified`: of the rectified image (P, no distortion). Throws
+/// Error{kInvalidInput} with a sentence that begins with `camera`, for a camera that is not calibrated as well.
+CameraModel ModelFromCameraInfo(const CameraInfoMessage& info, bool is_rectified, const std::string& camera);
+
+}  // namespace parkade

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+
+namespace parkade {
+
+/// What an image must be, and how it is wanted.
+struct ImageRequest {
+  int width = 0, height = 0;  ///< [px] as calibrated; 0: any size up to 64 megapixels
+  bool grayscale = true;      ///< CV_8UC1; false: as recorded (CV_8UC3 BGR where coloured)
+  int sample_bits = 16;       ///< of samples of 16 bits: how many are in use, see SensorStream
+};
+
+/// Why there is no image.
+enum class ImageFault { kNone, kDamaged, kWrongSize };
+
+/// An image, or what is wrong with it.
+struct DecodedImage {
+  cv::Mat image;  ///< empty unless the fault is kNone
+  ImageFault fault = ImageFault::kNone;
+  std::string what;  ///< of the fault, without a full stop
+};
+
+/// The fault of an image of this size, or nothing when it may be decoded.
+std::optional<DecodedImage> CheckSize(int width, int height, const ImageRequest& request);
+
+}  // namespace parkade

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/rigid3.h"
+#include "core/timestamp.h"
+#include "server/ingest/containers/raw_message.h"
+
+namespace parkade {
+
+// The ROS messages that Parkade reads, as far as it needs them. Field meanings: ROS common_msgs. Numbers are as
+// recorded: nothing here is known to be finite. Thread-safe: pure functions. All throw Error{kInvalidInput} when the
+// bytes do not hold the message.
+
+struct MessageHeader {
+  Timestamp stamp;  ///< 0 where the sender left it empty
+  std::string frame_id;
+};
+
+struct ImuMessage {
+  MessageHeader header;
+  Eigen::Vector3d angular_velocity;     ///< [rad/s]
+  Eigen::Vector3d linear_acceleration;  ///< [m/s^2]
+};
+
+/// nav_msgs/Odometry, or one of the two stamped twists (then without a pose).
+struct OdometryMessage {
+  MessageHeader header;
+  bool has_pose = false;
+  Rigid3 odom_from_child;
+  Eigen::Vector3d linear;   ///< [m/s] in the child frame
+  Eigen::Vector3d angular;  ///< [rad/s]
+};
+
+struct NavSatMessage {
+  MessageHeader header;
+  int status = 0;  ///< -1 no fix, 0 fix, 1 SBAS, 2 GBAS
+  double latitude_deg = 0, longitude_deg = 0, altitude = 0;
+  std::array<double, 9> covariance{};  ///< [m^2] east, north, up, row by row
+  int covariance_type = 0;             ///< 0 unknown
+};
+
+struct CameraInfoMessage {
+  MessageHeader header;
+  std::uint32_t width = 0, height = 0;
+  std::string distortion_model;
+  std::vector<double> distortion;
+  std::array<double, 9> intrinsic_matrix{};    ///< K, row by row
+  std::array<double, 12> projection_matrix{};  ///< P of the rectified image, row by row
+};
+
+struct TransformMessage {
+  MessageHeader header;  ///< frame_id is the parent
+  std::string child_frame_id;
+  Rigid3 parent_from_child;
+};
+
+/// sensor_msgs/Image. `data` points into the message.
+struct ImageMessage {
+  MessageHeader header;
+  std::uint32_t width = 0, height = 0, step = 0;
+  std::string encoding;
+  bool is_bigendian = false;
+  std::span<const std::uint8_t> data;
+};
+
+/// sensor_msgs/CompressedImage. `data` points into the message.
+struct CompressedImageMessage {
+  MessageHeader header;
+  std::string format;
+  std::span<const std::uint8_t> data;
+};
+
+/// Any message that begins with a std_msgs/Header.
+MessageHeader DecodeHeader(std::span<const std::uint8_t> data, MessageEncoding encoding);
+
+ImuMessage DecodeImu(std::span<const std::uint8_t> data, MessageEncoding encoding);
+
+/// `type` is one of the three wheel types (IsWheelType).
+OdometryMessage DecodeOdometry(std::span<const std::uint8_t> data, MessageEncoding encoding, const std::string& type);
+
+NavSatMessage DecodeNavSat(std::span<const std::uint8_t> data, MessageEncoding encoding);
+CameraInfoMessage DecodeCameraInfo(std::span<const std::uint8_t> data, MessageEncoding encoding);
+std::vector<TransformMessage> DecodeTransforms(std::span<const std::uint8_t> data, MessageEncoding encoding);
+ImageMessage DecodeImage(std::span<const std::uint8_t> data, MessageEncoding encoding);
+CompressedImageMessage DecodeCompressedImage(std::span<const std::uint8_t> data, MessageEncoding encoding);
+
+bool IsImageType(const std::string& type);
+bool IsWheelType(const std::string& type);
+
+}  // namespace parkade

@@ -1,0 +1,32 @@
+#include "server/map_folder/heights_file.h"
+
+#include "core/binary_exchange.h"
+
+namespace parkade {
+
+// Found by argument-dependent lookup, hence in the types' own namespace.
+template <typename A>
+void Exchange(A& archive, DriveHeight& height) {
+  archive(height.time, height.point_in_body, height.weight, height.sigma);
+}
+template <typename A>
+void Exchange(A& archive, DriveHeights& heights) {
+  archive(heights.lean.roll, heights.lean.pitch, heights.lean.heave, heights.plane_errors, heights.swept,
+          heights.planes);
+}
+
+std::string EncodeHeights(DriveHeights heights) {
+  BinaryWriter writer;
+  writer(heights);
+  return writer.bytes();
+}
+
+DriveHeights DecodeHeights(std::string_view bytes) {
+  BinaryReader reader(bytes);
+  DriveHeights heights;
+  reader(heights);
+  Require(reader.is_at_end(), ErrorCode::kInvalidInput, "it is longer than it says");
+  return heights;
+}
+
+}  // namespace parkade

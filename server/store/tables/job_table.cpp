@@ -1,0 +1,169 @@
+#include "server/store/tables/job_table.h"
+
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "server/store/tables/names.h"
+#include "server/store/tables/row.h"
+
+namespace parkade {
+namespace {
+
+const std::string kSelect = R"(
+  SELECT sequence, id, site, state, attempt, crashes, error, error_code, pid, pid_started, map_version, created_at,
+         started_at, finished_at, review, service_ends, new_drive
+  FROM jobs )";
+
+std::optional<std::string> ReviewToText(const MapReview& review) {
+  if (!review.from_version) return std::nullopt;
+  nlohmann::json json = {
+      {"from", *review.from_version}, {"reject_loops", review.rejected_loops}, {"force_loops", review.forced_loops}};
+  if (review.pins) json["pins"] = *review.pins;
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+MapReview ReviewFromText(const std::optional<std::string>& text) {
+  if (!text) return {};
+  const nlohmann::json json = nlohmann::json::parse(*text);
+  MapReview review{json.at("from").get<std::int64_t>(), json.at("reject_loops").get<std::vector<std::string>>(),
+                   json.at("force_loops").get<std::vector<std::string>>(), std::nullopt};
+  if (const auto pins = json.find("pins"); pins != json.end()) review.pins = pins->get<std::vector<std::string>>();
+  return review;
+}
+
+Job FromRow(Connection& connection, const Statement& row) {
+  Job job;
+  job.sequence = row.Integer(0);
+  job.id = row.Text(1);
+  job.site = row.Text(2);
+  job.state = JobStateFromText(row.Text(3));
+  job.attempt = static_cast<int>(row.Integer(4));
+  job.crashes = static_cast<int>(row.Integer(5));
+  job.error = OptionalText(row, 6);
+  job.error_code = OptionalText(row, 7);
+  job.pid = OptionalInteger(row, 8);
+  job.pid_started = OptionalInteger(row, 9);
+  job.map_version = OptionalInteger(row, 10);
+  job.created_at = row.Text(11);
+  job.started_at = OptionalText(row, 12);
+  job.finished_at = OptionalText(row, 13);
+  job.review = ReviewFromText(OptionalText(row, 14));
+  job.service_ends = static_cast<int>(row.Integer(15));
+  job.new_drive = OptionalText(row, 16);
+  Statement drives = connection.Query("SELECT drive FROM job_drives WHERE job = ? ORDER BY position", job.id);
+  while (drives.Step()) job.drives.push_back(drives.Text(0));
+  return job;
+}
+
+std::string Word(JobState state) { return ToText(state); }
+
+}  // namespace
+
+void InsertJob(Connection& connection, const Job& job) {
+  connection.Execute("INSERT INTO jobs (id, site, state, created_at, review, new_drive) VALUES (?, ?, ?, ?, ?, ?)",
+                     job.id, job.site, Word(JobState::kQueued), job.created_at, ReviewToText(job.review),
+                     job.new_drive);
+  SetJobDrives(connection, job.id, job.drives);
+}
+
+Job FindJob(Connection& connection, const std::string& id) {
+  Statement query = connection.Query(kSelect + "WHERE id = ?", id);
+  Require(query.Step(), ErrorCode::kNotFound, "there is no job '" + id + "'");
+  return FromRow(connection, query);
+}
+
+std::vector<Job> ListJobs(Connection& connection, const Page& page, const std::optional<JobState>& state,
+                          const std::optional<std::string>& site) {
+  std::optional<std::string> word;
+  if (state) word = Word(*state);
+  Statement query =
+      connection.Query(kSelect +
+                           "WHERE sequence < ? AND (?2 IS NULL OR state = ?2) AND (?3 IS NULL OR site = ?3) "
+                           "ORDER BY sequence DESC LIMIT ?",
+                       page.before, word, site, page.limit);
+  std::vector<Job> jobs;
+  while (query.Step()) jobs.push_back(FromRow(connection, query));
+  return jobs;
+}
+
+std::optional<Job> NextQueuedJob(Connection& connection) {
+  Statement query = connection.Query(kSelect + R"(
+      WHERE state = ? AND (new_drive IS NULL
+                           OR NOT EXISTS (SELECT 1 FROM jobs other WHERE other.site = jobs.site AND other.state = ?))
+      ORDER BY sequence LIMIT 1)",
+                                     Word(JobState::kQueued), Word(JobState::kRunning));
+  if (!query.Step()) return std::nullopt;
+  return FromRow(connection, query);
+}
+
+std::int64_t CountJobs(Connection& connection, JobState state) {
+  Statement query = connection.Query("SELECT count(*) FROM jobs WHERE state = ?", Word(state));
+  query.Step();
+  return query.Integer(0);
+}
+
+std::optional<std::string> RunningJobOf(Connection& connection, const std::string& drive) {
+  Statement query = connection.Query(
+      "SELECT j.id FROM job_drives jd JOIN jobs j ON j.id = jd.job WHERE jd.drive = ? AND j.state = ? LIMIT 1", drive,
+      Word(JobState::kRunning));
+  if (!query.Step()) return std::nullopt;
+  return query.Text(0);
+}
+
+void SetJobDrives(Connection& connection, const std::string& id, const std::vector<std::string>& drives) {
+  connection.Execute("DELETE FROM job_drives WHERE job = ?", id);
+  for (size_t i = 0; i < drives.size(); ++i)
+    connection.Execute("INSERT INTO job_drives (job, drive, position) VALUES (?, ?, ?)", id, drives[i], i);
+}
+
+void DropDeletedDrives(Connection& connection, const std::string& id) {
+  connection.Execute(
+      "DELETE FROM job_drives WHERE job = ? AND drive IN (SELECT id FROM drives WHERE deleted_at IS NOT NULL)", id);
+}
+
+void StartJob(Connection& connection, const std::string& id) {
+  connection.Execute(
+      "UPDATE jobs SET state = ?, attempt = attempt + 1, started_at = ?, error = NULL, error_code = NULL WHERE id = ?",
+      Word(JobState::kRunning), NowUtc(), id);
+}
+
+void SetJobProcess(Connection& connection, const std::string& id, int attempt, std::int64_t pid,
+                   std::int64_t pid_started) {
+  connection.Execute("UPDATE jobs SET pid = ?, pid_started = ? WHERE id = ? AND attempt = ?", pid, pid_started, id,
+                     attempt);
+}
+
+bool EndJob(Connection& connection, const std::string& id, int attempt, const JobEnd& end) {
+  return connection.Execute(
+             R"(UPDATE jobs SET state = ?, error = ?, error_code = ?, map_version = ?, finished_at = ?,
+                                pid = NULL, pid_started = NULL
+                WHERE id = ? AND attempt = ? AND state = ?)",
+             Word(end.state), end.error, end.error_code, end.map_version, NowUtc(), id, attempt,
+             Word(JobState::kRunning)) == 1;
+}
+
+bool RequeueJob(Connection& connection, const std::string& id, int attempt, Setback setback,
+                const std::string& reason) {
+  return connection.Execute(
+             R"(UPDATE jobs SET state = ?, crashes = crashes + ?, service_ends = service_ends + ?, error = ?,
+                                pid = NULL, pid_started = NULL
+                WHERE id = ? AND attempt = ? AND state = ?)",
+             Word(JobState::kQueued), setback == Setback::kCrash ? 1 : 0, setback == Setback::kServiceEnd ? 1 : 0,
+             reason, id, attempt, Word(JobState::kRunning)) == 1;
+}
+
+void QueueJobAgain(Connection& connection, const std::string& id) {
+  connection.Execute(
+      R"(UPDATE jobs SET state = ?, crashes = 0, service_ends = 0, error = NULL, error_code = NULL,
+                         started_at = NULL, finished_at = NULL WHERE id = ?)",
+      Word(JobState::kQueued), id);
+}
+
+bool CancelQueuedJob(Connection& connection, const std::string& id) {
+  return connection.Execute(
+             R"(UPDATE jobs SET state = ?, error = 'cancelled', error_code = 'cancelled', finished_at = ?
+                WHERE id = ? AND state = ?)",
+             Word(JobState::kCancelled), NowUtc(), id, Word(JobState::kQueued)) == 1;
+}
+
+}  // namespace parkade

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/store/tables/database.h"
+#include "server/store/tables/records.h"
+
+namespace parkade {
+
+// Rows of `jobs`. Every change of a running job names the attempt it belongs to:
+// a worker that was given up cannot change what came after it.
+
+/// Inserts a queued job over `job.drives`.
+void InsertJob(Connection& connection, const Job& job);
+
+/// Throws Error{kNotFound}.
+Job FindJob(Connection& connection, const std::string& id);
+
+/// Newest first; only those in `state` or of `site` where given.
+std::vector<Job> ListJobs(Connection& connection, const Page& page, const std::optional<JobState>& state,
+                          const std::optional<std::string>& site);
+
+/// The oldest queued job that may start. One with a new drive waits for jobs of its site that run: their map is not
+/// there to be joined with yet, and would come after one that knows nothing of it.
+std::optional<Job> NextQueuedJob(Connection& connection);
+std::int64_t CountJobs(Connection& connection, JobState state);
+
+/// The running job that maps a drive, if any.
+std::optional<std::string> RunningJobOf(Connection& connection, const std::string& drive);
+
+void SetJobDrives(Connection& connection, const std::string& id, const std::vector<std::string>& drives);
+/// Takes drives off the job's list that were deleted.
+void DropDeletedDrives(Connection& connection, const std::string& id);
+
+/// Queued -> running with attempt + 1.
+void StartJob(Connection& connection, const std::string& id);
+
+void SetJobProcess(Connection& connection, const std::string& id, int attempt, std::int64_t pid,
+                   std::int64_t pid_started);
+
+struct JobEnd {
+  JobState state = JobState::kDone;
+  std::optional<std::string> error, error_code;
+  std::optional<std::int64_t> map_version;
+};
+
+/// Running -> an end. False when the attempt is not the running one.
+bool EndJob(Connection& connection, const std::string& id, int attempt, const JobEnd& end);
+
+/// Why an attempt ended without a result. Crashes and ends of the service are counted.
+enum class Setback { kCrash, kServiceEnd, kStop };
+
+/// Running -> queued. False when the attempt is not the running one.
+bool RequeueJob(Connection& connection, const std::string& id, int attempt, Setback setback, const std::string& reason);
+
+/// Failed or cancelled -> queued, with the counts of interruptions forgotten.
+void QueueJobAgain(Connection& connection, const std::string& id);
+
+/// Queued -> cancelled. False when it is not queued.
+bool CancelQueuedJob(Connection& connection, const std::string& id);
+
+}  // namespace parkade

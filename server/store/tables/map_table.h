@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/store/tables/database.h"
+#include "server/store/tables/records.h"
+
+namespace parkade {
+
+/// The number the next version of a site gets; versions count from 1.
+std::int64_t NextMapVersion(Connection& connection, const std::string& site);
+
+/// Inserts the version with its files and drives.
+void InsertMap(Connection& connection, const MapVersion& map);
+
+/// Throw Error{kNotFound}.
+MapVersion FindMap(Connection& connection, const std::string& site, std::int64_t version);
+std::int64_t LatestMapVersion(Connection& connection, const std::string& site);
+
+/// Newest first, without files and drives.
+std::vector<MapVersion> ListMaps(Connection& connection, const std::string& site, const Page& page);
+
+/// One file of a published map.
+struct PublishedFile {
+  std::string map_id;
+  MapFile file;
+};
+
+/// Throws Error{kNotFound}.
+PublishedFile FindMapFile(Connection& connection, const std::string& site, std::int64_t version,
+                          const std::string& name);
+
+}  // namespace parkade

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "server/store/tables/database.h"
+
+namespace parkade {
+
+/// A column that may be NULL.
+inline std::optional<std::string> OptionalText(const Statement& row, int column) {
+  if (row.IsNull(column)) return std::nullopt;
+  return row.Text(column);
+}
+
+inline std::optional<std::int64_t> OptionalInteger(const Statement& row, int column) {
+  if (row.IsNull(column)) return std::nullopt;
+  return row.Integer(column);
+}
+
+}  // namespace parkade

@@ -1,0 +1,127 @@
+#include "server/store/tables/schema.h"
+
+#include <array>
+#include <vector>
+
+#include "core/error.h"
+
+namespace parkade {
+namespace {
+
+// `sequence` gives the order of arrival and is what cursors of lists hold; `id`
+// is what the outside sees. Times are RFC 3339 in UTC. Tables WITHOUT ROWID name
+// their key's columns first: quick_check of SQLite 3.40 reports damage otherwise.
+const std::vector<const char*> kVersion1 = {
+    R"(CREATE TABLE sites (
+         sequence INTEGER PRIMARY KEY AUTOINCREMENT,
+         name TEXT NOT NULL UNIQUE,
+         created_at TEXT NOT NULL) STRICT)",
+
+    R"(CREATE TABLE rigs (
+         sequence INTEGER PRIMARY KEY AUTOINCREMENT,
+         id TEXT NOT NULL UNIQUE,
+         name TEXT NOT NULL,
+         sha256 TEXT NOT NULL,
+         files TEXT NOT NULL,
+         created_at TEXT NOT NULL) STRICT)",
+    "CREATE INDEX rigs_by_name ON rigs (name, sequence)",
+
+    R"(CREATE TABLE drives (
+         sequence INTEGER PRIMARY KEY AUTOINCREMENT,
+         id TEXT NOT NULL UNIQUE,
+         name TEXT NOT NULL,
+         filename TEXT NOT NULL,
+         site TEXT NOT NULL REFERENCES sites (name),
+         rig TEXT,
+         state TEXT NOT NULL CHECK (state IN ('received', 'queued', 'processing', 'ready', 'failed')),
+         error TEXT,
+         bytes INTEGER NOT NULL,
+         sha256 TEXT NOT NULL,
+         streams TEXT,
+         created_at TEXT NOT NULL,
+         updated_at TEXT NOT NULL,
+         deleted_at TEXT) STRICT)",
+    "CREATE INDEX drives_by_site ON drives (site, sequence)",
+    "CREATE INDEX drives_by_content ON drives (sha256)",
+
+    R"(CREATE TABLE jobs (
+         sequence INTEGER PRIMARY KEY AUTOINCREMENT,
+         id TEXT NOT NULL UNIQUE,
+         site TEXT NOT NULL REFERENCES sites (name),
+         state TEXT NOT NULL CHECK (state IN ('queued', 'running', 'done', 'failed', 'cancelled')),
+         attempt INTEGER NOT NULL DEFAULT 0,
+         crashes INTEGER NOT NULL DEFAULT 0,
+         error TEXT,
+         error_code TEXT,
+         pid INTEGER,
+         pid_started INTEGER,
+         map_version INTEGER,
+         created_at TEXT NOT NULL,
+         started_at TEXT,
+         finished_at TEXT) STRICT)",
+    "CREATE INDEX jobs_by_state ON jobs (state, sequence)",
+
+    R"(CREATE TABLE job_drives (
+         job TEXT NOT NULL REFERENCES jobs (id),
+         position INTEGER NOT NULL,
+         drive TEXT NOT NULL REFERENCES drives (id),
+         PRIMARY KEY (job, position)) STRICT, WITHOUT ROWID)",
+    "CREATE INDEX job_drives_by_drive ON job_drives (drive)",
+
+    R"(CREATE TABLE maps (
+         sequence INTEGER PRIMARY KEY AUTOINCREMENT,
+         id TEXT NOT NULL UNIQUE,
+         site TEXT NOT NULL REFERENCES sites (name),
+         version INTEGER NOT NULL,
+         job TEXT NOT NULL REFERENCES jobs (id),
+         sha256 TEXT NOT NULL,
+         datum TEXT,
+         bounds TEXT,
+         created_at TEXT NOT NULL,
+         UNIQUE (site, version)) STRICT)",
+
+    R"(CREATE TABLE map_files (
+         map TEXT NOT NULL REFERENCES maps (id),
+         name TEXT NOT NULL,
+         bytes INTEGER NOT NULL,
+         sha256 TEXT NOT NULL,
+         PRIMARY KEY (map, name)) STRICT, WITHOUT ROWID)",
+
+    R"(CREATE TABLE map_drives (
+         map TEXT NOT NULL REFERENCES maps (id),
+         position INTEGER NOT NULL,
+         drive TEXT NOT NULL REFERENCES drives (id),
+         PRIMARY KEY (map, position)) STRICT, WITHOUT ROWID)",
+    "CREATE INDEX map_drives_by_drive ON map_drives (drive)",
+};
+
+// What a review wants of the job, JSON; NULL: nothing.
+const std::vector<const char*> kVersion2 = {"ALTER TABLE jobs ADD COLUMN review TEXT"};
+
+// How often the service ended while the job was running, other than by being stopped.
+const std::vector<const char*> kVersion3 = {"ALTER TABLE jobs ADD COLUMN service_ends INTEGER NOT NULL DEFAULT 0"};
+
+// The drive whose upload made the job, which joins it with its site when it starts; NULL: the drives were chosen, or an
+// older program queued the job. Drives in a map are ready: older programs said otherwise while a job ran.
+const std::vector<const char*> kVersion4 = {
+    "ALTER TABLE jobs ADD COLUMN new_drive TEXT REFERENCES drives (id)",
+    "UPDATE drives SET state = 'ready', error = NULL WHERE state != 'ready' AND id IN (SELECT drive FROM map_drives)"};
+
+// One entry per schema version, oldest first. A published entry never changes:
+// a change of the tables is a new entry.
+const std::vector<const std::vector<const char*>*> kMigrations = {&kVersion1, &kVersion2, &kVersion3, &kVersion4};
+
+}  // namespace
+
+void MigrateSchema(Connection& connection) {
+  Statement query = connection.Query("PRAGMA user_version");
+  query.Step();
+  const auto found = static_cast<size_t>(query.Integer(0));
+  Require(found <= kMigrations.size(), ErrorCode::kConflict,
+          "the data directory was written by a newer version of this program");
+  for (size_t version = found; version < kMigrations.size(); ++version)
+    for (const char* statement : *kMigrations[version]) connection.Execute(statement);
+  connection.Execute("PRAGMA user_version=" + std::to_string(kMigrations.size()));
+}
+
+}  // namespace parkade

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "server/store/tables/connection.h"
+
+namespace parkade {
+
+/// Brings the tables to the version this program knows, inside the caller's
+/// transaction. Throws Error{kConflict} when a newer program wrote them.
+void MigrateSchema(Connection& connection);
+
+}  // namespace parkade

@@ -1,0 +1,61 @@
+#include "server/store/tables/site_table.h"
+
+#include "core/error.h"
+#include "server/store/tables/names.h"
+#include "server/store/tables/row.h"
+
+namespace parkade {
+namespace {
+
+const std::string kSelect = R"(
+  SELECT sequence, name, created_at,
+         (SELECT count(*) FROM drives WHERE site = sites.name AND deleted_at IS NULL),
+         (SELECT datum FROM maps WHERE site = sites.name ORDER BY version DESC LIMIT 1),
+         (SELECT bounds FROM maps WHERE site = sites.name ORDER BY version DESC LIMIT 1)
+  FROM sites )";
+
+Site FromRow(Connection& connection, const Statement& row) {
+  Site site;
+  site.sequence = row.Integer(0);
+  site.name = row.Text(1);
+  site.created_at = row.Text(2);
+  site.num_drives = row.Integer(3);
+  site.datum = OptionalText(row, 4);
+  site.bounds = OptionalText(row, 5);
+  Statement versions = connection.Query("SELECT version FROM maps WHERE site = ? ORDER BY version", site.name);
+  while (versions.Step()) site.versions.push_back(versions.Integer(0));
+  return site;
+}
+
+}  // namespace
+
+void EnsureSite(Connection& connection, const std::string& name) {
+  connection.Execute("INSERT INTO sites (name, created_at) VALUES (?, ?) ON CONFLICT (name) DO NOTHING", name,
+                     NowUtc());
+}
+
+bool HasSite(Connection& connection, const std::string& name) {
+  return connection.Query("SELECT 1 FROM sites WHERE name = ?", name).Step();
+}
+
+std::string FreeSiteName(Connection& connection, const std::string& wanted) {
+  std::string name = wanted;
+  for (int number = 2; HasSite(connection, name); ++number) name = wanted + "-" + std::to_string(number);
+  return name;
+}
+
+Site FindSite(Connection& connection, const std::string& name) {
+  Statement query = connection.Query(kSelect + "WHERE name = ?", name);
+  Require(query.Step(), ErrorCode::kNotFound, "there is no site '" + name + "'");
+  return FromRow(connection, query);
+}
+
+std::vector<Site> ListSites(Connection& connection, const Page& page) {
+  Statement query =
+      connection.Query(kSelect + "WHERE sequence < ? ORDER BY sequence DESC LIMIT ?", page.before, page.limit);
+  std::vector<Site> sites;
+  while (query.Step()) sites.push_back(FromRow(connection, query));
+  return sites;
+}
+
+}  // namespace parkade

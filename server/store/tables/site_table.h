@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "server/store/tables/database.h"
+#include "server/store/tables/records.h"
+
+namespace parkade {
+
+/// Inserts the site unless it exists.
+void EnsureSite(Connection& connection, const std::string& name);
+
+bool HasSite(Connection& connection, const std::string& name);
+
+/// `wanted`, or `wanted-2`, `wanted-3`, ... where that is taken.
+std::string FreeSiteName(Connection& connection, const std::string& wanted);
+
+/// Throws Error{kNotFound}.
+Site FindSite(Connection& connection, const std::string& name);
+
+/// Newest first.
+std::vector<Site> ListSites(Connection& connection, const Page& page);
+
+}  // namespace parkade

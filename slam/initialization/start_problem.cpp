@@ -1,0 +1,117 @@
+#include "slam/initialization/start_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace parkade {
+namespace {
+
+constexpr double kImagesPerCamera = 12;
+constexpr double kMinImageInterval = 0.08;  // [s]
+constexpr size_t kTracksPerCamera = 70;
+constexpr size_t kMinSights = 3;
+constexpr double kMinBiasSigma = 1e-4;  // [rad/s]
+
+/// Carries an image's derivatives along from one instant to the next.
+class Integration {
+ public:
+  Integration(const ImuBuffer& imu, const ImuCalibration& calibration, const ImuBias& bias, Timestamp begin)
+      : imu_(imu), calibration_(calibration), bias_(bias), begin_(begin), now_(begin) {}
+
+  void AdvanceTo(Timestamp time) {
+    if (!(now_ < time)) return;
+    const ImuPreintegration next(imu_.Between(now_, time), bias_, calibration_);
+    const MotionIncrement& step = next.increment();
+    const Eigen::Matrix3d rotation = rotation_, turn = step.rotation.toRotationMatrix();
+    const auto carry = [&](Derivatives& by, const Eigen::Matrix<double, 9, 3>& own) {
+      by.position +=
+          by.velocity * step.duration - rotation * Skew(step.position) * by.rotation + rotation * own.bottomRows<3>();
+      by.velocity += -rotation * Skew(step.velocity) * by.rotation + rotation * own.middleRows<3>(3);
+      by.rotation = turn.transpose() * by.rotation + own.topRows<3>();
+    };
+    carry(by_gyroscope_, next.d_gyroscope());
+    carry(by_accelerometer_, next.d_accelerometer());
+    position_ += velocity_ * step.duration + rotation * step.position;
+    velocity_ += rotation * step.velocity;
+    rotation_ = rotation * turn;
+    now_ = time;
+  }
+
+  StartImage Image(int camera, const Eigen::Vector3d& camera_in_imu) const {
+    return {now_ - begin_,
+            camera,
+            camera_in_imu,
+            rotation_,
+            position_,
+            by_gyroscope_.rotation,
+            by_gyroscope_.position,
+            by_accelerometer_.position};
+  }
+
+ private:
+  struct Derivatives {
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Zero(), velocity = rotation, position = rotation;
+  };
+
+  const ImuBuffer& imu_;
+  const ImuCalibration& calibration_;
+  ImuBias bias_;
+  Timestamp begin_, now_;
+  Eigen::Matrix3d rotation_ = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero(), position_ = Eigen::Vector3d::Zero();
+  Derivatives by_gyroscope_, by_accelerometer_;
+};
+
+/// The tracks with most sights, of each camera that saw them first.
+std::vector<StartTrack> LongestTracks(std::map<std::int64_t, StartTrack> tracks, const StartProblem& problem,
+                                      size_t num_cameras) {
+  std::vector<std::vector<StartTrack>> of_camera(num_cameras);
+  for (auto& [number, track] : tracks)
+    if (track.sights.size() >= kMinSights)
+      of_camera[static_cast<size_t>(problem.images[track.sights.front().image].camera)].push_back(std::move(track));
+  std::vector<StartTrack> kept;
+  for (std::vector<StartTrack>& all : of_camera) {
+    std::stable_sort(all.begin(), all.end(),
+                     [](const StartTrack& a, const StartTrack& b) { return a.sights.size() > b.sights.size(); });
+    if (all.size() > kTracksPerCamera) all.resize(kTracksPerCamera);
+    std::move(all.begin(), all.end(), std::back_inserter(kept));
+  }
+  return kept;
+}
+
+}  // namespace
+
+StartProblem CollectStartProblem(const ImuBuffer& imu, const std::vector<TrackedFrame>& frames, const Rig& rig,
+                                 const GyroscopeBiasEstimate& bias, Timestamp begin, Timestamp end) {
+  StartProblem problem;
+  problem.duration = end - begin;
+  problem.linearised_at = {bias.bias, Eigen::Vector3d::Zero()};
+  problem.gyroscope = {bias.bias, std::max(bias.sigma, kMinBiasSigma)};
+  const double interval = std::max(kMinImageInterval, problem.duration / kImagesPerCamera);
+  std::map<std::int64_t, StartTrack> tracks;
+  std::vector<Timestamp> last_used(rig.cameras.size(), begin - 1e3);
+  Integration integration(imu, rig.imu, problem.linearised_at, begin);
+  for (const TrackedFrame& frame : frames) {
+    const auto camera = static_cast<size_t>(frame.camera);
+    if (frame.time < begin || frame.time > end || frame.time - last_used[camera] < interval) continue;
+    last_used[camera] = frame.time;
+    integration.AdvanceTo(frame.time);
+    const Rigid3 imu_from_camera = rig.ImuFromCamera(camera);
+    problem.images.push_back(integration.Image(frame.camera, imu_from_camera.translation));
+    for (const FeatureObservation& seen : frame.observations)
+      tracks[seen.track].sights.push_back(
+          {problem.images.size() - 1, imu_from_camera.rotation * seen.bearing, seen.sigma});
+  }
+  integration.AdvanceTo(end);
+  problem.end = integration.Image(0, Eigen::Vector3d::Zero());
+  problem.tracks = LongestTracks(std::move(tracks), problem, rig.cameras.size());
+  return problem;
+}
+
+Eigen::Vector3d MeanGravity(const ImuBuffer& imu, const ImuBias& bias, Timestamp begin, Timestamp end) {
+  const MotionIncrement increment = Integrate(imu.Between(begin, end), bias);
+  return -kGravityInOdom.norm() * increment.velocity.normalized();
+}
+
+}  // namespace parkade

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/rig.h"
+#include "core/trajectory.h"
+#include "slam/factors/sample_buffer.h"
+#include "slam/odometry/early_records.h"
+#include "slam/smoother/drive_measurements.h"
+
+namespace parkade {
+
+/// Turns finished knots into the states of a trajectory: body instead of IMU,
+/// and as many states between knots as asked for, shaped by the IMU and bent
+/// linearly so that they meet the knots.
+class TrajectoryBuilder {
+ public:
+  TrajectoryBuilder(const Rig& rig, double output_interval);
+
+  /// For the states that follow: where the IMU sits, once the cameras are calibrated.
+  void MountOn(const Rig& rig) { imu_from_body_ = rig.body_from_imu.Inverse(); }
+
+  /// Knots come in order of time. `interval`: since the knot before, empty at the first.
+  void Add(const RecordedKnot& knot, const std::optional<KnotInterval>& interval);
+
+  /// States of the time before the first knot, running backwards on the
+  /// gyroscope and the wheels, or on the IMU alone where there are none.
+  /// `is_still`: the car stood all that time.
+  std::vector<TrajectoryState> StatesBefore(const EarlyRecords& early, bool is_still) const;
+
+  bool empty() const { return states_.empty(); }
+  /// All states, in order of time.
+  std::vector<TrajectoryState> Take();
+
+ private:
+  TrajectoryState ToBody(const MotionState& state, const Eigen::Vector3d& angular_velocity,
+                         const Eigen::Matrix<double, 6, 6>& covariance) const;
+  void AddBetween(const MotionState& first, const RecordedKnot& second, const KnotInterval& interval);
+
+  Rigid3 imu_from_body_;
+  double output_interval_;
+  std::optional<MotionState> first_, last_;
+  std::vector<TrajectoryState> states_;
+};
+
+}  // namespace parkade

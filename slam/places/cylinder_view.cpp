@@ -1,0 +1,48 @@
+#include "slam/places/cylinder_view.h"
+
+#include <opencv2/imgproc.hpp>
+
+namespace parkade {
+namespace {
+
+constexpr double kHalfWidth = 1.3;  // [rad] to each side of the optical axis
+constexpr double kLowest = -1.3;    // tangent of the elevation
+constexpr double kHighest = 0.8;    // "
+constexpr double kBorder = 3;       // [px] of the image that are not trusted
+
+}  // namespace
+
+CylinderView::CylinderView(const RigCamera& camera, const Eigen::Quaterniond& upright_from_body) {
+  const Eigen::Quaterniond upright_from_camera = upright_from_body * camera.body_from_camera.rotation;
+  const Eigen::Vector3d axis = upright_from_camera * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector2d middle(0.5 * camera.model.width(), 0.5 * camera.model.height());
+  scale_ = camera.model.PixelsPerRadian(middle).value_or(0.3 * camera.model.width());
+  azimuth_ = std::atan2(axis.y(), axis.x()) + kHalfWidth;
+  const int width = static_cast<int>(2 * kHalfWidth * scale_), height = static_cast<int>((kHighest - kLowest) * scale_);
+  map_x_ = cv::Mat(height, width, CV_32FC1, cv::Scalar(-1));
+  map_y_ = map_x_.clone();
+  usable_ = cv::Mat::zeros(height, width, CV_8UC1);
+  const Eigen::Quaterniond camera_from_upright = upright_from_camera.conjugate();
+  for (int row = 0; row < height; ++row) {
+    for (int column = 0; column < width; ++column) {
+      const auto pixel = camera.model.Project(camera_from_upright * BearingInUpright(column, row));
+      if (!pixel || !camera.IsUsable(*pixel, kBorder)) continue;
+      map_x_.at<float>(row, column) = static_cast<float>(pixel->x());
+      map_y_.at<float>(row, column) = static_cast<float>(pixel->y());
+      usable_.at<uchar>(row, column) = 255;
+    }
+  }
+}
+
+cv::Mat CylinderView::Warp(const cv::Mat& image) const {
+  cv::Mat view;
+  cv::remap(image, view, map_x_, map_y_, cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar(0));
+  return view;
+}
+
+Eigen::Vector3d CylinderView::BearingInUpright(double column, double row) const {
+  const double azimuth = azimuth_ - column / scale_;
+  return Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), kHighest - row / scale_).normalized();
+}
+
+}  // namespace parkade

@@ -1,0 +1,115 @@
+#include "slam/refinement/drive_ties.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace parkade {
+namespace {
+
+constexpr double kMinFixSigma = 0.01;  // [m] receivers that claim less are not believed
+
+size_t NearestKnot(const DriveMeasurements& measurements, Timestamp time) {
+  const auto& knots = measurements.knots;
+  const auto after = std::lower_bound(knots.begin(), knots.end(), time,
+                                      [](const RecordedKnot& knot, Timestamp t) { return knot.state.time < t; });
+  if (after == knots.end()) return knots.size() - 1;
+  if (after == knots.begin() || after->state.time - time < time - (after - 1)->state.time)
+    return static_cast<size_t>(after - knots.begin());
+  return static_cast<size_t>(after - knots.begin()) - 1;
+}
+
+Matrix6d AdjointOf(const Rigid3& motion) {
+  const Eigen::Matrix3d rotation = motion.rotation.toRotationMatrix();
+  Matrix6d adjoint = Matrix6d::Zero();
+  adjoint.topLeftCorner<3, 3>() = adjoint.bottomRightCorner<3, 3>() = rotation;
+  adjoint.topRightCorner<3, 3>() = Skew(motion.translation) * rotation;
+  return adjoint;
+}
+
+/// A loop between frames that are rigid with two knots, as one between the knots.
+class LoopTranslator {
+ public:
+  LoopTranslator(const DriveMeasurements& measurements, const Trajectory& odometry)
+      : measurements_(measurements), odometry_(odometry) {}
+
+  std::optional<AdjustedLoop> Translate(const LoopEvidence& loop) const {
+    AdjustedLoop adjusted;
+    adjusted.from = NearestKnot(measurements_, loop.earlier);
+    adjusted.to = NearestKnot(measurements_, loop.later);
+    const std::optional<Rigid3> first = KnotFromPlace(adjusted.from, loop.earlier);
+    const std::optional<Rigid3> second = KnotFromPlace(adjusted.to, loop.later);
+    if (adjusted.from == adjusted.to || !first || !second) return std::nullopt;
+    const Rigid3 later_knot_from_end = *second * loop.later_from_camera;
+    adjusted.from_from_to = *first * loop.pose.a_from_b * second->Inverse();
+    adjusted.square_root_weight =
+        SquareRootOf(loop.share * loop.pose.information) * AdjointOf(later_knot_from_end.Inverse());
+    return adjusted;
+  }
+
+ private:
+  std::optional<Rigid3> KnotFromPlace(size_t knot, Timestamp time) const {
+    const std::optional<Rigid3> body = odometry_.At(time);
+    if (!body) return std::nullopt;
+    return measurements_.knots[knot].state.odom_from_imu.Inverse() * LevelledPose(*body);
+  }
+
+  const DriveMeasurements& measurements_;
+  const Trajectory& odometry_;
+};
+
+}  // namespace
+
+GnssPositions ReadGnss(const DriveLog& log, const GnssAlignOptions& options) {
+  GnssPositions gnss;
+  gnss.options = options;
+  const std::optional<VehicleCalibration>& vehicle = log.rig().vehicle;
+  if (vehicle && vehicle->antenna_in_body) gnss.antenna_in_body = *vehicle->antenna_in_body;
+  ReadOptions only_gnss;
+  only_gnss.imu = only_gnss.wheels = only_gnss.images = false;
+  const std::unique_ptr<RecordStream> records = log.Read(only_gnss);
+  while (const std::optional<SensorRecord> record = records->Next())
+    if (const auto* fix = std::get_if<GnssFix>(&*record)) gnss.fixes.push_back(*fix);
+  return gnss;
+}
+
+std::vector<AdjustedLoop> LoopsBetweenKnots(const DriveMeasurements& measurements, const Trajectory& odometry,
+                                            const LoopClosure& closure) {
+  const LoopTranslator translator(measurements, odometry);
+  std::vector<AdjustedLoop> loops;
+  for (const LoopEvidence& evidence : closure.loops) {
+    if (evidence.weight <= 0.5) continue;
+    if (std::optional<AdjustedLoop> loop = translator.Translate(evidence)) loops.push_back(*loop);
+  }
+  return loops;
+}
+
+PlacedFixes FixesBetweenKnots(const DriveMeasurements& measurements, const Rig& rig, const Trajectory& odom_from_body,
+                              const GnssPositions& gnss) {
+  const std::optional<GnssAlignment> alignment =
+      AlignToGnss(odom_from_body, gnss.fixes, gnss.antenna_in_body, gnss.options);
+  if (!alignment) return {};
+  std::vector<GnssFix> usable;
+  std::copy_if(gnss.fixes.begin(), gnss.fixes.end(), std::back_inserter(usable),
+               [&](const GnssFix& fix) { return IsUsable(fix, odom_from_body, gnss.options.max_fix_sigma); });
+  // Errors of fixes in quick succession are one error.
+  const double interval = (usable.back().time - usable.front().time) / static_cast<double>(usable.size());
+  const double inflation = std::sqrt(std::max(1.0, gnss.options.correlation_time / std::max(interval, 1e-3)));
+  const auto& knots = measurements.knots;
+  PlacedFixes placed{{}, alignment->site_from_odom};
+  for (const GnssFix& fix : usable) {
+    const auto after = std::upper_bound(knots.begin(), knots.end(), fix.time,
+                                        [](Timestamp t, const RecordedKnot& knot) { return t < knot.state.time; });
+    if (after == knots.begin() || after == knots.end()) continue;
+    AdjustedFix& adjusted = placed.fixes.emplace_back();
+    adjusted.first = static_cast<size_t>(after - knots.begin()) - 1;
+    const Timestamp before = knots[adjusted.first].state.time;
+    adjusted.antenna.fraction = (fix.time - before) / (after->state.time - before);
+    adjusted.antenna.antenna_in_imu = rig.body_from_imu.Inverse() * gnss.antenna_in_body;
+    adjusted.antenna.antenna_in_site =
+        SiteFromGeodetic(alignment->datum, fix.latitude_deg, fix.longitude_deg, fix.altitude);
+    adjusted.antenna.sigma = inflation * fix.sigma_enu.cwiseMax(kMinFixSigma);
+  }
+  return placed;
+}
+
+}  // namespace parkade

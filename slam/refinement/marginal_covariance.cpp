@@ -1,0 +1,224 @@
+#include "slam/refinement/marginal_covariance.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Sparse>
+#include <algorithm>
+#include <cstdint>
+#include <unordered_map>
+
+#include "core/error.h"
+#include "core/sparse_cholesky.h"
+#include "slam/factors/imu_sensitivity.h"
+#include "slam/factors/landmark_parameters.h"
+#include "slam/factors/linearise_block.h"
+#include "slam/factors/track_errors.h"
+
+namespace parkade {
+namespace {
+
+constexpr int kConstant = -1;  // column of what does not move
+
+/// Free unknowns that one landmark, or one other residual, ties together.
+struct Block {
+  int column = 0, size = 0;
+  auto operator<=>(const Block&) const = default;
+};
+
+/// Information and score of all unknowns but landmarks.
+class NormalEquations {
+ public:
+  NormalEquations(const ceres::Problem& problem, const std::unordered_set<const double*>& landmarks) {
+    std::vector<double*> blocks;
+    problem.GetParameterBlocks(&blocks);
+    for (double* block : blocks) {
+      if (landmarks.contains(block)) continue;
+      const bool is_constant = problem.IsParameterBlockConstant(block);
+      const Block place{is_constant ? kConstant : num_columns_, problem.ParameterBlockTangentSize(block)};
+      places_.emplace(block, place);
+      if (!is_constant) num_columns_ += place.size;
+    }
+    sensitivity_ = Eigen::MatrixXd::Zero(num_columns_, kImuSensitivities);
+    std::vector<ceres::ResidualBlockId> residuals;
+    problem.GetResidualBlocks(&residuals);
+    const double* landmark = nullptr;
+    std::vector<LinearisableBlock> sights;
+    for (const ceres::ResidualBlockId id : residuals) {
+      LinearisableBlock block = BlockOf(problem, id);
+      const double* last = block.parameters.back();
+      if (!landmarks.contains(last)) {
+        Add(block);
+        continue;
+      }
+      if (last != landmark) AddLandmark(sights);
+      landmark = last;
+      sights.push_back(std::move(block));
+    }
+    AddLandmark(sights);
+  }
+
+  Eigen::SparseMatrix<double> Information() const {
+    std::vector<Eigen::Triplet<double>> triplets;
+    for (const auto& [key, block] : information_) {
+      const int row = static_cast<int>(key >> 32), column = static_cast<int>(key & 0xffffffff);
+      for (int j = 0; j < block.cols(); ++j)
+        for (int i = row == column ? j : 0; i < block.rows(); ++i)
+          triplets.emplace_back(row + i, column + j, block(i, j));
+    }
+    Eigen::SparseMatrix<double> matrix(num_columns_, num_columns_);
+    matrix.setFromTriplets(triplets.begin(), triplets.end());
+    return matrix;
+  }
+
+  /// R with R^T R = covariance of the score.
+  Eigen::SparseMatrix<double, Eigen::RowMajor> Scores() const {
+    Eigen::SparseMatrix<double, Eigen::RowMajor> matrix(num_scores_, num_columns_);
+    matrix.setFromTriplets(scores_.begin(), scores_.end());
+    return matrix;
+  }
+
+  /// Of the score, by what is considered but not estimated.
+  const Eigen::MatrixXd& sensitivity() const { return sensitivity_; }
+
+  const Block& PlaceOf(const double* block) const { return places_.at(block); }
+  int num_columns() const { return num_columns_; }
+
+ private:
+  LinearisableBlock BlockOf(const ceres::Problem& problem, ceres::ResidualBlockId id) const {
+    LinearisableBlock block;
+    block.cost = problem.GetCostFunctionForResidualBlock(id);
+    block.loss = problem.GetLossFunctionForResidualBlock(id);
+    std::vector<double*> parameters;
+    problem.GetParameterBlocksForResidualBlock(id, &parameters);
+    for (const double* parameter : parameters) {
+      const auto place = places_.find(parameter);
+      const bool is_landmark = place == places_.end();
+      block.parameters.push_back(parameter);
+      block.columns.push_back(is_landmark ? kConstant : place->second.column);
+      block.tangent_sizes.push_back(is_landmark ? kLandmarkSize : place->second.size);
+    }
+    return block;
+  }
+
+  void AddInformation(const Block& row, const Block& column, const Eigen::MatrixXd& block) {
+    const std::uint64_t key = static_cast<std::uint64_t>(row.column) << 32 | static_cast<std::uint32_t>(column.column);
+    const auto [entry, is_new] = information_.try_emplace(key, block);
+    if (!is_new) entry->second += block;
+  }
+
+  void Add(const LinearisableBlock& block) {
+    const std::optional<LinearisedBlock> linear = Linearise(block);
+    if (!linear) return;
+    for (size_t i = 0; i < block.columns.size(); ++i) {
+      if (block.columns[i] == kConstant) continue;
+      const LinearisedBlock::Jacobian& by_i = linear->jacobians[i];
+      for (Eigen::Index row = 0; row < by_i.rows(); ++row)
+        for (Eigen::Index k = 0; k < by_i.cols(); ++k)
+          scores_.emplace_back(num_scores_ + static_cast<int>(row), block.columns[i] + static_cast<int>(k),
+                               by_i(row, k));
+      for (size_t j = 0; j < block.columns.size(); ++j)
+        if (block.columns[j] != kConstant && block.columns[j] <= block.columns[i])
+          AddInformation({block.columns[i], block.tangent_sizes[i]}, {block.columns[j], block.tangent_sizes[j]},
+                         by_i.transpose() * linear->jacobians[j]);
+    }
+    num_scores_ += static_cast<int>(linear->residual.size());
+    if (const auto* imu = dynamic_cast<const ImuCost*>(block.cost)) AddSensitivity(*imu, block);
+  }
+
+  void AddSensitivity(const ImuCost& imu, const LinearisableBlock& block) {
+    const Eigen::MatrixXd of_block = ScoreSensitivity(imu, imu.preintegration(), block.parameters);
+    Eigen::Index row = 0;
+    for (size_t i = 0; i < block.columns.size(); row += block.tangent_sizes[i++])
+      if (block.columns[i] != kConstant)
+        sensitivity_.middleRows(block.columns[i], block.tangent_sizes[i]) +=
+            of_block.middleRows(row, block.tangent_sizes[i]);
+  }
+
+  /// All sights of one landmark; empties them.
+  void AddLandmark(std::vector<LinearisableBlock>& sights) {
+    std::vector<Block> blocks;
+    for (const LinearisableBlock& sight : sights)
+      for (size_t i = 0; i < sight.columns.size(); ++i)
+        if (sight.columns[i] != kConstant) blocks.push_back({sight.columns[i], sight.tangent_sizes[i]});
+    std::sort(blocks.begin(), blocks.end());
+    blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+    std::vector<int> first(blocks.size() + 1);  // among this landmark's columns
+    for (size_t i = 0; i < blocks.size(); ++i) first[i + 1] = first[i] + blocks[i].size;
+
+    Eigen::Matrix3d own = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d own_score = Eigen::Vector3d::Zero();
+    Eigen::MatrixXd to_own = Eigen::MatrixXd::Zero(first.back(), kLandmarkSize);
+    Eigen::VectorXd score = Eigen::VectorXd::Zero(first.back());
+    for (const LinearisableBlock& sight : sights) {
+      const std::optional<LinearisedBlock> linear = Linearise(sight);
+      if (!linear) continue;
+      const LinearisedBlock::Jacobian& by_landmark = linear->jacobians.back();
+      own.noalias() += by_landmark.transpose() * by_landmark;
+      own_score.noalias() += by_landmark.transpose() * linear->residual;
+      for (size_t i = 0; i + 1 < sight.columns.size(); ++i) {
+        if (sight.columns[i] == kConstant) continue;
+        const LinearisedBlock::Jacobian& by_i = linear->jacobians[i];
+        const Block block{sight.columns[i], sight.tangent_sizes[i]};
+        const auto at =
+            first[static_cast<size_t>(std::lower_bound(blocks.begin(), blocks.end(), block) - blocks.begin())];
+        to_own.middleRows(at, block.size).noalias() += by_i.transpose() * by_landmark;
+        score.segment(at, block.size).noalias() += by_i.transpose() * linear->residual;
+        for (size_t j = 0; j + 1 < sight.columns.size(); ++j)
+          if (sight.columns[j] != kConstant && sight.columns[j] <= sight.columns[i])
+            AddInformation(block, {sight.columns[j], sight.tangent_sizes[j]}, by_i.transpose() * linear->jacobians[j]);
+      }
+    }
+    sights.clear();
+    const Eigen::LLT<Eigen::Matrix3d> factor(own);
+    if (blocks.empty() || factor.info() != Eigen::Success) return;
+    score -= to_own * factor.solve(own_score);
+    const Eigen::MatrixXd root = factor.matrixL().solve(to_own.transpose()).transpose();
+    for (size_t i = 0; i < blocks.size(); ++i)
+      for (size_t j = 0; j <= i; ++j)
+        AddInformation(
+            blocks[i], blocks[j],
+            -root.middleRows(first[i], blocks[i].size) * root.middleRows(first[j], blocks[j].size).transpose());
+    for (size_t i = 0; i < blocks.size(); ++i)
+      for (int k = 0; k < blocks[i].size; ++k)
+        scores_.emplace_back(num_scores_, blocks[i].column + k, std::sqrt(kCommonErrors) * score[first[i] + k]);
+    ++num_scores_;
+  }
+
+  std::unordered_map<const double*, Block> places_;
+  std::unordered_map<std::uint64_t, Eigen::MatrixXd> information_;  ///< lower triangle, by row and column
+  std::vector<Eigen::Triplet<double>> scores_;
+  Eigen::MatrixXd sensitivity_;
+  int num_columns_ = 0, num_scores_ = 0;
+};
+
+}  // namespace
+
+std::optional<Eigen::MatrixXd> MarginalCovariance(const ceres::Problem& problem,
+                                                  const std::unordered_set<const double*>& landmarks,
+                                                  const std::vector<const double*>& of) {
+  const NormalEquations normal(problem, landmarks);
+  std::vector<int> columns;
+  for (const double* block : of)
+    for (int k = 0; k < normal.PlaceOf(block).size; ++k) columns.push_back(normal.PlaceOf(block).column + k);
+  const auto count = static_cast<Eigen::Index>(columns.size());
+  Eigen::MatrixXd wanted = Eigen::MatrixXd::Zero(normal.num_columns(), count);
+  for (Eigen::Index i = 0; i < count; ++i) wanted(columns[static_cast<size_t>(i)], i) = 1;
+  Eigen::MatrixXd by_score;
+  try {
+    by_score = SolveCholesky(normal.Information(), wanted);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+
+  constexpr Eigen::Index kRows = 512;  // of scores at a time
+  const Eigen::SparseMatrix<double, Eigen::RowMajor> scores = normal.Scores();
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count);
+  covariance.selfadjointView<Eigen::Lower>().rankUpdate(by_score.transpose() * normal.sensitivity());
+  for (Eigen::Index row = 0; row < scores.rows(); row += kRows) {
+    const Eigen::MatrixXd part = scores.middleRows(row, std::min(kRows, scores.rows() - row)) * by_score;
+    covariance.selfadjointView<Eigen::Lower>().rankUpdate(part.transpose());
+  }
+  if (!covariance.allFinite()) return std::nullopt;
+  return covariance.selfadjointView<Eigen::Lower>();
+}
+
+}  // namespace parkade

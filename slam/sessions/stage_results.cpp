@@ -1,0 +1,154 @@
+#include "slam/sessions/stage_results.h"
+
+#include <algorithm>
+
+#include "core/binary_exchange.h"
+
+namespace parkade {
+
+// Found by argument-dependent lookup, hence in the types' own namespace.
+template <typename A>
+void Exchange(A& archive, CameraPairInliers& inliers) {
+  archive(inliers.camera_a, inliers.camera_b, inliers.count);
+}
+template <typename A>
+void Exchange(A& archive, RelativePose& pose) {
+  archive(pose.a_from_b, pose.information, pose.num_matches, pose.num_inliers, pose.num_camera_pairs,
+          pose.num_first_inliers, pose.inliers_of_cameras, pose.residual, pose.worst_sigma, pose.rejected);
+}
+template <typename A>
+void Exchange(A& archive, LoopEvidence& loop) {
+  archive(loop.id, loop.earlier_place, loop.later_place, loop.earlier_camera, loop.later_camera, loop.earlier_view,
+          loop.later_view, loop.earlier, loop.later, loop.way, loop.score, loop.pose, loop.earlier_from_camera,
+          loop.later_from_camera, loop.is_forced, loop.share, loop.chi_squared, loop.weight,
+          loop.odometry_disagreement);
+}
+template <typename A>
+void Exchange(A& archive, LoopClosure& closure) {
+  archive(closure.odom_from_body, closure.loops, closure.num_places, closure.num_accepted, closure.largest_correction);
+}
+template <typename A>
+void Exchange(A& archive, AdjustmentStatistics& statistics) {
+  archive(statistics.imu, statistics.wheels, statistics.bearings, statistics.loops, statistics.unused_loops,
+          statistics.gnss, statistics.unused_bearings, statistics.num_bearings, statistics.num_landmarks);
+}
+template <typename A>
+void Exchange(A& archive, CameraRefinement& camera) {
+  archive(camera.name, camera.rotation, camera.translation, camera.time_offset, camera.is_taken);
+}
+template <typename A>
+void Exchange(A& archive, BendingModes& modes) {
+  archive(modes.times, modes.modes);
+}
+template <typename A>
+void Exchange(A& archive, DriveRefinement& refinement) {
+  archive(refinement.odom_from_body, refinement.is_accepted, refinement.reason, refinement.before, refinement.after,
+          refinement.cameras, refinement.wheel_scale, refinement.num_knots, refinement.num_fixes, refinement.num_loops,
+          refinement.num_held_out, refinement.num_pieces, refinement.num_iterations, refinement.largest_correction,
+          refinement.modes);
+  std::uint64_t num_cameras = refinement.rig.cameras.size();
+  archive(num_cameras);
+  Require(num_cameras == refinement.rig.cameras.size(), ErrorCode::kInvalidInput, "it is of another rig");
+  for (RigCamera& camera : refinement.rig.cameras)
+    archive(camera.body_from_camera, camera.time_shift, camera.line_delay);
+}
+template <typename A>
+void Exchange(A& archive, PlaceFeature& feature) {
+  archive(feature.camera, feature.origin, feature.bearing, feature.sigma, feature.point, feature.depth_sigma);
+}
+template <typename A>
+void Exchange(A& archive, Place& place) {
+  archive(place.time, place.distance, place.odom_from_place, place.features, place.descriptors, place.views);
+}
+template <typename A>
+void Exchange(A& archive, PlaceLink& link) {
+  archive(link.place_a, link.place_b, link.score, link.pose);
+}
+template <typename A>
+void Exchange(A& archive, FloorAgreement& agreement) {
+  archive(agreement.num_tiles, agreement.num_best);
+}
+template <typename A>
+void Exchange(A& archive, FloorEvidence& floor) {
+  archive(floor.within, floor.across);
+}
+template <typename A>
+void Exchange(A& archive, DriveLinks& links) {
+  archive(links.links, links.num_candidates, links.num_measured, links.num_agreeing, links.num_rivals, links.rejected,
+          links.floor);
+}
+
+namespace {
+
+constexpr std::uint64_t kPieceBytes = std::uint64_t{1} << 20;
+
+template <typename Result>
+std::string Encode(Result& result) {
+  BinaryWriter writer;
+  writer(result);
+  return writer.bytes();
+}
+
+template <typename Result>
+Result Decode(std::string_view bytes, Result result = {}) {
+  BinaryReader reader(bytes);
+  reader(result);
+  Require(reader.is_at_end(), ErrorCode::kInvalidInput, "it is longer than it says");
+  return result;
+}
+
+}  // namespace
+
+std::string EncodeLoops(LoopClosure loops) { return Encode(loops); }
+LoopClosure DecodeLoops(std::string_view bytes) { return Decode<LoopClosure>(bytes); }
+
+std::string EncodeRefinement(DriveRefinement refinement) { return Encode(refinement); }
+DriveRefinement DecodeRefinement(std::string_view bytes, const Rig& rig) {
+  DriveRefinement refinement;
+  refinement.rig = rig;
+  return Decode(bytes, std::move(refinement));
+}
+
+PlacesEncoder::PlacesEncoder(size_t num_places, std::function<void(std::string_view)> sink) : sink_(std::move(sink)) {
+  std::uint64_t count = num_places;
+  sink_(Encode(count));
+  floors_.Append(Encode(count));
+}
+
+void PlacesEncoder::Add(Place place) {
+  sink_(Encode(place));
+  floors_.Append(Encode(place.floor));
+}
+
+void PlacesEncoder::Finish() {
+  for (std::uint64_t offset = 0; offset < floors_.size();) {
+    const std::string piece = floors_.Read(offset, std::min<std::uint64_t>(floors_.size() - offset, kPieceBytes));
+    sink_(piece);
+    offset += piece.size();
+  }
+}
+
+std::string EncodePlaces(const std::vector<Place>& places) {
+  std::string bytes;
+  PlacesEncoder encoder(places.size(), [&bytes](std::string_view piece) { bytes += piece; });
+  for (const Place& place : places) encoder.Add(place);
+  encoder.Finish();
+  return bytes;
+}
+
+std::vector<Place> DecodePlaces(std::string_view bytes) {
+  BinaryReader reader(bytes);
+  std::vector<Place> places;
+  reader(places);
+  if (reader.is_at_end()) return places;  // of a version that knew no floors
+  std::vector<cv::Mat> floors;
+  reader(floors);
+  Require(reader.is_at_end() && floors.size() == places.size(), ErrorCode::kInvalidInput, "its floors do not fit");
+  for (size_t i = 0; i < places.size(); ++i) places[i].floor = floors[i];
+  return places;
+}
+
+std::string EncodeLinks(DriveLinks links) { return Encode(links); }
+DriveLinks DecodeLinks(std::string_view bytes) { return Decode<DriveLinks>(bytes); }
+
+}  // namespace parkade

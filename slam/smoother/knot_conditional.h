@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "core/record_store.h"
+#include "slam/factors/linear_prior.h"
+
+namespace parkade {
+
+struct RecordedKnot;
+
+/// What states were, given the states that stayed when they left the window: the
+/// rows that marginalisation in square-root form sets aside,
+///   own (x [-] at) + to_rest (rest [-] at) + offset = 0.
+/// Single precision: corrections are small.
+struct StateConditional {
+  std::vector<PriorBlock> states;  ///< with the values they had then; pose and motion of a knot, or one camera
+  Eigen::MatrixXf own;             ///< upper triangular
+  Eigen::MatrixXf to_rest;
+  Eigen::VectorXf offset;
+  Eigen::MatrixXf offset_covariance;   ///< ScoreElimination::dropped
+  Eigen::MatrixXf score_with_offset;   ///< ScoreElimination::cross
+  Eigen::MatrixXf offset_sensitivity;  ///< ScoreElimination::dropped_sensitivity
+  std::vector<PriorBlock> rest;
+};
+
+/// What was learned of a knot when it left the window, and of what left with it.
+struct KnotConditionals {
+  std::optional<StateConditional> own;  ///< empty for the last knot of all
+  /// Of cameras whose calibration was reopened before this knot left and after the knot before it did.
+  std::vector<StateConditional> reopened;
+};
+
+/// The conditionals of all knots of a drive, on disk: 3 KB each.
+class ConditionalStore {
+ public:
+  void Add(KnotConditionals conditionals);
+  KnotConditionals operator[](size_t knot) const;
+  size_t size() const { return store_.size(); }
+
+ private:
+  RecordStore<KnotConditionals> store_;
+};
+
+/// States with their values, and the covariance of all of them.
+struct JointEstimate {
+  std::vector<PriorBlock> states;
+  Eigen::MatrixXd covariance;          ///< may be empty: unknown
+  Eigen::MatrixXd assumed_covariance;  ///< inverse information
+  Eigen::MatrixXd sensitivity;         ///< of the errors, by what is considered: its square is part of `covariance`
+};
+
+/// Corrects all knots of a drive by what was learned after they left the window,
+/// from the last to the first: the linear smoother of the whole drive, without
+/// solving it. A car learns on its first turn how it was tilted before.
+///
+/// H. E. Rauch, F. Tung, C. T. Striebel, "Maximum likelihood estimates of linear
+/// dynamic systems", AIAA Journal 1965, here as back-substitution of the QR.
+/// `knots` are all that left the window, in order, with `conditionals` of each; the last is taken as it is.
+/// `last` holds its pose and motion, and what all knots share: wheel scale, cameras.
+/// Sets the covariances, too. Linear in the drive's length; reads one knot's conditionals at a time.
+void SmoothBackwards(std::vector<RecordedKnot>& knots, const ConditionalStore& conditionals, const JointEstimate& last);
+
+}  // namespace parkade

@@ -1,0 +1,188 @@
+#include "slam/tracking/corner_detector.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace parkade {
+namespace {
+
+constexpr int kBlock = 2;                ///< [px] corners are sought on a lattice of this spacing
+constexpr int kWindow = 4;               ///< [blocks] edge of the window of the structure tensor
+constexpr float kScharrGain = 32;        ///< derivative of a ramp of 1 grey level per px
+constexpr float kMinScore = 12;          ///< [(grey levels / px)^2] of the normalised image; sensor noise stays below
+constexpr float kMinShareOfBest = 0.1f;  ///< of the best score in the cell
+constexpr size_t kMaxPerCell = 4;
+constexpr int kMaxDetectionWidth = 960;  ///< [px] wider images are searched at half size
+
+struct Corner {
+  Eigen::Vector2d pixel;
+  float score = 0;
+};
+
+/// Sums of the products of derivatives over one row of blocks.
+struct TensorRow {
+  std::vector<float> xx, xy, yy;
+};
+
+TensorRow SumBlocks(const cv::Mat& derivatives, int block_row, int columns) {
+  const auto size = static_cast<size_t>(columns);
+  TensorRow sums{std::vector<float>(size), std::vector<float>(size), std::vector<float>(size)};
+  for (int y = block_row * kBlock; y < (block_row + 1) * kBlock; ++y) {
+    const std::int16_t* row = derivatives.ptr<std::int16_t>(y);
+    for (size_t i = 0; i < size; ++i) {
+      const std::int16_t* pair = row + 2 * kBlock * i;
+      const int dx0 = pair[0], dy0 = pair[1], dx1 = pair[2], dy1 = pair[3];
+      sums.xx[i] += static_cast<float>(dx0 * dx0 + dx1 * dx1);
+      sums.xy[i] += static_cast<float>(dx0 * dy0 + dx1 * dy1);
+      sums.yy[i] += static_cast<float>(dy0 * dy0 + dy1 * dy1);
+    }
+  }
+  return sums;
+}
+
+/// Smaller eigenvalue of the mean structure tensor, one per block; the window
+/// of entry (y, x) has its centre at the upper left corner of block (y, x).
+cv::Mat CornerScores(const cv::Mat& derivatives) {
+  const int rows = derivatives.rows / kBlock, columns = derivatives.cols / kBlock;
+  const float share = 1.0f / (kScharrGain * kScharrGain * kBlock * kBlock * kWindow * kWindow);
+  cv::Mat scores = cv::Mat::zeros(rows, columns, CV_32FC1);
+  std::vector<TensorRow> ring(kWindow);
+  for (int y = 0; y < rows; ++y) {
+    ring[static_cast<size_t>(y % kWindow)] = SumBlocks(derivatives, y, columns);
+    if (y + 1 < kWindow) continue;
+    TensorRow sum = ring[0];
+    for (size_t r = 1; r < kWindow; ++r) {
+      for (size_t i = 0; i < sum.xx.size(); ++i) {
+        sum.xx[i] += ring[r].xx[i];
+        sum.xy[i] += ring[r].xy[i];
+        sum.yy[i] += ring[r].yy[i];
+      }
+    }
+    float* out = scores.ptr<float>(y - kWindow / 2 + 1) + kWindow / 2;
+    const auto count = static_cast<size_t>(std::max(0, columns - kWindow + 1));
+    for (size_t i = 0; i < count; ++i) {
+      static_assert(kWindow == 4);
+      const float xx = sum.xx[i] + sum.xx[i + 1] + sum.xx[i + 2] + sum.xx[i + 3];
+      const float xy = sum.xy[i] + sum.xy[i + 1] + sum.xy[i + 2] + sum.xy[i + 3];
+      const float yy = sum.yy[i] + sum.yy[i + 1] + sum.yy[i + 2] + sum.yy[i + 3];
+      const float half_difference = 0.5f * (xx - yy);
+      out[i] = share * (0.5f * (xx + yy) - std::sqrt(half_difference * half_difference + xy * xy));
+    }
+  }
+  return scores;
+}
+
+bool IsLocalMaximum(const cv::Mat& scores, int y, int x) {
+  const float score = scores.at<float>(y, x);
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx) {
+      const float other = scores.at<float>(y + dy, x + dx);
+      // Of equal neighbours the first in reading order wins.
+      if (other > score || (other == score && (dy < 0 || (dy == 0 && dx < 0)))) return false;
+    }
+  return true;
+}
+
+/// Which places are taken, on the lattice of the scores.
+class Occupancy {
+ public:
+  Occupancy(cv::Size size, double pixels_per_entry, double radius)
+      : taken_(cv::Mat::zeros(size, CV_8UC1)), pixels_per_entry_(pixels_per_entry), radius_(radius) {}
+
+  void Take(const Eigen::Vector2d& pixel) {
+    cv::circle(taken_, EntryOf(pixel), static_cast<int>(std::ceil(radius_ / pixels_per_entry_)), 255, cv::FILLED);
+  }
+
+  bool IsTaken(const Eigen::Vector2d& pixel) const {
+    const cv::Point entry = EntryOf(pixel);
+    return !cv::Rect({}, taken_.size()).contains(entry) || taken_.at<std::uint8_t>(entry) != 0;
+  }
+
+ private:
+  cv::Point EntryOf(const Eigen::Vector2d& pixel) const {
+    return {static_cast<int>(pixel.x() / pixels_per_entry_), static_cast<int>(pixel.y() / pixels_per_entry_)};
+  }
+
+  cv::Mat taken_;
+  double pixels_per_entry_ = 1;
+  double radius_ = 0;
+};
+
+/// The best few corners of one cell, best first.
+std::vector<Corner> BestOfCell(const cv::Mat& scores, const cv::Rect& cell, const cv::Mat& usable, int spacing) {
+  std::vector<Corner> corners;
+  for (int y = cell.y; y < cell.br().y; ++y) {
+    for (int x = cell.x; x < cell.br().x; ++x) {
+      const float score = scores.at<float>(y, x);
+      if (score < kMinScore || !IsLocalMaximum(scores, y, x)) continue;
+      const Eigen::Vector2d pixel(x * spacing, y * spacing);
+      if (usable.at<std::uint8_t>(y * spacing, x * spacing) == 0) continue;
+      corners.push_back({pixel, score});
+    }
+  }
+  std::stable_sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) { return a.score > b.score; });
+  if (corners.size() > kMaxPerCell) corners.resize(kMaxPerCell);
+  while (!corners.empty() && corners.back().score < kMinShareOfBest * corners.front().score) corners.pop_back();
+  return corners;
+}
+
+}  // namespace
+
+CornerDetector::CornerDetector(const cv::Mat& usable, int max_corners) : max_corners_(max_corners) {
+  const double area = std::max(1, cv::countNonZero(usable));
+  cell_size_ = std::max(8, static_cast<int>(std::sqrt(area / max_corners)) / 4 * 4);
+}
+
+std::vector<Eigen::Vector2d> CornerDetector::Detect(
+    const std::vector<cv::Mat>& pyramid, const cv::Mat& usable, const std::vector<Eigen::Vector2d>& present,
+    const std::function<bool(const Eigen::Vector2d&)>& is_wanted) const {
+  const auto wanted = static_cast<size_t>(std::max<std::ptrdiff_t>(0, max_corners_ - std::ssize(present)));
+  std::vector<Eigen::Vector2d> found;
+  if (wanted == 0) return found;
+  const bool at_half_size = usable.cols > kMaxDetectionWidth && pyramid.size() >= 4;
+  const int spacing = at_half_size ? 2 * kBlock : kBlock;
+  const cv::Mat scores = CornerScores(pyramid[at_half_size ? 3 : 1]);
+
+  Occupancy occupancy(scores.size(), spacing, min_distance());
+  const int cell = cell_size_ / spacing;
+  const int columns = (scores.cols + cell - 1) / cell, rows = (scores.rows + cell - 1) / cell;
+  std::vector<size_t> num_in_cell(static_cast<size_t>(columns * rows), 0);
+  const auto cell_of = [&](const Eigen::Vector2d& pixel) {
+    const int column = std::clamp(static_cast<int>(pixel.x()) / cell_size_, 0, columns - 1);
+    const int row = std::clamp(static_cast<int>(pixel.y()) / cell_size_, 0, rows - 1);
+    return static_cast<size_t>(row * columns + column);
+  };
+  for (const Eigen::Vector2d& pixel : present) {
+    occupancy.Take(pixel);
+    ++num_in_cell[cell_of(pixel)];
+  }
+
+  const cv::Rect inside(1, 1, std::min(scores.cols, usable.cols / spacing) - 2,
+                        std::min(scores.rows, usable.rows / spacing) - 2);
+  std::vector<Corner> candidates;
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column)
+      for (const Corner& corner :
+           BestOfCell(scores, cv::Rect(column * cell, row * cell, cell, cell) & inside, usable, spacing))
+        candidates.push_back(corner);
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Corner& a, const Corner& b) { return a.score > b.score; });
+
+  for (size_t per_cell = 1; per_cell <= kMaxPerCell && found.size() < wanted; ++per_cell) {
+    for (const Corner& corner : candidates) {
+      if (found.size() == wanted) break;
+      size_t& count = num_in_cell[cell_of(corner.pixel)];
+      if (count >= per_cell || occupancy.IsTaken(corner.pixel)) continue;
+      occupancy.Take(corner.pixel);
+      if (!is_wanted(corner.pixel)) continue;
+      ++count;
+      found.push_back(corner.pixel);
+    }
+  }
+  return found;
+}
+
+}  // namespace parkade

@@ -1,0 +1,134 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/drive_log.h"
+#include "core/rig.h"
+#include "slam/tracking/corner_detector.h"
+#include "slam/tracking/epipolar_check.h"
+#include "slam/tracking/feature_track.h"
+#include "slam/tracking/own_body_map.h"
+#include "slam/tracking/reference_patch.h"
+#include "slam/tracking/tracked_image.h"
+
+namespace parkade {
+
+struct FeatureTrackerOptions {
+  int max_tracks = 180;             ///< per image; also sets the distance between corners
+  int window = 17;                  ///< [px] odd edge of the patch that is tracked; larger: steadier, slower
+  int pyramid_levels = 4;           ///< halvings + 1; more: larger motion than the gyro predicts
+  double pixel_sigma = 0.5;         ///< [px] noise reported with each observation
+  double max_round_trip = 0.7;      ///< [px] forward-backward error above which a track ends
+  double max_epipolar_error = 1.5;  ///< [px] off the epipolar plane above which a track ends
+  double max_gap = 1.0;             ///< [s] tracks do not survive a longer pause
+  bool learn_own_body = true;       ///< find and ignore the car's own body in the image
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("max_tracks", max_tracks);
+    visit("window", window);
+    visit("pyramid_levels", pyramid_levels);
+    visit("pixel_sigma", pixel_sigma);
+    visit("max_round_trip", max_round_trip);
+    visit("max_epipolar_error", max_epipolar_error);
+    visit("max_gap", max_gap);
+    visit("learn_own_body", learn_own_body);
+  }
+  void Validate() const;  ///< throws Error{kUsage}
+};
+
+/// What a tracker has met so far. Counts of frames add up to the calls of Track.
+struct FeatureTrackerStatistics {
+  int frames_tracked = 0;
+  int frames_wrong_size = 0;  ///< size or pixel type other than calibrated; skipped
+  int frames_blank = 0;       ///< black, white, covered: no contrast at all; skipped
+  int frames_duplicate = 0;   ///< not later than the last, or its pixels repeated while moving; skipped
+  int restarts = 0;           ///< times that all tracks were given up after a pause
+  std::int64_t tracks_started = 0;
+  std::int64_t lost_in_flow = 0;      ///< left the image, or Lucas-Kanade or the round trip failed
+  std::int64_t lost_in_geometry = 0;  ///< moved against the epipolar geometry
+  std::int64_t lost_on_own_body = 0;
+};
+
+/// Follows corners through the images of ONE camera: pyramidal Lucas-Kanade on
+/// locally normalised images, started where the predicted rotation moves each
+/// corner through the lens model, forward-backward check, sub-pixel alignment with
+/// the track's first look, epipolar check with the predicted rotation, and new
+/// corners where the image is empty.
+///
+/// J.-Y. Bouguet, "Pyramidal implementation of the affine Lucas Kanade feature
+/// tracker", 2001; J. Shi, C. Tomasi, "Good features to track", CVPR 1994.
+///
+/// Deterministic; one thread per tracker. Cameras may run in parallel: track
+/// numbers hold the camera index in the bits from 40 up.
+class FeatureTracker {
+ public:
+  /// Throws Error{kUsage} for bad options.
+  FeatureTracker(const RigCamera& camera, int camera_index, const FeatureTrackerOptions& options = {});
+
+  /// Tracks into `frame`, then adds corners up to `max_tracks`.
+  ///
+  /// \param now_from_last_rotation  camera-frame rotation since the frame of the
+  ///     previous call (p_now = R p_last), as the gyro predicts it; up to 0.02 rad
+  ///     of error is refined away. Rotations over skipped frames are chained here.
+  /// \return no observations when the frame was skipped (see the statistics);
+  ///     tracks then continue from the frame before. Never throws for bad pixels.
+  TrackedFrame Track(const CameraFrame& frame, const Eigen::Matrix3d& now_from_last_rotation);
+
+  /// The last frame that was not skipped, for MatchAcross; empty before the first.
+  const TrackedImage& last_image() const { return last_; }
+
+  const FeatureTrackerStatistics& statistics() const { return statistics_; }
+
+ private:
+  /// One track of last_ found again.
+  struct Found {
+    size_t origin = 0;  ///< index into last_.observations
+    FeatureObservation observation;
+    BearingPair pair;
+    std::optional<Eigen::Matrix2d> image_from_reference;  ///< where it still looks like its reference
+  };
+
+  /// What is remembered of a track beside its last observation.
+  struct Memory {
+    std::optional<double> parallax;  ///< in the step into last_; none: new
+    std::optional<ReferencePatch> reference;
+    Eigen::Matrix2d image_from_reference = Eigen::Matrix2d::Identity();
+  };
+
+  bool IsUsable(const cv::Mat& gray);
+  std::vector<std::optional<Eigen::Vector2d>> Predict(double seconds) const;
+  std::vector<Found> Follow(const TrackedImage& now, std::vector<std::optional<Eigen::Vector2d>> predicted) const;
+  void LearnOwnBody(const std::vector<Found>& found, const EpipolarCheck& check);
+  std::vector<Found> Retry(const TrackedImage& now, const std::vector<Found>& found,
+                           const std::vector<std::optional<Eigen::Vector2d>>& tried, const EpipolarCheck& check) const;
+  void Keep(std::vector<Found> found, const std::vector<std::optional<Eigen::Vector2d>>& tried,
+            const EpipolarCheck& check, TrackedImage& now);
+  Found Refine(const cv::Mat& image, size_t origin, const Eigen::Vector2d& pixel) const;
+  static Memory Remember(Memory memory, const Found& track, const cv::Mat& image);
+  void AddCorners(TrackedImage& now);
+  std::optional<FeatureObservation> Observe(std::int64_t track, const Eigen::Vector2d& pixel) const;
+
+  FeatureTrackerOptions options_;
+  CameraModel model_;
+  Eigen::Vector3d up_in_camera_;  ///< see TrackedImage
+  int camera_ = 0;
+  cv::Mat lens_usable_;  ///< of the lens and the rig's mask
+  cv::Mat usable_;       ///< lens_usable_ without the own body
+  CornerDetector detector_;
+  OwnBodyMap own_body_;
+  TrackedImage last_;
+  std::vector<Memory> memories_;                                 ///< one per observation of last_
+  Eigen::Vector3d direction_ = Eigen::Vector3d::UnitZ();         ///< of the step into last_, see EpipolarCheck
+  double last_seconds_ = 0;                                      ///< of that step
+  cv::Mat last_gray_;                                            ///< as recorded, to recognise a repeated image
+  double median_flow_ = 0;                                       ///< [px] into last_
+  Eigen::Matrix3d now_from_last_ = Eigen::Matrix3d::Identity();  ///< since last_, over skipped frames
+  std::int64_t next_track_ = 0;
+  FeatureTrackerStatistics statistics_;
+};
+
+}  // namespace parkade

@@ -1,0 +1,170 @@
+#include "mapping/markings/find_kerbs.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/error.h"
+#include "mapping/markings/kerb_sweep.h"
+#include "mapping/markings/outline_strips.h"
+
+namespace parkade {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kBorder = 3.0;     // [m] y at which the drivable ground ends
+constexpr double kEyeHeight = 1.0;  // [m]
+
+/// Grey values of something that shows a pattern everywhere.
+double Pattern(double x, double y) {
+  return 14 * (std::sin(9 * x + 3 * y) + std::sin(6 * x - 11 * y) + std::sin(14 * x + 8 * y));
+}
+
+/// What stands at the border: its front rises from `bottom` to `top`, then it is level. Between the ground and `bottom`
+/// it is dark.
+struct Border {
+  double bottom = 0, top = 0.12;  ///< [m] above the ground
+};
+
+/// What a ray from `eye` through `point` of the plane z = 0 sees. The ground lies at z = 0 too.
+double GreyAlong(const Vector3d& eye, const Vector3d& point, const Border& border) {
+  const Vector3d ray = point - eye;
+  if (point.y() < kBorder) return 90 + 0.3 * Pattern(point.x(), point.y());
+  const Vector3d front = eye + (kBorder - eye.y()) / ray.y() * ray;
+  if (front.z() < border.bottom) return 20;
+  if (front.z() < border.top) return 70 + Pattern(front.x(), 5 * front.z());
+  const Vector3d level = eye + (border.top - eye.z()) / ray.z() * ray;
+  return 130 + Pattern(level.x(), level.y());
+}
+
+/// Three cameras at different heights and distances look to their left while the car drives along y = 0.
+struct DrawnDrive {
+  std::vector<PosedGroundPatch> patches;
+  DrivenPath path;
+
+  explicit DrawnDrive(const Border& border) {
+    path.cameras_in_body = {{0, 0.8, kEyeHeight}, {2, 0, 0.8 * kEyeHeight}, {-1, 0.4, 1.1 * kEyeHeight}};
+    for (int camera = 0; camera < 3; ++camera)
+      for (double x = 0; x <= 12; x += 1) {
+        PosedGroundPatch posed{{.drive = 0, .camera = camera, .time = {}, .samples = {}}, {}};
+        posed.site_from_body.translation.x() = x;
+        const Vector3d eye = path.cameras_in_body[static_cast<size_t>(camera)] + Vector3d(x, 0, 0);
+        for (double gx = eye.x() - 5; gx <= eye.x() + 5; gx += 0.06)
+          for (double gy = 1.8; gy <= 5; gy += 0.06) {
+            GroundSample sample;
+            sample.point_in_body = Eigen::Vector3f(Vector3d(gx - x, gy, 0).cast<float>());
+            const double grey = GreyAlong(eye, {gx, gy, 0}, border) + 5 * camera;  // exposures differ
+            sample.blue = sample.green = sample.red = static_cast<std::uint8_t>(std::lround(grey));
+            sample.is_free = gy < kBorder;
+            sample.confidence = gy < kBorder + 1 ? 1.0F : 0.0F;
+            posed.patch.samples.push_back(sample);
+          }
+        patches.push_back(std::move(posed));
+      }
+  }
+};
+
+/// The map of the ground, `height` [m] off.
+struct DrawnGround {
+  SurfaceMap surface;
+  TriangleMesh mesh;
+
+  explicit DrawnGround(double height = 0) {
+    surface.cell_size = 0.1;
+    for (int y = -20; y < 30; ++y)
+      for (int x = -40; x < 160; ++x)
+        surface.cells.push_back({.x = x, .y = y, .height = static_cast<float>(height), .free_belief = 1});
+    const auto z = static_cast<float>(height);
+    mesh.vertices = {{-4, -2, z}, {16, -2, z}, {16, kBorder, z}, {-4, kBorder, z}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  }
+};
+
+std::vector<Kerb> Find(const Border& border, double height_error = 0) {
+  const DrawnDrive drive(border);
+  const DrawnGround ground(height_error);
+  return FindKerbs(ground.mesh, ground.surface, PatchesInMemory(drive.patches), std::span(&drive.path, 1));
+}
+
+TEST(FindKerbs, MeasuresAStepUpToSomethingLevel) {
+  for (const double height : {0.08, 0.12, 0.16}) {
+    const std::vector<Kerb> kerbs = Find({.bottom = 0, .top = height});
+    ASSERT_EQ(kerbs.size(), 1U) << height;
+    EXPECT_NEAR(kerbs[0].height, height, 0.01);
+    EXPECT_LT(kerbs[0].height_sigma, 0.015);
+    EXPECT_GT(kerbs[0].Length(), 9);
+    for (const Vector3d& point : kerbs[0].points) {
+      EXPECT_NEAR(point.y(), kBorder, 0.02);
+      EXPECT_NEAR(point.z(), 0, 0.005);
+    }
+    EXPECT_LT(kerbs[0].points.back().x(), kerbs[0].points.front().x()) << "the ground lies on its left";
+  }
+}
+
+TEST(FindKerbs, MeasuresFromTheGroundThatIsSeenAndNotFromTheMapsError) {
+  const std::vector<Kerb> kerbs = Find({.bottom = 0, .top = 0.1}, -0.03);
+  ASSERT_EQ(kerbs.size(), 1U);
+  EXPECT_NEAR(kerbs[0].height, 0.1, 0.012);
+}
+
+TEST(FindKerbs, AFlatChangeOfColourIsNone) { EXPECT_TRUE(Find({.bottom = 0, .top = 0}).empty()); }
+
+TEST(FindKerbs, AWallIsNone) { EXPECT_TRUE(Find({.bottom = 0, .top = 3}).empty()); }
+
+TEST(FindKerbs, TheSillOfACarIsNone) { EXPECT_TRUE(Find({.bottom = 0.2, .top = 1.4}).empty()); }
+
+TEST(FindKerbs, WhereNothingWasSeenBeyondTheOutlineThereIsNone) {
+  DrawnDrive drive({.bottom = 0, .top = 0.12});
+  for (PosedGroundPatch& posed : drive.patches)
+    std::erase_if(posed.patch.samples, [](const GroundSample& sample) { return !sample.is_free; });
+  const DrawnGround ground;
+  EXPECT_TRUE(
+      FindKerbs(ground.mesh, ground.surface, PatchesInMemory(drive.patches), std::span(&drive.path, 1)).empty());
+  EXPECT_TRUE(FindKerbs({}, {}, PatchesInMemory({}), {}).empty());
+}
+
+TEST(FindKerbs, RefusesHeightsThatCannotBe) {
+  KerbOptions options;
+  options.max_height = options.min_height;
+  EXPECT_THROW(options.Validate(), Error);
+}
+
+TEST(CutOutline, GivesStripsOnTheGroundWithItOnTheirLeft) {
+  DrawnGround ground;
+  for (SurfaceCell& cell : ground.surface.cells) cell.height = 0.02F * (static_cast<float>(cell.x) + 0.5F) * 0.1F;
+  const std::vector<OutlineStrip> strips = CutOutline(ground.mesh, ground.surface, 1.0);
+  ASSERT_GT(strips.size(), 35U);
+  int num_at_border = 0;
+  for (const OutlineStrip& strip : strips) {
+    EXPECT_NEAR(strip.foot.z(), 0.02 * strip.foot.x(), 0.002);
+    EXPECT_NEAR(strip.slope, 0.02 * strip.along.x(), 0.002);
+    EXPECT_NEAR(strip.slope_outward, 0.02 * strip.Outward().x(), 0.002);
+    if (std::abs(strip.foot.y() - kBorder) > 0.05 || std::abs(strip.along.x()) < 0.9) continue;
+    ++num_at_border;
+    EXPECT_GT(strip.Outward().y(), 0.9);
+  }
+  EXPECT_GE(num_at_border, 15);
+}
+
+TEST(CutOutline, LeavesRaggedOutlinesOut) {
+  DrawnGround ground;
+  ground.mesh.vertices.clear();
+  ground.mesh.triangles.clear();
+  // Teeth of 30 cm along the border.
+  for (int i = 0; i <= 40; ++i) {
+    const auto x = static_cast<float>(0.25 * i);
+    ground.mesh.vertices.push_back({x, 0, 0});
+    ground.mesh.vertices.push_back({x, i % 2 == 0 ? 2.7F : 3.0F, 0});
+    const auto last = static_cast<std::uint32_t>(2 * i);
+    if (i > 0)
+      ground.mesh.triangles.insert(ground.mesh.triangles.end(),
+                                   {{last - 2, last, last - 1}, {last, last + 1, last - 1}});
+  }
+  for (const OutlineStrip& strip : CutOutline(ground.mesh, ground.surface, 1.0))
+    EXPECT_LT(strip.foot.y(), 2.5) << "at the sides and at the bottom it is straight";
+}
+
+}  // namespace
+}  // namespace parkade

@@ -1,0 +1,111 @@
+#include <regex>
+
+#include "server/http/routes/openapi.h"
+#include "tests/server/http/running_service.h"
+
+namespace parkade {
+namespace {
+
+using Status = RunningService;
+
+TEST_F(Status, IsHealthyAndReady) {
+  EXPECT_EQ(Get("/healthz").at("healthy"), true);
+  const Json ready = Get("/readyz");
+  EXPECT_EQ(ready.at("ready"), true);
+  EXPECT_EQ(ready.at("database"), true);
+}
+
+TEST_F(Status, HasMetricsThatPrometheusReads) {
+  MapNow("log ok\n");
+  const auto answer = client().Get("/metrics");
+
+  EXPECT_EQ(answer->get_header_value("Content-Type"), "text/plain; version=0.0.4; charset=utf-8");
+  const std::regex line(R"(# (HELP|TYPE) [a-z_]+ .+|[a-z_]+(\{[a-z]+="[0-9a-z]+"\})? -?[0-9]+)");
+  std::istringstream lines(answer->body);
+  for (std::string text; std::getline(lines, text);) EXPECT_TRUE(std::regex_match(text, line)) << text;
+  EXPECT_NE(answer->body.find("parkade_jobs{state=\"done\"} 1\n"), std::string::npos) << answer->body;
+  EXPECT_NE(answer->body.find("parkade_upload_bytes_total 7\n"), std::string::npos);
+}
+
+TEST_F(Status, TellsAWrongMethodFromAWrongAddress) {
+  ExpectProblem(client().Get("/api/v1/nothing"), 404, "not_found");
+  const auto wrong = client().Post("/api/v1/drives", "x", "text/plain");
+  ExpectProblem(wrong, 405, "method_not_allowed");
+  EXPECT_EQ(wrong->get_header_value("Allow"), "GET, PUT");
+  ExpectProblem(client().Delete("/api/v1/sites/lot/maps/1/map.glb"), 405, "method_not_allowed");
+  ExpectProblem(client().Options("/api/v1/drives"), 405, "method_not_allowed");
+}
+
+/// An address of a described path, of things that exist.
+std::string Filled(std::string path, const std::string& drive, const std::string& job) {
+  const auto fill = [&](const std::string& name, const std::string& value) {
+    if (const size_t at = path.find(name); at != std::string::npos) path.replace(at, name.size(), value);
+  };
+  fill("{id}", path.find("/jobs/") != std::string::npos ? job : drive);
+  fill("{site}", "lot");
+  fill("{rig}", "car");
+  fill("{version}", "1");
+  fill("{file}", "a/trajectory.tum");
+  return path;
+}
+
+TEST_F(Status, DescribesOnlyWhatAnswers) {
+  const Json job = MapNow("log ok\n");
+  const std::string drive = job.at("drives").at(0);
+  const std::string to_delete = MapNow("log ok\n", "?filename=to-delete&site=other").at("drives").at(0);
+  const Json description = Get("/api/v1/openapi.json");
+  EXPECT_EQ(description.at("openapi"), "3.1.0");
+
+  int operations = 0;
+  for (const auto& [path, item] : description.at("paths").items()) {
+    for (const auto& [method, operation] : item.items()) {
+      const std::string address = Filled(path, method == "delete" ? to_delete : drive, job.at("id"));
+      if (method == "parameters" || path == "/api/v1/events") continue;
+      ++operations;
+      httplib::Request request;
+      request.path = address;
+      request.method = method;
+      for (char& c : request.method) c = static_cast<char>(std::toupper(c));
+      if (method == "put" || method == "post") request.set_header("Content-Length", "0");
+      const auto answer = client().send(request);
+      ASSERT_TRUE(answer) << method << " " << address;
+      // Found, and its body or state found wanting at most.
+      const bool is_missing_rig = path == "/api/v1/rigs/{rig}" && method == "get" && answer->status == 404;
+      const bool has_no_preview = path.ends_with("/preview.glb") && answer->status == 404;
+      EXPECT_TRUE(is_missing_rig || has_no_preview || answer->status < 300 || answer->status == 400 ||
+                  answer->status == 409)
+          << method << " " << address << ": " << answer->status << " " << answer->body;
+      const bool is_described = operation.at("responses").contains(std::to_string(answer->status)) ||
+                                operation.at("responses").contains("default");
+      EXPECT_TRUE(is_described) << method << " " << address << ": " << answer->status;
+    }
+  }
+  EXPECT_GE(operations, 20);
+}
+
+TEST_F(Status, DescribesTheFieldsThatAnswersHave) {
+  const Json job = MapNow("log ok\n");
+  const Json schemas = Get("/api/v1/openapi.json").at("components").at("schemas");
+  const auto expect_described = [&](const std::string& schema, const Json& answer) {
+    for (const auto& [key, value] : answer.items())
+      EXPECT_TRUE(schemas.at(schema).at("properties").contains(key)) << schema << "." << key;
+    for (const Json& key : schemas.at(schema).at("required"))
+      EXPECT_TRUE(answer.contains(key.get<std::string>())) << schema << "." << key;
+  };
+  expect_described("Job", job);
+  expect_described("Drive", Get("/api/v1/drives/" + job.at("drives").at(0).get<std::string>()));
+  expect_described("Site", Get("/api/v1/sites/lot"));
+  expect_described("Map", Get("/api/v1/sites/lot/maps/1"));
+  expect_described("Readiness", Get("/readyz"));
+  expect_described("JobPage", Get("/api/v1/jobs"));
+}
+
+TEST(OpenApi, KnowsTheMethodsOfAddresses) {
+  EXPECT_EQ(MethodsOf("/api/v1/drives"), (std::vector<std::string>{"GET", "PUT"}));
+  EXPECT_EQ(MethodsOf("/api/v1/sites/lot/maps/1/tiles/0.glb"), std::vector<std::string>{"GET"});
+  EXPECT_TRUE(MethodsOf("/api/v1/drives/a/b").empty());
+  EXPECT_TRUE(MethodsOf("/").empty());
+}
+
+}  // namespace
+}  // namespace parkade

@@ -1,0 +1,76 @@
+#include "server/ingest/drive/stream_selection.h"
+
+#include <gtest/gtest.h>
+
+namespace parkade {
+namespace {
+
+/// A log of which only the topics are asked for.
+class TopicsOnly final : public MessageSource {
+ public:
+  explicit TopicsOnly(std::vector<TopicInfo> topics) : topics_(std::move(topics)) {}
+  const std::vector<TopicInfo>& topics() const override { return topics_; }
+  std::string format() const override { return "MCAP"; }
+  std::unique_ptr<MessageStream> Read(const std::vector<bool>&) const override { return nullptr; }
+
+ private:
+  std::vector<TopicInfo> topics_;
+};
+
+Rig RigOf(const std::vector<std::pair<std::string, std::string>>& cameras) {
+  Rig rig;
+  for (const auto& [name, topic] : cameras) {
+    RigCamera& camera = rig.cameras.emplace_back();
+    camera.name = name;
+    camera.topic = topic;
+  }
+  return rig;
+}
+
+/// Topics of the masks, by camera.
+std::map<int, std::string> MasksOf(const MessageSource& log, const Rig& rig) {
+  std::map<int, std::string> masks;
+  for (const SensorStream& stream : SelectStreams(log, rig, false, false).streams)
+    if (stream.kind == StreamKind::kSemantic)
+      masks[stream.camera] = log.topics()[static_cast<size_t>(stream.topic)].topic;
+  return masks;
+}
+
+TEST(StreamSelection, MasksFollowTheTopicsHoweverTheRigCounts) {
+  std::vector<TopicInfo> topics = {{"/imu", "sensor_msgs/Imu"}};
+  for (const std::string camera : {"/cam1", "/cam2", "/cam3"}) {
+    topics.push_back({camera + "/image_raw", "sensor_msgs/Image"});
+    topics.push_back({camera + "/semantic", "sensor_msgs/Image"});
+  }
+
+  const auto masks =
+      MasksOf(TopicsOnly(topics),
+              RigOf({{"cam0", "/cam1/image_raw"}, {"cam1", "/cam2/image_raw"}, {"cam2", "/cam3/image_raw"}}));
+
+  EXPECT_EQ(masks, (std::map<int, std::string>{{0, "/cam1/semantic"}, {1, "/cam2/semantic"}, {2, "/cam3/semantic"}}));
+}
+
+TEST(StreamSelection, MasksMayGoByTheCamerasNames) {
+  const TopicsOnly log({{"/imu", "sensor_msgs/Imu"},
+                        {"/front/image", "sensor_msgs/Image"},
+                        {"/rear/image", "sensor_msgs/Image"},
+                        {"/cam1/semantic", "sensor_msgs/Image"}});
+
+  const auto masks = MasksOf(log, RigOf({{"cam0", "/front/image"}, {"cam1", "/rear/image"}}));
+
+  EXPECT_EQ(masks, (std::map<int, std::string>{{1, "/cam1/semantic"}}));
+}
+
+TEST(StreamSelection, AMaskBelongsToOneCamera) {
+  const TopicsOnly log({{"/imu", "sensor_msgs/Imu"},
+                        {"/cam1/image_raw", "sensor_msgs/Image"},
+                        {"/cam2/image_raw", "sensor_msgs/Image"},
+                        {"/cam1/semantic", "sensor_msgs/Image"}});
+
+  const auto masks = MasksOf(log, RigOf({{"cam0", "/cam1/image_raw"}, {"cam1", "/cam2/image_raw"}}));
+
+  EXPECT_EQ(masks, (std::map<int, std::string>{{0, "/cam1/semantic"}}));
+}
+
+}  // namespace
+}  // namespace parkade

@@ -1,0 +1,250 @@
+#include "server/ingest/messages/image_decoding.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <random>
+
+#include "tests/server/ingest/drive/euroc_folder.h"
+
+namespace parkade {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// Smooth shapes with texture and noise, as a codec meets them.
+cv::Mat Scene(int seed, int width = 320, int height = 240) {
+  cv::Mat image(height, width, CV_8UC3, cv::Scalar(180, 160, 140));
+  cv::RNG random(static_cast<std::uint64_t>(seed) + 1);
+  for (int i = 0; i < 40; ++i) {
+    const cv::Point center(random.uniform(0, width), random.uniform(0, height));
+    const cv::Scalar color(random.uniform(0, 255), random.uniform(0, 255), random.uniform(0, 255));
+    cv::circle(image, center, random.uniform(5, 50), color, -1);
+  }
+  cv::GaussianBlur(image, image, {3, 3}, 0);
+  cv::Mat noise(image.size(), CV_8UC3);
+  random.fill(noise, cv::RNG::NORMAL, 8, 4);
+  image += noise;
+  return image;
+}
+
+Bytes Encode(const cv::Mat& image, const std::string& extension, const std::vector<int>& parameters = {}) {
+  Bytes bytes;
+  cv::imencode(extension, image, bytes, parameters);
+  return bytes;
+}
+
+ImageMessage MessageOf(const cv::Mat& image, const std::string& encoding) {
+  ImageMessage message;
+  message.width = static_cast<std::uint32_t>(image.cols);
+  message.height = static_cast<std::uint32_t>(image.rows);
+  message.step = static_cast<std::uint32_t>(image.step[0]);
+  message.encoding = encoding;
+  message.data = {image.data, image.step[0] * static_cast<std::size_t>(image.rows)};
+  return message;
+}
+
+const ImageRequest kGray{}, kColor{.grayscale = false};
+
+double MaxDifference(const cv::Mat& a, const cv::Mat& b) {
+  if (a.size() != b.size() || a.type() != b.type()) return 1e9;
+  return cv::norm(a, b, cv::NORM_INF);
+}
+
+TEST(RawImages, ColourLayoutsGiveTheSameImage) {
+  const cv::Mat bgr = Scene(1);
+  cv::Mat rgb, rgba, bgra, gray;
+  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+  cv::cvtColor(bgr, rgba, cv::COLOR_BGR2RGBA);
+  cv::cvtColor(bgr, bgra, cv::COLOR_BGR2BGRA);
+  cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
+  const std::pair<cv::Mat, std::string> layouts[] = {{bgr, "bgr8"}, {rgb, "rgb8"}, {rgba, "rgba8"}, {bgra, "bgra8"}};
+  for (const auto& [image, encoding] : layouts) {
+    EXPECT_EQ(MaxDifference(DecodeRaw(MessageOf(image, encoding), kColor).image, bgr), 0) << encoding;
+    EXPECT_LE(MaxDifference(DecodeRaw(MessageOf(image, encoding), kGray).image, gray), 1) << encoding;
+  }
+  EXPECT_EQ(MaxDifference(DecodeRaw(MessageOf(gray, "mono8"), kColor).image, gray), 0);
+}
+
+TEST(RawImages, EachBayerPatternGivesBackItsColours) {
+  const cv::Mat bgr(16, 16, CV_8UC3, cv::Scalar(200, 120, 40));  // blue, green, red
+  const std::pair<std::string, std::string> patterns[] = {
+      {"bayer_rggb8", "rggb"}, {"bayer_bggr8", "bggr"}, {"bayer_gbrg8", "gbrg"}, {"bayer_grbg8", "grbg"}};
+  for (const auto& [encoding, pattern] : patterns) {
+    cv::Mat mosaic(16, 16, CV_8UC1);
+    for (int y = 0; y < 16; ++y)
+      for (int x = 0; x < 16; ++x) {
+        const char color = pattern[static_cast<std::size_t>(2 * (y % 2) + x % 2)];
+        mosaic.at<std::uint8_t>(y, x) = color == 'b' ? 200 : color == 'g' ? 120 : 40;
+      }
+
+    EXPECT_LE(MaxDifference(DecodeRaw(MessageOf(mosaic, encoding), kColor).image, bgr), 1) << encoding;
+  }
+}
+
+TEST(RawImages, SixteenBitsAreNarrowedByTheBitsInUse) {
+  cv::Mat deep(4, 4, CV_16UC1);
+  for (int i = 0; i < 16; ++i) deep.at<std::uint16_t>(i / 4, i % 4) = static_cast<std::uint16_t>(i * 273);  // 12 bits
+  SensorStream stream;
+  stream.type = "sensor_msgs/Image";
+
+  const cv::Mat twelve = DecodeRaw(MessageOf(deep, "mono16"), {.sample_bits = 12}).image;
+  const cv::Mat sixteen = DecodeRaw(MessageOf(deep, "mono16"), {.sample_bits = 16}).image;
+
+  EXPECT_EQ(twelve.at<std::uint8_t>(3, 3), 255);
+  EXPECT_EQ(twelve.at<std::uint8_t>(0, 1), 273 >> 4);
+  EXPECT_EQ(sixteen.at<std::uint8_t>(3, 3), 15);
+  ImageMessage swapped = MessageOf(deep, "mono16");
+  swapped.is_bigendian = true;
+  EXPECT_EQ(DecodeRaw(swapped, {.sample_bits = 16}).image.at<std::uint8_t>(0, 1), 273 & 0xff);
+}
+
+TEST(RawImages, PaddedRowsAreCutAndShortOnesRefused) {
+  const cv::Mat wide = Scene(2, 80, 40);
+  cv::Mat gray;
+  cv::cvtColor(wide, gray, cv::COLOR_BGR2GRAY);
+  const cv::Mat left = gray.colRange(0, 64);  // step 80
+  EXPECT_EQ(MaxDifference(DecodeRaw(MessageOf(left, "mono8"), kGray).image, left), 0);
+
+  ImageMessage message = MessageOf(gray, "mono8");
+  message.data = message.data.first(message.data.size() - 1);
+  EXPECT_EQ(DecodeRaw(message, kGray).fault, ImageFault::kDamaged);
+  message = MessageOf(gray, "mono8");
+  message.step = 79;
+  EXPECT_EQ(DecodeRaw(message, kGray).fault, ImageFault::kDamaged);
+  message = MessageOf(gray, "mono8");
+  message.width = message.height = 0xffffffff;
+  EXPECT_EQ(DecodeRaw(message, kGray).fault, ImageFault::kDamaged);
+  EXPECT_EQ(DecodeRaw(MessageOf(gray, "yuv9"), kGray).fault, ImageFault::kDamaged);
+}
+
+TEST(CompressedImages, JpegAndPngDecodeAsOpenCvDecodesThem) {
+  const cv::Mat scene = Scene(3);
+  for (const std::string extension : {".jpg", ".png"}) {
+    const Bytes bytes = Encode(scene, extension);
+
+    EXPECT_EQ(MaxDifference(DecodeCompressed(bytes, kColor).image, cv::imdecode(bytes, cv::IMREAD_COLOR)), 0);
+    EXPECT_LE(MaxDifference(DecodeCompressed(bytes, kGray).image, cv::imdecode(bytes, cv::IMREAD_GRAYSCALE)), 1);
+  }
+  cv::Mat gray;
+  cv::cvtColor(scene, gray, cv::COLOR_BGR2GRAY);
+  EXPECT_EQ(DecodeCompressed(Encode(gray, ".jpg"), kColor).image.type(), CV_8UC1);
+}
+
+TEST(CompressedImages, AnotherSizeThanCalibratedIsSaid) {
+  const ImageRequest request{.width = 640, .height = 240};
+  for (const std::string extension : {".jpg", ".png"}) {
+    const DecodedImage decoded = DecodeCompressed(Encode(Scene(3), extension), request);
+
+    EXPECT_EQ(decoded.fault, ImageFault::kWrongSize);
+    EXPECT_EQ(decoded.what, "the image is 320x240, calibrated is 640x240");
+  }
+}
+
+TEST(CompressedImages, AFloodOfPixelsIsRefusedByItsHeader) {
+  const Bytes png = Encode(cv::Mat::zeros(20000, 10000, CV_8UC1), ".png");
+  ASSERT_LT(png.size(), 1u << 20);
+
+  EXPECT_EQ(DecodeCompressed(png, kGray).fault, ImageFault::kWrongSize);
+}
+
+TEST(CompressedImages, WhatIsNoImageIsDamaged) {
+  for (const std::string text : {"", "x", "GIF89a", "\xff\xd8", "\xff\xd8\xff\xd9", "\x89PNG\r\n\x1a\n"}) {
+    const Bytes bytes(text.begin(), text.end());
+    EXPECT_EQ(DecodeCompressed(bytes, kGray).fault, ImageFault::kDamaged) << text;
+  }
+}
+
+TEST(CompressedImages, EveryJpegSettingPassesTheDamageCheck) {
+  int count = 0;
+  for (int seed = 0; seed < 12; ++seed) {
+    for (const int quality : {10, 30, 50, 75, 90, 95, 100}) {
+      for (const int variant : {0, 1, 2, 3}) {
+        std::vector<int> parameters = {cv::IMWRITE_JPEG_QUALITY, quality};
+        if (variant == 1) parameters.insert(parameters.end(), {cv::IMWRITE_JPEG_OPTIMIZE, 1});
+        if (variant == 2) parameters.insert(parameters.end(), {cv::IMWRITE_JPEG_RST_INTERVAL, 1 + seed});
+        if (variant == 3) parameters.insert(parameters.end(), {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
+        cv::Mat scene = Scene(seed, 317, 201 + seed);
+        if (seed % 3 == 0) cv::threshold(scene, scene, 128, 255, cv::THRESH_BINARY);  // the largest coefficients
+        if (seed % 2 == 0) cv::cvtColor(scene, scene, cv::COLOR_BGR2GRAY);
+
+        const DecodedImage decoded = DecodeCompressed(Encode(scene, ".jpg", parameters), kGray);
+
+        EXPECT_EQ(decoded.fault, ImageFault::kNone) << seed << " " << quality << " " << variant << " " << decoded.what;
+        ++count;
+      }
+    }
+  }
+  EXPECT_EQ(count, 336);
+}
+
+/// Visibly wrong: more than 64 pixels are off by more than 16 grey levels, or there is no image.
+bool IsVisiblyWrong(const Bytes& mutant, const cv::Mat& original) {
+  const cv::Mat decoded = cv::imdecode(mutant, cv::IMREAD_GRAYSCALE);
+  if (decoded.size() != original.size()) return true;
+  cv::Mat difference;
+  cv::absdiff(decoded, original, difference);
+  return cv::countNonZero(difference > 16) > 64;
+}
+
+TEST(CompressedImages, DamagedJpegsAreNoticed) {
+  std::mt19937 random(11);
+  int num_visible = 0, num_noticed = 0, num_cut = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const Bytes whole = Encode(Scene(trial % 20), ".jpg", {cv::IMWRITE_JPEG_QUALITY, 80 + trial % 16});
+    const cv::Mat original = cv::imdecode(whole, cv::IMREAD_GRAYSCALE);
+    Bytes mutant = whole;
+    if (trial % 4 == 0) {
+      mutant.resize(1 + random() % (whole.size() - 3));
+      EXPECT_EQ(DecodeCompressed(mutant, kGray).fault, ImageFault::kDamaged) << "cut at " << mutant.size();
+      ++num_cut;
+      continue;
+    }
+    const std::size_t num_flips = trial % 4 == 1 ? 1 : 10;
+    for (std::size_t i = 0; i < num_flips; ++i)
+      mutant[700 + random() % (whole.size() - 700)] ^= static_cast<std::uint8_t>(1 << random() % 8);
+    if (!IsVisiblyWrong(mutant, original)) continue;
+    ++num_visible;
+    if (DecodeCompressed(mutant, kGray).fault != ImageFault::kNone) ++num_noticed;
+  }
+  EXPECT_EQ(num_cut, 100);
+  EXPECT_GT(num_visible, 200);
+  // The rest are single bits that turned one possible coefficient into another.
+  EXPECT_GE(num_noticed, 0.96 * num_visible) << num_noticed << " of " << num_visible;
+  RecordProperty("visible", num_visible);
+  RecordProperty("noticed", num_noticed);
+}
+
+TEST(CompressedImages, DamagedPngsAreNoticed) {
+  std::mt19937 random(12);
+  const Bytes whole = Encode(Scene(1, 160, 120), ".png");
+  for (int trial = 0; trial < 200; ++trial) {
+    Bytes mutant = whole;
+    mutant[random() % mutant.size()] ^= static_cast<std::uint8_t>(1 << random() % 8);
+    if (trial % 4 == 0) mutant.resize(random() % mutant.size());
+
+    EXPECT_NE(DecodeCompressed(mutant, kGray).fault, ImageFault::kNone);
+  }
+}
+
+TEST(CompressedImages, RealFramesRaiseNoFalseAlarm) {
+  const std::filesystem::path folders[] = {SharedData() / "camvid/val/images",
+                                           SharedData() / "euroc_v101_moving/mav0/cam0/data",
+                                           SharedData() / "euroc_v101_clip/mav0/cam0/data"};
+  int count = 0;
+  for (const auto& folder : folders) {
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << "PARKADE_SHARED_DATA has no " << folder.filename();
+    for (const auto& file : std::filesystem::directory_iterator(folder)) {
+      std::ifstream stream(file.path(), std::ios::binary);
+      const Bytes bytes{std::istreambuf_iterator<char>(stream), {}};
+      const DecodedImage decoded = DecodeCompressed(bytes, kGray);
+      EXPECT_EQ(decoded.fault, ImageFault::kNone) << file.path().filename() << " " << decoded.what;
+      ++count;
+    }
+  }
+  EXPECT_GT(count, 250);
+}
+
+}  // namespace
+}  // namespace parkade

@@ -1,0 +1,134 @@
+#include "tests/simulator/drives/simulate_drive.h"
+
+#include <chrono>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "tests/simulator/drives/drive_summary.h"
+#include "tests/simulator/drives/record_drive.h"
+#include "tests/simulator/faults/faulty_rig.h"
+#include "tests/simulator/scenes/traffic.h"
+#include "tests/simulator/sinks/open_drive_sink.h"
+#include "tests/simulator/sinks/truth_files.h"
+
+namespace parkade::simulator {
+namespace {
+
+namespace fs = std::filesystem;
+
+double SecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// The cameras to take pictures with: those of the rig, and a knocked one behind them.
+Rig CamerasToRender(const Rig& rig, const MirrorMove& mirror) {
+  Rig cameras = rig;
+  const size_t camera = static_cast<size_t>(mirror.camera);
+  if (mirror.angle_deg != 0 && camera < rig.cameras.size())
+    cameras.cameras.push_back(KnockedCamera(rig.cameras[camera], mirror.angle_deg));
+  return cameras;
+}
+
+/// A rig names only what the log has.
+void NameOnlyWhatIsThere(const SensorRecords& records, Rig& rig) {
+  if (records.wheels.empty()) rig.vehicle->wheel_topic.clear();
+  if (records.gnss.empty()) rig.vehicle->gnss_topic.clear();
+}
+
+void WriteRigTo(const Rig& rig, const OutputPaths& out, const fs::path& folder) {
+  fs::create_directories(folder);
+  WriteRig(RigForOutput(rig, out.log), folder);
+}
+
+/// `rig` is the true one.
+void WriteRigs(const Rig& rig, const SimulateOptions& options, const OutputPaths& out, const fs::path& truth) {
+  WriteRigTo(NominalRig(rig, options.faults, static_cast<std::uint64_t>(options.seed)), out,
+             out.rig.empty() ? truth / "rig" : out.rig);
+  WriteRigTo(rig, out, truth / "rig_true");
+  const MirrorMove& mirror = options.faults.mirror;
+  const size_t camera = static_cast<size_t>(mirror.camera);
+  if (mirror.angle_deg == 0 || camera >= rig.cameras.size()) return;
+  Rig knocked = rig;
+  knocked.cameras[camera] = KnockedCamera(rig.cameras[camera], mirror.angle_deg);
+  WriteRigTo(knocked, out, truth / "rig_true_knocked");
+}
+
+}  // namespace
+
+void SimulateOptions::Validate() const {
+  Require(seed >= 0 && place_seed >= -1, ErrorCode::kUsage, "the seed must not be negative");
+  Require(day >= 0 && day <= 1000, ErrorCode::kUsage, "the day must be 0 to 1000");
+  Require(speed_bumps >= 0 && speed_bumps <= 4, ErrorCode::kUsage, "the speed bumps must be 0 to 4");
+  Require(traffic >= 0 && traffic <= 50, ErrorCode::kUsage, "the traffic must be 0 to 50");
+  Require(duration >= 10 && duration <= 3600, ErrorCode::kUsage, "the duration must be 10 to 3600 s");
+  Require(relief >= 0 && relief <= 3, ErrorCode::kUsage, "the relief must be 0 to 3");
+  Require(ground_texel >= 0.002 && ground_texel <= 0.2, ErrorCode::kUsage,
+          "the ground's texels must be 0.002 to 0.2 m");
+  drive.Validate();
+  rig.Validate();
+  sensors.Validate();
+  cameras.Validate();
+  image.Validate();
+  faults.Validate();
+}
+
+SceneOptions SimulateOptions::OfScene() const {
+  SceneOptions scene_options;
+  scene_options.seed = static_cast<std::uint64_t>(place_seed < 0 ? seed : place_seed);
+  scene_options.relief = relief;
+  scene_options.ground_texel = ground_texel;
+  scene_options.day = day;
+  scene_options.speed_bumps = speed_bumps;
+  scene_options.weather = weather;
+  return scene_options;
+}
+
+fs::path DefaultTruthFolder(const fs::path& log) {
+  if (!IsLogFile(log)) return log;
+  fs::path folder = log;
+  return folder.replace_extension(".truth");
+}
+
+nlohmann::json SimulateDrive(const SimulateOptions& options, const OutputPaths& out, const ProgressListener& progress) {
+  options.Validate();
+  RequireNewOutput(out.log);
+  Require(IsLogFile(out.log) || options.rig.lens == RigOptions{}.lens, ErrorCode::kUsage,
+          "a EuRoC folder has no words for this lens: write a .bag or an .mcap");
+  const std::uint64_t seed = static_cast<std::uint64_t>(options.seed);
+  const auto start = std::chrono::steady_clock::now();
+  progress("build the scene", 0);
+  Scene scene = BuildScene(options.scene, options.OfScene());
+  Rig rig = TrueRig(MakeSimulatedRig(options.rig, seed), options.faults);
+  rig.imu = CalibrationOf(ImuGradeNamed(options.sensors.imu), options.sensors.imu_rate, rig.imu.topic);
+  const Rig cameras = CamerasToRender(rig, options.faults.mirror);
+  const DrivePlan plan = PlanDrive(scene.place, options.drive, options.duration, seed);
+  AddTraffic(scene, plan.motion, options.traffic, seed);
+  const Renderer renderer(scene, cameras, kHalfFieldOfView);
+  for (size_t camera = 0; camera < rig.cameras.size(); ++camera) rig.cameras[camera].mask = renderer.Mask(camera);
+  const double scene_seconds = SecondsSince(start);
+
+  SimulateOptions applied = options;
+  if (applied.image.exposure == 0) applied.image.exposure = scene.usual_exposure;
+  const SensorRecords records = SimulateSensors(applied, plan.motion, rig, scene.place.is_covered);
+  NameOnlyWhatIsThere(records, rig);
+  const std::unique_ptr<DriveSink> sink = OpenDriveSink(out.log, NominalRig(rig, options.faults, seed));
+  const Recording recording = RecordDrive(applied, plan.motion, rig, renderer, records, *sink, progress);
+
+  const fs::path truth = out.truth.empty() ? DefaultTruthFolder(out.log) : out.truth;
+  fs::create_directories(truth);
+  WriteRigs(rig, options, out, truth);
+  WriteTruthTrajectory(plan.motion, rig.body_from_imu, DriveEpoch(seed), truth / "truth.tum");
+  WritePly(DrivableSurface(scene.place), truth / "ground_truth.ply");
+  WriteSlots(scene.place, SimulatedDatum(), truth / "slots.geojson");
+  WriteKerbs(scene.kerbs, SimulatedDatum(), truth / "kerbs.geojson");
+  nlohmann::json summary = SummaryOf(options, plan, recording.counts);
+  const double num_images = static_cast<double>(std::max<size_t>(1, recording.counts.images));
+  summary["timings"] = {{"scene_s", scene_seconds},
+                        {"all_s", SecondsSince(start)},
+                        {"render_s_per_image", recording.times.render / num_images},
+                        {"encode_s_per_image", recording.times.encode / num_images}};
+  WriteFileAtomically(truth / "summary.json", summary.dump(2) + "\n");
+  return summary;
+}
+
+}  // namespace parkade::simulator

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "tests/simulator/common/mesh.h"
+#include "tests/simulator/ground/ground.h"
+#include "tests/simulator/ground/ground_canvas.h"
+#include "tests/simulator/layouts/lot_layout.h"
+
+namespace parkade::simulator {
+
+/// The asphalt of a car park: worn and patched, with cracks, stains, lines,
+/// arrows, manholes and litter here, and large plain areas there.
+GroundCanvas PaintLot(const LotLayout& layout, double texel_size, std::uint64_t seed);
+
+/// The sealed concrete of a garage's deck that has the plan of a lot, with numbers of slots
+/// from 100 * (deck + 1) + 1 on, and `strip` [m] more to the north.
+GroundCanvas PaintDeck(const LotLayout& layout, double strip, double texel_size, std::uint64_t seed, int deck);
+
+/// The asphalt as a mesh of quarter-metre steps, the same that the truth is
+/// written from. Within 0.2 mm of the ground.
+Mesh MakeLotGround(const LotLayout& layout, const Ground& ground);
+
+}  // namespace parkade::simulator

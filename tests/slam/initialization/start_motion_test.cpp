@@ -1,0 +1,187 @@
+#include "slam/initialization/start_motion.h"
+
+#include <gtest/gtest.h>
+
+#include "slam/factors/triangulate.h"
+#include "tests/support/synthetic_drive.h"
+
+namespace parkade {
+namespace {
+
+struct Buffers {
+  ImuBuffer imu;
+  WheelBuffer wheels;
+};
+
+Buffers BuffersOf(const SyntheticDrive& drive) {
+  Buffers buffers;
+  for (const ImuSample& sample : drive.imu) buffers.imu.Add(sample);
+  for (const WheelSample& sample : drive.wheels) buffers.wheels.Add(sample);
+  return buffers;
+}
+
+double TiltError(const SyntheticDrive& drive, const Eigen::Quaterniond& odom_from_imu) {
+  const Eigen::Quaterniond truth = drive.truth.front().world_from_frame.rotation * drive.rig.body_from_imu.rotation;
+  const Eigen::Vector3d up = odom_from_imu.conjugate() * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d true_up = truth.conjugate() * Eigen::Vector3d::UnitZ();
+  return std::acos(std::min(1.0, up.dot(true_up)));
+}
+
+TEST(EstimateGyroscopeBias, FindsALargeBiasInFlight) {
+  SyntheticDriveOptions options;
+  options.duration = 2;
+  options.gyroscope_bias = 0.06;
+  for (const std::uint32_t seed : {1u, 2u, 3u, 4u}) {
+    options.seed = seed;
+    SyntheticDriveOptions without = options;
+    without.gyroscope_bias = 0;  // the same noise without bias: the difference is the bias
+    const SyntheticDrive flight = MakeFlight(options);
+    const Eigen::Vector3d bias = flight.imu.front().angular_velocity - MakeFlight(without).imu.front().angular_velocity;
+    ASSERT_GT(bias.norm(), 0.02);
+
+    const auto estimate = EstimateGyroscopeBias(flight.frames, BuffersOf(flight).imu, flight.rig);
+
+    ASSERT_TRUE(estimate.has_value());
+    EXPECT_LT((estimate->bias - bias).norm(), std::max(0.006, 4 * estimate->sigma)) << seed;
+  }
+}
+
+TEST(StartFromImages, FindsVelocityAndGravityOfAFlight) {
+  int num_found = 0;
+  for (const std::uint32_t seed : {1u, 2u, 3u, 4u}) {
+    SyntheticDriveOptions options;
+    options.seed = seed;
+    options.duration = 2;
+    const SyntheticDrive flight = MakeFlight(options);
+    const ImuBuffer imu = BuffersOf(flight).imu;
+    const auto bias = EstimateGyroscopeBias(flight.frames, imu, flight.rig);
+    ASSERT_TRUE(bias);
+
+    const auto start = StartFromImages(imu, flight.frames, flight.rig, *bias, flight.imu.front().time, imu.back().time);
+
+    if (!start) continue;
+    ++num_found;
+    const double speed = FlightMotion()(0).velocity.norm();
+    EXPECT_LT(TiltError(flight, start->state.odom_from_imu.rotation), 0.05) << seed;
+    EXPECT_NEAR(start->state.velocity_in_odom.norm(), speed, 0.2 * speed) << seed;
+  }
+  EXPECT_GE(num_found, 3);
+}
+
+TEST(StartFromImages, RefusesACarAtConstantSpeedWhoseScaleNothingTells) {
+  SyntheticDriveOptions options;
+  options.start = 11;
+  options.duration = 1;
+  options.num_cameras = 1;
+  const SyntheticDrive drive = MakeCarDrive(options);
+  const ImuBuffer imu = BuffersOf(drive).imu;
+
+  EXPECT_FALSE(StartFromImages(imu, drive.frames, drive.rig, {}, drive.imu.front().time, imu.back().time));
+}
+
+/// 1 s straight on at constant speed: nothing but the ground tells scale to cameras that do not see the same.
+std::optional<StartEstimate> StartAtConstantSpeed(std::uint32_t seed, bool knows_ground, double& speed) {
+  SyntheticDriveOptions options;
+  options.seed = seed;
+  options.start = 8;
+  options.duration = 1.2;
+  SyntheticDrive drive = MakeCarDrive(options);
+  if (!knows_ground) drive.rig.vehicle.reset();
+  speed = CarMotion(20)(options.start).velocity.norm();
+  const ImuBuffer imu = BuffersOf(drive).imu;
+  const auto bias = EstimateGyroscopeBias(drive.frames, imu, drive.rig);
+  EXPECT_TRUE(bias);
+  return StartFromImages(imu, drive.frames, drive.rig, *bias, drive.imu.front().time, imu.back().time);
+}
+
+TEST(StartFromImages, TakesTheScaleFromTheHeightOfTheCameras) {
+  for (const std::uint32_t seed : {1u, 2u, 3u, 4u}) {
+    double speed = 0;
+
+    const auto start = StartAtConstantSpeed(seed, /*knows_ground=*/true, speed);
+
+    ASSERT_TRUE(start) << seed;
+    EXPECT_NEAR(start->state.velocity_in_odom.norm(), speed, 0.12 * speed) << seed;
+  }
+}
+
+TEST(StartFromImages, WaitsWhereNeitherGroundNorAccelerationTellScale) {
+  for (const std::uint32_t seed : {1u, 2u, 3u, 4u}) {
+    double speed = 0;
+    EXPECT_FALSE(StartAtConstantSpeed(seed, /*knows_ground=*/false, speed)) << seed;
+  }
+}
+
+TEST(StartFromWheels, FindsTiltAndVelocityWhileBrakingInATurn) {
+  SyntheticDriveOptions options;
+  options.start = 14.5;
+  options.duration = 2;
+  const SyntheticDrive drive = MakeCarDrive(options);
+  const Buffers buffers = BuffersOf(drive);
+
+  const auto start = StartFromWheels(buffers.imu, buffers.wheels, drive.rig, {Eigen::Vector3d::Zero(), 0.01},
+                                     drive.imu.front().time, drive.imu.front().time + 1.0);
+
+  ASSERT_TRUE(start);
+  EXPECT_LT(TiltError(drive, start->state.odom_from_imu.rotation), 0.03);
+  EXPECT_NEAR(start->state.velocity_in_odom.norm(), CarMotion(20)(14.5).velocity.norm(), 0.15);
+}
+
+TEST(StartFromStandstill, FindsTiltAndBias) {
+  SyntheticDriveOptions options;
+  options.duration = 2;
+  const SyntheticDrive drive = MakeRestingDrive(options);
+  const ImuBuffer imu = BuffersOf(drive).imu;
+
+  const auto start = StartFromStandstill(imu, drive.rig.imu, drive.imu.front().time, drive.imu.front().time + 1.0);
+
+  ASSERT_TRUE(start);
+  EXPECT_LT(TiltError(drive, start->state.odom_from_imu.rotation), 0.02);
+}
+
+TEST(LevelledRotation, TurnsDownDownAndForwardAhead) {
+  const Eigen::Vector3d gravity_in_imu = Eigen::Vector3d(1, 2, -9).normalized() * 9.81;
+
+  const Eigen::Quaterniond rotation = LevelledRotation(gravity_in_imu);
+
+  EXPECT_LT((rotation * gravity_in_imu - kGravityInOdom).norm(), 1e-9);
+  const Eigen::Vector3d forward = rotation * Eigen::Vector3d::UnitX();
+  EXPECT_NEAR(forward.y(), 0, 1e-12);
+  EXPECT_GT(forward.x(), 0);
+}
+
+SightRay RayTo(const Eigen::Vector3d& origin, const Eigen::Vector3d& point) {
+  return {origin, (point - origin).normalized(), 1e-3};
+}
+
+TEST(Triangulate, FindsThePointWhereRaysMeet) {
+  const Eigen::Vector3d point(2, 3, 10);
+  const std::vector<SightRay> rays{RayTo({0, 0, 0}, point), RayTo({0.5, 0, 0}, point), RayTo({1, 0.2, 0}, point)};
+
+  const auto found = Triangulate(rays, 5, 0.3);
+
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(1 / found->inverse_distance, point.norm(), 1e-6);
+}
+
+TEST(Triangulate, RaysWithoutParallaxMeetAtInfinity) {
+  const Eigen::Vector3d point(0, 0, 1e5);
+  const std::vector<SightRay> rays{RayTo({0, 0, 0}, point), RayTo({1, 0, 0}, point)};
+
+  const auto found = Triangulate(rays, 5, 0.3);
+
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->inverse_distance, 0);
+}
+
+TEST(Triangulate, RefusesRaysThatContradictEachOther) {
+  const std::vector<SightRay> skew{RayTo({0, 0, 0}, {0, 0, 5}), RayTo({1, 0, 0}, {0, 0, 5}),
+                                   RayTo({0, 1, 0}, {0.5, 0, 5})};
+  const std::vector<SightRay> behind{RayTo({0, 0, 0}, {0, 0, 5}), RayTo({1, 0, 0}, {2, 0, 5})};
+
+  EXPECT_FALSE(Triangulate(skew, 5, 0.3));
+  EXPECT_FALSE(Triangulate(behind, 5, 0.3));
+}
+
+}  // namespace
+}  // namespace parkade

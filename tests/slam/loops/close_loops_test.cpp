@@ -1,0 +1,141 @@
+#include "slam/loops/close_loops.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "slam/places/cylinder_view.h"
+#include "tests/slam/worlds/place_world.h"
+
+namespace parkade {
+namespace {
+
+/// A drive along x with 1 m per second, one state per half second.
+Trajectory StraightDrive(int num_states) {
+  std::vector<TrajectoryState> states;
+  for (int i = 0; i < num_states; ++i) {
+    TrajectoryState state;
+    state.time = Timestamp{500'000'000LL * i};
+    state.odom_from_body = {ExpSo3({0, 0.02, 0}), {0.5 * i, 0, 0.1}};
+    state.velocity_in_odom = {1, 0, 0};
+    states.push_back(state);
+  }
+  return Trajectory(std::move(states));
+}
+
+std::vector<Place> PlacesOf(const Trajectory& drive, size_t every) {
+  std::vector<Place> places;
+  for (size_t i = 0; i < drive.states().size(); i += every) {
+    const TrajectoryState& state = drive.states()[i];
+    places.push_back({state.time,
+                      state.odom_from_body.translation.x(),
+                      {Eigen::Quaterniond::Identity(), state.odom_from_body.translation},
+                      {},
+                      {}});
+  }
+  return places;
+}
+
+TEST(CarryAlong, PlacesThatStayLeaveTheDriveAlone) {
+  const Trajectory drive = StraightDrive(41);
+  const std::vector<Place> places = PlacesOf(drive, 4);
+  std::vector<Rigid3> same;
+  for (const Place& place : places) same.push_back(place.odom_from_place);
+
+  const Trajectory carried = CarryAlong(drive, places, same);
+
+  for (size_t i = 0; i < 41; ++i)
+    EXPECT_LT((carried.states()[i].odom_from_body.translation - drive.states()[i].odom_from_body.translation).norm(),
+              1e-12);
+}
+
+TEST(CarryAlong, StatesBetweenPlacesMoveWithBoth) {
+  const Trajectory drive = StraightDrive(43);  // ends between places
+  const std::vector<Place> places = PlacesOf(drive, 4);
+  // Each place a bit farther to the left: 0.1 m per place.
+  std::vector<Rigid3> moved;
+  for (size_t i = 0; i < places.size(); ++i) {
+    moved.push_back(places[i].odom_from_place);
+    moved.back().translation.y() += 0.1 * static_cast<double>(i);
+  }
+
+  const Trajectory carried = CarryAlong(drive, places, moved);
+
+  EXPECT_NEAR(carried.At(Timestamp{4'000'000'000})->translation.y(), 0.2, 1e-12) << "at a place";
+  EXPECT_NEAR(carried.At(Timestamp{5'000'000'000})->translation.y(), 0.25, 1e-12) << "half way to the next";
+  EXPECT_NEAR(carried.states().back().odom_from_body.translation.y(), 1.0, 1e-12) << "after the last place";
+}
+
+TEST(RecognisePlaces, FindsTheVisitBeforeAndNotThoseThatOdometryRulesOut) {
+  // Three spots with looks of their own, visited twice; a fourth that looks like the first but lies a deck above.
+  std::vector<Place> places;
+  const auto visit = [&places](std::uint32_t looks, double distance, const Eigen::Vector3d& position) {
+    Place place = MakePlaceWorld({.seed = looks}).a;
+    place.distance = distance;
+    place.odom_from_place.translation = position;
+    places.push_back(place);
+  };
+  for (int lap = 0; lap < 2; ++lap)
+    for (std::uint32_t spot = 1; spot <= 3; ++spot) visit(spot, 100.0 * lap + 10.0 * spot, {10.0 * spot, 0.5 * lap, 0});
+  visit(1, 200, {10, 0, 3});
+
+  const std::vector<PlaceCandidate> candidates = RecognisePlaces(places, {.max_candidates = 1});
+
+  const auto found = [&](size_t earlier, size_t later) {
+    return std::any_of(candidates.begin(), candidates.end(), [&](const PlaceCandidate& candidate) {
+      return candidate.earlier == earlier && candidate.later == later && candidate.score > 0.5;
+    });
+  };
+  for (const size_t spot : {0u, 1u, 2u}) EXPECT_TRUE(found(spot, spot + 3));
+  EXPECT_FALSE(found(0, 6)) << "another deck";
+  EXPECT_FALSE(found(3, 6));
+}
+
+TEST(FindPossibleRevisits, AStraightDriveHasNone) {
+  const std::vector<Place> straight = PlacesOf(StraightDrive(401), 4);
+  const std::vector<bool> possible = FindPossibleRevisits(straight, {});
+  EXPECT_EQ(std::count(possible.begin(), possible.end(), true), 0);
+
+  std::vector<Place> back = straight;
+  for (size_t i = 51; i < back.size(); ++i) back[i].odom_from_place = back[100 - i].odom_from_place;
+  const std::vector<bool> of_return = FindPossibleRevisits(back, {});
+  EXPECT_TRUE(of_return[0] && of_return[100]);
+  EXPECT_FALSE(of_return[50]) << "where it turns, it has not driven far enough since";
+}
+
+TEST(CylinderView, BearingsAreThoseOfTheLens) {
+  RigCamera camera;
+  camera.model = CameraModel(KannalaBrandtProjection{180, 180, 320, 200, 0.01, 0, 0, 0}, 640, 400);
+  // Looks to the left, 20 degrees down.
+  Eigen::Matrix3d body_from_camera;
+  body_from_camera << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  camera.body_from_camera.rotation = Eigen::Quaterniond(body_from_camera) * ExpSo3({-0.35, 0, 0});
+  const CylinderView view(camera, Eigen::Quaterniond::Identity());
+  // An image whose brightness is its column: what is warped must show the column of the pixel it comes from.
+  cv::Mat image(400, 640, CV_8UC1);
+  for (int row = 0; row < 400; ++row)
+    for (int column = 0; column < 640; ++column) image.at<uchar>(row, column) = static_cast<uchar>(column / 3);
+
+  const cv::Mat warped = view.Warp(image);
+
+  int num_checked = 0;
+  for (int row = 0; row < warped.rows; row += 17) {
+    for (int column = 0; column < warped.cols; column += 13) {
+      if (view.usable().at<uchar>(row, column) == 0) continue;
+      const Eigen::Vector3d bearing = view.BearingInUpright(column, row);
+      const auto pixel = camera.model.Project(camera.body_from_camera.rotation.conjugate() * bearing);
+      ASSERT_TRUE(pixel);
+      EXPECT_NEAR(warped.at<uchar>(row, column), pixel->x() / 3, 1.5);
+      ++num_checked;
+    }
+  }
+  EXPECT_GT(num_checked, 100);
+}
+
+TEST(LoopOptions, UnknownMethodsAreRefused) {
+  LoopOptions options;
+  options.method = "guess";
+  EXPECT_THROW(options.Validate(), Error);
+}
+
+}  // namespace
+}  // namespace parkade

@@ -1,0 +1,105 @@
+#include "slam/sessions/stage_results.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+
+#include "core/error.h"
+#include "tests/slam/worlds/drive_world.h"
+
+namespace parkade {
+namespace {
+
+DriveRefinement SomeRefinement() {
+  DriveRefinement refinement;
+  refinement.odom_from_body = DriveWorld().Drive(3).drive.odom_from_body;
+  refinement.rig.cameras.resize(2);
+  refinement.rig.cameras[1].body_from_camera.translation = {1, 2, 3};
+  refinement.rig.cameras[1].time_shift = 0.01;
+  refinement.is_accepted = true;
+  refinement.reason = "because";
+  refinement.before.imu = 1.5;
+  refinement.after.num_landmarks = 7;
+  refinement.cameras = {{"cam0", 0.1, 0.2, 0.3, true}};
+  refinement.wheel_scale = 1.01;
+  refinement.num_pieces = 3;
+  refinement.modes = {{Timestamp{5}, Timestamp{7}}, Eigen::MatrixXd::Random(12, 3)};
+  refinement.seconds = 12;
+  return refinement;
+}
+
+TEST(StageResults, PlacesComeBackWithEveryBit) {
+  const std::vector<Place> places = DriveWorld({.floor_seed = 1}).Drive(1).drive.places;
+  const std::string bytes = EncodePlaces(places);
+  const std::vector<Place> read = DecodePlaces(bytes);
+  EXPECT_EQ(cv::norm(read[5].floor, places[5].floor, cv::NORM_INF), 0);
+  ASSERT_EQ(read.size(), places.size());
+  ASSERT_EQ(read[5].features.size(), places[5].features.size());
+  EXPECT_EQ(read[5].features[9].bearing, places[5].features[9].bearing);
+  EXPECT_EQ(read[5].features[9].point, places[5].features[9].point);
+  EXPECT_EQ(read[5].odom_from_place.Matrix(), places[5].odom_from_place.Matrix());
+  EXPECT_EQ(EncodePlaces(read), bytes);
+}
+
+TEST(StageResults, LinksComeBackWithEveryBit) {
+  const DriveWorld world;
+  const DriveLinks links = LinkDrives(world.Drive(1).drive.places, world.Drive(2).drive.places, {}, {});
+  ASSERT_FALSE(links.links.empty());
+  const std::string bytes = EncodeLinks(links);
+  EXPECT_EQ(EncodeLinks(DecodeLinks(bytes)), bytes);
+  EXPECT_EQ(DecodeLinks(bytes).links.back().pose.information, links.links.back().pose.information);
+}
+
+TEST(StageResults, LoopsComeBackWithTheirPicturesButNotTheirTime) {
+  LoopClosure loops;
+  loops.odom_from_body = DriveWorld().Drive(3).drive.odom_from_body;
+  loops.seconds = 9;
+  loops.num_accepted = 1;
+  loops.loops.resize(1);
+  loops.loops[0].id = "3-17";
+  loops.loops[0].weight = 0.75;
+  loops.loops[0].earlier_view = cv::Mat(4, 5, CV_8UC1, 77);
+  loops.loops[0].pose.inliers_of_cameras = {{0, 3, 44}};
+  const LoopClosure read = DecodeLoops(EncodeLoops(loops));
+  EXPECT_EQ(read.seconds, 0);
+  EXPECT_EQ(read.num_accepted, 1);
+  EXPECT_EQ(read.loops[0].id, "3-17");
+  EXPECT_EQ(read.loops[0].weight, 0.75);
+  EXPECT_EQ(read.loops[0].pose.inliers_of_cameras[0].count, 44);
+  ASSERT_EQ(read.loops[0].earlier_view.size(), cv::Size(5, 4));
+  EXPECT_EQ(read.loops[0].earlier_view.at<std::uint8_t>(3, 4), 77);
+  EXPECT_TRUE(read.loops[0].later_view.empty());
+  EXPECT_EQ(read.odom_from_body.states().size(), loops.odom_from_body.states().size());
+}
+
+TEST(StageResults, ARefinementComesBackOntoItsRig) {
+  const DriveRefinement refinement = SomeRefinement();
+  Rig rig;
+  rig.cameras.resize(2);
+  rig.cameras[1].name = "kept";
+  const DriveRefinement read = DecodeRefinement(EncodeRefinement(refinement), rig);
+  EXPECT_EQ(read.modes.times, refinement.modes.times);
+  EXPECT_EQ(read.modes.modes, refinement.modes.modes);
+  EXPECT_EQ(read.rig.cameras[1].name, "kept");
+  EXPECT_EQ(read.rig.cameras[1].body_from_camera.translation, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(read.rig.cameras[1].time_shift, 0.01);
+  EXPECT_TRUE(read.is_accepted);
+  EXPECT_EQ(read.reason, "because");
+  EXPECT_EQ(read.before.imu, 1.5);
+  EXPECT_EQ(read.after.num_landmarks, 7u);
+  EXPECT_EQ(read.cameras[0].time_offset, 0.3);
+  EXPECT_EQ(read.num_pieces, 3);
+  EXPECT_EQ(read.seconds, 0);
+  rig.cameras.resize(3);
+  EXPECT_THROW(DecodeRefinement(EncodeRefinement(refinement), rig), Error);
+}
+
+TEST(StageResults, WhatIsCutOffIsNoResult) {
+  const std::string bytes = EncodePlaces(DriveWorld().Drive(1).drive.places);
+  for (const size_t length : {size_t{0}, size_t{7}, bytes.size() / 2, bytes.size() - 1})
+    EXPECT_THROW(DecodePlaces(std::string_view(bytes).substr(0, length)), Error) << length;
+  EXPECT_THROW(DecodePlaces(bytes + "x"), Error);
+}
+
+}  // namespace
+}  // namespace parkade
