@@ -10,11 +10,11 @@
 #include "core/log.h"
 #include "export/covariance_file.h"
 #include "export/free_space.h"
-#include "export/gltf.h"
+#include "export/gltf/gltf.h"
 #include "export/markings.h"
 #include "export/ortho.h"
 #include "export/ply.h"
-#include "export/tiles.h"
+#include "export/gltf/tiles.h"
 #include "export/trajectory_files.h"
 
 namespace parkade {

@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "export/move_gltf.h"
+#include "export/gltf/move_gltf.h"
 #include "mapping/mesh/deform_mesh.h"
 #include "server/map_folder/finished_map.h"
 #include "server/map_folder/kept_links.h"

@@ -12,6 +12,8 @@
 #include "tests/simulator/drives/run_suite.h"
 #include "tests/simulator/drives/simulate_drive.h"
 #include "tests/simulator/sinks/truth_files.h"
+#include "tests/simulator/layouts/plan_place.h"
+#include "tests/simulator/scenes/build_scene.h"
 
 namespace parkade::simulator {
 namespace {

@@ -64,6 +64,7 @@ const std::vector<std::string> kRooms = {
     "mapping/texture/",
     "mapping/markings/",
     "mapping/evaluation/",
+    "export/gltf/",
     "export/",
     "server/ingest/files/",
     "server/ingest/containers/",

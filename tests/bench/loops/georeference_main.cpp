@@ -17,6 +17,7 @@
 #include "tests/simulator/drives/plan_drive.h"
 #include "tests/simulator/sensors/gnss_sensor.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
+#include "tests/simulator/layouts/plan_place.h"
 
 namespace parkade {
 namespace {

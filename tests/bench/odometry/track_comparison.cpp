@@ -11,6 +11,7 @@
 #include "tests/simulator/tracks/track_rendered.h"
 #include "tests/simulator/tracks/track_statistics.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
+#include "tests/simulator/scenes/build_scene.h"
 
 namespace parkade::simulator {
 namespace {

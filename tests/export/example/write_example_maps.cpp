@@ -4,8 +4,8 @@
 
 #include "core/file.h"
 #include "core/log.h"
-#include "export/gltf.h"
-#include "export/move_gltf.h"
+#include "export/gltf/gltf.h"
+#include "export/gltf/move_gltf.h"
 #include "export/write_site_map.h"
 #include "tests/export/example_map.h"
 

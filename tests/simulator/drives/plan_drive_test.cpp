@@ -7,6 +7,7 @@
 #include "tests/simulator/layouts/lot_layout.h"
 #include "tests/simulator/vehicle/car_mesh.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
+#include "tests/simulator/layouts/plan_place.h"
 
 namespace parkade::simulator {
 namespace {

@@ -8,6 +8,8 @@
 #include "tests/simulator/rays/ray_scene.h"
 #include "tests/simulator/scenes/traffic.h"
 #include "tests/simulator/sensors/imu_integration.h"
+#include "tests/simulator/layouts/plan_place.h"
+#include "tests/simulator/scenes/build_scene.h"
 
 namespace parkade::simulator {
 namespace {

@@ -11,6 +11,7 @@
 #include "tests/simulator/drives/drive_summary.h"
 #include "tests/simulator/drives/plan_drive.h"
 #include "tests/simulator/drives/run_suite.h"
+#include "tests/simulator/layouts/plan_place.h"
 
 namespace parkade::simulator {
 namespace {

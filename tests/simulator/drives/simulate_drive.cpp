@@ -10,6 +10,7 @@
 #include "tests/simulator/scenes/traffic.h"
 #include "tests/simulator/sinks/open_drive_sink.h"
 #include "tests/simulator/sinks/truth_files.h"
+#include "tests/simulator/scenes/build_scene.h"
 
 namespace parkade::simulator {
 namespace {

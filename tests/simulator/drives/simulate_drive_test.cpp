@@ -3,6 +3,8 @@
 #include "core/error.h"
 #include "core/trajectory.h"
 #include "tests/support/simulated_drive.h"
+#include "tests/simulator/layouts/plan_place.h"
+#include "tests/simulator/scenes/build_scene.h"
 
 namespace parkade::simulator {
 namespace {

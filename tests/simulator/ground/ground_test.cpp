@@ -10,6 +10,7 @@
 #include "tests/simulator/layouts/place.h"
 #include "tests/simulator/motion/ramp_profile.h"
 #include "tests/simulator/motion/route.h"
+#include "tests/simulator/layouts/plan_place.h"
 
 namespace parkade::simulator {
 namespace {

@@ -4,10 +4,6 @@
 
 #include "core/error.h"
 #include "tests/simulator/common/random.h"
-#include "tests/simulator/layouts/garage_layout.h"
-#include "tests/simulator/layouts/garage_place.h"
-#include "tests/simulator/layouts/lot_place.h"
-#include "tests/simulator/layouts/street_layout.h"
 
 namespace parkade::simulator {
 
@@ -35,23 +31,6 @@ std::vector<Eigen::Vector3d> WalkAround(const Eigen::Vector2d& from, const Eigen
       walk.emplace_back(at.x(), at.y(), ground.Height(at, near_z) + above);
     }
   return walk;
-}
-
-const std::vector<std::string>& SceneNames() {
-  static const std::vector<std::string> names = {"lot", "garage", "street"};
-  return names;
-}
-
-Place PlanPlace(const std::string& name, const SceneOptions& options) {
-  std::string known;
-  for (const std::string& scene : SceneNames()) known += (known.empty() ? "" : ", ") + scene;
-  Require(std::find(SceneNames().begin(), SceneNames().end(), name) != SceneNames().end(), ErrorCode::kUsage,
-          "there is no scene '" + name + "'; there are: " + known);
-  if (name == "garage") return MakeGaragePlace(PlanGarage(options.seed, options.day), options);
-  if (name == "street") return MakeStreetPlace(PlanStreet(options.seed, options.day), options);
-  LotLayout lot = PlanLot(options.seed, options.day);
-  AddBumps(options.speed_bumps, lot);
-  return MakeLotPlace(lot, options);
 }
 
 }  // namespace parkade::simulator

@@ -72,11 +72,4 @@ struct Place {
 std::vector<Eigen::Vector3d> WalkAround(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double apart,
                                         const Ground& ground, double above, double near_z = 0);
 
-/// The scenes there are.
-const std::vector<std::string>& SceneNames();
-
-/// The same options give the same place. Throws Error{kUsage} naming the scenes
-/// there are for any other name.
-Place PlanPlace(const std::string& name, const SceneOptions& options);
-
 }  // namespace parkade::simulator

@@ -33,7 +33,4 @@ struct StreetLayout {
 
 StreetLayout PlanStreet(std::uint64_t seed, int day);
 
-/// The ground, slots and routes of the street.
-Place MakeStreetPlace(const StreetLayout& layout, const SceneOptions& options);
-
 }  // namespace parkade::simulator

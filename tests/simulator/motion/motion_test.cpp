@@ -5,6 +5,7 @@
 #include "tests/simulator/drives/plan_drive.h"
 #include "tests/simulator/sensors/imu_integration.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
+#include "tests/simulator/layouts/plan_place.h"
 
 namespace parkade::simulator {
 namespace {

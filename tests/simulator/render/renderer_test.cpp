@@ -9,6 +9,7 @@
 #include "tests/simulator/render/image_sensor.h"
 #include "tests/simulator/tracks/kept_tracks.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
+#include "tests/simulator/scenes/build_scene.h"
 
 namespace parkade::simulator {
 namespace {

@@ -7,6 +7,7 @@
 #include "tests/simulator/render/renderer.h"
 #include "tests/simulator/vehicle/lens_models.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
+#include "tests/simulator/layouts/plan_place.h"
 
 namespace parkade::simulator {
 namespace {

@@ -1,4 +1,5 @@
 #include "tests/simulator/scenes/drivable_raster.h"
+#include "tests/simulator/layouts/plan_place.h"
 
 #include <gtest/gtest.h>
 

@@ -42,7 +42,4 @@ struct Scene {
   bool IsIndoors() const { return bounce[1] > 0; }
 };
 
-/// The place of these options with all that is to be seen there. Throws as PlanPlace.
-Scene BuildScene(const std::string& name, const SceneOptions& options);
-
 }  // namespace parkade::simulator

@@ -14,6 +14,8 @@
 #include "tests/simulator/sinks/truth_files.h"
 #include "tests/simulator/tracks/kept_tracks.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
+#include "tests/simulator/layouts/plan_place.h"
+#include "tests/simulator/scenes/build_scene.h"
 
 namespace parkade::simulator {
 namespace {

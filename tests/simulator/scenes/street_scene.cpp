@@ -6,6 +6,7 @@
 #include "tests/simulator/ground/ground_painter.h"
 #include "tests/simulator/layouts/props.h"
 #include "tests/simulator/layouts/street_layout.h"
+#include "tests/simulator/layouts/street_place.h"
 
 namespace parkade::simulator {
 namespace {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/simulator/drives/plan_drive.h"
+#include "tests/simulator/layouts/plan_place.h"
 
 namespace parkade::simulator {
 namespace {

@@ -5,6 +5,7 @@
 #include "tests/simulator/drives/plan_drive.h"
 #include "tests/simulator/render/renderer.h"
 #include "tests/simulator/scenes/traffic.h"
+#include "tests/simulator/scenes/build_scene.h"
 
 namespace parkade::simulator {
 namespace {

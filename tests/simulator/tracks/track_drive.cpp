@@ -11,6 +11,8 @@
 #include "tests/simulator/scenes/scene.h"
 #include "tests/simulator/scenes/traffic.h"
 #include "tests/simulator/tracks/track_crossing.h"
+#include "tests/simulator/layouts/plan_place.h"
+#include "tests/simulator/scenes/build_scene.h"
 
 namespace parkade::simulator {
 namespace {

@@ -8,6 +8,7 @@
 #include "tests/simulator/tracks/track_crossing.h"
 #include "tests/simulator/tracks/track_drive.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
+#include "tests/simulator/scenes/build_scene.h"
 
 namespace parkade::simulator {
 namespace {

@@ -9,6 +9,7 @@
 #include "tests/simulator/tracks/track_rendered.h"
 #include "tests/simulator/tracks/track_simulator.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
+#include "tests/simulator/scenes/build_scene.h"
 
 namespace parkade::simulator {
 namespace {

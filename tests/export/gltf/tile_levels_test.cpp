@@ -1,4 +1,4 @@
-#include "export/tile_levels.h"
+#include "export/gltf/tile_levels.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <set>
 #include <tuple>
 
-#include "export/merge_vertices.h"
+#include "export/gltf/merge_vertices.h"
 #include "tests/export/example_map.h"
 
 namespace parkade {

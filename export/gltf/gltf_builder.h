@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "export/gltf_geometry.h"
-#include "export/mesh_encoding.h"
+#include "export/gltf/gltf_geometry.h"
+#include "export/gltf/mesh_encoding.h"
 
 namespace parkade {
 

@@ -1,10 +1,10 @@
-#include "export/gltf_builder.h"
+#include "export/gltf/gltf_builder.h"
 
 #include <algorithm>
 #include <ostream>
 
 #include "core/error.h"
-#include "export/draco_encoder.h"
+#include "export/gltf/draco_encoder.h"
 
 namespace parkade {
 namespace {

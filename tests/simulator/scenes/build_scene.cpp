@@ -1,4 +1,4 @@
-#include "tests/simulator/scenes/scene.h"
+#include "tests/simulator/scenes/build_scene.h"
 
 #include "tests/simulator/common/random.h"
 #include "tests/simulator/layouts/lot_ground.h"
@@ -8,6 +8,7 @@
 #include "tests/simulator/scenes/street_scene.h"
 #include "tests/simulator/vehicle/car_mesh.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
+#include "tests/simulator/layouts/plan_place.h"
 
 namespace parkade::simulator {
 namespace {

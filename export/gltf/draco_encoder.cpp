@@ -1,4 +1,4 @@
-#include "export/draco_encoder.h"
+#include "export/gltf/draco_encoder.h"
 
 #include <draco/compression/expert_encode.h>
 #include <draco/mesh/mesh.h>

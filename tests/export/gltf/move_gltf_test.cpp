@@ -1,11 +1,11 @@
-#include "export/move_gltf.h"
+#include "export/gltf/move_gltf.h"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 
 #include "core/error.h"
-#include "export/gltf.h"
+#include "export/gltf/gltf.h"
 #include "tests/export/example_map.h"
 
 namespace parkade {

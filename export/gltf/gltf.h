@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/site_map.h"
-#include "export/mesh_encoding.h"
+#include "export/gltf/mesh_encoding.h"
 
 namespace parkade {
 

@@ -1,9 +1,9 @@
-#include "export/gltf.h"
+#include "export/gltf/gltf.h"
 
 #include <sstream>
 
-#include "export/gltf_builder.h"
-#include "export/texture_jpeg.h"
+#include "export/gltf/gltf_builder.h"
+#include "export/gltf/texture_jpeg.h"
 
 namespace parkade {
 namespace {

@@ -1,6 +1,6 @@
-#include "export/vertex_copier.h"
+#include "export/gltf/vertex_copier.h"
 
-#include "export/draco_encoder.h"
+#include "export/gltf/draco_encoder.h"
 
 namespace parkade {
 

@@ -1,11 +1,11 @@
-#include "export/gltf.h"
+#include "export/gltf/gltf.h"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 
-#include "export/draco_encoder.h"
-#include "export/gltf_geometry.h"
+#include "export/gltf/draco_encoder.h"
+#include "export/gltf/gltf_geometry.h"
 #include "tests/export/example_map.h"
 
 // What other programs make of these files is tested in read_maps.mjs.

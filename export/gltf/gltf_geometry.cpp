@@ -1,4 +1,4 @@
-#include "export/gltf_geometry.h"
+#include "export/gltf/gltf_geometry.h"
 
 #include <limits>
 

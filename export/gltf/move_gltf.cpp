@@ -1,4 +1,4 @@
-#include "export/move_gltf.h"
+#include "export/gltf/move_gltf.h"
 
 #include <array>
 #include <cstring>
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "export/gltf.h"
+#include "export/gltf/gltf.h"
 
 namespace parkade {
 namespace {

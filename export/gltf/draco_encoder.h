@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "export/gltf_geometry.h"
+#include "export/gltf/gltf_geometry.h"
 
 namespace parkade {
 

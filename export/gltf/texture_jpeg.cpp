@@ -1,4 +1,4 @@
-#include "export/texture_jpeg.h"
+#include "export/gltf/texture_jpeg.h"
 
 #include <opencv2/imgcodecs.hpp>
 

@@ -1,12 +1,12 @@
-#include "export/tiles.h"
+#include "export/gltf/tiles.h"
 
 #include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "export/gltf.h"
-#include "export/gltf_geometry.h"
-#include "export/tile_levels.h"
+#include "export/gltf/gltf.h"
+#include "export/gltf/gltf_geometry.h"
+#include "export/gltf/tile_levels.h"
 
 namespace parkade {
 namespace {

@@ -1,4 +1,4 @@
-#include "export/tile_levels.h"
+#include "export/gltf/tile_levels.h"
 
 #include <climits>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
-#include "export/merge_vertices.h"
-#include "export/vertex_copier.h"
+#include "export/gltf/merge_vertices.h"
+#include "export/gltf/vertex_copier.h"
 
 namespace parkade {
 namespace {

@@ -1,4 +1,4 @@
-#include "export/merge_vertices.h"
+#include "export/gltf/merge_vertices.h"
 
 #include <algorithm>
 #include <cmath>
