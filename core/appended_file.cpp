@@ -73,9 +73,11 @@ void AppendedFile::Write(std::uint64_t offset, std::string_view bytes) {
 std::string AppendedFile::Read(std::uint64_t offset, std::size_t size) const {
   assert(offset + size <= this->size());
   std::string bytes(size, '\0');
-  const std::size_t num_written = offset < written_ ? std::min<std::uint64_t>(size, written_ - offset) : 0;
+  const std::size_t num_written =
+      offset < written_ ? std::min<std::uint64_t>(size, written_ - offset) : 0;
   for (std::size_t done = 0; done < num_written;) {
-    const ssize_t got = ::pread(file_, bytes.data() + done, num_written - done, static_cast<off_t>(offset + done));
+    const ssize_t got =
+        ::pread(file_, bytes.data() + done, num_written - done, static_cast<off_t>(offset + done));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) ThrowErrno("cannot read " + name_, errno);
     Require(got > 0, ErrorCode::kInternal, "somebody cut " + name_ + " short");

@@ -8,17 +8,19 @@
 
 namespace parkade {
 
-/// A descriptor of a file without a name, in $TMPDIR or else /var/tmp, which is gone once it is closed; -1 where that
-/// folder takes none.
+/// A descriptor of a file without a name, in $TMPDIR or else /var/tmp, which is gone once it is
+/// closed; -1 where that folder takes none.
 int OpenNamelessFile();
 
-/// A file that grows at its end and is read anywhere. Bounded memory: what is appended is collected to writes of
-/// kBufferBytes. Throws Error{kDiskFull} where there is no space, Error{kInternal} otherwise.
+/// A file that grows at its end and is read anywhere. Bounded memory: what is appended is collected
+/// to writes of kBufferBytes. Throws Error{kDiskFull} where there is no space, Error{kInternal}
+/// otherwise.
 class AppendedFile {
  public:
   static constexpr std::size_t kBufferBytes = std::size_t{1} << 18;
 
-  /// Without a name, see OpenNamelessFile; in memory where there is none, and as long as nothing was written.
+  /// Without a name, see OpenNamelessFile; in memory where there is none, and as long as nothing
+  /// was written.
   AppendedFile() = default;
   /// Creates `path`, which must not exist. It stays; Flush() before anybody else reads it.
   explicit AppendedFile(const std::filesystem::path& path);

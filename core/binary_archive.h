@@ -21,7 +21,7 @@ static_assert(std::endian::native == std::endian::little, "files are little-endi
 // One description of a struct serves both directions:
 //
 //   template <typename Archive>
-//   void Exchange(Archive& archive, Place& place) { archive(place.time, place.name); }
+//   void Serialize(Archive& archive, Place& place) { archive(place.time, place.name); }
 
 /// Appends values to a string of bytes.
 class BinaryWriter {
@@ -46,13 +46,14 @@ class BinaryWriter {
   std::string bytes_;
 };
 
-/// Takes values from bytes, of which `Source` delivers the next few at a time. Throws Error{kInvalidInput} where they
-/// end too early.
+/// Takes values from bytes, of which `Source` delivers the next few at a time. Throws
+/// Error{kInvalidInput} where they end too early.
 template <typename Source>
 class BinaryReaderOf {
  public:
   template <typename... Arguments>
-  explicit BinaryReaderOf(Arguments&&... of_source) : source_(std::forward<Arguments>(of_source)...) {}
+  explicit BinaryReaderOf(Arguments&&... of_source)
+      : source_(std::forward<Arguments>(of_source)...) {}
 
   template <typename... Values>
   void operator()(Values&... values) {
@@ -68,7 +69,8 @@ class BinaryReaderOf {
   std::uint64_t Count(std::uint64_t) {
     std::uint64_t count = 0;
     Raw(&count, sizeof count);
-    Require(count <= source_.num_left(), ErrorCode::kInvalidInput, "the file holds a count that cannot be");
+    Require(count <= source_.num_left(), ErrorCode::kInvalidInput,
+            "the file holds a count that cannot be");
     return count;
   }
 
@@ -96,28 +98,28 @@ class BytesInMemory {
 using BinaryReader = BinaryReaderOf<BytesInMemory>;
 
 template <typename Archive, typename Value>
-void ExchangeValue(Archive& archive, Value& value) {
+void SerializeValue(Archive& archive, Value& value) {
   if constexpr (std::is_arithmetic_v<Value> || std::is_enum_v<Value>) {
     archive.Raw(&value, sizeof value);
   } else {
-    Exchange(archive, value);
+    Serialize(archive, value);
   }
 }
 
 template <typename Archive>
-void ExchangeValue(Archive& archive, std::string& text) {
+void SerializeValue(Archive& archive, std::string& text) {
   text.resize(archive.Count(text.size()));
   archive.Raw(text.data(), text.size());
 }
 
 template <typename Archive, typename Item>
-void ExchangeValue(Archive& archive, std::vector<Item>& items) {
+void SerializeValue(Archive& archive, std::vector<Item>& items) {
   items.resize(archive.Count(items.size()));
   for (Item& item : items) archive(item);
 }
 
 template <typename Archive, typename Item>
-void ExchangeValue(Archive& archive, std::optional<Item>& item) {
+void SerializeValue(Archive& archive, std::optional<Item>& item) {
   bool has_value = item.has_value();
   archive(has_value);
   if (has_value && !item) item.emplace();
@@ -126,12 +128,14 @@ void ExchangeValue(Archive& archive, std::optional<Item>& item) {
 }
 
 template <typename Archive, typename Item, size_t N>
-void ExchangeValue(Archive& archive, std::array<Item, N>& items) {
+void SerializeValue(Archive& archive, std::array<Item, N>& items) {
   for (Item& item : items) archive(item);
 }
 
-template <typename Archive, typename Scalar, int Rows, int Columns, int Options, int MaxRows, int MaxColumns>
-void ExchangeValue(Archive& archive, Eigen::Matrix<Scalar, Rows, Columns, Options, MaxRows, MaxColumns>& matrix) {
+template <typename Archive, typename Scalar, int Rows, int Columns, int Options, int MaxRows,
+          int MaxColumns>
+void SerializeValue(Archive& archive,
+                    Eigen::Matrix<Scalar, Rows, Columns, Options, MaxRows, MaxColumns>& matrix) {
   const auto count = [&archive](Eigen::Index size) {
     return static_cast<Eigen::Index>(archive.Count(static_cast<std::uint64_t>(size)));
   };
@@ -142,19 +146,19 @@ void ExchangeValue(Archive& archive, Eigen::Matrix<Scalar, Rows, Columns, Option
 }
 
 template <typename Archive>
-void ExchangeValue(Archive& archive, Eigen::Quaterniond& rotation) {
+void SerializeValue(Archive& archive, Eigen::Quaterniond& rotation) {
   archive(rotation.coeffs());
 }
 
 template <typename Value>
 void BinaryWriter::Put(Value& value) {
-  ExchangeValue(*this, value);
+  SerializeValue(*this, value);
 }
 
 template <typename Source>
 template <typename Value>
 void BinaryReaderOf<Source>::Put(Value& value) {
-  ExchangeValue(*this, value);
+  SerializeValue(*this, value);
 }
 
 }  // namespace parkade

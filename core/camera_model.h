@@ -11,11 +11,12 @@ namespace parkade {
 
 /// One calibrated lens: a projection of core/camera_projections.h and the size
 /// of its image. Camera frame: z forward, x right, y down. Pixel (0, 0) is the
-/// centre of the upper left pixel. Thread-safe: immutable.
+/// center of the upper left pixel. Thread-safe: immutable.
 class CameraModel {
  public:
-  using Projection = std::variant<PinholeProjection, RadTanProjection, KannalaBrandtProjection, MeiProjection,
-                                  EucmProjection, DoubleSphereProjection, OcamProjection>;
+  using Projection =
+      std::variant<PinholeProjection, RadTanProjection, KannalaBrandtProjection, MeiProjection,
+                   EucmProjection, DoubleSphereProjection, OcamProjection>;
   using Jacobian = Eigen::Matrix<double, 2, 3>;
 
   CameraModel() = default;
@@ -30,12 +31,13 @@ class CameraModel {
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point_in_camera) const;
 
   /// The same with d pixel / d point_in_camera.
-  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point_in_camera, Jacobian* jacobian) const;
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point_in_camera,
+                                         Jacobian* jacobian) const;
 
   /// Unit bearing of a pixel, or nothing outside the validity domain.
   std::optional<Eigen::Vector3d> Unproject(const Eigen::Vector2d& pixel) const;
 
-  /// True for pixels whose centre lies at least `margin` [px] inside the image.
+  /// True for pixels whose center lies at least `margin` [px] inside the image.
   bool IsInImage(const Eigen::Vector2d& pixel, double margin = 0) const;
 
   /// Pixels per radian at a pixel: the mean of the two principal stretches.
@@ -43,7 +45,7 @@ class CameraModel {
   std::optional<double> PixelsPerRadian(const Eigen::Vector2d& pixel) const;
 
   /// The same lens for an image scaled by `factor` (e.g. 0.5 for a half-size
-  /// image made by area averaging, pixel centres kept consistent).
+  /// image made by area averaging, pixel centers kept consistent).
   CameraModel Scaled(double factor) const;
 
   const Projection& projection() const { return projection_; }

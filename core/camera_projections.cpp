@@ -19,13 +19,14 @@ constexpr double kMaxSensorRadius = 1e5;
 constexpr double kFoldMargin = 1e-6;
 
 void RequireFinite(double value, const char* name) {
-  Require(std::isfinite(value), ErrorCode::kInvalidInput, std::string("intrinsic '") + name + "' is not finite");
+  Require(std::isfinite(value), ErrorCode::kInvalidInput,
+          std::string("intrinsic '") + name + "' is not finite");
 }
 
 void RequireIn(double value, const char* name, double begin, double end) {
   Require(value >= begin && value <= end, ErrorCode::kInvalidInput,
-          std::string("intrinsic '") + name + "' = " + std::to_string(value) + " is outside " + std::to_string(begin) +
-              ".." + std::to_string(end));
+          std::string("intrinsic '") + name + "' = " + std::to_string(value) + " is outside " +
+              std::to_string(begin) + ".." + std::to_string(end));
 }
 
 template <typename Projection>
@@ -37,25 +38,25 @@ void ValidatePlane(const Projection& lens) {
   RequireFinite(lens.cy, "cy");
 }
 
-/// Pixel in the normalised image plane.
+/// Pixel in the normalized image plane.
 template <typename Projection>
-Eigen::Vector2d Normalised(const Projection& lens, const Eigen::Vector2d& pixel) {
+Eigen::Vector2d Normalized(const Projection& lens, const Eigen::Vector2d& pixel) {
   return {(pixel.x() - lens.cx) / lens.fx, (pixel.y() - lens.cy) / lens.fy};
 }
 
-double ScaledCentre(double centre, double factor) { return (centre + 0.5) * factor - 0.5; }
+double ScaledCenter(double center, double factor) { return (center + 0.5) * factor - 0.5; }
 
 template <typename Projection>
 Projection ScaledPlane(Projection lens, double factor) {
   lens.fx *= factor;
   lens.fy *= factor;
-  lens.cx = ScaledCentre(lens.cx, factor);
-  lens.cy = ScaledCentre(lens.cy, factor);
+  lens.cx = ScaledCenter(lens.cx, factor);
+  lens.cy = ScaledCenter(lens.cy, factor);
   return lens;
 }
 
-/// Root of the increasing `function` (value and slope) in [0, max]: Newton, and bisection where Newton leaves
-/// the bracket. Nothing where the root lies beyond `max`.
+/// Root of the increasing `function` (value and slope) in [0, max]: Newton, and bisection where
+/// Newton leaves the bracket. Nothing where the root lies beyond `max`.
 template <typename Function>
 std::optional<double> SolveIncreasing(const Function& function, double start, double max) {
   if (!(function(max).first >= 0)) return std::nullopt;
@@ -76,7 +77,8 @@ std::optional<double> SolveIncreasing(const Function& function, double start, do
 Eigen::Matrix2d DistortionJacobian(const RadTanDistortion& lens, double x, double y) {
   const double r2 = x * x + y * y;
   const double radial = 1 + r2 * (lens.k1 + r2 * (lens.k2 + r2 * lens.k3));
-  const double slope = 2 * (lens.k1 + r2 * (2 * lens.k2 + r2 * 3 * lens.k3));  // d radial / d x = slope * x
+  const double slope =
+      2 * (lens.k1 + r2 * (2 * lens.k2 + r2 * 3 * lens.k3));  // d radial / d x = slope * x
   Eigen::Matrix2d jacobian;
   jacobian(0, 0) = radial + slope * x * x + 2 * lens.p1 * y + 6 * lens.p2 * x;
   jacobian(0, 1) = jacobian(1, 0) = slope * x * y + 2 * lens.p1 * x + 2 * lens.p2 * y;
@@ -89,7 +91,8 @@ bool FoldsOnCircle(const RadTanDistortion& lens, double radius) {
   constexpr int kNumAngles = 64;
   for (int i = 0; i < kNumAngles; ++i) {
     const double angle = 2 * M_PI * i / kNumAngles;
-    const Eigen::Matrix2d jacobian = DistortionJacobian(lens, radius * std::cos(angle), radius * std::sin(angle));
+    const Eigen::Matrix2d jacobian =
+        DistortionJacobian(lens, radius * std::cos(angle), radius * std::sin(angle));
     if (!(jacobian.determinant() > 0 && jacobian.trace() > 0)) return true;
   }
   return false;
@@ -97,9 +100,11 @@ bool FoldsOnCircle(const RadTanDistortion& lens, double radius) {
 
 }  // namespace
 
-double RadTanDistortion::FindMaxRadiusSquared(double k1, double k2, double p1, double p2, double k3) {
+double RadTanDistortion::FindMaxRadiusSquared(double k1, double k2, double p1, double p2,
+                                              double k3) {
   double max_radius = kMaxTangent;
-  const std::vector<double> folds = FindSignChanges({1, 3 * k1, 5 * k2, 7 * k3}, 0, kMaxTangent * kMaxTangent);
+  const std::vector<double> folds =
+      FindSignChanges({1, 3 * k1, 5 * k2, 7 * k3}, 0, kMaxTangent * kMaxTangent);
   if (!folds.empty()) max_radius = std::sqrt(folds.front()) * (1 - kFoldMargin);
   if (p1 == 0 && p2 == 0) return max_radius * max_radius;
 
@@ -107,9 +112,10 @@ double RadTanDistortion::FindMaxRadiusSquared(double k1, double k2, double p1, d
   constexpr int kNumCircles = 256;
   double good_radius = 0;
   for (int i = 1; i <= kNumCircles; ++i) {
-    // Circles lie denser towards the centre: folds of the tangential part alone are far out.
+    // Circles lie denser toward the center: folds of the tangential part alone are far out.
     const double fraction = static_cast<double>(i) / kNumCircles;
-    const double radius = folds.empty() ? max_radius * fraction * fraction * fraction : max_radius * fraction;
+    const double radius =
+        folds.empty() ? max_radius * fraction * fraction * fraction : max_radius * fraction;
     if (FoldsOnCircle(lens, radius)) break;
     good_radius = radius;
   }
@@ -125,7 +131,8 @@ std::optional<Eigen::Vector2d> RadTanDistortion::Undistort(const Eigen::Vector2d
     return std::pair{r * (1 + r2 * (k1 + r2 * (k2 + r2 * k3))) - radius,
                      1 + r2 * (3 * k1 + r2 * (5 * k2 + r2 * 7 * k3))};
   };
-  const double start = SolveIncreasing(radial, std::min(radius, max_radius), max_radius).value_or(max_radius);
+  const double start =
+      SolveIncreasing(radial, std::min(radius, max_radius), max_radius).value_or(max_radius);
   Eigen::Vector2d point = radius > 0 ? Eigen::Vector2d(distorted * (start / radius)) : distorted;
   const RadTanDistortion everywhere{k1, k2, p1, p2, k3, std::numeric_limits<double>::infinity()};
   for (int iteration = 0; iteration < 30; ++iteration) {
@@ -134,7 +141,8 @@ std::optional<Eigen::Vector2d> RadTanDistortion::Undistort(const Eigen::Vector2d
     const Eigen::Vector2d error = projected - distorted;
     const Eigen::Matrix2d jacobian = DistortionJacobian(*this, point.x(), point.y());
     const Eigen::Vector2d step = jacobian.inverse() * error;
-    if (error.norm() <= 1e-14 * (1 + radius) && point.squaredNorm() <= max_radius_squared) return point;
+    if (error.norm() <= 1e-14 * (1 + radius) && point.squaredNorm() <= max_radius_squared)
+      return point;
     if (!step.allFinite()) return std::nullopt;
     point -= step;
   }
@@ -142,23 +150,25 @@ std::optional<Eigen::Vector2d> RadTanDistortion::Undistort(const Eigen::Vector2d
 }
 
 void RadTanDistortion::Validate() const {
-  for (const auto& [value, name] :
-       {std::pair{k1, "k1"}, std::pair{k2, "k2"}, std::pair{p1, "p1"}, std::pair{p2, "p2"}, std::pair{k3, "k3"}})
+  for (const auto& [value, name] : {std::pair{k1, "k1"}, std::pair{k2, "k2"}, std::pair{p1, "p1"},
+                                    std::pair{p2, "p2"}, std::pair{k3, "k3"}})
     RequireFinite(value, name);
 }
 
 std::optional<Eigen::Vector3d> PinholeProjection::Unproject(const Eigen::Vector2d& pixel) const {
-  const Eigen::Vector2d point = Normalised(*this, pixel);
+  const Eigen::Vector2d point = Normalized(*this, pixel);
   if (!IsInFrontOfPlane(point.x(), point.y(), 1)) return std::nullopt;
   return point.homogeneous().normalized();
 }
 
 void PinholeProjection::Validate() const { ValidatePlane(*this); }
 
-PinholeProjection PinholeProjection::Scaled(double factor) const { return ScaledPlane(*this, factor); }
+PinholeProjection PinholeProjection::Scaled(double factor) const {
+  return ScaledPlane(*this, factor);
+}
 
 std::optional<Eigen::Vector3d> RadTanProjection::Unproject(const Eigen::Vector2d& pixel) const {
-  const std::optional<Eigen::Vector2d> point = distortion.Undistort(Normalised(*this, pixel));
+  const std::optional<Eigen::Vector2d> point = distortion.Undistort(Normalized(*this, pixel));
   if (!point) return std::nullopt;
   return point->homogeneous().normalized();
 }
@@ -168,16 +178,20 @@ void RadTanProjection::Validate() const {
   distortion.Validate();
 }
 
-RadTanProjection RadTanProjection::Scaled(double factor) const { return ScaledPlane(*this, factor); }
+RadTanProjection RadTanProjection::Scaled(double factor) const {
+  return ScaledPlane(*this, factor);
+}
 
 double KannalaBrandtProjection::FindMaxTheta(double k1, double k2, double k3, double k4) {
   // In t^2, where the slope of r(t) is a quartic.
-  const std::vector<double> folds = FindSignChanges({1, 3 * k1, 5 * k2, 7 * k3, 9 * k4}, 0, M_PI * M_PI);
+  const std::vector<double> folds =
+      FindSignChanges({1, 3 * k1, 5 * k2, 7 * k3, 9 * k4}, 0, M_PI * M_PI);
   return folds.empty() ? M_PI : std::sqrt(folds.front()) * (1 - kFoldMargin);
 }
 
-std::optional<Eigen::Vector3d> KannalaBrandtProjection::Unproject(const Eigen::Vector2d& pixel) const {
-  const Eigen::Vector2d point = Normalised(*this, pixel);
+std::optional<Eigen::Vector3d> KannalaBrandtProjection::Unproject(
+    const Eigen::Vector2d& pixel) const {
+  const Eigen::Vector2d point = Normalized(*this, pixel);
   const double radius = point.norm();
   if (radius < 1e-12) return Eigen::Vector3d(point.x(), point.y(), 1).normalized();
   const auto radius_error = [&](double theta) {
@@ -185,7 +199,8 @@ std::optional<Eigen::Vector3d> KannalaBrandtProjection::Unproject(const Eigen::V
     return std::pair{theta * (1 + t2 * (k1 + t2 * (k2 + t2 * (k3 + t2 * k4)))) - radius,
                      1 + t2 * (3 * k1 + t2 * (5 * k2 + t2 * (7 * k3 + t2 * 9 * k4)))};
   };
-  const std::optional<double> theta = SolveIncreasing(radius_error, std::min(radius, max_theta), max_theta);
+  const std::optional<double> theta =
+      SolveIncreasing(radius_error, std::min(radius, max_theta), max_theta);
   if (!theta) return std::nullopt;
   const double scale = std::sin(*theta) / radius;
   return Eigen::Vector3d(point.x() * scale, point.y() * scale, std::cos(*theta));
@@ -193,14 +208,17 @@ std::optional<Eigen::Vector3d> KannalaBrandtProjection::Unproject(const Eigen::V
 
 void KannalaBrandtProjection::Validate() const {
   ValidatePlane(*this);
-  for (const auto& [value, name] : {std::pair{k1, "k1"}, std::pair{k2, "k2"}, std::pair{k3, "k3"}, std::pair{k4, "k4"}})
+  for (const auto& [value, name] :
+       {std::pair{k1, "k1"}, std::pair{k2, "k2"}, std::pair{k3, "k3"}, std::pair{k4, "k4"}})
     RequireFinite(value, name);
 }
 
-KannalaBrandtProjection KannalaBrandtProjection::Scaled(double factor) const { return ScaledPlane(*this, factor); }
+KannalaBrandtProjection KannalaBrandtProjection::Scaled(double factor) const {
+  return ScaledPlane(*this, factor);
+}
 
 std::optional<Eigen::Vector3d> MeiProjection::Unproject(const Eigen::Vector2d& pixel) const {
-  const std::optional<Eigen::Vector2d> point = distortion.Undistort(Normalised(*this, pixel));
+  const std::optional<Eigen::Vector2d> point = distortion.Undistort(Normalized(*this, pixel));
   if (!point) return std::nullopt;
   const double r2 = point->squaredNorm();
   const double discriminant = 1 + (1 - xi * xi) * r2;
@@ -218,7 +236,7 @@ void MeiProjection::Validate() const {
 MeiProjection MeiProjection::Scaled(double factor) const { return ScaledPlane(*this, factor); }
 
 std::optional<Eigen::Vector3d> EucmProjection::Unproject(const Eigen::Vector2d& pixel) const {
-  const Eigen::Vector2d point = Normalised(*this, pixel);
+  const Eigen::Vector2d point = Normalized(*this, pixel);
   const double r2 = point.squaredNorm();
   const double discriminant = 1 - (2 * alpha - 1) * beta * r2;
   if (!(discriminant >= 0)) return std::nullopt;
@@ -234,8 +252,9 @@ void EucmProjection::Validate() const {
 
 EucmProjection EucmProjection::Scaled(double factor) const { return ScaledPlane(*this, factor); }
 
-std::optional<Eigen::Vector3d> DoubleSphereProjection::Unproject(const Eigen::Vector2d& pixel) const {
-  const Eigen::Vector2d point = Normalised(*this, pixel);
+std::optional<Eigen::Vector3d> DoubleSphereProjection::Unproject(
+    const Eigen::Vector2d& pixel) const {
+  const Eigen::Vector2d point = Normalized(*this, pixel);
   const double r2 = point.squaredNorm();
   const double discriminant = 1 - (2 * alpha - 1) * r2;
   if (!(discriminant >= 0)) return std::nullopt;
@@ -252,11 +271,14 @@ void DoubleSphereProjection::Validate() const {
   RequireIn(alpha, "alpha", 0, 1);
 }
 
-DoubleSphereProjection DoubleSphereProjection::Scaled(double factor) const { return ScaledPlane(*this, factor); }
+DoubleSphereProjection DoubleSphereProjection::Scaled(double factor) const {
+  return ScaledPlane(*this, factor);
+}
 
 double OcamProjection::FindMaxRadius(double a0, double a2, double a3, double a4) {
   // The angle to the axis grows while z - r dz/dr > 0.
-  const std::vector<double> folds = FindSignChanges({a0, 0, -a2, -2 * a3, -3 * a4}, 0, kMaxSensorRadius);
+  const std::vector<double> folds =
+      FindSignChanges({a0, 0, -a2, -2 * a3, -3 * a4}, 0, kMaxSensorRadius);
   return folds.empty() ? kMaxSensorRadius : folds.front() * (1 - kFoldMargin);
 }
 
@@ -285,11 +307,14 @@ std::optional<Eigen::Vector3d> OcamProjection::Unproject(const Eigen::Vector2d& 
 }
 
 void OcamProjection::Validate() const {
-  for (const auto& [value, name] : {std::pair{a2, "a2"}, std::pair{a3, "a3"}, std::pair{a4, "a4"}, std::pair{cx, "cx"},
-                                    std::pair{cy, "cy"}, std::pair{c, "c"}, std::pair{d, "d"}, std::pair{e, "e"}})
+  for (const auto& [value, name] :
+       {std::pair{a2, "a2"}, std::pair{a3, "a3"}, std::pair{a4, "a4"}, std::pair{cx, "cx"},
+        std::pair{cy, "cy"}, std::pair{c, "c"}, std::pair{d, "d"}, std::pair{e, "e"}})
     RequireFinite(value, name);
-  Require(a0 > 0 && std::isfinite(a0), ErrorCode::kInvalidInput, "intrinsic 'a0' must be a positive number of pixels");
-  Require(c - d * e > 0.1, ErrorCode::kInvalidInput, "the affine part c, d, e of an ocam lens is degenerate");
+  Require(a0 > 0 && std::isfinite(a0), ErrorCode::kInvalidInput,
+          "intrinsic 'a0' must be a positive number of pixels");
+  Require(c - d * e > 0.1, ErrorCode::kInvalidInput,
+          "the affine part c, d, e of an ocam lens is degenerate");
 }
 
 OcamProjection OcamProjection::Scaled(double factor) const {
@@ -297,8 +322,8 @@ OcamProjection OcamProjection::Scaled(double factor) const {
           .a2 = a2 / factor,
           .a3 = a3 / (factor * factor),
           .a4 = a4 / (factor * factor * factor),
-          .cx = ScaledCentre(cx, factor),
-          .cy = ScaledCentre(cy, factor),
+          .cx = ScaledCenter(cx, factor),
+          .cy = ScaledCenter(cy, factor),
           .c = c,
           .d = d,
           .e = e};

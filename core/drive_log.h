@@ -56,7 +56,7 @@ Timestamp TimeOf(const SensorRecord& record);
 /// What one pass over a log should deliver. Streams left out cost no decoding.
 struct ReadOptions {
   bool imu = true, wheels = true, gnss = true, images = true, semantics = false;
-  bool grayscale = true;  ///< images as CV_8UC1; false: as recorded (BGR where coloured)
+  bool grayscale = true;  ///< images as CV_8UC1; false: as recorded (BGR where colored)
   /// Where set: only these images (and masks) are decoded and delivered.
   std::function<bool(int camera, Timestamp time)> wants_image;
 };

@@ -27,7 +27,8 @@ struct Dual {
   friend Dual operator*(const Dual& x, const Dual& y) { return {x.a * y.a, x.v * y.a + y.v * x.a}; }
   friend Dual operator/(const Dual& x, const Dual& y) {
     const double inverse = 1 / y.a;
-    const double quotient = x.a / y.a;  // rounded as for doubles: same value with and without derivatives
+    const double quotient =
+        x.a / y.a;  // rounded as for doubles: same value with and without derivatives
     return {quotient, (x.v - quotient * y.v) * inverse};
   }
   friend Dual operator+(const Dual& x, double s) { return {x.a + s, x.v}; }

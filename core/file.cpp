@@ -74,7 +74,8 @@ void WriteFileAtomically(const std::filesystem::path& file, std::string_view con
 std::string ReadFile(const std::filesystem::path& file, std::size_t max_bytes) {
   std::error_code ignored;
   Require(!std::filesystem::is_directory(file, ignored), ErrorCode::kInvalidInput,
-          "'" + file.string() + "' is a folder, not a file");  // one opens, and claims to be larger than any file
+          "'" + file.string() +
+              "' is a folder, not a file");  // one opens, and claims to be larger than any file
   std::ifstream stream(file, std::ios::binary | std::ios::ate);
   Require(stream.good(), ErrorCode::kNotFound, "cannot read '" + file.string() + "'");
   const auto size = static_cast<std::size_t>(stream.tellg());
@@ -82,7 +83,8 @@ std::string ReadFile(const std::filesystem::path& file, std::size_t max_bytes) {
   std::string content(size, '\0');
   stream.seekg(0);
   stream.read(content.data(), static_cast<std::streamsize>(size));
-  Require(stream.good() || size == 0, ErrorCode::kInvalidInput, "cannot read '" + file.string() + "' to its end");
+  Require(stream.good() || size == 0, ErrorCode::kInvalidInput,
+          "cannot read '" + file.string() + "' to its end");
   return content;
 }
 

@@ -21,7 +21,9 @@ void WriteFileAtomically(const std::filesystem::path& file,
 /// A copy that can be written to, also of a read-only file. Throws as ThrowErrno.
 void CopyToWrite(const std::filesystem::path& from, const std::filesystem::path& to);
 
-/// Whole content. Throws Error{kNotFound}, or Error{kInvalidInput} for a folder and above `max_bytes`.
-std::string ReadFile(const std::filesystem::path& file, std::size_t max_bytes = std::size_t{1} << 30);
+/// Whole content. Throws Error{kNotFound}, or Error{kInvalidInput} for a folder and above
+/// `max_bytes`.
+std::string ReadFile(const std::filesystem::path& file,
+                     std::size_t max_bytes = std::size_t{1} << 30);
 
 }  // namespace parkade

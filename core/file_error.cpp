@@ -9,7 +9,8 @@ namespace parkade {
 
 void ThrowErrno(const std::string& what, int error) {
   const bool is_full = error == ENOSPC || error == EDQUOT;
-  throw Error(is_full ? ErrorCode::kDiskFull : ErrorCode::kInternal, what + ": " + std::strerror(error));
+  throw Error(is_full ? ErrorCode::kDiskFull : ErrorCode::kInternal,
+              what + ": " + std::strerror(error));
 }
 
 void ThrowCannotWrite(const std::filesystem::path& file) {

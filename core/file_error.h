@@ -5,7 +5,8 @@
 
 namespace parkade {
 
-/// Throws Error{kDiskFull} where `error` says so, else Error{kInternal}; `what` becomes the sentence's beginning.
+/// Throws Error{kDiskFull} where `error` says so, else Error{kInternal}; `what` becomes the
+/// sentence's beginning.
 [[noreturn]] void ThrowErrno(const std::string& what, int error);
 
 /// The same of a stream that failed, which does not say why.

@@ -13,7 +13,7 @@
 namespace parkade {
 namespace {
 
-// KML counts heights from EGM96. The others lie within a metre of it.
+// KML counts heights from EGM96. The others lie within a meter of it.
 constexpr std::array kModels = {"egm96-5", "egm96-15", "egm2008-1", "egm2008-2_5", "egm2008-5"};
 
 }  // namespace
@@ -41,7 +41,8 @@ double Geoid::Undulation(double latitude_deg, double longitude_deg) const {
   try {
     return (*grid_)(latitude_deg, longitude_deg);
   } catch (const GeographicLib::GeographicErr&) {
-    throw Error(ErrorCode::kInvalidInput, "the geoid file " + name_ + ".pgm cannot be read: it is damaged");
+    throw Error(ErrorCode::kInvalidInput,
+                "the geoid file " + name_ + ".pgm cannot be read: it is damaged");
   }
 }
 

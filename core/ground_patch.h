@@ -12,7 +12,8 @@
 
 namespace parkade {
 
-/// A point near a car in six bytes: to 0.5 mm across, within 32 m, and to 0.1 mm in height, within 6.5 m.
+/// A point near a car in six bytes: to 0.5 mm across, within 32 m, and to 0.1 mm in height,
+/// within 6.5 m.
 class CompactPoint {
  public:
   CompactPoint() = default;
@@ -43,23 +44,27 @@ class CompactFloat {
  public:
   CompactFloat() = default;
   CompactFloat(float value)  // NOLINT: converts
-      : upper_(static_cast<std::uint16_t>((std::bit_cast<std::uint32_t>(value) + 0x8000U) >> 16U)) {}
-  operator float() const { return std::bit_cast<float>(std::uint32_t{upper_} << 16U); }  // NOLINT: converts
+      : upper_(static_cast<std::uint16_t>((std::bit_cast<std::uint32_t>(value) + 0x8000U) >> 16U)) {
+  }
+  operator float() const {
+    return std::bit_cast<float>(std::uint32_t{upper_} << 16U);
+  }  // NOLINT: converts
 
  private:
   std::uint16_t upper_ = 0;
 };
 
-/// One sample of the ground as one keyframe saw it. Small: a drive keeps tens of millions per kilometre.
+/// One sample of the ground as one keyframe saw it. Small: a drive keeps tens of millions per
+/// kilometer.
 struct GroundSample {
   CompactPoint point_in_body;  ///< [m]
   std::uint8_t blue = 0, green = 0, red = 0;
-  bool is_free = false;         ///< drivable ground; false: seen, and not ground
-  CompactFloat weight = 1;      ///< inverse variance of the height [1/m^2]
-  CompactFloat footprint = 0;   ///< [m] side of the square of ground that it stands for; 0: one cell
-  CompactFloat confidence = 1;  ///< of is_free, 0 to 1: the share of a sure sight's log-odds that this one counts for;
-                                ///< 0: it has colours only, being beyond what bounds the ground, or, where is_free,
-                                ///< nothing can be told
+  bool is_free = false;        ///< drivable ground; false: seen, and not ground
+  CompactFloat weight = 1;     ///< inverse variance of the height [1/m^2]
+  CompactFloat footprint = 0;  ///< [m] side of the square of ground that it stands for; 0: one cell
+  CompactFloat confidence = 1;  ///< of is_free, 0 to 1: the share of a sure sight's log-odds that
+                                ///< this one counts for; 0: it has colors only, being beyond what
+                                ///< bounds the ground, or, where is_free, nothing can be told
 
   bool IsDoubtful() const { return is_free && confidence <= 0; }
   bool IsBeyond() const { return !is_free && confidence <= 0; }

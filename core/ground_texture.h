@@ -5,34 +5,39 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "core/scratch_vector.h"
+#include "core/file_backed_vector.h"
 
 namespace parkade {
 
-/// A picture of a stretch of ground, straight from above: texel (column, row) shows the square whose upper left corner
-/// is at (left + column * texel_size, top - row * texel_size) in site. Rows run south, columns east.
+/// A image of a stretch of ground, straight from above: texel (column, row) shows the square whose
+/// upper left corner is at (left + column * texel_size, top - row * texel_size) in site. Rows run
+/// south, columns east.
 struct TextureChart {
-  double left = 0, top = 0;              ///< [m] in site, of the picture's upper left corner
-  cv::Mat image;                         ///< CV_8UC3 (BGR, sRGB); beyond the mesh its border colours go on
-  cv::Mat mask;                          ///< CV_8UC1 of the same size: 0 off the mesh, kPainted or kPlain on it
+  double left = 0, top = 0;  ///< [m] in site, of the image's upper left corner
+  cv::Mat image;             ///< CV_8UC3 (BGR, sRGB); beyond the mesh its border colors go on
+  cv::Mat mask;              ///< CV_8UC1 of the same size: 0 off the mesh, kPainted or kPlain on it
   std::vector<std::uint32_t> triangles;  ///< of the mesh, painted by this chart, increasing
-  int column = 0, row = 0;               ///< of the square of ground that the triangles' centres lie in
-  int sheet = 0;                         ///< counts where decks lie above each other in one square
+  int column = 0, row = 0;  ///< of the square of ground that the triangles' centers lie in
+  int sheet = 0;            ///< counts where decks lie above each other in one square
 
   static constexpr std::uint8_t kPainted = 255;  ///< by photos
-  static constexpr std::uint8_t kPlain = 128;    ///< no photo shows it from near: it has the colour of a cell
+  static constexpr std::uint8_t kPlain =
+      128;  ///< no photo shows it from near: it has the color of a cell
 };
 
-/// The texture of a mesh: each triangle belongs to exactly one chart. No charts: the mesh has vertex colours only.
+/// The texture of a mesh: each triangle belongs to exactly one chart. No charts: the mesh has
+/// vertex colors only.
 struct GroundTexture {
-  double texel_size = 0.02;                                                     ///< [m]
-  double chart_size = 24;                                                       ///< [m] edge of the squares
-  std::vector<TextureChart> charts;                                             ///< sorted by row, column, sheet
-  std::vector<std::shared_ptr<const ScratchVector<std::uint8_t>>> pixels = {};  ///< where pictures of large maps lie
+  double texel_size = 0.02;          ///< [m]
+  double chart_size = 24;            ///< [m] edge of the squares
+  std::vector<TextureChart> charts;  ///< sorted by row, column, sheet
+  std::vector<std::shared_ptr<const FileBackedVector<std::uint8_t>>> pixels =
+      {};  ///< where images of large maps lie
 
   bool empty() const { return charts.empty(); }
 
-  /// Pictures of large maps are out of memory until they are looked at again: for those who go through all charts.
+  /// Images of large maps are out of memory until they are looked at again: for those who go
+  /// through all charts.
   void Release() const {
     for (const auto& array : pixels) ReleaseMemory(*array);
   }

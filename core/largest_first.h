@@ -10,13 +10,14 @@
 
 namespace parkade {
 
-/// As ParallelMap, but the largest by `size_of(i)` are begun first, so that no thread is left with a large one while
-/// the others have nothing more to do.
+/// As ParallelMap, but the largest by `size_of(i)` are begun first, so that no thread is left with
+/// a large one while the others have nothing more to do.
 template <typename SizeOf, typename Body>
 auto ParallelMapLargestFirst(std::size_t count, const SizeOf& size_of, const Body& body) {
   std::vector<std::size_t> order(count);
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size_of(a) > size_of(b); });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return size_of(a) > size_of(b); });
   std::vector<std::invoke_result_t<Body, std::size_t>> results(count);
   ParallelFor(count, [&](std::size_t i) { results[order[i]] = body(order[i]); });
   return results;

@@ -48,6 +48,8 @@ std::string Escaped(const std::string& message) {
 
 void SetLogLevel(LogLevel level) { Logger().set_level(ToSpdlog(level)); }
 
-void Log(LogLevel level, const std::string& message) { Logger().log(ToSpdlog(level), Escaped(message)); }
+void Log(LogLevel level, const std::string& message) {
+  Logger().log(ToSpdlog(level), Escaped(message));
+}
 
 }  // namespace parkade

@@ -27,7 +27,9 @@ struct Task {
   std::exception_ptr failure;
 
   bool HasMore() const { return next < count; }
-  bool IsInside(const Task& other) const { return this == &other || (outer != nullptr && outer->IsInside(other)); }
+  bool IsInside(const Task& other) const {
+    return this == &other || (outer != nullptr && outer->IsInside(other));
+  }
   void Work();
 };
 
@@ -50,12 +52,14 @@ void Task::Work() {
   task_of_thread = before;
 }
 
-/// Threads that help where more is to be done than whoever asked can do alone. Whoever waits for helpers helps with
-/// what they ask for meanwhile, and with nothing else: that could take longer than its own task, or wait for it.
+/// Threads that help where more is to be done than whoever asked can do alone. Whoever waits for
+/// helpers helps with what they ask for meanwhile, and with nothing else: that could take longer
+/// than its own task, or wait for it.
 class WorkerPool {
  public:
   explicit WorkerPool(int num_workers) {
-    for (int i = 0; i < num_workers; ++i) threads_.emplace_back([this](const std::stop_token& stop) { Run(stop); });
+    for (int i = 0; i < num_workers; ++i)
+      threads_.emplace_back([this](const std::stop_token& stop) { Run(stop); });
   }
 
   void Do(Task& task) {
@@ -80,7 +84,8 @@ class WorkerPool {
   void Run(const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     Task* task = nullptr;
-    while (change_.wait(lock, stop, [&] { return (task = FindTask(nullptr)) != nullptr; })) Help(*task, lock);
+    while (change_.wait(lock, stop, [&] { return (task = FindTask(nullptr)) != nullptr; }))
+      Help(*task, lock);
   }
 
   void Help(Task& task, std::unique_lock<std::mutex>& lock) {
@@ -114,7 +119,8 @@ int& ThreadCount() {
 
 void KeepLinearAlgebraToCaller() {
   using SetThreads = void (*)(int);
-  if (void* set_threads = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<SetThreads>(set_threads)(1);
+  if (void* set_threads = dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))
+    reinterpret_cast<SetThreads>(set_threads)(1);
 }
 
 void SetNumThreads(int num_threads) { ThreadCount() = std::max(1, num_threads); }

@@ -12,8 +12,9 @@ namespace parkade {
 void SetNumThreads(int num_threads);
 int NumThreads();
 
-/// Keeps OpenBLAS, where it is what linear algebra runs on, to the thread that calls it. With threads of its own it
-/// would take more than SetNumThreads allows, wait for them by spinning, and round differently on other machines.
+/// Keeps OpenBLAS, where it is what linear algebra runs on, to the thread that calls it. With
+/// threads of its own it would take more than SetNumThreads allows, wait for them by spinning, and
+/// round differently on other machines.
 void KeepLinearAlgebraToCaller();
 
 /// Calls `body(i)` once for every i in [0, count), on up to NumThreads() threads.

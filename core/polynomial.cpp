@@ -15,17 +15,21 @@ double Bisect(const std::vector<double>& coefficients, double begin, double end)
   const bool is_positive_at_begin = Evaluate(coefficients, begin) > 0;
   for (;;) {
     const double middle = 0.5 * (begin + end);
-    if (!(begin < middle && middle < end)) return middle;  // neighbouring doubles
-    (Evaluate(coefficients, middle) > 0 ? is_positive_at_begin : !is_positive_at_begin) ? begin = middle : end = middle;
+    if (!(begin < middle && middle < end)) return middle;  // neighboring doubles
+    (Evaluate(coefficients, middle) > 0 ? is_positive_at_begin : !is_positive_at_begin)
+        ? begin = middle
+        : end = middle;
   }
 }
 
 }  // namespace
 
-std::vector<double> FindSignChanges(const std::vector<double>& coefficients, double begin, double end) {
+std::vector<double> FindSignChanges(const std::vector<double>& coefficients, double begin,
+                                    double end) {
   if (coefficients.size() < 2) return {};
   std::vector<double> derivative;
-  for (size_t i = 1; i < coefficients.size(); ++i) derivative.push_back(static_cast<double>(i) * coefficients[i]);
+  for (size_t i = 1; i < coefficients.size(); ++i)
+    derivative.push_back(static_cast<double>(i) * coefficients[i]);
 
   // Between two extrema the polynomial is monotonic: at most one root.
   std::vector<double> borders = {begin};
@@ -33,7 +37,8 @@ std::vector<double> FindSignChanges(const std::vector<double>& coefficients, dou
   borders.push_back(end);
   std::vector<double> roots;
   for (size_t i = 1; i < borders.size(); ++i) {
-    const bool changes = (Evaluate(coefficients, borders[i - 1]) > 0) != (Evaluate(coefficients, borders[i]) > 0);
+    const bool changes =
+        (Evaluate(coefficients, borders[i - 1]) > 0) != (Evaluate(coefficients, borders[i]) > 0);
     if (changes) roots.push_back(Bisect(coefficients, borders[i - 1], borders[i]));
   }
   return roots;

@@ -9,9 +9,9 @@
 
 namespace parkade {
 
-/// Records that are added one after the other and lie on disk, so that there may be more of them than memory holds: of
-/// each, only where it lies is in memory. Any of them is read at any time; several threads may read at once, while none
-/// adds. Needs Exchange(archive, record).
+/// Records that are added one after the other and lie on disk, so that there may be more of them
+/// than memory holds: of each, only where it lies is in memory. Any of them is read at any time;
+/// several threads may read at once, while none adds. Needs Serialize(archive, record).
 template <typename Record>
 class RecordStore {
  public:

@@ -9,39 +9,47 @@ namespace parkade {
 namespace {
 
 void RequireRigid(const Rigid3& motion, const std::string& name) {
-  Require(motion.translation.allFinite() && motion.rotation.coeffs().allFinite(), ErrorCode::kInvalidInput,
-          name + " holds a number that is not finite");
-  Require(std::abs(motion.rotation.norm() - 1) < 1e-6, ErrorCode::kInvalidInput, name + " is not a rigid motion");
+  Require(motion.translation.allFinite() && motion.rotation.coeffs().allFinite(),
+          ErrorCode::kInvalidInput, name + " holds a number that is not finite");
+  Require(std::abs(motion.rotation.norm() - 1) < 1e-6, ErrorCode::kInvalidInput,
+          name + " is not a rigid motion");
 }
 
 void RequirePositive(double value, const std::string& name) {
-  Require(value > 0 && std::isfinite(value), ErrorCode::kInvalidInput, name + " must be a positive number");
+  Require(value > 0 && std::isfinite(value), ErrorCode::kInvalidInput,
+          name + " must be a positive number");
 }
 
 void RequireLength(double value, const std::string& name) {
-  Require(value >= 0 && std::isfinite(value), ErrorCode::kInvalidInput, name + " must be a length in metres");
+  Require(value >= 0 && std::isfinite(value), ErrorCode::kInvalidInput,
+          name + " must be a length in meters");
 }
 
 void ValidateCamera(const RigCamera& camera) {
   Require(!camera.name.empty(), ErrorCode::kInvalidInput, "a camera has no name");
-  Require(camera.model.width() > 0, ErrorCode::kInvalidInput, camera.name + " has no calibrated lens");
+  Require(camera.model.width() > 0, ErrorCode::kInvalidInput,
+          camera.name + " has no calibrated lens");
   RequireRigid(camera.body_from_camera, "the mounting of " + camera.name);
-  Require(std::isfinite(camera.time_shift) && std::abs(camera.time_shift) < 10, ErrorCode::kInvalidInput,
-          "the time shift of " + camera.name + " is not within 10 s");
-  Require(std::isfinite(camera.line_delay) && std::abs(camera.line_delay) * camera.model.height() < 1,
-          ErrorCode::kInvalidInput, "the line delay of " + camera.name + " makes an image longer than 1 s");
+  Require(std::isfinite(camera.time_shift) && std::abs(camera.time_shift) < 10,
+          ErrorCode::kInvalidInput, "the time shift of " + camera.name + " is not within 10 s");
+  Require(
+      std::isfinite(camera.line_delay) && std::abs(camera.line_delay) * camera.model.height() < 1,
+      ErrorCode::kInvalidInput,
+      "the line delay of " + camera.name + " makes an image longer than 1 s");
   if (camera.mask.empty()) return;
-  Require(camera.mask.type() == CV_8UC1, ErrorCode::kInvalidInput, "the mask of " + camera.name + " is not gray");
+  Require(camera.mask.type() == CV_8UC1, ErrorCode::kInvalidInput,
+          "the mask of " + camera.name + " is not gray");
   Require(camera.mask.cols == camera.model.width() && camera.mask.rows == camera.model.height(),
-          ErrorCode::kInvalidInput, "the mask of " + camera.name + " has another size than its image");
+          ErrorCode::kInvalidInput,
+          "the mask of " + camera.name + " has another size than its image");
 }
 
 }  // namespace
 
 bool RigCamera::IsUsable(const Eigen::Vector2d& pixel, double margin) const {
   if (!model.IsInImage(pixel, margin)) return false;
-  return mask.empty() ||
-         mask.at<uchar>(static_cast<int>(std::lround(pixel.y())), static_cast<int>(std::lround(pixel.x()))) > 0;
+  return mask.empty() || mask.at<uchar>(static_cast<int>(std::lround(pixel.y())),
+                                        static_cast<int>(std::lround(pixel.x()))) > 0;
 }
 
 void ValidateRig(const Rig& rig) {
@@ -49,7 +57,8 @@ void ValidateRig(const Rig& rig) {
   std::set<std::string> names, topics;
   for (const RigCamera& camera : rig.cameras) {
     ValidateCamera(camera);
-    Require(names.insert(camera.name).second, ErrorCode::kInvalidInput, "two cameras are called " + camera.name);
+    Require(names.insert(camera.name).second, ErrorCode::kInvalidInput,
+            "two cameras are called " + camera.name);
     Require(topics.insert(camera.topic).second, ErrorCode::kInvalidInput,
             "two cameras have the topic '" + camera.topic + "'");
   }
@@ -62,8 +71,8 @@ void ValidateRig(const Rig& rig) {
   if (!rig.vehicle) return;
   RequireLength(rig.vehicle->wheelbase, "wheelbase of the vehicle");
   RequireLength(rig.vehicle->track, "track of the vehicle");
-  Require(!rig.vehicle->antenna_in_body || rig.vehicle->antenna_in_body->allFinite(), ErrorCode::kInvalidInput,
-          "p_body_gnss of the vehicle holds a number that is not finite");
+  Require(!rig.vehicle->antenna_in_body || rig.vehicle->antenna_in_body->allFinite(),
+          ErrorCode::kInvalidInput, "p_body_gnss of the vehicle holds a number that is not finite");
 }
 
 }  // namespace parkade

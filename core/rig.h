@@ -12,7 +12,7 @@
 
 namespace parkade {
 
-/// One camera of a rig. Cameras are not synchronised with each other.
+/// One camera of a rig. Cameras are not synchronized with each other.
 struct RigCamera {
   std::string name;   ///< "cam0"; unique within the rig
   std::string topic;  ///< image topic; matched with or without "/compressed"
@@ -46,7 +46,7 @@ struct VehicleCalibration {
 };
 
 /// The calibrated sensors of one car, valid once ValidateRig has passed.
-/// Frame `body`: rear-axle centre on the ground, x forward, y left, z up. Rigs
+/// Frame `body`: rear-axle center on the ground, x forward, y left, z up. Rigs
 /// without vehicle.yaml have no such frame: body is then the IMU frame and
 /// `vehicle` is empty.
 struct Rig {
@@ -55,7 +55,9 @@ struct Rig {
   Rigid3 body_from_imu;
   std::optional<VehicleCalibration> vehicle;
 
-  Rigid3 ImuFromCamera(size_t camera) const { return body_from_imu.Inverse() * cameras[camera].body_from_camera; }
+  Rigid3 ImuFromCamera(size_t camera) const {
+    return body_from_imu.Inverse() * cameras[camera].body_from_camera;
+  }
 };
 
 /// Throws Error{kInvalidInput} naming the first thing that is wrong: no camera,

@@ -26,13 +26,16 @@ double NumberOr(const YamlNode& node, const std::string& key, double otherwise) 
 }
 
 /// The list under `key`, of one of the allowed sizes.
-std::vector<double> NumbersAt(const YamlNode& node, const std::string& key, std::initializer_list<size_t> sizes) {
+std::vector<double> NumbersAt(const YamlNode& node, const std::string& key,
+                              std::initializer_list<size_t> sizes) {
   const YamlNode list = node.At(key);
   std::vector<double> numbers = list.Numbers();
   std::string allowed;
   for (const size_t size : sizes) allowed += (allowed.empty() ? "" : " or ") + std::to_string(size);
-  Require(std::find(sizes.begin(), sizes.end(), numbers.size()) != sizes.end(), ErrorCode::kInvalidInput,
-          list.where() + " must hold " + allowed + " numbers, not " + std::to_string(numbers.size()));
+  Require(
+      std::find(sizes.begin(), sizes.end(), numbers.size()) != sizes.end(),
+      ErrorCode::kInvalidInput,
+      list.where() + " must hold " + allowed + " numbers, not " + std::to_string(numbers.size()));
   return numbers;
 }
 
@@ -45,11 +48,18 @@ RadTanDistortion ReadRadTan(const YamlNode& camera) {
 CameraModel::Projection ReadPinhole(const YamlNode& camera, const std::string& distortion) {
   const std::vector<double> f = NumbersAt(camera, "intrinsics", {4});
   if (distortion == "radtan")
-    return RadTanProjection{.fx = f[0], .fy = f[1], .cx = f[2], .cy = f[3], .distortion = ReadRadTan(camera)};
+    return RadTanProjection{
+        .fx = f[0], .fy = f[1], .cx = f[2], .cy = f[3], .distortion = ReadRadTan(camera)};
   if (distortion == "equidistant") {
     const std::vector<double> k = NumbersAt(camera, "distortion_coeffs", {4});
-    return KannalaBrandtProjection{
-        .fx = f[0], .fy = f[1], .cx = f[2], .cy = f[3], .k1 = k[0], .k2 = k[1], .k3 = k[2], .k4 = k[3]};
+    return KannalaBrandtProjection{.fx = f[0],
+                                   .fy = f[1],
+                                   .cx = f[2],
+                                   .cy = f[3],
+                                   .k1 = k[0],
+                                   .k2 = k[1],
+                                   .k3 = k[2],
+                                   .k4 = k[3]};
   }
   return PinholeProjection{.fx = f[0], .fy = f[1], .cx = f[2], .cy = f[3]};
 }
@@ -57,21 +67,22 @@ CameraModel::Projection ReadPinhole(const YamlNode& camera, const std::string& d
 OcamProjection ReadOcam(const YamlNode& camera) {
   std::vector<double> a = NumbersAt(camera, "intrinsics", {4, 5});
   if (a.size() == 5) {  // the toolbox writes its a1, which is always zero
-    Require(a[1] == 0, ErrorCode::kInvalidInput, camera.where() + ".intrinsics: a1 of an ocam lens must be 0");
+    Require(a[1] == 0, ErrorCode::kInvalidInput,
+            camera.where() + ".intrinsics: a1 of an ocam lens must be 0");
     a.erase(a.begin() + 1);
   }
   // The toolbox's z points backwards: see OcamProjection.
   if (a[0] < 0)
     for (double& coefficient : a) coefficient = -coefficient;
-  const std::vector<double> centre = NumbersAt(camera, "centre", {2});
+  const std::vector<double> center = NumbersAt(camera, "centre", {2});
   const std::vector<double> affine =
       camera.Has("affine") ? NumbersAt(camera, "affine", {3}) : std::vector<double>{1, 0, 0};
   return {.a0 = a[0],
           .a2 = a[1],
           .a3 = a[2],
           .a4 = a[3],
-          .cx = centre[0],
-          .cy = centre[1],
+          .cx = center[0],
+          .cy = center[1],
           .c = affine[0],
           .d = affine[1],
           .e = affine[2]};
@@ -80,13 +91,16 @@ OcamProjection ReadOcam(const YamlNode& camera) {
 CameraModel::Projection ReadProjection(const YamlNode& camera) {
   const std::string model = camera.At("camera_model").Text();
   constexpr std::string_view kModels[] = {"pinhole", "omni", "ds", "eucm", "ocam"};
-  Require(std::find(std::begin(kModels), std::end(kModels), model) != std::end(kModels), ErrorCode::kInvalidInput,
-          camera.where() + ".camera_model '" + model + "' is not one of pinhole, omni, ds, eucm, ocam");
+  Require(
+      std::find(std::begin(kModels), std::end(kModels), model) != std::end(kModels),
+      ErrorCode::kInvalidInput,
+      camera.where() + ".camera_model '" + model + "' is not one of pinhole, omni, ds, eucm, ocam");
   const std::string distortion = TextOr(camera, "distortion_model", "none");
   const auto allow = [&](std::initializer_list<std::string_view> distortions) {
-    Require(
-        std::find(distortions.begin(), distortions.end(), distortion) != distortions.end(), ErrorCode::kInvalidInput,
-        camera.where() + ": camera_model '" + model + "' with distortion_model '" + distortion + "' is not supported");
+    Require(std::find(distortions.begin(), distortions.end(), distortion) != distortions.end(),
+            ErrorCode::kInvalidInput,
+            camera.where() + ": camera_model '" + model + "' with distortion_model '" + distortion +
+                "' is not supported");
   };
   if (model == "pinhole") {
     allow({"none", "radtan", "equidistant"});
@@ -95,19 +109,22 @@ CameraModel::Projection ReadProjection(const YamlNode& camera) {
   if (model == "omni") {
     allow({"none", "radtan"});
     const std::vector<double> f = NumbersAt(camera, "intrinsics", {5});
-    return MeiProjection{.xi = f[0],
-                         .fx = f[1],
-                         .fy = f[2],
-                         .cx = f[3],
-                         .cy = f[4],
-                         .distortion = distortion == "radtan" ? ReadRadTan(camera) : RadTanDistortion{}};
+    return MeiProjection{
+        .xi = f[0],
+        .fx = f[1],
+        .fy = f[2],
+        .cx = f[3],
+        .cy = f[4],
+        .distortion = distortion == "radtan" ? ReadRadTan(camera) : RadTanDistortion{}};
   }
   allow({"none"});
   if (model == "ocam") return ReadOcam(camera);
   const std::vector<double> f = NumbersAt(camera, "intrinsics", {6});
   if (model == "ds")
-    return DoubleSphereProjection{.xi = f[0], .alpha = f[1], .fx = f[2], .fy = f[3], .cx = f[4], .cy = f[5]};
-  return EucmProjection{.alpha = f[0], .beta = f[1], .fx = f[2], .fy = f[3], .cx = f[4], .cy = f[5]};
+    return DoubleSphereProjection{
+        .xi = f[0], .alpha = f[1], .fx = f[2], .fy = f[3], .cx = f[4], .cy = f[5]};
+  return EucmProjection{
+      .alpha = f[0], .beta = f[1], .fx = f[2], .fy = f[3], .cx = f[4], .cy = f[5]};
 }
 
 CameraModel ReadModel(const YamlNode& camera) {
@@ -129,8 +146,10 @@ cv::Mat ReadMask(const YamlNode& camera, const path& folder) {
   if (!camera.Has("mask")) return {};
   const YamlNode node = camera.At("mask");
   const path relative = node.Text();
-  const bool leaves_folder = relative.is_absolute() || relative.lexically_normal().string().starts_with("..");
-  Require(!leaves_folder, ErrorCode::kInvalidInput, node.where() + " must lie inside the rig's folder");
+  const bool leaves_folder =
+      relative.is_absolute() || relative.lexically_normal().string().starts_with("..");
+  Require(!leaves_folder, ErrorCode::kInvalidInput,
+          node.where() + " must lie inside the rig's folder");
   cv::Mat mask;
   if (std::filesystem::is_regular_file(folder / relative))
     mask = cv::imread((folder / relative).string(), cv::IMREAD_GRAYSCALE);
@@ -144,7 +163,8 @@ std::vector<std::string> CameraNames(const YamlNode& chain) {
   std::vector<std::pair<int, std::string>> numbered;
   for (const std::string& key : chain.Keys()) {
     const std::string number = key.starts_with("cam") ? key.substr(3) : "";
-    if (!number.empty() && number.size() < 5 && number.find_first_not_of("0123456789") == std::string::npos)
+    if (!number.empty() && number.size() < 5 &&
+        number.find_first_not_of("0123456789") == std::string::npos)
       numbered.emplace_back(std::stoi(number), key);
   }
   std::sort(numbered.begin(), numbered.end());
@@ -199,7 +219,8 @@ Rig ReadRig(const path& folder) {
     rig.vehicle = ReadVehicle(vehicle);
   }
 
-  const YamlNode chain = ReadYaml(FindFile(folder, {"camchain-imucam.yaml", "kalibr_imucam_chain.yaml"}));
+  const YamlNode chain =
+      ReadYaml(FindFile(folder, {"camchain-imucam.yaml", "kalibr_imucam_chain.yaml"}));
   std::optional<Rigid3> previous_from_imu;
   for (const std::string& name : CameraNames(chain)) {
     const YamlNode node = chain.At(name);

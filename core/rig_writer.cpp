@@ -19,7 +19,8 @@ void WriteMotion(YAML::Emitter& out, const char* key, const Rigid3& motion) {
   const Eigen::Matrix4d matrix = motion.Matrix();
   out << YAML::Key << key << YAML::Value << YAML::BeginSeq;
   for (Eigen::Index row = 0; row < 4; ++row)
-    out << YAML::Flow << std::vector<double>{matrix(row, 0), matrix(row, 1), matrix(row, 2), matrix(row, 3)};
+    out << YAML::Flow
+        << std::vector<double>{matrix(row, 0), matrix(row, 1), matrix(row, 2), matrix(row, 3)};
   out << YAML::EndSeq;
 }
 
@@ -47,10 +48,12 @@ struct LensWriter {
     Write("pinhole", {lens.fx, lens.fy, lens.cx, lens.cy}, "radtan", Coefficients(lens.distortion));
   }
   void operator()(const KannalaBrandtProjection& lens) const {
-    Write("pinhole", {lens.fx, lens.fy, lens.cx, lens.cy}, "equidistant", {lens.k1, lens.k2, lens.k3, lens.k4});
+    Write("pinhole", {lens.fx, lens.fy, lens.cx, lens.cy}, "equidistant",
+          {lens.k1, lens.k2, lens.k3, lens.k4});
   }
   void operator()(const MeiProjection& lens) const {
-    Write("omni", {lens.xi, lens.fx, lens.fy, lens.cx, lens.cy}, "radtan", Coefficients(lens.distortion));
+    Write("omni", {lens.xi, lens.fx, lens.fy, lens.cx, lens.cy}, "radtan",
+          Coefficients(lens.distortion));
   }
   void operator()(const EucmProjection& lens) const {
     Write("eucm", {lens.alpha, lens.beta, lens.fx, lens.fy, lens.cx, lens.cy}, "none", {});
@@ -92,11 +95,12 @@ void WriteImu(const ImuCalibration& imu, const path& file) {
   YAML::Emitter out;
   StartMap(out);
   out << YAML::Key << "rostopic" << YAML::Value << imu.topic;
-  const std::pair<const char*, double> numbers[] = {{"update_rate", imu.update_rate},
-                                                    {"accelerometer_noise_density", imu.accelerometer_noise_density},
-                                                    {"accelerometer_random_walk", imu.accelerometer_random_walk},
-                                                    {"gyroscope_noise_density", imu.gyroscope_noise_density},
-                                                    {"gyroscope_random_walk", imu.gyroscope_random_walk}};
+  const std::pair<const char*, double> numbers[] = {
+      {"update_rate", imu.update_rate},
+      {"accelerometer_noise_density", imu.accelerometer_noise_density},
+      {"accelerometer_random_walk", imu.accelerometer_random_walk},
+      {"gyroscope_noise_density", imu.gyroscope_noise_density},
+      {"gyroscope_random_walk", imu.gyroscope_random_walk}};
   for (const auto& [key, value] : numbers) out << YAML::Key << key << YAML::Value << value;
   Finish(out, file);
 }
@@ -107,8 +111,10 @@ void WriteVehicle(const Rig& rig, const path& file) {
   WriteMotion(out, "T_imu_body", rig.body_from_imu.Inverse());
   out << YAML::Key << "wheelbase" << YAML::Value << rig.vehicle->wheelbase;
   out << YAML::Key << "track" << YAML::Value << rig.vehicle->track;
-  if (!rig.vehicle->wheel_topic.empty()) out << YAML::Key << "wheel_topic" << YAML::Value << rig.vehicle->wheel_topic;
-  if (!rig.vehicle->gnss_topic.empty()) out << YAML::Key << "gnss_topic" << YAML::Value << rig.vehicle->gnss_topic;
+  if (!rig.vehicle->wheel_topic.empty())
+    out << YAML::Key << "wheel_topic" << YAML::Value << rig.vehicle->wheel_topic;
+  if (!rig.vehicle->gnss_topic.empty())
+    out << YAML::Key << "gnss_topic" << YAML::Value << rig.vehicle->gnss_topic;
   if (const auto& antenna = rig.vehicle->antenna_in_body)
     WriteNumbers(out, "p_body_gnss", {antenna->x(), antenna->y(), antenna->z()});
   Finish(out, file);

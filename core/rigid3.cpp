@@ -22,7 +22,8 @@ Eigen::Matrix4d Rigid3::Matrix() const {
 
 Rigid3 Rigid3::FromMatrix(const Eigen::Matrix4d& matrix) {
   const Eigen::Matrix3d given = matrix.topLeftCorner<3, 3>();
-  Require(matrix.allFinite(), ErrorCode::kInvalidInput, "a 4x4 transform holds a number that is not finite");
+  Require(matrix.allFinite(), ErrorCode::kInvalidInput,
+          "a 4x4 transform holds a number that is not finite");
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(given, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Matrix3d nearest = svd.matrixU() * svd.matrixV().transpose();
   const bool is_rigid = (nearest - given).norm() < 1e-3 && nearest.determinant() > 0 &&
@@ -52,7 +53,8 @@ Eigen::Vector3d LogSo3(const Eigen::Quaterniond& rotation) {
   const double w = sign * rotation.w();
   const Eigen::Vector3d vec = sign * rotation.vec();
   const double sine = vec.norm();
-  const double scale = sine < kSmallAngle ? 2 / w * (1 - sine * sine / (3 * w * w)) : 2 * std::atan2(sine, w) / sine;
+  const double scale =
+      sine < kSmallAngle ? 2 / w * (1 - sine * sine / (3 * w * w)) : 2 * std::atan2(sine, w) / sine;
   return scale * vec;
 }
 

@@ -9,12 +9,14 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 /// A rigid motion, always named `target_from_source`:
-/// `x_in_target = target_from_source * x_in_source`. Neighbours cancel.
+/// `x_in_target = target_from_source * x_in_source`. Neighbors cancel.
 struct Rigid3 {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< [m]
 
-  Eigen::Vector3d operator*(const Eigen::Vector3d& point) const { return rotation * point + translation; }
+  Eigen::Vector3d operator*(const Eigen::Vector3d& point) const {
+    return rotation * point + translation;
+  }
 
   Rigid3 operator*(const Rigid3& other) const {
     return {(rotation * other.rotation).normalized(), rotation * other.translation + translation};

@@ -11,7 +11,8 @@
 namespace parkade {
 
 Sha256::Sha256() : context_(EVP_MD_CTX_new()) {
-  const bool is_ready = context_ != nullptr && EVP_DigestInit_ex(context_, EVP_sha256(), nullptr) == 1;
+  const bool is_ready =
+      context_ != nullptr && EVP_DigestInit_ex(context_, EVP_sha256(), nullptr) == 1;
   Require(is_ready, ErrorCode::kInternal, "SHA-256 is not available");
 }
 
@@ -42,7 +43,8 @@ std::string Sha256OfFile(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::vector<char> piece(size_t{1} << 20);
   Sha256 hash;
-  while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())) || stream.gcount() > 0)
+  while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())) ||
+         stream.gcount() > 0)
     hash.Add({piece.data(), static_cast<size_t>(stream.gcount())});
   Require(stream.eof(), ErrorCode::kInternal, "cannot read '" + file.filename().string() + "'");
   return hash.Finish();

@@ -8,7 +8,6 @@
 #include "core/ground_markings.h"
 #include "core/ground_texture.h"
 #include "core/rig.h"
-#include "core/submap.h"
 #include "core/surface_map.h"
 #include "core/trajectory.h"
 #include "core/triangle_mesh.h"
@@ -26,7 +25,6 @@ struct SiteDrive {
 /// Everything that `export/` writes and the API reads.
 struct SiteMap {
   std::vector<SiteDrive> drives;
-  std::vector<PosedSubmap> submaps;
   SurfaceMap surface;
   TriangleMesh mesh;
   GroundTexture texture;                   ///< of `mesh`; may be empty

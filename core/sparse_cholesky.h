@@ -8,14 +8,14 @@ namespace parkade {
 
 /// x of A x = b, one column for each of `b`.
 ///
-/// A is symmetric and positive definite; only its lower triangle is read. Supernodal Cholesky (CHOLMOD), all of it in
-/// the thread that calls: the result does not depend on how many there are. Throws Error{kInternal} where A is not
-/// positive definite. Y. Chen, T. Davis, W. Hager, S. Rajamanickam, "Algorithm 887: CHOLMOD ...", ACM Trans. Math.
-/// Softw. 35(3), 2008.
+/// A is symmetric and positive definite; only its lower triangle is read. Supernodal Cholesky
+/// (CHOLMOD), all of it in the thread that calls: the result does not depend on how many there are.
+/// Throws Error{kInternal} where A is not positive definite. Y. Chen, T. Davis, W. Hager, S.
+/// Rajamanickam, "Algorithm 887: CHOLMOD ...", ACM Trans. Math. Softw. 35(3), 2008.
 Eigen::MatrixXd SolveCholesky(const Eigen::SparseMatrix<double>& a, const Eigen::MatrixXd& b);
 
-/// The same for matrices whose entries are at the same places, one after the other: the order in which they are
-/// eliminated is found once. Between them it keeps no numbers.
+/// The same for matrices whose entries are at the same places, one after the other: the order in
+/// which they are eliminated is found once. Between them it keeps no numbers.
 class CholeskySolver {
  public:
   CholeskySolver();

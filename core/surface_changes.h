@@ -35,7 +35,7 @@ struct ChangedRegion {
   GroundChange change = GroundChange::kFreed;
   double area = 0;                                   ///< [m^2]
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< [m] in the later map's site
-  double height_change = 0;             ///< [m] mean, beside the ground around, where drivable in both; else 0
+  double height_change = 0;  ///< [m] mean, beside the ground around, where drivable in both; else 0
   std::vector<SurfaceCell> cells = {};  ///< in the later map's grid
 };
 
@@ -45,7 +45,8 @@ struct HeightChange {
   double percentile_95 = 0;  ///< of absolute values
 };
 
-/// How the ground of one version of a map differs from that of an earlier one, in the later one's site and grid.
+/// How the ground of one version of a map differs from that of an earlier one, in the later one's
+/// site and grid.
 struct SurfaceChanges {
   double cell_size = 0;                     ///< [m]
   std::vector<ChangedRegion> regions = {};  ///< by kind, then the largest first
@@ -59,7 +60,9 @@ struct SurfaceChanges {
       if (region.change == change) area += region.area;
     return area;
   }
-  double UnchangedArea() const { return static_cast<double>(unchanged.size()) * cell_size * cell_size; }
+  double UnchangedArea() const {
+    return static_cast<double>(unchanged.size()) * cell_size * cell_size;
+  }
 };
 
 }  // namespace parkade

@@ -20,7 +20,9 @@ Timestamp TimestampFromSeconds(double seconds) {
           static_cast<std::int64_t>(std::llround((seconds - whole) * 1e9))};
 }
 
-Timestamp operator+(Timestamp time, double seconds) { return {time.ns + TimestampFromSeconds(seconds).ns}; }
+Timestamp operator+(Timestamp time, double seconds) {
+  return {time.ns + TimestampFromSeconds(seconds).ns};
+}
 
 std::string ToDecimalSeconds(Timestamp time) {
   const bool is_negative = time.ns < 0;
@@ -40,8 +42,9 @@ Timestamp ParseSeconds(const std::string& text) {
   if (text.find_first_of("eE") != std::string::npos) {
     char* end = nullptr;
     const double seconds = std::strtod(text.c_str(), &end);
-    Require(end != text.c_str() && *end == '\0' && std::isfinite(seconds) && std::abs(seconds) < 9e9,
-            ErrorCode::kInvalidInput, "'" + text + "' is not a time in seconds");
+    Require(
+        end != text.c_str() && *end == '\0' && std::isfinite(seconds) && std::abs(seconds) < 9e9,
+        ErrorCode::kInvalidInput, "'" + text + "' is not a time in seconds");
     return TimestampFromSeconds(seconds);
   }
 
@@ -63,7 +66,8 @@ Timestamp ParseSeconds(const std::string& text) {
       unit /= 10;
     }
   }
-  Require(num_digits > 0 && i == text.size(), ErrorCode::kInvalidInput, "'" + text + "' is not a time in seconds");
+  Require(num_digits > 0 && i == text.size(), ErrorCode::kInvalidInput,
+          "'" + text + "' is not a time in seconds");
   const std::int64_t total = seconds * kNsPerSecond + ns;
   return {is_negative ? -total : total};
 }

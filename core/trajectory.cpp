@@ -14,8 +14,9 @@ namespace parkade {
 Trajectory::Trajectory(std::vector<TrajectoryState> states) {
   for (size_t i = 0; i < states.size(); ++i) {
     const TrajectoryState& state = states[i];
-    Require(state.odom_from_body.translation.allFinite() && state.odom_from_body.rotation.coeffs().allFinite() &&
-                state.velocity_in_odom.allFinite(),
+    Require(state.world_from_body.translation.allFinite() &&
+                state.world_from_body.rotation.coeffs().allFinite() &&
+                state.velocity_in_world.allFinite(),
             ErrorCode::kInternal, "a trajectory holds a pose that is not finite");
     Require(i == 0 || states[i - 1].time < state.time, ErrorCode::kInternal,
             "the times of a trajectory do not increase");
@@ -35,26 +36,29 @@ TimeSpan Trajectory::span() const {
 double Trajectory::Length() const {
   double length = 0;
   for (size_t i = 1; i < states().size(); ++i)
-    length += (states()[i].odom_from_body.translation - states()[i - 1].odom_from_body.translation).norm();
+    length +=
+        (states()[i].world_from_body.translation - states()[i - 1].world_from_body.translation)
+            .norm();
   return length;
 }
 
 std::optional<Rigid3> Trajectory::At(Timestamp time) const {
   if (!span().Contains(time)) return std::nullopt;
-  const auto after = std::lower_bound(states().begin(), states().end(), time,
-                                      [](const TrajectoryState& state, Timestamp t) { return state.time < t; });
-  if (after->time == time) return after->odom_from_body;
+  const auto after =
+      std::lower_bound(states().begin(), states().end(), time,
+                       [](const TrajectoryState& state, Timestamp t) { return state.time < t; });
+  if (after->time == time) return after->world_from_body;
   const auto before = std::prev(after);
-  return Interpolate(before->odom_from_body, after->odom_from_body,
+  return Interpolate(before->world_from_body, after->world_from_body,
                      (time - before->time) / (after->time - before->time));
 }
 
-Trajectory Trajectory::Transformed(const Rigid3& target_from_odom) const {
+Trajectory Trajectory::Transformed(const Rigid3& target_from_world) const {
   std::vector<TrajectoryState> moved = states();
-  const Eigen::Matrix3d rotation = target_from_odom.rotation.toRotationMatrix();
+  const Eigen::Matrix3d rotation = target_from_world.rotation.toRotationMatrix();
   for (TrajectoryState& state : moved) {
-    state.odom_from_body = target_from_odom * state.odom_from_body;
-    state.velocity_in_odom = rotation * state.velocity_in_odom;
+    state.world_from_body = target_from_world * state.world_from_body;
+    state.velocity_in_world = rotation * state.velocity_in_world;
     Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Identity();
     turn.bottomRightCorner<3, 3>() = rotation;
     state.covariance = turn * state.covariance * turn.transpose();
@@ -68,7 +72,9 @@ std::vector<TimedPose> ReadTum(const std::filesystem::path& file) {
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (line.find_first_not_of(" \t") == std::string::npos || line[line.find_first_not_of(" \t")] == '#') continue;
+    if (line.find_first_not_of(" \t") == std::string::npos ||
+        line[line.find_first_not_of(" \t")] == '#')
+      continue;
     const std::string where = "'" + file.filename().string() + "', line " + std::to_string(number);
     std::istringstream fields(line);
     std::string time;
@@ -94,8 +100,9 @@ void WriteTum(const std::vector<TimedPose>& poses, const std::filesystem::path& 
       const Eigen::Vector3d& p = pose.world_from_frame.translation;
       const Eigen::Quaterniond& q = pose.world_from_frame.rotation;
       char line[256];
-      std::snprintf(line, sizeof line, "%s %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", ToDecimalSeconds(pose.time).c_str(),
-                    p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+      std::snprintf(line, sizeof line, "%s %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n",
+                    ToDecimalSeconds(pose.time).c_str(), p.x(), p.y(), p.z(), q.x(), q.y(), q.z(),
+                    q.w());
       text.Append(line);
     }
     text.Flush();

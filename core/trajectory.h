@@ -15,17 +15,17 @@ namespace parkade {
 /// The car's state at one instant.
 struct TrajectoryState {
   Timestamp time;
-  Rigid3 odom_from_body;
-  Eigen::Vector3d velocity_in_odom = Eigen::Vector3d::Zero();  ///< [m/s] of the body origin
+  Rigid3 world_from_body;  ///< the trajectory says which world: odom or site
+  Eigen::Vector3d velocity_in_world = Eigen::Vector3d::Zero();  ///< [m/s] of the body origin
   Eigen::Vector3d gyroscope_bias = Eigen::Vector3d::Zero();
   Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();
-  /// Of [rotation vector in body (rad), translation in odom (m)].
+  /// Of [rotation vector in body (rad), translation in world (m)].
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
-/// Timed poses of one drive, strictly increasing in time. `odom` is
-/// gravity-aligned (z up) and drifts; the same type holds `site_from_body` once
-/// a trajectory has been moved by Transformed(). Copies share what they hold.
+/// Timed poses of one drive in a world frame, strictly increasing in time. The variable's name says
+/// which world it is: `odom_from_body`, gravity-aligned (z up) and drifting, or `site_from_body`.
+/// Copies share what they hold.
 class Trajectory {
  public:
   Trajectory() = default;
@@ -35,14 +35,14 @@ class Trajectory {
   const std::vector<TrajectoryState>& states() const;
   bool empty() const { return states().empty(); }
   TimeSpan span() const;
-  double Length() const;  ///< [m] travelled by the body origin
+  double Length() const;  ///< [m] traveled by the body origin
 
   /// Geodesic interpolation inside the span, nothing outside. O(log n).
   std::optional<Rigid3> At(Timestamp time) const;
 
-  /// The same drive in another world frame: `target_from_odom` applied to poses
+  /// The same drive in another world frame: `target_from_world` applied to poses
   /// and velocities.
-  Trajectory Transformed(const Rigid3& target_from_odom) const;
+  Trajectory Transformed(const Rigid3& target_from_world) const;
 
  private:
   std::shared_ptr<const std::vector<TrajectoryState>> states_;  ///< null: none
@@ -58,7 +58,7 @@ struct TimedPose {
 /// Throws Error{kInvalidInput} naming file and line.
 std::vector<TimedPose> ReadTum(const std::filesystem::path& file);
 
-/// Times with 9 digits, metres and quaternions with 9. Whole or not at all.
+/// Times with 9 digits, meters and quaternions with 9. Whole or not at all.
 void WriteTum(const std::vector<TimedPose>& poses, const std::filesystem::path& file);
 
 }  // namespace parkade

@@ -10,7 +10,9 @@ namespace {
 
 constexpr size_t kMaxBytes = size_t{1} << 20;
 
-[[noreturn]] void Fail(const std::string& message) { throw Error(ErrorCode::kInvalidInput, message); }
+[[noreturn]] void Fail(const std::string& message) {
+  throw Error(ErrorCode::kInvalidInput, message);
+}
 
 }  // namespace
 
@@ -30,14 +32,16 @@ std::string YamlNode::Text() const {
 
 double YamlNode::Number() const {
   double number = 0;
-  if (!node_.IsScalar() || !YAML::convert<double>::decode(node_, number)) Fail(where_ + " must be a number");
+  if (!node_.IsScalar() || !YAML::convert<double>::decode(node_, number))
+    Fail(where_ + " must be a number");
   if (!std::isfinite(number)) Fail(where_ + " is not finite");
   return number;
 }
 
 int YamlNode::Integer() const {
   const double number = Number();
-  if (number != std::round(number) || std::abs(number) > 1e9) Fail(where_ + " must be a whole number");
+  if (number != std::round(number) || std::abs(number) > 1e9)
+    Fail(where_ + " must be a whole number");
   return static_cast<int>(number);
 }
 
@@ -72,7 +76,8 @@ Rigid3 YamlNode::Motion() const {
 std::vector<std::string> YamlNode::Keys() const {
   std::vector<std::string> keys;
   if (!node_.IsMap()) Fail(where_ + " must be a list of 'key: value'");
-  for (const auto& entry : node_) keys.push_back(entry.first.IsScalar() ? entry.first.Scalar() : "");
+  for (const auto& entry : node_)
+    keys.push_back(entry.first.IsScalar() ? entry.first.Scalar() : "");
   return keys;
 }
 

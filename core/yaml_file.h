@@ -12,8 +12,8 @@
 
 namespace parkade {
 
-/// A node of a YAML file that knows where it is, so that every error names file and key in one sentence.
-/// Private to core/rig_*.cpp. All functions throw Error{kInvalidInput}.
+/// A node of a YAML file that knows where it is, so that every error names file and key in one
+/// sentence. Private to core/rig_*.cpp. All functions throw Error{kInvalidInput}.
 class YamlNode {
  public:
   YamlNode(YAML::Node node, std::string where) : node_(std::move(node)), where_(std::move(where)) {}

@@ -21,10 +21,13 @@ struct Edge {
 /// By the key of the corner they start at: two where cells touch diagonally, else one.
 using EdgeMap = std::map<std::int64_t, std::vector<Edge>>;
 
-/// For each cell, which of its sides have no cell beyond them: a bit per side, east first. `cells` sorted by (y, x).
+/// For each cell, which of its sides have no cell beyond them: a bit per side, east first. `cells`
+/// sorted by (y, x).
 std::vector<std::uint8_t> FindOpenSides(std::span<const SurfaceCell> cells) {
   std::vector<std::uint8_t> open(cells.size(), 15);
-  const auto close = [&](size_t cell, int side) { open[cell] = static_cast<std::uint8_t>(open[cell] & ~(1 << side)); };
+  const auto close = [&](size_t cell, int side) {
+    open[cell] = static_cast<std::uint8_t>(open[cell] & ~(1 << side));
+  };
   constexpr int kEast = 0, kNorth = 1, kWest = 2, kSouth = 3;
   size_t below = 0;  // walks along as the cells do, one row lower
   for (size_t i = 0; i < cells.size(); ++i) {
@@ -58,13 +61,16 @@ EdgeMap FindEdges(std::span<const SurfaceCell> cells) {
     }
   }
   for (auto& [key, starting] : edges)
-    std::sort(starting.begin(), starting.end(), [](const Edge& a, const Edge& b) { return a.direction < b.direction; });
+    std::sort(starting.begin(), starting.end(),
+              [](const Edge& a, const Edge& b) { return a.direction < b.direction; });
   return edges;
 }
 
-/// The edge that follows: the rightmost where two start, which keeps an enclosed hole apart from the outer ring.
+/// The edge that follows: the rightmost where two start, which keeps an enclosed hole apart from
+/// the outer ring.
 Edge& NextEdge(EdgeMap& edges, const Edge& edge) {
-  std::vector<Edge>& starting = edges.at(CellKey(edge.x + kStepX[edge.direction], edge.y + kStepY[edge.direction]));
+  std::vector<Edge>& starting =
+      edges.at(CellKey(edge.x + kStepX[edge.direction], edge.y + kStepY[edge.direction]));
   const auto right_turns_first = [&](const Edge& a, const Edge& b) {
     return (a.direction - edge.direction + 5) % 4 < (b.direction - edge.direction + 5) % 4;
   };
@@ -78,11 +84,13 @@ Ring TraceRing(EdgeMap& edges, Edge& first, double cell_size) {
   do {
     edge->is_used = true;
     if (edge->direction != last_direction)
-      ring.emplace_back(edge->x * cell_size, edge->y * cell_size, static_cast<double>(edge->height));
+      ring.emplace_back(edge->x * cell_size, edge->y * cell_size,
+                        static_cast<double>(edge->height));
     last_direction = edge->direction;
     edge = &NextEdge(edges, *edge);
   } while (edge != &first);
-  if (last_direction == first.direction) ring.erase(ring.begin());  // it began in the middle of a straight run
+  if (last_direction == first.direction)
+    ring.erase(ring.begin());  // it began in the middle of a straight run
   return ring;
 }
 
@@ -92,7 +100,7 @@ std::vector<Ring> TraceBoundary(std::span<const SurfaceCell> cells, double cell_
   const auto is_before = [](const SurfaceCell& a, const SurfaceCell& b) {
     return std::tie(a.y, a.x) < std::tie(b.y, b.x);
   };
-  ScratchVector<SurfaceCell> sorted;
+  FileBackedVector<SurfaceCell> sorted;
   if (!std::is_sorted(cells.begin(), cells.end(), is_before)) {
     sorted.assign(cells.begin(), cells.end());
     std::sort(sorted.begin(), sorted.end(), is_before);

@@ -12,9 +12,10 @@ namespace parkade {
 /// Closed, the last point not repeated; (x, y) at cell corners, z the height of a cell there.
 using Ring = std::vector<Eigen::Vector3d>;
 
-/// The boundary of cells that are connected through edges, no two at one (x, y): first the outer ring, counter-
-/// clockwise from above, then the holes, clockwise. Rings may touch each other in corners and never cross
-/// (valid as OGC polygon). Only corners are kept. The result does not depend on the order of the cells.
+/// The boundary of cells that are connected through edges, no two at one (x, y): first the outer
+/// ring, counter- clockwise from above, then the holes, clockwise. Rings may touch each other in
+/// corners and never cross (valid as OGC polygon). Only corners are kept. The result does not
+/// depend on the order of the cells.
 std::vector<Ring> TraceBoundary(std::span<const SurfaceCell> cells, double cell_size);
 
 /// [m^2], positive for a counter-clockwise ring.

@@ -26,7 +26,8 @@ std::array<std::uint8_t, 3> ColorOf(GroundChange change) {
 }
 
 /// The region as polygons, none of which lies above itself.
-std::string FormatMultiPolygon(const ChangedRegion& region, double cell_size, const std::optional<SiteDatum>& datum) {
+std::string FormatMultiPolygon(const ChangedRegion& region, double cell_size,
+                               const std::optional<SiteDatum>& datum) {
   SurfaceMap surface{cell_size, {region.cells.begin(), region.cells.end()}};
   for (SurfaceCell& cell : surface.cells) cell.free_belief = 1;
   FreeSpaceOptions options;
@@ -40,22 +41,26 @@ std::string FormatMultiPolygon(const ChangedRegion& region, double cell_size, co
 
 }  // namespace
 
-std::string EncodeChangesGeoJson(const SurfaceChanges& changes, const std::optional<SiteDatum>& datum) {
+std::string EncodeChangesGeoJson(const SurfaceChanges& changes,
+                                 const std::optional<SiteDatum>& datum) {
   std::vector<std::string> features;
   for (size_t i = 0; i < changes.regions.size(); ++i) {
     const ChangedRegion& region = changes.regions[i];
     char properties[192];
-    std::snprintf(properties, sizeof properties, R"({"id":%zu,"change":"%s","area_m2":%.3f,"height_change_m":%.3f})", i,
+    std::snprintf(properties, sizeof properties,
+                  R"({"id":%zu,"change":"%s","area_m2":%.3f,"height_change_m":%.3f})", i,
                   ToText(region.change), region.area, region.height_change);
-    features.push_back(R"({"type":"Feature","properties":)" + std::string(properties) + R"(,"geometry":)" +
-                       FormatMultiPolygon(region, changes.cell_size, datum) + "}");
+    features.push_back(R"({"type":"Feature","properties":)" + std::string(properties) +
+                       R"(,"geometry":)" + FormatMultiPolygon(region, changes.cell_size, datum) +
+                       "}");
   }
   return FormatFeatureCollection(features, datum);
 }
 
 Orthophoto RenderChanges(const SurfaceChanges& changes) {
   SurfaceMap painted{changes.cell_size, {}};
-  const auto add = [&](const std::vector<SurfaceCell>& cells, const std::array<std::uint8_t, 3>& color) {
+  const auto add = [&](const std::vector<SurfaceCell>& cells,
+                       const std::array<std::uint8_t, 3>& color) {
     for (SurfaceCell cell : cells) {
       cell.color = color;
       painted.cells.push_back(cell);

@@ -30,7 +30,8 @@ void Append(double number, std::string& text) {
 }
 
 /// Of the IMU's turn and of its position, from those of the body.
-Eigen::Matrix<double, 6, 6> OfImu(const Eigen::Matrix<double, 6, 6>& covariance, const Rigid3& body_from_imu,
+Eigen::Matrix<double, 6, 6> OfImu(const Eigen::Matrix<double, 6, 6>& covariance,
+                                  const Rigid3& body_from_imu,
                                   const Eigen::Matrix3d& site_from_body) {
   // p_imu = p_body + R l moves by R (r x l) = -R [l]x r.
   const Eigen::Vector3d& lever = body_from_imu.translation;
@@ -44,23 +45,28 @@ Eigen::Matrix<double, 6, 6> OfImu(const Eigen::Matrix<double, 6, 6>& covariance,
 
 /// The state next in time; `states` are not empty.
 const TrajectoryState& Nearest(const std::vector<TrajectoryState>& states, Timestamp time) {
-  const auto after = std::lower_bound(states.begin(), states.end(), time,
-                                      [](const TrajectoryState& state, Timestamp t) { return state.time < t; });
+  const auto after =
+      std::lower_bound(states.begin(), states.end(), time,
+                       [](const TrajectoryState& state, Timestamp t) { return state.time < t; });
   if (after == states.end()) return states.back();
   if (after == states.begin() || after->time - time < time - (after - 1)->time) return *after;
   return *(after - 1);
 }
 
-void AppendSigmas(const std::optional<SitePlacement>& placement, const Eigen::Vector3d& position, std::string& text) {
+void AppendSigmas(const std::optional<SitePlacement>& placement, const Eigen::Vector3d& position,
+                  std::string& text) {
   const double unknown = std::numeric_limits<double>::quiet_NaN();
-  const Eigen::Vector3d sigma = placement ? placement->PositionSigma(position) : Eigen::Vector3d::Constant(unknown);
-  for (const double value : {sigma.x(), sigma.y(), sigma.z(), placement ? placement->YawSigma() : unknown})
+  const Eigen::Vector3d sigma =
+      placement ? placement->PositionSigma(position) : Eigen::Vector3d::Constant(unknown);
+  for (const double value :
+       {sigma.x(), sigma.y(), sigma.z(), placement ? placement->YawSigma() : unknown})
     Append(value, text);
 }
 
 }  // namespace
 
-std::string EncodeCovarianceCsv(const SiteDrive& drive, const std::optional<SitePlacement>& placement) {
+std::string EncodeCovarianceCsv(const SiteDrive& drive,
+                                const std::optional<SitePlacement>& placement) {
   std::string text = Header();
   const std::vector<TimedPose> poses = SampleFinalTrajectory(drive);
   std::optional<Timestamp> last;
@@ -75,8 +81,8 @@ std::string EncodeCovarianceCsv(const SiteDrive& drive, const std::optional<Site
     const Eigen::Matrix3d site_from_body =
         (site_from_imu.rotation * drive.rig.body_from_imu.rotation.conjugate()).toRotationMatrix();
     const Eigen::Matrix<double, 6, 6> covariance =
-        OfImu(Nearest(drive.site_from_body_trajectory.states(), state.time).covariance, drive.rig.body_from_imu,
-              site_from_body);
+        OfImu(Nearest(drive.site_from_body_trajectory.states(), state.time).covariance,
+              drive.rig.body_from_imu, site_from_body);
     text += ToDecimalSeconds(state.time);
     for (Eigen::Index row = 0; row < 6; ++row)
       for (Eigen::Index column = row; column < 6; ++column) Append(covariance(row, column), text);

@@ -7,29 +7,31 @@
 #include <numeric>
 
 #include "core/error.h"
-#include "core/visit_once.h"
+#include "core/for_each_releasing.h"
 #include "export/geojson.h"
 
 namespace parkade {
 namespace {
 
-using Cells = ScratchVector<SurfaceCell>;
-using Indices = ScratchVector<int>;  // of cells
+using Cells = FileBackedVector<SurfaceCell>;
+using Indices = FileBackedVector<int>;  // of cells
 
 constexpr int kNone = -1;
 constexpr double kHeightBin = 0.05;  // [m]
 
-/// Free cells sorted by (y, x, height), of which no two of one (x, y) are closer than a deck's height.
+/// Free cells sorted by (y, x, height), of which no two of one (x, y) are closer than a deck's
+/// height.
 Cells SelectFreeCells(const SurfaceMap& surface, const FreeSpaceOptions& options) {
   Cells free_cells;
   free_cells.reserve(surface.cells.size());
-  VisitOnce(
+  ForEachReleasing(
       surface.cells,
       [&](size_t i) {
         const SurfaceCell& cell = surface.cells[i];
         if (!(static_cast<double>(cell.free_belief) > options.min_belief)) return;
-        const bool is_double = !free_cells.empty() && free_cells.back().x == cell.x && free_cells.back().y == cell.y &&
-                               static_cast<double>(cell.height - free_cells.back().height) < options.deck_height;
+        const bool is_double =
+            !free_cells.empty() && free_cells.back().x == cell.x && free_cells.back().y == cell.y &&
+            static_cast<double>(cell.height - free_cells.back().height) < options.deck_height;
         if (!is_double) free_cells.push_back(cell);
       },
       free_cells);
@@ -41,8 +43,11 @@ class CellGraph {
  public:
   CellGraph(Cells&& cells, double max_step)
       : cells_(std::move(cells)), max_step_(max_step), is_open_(cells_.size(), false) {
-    if (!cells_.empty()) row_begins_.resize(static_cast<size_t>(cells_.back().y - cells_.front().y) + 2, cells_.size());
-    for (size_t i = cells_.size(); i-- > 0;) row_begins_[static_cast<size_t>(cells_[i].y - cells_.front().y)] = i;
+    if (!cells_.empty())
+      row_begins_.resize(static_cast<size_t>(cells_.back().y - cells_.front().y) + 2,
+                         cells_.size());
+    for (size_t i = cells_.size(); i-- > 0;)
+      row_begins_[static_cast<size_t>(cells_[i].y - cells_.front().y)] = i;
     for (size_t row = row_begins_.size(); row-- > 1;)
       row_begins_[row - 1] = std::min(row_begins_[row - 1], row_begins_[row]);
   }
@@ -58,7 +63,7 @@ class CellGraph {
       is_open_[static_cast<size_t>(seed)] = false;
       Indices part = {seed};
       for (size_t i = 0; i < part.size(); ++i) {
-        for (const int next : Neighbours(part[i])) {
+        for (const int next : Neighbors(part[i])) {
           if (next == kNone || !is_open_[static_cast<size_t>(next)]) continue;
           if (slice[static_cast<size_t>(next)] != slice[static_cast<size_t>(seed)]) continue;
           is_open_[static_cast<size_t>(next)] = false;
@@ -71,20 +76,21 @@ class CellGraph {
   }
 
  private:
-  std::array<int, 4> Neighbours(int index) const {
+  std::array<int, 4> Neighbors(int index) const {
     const SurfaceCell& cell = cells_[static_cast<size_t>(index)];
     return {Find(cell.x + 1, cell.y, cell.height), Find(cell.x, cell.y + 1, cell.height),
             Find(cell.x - 1, cell.y, cell.height), Find(cell.x, cell.y - 1, cell.height)};
   }
 
-  /// The cell at (x, y) within the step of a height: decks are further apart, so there is at most one.
+  /// The cell at (x, y) within the step of a height: decks are further apart, so there is at most
+  /// one.
   int Find(int x, int y, float height) const {
     const int row = y - cells_.front().y;
     if (row < 0 || static_cast<size_t>(row) + 1 >= row_begins_.size()) return kNone;
     const SurfaceCell* begin = cells_.data() + row_begins_[static_cast<size_t>(row)];
     const SurfaceCell* end = cells_.data() + row_begins_[static_cast<size_t>(row) + 1];
-    const SurfaceCell* cell =
-        std::lower_bound(begin, end, x, [](const SurfaceCell& other, int at) { return other.x < at; });
+    const SurfaceCell* cell = std::lower_bound(
+        begin, end, x, [](const SurfaceCell& other, int at) { return other.x < at; });
     for (; cell != end && cell->x == x; ++cell)
       if (std::abs(static_cast<double>(cell->height - height)) <= max_step_)
         return static_cast<int>(cell - cells_.data());
@@ -97,8 +103,9 @@ class CellGraph {
   std::vector<bool> is_open_;       ///< members not yet in a part; all false between calls
 };
 
-/// The fewest heights [m] that lie between the cells of every (x, y) that has several; each where the part has the
-/// least ground, so that ramps are cut and not decks. Increasing. Greedy stabbing of intervals.
+/// The fewest heights [m] that lie between the cells of every (x, y) that has several; each where
+/// the part has the least ground, so that ramps are cut and not decks. Increasing. Greedy stabbing
+/// of intervals.
 std::vector<double> FindCuts(const Cells& cells, Indices part) {
   std::sort(part.begin(), part.end());
   std::vector<std::pair<double, double>> gaps;  // (upper, lower) height
@@ -121,7 +128,8 @@ std::vector<double> FindCuts(const Cells& cells, Indices part) {
     const double middle = 0.5 * (lower + upper);
     double best = middle;
     auto best_cost = std::pair(std::numeric_limits<int>::max(), 0.0);
-    for (int bin = static_cast<int>(std::ceil(lower / kHeightBin)); (bin + 1) * kHeightBin <= upper; ++bin) {
+    for (int bin = static_cast<int>(std::ceil(lower / kHeightBin)); (bin + 1) * kHeightBin <= upper;
+         ++bin) {
       const double height = (bin + 0.5) * kHeightBin;
       const auto found = ground_at.find(bin);
       const std::pair cost(found == ground_at.end() ? 0 : found->second, std::abs(height - middle));
@@ -137,7 +145,8 @@ std::vector<double> FindCuts(const Cells& cells, Indices part) {
 FreeSheet MakeSheet(const Cells& all_cells, Indices&& part, double cell_size) {
   FreeSheet sheet;
   sheet.area = static_cast<double>(part.size()) * cell_size * cell_size;
-  sheet.min_height = sheet.max_height = static_cast<double>(all_cells[static_cast<size_t>(part[0])].height);
+  sheet.min_height = sheet.max_height =
+      static_cast<double>(all_cells[static_cast<size_t>(part[0])].height);
   double sum = 0;
   for (const int index : part) {
     const double height = static_cast<double>(all_cells[static_cast<size_t>(index)].height);
@@ -178,11 +187,13 @@ std::vector<FreeSheet> FindFreeSheets(const SurfaceMap& surface, const FreeSpace
           static_cast<int>(std::upper_bound(cuts.begin(), cuts.end(), height) - cuts.begin());
     }
     for (Indices& part : graph.FindParts(connected, slice))
-      if (static_cast<double>(part.size()) * surface.cell_size * surface.cell_size >= options.min_area)
+      if (static_cast<double>(part.size()) * surface.cell_size * surface.cell_size >=
+          options.min_area)
         sheets.push_back(MakeSheet(graph.cells(), std::move(part), surface.cell_size));
   }
-  std::stable_sort(sheets.begin(), sheets.end(),
-                   [](const FreeSheet& a, const FreeSheet& b) { return a.mean_height < b.mean_height; });
+  std::stable_sort(sheets.begin(), sheets.end(), [](const FreeSheet& a, const FreeSheet& b) {
+    return a.mean_height < b.mean_height;
+  });
   int level = 0;
   double level_height = sheets.empty() ? 0 : sheets.front().mean_height;
   for (FreeSheet& sheet : sheets) {
@@ -195,15 +206,18 @@ std::vector<FreeSheet> FindFreeSheets(const SurfaceMap& surface, const FreeSpace
   return sheets;
 }
 
-std::string EncodeFreeSpaceGeoJson(const std::vector<FreeSheet>& sheets, const std::optional<SiteDatum>& datum) {
+std::string EncodeFreeSpaceGeoJson(const std::vector<FreeSheet>& sheets,
+                                   const std::optional<SiteDatum>& datum) {
   std::vector<std::string> features;
   for (const FreeSheet& sheet : sheets) {
     char properties[256];
-    std::snprintf(properties, sizeof properties,
-                  R"({"level":%d,"area_m2":%.3f,"min_height_m":%.3f,"max_height_m":%.3f,"mean_height_m":%.3f})",
-                  sheet.level, sheet.area, sheet.min_height, sheet.max_height, sheet.mean_height);
+    std::snprintf(
+        properties, sizeof properties,
+        R"({"level":%d,"area_m2":%.3f,"min_height_m":%.3f,"max_height_m":%.3f,"mean_height_m":%.3f})",
+        sheet.level, sheet.area, sheet.min_height, sheet.max_height, sheet.mean_height);
     features.push_back(R"({"type":"Feature","properties":)" + std::string(properties) +
-                       R"(,"geometry":{"type":"Polygon","coordinates":)" + FormatPolygon(sheet.rings, datum) + "}}");
+                       R"(,"geometry":{"type":"Polygon","coordinates":)" +
+                       FormatPolygon(sheet.rings, datum) + "}}");
   }
   return FormatFeatureCollection(features, datum);
 }

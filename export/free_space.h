@@ -12,10 +12,12 @@
 namespace parkade {
 
 struct FreeSpaceOptions {
-  double min_belief = 0.5;   ///< cells above this are free; unknown ones are not in the map, hence not free
-  double max_step = 0.15;    ///< [m] of height between neighbouring cells of one sheet: below a kerb
-  double min_area = 1.0;     ///< [m^2] smaller sheets are left out
-  double deck_height = 1.8;  ///< [m] between the mean heights of two levels: less than any storey has
+  double min_belief =
+      0.5;  ///< cells above this are free; unknown ones are not in the map, hence not free
+  double max_step = 0.15;  ///< [m] of height between neighboring cells of one sheet: below a kerb
+  double min_area = 1.0;   ///< [m^2] smaller sheets are left out
+  double deck_height =
+      1.8;  ///< [m] between the mean heights of two levels: less than any storey has
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -27,8 +29,9 @@ struct FreeSpaceOptions {
   void Validate() const;  ///< throws Error{kUsage}
 };
 
-/// One connected piece of free ground that nowhere lies above itself: ground that does, as a garage whose ramps
-/// join its decks, is cut at as few heights as possible, where there is the least of it.
+/// One connected piece of free ground that nowhere lies above itself: ground that does, as a garage
+/// whose ramps join its decks, is cut at as few heights as possible, where there is the least of
+/// it.
 struct FreeSheet {
   int level = 0;                                                     ///< 0 is the lowest
   double area = 0, min_height = 0, max_height = 0, mean_height = 0;  ///< [m^2], [m]
@@ -36,9 +39,12 @@ struct FreeSheet {
 };
 
 /// Linear in the cells, but for sorting.
-std::vector<FreeSheet> FindFreeSheets(const SurfaceMap& surface, const FreeSpaceOptions& options = {});
+std::vector<FreeSheet> FindFreeSheets(const SurfaceMap& surface,
+                                      const FreeSpaceOptions& options = {});
 
-/// GeoJSON: one Polygon per sheet. With a datum WGS84 (RFC 7946); without, site metres, said by "frame": "site".
-std::string EncodeFreeSpaceGeoJson(const std::vector<FreeSheet>& sheets, const std::optional<SiteDatum>& datum);
+/// GeoJSON: one Polygon per sheet. With a datum WGS84 (RFC 7946); without, site meters, said by
+/// "frame": "site".
+std::string EncodeFreeSpaceGeoJson(const std::vector<FreeSheet>& sheets,
+                                   const std::optional<SiteDatum>& datum);
 
 }  // namespace parkade

@@ -9,15 +9,18 @@
 
 namespace parkade {
 
-/// The coordinates of a GeoJSON Polygon (RFC 7946), the first position of each ring repeated at its end. With a datum
-/// degrees and the ellipsoidal height where known, without one metres in the site.
+/// The coordinates of a GeoJSON Polygon (RFC 7946), the first position of each ring repeated at its
+/// end. With a datum degrees and the ellipsoidal height where known, without one meters in the
+/// site.
 std::string FormatPolygon(const std::vector<Ring>& rings, const std::optional<SiteDatum>& datum);
 
-/// One position likewise.
-std::string FormatPosition(const Eigen::Vector3d& point_in_site, const std::optional<SiteDatum>& datum);
+/// One position also.
+std::string FormatPosition(const Eigen::Vector3d& point_in_site,
+                           const std::optional<SiteDatum>& datum);
 
-/// A FeatureCollection of features as text. A foreign member says what RFC 7946 has no word for: that coordinates are
-/// not WGS84.
-std::string FormatFeatureCollection(const std::vector<std::string>& features, const std::optional<SiteDatum>& datum);
+/// A FeatureCollection of features as text. A foreign member says what RFC 7946 has no word for:
+/// that coordinates are not WGS84.
+std::string FormatFeatureCollection(const std::vector<std::string>& features,
+                                    const std::optional<SiteDatum>& datum);
 
 }  // namespace parkade

@@ -42,7 +42,8 @@ void WriteGeoKeys(TIFF* tiff, const SiteDatum& datum) {
   Require(geo != nullptr, ErrorCode::kInternal, "libgeotiff could not describe the orthophoto");
   GTIFKeySet(geo.get(), GTModelTypeGeoKey, TYPE_SHORT, 1, ModelTypeProjected);
   GTIFKeySet(geo.get(), GTRasterTypeGeoKey, TYPE_SHORT, 1, RasterPixelIsArea);
-  GTIFKeySet(geo.get(), GTCitationGeoKey, TYPE_ASCII, 0, "Parkade site: tangent plane at its datum");
+  GTIFKeySet(geo.get(), GTCitationGeoKey, TYPE_ASCII, 0,
+             "Parkade site: tangent plane at its datum");
   GTIFKeySet(geo.get(), GeographicTypeGeoKey, TYPE_SHORT, 1, GCS_WGS_84);
   GTIFKeySet(geo.get(), GeogAngularUnitsGeoKey, TYPE_SHORT, 1, Angular_Degree);
   GTIFKeySet(geo.get(), ProjectedCSTypeGeoKey, TYPE_SHORT, 1, KvUserDefined);
@@ -51,10 +52,12 @@ void WriteGeoKeys(TIFF* tiff, const SiteDatum& datum) {
   GTIFKeySet(geo.get(), ProjLinearUnitsGeoKey, TYPE_SHORT, 1, Linear_Meter);
   GTIFKeySet(geo.get(), ProjNatOriginLatGeoKey, TYPE_DOUBLE, 1, datum.latitude_deg);
   GTIFKeySet(geo.get(), ProjNatOriginLongGeoKey, TYPE_DOUBLE, 1, datum.longitude_deg);
-  GTIFKeySet(geo.get(), ProjScaleAtNatOriginGeoKey, TYPE_DOUBLE, 1, 1 + datum.altitude / kMeanEarthRadius);
+  GTIFKeySet(geo.get(), ProjScaleAtNatOriginGeoKey, TYPE_DOUBLE, 1,
+             1 + datum.altitude / kMeanEarthRadius);
   GTIFKeySet(geo.get(), ProjFalseEastingGeoKey, TYPE_DOUBLE, 1, 0.0);
   GTIFKeySet(geo.get(), ProjFalseNorthingGeoKey, TYPE_DOUBLE, 1, 0.0);
-  Require(GTIFWriteKeys(geo.get()) == 1, ErrorCode::kInternal, "libgeotiff could not write where the orthophoto lies");
+  Require(GTIFWriteKeys(geo.get()) == 1, ErrorCode::kInternal,
+          "libgeotiff could not write where the orthophoto lies");
 }
 
 void WriteTiles(TIFF* tiff, const cv::Mat& image) {
@@ -62,10 +65,11 @@ void WriteTiles(TIFF* tiff, const cv::Mat& image) {
   for (int y = 0; y < image.rows; y += kTileSize)
     for (int x = 0; x < image.cols; x += kTileSize) {
       tile.setTo(cv::Scalar::all(0));
-      const cv::Rect part(x, y, std::min(kTileSize, image.cols - x), std::min(kTileSize, image.rows - y));
+      const cv::Rect part(x, y, std::min(kTileSize, image.cols - x),
+                          std::min(kTileSize, image.rows - y));
       cv::cvtColor(image(part), tile(cv::Rect(0, 0, part.width, part.height)), cv::COLOR_BGRA2RGBA);
-      const bool is_written =
-          TIFFWriteTile(tiff, tile.data, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), 0, 0) >= 0;
+      const bool is_written = TIFFWriteTile(tiff, tile.data, static_cast<std::uint32_t>(x),
+                                            static_cast<std::uint32_t>(y), 0, 0) >= 0;
       Require(is_written, ErrorCode::kInternal, "libtiff could not write the orthophoto");
     }
 }
@@ -76,7 +80,8 @@ std::string EncodeGeoTiff(const Orthophoto& ortho, const SiteDatum& datum) {
   XTIFFInitialize();  // libtiff learns libgeotiff's tags
   std::ostringstream stream;
   {
-    const std::unique_ptr<TIFF, decltype(&TIFFClose)> tiff(TIFFStreamOpen("ortho.tif", &stream), &TIFFClose);
+    const std::unique_ptr<TIFF, decltype(&TIFFClose)> tiff(TIFFStreamOpen("ortho.tif", &stream),
+                                                           &TIFFClose);
     Require(tiff != nullptr, ErrorCode::kInternal, "libtiff could not begin the orthophoto");
     WriteTags(tiff.get(), ortho);
     WriteGeoKeys(tiff.get(), datum);

@@ -14,12 +14,14 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kSheetSlack = 0.5;  // [m] by which things may lie beside a sheet's heights
 
-/// The level of the sheet that a height is of: its own range of heights first, then the nearest mean.
+/// The level of the sheet that a height is of: its own range of heights first, then the nearest
+/// mean.
 int LevelAt(double height, const std::vector<FreeSheet>& sheets) {
   int level = 0;
   double best = 1e9;
   for (const FreeSheet& sheet : sheets) {
-    const bool is_within = height > sheet.min_height - kSheetSlack && height < sheet.max_height + kSheetSlack;
+    const bool is_within =
+        height > sheet.min_height - kSheetSlack && height < sheet.max_height + kSheetSlack;
     const double distance = std::abs(height - sheet.mean_height) + (is_within ? 0 : 1e6);
     if (distance < best) best = distance, level = sheet.level;
   }
@@ -29,8 +31,10 @@ int LevelAt(double height, const std::vector<FreeSheet>& sheets) {
 /// To so many parts of one, so that the text is short and the same everywhere.
 double Rounded(double value, double parts) { return std::round(value * parts) / parts; }
 
-std::string FormatFeature(const Json& properties, const std::string& type, const std::string& coordinates) {
-  return R"({"type":"Feature","properties":)" + properties.dump(-1, ' ', false, Json::error_handler_t::replace) +
+std::string FormatFeature(const Json& properties, const std::string& type,
+                          const std::string& coordinates) {
+  return R"({"type":"Feature","properties":)" +
+         properties.dump(-1, ' ', false, Json::error_handler_t::replace) +
          R"(,"geometry":{"type":")" + type + R"(","coordinates":)" + coordinates + "}}";
 }
 
@@ -39,25 +43,30 @@ std::string FormatSlot(const ParkingSlot& slot, const std::vector<std::string>& 
   const Eigen::Vector3d center = slot.Center();
   Json states = Json::object(), corners = Json::array();
   for (const Eigen::Vector3d& corner : slot.corners)
-    corners.push_back({Rounded(corner.x(), 1000), Rounded(corner.y(), 1000), Rounded(corner.z(), 1000)});
-  for (size_t i = 0; i < drives.size() && i < slot.states.size(); ++i) states[drives[i]] = ToText(slot.states[i]);
-  const Json properties = {{"id", "slot_" + std::to_string(level) + "_" + std::to_string(std::lround(2 * center.x())) +
-                                      "_" + std::to_string(std::lround(2 * center.y()))},
-                           {"type", ToText(slot.kind)},
-                           {"width_m", Rounded(slot.Width(), 1000)},
-                           {"length_m", Rounded(slot.Length(), 1000)},
-                           {"angle_deg", Rounded(slot.angle * 180 / std::numbers::pi, 10)},
-                           {"level", level},
-                           {"height_m", Rounded(center.z(), 1000)},
-                           {"confidence", Rounded(slot.confidence, 100)},
-                           {"marked_sides", slot.num_marked_sides},
-                           {"state", ToText(LatestState(slot))},
-                           {"states", states},
-                           {"corners_m", corners}};
-  return FormatFeature(properties, "Polygon", FormatPolygon({Ring(slot.corners.begin(), slot.corners.end())}, datum));
+    corners.push_back(
+        {Rounded(corner.x(), 1000), Rounded(corner.y(), 1000), Rounded(corner.z(), 1000)});
+  for (size_t i = 0; i < drives.size() && i < slot.states.size(); ++i)
+    states[drives[i]] = ToText(slot.states[i]);
+  const Json properties = {
+      {"id", "slot_" + std::to_string(level) + "_" + std::to_string(std::lround(2 * center.x())) +
+                 "_" + std::to_string(std::lround(2 * center.y()))},
+      {"type", ToText(slot.kind)},
+      {"width_m", Rounded(slot.Width(), 1000)},
+      {"length_m", Rounded(slot.Length(), 1000)},
+      {"angle_deg", Rounded(slot.angle * 180 / std::numbers::pi, 10)},
+      {"level", level},
+      {"height_m", Rounded(center.z(), 1000)},
+      {"confidence", Rounded(slot.confidence, 100)},
+      {"marked_sides", slot.num_marked_sides},
+      {"state", ToText(LatestState(slot))},
+      {"states", states},
+      {"corners_m", corners}};
+  return FormatFeature(properties, "Polygon",
+                       FormatPolygon({Ring(slot.corners.begin(), slot.corners.end())}, datum));
 }
 
-std::string FormatMarking(const RoadMarking& marking, int level, const std::optional<SiteDatum>& datum) {
+std::string FormatMarking(const RoadMarking& marking, int level,
+                          const std::optional<SiteDatum>& datum) {
   const char* color = marking.is_yellow ? "yellow" : "white";
   if (marking.shape == RoadMarking::Shape::kArea) {
     Ring ring(marking.points.begin(), marking.points.end());
@@ -70,9 +79,9 @@ std::string FormatMarking(const RoadMarking& marking, int level, const std::opti
                            {"width_m", Rounded(marking.width, 100)},
                            {"bounds_slot", marking.is_of_slot},
                            {"level", level}};
-  return FormatFeature(
-      properties, "LineString",
-      "[" + FormatPosition(marking.points.front(), datum) + "," + FormatPosition(marking.points.back(), datum) + "]");
+  return FormatFeature(properties, "LineString",
+                       "[" + FormatPosition(marking.points.front(), datum) + "," +
+                           FormatPosition(marking.points.back(), datum) + "]");
 }
 
 std::string FormatBump(const SpeedBump& bump, int level, const std::optional<SiteDatum>& datum) {
@@ -89,7 +98,8 @@ std::string FormatKerb(const Kerb& kerb, int level, const std::optional<SiteDatu
   Json points = Json::array();
   std::string coordinates;
   for (const Eigen::Vector3d& point : kerb.points) {
-    points.push_back({Rounded(point.x(), 1000), Rounded(point.y(), 1000), Rounded(point.z(), 1000)});
+    points.push_back(
+        {Rounded(point.x(), 1000), Rounded(point.y(), 1000), Rounded(point.z(), 1000)});
     coordinates += (coordinates.empty() ? "" : ",") + FormatPosition(point, datum);
   }
   const Json properties = {{"type", "kerb"},
@@ -109,15 +119,18 @@ SlotState LatestState(const ParkingSlot& slot) {
   return SlotState::kUnseen;
 }
 
-std::string EncodeSlotsGeoJson(const std::vector<ParkingSlot>& slots, const std::vector<std::string>& drives,
-                               const std::vector<FreeSheet>& sheets, const std::optional<SiteDatum>& datum) {
+std::string EncodeSlotsGeoJson(const std::vector<ParkingSlot>& slots,
+                               const std::vector<std::string>& drives,
+                               const std::vector<FreeSheet>& sheets,
+                               const std::optional<SiteDatum>& datum) {
   std::vector<std::string> features;
   for (const ParkingSlot& slot : slots)
     features.push_back(FormatSlot(slot, drives, LevelAt(slot.Center().z(), sheets), datum));
   return FormatFeatureCollection(features, datum);
 }
 
-std::string EncodeMarkingsGeoJson(const GroundMarkings& markings, const std::vector<FreeSheet>& sheets,
+std::string EncodeMarkingsGeoJson(const GroundMarkings& markings,
+                                  const std::vector<FreeSheet>& sheets,
                                   const std::optional<SiteDatum>& datum) {
   std::vector<std::string> features;
   for (const RoadMarking& marking : markings.markings)

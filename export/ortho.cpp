@@ -8,7 +8,7 @@
 #include <span>
 
 #include "core/error.h"
-#include "core/floor_of.h"
+#include "core/fast_floor.h"
 
 namespace parkade {
 namespace {
@@ -18,11 +18,13 @@ struct GridBounds {
   int min_x = 0, max_x = 0, min_y = 0, max_y = 0;
 };
 
-/// The image that holds `bounds`, where n x n squares of the grid become a pixel so that no side exceeds a size.
+/// The image that holds `bounds`, where n x n squares of the grid become a pixel so that no side
+/// exceeds a size.
 struct Canvas {
   int squares_per_pixel = 1;
-  int left = 0, top = 0;  ///< [pixels] of the upper left one from the site's origin; rows count north
-  cv::Mat image;          ///< CV_8UC4
+  int left = 0,
+      top = 0;    ///< [pixels] of the upper left one from the site's origin; rows count north
+  cv::Mat image;  ///< CV_8UC4
 
   Canvas(const GridBounds& bounds, int max_size) {
     const int extent = std::max(bounds.max_x - bounds.min_x, bounds.max_y - bounds.min_y) + 1;
@@ -74,15 +76,19 @@ GridBounds BoundsOf(const GroundTexture& texture) {
 }
 
 /// Charts from the lowest to the highest.
-std::vector<const TextureChart*> SortByHeight(const TriangleMesh& mesh, const GroundTexture& texture) {
+std::vector<const TextureChart*> SortByHeight(const TriangleMesh& mesh,
+                                              const GroundTexture& texture) {
   std::vector<std::pair<double, const TextureChart*>> sorted;
   for (const TextureChart& chart : texture.charts) {
     double sum = 0;
     for (const std::uint32_t triangle : chart.triangles)
-      for (const std::uint32_t vertex : mesh.triangles[triangle]) sum += static_cast<double>(mesh.vertices[vertex].z());
-    sorted.emplace_back(sum / static_cast<double>(std::max<size_t>(1, chart.triangles.size())), &chart);
+      for (const std::uint32_t vertex : mesh.triangles[triangle])
+        sum += static_cast<double>(mesh.vertices[vertex].z());
+    sorted.emplace_back(sum / static_cast<double>(std::max<size_t>(1, chart.triangles.size())),
+                        &chart);
   }
-  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<const TextureChart*> charts;
   for (const auto& [height, chart] : sorted) charts.push_back(chart);
   return charts;
@@ -111,8 +117,8 @@ Orthophoto RenderOrthophoto(const TriangleMesh& mesh, const GroundTexture& textu
       for (int column = 0; column < chart->image.cols; ++column) {
         if (chart->mask.at<std::uint8_t>(row, column) == 0) continue;
         const cv::Vec3b& color = chart->image.at<cv::Vec3b>(row, column);
-        canvas.image.at<cv::Vec4b>(canvas.PixelOf(bounds.min_x + column, bounds.max_y - row)) = {color[0], color[1],
-                                                                                                 color[2], 255};
+        canvas.image.at<cv::Vec4b>(canvas.PixelOf(bounds.min_x + column, bounds.max_y - row)) = {
+            color[0], color[1], color[2], 255};
       }
     texture.Release();
   }
@@ -121,14 +127,16 @@ Orthophoto RenderOrthophoto(const TriangleMesh& mesh, const GroundTexture& textu
 
 std::string EncodePng(const Orthophoto& ortho) {
   std::vector<unsigned char> png;
-  Require(cv::imencode(".png", ortho.image, png), ErrorCode::kInternal, "OpenCV could not write the orthophoto");
+  Require(cv::imencode(".png", ortho.image, png), ErrorCode::kInternal,
+          "OpenCV could not write the orthophoto");
   return {png.begin(), png.end()};
 }
 
 std::string EncodeWorldFile(const Orthophoto& ortho) {
   char text[256];
-  std::snprintf(text, sizeof text, "%.9f\n0\n0\n%.9f\n%.9f\n%.9f\n", ortho.pixel_size, -ortho.pixel_size,
-                ortho.left + 0.5 * ortho.pixel_size, ortho.top - 0.5 * ortho.pixel_size);
+  std::snprintf(text, sizeof text, "%.9f\n0\n0\n%.9f\n%.9f\n%.9f\n", ortho.pixel_size,
+                -ortho.pixel_size, ortho.left + 0.5 * ortho.pixel_size,
+                ortho.top - 0.5 * ortho.pixel_size);
   return text;
 }
 

@@ -18,22 +18,24 @@ struct Orthophoto {
   double left = 0, top = 0;  ///< [m] in site, of the outer corner of the upper left pixel
 };
 
-/// Where decks lie above each other, the highest. One pixel per cell, or one per n x n cells where the image would
-/// exceed `max_size` pixels a side. Of an empty map one transparent pixel.
+/// Where decks lie above each other, the highest. One pixel per cell, or one per n x n cells where
+/// the image would exceed `max_size` pixels a side. Of an empty map one transparent pixel.
 Orthophoto RenderOrthophoto(const SurfaceMap& surface, int max_size = 16384);
 
-/// The same from the texture of a mesh: one pixel per texel, or one per n x n. Where decks lie above each other, the
-/// chart that lies higher on the whole.
-Orthophoto RenderOrthophoto(const TriangleMesh& mesh, const GroundTexture& texture, int max_size = 8192);
+/// The same from the texture of a mesh: one pixel per texel, or one per n x n. Where decks lie
+/// above each other, the chart that lies higher on the whole.
+Orthophoto RenderOrthophoto(const TriangleMesh& mesh, const GroundTexture& texture,
+                            int max_size = 8192);
 
 /// 8-bit RGBA.
 std::string EncodePng(const Orthophoto& ortho);
 
-/// The .pgw of it: metres per pixel and the centre of the upper left pixel in site.
+/// The .pgw of it: meters per pixel and the center of the upper left pixel in site.
 std::string EncodeWorldFile(const Orthophoto& ortho);
 
-/// The orthophoto on Earth: a tiled, deflated RGBA GeoTIFF 1.1 (OGC 19-008) in a transverse Mercator projection
-/// about the datum, scaled to its height: within a kilometre of it the same as the site's tangent plane to millimetres.
+/// The orthophoto on Earth: a tiled, deflated RGBA GeoTIFF 1.1 (OGC 19-008) in a transverse
+/// Mercator projection about the datum, scaled to its height: within a kilometer of it the same as
+/// the site's tangent plane to millimeters.
 std::string EncodeGeoTiff(const Orthophoto& ortho, const SiteDatum& datum);
 
 }  // namespace parkade

@@ -25,7 +25,8 @@ std::vector<ColoredPoint> SamplePoints(const TriangleMesh& mesh, double spacing)
   std::vector<ColoredPoint> points;
   for (const auto& triangle : mesh.triangles) {
     std::array<Eigen::Vector3d, 3> corners;
-    for (std::size_t i = 0; i < 3; ++i) corners[i] = mesh.origin + mesh.vertices[triangle[i]].cast<double>();
+    for (std::size_t i = 0; i < 3; ++i)
+      corners[i] = mesh.origin + mesh.vertices[triangle[i]].cast<double>();
     const auto [min_x, max_x] = std::minmax({corners[0].x(), corners[1].x(), corners[2].x()});
     const auto [min_y, max_y] = std::minmax({corners[0].y(), corners[1].y(), corners[2].y()});
     // Half-open: a point on an edge that two triangles share belongs to the upper right one.
@@ -40,11 +41,13 @@ std::vector<ColoredPoint> SamplePoints(const TriangleMesh& mesh, double spacing)
         for (std::size_t i = 0; i < 3; ++i) {
           z += share[static_cast<Eigen::Index>(i)] * corners[i].z();
           for (std::size_t c = 0; c < 3; ++c)
-            color[static_cast<Eigen::Index>(c)] += share[static_cast<Eigen::Index>(i)] * mesh.colors[triangle[i]][c];
+            color[static_cast<Eigen::Index>(c)] +=
+                share[static_cast<Eigen::Index>(i)] * mesh.colors[triangle[i]][c];
         }
         point.point_in_site = Eigen::Vector3d(x, y, z).cast<float>();
         for (std::size_t c = 0; c < 3; ++c)
-          point.color[c] = static_cast<std::uint8_t>(std::lround(color[static_cast<Eigen::Index>(c)]));
+          point.color[c] =
+              static_cast<std::uint8_t>(std::lround(color[static_cast<Eigen::Index>(c)]));
       }
   }
   return points;
@@ -53,13 +56,14 @@ std::vector<ColoredPoint> SamplePoints(const TriangleMesh& mesh, double spacing)
 std::string EncodePcd(const std::vector<ColoredPoint>& points) {
   const std::string count = std::to_string(points.size());
   std::string bytes =
-      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F F\n"
+      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 "
+      "4\nTYPE F F F F\n"
       "COUNT 1 1 1 1\nWIDTH " +
       count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
   bytes.reserve(bytes.size() + 16 * points.size());
   for (const ColoredPoint& point : points) {
-    const std::uint32_t rgb =
-        (std::uint32_t{point.color[0]} << 16) | (std::uint32_t{point.color[1]} << 8) | point.color[2];
+    const std::uint32_t rgb = (std::uint32_t{point.color[0]} << 16) |
+                              (std::uint32_t{point.color[1]} << 8) | point.color[2];
     std::array<char, 16> record;
     std::memcpy(record.data(), point.point_in_site.data(), 12);
     std::memcpy(record.data() + 12, &rgb, 4);
@@ -71,10 +75,11 @@ std::string EncodePcd(const std::vector<ColoredPoint>& points) {
 std::string EncodeMapProjectorInfo(const std::optional<SiteDatum>& datum) {
   if (!datum) return "projector_type: Local\n";
   char text[256];
-  std::snprintf(text, sizeof text,
-                "projector_type: LocalCartesian\nvertical_datum: WGS84\nmap_origin:\n  latitude: %.10f\n"
-                "  longitude: %.10f\n  altitude: %.4f\n",
-                datum->latitude_deg, datum->longitude_deg, datum->altitude);
+  std::snprintf(
+      text, sizeof text,
+      "projector_type: LocalCartesian\nvertical_datum: WGS84\nmap_origin:\n  latitude: %.10f\n"
+      "  longitude: %.10f\n  altitude: %.4f\n",
+      datum->latitude_deg, datum->longitude_deg, datum->altitude);
   return text;
 }
 

@@ -21,13 +21,15 @@ std::string EncodeKittiPoses(std::span<const TimedPose> poses) {
 
 std::string EncodeEurocPoses(std::span<const TimedPose> poses) {
   std::string text =
-      "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n";
+      "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
+      "q_RS_z []\n";
   for (const TimedPose& pose : poses) {
     const Eigen::Vector3d& p = pose.world_from_frame.translation;
     const Eigen::Quaterniond& q = pose.world_from_frame.rotation;
     char line[256];
-    std::snprintf(line, sizeof line, "%lld,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f\n", static_cast<long long>(pose.time.ns),
-                  p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z());
+    std::snprintf(line, sizeof line, "%lld,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f\n",
+                  static_cast<long long>(pose.time.ns), p.x(), p.y(), p.z(), q.w(), q.x(), q.y(),
+                  q.z());
     text += line;
   }
   return text;

@@ -11,10 +11,10 @@
 #include "export/covariance_file.h"
 #include "export/free_space.h"
 #include "export/gltf/gltf.h"
+#include "export/gltf/tiles.h"
 #include "export/markings.h"
 #include "export/ortho.h"
 #include "export/ply.h"
-#include "export/gltf/tiles.h"
 #include "export/trajectory_files.h"
 
 namespace parkade {
@@ -27,17 +27,19 @@ void ValidateNames(const std::vector<SiteDrive>& drives) {
   std::set<std::string> names = {"tiles"};
   for (const SiteDrive& drive : drives) {
     const auto is_allowed = [](char c) {
-      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||
-             c == '.';
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+             c == '-' || c == '_' || c == '.';
     };
     const bool is_name = !drive.name.empty() && drive.name.front() != '.' &&
                          std::all_of(drive.name.begin(), drive.name.end(), is_allowed);
     Require(is_name, ErrorCode::kInternal, "'" + drive.name + "' cannot be the name of a drive");
-    Require(names.insert(drive.name).second, ErrorCode::kInternal, "the name '" + drive.name + "' is taken");
+    Require(names.insert(drive.name).second, ErrorCode::kInternal,
+            "the name '" + drive.name + "' is taken");
   }
 }
 
-void WriteDrive(const SiteDrive& drive, const SiteMap& map, const std::optional<Geoid>& geoid, const path& folder) {
+void WriteDrive(const SiteDrive& drive, const SiteMap& map, const std::optional<Geoid>& geoid,
+                const path& folder) {
   std::filesystem::create_directories(folder);
   WriteTum(SampleOdometry(drive), folder / "odometry.tum");
   WriteTum(SampleFinalTrajectory(drive), folder / "trajectory.tum");
@@ -62,8 +64,10 @@ void WriteGeoJson(const SiteMap& map, const path& folder) {
   std::vector<std::string> drives;
   for (const SiteDrive& drive : map.drives) drives.push_back(drive.name);
   WriteFileAtomically(folder / "free_space.geojson", EncodeFreeSpaceGeoJson(sheets, map.datum));
-  WriteFileAtomically(folder / "slots.geojson", EncodeSlotsGeoJson(map.markings.slots, drives, sheets, map.datum));
-  WriteFileAtomically(folder / "markings.geojson", EncodeMarkingsGeoJson(map.markings, sheets, map.datum));
+  WriteFileAtomically(folder / "slots.geojson",
+                      EncodeSlotsGeoJson(map.markings.slots, drives, sheets, map.datum));
+  WriteFileAtomically(folder / "markings.geojson",
+                      EncodeMarkingsGeoJson(map.markings, sheets, map.datum));
 }
 
 }  // namespace
@@ -84,8 +88,9 @@ void WriteSiteMap(const SiteMap& map, const path& folder) {
   WriteFileAtomically(folder / "ortho.pgw", EncodeWorldFile(ortho));
   if (map.datum) WriteFileAtomically(folder / "ortho.tif", EncodeGeoTiff(ortho, *map.datum));
   std::filesystem::create_directories(folder / "tiles");
-  EncodeTiles(map,
-              [&](const std::string& name, const std::string& bytes) { WriteFileAtomically(folder / name, bytes); });
+  EncodeTiles(map, [&](const std::string& name, const std::string& bytes) {
+    WriteFileAtomically(folder / name, bytes);
+  });
   LogInfo("stage=export drives=" + std::to_string(map.drives.size()) +
           " triangles=" + std::to_string(map.mesh.triangles.size()));
 }

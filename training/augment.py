@@ -1,5 +1,5 @@
-"""What is done to pictures so that the network does not learn ours by heart: geometry (views.py), light, colour, blur, noise,
-darkness towards the rim; painted and shining floors; bodies of other own cars (own_car.py).
+"""What is done to pictures so that the network does not learn ours by heart: geometry (views.py), light, color, blur, noise,
+darkness toward the rim; painted and shining floors; bodies of other own cars (own_car.py).
 """
 import cv2
 import numpy as np
@@ -22,13 +22,13 @@ def half_plane(rng, size):
 
 
 def paint_floor(rng, image, label, view):
-    """Tint, shine, wide lines, fields between lines and a second colour on what is drivable; the label stays."""
+    """Tint, shine, wide lines, fields between lines and a second color on what is drivable; the label stays."""
     size = image.shape[1::-1]
     ground = cv2.GaussianBlur((label == DRIVABLE).astype(np.float32), (3, 3), 0)[..., None]
     floor = image.astype(np.float32)
     if rng.random() < 0.6:
         floor = floor * np.exp(normals(rng, 0, 0.22, 3)) + normals(rng, 0, 8, 3)
-    if rng.random() < 0.4:  # floors of two colours
+    if rng.random() < 0.4:  # floors of two colors
         other = floor.mean() if rng.random() < 0.5 else floor
         other = (0.7 * other + 0.3 * floor) * np.exp(normals(rng, 0, 0.3) + normals(rng, 0, 0.2, 3))
         side = half_plane(rng, size)
@@ -51,7 +51,7 @@ def change_ground(rng, image, label, view):
 
 
 def add_lens_rim(rng, image, label):
-    """Darkness outside of the image circle, and towards it."""
+    """Darkness outside of the image circle, and toward it."""
     height, width = label.shape
     u, v = np.linspace(-1, 1, width), np.linspace(-1, 1, height)[:, None] * height / width
     radius = np.hypot(np.float32(u - rng.normal(0, 0.03)), np.float32(v - rng.normal(0, 0.03)))

@@ -32,13 +32,13 @@ def one_trial(wanted, count):
     for kernel in kernels:
         kernel[:, :, 1, 1] += 1
         kernel.requires_grad_()
-    optimiser = torch.optim.Adam(kernels, lr=RATE)
+    optimizer = torch.optim.Adam(kernels, lr=RATE)
     for step in range(STEPS):
-        optimiser.param_groups[0]["lr"] = RATE * (1 - step / STEPS) + 1e-4
+        optimizer.param_groups[0]["lr"] = RATE * (1 - step / STEPS) + 1e-4
         rest = (composed(kernels) - wanted).square().flatten(1).sum(1)
-        optimiser.zero_grad()
+        optimizer.zero_grad()
         rest.sum().backward()
-        optimiser.step()
+        optimizer.step()
     return torch.stack([kernel.detach() for kernel in kernels]), rest.detach()
 
 

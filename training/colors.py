@@ -1,4 +1,4 @@
-"""Colours of pictures while they are changed: in single precision, where NumPy takes to double whenever a factor is one."""
+"""Colors of pictures while they are changed: in single precision, where NumPy takes to double whenever a factor is one."""
 import numpy as np
 
 

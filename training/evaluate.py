@@ -33,7 +33,7 @@ def overlay(picture, drivable):
 
 
 def evaluate(network, limit, samples, folder):
-    """IoU over all labelled pixels, and how often a pixel is right at each tenth of probability."""
+    """IoU over all labeled pixels, and how often a pixel is right at each tenth of probability."""
     both = either = 0
     right, count = np.zeros(10), np.zeros(10)
     for picture in samples:

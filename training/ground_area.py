@@ -1,4 +1,4 @@
-"""How much ground the pixels of a calibrated camera cover: a map is measured in square metres, not in pixels."""
+"""How much ground the pixels of a calibrated camera cover: a map is measured in square meters, not in pixels."""
 from pathlib import Path
 
 import cv2
@@ -25,7 +25,7 @@ def read_rig(folder):
 
 def weigh_pixels(size, matrix, coefficients, body_from_camera):
     """H x W, float32: the root of the ground that a pixel covers, 1 to MOST; 1 where it shows none within REACH. (The
-    root: in proportion to the area, the last metres would count for all.) The plane is z = 0 of body."""
+    root: in proportion to the area, the last meters would count for all.) The plane is z = 0 of body."""
     width, height = size
     u, v = np.meshgrid(np.arange(width), np.arange(height))
     pixels = np.stack([u, v], -1).reshape(-1, 1, 2).astype(np.float64)

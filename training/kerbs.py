@@ -18,7 +18,7 @@ def curve_across(rng, size, count=160):
 
 
 def colors_along(rng, count):
-    """count x 3: two colours in turns, or one as concrete is."""
+    """count x 3: two colors in turns, or one as concrete is."""
     if rng.random() < 0.6:
         paint = np.array(PAINTS[rng.integers(len(PAINTS))]) * rng.uniform(0.6, 1.1)
         period = rng.uniform(0.03, 0.3) * count

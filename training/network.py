@@ -11,7 +11,7 @@ PIXEL_SCALE = 1 / 128  # no offset: black stays zero, which is also what convolu
 
 
 def conv(inputs, outputs, size=3, stride=1, groups=1):
-    """Convolution, batch normalisation (folded on export), ReLU."""
+    """Convolution, batch normalization (folded on export), ReLU."""
     return nn.Sequential(
         nn.Conv2d(inputs, outputs, size, stride, size // 2, groups=groups, bias=False),
         nn.BatchNorm2d(outputs),
@@ -64,7 +64,7 @@ class FreespaceNetwork(nn.Module):
     def __init__(self, widths=(12, 24, 48, 96, 192)):
         super().__init__()
         half, quarter, eighth, sixteenth, deepest = widths
-        # Hardly more than colours at half of the resolution: it is for edges, and costs the most per channel.
+        # Hardly more than colors at half of the resolution: it is for edges, and costs the most per channel.
         self.at_half = conv(3, half, 3, 2)
         self.at_quarter = nn.Sequential(separable(half, quarter, 3, 2), Residual(conv(quarter, quarter)))
         self.at_eighth = nn.Sequential(separable(quarter, eighth, 3, 2), Residual(conv(eighth, eighth)),
@@ -72,7 +72,7 @@ class FreespaceNetwork(nn.Module):
         self.at_sixteenth = nn.Sequential(separable(eighth, sixteenth, 3, 2), Residual(conv(sixteenth, sixteenth)),
                                           Residual(wide_separable(sixteenth, 5)),
                                           *(Residual(conv(sixteenth, sixteenth)) for _ in range(2)))
-        # Wide reach: whether grey is road depends on where in the picture it is.
+        # Wide reach: whether gray is road depends on where in the picture it is.
         self.at_deepest = nn.Sequential(separable(sixteenth, deepest, 5, 2),
                                         *(Residual(wide_separable(deepest, 7)) for _ in range(4)))
         self.to_sixteenth = Decoder(deepest, sixteenth, separable(sixteenth, sixteenth))
@@ -92,7 +92,7 @@ class FreespaceNetwork(nn.Module):
 
 
 def fold(network):
-    """The same network with batch normalisation folded into the convolutions: nearly twice as fast to train further."""
+    """The same network with batch normalization folded into the convolutions: nearly twice as fast to train further."""
     network.eval()
     for block in network.modules():
         if isinstance(block, nn.Sequential) and len(block) == 3 and isinstance(block[1], nn.BatchNorm2d):

@@ -55,7 +55,7 @@ def corrected(network, features):
 
 
 def load(path):
-    """What train_outlines.py has saved, or export_outlines.py has written (FILE.onnx), with batch normalisation folded."""
+    """What train_outlines.py has saved, or export_outlines.py has written (FILE.onnx), with batch normalization folded."""
     state = read_onnx(path) if str(path).endswith(".onnx") else torch.load(path, map_location="cpu")["network"]
     network = OutlineNetwork()
     if not any(name.endswith("running_mean") for name in state):

@@ -49,7 +49,7 @@ def warp(image, source_from_target, side, interpolation, beyond):
 
 
 def augment(rng, features, truth):
-    """Turns, mirrors, changes colours and light, how sure the first network was, and where it erred."""
+    """Turns, mirrors, changes colors and light, how sure the first network was, and where it erred."""
     turns = rng.integers(4)
     features, truth = np.rot90(features, turns, (1, 2)), np.rot90(truth, turns)
     if rng.random() < 0.5:
@@ -77,7 +77,7 @@ def change_colors(rng, colors, seen):
     """0..1 times `seen`."""
     kind = rng.random()
     if kind < 0.1:
-        return np.broadcast_to(0.5 * seen, colors.shape)  # colours say nothing
+        return np.broadcast_to(0.5 * seen, colors.shape)  # colors say nothing
     gain = np.exp(rng.normal(0, 0.35) + rng.normal(0, 0.12, (3, 1, 1)))
     colors = np.clip(colors * gain + rng.normal(0, 0.06) * seen, 0, seen)
     if kind < 0.3:

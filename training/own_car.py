@@ -1,5 +1,5 @@
 """Bodies of other own cars, painted over the lower part of a picture: lacquer mirrors the ground in front of it, takes
-on its colour, has rims, seams, plates, lamps and grilles. Only "where" tells it from the floor, and its edge.
+on its color, has rims, seams, plates, lamps and grilles. Only "where" tells it from the floor, and its edge.
 """
 from dataclasses import dataclass
 
@@ -83,7 +83,7 @@ def mirrored(rng, image, body):
 
 
 def lacquer_color(rng, image, label):
-    """BGR: of the floor itself, of the whole place, grey, or any."""
+    """BGR: of the floor itself, of the whole place, gray, or any."""
     kind, ground = rng.random(), image[label == DRIVABLE]
     if kind < 0.5 and len(ground):
         return ground.mean(0) * np.exp(rng.normal(0, 0.2)) + rng.normal(0, 6, 3)
@@ -95,7 +95,7 @@ def lacquer_color(rng, image, label):
 
 
 def lacquer(rng, image, label, body):
-    """The bare body: its colour, shaded across and along, and what it mirrors, most of all near its edge."""
+    """The bare body: its color, shaded across and along, and what it mirrors, most of all near its edge."""
     height = image.shape[0]
     level = (body.depth / (0.5 * height)).clip(0, 1)
     knots = np.linspace(0, 1, rng.integers(2, 6))

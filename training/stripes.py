@@ -1,4 +1,4 @@
-"""Paint on floors, of the colours that lines and arrows have: long quadrangles in the picture, or bands on the ground that
+"""Paint on floors, of the colors that lines and arrows have: long quadrangles in the picture, or bands on the ground that
 level views show bent, and fields between two of them.
 """
 import functools
@@ -32,7 +32,7 @@ def paint_stripe(rng, picture, corners, where):
 
 
 def paint(rng, picture, share):
-    """`picture` in another colour to a `share`, H x W x 1, which wear makes less."""
+    """`picture` in another color to a `share`, H x W x 1, which wear makes less."""
     share = share * np.float32(rng.uniform(0.4, 0.95))
     color = np.float32(COLORS[rng.integers(len(COLORS))]) * np.float32(rng.uniform(0.5, 1.1))
     return picture * (1 - share) + share * color
@@ -75,7 +75,7 @@ def band_in_view(rng):
 
 def paint_field(rng, floor):
     """`floor`, H x W x 3, of a level view with a field as between parts of a car park: plain ground of a shade of its own
-    between two wide lines of one colour, which meet, cross or run side by side."""
+    between two wide lines of one color, which meet, cross or run side by side."""
     toward = rng.uniform(0, 2 * np.pi)
     first = beyond_line(toward, log_uniform(rng, 0.4, 6))
     if rng.random() < 0.3:

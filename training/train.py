@@ -27,7 +27,7 @@ from network import FreespaceNetwork, count_parameters, fold, in_bfloat16, load
 from views import CameraView, LevelView
 
 SIZE = (640, 384)  # of the network's input: width, height
-# Small pictures first: shapes and colours are learnt at a fraction of the cost. Until which part, size.
+# Small pictures first: shapes and colors are learnt at a fraction of the cost. Until which part, size.
 STAGES = ((0.3, (320, 192)), (0.6, (448, 256)), (1.0, SIZE))
 EDGE_WEIGHT = 4.0  # of pixels at an outline, where others weigh 1: far ground is but a few rows of pixels
 MOST_WEIGHT = 12.0
@@ -130,7 +130,7 @@ class Samples(torch.utils.data.IterableDataset):
 
 
 def follow(average, network, decay):
-    """Moves the average towards the network."""
+    """Moves the average toward the network."""
     with torch.no_grad():
         for name, value in network.state_dict().items():
             kept = average.state_dict()[name]
@@ -140,7 +140,7 @@ def follow(average, network, decay):
                 kept.copy_(value)
 
 
-def make_optimiser(network, rate):
+def make_optimizer(network, rate):
     """Weights decay, biases and scales do not."""
     decays = [parameter for parameter in network.parameters() if parameter.ndim > 1]
     others = [parameter for parameter in network.parameters() if parameter.ndim <= 1]
@@ -156,7 +156,7 @@ def train(arguments):
         network = fold(network)
     average = copy.deepcopy(network)
     network = network.to(memory_format=torch.channels_last)
-    optimiser = make_optimiser(network, arguments.rate)
+    optimizer = make_optimizer(network, arguments.rate)
     plain = pictures.load_camvid(Path(arguments.camvid) / "train") if arguments.camvid else []
     begin = last_report = time.monotonic()
     budget, step, losses = 60 * arguments.minutes, 0, []
@@ -171,17 +171,17 @@ def train(arguments):
         progress = elapsed / budget
         # The schedule follows the clock: on a shared machine nobody knows how many steps an hour has.
         rate = arguments.rate * min(1, (step + 1) / 100) * 0.5 * (1 + np.cos(np.pi * min(progress, 1)))
-        for group in optimiser.param_groups:
+        for group in optimizer.param_groups:
             group["lr"] = rate
         network.train()
         labels = torch.from_numpy(labels)
         with in_bfloat16(arguments.bfloat16):
             log_odds = network(to_batch(images))
         loss = loss_of(upsample(log_odds.float(), labels.shape[1:]), labels, torch.from_numpy(weights))
-        optimiser.zero_grad()
+        optimizer.zero_grad()
         loss.backward()
         torch.nn.utils.clip_grad_norm_(network.parameters(), 5.0)
-        optimiser.step()
+        optimizer.step()
         follow(average, network, min(0.995, (step + 1) / (step + 10)))
         losses.append(loss.item())
         step += 1
@@ -213,7 +213,7 @@ def main():
     parser.add_argument("--out", required=True, help="checkpoint to write")
     parser.add_argument("--level", action="store_true", help="train on level views of calibrated cameras (level_view.py)")
     parser.add_argument("--resume", help="checkpoint, or ONNX file of a folded network, to start from")
-    parser.add_argument("--fold", action="store_true", help="fold batch normalisation first: further steps take half the time")
+    parser.add_argument("--fold", action="store_true", help="fold batch normalization first: further steps take half the time")
     parser.add_argument("--begin", type=float, default=0, help="part of STAGES that is over: 1 for large pictures only")
     parser.add_argument("--minutes", type=float, default=60)
     parser.add_argument("--steps", type=int, default=0, help="end earlier, after so many steps")

@@ -22,7 +22,7 @@ import outline_rasters as rasters
 from huge_pages import use_huge_pages
 from outline_network import LOG_ODDS, LOG_ODDS_UNIT, OutlineNetwork, corrected, load, with_correction
 from network import in_bfloat16
-from train import follow, make_optimiser
+from train import follow, make_optimizer
 
 SIDE = 224  # pixels of a square
 RIM = 12  # pixels: a square about as large as the disc of 1.5 m that the measure takes; a multiple of 2
@@ -119,7 +119,7 @@ def train(arguments):
     network = load(arguments.resume) if arguments.resume else OutlineNetwork()
     average = copy.deepcopy(network)
     network = network.to(memory_format=torch.channels_last)
-    optimiser = make_optimiser(network, arguments.rate)
+    optimizer = make_optimizer(network, arguments.rate)
     val = [raster for folder in arguments.val for raster in rasters.load_rasters(folder)]
     squares = Squares(arguments)
     print(f"{sum(p.numel() for p in network.parameters())} parameters, {len(squares.pool)} rasters", flush=True)
@@ -131,7 +131,7 @@ def train(arguments):
         elapsed = (time.monotonic() - begin) / 60
         progress = elapsed / arguments.minutes
         rate = arguments.rate * min(1, (step + 1) / 100) * 0.5 * (1 + np.cos(np.pi * min(progress, 1)))
-        for group in optimiser.param_groups:
+        for group in optimizer.param_groups:
             group["lr"] = rate
         network.train()
         features, truth, weights = map(torch.from_numpy, (features, truth, weights))
@@ -140,10 +140,10 @@ def train(arguments):
         with in_bfloat16(arguments.bfloat16):
             correction = network(features)
         loss = loss_of(with_correction(features, correction.float())[:, 0], seen, truth, weights)
-        optimiser.zero_grad()
+        optimizer.zero_grad()
         loss.backward()
         torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
-        optimiser.step()
+        optimizer.step()
         follow(average, network, min(0.995, (step + 1) / (step + 10)))
         losses.append(loss.item())
         step += 1

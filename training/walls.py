@@ -1,4 +1,4 @@
-"""Walls as they are elsewhere: other colours, smooth patches, plain panels that stand on the outline of the floor."""
+"""Walls as they are elsewhere: other colors, smooth patches, plain panels that stand on the outline of the floor."""
 import cv2
 import numpy as np
 
@@ -25,7 +25,7 @@ def wall_patch(rng, label):
 
 
 def wall_paint(rng, image, label):
-    """What a patch of wall shows, and where it can: any colour, the floor's own, or the floor itself."""
+    """What a patch of wall shows, and where it can: any color, the floor's own, or the floor itself."""
     height, width = label.shape
     kind, ground, everywhere = rng.random(), image[label == DRIVABLE], np.ones(label.shape, np.float32)
     if kind < 0.35 and len(ground):
@@ -45,7 +45,7 @@ def add_moved(area, mask, right, up):
 
 
 def smooth_walls(rng, image, label):
-    """Plain walls and gates that stand on the outline of the floor, side by side, each of one colour, and between them
+    """Plain walls and gates that stand on the outline of the floor, side by side, each of one color, and between them
     openings through which one sees ceilings and walls further off."""
     height, width = label.shape
     ground = label == DRIVABLE
@@ -84,7 +84,7 @@ def smooth_walls(rng, image, label):
 
 
 def shine_of(rng, image, paint, wall, reach):
-    """`image` with the wall's colours on the floor at its foot, as a polished floor shows them."""
+    """`image` with the wall's colors on the floor at its foot, as a polished floor shows them."""
     box = (5, 2 * reach + 1)
     near = cv2.blur(wall, box)
     color = cv2.blur(paint * wall[..., None], box) / np.maximum(near, 1e-3)[..., None]
@@ -93,7 +93,7 @@ def shine_of(rng, image, paint, wall, reach):
 
 
 def paint_walls(rng, image, label):
-    """Other colours, and smooth patches, on what is not drivable: neither smooth nor grey is yet road."""
+    """Other colors, and smooth patches, on what is not drivable: neither smooth nor gray is yet road."""
     wall = cv2.GaussianBlur((label == NOT_DRIVABLE).astype(np.float32), (3, 3), 0)[..., None]
     painted = image.astype(np.float32)
     if rng.random() < 0.6:

@@ -18,7 +18,7 @@ const browser = await chromium.launchPersistentContext(profile, {
     '--disable-background-networking', '--disable-component-update', '--disable-sync'],
 });
 
-// Distinct colours in a screenshot of the canvas, counted by the browser itself.
+// Distinct colors in a screenshot of the canvas, counted by the browser itself.
 async function countColors(page) {
   const png = (await page.locator('#canvas').screenshot()).toString('base64');
   return page.evaluate(async (data) => {
@@ -95,12 +95,12 @@ try {
   assert.equal(await page.locator('.drive .state.ready').first().textContent(), 'ready');
   assert.match(await page.locator('#map-panel').innerText(), /m²/);
   const withGround = await countColors(page);
-  assert(withGround > 500, `the canvas shows only ${withGround} colours`);
+  assert(withGround > 500, `the canvas shows only ${withGround} colors`);
 
   await page.getByRole('button', { name: 'Ground' }).click();
   await page.waitForTimeout(300);
   const withoutGround = await countColors(page);
-  assert(withoutGround < withGround / 2, `hiding the ground leaves ${withoutGround} of ${withGround} colours`);
+  assert(withoutGround < withGround / 2, `hiding the ground leaves ${withoutGround} of ${withGround} colors`);
   await page.getByRole('button', { name: 'Ground' }).click();
   await page.getByRole('button', { name: 'From above' }).click();
   await page.waitForTimeout(300);
@@ -114,7 +114,7 @@ try {
   ]);
   assert.equal(await download.failure(), null);
   assert.deepEqual(complaints, []);
-  console.log(`viewer: ${withGround} colours, no complaints, ${screenshotPath}`);
+  console.log(`viewer: ${withGround} colors, no complaints, ${screenshotPath}`);
 } finally {
   await browser.close();
   await rm(profile, { recursive: true, force: true });

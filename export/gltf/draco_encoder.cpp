@@ -17,7 +17,8 @@ constexpr int kMaxPositionBits = 18;
 constexpr double kFinestStep = 1.0 / 512;  // [m]
 constexpr int kNormalBits = 8;
 constexpr int kSigmaBits = 10;
-constexpr int kTexcoordBits = 14;  // of a picture at most some thousand texels wide: a fraction of one
+constexpr int kTexcoordBits =
+    14;  // of a image at most some thousand texels wide: a fraction of one
 // Of 0 (smallest) to 10 (fastest); 4 still uses the predictors that matter for a surface.
 constexpr int kSpeed = 4;
 
@@ -27,7 +28,8 @@ int AddAttribute(draco::Mesh& mesh, draco::GeometryAttribute::Type type, draco::
   auto attribute = std::make_unique<draco::PointAttribute>();
   attribute->Init(type, num_components, data_type, is_normalized, values.size());
   for (size_t i = 0; i < values.size(); ++i)
-    attribute->SetAttributeValue(draco::AttributeValueIndex(static_cast<std::uint32_t>(i)), &values[i]);
+    attribute->SetAttributeValue(draco::AttributeValueIndex(static_cast<std::uint32_t>(i)),
+                                 &values[i]);
   return mesh.AddAttribute(std::move(attribute));
 }
 
@@ -66,18 +68,23 @@ DracoMesh EncodeDraco(const GltfGeometry& geometry) {
                  {draco::PointIndex(a), draco::PointIndex(b), draco::PointIndex(c)});
   }
   using Attribute = draco::GeometryAttribute;
-  const int position = AddAttribute(mesh, Attribute::POSITION, draco::DT_FLOAT32, 3, false, geometry.positions);
-  const int normal = AddAttribute(mesh, Attribute::NORMAL, draco::DT_FLOAT32, 3, false, geometry.normals);
+  const int position =
+      AddAttribute(mesh, Attribute::POSITION, draco::DT_FLOAT32, 3, false, geometry.positions);
+  const int normal =
+      AddAttribute(mesh, Attribute::NORMAL, draco::DT_FLOAT32, 3, false, geometry.normals);
   std::optional<int> color, texcoord;
   if (!geometry.colors.empty())
     color = AddAttribute(mesh, Attribute::COLOR, draco::DT_UINT16, 4, true, geometry.colors);
   if (!geometry.texcoords.empty())
-    texcoord = AddAttribute(mesh, Attribute::TEX_COORD, draco::DT_FLOAT32, 2, false, geometry.texcoords);
-  const int sigma = AddAttribute(mesh, Attribute::GENERIC, draco::DT_FLOAT32, 1, false, geometry.height_sigmas);
+    texcoord =
+        AddAttribute(mesh, Attribute::TEX_COORD, draco::DT_FLOAT32, 2, false, geometry.texcoords);
+  const int sigma =
+      AddAttribute(mesh, Attribute::GENERIC, draco::DT_FLOAT32, 1, false, geometry.height_sigmas);
 
   draco::ExpertEncoder encoder(mesh);
   const PositionLattice lattice = ChooseLattice(geometry.positions);
-  encoder.SetAttributeExplicitQuantization(position, lattice.bits, 3, lattice.origin.data(), lattice.range);
+  encoder.SetAttributeExplicitQuantization(position, lattice.bits, 3, lattice.origin.data(),
+                                           lattice.range);
   encoder.SetAttributeQuantization(normal, kNormalBits);
   encoder.SetAttributeQuantization(sigma, kSigmaBits);
   if (texcoord) encoder.SetAttributeQuantization(*texcoord, kTexcoordBits);
@@ -86,11 +93,15 @@ DracoMesh EncodeDraco(const GltfGeometry& geometry) {
   encoder.SetTrackEncodedProperties(true);
   draco::EncoderBuffer buffer;
   const draco::Status status = encoder.EncodeToBuffer(&buffer);
-  Require(status.ok(), ErrorCode::kInternal, std::string("Draco could not compress the mesh: ") + status.error_msg());
+  Require(status.ok(), ErrorCode::kInternal,
+          std::string("Draco could not compress the mesh: ") + status.error_msg());
 
-  const auto unique_id = [&](int attribute) { return static_cast<int>(mesh.attribute(attribute)->unique_id()); };
-  std::map<std::string, int> ids = {
-      {"POSITION", unique_id(position)}, {"NORMAL", unique_id(normal)}, {"_HEIGHT_SIGMA", unique_id(sigma)}};
+  const auto unique_id = [&](int attribute) {
+    return static_cast<int>(mesh.attribute(attribute)->unique_id());
+  };
+  std::map<std::string, int> ids = {{"POSITION", unique_id(position)},
+                                    {"NORMAL", unique_id(normal)},
+                                    {"_HEIGHT_SIGMA", unique_id(sigma)}};
   if (color) ids["COLOR_0"] = unique_id(*color);
   if (texcoord) ids["TEXCOORD_0"] = unique_id(*texcoord);
   return {.bytes = std::string(buffer.data(), buffer.size()),

@@ -57,7 +57,8 @@ int GltfBuilder::AddMaterial(const std::string& name, const Eigen::Vector3d& col
   return static_cast<int>(model_.materials.size()) - 1;
 }
 
-int GltfBuilder::AddTexturedMaterial(const std::string& name, const std::vector<std::uint8_t>& jpeg) {
+int GltfBuilder::AddTexturedMaterial(const std::string& name,
+                                     const std::vector<std::uint8_t>& jpeg) {
   tinygltf::Image image;
   image.mimeType = "image/jpeg";
   image.bufferView = AddBufferView(jpeg.data(), jpeg.size(), 0);
@@ -74,11 +75,13 @@ int GltfBuilder::AddTexturedMaterial(const std::string& name, const std::vector<
   texture.source = static_cast<int>(model_.images.size()) - 1;
   model_.textures.push_back(texture);
   const int material = AddMaterial(name, Eigen::Vector3d::Ones());
-  model_.materials.back().pbrMetallicRoughness.baseColorTexture.index = static_cast<int>(model_.textures.size()) - 1;
+  model_.materials.back().pbrMetallicRoughness.baseColorTexture.index =
+      static_cast<int>(model_.textures.size()) - 1;
   return material;
 }
 
-std::optional<int> GltfBuilder::AddTriangles(const std::string& name, const std::vector<GltfPiece>& pieces,
+std::optional<int> GltfBuilder::AddTriangles(const std::string& name,
+                                             const std::vector<GltfPiece>& pieces,
                                              MeshEncoding encoding) {
   tinygltf::Mesh mesh;
   mesh.name = name;
@@ -98,13 +101,15 @@ std::optional<int> GltfBuilder::AddTriangles(const std::string& name, const std:
   return static_cast<int>(model_.meshes.size()) - 1;
 }
 
-int GltfBuilder::AddLineStrip(const std::string& name, const std::vector<Eigen::Vector3f>& points, int material) {
+int GltfBuilder::AddLineStrip(const std::string& name, const std::vector<Eigen::Vector3f>& points,
+                              int material) {
   Require(points.size() >= 2, ErrorCode::kInternal, "a line needs two points");
   tinygltf::Primitive primitive;
   primitive.mode = TINYGLTF_MODE_LINE_STRIP;
   primitive.material = material;
   const int view = AddBufferView(points.data(), NumBytes(points), TINYGLTF_TARGET_ARRAY_BUFFER);
-  const int positions = AddAccessor(view, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, points.size());
+  const int positions =
+      AddAccessor(view, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, points.size());
   SetBounds(positions, points);
   primitive.attributes["POSITION"] = positions;
   tinygltf::Mesh mesh;
@@ -114,11 +119,13 @@ int GltfBuilder::AddLineStrip(const std::string& name, const std::vector<Eigen::
   return static_cast<int>(model_.meshes.size()) - 1;
 }
 
-int GltfBuilder::AddNode(const std::string& name, std::optional<int> parent, const Eigen::Vector3d& translation,
-                         std::optional<int> mesh, const nlohmann::json& extras) {
+int GltfBuilder::AddNode(const std::string& name, std::optional<int> parent,
+                         const Eigen::Vector3d& translation, std::optional<int> mesh,
+                         const nlohmann::json& extras) {
   tinygltf::Node node;
   node.name = name;
-  if (!translation.isZero(0)) node.translation = {translation.x(), translation.y(), translation.z()};
+  if (!translation.isZero(0))
+    node.translation = {translation.x(), translation.y(), translation.z()};
   if (mesh) node.mesh = *mesh;
   if (!extras.is_null()) node.extras = ToGltfValue(extras);
   const int index = static_cast<int>(model_.nodes.size());
@@ -131,12 +138,15 @@ int GltfBuilder::AddNode(const std::string& name, std::optional<int> parent, con
   return index;
 }
 
-void GltfBuilder::SetAssetExtras(const nlohmann::json& extras) { model_.asset.extras = ToGltfValue(extras); }
+void GltfBuilder::SetAssetExtras(const nlohmann::json& extras) {
+  model_.asset.extras = ToGltfValue(extras);
+}
 
 void GltfBuilder::Write(std::ostream& stream) const {
   tinygltf::TinyGLTF writer;
-  Require(writer.WriteGltfSceneToStream(&model_, stream, /*prettyPrint=*/false, /*writeBinary=*/true),
-          ErrorCode::kInternal, "tinygltf could not write the scene");
+  Require(
+      writer.WriteGltfSceneToStream(&model_, stream, /*prettyPrint=*/false, /*writeBinary=*/true),
+      ErrorCode::kInternal, "tinygltf could not write the scene");
 }
 
 int GltfBuilder::AddBufferView(const void* data, size_t num_bytes, int target) {
@@ -154,8 +164,8 @@ int GltfBuilder::AddBufferView(const void* data, size_t num_bytes, int target) {
   return static_cast<int>(model_.bufferViews.size()) - 1;
 }
 
-int GltfBuilder::AddAccessor(std::optional<int> buffer_view, int component_type, int type, size_t count,
-                             bool is_normalized) {
+int GltfBuilder::AddAccessor(std::optional<int> buffer_view, int component_type, int type,
+                             size_t count, bool is_normalized) {
   tinygltf::Accessor accessor;
   accessor.bufferView = buffer_view.value_or(-1);
   accessor.componentType = component_type;
@@ -180,23 +190,25 @@ void GltfBuilder::AddPlain(const GltfGeometry& geometry, tinygltf::Primitive& pr
   const auto view = [&](const auto& values) {
     return AddBufferView(values.data(), NumBytes(values), TINYGLTF_TARGET_ARRAY_BUFFER);
   };
-  const int positions = AddAccessor(view(geometry.positions), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, count);
+  const int positions = AddAccessor(view(geometry.positions), TINYGLTF_COMPONENT_TYPE_FLOAT,
+                                    TINYGLTF_TYPE_VEC3, count);
   SetBounds(positions, geometry.positions);
   primitive.attributes["POSITION"] = positions;
   primitive.attributes["NORMAL"] =
       AddAccessor(view(geometry.normals), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, count);
   if (!geometry.colors.empty())
     primitive.attributes["COLOR_0"] =
-        AddAccessor(view(geometry.colors), TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_VEC4, count, true);
+        AddAccessor(view(geometry.colors), TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT,
+                    TINYGLTF_TYPE_VEC4, count, true);
   if (!geometry.texcoords.empty())
-    primitive.attributes["TEXCOORD_0"] =
-        AddAccessor(view(geometry.texcoords), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2, count);
-  primitive.attributes["_HEIGHT_SIGMA"] =
-      AddAccessor(view(geometry.height_sigmas), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_SCALAR, count);
-  const int indices =
-      AddBufferView(geometry.triangles.data(), NumBytes(geometry.triangles), TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
-  primitive.indices =
-      AddAccessor(indices, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, 3 * geometry.triangles.size());
+    primitive.attributes["TEXCOORD_0"] = AddAccessor(
+        view(geometry.texcoords), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2, count);
+  primitive.attributes["_HEIGHT_SIGMA"] = AddAccessor(
+      view(geometry.height_sigmas), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_SCALAR, count);
+  const int indices = AddBufferView(geometry.triangles.data(), NumBytes(geometry.triangles),
+                                    TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+  primitive.indices = AddAccessor(indices, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
+                                  TINYGLTF_TYPE_SCALAR, 3 * geometry.triangles.size());
 }
 
 void GltfBuilder::AddDraco(const GltfGeometry& geometry, tinygltf::Primitive& primitive) {
@@ -207,18 +219,21 @@ void GltfBuilder::AddDraco(const GltfGeometry& geometry, tinygltf::Primitive& pr
   const int positions = AddAccessor({}, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, count);
   SetBounds(positions, geometry.positions);
   primitive.attributes["POSITION"] = positions;
-  primitive.attributes["NORMAL"] = AddAccessor({}, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, count);
+  primitive.attributes["NORMAL"] =
+      AddAccessor({}, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, count);
   if (!geometry.colors.empty())
     primitive.attributes["COLOR_0"] =
         AddAccessor({}, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_VEC4, count, true);
   if (!geometry.texcoords.empty())
-    primitive.attributes["TEXCOORD_0"] = AddAccessor({}, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2, count);
-  primitive.attributes["_HEIGHT_SIGMA"] = AddAccessor({}, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_SCALAR, count);
-  primitive.indices =
-      AddAccessor({}, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, 3 * compressed.num_triangles);
-  primitive.extensions[kDraco] =
-      ToGltfValue({{"bufferView", AddBufferView(compressed.bytes.data(), compressed.bytes.size(), 0)},
-                   {"attributes", compressed.attribute_ids}});
+    primitive.attributes["TEXCOORD_0"] =
+        AddAccessor({}, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2, count);
+  primitive.attributes["_HEIGHT_SIGMA"] =
+      AddAccessor({}, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_SCALAR, count);
+  primitive.indices = AddAccessor({}, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR,
+                                  3 * compressed.num_triangles);
+  primitive.extensions[kDraco] = ToGltfValue(
+      {{"bufferView", AddBufferView(compressed.bytes.data(), compressed.bytes.size(), 0)},
+       {"attributes", compressed.attribute_ids}});
 }
 
 void GltfBuilder::UseExtension(const std::string& name, bool is_required) {

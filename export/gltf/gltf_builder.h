@@ -23,19 +23,22 @@ class GltfBuilder {
  public:
   GltfBuilder();
 
-  /// Unlit material; `name` and linear colour factor.
+  /// Unlit material; `name` and linear color factor.
   int AddMaterial(const std::string& name, const Eigen::Vector3d& color);
-  /// Unlit material of a picture: an encoded JPEG.
+  /// Unlit material of a image: an encoded JPEG.
   int AddTexturedMaterial(const std::string& name, const std::vector<std::uint8_t>& jpeg);
-  /// One mesh of several pieces, each with its material. Pieces without triangles are left out; -> nothing where
-  /// that leaves none.
-  std::optional<int> AddTriangles(const std::string& name, const std::vector<GltfPiece>& pieces, MeshEncoding encoding);
+  /// One mesh of several pieces, each with its material. Pieces without triangles are left out; ->
+  /// nothing where that leaves none.
+  std::optional<int> AddTriangles(const std::string& name, const std::vector<GltfPiece>& pieces,
+                                  MeshEncoding encoding);
   /// Throws Error{kInternal} for fewer than two points.
-  int AddLineStrip(const std::string& name, const std::vector<Eigen::Vector3f>& points, int material);
+  int AddLineStrip(const std::string& name, const std::vector<Eigen::Vector3f>& points,
+                   int material);
 
   /// A node below `parent` (or of the scene), moved by `translation` [m, y up].
-  int AddNode(const std::string& name, std::optional<int> parent, const Eigen::Vector3d& translation,
-              std::optional<int> mesh, const nlohmann::json& extras = {});
+  int AddNode(const std::string& name, std::optional<int> parent,
+              const Eigen::Vector3d& translation, std::optional<int> mesh,
+              const nlohmann::json& extras = {});
 
   void SetAssetExtras(const nlohmann::json& extras);
 

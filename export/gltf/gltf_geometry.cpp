@@ -22,8 +22,12 @@ namespace {
 /// Takes triangles of a mesh one by one; vertices come along as they are used.
 class GeometryCollector {
  public:
-  explicit GeometryCollector(const TriangleMesh& mesh, const TextureChart* chart = nullptr, double texel_size = 0)
-      : mesh_(mesh), chart_(chart), texel_size_(texel_size), new_index_(mesh.vertices.size(), kUnused) {}
+  explicit GeometryCollector(const TriangleMesh& mesh, const TextureChart* chart = nullptr,
+                             double texel_size = 0)
+      : mesh_(mesh),
+        chart_(chart),
+        texel_size_(texel_size),
+        new_index_(mesh.vertices.size(), kUnused) {}
 
   void Add(const std::array<std::uint32_t, 3>& triangle) {
     const auto& [a, b, c] = triangle;
@@ -42,14 +46,16 @@ class GeometryCollector {
     const Eigen::Vector3f& normal = mesh_.normals[index];
     const bool has_normal = normal.allFinite() && normal.norm() > 1e-6F;
     geometry_.positions.push_back(GltfFromSite(mesh_.vertices[index]));
-    geometry_.normals.push_back(
-        GltfFromSite<float>(has_normal ? Eigen::Vector3f(normal.normalized()) : Eigen::Vector3f::UnitZ()));
+    geometry_.normals.push_back(GltfFromSite<float>(
+        has_normal ? Eigen::Vector3f(normal.normalized()) : Eigen::Vector3f::UnitZ()));
     geometry_.height_sigmas.push_back(mesh_.height_sigmas[index]);
     if (chart_ != nullptr) {
-      geometry_.texcoords.push_back(TexcoordOf(mesh_.origin + mesh_.vertices[index].cast<double>()));
+      geometry_.texcoords.push_back(
+          TexcoordOf(mesh_.origin + mesh_.vertices[index].cast<double>()));
     } else {
       const auto& [red, green, blue] = mesh_.colors[index];
-      geometry_.colors.push_back({LinearFromSrgb(red), LinearFromSrgb(green), LinearFromSrgb(blue), 65535});
+      geometry_.colors.push_back(
+          {LinearFromSrgb(red), LinearFromSrgb(green), LinearFromSrgb(blue), 65535});
     }
     return new_index_[index];
   }
@@ -75,7 +81,8 @@ GltfGeometry MakeGltfGeometry(const TriangleMesh& mesh) {
   return collector.Take();
 }
 
-GltfGeometry MakeGltfGeometry(const TriangleMesh& mesh, const TextureChart& chart, double texel_size) {
+GltfGeometry MakeGltfGeometry(const TriangleMesh& mesh, const TextureChart& chart,
+                              double texel_size) {
   GeometryCollector collector(mesh, &chart, texel_size);
   for (const std::uint32_t triangle : chart.triangles) collector.Add(mesh.triangles[triangle]);
   return collector.Take();

@@ -17,7 +17,8 @@ std::vector<bool> FindOutline(const TriangleMesh& mesh) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   edges.reserve(3 * mesh.triangles.size());
   for (const auto& [a, b, c] : mesh.triangles)
-    for (const auto& edge : {std::minmax(a, b), std::minmax(b, c), std::minmax(c, a)}) edges.emplace_back(edge);
+    for (const auto& edge : {std::minmax(a, b), std::minmax(b, c), std::minmax(c, a)})
+      edges.emplace_back(edge);
   std::sort(edges.begin(), edges.end());
   std::vector<bool> is_outline(mesh.vertices.size());
   for (size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
@@ -34,10 +35,12 @@ std::uint32_t Representative(const TriangleMesh& mesh, const std::vector<bool>& 
                [&](std::uint32_t i) { return is_outline[i]; });
   if (candidates.empty()) candidates = cube;
   Eigen::Vector3f mean = Eigen::Vector3f::Zero();
-  for (const std::uint32_t i : candidates) mean += mesh.vertices[i] / static_cast<float>(candidates.size());
-  return *std::min_element(candidates.begin(), candidates.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return (mesh.vertices[a] - mean).squaredNorm() < (mesh.vertices[b] - mean).squaredNorm();
-  });
+  for (const std::uint32_t i : candidates)
+    mean += mesh.vertices[i] / static_cast<float>(candidates.size());
+  return *std::min_element(
+      candidates.begin(), candidates.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return (mesh.vertices[a] - mean).squaredNorm() < (mesh.vertices[b] - mean).squaredNorm();
+      });
 }
 
 }  // namespace

@@ -16,7 +16,9 @@ using Json = nlohmann::json;
 constexpr std::uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 constexpr int kFloat = 5126, kUnsignedInt = 5125, kUnsignedShort = 5123;
 
-[[noreturn]] void Refuse() { throw Error(ErrorCode::kInvalidInput, "this is no plain glTF binary of this program"); }
+[[noreturn]] void Refuse() {
+  throw Error(ErrorCode::kInvalidInput, "this is no plain glTF binary of this program");
+}
 
 /// The two chunks of a .glb; the second is empty where nothing is shown.
 struct Chunks {
@@ -46,7 +48,8 @@ std::string Join(const Chunks& chunks) {
     const auto word = static_cast<std::uint32_t>(value);
     glb.append(reinterpret_cast<const char*>(&word), sizeof word);
   };
-  word(kMagic), word(2), word(20 + json.size() + (chunks.binary.empty() ? 0 : 8 + chunks.binary.size()));
+  word(kMagic), word(2),
+      word(20 + json.size() + (chunks.binary.empty() ? 0 : 8 + chunks.binary.size()));
   word(json.size()), word(kJsonChunk);
   glb += json;
   if (chunks.binary.empty()) return glb;
@@ -57,11 +60,13 @@ std::string Join(const Chunks& chunks) {
 /// Three floats per element, one after the other, within the binary chunk.
 class VectorAccessor {
  public:
-  VectorAccessor(Chunks& chunks, size_t index) : chunks_(chunks), json_(chunks.json.at("accessors").at(index)) {
+  VectorAccessor(Chunks& chunks, size_t index)
+      : chunks_(chunks), json_(chunks.json.at("accessors").at(index)) {
     const Json& view = chunks.json.at("bufferViews").at(json_.at("bufferView").get<size_t>());
     begin_ = view.value("byteOffset", size_t{0}) + json_.value("byteOffset", size_t{0});
     size_ = json_.at("count").get<size_t>();
-    if (json_.at("componentType") != kFloat || json_.at("type") != "VEC3" || view.value("byteStride", 12) != 12 ||
+    if (json_.at("componentType") != kFloat || json_.at("type") != "VEC3" ||
+        view.value("byteStride", 12) != 12 ||
         begin_ + size_ * sizeof(Eigen::Vector3f) > chunks.binary.size())
       Refuse();
   }
@@ -76,7 +81,8 @@ class VectorAccessor {
     std::memcpy(chunks_.binary.data() + begin_ + i * sizeof narrow, narrow.data(), sizeof narrow);
   }
   void SetBounds() {
-    Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::max()), high = -low;
+    Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::max()),
+                    high = -low;
     for (size_t i = 0; i < size_; ++i) low = low.cwiseMin(At(i)), high = high.cwiseMax(At(i));
     json_["min"] = {low.x(), low.y(), low.z()};
     json_["max"] = {high.x(), high.y(), high.z()};
@@ -88,14 +94,20 @@ class VectorAccessor {
   size_t begin_ = 0, size_ = 0;
 };
 
-Eigen::Vector3d SiteFromGltf(const Eigen::Vector3d& point) { return {point.x(), -point.z(), point.y()}; }
-Eigen::Vector3d GltfFromSite(const Eigen::Vector3d& point) { return {point.x(), point.z(), -point.y()}; }
+Eigen::Vector3d SiteFromGltf(const Eigen::Vector3d& point) {
+  return {point.x(), -point.z(), point.y()};
+}
+Eigen::Vector3d GltfFromSite(const Eigen::Vector3d& point) {
+  return {point.x(), point.z(), -point.y()};
+}
 
 /// Shrinks triangles to a point where one of their corners is gone.
 void Shrink(Chunks& chunks, size_t accessor, const std::vector<bool>& is_gone) {
   const Json& json = chunks.json.at("accessors").at(accessor);
   const Json& view = chunks.json.at("bufferViews").at(json.at("bufferView").get<size_t>());
-  const size_t size = json.at("componentType") == kUnsignedInt ? 4 : json.at("componentType") == kUnsignedShort ? 2 : 0;
+  const size_t size = json.at("componentType") == kUnsignedInt     ? 4
+                      : json.at("componentType") == kUnsignedShort ? 2
+                                                                   : 0;
   const size_t begin = view.value("byteOffset", size_t{0}) + json.value("byteOffset", size_t{0});
   const size_t count = json.at("count").get<size_t>();
   if (size == 0 || count % 3 != 0 || begin + count * size > chunks.binary.size()) Refuse();
@@ -130,14 +142,17 @@ void MoveMesh(Chunks& chunks, Json& node, const PointMotion& motion) {
   constexpr double kArm = 0.1;  // [m] along a normal, to see it turn
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   if (node.contains("translation"))
-    for (size_t i = 0; i < 3; ++i) origin[static_cast<Eigen::Index>(i)] = node.at("translation").at(i).get<double>();
-  const Json primitives = chunks.json.at("meshes").at(node.at("mesh").get<size_t>()).at("primitives");
+    for (size_t i = 0; i < 3; ++i)
+      origin[static_cast<Eigen::Index>(i)] = node.at("translation").at(i).get<double>();
+  const Json primitives =
+      chunks.json.at("meshes").at(node.at("mesh").get<size_t>()).at("primitives");
   const Eigen::Vector3d new_origin = FindOrigin(chunks, primitives, origin, motion);
   for (const Json& primitive : primitives) {
     const Json& attributes = primitive.at("attributes");
     VectorAccessor positions(chunks, attributes.at("POSITION").get<size_t>());
     std::optional<VectorAccessor> normals;
-    if (attributes.contains("NORMAL")) normals.emplace(chunks, attributes.at("NORMAL").get<size_t>());
+    if (attributes.contains("NORMAL"))
+      normals.emplace(chunks, attributes.at("NORMAL").get<size_t>());
     std::vector<bool> is_gone(positions.size());
     for (size_t i = 0; i < positions.size(); ++i) {
       const Eigen::Vector3d point = SiteFromGltf(origin + positions.At(i));
@@ -151,15 +166,17 @@ void MoveMesh(Chunks& chunks, Json& node, const PointMotion& motion) {
     for (size_t i = 0; i < positions.size(); ++i)  // nobody sees them, but bounds do
       if (is_gone[i]) positions.Set(i, Eigen::Vector3d::Zero());
     positions.SetBounds();
-    if (primitive.contains("indices")) Shrink(chunks, primitive.at("indices").get<size_t>(), is_gone);
+    if (primitive.contains("indices"))
+      Shrink(chunks, primitive.at("indices").get<size_t>(), is_gone);
   }
   node["translation"] = {new_origin.x(), new_origin.y(), new_origin.z()};
 }
 
 }  // namespace
 
-std::string MoveGltf(const std::string& glb, const PointMotion& motion, const std::set<std::string>& drives,
-                     const std::optional<SiteDatum>& datum, const std::string& preview) {
+std::string MoveGltf(const std::string& glb, const PointMotion& motion,
+                     const std::set<std::string>& drives, const std::optional<SiteDatum>& datum,
+                     const std::string& preview) {
   constexpr std::string_view kDrive = "drive:";
   try {
     Chunks chunks = Split(glb);

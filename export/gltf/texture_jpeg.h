@@ -7,7 +7,8 @@
 
 namespace parkade {
 
-/// A chart's picture as a baseline JPEG, quality 85: photographs of asphalt gain nothing visible above it.
+/// A chart's image as a baseline JPEG, quality 85: photographs of asphalt gain nothing visible
+/// above it.
 std::vector<std::uint8_t> EncodeTextureJpeg(const TextureChart& chart);
 
 }  // namespace parkade

@@ -28,10 +28,11 @@ std::vector<Part> PartsOfCharts(const GroundTexture& texture) {
 std::vector<Part> PartsOfSquares(const TriangleMesh& mesh, double square_size) {
   std::map<std::pair<int, int>, Part> parts;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    Eigen::Vector3d centre = mesh.origin;
-    for (const std::uint32_t index : mesh.triangles[i]) centre += mesh.vertices[index].cast<double>() / 3;
-    const std::pair<int, int> square(static_cast<int>(std::floor(centre.y() / square_size)),
-                                     static_cast<int>(std::floor(centre.x() / square_size)));
+    Eigen::Vector3d center = mesh.origin;
+    for (const std::uint32_t index : mesh.triangles[i])
+      center += mesh.vertices[index].cast<double>() / 3;
+    const std::pair<int, int> square(static_cast<int>(std::floor(center.y() / square_size)),
+                                     static_cast<int>(std::floor(center.x() / square_size)));
     Part& part = parts[square];
     part.row = square.first;
     part.column = square.second;
@@ -87,8 +88,8 @@ TextureChart HalveAndJoin(const std::vector<TextureChart>& charts, double texel_
 /// All levels of one map, from below.
 class TilePyramid {
  public:
-  TilePyramid(const TriangleMesh& mesh, const GroundTexture& texture, double square_size, double coarse_cell,
-              const std::function<void(const MapTile&)>& visit)
+  TilePyramid(const TriangleMesh& mesh, const GroundTexture& texture, double square_size,
+              double coarse_cell, const std::function<void(const MapTile&)>& visit)
       : mesh_(mesh),
         texture_(texture),
         square_size_(texture.empty() ? square_size : texture.chart_size),
@@ -112,7 +113,9 @@ class TilePyramid {
     for (int level = 0; level <= coarsest_; ++level) {
       const auto l = static_cast<size_t>(level);
       for (size_t i = 0; i < parts_.size(); ++i)
-        parts_at_[l][{(parts_[i].row - corner_.y()) >> level, (parts_[i].column - corner_.x()) >> level}].push_back(i);
+        parts_at_[l][{(parts_[i].row - corner_.y()) >> level,
+                      (parts_[i].column - corner_.x()) >> level}]
+            .push_back(i);
       if (level > 0) representatives_[l] = MergeVertices(mesh_, ErrorOf(level));
     }
     VisitSquare(coarsest_, 0, 0);
@@ -133,14 +136,16 @@ class TilePyramid {
       for (const int finer_column : {2 * column, 2 * column + 1})
         for (TextureChart& chart : VisitSquare(level - 1, finer_row, finer_column))
           finer[chart.sheet].push_back(std::move(chart));
-    MapTile tile{.level = level,
-                 .is_coarsest = level == coarsest_,
-                 .error = ErrorOf(level),
-                 .column = column,
-                 .row = row,
-                 .name = "level" + std::to_string(level) + "_" + std::to_string(column) + "_" + std::to_string(row),
-                 .mesh = {},
-                 .texture = {std::ldexp(texture_.texel_size, level), std::ldexp(square_size_, level), {}}};
+    MapTile tile{
+        .level = level,
+        .is_coarsest = level == coarsest_,
+        .error = ErrorOf(level),
+        .column = column,
+        .row = row,
+        .name = "level" + std::to_string(level) + "_" + std::to_string(column) + "_" +
+                std::to_string(row),
+        .mesh = {},
+        .texture = {std::ldexp(texture_.texel_size, level), std::ldexp(square_size_, level), {}}};
     Assemble(found->second, finer, tile);
     visit_(tile);
     return std::move(tile.texture.charts);
@@ -150,8 +155,10 @@ class TilePyramid {
     Charts charts;
     for (const size_t i : indices) {
       const Part& part = parts_[i];
-      VertexCopier copier(mesh_, {part.column * square_size_, part.row * square_size_, std::round(mesh_.origin.z())});
-      for (const std::uint32_t triangle : part.triangles) copier.AddTriangle(mesh_.triangles[triangle]);
+      VertexCopier copier(mesh_, {part.column * square_size_, part.row * square_size_,
+                                  std::round(mesh_.origin.z())});
+      for (const std::uint32_t triangle : part.triangles)
+        copier.AddTriangle(mesh_.triangles[triangle]);
       MapTile tile{.column = part.column - corner_.x(),
                    .row = part.row - corner_.y(),
                    .sheet = part.sheet,
@@ -168,23 +175,29 @@ class TilePyramid {
     return charts;
   }
 
-  /// What a coarse tile shows: the triangles of each sheet that merging leaves, painted by what the finer level shows.
-  void Assemble(const std::vector<size_t>& indices, const std::map<int, Charts>& finer, MapTile& tile) const {
+  /// What a coarse tile shows: the triangles of each sheet that merging leaves, painted by what the
+  /// finer level shows.
+  void Assemble(const std::vector<size_t>& indices, const std::map<int, Charts>& finer,
+                MapTile& tile) const {
     std::map<int, std::vector<std::uint32_t>> triangles_of_sheet;
     for (const size_t i : indices) {
       std::vector<std::uint32_t>& triangles = triangles_of_sheet[parts_[i].sheet];
       triangles.insert(triangles.end(), parts_[i].triangles.begin(), parts_[i].triangles.end());
     }
     const double size = tile.texture.chart_size;
-    const std::vector<std::uint32_t>& representative = representatives_[static_cast<size_t>(tile.level)];
-    VertexCopier copier(mesh_, {corner_.x() * square_size_ + tile.column * size,
-                                corner_.y() * square_size_ + tile.row * size, std::round(mesh_.origin.z())});
+    const std::vector<std::uint32_t>& representative =
+        representatives_[static_cast<size_t>(tile.level)];
+    VertexCopier copier(
+        mesh_, {corner_.x() * square_size_ + tile.column * size,
+                corner_.y() * square_size_ + tile.row * size, std::round(mesh_.origin.z())});
     for (const auto& [sheet, triangles] : triangles_of_sheet) {
       const auto first = static_cast<std::uint32_t>(copier.mesh().triangles.size());
       for (const std::uint32_t index : triangles) {
         const auto& [a, b, c] = mesh_.triangles[index];
-        const std::array<std::uint32_t, 3> merged = {representative[a], representative[b], representative[c]};
-        if (merged[0] != merged[1] && merged[1] != merged[2] && merged[2] != merged[0]) copier.AddTriangle(merged);
+        const std::array<std::uint32_t, 3> merged = {representative[a], representative[b],
+                                                     representative[c]};
+        if (merged[0] != merged[1] && merged[1] != merged[2] && merged[2] != merged[0])
+          copier.AddTriangle(merged);
       }
       const auto count = static_cast<std::uint32_t>(copier.mesh().triangles.size()) - first;
       const auto charts = finer.find(sheet);
@@ -206,14 +219,15 @@ class TilePyramid {
   std::vector<Part> parts_;
   Eigen::Vector2i corner_{INT_MAX, INT_MAX};
   int coarsest_ = 0;
-  std::vector<std::map<std::pair<int, int>, std::vector<size_t>>> parts_at_;  // by level, then row and column
-  std::vector<std::vector<std::uint32_t>> representatives_;                   // by level
+  std::vector<std::map<std::pair<int, int>, std::vector<size_t>>>
+      parts_at_;                                             // by level, then row and column
+  std::vector<std::vector<std::uint32_t>> representatives_;  // by level
 };
 
 }  // namespace
 
-void VisitTiles(const TriangleMesh& mesh, const GroundTexture& texture, double square_size, double coarse_cell,
-                const std::function<void(const MapTile&)>& visit) {
+void VisitTiles(const TriangleMesh& mesh, const GroundTexture& texture, double square_size,
+                double coarse_cell, const std::function<void(const MapTile&)>& visit) {
   TilePyramid(mesh, texture, square_size, coarse_cell, visit).Visit();
 }
 

@@ -21,18 +21,19 @@ struct SiteBox {
 
   static SiteBox Around(const TriangleMesh& mesh) {
     const Box3f box = BoundingBox(mesh.vertices);
-    const Eigen::Vector3d centre = mesh.origin + 0.5 * (box.min + box.max).cast<double>();
+    const Eigen::Vector3d center = mesh.origin + 0.5 * (box.min + box.max).cast<double>();
     const Eigen::Vector3d half = 0.5 * (box.max - box.min).cast<double>().array().max(kMinExtent);
-    return {centre - half, centre + half};
+    return {center - half, center + half};
   }
   void Include(const SiteBox& other) {
     low = low.cwiseMin(other.low);
     high = high.cwiseMax(other.high);
   }
-  /// A 3D Tiles box: centre and three half axes, z up.
+  /// A 3D Tiles box: center and three half axes, z up.
   Json ToJson() const {
-    const Eigen::Vector3d centre = 0.5 * (low + high), half = 0.5 * (high - low);
-    return {{"box", {centre.x(), centre.y(), centre.z(), half.x(), 0, 0, 0, half.y(), 0, 0, 0, half.z()}}};
+    const Eigen::Vector3d center = 0.5 * (low + high), half = 0.5 * (high - low);
+    return {{"box",
+             {center.x(), center.y(), center.z(), half.x(), 0, 0, 0, half.y(), 0, 0, 0, half.z()}}};
   }
 };
 
@@ -47,7 +48,8 @@ using Branches = std::map<std::pair<int, int>, std::vector<Branch>>;
 /// Puts the tree of tiles together, from its leaves.
 class TileTree {
  public:
-  explicit TileTree(const std::function<void(const std::string&, const std::string&)>& write) : write_(write) {}
+  explicit TileTree(const std::function<void(const std::string&, const std::string&)>& write)
+      : write_(write) {}
 
   /// A tile whose finer ones are all there.
   void Add(const MapTile& tile) {
@@ -57,10 +59,12 @@ class TileTree {
     for (const int row : {2 * tile.row, 2 * tile.row + 1})
       for (const int column : {2 * tile.column, 2 * tile.column + 1})
         if (level > 0)
-          for (Branch& child : levels_[level - 1][{row, column}]) children.push_back(std::move(child));
+          for (Branch& child : levels_[level - 1][{row, column}])
+            children.push_back(std::move(child));
     SiteBox box = tile.mesh.empty() ? children.front().box : SiteBox::Around(tile.mesh);
     for (const Branch& child : children) box.Include(child.box);
-    Json json = {{"boundingVolume", box.ToJson()}, {"geometricError", tile.error}, {"refine", "REPLACE"}};
+    Json json = {
+        {"boundingVolume", box.ToJson()}, {"geometricError", tile.error}, {"refine", "REPLACE"}};
     if (!tile.mesh.empty()) {
       const std::string uri = "tiles/" + (tile.is_coarsest ? "overview" : tile.name) + ".glb";
       write_(uri, EncodeGltfTile(tile.mesh, tile.texture));
@@ -83,18 +87,21 @@ class TileTree {
 
 }  // namespace
 
-void EncodeTiles(const SiteMap& map, const std::function<void(const std::string&, const std::string&)>& write,
+void EncodeTiles(const SiteMap& map,
+                 const std::function<void(const std::string&, const std::string&)>& write,
                  const TileOptions& options) {
   TileTree tree(write);
   VisitTiles(map.mesh, map.texture, options.tile_size, options.coarse_cell,
              [&](const MapTile& tile) { tree.Add(tile); });
-  Json root = {{"boundingVolume", SiteBox::Around(map.mesh).ToJson()}, {"geometricError", options.coarse_cell}};
+  Json root = {{"boundingVolume", SiteBox::Around(map.mesh).ToJson()},
+               {"geometricError", options.coarse_cell}};
   const double coarsest = tree.empty() ? options.coarse_cell : tree.coarsest_error();
   if (!tree.empty()) root = tree.TakeRoot();
   if (map.datum) root["transform"] = ColumnMajor(EarthFromSite(*map.datum));
 
-  Json tileset = {
-      {"asset", {{"version", "1.1"}, {"generator", "parkade"}}}, {"geometricError", 16 * coarsest}, {"root", root}};
+  Json tileset = {{"asset", {{"version", "1.1"}, {"generator", "parkade"}}},
+                  {"geometricError", 16 * coarsest},
+                  {"root", root}};
   // Frames as in the .glb files, in 3D Tiles' words: extras are free.
   if (!map.datum) tileset["asset"]["extras"] = {{"frame", "site"}, {"units", "m"}};
   write("tileset.json", tileset.dump(1) + "\n");

@@ -4,7 +4,8 @@
 
 namespace parkade {
 
-VertexCopier::VertexCopier(const TriangleMesh& source, const Eigen::Vector3d& origin) : source_(source) {
+VertexCopier::VertexCopier(const TriangleMesh& source, const Eigen::Vector3d& origin)
+    : source_(source) {
   mesh_.origin = origin;
 }
 
@@ -13,7 +14,8 @@ void VertexCopier::AddTriangle(const std::array<std::uint32_t, 3>& triangle) {
 }
 
 std::uint32_t VertexCopier::Copy(std::uint32_t index) {
-  const auto [entry, is_new] = new_index_.emplace(index, static_cast<std::uint32_t>(mesh_.vertices.size()));
+  const auto [entry, is_new] =
+      new_index_.emplace(index, static_cast<std::uint32_t>(mesh_.vertices.size()));
   if (!is_new) return entry->second;
   const double step = DracoStep(0);
   const Eigen::Vector3d in_site = source_.origin + source_.vertices[index].cast<double>();

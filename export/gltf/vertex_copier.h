@@ -8,8 +8,9 @@
 
 namespace parkade {
 
-/// Copies triangles of one mesh to another with an origin of its own, each vertex once. Vertices are rounded to Draco's
-/// lattice in the site: one on the seam between two such meshes is the same in both, to the bit.
+/// Copies triangles of one mesh to another with an origin of its own, each vertex once. Vertices
+/// are rounded to Draco's lattice in the site: one on the seam between two such meshes is the same
+/// in both, to the bit.
 class VertexCopier {
  public:
   /// `source` is borrowed; `origin` [m] lies on the lattice.

@@ -18,9 +18,10 @@ namespace {
 
 constexpr double kSureSigmas = 3;          // of a change
 constexpr double kMinObstacleShare = 0.1;  // of the cells of a region that was or is blocked
-constexpr double kMaxCellStep = 0.3;       // [m] of height between neighbouring cells of one region
+constexpr double kMaxCellStep = 0.3;       // [m] of height between neighboring cells of one region
 
-/// What a version says of a cell, from what is surely drivable to what is surely not, or was never seen.
+/// What a version says of a cell, from what is surely drivable to what is surely not, or was never
+/// seen.
 enum class Drivability { kYes, kLikely, kUnlikely, kNo, kUnseen };
 
 Drivability DrivabilityOf(const SurfaceCell* cell, double sure_belief) {
@@ -46,14 +47,20 @@ bool IsBefore(const SurfaceCell& a, const SurfaceCell& b) {
 struct Classified {
   std::map<GroundChange, std::vector<ChangedCell>> changed;
   std::vector<SurfaceCell> unchanged;
-  std::vector<double> height_changes, height_sigmas;  ///< [m] of all ground that is drivable in both
+  std::vector<double> height_changes,
+      height_sigmas;  ///< [m] of all ground that is drivable in both
 };
 
 class SurfaceComparison {
  public:
   SurfaceComparison(const SurfaceMap& from, const SurfaceMap& to, const SiteMotion& motion,
                     const CompareOptions& options)
-      : from_(from), to_(to), motion_(motion), from_cells_(from), to_cells_(to), options_(options) {}
+      : from_(from),
+        to_(to),
+        motion_(motion),
+        from_cells_(from),
+        to_cells_(to),
+        options_(options) {}
 
   Classified Classify() const {
     Classified classified;
@@ -70,12 +77,14 @@ class SurfaceComparison {
 
  private:
   static Eigen::Vector3d CenterOf(const SurfaceCell& cell, double cell_size) {
-    return {(cell.x + 0.5) * cell_size, (cell.y + 0.5) * cell_size, static_cast<double>(cell.height)};
+    return {(cell.x + 0.5) * cell_size, (cell.y + 0.5) * cell_size,
+            static_cast<double>(cell.height)};
   }
 
   const SurfaceCell* FindOnDeck(const CellFinder& cells, const Eigen::Vector3d& point) const {
     const SurfaceCell* found = cells.Find(point);
-    if (found == nullptr || std::abs(static_cast<double>(found->height) - point.z()) > options_.level_separation)
+    if (found == nullptr ||
+        std::abs(static_cast<double>(found->height) - point.z()) > options_.level_separation)
       return nullptr;
     return found;
   }
@@ -91,14 +100,18 @@ class SurfaceComparison {
     const auto is_against = [](Drivability found) {
       return found == Drivability::kUnlikely || found == Drivability::kNo;
     };
-    if (was == Drivability::kUnseen && is == Drivability::kYes) return add(GroundChange::kMapped, false);
-    if (is_against(was) && is == Drivability::kYes) return add(GroundChange::kFreed, was == Drivability::kNo);
-    if (was == Drivability::kYes && is_against(is)) return add(GroundChange::kBlocked, is == Drivability::kNo);
+    if (was == Drivability::kUnseen && is == Drivability::kYes)
+      return add(GroundChange::kMapped, false);
+    if (is_against(was) && is == Drivability::kYes)
+      return add(GroundChange::kFreed, was == Drivability::kNo);
+    if (was == Drivability::kYes && is_against(is))
+      return add(GroundChange::kBlocked, is == Drivability::kNo);
     if (was != Drivability::kYes || is != Drivability::kYes) return;
     classified.unchanged.push_back(cell);
     classified.height_changes.push_back(height_in_from - static_cast<double>(earlier->height));
     classified.height_sigmas.push_back(std::hypot(static_cast<double>(cell.height_sigma),
-                                                  static_cast<double>(earlier->height_sigma), motion_.height_sigma));
+                                                  static_cast<double>(earlier->height_sigma),
+                                                  motion_.height_sigma));
   }
 
   /// Takes what was raised or lowered out of what is unchanged.
@@ -113,7 +126,8 @@ class SurfaceComparison {
       const double change = classified.height_changes[i] - around.median;
       const double sigma = std::hypot(classified.height_sigmas[i], around.sigma);
       if (std::abs(change) >= std::max(options_.min_height_change, kSureSigmas * sigma))
-        classified.changed[change > 0 ? GroundChange::kRaised : GroundChange::kLowered].push_back({cells[i], change});
+        classified.changed[change > 0 ? GroundChange::kRaised : GroundChange::kLowered].push_back(
+            {cells[i], change});
       else
         classified.unchanged.push_back(cells[i]);
     }
@@ -130,7 +144,8 @@ class SurfaceComparison {
     classified.changed[GroundChange::kUnmapped].push_back({moved});
   }
 
-  /// Sorted as a SurfaceMap is. Cells of another grid may fall on one of ours twice: the lower one is kept.
+  /// Sorted as a SurfaceMap is. Cells of another grid may fall on one of ours twice: the lower one
+  /// is kept.
   void SortAndMerge(std::vector<ChangedCell>& cells) const {
     std::sort(cells.begin(), cells.end(),
               [](const ChangedCell& a, const ChangedCell& b) { return IsBefore(a.cell, b.cell); });
@@ -148,7 +163,7 @@ class SurfaceComparison {
   CompareOptions options_;
 };
 
-/// Cells of one kind with their neighbours of the same kind.
+/// Cells of one kind with their neighbors of the same kind.
 class CellPatches {
  public:
   CellPatches(const std::vector<ChangedCell>& cells, double cell_size)
@@ -161,9 +176,13 @@ class CellPatches {
   /// Takes away what is narrower than 2 * `rounds` + 1 cells.
   void Open(int rounds) {
     for (int round = 0; round < rounds; ++round)
-      Step([&](size_t i, const std::vector<bool>& was) { return was[i] && CountAround(i, was) == 8; });
+      Step([&](size_t i, const std::vector<bool>& was) {
+        return was[i] && CountAround(i, was) == 8;
+      });
     for (int round = 0; round < rounds; ++round)
-      Step([&](size_t i, const std::vector<bool>& was) { return was[i] || CountAround(i, was) > 0; });
+      Step([&](size_t i, const std::vector<bool>& was) {
+        return was[i] || CountAround(i, was) > 0;
+      });
   }
 
   /// Connected through edges, each in the order of the cells.
@@ -175,9 +194,11 @@ class CellPatches {
       std::vector<size_t> part = {first};
       is_found[first] = true;
       for (size_t k = 0; k < part.size(); ++k)
-        for (const std::vector<int>* links : {&links_.left, &links_.right, &links_.down, &links_.up}) {
+        for (const std::vector<int>* links :
+             {&links_.left, &links_.right, &links_.down, &links_.up}) {
           const int next = (*links)[part[k]];
-          if (next < 0 || !is_in_[static_cast<size_t>(next)] || is_found[static_cast<size_t>(next)]) continue;
+          if (next < 0 || !is_in_[static_cast<size_t>(next)] || is_found[static_cast<size_t>(next)])
+            continue;
           is_found[static_cast<size_t>(next)] = true;
           part.push_back(static_cast<size_t>(next));
         }
@@ -188,17 +209,19 @@ class CellPatches {
   }
 
   ChangedRegion RegionOf(GroundChange change, const std::vector<size_t>& part) const {
-    ChangedRegion region{.change = change, .area = static_cast<double>(part.size()) * cell_size_ * cell_size_};
+    ChangedRegion region{.change = change,
+                         .area = static_cast<double>(part.size()) * cell_size_ * cell_size_};
     size_t num_obstacles = 0;
     for (const size_t index : part) {
       const auto& [cell, height_change, is_obstacle] = cells_[index];
       num_obstacles += is_obstacle;
       region.cells.push_back(cell);
-      region.center +=
-          Eigen::Vector3d((cell.x + 0.5) * cell_size_, (cell.y + 0.5) * cell_size_, static_cast<double>(cell.height));
+      region.center += Eigen::Vector3d((cell.x + 0.5) * cell_size_, (cell.y + 0.5) * cell_size_,
+                                       static_cast<double>(cell.height));
       region.height_change += height_change;
     }
-    // Of a car only the foot is sure; where there is none, what lies behind others came into sight or went out of it.
+    // Of a car only the foot is sure; where there is none, what lies behind others came into
+    // observation or went out of it.
     if (static_cast<double>(num_obstacles) < kMinObstacleShare * static_cast<double>(part.size())) {
       if (change == GroundChange::kFreed) region.change = GroundChange::kMapped;
       if (change == GroundChange::kBlocked) region.change = GroundChange::kUnmapped;
@@ -211,7 +234,8 @@ class CellPatches {
  private:
   int CountAround(size_t cell, const std::vector<bool>& is_in) const {
     int count = 0;
-    for (const int next : links_.Around(static_cast<int>(cell))) count += next >= 0 && is_in[static_cast<size_t>(next)];
+    for (const int next : links_.Around(static_cast<int>(cell)))
+      count += next >= 0 && is_in[static_cast<size_t>(next)];
     return count;
   }
 
@@ -228,14 +252,15 @@ class CellPatches {
   SurfaceLinks links_;
 };
 
-HeightChange Summarise(std::vector<double> changes) {
+HeightChange Summarize(std::vector<double> changes) {
   HeightChange summary;
   if (changes.empty()) return summary;
   double sum = 0;
   for (const double change : changes) sum += change * change;
   summary.rmse = std::sqrt(sum / static_cast<double>(changes.size()));
   const auto percentile = [&](double fraction) {
-    const auto nth = changes.begin() + std::lround(fraction * static_cast<double>(changes.size() - 1));
+    const auto nth =
+        changes.begin() + std::lround(fraction * static_cast<double>(changes.size() - 1));
     std::nth_element(changes.begin(), nth, changes.end());
     return *nth;
   };
@@ -248,14 +273,15 @@ HeightChange Summarise(std::vector<double> changes) {
 }  // namespace
 
 void CompareOptions::Validate() const {
-  Require(sure_belief > 0.5 && sure_belief < 1, ErrorCode::kUsage, "sure_belief must be in (0.5, 1)");
+  Require(sure_belief > 0.5 && sure_belief < 1, ErrorCode::kUsage,
+          "sure_belief must be in (0.5, 1)");
   Require(min_width >= 0 && min_area >= 0 && min_height_change >= 0, ErrorCode::kUsage,
           "min_width, min_area and min_height_change must not be negative");
   Require(level_separation > 0, ErrorCode::kUsage, "level_separation must be > 0 m");
 }
 
-SurfaceChanges CompareSurfaces(const SurfaceMap& from, const SurfaceMap& to, const SiteMotion& motion,
-                               const CompareOptions& options) {
+SurfaceChanges CompareSurfaces(const SurfaceMap& from, const SurfaceMap& to,
+                               const SiteMotion& motion, const CompareOptions& options) {
   options.Validate();
   const Classified classified = SurfaceComparison(from, to, motion, options).Classify();
   SurfaceChanges changes{.cell_size = to.cell_size, .unchanged = classified.unchanged};
@@ -268,10 +294,11 @@ SurfaceChanges CompareSurfaces(const SurfaceMap& from, const SurfaceMap& to, con
       if (static_cast<double>(part.size()) * to.cell_size * to.cell_size >= options.min_area)
         changes.regions.push_back(patches.RegionOf(change, part));
   }
-  std::stable_sort(changes.regions.begin(), changes.regions.end(), [](const ChangedRegion& a, const ChangedRegion& b) {
-    return std::pair(a.change, b.area) < std::pair(b.change, a.area);
-  });
-  changes.height = Summarise(classified.height_changes);
+  std::stable_sort(changes.regions.begin(), changes.regions.end(),
+                   [](const ChangedRegion& a, const ChangedRegion& b) {
+                     return std::pair(a.change, b.area) < std::pair(b.change, a.area);
+                   });
+  changes.height = Summarize(classified.height_changes);
   return changes;
 }
 

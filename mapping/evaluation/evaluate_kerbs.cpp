@@ -24,20 +24,24 @@ struct LinePoint {
 };
 
 /// Points every `step` [m] from begin to end, in the middles of equal parts.
-void Walk(const Vector3d& begin, const Vector3d& end, double step, std::size_t line, std::vector<LinePoint>& points) {
+void Walk(const Vector3d& begin, const Vector3d& end, double step, std::size_t line,
+          std::vector<LinePoint>& points) {
   const int count = std::max(1, static_cast<int>(std::lround((end - begin).norm() / step)));
-  for (int i = 0; i < count; ++i) points.push_back({begin + (i + 0.5) / count * (end - begin), line});
+  for (int i = 0; i < count; ++i)
+    points.push_back({begin + (i + 0.5) / count * (end - begin), line});
 }
 
 /// Finds the nearest of many points.
 class NearPoints {
  public:
   explicit NearPoints(const std::vector<LinePoint>& points) : points_(&points) {
-    for (std::size_t i = 0; i < points.size(); ++i) squares_[SquareOf(points[i].place)].push_back(i);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      squares_[SquareOf(points[i].place)].push_back(i);
   }
 
   /// Horizontally within `distance` [m], at most a square's side, and on the same deck.
-  std::optional<std::size_t> Find(const Vector3d& place, double distance, double max_height_gap) const {
+  std::optional<std::size_t> Find(const Vector3d& place, double distance,
+                                  double max_height_gap) const {
     std::optional<std::size_t> best;
     const auto [column, row] = SquareOf(place);
     for (int x = column - 1; x <= column + 1; ++x)
@@ -56,7 +60,8 @@ class NearPoints {
 
  private:
   static std::pair<int, int> SquareOf(const Vector3d& place) {
-    return {static_cast<int>(std::floor(place.x() / kSquare)), static_cast<int>(std::floor(place.y() / kSquare))};
+    return {static_cast<int>(std::floor(place.x() / kSquare)),
+            static_cast<int>(std::floor(place.y() / kSquare))};
   }
 
   const std::vector<LinePoint>* points_;
@@ -64,13 +69,15 @@ class NearPoints {
 };
 
 /// The points of true kerbs that count.
-std::vector<bool> FindScope(const std::vector<TrueKerb>& truth, const std::vector<LinePoint>& points,
+std::vector<bool> FindScope(const std::vector<TrueKerb>& truth,
+                            const std::vector<LinePoint>& points,
                             const KerbEvaluationOptions& options, const KerbScope& scope) {
   std::vector<bool> counts(points.size(), true);
   for (std::size_t i = 0; i < points.size() && !scope.path.empty(); ++i)
     counts[i] = std::any_of(scope.path.begin(), scope.path.end(), [&](const Vector3d& place) {
       const Vector3d offset = place - points[i].place;
-      return offset.head<2>().norm() <= options.reach && std::abs(offset.z()) < 2 * options.max_height_gap;
+      return offset.head<2>().norm() <= options.reach &&
+             std::abs(offset.z()) < 2 * options.max_height_gap;
     });
   if (!scope.ground.find_seen) return counts;
   std::vector<Vector3d> in_front;
@@ -86,7 +93,8 @@ std::vector<bool> FindScope(const std::vector<TrueKerb>& truth, const std::vecto
 
 double Percent(double part, double whole) { return whole > 0 ? 100 * part / whole : 0; }
 
-void Summarise(const std::vector<double>& errors, const std::vector<double>& in_sigmas, KerbEvaluation& evaluation) {
+void Summarize(const std::vector<double>& errors, const std::vector<double>& in_sigmas,
+               KerbEvaluation& evaluation) {
   if (errors.empty()) return;
   std::vector<double> sizes;
   const auto count = static_cast<double>(errors.size());
@@ -94,19 +102,20 @@ void Summarise(const std::vector<double>& errors, const std::vector<double>& in_
     sizes.push_back(std::abs(errors[i]));
     evaluation.height_bias += errors[i] / count;
     evaluation.height_rmse += errors[i] * errors[i] / count;
-    evaluation.height_normalised_rmse += in_sigmas[i] * in_sigmas[i] / count;
+    evaluation.height_normalized_rmse += in_sigmas[i] * in_sigmas[i] / count;
   }
   std::sort(sizes.begin(), sizes.end());
   evaluation.height_median = sizes[sizes.size() / 2];
   evaluation.height_p95 = sizes[static_cast<std::size_t>(0.95 * (count - 1))];
   evaluation.height_rmse = std::sqrt(evaluation.height_rmse);
-  evaluation.height_normalised_rmse = std::sqrt(evaluation.height_normalised_rmse);
+  evaluation.height_normalized_rmse = std::sqrt(evaluation.height_normalized_rmse);
 }
 
 }  // namespace
 
 void KerbEvaluationOptions::Validate() const {
-  Require(max_distance > 0 && max_distance <= kSquare, ErrorCode::kUsage, "max_distance must be in 0..2 m");
+  Require(max_distance > 0 && max_distance <= kSquare, ErrorCode::kUsage,
+          "max_distance must be in 0..2 m");
   Require(max_height_gap > 0 && reach > 0 && step > 0, ErrorCode::kUsage,
           "max_height_gap, reach and step must be > 0 m");
 }
@@ -115,19 +124,22 @@ KerbEvaluation EvaluateKerbs(const std::vector<TrueKerb>& truth, const std::vect
                              const KerbEvaluationOptions& options, const KerbScope& scope) {
   options.Validate();
   std::vector<LinePoint> true_points, found_points;
-  for (std::size_t i = 0; i < truth.size(); ++i) Walk(truth[i].begin, truth[i].end, options.step, i, true_points);
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    Walk(truth[i].begin, truth[i].end, options.step, i, true_points);
   for (std::size_t i = 0; i < found.size(); ++i)
     for (std::size_t k = 1; k < found[i].points.size(); ++k)
       Walk(found[i].points[k - 1], found[i].points[k], options.step, i, found_points);
   const NearPoints near_truth(true_points), near_found(found_points);
-  const double reach = options.max_distance + 0.5 * options.step;  // between points of the other line
+  const double reach =
+      options.max_distance + 0.5 * options.step;  // between points of the other line
 
   KerbEvaluation evaluation;
   const std::vector<bool> counts = FindScope(truth, true_points, options, scope);
   for (std::size_t i = 0; i < true_points.size(); ++i) {
     if (!counts[i]) continue;
     evaluation.true_length += options.step;
-    if (!near_found.Find(true_points[i].place, reach, options.max_height_gap)) evaluation.missed_length += options.step;
+    if (!near_found.Find(true_points[i].place, reach, options.max_height_gap))
+      evaluation.missed_length += options.step;
   }
   std::vector<double> errors, in_sigmas;
   for (const LinePoint& point : found_points) {
@@ -139,9 +151,10 @@ KerbEvaluation EvaluateKerbs(const std::vector<TrueKerb>& truth, const std::vect
     errors.push_back(kerb.height - truth[true_points[*nearest].line].height);
     in_sigmas.push_back(kerb.height_sigma > 0 ? errors.back() / kerb.height_sigma : 0);
   }
-  evaluation.recall_percent = Percent(evaluation.true_length - evaluation.missed_length, evaluation.true_length);
+  evaluation.recall_percent =
+      Percent(evaluation.true_length - evaluation.missed_length, evaluation.true_length);
   evaluation.precision_percent = Percent(evaluation.right_length, evaluation.found_length);
-  Summarise(errors, in_sigmas, evaluation);
+  Summarize(errors, in_sigmas, evaluation);
   return evaluation;
 }
 
@@ -154,8 +167,8 @@ std::string ToText(const KerbEvaluation& evaluation) {
                 "  height       %6.3f m median, %.3f m RMSE, %.3f m for 95 %%, %+.3f m on average\n"
                 "  sigmas       %6.1f    RMSE of the height in its own sigmas\n",
                 evaluation.recall_percent, evaluation.true_length, evaluation.precision_percent,
-                evaluation.found_length, evaluation.height_median, evaluation.height_rmse, evaluation.height_p95,
-                evaluation.height_bias, evaluation.height_normalised_rmse);
+                evaluation.found_length, evaluation.height_median, evaluation.height_rmse,
+                evaluation.height_p95, evaluation.height_bias, evaluation.height_normalized_rmse);
   return text;
 }
 
@@ -170,7 +183,7 @@ nlohmann::json ToJson(const KerbEvaluation& evaluation) {
           {"height_p95", evaluation.height_p95},
           {"height_bias", evaluation.height_bias},
           {"height_rmse", evaluation.height_rmse},
-          {"height_normalised_rmse", evaluation.height_normalised_rmse}};
+          {"height_normalised_rmse", evaluation.height_normalized_rmse}};
 }
 
 }  // namespace parkade

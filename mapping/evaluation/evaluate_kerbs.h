@@ -17,7 +17,7 @@ struct TrueKerb {
 };
 
 struct KerbEvaluationOptions {
-  double max_distance = 0.3;    ///< [m] from a true kerb, horizontally, at which a found one is right
+  double max_distance = 0.3;  ///< [m] from a true kerb, horizontally, at which a found one is right
   double max_height_gap = 1.0;  ///< [m] of decks above each other
   double reach = 5.0;           ///< [m] from the path to which true kerbs count
   double step = 0.2;            ///< [m] along kerbs
@@ -28,7 +28,7 @@ struct KerbEvaluationOptions {
 /// A drive is not blamed for kerbs that it did not come near, or that parked cars hid.
 struct KerbScope {
   std::vector<Eigen::Vector3d> path = {};  ///< [m] where the car was; none: all true kerbs count
-  SlotScope ground = {};                   ///< which ground was seen: that before a kerb must have been
+  SlotScope ground = {};  ///< which ground was seen: that before a kerb must have been
 };
 
 struct KerbEvaluation {
@@ -39,12 +39,13 @@ struct KerbEvaluation {
   double recall_percent = 0, precision_percent = 0;
   double height_median = 0, height_p95 = 0;  ///< [m] of the errors' sizes along right ones
   double height_bias = 0, height_rmse = 0;   ///< [m]
-  double height_normalised_rmse = 0;         ///< of errors in sigmas
+  double height_normalized_rmse = 0;         ///< of errors in sigmas
 };
 
 /// Compares kerbs with the true ones, by length. `found` in the frame of the truth.
 KerbEvaluation EvaluateKerbs(const std::vector<TrueKerb>& truth, const std::vector<Kerb>& found,
-                             const KerbEvaluationOptions& options = {}, const KerbScope& scope = {});
+                             const KerbEvaluationOptions& options = {},
+                             const KerbScope& scope = {});
 
 /// A few aligned lines for people.
 std::string ToText(const KerbEvaluation& evaluation);

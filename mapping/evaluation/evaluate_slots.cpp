@@ -30,7 +30,8 @@ double OverlapOf(const Quadrilateral& a, const Quadrilateral& b) {
 
 /// The points of both long sides of a slot, one side after the other.
 std::array<std::vector<Eigen::Vector3d>, 2> LinesOf(const TrueSlot& slot) {
-  const bool is_first_long = (slot.corners[1] - slot.corners[0]).norm() > (slot.corners[2] - slot.corners[1]).norm();
+  const bool is_first_long =
+      (slot.corners[1] - slot.corners[0]).norm() > (slot.corners[2] - slot.corners[1]).norm();
   std::array<std::vector<Eigen::Vector3d>, 2> lines;
   for (std::size_t side = 0; side < 2; ++side) {
     const std::size_t first = 2 * side + (is_first_long ? 0 : 1);
@@ -45,8 +46,8 @@ std::array<std::vector<Eigen::Vector3d>, 2> LinesOf(const TrueSlot& slot) {
 }
 
 /// The slots of which enough was seen of both lines.
-std::vector<bool> FindScope(const std::vector<TrueSlot>& truth, const SlotEvaluationOptions& options,
-                            const SlotScope& scope) {
+std::vector<bool> FindScope(const std::vector<TrueSlot>& truth,
+                            const SlotEvaluationOptions& options, const SlotScope& scope) {
   std::vector<bool> counts(truth.size(), true);
   if (!scope.find_seen) return counts;
   std::vector<Eigen::Vector3d> points;
@@ -60,7 +61,8 @@ std::vector<bool> FindScope(const std::vector<TrueSlot>& truth, const SlotEvalua
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     const auto begin = is_seen.begin() + static_cast<std::ptrdiff_t>(ranges[i].first);
     const auto end = is_seen.begin() + static_cast<std::ptrdiff_t>(ranges[i].second);
-    if (kStep * static_cast<double>(std::count(begin, end, true)) < options.seen_length) counts[i / 2] = false;
+    if (kStep * static_cast<double>(std::count(begin, end, true)) < options.seen_length)
+      counts[i / 2] = false;
   }
   return counts;
 }
@@ -72,7 +74,8 @@ SlotState LastState(const ParkingSlot& slot) {
 }
 
 /// [m] from each corner to the other slot's corner that is nearest to it.
-void AddCornerErrors(const Quadrilateral& found, const Quadrilateral& truth, std::vector<double>& errors) {
+void AddCornerErrors(const Quadrilateral& found, const Quadrilateral& truth,
+                     std::vector<double>& errors) {
   for (const Eigen::Vector2d& corner : found) {
     double nearest = 1e9;
     for (const Eigen::Vector2d& other : truth) nearest = std::min(nearest, (corner - other).norm());
@@ -92,7 +95,7 @@ double Percent(std::size_t part, std::size_t whole) {
   return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
-void Summarise(std::vector<double> errors, SlotEvaluation& evaluation) {
+void Summarize(std::vector<double> errors, SlotEvaluation& evaluation) {
   if (errors.empty()) return;
   std::sort(errors.begin(), errors.end());
   const auto at = [&](double share) {
@@ -113,7 +116,8 @@ void SlotEvaluationOptions::Validate() const {
           "max_height_gap must be > 0 m and seen_length not negative");
 }
 
-SlotEvaluation EvaluateSlots(const std::vector<TrueSlot>& truth, const std::vector<ParkingSlot>& found,
+SlotEvaluation EvaluateSlots(const std::vector<TrueSlot>& truth,
+                             const std::vector<ParkingSlot>& found,
                              const SlotEvaluationOptions& options, const SlotScope& scope) {
   options.Validate();
   const std::vector<bool> counts = FindScope(truth, options, scope);
@@ -128,7 +132,8 @@ SlotEvaluation EvaluateSlots(const std::vector<TrueSlot>& truth, const std::vect
     std::size_t best = truth.size();
     double best_overlap = options.min_overlap;
     for (std::size_t i = 0; i < truth.size(); ++i) {
-      if (is_hit[i] || std::abs(truth[i].height - slot.Center().z()) > options.max_height_gap) continue;
+      if (is_hit[i] || std::abs(truth[i].height - slot.Center().z()) > options.max_height_gap)
+        continue;
       const double overlap = OverlapOf(outline, outlines[i]);
       if (overlap >= best_overlap) best = i, best_overlap = overlap;
     }
@@ -143,11 +148,13 @@ SlotEvaluation EvaluateSlots(const std::vector<TrueSlot>& truth, const std::vect
     evaluation.num_true += counts[i];
     evaluation.num_missed += counts[i] && !is_hit[i];
   }
-  if (evaluation.num_right > 0) evaluation.overlap_mean /= static_cast<double>(evaluation.num_right);
-  evaluation.recall_percent = Percent(evaluation.num_true - evaluation.num_missed, evaluation.num_true);
+  if (evaluation.num_right > 0)
+    evaluation.overlap_mean /= static_cast<double>(evaluation.num_right);
+  evaluation.recall_percent =
+      Percent(evaluation.num_true - evaluation.num_missed, evaluation.num_true);
   evaluation.precision_percent = Percent(evaluation.num_right, evaluation.num_found);
   evaluation.occupancy_percent = Percent(evaluation.num_judged_right, evaluation.num_judged);
-  Summarise(std::move(errors), evaluation);
+  Summarize(std::move(errors), evaluation);
   return evaluation;
 }
 
@@ -160,9 +167,10 @@ std::string ToText(const SlotEvaluation& evaluation) {
                 "  corners      %6.3f m median, %.3f m RMSE, %.3f m for 95 %%\n"
                 "  overlap      %6.3f    intersection over union, mean\n"
                 "  occupancy    %6.1f %%  right of %zu judged; %zu occupied ones called free\n",
-                evaluation.recall_percent, evaluation.num_true, evaluation.precision_percent, evaluation.num_found,
-                evaluation.corner_median, evaluation.corner_rmse, evaluation.corner_p95, evaluation.overlap_mean,
-                evaluation.occupancy_percent, evaluation.num_judged, evaluation.num_false_free);
+                evaluation.recall_percent, evaluation.num_true, evaluation.precision_percent,
+                evaluation.num_found, evaluation.corner_median, evaluation.corner_rmse,
+                evaluation.corner_p95, evaluation.overlap_mean, evaluation.occupancy_percent,
+                evaluation.num_judged, evaluation.num_false_free);
   return text;
 }
 

@@ -22,12 +22,14 @@ struct TrueSlot {
 struct SlotEvaluationOptions {
   double min_overlap = 0.5;     ///< intersection over union from which a slot is found
   double max_height_gap = 1.0;  ///< [m] of slots above each other that are not the same
-  double seen_length = 1.0;     ///< [m] of each line beside a slot that a camera must have seen for it to count
+  double seen_length =
+      1.0;  ///< [m] of each line beside a slot that a camera must have seen for it to count
 
   void Validate() const;  ///< throws Error{kUsage}
 };
 
-/// A drive is not blamed for slots whose lines it never saw; one that it found nevertheless counts as right.
+/// A drive is not blamed for slots whose lines it never saw; one that it found nevertheless counts
+/// as right.
 struct SlotScope {
   /// Which of these points were seen as ground from near enough; none: all of them.
   std::function<std::vector<bool>(const std::vector<Eigen::Vector3d>& points)> find_seen = {};
@@ -40,17 +42,19 @@ struct SlotEvaluation {
   std::size_t num_right = 0;  ///< found ones that are slots
   double recall_percent = 0, precision_percent = 0;
   double corner_median = 0, corner_rmse = 0, corner_p95 = 0;  ///< [m] horizontally, of right ones
-  double overlap_mean = 0;                                    ///< intersection over union, of right ones
-  std::size_t num_judged = 0;                                 ///< right ones that are said to be free or occupied
-  std::size_t num_judged_right = 0;                           ///< of them
-  std::size_t num_false_free = 0;                             ///< said to be free, occupied
-  double occupancy_percent = 0;                               ///< right of the judged
+  double overlap_mean = 0;           ///< intersection over union, of right ones
+  std::size_t num_judged = 0;        ///< right ones that are said to be free or occupied
+  std::size_t num_judged_right = 0;  ///< of them
+  std::size_t num_false_free = 0;    ///< said to be free, occupied
+  double occupancy_percent = 0;      ///< right of the judged
 };
 
-/// Compares slots with the true ones, each with the one that it overlaps most. `found` in the frame of the truth; its
-/// occupancy is that of its last state that is not unseen.
-SlotEvaluation EvaluateSlots(const std::vector<TrueSlot>& truth, const std::vector<ParkingSlot>& found,
-                             const SlotEvaluationOptions& options = {}, const SlotScope& scope = {});
+/// Compares slots with the true ones, each with the one that it overlaps most. `found` in the frame
+/// of the truth; its occupancy is that of its last state that is not unseen.
+SlotEvaluation EvaluateSlots(const std::vector<TrueSlot>& truth,
+                             const std::vector<ParkingSlot>& found,
+                             const SlotEvaluationOptions& options = {},
+                             const SlotScope& scope = {});
 
 /// A few aligned lines for people.
 std::string ToText(const SlotEvaluation& evaluation);

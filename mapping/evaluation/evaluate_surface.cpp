@@ -59,19 +59,23 @@ struct ScopedRaster {
   std::vector<bool> is_unseen;  ///< of samples of the truth: in the scope but for that
 
   const std::vector<HeightRaster::Sample>& samples() const { return raster.samples(); }
-  int Find(const HeightRaster::Sample& at, double max_gap) const { return raster.Find(at.x, at.y, at.height, max_gap); }
+  int Find(const HeightRaster::Sample& at, double max_gap) const {
+    return raster.Find(at.x, at.y, at.height, max_gap);
+  }
 };
 
-ScopedRaster NearPath(const TriangleMesh& mesh, const SurfaceScope& scope, const SurfaceEvaluationOptions& options) {
+ScopedRaster NearPath(const TriangleMesh& mesh, const SurfaceScope& scope,
+                      const SurfaceEvaluationOptions& options) {
   ScopedRaster scoped{HeightRaster(mesh, options.sample_spacing, kMergeGap), {}, {}};
-  scoped.counts = scope.path.empty() ? std::vector<bool>(scoped.samples().size(), true)
-                                     : scoped.raster.FindNear(scope.path, options.max_path_distance);
+  scoped.counts = scope.path.empty()
+                      ? std::vector<bool>(scoped.samples().size(), true)
+                      : scoped.raster.FindNear(scope.path, options.max_path_distance);
   return scoped;
 }
 
 /// Leaves unseen truth out, and what was guessed there.
-void LeaveOutUnseen(const SurfaceScope& scope, const SurfaceEvaluationOptions& options, ScopedRaster& truth,
-                    ScopedRaster& estimate) {
+void LeaveOutUnseen(const SurfaceScope& scope, const SurfaceEvaluationOptions& options,
+                    ScopedRaster& truth, ScopedRaster& estimate) {
   std::vector<Eigen::Vector3d> points;
   std::vector<size_t> sample_of;
   for (size_t i = 0; i < truth.samples().size(); ++i)
@@ -90,24 +94,27 @@ void LeaveOutUnseen(const SurfaceScope& scope, const SurfaceEvaluationOptions& o
   }
 }
 
-/// Samples of the rims of both, `width` wide. Where a hole would be outside of the scope or unseen it would be no
-/// outline: what is so near to that counts for neither.
+/// Samples of the rims of both, `width` wide. Where a hole would be outside of the scope or unseen
+/// it would be no outline: what is so near to that counts for neither.
 struct Rims {
   std::vector<bool> of_truth, of_estimate;
 };
 
-Rims FindRims(const ScopedRaster& truth, const ScopedRaster& estimate, const SurfaceScope& scope, double width,
-              const SurfaceEvaluationOptions& options) {
+Rims FindRims(const ScopedRaster& truth, const ScopedRaster& estimate, const SurfaceScope& scope,
+              double width, const SurfaceEvaluationOptions& options) {
   const auto rim_of = [&](const ScopedRaster& scoped) {
     std::vector<bool> is_rim = scoped.raster.FindRim(width, options.max_height_gap);
     const std::vector<bool> is_inside =
-        scope.path.empty() ? scoped.counts : scoped.raster.FindNear(scope.path, options.max_path_distance - width);
-    for (size_t i = 0; i < is_rim.size(); ++i) is_rim[i] = is_rim[i] && scoped.counts[i] && is_inside[i];
+        scope.path.empty() ? scoped.counts
+                           : scoped.raster.FindNear(scope.path, options.max_path_distance - width);
+    for (size_t i = 0; i < is_rim.size(); ++i)
+      is_rim[i] = is_rim[i] && scoped.counts[i] && is_inside[i];
     return is_rim;
   };
   Rims rims{rim_of(truth), rim_of(estimate)};
   if (truth.is_unseen.empty()) return rims;
-  const std::vector<bool> is_near_unseen = truth.raster.Widen(truth.is_unseen, width, options.max_height_gap);
+  const std::vector<bool> is_near_unseen =
+      truth.raster.Widen(truth.is_unseen, width, options.max_height_gap);
   for (size_t i = 0; i < is_near_unseen.size(); ++i)
     if (is_near_unseen[i]) rims.of_truth[i] = false;
   for (size_t i = 0; i < estimate.samples().size(); ++i) {
@@ -118,7 +125,8 @@ Rims FindRims(const ScopedRaster& truth, const ScopedRaster& estimate, const Sur
 }
 
 /// Intersection over union of the rims of two surfaces.
-double BoundaryIou(const ScopedRaster& truth, const ScopedRaster& estimate, const SurfaceScope& scope, double width,
+double BoundaryIou(const ScopedRaster& truth, const ScopedRaster& estimate,
+                   const SurfaceScope& scope, double width,
                    const SurfaceEvaluationOptions& options) {
   const Rims rims = FindRims(truth, estimate, scope, width, options);
   size_t both = 0;
@@ -131,7 +139,8 @@ double BoundaryIou(const ScopedRaster& truth, const ScopedRaster& estimate, cons
   return either == 0 ? 1 : static_cast<double>(both) / static_cast<double>(either);
 }
 
-/// [m] of the rim that B. Cheng et al. compare by default: 2 % of the diagonal of what the truth in the scope spans.
+/// [m] of the rim that B. Cheng et al. compare by default: 2 % of the diagonal of what the truth in
+/// the scope spans.
 double RelativeWidth(const ScopedRaster& truth, const SurfaceEvaluationOptions& options) {
   constexpr double kShare = 0.02;
   Eigen::Array2i low = Eigen::Array2i::Constant(INT_MAX), high = Eigen::Array2i::Constant(INT_MIN);
@@ -141,12 +150,14 @@ double RelativeWidth(const ScopedRaster& truth, const SurfaceEvaluationOptions& 
     low = low.min(place);
     high = high.max(place + 1);
   }
-  const Eigen::Array2d span = (high.cast<double>() - low.cast<double>()).max(0) * options.sample_spacing;
+  const Eigen::Array2d span =
+      (high.cast<double>() - low.cast<double>()).max(0) * options.sample_spacing;
   return std::max(kShare * span.matrix().norm(), options.sample_spacing);
 }
 
 /// Whether the true surface climbs by more than kRampSlope around one of its samples.
-bool IsRamp(const HeightRaster& truth, const HeightRaster::Sample& sample, const SurfaceEvaluationOptions& options) {
+bool IsRamp(const HeightRaster& truth, const HeightRaster::Sample& sample,
+            const SurfaceEvaluationOptions& options) {
   const int reach = static_cast<int>(std::ceil(kSlopeReach / options.sample_spacing));
   const auto slope = [&](int dx, int dy) {
     const int a = truth.Find(sample.x - dx, sample.y - dy, sample.height, options.max_height_gap);
@@ -173,24 +184,28 @@ void CompareCommonGround(const ScopedRaster& truth, const ScopedRaster& estimate
     if (IsRamp(truth.raster, true_sample, options)) on_ramps.push_back(differences.back());
   }
   CompareHeights(differences, evaluation);
-  evaluation.ramp_area = options.sample_spacing * options.sample_spacing * static_cast<double>(on_ramps.size());
+  evaluation.ramp_area =
+      options.sample_spacing * options.sample_spacing * static_cast<double>(on_ramps.size());
   evaluation.ramp_height_rmse = RootMeanSquare(on_ramps);
 }
 
 }  // namespace
 
 void SurfaceEvaluationOptions::Validate() const {
-  Require(sample_spacing > 0 && max_height_gap > 0 && max_completeness_distance > 0 && boundary_width > 0 &&
-              max_path_distance > 0,
+  Require(sample_spacing > 0 && max_height_gap > 0 && max_completeness_distance > 0 &&
+              boundary_width > 0 && max_path_distance > 0,
           ErrorCode::kUsage, "the distances of the surface evaluation must be > 0 m");
 }
 
 SurfaceEvaluation EvaluateSurface(const TriangleMesh& truth_mesh, const TriangleMesh& estimate_mesh,
-                                  const SurfaceEvaluationOptions& options, const SurfaceScope& scope) {
+                                  const SurfaceEvaluationOptions& options,
+                                  const SurfaceScope& scope) {
   options.Validate();
   Require(!truth_mesh.empty(), ErrorCode::kInvalidInput, "the true surface has no triangle");
-  Require(!estimate_mesh.empty(), ErrorCode::kInvalidInput, "the estimated surface has no triangle");
-  ScopedRaster truth = NearPath(truth_mesh, scope, options), estimate = NearPath(estimate_mesh, scope, options);
+  Require(!estimate_mesh.empty(), ErrorCode::kInvalidInput,
+          "the estimated surface has no triangle");
+  ScopedRaster truth = NearPath(truth_mesh, scope, options),
+               estimate = NearPath(estimate_mesh, scope, options);
   const size_t num_estimated = Count(estimate.counts);
   if (scope.find_seen) LeaveOutUnseen(scope, options, truth, estimate);
 
@@ -200,15 +215,18 @@ SurfaceEvaluation EvaluateSurface(const TriangleMesh& truth_mesh, const Triangle
   const size_t num_false = Count(estimate.counts) - evaluation.num_samples;
   const std::vector<double> distances = ParallelMap(estimate.samples().size(), [&](size_t i) {
     if (!estimate.counts[i]) return -1.0;
-    return truth.raster.DistanceTo(estimate.samples()[i], kMaxAccuracyError).value_or(kMaxAccuracyError);
+    return truth.raster.DistanceTo(estimate.samples()[i], kMaxAccuracyError)
+        .value_or(kMaxAccuracyError);
   });
   std::vector<double> counted;
-  std::copy_if(distances.begin(), distances.end(), std::back_inserter(counted), [](double d) { return d >= 0; });
+  std::copy_if(distances.begin(), distances.end(), std::back_inserter(counted),
+               [](double d) { return d >= 0; });
   evaluation.accuracy_rmse = RootMeanSquare(counted);
   const std::vector<char> is_found = ParallelMap(truth.samples().size(), [&](size_t i) {
     return static_cast<char>(
         truth.counts[i] &&
-        estimate.raster.DistanceTo(truth.samples()[i], options.max_completeness_distance).has_value());
+        estimate.raster.DistanceTo(truth.samples()[i], options.max_completeness_distance)
+            .has_value());
   });
   const auto num_found = static_cast<size_t>(std::count(is_found.begin(), is_found.end(), 1));
   const size_t num_true = Count(truth.counts);
@@ -218,10 +236,12 @@ SurfaceEvaluation EvaluateSurface(const TriangleMesh& truth_mesh, const Triangle
   evaluation.completeness_percent = Percent(num_found, num_true);
   evaluation.false_free_percent = Percent(num_false, num_estimated);
   const size_t either = num_true + num_false;
-  evaluation.iou = either == 0 ? 0 : static_cast<double>(evaluation.num_samples) / static_cast<double>(either);
+  evaluation.iou =
+      either == 0 ? 0 : static_cast<double>(evaluation.num_samples) / static_cast<double>(either);
   evaluation.boundary_iou = BoundaryIou(truth, estimate, scope, options.boundary_width, options);
   evaluation.relative_boundary_width = RelativeWidth(truth, options);
-  evaluation.relative_boundary_iou = BoundaryIou(truth, estimate, scope, evaluation.relative_boundary_width, options);
+  evaluation.relative_boundary_iou =
+      BoundaryIou(truth, estimate, scope, evaluation.relative_boundary_width, options);
   return evaluation;
 }
 
@@ -229,16 +249,18 @@ std::string ToText(const SurfaceEvaluation& e) {
   char text[1024];
   std::snprintf(text, sizeof text,
                 "surface              %.1f m^2 of %.1f m^2\n"
-                "height error         rmse %.4f m  bias %+.4f m  median %.4f m  p90 %.4f m  p95 %.4f m  max %.4f m\n"
+                "height error         rmse %.4f m  bias %+.4f m  median %.4f m  p90 %.4f m  p95 "
+                "%.4f m  max %.4f m\n"
                 "accuracy             rmse %.4f m\n"
                 "completeness         %.2f %%\n"
                 "false free space     %.2f %%\n"
                 "IoU                  %.4f\n"
                 "boundary IoU         %.4f  %.4f over 2 %% of the diagonal, %.2f m\n"
                 "ramps                rmse %.4f m on %.1f m^2\n",
-                e.estimate_area, e.truth_area, e.height_rmse, e.height_bias, e.height_median, e.height_p90,
-                e.height_p95, e.height_max, e.accuracy_rmse, e.completeness_percent, e.false_free_percent, e.iou,
-                e.boundary_iou, e.relative_boundary_iou, e.relative_boundary_width, e.ramp_height_rmse, e.ramp_area);
+                e.estimate_area, e.truth_area, e.height_rmse, e.height_bias, e.height_median,
+                e.height_p90, e.height_p95, e.height_max, e.accuracy_rmse, e.completeness_percent,
+                e.false_free_percent, e.iou, e.boundary_iou, e.relative_boundary_iou,
+                e.relative_boundary_width, e.ramp_height_rmse, e.ramp_area);
   return text;
 }
 

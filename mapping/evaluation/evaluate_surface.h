@@ -14,11 +14,14 @@
 namespace parkade {
 
 struct SurfaceEvaluationOptions {
-  double sample_spacing = 0.1;             ///< [m] both meshes are compared on a raster this fine
-  double max_height_gap = 0.5;             ///< [m] surfaces above each other further apart are not the same ground
+  double sample_spacing = 0.1;  ///< [m] both meshes are compared on a raster this fine
+  double max_height_gap =
+      0.5;  ///< [m] surfaces above each other further apart are not the same ground
   double max_completeness_distance = 0.2;  ///< [m] truth with an estimate this near counts as found
-  double boundary_width = 0.5;             ///< [m] inside their outlines in which the boundary IoU compares the two
-  double max_path_distance = 12;           ///< [m] only ground this near the path counts, where a path is given
+  double boundary_width =
+      0.5;  ///< [m] inside their outlines in which the boundary IoU compares the two
+  double max_path_distance =
+      12;  ///< [m] only ground this near the path counts, where a path is given
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -31,12 +34,13 @@ struct SurfaceEvaluationOptions {
   void Validate() const;  ///< throws Error{kUsage}
 };
 
-/// Which ground counts. A drive is not blamed for what it never came near, nor for what nothing could see; the outline
-/// of this scope is no outline of the ground.
+/// Which ground counts. A drive is not blamed for what it never came near, nor for what nothing
+/// could see; the outline of this scope is no outline of the ground.
 struct SurfaceScope {
-  std::span<const Eigen::Vector3d> path = {};  ///< points of the drive: only ground near them; empty: everything
-  /// Which of these points of the true surface were seen as drivable; none: all of them. What was not is neither missed
-  /// nor false, and no rim counts that may be one only because of it.
+  std::span<const Eigen::Vector3d> path =
+      {};  ///< points of the drive: only ground near them; empty: everything
+  /// Which of these points of the true surface were seen as drivable; none: all of them. What was
+  /// not is neither missed nor false, and no rim counts that may be one only because of it.
   std::function<std::vector<bool>(const std::vector<Eigen::Vector3d>& points)> find_seen = {};
 };
 
@@ -49,23 +53,27 @@ struct SurfaceEvaluation {
   double height_bias = 0;       ///< [m] mean of estimate - truth
   double height_median = 0;     ///< [m] of absolute differences, as the next three
   double height_p90 = 0, height_p95 = 0, height_max = 0;
-  double accuracy_rmse = 0;            ///< [m] distance of each sample of the estimate to the truth, false ones too
-  double completeness_percent = 0;     ///< of the truth, with an estimate within max_completeness_distance
+  double accuracy_rmse =
+      0;  ///< [m] distance of each sample of the estimate to the truth, false ones too
+  double completeness_percent =
+      0;  ///< of the truth, with an estimate within max_completeness_distance
   double false_free_percent = 0;       ///< of the estimate, where there is no true ground
   double iou = 0;                      ///< of the areas
   double boundary_iou = 0;             ///< of what lies within boundary_width of the own outline
-  double relative_boundary_iou = 0;    ///< likewise, over the width that its authors use by default:
+  double relative_boundary_iou = 0;    ///< also, over the width that its authors use by default:
   double relative_boundary_width = 0;  ///< [m] 2 % of the diagonal of the truth that counts
-  double ramp_area = 0;                ///< [m^2] of the estimate where the truth is steeper than 5 %
-  double ramp_height_rmse = 0;         ///< [m] there
+  double ramp_area = 0;         ///< [m^2] of the estimate where the truth is steeper than 5 %
+  double ramp_height_rmse = 0;  ///< [m] there
 };
 
-/// Compares an estimated ground surface with the true one, both in one frame with z up. Accuracy and false free space
-/// are of the estimate within the scope, completeness of the truth within it, IoUs of both.
-/// Accuracy and completeness: T. Schoeps et al., "A Multi-view Stereo Benchmark ...", CVPR 2017. Boundary IoU:
-/// B. Cheng et al., "Boundary IoU", CVPR 2021. Throws Error{kInvalidInput} when either mesh is empty.
+/// Compares an estimated ground surface with the true one, both in one frame with z up. Accuracy
+/// and false free space are of the estimate within the scope, completeness of the truth within it,
+/// IoUs of both. Accuracy and completeness: T. Schoeps et al., "A Multi-view Stereo Benchmark ...",
+/// CVPR 2017. Boundary IoU: B. Cheng et al., "Boundary IoU", CVPR 2021. Throws Error{kInvalidInput}
+/// when either mesh is empty.
 SurfaceEvaluation EvaluateSurface(const TriangleMesh& truth, const TriangleMesh& estimate,
-                                  const SurfaceEvaluationOptions& options = {}, const SurfaceScope& scope = {});
+                                  const SurfaceEvaluationOptions& options = {},
+                                  const SurfaceScope& scope = {});
 
 /// A few aligned lines for people.
 std::string ToText(const SurfaceEvaluation& evaluation);

@@ -4,13 +4,14 @@
 #include <climits>
 #include <cmath>
 
-#include "core/floor_of.h"
+#include "core/fast_floor.h"
 
 namespace parkade {
 namespace {
 
-constexpr double kSide = 2;         // [m] of a square
-constexpr double kMaxHeight = 1.5;  // [m] to the ground around: a steep ramp over kReach, less than from deck to deck
+constexpr double kSide = 2;  // [m] of a square
+constexpr double kMaxHeight =
+    1.5;  // [m] to the ground around: a steep ramp over kReach, less than from deck to deck
 constexpr double kSigmaOfMad = 1.4826;
 
 double MedianOf(std::vector<double>& values) {
@@ -22,7 +23,7 @@ double MedianOf(std::vector<double>& values) {
 }  // namespace
 
 HeightDrift::Square HeightDrift::SquareOf(const Eigen::Vector3d& point) {
-  return {FloorOf(point.y() / kSide), FloorOf(point.x() / kSide), FloorOf(point.z())};
+  return {FastFloor(point.y() / kSide), FastFloor(point.x() / kSide), FastFloor(point.z())};
 }
 
 void HeightDrift::Add(const Eigen::Vector3d& point, double difference) {

@@ -7,8 +7,9 @@
 
 namespace parkade {
 
-/// How far the heights of one map are off those of another around a place. Poses of a drive drift by centimetres over
-/// a ramp, and whole decks with them; ground that was raised or lowered is so beside the ground around it.
+/// How far the heights of one map are off those of another around a place. Poses of a drive drift
+/// by centimeters over a ramp, and whole decks with them; ground that was raised or lowered is so
+/// beside the ground around it.
 class HeightDrift {
  public:
   struct Around {
@@ -16,7 +17,8 @@ class HeightDrift {
     double sigma = 0;   ///< [m] robust spread: 1.48 times the median of absolute deviations
   };
 
-  static constexpr double kReach = 10;  ///< [m] horizontally: of that half may have changed and is found nevertheless
+  static constexpr double kReach =
+      10;  ///< [m] horizontally: of that half may have changed and is found nevertheless
 
   /// \param difference  [m] later minus earlier height, at a point of ground that is known in both
   void Add(const Eigen::Vector3d& point, double difference);

@@ -12,9 +12,9 @@
 
 namespace parkade {
 
-/// A mesh sampled at the points of a horizontal raster: at (x, y) there may be several heights. The points are the
-/// centres of squares, so that what is made of such squares (a true surface) is sampled inside them and its outline is
-/// not moved.
+/// A mesh sampled at the points of a horizontal raster: at (x, y) there may be several heights. The
+/// points are the centers of squares, so that what is made of such squares (a true surface) is
+/// sampled inside them and its outline is not moved.
 class HeightRaster {
  public:
   struct Sample {
@@ -22,8 +22,8 @@ class HeightRaster {
     double height = 0;  ///< [m]
   };
 
-  /// Heights less than `merge_gap` [m] above each other at one point are one (their mean): the seams of
-  /// overlapping triangles.
+  /// Heights less than `merge_gap` [m] above each other at one point are one (their mean): the
+  /// seams of overlapping triangles.
   HeightRaster(const TriangleMesh& mesh, double spacing, double merge_gap);
 
   /// Sorted by (y, x, height).
@@ -35,13 +35,16 @@ class HeightRaster {
   /// Distance [m] from a sample's place to the nearest sample within `radius` [m], or nothing.
   std::optional<double> DistanceTo(const Sample& place, double radius) const;
 
-  /// For each sample: true when a raster point within `width` [m] has no sample of this deck: the rim.
+  /// For each sample: true when a raster point within `width` [m] has no sample of this deck: the
+  /// rim.
   std::vector<bool> FindRim(double width, double max_gap) const;
 
-  /// For each sample: true when one of those marked lies within `width` [m] on its deck, or itself is marked.
+  /// For each sample: true when one of those marked lies within `width` [m] on its deck, or itself
+  /// is marked.
   std::vector<bool> Widen(const std::vector<bool>& is_marked, double width, double max_gap) const;
 
-  /// For each sample: true with a point of `path` within `radius` [m] horizontally and 1.5 m in height.
+  /// For each sample: true with a point of `path` within `radius` [m] horizontally and 1.5 m in
+  /// height.
   std::vector<bool> FindNear(std::span<const Eigen::Vector3d> path, double radius) const;
 
   /// [m] where a sample is.
@@ -50,7 +53,8 @@ class HeightRaster {
   }
 
  private:
-  std::vector<bool> GrowRings(const std::vector<size_t>& first_ring, int num_rings, double max_gap) const;
+  std::vector<bool> GrowRings(const std::vector<size_t>& first_ring, int num_rings,
+                              double max_gap) const;
   static std::uint64_t KeyOf(int x, int y) {
     return (std::uint64_t{static_cast<std::uint32_t>(x)} << 32) | static_cast<std::uint32_t>(y);
   }

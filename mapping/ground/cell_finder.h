@@ -9,13 +9,14 @@
 
 namespace parkade {
 
-/// Finds cells of a surface by their place. The surface is borrowed. Takes a quarter of a byte per cell where ground is
-/// dense, and little more for what lies between.
+/// Finds cells of a surface by their place. The surface is borrowed. Takes a quarter of a byte per
+/// cell where ground is dense, and little more for what lies between.
 class CellFinder {
  public:
   explicit CellFinder(const SurfaceMap& surface);
 
-  /// The cell nearest to a point that lies on the surface or at most two cells off its border; null further away.
+  /// The cell nearest to a point that lies on the surface or at most two cells off its border; null
+  /// further away.
   const SurfaceCell* Find(const Eigen::Vector3d& point_in_site) const;
 
   const SurfaceMap& surface() const { return *surface_; }
@@ -34,7 +35,8 @@ class CellFinder {
   const SurfaceMap* surface_;
   int first_y_ = 0;
   std::vector<Row> rows_;
-  std::vector<std::uint32_t> blocks_;  // of rows: where each begins, and the last ends, from the row's first cell
+  std::vector<std::uint32_t>
+      blocks_;  // of rows: where each begins, and the last ends, from the row's first cell
 };
 
 }  // namespace parkade

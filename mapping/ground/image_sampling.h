@@ -7,12 +7,12 @@
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 
-#include "mapping/ground/contact_area.h"
+#include "mapping/ground/wheelbase_footprint.h"
 
 namespace parkade {
 
-/// BGR at a place of a CV_8UC1 or CV_8UC3 image, bilinear; grey three times of CV_8UC1. Places off the image take
-/// its border.
+/// BGR at a place of a CV_8UC1 or CV_8UC3 image, bilinear; gray three times of CV_8UC1. Places off
+/// the image take its border.
 inline std::array<float, 3> ColorAt(const cv::Mat& image, float column, float row) {
   const auto channels = static_cast<std::size_t>(image.channels());
   const int x = std::clamp(static_cast<int>(column), 0, image.cols - 2);
@@ -23,20 +23,25 @@ inline std::array<float, 3> ColorAt(const cv::Mat& image, float column, float ro
   std::array<float, 3> color;
   for (std::size_t c = 0; c < 3; ++c) {
     const std::size_t left = channels == 3 ? c : 0, right = left + channels;
-    const float above = static_cast<float>(upper[left]) * (1 - fx) + static_cast<float>(upper[right]) * fx;
-    const float below = static_cast<float>(lower[left]) * (1 - fx) + static_cast<float>(lower[right]) * fx;
+    const float above =
+        static_cast<float>(upper[left]) * (1 - fx) + static_cast<float>(upper[right]) * fx;
+    const float below =
+        static_cast<float>(lower[left]) * (1 - fx) + static_cast<float>(lower[right]) * fx;
     color[c] = above * (1 - fy) + below * fy;
   }
   return color;
 }
 
 /// Luma as in ITU-R BT.601.
-inline int Lightness(int blue, int green, int red) { return (29 * blue + 150 * green + 77 * red) >> 8; }
+inline int Lightness(int blue, int green, int red) {
+  return (29 * blue + 150 * green + 77 * red) >> 8;
+}
 
 /// True below a car of known size, body included: what is seen there is the car.
-inline bool IsUnderCar(const Eigen::Vector2d& point_in_ground, const ContactArea& contact) {
+inline bool IsUnderCar(const Eigen::Vector2d& point_in_ground, const WheelbaseFootprint& contact) {
   constexpr double kBodyMargin = 0.4;  // [m] by which a car's body reaches over its contact area
-  return contact.wheelbase > 0 && contact.track > 0 && contact.DistanceTo(point_in_ground) < kBodyMargin;
+  return contact.wheelbase > 0 && contact.track > 0 &&
+         contact.DistanceTo(point_in_ground) < kBodyMargin;
 }
 
 }  // namespace parkade

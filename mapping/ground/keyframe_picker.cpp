@@ -9,7 +9,8 @@ constexpr double kSameImage = 0.002;  // [s] a mask may be stamped this far from
 
 }  // namespace
 
-KeyframePicker::KeyframePicker(const Trajectory& odom_from_body, size_t num_cameras, double stretch, double turn)
+KeyframePicker::KeyframePicker(const Trajectory& odom_from_body, size_t num_cameras, double stretch,
+                               double turn)
     : odom_from_body_(&odom_from_body), stretch_(stretch), turn_(turn), cameras_(num_cameras) {}
 
 bool KeyframePicker::Wants(int camera_index, Timestamp time) {

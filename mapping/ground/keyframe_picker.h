@@ -7,10 +7,11 @@
 
 namespace parkade {
 
-/// Chooses the images worth mapping: per camera one for every stretch of travel, none at standstill but the
-/// first. An image is taken where waiting for the next one would overshoot the stretch by more than it falls short.
-/// Decides by the pose alone, before anything is decoded. Ask in order of time per camera; asking again for the time
-/// just asked for (its mask) answers the same. Not thread-safe.
+/// Chooses the images worth mapping: per camera one for every stretch of travel, none at standstill
+/// but the first. An image is taken where waiting for the next one would overshoot the stretch by
+/// more than it falls short. Decides by the pose alone, before anything is decoded. Ask in order of
+/// time per camera; asking again for the time just asked for (its mask) answers the same. Not
+/// thread-safe.
 class KeyframePicker {
  public:
   /// The trajectory is borrowed.

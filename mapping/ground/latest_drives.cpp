@@ -10,13 +10,16 @@ constexpr double kSquare = 4.0;   // [m]
 constexpr double kDeck = 3.0;     // [m]
 constexpr int kEnoughViews = 24;  // of a square, at least
 
-int Index(double coordinate, double step) { return static_cast<int>(std::floor(coordinate / step)); }
+int Index(double coordinate, double step) {
+  return static_cast<int>(std::floor(coordinate / step));
+}
 
 }  // namespace
 
-LatestDrives::Square LatestDrives::SquareOf(const PatchView& view, const Eigen::Vector2d& point_in_site) {
-  return {Index(view.site_from_body.translation.z() + 0.5 * kDeck, kDeck), Index(point_in_site.y(), kSquare),
-          Index(point_in_site.x(), kSquare)};
+LatestDrives::Square LatestDrives::SquareOf(const PatchView& view,
+                                            const Eigen::Vector2d& point_in_site) {
+  return {Index(view.site_from_body.translation.z() + 0.5 * kDeck, kDeck),
+          Index(point_in_site.y(), kSquare), Index(point_in_site.x(), kSquare)};
 }
 
 LatestDrives::LatestDrives(std::span<const PatchView> views, int max_drives) {
@@ -25,10 +28,10 @@ LatestDrives::LatestDrives(std::span<const PatchView> views, int max_drives) {
     const int rank = ranks_.try_emplace(view.drive, static_cast<int>(ranks_.size())).first->second;
     if (view.extent.isEmpty()) continue;
     // Squares whose middle is looked at.
-    for (int y = Index(view.extent.min().y() + 0.5 * kSquare, kSquare); (y + 0.5) * kSquare <= view.extent.max().y();
-         ++y)
-      for (int x = Index(view.extent.min().x() + 0.5 * kSquare, kSquare); (x + 0.5) * kSquare <= view.extent.max().x();
-           ++x)
+    for (int y = Index(view.extent.min().y() + 0.5 * kSquare, kSquare);
+         (y + 0.5) * kSquare <= view.extent.max().y(); ++y)
+      for (int x = Index(view.extent.min().x() + 0.5 * kSquare, kSquare);
+           (x + 0.5) * kSquare <= view.extent.max().x(); ++x)
         ++num_views[SquareOf(view, {(x + 0.5) * kSquare, (y + 0.5) * kSquare})][rank];
   }
   for (const auto& [square, of_drives] : num_views) {
@@ -45,7 +48,8 @@ LatestDrives::LatestDrives(std::span<const PatchView> views, int max_drives) {
 LatestDrives::Share LatestDrives::ShareOf(const PatchView& view) const {
   Share share;
   if (view.extent.isEmpty()) return share;
-  share.x_ = Index(view.extent.min().x(), kSquare), share.y_ = Index(view.extent.min().y(), kSquare);
+  share.x_ = Index(view.extent.min().x(), kSquare),
+  share.y_ = Index(view.extent.min().y(), kSquare);
   share.width_ = Index(view.extent.max().x(), kSquare) - share.x_ + 1;
   share.height_ = Index(view.extent.max().y(), kSquare) - share.y_ + 1;
   const int rank = ranks_.at(view.drive);

@@ -10,9 +10,10 @@
 
 namespace parkade {
 
-/// Which drives have a say in what a place looks like: the latest few that looked at it well. What earlier ones saw
-/// would be outweighed anyway, since evidence is bounded, and so what a site costs is in proportion to its ground and
-/// not to the number of its drives. Asked of squares of 4 m, deck by deck; by where views reach, not by what they show.
+/// Which drives have a say in what a place looks like: the latest few that looked at it well. What
+/// earlier ones saw would be outweighed anyway, since evidence is bounded, and so what a site costs
+/// is in proportion to its ground and not to the number of its drives. Asked of squares of 4 m,
+/// deck by deck; by where views reach, not by what they show.
 class LatestDrives {
  public:
   /// \param views  drive after drive, the latest last
@@ -37,8 +38,9 @@ class LatestDrives {
   using Square = std::tuple<int, int, int>;  // deck, y, x
   static Square SquareOf(const PatchView& view, const Eigen::Vector2d& point_in_site);
 
-  std::map<int, int> ranks_;      // of drives, in the order of the views
-  std::map<Square, int> oldest_;  // rank of the first drive that counts; squares where all count are left out
+  std::map<int, int> ranks_;  // of drives, in the order of the views
+  std::map<Square, int>
+      oldest_;  // rank of the first drive that counts; squares where all count are left out
 };
 
 }  // namespace parkade

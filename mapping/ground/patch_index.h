@@ -9,9 +9,10 @@
 
 namespace parkade {
 
-/// Which of numbered things lie in a square of an unbounded grid: in the order in which they were added. Squares are
-/// kept in blocks, and blocks are found in a table that spans them all, so that looking one up costs two looks into
-/// arrays; what lies far off the rest is found in a list. Reading is thread-safe.
+/// Which of numbered things lie in a square of an unbounded grid: in the order in which they were
+/// added. Squares are kept in blocks, and blocks are found in a table that spans them all, so that
+/// looking one up costs two looks into arrays; what lies far off the rest is found in a list.
+/// Reading is thread-safe.
 class PatchIndex {
  public:
   static constexpr int kNone = -1;
@@ -47,7 +48,9 @@ class PatchIndex {
     std::int64_t x = 0, y = 0, width = 0, height = 0;
     std::vector<int> blocks;
 
-    bool Holds(int column, int row) const { return column >= x && column < x + width && row >= y && row < y + height; }
+    bool Holds(int column, int row) const {
+      return column >= x && column < x + width && row >= y && row < y + height;
+    }
     int& At(std::int64_t column, std::int64_t row) {
       return blocks[static_cast<std::size_t>((row - y) * width + (column - x))];
     }
@@ -57,7 +60,8 @@ class PatchIndex {
   };
 
   static std::size_t SquareOf(int x, int y) {
-    return static_cast<std::size_t>(y & (kSide - 1)) * kSide + static_cast<std::size_t>(x & (kSide - 1));
+    return static_cast<std::size_t>(y & (kSide - 1)) * kSide +
+           static_cast<std::size_t>(x & (kSide - 1));
   }
 
   int FindBlock(int x, int y) const {

@@ -6,16 +6,19 @@ namespace parkade {
 
 Eigen::AlignedBox3d ExtentOf(const GroundPatch& patch) {
   Eigen::AlignedBox3d extent;
-  for (const GroundSample& sample : patch.samples) extent.extend(sample.point_in_body.cast<double>());
+  for (const GroundSample& sample : patch.samples)
+    extent.extend(sample.point_in_body.cast<double>());
   return extent;
 }
 
-Eigen::AlignedBox2d ExtentInSite(const Eigen::AlignedBox3d& extent_in_body, const Rigid3& site_from_body) {
+Eigen::AlignedBox2d ExtentInSite(const Eigen::AlignedBox3d& extent_in_body,
+                                 const Rigid3& site_from_body) {
   Eigen::AlignedBox2d extent;
   if (extent_in_body.isEmpty()) return extent;
   for (int corner = 0; corner < 8; ++corner)
-    extent.extend(
-        (site_from_body * extent_in_body.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner))).head<2>());
+    extent.extend((site_from_body *
+                   extent_in_body.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)))
+                      .head<2>());
   return extent;
 }
 
@@ -33,7 +36,8 @@ PatchesOfDrive::PatchesOfDrive(const PatchSource& source, int drive) : source_(&
     }
 }
 
-std::vector<PosedGroundPatch> ReadPatches(const PatchSource& source, std::span<const std::size_t> indices) {
+std::vector<PosedGroundPatch> ReadPatches(const PatchSource& source,
+                                          std::span<const std::size_t> indices) {
   return ParallelMap(indices.size(), [&](std::size_t i) { return source.Read(indices[i]); });
 }
 

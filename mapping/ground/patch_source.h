@@ -14,11 +14,12 @@ struct PatchView {
   int camera = 0;
   Timestamp time;
   Rigid3 site_from_body;
-  Eigen::AlignedBox2d extent;  ///< [m] in site: around all samples where they lie on the car's own plane
+  Eigen::AlignedBox2d
+      extent;  ///< [m] in site: around all samples where they lie on the car's own plane
 };
 
-/// Ground patches with their poses, drive after drive, each in order of time. They may be more than fit into memory:
-/// who uses them reads the few that are near.
+/// Ground patches with their poses, drive after drive, each in order of time. They may be more than
+/// fit into memory: who uses them reads the few that are near.
 class PatchSource {
  public:
   virtual ~PatchSource() = default;
@@ -58,12 +59,14 @@ class PatchesOfDrive final : public PatchSource {
 };
 
 /// Patches `indices` of a source, read in parallel.
-std::vector<PosedGroundPatch> ReadPatches(const PatchSource& source, std::span<const std::size_t> indices);
+std::vector<PosedGroundPatch> ReadPatches(const PatchSource& source,
+                                          std::span<const std::size_t> indices);
 
 /// Around the samples of a patch [m]: in body.
 Eigen::AlignedBox3d ExtentOf(const GroundPatch& patch);
 
 /// What the box of a patch covers in site.
-Eigen::AlignedBox2d ExtentInSite(const Eigen::AlignedBox3d& extent_in_body, const Rigid3& site_from_body);
+Eigen::AlignedBox2d ExtentInSite(const Eigen::AlignedBox3d& extent_in_body,
+                                 const Rigid3& site_from_body);
 
 }  // namespace parkade

@@ -10,7 +10,8 @@ double Cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y(
 template <typename Points>
 double AreaOf(const Points& points) {
   double twice = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) twice += Cross(points[i], points[(i + 1) % points.size()]);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    twice += Cross(points[i], points[(i + 1) % points.size()]);
   return 0.5 * twice;
 }
 

@@ -9,7 +9,8 @@
 
 namespace parkade {
 
-/// Sorts what has a `cell` as the cells of a SurfaceMap are: by y, then x, then height. In parallel, row by row.
+/// Sorts what has a `cell` as the cells of a SurfaceMap are: by y, then x, then height. In
+/// parallel, row by row.
 template <typename HasCell>
 void SortCells(std::vector<HasCell>& cells) {
   if (cells.empty()) return;
@@ -24,9 +25,10 @@ void SortCells(std::vector<HasCell>& cells) {
   for (const HasCell& at : cells) sorted[ends[static_cast<std::size_t>(at.cell.y - low)]++] = at;
   ParallelFor(ends.size(), [&](std::size_t row) {
     const auto begin = sorted.begin() + static_cast<std::ptrdiff_t>(row == 0 ? 0 : ends[row - 1]);
-    std::sort(begin, sorted.begin() + static_cast<std::ptrdiff_t>(ends[row]), [](const HasCell& a, const HasCell& b) {
-      return std::tie(a.cell.x, a.cell.height) < std::tie(b.cell.x, b.cell.height);
-    });
+    std::sort(begin, sorted.begin() + static_cast<std::ptrdiff_t>(ends[row]),
+              [](const HasCell& a, const HasCell& b) {
+                return std::tie(a.cell.x, a.cell.height) < std::tie(b.cell.x, b.cell.height);
+              });
   });
   cells = std::move(sorted);
 }

@@ -6,7 +6,7 @@
 
 namespace parkade {
 
-/// For each cell of a surface the neighbour on the same deck, or -1.
+/// For each cell of a surface the neighbor on the same deck, or -1.
 struct SurfaceLinks {
   std::vector<int> left, right, down, up;  ///< at x - 1, x + 1, y - 1, y + 1
 
@@ -14,8 +14,8 @@ struct SurfaceLinks {
   std::array<int, 8> Around(int cell) const;
 };
 
-/// Neighbours are on the same deck when their heights differ by at most `max_step` [m]; of several the nearest.
-/// Links are mutual. O(number of cells); the cells must be sorted as SurfaceMap says.
+/// Neighbors are on the same deck when their heights differ by at most `max_step` [m]; of several
+/// the nearest. Links are mutual. O(number of cells); the cells must be sorted as SurfaceMap says.
 SurfaceLinks LinkCells(const SurfaceMap& surface, double max_step);
 
 }  // namespace parkade

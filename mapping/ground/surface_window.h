@@ -10,16 +10,19 @@
 
 namespace parkade {
 
-/// Calls `visit(cells)` with the cells of each row that lie in a window, from the lowest y to the highest; rows without
-/// any are left out. The window is in cells, the last being the one before max().
+/// Calls `visit(cells)` with the cells of each row that lie in a window, from the lowest y to the
+/// highest; rows without any are left out. The window is in cells, the last being the one before
+/// max().
 template <typename Visitor>
 void VisitRows(const SurfaceMap& surface, const Eigen::AlignedBox2i& window, const Visitor& visit) {
   const auto find = [](auto begin, auto end, int y, int x) {
-    return std::lower_bound(begin, end, std::pair(y, x), [](const SurfaceCell& cell, const std::pair<int, int>& at) {
-      return cell.y < at.first || (cell.y == at.first && cell.x < at.second);
-    });
+    return std::lower_bound(
+        begin, end, std::pair(y, x), [](const SurfaceCell& cell, const std::pair<int, int>& at) {
+          return cell.y < at.first || (cell.y == at.first && cell.x < at.second);
+        });
   };
-  const auto last = find(surface.cells.begin(), surface.cells.end(), window.max().y(), std::numeric_limits<int>::min());
+  const auto last = find(surface.cells.begin(), surface.cells.end(), window.max().y(),
+                         std::numeric_limits<int>::min());
   auto begin = surface.cells.begin();
   for (int y = window.min().y(); y < window.max().y(); ++y) {
     begin = find(begin, last, y, window.min().x());

@@ -9,7 +9,7 @@
 
 #include "core/log.h"
 #include "core/parallel.h"
-#include "mapping/heights/estimate_lean.h"
+#include "mapping/heights/estimate_suspension.h"
 #include "mapping/heights/height_certainty.h"
 #include "mapping/heights/measure_heights.h"
 #include "mapping/heights/plane_heights.h"
@@ -40,7 +40,8 @@ class EveryThird final : public PatchSource {
   std::vector<std::size_t> indices_;
 };
 
-void AddContacts(const DrivenPath& path, const HeightOptions& options, std::vector<HeightObservation>& observations) {
+void AddContacts(const DrivenPath& path, const HeightOptions& options,
+                 std::vector<HeightObservation>& observations) {
   for (const ContactPoint& contact : FindContacts(path, 0.5 * options.field.spacing)) {
     const double lever = contact.is_front ? path.contact.wheelbase * options.suspension_sigma : 0;
     const double variance = options.contact_sigma * options.contact_sigma + lever * lever;
@@ -55,8 +56,8 @@ class PoseTies {
     if (path == nullptr) return;
     const TrajectoryState* last = nullptr;
     for (const TrajectoryState& state : path->site_from_body.states()) {
-      const Eigen::Vector3d& place = state.odom_from_body.translation;
-      if (last && (place - last->odom_from_body.translation).norm() < kPoseDistance) continue;
+      const Eigen::Vector3d& place = state.world_from_body.translation;
+      if (last && (place - last->world_from_body.translation).norm() < kPoseDistance) continue;
       last = &state;
       poses_.push_back(&state);
       squares_[SquareOf(place)].push_back(&state);
@@ -64,11 +65,13 @@ class PoseTies {
   }
 
   DriveHeight Tie(const HeightObservation& height) const {
-    DriveHeight tied{
-        {}, height.point_in_site.cast<float>(), static_cast<float>(height.weight), static_cast<float>(height.sigma)};
+    DriveHeight tied{{},
+                     height.point_in_site.cast<float>(),
+                     static_cast<float>(height.weight),
+                     static_cast<float>(height.sigma)};
     if (const TrajectoryState* pose = NearestTo(height.point_in_site)) {
       tied.time = pose->time;
-      tied.point_in_body = (pose->odom_from_body.Inverse() * height.point_in_site).cast<float>();
+      tied.point_in_body = (pose->world_from_body.Inverse() * height.point_in_site).cast<float>();
     }
     return tied;
   }
@@ -85,7 +88,7 @@ class PoseTies {
     double least = std::numeric_limits<double>::max();
     const auto look = [&](const std::vector<const TrajectoryState*>& poses) {
       for (const TrajectoryState* pose : poses) {
-        const double distance = (pose->odom_from_body.translation - point).squaredNorm();
+        const double distance = (pose->world_from_body.translation - point).squaredNorm();
         if (distance < least) least = distance, nearest = pose;
       }
     };
@@ -93,7 +96,8 @@ class PoseTies {
     for (int reach = 1; reach <= 2 && least > reach * reach * kPoseSquare * kPoseSquare; ++reach)
       for (int sx = x - reach; sx <= x + reach; ++sx)
         for (int sy = y - reach; sy <= y + reach; ++sy)
-          if (const auto found = squares_.find({sx, sy}); found != squares_.end()) look(found->second);
+          if (const auto found = squares_.find({sx, sy}); found != squares_.end())
+            look(found->second);
     if (nearest == nullptr) look(poses_);
     return nearest;
   }
@@ -102,7 +106,8 @@ class PoseTies {
   std::map<std::pair<int, int>, std::vector<const TrajectoryState*>> squares_;
 };
 
-std::vector<DriveHeight> TieAll(const std::vector<HeightObservation>& heights, const PoseTies& ties) {
+std::vector<DriveHeight> TieAll(const std::vector<HeightObservation>& heights,
+                                const PoseTies& ties) {
   return ParallelMap(heights.size(), [&](size_t i) { return ties.Tie(heights[i]); });
 }
 
@@ -117,7 +122,8 @@ std::optional<Eigen::Vector3d> PointInSite(const DriveHeight& height, const Driv
 
 }  // namespace
 
-DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* path, const HeightOptions& options,
+DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* path,
+                                 const HeightOptions& options,
                                  std::span<const HeightObservation> measured) {
   DrivenPath leaning = path ? *path : DrivenPath{};
   const DrivenPath* const leaning_path = path ? &leaning : nullptr;
@@ -132,7 +138,8 @@ DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* p
   const int num_rounds = path ? options.sweep.num_rounds : 0;
   MeasureHeightsOptions early = options.sweep;
   early.max_views /= 2;
-  const std::array<EveryThird, 3> thirds = {EveryThird(patches, 0), EveryThird(patches, 1), EveryThird(patches, 2)};
+  const std::array<EveryThird, 3> thirds = {EveryThird(patches, 0), EveryThird(patches, 1),
+                                            EveryThird(patches, 2)};
   const auto used_in = [&](int round) -> const PatchSource& {
     if (round + 1 >= num_rounds) return patches;
     return thirds[static_cast<size_t>(round) % thirds.size()];
@@ -145,29 +152,35 @@ DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* p
     all.insert(all.end(), swept.begin(), swept.end());
     field = HeightField(std::move(all), options.field, field ? &*field : nullptr);
     const bool is_last = round + 1 == num_rounds;
-    swept = MeasureHeights(used_in(round), std::span(path, 1), *field, (is_last ? 0.5 : 1.0) * options.sweep.max_offset,
+    swept = MeasureHeights(used_in(round), std::span(path, 1), *field,
+                           (is_last ? 0.5 : 1.0) * options.sweep.max_offset,
                            is_last ? options.sweep : early);
-    LogDebug("stage=measure_heights round=" + std::to_string(round) + " heights=" + std::to_string(swept.size()));
+    LogDebug("stage=measure_heights round=" + std::to_string(round) +
+             " heights=" + std::to_string(swept.size()));
     if (round > 0) continue;
-    leaning.lean = EstimateLean(leaning, swept);
+    leaning.lean = EstimateSuspension(leaning, swept);
     leaning.plane_errors = EstimatePlaneErrors(leaning, swept);
     planes = CollectPlanes(patches, leaning_path, options.field);
     known = find_known(planes);
   }
   if (path)
-    LogInfo("stage=measure_heights drive=" + std::to_string(path->drive) + " heights=" + std::to_string(swept.size()) +
-            " roll=" + std::to_string(leaning.lean.roll) + " pitch=" + std::to_string(leaning.lean.pitch) +
-            " heave=" + std::to_string(leaning.lean.heave) + " plane_errors=" + std::to_string(leaning.plane_errors));
+    LogInfo("stage=measure_heights drive=" + std::to_string(path->drive) + " heights=" +
+            std::to_string(swept.size()) + " roll=" + std::to_string(leaning.lean.roll) +
+            " pitch=" + std::to_string(leaning.lean.pitch) +
+            " heave=" + std::to_string(leaning.lean.heave) +
+            " plane_errors=" + std::to_string(leaning.plane_errors));
   const PoseTies ties(path);
-  return {path ? path->drive : 0, leaning.lean, leaning.plane_errors, TieAll(swept, ties), TieAll(planes.Sums(), ties)};
+  return {path ? path->drive : 0, leaning.lean, leaning.plane_errors, TieAll(swept, ties),
+          TieAll(planes.Sums(), ties)};
 }
 
 HeightField FitHeights(std::span<const DriveHeights> drives, std::span<const DrivenPath> paths,
                        const HeightOptions& options, std::span<const HeightObservation> measured) {
   std::vector<HeightObservation> heights;
   for (const DrivenPath& path : paths) {
-    const auto own = std::find_if(drives.begin(), drives.end(),
-                                  [&](const DriveHeights& of_drive) { return of_drive.drive == path.drive; });
+    const auto own = std::find_if(drives.begin(), drives.end(), [&](const DriveHeights& of_drive) {
+      return of_drive.drive == path.drive;
+    });
     DrivenPath leaning = path;
     if (own != drives.end()) leaning.lean = own->lean;
     AddContacts(leaning, options, heights);
@@ -183,7 +196,8 @@ HeightField FitHeights(std::span<const DriveHeights> drives, std::span<const Dri
       }
     for (const DriveHeight& height : of_drive.swept)
       if (const std::optional<Eigen::Vector3d> point = PointInSite(height, path))
-        swept.push_back({*point, static_cast<double>(height.weight), static_cast<double>(height.sigma)});
+        swept.push_back(
+            {*point, static_cast<double>(height.weight), static_cast<double>(height.sigma)});
   }
   for (const auto& more : {planes.Observations(options.plane_share), swept})
     heights.insert(heights.end(), more.begin(), more.end());

@@ -15,48 +15,47 @@ namespace parkade {
 struct HeightOptions {
   double contact_sigma = 0.01;      ///< [m] of the road's height at a wheel
   double suspension_sigma = 0.005;  ///< [rad] of the body's pitch: adds to the front wheels
-  double plane_share = 0.1;         ///< weight of a square of a keyframe's plane: those around it err alike
+  double plane_share =
+      0.1;  ///< weight of a square of a keyframe's plane: those around it err alike
   HeightFieldOptions field;
   MeasureHeightsOptions sweep;
-
-  template <typename Visitor>
-  void VisitFields(Visitor&& visit) {
-    visit("contact_sigma", contact_sigma);
-    visit("suspension_sigma", suspension_sigma);
-    visit("plane_share", plane_share);
-    visit("field", field);
-    visit("sweep", sweep);
-  }
 };
 
-/// A height that one drive knows, relative to where its car was when it was nearest: it moves with that pose.
+/// A height that one drive knows, relative to where its car was when it was nearest: it moves with
+/// that pose.
 struct DriveHeight {
   Timestamp time;
-  Eigen::Vector3f point_in_body = Eigen::Vector3f::Zero();  ///< [m]; in site where the drive has no path
-  float weight = 0;                                         ///< inverse variance of z [1/m^2]; of planes a sum of them
-  float sigma = 0;                                          ///< [m] as of HeightObservation; of planes the best's
+  Eigen::Vector3f point_in_body =
+      Eigen::Vector3f::Zero();  ///< [m]; in site where the drive has no path
+  float weight = 0;             ///< inverse variance of z [1/m^2]; of planes a sum of them
+  float sigma = 0;              ///< [m] as of HeightObservation; of planes the best's
 };
 
-/// What one drive by itself knows of the height of the ground. It depends on this drive alone, so that it is found
-/// once, however many drives join it later.
+/// What one drive by itself knows of the height of the ground. It depends on this drive alone, so
+/// that it is found once, however many drives join it later.
 struct DriveHeights {
   int drive = 0;
-  Lean lean;
-  double plane_errors = 1;          ///< see EstimatePlaneErrors
-  std::vector<DriveHeight> swept;   ///< where its views agree: MeasureHeights
-  std::vector<DriveHeight> planes;  ///< where its keyframes' planes have the ground: one per square and deck
+  SuspensionModel lean;
+  double plane_errors = 1;         ///< see EstimatePlaneErrors
+  std::vector<DriveHeight> swept;  ///< where its views agree: MeasureHeights
+  std::vector<DriveHeight>
+      planes;  ///< where its keyframes' planes have the ground: one per square and deck
 };
 
-/// Heights of one drive: a field is fitted to the wheel contacts and the planes of keyframes, and the sweep measures
-/// the ground beside the path, round by round outwards. The first round also tells how the car leans. \param patches of
-/// this drive alone, in any frame whose z is up \param path      its path in that frame, or null where it has none
-/// \param measured  heights in that frame that something else knows
-DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* path, const HeightOptions& options,
+/// Heights of one drive: a field is fitted to the wheel contacts and the planes of keyframes, and
+/// the sweep measures the ground beside the path, round by round outwards. The first round also
+/// tells how the car leans. \param patches of this drive alone, in any frame whose z is up \param
+/// path      its path in that frame, or null where it has none \param measured  heights in that
+/// frame that something else knows
+DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* path,
+                                 const HeightOptions& options,
                                  std::span<const HeightObservation> measured = {});
 
-/// The surface that fits what all drives know, wherever their paths lie by now. Planes share their errors, so that many
-/// of them in one square say hardly more than the best. Does not depend on the order of the drives but for rounding.
+/// The surface that fits what all drives know, wherever their paths lie by now. Planes share their
+/// errors, so that many of them in one square say hardly more than the best. Does not depend on the
+/// order of the drives but for rounding.
 HeightField FitHeights(std::span<const DriveHeights> drives, std::span<const DrivenPath> paths,
-                       const HeightOptions& options, std::span<const HeightObservation> measured = {});
+                       const HeightOptions& options,
+                       std::span<const HeightObservation> measured = {});
 
 }  // namespace parkade

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "mapping/heights/meet_surface.h"
+#include "mapping/heights/intersect_ray.h"
 
 namespace parkade {
 namespace {
@@ -22,7 +22,8 @@ double SectorAt(const Eigen::Vector2d& ray) {
 
 }  // namespace
 
-GroundHorizon::GroundHorizon(const HeightField& field, const Eigen::Vector3d& eye, const Eigen::AlignedBox2d& box)
+GroundHorizon::GroundHorizon(const HeightField& field, const Eigen::Vector3d& eye,
+                             const Eigen::AlignedBox2d& box)
     : eye_(eye), num_rings_(0) {
   if (box.isEmpty()) return;
   const Eigen::Vector2d farthest =
@@ -46,7 +47,8 @@ GroundHorizon::GroundHorizon(const HeightField& field, const Eigen::Vector3d& ey
   }
   for (int sector = 0; sector < kNumSectors; ++sector) {
     const auto begin = slopes_.begin() + sector * num_rings_;
-    for (int ring = 1; ring < num_rings_; ++ring) begin[ring] = std::max(begin[ring - 1], begin[ring]);
+    for (int ring = 1; ring < num_rings_; ++ring)
+      begin[ring] = std::max(begin[ring - 1], begin[ring]);
   }
 }
 
@@ -56,13 +58,15 @@ int GroundHorizon::RingOf(double distance) { return static_cast<int>(distance / 
 void GroundHorizon::Raise(const Eigen::AlignedBox2d& square, double height) {
   const Eigen::Vector2d eye = eye_.head<2>();
   const double nearest = square.exteriorDistance(eye);
-  const double farthest = (square.min() - eye).cwiseAbs().cwiseMax((square.max() - eye).cwiseAbs()).norm();
+  const double farthest =
+      (square.min() - eye).cwiseAbs().cwiseMax((square.max() - eye).cwiseAbs()).norm();
   if (farthest < kLookMargin) return;
   double first = 0, last = kNumSectors - 1;
   if (nearest > 0) {
     std::array<double, 4> sectors{};
     for (int i = 0; i < 4; ++i)
-      sectors[static_cast<size_t>(i)] = SectorAt(square.corner(static_cast<Eigen::AlignedBox2d::CornerType>(i)) - eye);
+      sectors[static_cast<size_t>(i)] =
+          SectorAt(square.corner(static_cast<Eigen::AlignedBox2d::CornerType>(i)) - eye);
     const auto [low, high] = std::minmax_element(sectors.begin(), sectors.end());
     first = *low, last = *high;
     if (last - first > kNumSectors / 2) {  // across -x
@@ -74,7 +78,8 @@ void GroundHorizon::Raise(const Eigen::AlignedBox2d& square, double height) {
           first = std::min(first, sector);
     }
   }
-  const double slope = (height - eye_.z()) / farthest;  // below the eye: the farther, the less steep
+  const double slope =
+      (height - eye_.z()) / farthest;  // below the eye: the farther, the less steep
   const int ring = RingOf(nearest);
   for (int sector = static_cast<int>(first); sector <= static_cast<int>(last); ++sector) {
     double& highest = slopes_[static_cast<size_t>(sector % kNumSectors * num_rings_ + ring)];

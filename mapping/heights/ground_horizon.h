@@ -8,13 +8,14 @@
 
 namespace parkade {
 
-/// How high well known ground stands around an eye, by direction and distance: one look tells of most places that
-/// nothing hides them, without the walk of IsHidden along the ray.
+/// How high well known ground stands around an eye, by direction and distance: one look tells of
+/// most places that nothing hides them, without the walk of IsHidden along the ray.
 class GroundHorizon {
  public:
   /// Of the ground in a box; for places in it.
   /// \param eye  [m] in site
-  GroundHorizon(const HeightField& field, const Eigen::Vector3d& eye, const Eigen::AlignedBox2d& box);
+  GroundHorizon(const HeightField& field, const Eigen::Vector3d& eye,
+                const Eigen::AlignedBox2d& box);
 
   /// False only where IsHidden(field, eye, point) is.
   bool MayHide(const Eigen::Vector3d& point_in_site) const;
@@ -25,8 +26,8 @@ class GroundHorizon {
 
   Eigen::Vector3d eye_;
   int num_rings_;
-  std::vector<double> slopes_;  ///< sectors x rings: the steepest sight [rise per run] on ground in this ring or a
-                                ///< nearer one; -infinity: none
+  std::vector<double> slopes_;  ///< sectors x rings: the steepest observation [rise per run] on
+                                ///< ground in this ring or a nearer one; -infinity: none
 };
 
 }  // namespace parkade

@@ -15,7 +15,8 @@ constexpr double kKnownSigma = 0.03;                   // [m] of a patch whose h
 constexpr double kBase = 2.0;                          // [m] over which a slope is taken
 constexpr std::array<double, 4> kLengths{2, 4, 6, 8};  // [m] of continuation that are tried
 constexpr size_t kMinTrials = 100;
-constexpr double kShare = 0.8;  // of the trials that err by less than kSigmas sigmas, as a Gaussian would have it
+constexpr double kShare =
+    0.8;  // of the trials that err by less than kSigmas sigmas, as a Gaussian would have it
 constexpr double kSigmas = 1.28;
 constexpr double kUnknownSlope = 0.005;      // [rad] where it could not be tried
 constexpr double kUnknownCurvature = 0.007;  // [1/m]
@@ -36,11 +37,13 @@ class SigmaSpreader {
 
   void Spread() {
     LearnGrowth();
-    using Reached = std::tuple<double, int, double, double>;  // distance [m], patch, sigma and bend where it started
+    using Reached = std::tuple<double, int, double,
+                               double>;  // distance [m], patch, sigma and bend where it started
     std::priority_queue<Reached, std::vector<Reached>, std::greater<>> open;
     std::vector<bool> is_done(is_known_.size());
     for (int patch = 0; patch < field_->num_patches(); ++patch)
-      if (is_known_[static_cast<size_t>(patch)]) open.emplace(0, patch, field_->SigmaOf(patch), BendAt(PlaceOf(patch)));
+      if (is_known_[static_cast<size_t>(patch)])
+        open.emplace(0, patch, field_->SigmaOf(patch), BendAt(PlaceOf(patch)));
     while (!open.empty()) {
       const auto [distance, patch, sigma, bend] = open.top();
       open.pop();
@@ -48,7 +51,8 @@ class SigmaSpreader {
       is_done[static_cast<size_t>(patch)] = true;
       field_->SetSigma(patch,
                        std::min(field_->SigmaOf(patch),
-                                std::hypot(sigma, std::max(GrowthAt(distance), 0.5 * bend * distance * distance))));
+                                std::hypot(sigma, std::max(GrowthAt(distance),
+                                                           0.5 * bend * distance * distance))));
       const Place here = PlaceOf(patch);
       for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) {
@@ -61,7 +65,8 @@ class SigmaSpreader {
 
  private:
   Place PlaceOf(int patch) const {
-    const Eigen::Vector2d middle = (field_->IndexOf(patch).cast<double>().array() + 0.5) * field_->spacing();
+    const Eigen::Vector2d middle =
+        (field_->IndexOf(patch).cast<double>().array() + 0.5) * field_->spacing();
     return {patch, {middle.x(), middle.y(), field_->HeightAt(patch, middle)}};
   }
 
@@ -73,7 +78,8 @@ class SigmaSpreader {
 
   std::optional<double> KnownHeight(const Place& from, const Eigen::Vector2d& step) const {
     const Place there = Step(from, step);
-    if (there.patch == HeightField::kNone || !is_known_[static_cast<size_t>(there.patch)]) return std::nullopt;
+    if (there.patch == HeightField::kNone || !is_known_[static_cast<size_t>(there.patch)])
+      return std::nullopt;
     return there.point.z();
   }
 
@@ -83,19 +89,21 @@ class SigmaSpreader {
     for (const Eigen::Vector2d& along : {Eigen::Vector2d(1, 0), Eigen::Vector2d(0, 1)}) {
       const Place before = Step(here, -kBase * along), after = Step(here, kBase * along);
       if (before.patch == HeightField::kNone || after.patch == HeightField::kNone) continue;
-      bend = std::max(bend, std::abs(before.point.z() - 2 * here.point.z() + after.point.z()) / (kBase * kBase));
+      bend = std::max(bend, std::abs(before.point.z() - 2 * here.point.z() + after.point.z()) /
+                                (kBase * kBase));
     }
     return bend;
   }
 
-  /// Continues the slope between two known places to a third one, wherever there are three in a row.
+  /// Continues the slope between two known places to a third one, wherever there are three in a
+  /// row.
   void LearnGrowth() {
     std::array<std::vector<double>, kLengths.size()> errors;
     for (int patch = 0; patch < field_->num_patches(); ++patch) {
       if (!is_known_[static_cast<size_t>(patch)]) continue;
       const Place here = PlaceOf(patch);
-      for (const Eigen::Vector2d& along :
-           {Eigen::Vector2d(1, 0), Eigen::Vector2d(0, 1), Eigen::Vector2d(-1, 0), Eigen::Vector2d(0, -1)}) {
+      for (const Eigen::Vector2d& along : {Eigen::Vector2d(1, 0), Eigen::Vector2d(0, 1),
+                                           Eigen::Vector2d(-1, 0), Eigen::Vector2d(0, -1)}) {
         const std::optional<double> before = KnownHeight(here, -kBase * along);
         if (!before) continue;
         const double slope = (here.point.z() - *before) / kBase;
@@ -106,10 +114,11 @@ class SigmaSpreader {
     }
     double least = 0;
     for (size_t i = 0; i < kLengths.size(); ++i) {
-      growth_[i] = std::hypot(kUnknownSlope * kLengths[i], 0.5 * kUnknownCurvature * kLengths[i] * kLengths[i]);
+      growth_[i] = std::hypot(kUnknownSlope * kLengths[i],
+                              0.5 * kUnknownCurvature * kLengths[i] * kLengths[i]);
       if (errors[i].size() >= kMinTrials) {
-        const auto rank =
-            errors[i].begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(errors[i].size()));
+        const auto rank = errors[i].begin() + static_cast<std::ptrdiff_t>(
+                                                  kShare * static_cast<double>(errors[i].size()));
         std::nth_element(errors[i].begin(), rank, errors[i].end());
         growth_[i] = *rank / kSigmas;
       }
@@ -119,10 +128,12 @@ class SigmaSpreader {
 
   /// [m] one sigma of what continuing the surface over a distance costs.
   double GrowthAt(double distance) const {
-    if (distance >= kLengths.back()) return growth_.back() * std::pow(distance / kLengths.back(), 2);
+    if (distance >= kLengths.back())
+      return growth_.back() * std::pow(distance / kLengths.back(), 2);
     double from = 0, sigma = 0;
     for (size_t i = 0; i < kLengths.size(); ++i) {
-      if (distance <= kLengths[i]) return sigma + (growth_[i] - sigma) * (distance - from) / (kLengths[i] - from);
+      if (distance <= kLengths[i])
+        return sigma + (growth_[i] - sigma) * (distance - from) / (kLengths[i] - from);
       from = kLengths[i], sigma = growth_[i];
     }
     return sigma;

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/error.h"
-#include "core/floor_of.h"
+#include "core/fast_floor.h"
 #include "core/parallel.h"
 #include "core/sparse_cholesky.h"
 
@@ -21,7 +21,9 @@ constexpr double kTie = 1e-3;  // [1/m^2] weight of a node's own guess: next to 
 using Coefficients = std::array<double, 4>;
 
 /// Bilinear coefficients of the patch's nodes at (fx, fy), the fractions of its edges.
-Coefficients Bilinear(double fx, double fy) { return {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy}; }
+Coefficients Bilinear(double fx, double fy) {
+  return {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
+}
 
 double Bilinear(const std::array<float, 4>& heights, double fx, double fy) {
   const auto a = static_cast<double>(heights[0]), b = static_cast<double>(heights[1]);
@@ -37,17 +39,20 @@ class HeightField::NormalEquations {
   explicit NormalEquations(int num_nodes) : right_side_(Eigen::VectorXd::Zero(num_nodes)) {}
 
   /// A block of rows that share four nodes: its sum of weight c c^T and of weight c value.
-  void AddBlock(const std::array<int, 4>& nodes, const Eigen::Matrix4d& left, const Eigen::Vector4d& right) {
+  void AddBlock(const std::array<int, 4>& nodes, const Eigen::Matrix4d& left,
+                const Eigen::Vector4d& right) {
     for (int i = 0; i < 4; ++i) {
       right_side_[nodes[static_cast<size_t>(i)]] += right[i];
       for (int k = 0; k < 4; ++k)
         if (nodes[static_cast<size_t>(k)] <= nodes[static_cast<size_t>(i)])
-          triplets_.emplace_back(nodes[static_cast<size_t>(i)], nodes[static_cast<size_t>(k)], left(i, k));
+          triplets_.emplace_back(nodes[static_cast<size_t>(i)], nodes[static_cast<size_t>(k)],
+                                 left(i, k));
     }
   }
 
   template <size_t N>
-  void AddRow(const std::array<int, N>& nodes, const std::array<double, N>& coefficients, double value, double weight) {
+  void AddRow(const std::array<int, N>& nodes, const std::array<double, N>& coefficients,
+              double value, double weight) {
     for (size_t i = 0; i < N; ++i) {
       right_side_[nodes[i]] += weight * coefficients[i] * value;
       for (size_t k = 0; k < N; ++k)
@@ -56,7 +61,8 @@ class HeightField::NormalEquations {
     }
   }
 
-  /// Ends the equations: their rows, which take more than the matrix, are let go before it is factored.
+  /// Ends the equations: their rows, which take more than the matrix, are let go before it is
+  /// factored.
   Eigen::VectorXd Solve(CholeskySolver& solver) && {
     Eigen::SparseMatrix<double> matrix(right_side_.size(), right_side_.size());
     matrix.setFromTriplets(triplets_.begin(), triplets_.end());
@@ -71,17 +77,19 @@ class HeightField::NormalEquations {
 
 void HeightFieldOptions::Validate() const {
   Require(spacing > 0, ErrorCode::kUsage, "spacing of the height field must be > 0 m");
-  Require(curvature_sigma > 0, ErrorCode::kUsage, "curvature_sigma of the height field must be > 0");
+  Require(curvature_sigma > 0, ErrorCode::kUsage,
+          "curvature_sigma of the height field must be > 0");
   Require(level_separation > 0, ErrorCode::kUsage, "level_separation must be > 0 m");
   Require(outlier_height > 0, ErrorCode::kUsage, "outlier_height must be > 0 m");
 }
 
-HeightField::HeightField(std::vector<HeightObservation> observations, const HeightFieldOptions& options,
-                         const HeightField* before)
-    : options_(options), squares_per_metre_(1 / options.spacing) {
+HeightField::HeightField(std::vector<HeightObservation> observations,
+                         const HeightFieldOptions& options, const HeightField* before)
+    : options_(options), squares_per_meter_(1 / options.spacing) {
   // The surest come first: they decide which decks there are.
-  std::stable_sort(observations.begin(), observations.end(),
-                   [](const HeightObservation& a, const HeightObservation& b) { return a.weight > b.weight; });
+  std::stable_sort(
+      observations.begin(), observations.end(),
+      [](const HeightObservation& a, const HeightObservation& b) { return a.weight > b.weight; });
   MakePatches(observations);
   AddRing();
   NumberByPlace();
@@ -91,7 +99,8 @@ HeightField::HeightField(std::vector<HeightObservation> observations, const Heig
 
 bool HeightField::HasPatchNear(int x, int y, double height) const {
   for (int patch = patches_at_.First(x, y); patch != kNone; patch = patches_at_.Next(patch))
-    if (std::abs(patches_[static_cast<size_t>(patch)].guess - height) < options_.level_separation) return true;
+    if (std::abs(patches_[static_cast<size_t>(patch)].guess - height) < options_.level_separation)
+      return true;
   return false;
 }
 
@@ -103,8 +112,9 @@ void HeightField::AddPatch(const Patch& patch) {
 void HeightField::MakePatches(const std::vector<HeightObservation>& observations) {
   for (const HeightObservation& observation : observations) {
     const Eigen::Vector3d& point = observation.point_in_site;
-    const int x = FloorOf(SquaresOf(point.x())), y = FloorOf(SquaresOf(point.y()));
-    if (!HasPatchNear(x, y, point.z())) AddPatch({.x = x, .y = y, .guess = point.z(), .sigma = observation.Sigma()});
+    const int x = FastFloor(SquaresOf(point.x())), y = FastFloor(SquaresOf(point.y()));
+    if (!HasPatchNear(x, y, point.z()))
+      AddPatch({.x = x, .y = y, .guess = point.z(), .sigma = observation.Sigma()});
   }
 }
 
@@ -115,7 +125,10 @@ void HeightField::AddRing() {
     for (int dy = -1; dy <= 1; ++dy)
       for (int dx = -1; dx <= 1; ++dx)
         if (!HasPatchNear(observed.x + dx, observed.y + dy, observed.guess))
-          AddPatch({.x = observed.x + dx, .y = observed.y + dy, .guess = observed.guess, .sigma = 2 * observed.sigma});
+          AddPatch({.x = observed.x + dx,
+                    .y = observed.y + dy,
+                    .guess = observed.guess,
+                    .sigma = 2 * observed.sigma});
   }
 }
 
@@ -137,8 +150,8 @@ void HeightField::MakeNodes() {
     for (int corner = 0; corner < 4; ++corner) {
       const int x = patch.x + corner % 2, y = patch.y + corner / 2;
       int node = nodes_at.First(x, y);
-      while (node != kNone &&
-             std::abs(heights_[static_cast<size_t>(node)] - patch.guess) >= 0.5 * options_.level_separation)
+      while (node != kNone && std::abs(heights_[static_cast<size_t>(node)] - patch.guess) >=
+                                  0.5 * options_.level_separation)
         node = nodes_at.Next(node);
       if (node == kNone) {
         node = num_nodes();
@@ -157,7 +170,8 @@ void HeightField::KeepHeights() {
       corners_[i][k] = static_cast<float>(heights_[static_cast<size_t>(patches_[i].nodes[k])]);
 }
 
-void HeightField::Solve(const std::vector<HeightObservation>& observations, const HeightField* before) {
+void HeightField::Solve(const std::vector<HeightObservation>& observations,
+                        const HeightField* before) {
   CholeskySolver solver;
   const HeightField* weighed_by = before;
   for (int round = before ? 1 : 0; round < kNumRounds; ++round) {
@@ -191,7 +205,8 @@ void HeightField::AddThinPlate(NormalEquations& equations) const {
       const int third = next[static_cast<size_t>(second)];
       if (third != kNone) equations.AddRow<3>({node, second, third}, {1, -2, 1}, 0, stiffness);
     }
-  for (const Patch& patch : patches_) equations.AddRow<4>(patch.nodes, {1, -1, -1, 1}, 0, 2 * stiffness);
+  for (const Patch& patch : patches_)
+    equations.AddRow<4>(patch.nodes, {1, -1, -1, 1}, 0, 2 * stiffness);
 }
 
 /// Less, the further it is from the surface. Where there is none, its own.
@@ -202,8 +217,8 @@ double HeightField::WeightOf(const HeightObservation& observation) const {
   return observation.weight / ((1 + offset * offset) * (1 + offset * offset));
 }
 
-void HeightField::AddObservations(const std::vector<HeightObservation>& observations, const HeightField* weighed_by,
-                                  NormalEquations& equations) {
+void HeightField::AddObservations(const std::vector<HeightObservation>& observations,
+                                  const HeightField* weighed_by, NormalEquations& equations) {
   struct Part {
     int patch = kNone;
     double weight = 0;
@@ -227,7 +242,8 @@ void HeightField::AddObservations(const std::vector<HeightObservation>& observat
     lefts[i] += parts[k].weight * row * row.transpose();
     rights[i] += parts[k].weight * point.z() * row;
   }
-  for (size_t i = 0; i < patches_.size(); ++i) equations.AddBlock(patches_[i].nodes, lefts[i], rights[i]);
+  for (size_t i = 0; i < patches_.size(); ++i)
+    equations.AddBlock(patches_[i].nodes, lefts[i], rights[i]);
 }
 
 int HeightField::FindPatch(const Eigen::Vector3d& point_in_site) const {
@@ -237,11 +253,12 @@ int HeightField::FindPatch(const Eigen::Vector3d& point_in_site) const {
 
 int HeightField::FindPatch(const Eigen::Vector3d& point_in_site, double& height) const {
   const double x = SquaresOf(point_in_site.x()), y = SquaresOf(point_in_site.y());
-  const int column = FloorOf(x), row = FloorOf(y);
+  const int column = FastFloor(x), row = FastFloor(y);
   const double fx = x - column, fy = y - row;
   int nearest = kNone;
   double nearest_distance = options_.level_separation;
-  for (int patch = patches_at_.First(column, row); patch != kNone; patch = patches_at_.Next(patch)) {
+  for (int patch = patches_at_.First(column, row); patch != kNone;
+       patch = patches_at_.Next(patch)) {
     const double here = Bilinear(corners_[static_cast<size_t>(patch)], fx, fy);
     const double distance = std::abs(here - point_in_site.z());
     if (distance < nearest_distance) nearest = patch, nearest_distance = distance, height = here;
@@ -251,13 +268,14 @@ int HeightField::FindPatch(const Eigen::Vector3d& point_in_site, double& height)
 
 double HeightField::HeightAt(int patch, const Eigen::Vector2d& point_in_site) const {
   const Patch& square = patches_[static_cast<size_t>(patch)];
-  const double fx = SquaresOf(point_in_site.x()) - square.x, fy = SquaresOf(point_in_site.y()) - square.y;
+  const double fx = SquaresOf(point_in_site.x()) - square.x,
+               fy = SquaresOf(point_in_site.y()) - square.y;
   return Bilinear(corners_[static_cast<size_t>(patch)], fx, fy);
 }
 
 int PatchFinder::Find(const Eigen::Vector3d& point_in_site, double& height) {
   const double x = field_->SquaresOf(point_in_site.x()), y = field_->SquaresOf(point_in_site.y());
-  const int column = FloorOf(x), row = FloorOf(y);
+  const int column = FastFloor(x), row = FastFloor(y);
   if (column != column_ || row != row_) {
     const int first = field_->patches_at_.First(column, row);
     if (first != HeightField::kNone && field_->patches_at_.Next(first) != HeightField::kNone)
@@ -267,7 +285,8 @@ int PatchFinder::Find(const Eigen::Vector3d& point_in_site, double& height) {
   }
   if (patch_ == HeightField::kNone) return HeightField::kNone;
   const double here = Bilinear(corners_, x - column, y - row);
-  if (std::abs(here - point_in_site.z()) >= field_->options_.level_separation) return HeightField::kNone;
+  if (std::abs(here - point_in_site.z()) >= field_->options_.level_separation)
+    return HeightField::kNone;
   height = here;
   return patch_;
 }

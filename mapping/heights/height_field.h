@@ -17,59 +17,57 @@ namespace parkade {
 struct HeightObservation {
   Eigen::Vector3d point_in_site;  ///< [m]
   double weight = 1;              ///< inverse variance of z [1/m^2]
-  double sigma = 0;  ///< [m] how well the height is known there, where observations share what they know; 0: by weight
+  double sigma = 0;  ///< [m] how well the height is known there, where observations share what they
+                     ///< know; 0: by weight
 
   double Sigma() const { return sigma > 0 ? sigma : 1 / std::sqrt(weight); }
 };
 
 struct HeightFieldOptions {
-  double spacing = 0.4;           ///< [m] between nodes; bumps shorter than two of them are not kept
+  double spacing = 0.4;  ///< [m] between nodes; bumps shorter than two of them are not kept
   double curvature_sigma = 0.02;  ///< [1/m] of the road; smaller smooths more
-  double level_separation = 1.5;  ///< [m] surfaces further apart in height are decks above each other
-  double outlier_height = 0.1;    ///< [m] off the surface from which an observation loses its say
-
-  template <typename Visitor>
-  void VisitFields(Visitor&& visit) {
-    visit("spacing", spacing);
-    visit("curvature_sigma", curvature_sigma);
-    visit("level_separation", level_separation);
-    visit("outlier_height", outlier_height);
-  }
-  void Validate() const;  ///< throws Error{kUsage}
+  double level_separation =
+      1.5;                      ///< [m] surfaces further apart in height are decks above each other
+  double outlier_height = 0.1;  ///< [m] off the surface from which an observation loses its say
+  void Validate() const;        ///< throws Error{kUsage}
 };
 
-/// Heights of the ground on a sparse grid of nodes, bilinear between them, several decks allowed above the same
-/// place. A square between four nodes of one deck is a patch; patches exist where something was observed, and one
-/// ring around.
+/// Heights of the ground on a sparse grid of nodes, bilinear between them, several decks allowed
+/// above the same place. A square between four nodes of one deck is a patch; patches exist where
+/// something was observed, and one ring around.
 ///
-/// Heights minimise  sum_i w_i (z_i - h(x_i, y_i))^2  +  sum (second differences of h / (curvature_sigma s^2))^2,
-/// a thin plate bent by its observations: where nothing but a far guess is known it continues what is known
-/// nearby. Observations far from the result are weighed down (Geman-McClure) in further rounds.
-/// D. Terzopoulos, "Multilevel computational processes for visual surface reconstruction", CVGIP 1983.
+/// Heights minimize  sum_i w_i (z_i - h(x_i, y_i))^2  +  sum (second differences of h /
+/// (curvature_sigma s^2))^2, a thin plate bent by its observations: where nothing but a far guess
+/// is known it continues what is known nearby. Observations far from the result are weighed down
+/// (Geman-McClure) in further rounds. D. Terzopoulos, "Multilevel computational processes for
+/// visual surface reconstruction", CVGIP 1983.
 class HeightField {
  public:
   static constexpr int kNone = -1;
 
-  /// Observations may come in any order; the result does not depend on it but for rounding. Sparse Cholesky:
-  /// about 1 s for 40 000 nodes.
-  /// \param before  a field of much the same observations, by which they are weighed at first: that saves a round
+  /// Observations may come in any order; the result does not depend on it but for rounding. Sparse
+  /// Cholesky: about 1 s for 40 000 nodes. \param before  a field of much the same observations, by
+  /// which they are weighed at first: that saves a round
   HeightField(std::vector<HeightObservation> observations, const HeightFieldOptions& options,
               const HeightField* before = nullptr);
 
   /// The patch at (x, y) whose height is nearest to z, less than a level separation away; or kNone.
   int FindPatch(const Eigen::Vector3d& point_in_site) const;
 
-  /// Likewise; `height` [m] is that of the patch there, untouched where there is none.
+  /// Also; `height` [m] is that of the patch there, untouched where there is none.
   int FindPatch(const Eigen::Vector3d& point_in_site, double& height) const;
 
   /// [m] of the bilinear surface of a patch at (x, y), which may lie a little outside of it.
   double HeightAt(int patch, const Eigen::Vector2d& point_in_site) const;
 
-  /// Calls `visit(patch, low, high)` with the heights [m] between which each patch that reaches into a box lies.
+  /// Calls `visit(patch, low, high)` with the heights [m] between which each patch that reaches
+  /// into a box lies.
   template <typename Visitor>
   void VisitPatches(const Eigen::AlignedBox2d& box, const Visitor& visit) const {
     if (box.isEmpty()) return;
-    const auto index = [&](double coordinate) { return static_cast<int>(std::floor(SquaresOf(coordinate))); };
+    const auto index = [&](double coordinate) {
+      return static_cast<int>(std::floor(SquaresOf(coordinate)));
+    };
     for (int y = index(box.min().y()); y <= index(box.max().y()); ++y)
       for (int x = index(box.min().x()); x <= index(box.max().x()); ++x)
         for (int patch = patches_at_.First(x, y); patch != kNone; patch = patches_at_.Next(patch)) {
@@ -101,7 +99,7 @@ class HeightField {
   };
   class NormalEquations;
   friend class PatchFinder;
-  double SquaresOf(double coordinate) const { return coordinate * squares_per_metre_; }
+  double SquaresOf(double coordinate) const { return coordinate * squares_per_meter_; }
   void MakePatches(const std::vector<HeightObservation>& observations);
   void AddRing();
   void NumberByPlace();
@@ -111,20 +109,21 @@ class HeightField {
   void KeepHeights();
   void Solve(const std::vector<HeightObservation>& observations, const HeightField* before);
   void AddThinPlate(NormalEquations& equations) const;
-  void AddObservations(const std::vector<HeightObservation>& observations, const HeightField* weighed_by,
-                       NormalEquations& equations);
+  void AddObservations(const std::vector<HeightObservation>& observations,
+                       const HeightField* weighed_by, NormalEquations& equations);
   double WeightOf(const HeightObservation& observation) const;
 
   HeightFieldOptions options_;
-  double squares_per_metre_;
+  double squares_per_meter_;
   std::vector<Patch> patches_;
   PatchIndex patches_at_;
-  std::vector<double> heights_;                ///< [m] of the nodes
-  std::vector<std::array<float, 4>> corners_;  ///< [m] of the patches' nodes: what is looked up is packed densely
+  std::vector<double> heights_;  ///< [m] of the nodes
+  std::vector<std::array<float, 4>>
+      corners_;  ///< [m] of the patches' nodes: what is looked up is packed densely
 };
 
-/// HeightField::FindPatch for places of which most lie in the same square as the one before: those cost no look into
-/// the field. Borrows the field; for one thread.
+/// HeightField::FindPatch for places of which most lie in the same square as the one before: those
+/// cost no look into the field. Borrows the field; for one thread.
 class PatchFinder {
  public:
   explicit PatchFinder(const HeightField& field) : field_(&field) {}

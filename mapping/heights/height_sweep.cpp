@@ -11,15 +11,16 @@
 #include "core/largest_first.h"
 #include "core/parallel.h"
 #include "mapping/ground/isometry_of.h"
+#include "mapping/heights/intersect_ray.h"
 #include "mapping/heights/local_means.h"
-#include "mapping/heights/meet_surface.h"
 
 namespace parkade {
 namespace {
 
-constexpr int kWindowsPerTile = 12;   // a tile is swept by one thread
-constexpr size_t kMaxPatches = 500;   // of a block, read at once: that bounds memory
-constexpr double kMinLever = 1.0;     // distance over height of the eye: a steeper view tells no height
+constexpr int kWindowsPerTile = 12;  // a tile is swept by one thread
+constexpr size_t kMaxPatches = 500;  // of a block, read at once: that bounds memory
+constexpr double kMinLever =
+    1.0;  // distance over height of the eye: a steeper view tells no height
 constexpr double kMeanSquare = 0.75;  // of a window: the squares of LocalMeans
 constexpr double kMargin = 3.0;       // [m] rays meet the surface not further from
                                       // where they meet the car's plane ...
@@ -40,40 +41,47 @@ struct Block {
 };
 
 /// The samples of a patch that say something about heights, on the surface.
-std::vector<Meeting> FindMeetings(const PosedGroundPatch& posed, const DrivenPath& path, const HeightField& field,
-                                  const Eigen::AlignedBox2d& block, const MeasureHeightsOptions& options) {
+std::vector<Meeting> FindMeetings(const PosedGroundPatch& posed, const DrivenPath& path,
+                                  const HeightField& field, const Eigen::AlignedBox2d& block,
+                                  const MeasureHeightsOptions& options) {
   std::vector<Meeting> meetings;
   meetings.reserve(posed.patch.samples.size());
   const double max_squared_distance = options.max_distance * options.max_distance;
   PatchFinder patches_at(field);
   const LocalMeans means(posed.patch.samples, kMeanSquare * options.window);
   const Eigen::Isometry3d site_from_body = IsometryOf(posed.site_from_body);
-  const Eigen::Vector3d eye = site_from_body * path.cameras_in_body[static_cast<size_t>(posed.patch.camera)];
+  const Eigen::Vector3d eye =
+      site_from_body * path.cameras_in_body[static_cast<size_t>(posed.patch.camera)];
   for (const GroundSample& sample : posed.patch.samples) {
     if (!LocalMeans::IsUsed(sample)) continue;
     Eigen::Vector3d point = site_from_body * sample.point_in_body.cast<double>();
-    const double squared_distance = (point - eye).head<2>().squaredNorm(), least = kMinLever * (eye.z() - point.z());
-    if (squared_distance > max_squared_distance || (least > 0 && squared_distance < least * least)) continue;
-    if (block.squaredExteriorDistance(point.head<2>().eval()) > kMaxShift * kMaxShift * squared_distance) continue;
-    if (MeetSurface(patches_at, eye, point) == HeightField::kNone) continue;
+    const double squared_distance = (point - eye).head<2>().squaredNorm(),
+                 least = kMinLever * (eye.z() - point.z());
+    if (squared_distance > max_squared_distance || (least > 0 && squared_distance < least * least))
+      continue;
+    if (block.squaredExteriorDistance(point.head<2>().eval()) >
+        kMaxShift * kMaxShift * squared_distance)
+      continue;
+    if (IntersectRay(patches_at, eye, point) == HeightField::kNone) continue;
     const Eigen::Vector2d shift = -(point - eye).head<2>() / (eye.z() - point.z());
     meetings.push_back({(point.head<2>() - block.min()).cast<float>(), shift.cast<float>(),
-                        LocalMeans::GreyOf(sample) - means.At(sample), sample.confidence});
+                        LocalMeans::GrayOf(sample) - means.At(sample), sample.confidence});
   }
   return meetings;
 }
 
 /// Adds those that lie on a tile, or may come to. \return whether there are any
-bool AddSights(const std::vector<Meeting>& meetings, const Eigen::Vector2f& tile_in_block, float side, float max_offset,
-               TileSweep& sweep) {
-  const size_t before = sweep.num_sights();
-  for (Meeting sight : meetings) {
-    sight.point -= tile_in_block;
-    const float outside = std::max({-sight.point.minCoeff(), sight.point.maxCoeff() - side, 0.0F});
-    if (outside * outside > max_offset * max_offset * sight.shift.squaredNorm()) continue;
-    sweep.Add(sight);
+bool AddObservations(const std::vector<Meeting>& meetings, const Eigen::Vector2f& tile_in_block,
+                     float side, float max_offset, TileSweep& sweep) {
+  const size_t before = sweep.num_observations();
+  for (Meeting observation : meetings) {
+    observation.point -= tile_in_block;
+    const float outside =
+        std::max({-observation.point.minCoeff(), observation.point.maxCoeff() - side, 0.0F});
+    if (outside * outside > max_offset * max_offset * observation.shift.squaredNorm()) continue;
+    sweep.Add(observation);
   }
-  return sweep.num_sights() > before;
+  return sweep.num_observations() > before;
 }
 
 /// Of each camera's patches, which are in order of time, as many of every stretch of the drive.
@@ -84,7 +92,8 @@ std::vector<size_t> ChooseEvenly(const std::vector<size_t>& indices, size_t max_
   std::vector<size_t> chosen;
   for (const size_t i : indices) {
     const size_t number = seen[patches[i].camera]++;
-    if ((number + 1) * max_count / indices.size() > number * max_count / indices.size()) chosen.push_back(i);
+    if ((number + 1) * max_count / indices.size() > number * max_count / indices.size())
+      chosen.push_back(i);
   }
   return chosen;
 }
@@ -96,19 +105,21 @@ std::set<size_t> PatchesOf(std::span<const Tile> tiles) {
   return patches;
 }
 
-/// Tiles of one deck as blocks of kMaxPatches at most, or of one tile: halved where there are too many, so that few
-/// patches reach into more than one block.
+/// Tiles of one deck as blocks of kMaxPatches at most, or of one tile: halved where there are too
+/// many, so that few patches reach into more than one block.
 void MakeBlocks(std::span<Tile> tiles, double side, std::vector<Block>& blocks) {
   Eigen::AlignedBox2d box;
-  for (const Tile& tile : tiles) box.extend(tile.corner).extend((tile.corner.array() + side).matrix());
+  for (const Tile& tile : tiles)
+    box.extend(tile.corner).extend((tile.corner.array() + side).matrix());
   if (tiles.size() <= 1 || PatchesOf(tiles).size() <= kMaxPatches) {
-    blocks.push_back({box, {std::make_move_iterator(tiles.begin()), std::make_move_iterator(tiles.end())}});
+    blocks.push_back(
+        {box, {std::make_move_iterator(tiles.begin()), std::make_move_iterator(tiles.end())}});
     return;
   }
   const int axis = box.sizes().x() > box.sizes().y() ? 0 : 1;
   const double middle = box.center()[axis] - 0.25 * side;  // never a tile's corner
-  const auto upper =
-      std::stable_partition(tiles.begin(), tiles.end(), [&](const Tile& tile) { return tile.corner[axis] < middle; });
+  const auto upper = std::stable_partition(
+      tiles.begin(), tiles.end(), [&](const Tile& tile) { return tile.corner[axis] < middle; });
   MakeBlocks({tiles.begin(), upper}, side, blocks);
   MakeBlocks({upper, tiles.end()}, side, blocks);
 }
@@ -121,9 +132,12 @@ std::vector<Tile> MakeTiles(std::span<const PatchView> patches, std::span<const 
   std::map<std::tuple<int, int, int>, Tile> tiles;
   for (size_t i = 0; i < patches.size(); ++i) {
     const DrivenPath* path = FindPath(paths, patches[i].drive);
-    if (path == nullptr || static_cast<size_t>(patches[i].camera) >= path->cameras_in_body.size()) continue;
+    if (path == nullptr || static_cast<size_t>(patches[i].camera) >= path->cameras_in_body.size())
+      continue;
     const Eigen::Vector3d& body = patches[i].site_from_body.translation;
-    const auto index = [&](double coordinate) { return static_cast<int>(std::floor(coordinate / side)); };
+    const auto index = [&](double coordinate) {
+      return static_cast<int>(std::floor(coordinate / side));
+    };
     const double reach = options.max_distance + 3;
     const int deck = static_cast<int>(std::floor(body.z() / kDeckHeight + 0.5));
     for (int y = index(body.y() - reach); y <= index(body.y() + reach); ++y)
@@ -132,7 +146,8 @@ std::vector<Tile> MakeTiles(std::span<const PatchView> patches, std::span<const 
         tile.deck = deck, tile.x = x, tile.y = y;
         tile.corner = side * Eigen::Vector2d(x, y);
         tile.near.push_back(i);
-        const Eigen::AlignedBox2d reached(tile.corner.array() - kMargin, tile.corner.array() + side + kMargin);
+        const Eigen::AlignedBox2d reached(tile.corner.array() - kMargin,
+                                          tile.corner.array() + side + kMargin);
         if (reached.intersects(patches[i].extent)) tile.patches.push_back(i);
       }
   }
@@ -155,7 +170,8 @@ std::vector<Block> MakeBlocks(std::vector<Tile> tiles, double side) {
 
 /// The patches of a block on the surface, by their number.
 std::map<size_t, std::vector<Meeting>> MeetAll(const Block& block, const PatchSource& patches,
-                                               std::span<const DrivenPath> paths, const HeightField& field,
+                                               std::span<const DrivenPath> paths,
+                                               const HeightField& field,
                                                const MeasureHeightsOptions& options) {
   std::map<size_t, std::vector<Meeting>> meetings;
   for (const size_t i : PatchesOf(block.tiles)) meetings.try_emplace(i);
@@ -163,7 +179,8 @@ std::map<size_t, std::vector<Meeting>> MeetAll(const Block& block, const PatchSo
   for (auto& of_patch : meetings) list.push_back(&of_patch);
   ParallelFor(list.size(), [&](size_t k) {
     const PosedGroundPatch posed = patches.Read(list[k]->first);
-    list[k]->second = FindMeetings(posed, *FindPath(paths, posed.patch.drive), field, block.box, options);
+    list[k]->second =
+        FindMeetings(posed, *FindPath(paths, posed.patch.drive), field, block.box, options);
   });
   return meetings;
 }
@@ -197,16 +214,21 @@ std::vector<SweptWindow> WindowsOf(const Tile& tile, const TileSweep& sweep, siz
   std::vector<SweptWindow> windows;
   for (int y = 0; y < kWindowsPerTile; ++y)
     for (int x = 0; x < kWindowsPerTile; ++x) {
-      const auto begin = agreements.begin() + static_cast<std::ptrdiff_t>(num_heights) * (y * kWindowsPerTile + x);
+      const auto begin =
+          agreements.begin() + static_cast<std::ptrdiff_t>(num_heights) * (y * kWindowsPerTile + x);
       const auto end = begin + static_cast<std::ptrdiff_t>(num_heights);
-      if (std::all_of(begin, end, [](const Agreement& agreement) { return agreement.num_samples == 0; })) continue;
+      if (std::all_of(begin, end,
+                      [](const Agreement& agreement) { return agreement.num_samples == 0; }))
+        continue;
       const Eigen::Vector2i at(tile.x * kWindowsPerTile + x, tile.y * kWindowsPerTile + y);
-      windows.push_back({.deck = tile.deck,
-                         .x = at.x(),
-                         .y = at.y(),
-                         .deck_height = DeckOf(tile, side * (at.cast<double>().array() + 0.5).matrix(), patches),
-                         .parallax = static_cast<double>(parallaxes[static_cast<size_t>(y * kWindowsPerTile + x)]),
-                         .agreements = {begin, end}});
+      windows.push_back(
+          {.deck = tile.deck,
+           .x = at.x(),
+           .y = at.y(),
+           .deck_height = DeckOf(tile, side * (at.cast<double>().array() + 0.5).matrix(), patches),
+           .parallax =
+               static_cast<double>(parallaxes[static_cast<size_t>(y * kWindowsPerTile + x)]),
+           .agreements = {begin, end}});
     }
   return windows;
 }
@@ -219,8 +241,10 @@ std::vector<SweptWindow> SweepWindows(const PatchSource& patches, std::span<cons
   const auto side = static_cast<float>(kWindowsPerTile * options.window);
   const SweepShape shape = ShapeOf(max_offset, options);
   std::vector<SweptWindow> windows;
-  for (const Block& block : MakeBlocks(MakeTiles(patches.views(), paths, options), static_cast<double>(side))) {
-    const std::map<size_t, std::vector<Meeting>> meetings = MeetAll(block, patches, paths, field, options);
+  for (const Block& block :
+       MakeBlocks(MakeTiles(patches.views(), paths, options), static_cast<double>(side))) {
+    const std::map<size_t, std::vector<Meeting>> meetings =
+        MeetAll(block, patches, paths, field, options);
     const auto num_patches = [&](size_t t) { return block.tiles[t].patches.size(); };
     const auto of_tiles = ParallelMapLargestFirst(block.tiles.size(), num_patches, [&](size_t t) {
       const Tile& tile = block.tiles[t];
@@ -228,11 +252,13 @@ std::vector<SweptWindow> SweepWindows(const PatchSource& patches, std::span<cons
       TileSweep sweep(shape);
       int num_views = 0;
       for (const size_t i : tile.patches)
-        num_views += AddSights(meetings.at(i), tile_in_block, side, static_cast<float>(max_offset), sweep);
+        num_views += AddObservations(meetings.at(i), tile_in_block, side,
+                                     static_cast<float>(max_offset), sweep);
       if (num_views < 2) return std::vector<SweptWindow>{};
       return WindowsOf(tile, sweep, shape.offsets.size(), patches.views(), options.window);
     });
-    for (const auto& of_tile : of_tiles) windows.insert(windows.end(), of_tile.begin(), of_tile.end());
+    for (const auto& of_tile : of_tiles)
+      windows.insert(windows.end(), of_tile.begin(), of_tile.end());
   }
   std::sort(windows.begin(), windows.end(), [](const SweptWindow& a, const SweptWindow& b) {
     return std::tie(a.deck, a.y, a.x) < std::tie(b.deck, b.y, b.x);

@@ -18,7 +18,7 @@ LocalMeans::LocalMeans(const std::vector<GroundSample>& samples, double square)
   for (const GroundSample& sample : samples)
     if (IsUsed(sample)) {
       const float weight = sample.confidence;
-      sums_[IndexOf(PlaceOf(sample).cast<int>())] += weight * Eigen::Array2f(1, GreyOf(sample));
+      sums_[IndexOf(PlaceOf(sample).cast<int>())] += weight * Eigen::Array2f(1, GrayOf(sample));
     }
 }
 
@@ -27,8 +27,9 @@ float LocalMeans::At(const GroundSample& sample) const {
   const Eigen::Array2i corner = place.cast<int>();
   const Eigen::Array2f part = place - corner.cast<float>();
   const std::size_t below = IndexOf(corner), above = below + static_cast<std::size_t>(width_);
-  const Eigen::Array2f sum = (1 - part.y()) * ((1 - part.x()) * sums_[below] + part.x() * sums_[below + 1]) +
-                             part.y() * ((1 - part.x()) * sums_[above] + part.x() * sums_[above + 1]);
+  const Eigen::Array2f sum =
+      (1 - part.y()) * ((1 - part.x()) * sums_[below] + part.x() * sums_[below + 1]) +
+      part.y() * ((1 - part.x()) * sums_[above] + part.x() * sums_[above + 1]);
   return sum.y() / sum.x();
 }
 

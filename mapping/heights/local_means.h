@@ -7,10 +7,11 @@
 
 namespace parkade {
 
-/// What is usual around a sample of the ground in its own image. Taken off, it makes exposures and shades agree. It is
-/// smooth, and its squares lie on the car's plane, where the car carries them along: a mean that hung on the surface,
-/// or that jumped from window to window, would jump at the same places in all views as long as the surface stays where
-/// it is, and views would agree best there, right or wrong.
+/// What is usual around a sample of the ground in its own image. Taken off, it makes exposures and
+/// shades agree. It is smooth, and its squares lie on the car's plane, where the car carries them
+/// along: a mean that hung on the surface, or that jumped from window to window, would jump at the
+/// same places in all views as long as the surface stays where it is, and views would agree best
+/// there, right or wrong.
 class LocalMeans {
  public:
   /// The samples are borrowed. \param square  [m] side
@@ -18,7 +19,7 @@ class LocalMeans {
 
   /// Only free ground shows what the ground looks like.
   static bool IsUsed(const GroundSample& sample) { return sample.is_free && sample.confidence > 0; }
-  static float GreyOf(const GroundSample& sample) {
+  static float GrayOf(const GroundSample& sample) {
     return (114.0F * sample.blue + 587.0F * sample.green + 299.0F * sample.red) / 1000;
   }
 
@@ -37,7 +38,7 @@ class LocalMeans {
   Eigen::Array2f low_ = Eigen::Array2f::Zero();  ///< [squares] corner; a rim of one square around
                                                  ///< all samples
   int width_ = 0;
-  std::vector<Eigen::Array2f> sums_;  ///< of weights, and of weighted grey values
+  std::vector<Eigen::Array2f> sums_;  ///< of weights, and of weighted gray values
 };
 
 }  // namespace parkade

@@ -10,15 +10,20 @@
 namespace parkade {
 namespace {
 
-constexpr int kRivalSteps = 3;          // of the sweep from the best height to what may be another one
-constexpr double kMinParallax = 0.8;    // [m per metre of height] of a window: views from one side agree on any height
-constexpr int kMinSupport = 2;          // windows around one that correct the height as it does
-constexpr double kCorrelation = 4.0;    // samples of one view are not independent: variances times this
+constexpr int kRivalSteps = 3;  // of the sweep from the best height to what may be another one
+constexpr double kMinParallax =
+    0.8;  // [m per meter of height] of a window: views from one side agree on any height
+constexpr int kMinSupport = 2;  // windows around one that correct the height as it does
+constexpr double kCorrelation =
+    4.0;  // samples of one view are not independent: variances times this
 constexpr double kMinSignificance = 2;  // sigmas of a minimum below the rest
-constexpr double kLeastDip = 0.03;      // share of a minimum below the rest that lies beyond errors of the model
-constexpr double kMostDip = 0.4;        // share that few samples must show
-constexpr double kRivalDip = 0.5;       // part of the share asked for by which it must lie below a dip elsewhere
-constexpr int kMaxReach = 2;            // windows to each side that are asked with one that does not know by itself
+constexpr double kLeastDip =
+    0.03;  // share of a minimum below the rest that lies beyond errors of the model
+constexpr double kMostDip = 0.4;  // share that few samples must show
+constexpr double kRivalDip =
+    0.5;  // part of the share asked for by which it must lie below a dip elsewhere
+constexpr int kMaxReach =
+    2;  // windows to each side that are asked with one that does not know by itself
 
 /// What the sweep found in one window.
 struct WindowHeight {
@@ -59,29 +64,32 @@ struct Best {
   double offset = 0, sigma = 0;  ///< [m]
 };
 
-/// Share by which the misfit at the best height must lie below that at most heights: more samples show a fainter dip.
-/// \param freedom  samples less the cells whose means they gave
+/// Share by which the misfit at the best height must lie below that at most heights: more samples
+/// show a fainter dip. \param freedom  samples less the cells whose means they gave
 double NeededDip(int freedom) {
   const double noise = std::sqrt(2 * kCorrelation / freedom);
   return std::clamp(kMinSignificance * noise, kLeastDip, kMostDip);
 }
 
-/// The height at which the views agree, unless they do nowhere, or as well elsewhere. `num_cells` make half of what is
-/// looked at.
-std::optional<Best> FindBest(const std::vector<Agreement>& agreements, int num_cells, double max_offset,
-                             const MeasureHeightsOptions& options) {
+/// The height at which the views agree, unless they do nowhere, or as well elsewhere. `num_cells`
+/// make half of what is looked at.
+std::optional<Best> FindBest(const std::vector<Agreement>& agreements, int num_cells,
+                             double max_offset, const MeasureHeightsOptions& options) {
   std::vector<double> misfits;
   for (const Agreement& agreement : agreements) misfits.push_back(agreement.Misfit());
-  const auto best = static_cast<size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
+  const auto best =
+      static_cast<size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
   if (best == 0 || best + 1 >= misfits.size()) return std::nullopt;
   const Agreement& at = agreements[best];
-  if (at.num_samples < options.min_sights * at.num_cells || at.num_cells < num_cells) return std::nullopt;
+  if (at.num_samples < options.min_observations * at.num_cells || at.num_cells < num_cells)
+    return std::nullopt;
   const double contrast = std::sqrt(static_cast<double>(at.total / std::max(at.weight, 1e-6F)));
   if (contrast < options.min_contrast) return std::nullopt;
   const int freedom = at.num_samples - at.num_cells;
   const double dip = NeededDip(freedom);
   std::vector<double> sorted = misfits;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
+                   sorted.end());
   if (misfits[best] > (1 - dip) * sorted[sorted.size() / 2]) return std::nullopt;
   const double rivalry = 1 - kRivalDip * dip;
   for (size_t i = 1; i + 1 < misfits.size(); ++i) {
@@ -94,17 +102,19 @@ std::optional<Best> FindBest(const std::vector<Agreement>& agreements, int num_c
   const double curvature = before - 2 * here + after;
   if (curvature <= 0) return std::nullopt;
   const double step = max_offset / options.num_steps;
-  // Misfit is a mean of squares: its noise is misfit / freedom, its second derivative curvature / step^2.
+  // Misfit is a mean of squares: its noise is misfit / freedom, its second derivative curvature /
+  // step^2.
   const double variance = kCorrelation * 2 * here * step * step / (curvature * freedom);
-  return Best{
-      max_offset * (static_cast<double>(best) / options.num_steps - 1) + 0.5 * step * (before - after) / curvature,
-      std::hypot(options.sigma, std::sqrt(variance))};
+  return Best{max_offset * (static_cast<double>(best) / options.num_steps - 1) +
+                  0.5 * step * (before - after) / curvature,
+              std::hypot(options.sigma, std::sqrt(variance))};
 }
 
-/// The height of a window by itself or, where its ground shows too little, together with those around: errors of what
-/// is known change slowly.
-std::optional<WindowHeight> HeightOf(const SweptWindow& window, const WindowSums& sums, const HeightField& field,
-                                     double max_offset, const MeasureHeightsOptions& options) {
+/// The height of a window by itself or, where its ground shows too little, together with those
+/// around: errors of what is known change slowly.
+std::optional<WindowHeight> HeightOf(const SweptWindow& window, const WindowSums& sums,
+                                     const HeightField& field, double max_offset,
+                                     const MeasureHeightsOptions& options) {
   const Eigen::Vector2d center = options.window * Eigen::Vector2d(window.x + 0.5, window.y + 0.5);
   const int patch = field.FindPatch({center.x(), center.y(), window.deck_height});
   if (patch == HeightField::kNone) return std::nullopt;
@@ -118,34 +128,41 @@ std::optional<WindowHeight> HeightOf(const SweptWindow& window, const WindowSums
     if (!best) continue;
     const double height = field.HeightAt(patch, center) + best->offset;
     const double variance = best->sigma * best->sigma;
-    return WindowHeight{{{center.x(), center.y(), height}, 1 / (variance * num_windows), best->sigma},
-                        best->offset,
-                        {window.x, window.y}};
+    return WindowHeight{
+        {{center.x(), center.y(), height}, 1 / (variance * num_windows), best->sigma},
+        best->offset,
+        {window.x, window.y}};
   }
   return std::nullopt;
 }
 
-/// Heights that some of the windows around them support: chance agrees with nobody. Two windows to both sides support
-/// what lies between them, so that a correction may rise.
+/// Heights that some of the windows around them support: chance agrees with nobody. Two windows to
+/// both sides support what lies between them, so that a correction may rise.
 std::vector<WindowHeight> KeepSupported(const std::vector<WindowHeight>& windows, double max_jump) {
   constexpr double kSameDeck = 1.0;  // [m]
   std::multimap<std::pair<int, int>, const WindowHeight*> at;
-  for (const WindowHeight& window : windows) at.emplace(std::pair(window.index.x(), window.index.y()), &window);
-  const auto offset_beside = [&](const WindowHeight& window, int dx, int dy) -> std::optional<double> {
+  for (const WindowHeight& window : windows)
+    at.emplace(std::pair(window.index.x(), window.index.y()), &window);
+  const auto offset_beside = [&](const WindowHeight& window, int dx,
+                                 int dy) -> std::optional<double> {
     const auto [begin, end] = at.equal_range({window.index.x() + dx, window.index.y() + dy});
     for (auto other = begin; other != end; ++other)
-      if (std::abs(other->second->observation.point_in_site.z() - window.observation.point_in_site.z()) < kSameDeck)
+      if (std::abs(other->second->observation.point_in_site.z() -
+                   window.observation.point_in_site.z()) < kSameDeck)
         return other->second->offset;
     return std::nullopt;
   };
   std::vector<WindowHeight> kept;
   for (const WindowHeight& window : windows) {
     int support = 0;
-    for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(0, 1), std::pair(1, 1), std::pair(1, -1)}) {
-      const std::optional<double> before = offset_beside(window, -dx, -dy), after = offset_beside(window, dx, dy);
+    for (const auto& [dx, dy] :
+         {std::pair(1, 0), std::pair(0, 1), std::pair(1, 1), std::pair(1, -1)}) {
+      const std::optional<double> before = offset_beside(window, -dx, -dy),
+                                  after = offset_beside(window, dx, dy);
       const bool is_before = before && std::abs(*before - window.offset) <= max_jump;
       const bool is_after = after && std::abs(*after - window.offset) <= max_jump;
-      const bool is_between = before && after && std::abs(0.5 * (*before + *after) - window.offset) <= max_jump;
+      const bool is_between =
+          before && after && std::abs(0.5 * (*before + *after) - window.offset) <= max_jump;
       support += std::max(is_before + is_after, 2 * is_between);
     }
     if (support >= kMinSupport) kept.push_back(window);
@@ -153,15 +170,17 @@ std::vector<WindowHeight> KeepSupported(const std::vector<WindowHeight>& windows
   return kept;
 }
 
-/// What is known of a window is known of all of it: an observation for each patch of the field, which follow its slope.
-std::vector<HeightObservation> SpreadOverWindows(const std::vector<WindowHeight>& windows, const HeightField& field,
-                                                 double side) {
+/// What is known of a window is known of all of it: an observation for each patch of the field,
+/// which follow its slope.
+std::vector<HeightObservation> SpreadOverWindows(const std::vector<WindowHeight>& windows,
+                                                 const HeightField& field, double side) {
   const int count = std::max(1, static_cast<int>(std::lround(side / field.spacing())));
   std::vector<HeightObservation> heights;
   for (const WindowHeight& window : windows)
     for (int y = 0; y < count; ++y)
       for (int x = 0; x < count; ++x) {
-        const Eigen::Vector2d place = side * (window.index.cast<double>() + Eigen::Vector2d(x + 0.5, y + 0.5) / count);
+        const Eigen::Vector2d place =
+            side * (window.index.cast<double>() + Eigen::Vector2d(x + 0.5, y + 0.5) / count);
         const double known = window.observation.point_in_site.z() - window.offset;
         const int patch = field.FindPatch({place.x(), place.y(), known});
         if (patch == HeightField::kNone) continue;
@@ -174,14 +193,16 @@ std::vector<HeightObservation> SpreadOverWindows(const std::vector<WindowHeight>
 
 }  // namespace
 
-std::vector<HeightObservation> MeasureHeights(const PatchSource& patches, std::span<const DrivenPath> paths,
+std::vector<HeightObservation> MeasureHeights(const PatchSource& patches,
+                                              std::span<const DrivenPath> paths,
                                               const HeightField& field, double max_offset,
                                               const MeasureHeightsOptions& options) {
   const std::vector<SweptWindow> swept = SweepWindows(patches, paths, field, max_offset, options);
   const WindowSums sums(swept);
   std::vector<WindowHeight> windows;
   for (const SweptWindow& window : swept)
-    if (const auto height = HeightOf(window, sums, field, max_offset, options)) windows.push_back(*height);
+    if (const auto height = HeightOf(window, sums, field, max_offset, options))
+      windows.push_back(*height);
   return SpreadOverWindows(KeepSupported(windows, options.max_jump), field, options.window);
 }
 

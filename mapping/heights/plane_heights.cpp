@@ -3,15 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/floor_of.h"
+#include "core/fast_floor.h"
 #include "core/parallel.h"
 #include "mapping/ground/isometry_of.h"
 
 namespace parkade {
 namespace {
 
-constexpr double kLeastPlaneVariance = 4e-4;  // [m^2] of a keyframe's plane: wheels and the sweep are surer
-constexpr size_t kPatchesPerBatch = 64;       // in memory at once
+constexpr double kLeastPlaneVariance =
+    4e-4;  // [m^2] of a keyframe's plane: wheels and the sweep are surer
+constexpr size_t kPatchesPerBatch = 64;  // in memory at once
 
 }  // namespace
 
@@ -28,13 +29,14 @@ double PlaneHeights::Sum::SureWeight() const {
 }
 
 PlaneHeights::Square PlaneHeights::SquareOf(const Eigen::Vector3d& point) const {
-  return {FloorOf(point.z() * levels_per_metre_), FloorOf(point.y() * squares_per_metre_),
-          FloorOf(point.x() * squares_per_metre_)};
+  return {FastFloor(point.z() * levels_per_meter_), FastFloor(point.y() * squares_per_meter_),
+          FastFloor(point.x() * squares_per_meter_)};
 }
 
 void PlaneHeights::Add(const PosedGroundPatch& posed, const DrivenPath* path) {
   const Eigen::Isometry3d site_from_body = IsometryOf(posed.site_from_body);
-  const Eigen::Isometry3d ground_from_body = IsometryOf(path ? path->body_from_ground.Inverse() : Rigid3{});
+  const Eigen::Isometry3d ground_from_body =
+      IsometryOf(path ? path->body_from_ground.Inverse() : Rigid3{});
   const Eigen::Vector2d acceleration =
       path ? AccelerationAt(path->site_from_body, posed.patch.time) : Eigen::Vector2d::Zero();
   const double share = path ? path->plane_errors * path->plane_errors : 1;
@@ -44,7 +46,8 @@ void PlaneHeights::Add(const PosedGroundPatch& posed, const DrivenPath* path) {
     if (!sample.is_free) continue;
     const Eigen::Vector3d point_in_body = sample.point_in_body.cast<double>();
     Eigen::Vector3d point = site_from_body * point_in_body;
-    if (path) point.z() -= path->lean.LiftAt(acceleration, (ground_from_body * point_in_body).head<2>());
+    if (path)
+      point.z() -= path->lean.LiftAt(acceleration, (ground_from_body * point_in_body).head<2>());
     const Square square = SquareOf(point);
     if (here == nullptr || square != last) here = &sums_[square], last = square;
     // Of planes that disagree the nearest car's is right, however well they agree elsewhere.
@@ -74,11 +77,13 @@ std::vector<HeightObservation> PlaneHeights::Sums() const {
 std::vector<HeightObservation> PlaneHeights::Observations(double share) const {
   std::vector<HeightObservation> observations;
   observations.reserve(sums_.size());
-  for (const auto& [square, sum] : sums_) observations.push_back({sum.point / sum.weight, share * sum.SureWeight()});
+  for (const auto& [square, sum] : sums_)
+    observations.push_back({sum.point / sum.weight, share * sum.SureWeight()});
   return observations;
 }
 
-PlaneHeights CollectPlanes(const PatchSource& patches, const DrivenPath* path, const HeightFieldOptions& options) {
+PlaneHeights CollectPlanes(const PatchSource& patches, const DrivenPath* path,
+                           const HeightFieldOptions& options) {
   PlaneHeights planes(options);
   const size_t count = patches.views().size();
   for (size_t begin = 0; begin < count; begin += kPatchesPerBatch) {

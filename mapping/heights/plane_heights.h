@@ -12,12 +12,12 @@
 
 namespace parkade {
 
-/// The heights at which patches put the ground: the planes that their cars stood on. Sums per square of the field and
-/// deck.
+/// The heights at which patches put the ground: the planes that their cars stood on. Sums per
+/// square of the field and deck.
 class PlaneHeights {
  public:
   explicit PlaneHeights(const HeightFieldOptions& options = {})
-      : squares_per_metre_(1 / options.spacing), levels_per_metre_(1 / options.level_separation) {}
+      : squares_per_meter_(1 / options.spacing), levels_per_meter_(1 / options.level_separation) {}
 
   /// `path` is that of its drive, or null.
   void Add(const PosedGroundPatch& posed, const DrivenPath* path);
@@ -32,7 +32,7 @@ class PlaneHeights {
   /// One per square and deck: their mean, with the weight of all of them and the sigma of the mean.
   std::vector<HeightObservation> Sums() const;
 
-  /// Likewise, with `share` of the weight that the sigma stands for.
+  /// Also, with `share` of the weight that the sigma stands for.
   std::vector<HeightObservation> Observations(double share) const;
 
  private:
@@ -45,18 +45,19 @@ class PlaneHeights {
 
     void Add(const Eigen::Vector3d& at, double its_weight, double its_best_weight);
 
-    /// [1/m^2] that of the best plane, unless planes disagree: where a ramp begins, cars on the flat before it know
-    /// nothing of it.
+    /// [1/m^2] that of the best plane, unless planes disagree: where a ramp begins, cars on the
+    /// flat before it know nothing of it.
     double SureWeight() const;
   };
 
   Square SquareOf(const Eigen::Vector3d& point) const;
 
-  double squares_per_metre_, levels_per_metre_;
+  double squares_per_meter_, levels_per_meter_;
   std::map<Square, Sum> sums_;
 };
 
 /// Of all patches; read in batches, in parallel. `path` is that of their drive, or null.
-PlaneHeights CollectPlanes(const PatchSource& patches, const DrivenPath* path, const HeightFieldOptions& options);
+PlaneHeights CollectPlanes(const PatchSource& patches, const DrivenPath* path,
+                           const HeightFieldOptions& options);
 
 }  // namespace parkade

@@ -8,7 +8,7 @@ namespace parkade {
 /// How well views agree over a piece of ground at one height.
 struct Agreement {
   float residual = 0,
-        total = 0;  ///< of squared grey values: within cells, and altogether
+        total = 0;  ///< of squared gray values: within cells, and altogether
   float weight = 0;
   int num_samples = 0, num_cells = 0;
 
@@ -23,16 +23,17 @@ struct Agreement {
   /// Share of the variance that remains within cells: 1 where heights do not matter.
   double Misfit() const {
     const double freedom = num_samples - num_cells;
-    return freedom > 0 && total > 0 ? static_cast<double>(residual) / static_cast<double>(total) * num_samples / freedom
-                                    : 1;
+    return freedom > 0 && total > 0
+               ? static_cast<double>(residual) / static_cast<double>(total) * num_samples / freedom
+               : 1;
   }
 };
 
-/// Where a sight meets the surface, and how that moves when the surface rises.
+/// Where a observation meets the surface, and how that moves when the surface rises.
 struct Meeting {
   Eigen::Vector2f point;  ///< [m] from the corner of the square that is swept
-  Eigen::Vector2f shift;  ///< [m] per metre of height
-  float grey = 0;         ///< less what is usual around it
+  Eigen::Vector2f shift;  ///< [m] per meter of height
+  float gray = 0;         ///< less what is usual around it
   float weight = 0;
 };
 
@@ -44,39 +45,42 @@ struct SweepShape {
   std::vector<float> offsets;  ///< [m] of the surface
 };
 
-/// Moves samples along their rays to each height and sums up how well they agree there. Sights of many views follow
-/// each other in any order. \return one per window (row by row) and height: [window * offsets.size() + height].
-/// O(sights * heights), heights in parallel.
+/// Moves samples along their rays to each height and sums up how well they agree there.
+/// Observations of many views follow each other in any order. \return one per window (row by row)
+/// and height: [window * offsets.size() + height]. O(observations * heights), heights in parallel.
 class TileSweep {
  public:
   explicit TileSweep(SweepShape shape);
 
-  void Add(const Meeting& sight) {
-    x_.push_back(sight.point.x() * per_cell_ + 1), y_.push_back(sight.point.y() * per_cell_ + 1);
-    dx_.push_back(sight.shift.x() * per_cell_), dy_.push_back(sight.shift.y() * per_cell_);
-    const float weighted = sight.weight * sight.grey;
-    sums_.emplace_back(sight.weight, weighted, weighted * sight.grey, 1.0F);
+  void Add(const Meeting& observation) {
+    x_.push_back(observation.point.x() * per_cell_ + 1),
+        y_.push_back(observation.point.y() * per_cell_ + 1);
+    dx_.push_back(observation.shift.x() * per_cell_),
+        dy_.push_back(observation.shift.y() * per_cell_);
+    const float weighted = observation.weight * observation.gray;
+    sums_.emplace_back(observation.weight, weighted, weighted * observation.gray, 1.0F);
   }
-  std::size_t num_sights() const { return x_.size(); }
+  std::size_t num_observations() const { return x_.size(); }
 
   std::vector<Agreement> Sweep() const;
 
-  /// By how much the shifts of a window's sights differ, rms [m per metre of height]: sights from one side say nothing
-  /// of heights. One per window.
+  /// By how much the shifts of a window's observations differ, rms [m per meter of height]:
+  /// observations from one side say nothing of heights. One per window.
   std::vector<float> Parallaxes() const;
 
  private:
-  /// Of a cell or a sample: weight, grey, its square (both weighted), number.
+  /// Of a cell or a sample: weight, gray, its square (both weighted), number.
   using Sums = Eigen::Array4f;
 
   std::vector<Sums> AddUp(float offset) const;
-  void AgreementsInto(std::size_t height, const std::vector<Sums>& cells, std::vector<Agreement>& agreements) const;
+  void AgreementsInto(std::size_t height, const std::vector<Sums>& cells,
+                      std::vector<Agreement>& agreements) const;
 
   SweepShape shape_;
   float per_cell_ = 0;          ///< [1/m]
   int across_ = 0;              ///< cells, with a rim of one that gathers what lies outside
   std::vector<float> x_, y_;    ///< [cells]
-  std::vector<float> dx_, dy_;  ///< [cells] per metre of height
+  std::vector<float> dx_, dy_;  ///< [cells] per meter of height
   std::vector<Sums> sums_;
 };
 

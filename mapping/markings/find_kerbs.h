@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/ground_markings.h"
+#include "core/option_about.h"
 #include "core/surface_map.h"
 #include "core/triangle_mesh.h"
 #include "mapping/ground/driven_path.h"
@@ -16,34 +17,30 @@ struct KerbOptions {
   double max_height = 0.22;   ///< [m]; more is the sill of a car or a wall
   double max_distance = 5.0;  ///< [m] of its place to a camera
   int min_views = 5;
-  double max_misfit = 0.85;  ///< of views at the best height, as a share of that at the median height
-  double max_rivalry = 0.9;  ///< likewise, of that at the best height elsewhere
+  double max_misfit =
+      0.85;  ///< of views at the best height, as a share of that at the median height
+  double max_rivalry = 0.9;  ///< also, of that at the best height elsewhere
   double max_jump = 0.03;    ///< [m] of height along one kerb
   double min_length = 2.0;   ///< [m]
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
-    visit("min_height", min_height);
-    visit("max_height", max_height);
-    visit("max_distance", max_distance);
-    visit("min_views", min_views);
-    visit("max_misfit", max_misfit);
-    visit("max_rivalry", max_rivalry);
-    visit("max_jump", max_jump);
-    visit("min_length", min_length);
+    visit("min_height", min_height, OptionAbout{"A kerb is at least this high.", "m", 0.01, 0.2});
   }
   void Validate() const;  ///< throws Error{kUsage}
 };
 
 /// Where the drivable ground ends at a step up to something level, and how high that is.
 ///
-/// Along the outline of the mesh a sweep of its own (SweepStrips) looks just beyond it: views from different places
-/// agree at the height of what is level there, next to the outline and farther off alike. Walls and parked cars agree
-/// at no height more than at others. The ground before the outline is swept likewise, and its height taken off. A
-/// height is believed where the dip is clear, no other is as deep, and strips along the outline support it; elsewhere
-/// nothing is said. Strips that follow each other are one kerb; up to two that say nothing are bridged. O(samples near
-/// the outline); in parallel, the same every time.
-std::vector<Kerb> FindKerbs(const TriangleMesh& mesh, const SurfaceMap& surface, const PatchSource& patches,
-                            std::span<const DrivenPath> paths, const KerbOptions& options = {});
+/// Along the outline of the mesh a sweep of its own (SweepStrips) looks just beyond it: views from
+/// different places agree at the height of what is level there, next to the outline and farther off
+/// alike. Walls and parked cars agree at no height more than at others. The ground before the
+/// outline is swept also, and its height taken off. A height is believed where the dip is clear, no
+/// other is as deep, and strips along the outline support it; elsewhere nothing is said. Strips
+/// that follow each other are one kerb; up to two that say nothing are bridged. O(samples near the
+/// outline); in parallel, the same every time.
+std::vector<Kerb> FindKerbs(const TriangleMesh& mesh, const SurfaceMap& surface,
+                            const PatchSource& patches, std::span<const DrivenPath> paths,
+                            const KerbOptions& options = {});
 
 }  // namespace parkade

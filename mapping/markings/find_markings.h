@@ -4,6 +4,7 @@
 
 #include "core/ground_markings.h"
 #include "core/ground_texture.h"
+#include "core/option_about.h"
 #include "core/surface_map.h"
 #include "core/triangle_mesh.h"
 #include "mapping/ground/driven_path.h"
@@ -18,8 +19,9 @@
 namespace parkade {
 
 struct MarkingOptions {
-  bool enabled = true;              ///< needs the texture
-  double min_line_contrast = 0.12;  ///< of lines that are written down; fainter ones only bound slots
+  bool enabled = true;  ///< needs the texture
+  double min_line_contrast =
+      0.12;  ///< of lines that are written down; fainter ones only bound slots
   PaintLineOptions lines;
   PaintAreaOptions areas;
   SlotRowOptions slots;
@@ -29,13 +31,9 @@ struct MarkingOptions {
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
-    visit("enabled", enabled);
-    visit("min_line_contrast", min_line_contrast);
-    visit("lines", lines);
-    visit("areas", areas);
+    visit("enabled", enabled,
+          OptionAbout{"Markings, slots, kerbs and speed bumps are looked for."});
     visit("slots", slots);
-    visit("states", states);
-    visit("bumps", bumps);
     visit("kerbs", kerbs);
   }
   void Validate() const;  ///< throws Error{kUsage}
@@ -53,10 +51,11 @@ struct MarkedGround {
 
 /// Parking slots with what each drive saw in them, other paint, speed bumps, and kerbs.
 ///
-/// Deck by deck, tile by tile, lines and areas of paint are found in the texture (FindPaintLines, FindPaintAreas); rows
-/// of lines are slots (FindSlotRows); samples of the ground say who stood in them (SeeSlots); the heights that the
-/// wheels drove over say where bumps are (FindSpeedBumps); what is seen beyond the outline says where kerbs are
-/// (FindKerbs). Without a texture there are bumps and kerbs only. In parallel over tiles, the same every time.
+/// Deck by deck, tile by tile, lines and areas of paint are found in the texture (FindPaintLines,
+/// FindPaintAreas); rows of lines are slots (FindSlotRows); samples of the ground say who stood in
+/// them (SeeSlots); the heights that the wheels drove over say where bumps are (FindSpeedBumps);
+/// what is seen beyond the outline says where kerbs are (FindKerbs). Without a texture there are
+/// bumps and kerbs only. In parallel over tiles, the same every time.
 GroundMarkings FindMarkings(const MarkedGround& ground, const MarkingOptions& options = {});
 
 }  // namespace parkade

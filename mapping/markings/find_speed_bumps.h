@@ -14,20 +14,12 @@ struct SpeedBumpOptions {
   double max_height = 0.25;  ///< [m]
   double max_length = 5.0;   ///< [m] along the way
   double spacing = 0.1;      ///< [m] at which the driven heights are compared
-
-  template <typename Visitor>
-  void VisitFields(Visitor&& visit) {
-    visit("min_height", min_height);
-    visit("max_height", max_height);
-    visit("max_length", max_length);
-    visit("spacing", spacing);
-  }
-  void Validate() const;  ///< throws Error{kUsage}
+  void Validate() const;     ///< throws Error{kUsage}
 };
 
-/// Ridges that cars drove over: places of a path that lie higher than the straight line between the ground before and
-/// behind them. The same bump of several passes counts once. What lies beside the path has no heights of its own to be
-/// found in; kerbs have a sweep of theirs (FindKerbs).
+/// Ridges that cars drove over: places of a path that lie higher than the straight line between the
+/// ground before and behind them. The same bump of several passes counts once. What lies beside the
+/// path has no heights of its own to be found in; kerbs have a sweep of theirs (FindKerbs).
 std::vector<SpeedBump> FindSpeedBumps(const SurfaceMap& surface, std::span<const DrivenPath> paths,
                                       const SpeedBumpOptions& options = {});
 

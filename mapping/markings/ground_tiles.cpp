@@ -12,7 +12,8 @@ namespace {
 double MeanHeight(const TriangleMesh& mesh, const TextureChart& chart) {
   double sum = 0;
   for (const std::uint32_t triangle : chart.triangles)
-    for (const std::uint32_t vertex : mesh.triangles[triangle]) sum += static_cast<double>(mesh.vertices[vertex].z());
+    for (const std::uint32_t vertex : mesh.triangles[triangle])
+      sum += static_cast<double>(mesh.vertices[vertex].z());
   return mesh.origin.z() + sum / std::max(1.0, 3 * static_cast<double>(chart.triangles.size()));
 }
 
@@ -20,8 +21,8 @@ double MeanHeight(const TriangleMesh& mesh, const TextureChart& chart) {
 void Fill(const TextureChart& chart, GroundTile& tile) {
   const int column = static_cast<int>(std::lround((chart.left - tile.left) / tile.pixel_size));
   const int row = static_cast<int>(std::lround((tile.top - chart.top) / tile.pixel_size));
-  const cv::Rect in_tile =
-      cv::Rect(column, row, chart.image.cols, chart.image.rows) & cv::Rect(0, 0, tile.image.cols, tile.image.rows);
+  const cv::Rect in_tile = cv::Rect(column, row, chart.image.cols, chart.image.rows) &
+                           cv::Rect(0, 0, tile.image.cols, tile.image.rows);
   if (in_tile.empty()) return;
   const cv::Rect in_chart = in_tile - cv::Point(column, row);
   const cv::Mat mask_of_chart = chart.mask(in_chart);
@@ -35,8 +36,8 @@ void Fill(const TextureChart& chart, GroundTile& tile) {
 
 }  // namespace
 
-GroundTiles::GroundTiles(const TriangleMesh& mesh, const SurfaceMap& surface, const GroundTexture& texture,
-                         double margin, double max_step)
+GroundTiles::GroundTiles(const TriangleMesh& mesh, const SurfaceMap& surface,
+                         const GroundTexture& texture, double margin, double max_step)
     : surface_(&surface), texture_(&texture), margin_(margin), max_step_(max_step) {
   for (const TextureChart& chart : texture.charts) heights_.push_back(MeanHeight(mesh, chart));
   for (std::size_t i = 0; i < texture.charts.size(); ++i) {
@@ -53,7 +54,9 @@ GroundTile GroundTiles::Make(std::size_t index) const {
   const std::size_t leader = leaders_[index];
   const TextureChart& chart = texture_->charts[leader];
   const double texel = texture_->texel_size, size = texture_->chart_size;
-  const auto texels = [texel](double length) { return static_cast<int>(std::lround(length / texel)); };
+  const auto texels = [texel](double length) {
+    return static_cast<int>(std::lround(length / texel));
+  };
   GroundTile tile;
   tile.pixel_size = texel;
   tile.height = heights_[leader];
@@ -84,14 +87,20 @@ void GroundTiles::AddCells(GroundTile& tile) const {
   const double size = surface_->cell_size;
   const int side = static_cast<int>(std::ceil(size / tile.pixel_size));
   const cv::Rect whole(0, 0, tile.image.cols, tile.image.rows);
-  const auto first = [size](double coordinate) { return static_cast<int>(std::floor(coordinate / size)); };
+  const auto first = [size](double coordinate) {
+    return static_cast<int>(std::floor(coordinate / size));
+  };
   const Eigen::AlignedBox2i window(
       Eigen::Vector2i(first(tile.left) - 1, first(tile.top - tile.image.rows * tile.pixel_size)),
-      Eigen::Vector2i(first(tile.left + tile.image.cols * tile.pixel_size) + 2, first(tile.top) + 1));
+      Eigen::Vector2i(first(tile.left + tile.image.cols * tile.pixel_size) + 2,
+                      first(tile.top) + 1));
   const auto add = [&](const SurfaceCell& cell) {
-    if (cell.y * size >= tile.top || std::abs(static_cast<double>(cell.height) - tile.height) > max_step_) return;
+    if (cell.y * size >= tile.top ||
+        std::abs(static_cast<double>(cell.height) - tile.height) > max_step_)
+      return;
     const int column = static_cast<int>(std::lround((cell.x * size - tile.left) / tile.pixel_size));
-    const int row = static_cast<int>(std::lround((tile.top - (cell.y + 1) * size) / tile.pixel_size));
+    const int row =
+        static_cast<int>(std::lround((tile.top - (cell.y + 1) * size) / tile.pixel_size));
     const cv::Rect square = cv::Rect(column, row, side, side) & whole;
     for (int y = square.y; y < square.y + square.height; ++y)
       for (int x = square.x; x < square.x + square.width; ++x) {
@@ -101,8 +110,9 @@ void GroundTiles::AddCells(GroundTile& tile) const {
         tile.image.at<cv::Vec3b>(y, x) = {cell.color[2], cell.color[1], cell.color[0]};
       }
   };
-  VisitRows(*surface_, window,
-            [&](std::span<const SurfaceCell> cells) { std::for_each(cells.begin(), cells.end(), add); });
+  VisitRows(*surface_, window, [&](std::span<const SurfaceCell> cells) {
+    std::for_each(cells.begin(), cells.end(), add);
+  });
 }
 
 }  // namespace parkade

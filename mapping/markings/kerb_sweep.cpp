@@ -12,23 +12,24 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kBlock = 24.0;        // [m] side of squares of the site whose strips are swept at once
+constexpr double kBlock = 24.0;  // [m] side of squares of the site whose strips are swept at once
 constexpr double kMinEyeHeight = 0.3;  // [m] above the ground
 constexpr double kMaxEyeHeight = 2.5;  // [m]; higher ones are on another deck
-constexpr double kMinAway = 0.3;       // [m] of the camera from the outline, on the side of the ground
-constexpr double kSharp = 3.0;         // [m] of distance from which views blur
-constexpr float kMaxContrast = 25;     // [grey values] off the mean of a view
-constexpr int kMinSamples = 8;         // of a view in a strip: fewer have no mean
+constexpr double kMinAway = 0.3;    // [m] of the camera from the outline, on the side of the ground
+constexpr double kSharp = 3.0;      // [m] of distance from which views blur
+constexpr float kMaxContrast = 25;  // [gray values] off the mean of a view
+constexpr int kMinSamples = 8;      // of a view in a strip: fewer have no mean
 
-/// A sample where its ray meets the strip's plane at height 0, and how it moves when the strip rises.
-struct Sight {
+/// A sample where its ray meets the strip's plane at height 0, and how it moves when the strip
+/// rises.
+struct ObservedPoint {
   float along = 0, outward = 0;              ///< [m]
-  float along_shift = 0, outward_shift = 0;  ///< [m] per metre of height
-  float grey = 0, weight = 0;
+  float along_shift = 0, outward_shift = 0;  ///< [m] per meter of height
+  float gray = 0, weight = 0;
 };
 
 /// What one view shows of one strip.
-using View = std::vector<Sight>;
+using View = std::vector<ObservedPoint>;
 
 /// What a camera looks at from one place.
 struct Seen {
@@ -37,19 +38,22 @@ struct Seen {
 };
 
 /// Which views look at a strip, the nearest first.
-std::vector<Seen> FindViews(const OutlineStrip& strip, std::span<const PatchView> views, std::span<const Vector3d> eyes,
-                            const StripViews& wanted) {
+std::vector<Seen> FindViews(const OutlineStrip& strip, std::span<const PatchView> views,
+                            std::span<const Vector3d> eyes, const StripViews& wanted) {
   std::vector<Seen> seen;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Vector3d to_eye = eyes[i] - strip.foot;
     const double distance = to_eye.head<2>().norm();
-    if (distance > wanted.max_distance || to_eye.z() < kMinEyeHeight || to_eye.z() > kMaxEyeHeight) continue;
+    if (distance > wanted.max_distance || to_eye.z() < kMinEyeHeight || to_eye.z() > kMaxEyeHeight)
+      continue;
     if (-to_eye.head<2>().dot(strip.Outward()) < kMinAway) continue;
     if (views[i].extent.exteriorDistance(strip.foot.head<2>().eval()) > 0) continue;
     seen.push_back({i, distance});
   }
-  std::stable_sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.distance < b.distance; });
-  if (seen.size() > static_cast<std::size_t>(wanted.max_count)) seen.resize(static_cast<std::size_t>(wanted.max_count));
+  std::stable_sort(seen.begin(), seen.end(),
+                   [](const Seen& a, const Seen& b) { return a.distance < b.distance; });
+  if (seen.size() > static_cast<std::size_t>(wanted.max_count))
+    seen.resize(static_cast<std::size_t>(wanted.max_count));
   return seen;
 }
 
@@ -57,66 +61,70 @@ std::vector<Seen> FindViews(const OutlineStrip& strip, std::span<const PatchView
 struct Heights {
   double lowest = 0, highest = 0;  ///< [m]
 
-  /// Those at which a coordinate that is `at` [m] at height 0 and falls by `per_metre` lies between two bounds.
-  Heights Within(double at, double per_metre, double from, double to) const {
-    if (std::abs(per_metre) < 1e-9) return at >= from && at <= to ? *this : Heights{1, 0};
-    const double a = (at - from) / per_metre, b = (at - to) / per_metre;
+  /// Those at which a coordinate that is `at` [m] at height 0 and falls by `per_meter` lies between
+  /// two bounds.
+  Heights Within(double at, double per_meter, double from, double to) const {
+    if (std::abs(per_meter) < 1e-9) return at >= from && at <= to ? *this : Heights{1, 0};
+    const double a = (at - from) / per_meter, b = (at - to) / per_meter;
     return {std::max(lowest, std::min(a, b)), std::min(highest, std::max(a, b))};
   }
 };
 
 /// The samples of a patch that show a strip at some height of the sweep.
-View LookAt(const OutlineStrip& strip, double length, const PosedGroundPatch& posed, const Vector3d& eye,
-            const StripWindow& window) {
+View LookAt(const OutlineStrip& strip, double length, const PosedGroundPatch& posed,
+            const Vector3d& eye, const StripWindow& window) {
   View view;
   const Vector2d outward = strip.Outward();
-  const Vector3d eye_in_strip((eye - strip.foot).head<2>().dot(strip.along), (eye - strip.foot).head<2>().dot(outward),
-                              eye.z() - strip.foot.z());
+  const Vector3d eye_in_strip((eye - strip.foot).head<2>().dot(strip.along),
+                              (eye - strip.foot).head<2>().dot(outward), eye.z() - strip.foot.z());
   const Vector2d slope(strip.slope, strip.slope_outward);
-  const double above = eye_in_strip.z() - slope.dot(eye_in_strip.head<2>());  // the strip's plane, continued
+  const double above =
+      eye_in_strip.z() - slope.dot(eye_in_strip.head<2>());  // the strip's plane, continued
   for (const GroundSample& sample : posed.patch.samples) {
     const Vector3d offset = posed.site_from_body * sample.point_in_body.cast<double>() - strip.foot;
     const Vector3d ray =
-        Vector3d(offset.head<2>().dot(strip.along), offset.head<2>().dot(outward), offset.z()) - eye_in_strip;
-    const double descent = slope.dot(ray.head<2>()) - ray.z();  // towards the plane, per ray
+        Vector3d(offset.head<2>().dot(strip.along), offset.head<2>().dot(outward), offset.z()) -
+        eye_in_strip;
+    const double descent = slope.dot(ray.head<2>()) - ray.z();  // toward the plane, per ray
     if (descent < 0.05 * ray.norm()) continue;
-    const Vector2d per_metre = ray.head<2>() / descent;
-    const Vector2d place = eye_in_strip.head<2>() + above * per_metre;
+    const Vector2d per_meter = ray.head<2>() / descent;
+    const Vector2d place = eye_in_strip.head<2>() + above * per_meter;
     Heights heights{window.min_height, window.max_height};
-    heights = heights.Within(place.y(), per_metre.y(), window.begin, window.End());
-    heights = heights.Within(place.x(), per_metre.x(), -0.5 * length, 0.5 * length);
+    heights = heights.Within(place.y(), per_meter.y(), window.begin, window.End());
+    heights = heights.Within(place.x(), per_meter.x(), -0.5 * length, 0.5 * length);
     if (heights.lowest > heights.highest) continue;
-    const double distance = above * per_metre.norm();
-    view.push_back({static_cast<float>(place.x()), static_cast<float>(place.y()), static_cast<float>(-per_metre.x()),
-                    static_cast<float>(-per_metre.y()),
-                    static_cast<float>(114 * sample.blue + 587 * sample.green + 299 * sample.red) / 1000,
-                    static_cast<float>(1 / (1 + distance * distance / (kSharp * kSharp)))});
+    const double distance = above * per_meter.norm();
+    view.push_back(
+        {static_cast<float>(place.x()), static_cast<float>(place.y()),
+         static_cast<float>(-per_meter.x()), static_cast<float>(-per_meter.y()),
+         static_cast<float>(114 * sample.blue + 587 * sample.green + 299 * sample.red) / 1000,
+         static_cast<float>(1 / (1 + distance * distance / (kSharp * kSharp)))});
   }
   return view;
 }
 
 /// Weighted sums over samples.
 struct Sums {
-  float weight = 0, grey = 0, square = 0;
+  float weight = 0, gray = 0, square = 0;
   int count = 0;
 
   void Add(float value, float of_weight) {
     weight += of_weight;
-    grey += of_weight * value;
+    gray += of_weight * value;
     square += of_weight * value * value;
     ++count;
   }
   void Add(const Sums& other) {
-    weight += other.weight, grey += other.grey, square += other.square;
+    weight += other.weight, gray += other.gray, square += other.square;
     count += other.count;
   }
-  float Residual() const { return weight > 0 ? std::max(0.0F, square - grey * grey / weight) : 0; }
+  float Residual() const { return weight > 0 ? std::max(0.0F, square - gray * gray / weight) : 0; }
 };
 
-/// The picture of one strip at one height.
-class StripPicture {
+/// The image of one strip at one height.
+class StripImage {
  public:
-  StripPicture(double length, const StripWindow& window)
+  StripImage(double length, const StripWindow& window)
       : half_length_(static_cast<float>(0.5 * length)),
         begin_(static_cast<float>(window.begin)),
         columns_(static_cast<int>(std::lround(length / StripWindow::kCellSize))),
@@ -154,37 +162,40 @@ class StripPicture {
     constexpr auto kPerCell = static_cast<float>(1 / StripWindow::kCellSize);
     hits_.clear();
     Sums of_view;
-    for (const Sight& sight : view) {
-      const float x = kPerCell * (sight.along + height * sight.along_shift + half_length_);
-      const float y = kPerCell * (sight.outward + height * sight.outward_shift - begin_);
+    for (const ObservedPoint& observation : view) {
+      const float x =
+          kPerCell * (observation.along + height * observation.along_shift + half_length_);
+      const float y =
+          kPerCell * (observation.outward + height * observation.outward_shift - begin_);
       if (x < 0 || y < 0) continue;
       const int column = static_cast<int>(x), row = static_cast<int>(y);
       if (column >= columns_ || row >= kRows) continue;
-      hits_.emplace_back(row * columns_ + column, &sight);
-      of_view.Add(sight.grey, sight.weight);
+      hits_.emplace_back(row * columns_ + column, &observation);
+      of_view.Add(observation.gray, observation.weight);
     }
     if (of_view.count < kMinSamples) return;
-    const float mean = of_view.grey / of_view.weight;
-    for (const auto& [cell, sight] : hits_)
-      cells_[static_cast<std::size_t>(cell)].Add(std::clamp(sight->grey - mean, -kMaxContrast, kMaxContrast),
-                                                 sight->weight);
+    const float mean = of_view.gray / of_view.weight;
+    for (const auto& [cell, observation] : hits_)
+      cells_[static_cast<std::size_t>(cell)].Add(
+          std::clamp(observation->gray - mean, -kMaxContrast, kMaxContrast), observation->weight);
   }
 
   float half_length_, begin_;
   int columns_;
   std::vector<Sums> cells_;
-  std::vector<std::pair<int, const Sight*>> hits_;
+  std::vector<std::pair<int, const ObservedPoint*>> hits_;
 };
 
 SweptStrip Sweep(const std::vector<View>& views, double length, const StripWindow& window) {
   SweptStrip swept;
   swept.num_views = static_cast<int>(views.size());
   if (views.size() < 2) return swept;
-  StripPicture picture(length, window);
+  StripImage image(length, window);
   for (int i = 0; i < window.NumHeights(); ++i) {
-    picture.Draw(window.HeightAt(i), views);
-    swept.near_outline.push_back(picture.OfRows(0, StripWindow::kNearRows));
-    swept.far_off.push_back(picture.OfRows(StripWindow::kNearRows, StripWindow::kNearRows + StripWindow::kFarRows));
+    image.Draw(window.HeightAt(i), views);
+    swept.near_outline.push_back(image.OfRows(0, StripWindow::kNearRows));
+    swept.far_off.push_back(
+        image.OfRows(StripWindow::kNearRows, StripWindow::kNearRows + StripWindow::kFarRows));
   }
   return swept;
 }
@@ -202,13 +213,15 @@ std::vector<std::vector<std::size_t>> MakeBlocks(std::span<const OutlineStrip> s
 }
 
 /// [m] in site: where each view was taken from; nowhere near where that is not known.
-std::vector<Vector3d> FindEyes(std::span<const PatchView> views, std::span<const DrivenPath> paths) {
+std::vector<Vector3d> FindEyes(std::span<const PatchView> views,
+                               std::span<const DrivenPath> paths) {
   std::vector<Vector3d> eyes;
   for (const PatchView& view : views) {
     const DrivenPath* path = FindPath(paths, view.drive);
     const auto camera = static_cast<std::size_t>(view.camera);
     const bool is_known = path != nullptr && camera < path->cameras_in_body.size();
-    eyes.push_back(is_known ? view.site_from_body * path->cameras_in_body[camera] : Vector3d::Constant(1e9));
+    eyes.push_back(is_known ? view.site_from_body * path->cameras_in_body[camera]
+                            : Vector3d::Constant(1e9));
   }
   return eyes;
 }
@@ -231,21 +244,27 @@ void StripAgreement::Add(const StripAgreement& other) {
 double StripAgreement::Misfit() const {
   const int freedom = num_samples - num_cells;
   if (freedom <= 0 || total <= 0) return 1;
-  return static_cast<double>(residual) / freedom / (static_cast<double>(total) / (num_samples - num_rows));
+  return static_cast<double>(residual) / freedom /
+         (static_cast<double>(total) / (num_samples - num_rows));
 }
 
-std::vector<std::vector<SweptStrip>> SweepStrips(std::span<const OutlineStrip> strips, double length,
-                                                 const PatchSource& patches, std::span<const DrivenPath> paths,
-                                                 std::span<const StripWindow> windows, const StripViews& views) {
+std::vector<std::vector<SweptStrip>> SweepStrips(std::span<const OutlineStrip> strips,
+                                                 double length, const PatchSource& patches,
+                                                 std::span<const DrivenPath> paths,
+                                                 std::span<const StripWindow> windows,
+                                                 const StripViews& views) {
   const std::vector<Vector3d> eyes = FindEyes(patches.views(), paths);
-  const auto seen =
-      ParallelMap(strips.size(), [&](std::size_t i) { return FindViews(strips[i], patches.views(), eyes, views); });
-  std::vector<std::vector<SweptStrip>> swept(windows.size(), std::vector<SweptStrip>(strips.size()));
+  const auto seen = ParallelMap(strips.size(), [&](std::size_t i) {
+    return FindViews(strips[i], patches.views(), eyes, views);
+  });
+  std::vector<std::vector<SweptStrip>> swept(windows.size(),
+                                             std::vector<SweptStrip>(strips.size()));
   for (const std::vector<std::size_t>& block : MakeBlocks(strips)) {
     std::map<std::size_t, std::vector<std::size_t>> strips_of;  // by patch
     for (const std::size_t strip : block)
       for (const Seen& view : seen[strip]) strips_of[view.patch].push_back(strip);
-    const std::vector<std::pair<std::size_t, std::vector<std::size_t>>> list(strips_of.begin(), strips_of.end());
+    const std::vector<std::pair<std::size_t, std::vector<std::size_t>>> list(strips_of.begin(),
+                                                                             strips_of.end());
     auto looks = ParallelMap(list.size(), [&](std::size_t k) {
       const PosedGroundPatch posed = patches.Read(list[k].first);
       std::vector<View> of_strips;  // window by window

@@ -12,7 +12,7 @@ namespace parkade {
 /// Which strip along an outline is looked at, and at which heights.
 struct StripWindow {
   static constexpr int kNearRows = 2, kFarRows = 3;
-  static constexpr double kCellSize = 0.1;     ///< [m] of the picture of a strip
+  static constexpr double kCellSize = 0.1;     ///< [m] of the image of a strip
   static constexpr double kHeightStep = 0.01;  ///< [m]
 
   double begin = 0;                         ///< [m] beyond the outline; negative: before it
@@ -31,32 +31,35 @@ struct StripViews {
 
 /// How well views of a piece of ground along an outline agree at one height.
 struct StripAgreement {
-  float residual = 0, total = 0;  ///< of squared grey values: within cells, and along the outline
+  float residual = 0, total = 0;  ///< of squared gray values: within cells, and along the outline
   float weight = 0;
   int num_samples = 0, num_cells = 0, num_rows = 0;
 
   void Add(const StripAgreement& other);
 
-  /// Share of the variance along the outline that remains within cells: 1 where heights do not matter.
+  /// Share of the variance along the outline that remains within cells: 1 where heights do not
+  /// matter.
   double Misfit() const;
 };
 
-/// One strip at all heights of the sweep, from the lowest up: what is next to the outline and what lies farther off.
-/// Empty where nothing was seen.
+/// One strip at all heights of the sweep, from the lowest up: what is next to the outline and what
+/// lies farther off. Empty where nothing was seen.
 struct SweptStrip {
   std::vector<StripAgreement> near_outline = {}, far_off = {};
   int num_views = 0;
 };
 
-/// Lifts strips from the plane of the ground at the outline. All samples count, whatever they were taken for; they move
-/// along their rays of sight. What is the same all along the outline says
-/// nothing: a car that passes a straight kerb sees the edge of its top at the same place of its plane from everywhere.
-/// So variance is that along rows parallel to the outline, and each view's mean is taken off at each height, so that
-/// exposures need not agree. Contrasts are bounded: bright things that stand there would outvote the ground.
-/// \return for each window one for each strip. In parallel, the same every time. Memory: what is seen of the strips in
-/// a square of 24 m.
-std::vector<std::vector<SweptStrip>> SweepStrips(std::span<const OutlineStrip> strips, double length,
-                                                 const PatchSource& patches, std::span<const DrivenPath> paths,
-                                                 std::span<const StripWindow> windows, const StripViews& views = {});
+/// Lifts strips from the plane of the ground at the outline. All samples count, whatever they were
+/// taken for; they move along their rays of sight. What is the same all along the outline says
+/// nothing: a car that passes a straight kerb sees the edge of its top at the same place of its
+/// plane from everywhere. So variance is that along rows parallel to the outline, and each view's
+/// mean is taken off at each height, so that exposures need not agree. Contrasts are bounded:
+/// bright things that stand there would outvote the ground. \return for each window one for each
+/// strip. In parallel, the same every time. Memory: what is seen of the strips in a square of 24 m.
+std::vector<std::vector<SweptStrip>> SweepStrips(std::span<const OutlineStrip> strips,
+                                                 double length, const PatchSource& patches,
+                                                 std::span<const DrivenPath> paths,
+                                                 std::span<const StripWindow> windows,
+                                                 const StripViews& views = {});
 
 }  // namespace parkade

@@ -17,16 +17,19 @@ using Eigen::Vector3d;
 
 constexpr double kStep = 0.1;            // [m] between points of an outline
 constexpr double kMaxRaggedness = 0.06;  // [m] rms of a piece of outline about a straight line
-constexpr double kInside = 0.7;          // [m] of ground beside the outline that its height is taken from
-constexpr double kRim = 0.1;             // [m] of it that may be of something else
-constexpr double kMaxStep = 0.3;         // [m] between that ground and the outline
+constexpr double kInside = 0.7;   // [m] of ground beside the outline that its height is taken from
+constexpr double kRim = 0.1;      // [m] of it that may be of something else
+constexpr double kMaxStep = 0.3;  // [m] between that ground and the outline
 constexpr float kFreeBelief = 0.5F;
 constexpr double kMaxUnevenness = 0.02;  // [m] rms of that ground about a plane
 constexpr int kMinCells = 20;
 
-/// The closed outlines of a mesh, the ground on the left. Every vertex of an outline has one edge that goes on.
+/// The closed outlines of a mesh, the ground on the left. Every vertex of an outline has one edge
+/// that goes on.
 std::vector<std::vector<Vector3d>> RingsOf(const TriangleMesh& mesh) {
-  const auto key = [](std::uint32_t from, std::uint32_t to) { return (std::uint64_t{from} << 32U) | to; };
+  const auto key = [](std::uint32_t from, std::uint32_t to) {
+    return (std::uint64_t{from} << 32U) | to;
+  };
   std::vector<std::uint64_t> edges;
   edges.reserve(3 * mesh.triangles.size());
   for (const auto& triangle : mesh.triangles)
@@ -57,15 +60,16 @@ std::vector<std::vector<Vector3d>> RingsOf(const TriangleMesh& mesh) {
 /// A ring in equal steps of about kStep.
 std::vector<Vector3d> Resampled(const std::vector<Vector3d>& ring) {
   double length = 0;
-  for (std::size_t i = 0; i < ring.size(); ++i) length += (ring[(i + 1) % ring.size()] - ring[i]).norm();
+  for (std::size_t i = 0; i < ring.size(); ++i)
+    length += (ring[(i + 1) % ring.size()] - ring[i]).norm();
   const int count = std::max(1, static_cast<int>(length / kStep));
   std::vector<Vector3d> points;
   double passed = 0;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Vector3d &from = ring[i], &to = ring[(i + 1) % ring.size()];
     const double edge = (to - from).norm();
-    for (double at = static_cast<double>(points.size()) * length / count; at < passed + edge && edge > 0;
-         at = static_cast<double>(points.size()) * length / count)
+    for (double at = static_cast<double>(points.size()) * length / count;
+         at < passed + edge && edge > 0; at = static_cast<double>(points.size()) * length / count)
       points.push_back(from + (at - passed) / edge * (to - from));
     passed += edge;
   }
@@ -117,7 +121,8 @@ bool LayDown(const CellFinder& cells, double length, OutlineStrip& strip) {
     }
   if (count < kMinCells) return false;
   const Vector3d plane = squares.ldlt().solve(products);
-  if (!plane.allFinite() || std::sqrt(std::max(0.0, heights - plane.dot(products)) / count) > kMaxUnevenness)
+  if (!plane.allFinite() ||
+      std::sqrt(std::max(0.0, heights - plane.dot(products)) / count) > kMaxUnevenness)
     return false;
   strip.foot.z() += plane[0];
   strip.slope = plane[1];
@@ -127,7 +132,8 @@ bool LayDown(const CellFinder& cells, double length, OutlineStrip& strip) {
 
 }  // namespace
 
-std::vector<OutlineStrip> CutOutline(const TriangleMesh& mesh, const SurfaceMap& surface, double length) {
+std::vector<OutlineStrip> CutOutline(const TriangleMesh& mesh, const SurfaceMap& surface,
+                                     double length) {
   const CellFinder cells(surface);
   const std::vector<std::vector<Vector3d>> rings = RingsOf(mesh);
   const auto of_rings = ParallelMap(rings.size(), [&](std::size_t r) {
@@ -140,14 +146,18 @@ std::vector<OutlineStrip> CutOutline(const TriangleMesh& mesh, const SurfaceMap&
       // Half a strip more to each side tells its direction better.
       const std::optional<Line> line = FitLine(ring, center, static_cast<int>(per_strip));
       if (!line) continue;
-      OutlineStrip strip{
-          static_cast<int>(r), i, count, {line->middle.x(), line->middle.y(), line->height}, line->along};
+      OutlineStrip strip{static_cast<int>(r),
+                         i,
+                         count,
+                         {line->middle.x(), line->middle.y(), line->height},
+                         line->along};
       if (LayDown(cells, length, strip)) strips.push_back(strip);
     }
     return strips;
   });
   std::vector<OutlineStrip> all;
-  for (const std::vector<OutlineStrip>& strips : of_rings) all.insert(all.end(), strips.begin(), strips.end());
+  for (const std::vector<OutlineStrip>& strips : of_rings)
+    all.insert(all.end(), strips.begin(), strips.end());
   return all;
 }
 

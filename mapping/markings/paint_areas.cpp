@@ -8,10 +8,10 @@
 namespace parkade {
 namespace {
 
-constexpr double kPixel = 0.04;         // [m] at which areas are looked for
-constexpr double kRim = 0.3;            // [m] of known ground around a piece: smears of cars have none
-constexpr double kThinnest = 7;         // length over width of what is a line
-constexpr float kDarkness = 12;         // of 255
+constexpr double kPixel = 0.04;  // [m] at which areas are looked for
+constexpr double kRim = 0.3;     // [m] of known ground around a piece: smears of cars have none
+constexpr double kThinnest = 7;  // length over width of what is a line
+constexpr float kDarkness = 12;  // of 255
 constexpr double kOutlineError = 0.03;  // [m]
 constexpr int kYellow = 40;             // of 255 by which blue falls behind
 
@@ -24,15 +24,18 @@ bool IsYellow(const cv::Mat& image, const cv::Mat& piece) {
 bool IsLine(const std::vector<cv::Point>& contour, double area) {
   const cv::RotatedRect box = cv::minAreaRect(contour);
   const double length = std::max(box.size.width, box.size.height) + 1, width = area / length;
-  return length > kThinnest * width && area > 0.5 * length * (std::min(box.size.width, box.size.height) + 1);
+  return length > kThinnest * width &&
+         area > 0.5 * length * (std::min(box.size.width, box.size.height) + 1);
 }
 
 }  // namespace
 
 void PaintAreaOptions::Validate() const {
-  Require(widest_stroke > 0.1 && widest_stroke < 5, ErrorCode::kUsage, "widest_stroke must be in 0.1..5 m");
+  Require(widest_stroke > 0.1 && widest_stroke < 5, ErrorCode::kUsage,
+          "widest_stroke must be in 0.1..5 m");
   Require(min_contrast > 0, ErrorCode::kUsage, "min_contrast must be > 0");
-  Require(min_area > 0 && max_area > min_area, ErrorCode::kUsage, "areas of paint: 0 < min_area < max_area");
+  Require(min_area > 0 && max_area > min_area, ErrorCode::kUsage,
+          "areas of paint: 0 < min_area < max_area");
 }
 
 std::vector<PaintArea> FindPaintAreas(const GroundTile& tile, const PaintAreaOptions& options) {
@@ -59,18 +62,21 @@ std::vector<PaintArea> FindPaintAreas(const GroundTile& tile, const PaintAreaOpt
     const cv::Rect box = cv::boundingRect(contour);
     if (box.area() * kPixel * kPixel < options.min_area) continue;
     cv::Mat piece = cv::Mat::zeros(box.size(), CV_8UC1);
-    cv::drawContours(piece, std::vector<std::vector<cv::Point>>{contour}, 0, 255, cv::FILLED, cv::LINE_8, {}, 0,
-                     -box.tl());
+    cv::drawContours(piece, std::vector<std::vector<cv::Point>>{contour}, 0, 255, cv::FILLED,
+                     cv::LINE_8, {}, 0, -box.tl());
     cv::bitwise_and(piece, paint(box), piece);
     const double area = cv::countNonZero(piece), square_meters = area * kPixel * kPixel;
-    if (square_meters < options.min_area || square_meters > options.max_area || IsLine(contour, area)) continue;
+    if (square_meters < options.min_area || square_meters > options.max_area ||
+        IsLine(contour, area))
+      continue;
     if (cv::countNonZero(piece & ~inside(box)) > 0) continue;
     PaintArea found{{}, tile.height, IsYellow(image(box), piece)};
     std::vector<cv::Point> outline;
     cv::approxPolyDP(contour, outline, kOutlineError / kPixel, true);
     Eigen::Vector2d middle = Eigen::Vector2d::Zero();
     for (const cv::Point& point : outline) {
-      found.outline.emplace_back(tile.PlaceOf((point.x + 0.5) / scale - 0.5, (point.y + 0.5) / scale - 0.5));
+      found.outline.emplace_back(
+          tile.PlaceOf((point.x + 0.5) / scale - 0.5, (point.y + 0.5) / scale - 0.5));
       middle += found.outline.back() / static_cast<double>(outline.size());
     }
     if (outline.size() >= 3 && tile.core.contains(middle)) areas.push_back(std::move(found));

@@ -12,15 +12,7 @@ struct PaintAreaOptions {
   double min_contrast = 0.3;   ///< against the ground around, of its brightness
   double min_area = 0.12;      ///< [m^2]
   double max_area = 15;        ///< [m^2]
-
-  template <typename Visitor>
-  void VisitFields(Visitor&& visit) {
-    visit("widest_stroke", widest_stroke);
-    visit("min_contrast", min_contrast);
-    visit("min_area", min_area);
-    visit("max_area", max_area);
-  }
-  void Validate() const;  ///< throws Error{kUsage}
+  void Validate() const;       ///< throws Error{kUsage}
 };
 
 /// One piece of paint that is not just a line: an arrow, a bar of a crossing, a letter.
@@ -30,7 +22,8 @@ struct PaintArea {
   bool is_yellow = false;
 };
 
-/// Bright pieces of ground whose middles lie in the core of a tile, at least a hand's breadth inside what is known.
+/// Bright pieces of ground whose middles lie in the core of a tile, at least a hand's breadth
+/// inside what is known.
 std::vector<PaintArea> FindPaintAreas(const GroundTile& tile, const PaintAreaOptions& options = {});
 
 }  // namespace parkade

@@ -8,43 +8,47 @@
 namespace parkade {
 namespace {
 
-constexpr double kBeyond = 0.35;    // [m] behind an end that must be known for it to be one of paint
-constexpr double kEndBox = 0.1;     // [m] along which brightness is averaged at the ends
+constexpr double kBeyond = 0.35;  // [m] behind an end that must be known for it to be one of paint
+constexpr double kEndBox = 0.1;   // [m] along which brightness is averaged at the ends
 constexpr double kEndLevel = 0.45;  // of the line's contrast that is left at its ends
 
 /// Brightness at a place, or nothing where it is not known.
-std::optional<double> BrightnessAt(const TurnedGround& ground, double column, int row) {
+std::optional<double> BrightnessAt(const RotatedRaster& ground, double column, int row) {
   const int left = static_cast<int>(std::floor(column));
   if (row < 0 || left < 0 || row >= ground.mask().rows || left + 1 >= ground.mask().cols) return {};
   const float* known = ground.mask().ptr<float>(row);
   if (known[left] < 0.5F || known[left + 1] < 0.5F) return {};
   const float* value = ground.brightness().ptr<float>(row);
   const double share = column - left;
-  return (1 - share) * static_cast<double>(value[left]) + share * static_cast<double>(value[left + 1]);
+  return (1 - share) * static_cast<double>(value[left]) +
+         share * static_cast<double>(value[left + 1]);
 }
 
-/// Means over the rows of a line's neighbourhood, to see where its paint is.
+/// Means over the rows of a line's neighborhood, to see where its paint is.
 class LineProfile {
  public:
-  LineProfile(const TurnedGround& ground, const UprightLine& line, const PaintLineOptions& options)
+  LineProfile(const RotatedRaster& ground, const AxisAlignedLine& line,
+              const PaintLineOptions& options)
       : ground_(ground), line_(line), stripe_(options.stripe_width / options.pixel_size) {}
 
   /// Of the paint at a row against the brighter of its sides; nothing where not known.
   std::optional<double> ContrastAt(int row) const {
     const double middle = line_.ColumnAt(row);
-    const std::optional<double> center = Mean(middle - 0.25 * stripe_, middle + 0.25 * stripe_, row);
+    const std::optional<double> center =
+        Mean(middle - 0.25 * stripe_, middle + 0.25 * stripe_, row);
     if (!center) return {};
     const std::optional<double> left = Mean(middle - 1.8 * stripe_, middle - 1.1 * stripe_, row);
     const std::optional<double> right = Mean(middle + 1.1 * stripe_, middle + 1.8 * stripe_, row);
     if (!left && !right) return {};
     const double beside = left && right ? std::max(*left, *right) : left ? *left : *right;
-    return (*center - beside) / (beside + static_cast<double>(TurnedGround::kDark));
+    return (*center - beside) / (beside + static_cast<double>(RotatedRaster::kDark));
   }
 
   /// Whether there is sure ground at a row.
   bool IsSureAt(int row) const {
     const int column = static_cast<int>(std::lround(line_.ColumnAt(row)));
-    if (row < 0 || column < 0 || row >= ground_.sure().rows || column >= ground_.sure().cols) return false;
+    if (row < 0 || column < 0 || row >= ground_.sure().rows || column >= ground_.sure().cols)
+      return false;
     return ground_.sure().at<float>(row, column) > 0.5F;
   }
 
@@ -54,7 +58,8 @@ class LineProfile {
     std::vector<double> sums(static_cast<std::size_t>(2 * reach + 1)), counts(sums.size());
     for (int row = static_cast<int>(line_.first_row); row <= line_.last_row; ++row)
       for (int i = -reach; i <= reach; ++i)
-        if (const std::optional<double> value = BrightnessAt(ground_, line_.ColumnAt(row) + i, row)) {
+        if (const std::optional<double> value =
+                BrightnessAt(ground_, line_.ColumnAt(row) + i, row)) {
           sums[static_cast<std::size_t>(i + reach)] += *value;
           counts[static_cast<std::size_t>(i + reach)] += 1;
         }
@@ -80,15 +85,17 @@ class LineProfile {
     return sum / count;
   }
 
-  const TurnedGround& ground_;
-  const UprightLine& line_;
+  const RotatedRaster& ground_;
+  const AxisAlignedLine& line_;
   double stripe_;  ///< [pixels]
 };
 
-/// Where paint ends when one goes from row `from` towards `to` and a little beyond: the last place at which `level` of
-/// contrast is left. Sets whether ground without paint was seen behind it.
-double FindEnd(const LineProfile& profile, int from, int to, double level, double pixel_size, bool& is_seen) {
-  const int step = to > from ? 1 : -1, box = std::max(1, static_cast<int>(std::lround(kEndBox / pixel_size)));
+/// Where paint ends when one goes from row `from` toward `to` and a little beyond: the last place
+/// at which `level` of contrast is left. Sets whether ground without paint was seen behind it.
+double FindEnd(const LineProfile& profile, int from, int to, double level, double pixel_size,
+               bool& is_seen) {
+  const int step = to > from ? 1 : -1,
+            box = std::max(1, static_cast<int>(std::lround(kEndBox / pixel_size)));
   const int beyond = static_cast<int>(std::ceil(kBeyond / pixel_size));
   const int count = std::abs(to - from) + beyond + box;
   std::vector<std::optional<double>> contrasts;
@@ -97,7 +104,8 @@ double FindEnd(const LineProfile& profile, int from, int to, double level, doubl
     double sum = 0;
     int known = 0;
     for (int k = std::max(0, i - box / 2); k <= std::min(count - 1, i + box / 2); ++k)
-      if (contrasts[static_cast<std::size_t>(k)]) sum += *contrasts[static_cast<std::size_t>(k)], ++known;
+      if (contrasts[static_cast<std::size_t>(k)])
+        sum += *contrasts[static_cast<std::size_t>(k)], ++known;
     if (2 * known < box) return {};
     return sum / known;
   };
@@ -120,12 +128,14 @@ double FindEnd(const LineProfile& profile, int from, int to, double level, doubl
 
 }  // namespace
 
-void RefineLine(const TurnedGround& ground, const PaintLineOptions& options, UprightLine& line) {
+void RefineLine(const RotatedRaster& ground, const PaintLineOptions& options,
+                AxisAlignedLine& line) {
   const LineProfile profile(ground, line, options);
   std::vector<double> contrasts;
   const int first = static_cast<int>(line.first_row), last = static_cast<int>(line.last_row);
   for (int row = first; row <= last; ++row)
-    if (const std::optional<double> contrast = profile.ContrastAt(row)) contrasts.push_back(*contrast);
+    if (const std::optional<double> contrast = profile.ContrastAt(row))
+      contrasts.push_back(*contrast);
   if (contrasts.empty()) return;
   const auto middle = contrasts.begin() + static_cast<std::ptrdiff_t>(contrasts.size() / 2);
   std::nth_element(contrasts.begin(), middle, contrasts.end());

@@ -24,12 +24,16 @@ std::vector<SeenEnd> SeenEnds(std::span<const RowDivider> dividers, bool is_lowe
   for (const RowDivider& divider : dividers) {
     const PaintStretch* outermost = nullptr;
     for (const PaintStretch& stretch : divider.stretches)
-      if (outermost == nullptr || (is_lower ? stretch.begin < outermost->begin : stretch.end > outermost->end))
+      if (outermost == nullptr ||
+          (is_lower ? stretch.begin < outermost->begin : stretch.end > outermost->end))
         outermost = &stretch;
     if (outermost == nullptr) continue;
-    if (which == LineEnds::kOfPaint && !(is_lower ? outermost->is_begin_seen : outermost->is_end_seen)) continue;
-    ends.push_back(is_lower ? SeenEnd{outermost->across_begin, outermost->begin + 0.5 * outermost->width}
-                            : SeenEnd{outermost->across_end, outermost->end - 0.5 * outermost->width});
+    if (which == LineEnds::kOfPaint &&
+        !(is_lower ? outermost->is_begin_seen : outermost->is_end_seen))
+      continue;
+    ends.push_back(is_lower
+                       ? SeenEnd{outermost->across_begin, outermost->begin + 0.5 * outermost->width}
+                       : SeenEnd{outermost->across_end, outermost->end - 0.5 * outermost->width});
   }
   return ends;
 }
@@ -42,10 +46,11 @@ int CountInliers(const std::vector<SeenEnd>& ends, const RowEnds& line) {
 
 /// Lines that go on beyond the ends: there they cannot end.
 int CountLonger(std::span<const RowDivider> dividers, bool is_lower, const RowEnds& ends) {
-  return static_cast<int>(std::count_if(dividers.begin(), dividers.end(), [&](const RowDivider& divider) {
-    const double end = ends.At(divider.across);
-    return divider.Support(is_lower ? -kFar : end, is_lower ? end : kFar) > kLonger;
-  }));
+  return static_cast<int>(
+      std::count_if(dividers.begin(), dividers.end(), [&](const RowDivider& divider) {
+        const double end = ends.At(divider.across);
+        return divider.Support(is_lower ? -kFar : end, is_lower ? end : kFar) > kLonger;
+      }));
 }
 
 /// The least squares of the ends near `line`, with its slope kept or not.
@@ -59,7 +64,8 @@ RowEnds Refine(const std::vector<SeenEnd>& ends, RowEnds line, bool keeps_slope)
     }
     if (count == 0) break;
     const double determinant = count * sum_xx - sum_x * sum_x;
-    if (!keeps_slope && count >= 4 && determinant > 1e-6) line.slope = (count * sum_xy - sum_x * sum_y) / determinant;
+    if (!keeps_slope && count >= 4 && determinant > 1e-6)
+      line.slope = (count * sum_xy - sum_x * sum_y) / determinant;
     line.offset = (sum_y - line.slope * sum_x) / count;
     line.num_seen = static_cast<int>(count);
   }
@@ -79,20 +85,22 @@ double RowDivider::AcrossAt(double along) const {
   double weight = 0, sum_x = 0, sum_y = 0, sum_xx = 0, sum_xy = 0;
   for (const PaintStretch& stretch : stretches) {
     const double length = stretch.Length();
-    for (const auto& [x, y] : {std::pair(stretch.begin, stretch.across_begin), {stretch.end, stretch.across_end}}) {
+    for (const auto& [x, y] :
+         {std::pair(stretch.begin, stretch.across_begin), {stretch.end, stretch.across_end}}) {
       weight += length, sum_x += length * x, sum_y += length * y;
       sum_xx += length * x * x, sum_xy += length * x * y;
     }
   }
   if (!(weight > 0)) return across;
-  const double mean_x = sum_x / weight, mean_y = sum_y / weight, variance = sum_xx / weight - mean_x * mean_x;
+  const double mean_x = sum_x / weight, mean_y = sum_y / weight,
+               variance = sum_xx / weight - mean_x * mean_x;
   // The ends of one line of this length have a variance of a quarter of its square.
   if (2 * std::sqrt(variance) < kOwnSupport) return mean_y;
   return mean_y + (sum_xy / weight - mean_x * mean_y) / variance * (along - mean_x);
 }
 
-std::optional<RowEnds> FitRowEnds(std::span<const RowDivider> dividers, bool is_lower, std::optional<double> slope,
-                                  LineEnds which) {
+std::optional<RowEnds> FitRowEnds(std::span<const RowDivider> dividers, bool is_lower,
+                                  std::optional<double> slope, LineEnds which) {
   const std::vector<SeenEnd> ends = SeenEnds(dividers, is_lower, which);
   RowEnds best;
   int best_score = 0, best_handicap = 0;
@@ -102,8 +110,10 @@ std::optional<RowEnds> FitRowEnds(std::span<const RowDivider> dividers, bool is_
     const int score = line.num_seen - CountLonger(dividers, is_lower, line) - handicap;
     const bool is_outer = is_lower ? line.offset < best.offset : line.offset > best.offset;
     const bool is_equal = score == best_score && score > 0;
-    const bool is_better = handicap == 0 ? is_outer : best_handicap == 0 && line.num_seen >= kSureSlant;
-    if (score > best_score || (is_equal && is_better)) best = line, best_score = score, best_handicap = handicap;
+    const bool is_better =
+        handicap == 0 ? is_outer : best_handicap == 0 && line.num_seen >= kSureSlant;
+    if (score > best_score || (is_equal && is_better))
+      best = line, best_score = score, best_handicap = handicap;
   };
   for (const SeenEnd& end : ends) consider(slope.value_or(0), end, 0);
   if (!slope)

@@ -24,7 +24,8 @@ struct RowDivider {
   std::vector<PaintStretch> stretches = {};  ///< none: it follows from the row
 
   double Support(double from, double to) const;  ///< [m] of paint within a stretch
-  /// [m] where its own paint lies at a place, or where the row has it if there is too little paint to tell.
+  /// [m] where its own paint lies at a place, or where the row has it if there is too little paint
+  /// to tell.
   double AcrossAt(double along) const;
 };
 
@@ -39,9 +40,10 @@ struct RowEnds {
 /// Which ends of lines count: where paint ends, or also where no more of a line is seen.
 enum class LineEnds { kOfPaint, kAll };
 
-/// The straight line that the ends which agree most lie on; nothing where there is none (`is_lower`: at the begin).
-/// Square to the lines unless a slant explains two ends more.
+/// The straight line that the ends which agree most lie on; nothing where there is none
+/// (`is_lower`: at the begin). Square to the lines unless a slant explains two ends more.
 std::optional<RowEnds> FitRowEnds(std::span<const RowDivider> dividers, bool is_lower,
-                                  std::optional<double> slope = std::nullopt, LineEnds which = LineEnds::kOfPaint);
+                                  std::optional<double> slope = std::nullopt,
+                                  LineEnds which = LineEnds::kOfPaint);
 
 }  // namespace parkade

@@ -23,10 +23,12 @@ struct SlotRow {
   }
 };
 
-/// The row that a line is in: neighbours at the pitch that most lines around it have, on both sides until none follows;
-/// at most SlotRowOptions::max_missing lines in a row may be missing. Lines that may be edges of something continue a
-/// row where no other line does, and never begin one. Nothing without a neighbour. `is_used` are lines of other rows.
-std::optional<SlotRow> GrowRow(const std::vector<PaintLine>& lines, std::size_t seed, const SlotMeasures& measures,
-                               const SlotRowOptions& options, const std::vector<bool>& is_used);
+/// The row that a line is in: neighbors at the pitch that most lines around it have, on both sides
+/// until none follows; at most SlotRowOptions::max_missing lines in a row may be missing. Lines
+/// that may be edges of something continue a row where no other line does, and never begin one.
+/// Nothing without a neighbor. `is_used` are lines of other rows.
+std::optional<SlotRow> GrowRow(const std::vector<PaintLine>& lines, std::size_t seed,
+                               const SlotMeasures& measures, const SlotRowOptions& options,
+                               const std::vector<bool>& is_used);
 
 }  // namespace parkade

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "mapping/ground/quadrilateral.h"
-#include "mapping/markings/slot_ranks.h"
+#include "mapping/markings/row_layout.h"
 #include "mapping/markings/slot_row_growth.h"
 
 namespace parkade {
@@ -16,7 +16,8 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kMaxHeightStep = 1.2;  // [m] between lines of one deck
-constexpr double kMaxEdgeWidth = 0.2;   // [m] of what has an unseen side and may be paint all the same ...
+constexpr double kMaxEdgeWidth =
+    0.2;  // [m] of what has an unseen side and may be paint all the same ...
 constexpr double kMinEdgeContrast = 0.12;
 constexpr double kMarkedShare = 0.12;   // of a side's length from which it counts as seen
 constexpr double kBareStep = 0.2;       // [m] along lines that may be missing
@@ -31,7 +32,8 @@ struct SeenLine {
 };
 
 /// What is seen of one line of a row between two places along it.
-SeenLine SeeLine(const SlotRow& row, const RowDivider& divider, double from, double to, const IsBareGround& is_bare) {
+SeenLine SeeLine(const SlotRow& row, const RowDivider& divider, double from, double to,
+                 const IsBareGround& is_bare) {
   SeenLine seen;
   for (double along = from + kBareStep / 2; along < to; along += kBareStep)
     if (divider.Support(along - kBareStep / 2, along + kBareStep / 2) > 0)
@@ -41,27 +43,29 @@ SeenLine SeeLine(const SlotRow& row, const RowDivider& divider, double from, dou
   return seen;
 }
 
-/// Whether so much bare ground is seen where a row's lines should be that single ones are not just worn off.
-bool HasBareLines(const SlotRow& row, const Ranks& ranks, const IsBareGround& is_bare) {
+/// Whether so much bare ground is seen where a row's lines should be that single ones are not just
+/// worn off.
+bool HasBareLines(const SlotRow& row, const RowLayout& ranks, const IsBareGround& is_bare) {
   SeenLine sum;
   for (const RowDivider& divider : row.dividers) {
-    const SeenLine seen =
-        SeeLine(row, divider, ranks.lower.At(divider.across), ranks.upper.At(divider.across), is_bare);
+    const SeenLine seen = SeeLine(row, divider, ranks.lower.At(divider.across),
+                                  ranks.upper.At(divider.across), is_bare);
     sum.painted += seen.painted, sum.bare += seen.bare;
   }
   return sum.bare > kWornShare * sum.painted;
 }
 
-double ConfidenceOf(double left_share, double right_share, const Ranks& ranks, std::size_t num_dividers) {
+double ConfidenceOf(double left_share, double right_share, const RowLayout& ranks,
+                    std::size_t num_dividers) {
   const double ends = ranks.is_lower_known && ranks.is_upper_known ? 1 : 0.5;
   const double company = std::min(1.0, static_cast<double>(num_dividers) / 4);
-  return std::min(
-      1.0, 0.35 * std::min(1.0, 1.3 * left_share) + 0.35 * std::min(1.0, 1.3 * right_share) + 0.3 * ends * company);
+  return std::min(1.0, 0.35 * std::min(1.0, 1.3 * left_share) +
+                           0.35 * std::min(1.0, 1.3 * right_share) + 0.3 * ends * company);
 }
 
-/// The slot between two neighbouring dividers, in one of the ranks.
-PlanarSlot MakeSlot(const SlotRow& row, const Ranks& ranks, int rank, const RowDivider& left, const RowDivider& right,
-                    bool is_parallel) {
+/// The slot between two neighboring dividers, in one of the ranks.
+PlanarSlot MakeSlot(const SlotRow& row, const RowLayout& ranks, int rank, const RowDivider& left,
+                    const RowDivider& right, bool is_parallel) {
   const double slope = ranks.lower.slope;
   const auto split = [&](double across, int boundary) {
     const double share = static_cast<double>(boundary) / ranks.count;
@@ -75,12 +79,16 @@ PlanarSlot MakeSlot(const SlotRow& row, const Ranks& ranks, int rank, const RowD
     high.fill(std::min(high[0], high[1]));
   }
   PlanarSlot slot;
-  slot.corners = {row.Place(low[1], right.AcrossAt(low[1])), row.Place(high[1], right.AcrossAt(high[1])),
-                  row.Place(high[0], left.AcrossAt(high[0])), row.Place(low[0], left.AcrossAt(low[0]))};
+  slot.corners = {
+      row.Place(low[1], right.AcrossAt(low[1])), row.Place(high[1], right.AcrossAt(high[1])),
+      row.Place(high[0], left.AcrossAt(high[0])), row.Place(low[0], left.AcrossAt(low[0]))};
   if (SignedArea(slot.corners) < 0) std::reverse(slot.corners.begin(), slot.corners.end());
   slot.height = row.height;
-  slot.kind = is_parallel ? SlotKind::kParallel : is_slanted ? SlotKind::kAngled : SlotKind::kPerpendicular;
-  slot.angle = is_parallel ? 0 : 0.5 * std::numbers::pi - (is_slanted ? std::atan(std::abs(slope)) : 0);
+  slot.kind = is_parallel  ? SlotKind::kParallel
+              : is_slanted ? SlotKind::kAngled
+                           : SlotKind::kPerpendicular;
+  slot.angle =
+      is_parallel ? 0 : 0.5 * std::numbers::pi - (is_slanted ? std::atan(std::abs(slope)) : 0);
   const double length = high[0] - low[0];
   const double left_share = left.Support(low[0], high[0]) / length;
   const double right_share = right.Support(low[1], high[1]) / length;
@@ -90,17 +98,21 @@ PlanarSlot MakeSlot(const SlotRow& row, const Ranks& ranks, int rank, const RowD
 }
 
 /// Slots beside a line that is not there are none, unless few of the row's lines are missing.
-void AddSlots(const SlotRow& row, const Ranks& ranks, bool is_parallel, const SlotRowOptions& options,
-              const IsBareGround& is_bare, std::vector<PlanarSlot>& slots) {
+void AddSlots(const SlotRow& row, const RowLayout& ranks, bool is_parallel,
+              const SlotRowOptions& options, const IsBareGround& is_bare,
+              std::vector<PlanarSlot>& slots) {
   const bool has_bare = HasBareLines(row, ranks, is_bare);
   const auto is_bare_in = [&](const RowDivider& divider, int rank) {
-    const double low = ranks.lower.At(divider.across), length = (ranks.upper.At(divider.across) - low) / ranks.count;
+    const double low = ranks.lower.At(divider.across),
+                 length = (ranks.upper.At(divider.across) - low) / ranks.count;
     return SeeLine(row, divider, low + rank * length, low + (rank + 1) * length, is_bare).IsBare();
   };
   for (std::size_t i = 0; i + 1 < row.dividers.size(); ++i)
     for (int rank = 0; rank < ranks.count; ++rank) {
-      if (has_bare && (is_bare_in(row.dividers[i], rank) || is_bare_in(row.dividers[i + 1], rank))) continue;
-      const PlanarSlot slot = MakeSlot(row, ranks, rank, row.dividers[i], row.dividers[i + 1], is_parallel);
+      if (has_bare && (is_bare_in(row.dividers[i], rank) || is_bare_in(row.dividers[i + 1], rank)))
+        continue;
+      const PlanarSlot slot =
+          MakeSlot(row, ranks, rank, row.dividers[i], row.dividers[i + 1], is_parallel);
       if (slot.confidence >= options.min_confidence) slots.push_back(slot);
     }
 }
@@ -109,25 +121,29 @@ void AddSlots(const SlotRow& row, const Ranks& ranks, bool is_parallel, const Sl
 struct RowKind {
   const SlotMeasures& measures;
   bool is_parallel = false;
-  bool is_doubtful = false;  ///< the lines may be something else than paint: only rows beyond doubt are taken
+  bool is_doubtful =
+      false;  ///< the lines may be something else than paint: only rows beyond doubt are taken
 };
 
 /// Adds rows of one kind; their lines are marked as used.
-void AddRowsOf(const std::vector<PaintLine>& lines, const RowKind& kind, const SlotRowOptions& options,
-               const RowHabits& habits, std::vector<bool>& is_used, std::vector<SlotRow>& rows) {
+void AddRowsOf(const std::vector<PaintLine>& lines, const RowKind& kind,
+               const SlotRowOptions& options, const RowHabits& habits, std::vector<bool>& is_used,
+               std::vector<SlotRow>& rows) {
   const auto& [measures, is_parallel, is_doubtful] = kind;
   std::vector<std::size_t> seeds;
   const double min_seed = 0.5 * measures.min_length;
   const double max_seed = is_parallel ? 1.1 * measures.max_length : measures.LongestLine();
   for (std::size_t i = 0; i < lines.size(); ++i)
-    if (!lines[i].is_one_sided && lines[i].Length() >= min_seed && lines[i].Length() <= max_seed) seeds.push_back(i);
-  std::stable_sort(seeds.begin(), seeds.end(),
-                   [&](std::size_t a, std::size_t b) { return lines[a].Length() > lines[b].Length(); });
+    if (!lines[i].is_one_sided && lines[i].Length() >= min_seed && lines[i].Length() <= max_seed)
+      seeds.push_back(i);
+  std::stable_sort(seeds.begin(), seeds.end(), [&](std::size_t a, std::size_t b) {
+    return lines[a].Length() > lines[b].Length();
+  });
   for (const std::size_t seed : seeds) {
     if (is_used[seed]) continue;
     std::optional<SlotRow> row = GrowRow(lines, seed, measures, options, is_used);
     if (!row || (is_parallel && row->dividers.size() < 3)) continue;
-    const std::optional<Ranks> ranks = FindRanks(*row, measures, is_parallel, habits);
+    const std::optional<RowLayout> ranks = FindRowLayout(*row, measures, is_parallel, habits);
     if (!ranks || (is_doubtful && !IsBeyondDoubt(*row, *ranks))) continue;
     for (const std::size_t line : row->members) is_used[line] = true;
     rows.push_back(std::move(*row));
@@ -135,15 +151,17 @@ void AddRowsOf(const std::vector<PaintLine>& lines, const RowKind& kind, const S
 }
 
 /// Adds the slots of one kind of rows; returns how long they are along their lines [m].
-double FindSlotsOf(const std::vector<PaintLine>& lines, const RowKind& kind, const SlotRowOptions& options,
-                   const IsBareGround& is_bare, std::vector<bool>& is_used, std::vector<PlanarSlot>& slots) {
+double FindSlotsOf(const std::vector<PaintLine>& lines, const RowKind& kind,
+                   const SlotRowOptions& options, const IsBareGround& is_bare,
+                   std::vector<bool>& is_used, std::vector<PlanarSlot>& slots) {
   std::vector<SlotRow> rows;
   RowHabits habits{kind.measures.usual_length, {}};
   AddRowsOf(lines, kind, options, habits, is_used, rows);
   habits = FindHabits(rows, kind.measures, kind.is_parallel);
   if (!habits.slants.empty()) AddRowsOf(lines, kind, options, habits, is_used, rows);
   for (const SlotRow& row : rows)
-    if (const std::optional<Ranks> ranks = FindRanks(row, kind.measures, kind.is_parallel, habits))
+    if (const std::optional<RowLayout> ranks =
+            FindRowLayout(row, kind.measures, kind.is_parallel, habits))
       AddSlots(row, *ranks, kind.is_parallel, options, is_bare, slots);
   return habits.length;
 }
@@ -152,8 +170,9 @@ double FindSlotsOf(const std::vector<PaintLine>& lines, const RowKind& kind, con
 std::vector<PlanarSlot> DropOverlaps(const std::vector<PlanarSlot>& slots) {
   std::vector<std::size_t> order(slots.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return slots[a].confidence > slots[b].confidence; });
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return slots[a].confidence > slots[b].confidence;
+  });
   std::vector<bool> is_kept(slots.size());
   for (const std::size_t i : order) {
     const double area = std::abs(SignedArea(slots[i].corners));
@@ -171,21 +190,24 @@ std::vector<PlanarSlot> DropOverlaps(const std::vector<PlanarSlot>& slots) {
 
 }  // namespace
 
-std::vector<PlanarSlot> FindSlotRows(const std::vector<PaintLine>& lines, const SlotRowOptions& options,
-                                     const IsBareGround& is_bare) {
+std::vector<PlanarSlot> FindSlotRows(const std::vector<PaintLine>& lines,
+                                     const SlotRowOptions& options, const IsBareGround& is_bare) {
   options.Validate();
   std::vector<PlanarSlot> slots;
   std::vector<bool> is_used(lines.size());
   SlotMeasures beside = options.beside;
-  beside.usual_length = FindSlotsOf(lines, {.measures = options.beside}, options, is_bare, is_used, slots);
+  beside.usual_length =
+      FindSlotsOf(lines, {.measures = options.beside}, options, is_bare, is_used, slots);
   std::vector<bool> is_used_behind = is_used;
   for (std::size_t i = 0; i < lines.size(); ++i)
     is_used_behind[i] = is_used[i] || lines[i].Length() > options.behind.max_length;
-  FindSlotsOf(lines, {.measures = options.behind, .is_parallel = true}, options, is_bare, is_used_behind, slots);
+  FindSlotsOf(lines, {.measures = options.behind, .is_parallel = true}, options, is_bare,
+              is_used_behind, slots);
   // Where parked cars, or what is taken for them, reach up to every line, none has two sides.
   std::vector<PaintLine> edges = lines;
   for (std::size_t i = 0; i < edges.size(); ++i) {
-    is_used[i] = is_used[i] || edges[i].width > kMaxEdgeWidth || edges[i].contrast < kMinEdgeContrast;
+    is_used[i] =
+        is_used[i] || edges[i].width > kMaxEdgeWidth || edges[i].contrast < kMinEdgeContrast;
     edges[i].is_one_sided = false;
   }
   FindSlotsOf(edges, {.measures = beside, .is_doubtful = true}, options, is_bare, is_used, slots);

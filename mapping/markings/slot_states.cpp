@@ -11,8 +11,8 @@
 namespace parkade {
 namespace {
 
-constexpr double kSquare = 2.0;         // [m] of the squares in which slots are sorted
-constexpr double kReach = 0.5;          // [m] that a ray may move between its own plane and the slot's
+constexpr double kSquare = 2.0;  // [m] of the squares in which slots are sorted
+constexpr double kReach = 0.5;   // [m] that a ray may move between its own plane and the slot's
 constexpr double kMaxHeightStep = 1.2;  // [m] between those
 constexpr int kColumns = 8, kRows = 16;
 constexpr float kKnown = 0.15F;  // of evidence in a cell
@@ -73,12 +73,14 @@ struct SlotGrid {
     const double u = (offset.dot(across) - options.side_margin) / (width - 2 * options.side_margin);
     const double v = (offset.dot(inward) - options.end_margin) / (length - 2 * options.end_margin);
     if (!(u >= 0 && u < 1 && v >= 0 && v < 1)) return {};
-    return static_cast<std::size_t>(static_cast<int>(v * kRows) * kColumns + static_cast<int>(u * kColumns));
+    return static_cast<std::size_t>(static_cast<int>(v * kRows) * kColumns +
+                                    static_cast<int>(u * kColumns));
   }
 };
 
 /// Where the ray from the eye through a point meets the height of a slot.
-Eigen::Vector3d MeetHeight(const std::optional<Eigen::Vector3d>& eye, const Eigen::Vector3d& point, double height) {
+Eigen::Vector3d MeetHeight(const std::optional<Eigen::Vector3d>& eye, const Eigen::Vector3d& point,
+                           double height) {
   if (!eye || eye->z() - point.z() < 0.1 || eye->z() - height < 0.1) return point;
   return *eye + (eye->z() - height) / (eye->z() - point.z()) * (point - *eye);
 }
@@ -88,8 +90,8 @@ struct Hit {
   float evidence = 0;  ///< positive: ground
 };
 
-std::vector<Hit> FindHits(const PosedGroundPatch& patch, std::span<const DrivenPath> paths, const SlotSquares& squares,
-                          const std::vector<SlotGrid>& grids) {
+std::vector<Hit> FindHits(const PosedGroundPatch& patch, std::span<const DrivenPath> paths,
+                          const SlotSquares& squares, const std::vector<SlotGrid>& grids) {
   std::vector<Hit> hits;
   const DrivenPath* path = FindPath(paths, patch.patch.drive);
   const auto camera = static_cast<std::size_t>(patch.patch.camera);
@@ -102,7 +104,8 @@ std::vector<Hit> FindHits(const PosedGroundPatch& patch, std::span<const DrivenP
     squares.VisitAt(point, [&](std::size_t slot) {
       const double height = grids[slot].origin.z();
       if (std::abs(point.z() - height) > kMaxHeightStep) return;
-      const std::optional<std::size_t> cell = grids[slot].CellAt(MeetHeight(eye, point, height).head<2>());
+      const std::optional<std::size_t> cell =
+          grids[slot].CellAt(MeetHeight(eye, point, height).head<2>());
       if (cell) hits.push_back({slot, *cell, (sample.is_free ? 1.0F : -1.0F) * sample.confidence});
     });
   }
@@ -116,18 +119,20 @@ SlotState StateOf(const Cells& cells, const SlotStateOptions& options) {
     num_other += evidence < -kKnown;
   }
   const double count = kColumns * kRows;
-  if (num_free >= options.free_share * count && num_other < 0.25 * num_free) return SlotState::kFree;
-  if (num_other >= options.occupied_share * count && num_free < options.free_share * count) return SlotState::kOccupied;
+  if (num_free >= options.free_share * count && num_other < 0.25 * num_free)
+    return SlotState::kFree;
+  if (num_other >= options.occupied_share * count && num_free < options.free_share * count)
+    return SlotState::kOccupied;
   return SlotState::kUnseen;
 }
 
 }  // namespace
 
 void SlotStateOptions::Validate() const {
-  Require(side_margin >= 0 && side_margin < 0.7 && end_margin >= 0 && end_margin < 0.7, ErrorCode::kUsage,
-          "margins of slots must be in 0..0.7 m");
-  Require(free_share > 0 && free_share <= 1 && occupied_share > 0 && occupied_share <= 1, ErrorCode::kUsage,
-          "shares of slots must be in 0..1");
+  Require(side_margin >= 0 && side_margin < 0.7 && end_margin >= 0 && end_margin < 0.7,
+          ErrorCode::kUsage, "margins of slots must be in 0..0.7 m");
+  Require(free_share > 0 && free_share <= 1 && occupied_share > 0 && occupied_share <= 1,
+          ErrorCode::kUsage, "shares of slots must be in 0..1");
 }
 
 void SeeSlots(const PatchSource& patches, std::span<const DrivenPath> paths, std::size_t num_drives,
@@ -141,8 +146,9 @@ void SeeSlots(const PatchSource& patches, std::span<const DrivenPath> paths, std
   const std::span<const PatchView> views = patches.views();
   for (std::size_t begin = 0; begin < views.size(); begin += kBatch) {
     const std::size_t count = std::min(kBatch, views.size() - begin);
-    const auto hits =
-        ParallelMap(count, [&](std::size_t i) { return FindHits(patches.Read(begin + i), paths, squares, grids); });
+    const auto hits = ParallelMap(count, [&](std::size_t i) {
+      return FindHits(patches.Read(begin + i), paths, squares, grids);
+    });
     for (std::size_t i = 0; i < count; ++i) {
       const auto drive = static_cast<std::size_t>(views[begin + i].drive);
       if (drive >= num_drives) continue;

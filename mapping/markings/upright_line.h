@@ -3,7 +3,7 @@
 namespace parkade {
 
 /// A nearly upright line; columns and rows count from the middle of the upper left pixel.
-struct UprightLine {
+struct AxisAlignedLine {
   double column_at_zero = 0, slope = 0;  ///< column = column_at_zero + slope * row
   double first_row = 0, last_row = 0;
   double width = 0;     ///< [pixels]

@@ -10,18 +10,22 @@
 namespace parkade {
 namespace {
 
-constexpr double kLevelBase = 0.6, kLevelSlope = 0.1;  // [m], and per metre: heights within which a keyframe saw ground
-constexpr double kSigmaPerMetre = 0.01;                // of what a keyframe saw
-constexpr double kHeightCounts = 3;                    // heights count this much more when nodes are looked for
-constexpr size_t kBlended = 4;                         // nodes per point, as in the paper
+constexpr double kLevelBase = 0.6,
+                 kLevelSlope =
+                     0.1;  // [m], and per meter: heights within which a keyframe saw ground
+constexpr double kSigmaPerMeter = 0.01;  // of what a keyframe saw
+constexpr double kHeightCounts = 3;      // heights count this much more when nodes are looked for
+constexpr size_t kBlended = 4;           // nodes per point, as in the paper
 
 using Square = std::pair<int, int>;
 
 Square SquareOf(const Eigen::Vector3d& point, double spacing) {
-  return {static_cast<int>(std::floor(point.x() / spacing)), static_cast<int>(std::floor(point.y() / spacing))};
+  return {static_cast<int>(std::floor(point.x() / spacing)),
+          static_cast<int>(std::floor(point.y() / spacing))};
 }
 
-/// Points over the mesh, close enough that each square it touches has some, and which of them are neighbours.
+/// Points over the mesh, close enough that each square it touches has some, and which of them are
+/// neighbors.
 struct MeshSamples {
   std::vector<Eigen::Vector3d> points;
   std::vector<std::pair<size_t, size_t>> links;
@@ -29,7 +33,8 @@ struct MeshSamples {
 
 MeshSamples SampleMesh(const TriangleMesh& mesh, double step) {
   MeshSamples samples;
-  for (const Eigen::Vector3f& vertex : mesh.vertices) samples.points.push_back(mesh.origin + vertex.cast<double>());
+  for (const Eigen::Vector3f& vertex : mesh.vertices)
+    samples.points.push_back(mesh.origin + vertex.cast<double>());
   for (const auto& triangle : mesh.triangles) {
     const Eigen::Vector3d a = samples.points[triangle[0]], b = samples.points[triangle[1]],
                           c = samples.points[triangle[2]];
@@ -43,7 +48,8 @@ MeshSamples SampleMesh(const TriangleMesh& mesh, double step) {
         if (i == parts && (k == 0 || k == i)) {
           row.push_back(triangle[k == 0 ? 1 : 2]);
         } else {
-          const double to_c = static_cast<double>(k) / parts, to_b = static_cast<double>(i - k) / parts;
+          const double to_c = static_cast<double>(k) / parts,
+                       to_b = static_cast<double>(i - k) / parts;
           row.push_back(samples.points.size());
           samples.points.push_back(a + to_b * (b - a) + to_c * (c - a));
         }
@@ -76,7 +82,8 @@ NodeSamples GroupSamples(const MeshSamples& samples, const DeformationOptions& o
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       for (end = begin; end < members.size(); ++end) {
         const Eigen::Vector3d& point = samples.points[members[end]];
-        if (end > begin && point.z() - samples.points[members[end - 1]].z() > options.level_gap) break;
+        if (end > begin && point.z() - samples.points[members[end - 1]].z() > options.level_gap)
+          break;
         sum += point;
         grouped.node_of_sample[members[end]] = grouped.nodes.size();
       }
@@ -91,43 +98,51 @@ std::vector<MovedKeyframe> ThinOut(std::span<const MovedKeyframe> keyframes, dou
   std::vector<MovedKeyframe> used;
   for (const MovedKeyframe& keyframe : keyframes)
     if (used.empty() ||
-        (keyframe.from_from_body.translation - used.back().from_from_body.translation).norm() >= spacing)
+        (keyframe.from_from_body.translation - used.back().from_from_body.translation).norm() >=
+            spacing)
       used.push_back(keyframe);
   return used;
 }
 
 /// What moves a point of the old site as the keyframe moved.
-Rigid3 MotionOf(const MovedKeyframe& keyframe) { return keyframe.to_from_body * keyframe.from_from_body.Inverse(); }
+Rigid3 MotionOf(const MovedKeyframe& keyframe) {
+  return keyframe.to_from_body * keyframe.from_from_body.Inverse();
+}
 
 /// How far a keyframe stands from ground that it saw; nothing where it did not.
-std::optional<double> SightOf(const MovedKeyframe& keyframe, const Eigen::Vector3d& ground, double reach) {
+std::optional<double> ObservationOf(const MovedKeyframe& keyframe, const Eigen::Vector3d& ground,
+                                    double reach) {
   const Eigen::Vector3d apart = ground - keyframe.from_from_body.translation;
   const double distance = apart.head<2>().norm();
-  if (distance > reach || std::abs(apart.z()) > kLevelBase + kLevelSlope * distance) return std::nullopt;
+  if (distance > reach || std::abs(apart.z()) > kLevelBase + kLevelSlope * distance)
+    return std::nullopt;
   return distance;
 }
 
-/// The sights of one piece of ground, the nearest first.
-std::vector<std::pair<double, size_t>> SightsOf(const std::vector<MovedKeyframe>& keyframes,
-                                                const Eigen::Vector3d& ground, const DeformationOptions& options) {
-  std::vector<std::pair<double, size_t>> sights;
+/// The observations of one piece of ground, the nearest first.
+std::vector<std::pair<double, size_t>> ObservationsOf(const std::vector<MovedKeyframe>& keyframes,
+                                                      const Eigen::Vector3d& ground,
+                                                      const DeformationOptions& options) {
+  std::vector<std::pair<double, size_t>> observations;
   for (size_t i = 0; i < keyframes.size(); ++i)
-    if (const std::optional<double> distance = SightOf(keyframes[i], ground, options.reach))
-      sights.emplace_back(*distance, i);
-  std::sort(sights.begin(), sights.end());
-  if (sights.size() > options.keyframes_per_node) sights.resize(options.keyframes_per_node);
-  return sights;
+    if (const std::optional<double> distance = ObservationOf(keyframes[i], ground, options.reach))
+      observations.emplace_back(*distance, i);
+  std::sort(observations.begin(), observations.end());
+  if (observations.size() > options.keyframes_per_node)
+    observations.resize(options.keyframes_per_node);
+  return observations;
 }
 
 /// As the keyframe moved that is nearest, heights counting most: where a node begins.
 Rigid3 NearestMotion(const std::vector<MovedKeyframe>& keyframes, const Eigen::Vector3d& ground) {
-  const auto nearest = std::min_element(keyframes.begin(), keyframes.end(), [&](const auto& a, const auto& b) {
-    const auto cost = [&](const MovedKeyframe& keyframe) {
-      const Eigen::Vector3d apart = ground - keyframe.from_from_body.translation;
-      return apart.head<2>().norm() + kHeightCounts * std::abs(apart.z());
-    };
-    return cost(a) < cost(b);
-  });
+  const auto nearest =
+      std::min_element(keyframes.begin(), keyframes.end(), [&](const auto& a, const auto& b) {
+        const auto cost = [&](const MovedKeyframe& keyframe) {
+          const Eigen::Vector3d apart = ground - keyframe.from_from_body.translation;
+          return apart.head<2>().norm() + kHeightCounts * std::abs(apart.z());
+        };
+        return cost(a) < cost(b);
+      });
   return MotionOf(*nearest);
 }
 
@@ -143,24 +158,26 @@ class DeformationBuilder {
     const NodeSamples grouped = GroupSamples(samples, options);
     deformation_.spacing_ = options.spacing;
     deformation_.num_ground_nodes_ = grouped.nodes.size();
-    deformation_.neighbours_.resize(grouped.nodes.size());
+    deformation_.neighbors_.resize(grouped.nodes.size());
     for (const Eigen::Vector3d& rest : grouped.nodes) {
       deformation_.columns_[SquareOf(rest, options.spacing)].push_back(graph().nodes.size());
       graph().nodes.push_back({rest, {Eigen::Quaterniond::Identity(), rest}});
     }
-    JoinNeighbours(samples, grouped);
+    JoinNeighbors(samples, grouped);
   }
 
-  /// Ground begins as the nearest of these moved, and hangs on those that saw it; `nodes` are theirs.
+  /// Ground begins as the nearest of these moved, and hangs on those that saw it; `nodes` are
+  /// theirs.
   void HangOn(const std::vector<MovedKeyframe>& keyframes, const std::vector<size_t>& nodes) {
     for (size_t i = 0; i < deformation_.num_ground_nodes_; ++i) {
       DeformationNode& node = graph().nodes[i];
       const Rigid3 motion = NearestMotion(keyframes, node.rest);
       node.motion = {motion.rotation, motion * node.rest};
-      const std::vector<std::pair<double, size_t>> sights = SightsOf(keyframes, node.rest, options_);
-      deformation_.is_seen_.push_back(!sights.empty());
-      for (const auto& [distance, keyframe] : sights)
-        HoldEachOther(i, nodes[keyframe], options_.seen_sigma + kSigmaPerMetre * distance,
+      const std::vector<std::pair<double, size_t>> observations =
+          ObservationsOf(keyframes, node.rest, options_);
+      deformation_.is_seen_.push_back(!observations.empty());
+      for (const auto& [distance, keyframe] : observations)
+        HoldEachOther(i, nodes[keyframe], options_.seen_sigma + kSigmaPerMeter * distance,
                       options_.stiffness * (1 + distance));
     }
   }
@@ -168,10 +185,13 @@ class DeformationBuilder {
   size_t AddKeyframe(const MovedKeyframe& keyframe) {
     const Rigid3 motion = MotionOf(keyframe);
     const Eigen::Vector3d& rest = keyframe.from_from_body.translation;
-    graph().nodes.push_back({rest, {motion.rotation, motion * rest}, keyframe.from_from_body.rotation});
+    graph().nodes.push_back(
+        {rest, {motion.rotation, motion * rest}, keyframe.from_from_body.rotation});
     return graph().nodes.size() - 1;
   }
-  void Hold(size_t node) { graph().anchors.push_back({.node = node, .motion = graph().nodes[node].motion}); }
+  void Hold(size_t node) {
+    graph().anchors.push_back({.node = node, .motion = graph().nodes[node].motion});
+  }
 
   DeformationGraph& graph() { return deformation_.graph_; }
 
@@ -186,15 +206,17 @@ class DeformationBuilder {
     graph().edges.push_back({b, a, slack_ * sigma, slack_ * turn_sigma});
   }
 
-  void JoinNeighbours(const MeshSamples& samples, const NodeSamples& grouped) {
+  void JoinNeighbors(const MeshSamples& samples, const NodeSamples& grouped) {
     std::set<std::pair<size_t, size_t>> joined;
     for (const auto& [a, b] : samples.links) {
-      const auto [first, second] = std::minmax(grouped.node_of_sample[a], grouped.node_of_sample[b]);
+      const auto [first, second] =
+          std::minmax(grouped.node_of_sample[a], grouped.node_of_sample[b]);
       if (first == second || !joined.insert({first, second}).second) continue;
       const double distance = (graph().nodes[first].rest - graph().nodes[second].rest).norm();
-      HoldEachOther(first, second, options_.stiffness * std::max(distance, 0.1), options_.stiffness);
-      deformation_.neighbours_[first].push_back(second);
-      deformation_.neighbours_[second].push_back(first);
+      HoldEachOther(first, second, options_.stiffness * std::max(distance, 0.1),
+                    options_.stiffness);
+      deformation_.neighbors_[first].push_back(second);
+      deformation_.neighbors_[second].push_back(first);
     }
   }
 
@@ -205,7 +227,8 @@ class DeformationBuilder {
 
 MeshDeformation DeformGround(const TriangleMesh& mesh, std::span<const MovedKeyframe> all_keyframes,
                              const DeformationOptions& options) {
-  Require(!all_keyframes.empty(), ErrorCode::kInvalidInput, "nothing says how the ground has moved");
+  Require(!all_keyframes.empty(), ErrorCode::kInvalidInput,
+          "nothing says how the ground has moved");
   const std::vector<MovedKeyframe> keyframes = ThinOut(all_keyframes, options.keyframe_spacing);
   DeformationBuilder builder(mesh, options, /*share=*/1);
   std::vector<size_t> nodes;
@@ -224,14 +247,15 @@ JointDeformation DeformJointly(const TriangleMesh& mesh, std::span<const FreeKey
   std::vector<MovedKeyframe> old_keyframes;  // those that the ground hangs on
   std::vector<size_t> nodes, old_nodes;
   for (const FreeKeyframe& keyframe : keyframes) {
-    nodes.push_back(
-        builder.AddKeyframe({keyframe.from_from_body.value_or(keyframe.to_from_body), keyframe.to_from_body}));
+    nodes.push_back(builder.AddKeyframe(
+        {keyframe.from_from_body.value_or(keyframe.to_from_body), keyframe.to_from_body}));
     if (keyframe.is_held) builder.Hold(nodes.back());
     if (!keyframe.from_from_body) continue;
     old_keyframes.push_back({*keyframe.from_from_body, keyframe.to_from_body});
     old_nodes.push_back(nodes.back());
   }
-  Require(!old_keyframes.empty(), ErrorCode::kInvalidInput, "nothing says how the ground has moved");
+  Require(!old_keyframes.empty(), ErrorCode::kInvalidInput,
+          "nothing says how the ground has moved");
   builder.HangOn(old_keyframes, old_nodes);
   for (DeformationMeasurement measurement : measurements) {
     if (measurement.from) measurement.from = nodes[*measurement.from];
@@ -239,7 +263,8 @@ JointDeformation DeformJointly(const TriangleMesh& mesh, std::span<const FreeKey
     builder.graph().measurements.push_back(measurement);
   }
   JointDeformation joint{std::move(builder).Solve(), {}};
-  for (const size_t node : nodes) joint.to_from_body.push_back(joint.ground.graph().nodes[node].Pose());
+  for (const size_t node : nodes)
+    joint.to_from_body.push_back(joint.ground.graph().nodes[node].Pose());
   return joint;
 }
 
@@ -254,7 +279,8 @@ size_t MeshDeformation::NodeNear(const Eigen::Vector3d& point) const {
   for (int x = column - 1; x <= column + 1; ++x)
     for (int y = row - 1; y <= row + 1; ++y)
       if (const auto found = columns_.find({x, y}); found != columns_.end())
-        for (const size_t node : found->second) nearest = std::min(nearest, {DistanceTo(node, point), node});
+        for (const size_t node : found->second)
+          nearest = std::min(nearest, {DistanceTo(node, point), node});
   if (nearest.first == std::numeric_limits<double>::max())  // off the ground
     for (size_t node = 0; node < num_ground_nodes_; ++node)
       nearest = std::min(nearest, {DistanceTo(node, point), node});
@@ -269,11 +295,13 @@ Eigen::Vector3d MeshDeformation::Apply(const Eigen::Vector3d& point) const {
   if (num_ground_nodes_ == 0) return graph_.nodes.front().Carry(point);
   const size_t own = NodeNear(point);
   std::vector<std::pair<double, size_t>> near = {{DistanceTo(own, point), own}};
-  for (const size_t node : neighbours_[own]) near.emplace_back(DistanceTo(node, point), node);
+  for (const size_t node : neighbors_[own]) near.emplace_back(DistanceTo(node, point), node);
   std::sort(near.begin() + 1, near.end());
   if (near.size() > kBlended + 1) near.resize(kBlended + 1);
-  // The farthest of them has no weight: points cross from one set of nodes to the next without a jump.
-  const double edge = near.size() > 1 ? std::max_element(near.begin(), near.end())->first * (1 + 1e-9) : 1;
+  // The farthest of them has no weight: points cross from one set of nodes to the next without a
+  // jump.
+  const double edge =
+      near.size() > 1 ? std::max_element(near.begin(), near.end())->first * (1 + 1e-9) : 1;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double total = 0;
   for (const auto& [distance, node] : near) {
@@ -288,7 +316,8 @@ TriangleMesh Deformed(const TriangleMesh& mesh, const MeshDeformation& deformati
   constexpr double kArm = 0.1;  // [m] along a normal, to see it turn
   TriangleMesh moved = mesh;
   if (mesh.vertices.empty()) return moved;
-  moved.origin = deformation.Apply(mesh.origin + mesh.vertices.front().cast<double>()).array().round();
+  moved.origin =
+      deformation.Apply(mesh.origin + mesh.vertices.front().cast<double>()).array().round();
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Eigen::Vector3d point = mesh.origin + mesh.vertices[i].cast<double>();
     const Eigen::Vector3d at = deformation.Apply(point);

@@ -29,20 +29,22 @@ struct DeformationOptions {
   double reach = 12;              ///< [m] within which a keyframe saw ground and holds it
   size_t keyframes_per_node = 8;  ///< the nearest of them
   double keyframe_spacing = 2;    ///< [m] between those that are used of one drive
-  double stiffness = 0.01;        ///< [m/m] and [rad] by which neighbouring nodes may disagree
-  double seen_sigma = 0.02;       ///< [m] of ground beside a keyframe, and 0.01 more per metre away
+  double stiffness = 0.01;        ///< [m/m] and [rad] by which neighboring nodes may disagree
+  double seen_sigma = 0.02;       ///< [m] of ground beside a keyframe, and 0.01 more per meter away
   double level_gap = 1.0;         ///< [m] of height between nodes of one column: more are two decks
-  double ground_share = 1e-4;  ///< of the ground's information that counts where keyframes are free, see DeformJointly
+  double ground_share = 1e-4;     ///< of the ground's information that counts where keyframes are
+                                  ///< free, see DeformJointly
 };
 
 /// How the ground of a map moves with the trajectories it was seen from.
 class MeshDeformation {
  public:
-  /// Where a point on or near the old ground goes. Among the nearest nodes of its own deck, blended by distance
-  /// (Sumner et al., eq. 1 to 4).
+  /// Where a point on or near the old ground goes. Among the nearest nodes of its own deck, blended
+  /// by distance (Sumner et al., eq. 1 to 4).
   Eigen::Vector3d Apply(const Eigen::Vector3d& point_in_from) const;
 
-  /// Whether any of the keyframes saw the ground there. Of what none did, only its neighbours say where it lies.
+  /// Whether any of the keyframes saw the ground there. Of what none did, only its neighbors say
+  /// where it lies.
   bool IsSeen(const Eigen::Vector3d& point_in_from) const;
 
   const DeformationGraph& graph() const { return graph_; }
@@ -58,14 +60,14 @@ class MeshDeformation {
   size_t num_ground_nodes_ = 0;
   double spacing_ = 1;
   std::map<std::pair<int, int>, std::vector<size_t>> columns_;  ///< nodes of the ground by square
-  std::vector<std::vector<size_t>> neighbours_;                 ///< of each, by the mesh
+  std::vector<std::vector<size_t>> neighbors_;                  ///< of each, by the mesh
   std::vector<bool> is_seen_;                                   ///< each
 };
 
-/// Nodes are spread over the mesh, squares of `spacing`, decks apart; those that one sheet of the mesh joins hold each
-/// other, so that decks of a garage pull each other only along their ramps. Keyframes hold the nodes they saw and are
-/// held where they are now. Keyframes in order of time, drive after drive. Throws Error{kInvalidInput} without any
-/// keyframe.
+/// Nodes are spread over the mesh, squares of `spacing`, decks apart; those that one sheet of the
+/// mesh joins hold each other, so that decks of a garage pull each other only along their ramps.
+/// Keyframes hold the nodes they saw and are held where they are now. Keyframes in order of time,
+/// drive after drive. Throws Error{kInvalidInput} without any keyframe.
 MeshDeformation DeformGround(const TriangleMesh& mesh, std::span<const MovedKeyframe> keyframes,
                              const DeformationOptions& options = {});
 
@@ -74,15 +76,17 @@ struct JointDeformation {
   std::vector<Rigid3> to_from_body;  ///< of all keyframes, as they were given
 };
 
-/// Ground and keyframes solved as one problem, as A. Rosinol et al., IJRR 2021, section 3.3 (Kimera-PGMO) do it: what
-/// was measured between keyframes (odometry, loops, links), ground that hangs on those that saw it, and ground that
-/// holds together. `measurements` name keyframes by index. Loops that may be wrong do not belong among them: whoever
-/// solved the pose graph knows which to leave out. Without a held keyframe or a measurement in the target frame all of
-/// it may float.
+/// Ground and keyframes solved as one problem, as A. Rosinol et al., IJRR 2021, section 3.3
+/// (Kimera-PGMO) do it: what was measured between keyframes (odometry, loops, links), ground that
+/// hangs on those that saw it, and ground that holds together. `measurements` name keyframes by
+/// index. Loops that may be wrong do not belong among them: whoever solved the pose graph knows
+/// which to leave out. Without a held keyframe or a measurement in the target frame all of it may
+/// float.
 ///
-/// The old ground is where the old keyframes put it: stiff, it would pull them back to that, and two passes whose
-/// ground was fused into one would never come apart. Of its information only `ground_share` counts against
-/// measurements. Throws Error{kInvalidInput} without any keyframe that has been in the old map.
+/// The old ground is where the old keyframes put it: stiff, it would pull them back to that, and
+/// two passes whose ground was fused into one would never come apart. Of its information only
+/// `ground_share` counts against measurements. Throws Error{kInvalidInput} without any keyframe
+/// that has been in the old map.
 JointDeformation DeformJointly(const TriangleMesh& mesh, std::span<const FreeKeyframe> keyframes,
                                std::span<const DeformationMeasurement> measurements,
                                const DeformationOptions& options = {});

@@ -43,8 +43,8 @@ class NormalEquations {
   void AddBlock(size_t row, size_t column, const DeformationBlock& block) {
     for (Eigen::Index i = 0; i < 6; ++i)
       for (Eigen::Index k = 0; k < 6; ++k)
-        entries_.emplace_back(6 * static_cast<Eigen::Index>(row) + i, 6 * static_cast<Eigen::Index>(column) + k,
-                              block(i, k));
+        entries_.emplace_back(6 * static_cast<Eigen::Index>(row) + i,
+                              6 * static_cast<Eigen::Index>(column) + k, block(i, k));
   }
 
   Eigen::VectorXd gradient_;
@@ -68,25 +68,30 @@ TurnBetween Between(const Eigen::Quaterniond& first, const Eigen::Quaterniond& s
 /// S with S^T S = information.
 DeformationBlock SquareRootOf(const DeformationBlock& information) {
   const Eigen::SelfAdjointEigenSolver<DeformationBlock> solver(information);
-  return solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * solver.eigenvectors().transpose();
+  return solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
+         solver.eigenvectors().transpose();
 }
 
 /// The normal equations at the graph's motions.
 Eigen::VectorXd GaussNewtonStep(const DeformationGraph& graph) {
   NormalEquations equations(graph.nodes.size());
-  const auto add = [&](const DeformationFactor& factor, std::optional<size_t> first, std::optional<size_t> second) {
+  const auto add = [&](const DeformationFactor& factor, std::optional<size_t> first,
+                       std::optional<size_t> second) {
     if (first) equations.Add(*first, factor.by_first, factor.residual);
     if (second) equations.Add(*second, factor.by_second, factor.residual);
     if (first && second) equations.AddCross(*first, factor.by_first, *second, factor.by_second);
   };
-  for (const DeformationEdge& edge : graph.edges) add(EvaluateEdge(graph, edge), edge.from, edge.to);
-  for (const DeformationAnchor& anchor : graph.anchors) add(EvaluateAnchor(graph, anchor), anchor.node, std::nullopt);
+  for (const DeformationEdge& edge : graph.edges)
+    add(EvaluateEdge(graph, edge), edge.from, edge.to);
+  for (const DeformationAnchor& anchor : graph.anchors)
+    add(EvaluateAnchor(graph, anchor), anchor.node, std::nullopt);
   for (const DeformationMeasurement& measurement : graph.measurements)
     add(EvaluateMeasurement(graph, measurement), measurement.from, measurement.to);
   return equations.Solve();
 }
 
-void MoveNodes(const std::vector<DeformationNode>& start, const Eigen::VectorXd& change, DeformationGraph& graph) {
+void MoveNodes(const std::vector<DeformationNode>& start, const Eigen::VectorXd& change,
+               DeformationGraph& graph) {
   for (size_t i = 0; i < graph.nodes.size(); ++i) {
     const auto first = 6 * static_cast<Eigen::Index>(i);
     const Rigid3& motion = start[i].motion;
@@ -115,23 +120,27 @@ DeformationFactor EvaluateAnchor(const DeformationGraph& graph, const Deformatio
   const Rigid3& motion = graph.nodes[anchor.node].motion;
   const TurnBetween between = Between(motion.rotation, anchor.motion.rotation);
   DeformationFactor factor;
-  factor.residual << (motion.translation - anchor.motion.translation) / anchor.sigma, between.turn / anchor.turn_sigma;
+  factor.residual << (motion.translation - anchor.motion.translation) / anchor.sigma,
+      between.turn / anchor.turn_sigma;
   factor.by_first.topRightCorner<3, 3>() = Eigen::Matrix3d::Identity() / anchor.sigma;
   factor.by_first.bottomLeftCorner<3, 3>() = between.by_first / anchor.turn_sigma;
   return factor;
 }
 
-DeformationFactor EvaluateMeasurement(const DeformationGraph& graph, const DeformationMeasurement& measurement) {
+DeformationFactor EvaluateMeasurement(const DeformationGraph& graph,
+                                      const DeformationMeasurement& measurement) {
   const Rigid3 from = measurement.from ? graph.nodes[*measurement.from].Pose() : Rigid3{};
   const Rigid3 to = graph.nodes[measurement.to].Pose();
   const Eigen::Vector3d apart = to.translation - from.translation;
-  const Eigen::Quaterniond measured_from_target = (from.rotation * measurement.from_from_to.rotation).conjugate();
+  const Eigen::Quaterniond measured_from_target =
+      (from.rotation * measurement.from_from_to.rotation).conjugate();
   const Eigen::Matrix3d turn = measured_from_target.toRotationMatrix();
   const Eigen::Vector3d rest = LogSo3(measured_from_target * to.rotation);
-  const Eigen::Matrix3d by_turn = InverseRightJacobianSo3(-rest) * turn;  // the inverse left Jacobian
+  const Eigen::Matrix3d by_turn =
+      InverseRightJacobianSo3(-rest) * turn;  // the inverse left Jacobian
   DeformationFactor factor;
-  factor.residual << turn * apart -
-                         measurement.from_from_to.rotation.conjugate() * measurement.from_from_to.translation,
+  factor.residual << turn * apart - measurement.from_from_to.rotation.conjugate() *
+                                        measurement.from_from_to.translation,
       rest;
   if (measurement.from) {
     factor.by_first.topLeftCorner<3, 3>() = turn * Skew(apart);
@@ -146,8 +155,10 @@ DeformationFactor EvaluateMeasurement(const DeformationGraph& graph, const Defor
 
 double CostOf(const DeformationGraph& graph) {
   double sum = 0;
-  for (const DeformationEdge& edge : graph.edges) sum += EvaluateEdge(graph, edge).residual.squaredNorm();
-  for (const DeformationAnchor& anchor : graph.anchors) sum += EvaluateAnchor(graph, anchor).residual.squaredNorm();
+  for (const DeformationEdge& edge : graph.edges)
+    sum += EvaluateEdge(graph, edge).residual.squaredNorm();
+  for (const DeformationAnchor& anchor : graph.anchors)
+    sum += EvaluateAnchor(graph, anchor).residual.squaredNorm();
   for (const DeformationMeasurement& measurement : graph.measurements)
     sum += EvaluateMeasurement(graph, measurement).residual.squaredNorm();
   return 0.5 * sum;

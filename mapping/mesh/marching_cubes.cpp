@@ -17,8 +17,8 @@ Edge EdgeOf(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
 
 VoxelTriangles MakeCase(int inside_bits) {
   const auto is_inside = [&](int corner) { return (inside_bits >> corner & 1) != 0; };
-  // From the edge where a face's outline leaves the inside to the one where it comes back. Backwards, so that
-  // loops turn counter-clockwise around the direction outwards.
+  // From the edge where a face's outline leaves the inside to the one where it comes back.
+  // Backwards, so that loops turn counter-clockwise around the direction outwards.
   std::map<Edge, Edge> next;
   for (const std::array<int, 4>& face : kFaces)
     for (size_t i = 0; i < 4; ++i) {
@@ -40,7 +40,8 @@ VoxelTriangles MakeCase(int inside_bits) {
     }
     loop.pop_back();  // the first again
     const auto edge = [&](size_t i) {
-      return VoxelEdge{static_cast<std::uint8_t>(loop[i].first), static_cast<std::uint8_t>(loop[i].second)};
+      return VoxelEdge{static_cast<std::uint8_t>(loop[i].first),
+                       static_cast<std::uint8_t>(loop[i].second)};
     };
     for (size_t i = 2; i < loop.size(); ++i) triangles.push_back({edge(0), edge(i - 1), edge(i)});
   }

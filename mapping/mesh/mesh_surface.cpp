@@ -14,7 +14,7 @@
 namespace parkade {
 namespace {
 
-/// [m] a whole-metre point amid the vertices, so that float coordinates stay small.
+/// [m] a whole-meter point amid the vertices, so that float coordinates stay small.
 Eigen::Vector3d OriginOf(const std::vector<Eigen::Vector3d>& vertices) {
   if (vertices.empty()) return Eigen::Vector3d::Zero();
   Eigen::Vector3d low = vertices.front(), high = vertices.front();
@@ -29,18 +29,21 @@ Eigen::Vector3d OriginOf(const std::vector<Eigen::Vector3d>& vertices) {
 std::vector<Eigen::Vector3f> NormalsOf(const VoxelSheet& sheet) {
   std::vector<Eigen::Vector3d> sums(sheet.vertices.size(), Eigen::Vector3d::Zero());
   for (const auto& [a, b, c] : sheet.triangles) {
-    const Eigen::Vector3d normal = (sheet.vertices[b] - sheet.vertices[a]).cross(sheet.vertices[c] - sheet.vertices[a]);
+    const Eigen::Vector3d normal =
+        (sheet.vertices[b] - sheet.vertices[a]).cross(sheet.vertices[c] - sheet.vertices[a]);
     for (const std::uint32_t vertex : {a, b, c}) sums[vertex] += normal;
   }
   std::vector<Eigen::Vector3f> normals;
   normals.reserve(sums.size());
   for (const Eigen::Vector3d& sum : sums)
-    normals.push_back(sum.norm() > 1e-12 ? Eigen::Vector3f(sum.normalized().cast<float>()) : Eigen::Vector3f::UnitZ());
+    normals.push_back(sum.norm() > 1e-12 ? Eigen::Vector3f(sum.normalized().cast<float>())
+                                         : Eigen::Vector3f::UnitZ());
   return normals;
 }
 
 /// The pieces of all windows, by row, then column.
-std::vector<MeshPiece> MeshPieces(const SurfaceMap& surface, const MeshOptions& options, size_t& num_full_triangles) {
+std::vector<MeshPiece> MeshPieces(const SurfaceMap& surface, const MeshOptions& options,
+                                  size_t& num_full_triangles) {
   std::vector<MeshPiece> pieces;
   SeamNumbers numbers;
   const auto add = [&](WindowMesh&& mesh) {
@@ -62,8 +65,11 @@ std::vector<MeshPiece> MeshPieces(const SurfaceMap& surface, const MeshOptions& 
     } else {
       const size_t count = std::min(num_at_once, windows.size() - begin);
       const auto num_cells = [&](size_t i) { return windows[begin + i].num_cells; };
-      const auto mesh_of = [&](size_t i) { return MeshWindowOf(surface, windows[begin + i], options); };
-      for (WindowMesh& mesh : ParallelMapLargestFirst(count, num_cells, mesh_of)) add(std::move(mesh));
+      const auto mesh_of = [&](size_t i) {
+        return MeshWindowOf(surface, windows[begin + i], options);
+      };
+      for (WindowMesh& mesh : ParallelMapLargestFirst(count, num_cells, mesh_of))
+        add(std::move(mesh));
     }
     ReleaseMemory(surface.cells);
   }
@@ -73,8 +79,10 @@ std::vector<MeshPiece> MeshPieces(const SurfaceMap& surface, const MeshOptions& 
   return pieces;
 }
 
-/// The sheets of the pieces, which are gone then, as one. -> for each piece where its vertices are in there
-std::vector<std::vector<std::uint32_t>> JoinSheets(std::vector<MeshPiece>& pieces, VoxelSheet& sheet) {
+/// The sheets of the pieces, which are gone then, as one. -> for each piece where its vertices are
+/// in there
+std::vector<std::vector<std::uint32_t>> JoinSheets(std::vector<MeshPiece>& pieces,
+                                                   VoxelSheet& sheet) {
   std::vector<SheetPiece> sheets;
   for (MeshPiece& piece : pieces) sheets.push_back(std::move(piece.sheet));
   return JoinPieces(sheets, sheet);
@@ -94,7 +102,8 @@ TriangleMesh MeshSurface(const SurfaceMap& surface, const MeshOptions& options) 
   mesh.normals = NormalsOf(sheet);
   mesh.triangles = std::move(sheet.triangles);
   mesh.vertices.reserve(sheet.vertices.size());
-  for (const Eigen::Vector3d& vertex : sheet.vertices) mesh.vertices.push_back((vertex - mesh.origin).cast<float>());
+  for (const Eigen::Vector3d& vertex : sheet.vertices)
+    mesh.vertices.push_back((vertex - mesh.origin).cast<float>());
   mesh.colors.resize(sheet.vertices.size());
   mesh.height_sigmas.resize(sheet.vertices.size());
   for (size_t p = 0; p < pieces.size(); ++p)

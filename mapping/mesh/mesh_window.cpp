@@ -6,9 +6,9 @@
 #include <map>
 
 #include "core/error.h"
-#include "core/floor_of.h"
+#include "core/fast_floor.h"
+#include "core/for_each_releasing.h"
 #include "core/parallel.h"
-#include "core/visit_once.h"
 #include "mapping/ground/cell_finder.h"
 #include "mapping/ground/surface_window.h"
 #include "mapping/surface/join_cells.h"
@@ -18,7 +18,8 @@ namespace {
 
 using Colors = std::vector<std::array<std::uint8_t, 3>>;
 
-// Cells that are joined depend on those two further on, vertices and their fans on two more, their colours likewise.
+// Cells that are joined depend on those two further on, vertices and their fans on two more, their
+// colors also.
 constexpr int kMargin = 8;  // [joined cells]
 constexpr int kReach = 3;   // [joined cells] that the mesh may go beyond the surface, and some
 
@@ -56,7 +57,8 @@ bool Contains(const Eigen::AlignedBox2i& tiles, const Eigen::Vector3d& center) {
 }  // namespace
 
 std::vector<MeshWindow> CutIntoWindows(const SurfaceMap& surface, const MeshOptions& options) {
-  const int side = std::max(1, static_cast<int>(std::lround(options.window_size / kTileSize)));  // [tiles]
+  const int side =
+      std::max(1, static_cast<int>(std::lround(options.window_size / kTileSize)));  // [tiles]
   const int factor = options.cells_per_voxel, reach = kReach * factor;
   const double joined_size = surface.cell_size * factor;
   const auto window_of = [&](int cell) {
@@ -65,10 +67,11 @@ std::vector<MeshWindow> CutIntoWindows(const SurfaceMap& surface, const MeshOpti
   std::map<std::pair<int, int>, std::size_t> found;  // y, x -> cells
   std::vector<std::size_t*> counts;                  // of the windows around the last cell
   Eigen::AlignedBox2i last;
-  VisitOnce(surface.cells, [&](size_t i) {
+  ForEachReleasing(surface.cells, [&](size_t i) {
     const SurfaceCell& cell = surface.cells[i];
-    const Eigen::AlignedBox2i around(Eigen::Vector2i(window_of(cell.x - reach), window_of(cell.y - reach)),
-                                     Eigen::Vector2i(window_of(cell.x + reach), window_of(cell.y + reach)));
+    const Eigen::AlignedBox2i around(
+        Eigen::Vector2i(window_of(cell.x - reach), window_of(cell.y - reach)),
+        Eigen::Vector2i(window_of(cell.x + reach), window_of(cell.y + reach)));
     if (around.min() != last.min() || around.max() != last.max()) {
       last = around;
       counts.clear();
@@ -81,25 +84,33 @@ std::vector<MeshWindow> CutIntoWindows(const SurfaceMap& surface, const MeshOpti
   for (const auto& [at, num_cells] : found) {
     const auto& [y, x] = at;
     const Eigen::Array2i low = side * Eigen::Array2i(x, y), high = low + side;
-    const Eigen::Array2i first = (low.cast<double>() * kTileSize / joined_size).floor().cast<int>() - kMargin;
-    const Eigen::Array2i end = (high.cast<double>() * kTileSize / joined_size).ceil().cast<int>() + kMargin;
-    windows.push_back({{low.matrix(), high.matrix()}, {(first * factor).matrix(), (end * factor).matrix()}, num_cells});
+    const Eigen::Array2i first =
+        (low.cast<double>() * kTileSize / joined_size).floor().cast<int>() - kMargin;
+    const Eigen::Array2i end =
+        (high.cast<double>() * kTileSize / joined_size).ceil().cast<int>() + kMargin;
+    windows.push_back({{low.matrix(), high.matrix()},
+                       {(first * factor).matrix(), (end * factor).matrix()},
+                       num_cells});
   }
   return windows;
 }
 
-WindowMesh MeshWindowOf(const SurfaceMap& surface, const MeshWindow& window, const MeshOptions& options) {
+WindowMesh MeshWindowOf(const SurfaceMap& surface, const MeshWindow& window,
+                        const MeshOptions& options) {
   const SurfaceMap joined = Join(CutOut(surface, window.cells), options);
   WindowMesh mesh{.sheet = Extract(joined, options), .pieces = {}};
   if (mesh.sheet.triangles.empty()) return mesh;
   const CellFinder finder(joined);
   const std::vector<Eigen::Vector3d>& vertices = mesh.sheet.vertices;
-  const Colors colors = ParallelMap(vertices.size(), [&](size_t i) { return FindCell(finder, vertices[i]).color; });
+  const Colors colors =
+      ParallelMap(vertices.size(), [&](size_t i) { return FindCell(finder, vertices[i]).color; });
   for (const auto& [a, b, c] : mesh.sheet.triangles)
-    mesh.num_full_triangles += Contains(window.tiles, (vertices[a] + vertices[b] + vertices[c]) / 3);
-  for (SheetPiece& piece :
-       SimplifyPieces(mesh.sheet, colors,
-                      {.max_error = options.max_height_error, .color_contrast = options.color_contrast}, window.tiles))
+    mesh.num_full_triangles +=
+        Contains(window.tiles, (vertices[a] + vertices[b] + vertices[c]) / 3);
+  for (SheetPiece& piece : SimplifyPieces(
+           mesh.sheet, colors,
+           {.max_error = options.max_height_error, .color_contrast = options.color_contrast},
+           window.tiles))
     mesh.pieces.push_back(WithColors(std::move(piece), finder));
   return mesh;
 }
@@ -116,7 +127,8 @@ WindowMesh MeshWithoutSimplifying(const SurfaceMap& surface, const MeshOptions& 
 
 std::size_t SeamNumbers::HashOfPlace::operator()(const Place& place) const {
   std::size_t hash = 0;
-  for (const double coordinate : place) hash = 0x9E3779B97F4A7C15U * (hash ^ std::hash<double>{}(coordinate));
+  for (const double coordinate : place)
+    hash = 0x9E3779B97F4A7C15U * (hash ^ std::hash<double>{}(coordinate));
   return hash;
 }
 
@@ -126,14 +138,16 @@ void SeamNumbers::Renumber(const VoxelSheet& sheet, std::vector<MeshPiece>& piec
     for (const std::uint32_t vertex : piece.sheet.seams)
       if (vertex != SheetPiece::kNoSeam) vertices_at.try_emplace(PlaceOf(sheet.vertices[vertex]));
   for (std::uint32_t vertex = 0; vertex < sheet.vertices.size(); ++vertex)
-    if (const auto found = vertices_at.find(PlaceOf(sheet.vertices[vertex])); found != vertices_at.end())
+    if (const auto found = vertices_at.find(PlaceOf(sheet.vertices[vertex]));
+        found != vertices_at.end())
       found->second.push_back(vertex);
   for (MeshPiece& piece : pieces)
     for (std::uint32_t& vertex : piece.sheet.seams) {
       if (vertex == SheetPiece::kNoSeam) continue;
       const Place place = PlaceOf(sheet.vertices[vertex]);
       const std::vector<std::uint32_t>& here = vertices_at.at(place);
-      const auto rank = static_cast<std::size_t>(std::find(here.begin(), here.end(), vertex) - here.begin());
+      const auto rank =
+          static_cast<std::size_t>(std::find(here.begin(), here.end(), vertex) - here.begin());
       std::vector<std::uint32_t>& numbers = numbers_[place];
       while (numbers.size() <= rank) numbers.push_back(next_++);
       vertex = numbers[rank];

@@ -21,8 +21,10 @@ struct MeshPiece {
 
 /// What is meshed at once.
 struct MeshWindow {
-  Eigen::AlignedBox2i tiles;  ///< squares of SimplifySheetOptions::tile_size; the last is the one before max()
-  Eigen::AlignedBox2i cells;  ///< with those around, so that within `tiles` all is as if the whole site were there
+  Eigen::AlignedBox2i
+      tiles;  ///< squares of SimplifySheetOptions::tile_size; the last is the one before max()
+  Eigen::AlignedBox2i
+      cells;  ///< with those around, so that within `tiles` all is as if the whole site were there
   std::size_t num_cells = 0;  ///< about as many hold something
 };
 
@@ -36,13 +38,14 @@ struct WindowMesh {
   std::size_t num_full_triangles = 0;  ///< before they were simplified, of all pieces
 };
 
-WindowMesh MeshWindowOf(const SurfaceMap& surface, const MeshWindow& window, const MeshOptions& options);
+WindowMesh MeshWindowOf(const SurfaceMap& surface, const MeshWindow& window,
+                        const MeshOptions& options);
 
 /// All cells as one window and one piece, not simplified.
 WindowMesh MeshWithoutSimplifying(const SurfaceMap& surface, const MeshOptions& options);
 
-/// Gives vertices at seams numbers that windows agree upon: by where they are, and of several at one place (SplitFans)
-/// by their order, which is that of the cells.
+/// Gives vertices at seams numbers that windows agree upon: by where they are, and of several at
+/// one place (SplitFans) by their order, which is that of the cells.
 class SeamNumbers {
  public:
   void Renumber(const VoxelSheet& sheet, std::vector<MeshPiece>& pieces);
@@ -52,9 +55,12 @@ class SeamNumbers {
   struct HashOfPlace {
     std::size_t operator()(const Place& place) const;
   };
-  static Place PlaceOf(const Eigen::Vector3d& vertex) { return {vertex.x(), vertex.y(), vertex.z()}; }
+  static Place PlaceOf(const Eigen::Vector3d& vertex) {
+    return {vertex.x(), vertex.y(), vertex.z()};
+  }
 
-  std::unordered_map<Place, std::vector<std::uint32_t>, HashOfPlace> numbers_;  // of the vertices at a place
+  std::unordered_map<Place, std::vector<std::uint32_t>, HashOfPlace>
+      numbers_;  // of the vertices at a place
   std::uint32_t next_ = 0;
 };
 

@@ -43,12 +43,14 @@ Scalar ParseScalar(const std::string& name, const std::string& where) {
       {"float", Scalar::kFloat32},  {"float32", Scalar::kFloat32}, {"double", Scalar::kFloat64},
       {"float64", Scalar::kFloat64}};
   const auto found = kScalars.find(name);
-  Require(found != kScalars.end(), ErrorCode::kInvalidInput, where + " has a property of unknown type '" + name + "'");
+  Require(found != kScalars.end(), ErrorCode::kInvalidInput,
+          where + " has a property of unknown type '" + name + "'");
   return found->second;
 }
 
 void ParseProperty(std::istringstream& words, Header& header, const std::string& where) {
-  Require(!header.elements.empty(), ErrorCode::kInvalidInput, where + " has a property before any element");
+  Require(!header.elements.empty(), ErrorCode::kInvalidInput,
+          where + " has a property before any element");
   Property property;
   std::string type;
   words >> type;
@@ -67,17 +69,20 @@ Header ParseHeader(std::string_view content, const std::string& where) {
   bool has_format = false;
   for (int number = 0;; ++number) {
     const std::size_t end = content.find('\n', header.size);
-    Require(end != std::string_view::npos, ErrorCode::kInvalidInput, where + " has no complete PLY header");
+    Require(end != std::string_view::npos, ErrorCode::kInvalidInput,
+            where + " has no complete PLY header");
     std::istringstream words{std::string(content.substr(header.size, end - header.size))};
     header.size = end + 1;
     std::string keyword, second;
     words >> keyword;
-    Require((keyword == "ply") == (number == 0), ErrorCode::kInvalidInput, where + " is not a PLY file");
+    Require((keyword == "ply") == (number == 0), ErrorCode::kInvalidInput,
+            where + " is not a PLY file");
     if (keyword == "format") {
       words >> second;
       header.is_ascii = second == "ascii";
       has_format = header.is_ascii || second == "binary_little_endian";
-      Require(has_format, ErrorCode::kInvalidInput, where + " is PLY of the unsupported format '" + second + "'");
+      Require(has_format, ErrorCode::kInvalidInput,
+              where + " is PLY of the unsupported format '" + second + "'");
     } else if (keyword == "comment") {
       Eigen::Vector3d origin;
       if (words >> second && second == "origin" && words >> origin.x() >> origin.y() >> origin.z())
@@ -120,7 +125,8 @@ class ValueReader {
  private:
   template <typename T>
   T Take() {
-    Require(body_.size() >= sizeof(T), ErrorCode::kInvalidInput, where_ + " ends before its last element");
+    Require(body_.size() >= sizeof(T), ErrorCode::kInvalidInput,
+            where_ + " ends before its last element");
     T value;
     std::memcpy(&value, body_.data(), sizeof value);
     body_.remove_prefix(sizeof value);
@@ -129,13 +135,15 @@ class ValueReader {
 
   double NextWord() {
     const std::size_t begin = body_.find_first_not_of(" \t\r\n");
-    Require(begin != std::string_view::npos, ErrorCode::kInvalidInput, where_ + " ends before its last element");
+    Require(begin != std::string_view::npos, ErrorCode::kInvalidInput,
+            where_ + " ends before its last element");
     const std::size_t end = std::min(body_.find_first_of(" \t\r\n", begin), body_.size());
     const std::string word(body_.substr(begin, end - begin));
     body_.remove_prefix(end);
     char* rest = nullptr;
     const double value = std::strtod(word.c_str(), &rest);
-    Require(*rest == '\0', ErrorCode::kInvalidInput, where_ + " has '" + word + "' where a number should be");
+    Require(*rest == '\0', ErrorCode::kInvalidInput,
+            where_ + " has '" + word + "' where a number should be");
     return value;
   }
 
@@ -163,7 +171,9 @@ void ReadVertices(const Element& element, ValueReader& values, RawMesh& raw) {
     double sigma = 0;
     for (const Property& property : element.properties) {
       const auto count =
-          property.count_type ? static_cast<std::size_t>(std::max(values.Next(*property.count_type), 0.0)) : 1;
+          property.count_type
+              ? static_cast<std::size_t>(std::max(values.Next(*property.count_type), 0.0))
+              : 1;
       double value = 0;
       for (std::size_t k = 0; k < count; ++k) value = values.Next(property.type);
       const std::string& name = property.name;
@@ -186,13 +196,16 @@ void ReadFaces(const Element& element, ValueReader& values, TriangleMesh& mesh) 
   for (std::size_t i = 0; i < element.count; ++i)
     for (const Property& property : element.properties) {
       const auto count =
-          property.count_type ? static_cast<std::size_t>(std::max(values.Next(*property.count_type), 0.0)) : 1;
+          property.count_type
+              ? static_cast<std::size_t>(std::max(values.Next(*property.count_type), 0.0))
+              : 1;
       const bool is_face = property.name == "vertex_indices" || property.name == "vertex_index";
       std::uint32_t first = 0, previous = 0;
       for (std::size_t k = 0; k < count; ++k) {
         const double value = values.Next(property.type);
         // What does not fit becomes an index that no mesh has.
-        const auto index = value >= 0 && value < 4294967295.0 ? static_cast<std::uint32_t>(value) : UINT32_MAX;
+        const auto index =
+            value >= 0 && value < 4294967295.0 ? static_cast<std::uint32_t>(value) : UINT32_MAX;
         if (k == 0) first = index;
         if (is_face && k >= 2) mesh.triangles.push_back({first, previous, index});
         previous = index;
@@ -204,7 +217,9 @@ void Skip(const Element& element, ValueReader& values) {
   for (std::size_t i = 0; i < element.count; ++i)
     for (const Property& property : element.properties) {
       const auto count =
-          property.count_type ? static_cast<std::size_t>(std::max(values.Next(*property.count_type), 0.0)) : 1;
+          property.count_type
+              ? static_cast<std::size_t>(std::max(values.Next(*property.count_type), 0.0))
+              : 1;
       for (std::size_t k = 0; k < count; ++k) values.Next(property.type);
     }
 }
@@ -212,7 +227,8 @@ void Skip(const Element& element, ValueReader& values) {
 void WorkOutNormals(TriangleMesh& mesh) {
   std::vector<Eigen::Vector3f> sums(mesh.vertices.size(), Eigen::Vector3f::Zero());
   for (const auto& [a, b, c] : mesh.triangles) {
-    const Eigen::Vector3f normal = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
+    const Eigen::Vector3f normal =
+        (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
     for (const std::uint32_t vertex : {a, b, c}) sums[vertex] += normal;
   }
   for (std::size_t i = 0; i < sums.size(); ++i)
@@ -239,13 +255,17 @@ TriangleMesh ReadPly(const std::filesystem::path& file) {
   }
   TriangleMesh& mesh = raw.mesh;
   for (const Eigen::Vector3d& vertex : raw.vertices)
-    Require(vertex.allFinite(), ErrorCode::kInvalidInput, where + " has a vertex that is not finite");
+    Require(vertex.allFinite(), ErrorCode::kInvalidInput,
+            where + " has a vertex that is not finite");
   for (const auto& triangle : mesh.triangles)
     for (const std::uint32_t index : triangle)
-      Require(index < raw.vertices.size(), ErrorCode::kInvalidInput, where + " has a face beyond its vertices");
-  const Eigen::Vector3d first = raw.vertices.empty() ? Eigen::Vector3d::Zero() : raw.vertices.front();
+      Require(index < raw.vertices.size(), ErrorCode::kInvalidInput,
+              where + " has a face beyond its vertices");
+  const Eigen::Vector3d first =
+      raw.vertices.empty() ? Eigen::Vector3d::Zero() : raw.vertices.front();
   const Eigen::Vector3d amid = first.array().round();
-  for (const Eigen::Vector3d& vertex : raw.vertices) mesh.vertices.push_back((vertex - amid).cast<float>());
+  for (const Eigen::Vector3d& vertex : raw.vertices)
+    mesh.vertices.push_back((vertex - amid).cast<float>());
   mesh.origin = amid + header.origin;
   if (!raw.has_normals) WorkOutNormals(mesh);
   ValidateMesh(mesh);

@@ -29,15 +29,17 @@ using Colors = std::vector<std::array<std::uint8_t, 3>>;
 constexpr double kMaxEdge = 3.0;       // [m] about the longest edge on a plane
 constexpr double kBorderWeight = 2.0;  // of a border's quadrics: an outline moves less than a plane
 
-/// Quadrics alone cost nothing on a plane, where edges would collapse in any order, and fans of hundreds of triangles
-/// would form, which are ugly and slow. Short edges therefore go first.
+/// Quadrics alone cost nothing on a plane, where edges would collapse in any order, and fans of
+/// hundreds of triangles would form, which are ugly and slow. Short edges therefore go first.
 class EvenPolicies : public Policies {
  public:
   EvenPolicies(Mesh& mesh, double max_error)
-      : Policies(mesh, kBorderWeight), cost_per_square_meter_(max_error * max_error / (kMaxEdge * kMaxEdge)) {}
+      : Policies(mesh, kBorderWeight),
+        cost_per_square_meter_(max_error * max_error / (kMaxEdge * kMaxEdge)) {}
 
   template <typename Profile>
-  boost::optional<double> operator()(const Profile& profile, const boost::optional<Kernel::Point_3>& placement) const {
+  boost::optional<double> operator()(const Profile& profile,
+                                     const boost::optional<Kernel::Point_3>& placement) const {
     boost::optional<double> cost = Policies::operator()(profile, placement);
     if (cost) *cost += cost_per_square_meter_ * CGAL::squared_distance(profile.p0(), profile.p1());
     return cost;
@@ -75,7 +77,8 @@ Tile CutTile(const VoxelSheet& sheet, const std::vector<std::uint32_t>& triangle
     std::array<std::uint32_t, 3>& triangle = tile.sheet.triangles.emplace_back();
     for (size_t i = 0; i < 3; ++i) {
       const std::uint32_t vertex = sheet.triangles[t][i];
-      const auto [found, is_new] = in_tile.try_emplace(vertex, static_cast<std::uint32_t>(tile.in_sheet.size()));
+      const auto [found, is_new] =
+          in_tile.try_emplace(vertex, static_cast<std::uint32_t>(tile.in_sheet.size()));
       if (is_new) {
         tile.in_sheet.push_back(vertex);
         tile.sheet.vertices.push_back(sheet.vertices[vertex]);
@@ -84,12 +87,14 @@ Tile CutTile(const VoxelSheet& sheet, const std::vector<std::uint32_t>& triangle
     }
   }
   // The cut may leave fans that touched only beyond it.
-  for (const std::uint32_t copied : SplitFans(tile.sheet)) tile.in_sheet.push_back(tile.in_sheet[copied]);
+  for (const std::uint32_t copied : SplitFans(tile.sheet))
+    tile.in_sheet.push_back(tile.in_sheet[copied]);
   return tile;
 }
 
 /// Most of a tile is flat: what need not be ordered by its cost goes first.
-void Thin(const Colors& colors, const std::vector<bool>& is_seam, const SimplifySheetOptions& options, Tile& tile) {
+void Thin(const Colors& colors, const std::vector<bool>& is_seam,
+          const SimplifySheetOptions& options, Tile& tile) {
   Colors of_tile;
   std::vector<bool> is_kept;
   for (const std::uint32_t vertex : tile.in_sheet) {
@@ -102,12 +107,13 @@ void Thin(const Colors& colors, const std::vector<bool>& is_seam, const Simplify
   tile.in_sheet.resize(left.size());
 }
 
-/// Marks the edges that must stay: seams between tiles and edges of colour.
-EdgeFlags MarkKept(Mesh& mesh, const Tile& tile, const Colors& colors, const std::vector<bool>& is_seam,
-                   int color_contrast) {
+/// Marks the edges that must stay: seams between tiles and edges of color.
+EdgeFlags MarkKept(Mesh& mesh, const Tile& tile, const Colors& colors,
+                   const std::vector<bool>& is_seam, int color_contrast) {
   EdgeFlags is_kept = mesh.add_property_map<Mesh::Edge_index, bool>("e:is_kept", false).first;
   for (const Mesh::Edge_index edge : mesh.edges()) {
-    const std::uint32_t a = tile.in_sheet[mesh.vertex(edge, 0)], b = tile.in_sheet[mesh.vertex(edge, 1)];
+    const std::uint32_t a = tile.in_sheet[mesh.vertex(edge, 0)],
+                        b = tile.in_sheet[mesh.vertex(edge, 1)];
     is_kept[edge] = is_seam[a] || is_seam[b] || HasContrast(colors[a], colors[b], color_contrast);
   }
   return is_kept;
@@ -125,17 +131,20 @@ SheetPiece Simplify(Tile tile, const Colors& colors, const std::vector<bool>& is
                     const SimplifySheetOptions& options) {
   Thin(colors, is_seam, options, tile);
   Mesh mesh;
-  for (const Eigen::Vector3d& vertex : tile.sheet.vertices) mesh.add_vertex({vertex.x(), vertex.y(), vertex.z()});
+  for (const Eigen::Vector3d& vertex : tile.sheet.vertices)
+    mesh.add_vertex({vertex.x(), vertex.y(), vertex.z()});
   for (const auto& [a, b, c] : tile.sheet.triangles)
-    if (mesh.add_face(Mesh::Vertex_index(a), Mesh::Vertex_index(b), Mesh::Vertex_index(c)) == Mesh::null_face())
+    if (mesh.add_face(Mesh::Vertex_index(a), Mesh::Vertex_index(b), Mesh::Vertex_index(c)) ==
+        Mesh::null_face())
       return PieceOf(tile, is_seam);
   const EdgeFlags is_kept = MarkKept(mesh, tile, colors, is_seam, options.color_contrast);
   const EvenPolicies policies(mesh, options.max_error);
   const collapse::Constrained_placement<EvenPolicies, EdgeFlags> placement(is_kept, policies);
-  collapse::edge_collapse(
-      mesh, StopAtCost{options.max_error * options.max_error},
-      CGAL::parameters::edge_is_constrained_map(is_kept).get_cost(policies).get_placement(placement).filter(
-          collapse::Bounded_normal_change_filter<>()));
+  collapse::edge_collapse(mesh, StopAtCost{options.max_error * options.max_error},
+                          CGAL::parameters::edge_is_constrained_map(is_kept)
+                              .get_cost(policies)
+                              .get_placement(placement)
+                              .filter(collapse::Bounded_normal_change_filter<>()));
   SheetPiece simplified;
   std::vector<std::uint32_t> compact(tile.in_sheet.size());
   for (const Mesh::Vertex_index vertex : mesh.vertices()) {
@@ -162,7 +171,8 @@ Groups GroupByTile(const VoxelSheet& sheet, double tile_size) {
   for (size_t t = 0; t < sheet.triangles.size(); ++t) {
     const auto& [a, b, c] = sheet.triangles[t];
     const Eigen::Vector3d center = (sheet.vertices[a] + sheet.vertices[b] + sheet.vertices[c]) / 3;
-    groups[{static_cast<int>(std::floor(center.y() / tile_size)), static_cast<int>(std::floor(center.x() / tile_size))}]
+    groups[{static_cast<int>(std::floor(center.y() / tile_size)),
+            static_cast<int>(std::floor(center.x() / tile_size))}]
         .push_back(static_cast<std::uint32_t>(t));
   }
   return groups;
@@ -195,7 +205,8 @@ std::vector<SheetPiece> SimplifyPieces(const VoxelSheet& sheet, const Colors& co
   std::vector<const Groups::value_type*> tiles;
   for (const auto& group : groups) {
     const Eigen::Array2i at(group.first.second, group.first.first);
-    if (!wanted || ((at >= wanted->min().array()).all() && (at < wanted->max().array()).all())) tiles.push_back(&group);
+    if (!wanted || ((at >= wanted->min().array()).all() && (at < wanted->max().array()).all()))
+      tiles.push_back(&group);
   }
   const auto num_triangles = [&](size_t i) { return tiles[i]->second.size(); };
   return ParallelMapLargestFirst(tiles.size(), num_triangles, [&](size_t i) {
@@ -205,7 +216,8 @@ std::vector<SheetPiece> SimplifyPieces(const VoxelSheet& sheet, const Colors& co
   });
 }
 
-std::vector<std::vector<std::uint32_t>> JoinPieces(std::span<const SheetPiece> pieces, VoxelSheet& joined) {
+std::vector<std::vector<std::uint32_t>> JoinPieces(std::span<const SheetPiece> pieces,
+                                                   VoxelSheet& joined) {
   std::vector<std::vector<std::uint32_t>> in_joined(pieces.size());
   std::unordered_map<std::uint32_t, std::uint32_t> seam_vertices;  // of the whole -> of the result
   for (size_t p = 0; p < pieces.size(); ++p) {
@@ -213,7 +225,8 @@ std::vector<std::vector<std::uint32_t>> JoinPieces(std::span<const SheetPiece> p
     for (size_t i = 0; i < piece.seams.size(); ++i) {
       const auto next = static_cast<std::uint32_t>(joined.vertices.size());
       const bool is_shared = piece.seams[i] != SheetPiece::kNoSeam;
-      in_joined[p].push_back(is_shared ? seam_vertices.try_emplace(piece.seams[i], next).first->second : next);
+      in_joined[p].push_back(
+          is_shared ? seam_vertices.try_emplace(piece.seams[i], next).first->second : next);
       if (in_joined[p][i] == next) joined.vertices.push_back(piece.sheet.vertices[i]);
     }
     for (const auto& [a, b, c] : piece.sheet.triangles)
@@ -222,7 +235,8 @@ std::vector<std::vector<std::uint32_t>> JoinPieces(std::span<const SheetPiece> p
   return in_joined;
 }
 
-VoxelSheet SimplifySheet(const VoxelSheet& sheet, const Colors& colors, const SimplifySheetOptions& options) {
+VoxelSheet SimplifySheet(const VoxelSheet& sheet, const Colors& colors,
+                         const SimplifySheetOptions& options) {
   VoxelSheet joined;
   JoinPieces(SimplifyPieces(sheet, colors, options), joined);
   return joined;

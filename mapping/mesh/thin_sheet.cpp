@@ -14,8 +14,9 @@ using Colors = std::vector<std::array<std::uint8_t, 3>>;
 using Triangle = std::array<std::uint32_t, 3>;
 
 constexpr int kNumRounds = 8;
-constexpr double kLeastGain = 0.03;   // of the vertices must go in a round, or it was the last
-constexpr double kLeastShape = 0.12;  // of a triangle: twice its area by the sum of squared edges, 0.5 of half a square
+constexpr double kLeastGain = 0.03;  // of the vertices must go in a round, or it was the last
+constexpr double kLeastShape =
+    0.12;  // of a triangle: twice its area by the sum of squared edges, 0.5 of half a square
 
 /// Twice the area of a triangle seen from above; positive: counter-clockwise.
 double AreaFromAbove(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
@@ -24,8 +25,8 @@ double AreaFromAbove(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const E
 
 class SheetThinner {
  public:
-  SheetThinner(const Colors& colors, const std::vector<bool>& is_kept, const ThinSheetOptions& options,
-               VoxelSheet& sheet)
+  SheetThinner(const Colors& colors, const std::vector<bool>& is_kept,
+               const ThinSheetOptions& options, VoxelSheet& sheet)
       : colors_(colors),
         is_kept_(is_kept),
         options_(options),
@@ -41,10 +42,13 @@ class SheetThinner {
     for (std::uint32_t v = 0; v < left.size(); ++v) left[v] = v;
     for (int round = 0; round < kNumRounds; ++round) {
       std::vector<bool> has_to_stay(vertices_.size());
-      const auto goes = [&](std::uint32_t vertex) { return !has_to_stay[vertex] && Remove(vertex, has_to_stay); };
+      const auto goes = [&](std::uint32_t vertex) {
+        return !has_to_stay[vertex] && Remove(vertex, has_to_stay);
+      };
       const size_t before = left.size();
       std::erase_if(left, goes);
-      if (static_cast<double>(before - left.size()) < kLeastGain * static_cast<double>(before)) break;
+      if (static_cast<double>(before - left.size()) < kLeastGain * static_cast<double>(before))
+        break;
     }
   }
 
@@ -65,7 +69,7 @@ class SheetThinner {
   }
 
  private:
-  /// The neighbours of a vertex inside the sheet, counter-clockwise; nothing at a border.
+  /// The neighbors of a vertex inside the sheet, counter-clockwise; nothing at a border.
   bool FindRing(std::uint32_t vertex) {
     edges_.clear();
     for (const std::uint32_t t : fans_[vertex]) {
@@ -77,8 +81,8 @@ class SheetThinner {
     if (edges_.empty()) return false;
     std::uint32_t next = edges_[0].first;
     for (size_t i = 0; i < edges_.size(); ++i) {
-      const auto edge =
-          std::find_if(edges_.begin(), edges_.end(), [&](const auto& each) { return each.first == next; });
+      const auto edge = std::find_if(edges_.begin(), edges_.end(),
+                                     [&](const auto& each) { return each.first == next; });
       if (edge == edges_.end()) return false;
       ring_.push_back(next);
       next = edge->second;
@@ -93,8 +97,8 @@ class SheetThinner {
       const Eigen::Vector3d& a = vertices_[ring_[(target + i) % ring_.size()]];
       const Eigen::Vector3d& b = vertices_[ring_[(target + i + 1) % ring_.size()]];
       const double area = AreaFromAbove(into, a, b);
-      const double edges =
-          (a - into).head<2>().squaredNorm() + (b - into).head<2>().squaredNorm() + (b - a).head<2>().squaredNorm();
+      const double edges = (a - into).head<2>().squaredNorm() + (b - into).head<2>().squaredNorm() +
+                           (b - a).head<2>().squaredNorm();
       if (!(area > kLeastShape * edges)) return false;
       const double of_a = AreaFromAbove(into, gone, b), of_b = AreaFromAbove(into, a, gone);
       const double of_into = area - of_a - of_b;
@@ -106,14 +110,15 @@ class SheetThinner {
     return is_below;
   }
 
-  /// What of its neighbours `vertex` may become: the nearest one that leaves the ground as it is.
+  /// What of its neighbors `vertex` may become: the nearest one that leaves the ground as it is.
   std::optional<size_t> FindTarget(std::uint32_t vertex) {
     if (is_kept_[vertex] || !FindRing(vertex)) return {};
     for (const std::uint32_t around : ring_)
       if (HasContrast(colors_[vertex], colors_[around], options_.color_contrast)) return {};
     const auto is_allowed = [&](std::uint32_t target) {
       return std::all_of(ring_.begin(), ring_.end(), [&](std::uint32_t around) {
-        return (vertices_[around] - vertices_[target]).squaredNorm() <= options_.max_edge * options_.max_edge &&
+        return (vertices_[around] - vertices_[target]).squaredNorm() <=
+                   options_.max_edge * options_.max_edge &&
                !HasContrast(colors_[around], colors_[target], options_.color_contrast);
       });
     };
@@ -128,7 +133,7 @@ class SheetThinner {
     return best;
   }
 
-  /// Two neighbours of the vertex alone are neighbours of the target: else the sheet would be folded.
+  /// Two neighbors of the vertex alone are neighbors of the target: else the sheet would be folded.
   bool IsLinked(std::uint32_t target) const {
     size_t count = 0;
     for (const std::uint32_t around : ring_) {
@@ -172,7 +177,8 @@ class SheetThinner {
 
 }  // namespace
 
-bool HasContrast(const std::array<std::uint8_t, 3>& a, const std::array<std::uint8_t, 3>& b, int contrast) {
+bool HasContrast(const std::array<std::uint8_t, 3>& a, const std::array<std::uint8_t, 3>& b,
+                 int contrast) {
   for (size_t c = 0; c < 3; ++c)
     if (std::abs(int{a[c]} - int{b[c]}) > contrast) return true;
   return false;

@@ -9,22 +9,25 @@
 namespace parkade {
 
 struct ThinSheetOptions {
-  double max_error = 5e-4;  ///< [m] that a vertex which goes may lie off the ground that is left there
-  double max_edge = 0.5;    ///< [m] of what is left
-  int color_contrast = 12;  ///< between vertices whose colours differ more (of 255, any channel) none goes
+  double max_error =
+      5e-4;  ///< [m] that a vertex which goes may lie off the ground that is left there
+  double max_edge = 0.5;  ///< [m] of what is left
+  int color_contrast =
+      12;  ///< between vertices whose colors differ more (of 255, any channel) none goes
 };
 
-/// Takes vertices out of flat ground of one colour, which marching cubes fills with triangles as small as its voxels:
-/// an even, cheap thinning before edges collapse in order of their cost. In each of a few rounds go vertices no two of
-/// which are neighbours, each into a neighbour (a half-edge collapse). Borders stay, and so does `is_kept`.
-/// \param colors   one per vertex
-/// \param is_kept  one per vertex
-/// \return for each vertex that is left which one of the given it was, in their order. Deterministic.
+/// Takes vertices out of flat ground of one color, which marching cubes fills with triangles as
+/// small as its voxels: an even, cheap thinning before edges collapse in order of their cost. In
+/// each of a few rounds go vertices no two of which are neighbors, each into a neighbor (a
+/// half-edge collapse). Borders stay, and so does `is_kept`. \param colors   one per vertex \param
+/// is_kept  one per vertex \return for each vertex that is left which one of the given it was, in
+/// their order. Deterministic.
 std::vector<std::uint32_t> ThinSheet(const std::vector<std::array<std::uint8_t, 3>>& colors,
-                                     const std::vector<bool>& is_kept, const ThinSheetOptions& options,
-                                     VoxelSheet& sheet);
+                                     const std::vector<bool>& is_kept,
+                                     const ThinSheetOptions& options, VoxelSheet& sheet);
 
-/// Whether two colours are further apart than that in any channel.
-bool HasContrast(const std::array<std::uint8_t, 3>& a, const std::array<std::uint8_t, 3>& b, int contrast);
+/// Whether two colors are further apart than that in any channel.
+bool HasContrast(const std::array<std::uint8_t, 3>& a, const std::array<std::uint8_t, 3>& b,
+                 int contrast);
 
 }  // namespace parkade

@@ -11,14 +11,16 @@
 namespace parkade {
 namespace {
 
-constexpr double kMinClearance = 1e-4;  // [m] of a cell's height to a layer of voxel corners: no slivers of no width
+constexpr double kMinClearance =
+    1e-4;  // [m] of a cell's height to a layer of voxel corners: no slivers of no width
 
 class SheetExtractor {
  public:
   SheetExtractor(const SurfaceMap& surface, double voxel_height, double max_step)
       : surface_(surface), links_(LinkCells(surface, max_step)), voxel_height_(voxel_height) {
     heights_.reserve(surface.cells.size());
-    for (const SurfaceCell& cell : surface.cells) heights_.push_back(KeepClear(static_cast<double>(cell.height)));
+    for (const SurfaceCell& cell : surface.cells)
+      heights_.push_back(KeepClear(static_cast<double>(cell.height)));
     column_vertices_.assign(surface.cells.size(), kNone);
   }
 
@@ -41,12 +43,15 @@ class SheetExtractor {
 
   /// Layers lie at (k + 1/2) voxel heights: a lot at height 0 stays clear of them.
   double LayerHeight(int layer) const { return (layer + 0.5) * voxel_height_; }
-  int LayerBelow(double height) const { return static_cast<int>(std::floor(height / voxel_height_ - 0.5)); }
+  int LayerBelow(double height) const {
+    return static_cast<int>(std::floor(height / voxel_height_ - 0.5));
+  }
 
   double KeepClear(double height) const {
     for (const int layer : {LayerBelow(height), LayerBelow(height) + 1}) {
       const double above = height - LayerHeight(layer);
-      if (std::abs(above) < kMinClearance) return LayerHeight(layer) + (above < 0 ? -kMinClearance : kMinClearance);
+      if (std::abs(above) < kMinClearance)
+        return LayerHeight(layer) + (above < 0 ? -kMinClearance : kMinClearance);
     }
     return height;
   }
@@ -59,7 +64,8 @@ class SheetExtractor {
     for (int layer = LayerBelow(*lowest); layer <= LayerBelow(*highest); ++layer) {
       int inside_bits = 0;
       for (int corner = 0; corner < 8; ++corner)
-        if (LayerHeight(layer + corner / 4) < heights[static_cast<size_t>(corner % 4)]) inside_bits |= 1 << corner;
+        if (LayerHeight(layer + corner / 4) < heights[static_cast<size_t>(corner % 4)])
+          inside_bits |= 1 << corner;
       for (const auto& edges : MarchingCubesCases()[static_cast<size_t>(inside_bits)]) {
         std::array<std::uint32_t, 3> triangle;
         for (size_t i = 0; i < 3; ++i) triangle[i] = VertexOn(edges[i], cells, layer);
@@ -76,7 +82,8 @@ class SheetExtractor {
 
   Eigen::Vector3d CenterOf(int cell) const {
     const SurfaceCell& c = surface_.cells[static_cast<size_t>(cell)];
-    return {(c.x + 0.5) * surface_.cell_size, (c.y + 0.5) * surface_.cell_size, heights_[static_cast<size_t>(cell)]};
+    return {(c.x + 0.5) * surface_.cell_size, (c.y + 0.5) * surface_.cell_size,
+            heights_[static_cast<size_t>(cell)]};
   }
 
   std::uint32_t ColumnVertex(int cell) {
@@ -88,18 +95,21 @@ class SheetExtractor {
   std::uint32_t LayerVertex(int a, int b, int layer) {
     // Linked cells climb by one step, so that a pair and a layer name one edge.
     const bool is_along_x = links_.right[static_cast<size_t>(a)] == b;
-    const std::uint64_t key =
-        (static_cast<std::uint64_t>(a) << 33) | (std::uint64_t{is_along_x} << 32) | static_cast<std::uint32_t>(layer);
+    const std::uint64_t key = (static_cast<std::uint64_t>(a) << 33) |
+                              (std::uint64_t{is_along_x} << 32) | static_cast<std::uint32_t>(layer);
     const auto [found, is_new] = layer_vertices_.try_emplace(key, 0);
     if (is_new) {
       const Eigen::Vector3d from = CenterOf(a), to = CenterOf(b);
       const double fraction = (LayerHeight(layer) - from.z()) / (to.z() - from.z());
-      found->second = AddVertex(from + fraction * (to - from), BeliefOf(a) + fraction * (BeliefOf(b) - BeliefOf(a)));
+      found->second = AddVertex(from + fraction * (to - from),
+                                BeliefOf(a) + fraction * (BeliefOf(b) - BeliefOf(a)));
     }
     return found->second;
   }
 
-  double BeliefOf(int cell) const { return static_cast<double>(surface_.cells[static_cast<size_t>(cell)].free_belief); }
+  double BeliefOf(int cell) const {
+    return static_cast<double>(surface_.cells[static_cast<size_t>(cell)].free_belief);
+  }
 
   std::uint32_t AddVertex(const Eigen::Vector3d& vertex, double belief) {
     sheet_.vertices.push_back(vertex);
@@ -117,11 +127,12 @@ class SheetExtractor {
   std::vector<double> beliefs_;
 };
 
-/// Cuts a sheet where values on its vertices, linear in between, pass zero; what is negative goes. Edges are cut not
-/// nearer to their ends than kMinCut of their length: no slivers.
+/// Cuts a sheet where values on its vertices, linear in between, pass zero; what is negative goes.
+/// Edges are cut not nearer to their ends than kMinCut of their length: no slivers.
 class SheetCutter {
  public:
-  SheetCutter(const VoxelSheet& sheet, std::vector<double> values) : sheet_(sheet), values_(std::move(values)) {
+  SheetCutter(const VoxelSheet& sheet, std::vector<double> values)
+      : sheet_(sheet), values_(std::move(values)) {
     kept_.assign(sheet.vertices.size(), kNone);
   }
 
@@ -135,7 +146,8 @@ class SheetCutter {
         if (values_[a] >= 0) outline[count++] = Keep(a);
         if ((values_[a] >= 0) != (values_[b] >= 0)) outline[count++] = CutEdge(a, b);
       }
-      for (size_t i = 2; i < count; ++i) result_.triangles.push_back({outline[0], outline[i - 1], outline[i]});
+      for (size_t i = 2; i < count; ++i)
+        result_.triangles.push_back({outline[0], outline[i - 1], outline[i]});
     }
     return std::move(result_);
   }
@@ -158,8 +170,10 @@ class SheetCutter {
     if (a > b) std::swap(a, b);
     const auto [found, is_new] = cuts_.try_emplace((std::uint64_t{a} << 32) | b, 0);
     if (is_new) {
-      const double fraction = std::clamp(values_[a] / (values_[a] - values_[b]), kMinCut, 1 - kMinCut);
-      found->second = Add(sheet_.vertices[a] + fraction * (sheet_.vertices[b] - sheet_.vertices[a]));
+      const double fraction =
+          std::clamp(values_[a] / (values_[a] - values_[b]), kMinCut, 1 - kMinCut);
+      found->second =
+          Add(sheet_.vertices[a] + fraction * (sheet_.vertices[b] - sheet_.vertices[a]));
     }
     return found->second;
   }
@@ -172,7 +186,8 @@ class SheetCutter {
 };
 
 /// Triangles of one vertex grouped into fans: for each triangle the number of the first in its fan.
-std::vector<size_t> GroupFans(const VoxelSheet& sheet, std::uint32_t vertex, std::span<const std::uint32_t> around) {
+std::vector<size_t> GroupFans(const VoxelSheet& sheet, std::uint32_t vertex,
+                              std::span<const std::uint32_t> around) {
   const auto share_spoke = [&](std::uint32_t s, std::uint32_t t) {
     for (const std::uint32_t p : sheet.triangles[s])
       for (const std::uint32_t q : sheet.triangles[t])
@@ -194,7 +209,8 @@ std::vector<size_t> GroupFans(const VoxelSheet& sheet, std::uint32_t vertex, std
   return fan;
 }
 
-/// True when the triangles around a vertex are one fan: n triangles have n (closed) or n + 1 (open) spokes.
+/// True when the triangles around a vertex are one fan: n triangles have n (closed) or n + 1 (open)
+/// spokes.
 bool IsOneFan(const VoxelSheet& sheet, std::uint32_t vertex, std::span<const std::uint32_t> around,
               std::vector<std::uint32_t>& spokes) {
   spokes.clear();
@@ -217,16 +233,19 @@ std::vector<std::uint32_t> SplitFans(VoxelSheet& sheet) {
   std::vector<std::uint32_t> around_all(begin.back());
   std::vector<size_t> next = begin;
   for (size_t t = 0; t < sheet.triangles.size(); ++t)
-    for (const std::uint32_t vertex : sheet.triangles[t]) around_all[next[vertex]++] = static_cast<std::uint32_t>(t);
+    for (const std::uint32_t vertex : sheet.triangles[t])
+      around_all[next[vertex]++] = static_cast<std::uint32_t>(t);
 
   std::vector<std::uint32_t> copied, spokes;
   for (std::uint32_t vertex = 0; vertex + 1 < begin.size(); ++vertex) {
-    const std::span<const std::uint32_t> around(around_all.data() + begin[vertex], begin[vertex + 1] - begin[vertex]);
+    const std::span<const std::uint32_t> around(around_all.data() + begin[vertex],
+                                                begin[vertex + 1] - begin[vertex]);
     if (IsOneFan(sheet, vertex, around, spokes)) continue;
     const std::vector<size_t> fan = GroupFans(sheet, vertex, around);
     std::map<size_t, std::uint32_t> vertex_of_fan{{0, vertex}};
     for (size_t i = 0; i < around.size(); ++i) {
-      const auto [found, is_new] = vertex_of_fan.try_emplace(fan[i], static_cast<std::uint32_t>(sheet.vertices.size()));
+      const auto [found, is_new] =
+          vertex_of_fan.try_emplace(fan[i], static_cast<std::uint32_t>(sheet.vertices.size()));
       if (is_new) {
         sheet.vertices.push_back(Eigen::Vector3d(sheet.vertices[vertex]));
         copied.push_back(vertex);
@@ -238,7 +257,8 @@ std::vector<std::uint32_t> SplitFans(VoxelSheet& sheet) {
   return copied;
 }
 
-VoxelSheet ExtractSheet(const SurfaceMap& surface, double voxel_height, double max_step, double min_belief) {
+VoxelSheet ExtractSheet(const SurfaceMap& surface, double voxel_height, double max_step,
+                        double min_belief) {
   SheetExtractor extractor(surface, voxel_height, max_step);
   VoxelSheet sheet = extractor.Extract();
   if (min_belief > 0) {

@@ -26,14 +26,22 @@ extern const char parkade_outline_network_end[];
 namespace parkade {
 namespace {
 
-std::string_view Between(const char* begin, const char* end) { return {begin, static_cast<std::size_t>(end - begin)}; }
+std::string_view Between(const char* begin, const char* end) {
+  return {begin, static_cast<std::size_t>(end - begin)};
+}
 
 }  // namespace
 
-std::string_view BuiltinFreespaceNetwork() { return Between(parkade_freespace_network, parkade_freespace_network_end); }
+std::string_view BuiltinFreespaceNetwork() {
+  return Between(parkade_freespace_network, parkade_freespace_network_end);
+}
 
-std::string_view BuiltinLevelNetwork() { return Between(parkade_level_network, parkade_level_network_end); }
+std::string_view BuiltinLevelNetwork() {
+  return Between(parkade_level_network, parkade_level_network_end);
+}
 
-std::string_view BuiltinOutlineNetwork() { return Between(parkade_outline_network, parkade_outline_network_end); }
+std::string_view BuiltinOutlineNetwork() {
+  return Between(parkade_outline_network, parkade_outline_network_end);
+}
 
 }  // namespace parkade

@@ -4,13 +4,14 @@
 
 namespace parkade {
 
-/// The bytes of models/freespace.onnx, which the build puts into the program, so that it runs from anywhere.
+/// The bytes of models/freespace.onnx, which the build puts into the program, so that it runs from
+/// anywhere.
 std::string_view BuiltinFreespaceNetwork();
 
-/// Likewise of models/level.onnx.
+/// Also of models/level.onnx.
 std::string_view BuiltinLevelNetwork();
 
-/// Likewise of models/outlines.onnx.
+/// Also of models/outlines.onnx.
 std::string_view BuiltinOutlineNetwork();
 
 }  // namespace parkade

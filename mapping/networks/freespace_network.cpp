@@ -15,33 +15,39 @@ namespace parkade {
 namespace {
 
 constexpr size_t kMaxBytes = size_t{512} << 20;
-constexpr double kMinIsland = 0.005;  // of the picture
+constexpr double kMinIsland = 0.005;  // of the image
 const cv::Size kOpenSize(320, 208);   // of networks that leave their input's size open
-constexpr int kOwnMultiple = 32;      // pixels: what the sides of our own network's input are multiples of
+constexpr int kOwnMultiple =
+    32;  // pixels: what the sides of our own network's input are multiples of
 
 /// Log-odds of the one or two channels of 1 x C x h x w, which must be of these.
 cv::Mat LogOddsOf(const cv::Mat& output) {
   const bool is_usable = output.dims == 4 && output.type() == CV_32F && output.size[0] == 1 &&
-                         (output.size[1] == 1 || output.size[1] == 2) && output.size[2] > 1 && output.size[3] > 1;
-  Require(is_usable, ErrorCode::kInvalidInput, "its output is not 1 x 1 x h x w (log-odds) or 1 x 2 x h x w (scores)");
+                         (output.size[1] == 1 || output.size[1] == 2) && output.size[2] > 1 &&
+                         output.size[3] > 1;
+  Require(is_usable, ErrorCode::kInvalidInput,
+          "its output is not 1 x 1 x h x w (log-odds) or 1 x 2 x h x w (scores)");
   const auto channel = [&](int index) {
-    return cv::Mat(output.size[2], output.size[3], CV_32F, const_cast<float*>(output.ptr<float>(0, index)));
+    return cv::Mat(output.size[2], output.size[3], CV_32F,
+                   const_cast<float*>(output.ptr<float>(0, index)));
   };
   return output.size[1] == 1 ? output.reshape(1, output.size[2]) : cv::Mat(channel(1) - channel(0));
 }
 
-/// The largest size within `limit` that has the proportions of `image`, its sides rounded up to what our own network
-/// takes.
+/// The largest size within `limit` that has the proportions of `image`, its sides rounded up to
+/// what our own network takes.
 cv::Size OwnSizeFor(const cv::Size& image, const cv::Size& limit) {
-  const double scale =
-      std::min(limit.width / static_cast<double>(image.width), limit.height / static_cast<double>(image.height));
+  const double scale = std::min(limit.width / static_cast<double>(image.width),
+                                limit.height / static_cast<double>(image.height));
   const auto round_up = [&](int length) {
-    return kOwnMultiple * std::max(1, static_cast<int>(std::ceil(scale * length / kOwnMultiple - 1e-6)));
+    return kOwnMultiple *
+           std::max(1, static_cast<int>(std::ceil(scale * length / kOwnMultiple - 1e-6)));
   };
   return {round_up(image.width), round_up(image.height)};
 }
 
-/// What a camera of a car calls drivable hangs together: small islands, specks on walls most often, get log-odds of 0.
+/// What a camera of a car calls drivable hangs together: small islands, specks on walls most often,
+/// get log-odds of 0.
 void DoubtIslands(cv::Mat& log_odds) {
   cv::Mat labels, stats, centroids;
   const cv::Mat is_free = log_odds > 0;
@@ -52,7 +58,8 @@ void DoubtIslands(cv::Mat& log_odds) {
     is_island[static_cast<size_t>(i)] = stats.at<int>(i, cv::CC_STAT_AREA) < min_area;
   for (int row = 0; row < labels.rows; ++row)
     for (int column = 0; column < labels.cols; ++column)
-      if (is_island[static_cast<size_t>(labels.at<int>(row, column))]) log_odds.at<float>(row, column) = 0;
+      if (is_island[static_cast<size_t>(labels.at<int>(row, column))])
+        log_odds.at<float>(row, column) = 0;
 }
 
 }  // namespace
@@ -69,11 +76,13 @@ float FreespaceBelief::At(const Eigen::Vector2f& pixel) const {
   const float fx = column - static_cast<float>(x), fy = row - static_cast<float>(y);
   const float* upper = log_odds.ptr<float>(y) + x;
   const float* lower = log_odds.ptr<float>(y + 1) + x;
-  return (upper[0] * (1 - fx) + upper[1] * fx) * (1 - fy) + (lower[0] * (1 - fx) + lower[1] * fx) * fy;
+  return (upper[0] * (1 - fx) + upper[1] * fx) * (1 - fy) +
+         (lower[0] * (1 - fx) + lower[1] * fx) * fy;
 }
 
 bool FreespaceBelief::Covers(const Eigen::Vector2f& pixel) const {
-  const Eigen::Array2f size(static_cast<float>(image_size.width), static_cast<float>(image_size.height));
+  const Eigen::Array2f size(static_cast<float>(image_size.width),
+                            static_cast<float>(image_size.height));
   return (pixel.array() >= -0.5F).all() && (pixel.array() <= size - 0.5F).all();
 }
 
@@ -87,12 +96,18 @@ cv::Mat FreespaceBelief::Mask() const {
 class FreespaceNetwork::Copies {
  public:
   Copies(std::string model, bool is_own)
-      : input_size_(FindOnnxInputSize(model).value_or(kOpenSize)), is_own_(is_own), networks_(std::move(model)) {}
+      : input_size_(FindOnnxInputSize(model).value_or(kOpenSize)),
+        is_own_(is_own),
+        networks_(std::move(model)) {}
 
-  cv::Size InputSizeFor(const cv::Size& image) const { return is_own_ ? OwnSizeFor(image, input_size_) : input_size_; }
+  cv::Size InputSizeFor(const cv::Size& image) const {
+    return is_own_ ? OwnSizeFor(image, input_size_) : input_size_;
+  }
 
   /// `image` is of such a size.
-  cv::Mat Run(const cv::Mat& image) { return LogOddsOf(networks_.Run(cv::dnn::blobFromImage(image))); }
+  cv::Mat Run(const cv::Mat& image) {
+    return LogOddsOf(networks_.Run(cv::dnn::blobFromImage(image)));
+  }
 
  private:
   cv::Size input_size_;
@@ -101,12 +116,14 @@ class FreespaceNetwork::Copies {
 };
 
 FreespaceNetwork::FreespaceNetwork(const std::filesystem::path& file)
-    : FreespaceNetwork(file.empty() ? std::string(BuiltinFreespaceNetwork()) : ReadFile(file, kMaxBytes), file.empty(),
-                       file.empty() ? "the built-in free-space network" : "'" + file.string() + "'") {}
+    : FreespaceNetwork(
+          file.empty() ? std::string(BuiltinFreespaceNetwork()) : ReadFile(file, kMaxBytes),
+          file.empty(),
+          file.empty() ? "the built-in free-space network" : "'" + file.string() + "'") {}
 
 std::unique_ptr<FreespaceNetwork> FreespaceNetwork::OfLevelViews() {
-  return std::unique_ptr<FreespaceNetwork>(
-      new FreespaceNetwork(std::string(BuiltinLevelNetwork()), true, "the built-in network of level views"));
+  return std::unique_ptr<FreespaceNetwork>(new FreespaceNetwork(
+      std::string(BuiltinLevelNetwork()), true, "the built-in network of level views"));
 }
 
 FreespaceNetwork::FreespaceNetwork(std::string model, bool is_own, const std::string& name) {
@@ -117,17 +134,21 @@ FreespaceNetwork::FreespaceNetwork(std::string model, bool is_own, const std::st
   } catch (const Error& error) {
     throw Error(ErrorCode::kInvalidInput, name + " is no free-space network: " + error.what());
   } catch (const std::exception&) {
-    throw Error(ErrorCode::kInvalidInput, name + " is no free-space network: OpenCV cannot run it as ONNX");
+    throw Error(ErrorCode::kInvalidInput,
+                name + " is no free-space network: OpenCV cannot run it as ONNX");
   }
 }
 
 FreespaceNetwork::~FreespaceNetwork() = default;
 
-cv::Size FreespaceNetwork::InputSizeFor(const cv::Size& image) const { return copies_->InputSizeFor(image); }
+cv::Size FreespaceNetwork::InputSizeFor(const cv::Size& image) const {
+  return copies_->InputSizeFor(image);
+}
 
 FreespaceBelief FreespaceNetwork::Run(const cv::Mat& image) const {
-  Require(!image.empty() && image.depth() == CV_8U && (image.channels() == 1 || image.channels() == 3),
-          ErrorCode::kInvalidInput, "the network takes grey and colour images of 8 bits");
+  Require(
+      !image.empty() && image.depth() == CV_8U && (image.channels() == 1 || image.channels() == 3),
+      ErrorCode::kInvalidInput, "the network takes gray and color images of 8 bits");
   // Averaging, as in training: blobFromImage alone would skip pixels.
   cv::Mat resized, color;
   cv::resize(image, resized, copies_->InputSizeFor(image.size()), 0, 0, cv::INTER_AREA);

@@ -21,7 +21,8 @@ class QuietOpenCv {
   cv::utils::logging::LogLevel level_;
 };
 
-/// As many copies of one ONNX network as there are callers at a time: OpenCV's are for one thread each.
+/// As many copies of one ONNX network as there are callers at a time: OpenCV's are for one thread
+/// each.
 class NetworkCopies {
  public:
   /// \param model  the file's bytes. Throws cv::Exception where OpenCV cannot read them.

@@ -7,8 +7,8 @@ namespace parkade {
 namespace {
 
 // Field numbers of onnx.proto.
-constexpr std::uint64_t kModelGraph = 7, kGraphInput = 11, kValueType = 2, kTypeTensor = 1, kTensorShape = 2,
-                        kShapeDimension = 1, kDimensionValue = 1;
+constexpr std::uint64_t kModelGraph = 7, kGraphInput = 11, kValueType = 2, kTypeTensor = 1,
+                        kTensorShape = 2, kShapeDimension = 1, kDimensionValue = 1;
 constexpr std::uint64_t kMaxSide = 16384;  // [px]
 
 /// One field of a protocol buffer message: a number, or the bytes of text or of another message.

@@ -18,63 +18,73 @@ namespace {
 
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
-constexpr double kPoseSpacing = 0.3;      // [m] between the poses that landmarks are seen from
-constexpr double kSeenFrom = 3.0;         // [m] before and after the nearest pose a landmark is seen from too
+constexpr double kPoseSpacing = 0.3;  // [m] between the poses that landmarks are seen from
+constexpr double kSeenFrom =
+    3.0;  // [m] before and after the nearest pose a landmark is seen from too
 constexpr double kMinCameraHeight = 0.2;  // [m] of the cameras above the road
-constexpr double kMaxShareBelow = 0.1;    // of the landmarks may lie under the road: reflections, outliers
+constexpr double kMaxShareBelow =
+    0.1;  // of the landmarks may lie under the road: reflections, outliers
 
 /// Body poses about kPoseSpacing apart.
 std::vector<Rigid3> SpacedPoses(const Trajectory& odom_from_body) {
   std::vector<Rigid3> poses;
   for (const TrajectoryState& state : odom_from_body.states())
-    if (poses.empty() || (state.odom_from_body.translation - poses.back().translation).norm() > kPoseSpacing)
-      poses.push_back(state.odom_from_body);
+    if (poses.empty() ||
+        (state.world_from_body.translation - poses.back().translation).norm() > kPoseSpacing)
+      poses.push_back(state.world_from_body);
   return poses;
 }
 
 /// Mean direction against gravity, in body.
 Eigen::Vector3d MeanUpInBody(const std::vector<Rigid3>& odom_from_body) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Rigid3& pose : odom_from_body) sum += pose.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  for (const Rigid3& pose : odom_from_body)
+    sum += pose.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   return sum.normalized();
 }
 
 /// Index of the pose that is nearest horizontally.
 std::ptrdiff_t FindNearest(const std::vector<Rigid3>& poses, const Eigen::Vector3d& point_in_odom) {
-  const auto distance = [&](const Rigid3& pose) { return (pose.translation - point_in_odom).head<2>().squaredNorm(); };
-  return std::min_element(poses.begin(), poses.end(),
-                          [&](const Rigid3& a, const Rigid3& b) { return distance(a) < distance(b); }) -
+  const auto distance = [&](const Rigid3& pose) {
+    return (pose.translation - point_in_odom).head<2>().squaredNorm();
+  };
+  return std::min_element(
+             poses.begin(), poses.end(),
+             [&](const Rigid3& a, const Rigid3& b) { return distance(a) < distance(b); }) -
          poses.begin();
 }
 
 /// Landmarks below the lowest camera, each in the body frames of a few poses nearby.
-Cloud::Ptr CollectLandmarks(const Rig& rig, const std::vector<Rigid3>& poses, const Eigen::Vector3d& up_in_body,
-                            std::span<const Submap> submaps, const GroundPlaneOptions& options) {
+Cloud::Ptr CollectLandmarks(const Rig& rig, const std::vector<Rigid3>& poses,
+                            const Eigen::Vector3d& up_in_body, std::span<const Landmark> landmarks,
+                            const GroundPlaneOptions& options) {
   double lowest_camera = std::numeric_limits<double>::max();
   for (const RigCamera& camera : rig.cameras)
     lowest_camera = std::min(lowest_camera, up_in_body.dot(camera.body_from_camera.translation));
   double travel = 0;
-  for (size_t i = 1; i < poses.size(); ++i) travel += (poses[i].translation - poses[i - 1].translation).norm();
+  for (size_t i = 1; i < poses.size(); ++i)
+    travel += (poses[i].translation - poses[i - 1].translation).norm();
   const double spacing = travel / std::max(1.0, static_cast<double>(poses.size() - 1));
-  const std::ptrdiff_t apart = std::max<std::ptrdiff_t>(1, std::lround(kSeenFrom / std::max(spacing, kPoseSpacing)));
+  const std::ptrdiff_t apart =
+      std::max<std::ptrdiff_t>(1, std::lround(kSeenFrom / std::max(spacing, kPoseSpacing)));
 
   Cloud::Ptr cloud(new Cloud);
-  for (const Submap& submap : submaps)
-    for (const Landmark& landmark : submap.landmarks) {
-      if (!(landmark.sigma <= options.max_landmark_sigma)) continue;
-      const Eigen::Vector3d point_in_odom = submap.odom_from_submap * landmark.point_in_submap;
-      // From the nearest pose alone every landmark lies right beside the body, and pitch would be anyone's guess.
-      const std::ptrdiff_t nearest = FindNearest(poses, point_in_odom);
-      for (const std::ptrdiff_t i : {nearest - apart, nearest, nearest + apart}) {
-        if (i < 0 || i >= std::ssize(poses)) continue;
-        const Eigen::Vector3d point_in_body = poses[static_cast<size_t>(i)].Inverse() * point_in_odom;
-        const double height = up_in_body.dot(point_in_body);
-        if (height > lowest_camera - kMinCameraHeight) continue;
-        if ((point_in_body - height * up_in_body).norm() > options.max_distance) continue;
-        const Eigen::Vector3f point = point_in_body.cast<float>();
-        cloud->push_back({point.x(), point.y(), point.z()});
-      }
+  for (const Landmark& landmark : landmarks) {
+    if (!(landmark.sigma <= options.max_landmark_sigma)) continue;
+    // From the nearest pose alone every landmark lies right beside the body, and pitch would be
+    // anyone's guess.
+    const std::ptrdiff_t nearest = FindNearest(poses, landmark.point_in_odom);
+    for (const std::ptrdiff_t i : {nearest - apart, nearest, nearest + apart}) {
+      if (i < 0 || i >= std::ssize(poses)) continue;
+      const Eigen::Vector3d point_in_body =
+          poses[static_cast<size_t>(i)].Inverse() * landmark.point_in_odom;
+      const double height = up_in_body.dot(point_in_body);
+      if (height > lowest_camera - kMinCameraHeight) continue;
+      if ((point_in_body - height * up_in_body).norm() > options.max_distance) continue;
+      const Eigen::Vector3f point = point_in_body.cast<float>();
+      cloud->push_back({point.x(), point.y(), point.z()});
     }
+  }
   return cloud;
 }
 
@@ -103,13 +113,16 @@ std::optional<Eigen::Vector4d> FitPlane(const Cloud::Ptr& cloud, const Eigen::Ve
   pcl::PointIndices inliers;
   pcl::ModelCoefficients coefficients;
   segmentation.segment(inliers, coefficients);
-  if (coefficients.values.size() != 4 || inliers.indices.size() < static_cast<size_t>(options.min_inliers))
+  if (coefficients.values.size() != 4 ||
+      inliers.indices.size() < static_cast<size_t>(options.min_inliers))
     return std::nullopt;
-  Eigen::Vector4d plane(coefficients.values[0], coefficients.values[1], coefficients.values[2], coefficients.values[3]);
+  Eigen::Vector4d plane(coefficients.values[0], coefficients.values[1], coefficients.values[2],
+                        coefficients.values[3]);
   plane /= plane.head<3>().norm();
   if (plane.head<3>().dot(up_in_body) < 0) plane = -plane;
   const auto is_below = [&](const pcl::PointXYZ& point) {
-    return plane.head<3>().dot(Eigen::Vector3d(point.x, point.y, point.z)) + plane[3] < -3 * options.inlier_distance;
+    return plane.head<3>().dot(Eigen::Vector3d(point.x, point.y, point.z)) + plane[3] <
+           -3 * options.inlier_distance;
   };
   const auto num_below = static_cast<double>(std::count_if(cloud->begin(), cloud->end(), is_below));
   if (num_below > kMaxShareBelow * static_cast<double>(cloud->size())) return std::nullopt;
@@ -117,12 +130,15 @@ std::optional<Eigen::Vector4d> FitPlane(const Cloud::Ptr& cloud, const Eigen::Ve
 }
 
 /// Unit vector in the plane of `normal`: where the body travels, else where the first camera looks.
-Eigen::Vector3d ForwardInBody(const Rig& rig, const std::vector<Rigid3>& poses, const Eigen::Vector3d& normal) {
+Eigen::Vector3d ForwardInBody(const Rig& rig, const std::vector<Rigid3>& poses,
+                              const Eigen::Vector3d& normal) {
   Eigen::Vector3d forward = Eigen::Vector3d::Zero();
   for (size_t i = 1; i < poses.size(); ++i)
-    forward += poses[i - 1].rotation.conjugate() * (poses[i].translation - poses[i - 1].translation);
+    forward +=
+        poses[i - 1].rotation.conjugate() * (poses[i].translation - poses[i - 1].translation);
   forward -= normal * normal.dot(forward);
-  if (forward.norm() < 1.0) forward = rig.cameras.front().body_from_camera.rotation * Eigen::Vector3d::UnitZ();
+  if (forward.norm() < 1.0)
+    forward = rig.cameras.front().body_from_camera.rotation * Eigen::Vector3d::UnitZ();
   forward -= normal * normal.dot(forward);
   return forward.norm() > 1e-3 ? forward.normalized() : normal.unitOrthogonal();
 }
@@ -132,19 +148,21 @@ Eigen::Vector3d ForwardInBody(const Rig& rig, const std::vector<Rigid3>& poses, 
 void GroundPlaneOptions::Validate() const {
   Require(max_landmark_sigma > 0 && max_distance > 0 && inlier_distance > 0, ErrorCode::kUsage,
           "max_landmark_sigma, max_distance and inlier_distance must be > 0 m");
-  Require(max_tilt_deg > 0 && max_tilt_deg < 90, ErrorCode::kUsage, "max_tilt_deg must be in (0, 90)");
+  Require(max_tilt_deg > 0 && max_tilt_deg < 90, ErrorCode::kUsage,
+          "max_tilt_deg must be in (0, 90)");
   Require(min_inliers >= 3, ErrorCode::kUsage, "min_inliers must be at least 3");
 }
 
 std::optional<Rigid3> EstimateBodyFromGround(const Rig& rig, const Trajectory& odom_from_body,
-                                             std::span<const Submap> submaps, const GroundPlaneOptions& options) {
+                                             std::span<const Landmark> landmarks,
+                                             const GroundPlaneOptions& options) {
   if (rig.vehicle) return Rigid3{};
   const std::vector<Rigid3> poses = SpacedPoses(odom_from_body);
   if (poses.empty()) return std::nullopt;
   const Eigen::Vector3d up_in_body = MeanUpInBody(poses);
-  const Cloud::Ptr landmarks = CollectLandmarks(rig, poses, up_in_body, submaps, options);
-  if (landmarks->size() < static_cast<size_t>(options.min_inliers)) return std::nullopt;
-  const std::optional<Eigen::Vector4d> plane = FitPlane(RemoveOutliers(landmarks), up_in_body, options);
+  const Cloud::Ptr cloud = CollectLandmarks(rig, poses, up_in_body, landmarks, options);
+  if (cloud->size() < static_cast<size_t>(options.min_inliers)) return std::nullopt;
+  const std::optional<Eigen::Vector4d> plane = FitPlane(RemoveOutliers(cloud), up_in_body, options);
   if (!plane) return std::nullopt;
 
   Eigen::Matrix3d axes;

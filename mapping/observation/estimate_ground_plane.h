@@ -3,8 +3,8 @@
 #include <optional>
 #include <span>
 
+#include "core/landmark.h"
 #include "core/rig.h"
-#include "core/submap.h"
 #include "core/trajectory.h"
 
 namespace parkade {
@@ -15,24 +15,17 @@ struct GroundPlaneOptions {
   double inlier_distance = 0.08;    ///< [m] to the plane
   double max_tilt_deg = 10;         ///< of the plane against gravity
   int min_inliers = 40;             ///< fewer landmarks on one plane are no ground
-
-  template <typename Visitor>
-  void VisitFields(Visitor&& visit) {
-    visit("max_landmark_sigma", max_landmark_sigma);
-    visit("max_distance", max_distance);
-    visit("inlier_distance", inlier_distance);
-    visit("max_tilt_deg", max_tilt_deg);
-    visit("min_inliers", min_inliers);
-  }
-  void Validate() const;  ///< throws Error{kUsage}
+  void Validate() const;            ///< throws Error{kUsage}
 };
 
-/// The frame `ground` of a rig: z = 0 on the road under the car, x forward, origin below the body's. It is the
-/// body frame where vehicle.yaml tells it. Otherwise the plane is found in the landmarks: each is seen from a
-/// few of the body's poses nearby, so that the road under a car stands still there while the car drives; then RANSAC
-/// (PCL) for a plane that gravity allows, below the cameras and with next to nothing under it.
-/// Nothing where no such plane exists: too few landmarks, or a body that rolls and pitches like a drone's.
+/// The frame `ground` of a rig: z = 0 on the road under the car, x forward, origin below the
+/// body's. It is the body frame where vehicle.yaml tells it. Otherwise the plane is found in the
+/// landmarks: each is seen from a few of the body's poses nearby, so that the road under a car
+/// stands still there while the car drives; then RANSAC (PCL) for a plane that gravity allows,
+/// below the cameras and with next to nothing under it. Nothing where no such plane exists: too few
+/// landmarks, or a body that rolls and pitches like a drone's.
 std::optional<Rigid3> EstimateBodyFromGround(const Rig& rig, const Trajectory& odom_from_body,
-                                             std::span<const Submap> submaps, const GroundPlaneOptions& options = {});
+                                             std::span<const Landmark> landmarks,
+                                             const GroundPlaneOptions& options = {});
 
 }  // namespace parkade

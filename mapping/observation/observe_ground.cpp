@@ -20,13 +20,15 @@ namespace {
 
 constexpr double kMaskDelay = 0.25;   // [s] of log within which the mask of an image must come
 constexpr double kSameImage = 0.002;  // [s] a mask may be stamped this far from its image
-// What colours alone guess is wrong far away most often.
-constexpr double kGuessRange = 8.0;            // [m] beyond the nearest ground, up to which it is asked
-constexpr float kGuessPixel = 0.8F;            // [m] of ground in one pixel, at most ...
-constexpr float kGuessMargin = 4.0F;           // [m] ... so far beyond
-constexpr float kGuessFreeConfidence = 0.67F;  // of what it takes for free, beside what it takes for something else
-constexpr float kBeyondRange = 8;              // [m] to which what lies beyond the outline is kept: steps are small
-constexpr size_t kImagesPerBatch = 16;         // kept in memory at once; worked on in parallel
+// What colors alone guess is wrong far away most often.
+constexpr double kGuessRange = 8.0;   // [m] beyond the nearest ground, up to which it is asked
+constexpr float kGuessPixel = 0.8F;   // [m] of ground in one pixel, at most ...
+constexpr float kGuessMargin = 4.0F;  // [m] ... so far beyond
+constexpr float kGuessFreeConfidence =
+    0.67F;  // of what it takes for free, beside what it takes for something else
+constexpr float kBeyondRange =
+    8;  // [m] to which what lies beyond the outline is kept: steps are small
+constexpr size_t kImagesPerBatch = 16;  // kept in memory at once; worked on in parallel
 
 struct ImageWithMask {
   CameraFrame frame;
@@ -55,7 +57,8 @@ class MaskedImageStream {
  private:
   /// Reads on until the first image that waits has its mask, or is past hope of one.
   bool HasNext() {
-    while (!is_at_end_ && (waiting_.empty() || (waiting_.front().mask.empty() && !IsPastHope(waiting_.front())))) {
+    while (!is_at_end_ &&
+           (waiting_.empty() || (waiting_.front().mask.empty() && !IsPastHope(waiting_.front())))) {
       std::optional<SensorRecord> record = stream_->Next();
       if (!record) {
         is_at_end_ = true;
@@ -68,13 +71,16 @@ class MaskedImageStream {
     return !waiting_.empty();
   }
 
-  bool IsPastHope(const ImageWithMask& image) const { return last_time_ - image.frame.time > kMaskDelay; }
+  bool IsPastHope(const ImageWithMask& image) const {
+    return last_time_ - image.frame.time > kMaskDelay;
+  }
 
   void Add(CameraFrame frame) {
     ImageWithMask image{std::move(frame), {}};
     for (SemanticFrame& mask : early_masks_)
       if (IsMaskOf(mask, image.frame)) image.mask = mask.mask;
-    std::erase_if(early_masks_, [&](const SemanticFrame& mask) { return last_time_ - mask.time > kMaskDelay; });
+    std::erase_if(early_masks_,
+                  [&](const SemanticFrame& mask) { return last_time_ - mask.time > kMaskDelay; });
     waiting_.push_back(std::move(image));
   }
 
@@ -94,34 +100,38 @@ class MaskedImageStream {
   bool is_at_end_ = false;
 };
 
-/// What a network is shown of one camera's pictures, and where in it the cells of the camera's grid lie.
+/// What a network is shown of one camera's images, and where in it the cells of the camera's grid
+/// lie.
 struct NetworkView {
-  std::optional<LevelView> level;  ///< empty: the pictures as they are
+  std::optional<LevelView> level;  ///< empty: the images as they are
   std::vector<Eigen::Vector2f> pixels;
 };
 
-NetworkView MakeNetworkView(const RigCamera& camera, const GroundGrid& grid, const Rigid3& body_from_ground,
-                            bool wants_level) {
+NetworkView MakeNetworkView(const RigCamera& camera, const GroundGrid& grid,
+                            const Rigid3& body_from_ground, bool wants_level) {
   const Rigid3 ground_from_camera = body_from_ground.Inverse() * camera.body_from_camera;
   NetworkView view;
-  if (wants_level && !grid.cells.empty()) view.level = LevelView::Of(camera.model, ground_from_camera);
+  if (wants_level && !grid.cells.empty())
+    view.level = LevelView::Of(camera.model, ground_from_camera);
   view.pixels.reserve(grid.cells.size());
   for (const GroundGridCell& cell : grid.cells) {
     const Eigen::Vector3d point(cell.point_in_ground.x(), cell.point_in_ground.y(), 0);
-    view.pixels.push_back(view.level ? view.level->PixelOf(point - ground_from_camera.translation) : cell.pixel);
+    view.pixels.push_back(view.level ? view.level->PixelOf(point - ground_from_camera.translation)
+                                     : cell.pixel);
   }
   return view;
 }
 
-/// Labels what images show, by the surest means there is: the log's own mask, the network, or colours.
-class ImageLabeller {
+/// Labels what images show, by the surest means there is: the log's own mask, the network, or
+/// colors.
+class ImageLabeler {
  public:
   /// Borrows the trajectory, the grids (one per camera of the rig) and the options.
-  ImageLabeller(const Trajectory& odom_from_body, const Rigid3& body_from_ground, const Rig& rig,
-                std::span<const GroundGrid> grids, const GroundOptions& options)
+  ImageLabeler(const Trajectory& odom_from_body, const Rigid3& body_from_ground, const Rig& rig,
+               std::span<const GroundGrid> grids, const GroundOptions& options)
       : odom_from_body_(&odom_from_body),
         body_from_ground_(body_from_ground),
-        contact_(ContactArea::Of(rig)),
+        contact_(WheelbaseFootprint::Of(rig)),
         grids_(grids),
         options_(&options) {
     if (options.method != "network") return;
@@ -131,7 +141,7 @@ class ImageLabeller {
     });
     const auto is_level = [](const NetworkView& view) { return view.level.has_value(); };
     if (std::ranges::any_of(views_, is_level)) level_network_ = FreespaceNetwork::OfLevelViews();
-    if (!std::ranges::all_of(views_, is_level)) picture_network_.emplace(options.freespace_model);
+    if (!std::ranges::all_of(views_, is_level)) image_network_.emplace(options.freespace_model);
   }
 
   /// Thread-safe. `colors` are those of SampleColors.
@@ -140,28 +150,30 @@ class ImageLabeller {
     const GroundGrid& grid = grids_[camera];
     if (!image.mask.empty()) return {LabelsFromMask(grid, image.mask), {}, true};
     const SegmentGroundOptions& options = options_->segmentation;
-    if (!views_.empty()) return LabelsFromBelief(grid, views_[camera].pixels, BeliefOf(image.frame), options);
-    return {
-        SegmentGround(grid, colors,
-                      FindPathSeeds(grid, *odom_from_body_, image.frame.time, body_from_ground_, contact_), options),
-        {},
-        false};
+    if (!views_.empty())
+      return LabelsFromBelief(grid, views_[camera].pixels, BeliefOf(image.frame), options);
+    return {SegmentGround(grid, colors,
+                          FindPathSeeds(grid, *odom_from_body_, image.frame.time, body_from_ground_,
+                                        contact_),
+                          options),
+            {},
+            false};
   }
 
  private:
   FreespaceBelief BeliefOf(const CameraFrame& frame) const {
     const std::optional<LevelView>& level = views_[static_cast<size_t>(frame.camera)].level;
-    return level ? level_network_->Run(level->Show(frame.image)) : picture_network_->Run(frame.image);
+    return level ? level_network_->Run(level->Show(frame.image)) : image_network_->Run(frame.image);
   }
 
   const Trajectory* odom_from_body_;
   Rigid3 body_from_ground_;
-  ContactArea contact_;
+  WheelbaseFootprint contact_;
   std::span<const GroundGrid> grids_;
   const GroundOptions* options_;
   std::vector<NetworkView> views_;  ///< one per camera; empty: no network is asked
   std::unique_ptr<FreespaceNetwork> level_network_;
-  std::optional<FreespaceNetwork> picture_network_;
+  std::optional<FreespaceNetwork> image_network_;
 };
 
 /// Near the camera the rays lie closer than the spacing asked for: every how many-th is enough.
@@ -174,29 +186,36 @@ int RayStride(const GroundGrid& grid, float range, double spacing) {
 /// [m] up to which a guess is believed: not as far, and not in as long pixels as a mask.
 float LastRangeOfGuess(const GroundGrid& grid) {
   float sharp = 0;
-  for (size_t i = 0; i < grid.ranges.size() && grid.pixel_lengths[i] <= kGuessPixel; ++i) sharp = grid.ranges[i];
+  for (size_t i = 0; i < grid.ranges.size() && grid.pixel_lengths[i] <= kGuessPixel; ++i)
+    sharp = grid.ranges[i];
   const auto in_reach = static_cast<float>(grid.nearest_range + kGuessRange);
-  return grid.ranges.empty() || sharp == grid.ranges.back() ? in_reach : std::min(in_reach, sharp - kGuessMargin);
+  return grid.ranges.empty() || sharp == grid.ranges.back()
+             ? in_reach
+             : std::min(in_reach, sharp - kGuessMargin);
 }
 
 void LogPlane(const std::string& drive, const Rigid3& body_from_ground) {
   const Eigen::Vector3d normal = body_from_ground.rotation * Eigen::Vector3d::UnitZ();
   std::ostringstream text;
-  text << "stage=ground_plane drive=" << drive << " depth=" << -normal.dot(body_from_ground.translation)
-       << " normal_in_body=" << normal.x() << "," << normal.y() << "," << normal.z();
+  text << "stage=ground_plane drive=" << drive
+       << " depth=" << -normal.dot(body_from_ground.translation) << " normal_in_body=" << normal.x()
+       << "," << normal.y() << "," << normal.z();
   LogInfo(text.str());
 }
 
-std::vector<GroundGrid> MakeGrids(const Rig& rig, const Rigid3& body_from_ground, const GroundOptions& options,
+std::vector<GroundGrid> MakeGrids(const Rig& rig, const Rigid3& body_from_ground,
+                                  const GroundOptions& options,
                                   std::vector<std::string>& warnings) {
   std::vector<GroundGrid> grids = ParallelMap(rig.cameras.size(), [&](size_t i) {
-    return MakeGroundGrid(rig.cameras[i], body_from_ground.Inverse() * rig.cameras[i].body_from_camera,
-                          ContactArea::Of(rig), options.grid);
+    return MakeGroundGrid(rig.cameras[i],
+                          body_from_ground.Inverse() * rig.cameras[i].body_from_camera,
+                          WheelbaseFootprint::Of(rig), options.grid);
   });
   for (size_t i = 0; i < grids.size(); ++i)
     if (grids[i].cells.empty())
       warnings.push_back("camera '" + rig.cameras[i].name + "' sees no ground within " +
-                         std::to_string(static_cast<int>(options.grid.max_range)) + " m: it is not mapped");
+                         std::to_string(static_cast<int>(options.grid.max_range)) +
+                         " m: it is not mapped");
   return grids;
 }
 
@@ -205,14 +224,16 @@ std::vector<GroundGrid> MakeGrids(const Rig& rig, const Rigid3& body_from_ground
 void GroundOptions::Validate() const {
   Require(keyframe_distance > 0, ErrorCode::kUsage, "keyframe_distance must be > 0 m");
   Require(keyframe_angle_deg > 0, ErrorCode::kUsage, "keyframe_angle_deg must be > 0");
-  Require(method == "network" || method == "colors", ErrorCode::kUsage, "method must be network or colors");
+  Require(method == "network" || method == "colors", ErrorCode::kUsage,
+          "method must be network or colors");
   grid.Validate();
   segmentation.Validate();
   plane.Validate();
 }
 
-GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const cv::Mat& colors, GroundLabels&& found,
-                         const Rigid3& body_from_ground, const GroundOptions& options) {
+GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const cv::Mat& colors,
+                         GroundLabels&& found, const Rigid3& body_from_ground,
+                         const GroundOptions& options) {
   GroundPatch patch{.drive = 0, .camera = frame.camera, .time = frame.time, .samples = {}};
   std::vector<GroundLabel>& labels = found.labels;
   // Of what is not ground only its foot is known to stand where its pixels meet the plane.
@@ -237,35 +258,40 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
         hint = 0;
       }
       if (labels[i] == GroundLabel::kDoubtful) hint = 0;
-      if (labels[i] == GroundLabel::kHidden) hint = static_cast<float>(options.segmentation.hidden_confidence);
+      if (labels[i] == GroundLabel::kHidden)
+        hint = static_cast<float>(options.segmentation.hidden_confidence);
       if (labels[i] == GroundLabel::kGround && !found.is_trusted) hint = kGuessFreeConfidence;
       const GroundGridCell& cell = grid.cells[i];
       const uchar* color = colors.ptr() + 3 * i;
       const Eigen::Vector3f point_in_ground(cell.point_in_ground.x(), cell.point_in_ground.y(), 0);
-      patch.samples.push_back({.point_in_body = Eigen::Vector3f(rotation * point_in_ground + translation),
-                               .blue = color[0],
-                               .green = color[1],
-                               .red = color[2],
-                               .is_free = labels[i] == GroundLabel::kGround || labels[i] == GroundLabel::kDoubtful,
-                               .weight = cell.weight,
-                               .footprint = footprint,
-                               .confidence = sharpness * hint * (found.confidence.empty() ? 1 : found.confidence[i])});
+      patch.samples.push_back(
+          {.point_in_body = Eigen::Vector3f(rotation * point_in_ground + translation),
+           .blue = color[0],
+           .green = color[1],
+           .red = color[2],
+           .is_free = labels[i] == GroundLabel::kGround || labels[i] == GroundLabel::kDoubtful,
+           .weight = cell.weight,
+           .footprint = footprint,
+           .confidence = sharpness * hint * (found.confidence.empty() ? 1 : found.confidence[i])});
     }
   }
   patch.samples.shrink_to_fit();
   return patch;
 }
 
-GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from_body, std::span<const Submap> submaps,
-                                int drive, const GroundOptions& options,
+GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from_body,
+                                std::span<const Landmark> landmarks, int drive,
+                                const GroundOptions& options,
                                 const std::function<void(GroundPatch&&)>& keep) {
   options.Validate();
   const Rig& rig = log.rig();
   GroundObservation result;
-  const std::optional<Rigid3> body_from_ground = EstimateBodyFromGround(rig, odom_from_body, submaps, options.plane);
+  const std::optional<Rigid3> body_from_ground =
+      EstimateBodyFromGround(rig, odom_from_body, landmarks, options.plane);
   if (!body_from_ground) {
-    result.warnings.push_back("no ground plane was found in drive '" + log.name() +
-                              "' (the rig has no vehicle.yaml and the landmarks show none): its ground is not mapped");
+    result.warnings.push_back(
+        "no ground plane was found in drive '" + log.name() +
+        "' (the rig has no vehicle.yaml and the landmarks show none): its ground is not mapped");
     return result;
   }
   result.body_from_ground = *body_from_ground;
@@ -281,9 +307,10 @@ GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from
                    .semantics = options.use_semantics,
                    .grayscale = false,
                    .wants_image = [&](int camera, Timestamp time) {
-                     return !grids[static_cast<size_t>(camera)].cells.empty() && picker.Wants(camera, time);
+                     return !grids[static_cast<size_t>(camera)].cells.empty() &&
+                            picker.Wants(camera, time);
                    }};
-  const ImageLabeller labeller(odom_from_body, *body_from_ground, rig, grids, options);
+  const ImageLabeler labeler(odom_from_body, *body_from_ground, rig, grids, options);
   MaskedImageStream stream(log.Read(read));
   int num_patches = 0;
   while (true) {
@@ -293,7 +320,8 @@ GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from
       const CameraFrame& frame = batch[i].frame;
       const GroundGrid& grid = grids[static_cast<size_t>(frame.camera)];
       const cv::Mat colors = SampleColors(grid, frame.image);
-      return ObserveImage(grid, frame, colors, labeller.Label(batch[i], colors), *body_from_ground, options);
+      return ObserveImage(grid, frame, colors, labeler.Label(batch[i], colors), *body_from_ground,
+                          options);
     });
     for (size_t i = 0; i < batch.size(); ++i) {
       ++result.num_images;
@@ -307,8 +335,10 @@ GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from
         result.patches.push_back(std::move(patches[i]));
     }
   }
-  if (num_patches == 0) result.warnings.push_back("drive '" + log.name() + "' shows no ground that could be mapped");
-  LogInfo("stage=observe_ground drive=" + log.name() + " images=" + std::to_string(result.num_images) +
+  if (num_patches == 0)
+    result.warnings.push_back("drive '" + log.name() + "' shows no ground that could be mapped");
+  LogInfo("stage=observe_ground drive=" + log.name() +
+          " images=" + std::to_string(result.num_images) +
           " masks=" + std::to_string(result.num_masks) + " patches=" + std::to_string(num_patches));
   return result;
 }

@@ -7,7 +7,8 @@
 
 #include "core/drive_log.h"
 #include "core/ground_patch.h"
-#include "core/submap.h"
+#include "core/landmark.h"
+#include "core/option_about.h"
 #include "core/trajectory.h"
 #include "mapping/ground/ground_grid.h"
 #include "mapping/observation/estimate_ground_plane.h"
@@ -16,52 +17,60 @@
 namespace parkade {
 
 struct GroundOptions {
-  double keyframe_distance = 1.2;    ///< [m] of travel between images used of one camera; less is slower, denser
+  double keyframe_distance =
+      1.2;  ///< [m] of travel between images used of one camera; less is slower, denser
   double keyframe_angle_deg = 10.0;  ///< or this much turning
-  bool use_semantics = true;         ///< masks of the log (`<camera>/semantic`) go before what we find ourselves
-  std::string method = "network";    ///< "network" finds drivable ground, or "colors" and geometry guess it
-  std::string freespace_model;       ///< ONNX file, see FreespaceNetwork; empty: Parkade's own networks
-  bool level_views = true;           ///< our own network sees wide lenses' pictures as LevelView shows them
+  bool use_semantics =
+      true;  ///< masks of the log (`<camera>/semantic`) go before what we find ourselves
+  std::string method =
+      "network";  ///< "network" finds drivable ground, or "colors" and geometry guess it
+  std::string freespace_model;  ///< ONNX file, see FreespaceNetwork; empty: Parkade's own networks
+  bool level_views = true;  ///< our own network sees wide lenses' images as LevelView shows them
   GroundGridOptions grid;
   SegmentGroundOptions segmentation;
   GroundPlaneOptions plane;
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
-    visit("keyframe_distance", keyframe_distance);
-    visit("keyframe_angle_deg", keyframe_angle_deg);
-    visit("use_semantics", use_semantics);
-    visit("method", method);
-    visit("freespace_model", freespace_model);
-    visit("level_views", level_views);
+    visit("use_semantics", use_semantics, OptionAbout{"Masks of the log replace the network's."});
+    visit("method", method,
+          OptionAbout{"Drivable ground is found by the network (\"network\") or by its colors "
+                      "(\"colors\")."});
+    visit("freespace_model", freespace_model,
+          OptionAbout{"This ONNX file is the network; empty: the built-in one."});
+    visit("level_views", level_views,
+          OptionAbout{
+              "The network looks at views that are turned level where the camera is calibrated."});
     visit("grid", grid);
-    visit("segmentation", segmentation);
-    visit("plane", plane);
   }
   void Validate() const;  ///< throws Error{kUsage}
 };
 
 /// What one drive saw of the ground.
 struct GroundObservation {
-  std::vector<GroundPatch> patches;   ///< by time, then camera; patches without a sample are left out
-  Rigid3 body_from_ground;            ///< identity with vehicle.yaml; see EstimateBodyFromGround
-  int num_images = 0;                 ///< decoded
-  int num_masks = 0;                  ///< of these, with a mask of the log
+  std::vector<GroundPatch>
+      patches;              ///< by time, then camera; patches without a sample are left out
+  Rigid3 body_from_ground;  ///< identity with vehicle.yaml; see EstimateBodyFromGround
+  int num_images = 0;       ///< decoded
+  int num_masks = 0;        ///< of these, with a mask of the log
   std::vector<std::string> warnings;  ///< one sentence each
 };
 
-/// The second pass over a drive: of each camera one image per stretch of travel, its pixels of the ground, in
-/// body. `drive` is stored in the patches. No patches and a warning where the ground plane is not known.
-/// \param keep  gets the patches, in their order, one at a time; else they are in the result.
-/// Bounded memory but for the result: 16 bytes per sample, 5 000 to 20 000 samples per image.
-GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from_body, std::span<const Submap> submaps,
-                                int drive, const GroundOptions& options = {},
+/// The second pass over a drive: of each camera one image per stretch of travel, its pixels of the
+/// ground, in body. `drive` is stored in the patches. No patches and a warning where the ground
+/// plane is not known. \param keep  gets the patches, in their order, one at a time; else they are
+/// in the result. Bounded memory but for the result: 16 bytes per sample, 5 000 to 20 000 samples
+/// per image.
+GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from_body,
+                                std::span<const Landmark> landmarks, int drive,
+                                const GroundOptions& options = {},
                                 const std::function<void(GroundPatch&&)>& keep = {});
 
 /// The samples of one image.
 /// \param colors            of SampleColors
 /// \param body_from_ground  frame of the grid
-GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const cv::Mat& colors, GroundLabels&& labels,
-                         const Rigid3& body_from_ground, const GroundOptions& options);
+GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const cv::Mat& colors,
+                         GroundLabels&& labels, const Rigid3& body_from_ground,
+                         const GroundOptions& options);
 
 }  // namespace parkade

@@ -32,22 +32,25 @@ class Raster {
   }
 
  private:
-  static int CellOf(double coordinate) { return static_cast<int>(std::floor((coordinate + kReach) / kRasterCell)); }
+  static int CellOf(double coordinate) {
+    return static_cast<int>(std::floor((coordinate + kReach) / kRasterCell));
+  }
   std::uint8_t& At(int x, int y) { return cells_[static_cast<size_t>(y * kRasterSize + x)]; }
 
-  std::vector<std::uint8_t> cells_ = std::vector<std::uint8_t>(static_cast<size_t>(kRasterSize) * kRasterSize);
+  std::vector<std::uint8_t> cells_ =
+      std::vector<std::uint8_t>(static_cast<size_t>(kRasterSize) * kRasterSize);
 };
 
 /// Stamps the contact areas of the poses from `begin` outwards until the path leaves the raster.
 template <typename Iterator>
-void StampPath(Iterator begin, Iterator end, const Rigid3& ground_from_odom, const Rigid3& body_from_ground,
-               const ContactArea& contact, Raster& raster) {
+void StampPath(Iterator begin, Iterator end, const Rigid3& ground_from_odom,
+               const Rigid3& body_from_ground, const WheelbaseFootprint& contact, Raster& raster) {
   const double radius = contact.track > 0 ? 0.5 * contact.track : kHalfWidth;
   double travel = 0;
   Eigen::Vector3d last = Eigen::Vector3d::Zero();
   bool is_first = true;
   for (Iterator state = begin; state != end; ++state) {
-    const Rigid3 ground_from_then = ground_from_odom * state->odom_from_body * body_from_ground;
+    const Rigid3 ground_from_then = ground_from_odom * state->world_from_body * body_from_ground;
     const Eigen::Vector3d& position = ground_from_then.translation;
     if (!is_first && (position - last).norm() < kStep) continue;
     if (!is_first) travel += (position - last).norm();
@@ -61,23 +64,27 @@ void StampPath(Iterator begin, Iterator end, const Rigid3& ground_from_odom, con
 
 }  // namespace
 
-std::vector<std::uint8_t> FindPathSeeds(const GroundGrid& grid, const Trajectory& odom_from_body, Timestamp time,
-                                        const Rigid3& body_from_ground, const ContactArea& contact) {
+std::vector<std::uint8_t> FindPathSeeds(const GroundGrid& grid, const Trajectory& odom_from_body,
+                                        Timestamp time, const Rigid3& body_from_ground,
+                                        const WheelbaseFootprint& contact) {
   std::vector<std::uint8_t> seeds(grid.cells.size());
   const std::optional<Rigid3> now = odom_from_body.At(time);
   if (!now) return seeds;
   const Rigid3 ground_from_odom = (*now * body_from_ground).Inverse();
   const std::vector<TrajectoryState>& states = odom_from_body.states();
-  const auto after = std::lower_bound(states.begin(), states.end(), time,
-                                      [](const TrajectoryState& state, Timestamp t) { return state.time < t; });
+  const auto after =
+      std::lower_bound(states.begin(), states.end(), time,
+                       [](const TrajectoryState& state, Timestamp t) { return state.time < t; });
   Raster raster;
   StampPath(after, states.end(), ground_from_odom, body_from_ground, contact, raster);
-  StampPath(std::make_reverse_iterator(after), states.rend(), ground_from_odom, body_from_ground, contact, raster);
+  StampPath(std::make_reverse_iterator(after), states.rend(), ground_from_odom, body_from_ground,
+            contact, raster);
   const double beside = contact.track > 0 ? kBeside : kHalfWidth;
   for (size_t i = 0; i < seeds.size(); ++i) {
     const GroundGridCell& cell = grid.cells[i];
-    seeds[i] = cell.is_visible &&
-               (raster.IsSet(cell.point_in_ground) || contact.DistanceTo(cell.point_in_ground.cast<double>()) < beside);
+    seeds[i] =
+        cell.is_visible && (raster.IsSet(cell.point_in_ground) ||
+                            contact.DistanceTo(cell.point_in_ground.cast<double>()) < beside);
   }
   return seeds;
 }

@@ -12,7 +12,8 @@ constexpr double kMinShare = 0.1;  // of the seeds; a smaller cluster is not the
 const Appearance kMinSigma(7, 3, 3, 3);
 const Appearance kMaxSigma(18, 6, 6, 8);
 constexpr float kPaintContrast = 25;  // of lightness: brighter than this, any hue may be paint
-constexpr float kPaintHue = 10;       // of a and b: nearer than this, any brightness may be a line's edge
+constexpr float kPaintHue =
+    10;  // of a and b: nearer than this, any brightness may be a line's edge
 
 }  // namespace
 
@@ -35,7 +36,9 @@ RoadColors::RoadColors(const std::vector<Appearance>& seeds) {
     for (const Appearance& seed : sorted) {
       size_t nearest = 0;
       for (size_t k = 1; k < kNumClusters; ++k)
-        if ((seed - means[k]).matrix().squaredNorm() < (seed - means[nearest]).matrix().squaredNorm()) nearest = k;
+        if ((seed - means[k]).matrix().squaredNorm() <
+            (seed - means[nearest]).matrix().squaredNorm())
+          nearest = k;
       sums[nearest] += seed;
       square_sums[nearest] += seed.square();
       counts[nearest] += 1;
@@ -54,7 +57,8 @@ RoadColors::RoadColors(const std::vector<Appearance>& seeds) {
 float RoadColors::DistanceTo(const Appearance& appearance) const {
   float nearest = std::numeric_limits<float>::max();
   for (const Cluster& cluster : clusters_)
-    nearest = std::min(nearest, ((appearance - cluster.mean) * cluster.inverse_sigma).matrix().norm());
+    nearest =
+        std::min(nearest, ((appearance - cluster.mean) * cluster.inverse_sigma).matrix().norm());
   return nearest;
 }
 

@@ -5,10 +5,12 @@
 
 namespace parkade {
 
-/// What a place on the road looks like: lightness, a, b (8-bit CIE Lab) and the local roughness of lightness.
+/// What a place on the road looks like: lightness, a, b (8-bit CIE Lab) and the local roughness of
+/// lightness.
 using Appearance = Eigen::Array4f;
 
-/// A few clusters of road colours: lit, shaded, patched. Robust: small clusters of the seeds are dropped.
+/// A few clusters of road colors: lit, shaded, patched. Robust: small clusters of the seeds are
+/// dropped.
 class RoadColors {
  public:
   /// Deterministic k-means (seeded at quantiles of lightness); cost O(seeds).

@@ -8,7 +8,7 @@
 namespace parkade {
 namespace {
 
-/// Appearance of every cell, from slightly smoothed colours.
+/// Appearance of every cell, from slightly smoothed colors.
 std::vector<Appearance> MeasureAppearance(const cv::Mat& colors) {
   cv::Mat smooth, lab, lightness, mean, mean_square;
   cv::medianBlur(colors, smooth, 3);
@@ -27,7 +27,7 @@ std::vector<Appearance> MeasureAppearance(const cv::Mat& colors) {
   return appearance;
 }
 
-/// Spreads kGround to neighbours that look like road.
+/// Spreads kGround to neighbors that look like road.
 void GrowGround(const GroundGrid& grid, const std::vector<std::uint8_t>& is_like_road,
                 std::vector<GroundLabel>& labels) {
   std::vector<int> open;
@@ -55,9 +55,10 @@ struct Line {
   int first = 0, stride = 1, count = 0;
 };
 
-/// Runs of what may be paint on `line`, shorter than `max_width` and with ground at both ends, become ground.
-void FillMarkings(const GroundGrid& grid, const std::vector<std::uint8_t>& may_be_paint, const Line& line,
-                  double max_width, std::vector<GroundLabel>& labels) {
+/// Runs of what may be paint on `line`, shorter than `max_width` and with ground at both ends,
+/// become ground.
+void FillMarkings(const GroundGrid& grid, const std::vector<std::uint8_t>& may_be_paint,
+                  const Line& line, double max_width, std::vector<GroundLabel>& labels) {
   int last_ground = -1;
   for (int i = 0; i < line.count; ++i) {
     const int index = line.first + i * line.stride;
@@ -91,8 +92,10 @@ GroundLabel LabelBehind(double depth, const SegmentGroundOptions& options, bool 
 void SegmentGroundOptions::Validate() const {
   Require(color_tolerance > 0, ErrorCode::kUsage, "color_tolerance must be > 0");
   Require(max_marking_width >= 0, ErrorCode::kUsage, "max_marking_width must not be negative");
-  Require(hidden_confidence >= 0 && hidden_confidence <= 1, ErrorCode::kUsage, "hidden_confidence must be in 0..1");
-  Require(obstacle_depth > 0 && foot_depth > 0, ErrorCode::kUsage, "obstacle_depth and foot_depth must be > 0 m");
+  Require(hidden_confidence >= 0 && hidden_confidence <= 1, ErrorCode::kUsage,
+          "hidden_confidence must be in 0..1");
+  Require(obstacle_depth > 0 && foot_depth > 0, ErrorCode::kUsage,
+          "obstacle_depth and foot_depth must be > 0 m");
   Require(beyond_depth >= 0, ErrorCode::kUsage, "beyond_depth must not be negative");
   Require(min_seeds > 0, ErrorCode::kUsage, "min_seeds must be > 0");
   Require(sure_log_odds > 0, ErrorCode::kUsage, "sure_log_odds must be > 0");
@@ -100,7 +103,8 @@ void SegmentGroundOptions::Validate() const {
 }
 
 std::vector<GroundLabel> SegmentGround(const GroundGrid& grid, const cv::Mat& colors,
-                                       const std::vector<std::uint8_t>& seeds, const SegmentGroundOptions& options) {
+                                       const std::vector<std::uint8_t>& seeds,
+                                       const SegmentGroundOptions& options) {
   std::vector<GroundLabel> labels(grid.cells.size(), GroundLabel::kUnknown);
   if (grid.cells.empty()) return labels;
   const std::vector<Appearance> appearance = MeasureAppearance(colors);
@@ -120,9 +124,11 @@ std::vector<GroundLabel> SegmentGround(const GroundGrid& grid, const cv::Mat& co
   }
   GrowGround(grid, is_like_road, labels);
   for (int ray = 0; ray < grid.num_rays; ++ray)
-    FillMarkings(grid, may_be_paint, {grid.IndexOf(ray, 0), 1, grid.num_ranges}, options.max_marking_width, labels);
+    FillMarkings(grid, may_be_paint, {grid.IndexOf(ray, 0), 1, grid.num_ranges},
+                 options.max_marking_width, labels);
   for (int range = 0; range < grid.num_ranges; ++range)
-    FillMarkings(grid, may_be_paint, {range, grid.num_ranges, grid.num_rays}, options.max_marking_width, labels);
+    FillMarkings(grid, may_be_paint, {range, grid.num_ranges, grid.num_rays},
+                 options.max_marking_width, labels);
   // Paint is an island until it is filled: what lies behind it is reached only now.
   GrowGround(grid, is_like_road, labels);
   return labels;
@@ -133,8 +139,8 @@ std::vector<GroundLabel> LabelsFromMask(const GroundGrid& grid, const cv::Mat& m
   for (size_t i = 0; i < grid.cells.size(); ++i) {
     const GroundGridCell& cell = grid.cells[i];
     if (!cell.is_visible) continue;
-    const uchar value =
-        mask.at<uchar>(static_cast<int>(std::lround(cell.pixel.y())), static_cast<int>(std::lround(cell.pixel.x())));
+    const uchar value = mask.at<uchar>(static_cast<int>(std::lround(cell.pixel.y())),
+                                       static_cast<int>(std::lround(cell.pixel.x())));
     labels[i] = value >= 128 ? GroundLabel::kGround : GroundLabel::kNotGround;
   }
   return labels;
@@ -142,7 +148,8 @@ std::vector<GroundLabel> LabelsFromMask(const GroundGrid& grid, const cv::Mat& m
 
 GroundLabels LabelsFromBelief(const GroundGrid& grid, std::span<const Eigen::Vector2f> pixels,
                               const FreespaceBelief& belief, const SegmentGroundOptions& options) {
-  const auto sure = static_cast<float>(options.sure_log_odds), doubt = static_cast<float>(options.doubt_per_meter),
+  const auto sure = static_cast<float>(options.sure_log_odds),
+             doubt = static_cast<float>(options.doubt_per_meter),
              doubt_from = static_cast<float>(options.doubt_from);
   GroundLabels result{std::vector<GroundLabel>(grid.cells.size(), GroundLabel::kUnknown),
                       std::vector<float>(grid.cells.size()), true};
@@ -161,8 +168,8 @@ GroundLabels LabelsFromBelief(const GroundGrid& grid, std::span<const Eigen::Vec
   return result;
 }
 
-void HideBehindObstacles(const GroundGrid& grid, const SegmentGroundOptions& options, bool is_trusted,
-                         std::vector<GroundLabel>& labels) {
+void HideBehindObstacles(const GroundGrid& grid, const SegmentGroundOptions& options,
+                         bool is_trusted, std::vector<GroundLabel>& labels) {
   for (int ray = 0; ray < grid.num_rays; ++ray) {
     double depth = 0, max_depth = options.obstacle_depth;
     bool has_ground = false;
@@ -173,7 +180,8 @@ void HideBehindObstacles(const GroundGrid& grid, const SegmentGroundOptions& opt
         if (is_hidden && !is_trusted) label = GroundLabel::kUnknown;
         if (is_trusted || !is_hidden) depth = 0;
         if (is_trusted)
-          max_depth = options.foot_depth + static_cast<double>(grid.pixel_lengths[static_cast<size_t>(range)]);
+          max_depth = options.foot_depth +
+                      static_cast<double>(grid.pixel_lengths[static_cast<size_t>(range)]);
         has_ground = true;
       } else if (label == GroundLabel::kNotGround) {
         if (is_hidden || !has_ground)

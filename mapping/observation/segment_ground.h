@@ -11,31 +11,25 @@
 namespace parkade {
 
 struct SegmentGroundOptions {
-  double color_tolerance = 3.5;     ///< sigmas from the road's colours; higher takes in more, obstacles too
-  double max_marking_width = 0.3;   ///< [m] a brighter stripe this wide, with road on both sides, is paint
-  double obstacle_depth = 1.2;      ///< [m] of not-ground that a guess needs; what follows on its ray is hidden
-  double hidden_confidence = 0.25;  ///< of what a mask or a network has behind the foot: a hint that it is not free
-  double beyond_depth = 2.0;        ///< [m] of not-ground of which the colours are kept: how high it is can be told
-  double foot_depth = 0.2;          ///< [m] likewise for a mask or a network, to which one pixel's ground is added
-  int min_seeds = 40;               ///< with fewer, nothing is called ground
-  double sure_log_odds = 4.0;       ///< of a network from which it is taken to be sure; below, it counts in proportion
-  double doubt_per_meter = 0.25;    ///< taken off a network's log-odds the farther the ground is: far outlines blur ...
-  double doubt_from = 2.0;          ///< [m] ... where nothing is taken off; nearer, it is added
-
-  template <typename Visitor>
-  void VisitFields(Visitor&& visit) {
-    visit("color_tolerance", color_tolerance);
-    visit("max_marking_width", max_marking_width);
-    visit("obstacle_depth", obstacle_depth);
-    visit("beyond_depth", beyond_depth);
-    visit("foot_depth", foot_depth);
-    visit("hidden_confidence", hidden_confidence);
-    visit("min_seeds", min_seeds);
-    visit("sure_log_odds", sure_log_odds);
-    visit("doubt_per_meter", doubt_per_meter);
-    visit("doubt_from", doubt_from);
-  }
-  void Validate() const;  ///< throws Error{kUsage}
+  double color_tolerance =
+      3.5;  ///< sigmas from the road's colors; higher takes in more, obstacles too
+  double max_marking_width =
+      0.3;  ///< [m] a brighter stripe this wide, with road on both sides, is paint
+  double obstacle_depth =
+      1.2;  ///< [m] of not-ground that a guess needs; what follows on its ray is hidden
+  double hidden_confidence =
+      0.25;  ///< of what a mask or a network has behind the foot: a hint that it is not free
+  double beyond_depth =
+      2.0;  ///< [m] of not-ground of which the colors are kept: how high it is can be told
+  double foot_depth =
+      0.2;             ///< [m] also for a mask or a network, to which one pixel's ground is added
+  int min_seeds = 40;  ///< with fewer, nothing is called ground
+  double sure_log_odds =
+      4.0;  ///< of a network from which it is taken to be sure; below, it counts in proportion
+  double doubt_per_meter =
+      0.25;  ///< taken off a network's log-odds the farther the ground is: far outlines blur ...
+  double doubt_from = 2.0;  ///< [m] ... where nothing is taken off; nearer, it is added
+  void Validate() const;    ///< throws Error{kUsage}
 };
 
 enum class GroundLabel : std::uint8_t {
@@ -44,7 +38,7 @@ enum class GroundLabel : std::uint8_t {
   kNotGround,  ///< something stands here, or the ground is not for driving
   kHidden,     ///< shortly behind that: of what stands there most often
   kBeyond,     ///< further behind: it says nothing of where one can drive
-  kDoubtful,   ///< drivable or not, which cannot be told from here: it has colours only
+  kDoubtful,   ///< drivable or not, which cannot be told from here: it has colors only
 };
 
 /// The labels of a grid's cells and how sure they are.
@@ -54,10 +48,10 @@ struct GroundLabels {
   bool is_trusted = false;        ///< ground seen behind obstacles is believed
 };
 
-/// A guess of what is road, without a network: the road's colours and their roughness are learnt from the
-/// `seeds` (places where the car has just driven, or is about to) as a few clusters, and grown from them over
-/// neighbouring places that look alike. Thin bright stripes inside are paint. Conservative: what looks unlike the
-/// road is not ground. Follow it with HideBehindObstacles.
+/// A guess of what is road, without a network: the road's colors and their roughness are learnt
+/// from the `seeds` (places where the car has just driven, or is about to) as a few clusters, and
+/// grown from them over neighboring places that look alike. Thin bright stripes inside are paint.
+/// Conservative: what looks unlike the road is not ground. Follow it with HideBehindObstacles.
 ///
 /// \param colors  of SampleColors
 /// \param seeds   one per cell of the grid, non-zero where the road is known
@@ -69,17 +63,18 @@ std::vector<GroundLabel> SegmentGround(const GroundGrid& grid, const cv::Mat& co
 /// The labels that a mask (CV_8UC1 of the image's size, >= 128 = drivable) gives.
 std::vector<GroundLabel> LabelsFromMask(const GroundGrid& grid, const cv::Mat& mask);
 
-/// The labels that a network gives: ground where its log-odds, less the doubt at that range, are above 0, doubtful
-/// where the doubt alone makes the difference; sure from `sure_log_odds` on.
+/// The labels that a network gives: ground where its log-odds, less the doubt at that range, are
+/// above 0, doubtful where the doubt alone makes the difference; sure from `sure_log_odds` on.
 /// \param pixels  of what the belief is of, one per cell of the grid; beyond it nothing is known
 GroundLabels LabelsFromBelief(const GroundGrid& grid, std::span<const Eigen::Vector2f> pixels,
                               const FreespaceBelief& belief, const SegmentGroundOptions& options);
 
-/// Pixels of an obstacle meet the plane behind its foot: some kNotGround behind the last ground (see obstacle_depth,
-/// foot_depth) says where it stands, what follows becomes kHidden, after obstacle_depth kBeyond, after beyond_depth
-/// kUnknown. So does kNotGround before a ray's first ground (most often the own car), and, unless the labels are
-/// trusted, any ground behind an obstacle. kDoubtful stays.
-void HideBehindObstacles(const GroundGrid& grid, const SegmentGroundOptions& options, bool is_trusted,
-                         std::vector<GroundLabel>& labels);
+/// Pixels of an obstacle meet the plane behind its foot: some kNotGround behind the last ground
+/// (see obstacle_depth, foot_depth) says where it stands, what follows becomes kHidden, after
+/// obstacle_depth kBeyond, after beyond_depth kUnknown. So does kNotGround before a ray's first
+/// ground (most often the own car), and, unless the labels are trusted, any ground behind an
+/// obstacle. kDoubtful stays.
+void HideBehindObstacles(const GroundGrid& grid, const SegmentGroundOptions& options,
+                         bool is_trusted, std::vector<GroundLabel>& labels);
 
 }  // namespace parkade

@@ -4,7 +4,7 @@
 #include <ranges>
 #include <utility>
 
-#include "core/floor_of.h"
+#include "core/fast_floor.h"
 
 namespace parkade {
 namespace {
@@ -33,8 +33,8 @@ class Occupancy {
 
   /// Whether the place was free for this deck; it no longer is.
   bool Take(const SurfaceCell& cell, int deck) {
-    int& owner =
-        deck_[static_cast<size_t>(cell.y - box_.min().y()) * width_ + static_cast<size_t>(cell.x - box_.min().x())];
+    int& owner = deck_[static_cast<size_t>(cell.y - box_.min().y()) * width_ +
+                       static_cast<size_t>(cell.x - box_.min().x())];
     return std::exchange(owner, deck) != deck;
   }
 
@@ -69,8 +69,8 @@ SurfaceLinks LinkPaintedCells(std::span<const PaintedCell> cells, double max_ste
   return LinkCells(surface, max_step);
 }
 
-std::vector<DeckRaster> CutIntoDecks(std::span<const PaintedCell> cells, const SurfaceLinks& links, int align,
-                                     std::size_t min_cells) {
+std::vector<DeckRaster> CutIntoDecks(std::span<const PaintedCell> cells, const SurfaceLinks& links,
+                                     int align, std::size_t min_cells) {
   std::vector<DeckRaster> decks;
   if (cells.empty()) return decks;
   Occupancy occupancy(BoxAround(cells, std::views::iota(0, static_cast<int>(cells.size()))));
@@ -90,8 +90,8 @@ std::vector<DeckRaster> CutIntoDecks(std::span<const PaintedCell> cells, const S
     take(static_cast<int>(first));
     for (size_t next = 0; next < members.size(); ++next) {
       const auto i = static_cast<size_t>(members[next]);
-      for (const int neighbour : {links.left[i], links.right[i], links.down[i], links.up[i]})
-        if (neighbour >= 0) take(neighbour);
+      for (const int neighbor : {links.left[i], links.right[i], links.down[i], links.up[i]})
+        if (neighbor >= 0) take(neighbor);
     }
     if (members.size() >= min_cells) decks.push_back(RasterOf(cells, members, align));
   }

@@ -19,7 +19,8 @@ int FreeIslands::Find(int island) {
 int FreeIslands::Join(int a, int b) {
   a = Find(a), b = Find(b);
   if (a == b) return a;
-  const auto first = static_cast<size_t>(std::min(a, b)), second = static_cast<size_t>(std::max(a, b));
+  const auto first = static_cast<size_t>(std::min(a, b)),
+             second = static_cast<size_t>(std::max(a, b));
   parents_[second] = static_cast<int>(first);
   num_cells_[first] += num_cells_[second];
   is_driven_[first] = is_driven_[first] || is_driven_[second];
@@ -34,7 +35,7 @@ int FreeIslands::AddIsland() {
 }
 
 std::vector<int> FreeIslands::AddRows(std::span<const PaintedCell> cells) {
-  // Neighbours are sought among these and the row below them.
+  // Neighbors are sought among these and the row below them.
   SurfaceMap window;
   window.cells.assign(last_row_.begin(), last_row_.end());
   for (const PaintedCell& cell : cells) window.cells.push_back(cell.cell);
@@ -45,8 +46,8 @@ std::vector<int> FreeIslands::AddRows(std::span<const PaintedCell> cells) {
     const PaintedCell& cell = cells[i - last_row_.size()];
     int island = kNone;
     if (cell.is_seen && cell.cell.free_belief > 0.5F) {
-      for (const int neighbour : {links.left[i], links.down[i]}) {
-        const int other = neighbour < 0 ? kNone : islands[static_cast<size_t>(neighbour)];
+      for (const int neighbor : {links.left[i], links.down[i]}) {
+        const int other = neighbor < 0 ? kNone : islands[static_cast<size_t>(neighbor)];
         if (other != kNone) island = island == kNone ? Find(other) : Join(island, other);
       }
       if (island == kNone) island = AddIsland();
@@ -57,8 +58,9 @@ std::vector<int> FreeIslands::AddRows(std::span<const PaintedCell> cells) {
   }
   islands.erase(islands.begin(), islands.begin() + static_cast<std::ptrdiff_t>(last_row_.size()));
   if (cells.empty()) return islands;
-  const auto last = std::find_if(cells.rbegin(), cells.rend(),
-                                 [&](const PaintedCell& cell) { return cell.cell.y != cells.back().cell.y; });
+  const auto last = std::find_if(cells.rbegin(), cells.rend(), [&](const PaintedCell& cell) {
+    return cell.cell.y != cells.back().cell.y;
+  });
   const auto count = static_cast<size_t>(last - cells.rbegin());
   last_row_.assign(window.cells.end() - static_cast<std::ptrdiff_t>(count), window.cells.end());
   islands_of_last_row_.assign(islands.end() - static_cast<std::ptrdiff_t>(count), islands.end());

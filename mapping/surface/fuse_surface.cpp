@@ -5,9 +5,9 @@
 #include <optional>
 #include <set>
 
+#include "core/for_each_releasing.h"
 #include "core/log.h"
 #include "core/parallel.h"
-#include "core/visit_once.h"
 #include "mapping/ground/sort_cells.h"
 #include "mapping/surface/free_islands.h"
 #include "mapping/surface/fuse_voxels.h"
@@ -18,9 +18,11 @@ namespace {
 
 using PaintedCell = SurfacePainter::PaintedCell;
 
-constexpr size_t kTilesAtOnce = 2;  // one is finished on few threads while the next is painted on many
+constexpr size_t kTilesAtOnce =
+    2;  // one is finished on few threads while the next is painted on many
 
-/// The cells of the site, row after row, without small islands and without ground whose height is not known.
+/// The cells of the site, row after row, without small islands and without ground whose height is
+/// not known.
 class CellCollector {
  public:
   CellCollector(const SurfaceOptions& options, size_t max_cells)
@@ -48,13 +50,13 @@ class CellCollector {
       if (islands_of_[i] == FreeIslands::kNone || !islands_.IsSmall(islands_of_[i], min_cells))
         surface_.cells[count++] = surface_.cells[i];
     };
-    VisitOnce(islands_of_, keep, surface_.cells);
+    ForEachReleasing(islands_of_, keep, surface_.cells);
     surface_.cells.resize(count);
     return std::move(surface_);
   }
 
  private:
-  static constexpr size_t kMinBatch = 1 << 16;  // cells whose neighbours are looked for at once
+  static constexpr size_t kMinBatch = 1 << 16;  // cells whose neighbors are looked for at once
 
   void AddRows(std::span<const PaintedCell> cells) {
     const std::vector<int> islands = islands_.AddRows(cells);
@@ -69,7 +71,7 @@ class CellCollector {
   const SurfaceOptions& options_;
   FreeIslands islands_;
   SurfaceMap surface_;
-  ScratchVector<int> islands_of_;  // as the cells
+  FileBackedVector<int> islands_of_;  // as the cells
 };
 
 }  // namespace
@@ -78,9 +80,11 @@ SurfaceMap FuseSurface(const PatchSource& patches, std::span<const DrivenPath> p
                        std::span<const DriveHeights> heights, const SurfaceOptions& options,
                        std::span<const HeightObservation> measured) {
   options.Validate();
-  if (options.method == "homography") return FuseVoxels(patches, paths, options.cell_size, options.voxels);
+  if (options.method == "homography")
+    return FuseVoxels(patches, paths, options.cell_size, options.voxels);
   const HeightField field = FitHeights(heights, paths, options.Heights(), measured);
-  const int cells_per_side = static_cast<int>(std::round(options.height.spacing / options.cell_size));
+  const int cells_per_side =
+      static_cast<int>(std::round(options.height.spacing / options.cell_size));
   const LatestDrives latest(patches.views(), options.latest_drives);
   const auto cells_per_patch = static_cast<size_t>(cells_per_side * cells_per_side);
   CellCollector collector(options, static_cast<size_t>(field.num_patches()) * cells_per_patch);
@@ -92,16 +96,18 @@ SurfaceMap FuseSurface(const PatchSource& patches, std::span<const DrivenPath> p
     std::vector<PaintedCell> cells;  // of a row of tiles
     for (size_t first = begin; first < end; first += kTilesAtOnce) {
       const auto of_tiles = ParallelMap(std::min(kTilesAtOnce, end - first), [&](size_t i) {
-        return PaintTile(tiles[first + i], patches, paths, latest, field, options, network ? &*network : nullptr);
+        return PaintTile(tiles[first + i], patches, paths, latest, field, options,
+                         network ? &*network : nullptr);
       });
-      for (const auto& of_tile : of_tiles) cells.insert(cells.end(), of_tile.begin(), of_tile.end());
+      for (const auto& of_tile : of_tiles)
+        cells.insert(cells.end(), of_tile.begin(), of_tile.end());
     }
     SortCells(cells);
     collector.Add(cells);
   }
   SurfaceMap surface = std::move(collector).Finish();
-  LogInfo("stage=fuse_surface patches=" + std::to_string(patches.views().size()) +
-          " nodes=" + std::to_string(field.num_nodes()) + " cells=" + std::to_string(surface.cells.size()));
+  LogInfo("stage=fuse_surface patches=" + std::to_string(patches.views().size()) + " nodes=" +
+          std::to_string(field.num_nodes()) + " cells=" + std::to_string(surface.cells.size()));
   return surface;
 }
 
@@ -114,8 +120,8 @@ SurfaceMap FuseSurface(std::span<const PosedGroundPatch> patches, std::span<cons
   for (const PatchView& view : source.views()) drives.insert(view.drive);
   if (options.method == "surface")
     for (const int drive : drives) {
-      heights.push_back(
-          MeasureDriveHeights(PatchesOfDrive(source, drive), FindPath(paths, drive), options.Heights(), measured));
+      heights.push_back(MeasureDriveHeights(PatchesOfDrive(source, drive), FindPath(paths, drive),
+                                            options.Heights(), measured));
       heights.back().drive = drive;
     }
   return FuseSurface(source, paths, heights, options, measured);

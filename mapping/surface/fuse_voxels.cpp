@@ -23,7 +23,9 @@ class VoxelGrid {
  public:
   explicit VoxelGrid(double size) : size_(size) {}
 
-  Voxel& At(const Eigen::Vector3i& index) { return columns_[KeyOf(index.x(), index.y())][index.z()]; }
+  Voxel& At(const Eigen::Vector3i& index) {
+    return columns_[KeyOf(index.x(), index.y())][index.z()];
+  }
   Eigen::Vector3i IndexOf(const Eigen::Vector3d& point) const {
     return (point / size_).array().floor().matrix().cast<int>();
   }
@@ -34,8 +36,8 @@ class VoxelGrid {
   template <typename Visitor>
   void VisitColumns(const Visitor& visit) const {
     for (const auto& [key, column] : columns_)
-      visit(static_cast<int>(static_cast<std::uint32_t>(key >> 32)), static_cast<int>(static_cast<std::uint32_t>(key)),
-            column);
+      visit(static_cast<int>(static_cast<std::uint32_t>(key >> 32)),
+            static_cast<int>(static_cast<std::uint32_t>(key)), column);
   }
 
  private:
@@ -56,36 +58,43 @@ void Integrate(const GroundSample& sample, float distance, float log_odds, Voxel
   voxel.log_odds += log_odds;
 }
 
-/// Every voxel that the ray passes within the truncation gets the distance to the sample along the ray.
+/// Every voxel that the ray passes within the truncation gets the distance to the sample along the
+/// ray.
 void CastRay(const Eigen::Vector3d& eye, const Eigen::Vector3d& point, const GroundSample& sample,
              const VoxelFusionOptions& options, VoxelGrid& grid) {
   const Eigen::Vector3d ray = (point - eye).normalized();
-  const auto log_odds = static_cast<float>((sample.is_free ? 1 : -1) * options.free_log_odds) * sample.confidence;
+  const auto log_odds =
+      static_cast<float>((sample.is_free ? 1 : -1) * options.free_log_odds) * sample.confidence;
   Eigen::Vector3i last = Eigen::Vector3i::Constant(INT_MAX);
-  for (double along = -options.truncation; along <= options.truncation; along += 0.5 * options.voxel_size) {
+  for (double along = -options.truncation; along <= options.truncation;
+       along += 0.5 * options.voxel_size) {
     const Eigen::Vector3i index = grid.IndexOf(point + along * ray);
     if (index == last) continue;
     last = index;
     const double distance = (point - grid.CenterOf(index)).dot(ray);
-    Integrate(sample, static_cast<float>(std::clamp(distance, -options.truncation, options.truncation)), log_odds,
-              grid.At(index));
+    Integrate(sample,
+              static_cast<float>(std::clamp(distance, -options.truncation, options.truncation)),
+              log_odds, grid.At(index));
   }
 }
 
 /// Cells of the surface where a column of voxels passes from below the ground to above it.
-void AddCells(int x, int y, const std::map<int, Voxel>& column, int cells_per_voxel, double voxel_size,
-              SurfaceMap& surface) {
+void AddCells(int x, int y, const std::map<int, Voxel>& column, int cells_per_voxel,
+              double voxel_size, SurfaceMap& surface) {
   for (auto below = column.begin(); below != column.end(); ++below) {
     const auto above = std::next(below);
     if (above == column.end() || above->first != below->first + 1) continue;
     if (below->second.distance >= 0 || above->second.distance < 0) continue;
-    const float fraction = below->second.distance / (below->second.distance - above->second.distance);
+    const float fraction =
+        below->second.distance / (below->second.distance - above->second.distance);
     const Voxel& nearer = fraction < 0.5F ? below->second : above->second;
     SurfaceCell cell;
-    cell.height = static_cast<float>(voxel_size * (below->first + 0.5 + static_cast<double>(fraction)));
+    cell.height =
+        static_cast<float>(voxel_size * (below->first + 0.5 + static_cast<double>(fraction)));
     cell.height_sigma = static_cast<float>(voxel_size);
     cell.free_belief = 1 / (1 + std::exp(-(below->second.log_odds + above->second.log_odds)));
-    for (size_t c = 0; c < 3; ++c) cell.color[c] = static_cast<std::uint8_t>(std::lround(nearer.color[c]));
+    for (size_t c = 0; c < 3; ++c)
+      cell.color[c] = static_cast<std::uint8_t>(std::lround(nearer.color[c]));
     for (int i = 0; i < cells_per_voxel * cells_per_voxel; ++i) {
       cell.x = x * cells_per_voxel + i % cells_per_voxel;
       cell.y = y * cells_per_voxel + i / cells_per_voxel;
@@ -102,12 +111,12 @@ void VoxelFusionOptions::Validate() const {
   Require(free_log_odds > 0, ErrorCode::kUsage, "free_log_odds of the voxels must be > 0");
 }
 
-SurfaceMap FuseVoxels(const PatchSource& patches, std::span<const DrivenPath> paths, double cell_size,
-                      const VoxelFusionOptions& options) {
+SurfaceMap FuseVoxels(const PatchSource& patches, std::span<const DrivenPath> paths,
+                      double cell_size, const VoxelFusionOptions& options) {
   options.Validate();
   const int cells_per_voxel = static_cast<int>(std::lround(options.voxel_size / cell_size));
-  Require(cells_per_voxel >= 1 && std::abs(cells_per_voxel * cell_size - options.voxel_size) < 1e-9, ErrorCode::kUsage,
-          "voxel_size must be a multiple of cell_size");
+  Require(cells_per_voxel >= 1 && std::abs(cells_per_voxel * cell_size - options.voxel_size) < 1e-9,
+          ErrorCode::kUsage, "voxel_size must be a multiple of cell_size");
   VoxelGrid grid(options.voxel_size);
   for (size_t i = 0; i < patches.views().size(); ++i) {
     const PosedGroundPatch posed = patches.Read(i);
@@ -117,16 +126,18 @@ SurfaceMap FuseVoxels(const PatchSource& patches, std::span<const DrivenPath> pa
     const Eigen::Vector3d eye = posed.site_from_body * path->cameras_in_body[camera];
     for (const GroundSample& sample : posed.patch.samples) {
       if (sample.confidence <= 0) continue;
-      CastRay(eye, posed.site_from_body * sample.point_in_body.cast<double>(), sample, options, grid);
+      CastRay(eye, posed.site_from_body * sample.point_in_body.cast<double>(), sample, options,
+              grid);
     }
   }
   SurfaceMap surface{cell_size, {}};
   grid.VisitColumns([&](int x, int y, const std::map<int, Voxel>& column) {
     AddCells(x, y, column, cells_per_voxel, options.voxel_size, surface);
   });
-  std::sort(surface.cells.begin(), surface.cells.end(), [](const SurfaceCell& a, const SurfaceCell& b) {
-    return std::tie(a.y, a.x, a.height) < std::tie(b.y, b.x, b.height);
-  });
+  std::sort(surface.cells.begin(), surface.cells.end(),
+            [](const SurfaceCell& a, const SurfaceCell& b) {
+              return std::tie(a.y, a.x, a.height) < std::tie(b.y, b.x, b.height);
+            });
   return surface;
 }
 

@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/floor_of.h"
+#include "core/fast_floor.h"
 
 namespace parkade {
 namespace {
@@ -26,7 +26,8 @@ SurfaceCell Join(const SurfaceCell* begin, const SurfaceCell* end, int x, int y,
     joined.height_sigma = std::max(joined.height_sigma, cell->height_sigma);
     for (size_t c = 0; c < 3; ++c) color[c] += cell->color[c];
   }
-  for (size_t c = 0; c < 3; ++c) joined.color[c] = static_cast<std::uint8_t>((color[c] + count / 2) / count);
+  for (size_t c = 0; c < 3; ++c)
+    joined.color[c] = static_cast<std::uint8_t>((color[c] + count / 2) / count);
   return joined;
 }
 
@@ -40,8 +41,9 @@ std::vector<SurfaceCell> JoinAll(const SurfaceMap& surface, int factor, double m
   });
   std::vector<SurfaceCell> joined;
   for (size_t begin = 0, end; begin < cells.size(); begin = end) {
-    for (end = begin + 1; end < cells.size() && block(cells[end]) == block(cells[begin]) &&
-                          static_cast<double>(cells[end].height - cells[end - 1].height) <= max_step;)
+    for (end = begin + 1;
+         end < cells.size() && block(cells[end]) == block(cells[begin]) &&
+         static_cast<double>(cells[end].height - cells[end - 1].height) <= max_step;)
       ++end;
     const auto [y, x] = block(cells[begin]);
     joined.push_back(Join(&cells[begin], &cells[begin] + (end - begin), x, y, factor * factor));
@@ -64,7 +66,8 @@ class Blocks {
     const auto [begin, end] = at_.equal_range(KeyOf(x, y));
     for (auto i = begin; i != end; ++i) {
       const float step = std::abs(cells_[i->second].height - height);
-      if (static_cast<double>(step) <= max_step && (!nearest || step < std::abs(cells_[*nearest].height - height)))
+      if (static_cast<double>(step) <= max_step &&
+          (!nearest || step < std::abs(cells_[*nearest].height - height)))
         nearest = i->second;
     }
     return nearest;
@@ -79,20 +82,23 @@ class Blocks {
   std::unordered_multimap<std::uint64_t, size_t> at_;
 };
 
-/// A cell that is not there, as one of its neighbours puts it.
+/// A cell that is not there, as one of its neighbors puts it.
 struct Proposal {
   SurfaceCell cell;
   bool has_slope = false;  ///< continues a slope; else level
 };
 
-/// Cells of which neighbours propose several are their mean; who knows the slope goes before who does not.
-void AddProposed(std::vector<Proposal>& proposals, double max_step, ScratchVector<SurfaceCell>& cells) {
+/// Cells of which neighbors propose several are their mean; who knows the slope goes before who
+/// does not.
+void AddProposed(std::vector<Proposal>& proposals, double max_step,
+                 FileBackedVector<SurfaceCell>& cells) {
   std::stable_sort(proposals.begin(), proposals.end(),
                    [](const Proposal& a, const Proposal& b) { return IsBefore(a.cell, b.cell); });
   for (size_t begin = 0, end; begin < proposals.size(); begin = end) {
     SurfaceCell cell = proposals[begin].cell;
     std::array<float, 2> sums{}, counts{};
-    for (end = begin; end < proposals.size() && proposals[end].cell.x == cell.x && proposals[end].cell.y == cell.y &&
+    for (end = begin; end < proposals.size() && proposals[end].cell.x == cell.x &&
+                      proposals[end].cell.y == cell.y &&
                       static_cast<double>(proposals[end].cell.height - cell.height) <= max_step;
          ++end) {
       sums[proposals[end].has_slope] += proposals[end].cell.height;
@@ -106,7 +112,8 @@ void AddProposed(std::vector<Proposal>& proposals, double max_step, ScratchVecto
 
 }  // namespace
 
-SurfaceMap JoinCells(const SurfaceMap& surface, int factor, double free_threshold, double max_step) {
+SurfaceMap JoinCells(const SurfaceMap& surface, int factor, double free_threshold,
+                     double max_step) {
   const Blocks blocks(JoinAll(surface, factor, max_step));
   const std::vector<SurfaceCell>& cells = blocks.cells();
   std::vector<bool> is_kept(cells.size());
@@ -117,11 +124,13 @@ SurfaceMap JoinCells(const SurfaceMap& surface, int factor, double free_threshol
     is_kept[i] = true;
     for (int dy = -1; dy <= 1; ++dy)
       for (int dx = -1; dx <= 1; ++dx) {
-        if (const std::optional<size_t> there = blocks.Find(cell.x + dx, cell.y + dy, cell.height, max_step)) {
+        if (const std::optional<size_t> there =
+                blocks.Find(cell.x + dx, cell.y + dy, cell.height, max_step)) {
           is_kept[*there] = true;
           continue;
         }
-        const std::optional<size_t> opposite = blocks.Find(cell.x - dx, cell.y - dy, cell.height, max_step);
+        const std::optional<size_t> opposite =
+            blocks.Find(cell.x - dx, cell.y - dy, cell.height, max_step);
         Proposal beyond{cell, opposite.has_value()};
         beyond.cell.x += dx;
         beyond.cell.y += dy;

@@ -13,13 +13,13 @@ std::array<float, kOutlineFeatures> FeaturesOf(const SurfacePainter::PaintedCell
   const auto byte = [](std::uint8_t value) { return static_cast<float>(value) / 255; };
   return {1.0F,
           std::log(belief / (1 - belief)) / 8,
-          byte(painted.sights.free),
-          byte(painted.sights.occupied),
+          byte(painted.observations.free),
+          byte(painted.observations.occupied),
           painted.is_driven ? 1.0F : 0.0F,
-          byte(painted.sights.nearness),
-          byte(painted.sights.disagreement),
-          static_cast<float>(painted.sights.free_views) / 16,
-          static_cast<float>(painted.sights.occupied_views) / 16,
+          byte(painted.observations.nearness),
+          byte(painted.observations.disagreement),
+          static_cast<float>(painted.observations.free_views) / 16,
+          static_cast<float>(painted.observations.occupied_views) / 16,
           byte(painted.cell.color[0]) - 0.5F,
           byte(painted.cell.color[1]) - 0.5F,
           byte(painted.cell.color[2]) - 0.5F};
@@ -37,13 +37,16 @@ cv::Mat OutlineFeatures(std::span<const SurfacePainter::PaintedCell> cells, cons
   cv::Mat features(4, shape, CV_32F, cv::Scalar(0));
   constexpr float kShare = 1.0F / (kOutlineFactor * kOutlineFactor);
   const cv::Rect inside = window & OutlineWindow(deck);
-  for (int row = kOutlineFactor * inside.y; row < kOutlineFactor * (inside.y + inside.height); ++row)
-    for (int column = kOutlineFactor * inside.x; column < kOutlineFactor * (inside.x + inside.width); ++column) {
+  for (int row = kOutlineFactor * inside.y; row < kOutlineFactor * (inside.y + inside.height);
+       ++row)
+    for (int column = kOutlineFactor * inside.x;
+         column < kOutlineFactor * (inside.x + inside.width); ++column) {
       const int i = deck.index.at<int>(row, column);
       if (i < 0 || !cells[static_cast<size_t>(i)].is_seen) continue;
       const auto values = FeaturesOf(cells[static_cast<size_t>(i)]);
       for (int channel = 0; channel < kOutlineFeatures; ++channel)
-        features.ptr<float>(0, channel, row / kOutlineFactor - window.y)[column / kOutlineFactor - window.x] +=
+        features.ptr<float>(0, channel,
+                            row / kOutlineFactor - window.y)[column / kOutlineFactor - window.x] +=
             kShare * values[static_cast<size_t>(channel)];
     }
   return features;

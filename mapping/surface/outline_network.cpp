@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
-#include "core/floor_of.h"
+#include "core/fast_floor.h"
 #include "core/parallel.h"
 #include "mapping/networks/builtin_network.h"
 #include "mapping/networks/network_copies.h"
@@ -36,8 +36,10 @@ bool IsAnySeen(std::span<const PaintedCell> cells, const Block& block) {
                      [&](int i) { return i >= 0 && cells[static_cast<size_t>(i)].is_seen; });
 }
 
-/// Blocks lie on one grid of the whole site, which is what the network's coarser levels go by; they end with the deck.
-std::vector<Block> CutIntoBlocks(std::span<const PaintedCell> cells, std::span<const DeckRaster> decks) {
+/// Blocks lie on one grid of the whole site, which is what the network's coarser levels go by; they
+/// end with the deck.
+std::vector<Block> CutIntoBlocks(std::span<const PaintedCell> cells,
+                                 std::span<const DeckRaster> decks) {
   std::vector<Block> blocks;
   for (const DeckRaster& deck : decks) {
     const cv::Point origin(deck.origin.x() / kOutlineFactor, deck.origin.y() / kOutlineFactor);
@@ -52,35 +54,40 @@ std::vector<Block> CutIntoBlocks(std::span<const PaintedCell> cells, std::span<c
 }
 
 /// What the network adds to the log-odds of the block's cells: CV_32FC1, a pixel per cell.
-cv::Mat CorrectionsOf(std::span<const PaintedCell> cells, const Block& block, NetworkCopies& network) {
+cv::Mat CorrectionsOf(std::span<const PaintedCell> cells, const Block& block,
+                      NetworkCopies& network) {
   constexpr int kReach = OutlineNetwork::kReach;
   const cv::Rect window(block.core.x - kReach, block.core.y - kReach, block.core.width + 2 * kReach,
                         block.core.height + 2 * kReach);
   const cv::Mat output = network.Run(OutlineFeatures(cells, *block.deck, window));
   cv::Mat fine;
-  cv::resize(output.reshape(1, window.height), fine, {}, kOutlineFactor, kOutlineFactor, cv::INTER_LINEAR);
-  return fine(cv::Rect(cv::Point(kReach, kReach) * kOutlineFactor, block.core.size() * kOutlineFactor));
+  cv::resize(output.reshape(1, window.height), fine, {}, kOutlineFactor, kOutlineFactor,
+             cv::INTER_LINEAR);
+  return fine(
+      cv::Rect(cv::Point(kReach, kReach) * kOutlineFactor, block.core.size() * kOutlineFactor));
 }
 
-/// What sights were not sure of is corrected, but nobody is surer of it.
+/// What observations were not sure of is corrected, but nobody is surer of it.
 float Corrected(float belief, float correction) {
   const float log_odds = std::log(belief / (1 - belief));
-  const float corrected = std::clamp(log_odds + kStep * std::round(correction / kStep), std::min(log_odds, -kUnsure),
-                                     std::max(log_odds, kUnsure));
+  const float corrected = std::clamp(log_odds + kStep * std::round(correction / kStep),
+                                     std::min(log_odds, -kUnsure), std::max(log_odds, kUnsure));
   return 1 / (1 + std::exp(-corrected));
 }
 
 }  // namespace
 
-OutlineNetwork::OutlineNetwork() : copies_(std::make_unique<NetworkCopies>(std::string(BuiltinOutlineNetwork()))) {}
+OutlineNetwork::OutlineNetwork()
+    : copies_(std::make_unique<NetworkCopies>(std::string(BuiltinOutlineNetwork()))) {}
 
 OutlineNetwork::~OutlineNetwork() = default;
 
 void OutlineNetwork::Refine(const SurfaceLinks& links, std::vector<PaintedCell>& cells) const {
-  const std::vector<DeckRaster> decks = CutIntoDecks(cells, links, kAlign * kOutlineFactor, kMinCells);
+  const std::vector<DeckRaster> decks =
+      CutIntoDecks(cells, links, kAlign * kOutlineFactor, kMinCells);
   const std::vector<Block> blocks = CutIntoBlocks(cells, decks);
-  const std::vector<cv::Mat> corrections =
-      ParallelMap(blocks.size(), [&](size_t i) { return CorrectionsOf(cells, blocks[i], *copies_); });
+  const std::vector<cv::Mat> corrections = ParallelMap(
+      blocks.size(), [&](size_t i) { return CorrectionsOf(cells, blocks[i], *copies_); });
   for (size_t k = 0; k < blocks.size(); ++k) {
     const cv::Point corner = kOutlineFactor * blocks[k].core.tl();
     for (int row = 0; row < corrections[k].rows; ++row)
@@ -89,7 +96,8 @@ void OutlineNetwork::Refine(const SurfaceLinks& links, std::vector<PaintedCell>&
         if (i < 0) continue;
         PaintedCell& cell = cells[static_cast<size_t>(i)];
         if (cell.is_seen && !cell.is_driven)
-          cell.cell.free_belief = Corrected(cell.cell.free_belief, corrections[k].at<float>(row, column));
+          cell.cell.free_belief =
+              Corrected(cell.cell.free_belief, corrections[k].at<float>(row, column));
       }
   }
 }

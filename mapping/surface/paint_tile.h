@@ -14,7 +14,7 @@
 
 namespace parkade {
 
-constexpr double kMaxCellStep = 0.1;  ///< [m] of height between neighbouring cells of one deck
+constexpr double kMaxCellStep = 0.1;  ///< [m] of height between neighboring cells of one deck
 
 /// A square of the site, in squares of the height field.
 struct FieldTile {
@@ -25,11 +25,11 @@ struct FieldTile {
 /// The tiles of about `tile_size` [m] in which the field has patches, by y, then x.
 std::vector<FieldTile> CutIntoTiles(const HeightField& field, int cells_per_side, double tile_size);
 
-/// The finished cells of one tile, but for islands: painted, one per deck, outlines corrected by `network` where there
-/// is one, pinholes filled. Sorted as SurfaceMap.
-std::vector<SurfacePainter::PaintedCell> PaintTile(const FieldTile& tile, const PatchSource& patches,
-                                                   std::span<const DrivenPath> paths, const LatestDrives& latest,
-                                                   const HeightField& field, const SurfaceOptions& options,
-                                                   const OutlineNetwork* network = nullptr);
+/// The finished cells of one tile, but for islands: painted, one per deck, outlines corrected by
+/// `network` where there is one, pinholes filled. Sorted as SurfaceMap.
+std::vector<SurfacePainter::PaintedCell> PaintTile(
+    const FieldTile& tile, const PatchSource& patches, std::span<const DrivenPath> paths,
+    const LatestDrives& latest, const HeightField& field, const SurfaceOptions& options,
+    const OutlineNetwork* network = nullptr);
 
 }  // namespace parkade

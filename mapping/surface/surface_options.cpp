@@ -11,8 +11,8 @@ void SurfaceOptions::Validate() const {
   Require(cell_size > 0, ErrorCode::kUsage, "cell_size must be > 0 m");
   Require(method == "surface" || method == "homography", ErrorCode::kUsage,
           "method of the surface must be surface or homography");
-  Require(outlines == "sights" || outlines == "network", ErrorCode::kUsage,
-          "outlines of the surface must be sights or network");
+  Require(outlines == "observations" || outlines == "network", ErrorCode::kUsage,
+          "outlines of the surface must be observations or network");
   height.Validate();
   voxels.Validate();
   sweep.Validate();
@@ -21,14 +21,16 @@ void SurfaceOptions::Validate() const {
           "height.spacing must be a multiple of cell_size");
   Require(contact_sigma > 0 && suspension_sigma >= 0, ErrorCode::kUsage,
           "contact_sigma must be > 0 m and suspension_sigma not negative");
-  Require(free_log_odds > 0 && occupied_log_odds > 0 && log_odds_limit > std::max(free_log_odds, occupied_log_odds),
+  Require(free_log_odds > 0 && occupied_log_odds > 0 &&
+              log_odds_limit > std::max(free_log_odds, occupied_log_odds),
           ErrorCode::kUsage, "free_log_odds and occupied_log_odds must be in (0, log_odds_limit)");
   Require(change_log_odds >= 0, ErrorCode::kUsage, "change_log_odds must not be negative");
   Require(max_height_sigma > 0, ErrorCode::kUsage, "max_height_sigma must be > 0 m");
   Require(plane_share > 0 && plane_share <= 1, ErrorCode::kUsage, "plane_share must be in (0, 1]");
   Require(min_island_area >= 0, ErrorCode::kUsage, "min_island_area must not be negative");
   Require(latest_drives >= 1, ErrorCode::kUsage, "latest_drives must be 1 at least");
-  Require(tile_size >= height.spacing, ErrorCode::kUsage, "tile_size must be height.spacing at least");
+  Require(tile_size >= height.spacing, ErrorCode::kUsage,
+          "tile_size must be height.spacing at least");
 }
 
 }  // namespace parkade

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "core/option_about.h"
 #include "mapping/heights/drive_heights.h"
 #include "mapping/heights/height_field.h"
 #include "mapping/heights/measure_heights_options.h"
@@ -11,46 +12,52 @@ namespace parkade {
 
 /// How FuseSurface makes the ground of a site.
 struct SurfaceOptions {
-  std::string method = "surface";    ///< or "homography": flat ground in voxels, as in the seed paper, to compare
-  std::string outlines = "network";  ///< corrects those that all sights together draw; or "sights" alone
-  double cell_size = 0.05;           ///< [m] of colours and free space; height.spacing must be a multiple
-  double contact_sigma = 0.01;       ///< [m] of the road's height at a wheel
-  double suspension_sigma = 0.005;   ///< [rad] of the body's pitch: adds to the front wheels
-  double plane_share = 0.1;          ///< weight of a square of a keyframe's plane: those around it err alike
-  double free_log_odds = 0.8;        ///< of one sight of free ground near the car; less with distance
-  double occupied_log_odds = 0.8;    ///< of one sight of something else; more keeps obstacles, and their halo, out
-  double log_odds_limit = 8.0;       ///< of one drive
-  double change_log_odds = 0.1;      ///< from which a drive that contradicts those before it is believed alone
-  double max_height_sigma = 0.12;    ///< [m] ground whose height is known less well is not mapped
-  double min_island_area = 200.0;    ///< [m^2] smaller free islands that no car drove on are most often walls
-  int latest_drives = 6;             ///< so many of the latest that looked at a place say what it looks like
-  double tile_size = 48.0;           ///< [m] of the squares painted two at a time; less takes less memory
+  std::string method =
+      "surface";  ///< or "homography": flat ground in voxels, as in the seed paper, to compare
+  std::string outlines =
+      "network";  ///< corrects those that all observations together draw; or "observations" alone
+  double cell_size = 0.05;      ///< [m] of colors and free space; height.spacing must be a multiple
+  double contact_sigma = 0.01;  ///< [m] of the road's height at a wheel
+  double suspension_sigma = 0.005;  ///< [rad] of the body's pitch: adds to the front wheels
+  double plane_share =
+      0.1;  ///< weight of a square of a keyframe's plane: those around it err alike
+  double free_log_odds =
+      0.8;  ///< of one observation of free ground near the car; less with distance
+  double occupied_log_odds =
+      0.8;  ///< of one observation of something else; more keeps obstacles, and their halo, out
+  double log_odds_limit = 8.0;  ///< of one drive
+  double change_log_odds =
+      0.1;  ///< from which a drive that contradicts those before it is believed alone
+  double max_height_sigma = 0.12;  ///< [m] ground whose height is known less well is not mapped
+  double min_island_area =
+      200.0;              ///< [m^2] smaller free islands that no car drove on are most often walls
+  int latest_drives = 6;  ///< so many of the latest that looked at a place say what it looks like
+  double tile_size = 48.0;  ///< [m] of the squares painted two at a time; less takes less memory
   HeightFieldOptions height;
   MeasureHeightsOptions sweep;
   VoxelFusionOptions voxels;  ///< of the method "homography"
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
-    visit("method", method);
-    visit("outlines", outlines);
-    visit("cell_size", cell_size);
-    visit("contact_sigma", contact_sigma);
-    visit("suspension_sigma", suspension_sigma);
-    visit("plane_share", plane_share);
-    visit("free_log_odds", free_log_odds);
-    visit("occupied_log_odds", occupied_log_odds);
-    visit("log_odds_limit", log_odds_limit);
-    visit("change_log_odds", change_log_odds);
-    visit("max_height_sigma", max_height_sigma);
-    visit("min_island_area", min_island_area);
-    visit("latest_drives", latest_drives);
-    visit("tile_size", tile_size);
-    visit("height", height);
-    visit("sweep", sweep);
-    visit("voxels", voxels);
+    visit("method", method,
+          OptionAbout{"The surface is measured (\"surface\"), or the plane under each pose painted "
+                      "(\"homography\")."});
+    visit("outlines", outlines,
+          OptionAbout{"A network corrects the outlines that all observations together draw "
+                      "(\"network\"), or they stand alone (\"observations\")."});
+    visit("cell_size", cell_size, OptionAbout{"The edge of a cell of the map.", "m", 0.02, 0.5});
+    visit("max_height_sigma", max_height_sigma,
+          OptionAbout{"Ground whose height is less sure is not in the map.", "m", 0.005, 1});
+    visit("min_island_area", min_island_area,
+          OptionAbout{"Free ground that no drive crossed is kept from this area on.", "m^2", 0,
+                      100000});
+    visit("latest_drives", latest_drives,
+          OptionAbout{"The last drives that saw a cell decide about it, this many.", "", 1, 100});
   }
   void Validate() const;  ///< throws Error{kUsage}
-  HeightOptions Heights() const { return {contact_sigma, suspension_sigma, plane_share, height, sweep}; }
+  HeightOptions Heights() const {
+    return {contact_sigma, suspension_sigma, plane_share, height, sweep};
+  }
 };
 
 }  // namespace parkade

@@ -6,32 +6,35 @@
 #include <tuple>
 #include <utility>
 
-#include "core/floor_of.h"
+#include "core/fast_floor.h"
 #include "core/parallel.h"
 #include "mapping/ground/isometry_of.h"
 #include "mapping/ground/sort_cells.h"
 #include "mapping/heights/ground_horizon.h"
-#include "mapping/heights/meet_surface.h"
+#include "mapping/heights/intersect_ray.h"
 
 namespace parkade {
 namespace {
 
 constexpr double kNearVariance = 1e-4;  // [m^2] of the height of a sample right at the car
-constexpr double kNearEnough = 0.75;    // sights from here on are equally sharp: the first come before the own shadow
-constexpr double kKnownShift = 0.3;     // [m] along the ray at which an outline counts half
-constexpr double kLeastTrust = 0.05;    // what is seen of a poorly known height still counts
-constexpr double kMinEyeHeight = 0.2;   // [m] above the ground
-constexpr int kViewDirections = 16;     // in which views are told apart
-constexpr double kNearView = 4.0;       // [m] of distance, likewise
-constexpr double kTrustedView = 0.5;    // trust from which on it is known what was looked at
-constexpr int kCoveringViews = 1;       // from which a drive misses what an earlier one saw
-constexpr float kCoveredLogOdds = -1;   // of what is covered
-constexpr double kDoubtfulLogOdds = -1e-6;  // of a sight that cannot tell: with nothing else, not drivable
-constexpr double kMaxStretch = 1.5;         // of rays: MeetSurface goes no further
-constexpr double kMaxFootprint = 1.0;       // [m] that samples stand for reach less far from them
-constexpr size_t kPatchesPerBatch = 64;     // hits of so many patches are held at once
+constexpr double kNearEnough =
+    0.75;  // observations from here on are equally sharp: the first come before the own shadow
+constexpr double kKnownShift = 0.3;    // [m] along the ray at which an outline counts half
+constexpr double kLeastTrust = 0.05;   // what is seen of a poorly known height still counts
+constexpr double kMinEyeHeight = 0.2;  // [m] above the ground
+constexpr int kViewDirections = 16;    // in which views are told apart
+constexpr double kNearView = 4.0;      // [m] of distance, also
+constexpr double kTrustedView = 0.5;   // trust from which on it is known what was looked at
+constexpr int kCoveringViews = 1;      // from which a drive misses what an earlier one saw
+constexpr float kCoveredLogOdds = -1;  // of what is covered
+constexpr double kDoubtfulLogOdds =
+    -1e-6;  // of a observation that cannot tell: with nothing else, not drivable
+constexpr double kMaxStretch = 1.5;      // of rays: IntersectRay goes no further
+constexpr double kMaxFootprint = 1.0;    // [m] that samples stand for reach less far from them
+constexpr size_t kPatchesPerBatch = 64;  // hits of so many patches are held at once
 
-/// 1 right at the car, falling with distance: whose colour counts. Much slower than the variance of a height grows.
+/// 1 right at the car, falling with distance: whose color counts. Much slower than the variance of
+/// a height grows.
 double NearnessOf(const GroundSample& sample) {
   return std::min(1.0, std::sqrt(std::sqrt(kNearVariance * static_cast<double>(sample.weight))));
 }
@@ -53,7 +56,8 @@ std::optional<Eigen::Vector3d> EyeOf(const PatchView& view, const DrivenPath* pa
 
 }  // namespace
 
-SurfacePainter::SurfacePainter(const HeightField& field, int cells_per_side, const SightLogOdds& log_odds,
+SurfacePainter::SurfacePainter(const HeightField& field, int cells_per_side,
+                               const ObservationLogOdds& log_odds,
                                const std::optional<Eigen::AlignedBox2i>& window)
     : field_(&field),
       cells_per_side_(cells_per_side),
@@ -63,13 +67,16 @@ SurfacePainter::SurfacePainter(const HeightField& field, int cells_per_side, con
   int num_slots = 0;
   for (int patch = 0; patch < field.num_patches(); ++patch) {
     const Eigen::Array2i at = field.IndexOf(patch).array();
-    if (window && ((at < window->min().array()).any() || (at >= window->max().array()).any())) continue;
+    if (window && ((at < window->min().array()).any() || (at >= window->max().array()).any()))
+      continue;
     slots_[static_cast<size_t>(patch)] = num_slots++;
     painted_.push_back(patch);
     const Eigen::Array2d low = at.cast<double>() * field.spacing();
-    reach_.extend((low - kMaxFootprint).matrix()).extend((low + field.spacing() + kMaxFootprint).matrix());
+    reach_.extend((low - kMaxFootprint).matrix())
+        .extend((low + field.spacing() + kMaxFootprint).matrix());
   }
-  evidence_.resize(static_cast<size_t>(num_slots) * static_cast<size_t>(cells_per_side * cells_per_side));
+  evidence_.resize(static_cast<size_t>(num_slots) *
+                   static_cast<size_t>(cells_per_side * cells_per_side));
 }
 
 /// Where samples of a patch may lie once they have moved along their rays. `eye` may be null.
@@ -92,7 +99,8 @@ bool SurfacePainter::IsInReach(const PatchView& view, const DrivenPath* path) co
 bool SurfacePainter::IsInReach(const Eigen::Vector3d* eye, const Eigen::Vector3d& point) const {
   if (reach_.contains(point.head<2>().eval())) return true;
   Eigen::AlignedBox2d ray(point.head<2>());
-  if (eye != nullptr) ray.extend(eye->head<2>()).extend((*eye + kMaxStretch * (point - *eye)).head<2>());
+  if (eye != nullptr)
+    ray.extend(eye->head<2>()).extend((*eye + kMaxStretch * (point - *eye)).head<2>());
   return reach_.intersects(ray);
 }
 
@@ -105,26 +113,32 @@ Eigen::Vector2i SurfacePainter::SquareAt(const Eigen::Vector2i& cell) const {
 }
 
 std::uint32_t SurfacePainter::FirstEvidenceOf(int patch) const {
-  return static_cast<std::uint32_t>(slots_[static_cast<size_t>(patch)] * cells_per_side_ * cells_per_side_);
+  return static_cast<std::uint32_t>(slots_[static_cast<size_t>(patch)] * cells_per_side_ *
+                                    cells_per_side_);
 }
 
 std::uint32_t SurfacePainter::EvidenceAt(int patch, const Eigen::Vector2i& cell) const {
   const Eigen::Vector2i inside = cell - field_->IndexOf(patch) * cells_per_side_;
-  const int x = std::clamp(inside.x(), 0, cells_per_side_ - 1), y = std::clamp(inside.y(), 0, cells_per_side_ - 1);
+  const int x = std::clamp(inside.x(), 0, cells_per_side_ - 1),
+            y = std::clamp(inside.y(), 0, cells_per_side_ - 1);
   return FirstEvidenceOf(patch) + static_cast<std::uint32_t>(y * cells_per_side_ + x);
 }
 
 /// A sample that stands for more than a cell counts for all of them.
-void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds,
-                            ViewSet view, SharedHits& hits) const {
+void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point,
+                            double log_odds, ViewSet view, SharedHits& hits) const {
   const double nearness = NearnessOf(sample);
-  const auto rank = static_cast<std::uint8_t>(1 + std::lround(254 * std::min(nearness, kNearEnough)));
-  // What lies far behind an outline is no sight of the ground: it only tells that there is none.
-  Hit hit{.sight = {sample.blue, sample.green, sample.red, sample.IsBeyond() ? std::uint8_t{0} : rank},
+  const auto rank =
+      static_cast<std::uint8_t>(1 + std::lround(254 * std::min(nearness, kNearEnough)));
+  // What lies far behind an outline is no observation of the ground: it only tells that there is
+  // none.
+  Hit hit{.observation = {sample.blue, sample.green, sample.red,
+                          sample.IsBeyond() ? std::uint8_t{0} : rank},
           .log_odds = static_cast<float>(log_odds),
           .view = view};
   const double reach = std::max(0.0, 0.5 * (static_cast<double>(sample.footprint) - cell_size_));
-  const Eigen::Vector2i low = CellAt(point.head<2>().array() - reach), high = CellAt(point.head<2>().array() + reach);
+  const Eigen::Vector2i low = CellAt(point.head<2>().array() - reach),
+                        high = CellAt(point.head<2>().array() + reach);
   const Eigen::Vector2i home = field_->IndexOf(patch), first = SquareAt(low), last = SquareAt(high);
   for (int row = first.y(); row <= last.y(); ++row)
     for (int column = first.x(); column <= last.x(); ++column) {
@@ -132,7 +146,8 @@ void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::
       const Eigen::Vector2i begin = low.cwiseMax(corner),
                             end = (high.array() + 1).min(corner.array() + cells_per_side_);
       const Eigen::Vector2d middle = 0.5 * cell_size_ * (begin + end).cast<double>();
-      const int owner = square == home ? patch : field_->FindPatch({middle.x(), middle.y(), point.z()});
+      const int owner =
+          square == home ? patch : field_->FindPatch({middle.x(), middle.y(), point.z()});
       if (owner == HeightField::kNone || !IsPainted(owner)) continue;
       hit.first = EvidenceAt(owner, begin);
       hit.columns = static_cast<std::uint16_t>(end.x() - begin.x());
@@ -142,7 +157,8 @@ void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::
 }
 
 SurfacePainter::SharedHits SurfacePainter::FindHits(const PatchView& view, const GroundPatch& patch,
-                                                    const DrivenPath* path, const LatestDrives* latest) const {
+                                                    const DrivenPath* path,
+                                                    const LatestDrives* latest) const {
   SharedHits hits;
   for (std::vector<Hit>& of_share : hits) of_share.reserve(2 * patch.samples.size() / kShares);
   const std::optional<Eigen::Vector3d> seen_from = EyeOf(view, path);
@@ -161,7 +177,7 @@ SurfacePainter::SharedHits SurfacePainter::FindHits(const PatchView& view, const
     Eigen::Vector3d point = site_from_body * sample.point_in_body.cast<double>();
     if (!is_all_in_reach && !IsInReach(has_eye ? &eye : nullptr, point)) continue;
     if (latest != nullptr && !share.Counts(point.head<2>())) continue;
-    const int found = has_eye ? MeetSurface(patches, eye, point) : field_->FindPatch(point);
+    const int found = has_eye ? IntersectRay(patches, eye, point) : field_->FindPatch(point);
     if (found == HeightField::kNone) continue;
     if (horizon && horizon->MayHide(point) && IsHidden(*field_, eye, point)) continue;
     const double distance = has_eye ? (point - eye).head<2>().norm() : 0;
@@ -176,7 +192,8 @@ SurfacePainter::SharedHits SurfacePainter::FindHits(const PatchView& view, const
     const ViewSet view_bit = has_eye && trust > kTrustedView ? ViewFrom(eye, point) : 0;
     if (sample.IsBeyond() && view_bit == 0) continue;
     AddHit(sample, found, point,
-           (sample.is_free ? log_odds_.free : -log_odds_.occupied) * static_cast<double>(sample.confidence) * trust,
+           (sample.is_free ? log_odds_.free : -log_odds_.occupied) *
+               static_cast<double>(sample.confidence) * trust,
            view_bit, hits);
   }
   return hits;
@@ -187,13 +204,15 @@ void SurfacePainter::Count(const Hit& hit, Evidence& evidence) const {
   evidence.log_odds_now = std::clamp(evidence.log_odds_now + hit.log_odds, -limit, limit);
   (hit.log_odds > 0 ? evidence.seen_now : evidence.hidden_now) |= hit.view;
   (hit.log_odds > 0 ? evidence.free_sum : evidence.occupied_sum) += std::abs(hit.log_odds);
-  if (hit.sight.rank > 0) evidence.sights.Add(hit.sight, /*is_first=*/!std::exchange(evidence.is_hit, true));
+  if (hit.observation.rank > 0)
+    evidence.observations.Add(hit.observation, /*is_first=*/!std::exchange(evidence.is_hit, true));
 }
 
-void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path,
-                           const LatestDrives* latest) {
+void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> indices,
+                           const DrivenPath* path, const LatestDrives* latest) {
   for (size_t begin = 0; begin < indices.size(); begin += kPatchesPerBatch) {
-    const std::span batch = indices.subspan(begin, std::min(kPatchesPerBatch, indices.size() - begin));
+    const std::span batch =
+        indices.subspan(begin, std::min(kPatchesPerBatch, indices.size() - begin));
     const auto hits_of = ParallelMap(batch.size(), [&](size_t i) {
       return FindHits(patches.views()[batch[i]], patches.Read(batch[i]).patch, path, latest);
     });
@@ -202,7 +221,8 @@ void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> i
       for (const SharedHits& hits : hits_of)
         for (const Hit& hit : hits[share]) {
           for (size_t y = 0; y < hit.rows; ++y) {
-            const auto row = std::span(evidence_).subspan(hit.first + y * static_cast<size_t>(cells_per_side_));
+            const auto row =
+                std::span(evidence_).subspan(hit.first + y * static_cast<size_t>(cells_per_side_));
             for (Evidence& evidence : row.first(hit.columns)) Count(hit, evidence);
           }
         }
@@ -210,7 +230,8 @@ void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> i
   }
 }
 
-SurfacePainter::ViewSet SurfacePainter::ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point) {
+SurfacePainter::ViewSet SurfacePainter::ViewFrom(const Eigen::Vector3d& eye,
+                                                 const Eigen::Vector3d& point) {
   const Eigen::Vector2d ray = (point - eye).head<2>();
   // A turn has eight eighths, told apart by signs and by which is longer, and each two halves.
   static_assert(kViewDirections == 16);
@@ -218,17 +239,21 @@ SurfacePainter::ViewSet SurfacePainter::ViewFrom(const Eigen::Vector3d& eye, con
   const double x = std::abs(ray.x()), y = std::abs(ray.y());
   const bool is_steep = y > x, is_outer = is_steep ? x < kHalf * y : y < kHalf * x;
   const int direction = (ray.x() < 0) | (ray.y() < 0) << 1 | is_steep << 2 | is_outer << 3;
-  return ViewSet{1} << (direction + (ray.squaredNorm() < kNearView * kNearView ? 0 : kViewDirections));
+  return ViewSet{1} << (direction +
+                        (ray.squaredNorm() < kNearView * kNearView ? 0 : kViewDirections));
 }
 
 void SurfacePainter::EndDrive() {
-  const auto limit = static_cast<float>(log_odds_.limit), change = static_cast<float>(log_odds_.change);
+  const auto limit = static_cast<float>(log_odds_.limit),
+             change = static_cast<float>(log_odds_.change);
   for (Evidence& evidence : evidence_) {
-    // From where it was seen, something stands in the way now; from elsewhere it may always have been hidden.
-    const bool is_blocked = std::popcount(evidence.seen_from & evidence.hidden_now) >= kCoveringViews;
+    // From where it was seen, something stands in the way now; from elsewhere it may always have
+    // been hidden.
+    const bool is_blocked =
+        std::popcount(evidence.seen_from & evidence.hidden_now) >= kCoveringViews;
     const float now = std::exchange(evidence.log_odds_now, 0.0F);
-    const bool has_changed =
-        now * evidence.log_odds < 0 && std::abs(now) >= change && (now > 0 || is_blocked || evidence.is_driven);
+    const bool has_changed = now * evidence.log_odds < 0 && std::abs(now) >= change &&
+                             (now > 0 || is_blocked || evidence.is_driven);
     evidence.log_odds = has_changed ? now : std::clamp(evidence.log_odds + now, -limit, limit);
     if (has_changed) (now > 0 ? evidence.occupied_sum : evidence.free_sum) = 0;
     const bool is_covered = is_blocked && evidence.seen_now == 0;
@@ -245,8 +270,8 @@ void SurfacePainter::EndDrive() {
   has_earlier_ = true;
 }
 
-void SurfacePainter::PaintDrive(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path,
-                                const LatestDrives* latest) {
+void SurfacePainter::PaintDrive(const PatchSource& patches, std::span<const size_t> indices,
+                                const DrivenPath* path, const LatestDrives* latest) {
   Paint(patches, indices, path, latest);
   EndDrive();
 }
@@ -261,12 +286,13 @@ void SurfacePainter::MarkDriven(const DrivenPath& path) {
   std::optional<Rigid3> stood_from_site;
   std::optional<Eigen::Vector3d> last;
   for (const TrajectoryState& state : path.site_from_body.states()) {
-    if (last && (state.odom_from_body.translation - *last).norm() < step) continue;
-    last = state.odom_from_body.translation;
+    if (last && (state.world_from_body.translation - *last).norm() < step) continue;
+    last = state.world_from_body.translation;
     if (reach_.isEmpty() || reach_.exteriorDistance(last->head<2>().eval()) > length) continue;
-    const Rigid3 site_from_ground = state.odom_from_body * path.body_from_ground;
-    const Eigen::Affine2d stood_from_ground =
-        stood_from_site ? InPlane(*stood_from_site * site_from_ground) : Eigen::Affine2d::Identity();
+    const Rigid3 site_from_ground = state.world_from_body * path.body_from_ground;
+    const Eigen::Affine2d stood_from_ground = stood_from_site
+                                                  ? InPlane(*stood_from_site * site_from_ground)
+                                                  : Eigen::Affine2d::Identity();
     for (double x = 0; x <= path.contact.wheelbase; x += 0.7 * cell_size_)
       for (double y = -half_track; y <= half_track; y += 0.7 * cell_size_) {
         if (stood_from_site && inside.contains(stood_from_ground * Eigen::Vector2d(x, y))) continue;
@@ -287,7 +313,9 @@ std::vector<SurfacePainter::PaintedCell> SurfacePainter::Cells() const {
     std::vector<PaintedCell> cells;
     const int patch = painted_[slot];
     const auto begin = evidence_.begin() + static_cast<std::ptrdiff_t>(slot) * cells_per_patch;
-    const auto is_known = [](const Evidence& evidence) { return evidence.is_driven || !evidence.sights.empty(); };
+    const auto is_known = [](const Evidence& evidence) {
+      return evidence.is_driven || !evidence.observations.empty();
+    };
     if (std::none_of(begin, begin + cells_per_patch, is_known)) return cells;
     const Eigen::Vector2i corner = field_->IndexOf(patch) * cells_per_side_;
     for (int i = 0; i < cells_per_patch; ++i) {
@@ -295,19 +323,21 @@ std::vector<SurfacePainter::PaintedCell> SurfacePainter::Cells() const {
       PaintedCell& painted = cells.emplace_back();
       painted.cell.x = corner.x() + i % cells_per_side_;
       painted.cell.y = corner.y() + i / cells_per_side_;
-      const Eigen::Vector2d center = cell_size_ * Eigen::Vector2d(painted.cell.x + 0.5, painted.cell.y + 0.5);
+      const Eigen::Vector2d center =
+          cell_size_ * Eigen::Vector2d(painted.cell.x + 0.5, painted.cell.y + 0.5);
       painted.cell.height = static_cast<float>(field_->HeightAt(patch, center));
       painted.cell.height_sigma = static_cast<float>(field_->SigmaOf(patch));
       painted.cell.free_belief = 1 / (1 + std::exp(-evidence.log_odds));
-      painted.cell.color = evidence.sights.Color();
-      painted.is_seen = !evidence.sights.empty();
+      painted.cell.color = evidence.observations.Color();
+      painted.is_seen = !evidence.observations.empty();
       painted.is_driven = evidence.is_driven;
-      painted.sights = {.free = SightSummary::PackLogOdds(evidence.free_sum),
-                        .occupied = SightSummary::PackLogOdds(evidence.occupied_sum),
-                        .nearness = evidence.sights.Nearness(),
-                        .disagreement = evidence.sights.Disagreement(),
-                        .free_views = static_cast<std::uint8_t>(std::popcount(evidence.seen_from)),
-                        .occupied_views = static_cast<std::uint8_t>(std::popcount(evidence.hidden_from))};
+      painted.observations = {
+          .free = ObservationSummary::PackLogOdds(evidence.free_sum),
+          .occupied = ObservationSummary::PackLogOdds(evidence.occupied_sum),
+          .nearness = evidence.observations.Nearness(),
+          .disagreement = evidence.observations.Disagreement(),
+          .free_views = static_cast<std::uint8_t>(std::popcount(evidence.seen_from)),
+          .occupied_views = static_cast<std::uint8_t>(std::popcount(evidence.hidden_from))};
     }
     return cells;
   });

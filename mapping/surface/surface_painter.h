@@ -12,39 +12,42 @@
 #include "mapping/ground/latest_drives.h"
 #include "mapping/ground/patch_source.h"
 #include "mapping/heights/height_field.h"
-#include "mapping/surface/cell_sights.h"
-#include "mapping/surface/sight_summary.h"
+#include "mapping/surface/cell_color.h"
+#include "mapping/surface/observation_summary.h"
 
 namespace parkade {
 
-/// Log-odds that one sight near the car adds for and against free space, the largest sum, and the sum from which a
-/// drive that contradicts those before it is believed alone.
-struct SightLogOdds {
+/// Log-odds that one observation near the car adds for and against free space, the largest sum, and
+/// the sum from which a drive that contradicts those before it is believed alone.
+struct ObservationLogOdds {
   double free = 0.8, occupied = 1.2, limit = 6, change = 0.1;
 };
 
-/// Colours and free-space evidence gathered on the patches of a height field, one drive after the other.
+/// Colors and free-space evidence gathered on the patches of a height field, one drive after the
+/// other.
 class SurfacePainter {
  public:
   /// The field is borrowed. `cells_per_side` cells on each side of a patch.
-  /// \param window  squares of the field that are painted, the last one being the one before max(); nothing: all.
+  /// \param window  squares of the field that are painted, the last one being the one before max();
+  /// nothing: all.
   ///                What is painted of them does not depend on the window.
-  SurfacePainter(const HeightField& field, int cells_per_side, const SightLogOdds& log_odds,
+  SurfacePainter(const HeightField& field, int cells_per_side, const ObservationLogOdds& log_odds,
                  const std::optional<Eigen::AlignedBox2i>& window = {});
 
-  /// Whether samples of a patch may lie in the window, once they have moved along their rays. `path` may be null.
+  /// Whether samples of a patch may lie in the window, once they have moved along their rays.
+  /// `path` may be null.
   bool IsInReach(const PatchView& view, const DrivenPath* path) const;
 
-  /// Samples of some of a drive's patches, moved along their rays onto the surface. In parallel, summed in order.
-  /// `path` is that of the drive, or null.
+  /// Samples of some of a drive's patches, moved along their rays onto the surface. In parallel,
+  /// summed in order. `path` is that of the drive, or null.
   ///
-  /// A cell has the colour that the latest of the drives that saw it well gives it.
+  /// A cell has the color that the latest of the drives that saw it well gives it.
   ///
-  /// Behind the foot of an obstacle nothing is known, so that a parked car hardly counts against its slot. But ground
-  /// that an earlier drive saw, and that this drive does not see from anywhere although it looked from where that one
-  /// had seen it, is covered now.
-  void PaintDrive(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path,
-                  const LatestDrives* latest = nullptr);
+  /// Behind the foot of an obstacle nothing is known, so that a parked car hardly counts against
+  /// its slot. But ground that an earlier drive saw, and that this drive does not see from anywhere
+  /// although it looked from where that one had seen it, is covered now.
+  void PaintDrive(const PatchSource& patches, std::span<const size_t> indices,
+                  const DrivenPath* path, const LatestDrives* latest = nullptr);
 
   /// Where a car has been there is room for it.
   void MarkDriven(const DrivenPath& path);
@@ -52,12 +55,13 @@ class SurfacePainter {
   /// A cell of the result with what has not yet been decided about it.
   struct PaintedCell {
     SurfaceCell cell;
-    bool is_seen = false;  ///< has a colour
+    bool is_seen = false;  ///< has a color
     bool is_driven = false;
-    SightSummary sights;
+    ObservationSummary observations;
   };
 
-  /// Every cell of every patch in which anything was seen or driven, the unseen ones too; sorted as SurfaceMap.
+  /// Every cell of every patch in which anything was seen or driven, the unseen ones too; sorted as
+  /// SurfaceMap.
   std::vector<PaintedCell> Cells() const;
 
  private:
@@ -73,13 +77,13 @@ class SurfacePainter {
     ViewSet seen_now = 0, hidden_now = 0;  ///< in this drive; hidden: seen as something else
     ViewSet hidden_from = 0;               ///< in earlier drives
     float free_sum = 0, occupied_sum = 0;  ///< log-odds for and against, of all drives that count
-    CellSights sights;
+    CellColor observations;
   };
   /// Of the cells of one square that a sample stands for.
   struct Hit {
     std::uint32_t first = 0;              ///< evidence of the lowest of them
     std::uint16_t columns = 0, rows = 0;  ///< of cells
-    ColorSight sight;
+    ColorObservation observation;
     float log_odds = 0;
     ViewSet view = 0;  ///< one bit, or none where it is not known well enough
   };
@@ -93,13 +97,15 @@ class SurfacePainter {
   void Count(const Hit& hit, Evidence& evidence) const;
   void EndDrive();
   static ViewSet ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point);
-  void AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds, ViewSet view,
-              SharedHits& hits) const;
+  void AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds,
+              ViewSet view, SharedHits& hits) const;
   SharedHits FindHits(const PatchView& view, const GroundPatch& patch, const DrivenPath* path,
                       const LatestDrives* latest) const;
   static Eigen::AlignedBox2d ReachOf(const PatchView& view, const Eigen::Vector3d* eye);
   bool IsInReach(const Eigen::Vector3d* eye, const Eigen::Vector3d& point) const;
-  bool IsPainted(int patch) const { return slots_[static_cast<size_t>(patch)] != HeightField::kNone; }
+  bool IsPainted(int patch) const {
+    return slots_[static_cast<size_t>(patch)] != HeightField::kNone;
+  }
   /// Of the height field, in which a cell lies.
   Eigen::Vector2i SquareAt(const Eigen::Vector2i& cell) const;
   std::uint32_t FirstEvidenceOf(int patch) const;
@@ -109,10 +115,11 @@ class SurfacePainter {
   const HeightField* field_;
   int cells_per_side_;
   double cell_size_;
-  SightLogOdds log_odds_;
-  std::vector<int> slots_;          ///< by patch: where its evidence is, or none
-  std::vector<int> painted_;        ///< patches that have a slot, in order
-  Eigen::AlignedBox2d reach_;       ///< [m] of the window, and of samples that stand for more than a cell
+  ObservationLogOdds log_odds_;
+  std::vector<int> slots_;    ///< by patch: where its evidence is, or none
+  std::vector<int> painted_;  ///< patches that have a slot, in order
+  Eigen::AlignedBox2d
+      reach_;  ///< [m] of the window, and of samples that stand for more than a cell
   std::vector<Evidence> evidence_;  ///< slots x cells_per_side^2
   bool has_earlier_ = false;        ///< a drive before the one that is painted
 };

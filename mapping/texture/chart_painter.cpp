@@ -11,35 +11,49 @@
 namespace parkade {
 namespace {
 
-constexpr double kSteepest = 0.17;      // of ramps: what lies higher or lower is another deck's, ...
-constexpr double kDeckStep = 0.1;       // [m] ... but for this little, ...
-constexpr double kDeckHeight = 2.0;     // [m] ... and so is all that lies so much off the plane that the car stands on
-constexpr double kOwnShade = 1.3;       // [m] beside the contact area the car's own shadow lies most of the time ...
-constexpr double kShadeRim = 0.6;       // [m] ... and beyond that less and less
-constexpr double kShadePenalty = 0.3;   // of the rank of sights in there: further cameras saw the place in the light
-constexpr float kLeastAbove = 1;        // of the rank of a sight above the least: sights all alike weigh alike
-constexpr double kMaxPixelGap = 60;     // [px] between two corners of a block: more is a fold of the lens
-constexpr int kColorTolerance = 24;     // of lightness: sights further from the median are something else
+constexpr double kSteepest = 0.17;  // of ramps: what lies higher or lower is another deck's, ...
+constexpr double kDeckStep = 0.1;   // [m] ... but for this little, ...
+constexpr double kDeckHeight =
+    2.0;  // [m] ... and so is all that lies so much off the plane that the car stands on
+constexpr double kOwnShade =
+    1.3;  // [m] beside the contact area the car's own shadow lies most of the time ...
+constexpr double kShadeRim = 0.6;  // [m] ... and beyond that less and less
+constexpr double kShadePenalty =
+    0.3;  // of the rank of sights in there: further cameras saw the place in the light
+constexpr float kLeastAbove =
+    1;  // of the rank of a observation above the least: observations all alike weigh alike
+constexpr double kMaxPixelGap =
+    60;  // [px] between two corners of a block: more is a fold of the lens
+constexpr int kColorTolerance =
+    24;  // of lightness: observations further from the median are something else
 constexpr size_t kMinGainSamples = 60;  // fewer say nothing about the exposure
 constexpr float kMaxGain = 3;
 
-/// The pixel at which the photo shows a point of the ground, unless the own car is in the way, or the own deck.
-/// `point_in_ground` is the same point.
-std::optional<Eigen::Vector2d> FindPixel(const GroundPhoto& photo, const Rigid3& camera_from_site,
-                                         const Eigen::Vector3d& point_in_site, const Eigen::Vector3d& point_in_ground) {
-  const double height_of_deck = std::min(kDeckHeight, kDeckStep + kSteepest * point_in_ground.head<2>().norm());
+/// The pixel at which the image shows a point of the ground, unless the own car is in the way, or
+/// the own deck. `point_in_ground` is the same point.
+std::optional<Eigen::Vector2d> FindPixel(const GroundImage& image, const Rigid3& camera_from_site,
+                                         const Eigen::Vector3d& point_in_site,
+                                         const Eigen::Vector3d& point_in_ground) {
+  const double height_of_deck =
+      std::min(kDeckHeight, kDeckStep + kSteepest * point_in_ground.head<2>().norm());
   if (std::abs(point_in_ground.z()) > height_of_deck) return {};
-  if (IsUnderCar(point_in_ground.head<2>(), photo.contact)) return {};
-  std::optional<Eigen::Vector2d> pixel = photo.camera->model.Project(camera_from_site * point_in_site);
-  if (!pixel || !photo.camera->IsUsable(*pixel, 1)) return {};
+  if (IsUnderCar(point_in_ground.head<2>(), image.contact)) return {};
+  std::optional<Eigen::Vector2d> pixel =
+      image.camera->model.Project(camera_from_site * point_in_site);
+  if (!pixel || !image.camera->IsUsable(*pixel, 1)) return {};
   return pixel;
 }
 
-std::uint8_t RankOf(float steepness) { return static_cast<std::uint8_t>(1 + std::lround(254 * steepness)); }
+std::uint8_t RankOf(float steepness) {
+  return static_cast<std::uint8_t>(1 + std::lround(254 * steepness));
+}
 
-std::uint8_t ToByte(float value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5F, 0.0F, 255.0F)); }
+std::uint8_t ToByte(float value) {
+  return static_cast<std::uint8_t>(std::clamp(value + 0.5F, 0.0F, 255.0F));
+}
 
-/// Gives texels off the mesh the colour of the nearest one on it: no dark fringe when a viewer interpolates.
+/// Gives texels off the mesh the color of the nearest one on it: no dark fringe when a viewer
+/// interpolates.
 void ContinueBeyondBorder(TextureChart& chart) {
   const cv::Mat off = chart.mask == 0;
   cv::Mat distance, nearest;
@@ -49,42 +63,55 @@ void ContinueBeyondBorder(TextureChart& chart) {
   for (int row = 0; row < chart.mask.rows; ++row)
     for (int column = 0; column < chart.mask.cols; ++column)
       if (chart.mask.at<std::uint8_t>(row, column) != 0)
-        color_of[static_cast<std::size_t>(nearest.at<int>(row, column))] = chart.image.at<cv::Vec3b>(row, column);
+        color_of[static_cast<std::size_t>(nearest.at<int>(row, column))] =
+            chart.image.at<cv::Vec3b>(row, column);
   for (int row = 0; row < chart.mask.rows; ++row)
     for (int column = 0; column < chart.mask.cols; ++column)
-      chart.image.at<cv::Vec3b>(row, column) = color_of[static_cast<std::size_t>(nearest.at<int>(row, column))];
+      chart.image.at<cv::Vec3b>(row, column) =
+          color_of[static_cast<std::size_t>(nearest.at<int>(row, column))];
 }
 
 }  // namespace
 
-GroundSight SeePoint(const GroundPhoto& photo, const Rigid3& camera_from_site, const Eigen::Vector3d& point_in_site,
-                     double max_range) {
-  const Eigen::Vector3d sight = point_in_site - photo.site_from_camera.translation;
-  if (sight.head<2>().squaredNorm() > max_range * max_range || sight.z() > -0.05) return {};
-  if (!photo.open_ground.Shows(photo.site_from_camera.translation.head<2>(), point_in_site.head<2>())) return {};
-  const Eigen::Vector3d point_in_ground = photo.site_from_ground.Inverse() * point_in_site;
-  const std::optional<Eigen::Vector2d> pixel = FindPixel(photo, camera_from_site, point_in_site, point_in_ground);
+GroundPixel SeePoint(const GroundImage& image, const Rigid3& camera_from_site,
+                     const Eigen::Vector3d& point_in_site, double max_range) {
+  const Eigen::Vector3d observation = point_in_site - image.site_from_camera.translation;
+  if (observation.head<2>().squaredNorm() > max_range * max_range || observation.z() > -0.05)
+    return {};
+  if (!image.open_ground.Shows(image.site_from_camera.translation.head<2>(),
+                               point_in_site.head<2>()))
+    return {};
+  const Eigen::Vector3d point_in_ground = image.site_from_ground.Inverse() * point_in_site;
+  const std::optional<Eigen::Vector2d> pixel =
+      FindPixel(image, camera_from_site, point_in_site, point_in_ground);
   if (!pixel) return {};
-  const double off = photo.contact.DistanceTo(point_in_ground.head<2>());
-  const double lit = kShadePenalty + (1 - kShadePenalty) * std::clamp((off - kOwnShade) / kShadeRim, 0.0, 1.0);
-  return {pixel->cast<float>(), static_cast<float>(lit * -sight.z() / sight.norm())};
+  const double off = image.contact.DistanceTo(point_in_ground.head<2>());
+  const double lit =
+      kShadePenalty + (1 - kShadePenalty) * std::clamp((off - kOwnShade) / kShadeRim, 0.0, 1.0);
+  return {pixel->cast<float>(), static_cast<float>(lit * -observation.z() / observation.norm())};
 }
 
-ChartPainter::ChartPainter(BlankChart blank, double texel_size) : blank_(std::move(blank)), texel_size_(texel_size) {
+ChartPainter::ChartPainter(BlankChart blank, double texel_size)
+    : blank_(std::move(blank)), texel_size_(texel_size) {
   const cv::Mat& height = blank_.height;
   num_columns_ = (height.cols + kTexelsPerStep - 1) / kTexelsPerStep + 1;
   num_rows_ = (height.rows + kTexelsPerStep - 1) / kTexelsPerStep + 1;
-  sights_.resize(static_cast<std::size_t>(height.rows) * static_cast<std::size_t>(height.cols));
-  corner_heights_.reserve(static_cast<std::size_t>(num_columns_) * static_cast<std::size_t>(num_rows_));
+  observations_.resize(static_cast<std::size_t>(height.rows) *
+                       static_cast<std::size_t>(height.cols));
+  corner_heights_.reserve(static_cast<std::size_t>(num_columns_) *
+                          static_cast<std::size_t>(num_rows_));
   for (int row = 0; row < num_rows_; ++row)
     for (int column = 0; column < num_columns_; ++column) {
       float sum = 0;
       int count = 0;
       const int middle_x = column * kTexelsPerStep, middle_y = row * kTexelsPerStep;
-      for (int y = std::max(0, middle_y - kTexelsPerStep); y < std::min(height.rows, middle_y + kTexelsPerStep); ++y)
-        for (int x = std::max(0, middle_x - kTexelsPerStep); x < std::min(height.cols, middle_x + kTexelsPerStep); ++x)
+      for (int y = std::max(0, middle_y - kTexelsPerStep);
+           y < std::min(height.rows, middle_y + kTexelsPerStep); ++y)
+        for (int x = std::max(0, middle_x - kTexelsPerStep);
+             x < std::min(height.cols, middle_x + kTexelsPerStep); ++x)
           if (const float z = height.at<float>(y, x); !std::isnan(z)) sum += z, ++count;
-      corner_heights_.push_back(count > 0 ? sum / static_cast<float>(count) : std::numeric_limits<float>::quiet_NaN());
+      corner_heights_.push_back(count > 0 ? sum / static_cast<float>(count)
+                                          : std::numeric_limits<float>::quiet_NaN());
     }
 }
 
@@ -100,10 +127,10 @@ std::optional<Eigen::Vector3d> ChartPainter::CornerAt(int column, int row) const
   return point;
 }
 
-GroundSight ChartPainter::See(const GroundPhoto& photo, const Rigid3& camera_from_site, int column, int row,
-                              double max_range) const {
+GroundPixel ChartPainter::See(const GroundImage& image, const Rigid3& camera_from_site, int column,
+                              int row, double max_range) const {
   const std::optional<Eigen::Vector3d> point = CornerAt(column, row);
-  return point ? SeePoint(photo, camera_from_site, *point, max_range) : GroundSight{};
+  return point ? SeePoint(image, camera_from_site, *point, max_range) : GroundPixel{};
 }
 
 float ChartPainter::SteepestAt(const Eigen::Vector3d& eye, int column, int row) const {
@@ -114,7 +141,7 @@ float ChartPainter::SteepestAt(const Eigen::Vector3d& eye, int column, int row) 
 void ChartPainter::BeginDrive(int drive) {
   if (drive_ == drive) return;
   drive_ = drive;
-  is_shown_.assign(sights_.size(), false);
+  is_shown_.assign(observations_.size(), false);
   least_ranks_.assign(corner_heights_.size(), 0);
 }
 
@@ -122,7 +149,7 @@ void ChartPainter::BeginDrive(int drive) {
 void ChartPainter::StepBack(std::size_t texel) {
   if (is_shown_[texel]) return;
   is_shown_[texel] = true;
-  sights_[texel].StepBack();
+  observations_[texel].StepBack();
 }
 
 ChartPainter::Part ChartPainter::PartAround(const Eigen::Vector3d& eye, double max_range) const {
@@ -130,59 +157,68 @@ ChartPainter::Part ChartPainter::PartAround(const Eigen::Vector3d& eye, double m
   const auto clamp_to = [](double value, int count) {
     return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(count - 1)));
   };
-  const int left = clamp_to(std::floor((eye.x() - max_range - blank_.chart.left) / step), num_columns_);
-  const int right = clamp_to(std::ceil((eye.x() + max_range - blank_.chart.left) / step), num_columns_);
+  const int left =
+      clamp_to(std::floor((eye.x() - max_range - blank_.chart.left) / step), num_columns_);
+  const int right =
+      clamp_to(std::ceil((eye.x() + max_range - blank_.chart.left) / step), num_columns_);
   const int top = clamp_to(std::floor((blank_.chart.top - eye.y() - max_range) / step), num_rows_);
-  const int bottom = clamp_to(std::ceil((blank_.chart.top - eye.y() + max_range) / step), num_rows_);
+  const int bottom =
+      clamp_to(std::ceil((blank_.chart.top - eye.y() + max_range) / step), num_rows_);
   return {left, top, right - left, bottom - top};
 }
 
-/// Most of a drive's sights are too flat to be kept by any texel of a block, and need not be looked at.
+/// Most of a drive's observations are too flat to be kept by any texel of a block, and need not be
+/// looked at.
 cv::Mat1b ChartPainter::FindWanted(const Part& part, const Eigen::Vector3d& eye) const {
   cv::Mat1f bounds(part.height + 1, part.width + 1);
   for (int y = 0; y <= part.height; ++y)
-    for (int x = 0; x <= part.width; ++x) bounds(y, x) = SteepestAt(eye, part.column + x, part.row + y);
+    for (int x = 0; x <= part.width; ++x)
+      bounds(y, x) = SteepestAt(eye, part.column + x, part.row + y);
   cv::Mat1b is_wanted(part.height, part.width);
   for (int y = 0; y < part.height; ++y)
     for (int x = 0; x < part.width; ++x) {
-      const float bound = std::min({bounds(y, x), bounds(y, x + 1), bounds(y + 1, x), bounds(y + 1, x + 1)});
-      is_wanted(y, x) = bound > 0 && RankOf(bound) > least_ranks_[BlockAt(part.column + x, part.row + y)];
+      const float bound =
+          std::min({bounds(y, x), bounds(y, x + 1), bounds(y + 1, x), bounds(y + 1, x + 1)});
+      is_wanted(y, x) =
+          bound > 0 && RankOf(bound) > least_ranks_[BlockAt(part.column + x, part.row + y)];
     }
   return is_wanted;
 }
 
-void ChartPainter::Paint(const GroundPhoto& photo, double max_range) {
-  const Eigen::Vector3d& eye = photo.site_from_camera.translation;
+void ChartPainter::Paint(const GroundImage& image, double max_range) {
+  const Eigen::Vector3d& eye = image.site_from_camera.translation;
   const Part part = PartAround(eye, max_range);
   if (part.width <= 0 || part.height <= 0) return;
 
-  BeginDrive(photo.drive);
-  const Rigid3 camera_from_site = photo.site_from_camera.Inverse();
+  BeginDrive(image.drive);
+  const Rigid3 camera_from_site = image.site_from_camera.Inverse();
   const cv::Mat1b is_wanted = FindWanted(part, eye);
   cv::Mat1b is_corner_wanted;  // of any of the four blocks around
   cv::copyMakeBorder(is_wanted, is_corner_wanted, 0, 1, 0, 1, cv::BORDER_CONSTANT, 0);
   cv::dilate(is_corner_wanted, is_corner_wanted, cv::Mat1b::ones(2, 2), {1, 1});
-  std::vector<GroundSight> above(static_cast<std::size_t>(part.width) + 1), below(above.size());
+  std::vector<GroundPixel> above(static_cast<std::size_t>(part.width) + 1), below(above.size());
   for (int y = 0; y <= part.height; ++y) {
     std::swap(above, below);
     for (int x = 0; x <= part.width; ++x) {
-      GroundSight& sight = below[static_cast<std::size_t>(x)];
-      sight = {};
-      if (is_corner_wanted(y, x) != 0) sight = See(photo, camera_from_site, part.column + x, part.row + y, max_range);
+      GroundPixel& observation = below[static_cast<std::size_t>(x)];
+      observation = {};
+      if (is_corner_wanted(y, x) != 0)
+        observation = See(image, camera_from_site, part.column + x, part.row + y, max_range);
     }
     if (y == 0) continue;
     for (int x = 0; x < part.width; ++x) {
       const auto i = static_cast<std::size_t>(x);
       if (is_wanted(y - 1, x) != 0)
-        PaintBlock(photo, {above[i], above[i + 1], below[i], below[i + 1]}, part.column + x, part.row + y - 1);
+        PaintBlock(image, {above[i], above[i + 1], below[i], below[i + 1]}, part.column + x,
+                   part.row + y - 1);
     }
   }
 }
 
-void ChartPainter::PaintBlock(const GroundPhoto& photo, const std::array<GroundSight, 4>& corners, int column,
-                              int row) {
+void ChartPainter::PaintBlock(const GroundImage& image, const std::array<GroundPixel, 4>& corners,
+                              int column, int row) {
   float steepness = 1;
-  for (const GroundSight& corner : corners) {
+  for (const GroundPixel& corner : corners) {
     steepness = std::min(steepness, corner.steepness);
     if (static_cast<double>((corner.pixel - corners[0].pixel).norm()) > kMaxPixelGap) return;
   }
@@ -192,47 +228,53 @@ void ChartPainter::PaintBlock(const GroundPhoto& photo, const std::array<GroundS
   for (int dy = 0; dy < kTexelsPerStep; ++dy)
     for (int dx = 0; dx < kTexelsPerStep; ++dx) {
       const int x = column * kTexelsPerStep + dx, y = row * kTexelsPerStep + dy;
-      if (x >= blank_.height.cols || y >= blank_.height.rows || blank_.chart.mask.at<std::uint8_t>(y, x) == 0) continue;
+      if (x >= blank_.height.cols || y >= blank_.height.rows ||
+          blank_.chart.mask.at<std::uint8_t>(y, x) == 0)
+        continue;
       const std::size_t texel =
-          static_cast<std::size_t>(y) * static_cast<std::size_t>(blank_.height.cols) + static_cast<std::size_t>(x);
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(blank_.height.cols) +
+          static_cast<std::size_t>(x);
       StepBack(texel);
-      Sights& sights = sights_[texel];
-      if (!sights.Wants(rank)) {
-        least = std::min(least, sights[kNumSights - 1].rank);
+      Observations& observations = observations_[texel];
+      if (!observations.Wants(rank)) {
+        least = std::min(least, observations[kNumObservations - 1].rank);
         continue;
       }
       const float u = (static_cast<float>(dx) + 0.5F) / kTexelsPerStep;
       const float v = (static_cast<float>(dy) + 0.5F) / kTexelsPerStep;
       const Eigen::Vector2f pixel = (1 - v) * ((1 - u) * corners[0].pixel + u * corners[1].pixel) +
                                     v * ((1 - u) * corners[2].pixel + u * corners[3].pixel);
-      const std::array<float, 3> color = ColorAt(photo.image, pixel.x(), pixel.y());
-      const std::array<float, 3>& light = photo.light.At(pixel);
-      sights.Add({ToByte(light[0] * color[0]), ToByte(light[1] * color[1]), ToByte(light[2] * color[2]), rank});
-      least = std::min(least, sights[kNumSights - 1].rank);
+      const std::array<float, 3> color = ColorAt(image.image, pixel.x(), pixel.y());
+      const std::array<float, 3>& light = image.light.At(pixel);
+      observations.Add({ToByte(light[0] * color[0]), ToByte(light[1] * color[1]),
+                        ToByte(light[2] * color[2]), rank});
+      least = std::min(least, observations[kNumObservations - 1].rank);
     }
   least_ranks_[BlockAt(column, row)] = least;
 }
 
-std::array<std::uint8_t, 3> ChartPainter::Agree(const Sights& sights) {
-  const std::size_t count = sights.CountComparable();
-  std::array<int, kNumSights> lightness{};
-  for (std::size_t i = 0; i < count; ++i) lightness[i] = Lightness(sights[i].blue, sights[i].green, sights[i].red);
-  std::array<int, kNumSights> sorted = lightness;
+std::array<std::uint8_t, 3> ChartPainter::Agree(const Observations& observations) {
+  const std::size_t count = observations.CountComparable();
+  std::array<int, kNumObservations> lightness{};
+  for (std::size_t i = 0; i < count; ++i)
+    lightness[i] = Lightness(observations[i].blue, observations[i].green, observations[i].red);
+  std::array<int, kNumObservations> sorted = lightness;
   std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(count));
   const int median = sorted[(count - 1) / 2];
-  // Steep sights are sharp ones: they weigh most, and the rest only hides the seams, so that one that comes to be kept
-  // or is no more weighs nothing at first.
-  const float least =
-      std::max(kComparable * static_cast<float>(sights[0].rank), static_cast<float>(sights[kNumSights - 1].rank));
+  // Steep observations are sharp ones: they weigh most, and the rest only hides the seams, so that
+  // one that comes to be kept or is no more weighs nothing at first.
+  const float least = std::max(kComparable * static_cast<float>(observations[0].rank),
+                               static_cast<float>(observations[kNumObservations - 1].rank));
   std::array<float, 3> sum{};
   float total = 0;
   for (std::size_t i = 0; i < count; ++i) {
     if (std::abs(lightness[i] - median) > kColorTolerance) continue;
-    const float above = std::max(static_cast<float>(sights[i].rank) - least, 0.0F) + kLeastAbove;
+    const float above =
+        std::max(static_cast<float>(observations[i].rank) - least, 0.0F) + kLeastAbove;
     const float weight = above * above;
-    sum[0] += weight * static_cast<float>(sights[i].blue);
-    sum[1] += weight * static_cast<float>(sights[i].green);
-    sum[2] += weight * static_cast<float>(sights[i].red);
+    sum[0] += weight * static_cast<float>(observations[i].blue);
+    sum[1] += weight * static_cast<float>(observations[i].green);
+    sum[2] += weight * static_cast<float>(observations[i].red);
     total += weight;
   }
   return {ToByte(sum[0] / total), ToByte(sum[1] / total), ToByte(sum[2] / total)};
@@ -244,40 +286,46 @@ TextureChart ChartPainter::Finish(const CellFinder& cells) {
     for (int column = 0; column < chart.image.cols; ++column) {
       std::uint8_t& mask = chart.mask.at<std::uint8_t>(row, column);
       if (mask == 0) continue;
-      const Sights& sights = sights_[static_cast<std::size_t>(row) * static_cast<std::size_t>(chart.image.cols) +
-                                     static_cast<std::size_t>(column)];
+      const Observations& observations =
+          observations_[static_cast<std::size_t>(row) * static_cast<std::size_t>(chart.image.cols) +
+                        static_cast<std::size_t>(column)];
       cv::Vec3b& texel = chart.image.at<cv::Vec3b>(row, column);
-      if (!sights.empty()) {
-        const auto [blue, green, red] = Agree(sights);
+      if (!observations.empty()) {
+        const auto [blue, green, red] = Agree(observations);
         texel = {blue, green, red};
         mask = TextureChart::kPainted;
         continue;
       }
       Eigen::Vector3d point;
-      point << PlaceOf(column + 0.5, row + 0.5), static_cast<double>(blank_.height.at<float>(row, column));
-      if (const SurfaceCell* cell = cells.Find(point)) texel = {cell->color[2], cell->color[1], cell->color[0]};
+      point << PlaceOf(column + 0.5, row + 0.5),
+          static_cast<double>(blank_.height.at<float>(row, column));
+      if (const SurfaceCell* cell = cells.Find(point))
+        texel = {cell->color[2], cell->color[1], cell->color[0]};
     }
   ContinueBeyondBorder(chart);
   return std::move(chart);
 }
 
-Eigen::Array3f FindGain(const GroundPhoto& photo, const CellFinder& cells, double max_range) {
+Eigen::Array3f FindGain(const GroundImage& image, const CellFinder& cells, double max_range) {
   constexpr int kNumAngles = 48, kNumRanges = 12;
-  const Rigid3 camera_from_site = photo.site_from_camera.Inverse(), ground_from_site = photo.site_from_ground.Inverse();
-  const Eigen::Vector3d& eye = photo.site_from_camera.translation;
+  const Rigid3 camera_from_site = image.site_from_camera.Inverse(),
+               ground_from_site = image.site_from_ground.Inverse();
+  const Eigen::Vector3d& eye = image.site_from_camera.translation;
   std::array<std::vector<float>, 3> ratios;
   for (int i = 0; i < kNumAngles; ++i)
     for (int k = 1; k <= kNumRanges; ++k) {
-      const double angle = 2 * std::numbers::pi * i / kNumAngles, range = max_range * k / kNumRanges;
+      const double angle = 2 * std::numbers::pi * i / kNumAngles,
+                   range = max_range * k / kNumRanges;
       Eigen::Vector3d point = eye + range * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
-      point.z() = photo.site_from_ground.translation.z();
+      point.z() = image.site_from_ground.translation.z();
       const SurfaceCell* cell = cells.Find(point);
       if (cell == nullptr) continue;
       point.z() = static_cast<double>(cell->height);
-      const std::optional<Eigen::Vector2d> pixel = FindPixel(photo, camera_from_site, point, ground_from_site * point);
+      const std::optional<Eigen::Vector2d> pixel =
+          FindPixel(image, camera_from_site, point, ground_from_site * point);
       if (!pixel) continue;
       const Eigen::Vector2f place = pixel->cast<float>();
-      const std::array<float, 3> color = ColorAt(photo.image, place.x(), place.y());
+      const std::array<float, 3> color = ColorAt(image.image, place.x(), place.y());
       const int seen = Lightness(ToByte(color[0]), ToByte(color[1]), ToByte(color[2]));
       const int known = Lightness(cell->color[2], cell->color[1], cell->color[0]);
       if (seen <= 8 || seen >= 247 || known <= 8 || known >= 247) continue;

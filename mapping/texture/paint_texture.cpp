@@ -12,24 +12,25 @@
 #include "core/log.h"
 #include "core/parallel.h"
 #include "mapping/texture/chart_painter.h"
-#include "mapping/texture/choose_photos.h"
+#include "mapping/texture/choose_images.h"
+#include "mapping/texture/image_reader.h"
 #include "mapping/texture/light_meter.h"
-#include "mapping/texture/photo_reader.h"
 
 namespace parkade {
 namespace {
 
-constexpr double kPlaceDistance = 0.5;       // [m] between places that photos are chosen for ...
+constexpr double kPlaceDistance = 0.5;       // [m] between places that images are chosen for ...
 constexpr double kLightPlaceDistance = 1.0;  // ... and at which their light is compared
 
 const TextureSource* FindSource(std::span<const TextureSource> sources, int drive) {
-  const auto found = std::find_if(sources.begin(), sources.end(),
-                                  [&](const TextureSource& source) { return source.path->drive == drive; });
+  const auto found = std::find_if(sources.begin(), sources.end(), [&](const TextureSource& source) {
+    return source.path->drive == drive;
+  });
   return found == sources.end() ? nullptr : &*found;
 }
 
-/// A photo that is yet to be read.
-GroundPhoto PhotoOf(const PatchView& view, const TextureSource& source) {
+/// A image that is yet to be read.
+GroundImage ImageOf(const PatchView& view, const TextureSource& source) {
   const RigCamera& camera = source.log->rig().cameras[static_cast<std::size_t>(view.camera)];
   return {.image = {},
           .camera = &camera,
@@ -40,16 +41,16 @@ GroundPhoto PhotoOf(const PatchView& view, const TextureSource& source) {
 }
 
 /// Places on the mesh, evenly spread.
-std::vector<Eigen::Vector3d> PlacesOn(const std::vector<ChartSquare>& squares, const TriangleMesh& mesh,
-                                      double distance) {
+std::vector<Eigen::Vector3d> PlacesOn(const std::vector<ChartSquare>& squares,
+                                      const TriangleMesh& mesh, double distance) {
   const auto of_squares = ParallelMap(squares.size(), [&](std::size_t i) {
     std::vector<Eigen::Vector3d> places;
     for (const BlankChart& blank : ChartsOf(squares[i], mesh, distance))
       for (int row = 0; row < blank.height.rows; ++row)
         for (int column = 0; column < blank.height.cols; ++column)
           if (const float height = blank.height.at<float>(row, column); !std::isnan(height))
-            places.emplace_back(blank.chart.left + (column + 0.5) * distance, blank.chart.top - (row + 0.5) * distance,
-                                height);
+            places.emplace_back(blank.chart.left + (column + 0.5) * distance,
+                                blank.chart.top - (row + 0.5) * distance, height);
     return places;
   });
   std::vector<Eigen::Vector3d> all;
@@ -57,7 +58,8 @@ std::vector<Eigen::Vector3d> PlacesOn(const std::vector<ChartSquare>& squares, c
   return all;
 }
 
-/// The charts of one square: nothing but triangles until the first photo comes, pictures after the last.
+/// The charts of one square: nothing but triangles until the first image comes, images after the
+/// last.
 class SquarePainter {
  public:
   SquarePainter(ChartSquare square, const TriangleMesh& mesh, const TextureOptions& options)
@@ -75,19 +77,20 @@ class SquarePainter {
     return (box_.sizes().array() / options_->texel_size + 2).prod();  // and a margin of one around
   }
 
-  bool IsInReach(const GroundPhoto& photo) const {
-    return box_.exteriorDistance(photo.site_from_camera.translation.head<2>().eval()) <= options_->max_range;
+  bool IsInReach(const GroundImage& image) const {
+    return box_.exteriorDistance(image.site_from_camera.translation.head<2>().eval()) <=
+           options_->max_range;
   }
 
-  void ExpectPhoto() { ++num_to_come_; }
+  void ExpectImage() { ++num_to_come_; }
 
-  void Paint(const GroundPhoto& photo) {
+  void Paint(const GroundImage& image) {
     Begin();
-    for (ChartPainter& painter : painters_) painter.Paint(photo, options_->max_range);
+    for (ChartPainter& painter : painters_) painter.Paint(image, options_->max_range);
     --num_to_come_;
   }
 
-  /// Nothing more is to come and the pictures are not made yet.
+  /// Nothing more is to come and the images are not made yet.
   bool IsReady() const { return num_to_come_ == 0 && charts_.empty(); }
 
   void Finish(const CellFinder& cells) {
@@ -121,33 +124,37 @@ void FinishReady(std::span<SquarePainter> painters, const CellFinder& cells) {
   ParallelFor(ready.size(), [&](std::size_t i) { ready[i]->Finish(cells); });
 }
 
-void PaintDrive(const DriveLog& log, const PhotoChoice& choice, const CellFinder& cells,
+void PaintDrive(const DriveLog& log, const ImageChoice& choice, const CellFinder& cells,
                 std::span<SquarePainter> painters) {
-  PhotoReader reader(log, choice);
-  for (std::vector<GroundPhoto> photos = reader.Next(); !photos.empty(); photos = reader.Next()) {
+  ImageReader reader(log, choice);
+  for (std::vector<GroundImage> images = reader.Next(); !images.empty(); images = reader.Next()) {
     ParallelFor(painters.size(), [&](std::size_t i) {
-      for (const GroundPhoto& photo : photos)
-        if (painters[i].IsInReach(photo)) painters[i].Paint(photo);
+      for (const GroundImage& image : images)
+        if (painters[i].IsInReach(image)) painters[i].Paint(image);
     });
     FinishReady(painters, cells);
     ReleaseMemory(cells.surface().cells);
   }
 }
 
-/// Squares that are painted at once: neighbours where not all are.
-std::vector<std::span<SquarePainter>> CutIntoParts(std::vector<SquarePainter>& painters, double max_texels) {
+/// Squares that are painted at once: neighbors where not all are.
+std::vector<std::span<SquarePainter>> CutIntoParts(std::vector<SquarePainter>& painters,
+                                                   double max_texels) {
   constexpr int kBlock = 4;  // squares
   double sum = 0;
   for (const SquarePainter& painter : painters) sum += painter.NumTexels();
   if (sum <= max_texels) return {painters};
   const auto block = [](int index) { return (index - (index < 0 ? kBlock - 1 : 0)) / kBlock; };
-  std::stable_sort(painters.begin(), painters.end(), [&](const SquarePainter& a, const SquarePainter& b) {
-    return std::pair(block(a.row()), block(a.column())) < std::pair(block(b.row()), block(b.column()));
-  });
+  std::stable_sort(painters.begin(), painters.end(),
+                   [&](const SquarePainter& a, const SquarePainter& b) {
+                     return std::pair(block(a.row()), block(a.column())) <
+                            std::pair(block(b.row()), block(b.column()));
+                   });
   std::vector<std::span<SquarePainter>> parts;
   for (std::size_t begin = 0, end; begin < painters.size(); begin = end) {
     sum = painters[begin].NumTexels();
-    for (end = begin + 1; end < painters.size() && sum + painters[end].NumTexels() <= max_texels; ++end)
+    for (end = begin + 1; end < painters.size() && sum + painters[end].NumTexels() <= max_texels;
+         ++end)
       sum += painters[end].NumTexels();
     parts.push_back(std::span(painters).subspan(begin, end - begin));
   }
@@ -155,44 +162,48 @@ std::vector<std::span<SquarePainter>> CutIntoParts(std::vector<SquarePainter>& p
 }
 
 /// A view whose image was chosen.
-struct ChosenPhoto {
+struct ChosenImage {
   int drive = 0, camera = 0;
   Timestamp time;
-  GroundPhoto photo;
+  GroundImage image;
 };
 
-/// Looks at all photos once to bring them to one light.
-void BalancePhotos(std::vector<ChosenPhoto>& chosen, std::span<const TextureSource> sources, const CellFinder& cells,
-                   std::vector<Eigen::Vector3d> places, double max_range) {
+/// Looks at all images once to bring them to one light.
+void CalibrateImages(std::vector<ChosenImage>& chosen, std::span<const TextureSource> sources,
+                     const CellFinder& cells, std::vector<Eigen::Vector3d> places,
+                     double max_range) {
   LightMeter meter(std::move(places), chosen.size(), max_range);
-  std::map<int, PhotoChoice> choices;  // per drive
-  std::vector<GroundPhoto*> photos;
-  for (ChosenPhoto& one : chosen) {
-    one.photo.index = static_cast<std::uint32_t>(photos.size());
-    photos.push_back(&one.photo);
-    choices[one.drive].emplace(std::pair(one.camera, one.time), one.photo);
+  std::map<int, ImageChoice> choices;  // per drive
+  std::vector<GroundImage*> images;
+  for (ChosenImage& one : chosen) {
+    one.image.index = static_cast<std::uint32_t>(images.size());
+    images.push_back(&one.image);
+    choices[one.drive].emplace(std::pair(one.camera, one.time), one.image);
   }
   for (const auto& [drive, choice] : choices) {
-    PhotoReader reader(*FindSource(sources, drive)->log, choice);
+    ImageReader reader(*FindSource(sources, drive)->log, choice);
     for (auto batch = reader.Next(); !batch.empty(); batch = reader.Next()) {
       meter.Measure(batch, cells);
       ReleaseMemory(cells.surface().cells);
     }
   }
-  meter.Balance(photos);
+  meter.Balance(images);
 }
 
 /// The charts of some squares.
-std::vector<TextureChart> PaintPart(std::span<SquarePainter> painters, const std::vector<ChosenPhoto>& chosen,
-                                    std::span<const TextureSource> sources, const CellFinder& cells) {
-  std::map<int, PhotoChoice> choices;  // per drive
-  for (const ChosenPhoto& one : chosen)
+std::vector<TextureChart> PaintPart(std::span<SquarePainter> painters,
+                                    const std::vector<ChosenImage>& chosen,
+                                    std::span<const TextureSource> sources,
+                                    const CellFinder& cells) {
+  std::map<int, ImageChoice> choices;  // per drive
+  for (const ChosenImage& one : chosen)
     for (SquarePainter& painter : painters) {
-      if (!painter.IsInReach(one.photo)) continue;
-      choices[one.drive].emplace(std::pair(one.camera, one.time), one.photo);
-      painter.ExpectPhoto();
+      if (!painter.IsInReach(one.image)) continue;
+      choices[one.drive].emplace(std::pair(one.camera, one.time), one.image);
+      painter.ExpectImage();
     }
-  for (const auto& [drive, choice] : choices) PaintDrive(*FindSource(sources, drive)->log, choice, cells, painters);
+  for (const auto& [drive, choice] : choices)
+    PaintDrive(*FindSource(sources, drive)->log, choice, cells, painters);
   ParallelFor(painters.size(), [&](std::size_t i) {
     if (painters[i].charts().empty()) painters[i].Finish(cells);
   });
@@ -204,19 +215,20 @@ std::vector<TextureChart> PaintPart(std::span<SquarePainter> painters, const std
   return charts;
 }
 
-/// Where there is more of them than fits at once, pictures wait on disk.
-std::shared_ptr<const ScratchVector<std::uint8_t>> MoveToScratch(std::vector<TextureChart>& charts) {
+/// Where there is more of them than fits at once, images wait on disk.
+std::shared_ptr<const FileBackedVector<std::uint8_t>> MoveToScratch(
+    std::vector<TextureChart>& charts) {
   std::size_t size = 0;
-  const auto size_of = [](const cv::Mat& picture) { return picture.total() * picture.elemSize(); };
+  const auto size_of = [](const cv::Mat& image) { return image.total() * image.elemSize(); };
   for (const TextureChart& chart : charts) size += size_of(chart.image) + size_of(chart.mask);
-  const auto pixels = std::make_shared<ScratchVector<std::uint8_t>>(size);
+  const auto pixels = std::make_shared<FileBackedVector<std::uint8_t>>(size);
   std::uint8_t* next = pixels->data();
   for (TextureChart& chart : charts)
-    for (cv::Mat* picture : {&chart.image, &chart.mask}) {
-      const cv::Mat moved(picture->rows, picture->cols, picture->type(), next);
-      next += size_of(*picture);
-      picture->copyTo(moved);
-      *picture = moved;
+    for (cv::Mat* image : {&chart.image, &chart.mask}) {
+      const cv::Mat moved(image->rows, image->cols, image->type(), next);
+      next += size_of(*image);
+      image->copyTo(moved);
+      *image = moved;
     }
   ReleaseMemory(*pixels);
   return pixels;
@@ -225,35 +237,39 @@ std::shared_ptr<const ScratchVector<std::uint8_t>> MoveToScratch(std::vector<Tex
 }  // namespace
 
 void TextureOptions::Validate() const {
-  Require(texel_size >= 0.002 && texel_size <= 1, ErrorCode::kUsage, "texel_size must be in 0.002..1 m");
+  Require(texel_size >= 0.002 && texel_size <= 1, ErrorCode::kUsage,
+          "texel_size must be in 0.002..1 m");
   Require(chart_size >= 10 * texel_size && chart_size <= 8000 * texel_size, ErrorCode::kUsage,
           "chart_size must be 10 to 8000 texels");
   Require(max_range > 0, ErrorCode::kUsage, "max_range must be > 0 m");
   Require(max_texels > 0, ErrorCode::kUsage, "max_texels must be > 0");
 }
 
-GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface, std::span<const PatchView> views,
-                           std::span<const TextureSource> sources, const TextureOptions& options) {
+GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface,
+                           std::span<const PatchView> views, std::span<const TextureSource> sources,
+                           const TextureOptions& options) {
   options.Validate();
   GroundTexture texture{options.texel_size, options.chart_size, {}};
   if (!options.enabled || mesh.empty()) return texture;
-  std::vector<GroundPhoto> photos;
+  std::vector<GroundImage> images;
   std::vector<PatchView> used;
   for (const PatchView& view : views)
     if (const TextureSource* source = FindSource(sources, view.drive)) {
-      photos.push_back(PhotoOf(view, *source));
+      images.push_back(ImageOf(view, *source));
       used.push_back(view);
     }
   std::vector<ChartSquare> squares = CutIntoSquares(mesh, options.chart_size);
   const CellFinder cells(surface);
-  const std::vector<bool> is_chosen =
-      ChoosePhotos(photos, PlacesOn(squares, mesh, kPlaceDistance), options.max_range, [&](GroundPhoto& photo) {
-        photo.open_ground = OpenGround(photo.site_from_camera, photo.site_from_ground, options.max_range, cells);
+  const std::vector<bool> is_chosen = ChooseImages(
+      images, PlacesOn(squares, mesh, kPlaceDistance), options.max_range, [&](GroundImage& image) {
+        image.open_ground = VisibilityHorizon(image.site_from_camera, image.site_from_ground,
+                                              options.max_range, cells);
       });
-  std::vector<ChosenPhoto> chosen;
-  for (std::size_t i = 0; i < photos.size(); ++i)
-    if (is_chosen[i]) chosen.push_back({used[i].drive, used[i].camera, used[i].time, photos[i]});
-  BalancePhotos(chosen, sources, cells, PlacesOn(squares, mesh, kLightPlaceDistance), options.max_range);
+  std::vector<ChosenImage> chosen;
+  for (std::size_t i = 0; i < images.size(); ++i)
+    if (is_chosen[i]) chosen.push_back({used[i].drive, used[i].camera, used[i].time, images[i]});
+  CalibrateImages(chosen, sources, cells, PlacesOn(squares, mesh, kLightPlaceDistance),
+                  options.max_range);
   std::vector<SquarePainter> painters;
   for (ChartSquare& square : squares) painters.emplace_back(std::move(square), mesh, options);
   const std::vector<std::span<SquarePainter>> parts = CutIntoParts(painters, options.max_texels);
@@ -263,11 +279,12 @@ GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface, 
     std::move(charts.begin(), charts.end(), std::back_inserter(texture.charts));
     ReleaseMemory(surface.cells);
   }
-  std::sort(texture.charts.begin(), texture.charts.end(), [](const TextureChart& a, const TextureChart& b) {
-    return std::tie(a.row, a.column, a.sheet) < std::tie(b.row, b.column, b.sheet);
-  });
+  std::sort(texture.charts.begin(), texture.charts.end(),
+            [](const TextureChart& a, const TextureChart& b) {
+              return std::tie(a.row, a.column, a.sheet) < std::tie(b.row, b.column, b.sheet);
+            });
   LogInfo("stage=paint_texture charts=" + std::to_string(texture.charts.size()) +
-          " photos=" + std::to_string(chosen.size()) + " of " + std::to_string(photos.size()));
+          " images=" + std::to_string(chosen.size()) + " of " + std::to_string(images.size()));
   return texture;
 }
 

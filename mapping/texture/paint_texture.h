@@ -4,6 +4,7 @@
 
 #include "core/drive_log.h"
 #include "core/ground_texture.h"
+#include "core/option_about.h"
 #include "core/surface_map.h"
 #include "core/triangle_mesh.h"
 #include "mapping/ground/driven_path.h"
@@ -12,19 +13,19 @@
 namespace parkade {
 
 struct TextureOptions {
-  bool enabled = true;       ///< false: vertex colours only
+  bool enabled = true;       ///< false: vertex colors only
   double texel_size = 0.02;  ///< [m]
-  double chart_size = 24;    ///< [m] edge of the squares that have a picture each
-  double max_range = 14;     ///< [m] from the camera; ground further off keeps its cells' colour
-  double max_texels = 40e6;  ///< that are painted at once, 24 bytes each; of more ground logs are read several times
+  double chart_size = 24;    ///< [m] edge of the squares that have a image each
+  double max_range = 14;     ///< [m] from the camera; ground further off keeps its cells' color
+  double max_texels = 40e6;  ///< that are painted at once, 24 bytes each; of more ground logs are
+                             ///< read several times
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
-    visit("enabled", enabled);
-    visit("texel_size", texel_size);
-    visit("chart_size", chart_size);
-    visit("max_range", max_range);
-    visit("max_texels", max_texels);
+    visit("enabled", enabled, OptionAbout{"The mesh gets a texture from the images."});
+    visit("texel_size", texel_size, OptionAbout{"The edge of a texel.", "m", 0.005, 0.5});
+    visit("max_range", max_range,
+          OptionAbout{"Images show the ground up to this far from the camera.", "m", 2, 40});
   }
   void Validate() const;  ///< throws Error{kUsage}
 };
@@ -35,20 +36,23 @@ struct TextureSource {
   const DrivenPath* path = nullptr;
 };
 
-/// The texture of a mesh from images of the drives over it: every texel is projected into the images that see it from
-/// near, all images are brought to one light (BalanceLight), and the steepest sights of the latest drive that agree are
-/// blended.
+/// The texture of a mesh from images of the drives over it: every texel is projected into the
+/// images that see it from near, all images are brought to one light (CalibratePhotometry), and the
+/// steepest observations of the latest drive that agree are blended.
 ///
-/// Of the images that `views` name only those are decoded that some place needs (ChoosePhotos), once for their light
-/// and once to paint. Logs are read one after the other; a chart takes 24 bytes per texel from the first image that
-/// shows it to the last, 4 before and after. Where charts have more than `max_texels` they are painted part by part,
-/// each from all the logs that show it, and lie on disk once they are done. In parallel over charts, the same every
-/// time, whatever the parts.
+/// Of the images that `views` name only those are decoded that some place needs (ChooseImages),
+/// once for their light and once to paint. Logs are read one after the other; a chart takes 24
+/// bytes per texel from the first image that shows it to the last, 4 before and after. Where charts
+/// have more than `max_texels` they are painted part by part, each from all the logs that show it,
+/// and lie on disk once they are done. In parallel over charts, the same every time, whatever the
+/// parts.
 ///
-/// \param views    images that showed ground, with their poses, drive by drive, the latest last; those of drives
+/// \param views    images that showed ground, with their poses, drive by drive, the latest last;
+/// those of drives
 ///                 without a source are not used
 /// \param sources  at most one per drive
-GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface, std::span<const PatchView> views,
-                           std::span<const TextureSource> sources, const TextureOptions& options = {});
+GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface,
+                           std::span<const PatchView> views, std::span<const TextureSource> sources,
+                           const TextureOptions& options = {});
 
 }  // namespace parkade

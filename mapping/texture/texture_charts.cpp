@@ -20,14 +20,14 @@ Eigen::Vector3d VertexOf(const TriangleMesh& mesh, std::uint32_t index) {
   return mesh.origin + mesh.vertices[index].cast<double>();
 }
 
-Eigen::Vector3d CentreOf(const TriangleMesh& mesh, std::uint32_t triangle) {
+Eigen::Vector3d CenterOf(const TriangleMesh& mesh, std::uint32_t triangle) {
   const auto& [a, b, c] = mesh.triangles[triangle];
   return (VertexOf(mesh, a) + VertexOf(mesh, b) + VertexOf(mesh, c)) / 3;
 }
 
-/// An empty picture that holds the triangles, its edges on whole texels.
+/// An empty image that holds the triangles, its edges on whole texels.
 BlankChart MakeChart(const TriangleMesh& mesh, Triangles triangles, double texel_size) {
-  Eigen::Vector2d low = CentreOf(mesh, triangles[0]).head<2>(), high = low;
+  Eigen::Vector2d low = CenterOf(mesh, triangles[0]).head<2>(), high = low;
   for (const std::uint32_t triangle : triangles)
     for (const std::uint32_t vertex : mesh.triangles[triangle]) {
       low = low.cwiseMin(VertexOf(mesh, vertex).head<2>());
@@ -46,17 +46,21 @@ BlankChart MakeChart(const TriangleMesh& mesh, Triangles triangles, double texel
   return blank;
 }
 
-/// Heights of one triangle at the centres of the texels inside. False where another sheet is there already.
-bool DrawTriangle(const std::array<Eigen::Vector3d, 3>& corners, double texel_size, BlankChart& blank) {
+/// Heights of one triangle at the centers of the texels inside. False where another sheet is there
+/// already.
+bool DrawTriangle(const std::array<Eigen::Vector3d, 3>& corners, double texel_size,
+                  BlankChart& blank) {
   const auto& [a, b, c] = corners;
-  const double area = (b - a).head<2>().x() * (c - a).head<2>().y() - (b - a).head<2>().y() * (c - a).head<2>().x();
+  const double area =
+      (b - a).head<2>().x() * (c - a).head<2>().y() - (b - a).head<2>().y() * (c - a).head<2>().x();
   if (std::abs(area) < 1e-12) return true;
   const auto column_of = [&](double x) { return (x - blank.chart.left) / texel_size - 0.5; };
   const auto row_of = [&](double y) { return (blank.chart.top - y) / texel_size - 0.5; };
   const auto [min_x, max_x] = std::minmax({a.x(), b.x(), c.x()});
   const auto [min_y, max_y] = std::minmax({a.y(), b.y(), c.y()});
   bool is_single = true;
-  for (int row = static_cast<int>(std::ceil(row_of(max_y))); row <= static_cast<int>(std::floor(row_of(min_y))); ++row)
+  for (int row = static_cast<int>(std::ceil(row_of(max_y)));
+       row <= static_cast<int>(std::floor(row_of(min_y))); ++row)
     for (int column = static_cast<int>(std::ceil(column_of(min_x)));
          column <= static_cast<int>(std::floor(column_of(max_x))); ++column) {
       const Eigen::Vector2d p(blank.chart.left + (column + 0.5) * texel_size,
@@ -69,7 +73,8 @@ bool DrawTriangle(const std::array<Eigen::Vector3d, 3>& corners, double texel_si
       if (of_a < kOnEdge || of_b < kOnEdge || of_c < kOnEdge) continue;
       const auto height = static_cast<float>(of_a * a.z() + of_b * b.z() + of_c * c.z());
       float& texel = blank.height.at<float>(row, column);
-      if (!std::isnan(texel) && std::abs(static_cast<double>(texel - height)) > kFoldHeight) is_single = false;
+      if (!std::isnan(texel) && std::abs(static_cast<double>(texel - height)) > kFoldHeight)
+        is_single = false;
       if (std::isnan(texel) || height > texel) texel = height;
       blank.chart.mask.at<std::uint8_t>(row, column) = TextureChart::kPlain;
     }
@@ -81,7 +86,8 @@ bool DrawHeights(const TriangleMesh& mesh, double texel_size, BlankChart& blank)
   bool is_single = true;
   for (const std::uint32_t triangle : blank.chart.triangles) {
     const auto& [a, b, c] = mesh.triangles[triangle];
-    is_single &= DrawTriangle({VertexOf(mesh, a), VertexOf(mesh, b), VertexOf(mesh, c)}, texel_size, blank);
+    is_single &=
+        DrawTriangle({VertexOf(mesh, a), VertexOf(mesh, b), VertexOf(mesh, c)}, texel_size, blank);
   }
   return is_single;
 }
@@ -97,7 +103,8 @@ std::vector<Triangles> SplitIntoPieces(const TriangleMesh& mesh, const Triangles
   std::unordered_map<std::uint32_t, std::size_t> first_at_vertex;
   for (std::size_t i = 0; i < triangles.size(); ++i)
     for (const std::uint32_t vertex : mesh.triangles[triangles[i]]) {
-      const std::size_t one = find(first_at_vertex.try_emplace(vertex, i).first->second), other = find(i);
+      const std::size_t one = find(first_at_vertex.try_emplace(vertex, i).first->second),
+                        other = find(i);
       root[std::max(one, other)] = std::min(one, other);
     }
   std::map<std::size_t, Triangles> pieces;
@@ -110,13 +117,15 @@ std::vector<Triangles> SplitIntoPieces(const TriangleMesh& mesh, const Triangles
 std::vector<Triangles> SplitIntoBands(const TriangleMesh& mesh, const Triangles& triangles) {
   std::map<int, Triangles> bands;
   for (const std::uint32_t triangle : triangles)
-    bands[static_cast<int>(std::floor(CentreOf(mesh, triangle).z() / kBandHeight))].push_back(triangle);
+    bands[static_cast<int>(std::floor(CenterOf(mesh, triangle).z() / kBandHeight))].push_back(
+        triangle);
   std::vector<Triangles> result;
   for (auto& [height, band] : bands) result.push_back(std::move(band));
   return result;
 }
 
-std::vector<BlankChart> ChartsOfSquare(const TriangleMesh& mesh, const Triangles& triangles, double texel_size) {
+std::vector<BlankChart> ChartsOfSquare(const TriangleMesh& mesh, const Triangles& triangles,
+                                       double texel_size) {
   std::vector<BlankChart> charts;
   charts.push_back(MakeChart(mesh, triangles, texel_size));
   if (DrawHeights(mesh, texel_size, charts.back())) return charts;
@@ -138,9 +147,9 @@ std::vector<BlankChart> ChartsOfSquare(const TriangleMesh& mesh, const Triangles
 std::vector<ChartSquare> CutIntoSquares(const TriangleMesh& mesh, double chart_size) {
   std::map<std::pair<int, int>, Triangles> squares;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    const Eigen::Vector3d centre = CentreOf(mesh, i);
-    squares[{static_cast<int>(std::floor(centre.y() / chart_size)),
-             static_cast<int>(std::floor(centre.x() / chart_size))}]
+    const Eigen::Vector3d center = CenterOf(mesh, i);
+    squares[{static_cast<int>(std::floor(center.y() / chart_size)),
+             static_cast<int>(std::floor(center.x() / chart_size))}]
         .push_back(i);
   }
   std::vector<ChartSquare> list;
@@ -148,7 +157,8 @@ std::vector<ChartSquare> CutIntoSquares(const TriangleMesh& mesh, double chart_s
   return list;
 }
 
-std::vector<BlankChart> ChartsOf(const ChartSquare& square, const TriangleMesh& mesh, double texel_size) {
+std::vector<BlankChart> ChartsOf(const ChartSquare& square, const TriangleMesh& mesh,
+                                 double texel_size) {
   std::vector<BlankChart> charts = ChartsOfSquare(mesh, square.triangles, texel_size);
   for (std::size_t sheet = 0; sheet < charts.size(); ++sheet) {
     charts[sheet].chart.row = square.row;
@@ -158,11 +168,14 @@ std::vector<BlankChart> ChartsOf(const ChartSquare& square, const TriangleMesh& 
   return charts;
 }
 
-std::vector<BlankChart> CutIntoCharts(const TriangleMesh& mesh, double chart_size, double texel_size) {
+std::vector<BlankChart> CutIntoCharts(const TriangleMesh& mesh, double chart_size,
+                                      double texel_size) {
   const std::vector<ChartSquare> squares = CutIntoSquares(mesh, chart_size);
-  auto charts_of = ParallelMap(squares.size(), [&](std::size_t i) { return ChartsOf(squares[i], mesh, texel_size); });
+  auto charts_of = ParallelMap(
+      squares.size(), [&](std::size_t i) { return ChartsOf(squares[i], mesh, texel_size); });
   std::vector<BlankChart> charts;
-  for (auto& of_square : charts_of) std::move(of_square.begin(), of_square.end(), std::back_inserter(charts));
+  for (auto& of_square : charts_of)
+    std::move(of_square.begin(), of_square.end(), std::back_inserter(charts));
   return charts;
 }
 

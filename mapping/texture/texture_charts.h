@@ -11,10 +11,10 @@ namespace parkade {
 /// A chart to be painted, with the heights of its texels.
 struct BlankChart {
   TextureChart chart;  ///< `image` black
-  cv::Mat height;      ///< CV_32FC1 [m] in site, at the texels' centres; NaN off the mesh
+  cv::Mat height;      ///< CV_32FC1 [m] in site, at the texels' centers; NaN off the mesh
 };
 
-/// A square of ground and the triangles whose centres lie in it.
+/// A square of ground and the triangles whose centers lie in it.
 struct ChartSquare {
   int column = 0, row = 0;
   std::vector<std::uint32_t> triangles;  ///< increasing
@@ -23,11 +23,14 @@ struct ChartSquare {
 /// The squares of `chart_size` [m] that hold triangles, by row, then column.
 std::vector<ChartSquare> CutIntoSquares(const TriangleMesh& mesh, double chart_size);
 
-/// Charts that show the triangles of a square from above without folds: one; where decks lie above each other one for
-/// each connected piece; where a piece (a spiral ramp) lies above itself one for each band of height.
-std::vector<BlankChart> ChartsOf(const ChartSquare& square, const TriangleMesh& mesh, double texel_size);
+/// Charts that show the triangles of a square from above without folds: one; where decks lie above
+/// each other one for each connected piece; where a piece (a spiral ramp) lies above itself one for
+/// each band of height.
+std::vector<BlankChart> ChartsOf(const ChartSquare& square, const TriangleMesh& mesh,
+                                 double texel_size);
 
 /// All charts of a mesh, sorted as GroundTexture says. In parallel, the same every time.
-std::vector<BlankChart> CutIntoCharts(const TriangleMesh& mesh, double chart_size, double texel_size);
+std::vector<BlankChart> CutIntoCharts(const TriangleMesh& mesh, double chart_size,
+                                      double texel_size);
 
 }  // namespace parkade

@@ -31,17 +31,22 @@ void AddExportCommand(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("export", "One export of a finished map");
   command->add_option("map", arguments->map, "folder that `parkade map` left")->required();
   command->add_option("--format", arguments->format, "see below")->required();
-  command->add_option("--out", arguments->out, "file, or folder where the format is one")->required();
+  command->add_option("--out", arguments->out, "file, or folder where the format is one")
+      ->required();
   ExportOptions& options = arguments->options;
-  command->add_option("--drive", options.drive, "of trajectories, where the map has several drives");
+  command->add_option("--drive", options.drive,
+                      "of trajectories, where the map has several drives");
   command->add_option("--spacing", options.spacing, "[m] of point clouds")->capture_default_str();
-  command->add_option("--resolution", options.grid.resolution, "[m] of occupancy grids")->capture_default_str();
-  command->add_option("--lowest", options.grid.lowest, "[m] in site: lower ground is not in the occupancy grid");
-  command->add_option("--highest", options.grid.highest, "[m] in site: higher ground is not in the occupancy grid");
+  command->add_option("--resolution", options.grid.resolution, "[m] of occupancy grids")
+      ->capture_default_str();
+  command->add_option("--lowest", options.grid.lowest,
+                      "[m] in site: lower ground is not in the occupancy grid");
+  command->add_option("--highest", options.grid.highest,
+                      "[m] in site: higher ground is not in the occupancy grid");
   command->footer(DescribeFormats());
   command->callback([arguments, &action] {
     action = [arguments] {
-      ExportMap(FinishedMap(arguments->map), arguments->format, arguments->out, arguments->options);
+      ExportMap(MapReader(arguments->map), arguments->format, arguments->out, arguments->options);
       return 0;
     };
   });

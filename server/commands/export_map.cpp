@@ -7,8 +7,8 @@
 #include "core/trajectory.h"
 #include "export/point_cloud.h"
 #include "export/pose_files.h"
-#include "server/map_folder/old_map_folder.h"
 #include "server/map_folder/output_folder.h"
+#include "server/map_folder/overwrite_guard.h"
 
 namespace parkade {
 namespace {
@@ -17,7 +17,7 @@ using std::filesystem::path;
 
 struct Exporter {
   ExportFormat format;
-  std::function<void(const FinishedMap&, const path& out, const ExportOptions&)> write;
+  std::function<void(const MapReader&, const path& out, const ExportOptions&)> write;
 };
 
 void CopyFile(const path& from, const path& to) {
@@ -26,13 +26,15 @@ void CopyFile(const path& from, const path& to) {
 
 /// A format that is one of the map's own files.
 Exporter Copy(const std::string& name, const std::string& file, const std::string& description) {
-  return {{name, description}, [file](const FinishedMap& map, const path& out, const ExportOptions&) {
+  return {{name, description}, [file](const MapReader& map, const path& out, const ExportOptions&) {
             CopyFile(map.FileNamed(file), out);
           }};
 }
 
-Exporter CopyOfDrive(const std::string& name, const std::string& file, const std::string& description) {
-  return {{name, description}, [file](const FinishedMap& map, const path& out, const ExportOptions& options) {
+Exporter CopyOfDrive(const std::string& name, const std::string& file,
+                     const std::string& description) {
+  return {{name, description},
+          [file](const MapReader& map, const path& out, const ExportOptions& options) {
             CopyFile(map.FileOfDrive(options.drive, file), out);
           }};
 }
@@ -40,34 +42,39 @@ Exporter CopyOfDrive(const std::string& name, const std::string& file, const std
 /// A format made from the poses of a drive.
 Exporter FromPoses(const std::string& name, std::string (*encode)(std::span<const TimedPose>),
                    const std::string& description) {
-  return {{name, description}, [encode](const FinishedMap& map, const path& out, const ExportOptions& options) {
-            WriteFileAtomically(out, encode(ReadTum(map.FileOfDrive(options.drive, "trajectory.tum"))));
+  return {{name, description},
+          [encode](const MapReader& map, const path& out, const ExportOptions& options) {
+            WriteFileAtomically(out,
+                                encode(ReadTum(map.FileOfDrive(options.drive, "trajectory.tum"))));
           }};
 }
 
-void WritePcd(const FinishedMap& map, const path& out, const ExportOptions& options) {
+void WritePcd(const MapReader& map, const path& out, const ExportOptions& options) {
   Require(options.spacing > 0, ErrorCode::kUsage, "the spacing of a point cloud must be > 0 m");
   WriteFileAtomically(out, EncodePcd(SamplePoints(map.ReadGround(), options.spacing)));
 }
 
-void WriteAutoware(const FinishedMap& map, const path& out, const ExportOptions& options) {
+void WriteAutoware(const MapReader& map, const path& out, const ExportOptions& options) {
   OutputFolder folder(out);
   WritePcd(map, folder.staging() / "pointcloud_map.pcd", options);
-  WriteFileAtomically(folder.staging() / "map_projector_info.yaml", EncodeMapProjectorInfo(map.datum()));
+  WriteFileAtomically(folder.staging() / "map_projector_info.yaml",
+                      EncodeMapProjectorInfo(map.datum()));
   folder.Commit();
 }
 
-void WriteOccupancy(const FinishedMap& map, const path& out, const ExportOptions& options) {
+void WriteOccupancy(const MapReader& map, const path& out, const ExportOptions& options) {
   path image = out;
   image.replace_extension(".pgm");
-  Require(image != out, ErrorCode::kUsage, "--out names the description, FILE.yaml; FILE.pgm goes beside it");
-  const OccupancyGrid grid = MakeOccupancyGrid(map.ReadGround(), image.filename().string(), options.grid);
+  Require(image != out, ErrorCode::kUsage,
+          "--out names the description, FILE.yaml; FILE.pgm goes beside it");
+  const OccupancyGrid grid =
+      MakeOccupancyGrid(map.ReadGround(), image.filename().string(), options.grid);
   WriteFileAtomically(image, grid.pgm);
   WriteFileAtomically(out, grid.yaml);
 }
 
-void WriteTiles(const FinishedMap& map, const path& out, const ExportOptions&) {
-  RequireReplaceable(out, {});
+void WriteTiles(const MapReader& map, const path& out, const ExportOptions&) {
+  RequireOverwritable(out, {});
   OutputFolder folder(out);
   CopyFile(map.FileNamed("tileset.json"), folder.staging() / "tileset.json");
   std::filesystem::copy(map.FileNamed("tiles"), folder.staging() / "tiles");
@@ -79,13 +86,15 @@ const std::vector<Exporter>& Exporters() {
       Copy("glb", "map.glb", "glTF 2.0, compressed by Draco"),
       Copy("glb-plain", "map_plain.glb", "glTF 2.0"),
       {{"3d-tiles", "folder: 3D Tiles 1.1", /*is_folder=*/true}, WriteTiles},
-      Copy("ply", "ground.ply", "the ground as a mesh, with colours and height sigma"),
+      Copy("ply", "ground.ply", "the ground as a mesh, with colors and height sigma"),
       {{"pcd", "the ground as points (PCL)"}, WritePcd},
-      {{"autoware", "folder: pointcloud_map.pcd and map_projector_info.yaml", /*is_folder=*/true}, WriteAutoware},
+      {{"autoware", "folder: pointcloud_map.pcd and map_projector_info.yaml", /*is_folder=*/true},
+       WriteAutoware},
       {{"occupancy", "FILE.yaml and FILE.pgm for ROS' map_server"}, WriteOccupancy},
       Copy("geojson", "free_space.geojson", "outline of the free space"),
       Copy("slots", "slots.geojson", "parking slots and who stood in them (GeoJSON)"),
-      Copy("markings", "markings.geojson", "other paint on the ground, speed bumps, kerbs with heights (GeoJSON)"),
+      Copy("markings", "markings.geojson",
+           "other paint on the ground, speed bumps, kerbs with heights (GeoJSON)"),
       Copy("png", "ortho.png", "orthophoto"),
       Copy("geotiff", "ortho.tif", "orthophoto on Earth"),
       CopyOfDrive("tum", "trajectory.tum", "trajectory: t x y z qx qy qz qw"),
@@ -109,14 +118,16 @@ const std::vector<ExportFormat>& ExportFormats() {
   return formats;
 }
 
-void ExportMap(const FinishedMap& map, const std::string& format, const path& out, const ExportOptions& options) {
+void ExportMap(const MapReader& map, const std::string& format, const path& out,
+               const ExportOptions& options) {
   const path plain = out.has_filename() ? out : out.parent_path();  // "folder/"
   const path folder = std::filesystem::absolute(plain).lexically_normal().parent_path();
   RequireWritable(folder);
   std::string known;
   for (const Exporter& exporter : Exporters()) {
     if (exporter.format.name == format) {
-      Require(exporter.format.is_folder || !std::filesystem::is_directory(plain), ErrorCode::kInvalidInput,
+      Require(exporter.format.is_folder || !std::filesystem::is_directory(plain),
+              ErrorCode::kInvalidInput,
               "'" + plain.string() + "' is a folder, and " + format + " is a file");
       return exporter.write(map, plain, options);
     }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "export/occupancy_grid.h"
-#include "server/map_folder/finished_map.h"
+#include "server/map_folder/map_reader.h"
 
 namespace parkade {
 
@@ -26,9 +26,10 @@ struct ExportFormat {
 /// All formats in the order of --help.
 const std::vector<ExportFormat>& ExportFormats();
 
-/// Writes one export of a finished map to `out`: a file, or a folder where the format is one of several files. Whole or
-/// not at all. Throws Error{kUsage} naming the formats for any other, and what FinishedMap throws.
-void ExportMap(const FinishedMap& map, const std::string& format, const std::filesystem::path& out,
+/// Writes one export of a finished map to `out`: a file, or a folder where the format is one of
+/// several files. Whole or not at all. Throws Error{kUsage} naming the formats for any other, and
+/// what MapReader throws.
+void ExportMap(const MapReader& map, const std::string& format, const std::filesystem::path& out,
                const ExportOptions& options = {});
 
 }  // namespace parkade

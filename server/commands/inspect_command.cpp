@@ -32,10 +32,15 @@ int Inspect(const InspectArguments& arguments) {
 
 void AddInspectCommand(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<InspectArguments>();
-  CLI::App* command = app.add_subcommand(
-      "inspect", "Show what a drive log holds and what is missing to map it; exit 0 clean, 3 lossy, 1 unusable");
-  command->add_option("LOG", arguments->log, "ROS 1 bag, MCAP, rosbag2, EuRoC folder or archive of one")->required();
-  command->add_option("--rig", arguments->rig, "folder with the rig files, where the log itself has no calibration");
+  CLI::App* command = app.add_subcommand("inspect",
+                                         "Show what a drive log holds and what is missing to map "
+                                         "it; exit 0 clean, 3 lossy, 1 unusable");
+  command
+      ->add_option("LOG", arguments->log,
+                   "ROS 1 bag, MCAP, rosbag2, EuRoC folder or archive of one")
+      ->required();
+  command->add_option("--rig", arguments->rig,
+                      "folder with the rig files, where the log itself has no calibration");
   command->add_flag("--json", arguments->is_json, "print JSON");
   command->callback([arguments, &action] { action = [arguments] { return Inspect(*arguments); }; });
 }

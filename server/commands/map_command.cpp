@@ -11,22 +11,21 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/file.h"
-#include "core/keep_memory.h"
 #include "core/log.h"
 #include "core/options_json.h"
 #include "core/parallel.h"
+#include "core/tune_malloc.h"
 #include "export/write_site_map.h"
 #include "mapping/networks/freespace_network.h"
 #include "server/commands/commands.h"
 #include "server/ingest/drive/open_drive_log.h"
-#include "server/map_folder/loop_pictures.h"
-#include "server/map_folder/old_map_folder.h"
+#include "server/map_folder/loop_images.h"
 #include "server/map_folder/output_folder.h"
+#include "server/map_folder/overwrite_guard.h"
 #include "server/map_folder/surface_file.h"
 #include "server/map_folder/write_calibration.h"
 #include "server/pipeline/build_map.h"
-#include "server/pipeline/preview_map.h"
+#include "server/pipeline/plan_stages.h"
 #include "server/pipeline/report.h"
 #include "server/pipeline/site_pins.h"
 
@@ -39,7 +38,7 @@ struct MapArguments {
   std::vector<std::string> settings, rejected_loops, forced_loops, pins;
   bool no_pins = false;
   bool no_wheel = false, no_gnss = false, no_refine = false, is_odometry_only = false;
-  bool print_options = false, is_quiet = false;
+  bool print_options = false, explain_options = false, is_quiet = false;
   int num_threads = 0;
 };
 
@@ -71,10 +70,11 @@ OpenedLogs OpenLogs(const MapArguments& arguments) {
   options.use_gnss = !arguments.no_gnss;
   OpenedLogs opened;
   auto& [drives, sources, unreadable] = opened;
-  Require(arguments.rigs.size() <= 1 || arguments.rigs.size() == arguments.logs.size(), ErrorCode::kUsage,
-          "--rig is given once for all logs, or once for each, in their order");
+  Require(arguments.rigs.size() <= 1 || arguments.rigs.size() == arguments.logs.size(),
+          ErrorCode::kUsage, "--rig is given once for all logs, or once for each, in their order");
   for (size_t i = 0; i < arguments.logs.size(); ++i) {
-    const std::string rig = arguments.rigs.empty() ? "-" : arguments.rigs[std::min(i, arguments.rigs.size() - 1)];
+    const std::string rig =
+        arguments.rigs.empty() ? "-" : arguments.rigs[std::min(i, arguments.rigs.size() - 1)];
     options.rig_folder = rig == "-" ? "" : rig;
     try {
       drives.push_back(OpenDriveLog(arguments.logs[i], options));
@@ -85,10 +85,12 @@ OpenedLogs OpenLogs(const MapArguments& arguments) {
     }
     const DriveSource source{arguments.logs[i], options.rig_folder};
     Require(sources.emplace(drives.back()->name(), source).second, ErrorCode::kInvalidInput,
-            "two of the logs are called '" + drives.back()->name() + "'; a drive's name is that of its file");
+            "two of the logs are called '" + drives.back()->name() +
+                "'; a drive's name is that of its file");
   }
   Require(!drives.empty(), ErrorCode::kInvalidInput,
-          "none of the logs can be used; the first: " + (unreadable.empty() ? "" : unreadable.front().reason));
+          "none of the logs can be used; the first: " +
+              (unreadable.empty() ? "" : unreadable.front().reason));
   // The same drives make the same map, in whatever order they are given.
   std::sort(drives.begin(), drives.end(), [](const auto& a, const auto& b) {
     return std::pair(a->span().begin, a->name()) < std::pair(b->span().begin, b->name());
@@ -120,8 +122,9 @@ void WriteProducts(const OpenedLogs& logs, const BuiltMap& built, const MapOptio
   WriteSurface(built.site.surface, folder / "surface.bin");
   for (size_t i = 0; i < built.site.drives.size(); ++i) {
     const SiteDrive& drive = built.site.drives[i];
-    WriteLoopPictures(built.drives[i].loops, drive.rig, drive.name, folder);
-    WriteCalibration(drive.rig, built.drives[i].odometry.calibration, folder / drive.name / "calibration.yaml");
+    WriteLoopImages(built.drives[i].loops, drive.rig, drive.name, folder);
+    WriteCalibration(drive.rig, built.drives[i].odometry.calibration,
+                     folder / drive.name / "calibration.yaml");
   }
   progress.Finish();
   WriteReport(built, logs.drives, options, inputs, progress.timings(), folder / "report.json");
@@ -133,69 +136,53 @@ void AddDecision(const std::string& text, const std::vector<std::unique_ptr<Reco
   const size_t colon = text.rfind(':');
   Require(colon != std::string::npos || drives.size() == 1, ErrorCode::kUsage,
           "with several drives a loop is named DRIVE:LOOP, not '" + text + "'");
-  const std::string drive = colon == std::string::npos ? drives.front()->name() : text.substr(0, colon);
-  Require(std::any_of(drives.begin(), drives.end(), [&](const auto& log) { return log->name() == drive; }),
+  const std::string drive =
+      colon == std::string::npos ? drives.front()->name() : text.substr(0, colon);
+  Require(std::any_of(drives.begin(), drives.end(),
+                      [&](const auto& log) { return log->name() == drive; }),
           ErrorCode::kUsage, "no drive is called '" + drive + "'");
-  (scope.loops[drive].*decision).push_back(colon == std::string::npos ? text : text.substr(colon + 1));
+  (scope.loops[drive].*decision)
+      .push_back(colon == std::string::npos ? text : text.substr(colon + 1));
 }
 
 /// Those of the command line, which stand for all that the map to start from has; else these.
 std::vector<SitePin> PinsOf(const MapArguments& arguments, const PinOptions& options) {
   Require(arguments.pins.empty() || !arguments.from.empty(), ErrorCode::kUsage,
           "--pin needs --from: its X,Y,Z are of that map");
-  Require(arguments.pins.empty() || !arguments.no_pins, ErrorCode::kUsage, "--pin and --no-pins exclude each other");
+  Require(arguments.pins.empty() || !arguments.no_pins, ErrorCode::kUsage,
+          "--pin and --no-pins exclude each other");
   if (!arguments.pins.empty()) return AnchorPins(arguments.pins, arguments.from, options);
   if (arguments.no_pins || arguments.from.empty()) return {};
   return ReadPins(arguments.from);
 }
 
-BuildScope ScopeOf(const MapArguments& arguments, const std::vector<std::unique_ptr<RecordedDrive>>& drives,
+BuildScope ScopeOf(const MapArguments& arguments,
+                   const std::vector<std::unique_ptr<RecordedDrive>>& drives,
                    const std::filesystem::path& products) {
   BuildScope scope;
   scope.is_odometry_only = arguments.is_odometry_only;
   scope.from = arguments.from;
+  scope.preview = arguments.preview;
   scope.products = products;
-  for (const std::string& loop : arguments.rejected_loops) AddDecision(loop, drives, &LoopReview::rejected, scope);
-  for (const std::string& loop : arguments.forced_loops) AddDecision(loop, drives, &LoopReview::forced, scope);
+  for (const std::string& loop : arguments.rejected_loops)
+    AddDecision(loop, drives, &LoopReview::rejected, scope);
+  for (const std::string& loop : arguments.forced_loops)
+    AddDecision(loop, drives, &LoopReview::forced, scope);
   return scope;
 }
 
-/// A preview that cannot be made costs nobody the map. One after the other, each replaces the one before.
-void WritePreview(const MapArguments& arguments, const std::function<std::optional<std::string>()>& encode) {
-  try {
-    const std::optional<std::string> preview = encode();
-    if (!preview) return;
-    WriteFileAtomically(arguments.preview, *preview);
-    LogInfo("preview written");
-  } catch (const Error& error) {
-    LogWarning(std::string("there is no preview: ") + error.what());
-  }
-}
-
-/// \param scope  knows the logs
-void AskForPreviews(const MapArguments& arguments, const LoopOptions& loops, BuildScope& scope) {
-  const LogHashes& hashes = scope.logs;
-  scope.on_closed = [&](std::span<const ClosedDrive> drives) {
-    WritePreview(arguments, [&] { return EncodeJointPreview(arguments.from, hashes, drives, loops); });
-  };
-  scope.on_placed = [&](const SiteMap& site) {
-    WritePreview(arguments, [&] { return EncodePreview(arguments.from, hashes, site); });
-  };
-}
-
 void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Progress& progress) {
-  if (!arguments.from.empty()) FinishedMap(arguments.from);  // throws where there is none
+  if (!arguments.from.empty()) MapReader(arguments.from);  // throws where there is none
   std::vector<SitePin> pins = PinsOf(arguments, options.pins);
   OutputFolder output(arguments.out);
   const OpenedLogs logs = OpenLogs(arguments);
-  RequireReplaceable(arguments.out, NamesOf(logs.drives));
+  RequireOverwritable(arguments.out, NamesOf(logs.drives));
   BuildScope scope = ScopeOf(arguments, logs.drives, output.staging());
   scope.unreadable = logs.unreadable;
   scope.pins = std::move(pins);
   // What cannot be read is said now, not after a long drive was tracked.
   const std::map<std::string, DriveInputs> inputs = HashInputs(logs.sources, arguments.out);
   for (const auto& [name, input] : inputs) scope.logs[name] = input.log.sha256;
-  if (!arguments.preview.empty()) AskForPreviews(arguments, options.loops, scope);
   const BuiltMap built = BuildMap(logs.drives, options, scope, progress);
   WriteProducts(logs, built, options, inputs, progress, output.staging());
   RemoveRestOfOldMap(arguments.out, output.staging());
@@ -219,9 +206,14 @@ int RunMap(const MapArguments& arguments) {
   MapOptions options;
   for (const std::string& setting : arguments.settings) SetOption(setting, options);
   if (!arguments.loops.empty()) SetOption("loops.method=" + arguments.loops, options);
-  if (!arguments.freespace_model.empty()) options.ground.freespace_model = arguments.freespace_model;
+  if (!arguments.freespace_model.empty())
+    options.ground.freespace_model = arguments.freespace_model;
   if (arguments.no_refine) options.refinement.enabled = false;
   if (arguments.no_wheel) options.odometry.use_wheels = false;
+  if (arguments.explain_options) {
+    std::printf("%s", ExplainOptions(options).c_str());
+    return 0;
+  }
   if (arguments.print_options) {
     std::printf("%s\n", OptionsToJson(options).dump(2).c_str());
     return 0;
@@ -232,7 +224,7 @@ int RunMap(const MapArguments& arguments) {
           "--preview needs --from: it is that map's ground, bent");
   // Said now, not after a long drive was tracked.
   if (!options.ground.freespace_model.empty()) FreespaceNetwork{options.ground.freespace_model};
-  KeepFreedMemory();
+  TuneMalloc();
   if (arguments.num_threads > 0) SetNumThreads(arguments.num_threads);
   const bool is_terminal = ::isatty(STDERR_FILENO) != 0;
   if (arguments.is_quiet || is_terminal) SetLogLevel(LogLevel::kWarning);
@@ -254,48 +246,64 @@ int RunMap(const MapArguments& arguments) {
 
 void AddMapCommand(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<MapArguments>();
-  CLI::App* command = app.add_subcommand("map", "Build one map from one or more drives of one place");
-  command->add_option("LOG", arguments->logs, "ROS 1 bag, MCAP, rosbag2, EuRoC folder or archive of one");
+  CLI::App* command =
+      app.add_subcommand("map", "Build one map from one or more drives of one place");
+  command->add_option("LOG", arguments->logs,
+                      "ROS 1 bag, MCAP, rosbag2, EuRoC folder or archive of one");
   command
       ->add_option("--rig", arguments->rigs,
-                   "folder with camchain-imucam.yaml, imu0.yaml and vehicle.yaml; once for all logs or once for each, "
+                   "folder with camchain-imucam.yaml, imu0.yaml and vehicle.yaml; once for all "
+                   "logs or once for each, "
                    "in their order ('-': the log's own)")
       ->allow_extra_args(false);
   command->add_option("--out", arguments->out, "folder for the map; made where missing");
   command->add_option("--cameras", arguments->cameras, "use these cameras only: cam0,cam2");
   command->add_flag("--no-wheel", arguments->no_wheel, "leave wheel odometry out");
   command->add_flag("--no-gnss", arguments->no_gnss, "leave GNSS out");
-  command->add_option("--loops", arguments->loops,
-                      "how loops are closed: rig (default; all cameras against metric points), scale-less, "
-                      "rotation-only, pnp (one camera each, as in the literature) or none");
-  command->add_option("--freespace-model", arguments->freespace_model,
-                      "ONNX network that finds drivable ground, instead of the built-in one (docs/freespace.md)");
-  command->add_option("--from", arguments->from,
-                      "finished map: its odometry is taken for the drives it has, which are not tracked again");
-  command->add_option("--preview", arguments->preview,
-                      "FILE.glb: the ground of the map --from, bent as trajectories have: written as soon as other "
-                      "loops are closed, and again once trajectories are final");
+  command->add_option(
+      "--loops", arguments->loops,
+      "how loops are closed: rig (default; all cameras against metric points), scale-less, "
+      "rotation-only, pnp (one camera each, as in the literature) or none");
+  command->add_option(
+      "--freespace-model", arguments->freespace_model,
+      "ONNX network that finds drivable ground, instead of the built-in one (docs/freespace.md)");
+  command->add_option(
+      "--from", arguments->from,
+      "finished map: its odometry is taken for the drives it has, which are not tracked again");
+  command->add_option(
+      "--preview", arguments->preview,
+      "FILE.glb: the ground of the map --from, bent as trajectories have: written as soon as other "
+      "loops are closed, and again once trajectories are final");
   command
-      ->add_option("--reject-loop", arguments->rejected_loops, "[DRIVE:]LOOP, by the id in report.json: never closed")
+      ->add_option("--reject-loop", arguments->rejected_loops,
+                   "[DRIVE:]LOOP, by the id in report.json: never closed")
       ->allow_extra_args(false);
   command
       ->add_option("--force-loop", arguments->forced_loops,
-                   "[DRIVE:]LOOP: closed without doubt, where the pictures allow to measure it")
+                   "[DRIVE:]LOOP: closed without doubt, where the images allow to measure it")
       ->allow_extra_args(false);
   command
-      ->add_option("--pin", arguments->pins,
-                   "[DRIVE:]X,Y,Z=LAT,LON[,HEIGHT]: where a point of the map --from lies on Earth, metres in its site, "
-                   "degrees, metres above the ellipsoid; two or more, which stand for those that map has")
+      ->add_option(
+          "--pin", arguments->pins,
+          "[DRIVE:]X,Y,Z=LAT,LON[,HEIGHT]: where a point of the map --from lies on Earth, meters "
+          "in its site, "
+          "degrees, meters above the ellipsoid; two or more, which stand for those that map has")
       ->allow_extra_args(false);
   command->add_flag("--no-pins", arguments->no_pins, "leave out the pins of the map --from");
-  command->add_flag("--no-refine", arguments->no_refine, "no adjustment of the whole drive after loops are closed");
+  command->add_flag("--no-refine", arguments->no_refine,
+                    "no adjustment of the whole drive after loops are closed");
   command->add_flag("--odometry-only", arguments->is_odometry_only, "trajectories, no surface");
-  command->add_option("--set", arguments->settings, "stage.option=value; --print-options lists them");
-  command->add_flag("--print-options", arguments->print_options, "print all options as JSON and end");
+  command->add_option("--set", arguments->settings,
+                      "stage.option=value; --explain-options lists them");
+  command->add_flag("--print-options", arguments->print_options,
+                    "print all options as JSON and end");
+  command->add_flag("--explain-options", arguments->explain_options,
+                    "print all options with what they do, their ranges and units, and end");
   command->add_option("--threads", arguments->num_threads, "threads to use; default: all cores")
       ->check(CLI::Range(1, 1024));
   command->add_flag("--quiet", arguments->is_quiet, "warnings and errors only");
-  command->add_option("--progress-file", arguments->progress_file, "append progress as lines of JSON");
+  command->add_option("--progress-file", arguments->progress_file,
+                      "append progress as lines of JSON");
   command->callback([arguments, &action] { action = [arguments] { return RunMap(*arguments); }; });
 }
 

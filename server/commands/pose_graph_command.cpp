@@ -48,8 +48,8 @@ Json RejectedToJson(const PoseGraph& graph, const RobustPoseGraphSummary& summar
   return rejected;
 }
 
-Json ReportOf(const PoseGraph& graph, const std::vector<bool>& is_trusted, const PoseGraphSummary& summary,
-              double initial_cost) {
+Json ReportOf(const PoseGraph& graph, const std::vector<bool>& is_trusted,
+              const PoseGraphSummary& summary, double initial_cost) {
   return {{"dimension", graph.is_planar ? 2 : 3},
           {"num_vertices", graph.vertices.size()},
           {"num_edges", graph.edges.size()},
@@ -87,7 +87,8 @@ int OptimizeFile(const PoseGraphArguments& arguments) {
     const RobustPoseGraphSummary summary = OptimizePoseGraphRobustly(options, graph);
     const double seconds = SecondsSince(start);
     report = ReportOf(graph, is_trusted, summary.solve, initial_cost);
-    report["sesync_objective"] = ObjectiveOf(AcceptedPart(graph, summary.weights), PoseGraphObjective::kChordal);
+    report["sesync_objective"] =
+        ObjectiveOf(AcceptedPart(graph, summary.weights), PoseGraphObjective::kChordal);
     report["seconds"] = seconds;
     for (const double weight : summary.weights) is_left_out.push_back(weight == 0);
     report["num_rejected"] = std::count(is_left_out.begin(), is_left_out.end(), true);
@@ -110,33 +111,40 @@ int OptimizeFile(const PoseGraphArguments& arguments) {
 
 void AddPoseGraphCommand(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<PoseGraphArguments>();
-  CLI::App* command = app.add_subcommand(
-      "pose-graph",
-      "Optimise a pose graph (g2o; SE2 or SE3). Prints costs without a factor of one half: of the chosen objective, "
-      "and SE-Sync's; with --robust gnc both are of the accepted edges");
+  CLI::App* command =
+      app.add_subcommand("pose-graph",
+                         "Optimize a pose graph (g2o; SE2 or SE3). Prints costs without a factor "
+                         "of one half: of the chosen objective, "
+                         "and SE-Sync's; with --robust gnc both are of the accepted edges");
   command->add_option("IN", arguments->input, "pose graph (g2o)")->required();
-  command->add_option("--out", arguments->output, "where to write the optimised graph; rejected edges become comments")
+  command
+      ->add_option("--out", arguments->output,
+                   "where to write the optimized graph; rejected edges become comments")
       ->required();
   command
       ->add_option("--robust", arguments->robust,
-                   "gnc: graduated non-convexity over edges between ids that are not consecutive; none: believe all")
+                   "gnc: graduated non-convexity over edges between ids that are not consecutive; "
+                   "none: believe all")
       ->check(CLI::IsMember({"gnc", "none"}))
       ->capture_default_str();
   command
       ->add_option("--objective", arguments->options.objective,
-                   "chordal: SE-Sync's, one weight per edge for rotation and one for translation; information: the "
+                   "chordal: SE-Sync's, one weight per edge for rotation and one for translation; "
+                   "information: the "
                    "whole matrix of each edge")
       ->check(CLI::IsMember({"chordal", "information"}))
       ->capture_default_str();
   command
-      ->add_option(
-          "--start", arguments->options.start,
-          "where the search begins: chordal relaxation, chained odometry, the poses given, or the best of them")
+      ->add_option("--start", arguments->options.start,
+                   "where the search begins: chordal relaxation, chained odometry, the poses "
+                   "given, or the best of them")
       ->check(CLI::IsMember({"best", "chordal", "odometry", "given"}))
       ->capture_default_str();
-  command->add_option("--threads", arguments->num_threads, "threads; default: all cores")->check(CLI::PositiveNumber);
+  command->add_option("--threads", arguments->num_threads, "threads; default: all cores")
+      ->check(CLI::PositiveNumber);
   command->add_flag("--json", arguments->is_json, "print JSON");
-  command->callback([arguments, &action] { action = [arguments] { return OptimizeFile(*arguments); }; });
+  command->callback(
+      [arguments, &action] { action = [arguments] { return OptimizeFile(*arguments); }; });
 }
 
 }  // namespace parkade

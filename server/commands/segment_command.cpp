@@ -12,7 +12,7 @@
 #include "core/file.h"
 #include "core/rig.h"
 #include "mapping/networks/freespace_network.h"
-#include "mapping/observation/segment_picture.h"
+#include "mapping/observation/segment_image.h"
 #include "server/commands/commands.h"
 #include "server/map_folder/output_folder.h"
 
@@ -27,7 +27,7 @@ struct SegmentArguments {
   bool has_overlays = false;
 };
 
-/// Throws Error{kInvalidInput} naming what is no picture.
+/// Throws Error{kInvalidInput} naming what is no image.
 cv::Mat ReadImage(const std::string& file) {
   const std::string bytes = ReadFile(file);
   cv::Mat image;
@@ -38,7 +38,7 @@ cv::Mat ReadImage(const std::string& file) {
       image.release();  // a header that promises too much
     }
   }
-  Require(!image.empty(), ErrorCode::kInvalidInput, "'" + file + "' is no picture that can be read");
+  Require(!image.empty(), ErrorCode::kInvalidInput, "'" + file + "' is no image that can be read");
   return image;
 }
 
@@ -48,7 +48,7 @@ void WriteImage(const fs::path& file, const cv::Mat& image) {
   WriteFileAtomically(file, std::string(bytes.begin(), bytes.end()));
 }
 
-/// The picture with what is drivable in green.
+/// The image with what is drivable in green.
 cv::Mat Overlay(const cv::Mat& image, const cv::Mat& mask) {
   const cv::Mat green(image.size(), CV_8UC3, cv::Scalar(0, 200, 0));
   cv::Mat mixed;
@@ -58,7 +58,8 @@ cv::Mat Overlay(const cv::Mat& image, const cv::Mat& mask) {
   return overlay;
 }
 
-/// Names of the masks, which are those of the images; two images of one name have no place in one folder.
+/// Names of the masks, which are those of the images; two images of one name have no place in one
+/// folder.
 std::vector<std::string> NamesOf(const std::vector<std::string>& images) {
   std::vector<std::string> names;
   std::set<std::string> taken;
@@ -84,41 +85,45 @@ void RequireImagesStay(const SegmentArguments& arguments, const std::vector<std:
     for (const fs::path& target : TargetsOf(arguments, name))
       for (const std::string& image : arguments.images)
         Require(!fs::equivalent(target, image, ignored), ErrorCode::kUsage,
-                "the mask of '" + name + "' would replace the image '" + image + "': choose another --out");
+                "the mask of '" + name + "' would replace the image '" + image +
+                    "': choose another --out");
 }
 
-/// The camera that took the pictures. Throws Error{kUsage} or {kInvalidInput} where the rig does not tell.
+/// The camera that took the images. Throws Error{kUsage} or {kInvalidInput} where the rig does not
+/// tell.
 RigCamera FindCamera(const SegmentArguments& arguments) {
   const Rig rig = ReadRig(arguments.rig);
   Require(rig.vehicle.has_value(), ErrorCode::kInvalidInput,
           "the rig '" + arguments.rig + "' has no vehicle.yaml, which says where the ground is");
   std::string names;
   for (const RigCamera& camera : rig.cameras) {
-    if (camera.name == arguments.camera || (arguments.camera.empty() && rig.cameras.size() == 1)) return camera;
+    if (camera.name == arguments.camera || (arguments.camera.empty() && rig.cameras.size() == 1))
+      return camera;
     names += (names.empty() ? "" : ", ") + camera.name;
   }
-  throw Error(ErrorCode::kUsage, "--camera must name the camera of the rig that took the pictures: " + names);
+  throw Error(ErrorCode::kUsage,
+              "--camera must name the camera of the rig that took the images: " + names);
 }
 
-/// Finds drivable ground in pictures: of a camera that is known as maps do, else as they are.
+/// Finds drivable ground in images: of a camera that is known as maps do, else as they are.
 class Segmenter {
  public:
   explicit Segmenter(const SegmentArguments& arguments) {
     if (!arguments.rig.empty()) camera_ = FindCamera(arguments);
     if (camera_)
-      own_ = std::make_unique<PictureNetworks>();
+      own_ = std::make_unique<ImageNetworks>();
     else
       network_ = std::make_unique<FreespaceNetwork>(arguments.model);
   }
 
   cv::Mat MaskOf(const cv::Mat& image) const {
     if (!camera_) return network_->Run(image).Mask();
-    return SegmentPicture(*own_, camera_->model, camera_->body_from_camera, image).Mask();
+    return SegmentImage(*own_, camera_->model, camera_->body_from_camera, image).Mask();
   }
 
  private:
   std::optional<RigCamera> camera_;
-  std::unique_ptr<PictureNetworks> own_;       ///< where the camera is known
+  std::unique_ptr<ImageNetworks> own_;         ///< where the camera is known
   std::unique_ptr<FreespaceNetwork> network_;  ///< else
 };
 
@@ -128,7 +133,8 @@ int Segment(const SegmentArguments& arguments) {
   const Segmenter segmenter(arguments);
   std::error_code error;
   fs::create_directories(arguments.out, error);
-  Require(fs::is_directory(arguments.out), ErrorCode::kInvalidInput, "cannot make the folder '" + arguments.out + "'");
+  Require(fs::is_directory(arguments.out), ErrorCode::kInvalidInput,
+          "cannot make the folder '" + arguments.out + "'");
   RequireWritable(arguments.out);
   for (size_t i = 0; i < names.size(); ++i) {
     const cv::Mat image = ReadImage(arguments.images[i]);
@@ -146,18 +152,27 @@ int Segment(const SegmentArguments& arguments) {
 
 void AddSegmentCommand(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<SegmentArguments>();
-  CLI::App* command = app.add_subcommand("segment", "Masks of drivable ground for pictures (PNG, 255 = drivable)");
-  command->add_option("IMAGE", arguments->images, "pictures of any lens; read as JPEG, PNG and what else OpenCV knows")
+  CLI::App* command =
+      app.add_subcommand("segment", "Masks of drivable ground for images (PNG, 255 = drivable)");
+  command
+      ->add_option("IMAGE", arguments->images,
+                   "images of any lens; read as JPEG, PNG and what else OpenCV knows")
       ->required();
-  command->add_option("--out", arguments->out, "folder of the masks, made where missing")->required();
-  CLI::Option* model = command->add_option("--freespace-model", arguments->model,
-                                           "ONNX network to use instead of the built-in one (docs/freespace.md)");
+  command->add_option("--out", arguments->out, "folder of the masks, made where missing")
+      ->required();
+  CLI::Option* model =
+      command->add_option("--freespace-model", arguments->model,
+                          "ONNX network to use instead of the built-in one (docs/freespace.md)");
   CLI::Option* rig = command->add_option(
-      "--rig", arguments->rig, "calibration folder: pictures of its fisheyes are shown to the network as maps do it");
+      "--rig", arguments->rig,
+      "calibration folder: images of its fisheyes are shown to the network as maps do it");
   rig->excludes(model);
-  command->add_option("--camera", arguments->camera, "which camera of the rig took the pictures (\"cam0\")")
+  command
+      ->add_option("--camera", arguments->camera,
+                   "which camera of the rig took the images (\"cam0\")")
       ->needs(rig);
-  command->add_flag("--overlay", arguments->has_overlays, "also the pictures with what is drivable in green");
+  command->add_flag("--overlay", arguments->has_overlays,
+                    "also the images with what is drivable in green");
   command->callback([arguments, &action] { action = [arguments] { return Segment(*arguments); }; });
 }
 

@@ -18,7 +18,9 @@ std::filesystem::path ThisProgram() { return std::filesystem::read_symlink("/pro
 /// The viewer beside an installed program, or that of the source tree.
 std::filesystem::path FindWebRoot() {
   const std::filesystem::path installed = ThisProgram().parent_path() / "../share/parkade/web";
-  return std::filesystem::exists(installed / "index.html") ? installed : std::filesystem::path(PARKADE_WEB_ROOT);
+  return std::filesystem::exists(installed / "index.html")
+             ? installed
+             : std::filesystem::path(PARKADE_WEB_ROOT);
 }
 
 /// `parkade map` as the worker of one attempt.
@@ -29,16 +31,20 @@ std::vector<std::string> WorkerCommand(const JobSpec& spec) {
   for (const std::filesystem::path& rig : spec.rigs)
     command.insert(command.end(), {"--rig", rig.empty() ? "-" : rig.string()});
   if (spec.from) command.insert(command.end(), {"--from", *spec.from, "--preview", spec.preview});
-  for (const std::string& loop : spec.rejected_loops) command.insert(command.end(), {"--reject-loop", loop});
-  for (const std::string& loop : spec.forced_loops) command.insert(command.end(), {"--force-loop", loop});
+  for (const std::string& loop : spec.rejected_loops)
+    command.insert(command.end(), {"--reject-loop", loop});
+  for (const std::string& loop : spec.forced_loops)
+    command.insert(command.end(), {"--force-loop", loop});
   if (spec.pins && spec.pins->empty()) command.push_back("--no-pins");
   // In one word: what begins with a dash is a number.
-  for (const std::string& pin : spec.pins.value_or(std::vector<std::string>())) command.push_back("--pin=" + pin);
+  for (const std::string& pin : spec.pins.value_or(std::vector<std::string>()))
+    command.push_back("--pin=" + pin);
   command.insert(command.end(), {"--out", spec.out, "--progress-file", spec.progress});
   return command;
 }
 
-std::vector<std::string> ComparisonCommand(const std::filesystem::path& from, const std::filesystem::path& to,
+std::vector<std::string> ComparisonCommand(const std::filesystem::path& from,
+                                           const std::filesystem::path& to,
                                            const std::filesystem::path& out) {
   return {"/proc/self/exe", "compare", from, to, "--out", out};
 }
@@ -48,11 +54,13 @@ std::vector<std::string> ComparisonCommand(const std::filesystem::path& from, co
 void AddServeCommand(CLI::App& app, Action& action) {
   const auto options = std::make_shared<ServeOptions>();
   CLI::App* command = app.add_subcommand("serve", "Run the service: uploads, jobs, maps, viewer");
-  command->add_option("--data", options->data, "folder for everything the service keeps")->capture_default_str();
-  command->add_option("--listen", options->listen, "HOST:PORT; port 0 takes a free one")->capture_default_str();
-  command->add_flag(
-      "--allow-public", options->allow_public,
-      "listen on other than loopback addresses, to any Host: anyone who reaches them may upload and delete");
+  command->add_option("--data", options->data, "folder for everything the service keeps")
+      ->capture_default_str();
+  command->add_option("--listen", options->listen, "HOST:PORT; port 0 takes a free one")
+      ->capture_default_str();
+  command->add_flag("--allow-public", options->allow_public,
+                    "listen on other than loopback addresses, to any Host: anyone who reaches them "
+                    "may upload and delete");
   command->add_flag("!--separate-drives", options->merge_drives,
                     "map each new drive by itself instead of joining it to its site");
   command->add_option("--web", options->web_root, "folder of the built viewer");
@@ -66,9 +74,8 @@ void AddServeCommand(CLI::App& app, Action& action) {
       options->compare_command = ComparisonCommand;
       options->check_log = CheckLooksLikeLog;
       options->check_rig = [](const std::filesystem::path& folder) { ReadRig(folder); };
-      options->check_pins = [](const std::vector<std::string>& pins, const std::filesystem::path& map) {
-        AnchorPins(pins, map, {});
-      };
+      options->check_pins = [](const std::vector<std::string>& pins,
+                               const std::filesystem::path& map) { AnchorPins(pins, map, {}); };
       return Serve(*options);
     };
   });

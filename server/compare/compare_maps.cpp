@@ -16,7 +16,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMaxSlotSigma = 0.3;  // [m] of the alignment, beyond which a slot may be taken for its neighbour
+constexpr double kMaxSlotSigma =
+    0.3;  // [m] of the alignment, beyond which a slot may be taken for its neighbor
 
 /// The value that a share of all lie below; `values` is not empty.
 double Percentile(std::vector<double> values, double share) {
@@ -33,17 +34,17 @@ TrajectoryOffset OffsetOf(const SharedDrive& drive, const Rigid3& to_from_from) 
 }
 
 /// Drives that `others` does not hold.
-std::vector<std::string> Without(const FinishedMap& map, const FinishedMap& others) {
+std::vector<std::string> Without(const MapReader& map, const MapReader& others) {
   std::vector<std::string> rest;
   std::copy_if(map.drives().begin(), map.drives().end(), std::back_inserter(rest),
                [&](const std::string& drive) { return !BothHold(map, others, drive); });
   return rest;
 }
 
-double ToMillimetres(double metres) { return std::round(1000 * metres) / 1000; }
+double ToMillimeters(double meters) { return std::round(1000 * meters) / 1000; }
 
 Json NumbersOf(const Eigen::Vector3d& vector) {
-  return {ToMillimetres(vector.x()), ToMillimetres(vector.y()), ToMillimetres(vector.z())};
+  return {ToMillimeters(vector.x()), ToMillimeters(vector.y()), ToMillimeters(vector.z())};
 }
 
 Json RegionsOf(const SurfaceChanges& ground) {
@@ -52,36 +53,42 @@ Json RegionsOf(const SurfaceChanges& ground) {
     const ChangedRegion& region = ground.regions[i];
     regions.push_back({{"id", i},
                        {"change", ToText(region.change)},
-                       {"area", ToMillimetres(region.area)},
+                       {"area", ToMillimeters(region.area)},
                        {"center", NumbersOf(region.center)},
-                       {"height_change", ToMillimetres(region.height_change)}});
+                       {"height_change", ToMillimeters(region.height_change)}});
   }
   return regions;
 }
 
 /// A map of an older version of this program has none.
-std::vector<StoredSlot> SlotsOf(const FinishedMap& map) {
+std::vector<StoredSlot> SlotsOf(const MapReader& map) {
   return ReadSlots(map.FileNamed("slots.geojson"), map.datum());
 }
 
 Json SlotsToJson(const SlotChanges& slots) {
   Json changed = Json::array();
   for (const SlotChange& change : slots.changed)
-    changed.push_back({{"id", change.id}, {"from", ToText(change.from)}, {"to", ToText(change.to)}});
-  return {{"kept", slots.num_kept}, {"added", slots.added}, {"removed", slots.removed}, {"changed", changed}};
+    changed.push_back(
+        {{"id", change.id}, {"from", ToText(change.from)}, {"to", ToText(change.to)}});
+  return {{"kept", slots.num_kept},
+          {"added", slots.added},
+          {"removed", slots.removed},
+          {"changed", changed}};
 }
 
 }  // namespace
 
-MapComparison CompareMaps(const FinishedMap& from, const FinishedMap& to, const CompareOptions& options) {
+MapComparison CompareMaps(const MapReader& from, const MapReader& to,
+                          const CompareOptions& options) {
   MapComparison comparison;
   const std::vector<SharedDrive> shared = FindSharedDrives(from, to);
   comparison.alignment = AlignMaps(shared, from, to);
   const SiteAlignment& alignment = comparison.alignment;
-  comparison.ground =
-      CompareSurfaces(from.ReadSurfaceMap(), to.ReadSurfaceMap(),
-                      {alignment.to_from_from, alignment.horizontal_sigma, alignment.height_sigma}, options);
-  if (from.Has("slots.geojson") && to.Has("slots.geojson") && alignment.horizontal_sigma < kMaxSlotSigma)
+  comparison.ground = CompareSurfaces(
+      from.ReadSurfaceMap(), to.ReadSurfaceMap(),
+      {alignment.to_from_from, alignment.horizontal_sigma, alignment.height_sigma}, options);
+  if (from.Has("slots.geojson") && to.Has("slots.geojson") &&
+      alignment.horizontal_sigma < kMaxSlotSigma)
     comparison.slots = CompareSlots(SlotsOf(from), SlotsOf(to), alignment.to_from_from);
   for (const SharedDrive& drive : shared)
     comparison.trajectories.push_back(OffsetOf(drive, comparison.alignment.to_from_from));
@@ -94,25 +101,25 @@ MapComparison CompareMaps(const FinishedMap& from, const FinishedMap& to, const 
 std::string EncodeComparison(const MapComparison& comparison) {
   const SurfaceChanges& ground = comparison.ground;
   const Rigid3& motion = comparison.alignment.to_from_from;
-  const auto area = [&](GroundChange change) { return ToMillimetres(ground.AreaOf(change)); };
+  const auto area = [&](GroundChange change) { return ToMillimeters(ground.AreaOf(change)); };
   Json json;
   json["alignment"] = {{"aligned_by", comparison.alignment.aligned_by},
                        {"translation", NumbersOf(motion.translation)},
                        {"yaw_deg", YawOf(motion.rotation) * 180 / M_PI},
-                       {"horizontal_sigma", ToMillimetres(comparison.alignment.horizontal_sigma)},
-                       {"height_sigma", ToMillimetres(comparison.alignment.height_sigma)},
+                       {"horizontal_sigma", ToMillimeters(comparison.alignment.horizontal_sigma)},
+                       {"height_sigma", ToMillimeters(comparison.alignment.height_sigma)},
                        {"num_links", comparison.alignment.num_links},
                        {"note", comparison.alignment.note}};
-  json["free_space"] = {{"unchanged", ToMillimetres(ground.UnchangedArea())},
+  json["free_space"] = {{"unchanged", ToMillimeters(ground.UnchangedArea())},
                         {"gained", area(GroundChange::kFreed) + area(GroundChange::kMapped)},
                         {"lost", area(GroundChange::kBlocked) + area(GroundChange::kUnmapped)},
                         {"freed", area(GroundChange::kFreed)},
                         {"mapped", area(GroundChange::kMapped)},
                         {"blocked", area(GroundChange::kBlocked)},
                         {"unmapped", area(GroundChange::kUnmapped)}};
-  json["heights"] = {{"median", ToMillimetres(ground.height.median)},
-                     {"rmse", ToMillimetres(ground.height.rmse)},
-                     {"percentile_95", ToMillimetres(ground.height.percentile_95)},
+  json["heights"] = {{"median", ToMillimeters(ground.height.median)},
+                     {"rmse", ToMillimeters(ground.height.rmse)},
+                     {"percentile_95", ToMillimeters(ground.height.percentile_95)},
                      {"raised", area(GroundChange::kRaised)},
                      {"lowered", area(GroundChange::kLowered)}};
   json["slots"] = SlotsToJson(comparison.slots);
@@ -120,20 +127,21 @@ std::string EncodeComparison(const MapComparison& comparison) {
   json["trajectories"] = Json::array();
   for (const TrajectoryOffset& offset : comparison.trajectories)
     json["trajectories"].push_back({{"drive", offset.drive},
-                                    {"median", ToMillimetres(offset.median)},
-                                    {"percentile_95", ToMillimetres(offset.percentile_95)},
-                                    {"largest", ToMillimetres(offset.largest)}});
+                                    {"median", ToMillimeters(offset.median)},
+                                    {"percentile_95", ToMillimeters(offset.percentile_95)},
+                                    {"largest", ToMillimeters(offset.largest)}});
   json["regions"] = RegionsOf(ground);
   return json.dump(2) + "\n";
 }
 
 void WriteComparison(const MapComparison& comparison, const std::filesystem::path& out) {
   OutputFolder folder(out);
-  const Orthophoto picture = RenderChanges(comparison.ground);
+  const Orthophoto image = RenderChanges(comparison.ground);
   WriteFileAtomically(folder.staging() / "changes.json", EncodeComparison(comparison));
-  WriteFileAtomically(folder.staging() / "changes.geojson", EncodeChangesGeoJson(comparison.ground, comparison.datum));
-  WriteFileAtomically(folder.staging() / "changes.png", EncodePng(picture));
-  WriteFileAtomically(folder.staging() / "changes.pgw", EncodeWorldFile(picture));
+  WriteFileAtomically(folder.staging() / "changes.geojson",
+                      EncodeChangesGeoJson(comparison.ground, comparison.datum));
+  WriteFileAtomically(folder.staging() / "changes.png", EncodePng(image));
+  WriteFileAtomically(folder.staging() / "changes.pgw", EncodeWorldFile(image));
   folder.Commit();
 }
 

@@ -11,7 +11,7 @@
 #include "mapping/evaluation/compare_surfaces.h"
 #include "server/compare/align_maps.h"
 #include "server/compare/compare_slots.h"
-#include "server/map_folder/finished_map.h"
+#include "server/map_folder/map_reader.h"
 
 namespace parkade {
 
@@ -25,20 +25,24 @@ struct TrajectoryOffset {
 struct MapComparison {
   SiteAlignment alignment;
   SurfaceChanges ground;
-  SlotChanges slots;  ///< of maps that have them and are aligned well enough to tell a slot from its neighbour
+  SlotChanges slots;  ///< of maps that have them and are aligned well enough to tell a slot from
+                      ///< its neighbor
   std::vector<TrajectoryOffset> trajectories;
-  std::vector<std::string> added, removed;  ///< drives that only the later or only the earlier map has
-  std::optional<SiteDatum> datum;           ///< of the later map
+  std::vector<std::string> added,
+      removed;                     ///< drives that only the later or only the earlier map has
+  std::optional<SiteDatum> datum;  ///< of the later map
 };
 
-/// Throws Error{kInvalidInput} where a map lacks its surface (an older program made it), and as AlignMaps does where
-/// nothing says how the two lie to each other.
-MapComparison CompareMaps(const FinishedMap& from, const FinishedMap& to, const CompareOptions& options = {});
+/// Throws Error{kInvalidInput} where a map lacks its surface (an older program made it), and as
+/// AlignMaps does where nothing says how the two lie to each other.
+MapComparison CompareMaps(const MapReader& from, const MapReader& to,
+                          const CompareOptions& options = {});
 
 /// The whole comparison but for the regions' outlines, JSON.
 std::string EncodeComparison(const MapComparison& comparison);
 
-/// Writes changes.json, changes.geojson, changes.png and changes.pgw into a folder: all of them or nothing.
+/// Writes changes.json, changes.geojson, changes.png and changes.pgw into a folder: all of them or
+/// nothing.
 void WriteComparison(const MapComparison& comparison, const std::filesystem::path& out);
 
 }  // namespace parkade

@@ -12,13 +12,16 @@ namespace {
 
 /// A number of digits only; a number too large counts as the largest.
 std::optional<std::int64_t> Digits(std::string_view text) {
-  if (text.empty() || text.find_first_not_of("0123456789") != std::string_view::npos) return std::nullopt;
+  if (text.empty() || text.find_first_not_of("0123456789") != std::string_view::npos)
+    return std::nullopt;
   std::int64_t number = 0;
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
   return parsed.ec == std::errc{} ? number : std::numeric_limits<std::int64_t>::max();
 }
 
-[[noreturn]] void Refuse(const std::string& detail) { throw HttpError({416, "range_not_satisfiable", detail}); }
+[[noreturn]] void Refuse(const std::string& detail) {
+  throw HttpError({416, "range_not_satisfiable", detail});
+}
 
 }  // namespace
 

@@ -18,7 +18,7 @@ constexpr size_t kReceiveBytes = 65536;
 constexpr auto kHeadPatience = 10s;      // for a head, once it has begun
 constexpr auto kProgressPatience = 15s;  // without a single byte moving
 constexpr auto kFinishPatience = 2s;
-constexpr auto kLookInterval = 250ms;  // how often a waiting thread looks at the lifeline
+constexpr auto kLookInterval = 250ms;  // how often a waiting thread looks at the shutdown_signal
 // A body may be slow, but not so slow that it holds a thread for nothing.
 constexpr auto kBodyGrace = 30s;
 constexpr double kMinBodyPace = 8192;  // [bytes/s]
@@ -41,13 +41,14 @@ void AddressOf(const sockaddr_storage& address, std::string& ip, int& port) {
 
 bool HttpConnection::WaitFor(short events, Clock::time_point deadline) const {
   for (;;) {
-    if (lifeline_.is_over()) return false;
+    if (shutdown_signal_.is_over()) return false;
     const auto left = deadline - Clock::now();
     if (left <= Clock::duration::zero()) return false;
     const auto slice = std::min<Clock::duration>(left, kLookInterval);
     pollfd wanted{socket_, events, 0};
-    const int result =
-        ::poll(&wanted, 1, static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(slice).count()) + 1);
+    const int result = ::poll(
+        &wanted, 1,
+        static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(slice).count()) + 1);
     if (result > 0) return true;
     if (result < 0 && errno != EINTR) return false;
   }
@@ -60,7 +61,8 @@ bool HttpConnection::Receive(Clock::time_point deadline) {
   for (;;) {
     if (!WaitFor(POLLIN, deadline)) return false;
     buffer_.resize(old_size + kReceiveBytes);
-    const ssize_t received = ::recv(socket_, buffer_.data() + old_size, kReceiveBytes, MSG_DONTWAIT);
+    const ssize_t received =
+        ::recv(socket_, buffer_.data() + old_size, kReceiveBytes, MSG_DONTWAIT);
     buffer_.resize(old_size + static_cast<size_t>(std::max<ssize_t>(received, 0)));
     if (received > 0) return true;
     if (received == 0 || (errno != EAGAIN && errno != EINTR)) return false;
@@ -71,7 +73,7 @@ std::optional<RequestHead> HttpConnection::ReadHead(std::chrono::milliseconds pa
   const Clock::time_point idle_deadline = Clock::now() + patience;
   while (buffer_begin_ == buffer_.size()) {
     // In slices, so that an idle client does not hold up the end of the service.
-    if (lifeline_.is_stopping() || Clock::now() >= idle_deadline) return std::nullopt;
+    if (shutdown_signal_.is_stopping() || Clock::now() >= idle_deadline) return std::nullopt;
     if (!WaitFor(POLLIN, std::min(idle_deadline, Clock::now() + kLookInterval))) continue;
     if (!Receive(idle_deadline)) return std::nullopt;
   }
@@ -80,14 +82,16 @@ std::optional<RequestHead> HttpConnection::ReadHead(std::chrono::milliseconds pa
   for (;;) {
     const size_t end = buffer_.find("\r\n\r\n", buffer_begin_);
     const size_t size = (end == std::string::npos ? buffer_.size() : end + 4) - buffer_begin_;
-    if (size > kMaxHeadBytes) throw HttpError({431, "invalid_request", "the request's head is larger than 32 KiB"});
+    if (size > kMaxHeadBytes)
+      throw HttpError({431, "invalid_request", "the request's head is larger than 32 KiB"});
     if (end != std::string::npos) {
       RequestHead head = ParseRequestHead(std::string_view(buffer_).substr(buffer_begin_, size));
       buffer_begin_ += size;
       return head;
     }
     if (Receive(deadline)) continue;
-    if (Clock::now() >= deadline) throw HttpError({408, "timeout", "the request's head took longer than 10 seconds"});
+    if (Clock::now() >= deadline)
+      throw HttpError({408, "timeout", "the request's head took longer than 10 seconds"});
     return std::nullopt;
   }
 }
@@ -100,7 +104,8 @@ void HttpConnection::BeginRequest(std::string head_text, std::int64_t body_lengt
 }
 
 bool HttpConnection::IsTooSlow() const {
-  const double seconds = std::chrono::duration<double>(Clock::now() - body_started_ - kBodyGrace).count();
+  const double seconds =
+      std::chrono::duration<double>(Clock::now() - body_started_ - kBodyGrace).count();
   return seconds * kMinBodyPace > static_cast<double>(body_length_ - body_left_);
 }
 
@@ -112,7 +117,9 @@ ssize_t HttpConnection::read(char* data, size_t size) {
   }
   size = std::min(size, static_cast<size_t>(body_left_));
   if (size == 0) return 0;
-  if (buffer_begin_ == buffer_.size() && (IsTooSlow() || !Receive(Clock::now() + kProgressPatience))) return -1;
+  if (buffer_begin_ == buffer_.size() &&
+      (IsTooSlow() || !Receive(Clock::now() + kProgressPatience)))
+    return -1;
   const size_t count = buffer_.copy(data, size, buffer_begin_);
   buffer_begin_ += count;
   body_left_ -= static_cast<std::int64_t>(count);
@@ -139,7 +146,8 @@ void HttpConnection::SendProblem(const Problem& problem) {
   const std::string body = ToJsonText(problem);
   const std::string text =
       "HTTP/1.1 " + std::to_string(problem.status) + " " + TitleOf(problem.status) +
-      "\r\nContent-Type: application/problem+json\r\nContent-Length: " + std::to_string(body.size()) +
+      "\r\nContent-Type: application/problem+json\r\nContent-Length: " +
+      std::to_string(body.size()) +
       "\r\nConnection: close\r\nX-Content-Type-Options: nosniff\r\n\r\n" + body;
   body_left_ = 1;  // whatever follows is not a request
   write(text.data(), text.size());
@@ -151,13 +159,15 @@ void HttpConnection::FinishSending() {
   const Clock::time_point deadline = Clock::now() + kFinishPatience;
   do {
     buffer_begin_ = buffer_.size();
-  } while (!lifeline_.is_over() && Receive(deadline));
+  } while (!shutdown_signal_.is_over() && Receive(deadline));
 }
 
-bool HttpConnection::is_readable() const { return head_begin_ < head_text_.size() || body_left_ > 0; }
+bool HttpConnection::is_readable() const {
+  return head_begin_ < head_text_.size() || body_left_ > 0;
+}
 
 bool HttpConnection::is_writable() const {
-  if (lifeline_.is_over()) return false;
+  if (shutdown_signal_.is_over()) return false;
   pollfd state{socket_, POLLOUT, 0};
   return ::poll(&state, 1, 0) >= 0 && (state.revents & (POLLERR | POLLHUP | POLLNVAL)) == 0;
 }
@@ -165,13 +175,15 @@ bool HttpConnection::is_writable() const {
 void HttpConnection::get_remote_ip_and_port(std::string& ip, int& port) const {
   sockaddr_storage address{};
   socklen_t size = sizeof(address);
-  if (::getpeername(socket_, reinterpret_cast<sockaddr*>(&address), &size) == 0) AddressOf(address, ip, port);
+  if (::getpeername(socket_, reinterpret_cast<sockaddr*>(&address), &size) == 0)
+    AddressOf(address, ip, port);
 }
 
 void HttpConnection::get_local_ip_and_port(std::string& ip, int& port) const {
   sockaddr_storage address{};
   socklen_t size = sizeof(address);
-  if (::getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size) == 0) AddressOf(address, ip, port);
+  if (::getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size) == 0)
+    AddressOf(address, ip, port);
 }
 
 }  // namespace parkade

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "server/http/lifeline.h"
 #include "server/http/request_head.h"
+#include "server/http/shutdown_signal.h"
 
 namespace parkade {
 
@@ -17,7 +17,8 @@ namespace parkade {
 /// progress. Never reads past a request's body for the library.
 class HttpConnection : public httplib::Stream {
  public:
-  HttpConnection(socket_t socket, const Lifeline& lifeline) : socket_(socket), lifeline_(lifeline) {}
+  HttpConnection(socket_t socket, const ShutdownSignal& shutdown_signal)
+      : socket_(socket), shutdown_signal_(shutdown_signal) {}
 
   /// Waits for the next request, at most `patience`, and reads its head. Nothing
   /// when there is none: the client is gone or idle, or the service ends. Throws
@@ -56,7 +57,7 @@ class HttpConnection : public httplib::Stream {
   bool IsTooSlow() const;
 
   socket_t socket_;
-  const Lifeline& lifeline_;
+  const ShutdownSignal& shutdown_signal_;
   std::string buffer_;       ///< received and not yet used
   size_t buffer_begin_ = 0;  ///< what lies before is used
   std::string head_text_;    ///< for the library to read first

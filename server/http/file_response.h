@@ -17,8 +17,8 @@ struct ServedFile {
 };
 
 /// True when the client's If-None-Match names `etag`; the answer is 304 then.
-bool SendNotModified(const httplib::Request& request, httplib::Response& response, const std::string& etag,
-                     const std::string& cache_control);
+bool SendNotModified(const httplib::Request& request, httplib::Response& response,
+                     const std::string& etag, const std::string& cache_control);
 
 /// Sends the file, or the one range of it that was asked for, straight from the
 /// disk. Answers 200, 206, 304; throws HttpError{416}, Error{kInternal} when the

@@ -24,9 +24,12 @@ constexpr int kBacklog = 512;
 
 }  // namespace
 
-HttpServer::HttpServer(const Lifeline& lifeline, Metrics& metrics, int num_threads, bool any_host)
-    : lifeline_(lifeline), metrics_(metrics), any_host_(any_host) {
-  new_task_queue = [num_threads] { return new ConnectionQueue(num_threads, kMaxWaitingConnections); };
+HttpServer::HttpServer(const ShutdownSignal& shutdown_signal, Metrics& metrics, int num_threads,
+                       bool any_host)
+    : shutdown_signal_(shutdown_signal), metrics_(metrics), any_host_(any_host) {
+  new_task_queue = [num_threads] {
+    return new ConnectionQueue(num_threads, kMaxWaitingConnections);
+  };
   // Not SO_REUSEPORT, the library's default: two services would share a port.
   set_socket_options([](socket_t socket) {
     const int yes = 1;
@@ -39,14 +42,15 @@ HttpServer::HttpServer(const Lifeline& lifeline, Metrics& metrics, int num_threa
 
 HttpServer::~HttpServer() {
   // The library closes the socket only when it has served.
-  if (const socket_t socket = svr_sock_.exchange(INVALID_SOCKET); socket != INVALID_SOCKET) ::close(socket);
+  if (const socket_t socket = svr_sock_.exchange(INVALID_SOCKET); socket != INVALID_SOCKET)
+    ::close(socket);
 }
 
 int HttpServer::Bind(const std::string& host, int port) {
   const bool is_bound = port == 0 ? (port = bind_to_any_port(host)) > 0 : bind_to_port(host, port);
-  Require(
-      is_bound, ErrorCode::kUsage,
-      "cannot listen on " + host + " port " + std::to_string(port) + ": it is taken or not an address of this machine");
+  Require(is_bound, ErrorCode::kUsage,
+          "cannot listen on " + host + " port " + std::to_string(port) +
+              ": it is taken or not an address of this machine");
   ::listen(svr_sock_, kBacklog);  // the library asks for 5
   return port;
 }
@@ -65,7 +69,7 @@ bool HttpServer::process_and_close_socket(socket_t socket) {
 void HttpServer::Serve(socket_t socket) {
   const int yes = 1;
   ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
-  HttpConnection connection(socket, lifeline_);
+  HttpConnection connection(socket, shutdown_signal_);
   if (ConnectionQueue::is_refusing()) {
     ++metrics_.connections_refused;
     connection.SendProblem({503, "busy", "too many connections: try again in a moment"});
@@ -73,7 +77,8 @@ void HttpServer::Serve(socket_t socket) {
   }
   for (int count = 1; count <= kMaxRequestsPerConnection; ++count) {
     try {
-      const auto head = connection.ReadHead(count == 1 ? kFirstRequestPatience : kKeepAlivePatience);
+      const auto head =
+          connection.ReadHead(count == 1 ? kFirstRequestPatience : kKeepAlivePatience);
       if (!head) break;
       const std::int64_t body_length = CheckRequestHead(*head);
       if (!any_host_) RefuseForeignHost(*head);
@@ -83,7 +88,7 @@ void HttpServer::Serve(socket_t socket) {
       connection.SendProblem(error.problem());
       break;
     }
-    const bool is_last = count == kMaxRequestsPerConnection || lifeline_.is_stopping();
+    const bool is_last = count == kMaxRequestsPerConnection || shutdown_signal_.is_stopping();
     bool is_closed = false;
     const bool is_answered = process_request(connection, is_last, is_closed, nullptr);
     if (!is_answered || is_closed || is_last || !connection.IsBodyRead()) break;

@@ -2,8 +2,8 @@
 
 #include <httplib.h>
 
-#include "server/http/lifeline.h"
 #include "server/http/metrics.h"
+#include "server/http/shutdown_signal.h"
 
 namespace parkade {
 
@@ -12,7 +12,8 @@ namespace parkade {
 class HttpServer : public httplib::Server {
  public:
   /// Requests have to name this machine as their Host, unless `any_host`.
-  HttpServer(const Lifeline& lifeline, Metrics& metrics, int num_threads, bool any_host);
+  HttpServer(const ShutdownSignal& shutdown_signal, Metrics& metrics, int num_threads,
+             bool any_host);
   ~HttpServer() override;
 
   /// Binds; port 0 takes a free one. Returns the port. Throws Error{kUsage} when
@@ -23,7 +24,7 @@ class HttpServer : public httplib::Server {
   bool process_and_close_socket(socket_t socket) override;
   void Serve(socket_t socket);
 
-  const Lifeline& lifeline_;
+  const ShutdownSignal& shutdown_signal_;
   Metrics& metrics_;
   const bool any_host_;
 };

@@ -49,7 +49,8 @@ void AddTrajectories(const Drive& drive, const MapVersion& map, Json& json) {
 Json ToJson(const Job& job, const std::optional<JobProgress>& live_progress) {
   const bool is_done = job.state == JobState::kDone;
   // A job that has just ended may still have its last progress.
-  const std::optional<JobProgress> progress = job.state == JobState::kRunning ? live_progress : std::nullopt;
+  const std::optional<JobProgress> progress =
+      job.state == JobState::kRunning ? live_progress : std::nullopt;
   return {{"id", job.id},
           {"site", job.site},
           {"drives", job.drives},
@@ -69,7 +70,10 @@ Json ToJson(const Job& job, const std::optional<JobProgress>& live_progress) {
 }
 
 Json ToJson(const StoredRig& rig) {
-  return {{"name", rig.name}, {"files", rig.files}, {"sha256", rig.sha256}, {"created_at", rig.created_at}};
+  return {{"name", rig.name},
+          {"files", rig.files},
+          {"sha256", rig.sha256},
+          {"created_at", rig.created_at}};
 }
 
 Json ToJson(const Site& site) {
@@ -94,7 +98,8 @@ Json ToJson(const MapVersion& map, bool with_files) {
                {"url", address}};
   if (!with_files) return json;
   json["drives"] = Json::array();
-  for (const Drive& drive : map.drives) json["drives"].push_back({{"id", drive.id}, {"name", drive.name}});
+  for (const Drive& drive : map.drives)
+    json["drives"].push_back({{"id", drive.id}, {"name", drive.name}});
   json["files"] = Json::array();
   for (const MapFile& file : map.files)
     json["files"].push_back({{"name", file.name},

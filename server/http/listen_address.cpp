@@ -20,7 +20,8 @@ ListenAddress ParseListenAddress(const std::string& text) {
     Require(address.host.find(':') == std::string::npos, ErrorCode::kUsage, wrong);
   const char *begin = text.data() + colon + 1, *end = text.data() + text.size();
   const auto parsed = std::from_chars(begin, end, address.port);
-  const bool is_port = begin != end && parsed.ec == std::errc{} && parsed.ptr == end && address.port >= 0;
+  const bool is_port =
+      begin != end && parsed.ec == std::errc{} && parsed.ptr == end && address.port >= 0;
   Require(is_port && address.port <= 65535 && !address.host.empty(), ErrorCode::kUsage, wrong);
   return address;
 }

@@ -18,7 +18,9 @@ bool IsTokenCharacter(char c) {
          std::string_view("!#$%&'*+-.^_`|~").find(c) != std::string_view::npos;
 }
 
-bool IsToken(std::string_view text) { return !text.empty() && std::all_of(text.begin(), text.end(), IsTokenCharacter); }
+bool IsToken(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), IsTokenCharacter);
+}
 
 bool IsControl(unsigned char byte) { return (byte < 0x20 && byte != '\t') || byte == 0x7f; }
 
@@ -51,19 +53,22 @@ std::string InLowerCase(std::string_view text) {
 /// Actions that have nothing to say but their address: `curl -X POST` sends no length.
 bool NeedsNoBody(const RequestHead& head) {
   const std::string path = head.Path();
-  return head.method == "POST" && (path.ends_with("/cancel") || path.ends_with("/retry") || path.ends_with("/maps"));
+  return head.method == "POST" &&
+         (path.ends_with("/cancel") || path.ends_with("/retry") || path.ends_with("/maps"));
 }
 
 std::int64_t ContentLengthOf(const RequestHead& head) {
   const std::optional<std::string> text = head.Find("content-length");
-  const bool may_have_body = head.method == "POST" || head.method == "PUT" || head.method == "PATCH";
+  const bool may_have_body =
+      head.method == "POST" || head.method == "PUT" || head.method == "PATCH";
   if (!text) {
     if (may_have_body && !NeedsNoBody(head)) Refuse(411, "the request needs a Content-Length");
     return 0;
   }
   std::int64_t length = -1;
   const auto parsed = std::from_chars(text->data(), text->data() + text->size(), length);
-  if (text->empty() || parsed.ec != std::errc{} || parsed.ptr != text->data() + text->size() || length < 0)
+  if (text->empty() || parsed.ec != std::errc{} || parsed.ptr != text->data() + text->size() ||
+      length < 0)
     Refuse(400, "the Content-Length is not a number");
   const bool is_drive_log = head.method == "PUT" && head.Path() == "/api/v1/drives";
   if (!is_drive_log && length > kMaxSmallBody) Refuse(413, "the body is larger than 16 MiB");
@@ -79,19 +84,22 @@ void RefuseForeignChange(const RequestHead& head) {
   const bool is_foreign_fetch = fetch_site && *fetch_site != "same-origin" && *fetch_site != "none";
   const std::optional<std::string> origin = head.Find("origin");
   const std::string host = head.Find("host").value_or("");
-  const bool is_foreign_origin = origin && *origin != "http://" + host && *origin != "https://" + host;
+  const bool is_foreign_origin =
+      origin && *origin != "http://" + host && *origin != "https://" + host;
   if (is_foreign_fetch || is_foreign_origin)
-    throw HttpError({403, "foreign_origin", "requests that change something must come from this service's own page"});
+    throw HttpError({403, "foreign_origin",
+                     "requests that change something must come from this service's own page"});
 }
 
-/// Takes the host out of a target that names it, "http://HOST/PATH", as RFC 9112 (3.2.2) asks for: it stands for what
-/// the Host field says.
+/// Takes the host out of a target that names it, "http://HOST/PATH", as RFC 9112 (3.2.2) asks for:
+/// it stands for what the Host field says.
 void SplitAbsoluteTarget(RequestHead& head) {
   constexpr std::string_view kScheme = "http://";
   if (InLowerCase(head.target.substr(0, kScheme.size())) != kScheme) return;
   const size_t end = std::min(head.target.find_first_of("/?", kScheme.size()), head.target.size());
   const std::string host = head.target.substr(kScheme.size(), end - kScheme.size());
-  if (host.empty() || host.find('@') != std::string::npos) Refuse(400, "the request line is malformed");
+  if (host.empty() || host.find('@') != std::string::npos)
+    Refuse(400, "the request line is malformed");
   head.target.erase(0, end);
   if (!head.target.starts_with('/')) head.target.insert(0, "/");
   for (auto& [field, value] : head.fields)
@@ -118,17 +126,21 @@ RequestHead ParseRequestHead(std::string_view text) {
   RequestHead head;
   const std::string_view line = next_line();
   const size_t first = line.find(' '), last = line.rfind(' ');
-  if (first == std::string_view::npos || first == last) Refuse(400, "the request line is malformed");
+  if (first == std::string_view::npos || first == last)
+    Refuse(400, "the request line is malformed");
   head.method = line.substr(0, first);
   head.target = line.substr(first + 1, last - first - 1);
   head.version = line.substr(last + 1);
-  if (!IsToken(head.method) || head.target.find(' ') != std::string::npos || HasControlByte(head.target))
+  if (!IsToken(head.method) || head.target.find(' ') != std::string::npos ||
+      HasControlByte(head.target))
     Refuse(400, "the request line is malformed");
-  if (head.version != "HTTP/1.1" && head.version != "HTTP/1.0") Refuse(505, "this service speaks HTTP/1.1");
+  if (head.version != "HTTP/1.1" && head.version != "HTTP/1.0")
+    Refuse(505, "this service speaks HTTP/1.1");
 
   for (std::string_view field = next_line(); !field.empty(); field = next_line()) {
     const size_t colon = field.find(':');
-    if (colon == std::string_view::npos || !IsToken(field.substr(0, colon))) Refuse(400, "a header field is malformed");
+    if (colon == std::string_view::npos || !IsToken(field.substr(0, colon)))
+      Refuse(400, "a header field is malformed");
     const std::string_view value = Trimmed(field.substr(colon + 1));
     if (HasControlByte(value)) Refuse(400, "a header field holds control characters");
     head.fields.emplace_back(InLowerCase(field.substr(0, colon)), value);
@@ -139,18 +151,22 @@ RequestHead ParseRequestHead(std::string_view text) {
 }
 
 std::int64_t CheckRequestHead(const RequestHead& head) {
-  constexpr std::array<std::string_view, 8> kOnce = {"content-length", "host",   "range",  "if-range",
-                                                     "content-type",   "origin", "expect", "last-event-id"};
+  constexpr std::array<std::string_view, 8> kOnce = {"content-length", "host",         "range",
+                                                     "if-range",       "content-type", "origin",
+                                                     "expect",         "last-event-id"};
   for (const std::string_view name : kOnce) {
-    const auto count =
-        std::count_if(head.fields.begin(), head.fields.end(), [&](const auto& field) { return field.first == name; });
-    if (count > 1) Refuse(400, "the header field '" + std::string(name) + "' stands more than once");
+    const auto count = std::count_if(head.fields.begin(), head.fields.end(),
+                                     [&](const auto& field) { return field.first == name; });
+    if (count > 1)
+      Refuse(400, "the header field '" + std::string(name) + "' stands more than once");
   }
   // The library writes its own notes under these names and finds the forged ones first.
   for (const char* forged : {"remote_addr", "remote_port", "local_addr", "local_port"})
-    if (head.Find(forged)) Refuse(400, std::string("the header field '") + forged + "' is not for clients");
+    if (head.Find(forged))
+      Refuse(400, std::string("the header field '") + forged + "' is not for clients");
   if (head.version == "HTTP/1.1" && !head.Find("host")) Refuse(400, "the request names no host");
-  if (head.Find("transfer-encoding")) Refuse(411, "the request needs a Content-Length, not a transfer encoding");
+  if (head.Find("transfer-encoding"))
+    Refuse(411, "the request needs a Content-Length, not a transfer encoding");
   if (head.Find("content-encoding")) Refuse(415, "the body must not be encoded");
   const std::string range = head.Find("range").value_or("");
   if (range.find(',') != std::string::npos) Refuse(416, "one range at a time");
@@ -163,8 +179,8 @@ std::string ToText(const RequestHead& head, std::int64_t body_length) {
   for (const auto& [name, value] : head.fields) {
     // Ranges are answered by file_response.cpp, and nothing is compressed: the
     // library would do both, wrongly or slowly.
-    const bool is_ours =
-        name == "content-length" || name == "range" || name == kRangeField || name == "accept-encoding";
+    const bool is_ours = name == "content-length" || name == "range" || name == kRangeField ||
+                         name == "accept-encoding";
     if (!is_ours) text += name + ": " + value + "\r\n";
     if (name == "range") text += std::string(kRangeField) + ": " + value + "\r\n";
   }

@@ -16,20 +16,24 @@ namespace parkade {
 struct ServeOptions {
   std::filesystem::path data = "data";    ///< created where missing; one service at a time
   std::string listen = "127.0.0.1:8080";  ///< HOST:PORT, [IPv6]:PORT; port 0 takes a free one
-  bool allow_public = false;       ///< listen on other than loopback addresses, to any Host, without authentication
+  bool allow_public =
+      false;  ///< listen on other than loopback addresses, to any Host, without authentication
   std::filesystem::path web_root;  ///< the built viewer; "/" says how to build it where missing
   int num_workers = 1;             ///< jobs at a time
   bool merge_drives = true;        ///< a job maps all drives of its site; false: the new one alone
   std::int64_t disk_reserve = std::int64_t{2} << 30;  ///< [bytes] uploads leave free
   int num_threads = 64;                               ///< connections served at a time
-  int drain_seconds = 20;                             ///< [s] requests under way may take after SIGTERM
+  int drain_seconds = 20;  ///< [s] requests under way may take after SIGTERM
 
-  JobCommand job_command;                                       ///< required: the worker of a job
-  CompareCommand compare_command;                               ///< required: compares two published maps
-  std::function<void(const std::filesystem::path&)> check_log;  ///< throws unless the file looks like a drive log
-  std::function<void(const std::filesystem::path&)> check_rig;  ///< throws unless the folder holds a rig
+  JobCommand job_command;          ///< required: the worker of a job
+  CompareCommand compare_command;  ///< required: compares two published maps
+  std::function<void(const std::filesystem::path&)>
+      check_log;  ///< throws unless the file looks like a drive log
+  std::function<void(const std::filesystem::path&)>
+      check_rig;  ///< throws unless the folder holds a rig
   /// Throws unless these pins (`parkade map --pin`) fit each other and the map in the folder.
-  std::function<void(const std::vector<std::string>& pins, const std::filesystem::path& map)> check_pins;
+  std::function<void(const std::vector<std::string>& pins, const std::filesystem::path& map)>
+      check_pins;
 };
 
 }  // namespace parkade

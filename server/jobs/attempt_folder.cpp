@@ -30,8 +30,9 @@ fs::path RigFolderOf(Store& store, const Drive& drive) {
   return store.directory.RigFolder(rig->id);
 }
 
-/// The version that a review names. A job of several drives takes the site's latest, so that its work grows with what
-/// is new. Published maps never change and are never deleted while the service runs: the worker may read there.
+/// The version that a review names. A job of several drives takes the site's latest, so that its
+/// work grows with what is new. Published maps never change and are never deleted while the service
+/// runs: the worker may read there.
 std::optional<fs::path> MapToStartFrom(Store& store, const Job& job) {
   return store.database.Read([&](Connection& connection) -> std::optional<fs::path> {
     std::int64_t version = job.review.from_version.value_or(0);
@@ -43,7 +44,8 @@ std::optional<fs::path> MapToStartFrom(Store& store, const Job& job) {
 
 }  // namespace
 
-AttemptFolder::AttemptFolder(Store& store, const Job& job) : path_(store.directory.AttemptFolder(job.id, job.attempt)) {
+AttemptFolder::AttemptFolder(Store& store, const Job& job)
+    : path_(store.directory.AttemptFolder(job.id, job.attempt)) {
   const std::vector<Drive> drives = DrivesOf(store, job);
   spec_.job = job.id;
   spec_.attempt = job.attempt;
@@ -65,8 +67,9 @@ AttemptFolder::AttemptFolder(Store& store, const Job& job) : path_(store.directo
     }
   } catch (const fs::filesystem_error& error) {
     const bool is_full = error.code() == std::errc::no_space_on_device;
-    throw Error(is_full ? ErrorCode::kDiskFull : ErrorCode::kInternal,
-                is_full ? "the disk of the data directory is full" : "the job's folder cannot be made");
+    throw Error(
+        is_full ? ErrorCode::kDiskFull : ErrorCode::kInternal,
+        is_full ? "the disk of the data directory is full" : "the job's folder cannot be made");
   }
 }
 

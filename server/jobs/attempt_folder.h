@@ -17,8 +17,8 @@ namespace parkade {
 /// input/, out/ and preview.glb are gone when this object is.
 class AttemptFolder {
  public:
-  /// Throws Error{kInvalidInput} for a job whose drives were all deleted, Error{kNotFound} when a drive or its rig is
-  /// not there any more, Error{kDiskFull}.
+  /// Throws Error{kInvalidInput} for a job whose drives were all deleted, Error{kNotFound} when a
+  /// drive or its rig is not there any more, Error{kDiskFull}.
   AttemptFolder(Store& store, const Job& job);
   ~AttemptFolder();
   AttemptFolder(const AttemptFolder&) = delete;

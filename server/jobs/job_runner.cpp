@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "server/jobs/attempt_folder.h"
-#include "server/jobs/worker_end.h"
+#include "server/jobs/worker_exit.h"
 #include "server/jobs/worker_process.h"
 #include "server/store/job_queue.h"
 #include "server/store/publish_map.h"
@@ -40,8 +40,9 @@ JobRunner::JobRunner(Store& store, EventHub& events, JobRunnerOptions options)
 JobRunner::~JobRunner() { Stop(); }
 
 void JobRunner::RecoverJobs() {
-  const std::vector<Job> left_over = store_.database.Read(
-      [](Connection& connection) { return ListJobs(connection, {.limit = 1000}, JobState::kRunning, std::nullopt); });
+  const std::vector<Job> left_over = store_.database.Read([](Connection& connection) {
+    return ListJobs(connection, {.limit = 1000}, JobState::kRunning, std::nullopt);
+  });
   for (const Job& job : left_over) {
     KillLeftOver(job);
     RecoverJob(store_, job);
@@ -71,7 +72,8 @@ void JobRunner::Cancel(const std::string& job_id) {
     found->second.is_cancelled = true;
     return;
   }
-  const Job job = store_.database.Read([&](Connection& connection) { return FindJob(connection, job_id); });
+  const Job job =
+      store_.database.Read([&](Connection& connection) { return FindJob(connection, job_id); });
   PublishStates(job);
 }
 
@@ -81,7 +83,8 @@ std::optional<JobProgress> JobRunner::ProgressOf(const std::string& job_id) cons
   if (found == running_.end()) return std::nullopt;
   const WorkerProgress& latest = found->second.latest;
   JobProgress progress{latest.stage, latest.progress, latest.eta};
-  const double elapsed = std::chrono::duration<double>(steady_clock::now() - found->second.started).count();
+  const double elapsed =
+      std::chrono::duration<double>(steady_clock::now() - found->second.started).count();
   if (!latest.eta && latest.progress >= kMinProgressForEta)
     progress.eta_seconds = elapsed * (1 - latest.progress) / latest.progress;
   return progress;
@@ -97,7 +100,8 @@ void JobRunner::Work() {
     try {
       job = ClaimJob(store_);
     } catch (const Error& error) {
-      LogError(std::string("queue error=") + error.what());  // a full disk, most likely: try again later
+      LogError(std::string("queue error=") +
+               error.what());  // a full disk, most likely: try again later
     }
     if (job) {
       RunAttempt(*job);
@@ -121,7 +125,9 @@ void JobRunner::RunAttempt(const Job& job) {
     End(job, [&] { FailJob(store_, job, JobErrorCode(error.code()), error.what()); });
   } catch (const std::exception& error) {
     LogError("job id=" + job.id + " exception=" + error.what());
-    End(job, [&] { FailJob(store_, job, "internal", "the service could not run the job; its log has the reason"); });
+    End(job, [&] {
+      FailJob(store_, job, "internal", "the service could not run the job; its log has the reason");
+    });
   }
   {
     const std::lock_guard lock(mutex_);
@@ -138,21 +144,25 @@ void JobRunner::RunWorker(const Job& job) {
   ProgressReader progress(folder.spec().progress);
   WorkerProcess worker(options_.command(folder.spec()), folder.path(), folder.LogFile());
   store_.database.Write([&](Connection& connection) {
-    SetJobProcess(connection, job.id, job.attempt, worker.pid(), ProcessStartTime(worker.pid()).value_or(0));
+    SetJobProcess(connection, job.id, job.attempt, worker.pid(),
+                  ProcessStartTime(worker.pid()).value_or(0));
   });
 
   switch (Supervise(job, worker, progress)) {
     case Interruption::kCancelled: End(job, [&] { FinishCancelledJob(store_, job); }); return;
     case Interruption::kStopped: End(job, [&] { ReturnJob(store_, job); }); return;
     case Interruption::kTimedOut:
-      throw Error(ErrorCode::kInternal, "the job took longer than " + std::to_string(options_.time_limit.count()) +
+      throw Error(ErrorCode::kInternal, "the job took longer than " +
+                                            std::to_string(options_.time_limit.count()) +
                                             " seconds and was stopped");
     case Interruption::kNone: break;
   }
-  const WorkerEnd end = UnderstandEnd(worker.Wait(milliseconds{0}).value(), progress.latest());
-  if (end.kind == WorkerEnd::Kind::kFailed) End(job, [&] { FailJob(store_, job, end.code, end.sentence); });
-  if (end.kind == WorkerEnd::Kind::kCrashed) End(job, [&] { RetryCrashedJob(store_, job, end.sentence); });
-  if (end.kind == WorkerEnd::Kind::kDone) Publish(job, folder.spec().out);
+  const WorkerExit end = UnderstandEnd(worker.Wait(milliseconds{0}).value(), progress.latest());
+  if (end.kind == WorkerExit::Kind::kFailed)
+    End(job, [&] { FailJob(store_, job, end.code, end.sentence); });
+  if (end.kind == WorkerExit::Kind::kCrashed)
+    End(job, [&] { RetryCrashedJob(store_, job, end.sentence); });
+  if (end.kind == WorkerExit::Kind::kDone) Publish(job, folder.spec().out);
 }
 
 void JobRunner::Publish(const Job& job, const std::filesystem::path& products) {
@@ -165,7 +175,8 @@ void JobRunner::Publish(const Job& job, const std::filesystem::path& products) {
   events_.Publish("map", map.site + "/" + std::to_string(map.version));
 }
 
-JobRunner::Interruption JobRunner::Supervise(const Job& job, WorkerProcess& worker, ProgressReader& progress) {
+JobRunner::Interruption JobRunner::Supervise(const Job& job, WorkerProcess& worker,
+                                             ProgressReader& progress) {
   Interruption interruption = Interruption::kNone;
   steady_clock::time_point kill_time;
   while (!worker.Wait(kPollInterval)) {

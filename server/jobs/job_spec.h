@@ -10,16 +10,21 @@ namespace parkade {
 
 /// One attempt at a map, as a worker process is told of it.
 struct JobSpec {
-  std::string job;                            ///< id, for messages only
-  int attempt = 1;                            ///< counts from 1
-  std::vector<std::filesystem::path> logs;    ///< drive logs; the file name is the drive's name in the map
-  std::vector<std::filesystem::path> rigs;    ///< per log: folder with the rig files; empty: what the log says
-  std::optional<std::filesystem::path> from;  ///< finished map whose odometry is taken instead of tracking again
+  std::string job;  ///< id, for messages only
+  int attempt = 1;  ///< counts from 1
+  std::vector<std::filesystem::path>
+      logs;  ///< drive logs; the file name is the drive's name in the map
+  std::vector<std::filesystem::path>
+      rigs;  ///< per log: folder with the rig files; empty: what the log says
+  std::optional<std::filesystem::path>
+      from;  ///< finished map whose odometry is taken instead of tracking again
   std::vector<std::string> rejected_loops, forced_loops;  ///< [DRIVE:]LOOP
-  std::optional<std::vector<std::string>> pins;  ///< as --pin takes them; nothing: those of `from`; empty: none
-  std::filesystem::path out;                     ///< empty folder for the products
-  std::filesystem::path progress;                ///< file to append progress lines to
-  std::filesystem::path preview;  ///< file for what the map will look like, where `from` allows; written before the map
+  std::optional<std::vector<std::string>>
+      pins;                        ///< as --pin takes them; nothing: those of `from`; empty: none
+  std::filesystem::path out;       ///< empty folder for the products
+  std::filesystem::path progress;  ///< file to append progress lines to
+  std::filesystem::path preview;   ///< file for what the map will look like, where `from` allows;
+                                   ///< written before the map
 };
 
 /// The command line of the worker for an attempt, the program first.

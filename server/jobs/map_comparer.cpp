@@ -47,7 +47,8 @@ std::string LastSentence(const fs::path& log) {
 MapComparer::MapComparer(const DataDirectory& directory, CompareCommand command)
     : directory_(directory), command_(std::move(command)) {}
 
-std::optional<fs::path> MapComparer::Compare(const std::string& from_map, const std::string& to_map) {
+std::optional<fs::path> MapComparer::Compare(const std::string& from_map,
+                                             const std::string& to_map) {
   const Presence presence(num_callers_);
   if (presence.number() > kMaxCallers) return std::nullopt;
   const fs::path out = directory_.ComparisonFolder(from_map, to_map);
@@ -56,24 +57,29 @@ std::optional<fs::path> MapComparer::Compare(const std::string& from_map, const 
   return out;
 }
 
-void MapComparer::Run(const std::string& from_map, const std::string& to_map, const fs::path& out) const {
+void MapComparer::Run(const std::string& from_map, const std::string& to_map,
+                      const fs::path& out) const {
   Require(static_cast<bool>(command_), ErrorCode::kInternal, "the service cannot compare maps");
   // Gone after the process, which may still write there.
   const TemporaryPath log(directory_.NewTemporaryPath()), products(directory_.NewTemporaryPath());
-  WorkerProcess process(command_(directory_.MapFolder(from_map), directory_.MapFolder(to_map), products.get()),
-                        directory_.root(), log.get());
+  WorkerProcess process(
+      command_(directory_.MapFolder(from_map), directory_.MapFolder(to_map), products.get()),
+      directory_.root(), log.get());
   const auto end = std::chrono::steady_clock::now() + kTimeLimit;
   std::optional<int> status;
   while (!(status = process.Wait(kPatience))) {
     Require(!is_stopping_, ErrorCode::kInternal, "the service stops before the maps are compared");
-    Require(std::chrono::steady_clock::now() < end, ErrorCode::kInternal, "comparing two maps took too long");
+    Require(std::chrono::steady_clock::now() < end, ErrorCode::kInternal,
+            "comparing two maps took too long");
   }
   const std::string sentence = LastSentence(log.get());
-  const bool is_done = WIFEXITED(*status) && WEXITSTATUS(*status) == 0 && fs::exists(products.get());
+  const bool is_done =
+      WIFEXITED(*status) && WEXITSTATUS(*status) == 0 && fs::exists(products.get());
   const bool is_refused = WIFEXITED(*status) && WEXITSTATUS(*status) == 1 && !sentence.empty();
   Require(is_done || !is_refused, ErrorCode::kInvalidInput, sentence);
   Require(is_done, ErrorCode::kInternal, "comparing two maps failed: " + sentence);
-  fs::rename(products.get(), out);  // as a whole: a process that is ended early leaves no comparison
+  fs::rename(products.get(),
+             out);  // as a whole: a process that is ended early leaves no comparison
 }
 
 }  // namespace parkade

@@ -16,13 +16,17 @@ std::string Printable(const std::string& text) {
   std::string printable = text.substr(0, kMaxTextBytes);
   std::replace_if(
       printable.begin(), printable.end(),
-      [](char c) { return static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) == 0x7f; }, ' ');
+      [](char c) {
+        return static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) == 0x7f;
+      },
+      ' ');
   return printable;
 }
 
 std::optional<double> NumberAt(const nlohmann::json& json, const char* key) {
   const auto found = json.find(key);
-  if (found == json.end() || !found->is_number() || !std::isfinite(found->get<double>())) return std::nullopt;
+  if (found == json.end() || !found->is_number() || !std::isfinite(found->get<double>()))
+    return std::nullopt;
   return found->get<double>();
 }
 

@@ -50,7 +50,8 @@ struct Launch {
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
   for (const int signal : {SIGPIPE, SIGTERM, SIGINT}) ::signal(signal, SIG_DFL);
-  if (::dup2(launch.null_fd, 0) < 0 || ::dup2(launch.log_fd, 1) < 0 || ::dup2(launch.log_fd, 2) < 0) give_up();
+  if (::dup2(launch.null_fd, 0) < 0 || ::dup2(launch.log_fd, 1) < 0 || ::dup2(launch.log_fd, 2) < 0)
+    give_up();
   if (::chdir(launch.folder) != 0) give_up();
   // Sockets that the HTTP library accepted are not close-on-exec.
   ::close_range(3, ~0U, CLOSE_RANGE_CLOEXEC);
@@ -61,18 +62,22 @@ struct Launch {
 
 }  // namespace
 
-WorkerProcess::WorkerProcess(const std::vector<std::string>& command, const std::filesystem::path& folder,
+WorkerProcess::WorkerProcess(const std::vector<std::string>& command,
+                             const std::filesystem::path& folder,
                              const std::filesystem::path& log) {
   Require(!command.empty(), ErrorCode::kInternal, "the worker has no command line");
   Launch launch;
-  for (const std::string& argument : command) launch.arguments.push_back(const_cast<char*>(argument.c_str()));
+  for (const std::string& argument : command)
+    launch.arguments.push_back(const_cast<char*>(argument.c_str()));
   launch.arguments.push_back(nullptr);
   launch.folder = folder.c_str();
   launch.parent = ::getpid();
   launch.log_fd = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   launch.null_fd = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
   std::array<int, 2> failure{-1, -1};
-  int error = launch.log_fd < 0 || launch.null_fd < 0 || ::pipe2(failure.data(), O_CLOEXEC) != 0 ? errno : 0;
+  int error = launch.log_fd < 0 || launch.null_fd < 0 || ::pipe2(failure.data(), O_CLOEXEC) != 0
+                  ? errno
+                  : 0;
   launch.failure_fd = failure[1];
   if (error == 0) {
     pid_ = ::fork();
@@ -85,7 +90,8 @@ WorkerProcess::WorkerProcess(const std::vector<std::string>& command, const std:
   ::close(failure[0]);
   if (error != 0) {
     if (pid_ > 0) ::waitpid(pid_, nullptr, 0);
-    throw Error(ErrorCode::kInternal, std::string("the worker cannot be started: ") + std::strerror(error));
+    throw Error(ErrorCode::kInternal,
+                std::string("the worker cannot be started: ") + std::strerror(error));
   }
   // By its number: glibc 2.36 declares pidfd_open without C linkage.
   pid_fd_ = static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0));

@@ -11,10 +11,11 @@
 namespace parkade {
 namespace {
 
-constexpr int kCompressionLevel = 1;  // higher ones take longer and save little: what is left is noise of images
+constexpr int kCompressionLevel =
+    1;  // higher ones take longer and save little: what is left is noise of images
 
-// Bytes of samples stand plane by plane: all first bytes, then all second ones. Colours and numbers are differences
-// from the sample before, blue and red also from green.
+// Bytes of samples stand plane by plane: all first bytes, then all second ones. Colors and numbers
+// are differences from the sample before, blue and red also from green.
 enum Plane : std::size_t {
   kNumber0,
   kNumber1,
@@ -45,10 +46,12 @@ std::int32_t Unfold(std::uint32_t value) {
 
 /// Fills `unpacked`; throws Error{kInvalidInput} unless `bytes` unfold to just that.
 void DecompressInto(std::span<char> unpacked, std::string_view bytes) {
-  thread_local const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), &ZSTD_freeDCtx);
-  const std::size_t got =
-      ZSTD_decompressDCtx(context.get(), unpacked.data(), unpacked.size(), bytes.data(), bytes.size());
-  Require(ZSTD_isError(got) == 0 && got == unpacked.size(), ErrorCode::kInvalidInput, "it holds a damaged piece");
+  thread_local const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(),
+                                                                                  &ZSTD_freeDCtx);
+  const std::size_t got = ZSTD_decompressDCtx(context.get(), unpacked.data(), unpacked.size(),
+                                              bytes.data(), bytes.size());
+  Require(ZSTD_isError(got) == 0 && got == unpacked.size(), ErrorCode::kInvalidInput,
+          "it holds a damaged piece");
 }
 
 std::uint8_t Minus(std::uint8_t a, std::uint8_t b) { return static_cast<std::uint8_t>(a - b); }
@@ -56,7 +59,7 @@ std::uint8_t Plus(std::uint8_t a, std::uint8_t b) { return static_cast<std::uint
 
 }  // namespace
 
-std::vector<std::uint32_t> GroundPlaces::NumbersOf(std::span<const GroundSample> samples) {
+std::vector<std::uint32_t> GroundCells::NumbersOf(std::span<const GroundSample> samples) {
   std::vector<std::uint32_t> numbers;
   numbers.reserve(samples.size());
   for (const GroundSample& sample : samples) {
@@ -64,16 +67,18 @@ std::vector<std::uint32_t> GroundPlaces::NumbersOf(std::span<const GroundSample>
     std::memcpy(bytes.data(), &sample.point_in_body, 6);
     std::memcpy(bytes.data() + 6, &sample.weight, 2);
     std::memcpy(bytes.data() + 8, &sample.footprint, 2);
-    const auto [found, is_new] = numbers_.try_emplace(bytes, static_cast<std::uint32_t>(places_.size()));
-    if (is_new) places_.push_back({sample.point_in_body, sample.weight, sample.footprint, sample.confidence});
+    const auto [found, is_new] =
+        numbers_.try_emplace(bytes, static_cast<std::uint32_t>(cells_.size()));
+    if (is_new)
+      cells_.push_back({sample.point_in_body, sample.weight, sample.footprint, sample.confidence});
     numbers.push_back(found->second);
   }
   return numbers;
 }
 
-std::string EncodeSamples(std::span<const GroundSample> samples, GroundPlaces& places) {
+std::string EncodeSamples(std::span<const GroundSample> samples, GroundCells& cells) {
   const std::size_t count = samples.size();
-  const std::vector<std::uint32_t> numbers = places.NumbersOf(samples);
+  const std::vector<std::uint32_t> numbers = cells.NumbersOf(samples);
   std::string planes(kNumPlanes * count, '\0');
   const auto at = [&](std::size_t plane, std::size_t i) -> std::uint8_t& {
     return reinterpret_cast<std::uint8_t&>(planes[plane * count + i]);
@@ -84,14 +89,15 @@ std::string EncodeSamples(std::span<const GroundSample> samples, GroundPlaces& p
     const GroundSample& sample = samples[i];
     const std::uint32_t step = Fold(static_cast<std::int32_t>(numbers[i] - next));
     next = numbers[i] + 1;
-    for (std::size_t k = 0; k < 4; ++k) at(kNumber0 + k, i) = static_cast<std::uint8_t>(step >> (8 * k));
+    for (std::size_t k = 0; k < 4; ++k)
+      at(kNumber0 + k, i) = static_cast<std::uint8_t>(step >> (8 * k));
     const std::uint8_t green = Minus(sample.green, last.green);
     at(kGreen, i) = green;
     at(kBlue, i) = Minus(Minus(sample.blue, last.blue), green);
     at(kRed, i) = Minus(Minus(sample.red, last.red), green);
     at(kFree, i) = static_cast<std::uint8_t>(sample.is_free != last.is_free);
-    const auto confidence =
-        static_cast<std::uint16_t>(BitsOf(sample.confidence) ^ BitsOf(places.places()[numbers[i]].confidence));
+    const auto confidence = static_cast<std::uint16_t>(
+        BitsOf(sample.confidence) ^ BitsOf(cells.cells()[numbers[i]].confidence));
     at(kConfidence0, i) = static_cast<std::uint8_t>(confidence);
     at(kConfidence1, i) = static_cast<std::uint8_t>(confidence >> 8);
     last = sample;
@@ -100,8 +106,9 @@ std::string EncodeSamples(std::span<const GroundSample> samples, GroundPlaces& p
 }
 
 std::vector<GroundSample> DecodeSamples(std::string_view bytes, std::size_t num_samples,
-                                        std::span<const GroundPlace> places) {
-  thread_local std::string planes;  // kept: memory that comes and goes costs more than what is done in it
+                                        std::span<const GroundCell> cells) {
+  thread_local std::string
+      planes;  // kept: memory that comes and goes costs more than what is done in it
   if (planes.size() < kNumPlanes * num_samples) planes.resize(kNumPlanes * num_samples);
   DecompressInto({planes.data(), kNumPlanes * num_samples}, bytes);
   const auto at = [&](std::size_t plane, std::size_t i) {
@@ -116,30 +123,33 @@ std::vector<GroundSample> DecodeSamples(std::string_view bytes, std::size_t num_
                                static_cast<std::uint32_t>(at(kNumber3, i)) << 24;
     const std::uint32_t number = next + static_cast<std::uint32_t>(Unfold(step));
     next = number + 1;
-    Require(number < places.size(), ErrorCode::kInvalidInput, "it holds a sample of no place");
-    const GroundPlace& place = places[number];
+    Require(number < cells.size(), ErrorCode::kInvalidInput, "it holds a sample of no place");
+    const GroundCell& cell = cells[number];
     GroundSample& sample = samples[i];
     const std::uint8_t green = at(kGreen, i);
-    sample.point_in_body = place.point_in_body;
+    sample.point_in_body = cell.point_in_body;
     sample.green = Plus(last.green, green);
     sample.blue = Plus(last.blue, Plus(at(kBlue, i), green));
     sample.red = Plus(last.red, Plus(at(kRed, i), green));
     sample.is_free = last.is_free != (at(kFree, i) != 0);
-    sample.weight = place.weight;
-    sample.footprint = place.footprint;
+    sample.weight = cell.weight;
+    sample.footprint = cell.footprint;
     sample.confidence = FromBits(static_cast<std::uint16_t>(
-        BitsOf(place.confidence) ^ (at(kConfidence0, i) | static_cast<unsigned>(at(kConfidence1, i)) << 8)));
+        BitsOf(cell.confidence) ^
+        (at(kConfidence0, i) | static_cast<unsigned>(at(kConfidence1, i)) << 8)));
     last = sample;
   }
   return samples;
 }
 
 std::string Compress(std::string_view bytes) {
-  const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(), &ZSTD_freeCCtx);
+  const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(),
+                                                                     &ZSTD_freeCCtx);
   ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, kCompressionLevel);
   ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);
   std::string packed(ZSTD_compressBound(bytes.size()), '\0');
-  const std::size_t size = ZSTD_compress2(context.get(), packed.data(), packed.size(), bytes.data(), bytes.size());
+  const std::size_t size =
+      ZSTD_compress2(context.get(), packed.data(), packed.size(), bytes.data(), bytes.size());
   Require(ZSTD_isError(size) == 0, ErrorCode::kInternal, "zstd cannot compress");
   packed.resize(size);
   return packed;

@@ -12,42 +12,44 @@
 
 namespace parkade {
 
-/// What samples of one place of a camera's grid have in common: a camera looks at the same places of its car's plane
-/// in every image, so that a sample is the number of its place, a colour, and what was seen there.
-struct GroundPlace {
+/// What samples of one cell of a camera's grid have in common: a camera looks at the same
+/// cells of its car's plane in every image, so that a sample is the number of its cell, a
+/// color, and what was seen there.
+struct GroundCell {
   CompactPoint point_in_body;
   CompactFloat weight, footprint, confidence;  ///< confidence: of the first sample there
 };
 
-/// The places of one camera by number, in the order in which samples first came from them.
-class GroundPlaces {
+/// The cells of one camera by number, in the order in which samples first came from them.
+class GroundCells {
  public:
-  GroundPlaces() = default;
-  explicit GroundPlaces(std::vector<GroundPlace> places) : places_(std::move(places)) {}
+  GroundCells() = default;
+  explicit GroundCells(std::vector<GroundCell> cells) : cells_(std::move(cells)) {}
 
-  /// Numbers of the samples' places; new places are added.
+  /// Numbers of the samples' cells; new cells are added.
   std::vector<std::uint32_t> NumbersOf(std::span<const GroundSample> samples);
 
-  std::span<const GroundPlace> places() const { return places_; }
+  std::span<const GroundCell> cells() const { return cells_; }
 
  private:
-  using Bytes = std::array<std::uint8_t, 10>;  // of the place but for its confidence
+  using Bytes = std::array<std::uint8_t, 10>;  // of the cell but for its confidence
   struct Hash {
     std::size_t operator()(const Bytes& bytes) const {
-      return std::hash<std::string_view>{}({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+      return std::hash<std::string_view>{}(
+          {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     }
   };
 
-  std::vector<GroundPlace> places_;
+  std::vector<GroundCell> cells_;
   std::unordered_map<Bytes, std::uint32_t, Hash> numbers_;
 };
 
 /// The samples of a patch, compressed, exactly: 2 to 4 bytes each.
-std::string EncodeSamples(std::span<const GroundSample> samples, GroundPlaces& places);
+std::string EncodeSamples(std::span<const GroundSample> samples, GroundCells& cells);
 
 /// Throws Error{kInvalidInput} for bytes that are none.
 std::vector<GroundSample> DecodeSamples(std::string_view bytes, std::size_t num_samples,
-                                        std::span<const GroundPlace> places);
+                                        std::span<const GroundCell> cells);
 
 /// zstd with a checksum.
 std::string Compress(std::string_view bytes);

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "core/binary_exchange.h"
+#include "core/binary_serialization.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/log.h"
@@ -15,26 +15,27 @@ namespace parkade {
 
 // Found by argument-dependent lookup, hence in the types' own namespace.
 template <typename A>
-void Exchange(A& archive, CompactPoint& point) {
+void Serialize(A& archive, CompactPoint& point) {
   archive.Raw(&point, sizeof point);
 }
 template <typename A>
-void Exchange(A& archive, CompactFloat& value) {
+void Serialize(A& archive, CompactFloat& value) {
   archive.Raw(&value, sizeof value);
 }
 template <typename A>
-void Exchange(A& archive, GroundPlace& place) {
-  archive(place.point_in_body, place.weight, place.footprint, place.confidence);
+void Serialize(A& archive, GroundCell& cell) {
+  archive(cell.point_in_body, cell.weight, cell.footprint, cell.confidence);
 }
 template <typename A>
-void Exchange(A& archive, StoredPatch& patch) {
-  archive(patch.camera, patch.time, patch.num_samples, patch.offset, patch.size, patch.extent_in_body.min(),
-          patch.extent_in_body.max());
+void Serialize(A& archive, StoredPatch& patch) {
+  archive(patch.camera, patch.time, patch.num_samples, patch.offset, patch.size,
+          patch.extent_in_body.min(), patch.extent_in_body.max());
 }
 
 namespace {
 
-// A file is the magic, the key, the patches one after the other, the index, and last where the index is.
+// A file is the magic, the key, the patches one after the other, the index, and last where the
+// index is.
 constexpr std::string_view kMagic = "parkade ground 2\n";
 constexpr std::size_t kDigits = 64;
 constexpr std::uint64_t kMaxSamples = std::uint64_t{1} << 26;  // of an image
@@ -48,15 +49,15 @@ struct Index {
   Rigid3 body_from_ground;
   int num_images = 0, num_masks = 0;
   std::vector<std::string> warnings;
-  std::vector<std::vector<GroundPlace>> places;
+  std::vector<std::vector<GroundCell>> cells;
   std::vector<StoredPatch> patches;
   std::string hash;  // of the patches, as they are in the file
 };
 
 template <typename A>
-void Exchange(A& archive, Index& index) {
-  archive(index.body_from_ground, index.num_images, index.num_masks, index.warnings, index.places, index.patches,
-          index.hash);
+void Serialize(A& archive, Index& index) {
+  archive(index.body_from_ground, index.num_images, index.num_masks, index.warnings, index.cells,
+          index.patches, index.hash);
 }
 
 }  // namespace
@@ -72,9 +73,10 @@ GroundFileWriter::GroundFileWriter(std::filesystem::path file, const std::string
 
 void GroundFileWriter::Add(const GroundPatch& patch) {
   const auto camera = static_cast<std::size_t>(patch.camera);
-  if (camera >= places_.size()) places_.resize(camera + 1);
-  const std::string bytes = EncodeSamples(patch.samples, places_[camera]);
-  patches_.push_back({patch.camera, patch.time, patch.samples.size(), size_, bytes.size(), ExtentOf(patch)});
+  if (camera >= cells_.size()) cells_.resize(camera + 1);
+  const std::string bytes = EncodeSamples(patch.samples, cells_[camera]);
+  patches_.push_back(
+      {patch.camera, patch.time, patch.samples.size(), size_, bytes.size(), ExtentOf(patch)});
   stream_ << bytes;
   hash_.Add(bytes);
   size_ += bytes.size();
@@ -88,7 +90,8 @@ void GroundFileWriter::Finish(const GroundObservation& observation) {
               {},
               patches_,
               hash_.Finish()};
-  for (const GroundPlaces& places : places_) index.places.emplace_back(places.places().begin(), places.places().end());
+  for (const GroundCells& cells : cells_)
+    index.cells.emplace_back(cells.cells().begin(), cells.cells().end());
   BinaryWriter writer;
   writer(index);
   const std::string bytes = Compress(writer.bytes());
@@ -99,7 +102,8 @@ void GroundFileWriter::Finish(const GroundObservation& observation) {
   if (stream_.fail()) ThrowCannotWrite(file_);
 }
 
-GroundFile::GroundFile(const std::filesystem::path& file) : file_(::open(file.c_str(), O_RDONLY | O_CLOEXEC)) {}
+GroundFile::GroundFile(const std::filesystem::path& file)
+    : file_(::open(file.c_str(), O_RDONLY | O_CLOEXEC)) {}
 
 GroundFile::~GroundFile() {
   if (file_ >= 0) ::close(file_);
@@ -108,7 +112,8 @@ GroundFile::~GroundFile() {
 std::string GroundFile::Bytes(std::uint64_t offset, std::uint64_t size) const {
   std::string bytes(size, '\0');
   for (std::uint64_t done = 0; done < size;) {
-    const ssize_t got = ::pread(file_, bytes.data() + done, size - done, static_cast<off_t>(offset + done));
+    const ssize_t got =
+        ::pread(file_, bytes.data() + done, size - done, static_cast<off_t>(offset + done));
     Require(got > 0, ErrorCode::kInvalidInput, "it ends in the middle");
     done += static_cast<std::uint64_t>(got);
   }
@@ -125,28 +130,35 @@ std::string GroundFile::HashOfPatches(std::uint64_t end) const {
 
 void GroundFile::ReadIndex(const std::string& key) {
   Require(Bytes(0, kMagic.size()) == kMagic, ErrorCode::kInvalidInput, "it is of another kind");
-  Require(Bytes(kMagic.size(), kDigits) == key, ErrorCode::kNotFound, "it was made from something else");
+  Require(Bytes(kMagic.size(), kDigits) == key, ErrorCode::kNotFound,
+          "it was made from something else");
   Tail tail;
   const off_t length = ::lseek(file_, 0, SEEK_END);
-  Require(length > static_cast<off_t>(sizeof tail), ErrorCode::kInvalidInput, "it ends in the middle");
-  std::memcpy(&tail, Bytes(static_cast<std::uint64_t>(length) - sizeof tail, sizeof tail).data(), sizeof tail);
-  Require(tail.size <= static_cast<std::uint64_t>(length) && tail.unpacked_size <= kMaxIndex, ErrorCode::kInvalidInput,
-          "its index is damaged");
+  Require(length > static_cast<off_t>(sizeof tail), ErrorCode::kInvalidInput,
+          "it ends in the middle");
+  std::memcpy(&tail, Bytes(static_cast<std::uint64_t>(length) - sizeof tail, sizeof tail).data(),
+              sizeof tail);
+  Require(tail.size <= static_cast<std::uint64_t>(length) && tail.unpacked_size <= kMaxIndex,
+          ErrorCode::kInvalidInput, "its index is damaged");
   const std::string bytes = Decompress(Bytes(tail.offset, tail.size), tail.unpacked_size);
   BinaryReader reader(bytes);
   Index index;
   reader(index);
   for (const StoredPatch& patch : index.patches)
-    Require(patch.camera >= 0 && static_cast<std::size_t>(patch.camera) < index.places.size() &&
-                patch.num_samples <= kMaxSamples && patch.size <= static_cast<std::uint64_t>(length),
+    Require(patch.camera >= 0 && static_cast<std::size_t>(patch.camera) < index.cells.size() &&
+                patch.num_samples <= kMaxSamples &&
+                patch.size <= static_cast<std::uint64_t>(length),
             ErrorCode::kInvalidInput, "its index is damaged");
-  Require(HashOfPatches(tail.offset) == index.hash, ErrorCode::kInvalidInput, "it holds a damaged piece");
-  observation_ = {{}, index.body_from_ground, index.num_images, index.num_masks, std::move(index.warnings)};
-  places_ = std::move(index.places);
+  Require(HashOfPatches(tail.offset) == index.hash, ErrorCode::kInvalidInput,
+          "it holds a damaged piece");
+  observation_ = {
+      {}, index.body_from_ground, index.num_images, index.num_masks, std::move(index.warnings)};
+  cells_ = std::move(index.cells);
   patches_ = std::move(index.patches);
 }
 
-std::unique_ptr<const GroundFile> GroundFile::Open(const std::filesystem::path& file, const std::string& key) {
+std::unique_ptr<const GroundFile> GroundFile::Open(const std::filesystem::path& file,
+                                                   const std::string& key) {
   std::unique_ptr<GroundFile> opened(new GroundFile(file));
   if (opened->file_ < 0) return nullptr;
   try {
@@ -165,15 +177,17 @@ GroundPatch GroundFile::Read(std::size_t index, int drive) const {
           .camera = stored.camera,
           .time = stored.time,
           .samples = DecodeSamples(Bytes(stored.offset, stored.size), stored.num_samples,
-                                   places_[static_cast<std::size_t>(stored.camera)])};
+                                   cells_[static_cast<std::size_t>(stored.camera)])};
 }
 
-void StoredGround::Add(std::shared_ptr<const GroundFile> file, int drive, const Trajectory& site_from_body) {
+void StoredGround::Add(std::shared_ptr<const GroundFile> file, int drive,
+                       const Trajectory& site_from_body) {
   for (std::size_t i = 0; i < file->patches().size(); ++i) {
     const StoredPatch& patch = file->patches()[i];
     const std::optional<Rigid3> pose = site_from_body.At(patch.time);
     if (!pose) continue;
-    views_.push_back({drive, patch.camera, patch.time, *pose, ExtentInSite(patch.extent_in_body, *pose)});
+    views_.push_back(
+        {drive, patch.camera, patch.time, *pose, ExtentInSite(patch.extent_in_body, *pose)});
     origins_.push_back({files_.size(), i});
   }
   files_.push_back(std::move(file));
@@ -181,7 +195,8 @@ void StoredGround::Add(std::shared_ptr<const GroundFile> file, int drive, const 
 
 PosedGroundPatch StoredGround::Read(std::size_t index) const {
   const Origin& origin = origins_[index];
-  return {files_[origin.file]->Read(origin.patch, views_[index].drive), views_[index].site_from_body};
+  return {files_[origin.file]->Read(origin.patch, views_[index].drive),
+          views_[index].site_from_body};
 }
 
 }  // namespace parkade

@@ -24,7 +24,8 @@ struct StoredPatch {
   Eigen::AlignedBox3d extent_in_body;  ///< [m] around its samples
 };
 
-/// Writes what one drive saw of the ground, patch by patch: a drive may see more than fits into memory.
+/// Writes what one drive saw of the ground, patch by patch: a drive may see more than fits into
+/// memory.
 class GroundFileWriter {
  public:
   /// `key` stands for all that the patches depend on.
@@ -32,7 +33,8 @@ class GroundFileWriter {
 
   void Add(const GroundPatch& patch);
 
-  /// Writes the index. `observation.patches` are not looked at. Throws Error{kInternal} where the file is not whole.
+  /// Writes the index. `observation.patches` are not looked at. Throws Error{kInternal} where the
+  /// file is not whole.
   void Finish(const GroundObservation& observation);
 
  private:
@@ -41,15 +43,18 @@ class GroundFileWriter {
   Sha256 hash_;  // of the patches
   std::uint64_t size_ = 0;
   std::vector<StoredPatch> patches_;
-  std::vector<GroundPlaces> places_;  // per camera
+  std::vector<GroundCells> cells_;  // per camera
 };
 
-/// What one drive saw of the ground, on disk: the index is in memory, samples are read when they are asked for.
+/// What one drive saw of the ground, on disk: the index is in memory, samples are read when they
+/// are asked for.
 class GroundFile {
  public:
-  /// Null where there is no such file, or it is of another key. All of it is read and held against its SHA-256, which
-  /// takes a twentieth of decoding it: null, too, where it is damaged, with a line in the log.
-  static std::unique_ptr<const GroundFile> Open(const std::filesystem::path& file, const std::string& key);
+  /// Null where there is no such file, or it is of another key. All of it is read and held against
+  /// its SHA-256, which takes a twentieth of decoding it: null, too, where it is damaged, with a
+  /// line in the log.
+  static std::unique_ptr<const GroundFile> Open(const std::filesystem::path& file,
+                                                const std::string& key);
 
   ~GroundFile();
   GroundFile(const GroundFile&) = delete;
@@ -71,13 +76,14 @@ class GroundFile {
   int file_ = -1;
   GroundObservation observation_;
   std::vector<StoredPatch> patches_;
-  std::vector<std::vector<GroundPlace>> places_;  // per camera
+  std::vector<std::vector<GroundCell>> cells_;  // per camera
 };
 
 /// The stored patches of several drives, posed.
 class StoredGround final : public PatchSource {
  public:
-  /// Patches at whose time `site_from_body` knows no pose are left out. Call in the order of the drives' numbers.
+  /// Patches at whose time `site_from_body` knows no pose are left out. Call in the order of the
+  /// drives' numbers.
   void Add(std::shared_ptr<const GroundFile> file, int drive, const Trajectory& site_from_body);
 
   PosedGroundPatch Read(std::size_t index) const override;

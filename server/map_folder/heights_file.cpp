@@ -1,18 +1,18 @@
 #include "server/map_folder/heights_file.h"
 
-#include "core/binary_exchange.h"
+#include "core/binary_serialization.h"
 
 namespace parkade {
 
 // Found by argument-dependent lookup, hence in the types' own namespace.
 template <typename A>
-void Exchange(A& archive, DriveHeight& height) {
+void Serialize(A& archive, DriveHeight& height) {
   archive(height.time, height.point_in_body, height.weight, height.sigma);
 }
 template <typename A>
-void Exchange(A& archive, DriveHeights& heights) {
-  archive(heights.lean.roll, heights.lean.pitch, heights.lean.heave, heights.plane_errors, heights.swept,
-          heights.planes);
+void Serialize(A& archive, DriveHeights& heights) {
+  archive(heights.lean.roll, heights.lean.pitch, heights.lean.heave, heights.plane_errors,
+          heights.swept, heights.planes);
 }
 
 std::string EncodeHeights(DriveHeights heights) {

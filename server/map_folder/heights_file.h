@@ -7,7 +7,8 @@
 
 namespace parkade {
 
-/// Raised whenever what is stored of the ground of a drive, or how it is found with the same inputs, changes.
+/// Raised whenever what is stored of the ground of a drive, or how it is found with the same
+/// inputs, changes.
 constexpr int kGroundVersion = 4;
 
 // As the results of slam/sessions/stage_results.h: exact, but without the number of the drive.

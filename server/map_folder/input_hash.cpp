@@ -18,7 +18,8 @@ InputHash HashFile(const fs::path& file) {
   std::error_code error;
   const std::uintmax_t bytes = fs::file_size(file, error);
   Require(!error && ::access(file.c_str(), R_OK) == 0, ErrorCode::kInvalidInput,
-          "'" + file.string() + "' cannot be read: " + (error ? error.message() : std::strerror(errno)));
+          "'" + file.string() +
+              "' cannot be read: " + (error ? error.message() : std::strerror(errno)));
   return {file.filename().string(), static_cast<std::int64_t>(bytes), Sha256OfFile(file)};
 }
 
@@ -27,14 +28,16 @@ std::map<std::string, fs::path> FilesIn(const fs::path& folder, const fs::path& 
   constexpr auto kSkip = fs::directory_options::skip_permission_denied;
   std::map<std::string, fs::path> files;
   std::error_code error;
-  for (fs::recursive_directory_iterator at(folder, kSkip, error), end; !error && at != end; at.increment(error)) {
+  for (fs::recursive_directory_iterator at(folder, kSkip, error), end; !error && at != end;
+       at.increment(error)) {
     std::error_code ignored;
     if (!left_out.empty() && fs::equivalent(at->path(), left_out, ignored))
       at.disable_recursion_pending();
     else if (at->is_regular_file(ignored))
       files[at->path().lexically_relative(folder).generic_string()] = at->path();
   }
-  Require(!error, ErrorCode::kInvalidInput, "'" + folder.string() + "' cannot be read: " + error.message());
+  Require(!error, ErrorCode::kInvalidInput,
+          "'" + folder.string() + "' cannot be read: " + error.message());
   return files;
 }
 

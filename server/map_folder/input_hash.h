@@ -6,16 +6,18 @@
 
 namespace parkade {
 
-/// What a map was made from, so that it can be told again: a file, or a folder with all that is in it.
+/// What a map was made from, so that it can be told again: a file, or a folder with all that is in
+/// it.
 struct InputHash {
   std::string name;  ///< the last part of the path
   std::int64_t bytes = 0;
-  std::string sha256;  ///< of a folder: of the lines "SHA256 BYTES NAME" of its files, sorted by name
+  std::string
+      sha256;  ///< of a folder: of the lines "SHA256 BYTES NAME" of its files, sorted by name
 };
 
 /// Reads everything once. Folders that may not be opened count as empty.
-/// \param left_out  a folder inside of `path` that does not count, as that to which a map is written
-/// Throws Error{kInvalidInput} for a file that cannot be read.
+/// \param left_out  a folder inside of `path` that does not count, as that to which a map is
+/// written Throws Error{kInvalidInput} for a file that cannot be read.
 InputHash HashInput(const std::filesystem::path& path, const std::filesystem::path& left_out = {});
 
 }  // namespace parkade

@@ -25,27 +25,30 @@ Matrix6d InformationOf(const Json& upper_triangle) {
   return information;
 }
 
-void AddLinks(const Json& pair, const std::vector<std::string>& names, std::vector<KeptLink>& links) {
+void AddLinks(const Json& pair, const std::vector<std::string>& names,
+              std::vector<KeptLink>& links) {
   const auto index_of = [&](const char* key) -> std::optional<size_t> {
     const auto found = std::find(names.begin(), names.end(), pair.at(key).get<std::string>());
-    return found == names.end() ? std::nullopt : std::optional(static_cast<size_t>(found - names.begin()));
+    return found == names.end() ? std::nullopt
+                                : std::optional(static_cast<size_t>(found - names.begin()));
   };
   const std::optional<size_t> a = index_of("a"), b = index_of("b");
   if (!a || !b) return;
   for (const Json& link : pair.at("links")) {
     if (link.at("weight").get<double>() < 0.5 || !link.contains("information")) continue;
-    links.push_back({*a,
-                     *b,
-                     link.at("place_a").get<size_t>(),
-                     link.at("place_b").get<size_t>(),
-                     {ExpSo3(VectorOf(link.at("rotation_vector"))), VectorOf(link.at("translation"))},
-                     InformationOf(link.at("information"))});
+    links.push_back(
+        {*a,
+         *b,
+         link.at("place_a").get<size_t>(),
+         link.at("place_b").get<size_t>(),
+         {ExpSo3(VectorOf(link.at("rotation_vector"))), VectorOf(link.at("translation"))},
+         InformationOf(link.at("information"))});
   }
 }
 
 }  // namespace
 
-std::vector<KeptLink> ReadKeptLinks(const FinishedMap& map, const std::vector<std::string>& names) {
+std::vector<KeptLink> ReadKeptLinks(const MapReader& map, const std::vector<std::string>& names) {
   std::vector<KeptLink> links;
   try {
     const Json report = Json::parse(ReadFile(map.FileNamed("report.json")));

@@ -3,13 +3,14 @@
 #include <string>
 #include <vector>
 
-#include "server/map_folder/finished_map.h"
+#include "server/map_folder/map_reader.h"
 #include "slam/loops/site_graph.h"
 
 namespace parkade {
 
-/// The links between these drives that a finished map was joined by and believed, from its report.json; drives by their
-/// index among `names`. None of a map that an older version made. Throws Error{kInvalidInput} for what is no report.
-std::vector<KeptLink> ReadKeptLinks(const FinishedMap& map, const std::vector<std::string>& names);
+/// The links between these drives that a finished map was joined by and believed, from its
+/// report.json; drives by their index among `names`. None of a map that an older version made.
+/// Throws Error{kInvalidInput} for what is no report.
+std::vector<KeptLink> ReadKeptLinks(const MapReader& map, const std::vector<std::string>& names);
 
 }  // namespace parkade

@@ -26,14 +26,16 @@ void RemoveOrphans(const fs::path& folder) {
     const std::string name = entry.path().filename();
     if (!name.starts_with(kStaging)) continue;
     const int process = std::atoi(name.c_str() + std::strlen(kStaging));
-    if (process > 0 && ::kill(process, 0) != 0 && errno == ESRCH) fs::remove_all(entry.path(), ignored);
+    if (process > 0 && ::kill(process, 0) != 0 && errno == ESRCH)
+      fs::remove_all(entry.path(), ignored);
   }
 }
 
 }  // namespace
 
 void RequireWritable(const fs::path& folder) {
-  Require(fs::is_directory(folder), ErrorCode::kInvalidInput, "there is no folder '" + folder.string() + "'");
+  Require(fs::is_directory(folder), ErrorCode::kInvalidInput,
+          "there is no folder '" + folder.string() + "'");
   Require(::access(folder.c_str(), W_OK) == 0, ErrorCode::kInvalidInput,
           "cannot write into '" + folder.string() + "': " + std::strerror(errno));
 }
@@ -42,13 +44,15 @@ OutputFolder::OutputFolder(const fs::path& folder) : folder_(folder) {
   std::error_code error;
   is_made_here_ = !fs::exists(folder_, error);
   fs::create_directories(folder_, error);
-  Require(fs::is_directory(folder_), ErrorCode::kInvalidInput,
-          "cannot make the folder '" + folder_.string() + "'" + (error ? ": " + error.message() : ""));
+  Require(
+      fs::is_directory(folder_), ErrorCode::kInvalidInput,
+      "cannot make the folder '" + folder_.string() + "'" + (error ? ": " + error.message() : ""));
   RemoveOrphans(folder_);
   staging_ = folder_ / (kStaging + std::to_string(::getpid()));
   fs::remove_all(staging_, error);
   fs::create_directory(staging_, error);
-  Require(!error, ErrorCode::kInvalidInput, "cannot write into '" + folder_.string() + "': " + error.message());
+  Require(!error, ErrorCode::kInvalidInput,
+          "cannot write into '" + folder_.string() + "': " + error.message());
 }
 
 OutputFolder::~OutputFolder() {
@@ -62,8 +66,10 @@ void OutputFolder::Commit() {
   for (const fs::directory_entry& entry : fs::directory_iterator(staging_)) made.push_back(entry);
   for (const fs::directory_entry& entry : made) {
     const fs::path name = entry.path().filename(), target = folder_ / name;
-    // A folder cannot be renamed onto one that has files; what was there goes with what is left of staging.
-    if (entry.is_directory() && fs::exists(target)) fs::rename(target, staging_ / ("old " + name.string()));
+    // A folder cannot be renamed onto one that has files; what was there goes with what is left of
+    // staging.
+    if (entry.is_directory() && fs::exists(target))
+      fs::rename(target, staging_ / ("old " + name.string()));
     fs::rename(entry.path(), target);
   }
 }

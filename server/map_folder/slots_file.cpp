@@ -13,19 +13,21 @@ using Json = nlohmann::ordered_json;
 
 Json ParseCollection(const std::filesystem::path& file) {
   const Json json = Json::parse(ReadFile(file), nullptr, /*allow_exceptions=*/false);
-  Require(json.is_object() && json.contains("features") && json["features"].is_array(), ErrorCode::kInvalidInput,
-          "'" + file.string() + "' is no GeoJSON FeatureCollection");
+  Require(json.is_object() && json.contains("features") && json["features"].is_array(),
+          ErrorCode::kInvalidInput, "'" + file.string() + "' is no GeoJSON FeatureCollection");
   return json;
 }
 
-/// The corners of a polygon of four, in metres.
-std::array<Eigen::Vector3d, 4> CornersOf(const Json& feature, bool is_in_site, const std::optional<SiteDatum>& datum) {
+/// The corners of a polygon of four, in meters.
+std::array<Eigen::Vector3d, 4> CornersOf(const Json& feature, bool is_in_site,
+                                         const std::optional<SiteDatum>& datum) {
   const Json& ring = feature.at("geometry").at("coordinates").at(0);
   Require(ring.size() == 5, ErrorCode::kInvalidInput, "a slot has four corners");
   Require(is_in_site || datum, ErrorCode::kInvalidInput, "slots on Earth need a map on Earth");
   std::array<Eigen::Vector3d, 4> corners;
   for (size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector3d value(ring[i].at(0).get<double>(), ring[i].at(1).get<double>(), ring[i].at(2).get<double>());
+    const Eigen::Vector3d value(ring[i].at(0).get<double>(), ring[i].at(1).get<double>(),
+                                ring[i].at(2).get<double>());
     corners[i] = is_in_site ? value : SiteFromGeodetic(*datum, value.y(), value.x(), value.z());
   }
   return corners;
@@ -64,9 +66,12 @@ TrueSlot RectangleOf(const Json& properties) {
   const Json &center = properties.at("center"), &size = properties.at("size");
   const double yaw = properties.at("yaw").get<double>();
   const Eigen::Vector2d middle(center.at(0).get<double>(), center.at(1).get<double>());
-  const Eigen::Vector2d along = 0.5 * size.at(0).get<double>() * Eigen::Vector2d(std::cos(yaw), std::sin(yaw));
-  const Eigen::Vector2d across = 0.5 * size.at(1).get<double>() * Eigen::Vector2d(-std::sin(yaw), std::cos(yaw));
-  return {{middle - along - across, middle + along - across, middle + along + across, middle - along + across},
+  const Eigen::Vector2d along =
+      0.5 * size.at(0).get<double>() * Eigen::Vector2d(std::cos(yaw), std::sin(yaw));
+  const Eigen::Vector2d across =
+      0.5 * size.at(1).get<double>() * Eigen::Vector2d(-std::sin(yaw), std::cos(yaw));
+  return {{middle - along - across, middle + along - across, middle + along + across,
+           middle - along + across},
           center.at(2).get<double>()};
 }
 
@@ -94,19 +99,26 @@ auto ReadAll(const std::filesystem::path& file, const Read& read) {
   try {
     for (const Json& feature : json["features"]) all.push_back(read(feature, is_in_site));
   } catch (const Json::exception&) {
-    throw Error(ErrorCode::kInvalidInput, "'" + file.string() + "' holds something else than parking slots");
+    throw Error(ErrorCode::kInvalidInput,
+                "'" + file.string() + "' holds something else than parking slots");
   }
   return all;
 }
 
 }  // namespace
 
-std::vector<StoredSlot> ReadSlots(const std::filesystem::path& file, const std::optional<SiteDatum>& datum) {
-  return ReadAll(file, [&](const Json& feature, bool is_in_site) { return ReadSlot(feature, is_in_site, datum); });
+std::vector<StoredSlot> ReadSlots(const std::filesystem::path& file,
+                                  const std::optional<SiteDatum>& datum) {
+  return ReadAll(file, [&](const Json& feature, bool is_in_site) {
+    return ReadSlot(feature, is_in_site, datum);
+  });
 }
 
-std::vector<TrueSlot> ReadTrueSlots(const std::filesystem::path& file, const std::optional<SiteDatum>& datum) {
-  return ReadAll(file, [&](const Json& feature, bool is_in_site) { return ReadTrueSlot(feature, is_in_site, datum); });
+std::vector<TrueSlot> ReadTrueSlots(const std::filesystem::path& file,
+                                    const std::optional<SiteDatum>& datum) {
+  return ReadAll(file, [&](const Json& feature, bool is_in_site) {
+    return ReadTrueSlot(feature, is_in_site, datum);
+  });
 }
 
 }  // namespace parkade

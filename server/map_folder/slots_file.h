@@ -19,13 +19,16 @@ struct StoredSlot {
   std::map<std::string, SlotState> states;  ///< by drive
 };
 
-/// A map's slots.geojson. `datum` of the map where it is on Earth. Throws Error{kNotFound} without the file,
-/// Error{kInvalidInput} where it is none.
-std::vector<StoredSlot> ReadSlots(const std::filesystem::path& file, const std::optional<SiteDatum>& datum);
+/// A map's slots.geojson. `datum` of the map where it is on Earth. Throws Error{kNotFound} without
+/// the file, Error{kInvalidInput} where it is none.
+std::vector<StoredSlot> ReadSlots(const std::filesystem::path& file,
+                                  const std::optional<SiteDatum>& datum);
 
-/// True slots from GeoJSON polygons of four corners, in metres: as parkade-simulate writes them (`center`, `size`,
-/// `yaw` in the truth's world), or with "frame": "site", or, with a datum, in WGS84. `is_occupied` says whether a car
-/// stands there. Throws Error{kNotFound}, Error{kInvalidInput}.
-std::vector<TrueSlot> ReadTrueSlots(const std::filesystem::path& file, const std::optional<SiteDatum>& datum);
+/// True slots from GeoJSON polygons of four corners, in meters: as parkade-simulate writes them
+/// (`center`, `size`, `yaw` in the truth's world), or with "frame": "site", or, with a datum, in
+/// WGS84. `is_occupied` says whether a car stands there. Throws Error{kNotFound},
+/// Error{kInvalidInput}.
+std::vector<TrueSlot> ReadTrueSlots(const std::filesystem::path& file,
+                                    const std::optional<SiteDatum>& datum);
 
 }  // namespace parkade

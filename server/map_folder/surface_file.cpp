@@ -13,7 +13,7 @@
 #include "core/binary_archive.h"
 #include "core/error.h"
 #include "core/file.h"
-#include "core/visit_once.h"
+#include "core/for_each_releasing.h"
 
 namespace parkade {
 namespace {
@@ -23,7 +23,8 @@ constexpr std::uint32_t kVersion = 1;  // of the layout
 constexpr size_t kMaxBytes = size_t{16} << 30;
 constexpr int kCompressionLevel = 3;
 
-/// Column by column, each value the difference from the one before: neighbours are alike, so that this packs well.
+/// Column by column, each value the difference from the one before: neighbors are alike, so that
+/// this packs well.
 struct StoredSurface {
   double cell_size = 0;
   std::vector<std::int32_t> x_steps = {}, y_steps = {}, height_steps = {};  ///< heights [mm]
@@ -32,18 +33,20 @@ struct StoredSurface {
 };
 
 template <typename A>
-void Exchange(A& archive, StoredSurface& stored) {
-  archive(stored.cell_size, stored.x_steps, stored.y_steps, stored.height_steps, stored.sigmas, stored.beliefs);
+void Serialize(A& archive, StoredSurface& stored) {
+  archive(stored.cell_size, stored.x_steps, stored.y_steps, stored.height_steps, stored.sigmas,
+          stored.beliefs);
 }
 
-std::int32_t Millimetres(float metres) {
-  return static_cast<std::int32_t>(std::lround(1000 * static_cast<double>(metres)));
+std::int32_t Millimeters(float meters) {
+  return static_cast<std::int32_t>(std::lround(1000 * static_cast<double>(meters)));
 }
 
 SurfaceMap Restored(const StoredSurface& stored) {
   const size_t count = stored.x_steps.size();
-  Require(stored.cell_size > 0 && stored.y_steps.size() == count && stored.height_steps.size() == count &&
-              stored.sigmas.size() == count && stored.beliefs.size() == count,
+  Require(stored.cell_size > 0 && stored.y_steps.size() == count &&
+              stored.height_steps.size() == count && stored.sigmas.size() == count &&
+              stored.beliefs.size() == count,
           ErrorCode::kInvalidInput, "its columns do not belong together");
   SurfaceMap surface{stored.cell_size, {}};
   surface.cells.reserve(count);
@@ -63,7 +66,9 @@ SurfaceMap Restored(const StoredSurface& stored) {
 class FrameWriter {
  public:
   FrameWriter(std::ostream& stream, std::uint64_t num_bytes)
-      : stream_(stream), context_(ZSTD_createCCtx(), ZSTD_freeCCtx), packed_(ZSTD_CStreamOutSize(), '\0') {
+      : stream_(stream),
+        context_(ZSTD_createCCtx(), ZSTD_freeCCtx),
+        packed_(ZSTD_CStreamOutSize(), '\0') {
     Require(context_ != nullptr, ErrorCode::kInternal, "no memory for zstd");
     ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_compressionLevel, kCompressionLevel);
     ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_checksumFlag, 1);
@@ -102,7 +107,8 @@ class FrameWriter {
 template <typename Value, typename ValueOf>
 void AddColumn(const SurfaceMap& surface, const ValueOf& value_of, FrameWriter& frame) {
   frame.Add(std::uint64_t{surface.cells.size()});
-  VisitOnce(surface.cells, [&](size_t i) { frame.Add(static_cast<Value>(value_of(surface.cells[i]))); });
+  ForEachReleasing(surface.cells,
+                   [&](size_t i) { frame.Add(static_cast<Value>(value_of(surface.cells[i]))); });
 }
 
 /// The same of differences from the cell before.
@@ -110,36 +116,47 @@ template <typename ValueOf>
 void AddSteps(const SurfaceMap& surface, const ValueOf& value_of, FrameWriter& frame) {
   std::int32_t last = 0;
   AddColumn<std::int32_t>(
-      surface, [&](const SurfaceCell& cell) { return value_of(cell) - std::exchange(last, value_of(cell)); }, frame);
+      surface,
+      [&](const SurfaceCell& cell) { return value_of(cell) - std::exchange(last, value_of(cell)); },
+      frame);
 }
 
 /// As StoredSurface lies in a file, which may be larger than memory.
 void WriteFrame(const SurfaceMap& surface, std::ostream& stream) {
-  constexpr size_t kNumColumns = 5, kBytesPerCell = 3 * sizeof(std::int32_t) + sizeof(std::uint16_t) + 1;
-  FrameWriter frame(stream,
-                    sizeof(double) + kNumColumns * sizeof(std::uint64_t) + kBytesPerCell * surface.cells.size());
+  constexpr size_t kNumColumns = 5,
+                   kBytesPerCell = 3 * sizeof(std::int32_t) + sizeof(std::uint16_t) + 1;
+  FrameWriter frame(stream, sizeof(double) + kNumColumns * sizeof(std::uint64_t) +
+                                kBytesPerCell * surface.cells.size());
   frame.Add(surface.cell_size);
   AddSteps(
       surface, [](const SurfaceCell& cell) { return std::int32_t{cell.x}; }, frame);
   AddSteps(
       surface, [](const SurfaceCell& cell) { return std::int32_t{cell.y}; }, frame);
   AddSteps(
-      surface, [](const SurfaceCell& cell) { return Millimetres(cell.height); }, frame);
+      surface, [](const SurfaceCell& cell) { return Millimeters(cell.height); }, frame);
   AddColumn<std::uint16_t>(
       surface,
-      [](const SurfaceCell& cell) { return std::min<std::int32_t>(Millimetres(cell.height_sigma), UINT16_MAX); },
+      [](const SurfaceCell& cell) {
+        return std::min<std::int32_t>(Millimeters(cell.height_sigma), UINT16_MAX);
+      },
       frame);
   AddColumn<std::uint8_t>(
-      surface, [](const SurfaceCell& cell) { return std::lround(255 * static_cast<double>(cell.free_belief)); }, frame);
+      surface,
+      [](const SurfaceCell& cell) {
+        return std::lround(255 * static_cast<double>(cell.free_belief));
+      },
+      frame);
   frame.Finish();
 }
 
 std::string Decompress(std::string_view packed) {
   const unsigned long long size = ZSTD_getFrameContentSize(packed.data(), packed.size());
-  Require(size <= kMaxBytes, ErrorCode::kInvalidInput, "it does not say how long it is");  // errors are huge numbers
+  Require(size <= kMaxBytes, ErrorCode::kInvalidInput,
+          "it does not say how long it is");  // errors are huge numbers
   std::string bytes(size, '\0');
   const size_t unpacked = ZSTD_decompress(bytes.data(), bytes.size(), packed.data(), packed.size());
-  Require(ZSTD_isError(unpacked) == 0 && unpacked == size, ErrorCode::kInvalidInput, "it is damaged");
+  Require(ZSTD_isError(unpacked) == 0 && unpacked == size, ErrorCode::kInvalidInput,
+          "it is damaged");
   return bytes;
 }
 
@@ -150,7 +167,8 @@ SurfaceMap Parse(std::string_view bytes) {
   BinaryReader head(bytes);
   head(version);
   Require(version == kVersion, ErrorCode::kInvalidInput,
-          "it is of version " + std::to_string(version) + ", this program reads " + std::to_string(kVersion));
+          "it is of version " + std::to_string(version) + ", this program reads " +
+              std::to_string(kVersion));
   bytes.remove_prefix(sizeof version);
   const std::string content = Decompress(bytes);
   BinaryReader reader(content);

@@ -49,7 +49,8 @@ void AddCalibration(const CameraCalibration& calibration, YAML::Node camera) {
 
 }  // namespace
 
-void WriteCalibration(const Rig& rig, const std::vector<CameraCalibration>& calibration, const fs::path& file) {
+void WriteCalibration(const Rig& rig, const std::vector<CameraCalibration>& calibration,
+                      const fs::path& file) {
   const RigFiles files(rig, file);
   YAML::Node yaml = files.Load("camchain-imucam.yaml");
   for (size_t i = 0; i < rig.cameras.size(); ++i) {

@@ -1,14 +1,16 @@
 #include "server/pipeline/drive_stages.h"
 
+#include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "core/binary_archive.h"
+#include "core/error.h"
 #include "core/options_json.h"
 #include "core/sha256.h"
-#include "core/version.h"
 #include "mapping/networks/builtin_network.h"
 #include "server/map_folder/heights_file.h"
-#include "slam/odometry/calibrated_log.h"
+#include "slam/loops/close_loops.h"
 #include "slam/sessions/stage_results.h"
 
 namespace parkade {
@@ -19,26 +21,19 @@ std::string TextOf(const Options& options) {
   return OptionsToJson(options).dump();
 }
 
-std::string TextOf(const LoopReview& review) { return nlohmann::json{review.rejected, review.forced}.dump(); }
+std::string TextOf(const LoopReview& review) {
+  return nlohmann::json{review.rejected, review.forced}.dump();
+}
 
-constexpr const char* kPlacesFile = "/places.bin";
+constexpr const char* kKeyframesFile = "/places.bin";
 
 // Numbers with every bit, as they are in memory.
 
 std::string BytesOf(GnssPositions gnss) {
   BinaryWriter writer;
   writer(gnss.antenna_in_body);
-  for (GnssFix& fix : gnss.fixes) writer(fix.time.ns, fix.latitude_deg, fix.longitude_deg, fix.altitude, fix.sigma_enu);
-  return writer.bytes();
-}
-
-std::string BytesOf(const std::optional<GnssAlignment>& gnss) {
-  BinaryWriter writer;
-  if (gnss) {
-    GnssAlignment alignment = *gnss;
-    writer(alignment.site_from_odom.rotation, alignment.site_from_odom.translation, alignment.covariance,
-           alignment.extent);
-  }
+  for (GnssFix& fix : gnss.fixes)
+    writer(fix.time.ns, fix.latitude_deg, fix.longitude_deg, fix.altitude, fix.sigma_enu);
   return writer.bytes();
 }
 
@@ -46,134 +41,143 @@ std::string BytesOf(const std::optional<GnssAlignment>& gnss) {
 std::string BytesOf(Rig rig) {
   BinaryWriter writer;
   for (RigCamera& camera : rig.cameras)
-    writer(camera.body_from_camera.rotation, camera.body_from_camera.translation, camera.time_shift, camera.line_delay);
+    writer(camera.body_from_camera.rotation, camera.body_from_camera.translation, camera.time_shift,
+           camera.line_delay);
   return writer.bytes();
+}
+
+/// The decisions of this build and, of the one that it starts from, those that it does not
+/// overrule. Keyframes, by which loops are called, are those of the odometry.
+LoopReview ReviewFor(const DriveInWork& drive, const BuildContext& context) {
+  LoopReview review;
+  if (const auto own = context.scope.loops.find(drive.log->name());
+      own != context.scope.loops.end())
+    review = own->second;
+  if (!drive.is_odometry_taken) return review;
+  const LoopReview now = review, before = context.from->ReviewOf(drive.log->name());
+  const auto has = [](const std::vector<std::string>& loops, const std::string& loop) {
+    return std::find(loops.begin(), loops.end(), loop) != loops.end();
+  };
+  const auto is_new = [&](const std::string& loop) {
+    return !has(now.rejected, loop) && !has(now.forced, loop);
+  };
+  std::copy_if(before.rejected.begin(), before.rejected.end(), std::back_inserter(review.rejected),
+               is_new);
+  std::copy_if(before.forced.begin(), before.forced.end(), std::back_inserter(review.forced),
+               is_new);
+  return review;
+}
+
+std::string KeyOfKeyframes(const DriveInWork& drive) {
+  return KeyOf({drive.refinement.key, "places"});
+}
+
+void EncodeKeyframesAlong(const BuildContext& context, const DriveInWork& drive,
+                          const PieceSink& sink) {
+  const Trajectory& odom_from_body = drive.refinement.value.odom_from_body;
+  const KeyframeOptions& options = context.options.loops.keyframes;
+  std::vector<RigKeyframe> keyframes =
+      KeyframesAlong(drive.odometry.value.odom_from_body, odom_from_body, options);
+  KeyframesEncoder encoder(keyframes.size(), sink);
+  const std::vector<bool> all(keyframes.size(), true);
+  DescribeKeyframes(*drive.calibrated, odom_from_body, options, all, std::move(keyframes),
+                    [&encoder](RigKeyframe&& keyframe) { encoder.Add(std::move(keyframe)); });
+  encoder.Finish();
 }
 
 }  // namespace
 
-DriveStages::DriveStages(const std::filesystem::path& from, std::filesystem::path to, const MapOptions& options)
-    : from_(from), to_(to), products_(from, std::move(to)), options_(options) {}
-
-void DriveStages::Begin(const DriveLog& log, const std::filesystem::path& odometry_file) {
-  const std::string odometry = odometry_file.empty() ? "" : Sha256OfFile(odometry_file);
-  const std::string key = KeyOf({kVersion, std::to_string(kStageResultsVersion), odometry});
-  keys_[log.name()] = {.odometry = key, .ground = {}, .refinement = {}, .so_far = key};
-}
-
-LoopClosure DriveStages::CloseLoops(const DriveLog& log, const OdometryResult& odometry, const LoopReview& review) {
-  std::string& key = keys_.at(log.name()).so_far;
-  key = KeyOf({key, "loops", TextOf(options_.loops), TextOf(review)});
-  double seconds = 0;
-  const std::string bytes = products_.Get(log.name() + "/loops.bin", key, [&] {
+void CloseLoops(const BuildContext& context, DriveInWork& drive) {
+  drive.review = ReviewFor(drive, context);
+  const std::string key =
+      KeyOf({drive.odometry.key, "loops", TextOf(context.options.loops), TextOf(drive.review)});
+  const StageFile<LoopClosure> file{drive.log->name() + "/loops.bin", EncodeLoops, DecodeLoops};
+  drive.loops = Cached(context.cache, file, key, [&] {
     // Cameras are where and when odometry found them to be.
-    const LoopClosure loops =
-        parkade::CloseLoops(CalibratedLog(log, odometry.rig), odometry.odom_from_body, options_.loops, review);
-    seconds = loops.seconds;
-    return EncodeLoops(loops);
+    const OdometryResult& odometry = drive.odometry.value;
+    return CloseLoops(CalibratedLog(*drive.log, odometry.rig), odometry.odom_from_body,
+                      context.options.loops, drive.review);
   });
-  LoopClosure loops = DecodeLoops(bytes);
-  loops.seconds = seconds;
-  return loops;
 }
 
-DriveRefinement DriveStages::Refine(const DriveLog& log, const OdometryResult& odometry, const LoopClosure& loops) {
-  const GnssPositions gnss = ReadGnss(log, options_.gnss);
-  std::string& key = keys_.at(log.name()).so_far;
-  key = KeyOf({key, "refinement", TextOf(options_.refinement), TextOf(options_.gnss), BytesOf(gnss)});
-  keys_.at(log.name()).refinement = key;
-  double seconds = 0;
-  const std::string bytes = products_.Get(log.name() + "/refinement.bin", key, [&] {
-    const DriveRefinement refinement = RefineDrive(odometry, log.rig(), loops, options_.refinement, gnss);
-    seconds = refinement.seconds;
-    return EncodeRefinement(refinement);
+void Refine(const BuildContext& context, DriveInWork& drive) {
+  const GnssPositions gnss = ReadGnss(*drive.log, context.options.gnss);
+  OdometryResult& odometry = drive.odometry.value;
+  const std::string key = KeyOf({drive.loops.key, "refinement", TextOf(context.options.refinement),
+                                 TextOf(context.options.gnss), BytesOf(gnss)});
+  const StageFile<DriveRefinement> file{
+      drive.log->name() + "/refinement.bin", EncodeRefinement,
+      [&](std::string_view bytes) { return DecodeRefinement(bytes, odometry.rig); }};
+  drive.refinement = Cached(context.cache, file, key, [&] {
+    return RefineDrive(odometry, drive.log->rig(), drive.loops.value, context.options.refinement,
+                       gnss);
   });
-  DriveRefinement refinement = DecodeRefinement(bytes, odometry.rig);
-  refinement.seconds = seconds;
-  return refinement;
+  odometry.measurements.reset();
+  drive.calibrated.emplace(*drive.log, drive.refinement.value.rig);
 }
 
-std::vector<Place> DriveStages::FindPlaces(const DriveLog& log, const OdometryResult& odometry,
-                                           const DriveRefinement& refinement) {
-  const std::string bytes = products_.Get(log.name() + kPlacesFile, KeyOfPlaces(log), [&] {
-    std::string encoded;
-    EncodePlacesAlong(log, odometry, refinement, [&encoded](std::string_view piece) { encoded += piece; });
-    return encoded;
-  });
-  return DecodePlaces(bytes);
+void DescribeKeyframes(const BuildContext& context, DriveInWork& drive) {
+  drive.keyframes.key = KeyOfKeyframes(drive);
+  const std::string bytes =
+      context.cache.Get(drive.log->name() + kKeyframesFile, drive.keyframes.key, [&] {
+        std::string encoded;
+        EncodeKeyframesAlong(context, drive,
+                             [&encoded](std::string_view piece) { encoded += piece; });
+        return encoded;
+      });
+  drive.keyframes.value = DecodeKeyframes(bytes);
 }
 
-void DriveStages::KeepPlaces(const DriveLog& log, const OdometryResult& odometry, const DriveRefinement& refinement) {
-  products_.Keep(log.name() + kPlacesFile, KeyOfPlaces(log),
-                 [&](const PieceSink& sink) { EncodePlacesAlong(log, odometry, refinement, sink); });
+void KeepKeyframes(const BuildContext& context, const DriveInWork& drive) {
+  context.cache.Keep(drive.log->name() + kKeyframesFile, KeyOfKeyframes(drive),
+                     [&](const PieceSink& sink) { EncodeKeyframesAlong(context, drive, sink); });
 }
 
-std::string DriveStages::KeyOfPlaces(const DriveLog& log) {
-  std::string& key = keys_.at(log.name()).so_far;
-  key = KeyOf({key, "places"});
-  return key;
-}
-
-void DriveStages::EncodePlacesAlong(const DriveLog& log, const OdometryResult& odometry,
-                                    const DriveRefinement& refinement, const PieceSink& sink) const {
-  const Trajectory& odom_from_body = refinement.odom_from_body;
-  const PlaceOptions& options = options_.loops.places;
-  std::vector<Place> places = PlacesAlong(odometry.odom_from_body, odom_from_body, options);
-  PlacesEncoder encoder(places.size(), sink);
-  const std::vector<bool> all(places.size(), true);
-  DescribePlaces(log, odom_from_body, options, all, std::move(places),
-                 [&encoder](Place&& place) { encoder.Add(std::move(place)); });
-  encoder.Finish();
-}
-
-std::shared_ptr<const GroundFile> DriveStages::ObserveGround(const DriveLog& log, const OdometryResult& odometry,
-                                                             std::span<const Submap> drive_submaps) {
-  Require(!to_.empty(), ErrorCode::kInternal, "what is seen of the ground needs a folder to lie in");
-  const std::string& model = options_.ground.freespace_model;
-  std::string& key = keys_.at(log.name()).ground;
-  key = KeyOf({keys_.at(log.name()).odometry, "ground", std::to_string(kGroundVersion), BytesOf(log.rig()),
-               TextOf(options_.ground), TextOf(options_.submaps),
-               model.empty() ? KeyOf({std::string(BuiltinFreespaceNetwork()), std::string(BuiltinLevelNetwork())})
-                             : Sha256OfFile(model)});
-  const std::filesystem::path name = std::filesystem::path(log.name()) / "ground.bin", file = to_ / name;
-  if (!from_.empty())
-    if (std::shared_ptr<const GroundFile> taken = GroundFile::Open(from_ / name, key)) {
-      LinkOrCopy(from_ / name, file);
-      return taken;
+Keyed<std::shared_ptr<const GroundFile>> ObserveGround(const BuildContext& context,
+                                                       const DriveInWork& drive) {
+  const auto& [from, to] = std::tie(context.scope.from, context.scope.products);
+  Require(!to.empty(), ErrorCode::kInternal, "what is seen of the ground needs a folder to lie in");
+  const GroundOptions& options = context.options.ground;
+  const DriveLog& log = *drive.calibrated;
+  const std::string model =
+      options.freespace_model.empty()
+          ? KeyOf({std::string(BuiltinFreespaceNetwork()), std::string(BuiltinLevelNetwork())})
+          : Sha256OfFile(options.freespace_model);
+  const std::string key = KeyOf({drive.odometry.key, "ground", std::to_string(kGroundVersion),
+                                 BytesOf(log.rig()), TextOf(options), model});
+  const std::filesystem::path name = std::filesystem::path(log.name()) / "ground.bin";
+  const std::filesystem::path file = to / name;
+  if (!from.empty())
+    if (std::shared_ptr<const GroundFile> taken = GroundFile::Open(from / name, key)) {
+      LinkOrCopy(from / name, file);
+      return {taken, key};
     }
   GroundFileWriter writer(file, key);
-  writer.Finish(parkade::ObserveGround(log, odometry.odom_from_body, drive_submaps, 0, options_.ground,
-                                       [&](GroundPatch&& patch) { writer.Add(patch); }));
+  const OdometryResult& odometry = drive.odometry.value;
+  writer.Finish(ObserveGround(log, odometry.odom_from_body, odometry.landmarks, 0, options,
+                              [&](GroundPatch&& patch) { writer.Add(patch); }));
   std::shared_ptr<const GroundFile> written = GroundFile::Open(file, key);
   Require(written != nullptr, ErrorCode::kInternal, "'" + file.string() + "' cannot be read again");
-  return written;
+  return {written, key};
 }
 
-DriveHeights DriveStages::MeasureHeights(const DriveLog& log, const std::shared_ptr<const GroundFile>& ground,
-                                         const DriveRefinement& refinement, int drive) {
-  const HeightOptions options = options_.surface.Heights();
-  const Keys& keys = keys_.at(log.name());
-  const std::string key = KeyOf({keys.ground, keys.refinement, "heights", TextOf(options)});
-  const std::string bytes = products_.Get(log.name() + "/heights.bin", key, [&] {
+Keyed<DriveHeights> MeasureHeights(const BuildContext& context, const DriveInWork& drive,
+                                   const Keyed<std::shared_ptr<const GroundFile>>& ground,
+                                   int number) {
+  const HeightOptions options = context.options.surface.Heights();
+  const std::string key = KeyOf({ground.key, drive.refinement.key, "heights"});
+  const StageFile<DriveHeights> file{drive.log->name() + "/heights.bin", EncodeHeights,
+                                     DecodeHeights};
+  Keyed<DriveHeights> heights = Cached(context.cache, file, key, [&] {
+    const Trajectory& odom_from_body = drive.refinement.value.odom_from_body;
     StoredGround patches;
-    patches.Add(ground, 0, refinement.odom_from_body);
-    const DrivenPath path =
-        MakeDrivenPath(0, log.rig(), refinement.odom_from_body, ground->observation().body_from_ground);
-    return EncodeHeights(MeasureDriveHeights(patches, &path, options));
+    patches.Add(ground.value, 0, odom_from_body);
+    const DrivenPath path = MakeDrivenPath(0, drive.calibrated->rig(), odom_from_body,
+                                           ground.value->observation().body_from_ground);
+    return MeasureDriveHeights(patches, &path, options);
   });
-  DriveHeights heights = DecodeHeights(bytes);
-  heights.drive = drive;
+  heights.value.drive = number;
   return heights;
-}
-
-PairMemory DriveStages::MemoryOfPairs(const std::vector<std::string>& names,
-                                      const std::vector<DriveToJoin>& drives) const {
-  return
-      [this, names, &drives](const std::string& what, size_t a, size_t b, const std::function<std::string()>& compute) {
-        const std::string key = KeyOf({what, keys_.at(names[a]).so_far, keys_.at(names[b]).so_far,
-                                       TextOf(options_.links), BytesOf(drives[a].gnss), BytesOf(drives[b].gnss)});
-        return products_.Get(names[b] + "/" + what + ".bin", key, compute);
-      };
 }
 
 }  // namespace parkade

@@ -10,8 +10,7 @@
 #include "slam/loops/close_loops.h"
 #include "slam/odometry/estimate_trajectory.h"
 #include "slam/refinement/refinement_options.h"
-#include "slam/sessions/cut_into_submaps.h"
-#include "slam/sessions/drive_links.h"
+#include "slam/sessions/session_loops.h"
 
 namespace parkade {
 
@@ -20,8 +19,7 @@ struct MapOptions {
   OdometryOptions odometry;
   LoopOptions loops;
   RefinementOptions refinement;
-  DriveLinkOptions links;
-  SubmapOptions submaps;
+  SessionLoopOptions links;
   GnssAlignOptions gnss;
   PinOptions pins;
   GroundOptions ground;
@@ -36,7 +34,6 @@ struct MapOptions {
     visit("loops", loops);
     visit("refinement", refinement);
     visit("links", links);
-    visit("submaps", submaps);
     visit("gnss", gnss);
     visit("pins", pins);
     visit("ground", ground);

@@ -37,7 +37,8 @@ std::int64_t PeakMemoryBytes() {
   return std::int64_t{1024} * Usage().ru_maxrss;  // Linux counts KiB
 }
 
-Progress::Progress(std::vector<StagePlan> plan, const Outputs& outputs) : plan_(std::move(plan)), outputs_(outputs) {}
+Progress::Progress(std::vector<StagePlan> plan, const Outputs& outputs)
+    : plan_(std::move(plan)), outputs_(outputs) {}
 
 Progress::~Progress() {
   if (outputs_.terminal && (has_begun_ || !timings_.empty())) std::fputs("\r\033[K", stderr);
@@ -45,8 +46,8 @@ Progress::~Progress() {
 
 void Progress::Begin(const std::string& stage) {
   EndStage();
-  const auto found =
-      std::find_if(plan_.begin(), plan_.end(), [&](const StagePlan& planned) { return planned.name == stage; });
+  const auto found = std::find_if(plan_.begin(), plan_.end(),
+                                  [&](const StagePlan& planned) { return planned.name == stage; });
   assert(found != plan_.end());
   current_ = static_cast<size_t>(found - plan_.begin());
   has_begun_ = true;
@@ -69,8 +70,8 @@ void Progress::Finish() {
 
 void Progress::Fail(const std::string& sentence, const std::string& code) {
   // A sentence may quote a file name that is not UTF-8.
-  Append(nlohmann::json{{"error", sentence}, {"code", code}}.dump(-1, ' ', false,
-                                                                  nlohmann::json::error_handler_t::replace));
+  Append(nlohmann::json{{"error", sentence}, {"code", code}}.dump(
+      -1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 double Progress::Overall() const {
@@ -112,8 +113,8 @@ void Progress::Append(const std::string& line) {
 void Progress::EndStage() {
   if (!has_begun_) return;
   has_begun_ = false;
-  timings_.push_back(
-      {plan_[current_].name, SecondsSince(stage_start_), ProcessorSeconds() - processor_start_, PeakMemoryBytes()});
+  timings_.push_back({plan_[current_].name, SecondsSince(stage_start_),
+                      ProcessorSeconds() - processor_start_, PeakMemoryBytes()});
 }
 
 }  // namespace parkade

@@ -47,6 +47,16 @@ class Progress {
   /// `fraction` of the current stage, 0-1. Cheap: at most ten lines a second go out.
   void Update(double fraction);
 
+  /// Works on each of `items` in turn; each takes the same share of the current stage.
+  template <typename Items, typename Work>
+  void ForEach(Items& items, Work work) {
+    double done = 0;
+    for (auto& item : items) {
+      work(item);
+      Update(++done / static_cast<double>(items.size()));
+    }
+  }
+
   /// Ends the last stage.
   void Finish();
 

@@ -8,7 +8,7 @@
 #include "core/options_json.h"
 #include "core/version.h"
 #include "export/markings.h"
-#include "server/map_folder/loop_pictures.h"
+#include "server/map_folder/loop_images.h"
 
 namespace parkade {
 namespace {
@@ -33,7 +33,9 @@ Json InputToJson(const InputHash& input) {
   return {{"name", input.name}, {"bytes", input.bytes}, {"sha256", input.sha256}};
 }
 
-Json ToJson(const LoopReview& review) { return {{"rejected", review.rejected}, {"forced", review.forced}}; }
+Json ToJson(const LoopReview& review) {
+  return {{"rejected", review.rejected}, {"forced", review.forced}};
+}
 
 /// The loops with what reviewers decided on them, which the next build from this map keeps.
 Json LoopsToJson(const DriveOutcome& outcome, const Rig& rig, const std::string& drive) {
@@ -82,7 +84,8 @@ Json SlotsToJson(const SiteMap& map) {
                {"occupied", 0},
                {"unseen", 0}};
   for (const ParkingSlot& slot : map.markings.slots)
-    for (const char* key : {ToText(slot.kind), ToText(LatestState(slot))}) json[key] = json[key].get<int>() + 1;
+    for (const char* key : {ToText(slot.kind), ToText(LatestState(slot))})
+      json[key] = json[key].get<int>() + 1;
   return json;
 }
 
@@ -90,25 +93,31 @@ Json MapToJson(const SiteMap& map) {
   size_t num_free = 0;
   for (const SurfaceCell& cell : map.surface.cells) num_free += cell.free_belief > 0.5F;
   const double cell_area = map.surface.cell_size * map.surface.cell_size;
-  return {{"ground_area", SurfaceArea(map.mesh)},         {"free_cell_area", static_cast<double>(num_free) * cell_area},
-          {"num_cells", map.surface.cells.size()},        {"num_vertices", map.mesh.vertices.size()},
-          {"num_triangles", map.mesh.triangles.size()},   {"slots", SlotsToJson(map)},
-          {"num_markings", map.markings.markings.size()}, {"num_speed_bumps", map.markings.bumps.size()},
+  return {{"ground_area", SurfaceArea(map.mesh)},
+          {"free_cell_area", static_cast<double>(num_free) * cell_area},
+          {"num_cells", map.surface.cells.size()},
+          {"num_vertices", map.mesh.vertices.size()},
+          {"num_triangles", map.mesh.triangles.size()},
+          {"slots", SlotsToJson(map)},
+          {"num_markings", map.markings.markings.size()},
+          {"num_speed_bumps", map.markings.bumps.size()},
           {"num_kerbs", map.markings.kerbs.size()}};
 }
 
 /// Of the ground and the trajectories.
 Eigen::AlignedBox3d BoundsOf(const SiteMap& map) {
   Eigen::AlignedBox3d bounds;
-  for (const Eigen::Vector3f& vertex : map.mesh.vertices) bounds.extend(map.mesh.origin + vertex.cast<double>());
+  for (const Eigen::Vector3f& vertex : map.mesh.vertices)
+    bounds.extend(map.mesh.origin + vertex.cast<double>());
   for (const SiteDrive& drive : map.drives)
     for (const TrajectoryState& state : drive.site_from_body_trajectory.states())
-      bounds.extend(state.odom_from_body.translation);
+      bounds.extend(state.world_from_body.translation);
   return bounds;
 }
 
 /// With what the next build from this map must know to take its odometry.
-Json LeftOutToJson(const LeftOutDrive& drive, const std::vector<std::unique_ptr<RecordedDrive>>& logs,
+Json LeftOutToJson(const LeftOutDrive& drive,
+                   const std::vector<std::unique_ptr<RecordedDrive>>& logs,
                    const std::map<std::string, DriveInputs>& inputs) {
   Json json = {{"name", drive.name}, {"reason", drive.reason}};
   if (!drive.log) return json;
@@ -146,11 +155,12 @@ void WriteReport(const BuiltMap& built, const std::vector<std::unique_ptr<Record
   const Eigen::AlignedBox3d bounds = BoundsOf(map);
   report["bounds"] = {{"min", NumbersOf(bounds.min())}, {"max", NumbersOf(bounds.max())}};
   for (size_t i = 0; i < map.drives.size(); ++i)
-    report["drives"].push_back(
-        DriveToJson(map.drives[i], built.drives[i], *logs[built.drives[i].log], inputs.at(map.drives[i].name)));
+    report["drives"].push_back(DriveToJson(
+        map.drives[i], built.drives[i], *logs[built.drives[i].log], inputs.at(map.drives[i].name)));
   if (built.names.size() > 1) report["join"] = ToJson(built.join, built.names);
   report["left_out"] = Json::array();
-  for (const LeftOutDrive& drive : built.left_out) report["left_out"].push_back(LeftOutToJson(drive, logs, inputs));
+  for (const LeftOutDrive& drive : built.left_out)
+    report["left_out"].push_back(LeftOutToJson(drive, logs, inputs));
   report["map"] = MapToJson(map);
   report["warnings"] = built.warnings;
   // Names of topics come from the log and may hold any bytes.

@@ -19,7 +19,7 @@ struct DriveInputs {
 };
 
 /// Writes report.json: versions, options, timings per stage, peak memory, health
-/// per stream, initialisation, GNSS residuals, figures of the map, warnings.
+/// per stream, initialization, GNSS residuals, figures of the map, warnings.
 /// `inputs` by the drives' names. Paths and names of machines stay out of it. Whole or not at all.
 void WriteReport(const BuiltMap& built, const std::vector<std::unique_ptr<RecordedDrive>>& logs,
                  const MapOptions& options, const std::map<std::string, DriveInputs>& inputs,

@@ -7,12 +7,13 @@
 
 #include "core/error.h"
 #include "export/trajectory_files.h"
-#include "server/map_folder/finished_map.h"
+#include "server/map_folder/map_reader.h"
 
 namespace parkade {
 namespace {
 
-constexpr double kReach = 100;       // [m] farther from every drive a pin is in another place, or in another frame
+constexpr double kReach =
+    100;  // [m] farther from every drive a pin is in another place, or in another frame
 constexpr double kAnchorReach = 30;  // [m] within which a further drive is an anchor
 constexpr double kFarFromGnss = 15;  // [m] more than a receiver errs in the open
 
@@ -38,30 +39,35 @@ Trajectory SiteFromImu(const std::vector<TimedPose>& poses) {
   std::vector<TrajectoryState> states(poses.size());
   for (size_t i = 0; i < poses.size(); ++i) {
     states[i].time = poses[i].time;
-    states[i].odom_from_body = poses[i].world_from_frame;
+    states[i].world_from_body = poses[i].world_from_frame;
   }
   return Trajectory(std::move(states));
 }
 
-using Trajectories = std::vector<std::pair<std::string, Trajectory>>;  // site_from_imu by drives' names, in their order
+using Trajectories = std::vector<std::pair<std::string, Trajectory>>;  // site_from_imu by drives'
+                                                                       // names, in their order
 
 struct NearPose {
   double distance = 0;  ///< [m]
   PinAnchor anchor;
 };
 
-NearPose NearestPose(const std::string& drive, const Trajectory& site_from_imu, const Eigen::Vector3d& point_in_site) {
+NearPose NearestPose(const std::string& drive, const Trajectory& site_from_imu,
+                     const Eigen::Vector3d& point_in_site) {
   const auto distance_of = [&](const TrajectoryState& state) {
-    return (state.odom_from_body.translation - point_in_site).norm();
+    return (state.world_from_body.translation - point_in_site).norm();
   };
   const auto& states = site_from_imu.states();
-  const auto nearest = std::min_element(states.begin(), states.end(),
-                                        [&](const auto& a, const auto& b) { return distance_of(a) < distance_of(b); });
-  return {distance_of(*nearest), {drive, nearest->time, nearest->odom_from_body.Inverse() * point_in_site}};
+  const auto nearest = std::min_element(
+      states.begin(), states.end(),
+      [&](const auto& a, const auto& b) { return distance_of(a) < distance_of(b); });
+  return {distance_of(*nearest),
+          {drive, nearest->time, nearest->world_from_body.Inverse() * point_in_site}};
 }
 
 /// Anchors in all drives that pass near, or in the one that is named.
-std::vector<PinAnchor> FindAnchors(const AskedPin& pin, const Trajectories& trajectories, const std::string& name) {
+std::vector<PinAnchor> FindAnchors(const AskedPin& pin, const Trajectories& trajectories,
+                                   const std::string& name) {
   std::vector<NearPose> near;
   std::string known;
   for (const auto& [drive, trajectory] : trajectories) {
@@ -71,10 +77,12 @@ std::vector<PinAnchor> FindAnchors(const AskedPin& pin, const Trajectories& traj
   }
   Require(!near.empty(), ErrorCode::kInvalidInput,
           "the map that " + name + " is set in has no drive '" + pin.drive + "', but: " + known);
-  std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.distance < b.distance; });
+  std::stable_sort(near.begin(), near.end(),
+                   [](const auto& a, const auto& b) { return a.distance < b.distance; });
   Require(near.front().distance <= kReach, ErrorCode::kInvalidInput,
           name + " lies " + std::to_string(std::lround(near.front().distance)) +
-              " m from where a drive passed: X,Y,Z are metres in the site of the map that is started from");
+              " m from where a drive passed: X,Y,Z are meters in the site of the map that is "
+              "started from");
   std::vector<PinAnchor> anchors;
   for (const NearPose& pose : near)
     if (anchors.empty() || pose.distance <= kAnchorReach) anchors.push_back(pose.anchor);
@@ -98,8 +106,8 @@ void Locate(const Trajectories& trajectories, SitePin& pin) {
 
 void AnchorInOtherDrives(const Trajectories& trajectories, SitePin& pin) {
   for (const auto& [drive, trajectory] : trajectories) {
-    const bool is_known =
-        std::any_of(pin.anchors.begin(), pin.anchors.end(), [&](const auto& anchor) { return anchor.drive == drive; });
+    const bool is_known = std::any_of(pin.anchors.begin(), pin.anchors.end(),
+                                      [&](const auto& anchor) { return anchor.drive == drive; });
     if (is_known || trajectory.empty()) continue;
     const NearPose near = NearestPose(drive, trajectory, pin.place.point_in_site);
     if (near.distance <= kAnchorReach) pin.anchors.push_back(near.anchor);
@@ -108,8 +116,8 @@ void AnchorInOtherDrives(const Trajectories& trajectories, SitePin& pin) {
 
 void Move(const PinFit& fit, SiteMap& map) {
   for (SiteDrive& drive : map.drives)
-    drive.site_from_body_trajectory = drive.site_from_body_trajectory.Transformed(fit.pinned_from_site);
-  for (PosedSubmap& submap : map.submaps) submap.site_from_submap = fit.pinned_from_site * submap.site_from_submap;
+    drive.site_from_body_trajectory =
+        drive.site_from_body_trajectory.Transformed(fit.pinned_from_site);
   map.datum = fit.datum;
   map.placement = fit.placement;
 }
@@ -146,8 +154,8 @@ AskedPin ParsePin(const std::string& text) {
   return pin;
 }
 
-std::vector<SitePin> AnchorPins(const std::vector<std::string>& texts, const std::filesystem::path& map,
-                                const PinOptions& options) {
+std::vector<SitePin> AnchorPins(const std::vector<std::string>& texts,
+                                const std::filesystem::path& map, const PinOptions& options) {
   std::vector<AskedPin> asked;
   std::vector<PinnedPoint> places;
   for (const std::string& text : texts) {
@@ -155,12 +163,14 @@ std::vector<SitePin> AnchorPins(const std::vector<std::string>& texts, const std
     places.push_back(asked.back().place);
   }
   RequireAgreement(FitPins(places, options), options);
-  const FinishedMap finished(map);
+  const MapReader finished(map);
   Trajectories trajectories;
-  for (const std::string& drive : finished.drives()) trajectories.emplace_back(drive, finished.ReadTrajectory(drive));
+  for (const std::string& drive : finished.drives())
+    trajectories.emplace_back(drive, finished.ReadTrajectory(drive));
   std::vector<SitePin> pins;
   for (size_t i = 0; i < asked.size(); ++i)
-    pins.push_back({asked[i].place, FindAnchors(asked[i], trajectories, "pin " + std::to_string(i + 1)), true});
+    pins.push_back({asked[i].place,
+                    FindAnchors(asked[i], trajectories, "pin " + std::to_string(i + 1)), true});
   return pins;
 }
 
@@ -178,19 +188,22 @@ SitePinning PinSite(std::vector<SitePin> pins, const PinOptions& options, SiteMa
   }
   try {
     const std::optional<SiteDatum> by_gnss = map.datum;
-    pinning.fit = FitPins(used, options, by_gnss, map.placement ? map.placement->covariance(3, 3) : 0);
+    pinning.fit =
+        FitPins(used, options, by_gnss, map.placement ? map.placement->covariance(3, 3) : 0);
     if (by_gnss) {
-      const Rigid3 gnss_site_from_site = EarthFromSite(pinning.fit->datum).Inverse() * EarthFromSite(*by_gnss);
-      const Eigen::Vector3d centre = pinning.fit->placement.centre;
+      const Rigid3 gnss_site_from_site =
+          EarthFromSite(pinning.fit->datum).Inverse() * EarthFromSite(*by_gnss);
+      const Eigen::Vector3d center = pinning.fit->placement.center;
       const Rigid3 moved = pinning.fit->pinned_from_site * gnss_site_from_site.Inverse();
-      pinning.pinned_from_gnss = Rigid3{moved.rotation, moved * centre - centre};
+      pinning.pinned_from_gnss = Rigid3{moved.rotation, moved * center - center};
     }
   } catch (const Error& error) {
     pinning.warnings.push_back(std::string("the pins are not used: ") + error.what());
     return pinning;
   }
   Move(*pinning.fit, map);
-  for (auto& [drive, trajectory] : trajectories) trajectory = trajectory.Transformed(pinning.fit->pinned_from_site);
+  for (auto& [drive, trajectory] : trajectories)
+    trajectory = trajectory.Transformed(pinning.fit->pinned_from_site);
   for (SitePin& pin : pinning.pins) {
     if (!pin.is_used) continue;
     pin.place.point_in_site = pinning.fit->pinned_from_site * pin.place.point_in_site;

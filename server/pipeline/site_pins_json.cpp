@@ -32,7 +32,8 @@ SitePin PinFromJson(const Json& json) {
                json.at("longitude_deg").get<double>(), std::nullopt};
   if (!json.at("height").is_null()) pin.place.height = json.at("height").get<double>();
   for (const Json& anchor : json.at("anchors"))
-    pin.anchors.push_back({anchor.at("drive").get<std::string>(), ParseSeconds(anchor.at("time_s").get<std::string>()),
+    pin.anchors.push_back({anchor.at("drive").get<std::string>(),
+                           ParseSeconds(anchor.at("time_s").get<std::string>()),
                            VectorOf(anchor.at("point_in_imu"))});
   pin.is_used = json.at("is_used").get<bool>();
   return pin;
@@ -41,7 +42,8 @@ SitePin PinFromJson(const Json& json) {
 Json GeoidToJson(const SiteDatum& datum) {
   const std::optional<Geoid> geoid = Geoid::Find();
   if (!geoid) return nullptr;
-  return {{"model", geoid->name()}, {"undulation", geoid->Undulation(datum.latitude_deg, datum.longitude_deg)}};
+  return {{"model", geoid->name()},
+          {"undulation", geoid->Undulation(datum.latitude_deg, datum.longitude_deg)}};
 }
 
 }  // namespace
@@ -70,13 +72,14 @@ Json PinsToJson(const SitePinning& pinning) {
                          {"time_s", ToDecimalSeconds(anchor.time)},
                          {"point_in_imu", NumbersOf(anchor.point_in_imu)}});
     const bool has_residual = pinning.fit && pin.is_used;
-    json.push_back({{"point", NumbersOf(pin.place.point_in_site)},
-                    {"latitude_deg", pin.place.latitude_deg},
-                    {"longitude_deg", pin.place.longitude_deg},
-                    {"height", pin.place.height ? Json(*pin.place.height) : Json(nullptr)},
-                    {"is_used", pin.is_used},
-                    {"residual", has_residual ? NumbersOf(pinning.fit->residuals[used]) : Json(nullptr)},
-                    {"anchors", anchors}});
+    json.push_back(
+        {{"point", NumbersOf(pin.place.point_in_site)},
+         {"latitude_deg", pin.place.latitude_deg},
+         {"longitude_deg", pin.place.longitude_deg},
+         {"height", pin.place.height ? Json(*pin.place.height) : Json(nullptr)},
+         {"is_used", pin.is_used},
+         {"residual", has_residual ? NumbersOf(pinning.fit->residuals[used]) : Json(nullptr)},
+         {"anchors", anchors}});
     used += pin.is_used ? 1 : 0;
   }
   return json;
@@ -88,12 +91,13 @@ Json GeoreferenceToJson(const SiteMap& map, const SitePinning& pinning) {
                {"heights", map.datum->is_altitude_known ? "ellipsoidal" : "unknown"},
                {"geoid", GeoidToJson(*map.datum)}};
   if (map.placement) {
-    json["centre"] = NumbersOf(map.placement->centre);
-    json["position_sigma"] = NumbersOf(map.placement->PositionSigma(map.placement->centre));
+    json["centre"] = NumbersOf(map.placement->center);
+    json["position_sigma"] = NumbersOf(map.placement->PositionSigma(map.placement->center));
     json["yaw_sigma"] = map.placement->YawSigma();
     json["covariance"] = RowsOf(map.placement->covariance);
   }
-  if (pinning.fit) json["largest_residual"] = pinning.fit->residuals[pinning.fit->WorstPin()].norm();
+  if (pinning.fit)
+    json["largest_residual"] = pinning.fit->residuals[pinning.fit->WorstPin()].norm();
   if (pinning.pinned_from_gnss)
     json["pins_from_gnss"] = {{"position", NumbersOf(pinning.pinned_from_gnss->translation)},
                               {"yaw", LogSo3(pinning.pinned_from_gnss->rotation).z()}};

@@ -29,7 +29,8 @@ bool TakeLock(int fd) {
 
 }  // namespace
 
-DataDirectory::DataDirectory(const std::filesystem::path& root) : root_(std::filesystem::absolute(root)) {
+DataDirectory::DataDirectory(const std::filesystem::path& root)
+    : root_(std::filesystem::absolute(root)) {
   // "data/" would otherwise have an empty last part.
   if (!root_.has_filename()) root_ = root_.parent_path();
   CreateDurableFolder(root_);
@@ -38,7 +39,8 @@ DataDirectory::DataDirectory(const std::filesystem::path& root) : root_(std::fil
           "cannot write to the data directory '" + root.string() + "': " + std::strerror(errno));
   if (!TakeLock(lock_fd_)) {
     ::close(lock_fd_);
-    throw Error(ErrorCode::kConflict, "another service already uses the data directory '" + root.string() + "'");
+    throw Error(ErrorCode::kConflict,
+                "another service already uses the data directory '" + root.string() + "'");
   }
   for (const char* folder : {"db", "logs", "rigs", "maps", "jobs", "tmp", "quarantine"})
     CreateDurableFolder(root_ / folder);
@@ -60,9 +62,11 @@ std::filesystem::path DataDirectory::AttemptFolder(const std::string& job_id, in
 std::filesystem::path DataDirectory::NewTemporaryPath() const { return root_ / "tmp" / NewId(); }
 
 void DataDirectory::Quarantine(const std::filesystem::path& path) const {
-  const std::filesystem::path target = root_ / "quarantine" / (NewId() + "-" + path.filename().string());
+  const std::filesystem::path target =
+      root_ / "quarantine" / (NewId() + "-" + path.filename().string());
   std::filesystem::rename(path, target);
-  LogWarning("quarantined path=" + path.lexically_relative(root_).string() + " as=" + target.filename().string());
+  LogWarning("quarantined path=" + path.lexically_relative(root_).string() +
+             " as=" + target.filename().string());
 }
 
 }  // namespace parkade

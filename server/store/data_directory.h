@@ -40,7 +40,8 @@ class DataDirectory {
   std::filesystem::path AttemptFolder(const std::string& job_id, int attempt) const;
 
   /// Where the comparison of two published maps is kept, in tmp/.
-  std::filesystem::path ComparisonFolder(const std::string& from_map, const std::string& to_map) const {
+  std::filesystem::path ComparisonFolder(const std::string& from_map,
+                                         const std::string& to_map) const {
     return root_ / "tmp" / ("compare-" + from_map + "-" + to_map);
   }
 

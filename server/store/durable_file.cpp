@@ -17,19 +17,22 @@ constexpr size_t kWriteSize = size_t{1} << 20;
 constexpr std::int64_t kEarlySyncBytes = std::int64_t{8} << 20;
 
 [[noreturn]] void ThrowErrno(const std::string& what, int error) {
-  if (error == ENOSPC || error == EDQUOT) throw Error(ErrorCode::kDiskFull, "the disk of the data directory is full");
+  if (error == ENOSPC || error == EDQUOT)
+    throw Error(ErrorCode::kDiskFull, "the disk of the data directory is full");
   throw Error(ErrorCode::kInternal, what + ": " + std::strerror(error));
 }
 
 }  // namespace
 
-GrowingFile::GrowingFile(std::filesystem::path path, std::int64_t expected_bytes) : path_(std::move(path)) {
+GrowingFile::GrowingFile(std::filesystem::path path, std::int64_t expected_bytes)
+    : path_(std::move(path)) {
   // To reserve more than there is would take all of it from everybody else before it fails.
   if (expected_bytes > FreeBytes(path_.parent_path())) ThrowErrno("cannot reserve space", ENOSPC);
   fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (fd_ < 0) ThrowErrno("cannot create a file in the data directory", errno);
   pending_.reserve(kWriteSize);
-  if (expected_bytes > 0 && ::fallocate(fd_, FALLOC_FL_KEEP_SIZE, 0, expected_bytes) != 0 && errno == ENOSPC) {
+  if (expected_bytes > 0 && ::fallocate(fd_, FALLOC_FL_KEEP_SIZE, 0, expected_bytes) != 0 &&
+      errno == ENOSPC) {
     ::close(fd_);
     ::unlink(path_.c_str());
     ThrowErrno("cannot reserve space", ENOSPC);
@@ -72,7 +75,8 @@ void GrowingFile::Flush() {
 
 std::string GrowingFile::Finish() {
   Flush();
-  if (::fchmod(fd_, 0444) != 0 || ::fsync(fd_) != 0) ThrowErrno("cannot write to the data directory", errno);
+  if (::fchmod(fd_, 0444) != 0 || ::fsync(fd_) != 0)
+    ThrowErrno("cannot write to the data directory", errno);
   const int result = ::close(fd_);
   fd_ = -1;
   if (result != 0) ThrowErrno("cannot write to the data directory", errno);
@@ -81,7 +85,8 @@ std::string GrowingFile::Finish() {
 
 void GrowingFile::MoveTo(const std::filesystem::path& target) {
   CreateDurableFolder(target.parent_path());
-  if (::rename(path_.c_str(), target.c_str()) != 0) ThrowErrno("cannot rename in the data directory", errno);
+  if (::rename(path_.c_str(), target.c_str()) != 0)
+    ThrowErrno("cannot rename in the data directory", errno);
   path_.clear();
   SyncToDisk(target.parent_path());
 }
@@ -105,7 +110,8 @@ void CreateDurableFolder(const std::filesystem::path& folder) {
 
 std::int64_t FreeBytes(const std::filesystem::path& path) {
   struct statvfs info {};
-  if (::statvfs(path.c_str(), &info) != 0) ThrowErrno("cannot ask for the free space of the data directory", errno);
+  if (::statvfs(path.c_str(), &info) != 0)
+    ThrowErrno("cannot ask for the free space of the data directory", errno);
   return static_cast<std::int64_t>(info.f_bavail) * static_cast<std::int64_t>(info.f_frsize);
 }
 

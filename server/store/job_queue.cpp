@@ -39,11 +39,13 @@ void Requeue(Store& store, const Job& job, Setback setback, const std::string& r
   });
 }
 
-/// `named`, which have to be among the drives of a version, or else all of these that were not deleted meanwhile.
-std::vector<std::string> DrivesOfReview(Connection& connection, const std::string& site, std::int64_t version,
-                                        std::vector<std::string> named) {
+/// `named`, which have to be among the drives of a version, or else all of these that were not
+/// deleted meanwhile.
+std::vector<std::string> DrivesOfReview(Connection& connection, const std::string& site,
+                                        std::int64_t version, std::vector<std::string> named) {
   std::vector<std::string> of_version;
-  for (const Drive& drive : FindMap(connection, site, version).drives) of_version.push_back(drive.id);
+  for (const Drive& drive : FindMap(connection, site, version).drives)
+    of_version.push_back(drive.id);
   for (const std::string& drive : named)
     Require(std::count(of_version.begin(), of_version.end(), drive) == 1, ErrorCode::kInvalidInput,
             "drive '" + drive + "' is not in version " + std::to_string(version));
@@ -51,22 +53,24 @@ std::vector<std::string> DrivesOfReview(Connection& connection, const std::strin
   const std::vector<std::string> of_site = DrivesOfSite(connection, site);
   for (const std::string& drive : of_version)
     if (std::count(of_site.begin(), of_site.end(), drive) == 1) named.push_back(drive);
-  Require(!named.empty(), ErrorCode::kConflict, "all drives of version " + std::to_string(version) + " were deleted");
+  Require(!named.empty(), ErrorCode::kConflict,
+          "all drives of version " + std::to_string(version) + " were deleted");
   return named;
 }
 
 }  // namespace
 
-Job QueueMap(Store& store, const std::string& site, std::vector<std::string> drives, bool merge_drives,
-             const MapReview& review) {
+Job QueueMap(Store& store, const std::string& site, std::vector<std::string> drives,
+             bool merge_drives, const MapReview& review) {
   return store.database.Write([&](Connection& connection) {
     Require(HasSite(connection, site), ErrorCode::kNotFound, "there is no site '" + site + "'");
-    if (review.from_version) drives = DrivesOfReview(connection, site, *review.from_version, std::move(drives));
+    if (review.from_version)
+      drives = DrivesOfReview(connection, site, *review.from_version, std::move(drives));
     if (drives.empty()) drives = DrivesOfSite(connection, site);
     Require(!drives.empty(), ErrorCode::kInvalidInput, "site '" + site + "' has no drives to map");
     Require(merge_drives || drives.size() == 1, ErrorCode::kInvalidInput,
-            "this service maps one drive at a time: name one of the " + std::to_string(drives.size()) +
-                " drives of site '" + site + "' in \"drives\"");
+            "this service maps one drive at a time: name one of the " +
+                std::to_string(drives.size()) + " drives of site '" + site + "' in \"drives\"");
     for (size_t i = 0; i < drives.size(); ++i) {
       Require(FindDrive(connection, drives[i]).site == site, ErrorCode::kInvalidInput,
               "drive '" + drives[i] + "' is not one of site '" + site + "'");
@@ -110,7 +114,8 @@ void FailJob(Store& store, const Job& job, const std::string& code, const std::s
 
 void FinishCancelledJob(Store& store, const Job& job) {
   store.database.Write([&](Connection& connection) {
-    if (EndJob(connection, job.id, job.attempt, {JobState::kCancelled, "cancelled", "cancelled", std::nullopt}))
+    if (EndJob(connection, job.id, job.attempt,
+               {JobState::kCancelled, "cancelled", "cancelled", std::nullopt}))
       SetStates(connection, job, DriveState::kReceived);
   });
 }
@@ -126,19 +131,23 @@ void RetryCrashedJob(Store& store, const Job& job, const std::string& sentence) 
 void RecoverJob(Store& store, const Job& job) {
   const int ends = job.service_ends + 1;
   if (ends >= kMaxServiceEnds) {
-    FailJob(store, job, "crashed", "the service ended " + std::to_string(ends) + " times while the job was running");
+    FailJob(store, job, "crashed",
+            "the service ended " + std::to_string(ends) + " times while the job was running");
   } else {
     Requeue(store, job, Setback::kServiceEnd, "the service ended while the job was running");
   }
 }
 
-void ReturnJob(Store& store, const Job& job) { Requeue(store, job, Setback::kStop, "the service was stopped"); }
+void ReturnJob(Store& store, const Job& job) {
+  Requeue(store, job, Setback::kStop, "the service was stopped");
+}
 
 bool CancelWaitingJob(Store& store, const std::string& id) {
   return store.database.Write([&](Connection& connection) {
     const Job job = FindJob(connection, id);
     const bool has_ended = job.state != JobState::kQueued && job.state != JobState::kRunning;
-    Require(!has_ended, ErrorCode::kConflict, "job '" + id + "' has already ended: it is " + ToText(job.state));
+    Require(!has_ended, ErrorCode::kConflict,
+            "job '" + id + "' has already ended: it is " + ToText(job.state));
     if (!CancelQueuedJob(connection, id)) return false;
     SetStates(connection, job, DriveState::kReceived);
     return true;
@@ -150,11 +159,13 @@ Job RetryJob(Store& store, const std::string& id) {
     const Job ended = FindJob(connection, id);
     const bool can_retry = ended.state == JobState::kFailed || ended.state == JobState::kCancelled;
     Require(can_retry, ErrorCode::kConflict,
-            "only a failed or cancelled job can be tried again: job '" + id + "' is " + ToText(ended.state));
+            "only a failed or cancelled job can be tried again: job '" + id + "' is " +
+                ToText(ended.state));
     ResetDrives(connection, ended);
     QueueJobAgain(connection, id);
     const Job job = FindJob(connection, id);
-    Require(!job.drives.empty(), ErrorCode::kConflict, "all drives of job '" + id + "' were deleted");
+    Require(!job.drives.empty(), ErrorCode::kConflict,
+            "all drives of job '" + id + "' were deleted");
     SetStates(connection, job, DriveState::kQueued);
     return job;
   });

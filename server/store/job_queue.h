@@ -14,26 +14,26 @@ namespace parkade {
 //
 //   queued -> running -> done | failed | cancelled | queued (once more)
 //
-// A job with a new drive moves that one only: those it is joined with are in a map. A drive in a map is ready and
-// stays so.
+// A job with a new drive moves that one only: those it is joined with are in a map. A drive in a
+// map is ready and stays so.
 
 /// Queues a job that maps `drives` of a site; all of the site's where empty.
 /// Throws Error{kNotFound} for an unknown site or drive, Error{kInvalidInput}
-/// when there is nothing to map, or several drives without `merge_drives`. With a review that starts from a version,
-/// the drives are that version's where none are named, without those deleted since (Error{kConflict} when none is
-/// left), and must be among them otherwise.
-Job QueueMap(Store& store, const std::string& site, std::vector<std::string> drives, bool merge_drives,
-             const MapReview& review = {});
+/// when there is nothing to map, or several drives without `merge_drives`. With a review that
+/// starts from a version, the drives are that version's where none are named, without those deleted
+/// since (Error{kConflict} when none is left), and must be among them otherwise.
+Job QueueMap(Store& store, const std::string& site, std::vector<std::string> drives,
+             bool merge_drives, const MapReview& review = {});
 
-/// Takes the oldest queued job, if any, and starts an attempt of it, without the drives that were deleted since it was
-/// queued. These may have been all. A job with a new drive is joined with what its site has now, and waits
-/// while another job of its site runs.
+/// Takes the oldest queued job, if any, and starts an attempt of it, without the drives that were
+/// deleted since it was queued. These may have been all. A job with a new drive is joined with what
+/// its site has now, and waits while another job of its site runs.
 std::optional<Job> ClaimJob(Store& store);
 
 /// How many attempts at a job may end by a crash of its worker.
 constexpr int kMaxCrashes = 3;
-/// The same for ends of the service. Mostly these have nothing to do with the job, but a job that takes the whole
-/// machine down must not do so for ever.
+/// The same for ends of the service. Mostly these have nothing to do with the job, but a job that
+/// takes the whole machine down must not do so for ever.
 constexpr int kMaxServiceEnds = 20;
 
 /// Ends an attempt that will not be tried again. Nothing happens when it is no
@@ -45,8 +45,8 @@ void FinishCancelledJob(Store& store, const Job& job);
 /// kMaxCrashes crashes.
 void RetryCrashedJob(Store& store, const Job& job, const std::string& sentence);
 
-/// Puts an attempt back into the queue that an earlier service was at when it died, or fails it after kMaxServiceEnds
-/// of them.
+/// Puts an attempt back into the queue that an earlier service was at when it died, or fails it
+/// after kMaxServiceEnds of them.
 void RecoverJob(Store& store, const Job& job);
 
 /// Puts an attempt back into the queue that the service itself stopped.

@@ -27,14 +27,18 @@ std::vector<MapFile> SealFiles(const fs::path& staging) {
             "the worker left '" + name + "', which is neither a file nor a folder");
     SyncToDisk(entry.path());
     if (fs::is_directory(status)) continue;
-    fs::permissions(entry.path(), fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
-    files.push_back({name, static_cast<std::int64_t>(entry.file_size()), Sha256OfFile(entry.path())});
+    fs::permissions(entry.path(),
+                    fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
+    files.push_back(
+        {name, static_cast<std::int64_t>(entry.file_size()), Sha256OfFile(entry.path())});
   }
   SyncToDisk(staging);
-  std::sort(files.begin(), files.end(), [](const MapFile& a, const MapFile& b) { return a.name < b.name; });
+  std::sort(files.begin(), files.end(),
+            [](const MapFile& a, const MapFile& b) { return a.name < b.name; });
   for (const std::string required : {"map.glb", "report.json"}) {
-    const bool is_there = std::any_of(files.begin(), files.end(),
-                                      [&](const MapFile& file) { return file.name == required && file.bytes > 0; });
+    const bool is_there = std::any_of(files.begin(), files.end(), [&](const MapFile& file) {
+      return file.name == required && file.bytes > 0;
+    });
     Require(is_there, ErrorCode::kInternal, "the worker ended without '" + required + "'");
   }
   return files;
@@ -42,7 +46,8 @@ std::vector<MapFile> SealFiles(const fs::path& staging) {
 
 std::string HashOfManifest(const std::vector<MapFile>& files) {
   Sha256 hash;
-  for (const MapFile& file : files) hash.Add(file.sha256 + " " + std::to_string(file.bytes) + " " + file.name + "\n");
+  for (const MapFile& file : files)
+    hash.Add(file.sha256 + " " + std::to_string(file.bytes) + " " + file.name + "\n");
   return hash.Finish();
 }
 
@@ -91,20 +96,23 @@ MapVersion PublishMap(Store& store, const Job& job, const SealedMap& sealed) {
       Drive drive = FindDriveOrTombstone(connection, id);
       (report.left_out.contains(drive.name) ? left_out : map.drives).push_back(std::move(drive));
     }
-    Require(!map.drives.empty(), ErrorCode::kInternal, "the worker left all drives out and made a map");
+    Require(!map.drives.empty(), ErrorCode::kInternal,
+            "the worker left all drives out and made a map");
     InsertMap(connection, map);
-    const bool is_current =
-        EndJob(connection, job.id, job.attempt, {JobState::kDone, std::nullopt, std::nullopt, map.version});
+    const bool is_current = EndJob(connection, job.id, job.attempt,
+                                   {JobState::kDone, std::nullopt, std::nullopt, map.version});
     Require(is_current, ErrorCode::kConflict,
-            "attempt " + std::to_string(job.attempt) + " of job '" + job.id + "' is no longer the running one");
+            "attempt " + std::to_string(job.attempt) + " of job '" + job.id +
+                "' is no longer the running one");
     for (const Drive& drive : map.drives) {
       SetDriveState(connection, drive.id, DriveState::kReady, std::nullopt);
       const auto streams = report.streams_of_drive.find(drive.name);
-      if (streams != report.streams_of_drive.end()) SetDriveStreams(connection, drive.id, streams->second);
+      if (streams != report.streams_of_drive.end())
+        SetDriveStreams(connection, drive.id, streams->second);
     }
     for (const Drive& drive : left_out) {
-      const std::string reason =
-          "left out of version " + std::to_string(map.version) + ": " + report.left_out.at(drive.name);
+      const std::string reason = "left out of version " + std::to_string(map.version) + ": " +
+                                 report.left_out.at(drive.name);
       // What already made it into a map stays ready, whatever comes later.
       if (HasMap(connection, drive.id)) {
         SetDriveState(connection, drive.id, DriveState::kReady, std::nullopt);

@@ -17,14 +17,15 @@ struct SealedMap {
   ReportSummary report;
 };
 
-/// Hashes every file in `staging`, makes it durable and read-only: seconds for a large map. Throws Error{kInternal}
-/// when the products are not a map or hold links or odd names, Error{kDiskFull}.
+/// Hashes every file in `staging`, makes it durable and read-only: seconds for a large map. Throws
+/// Error{kInternal} when the products are not a map or hold links or odd names, Error{kDiskFull}.
 SealedMap SealMap(const std::filesystem::path& staging);
 
-/// Makes a sealed map the next version of its site and ends the job: the folder is renamed into the store, and one
-/// transaction makes it visible. Readers see the old state or the new one. Throws Error{kConflict} when the attempt is
-/// no longer the running one, Error{kInternal} when the worker left all drives out, Error{kDiskFull}; nothing is
-/// published then, and what was staged is gone or still where it was.
+/// Makes a sealed map the next version of its site and ends the job: the folder is renamed into the
+/// store, and one transaction makes it visible. Readers see the old state or the new one. Throws
+/// Error{kConflict} when the attempt is no longer the running one, Error{kInternal} when the worker
+/// left all drives out, Error{kDiskFull}; nothing is published then, and what was staged is gone or
+/// still where it was.
 MapVersion PublishMap(Store& store, const Job& job, const SealedMap& sealed);
 
 }  // namespace parkade

@@ -19,7 +19,8 @@ std::optional<std::string> ObjectAt(const nlohmann::json& json, const char* key)
 }  // namespace
 
 ReportSummary ReadReportSummary(const std::filesystem::path& report) {
-  const nlohmann::json json = nlohmann::json::parse(ReadFile(report, kMaxReportBytes), nullptr, false);
+  const nlohmann::json json =
+      nlohmann::json::parse(ReadFile(report, kMaxReportBytes), nullptr, false);
   Require(json.is_object(), ErrorCode::kInternal, "the worker's report.json is not a JSON object");
 
   ReportSummary summary;
@@ -32,7 +33,8 @@ ReportSummary ReadReportSummary(const std::filesystem::path& report) {
   const auto drives = json.find("drives");
   if (drives == json.end() || !drives->is_array()) return summary;
   for (const nlohmann::json& drive : *drives) {
-    if (!drive.is_object() || !drive.contains("name") || !drive["name"].is_string() || !drive.contains("streams"))
+    if (!drive.is_object() || !drive.contains("name") || !drive["name"].is_string() ||
+        !drive.contains("streams"))
       continue;
     summary.streams_of_drive[drive["name"]] =
         drive["streams"].dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);

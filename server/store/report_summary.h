@@ -10,10 +10,11 @@ namespace parkade {
 /// What lists of sites and drives show of a map's report.json. Each value is
 /// JSON text; absent where the report does not say.
 struct ReportSummary {
-  std::optional<std::string> datum;                     ///< "datum": {latitude_deg, longitude_deg, altitude}
-  std::optional<std::string> bounds;                    ///< "bounds": {min: [x, y, z], max: [x, y, z]} in site [m]
+  std::optional<std::string> datum;   ///< "datum": {latitude_deg, longitude_deg, altitude}
+  std::optional<std::string> bounds;  ///< "bounds": {min: [x, y, z], max: [x, y, z]} in site [m]
   std::map<std::string, std::string> streams_of_drive;  ///< "drives": [{name, streams}], by name
-  std::map<std::string, std::string> left_out;          ///< "left_out": [{name, reason}], plain text by name
+  std::map<std::string, std::string>
+      left_out;  ///< "left_out": [{name, reason}], plain text by name
 };
 
 /// Throws Error{kInternal} when the file is missing or not a JSON object.

@@ -26,7 +26,8 @@ std::string ContentOf(archive* reader, const std::string& name, size_t budget) {
     Require(size >= 0, ErrorCode::kInvalidInput, "'" + name + "' in the zip is damaged");
     if (size == 0) return content;
     content.append(piece.data(), static_cast<size_t>(size));
-    Require(content.size() <= budget, ErrorCode::kInvalidInput, "the zip unpacks to more than 64 MiB");
+    Require(content.size() <= budget, ErrorCode::kInvalidInput,
+            "the zip unpacks to more than 64 MiB");
   }
 }
 
@@ -35,8 +36,8 @@ std::string ContentOf(archive* reader, const std::string& name, size_t budget) {
 RigFiles UnpackRig(const std::string& zip) {
   const ArchivePointer reader(archive_read_new());
   archive_read_support_format_zip(reader.get());
-  Require(archive_read_open_memory(reader.get(), zip.data(), zip.size()) == ARCHIVE_OK, ErrorCode::kInvalidInput,
-          "the rig is not a zip archive");
+  Require(archive_read_open_memory(reader.get(), zip.data(), zip.size()) == ARCHIVE_OK,
+          ErrorCode::kInvalidInput, "the rig is not a zip archive");
 
   RigFiles files;
   size_t total = 0;
@@ -48,9 +49,11 @@ RigFiles UnpackRig(const std::string& zip) {
     const char* path = archive_entry_pathname(entry);
     const std::filesystem::path parts = path == nullptr ? "" : path;
     const std::string name = parts.filename().string();
-    const bool is_plain = archive_entry_filetype(entry) == AE_IFREG && IsPlainName(name) && parts.is_relative() &&
-                          std::distance(parts.begin(), parts.end()) <= 2 && *parts.begin() != "..";
-    Require(is_plain, ErrorCode::kInvalidInput, "the zip may hold plain files in at most one folder, nothing else");
+    const bool is_plain = archive_entry_filetype(entry) == AE_IFREG && IsPlainName(name) &&
+                          parts.is_relative() && std::distance(parts.begin(), parts.end()) <= 2 &&
+                          *parts.begin() != "..";
+    Require(is_plain, ErrorCode::kInvalidInput,
+            "the zip may hold plain files in at most one folder, nothing else");
     Require(files.size() < kMaxFiles, ErrorCode::kInvalidInput, "the zip holds more than 64 files");
     Require(!files.contains(name), ErrorCode::kInvalidInput, "the zip holds '" + name + "' twice");
     files[name] = ContentOf(reader.get(), name, kMaxBytes - total);
@@ -71,14 +74,16 @@ std::string PackRig(const RigFiles& files) {
   archive_write_set_bytes_per_block(writer.get(), 1);
   int result = archive_write_open_memory(writer.get(), zip.data(), zip.size(), &used);
   for (const auto& [name, content] : files) {
-    const std::unique_ptr<archive_entry, void (*)(archive_entry*)> entry(archive_entry_new(), archive_entry_free);
+    const std::unique_ptr<archive_entry, void (*)(archive_entry*)> entry(archive_entry_new(),
+                                                                         archive_entry_free);
     archive_entry_set_pathname(entry.get(), name.c_str());
     archive_entry_set_size(entry.get(), static_cast<la_int64_t>(content.size()));
     archive_entry_set_filetype(entry.get(), AE_IFREG);
     archive_entry_set_perm(entry.get(), 0644);
     archive_entry_set_mtime(entry.get(), 315532800, 0);  // 1980-01-01, the oldest a zip knows
     result = std::min(result, archive_write_header(writer.get(), entry.get()));
-    if (archive_write_data(writer.get(), content.data(), content.size()) != static_cast<la_ssize_t>(content.size()))
+    if (archive_write_data(writer.get(), content.data(), content.size()) !=
+        static_cast<la_ssize_t>(content.size()))
       result = ARCHIVE_FATAL;
   }
   result = std::min(result, archive_write_close(writer.get()));

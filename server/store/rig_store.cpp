@@ -14,13 +14,15 @@ namespace fs = std::filesystem;
 
 StoredRig StoreRig(Store& store, const std::string& name, const RigFiles& files,
                    const std::function<void(const fs::path&)>& check_rig) {
-  Require(
-      IsPlainName(name), ErrorCode::kInvalidInput,
-      "the name of a rig is 1 to 64 letters, digits, dots, dashes or underscores, and starts with a letter or digit");
+  Require(IsPlainName(name), ErrorCode::kInvalidInput,
+          "the name of a rig is 1 to 64 letters, digits, dots, dashes or underscores, and starts "
+          "with a letter or digit");
   for (const char* required : {"camchain-imucam.yaml", "imu0.yaml", "vehicle.yaml"})
-    Require(files.contains(required), ErrorCode::kInvalidInput, std::string("the rig lacks '") + required + "'");
+    Require(files.contains(required), ErrorCode::kInvalidInput,
+            std::string("the rig lacks '") + required + "'");
   for (const auto& [file, content] : files)
-    Require(IsPlainName(file), ErrorCode::kInvalidInput, "the rig holds a file with an unusual name");
+    Require(IsPlainName(file), ErrorCode::kInvalidInput,
+            "the rig holds a file with an unusual name");
 
   const TemporaryPath folder(store.directory.NewTemporaryPath());
   fs::create_directory(folder.get());
@@ -41,7 +43,8 @@ StoredRig StoreRig(Store& store, const std::string& name, const RigFiles& files,
 
 std::string ReadRigArchive(const Store& store, const StoredRig& rig) {
   RigFiles files;
-  for (const std::string& file : rig.files) files[file] = ReadFile(store.directory.RigFolder(rig.id) / file);
+  for (const std::string& file : rig.files)
+    files[file] = ReadFile(store.directory.RigFolder(rig.id) / file);
   return PackRig(files);
 }
 

@@ -12,7 +12,8 @@ namespace parkade {
 /// says what they are. A file without a row is nothing; a row without its file
 /// does not happen, because the file is durable before the row is written.
 struct Store {
-  explicit Store(const std::filesystem::path& root) : directory(root), database(directory.DatabaseFile()) {}
+  explicit Store(const std::filesystem::path& root)
+      : directory(root), database(directory.DatabaseFile()) {}
 
   DataDirectory directory;
   Database database;

@@ -17,32 +17,36 @@ namespace {
 struct Matches {
   std::vector<Timestamp> times;
   std::vector<Rigid3> truth, estimate;
-  std::vector<double> travelled;  ///< [m] along the truth since the first match
+  std::vector<double> traveled;  ///< [m] along the truth since the first match
 
   size_t size() const { return times.size(); }
 };
 
 void RequireIncreasingTimes(const std::vector<TimedPose>& poses, const std::string& name) {
-  const auto bad = std::adjacent_find(poses.begin(), poses.end(),
-                                      [](const TimedPose& a, const TimedPose& b) { return a.time >= b.time; });
+  const auto bad =
+      std::adjacent_find(poses.begin(), poses.end(),
+                         [](const TimedPose& a, const TimedPose& b) { return a.time >= b.time; });
   if (bad == poses.end()) return;
-  throw Error(ErrorCode::kInvalidInput,
-              "the times of the " + name + " do not increase after " + ToDecimalSeconds(bad->time) + " s");
+  throw Error(ErrorCode::kInvalidInput, "the times of the " + name + " do not increase after " +
+                                            ToDecimalSeconds(bad->time) + " s");
 }
 
 std::optional<Rigid3> TruthAt(const std::vector<TimedPose>& truth, Timestamp time, double max_gap) {
-  const auto after = std::lower_bound(truth.begin(), truth.end(), time,
-                                      [](const TimedPose& pose, Timestamp t) { return pose.time < t; });
+  const auto after =
+      std::lower_bound(truth.begin(), truth.end(), time,
+                       [](const TimedPose& pose, Timestamp t) { return pose.time < t; });
   if (after == truth.end()) return std::nullopt;
   if (after->time == time) return after->world_from_frame;
   if (after == truth.begin()) return std::nullopt;
   const auto before = std::prev(after);
   const double gap = after->time - before->time;
   if (gap > max_gap) return std::nullopt;
-  return Interpolate(before->world_from_frame, after->world_from_frame, (time - before->time) / gap);
+  return Interpolate(before->world_from_frame, after->world_from_frame,
+                     (time - before->time) / gap);
 }
 
-Matches Associate(const std::vector<TimedPose>& truth, const std::vector<TimedPose>& estimate, double max_gap) {
+Matches Associate(const std::vector<TimedPose>& truth, const std::vector<TimedPose>& estimate,
+                  double max_gap) {
   Matches matches;
   for (const TimedPose& pose : estimate) {
     const std::optional<Rigid3> true_pose = TruthAt(truth, pose.time, max_gap);
@@ -57,15 +61,15 @@ Matches Associate(const std::vector<TimedPose>& truth, const std::vector<TimedPo
   auto next = std::upper_bound(truth.begin(), truth.end(), matches.times.front(),
                                [](Timestamp t, const TimedPose& pose) { return t < pose.time; });
   Eigen::Vector3d last = matches.truth.front().translation;
-  double travelled = 0;
+  double traveled = 0;
   for (size_t i = 0; i < matches.size(); ++i) {
     for (; next != truth.end() && next->time < matches.times[i]; ++next) {
-      travelled += (next->world_from_frame.translation - last).norm();
+      traveled += (next->world_from_frame.translation - last).norm();
       last = next->world_from_frame.translation;
     }
-    travelled += (matches.truth[i].translation - last).norm();
+    traveled += (matches.truth[i].translation - last).norm();
     last = matches.truth[i].translation;
-    matches.travelled.push_back(travelled);
+    matches.traveled.push_back(traveled);
   }
   return matches;
 }
@@ -76,7 +80,8 @@ ErrorSummary Summarize(std::vector<double> errors) {
   const double count = static_cast<double>(errors.size());
   std::sort(errors.begin(), errors.end());
   summary.mean = std::accumulate(errors.begin(), errors.end(), 0.0) / count;
-  summary.rmse = std::sqrt(std::inner_product(errors.begin(), errors.end(), errors.begin(), 0.0) / count);
+  summary.rmse =
+      std::sqrt(std::inner_product(errors.begin(), errors.end(), errors.begin(), 0.0) / count);
   summary.median = 0.5 * (errors[(errors.size() - 1) / 2] + errors[errors.size() / 2]);
   summary.max = errors.back();
   return summary;
@@ -94,7 +99,8 @@ AbsoluteError AbsoluteAfter(const Rigid3& truth_from_estimate, const Matches& ma
 
 /// Stretches from every match to the first one that is `length` further along
 /// `position` (which never decreases).
-RelativeError RelativeOver(double length, const std::vector<double>& position, const Matches& matches) {
+RelativeError RelativeOver(double length, const std::vector<double>& position,
+                           const Matches& matches) {
   RelativeError error;
   error.length = length;
   std::vector<double> translations, rotations;
@@ -116,7 +122,8 @@ RelativeError RelativeOver(double length, const std::vector<double>& position, c
 
 Eigen::Matrix3Xd PositionsOf(const std::vector<Rigid3>& poses) {
   Eigen::Matrix3Xd positions(3, static_cast<Eigen::Index>(poses.size()));
-  for (size_t i = 0; i < poses.size(); ++i) positions.col(static_cast<Eigen::Index>(i)) = poses[i].translation;
+  for (size_t i = 0; i < poses.size(); ++i)
+    positions.col(static_cast<Eigen::Index>(i)) = poses[i].translation;
   return positions;
 }
 
@@ -127,22 +134,26 @@ Eigen::Matrix3Xd BodiesOf(const std::vector<Rigid3>& poses) {
   for (size_t i = 0; i < poses.size(); ++i) {
     auto body = points.middleCols<4>(static_cast<Eigen::Index>(4 * i));
     body.col(0) = poses[i].translation;
-    body.rightCols<3>() = (kArm * poses[i].rotation.toRotationMatrix()).colwise() + poses[i].translation;
+    body.rightCols<3>() =
+        (kArm * poses[i].rotation.toRotationMatrix()).colwise() + poses[i].translation;
   }
   return points;
 }
 
 nlohmann::json JsonOf(const ErrorSummary& summary) {
-  return {{"rmse", summary.rmse}, {"mean", summary.mean}, {"median", summary.median}, {"max", summary.max}};
+  return {{"rmse", summary.rmse},
+          {"mean", summary.mean},
+          {"median", summary.median},
+          {"max", summary.max}};
 }
 
 nlohmann::json JsonOf(const AbsoluteError& error) {
   const Eigen::Vector3d& p = error.truth_from_estimate.translation;
   const Eigen::Quaterniond& q = error.truth_from_estimate.rotation;
-  return {
-      {"translation", JsonOf(error.translation)},
-      {"rotation", JsonOf(error.rotation)},
-      {"truth_from_estimate", {{"translation", {p.x(), p.y(), p.z()}}, {"rotation", {q.x(), q.y(), q.z(), q.w()}}}}};
+  return {{"translation", JsonOf(error.translation)},
+          {"rotation", JsonOf(error.rotation)},
+          {"truth_from_estimate",
+           {{"translation", {p.x(), p.y(), p.z()}}, {"rotation", {q.x(), q.y(), q.z(), q.w()}}}}};
 }
 
 nlohmann::json JsonOf(const RelativeError& error) {
@@ -163,10 +174,12 @@ std::string Line(const char* format, Numbers... numbers) {
 
 void EvaluationOptions::Validate() const {
   Require(max_truth_gap > 0, ErrorCode::kUsage, "max_truth_gap must be > 0 s");
-  for (const double length : segment_lengths) Require(length > 0, ErrorCode::kUsage, "segment_lengths must be > 0 m");
+  for (const double length : segment_lengths)
+    Require(length > 0, ErrorCode::kUsage, "segment_lengths must be > 0 m");
 }
 
-TrajectoryEvaluation EvaluateTrajectory(const std::vector<TimedPose>& truth, const std::vector<TimedPose>& estimate,
+TrajectoryEvaluation EvaluateTrajectory(const std::vector<TimedPose>& truth,
+                                        const std::vector<TimedPose>& estimate,
                                         const EvaluationOptions& options) {
   options.Validate();
   RequireIncreasingTimes(truth, "truth");
@@ -179,7 +192,7 @@ TrajectoryEvaluation EvaluateTrajectory(const std::vector<TimedPose>& truth, con
   TrajectoryEvaluation evaluation;
   evaluation.num_estimates = estimate.size();
   evaluation.num_matched = matches.size();
-  evaluation.path_length = matches.travelled.back();
+  evaluation.path_length = matches.traveled.back();
   evaluation.duration = matches.times.back() - matches.times.front();
 
   const Eigen::Matrix3Xd source = PositionsOf(matches.estimate);
@@ -188,9 +201,11 @@ TrajectoryEvaluation EvaluateTrajectory(const std::vector<TimedPose>& truth, con
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(source.cols());
   evaluation.rigid = AbsoluteAfter(alignment.target_from_source, matches);
   evaluation.yaw_only = AbsoluteAfter(AlignYawAndTranslation(source, target, ones, ones), matches);
-  const Rigid3 by_poses = AlignPoints(BodiesOf(matches.estimate), BodiesOf(matches.truth)).target_from_source;
+  const Rigid3 by_poses =
+      AlignPoints(BodiesOf(matches.estimate), BodiesOf(matches.truth)).target_from_source;
   evaluation.by_poses = AbsoluteAfter(by_poses, matches);
-  evaluation.tilt = std::acos(std::clamp((by_poses.rotation * Eigen::Vector3d::UnitZ()).z(), -1.0, 1.0));
+  evaluation.tilt =
+      std::acos(std::clamp((by_poses.rotation * Eigen::Vector3d::UnitZ()).z(), -1.0, 1.0));
   // Scale means nothing below what noise alone would travel.
   if (evaluation.path_length > 1.0) {
     evaluation.drift_percent = 100 * evaluation.rigid.translation.rmse / evaluation.path_length;
@@ -198,7 +213,7 @@ TrajectoryEvaluation EvaluateTrajectory(const std::vector<TimedPose>& truth, con
   }
 
   for (const double length : options.segment_lengths)
-    evaluation.per_length.push_back(RelativeOver(length, matches.travelled, matches));
+    evaluation.per_length.push_back(RelativeOver(length, matches.traveled, matches));
   std::vector<double> seconds;
   for (const Timestamp time : matches.times) seconds.push_back(time - matches.times.front());
   evaluation.per_second = RelativeOver(1.0, seconds, matches);
@@ -210,19 +225,19 @@ std::string ToText(const TrajectoryEvaluation& evaluation) {
   std::string text = Line("matched      %zu / %zu poses, %.2f m, %.2f s\n", evaluation.num_matched,
                           evaluation.num_estimates, evaluation.path_length, evaluation.duration);
   const auto absolute = [&](const char* name, const AbsoluteError& error) {
-    text +=
-        Line("%-12s rmse %.4f m  mean %.4f  median %.4f  max %.4f   %.3f deg\n", name, error.translation.rmse,
-             error.translation.mean, error.translation.median, error.translation.max, kDegrees * error.rotation.rmse);
+    text += Line("%-12s rmse %.4f m  mean %.4f  median %.4f  max %.4f   %.3f deg\n", name,
+                 error.translation.rmse, error.translation.mean, error.translation.median,
+                 error.translation.max, kDegrees * error.rotation.rmse);
   };
   absolute("ATE (6 DoF)", evaluation.rigid);
   absolute("ATE (4 DoF)", evaluation.yaw_only);
-  text += Line("drift        %.3f %%   scale %.5f   tilt %.3f deg\n", evaluation.drift_percent, evaluation.scale,
-               kDegrees * evaluation.tilt);
+  text += Line("drift        %.3f %%   scale %.5f   tilt %.3f deg\n", evaluation.drift_percent,
+               evaluation.scale, kDegrees * evaluation.tilt);
   const auto relative = [&](const RelativeError& error, const char* unit) {
     if (error.count == 0) return;
-    text += Line("RPE %5.0f %-2s  rmse %.4f m  median %.4f  max %.4f   %.4f deg   (%zu)\n", error.length, unit,
-                 error.translation.rmse, error.translation.median, error.translation.max,
-                 kDegrees * error.rotation.rmse, error.count);
+    text += Line("RPE %5.0f %-2s  rmse %.4f m  median %.4f  max %.4f   %.4f deg   (%zu)\n",
+                 error.length, unit, error.translation.rmse, error.translation.median,
+                 error.translation.max, kDegrees * error.rotation.rmse, error.count);
   };
   for (const RelativeError& error : evaluation.per_length) relative(error, "m");
   relative(evaluation.per_second, "s");
@@ -246,7 +261,8 @@ nlohmann::json ToJson(const TrajectoryEvaluation& evaluation) {
           {"per_second", JsonOf(evaluation.per_second)}};
 }
 
-std::vector<TimedPose> PosesOf(const std::vector<TimedPose>& world_from_frame, const Rigid3& frame_from_other) {
+std::vector<TimedPose> PosesOf(const std::vector<TimedPose>& world_from_frame,
+                               const Rigid3& frame_from_other) {
   std::vector<TimedPose> poses = world_from_frame;
   for (TimedPose& pose : poses) pose.world_from_frame = pose.world_from_frame * frame_from_other;
   return poses;
@@ -255,7 +271,8 @@ std::vector<TimedPose> PosesOf(const std::vector<TimedPose>& world_from_frame, c
 std::vector<TimedPose> ToTimedPoses(const Trajectory& trajectory) {
   std::vector<TimedPose> poses;
   poses.reserve(trajectory.states().size());
-  for (const TrajectoryState& state : trajectory.states()) poses.push_back({state.time, state.odom_from_body});
+  for (const TrajectoryState& state : trajectory.states())
+    poses.push_back({state.time, state.world_from_body});
   return poses;
 }
 

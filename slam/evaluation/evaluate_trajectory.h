@@ -46,15 +46,15 @@ struct RelativeError {
 
 struct TrajectoryEvaluation {
   std::size_t num_estimates = 0;
-  std::size_t num_matched = 0;            ///< estimates with a truth at their time
-  double path_length = 0;                 ///< [m] of the truth, over the matched times
-  double duration = 0;                    ///< [s] from the first match to the last
-  AbsoluteError rigid;                    ///< ATE after 6-DoF alignment: what the paper reports
-  AbsoluteError yaw_only;                 ///< the same with yaw and translation only: both worlds have z up
-  AbsoluteError by_poses;                 ///< after 6-DoF alignment of attitudes, too: what lies beside the drive
-  double tilt = 0;                        ///< [rad] between the two verticals in that alignment
-  double drift_percent = 0;               ///< 100 * rigid.translation.rmse / path_length; 0 at standstill
-  double scale = 1;                       ///< of the estimate, from a 7-DoF alignment: diagnostic, never applied
+  std::size_t num_matched = 0;  ///< estimates with a truth at their time
+  double path_length = 0;       ///< [m] of the truth, over the matched times
+  double duration = 0;          ///< [s] from the first match to the last
+  AbsoluteError rigid;          ///< ATE after 6-DoF alignment: what the paper reports
+  AbsoluteError yaw_only;       ///< the same with yaw and translation only: both worlds have z up
+  AbsoluteError by_poses;  ///< after 6-DoF alignment of attitudes, too: what lies beside the drive
+  double tilt = 0;         ///< [rad] between the two verticals in that alignment
+  double drift_percent = 0;  ///< 100 * rigid.translation.rmse / path_length; 0 at standstill
+  double scale = 1;          ///< of the estimate, from a 7-DoF alignment: diagnostic, never applied
   std::vector<RelativeError> per_length;  ///< one per EvaluationOptions::segment_lengths
   RelativeError per_second;               ///< stretches of 1 s
 };
@@ -66,13 +66,14 @@ struct TrajectoryEvaluation {
 ///
 /// Alignment without scale: S. Umeyama, "Least-squares estimation of
 /// transformation parameters between two point patterns", TPAMI 1991, eq. 40-42.
-/// Alignment by poses: likewise, of each pose its position and three points 5 m off along its axes, since positions
-/// along a straight street leave the roll about it open. Relative error: J. Sturm et al., "A benchmark for the
-/// evaluation of RGB-D SLAM systems", IROS 2012, eq. 2.
+/// Alignment by poses: also, of each pose its position and three points 5 m off along its axes,
+/// since positions along a straight street leave the roll about it open. Relative error: J. Sturm
+/// et al., "A benchmark for the evaluation of RGB-D SLAM systems", IROS 2012, eq. 2.
 ///
 /// Throws Error{kInvalidInput} when fewer than 3 estimates have a truth, or the
 /// times of either list do not increase. O(n log n).
-TrajectoryEvaluation EvaluateTrajectory(const std::vector<TimedPose>& truth, const std::vector<TimedPose>& estimate,
+TrajectoryEvaluation EvaluateTrajectory(const std::vector<TimedPose>& truth,
+                                        const std::vector<TimedPose>& estimate,
                                         const EvaluationOptions& options = {});
 
 /// A few aligned lines for people.
@@ -83,7 +84,8 @@ nlohmann::json ToJson(const TrajectoryEvaluation& evaluation);
 
 /// The same poses of `frame` in another frame of the car:
 /// world_from_other = world_from_frame * frame_from_other.
-std::vector<TimedPose> PosesOf(const std::vector<TimedPose>& world_from_frame, const Rigid3& frame_from_other);
+std::vector<TimedPose> PosesOf(const std::vector<TimedPose>& world_from_frame,
+                               const Rigid3& frame_from_other);
 
 /// The poses of a trajectory, for evaluation and WriteTum.
 std::vector<TimedPose> ToTimedPoses(const Trajectory& trajectory);

@@ -25,7 +25,8 @@ Look LookAt(const ImageView& view, const LandmarkRay& ray, const double* landmar
   const double w = landmark[2];
   Look sight;
   sight.velocity = w * (view.pose.odom_from_imu.transpose() * view.velocity_in_odom);
-  sight.before = view.pose.odom_from_imu.transpose() * (ray.Ray(landmark) + w * (ray.origin - view.pose.imu_in_odom)) -
+  sight.before = view.pose.odom_from_imu.transpose() *
+                     (ray.Ray(landmark) + w * (ray.origin - view.pose.imu_in_odom)) -
                  delay * sight.velocity;
   sight.in_imu = TurnBack(delay * view.angular_velocity, sight.before);
   sight.in_camera = view.camera_from_imu * (sight.in_imu - w * view.camera_in_imu);
@@ -36,7 +37,8 @@ Look LookAt(const ImageView& view, const LandmarkRay& ray, const double* landmar
 
 void ImageView::Update() {
   const double* second = second_pose ? second_pose : first_pose;
-  pose = EvaluateImagePose(interpolation, PoseFromParameters(first_pose), PoseFromParameters(second));
+  pose =
+      EvaluateImagePose(interpolation, PoseFromParameters(first_pose), PoseFromParameters(second));
   const Rigid3 imu_from_camera = PoseFromParameters(extrinsics);
   camera_from_imu = imu_from_camera.rotation.toRotationMatrix().transpose();
   camera_in_imu = imu_from_camera.translation;
@@ -45,11 +47,13 @@ void ImageView::Update() {
 Rigid3 ImageView::OdomFromCamera(double row) const {
   const double delay = Delay(row);
   const Eigen::Quaterniond rotation(pose.odom_from_imu);
-  return Rigid3{rotation * ExpSo3(delay * angular_velocity), pose.imu_in_odom + delay * velocity_in_odom} *
+  return Rigid3{rotation * ExpSo3(delay * angular_velocity),
+                pose.imu_in_odom + delay * velocity_in_odom} *
          PoseFromParameters(extrinsics);
 }
 
-Eigen::Vector3d LandmarkInCamera(const ImageView& view, const LandmarkRay& ray, const double* landmark, double row) {
+Eigen::Vector3d LandmarkInCamera(const ImageView& view, const LandmarkRay& ray,
+                                 const double* landmark, double row) {
   return LookAt(view, ray, landmark, view.Delay(row)).in_camera;
 }
 
@@ -105,7 +109,8 @@ void BearingCost::FillCamera(const Derivatives& by, double** jacobians) const {
   if (jacobians[1]) {
     Eigen::Map<Eigen::Matrix<double, 2, kTimingSize, Eigen::RowMajor>> jacobian(jacobians[1]);
     const Eigen::Vector3d turning = view_->angular_velocity.cross(by.sight.before);
-    const Eigen::Vector3d rate = turning - view_->Delay(bearing_.row) * view_->angular_velocity.cross(turning);
+    const Eigen::Vector3d rate =
+        turning - view_->Delay(bearing_.row) * view_->angular_velocity.cross(turning);
     jacobian.col(0) = -by.imu * rate - by.before * by.sight.velocity;
     jacobian.col(1) = bearing_.row * jacobian.col(0);
     if (view_->holds_time_offset) jacobian.col(0).setZero();
@@ -113,7 +118,8 @@ void BearingCost::FillCamera(const Derivatives& by, double** jacobians) const {
   }
 }
 
-bool BearingCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
+bool BearingCost::Evaluate(double const* const* parameters, double* residuals,
+                           double** jacobians) const {
   const int camera_block = view_->second_pose ? 2 : 1;
   const double* landmark = parameters[camera_block + 2];
   const double delay = view_->Delay(bearing_.row);
@@ -131,16 +137,19 @@ bool BearingCost::Evaluate(double const* const* parameters, double* residuals, d
   by.w = landmark[2];
   by.camera = (across - (across * unit) * unit.transpose()) / norm;
   by.imu = by.camera * view_->camera_from_imu;
-  for (int i = 0; i < 2; ++i) by.before.row(i) = TurnBack(-angle, by.imu.row(i).transpose()).transpose();
+  for (int i = 0; i < 2; ++i)
+    by.before.row(i) = TurnBack(-angle, by.imu.row(i).transpose()).transpose();
   by.odom = by.before * pose.odom_from_imu.transpose();
 
   FillPoses(by, jacobians);
   FillCamera(by, jacobians + camera_block);
   if (jacobians[camera_block + 2]) {
-    Eigen::Map<Eigen::Matrix<double, 2, kLandmarkSize, Eigen::RowMajor>> jacobian(jacobians[camera_block + 2]);
+    Eigen::Map<Eigen::Matrix<double, 2, kLandmarkSize, Eigen::RowMajor>> jacobian(
+        jacobians[camera_block + 2]);
     jacobian.leftCols<2>().noalias() = by.odom * ray_->basis;
     jacobian.col(2) =
-        by.odom * (ray_->origin - pose.imu_in_odom - delay * view_->velocity_in_odom) - by.imu * view_->camera_in_imu;
+        by.odom * (ray_->origin - pose.imu_in_odom - delay * view_->velocity_in_odom) -
+        by.imu * view_->camera_in_imu;
   }
   return true;
 }

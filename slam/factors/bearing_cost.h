@@ -8,13 +8,13 @@
 
 namespace parkade {
 
-/// One image in the window: its camera, the knots around it, and its pose,
+/// One image in the window: its camera, the nodes around it, and its pose,
 /// evaluated once per step for all the bearings in it (see
 /// WindowEvaluationCallback).
 struct ImageView {
-  KnotInterpolation interpolation;
-  const double* first_pose = nullptr;   ///< parameter block of the knot before
-  const double* second_pose = nullptr;  ///< of the knot after; null: the image is at the first knot
+  NodeInterpolation interpolation;
+  const double* first_pose = nullptr;   ///< parameter block of the node before
+  const double* second_pose = nullptr;  ///< of the node after; null: the image is at the first node
   const double* extrinsics = nullptr;   ///< parameter block of the camera
   const double* timing = nullptr;       ///< parameter block of the camera
   double time_offset = 0;               ///< [s] with which `interpolation` was made
@@ -45,12 +45,16 @@ struct Bearing {
   double row = 0;                                        ///< [px] below the middle of the image
 
   Bearing(const Eigen::Vector3d& unit_direction, double sigma_rad, double row_from_middle = 0)
-      : direction(unit_direction), basis(BasisAcross(unit_direction)), sigma(sigma_rad), row(row_from_middle) {}
+      : direction(unit_direction),
+        basis(BasisAcross(unit_direction)),
+        sigma(sigma_rad),
+        row(row_from_middle) {}
 };
 
 /// Direction of a landmark in the camera of `view` when `row` was exposed, not
-/// normalised, at the view's current pose.
-Eigen::Vector3d LandmarkInCamera(const ImageView& view, const LandmarkRay& ray, const double* landmark, double row);
+/// normalized, at the view's current pose.
+Eigen::Vector3d LandmarkInCamera(const ImageView& view, const LandmarkRay& ray,
+                                 const double* landmark, double row);
 
 /// Bearing of a landmark in an image (2 values), on the plane tangent to the
 /// measured bearing z, valid for any angle from the optical axis:
@@ -66,7 +70,8 @@ class BearingCost final : public ceres::CostFunction {
  public:
   BearingCost(const ImageView* view, const LandmarkRay* ray, const Bearing& bearing);
 
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override;
 
  private:
   struct Derivatives;

@@ -2,12 +2,12 @@
 
 #include <array>
 
-#include "slam/factors/knot_parameters.h"
+#include "slam/factors/node_parameters.h"
 
 namespace parkade {
 
 // What the smoother estimates of a camera's calibration is two parameter blocks:
-//   extrinsics 7: imu_from_camera as a pose block (knot_parameters.h); tangent 6
+//   extrinsics 7: imu_from_camera as a pose block (node_parameters.h); tangent 6
 //   timing     2: [time offset s | line delay s/row]
 // The time offset comes on top of the rig's: t_imu = stamp + offset.
 

@@ -5,7 +5,7 @@
 namespace parkade {
 namespace {
 
-// Relative to the diagonal: keeps the factorisation alive where a sensor is
+// Relative to the diagonal: keeps the factorization alive where a sensor is
 // declared (nearly) noise-free.
 constexpr double kCovarianceFloor = 1e-12;
 
@@ -23,13 +23,16 @@ ImuCost::ImuCost(const ImuPreintegration* preintegration) : preintegration_(prei
 
 ImuCost::Vector15d ImuCost::Residual(const MotionState& i, const MotionState& j) const {
   const double t = preintegration_->duration();
-  const MotionIncrement increment = preintegration_->Corrected({i.gyroscope_bias, i.accelerometer_bias});
+  const MotionIncrement increment =
+      preintegration_->Corrected({i.gyroscope_bias, i.accelerometer_bias});
   const Eigen::Quaterniond back = i.odom_from_imu.rotation.conjugate();
   Vector15d residual;
-  residual.segment<3>(0) = LogSo3(increment.rotation.conjugate() * (back * j.odom_from_imu.rotation));
-  residual.segment<3>(3) = back * (j.velocity_in_odom - i.velocity_in_odom - t * kGravityInOdom) - increment.velocity;
-  residual.segment<3>(6) = back * (j.odom_from_imu.translation - i.odom_from_imu.translation - t * i.velocity_in_odom -
-                                   0.5 * t * t * kGravityInOdom) -
+  residual.segment<3>(0) =
+      LogSo3(increment.rotation.conjugate() * (back * j.odom_from_imu.rotation));
+  residual.segment<3>(3) =
+      back * (j.velocity_in_odom - i.velocity_in_odom - t * kGravityInOdom) - increment.velocity;
+  residual.segment<3>(6) = back * (j.odom_from_imu.translation - i.odom_from_imu.translation -
+                                   t * i.velocity_in_odom - 0.5 * t * t * kGravityInOdom) -
                            increment.position;
   residual.head<9>() = sqrt_information_ * residual.head<9>().eval();
   residual.segment<3>(9) = gyroscope_weight_ * (j.gyroscope_bias - i.gyroscope_bias);
@@ -43,24 +46,29 @@ void ImuCost::FillJacobians(const MotionState& i, const MotionState& j, double**
   const Eigen::Matrix3d i_from_j = back * j.odom_from_imu.rotation.toRotationMatrix();
   const auto& by_gyroscope = preintegration_->d_gyroscope();
   const auto& by_accelerometer = preintegration_->d_accelerometer();
-  const MotionIncrement increment = preintegration_->Corrected({i.gyroscope_bias, i.accelerometer_bias});
+  const MotionIncrement increment =
+      preintegration_->Corrected({i.gyroscope_bias, i.accelerometer_bias});
   const Eigen::Vector3d error =
-      LogSo3(increment.rotation.conjugate() * i.odom_from_imu.rotation.conjugate() * j.odom_from_imu.rotation);
+      LogSo3(increment.rotation.conjugate() * i.odom_from_imu.rotation.conjugate() *
+             j.odom_from_imu.rotation);
   const Eigen::Matrix3d d_log = InverseRightJacobianSo3(error);
-  const Eigen::Vector3d change = by_gyroscope.topRows<3>() * (i.gyroscope_bias - preintegration_->bias().gyroscope);
+  const Eigen::Vector3d change =
+      by_gyroscope.topRows<3>() * (i.gyroscope_bias - preintegration_->bias().gyroscope);
 
   Eigen::Matrix<double, 9, 6> pose_i = Eigen::Matrix<double, 9, 6>::Zero();
   pose_i.block<3, 3>(0, 0) = -d_log * i_from_j.transpose();
-  pose_i.block<3, 3>(3, 0) = Skew(back * (j.velocity_in_odom - i.velocity_in_odom - t * kGravityInOdom));
-  pose_i.block<3, 3>(6, 0) = Skew(back * (j.odom_from_imu.translation - i.odom_from_imu.translation -
-                                          t * i.velocity_in_odom - 0.5 * t * t * kGravityInOdom));
+  pose_i.block<3, 3>(3, 0) =
+      Skew(back * (j.velocity_in_odom - i.velocity_in_odom - t * kGravityInOdom));
+  pose_i.block<3, 3>(6, 0) =
+      Skew(back * (j.odom_from_imu.translation - i.odom_from_imu.translation -
+                   t * i.velocity_in_odom - 0.5 * t * t * kGravityInOdom));
   pose_i.block<3, 3>(6, 3) = -back;
   Eigen::Matrix<double, 9, 9> motion_i = Eigen::Matrix<double, 9, 9>::Zero();
   motion_i.block<3, 3>(3, 0) = -back;
   motion_i.block<3, 3>(6, 0) = -t * back;
   motion_i.middleCols<3>(3) = -by_gyroscope;
-  motion_i.block<3, 3>(0, 3) =
-      -d_log * ExpSo3(error).toRotationMatrix().transpose() * RightJacobianSo3(change) * by_gyroscope.topRows<3>();
+  motion_i.block<3, 3>(0, 3) = -d_log * ExpSo3(error).toRotationMatrix().transpose() *
+                               RightJacobianSo3(change) * by_gyroscope.topRows<3>();
   motion_i.rightCols<3>() = -by_accelerometer;
   Eigen::Matrix<double, 9, 6> pose_j = Eigen::Matrix<double, 9, 6>::Zero();
   pose_j.block<3, 3>(0, 0) = d_log;
@@ -92,7 +100,8 @@ void ImuCost::FillJacobians(const MotionState& i, const MotionState& j, double**
   }
 }
 
-bool ImuCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
+bool ImuCost::Evaluate(double const* const* parameters, double* residuals,
+                       double** jacobians) const {
   const Timestamp none{};
   const MotionState i = StateFromParameters(none, parameters[0], parameters[1]);
   const MotionState j = StateFromParameters(none, parameters[2], parameters[3]);

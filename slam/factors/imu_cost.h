@@ -3,11 +3,11 @@
 #include <ceres/sized_cost_function.h>
 
 #include "slam/factors/imu_preintegration.h"
-#include "slam/factors/knot_parameters.h"
+#include "slam/factors/node_parameters.h"
 
 namespace parkade {
 
-/// Preintegrated IMU factor between knots i and j (15 values):
+/// Preintegrated IMU factor between nodes i and j (15 values):
 ///
 ///   r = S [ Log(dR(b_i)^T R_i^T R_j)
 ///           R_i^T (v_j - v_i - g t) - dv(b_i)
@@ -17,11 +17,13 @@ namespace parkade {
 ///
 /// Parameter blocks: pose_i 7, motion_i 9, pose_j 7, motion_j 9.
 /// C. Forster et al., TRO 2017, eqs. 44-45. `preintegration` is borrowed and must outlive the cost.
-class ImuCost final : public ceres::SizedCostFunction<15, kPoseSize, kMotionSize, kPoseSize, kMotionSize> {
+class ImuCost final
+    : public ceres::SizedCostFunction<15, kPoseSize, kMotionSize, kPoseSize, kMotionSize> {
  public:
   explicit ImuCost(const ImuPreintegration* preintegration);
 
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override;
   const ImuPreintegration& preintegration() const { return *preintegration_; }
 
  private:

@@ -12,24 +12,28 @@ constexpr double kGapPeriods = 4;
 constexpr double kGapAngularVelocity = 0.1;     // [rad/s]
 constexpr double kGapLinearAcceleration = 1.0;  // [m/s^2]
 
-Eigen::Vector3d RotationOverHalfStep(const Eigen::Vector3d& begin, const Eigen::Vector3d& end, double step) {
+Eigen::Vector3d RotationOverHalfStep(const Eigen::Vector3d& begin, const Eigen::Vector3d& end,
+                                     double step) {
   return RotationOverStep(begin, 0.5 * (begin + end), 0.5 * step);
 }
 
 }  // namespace
 
-Eigen::Vector3d RotationOverStep(const Eigen::Vector3d& begin, const Eigen::Vector3d& end, double step) {
+Eigen::Vector3d RotationOverStep(const Eigen::Vector3d& begin, const Eigen::Vector3d& end,
+                                 double step) {
   return 0.5 * step * (begin + end) + step * step / 12 * begin.cross(end);
 }
 
-void Advance(MotionIncrement& increment, const ImuSample& from, const ImuSample& to, const ImuBias& bias) {
+void Advance(MotionIncrement& increment, const ImuSample& from, const ImuSample& to,
+             const ImuBias& bias) {
   const double step = to.time - from.time;
   const Eigen::Vector3d w0 = from.angular_velocity - bias.gyroscope;
   const Eigen::Vector3d w1 = to.angular_velocity - bias.gyroscope;
   const Eigen::Vector3d a0 = from.linear_acceleration - bias.accelerometer;
   const Eigen::Vector3d a1 = to.linear_acceleration - bias.accelerometer;
   const Eigen::Quaterniond middle = increment.rotation * ExpSo3(RotationOverHalfStep(w0, w1, step));
-  const Eigen::Quaterniond end = (increment.rotation * ExpSo3(RotationOverStep(w0, w1, step))).normalized();
+  const Eigen::Quaterniond end =
+      (increment.rotation * ExpSo3(RotationOverStep(w0, w1, step))).normalized();
   const Eigen::Vector3d f0 = increment.rotation * a0;
   const Eigen::Vector3d fm = middle * (0.5 * (a0 + a1));
   const Eigen::Vector3d f1 = end * a1;
@@ -59,7 +63,8 @@ MotionState Propagate(const MotionState& state, const MotionIncrement& increment
 
 MotionState PropagateBack(const MotionState& state, const MotionIncrement& increment) {
   const double t = increment.duration;
-  const Eigen::Quaterniond rotation = (state.odom_from_imu.rotation * increment.rotation.conjugate()).normalized();
+  const Eigen::Quaterniond rotation =
+      (state.odom_from_imu.rotation * increment.rotation.conjugate()).normalized();
   MotionState begin = state;
   begin.time = state.time - t;
   begin.odom_from_imu.rotation = rotation;
@@ -89,7 +94,8 @@ void ImuPreintegration::Step(const ImuSample& from, const ImuSample& to) {
   const double step = to.time - from.time;
   const Eigen::Vector3d w0 = from.angular_velocity - bias_.gyroscope;
   const Eigen::Vector3d w1 = to.angular_velocity - bias_.gyroscope;
-  const Eigen::Vector3d force = 0.5 * (from.linear_acceleration + to.linear_acceleration) - bias_.accelerometer;
+  const Eigen::Vector3d force =
+      0.5 * (from.linear_acceleration + to.linear_acceleration) - bias_.accelerometer;
   const Eigen::Vector3d turn = RotationOverStep(w0, w1, step);
   const Eigen::Matrix3d half_turn = ExpSo3(RotationOverHalfStep(w0, w1, step)).toRotationMatrix();
   const Eigen::Matrix3d middle = increment_.rotation.toRotationMatrix() * half_turn;
@@ -128,7 +134,8 @@ void ImuPreintegration::Step(const ImuSample& from, const ImuSample& to) {
 MotionIncrement ImuPreintegration::Corrected(const ImuBias& bias) const {
   const Eigen::Vector3d by_gyroscope = bias.gyroscope - bias_.gyroscope;
   const Eigen::Vector3d by_accelerometer = bias.accelerometer - bias_.accelerometer;
-  const Eigen::Matrix<double, 9, 1> change = d_gyroscope_ * by_gyroscope + d_accelerometer_ * by_accelerometer;
+  const Eigen::Matrix<double, 9, 1> change =
+      d_gyroscope_ * by_gyroscope + d_accelerometer_ * by_accelerometer;
   MotionIncrement corrected = increment_;
   corrected.rotation = (increment_.rotation * ExpSo3(change.head<3>())).normalized();
   corrected.velocity += change.segment<3>(3);

@@ -27,11 +27,13 @@ struct MotionIncrement {
 
 /// Rotation over one step with an angular velocity that goes linearly from
 /// `begin` to `end` [rad/s]: Magnus series to the third order in `step` [s].
-Eigen::Vector3d RotationOverStep(const Eigen::Vector3d& begin, const Eigen::Vector3d& end, double step);
+Eigen::Vector3d RotationOverStep(const Eigen::Vector3d& begin, const Eigen::Vector3d& end,
+                                 double step);
 
 /// Continues `increment` from one sample to the next: both vary linearly in
 /// between, forces are integrated by Simpson's rule (fourth order).
-void Advance(MotionIncrement& increment, const ImuSample& from, const ImuSample& to, const ImuBias& bias);
+void Advance(MotionIncrement& increment, const ImuSample& from, const ImuSample& to,
+             const ImuBias& bias);
 
 /// Increment over all samples, of which there is at least one.
 MotionIncrement Integrate(std::span<const ImuSample> samples, const ImuBias& bias);
@@ -50,7 +52,8 @@ class ImuPreintegration {
   using Matrix9d = Eigen::Matrix<double, 9, 9>;
 
   /// `samples` start and end exactly at the two instants; at least two.
-  ImuPreintegration(std::vector<ImuSample> samples, const ImuBias& bias, const ImuCalibration& calibration);
+  ImuPreintegration(std::vector<ImuSample> samples, const ImuBias& bias,
+                    const ImuCalibration& calibration);
 
   /// Integrates again at another bias, where first order no longer suffices.
   void Reintegrate(const ImuBias& bias);

@@ -4,8 +4,11 @@
 
 namespace parkade {
 
-LandmarkRay::LandmarkRay(const Eigen::Vector3d& origin_in_odom, const Eigen::Vector3d& direction_in_odom)
-    : origin(origin_in_odom), direction(direction_in_odom.normalized()), basis(BasisAcross(direction)) {}
+LandmarkRay::LandmarkRay(const Eigen::Vector3d& origin_in_odom,
+                         const Eigen::Vector3d& direction_in_odom)
+    : origin(origin_in_odom),
+      direction(direction_in_odom.normalized()),
+      basis(BasisAcross(direction)) {}
 
 Eigen::Matrix<double, 3, 2> BasisAcross(const Eigen::Vector3d& direction) {
   int smallest = 0;

@@ -8,7 +8,7 @@ namespace parkade {
 /// odom: point = origin + (direction + basis [a b]^T) / inverse_distance. Points
 /// at infinity are ordinary (inverse distance 0), which is why it is not xyz.
 /// The origin (where it was first seen from) is a constant, not a state: an
-/// observation then involves its own image's knots only.
+/// observation then involves its own image's nodes only.
 /// J. Civera et al., "Inverse Depth Parametrization for Monocular SLAM", TRO 2008.
 inline constexpr int kLandmarkSize = 3;
 
@@ -25,7 +25,9 @@ struct LandmarkRay {
     return direction + basis.col(0) * landmark[0] + basis.col(1) * landmark[1];
   }
   /// [m] in odom; needs a positive inverse distance.
-  Eigen::Vector3d Point(const double* landmark) const { return origin + Ray(landmark) / landmark[2]; }
+  Eigen::Vector3d Point(const double* landmark) const {
+    return origin + Ray(landmark) / landmark[2];
+  }
 };
 
 /// Two unit vectors that complete `direction` (unit) to an orthonormal frame.

@@ -23,7 +23,7 @@ int StateName::Size() const {
 
 std::strong_ordering StateName::operator<=>(const StateName& other) const {
   const auto key = [](const StateName& name) {
-    const int group = name.IsOfKnot() ? 0 : name.kind == Kind::kWheelScale ? 1 : 2;
+    const int group = name.IsOfNode() ? 0 : name.kind == Kind::kWheelScale ? 1 : 2;
     return std::tuple(group, name.number, static_cast<int>(name.kind));
   };
   return key(*this) <=> key(other);
@@ -52,29 +52,32 @@ int LinearPrior::ColumnOf(const StateName& name) const {
   return 0;
 }
 
-Eigen::MatrixXd LinearPrior::AssumedCovariance() const {
+Eigen::MatrixXd LinearPrior::ModelCovariance() const {
   Eigen::MatrixXd root = sqrt_information;
   root.diagonal().array() += (root.diagonal().array().abs() < kMinRoot).cast<double>() * kMinRoot;
-  const Eigen::MatrixXd inverse =
-      root.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(root.rows(), root.cols()));
+  const Eigen::MatrixXd inverse = root.triangularView<Eigen::Upper>().solve(
+      Eigen::MatrixXd::Identity(root.rows(), root.cols()));
   return inverse * inverse.transpose();
 }
 
 Eigen::MatrixXd LinearPrior::Covariance() const {
-  const Eigen::MatrixXd assumed = AssumedCovariance();
+  const Eigen::MatrixXd assumed = ModelCovariance();
   const Eigen::MatrixXd sensitivity = assumed * score_sensitivity;
   return assumed * score_covariance * assumed + sensitivity * sensitivity.transpose();
 }
 
-ScoreElimination EliminateScores(const Eigen::MatrixXd& score_covariance, const Eigen::MatrixXd& score_sensitivity,
+ScoreElimination EliminateScores(const Eigen::MatrixXd& score_covariance,
+                                 const Eigen::MatrixXd& score_sensitivity,
                                  const Eigen::MatrixXd& root, const Eigen::MatrixXd& to_kept) {
   const Eigen::Index dropped = root.cols(), kept = to_kept.cols();
   // W = root^-T M_dropped,all: covariance of z with all scores.
   const Eigen::MatrixXd with_all =
       root.transpose().triangularView<Eigen::Lower>().solve(score_covariance.topRows(dropped));
   ScoreElimination result;
-  result.dropped =
-      root.transpose().triangularView<Eigen::Lower>().solve(with_all.leftCols(dropped).transpose()).transpose();
+  result.dropped = root.transpose()
+                       .triangularView<Eigen::Lower>()
+                       .solve(with_all.leftCols(dropped).transpose())
+                       .transpose();
   const Eigen::MatrixXd with_kept = with_all.rightCols(kept);
   result.cross = with_kept.transpose() - to_kept.transpose() * result.dropped;
   const Eigen::MatrixXd mixed = to_kept.transpose() * with_kept;
@@ -82,16 +85,19 @@ ScoreElimination EliminateScores(const Eigen::MatrixXd& score_covariance, const 
                 to_kept.transpose() * result.dropped * to_kept;
   result.dropped_sensitivity =
       root.transpose().triangularView<Eigen::Lower>().solve(score_sensitivity.topRows(dropped));
-  result.kept_sensitivity = score_sensitivity.bottomRows(kept) - to_kept.transpose() * result.dropped_sensitivity;
+  result.kept_sensitivity =
+      score_sensitivity.bottomRows(kept) - to_kept.transpose() * result.dropped_sensitivity;
   return result;
 }
 
 LinearPriorCost::LinearPriorCost(const LinearPrior* prior) : prior_(prior) {
   set_num_residuals(static_cast<int>(prior->sqrt_information.rows()));
-  for (const PriorBlock& block : prior->blocks) mutable_parameter_block_sizes()->push_back(block.Size());
+  for (const PriorBlock& block : prior->blocks)
+    mutable_parameter_block_sizes()->push_back(block.Size());
 }
 
-bool LinearPriorCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
+bool LinearPriorCost::Evaluate(double const* const* parameters, double* residuals,
+                               double** jacobians) const {
   Eigen::VectorXd change(prior_->sqrt_information.cols());
   int column = 0;
   for (size_t i = 0; i < prior_->blocks.size(); ++i) {
@@ -100,7 +106,8 @@ bool LinearPriorCost::Evaluate(double const* const* parameters, double* residual
     if (jacobians && jacobians[i]) {
       Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> jacobian(
           jacobians[i], num_residuals(), block.Size());
-      jacobian.leftCols(block.TangentSize()) = prior_->sqrt_information.middleCols(column, block.TangentSize());
+      jacobian.leftCols(block.TangentSize()) =
+          prior_->sqrt_information.middleCols(column, block.TangentSize());
       if (block.TangentSize() < block.Size()) jacobian.rightCols<1>().setZero();
     }
     column += block.TangentSize();

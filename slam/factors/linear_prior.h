@@ -9,19 +9,21 @@
 #include <vector>
 
 #include "slam/factors/camera_parameters.h"
-#include "slam/factors/knot_parameters.h"
+#include "slam/factors/node_parameters.h"
 
 namespace parkade {
 
-/// Names a state of the smoother. In the order of a system's columns: knots by
+/// Names a state of the smoother. In the order of a system's columns: nodes by
 /// number, pose first; then the wheel scale; then cameras by index.
 struct StateName {
   enum class Kind { kPose, kMotion, kWheelScale, kExtrinsics, kTiming };
   Kind kind = Kind::kPose;
-  std::int64_t number = 0;  ///< of the knot, or index of the camera; 0 for the wheel scale
+  std::int64_t number = 0;  ///< of the node, or index of the camera; 0 for the wheel scale
 
-  bool IsOfKnot() const { return kind == Kind::kPose || kind == Kind::kMotion; }
-  bool IsPose() const { return kind == Kind::kPose || kind == Kind::kExtrinsics; }  ///< lives on PoseManifold
+  bool IsOfNode() const { return kind == Kind::kPose || kind == Kind::kMotion; }
+  bool IsPose() const {
+    return kind == Kind::kPose || kind == Kind::kExtrinsics;
+  }  ///< lives on PoseManifold
   int Size() const;
   int TangentSize() const { return IsPose() ? kPoseTangentSize : Size(); }
 
@@ -32,7 +34,7 @@ struct StateName {
 /// A state that a prior speaks about.
 struct PriorBlock {
   StateName name;
-  std::array<double, 9> at{};  ///< the values it was linearised at
+  std::array<double, 9> at{};  ///< the values it was linearized at
 
   int Size() const { return name.Size(); }
   int TangentSize() const { return name.TangentSize(); }
@@ -40,39 +42,42 @@ struct PriorBlock {
   void Deviation(const double* values, double* deviation) const;
 };
 
-/// What marginalised states leave behind, in square-root form:
+/// What marginalized states leave behind, in square-root form:
 ///   |offset + sqrt_information (x [-] at)|^2,
 /// columns in the order of the blocks' tangents.
 struct LinearPrior {
   std::vector<PriorBlock> blocks;
   Eigen::MatrixXd sqrt_information;
   Eigen::VectorXd offset;
-  /// Covariance of sqrt_information^T offset, which would be the information if errors were as independent and as
-  /// small as the weights have them: see ScoreElimination.
+  /// Covariance of sqrt_information^T offset, which would be the information if errors were as
+  /// independent and as small as the weights have them: see ScoreElimination.
   Eigen::MatrixXd score_covariance;
-  /// Of that score, by what is considered but not estimated, in units of its sigmas: see imu_sensitivity.h.
+  /// Of that score, by what is considered but not estimated, in units of its sigmas: see
+  /// imu_sensitivity.h.
   Eigen::MatrixXd score_sensitivity;
 
   int Columns() const;
   /// First column of a state, which must be one of the blocks.
   int ColumnOf(const StateName& name) const;
-  /// The inverse of the information; upper triangular sqrt_information. Directions that nothing is known about get a
-  /// huge one. What the covariance of all its states would be if errors were as the weights have them.
-  Eigen::MatrixXd AssumedCovariance() const;
+  /// The inverse of the information; upper triangular sqrt_information. Directions that nothing is
+  /// known about get a huge one. What the covariance of all its states would be if errors were as
+  /// the weights have them.
+  Eigen::MatrixXd ModelCovariance() const;
   /// Of all its states.
   Eigen::MatrixXd Covariance() const;
 };
 
 /// What becomes of the scores' covariance when states are eliminated.
 ///
-/// Least squares with weights that are not quite the noise's has errors e = -H^-1 s, where the score s = J^T r sums
-/// the residuals at the truth: their covariance is H^-1 M H^-1 with M = Cov(s) ("sandwich"). Eliminating states by
+/// Least squares with weights that are not quite the noise's has errors e = -H^-1 s, where the
+/// score s = J^T r sums the residuals at the truth: their covariance is H^-1 M H^-1 with M = Cov(s)
+/// ("sandwich"). Eliminating states by
 ///   root (x_dropped) + to_kept (x_kept) + z = 0
 /// leaves the rest with the score s_kept - to_kept^T z, z = root^-T s_dropped.
-/// Constants that are considered but not estimated add B B^T to M, B = d score / d constant in units of its sigma,
-/// kept apart as all factors share them.
-/// P. J. Huber, "The behavior of maximum likelihood estimates under nonstandard conditions", 1967; S. F. Schmidt,
-/// "Application of state-space methods to navigation problems", 1966.
+/// Constants that are considered but not estimated add B B^T to M, B = d score / d constant in
+/// units of its sigma, kept apart as all factors share them. P. J. Huber, "The behavior of maximum
+/// likelihood estimates under nonstandard conditions", 1967; S. F. Schmidt, "Application of
+/// state-space methods to navigation problems", 1966.
 struct ScoreElimination {
   Eigen::MatrixXd dropped;              ///< Cov(z); unity if the weights were right
   Eigen::MatrixXd cross;                ///< Cov(score of the kept, z); zero then
@@ -83,7 +88,8 @@ struct ScoreElimination {
 
 /// \param score_covariance, score_sensitivity  of all states, the dropped ones first
 /// \param root                                 upper triangular, square
-ScoreElimination EliminateScores(const Eigen::MatrixXd& score_covariance, const Eigen::MatrixXd& score_sensitivity,
+ScoreElimination EliminateScores(const Eigen::MatrixXd& score_covariance,
+                                 const Eigen::MatrixXd& score_sensitivity,
                                  const Eigen::MatrixXd& root, const Eigen::MatrixXd& to_kept);
 
 /// The prior as a cost of its blocks, in their order. Its Jacobian is constant:
@@ -91,7 +97,8 @@ ScoreElimination EliminateScores(const Eigen::MatrixXd& score_covariance, const 
 class LinearPriorCost final : public ceres::CostFunction {
  public:
   explicit LinearPriorCost(const LinearPrior* prior);
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override;
 
  private:
   const LinearPrior* prior_;

@@ -20,7 +20,8 @@ struct MotionState {
 
   bool IsFinite() const {
     return odom_from_imu.rotation.coeffs().allFinite() && odom_from_imu.translation.allFinite() &&
-           velocity_in_odom.allFinite() && gyroscope_bias.allFinite() && accelerometer_bias.allFinite();
+           velocity_in_odom.allFinite() && gyroscope_bias.allFinite() &&
+           accelerometer_bias.allFinite();
   }
 };
 

@@ -4,12 +4,12 @@
 #include <ceres/sized_cost_function.h>
 
 #include "core/rigid3.h"
-#include "slam/factors/knot_parameters.h"
+#include "slam/factors/node_parameters.h"
 
 namespace parkade {
 
 /// S * RelativePoseError of one edge. Parameter blocks: the poses of `from` and
-/// `to` as in knot_parameters.h (7 each, Jacobians by the tangent).
+/// `to` as in node_parameters.h (7 each, Jacobians by the tangent).
 ///
 /// With error rotation (w, v) = measured^-1 from^-1 to and d a turn on the right of a pose,
 ///   d(2v)/d(to) = w I + [v]x,   d(2v)/d(from) = -(w I - [v]x) R^T,   R = measured rotation,
@@ -20,7 +20,8 @@ class RelativePoseCost final : public ceres::SizedCostFunction<6, kPoseSize, kPo
   RelativePoseCost(const Rigid3& from_from_to, const Matrix6d& square_root_weight)
       : from_from_to_(from_from_to), square_root_weight_(square_root_weight) {}
 
-  bool Evaluate(const double* const* parameters, double* residual, double** jacobians) const override;
+  bool Evaluate(const double* const* parameters, double* residual,
+                double** jacobians) const override;
 
  private:
   const Rigid3 from_from_to_;

@@ -15,7 +15,8 @@ inline ImuSample InterpolateSamples(const ImuSample& from, const ImuSample& to, 
           from.linear_acceleration + f * (to.linear_acceleration - from.linear_acceleration)};
 }
 
-inline WheelSample InterpolateSamples(const WheelSample& from, const WheelSample& to, Timestamp time) {
+inline WheelSample InterpolateSamples(const WheelSample& from, const WheelSample& to,
+                                      Timestamp time) {
   const double f = (time - from.time) / (to.time - from.time);
   return {time, from.forward_speed + f * (to.forward_speed - from.forward_speed),
           from.yaw_rate + f * (to.yaw_rate - from.yaw_rate)};

@@ -7,7 +7,7 @@
 namespace parkade {
 
 /// A ray in odom along which a point was seen.
-struct SightRay {
+struct ObservationRay {
   Eigen::Vector3d origin;     ///< [m]
   Eigen::Vector3d direction;  ///< unit
   double sigma = 1e-3;        ///< [rad]
@@ -22,6 +22,7 @@ struct Triangulated {
 /// by more than `max_error` standard deviations, or the point lies behind a ray
 /// or nearer than `min_distance` [m]. Rays without measurable parallax give
 /// inverse distance 0.
-std::optional<Triangulated> Triangulate(std::span<const SightRay> rays, double max_error, double min_distance);
+std::optional<Triangulated> Triangulate(std::span<const ObservationRay> rays, double max_error,
+                                        double min_distance);
 
 }  // namespace parkade

@@ -2,12 +2,12 @@
 
 #include <ceres/sized_cost_function.h>
 
-#include "slam/factors/knot_parameters.h"
+#include "slam/factors/node_parameters.h"
 #include "slam/factors/wheel_preintegration.h"
 
 namespace parkade {
 
-/// Relative displacement of the body origin between knots i and j (3 values):
+/// Relative displacement of the body origin between nodes i and j (3 values):
 ///
 ///   r = S [ R_i^T (p_j + R_j l - p_i - R_i l) - (1 + s) d(b_gi) ]
 ///
@@ -18,7 +18,8 @@ class WheelCost final : public ceres::SizedCostFunction<3, kPoseSize, kMotionSiz
  public:
   explicit WheelCost(const WheelPreintegration& preintegration);
 
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override;
 
  private:
   WheelPreintegration preintegration_;

@@ -22,9 +22,10 @@ void WheelNoise::Validate() const {
           ErrorCode::kUsage, "the noise of the wheels must be positive");
 }
 
-WheelPreintegration PreintegrateWheels(std::span<const ImuSample> imu, std::span<const WheelSample> wheels,
-                                       const Eigen::Vector3d& gyroscope_bias, const Rigid3& imu_from_body,
-                                       const WheelNoise& noise) {
+WheelPreintegration PreintegrateWheels(std::span<const ImuSample> imu,
+                                       std::span<const WheelSample> wheels,
+                                       const Eigen::Vector3d& gyroscope_bias,
+                                       const Rigid3& imu_from_body, const WheelNoise& noise) {
   assert(imu.size() >= 2 && wheels.size() >= 2);
   WheelPreintegration result;
   result.gyroscope_bias = gyroscope_bias;
@@ -39,13 +40,15 @@ WheelPreintegration PreintegrateWheels(std::span<const ImuSample> imu, std::span
   double distance = 0;
   for (size_t k = 1; k < imu.size(); ++k) {
     const double step = imu[k].time - imu[k - 1].time;
-    const Eigen::Vector3d turn =
-        RotationOverStep(imu[k - 1].angular_velocity - gyroscope_bias, imu[k].angular_velocity - gyroscope_bias, step);
+    const Eigen::Vector3d turn = RotationOverStep(imu[k - 1].angular_velocity - gyroscope_bias,
+                                                  imu[k].angular_velocity - gyroscope_bias, step);
     rotation = (rotation * ExpSo3(turn)).normalized();
-    d_rotation = ExpSo3(turn).toRotationMatrix().transpose() * d_rotation - step * RightJacobianSo3(turn);
+    d_rotation =
+        ExpSo3(turn).toRotationMatrix().transpose() * d_rotation - step * RightJacobianSo3(turn);
     const double speed = SpeedAt(wheels, imu[k].time, next);
     const Eigen::Vector3d velocity = rotation * (speed * forward);
-    const Eigen::Matrix3d d_velocity = -rotation.toRotationMatrix() * Skew(speed * forward) * d_rotation;
+    const Eigen::Matrix3d d_velocity =
+        -rotation.toRotationMatrix() * Skew(speed * forward) * d_rotation;
     result.displacement += 0.5 * step * (last_velocity + velocity);
     result.d_gyroscope_bias += 0.5 * step * (d_last_velocity + d_velocity);
     result.duration += step;
@@ -56,12 +59,14 @@ WheelPreintegration PreintegrateWheels(std::span<const ImuSample> imu, std::span
 
   const double speed = distance / result.duration;
   const double crosswise = std::pow(noise.crosswise_fraction * speed, 2);
-  const Eigen::Vector3d speed_variance(std::pow(noise.forward_speed, 2) + std::pow(noise.forward_fraction * speed, 2),
-                                       std::pow(noise.lateral_speed, 2) + crosswise,
-                                       std::pow(noise.vertical_speed, 2) + crosswise);
-  const Eigen::Matrix3d turned = Eigen::Quaterniond::Identity().slerp(0.5, rotation).toRotationMatrix() *
-                                 imu_from_body.rotation.toRotationMatrix();
-  const double time_squared = result.duration * std::max(noise.correlation_time, imu[1].time - imu[0].time);
+  const Eigen::Vector3d speed_variance(
+      std::pow(noise.forward_speed, 2) + std::pow(noise.forward_fraction * speed, 2),
+      std::pow(noise.lateral_speed, 2) + crosswise, std::pow(noise.vertical_speed, 2) + crosswise);
+  const Eigen::Matrix3d turned =
+      Eigen::Quaterniond::Identity().slerp(0.5, rotation).toRotationMatrix() *
+      imu_from_body.rotation.toRotationMatrix();
+  const double time_squared =
+      result.duration * std::max(noise.correlation_time, imu[1].time - imu[0].time);
   result.covariance = time_squared * turned * speed_variance.asDiagonal() * turned.transpose();
   return result;
 }

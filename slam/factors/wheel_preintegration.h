@@ -12,24 +12,15 @@ namespace parkade {
 inline constexpr double kMaxWheelGap = 0.3;
 
 /// How far wheel odometry can be trusted: standard deviations of the velocity
-/// of the rear-axle centre, over `correlation_time`.
+/// of the rear-axle center, over `correlation_time`.
 struct WheelNoise {
-  double forward_speed = 0.02;       ///< [m/s] along body x at rest
-  double forward_fraction = 0.01;    ///< of the speed, added in quadrature: slip, gear play
-  double lateral_speed = 0.03;       ///< [m/s] the axle does not move sideways: non-holonomic constraint
-  double vertical_speed = 0.03;      ///< [m/s] nor upwards, but for springs
-  double crosswise_fraction = 0.01;  ///< of the speed, added in quadrature to both: side slip, pitch
-  double correlation_time = 0.1;     ///< [s] errors average out over longer times only
-
-  template <typename Visitor>
-  void VisitFields(Visitor&& visit) {
-    visit("forward_speed", forward_speed);
-    visit("forward_fraction", forward_fraction);
-    visit("lateral_speed", lateral_speed);
-    visit("vertical_speed", vertical_speed);
-    visit("crosswise_fraction", crosswise_fraction);
-    visit("correlation_time", correlation_time);
-  }
+  double forward_speed = 0.02;     ///< [m/s] along body x at rest
+  double forward_fraction = 0.01;  ///< of the speed, added in quadrature: slip, gear play
+  double lateral_speed = 0.03;  ///< [m/s] the axle does not move sideways: non-holonomic constraint
+  double vertical_speed = 0.03;  ///< [m/s] nor upwards, but for springs
+  double crosswise_fraction =
+      0.01;                       ///< of the speed, added in quadrature to both: side slip, pitch
+  double correlation_time = 0.1;  ///< [s] errors average out over longer times only
   void Validate() const;
 };
 
@@ -49,8 +40,9 @@ struct WheelPreintegration {
 
 /// Both sample lists start and end exactly at the two instants. `wheels` are
 /// interpolated at the times of `imu`.
-WheelPreintegration PreintegrateWheels(std::span<const ImuSample> imu, std::span<const WheelSample> wheels,
-                                       const Eigen::Vector3d& gyroscope_bias, const Rigid3& imu_from_body,
-                                       const WheelNoise& noise);
+WheelPreintegration PreintegrateWheels(std::span<const ImuSample> imu,
+                                       std::span<const WheelSample> wheels,
+                                       const Eigen::Vector3d& gyroscope_bias,
+                                       const Rigid3& imu_from_body, const WheelNoise& noise);
 
 }  // namespace parkade

@@ -21,6 +21,7 @@ SimilarityAlignment AlignPoints(const Eigen::Matrix3Xd& source, const Eigen::Mat
 /// Rotation about z and translation only, with weights per column for the
 /// horizontal part and for the vertical part. Closed form.
 Rigid3 AlignYawAndTranslation(const Eigen::Matrix3Xd& source, const Eigen::Matrix3Xd& target,
-                              const Eigen::VectorXd& horizontal_weights, const Eigen::VectorXd& vertical_weights);
+                              const Eigen::VectorXd& horizontal_weights,
+                              const Eigen::VectorXd& vertical_weights);
 
 }  // namespace parkade

@@ -17,10 +17,11 @@ constexpr double kMinSigma = 0.01;              ///< [m] receivers that claim le
 constexpr double kLongArm = 20;                 ///< [m] from which on residuals tell of bends
 constexpr double kLeastBend = 1e-4;             ///< [m/m]
 constexpr double kBendsPerMedian = 1.5;
-constexpr double kSigmasOfExtent = 2;       ///< that a drive must reach for a heading
-constexpr double kMostWhiteVariance = 0.7;  ///< a drive may be too short to show that a receiver errs slowly
-constexpr int kCorrelatedRounds = 3;        ///< after the robust fit, which is near
-constexpr double kMaxSiteRadius = 10e3;     ///< [m]
+constexpr double kSigmasOfExtent = 2;  ///< that a drive must reach for a heading
+constexpr double kMostWhiteVariance =
+    0.7;  ///< a drive may be too short to show that a receiver errs slowly
+constexpr int kCorrelatedRounds = 3;     ///< after the robust fit, which is near
+constexpr double kMaxSiteRadius = 10e3;  ///< [m]
 
 /// Fixes beside the antenna positions that odometry gives for their times.
 struct Pairs {
@@ -51,34 +52,37 @@ SiteDatum ChooseDatum(const std::vector<GnssFix>& fixes) {
     const Eigen::Vector3d in_earth = InEarth(fix);
     for (int axis = 0; axis < 3; ++axis) axes[axis].push_back(in_earth[axis]);
   }
-  const Eigen::Vector3d centre(Median(axes[0]), Median(axes[1]), Median(axes[2]));
-  const auto first = std::find_if(fixes.begin(), fixes.end(),
-                                  [&](const GnssFix& fix) { return (InEarth(fix) - centre).norm() < kMaxSiteRadius; });
+  const Eigen::Vector3d center(Median(axes[0]), Median(axes[1]), Median(axes[2]));
+  const auto first = std::find_if(fixes.begin(), fixes.end(), [&](const GnssFix& fix) {
+    return (InEarth(fix) - center).norm() < kMaxSiteRadius;
+  });
   const GnssFix& fix = first == fixes.end() ? fixes.front() : *first;
   return {fix.latitude_deg, fix.longitude_deg, fix.altitude};
 }
 
-Pairs MakePairs(const Trajectory& trajectory, const std::vector<GnssFix>& fixes, const Eigen::Vector3d& antenna_in_body,
-                const SiteDatum& datum, double drift) {
+Pairs MakePairs(const Trajectory& trajectory, const std::vector<GnssFix>& fixes,
+                const Eigen::Vector3d& antenna_in_body, const SiteDatum& datum, double drift) {
   Pairs pairs;
   const auto count = static_cast<Eigen::Index>(fixes.size());
   for (Eigen::Matrix3Xd* points : {&pairs.antenna_in_odom, &pairs.antenna_in_site, &pairs.sigma})
     points->resize(3, count);
   pairs.times.resize(count);
   pairs.arms.resize(count);
-  std::vector<double> travelled(fixes.size(), 0.0);
+  std::vector<double> traveled(fixes.size(), 0.0);
   for (Eigen::Index i = 0; i < count; ++i) {
     const GnssFix& fix = fixes[static_cast<size_t>(i)];
     pairs.times[i] = fix.time - fixes.front().time;
     pairs.antenna_in_odom.col(i) = trajectory.At(fix.time).value() * antenna_in_body;
-    pairs.antenna_in_site.col(i) = SiteFromGeodetic(datum, fix.latitude_deg, fix.longitude_deg, fix.altitude);
+    pairs.antenna_in_site.col(i) =
+        SiteFromGeodetic(datum, fix.latitude_deg, fix.longitude_deg, fix.altitude);
     if (i > 0)
-      travelled[static_cast<size_t>(i)] = travelled[static_cast<size_t>(i - 1)] +
-                                          (pairs.antenna_in_odom.col(i) - pairs.antenna_in_odom.col(i - 1)).norm();
+      traveled[static_cast<size_t>(i)] =
+          traveled[static_cast<size_t>(i - 1)] +
+          (pairs.antenna_in_odom.col(i) - pairs.antenna_in_odom.col(i - 1)).norm();
   }
   // Drift grows away from the middle of the drive, where the alignment is best.
   for (Eigen::Index i = 0; i < count; ++i) {
-    pairs.arms[i] = travelled[static_cast<size_t>(i)] - 0.5 * travelled.back();
+    pairs.arms[i] = traveled[static_cast<size_t>(i)] - 0.5 * traveled.back();
     const double bend = drift * pairs.arms[i];
     const Eigen::Vector3d sigma = fixes[static_cast<size_t>(i)].sigma_enu.cwiseMax(kMinSigma);
     pairs.sigma.col(i) = (sigma.array().square() + bend * bend).sqrt();
@@ -94,13 +98,19 @@ Eigen::Matrix3Xd Residuals(const Pairs& pairs, const Rigid3& site_from_odom) {
 }
 
 Eigen::VectorXd SquaredErrors(const Pairs& pairs, const Rigid3& site_from_odom) {
-  return (Residuals(pairs, site_from_odom).array() / pairs.sigma.array()).square().colwise().sum().transpose();
+  return (Residuals(pairs, site_from_odom).array() / pairs.sigma.array())
+      .square()
+      .colwise()
+      .sum()
+      .transpose();
 }
 
 Rigid3 Fit(const Pairs& pairs, const Eigen::VectorXd& weights) {
-  const Eigen::ArrayXd horizontal_variance = 0.5 * pairs.sigma.topRows<2>().colwise().squaredNorm().transpose();
+  const Eigen::ArrayXd horizontal_variance =
+      0.5 * pairs.sigma.topRows<2>().colwise().squaredNorm().transpose();
   const Eigen::ArrayXd vertical_variance = pairs.sigma.row(2).array().square().transpose();
-  return AlignYawAndTranslation(pairs.antenna_in_odom, pairs.antenna_in_site, weights.array() / horizontal_variance,
+  return AlignYawAndTranslation(pairs.antenna_in_odom, pairs.antenna_in_site,
+                                weights.array() / horizontal_variance,
                                 weights.array() / vertical_variance);
 }
 
@@ -113,7 +123,8 @@ RobustFit FitRobustly(const Pairs& pairs) {
   RobustFit fit;
   fit.weights = Eigen::VectorXd::Ones(pairs.size());
   fit.site_from_odom = Fit(pairs, fit.weights);
-  double control = std::max(1.0, 2 * SquaredErrors(pairs, fit.site_from_odom).maxCoeff() / kOutlierSquaredError);
+  double control =
+      std::max(1.0, 2 * SquaredErrors(pairs, fit.site_from_odom).maxCoeff() / kOutlierSquaredError);
   for (bool is_last = false; !is_last; control = std::max(1.0, control / 1.4)) {
     is_last = control == 1.0;
     const double scale = control * kOutlierSquaredError;
@@ -127,7 +138,8 @@ RobustFit FitRobustly(const Pairs& pairs) {
   return fit;
 }
 
-/// How far odometry bends at most, by what the fit leaves: much less than it may where fixes are exact and agree.
+/// How far odometry bends at most, by what the fit leaves: much less than it may where fixes are
+/// exact and agree.
 double BendOf(const Pairs& pairs, const RobustFit& fit, double drift) {
   const Eigen::Matrix3Xd residuals = Residuals(pairs, fit.site_from_odom);
   std::vector<double> bends;
@@ -138,23 +150,25 @@ double BendOf(const Pairs& pairs, const RobustFit& fit, double drift) {
   return std::min(drift, std::max(kLeastBend, kBendsPerMedian * Median(bends)));
 }
 
-/// How the fit changes with [yaw, x, y, z] at a centre, and how sure that is.
+/// How the fit changes with [yaw, x, y, z] at a center, and how sure that is.
 struct LinearFit {
   Eigen::Vector4d step;
   Eigen::Matrix4d covariance;
 };
 
 /// Least squares that knows that errors of fixes in quick succession are nearly the same.
-LinearFit FitCorrelated(const Pairs& pairs, const RobustFit& fit, const Eigen::Vector3d& centre_in_odom,
-                        double correlation_time) {
+LinearFit FitCorrelated(const Pairs& pairs, const RobustFit& fit,
+                        const Eigen::Vector3d& center_in_odom, double correlation_time) {
   const Eigen::Matrix3Xd residuals = Residuals(pairs, fit.site_from_odom);
-  Eigen::Matrix4d information = 1e-6 * Eigen::Matrix4d::Identity();  // a car that stands still has no heading
+  Eigen::Matrix4d information =
+      1e-6 * Eigen::Matrix4d::Identity();  // a car that stands still has no heading
   Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
   double squared_sum = 0;
   for (int axis = 0; axis < 3; ++axis) {
     Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(pairs.size(), 5);  // [Jacobian | residual]
     for (Eigen::Index i = 0; i < pairs.size(); ++i) {
-      const Eigen::Vector3d arm = fit.site_from_odom.rotation * (pairs.antenna_in_odom.col(i) - centre_in_odom);
+      const Eigen::Vector3d arm =
+          fit.site_from_odom.rotation * (pairs.antenna_in_odom.col(i) - center_in_odom);
       rows(i, 0) = axis == 0 ? -arm.y() : axis == 1 ? arm.x() : 0;
       rows(i, 1 + axis) = 1;
       rows(i, 4) = residuals(axis, i);
@@ -173,11 +187,12 @@ LinearFit FitCorrelated(const Pairs& pairs, const RobustFit& fit, const Eigen::V
   return {covariance * gradient, excess * covariance};
 }
 
-Rigid3 Moved(const Rigid3& site_from_odom, const Eigen::Vector3d& centre_in_odom, const Eigen::Vector4d& step) {
-  const Eigen::Vector3d centre = site_from_odom * centre_in_odom;
+Rigid3 Moved(const Rigid3& site_from_odom, const Eigen::Vector3d& center_in_odom,
+             const Eigen::Vector4d& step) {
+  const Eigen::Vector3d center = site_from_odom * center_in_odom;
   const Rigid3 turn{ExpSo3({0, 0, step[0]}), Eigen::Vector3d::Zero()};
-  return Rigid3{Eigen::Quaterniond::Identity(), centre + step.tail<3>()} * turn *
-         Rigid3{Eigen::Quaterniond::Identity(), -centre} * site_from_odom;
+  return Rigid3{Eigen::Quaterniond::Identity(), center + step.tail<3>()} * turn *
+         Rigid3{Eigen::Quaterniond::Identity(), -center} * site_from_odom;
 }
 
 double Quantile(std::vector<double> sorted_values, double share) {
@@ -189,14 +204,14 @@ double Quantile(std::vector<double> sorted_values, double share) {
 /// Everything but the datum.
 GnssAlignment Describe(const Pairs& pairs, RobustFit&& fit, double correlation_time) {
   GnssAlignment alignment;
-  const Eigen::Vector3d centre_in_odom = pairs.antenna_in_odom * fit.weights / fit.weights.sum();
+  const Eigen::Vector3d center_in_odom = pairs.antenna_in_odom * fit.weights / fit.weights.sum();
   for (int round = 0; round < kCorrelatedRounds; ++round) {
-    const LinearFit linear = FitCorrelated(pairs, fit, centre_in_odom, correlation_time);
-    fit.site_from_odom = Moved(fit.site_from_odom, centre_in_odom, linear.step);
+    const LinearFit linear = FitCorrelated(pairs, fit, center_in_odom, correlation_time);
+    fit.site_from_odom = Moved(fit.site_from_odom, center_in_odom, linear.step);
     alignment.covariance = linear.covariance;
   }
   alignment.site_from_odom = fit.site_from_odom;
-  alignment.centre_in_odom = centre_in_odom;
+  alignment.center_in_odom = center_in_odom;
   const Eigen::Matrix3Xd residuals = Residuals(pairs, fit.site_from_odom);
   const Eigen::VectorXd squared = SquaredErrors(pairs, fit.site_from_odom);
   alignment.num_fixes = static_cast<int>(pairs.size());
@@ -208,7 +223,8 @@ GnssAlignment Describe(const Pairs& pairs, RobustFit&& fit, double correlation_t
     ++alignment.num_inliers;
     horizontal += residuals.col(i).head<2>().squaredNorm();
     vertical += residuals(2, i) * residuals(2, i);
-    alignment.extent = std::max(alignment.extent, (pairs.antenna_in_odom.col(i) - centre_in_odom).head<2>().norm());
+    alignment.extent = std::max(alignment.extent,
+                                (pairs.antenna_in_odom.col(i) - center_in_odom).head<2>().norm());
   }
   const double count = std::max(1, alignment.num_inliers);
   alignment.horizontal_rmse = std::sqrt(horizontal / count);
@@ -231,19 +247,24 @@ bool IsUsable(const GnssFix& fix, const Trajectory& odom_from_body, double max_s
   const bool is_finite = std::isfinite(fix.latitude_deg) && std::isfinite(fix.longitude_deg) &&
                          std::isfinite(fix.altitude) && fix.sigma_enu.allFinite();
   return is_finite && std::abs(fix.latitude_deg) <= 90 && fix.sigma_enu.minCoeff() >= 0 &&
-         fix.sigma_enu.head<2>().maxCoeff() <= max_sigma && odom_from_body.span().Contains(fix.time);
+         fix.sigma_enu.head<2>().maxCoeff() <= max_sigma &&
+         odom_from_body.span().Contains(fix.time);
 }
 
 double GnssAlignment::YawSigma() const { return std::sqrt(covariance(0, 0)); }
 
 SitePlacement PlacementBy(const std::vector<GnssAlignment>& drives) {
   SitePlacement placement;
-  const auto centre_of = [](const GnssAlignment& drive) { return drive.site_from_odom * drive.centre_in_odom; };
-  for (const GnssAlignment& drive : drives) placement.centre += centre_of(drive) / static_cast<double>(drives.size());
+  const auto center_of = [](const GnssAlignment& drive) {
+    return drive.site_from_odom * drive.center_in_odom;
+  };
+  for (const GnssAlignment& drive : drives)
+    placement.center += center_of(drive) / static_cast<double>(drives.size());
   Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
   for (const GnssAlignment& drive : drives) {
-    const Eigen::Vector3d arm = centre_of(drive) - placement.centre;
-    Eigen::Matrix4d moved_by = Eigen::Matrix4d::Identity();  // [yaw, x, y, z] of the drive's centre by the site's
+    const Eigen::Vector3d arm = center_of(drive) - placement.center;
+    Eigen::Matrix4d moved_by =
+        Eigen::Matrix4d::Identity();  // [yaw, x, y, z] of the drive's center by the site's
     moved_by(1, 0) = -arm.y();
     moved_by(2, 0) = arm.x();
     information += moved_by.transpose() * drive.covariance.inverse() * moved_by;
@@ -252,15 +273,19 @@ SitePlacement PlacementBy(const std::vector<GnssAlignment>& drives) {
   return placement;
 }
 
-std::optional<GnssAlignment> AlignToGnss(const Trajectory& odom_from_body, const std::vector<GnssFix>& fixes,
-                                         const Eigen::Vector3d& antenna_in_body, const GnssAlignOptions& options,
+std::optional<GnssAlignment> AlignToGnss(const Trajectory& odom_from_body,
+                                         const std::vector<GnssFix>& fixes,
+                                         const Eigen::Vector3d& antenna_in_body,
+                                         const GnssAlignOptions& options,
                                          const std::optional<SiteDatum>& datum) {
   options.Validate();
   std::vector<GnssFix> usable;
-  std::copy_if(fixes.begin(), fixes.end(), std::back_inserter(usable),
-               [&](const GnssFix& fix) { return IsUsable(fix, odom_from_body, options.max_fix_sigma); });
+  std::copy_if(fixes.begin(), fixes.end(), std::back_inserter(usable), [&](const GnssFix& fix) {
+    return IsUsable(fix, odom_from_body, options.max_fix_sigma);
+  });
   if (usable.size() < static_cast<size_t>(kMinInliers)) return std::nullopt;
-  std::stable_sort(usable.begin(), usable.end(), [](const GnssFix& a, const GnssFix& b) { return a.time < b.time; });
+  std::stable_sort(usable.begin(), usable.end(),
+                   [](const GnssFix& a, const GnssFix& b) { return a.time < b.time; });
 
   const SiteDatum site_datum = datum ? *datum : ChooseDatum(usable);
   const auto make_pairs = [&](double drift) {
@@ -272,8 +297,10 @@ std::optional<GnssAlignment> AlignToGnss(const Trajectory& odom_from_body, const
   fit = FitRobustly(pairs);
   GnssAlignment alignment = Describe(pairs, std::move(fit), options.correlation_time);
   alignment.datum = site_datum;
-  const bool most_agree = alignment.num_inliers >= kMinInliers && 2 * alignment.num_inliers >= alignment.num_fixes;
-  // Reflections go with the place: within their reach they look like a turn, whatever the noise averages to.
+  const bool most_agree =
+      alignment.num_inliers >= kMinInliers && 2 * alignment.num_inliers >= alignment.num_fixes;
+  // Reflections go with the place: within their reach they look like a turn, whatever the noise
+  // averages to.
   std::vector<double> sigmas;
   for (const GnssFix& fix : usable) sigmas.push_back(fix.sigma_enu.head<2>().maxCoeff());
   if (alignment.extent < kSigmasOfExtent * Median(sigmas)) return std::nullopt;

@@ -20,12 +20,13 @@ double Memory(double elapsed, double correlation_time) {
 
 }  // namespace
 
-Eigen::MatrixXd WhitenRows(const Eigen::MatrixXd& rows, const Eigen::VectorXd& times, const Eigen::VectorXd& weights,
-                           const ErrorModel& model) {
+Eigen::MatrixXd WhitenRows(const Eigen::MatrixXd& rows, const Eigen::VectorXd& times,
+                           const Eigen::VectorXd& weights, const ErrorModel& model) {
   assert(rows.rows() == times.size() && rows.rows() == weights.size());
   const double slow_variance = 1 - model.white_variance;
   Eigen::MatrixXd white(rows.rows(), rows.cols());
-  Eigen::RowVectorXd slow = Eigen::RowVectorXd::Zero(rows.cols());  // what is expected of each column
+  Eigen::RowVectorXd slow =
+      Eigen::RowVectorXd::Zero(rows.cols());  // what is expected of each column
   double variance = slow_variance;
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
     if (i > 0) {
@@ -43,7 +44,8 @@ Eigen::MatrixXd WhitenRows(const Eigen::MatrixXd& rows, const Eigen::VectorXd& t
   return white;
 }
 
-double EstimateWhiteVariance(const Eigen::VectorXd& values, const Eigen::VectorXd& times, double correlation_time) {
+double EstimateWhiteVariance(const Eigen::VectorXd& values, const Eigen::VectorXd& times,
+                             double correlation_time) {
   std::vector<double> shares;
   for (Eigen::Index i = 1; i < values.size(); ++i) {
     const double elapsed = times[i] - times[i - 1];

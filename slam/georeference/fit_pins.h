@@ -5,19 +5,21 @@
 #include <vector>
 
 #include "core/geo.h"
+#include "core/option_about.h"
 
 namespace parkade {
 
 struct PinOptions {
-  double sigma = 0.2;         ///< [m] how well a pin is known, per axis; residuals that are larger count instead
+  double sigma =
+      0.2;  ///< [m] how well a pin is known, per axis; residuals that are larger count instead
   double tolerance = 1.0;     ///< [m] pins that err by more do not fit each other
   double min_distance = 5.0;  ///< [m] that two pins at least must lie apart, for a heading
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
-    visit("sigma", sigma);
-    visit("tolerance", tolerance);
-    visit("min_distance", min_distance);
+    visit("sigma", sigma, OptionAbout{"A pin is this sure (one sigma).", "m", 0.001, 100});
+    visit("tolerance", tolerance,
+          OptionAbout{"Pins that miss each other by more do not fit.", "m", 0.001, 1000});
   }
   void Validate() const;  ///< throws Error{kUsage}
 };
@@ -33,20 +35,24 @@ struct PinnedPoint {
 struct PinFit {
   SiteDatum datum;  ///< at the first pin
   Rigid3 pinned_from_site;
-  SitePlacement placement;  ///< in the pinned site; z's variance is infinite where nobody said how high it lies
-  /// [m] of each pin, in the pinned site: where it says, from where the fit puts it; z is 0 for one without a height.
+  SitePlacement placement;  ///< in the pinned site; z's variance is infinite where nobody said how
+                            ///< high it lies
+  /// [m] of each pin, in the pinned site: where it says, from where the fit puts it; z is 0 for one
+  /// without a height.
   std::vector<Eigen::Vector3d> residuals;
 
   size_t WorstPin() const;
 };
 
-/// Yaw and translation by least squares, each pin counting alike; heights apart from that, from the pins that have one.
-/// Where none has, the site keeps the height that `placed` gives it on Earth; without that its altitude is unknown.
-/// The covariance is that of pins known to options.sigma, or to what the residuals say where they are larger.
+/// Yaw and translation by least squares, each pin counting alike; heights apart from that, from the
+/// pins that have one. Where none has, the site keeps the height that `placed` gives it on Earth;
+/// without that its altitude is unknown. The covariance is that of pins known to options.sigma, or
+/// to what the residuals say where they are larger.
 ///
 /// \param placed            where the site lies by other means
 /// \param placed_variance   [m^2] of its height
-/// Throws Error{kInvalidInput} for fewer than two pins, a place that is none, or pins that lie together.
+/// Throws Error{kInvalidInput} for fewer than two pins, a place that is none, or pins that lie
+/// together.
 PinFit FitPins(const std::vector<PinnedPoint>& pins, const PinOptions& options,
                const std::optional<SiteDatum>& placed = std::nullopt, double placed_variance = 0);
 

@@ -27,12 +27,16 @@ struct Height {
 
 std::optional<GroundScale> MeasureGroundScale(const StartProblem& problem, const Rig& rig) {
   if (!rig.vehicle) return std::nullopt;
-  const Eigen::Vector3d up_in_imu = rig.body_from_imu.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d up_in_imu =
+      rig.body_from_imu.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   std::vector<Height> heights;
   for (const StartTrack& track : problem.tracks) {
-    const StartImage& image = problem.images[track.sights.front().image];
-    const double height = rig.cameras[static_cast<size_t>(image.camera)].body_from_camera.translation.z();
-    if (height < kMinHeight || track.inverse_distance < kMinCertainty * track.inverse_distance_sigma) continue;
+    const StartImage& image = problem.images[track.observations.front().image];
+    const double height =
+        rig.cameras[static_cast<size_t>(image.camera)].body_from_camera.translation.z();
+    if (height < kMinHeight ||
+        track.inverse_distance < kMinCertainty * track.inverse_distance_sigma)
+      continue;
     const double sine = -track.ray.dot(image.rotation * up_in_imu);
     if (sine < kMinDepression) continue;
     heights.push_back({std::log(height * track.inverse_distance / sine), image.camera});
@@ -55,7 +59,8 @@ std::optional<GroundScale> MeasureGroundScale(const StartProblem& problem, const
     ++scale.num_points;
     cameras.insert(at.camera);
   }
-  if (scale.num_points < std::max(kMinPoints, static_cast<int>(kMinShare * static_cast<double>(heights.size()))))
+  if (scale.num_points <
+      std::max(kMinPoints, static_cast<int>(kMinShare * static_cast<double>(heights.size()))))
     return std::nullopt;
   scale.log_scale /= scale.num_points;
   scale.sigma = std::hypot(kSigma, kSigmaOfCamera / std::sqrt(static_cast<double>(cameras.size())));

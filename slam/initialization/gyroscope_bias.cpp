@@ -24,7 +24,8 @@ struct Pair {
   double sigma = 1e-3;                         // [rad] mean of the bearings
 };
 
-std::vector<Pair> MakePairs(const std::vector<TrackedFrame>& frames, const ImuBuffer& imu, const Rig& rig) {
+std::vector<Pair> MakePairs(const std::vector<TrackedFrame>& frames, const ImuBuffer& imu,
+                            const Rig& rig) {
   std::vector<Pair> pairs;
   std::vector<const TrackedFrame*> last(rig.cameras.size(), nullptr);
   for (const TrackedFrame& frame : frames) {
@@ -40,7 +41,8 @@ std::vector<Pair> MakePairs(const std::vector<TrackedFrame>& frames, const ImuBu
               {},
               0};
     std::unordered_map<std::int64_t, const FeatureObservation*> seen_before;
-    for (const FeatureObservation& seen : before->observations) seen_before.emplace(seen.track, &seen);
+    for (const FeatureObservation& seen : before->observations)
+      seen_before.emplace(seen.track, &seen);
     for (const FeatureObservation& seen : frame.observations) {
       const auto found = seen_before.find(seen.track);
       if (found == seen_before.end()) continue;
@@ -64,7 +66,8 @@ struct NormalEquations {
 // One pair's share, its direction of translation eliminated.
 void Accumulate(const Pair& pair, const Eigen::Vector3d& bias, NormalEquations& equations) {
   const MotionIncrement increment = pair.imu.Corrected({bias, Eigen::Vector3d::Zero()});
-  const Eigen::Matrix3d first_from_imu = pair.imu_from_camera.transpose() * increment.rotation.toRotationMatrix();
+  const Eigen::Matrix3d first_from_imu =
+      pair.imu_from_camera.transpose() * increment.rotation.toRotationMatrix();
   const Eigen::Matrix3d d_rotation = pair.imu.d_gyroscope().topRows<3>();
   std::vector<Eigen::Vector3d> normals;
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
@@ -72,7 +75,9 @@ void Accumulate(const Pair& pair, const Eigen::Vector3d& bias, NormalEquations& 
   for (int pass = 0; pass < 2; ++pass) {  // the second without outliers
     Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
     for (size_t k = 0; k < pair.first.size(); ++k) {
-      if (pass == 0) normals.push_back(pair.first[k].cross(first_from_imu * (pair.imu_from_camera * pair.second[k])));
+      if (pass == 0)
+        normals.push_back(
+            pair.first[k].cross(first_from_imu * (pair.imu_from_camera * pair.second[k])));
       moment += weights[k] * normals[k] * normals[k].transpose();
     }
     translation = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(moment).eigenvectors().col(0);
@@ -83,8 +88,8 @@ void Accumulate(const Pair& pair, const Eigen::Vector3d& bias, NormalEquations& 
   Eigen::Matrix<double, 5, 5> information = Eigen::Matrix<double, 5, 5>::Zero();
   Eigen::Matrix<double, 5, 1> gradient = Eigen::Matrix<double, 5, 1>::Zero();
   for (size_t k = 0; k < normals.size(); ++k) {
-    const Eigen::Matrix3d d_normal =
-        -Skew(pair.first[k]) * first_from_imu * Skew(pair.imu_from_camera * pair.second[k]) * d_rotation;
+    const Eigen::Matrix3d d_normal = -Skew(pair.first[k]) * first_from_imu *
+                                     Skew(pair.imu_from_camera * pair.second[k]) * d_rotation;
     Eigen::Matrix<double, 5, 1> jacobian;
     jacobian << d_normal.transpose() * translation, across.transpose() * normals[k];
     const double weight = weights[k] / (pair.sigma * pair.sigma);
@@ -94,7 +99,8 @@ void Accumulate(const Pair& pair, const Eigen::Vector3d& bias, NormalEquations& 
   information.bottomRightCorner<2, 2>() += 1e-6 * Eigen::Matrix2d::Identity();
   const Eigen::Matrix<double, 3, 2> gain =
       information.topRightCorner<3, 2>() * information.bottomRightCorner<2, 2>().inverse();
-  equations.information += information.topLeftCorner<3, 3>() - gain * information.bottomLeftCorner<2, 3>();
+  equations.information +=
+      information.topLeftCorner<3, 3>() - gain * information.bottomLeftCorner<2, 3>();
   equations.gradient += gradient.head<3>() - gain * gradient.tail<2>();
 }
 

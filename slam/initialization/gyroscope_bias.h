@@ -17,7 +17,7 @@ struct GyroscopeBiasEstimate {
 
 /// Gyroscope bias from images alone, moving or not: with the right rotation
 /// between two images of one camera the normals of all epipolar planes lie in
-/// one plane. Minimises, over the bias, the distance of all normals from the
+/// one plane. Minimizes, over the bias, the distance of all normals from the
 /// best plane of each pair, robustly. Nothing when images say too little.
 ///
 /// L. Kneip, S. Lynen, "Direct Optimization of Frame-to-Frame Rotation",

@@ -21,65 +21,73 @@ constexpr double kMedianOfChiSquared2 = 1.386;
 constexpr double kMinNoise = 0.2, kMaxNoise = 10;
 constexpr double kEnough = 1e-4;  // relative fall of the cost
 
-/// One sight's residual [sigma] and its derivatives by the point (3) and by the motion.
-struct Linearised {
+/// One observation's residual [sigma] and its derivatives by the point (3) and by the motion.
+struct Linearized {
   Eigen::Vector2d residual = Eigen::Vector2d::Zero();
   Eigen::Matrix<double, 2, 3> by_point = Eigen::Matrix<double, 2, 3>::Zero();
-  Eigen::Matrix<double, 2, kStartMotionSize> by_motion = Eigen::Matrix<double, 2, kStartMotionSize>::Zero();
+  Eigen::Matrix<double, 2, kStartMotionSize> by_motion =
+      Eigen::Matrix<double, 2, kStartMotionSize>::Zero();
 };
 
 /// An image at one motion.
 struct ImageAt {
-  Eigen::Vector3d centre;
+  Eigen::Vector3d center;
   Eigen::Matrix3d rotation;
-  Eigen::Matrix<double, 3, kStartMotionSize> centre_by_motion, turn_by_motion;
+  Eigen::Matrix<double, 3, kStartMotionSize> center_by_motion, turn_by_motion;
 };
 
-Eigen::Matrix3d RotationOf(const StartImage& image, const ImuBias& bias, const ImuBias& linearised_at) {
+Eigen::Matrix3d RotationOf(const StartImage& image, const ImuBias& bias,
+                           const ImuBias& linearized_at) {
   return image.rotation *
-         ExpSo3(image.rotation_by_gyroscope * (bias.gyroscope - linearised_at.gyroscope)).toRotationMatrix();
+         ExpSo3(image.rotation_by_gyroscope * (bias.gyroscope - linearized_at.gyroscope))
+             .toRotationMatrix();
 }
 
 Eigen::Matrix<double, 3, 2> GravityBasis(const Eigen::Vector3d& gravity) {
   return gravity.norm() * BasisAcross(gravity.normalized());
 }
 
-ImageAt Place(const StartImage& image, const StartMotion& motion, const ImuBias& linearised_at) {
+ImageAt Place(const StartImage& image, const StartMotion& motion, const ImuBias& linearized_at) {
   ImageAt at;
-  at.rotation = RotationOf(image, motion.bias, linearised_at);
-  at.centre = CentreOf(image, motion, linearised_at);
+  at.rotation = RotationOf(image, motion.bias, linearized_at);
+  at.center = CenterOf(image, motion, linearized_at);
   at.turn_by_motion.setZero();
   at.turn_by_motion.middleCols<3>(5) = image.rotation_by_gyroscope;
-  at.centre_by_motion.leftCols<3>() = image.t * Eigen::Matrix3d::Identity();
-  at.centre_by_motion.middleCols<2>(3) = 0.5 * image.t * image.t * GravityBasis(motion.gravity);
-  at.centre_by_motion.middleCols<3>(5) =
-      image.position_by_gyroscope - at.rotation * Skew(image.camera_in_imu) * image.rotation_by_gyroscope;
-  at.centre_by_motion.rightCols<3>() = image.position_by_accelerometer;
+  at.center_by_motion.leftCols<3>() = image.t * Eigen::Matrix3d::Identity();
+  at.center_by_motion.middleCols<2>(3) = 0.5 * image.t * image.t * GravityBasis(motion.gravity);
+  at.center_by_motion.middleCols<3>(5) =
+      image.position_by_gyroscope -
+      at.rotation * Skew(image.camera_in_imu) * image.rotation_by_gyroscope;
+  at.center_by_motion.rightCols<3>() = image.position_by_accelerometer;
   return at;
 }
 
 /// Points behind have a constant error of a right angle, and no derivative.
-Linearised Linearise(const StartTrack& track, const Eigen::Matrix<double, 3, 2>& across, const StartSight& sight,
-                     const ImageAt& at, double noise, bool wants_motion) {
-  Linearised result;
-  const double sigma = sight.sigma * noise;
-  const Eigen::Vector3d offset = track.origin - at.centre;
-  const Eigen::Vector3d seen = at.rotation.transpose() * (track.ray + track.inverse_distance * offset);
+Linearized Linearize(const StartTrack& track, const Eigen::Matrix<double, 3, 2>& across,
+                     const StartObservation& observation, const ImageAt& at, double noise,
+                     bool wants_motion) {
+  Linearized result;
+  const double sigma = observation.sigma * noise;
+  const Eigen::Vector3d offset = track.origin - at.center;
+  const Eigen::Vector3d seen =
+      at.rotation.transpose() * (track.ray + track.inverse_distance * offset);
   const double length = seen.norm();
-  if (!(seen.dot(sight.bearing) > 1e-6)) {
+  if (!(seen.dot(observation.bearing) > 1e-6)) {
     result.residual.x() = 1 / sigma;
     return result;
   }
-  const Eigen::Matrix<double, 3, 2> basis = BasisAcross(sight.bearing);
+  const Eigen::Matrix<double, 3, 2> basis = BasisAcross(observation.bearing);
   const Eigen::Vector3d direction = seen / length;
   result.residual = basis.transpose() * direction / sigma;
   const Eigen::Matrix<double, 2, 3> by_seen =
-      basis.transpose() * (Eigen::Matrix3d::Identity() - direction * direction.transpose()) / (length * sigma);
+      basis.transpose() * (Eigen::Matrix3d::Identity() - direction * direction.transpose()) /
+      (length * sigma);
   const Eigen::Matrix<double, 2, 3> by_ray = by_seen * at.rotation.transpose();
   result.by_point.leftCols<2>() = by_ray * across;
   result.by_point.col(2) = by_ray * offset;
   if (wants_motion)
-    result.by_motion = by_seen * Skew(seen) * at.turn_by_motion - track.inverse_distance * by_ray * at.centre_by_motion;
+    result.by_motion = by_seen * Skew(seen) * at.turn_by_motion -
+                       track.inverse_distance * by_ray * at.center_by_motion;
   return result;
 }
 
@@ -90,7 +98,8 @@ double RobustWeight(double squared) { return 1 / (1 + squared / (kRobustWidth * 
 
 struct TrackEquations {
   Eigen::Matrix3d points = Eigen::Matrix3d::Zero();
-  Eigen::Matrix<double, 3, kStartMotionSize> cross = Eigen::Matrix<double, 3, kStartMotionSize>::Zero();
+  Eigen::Matrix<double, 3, kStartMotionSize> cross =
+      Eigen::Matrix<double, 3, kStartMotionSize>::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   double cost = 0;
 };
@@ -105,8 +114,9 @@ TrackEquations Accumulate(const StartTrack& track, const std::vector<ImageAt>& i
                           MotionEquations* motion) {
   TrackEquations own;
   const Eigen::Matrix<double, 3, 2> across = BasisAcross(track.ray);
-  for (const StartSight& sight : track.sights) {
-    const Linearised at = Linearise(track, across, sight, images[sight.image], noise, motion != nullptr);
+  for (const StartObservation& observation : track.observations) {
+    const Linearized at =
+        Linearize(track, across, observation, images[observation.image], noise, motion != nullptr);
     const double squared = at.residual.squaredNorm(), weight = RobustWeight(squared);
     own.cost += RobustCost(squared);
     own.points += weight * at.by_point.transpose() * at.by_point;
@@ -123,7 +133,8 @@ TrackEquations Accumulate(const StartTrack& track, const std::vector<ImageAt>& i
 void MovePoint(StartTrack& track, const Eigen::Vector3d& step) {
   const Eigen::Vector3d ray = track.ray + BasisAcross(track.ray) * step.head<2>();
   const double scale = 1 / ray.norm();
-  track.inverse_distance = std::clamp((track.inverse_distance + step.z()) * scale, 0.0, kMaxInverseDistance);
+  track.inverse_distance =
+      std::clamp((track.inverse_distance + step.z()) * scale, 0.0, kMaxInverseDistance);
   track.ray = scale * ray;
 }
 
@@ -135,7 +146,8 @@ void AddPriors(const StartProblem& problem, const StartMotion& motion, MotionEqu
     equations.cost += residual * residual;
   };
   for (int k = 0; k < 3; ++k) {
-    Eigen::Matrix<double, 1, kStartMotionSize> row = Eigen::Matrix<double, 1, kStartMotionSize>::Zero();
+    Eigen::Matrix<double, 1, kStartMotionSize> row =
+        Eigen::Matrix<double, 1, kStartMotionSize>::Zero();
     row[5 + k] = 1 / problem.gyroscope.sigma;
     add(row, (motion.bias.gyroscope[k] - problem.gyroscope.bias[k]) / problem.gyroscope.sigma);
     row.setZero();
@@ -143,17 +155,17 @@ void AddPriors(const StartProblem& problem, const StartMotion& motion, MotionEqu
     add(row, motion.bias.accelerometer[k] / problem.accelerometer_bias_sigma);
   }
   if (!problem.scale) return;
-  const ImageAt end = Place(problem.end, motion, problem.linearised_at);
-  const double way = std::max(end.centre.norm(), 1e-3);
-  add(end.centre.transpose() / (way * way) * end.centre_by_motion / problem.scale->sigma,
+  const ImageAt end = Place(problem.end, motion, problem.linearized_at);
+  const double way = std::max(end.center.norm(), 1e-3);
+  add(end.center.transpose() / (way * way) * end.center_by_motion / problem.scale->sigma,
       std::log(way / problem.scale->way) / problem.scale->sigma);
 }
 
 StartMotion Moved(const StartMotion& motion, const MotionVector& step) {
   StartMotion moved = motion;
   moved.velocity += step.head<3>();
-  moved.gravity =
-      motion.gravity.norm() * (motion.gravity + GravityBasis(motion.gravity) * step.segment<2>(3)).normalized();
+  moved.gravity = motion.gravity.norm() *
+                  (motion.gravity + GravityBasis(motion.gravity) * step.segment<2>(3)).normalized();
   moved.bias.gyroscope += step.segment<3>(5);
   moved.bias.accelerometer += step.tail<3>();
   return moved;
@@ -162,7 +174,8 @@ StartMotion Moved(const StartMotion& motion, const MotionVector& step) {
 std::vector<ImageAt> PlaceImages(const StartProblem& problem, const StartMotion& motion) {
   std::vector<ImageAt> images;
   images.reserve(problem.images.size());
-  for (const StartImage& image : problem.images) images.push_back(Place(image, motion, problem.linearised_at));
+  for (const StartImage& image : problem.images)
+    images.push_back(Place(image, motion, problem.linearized_at));
   return images;
 }
 
@@ -172,15 +185,16 @@ double CostOf(const StartProblem& problem, const StartMotion& motion, double noi
   AddPriors(problem, motion, priors);
   double cost = priors.cost;
   for (const StartTrack& track : problem.tracks)
-    for (const StartSight& sight : track.sights)
-      cost += RobustCost(
-          Linearise(track, BasisAcross(track.ray), sight, images[sight.image], noise, false).residual.squaredNorm());
+    for (const StartObservation& observation : track.observations)
+      cost += RobustCost(Linearize(track, BasisAcross(track.ray), observation,
+                                   images[observation.image], noise, false)
+                             .residual.squaredNorm());
   return cost;
 }
 
 /// Equations of the motion with all points eliminated.
-MotionEquations Reduce(const StartProblem& problem, const StartMotion& motion, double noise, double damping,
-                       std::vector<TrackEquations>& tracks) {
+MotionEquations Reduce(const StartProblem& problem, const StartMotion& motion, double noise,
+                       double damping, std::vector<TrackEquations>& tracks) {
   const std::vector<ImageAt> images = PlaceImages(problem, motion);
   MotionEquations equations;
   AddPriors(problem, motion, equations);
@@ -188,7 +202,8 @@ MotionEquations Reduce(const StartProblem& problem, const StartMotion& motion, d
   for (const StartTrack& track : problem.tracks) {
     TrackEquations& own = tracks.emplace_back(Accumulate(track, images, noise, &equations));
     own.points.diagonal() *= 1 + damping;
-    const Eigen::Matrix<double, kStartMotionSize, 3> gain = own.cross.transpose() * own.points.inverse();
+    const Eigen::Matrix<double, kStartMotionSize, 3> gain =
+        own.cross.transpose() * own.points.inverse();
     equations.information -= gain * own.cross;
     equations.gradient -= gain * own.gradient;
     equations.cost += own.cost;
@@ -202,34 +217,39 @@ double NoiseOf(const StartProblem& problem, const StartMotion& motion) {
   const std::vector<ImageAt> images = PlaceImages(problem, motion);
   std::vector<double> squared;
   for (const StartTrack& track : problem.tracks)
-    for (const StartSight& sight : track.sights)
+    for (const StartObservation& observation : track.observations)
       squared.push_back(
-          Linearise(track, BasisAcross(track.ray), sight, images[sight.image], 1, false).residual.squaredNorm());
+          Linearize(track, BasisAcross(track.ray), observation, images[observation.image], 1, false)
+              .residual.squaredNorm());
   if (squared.empty()) return 1;
-  std::nth_element(squared.begin(), squared.begin() + static_cast<long>(squared.size() / 2), squared.end());
-  const double freedom =
-      std::max(0.3, 1 - 1.5 * static_cast<double>(problem.tracks.size()) / static_cast<double>(squared.size()));
-  return std::clamp(std::sqrt(squared[squared.size() / 2] / kMedianOfChiSquared2 / freedom), kMinNoise, kMaxNoise);
+  std::nth_element(squared.begin(), squared.begin() + static_cast<long>(squared.size() / 2),
+                   squared.end());
+  const double freedom = std::max(0.3, 1 - 1.5 * static_cast<double>(problem.tracks.size()) /
+                                               static_cast<double>(squared.size()));
+  return std::clamp(std::sqrt(squared[squared.size() / 2] / kMedianOfChiSquared2 / freedom),
+                    kMinNoise, kMaxNoise);
 }
 
 }  // namespace
 
-Eigen::Vector3d CentreOf(const StartImage& image, const StartMotion& motion, const ImuBias& linearised_at) {
+Eigen::Vector3d CenterOf(const StartImage& image, const StartMotion& motion,
+                         const ImuBias& linearized_at) {
   return motion.velocity * image.t + 0.5 * image.t * image.t * motion.gravity + image.position +
-         image.position_by_gyroscope * (motion.bias.gyroscope - linearised_at.gyroscope) +
-         image.position_by_accelerometer * (motion.bias.accelerometer - linearised_at.accelerometer) +
-         RotationOf(image, motion.bias, linearised_at) * image.camera_in_imu;
+         image.position_by_gyroscope * (motion.bias.gyroscope - linearized_at.gyroscope) +
+         image.position_by_accelerometer *
+             (motion.bias.accelerometer - linearized_at.accelerometer) +
+         RotationOf(image, motion.bias, linearized_at) * image.camera_in_imu;
 }
 
 Eigen::Vector3d WayOf(const StartProblem& problem, const StartMotion& motion) {
-  return CentreOf(problem.end, motion, problem.linearised_at);
+  return CenterOf(problem.end, motion, problem.linearized_at);
 }
 
 double PlacePoints(StartProblem& problem, const StartMotion& motion, double noise) {
   const std::vector<ImageAt> images = PlaceImages(problem, motion);
   for (StartTrack& track : problem.tracks) {
-    const StartSight& first = track.sights.front();
-    track.origin = images[first.image].centre;
+    const StartObservation& first = track.observations.front();
+    track.origin = images[first.image].center;
     track.ray = images[first.image].rotation * first.bearing;
     track.inverse_distance = 0;
     double cost = std::numeric_limits<double>::infinity();
@@ -258,7 +278,8 @@ StartFit Adjust(StartProblem& problem, const StartMotion& from, double noise, in
     if (!step.allFinite()) break;
     const std::vector<StartTrack> before = problem.tracks;
     for (size_t k = 0; k < tracks.size(); ++k)
-      MovePoint(problem.tracks[k], -tracks[k].points.ldlt().solve(tracks[k].gradient + tracks[k].cross * step));
+      MovePoint(problem.tracks[k],
+                -tracks[k].points.ldlt().solve(tracks[k].gradient + tracks[k].cross * step));
     const StartMotion moved = Moved(fit.motion, step);
     const double cost = CostOf(problem, moved, noise);
     if (cost < fit.cost) {
@@ -275,10 +296,12 @@ StartFit Adjust(StartProblem& problem, const StartMotion& from, double noise, in
   fit.noise = NoiseOf(problem, fit.motion);
   const MotionEquations equations = Reduce(problem, fit.motion, fit.noise, 0, tracks);
   for (size_t k = 0; k < tracks.size(); ++k)
-    problem.tracks[k].inverse_distance_sigma = std::sqrt(std::max(0.0, tracks[k].points.inverse()(2, 2)));
+    problem.tracks[k].inverse_distance_sigma =
+        std::sqrt(std::max(0.0, tracks[k].points.inverse()(2, 2)));
   const Eigen::LLT<StartMotionMatrix> information(equations.information);
   fit.covariance.setConstant(std::numeric_limits<double>::infinity());
-  if (information.info() == Eigen::Success) fit.covariance = information.solve(StartMotionMatrix::Identity());
+  if (information.info() == Eigen::Success)
+    fit.covariance = information.solve(StartMotionMatrix::Identity());
   return fit;
 }
 

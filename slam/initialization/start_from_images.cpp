@@ -14,15 +14,16 @@ constexpr double kSpeeds[] = {0.7, 3, 10};  // [m/s] hypotheses
 constexpr int kDirectionPasses = 4;
 constexpr double kRobustAngle = 0.005;  // [rad] off the epipolar plane
 constexpr int kFirstIterations = 12, kLastIterations = 8;
-constexpr int kPasses = 2;                  // at the noise that the pass before found
-constexpr double kCorrelation = 6;          // variance: errors of a track last (docs/decisions.md)
-constexpr double kSystematic = 10;          // the same for what acceleration tells of scale, of its sigma
+constexpr int kPasses = 2;          // at the noise that the pass before found
+constexpr double kCorrelation = 6;  // variance: errors of a track last (docs/decisions.md)
+constexpr double kSystematic = 10;  // the same for what acceleration tells of scale, of its sigma
 constexpr double kSystematicScale = 0.15;   // that is no contradiction between ground and IMU
 constexpr double kMaxTiltSigma = 0.10;      // [rad]
 constexpr double kMaxVelocitySigma = 0.15;  // [m/s] plus a share of the speed
 constexpr double kMaxVelocityShare = 0.10, kMaxVelocityShareOfImu = 0.05;
-constexpr double kMinTiltSigma = 0.03, kMinVelocitySigma = 0.1, kMinBiasSigma = 1e-3;  // [rad, m/s, rad/s] handed on
-constexpr double kMaxNoise = 4;                                                        // [sigma] of the median sight
+constexpr double kMinTiltSigma = 0.03, kMinVelocitySigma = 0.1,
+                 kMinBiasSigma = 1e-3;  // [rad, m/s, rad/s] handed on
+constexpr double kMaxNoise = 4;         // [sigma] of the median observation
 constexpr int kGroundRounds = 3;
 constexpr double kSameScale = 0.1;      // of its logarithm
 constexpr double kMaxDisagreement = 3;  // [sigma] between scales
@@ -30,23 +31,28 @@ constexpr double kUnknownBias = 0.1;    // [m/s^2]
 constexpr double kMinRest = 0.9;        // [s] after which a car that moves would show it
 constexpr double kRestingSigmas = 3, kRestingShare = 0.75;
 
-/// Direction of the velocity [unit] that suits the epipolar planes of first and last sights best, at a speed.
-Eigen::Vector3d DirectionAtSpeed(const StartProblem& problem, const Eigen::Vector3d& gravity, double speed) {
+/// Direction of the velocity [unit] that suits the epipolar planes of first and last observations
+/// best, at a speed.
+Eigen::Vector3d DirectionAtSpeed(const StartProblem& problem, const Eigen::Vector3d& gravity,
+                                 double speed) {
   StartMotion rest;
   rest.gravity = gravity;
-  rest.bias = problem.linearised_at;
+  rest.bias = problem.linearized_at;
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
   for (int pass = 0; pass < kDirectionPasses; ++pass) {
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (const StartTrack& track : problem.tracks) {
-      const StartSight &first = track.sights.front(), &last = track.sights.back();
+      const StartObservation &first = track.observations.front(), &last = track.observations.back();
       const StartImage &from = problem.images[first.image], &to = problem.images[last.image];
-      const Eigen::Vector3d normal = (from.rotation * first.bearing).cross(to.rotation * last.bearing);
+      const Eigen::Vector3d normal =
+          (from.rotation * first.bearing).cross(to.rotation * last.bearing);
       const double time = to.t - from.t;
       if (!(time > 0)) continue;
-      const double offset = normal.dot(CentreOf(to, rest, rest.bias) - CentreOf(from, rest, rest.bias)) / speed;
-      const double error = pass == 0 ? 0 : (normal.dot(direction) * time + offset) / (time * kRobustAngle);
+      const double offset =
+          normal.dot(CenterOf(to, rest, rest.bias) - CenterOf(from, rest, rest.bias)) / speed;
+      const double error =
+          pass == 0 ? 0 : (normal.dot(direction) * time + offset) / (time * kRobustAngle);
       const double weight = 1 / (1 + error * error);
       information += weight * time * time * normal * normal.transpose();
       right -= weight * time * offset * normal;
@@ -57,10 +63,12 @@ Eigen::Vector3d DirectionAtSpeed(const StartProblem& problem, const Eigen::Vecto
     double low = -eigen.eigenvalues()[0], high = right.norm() + eigen.eigenvalues()[2];
     for (int i = 0; i < 100; ++i) {
       const double middle = 0.5 * (low + high);
-      const double norm = (in_eigen.array() / (eigen.eigenvalues().array() + middle)).matrix().norm();
+      const double norm =
+          (in_eigen.array() / (eigen.eigenvalues().array() + middle)).matrix().norm();
       (norm > 1 ? low : high) = middle;
     }
-    direction = eigen.eigenvectors() * (in_eigen.array() / (eigen.eigenvalues().array() + high).max(1e-12)).matrix();
+    direction = eigen.eigenvectors() *
+                (in_eigen.array() / (eigen.eigenvalues().array() + high).max(1e-12)).matrix();
     if (!(direction.norm() > 0.5)) direction = eigen.eigenvectors().col(0);
     direction.normalize();
   }
@@ -73,12 +81,13 @@ struct Candidate {
 };
 
 /// The best of all hypotheses, at the declared noise.
-std::optional<Candidate> BestHypothesis(const StartProblem& problem, const Eigen::Vector3d& gravity) {
+std::optional<Candidate> BestHypothesis(const StartProblem& problem,
+                                        const Eigen::Vector3d& gravity) {
   std::optional<Candidate> best;
   for (const double speed : kSpeeds) {
     const Eigen::Vector3d direction = DirectionAtSpeed(problem, gravity, speed);
     Candidate candidate{problem, {}};
-    StartMotion motion{speed * direction, gravity, problem.linearised_at};
+    StartMotion motion{speed * direction, gravity, problem.linearized_at};
     const double ahead = PlacePoints(candidate.problem, motion, 1);
     motion.velocity *= -1;
     StartProblem backwards = problem;
@@ -93,17 +102,20 @@ std::optional<Candidate> BestHypothesis(const StartProblem& problem, const Eigen
   return best;
 }
 
-/// Of the logarithm of the way, as images and IMU have it. What tracks and IMU have in common over seconds looks like
-/// acceleration, which is all that tells scale here: hence far more than white noise.
+/// Of the logarithm of the way, as images and IMU have it. What tracks and IMU have in common over
+/// seconds looks like acceleration, which is all that tells scale here: hence far more than white
+/// noise.
 double ScaleSigma(const Candidate& candidate) {
   const Eigen::Vector3d way = WayOf(candidate.problem, candidate.fit.motion);
   const Eigen::Vector3d ahead = way.normalized();
   const double variance = ahead.dot(candidate.fit.covariance.topLeftCorner<3, 3>() * ahead);
-  return kSystematic * std::sqrt(std::max(0.0, variance)) * candidate.problem.duration / std::max(way.norm(), 1e-3);
+  return kSystematic * std::sqrt(std::max(0.0, variance)) * candidate.problem.duration /
+         std::max(way.norm(), 1e-3);
 }
 
 /// The same with everything larger by `factor`, adjusted to `scale` where it is given.
-Candidate Rescaled(const Candidate& candidate, double factor, const std::optional<ScalePrior>& scale, int iterations) {
+Candidate Rescaled(const Candidate& candidate, double factor,
+                   const std::optional<ScalePrior>& scale, int iterations) {
   Candidate rescaled = candidate;
   StartMotion motion = candidate.fit.motion;
   motion.velocity *= factor;
@@ -121,7 +133,8 @@ struct KnownScale {
 /// Takes the scale from the ground where it is there to be seen.
 KnownScale UseGround(Candidate& candidate, const Rig& rig) {
   std::optional<GroundScale> ground = MeasureGroundScale(candidate.problem, rig);
-  for (int round = 0; round < kGroundRounds && ground && std::abs(ground->log_scale) > kSameScale; ++round) {
+  for (int round = 0; round < kGroundRounds && ground && std::abs(ground->log_scale) > kSameScale;
+       ++round) {
     Candidate rescaled = Rescaled(candidate, std::exp(ground->log_scale), {}, kFirstIterations);
     if (!(rescaled.fit.cost < candidate.fit.cost)) break;
     candidate = std::move(rescaled);
@@ -129,10 +142,13 @@ KnownScale UseGround(Candidate& candidate, const Rig& rig) {
   }
   const double sigma = ScaleSigma(candidate);
   if (!ground) return {sigma, false};
-  if (std::abs(ground->log_scale) > kMaxDisagreement * std::hypot(ground->sigma, sigma, kSystematicScale))
+  if (std::abs(ground->log_scale) >
+      kMaxDisagreement * std::hypot(ground->sigma, sigma, kSystematicScale))
     return {std::numeric_limits<double>::infinity(), true};
-  const double way = WayOf(candidate.problem, candidate.fit.motion).norm() * std::exp(ground->log_scale);
-  candidate = Rescaled(candidate, std::exp(ground->log_scale), ScalePrior{way, ground->sigma}, kLastIterations);
+  const double way =
+      WayOf(candidate.problem, candidate.fit.motion).norm() * std::exp(ground->log_scale);
+  candidate = Rescaled(candidate, std::exp(ground->log_scale), ScalePrior{way, ground->sigma},
+                       kLastIterations);
   return {1 / std::hypot(1 / sigma, 1 / ground->sigma), true};
 }
 
@@ -140,23 +156,26 @@ KnownScale UseGround(Candidate& candidate, const Rig& rig) {
 bool IsAtRest(const StartProblem& problem) {
   double num_tracks = 0, num_resting = 0;
   for (const StartTrack& track : problem.tracks) {
-    const StartSight &first = track.sights.front(), &last = track.sights.back();
+    const StartObservation &first = track.observations.front(), &last = track.observations.back();
     const StartImage &from = problem.images[first.image], &to = problem.images[last.image];
     if (to.t - from.t < 0.5 * problem.duration) continue;
-    const Eigen::Vector3d seen_first = from.rotation * first.bearing, seen_last = to.rotation * last.bearing;
+    const Eigen::Vector3d seen_first = from.rotation * first.bearing,
+                          seen_last = to.rotation * last.bearing;
     ++num_tracks;
-    num_resting += seen_first.cross(seen_last).norm() < kRestingSigmas * std::hypot(first.sigma, last.sigma);
+    num_resting +=
+        seen_first.cross(seen_last).norm() < kRestingSigmas * std::hypot(first.sigma, last.sigma);
   }
-  return problem.duration > kMinRest && num_tracks >= kMinTracks && num_resting > kRestingShare * num_tracks;
+  return problem.duration > kMinRest && num_tracks >= kMinTracks &&
+         num_resting > kRestingShare * num_tracks;
 }
 
-StartEstimate MakeStart(const StartProblem& problem, const StartMotion& motion, Timestamp begin, double tilt_sigma,
-                        double velocity_sigma) {
+StartEstimate MakeStart(const StartProblem& problem, const StartMotion& motion, Timestamp begin,
+                        double tilt_sigma, double velocity_sigma) {
   StartEstimate start;
   start.kind = StartKind::kMovingInImages;
   start.state.time = begin;
   start.state.gyroscope_bias = motion.bias.gyroscope;
-  start.state.odom_from_imu.rotation = LevelledRotation(motion.gravity);
+  start.state.odom_from_imu.rotation = LeveledRotation(motion.gravity);
   start.state.velocity_in_odom = start.state.odom_from_imu.rotation * motion.velocity;
   start.uncertainty = {kMinTiltSigma + tilt_sigma, kMinVelocitySigma + velocity_sigma,
                        std::max(3 * problem.gyroscope.sigma, kMinBiasSigma), kUnknownBias};
@@ -165,14 +184,16 @@ StartEstimate MakeStart(const StartProblem& problem, const StartMotion& motion, 
 
 }  // namespace
 
-std::optional<StartEstimate> StartFromImages(const ImuBuffer& imu, const std::vector<TrackedFrame>& frames,
-                                             const Rig& rig, const GyroscopeBiasEstimate& bias, Timestamp begin,
-                                             Timestamp end) {
+std::optional<StartEstimate> StartFromImages(const ImuBuffer& imu,
+                                             const std::vector<TrackedFrame>& frames,
+                                             const Rig& rig, const GyroscopeBiasEstimate& bias,
+                                             Timestamp begin, Timestamp end) {
   const StartProblem problem = CollectStartProblem(imu, frames, rig, bias, begin, end);
   if (problem.tracks.size() < kMinTracks) return std::nullopt;
-  const Eigen::Vector3d mean_gravity = MeanGravity(imu, problem.linearised_at, begin, end);
+  const Eigen::Vector3d mean_gravity = MeanGravity(imu, problem.linearized_at, begin, end);
   if (IsAtRest(problem))
-    return MakeStart(problem, {Eigen::Vector3d::Zero(), mean_gravity, problem.linearised_at}, begin, 0, 0);
+    return MakeStart(problem, {Eigen::Vector3d::Zero(), mean_gravity, problem.linearized_at}, begin,
+                     0, 0);
   std::optional<Candidate> best = BestHypothesis(problem, mean_gravity);
   if (!best) return std::nullopt;
   for (int pass = 0; pass < kPasses; ++pass)
@@ -185,10 +206,12 @@ std::optional<StartEstimate> StartFromImages(const ImuBuffer& imu, const std::ve
     return std::sqrt(kCorrelation * std::max(0.0, matrix.eigenvalues().real().maxCoeff()));
   };
   const double speed = fit.motion.velocity.norm();
-  const double velocity_sigma = std::max(largest(fit.covariance.topLeftCorner<3, 3>().eval()), speed * scale.sigma);
+  const double velocity_sigma =
+      std::max(largest(fit.covariance.topLeftCorner<3, 3>().eval()), speed * scale.sigma);
   const double tilt_sigma = largest(fit.covariance.block<2, 2>(3, 3).eval());
   const double share = scale.is_of_ground ? kMaxVelocityShare : kMaxVelocityShareOfImu;
-  if (!(fit.noise < kMaxNoise && tilt_sigma < kMaxTiltSigma && velocity_sigma < kMaxVelocitySigma + share * speed))
+  if (!(fit.noise < kMaxNoise && tilt_sigma < kMaxTiltSigma &&
+        velocity_sigma < kMaxVelocitySigma + share * speed))
     return std::nullopt;
   return MakeStart(problem, fit.motion, begin, tilt_sigma, velocity_sigma);
 }

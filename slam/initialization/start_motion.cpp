@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "slam/factors/imu_preintegration.h"
+#include "slam/factors/wheel_preintegration.h"
 
 namespace parkade {
 namespace {
@@ -11,7 +12,7 @@ namespace {
 constexpr double kMaxGravityError = 0.6;  // [m/s^2] of the norm found
 constexpr double kRestTilt = 0.02;        // [rad] accelerometer bias / g
 constexpr double kRegressionStep = 0.02;  // [s]
-constexpr double kUnknownBias = 0.1;      // [m/s^2] accelerometer bias that tilts what we take for down
+constexpr double kUnknownBias = 0.1;  // [m/s^2] accelerometer bias that tilts what we take for down
 
 double MinBiasSigma(double sigma) { return std::max(sigma, 1e-4); }
 
@@ -26,16 +27,18 @@ std::string ToText(StartKind kind) {
   return "unknown";
 }
 
-Eigen::Quaterniond LevelledRotation(const Eigen::Vector3d& gravity_in_imu) {
-  const Eigen::Quaterniond level = Eigen::Quaterniond::FromTwoVectors(-gravity_in_imu, Eigen::Vector3d::UnitZ());
+Eigen::Quaterniond LeveledRotation(const Eigen::Vector3d& gravity_in_imu) {
+  const Eigen::Quaterniond level =
+      Eigen::Quaterniond::FromTwoVectors(-gravity_in_imu, Eigen::Vector3d::UnitZ());
   const Eigen::Vector3d forward = level * Eigen::Vector3d::UnitX();
   if (forward.head<2>().norm() < 1e-3) return level.normalized();
   const double heading = std::atan2(forward.y(), forward.x());
   return (Eigen::AngleAxisd(-heading, Eigen::Vector3d::UnitZ()) * level).normalized();
 }
 
-std::optional<StartEstimate> StartFromStandstill(const ImuBuffer& imu, const ImuCalibration& calibration,
-                                                 Timestamp begin, Timestamp end) {
+std::optional<StartEstimate> StartFromStandstill(const ImuBuffer& imu,
+                                                 const ImuCalibration& calibration, Timestamp begin,
+                                                 Timestamp end) {
   const std::vector<ImuSample> samples = imu.Between(begin, end);
   Eigen::Vector3d rate = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();
   for (const ImuSample& sample : samples) {
@@ -49,14 +52,16 @@ std::optional<StartEstimate> StartFromStandstill(const ImuBuffer& imu, const Imu
   start.kind = StartKind::kStandstill;
   start.state.time = begin;
   start.state.gyroscope_bias = rate;
-  start.state.odom_from_imu.rotation = LevelledRotation(-force);
-  start.uncertainty = {kRestTilt, 0.01, MinBiasSigma(3 * calibration.gyroscope_noise_density / std::sqrt(end - begin)),
-                       kUnknownBias};
+  start.state.odom_from_imu.rotation = LeveledRotation(-force);
+  start.uncertainty = {
+      kRestTilt, 0.01,
+      MinBiasSigma(3 * calibration.gyroscope_noise_density / std::sqrt(end - begin)), kUnknownBias};
   return start;
 }
 
-std::optional<StartEstimate> StartFromWheels(const ImuBuffer& imu, const WheelBuffer& wheels, const Rig& rig,
-                                             const GyroscopeBiasEstimate& bias, Timestamp begin, Timestamp end) {
+std::optional<StartEstimate> StartFromWheels(const ImuBuffer& imu, const WheelBuffer& wheels,
+                                             const Rig& rig, const GyroscopeBiasEstimate& bias,
+                                             Timestamp begin, Timestamp end) {
   if (wheels.LongestGap(begin, end) > kMaxWheelGap) return std::nullopt;
   const Rigid3 imu_from_body = rig.body_from_imu.Inverse();
   const auto velocity_at = [&](Timestamp time) -> Eigen::Vector3d {
@@ -74,7 +79,8 @@ std::optional<StartEstimate> StartFromWheels(const ImuBuffer& imu, const WheelBu
     const Timestamp time = begin + k * kRegressionStep;
     if (k > 0) {
       const std::vector<ImuSample> samples = imu.Between(last.time, time);
-      for (size_t i = 1; i < samples.size(); ++i) Advance(increment, samples[i - 1], samples[i], imu_bias);
+      for (size_t i = 1; i < samples.size(); ++i)
+        Advance(increment, samples[i - 1], samples[i], imu_bias);
       last = samples.back();
     }
     const Eigen::Vector3d y = increment.rotation * velocity_at(time) - increment.velocity;
@@ -94,7 +100,7 @@ std::optional<StartEstimate> StartFromWheels(const ImuBuffer& imu, const WheelBu
   start.kind = StartKind::kRollingOnWheels;
   start.state.time = begin;
   start.state.gyroscope_bias = bias.bias;
-  start.state.odom_from_imu.rotation = LevelledRotation(gravity);
+  start.state.odom_from_imu.rotation = LeveledRotation(gravity);
   start.state.velocity_in_odom = start.state.odom_from_imu.rotation * velocity;
   start.uncertainty = {0.04, 0.15, MinBiasSigma(3 * bias.sigma), kUnknownBias};
   return start;

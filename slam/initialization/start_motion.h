@@ -28,27 +28,30 @@ struct StartEstimate {
 /// data does not determine it.
 
 /// The car stands: bias is the mean rotation rate, down the mean force.
-std::optional<StartEstimate> StartFromStandstill(const ImuBuffer& imu, const ImuCalibration& calibration,
-                                                 Timestamp begin, Timestamp end);
+std::optional<StartEstimate> StartFromStandstill(const ImuBuffer& imu,
+                                                 const ImuCalibration& calibration, Timestamp begin,
+                                                 Timestamp end);
 
 /// The car rolls: velocity from the wheels, down from what the accelerometer feels
 /// beyond the wheels' acceleration. `bias` of the gyroscope may come from images.
-std::optional<StartEstimate> StartFromWheels(const ImuBuffer& imu, const WheelBuffer& wheels, const Rig& rig,
-                                             const GyroscopeBiasEstimate& bias, Timestamp begin, Timestamp end);
+std::optional<StartEstimate> StartFromWheels(const ImuBuffer& imu, const WheelBuffer& wheels,
+                                             const Rig& rig, const GyroscopeBiasEstimate& bias,
+                                             Timestamp begin, Timestamp end);
 
-/// No wheels: velocity, gravity and biases that make the sight rays of all tracks,
+/// No wheels: velocity, gravity and biases that make the rays of all tracks,
 /// of all cameras, meet, adjusted from several hypotheses of the speed. Scale comes
 /// from the accelerometer, from the distance between cameras that see the same, and
 /// from the height of the cameras above the ground where the rig knows that.
 /// The unknowns are those of A. Martinelli, "Closed-Form Solution of Visual-Inertial
-/// Structure from Motion", IJCV 2014; its linear solution is not used: it minimises
+/// Structure from Motion", IJCV 2014; its linear solution is not used: it minimizes
 /// distances across rays, which are smallest where everything is near and slow.
-std::optional<StartEstimate> StartFromImages(const ImuBuffer& imu, const std::vector<TrackedFrame>& frames,
-                                             const Rig& rig, const GyroscopeBiasEstimate& bias, Timestamp begin,
-                                             Timestamp end);
+std::optional<StartEstimate> StartFromImages(const ImuBuffer& imu,
+                                             const std::vector<TrackedFrame>& frames,
+                                             const Rig& rig, const GyroscopeBiasEstimate& bias,
+                                             Timestamp begin, Timestamp end);
 
 /// odom_from_imu with `gravity_in_imu` pointing down and the IMU's x axis heading
 /// along x of odom.
-Eigen::Quaterniond LevelledRotation(const Eigen::Vector3d& gravity_in_imu);
+Eigen::Quaterniond LeveledRotation(const Eigen::Vector3d& gravity_in_imu);
 
 }  // namespace parkade

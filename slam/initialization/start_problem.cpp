@@ -16,7 +16,8 @@ constexpr double kMinBiasSigma = 1e-4;  // [rad/s]
 /// Carries an image's derivatives along from one instant to the next.
 class Integration {
  public:
-  Integration(const ImuBuffer& imu, const ImuCalibration& calibration, const ImuBias& bias, Timestamp begin)
+  Integration(const ImuBuffer& imu, const ImuCalibration& calibration, const ImuBias& bias,
+              Timestamp begin)
       : imu_(imu), calibration_(calibration), bias_(bias), begin_(begin), now_(begin) {}
 
   void AdvanceTo(Timestamp time) {
@@ -25,9 +26,10 @@ class Integration {
     const MotionIncrement& step = next.increment();
     const Eigen::Matrix3d rotation = rotation_, turn = step.rotation.toRotationMatrix();
     const auto carry = [&](Derivatives& by, const Eigen::Matrix<double, 9, 3>& own) {
-      by.position +=
-          by.velocity * step.duration - rotation * Skew(step.position) * by.rotation + rotation * own.bottomRows<3>();
-      by.velocity += -rotation * Skew(step.velocity) * by.rotation + rotation * own.middleRows<3>(3);
+      by.position += by.velocity * step.duration - rotation * Skew(step.position) * by.rotation +
+                     rotation * own.bottomRows<3>();
+      by.velocity +=
+          -rotation * Skew(step.velocity) * by.rotation + rotation * own.middleRows<3>(3);
       by.rotation = turn.transpose() * by.rotation + own.topRows<3>();
     };
     carry(by_gyroscope_, next.d_gyroscope());
@@ -63,17 +65,19 @@ class Integration {
   Derivatives by_gyroscope_, by_accelerometer_;
 };
 
-/// The tracks with most sights, of each camera that saw them first.
-std::vector<StartTrack> LongestTracks(std::map<std::int64_t, StartTrack> tracks, const StartProblem& problem,
-                                      size_t num_cameras) {
+/// The tracks with most observations, of each camera that saw them first.
+std::vector<StartTrack> LongestTracks(std::map<std::int64_t, StartTrack> tracks,
+                                      const StartProblem& problem, size_t num_cameras) {
   std::vector<std::vector<StartTrack>> of_camera(num_cameras);
   for (auto& [number, track] : tracks)
-    if (track.sights.size() >= kMinSights)
-      of_camera[static_cast<size_t>(problem.images[track.sights.front().image].camera)].push_back(std::move(track));
+    if (track.observations.size() >= kMinSights)
+      of_camera[static_cast<size_t>(problem.images[track.observations.front().image].camera)]
+          .push_back(std::move(track));
   std::vector<StartTrack> kept;
   for (std::vector<StartTrack>& all : of_camera) {
-    std::stable_sort(all.begin(), all.end(),
-                     [](const StartTrack& a, const StartTrack& b) { return a.sights.size() > b.sights.size(); });
+    std::stable_sort(all.begin(), all.end(), [](const StartTrack& a, const StartTrack& b) {
+      return a.observations.size() > b.observations.size();
+    });
     if (all.size() > kTracksPerCamera) all.resize(kTracksPerCamera);
     std::move(all.begin(), all.end(), std::back_inserter(kept));
   }
@@ -82,25 +86,27 @@ std::vector<StartTrack> LongestTracks(std::map<std::int64_t, StartTrack> tracks,
 
 }  // namespace
 
-StartProblem CollectStartProblem(const ImuBuffer& imu, const std::vector<TrackedFrame>& frames, const Rig& rig,
-                                 const GyroscopeBiasEstimate& bias, Timestamp begin, Timestamp end) {
+StartProblem CollectStartProblem(const ImuBuffer& imu, const std::vector<TrackedFrame>& frames,
+                                 const Rig& rig, const GyroscopeBiasEstimate& bias, Timestamp begin,
+                                 Timestamp end) {
   StartProblem problem;
   problem.duration = end - begin;
-  problem.linearised_at = {bias.bias, Eigen::Vector3d::Zero()};
+  problem.linearized_at = {bias.bias, Eigen::Vector3d::Zero()};
   problem.gyroscope = {bias.bias, std::max(bias.sigma, kMinBiasSigma)};
   const double interval = std::max(kMinImageInterval, problem.duration / kImagesPerCamera);
   std::map<std::int64_t, StartTrack> tracks;
   std::vector<Timestamp> last_used(rig.cameras.size(), begin - 1e3);
-  Integration integration(imu, rig.imu, problem.linearised_at, begin);
+  Integration integration(imu, rig.imu, problem.linearized_at, begin);
   for (const TrackedFrame& frame : frames) {
     const auto camera = static_cast<size_t>(frame.camera);
-    if (frame.time < begin || frame.time > end || frame.time - last_used[camera] < interval) continue;
+    if (frame.time < begin || frame.time > end || frame.time - last_used[camera] < interval)
+      continue;
     last_used[camera] = frame.time;
     integration.AdvanceTo(frame.time);
     const Rigid3 imu_from_camera = rig.ImuFromCamera(camera);
     problem.images.push_back(integration.Image(frame.camera, imu_from_camera.translation));
     for (const FeatureObservation& seen : frame.observations)
-      tracks[seen.track].sights.push_back(
+      tracks[seen.track].observations.push_back(
           {problem.images.size() - 1, imu_from_camera.rotation * seen.bearing, seen.sigma});
   }
   integration.AdvanceTo(end);
@@ -109,7 +115,8 @@ StartProblem CollectStartProblem(const ImuBuffer& imu, const std::vector<Tracked
   return problem;
 }
 
-Eigen::Vector3d MeanGravity(const ImuBuffer& imu, const ImuBias& bias, Timestamp begin, Timestamp end) {
+Eigen::Vector3d MeanGravity(const ImuBuffer& imu, const ImuBias& bias, Timestamp begin,
+                            Timestamp end) {
   const MotionIncrement increment = Integrate(imu.Between(begin, end), bias);
   return -kGravityInOdom.norm() * increment.velocity.normalized();
 }

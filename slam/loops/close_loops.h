@@ -7,18 +7,19 @@
 
 namespace parkade {
 
-/// Finds places that the drive visits again, measures how they lie to each other, and
+/// Finds keyframes that the drive visits again, measures how they lie to each other, and
 /// bends the odometry so that they do: keyframes' images are read again from `log`,
-/// DescribePlaces, RecognisePlaces, EstimateRigPose (or a baseline), OptimizePoseGraphRobustly with
-/// gravity held. `odometry` is odom_from_body of that log. Images are worked on in
-/// parallel; results do not depend on the number of threads.
-/// `review` overrules; a loop it names that no two places have throws Error{kUsage}.
+/// DescribeKeyframes, RecognisePlaces, EstimateRigPose (or a baseline), OptimizePoseGraphRobustly
+/// with gravity held. `odometry` is odom_from_body of that log. Images are worked on in parallel;
+/// results do not depend on the number of threads. `review` overrules; a loop it names that no two
+/// keyframes have throws Error{kUsage}.
 LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const LoopOptions& options,
                        const LoopReview& review = {});
 
-/// The poses of `odometry` carried along with its places: between two of them, what odometry says from either side is
-/// blended. `places` and `corrected` correspond, places in order of time.
-Trajectory CarryAlong(const Trajectory& odometry, const std::vector<Place>& places,
+/// The poses of `odometry` carried along with its keyframes: between two of them, what odometry
+/// says from either side is blended. `keyframes` and `corrected` correspond, keyframes in order of
+/// time.
+Trajectory CarryAlong(const Trajectory& odometry, const std::vector<RigKeyframe>& keyframes,
                       const std::vector<Rigid3>& odom_from_corrected);
 
 }  // namespace parkade

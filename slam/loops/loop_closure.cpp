@@ -19,10 +19,12 @@ nlohmann::json ToJson(const LoopEvidence& loop) {
   const Eigen::Vector3d &t = pose.a_from_b.translation, turn = LogSo3(pose.a_from_b.rotation);
   nlohmann::json pairs = nlohmann::json::array();
   for (const CameraPairInliers& pair : pose.inliers_of_cameras)
-    pairs.push_back({{"earlier", pair.camera_a}, {"later", pair.camera_b}, {"num_inliers", pair.count}});
+    pairs.push_back(
+        {{"earlier", pair.camera_a}, {"later", pair.camera_b}, {"num_inliers", pair.count}});
   nlohmann::json information = nlohmann::json::array();  // upper triangle, row by row
   for (int row = 0; row < 6; ++row)
-    for (int column = row; column < 6; ++column) information.push_back(pose.information(row, column));
+    for (int column = row; column < 6; ++column)
+      information.push_back(pose.information(row, column));
   return {{"id", loop.id},
           {"earlier", static_cast<double>(loop.earlier.ns) * 1e-9},
           {"later", static_cast<double>(loop.later.ns) * 1e-9},
@@ -48,21 +50,25 @@ nlohmann::json ToJson(const LoopEvidence& loop) {
 }  // namespace
 
 void LoopOptions::Validate() const {
-  Require(method == "rig" || method == "scale-less" || method == "rotation-only" || method == "pnp" || method == "none",
-          ErrorCode::kUsage,
-          "loops are closed by rig, scale-less, rotation-only, pnp or none, not by '" + method + "'");
-  places.Validate();
+  Require(
+      method == "rig" || method == "scale-less" || method == "rotation-only" || method == "pnp" ||
+          method == "none",
+      ErrorCode::kUsage,
+      "loops are closed by rig, scale-less, rotation-only, pnp or none, not by '" + method + "'");
+  keyframes.Validate();
   recognition.Validate();
   relative_pose.Validate();
-  Require(neighbours >= 0 && neighbours <= 10, ErrorCode::kUsage, "a loop has at most 10 neighbours to each side");
-  Require(odometry_translation > 0 && odometry_yaw > 0 && odometry_tilt > 0 && shared_reach > 0, ErrorCode::kUsage,
-          "the sigmas of odometry and the reach of loops must be positive");
+  Require(neighbors >= 0 && neighbors <= 10, ErrorCode::kUsage,
+          "a loop has at most 10 neighbors to each side");
+  Require(odometry_translation > 0 && odometry_yaw > 0 && odometry_tilt > 0 && shared_reach > 0,
+          ErrorCode::kUsage, "the sigmas of odometry and the reach of loops must be positive");
 }
 
 nlohmann::json ToJson(const LoopClosure& closure) {
-  nlohmann::json json = {{"num_places", closure.num_places},     {"num_candidates", closure.loops.size()},
-                         {"num_accepted", closure.num_accepted}, {"largest_correction", closure.largest_correction},
-                         {"seconds", closure.seconds},           {"candidates", nlohmann::json::array()}};
+  nlohmann::json json = {
+      {"num_places", closure.num_keyframes},  {"num_candidates", closure.loops.size()},
+      {"num_accepted", closure.num_accepted}, {"largest_correction", closure.largest_correction},
+      {"seconds", closure.seconds},           {"candidates", nlohmann::json::array()}};
   for (const LoopEvidence& loop : closure.loops) json["candidates"].push_back(ToJson(loop));
   return json;
 }

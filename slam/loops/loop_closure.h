@@ -4,8 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "core/option_about.h"
 #include "core/trajectory.h"
-#include "slam/places/describe_places.h"
+#include "slam/places/describe_keyframes.h"
 #include "slam/places/place_recognition.h"
 #include "slam/places/relative_pose.h"
 
@@ -13,28 +14,26 @@ namespace parkade {
 
 struct LoopOptions {
   std::string method = "rig";  ///< "rig", "scale-less", "rotation-only", "pnp" or "none"
-  PlaceOptions places;
+  KeyframeOptions keyframes;
   RecognitionOptions recognition;
   RelativePoseOptions relative_pose;
-  // Random walk of the odometry over a way of d metres: sigma = value * sqrt(d). Where the odometry gives a covariance,
-  // that counts, within 0.3 to 2 times these.
+  // Random walk of the odometry over a way of d meters: sigma = value * sqrt(d). Where the odometry
+  // gives a covariance, that counts, within 0.3 to 2 times these.
   double odometry_translation = 0.003;  ///< [m / sqrt(m)]
   double odometry_yaw = 0.0006;         ///< [rad / sqrt(m)]
   double odometry_tilt = 0.0005;        ///< [rad] of roll and pitch, which do not drift
-  int neighbours = 0;                   ///< places before and after one that a loop by "rig" is measured with
-  double shared_reach = 8;              ///< [m] within which loops see the same and share what they know
+  int neighbors = 0;  ///< keyframes before and after one that a loop by "rig" is measured with
+  double shared_reach = 8;  ///< [m] within which loops see the same and share what they know
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
-    visit("method", method);
-    visit("places", places);
+    visit(
+        "method", method,
+        OptionAbout{"Loops are closed by the whole rig (\"rig\"), by a baseline of the literature "
+                    "(\"scale-less\", \"rotation-only\", \"pnp\"), or not at all (\"none\")."});
+    visit("places", keyframes);
     visit("recognition", recognition);
     visit("relative_pose", relative_pose);
-    visit("odometry_translation", odometry_translation);
-    visit("odometry_yaw", odometry_yaw);
-    visit("odometry_tilt", odometry_tilt);
-    visit("neighbours", neighbours);
-    visit("shared_reach", shared_reach);
   }
   void Validate() const;  ///< throws Error{kUsage}
 };
@@ -42,33 +41,36 @@ struct LoopOptions {
 /// What a person decided about single loops, by LoopEvidence::id.
 struct LoopReview {
   std::vector<std::string> rejected = {};  ///< never close
-  std::vector<std::string> forced = {};    ///< close without doubt, where they can be measured at all
+  std::vector<std::string> forced = {};  ///< close without doubt, where they can be measured at all
 
   bool empty() const { return rejected.empty() && forced.empty(); }
 };
 
-/// One pair of places that looked alike, and what became of it.
+/// One pair of keyframes that looked alike, and what became of it.
 struct LoopEvidence {
-  std::string id;  ///< "EARLIER-LATER", the places' numbers along the drive: the same for the same odometry
-  size_t earlier_place = 0, later_place = 0;
+  std::string id;  ///< "EARLIER-LATER", the keyframes' numbers along the drive: the same for the
+                   ///< same odometry
+  size_t earlier_keyframe = 0, later_keyframe = 0;
   int earlier_camera = 0, later_camera = 0;  ///< that share the most inliers
   cv::Mat earlier_view, later_view;          ///< what they saw, small; CV_8UC1, may be empty
   Timestamp earlier, later;
   double way = 0;                                 ///< [m] driven between
   double score = 0;                               ///< of place recognition
-  RelativePose pose;                              ///< of the later in the earlier place
+  RelativePose pose;                              ///< of the later in the earlier keyframe
   Rigid3 earlier_from_camera, later_from_camera;  ///< of a loop without scale: what its factor ties
   bool is_forced = false;                         ///< by a reviewer
-  double share = 1;                               ///< of its information that counts beside that of its neighbours
-  double chi_squared = 0;                         ///< [sigma^2] of the loop once all are closed
-  double weight = 0;                              ///< 1 where the pose graph believed it
-  double odometry_disagreement = 0;               ///< [m] by which odometry alone put the later place elsewhere
+  double share = 1;        ///< of its information that counts beside that of its neighbors
+  double chi_squared = 0;  ///< [sigma^2] of the loop once all are closed
+  double weight = 0;       ///< 1 where the pose graph believed it
+  double odometry_disagreement =
+      0;  ///< [m] by which odometry alone put the later keyframe elsewhere
 };
 
 struct LoopClosure {
-  Trajectory odom_from_body;  ///< corrected, at the times of the odometry; the odometry itself without loops
+  Trajectory odom_from_body;  ///< corrected, at the times of the odometry; the odometry itself
+                              ///< without loops
   std::vector<LoopEvidence> loops;
-  int num_places = 0, num_accepted = 0;
+  int num_keyframes = 0, num_accepted = 0;
   double largest_correction = 0;  ///< [m]
   double seconds = 0;             ///< of computing
 };

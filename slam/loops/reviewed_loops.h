@@ -4,14 +4,14 @@
 
 namespace parkade {
 
-/// A review's decisions on the places of one drive.
+/// A review's decisions on the keyframes of one drive.
 class ReviewedLoops {
  public:
   /// Throws Error{kUsage} for an id that is none of this drive.
-  ReviewedLoops(const LoopReview& review, size_t num_places);
+  ReviewedLoops(const LoopReview& review, size_t num_keyframes);
 
-  /// Forced loops' places and their neighbours will be looked at.
-  void MarkPlaces(std::vector<bool>& is_wanted) const;
+  /// Forced loops' keyframes and their neighbors will be looked at.
+  void MarkKeyframes(std::vector<bool>& is_wanted) const;
   /// Forced loops that recognition did not propose come last.
   void AddForced(std::vector<PlaceCandidate>& candidates) const;
   /// Overrules what the measurement says.

@@ -5,13 +5,14 @@
 #include <string>
 
 #include "core/error.h"
-#include "slam/loops/place_graph.h"
+#include "slam/loops/keyframe_graph.h"
 #include "slam/pose_graph/robust_pose_graph.h"
 
 namespace parkade {
 namespace {
 
-constexpr double kHardlyHeld = 1e-4;  // [1/m^2], [1/rad^2] of a drive's first place: all there is without links
+constexpr double kHardlyHeld =
+    1e-4;  // [1/m^2], [1/rad^2] of a drive's first place: all there is without links
 
 std::set<std::string> BelievedLoops(const LoopClosure& closure) {
   std::set<std::string> ids;
@@ -23,43 +24,49 @@ std::set<std::string> BelievedLoops(const LoopClosure& closure) {
 bool HasScale(const LoopEvidence& loop) { return loop.pose.information.diagonal().minCoeff() > 0; }
 
 /// At a moment of the drive; at its ends where rounding put it outside.
-Rigid3 PlaceAt(const Trajectory& trajectory, Timestamp time) {
+Rigid3 KeyframeAt(const Trajectory& trajectory, Timestamp time) {
   const TimeSpan span = trajectory.span();
-  return LevelledPose(*trajectory.At(std::clamp(time, span.begin, span.end)));
+  return LeveledPose(*trajectory.At(std::clamp(time, span.begin, span.end)));
 }
 
-std::vector<Rigid3> PlacesAt(const Trajectory& trajectory, const std::vector<Place>& places) {
+std::vector<Rigid3> KeyframesAt(const Trajectory& trajectory,
+                                const std::vector<RigKeyframe>& keyframes) {
   std::vector<Rigid3> poses;
-  for (const Place& place : places) poses.push_back(PlaceAt(trajectory, place.time));
+  for (const RigKeyframe& keyframe : keyframes)
+    poses.push_back(KeyframeAt(trajectory, keyframe.time));
   return poses;
 }
 
 void AddDrive(const RevisitedDrive& drive, const LoopOptions& options, SiteGraph& site) {
-  std::vector<Place> places = ChoosePlaces(drive.odometry, options.places);
-  Require(!places.empty() && !drive.site_from_body.empty(), ErrorCode::kInvalidInput, "a drive of the site is empty");
-  const std::vector<Rigid3> before = PlacesAt(drive.site_from_body, places);
+  std::vector<RigKeyframe> keyframes = ChooseKeyframes(drive.odometry, options.keyframes);
+  Require(!keyframes.empty() && !drive.site_from_body.empty(), ErrorCode::kInvalidInput,
+          "a drive of the site is empty");
+  const std::vector<Rigid3> before = KeyframesAt(drive.site_from_body, keyframes);
   const bool keeps_shape = !drive.HasLost();
   std::vector<Rigid3> start = before;
   if (keeps_shape) {
-    for (size_t i = 0; i < places.size(); ++i) places[i].odom_from_place = before[i];
+    for (size_t i = 0; i < keyframes.size(); ++i) keyframes[i].odom_from_keyframe = before[i];
   } else {
-    start = PlacesAt(drive.after.odom_from_body, places);
+    start = KeyframesAt(drive.after.odom_from_body, keyframes);
     const Rigid3 site_from_odom = before.front() * start.front().Inverse();
     for (Rigid3& pose : start) pose = site_from_odom * pose;
   }
   PoseGraph& graph = site.graph;
-  const size_t first = AddPlaces(places, start, WithDriftOf(drive.odometry, options),
-                                 kIdsPerDrive * static_cast<std::int64_t>(site.first_vertex.size()), graph);
+  const size_t first =
+      AddKeyframes(keyframes, start, WithDriftOf(drive.odometry, options),
+                   kIdsPerDrive * static_cast<std::int64_t>(site.first_vertex.size()), graph);
   graph.edges.push_back({0, first, start.front(), kHardlyHeld * Matrix6d::Identity(), true});
   const std::set<std::string> old_loops = BelievedLoops(drive.before);
   for (const LoopEvidence& loop : drive.after.loops) {
     if (loop.weight < 0.5 || !HasScale(loop)) continue;
-    // The refined shape has old loops closed: they only hold it together as firmly as they were measured.
+    // The refined shape has old loops closed: they only hold it together as firmly as they were
+    // measured.
     const bool is_closed = keeps_shape && old_loops.contains(loop.id);
-    const Rigid3 pose =
-        is_closed ? before[loop.earlier_place].Inverse() * before[loop.later_place] : loop.pose.a_from_b;
-    graph.edges.push_back(
-        {first + loop.earlier_place, first + loop.later_place, pose, loop.share * loop.pose.information, true});
+    const Rigid3 pose = is_closed
+                            ? before[loop.earlier_keyframe].Inverse() * before[loop.later_keyframe]
+                            : loop.pose.a_from_b;
+    graph.edges.push_back({first + loop.earlier_keyframe, first + loop.later_keyframe, pose,
+                           loop.share * loop.pose.information, true});
   }
   site.first_vertex.push_back(first);
   site.before.insert(site.before.end(), before.begin(), before.end());
@@ -67,11 +74,12 @@ void AddDrive(const RevisitedDrive& drive, const LoopOptions& options, SiteGraph
 
 void AddLinks(std::span<const KeptLink> links, SiteGraph& site) {
   const auto end_of = [&](size_t drive) {
-    return drive + 1 < site.first_vertex.size() ? site.first_vertex[drive + 1] : site.graph.vertices.size();
+    return drive + 1 < site.first_vertex.size() ? site.first_vertex[drive + 1]
+                                                : site.graph.vertices.size();
   };
   for (const KeptLink& link : links) {
-    const size_t a = site.first_vertex.at(link.drive_a) + link.place_a;
-    const size_t b = site.first_vertex.at(link.drive_b) + link.place_b;
+    const size_t a = site.first_vertex.at(link.drive_a) + link.keyframe_a;
+    const size_t b = site.first_vertex.at(link.drive_b) + link.keyframe_b;
     Require(a < end_of(link.drive_a) && b < end_of(link.drive_b), ErrorCode::kInvalidInput,
             "a link of the site is to a place that its drive does not have");
     site.graph.edges.push_back({a, b, link.a_from_b, link.information, false});

@@ -18,27 +18,28 @@ struct RevisitedDrive {
   bool HasLost() const;     ///< one that was believed is not any more
 };
 
-/// A link between places of two drives that the site was joined by.
+/// A link between keyframes of two drives that the site was joined by.
 struct KeptLink {
-  size_t drive_a = 0, drive_b = 0, place_a = 0, place_b = 0;  ///< indices
+  size_t drive_a = 0, drive_b = 0, keyframe_a = 0, keyframe_b = 0;  ///< indices
   Rigid3 a_from_b;
   Matrix6d information = Matrix6d::Zero();
 };
 
-/// The places of all drives of a site as one graph.
+/// The keyframes of all drives of a site as one graph.
 struct SiteGraph {
-  PoseGraph graph;                   ///< solved; vertex 0 is the world, the places follow, drive after drive
+  PoseGraph graph;  ///< solved; vertex 0 is the world, the keyframes follow, drive after drive
   std::vector<Rigid3> before;        ///< per vertex: where the site has it
   std::vector<size_t> first_vertex;  ///< per drive: of its first place
   int num_links = 0;                 ///< that are believed
 };
 
-/// Where the drives of a site lie once loops have changed, before anything is refined anew: odometry, gravity, the
-/// loops that CloseLoops believed (those with scale) and the site's links, of which graduated non-convexity leaves out
-/// those that no longer fit; what is left out is no edge of the result. A drive that lost none of its loops keeps the
-/// shape that its refinement gave it, as far as new loops let it; one that lost a loop was bent by it, and has the
-/// shape that odometry saw. Held is the first place of the first drive; a drive that nothing links to it stays where it
-/// begins. Throws Error{kInvalidInput} without any place.
+/// Where the drives of a site lie once loops have changed, before anything is refined anew:
+/// odometry, gravity, the loops that CloseLoops believed (those with scale) and the site's links,
+/// of which graduated non-convexity leaves out those that no longer fit; what is left out is no
+/// edge of the result. A drive that lost none of its loops keeps the shape that its refinement gave
+/// it, as far as new loops let it; one that lost a loop was bent by it, and has the shape that
+/// odometry saw. Held is the first keyframe of the first drive; a drive that nothing links to it
+/// stays where it begins. Throws Error{kInvalidInput} without any keyframe.
 SiteGraph RegraphSite(std::span<const RevisitedDrive> drives, std::span<const KeptLink> links,
                       const LoopOptions& options);
 

@@ -21,7 +21,8 @@ class ShiftedStream final : public RecordStream {
 
   std::optional<SensorRecord> Next() override {
     // What is still to come is at most `look_ahead_` earlier than the last record read.
-    while (!is_over_ && (waiting_.empty() || last_read_ - TimeOf(waiting_.front()) <= look_ahead_)) ReadOne();
+    while (!is_over_ && (waiting_.empty() || last_read_ - TimeOf(waiting_.front()) <= look_ahead_))
+      ReadOne();
     if (waiting_.empty()) return std::nullopt;
     SensorRecord record = std::move(waiting_.front());
     waiting_.pop_front();
@@ -38,8 +39,9 @@ class ShiftedStream final : public RecordStream {
       frame->time = frame->time + shifts_[static_cast<size_t>(frame->camera)];
     if (auto* mask = std::get_if<SemanticFrame>(&*record))
       mask->time = mask->time + shifts_[static_cast<size_t>(mask->camera)];
-    const auto later = std::upper_bound(waiting_.begin(), waiting_.end(), TimeOf(*record),
-                                        [](Timestamp time, const SensorRecord& other) { return time < TimeOf(other); });
+    const auto later = std::upper_bound(
+        waiting_.begin(), waiting_.end(), TimeOf(*record),
+        [](Timestamp time, const SensorRecord& other) { return time < TimeOf(other); });
     waiting_.insert(later, std::move(*record));
   }
 
@@ -63,7 +65,8 @@ CalibratedLog::CalibratedLog(const DriveLog& log, Rig rig) : log_(log), rig_(std
 std::unique_ptr<RecordStream> CalibratedLog::Read(const ReadOptions& options) const {
   ReadOptions shifted = options;
   if (options.wants_image)
-    shifted.wants_image = [wants = options.wants_image, shifts = shifts_](int camera, Timestamp time) {
+    shifted.wants_image = [wants = options.wants_image, shifts = shifts_](int camera,
+                                                                          Timestamp time) {
       return wants(camera, time + shifts[static_cast<size_t>(camera)]);
     };
   return std::make_unique<ShiftedStream>(log_.Read(shifted), shifts_);

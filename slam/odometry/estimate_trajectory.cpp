@@ -13,19 +13,23 @@
 namespace parkade {
 namespace {
 
-constexpr double kBatch = 0.2;           // [s] of the log handled at a time
-constexpr double kMinOverlap = 0.05;     // of two cameras' views that is worth matching
-constexpr double kMaxPairTime = 0.06;    // [s] between two images that are matched across cameras: any, at 10 Hz
-constexpr double kSameTime = 1e-3;       // [s] within which no motion needs to be known
-constexpr double kMatchInterval = 0.07;  // [s] between two images of a camera that another's tracks are sought in
-constexpr int kMissesPerTry = 4;         // images after which a track that another camera did not show is sought again
+constexpr double kBatch = 0.2;        // [s] of the log handled at a time
+constexpr double kMinOverlap = 0.05;  // of two cameras' views that is worth matching
+constexpr double kMaxPairTime =
+    0.06;  // [s] between two images that are matched across cameras: any, at 10 Hz
+constexpr double kSameTime = 1e-3;  // [s] within which no motion needs to be known
+constexpr double kMatchInterval =
+    0.07;  // [s] between two images of a camera that another's tracks are sought in
+constexpr int kMissesPerTry =
+    4;  // images after which a track that another camera did not show is sought again
 
 using Batch = std::vector<SensorRecord>;
 
 struct CameraPair {
   int from = 0, to = 0;
-  std::optional<Timestamp> last_match;           // of the image of `to`
-  std::unordered_map<std::int64_t, int> misses;  // per track of `from`: images since it was sought in vain
+  std::optional<Timestamp> last_match;  // of the image of `to`
+  std::unordered_map<std::int64_t, int>
+      misses;  // per track of `from`: images since it was sought in vain
 };
 
 /// Tracks the images of all cameras, batch by batch.
@@ -33,13 +37,15 @@ class FrontEnd {
  public:
   FrontEnd(const Rig& rig, const OdometryOptions& options) : options_(options) {
     for (size_t c = 0; c < rig.cameras.size(); ++c) {
-      trackers_.push_back(std::make_unique<FeatureTracker>(rig.cameras[c], static_cast<int>(c), options.tracker));
+      trackers_.push_back(
+          std::make_unique<FeatureTracker>(rig.cameras[c], static_cast<int>(c), options.tracker));
       last_times_.emplace_back();
     }
     if (!options.match_across_cameras) return;
     for (size_t a = 0; a < rig.cameras.size(); ++a)
       for (size_t b = a + 1; b < rig.cameras.size(); ++b)
-        if (ViewOverlap(rig.cameras[a], rig.cameras[b], options.cross_camera.min_depth) > kMinOverlap)
+        if (ViewOverlap(rig.cameras[a], rig.cameras[b], options.cross_camera.min_depth) >
+            kMinOverlap)
           pairs_.push_back({static_cast<int>(a), static_cast<int>(b), {}, {}});
   }
 
@@ -47,7 +53,8 @@ class FrontEnd {
   const FeatureTracker& tracker(size_t camera) const { return *trackers_[camera]; }
 
   /// Before the cameras are tracked: IMU of the batch, and what the estimator knows.
-  void Prepare(const Batch& batch, const std::optional<MotionState>& latest, std::vector<Rigid3> imu_from_cameras) {
+  void Prepare(const Batch& batch, const std::optional<MotionState>& latest,
+               std::vector<Rigid3> imu_from_cameras) {
     imu_from_cameras_ = std::move(imu_from_cameras);
     frames_.assign(num_cameras(), {});
     images_.assign(num_cameras(), {});
@@ -64,7 +71,8 @@ class FrontEnd {
       const auto* frame = std::get_if<CameraFrame>(&record);
       if (!frame || frame->camera != static_cast<int>(camera)) continue;
       std::optional<Timestamp>& last = last_times_[camera];
-      const Eigen::Matrix3d rotation = last ? CameraRotation(camera, *last, frame->time) : Eigen::Matrix3d::Identity();
+      const Eigen::Matrix3d rotation =
+          last ? CameraRotation(camera, *last, frame->time) : Eigen::Matrix3d::Identity();
       last = frame->time;
       frames_[camera].push_back(trackers_[camera]->Track(*frame, rotation));
       if (!pairs_.empty()) images_[camera].push_back(trackers_[camera]->last_image());
@@ -78,7 +86,8 @@ class FrontEnd {
     for (size_t i = 0; i < pairs_.size(); ++i)
       for (const CrossMatches& matches : found[i]) {
         auto& observations = frames_[static_cast<size_t>(pairs_[i].to)][matches.frame].observations;
-        observations.insert(observations.end(), matches.observations.begin(), matches.observations.end());
+        observations.insert(observations.end(), matches.observations.begin(),
+                            matches.observations.end());
       }
   }
 
@@ -108,9 +117,10 @@ class FrontEnd {
       if (to.empty() || to.time != frames_[static_cast<size_t>(pair.to)][i].time) continue;
       if (pair.last_match && to.time - *pair.last_match < kMatchInterval) continue;
       const auto nearest =
-          std::min_element(from_images.begin(), from_images.end(), [&](const TrackedImage& a, const TrackedImage& b) {
-            return std::abs(a.time - to.time) < std::abs(b.time - to.time);
-          });
+          std::min_element(from_images.begin(), from_images.end(),
+                           [&](const TrackedImage& a, const TrackedImage& b) {
+                             return std::abs(a.time - to.time) < std::abs(b.time - to.time);
+                           });
       if (nearest == from_images.end() || nearest->empty()) continue;
       if (std::abs(nearest->time - to.time) >= (latest_ ? kMaxPairTime : kSameTime)) continue;
       pair.last_match = to.time;
@@ -131,7 +141,8 @@ class FrontEnd {
       misses[seen.track] = count % kMissesPerTry + 1;
       if (count % kMissesPerTry == 0) sought.observations.push_back(seen);
     }
-    std::vector<FeatureObservation> matches = MatchAcross(sought, to, CameraMotion(from, to), options_.cross_camera);
+    std::vector<FeatureObservation> matches =
+        MatchAcross(sought, to, CameraMotion(from, to), options_.cross_camera);
     for (const FeatureObservation& match : matches) misses.erase(match.track);
     pair.misses = std::move(misses);
     return matches;
@@ -139,24 +150,28 @@ class FrontEnd {
 
   Eigen::Quaterniond ImuRotation(Timestamp begin, Timestamp end) const {
     if (imu_.empty() || !(begin < end)) return Eigen::Quaterniond::Identity();
-    const ImuBias bias{latest_ ? latest_->gyroscope_bias : Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+    const ImuBias bias{latest_ ? latest_->gyroscope_bias : Eigen::Vector3d::Zero(),
+                       Eigen::Vector3d::Zero()};
     return Integrate(imu_.Between(begin, end), bias).rotation;
   }
 
   /// p_now = R p_last.
   Eigen::Matrix3d CameraRotation(size_t camera, Timestamp last, Timestamp now) const {
     const Eigen::Quaterniond imu_from_camera = imu_from_cameras_[camera].rotation;
-    return (imu_from_camera.conjugate() * ImuRotation(last, now).conjugate() * imu_from_camera).toRotationMatrix();
+    return (imu_from_camera.conjugate() * ImuRotation(last, now).conjugate() * imu_from_camera)
+        .toRotationMatrix();
   }
 
   /// to_from_from of two cameras at their own times.
   Rigid3 CameraMotion(const TrackedImage& from, const TrackedImage& to) const {
     Rigid3 imu_to_from_imu_from;
     if (from.time != to.time) {
-      const Eigen::Quaterniond rotation =
-          from.time < to.time ? ImuRotation(from.time, to.time).conjugate() : ImuRotation(to.time, from.time);
+      const Eigen::Quaterniond rotation = from.time < to.time
+                                              ? ImuRotation(from.time, to.time).conjugate()
+                                              : ImuRotation(to.time, from.time);
       const Eigen::Vector3d velocity =
-          latest_ ? Eigen::Vector3d(latest_->odom_from_imu.rotation.conjugate() * latest_->velocity_in_odom)
+          latest_ ? Eigen::Vector3d(latest_->odom_from_imu.rotation.conjugate() *
+                                    latest_->velocity_in_odom)
                   : Eigen::Vector3d::Zero();
       imu_to_from_imu_from = {rotation, -(rotation * (velocity * (to.time - from.time)))};
     }
@@ -172,7 +187,7 @@ class FrontEnd {
   std::optional<MotionState> latest_;
   std::vector<Rigid3> imu_from_cameras_;           // as the estimator knows them by now
   std::vector<std::vector<TrackedFrame>> frames_;  // per camera, of this batch
-  std::vector<std::vector<TrackedImage>> images_;  // likewise
+  std::vector<std::vector<TrackedImage>> images_;  // also
 };
 
 /// What the estimator gets of one batch: images already tracked.
@@ -229,9 +244,11 @@ OdometryResult EstimateTrajectory(const DriveLog& log, const OdometryOptions& op
     front_end.MatchAcrossCameras();
     tracked = {{}, front_end.TakeFrames()};
     for (SensorRecord& record : batch)
-      if (!std::holds_alternative<CameraFrame>(record)) tracked.samples.push_back(std::move(record));
+      if (!std::holds_alternative<CameraFrame>(record))
+        tracked.samples.push_back(std::move(record));
     const double span = log.span().Seconds();
-    if (progress && span > 0 && ahead) progress(std::clamp((TimeOf(*ahead) - log.span().begin) / span, 0.0, 1.0));
+    if (progress && span > 0 && ahead)
+      progress(std::clamp((TimeOf(*ahead) - log.span().begin) / span, 0.0, 1.0));
   }
   Feed(tracked, estimator);
   OdometryResult result = estimator.Finish();
@@ -240,10 +257,12 @@ OdometryResult EstimateTrajectory(const DriveLog& log, const OdometryOptions& op
     result.report.cameras[c].frames_rejected =
         statistics.frames_wrong_size + statistics.frames_blank + statistics.frames_duplicate;
   }
-  result.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  result.report.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (progress) progress(1.0);
-  LogInfo("stage=odometry knots=" + std::to_string(result.report.knots) +
-          " length=" + std::to_string(result.report.length) + " seconds=" + std::to_string(result.report.seconds));
+  LogInfo("stage=odometry nodes=" + std::to_string(result.report.nodes) +
+          " length=" + std::to_string(result.report.length) +
+          " seconds=" + std::to_string(result.report.seconds));
   return result;
 }
 

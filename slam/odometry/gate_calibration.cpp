@@ -10,7 +10,8 @@ namespace {
 using Vector8d = Eigen::Matrix<double, 8, 1>;
 using Matrix8d = Eigen::Matrix<double, 8, 8>;
 
-constexpr double kMaxVarianceShare = 0.7;  // of the prior's variance that may be left along a direction that moves
+constexpr double kMaxVarianceShare =
+    0.7;  // of the prior's variance that may be left along a direction that moves
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 struct Part {
@@ -26,8 +27,9 @@ constexpr Part kParts[] = {{"rotation", 0, 3, 0.075 * M_PI / 180},
 
 Vector8d PriorSigmas(const CameraSettings& settings) {
   Vector8d sigmas;
-  sigmas << Eigen::Vector3d::Constant(settings.prior.rotation), Eigen::Vector3d::Constant(settings.prior.translation),
-      settings.prior.time_offset, settings.prior.line_delay;
+  sigmas << Eigen::Vector3d::Constant(settings.prior.rotation),
+      Eigen::Vector3d::Constant(settings.prior.translation), settings.prior.time_offset,
+      settings.prior.line_delay;
   return sigmas;
 }
 
@@ -41,13 +43,16 @@ Eigen::Array<bool, 8, 1> Estimated(const CameraSettings& settings) {
 Vector8d Difference(const CameraParameters& to, const CameraParameters& from) {
   Vector8d difference;
   PoseManifold().Minus(to.extrinsics.data(), from.extrinsics.data(), difference.data());
-  for (size_t k = 0; k < kTimingSize; ++k) difference[6 + static_cast<Eigen::Index>(k)] = to.timing[k] - from.timing[k];
+  for (size_t k = 0; k < kTimingSize; ++k)
+    difference[6 + static_cast<Eigen::Index>(k)] = to.timing[k] - from.timing[k];
   return difference;
 }
 
 /// In units of the prior's sigmas; what is not estimated is known as well as by the prior.
-Matrix8d Whitened(const Matrix8d& covariance, const Vector8d& unit, const Eigen::Array<bool, 8, 1>& is_estimated) {
-  Matrix8d whitened = unit.cwiseInverse().asDiagonal() * covariance * unit.cwiseInverse().asDiagonal();
+Matrix8d Whitened(const Matrix8d& covariance, const Vector8d& unit,
+                  const Eigen::Array<bool, 8, 1>& is_estimated) {
+  Matrix8d whitened =
+      unit.cwiseInverse().asDiagonal() * covariance * unit.cwiseInverse().asDiagonal();
   for (int k = 0; k < 8; ++k) {
     if (is_estimated[k]) continue;
     whitened.row(k).setZero();
@@ -58,17 +63,20 @@ Matrix8d Whitened(const Matrix8d& covariance, const Vector8d& unit, const Eigen:
 }
 
 /// \param variance  in units of the prior's
-CalibratedQuantity::Status StatusOf(const Part& part, const Eigen::VectorXd& variance, const Eigen::VectorXd& sigma) {
+CalibratedQuantity::Status StatusOf(const Part& part, const Eigen::VectorXd& variance,
+                                    const Eigen::VectorXd& sigma) {
   const auto moved = (variance.array() < kMaxVarianceShare).count();
   if (moved == 0) return CalibratedQuantity::Status::kKept;
-  return moved == part.size && (sigma.array() <= part.sure).all() ? CalibratedQuantity::Status::kRefined
-                                                                  : CalibratedQuantity::Status::kPartlyRefined;
+  return moved == part.size && (sigma.array() <= part.sure).all()
+             ? CalibratedQuantity::Status::kRefined
+             : CalibratedQuantity::Status::kPartlyRefined;
 }
 
 }  // namespace
 
 GatedCalibration GateCalibration(const std::string& camera, const CameraSettings& settings,
-                                 const CameraParameters& rig_parameters, const CameraParameters& estimate,
+                                 const CameraParameters& rig_parameters,
+                                 const CameraParameters& estimate,
                                  const CalibrationCovariance& covariance, const KeptTurn& turn) {
   const Eigen::Array<bool, 8, 1> is_estimated = Estimated(settings);
   const Vector8d prior = PriorSigmas(settings);
@@ -79,23 +87,29 @@ GatedCalibration GateCalibration(const std::string& camera, const CameraSettings
   Matrix8d refine = Matrix8d::Zero();  // projects on the refined directions
   for (int k = 0; k < 8; ++k) {
     const Vector8d direction = eigen.eigenvectors().col(k);
-    if (eigen.eigenvalues()[k] < kMaxVarianceShare && direction.dot(honest * direction) < kMaxVarianceShare)
+    if (eigen.eigenvalues()[k] < kMaxVarianceShare &&
+        direction.dot(honest * direction) < kMaxVarianceShare)
       refine += direction * direction.transpose();
   }
   const Vector8d change =
-      unit.asDiagonal() * (refine * (unit.cwiseInverse().asDiagonal() * Difference(estimate, rig_parameters)));
+      unit.asDiagonal() *
+      (refine * (unit.cwiseInverse().asDiagonal() * Difference(estimate, rig_parameters)));
 
   GatedCalibration gated{rig_parameters, {camera, {}}};
-  PoseManifold().Plus(rig_parameters.extrinsics.data(), change.data(), gated.parameters.extrinsics.data());
-  for (size_t k = 0; k < kTimingSize; ++k) gated.parameters.timing[k] += change[6 + static_cast<Eigen::Index>(k)];
+  PoseManifold().Plus(rig_parameters.extrinsics.data(), change.data(),
+                      gated.parameters.extrinsics.data());
+  for (size_t k = 0; k < kTimingSize; ++k)
+    gated.parameters.timing[k] += change[6 + static_cast<Eigen::Index>(k)];
   const Matrix8d keep = Matrix8d::Identity() - refine;
   Vector8d variance = (refine * honest * refine + keep).diagonal();
   const Eigen::Matrix3d imu_from_camera = estimate.ImuFromCamera().rotation.toRotationMatrix();
-  variance.head<3>() += (imu_from_camera.transpose() * turn.directions * imu_from_camera).diagonal();
+  variance.head<3>() +=
+      (imu_from_camera.transpose() * turn.directions * imu_from_camera).diagonal();
   variance = variance.cwiseMin(1.0);
   for (const Part& part : kParts) {
     const Eigen::VectorXd share = variance.segment(part.begin, part.size);
-    const Eigen::VectorXd sigma = (share.cwiseSqrt().array() * prior.segment(part.begin, part.size).array()).matrix();
+    const Eigen::VectorXd sigma =
+        (share.cwiseSqrt().array() * prior.segment(part.begin, part.size).array()).matrix();
     gated.report.quantities.push_back(
         {part.name, change.segment(part.begin, part.size), sigma, StatusOf(part, share, sigma)});
   }

@@ -10,37 +10,43 @@
 
 namespace parkade {
 
-/// Of a camera's calibration (8 x 8). Columns: [rotation 3 | translation 3 | time offset | line delay].
+/// Of a camera's calibration (8 x 8). Columns: [rotation 3 | translation 3 | time offset | line
+/// delay].
 struct CalibrationCovariance {
-  Eigen::Matrix<double, 8, 8> assumed;  ///< inverse information: what share of the estimate is the prior's
-  Eigen::Matrix<double, 8, 8> honest;   ///< of its errors
+  Eigen::Matrix<double, 8, 8>
+      assumed;  ///< inverse information: what share of the estimate is the prior's
+  Eigen::Matrix<double, 8, 8> honest;  ///< of its errors
 };
 
-/// The rotation by which the estimate turns all cameras alike, as far as the rig is believed rather than the estimate:
-/// cameras that agree with each other cannot be told from an IMU that sits askew or errs about gravity.
+/// The rotation by which the estimate turns all cameras alike, as far as the rig is believed rather
+/// than the estimate: cameras that agree with each other cannot be told from an IMU that sits askew
+/// or errs about gravity.
 struct KeptTurn {
-  Eigen::Vector3d angle = Eigen::Vector3d::Zero();       ///< [rad, in imu]
-  Eigen::Matrix3d directions = Eigen::Matrix3d::Zero();  ///< projects on those that are kept, in imu
-  std::vector<double> weights;                           ///< of the cameras in the mean; sum 1
+  Eigen::Vector3d angle = Eigen::Vector3d::Zero();  ///< [rad, in imu]
+  Eigen::Matrix3d directions =
+      Eigen::Matrix3d::Zero();  ///< projects on those that are kept, in imu
+  std::vector<double> weights;  ///< of the cameras in the mean; sum 1
 
   /// An estimate without it.
   CameraParameters Without(const CameraParameters& estimate) const;
 };
 
-/// Directions of the mean turn that are neither sure to 0.075 degrees nor refute the rig by 3 sigma are kept.
-/// All cameras' extrinsics must be among the states of `joint`, else nothing is common.
-KeptTurn FindKeptTurn(const Rig& rig, const std::vector<CameraParameters>& estimate, const JointEstimate& joint);
+/// Directions of the mean turn that are neither sure to 0.075 degrees nor refute the rig by 3 sigma
+/// are kept. All cameras' extrinsics must be among the states of `joint`, else nothing is common.
+KeptTurn FindKeptTurn(const Rig& rig, const std::vector<CameraParameters>& estimate,
+                      const JointEstimate& joint);
 
 /// Of the estimate of one camera without the kept turn. Zero where it was not estimated.
-CalibrationCovariance CovarianceWithout(const KeptTurn& turn, const std::vector<CameraParameters>& estimate,
+CalibrationCovariance CovarianceWithout(const KeptTurn& turn,
+                                        const std::vector<CameraParameters>& estimate,
                                         const JointEstimate& joint, size_t camera);
 
 /// Decides what of a camera's calibration the drive has really measured.
 ///
 /// The marginal covariance of the camera as the weights have it, in units of the
-/// prior's sigmas, is decomposed into its principal directions. Those along which it, and also the variance once it is
-/// counted how long errors last, are clearly below the prior's move the rig; along all others it is kept.
-/// Refined is a quantity whose sigmas are all below what maps need.
+/// prior's sigmas, is decomposed into its principal directions. Those along which it, and also the
+/// variance once it is counted how long errors last, are clearly below the prior's move the rig;
+/// along all others it is kept. Refined is a quantity whose sigmas are all below what maps need.
 struct GatedCalibration {
   CameraParameters parameters;  ///< the rig's, moved along the refined directions
   CameraCalibration report;
@@ -48,13 +54,16 @@ struct GatedCalibration {
 
 /// \param rig_parameters  what the rig says
 /// \param estimate        what the smoother says, without `turn`
-/// \param covariance      likewise
+/// \param covariance      also
 GatedCalibration GateCalibration(const std::string& camera, const CameraSettings& settings,
-                                 const CameraParameters& rig_parameters, const CameraParameters& estimate,
-                                 const CalibrationCovariance& covariance, const KeptTurn& turn = {});
+                                 const CameraParameters& rig_parameters,
+                                 const CameraParameters& estimate,
+                                 const CalibrationCovariance& covariance,
+                                 const KeptTurn& turn = {});
 
-/// The rig for turning the estimated poses of the IMU into those of a body on which the cameras sit as `reported`: its
-/// IMU is turned by the median rotation between the cameras as reported and as estimated.
+/// The rig for turning the estimated poses of the IMU into those of a body on which the cameras sit
+/// as `reported`: its IMU is turned by the median rotation between the cameras as reported and as
+/// estimated.
 Rig RigOfEstimate(const Rig& reported, const std::vector<CameraParameters>& estimate);
 
 /// [s] by which images of `camera` are later by `to` than by `from`.

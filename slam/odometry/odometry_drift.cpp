@@ -11,10 +11,12 @@ OdometryDrift DriftOf(const Trajectory& odom_from_body) {
   if (states.empty() || !(length > 0)) return {};
   const TrajectoryState& last = states.back();
   // Along the vertical: R e_z in odom is e_z turned back into body.
-  const Eigen::Vector3d up_in_body = last.odom_from_body.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d up_in_body =
+      last.world_from_body.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   const double yaw_variance = up_in_body.dot(last.covariance.topLeftCorner<3, 3>() * up_in_body);
   const double position_variance = last.covariance.bottomRightCorner<3, 3>().trace() / 3;
-  return {std::sqrt(std::max(0.0, position_variance) / length), std::sqrt(std::max(0.0, yaw_variance) / length)};
+  return {std::sqrt(std::max(0.0, position_variance) / length),
+          std::sqrt(std::max(0.0, yaw_variance) / length)};
 }
 
 }  // namespace parkade

@@ -6,8 +6,8 @@
 
 #include "core/appended_file.h"
 #include "core/file.h"
-#include "slam/odometry/odometry_exchange.h"
-#include "slam/smoother/measurement_exchange.h"
+#include "slam/odometry/odometry_serialization.h"
+#include "slam/smoother/measurement_serialization.h"
 
 namespace parkade {
 namespace {
@@ -19,7 +19,8 @@ constexpr std::uint32_t kVersion = 2;  // of the layout: other versions are trac
 class Checksum {
  public:
   void Add(std::string_view bytes) {
-    for (const char byte : bytes) sum_ = (sum_ ^ static_cast<unsigned char>(byte)) * 1099511628211ULL;
+    for (const char byte : bytes)
+      sum_ = (sum_ ^ static_cast<unsigned char>(byte)) * 1099511628211ULL;
   }
   std::uint64_t sum() const { return sum_; }
 
@@ -28,7 +29,8 @@ class Checksum {
 };
 
 std::string_view BytesOf(const Eigen::Ref<const Eigen::VectorXd>& numbers) {
-  return {reinterpret_cast<const char*>(numbers.data()), sizeof(double) * static_cast<size_t>(numbers.size())};
+  return {reinterpret_cast<const char*>(numbers.data()),
+          sizeof(double) * static_cast<size_t>(numbers.size())};
 }
 
 /// Of all that tracking takes from a rig. A lens counts by the rays of some of its pixels.
@@ -41,8 +43,8 @@ std::uint64_t FingerprintOf(const Rig& rig) {
   for (const RigCamera& camera : rig.cameras) {
     bytes += camera.name;
     add_pose(camera.body_from_camera);
-    bytes +=
-        BytesOf(Eigen::Vector4d(camera.time_shift, camera.line_delay, camera.model.width(), camera.model.height()));
+    bytes += BytesOf(Eigen::Vector4d(camera.time_shift, camera.line_delay, camera.model.width(),
+                                     camera.model.height()));
     constexpr int kRaysPerSide = 7;
     for (int i = 0; i < kRaysPerSide * kRaysPerSide; ++i) {
       const Eigen::Vector2d at((i % kRaysPerSide + 0.5) / kRaysPerSide * camera.model.width(),
@@ -62,8 +64,8 @@ std::uint64_t FingerprintOf(const Rig& rig) {
   return checksum.sum();
 }
 
-// A file is the magic, the head and the content: the trajectory, keyframes, landmarks, cameras, the report, knots,
-// images, and what all knots share.
+// A file is the magic, the head and the content: the trajectory, keyframes, landmarks, cameras, the
+// report, nodes, images, and what all nodes share.
 
 struct Head {
   std::uint32_t version = kVersion;
@@ -79,11 +81,11 @@ struct StoredCamera {
 };
 
 template <typename A>
-void Exchange(A& archive, Head& head) {
+void Serialize(A& archive, Head& head) {
   archive(head.version, head.fingerprint, head.checksum);
 }
 template <typename A>
-void Exchange(A& archive, StoredCamera& camera) {
+void Serialize(A& archive, StoredCamera& camera) {
   archive(camera.name, camera.body_from_camera, camera.time_shift, camera.line_delay);
 }
 /// The content on its way into a file.
@@ -119,11 +121,13 @@ class ContentWriter {
 /// The rest of a file, for BinaryReaderOf.
 class BytesOfFile {
  public:
-  BytesOfFile(std::ifstream& stream, std::uint64_t num_left) : stream_(&stream), num_left_(num_left) {}
+  BytesOfFile(std::ifstream& stream, std::uint64_t num_left)
+      : stream_(&stream), num_left_(num_left) {}
   std::uint64_t num_left() const { return num_left_; }
   void Take(char* data, size_t size) {
     const auto count = static_cast<std::streamsize>(size);
-    Require(stream_->rdbuf()->sgetn(data, count) == count, ErrorCode::kInvalidInput, "the file ends in the middle");
+    Require(stream_->rdbuf()->sgetn(data, count) == count, ErrorCode::kInvalidInput,
+            "the file ends in the middle");
     num_left_ -= size;
   }
 
@@ -135,10 +139,10 @@ class BytesOfFile {
 using FileReader = BinaryReaderOf<BytesOfFile>;
 
 void WriteMeasurements(const DriveMeasurements& measurements, ContentWriter& content) {
-  content.Count(measurements.knots.size());
-  for (size_t i = 0; i < measurements.knots.size(); ++i) {
-    RecordedKnot knot = measurements.knots[i];
-    content(knot);
+  content.Count(measurements.nodes.size());
+  for (size_t i = 0; i < measurements.nodes.size(); ++i) {
+    RecordedNode node = measurements.nodes[i];
+    content(node);
     content.Pass(measurements.IntervalBytes(i));
   }
   content.Count(measurements.num_images());
@@ -147,14 +151,16 @@ void WriteMeasurements(const DriveMeasurements& measurements, ContentWriter& con
   content(shared);
 }
 
-std::shared_ptr<const DriveMeasurements> ReadMeasurements(FileReader& content, const ImuCalibration& imu) {
+std::shared_ptr<const DriveMeasurements> ReadMeasurements(FileReader& content,
+                                                          const ImuCalibration& imu) {
   auto measurements = std::make_shared<DriveMeasurements>(imu);
   for (std::uint64_t left = content.Count(0); left > 0; --left) {
-    RecordedKnot knot;
+    RecordedNode node;
     std::optional<RecordedInterval> interval;
-    content(knot, interval);
-    Require(!interval || interval->samples.size() > 1, ErrorCode::kInvalidInput, "it holds a stretch without IMU data");
-    measurements->AddKnot(knot, std::move(interval));
+    content(node, interval);
+    Require(!interval || interval->samples.size() > 1, ErrorCode::kInvalidInput,
+            "it holds a stretch without IMU data");
+    measurements->AddNode(node, std::move(interval));
   }
   for (std::uint64_t left = content.Count(0); left > 0; --left) {
     RecordedImage image;
@@ -168,13 +174,15 @@ std::shared_ptr<const DriveMeasurements> ReadMeasurements(FileReader& content, c
 /// The log's rig with the calibration of `cameras`.
 Rig Calibrated(const Rig& rig, const std::vector<StoredCamera>& cameras) {
   Require(cameras.size() == rig.cameras.size(), ErrorCode::kInvalidInput,
-          "it was made with " + std::to_string(cameras.size()) + " cameras, not " + std::to_string(rig.cameras.size()));
+          "it was made with " + std::to_string(cameras.size()) + " cameras, not " +
+              std::to_string(rig.cameras.size()));
   Rig calibrated = rig;
   for (size_t i = 0; i < cameras.size(); ++i) {
     const StoredCamera& camera = cameras[i];
     RigCamera& restored = calibrated.cameras[i];
-    Require(camera.name == restored.name, ErrorCode::kInvalidInput,
-            "it was made with camera '" + camera.name + "' where the log has '" + restored.name + "'");
+    Require(
+        camera.name == restored.name, ErrorCode::kInvalidInput,
+        "it was made with camera '" + camera.name + "' where the log has '" + restored.name + "'");
     restored.body_from_camera = camera.body_from_camera;
     restored.time_shift = camera.time_shift;
     restored.line_delay = camera.line_delay;
@@ -185,7 +193,8 @@ Rig Calibrated(const Rig& rig, const std::vector<StoredCamera>& cameras) {
 OdometryResult ReadContent(FileReader& content, const Rig& rig) {
   OdometryResult odometry;
   std::vector<StoredCamera> cameras;
-  content(odometry.odom_from_body, odometry.keyframes, odometry.landmarks, cameras, odometry.report);
+  content(odometry.odom_from_body, odometry.keyframes, odometry.landmarks, cameras,
+          odometry.report);
   odometry.rig = Calibrated(rig, cameras);
   odometry.measurements = ReadMeasurements(content, rig.imu);
   return odometry;
@@ -208,7 +217,8 @@ std::string EncodedHead(Head head) {
 
 }  // namespace
 
-void WriteOdometry(const OdometryResult& odometry, const Rig& rig, const std::filesystem::path& file) {
+void WriteOdometry(const OdometryResult& odometry, const Rig& rig,
+                   const std::filesystem::path& file) {
   std::vector<StoredCamera> cameras;
   for (const RigCamera& camera : odometry.rig.cameras)
     cameras.push_back({camera.name, camera.body_from_camera, camera.time_shift, camera.line_delay});
@@ -242,9 +252,10 @@ OdometryResult ReadOdometry(const std::filesystem::path& file, const Rig& rig) {
   Head head;
   reader(head);
   Require(head.version == kVersion, ErrorCode::kInvalidInput,
-          name + "is of version " + std::to_string(head.version) + ", this program reads " + std::to_string(kVersion) +
-              ": track the drive again");
-  Require(head.fingerprint == FingerprintOf(rig), ErrorCode::kInvalidInput, name + "was made with another calibration");
+          name + "is of version " + std::to_string(head.version) + ", this program reads " +
+              std::to_string(kVersion) + ": track the drive again");
+  Require(head.fingerprint == FingerprintOf(rig), ErrorCode::kInvalidInput,
+          name + "was made with another calibration");
   const auto begin = stream.tellg();
   Require(ChecksumOf(stream).sum() == head.checksum, ErrorCode::kInvalidInput, name + "is damaged");
   stream.clear();

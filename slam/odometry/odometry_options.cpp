@@ -4,9 +4,11 @@
 
 namespace parkade {
 
-void KnotOptions::Validate() const {
-  Require(interval >= 0.02 && slow_interval >= interval && still_interval >= interval && distance > 0 && rotation > 0,
-          ErrorCode::kUsage, "knots must be at least 0.02 s apart, and further apart when slow or still");
+void NodeOptions::Validate() const {
+  Require(interval >= 0.02 && slow_interval >= interval && still_interval >= interval &&
+              distance > 0 && rotation > 0,
+          ErrorCode::kUsage,
+          "knots must be at least 0.02 s apart, and further apart when slow or still");
 }
 
 void OdometryOptions::Validate() const {
@@ -15,7 +17,7 @@ void OdometryOptions::Validate() const {
   Require(keyframe_distance > 0 && keyframe_rotation_deg > 0, ErrorCode::kUsage,
           "the spacing of keyframes must be positive");
   Require(max_start_time >= 1, ErrorCode::kUsage, "'max_start_time' must be at least 1 s");
-  knots.Validate();
+  nodes.Validate();
   smoother.Validate();
   standstill.Validate();
   wheels.Validate();

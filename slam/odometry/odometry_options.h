@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/option_about.h"
 #include "slam/factors/wheel_preintegration.h"
 #include "slam/odometry/standstill_detector.h"
 #include "slam/smoother/smoother_options.h"
@@ -9,21 +10,12 @@
 namespace parkade {
 
 /// When the smoother gets a new state.
-struct KnotOptions {
-  double interval = 0.1;        ///< [s] between knots of a moving car, at least
+struct NodeOptions {
+  double interval = 0.1;        ///< [s] between nodes of a moving car, at least
   double slow_interval = 0.2;   ///< [s] at most, while it moves and turns little
-  double distance = 0.25;       ///< [m] after which the next knot is due
-  double rotation = 0.05;       ///< [rad] likewise
+  double distance = 0.25;       ///< [m] after which the next node is due
+  double rotation = 0.05;       ///< [rad] also
   double still_interval = 1.0;  ///< [s] while the car stands
-
-  template <typename Visitor>
-  void VisitFields(Visitor&& visit) {
-    visit("interval", interval);
-    visit("slow_interval", slow_interval);
-    visit("distance", distance);
-    visit("rotation", rotation);
-    visit("still_interval", still_interval);
-  }
   void Validate() const;
 };
 
@@ -32,10 +24,10 @@ struct OdometryOptions {
   double output_interval = 0.025;     ///< [s] at most between two states of the trajectory
   double keyframe_distance = 0.5;     ///< [m] per camera
   double keyframe_rotation_deg = 10;  ///< per camera
-  double max_start_time = 3.0;        ///< [s] of motion used for one attempt to initialise without wheels
-  bool smooth_backwards = true;       ///< let what is learned later correct what was estimated before
-  bool match_across_cameras = true;   ///< stereo observations where views overlap
-  KnotOptions knots;
+  double max_start_time = 3.0;  ///< [s] of motion used for one attempt to initialize without wheels
+  bool smooth_backwards = true;  ///< let what is learned later correct what was estimated before
+  bool match_across_cameras = true;  ///< stereo observations where views overlap
+  NodeOptions nodes;
   SmootherOptions smoother;
   StandstillOptions standstill;
   WheelNoise wheels;
@@ -44,19 +36,15 @@ struct OdometryOptions {
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
-    visit("use_wheels", use_wheels);
-    visit("output_interval", output_interval);
-    visit("keyframe_distance", keyframe_distance);
-    visit("keyframe_rotation_deg", keyframe_rotation_deg);
-    visit("max_start_time", max_start_time);
-    visit("smooth_backwards", smooth_backwards);
-    visit("match_across_cameras", match_across_cameras);
-    visit("knots", knots);
+    visit("use_wheels", use_wheels, OptionAbout{"Wheel odometry is used where the log has it."});
+    visit("output_interval", output_interval,
+          OptionAbout{"States of the trajectory are this far apart.", "s", 0.005, 0.05});
+    visit("max_start_time", max_start_time,
+          OptionAbout{
+              "The odometry looks this long for a first state before it begins the search anew.",
+              "s", 0.5, 60});
     visit("smoother", smoother);
-    visit("standstill", standstill);
-    visit("wheels", wheels);
     visit("tracker", tracker);
-    visit("cross_camera", cross_camera);
   }
   void Validate() const;  ///< throws Error{kUsage}
 };

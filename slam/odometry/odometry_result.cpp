@@ -5,14 +5,17 @@
 namespace parkade {
 namespace {
 
-nlohmann::json ToJson(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
+nlohmann::json ToJson(const Eigen::Vector3d& vector) {
+  return {vector.x(), vector.y(), vector.z()};
+}
 
 nlohmann::json ToJson(const CameraCalibration& calibration) {
   nlohmann::json quantities;
   for (const CalibratedQuantity& quantity : calibration.quantities)
-    quantities[quantity.name] = {{"status", ToText(quantity.status)},
-                                 {"change", std::vector<double>(quantity.change.begin(), quantity.change.end())},
-                                 {"sigma", std::vector<double>(quantity.sigma.begin(), quantity.sigma.end())}};
+    quantities[quantity.name] = {
+        {"status", ToText(quantity.status)},
+        {"change", std::vector<double>(quantity.change.begin(), quantity.change.end())},
+        {"sigma", std::vector<double>(quantity.sigma.begin(), quantity.sigma.end())}};
   return {{"name", calibration.name}, {"quantities", quantities}};
 }
 
@@ -42,11 +45,12 @@ nlohmann::json ToJson(const OdometryReport& report) {
     degraded.push_back({{"begin", ToDecimalSeconds(interval.begin)},
                         {"end", ToDecimalSeconds(interval.end)},
                         {"reason", interval.reason}});
-  return {{"start", {{"kind", report.start_kind}, {"time", report.start_time}, {"data", report.start_data}}},
+  return {{"start",
+           {{"kind", report.start_kind}, {"time", report.start_time}, {"data", report.start_data}}},
           {"cameras", cameras},
           {"calibration", calibration},
           {"degraded", degraded},
-          {"knots", report.knots},
+          {"knots", report.nodes},
           {"solves", report.solves},
           {"mean_solve_seconds", report.mean_solve_seconds},
           {"max_solve_seconds", report.max_solve_seconds},

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/landmark.h"
 #include "core/rig.h"
 #include "core/trajectory.h"
 
@@ -18,15 +19,6 @@ struct OdometryKeyframe {
   Timestamp time;  ///< by the refined rig: CalibratedLog delivers the image at exactly that time
   int camera = 0;
   Rigid3 odom_from_body;
-};
-
-/// A point that odometry triangulated.
-struct OdometryLandmark {
-  Timestamp time;                 ///< first seen
-  int camera = 0;                 ///< that saw it first
-  Eigen::Vector3d point_in_odom;  ///< [m]
-  double sigma = 0;               ///< [m] along the worst direction
-  int num_observations = 0;
 };
 
 /// A stretch of the drive that is less sure than the rest, and why.
@@ -54,8 +46,9 @@ struct CalibratedQuantity {
 };
 
 struct CameraCalibration {
-  std::string name;                            ///< of the camera
-  std::vector<CalibratedQuantity> quantities;  ///< rotation, translation, time_offset [s], line_delay [s/row]
+  std::string name;  ///< of the camera
+  std::vector<CalibratedQuantity>
+      quantities;  ///< rotation, translation, time_offset [s], line_delay [s/row]
 };
 
 /// How it went; goes into report.json.
@@ -66,7 +59,7 @@ struct OdometryReport {
   std::vector<CameraHealth> cameras;
   std::vector<CameraCalibration> calibration;  ///< per camera
   std::vector<DegradedInterval> degraded;
-  int knots = 0;
+  int nodes = 0;
   int solves = 0;
   double mean_solve_seconds = 0, max_solve_seconds = 0;
   double mean_bearings = 0;  ///< per solve
@@ -74,7 +67,7 @@ struct OdometryReport {
   double length = 0;         ///< [m]
   double still_seconds = 0;  ///< the car stood
   bool has_wheels = false;
-  double wheel_scale = 1;                                        ///< true speed / reported speed, estimated
+  double wheel_scale = 1;  ///< true speed / reported speed, estimated
   Eigen::Vector3d gyroscope_bias = Eigen::Vector3d::Zero();      ///< [rad/s] at the end
   Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();  ///< [m/s^2] at the end
 };
@@ -82,7 +75,7 @@ struct OdometryReport {
 struct OdometryResult {
   Trajectory odom_from_body;                ///< over the whole log, 20 Hz or more, gravity-aligned
   std::vector<OdometryKeyframe> keyframes;  ///< in order of time
-  std::vector<OdometryLandmark> landmarks;  ///< in order of time
+  std::vector<Landmark> landmarks;          ///< in order of time
   Rig rig;                                  ///< the drive's, with what was refined
   OdometryReport report;
   std::shared_ptr<const DriveMeasurements> measurements;  ///< all of them, see drive_measurements.h

@@ -21,10 +21,11 @@ std::vector<Record> LastToFirst(const std::vector<Record>& records, Timestamp ab
 }  // namespace
 
 ReversedDrive ReverseTime(const Rig& rig, const EarlyRecords& records, const MotionState& at_end) {
-  ReversedDrive reversed{rig,
-                         at_end,
-                         {LastToFirst(records.imu, at_end.time), LastToFirst(records.wheels, at_end.time),
-                          LastToFirst(records.frames, at_end.time)}};
+  ReversedDrive reversed{
+      rig,
+      at_end,
+      {LastToFirst(records.imu, at_end.time), LastToFirst(records.wheels, at_end.time),
+       LastToFirst(records.frames, at_end.time)}};
   for (ImuSample& sample : reversed.records.imu) sample.angular_velocity *= -1;
   for (WheelSample& sample : reversed.records.wheels) {
     sample.forward_speed *= -1;
@@ -40,7 +41,7 @@ std::vector<TrajectoryState> ReverseTime(std::vector<TrajectoryState> states, Ti
   std::reverse(states.begin(), states.end());
   for (TrajectoryState& state : states) {
     state.time = Mirrored(state.time, about);
-    state.velocity_in_odom *= -1;
+    state.velocity_in_world *= -1;
     state.gyroscope_bias *= -1;
   }
   return states;

@@ -9,8 +9,9 @@
 
 namespace parkade {
 
-// For drives that could be started only some way into the log: their odometry runs backwards in time from a known
-// state. Played backwards a drive obeys the same laws: velocities and rates change sign, forces do not.
+// For drives that could be started only some way into the log: their odometry runs backwards in
+// time from a known state. Played backwards a drive obeys the same laws: velocities and rates
+// change sign, forces do not.
 
 /// A drive played backwards from `start.time`, at which times are mirrored.
 struct ReversedDrive {

@@ -10,31 +10,25 @@
 namespace parkade {
 
 struct StandstillOptions {
-  double wheel_speed = 0.02;              ///< [m/s] wheels slower than this stand
-  double image_motion = 1.0e-3;           ///< [rad] median motion of tracks over `image_interval` that is still noise
-  double image_interval = 0.5;            ///< [s]
-  double gyroscope_deviation = 0.01;      ///< [rad/s] spread of a resting gyroscope, or 3 sigma of its noise
-  double accelerometer_deviation = 0.15;  ///< [m/s^2] likewise
-
-  template <typename Visitor>
-  void VisitFields(Visitor&& visit) {
-    visit("wheel_speed", wheel_speed);
-    visit("image_motion", image_motion);
-    visit("image_interval", image_interval);
-    visit("gyroscope_deviation", gyroscope_deviation);
-    visit("accelerometer_deviation", accelerometer_deviation);
-  }
+  double wheel_speed = 0.02;  ///< [m/s] wheels slower than this stand
+  double image_motion =
+      1.0e-3;  ///< [rad] median motion of tracks over `image_interval` that is still noise
+  double image_interval = 0.5;  ///< [s]
+  double gyroscope_deviation =
+      0.01;  ///< [rad/s] spread of a resting gyroscope, or 3 sigma of its noise
+  double accelerometer_deviation = 0.15;  ///< [m/s^2] also
   void Validate() const;
 };
 
 /// Says whether the car stood over an interval: the wheels do not turn and the
 /// gyroscope is quiet; without wheels, the images stand still and the whole IMU is
 /// quiet. Traffic that fills one camera does not matter: it takes the median
-/// track of the quietest camera against wheels, and three quarters of the tracks of every camera without: what moves
-/// with the car, as its shadow does, must not pass for the world.
+/// track of the quietest camera against wheels, and three quarters of the tracks of every camera
+/// without: what moves with the car, as its shadow does, must not pass for the world.
 class StandstillDetector {
  public:
-  StandstillDetector(const ImuCalibration& imu, size_t num_cameras, const StandstillOptions& options);
+  StandstillDetector(const ImuCalibration& imu, size_t num_cameras,
+                     const StandstillOptions& options);
 
   void Add(const TrackedFrame& frame);
 

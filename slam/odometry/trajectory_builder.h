@@ -11,9 +11,9 @@
 
 namespace parkade {
 
-/// Turns finished knots into the states of a trajectory: body instead of IMU,
-/// and as many states between knots as asked for, shaped by the IMU and bent
-/// linearly so that they meet the knots.
+/// Turns finished nodes into the states of a trajectory: body instead of IMU,
+/// and as many states between nodes as asked for, shaped by the IMU and bent
+/// linearly so that they meet the nodes.
 class TrajectoryBuilder {
  public:
   TrajectoryBuilder(const Rig& rig, double output_interval);
@@ -21,10 +21,10 @@ class TrajectoryBuilder {
   /// For the states that follow: where the IMU sits, once the cameras are calibrated.
   void MountOn(const Rig& rig) { imu_from_body_ = rig.body_from_imu.Inverse(); }
 
-  /// Knots come in order of time. `interval`: since the knot before, empty at the first.
-  void Add(const RecordedKnot& knot, const std::optional<KnotInterval>& interval);
+  /// Nodes come in order of time. `interval`: since the node before, empty at the first.
+  void Add(const RecordedNode& node, const std::optional<NodeInterval>& interval);
 
-  /// States of the time before the first knot, running backwards on the
+  /// States of the time before the first node, running backwards on the
   /// gyroscope and the wheels, or on the IMU alone where there are none.
   /// `is_still`: the car stood all that time.
   std::vector<TrajectoryState> StatesBefore(const EarlyRecords& early, bool is_still) const;
@@ -36,7 +36,8 @@ class TrajectoryBuilder {
  private:
   TrajectoryState ToBody(const MotionState& state, const Eigen::Vector3d& angular_velocity,
                          const Eigen::Matrix<double, 6, 6>& covariance) const;
-  void AddBetween(const MotionState& first, const RecordedKnot& second, const KnotInterval& interval);
+  void AddBetween(const MotionState& first, const RecordedNode& second,
+                  const NodeInterval& interval);
 
   Rigid3 imu_from_body_;
   double output_interval_;

@@ -6,9 +6,10 @@
 namespace parkade {
 namespace {
 
-constexpr double kSnapSlack = 0.05;       // [s] of data beyond a knot before it is placed
-constexpr double kMaxImuGap = 0.5;        // [s] bridged silently
-constexpr double kMaxEarlyFrames = 30.0;  // [s] of images kept to run backwards over the time before the start
+constexpr double kSnapSlack = 0.05;  // [s] of data beyond a node before it is placed
+constexpr double kMaxImuGap = 0.5;   // [s] bridged silently
+constexpr double kMaxEarlyFrames =
+    30.0;  // [s] of images kept to run backwards over the time before the start
 
 bool IsFinite(const ImuSample& sample) {
   return sample.angular_velocity.allFinite() && sample.linear_acceleration.allFinite();
@@ -26,7 +27,8 @@ TrajectoryEstimator::TrajectoryEstimator(const Rig& rig, const OdometryOptions& 
       tracks_seen_(rig.cameras.size(), 0),
       measurements_(std::make_shared<DriveMeasurements>(rig.imu)) {
   options_.Validate();
-  for (const RigCamera& camera : rig.cameras) report_.cameras.push_back({camera.name, 0, 0, 0, 0, 1});
+  for (const RigCamera& camera : rig.cameras)
+    report_.cameras.push_back({camera.name, 0, 0, 0, 0, 1});
 }
 
 void TrajectoryEstimator::Add(const ImuSample& sample) {
@@ -51,18 +53,21 @@ void TrajectoryEstimator::Add(TrackedFrame frame) {
   const auto camera = static_cast<size_t>(frame.camera);
   CameraHealth& health = report_.cameras[camera];
   ++health.frames;
-  if (frame.observations.empty() || (health.frames > 1 && frame.time <= last_frame_[camera])) return;
+  if (frame.observations.empty() || (health.frames > 1 && frame.time <= last_frame_[camera]))
+    return;
   last_frame_[camera] = frame.time;
   standstill_.Add(frame);
   if (IsEarly(frame.time)) {
     early_.frames.push_back(frame);
-    if (frame.time - early_.frames.front().time > kMaxEarlyFrames) early_.frames.erase(early_.frames.begin());
+    if (frame.time - early_.frames.front().time > kMaxEarlyFrames)
+      early_.frames.erase(early_.frames.begin());
   }
   frame.time_offset = smoother_.cameras()[camera].time_offset();
   frame.time = frame.time + frame.time_offset;
-  if (is_started_ && frame.time <= last_knot_) return;
-  const auto later = std::upper_bound(pending_.begin(), pending_.end(), frame.time,
-                                      [](Timestamp time, const TrackedFrame& other) { return time < other.time; });
+  if (is_started_ && frame.time <= last_node_) return;
+  const auto later =
+      std::upper_bound(pending_.begin(), pending_.end(), frame.time,
+                       [](Timestamp time, const TrackedFrame& other) { return time < other.time; });
   pending_.insert(later, std::move(frame));
 }
 
@@ -73,13 +78,14 @@ std::optional<MotionState> TrajectoryEstimator::Latest() const {
 
 std::vector<Rigid3> TrajectoryEstimator::ImuFromCameras() const {
   std::vector<Rigid3> poses;
-  for (const CameraParameters& camera : smoother_.cameras()) poses.push_back(camera.ImuFromCamera());
+  for (const CameraParameters& camera : smoother_.cameras())
+    poses.push_back(camera.ImuFromCamera());
   return poses;
 }
 
 void TrajectoryEstimator::Advance() {
   if (!is_started_) TryStart(/*is_last_chance=*/false);
-  if (is_started_) PlaceKnots(imu_.back().time - kSnapSlack);
+  if (is_started_) PlaceNodes(imu_.back().time - kSnapSlack);
 }
 
 void TrajectoryEstimator::AddDegraded(Timestamp begin, Timestamp end, const std::string& reason) {

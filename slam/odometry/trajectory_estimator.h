@@ -14,7 +14,7 @@
 namespace parkade {
 
 /// Visual-inertial(-wheel) odometry from samples and tracked frames: waits until
-/// it can start, places knots, feeds the smoother and collects the result. Knows no images.
+/// it can start, places nodes, feeds the smoother and collects the result. Knows no images.
 ///
 /// Records come in order of time over all sensors; late, repeated or
 /// non-finite ones are skipped. Deterministic; one thread.
@@ -36,26 +36,28 @@ class TrajectoryEstimator {
   bool is_started() const { return is_started_; }
   /// Best guess so far, for whoever predicts images; nothing before the start.
   std::optional<MotionState> Latest() const;
-  /// Likewise, of the cameras.
+  /// Also, of the cameras.
   std::vector<Rigid3> ImuFromCameras() const;
 
  private:
   void Advance();
   void TryStart(bool is_last_chance);
-  std::optional<StartEstimate> AttemptStart(Timestamp begin, Timestamp now, bool is_last_chance) const;
+  std::optional<StartEstimate> AttemptStart(Timestamp begin, Timestamp now,
+                                            bool is_last_chance) const;
   void Begin(const StartEstimate& start);
-  void PlaceKnots(Timestamp until);
+  void PlaceNodes(Timestamp until);
   Timestamp SnapToImage(Timestamp time) const;
   double NextInterval() const;
-  void MakeKnot(Timestamp time, bool is_still);
+  void MakeNode(Timestamp time, bool is_still);
   std::vector<NewImage> TakeImages(const ImuPreintegration& imu);
   void SolveAndCollect();
-  void Collect(std::vector<FinishedKnot> finished);
+  void Collect(std::vector<FinishedNode> finished);
   void NoteDegradation(Timestamp begin, Timestamp end, int bearings_seen, bool has_wheels);
   void AddDegraded(Timestamp begin, Timestamp end, const std::string& reason);
   void BuildTrajectory(OdometryResult& result);
   void TakeMeasurements(OdometryResult& result);
-  /// From the first IMU sample up to after_start_, in order of time; empty where there is nothing before it.
+  /// From the first IMU sample up to after_start_, in order of time; empty where there is nothing
+  /// before it.
   std::vector<TrajectoryState> RunBackwards(const Rig& refined) const;
   void FillBeforeStart(const Rig& refined, std::vector<TrajectoryState>& states);
   bool IsEarly(Timestamp time) const;
@@ -67,7 +69,7 @@ class TrajectoryEstimator {
   OdometryOptions options_;
   ImuBuffer imu_;
   WheelBuffer wheels_;
-  std::deque<TrackedFrame> pending_;  ///< later than the last knot
+  std::deque<TrackedFrame> pending_;  ///< later than the last node
   StandstillDetector standstill_;
   FixedLagSmoother smoother_;
   TrajectoryBuilder builder_;
@@ -76,24 +78,26 @@ class TrajectoryEstimator {
   bool is_start_still_ = false;
   Timestamp start_search_;  ///< attempts to start begin here
   std::optional<Timestamp> next_attempt_;
-  static constexpr double kOverlap = 1.0;  ///< [s] after the first knot from which the time before is run backwards
-  EarlyRecords early_;                     ///< up to a little after the first knot
-  Timestamp log_begin_;                    ///< first IMU sample
-  Timestamp first_knot_;
-  std::optional<MotionState> after_start_;  ///< a finished state, a little after the first knot
-  Timestamp last_knot_, last_cut_;
+  static constexpr double kOverlap =
+      1.0;               ///< [s] after the first node from which the time before is run backwards
+  EarlyRecords early_;   ///< up to a little after the first node
+  Timestamp log_begin_;  ///< first IMU sample
+  Timestamp first_node_;
+  std::optional<MotionState> after_start_;  ///< a finished state, a little after the first node
+  Timestamp last_node_, last_cut_;
   Timestamp surely_moving_until_;
-  bool is_run_still_ = false;  ///< since the last knot
+  bool is_run_still_ = false;  ///< since the last node
 
   struct UsedImage {
     Timestamp time;  ///< as the log says, no offset estimated here
     int camera;
   };
   std::vector<UsedImage> used_images_;
-  std::vector<Timestamp> last_frame_;                ///< per camera
-  std::vector<std::int64_t> tracks_seen_;            ///< per camera, in frames used
-  std::shared_ptr<DriveMeasurements> measurements_;  ///< of knots that left the window, and of all images
-  ConditionalStore conditionals_;                    ///< of the same knots
+  std::vector<Timestamp> last_frame_;      ///< per camera
+  std::vector<std::int64_t> tracks_seen_;  ///< per camera, in frames used
+  std::shared_ptr<DriveMeasurements>
+      measurements_;               ///< of nodes that left the window, and of all images
+  ConditionalStore conditionals_;  ///< of the same nodes
   std::vector<FinishedLandmark> landmarks_;
   OdometryReport report_;
   double sum_bearings_ = 0;

@@ -22,14 +22,17 @@ Eigen::Matrix<double, 3, 2> TangentOf(const Eigen::Vector3d& direction) {
   return tangent;
 }
 
-/// One pair's error in units of its sigma, and its derivative by [turn on the right | change of direction].
+/// One pair's error in units of its sigma, and its derivative by [turn on the right | change of
+/// direction].
 struct EpipolarError {
   double whitened = 0;
   Vector5d jacobian;
-  Eigen::Matrix2d by_chance;  ///< of jacobian jacobian^T by the direction, what noise of the rays alone would show
+  Eigen::Matrix2d by_chance;  ///< of jacobian jacobian^T by the direction, what noise of the rays
+                              ///< alone would show
 };
 
-EpipolarError ErrorOf(const RayPair& pair, const Rigid3& a_from_b, const Eigen::Matrix<double, 3, 2>& tangent) {
+EpipolarError ErrorOf(const RayPair& pair, const Rigid3& a_from_b,
+                      const Eigen::Matrix<double, 3, 2>& tangent) {
   const Eigen::Vector3d& direction = a_from_b.translation;
   const Eigen::Vector3d turned = a_from_b.rotation * pair.in_b;
   const Eigen::Vector3d by_a = direction.cross(turned), by_turned = pair.in_a.cross(direction);
@@ -44,12 +47,13 @@ EpipolarError ErrorOf(const RayPair& pair, const Rigid3& a_from_b, const Eigen::
   error.jacobian /= sigma;
   const Eigen::Matrix<double, 2, 3> across =
       tangent.transpose() * (Eigen::Matrix3d::Identity() - turned * turned.transpose());
-  error.by_chance =
-      (pair.sigma_a * pair.sigma_a + pair.sigma_b * pair.sigma_b) / (sigma * sigma) * across * across.transpose();
+  error.by_chance = (pair.sigma_a * pair.sigma_a + pair.sigma_b * pair.sigma_b) / (sigma * sigma) *
+                    across * across.transpose();
   return error;
 }
 
-/// The information without what noise alone would show of the direction: without a baseline that is all there is.
+/// The information without what noise alone would show of the direction: without a baseline that is
+/// all there is.
 Matrix5d WithoutChance(const Matrix5d& hessian, const Matrix5d& by_chance) {
   const Eigen::SelfAdjointEigenSolver<Matrix5d> solver(hessian - by_chance);
   return solver.eigenvectors() * solver.eigenvalues().cwiseMax(kLeastInformation).asDiagonal() *
@@ -83,7 +87,8 @@ AdjustedTwoViews AdjustTwoViews(const std::vector<RayPair>& pairs, Rigid3& a_fro
     if (delta.norm() < 1e-7) break;
   }
   const double scatter = std::max(1.0, sum / static_cast<double>(pairs.size() - 5));
-  const Matrix5d covariance = scatter * WithoutChance(hessian, by_chance).ldlt().solve(Matrix5d::Identity());
+  const Matrix5d covariance =
+      scatter * WithoutChance(hessian, by_chance).ldlt().solve(Matrix5d::Identity());
   adjusted.rotation_covariance = covariance.topLeftCorner<3, 3>();
   const Eigen::Matrix2d of_direction = covariance.bottomRightCorner<2, 2>();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(of_direction, Eigen::EigenvaluesOnly);

@@ -15,13 +15,15 @@ struct RayPair {
 
 /// How well rotation and direction between two cameras are known.
 struct AdjustedTwoViews {
-  Eigen::Matrix3d rotation_covariance = Eigen::Matrix3d::Identity();  ///< [rad^2] of a turn on the right
-  double direction_sigma = 1;  ///< [rad] of the direction, in the worst of its two ways; at most 1: nothing is known
+  Eigen::Matrix3d rotation_covariance =
+      Eigen::Matrix3d::Identity();  ///< [rad^2] of a turn on the right
+  double direction_sigma =
+      1;  ///< [rad] of the direction, in the worst of its two ways; at most 1: nothing is known
 };
 
-/// Moves rotation and direction (a unit vector) to where the rays meet best: Gauss-Newton over five degrees of freedom
-/// on epipolar errors e = t . (R b x a), each in units of its sigma, with Cauchy weights. Fewer than six pairs leave
-/// the pose as it is, and nothing known.
+/// Moves rotation and direction (a unit vector) to where the rays meet best: Gauss-Newton over five
+/// degrees of freedom on epipolar errors e = t . (R b x a), each in units of its sigma, with Cauchy
+/// weights. Fewer than six pairs leave the pose as it is, and nothing known.
 AdjustedTwoViews AdjustTwoViews(const std::vector<RayPair>& pairs, Rigid3& a_from_b);
 
 }  // namespace parkade

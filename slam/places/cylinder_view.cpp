@@ -13,12 +13,14 @@ constexpr double kBorder = 3;       // [px] of the image that are not trusted
 }  // namespace
 
 CylinderView::CylinderView(const RigCamera& camera, const Eigen::Quaterniond& upright_from_body) {
-  const Eigen::Quaterniond upright_from_camera = upright_from_body * camera.body_from_camera.rotation;
+  const Eigen::Quaterniond upright_from_camera =
+      upright_from_body * camera.body_from_camera.rotation;
   const Eigen::Vector3d axis = upright_from_camera * Eigen::Vector3d::UnitZ();
   const Eigen::Vector2d middle(0.5 * camera.model.width(), 0.5 * camera.model.height());
   scale_ = camera.model.PixelsPerRadian(middle).value_or(0.3 * camera.model.width());
   azimuth_ = std::atan2(axis.y(), axis.x()) + kHalfWidth;
-  const int width = static_cast<int>(2 * kHalfWidth * scale_), height = static_cast<int>((kHighest - kLowest) * scale_);
+  const int width = static_cast<int>(2 * kHalfWidth * scale_),
+            height = static_cast<int>((kHighest - kLowest) * scale_);
   map_x_ = cv::Mat(height, width, CV_32FC1, cv::Scalar(-1));
   map_y_ = map_x_.clone();
   usable_ = cv::Mat::zeros(height, width, CV_8UC1);
@@ -42,7 +44,8 @@ cv::Mat CylinderView::Warp(const cv::Mat& image) const {
 
 Eigen::Vector3d CylinderView::BearingInUpright(double column, double row) const {
   const double azimuth = azimuth_ - column / scale_;
-  return Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), kHighest - row / scale_).normalized();
+  return Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), kHighest - row / scale_)
+      .normalized();
 }
 
 }  // namespace parkade

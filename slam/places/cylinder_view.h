@@ -11,14 +11,14 @@ namespace parkade {
 /// A camera's image on an upright cylinder around the car: columns are equal
 /// angles about the upright axis, rows the tangent of the elevation. What stands
 /// upright does so in every camera's view, and cameras that look the same way see
-/// the same picture, whatever their lenses. Immutable, thread-safe.
+/// the same image, whatever their lenses. Immutable, thread-safe.
 class CylinderView {
  public:
   CylinderView() = default;  ///< sees nothing
   /// \param upright_from_body  turns the body's frame so that z is up where the car stands level
   CylinderView(const RigCamera& camera, const Eigen::Quaterniond& upright_from_body);
 
-  /// CV_8UC1 of the calibrated size -> view. Pixels without sight are 0.
+  /// CV_8UC1 of the calibrated size -> view. Pixels without correspondence are 0.
   cv::Mat Warp(const cv::Mat& image) const;
 
   /// CV_8UC1, 0 where the lens or the rig's mask leaves nothing to see.

@@ -3,41 +3,47 @@
 #include <map>
 #include <random>
 
-#include "slam/places/adjust_to_sights.h"
+#include "slam/places/adjust_to_correspondences.h"
 #include "slam/places/guided_matches.h"
 #include "slam/places/hamming.h"
-#include "slam/places/sight.h"
+#include "slam/places/ray_point_correspondence.h"
 
 namespace parkade {
 namespace {
 
 constexpr int kRounds = 3;                       // of choosing inliers and adjusting
-constexpr double kTiltSigma = 0.3 * M_PI / 180;  // [rad] between the gravity of two places
+constexpr double kTiltSigma = 0.3 * M_PI / 180;  // [rad] between the gravity of two keyframes
 
-/// How many sights a pose explains; 0 as soon as they cannot be more than `most`.
-size_t CountInliers(const std::vector<Sight>& sights, const Rigid3& a_from_b, double max_error, size_t most) {
+/// How many correspondences a pose explains; 0 as soon as they cannot be more than `most`.
+size_t CountInliers(const std::vector<RayPointCorrespondence>& correspondences,
+                    const Rigid3& a_from_b, double max_error, size_t most) {
   size_t count = 0;
-  for (size_t i = 0; i < sights.size(); ++i) {
-    if (count + sights.size() - i <= most) return 0;
-    count += IsInlier(sights[i], a_from_b, max_error);
+  for (size_t i = 0; i < correspondences.size(); ++i) {
+    if (count + correspondences.size() - i <= most) return 0;
+    count += IsInlier(correspondences[i], a_from_b, max_error);
   }
   return count;
 }
 
-std::optional<Rigid3> SearchPose(const std::vector<Sight>& sights, const RelativePoseOptions& options) {
+std::optional<Rigid3> SearchPose(const std::vector<RayPointCorrespondence>& correspondences,
+                                 const RelativePoseOptions& options) {
   std::vector<size_t> forward, backward;
-  for (size_t i = 0; i < sights.size(); ++i) (sights[i].is_forward ? forward : backward).push_back(i);
+  for (size_t i = 0; i < correspondences.size(); ++i)
+    (correspondences[i].is_forward ? forward : backward).push_back(i);
   std::mt19937 random(1);
-  const auto pick = [&random](const std::vector<size_t>& from) { return from[random() % from.size()]; };
+  const auto pick = [&random](const std::vector<size_t>& from) {
+    return from[random() % from.size()];
+  };
   std::optional<Rigid3> best;
   size_t most = 0;
   for (int i = 0; i < options.iterations; ++i) {
-    const std::vector<size_t>& from = (i % 2 == 0 && forward.size() > 1) || backward.size() < 2 ? forward : backward;
+    const std::vector<size_t>& from =
+        (i % 2 == 0 && forward.size() > 1) || backward.size() < 2 ? forward : backward;
     if (from.size() < 2) break;
     const size_t first = pick(from), second = pick(from);
     if (first == second) continue;
-    for (const Rigid3& pose : SolveUprightPose(sights[first], sights[second])) {
-      const size_t count = CountInliers(sights, pose, options.max_error, most);
+    for (const Rigid3& pose : SolveUprightPose(correspondences[first], correspondences[second])) {
+      const size_t count = CountInliers(correspondences, pose, options.max_error, most);
       if (count <= most) continue;
       most = count;
       best = pose;
@@ -51,37 +57,39 @@ std::vector<CameraPairInliers> CountByCameras(const std::map<size_t, int>& camer
   for (const auto& [match, pair] : camera_pair_of_match) ++counts[pair];
   std::vector<CameraPairInliers> by_cameras;
   for (const auto& [pair, count] : counts)
-    by_cameras.push_back({pair / kCamerasPerPlace, pair % kCamerasPerPlace, count});
-  std::stable_sort(by_cameras.begin(), by_cameras.end(),
-                   [](const CameraPairInliers& a, const CameraPairInliers& b) { return a.count > b.count; });
+    by_cameras.push_back({pair / kCamerasPerKeyframe, pair % kCamerasPerKeyframe, count});
+  std::stable_sort(
+      by_cameras.begin(), by_cameras.end(),
+      [](const CameraPairInliers& a, const CameraPairInliers& b) { return a.count > b.count; });
   return by_cameras;
 }
 
 /// A pose adjusted to its inliers.
 struct Adjusted {
-  std::vector<Sight> inliers;
+  std::vector<RayPointCorrespondence> inliers;
   Matrix6d hessian = Matrix6d::Identity();
 };
 
 /// Chooses inliers and adjusts the pose to them, by turns.
-Adjusted AdjustToInliers(const std::vector<Sight>& sights, const RelativePoseOptions& options, RelativePose& pose) {
+Adjusted AdjustToInliers(const std::vector<RayPointCorrespondence>& correspondences,
+                         const RelativePoseOptions& options, RelativePose& pose) {
   Adjusted adjusted;
   for (int round = 0; round < kRounds; ++round) {
     adjusted.inliers.clear();
     std::map<size_t, int> camera_pair_of_match;
     double sum = 0;
-    for (const Sight& sight : sights) {
-      if (!IsInlier(sight, pose.a_from_b, options.max_error)) continue;
-      adjusted.inliers.push_back(sight);
-      camera_pair_of_match[sight.match] = sight.camera_pair;
-      sum += ErrorOf(sight, pose.a_from_b).whitened.squaredNorm();
+    for (const RayPointCorrespondence& correspondence : correspondences) {
+      if (!IsInlier(correspondence, pose.a_from_b, options.max_error)) continue;
+      adjusted.inliers.push_back(correspondence);
+      camera_pair_of_match[correspondence.match] = correspondence.camera_pair;
+      sum += ErrorOf(correspondence, pose.a_from_b).whitened.squaredNorm();
     }
     pose.num_inliers = static_cast<int>(camera_pair_of_match.size());
     pose.inliers_of_cameras = CountByCameras(camera_pair_of_match);
     pose.num_camera_pairs = static_cast<int>(pose.inliers_of_cameras.size());
     const double num_numbers = 2.0 * static_cast<double>(adjusted.inliers.size());
     pose.residual = adjusted.inliers.empty() ? 0 : std::sqrt(sum / num_numbers);
-    adjusted.hessian = AdjustToSights(adjusted.inliers, kTiltSigma, pose.a_from_b);
+    adjusted.hessian = AdjustToCorrespondences(adjusted.inliers, kTiltSigma, pose.a_from_b);
   }
   return adjusted;
 }
@@ -89,7 +97,8 @@ Adjusted AdjustToInliers(const std::vector<Sight>& sights, const RelativePoseOpt
 std::string ReasonAgainst(const RelativePose& pose, const RelativePoseOptions& options) {
   const int needed = pose.num_camera_pairs > 1 ? options.min_inliers : options.min_inliers_of_one;
   if (pose.num_inliers < needed) return "too few inliers";
-  const double tilt = std::acos(std::clamp((pose.a_from_b.rotation * Eigen::Vector3d::UnitZ()).z(), -1.0, 1.0));
+  const double tilt =
+      std::acos(std::clamp((pose.a_from_b.rotation * Eigen::Vector3d::UnitZ()).z(), -1.0, 1.0));
   if (tilt > options.max_tilt_deg * M_PI / 180) return "gravity differs";
   if (!(pose.worst_sigma < options.max_sigma)) return "a direction is not fixed";
   return "";
@@ -97,7 +106,8 @@ std::string ReasonAgainst(const RelativePose& pose, const RelativePoseOptions& o
 
 }  // namespace
 
-std::vector<FeatureMatch> MatchPlaces(const Place& a, const Place& b, const RelativePoseOptions& options) {
+std::vector<FeatureMatch> MatchKeyframes(const RigKeyframe& a, const RigKeyframe& b,
+                                         const RelativePoseOptions& options) {
   if (a.descriptors.rows < 2 || b.descriptors.rows < 2) return {};
   struct Best {
     size_t of_a = 0;
@@ -110,7 +120,8 @@ std::vector<FeatureMatch> MatchPlaces(const Place& a, const Place& b, const Rela
         nearest.distance > options.ratio * nearest.second_distance)
       continue;
     std::optional<Best>& best = best_of_b[static_cast<size_t>(nearest.index)];
-    if (!best || nearest.distance < best->distance) best = {static_cast<size_t>(row), nearest.distance};
+    if (!best || nearest.distance < best->distance)
+      best = {static_cast<size_t>(row), nearest.distance};
   }
   std::vector<FeatureMatch> matches;
   for (size_t i = 0; i < best_of_b.size(); ++i)
@@ -118,24 +129,27 @@ std::vector<FeatureMatch> MatchPlaces(const Place& a, const Place& b, const Rela
   return matches;
 }
 
-RelativePose EstimateRigPose(const Place& a, const Place& b, const std::vector<FeatureMatch>& matches,
+RelativePose EstimateRigPose(const RigKeyframe& a, const RigKeyframe& b,
+                             const std::vector<FeatureMatch>& matches,
                              const RelativePoseOptions& options) {
   RelativePose pose;
   pose.num_matches = static_cast<int>(matches.size());
-  const std::vector<Sight> sights = SightsOf(a, b, matches);
-  const std::optional<Rigid3> found = SearchPose(sights, options);
+  const std::vector<RayPointCorrespondence> correspondences = CorrespondencesOf(a, b, matches);
+  const std::optional<Rigid3> found = SearchPose(correspondences, options);
   if (!found) {
     pose.rejected = "too few inliers";
     return pose;
   }
   pose.a_from_b = *found;
-  Adjusted adjusted = AdjustToInliers(sights, options, pose);
+  Adjusted adjusted = AdjustToInliers(correspondences, options, pose);
   pose.num_first_inliers = pose.num_inliers;
   if (pose.num_inliers >= options.min_guiding_inliers) {
     const std::vector<FeatureMatch> guided = FindGuidedMatches(a, b, pose.a_from_b, options);
-    adjusted = AdjustToInliers(SightsOf(a, b, guided), options, pose);
+    adjusted = AdjustToInliers(CorrespondencesOf(a, b, guided), options, pose);
   }
-  SetInformation(CovarianceOfSights(adjusted.inliers, adjusted.hessian, pose.a_from_b, options), pose);
+  SetInformation(
+      CovarianceOfCorrespondences(adjusted.inliers, adjusted.hessian, pose.a_from_b, options),
+      pose);
   pose.rejected = ReasonAgainst(pose, options);
   return pose;
 }

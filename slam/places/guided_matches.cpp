@@ -4,13 +4,13 @@
 #include <cmath>
 #include <map>
 
-#include "slam/places/likest_feature.h"
+#include "slam/places/nearest_descriptor_search.h"
 
 namespace parkade {
 namespace {
 
 constexpr double kPoseAngle = 0.3 * M_PI / 180;  // [rad] the pose may be off
-constexpr double kPosePlace = 0.1;               // [m] likewise
+constexpr double kPosePlace = 0.1;               // [m] also
 constexpr double kSigmas = 3;
 constexpr double kMaxAngle = 4 * M_PI / 180;  // [rad] beyond which a guess is none
 
@@ -20,19 +20,22 @@ struct Guess {
 };
 
 /// Features by camera, with the one origin that the rays of a camera share.
-std::map<int, std::vector<size_t>> ByCamera(const Place& place) {
+std::map<int, std::vector<size_t>> ByCamera(const RigKeyframe& keyframe) {
   std::map<int, std::vector<size_t>> by_camera;
-  for (size_t i = 0; i < place.features.size(); ++i) by_camera[place.features[i].camera].push_back(i);
+  for (size_t i = 0; i < keyframe.features.size(); ++i)
+    by_camera[keyframe.features[i].camera].push_back(i);
   return by_camera;
 }
 
-/// The feature of `other` that looks most like feature `index` of `place` among those near where its point is seen.
-std::optional<Guess> FindNear(const Place& place, size_t index, const Place& other,
-                              const std::map<int, std::vector<size_t>>& by_camera, const Rigid3& other_from_place,
+/// The feature of `other` that looks most like feature `index` of `keyframe` among those near where
+/// its point is seen.
+std::optional<Guess> FindNear(const RigKeyframe& keyframe, size_t index, const RigKeyframe& other,
+                              const std::map<int, std::vector<size_t>>& by_camera,
+                              const Rigid3& other_from_keyframe,
                               const RelativePoseOptions& options) {
-  const PlaceFeature& feature = place.features[index];
-  const Eigen::Vector3d point = other_from_place * *feature.point;
-  LikestFeature likest(place.descriptors.ptr(static_cast<int>(index)));
+  const KeyframeFeature& feature = keyframe.features[index];
+  const Eigen::Vector3d point = other_from_keyframe * *feature.point;
+  NearestDescriptorSearch nearest(keyframe.descriptors.ptr(static_cast<int>(index)));
   for (const auto& [camera, features] : by_camera) {
     const Eigen::Vector3d view = point - other.features[features.front()].origin;
     const double distance = view.norm();
@@ -41,22 +44,25 @@ std::optional<Guess> FindNear(const Place& place, size_t index, const Place& oth
     const double cosine = std::cos(std::min(kMaxAngle, kSigmas * std::hypot(off, kPoseAngle)));
     const Eigen::Vector3d direction = view / distance;
     for (const size_t i : features)
-      if (other.features[i].bearing.dot(direction) >= cosine) likest.Look(other, i);
+      if (other.features[i].bearing.dot(direction) >= cosine) nearest.Look(other, i);
   }
-  const std::optional<size_t> found = likest.Found(options.max_hamming, options.ratio);
-  return found ? std::optional(Guess{{index, *found}, likest.hamming()}) : std::nullopt;
+  const std::optional<size_t> found = nearest.Found(options.max_hamming, options.ratio);
+  return found ? std::optional(Guess{{index, *found}, nearest.hamming()}) : std::nullopt;
 }
 
 }  // namespace
 
-std::vector<FeatureMatch> FindGuidedMatches(const Place& a, const Place& b, const Rigid3& a_from_b,
+std::vector<FeatureMatch> FindGuidedMatches(const RigKeyframe& a, const RigKeyframe& b,
+                                            const Rigid3& a_from_b,
                                             const RelativePoseOptions& options) {
   std::vector<Guess> guesses;
-  const auto look = [&](const Place& place, const Place& other, const Rigid3& other_from_place, bool is_of_a) {
+  const auto look = [&](const RigKeyframe& keyframe, const RigKeyframe& other,
+                        const Rigid3& other_from_keyframe, bool is_of_a) {
     const std::map<int, std::vector<size_t>> by_camera = ByCamera(other);
-    for (size_t i = 0; i < place.features.size(); ++i) {
-      if (!place.features[i].point) continue;
-      std::optional<Guess> guess = FindNear(place, i, other, by_camera, other_from_place, options);
+    for (size_t i = 0; i < keyframe.features.size(); ++i) {
+      if (!keyframe.features[i].point) continue;
+      std::optional<Guess> guess =
+          FindNear(keyframe, i, other, by_camera, other_from_keyframe, options);
       if (!guess) continue;
       if (!is_of_a) std::swap(guess->match.a, guess->match.b);
       guesses.push_back(*guess);

@@ -6,9 +6,10 @@
 #include <cstdint>
 #include <cstring>
 
-// Counting bits is an instruction of nearly every processor, but not of the oldest that we are compiled for.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
+// Counting bits is an instruction of nearly every processor, but not of the oldest that we are
+// compiled for.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define PARKADE_COUNTS_BITS __attribute__((target_clones("popcnt", "default")))
 #else
 #define PARKADE_COUNTS_BITS
@@ -33,9 +34,12 @@ __attribute__((always_inline)) inline int CountDifferent(const Words& a, const W
 
 }  // namespace
 
-PARKADE_COUNTS_BITS int HammingDistance(const uchar* a, const uchar* b) { return CountDifferent(Load(a), Load(b)); }
+PARKADE_COUNTS_BITS int HammingDistance(const uchar* a, const uchar* b) {
+  return CountDifferent(Load(a), Load(b));
+}
 
-PARKADE_COUNTS_BITS NearestDescriptor FindNearestDescriptor(const uchar* descriptor, const cv::Mat& descriptors) {
+PARKADE_COUNTS_BITS NearestDescriptor FindNearestDescriptor(const uchar* descriptor,
+                                                            const cv::Mat& descriptors) {
   const Words wanted = Load(descriptor);
   NearestDescriptor nearest;
   for (int row = 0; row < descriptors.rows; ++row) {

@@ -35,11 +35,13 @@ std::uint32_t WordOf(const uchar* descriptor, int table) {
 
 }  // namespace
 
-PlaceWords::PlaceWords(const std::vector<Place>& places) : num_places_(places.size()) {
-  for (size_t i = 0; i < places.size(); ++i)
-    for (int row = 0; row < places[i].descriptors.rows; ++row)
+PlaceWords::PlaceWords(const std::vector<RigKeyframe>& keyframes)
+    : num_keyframes_(keyframes.size()) {
+  for (size_t i = 0; i < keyframes.size(); ++i)
+    for (int row = 0; row < keyframes[i].descriptors.rows; ++row)
       for (int table = 0; table < kTables; ++table)
-        entries_.push_back({WordOf(places[i].descriptors.ptr(row), table), static_cast<std::uint32_t>(i)});
+        entries_.push_back(
+            {WordOf(keyframes[i].descriptors.ptr(row), table), static_cast<std::uint32_t>(i)});
   std::sort(entries_.begin(), entries_.end());
   entries_.erase(std::unique(entries_.begin(), entries_.end()), entries_.end());
 }

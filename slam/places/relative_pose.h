@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/option_about.h"
 #include "core/rigid3.h"
 
 namespace parkade {
@@ -12,48 +13,41 @@ struct RelativePoseOptions {
   double ratio = 0.9;            ///< of the best to the second best match
   int iterations = 150;          ///< of RANSAC
   double max_error = 3.5;        ///< [sigma] of inliers
-  double max_tilt_deg = 1.5;     ///< by which the two places' gravity may differ
+  double max_tilt_deg = 1.5;     ///< by which the two keyframes' gravity may differ
   int min_guiding_inliers = 12;  ///< of a pose by which more matches are sought
   int min_inliers = 25;          ///< from two cameras or more ...
   int min_inliers_of_one = 40;   ///< ... or from one
   double max_sigma = 0.3;        ///< [m] of the worst direction
-  // By which each camera's mount may still be off after calibration: all loops that a camera sees share it.
+  // By which each camera's mount may still be off after calibration: all loops that a camera sees
+  // share it.
   double mount_rotation_deg = 0.06;
   double mount_translation = 0.015;  ///< [m]
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
-    visit("max_hamming", max_hamming);
-    visit("ratio", ratio);
-    visit("iterations", iterations);
-    visit("max_error", max_error);
-    visit("max_tilt_deg", max_tilt_deg);
-    visit("min_guiding_inliers", min_guiding_inliers);
-    visit("min_inliers", min_inliers);
-    visit("min_inliers_of_one", min_inliers_of_one);
-    visit("max_sigma", max_sigma);
-    visit("mount_rotation_deg", mount_rotation_deg);
-    visit("mount_translation", mount_translation);
+    visit("min_inliers", min_inliers,
+          OptionAbout{"A loop needs this many matches that agree, from two cameras or more.", "", 3,
+                      1000});
   }
   void Validate() const;  ///< throws Error{kUsage}
 };
 
-/// Features of two places that look alike.
+/// Features of two keyframes that look alike.
 struct FeatureMatch {
   size_t a = 0, b = 0;
 };
 
-/// Matches between one camera of place `a` and one of place `b` that agree with the pose.
+/// Matches between one camera of keyframe `a` and one of keyframe `b` that agree with the pose.
 struct CameraPairInliers {
   int camera_a = 0, camera_b = 0, count = 0;
 };
 
-/// Where place `b` lies in the frame of place `a`, and how that is known.
+/// Where keyframe `b` lies in the frame of keyframe `a`, and how that is known.
 struct RelativePose {
   Rigid3 a_from_b;
   Matrix6d information = Matrix6d::Zero();  ///< of RelativePoseError(measured, actual)
   int num_matches = 0, num_inliers = 0, num_camera_pairs = 0;
-  int num_first_inliers = 0;                          ///< before the pose guided the search for more
+  int num_first_inliers = 0;  ///< before the pose guided the search for more
   std::vector<CameraPairInliers> inliers_of_cameras;  ///< the most first
   double residual = 0;                                ///< [sigma] RMS of the inliers' angles
   double worst_sigma = 0;                             ///< [m] of the worst direction

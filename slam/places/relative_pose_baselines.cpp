@@ -4,22 +4,24 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/utility.hpp>
 
-#include "slam/places/adjust_to_sights.h"
+#include "slam/places/adjust_to_correspondences.h"
 #include "slam/places/adjust_two_views.h"
 
 namespace parkade {
 namespace {
 
-constexpr double kMinForward = 0.3;  // cosine to the mean bearing below which a ray does not fit a plane
-// A wrong match passes where it happens to lie on its epipolar line: errors of accepted loops were twice as large
-// (squared) as their inliers show.
+constexpr double kMinForward =
+    0.3;  // cosine to the mean bearing below which a ray does not fit a plane
+// A wrong match passes where it happens to lie on its epipolar line: errors of accepted loops were
+// twice as large (squared) as their inliers show.
 constexpr double kEpipolarInflation = 2;
 constexpr int kMinInliersPnp = 10;
 constexpr int kRoundsPnp = 3;  // of choosing inliers and adjusting
 constexpr double kRansacProbability = 0.999;
 
 /// Matches of the camera pair that has the most; those whose rays lie in front of both cameras.
-std::vector<FeatureMatch> OfBestCameraPair(const Place& a, const Place& b, const std::vector<FeatureMatch>& matches) {
+std::vector<FeatureMatch> OfBestCameraPair(const RigKeyframe& a, const RigKeyframe& b,
+                                           const std::vector<FeatureMatch>& matches) {
   std::map<std::pair<int, int>, std::vector<FeatureMatch>> by_pair;
   for (const FeatureMatch& match : matches)
     by_pair[{a.features[match.a].camera, b.features[match.b].camera}].push_back(match);
@@ -29,14 +31,15 @@ std::vector<FeatureMatch> OfBestCameraPair(const Place& a, const Place& b, const
   return best;
 }
 
-/// Rotation whose z axis is the mean of the bearings: a pinhole that sees them all as well as one can.
-Eigen::Matrix3d ViewFromPlace(const Place& place, const std::vector<size_t>& features) {
+/// Rotation whose z axis is the mean of the bearings: a pinhole that sees them all as well as one
+/// can.
+Eigen::Matrix3d ViewFromPlace(const RigKeyframe& keyframe, const std::vector<size_t>& features) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const size_t i : features) mean += place.features[i].bearing;
+  for (const size_t i : features) mean += keyframe.features[i].bearing;
   return Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ()).toRotationMatrix();
 }
 
-/// The rays of both places on the image planes of their views.
+/// The rays of both keyframes on the image planes of their views.
 struct PlanarRays {
   Eigen::Matrix3d view_from_a, view_from_b;
   std::vector<FeatureMatch> matches;
@@ -44,7 +47,8 @@ struct PlanarRays {
   double sigma = 0;  ///< mean of the rays' [rad]
 };
 
-PlanarRays Flatten(const Place& a, const Place& b, const std::vector<FeatureMatch>& matches) {
+PlanarRays Flatten(const RigKeyframe& a, const RigKeyframe& b,
+                   const std::vector<FeatureMatch>& matches) {
   PlanarRays rays;
   std::vector<size_t> of_a, of_b;
   for (const FeatureMatch& match : matches) {
@@ -77,9 +81,10 @@ Eigen::Vector3d ToVector(const cv::Mat& vector) {
   return {vector.at<double>(0), vector.at<double>(1), vector.at<double>(2)};
 }
 
-/// What errors of the two cameras' mounts add to the covariance of the rotation between them: the same camera twice
-/// errs alike, and nothing is left of it where the car heads the same way.
-Eigen::Matrix3d MountsIn(const Eigen::Quaterniond& a_from_b, bool is_same_camera, const RelativePoseOptions& options) {
+/// What errors of the two cameras' mounts add to the covariance of the rotation between them: the
+/// same camera twice errs alike, and nothing is left of it where the car heads the same way.
+Eigen::Matrix3d MountsIn(const Eigen::Quaterniond& a_from_b, bool is_same_camera,
+                         const RelativePoseOptions& options) {
   const double variance = std::pow(options.mount_rotation_deg * M_PI / 180, 2);
   if (!is_same_camera) return 2 * variance * Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d off = Eigen::Matrix3d::Identity() - a_from_b.toRotationMatrix().transpose();
@@ -92,26 +97,28 @@ bool IsTilted(const Eigen::Quaterniond& a_from_b, const RelativePoseOptions& opt
 }
 
 /// Adjusts a first pose to the rays of `b` that meet points of `a`, and says how well it is known.
-void AdjustPnp(const Place& a, const Place& b, const std::vector<FeatureMatch>& matches,
+void AdjustPnp(const RigKeyframe& a, const RigKeyframe& b, const std::vector<FeatureMatch>& matches,
                const RelativePoseOptions& options, RelativePose& pose) {
-  std::vector<Sight> sights = SightsOf(a, b, matches), inliers;
-  std::erase_if(sights, [](const Sight& sight) { return sight.is_forward; });
+  std::vector<RayPointCorrespondence> correspondences = CorrespondencesOf(a, b, matches), inliers;
+  std::erase_if(correspondences, [](const RayPointCorrespondence& correspondence) {
+    return correspondence.is_forward;
+  });
   Matrix6d hessian = Matrix6d::Identity();
   for (int round = 0; round < kRoundsPnp; ++round) {
     inliers.clear();
     double sum = 0;
-    for (const Sight& sight : sights) {
-      const SightError error = ErrorOf(sight, pose.a_from_b);
+    for (const RayPointCorrespondence& correspondence : correspondences) {
+      const CorrespondenceError error = ErrorOf(correspondence, pose.a_from_b);
       if (!error.is_in_front || error.whitened.norm() >= options.max_error) continue;
-      inliers.push_back(sight);
+      inliers.push_back(correspondence);
       sum += error.whitened.squaredNorm();
     }
     pose.num_inliers = static_cast<int>(inliers.size());
     if (pose.num_inliers < kMinInliersPnp) return;
     pose.residual = std::sqrt(sum / (2.0 * static_cast<double>(inliers.size())));
-    hessian = AdjustToSights(inliers, /*tilt_sigma=*/0, pose.a_from_b);
+    hessian = AdjustToCorrespondences(inliers, /*tilt_sigma=*/0, pose.a_from_b);
   }
-  SetInformation(CovarianceOfSights(inliers, hessian, pose.a_from_b, options), pose);
+  SetInformation(CovarianceOfCorrespondences(inliers, hessian, pose.a_from_b, options), pose);
   pose.rejected.clear();
   if (IsTilted(pose.a_from_b.rotation, options)) pose.rejected = "gravity differs";
   if (!(pose.worst_sigma < options.max_sigma)) pose.rejected = "a direction is not fixed";
@@ -119,7 +126,8 @@ void AdjustPnp(const Place& a, const Place& b, const std::vector<FeatureMatch>& 
 
 }  // namespace
 
-RelativePose EstimatePnpPose(const Place& a, const Place& b, const std::vector<FeatureMatch>& matches,
+RelativePose EstimatePnpPose(const RigKeyframe& a, const RigKeyframe& b,
+                             const std::vector<FeatureMatch>& matches,
                              const RelativePoseOptions& options) {
   RelativePose pose;
   pose.num_matches = static_cast<int>(matches.size());
@@ -137,23 +145,25 @@ RelativePose EstimatePnpPose(const Place& a, const Place& b, const std::vector<F
   }
   cv::theRNG().state = 1;
   cv::Mat turn, shift, inliers;
-  const bool is_solved = cv::solvePnPRansac(
-      points, rays.in_b, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turn, shift, false, options.iterations,
-      static_cast<float>(options.max_error * rays.sigma), kRansacProbability, inliers, cv::SOLVEPNP_EPNP);
+  const bool is_solved = cv::solvePnPRansac(points, rays.in_b, cv::Mat::eye(3, 3, CV_64F),
+                                            cv::noArray(), turn, shift, false, options.iterations,
+                                            static_cast<float>(options.max_error * rays.sigma),
+                                            kRansacProbability, inliers, cv::SOLVEPNP_EPNP);
   pose.num_inliers = inliers.rows;
   if (!is_solved || pose.num_inliers < kMinInliersPnp) return pose;
   cv::Mat rotation;
   cv::Rodrigues(turn, rotation);
-  // View of b's camera from a, with the camera's centre at its origin.
+  // View of b's camera from a, with the camera's center at its origin.
   const Rigid3 view_from_a{Eigen::Quaterniond(ToEigen(rotation)).normalized(), ToVector(shift)};
-  const Eigen::Vector3d centre_in_b = b.features[rays.matches.front().b].origin;
-  const Rigid3 view_from_b{Eigen::Quaterniond(rays.view_from_b), -(rays.view_from_b * centre_in_b)};
+  const Eigen::Vector3d center_in_b = b.features[rays.matches.front().b].origin;
+  const Rigid3 view_from_b{Eigen::Quaterniond(rays.view_from_b), -(rays.view_from_b * center_in_b)};
   pose.a_from_b = view_from_a.Inverse() * view_from_b;
   AdjustPnp(a, b, rays.matches, options, pose);
   return pose;
 }
 
-TwoViewPose EstimateTwoViewPose(const Place& a, const Place& b, const std::vector<FeatureMatch>& matches,
+TwoViewPose EstimateTwoViewPose(const RigKeyframe& a, const RigKeyframe& b,
+                                const std::vector<FeatureMatch>& matches,
                                 const RelativePoseOptions& options) {
   TwoViewPose pose;
   pose.num_matches = static_cast<int>(matches.size());
@@ -162,45 +172,52 @@ TwoViewPose EstimateTwoViewPose(const Place& a, const Place& b, const std::vecto
   if (rays.matches.size() < static_cast<size_t>(options.min_inliers_of_one)) return pose;
   cv::theRNG().state = 1;
   cv::Mat inliers;
-  const cv::Mat essential = cv::findEssentialMat(rays.in_b, rays.in_a, cv::Mat::eye(3, 3, CV_64F), cv::RANSAC,
-                                                 kRansacProbability, options.max_error * rays.sigma, inliers);
+  const cv::Mat essential =
+      cv::findEssentialMat(rays.in_b, rays.in_a, cv::Mat::eye(3, 3, CV_64F), cv::RANSAC,
+                           kRansacProbability, options.max_error * rays.sigma, inliers);
   if (essential.rows != 3) return pose;
   cv::Mat rotation, direction;
   // x_in_view_a = R x_in_view_b + t
-  pose.num_inliers =
-      cv::recoverPose(essential, rays.in_b, rays.in_a, cv::Mat::eye(3, 3, CV_64F), rotation, direction, inliers);
+  pose.num_inliers = cv::recoverPose(essential, rays.in_b, rays.in_a, cv::Mat::eye(3, 3, CV_64F),
+                                     rotation, direction, inliers);
   if (pose.num_inliers < options.min_inliers_of_one) return pose;
-  const Eigen::Matrix3d a_from_b = rays.view_from_a.transpose() * ToEigen(rotation) * rays.view_from_b;
+  const Eigen::Matrix3d a_from_b =
+      rays.view_from_a.transpose() * ToEigen(rotation) * rays.view_from_b;
   pose.first_from_second = {Eigen::Quaterniond(a_from_b).normalized(),
                             rays.view_from_a.transpose() * ToVector(direction).normalized()};
   std::vector<RayPair> pairs;
   for (int i = 0; i < inliers.rows; ++i) {
     const FeatureMatch& match = rays.matches[static_cast<size_t>(i)];
-    const PlaceFeature &in_a = a.features[match.a], &in_b = b.features[match.b];
+    const KeyframeFeature &in_a = a.features[match.a], &in_b = b.features[match.b];
     if (inliers.at<uchar>(i)) pairs.push_back({in_a.bearing, in_b.bearing, in_a.sigma, in_b.sigma});
   }
   const AdjustedTwoViews adjusted = AdjustTwoViews(pairs, pose.first_from_second);
-  const PlaceFeature &first = a.features[rays.matches.front().a], &second = b.features[rays.matches.front().b];
+  const KeyframeFeature &first = a.features[rays.matches.front().a],
+                        &second = b.features[rays.matches.front().b];
   pose.first_in_a = first.origin;
   pose.second_in_b = second.origin;
   pose.rotation_covariance =
-      adjusted.rotation_covariance + MountsIn(pose.first_from_second.rotation, first.camera == second.camera, options);
-  pose.direction_sigma =
-      std::hypot(std::sqrt(kEpipolarInflation) * adjusted.direction_sigma, options.mount_rotation_deg * M_PI / 180);
+      adjusted.rotation_covariance +
+      MountsIn(pose.first_from_second.rotation, first.camera == second.camera, options);
+  pose.direction_sigma = std::hypot(std::sqrt(kEpipolarInflation) * adjusted.direction_sigma,
+                                    options.mount_rotation_deg * M_PI / 180);
   pose.rejected = IsTilted(pose.first_from_second.rotation, options) ? "gravity differs" : "";
   return pose;
 }
 
-Matrix6d ScaleLessInformation(const Rigid3& from_from_to, const Eigen::Matrix3d& rotation_covariance,
-                              double translation_sigma, bool has_direction) {
+Matrix6d ScaleLessInformation(const Rigid3& from_from_to,
+                              const Eigen::Matrix3d& rotation_covariance, double translation_sigma,
+                              bool has_direction) {
   Matrix6d information = Matrix6d::Zero();
   const Eigen::Matrix3d rotation = rotation_covariance.inverse();
   information.bottomRightCorner<3, 3>() = 0.5 * (rotation + rotation.transpose());
   if (!has_direction) return information;
   // RelativePoseError has its translation in `to`.
-  const Eigen::Vector3d direction = from_from_to.rotation.conjugate() * from_from_to.translation.normalized();
+  const Eigen::Vector3d direction =
+      from_from_to.rotation.conjugate() * from_from_to.translation.normalized();
   information.topLeftCorner<3, 3>() =
-      (Eigen::Matrix3d::Identity() - direction * direction.transpose()) / (translation_sigma * translation_sigma);
+      (Eigen::Matrix3d::Identity() - direction * direction.transpose()) /
+      (translation_sigma * translation_sigma);
   return information;
 }
 

@@ -46,7 +46,8 @@ class LineReader {
   }
 
   [[noreturn]] void Fail(const std::string& complaint) const {
-    throw Error(ErrorCode::kInvalidInput, "line " + std::to_string(number_) + " of the g2o file " + complaint);
+    throw Error(ErrorCode::kInvalidInput,
+                "line " + std::to_string(number_) + " of the g2o file " + complaint);
   }
 
  private:
@@ -57,7 +58,8 @@ class LineReader {
     if (word.front() == '+') word.remove_prefix(1);
     T value{};
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    const bool is_underflow = std::is_floating_point_v<T> && error == std::errc::result_out_of_range &&
+    const bool is_underflow = std::is_floating_point_v<T> &&
+                              error == std::errc::result_out_of_range &&
                               word.find("e-") != std::string_view::npos;
     if (is_underflow) return T{};
     if (error != std::errc{} || end != word.data() + word.size()) {
@@ -79,26 +81,31 @@ Rigid3 ReadSpatialPose(LineReader& line) {
   Rigid3 pose;
   for (double& coordinate : pose.translation) coordinate = line.Number();
   for (double& coefficient : pose.rotation.coeffs()) coefficient = line.Number();
-  if (std::abs(pose.rotation.norm() - 1) > 0.05) line.Fail("holds a quaternion that is not of unit length");
+  if (std::abs(pose.rotation.norm() - 1) > 0.05)
+    line.Fail("holds a quaternion that is not of unit length");
   pose.rotation.normalize();
   return pose;
 }
 
 /// The upper triangle, row by row, of the rows that `is_planar` leaves.
 Matrix6d ReadInformation(LineReader& line, bool is_planar) {
-  const std::vector<int> rows = is_planar ? std::vector<int>{0, 1, 5} : std::vector<int>{0, 1, 2, 3, 4, 5};
+  const std::vector<int> rows =
+      is_planar ? std::vector<int>{0, 1, 5} : std::vector<int>{0, 1, 2, 3, 4, 5};
   Matrix6d information = Matrix6d::Zero();
   for (size_t i = 0; i < rows.size(); ++i)
     for (size_t j = i; j < rows.size(); ++j)
-      information(rows[i], rows[j]) = information(rows[j], rows[i]) = line.Number(kLargestInformation);
-  // Files print six digits: that much may be missing of a zero. Terms between translation and rotation are not
-  // checked: the widely used `cubicle` has them in wrong places, and the chordal objective does without.
+      information(rows[i], rows[j]) = information(rows[j], rows[i]) =
+          line.Number(kLargestInformation);
+  // Files print six digits: that much may be missing of a zero. Terms between translation and
+  // rotation are not checked: the widely used `cubicle` has them in wrong places, and the chordal
+  // objective does without.
   const auto is_semidefinite = [](const Eigen::Matrix3d& block) {
     const Eigen::Vector3d eigenvalues =
         Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(block, Eigen::EigenvaluesOnly).eigenvalues();
     return eigenvalues.minCoeff() >= -1e-6 * eigenvalues.maxCoeff();
   };
-  if (!is_semidefinite(information.topLeftCorner<3, 3>()) || !is_semidefinite(information.bottomRightCorner<3, 3>()))
+  if (!is_semidefinite(information.topLeftCorner<3, 3>()) ||
+      !is_semidefinite(information.bottomRightCorner<3, 3>()))
     line.Fail("holds an information matrix that is not positive semidefinite");
   return information;
 }
@@ -177,7 +184,8 @@ class G2oReader {
 
   size_t IndexOf(std::int64_t id, const LineReader& line) const {
     const auto found = index_of_id_.find(id);
-    if (found == index_of_id_.end()) line.Fail("names vertex " + std::to_string(id) + ", which the file does not give");
+    if (found == index_of_id_.end())
+      line.Fail("names vertex " + std::to_string(id) + ", which the file does not give");
     return found->second;
   }
 

@@ -7,7 +7,8 @@ namespace {
 
 void Append(std::string& text, double number) {
   char digits[32];
-  const auto end = std::to_chars(digits, digits + sizeof(digits), number + 0.0).ptr;  // + 0.0: no "-0"
+  const auto end =
+      std::to_chars(digits, digits + sizeof(digits), number + 0.0).ptr;  // + 0.0: no "-0"
   text.append(1, ' ').append(digits, end);
 }
 
@@ -23,7 +24,8 @@ void AppendPose(std::string& text, const Rigid3& pose, bool is_planar) {
 }
 
 void AppendInformation(std::string& text, const Matrix6d& information, bool is_planar) {
-  const std::vector<int> rows = is_planar ? std::vector<int>{0, 1, 5} : std::vector<int>{0, 1, 2, 3, 4, 5};
+  const std::vector<int> rows =
+      is_planar ? std::vector<int>{0, 1, 5} : std::vector<int>{0, 1, 2, 3, 4, 5};
   for (size_t i = 0; i < rows.size(); ++i)
     for (size_t j = i; j < rows.size(); ++j) Append(text, information(rows[i], rows[j]));
 }
@@ -44,7 +46,8 @@ std::string WriteG2o(const PoseGraph& graph, const std::vector<bool>& is_left_ou
   for (size_t i = 0; i < graph.edges.size(); ++i) {
     const PoseGraphEdge& edge = graph.edges[i];
     if (!is_left_out.empty() && is_left_out[i]) text += "# rejected: ";
-    text += edge_tag + std::to_string(graph.vertices[edge.from].id) + " " + std::to_string(graph.vertices[edge.to].id);
+    text += edge_tag + std::to_string(graph.vertices[edge.from].id) + " " +
+            std::to_string(graph.vertices[edge.to].id);
     AppendPose(text, edge.from_from_to, graph.is_planar);
     AppendInformation(text, edge.information, graph.is_planar);
     text += '\n';

@@ -53,7 +53,8 @@ OdometryLine LineUp(const PoseGraph& graph) {
   Variances bridge;
   for (const PoseGraphEdge& edge : graph.edges) {
     const Variances variances = VariancesOf(edge, graph.is_planar);
-    bridge = {std::max(bridge.rotation, variances.rotation), std::max(bridge.translation, variances.translation)};
+    bridge = {std::max(bridge.rotation, variances.rotation),
+              std::max(bridge.translation, variances.translation)};
   }
   const std::vector<Rigid3> chained = ChainEdges(graph);
   Variances sum;
@@ -88,8 +89,10 @@ double Disagreement(const OdometryLine& line, const Loop& a, const Loop& b) {
   measured.from_from_to = a.first_from_last;
   const Vector6d error = RelativePoseError(measured, {}, a_from_b * b.first_from_last * b_from_a);
   const Variances before = Between(line, a.first, b.first), after = Between(line, a.last, b.last);
-  const double rotation = before.rotation + after.rotation + a.variances.rotation + b.variances.rotation;
-  const double lever = b.first_from_last.translation.norm() + b_from_a.translation.norm() + a_from_b.translation.norm();
+  const double rotation =
+      before.rotation + after.rotation + a.variances.rotation + b.variances.rotation;
+  const double lever = b.first_from_last.translation.norm() + b_from_a.translation.norm() +
+                       a_from_b.translation.norm();
   const double translation = before.translation + after.translation + a.variances.translation +
                              b.variances.translation + lever * lever * rotation;
   return error.tail<3>().squaredNorm() / rotation + error.head<3>().squaredNorm() / translation;
@@ -100,9 +103,11 @@ std::vector<Loop> LoopsOf(const PoseGraph& graph, const OdometryLine& line) {
   for (size_t i = 0; i < graph.edges.size(); ++i) {
     const PoseGraphEdge& edge = graph.edges[i];
     if (edge.is_trusted) continue;
-    const auto from = static_cast<size_t>(line.place[edge.from]), to = static_cast<size_t>(line.place[edge.to]);
+    const auto from = static_cast<size_t>(line.place[edge.from]),
+               to = static_cast<size_t>(line.place[edge.to]);
     loops.push_back({i, std::min(from, to), std::max(from, to),
-                     from < to ? edge.from_from_to : edge.from_from_to.Inverse(), VariancesOf(edge, graph.is_planar)});
+                     from < to ? edge.from_from_to : edge.from_from_to.Inverse(),
+                     VariancesOf(edge, graph.is_planar)});
   }
   std::sort(loops.begin(), loops.end(), [](const Loop& a, const Loop& b) {
     return std::tie(a.first, a.last, a.edge) < std::tie(b.first, b.last, b.edge);
@@ -120,7 +125,8 @@ std::vector<LoopPair> PairsOf(const OdometryLine& line, const std::vector<Loop>&
   std::vector<LoopPair> pairs;
   for (size_t a = 0; a < loops.size(); ++a) {
     for (size_t b = a + 1; b < loops.size() && loops[b].first - loops[a].first <= kWindow; ++b) {
-      const size_t gap = std::max(loops[a].last, loops[b].last) - std::min(loops[a].last, loops[b].last);
+      const size_t gap =
+          std::max(loops[a].last, loops[b].last) - std::min(loops[a].last, loops[b].last);
       if (gap <= kWindow) pairs.push_back({a, b, Disagreement(line, loops[a], loops[b])});
     }
   }
@@ -132,18 +138,19 @@ double NoiseScaleOf(const std::vector<LoopPair>& pairs, size_t num_loops) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   std::vector<double> least(num_loops, kNone);
   for (const LoopPair& pair : pairs)
-    for (const size_t loop : {pair.a, pair.b}) least[loop] = std::min(least[loop], pair.disagreement);
+    for (const size_t loop : {pair.a, pair.b})
+      least[loop] = std::min(least[loop], pair.disagreement);
   std::erase(least, kNone);
   std::sort(least.begin(), least.end());
-  // A quarter of the loops is taken to be right; the best of several partners agrees better than one would, which
-  // the factor makes good.
+  // A quarter of the loops is taken to be right; the best of several partners agrees better than
+  // one would, which the factor makes good.
   constexpr double kMargin = 3;
   const double low = least.empty() ? 1 : least[least.size() / 4];
   return std::clamp(kMargin * std::sqrt(low / 6), 1e-6, 1.0);
 }
 
-/// Loops left when all that have fewer than `min_partners` partners among those left are taken away, again and again:
-/// the core of the graph whose edges are `pairs`.
+/// Loops left when all that have fewer than `min_partners` partners among those left are taken
+/// away, again and again: the core of the graph whose edges are `pairs`.
 std::vector<bool> CoreOf(const std::vector<LoopPair>& pairs, size_t num_loops, int min_partners) {
   std::vector<std::vector<size_t>> partners(num_loops);
   for (const LoopPair& pair : pairs) {
@@ -158,7 +165,8 @@ std::vector<bool> CoreOf(const std::vector<LoopPair>& pairs, size_t num_loops, i
     is_left[loop] = false;
     to_remove.push_back(loop);
   };
-  for (const std::vector<size_t>& of_loop : partners) num_left.push_back(static_cast<int>(of_loop.size()));
+  for (const std::vector<size_t>& of_loop : partners)
+    num_left.push_back(static_cast<int>(of_loop.size()));
   for (size_t i = 0; i < num_loops; ++i) remove_if_lonely(i);
   while (!to_remove.empty()) {
     const size_t loop = to_remove.back();
@@ -173,7 +181,8 @@ std::vector<bool> CoreOf(const std::vector<LoopPair>& pairs, size_t num_loops, i
 
 }  // namespace
 
-std::vector<bool> FindSupportedLoops(const PoseGraph& graph, double max_noise_scale, int min_partners) {
+std::vector<bool> FindSupportedLoops(const PoseGraph& graph, double max_noise_scale,
+                                     int min_partners) {
   const OdometryLine line = LineUp(graph);
   const std::vector<Loop> loops = LoopsOf(graph, line);
   std::vector<LoopPair> pairs = PairsOf(line, loops);

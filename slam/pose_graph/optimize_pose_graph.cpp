@@ -8,10 +8,13 @@ namespace parkade {
 void PoseGraphOptions::Validate() const {
   Require(objective == "chordal" || objective == "information", ErrorCode::kUsage,
           "pose graph objective '" + objective + "' is neither chordal nor information");
-  Require(start == "best" || start == "chordal" || start == "odometry" || start == "given", ErrorCode::kUsage,
+  Require(start == "best" || start == "chordal" || start == "odometry" || start == "given",
+          ErrorCode::kUsage,
           "pose graph start '" + start + "' is neither best, chordal, odometry nor given");
-  Require(max_iterations >= 0, ErrorCode::kUsage, "max_iterations of a pose graph must not be negative");
-  Require(relative_tolerance > 0, ErrorCode::kUsage, "relative_tolerance of a pose graph must be positive");
+  Require(max_iterations >= 0, ErrorCode::kUsage,
+          "max_iterations of a pose graph must not be negative");
+  Require(relative_tolerance > 0, ErrorCode::kUsage,
+          "relative_tolerance of a pose graph must be positive");
 }
 
 PoseGraphObjective PoseGraphOptions::Objective() const {
@@ -25,14 +28,17 @@ struct Start {
   std::vector<Rigid3> poses;
 };
 
-std::vector<Start> StartsOf(const PoseGraph& graph, const std::string& wanted, const PoseGraphProblem& problem) {
+std::vector<Start> StartsOf(const PoseGraph& graph, const std::string& wanted,
+                            const PoseGraphProblem& problem) {
   std::vector<Start> starts;
   const auto wants = [&wanted](const char* name) { return wanted == "best" || wanted == name; };
   if (wants("chordal")) starts.push_back({"chordal", RelaxChordally(graph)});
   if (wants("odometry")) starts.push_back({"odometry", ChainEdges(graph)});
   if (wants("given")) starts.push_back({"given", problem.Poses()});
-  // The relaxation has no answer where edges without weight alone hold a pose: chained edges always have one.
-  if (wanted == "chordal" && starts.front().poses.empty()) starts = {{"odometry", ChainEdges(graph)}};
+  // The relaxation has no answer where edges without weight alone hold a pose: chained edges always
+  // have one.
+  if (wanted == "chordal" && starts.front().poses.empty())
+    starts = {{"odometry", ChainEdges(graph)}};
   std::erase_if(starts, [](const Start& start) { return start.poses.empty(); });
   return starts;
 }

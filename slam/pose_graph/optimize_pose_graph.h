@@ -9,8 +9,8 @@ namespace parkade {
 
 struct PoseGraphOptions {
   std::string objective = "chordal";  ///< "chordal" or "information", see PoseGraphObjective
-  /// Where the search begins: "best" (of the following, by cost), "chordal" (relaxation), "odometry" (chained edges)
-  /// or "given" (the graph's own poses).
+  /// Where the search begins: "best" (of the following, by cost), "chordal" (relaxation),
+  /// "odometry" (chained edges) or "given" (the graph's own poses).
   std::string start = "best";
   int max_iterations = 100;
   double relative_tolerance = 1e-9;  ///< ends when a step lowers the cost by less than this share
@@ -41,7 +41,8 @@ class PoseGraphProblem {
   PoseGraphProblem(const PoseGraph& graph, PoseGraphObjective objective);
   ~PoseGraphProblem();
 
-  /// Factors on the edges' squared errors, >= 0. Edges with 0 cost nothing in the solves that follow.
+  /// Factors on the edges' squared errors, >= 0. Edges with 0 cost nothing in the solves that
+  /// follow.
   void SetWeights(const std::vector<double>& weights);
   void SetPoses(const std::vector<Rigid3>& world_from_vertex);
   std::vector<Rigid3> Poses() const;
@@ -51,8 +52,8 @@ class PoseGraphProblem {
   /// Unweighted squared error of each edge at the current poses.
   std::vector<double> SquaredErrors() const;
 
-  /// Levenberg-Marquardt from the current poses; anchors (FindAnchors) stay. Throws Error{kInvalidInput} where the
-  /// numbers are beyond arithmetic.
+  /// Levenberg-Marquardt from the current poses; anchors (FindAnchors) stay. Throws
+  /// Error{kInvalidInput} where the numbers are beyond arithmetic.
   PoseGraphSummary Solve(int max_iterations, double relative_tolerance);
 
  private:
@@ -60,8 +61,9 @@ class PoseGraphProblem {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// Moves the vertices to where the weighted squared errors of the edges add up to the least; anchors stay. Throws
-/// Error{kUsage} for options that are none, Error{kInvalidInput} where numbers are beyond arithmetic.
+/// Moves the vertices to where the weighted squared errors of the edges add up to the least;
+/// anchors stay. Throws Error{kUsage} for options that are none, Error{kInvalidInput} where numbers
+/// are beyond arithmetic.
 PoseGraphSummary OptimizePoseGraph(const PoseGraphOptions& options, PoseGraph& graph);
 
 }  // namespace parkade

@@ -11,7 +11,8 @@ namespace {
 /// Harmonic mean of the eigenvalues of a positive semidefinite matrix; 0 where it is singular.
 template <typename Matrix>
 double HarmonicMeanOfEigenvalues(const Matrix& matrix) {
-  const auto eigenvalues = Eigen::SelfAdjointEigenSolver<Matrix>(matrix, Eigen::EigenvaluesOnly).eigenvalues();
+  const auto eigenvalues =
+      Eigen::SelfAdjointEigenSolver<Matrix>(matrix, Eigen::EigenvaluesOnly).eigenvalues();
   // Below this share of the largest, an eigenvalue is rounding.
   constexpr double kSingular = 1e-12;
   if (eigenvalues.minCoeff() <= kSingular * eigenvalues.maxCoeff()) return 0;
@@ -21,11 +22,13 @@ double HarmonicMeanOfEigenvalues(const Matrix& matrix) {
 }  // namespace
 
 std::int64_t IdGap(const PoseGraph& graph, const PoseGraphEdge& edge) {
-  const auto [first, last] = std::minmax({graph.vertices[edge.from].id, graph.vertices[edge.to].id});
+  const auto [first, last] =
+      std::minmax({graph.vertices[edge.from].id, graph.vertices[edge.to].id});
   return last - first;
 }
 
-Vector6d RelativePoseError(const PoseGraphEdge& edge, const Rigid3& world_from_from, const Rigid3& world_from_to) {
+Vector6d RelativePoseError(const PoseGraphEdge& edge, const Rigid3& world_from_from,
+                           const Rigid3& world_from_to) {
   const Rigid3 error = edge.from_from_to.Inverse() * (world_from_from.Inverse() * world_from_to);
   Vector6d result;
   result << error.translation, (error.rotation.w() < 0 ? -2.0 : 2.0) * error.rotation.vec();
@@ -34,17 +37,21 @@ Vector6d RelativePoseError(const PoseGraphEdge& edge, const Rigid3& world_from_f
 
 EdgeConcentrations ConcentrationsOf(const PoseGraphEdge& edge, bool is_planar) {
   if (is_planar)
-    return {edge.information(5, 5), HarmonicMeanOfEigenvalues(Eigen::Matrix2d(edge.information.topLeftCorner<2, 2>()))};
-  return {0.5 * HarmonicMeanOfEigenvalues(Eigen::Matrix3d(edge.information.bottomRightCorner<3, 3>())),
-          HarmonicMeanOfEigenvalues(Eigen::Matrix3d(edge.information.topLeftCorner<3, 3>()))};
+    return {edge.information(5, 5),
+            HarmonicMeanOfEigenvalues(Eigen::Matrix2d(edge.information.topLeftCorner<2, 2>()))};
+  return {
+      0.5 * HarmonicMeanOfEigenvalues(Eigen::Matrix3d(edge.information.bottomRightCorner<3, 3>())),
+      HarmonicMeanOfEigenvalues(Eigen::Matrix3d(edge.information.topLeftCorner<3, 3>()))};
 }
 
 Matrix6d SquareRootOf(const Matrix6d& information) {
   const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information);
-  return solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * solver.eigenvectors().transpose();
+  return solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
+         solver.eigenvectors().transpose();
 }
 
-Matrix6d SquareRootWeight(const PoseGraph& graph, const PoseGraphEdge& edge, PoseGraphObjective objective) {
+Matrix6d SquareRootWeight(const PoseGraph& graph, const PoseGraphEdge& edge,
+                          PoseGraphObjective objective) {
   if (objective == PoseGraphObjective::kChordal) {
     const EdgeConcentrations concentrations = ConcentrationsOf(edge, graph.is_planar);
     Vector6d diagonal;
@@ -53,19 +60,24 @@ Matrix6d SquareRootWeight(const PoseGraph& graph, const PoseGraphEdge& edge, Pos
     return diagonal.asDiagonal();
   }
   const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(edge.information);
-  Require(solver.eigenvalues().minCoeff() >= -1e-6 * solver.eigenvalues().maxCoeff(), ErrorCode::kInvalidInput,
-          "the information matrix of the edge from " + std::to_string(graph.vertices[edge.from].id) + " to " +
+  Require(solver.eigenvalues().minCoeff() >= -1e-6 * solver.eigenvalues().maxCoeff(),
+          ErrorCode::kInvalidInput,
+          "the information matrix of the edge from " +
+              std::to_string(graph.vertices[edge.from].id) + " to " +
               std::to_string(graph.vertices[edge.to].id) +
               " is not positive semidefinite; the chordal objective does without its mixed terms");
-  return solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * solver.eigenvectors().transpose();
+  return solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
+         solver.eigenvectors().transpose();
 }
 
-double SquaredError(const PoseGraph& graph, const PoseGraphEdge& edge, PoseGraphObjective objective) {
-  const Vector6d error =
-      RelativePoseError(edge, graph.vertices[edge.from].world_from_vertex, graph.vertices[edge.to].world_from_vertex);
+double SquaredError(const PoseGraph& graph, const PoseGraphEdge& edge,
+                    PoseGraphObjective objective) {
+  const Vector6d error = RelativePoseError(edge, graph.vertices[edge.from].world_from_vertex,
+                                           graph.vertices[edge.to].world_from_vertex);
   if (objective == PoseGraphObjective::kInformation) return error.dot(edge.information * error);
   const EdgeConcentrations concentrations = ConcentrationsOf(edge, graph.is_planar);
-  return concentrations.tau * error.head<3>().squaredNorm() + 2 * concentrations.kappa * error.tail<3>().squaredNorm();
+  return concentrations.tau * error.head<3>().squaredNorm() +
+         2 * concentrations.kappa * error.tail<3>().squaredNorm();
 }
 
 double ObjectiveOf(const PoseGraph& graph, PoseGraphObjective objective) {

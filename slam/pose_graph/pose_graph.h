@@ -19,8 +19,8 @@ struct PoseGraphVertex {
 struct PoseGraphEdge {
   size_t from = 0, to = 0;  ///< indices of vertices
   Rigid3 from_from_to;      ///< as measured
-  /// Inverse covariance of RelativePoseError, [translation in `to` | rotation vector]: 1/m^2, 1/rad^2. May be
-  /// singular: what it does not know does not count.
+  /// Inverse covariance of RelativePoseError, [translation in `to` | rotation vector]: 1/m^2,
+  /// 1/rad^2. May be singular: what it does not know does not count.
   Matrix6d information = Matrix6d::Identity();
   bool is_trusted = false;  ///< odometry: GNC never doubts it
 };
@@ -38,21 +38,25 @@ std::int64_t IdGap(const PoseGraph& graph, const PoseGraphEdge& edge);
 
 /// Which error of an edge is squared and added up.
 enum class PoseGraphObjective {
-  /// kappa |R_to - R_from R|^2_F + tau |t_to - t_from - R_from t|^2, one kappa and tau per edge: what SE-Sync
+  /// kappa |R_to - R_from R|^2_F + tau |t_to - t_from - R_from t|^2, one kappa and tau per edge:
+  /// what SE-Sync
   /// solves to the certified optimum. D. Rosen et al., "SE-Sync", IJRR 2019, problem 1.
   kChordal,
-  /// e^T information e with e = RelativePoseError: directions count as much as each edge knows them.
+  /// e^T information e with e = RelativePoseError: directions count as much as each edge knows
+  /// them.
   kInformation,
 };
 
 /// [translation in `to` as measured | twice the vector part of the quaternion]
 /// of measured^-1 * actual. The rotation part is the rotation vector up to third
 /// order, and its square is half of the squared chordal distance.
-Vector6d RelativePoseError(const PoseGraphEdge& edge, const Rigid3& world_from_from, const Rigid3& world_from_to);
+Vector6d RelativePoseError(const PoseGraphEdge& edge, const Rigid3& world_from_from,
+                           const Rigid3& world_from_to);
 
-/// Concentrations of an edge as SE-Sync makes them from its information: harmonic means of the eigenvalues of the
-/// translation block (tau) and, halved, of the rotation block (kappa). In the plane kappa is the information of the
-/// angle itself, not its half. Zero where the block is singular.
+/// Concentrations of an edge as SE-Sync makes them from its information: harmonic means of the
+/// eigenvalues of the translation block (tau) and, halved, of the rotation block (kappa). In the
+/// plane kappa is the information of the angle itself, not its half. Zero where the block is
+/// singular.
 struct EdgeConcentrations {
   double kappa = 0;  ///< [1/rad^2]
   double tau = 0;    ///< [1/m^2]
@@ -62,18 +66,20 @@ EdgeConcentrations ConcentrationsOf(const PoseGraphEdge& edge, bool is_planar);
 /// S with S^T S = information, which may be singular.
 Matrix6d SquareRootOf(const Matrix6d& information);
 
-/// S with S^T S = what RelativePoseError of an edge is weighted with under `objective`. Throws Error{kInvalidInput}
-/// for kInformation where that matrix is not positive semidefinite.
-Matrix6d SquareRootWeight(const PoseGraph& graph, const PoseGraphEdge& edge, PoseGraphObjective objective);
+/// S with S^T S = what RelativePoseError of an edge is weighted with under `objective`. Throws
+/// Error{kInvalidInput} for kInformation where that matrix is not positive semidefinite.
+Matrix6d SquareRootWeight(const PoseGraph& graph, const PoseGraphEdge& edge,
+                          PoseGraphObjective objective);
 
 /// The squared, weighted error of one edge at the graph's poses.
-double SquaredError(const PoseGraph& graph, const PoseGraphEdge& edge, PoseGraphObjective objective);
+double SquaredError(const PoseGraph& graph, const PoseGraphEdge& edge,
+                    PoseGraphObjective objective);
 
 /// Sum over all edges: for kChordal SE-Sync's objective, without a factor of one half.
 double ObjectiveOf(const PoseGraph& graph, PoseGraphObjective objective);
 
-/// The vertices that hold the graph in place: those fixed, and the first vertex of every connected part without one.
-/// One flag per vertex.
+/// The vertices that hold the graph in place: those fixed, and the first vertex of every connected
+/// part without one. One flag per vertex.
 std::vector<bool> FindAnchors(const PoseGraph& graph);
 
 }  // namespace parkade

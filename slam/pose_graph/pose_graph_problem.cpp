@@ -62,8 +62,9 @@ void PoseGraphProblem::SetWeights(const std::vector<double>& weights) {
   options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   options.disable_all_safety_checks = true;
   own.problem = std::make_unique<ceres::Problem>(options);
-  ceres::Manifold* const manifold =
-      own.graph.is_planar ? static_cast<ceres::Manifold*>(&own.planar) : static_cast<ceres::Manifold*>(&own.spatial);
+  ceres::Manifold* const manifold = own.graph.is_planar
+                                        ? static_cast<ceres::Manifold*>(&own.planar)
+                                        : static_cast<ceres::Manifold*>(&own.spatial);
   for (auto& pose : own.poses) own.problem->AddParameterBlock(pose.data(), kPoseSize, manifold);
   const std::vector<bool> anchors = FindAnchors(own.graph);
   for (size_t i = 0; i < anchors.size(); ++i)
@@ -71,8 +72,8 @@ void PoseGraphProblem::SetWeights(const std::vector<double>& weights) {
   for (size_t i = 0; i < own.costs.size(); ++i) {
     if (weights[i] == 0) continue;
     const PoseGraphEdge& edge = own.graph.edges[i];
-    own.problem->AddResidualBlock(own.costs[i].get(), own.losses[i].get(), own.poses[edge.from].data(),
-                                  own.poses[edge.to].data());
+    own.problem->AddResidualBlock(own.costs[i].get(), own.losses[i].get(),
+                                  own.poses[edge.from].data(), own.poses[edge.to].data());
   }
 }
 
@@ -103,7 +104,8 @@ std::vector<double> PoseGraphProblem::SquaredErrors() const {
 double PoseGraphProblem::Cost() const {
   const std::vector<double> squared_errors = SquaredErrors();
   double cost = 0;
-  for (size_t i = 0; i < squared_errors.size(); ++i) cost += implementation_->weights[i] * squared_errors[i];
+  for (size_t i = 0; i < squared_errors.size(); ++i)
+    cost += implementation_->weights[i] * squared_errors[i];
   return cost;
 }
 
@@ -114,19 +116,22 @@ PoseGraphSummary PoseGraphProblem::Solve(int max_iterations, double relative_tol
   options.max_num_iterations = max_iterations;
   options.function_tolerance = relative_tolerance;
   options.gradient_tolerance = options.parameter_tolerance = 1e-14;
-  // Nearly Gauss-Newton steps: the usual damping of 1e-4 holds back the long, soft bends of a chain.
+  // Nearly Gauss-Newton steps: the usual damping of 1e-4 holds back the long, soft bends of a
+  // chain.
   options.initial_trust_region_radius = 1e8;
   options.num_threads = NumThreads();
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary ceres_summary;
   ceres::Solve(options, implementation_->problem.get(), &ceres_summary);
-  Require(ceres_summary.IsSolutionUsable() && std::isfinite(ceres_summary.final_cost), ErrorCode::kInvalidInput,
+  Require(ceres_summary.IsSolutionUsable() && std::isfinite(ceres_summary.final_cost),
+          ErrorCode::kInvalidInput,
           "the pose graph's numbers are beyond arithmetic: it has no solution");
 
   PoseGraphSummary summary;
   summary.initial_cost = 2 * ceres_summary.initial_cost;
   summary.final_cost = 2 * ceres_summary.final_cost;
-  summary.num_iterations = ceres_summary.num_successful_steps + ceres_summary.num_unsuccessful_steps - 1;
+  summary.num_iterations =
+      ceres_summary.num_successful_steps + ceres_summary.num_unsuccessful_steps - 1;
   summary.has_converged = ceres_summary.termination_type == ceres::CONVERGENCE;
   return summary;
 }

@@ -24,12 +24,14 @@ std::vector<double> WeightsOf(const PoseGraph& graph, const std::vector<double>&
                               double EdgeConcentrations::*part) {
   std::vector<double> weights;
   for (size_t i = 0; i < graph.edges.size(); ++i)
-    weights.push_back((factors.empty() ? 1 : factors[i]) * (ConcentrationsOf(graph.edges[i], graph.is_planar).*part));
+    weights.push_back((factors.empty() ? 1 : factors[i]) *
+                      (ConcentrationsOf(graph.edges[i], graph.is_planar).*part));
   return weights;
 }
 
 /// Solves the normal equations; empty where they do not fix the unknowns.
-Eigen::MatrixXd SolveSparse(int size, const Triplets& lower_triangle, const Eigen::MatrixXd& right_hand_side) {
+Eigen::MatrixXd SolveSparse(int size, const Triplets& lower_triangle,
+                            const Eigen::MatrixXd& right_hand_side) {
   Eigen::SparseMatrix<double> matrix(size, size);
   matrix.setFromTriplets(lower_triangle.begin(), lower_triangle.end());
   const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> solver(matrix);
@@ -41,25 +43,28 @@ Eigen::MatrixXd SolveSparse(int size, const Triplets& lower_triangle, const Eige
 Eigen::Quaterniond NearestRotation(const Eigen::Matrix3d& matrix) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  const Eigen::Matrix3d rotation = svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
+  const Eigen::Matrix3d rotation =
+      svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
   return Eigen::Quaterniond(rotation).normalized();
 }
 
-/// Minimises sum w |X_to - R^T X_from|^2 over X = transposed rotations, each 3 x 3. False where that fails.
-bool RelaxRotations(const PoseGraph& graph, const std::vector<bool>& anchors, const std::vector<double>& weights,
-                    std::vector<Rigid3>& poses) {
+/// Minimizes sum w |X_to - R^T X_from|^2 over X = transposed rotations, each 3 x 3. False where
+/// that fails.
+bool RelaxRotations(const PoseGraph& graph, const std::vector<bool>& anchors,
+                    const std::vector<double>& weights, std::vector<Rigid3>& poses) {
   int num_unknown = 0;
   const std::vector<int> unknown = NumberUnknowns(anchors, num_unknown);
   Triplets triplets;
   triplets.reserve(graph.edges.size() * 15);
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(3 * num_unknown, 3);
   for (size_t e = 0; e < graph.edges.size(); ++e) {
-    if (weights[e] == 0) continue;  // would only fill the factorisation
+    if (weights[e] == 0) continue;  // would only fill the factorization
     const PoseGraphEdge& edge = graph.edges[e];
     const int from = unknown[edge.from], to = unknown[edge.to];
     const Eigen::Matrix3d measured = weights[e] * edge.from_from_to.rotation.toRotationMatrix();
     for (const int vertex : {from, to})
-      for (int k = 0; vertex >= 0 && k < 3; ++k) triplets.emplace_back(3 * vertex + k, 3 * vertex + k, weights[e]);
+      for (int k = 0; vertex >= 0 && k < 3; ++k)
+        triplets.emplace_back(3 * vertex + k, 3 * vertex + k, weights[e]);
     if (from >= 0 && to >= 0) {
       for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 3; ++column) {
@@ -77,20 +82,21 @@ bool RelaxRotations(const PoseGraph& graph, const std::vector<bool>& anchors, co
   const Eigen::MatrixXd solution = SolveSparse(3 * num_unknown, triplets, right);
   if (solution.rows() != right.rows()) return false;
   for (size_t i = 0; i < poses.size(); ++i)
-    if (unknown[i] >= 0) poses[i].rotation = NearestRotation(solution.middleRows<3>(3 * unknown[i]).transpose());
+    if (unknown[i] >= 0)
+      poses[i].rotation = NearestRotation(solution.middleRows<3>(3 * unknown[i]).transpose());
   return true;
 }
 
-/// Minimises sum w |t_to - t_from - R_from t|^2 with the rotations held. False where that fails.
-bool SolveTranslations(const PoseGraph& graph, const std::vector<bool>& anchors, const std::vector<double>& weights,
-                       std::vector<Rigid3>& poses) {
+/// Minimizes sum w |t_to - t_from - R_from t|^2 with the rotations held. False where that fails.
+bool SolveTranslations(const PoseGraph& graph, const std::vector<bool>& anchors,
+                       const std::vector<double>& weights, std::vector<Rigid3>& poses) {
   int num_unknown = 0;
   const std::vector<int> unknown = NumberUnknowns(anchors, num_unknown);
   Triplets triplets;
   triplets.reserve(graph.edges.size() * 3);
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(num_unknown, 3);
   for (size_t e = 0; e < graph.edges.size(); ++e) {
-    if (weights[e] == 0) continue;  // would only fill the factorisation
+    if (weights[e] == 0) continue;  // would only fill the factorization
     const PoseGraphEdge& edge = graph.edges[e];
     const int from = unknown[edge.from], to = unknown[edge.to];
     const Eigen::Vector3d step = poses[edge.from].rotation * edge.from_from_to.translation;
@@ -104,7 +110,8 @@ bool SolveTranslations(const PoseGraph& graph, const std::vector<bool>& anchors,
       right.row(to) += weights[e] * step.transpose();
       if (from < 0) right.row(to) += weights[e] * poses[edge.from].translation.transpose();
     }
-    if (from >= 0 && to >= 0) triplets.emplace_back(std::max(from, to), std::min(from, to), -weights[e]);
+    if (from >= 0 && to >= 0)
+      triplets.emplace_back(std::max(from, to), std::min(from, to), -weights[e]);
   }
   const Eigen::MatrixXd solution = SolveSparse(num_unknown, triplets, right);
   if (solution.rows() != right.rows()) return false;
@@ -124,7 +131,8 @@ std::vector<Rigid3> PosesOf(const PoseGraph& graph) {
 std::vector<Rigid3> ChainEdges(const PoseGraph& graph) {
   std::vector<std::vector<size_t>> edges_of(graph.vertices.size());
   for (size_t e = 0; e < graph.edges.size(); ++e)
-    for (const size_t vertex : {graph.edges[e].from, graph.edges[e].to}) edges_of[vertex].push_back(e);
+    for (const size_t vertex : {graph.edges[e].from, graph.edges[e].to})
+      edges_of[vertex].push_back(e);
 
   std::vector<Rigid3> poses = PosesOf(graph);
   std::vector<bool> is_placed = FindAnchors(graph);
@@ -143,7 +151,8 @@ std::vector<Rigid3> ChainEdges(const PoseGraph& graph) {
     if (is_placed[edge.from] && is_placed[edge.to]) continue;
     const bool is_forward = is_placed[edge.from];
     const size_t next = is_forward ? edge.to : edge.from;
-    poses[next] = is_forward ? poses[edge.from] * edge.from_from_to : poses[edge.to] * edge.from_from_to.Inverse();
+    poses[next] = is_forward ? poses[edge.from] * edge.from_from_to
+                             : poses[edge.to] * edge.from_from_to.Inverse();
     is_placed[next] = true;
     reach(next);
   }
@@ -153,8 +162,11 @@ std::vector<Rigid3> ChainEdges(const PoseGraph& graph) {
 std::vector<Rigid3> RelaxChordally(const PoseGraph& graph, const std::vector<double>& weights) {
   const std::vector<bool> anchors = FindAnchors(graph);
   std::vector<Rigid3> poses = PosesOf(graph);
-  if (!RelaxRotations(graph, anchors, WeightsOf(graph, weights, &EdgeConcentrations::kappa), poses)) return {};
-  if (!SolveTranslations(graph, anchors, WeightsOf(graph, weights, &EdgeConcentrations::tau), poses)) return {};
+  if (!RelaxRotations(graph, anchors, WeightsOf(graph, weights, &EdgeConcentrations::kappa), poses))
+    return {};
+  if (!SolveTranslations(graph, anchors, WeightsOf(graph, weights, &EdgeConcentrations::tau),
+                         poses))
+    return {};
   return poses;
 }
 

@@ -17,26 +17,30 @@ constexpr int kStepsPerRound = 4;  // the weights change before a round has conv
 constexpr double kRoundTolerance = 1e-5;
 constexpr double kMuNearSolution = 0.01;  // loops off by up to 10 times their bound still pull
 constexpr size_t kFewLoops = 300;
-constexpr double kLessNoise = 0.7;    // scale of sigma below which the first, wide bound was too wide
+constexpr double kLessNoise = 0.7;  // scale of sigma below which the first, wide bound was too wide
 constexpr double kClearlyLess = 0.8;  // of one scale to the one before
 constexpr int kPartnersInGroup[] = {3, 6, 12};
 constexpr double kNearlyAll = 0.95;
 constexpr int kMaxRestarts = 3;
 constexpr int kMaxAdaptions = 6;
-constexpr double kNoiseMargin = 3;  // above what the median shows: errors of real loops have long tails
+constexpr double kNoiseMargin =
+    3;  // above what the median shows: errors of real loops have long tails
 
 /// Medians of chi^2 with 1 to 6 degrees of freedom.
 constexpr double kChiSquaredMedian[] = {0.4549, 1.3863, 2.3660, 3.3567, 4.3515, 5.3481};
 
 int RankOf(const Matrix6d& square_root_weight) {
-  const Vector6d eigenvalues = Eigen::SelfAdjointEigenSolver<Matrix6d>(
-                                   square_root_weight.transpose() * square_root_weight, Eigen::EigenvaluesOnly)
-                                   .eigenvalues();
-  return std::max(1, static_cast<int>((eigenvalues.array() > 1e-9 * eigenvalues.maxCoeff()).count()));
+  const Vector6d eigenvalues =
+      Eigen::SelfAdjointEigenSolver<Matrix6d>(square_root_weight.transpose() * square_root_weight,
+                                              Eigen::EigenvaluesOnly)
+          .eigenvalues();
+  return std::max(1,
+                  static_cast<int>((eigenvalues.array() > 1e-9 * eigenvalues.maxCoeff()).count()));
 }
 
 /// How many numbers an edge measures under the objective.
-int DegreesOfFreedom(const PoseGraph& graph, const PoseGraphEdge& edge, PoseGraphObjective objective) {
+int DegreesOfFreedom(const PoseGraph& graph, const PoseGraphEdge& edge,
+                     PoseGraphObjective objective) {
   const int rank = RankOf(SquareRootWeight(graph, edge, objective));
   return graph.is_planar ? std::min(rank, 3) : rank;
 }
@@ -52,7 +56,10 @@ double WeightOf(double squared_error, double bound, double mu) {
 class GraduatedNonConvexity {
  public:
   GraduatedNonConvexity(const PoseGraph& graph, const RobustPoseGraphOptions& options)
-      : graph_(graph), options_(options), problem_(graph, options.graph.Objective()), weights_(graph.edges.size(), 1) {
+      : graph_(graph),
+        options_(options),
+        problem_(graph, options.graph.Objective()),
+        weights_(graph.edges.size(), 1) {
     for (const PoseGraphEdge& edge : graph.edges) {
       const int degrees = DegreesOfFreedom(graph, edge, options.graph.Objective());
       bounds_.push_back(ChiSquared99(degrees));
@@ -77,8 +84,8 @@ class GraduatedNonConvexity {
   std::vector<Rigid3> Poses() const { return problem_.Poses(); }
 
  private:
-  /// Lowers the bound to what the accepted loops show, in steps: the fewer wrong loops still pull, the closer the
-  /// right ones come.
+  /// Lowers the bound to what the accepted loops show, in steps: the fewer wrong loops still pull,
+  /// the closer the right ones come.
   void AdaptNoise(RobustPoseGraphSummary& summary) {
     for (int i = 0; options_.adapts_noise && i < kMaxAdaptions; ++i) {
       const double shown = NoiseScale();
@@ -88,7 +95,9 @@ class GraduatedNonConvexity {
     }
   }
 
-  double BoundOf(size_t edge, double noise_scale) const { return noise_scale * noise_scale * bounds_[edge]; }
+  double BoundOf(size_t edge, double noise_scale) const {
+    return noise_scale * noise_scale * bounds_[edge];
+  }
 
   /// Where a continuation ended.
   struct Reached {
@@ -97,7 +106,9 @@ class GraduatedNonConvexity {
     double cost = std::numeric_limits<double>::infinity();  ///< truncated
   };
 
-  Reached Current(double noise_scale) const { return {problem_.Poses(), weights_, TruncatedCost(noise_scale)}; }
+  Reached Current(double noise_scale) const {
+    return {problem_.Poses(), weights_, TruncatedCost(noise_scale)};
+  }
 
   void Restore(const Reached& reached) {
     problem_.SetPoses(reached.poses);
@@ -106,7 +117,8 @@ class GraduatedNonConvexity {
 
   /// 1 for trusted and supported edges; empty where no edge is supported.
   std::vector<double> WeightsOfSupported(double max_noise_scale, int min_partners) const {
-    const std::vector<bool> is_supported = FindSupportedLoops(graph_, max_noise_scale, min_partners);
+    const std::vector<bool> is_supported =
+        FindSupportedLoops(graph_, max_noise_scale, min_partners);
     std::vector<double> weights;
     for (size_t i = 0; i < graph_.edges.size(); ++i)
       weights.push_back(graph_.edges[i].is_trusted || is_supported[i] ? 1 : 0);
@@ -133,9 +145,9 @@ class GraduatedNonConvexity {
     return static_cast<double>(num_believed) >= kNearlyAll * static_cast<double>(num_chosen);
   }
 
-  /// Tries the loops that support each other in threes, and where the result does not explain these, in larger groups:
-  /// rows that look alike agree with each other too, but not with as many. Then those with a single partner if they are
-  /// not explained yet.
+  /// Tries the loops that support each other in threes, and where the result does not explain
+  /// these, in larger groups: rows that look alike agree with each other too, but not with as many.
+  /// Then those with a single partner if they are not explained yet.
   void TrySupported(RobustPoseGraphSummary& summary, Reached& best) {
     const std::vector<double> pairs = WeightsOfSupported(summary.noise_scale, 1);
     if (pairs.empty()) return;
@@ -148,20 +160,22 @@ class GraduatedNonConvexity {
     if (best.poses.empty() || !Believes(best, pairs)) Try(pairs, kMuNearSolution, summary, best);
   }
 
-  /// Loops that support each other are a good start, and the only one that is quick where many wrong ones join
-  /// everything with everything. Few loops may have no partner: then all of them are a start, as in the paper.
+  /// Loops that support each other are a good start, and the only one that is quick where many
+  /// wrong ones join everything with everything. Few loops may have no partner: then all of them
+  /// are a start, as in the paper.
   void ContinueFromBestStart(RobustPoseGraphSummary& summary) {
     Reached best;
     TrySupported(summary, best);
-    const auto num_loops = static_cast<size_t>(
-        std::count_if(graph_.edges.begin(), graph_.edges.end(), [](const PoseGraphEdge& e) { return !e.is_trusted; }));
+    const auto num_loops =
+        static_cast<size_t>(std::count_if(graph_.edges.begin(), graph_.edges.end(),
+                                          [](const PoseGraphEdge& e) { return !e.is_trusted; }));
     if (best.poses.empty() || num_loops <= kFewLoops)
       Try(std::vector<double>(graph_.edges.size(), 1), 0, summary, best);
     Restore(best);
   }
 
-  /// What was wrong at the first, wide bound may have bent the graph so that right loops were lost. With the noise
-  /// that is known by now, fewer wrong ones find a partner.
+  /// What was wrong at the first, wide bound may have bent the graph so that right loops were lost.
+  /// With the noise that is known by now, fewer wrong ones find a partner.
   void RestartWithLessNoise(RobustPoseGraphSummary& summary) {
     Reached best = Current(summary.noise_scale);
     TrySupported(summary, best);
@@ -177,12 +191,13 @@ class GraduatedNonConvexity {
     problem_.Solve(kStepsPerRound, kRoundTolerance);
   }
 
-  /// What truncated least squares minimises.
+  /// What truncated least squares minimizes.
   double TruncatedCost(double noise_scale) const {
     const std::vector<double> squared_errors = problem_.SquaredErrors();
     double cost = 0;
     for (size_t i = 0; i < squared_errors.size(); ++i)
-      cost += graph_.edges[i].is_trusted ? squared_errors[i] : std::min(squared_errors[i], BoundOf(i, noise_scale));
+      cost += graph_.edges[i].is_trusted ? squared_errors[i]
+                                         : std::min(squared_errors[i], BoundOf(i, noise_scale));
     return cost;
   }
 
@@ -192,7 +207,8 @@ class GraduatedNonConvexity {
     if (mu == 0) {
       double worst = 1;  // in units of the bound
       for (size_t i = 0; i < squared_errors.size(); ++i)
-        if (!graph_.edges[i].is_trusted) worst = std::max(worst, squared_errors[i] / BoundOf(i, summary.noise_scale));
+        if (!graph_.edges[i].is_trusted)
+          worst = std::max(worst, squared_errors[i] / BoundOf(i, summary.noise_scale));
       mu = 1 / (2 * worst - 1);
     }
     for (int round = 0; round < kMaxRounds; ++round, mu *= options_.mu_step) {
@@ -210,20 +226,22 @@ class GraduatedNonConvexity {
     }
   }
 
-  /// Factor on all sigmas with which the bound would lie well above the errors of the accepted loops.
+  /// Factor on all sigmas with which the bound would lie well above the errors of the accepted
+  /// loops.
   double NoiseScale() const {
     const std::vector<double> squared_errors = problem_.SquaredErrors();
     std::vector<double> ratios;  // to the median that their information says
     for (size_t i = 0; i < weights_.size(); ++i)
-      if (!graph_.edges[i].is_trusted && weights_[i] > 0.5) ratios.push_back(squared_errors[i] / medians_[i]);
+      if (!graph_.edges[i].is_trusted && weights_[i] > 0.5)
+        ratios.push_back(squared_errors[i] / medians_[i]);
     if (ratios.size() < 20) return 1;
     const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
     std::nth_element(ratios.begin(), middle, ratios.end());
     return kNoiseMargin * std::sqrt(*middle);
   }
 
-  /// Adds what joins parts that the trusted and the chosen edges leave apart: the loops between the nearest ids first,
-  /// which are the likeliest to be odometry.
+  /// Adds what joins parts that the trusted and the chosen edges leave apart: the loops between the
+  /// nearest ids first, which are the likeliest to be odometry.
   void JoinParts(std::vector<double>& weights) const {
     std::vector<size_t> parent(graph_.vertices.size()), order;
     std::iota(parent.begin(), parent.end(), size_t{0});
@@ -250,20 +268,24 @@ class GraduatedNonConvexity {
       if (joins(i)) weights[i] = 1;
   }
 
-  /// Solves with the accepted edges alone, from the better of two starts, and accepts anew by the outcome.
+  /// Solves with the accepted edges alone, from the better of two starts, and accepts anew by the
+  /// outcome.
   void Settle(RobustPoseGraphSummary& summary) {
     for (int pass = 0; pass < 3; ++pass) {
       for (double& weight : weights_) weight = weight > 0.5 ? 1 : 0;
       problem_.SetWeights(weights_);
-      const std::vector<Rigid3> current = problem_.Poses(), relaxed = RelaxChordally(graph_, weights_);
+      const std::vector<Rigid3> current = problem_.Poses(),
+                                relaxed = RelaxChordally(graph_, weights_);
       const double cost = problem_.Cost();
       if (!relaxed.empty()) problem_.SetPoses(relaxed);
       if (problem_.Cost() > cost) problem_.SetPoses(current);
-      summary.solve = problem_.Solve(options_.graph.max_iterations, options_.graph.relative_tolerance);
+      summary.solve =
+          problem_.Solve(options_.graph.max_iterations, options_.graph.relative_tolerance);
       const std::vector<double> squared_errors = problem_.SquaredErrors();
       summary.weights = weights_;
       for (size_t i = 0; i < weights_.size(); ++i)
-        if (!graph_.edges[i].is_trusted) weights_[i] = squared_errors[i] < BoundOf(i, summary.noise_scale) ? 1 : 0;
+        if (!graph_.edges[i].is_trusted)
+          weights_[i] = squared_errors[i] < BoundOf(i, summary.noise_scale) ? 1 : 0;
       if (weights_ == summary.weights) break;
     }
     summary.solve.start = "robust";
@@ -284,7 +306,8 @@ void RobustPoseGraphOptions::Validate() const {
   Require(mu_step > 1, ErrorCode::kUsage, "mu_step of a robust pose graph must be greater than 1");
 }
 
-RobustPoseGraphSummary OptimizePoseGraphRobustly(const RobustPoseGraphOptions& options, PoseGraph& graph) {
+RobustPoseGraphSummary OptimizePoseGraphRobustly(const RobustPoseGraphOptions& options,
+                                                 PoseGraph& graph) {
   options.Validate();
   GraduatedNonConvexity search(graph, options);
   RobustPoseGraphSummary summary = search.Run();

@@ -14,36 +14,38 @@
 
 namespace parkade {
 
-/// A loop as a measured relative pose of the IMU at two knots.
+/// A loop as a measured relative pose of the IMU at two nodes.
 struct AdjustedLoop {
-  size_t from = 0, to = 0;  ///< indices of knots
+  size_t from = 0, to = 0;  ///< indices of nodes
   Rigid3 from_from_to;
   Matrix6d square_root_weight = Matrix6d::Identity();  ///< of RelativePoseError
   bool is_used = true;                                 ///< false: looked at, but pulls nothing
 };
 
-/// A GNSS fix between knot `first` and the next.
+/// A GNSS fix between node `first` and the next.
 struct AdjustedFix {
   size_t first = 0;
   AntennaFix antenna;
 };
 
-/// Knots [begin, end) that move in a solve.
+/// Nodes [begin, end) that move in a solve.
 struct AdjustedStretch {
   size_t begin = 0, end = 0;
-  bool has_open_end = false;  ///< what hangs on knots from `end` on is left out; else they hold their places
+  bool has_open_end =
+      false;  ///< what hangs on nodes from `end` on is left out; else they hold their keyframes
   bool frees_calibration = false;
 };
 
-/// All states of a drive, its landmarks, the wheel scale and the calibration of its cameras as one least-squares
-/// problem: the costs of FixedLagSmoother without window and marginalisation, plus loops and GNSS. Landmarks are
-/// eliminated first (Schur), the rest is a band with an arrow. Results do not depend on the number of threads.
+/// All states of a drive, its landmarks, the wheel scale and the calibration of its cameras as one
+/// least-squares problem: the costs of FixedLagSmoother without window and marginalization, plus
+/// loops and GNSS. Landmarks are eliminated first (Schur), the rest is a band with an arrow.
+/// Results do not depend on the number of threads.
 class DriveAdjustment {
  public:
   /// \param rig    what the drive's log says: calibration has its prior there
-  /// \param start  states of all knots, from which landmarks are triangulated
-  DriveAdjustment(const DriveMeasurements& measurements, const Rig& rig, const std::vector<MotionState>& start,
-                  const RefinementOptions& options);
+  /// \param start  states of all nodes, from which landmarks are triangulated
+  DriveAdjustment(const DriveMeasurements& measurements, const Rig& rig,
+                  const std::vector<MotionState>& start, const RefinementOptions& options);
   ~DriveAdjustment();
   DriveAdjustment(const DriveAdjustment&) = delete;
   DriveAdjustment& operator=(const DriveAdjustment&) = delete;
@@ -53,22 +55,23 @@ class DriveAdjustment {
   /// Fixes, and about where odom lies among them.
   void SetGnss(std::vector<AdjustedFix> fixes, const Rigid3& site_from_odom);
 
-  /// Moves the knots of `stretch`; those outside stay. The first knot of the drive keeps position and yaw. Returns the
-  /// number of steps.
+  /// Moves the nodes of `stretch`; those outside stay. The first node of the drive keeps position
+  /// and yaw. Returns the number of steps.
   int Solve(const AdjustedStretch& stretch, int max_iterations);
 
-  /// Of the poses of `knots` around the solution, [rotation in imu, position in odom] each; position and yaw of the
-  /// first knot of the drive are certain. See MarginalCovariance.
-  std::optional<Eigen::MatrixXd> PoseCovariance(const std::vector<size_t>& knots);
+  /// Of the poses of `nodes` around the solution, [rotation in imu, position in odom] each;
+  /// position and yaw of the first node of the drive are certain. See MarginalCovariance.
+  std::optional<Eigen::MatrixXd> PoseCovariance(const std::vector<size_t>& nodes);
 
-  /// Moves knots by one motion of odom each, at their places in time, and triangulates all landmarks anew.
-  void MoveKnots(const std::vector<Rigid3>& odom_from_odom);
+  /// Moves nodes by one motion of odom each, at their keyframes in time, and triangulates all
+  /// landmarks anew.
+  void MoveNodes(const std::vector<Rigid3>& odom_from_odom);
   void SetCalibration(const std::vector<CameraParameters>& cameras, double wheel_scale);
 
   /// Every so many-th landmark pulls nothing and judges the others; 0: all pull.
   void HoldOutLandmarks(size_t every);
 
-  /// Moves each landmark to where its bearings meet best from the knots' current poses.
+  /// Moves each landmark to where its bearings meet best from the nodes' current poses.
   void FitLandmarks();
 
   /// Leaves out bearings that are too far off, and landmarks that too few are left of.
@@ -79,33 +82,34 @@ class DriveAdjustment {
   std::vector<CameraParameters> Cameras() const;
   double WheelScale() const { return *wheel_scale_; }
   const std::vector<AdjustedLoop>& loops() const { return loops_; }
-  size_t num_knots() const { return knots_.size(); }
+  size_t num_nodes() const { return nodes_.size(); }
 
  private:
-  struct Sighting;
+  struct LandmarkObservation;
   struct Landmark;
   struct Seen;
   struct StretchProblem;
   using ChosenTrack = std::vector<Seen>;
-  static std::vector<ChosenTrack> ChooseTracks(const DriveMeasurements& measurements, const RefinementOptions& options);
+  static std::vector<ChosenTrack> ChooseTracks(const DriveMeasurements& measurements,
+                                               const RefinementOptions& options);
   struct Image {
     int camera = 0;
-    size_t first = 0, second = 0;  ///< indices of knots; the same where the image is at a knot
+    size_t first = 0, second = 0;  ///< indices of nodes; the same where the image is at a node
     Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< bias included
     ImageView geometry;
   };
-  struct AdjustedKnot {
+  struct AdjustedNode {
     Timestamp time;
     double* pose = nullptr;
     double* motion = nullptr;
-    std::optional<KnotInterval> interval;
+    std::optional<NodeInterval> interval;
   };
   struct CameraBlocks {
     double* extrinsics = nullptr;
     double* timing = nullptr;
   };
-  std::unique_ptr<StretchProblem> Pose(const AdjustedStretch& stretch);
-  void AddKnots(const DriveMeasurements& measurements, const std::vector<MotionState>& start);
+  std::unique_ptr<StretchProblem> BuildProblem(const AdjustedStretch& stretch);
+  void AddNodes(const DriveMeasurements& measurements, const std::vector<MotionState>& start);
   void AddImages(const DriveMeasurements& measurements);
   void AddLandmarks(const DriveMeasurements& measurements, const std::vector<ChosenTrack>& tracks);
   void HoldHeads(const Rig& rig);
@@ -118,7 +122,7 @@ class DriveAdjustment {
 
   RefinementOptions options_;
   std::vector<double> values_;  ///< all parameter blocks: Ceres orders by address
-  std::vector<AdjustedKnot> knots_;
+  std::vector<AdjustedNode> nodes_;
   std::vector<CameraBlocks> cameras_;
   std::vector<CameraSigmas> camera_priors_;
   double* wheel_scale_ = nullptr;

@@ -10,8 +10,8 @@
 namespace parkade {
 namespace {
 
-constexpr double kStartError = 10;       // [sigma] of rays that may still become a landmark
-constexpr size_t kMinSightingsLeft = 3;  // of a landmark that loses some
+constexpr double kStartError = 10;          // [sigma] of rays that may still become a landmark
+constexpr size_t kMinObservationsLeft = 3;  // of a landmark that loses some
 constexpr int kFitSteps = 3;
 constexpr double kRebaseTangent = 0.1;  // [a b] beyond which a landmark gets a new ray
 
@@ -27,17 +27,18 @@ std::vector<Seen> Thinned(const std::vector<Seen>& seen, size_t count) {
 }  // namespace
 
 /// Tracks worth a landmark, the longest first, as long as one of their images has not got enough.
-std::vector<DriveAdjustment::ChosenTrack> DriveAdjustment::ChooseTracks(const DriveMeasurements& measurements,
-                                                                        const RefinementOptions& options) {
+std::vector<DriveAdjustment::ChosenTrack> DriveAdjustment::ChooseTracks(
+    const DriveMeasurements& measurements, const RefinementOptions& options) {
   std::map<std::int64_t, ChosenTrack> tracks;
   for (std::uint32_t i = 0; i < measurements.num_images(); ++i) {
     std::uint32_t k = 0;
-    for (const RecordedSighting& sighting : measurements.Image(i).sightings) tracks[sighting.track].push_back({i, k++});
+    for (const RecordedObservation& observation : measurements.Image(i).observations)
+      tracks[observation.track].push_back({i, k++});
   }
   std::vector<ChosenTrack*> candidates;
   for (auto& [number, seen] : tracks) {
-    if (seen.size() < static_cast<size_t>(options.min_sightings)) continue;
-    seen = Thinned(seen, static_cast<size_t>(options.sightings_per_track));
+    if (seen.size() < static_cast<size_t>(options.min_observations)) continue;
+    seen = Thinned(seen, static_cast<size_t>(options.observations_per_track));
     candidates.push_back(&seen);
   }
   std::stable_sort(candidates.begin(), candidates.end(),
@@ -45,8 +46,9 @@ std::vector<DriveAdjustment::ChosenTrack> DriveAdjustment::ChooseTracks(const Dr
   std::vector<int> taken(measurements.num_images());
   std::vector<ChosenTrack> chosen;
   for (ChosenTrack* track : candidates) {
-    if (std::none_of(track->begin(), track->end(),
-                     [&](const Seen& seen) { return taken[seen.image] < options.bearings_per_image; }))
+    if (std::none_of(track->begin(), track->end(), [&](const Seen& seen) {
+          return taken[seen.image] < options.bearings_per_image;
+        }))
       continue;
     for (const Seen& seen : *track) ++taken[seen.image];
     chosen.push_back(std::move(*track));
@@ -54,22 +56,26 @@ std::vector<DriveAdjustment::ChosenTrack> DriveAdjustment::ChooseTracks(const Dr
   return chosen;
 }
 
-void DriveAdjustment::AddLandmarks(const DriveMeasurements& measurements, const std::vector<ChosenTrack>& tracks) {
+void DriveAdjustment::AddLandmarks(const DriveMeasurements& measurements,
+                                   const std::vector<ChosenTrack>& tracks) {
   struct Needed {
-    std::uint32_t sighting, track;
+    std::uint32_t observation, track;
   };
   std::vector<std::vector<Needed>> needed(images_.size());  // of each image: read once
   for (std::uint32_t t = 0; t < tracks.size(); ++t)
-    for (const Seen& seen : tracks[t]) needed[seen.image].push_back({seen.sighting, t});
+    for (const Seen& seen : tracks[t]) needed[seen.image].push_back({seen.observation, t});
   std::vector<Landmark> candidates(tracks.size());
   for (size_t i = 0; i < images_.size(); ++i) {
     if (needed[i].empty()) continue;
     const RecordedImage image = measurements.Image(i);
     const double scale = measurements.shared.camera_noise_scales[static_cast<size_t>(image.camera)];
     for (const Needed& need : needed[i]) {
-      const RecordedSighting& sighting = image.sightings[need.sighting];
-      candidates[need.track].sightings.push_back(
-          {i, {sighting.bearing.cast<double>().normalized(), scale * sighting.sigma, sighting.row}, nullptr});
+      const RecordedObservation& observation = image.observations[need.observation];
+      candidates[need.track].observations.push_back(
+          {i,
+           {observation.bearing.cast<double>().normalized(), scale * observation.sigma,
+            observation.row},
+           nullptr});
     }
   }
   landmarks_.reserve(tracks.size());  // costs point at their rays
@@ -81,19 +87,23 @@ void DriveAdjustment::AddLandmarks(const DriveMeasurements& measurements, const 
     landmark.values = values_.data() + values_.size() - kLandmarkSize;
     landmarks_.push_back(std::move(landmark));
     Landmark& added = landmarks_.back();
-    for (Sighting& sighting : added.sightings)
-      sighting.cost = std::make_unique<BearingCost>(&images_[sighting.image].geometry, &added.ray, sighting.bearing);
+    for (LandmarkObservation& observation : added.observations)
+      observation.cost = std::make_unique<BearingCost>(&images_[observation.image].geometry,
+                                                       &added.ray, observation.bearing);
   }
 }
 
 bool DriveAdjustment::Triangulate(Landmark& landmark) const {
-  std::vector<SightRay> rays;
-  for (const Sighting& sighting : landmark.sightings) {
-    const Rigid3 odom_from_camera = images_[sighting.image].geometry.OdomFromCamera(sighting.bearing.row);
-    rays.push_back(
-        {odom_from_camera.translation, odom_from_camera.rotation * sighting.bearing.direction, sighting.bearing.sigma});
+  std::vector<ObservationRay> rays;
+  for (const LandmarkObservation& observation : landmark.observations) {
+    const Rigid3 odom_from_camera =
+        images_[observation.image].geometry.OdomFromCamera(observation.bearing.row);
+    rays.push_back({odom_from_camera.translation,
+                    odom_from_camera.rotation * observation.bearing.direction,
+                    observation.bearing.sigma});
   }
-  const std::optional<Triangulated> point = parkade::Triangulate(rays, kStartError, options_.min_distance);
+  const std::optional<Triangulated> point =
+      parkade::Triangulate(rays, kStartError, options_.min_distance);
   if (!point) return false;
   landmark.ray = LandmarkRay(rays.front().origin, rays.front().direction);
   landmark.values[0] = landmark.values[1] = 0;
@@ -102,22 +112,24 @@ bool DriveAdjustment::Triangulate(Landmark& landmark) const {
 }
 
 void DriveAdjustment::HoldOutLandmarks(size_t every) {
-  for (size_t i = 0; i < landmarks_.size(); ++i) landmarks_[i].is_used = every == 0 || i % every != every / 2;
+  for (size_t i = 0; i < landmarks_.size(); ++i)
+    landmarks_[i].is_used = every == 0 || i % every != every / 2;
 }
 
 void DriveAdjustment::FitLandmark(Landmark& landmark) const {
   for (int step = 0; step < kFitSteps; ++step) {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (const Sighting& sighting : landmark.sightings) {
-      std::vector<double*> blocks = BlocksOf(images_[sighting.image]);
+    for (const LandmarkObservation& observation : landmark.observations) {
+      std::vector<double*> blocks = BlocksOf(images_[observation.image]);
       blocks.push_back(landmark.values);
       Eigen::Vector2d residual;
       Eigen::Matrix<double, 2, kLandmarkSize, Eigen::RowMajor> jacobian;
       std::vector<double*> jacobians(blocks.size(), nullptr);
       jacobians.back() = jacobian.data();
-      if (!sighting.cost->Evaluate(blocks.data(), residual.data(), jacobians.data())) return;
-      const double weight = 1 / (1 + residual.squaredNorm() / (options_.robust_width * options_.robust_width));
+      if (!observation.cost->Evaluate(blocks.data(), residual.data(), jacobians.data())) return;
+      const double weight =
+          1 / (1 + residual.squaredNorm() / (options_.robust_width * options_.robust_width));
       normal += weight * jacobian.transpose() * jacobian;
       right -= weight * jacobian.transpose() * residual;
     }
@@ -136,11 +148,11 @@ void DriveAdjustment::FitLandmarks() {
 double DriveAdjustment::RobustErrorOf(const Landmark& landmark) const {
   const double width_squared = options_.robust_width * options_.robust_width;
   double sum = 0;
-  for (const Sighting& sighting : landmark.sightings) {
-    std::vector<double*> blocks = BlocksOf(images_[sighting.image]);
+  for (const LandmarkObservation& observation : landmark.observations) {
+    std::vector<double*> blocks = BlocksOf(images_[observation.image]);
     blocks.push_back(landmark.values);
     Eigen::Vector2d residual;
-    if (sighting.cost->Evaluate(blocks.data(), residual.data(), nullptr))
+    if (observation.cost->Evaluate(blocks.data(), residual.data(), nullptr))
       sum += 0.5 * width_squared * std::log1p(residual.squaredNorm() / width_squared);
   }
   return sum;
@@ -154,14 +166,15 @@ void DriveAdjustment::RejectOutliers() {
     double* values = landmark.values;
     values[2] = std::max(values[2], 0.0);
     const bool is_near = values[2] > 1 / options_.min_distance;
-    std::erase_if(landmark.sightings, [&](const Sighting& sighting) {
-      const Eigen::Vector3d direction =
-          LandmarkInCamera(images_[sighting.image].geometry, landmark.ray, values, sighting.bearing.row);
-      const Eigen::Vector2d error =
-          sighting.bearing.basis.transpose() * direction.normalized() / sighting.bearing.sigma;
-      return is_near || !(direction.dot(sighting.bearing.direction) > 0 && error.squaredNorm() < limit);
+    std::erase_if(landmark.observations, [&](const LandmarkObservation& observation) {
+      const Eigen::Vector3d direction = LandmarkInCamera(
+          images_[observation.image].geometry, landmark.ray, values, observation.bearing.row);
+      const Eigen::Vector2d error = observation.bearing.basis.transpose() * direction.normalized() /
+                                    observation.bearing.sigma;
+      return is_near ||
+             !(direction.dot(observation.bearing.direction) > 0 && error.squaredNorm() < limit);
     });
-    if (landmark.sightings.size() < kMinSightingsLeft) landmark.sightings.clear();
+    if (landmark.observations.size() < kMinObservationsLeft) landmark.observations.clear();
     const Eigen::Vector3d ray = landmark.ray.Ray(values);
     if (Eigen::Map<const Eigen::Vector2d>(values).norm() > kRebaseTangent) {
       landmark.ray = LandmarkRay(landmark.ray.origin, ray);

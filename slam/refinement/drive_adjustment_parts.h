@@ -7,12 +7,12 @@ namespace parkade {
 
 // What DriveAdjustment is made of; for its own source files only.
 
-/// Where a track was seen: image and place among its sightings.
+/// Where a track was seen: image and keyframe among its observations.
 struct DriveAdjustment::Seen {
-  std::uint32_t image = 0, sighting = 0;
+  std::uint32_t image = 0, observation = 0;
 };
 
-struct DriveAdjustment::Sighting {
+struct DriveAdjustment::LandmarkObservation {
   size_t image = 0;
   Bearing bearing;
   std::unique_ptr<BearingCost> cost;
@@ -21,7 +21,7 @@ struct DriveAdjustment::Sighting {
 struct DriveAdjustment::Landmark {
   LandmarkRay ray;
   double* values = nullptr;
-  std::vector<Sighting> sightings;
+  std::vector<LandmarkObservation> observations;
   bool is_used = true;  ///< false: held out, it shows how good the poses are
 };
 

@@ -29,7 +29,7 @@ nlohmann::json ToJson(const DriveRefinement& refinement) {
           {"after", statistics(refinement.after)},
           {"cameras", cameras},
           {"wheel_scale", refinement.wheel_scale},
-          {"num_knots", refinement.num_knots},
+          {"num_knots", refinement.num_nodes},
           {"num_fixes", refinement.num_fixes},
           {"num_loops", refinement.num_loops},
           {"num_held_out", refinement.num_held_out},

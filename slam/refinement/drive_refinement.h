@@ -8,7 +8,7 @@
 #include "core/trajectory.h"
 #include "slam/georeference/align_to_gnss.h"
 #include "slam/refinement/adjustment_statistics.h"
-#include "slam/refinement/bending_modes.h"
+#include "slam/refinement/covariance_modes.h"
 
 namespace parkade {
 
@@ -16,8 +16,8 @@ namespace parkade {
 struct CameraRefinement {
   std::string name;
   double rotation = 0;     ///< [rad] against what odometry had found
-  double translation = 0;  ///< [m] likewise
-  double time_offset = 0;  ///< [s] likewise
+  double translation = 0;  ///< [m] also
+  double time_offset = 0;  ///< [s] also
   bool is_taken = false;   ///< odometry had found the quantity observable, so the change is taken
 };
 
@@ -30,15 +30,17 @@ struct GnssPositions {
 
 /// A drive after all its measurements were adjusted at once, or why it stays as it was.
 struct DriveRefinement {
-  Trajectory odom_from_body;  ///< refined where accepted, else as it was given; with the covariances of `modes`
-  Rig rig;                    ///< likewise
-  BendingModes modes;         ///< how it may be off; empty where not accepted, in pieces, or not determined
+  Trajectory odom_from_body;  ///< refined where accepted, else as it was given; with the
+                              ///< covariances of `modes`
+  Rig rig;                    ///< also
+  CovarianceModes
+      modes;  ///< how it may be off; empty where not accepted, in pieces, or not determined
   bool is_accepted = false;
   std::string reason;  ///< why not accepted
   AdjustmentStatistics before, after;
   std::vector<CameraRefinement> cameras;
   double wheel_scale = 1;  ///< true speed / reported speed
-  size_t num_knots = 0;
+  size_t num_nodes = 0;
   int num_fixes = 0;  ///< of GNSS; 0 where they do not fix the heading
   int num_loops = 0, num_held_out = 0, num_pieces = 0, num_iterations = 0;
   double largest_correction = 0;  ///< [m] against what was given

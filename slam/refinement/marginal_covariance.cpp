@@ -10,7 +10,7 @@
 #include "core/sparse_cholesky.h"
 #include "slam/factors/imu_sensitivity.h"
 #include "slam/factors/landmark_parameters.h"
-#include "slam/factors/linearise_block.h"
+#include "slam/factors/linearize_block.h"
 #include "slam/factors/track_errors.h"
 
 namespace parkade {
@@ -27,15 +27,17 @@ struct Block {
 /// Information and score of all unknowns but landmarks.
 class NormalEquations {
  public:
-  NormalEquations(const ceres::Problem& problem, const std::unordered_set<const double*>& landmarks) {
+  NormalEquations(const ceres::Problem& problem,
+                  const std::unordered_set<const double*>& landmarks) {
     std::vector<double*> blocks;
     problem.GetParameterBlocks(&blocks);
     for (double* block : blocks) {
       if (landmarks.contains(block)) continue;
       const bool is_constant = problem.IsParameterBlockConstant(block);
-      const Block place{is_constant ? kConstant : num_columns_, problem.ParameterBlockTangentSize(block)};
-      places_.emplace(block, place);
-      if (!is_constant) num_columns_ += place.size;
+      const Block keyframe{is_constant ? kConstant : num_columns_,
+                           problem.ParameterBlockTangentSize(block)};
+      keyframes_.emplace(block, keyframe);
+      if (!is_constant) num_columns_ += keyframe.size;
     }
     sensitivity_ = Eigen::MatrixXd::Zero(num_columns_, kImuSensitivities);
     std::vector<ceres::ResidualBlockId> residuals;
@@ -79,7 +81,7 @@ class NormalEquations {
   /// Of the score, by what is considered but not estimated.
   const Eigen::MatrixXd& sensitivity() const { return sensitivity_; }
 
-  const Block& PlaceOf(const double* block) const { return places_.at(block); }
+  const Block& KeyframeOf(const double* block) const { return keyframes_.at(block); }
   int num_columns() const { return num_columns_; }
 
  private:
@@ -90,34 +92,36 @@ class NormalEquations {
     std::vector<double*> parameters;
     problem.GetParameterBlocksForResidualBlock(id, &parameters);
     for (const double* parameter : parameters) {
-      const auto place = places_.find(parameter);
-      const bool is_landmark = place == places_.end();
+      const auto keyframe = keyframes_.find(parameter);
+      const bool is_landmark = keyframe == keyframes_.end();
       block.parameters.push_back(parameter);
-      block.columns.push_back(is_landmark ? kConstant : place->second.column);
-      block.tangent_sizes.push_back(is_landmark ? kLandmarkSize : place->second.size);
+      block.columns.push_back(is_landmark ? kConstant : keyframe->second.column);
+      block.tangent_sizes.push_back(is_landmark ? kLandmarkSize : keyframe->second.size);
     }
     return block;
   }
 
   void AddInformation(const Block& row, const Block& column, const Eigen::MatrixXd& block) {
-    const std::uint64_t key = static_cast<std::uint64_t>(row.column) << 32 | static_cast<std::uint32_t>(column.column);
+    const std::uint64_t key =
+        static_cast<std::uint64_t>(row.column) << 32 | static_cast<std::uint32_t>(column.column);
     const auto [entry, is_new] = information_.try_emplace(key, block);
     if (!is_new) entry->second += block;
   }
 
   void Add(const LinearisableBlock& block) {
-    const std::optional<LinearisedBlock> linear = Linearise(block);
+    const std::optional<LinearisedBlock> linear = Linearize(block);
     if (!linear) return;
     for (size_t i = 0; i < block.columns.size(); ++i) {
       if (block.columns[i] == kConstant) continue;
       const LinearisedBlock::Jacobian& by_i = linear->jacobians[i];
       for (Eigen::Index row = 0; row < by_i.rows(); ++row)
         for (Eigen::Index k = 0; k < by_i.cols(); ++k)
-          scores_.emplace_back(num_scores_ + static_cast<int>(row), block.columns[i] + static_cast<int>(k),
-                               by_i(row, k));
+          scores_.emplace_back(num_scores_ + static_cast<int>(row),
+                               block.columns[i] + static_cast<int>(k), by_i(row, k));
       for (size_t j = 0; j < block.columns.size(); ++j)
         if (block.columns[j] != kConstant && block.columns[j] <= block.columns[i])
-          AddInformation({block.columns[i], block.tangent_sizes[i]}, {block.columns[j], block.tangent_sizes[j]},
+          AddInformation({block.columns[i], block.tangent_sizes[i]},
+                         {block.columns[j], block.tangent_sizes[j]},
                          by_i.transpose() * linear->jacobians[j]);
     }
     num_scores_ += static_cast<int>(linear->residual.size());
@@ -138,7 +142,8 @@ class NormalEquations {
     std::vector<Block> blocks;
     for (const LinearisableBlock& sight : sights)
       for (size_t i = 0; i < sight.columns.size(); ++i)
-        if (sight.columns[i] != kConstant) blocks.push_back({sight.columns[i], sight.tangent_sizes[i]});
+        if (sight.columns[i] != kConstant)
+          blocks.push_back({sight.columns[i], sight.tangent_sizes[i]});
     std::sort(blocks.begin(), blocks.end());
     blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
     std::vector<int> first(blocks.size() + 1);  // among this landmark's columns
@@ -149,7 +154,7 @@ class NormalEquations {
     Eigen::MatrixXd to_own = Eigen::MatrixXd::Zero(first.back(), kLandmarkSize);
     Eigen::VectorXd score = Eigen::VectorXd::Zero(first.back());
     for (const LinearisableBlock& sight : sights) {
-      const std::optional<LinearisedBlock> linear = Linearise(sight);
+      const std::optional<LinearisedBlock> linear = Linearize(sight);
       if (!linear) continue;
       const LinearisedBlock::Jacobian& by_landmark = linear->jacobians.back();
       own.noalias() += by_landmark.transpose() * by_landmark;
@@ -158,13 +163,14 @@ class NormalEquations {
         if (sight.columns[i] == kConstant) continue;
         const LinearisedBlock::Jacobian& by_i = linear->jacobians[i];
         const Block block{sight.columns[i], sight.tangent_sizes[i]};
-        const auto at =
-            first[static_cast<size_t>(std::lower_bound(blocks.begin(), blocks.end(), block) - blocks.begin())];
+        const auto at = first[static_cast<size_t>(
+            std::lower_bound(blocks.begin(), blocks.end(), block) - blocks.begin())];
         to_own.middleRows(at, block.size).noalias() += by_i.transpose() * by_landmark;
         score.segment(at, block.size).noalias() += by_i.transpose() * linear->residual;
         for (size_t j = 0; j + 1 < sight.columns.size(); ++j)
           if (sight.columns[j] != kConstant && sight.columns[j] <= sight.columns[i])
-            AddInformation(block, {sight.columns[j], sight.tangent_sizes[j]}, by_i.transpose() * linear->jacobians[j]);
+            AddInformation(block, {sight.columns[j], sight.tangent_sizes[j]},
+                           by_i.transpose() * linear->jacobians[j]);
       }
     }
     sights.clear();
@@ -174,17 +180,19 @@ class NormalEquations {
     const Eigen::MatrixXd root = factor.matrixL().solve(to_own.transpose()).transpose();
     for (size_t i = 0; i < blocks.size(); ++i)
       for (size_t j = 0; j <= i; ++j)
-        AddInformation(
-            blocks[i], blocks[j],
-            -root.middleRows(first[i], blocks[i].size) * root.middleRows(first[j], blocks[j].size).transpose());
+        AddInformation(blocks[i], blocks[j],
+                       -root.middleRows(first[i], blocks[i].size) *
+                           root.middleRows(first[j], blocks[j].size).transpose());
     for (size_t i = 0; i < blocks.size(); ++i)
       for (int k = 0; k < blocks[i].size; ++k)
-        scores_.emplace_back(num_scores_, blocks[i].column + k, std::sqrt(kCommonErrors) * score[first[i] + k]);
+        scores_.emplace_back(num_scores_, blocks[i].column + k,
+                             std::sqrt(kCommonErrors) * score[first[i] + k]);
     ++num_scores_;
   }
 
-  std::unordered_map<const double*, Block> places_;
-  std::unordered_map<std::uint64_t, Eigen::MatrixXd> information_;  ///< lower triangle, by row and column
+  std::unordered_map<const double*, Block> keyframes_;
+  std::unordered_map<std::uint64_t, Eigen::MatrixXd>
+      information_;  ///< lower triangle, by row and column
   std::vector<Eigen::Triplet<double>> scores_;
   Eigen::MatrixXd sensitivity_;
   int num_columns_ = 0, num_scores_ = 0;
@@ -192,13 +200,14 @@ class NormalEquations {
 
 }  // namespace
 
-std::optional<Eigen::MatrixXd> MarginalCovariance(const ceres::Problem& problem,
-                                                  const std::unordered_set<const double*>& landmarks,
-                                                  const std::vector<const double*>& of) {
+std::optional<Eigen::MatrixXd> MarginalCovariance(
+    const ceres::Problem& problem, const std::unordered_set<const double*>& landmarks,
+    const std::vector<const double*>& of) {
   const NormalEquations normal(problem, landmarks);
   std::vector<int> columns;
   for (const double* block : of)
-    for (int k = 0; k < normal.PlaceOf(block).size; ++k) columns.push_back(normal.PlaceOf(block).column + k);
+    for (int k = 0; k < normal.KeyframeOf(block).size; ++k)
+      columns.push_back(normal.KeyframeOf(block).column + k);
   const auto count = static_cast<Eigen::Index>(columns.size());
   Eigen::MatrixXd wanted = Eigen::MatrixXd::Zero(normal.num_columns(), count);
   for (Eigen::Index i = 0; i < count; ++i) wanted(columns[static_cast<size_t>(i)], i) = 1;
@@ -212,9 +221,11 @@ std::optional<Eigen::MatrixXd> MarginalCovariance(const ceres::Problem& problem,
   constexpr Eigen::Index kRows = 512;  // of scores at a time
   const Eigen::SparseMatrix<double, Eigen::RowMajor> scores = normal.Scores();
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count);
-  covariance.selfadjointView<Eigen::Lower>().rankUpdate(by_score.transpose() * normal.sensitivity());
+  covariance.selfadjointView<Eigen::Lower>().rankUpdate(by_score.transpose() *
+                                                        normal.sensitivity());
   for (Eigen::Index row = 0; row < scores.rows(); row += kRows) {
-    const Eigen::MatrixXd part = scores.middleRows(row, std::min(kRows, scores.rows() - row)) * by_score;
+    const Eigen::MatrixXd part =
+        scores.middleRows(row, std::min(kRows, scores.rows() - row)) * by_score;
     covariance.selfadjointView<Eigen::Lower>().rankUpdate(part.transpose());
   }
   if (!covariance.allFinite()) return std::nullopt;

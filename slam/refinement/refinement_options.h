@@ -1,43 +1,35 @@
 #pragma once
 
+#include "core/option_about.h"
+
 namespace parkade {
 
 struct RefinementOptions {
-  bool enabled = true;               ///< false: the pose graph has the last word
-  int bearings_per_image = 50;       ///< longest tracks first; more: slower
-  int sightings_per_track = 10;      ///< at most, spread over its images: errors of neighbours are alike
-  int min_sightings = 4;             ///< of a track that becomes a landmark
-  double min_distance = 0.3;         ///< [m] landmarks nearer are the car itself or nonsense
-  double bearing_inflation = 2.45;   ///< of the sigma that odometry found, whose estimator weighs bearings alike
-  double robust_width = 2;           ///< [sigma] Cauchy loss of bearings, wheels and loops
-  double max_bearing_error = 5;      ///< [sigma] a bearing further off is left out
-  int max_iterations = 10;           ///< of each of the two or three solves
-  int min_knots = 100;               ///< fewer: the odometry's window has seen nearly all of them at once
-  int max_knots = 3000;              ///< adjusted at once, some 1.4 GB; longer drives in pieces (SolveInPieces)
-  double held_out_share = 0.2;       ///< of tracks and loops, which judge the result before they join it
-  double wheel_scale_sigma = 0.01;   ///< of the tyres' radius before the drive tells
-  double max_imu_growth = 1.5;       ///< of the IMU's mean squared error, beyond which the result is not taken
-  double max_held_out_growth = 1.0;  ///< of the held-out loops' median error, likewise
-  double max_track_growth = 1.08;    ///< of the held-out tracks' mean error, likewise; odometry has bent to them
+  bool enabled = true;          ///< false: the pose graph has the last word
+  int bearings_per_image = 50;  ///< longest tracks first; more: slower
+  int observations_per_track =
+      10;                     ///< at most, spread over its images: errors of neighbors are alike
+  int min_observations = 4;   ///< of a track that becomes a landmark
+  double min_distance = 0.3;  ///< [m] landmarks nearer are the car itself or nonsense
+  double bearing_inflation =
+      2.45;  ///< of the sigma that odometry found, whose estimator weighs bearings alike
+  double robust_width = 2;       ///< [sigma] Cauchy loss of bearings, wheels and loops
+  double max_bearing_error = 5;  ///< [sigma] a bearing further off is left out
+  int max_iterations = 10;       ///< of each of the two or three solves
+  int min_nodes = 100;   ///< fewer: the odometry's window has seen nearly all of them at once
+  int max_nodes = 3000;  ///< adjusted at once, some 1.4 GB; longer drives in pieces (SolveInPieces)
+  double held_out_share = 0.2;  ///< of tracks and loops, which judge the result before they join it
+  double wheel_scale_sigma = 0.01;  ///< of the tires' radius before the drive tells
+  double max_imu_growth =
+      1.5;  ///< of the IMU's mean squared error, beyond which the result is not taken
+  double max_held_out_growth = 1.0;  ///< of the held-out loops' median error, also
+  double max_track_growth =
+      1.08;  ///< of the held-out tracks' mean error, also; odometry has bent to them
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
-    visit("enabled", enabled);
-    visit("bearings_per_image", bearings_per_image);
-    visit("sightings_per_track", sightings_per_track);
-    visit("min_sightings", min_sightings);
-    visit("min_distance", min_distance);
-    visit("bearing_inflation", bearing_inflation);
-    visit("robust_width", robust_width);
-    visit("max_bearing_error", max_bearing_error);
-    visit("max_iterations", max_iterations);
-    visit("min_knots", min_knots);
-    visit("max_knots", max_knots);
-    visit("held_out_share", held_out_share);
-    visit("wheel_scale_sigma", wheel_scale_sigma);
-    visit("max_imu_growth", max_imu_growth);
-    visit("max_held_out_growth", max_held_out_growth);
-    visit("max_track_growth", max_track_growth);
+    visit("enabled", enabled,
+          OptionAbout{"The whole drive is adjusted after its loops are closed."});
   }
   void Validate() const;  ///< throws Error{kUsage}
 };

@@ -15,7 +15,7 @@
 namespace parkade {
 namespace {
 
-constexpr int kMinSightings = 2;  // of a landmark within a stretch
+constexpr int kMinObservations = 2;  // of a landmark within a stretch
 
 /// Recomputes the pose of each image once per evaluation instead of once per bearing.
 class ImageCallback final : public ceres::EvaluationCallback {
@@ -59,8 +59,10 @@ ceres::Solver::Options SolverOptions(int max_iterations) {
 struct DriveAdjustment::StretchProblem {
   explicit StretchProblem(const RefinementOptions& options)
       : loss(options.robust_width),
-        // Residuals show the part of a track's errors that it does not share with its neighbours, the smaller one.
-        bearing_loss(&loss, 1 / (options.bearing_inflation * options.bearing_inflation), ceres::DO_NOT_TAKE_OWNERSHIP),
+        // Residuals show the part of a track's errors that it does not share with its neighbors,
+        // the smaller one.
+        bearing_loss(&loss, 1 / (options.bearing_inflation * options.bearing_inflation),
+                     ceres::DO_NOT_TAKE_OWNERSHIP),
         problem(ProblemOptions(&callback)) {}
 
   ImageCallback callback;
@@ -73,7 +75,8 @@ struct DriveAdjustment::StretchProblem {
   ceres::Problem problem;  // before what it points to goes
 };
 
-std::unique_ptr<DriveAdjustment::StretchProblem> DriveAdjustment::Pose(const AdjustedStretch& stretch) {
+std::unique_ptr<DriveAdjustment::StretchProblem> DriveAdjustment::BuildProblem(
+    const AdjustedStretch& stretch) {
   const size_t begin = stretch.begin, end = stretch.end;
   PointImages();
   auto posed = std::make_unique<StretchProblem>(options_);
@@ -88,14 +91,14 @@ std::unique_ptr<DriveAdjustment::StretchProblem> DriveAdjustment::Pose(const Adj
     else
       problem.SetParameterBlockConstant(block);
   };
-  const auto is_moved = [&](size_t knot) { return knot >= begin && knot < end; };
-  const auto pose_of = [&](size_t knot) {
-    know(knots_[knot].pose, kPoseSize, true, is_moved(knot));
-    return knots_[knot].pose;
+  const auto is_moved = [&](size_t node) { return node >= begin && node < end; };
+  const auto pose_of = [&](size_t node) {
+    know(nodes_[node].pose, kPoseSize, true, is_moved(node));
+    return nodes_[node].pose;
   };
-  const auto motion_of = [&](size_t knot) {
-    know(knots_[knot].motion, kMotionSize, false, is_moved(knot));
-    return knots_[knot].motion;
+  const auto motion_of = [&](size_t node) {
+    know(nodes_[node].motion, kMotionSize, false, is_moved(node));
+    return nodes_[node].motion;
   };
   const auto add = [&](std::unique_ptr<ceres::CostFunction> cost, ceres::LossFunction* with,
                        const std::vector<double*>& blocks) {
@@ -103,17 +106,20 @@ std::unique_ptr<DriveAdjustment::StretchProblem> DriveAdjustment::Pose(const Adj
     posed->costs.push_back(std::move(cost));
   };
   const bool frees_calibration = stretch.frees_calibration;
-  const size_t last = stretch.has_open_end ? end : std::min(end + 1, knots_.size());  // behind the knots that matter
+  const size_t last = stretch.has_open_end
+                          ? end
+                          : std::min(end + 1, nodes_.size());  // behind the nodes that matter
 
-  // In the order of the drive, so that the factorisation sees a band.
+  // In the order of the drive, so that the factorization sees a band.
   for (size_t j = begin; j < last; ++j) {
     pose_of(j), motion_of(j);
-    if (j == 0 || !knots_[j].interval) continue;
-    const KnotInterval& interval = *knots_[j].interval;
+    if (j == 0 || !nodes_[j].interval) continue;
+    const NodeInterval& interval = *nodes_[j].interval;
     add(std::make_unique<ImuCost>(&interval.imu), nullptr,
         {pose_of(j - 1), motion_of(j - 1), pose_of(j), motion_of(j)});
     if (interval.is_still)
-      add(std::make_unique<StandstillCost>(StandstillNoise()), nullptr, {pose_of(j - 1), pose_of(j), motion_of(j)});
+      add(std::make_unique<StandstillCost>(StandstillNoise()), nullptr,
+          {pose_of(j - 1), pose_of(j), motion_of(j)});
     if (!interval.wheels) continue;
     know(wheel_scale_, 1, false, frees_calibration);
     add(std::make_unique<WheelCost>(*interval.wheels), loss,
@@ -122,58 +128,66 @@ std::unique_ptr<DriveAdjustment::StretchProblem> DriveAdjustment::Pose(const Adj
   for (size_t i = 0; i < cameras_.size(); ++i) {
     const CameraSigmas& prior = camera_priors_[i];
     know(cameras_[i].extrinsics, kPoseSize, true, frees_calibration && prior.rotation > 0);
-    know(cameras_[i].timing, kTimingSize, false, frees_calibration && (prior.time_offset > 0 || prior.line_delay > 0));
+    know(cameras_[i].timing, kTimingSize, false,
+         frees_calibration && (prior.time_offset > 0 || prior.line_delay > 0));
   }
   for (const LinearPrior& prior : priors_) {
     const StateName& name = prior.blocks.front().name;
     const auto number = static_cast<size_t>(name.number);
-    double* block = name.kind == StateName::Kind::kPose         ? knots_[number].pose
-                    : name.kind == StateName::Kind::kMotion     ? knots_[number].motion
+    double* block = name.kind == StateName::Kind::kPose         ? nodes_[number].pose
+                    : name.kind == StateName::Kind::kMotion     ? nodes_[number].motion
                     : name.kind == StateName::Kind::kExtrinsics ? cameras_[number].extrinsics
                     : name.kind == StateName::Kind::kTiming     ? cameras_[number].timing
                                                                 : wheel_scale_;
     if (!known.contains(block)) continue;
     add(std::make_unique<LinearPriorCost>(&prior), nullptr, {block});
   }
-  const auto is_left_out = [&](size_t knot) { return stretch.has_open_end && knot >= end; };
+  const auto is_left_out = [&](size_t node) { return stretch.has_open_end && node >= end; };
   for (const AdjustedLoop& loop : loops_)
-    if (loop.is_used && (is_moved(loop.from) || is_moved(loop.to)) && !is_left_out(std::max(loop.from, loop.to)))
+    if (loop.is_used && (is_moved(loop.from) || is_moved(loop.to)) &&
+        !is_left_out(std::max(loop.from, loop.to)))
       add(std::make_unique<RelativePoseCost>(loop.from_from_to, loop.square_root_weight), loss,
           {pose_of(loop.from), pose_of(loop.to)});
 
   for (const AdjustedFix& fix : fixes_) {
     if ((!is_moved(fix.first) && !is_moved(fix.first + 1)) || is_left_out(fix.first + 1)) continue;
     know(site_from_odom_, kSiteSize, false, frees_calibration);
-    add(std::make_unique<GnssCost>(fix.antenna), loss, {pose_of(fix.first), pose_of(fix.first + 1), site_from_odom_});
+    add(std::make_unique<GnssCost>(fix.antenna), loss,
+        {pose_of(fix.first), pose_of(fix.first + 1), site_from_odom_});
   }
 
   std::vector<bool> is_seen(images_.size());
   for (Landmark& landmark : landmarks_) {
-    const bool concerns = std::any_of(landmark.sightings.begin(), landmark.sightings.end(), [&](const Sighting& seen) {
-      return is_moved(images_[seen.image].first) || is_moved(images_[seen.image].second);
-    });
-    const auto is_seen_here = [&](const Sighting& seen) { return !is_left_out(images_[seen.image].second); };
+    const bool concerns = std::any_of(landmark.observations.begin(), landmark.observations.end(),
+                                      [&](const LandmarkObservation& seen) {
+                                        return is_moved(images_[seen.image].first) ||
+                                               is_moved(images_[seen.image].second);
+                                      });
+    const auto is_seen_here = [&](const LandmarkObservation& seen) {
+      return !is_left_out(images_[seen.image].second);
+    };
     if (!concerns || !landmark.is_used ||
-        std::count_if(landmark.sightings.begin(), landmark.sightings.end(), is_seen_here) < kMinSightings)
+        std::count_if(landmark.observations.begin(), landmark.observations.end(), is_seen_here) <
+            kMinObservations)
       continue;
     problem.AddParameterBlock(landmark.values, kLandmarkSize);
     posed->landmarks.insert(landmark.values);
-    for (const Sighting& sighting : landmark.sightings) {
-      if (!is_seen_here(sighting)) continue;
-      Image& image = images_[sighting.image];
+    for (const LandmarkObservation& observation : landmark.observations) {
+      if (!is_seen_here(observation)) continue;
+      Image& image = images_[observation.image];
       pose_of(image.first), pose_of(image.second);
-      if (!is_seen[sighting.image]) posed->callback.Add(&image.geometry);
-      is_seen[sighting.image] = true;
+      if (!is_seen[observation.image]) posed->callback.Add(&image.geometry);
+      is_seen[observation.image] = true;
       std::vector<double*> blocks = BlocksOf(image);
       blocks.push_back(landmark.values);
-      problem.AddResidualBlock(sighting.cost.get(), &posed->bearing_loss, blocks);
+      problem.AddResidualBlock(observation.cost.get(), &posed->bearing_loss, blocks);
     }
   }
   return posed;
 }
 
 int DriveAdjustment::Solve(const AdjustedStretch& stretch, int max_iterations) {
-  const std::unique_ptr<StretchProblem> posed = Pose(stretch);
+  const std::unique_ptr<StretchProblem> posed = BuildProblem(stretch);
   ceres::Solver::Options solver = SolverOptions(max_iterations);
   for (double* block : posed->states) solver.linear_solver_ordering->AddElementToGroup(block, 1);
   for (Landmark& landmark : landmarks_)
@@ -182,16 +196,18 @@ int DriveAdjustment::Solve(const AdjustedStretch& stretch, int max_iterations) {
   const std::vector<double> before = values_;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &posed->problem, &summary);
-  const bool is_finite = std::all_of(values_.begin(), values_.end(), [](double value) { return std::isfinite(value); });
-  if (!summary.IsSolutionUsable() || !is_finite) std::copy(before.begin(), before.end(), values_.begin());
+  const bool is_finite = std::all_of(values_.begin(), values_.end(),
+                                     [](double value) { return std::isfinite(value); });
+  if (!summary.IsSolutionUsable() || !is_finite)
+    std::copy(before.begin(), before.end(), values_.begin());
   PointImages();
   return static_cast<int>(summary.iterations.size()) - 1;
 }
 
-std::optional<Eigen::MatrixXd> DriveAdjustment::PoseCovariance(const std::vector<size_t>& knots) {
-  const std::unique_ptr<StretchProblem> posed = Pose({0, knots_.size(), false, true});
+std::optional<Eigen::MatrixXd> DriveAdjustment::PoseCovariance(const std::vector<size_t>& nodes) {
+  const std::unique_ptr<StretchProblem> posed = BuildProblem({0, nodes_.size(), false, true});
   std::vector<const double*> poses;
-  for (const size_t knot : knots) poses.push_back(knots_[knot].pose);
+  for (const size_t node : nodes) poses.push_back(nodes_[node].pose);
   return MarginalCovariance(posed->problem, posed->landmarks, poses);
 }
 

@@ -8,14 +8,14 @@
 namespace parkade {
 namespace {
 
-constexpr size_t kSeparatorEvery = 20;  // [knots]
+constexpr size_t kSeparatorEvery = 20;  // [nodes]
 // Random walk of the refined drive between separators, which bends where loops pull.
 constexpr double kWalkTranslation = 0.001;  // [m / sqrt(m)]
 constexpr double kWalkRotation = 0.0002;    // [rad / sqrt(m)]
 constexpr double kTiltSigma = 0.0005;       // [rad]
 constexpr double kLeastWay = 0.1;           // [m]
 
-/// Without roll and pitch, which each knot knows from gravity.
+/// Without roll and pitch, which each node knows from gravity.
 Rigid3 YawAndPlace(const Rigid3& odom_from_odom, const Eigen::Vector3d& around) {
   const Eigen::Vector3d forward = odom_from_odom.rotation * Eigen::Vector3d::UnitX();
   const Eigen::Quaterniond turn = ExpSo3({0, 0, std::atan2(forward.y(), forward.x())});
@@ -35,7 +35,8 @@ class MeanCalibration {
       changes_[i].head<3>() += LogSo3(change.rotation);
       changes_[i].segment<3>(3) += change.translation;
       for (int k = 0; k < kTimingSize; ++k)
-        changes_[i][6 + k] += cameras[i].timing[static_cast<size_t>(k)] - first_[i].timing[static_cast<size_t>(k)];
+        changes_[i][6 + k] +=
+            cameras[i].timing[static_cast<size_t>(k)] - first_[i].timing[static_cast<size_t>(k)];
     }
     wheel_scale_ += wheel_scale;
     ++count_;
@@ -45,9 +46,11 @@ class MeanCalibration {
     std::vector<CameraParameters> cameras = first_;
     for (size_t i = 0; i < cameras.size(); ++i) {
       const Change mean = changes_[i] / count_;
-      PoseToParameters(first_[i].ImuFromCamera() * Rigid3{ExpSo3(mean.head<3>()), mean.segment<3>(3)},
-                       cameras[i].extrinsics.data());
-      for (int k = 0; k < kTimingSize; ++k) cameras[i].timing[static_cast<size_t>(k)] += mean[6 + k];
+      PoseToParameters(
+          first_[i].ImuFromCamera() * Rigid3{ExpSo3(mean.head<3>()), mean.segment<3>(3)},
+          cameras[i].extrinsics.data());
+      for (int k = 0; k < kTimingSize; ++k)
+        cameras[i].timing[static_cast<size_t>(k)] += mean[6 + k];
     }
     adjustment.SetCalibration(cameras, wheel_scale_ / count_);
   }
@@ -59,17 +62,17 @@ class MeanCalibration {
   double wheel_scale_ = 0, count_ = 0;
 };
 
-/// Solves the piece with its end open, and moves what follows as its last knot moved.
+/// Solves the piece with its end open, and moves what follows as its last node moved.
 int SolveAndCarry(DriveAdjustment& adjustment, size_t begin, size_t end, int max_iterations) {
   const Rigid3 before = adjustment.States()[end - 1].odom_from_imu;
-  const bool is_last = end == adjustment.num_knots();
+  const bool is_last = end == adjustment.num_nodes();
   const int num_steps = adjustment.Solve({begin, end, !is_last, true}, max_iterations);
   if (is_last) return num_steps;
   const Rigid3 after = adjustment.States()[end - 1].odom_from_imu;
-  std::vector<Rigid3> moves(adjustment.num_knots());
+  std::vector<Rigid3> moves(adjustment.num_nodes());
   std::fill(moves.begin() + static_cast<std::ptrdiff_t>(end), moves.end(),
             YawAndPlace(after * before.Inverse(), before.translation));
-  adjustment.MoveKnots(moves);
+  adjustment.MoveNodes(moves);
   return num_steps;
 }
 
@@ -78,8 +81,9 @@ PoseGraph GraphOf(const std::vector<MotionState>& states, const std::vector<size
                   const std::vector<AdjustedLoop>& loops) {
   PoseGraph graph;
   graph.vertices.push_back({-1'000'000, {}, true});  // the world
-  const auto vertex_of = [&](size_t knot) {
-    return 1 + static_cast<size_t>(std::lower_bound(separators.begin(), separators.end(), knot) - separators.begin());
+  const auto vertex_of = [&](size_t node) {
+    return 1 + static_cast<size_t>(std::lower_bound(separators.begin(), separators.end(), node) -
+                                   separators.begin());
   };
   for (size_t i = 0; i < separators.size(); ++i) {
     const Rigid3& pose = states[separators[i]].odom_from_imu;
@@ -96,7 +100,8 @@ PoseGraph GraphOf(const std::vector<MotionState>& states, const std::vector<size
     Vector6d variances;
     variances << Eigen::Vector3d::Constant(kWalkTranslation * kWalkTranslation * way),
         Eigen::Vector3d::Constant(kWalkRotation * kWalkRotation * way);
-    graph.edges.push_back({i, i + 1, previous.Inverse() * pose, variances.cwiseInverse().asDiagonal(), true});
+    graph.edges.push_back(
+        {i, i + 1, previous.Inverse() * pose, variances.cwiseInverse().asDiagonal(), true});
   }
   for (const AdjustedLoop& loop : loops)
     if (loop.is_used)
@@ -105,7 +110,7 @@ PoseGraph GraphOf(const std::vector<MotionState>& states, const std::vector<size
   return graph;
 }
 
-/// Closes the loops between separators and carries the knots between them along.
+/// Closes the loops between separators and carries the nodes between them along.
 void CloseBetweenPieces(DriveAdjustment& adjustment) {
   const std::vector<MotionState> states = adjustment.States();
   std::set<size_t> chosen = {0, states.size() - 1};
@@ -125,23 +130,24 @@ void CloseBetweenPieces(DriveAdjustment& adjustment) {
       return graph.vertices[separator + 1].world_from_vertex * before.Inverse();
     };
     const double count = static_cast<double>(separators[i + 1] - separators[i]);
-    for (size_t knot = separators[i]; knot <= separators[i + 1]; ++knot) {
-      const Rigid3& pose = states[knot].odom_from_imu;
-      const double fraction = static_cast<double>(knot - separators[i]) / count;
-      moves[knot] = Interpolate(move_of(i) * pose, move_of(i + 1) * pose, fraction) * pose.Inverse();
+    for (size_t node = separators[i]; node <= separators[i + 1]; ++node) {
+      const Rigid3& pose = states[node].odom_from_imu;
+      const double fraction = static_cast<double>(node - separators[i]) / count;
+      moves[node] =
+          Interpolate(move_of(i) * pose, move_of(i + 1) * pose, fraction) * pose.Inverse();
     }
   }
-  adjustment.MoveKnots(moves);
+  adjustment.MoveNodes(moves);
 }
 
 }  // namespace
 
-int NumPieces(size_t num_knots, const PieceOptions& options) {
-  return static_cast<int>((num_knots + options.max_knots - 1) / options.max_knots);
+int NumPieces(size_t num_nodes, const PieceOptions& options) {
+  return static_cast<int>((num_nodes + options.max_nodes - 1) / options.max_nodes);
 }
 
 int SolveInPieces(DriveAdjustment& adjustment, const PieceOptions& options) {
-  const size_t count = adjustment.num_knots(), piece = options.max_knots;
+  const size_t count = adjustment.num_nodes(), piece = options.max_nodes;
   if (count <= piece) return adjustment.Solve({0, count, false, true}, options.max_iterations);
   int num_steps = 0;
   MeanCalibration calibration;
@@ -152,12 +158,15 @@ int SolveInPieces(DriveAdjustment& adjustment, const PieceOptions& options) {
   }
   calibration.Set(adjustment);
   const auto& loops = adjustment.loops();
-  if (std::any_of(loops.begin(), loops.end(), [](const AdjustedLoop& loop) { return loop.is_used; }))
+  if (std::any_of(loops.begin(), loops.end(),
+                  [](const AdjustedLoop& loop) { return loop.is_used; }))
     CloseBetweenPieces(adjustment);
   for (const size_t shift : {size_t{0}, piece / 2})
     for (size_t begin = 0; begin < count + shift; begin += piece) {
-      const size_t from = begin - std::min(begin, shift), to = std::min(begin + piece - shift, count);
-      if (from < to) num_steps += adjustment.Solve({from, to, false, false}, options.max_iterations / 2);
+      const size_t from = begin - std::min(begin, shift),
+                   to = std::min(begin + piece - shift, count);
+      if (from < to)
+        num_steps += adjustment.Solve({from, to, false, false}, options.max_iterations / 2);
     }
   return num_steps;
 }

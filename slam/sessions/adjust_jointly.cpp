@@ -10,8 +10,8 @@
 
 #include "core/log.h"
 #include "core/median_of.h"
-#include "slam/sessions/link_cost.h"
-#include "slam/sessions/walk_modes.h"
+#include "slam/sessions/random_walk_modes.h"
+#include "slam/sessions/session_loop_cost.h"
 
 namespace parkade {
 namespace {
@@ -23,45 +23,51 @@ constexpr int kMaxSteps = 20;
 /// A drive as unknowns.
 struct BentDrive {
   std::array<double, kFrameSize> frame{};
-  std::vector<double> bends;     ///< amounts of its modes, then of its mounts
-  std::vector<BentPose> places;  ///< by these
+  std::vector<double> bends;             ///< amounts of its modes, then of its mounts
+  std::vector<PerturbedPose> keyframes;  ///< by these
 
   int num_bends() const { return static_cast<int>(bends.size()); }
 
   std::vector<Rigid3> WithoutMounts() const {
     std::vector<double> own = bends;
     std::fill(own.end() - kNumMount, own.end(), 0);
-    std::vector<Rigid3> group_from_place;
-    for (const BentPose& place : places) group_from_place.push_back(place.InSite(frame.data(), own.data()));
-    return group_from_place;
+    std::vector<Rigid3> group_from_keyframe;
+    for (const PerturbedPose& keyframe : keyframes)
+      group_from_keyframe.push_back(keyframe.InSite(frame.data(), own.data()));
+    return group_from_keyframe;
   }
 };
 
-/// The turn about z and the shift that carry places from odom nearest to where the group has them.
-std::array<double, kFrameSize> FrameOf(const std::vector<Place>& places, const std::vector<Rigid3>& group_from_place) {
+/// The turn about z and the shift that carry keyframes from odom nearest to where the group has
+/// them.
+std::array<double, kFrameSize> FrameOf(const std::vector<RigKeyframe>& keyframes,
+                                       const std::vector<Rigid3>& group_from_keyframe) {
   Eigen::Vector3d forward = Eigen::Vector3d::Zero(), in_odom = forward, in_group = forward;
-  for (size_t i = 0; i < places.size(); ++i) {
-    const Rigid3& odom_from_place = places[i].odom_from_place;
-    forward += group_from_place[i].rotation * odom_from_place.rotation.conjugate() * Eigen::Vector3d::UnitX();
-    in_odom += odom_from_place.translation;
-    in_group += group_from_place[i].translation;
+  for (size_t i = 0; i < keyframes.size(); ++i) {
+    const Rigid3& odom_from_keyframe = keyframes[i].odom_from_keyframe;
+    forward += group_from_keyframe[i].rotation * odom_from_keyframe.rotation.conjugate() *
+               Eigen::Vector3d::UnitX();
+    in_odom += odom_from_keyframe.translation;
+    in_group += group_from_keyframe[i].translation;
   }
   const double yaw = std::atan2(forward.y(), forward.x());
-  const Eigen::Vector3d shift = (in_group - ExpSo3({0, 0, yaw}) * in_odom) / static_cast<double>(places.size());
+  const Eigen::Vector3d shift =
+      (in_group - ExpSo3({0, 0, yaw}) * in_odom) / static_cast<double>(keyframes.size());
   return {yaw, shift.x(), shift.y(), shift.z()};
 }
 
-BentDrive MakeBent(const DriveToJoin& drive, const LoopOptions& loops, const std::vector<Rigid3>& group_from_place) {
-  const BendingModes modes = drive.modes.empty() ? WalkModes(drive, loops) : drive.modes;
+BentDrive MakeBent(const DriveToJoin& drive, const LoopOptions& loops,
+                   const std::vector<Rigid3>& group_from_keyframe) {
+  const CovarianceModes modes = drive.modes.empty() ? RandomWalkModes(drive, loops) : drive.modes;
   const double mount_rotation = loops.relative_pose.mount_rotation_deg * M_PI / 180;
   BentDrive bent;
-  bent.frame = FrameOf(drive.places, group_from_place);
+  bent.frame = FrameOf(drive.keyframes, group_from_keyframe);
   bent.bends.resize(static_cast<size_t>(modes.size() + kNumMount));
-  for (const Place& place : drive.places) {
-    const Eigen::Matrix3d turn = place.odom_from_place.rotation.toRotationMatrix();
-    BentPose& pose =
-        bent.places.emplace_back(BentPose{place.odom_from_place, Eigen::MatrixXd::Zero(6, modes.size() + kNumMount)});
-    pose.modes.leftCols(modes.size()) = modes.At(place.time);
+  for (const RigKeyframe& keyframe : drive.keyframes) {
+    const Eigen::Matrix3d turn = keyframe.odom_from_keyframe.rotation.toRotationMatrix();
+    PerturbedPose& pose = bent.keyframes.emplace_back(PerturbedPose{
+        keyframe.odom_from_keyframe, Eigen::MatrixXd::Zero(6, modes.size() + kNumMount)});
+    pose.modes.leftCols(modes.size()) = modes.At(keyframe.time);
     pose.modes.topRightCorner(3, kNumMount).leftCols<3>() = mount_rotation * turn;
     pose.modes.bottomRightCorner<3, 3>() = loops.relative_pose.mount_translation * turn;
   }
@@ -87,7 +93,8 @@ struct PosedLink {
 
 class JointProblem {
  public:
-  JointProblem(const std::vector<DriveToJoin>& drives, const LoopOptions& loops) : drives_(drives), loops_(loops) {}
+  JointProblem(const std::vector<DriveToJoin>& drives, const LoopOptions& loops)
+      : drives_(drives), loops_(loops) {}
 
   /// The first drive's frame stays.
   void AddDrive(BentDrive& drive) {
@@ -95,23 +102,28 @@ class JointProblem {
     problem_.AddParameterBlock(drive.frame.data(), kFrameSize);
     if (is_first) problem_.SetParameterBlockConstant(drive.frame.data());
     const int size = drive.num_bends();
-    problem_.AddResidualBlock(new ceres::NormalPrior(ceres::Matrix::Identity(size, size), ceres::Vector::Zero(size)),
-                              nullptr, drive.bends.data());
+    problem_.AddResidualBlock(
+        new ceres::NormalPrior(ceres::Matrix::Identity(size, size), ceres::Vector::Zero(size)),
+        nullptr, drive.bends.data());
   }
 
   void AddLinks(DrivePair& pair, BentDrive& a, BentDrive& b) {
-    const std::vector<PlaceLink>& links = pair.found.links;
+    const std::vector<SessionLoop>& links = pair.found.links;
     const std::vector<double> shares =
-        SharesOf(links, drives_[pair.drive_a].places, drives_[pair.drive_b].places, loops_.shared_reach);
+        SharesOf(links, drives_[pair.drive_a].keyframes, drives_[pair.drive_b].keyframes,
+                 loops_.shared_reach);
     for (size_t i = 0; i < links.size(); ++i) {
       if (pair.weights[i] <= 0.5) continue;
       const RelativePose& measured = links[i].pose;
-      auto* const cost = new LinkCost(a.places[links[i].place_a], b.places[links[i].place_b], measured.a_from_b,
-                                      SquareRootOf(shares[i] * measured.information));
-      problem_.AddResidualBlock(cost, new ceres::CauchyLoss(kRobustWidth), a.frame.data(), a.bends.data(),
-                                b.frame.data(), b.bends.data());
-      links_.push_back(
-          {cost, {a.frame.data(), a.bends.data(), b.frame.data(), b.bends.data()}, shares[i], &pair.chi_squared[i]});
+      auto* const cost =
+          new SessionLoopCost(a.keyframes[links[i].keyframe_a], b.keyframes[links[i].keyframe_b],
+                              measured.a_from_b, SquareRootOf(shares[i] * measured.information));
+      problem_.AddResidualBlock(cost, new ceres::CauchyLoss(kRobustWidth), a.frame.data(),
+                                a.bends.data(), b.frame.data(), b.bends.data());
+      links_.push_back({cost,
+                        {a.frame.data(), a.bends.data(), b.frame.data(), b.bends.data()},
+                        shares[i],
+                        &pair.chi_squared[i]});
     }
   }
 
@@ -148,13 +160,13 @@ class JointProblem {
 
 JointAdjustment AdjustJointly(const std::vector<DriveToJoin>& drives, const LoopOptions& loops,
                               const std::vector<DrivePair*>& pairs,
-                              std::vector<std::vector<Rigid3>>& group_from_place) {
+                              std::vector<std::vector<Rigid3>>& group_from_keyframe) {
   const auto start = std::chrono::steady_clock::now();
   std::vector<std::optional<BentDrive>> bent(drives.size());
   JointProblem problem(drives, loops);
   for (size_t i = 0; i < drives.size(); ++i) {
-    if (group_from_place[i].empty()) continue;
-    bent[i] = MakeBent(drives[i], loops, group_from_place[i]);
+    if (group_from_keyframe[i].empty()) continue;
+    bent[i] = MakeBent(drives[i], loops, group_from_keyframe[i]);
     problem.AddDrive(*bent[i]);
   }
   for (DrivePair* pair : pairs) problem.AddLinks(*pair, *bent[pair->drive_a], *bent[pair->drive_b]);
@@ -168,8 +180,9 @@ JointAdjustment AdjustJointly(const std::vector<DriveToJoin>& drives, const Loop
       const std::vector<Rigid3> moved = bent[i]->WithoutMounts();
       for (size_t k = 0; k < moved.size(); ++k)
         result.largest_correction =
-            std::max(result.largest_correction, (moved[k].translation - group_from_place[i][k].translation).norm());
-      group_from_place[i] = moved;
+            std::max(result.largest_correction,
+                     (moved[k].translation - group_from_keyframe[i][k].translation).norm());
+      group_from_keyframe[i] = moved;
     }
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -15,20 +15,24 @@ struct JointAdjustment {
   double seconds = 0;             ///< of computing
 };
 
-/// Drives that hang together, adjusted at once: of each its frame (yaw, translation), the amounts of its bending modes
-/// and how far off all that its places see is (mounts, as RelativePoseOptions has them), against the links between
-/// drives. Modes are principal components of what a drive's own refinement left open (BendingModes), so that this is
-/// the bundle adjustment of all drives together, linear around the solution of each, with some dozens of unknowns per
-/// drive; images are not looked at again. The frame of the first drive stays.
+/// Drives that hang together, adjusted at once: of each its frame (yaw, translation), the amounts
+/// of its bending modes and how far off all that its keyframes see is (mounts, as
+/// RelativePoseOptions has them), against the links between drives. Modes are principal components
+/// of what a drive's own refinement left open (CovarianceModes), so that this is the bundle
+/// adjustment of all drives together, linear around the solution of each, with some dozens of
+/// unknowns per drive; images are not looked at again. The frame of the first drive stays.
 ///
-/// Links are weighed with a Cauchy loss and share what they know (SharesOf). Mounts that are off move all links of a
-/// drive alike, one way where two cars head the same way, the other way where they do not: unknown, they would bend it.
+/// Links are weighed with a Cauchy loss and share what they know (SharesOf). Mounts that are off
+/// move all links of a drive alike, one way where two cars head the same way, the other way where
+/// they do not: unknown, they would bend it.
 ///
-/// \param loops  where drives without modes get theirs from (WalkModes)
-/// \param pairs  of the group; links of weight 0 pull nothing. Their chi_squared becomes that of the solution
-/// \param group_from_place  per drive of `drives`: its places where the joint graph has them; moved. Empty where the
+/// \param loops  where drives without modes get theirs from (RandomWalkModes)
+/// \param pairs  of the group; links of weight 0 pull nothing. Their chi_squared becomes that of
+/// the solution \param group_from_keyframe  per drive of `drives`: its keyframes where the joint
+/// graph has them; moved. Empty where the
 ///     drive is not of the group
 JointAdjustment AdjustJointly(const std::vector<DriveToJoin>& drives, const LoopOptions& loops,
-                              const std::vector<DrivePair*>& pairs, std::vector<std::vector<Rigid3>>& group_from_place);
+                              const std::vector<DrivePair*>& pairs,
+                              std::vector<std::vector<Rigid3>>& group_from_keyframe);
 
 }  // namespace parkade

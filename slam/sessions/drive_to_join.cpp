@@ -5,17 +5,18 @@
 namespace parkade {
 
 int DrivePair::num_accepted() const {
-  return static_cast<int>(std::count_if(weights.begin(), weights.end(), [](double weight) { return weight > 0.5; }));
+  return static_cast<int>(
+      std::count_if(weights.begin(), weights.end(), [](double weight) { return weight > 0.5; }));
 }
 
 void AddClosedLoops(const DriveToJoin& drive, size_t first_vertex, PoseGraph& graph) {
-  const std::vector<Place>& places = drive.places;
+  const std::vector<RigKeyframe>& keyframes = drive.keyframes;
   for (const LoopEvidence& loop : drive.loops.loops) {
     if (loop.weight < 0.5 || loop.pose.information.diagonal().minCoeff() <= 0) continue;
-    graph.edges.push_back(
-        {first_vertex + loop.earlier_place, first_vertex + loop.later_place,
-         places[loop.earlier_place].odom_from_place.Inverse() * places[loop.later_place].odom_from_place,
-         loop.share * loop.pose.information, true});
+    graph.edges.push_back({first_vertex + loop.earlier_keyframe, first_vertex + loop.later_keyframe,
+                           keyframes[loop.earlier_keyframe].odom_from_keyframe.Inverse() *
+                               keyframes[loop.later_keyframe].odom_from_keyframe,
+                           loop.share * loop.pose.information, true});
   }
 }
 

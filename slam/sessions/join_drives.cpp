@@ -5,15 +5,17 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "slam/loops/place_graph.h"
+#include "slam/loops/close_loops.h"
+#include "slam/loops/keyframe_graph.h"
 #include "slam/pose_graph/robust_pose_graph.h"
-#include "slam/sessions/link_all_drives.h"
+#include "slam/sessions/match_all_sessions.h"
 #include "slam/sessions/place_by_gnss.h"
 
 namespace parkade {
 namespace {
 
-/// Where the drives' odometry frames lie in that of the group's first drive, link by link. Empty for other drives.
+/// Where the drives' odometry frames lie in that of the group's first drive, link by link. Empty
+/// for other drives.
 std::vector<std::optional<Rigid3>> StartFrames(const std::vector<DriveToJoin>& drives,
                                                const std::vector<DrivePair>& pairs, size_t group) {
   std::vector<std::optional<Rigid3>> group_from_odom(drives.size());
@@ -23,10 +25,11 @@ std::vector<std::optional<Rigid3>> StartFrames(const std::vector<DriveToJoin>& d
     for (const DrivePair& pair : pairs) {
       std::optional<Rigid3>&a = group_from_odom[pair.drive_a], &b = group_from_odom[pair.drive_b];
       if (pair.num_accepted() == 0 || a.has_value() == b.has_value()) continue;
-      const PlaceLink& link = pair.found.links[pair.found.links.size() / 2];
-      const Place& place_a = drives[pair.drive_a].places[link.place_a];
-      const Place& place_b = drives[pair.drive_b].places[link.place_b];
-      const Rigid3 odom_a_from_b = place_a.odom_from_place * link.pose.a_from_b * place_b.odom_from_place.Inverse();
+      const SessionLoop& link = pair.found.links[pair.found.links.size() / 2];
+      const RigKeyframe& keyframe_a = drives[pair.drive_a].keyframes[link.keyframe_a];
+      const RigKeyframe& keyframe_b = drives[pair.drive_b].keyframes[link.keyframe_b];
+      const Rigid3 odom_a_from_b = keyframe_a.odom_from_keyframe * link.pose.a_from_b *
+                                   keyframe_b.odom_from_keyframe.Inverse();
       if (a) {
         b = *a * odom_a_from_b;
       } else {
@@ -38,14 +41,16 @@ std::vector<std::optional<Rigid3>> StartFrames(const std::vector<DriveToJoin>& d
   return group_from_odom;
 }
 
-/// \param poses  of all drives' places, in their group
-std::vector<GnssDrive> GnssOfGroup(const std::vector<DriveToJoin>& drives, const std::vector<size_t>& groups,
-                                   size_t group, const std::vector<std::vector<Rigid3>>& poses) {
+/// \param poses  of all drives' keyframes, in their group
+std::vector<GnssDrive> GnssOfGroup(const std::vector<DriveToJoin>& drives,
+                                   const std::vector<size_t>& groups, size_t group,
+                                   const std::vector<std::vector<Rigid3>>& poses) {
   std::vector<GnssDrive> placed;
   for (size_t i = 0; i < drives.size(); ++i) {
     if (groups[i] != group || !drives[i].gnss || poses[i].empty()) continue;
     GnssDrive& drive = placed.emplace_back(GnssDrive{*drives[i].gnss, {}, {}});
-    for (const Place& place : drives[i].places) drive.in_odom.push_back(place.odom_from_place.translation);
+    for (const RigKeyframe& keyframe : drives[i].keyframes)
+      drive.in_odom.push_back(keyframe.odom_from_keyframe.translation);
     for (const Rigid3& pose : poses[i]) drive.in_group.push_back(pose.translation);
   }
   return placed;
@@ -61,18 +66,19 @@ size_t ChooseGroup(const std::vector<DriveToJoin>& drives, const std::vector<siz
   return static_cast<size_t>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
 }
 
-/// All places of a group of drives as one graph, held by the first place of its first drive.
+/// All keyframes of a group of drives as one graph, held by the first keyframe of its first drive.
 class JointGraph {
  public:
-  JointGraph(const std::vector<DriveToJoin>& drives, const std::vector<std::optional<Rigid3>>& group_from_odom,
-             const LoopOptions& options)
+  JointGraph(const std::vector<DriveToJoin>& drives,
+             const std::vector<std::optional<Rigid3>>& group_from_odom, const LoopOptions& options)
       : graph_(WorldGraph()), first_vertex_(drives.size()) {
     for (size_t i = 0; i < drives.size(); ++i) {
       if (!group_from_odom[i]) continue;
       std::vector<Rigid3> poses;
-      for (const Place& place : drives[i].places) poses.push_back(*group_from_odom[i] * place.odom_from_place);
-      first_vertex_[i] =
-          AddPlaces(drives[i].places, poses, options, kIdsPerDrive * static_cast<std::int64_t>(i), graph_);
+      for (const RigKeyframe& keyframe : drives[i].keyframes)
+        poses.push_back(*group_from_odom[i] * keyframe.odom_from_keyframe);
+      first_vertex_[i] = AddKeyframes(drives[i].keyframes, poses, options,
+                                      kIdsPerDrive * static_cast<std::int64_t>(i), graph_);
       AddClosedLoops(drives[i], first_vertex_[i], graph_);
     }
     graph_.vertices[1].is_fixed = true;
@@ -80,9 +86,10 @@ class JointGraph {
 
   void AddLinks(const DrivePair& pair) {
     first_link_.push_back(graph_.edges.size());
-    for (const PlaceLink& link : pair.found.links)
-      graph_.edges.push_back({first_vertex_[pair.drive_a] + link.place_a, first_vertex_[pair.drive_b] + link.place_b,
-                              link.pose.a_from_b, link.pose.information, false});
+    for (const SessionLoop& link : pair.found.links)
+      graph_.edges.push_back({first_vertex_[pair.drive_a] + link.keyframe_a,
+                              first_vertex_[pair.drive_b] + link.keyframe_b, link.pose.a_from_b,
+                              link.pose.information, false});
   }
 
   /// Sets the weights of the pairs in the order in which their links were added.
@@ -99,9 +106,9 @@ class JointGraph {
     }
   }
 
-  std::vector<Rigid3> Poses(size_t drive, size_t num_places) const {
+  std::vector<Rigid3> Poses(size_t drive, size_t num_keyframes) const {
     std::vector<Rigid3> poses;
-    for (size_t i = 0; i < num_places; ++i)
+    for (size_t i = 0; i < num_keyframes; ++i)
       poses.push_back(graph_.vertices[first_vertex_[drive] + i].world_from_vertex);
     return poses;
   }
@@ -112,9 +119,11 @@ class JointGraph {
   std::vector<size_t> first_link_;    ///< per pair: its first edge
 };
 
-/// Poses of the places of the group's drives in the frame of its first one; weighs the links between them.
-void SolveGroup(const std::vector<DriveToJoin>& drives, const std::vector<size_t>& groups, size_t group,
-                const LoopOptions& loops, std::vector<DrivePair>& pairs, std::vector<std::vector<Rigid3>>& poses) {
+/// Poses of the keyframes of the group's drives in the frame of its first one; weighs the links
+/// between them.
+void SolveGroup(const std::vector<DriveToJoin>& drives, const std::vector<size_t>& groups,
+                size_t group, const LoopOptions& loops, std::vector<DrivePair>& pairs,
+                std::vector<std::vector<Rigid3>>& poses) {
   const std::vector<std::optional<Rigid3>> frames = StartFrames(drives, pairs, group);
   JointGraph graph(drives, frames, loops);
   std::vector<DrivePair*> used;
@@ -125,33 +134,36 @@ void SolveGroup(const std::vector<DriveToJoin>& drives, const std::vector<size_t
   }
   if (!used.empty()) graph.Solve(used);
   for (size_t i = 0; i < drives.size(); ++i)
-    if (frames[i]) poses[i] = graph.Poses(i, drives[i].places.size());
+    if (frames[i]) poses[i] = graph.Poses(i, drives[i].keyframes.size());
 }
 
 /// All drives of a group at once.
-JointAdjustment RefineGroup(const std::vector<DriveToJoin>& drives, const std::vector<size_t>& groups, size_t group,
+JointAdjustment RefineGroup(const std::vector<DriveToJoin>& drives,
+                            const std::vector<size_t>& groups, size_t group,
                             const LoopOptions& loops, std::vector<DrivePair>& pairs,
                             std::vector<std::vector<Rigid3>>& poses) {
   std::vector<DrivePair*> used;
   for (DrivePair& pair : pairs)
     if (groups[pair.drive_a] == group && pair.num_accepted() > 0) used.push_back(&pair);
   if (used.empty()) return {};
-  std::vector<std::vector<Rigid3>> group_from_place(drives.size());
+  std::vector<std::vector<Rigid3>> group_from_keyframe(drives.size());
   for (size_t i = 0; i < drives.size(); ++i)
-    if (groups[i] == group) group_from_place[i] = poses[i];
-  const JointAdjustment adjustment = AdjustJointly(drives, loops, used, group_from_place);
+    if (groups[i] == group) group_from_keyframe[i] = poses[i];
+  const JointAdjustment adjustment = AdjustJointly(drives, loops, used, group_from_keyframe);
   for (size_t i = 0; i < drives.size(); ++i)
-    if (groups[i] == group) poses[i] = std::move(group_from_place[i]);
+    if (groups[i] == group) poses[i] = std::move(group_from_keyframe[i]);
   return adjustment;
 }
 
-/// Moves the groups that have GNSS to where it puts them, which makes them one group. Returns the group that is kept.
+/// Moves the groups that have GNSS to where it puts them, which makes them one group. Returns the
+/// group that is kept.
 size_t PlaceGroups(const std::vector<DriveToJoin>& drives, std::vector<size_t>& groups,
                    std::vector<std::vector<Rigid3>>& poses) {
   std::vector<size_t> placed = groups;
   std::optional<size_t> on_earth;
   for (size_t group = 0; group < drives.size(); ++group) {
-    const std::optional<Rigid3> site_from_group = PlaceByGnss(GnssOfGroup(drives, groups, group, poses));
+    const std::optional<Rigid3> site_from_group =
+        PlaceByGnss(GnssOfGroup(drives, groups, group, poses));
     if (!site_from_group) continue;
     if (!on_earth) on_earth = group;
     for (size_t i = 0; i < drives.size(); ++i) {
@@ -165,19 +177,22 @@ size_t PlaceGroups(const std::vector<DriveToJoin>& drives, std::vector<size_t>& 
 }
 
 /// By the drives that are kept: others that are left out may well fit it.
-std::string ReasonFor(size_t drive, const std::vector<DrivePair>& pairs, const std::vector<size_t>& groups,
-                      size_t group) {
+std::string ReasonFor(size_t drive, const std::vector<DrivePair>& pairs,
+                      const std::vector<size_t>& groups, size_t group) {
   const DrivePair* nearest = nullptr;
   for (const DrivePair& pair : pairs) {
     if (pair.drive_a != drive && pair.drive_b != drive) continue;
     const size_t other = pair.drive_a == drive ? pair.drive_b : pair.drive_a;
-    if (groups[other] == group && (!nearest || pair.found.num_agreeing > nearest->found.num_agreeing)) nearest = &pair;
+    if (groups[other] == group &&
+        (!nearest || pair.found.num_agreeing > nearest->found.num_agreeing))
+      nearest = &pair;
   }
   if (!nearest) return "no other drive looks like it";
-  return nearest->found.rejected.empty() ? "its links contradict those of other drives" : nearest->found.rejected;
+  return nearest->found.rejected.empty() ? "its links contradict those of other drives"
+                                         : nearest->found.rejected;
 }
 
-nlohmann::json FloorJson(const FloorEvidence& floor) {
+nlohmann::json FloorJson(const BevEvidence& floor) {
   return {{"tiles_within", floor.within.num_tiles},
           {"best_within", floor.within.num_best},
           {"tiles_across", floor.across.num_tiles},
@@ -186,25 +201,29 @@ nlohmann::json FloorJson(const FloorEvidence& floor) {
 
 }  // namespace
 
-std::vector<Place> PlacesAlong(const Trajectory& odometry, const Trajectory& odom_from_body,
-                               const PlaceOptions& options) {
-  std::vector<Place> places = ChoosePlaces(odometry, options);
-  for (Place& place : places) place.odom_from_place = LevelledPose(*odom_from_body.At(place.time));
-  return places;
+std::vector<RigKeyframe> KeyframesAlong(const Trajectory& odometry,
+                                        const Trajectory& odom_from_body,
+                                        const KeyframeOptions& options) {
+  std::vector<RigKeyframe> keyframes = ChooseKeyframes(odometry, options);
+  for (RigKeyframe& keyframe : keyframes)
+    keyframe.odom_from_keyframe = LeveledPose(*odom_from_body.At(keyframe.time));
+  return keyframes;
 }
 
-DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops, const DriveLinkOptions& links,
-                     const PairMemory& memory) {
+DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops,
+                     const SessionLoopOptions& links, const PairFindings& known) {
   links.Validate();
   const auto start = std::chrono::steady_clock::now();
   DriveJoin join;
   join.drives.resize(drives.size());
   if (drives.size() == 1) {
-    join.drives[0].site_from_body =
-        drives[0].odom_from_body.Transformed(drives[0].gnss ? drives[0].gnss->site_from_odom : Rigid3{});
+    join.drives[0].site_from_body = drives[0].odom_from_body.Transformed(
+        drives[0].gnss ? drives[0].gnss->site_from_odom : Rigid3{});
     return join;
   }
-  join.pairs = LinkAllDrives(drives, loops, links, memory);
+  MatchedSessions matched = MatchAllSessions(drives, loops, links, known);
+  join.pairs = std::move(matched.pairs);
+  join.findings = std::move(matched.findings);
 
   // Links that the joint graph rejects may leave drives apart that seemed to hang together.
   std::vector<size_t> groups = FindGroups(drives.size(), join.pairs), before;
@@ -223,7 +242,8 @@ DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& 
   const size_t group = PlaceGroups(drives, groups, poses);
   for (size_t i = 0; i < drives.size(); ++i) {
     if (groups[i] == group) {
-      join.drives[i].site_from_body = CarryAlong(drives[i].odom_from_body, drives[i].places, poses[i]);
+      join.drives[i].site_from_body =
+          CarryAlong(drives[i].odom_from_body, drives[i].keyframes, poses[i]);
     } else {
       join.drives[i].left_out = ReasonFor(i, join.pairs, groups, group);
     }
@@ -245,14 +265,15 @@ nlohmann::json ToJson(const DriveJoin& join, const std::vector<std::string>& nam
   for (const DrivePair& pair : join.pairs) {
     nlohmann::json links = nlohmann::json::array();
     for (size_t i = 0; i < pair.found.links.size(); ++i) {
-      const PlaceLink& link = pair.found.links[i];
+      const SessionLoop& link = pair.found.links[i];
       const Eigen::Vector3d& t = link.pose.a_from_b.translation;
       const Eigen::Vector3d turn = LogSo3(link.pose.a_from_b.rotation);
       nlohmann::json information = nlohmann::json::array();  // upper triangle, row by row
       for (int row = 0; row < 6; ++row)
-        for (int column = row; column < 6; ++column) information.push_back(link.pose.information(row, column));
-      links.push_back({{"place_a", link.place_a},
-                       {"place_b", link.place_b},
+        for (int column = row; column < 6; ++column)
+          information.push_back(link.pose.information(row, column));
+      links.push_back({{"place_a", link.keyframe_a},
+                       {"place_b", link.keyframe_b},
                        {"score", link.score},
                        {"num_inliers", link.pose.num_inliers},
                        {"num_camera_pairs", link.pose.num_camera_pairs},

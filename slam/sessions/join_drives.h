@@ -9,10 +9,11 @@
 
 namespace parkade {
 
-/// The places that CloseLoops found along `odometry`, where `odom_from_body` puts them. DescribePlaces says anew what
-/// is seen there.
-std::vector<Place> PlacesAlong(const Trajectory& odometry, const Trajectory& odom_from_body,
-                               const PlaceOptions& options);
+/// The keyframes that CloseLoops found along `odometry`, where `odom_from_body` puts them.
+/// DescribeKeyframes says anew what is seen there.
+std::vector<RigKeyframe> KeyframesAlong(const Trajectory& odometry,
+                                        const Trajectory& odom_from_body,
+                                        const KeyframeOptions& options);
 
 /// One drive in the site's frame, or why it is left out.
 struct JoinedDrive {
@@ -23,19 +24,21 @@ struct JoinedDrive {
 struct DriveJoin {
   std::vector<JoinedDrive> drives;  ///< as they were given
   std::vector<DrivePair> pairs;
+  PairFindings findings;       ///< that `pairs` were made from
   JointAdjustment adjustment;  ///< of the group with the most links
   double seconds = 0;          ///< of computing
 };
 
-/// Joins drives of one place: links between them by LinkAllDrives; one pose graph of the
-/// places of all drives that links hold together, with the drives' own loops and gravity, in which graduated
-/// non-convexity doubts the links; all these drives adjusted at once, each as its own refinement allows
-/// (AdjustJointly); then each such group is placed on Earth by the GNSS of its drives, rigidly. Kept is the largest set
-/// of drives that hang together by links or by GNSS (of equal ones that with the longest way); a drive that does not is
-/// left out with a reason. `site` is the datum's tangent plane where a kept drive has GNSS, else the odometry frame of
-/// the first kept drive. A single drive is only placed.
-DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops, const DriveLinkOptions& links,
-                     const PairMemory& memory = {});
+/// Joins drives of one place: links between them by MatchAllSessions; one pose graph of the
+/// keyframes of all drives that links hold together, with the drives' own loops and gravity, in
+/// which graduated non-convexity doubts the links; all these drives adjusted at once, each as its
+/// own refinement allows (AdjustJointly); then each such group is placed on Earth by the GNSS of
+/// its drives, rigidly. Kept is the largest set of drives that hang together by links or by GNSS
+/// (of equal ones that with the longest way); a drive that does not is left out with a reason.
+/// `site` is the datum's tangent plane where a kept drive has GNSS, else the odometry frame of the
+/// first kept drive. A single drive is only placed.
+DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops,
+                     const SessionLoopOptions& links, const PairFindings& known = {});
 
 /// \param names  of the drives
 nlohmann::json ToJson(const DriveJoin& join, const std::vector<std::string>& names);

@@ -2,80 +2,87 @@
 
 #include <algorithm>
 
-#include "core/binary_exchange.h"
+#include "core/binary_serialization.h"
 
 namespace parkade {
 
 // Found by argument-dependent lookup, hence in the types' own namespace.
 template <typename A>
-void Exchange(A& archive, CameraPairInliers& inliers) {
+void Serialize(A& archive, CameraPairInliers& inliers) {
   archive(inliers.camera_a, inliers.camera_b, inliers.count);
 }
 template <typename A>
-void Exchange(A& archive, RelativePose& pose) {
-  archive(pose.a_from_b, pose.information, pose.num_matches, pose.num_inliers, pose.num_camera_pairs,
-          pose.num_first_inliers, pose.inliers_of_cameras, pose.residual, pose.worst_sigma, pose.rejected);
+void Serialize(A& archive, RelativePose& pose) {
+  archive(pose.a_from_b, pose.information, pose.num_matches, pose.num_inliers,
+          pose.num_camera_pairs, pose.num_first_inliers, pose.inliers_of_cameras, pose.residual,
+          pose.worst_sigma, pose.rejected);
 }
 template <typename A>
-void Exchange(A& archive, LoopEvidence& loop) {
-  archive(loop.id, loop.earlier_place, loop.later_place, loop.earlier_camera, loop.later_camera, loop.earlier_view,
-          loop.later_view, loop.earlier, loop.later, loop.way, loop.score, loop.pose, loop.earlier_from_camera,
-          loop.later_from_camera, loop.is_forced, loop.share, loop.chi_squared, loop.weight,
-          loop.odometry_disagreement);
+void Serialize(A& archive, LoopEvidence& loop) {
+  archive(loop.id, loop.earlier_keyframe, loop.later_keyframe, loop.earlier_camera,
+          loop.later_camera, loop.earlier_view, loop.later_view, loop.earlier, loop.later, loop.way,
+          loop.score, loop.pose, loop.earlier_from_camera, loop.later_from_camera, loop.is_forced,
+          loop.share, loop.chi_squared, loop.weight, loop.odometry_disagreement);
 }
 template <typename A>
-void Exchange(A& archive, LoopClosure& closure) {
-  archive(closure.odom_from_body, closure.loops, closure.num_places, closure.num_accepted, closure.largest_correction);
+void Serialize(A& archive, LoopClosure& closure) {
+  archive(closure.odom_from_body, closure.loops, closure.num_keyframes, closure.num_accepted,
+          closure.largest_correction);
 }
 template <typename A>
-void Exchange(A& archive, AdjustmentStatistics& statistics) {
-  archive(statistics.imu, statistics.wheels, statistics.bearings, statistics.loops, statistics.unused_loops,
-          statistics.gnss, statistics.unused_bearings, statistics.num_bearings, statistics.num_landmarks);
+void Serialize(A& archive, AdjustmentStatistics& statistics) {
+  archive(statistics.imu, statistics.wheels, statistics.bearings, statistics.loops,
+          statistics.unused_loops, statistics.gnss, statistics.unused_bearings,
+          statistics.num_bearings, statistics.num_landmarks);
 }
 template <typename A>
-void Exchange(A& archive, CameraRefinement& camera) {
+void Serialize(A& archive, CameraRefinement& camera) {
   archive(camera.name, camera.rotation, camera.translation, camera.time_offset, camera.is_taken);
 }
 template <typename A>
-void Exchange(A& archive, BendingModes& modes) {
+void Serialize(A& archive, CovarianceModes& modes) {
   archive(modes.times, modes.modes);
 }
 template <typename A>
-void Exchange(A& archive, DriveRefinement& refinement) {
-  archive(refinement.odom_from_body, refinement.is_accepted, refinement.reason, refinement.before, refinement.after,
-          refinement.cameras, refinement.wheel_scale, refinement.num_knots, refinement.num_fixes, refinement.num_loops,
-          refinement.num_held_out, refinement.num_pieces, refinement.num_iterations, refinement.largest_correction,
+void Serialize(A& archive, DriveRefinement& refinement) {
+  archive(refinement.odom_from_body, refinement.is_accepted, refinement.reason, refinement.before,
+          refinement.after, refinement.cameras, refinement.wheel_scale, refinement.num_nodes,
+          refinement.num_fixes, refinement.num_loops, refinement.num_held_out,
+          refinement.num_pieces, refinement.num_iterations, refinement.largest_correction,
           refinement.modes);
   std::uint64_t num_cameras = refinement.rig.cameras.size();
   archive(num_cameras);
-  Require(num_cameras == refinement.rig.cameras.size(), ErrorCode::kInvalidInput, "it is of another rig");
+  Require(num_cameras == refinement.rig.cameras.size(), ErrorCode::kInvalidInput,
+          "it is of another rig");
   for (RigCamera& camera : refinement.rig.cameras)
     archive(camera.body_from_camera, camera.time_shift, camera.line_delay);
 }
 template <typename A>
-void Exchange(A& archive, PlaceFeature& feature) {
-  archive(feature.camera, feature.origin, feature.bearing, feature.sigma, feature.point, feature.depth_sigma);
+void Serialize(A& archive, KeyframeFeature& feature) {
+  archive(feature.camera, feature.origin, feature.bearing, feature.sigma, feature.point,
+          feature.depth_sigma);
 }
 template <typename A>
-void Exchange(A& archive, Place& place) {
-  archive(place.time, place.distance, place.odom_from_place, place.features, place.descriptors, place.views);
+void Serialize(A& archive, RigKeyframe& keyframe) {
+  archive(keyframe.time, keyframe.distance, keyframe.odom_from_keyframe, keyframe.features,
+          keyframe.descriptors, keyframe.views);
 }
 template <typename A>
-void Exchange(A& archive, PlaceLink& link) {
-  archive(link.place_a, link.place_b, link.score, link.pose);
+void Serialize(A& archive, SessionLoop& link) {
+  archive(link.keyframe_a, link.keyframe_b, link.score, link.pose);
 }
 template <typename A>
-void Exchange(A& archive, FloorAgreement& agreement) {
+void Serialize(A& archive, BevAgreement& agreement) {
   archive(agreement.num_tiles, agreement.num_best);
 }
 template <typename A>
-void Exchange(A& archive, FloorEvidence& floor) {
+void Serialize(A& archive, BevEvidence& floor) {
   archive(floor.within, floor.across);
 }
 template <typename A>
-void Exchange(A& archive, DriveLinks& links) {
-  archive(links.links, links.num_candidates, links.num_measured, links.num_agreeing, links.num_rivals, links.rejected,
-          links.floor);
+void Serialize(A& archive, SessionLoops& links) {
+  archive(links.links, links.num_candidates, links.num_measured, links.num_agreeing,
+          links.num_rivals, links.rejected, links.floor);
 }
 
 namespace {
@@ -109,46 +116,49 @@ DriveRefinement DecodeRefinement(std::string_view bytes, const Rig& rig) {
   return Decode(bytes, std::move(refinement));
 }
 
-PlacesEncoder::PlacesEncoder(size_t num_places, std::function<void(std::string_view)> sink) : sink_(std::move(sink)) {
-  std::uint64_t count = num_places;
+KeyframesEncoder::KeyframesEncoder(size_t num_keyframes, std::function<void(std::string_view)> sink)
+    : sink_(std::move(sink)) {
+  std::uint64_t count = num_keyframes;
   sink_(Encode(count));
   floors_.Append(Encode(count));
 }
 
-void PlacesEncoder::Add(Place place) {
-  sink_(Encode(place));
-  floors_.Append(Encode(place.floor));
+void KeyframesEncoder::Add(RigKeyframe keyframe) {
+  sink_(Encode(keyframe));
+  floors_.Append(Encode(keyframe.floor));
 }
 
-void PlacesEncoder::Finish() {
+void KeyframesEncoder::Finish() {
   for (std::uint64_t offset = 0; offset < floors_.size();) {
-    const std::string piece = floors_.Read(offset, std::min<std::uint64_t>(floors_.size() - offset, kPieceBytes));
+    const std::string piece =
+        floors_.Read(offset, std::min<std::uint64_t>(floors_.size() - offset, kPieceBytes));
     sink_(piece);
     offset += piece.size();
   }
 }
 
-std::string EncodePlaces(const std::vector<Place>& places) {
+std::string EncodeKeyframes(const std::vector<RigKeyframe>& keyframes) {
   std::string bytes;
-  PlacesEncoder encoder(places.size(), [&bytes](std::string_view piece) { bytes += piece; });
-  for (const Place& place : places) encoder.Add(place);
+  KeyframesEncoder encoder(keyframes.size(), [&bytes](std::string_view piece) { bytes += piece; });
+  for (const RigKeyframe& keyframe : keyframes) encoder.Add(keyframe);
   encoder.Finish();
   return bytes;
 }
 
-std::vector<Place> DecodePlaces(std::string_view bytes) {
+std::vector<RigKeyframe> DecodeKeyframes(std::string_view bytes) {
   BinaryReader reader(bytes);
-  std::vector<Place> places;
-  reader(places);
-  if (reader.is_at_end()) return places;  // of a version that knew no floors
+  std::vector<RigKeyframe> keyframes;
+  reader(keyframes);
+  if (reader.is_at_end()) return keyframes;  // of a version that knew no floors
   std::vector<cv::Mat> floors;
   reader(floors);
-  Require(reader.is_at_end() && floors.size() == places.size(), ErrorCode::kInvalidInput, "its floors do not fit");
-  for (size_t i = 0; i < places.size(); ++i) places[i].floor = floors[i];
-  return places;
+  Require(reader.is_at_end() && floors.size() == keyframes.size(), ErrorCode::kInvalidInput,
+          "its floors do not fit");
+  for (size_t i = 0; i < keyframes.size(); ++i) keyframes[i].floor = floors[i];
+  return keyframes;
 }
 
-std::string EncodeLinks(DriveLinks links) { return Encode(links); }
-DriveLinks DecodeLinks(std::string_view bytes) { return Decode<DriveLinks>(bytes); }
+std::string EncodeLinks(SessionLoops links) { return Encode(links); }
+SessionLoops DecodeLinks(std::string_view bytes) { return Decode<SessionLoops>(bytes); }
 
 }  // namespace parkade

@@ -11,27 +11,29 @@
 
 namespace parkade {
 
-/// Everything the odometry measured, so that the whole drive can be adjusted at once. It lies on disk, where the drive
-/// may be as long as it likes; only the knots' states are in memory.
+/// Everything the odometry measured, so that the whole drive can be adjusted at once. It lies on
+/// disk, where the drive may be as long as it likes; only the nodes' states are in memory.
 class DriveMeasurements {
  public:
   explicit DriveMeasurements(const ImuCalibration& imu) : imu_(imu) {}
 
-  /// \param interval  what IMU and wheels say about the way from the knot before; empty at the first
-  void AddKnot(const RecordedKnot& knot, const std::optional<KnotInterval>& interval);
-  void AddKnot(const RecordedKnot& knot, std::optional<RecordedInterval> interval);
-  /// In order of their first knot.
+  /// \param interval  what IMU and wheels say about the way from the node before; empty at the
+  /// first
+  void AddNode(const RecordedNode& node, const std::optional<NodeInterval>& interval);
+  void AddNode(const RecordedNode& node, std::optional<RecordedInterval> interval);
+  /// In order of their first node.
   void AddImage(RecordedImage image);
 
   // From disk, by index. Several threads may read at once.
-  std::optional<KnotInterval> IntervalBefore(size_t knot) const;
+  std::optional<NodeInterval> IntervalBefore(size_t node) const;
   RecordedImage Image(size_t image) const;
   size_t num_images() const { return images_.size(); }
   // As BinaryWriter encodes std::optional<RecordedInterval> and RecordedImage.
-  std::string IntervalBytes(size_t knot) const { return intervals_.Bytes(knot); }
+  std::string IntervalBytes(size_t node) const { return intervals_.Bytes(node); }
   std::string ImageBytes(size_t image) const { return images_.Bytes(image); }
 
-  std::vector<RecordedKnot> knots;  ///< in order, numbers without gaps; AddKnot adds, states may be corrected
+  std::vector<RecordedNode>
+      nodes;  ///< in order, numbers without gaps; AddNode adds, states may be corrected
   SharedFindings shared;
 
  private:

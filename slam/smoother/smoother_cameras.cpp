@@ -11,7 +11,7 @@ namespace {
 
 using Kind = StateName::Kind;
 
-constexpr double kHeld = 1;                    // sigma of what is not estimated: its Jacobians are zero
+constexpr double kHeld = 1;  // sigma of what is not estimated: its Jacobians are zero
 constexpr double kMinTranslationSigma = 1e-3;  // [m]
 // Sensors this near to each other are one piece: the head may sit askew, its parts do not.
 constexpr double kHeadSize = 1.0;          // [m]
@@ -46,11 +46,12 @@ void FixedLagSmoother::AddCameras(const Rig& rig) {
     settings.has_extrinsics = options.extrinsics;
     settings.has_time_offset = options.time_offset;
     settings.has_line_delay = options.line_delay && camera.line_delay != 0;
-    const double translation =
-        std::clamp(options.translation_share * ArmOf(rig, i), kMinTranslationSigma, options.translation);
+    const double translation = std::clamp(options.translation_share * ArmOf(rig, i),
+                                          kMinTranslationSigma, options.translation);
     const double head_share = std::min(1.0, rig.ImuFromCamera(i).translation.norm() / kHeadSize);
-    settings.prior = {std::max(kHeadRotation, head_share * options.rotation_deg * M_PI / 180), translation,
-                      options.time_offset_sigma, options.line_delay_share * std::abs(camera.line_delay)};
+    settings.prior = {std::max(kHeadRotation, head_share * options.rotation_deg * M_PI / 180),
+                      translation, options.time_offset_sigma,
+                      options.line_delay_share * std::abs(camera.line_delay)};
   }
 }
 
@@ -71,8 +72,9 @@ void FixedLagSmoother::AddPriorOfCameras() {
     extrinsics << Eigen::Vector3d::Constant(settings.prior.rotation),
         Eigen::Vector3d::Constant(settings.prior.translation);
     add({Kind::kExtrinsics, camera}, extrinsics);
-    add({Kind::kTiming, camera}, Eigen::Vector2d(settings.has_time_offset ? settings.prior.time_offset : kHeld,
-                                                 settings.has_line_delay ? settings.prior.line_delay : kHeld));
+    add({Kind::kTiming, camera},
+        Eigen::Vector2d(settings.has_time_offset ? settings.prior.time_offset : kHeld,
+                        settings.has_line_delay ? settings.prior.line_delay : kHeld));
   }
   for (size_t i = 0; i < cameras_.size(); ++i)
     for (size_t j = i + 1; j < cameras_.size(); ++j) AddPriorOfPair(i, j);
@@ -86,14 +88,19 @@ void FixedLagSmoother::AddPriorOfPair(size_t i, size_t j) {
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(width + kPoseTangentSize, width);
   rows.topRows(width) = prior_.sqrt_information;
   const auto fill = [&](size_t camera, const Rigid3& imu_from_camera, double sign) {
-    const Eigen::Index column = prior_.ColumnOf({Kind::kExtrinsics, static_cast<std::int64_t>(camera)});
-    rows.block<3, 3>(width, column) = sign / kHeadRotation * imu_from_camera.rotation.toRotationMatrix();
-    rows.block<3, 3>(width + 3, column + 3) = sign / (kHeadTranslation * distance) * Eigen::Matrix3d::Identity();
+    const Eigen::Index column =
+        prior_.ColumnOf({Kind::kExtrinsics, static_cast<std::int64_t>(camera)});
+    rows.block<3, 3>(width, column) =
+        sign / kHeadRotation * imu_from_camera.rotation.toRotationMatrix();
+    rows.block<3, 3>(width + 3, column + 3) =
+        sign / (kHeadTranslation * distance) * Eigen::Matrix3d::Identity();
   };
   fill(i, first, 1);
   fill(j, second, -1);
-  prior_.sqrt_information =
-      Eigen::HouseholderQR<Eigen::MatrixXd>(rows).matrixQR().topRows(width).triangularView<Eigen::Upper>();
+  prior_.sqrt_information = Eigen::HouseholderQR<Eigen::MatrixXd>(rows)
+                                .matrixQR()
+                                .topRows(width)
+                                .triangularView<Eigen::Upper>();
 }
 
 CameraSigmas FixedLagSmoother::SigmasOf(int camera) const {
@@ -115,7 +122,8 @@ CameraSigmas FixedLagSmoother::SigmasOf(int camera) const {
 
 void FixedLagSmoother::UpdateCameraNoise() {
   std::vector<std::vector<double>> squared_errors(camera_noise_scales_.size());
-  std::vector<double> share(camera_noise_scales_.size(), 0);  // of the errors that landmarks absorbed
+  std::vector<double> share(camera_noise_scales_.size(),
+                            0);  // of the errors that landmarks absorbed
   for (const auto& [number, track] : tracks_) {
     if (!track.has_landmark) continue;
     for (const TrackObservation& seen : track.observations) {
@@ -131,12 +139,13 @@ void FixedLagSmoother::UpdateCameraNoise() {
   for (size_t camera = 0; camera < squared_errors.size(); ++camera) {
     std::vector<double>& errors = squared_errors[camera];
     if (errors.size() < kMinErrorsForNoise) continue;
-    std::nth_element(errors.begin(), errors.begin() + static_cast<long>(errors.size() / 2), errors.end());
+    std::nth_element(errors.begin(), errors.begin() + static_cast<long>(errors.size() / 2),
+                     errors.end());
     const double freedom = std::max(0.2, 1 - share[camera] / static_cast<double>(errors.size()));
     const double variance = errors[errors.size() / 2] / kMedianOfChiSquared2 / freedom;
     double& scale = camera_noise_scales_[camera];
-    scale =
-        std::clamp(std::sqrt((1 - kNoiseGain) * scale * scale + kNoiseGain * variance), kMinNoiseScale, kMaxNoiseScale);
+    scale = std::clamp(std::sqrt((1 - kNoiseGain) * scale * scale + kNoiseGain * variance),
+                       kMinNoiseScale, kMaxNoiseScale);
   }
 }
 

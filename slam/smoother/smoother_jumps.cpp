@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "slam/factors/fit_turn.h"
+#include "slam/factors/fit_rotation.h"
 #include "slam/smoother/fixed_lag_smoother.h"
 
 namespace parkade {
@@ -12,10 +12,12 @@ namespace {
 using Kind = StateName::Kind;
 
 constexpr double kMinTurn = 0.5 * M_PI / 180;  // [rad] that is no error of the motion
-constexpr double kMaxErrorLeft = 0.3;          // share of the error that the turn may leave unexplained
-constexpr double kOthersShare = 0.3;           // of that turn, by which other cameras may seem to turn at most
-constexpr double kMinSpread = 0.15;            // of the pairs: a car behind fills many tracks, but not the view
-constexpr double kTurnSigma = 0.01;            // [rad] of the new rotation, plus a share of the turn
+constexpr double kMaxErrorLeft = 0.3;  // share of the error that the turn may leave unexplained
+constexpr double kOthersShare =
+    0.3;  // of that turn, by which other cameras may seem to turn at most
+constexpr double kMinSpread =
+    0.15;  // of the pairs: a car behind fills many tracks, but not the view
+constexpr double kTurnSigma = 0.01;  // [rad] of the new rotation, plus a share of the turn
 constexpr double kTurnShare = 0.2;
 constexpr double kShiftSigma = 0.02;  // [m] by which the camera may have moved
 
@@ -26,32 +28,37 @@ void FixedLagSmoother::LookForJumps(size_t first_new_view) {
   for (const auto& [number, track] : tracks_) {
     if (!track.has_landmark) continue;
     for (auto seen = track.observations.rbegin(); seen != track.observations.rend(); ++seen) {
-      const auto is_new = std::any_of(views_.begin() + static_cast<long>(first_new_view), views_.end(),
-                                      [&](const WindowView& view) { return &view == seen->view; });
+      const auto is_new =
+          std::any_of(views_.begin() + static_cast<long>(first_new_view), views_.end(),
+                      [&](const WindowView& view) { return &view == seen->view; });
       if (!is_new) break;
-      const Eigen::Vector3d direction =
-          LandmarkInCamera(seen->view->geometry, track.ray, track.landmark.data(), seen->bearing.row);
+      const Eigen::Vector3d direction = LandmarkInCamera(seen->view->geometry, track.ray,
+                                                         track.landmark.data(), seen->bearing.row);
       seen_in[seen->view].push_back({direction.normalized(), seen->bearing.direction});
     }
   }
   std::vector<std::pair<const WindowView*, Turn>> turns;  // in the order of the views
   for (size_t i = first_new_view; i < views_.size(); ++i)
     if (const auto found = seen_in.find(&views_[i]); found != seen_in.end())
-      if (const std::optional<Turn> turn = FitTurn(found->second)) turns.emplace_back(&views_[i], *turn);
+      if (const std::optional<Turn> turn = FitRotation(found->second))
+        turns.emplace_back(&views_[i], *turn);
   for (const auto& [view, turn] : turns) {
-    if (turn.angle < kMinTurn || turn.error_after > kMaxErrorLeft * turn.error_before || turn.spread < kMinSpread)
+    if (turn.angle < kMinTurn || turn.error_after > kMaxErrorLeft * turn.error_before ||
+        turn.spread < kMinSpread)
       continue;
     const bool is_alone =
         turns.size() > 1 && std::all_of(turns.begin(), turns.end(), [&](const auto& other) {
-          return other.first->camera == view->camera || other.second.angle < kOthersShare * turn.angle;
+          return other.first->camera == view->camera ||
+                 other.second.angle < kOthersShare * turn.angle;
         });
     if (!is_alone) continue;
-    TurnCamera(*view, turn.measured_from_predicted);
+    RotateCamera(*view, turn.measured_from_predicted);
     jumps_.push_back({view->time, view->camera, turn.angle});
   }
 }
 
-void FixedLagSmoother::TurnCamera(const WindowView& first_view, const Eigen::Quaterniond& new_from_old) {
+void FixedLagSmoother::RotateCamera(const WindowView& first_view,
+                                    const Eigen::Quaterniond& new_from_old) {
   const int camera = first_view.camera;
   for (auto& [number, track] : tracks_) {
     std::erase_if(track.observations, [&](const TrackObservation& seen) {
@@ -61,7 +68,8 @@ void FixedLagSmoother::TurnCamera(const WindowView& first_view, const Eigen::Qua
   }
   const auto turned = [&](auto& pose_block) {
     const Rigid3 pose = PoseFromParameters(pose_block.data());
-    PoseToParameters({(pose.rotation * new_from_old.conjugate()).normalized(), pose.translation}, pose_block.data());
+    PoseToParameters({(pose.rotation * new_from_old.conjugate()).normalized(), pose.translation},
+                     pose_block.data());
   };
   if (IsEstimated({Kind::kExtrinsics, camera})) {
     const double angle = new_from_old.angularDistance(Eigen::Quaterniond::Identity());
@@ -70,7 +78,7 @@ void FixedLagSmoother::TurnCamera(const WindowView& first_view, const Eigen::Qua
       if (block.name == StateName{Kind::kExtrinsics, camera}) turned(block.at);
   }
   turned(cameras_[static_cast<size_t>(camera)].extrinsics);
-  PointViewsAtKnots();
+  PointViewsAtNodes();
 }
 
 // The old extrinsics c leave the prior, the new ones c' enter it: c' = c, turned, + noise.
@@ -78,10 +86,12 @@ void FixedLagSmoother::ReopenExtrinsics(int camera, const Eigen::Quaterniond& ne
                                         const CameraSigmas& sigmas) {
   constexpr Eigen::Index kOwn = kPoseTangentSize;
   const StateName name{Kind::kExtrinsics, camera};
-  const Eigen::Index width = prior_.sqrt_information.cols(), height = prior_.sqrt_information.rows();
+  const Eigen::Index width = prior_.sqrt_information.cols(),
+                     height = prior_.sqrt_information.rows();
   const Eigen::Index column = prior_.ColumnOf(name);
   Eigen::Vector<double, 6> weight;
-  weight << Eigen::Vector3d::Constant(1 / sigmas.rotation), Eigen::Vector3d::Constant(1 / sigmas.translation);
+  weight << Eigen::Vector3d::Constant(1 / sigmas.rotation),
+      Eigen::Vector3d::Constant(1 / sigmas.translation);
   Eigen::Matrix<double, 6, 6> carry = Eigen::Matrix<double, 6, 6>::Identity();
   carry.topLeftCorner<3, 3>() = new_from_old.toRotationMatrix();
 
@@ -97,14 +107,17 @@ void FixedLagSmoother::ReopenExtrinsics(int camera, const Eigen::Quaterniond& ne
   const Eigen::MatrixXd root = qr.matrixQR().triangularView<Eigen::Upper>();
 
   std::vector<Eigen::Index> place;  // of the old states among the columns
-  for (Eigen::Index k = 0; k < width; ++k) place.push_back(k >= column && k < column + kOwn ? k - column : kOwn + k);
+  for (Eigen::Index k = 0; k < width; ++k)
+    place.push_back(k >= column && k < column + kOwn ? k - column : kOwn + k);
   const Eigen::MatrixXd link = rows.block(height, 0, kOwn, kOwn + width);
   Eigen::MatrixXd score_covariance = link.transpose() * link;
   score_covariance(place, place) += prior_.score_covariance;
-  Eigen::MatrixXd score_sensitivity = Eigen::MatrixXd::Zero(kOwn + width, prior_.score_sensitivity.cols());
+  Eigen::MatrixXd score_sensitivity =
+      Eigen::MatrixXd::Zero(kOwn + width, prior_.score_sensitivity.cols());
   score_sensitivity(place, Eigen::all) = prior_.score_sensitivity;
-  ScoreElimination scores = EliminateScores(score_covariance, score_sensitivity, root.topLeftCorner(kOwn, kOwn),
-                                            root.block(0, kOwn, kOwn, width));
+  ScoreElimination scores =
+      EliminateScores(score_covariance, score_sensitivity, root.topLeftCorner(kOwn, kOwn),
+                      root.block(0, kOwn, kOwn, width));
 
   StateConditional old{{},
                        root.topLeftCorner(kOwn, kOwn).cast<float>(),
@@ -118,7 +131,8 @@ void FixedLagSmoother::ReopenExtrinsics(int camera, const Eigen::Quaterniond& ne
     if (block.name != name) continue;
     old.states.push_back(block);  // as it was
     const Rigid3 pose = PoseFromParameters(block.at.data());
-    PoseToParameters({(pose.rotation * new_from_old.conjugate()).normalized(), pose.translation}, block.at.data());
+    PoseToParameters({(pose.rotation * new_from_old.conjugate()).normalized(), pose.translation},
+                     block.at.data());
   }
   reopened_.push_back(std::move(old));
   const Eigen::Index kept = std::min(width, root.rows() - kOwn);

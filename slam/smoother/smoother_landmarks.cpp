@@ -22,11 +22,11 @@ Bearing FixedLagSmoother::BearingOf(const FeatureObservation& seen, int camera) 
 }
 
 bool FixedLagSmoother::StartLandmark(Track& track) {
-  std::vector<SightRay> rays;
+  std::vector<ObservationRay> rays;
   for (const TrackObservation& seen : track.observations) {
     const Rigid3 odom_from_camera = seen.view->geometry.OdomFromCamera(seen.bearing.row);
-    rays.push_back(
-        {odom_from_camera.translation, odom_from_camera.rotation * seen.bearing.direction, seen.bearing.sigma});
+    rays.push_back({odom_from_camera.translation,
+                    odom_from_camera.rotation * seen.bearing.direction, seen.bearing.sigma});
   }
   const std::optional<Triangulated> point = Triangulate(rays, kStartError, options_.min_distance);
   if (!point) return false;
@@ -41,7 +41,8 @@ bool FixedLagSmoother::StartLandmark(Track& track) {
 void FixedLagSmoother::StartLandmarks() {
   std::vector<const WindowView*> newest(cameras_.size(), nullptr);
   for (const WindowView& view : views_) newest[static_cast<size_t>(view.camera)] = &view;
-  const auto num_seeing = std::count_if(newest.begin(), newest.end(), [](const WindowView* view) { return view; });
+  const auto num_seeing =
+      std::count_if(newest.begin(), newest.end(), [](const WindowView* view) { return view; });
   if (num_seeing == 0) return;
   const auto is_seen_now = [&](const Track& track) {
     return !track.observations.empty() &&
@@ -57,8 +58,9 @@ void FixedLagSmoother::StartLandmarks() {
     else if (track.observations.size() >= kMinObservations)
       candidates.push_back(&track);
   }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Track* a, const Track* b) { return a->observations.size() > b->observations.size(); });
+  std::stable_sort(candidates.begin(), candidates.end(), [](const Track* a, const Track* b) {
+    return a->observations.size() > b->observations.size();
+  });
   for (Track* track : candidates) {
     long& left = budget[static_cast<size_t>(track->camera)];
     if (left > 0 && StartLandmark(*track)) --left;
@@ -73,12 +75,14 @@ void FixedLagSmoother::Restart(Track& track) {
 
 bool FixedLagSmoother::RejectOutliersOf(Track& track) {
   if (track.landmark[2] < 0) track.landmark[2] = 0;
-  if (track.landmark[2] > 1 / options_.min_distance || !std::isfinite(track.landmark[2])) return false;
+  if (track.landmark[2] > 1 / options_.min_distance || !std::isfinite(track.landmark[2]))
+    return false;
   const double limit = options_.max_bearing_error * options_.max_bearing_error;
   std::erase_if(track.observations, [&](const TrackObservation& seen) {
     const Eigen::Vector3d direction =
         LandmarkInCamera(seen.view->geometry, track.ray, track.landmark.data(), seen.bearing.row);
-    const Eigen::Vector2d error = seen.bearing.basis.transpose() * direction.normalized() / seen.bearing.sigma;
+    const Eigen::Vector2d error =
+        seen.bearing.basis.transpose() * direction.normalized() / seen.bearing.sigma;
     return !(direction.dot(seen.bearing.direction) > 0 && error.squaredNorm() < limit);
   });
   if (track.observations.size() < 2) return false;
@@ -115,7 +119,7 @@ void FixedLagSmoother::FinishLandmark(const Track& track) {
   const double inverse_distance_sigma = std::sqrt(information.inverse()(2, 2));
   const double sigma = inverse_distance_sigma / (inverse_distance * inverse_distance);
   if (!std::isfinite(sigma)) return;
-  finished_landmarks_.push_back({knots_.front().number, track.first_time, track.camera,
+  finished_landmarks_.push_back({nodes_.front().number, track.first_time, track.camera,
                                  track.ray.Point(track.landmark.data()), sigma,
                                  track.num_consumed + static_cast<int>(track.observations.size())});
 }

@@ -8,38 +8,38 @@
 
 #include "slam/factors/bearing_cost.h"
 #include "slam/factors/imu_preintegration.h"
-#include "slam/factors/knot_parameters.h"
+#include "slam/factors/node_parameters.h"
 #include "slam/factors/wheel_preintegration.h"
-#include "slam/smoother/knot_conditional.h"
+#include "slam/smoother/node_conditional.h"
 #include "slam/tracking/feature_track.h"
 
 namespace parkade {
 
-/// What the sensors say about the time from one knot to the next.
-struct KnotInterval {
+/// What the sensors say about the time from one node to the next.
+struct NodeInterval {
   ImuPreintegration imu;
   std::optional<WheelPreintegration> wheels;
   bool is_still = false;  ///< the car stood
 };
 
 /// An instant whose state is estimated.
-struct Knot {
+struct StateNode {
   std::int64_t number = 0;
   Timestamp time;
   std::array<double, kPoseSize> pose{};
   std::array<double, kMotionSize> motion{};
-  std::optional<KnotInterval> interval;  ///< since the knot before; empty at the very first
+  std::optional<NodeInterval> interval;  ///< since the node before; empty at the very first
 
   MotionState State() const { return StateFromParameters(time, pose.data(), motion.data()); }
 };
 
-/// One image in the window. Knots are named by number; the pointers of
+/// One image in the window. Nodes are named by number; the pointers of
 /// `geometry` are set for as long as they are needed.
 struct WindowView {
   Timestamp time;
   int camera = 0;
-  std::int64_t first_knot = 0;
-  std::optional<std::int64_t> second_knot;  ///< empty: the image is at the first knot
+  std::int64_t first_node = 0;
+  std::optional<std::int64_t> second_node;  ///< empty: the image is at the first node
   ImageView geometry;
   Eigen::Vector3d angular_velocity;  ///< [rad/s] as the gyroscope says, bias included
 };
@@ -67,13 +67,14 @@ struct Track {
 /// An image on its way into the window.
 struct NewImage {
   TrackedFrame frame;
-  KnotInterpolation interpolation;                             ///< within the interval before the new knot
-  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< [rad/s] as the gyroscope says, bias included
+  NodeInterpolation interpolation;  ///< within the interval before the new node
+  Eigen::Vector3d angular_velocity =
+      Eigen::Vector3d::Zero();  ///< [rad/s] as the gyroscope says, bias included
 };
 
 /// A point that left the window.
 struct FinishedLandmark {
-  std::int64_t knot = 0;  ///< the knot that left with it: the point moves with that
+  std::int64_t node = 0;  ///< the node that left with it: the point moves with that
   Timestamp time;         ///< first seen
   int camera = 0;
   Eigen::Vector3d point_in_odom;  ///< [m]
@@ -81,14 +82,14 @@ struct FinishedLandmark {
   int num_observations = 0;
 };
 
-/// A knot that left the window: only SmoothBackwards will correct its state.
-struct FinishedKnot {
+/// A node that left the window: only SmoothBackwards will correct its state.
+struct FinishedNode {
   std::int64_t number = 0;
   MotionState state;
-  std::optional<KnotInterval> interval;  ///< since the knot before
+  std::optional<NodeInterval> interval;  ///< since the node before
   Eigen::Matrix<double, 6, 6> covariance =
       Eigen::Matrix<double, 6, 6>::Zero();  ///< [rotation in imu, position in odom]
-  KnotConditionals conditionals;
+  NodeConditionals conditionals;
 };
 
 }  // namespace parkade

@@ -1,4 +1,4 @@
-// The non-linear solve of FixedLagSmoother: one Ceres problem per knot.
+// The non-linear solve of FixedLagSmoother: one Ceres problem per node.
 #include <ceres/ceres.h>
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 namespace parkade {
 namespace {
 
-/// Of the diagonal, 1 / this is added: enough for landmarks at infinity, and little enough for four iterations to move
-/// what only the sum of all measurements tells, as scale on a straight road.
+/// Of the diagonal, 1 / this is added: enough for landmarks at infinity, and little enough for four
+/// iterations to move what only the sum of all measurements tells, as scale on a straight road.
 constexpr double kTrustRegion = 1e7;
 
 /// Recomputes the pose of each image once per evaluation instead of once per
@@ -37,7 +37,8 @@ class ParameterArena {
   explicit ParameterArena(size_t capacity) { values_.reserve(capacity); }
 
   bool IsFinite() const {
-    return std::all_of(values_.begin(), values_.end(), [](double value) { return std::isfinite(value); });
+    return std::all_of(values_.begin(), values_.end(),
+                       [](double value) { return std::isfinite(value); });
   }
 
   template <size_t N>
@@ -74,7 +75,7 @@ ceres::Solver::Options SolverOptions(int max_iterations) {
 
 using Kind = StateName::Kind;
 
-struct KnotBlocks {
+struct NodeBlocks {
   double* pose;
   double* motion;
 };
@@ -95,11 +96,12 @@ SolveSummary FixedLagSmoother::SolveWindow(int max_iterations) {
   ceres::Solver::Options solver = SolverOptions(max_iterations);
   ceres::Problem problem(ProblemOptions(&callback));
 
-  ParameterArena arena(knots_.size() * (kPoseSize + kMotionSize) + 1 + cameras_.size() * (kPoseSize + kTimingSize) +
+  ParameterArena arena(nodes_.size() * (kPoseSize + kMotionSize) + 1 +
+                       cameras_.size() * (kPoseSize + kTimingSize) +
                        tracks_.size() * kLandmarkSize);
-  std::vector<KnotBlocks> blocks;
-  for (const Knot& knot : knots_) {
-    blocks.push_back({arena.Add(knot.pose), arena.Add(knot.motion)});
+  std::vector<NodeBlocks> blocks;
+  for (const StateNode& node : nodes_) {
+    blocks.push_back({arena.Add(node.pose), arena.Add(node.motion)});
     problem.AddParameterBlock(blocks.back().pose, kPoseSize, &manifold);
     problem.AddParameterBlock(blocks.back().motion, kMotionSize);
     solver.linear_solver_ordering->AddElementToGroup(blocks.back().pose, 1);
@@ -109,7 +111,7 @@ SolveSummary FixedLagSmoother::SolveWindow(int max_iterations) {
   problem.AddParameterBlock(wheel_scale, 1);
   solver.linear_solver_ordering->AddElementToGroup(wheel_scale, 1);
   const auto blocks_of = [&](std::int64_t number) {
-    return blocks[static_cast<size_t>(number - knots_.front().number)];
+    return blocks[static_cast<size_t>(number - nodes_.front().number)];
   };
 
   std::vector<CameraBlocks> cameras;
@@ -118,7 +120,8 @@ SolveSummary FixedLagSmoother::SolveWindow(int max_iterations) {
       double* block = arena.Add(values);
       problem.AddParameterBlock(block, static_cast<int>(values.size()), on);
       solver.linear_solver_ordering->AddElementToGroup(block, 1);
-      if (!IsEstimated({kind, static_cast<std::int64_t>(i)})) problem.SetParameterBlockConstant(block);
+      if (!IsEstimated({kind, static_cast<std::int64_t>(i)}))
+        problem.SetParameterBlockConstant(block);
       return block;
     };
     double* extrinsics = add(cameras_[i].extrinsics, Kind::kExtrinsics, &manifold);
@@ -137,8 +140,8 @@ SolveSummary FixedLagSmoother::SolveWindow(int max_iterations) {
   };
 
   for (WindowView& view : views_) {
-    view.geometry.first_pose = blocks_of(view.first_knot).pose;
-    if (view.second_knot) view.geometry.second_pose = blocks_of(*view.second_knot).pose;
+    view.geometry.first_pose = blocks_of(view.first_node).pose;
+    if (view.second_node) view.geometry.second_pose = blocks_of(*view.second_node).pose;
     view.geometry.extrinsics = cameras[static_cast<size_t>(view.camera)].extrinsics;
     view.geometry.timing = cameras[static_cast<size_t>(view.camera)].timing;
   }
@@ -148,19 +151,20 @@ SolveSummary FixedLagSmoother::SolveWindow(int max_iterations) {
   for (const PriorBlock& block : prior_.blocks) prior_blocks.push_back(block_of(block.name));
   problem.AddResidualBlock(costs.back().get(), nullptr, prior_blocks);
 
-  for (size_t j = 1; j < knots_.size(); ++j) {
-    const KnotInterval& interval = *knots_[j].interval;
+  for (size_t j = 1; j < nodes_.size(); ++j) {
+    const NodeInterval& interval = *nodes_[j].interval;
     costs.push_back(std::make_unique<ImuCost>(&interval.imu));
-    problem.AddResidualBlock(costs.back().get(), nullptr, blocks[j - 1].pose, blocks[j - 1].motion, blocks[j].pose,
-                             blocks[j].motion);
+    problem.AddResidualBlock(costs.back().get(), nullptr, blocks[j - 1].pose, blocks[j - 1].motion,
+                             blocks[j].pose, blocks[j].motion);
     if (interval.wheels) {
       costs.push_back(std::make_unique<WheelCost>(*interval.wheels));
-      problem.AddResidualBlock(costs.back().get(), &wheel_loss, blocks[j - 1].pose, blocks[j - 1].motion,
-                               blocks[j].pose, wheel_scale);
+      problem.AddResidualBlock(costs.back().get(), &wheel_loss, blocks[j - 1].pose,
+                               blocks[j - 1].motion, blocks[j].pose, wheel_scale);
     }
     if (interval.is_still) {
       costs.push_back(std::make_unique<StandstillCost>(options_.standstill));
-      problem.AddResidualBlock(costs.back().get(), nullptr, blocks[j - 1].pose, blocks[j].pose, blocks[j].motion);
+      problem.AddResidualBlock(costs.back().get(), nullptr, blocks[j - 1].pose, blocks[j].pose,
+                               blocks[j].motion);
     }
   }
 
@@ -190,18 +194,19 @@ SolveSummary FixedLagSmoother::SolveWindow(int max_iterations) {
   summary.final_cost = ceres_summary.final_cost;
 
   if (ceres_summary.IsSolutionUsable() && arena.IsFinite()) {
-    for (size_t i = 0; i < knots_.size(); ++i) {
-      std::copy_n(blocks[i].pose, kPoseSize, knots_[i].pose.begin());
-      std::copy_n(blocks[i].motion, kMotionSize, knots_[i].motion.begin());
+    for (size_t i = 0; i < nodes_.size(); ++i) {
+      std::copy_n(blocks[i].pose, kPoseSize, nodes_[i].pose.begin());
+      std::copy_n(blocks[i].motion, kMotionSize, nodes_[i].motion.begin());
     }
     wheel_scale_ = *wheel_scale;
     for (size_t i = 0; i < cameras_.size(); ++i) {
       std::copy_n(cameras[i].extrinsics, kPoseSize, cameras_[i].extrinsics.begin());
       std::copy_n(cameras[i].timing, kTimingSize, cameras_[i].timing.begin());
     }
-    for (const auto& [track, values] : landmarks) std::copy_n(values, kLandmarkSize, track->landmark.begin());
+    for (const auto& [track, values] : landmarks)
+      std::copy_n(values, kLandmarkSize, track->landmark.begin());
   }
-  PointViewsAtKnots();
+  PointViewsAtNodes();
   return summary;
 }
 

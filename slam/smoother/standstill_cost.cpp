@@ -11,7 +11,8 @@ void StandstillNoise::Validate() const {
 
 StandstillCost::StandstillCost(const StandstillNoise& noise) : noise_(noise) {}
 
-bool StandstillCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
+bool StandstillCost::Evaluate(double const* const* parameters, double* residuals,
+                              double** jacobians) const {
   Eigen::Map<Eigen::Matrix<double, 9, 1>> residual(residuals);
   const Rigid3 i = PoseFromParameters(parameters[0]), j = PoseFromParameters(parameters[1]);
   const Eigen::Quaterniond i_from_j = i.rotation.conjugate() * j.rotation;
@@ -25,7 +26,8 @@ bool StandstillCost::Evaluate(double const* const* parameters, double* residuals
   if (jacobians[0]) {
     Eigen::Map<Eigen::Matrix<double, 9, 7, Eigen::RowMajor>> jacobian(jacobians[0]);
     jacobian.setZero();
-    jacobian.topLeftCorner<3, 3>() = -d_log * i_from_j.toRotationMatrix().transpose() / noise_.rotation;
+    jacobian.topLeftCorner<3, 3>() =
+        -d_log * i_from_j.toRotationMatrix().transpose() / noise_.rotation;
     jacobian.block<3, 3>(3, 3) = -Eigen::Matrix3d::Identity() / noise_.position;
   }
   if (jacobians[1]) {

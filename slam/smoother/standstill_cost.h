@@ -2,12 +2,12 @@
 
 #include <ceres/sized_cost_function.h>
 
-#include "slam/factors/knot_parameters.h"
+#include "slam/factors/node_parameters.h"
 #include "slam/smoother/smoother_options.h"
 
 namespace parkade {
 
-/// Zero velocity and zero rotation between knots i and j (9 values):
+/// Zero velocity and zero rotation between nodes i and j (9 values):
 ///
 ///   r = [ Log(R_i^T R_j) / rotation;  (p_j - p_i) / position;  v_j / velocity ]
 ///
@@ -16,7 +16,8 @@ class StandstillCost final : public ceres::SizedCostFunction<9, kPoseSize, kPose
  public:
   explicit StandstillCost(const StandstillNoise& noise);
 
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override;
 
  private:
   StandstillNoise noise_;

@@ -9,10 +9,11 @@
 namespace parkade {
 namespace {
 
-constexpr int kBlock = 2;                ///< [px] corners are sought on a lattice of this spacing
-constexpr int kWindow = 4;               ///< [blocks] edge of the window of the structure tensor
-constexpr float kScharrGain = 32;        ///< derivative of a ramp of 1 grey level per px
-constexpr float kMinScore = 12;          ///< [(grey levels / px)^2] of the normalised image; sensor noise stays below
+constexpr int kBlock = 2;          ///< [px] corners are sought on a lattice of this spacing
+constexpr int kWindow = 4;         ///< [blocks] edge of the window of the structure tensor
+constexpr float kScharrGain = 32;  ///< derivative of a ramp of 1 gray level per px
+constexpr float kMinScore =
+    12;  ///< [(gray levels / px)^2] of the normalized image; sensor noise stays below
 constexpr float kMinShareOfBest = 0.1f;  ///< of the best score in the cell
 constexpr size_t kMaxPerCell = 4;
 constexpr int kMaxDetectionWidth = 960;  ///< [px] wider images are searched at half size
@@ -44,7 +45,7 @@ TensorRow SumBlocks(const cv::Mat& derivatives, int block_row, int columns) {
 }
 
 /// Smaller eigenvalue of the mean structure tensor, one per block; the window
-/// of entry (y, x) has its centre at the upper left corner of block (y, x).
+/// of entry (y, x) has its center at the upper left corner of block (y, x).
 cv::Mat CornerScores(const cv::Mat& derivatives) {
   const int rows = derivatives.rows / kBlock, columns = derivatives.cols / kBlock;
   const float share = 1.0f / (kScharrGain * kScharrGain * kBlock * kBlock * kWindow * kWindow);
@@ -80,7 +81,7 @@ bool IsLocalMaximum(const cv::Mat& scores, int y, int x) {
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx) {
       const float other = scores.at<float>(y + dy, x + dx);
-      // Of equal neighbours the first in reading order wins.
+      // Of equal neighbors the first in reading order wins.
       if (other > score || (other == score && (dy < 0 || (dy == 0 && dx < 0)))) return false;
     }
   return true;
@@ -90,10 +91,13 @@ bool IsLocalMaximum(const cv::Mat& scores, int y, int x) {
 class Occupancy {
  public:
   Occupancy(cv::Size size, double pixels_per_entry, double radius)
-      : taken_(cv::Mat::zeros(size, CV_8UC1)), pixels_per_entry_(pixels_per_entry), radius_(radius) {}
+      : taken_(cv::Mat::zeros(size, CV_8UC1)),
+        pixels_per_entry_(pixels_per_entry),
+        radius_(radius) {}
 
   void Take(const Eigen::Vector2d& pixel) {
-    cv::circle(taken_, EntryOf(pixel), static_cast<int>(std::ceil(radius_ / pixels_per_entry_)), 255, cv::FILLED);
+    cv::circle(taken_, EntryOf(pixel), static_cast<int>(std::ceil(radius_ / pixels_per_entry_)),
+               255, cv::FILLED);
   }
 
   bool IsTaken(const Eigen::Vector2d& pixel) const {
@@ -103,7 +107,8 @@ class Occupancy {
 
  private:
   cv::Point EntryOf(const Eigen::Vector2d& pixel) const {
-    return {static_cast<int>(pixel.x() / pixels_per_entry_), static_cast<int>(pixel.y() / pixels_per_entry_)};
+    return {static_cast<int>(pixel.x() / pixels_per_entry_),
+            static_cast<int>(pixel.y() / pixels_per_entry_)};
   }
 
   cv::Mat taken_;
@@ -112,7 +117,8 @@ class Occupancy {
 };
 
 /// The best few corners of one cell, best first.
-std::vector<Corner> BestOfCell(const cv::Mat& scores, const cv::Rect& cell, const cv::Mat& usable, int spacing) {
+std::vector<Corner> BestOfCell(const cv::Mat& scores, const cv::Rect& cell, const cv::Mat& usable,
+                               int spacing) {
   std::vector<Corner> corners;
   for (int y = cell.y; y < cell.br().y; ++y) {
     for (int x = cell.x; x < cell.br().x; ++x) {
@@ -123,9 +129,11 @@ std::vector<Corner> BestOfCell(const cv::Mat& scores, const cv::Rect& cell, cons
       corners.push_back({pixel, score});
     }
   }
-  std::stable_sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) { return a.score > b.score; });
+  std::stable_sort(corners.begin(), corners.end(),
+                   [](const Corner& a, const Corner& b) { return a.score > b.score; });
   if (corners.size() > kMaxPerCell) corners.resize(kMaxPerCell);
-  while (!corners.empty() && corners.back().score < kMinShareOfBest * corners.front().score) corners.pop_back();
+  while (!corners.empty() && corners.back().score < kMinShareOfBest * corners.front().score)
+    corners.pop_back();
   return corners;
 }
 
@@ -137,9 +145,11 @@ CornerDetector::CornerDetector(const cv::Mat& usable, int max_corners) : max_cor
 }
 
 std::vector<Eigen::Vector2d> CornerDetector::Detect(
-    const std::vector<cv::Mat>& pyramid, const cv::Mat& usable, const std::vector<Eigen::Vector2d>& present,
+    const std::vector<cv::Mat>& pyramid, const cv::Mat& usable,
+    const std::vector<Eigen::Vector2d>& present,
     const std::function<bool(const Eigen::Vector2d&)>& is_wanted) const {
-  const auto wanted = static_cast<size_t>(std::max<std::ptrdiff_t>(0, max_corners_ - std::ssize(present)));
+  const auto wanted =
+      static_cast<size_t>(std::max<std::ptrdiff_t>(0, max_corners_ - std::ssize(present)));
   std::vector<Eigen::Vector2d> found;
   if (wanted == 0) return found;
   const bool at_half_size = usable.cols > kMaxDetectionWidth && pyramid.size() >= 4;
@@ -165,8 +175,8 @@ std::vector<Eigen::Vector2d> CornerDetector::Detect(
   std::vector<Corner> candidates;
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column)
-      for (const Corner& corner :
-           BestOfCell(scores, cv::Rect(column * cell, row * cell, cell, cell) & inside, usable, spacing))
+      for (const Corner& corner : BestOfCell(
+               scores, cv::Rect(column * cell, row * cell, cell, cell) & inside, usable, spacing))
         candidates.push_back(corner);
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Corner& a, const Corner& b) { return a.score > b.score; });

@@ -22,9 +22,10 @@ class CornerDetector {
   ///
   /// \param pyramid    image and Scharr derivatives per level, as in TrackedImage
   /// \param is_wanted  asked for each corner that would be added
-  std::vector<Eigen::Vector2d> Detect(const std::vector<cv::Mat>& pyramid, const cv::Mat& usable,
-                                      const std::vector<Eigen::Vector2d>& present,
-                                      const std::function<bool(const Eigen::Vector2d& pixel)>& is_wanted) const;
+  std::vector<Eigen::Vector2d> Detect(
+      const std::vector<cv::Mat>& pyramid, const cv::Mat& usable,
+      const std::vector<Eigen::Vector2d>& present,
+      const std::function<bool(const Eigen::Vector2d& pixel)>& is_wanted) const;
 
   double min_distance() const { return 0.6 * cell_size_; }  ///< [px]
 

@@ -11,16 +11,16 @@
 namespace parkade {
 namespace {
 
-constexpr int kSearchLevel = 1;                ///< of the pyramid
-constexpr double kSpacing = 1.5;               ///< [px of that level] between two places on the curve
+constexpr int kSearchLevel = 1;   ///< of the pyramid
+constexpr double kSpacing = 1.5;  ///< [px of that level] between two places on the curve
 constexpr double kMinSearchCorrelation = 0.5;  ///< at the search level
 constexpr double kMaxAmbiguity = 0.8;          ///< (1 - best) / (1 - second best) along the curve
-constexpr int kSamplesPerWarp = 6;             ///< a patch warped for one depth serves its neighbours
-constexpr int kMaxSamples = 200;               ///< along one epipolar curve
-constexpr double kMinDepthPerBaseline = 5;     ///< cameras close to each other also share what is near
-constexpr double kMinDepth = 0.1;              ///< [m]
-constexpr double kMinDepression = 0.1;         ///< [rad] below the horizon a point may lie on the ground
-constexpr double kMaxReturn = 1.0;             ///< [px] backward check
+constexpr int kSamplesPerWarp = 6;          ///< a patch warped for one depth serves its neighbors
+constexpr int kMaxSamples = 200;            ///< along one epipolar curve
+constexpr double kMinDepthPerBaseline = 5;  ///< cameras close to each other also share what is near
+constexpr double kMinDepth = 0.1;           ///< [m]
+constexpr double kMinDepression = 0.1;  ///< [rad] below the horizon a point may lie on the ground
+constexpr double kMaxReturn = 1.0;      ///< [px] backward check
 
 /// Two images and the motion between their cameras.
 struct Views {
@@ -32,7 +32,7 @@ struct Views {
 
 /// What a patch is taken for: it decides how the two lenses see it.
 enum class Surface {
-  kFacing,  ///< turned towards both cameras: walls, signs, pillars
+  kFacing,  ///< turned toward both cameras: walls, signs, pillars
   kGround,  ///< flat on the ground
 };
 
@@ -44,11 +44,14 @@ struct Hypothesis {
 };
 
 /// What the ray at an inverse depth shows in `to`; nothing outside its usable pixels.
-std::optional<Hypothesis> HypothesisAt(const Views& views, const Eigen::Vector3d& bearing, double inverse_depth) {
-  const Eigen::Vector3d point = views.to_from_from.rotation * bearing + inverse_depth * views.to_from_from.translation;
+std::optional<Hypothesis> HypothesisAt(const Views& views, const Eigen::Vector3d& bearing,
+                                       double inverse_depth) {
+  const Eigen::Vector3d point =
+      views.to_from_from.rotation * bearing + inverse_depth * views.to_from_from.translation;
   const std::optional<Eigen::Vector2d> pixel = views.to.model.Project(point);
   if (!pixel || !views.to.model.IsInImage(*pixel)) return std::nullopt;
-  if (views.to.usable.at<std::uint8_t>(static_cast<int>(pixel->y()), static_cast<int>(pixel->x())) == 0)
+  if (views.to.usable.at<std::uint8_t>(static_cast<int>(pixel->y()),
+                                       static_cast<int>(pixel->x())) == 0)
     return std::nullopt;
   return Hypothesis{inverse_depth, *pixel};
 }
@@ -56,8 +59,10 @@ std::optional<Hypothesis> HypothesisAt(const Views& views, const Eigen::Vector3d
 /// d pixel in `source` / d pixel in `target` for a small plane through
 /// `point_in_target` with `normal_in_target`; central differences through both lenses.
 std::optional<Eigen::Matrix2d> WarpOf(const CameraModel& source, const CameraModel& target,
-                                      const Rigid3& source_from_target, const Eigen::Vector3d& point_in_target,
-                                      const Eigen::Vector2d& pixel_in_target, const Eigen::Vector3d& normal_in_target) {
+                                      const Rigid3& source_from_target,
+                                      const Eigen::Vector3d& point_in_target,
+                                      const Eigen::Vector2d& pixel_in_target,
+                                      const Eigen::Vector3d& normal_in_target) {
   constexpr double kStep = 2;  // [px]
   Eigen::Matrix2d warp;
   for (int axis = 0; axis < 2; ++axis) {
@@ -68,7 +73,8 @@ std::optional<Eigen::Matrix2d> WarpOf(const CameraModel& source, const CameraMod
       if (!ray) return std::nullopt;
       const double range = normal_in_target.dot(point_in_target) / normal_in_target.dot(*ray);
       if (!(range > 0)) return std::nullopt;
-      const std::optional<Eigen::Vector2d> end = source.Project(source_from_target * (range * *ray));
+      const std::optional<Eigen::Vector2d> end =
+          source.Project(source_from_target * (range * *ray));
       if (!end) return std::nullopt;
       ends[side] = *end;
     }
@@ -81,22 +87,27 @@ std::optional<Eigen::Matrix2d> WarpOf(const CameraModel& source, const CameraMod
 
 /// The template of the track at `pixel_in_from`, as `to` should see it at a depth.
 std::optional<PatchTemplate> TemplateFor(const Views& views, const Eigen::Vector2d& pixel_in_from,
-                                         const Eigen::Vector3d& bearing, const Hypothesis& hypothesis, int level) {
+                                         const Eigen::Vector3d& bearing,
+                                         const Hypothesis& hypothesis, int level) {
   constexpr double kFar = 1e4;  // [m]
   const double depth = 1 / std::max(hypothesis.inverse_depth, 1 / kFar);
   const Eigen::Vector3d point_in_to = views.to_from_from * (depth * bearing);
   const Eigen::Vector3d ray_in_to = views.to_from_from.rotation * bearing;
-  const Eigen::Vector3d normal = hypothesis.surface == Surface::kGround
-                                     ? views.to.up_in_camera
-                                     : Eigen::Vector3d((ray_in_to + point_in_to.normalized()).normalized());
-  const auto warp = WarpOf(views.from.model, views.to.model, views.from_from_to, point_in_to, hypothesis.pixel, normal);
+  const Eigen::Vector3d normal =
+      hypothesis.surface == Surface::kGround
+          ? views.to.up_in_camera
+          : Eigen::Vector3d((ray_in_to + point_in_to.normalized()).normalized());
+  const auto warp = WarpOf(views.from.model, views.to.model, views.from_from_to, point_in_to,
+                           hypothesis.pixel, normal);
   if (!warp) return std::nullopt;
-  return MakeTemplate(views.from.pyramid[static_cast<size_t>(2 * level)], pixel_in_from / (1 << level), *warp);
+  return MakeTemplate(views.from.pyramid[static_cast<size_t>(2 * level)],
+                      pixel_in_from / (1 << level), *warp);
 }
 
 /// Places on the epipolar curve from infinity to `min_depth`, kSpacing pixels of
 /// `level` apart.
-std::vector<Hypothesis> SampleCurve(const Views& views, const Eigen::Vector3d& bearing, double min_depth, int level) {
+std::vector<Hypothesis> SampleCurve(const Views& views, const Eigen::Vector3d& bearing,
+                                    double min_depth, int level) {
   constexpr int kCoarse = 12;
   double length = 0;
   std::optional<Hypothesis> last;
@@ -108,7 +119,8 @@ std::vector<Hypothesis> SampleCurve(const Views& views, const Eigen::Vector3d& b
   }
   std::vector<Hypothesis> curve;
   if (length == 0) return curve;
-  const int count = std::clamp(static_cast<int>(length / (kSpacing * (1 << level))), kCoarse, kMaxSamples);
+  const int count =
+      std::clamp(static_cast<int>(length / (kSpacing * (1 << level))), kCoarse, kMaxSamples);
   for (int i = 0; i <= count; ++i) {
     const auto next = HypothesisAt(views, bearing, i / (count * min_depth));
     if (next) curve.push_back(*next);
@@ -116,9 +128,9 @@ std::vector<Hypothesis> SampleCurve(const Views& views, const Eigen::Vector3d& b
   return curve;
 }
 
-/// Normalised correlation at each place of the curve; -1 where there is none.
-std::vector<double> Score(const Views& views, const FeatureObservation& track, const std::vector<Hypothesis>& curve,
-                          int level) {
+/// Normalized correlation at each place of the curve; -1 where there is none.
+std::vector<double> Score(const Views& views, const FeatureObservation& track,
+                          const std::vector<Hypothesis>& curve, int level) {
   const cv::Mat& image = views.to.pyramid[static_cast<size_t>(2 * level)];
   std::vector<double> scores(curve.size(), -1.0);
   std::optional<PatchTemplate> patch;
@@ -128,7 +140,8 @@ std::vector<double> Score(const Views& views, const FeatureObservation& track, c
       patch = TemplateFor(views, track.pixel, track.bearing, curve[middle], level);
     }
     if (!patch) continue;
-    const auto seen = SamplePatch(image, curve[i].pixel / (1 << level), Eigen::Matrix2d::Identity());
+    const auto seen =
+        SamplePatch(image, curve[i].pixel / (1 << level), Eigen::Matrix2d::Identity());
     if (seen) scores[i] = Correlation(patch->values, *seen);
   }
   return scores;
@@ -136,7 +149,8 @@ std::vector<double> Score(const Views& views, const FeatureObservation& track, c
 
 /// The one place on the curve that looks like the track, or nothing where none
 /// does or several do.
-std::optional<Hypothesis> Search(const Views& views, const FeatureObservation& track, double min_depth, int level) {
+std::optional<Hypothesis> Search(const Views& views, const FeatureObservation& track,
+                                 double min_depth, int level) {
   std::vector<Hypothesis> curve = SampleCurve(views, track.bearing, min_depth, level);
   if (curve.empty()) return std::nullopt;
   std::vector<double> scores = Score(views, track, curve, level);
@@ -160,14 +174,14 @@ std::optional<Hypothesis> Search(const Views& views, const FeatureObservation& t
 }
 
 /// From the search level down to the full image.
-std::optional<PatchMatch> RefineIn(const Views& views, const FeatureObservation& track, const Hypothesis& hypothesis,
-                                   int level) {
+std::optional<PatchMatch> RefineIn(const Views& views, const FeatureObservation& track,
+                                   const Hypothesis& hypothesis, int level) {
   PatchMatch match{hypothesis.pixel, 0};
   for (; level >= 0; --level) {
     const auto patch = TemplateFor(views, track.pixel, track.bearing, hypothesis, level);
     if (!patch) return std::nullopt;
-    const auto aligned =
-        AlignPatch(*patch, views.to.pyramid[static_cast<size_t>(2 * level)], match.pixel / (1 << level), 3.0);
+    const auto aligned = AlignPatch(*patch, views.to.pyramid[static_cast<size_t>(2 * level)],
+                                    match.pixel / (1 << level), 3.0);
     if (!aligned) return std::nullopt;
     match = {aligned->pixel * (1 << level), aligned->correlation};
   }
@@ -175,7 +189,8 @@ std::optional<PatchMatch> RefineIn(const Views& views, const FeatureObservation&
 }
 
 /// Inverse depth [1/m] of the point nearest to both rays, along the ray of `from`.
-double InverseDepth(const Views& views, const Eigen::Vector3d& bearing, const Eigen::Vector3d& bearing_in_to) {
+double InverseDepth(const Views& views, const Eigen::Vector3d& bearing,
+                    const Eigen::Vector3d& bearing_in_to) {
   // bearing_in_to x (R b + w t) = 0, least squares in w.
   const Eigen::Vector3d turned = bearing_in_to.cross(views.to_from_from.rotation * bearing);
   const Eigen::Vector3d moved = bearing_in_to.cross(views.to_from_from.translation);
@@ -192,16 +207,19 @@ bool ReturnsTo(const FeatureObservation& track, const Views& views, const Featur
   const Hypothesis start{1 / depth_in_to, track.pixel, surface};
   const auto patch = TemplateFor(back, match.pixel, match.bearing, start, 0);
   if (!patch) return false;
-  const auto aligned = AlignPatch(*patch, views.from.pyramid[0], track.pixel + Eigen::Vector2d(1, -1), 4.0);
+  const auto aligned =
+      AlignPatch(*patch, views.from.pyramid[0], track.pixel + Eigen::Vector2d(1, -1), 4.0);
   return aligned && (aligned->pixel - track.pixel).norm() < kMaxReturn;
 }
 
 std::optional<FeatureObservation> MatchOne(const Views& views, const FeatureObservation& track,
                                            const CrossCameraOptions& options) {
-  const int top = static_cast<int>(std::min(views.from.pyramid.size(), views.to.pyramid.size()) / 2) - 1;
+  const int top =
+      static_cast<int>(std::min(views.from.pyramid.size(), views.to.pyramid.size()) / 2) - 1;
   const int level = std::min(top, kSearchLevel);
   const double baseline = views.to_from_from.translation.norm();
-  const double min_depth = std::min(options.min_depth, std::max(kMinDepth, kMinDepthPerBaseline * baseline));
+  const double min_depth =
+      std::min(options.min_depth, std::max(kMinDepth, kMinDepthPerBaseline * baseline));
   const auto found = Search(views, track, min_depth, level);
   if (!found) return std::nullopt;
   const auto match = RefineIn(views, track, *found, level);
@@ -213,10 +231,11 @@ std::optional<FeatureObservation> MatchOne(const Views& views, const FeatureObse
   const double inverse_depth = InverseDepth(views, track.bearing, *bearing);
   const double noise = options.max_epipolar_error / pixels_per_radian;  // [rad]
   if (inverse_depth * baseline < -noise || inverse_depth > 1.3 / min_depth) return std::nullopt;
-  const Eigen::Vector3d on_curve =
-      views.to_from_from.rotation * track.bearing + std::max(0.0, inverse_depth) * views.to_from_from.translation;
+  const Eigen::Vector3d on_curve = views.to_from_from.rotation * track.bearing +
+                                   std::max(0.0, inverse_depth) * views.to_from_from.translation;
   if (on_curve.normalized().cross(*bearing).norm() > noise) return std::nullopt;
-  const FeatureObservation observation{track.track, match->pixel, *bearing, options.pixel_sigma / pixels_per_radian};
+  const FeatureObservation observation{track.track, match->pixel, *bearing,
+                                       options.pixel_sigma / pixels_per_radian};
   if (!ReturnsTo(track, views, observation, inverse_depth, found->surface)) return std::nullopt;
   return observation;
 }
@@ -225,7 +244,8 @@ std::optional<FeatureObservation> MatchOne(const Views& views, const FeatureObse
 
 void CrossCameraOptions::Validate() const {
   Require(min_depth > 0, ErrorCode::kUsage, "min_depth must be > 0 m");
-  Require(min_similarity > 0 && min_similarity < 1, ErrorCode::kUsage, "min_similarity must be in (0, 1)");
+  Require(min_similarity > 0 && min_similarity < 1, ErrorCode::kUsage,
+          "min_similarity must be in (0, 1)");
   Require(max_epipolar_error > 0, ErrorCode::kUsage, "max_epipolar_error must be > 0 px");
   Require(pixel_sigma > 0, ErrorCode::kUsage, "pixel_sigma must be > 0 px");
 }
@@ -236,12 +256,14 @@ double ViewOverlap(const RigCamera& a, const RigCamera& b, double min_depth) {
   int num_rays = 0, num_shared = 0;
   for (int row = 0; row < kGrid; ++row) {
     for (int column = 0; column < kGrid; ++column) {
-      const Eigen::Vector2d pixel((column + 0.5) * a.model.width() / kGrid, (row + 0.5) * a.model.height() / kGrid);
+      const Eigen::Vector2d pixel((column + 0.5) * a.model.width() / kGrid,
+                                  (row + 0.5) * a.model.height() / kGrid);
       const auto bearing = a.model.Unproject(pixel);
       if (!bearing) continue;
       ++num_rays;
       for (const double share : {0.0, 0.1, 0.3, 1.0}) {  // of 1 / min_depth, from infinity inwards
-        const Eigen::Vector3d point = b_from_a.rotation * *bearing + share / min_depth * b_from_a.translation;
+        const Eigen::Vector3d point =
+            b_from_a.rotation * *bearing + share / min_depth * b_from_a.translation;
         const auto seen = b.model.Project(point);
         if (!seen || !b.model.IsInImage(*seen)) continue;
         ++num_shared;
@@ -253,7 +275,8 @@ double ViewOverlap(const RigCamera& a, const RigCamera& b, double min_depth) {
 }
 
 std::vector<FeatureObservation> MatchAcross(const TrackedImage& from, const TrackedImage& to,
-                                            const Rigid3& to_from_from, const CrossCameraOptions& options) {
+                                            const Rigid3& to_from_from,
+                                            const CrossCameraOptions& options) {
   options.Validate();
   std::vector<FeatureObservation> matches;
   if (from.empty() || to.empty()) return matches;

@@ -10,19 +10,13 @@
 namespace parkade {
 
 struct CrossCameraOptions {
-  double min_depth = 1.5;           ///< [m] along the ray, or 5 baselines where that is less; nearer: not looked for
-  double min_similarity = 0.65;     ///< normalised correlation in [-1, 1] that a match must reach
-  double max_epipolar_error = 2.0;  ///< [px] off the epipolar line; allows for errors of the extrinsics
-  double pixel_sigma = 0.5;         ///< [px] noise reported with each observation
-
-  template <typename Visitor>
-  void VisitFields(Visitor&& visit) {
-    visit("min_depth", min_depth);
-    visit("min_similarity", min_similarity);
-    visit("max_epipolar_error", max_epipolar_error);
-    visit("pixel_sigma", pixel_sigma);
-  }
-  void Validate() const;  ///< throws Error{kUsage}
+  double min_depth =
+      1.5;  ///< [m] along the ray, or 5 baselines where that is less; nearer: not looked for
+  double min_similarity = 0.65;  ///< normalized correlation in [-1, 1] that a match must reach
+  double max_epipolar_error =
+      2.0;                   ///< [px] off the epipolar line; allows for errors of the extrinsics
+  double pixel_sigma = 0.5;  ///< [px] noise reported with each observation
+  void Validate() const;     ///< throws Error{kUsage}
 };
 
 /// Share of the image of `a` whose rays, somewhere between `min_depth` [m] and
@@ -42,6 +36,7 @@ double ViewOverlap(const RigCamera& a, const RigCamera& b, double min_depth = 1.
 ///
 /// Without motion this is what gives scale. Pure function, thread-safe.
 std::vector<FeatureObservation> MatchAcross(const TrackedImage& from, const TrackedImage& to,
-                                            const Rigid3& to_from_from, const CrossCameraOptions& options = {});
+                                            const Rigid3& to_from_from,
+                                            const CrossCameraOptions& options = {});
 
 }  // namespace parkade

@@ -24,12 +24,14 @@ struct Motion {
 };
 
 /// [px] distance of `now` off the plane through `direction` and the turned bearing.
-double ErrorOf(const BearingPair& pair, const Eigen::Vector3d& turned, const Eigen::Vector3d& direction) {
+double ErrorOf(const BearingPair& pair, const Eigen::Vector3d& turned,
+               const Eigen::Vector3d& direction) {
   const Eigen::Vector3d normal = direction.cross(turned);
   return pair.now.dot(normal) / std::max(normal.norm(), kMinSine) / pair.radians_per_pixel;
 }
 
-std::vector<Eigen::Vector3d> Turn(const std::vector<BearingPair>& pairs, const Eigen::Matrix3d& rotation) {
+std::vector<Eigen::Vector3d> Turn(const std::vector<BearingPair>& pairs,
+                                  const Eigen::Matrix3d& rotation) {
   std::vector<Eigen::Vector3d> turned;
   turned.reserve(pairs.size());
   for (const BearingPair& pair : pairs) turned.push_back(rotation * pair.last);
@@ -49,7 +51,8 @@ double CostOf(const std::vector<BearingPair>& pairs, const std::vector<Eigen::Ve
 
 /// Turns `guess` so that, as far as rotation alone can, pairs coincide: closed
 /// steps of reweighted least squares (Cauchy).
-Eigen::Matrix3d FitRotationOnly(const std::vector<BearingPair>& pairs, const Eigen::Matrix3d& guess, double max_error) {
+Eigen::Matrix3d FitRotationOnly(const std::vector<BearingPair>& pairs, const Eigen::Matrix3d& guess,
+                                double max_error) {
   Eigen::Matrix3d rotation = guess;
   for (double scale : {8.0, 4.0, 2.0, 1.0, 1.0}) {
     Eigen::Matrix3d information = 1e-9 * Eigen::Matrix3d::Identity();
@@ -80,14 +83,15 @@ class Sequence {
   std::uint64_t state_ = 20230417;
 };
 
-Eigen::Vector3d SampleDirection(const std::vector<BearingPair>& pairs, const std::vector<Eigen::Vector3d>& turned,
-                                double max_error) {
+Eigen::Vector3d SampleDirection(const std::vector<BearingPair>& pairs,
+                                const std::vector<Eigen::Vector3d>& turned, double max_error) {
   Sequence sequence;
   Eigen::Vector3d best = Eigen::Vector3d::UnitZ();
   double best_cost = CostOf(pairs, turned, best, max_error);
   for (int sample = 0; sample < kNumSamples; ++sample) {
     const size_t i = sequence.Below(pairs.size()), j = sequence.Below(pairs.size());
-    const Eigen::Vector3d direction = turned[i].cross(pairs[i].now).cross(turned[j].cross(pairs[j].now));
+    const Eigen::Vector3d direction =
+        turned[i].cross(pairs[i].now).cross(turned[j].cross(pairs[j].now));
     if (i == j || direction.norm() < 1e-12) continue;
     const double cost = CostOf(pairs, turned, direction.normalized(), max_error);
     if (cost >= best_cost) continue;
@@ -99,8 +103,8 @@ Eigen::Vector3d SampleDirection(const std::vector<BearingPair>& pairs, const std
 
 /// Gauss-Newton on rotation (3) and direction (2) with Cauchy weights whose
 /// scale shrinks, and a weak prior that holds the predicted rotation.
-Motion Refine(const std::vector<BearingPair>& pairs, Motion motion, const Eigen::Matrix3d& predicted,
-              double max_error) {
+Motion Refine(const std::vector<BearingPair>& pairs, Motion motion,
+              const Eigen::Matrix3d& predicted, double max_error) {
   for (const double scale : {3.0, 2.0, 1.0, 0.7, 0.7}) {
     const Eigen::Vector3d& t = motion.direction;
     Eigen::Matrix<double, 3, 2> tangent;
@@ -108,16 +112,19 @@ Motion Refine(const std::vector<BearingPair>& pairs, Motion motion, const Eigen:
     tangent.col(1) = t.cross(tangent.col(0));
     Eigen::Matrix<double, 5, 5> information = Eigen::Matrix<double, 5, 5>::Zero();
     Eigen::Matrix<double, 5, 1> gradient = Eigen::Matrix<double, 5, 1>::Zero();
-    const Eigen::Vector3d turn = LogSo3(Eigen::Quaterniond(motion.rotation * predicted.transpose()));
+    const Eigen::Vector3d turn =
+        LogSo3(Eigen::Quaterniond(motion.rotation * predicted.transpose()));
     information.topLeftCorner<3, 3>().diagonal().setConstant(1 / (kRotationSigma * kRotationSigma));
     gradient.head<3>() = -turn / (kRotationSigma * kRotationSigma);
     information.bottomRightCorner<2, 2>().diagonal().setConstant(1e-3);  // no parallax: stay
     for (const BearingPair& pair : pairs) {
       const Eigen::Vector3d turned = motion.rotation * pair.last;
-      const double scale_px = 1 / (std::max(t.cross(turned).norm(), kMinSine) * pair.radians_per_pixel);
+      const double scale_px =
+          1 / (std::max(t.cross(turned).norm(), kMinSine) * pair.radians_per_pixel);
       const double error = pair.now.dot(t.cross(turned)) * scale_px;
       Eigen::Matrix<double, 5, 1> jacobian;
-      jacobian << t.dot(turned) * pair.now - turned.dot(pair.now) * t, tangent.transpose() * turned.cross(pair.now);
+      jacobian << t.dot(turned) * pair.now - turned.dot(pair.now) * t,
+          tangent.transpose() * turned.cross(pair.now);
       jacobian *= scale_px;
       const double share = error / (scale * max_error);
       const double weight = 1 / (1 + share * share);
@@ -132,8 +139,9 @@ Motion Refine(const std::vector<BearingPair>& pairs, Motion motion, const Eigen:
 }
 
 /// The sign of `direction` that most of the parallax points along.
-Eigen::Vector3d OrientTowardsFlow(const std::vector<BearingPair>& pairs, const std::vector<Eigen::Vector3d>& turned,
-                                  const Eigen::Vector3d& direction) {
+Eigen::Vector3d OrientTowardFlow(const std::vector<BearingPair>& pairs,
+                                 const std::vector<Eigen::Vector3d>& turned,
+                                 const Eigen::Vector3d& direction) {
   double along = 0;
   for (size_t i = 0; i < pairs.size(); ++i) {
     const Eigen::Vector3d flow = pairs[i].now - turned[i];
@@ -145,8 +153,8 @@ Eigen::Vector3d OrientTowardsFlow(const std::vector<BearingPair>& pairs, const s
 
 }  // namespace
 
-EpipolarCheck CheckEpipolarGeometry(const std::vector<BearingPair>& pairs, const Eigen::Matrix3d& now_from_last,
-                                    double max_error_px) {
+EpipolarCheck CheckEpipolarGeometry(const std::vector<BearingPair>& pairs,
+                                    const Eigen::Matrix3d& now_from_last, double max_error_px) {
   EpipolarCheck check{std::vector<bool>(pairs.size(), true), now_from_last};
   if (pairs.size() < kMinPairs) return check;
 
@@ -154,11 +162,13 @@ EpipolarCheck CheckEpipolarGeometry(const std::vector<BearingPair>& pairs, const
   // to the images alone competes with it.
   Motion best{now_from_last, Eigen::Vector3d::UnitZ()};
   double best_cost = 1e300;
-  for (const Eigen::Matrix3d& rotation : {now_from_last, FitRotationOnly(pairs, now_from_last, max_error_px)}) {
+  for (const Eigen::Matrix3d& rotation :
+       {now_from_last, FitRotationOnly(pairs, now_from_last, max_error_px)}) {
     const Eigen::Vector3d direction = SampleDirection(pairs, Turn(pairs, rotation), max_error_px);
     const Motion refined = Refine(pairs, {rotation, direction}, now_from_last, max_error_px);
     for (const Motion& motion : {Motion{rotation, direction}, refined}) {
-      const double cost = CostOf(pairs, Turn(pairs, motion.rotation), motion.direction, max_error_px);
+      const double cost =
+          CostOf(pairs, Turn(pairs, motion.rotation), motion.direction, max_error_px);
       if (cost >= best_cost) continue;
       best_cost = cost;
       best = motion;
@@ -166,9 +176,10 @@ EpipolarCheck CheckEpipolarGeometry(const std::vector<BearingPair>& pairs, const
   }
 
   check.now_from_last = best.rotation;
-  check.direction = OrientTowardsFlow(pairs, Turn(pairs, best.rotation), best.direction);
+  check.direction = OrientTowardFlow(pairs, Turn(pairs, best.rotation), best.direction);
   for (size_t i = 0; i < pairs.size(); ++i) check.agrees[i] = Agrees(check, pairs[i], max_error_px);
-  const auto agreeing = static_cast<double>(std::count(check.agrees.begin(), check.agrees.end(), true));
+  const auto agreeing =
+      static_cast<double>(std::count(check.agrees.begin(), check.agrees.end(), true));
   check.is_trusted = agreeing >= kMinAgreement * static_cast<double>(pairs.size());
   if (!check.is_trusted) check = {std::vector<bool>(pairs.size(), true), now_from_last};
   return check;
@@ -177,8 +188,10 @@ EpipolarCheck CheckEpipolarGeometry(const std::vector<BearingPair>& pairs, const
 bool Agrees(const EpipolarCheck& check, const BearingPair& pair, double max_error_px) {
   const Eigen::Vector3d turned = check.now_from_last * pair.last;
   const double sine = std::max(turned.cross(check.direction).norm(), kMinSine);
-  const double backwards = -(pair.now - turned).dot(check.direction) / sine / pair.radians_per_pixel;
-  return std::abs(ErrorOf(pair, turned, check.direction)) < max_error_px && backwards < 2 * max_error_px;
+  const double backwards =
+      -(pair.now - turned).dot(check.direction) / sine / pair.radians_per_pixel;
+  return std::abs(ErrorOf(pair, turned, check.direction)) < max_error_px &&
+         backwards < 2 * max_error_px;
 }
 
 }  // namespace parkade

@@ -16,7 +16,7 @@ struct BearingPair {
 struct EpipolarCheck {
   std::vector<bool> agrees;                                     ///< one per pair
   Eigen::Matrix3d now_from_last = Eigen::Matrix3d::Identity();  ///< the predicted rotation, refined
-  /// Unit, in `now`: where points at the last camera centre have moved to
+  /// Unit, in `now`: where points at the last camera center have moved to
   /// (minus the direction of travel). Arbitrary when nothing shows parallax.
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
   bool is_trusted = false;  ///< false: too few pairs or too little agreement; then all agree
@@ -29,13 +29,13 @@ struct EpipolarCheck {
 ///
 /// Pure rotation and standstill need no special case: without parallax every
 /// direction explains every pair. Distances are off the epipolar plane, and
-/// pairs that move from instead of towards `direction` are refused too.
+/// pairs that move from instead of toward `direction` are refused too.
 ///
 /// D. Scaramuzza, F. Fraundorfer, "Visual odometry", RAM 2011; L. Kneip et al.,
 /// "Robust real-time visual odometry with a single camera and an IMU", BMVC 2011
 /// (two-point RANSAC with known rotation). Deterministic.
-EpipolarCheck CheckEpipolarGeometry(const std::vector<BearingPair>& pairs, const Eigen::Matrix3d& now_from_last,
-                                    double max_error_px);
+EpipolarCheck CheckEpipolarGeometry(const std::vector<BearingPair>& pairs,
+                                    const Eigen::Matrix3d& now_from_last, double max_error_px);
 
 /// Whether one more pair agrees with a trusted check.
 bool Agrees(const EpipolarCheck& check, const BearingPair& pair, double max_error_px);

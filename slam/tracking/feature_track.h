@@ -8,7 +8,7 @@
 
 namespace parkade {
 
-/// One sighting of a tracked point.
+/// One observation of a tracked point.
 struct FeatureObservation {
   std::int64_t track = 0;   ///< the same number in every frame of the same camera that sees it
   Eigen::Vector2d pixel;    ///< [px] as recorded, distorted
@@ -21,7 +21,7 @@ struct TrackedFrame {
   Timestamp time;  ///< of the image, on the IMU's clock
   int camera = 0;
   std::vector<FeatureObservation> observations;  ///< tracked and new ones
-  double time_offset = 0;                        ///< [s] already added to `time` beyond the rig's, see CameraParameters
+  double time_offset = 0;  ///< [s] already added to `time` beyond the rig's, see CameraParameters
 };
 
 }  // namespace parkade

@@ -7,21 +7,22 @@
 #include "core/error.h"
 #include "slam/tracking/image_pyramid.h"
 #include "slam/tracking/lucas_kanade.h"
+#include "slam/tracking/non_maximum_suppression.h"
 #include "slam/tracking/parallax_field.h"
-#include "slam/tracking/spread_out.h"
 
 namespace parkade {
 namespace {
 
-constexpr int kCameraShift = 40;        ///< bits of a track number below the camera index
-constexpr double kOtherStart = 1.5;     ///< [px] from a start that failed: nearer ones would fail, too
+constexpr int kCameraShift = 40;     ///< bits of a track number below the camera index
+constexpr double kOtherStart = 1.5;  ///< [px] from a start that failed: nearer ones would fail, too
 constexpr double kMinSimilarity = 0.8;  ///< correlation with the first look for it to be believed
-constexpr double kMaxCreep = 1.5;       ///< [px] between the look of the last image and the first look
-constexpr double kMaxGrowth = 2.5;      ///< of a patch's area before it gets a new reference
-constexpr double kMovingFlow = 1.0;     ///< [px] median flow of a car that moves
+constexpr double kMaxCreep = 1.5;    ///< [px] between the look of the last image and the first look
+constexpr double kMaxGrowth = 2.5;   ///< of a patch's area before it gets a new reference
+constexpr double kMovingFlow = 1.0;  ///< [px] median flow of a car that moves
 
 bool IsSet(const cv::Mat& mask, const Eigen::Vector2d& pixel) {
-  const int x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
+  const int x = static_cast<int>(std::lround(pixel.x())),
+            y = static_cast<int>(std::lround(pixel.y()));
   return x >= 0 && y >= 0 && x < mask.cols && y < mask.rows && mask.at<std::uint8_t>(y, x) != 0;
 }
 
@@ -35,16 +36,20 @@ double Median(std::vector<double> values) {
 }  // namespace
 
 void FeatureTrackerOptions::Validate() const {
-  Require(max_tracks >= 8 && max_tracks <= 5000, ErrorCode::kUsage, "max_tracks must be in 8..5000");
-  Require(window >= 5 && window <= 51 && window % 2 == 1, ErrorCode::kUsage, "window must be odd and in 5..51 px");
-  Require(pyramid_levels >= 1 && pyramid_levels <= 8, ErrorCode::kUsage, "pyramid_levels must be in 1..8");
+  Require(max_tracks >= 8 && max_tracks <= 5000, ErrorCode::kUsage,
+          "max_tracks must be in 8..5000");
+  Require(window >= 5 && window <= 51 && window % 2 == 1, ErrorCode::kUsage,
+          "window must be odd and in 5..51 px");
+  Require(pyramid_levels >= 1 && pyramid_levels <= 8, ErrorCode::kUsage,
+          "pyramid_levels must be in 1..8");
   Require(pixel_sigma > 0, ErrorCode::kUsage, "pixel_sigma must be > 0 px");
   Require(max_round_trip > 0, ErrorCode::kUsage, "max_round_trip must be > 0 px");
   Require(max_epipolar_error > 0, ErrorCode::kUsage, "max_epipolar_error must be > 0 px");
   Require(max_gap > 0, ErrorCode::kUsage, "max_gap must be > 0 s");
 }
 
-FeatureTracker::FeatureTracker(const RigCamera& camera, int camera_index, const FeatureTrackerOptions& options)
+FeatureTracker::FeatureTracker(const RigCamera& camera, int camera_index,
+                               const FeatureTrackerOptions& options)
     : options_((options.Validate(), options)),
       model_(camera.model),
       up_in_camera_(camera.body_from_camera.rotation.conjugate() * Eigen::Vector3d::UnitZ()),
@@ -52,10 +57,11 @@ FeatureTracker::FeatureTracker(const RigCamera& camera, int camera_index, const 
       lens_usable_(UsablePixels(camera.model, camera.mask, options.window / 2)),
       usable_(lens_usable_),
       detector_(lens_usable_, options.max_tracks),
-      own_body_(camera.model.width(), camera.model.height()),
+      ego_mask_(camera.model.width(), camera.model.height()),
       next_track_(static_cast<std::int64_t>(camera_index) << kCameraShift) {}
 
-TrackedFrame FeatureTracker::Track(const CameraFrame& frame, const Eigen::Matrix3d& now_from_last_rotation) {
+TrackedFrame FeatureTracker::Track(const CameraFrame& frame,
+                                   const Eigen::Matrix3d& now_from_last_rotation) {
   TrackedFrame result{frame.time, camera_, {}};
   if (!last_.empty() && frame.time <= last_.time) {
     ++statistics_.frames_duplicate;
@@ -80,8 +86,9 @@ TrackedFrame FeatureTracker::Track(const CameraFrame& frame, const Eigen::Matrix
     statistics_.lost_in_flow += std::ssize(last_.observations) - std::ssize(found);
     std::vector<BearingPair> pairs;
     for (const Found& track : found) pairs.push_back(track.pair);
-    const EpipolarCheck check = CheckEpipolarGeometry(pairs, now_from_last_, options_.max_epipolar_error);
-    if (options_.learn_own_body && check.is_trusted) LearnOwnBody(found, check);
+    const EpipolarCheck check =
+        CheckEpipolarGeometry(pairs, now_from_last_, options_.max_epipolar_error);
+    if (options_.learn_own_body && check.is_trusted) LearnEgoMask(found, check);
     now.usable = usable_;
     Keep(std::move(found), predicted, check, now);
   } else {
@@ -124,28 +131,31 @@ std::vector<std::optional<Eigen::Vector2d>> FeatureTracker::Predict(double secon
   std::vector<std::optional<Eigen::Vector2d>> predicted;
   for (size_t i = 0; i < last_.observations.size(); ++i) {
     const Eigen::Vector3d& bearing = last_.observations[i].bearing;
-    const double parallax = memories_[i].parallax ? *memories_[i].parallax : field.At(bearing).value_or(0);
+    const double parallax =
+        memories_[i].parallax ? *memories_[i].parallax : field.At(bearing).value_or(0);
     predicted.push_back(model_.Project(now_from_last_ * (bearing + steps * parallax * direction_)));
   }
   return predicted;
 }
 
 /// Lucas-Kanade and back again, from the predicted pixels; tracks without one are left out.
-std::vector<FeatureTracker::Found> FeatureTracker::Follow(const TrackedImage& now,
-                                                          std::vector<std::optional<Eigen::Vector2d>> predicted) const {
+std::vector<FeatureTracker::Found> FeatureTracker::Follow(
+    const TrackedImage& now, std::vector<std::optional<Eigen::Vector2d>> predicted) const {
   std::vector<Eigen::Vector2d> before;
   for (size_t i = 0; i < predicted.size(); ++i) {
     before.push_back(last_.observations[i].pixel);
     if (predicted[i] && !model_.IsInImage(*predicted[i])) predicted[i].reset();
   }
-  const auto after = FollowThereAndBack(last_.pyramid, now.pyramid, before, predicted,
-                                        {.window = options_.window, .max_round_trip = options_.max_round_trip});
+  const auto after =
+      FollowThereAndBack(last_.pyramid, now.pyramid, before, predicted,
+                         {.window = options_.window, .max_round_trip = options_.max_round_trip});
   std::vector<Found> found;
   for (size_t i = 0; i < after.size(); ++i) {
     if (!after[i] || !IsSet(lens_usable_, *after[i])) continue;
     Found track = Refine(now.pyramid[0], i, *after[i]);
     const FeatureObservation& last = last_.observations[i];
-    const std::optional<FeatureObservation> observation = Observe(last.track, track.observation.pixel);
+    const std::optional<FeatureObservation> observation =
+        Observe(last.track, track.observation.pixel);
     if (!observation) continue;
     track.observation = *observation;
     track.pair = {last.bearing, observation->bearing, observation->sigma / options_.pixel_sigma};
@@ -155,14 +165,17 @@ std::vector<FeatureTracker::Found> FeatureTracker::Follow(const TrackedImage& no
 }
 
 /// The pixel that agrees with the track's first look, where it still has that look.
-FeatureTracker::Found FeatureTracker::Refine(const cv::Mat& image, size_t origin, const Eigen::Vector2d& pixel) const {
+FeatureTracker::Found FeatureTracker::Refine(const cv::Mat& image, size_t origin,
+                                             const Eigen::Vector2d& pixel) const {
   Found track;
   track.origin = origin;
   track.observation.pixel = pixel;
   const Memory& memory = memories_[origin];
   if (!memory.reference) return track;
   const auto aligned = memory.reference->AlignIn(image, pixel, memory.image_from_reference);
-  if (!aligned || aligned->correlation < kMinSimilarity || (aligned->pixel - pixel).norm() > kMaxCreep) return track;
+  if (!aligned || aligned->correlation < kMinSimilarity ||
+      (aligned->pixel - pixel).norm() > kMaxCreep)
+    return track;
   track.observation.pixel = aligned->pixel;
   track.image_from_reference = aligned->image_from_reference;
   return track;
@@ -170,7 +183,8 @@ FeatureTracker::Found FeatureTracker::Refine(const cv::Mat& image, size_t origin
 
 /// The look to compare with from now on: the first one, until it is seen from too
 /// far away or too near.
-FeatureTracker::Memory FeatureTracker::Remember(Memory memory, const Found& track, const cv::Mat& image) {
+FeatureTracker::Memory FeatureTracker::Remember(Memory memory, const Found& track,
+                                                const cv::Mat& image) {
   const double area = track.image_from_reference ? track.image_from_reference->determinant() : 0;
   if (area > 1 / kMaxGrowth && area < kMaxGrowth) {
     memory.image_from_reference = *track.image_from_reference;
@@ -183,20 +197,22 @@ FeatureTracker::Memory FeatureTracker::Remember(Memory memory, const Found& trac
 
 /// Lets the tracks vote on what is the car's own body. By the rotation that the
 /// images show: to a biased gyro a parked car seems to turn.
-void FeatureTracker::LearnOwnBody(const std::vector<Found>& found, const EpipolarCheck& check) {
-  const int version = own_body_.version();
+void FeatureTracker::LearnEgoMask(const std::vector<Found>& found, const EpipolarCheck& check) {
+  const int version = ego_mask_.version();
   for (const Found& track : found) {
-    const std::optional<Eigen::Vector2d> turned = model_.Project(check.now_from_last * track.pair.last);
-    if (turned) own_body_.Add(last_.observations[track.origin].pixel, track.observation.pixel, *turned);
+    const std::optional<Eigen::Vector2d> turned =
+        model_.Project(check.now_from_last * track.pair.last);
+    if (turned)
+      ego_mask_.Add(last_.observations[track.origin].pixel, track.observation.pixel, *turned);
   }
-  if (own_body_.version() != version) usable_ = own_body_.Exclude(lens_usable_);
+  if (ego_mask_.version() != version) usable_ = ego_mask_.Exclude(lens_usable_);
 }
 
-/// Looks again for what was not found, from where its neighbours' parallax puts
+/// Looks again for what was not found, from where its neighbors' parallax puts
 /// it: near ground moves far between two images of a fast car.
-std::vector<FeatureTracker::Found> FeatureTracker::Retry(const TrackedImage& now, const std::vector<Found>& found,
-                                                         const std::vector<std::optional<Eigen::Vector2d>>& tried,
-                                                         const EpipolarCheck& check) const {
+std::vector<FeatureTracker::Found> FeatureTracker::Retry(
+    const TrackedImage& now, const std::vector<Found>& found,
+    const std::vector<std::optional<Eigen::Vector2d>>& tried, const EpipolarCheck& check) const {
   ParallaxField field;
   std::vector<bool> is_missing(last_.observations.size(), true);
   for (const Found& track : found) {
@@ -210,16 +226,20 @@ std::vector<FeatureTracker::Found> FeatureTracker::Retry(const TrackedImage& now
     const Eigen::Vector3d turned = check.now_from_last * last_.observations[i].bearing;
     const std::optional<double> parallax = field.At(turned);
     if (!parallax) continue;
-    const std::optional<Eigen::Vector2d> start = model_.Project(turned + *parallax * check.direction);
+    const std::optional<Eigen::Vector2d> start =
+        model_.Project(turned + *parallax * check.direction);
     if (start && !(tried[i] && (*start - *tried[i]).norm() < kOtherStart)) predicted[i] = start;
   }
   std::vector<Found> again = Follow(now, predicted);
-  std::erase_if(again, [&](const Found& track) { return !Agrees(check, track.pair, options_.max_epipolar_error); });
+  std::erase_if(again, [&](const Found& track) {
+    return !Agrees(check, track.pair, options_.max_epipolar_error);
+  });
   return again;
 }
 
 /// Hands the tracks that agree with the geometry on to `now`, in the order of last_.
-void FeatureTracker::Keep(std::vector<Found> found, const std::vector<std::optional<Eigen::Vector2d>>& tried,
+void FeatureTracker::Keep(std::vector<Found> found,
+                          const std::vector<std::optional<Eigen::Vector2d>>& tried,
                           const EpipolarCheck& check, TrackedImage& now) {
   std::vector<Found> kept;
   for (size_t i = 0; i < found.size(); ++i)
@@ -229,22 +249,24 @@ void FeatureTracker::Keep(std::vector<Found> found, const std::vector<std::optio
     const std::vector<Found> again = Retry(now, found, tried, check);
     statistics_.lost_in_flow -= std::ssize(again);
     kept.insert(kept.end(), again.begin(), again.end());
-    std::sort(kept.begin(), kept.end(), [](const Found& a, const Found& b) { return a.origin < b.origin; });
+    std::sort(kept.begin(), kept.end(),
+              [](const Found& a, const Found& b) { return a.origin < b.origin; });
   }
   std::vector<Eigen::Vector2d> pixels;
   for (const Found& track : kept) pixels.push_back(track.observation.pixel);
   std::vector<Memory> memories;
   std::vector<double> flows;
-  // What a rear camera leaves behind converges on its vanishing point, where it creeps and takes the place of near
-  // points. Of two that meet the older one goes on.
-  for (const size_t index : SpreadOut(pixels, kCrowded * detector_.min_distance())) {
+  // What a rear camera leaves behind converges on its vanishing point, where it creeps and takes
+  // the place of near points. Of two that meet the older one goes on.
+  for (const size_t index : SuppressNonMaxima(pixels, kCrowded * detector_.min_distance())) {
     const Found& track = kept[index];
     if (!IsSet(now.usable, track.observation.pixel)) {
       ++statistics_.lost_on_own_body;
       continue;
     }
     const Eigen::Vector3d turned = check.now_from_last * track.pair.last;
-    const double before = check.is_trusted ? ParallaxOf(turned, track.pair.now, check.direction) : 0;
+    const double before =
+        check.is_trusted ? ParallaxOf(turned, track.pair.now, check.direction) : 0;
     memories.push_back(Remember(std::move(memories_[track.origin]), track, now.pyramid[0]));
     memories.back().parallax = before / (turned + before * check.direction).norm();
     now.observations.push_back(track.observation);
@@ -279,7 +301,8 @@ void FeatureTracker::AddCorners(TrackedImage& now) {
   }
 }
 
-std::optional<FeatureObservation> FeatureTracker::Observe(std::int64_t track, const Eigen::Vector2d& pixel) const {
+std::optional<FeatureObservation> FeatureTracker::Observe(std::int64_t track,
+                                                          const Eigen::Vector2d& pixel) const {
   const std::optional<Eigen::Vector3d> bearing = model_.Unproject(pixel);
   const std::optional<double> pixels_per_radian = model_.PixelsPerRadian(pixel);
   if (!bearing || !pixels_per_radian || !(*pixels_per_radian > 0)) return std::nullopt;

@@ -6,20 +6,21 @@
 #include <vector>
 
 #include "core/drive_log.h"
+#include "core/option_about.h"
 #include "core/rig.h"
 #include "slam/tracking/corner_detector.h"
+#include "slam/tracking/ego_mask.h"
 #include "slam/tracking/epipolar_check.h"
 #include "slam/tracking/feature_track.h"
-#include "slam/tracking/own_body_map.h"
 #include "slam/tracking/reference_patch.h"
 #include "slam/tracking/tracked_image.h"
 
 namespace parkade {
 
 struct FeatureTrackerOptions {
-  int max_tracks = 180;             ///< per image; also sets the distance between corners
-  int window = 17;                  ///< [px] odd edge of the patch that is tracked; larger: steadier, slower
-  int pyramid_levels = 4;           ///< halvings + 1; more: larger motion than the gyro predicts
+  int max_tracks = 180;    ///< per image; also sets the distance between corners
+  int window = 17;         ///< [px] odd edge of the patch that is tracked; larger: steadier, slower
+  int pyramid_levels = 4;  ///< halvings + 1; more: larger motion than the gyro predicts
   double pixel_sigma = 0.5;         ///< [px] noise reported with each observation
   double max_round_trip = 0.7;      ///< [px] forward-backward error above which a track ends
   double max_epipolar_error = 1.5;  ///< [px] off the epipolar plane above which a track ends
@@ -28,14 +29,8 @@ struct FeatureTrackerOptions {
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
-    visit("max_tracks", max_tracks);
-    visit("window", window);
-    visit("pyramid_levels", pyramid_levels);
-    visit("pixel_sigma", pixel_sigma);
-    visit("max_round_trip", max_round_trip);
-    visit("max_epipolar_error", max_epipolar_error);
-    visit("max_gap", max_gap);
-    visit("learn_own_body", learn_own_body);
+    visit("max_tracks", max_tracks,
+          OptionAbout{"Each camera follows this many corners at most.", "", 20, 2000});
   }
   void Validate() const;  ///< throws Error{kUsage}
 };
@@ -45,8 +40,9 @@ struct FeatureTrackerStatistics {
   int frames_tracked = 0;
   int frames_wrong_size = 0;  ///< size or pixel type other than calibrated; skipped
   int frames_blank = 0;       ///< black, white, covered: no contrast at all; skipped
-  int frames_duplicate = 0;   ///< not later than the last, or its pixels repeated while moving; skipped
-  int restarts = 0;           ///< times that all tracks were given up after a pause
+  int frames_duplicate =
+      0;             ///< not later than the last, or its pixels repeated while moving; skipped
+  int restarts = 0;  ///< times that all tracks were given up after a pause
   std::int64_t tracks_started = 0;
   std::int64_t lost_in_flow = 0;      ///< left the image, or Lucas-Kanade or the round trip failed
   std::int64_t lost_in_geometry = 0;  ///< moved against the epipolar geometry
@@ -54,7 +50,7 @@ struct FeatureTrackerStatistics {
 };
 
 /// Follows corners through the images of ONE camera: pyramidal Lucas-Kanade on
-/// locally normalised images, started where the predicted rotation moves each
+/// locally normalized images, started where the predicted rotation moves each
 /// corner through the lens model, forward-backward check, sub-pixel alignment with
 /// the track's first look, epipolar check with the predicted rotation, and new
 /// corners where the image is empty.
@@ -67,7 +63,8 @@ struct FeatureTrackerStatistics {
 class FeatureTracker {
  public:
   /// Throws Error{kUsage} for bad options.
-  FeatureTracker(const RigCamera& camera, int camera_index, const FeatureTrackerOptions& options = {});
+  FeatureTracker(const RigCamera& camera, int camera_index,
+                 const FeatureTrackerOptions& options = {});
 
   /// Tracks into `frame`, then adds corners up to `max_tracks`.
   ///
@@ -89,7 +86,8 @@ class FeatureTracker {
     size_t origin = 0;  ///< index into last_.observations
     FeatureObservation observation;
     BearingPair pair;
-    std::optional<Eigen::Matrix2d> image_from_reference;  ///< where it still looks like its reference
+    std::optional<Eigen::Matrix2d>
+        image_from_reference;  ///< where it still looks like its reference
   };
 
   /// What is remembered of a track beside its last observation.
@@ -101,10 +99,12 @@ class FeatureTracker {
 
   bool IsUsable(const cv::Mat& gray);
   std::vector<std::optional<Eigen::Vector2d>> Predict(double seconds) const;
-  std::vector<Found> Follow(const TrackedImage& now, std::vector<std::optional<Eigen::Vector2d>> predicted) const;
-  void LearnOwnBody(const std::vector<Found>& found, const EpipolarCheck& check);
+  std::vector<Found> Follow(const TrackedImage& now,
+                            std::vector<std::optional<Eigen::Vector2d>> predicted) const;
+  void LearnEgoMask(const std::vector<Found>& found, const EpipolarCheck& check);
   std::vector<Found> Retry(const TrackedImage& now, const std::vector<Found>& found,
-                           const std::vector<std::optional<Eigen::Vector2d>>& tried, const EpipolarCheck& check) const;
+                           const std::vector<std::optional<Eigen::Vector2d>>& tried,
+                           const EpipolarCheck& check) const;
   void Keep(std::vector<Found> found, const std::vector<std::optional<Eigen::Vector2d>>& tried,
             const EpipolarCheck& check, TrackedImage& now);
   Found Refine(const cv::Mat& image, size_t origin, const Eigen::Vector2d& pixel) const;
@@ -119,14 +119,16 @@ class FeatureTracker {
   cv::Mat lens_usable_;  ///< of the lens and the rig's mask
   cv::Mat usable_;       ///< lens_usable_ without the own body
   CornerDetector detector_;
-  OwnBodyMap own_body_;
+  EgoMask ego_mask_;
   TrackedImage last_;
-  std::vector<Memory> memories_;                                 ///< one per observation of last_
-  Eigen::Vector3d direction_ = Eigen::Vector3d::UnitZ();         ///< of the step into last_, see EpipolarCheck
-  double last_seconds_ = 0;                                      ///< of that step
-  cv::Mat last_gray_;                                            ///< as recorded, to recognise a repeated image
-  double median_flow_ = 0;                                       ///< [px] into last_
-  Eigen::Matrix3d now_from_last_ = Eigen::Matrix3d::Identity();  ///< since last_, over skipped frames
+  std::vector<Memory> memories_;  ///< one per observation of last_
+  Eigen::Vector3d direction_ =
+      Eigen::Vector3d::UnitZ();  ///< of the step into last_, see EpipolarCheck
+  double last_seconds_ = 0;      ///< of that step
+  cv::Mat last_gray_;            ///< as recorded, to recognize a repeated image
+  double median_flow_ = 0;       ///< [px] into last_
+  Eigen::Matrix3d now_from_last_ =
+      Eigen::Matrix3d::Identity();  ///< since last_, over skipped frames
   std::int64_t next_track_ = 0;
   FeatureTrackerStatistics statistics_;
 };

@@ -8,9 +8,10 @@
 namespace parkade {
 namespace {
 
-constexpr int kStatisticsScale = 8;     ///< local mean and contrast vary slowly: one value per 8 x 8 px
-constexpr double kTargetContrast = 40;  ///< [grey levels] standard deviation after normalising
-constexpr double kNeighbourhood = 3;    ///< [blocks] standard deviation of the Gaussian around a block
+constexpr int kStatisticsScale =
+    8;  ///< local mean and contrast vary slowly: one value per 8 x 8 px
+constexpr double kTargetContrast = 40;  ///< [gray levels] standard deviation after normalizing
+constexpr double kNeighborhood = 3;  ///< [blocks] standard deviation of the Gaussian around a block
 
 /// Per block of kStatisticsScale: mean of the values and of their squares.
 struct LocalMoments {
@@ -22,7 +23,8 @@ LocalMoments MeasureBlocks(const cv::Mat& gray) {
   const int columns = (gray.cols + kStatisticsScale - 1) / kStatisticsScale;
   LocalMoments moments{cv::Mat(rows, columns, CV_32FC1), cv::Mat(rows, columns, CV_32FC1)};
   const auto width = static_cast<size_t>(gray.cols);
-  std::vector<std::uint16_t> sums(width);  // per column of pixels: what the compiler adds up many at a time
+  std::vector<std::uint16_t> sums(
+      width);  // per column of pixels: what the compiler adds up many at a time
   std::vector<std::uint32_t> squares(width);
   for (int block_row = 0; block_row < rows; ++block_row) {
     std::fill(sums.begin(), sums.end(), std::uint16_t{0});
@@ -37,7 +39,8 @@ LocalMoments MeasureBlocks(const cv::Mat& gray) {
       }
     }
     for (int block = 0; block < columns; ++block) {
-      const int first = block * kStatisticsScale, last = std::min(first + kStatisticsScale, gray.cols);
+      const int first = block * kStatisticsScale,
+                last = std::min(first + kStatisticsScale, gray.cols);
       std::uint32_t sum = 0, square = 0;
       for (int x = first; x < last; ++x) {
         sum += sums[static_cast<size_t>(x)];
@@ -51,7 +54,8 @@ LocalMoments MeasureBlocks(const cv::Mat& gray) {
   return moments;
 }
 
-/// Values of blocks, linear between their centres and constant outside: one row of pixels at a time.
+/// Values of blocks, linear between their centers and constant outside: one row of pixels at a
+/// time.
 class BlockRow {
  public:
   BlockRow(const cv::Mat& blocks, int width) : blocks_(blocks), width_(width) {}
@@ -62,12 +66,15 @@ class BlockRow {
   /// Values of the pixels of row `y`, held by `buffer`.
   const float* At(int y, std::vector<float>& buffer) const {
     assert(buffer.size() == size() && width_ <= blocks_.cols * kStatisticsScale);
-    const float place = (static_cast<float>(y) + 0.5f) / kStatisticsScale + 0.5f;  // in rows of blocks, from one above
+    const float place = (static_cast<float>(y) + 0.5f) / kStatisticsScale +
+                        0.5f;  // in rows of blocks, from one above
     const int below = std::min(static_cast<int>(place), blocks_.rows - 1),
               above = std::max(static_cast<int>(place) - 1, 0);
     const float share = place - std::floor(place);
     const float *upper = blocks_.ptr<float>(above), *lower = blocks_.ptr<float>(below);
-    const auto value = [&](int column) { return upper[column] + share * (lower[column] - upper[column]); };
+    const auto value = [&](int column) {
+      return upper[column] + share * (lower[column] - upper[column]);
+    };
     float left = value(0);
     for (int column = 0; column <= blocks_.cols; ++column) {
       const float right = value(std::min(column, blocks_.cols - 1));
@@ -96,14 +103,15 @@ cv::Mat ToGray(const cv::Mat& image, const cv::Size& size) {
 
 cv::Mat NormalizeLocally(const cv::Mat& gray, double noise_floor) {
   LocalMoments moments = MeasureBlocks(gray);
-  cv::GaussianBlur(moments.mean, moments.mean, {}, kNeighbourhood);
-  cv::GaussianBlur(moments.mean_square, moments.mean_square, {}, kNeighbourhood);
+  cv::GaussianBlur(moments.mean, moments.mean, {}, kNeighborhood);
+  cv::GaussianBlur(moments.mean_square, moments.mean_square, {}, kNeighborhood);
   cv::Mat gain(moments.mean.size(), CV_32FC1), offset(moments.mean.size(), CV_32FC1);
   for (int y = 0; y < gain.rows; ++y) {
     for (int x = 0; x < gain.cols; ++x) {
       const float mean = moments.mean.at<float>(y, x);
       const float variance = std::max(0.0f, moments.mean_square.at<float>(y, x) - mean * mean);
-      gain.at<float>(y, x) = static_cast<float>(kTargetContrast / std::hypot(std::sqrt(variance), noise_floor));
+      gain.at<float>(y, x) =
+          static_cast<float>(kTargetContrast / std::hypot(std::sqrt(variance), noise_floor));
       offset.at<float>(y, x) = 128 - gain.at<float>(y, x) * mean;
     }
   }
@@ -126,7 +134,8 @@ cv::Mat NormalizeLocally(const cv::Mat& gray, double noise_floor) {
 
 std::vector<cv::Mat> BuildPyramid(const cv::Mat& gray, int window, int levels) {
   std::vector<cv::Mat> pyramid;
-  cv::buildOpticalFlowPyramid(gray, pyramid, {window, window}, levels - 1, /*withDerivatives=*/true);
+  cv::buildOpticalFlowPyramid(gray, pyramid, {window, window}, levels - 1,
+                              /*withDerivatives=*/true);
   return pyramid;
 }
 
@@ -135,7 +144,8 @@ cv::Mat UsablePixels(const CameraModel& model, const cv::Mat& mask, int margin) 
   cv::Mat usable = cv::Mat::zeros(model.height(), model.width(), CV_8UC1);
   for (int y = 0; y < usable.rows; y += kStep) {
     for (int x = 0; x < usable.cols; x += kStep) {
-      const Eigen::Vector2d pixel(std::min(x + kStep / 2, usable.cols - 1), std::min(y + kStep / 2, usable.rows - 1));
+      const Eigen::Vector2d pixel(std::min(x + kStep / 2, usable.cols - 1),
+                                  std::min(y + kStep / 2, usable.rows - 1));
       if (model.Unproject(pixel) && model.PixelsPerRadian(pixel).value_or(0) > 0)
         usable(cv::Rect(x, y, kStep, kStep) & cv::Rect(0, 0, usable.cols, usable.rows)) = 255;
     }
@@ -145,14 +155,15 @@ cv::Mat UsablePixels(const CameraModel& model, const cv::Mat& mask, int margin) 
   usable.row(usable.rows - 1) = 0;
   usable.col(0) = 0;
   usable.col(usable.cols - 1) = 0;
-  const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * margin + 1, 2 * margin + 1});
+  const cv::Mat disc =
+      cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * margin + 1, 2 * margin + 1});
   cv::erode(usable, usable, disc);
   return usable;
 }
 
 bool IsBlank(const cv::Mat& gray, const cv::Mat& usable) {
   constexpr int kStep = 4;
-  constexpr double kMinContrast = 2;  // [grey levels]; read noise alone stays below
+  constexpr double kMinContrast = 2;  // [gray levels]; read noise alone stays below
   double count = 0, sum = 0, squares = 0;
   for (int y = kStep / 2; y < gray.rows; y += kStep) {
     for (int x = kStep / 2; x < gray.cols; x += kStep) {
@@ -163,7 +174,8 @@ bool IsBlank(const cv::Mat& gray, const cv::Mat& usable) {
       squares += value * value;
     }
   }
-  return count == 0 || squares / count - (sum / count) * (sum / count) < kMinContrast * kMinContrast;
+  return count == 0 ||
+         squares / count - (sum / count) * (sum / count) < kMinContrast * kMinContrast;
 }
 
 }  // namespace parkade

@@ -12,7 +12,7 @@ cv::Mat ToGray(const cv::Mat& image, const cv::Size& size);
 
 /// The image with its local mean and contrast made equal everywhere, CV_8UC1:
 /// what a lamp, exposure control or vignetting changes slowly over the image
-/// does not matter to Lucas-Kanade any more. Contrast below `noise_floor` grey
+/// does not matter to Lucas-Kanade any more. Contrast below `noise_floor` gray
 /// levels is not stretched, so that sensor noise stays small.
 cv::Mat NormalizeLocally(const cv::Mat& gray, double noise_floor = 8);
 

@@ -18,11 +18,11 @@ struct LucasKanadeOptions {
 /// \param start   [px] where they should be in `to`; points without one are not looked for
 /// \return per point: its pixel in `to`; nothing where it was lost or does not find back
 ///
-/// J.-Y. Bouguet, "Pyramidal implementation of the affine Lucas Kanade feature tracker", 2001 (OpenCV's).
-std::vector<std::optional<Eigen::Vector2d>> FollowThereAndBack(const std::vector<cv::Mat>& from,
-                                                               const std::vector<cv::Mat>& to,
-                                                               const std::vector<Eigen::Vector2d>& before,
-                                                               const std::vector<std::optional<Eigen::Vector2d>>& start,
-                                                               const LucasKanadeOptions& options);
+/// J.-Y. Bouguet, "Pyramidal implementation of the affine Lucas Kanade feature tracker", 2001
+/// (OpenCV's).
+std::vector<std::optional<Eigen::Vector2d>> FollowThereAndBack(
+    const std::vector<cv::Mat>& from, const std::vector<cv::Mat>& to,
+    const std::vector<Eigen::Vector2d>& before,
+    const std::vector<std::optional<Eigen::Vector2d>>& start, const LucasKanadeOptions& options);
 
 }  // namespace parkade

@@ -7,13 +7,15 @@
 namespace parkade {
 namespace {
 
-constexpr size_t kNeighbours = 8;
+constexpr size_t kNeighbors = 8;
 constexpr size_t kMinSamples = 6;
-constexpr double kSlopeRidge = 1e-3;  ///< [rad^2] neighbours nearer than this together do not fix a slope
+constexpr double kSlopeRidge =
+    1e-3;  ///< [rad^2] neighbors nearer than this together do not fix a slope
 
 }  // namespace
 
-double ParallaxOf(const Eigen::Vector3d& turned, const Eigen::Vector3d& now, const Eigen::Vector3d& direction) {
+double ParallaxOf(const Eigen::Vector3d& turned, const Eigen::Vector3d& now,
+                  const Eigen::Vector3d& direction) {
   // now x (turned + w direction) = 0, least squares in w.
   const Eigen::Vector3d across = now.cross(direction);
   const double squared = across.squaredNorm();
@@ -24,9 +26,11 @@ double ParallaxOf(const Eigen::Vector3d& turned, const Eigen::Vector3d& now, con
 std::optional<double> ParallaxField::At(const Eigen::Vector3d& bearing) const {
   if (samples_.size() < kMinSamples) return std::nullopt;
   std::vector<std::pair<double, size_t>> nearest(samples_.size());
-  for (size_t i = 0; i < samples_.size(); ++i) nearest[i] = {(samples_[i].bearing - bearing).squaredNorm(), i};
-  const size_t count = std::min(kNeighbours, nearest.size());
-  std::partial_sort(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(count), nearest.end());
+  for (size_t i = 0; i < samples_.size(); ++i)
+    nearest[i] = {(samples_[i].bearing - bearing).squaredNorm(), i};
+  const size_t count = std::min(kNeighbors, nearest.size());
+  std::partial_sort(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(count),
+                    nearest.end());
 
   // Value at the bearing and slope around it; the ridge holds the slope down.
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();

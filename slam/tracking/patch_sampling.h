@@ -29,22 +29,25 @@ void SampleUprightGrid(const cv::Mat& image, const Eigen::Vector2d& first,
 }
 
 /// Bilinear samples of a CV_8UC1 image on a square grid of kEdge x kEdge around
-/// `centre` [px], one step along a grid axis being a column of `image_from_grid`
+/// `center` [px], one step along a grid axis being a column of `image_from_grid`
 /// [px]. False where the grid leaves the image.
 template <int kEdge>
-bool SampleGrid(const cv::Mat& image, const Eigen::Vector2d& centre, const Eigen::Matrix2d& image_from_grid,
+bool SampleGrid(const cv::Mat& image, const Eigen::Vector2d& center,
+                const Eigen::Matrix2d& image_from_grid,
                 Eigen::Matrix<float, kEdge, kEdge>& samples) {
   constexpr double kHalf = 0.5 * (kEdge - 1);
   const Eigen::Vector2d reach = kHalf * image_from_grid.cwiseAbs().rowwise().sum();
-  const Eigen::Vector2d low = centre - reach, high = centre + reach;
-  if (!(low.minCoeff() >= 0 && high.x() < image.cols - 1.001 && high.y() < image.rows - 1.001)) return false;
+  const Eigen::Vector2d low = center - reach, high = center + reach;
+  if (!(low.minCoeff() >= 0 && high.x() < image.cols - 1.001 && high.y() < image.rows - 1.001))
+    return false;
   if (image_from_grid == Eigen::Matrix2d::Identity()) {
     SampleUprightGrid<kEdge>(image, low, samples);
     return true;
   }
   const Eigen::Vector2f right = image_from_grid.col(0).cast<float>();
   const Eigen::Vector2f down = image_from_grid.col(1).cast<float>();
-  const Eigen::Vector2f first = (centre - kHalf * (image_from_grid.col(0) + image_from_grid.col(1))).cast<float>();
+  const Eigen::Vector2f first =
+      (center - kHalf * (image_from_grid.col(0) + image_from_grid.col(1))).cast<float>();
   for (int row = 0; row < kEdge; ++row) {
     for (int column = 0; column < kEdge; ++column) {
       const Eigen::Vector2f at =
@@ -54,7 +57,8 @@ bool SampleGrid(const cv::Mat& image, const Eigen::Vector2d& centre, const Eigen
       const std::uint8_t* upper = image.ptr<std::uint8_t>(y) + x;
       const std::uint8_t* lower = image.ptr<std::uint8_t>(y + 1) + x;
       const float top = static_cast<float>(upper[0]) + u * static_cast<float>(upper[1] - upper[0]);
-      const float bottom = static_cast<float>(lower[0]) + u * static_cast<float>(lower[1] - lower[0]);
+      const float bottom =
+          static_cast<float>(lower[0]) + u * static_cast<float>(lower[1] - lower[0]);
       samples(row, column) = top + v * (bottom - top);
     }
   }

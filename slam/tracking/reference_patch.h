@@ -23,7 +23,7 @@ class ReferencePatch {
   struct Alignment {
     Eigen::Vector2d pixel;                 ///< [px]
     Eigen::Matrix2d image_from_reference;  ///< affine part of the warp
-    double correlation = 0;                ///< normalised, in [-1, 1]
+    double correlation = 0;                ///< normalized, in [-1, 1]
   };
 
   /// The patch in another image, from a start of about a pixel. Nothing where it
@@ -33,7 +33,8 @@ class ReferencePatch {
 
  private:
   using Samples = Eigen::Matrix<float, kEdge * kEdge, 1>;
-  using Parameters = Eigen::Matrix<double, 6, 1>;  ///< shift (2), then the affine part minus identity, column by column
+  using Parameters = Eigen::Matrix<double, 6, 1>;  ///< shift (2), then the affine part minus
+                                                   ///< identity, column by column
 
   static bool Normalize(Samples& samples, float* norm);
 

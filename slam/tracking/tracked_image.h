@@ -16,11 +16,13 @@ struct TrackedImage {
   Timestamp time;
   int camera = 0;
   CameraModel model;
-  Eigen::Vector3d up_in_camera = Eigen::Vector3d::Zero();  ///< unit, z of the body: the ground's normal
+  Eigen::Vector3d up_in_camera =
+      Eigen::Vector3d::Zero();  ///< unit, z of the body: the ground's normal
   /// Of cv::buildOpticalFlowPyramid: image and Scharr derivatives of level 0,
-  /// of level 1 (half size), ...; locally normalised, padded by the window.
+  /// of level 1 (half size), ...; locally normalized, padded by the window.
   std::vector<cv::Mat> pyramid;
-  cv::Mat usable;  ///< CV_8UC1 of the image's size, 0 = masked, own body, or outside the image circle
+  cv::Mat
+      usable;  ///< CV_8UC1 of the image's size, 0 = masked, own body, or outside the image circle
   std::vector<FeatureObservation> observations;  ///< those of the TrackedFrame
 
   bool empty() const { return pyramid.empty(); }

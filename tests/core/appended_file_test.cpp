@@ -16,15 +16,17 @@ namespace fs = std::filesystem;
 /// Bytes that show where they come from.
 std::string Bytes(std::size_t size, std::size_t begin) {
   std::string bytes(size, '\0');
-  for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<char>(((begin + i) * 2654435761u) >> 13);
+  for (std::size_t i = 0; i < size; ++i)
+    bytes[i] = static_cast<char>(((begin + i) * 2654435761u) >> 13);
   return bytes;
 }
 
 /// Appends in pieces of all sizes, some larger than the buffer, and reads across all borders.
 void ExpectReadsWhatWasAppended(AppendedFile& file) {
   std::size_t size = 0;
-  for (const std::size_t piece : {std::size_t{1}, std::size_t{100'000}, AppendedFile::kBufferBytes,
-                                  3 * AppendedFile::kBufferBytes + 5, std::size_t{7}, std::size_t{200'000}}) {
+  for (const std::size_t piece :
+       {std::size_t{1}, std::size_t{100'000}, AppendedFile::kBufferBytes,
+        3 * AppendedFile::kBufferBytes + 5, std::size_t{7}, std::size_t{200'000}}) {
     file.Append(Bytes(piece, size));
     size += piece;
     ASSERT_EQ(file.size(), size);

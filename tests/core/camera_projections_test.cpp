@@ -29,9 +29,12 @@ std::vector<NamedLens> Lenses() {
   return {
       make("Pinhole", PinholeProjection{700, 702, kCx, kCy}, 70),
       make("RadTanOfEuroc", RadTanProjection{458, 457, kCx, kCy, {-0.28, 0.074, 2e-4, 2e-5}}, 90),
-      make("RadTanThatFolds", RadTanProjection{700, 700, kCx, kCy, {-0.4, 0.1, -1e-3, 2e-3, 0.01}}, 70),
-      make("KannalaBrandt", KannalaBrandtProjection{kFx, kFy, kCx, kCy, -0.013, 0.021, -0.012, 0.0021}, 200),
-      make("KannalaBrandtThatFolds", KannalaBrandtProjection{kFx, kFy, kCx, kCy, -0.05, -0.004, 0, 0}, 190),
+      make("RadTanThatFolds", RadTanProjection{700, 700, kCx, kCy, {-0.4, 0.1, -1e-3, 2e-3, 0.01}},
+           70),
+      make("KannalaBrandt",
+           KannalaBrandtProjection{kFx, kFy, kCx, kCy, -0.013, 0.021, -0.012, 0.0021}, 200),
+      make("KannalaBrandtThatFolds",
+           KannalaBrandtProjection{kFx, kFy, kCx, kCy, -0.05, -0.004, 0, 0}, 190),
       make("PureEquidistant", KannalaBrandtProjection{kFx, kFy, kCx, kCy}, 200),
       make("Mei", MeiProjection{1.7, 850, 851, kCx, kCy, {-0.1, 0.2, 3e-4, -2e-4}}, 190),
       make("MeiOfSmallXi", MeiProjection{0.8, 500, 501, kCx, kCy, {}}, 180),
@@ -39,7 +42,8 @@ std::vector<NamedLens> Lenses() {
       make("EucmOfSmallAlpha", EucmProjection{0.35, 0.9, kFx, kFy, kCx, kCy}, 150),
       make("DoubleSphere", DoubleSphereProjection{-0.18, 0.59, kFx, kFy, kCx, kCy}, 190),
       make("DoubleSphereOfPositiveXi", DoubleSphereProjection{0.3, 0.62, 400, 401, kCx, kCy}, 200),
-      make("Ocam", OcamProjection{329, -1.6e-3, 1.1e-6, -1.9e-9, kCx, kCy, 0.9998, 4.9e-4, 2.4e-4}, 190),
+      make("Ocam", OcamProjection{329, -1.6e-3, 1.1e-6, -1.9e-9, kCx, kCy, 0.9998, 4.9e-4, 2.4e-4},
+           190),
   };
 }
 
@@ -53,7 +57,8 @@ class EveryLens : public testing::TestWithParam<NamedLens> {
     std::normal_distribution<double> normal;
     std::vector<Eigen::Vector3d> bearings;
     for (int i = 0; i < count; ++i)
-      bearings.push_back(Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized());
+      bearings.push_back(
+          Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized());
     return bearings;
   }
 };
@@ -78,7 +83,8 @@ TEST_P(EveryLens, ProjectingAnUnprojectedPixelGivesThePixelOverTheWholeImage) {
   }
 
   EXPECT_LE(max_error, 1e-9);
-  EXPECT_GT(num_pixels, 40'000);  // of 89,871: the image circle of a fisheye fills more than half of the image
+  EXPECT_GT(num_pixels,
+            40'000);  // of 89,871: the image circle of a fisheye fills more than half of the image
 }
 
 TEST_P(EveryLens, UnprojectingAProjectedPointGivesItsBearingAndNothingFolds) {
@@ -87,9 +93,10 @@ TEST_P(EveryLens, UnprojectingAProjectedPointGivesItsBearingAndNothingFolds) {
     const std::optional<Eigen::Vector2d> pixel = lens().Project(3.0 * bearing);
     if (!pixel || !lens().IsInImage(*pixel, -200)) continue;
     const std::optional<Eigen::Vector3d> again = lens().Unproject(*pixel);
-    ASSERT_TRUE(again.has_value()) << "bearing " << bearing.transpose() << " pixel " << pixel->transpose();
-    // A second bearing for the same pixel would mean a fold inside the domain. Close to a fold the inverse is a
-    // square root, hence the tolerance.
+    ASSERT_TRUE(again.has_value())
+        << "bearing " << bearing.transpose() << " pixel " << pixel->transpose();
+    // A second bearing for the same pixel would mean a fold inside the domain. Close to a fold the
+    // inverse is a square root, hence the tolerance.
     EXPECT_LT((*again - bearing).norm(), 1e-6) << "bearing " << bearing.transpose();
     ++num_valid;
   }
@@ -100,25 +107,25 @@ TEST_P(EveryLens, UnprojectingAProjectedPointGivesItsBearingAndNothingFolds) {
 TEST_P(EveryLens, SeesTheFieldThatItMust) {
   const double half_field = 0.5 * GetParam().min_field_deg * M_PI / 180;
   for (double around = 0; around < 6.28; around += 0.1) {
-    const Eigen::Vector3d bearing(std::sin(half_field) * std::cos(around), std::sin(half_field) * std::sin(around),
-                                  std::cos(half_field));
+    const Eigen::Vector3d bearing(std::sin(half_field) * std::cos(around),
+                                  std::sin(half_field) * std::sin(around), std::cos(half_field));
     EXPECT_TRUE(lens().Project(bearing).has_value()) << "around " << around;
   }
 }
 
 TEST_P(EveryLens, PixelsMoveOutwardsWithTheAngleUpToTheEndOfTheDomain) {
   for (double around = 0; around < 6.28; around += 0.2) {
-    const Eigen::Vector2d centre = lens().Project(Eigen::Vector3d::UnitZ()).value();
+    const Eigen::Vector2d center = lens().Project(Eigen::Vector3d::UnitZ()).value();
     double radius = 0;
     bool has_ended = false;
     for (double theta = 0.001; theta < M_PI; theta += 0.001) {
-      const auto pixel =
-          lens().Project({std::sin(theta) * std::cos(around), std::sin(theta) * std::sin(around), std::cos(theta)});
+      const auto pixel = lens().Project({std::sin(theta) * std::cos(around),
+                                         std::sin(theta) * std::sin(around), std::cos(theta)});
       if (!pixel) has_ended = true;
-      if (!pixel || (*pixel - centre).norm() > 1500) continue;
+      if (!pixel || (*pixel - center).norm() > 1500) continue;
       EXPECT_FALSE(has_ended) << "a second domain at " << theta << " rad";
-      EXPECT_GT((*pixel - centre).norm(), radius) << "at " << theta << " rad";
-      radius = (*pixel - centre).norm();
+      EXPECT_GT((*pixel - center).norm(), radius) << "at " << theta << " rad";
+      radius = (*pixel - center).norm();
     }
   }
 }
@@ -179,7 +186,7 @@ TEST_P(EveryLens, AHalfSizeImageSeesTheSame) {
     const auto full_pixel = lens().Project(bearing), half_pixel = half.Project(bearing);
     ASSERT_EQ(full_pixel.has_value(), half_pixel.has_value());
     if (!full_pixel || !lens().IsInImage(*full_pixel)) continue;
-    // Area averaging: the centre of half-size pixel 0 lies between the full-size pixels 0 and 1.
+    // Area averaging: the center of half-size pixel 0 lies between the full-size pixels 0 and 1.
     EXPECT_LT((*full_pixel - (2 * *half_pixel + Eigen::Vector2d(0.5, 0.5))).norm(), 1e-9);
   }
 }
@@ -192,7 +199,8 @@ std::vector<cv::Point3d> PointsInFront(double max_angle) {
   std::vector<cv::Point3d> points = {{0, 0, 2}};
   for (int i = 0; i < 1000; ++i) {
     const double a = around(random), t = angle(random), r = range(random);
-    points.emplace_back(r * std::sin(t) * std::cos(a), r * std::sin(t) * std::sin(a), r * std::cos(t));
+    points.emplace_back(r * std::sin(t) * std::cos(a), r * std::sin(t) * std::sin(a),
+                        r * std::cos(t));
   }
   return points;
 }
@@ -203,7 +211,8 @@ void ExpectSamePixels(const Projection& lens, const std::vector<cv::Point3d>& po
   ASSERT_EQ(points.size(), expected.size());
   for (size_t i = 0; i < points.size(); ++i) {
     Eigen::Vector2d pixel;
-    ASSERT_TRUE(lens.Project(Eigen::Vector3d(points[i].x, points[i].y, points[i].z), &pixel)) << points[i];
+    ASSERT_TRUE(lens.Project(Eigen::Vector3d(points[i].x, points[i].y, points[i].z), &pixel))
+        << points[i];
     EXPECT_NEAR(pixel.x(), expected[i].x, 1e-9);
     EXPECT_NEAR(pixel.y(), expected[i].y, 1e-9);
   }
@@ -216,7 +225,8 @@ TEST(CameraProjections, RadTanAgreesWithOpenCvsProjectPoints) {
   const cv::Matx33d k(458, 0, 367, 0, 457, 248, 0, 0, 1);
   const std::vector<cv::Point3d> points = PointsInFront(0.8);
   std::vector<cv::Point2d> expected;
-  cv::projectPoints(points, kZero, kZero, k, cv::Vec<double, 5>(-0.283, 0.0739, 1.9e-4, 1.8e-5, -0.003), expected);
+  cv::projectPoints(points, kZero, kZero, k,
+                    cv::Vec<double, 5>(-0.283, 0.0739, 1.9e-4, 1.8e-5, -0.003), expected);
 
   ExpectSamePixels(lens, points, expected);
 }
@@ -224,9 +234,11 @@ TEST(CameraProjections, RadTanAgreesWithOpenCvsProjectPoints) {
 TEST(CameraProjections, KannalaBrandtAgreesWithOpenCvsFisheye) {
   const KannalaBrandtProjection lens{380, 381, 640, 480, -0.013, 0.021, -0.012, 0.0021};
   const cv::Matx33d k(380, 0, 640, 0, 381, 480, 0, 0, 1);
-  const std::vector<cv::Point3d> points = PointsInFront(1.5);  // OpenCV's goes by x/z: below 90 degrees only
+  const std::vector<cv::Point3d> points =
+      PointsInFront(1.5);  // OpenCV's goes by x/z: below 90 degrees only
   std::vector<cv::Point2d> expected;
-  cv::fisheye::projectPoints(points, expected, cv::Affine3d(), k, cv::Vec4d(-0.013, 0.021, -0.012, 0.0021));
+  cv::fisheye::projectPoints(points, expected, cv::Affine3d(), k,
+                             cv::Vec4d(-0.013, 0.021, -0.012, 0.0021));
 
   ExpectSamePixels(lens, points, expected);
 }
@@ -236,7 +248,8 @@ TEST(CameraProjections, MeiAgreesWithOpenCvsOmnidirBeyond180Degrees) {
   const cv::Matx33d k(850, 0, 640, 0, 851, 480, 0, 0, 1);
   const std::vector<cv::Point3d> points = PointsInFront(1.75);
   std::vector<cv::Point2d> expected;
-  cv::omnidir::projectPoints(points, expected, kZero, kZero, k, 1.7, cv::Vec4d(-0.1, 0.2, 3e-4, -2e-4));
+  cv::omnidir::projectPoints(points, expected, kZero, kZero, k, 1.7,
+                             cv::Vec4d(-0.1, 0.2, 3e-4, -2e-4));
 
   ExpectSamePixels(lens, points, expected);
 }
@@ -246,8 +259,10 @@ TEST(CameraProjections, MeiAgreesWithOpenCvsOmnidirBeyond180Degrees) {
 TEST(CameraProjections, EucmOfBetaOneIsMeiOfTheSameSphere) {
   const double alpha = 0.6, xi = alpha / (1 - alpha);
   const EucmProjection eucm{.alpha = alpha, .beta = 1, .fx = 300, .fy = 300, .cx = 640, .cy = 480};
-  const MeiProjection mei{.xi = xi, .fx = 300 / (1 - alpha), .fy = 300 / (1 - alpha), .cx = 640, .cy = 480};
-  const DoubleSphereProjection sphere{.xi = 0, .alpha = alpha, .fx = 300, .fy = 300, .cx = 640, .cy = 480};
+  const MeiProjection mei{
+      .xi = xi, .fx = 300 / (1 - alpha), .fy = 300 / (1 - alpha), .cx = 640, .cy = 480};
+  const DoubleSphereProjection sphere{
+      .xi = 0, .alpha = alpha, .fx = 300, .fy = 300, .cx = 640, .cy = 480};
   for (const cv::Point3d& p : PointsInFront(1.9)) {
     const Eigen::Vector3d point(p.x, p.y, p.z);
     Eigen::Vector2d a, b, c;
@@ -260,7 +275,8 @@ TEST(CameraProjections, OcamPixelsLieOnTheRayOfItsPolynomial) {
   const OcamProjection lens{329, -1.6e-3, 1.1e-6, -1.9e-9, 640, 480, 0.9998, 4.9e-4, 2.4e-4};
   for (const double radius : {1e-9, 1.0, 100.0, 329.0, 400.0, 520.0}) {
     const double x = radius * std::cos(0.3), y = radius * std::sin(0.3);
-    const double z = 329 - 1.6e-3 * radius * radius + 1.1e-6 * std::pow(radius, 3) - 1.9e-9 * std::pow(radius, 4);
+    const double z = 329 - 1.6e-3 * radius * radius + 1.1e-6 * std::pow(radius, 3) -
+                     1.9e-9 * std::pow(radius, 4);
     Eigen::Vector2d pixel;
     ASSERT_TRUE(lens.Project(Eigen::Vector3d(x, y, z), &pixel));
     EXPECT_NEAR(pixel.x(), 0.9998 * x + 4.9e-4 * y + 640, 1e-9);
@@ -285,7 +301,8 @@ TEST(CameraModel, PixelsPerRadianOfAnEquidistantLensFallsSidewaysAsSineOverAngle
 }
 
 TEST(CameraModel, RefusesIntrinsicsOutOfRangeAndNamesThem) {
-  const auto message = [](CameraModel::Projection projection, int width, int height) -> std::string {
+  const auto message = [](CameraModel::Projection projection, int width,
+                          int height) -> std::string {
     try {
       CameraModel(std::move(projection), width, height);
     } catch (const Error& error) {
@@ -295,11 +312,15 @@ TEST(CameraModel, RefusesIntrinsicsOutOfRangeAndNamesThem) {
   };
   EXPECT_NE(message(PinholeProjection{-1, 400, 0, 0}, 640, 480).find("'fx'"), std::string::npos);
   EXPECT_NE(message(PinholeProjection{400, 400, NAN, 0}, 640, 480).find("'cx'"), std::string::npos);
-  EXPECT_NE(message(EucmProjection{1.2, 1, 400, 400, 0, 0}, 640, 480).find("'alpha'"), std::string::npos);
-  EXPECT_NE(message(MeiProjection{-1, 400, 400, 0, 0, {}}, 640, 480).find("'xi'"), std::string::npos);
+  EXPECT_NE(message(EucmProjection{1.2, 1, 400, 400, 0, 0}, 640, 480).find("'alpha'"),
+            std::string::npos);
+  EXPECT_NE(message(MeiProjection{-1, 400, 400, 0, 0, {}}, 640, 480).find("'xi'"),
+            std::string::npos);
   EXPECT_NE(message(OcamProjection{.a0 = -300}, 640, 480).find("'a0'"), std::string::npos);
-  EXPECT_NE(message(KannalaBrandtProjection{400, 400, 0, 0, INFINITY}, 640, 480).find("'k1'"), std::string::npos);
-  EXPECT_NE(message(PinholeProjection{400, 400, 0, 0}, 0, 480).find("image size"), std::string::npos);
+  EXPECT_NE(message(KannalaBrandtProjection{400, 400, 0, 0, INFINITY}, 640, 480).find("'k1'"),
+            std::string::npos);
+  EXPECT_NE(message(PinholeProjection{400, 400, 0, 0}, 0, 480).find("image size"),
+            std::string::npos);
 }
 
 }  // namespace

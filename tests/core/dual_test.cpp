@@ -10,7 +10,8 @@ template <typename T>
 T Expression(const T& x, const T& y) {
   using std::atan2;
   using std::sqrt;
-  return sqrt(x * x + 2.0 * y) / (3.0 - y) + atan2(y, x) * (x - 1.0) - (-y + 0.5) / 4.0 + 1.0 / (x + y);
+  return sqrt(x * x + 2.0 * y) / (3.0 - y) + atan2(y, x) * (x - 1.0) - (-y + 0.5) / 4.0 +
+         1.0 / (x + y);
 }
 
 TEST(Dual, DerivativesMatchFiniteDifferences) {

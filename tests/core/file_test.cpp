@@ -21,7 +21,8 @@ class Files : public testing::Test {
   ~Files() override { fs::remove_all(folder_); }
 
   size_t NumEntries() const {
-    return static_cast<size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+    return static_cast<size_t>(
+        std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
   }
 
   const fs::path folder_ = fs::path(testing::TempDir()) / ("files_" + std::to_string(::getpid()));
@@ -56,8 +57,9 @@ TEST_F(Files, ACopyOfAReadOnlyFileCanBeWritten) {
   CopyToWrite(folder_ / "published", folder_ / "copy");
 
   EXPECT_EQ(ReadFile(folder_ / "copy"), "old");
-  EXPECT_NE(std::filesystem::status(folder_ / "copy").permissions() & std::filesystem::perms::owner_write,
-            std::filesystem::perms::none);
+  EXPECT_NE(
+      std::filesystem::status(folder_ / "copy").permissions() & std::filesystem::perms::owner_write,
+      std::filesystem::perms::none);
   EXPECT_THROW(CopyToWrite(folder_ / "nothing", folder_ / "copy"), Error);
 }
 

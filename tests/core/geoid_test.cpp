@@ -16,7 +16,8 @@ TEST_F(GeoidFolder, AGridIsInterpolated) {
   ASSERT_TRUE(geoid);
   EXPECT_EQ(geoid->name(), "egm2008-5");
   EXPECT_NEAR(geoid->Undulation(30, 60), UndulationAt(30), 0.01);
-  EXPECT_NEAR(geoid->Undulation(41.5, 11.5), UndulationAt(41.5), 0.05);  // linear but for the cubic's smoothing
+  EXPECT_NEAR(geoid->Undulation(41.5, 11.5), UndulationAt(41.5),
+              0.05);  // linear but for the cubic's smoothing
 }
 
 TEST_F(GeoidFolder, Egm96ComesFirstAsKmlCountsFromIt) {

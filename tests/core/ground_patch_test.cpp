@@ -5,9 +5,10 @@
 namespace parkade {
 namespace {
 
-TEST(GroundSample, PointsKeepTheirPlaceToHalfAMillimetre) {
-  for (const Eigen::Vector3f& point : {Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(12.3456F, -7.6543F, -0.31234F),
-                                       Eigen::Vector3f(-31.9F, 30.1F, 6.1F)}) {
+TEST(GroundSample, PointsKeepTheirPlaceToHalfAMillimeter) {
+  for (const Eigen::Vector3f& point :
+       {Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(12.3456F, -7.6543F, -0.31234F),
+        Eigen::Vector3f(-31.9F, 30.1F, 6.1F)}) {
     const CompactPoint compact = point;
     EXPECT_NEAR(compact.x(), point.x(), 0.00051);
     EXPECT_NEAR(compact.y(), point.y(), 0.00051);

@@ -10,7 +10,8 @@ namespace {
 TEST(ParallelMapLargestFirst, ResultsAreInOrder) {
   const std::vector<int> sizes{3, 9, 1, 9, 5};
   const std::vector<int> doubled = ParallelMapLargestFirst(
-      sizes.size(), [&](std::size_t i) { return sizes[i]; }, [&](std::size_t i) { return 2 * sizes[i]; });
+      sizes.size(), [&](std::size_t i) { return sizes[i]; },
+      [&](std::size_t i) { return 2 * sizes[i]; });
   EXPECT_EQ(doubled, (std::vector<int>{6, 18, 2, 18, 10}));
 }
 

@@ -18,7 +18,9 @@ TEST_F(Logging, ALineHoldsTimeLevelAndMessage) {
   const std::string line = testing::internal::GetCapturedStderr();
 
   EXPECT_TRUE(std::regex_match(
-      line, std::regex("\\d{4}-\\d\\d-\\d\\dT\\d\\d:\\d\\d:\\d\\d\\.\\d{3}Z warning stage=track frames=812\n")))
+      line,
+      std::regex(
+          "\\d{4}-\\d\\d-\\d\\dT\\d\\d:\\d\\d:\\d\\d\\.\\d{3}Z warning stage=track frames=812\n")))
       << line;
 }
 

@@ -56,7 +56,8 @@ TEST(OptionsJson, WrittenOptionsAreReadBack) {
 
 TEST(OptionsJson, OnlyNamedFieldsChange) {
   OuterOptions options;
-  ReadOptionsFromJson({{"inner", {{"count", 7}, {"edge", 2}}}}, options);  // a whole number is a number
+  ReadOptionsFromJson({{"inner", {{"count", 7}, {"edge", 2}}}},
+                      options);  // a whole number is a number
 
   EXPECT_EQ(options.inner.count, 7);
   EXPECT_EQ(options.inner.edge, 2);
@@ -103,7 +104,9 @@ struct RangeOptions {
     visit("begin", begin);
     visit("end", end);
   }
-  void Validate() const { Require(begin <= end, ErrorCode::kUsage, "the end must not lie before the begin"); }
+  void Validate() const {
+    Require(begin <= end, ErrorCode::kUsage, "the end must not lie before the begin");
+  }
 };
 
 TEST(OptionsJson, OptionsThatAreValidTogetherOnlyAreSetTogether) {

@@ -64,7 +64,8 @@ TEST_F(Parallel, ALoopInsideALoopIsHelpedWith) {
       std::unique_lock lock(mutex);
       threads.insert(std::this_thread::get_id());
       both.notify_all();
-      EXPECT_TRUE(both.wait_for(lock, std::chrono::seconds(20), [&] { return threads.size() == 2; }));
+      EXPECT_TRUE(
+          both.wait_for(lock, std::chrono::seconds(20), [&] { return threads.size() == 2; }));
     });
   });
 }
@@ -75,7 +76,8 @@ TEST_F(Parallel, FailuresOfLoopsInsideLoopsComeOut) {
   EXPECT_THROW(ParallelFor(6,
                            [&](size_t outer) {
                              ParallelFor(10, [&](size_t inner) {
-                               if (fails_at(outer, inner)) throw std::runtime_error(std::to_string(inner));
+                               if (fails_at(outer, inner))
+                                 throw std::runtime_error(std::to_string(inner));
                                ++num_done;
                              });
                            }),

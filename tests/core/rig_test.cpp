@@ -44,7 +44,9 @@ class RigFolder : public testing::Test {
   }
   ~RigFolder() override { fs::remove_all(folder_); }
 
-  void Write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+  void Write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+  }
 
   /// The camera file with one piece of text replaced.
   void WriteCameraWith(const std::string& old_text, const std::string& new_text) const {
@@ -105,14 +107,17 @@ TEST_F(RigFolder, TheVehicleFileMovesTheBodyAwayFromTheImu) {
   EXPECT_EQ(rig.vehicle->antenna_in_body.value(), Eigen::Vector3d(1, 0, 1.5));
   EXPECT_LT((rig.body_from_imu.translation - Eigen::Vector3d(1.2, 0, 0.5)).norm(), 1e-12);
   // The way from camera to IMU does not depend on the body.
-  EXPECT_LT((rig.ImuFromCamera(0) * Eigen::Vector3d(-2.9, -3.8, 2.3) - Eigen::Vector3d(2, 3, 4)).norm(), 1e-12);
+  EXPECT_LT(
+      (rig.ImuFromCamera(0) * Eigen::Vector3d(-2.9, -3.8, 2.3) - Eigen::Vector3d(2, 3, 4)).norm(),
+      1e-12);
 }
 
 TEST_F(RigFolder, OpenVinssDialectIsTheSameRig) {
   const Rig kalibr = ReadRig(folder_);
   std::string text = kCamera;
   text.replace(text.find("T_cam_imu"), std::string::npos,
-               "T_imu_cam:\n  - [0, 0, 1, -0.3]\n  - [-1, 0, 0, 0.1]\n  - [0, -1, 0, 0.2]\n  - [0, 0, 0, 1]\n");
+               "T_imu_cam:\n  - [0, 0, 1, -0.3]\n  - [-1, 0, 0, 0.1]\n  - [0, -1, 0, 0.2]\n  - [0, "
+               "0, 0, 1]\n");
   Write("camchain-imucam.yaml", "%YAML:1.0 # need to specify the file type at the top!\n\n" + text);
   Write("imu0.yaml",
         "%YAML:1.0\nimu0:\n  rostopic: /imu0\n  accelerometer_noise_density: 2.0e-3\n"
@@ -137,11 +142,14 @@ TEST_F(RigFolder, ACameraWithoutItsOwnMountingIsChainedToThePreviousOne) {
   ASSERT_EQ(rig.cameras.size(), 2U);
   EXPECT_EQ(rig.cameras[0].name, "cam0");
   const Eigen::Vector3d in_second(-0.11, 0, 0);  // the origin of cam0 seen from cam1
-  EXPECT_LT((rig.cameras[1].body_from_camera * in_second - rig.cameras[0].body_from_camera.translation).norm(), 1e-12);
+  EXPECT_LT(
+      (rig.cameras[1].body_from_camera * in_second - rig.cameras[0].body_from_camera.translation)
+          .norm(),
+      1e-12);
 }
 
 TEST_F(RigFolder, TheSignOfTheToolboxsPolynomialDoesNotMatter) {
-  const std::string tail = "\n  centre: [640.5, 480.25]\n  affine: [0.9998, 4.9e-4, 2.4e-4]\n";
+  const std::string tail = "\n  center: [640.5, 480.25]\n  affine: [0.9998, 4.9e-4, 2.4e-4]\n";
   const auto write = [&](const std::string& intrinsics) {
     std::string text = kCamera;
     text.replace(text.find("pinhole"), 7, "ocam").replace(text.find("radtan"), 6, "none");
@@ -180,7 +188,8 @@ Rig RigOfEveryLens() {
     camera.name = "cam" + std::to_string(rig.cameras.size());
     camera.topic = "/" + camera.name + "/image_raw";
     camera.model = CameraModel(lens, 640, 480);
-    camera.body_from_camera = {Eigen::Quaterniond(0.5, 0.5, -0.5, 0.1 * i).normalized(), {1.0 / 7, i, 0.9}};
+    camera.body_from_camera = {Eigen::Quaterniond(0.5, 0.5, -0.5, 0.1 * i).normalized(),
+                               {1.0 / 7, i, 0.9}};
     camera.time_shift = 0.001 * i / 3;
     camera.line_delay = 1e-5 * i;
     rig.cameras.push_back(camera);
@@ -206,8 +215,10 @@ TEST_F(RigFolder, AWrittenRigIsReadBackTheSame) {
     EXPECT_EQ(after.line_delay, before.line_delay);
     ExpectSameMotion(after.body_from_camera, before.body_from_camera);
     EXPECT_EQ(after.model.projection().index(), before.model.projection().index());
-    for (const Eigen::Vector3d& point : {Eigen::Vector3d(0.1, 0.2, 1), Eigen::Vector3d(-0.4, 0.3, 1)})
-      EXPECT_EQ(after.model.Project(point).value(), before.model.Project(point).value()) << before.name;
+    for (const Eigen::Vector3d& point :
+         {Eigen::Vector3d(0.1, 0.2, 1), Eigen::Vector3d(-0.4, 0.3, 1)})
+      EXPECT_EQ(after.model.Project(point).value(), before.model.Project(point).value())
+          << before.name;
   }
   EXPECT_EQ(cv::norm(again.cameras[2].mask, rig.cameras[2].mask), 0);
   EXPECT_TRUE(again.cameras[1].mask.empty());
@@ -217,24 +228,29 @@ TEST_F(RigFolder, AWrittenRigIsReadBackTheSame) {
 }
 
 TEST_F(RigFolder, ErrorsNameFileAndKey) {
-  const auto expect_error = [&](const std::string& old_text, const std::string& new_text, const std::string& wanted) {
+  const auto expect_error = [&](const std::string& old_text, const std::string& new_text,
+                                const std::string& wanted) {
     WriteCameraWith(old_text, new_text);
-    EXPECT_NE(ReadError().find(wanted), std::string::npos) << ReadError() << " does not say " << wanted;
+    EXPECT_NE(ReadError().find(wanted), std::string::npos)
+        << ReadError() << " does not say " << wanted;
   };
   expect_error("camera_model: pinhole", "", "camchain-imucam.yaml: cam0 has no 'camera_model'");
   expect_error("pinhole", "fisheye3", "cam0.camera_model");
   expect_error("radtan", "fov", "distortion_model 'fov'");
-  expect_error("[458.654, 457.296, 367.215, 248.375]", "[458.654]", "cam0.intrinsics must hold 4 numbers, not 1");
+  expect_error("[458.654, 457.296, 367.215, 248.375]", "[458.654]",
+               "cam0.intrinsics must hold 4 numbers, not 1");
   expect_error("458.654", "wide", "cam0.intrinsics must be a number");
   expect_error("458.654", "-458.654", "cam0: intrinsic 'fx'");
   expect_error("458.654", ".nan", "cam0.intrinsics is not finite");
   expect_error("[752, 480]", "[752.5, 480]", "cam0.resolution");
   expect_error("  T_cam_imu:", "  T_other:", "cam0 has no 'T_cam_imu'");
-  expect_error("[1.0, 0.0, 0.0, 0.3]", "[2.0, 0.0, 0.0, 0.3]", "cam0.T_cam_imu: a 4x4 transform is not a rigid");
+  expect_error("[1.0, 0.0, 0.0, 0.3]", "[2.0, 0.0, 0.0, 0.3]",
+               "cam0.T_cam_imu: a 4x4 transform is not a rigid");
   expect_error("  - [0.0, 0.0, 0.0, 1.0]\n", "", "cam0.T_cam_imu must be a 4x4 matrix");
   expect_error("cam0:", "front:", "has no 'cam0'");
   expect_error("  rostopic", "  mask: ../secret.png\n  rostopic", "cam0.mask must lie inside");
-  expect_error("  rostopic", "  mask: none.png\n  rostopic", "cam0.mask: 'none.png' is not a readable image");
+  expect_error("  rostopic", "  mask: none.png\n  rostopic",
+               "cam0.mask: 'none.png' is not a readable image");
   expect_error("cam0:", "cam0: [", "camchain-imucam.yaml is not YAML: line");
 }
 
@@ -242,7 +258,8 @@ TEST_F(RigFolder, ErrorsNameTheImusAndTheVehiclesKeysToo) {
   Write("vehicle.yaml", "wheelbase: 2.7\n");
   EXPECT_NE(ReadError().find("vehicle.yaml has no 'T_imu_body'"), std::string::npos) << ReadError();
   Write("imu0.yaml", "rostopic: /imu0\n");
-  EXPECT_NE(ReadError().find("imu0.yaml has no 'accelerometer_noise_density'"), std::string::npos) << ReadError();
+  EXPECT_NE(ReadError().find("imu0.yaml has no 'accelerometer_noise_density'"), std::string::npos)
+      << ReadError();
   fs::remove(folder_ / "imu0.yaml");
   EXPECT_NE(ReadError().find("has no imu0.yaml"), std::string::npos) << ReadError();
   EXPECT_THROW(ReadRig(folder_ / "nowhere"), Error);
@@ -252,7 +269,8 @@ TEST_F(RigFolder, TwoCamerasOfOneTopicAreRefused) {
   std::string second = kCamera;
   Write("camchain-imucam.yaml", kCamera + second.replace(0, 4, "cam1"));
 
-  EXPECT_NE(ReadError().find("two cameras have the topic '/cam0/image_raw'"), std::string::npos) << ReadError();
+  EXPECT_NE(ReadError().find("two cameras have the topic '/cam0/image_raw'"), std::string::npos)
+      << ReadError();
 }
 
 TEST(ValidateRig, RefusesWhatCannotBe) {
@@ -287,7 +305,8 @@ TEST(ReadRig, TheRealRigOfTheKittiClipLooksForward) {
   ASSERT_EQ(rig.cameras.size(), 2U);
   // Optical axis along the IMU's x, 0.54 m baseline.
   EXPECT_GT((rig.ImuFromCamera(0).rotation * Eigen::Vector3d::UnitZ()).x(), 0.999);
-  EXPECT_NEAR((rig.ImuFromCamera(0).translation - rig.ImuFromCamera(1).translation).norm(), 0.537, 0.001);
+  EXPECT_NEAR((rig.ImuFromCamera(0).translation - rig.ImuFromCamera(1).translation).norm(), 0.537,
+              0.001);
 }
 
 }  // namespace

@@ -17,11 +17,12 @@ std::vector<Eigen::Vector3d> RotationVectors() {
   std::normal_distribution<double> normal;
   std::vector<Eigen::Vector3d> vectors = {Eigen::Vector3d::Zero()};
   for (const double length : {1e-12, 1e-6, 0.9e-4, 1.1e-4, 0.01, 1.0, 3.0})
-    vectors.push_back(length * Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized());
+    vectors.push_back(length *
+                      Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized());
   return vectors;
 }
 
-TEST(Rigid3, NeighboursCancelAsMatricesDo) {
+TEST(Rigid3, NeighborsCancelAsMatricesDo) {
   const Eigen::Vector3d point(0.3, 0.4, 0.5);
   EXPECT_LT(((kMotion * kOther).Matrix() - kMotion.Matrix() * kOther.Matrix()).norm(), 1e-12);
   EXPECT_LT((kMotion * (kOther * point) - (kMotion * kOther) * point).norm(), 1e-12);
@@ -32,7 +33,8 @@ TEST(Rigid3, FromMatrixTakesRoundedMatricesAndRefusesOthers) {
   const Eigen::Matrix4d rounded = (kMotion.Matrix() * 1e5).array().round() / 1e5;
   EXPECT_LT((Rigid3::FromMatrix(rounded).Matrix() - kMotion.Matrix()).norm(), 3e-5);
 
-  Eigen::Matrix4d scaled = kMotion.Matrix(), mirrored = kMotion.Matrix(), transposed = kMotion.Matrix().transpose();
+  Eigen::Matrix4d scaled = kMotion.Matrix(), mirrored = kMotion.Matrix(),
+                  transposed = kMotion.Matrix().transpose();
   scaled.topLeftCorner<3, 3>() *= 1.01;
   mirrored.col(0) *= -1;
   EXPECT_THROW(Rigid3::FromMatrix(scaled), Error);
@@ -49,7 +51,10 @@ TEST(Rigid3, LogInvertsExpAtZeroNearZeroAndNearHalfATurn) {
     EXPECT_LT((LogSo3(Eigen::Quaterniond(-rotation.coeffs())) - w).norm(), 1e-12 * (1 + w.norm()));
     const double angle = w.norm();
     if (angle > 1e-3) {
-      EXPECT_LT((rotation.toRotationMatrix() - Eigen::AngleAxisd(angle, w / angle).toRotationMatrix()).norm(), 1e-12);
+      EXPECT_LT(
+          (rotation.toRotationMatrix() - Eigen::AngleAxisd(angle, w / angle).toRotationMatrix())
+              .norm(),
+          1e-12);
     }
   }
 }
@@ -60,12 +65,14 @@ TEST(Rigid3, RightJacobianMatchesFiniteDifferences) {
     constexpr double kStep = 1e-6;
     for (int i = 0; i < 3; ++i) {
       const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(i);
-      numeric.col(i) =
-          (LogSo3(ExpSo3(w).conjugate() * ExpSo3(w + step)) - LogSo3(ExpSo3(w).conjugate() * ExpSo3(w - step))) /
-          (2 * kStep);
+      numeric.col(i) = (LogSo3(ExpSo3(w).conjugate() * ExpSo3(w + step)) -
+                        LogSo3(ExpSo3(w).conjugate() * ExpSo3(w - step))) /
+                       (2 * kStep);
     }
     EXPECT_LT((RightJacobianSo3(w) - numeric).norm(), 1e-8) << w.transpose();
-    EXPECT_LT((RightJacobianSo3(w) * InverseRightJacobianSo3(w) - Eigen::Matrix3d::Identity()).norm(), 1e-9);
+    EXPECT_LT(
+        (RightJacobianSo3(w) * InverseRightJacobianSo3(w) - Eigen::Matrix3d::Identity()).norm(),
+        1e-9);
   }
 }
 
@@ -76,7 +83,8 @@ TEST(Rigid3, SkewIsTheCrossProduct) {
 
 TEST(Rigid3, InterpolationTurnsAndMovesEvenly) {
   const Rigid3 half = Interpolate(kMotion, kOther, 0.5);
-  EXPECT_NEAR(kMotion.rotation.angularDistance(half.rotation), half.rotation.angularDistance(kOther.rotation), 1e-12);
+  EXPECT_NEAR(kMotion.rotation.angularDistance(half.rotation),
+              half.rotation.angularDistance(kOther.rotation), 1e-12);
   EXPECT_LT((half.translation - 0.5 * (kMotion.translation + kOther.translation)).norm(), 1e-12);
   EXPECT_LT((Interpolate(kMotion, kOther, 0).Matrix() - kMotion.Matrix()).norm(), 1e-12);
   EXPECT_LT((Interpolate(kMotion, kOther, 1).Matrix() - kOther.Matrix()).norm(), 1e-12);

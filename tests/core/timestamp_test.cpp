@@ -10,8 +10,9 @@ namespace parkade {
 namespace {
 
 TEST(Timestamp, DecimalTextKeepsEveryNanosecond) {
-  for (const std::int64_t ns : {std::int64_t{1403715285262142976}, std::int64_t{0}, std::int64_t{1}, std::int64_t{-1},
-                                std::int64_t{-1'500'000'000}, std::int64_t{999'999'999}}) {
+  for (const std::int64_t ns :
+       {std::int64_t{1403715285262142976}, std::int64_t{0}, std::int64_t{1}, std::int64_t{-1},
+        std::int64_t{-1'500'000'000}, std::int64_t{999'999'999}}) {
     EXPECT_EQ(ParseSeconds(ToDecimalSeconds({ns})).ns, ns);
   }
   EXPECT_EQ(ToDecimalSeconds({1403715285262142976}), "1403715285.262142976");
@@ -27,7 +28,8 @@ TEST(Timestamp, AnyNumberOfDigitsIsReadAndBeyondNineAreCut) {
 }
 
 TEST(Timestamp, WhatIsNotATimeIsRefused) {
-  for (const char* text : {"", ".", "-", "abc", "1.2.3", "1 ", " 1", "1e", "nan", "inf", "99999999999", "9223372037"})
+  for (const char* text :
+       {"", ".", "-", "abc", "1.2.3", "1 ", " 1", "1e", "nan", "inf", "99999999999", "9223372037"})
     EXPECT_THROW(ParseSeconds(text), Error) << "'" << text << "'";
 }
 

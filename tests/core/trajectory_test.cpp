@@ -13,8 +13,9 @@ namespace {
 TrajectoryState StateAt(double seconds, double x, double yaw) {
   TrajectoryState state;
   state.time = TimestampFromSeconds(seconds);
-  state.odom_from_body = {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())), {x, 0, 0}};
-  state.velocity_in_odom = {1, 0, 0};
+  state.world_from_body = {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
+                           {x, 0, 0}};
+  state.velocity_in_world = {1, 0, 0};
   state.covariance.diagonal() << 1, 2, 3, 4, 5, 6;
   return state;
 }
@@ -34,12 +35,13 @@ TEST(Trajectory, InterpolatesInsideAndGivesNothingOutside) {
 }
 
 TEST(Trajectory, TransformedMovesPosesVelocitiesAndCovariances) {
-  const Rigid3 site_from_odom{Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ())), {5, 6, 7}};
+  const Rigid3 site_from_odom{
+      Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ())), {5, 6, 7}};
   const Trajectory moved = kDrive.Transformed(site_from_odom);
 
   const TrajectoryState& last = moved.states().back();
-  EXPECT_LT((last.odom_from_body.translation - Eigen::Vector3d(5, 9, 7)).norm(), 1e-12);
-  EXPECT_LT((last.velocity_in_odom - Eigen::Vector3d(0, 1, 0)).norm(), 1e-12);
+  EXPECT_LT((last.world_from_body.translation - Eigen::Vector3d(5, 9, 7)).norm(), 1e-12);
+  EXPECT_LT((last.velocity_in_world - Eigen::Vector3d(0, 1, 0)).norm(), 1e-12);
   EXPECT_NEAR(last.covariance(0, 0), 1, 1e-12);  // rotation is in body: stays
   EXPECT_NEAR(last.covariance(3, 3), 5, 1e-12);  // x and y of the position change places
   EXPECT_NEAR(last.covariance(4, 4), 4, 1e-12);
@@ -60,7 +62,8 @@ class TumFile : public testing::Test {
 
 TEST_F(TumFile, IsReadBackToNineDigits) {
   const std::vector<TimedPose> poses = {
-      {{1403715285262142976}, {Eigen::Quaterniond(0.9, 0.1, -0.2, 0.3).normalized(), {1.0 / 3, -2e5, 1e-7}}},
+      {{1403715285262142976},
+       {Eigen::Quaterniond(0.9, 0.1, -0.2, 0.3).normalized(), {1.0 / 3, -2e5, 1e-7}}},
       {{1403715285312142976}, {}}};
 
   WriteTum(poses, file_);
@@ -73,7 +76,8 @@ TEST_F(TumFile, IsReadBackToNineDigits) {
 }
 
 TEST_F(TumFile, ForeignFilesAreReadAndBrokenLinesAreNamed) {
-  std::ofstream(file_) << "# time x y z qx qy qz qw\r\n\n1.5 1 2 3 0 0 0 1\r\n1.5e+09 1 2 3 0 0 0 0.9999\n";
+  std::ofstream(file_)
+      << "# time x y z qx qy qz qw\r\n\n1.5 1 2 3 0 0 0 1\r\n1.5e+09 1 2 3 0 0 0 0.9999\n";
   EXPECT_EQ(ReadTum(file_).size(), 2U);
 
   for (const char* line : {"1 2 3", "1 2 3 4 0 0 0 0", "x 1 2 3 0 0 0 1", "1 nan 2 3 0 0 0 1"}) {

@@ -11,7 +11,8 @@ using Eigen::Vector3d;
 TEST(Yaw, IsTheHeadingOfXWhateverTheRoll) {
   for (const double yaw : {-3.0, -0.5, 0.0, 1.2, 3.1})
     for (const double roll : {0.0, 0.4}) {
-      const Eigen::Quaterniond rotation(AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(-0.2, Vector3d::UnitY()) *
+      const Eigen::Quaterniond rotation(AngleAxisd(yaw, Vector3d::UnitZ()) *
+                                        AngleAxisd(-0.2, Vector3d::UnitY()) *
                                         AngleAxisd(roll, Vector3d::UnitX()));
       EXPECT_NEAR(YawOf(rotation), yaw, 1e-12);
     }

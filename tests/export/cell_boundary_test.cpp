@@ -36,10 +36,10 @@ TEST(TraceBoundary, OneCellIsASquareCounterClockwise) {
   EXPECT_EQ(rings[0].size(), 4U);
   EXPECT_NEAR(SignedArea(rings[0]), 0.25, 1e-12);
   for (const Eigen::Vector3d& corner : rings[0]) EXPECT_EQ(corner.z(), 1.5);
-  EXPECT_EQ(
-      std::min_element(rings[0].begin(), rings[0].end(), [](const auto& a, const auto& b) { return a.x() < b.x(); })
-          ->x(),
-      -1);
+  EXPECT_EQ(std::min_element(rings[0].begin(), rings[0].end(),
+                             [](const auto& a, const auto& b) { return a.x() < b.x(); })
+                ->x(),
+            -1);
 }
 
 TEST(TraceBoundary, AHoleIsASecondRingTheOtherWayRound) {
@@ -73,8 +73,9 @@ TEST(TraceBoundary, RandomShapesKeepTheirAreaHaveOneOuterRingAndDoNotDependOnThe
       const int side = static_cast<int>(random() % 4);
       cell.x += (side == 0) - (side == 1);
       cell.y += (side == 2) - (side == 3);
-      const bool is_new = std::none_of(cells.begin(), cells.end(),
-                                       [&](const SurfaceCell& c) { return c.x == cell.x && c.y == cell.y; });
+      const bool is_new = std::none_of(cells.begin(), cells.end(), [&](const SurfaceCell& c) {
+        return c.x == cell.x && c.y == cell.y;
+      });
       if (is_new) cells.push_back(cell);
     }
 
@@ -87,8 +88,9 @@ TEST(TraceBoundary, RandomShapesKeepTheirAreaHaveOneOuterRingAndDoNotDependOnThe
     EXPECT_EQ(TraceBoundary(cells, 1), rings);
     for (Ring ring : rings) {
       // A ring visits no corner twice: it would not be valid as OGC polygon.
-      std::sort(ring.begin(), ring.end(),
-                [](const auto& a, const auto& b) { return std::pair(a.x(), a.y()) < std::pair(b.x(), b.y()); });
+      std::sort(ring.begin(), ring.end(), [](const auto& a, const auto& b) {
+        return std::pair(a.x(), a.y()) < std::pair(b.x(), b.y());
+      });
       EXPECT_EQ(std::adjacent_find(ring.begin(), ring.end()), ring.end());
     }
   }

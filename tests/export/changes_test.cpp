@@ -35,8 +35,8 @@ TEST(Changes, AreGeoJsonWithTheirKindAndArea) {
 }
 
 TEST(Changes, LieOnEarthWhereTheMapDoes) {
-  const auto json = nlohmann::json::parse(
-      EncodeChangesGeoJson(BlockedSquare(), SiteDatum{.latitude_deg = 48, .longitude_deg = 11, .altitude = 500}));
+  const auto json = nlohmann::json::parse(EncodeChangesGeoJson(
+      BlockedSquare(), SiteDatum{.latitude_deg = 48, .longitude_deg = 11, .altitude = 500}));
   EXPECT_FALSE(json.contains("frame"));
   const auto& corner = json.at("features")[0].at("geometry").at("coordinates")[0][0][0];
   EXPECT_NEAR(corner[0].get<double>(), 11 + 2 / (111320 * std::cos(48 * M_PI / 180)), 1e-6);
@@ -47,25 +47,28 @@ TEST(Changes, OfGroundAboveItselfAreSeveralPolygons) {
   SurfaceChanges changes{.cell_size = 0.5};
   ChangedRegion region{.change = GroundChange::kMapped};
   // A ramp that turns back below itself.
-  for (int x = 0; x < 20; ++x) region.cells.push_back({.x = x, .y = 0, .height = 0.2F * static_cast<float>(x)});
+  for (int x = 0; x < 20; ++x)
+    region.cells.push_back({.x = x, .y = 0, .height = 0.2F * static_cast<float>(x)});
   region.cells.push_back({.x = 19, .y = 1, .height = 4});
   for (int x = 19; x >= 0; --x)
     region.cells.push_back({.x = x, .y = 2, .height = 4 + 0.2F * static_cast<float>(19 - x)});
   for (int x = 0; x < 20; ++x) region.cells.push_back({.x = x, .y = 0, .height = 7});
-  std::sort(region.cells.begin(), region.cells.end(), [](const SurfaceCell& a, const SurfaceCell& b) {
-    return std::tuple(a.y, a.x, a.height) < std::tuple(b.y, b.x, b.height);
-  });
+  std::sort(region.cells.begin(), region.cells.end(),
+            [](const SurfaceCell& a, const SurfaceCell& b) {
+              return std::tuple(a.y, a.x, a.height) < std::tuple(b.y, b.x, b.height);
+            });
   changes.regions.push_back(region);
   const auto json = nlohmann::json::parse(EncodeChangesGeoJson(changes, {}));
   EXPECT_GE(json.at("features")[0].at("geometry").at("coordinates").size(), 2U);
 }
 
-TEST(Changes, ArePaintedInTheirColours) {
-  const Orthophoto picture = RenderChanges(BlockedSquare());
-  ASSERT_EQ(picture.image.size(), cv::Size(20, 20));
-  const cv::Vec4b inside = picture.image.at<cv::Vec4b>(20 - 1 - 8, 6), outside = picture.image.at<cv::Vec4b>(0, 0);
+TEST(Changes, ArePaintedInTheirColors) {
+  const Orthophoto image = RenderChanges(BlockedSquare());
+  ASSERT_EQ(image.image.size(), cv::Size(20, 20));
+  const cv::Vec4b inside = image.image.at<cv::Vec4b>(20 - 1 - 8, 6),
+                  outside = image.image.at<cv::Vec4b>(0, 0);
   EXPECT_GT(inside[2], 3 * inside[1]) << "red";
-  EXPECT_NEAR(outside[2], outside[1], 10) << "grey";
+  EXPECT_NEAR(outside[2], outside[1], 10) << "gray";
 }
 
 }  // namespace

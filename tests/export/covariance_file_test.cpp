@@ -43,12 +43,13 @@ std::vector<Row> Parse(const std::string& csv) {
   return rows;
 }
 
-/// A drive whose IMU is turned and away from the body, in an odometry frame that is turned against the site.
+/// A drive whose IMU is turned and away from the body, in an odometry frame that is turned against
+/// the site.
 SiteDrive TurnedDrive() {
   SiteDrive drive = MakeMapWithoutGround().drives[0];
   drive.rig.body_from_imu.rotation = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized());
-  drive.odometry =
-      drive.odometry.Transformed({Eigen::Quaterniond(Eigen::AngleAxisd(2, Eigen::Vector3d::UnitZ())), {50, 20, 1}});
+  drive.odometry = drive.odometry.Transformed(
+      {Eigen::Quaterniond(Eigen::AngleAxisd(2, Eigen::Vector3d::UnitZ())), {50, 20, 1}});
   return drive;
 }
 
@@ -61,11 +62,13 @@ TEST(CovarianceFile, IsOfTheImuAsSmallErrorsOfTheBodyMoveIt) {
   int num_compared = 0;
   for (const Row& row : rows) {
     const auto& states = drive.site_from_body_trajectory.states();
-    const auto state = std::find_if(states.begin(), states.end(),
-                                    [&](const TrajectoryState& candidate) { return candidate.time == row.time; });
+    const auto state =
+        std::find_if(states.begin(), states.end(),
+                     [&](const TrajectoryState& candidate) { return candidate.time == row.time; });
     if (state == states.end()) continue;
-    const auto pose = std::find_if(poses.begin(), poses.end(),
-                                   [&](const TimedPose& candidate) { return candidate.time == row.time; });
+    const auto pose = std::find_if(poses.begin(), poses.end(), [&](const TimedPose& candidate) {
+      return candidate.time == row.time;
+    });
     constexpr double kStep = 1e-6;
     Matrix6d numeric;
     for (int column = 0; column < 6; ++column) {
@@ -75,11 +78,13 @@ TEST(CovarianceFile, IsOfTheImuAsSmallErrorsOfTheBodyMoveIt) {
       moved.rotation = moved.rotation * ExpSo3(step.head<3>());
       moved.translation += step.tail<3>();
       const Rigid3 imu = moved * drive.rig.body_from_imu;
-      numeric.col(column) << LogSo3(pose->world_from_frame.rotation.conjugate() * imu.rotation) / kStep,
+      numeric.col(column) << LogSo3(pose->world_from_frame.rotation.conjugate() * imu.rotation) /
+                                 kStep,
           (imu.translation - pose->world_from_frame.translation) / kStep;
     }
     const Matrix6d expected = numeric * state->covariance * numeric.transpose();
-    EXPECT_LT((row.covariance - expected).norm(), 1e-4 * expected.norm()) << "after " << num_compared;
+    EXPECT_LT((row.covariance - expected).norm(), 1e-4 * expected.norm())
+        << "after " << num_compared;
     ++num_compared;
   }
   EXPECT_GT(num_compared, 50);

@@ -10,8 +10,8 @@ namespace {
 constexpr double kCellSize = 0.25;
 
 /// The lower deck, 160 x 80 cells, with a gentle fall and a hole where a pillar stands.
-ScratchVector<SurfaceCell> LowerDeck() {
-  ScratchVector<SurfaceCell> cells;
+FileBackedVector<SurfaceCell> LowerDeck() {
+  FileBackedVector<SurfaceCell> cells;
   for (int y = -40; y < 40; ++y) {
     for (int x = -80; x < 80; ++x) {
       if (x >= -10 && x < -6 && y >= 4 && y < 8) continue;  // a pillar of 1 m x 1 m
@@ -32,8 +32,8 @@ ScratchVector<SurfaceCell> LowerDeck() {
 }
 
 /// A ramp outside of the lower deck's south edge, then the upper deck above the east half.
-ScratchVector<SurfaceCell> RampAndUpperDeck() {
-  ScratchVector<SurfaceCell> cells;
+FileBackedVector<SurfaceCell> RampAndUpperDeck() {
+  FileBackedVector<SurfaceCell> cells;
   SurfaceCell cell;
   cell.height_sigma = 0.01F;
   cell.free_belief = 0.9F;
@@ -42,7 +42,8 @@ ScratchVector<SurfaceCell> RampAndUpperDeck() {
     for (int x = -80; x < 20; ++x) {
       cell.x = x;
       cell.y = y;
-      cell.height = static_cast<float>(std::clamp((x + 70) * kCellSize * 0.12, 0.0, kUpperDeckHeight) - 0.1);
+      cell.height =
+          static_cast<float>(std::clamp((x + 70) * kCellSize * 0.12, 0.0, kUpperDeckHeight) - 0.1);
       cells.push_back(cell);
     }
   }
@@ -57,12 +58,14 @@ ScratchVector<SurfaceCell> RampAndUpperDeck() {
   return cells;
 }
 
-/// Two triangles per square of four neighbouring cell centres of similar height.
+/// Two triangles per square of four neighboring cell centers of similar height.
 TriangleMesh MeshOf(const SurfaceMap& surface) {
   TriangleMesh mesh;
   mesh.origin = {3.25, -1.5, 0.125};
   std::map<std::tuple<int, int, int>, std::uint32_t> vertex_of;  // by x, y, deck
-  const auto deck_of = [](const SurfaceCell& cell) { return cell.y < -40 ? 1 : (cell.height > 1.5F ? 1 : 0); };
+  const auto deck_of = [](const SurfaceCell& cell) {
+    return cell.y < -40 ? 1 : (cell.height > 1.5F ? 1 : 0);
+  };
   for (const SurfaceCell& cell : surface.cells) {
     vertex_of[{cell.x, cell.y, deck_of(cell)}] = static_cast<std::uint32_t>(mesh.vertices.size());
     const Eigen::Vector3d in_site((cell.x + 0.5) * kCellSize, (cell.y + 0.5) * kCellSize,
@@ -83,7 +86,8 @@ TriangleMesh MeshOf(const SurfaceMap& surface) {
   return mesh;
 }
 
-/// A loop over the lower deck; the odometry of 100 Hz drifts in yaw and scale, the final states come at 4 Hz.
+/// A loop over the lower deck; the odometry of 100 Hz drifts in yaw and scale, the final states
+/// come at 4 Hz.
 SiteDrive MakeDrive(const std::string& name, double radius, double begin_seconds) {
   constexpr int kNumStates = 3000;
   std::vector<TrajectoryState> odometry, final_states;
@@ -95,12 +99,14 @@ SiteDrive MakeDrive(const std::string& name, double radius, double begin_seconds
     };
     TrajectoryState state;
     state.time = TimestampFromSeconds(begin_seconds) + 0.01 * i;
-    state.odom_from_body = pose_at(angle * drift, radius * drift);
-    const double sigma = 0.1 * i / kNumStates;  // along x, y, z in odom: this, its half and its quarter
-    state.covariance.diagonal() << 1e-6, 1e-6, 4e-6, sigma * sigma, sigma * sigma / 4, sigma * sigma / 16;
+    state.world_from_body = pose_at(angle * drift, radius * drift);
+    const double sigma =
+        0.1 * i / kNumStates;  // along x, y, z in odom: this, its half and its quarter
+    state.covariance.diagonal() << 1e-6, 1e-6, 4e-6, sigma * sigma, sigma * sigma / 4,
+        sigma * sigma / 16;
     odometry.push_back(state);
     if (i % 25 != 0 || i < 50 || i > kNumStates - 50) continue;
-    state.odom_from_body = pose_at(angle, radius);
+    state.world_from_body = pose_at(angle, radius);
     final_states.push_back(state);
   }
   SiteDrive drive;
@@ -118,9 +124,10 @@ SiteMap MakeExampleMap(bool is_georeferenced) {
   map.surface.cell_size = kCellSize;
   map.surface.cells = LowerDeck();
   for (const SurfaceCell& cell : RampAndUpperDeck()) map.surface.cells.push_back(cell);
-  std::sort(map.surface.cells.begin(), map.surface.cells.end(), [](const SurfaceCell& a, const SurfaceCell& b) {
-    return std::tuple(a.y, a.x, a.height) < std::tuple(b.y, b.x, b.height);
-  });
+  std::sort(map.surface.cells.begin(), map.surface.cells.end(),
+            [](const SurfaceCell& a, const SurfaceCell& b) {
+              return std::tuple(a.y, a.x, a.height) < std::tuple(b.y, b.x, b.height);
+            });
   map.mesh = MeshOf(map.surface);
   if (is_georeferenced) {
     map.datum = SiteDatum{48.1372, 11.5756, 520};
@@ -135,10 +142,12 @@ SiteMap MakeTexturedMap() {
   map.texture.chart_size = 16;
   std::map<std::tuple<int, int, int>, TextureChart> charts;
   for (std::uint32_t i = 0; i < map.mesh.triangles.size(); ++i) {
-    Eigen::Vector3d centre = map.mesh.origin;
-    for (const std::uint32_t vertex : map.mesh.triangles[i]) centre += map.mesh.vertices[vertex].cast<double>() / 3;
+    Eigen::Vector3d center = map.mesh.origin;
+    for (const std::uint32_t vertex : map.mesh.triangles[i])
+      center += map.mesh.vertices[vertex].cast<double>() / 3;
     const auto index = [](double value) { return static_cast<int>(std::floor(value / 16)); };
-    const std::tuple key(index(centre.y()), index(centre.x()), centre.z() > 0.5 * kUpperDeckHeight ? 1 : 0);
+    const std::tuple key(index(center.y()), index(center.x()),
+                         center.z() > 0.5 * kUpperDeckHeight ? 1 : 0);
     charts[key].triangles.push_back(i);
   }
   for (auto& [key, chart] : charts) {
@@ -165,7 +174,8 @@ SiteMap MakeMapWithoutGround() {
 
 SiteMap MakeMapOfNoManifold() {
   SiteMap map;
-  map.mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0.5F}, {0.5F, 0, 1}, {2, 0, 0}, {2, 1, 0}};
+  map.mesh.vertices = {{0, 0, 0},    {1, 0, 0}, {0, 1, 0}, {0, -1, 0.5F},
+                       {0.5F, 0, 1}, {2, 0, 0}, {2, 1, 0}};
   map.mesh.triangles = {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {1, 5, 6}};
   map.mesh.normals.assign(7, Eigen::Vector3f::UnitZ());
   map.mesh.colors.assign(7, {200, 100, 50});

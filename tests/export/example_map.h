@@ -4,21 +4,24 @@
 
 namespace parkade {
 
-/// A small two-deck garage: a lower deck of 40 m x 20 m with a pillar, a ramp of 12 % and an upper deck above the
-/// lower one's east half; two drives over both decks whose odometry drifts. The mesh is that of the surface.
+/// A small two-deck garage: a lower deck of 40 m x 20 m with a pillar, a ramp of 12 % and an upper
+/// deck above the lower one's east half; two drives over both decks whose odometry drifts. The mesh
+/// is that of the surface.
 SiteMap MakeExampleMap(bool is_georeferenced);
 
 /// [m] from the lower deck to the top of the ramp.
 inline constexpr double kUpperDeckHeight = 2.6;
 
-/// The same with a texture: a chart for each 16 m square of triangles' centres and each deck, texels of 0.1 m whose
-/// red is the column and whose green is the row, of 255, across a picture of 50 m x 30 m from (-25, 15).
+/// The same with a texture: a chart for each 16 m square of triangles' centers and each deck,
+/// texels of 0.1 m whose red is the column and whose green is the row, of 255, across a image of 50
+/// m x 30 m from (-25, 15).
 SiteMap MakeTexturedMap();
 
 /// Two drives and no ground.
 SiteMap MakeMapWithoutGround();
 
-/// No drives; triangles that are no manifold: three at one edge, and two that meet in a vertex only.
+/// No drives; triangles that are no manifold: three at one edge, and two that meet in a vertex
+/// only.
 SiteMap MakeMapOfNoManifold();
 
 }  // namespace parkade

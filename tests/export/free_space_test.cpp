@@ -38,7 +38,8 @@ TEST(FreeSpace, WhatIsNotFreeOrUnknownIsAHole) {
   SurfaceMap surface = Plane(20, [](int, int) { return 0.0; });
   for (SurfaceCell& cell : surface.cells)
     if (cell.x == 5 && cell.y == 5) cell.free_belief = 0.4F;
-  std::erase_if(surface.cells, [](const SurfaceCell& cell) { return cell.x == 10 && cell.y == 10; });
+  std::erase_if(surface.cells,
+                [](const SurfaceCell& cell) { return cell.x == 10 && cell.y == 10; });
 
   const std::vector<FreeSheet> sheets = FindFreeSheets(surface);
 
@@ -59,8 +60,9 @@ TEST(FreeSpace, AGarageIsCutInItsRampIntoLevels) {
   EXPECT_EQ(sheets[0].rings.size(), 2U);  // the pillar
   EXPECT_NEAR(SignedArea(sheets[0].rings[1]), -1, 1e-9);
   // Nothing is lost: all cells that are free.
-  const auto num_free = std::count_if(garage.surface.cells.begin(), garage.surface.cells.end(),
-                                      [](const SurfaceCell& cell) { return cell.free_belief > 0.5F; });
+  const auto num_free =
+      std::count_if(garage.surface.cells.begin(), garage.surface.cells.end(),
+                    [](const SurfaceCell& cell) { return cell.free_belief > 0.5F; });
   EXPECT_NEAR(sheets[0].area + sheets[1].area, static_cast<double>(num_free) * 0.0625, 1e-6);
 }
 
@@ -70,7 +72,8 @@ TEST(FreeSpace, AHelixOfThreeTurnsIsCutOncePerTurn) {
   for (int turn = 0; turn < 3; ++turn) {
     for (int y = -40; y < 40; ++y) {
       for (int x = -40; x < 40; ++x) {
-        const double radius = std::hypot(x + 0.5, y + 0.5), angle = std::atan2(y + 0.5, x + 0.5) + M_PI;
+        const double radius = std::hypot(x + 0.5, y + 0.5),
+                     angle = std::atan2(y + 0.5, x + 0.5) + M_PI;
         if (radius < 25 || radius > 39) continue;
         SurfaceCell cell;
         cell.x = x;
@@ -81,9 +84,10 @@ TEST(FreeSpace, AHelixOfThreeTurnsIsCutOncePerTurn) {
       }
     }
   }
-  std::sort(surface.cells.begin(), surface.cells.end(), [](const SurfaceCell& a, const SurfaceCell& b) {
-    return std::tuple(a.y, a.x, a.height) < std::tuple(b.y, b.x, b.height);
-  });
+  std::sort(surface.cells.begin(), surface.cells.end(),
+            [](const SurfaceCell& a, const SurfaceCell& b) {
+              return std::tuple(a.y, a.x, a.height) < std::tuple(b.y, b.x, b.height);
+            });
 
   const std::vector<FreeSheet> sheets = FindFreeSheets(surface);
 

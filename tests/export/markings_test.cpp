@@ -29,7 +29,8 @@ std::vector<FreeSheet> TwoDecks() {
 }
 
 TEST(Markings, OfSlotsAreClosedPolygonsWithAllThatIsKnown) {
-  const auto text = EncodeSlotsGeoJson({UpperSlot()}, {"monday", "tuesday", "friday"}, TwoDecks(), {});
+  const auto text =
+      EncodeSlotsGeoJson({UpperSlot()}, {"monday", "tuesday", "friday"}, TwoDecks(), {});
   const json collection = json::parse(text);
   EXPECT_EQ(collection.at("frame"), "site");
   const json& feature = collection.at("features").at(0);
@@ -46,8 +47,10 @@ TEST(Markings, OfSlotsAreClosedPolygonsWithAllThatIsKnown) {
   EXPECT_EQ(properties.at("level"), 1);
   EXPECT_DOUBLE_EQ(properties.at("confidence"), 0.88);
   EXPECT_EQ(properties.at("state"), "occupied");
-  EXPECT_EQ(properties.at("states"), json({{"monday", "free"}, {"tuesday", "occupied"}, {"friday", "unseen"}}));
-  EXPECT_EQ(text, EncodeSlotsGeoJson({UpperSlot()}, {"monday", "tuesday", "friday"}, TwoDecks(), {}));
+  EXPECT_EQ(properties.at("states"),
+            json({{"monday", "free"}, {"tuesday", "occupied"}, {"friday", "unseen"}}));
+  EXPECT_EQ(text,
+            EncodeSlotsGeoJson({UpperSlot()}, {"monday", "tuesday", "friday"}, TwoDecks(), {}));
 }
 
 TEST(Markings, LieOnEarthWhereTheSiteDoes) {
@@ -55,13 +58,17 @@ TEST(Markings, LieOnEarthWhereTheSiteDoes) {
   const json collection = json::parse(EncodeSlotsGeoJson({UpperSlot()}, {}, TwoDecks(), datum));
   EXPECT_FALSE(collection.contains("frame"));
   const json& corner = collection.at("features").at(0).at("geometry").at("coordinates").at(0).at(0);
-  EXPECT_LT((SiteFromGeodetic(datum, corner[1], corner[0], corner[2]) - Eigen::Vector3d(10, 20, 3)).norm(), 0.002);
+  EXPECT_LT((SiteFromGeodetic(datum, corner[1], corner[0], corner[2]) - Eigen::Vector3d(10, 20, 3))
+                .norm(),
+            0.002);
 }
 
 TEST(Markings, AreLinesAreasAndBumps) {
   GroundMarkings markings;
-  markings.markings.push_back({RoadMarking::Shape::kLine, true, true, 0.12, {{0, 0, 0}, {5, 0, 0}}});
-  markings.markings.push_back({RoadMarking::Shape::kArea, false, false, 0, {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}}});
+  markings.markings.push_back(
+      {RoadMarking::Shape::kLine, true, true, 0.12, {{0, 0, 0}, {5, 0, 0}}});
+  markings.markings.push_back(
+      {RoadMarking::Shape::kArea, false, false, 0, {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}}});
   markings.bumps.push_back({{7, 8, 0.1}, M_PI / 2, 0.0614, 3.2, 2});
   const json features = json::parse(EncodeMarkingsGeoJson(markings, TwoDecks(), {})).at("features");
   ASSERT_EQ(features.size(), 3U);
@@ -69,7 +76,8 @@ TEST(Markings, AreLinesAreasAndBumps) {
   EXPECT_EQ(features[0].at("properties").at("color"), "yellow");
   EXPECT_EQ(features[0].at("properties").at("bounds_slot"), true);
   const json& ring = features[1].at("geometry").at("coordinates").at(0);
-  EXPECT_EQ(ring, json({{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}})) << "counter-clockwise";
+  EXPECT_EQ(ring, json({{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}}))
+      << "counter-clockwise";
   EXPECT_EQ(features[2].at("geometry").at("type"), "Point");
   EXPECT_DOUBLE_EQ(features[2].at("properties").at("height_m"), 0.061);
   EXPECT_DOUBLE_EQ(features[2].at("properties").at("yaw_deg"), 90);
@@ -81,7 +89,8 @@ TEST(Markings, KerbsHaveTheirHeightAndLengthOnTheirLevel) {
   const json features = json::parse(EncodeMarkingsGeoJson(markings, TwoDecks(), {})).at("features");
   ASSERT_EQ(features.size(), 1U);
   EXPECT_EQ(features[0].at("geometry").at("type"), "LineString");
-  EXPECT_EQ(features[0].at("geometry").at("coordinates"), json({{0.0, 0.0, 3.0}, {4.0, 0.0, 3.0}, {4.0, 3.0, 3.1}}));
+  EXPECT_EQ(features[0].at("geometry").at("coordinates"),
+            json({{0.0, 0.0, 3.0}, {4.0, 0.0, 3.0}, {4.0, 3.0, 3.1}}));
   const json& properties = features[0].at("properties");
   EXPECT_EQ(properties.at("type"), "kerb");
   EXPECT_DOUBLE_EQ(properties.at("height_m"), 0.118);

@@ -15,14 +15,19 @@ cv::Mat Decode(const OccupancyGrid& grid) {
   return cv::imdecode(std::vector<char>(grid.pgm.begin(), grid.pgm.end()), cv::IMREAD_UNCHANGED);
 }
 
-/// The value at a place, found as map_server does: the origin is the outer corner of the lower left cell.
+/// The value at a place, found as map_server does: the origin is the outer corner of the lower left
+/// cell.
 int ValueAt(const OccupancyGrid& grid, double x, double y) {
   const YAML::Node yaml = YAML::Load(grid.yaml);
   const cv::Mat image = Decode(grid);
   const double resolution = yaml["resolution"].as<double>();
-  const int column = static_cast<int>(std::floor((x - yaml["origin"][0].as<double>()) / resolution));
-  const int row = image.rows - 1 - static_cast<int>(std::floor((y - yaml["origin"][1].as<double>()) / resolution));
-  return cv::Rect(0, 0, image.cols, image.rows).contains({column, row}) ? image.at<std::uint8_t>(row, column) : -1;
+  const int column =
+      static_cast<int>(std::floor((x - yaml["origin"][0].as<double>()) / resolution));
+  const int row = image.rows - 1 -
+                  static_cast<int>(std::floor((y - yaml["origin"][1].as<double>()) / resolution));
+  return cv::Rect(0, 0, image.cols, image.rows).contains({column, row})
+             ? image.at<std::uint8_t>(row, column)
+             : -1;
 }
 
 /// 3 m x 2 m from (-1.5, 0.5).
@@ -47,7 +52,8 @@ TEST(OccupancyGrids, AreFreeWhereTheMeshIsAndUnknownElsewhere) {
   const OccupancyGrid garage = MakeOccupancyGrid(MakeExampleMap(false).mesh, "map.pgm");
   const cv::Mat image = Decode(garage);
   EXPECT_GT(cv::countNonZero(image == 205), 0);
-  EXPECT_EQ(cv::countNonZero(image == 205) + cv::countNonZero(image == 254), image.rows * image.cols);
+  EXPECT_EQ(cv::countNonZero(image == 205) + cv::countNonZero(image == 254),
+            image.rows * image.cols);
 }
 
 TEST(OccupancyGrids, CanBeOfOneDeck) {

@@ -34,7 +34,8 @@ cv::Point PixelOf(const Orthophoto& ortho, double x, double y) {
 TEST(Orthophoto, EveryCellIsWhereTheWorldFileSays) {
   SurfaceMap surface;
   surface.cell_size = 0.1;
-  surface.cells = {CellAt(-7, -3, 0, {255, 0, 0}), CellAt(4, -3, 0, {0, 255, 0}), CellAt(0, 5, 0, {0, 0, 255})};
+  surface.cells = {CellAt(-7, -3, 0, {255, 0, 0}), CellAt(4, -3, 0, {0, 255, 0}),
+                   CellAt(0, 5, 0, {0, 0, 255})};
 
   const Orthophoto ortho = RenderOrthophoto(surface);
   const cv::Mat image = Decode(ortho);
@@ -68,7 +69,8 @@ TEST(Orthophoto, OfATextureShowsEveryTexelWhereItIsAndTheHigherChartOnTop) {
   const cv::Mat image = Decode(ortho);
 
   ASSERT_EQ(image.size(), cv::Size(6, 6));
-  EXPECT_EQ(image.at<cv::Vec4b>(PixelOf(ortho, -0.25, 0.25)), cv::Vec4b(10, 20, 30, 255)) << "both decks";
+  EXPECT_EQ(image.at<cv::Vec4b>(PixelOf(ortho, -0.25, 0.25)), cv::Vec4b(10, 20, 30, 255))
+      << "both decks";
   EXPECT_EQ(image.at<cv::Vec4b>(PixelOf(ortho, 0.75, 0.25)), cv::Vec4b(40, 50, 60, 255));
   EXPECT_EQ(image.at<cv::Vec4b>(PixelOf(ortho, -1.25, -0.75)), cv::Vec4b(10, 20, 30, 255));
   EXPECT_EQ(image.at<cv::Vec4b>(PixelOf(ortho, -1.75, 0.75))[3], 0) << "off the mesh";

@@ -22,14 +22,17 @@ TEST(Ply, HoldsTheMeshInTheSiteFrame) {
 
   const size_t header = bytes.find("end_header\n") + 11;
   ASSERT_EQ(bytes.substr(0, 4), "ply\n");
-  EXPECT_NE(bytes.find("element vertex " + std::to_string(mesh.vertices.size()) + "\n"), std::string::npos);
-  EXPECT_NE(bytes.find("element face " + std::to_string(mesh.triangles.size()) + "\n"), std::string::npos);
+  EXPECT_NE(bytes.find("element vertex " + std::to_string(mesh.vertices.size()) + "\n"),
+            std::string::npos);
+  EXPECT_NE(bytes.find("element face " + std::to_string(mesh.triangles.size()) + "\n"),
+            std::string::npos);
   // 6 floats, 3 bytes, 1 float; then 1 byte and 3 ints per face.
   ASSERT_EQ(bytes.size(), header + 31 * mesh.vertices.size() + 13 * mesh.triangles.size());
   for (const size_t i : {size_t{0}, size_t{7777}}) {
     const Eigen::Vector3d in_site = mesh.origin + mesh.vertices[i].cast<double>();
     for (size_t axis = 0; axis < 3; ++axis)
-      EXPECT_NEAR(ValueAt<float>(bytes, header + 31 * i + 4 * axis), in_site[static_cast<Eigen::Index>(axis)], 1e-5);
+      EXPECT_NEAR(ValueAt<float>(bytes, header + 31 * i + 4 * axis),
+                  in_site[static_cast<Eigen::Index>(axis)], 1e-5);
     EXPECT_EQ(ValueAt<std::uint8_t>(bytes, header + 31 * i + 24), mesh.colors[i][0]);
     EXPECT_EQ(ValueAt<std::uint8_t>(bytes, header + 31 * i + 26), mesh.colors[i][2]);
     EXPECT_EQ(ValueAt<float>(bytes, header + 31 * i + 27), mesh.height_sigmas[i]);

@@ -25,7 +25,7 @@ TriangleMesh MakeSquare(double size) {
   return mesh;
 }
 
-TEST(PointCloud, LiesOnTheMeshInItsColours) {
+TEST(PointCloud, LiesOnTheMeshInItsColors) {
   const std::vector<ColoredPoint> points = SamplePoints(MakeSquare(2), 0.25);
 
   EXPECT_GE(points.size(), 8u * 8u);
@@ -42,7 +42,8 @@ TEST(PointCloud, HasBothDecksOfAGarage) {
   const SiteMap map = MakeExampleMap(false);
   int below = 0, above = 0;
   for (const ColoredPoint& point : SamplePoints(map.mesh, 0.5)) {
-    if (std::abs(point.point_in_site.x() - 10) > 4 || std::abs(point.point_in_site.y()) > 4) continue;
+    if (std::abs(point.point_in_site.x() - 10) > 4 || std::abs(point.point_in_site.y()) > 4)
+      continue;
     (static_cast<double>(point.point_in_site.z()) > 0.5 * kUpperDeckHeight ? above : below)++;
   }
   EXPECT_GT(below, 100);

@@ -11,9 +11,10 @@ namespace {
 std::vector<TimedPose> MakePoses() {
   std::vector<TimedPose> poses;
   for (int i = 0; i < 5; ++i)
-    poses.push_back({{1'403'715'273'262'142'976 + i * 50'000'000LL},
-                     {Eigen::Quaterniond(Eigen::AngleAxisd(0.3 * i, Eigen::Vector3d(1, 2, 3).normalized())),
-                      {100.5 + i, -2.25 * i, 0.125}}});
+    poses.push_back(
+        {{1'403'715'273'262'142'976 + i * 50'000'000LL},
+         {Eigen::Quaterniond(Eigen::AngleAxisd(0.3 * i, Eigen::Vector3d(1, 2, 3).normalized())),
+          {100.5 + i, -2.25 * i, 0.125}}});
   return poses;
 }
 
@@ -43,10 +44,13 @@ TEST(PoseFiles, EurocsLinesHaveNanosecondsAndTheRealPartFirst) {
     ASSERT_TRUE(std::getline(text, line));
     long long ns = 0;
     double x = 0, y = 0, z = 0, qw = 0, qx = 0, qy = 0, qz = 0;
-    ASSERT_EQ(std::sscanf(line.c_str(), "%lld,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &ns, &x, &y, &z, &qw, &qx, &qy, &qz), 8);
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lld,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &ns, &x, &y, &z, &qw,
+                          &qx, &qy, &qz),
+              8);
     EXPECT_EQ(ns, pose.time.ns);
     EXPECT_TRUE(Eigen::Vector3d(x, y, z).isApprox(pose.world_from_frame.translation, 1e-9));
-    EXPECT_LT(Eigen::Quaterniond(qw, qx, qy, qz).angularDistance(pose.world_from_frame.rotation), 1e-7);
+    EXPECT_LT(Eigen::Quaterniond(qw, qx, qy, qz).angularDistance(pose.world_from_frame.rotation),
+              1e-7);
   }
 }
 

@@ -19,7 +19,7 @@ def output_of(*command, text=None):
 
 
 def tangent_plane_to_wgs84(east, north):
-    """By the radii of curvature of the ellipsoid at the datum's height: good to a millimetre at 50 m."""
+    """By the radii of curvature of the ellipsoid at the datum's height: good to a millimeter at 50 m."""
     a, e2 = 6378137.0, 0.00669437999014
     sine = math.sin(math.radians(LATITUDE))
     prime_vertical = a / math.sqrt(1 - e2 * sine * sine)
@@ -36,9 +36,9 @@ def main():
     tiff = folder / "ortho.tif"
     info = json.loads(output_of("gdalinfo", "-json", str(tiff)))
     width, height = info["size"]
-    pixel, _, _, _, _, centre_y = map(float, (folder / "ortho.pgw").read_text().split())
+    pixel, _, _, _, _, center_y = map(float, (folder / "ortho.pgw").read_text().split())
     assert abs(info["geoTransform"][1] - pixel) < 1e-9 and abs(info["geoTransform"][5] + pixel) < 1e-9
-    assert abs(info["geoTransform"][3] - (centre_y + 0.5 * pixel)) < 1e-6, info["geoTransform"]
+    assert abs(info["geoTransform"][3] - (center_y + 0.5 * pixel)) < 1e-6, info["geoTransform"]
     assert [band["colorInterpretation"] for band in info["bands"]] == ["Red", "Green", "Blue", "Alpha"]
 
     for column, row in [(0, 0), (width, 0), (width / 2, height / 2), (width, height)]:

@@ -54,7 +54,7 @@ function vertices(primitive) {
 
 const distance = (a, b) => Math.hypot(...a.map((value, i) => value - b[i]));
 
-/** Each vertex of `a` has one of `b` within `tolerance` [m], and is of the same colour, normal and sigma. */
+/** Each vertex of `a` has one of `b` within `tolerance` [m], and is of the same color, normal and sigma. */
 function compareVertices(a, b, tolerance) {
   const cell = 0.05;
   const keyOf = (position, dx, dy, dz) =>
@@ -72,7 +72,7 @@ function compareVertices(a, b, tolerance) {
         if (!nearest || distance(vertex.position, other.position) < distance(vertex.position, nearest.position)) nearest = other;
     assert.ok(nearest, `no vertex near ${vertex.position}`);
     worst = Math.max(worst, distance(vertex.position, nearest.position));
-    assert.ok(distance(vertex.color, nearest.color) < 1e-6, 'colours differ');
+    assert.ok(distance(vertex.color, nearest.color) < 1e-6, 'colors differ');
     assert.ok(distance(vertex.normal, nearest.normal) < 0.02, 'normals differ');
     assert.ok(Math.abs(vertex.sigma - nearest.sigma) < 1e-4, 'sigmas differ');
   }
@@ -155,7 +155,7 @@ async function checkTexture(name, bytes, expectedTriangles) {
     const texture = primitive.getMaterial().getBaseColorTexture();
     assert.equal(texture.getMimeType(), 'image/jpeg');
     assert.deepEqual(texture.getSize(), [500, 300]);
-    assert.equal(primitive.getAttribute('COLOR_0'), null, 'colours would darken the texture');
+    assert.equal(primitive.getAttribute('COLOR_0'), null, 'colors would darken the texture');
     const [position, texcoord] = ['POSITION', 'TEXCOORD_0'].map((key) => primitive.getAttribute(key));
     for (let i = 0; i < position.getCount(); ++i) {
       const [x, , z] = position.getElement(i, []);
@@ -242,7 +242,7 @@ async function checkTiles(path, ground, isGeoreferenced) {
   assert.ok((await visit(root)) < ground / 4, 'the overview is not smaller');
   assert.equal(triangles, ground, 'the tiles together are not the mesh');
   assert.ok(numFinest >= 4);
-  // Draco's encoder keeps six decimals of the lattice, hence the micrometre.
+  // Draco's encoder keeps six decimals of the lattice, hence the micrometer.
   for (const [first, ...others] of seams.values())
     for (const other of others) assert.ok(distance(first, other) < 2e-6, `a crack between ${first} and ${other}`);
   assert.ok([...seams.values()].some((positions) => positions.length > 1), 'no seam to look at');

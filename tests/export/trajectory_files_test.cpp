@@ -35,9 +35,11 @@ TEST(FinalTrajectory, IsOfTheImuAndFollowsTheOdometryBetweenFinalStates) {
   const Rigid3 imu_from_body = drive.rig.body_from_imu.Inverse();
   for (const TimedPose& pose : SampleFinalTrajectory(drive)) {
     const Rigid3 site_from_body = pose.world_from_frame * imu_from_body;
-    // Between the 4 Hz states a chord would be 13 mm off the circle. Beyond the last states the drift goes on.
+    // Between the 4 Hz states a chord would be 13 mm off the circle. Beyond the last states the
+    // drift goes on.
     const bool is_inside = drive.site_from_body_trajectory.span().Contains(pose.time);
-    EXPECT_LT((site_from_body.translation - TruePosition(drive, pose.time)).norm(), is_inside ? 1e-3 : 0.03);
+    EXPECT_LT((site_from_body.translation - TruePosition(drive, pose.time)).norm(),
+              is_inside ? 1e-3 : 0.03);
   }
 }
 
@@ -48,27 +50,36 @@ TEST(FinalTrajectory, WithoutOdometryIsInterpolatedFromItsOwnStates) {
 
   EXPECT_EQ(poses.front().time, drive.site_from_body_trajectory.span().begin);
   EXPECT_EQ(poses.back().time, drive.site_from_body_trajectory.span().end);
-  EXPECT_GE(static_cast<double>(poses.size()), 20 * drive.site_from_body_trajectory.span().Seconds());
+  EXPECT_GE(static_cast<double>(poses.size()),
+            20 * drive.site_from_body_trajectory.span().Seconds());
   EXPECT_TRUE(SampleFinalTrajectory({}).empty());
 }
 
 TEST(Odometry, StartsWhereTheFinalTrajectoryDoesAndKeepsItsDrift) {
   SiteDrive drive = Drive();
-  const Rigid3 odom_from_site{Eigen::Quaterniond(Eigen::AngleAxisd(1, Eigen::Vector3d::UnitZ())), {100, -50, 3}};
+  const Rigid3 odom_from_site{Eigen::Quaterniond(Eigen::AngleAxisd(1, Eigen::Vector3d::UnitZ())),
+                              {100, -50, 3}};
   drive.odometry = drive.odometry.Transformed(odom_from_site);
 
   const std::vector<TimedPose> odometry = SampleOdometry(drive);
   const std::vector<TimedPose> final_poses = SampleFinalTrajectory(drive);
 
   ASSERT_EQ(odometry.size(), drive.odometry.states().size());
-  EXPECT_LT((odometry.front().world_from_frame.Matrix() - final_poses.front().world_from_frame.Matrix()).norm(), 1e-9);
+  EXPECT_LT(
+      (odometry.front().world_from_frame.Matrix() - final_poses.front().world_from_frame.Matrix())
+          .norm(),
+      1e-9);
   // Distances within the odometry do not change.
-  const Rigid3& last = drive.odometry.states().back().odom_from_body;
-  const Rigid3& first = drive.odometry.states().front().odom_from_body;
-  const Rigid3 expected = (first * drive.rig.body_from_imu).Inverse() * (last * drive.rig.body_from_imu);
-  const Rigid3 actual = odometry.front().world_from_frame.Inverse() * odometry.back().world_from_frame;
+  const Rigid3& last = drive.odometry.states().back().world_from_body;
+  const Rigid3& first = drive.odometry.states().front().world_from_body;
+  const Rigid3 expected =
+      (first * drive.rig.body_from_imu).Inverse() * (last * drive.rig.body_from_imu);
+  const Rigid3 actual =
+      odometry.front().world_from_frame.Inverse() * odometry.back().world_from_frame;
   EXPECT_LT((actual.Matrix() - expected.Matrix()).norm(), 1e-9);
-  EXPECT_GT((odometry.back().world_from_frame.translation - final_poses.back().world_from_frame.translation).norm(),
+  EXPECT_GT((odometry.back().world_from_frame.translation -
+             final_poses.back().world_from_frame.translation)
+                .norm(),
             0.1);
 }
 
@@ -99,8 +110,8 @@ TEST(TrajectoryKml, HoldsTheSamePositions) {
   const auto json = nlohmann::json::parse(EncodeTrajectoryGeoJson(drive, datum));
   const auto num_points = json.at("features").at(0).at("geometry").at("coordinates").size();
   const size_t begin = kml.find("<coordinates>\n") + 14, end = kml.find("</coordinates>");
-  EXPECT_EQ(static_cast<size_t>(
-                std::count(kml.begin() + static_cast<long>(begin), kml.begin() + static_cast<long>(end), '\n')),
+  EXPECT_EQ(static_cast<size_t>(std::count(kml.begin() + static_cast<long>(begin),
+                                           kml.begin() + static_cast<long>(end), '\n')),
             num_points);
 }
 
@@ -118,12 +129,13 @@ TEST_F(GeoidFolder, KmlCountsHeightsFromTheSeaAndGeoJsonFromTheEllipsoid) {
   const std::string above_sea = EncodeTrajectoryKml(Drive(), datum, geoid);
   const std::string above_ellipsoid = EncodeTrajectoryKml(Drive(), datum);
 
-  EXPECT_NEAR(FirstHeight(above_ellipsoid) - FirstHeight(above_sea), UndulationAt(datum.latitude_deg), 0.3);
+  EXPECT_NEAR(FirstHeight(above_ellipsoid) - FirstHeight(above_sea),
+              UndulationAt(datum.latitude_deg), 0.3);
   EXPECT_NE(above_sea.find("above mean sea level (egm96-15)"), std::string::npos);
   EXPECT_NE(above_ellipsoid.find("no geoid model"), std::string::npos);
   const auto json = nlohmann::json::parse(EncodeTrajectoryGeoJson(Drive(), datum));
-  EXPECT_NEAR(json.at("features").at(0).at("geometry").at("coordinates").at(0).at(2), FirstHeight(above_ellipsoid),
-              1e-6);
+  EXPECT_NEAR(json.at("features").at(0).at("geometry").at("coordinates").at(0).at(2),
+              FirstHeight(above_ellipsoid), 1e-6);
 }
 
 TEST(TrajectoryKml, InventsNoHeights) {

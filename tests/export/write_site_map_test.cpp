@@ -25,7 +25,8 @@ class MapFolder : public testing::Test {
   std::map<std::string, std::string> Files() const {
     std::map<std::string, std::string> files;
     for (const auto& entry : fs::recursive_directory_iterator(folder_))
-      if (entry.is_regular_file()) files[fs::relative(entry.path(), folder_)] = ReadFile(entry.path());
+      if (entry.is_regular_file())
+        files[fs::relative(entry.path(), folder_)] = ReadFile(entry.path());
     return files;
   }
 

@@ -11,9 +11,9 @@
 #include "tests/simulator/drives/presets.h"
 #include "tests/simulator/drives/run_suite.h"
 #include "tests/simulator/drives/simulate_drive.h"
-#include "tests/simulator/sinks/truth_files.h"
 #include "tests/simulator/layouts/plan_place.h"
 #include "tests/simulator/scenes/build_scene.h"
+#include "tests/simulator/sinks/truth_files.h"
 
 namespace parkade::simulator {
 namespace {
@@ -26,12 +26,14 @@ struct CommandLine {
   OutputPaths out;
   std::string size = "640x400";
   std::string height_at, kerbs_file, ground_file;
-  bool has_no_gnss = false, has_no_wheels = false, is_quiet = false, wants_list = false, is_quick = false;
+  bool has_no_gnss = false, has_no_wheels = false, is_quiet = false, wants_list = false,
+       is_quick = false;
   int num_threads = 0;
   std::vector<std::string> assignments, names;
 };
 
-const char* const kFooter = R"(Writes, for --out DIR (an EuRoC folder):       for --out FILE.mcap or FILE.bag:
+const char* const kFooter =
+    R"(Writes, for --out DIR (an EuRoC folder):       for --out FILE.mcap or FILE.bag:
   DIR/mav0/{cam*,imu0,odom0,gnss0}               FILE.mcap  (ROS 2, CDR) or FILE.bag (ROS 1)
   DIR/{rig,rig_true}/                            FILE.truth/{rig,rig_true}/
   DIR/{truth.tum,ground_truth.ply,               FILE.truth/{truth.tum,ground_truth.ply,
@@ -59,18 +61,27 @@ void AddOptions(CLI::App& app, CommandLine& line) {
   app.add_flag("--list", line.wants_list, "Name the scenes and presets and exit");
   app.add_flag("--quick", line.is_quick, "Of a preset or the suite: in short, 10 Hz, 640x400");
   app.add_option("--only", line.names, "Of the suite: this preset (may be repeated)");
-  app.add_option("--height", line.height_at, "X,Y[,Z]: print the ground's true height there (nearest to Z) and exit");
-  app.add_option("--kerbs", line.kerbs_file, "FILE: write the true kerbs of the place (GeoJSON) and exit");
-  app.add_option("--ground", line.ground_file, "FILE: write the true drivable ground of the place (PLY) and exit");
+  app.add_option("--height", line.height_at,
+                 "X,Y[,Z]: print the ground's true height there (nearest to Z) and exit");
+  app.add_option("--kerbs", line.kerbs_file,
+                 "FILE: write the true kerbs of the place (GeoJSON) and exit");
+  app.add_option("--ground", line.ground_file,
+                 "FILE: write the true drivable ground of the place (PLY) and exit");
   app.add_option("--out", line.out.log, "FILE.bag, FILE.mcap, or a folder (EuRoC); must not exist");
-  app.add_option("--truth-out", line.out.truth, "Folder of truth.tum, ground_truth.ply, summary.json");
+  app.add_option("--truth-out", line.out.truth,
+                 "Folder of truth.tum, ground_truth.ply, summary.json");
   app.add_option("--rig-out", line.out.rig, "Folder of the rig files");
-  app.add_option("--seed", options.seed, "Of the scene, the drive and all noise")->capture_default_str();
-  app.add_option("--place-seed", options.place_seed, "Of the place alone; -1: --seed")->capture_default_str();
-  app.add_option("--day", options.day, "Other parked cars and light at the same place")->capture_default_str();
+  app.add_option("--seed", options.seed, "Of the scene, the drive and all noise")
+      ->capture_default_str();
+  app.add_option("--place-seed", options.place_seed, "Of the place alone; -1: --seed")
+      ->capture_default_str();
+  app.add_option("--day", options.day, "Other parked cars and light at the same place")
+      ->capture_default_str();
   app.add_option("--speed-bumps", options.speed_bumps, "Of a lot, 0 to 4")->capture_default_str();
-  app.add_option("--traffic", options.traffic, "Cars that move, and as many people")->capture_default_str();
-  app.add_option("--weather", options.weather, "dry, overcast, wet, dusk; default: as the day wants it");
+  app.add_option("--traffic", options.traffic, "Cars that move, and as many people")
+      ->capture_default_str();
+  app.add_option("--weather", options.weather,
+                 "dry, overcast, wet, dusk; default: as the day wants it");
   app.add_option_function<double>(
          "--duration",
          [&](double seconds) {
@@ -79,19 +90,27 @@ void AddOptions(CLI::App& app, CommandLine& line) {
          },
          "[s]")
       ->default_str("40");
-  app.add_option("--length", options.drive.length, "[m] to drive, instead of a duration; 0: --duration counts")
+  app.add_option("--length", options.drive.length,
+                 "[m] to drive, instead of a duration; 0: --duration counts")
       ->capture_default_str();
-  app.add_option("--rate", options.cameras.rate, "Pictures per second and camera")->capture_default_str();
-  app.add_option("--size", line.size, "Of the pictures")->capture_default_str();
-  app.add_option("--cameras", options.rig.num_cameras, "1 to 4: front, left, right, rear")->capture_default_str();
-  app.add_option("--drop", options.cameras.drop_probability, "Share of pictures that get lost")->capture_default_str();
+  app.add_option("--rate", options.cameras.rate, "Images per second and camera")
+      ->capture_default_str();
+  app.add_option("--size", line.size, "Of the images")->capture_default_str();
+  app.add_option("--cameras", options.rig.num_cameras, "1 to 4: front, left, right, rear")
+      ->capture_default_str();
+  app.add_option("--drop", options.cameras.drop_probability, "Share of images that get lost")
+      ->capture_default_str();
   app.add_option("--exposure", options.image.exposure, "[s] motion blur; 0: as the light wants it")
       ->capture_default_str();
-  app.add_option("--line-delay", options.rig.line_delay, "[s/row] rolling shutter")->capture_default_str();
-  app.add_option("--lens", options.rig.lens, "Model of the fisheyes: kb (equidistant), omni, eucm, ds, ocam")
+  app.add_option("--line-delay", options.rig.line_delay, "[s/row] rolling shutter")
       ->capture_default_str();
-  app.add_option("--gnss", options.sensors.gnss, "standard (1.5 m), rtk (0.02 m), none")->capture_default_str();
-  app.add_option("--gnss-sigma", options.sensors.gnss_sigma, "[m] horizontal; 0 = as usual for the kind")
+  app.add_option("--lens", options.rig.lens,
+                 "Model of the fisheyes: kb (equidistant), omni, eucm, ds, ocam")
+      ->capture_default_str();
+  app.add_option("--gnss", options.sensors.gnss, "standard (1.5 m), rtk (0.02 m), none")
+      ->capture_default_str();
+  app.add_option("--gnss-sigma", options.sensors.gnss_sigma,
+                 "[m] horizontal; 0 = as usual for the kind")
       ->capture_default_str();
   app.add_flag("--no-gnss", line.has_no_gnss, "The same as --gnss none");
   app.add_flag("--no-wheels", line.has_no_wheels, "No wheel odometry");
@@ -104,14 +123,16 @@ void AddOptions(CLI::App& app, CommandLine& line) {
 
 void ApplyDerived(CommandLine& line) {
   int read = 0;
-  const bool is_size =
-      std::sscanf(line.size.c_str(), "%dx%d%n", &line.options.rig.width, &line.options.rig.height, &read) == 2 &&
-      read == static_cast<int>(line.size.size());
+  const bool is_size = std::sscanf(line.size.c_str(), "%dx%d%n", &line.options.rig.width,
+                                   &line.options.rig.height, &read) == 2 &&
+                       read == static_cast<int>(line.size.size());
   Require(is_size, ErrorCode::kUsage, "--size is of the form 640x400, not '" + line.size + "'");
   if (line.has_no_gnss) line.options.sensors.gnss = "none";
   if (line.has_no_wheels) line.options.sensors.has_wheels = false;
-  SetOptions(line.assignments, line.options);  // at once: begin and end of a fault are valid together only
-  Require(!line.out.log.empty(), ErrorCode::kUsage, "--out is missing: a FILE.bag, a FILE.mcap, or a folder");
+  SetOptions(line.assignments,
+             line.options);  // at once: begin and end of a fault are valid together only
+  Require(!line.out.log.empty(), ErrorCode::kUsage,
+          "--out is missing: a FILE.bag, a FILE.mcap, or a folder");
   if (line.num_threads > 0) SetNumThreads(line.num_threads);
 }
 
@@ -126,8 +147,8 @@ void PrintList() {
 
 void PrintHeight(const CommandLine& line) {
   double x = 0, y = 0, near_z = 0;
-  Require(std::sscanf(line.height_at.c_str(), "%lf,%lf,%lf", &x, &y, &near_z) >= 2, ErrorCode::kUsage,
-          "--height is of the form X,Y or X,Y,Z");
+  Require(std::sscanf(line.height_at.c_str(), "%lf,%lf,%lf", &x, &y, &near_z) >= 2,
+          ErrorCode::kUsage, "--height is of the form X,Y or X,Y,Z");
   const Place place = PlanPlace(line.options.scene, line.options.OfScene());
   std::printf("%.4f\n", place.ground.Height({x, y}, near_z));
 }
@@ -140,7 +161,8 @@ void WriteKerbsOf(const CommandLine& line) {
 }
 
 void WriteGroundOf(const CommandLine& line) {
-  WritePly(DrivableSurface(PlanPlace(line.options.scene, line.options.OfScene())), line.ground_file);
+  WritePly(DrivableSurface(PlanPlace(line.options.scene, line.options.OfScene())),
+           line.ground_file);
 }
 
 int MakeSuite(const CommandLine& line) {
@@ -166,21 +188,25 @@ int Run(CommandLine& line) {
   if (shows_progress) std::fprintf(stderr, "\r");
   if (!line.is_quiet)
     std::printf("%s: %.0f m in %.0f s, %d images (%.3f s each)\n", line.out.log.c_str(),
-                summary["drive"]["length_m"].get<double>(), summary["drive"]["duration_s"].get<double>(),
-                summary["counts"]["images"].get<int>(), summary["timings"]["render_s_per_image"].get<double>());
+                summary["drive"]["length_m"].get<double>(),
+                summary["drive"]["duration_s"].get<double>(),
+                summary["counts"]["images"].get<int>(),
+                summary["timings"]["render_s_per_image"].get<double>());
   return 0;
 }
 
 /// A preset's options come first, so that the other words of the command line change them.
 void ApplyPreset(int argc, char** argv, CommandLine& line) {
   const std::vector<std::string> words(argv + 1, argv + argc);
-  const auto preset =
-      std::find_if(words.begin(), words.end(), [](const std::string& word) { return FindPreset(word) != nullptr; });
+  const auto preset = std::find_if(words.begin(), words.end(), [](const std::string& word) {
+    return FindPreset(word) != nullptr;
+  });
   if (preset == words.end()) return;
   line.options = FindPreset(*preset)->options;
   const bool is_quick = std::find(words.begin(), words.end(), "--quick") != words.end();
   if (is_quick) line.options = QuickForm(line.options);
-  line.size = std::to_string(line.options.rig.width) + "x" + std::to_string(line.options.rig.height);
+  line.size =
+      std::to_string(line.options.rig.width) + "x" + std::to_string(line.options.rig.height);
 }
 
 }  // namespace
@@ -188,8 +214,9 @@ void ApplyPreset(int argc, char** argv, CommandLine& line) {
 
 int main(int argc, char** argv) {
   using namespace parkade;
-  CLI::App app{"Makes a drive with four fisheye cameras, IMU, wheels and GNSS, with its exact truth.",
-               "parkade-simulate"};
+  CLI::App app{
+      "Makes a drive with four fisheye cameras, IMU, wheels and GNSS, with its exact truth.",
+      "parkade-simulate"};
   simulator::CommandLine line;
   simulator::ApplyPreset(argc, argv, line);
   simulator::AddOptions(app, line);

@@ -14,7 +14,8 @@ class ByteWriter {
   template <typename T>
   requires std::is_integral_v<T> ByteWriter& Number(T value) {
     for (std::size_t i = 0; i < sizeof(T); ++i)
-      bytes_.push_back(static_cast<std::uint8_t>(static_cast<std::make_unsigned_t<T>>(value) >> (8 * i)));
+      bytes_.push_back(
+          static_cast<std::uint8_t>(static_cast<std::make_unsigned_t<T>>(value) >> (8 * i)));
     return *this;
   }
   ByteWriter& Bytes(std::span<const std::uint8_t> bytes) {
@@ -26,7 +27,9 @@ class ByteWriter {
     return *this;
   }
   /// Its length as 32 bits, then the text.
-  ByteWriter& PrefixedText(std::string_view text) { return Number(static_cast<std::uint32_t>(text.size())).Text(text); }
+  ByteWriter& PrefixedText(std::string_view text) {
+    return Number(static_cast<std::uint32_t>(text.size())).Text(text);
+  }
 
   const std::vector<std::uint8_t>& bytes() const { return bytes_; }
   std::size_t size() const { return bytes_.size(); }

@@ -16,7 +16,8 @@ namespace parkade {
 /// \param changed    called after parameters changed, before each evaluation
 inline double JacobianError(
     const ceres::CostFunction& cost, std::vector<std::vector<double>>& parameters,
-    const std::vector<const ceres::Manifold*>& manifolds, const std::function<void()>& changed = [] {}) {
+    const std::vector<const ceres::Manifold*>& manifolds,
+    const std::function<void()>& changed = [] {}) {
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const auto& sizes = cost.parameter_block_sizes();
   std::vector<const double*> values;
@@ -46,15 +47,16 @@ inline double JacobianError(
         if (manifold)
           manifold->Plus(original.data(), delta.data(), parameters[block].data());
         else
-          parameters[block][static_cast<size_t>(column)] = original[static_cast<size_t>(column)] + delta[column];
+          parameters[block][static_cast<size_t>(column)] =
+              original[static_cast<size_t>(column)] + delta[column];
         changed();
         sides[side].resize(cost.num_residuals());
         if (!cost.Evaluate(values.data(), sides[side].data(), nullptr)) return 1e9;
         std::copy(original.begin(), original.end(), parameters[block].begin());
       }
       const Eigen::VectorXd numeric = (sides[1] - sides[0]) / (2 * kStep);
-      worst = std::max(worst,
-                       (numeric - analytic.col(column)).cwiseAbs().maxCoeff() / (1 + analytic.cwiseAbs().maxCoeff()));
+      worst = std::max(worst, (numeric - analytic.col(column)).cwiseAbs().maxCoeff() /
+                                  (1 + analytic.cwiseAbs().maxCoeff()));
     }
   }
   changed();

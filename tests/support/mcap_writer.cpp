@@ -35,7 +35,8 @@ std::vector<std::uint8_t> Record(Opcode opcode, const ByteWriter& body) {
 
 }  // namespace
 
-McapWriter::McapWriter(const std::filesystem::path& file, const std::string& profile, const McapWriterOptions& options)
+McapWriter::McapWriter(const std::filesystem::path& file, const std::string& profile,
+                       const McapWriterOptions& options)
     : options_(options), name_(file.filename().string()), file_(file, std::ios::binary) {
   Emit(kMagic);
   ByteWriter header;
@@ -43,14 +44,17 @@ McapWriter::McapWriter(const std::filesystem::path& file, const std::string& pro
   Emit(Record(kHeader, header));
 }
 
-int McapWriter::AddChannel(const std::string& topic, const std::string& type, const std::string& schema_text,
-                           const std::string& encoding) {
+int McapWriter::AddChannel(const std::string& topic, const std::string& type,
+                           const std::string& schema_text, const std::string& encoding) {
   const auto id = static_cast<std::uint16_t>(channels_.size());
   ByteWriter schema;  // schema ids start at 1: 0 means "no schema"
   schema.Number(static_cast<std::uint16_t>(id + 1)).PrefixedText(type);
   schema.PrefixedText(encoding == "ros1" ? "ros1msg" : "ros2msg").PrefixedText(schema_text);
   ByteWriter channel;
-  channel.Number(id).Number(static_cast<std::uint16_t>(id + 1)).PrefixedText(topic).PrefixedText(encoding);
+  channel.Number(id)
+      .Number(static_cast<std::uint16_t>(id + 1))
+      .PrefixedText(topic)
+      .PrefixedText(encoding);
   channel.Number(std::uint32_t{0});  // no metadata
   channels_.push_back({Record(kSchema, schema), Record(kChannel, channel)});
   return id;
@@ -83,7 +87,8 @@ void McapWriter::Close() {
 }
 
 void McapWriter::Emit(std::span<const std::uint8_t> bytes) {
-  file_.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  file_.write(reinterpret_cast<const char*>(bytes.data()),
+              static_cast<std::streamsize>(bytes.size()));
   Require(file_.good(), ErrorCode::kInternal, "cannot write '" + name_ + "'");
   offset_ += bytes.size();
   crc_ = UpdateCrc(crc_, bytes);
@@ -96,9 +101,13 @@ void McapWriter::FinishChunk() {
   } else {
     const std::vector<std::uint8_t> packed = Compress(chunk_.bytes(), options_.compression);
     ByteWriter chunk;
-    chunk.Number(chunk_time_.begin.ns).Number(chunk_time_.end.ns).Number(std::uint64_t{chunk_.size()});
+    chunk.Number(chunk_time_.begin.ns)
+        .Number(chunk_time_.end.ns)
+        .Number(std::uint64_t{chunk_.size()});
     chunk.Number(options_.has_checksums ? UpdateCrc(0, chunk_.bytes()) : 0);
-    chunk.PrefixedText(NameOf(options_.compression)).Number(std::uint64_t{packed.size()}).Bytes(packed);
+    chunk.PrefixedText(NameOf(options_.compression))
+        .Number(std::uint64_t{packed.size()})
+        .Bytes(packed);
     ChunkIndex& index = chunks_.emplace_back();
     index.begin = offset_;
     Emit(Record(kChunk, chunk));
@@ -133,9 +142,13 @@ void McapWriter::WriteSummary() {
     for (const Channel& channel : channels_) Emit(channel.channel_record);
     for (const ChunkIndex& chunk : chunks_) {
       ByteWriter record;
-      record.Number(chunk.time.begin.ns).Number(chunk.time.end.ns).Number(chunk.begin).Number(chunk.length);
+      record.Number(chunk.time.begin.ns)
+          .Number(chunk.time.end.ns)
+          .Number(chunk.begin)
+          .Number(chunk.length);
       record.Number(static_cast<std::uint32_t>(10 * chunk.index_offsets.size()));
-      for (const auto& [channel, offset] : chunk.index_offsets) record.Number(channel).Number(offset);
+      for (const auto& [channel, offset] : chunk.index_offsets)
+        record.Number(channel).Number(offset);
       record.Number(chunk.index_length).PrefixedText(NameOf(options_.compression));
       record.Number(chunk.packed_size).Number(chunk.size);
       Emit(Record(kChunkIndex, record));
@@ -148,9 +161,12 @@ void McapWriter::WriteSummary() {
     }
     ByteWriter statistics;
     statistics.Number(num_messages).Number(static_cast<std::uint16_t>(channels_.size()));
-    statistics.Number(static_cast<std::uint32_t>(channels_.size())).Number(std::uint32_t{0}).Number(std::uint32_t{0});
+    statistics.Number(static_cast<std::uint32_t>(channels_.size()))
+        .Number(std::uint32_t{0})
+        .Number(std::uint32_t{0});
     statistics.Number(static_cast<std::uint32_t>(chunks_.size()));
-    statistics.Number(time_.IsEmpty() ? 0 : time_.begin.ns).Number(time_.IsEmpty() ? 0 : time_.end.ns);
+    statistics.Number(time_.IsEmpty() ? 0 : time_.begin.ns)
+        .Number(time_.IsEmpty() ? 0 : time_.end.ns);
     statistics.Number(static_cast<std::uint32_t>(counts.size())).Bytes(counts.bytes());
     Emit(Record(kStatistics, statistics));
   }

@@ -23,15 +23,17 @@ struct McapWriterOptions {
   bool has_checksums = true;                      ///< false: every CRC is 0, "not available"
 };
 
-/// Writes MCAP logs (mcap.dev/spec). Messages are written in the order given. Throws Error{kInternal} when the file
-/// cannot be written. A file whose Close() was not called ends as after a crash of the recorder.
+/// Writes MCAP logs (mcap.dev/spec). Messages are written in the order given. Throws
+/// Error{kInternal} when the file cannot be written. A file whose Close() was not called ends as
+/// after a crash of the recorder.
 class McapWriter {
  public:
   /// `profile`: "ros1" or "ros2".
-  McapWriter(const std::filesystem::path& file, const std::string& profile, const McapWriterOptions& options = {});
+  McapWriter(const std::filesystem::path& file, const std::string& profile,
+             const McapWriterOptions& options = {});
 
-  /// A new topic. `type`: "sensor_msgs/Imu" (ros1) or "sensor_msgs/msg/Imu" (ros2); `schema_text`: the definition as
-  /// in a .msg file; `encoding`: "ros1" or "cdr". The channel for Write().
+  /// A new topic. `type`: "sensor_msgs/Imu" (ros1) or "sensor_msgs/msg/Imu" (ros2); `schema_text`:
+  /// the definition as in a .msg file; `encoding`: "ros1" or "cdr". The channel for Write().
   int AddChannel(const std::string& topic, const std::string& type, const std::string& schema_text,
                  const std::string& encoding);
   void Write(int channel, Timestamp time, std::span<const std::uint8_t> data);

@@ -5,7 +5,14 @@
 namespace parkade {
 namespace {
 
-enum Op : std::uint8_t { kMessage = 2, kBagHeader = 3, kIndex = 4, kChunk = 5, kChunkInfo = 6, kConnection = 7 };
+enum Op : std::uint8_t {
+  kMessage = 2,
+  kBagHeader = 3,
+  kIndex = 4,
+  kChunk = 5,
+  kChunkInfo = 6,
+  kConnection = 7
+};
 
 constexpr std::size_t kBagHeaderSize = 4096;  // padded, so that it can be written again at the end
 
@@ -24,7 +31,9 @@ class Header {
   Header& Number(std::string_view name, T value) {
     return Field(name, ByteWriter().Number(value));
   }
-  Header& Text(std::string_view name, std::string_view value) { return Field(name, ByteWriter().Text(value)); }
+  Header& Text(std::string_view name, std::string_view value) {
+    return Field(name, ByteWriter().Text(value));
+  }
   Header& Time(std::string_view name, Timestamp time);
 
   const std::vector<std::uint8_t>& bytes() const { return bytes_.bytes(); }
@@ -58,17 +67,22 @@ const char* BagNameOf(LogCompression compression) {
 
 Rosbag1Writer::Rosbag1Writer(const std::filesystem::path& file, const Rosbag1WriterOptions& options)
     : options_(options), name_(file.filename().string()), file_(file, std::ios::binary) {
-  Require(options.compression != LogCompression::kZstd, ErrorCode::kInternal, "ROS 1 bags know no zstd");
+  Require(options.compression != LogCompression::kZstd, ErrorCode::kInternal,
+          "ROS 1 bags know no zstd");
   Emit(ByteWriter().Text("#ROSBAG V2.0\n").bytes());
   EmitBagHeader(/*index_begin=*/0);
 }
 
-int Rosbag1Writer::AddChannel(const std::string& topic, const std::string& type, const std::string& definition,
-                              const std::string& md5sum) {
+int Rosbag1Writer::AddChannel(const std::string& topic, const std::string& type,
+                              const std::string& definition, const std::string& md5sum) {
   const int id = static_cast<int>(channels_.size());
   Header connection;
-  connection.Text("topic", topic).Text("type", type).Text("md5sum", md5sum).Text("message_definition", definition);
-  const Header header = Header(kConnection).Number("conn", static_cast<std::uint32_t>(id)).Text("topic", topic);
+  connection.Text("topic", topic)
+      .Text("type", type)
+      .Text("md5sum", md5sum)
+      .Text("message_definition", definition);
+  const Header header =
+      Header(kConnection).Number("conn", static_cast<std::uint32_t>(id)).Text("topic", topic);
   channels_.push_back({Record(header, connection.bytes())});
   return id;
 }
@@ -104,14 +118,16 @@ void Rosbag1Writer::Close() {
 }
 
 void Rosbag1Writer::Emit(std::span<const std::uint8_t> bytes) {
-  file_.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  file_.write(reinterpret_cast<const char*>(bytes.data()),
+              static_cast<std::streamsize>(bytes.size()));
   Require(file_.good(), ErrorCode::kInternal, "cannot write '" + name_ + "'");
   offset_ += bytes.size();
 }
 
 void Rosbag1Writer::EmitBagHeader(std::uint64_t index_begin) {
   Header header(kBagHeader);
-  header.Number("index_pos", index_begin).Number("conn_count", static_cast<std::uint32_t>(channels_.size()));
+  header.Number("index_pos", index_begin)
+      .Number("conn_count", static_cast<std::uint32_t>(channels_.size()));
   header.Number("chunk_count", static_cast<std::uint32_t>(chunks_.size()));
   const std::vector<std::uint8_t> padding(kBagHeaderSize - 8 - header.bytes().size(), ' ');
   Emit(Record(header, padding));

@@ -19,15 +19,16 @@ struct Rosbag1WriterOptions {
   std::size_t chunk_size = std::size_t{768} << 10;  ///< [byte] of messages per chunk
 };
 
-/// Writes ROS 1 bags, format 2.0 (wiki.ros.org/Bags/Format/2.0). Messages are written in the order given. Throws
-/// Error{kInternal} when the file cannot be written. A file whose Close() was not called ends as after a crash of the
-/// recorder: without the index at its end.
+/// Writes ROS 1 bags, format 2.0 (wiki.ros.org/Bags/Format/2.0). Messages are written in the order
+/// given. Throws Error{kInternal} when the file cannot be written. A file whose Close() was not
+/// called ends as after a crash of the recorder: without the index at its end.
 class Rosbag1Writer {
  public:
-  explicit Rosbag1Writer(const std::filesystem::path& file, const Rosbag1WriterOptions& options = {});
+  explicit Rosbag1Writer(const std::filesystem::path& file,
+                         const Rosbag1WriterOptions& options = {});
 
-  /// A new topic. `type`: "sensor_msgs/Imu"; `definition`: the full text as of `gendeps --cat`; `md5sum`: of the type
-  /// (32 hexadecimal digits, or "*"). The channel for Write().
+  /// A new topic. `type`: "sensor_msgs/Imu"; `definition`: the full text as of `gendeps --cat`;
+  /// `md5sum`: of the type (32 hexadecimal digits, or "*"). The channel for Write().
   int AddChannel(const std::string& topic, const std::string& type, const std::string& definition,
                  const std::string& md5sum);
   /// `time` must not be negative.

@@ -12,7 +12,7 @@
 
 namespace parkade::simulator {
 
-/// Ten seconds of small pictures, two a second.
+/// Ten seconds of small images, two a second.
 inline SimulateOptions SmallDrive() {
   SimulateOptions options;
   options.duration = 10;
@@ -28,7 +28,8 @@ inline SimulateOptions SmallDrive() {
 class SimulatedDrive : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    root_ = std::filesystem::path(testing::TempDir()) / ("parkade_simulate_" + std::to_string(getpid()));
+    root_ = std::filesystem::path(testing::TempDir()) /
+            ("parkade_simulate_" + std::to_string(getpid()));
     std::filesystem::remove_all(root_);
     std::filesystem::create_directories(root_);
     summaries_.clear();
@@ -60,7 +61,8 @@ class SimulatedDrive : public testing::Test {
   static std::map<std::string, std::string> Contents(const std::filesystem::path& folder) {
     std::map<std::string, std::string> contents;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
-      if (entry.is_regular_file()) contents[std::filesystem::relative(entry.path(), folder)] = ReadFile(entry.path());
+      if (entry.is_regular_file())
+        contents[std::filesystem::relative(entry.path(), folder)] = ReadFile(entry.path());
     return contents;
   }
 

@@ -28,35 +28,40 @@ Eigen::Vector3d Gaussian3(Random& random, double sigma) {
 Timestamp TimeAt(double seconds) { return TimestampFromSeconds(kBeginOfTime + seconds); }
 
 /// A camera that looks along `yaw_deg` to the left of forward, and down.
-RigCamera MakeCamera(const std::string& name, const Eigen::Vector3d& position, double yaw_deg, double down_deg) {
+RigCamera MakeCamera(const std::string& name, const Eigen::Vector3d& position, double yaw_deg,
+                     double down_deg) {
   const double yaw = yaw_deg * M_PI / 180, down = down_deg * M_PI / 180;
   Eigen::Matrix3d body_from_camera;
-  body_from_camera.col(2) << std::cos(yaw) * std::cos(down), std::sin(yaw) * std::cos(down), -std::sin(down);
+  body_from_camera.col(2) << std::cos(yaw) * std::cos(down), std::sin(yaw) * std::cos(down),
+      -std::sin(down);
   body_from_camera.col(0) << std::sin(yaw), -std::cos(yaw), 0;
   body_from_camera.col(1) = body_from_camera.col(2).cross(body_from_camera.col(0));
   RigCamera camera;
   camera.name = name;
   camera.topic = "/" + name;
   camera.body_from_camera = {Eigen::Quaterniond(body_from_camera), position};
-  camera.model =
-      CameraModel(KannalaBrandtProjection{.fx = 140, .fy = 140, .cx = (kWidth - 1) / 2.0, .cy = (kHeight - 1) / 2.0},
-                  kWidth, kHeight);
+  camera.model = CameraModel(
+      KannalaBrandtProjection{
+          .fx = 140, .fy = 140, .cx = (kWidth - 1) / 2.0, .cy = (kHeight - 1) / 2.0},
+      kWidth, kHeight);
   return camera;
 }
 
 Rig CarRig(int num_cameras) {
   Rig rig;
   rig.cameras = {MakeCamera("front", {3.7, 0, 0.6}, 0, 15), MakeCamera("left", {2, 1, 1}, 90, 20),
-                 MakeCamera("right", {2, -1, 1}, -90, 20), MakeCamera("rear", {-0.9, 0, 0.9}, 180, 15)};
+                 MakeCamera("right", {2, -1, 1}, -90, 20),
+                 MakeCamera("rear", {-0.9, 0, 0.9}, 180, 15)};
   rig.cameras.resize(static_cast<size_t>(num_cameras));
-  rig.body_from_imu = {Eigen::Quaterniond(Eigen::AngleAxisd(0.05, Eigen::Vector3d(0.2, 0.9, 0.4).normalized())),
-                       {1.2, 0.1, 0.5}};
+  rig.body_from_imu = {
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.05, Eigen::Vector3d(0.2, 0.9, 0.4).normalized())),
+      {1.2, 0.1, 0.5}};
   rig.vehicle = VehicleCalibration{};
   return rig;
 }
 
-std::vector<Eigen::Vector3d> PointsAlongPath(const MotionFunction& motion, const SyntheticDriveOptions& options,
-                                             Random& random) {
+std::vector<Eigen::Vector3d> PointsAlongPath(const MotionFunction& motion,
+                                             const SyntheticDriveOptions& options, Random& random) {
   std::uniform_real_distribution<double> uniform(0, 1);
   std::vector<Eigen::Vector3d> points;
   double due = 0;
@@ -66,7 +71,8 @@ std::vector<Eigen::Vector3d> PointsAlongPath(const MotionFunction& motion, const
     const bool is_ground = uniform(random) < 0.3;
     const double lateral = is_ground ? 1.2 + 5 * uniform(random) : 3 + 12 * uniform(random);
     const double height = is_ground ? 0 : 4 * uniform(random);
-    points.push_back(world_from_body * Eigen::Vector3d(8 * uniform(random) - 4, side * lateral, height));
+    points.push_back(world_from_body *
+                     Eigen::Vector3d(8 * uniform(random) - 4, side * lateral, height));
   };
   // A hall around the start, then walls along the way and beyond its ends.
   for (int i = 0; i < 150; ++i) {
@@ -76,7 +82,7 @@ std::vector<Eigen::Vector3d> PointsAlongPath(const MotionFunction& motion, const
   }
   for (double t = options.start; t < options.start + options.duration; t += 0.02) {
     const Rigid3 pose = motion(t).world_from_body;
-    due += (pose.translation - last).norm() * options.points_per_metre;
+    due += (pose.translation - last).norm() * options.points_per_meter;
     last = pose.translation;
     for (; due > 1; --due) scatter(pose);
   }
@@ -91,7 +97,7 @@ std::vector<Eigen::Vector3d> PointsAlongPath(const MotionFunction& motion, const
 std::vector<Eigen::Vector3d> PointsInRoom(const SyntheticDriveOptions& options, Random& random) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   std::vector<Eigen::Vector3d> points;
-  for (int i = 0; i < 50 * options.points_per_metre; ++i) {
+  for (int i = 0; i < 50 * options.points_per_meter; ++i) {
     Eigen::Vector3d point(4 * uniform(random), 4 * uniform(random), 2 * uniform(random));
     int axis = i % 3;  // on a wall
     point[axis] = (axis == 2 ? 2.0 : 4.0) * (uniform(random) < 0 ? -1 : 1);
@@ -120,17 +126,19 @@ class TrackMaker {
     for (size_t i = 0; i < points_.size(); ++i) {
       const Eigen::Vector3d in_camera = camera_from_world * points_[i];
       const double range = in_camera.norm();
-      if (range < kMaxRange && range > kMinRange && std::acos(in_camera.z() / range) < max_angle_) visible.push_back(i);
+      if (range < kMaxRange && range > kMinRange && std::acos(in_camera.z() / range) < max_angle_)
+        visible.push_back(i);
     }
     const std::set<size_t> visible_set(visible.begin(), visible.end());
-    std::erase_if(tracks_,
-                  [&](const auto& entry) { return !visible_set.count(entry.first) || uniform(random_) < kTrackLoss; });
+    std::erase_if(tracks_, [&](const auto& entry) {
+      return !visible_set.count(entry.first) || uniform(random_) < kTrackLoss;
+    });
     std::shuffle(visible.begin(), visible.end(), random_);
     for (const size_t point : visible) {
       if (static_cast<int>(tracks_.size()) >= options_.tracks) break;
       if (!tracks_.count(point))
-        tracks_[point] = {(std::int64_t{camera_} << 40) + next_++, uniform(random_) < options_.outliers,
-                          Eigen::Vector3d::Zero()};
+        tracks_[point] = {(std::int64_t{camera_} << 40) + next_++,
+                          uniform(random_) < options_.outliers, Eigen::Vector3d::Zero()};
     }
     TrackedFrame frame{time, camera_, {}};
     for (auto& [point, track] : tracks_) {
@@ -138,12 +146,15 @@ class TrackMaker {
       Eigen::Vector3d in_camera = camera_from_world * points_[point];
       if (options_.line_delay != 0) {
         const double row = PixelOf(in_camera).y() - 0.5 * (kHeight - 1);
-        const Rigid3 then = motion(t + row * options_.line_delay).world_from_body * body_from_camera_;
+        const Rigid3 then =
+            motion(t + row * options_.line_delay).world_from_body * body_from_camera_;
         in_camera = then.Inverse() * points_[point];
       }
       const Eigen::Vector3d bearing =
-          (in_camera.normalized() + track.offset + Gaussian3(random_, options_.bearing_sigma)).normalized();
-      frame.observations.push_back({track.number, PixelOf(bearing), bearing, options_.bearing_sigma});
+          (in_camera.normalized() + track.offset + Gaussian3(random_, options_.bearing_sigma))
+              .normalized();
+      frame.observations.push_back(
+          {track.number, PixelOf(bearing), bearing, options_.bearing_sigma});
     }
     return frame;
   }
@@ -176,8 +187,8 @@ class TrackMaker {
   std::int64_t next_ = 0;
 };
 
-void MakeImu(SyntheticDrive& drive, const MotionFunction& motion, const SyntheticDriveOptions& options,
-             Random& random) {
+void MakeImu(SyntheticDrive& drive, const MotionFunction& motion,
+             const SyntheticDriveOptions& options, Random& random) {
   const ImuCalibration& imu = drive.rig.imu;
   const double root_rate = std::sqrt(options.imu_rate);
   const Rigid3 imu_from_body = drive.rig.body_from_imu.Inverse();
@@ -189,21 +200,25 @@ void MakeImu(SyntheticDrive& drive, const MotionFunction& motion, const Syntheti
     const BodyMotion at = motion(options.start + t);
     const Eigen::Vector3d& rate = at.angular_velocity;
     const Eigen::Vector3d acceleration =
-        at.acceleration +
-        at.world_from_body.rotation * (at.angular_acceleration.cross(lever) + rate.cross(rate.cross(lever)));
+        at.acceleration + at.world_from_body.rotation * (at.angular_acceleration.cross(lever) +
+                                                         rate.cross(rate.cross(lever)));
     drive.imu.push_back(
         {TimeAt(t),
          imu_from_body.rotation * rate + gyroscope_bias +
              Gaussian3(random, options.noise * imu.gyroscope_noise_density * root_rate),
-         imu_from_body.rotation * (at.world_from_body.rotation.conjugate() * (acceleration - kGravity)) +
-             accelerometer_bias + Gaussian3(random, options.noise * imu.accelerometer_noise_density * root_rate)});
+         imu_from_body.rotation *
+                 (at.world_from_body.rotation.conjugate() * (acceleration - kGravity)) +
+             accelerometer_bias +
+             Gaussian3(random, options.noise * imu.accelerometer_noise_density * root_rate)});
     gyroscope_bias += Gaussian3(random, options.noise * imu.gyroscope_random_walk / root_rate);
-    accelerometer_bias += Gaussian3(random, options.noise * imu.accelerometer_random_walk / root_rate);
+    accelerometer_bias +=
+        Gaussian3(random, options.noise * imu.accelerometer_random_walk / root_rate);
   }
 }
 
-void MakeFrames(SyntheticDrive& drive, const MotionFunction& motion, const std::vector<Eigen::Vector3d>& points,
-                const SyntheticDriveOptions& options, double max_angle) {
+void MakeFrames(SyntheticDrive& drive, const MotionFunction& motion,
+                const std::vector<Eigen::Vector3d>& points, const SyntheticDriveOptions& options,
+                double max_angle) {
   for (size_t camera = 0; camera < drive.rig.cameras.size(); ++camera) {
     TrackMaker tracks(drive.true_rig, static_cast<int>(camera), points, options, max_angle);
     Random random(options.seed * 31 + static_cast<std::uint32_t>(camera));
@@ -232,7 +247,8 @@ void DisturbRig(SyntheticDrive& drive, const SyntheticDriveOptions& options) {
     true_camera.time_shift = i % 2 == 0 ? options.time_offset : -options.time_offset;
     RigCamera& camera = drive.rig.cameras[i];
     camera.line_delay = options.line_delay * (1 + options.line_delay_error);
-    const Eigen::Vector3d axis = Gaussian3(random, 1).normalized(), shift = Gaussian3(random, 1).normalized();
+    const Eigen::Vector3d axis = Gaussian3(random, 1).normalized(),
+                          shift = Gaussian3(random, 1).normalized();
     camera.body_from_camera.rotation =
         camera.body_from_camera.rotation *
         Eigen::Quaterniond(Eigen::AngleAxisd(options.rig_rotation_deg * M_PI / 180, axis));
@@ -240,7 +256,8 @@ void DisturbRig(SyntheticDrive& drive, const SyntheticDriveOptions& options) {
   }
 }
 
-SyntheticDrive MakeDrive(Rig rig, const MotionFunction& motion, const std::vector<Eigen::Vector3d>& points,
+SyntheticDrive MakeDrive(Rig rig, const MotionFunction& motion,
+                         const std::vector<Eigen::Vector3d>& points,
                          const SyntheticDriveOptions& options, Random& random, double max_angle) {
   SyntheticDrive drive;
   drive.rig = std::move(rig);
@@ -253,8 +270,10 @@ SyntheticDrive MakeDrive(Rig rig, const MotionFunction& motion, const std::vecto
     for (int k = 0; k <= options.duration * options.wheel_rate; ++k) {
       const double t = k / options.wheel_rate;
       const BodyMotion at = motion(options.start + t);
-      const double speed = (at.world_from_body.rotation.conjugate() * at.velocity).x() / options.wheel_scale;
-      drive.wheels.push_back({TimeAt(t), speed == 0 ? 0 : speed + wheel_noise(random), at.angular_velocity.z()});
+      const double speed =
+          (at.world_from_body.rotation.conjugate() * at.velocity).x() / options.wheel_scale;
+      drive.wheels.push_back(
+          {TimeAt(t), speed == 0 ? 0 : speed + wheel_noise(random), at.angular_velocity.z()});
     }
   MakeFrames(drive, motion, points, options, max_angle);
   std::stable_sort(drive.frames.begin(), drive.frames.end(),
@@ -273,14 +292,14 @@ SyntheticDrive MakeDrive(Rig rig, const MotionFunction& motion, const std::vecto
 SyntheticDrive MakeCarDrive(const SyntheticDriveOptions& options) {
   Random random(options.seed);
   const MotionFunction motion = CarMotion(options.start + options.duration);
-  return MakeDrive(CarRig(options.num_cameras), motion, PointsAlongPath(motion, options, random), options, random,
-                   kMaxAngle);
+  return MakeDrive(CarRig(options.num_cameras), motion, PointsAlongPath(motion, options, random),
+                   options, random, kMaxAngle);
 }
 
 SyntheticDrive MakeRestingDrive(const SyntheticDriveOptions& options) {
   Random random(options.seed);
-  return MakeDrive(CarRig(options.num_cameras), RestingMotion(), PointsAlongPath(RestingMotion(), options, random),
-                   options, random, kMaxAngle);
+  return MakeDrive(CarRig(options.num_cameras), RestingMotion(),
+                   PointsAlongPath(RestingMotion(), options, random), options, random, kMaxAngle);
 }
 
 SyntheticDrive MakeFlight(const SyntheticDriveOptions& options) {
@@ -297,13 +316,15 @@ SyntheticDrive MakeFlight(const SyntheticDriveOptions& options) {
 
 void RemoveImages(SyntheticDrive& drive, int camera, double begin, double end) {
   std::erase_if(drive.frames, [&](const TrackedFrame& frame) {
-    return (camera < 0 || frame.camera == camera) && TimeAt(begin) <= frame.time && frame.time <= TimeAt(end);
+    return (camera < 0 || frame.camera == camera) && TimeAt(begin) <= frame.time &&
+           frame.time <= TimeAt(end);
   });
 }
 
 void RemoveImu(SyntheticDrive& drive, double begin, double end) {
-  std::erase_if(drive.imu,
-                [&](const ImuSample& sample) { return TimeAt(begin) < sample.time && sample.time < TimeAt(end); });
+  std::erase_if(drive.imu, [&](const ImuSample& sample) {
+    return TimeAt(begin) < sample.time && sample.time < TimeAt(end);
+  });
 }
 
 }  // namespace parkade

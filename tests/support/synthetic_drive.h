@@ -30,7 +30,7 @@ struct SyntheticDriveOptions {
   double bearing_sigma = 1.2e-3;     ///< [rad]
   int tracks = 60;                   ///< per image
   double outliers = 0.03;            ///< share of tracks that wander
-  double points_per_metre = 8;       ///< of path (car), or 50 times per room (flight)
+  double points_per_meter = 8;       ///< of path (car), or 50 times per room (flight)
   // What is wrong with the rig that the estimator gets, per camera, in random directions.
   double rig_rotation_deg = 0;
   double rig_translation = 0;   ///< [m]
@@ -52,7 +52,7 @@ struct SyntheticDrive {
   double length = 0;                 ///< [m]
 };
 
-/// Four unsynchronised 185-degree cameras on a car, IMU off the rear axle.
+/// Four unsynchronized 185-degree cameras on a car, IMU off the rear axle.
 SyntheticDrive MakeCarDrive(const SyntheticDriveOptions& options);
 
 /// A standing car with the same sensors.

@@ -40,7 +40,8 @@ const std::vector<FolderRule> kFolderRules = {
     {"tests/simulator/", {"core/", "tests/support/", "tests/simulator/"}},
 };
 
-// The rooms of each folder, from the lowest to the highest: a file includes its own room and those before it.
+// The rooms of each folder, from the lowest to the highest: a file includes its own room and those
+// before it.
 const std::vector<std::string> kRooms = {
     "core/",
     "slam/tracking/",
@@ -115,7 +116,8 @@ const std::vector<WallRule> kWallRules = {
     {"httplib.h", {"server/http/"}},
     {"sqlite3.h", {"server/ingest/", "server/store/"}},
     {"archive", {"server/ingest/", "server/store/"}},
-    {"zstd.h", {"server/ingest/", "server/map_folder/surface_file", "server/map_folder/ground_codec"}},
+    {"zstd.h",
+     {"server/ingest/", "server/map_folder/surface_file", "server/map_folder/ground_codec"}},
     {"lz4", {"server/ingest/"}},
     {"bzlib.h", {"server/ingest/"}},
     {"fastcdr/", {"server/ingest/"}},
@@ -128,11 +130,13 @@ const std::vector<WallRule> kWallRules = {
     {"tests/", {"tests/"}},
 };
 
-/// The place of a file's room among kRooms: that of the longest name that fits; nothing without one.
+/// The place of a file's room among kRooms: that of the longest name that fits; nothing without
+/// one.
 std::optional<size_t> FindRoom(const std::string& file) {
   std::optional<size_t> found;
   for (size_t i = 0; i < kRooms.size(); ++i)
-    if (file.starts_with(kRooms[i]) && (!found || kRooms[i].size() > kRooms[*found].size())) found = i;
+    if (file.starts_with(kRooms[i]) && (!found || kRooms[i].size() > kRooms[*found].size()))
+      found = i;
   return found;
 }
 
@@ -151,7 +155,9 @@ Includes ReadIncludes(const fs::path& root) {
   for (const char* folder : {"core", "slam", "mapping", "export", "server", "tests/simulator"}) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
       const std::string extension = entry.path().extension();
-      if ((extension != ".h" && extension != ".cpp") || entry.path().stem().string().ends_with("_test")) continue;
+      if ((extension != ".h" && extension != ".cpp") ||
+          entry.path().stem().string().ends_with("_test"))
+        continue;
       std::set<std::string>& found = includes[fs::relative(entry.path(), root).generic_string()];
       std::ifstream file(entry.path());
       std::smatch match;
@@ -163,7 +169,8 @@ Includes ReadIncludes(const fs::path& root) {
 }
 
 /// Everything that `file` sees, through project headers too.
-void CollectReachable(const Includes& includes, const std::string& file, std::set<std::string>& reachable) {
+void CollectReachable(const Includes& includes, const std::string& file,
+                      std::set<std::string>& reachable) {
   const auto found = includes.find(file);
   if (found == includes.end()) return;
   for (const std::string& included : found->second)
@@ -177,19 +184,23 @@ Units UnitsOf(const Includes& includes) {
   Units units;
   for (const auto& [file, included] : includes)
     for (const std::string& header : included)
-      if (includes.contains(header) && UnitOf(header) != UnitOf(file)) units[UnitOf(file)].insert(UnitOf(header));
+      if (includes.contains(header) && UnitOf(header) != UnitOf(file))
+        units[UnitOf(file)].insert(UnitOf(header));
   return units;
 }
 
-/// Follows includes from `unit`; where they come back to one of `way`, that part of the way is the cycle.
-std::vector<std::string> FindCycle(const Units& units, const std::string& unit, std::vector<std::string>& way,
-                                   std::set<std::string>& done) {
-  if (const auto begin = std::find(way.begin(), way.end(), unit); begin != way.end()) return {begin, way.end()};
+/// Follows includes from `unit`; where they come back to one of `way`, that part of the way is the
+/// cycle.
+std::vector<std::string> FindCycle(const Units& units, const std::string& unit,
+                                   std::vector<std::string>& way, std::set<std::string>& done) {
+  if (const auto begin = std::find(way.begin(), way.end(), unit); begin != way.end())
+    return {begin, way.end()};
   if (!done.insert(unit).second) return {};
   way.push_back(unit);
   if (const auto found = units.find(unit); found != units.end())
     for (const std::string& next : found->second)
-      if (std::vector<std::string> cycle = FindCycle(units, next, way, done); !cycle.empty()) return cycle;
+      if (std::vector<std::string> cycle = FindCycle(units, next, way, done); !cycle.empty())
+        return cycle;
   way.pop_back();
   return {};
 }
@@ -207,8 +218,9 @@ TEST_F(Architecture, TheTreeWasRead) {
 
 TEST_F(Architecture, LinesGoDownBetweenFolders) {
   for (const auto& [file, included] : includes_) {
-    const auto rule = std::find_if(kFolderRules.begin(), kFolderRules.end(),
-                                   [&](const FolderRule& candidate) { return file.starts_with(candidate.folder); });
+    const auto rule = std::find_if(
+        kFolderRules.begin(), kFolderRules.end(),
+        [&](const FolderRule& candidate) { return file.starts_with(candidate.folder); });
     ASSERT_NE(rule, kFolderRules.end()) << file;
     for (const std::string& header : included) {
       const bool is_allowed = !includes_.contains(header) || StartsWithAny(header, rule->allowed);
@@ -223,8 +235,10 @@ TEST_F(Architecture, LinesGoDownBetweenRooms) {
     const std::optional<size_t> room = FindRoom(file);
     ASSERT_TRUE(room) << file << " is in no room";
     for (const std::string& header : included) {
-      const std::optional<size_t> other = includes_.contains(header) ? FindRoom(header) : std::nullopt;
-      if (other && folder_of(*other) == folder_of(*room)) EXPECT_LE(*other, *room) << file << " includes " << header;
+      const std::optional<size_t> other =
+          includes_.contains(header) ? FindRoom(header) : std::nullopt;
+      if (other && folder_of(*other) == folder_of(*room))
+        EXPECT_LE(*other, *room) << file << " includes " << header;
     }
   }
 }
@@ -232,7 +246,8 @@ TEST_F(Architecture, LinesGoDownBetweenRooms) {
 TEST_F(Architecture, RoomsAreSmallEnoughToKnow) {
   std::map<std::string, size_t> counts;
   for (const auto& [file, included] : includes_) ++counts[kRooms[FindRoom(file).value()]];
-  for (const auto& [room, count] : counts) EXPECT_LE(count, room == "core/" ? 64 : kMaxFilesPerRoom) << room;
+  for (const auto& [room, count] : counts)
+    EXPECT_LE(count, room == "core/" ? 64 : kMaxFilesPerRoom) << room;
 }
 
 TEST_F(Architecture, UnitsDoNotIncludeEachOther) {
@@ -251,7 +266,8 @@ TEST_F(Architecture, HeavyLibrariesStayBehindTheirWalls) {
     CollectReachable(includes_, file, reachable);
     for (const std::string& header : reachable) {
       for (const WallRule& wall : kWallRules) {
-        const bool is_allowed = !header.starts_with(wall.header_prefix) || StartsWithAny(file, wall.allowed);
+        const bool is_allowed =
+            !header.starts_with(wall.header_prefix) || StartsWithAny(file, wall.allowed);
         EXPECT_TRUE(is_allowed) << file << " sees " << header;
       }
     }

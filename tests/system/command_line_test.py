@@ -27,7 +27,7 @@ def run(*arguments, **environment):
 
 
 def write_png(path, width, height):
-    """A grey image with some texture, written with the standard library alone."""
+    """A gray image with some texture, written with the standard library alone."""
     rows = b"".join(b"\0" + bytes((x * 37 + y * 91 + (x * y) % 53) % 256 for x in range(width)) for y in range(height))
 
     def chunk(kind, data):

@@ -53,7 +53,7 @@ VEHICLE = "T_imu_body: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\
 
 
 def write_rig(folder, **cameras):
-    """Cameras a metre above the ground that look ahead, each with a focal length [px]."""
+    """Cameras a meter above the ground that look ahead, each with a focal length [px]."""
     folder.mkdir()
     (folder / "camchain-imucam.yaml").write_text("".join(CAMERA.format(name=n, focal=f) for n, f in cameras.items()))
     (folder / "imu0.yaml").write_text(IMU)

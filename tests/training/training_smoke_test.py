@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Weights of pixels; level views; bands of paint; fields; kerbs; own cars; two steps of training on made-up pictures and one more with batch normalisation folded,
-exported, read by OpenCV and trained on from there; kernels carried over; likewise of the network of outlines, on made-up ground. Skipped (77) without PyTorch.
+"""Weights of pixels; level views; bands of paint; fields; kerbs; own cars; two steps of training on made-up pictures and one more with batch normalization folded,
+exported, read by OpenCV and trained on from there; kernels carried over; also of the network of outlines, on made-up ground. Skipped (77) without PyTorch.
 
 training_smoke_test.py TRAINING_FOLDER
 """
@@ -205,7 +205,7 @@ def check_outlines(folder):
         square = rasters.cut_square(np.random.default_rng(seed), features, truth, 96, share_turned=seed % 2)
         changed, label = rasters.augment(np.random.default_rng(seed), *square)
         assert sorted(label.ravel()) == sorted(square[1].ravel()) and np.isfinite(changed).all()
-        # Turned or not, the box lies where it is labelled, but for cells along its outline and errors that were added.
+        # Turned or not, the box lies where it is labeled, but for cells along its outline and errors that were added.
         counts = (changed[0] > 0.9) & (label != 3)
         assert ((changed[1] < 0) == (label == 0))[counts].mean() > 0.93, seed
     # What lies further than the reach that the program relies on has no say.

@@ -1,6 +1,6 @@
 import { describe, expect, test } from 'vitest';
 
-import { formatArea, formatBytes, formatDuration, formatMetres } from './format';
+import { formatArea, formatBytes, formatDuration, formatMeters } from './format';
 
 describe('formatBytes', () => {
   test('keeps three figures', () => {
@@ -21,8 +21,8 @@ describe('formatDuration', () => {
 });
 
 test('lengths and areas', () => {
-  expect(formatMetres(3.14159)).toBe('3.14 m');
-  expect(formatMetres(120.4)).toBe('120 m');
-  expect(formatMetres(1234)).toBe('1.23 km');
+  expect(formatMeters(3.14159)).toBe('3.14 m');
+  expect(formatMeters(120.4)).toBe('120 m');
+  expect(formatMeters(1234)).toBe('1.23 km');
   expect(formatArea(12345.6)).toBe('12,346 m²');
 });

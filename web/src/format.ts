@@ -20,10 +20,10 @@ export function formatDuration(seconds: number): string {
   return `${Math.floor(total / 3600)} h ${pad(Math.floor((total % 3600) / 60))} min`;
 }
 
-export function formatMetres(metres: number): string {
-  return metres >= 1000 ? `${(metres / 1000).toFixed(2)} km` : `${metres.toFixed(metres < 10 ? 2 : 0)} m`;
+export function formatMeters(meters: number): string {
+  return meters >= 1000 ? `${(meters / 1000).toFixed(2)} km` : `${meters.toFixed(meters < 10 ? 2 : 0)} m`;
 }
 
-export function formatArea(squareMetres: number): string {
-  return `${Math.round(squareMetres).toLocaleString('en')} m²`;
+export function formatArea(squareMeters: number): string {
+  return `${Math.round(squareMeters).toLocaleString('en')} m²`;
 }

@@ -16,7 +16,7 @@ test('lowest and highest vertex get the ends of the ramp', () => {
   expect(colors.getX(0)).toBeCloseTo(rampColor(1).r);
 });
 
-test('millimetres of noise on a flat lot stay one colour', () => {
+test('millimeters of noise on a flat lot stay one color', () => {
   const colors = colorsByHeight(geometryWithHeights([0, 0.001]));
 
   expect(Math.abs(colors.getY(0) - colors.getY(1))).toBeLessThan(0.02);

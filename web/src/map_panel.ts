@@ -1,6 +1,6 @@
 import { mapUrl, type MapFile, type MapVersion, type Report } from './api';
 import { element } from './dom';
-import { formatArea, formatBytes, formatDuration, formatMetres } from './format';
+import { formatArea, formatBytes, formatDuration, formatMeters } from './format';
 
 /** Figures and downloads of one map version. */
 export function renderMapPanel(place: HTMLElement, map: MapVersion, report: Report): void {
@@ -8,7 +8,7 @@ export function renderMapPanel(place: HTMLElement, map: MapVersion, report: Repo
   const duration = report.drives.reduce((sum, drive) => sum + drive.duration, 0);
   const computing = report.stages.reduce((sum, stage) => sum + stage.seconds, 0);
   const figures: [string, string][] = [
-    ['driven', formatMetres(length)],
+    ['driven', formatMeters(length)],
     ['recorded', formatDuration(duration)],
     ['ground', formatArea(report.map.ground_area)],
     ['triangles', report.map.num_triangles.toLocaleString('en')],

@@ -15,7 +15,7 @@ const kTrajectoryColors = [0x39c0ff, 0xffb020, 0x6fe38a, 0xff6b8b, 0xb48cff];
 
 const kMargin = 1.08; // around what is looked at
 
-/** How a mesh looks when it shows photographs: vertex colours, or a picture. */
+/** How a mesh looks when it shows photographs: vertex colors, or a picture. */
 interface PhotoLook {
   colors: THREE.BufferAttribute | THREE.InterleavedBufferAttribute | undefined;
   picture: THREE.Texture | null;
@@ -153,7 +153,7 @@ export class MapView {
     this.colorMode = mode;
     this.content?.traverse((object) => {
       const look = this.photoLooks.get(object);
-      if (!(object instanceof THREE.Mesh) || !look) return; // slots keep their colours
+      if (!(object instanceof THREE.Mesh) || !look) return; // slots keep their colors
       const material = object.material as THREE.MeshBasicMaterial;
       const geometry = object.geometry as THREE.BufferGeometry;
       if (mode === 'height') geometry.setAttribute('color', colorsByHeight(geometry));

@@ -38,7 +38,7 @@ export function parsePlace(text: string): Pick<Pin, 'latitude' | 'longitude' | '
   return { latitude, longitude, height: height ?? null };
 }
 
-/** "12.30, -4.05, 0.10" in metres; null where it is none. */
+/** "12.30, -4.05, 0.10" in meters; null where it is none. */
 export function parsePoint(text: string): Vector | null {
   const numbers = text.trim().split(/[\s,;]+/).filter((part) => part !== '').map(Number);
   return numbers.length === 3 && numbers.every(Number.isFinite) ? (numbers as Vector) : null;
@@ -46,7 +46,7 @@ export function parsePoint(text: string): Vector | null {
 
 export const formatPoint = (point: Vector) => point.map((value) => value.toFixed(2)).join(', ');
 
-/** Seven digits of a degree are a centimetre. */
+/** Seven digits of a degree are a centimeter. */
 export function formatPlace(pin: Pick<Pin, 'latitude' | 'longitude' | 'height'>): string {
   const height = pin.height === null ? '' : `, ${pin.height.toFixed(2)} m`;
   return `${pin.latitude.toFixed(7)}, ${pin.longitude.toFixed(7)}${height}`;
@@ -63,8 +63,8 @@ export function formatResidual(pin: Pin): string {
   if (!pin.isUsed) return 'not used: no drive of this version passes it';
   const miss = missOf(pin);
   if (!miss) return 'new';
-  const centimetres = (metres: number) => `${(Math.round(1000 * metres) / 10 || 0).toFixed(1)} cm`; // and no -0.0
-  return `off by ${centimetres(miss.across)}` + (pin.height === null ? '' : `, ${centimetres(miss.up)} up`);
+  const centimeters = (meters: number) => `${(Math.round(1000 * meters) / 10 || 0).toFixed(1)} cm`; // and no -0.0
+  return `off by ${centimeters(miss.across)}` + (pin.height === null ? '' : `, ${centimeters(miss.up)} up`);
 }
 
 /** [m] over the pins that the version was fitted to; null where there are none. */

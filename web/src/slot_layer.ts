@@ -12,7 +12,7 @@ function position([x, y, z]: [number, number, number]): [number, number, number]
   return [x, z + kLift, -y];
 }
 
-/** A tinted face and an outline for each slot, coloured by who stood there last. */
+/** A tinted face and an outline for each slot, colored by who stood there last. */
 export function makeSlotLayer(slots: SlotCollection): THREE.Group {
   const layer = new THREE.Group();
   layer.name = 'slots';
@@ -48,7 +48,7 @@ export function countStates(slots: SlotCollection): Record<SlotState, number> {
   return counts;
 }
 
-/** What the colours mean, with numbers; hidden where there are no slots. */
+/** What the colors mean, with numbers; hidden where there are no slots. */
 export function renderSlotLegend(place: HTMLElement, counts: Record<SlotState, number>): void {
   const states = (Object.keys(kColors) as SlotState[]).filter((state) => counts[state] > 0);
   place.replaceChildren(

@@ -1,7 +1,7 @@
 #include <charconv>
 
 #include "core/error.h"
-#include "server/http/answer.h"
+#include "server/http/json_response.h"
 #include "server/http/problem.h"
 #include "server/http/routes/routes.h"
 #include "server/store/tables/drive_table.h"
@@ -22,13 +22,13 @@ constexpr std::chrono::minutes kMaxLifetime{10};  // then the client comes back 
 Json DataOf(RouteContext& context, const Event& event) {
   try {
     if (event.kind == "job") {
-      const Job job =
-          context.store.database.Read([&](Connection& connection) { return FindJob(connection, event.subject); });
+      const Job job = context.store.database.Read(
+          [&](Connection& connection) { return FindJob(connection, event.subject); });
       return ToJson(job, context.jobs.ProgressOf(job.id));
     }
     if (event.kind == "drive")
-      return ToJson(
-          context.store.database.Read([&](Connection& connection) { return FindDrive(connection, event.subject); }));
+      return ToJson(context.store.database.Read(
+          [&](Connection& connection) { return FindDrive(connection, event.subject); }));
     const size_t slash = event.subject.rfind('/');
     const std::string site = event.subject.substr(0, slash);
     const std::int64_t version = std::stoll(event.subject.substr(slash + 1));
@@ -53,7 +53,7 @@ class EventStream {
   /// Sends what there is, waiting a moment for it; false at the end.
   bool Send(httplib::DataSink& sink) {
     const steady_clock::time_point now = steady_clock::now();
-    if (context_.lifeline.is_stopping() || now - started_ > kMaxLifetime) {
+    if (context_.shutdown_signal.is_stopping() || now - started_ > kMaxLifetime) {
       sink.done();
       return true;
     }
@@ -68,14 +68,15 @@ class EventStream {
 
  private:
   std::string News() {
-    const EventHub::News news =
-        context_.events.WaitFor(last_seen_, is_first_ ? std::chrono::milliseconds(0) : kLookInterval);
+    const EventHub::News news = context_.events.WaitFor(
+        last_seen_, is_first_ ? std::chrono::milliseconds(0) : kLookInterval);
     std::string text;
     if (news.has_gap) {
       last_seen_ = news.events.empty() ? context_.events.last_id() : news.events.back().id;
       return TextOf("reload", last_seen_, Json::object());
     }
-    for (const Event& event : news.events) text += TextOf(event.kind, event.id, DataOf(context_, event));
+    for (const Event& event : news.events)
+      text += TextOf(event.kind, event.id, DataOf(context_, event));
     if (!news.events.empty()) last_seen_ = news.events.back().id;
     return text;
   }
@@ -92,7 +93,8 @@ std::int64_t LastSeen(const httplib::Request& request, const EventHub& events) {
   const std::string text = request.get_header_value("Last-Event-ID");
   std::int64_t id = 0;
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), id);
-  const bool is_number = !text.empty() && parsed.ec == std::errc{} && parsed.ptr == text.data() + text.size();
+  const bool is_number =
+      !text.empty() && parsed.ec == std::errc{} && parsed.ptr == text.data() + text.size();
   if (!text.empty() && !is_number) return 0;  // not one of ours: has missed everything
   return is_number ? id : events.last_id();
 }
@@ -100,7 +102,8 @@ std::int64_t LastSeen(const httplib::Request& request, const EventHub& events) {
 }  // namespace
 
 void AddEventRoute(httplib::Server& http, RouteContext& context) {
-  http.Get("/api/v1/events", [&context](const httplib::Request& request, httplib::Response& response) {
+  http.Get("/api/v1/events", [&context](const httplib::Request& request,
+                                        httplib::Response& response) {
     if (context.metrics.event_clients >= kMaxClients) {
       response.set_header("Retry-After", "10");
       throw HttpError({503, "busy", "too many listeners: try again in a moment"});
@@ -109,8 +112,9 @@ void AddEventRoute(httplib::Server& http, RouteContext& context) {
     response.status = 200;
     response.set_header("Cache-Control", "no-store");
     response.set_header("X-Accel-Buffering", "no");
-    response.set_chunked_content_provider("text/event-stream",
-                                          [stream](size_t, httplib::DataSink& sink) { return stream->Send(sink); });
+    response.set_chunked_content_provider(
+        "text/event-stream",
+        [stream](size_t, httplib::DataSink& sink) { return stream->Send(sink); });
   });
 }
 

@@ -1,8 +1,8 @@
 #include <chrono>
 
 #include "core/error.h"
-#include "server/http/answer.h"
 #include "server/http/file_response.h"
+#include "server/http/json_response.h"
 #include "server/http/routes/routes.h"
 #include "server/jobs/attempt_folder.h"
 #include "server/store/job_queue.h"
@@ -12,7 +12,8 @@ namespace parkade {
 namespace {
 
 Job JobWithId(RouteContext& context, const std::string& id) {
-  return context.store.database.Read([&](Connection& connection) { return FindJob(connection, id); });
+  return context.store.database.Read(
+      [&](Connection& connection) { return FindJob(connection, id); });
 }
 
 /// Of a running job that has one.
@@ -28,11 +29,12 @@ std::optional<std::filesystem::path> PreviewOf(RouteContext& context, const Job&
 Json AddressOfPreview(RouteContext& context, const Job& job) {
   const std::optional<std::filesystem::path> file = PreviewOf(context, job);
   std::error_code missing;
-  const auto written = file ? std::filesystem::last_write_time(*file, missing) : std::filesystem::file_time_type();
+  const auto written =
+      file ? std::filesystem::last_write_time(*file, missing) : std::filesystem::file_time_type();
   if (!file || missing) return nullptr;
   const auto since = std::chrono::file_clock::to_sys(written).time_since_epoch();
-  return "/api/v1/jobs/" + job.id +
-         "/preview.glb?written=" + std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(since).count());
+  return "/api/v1/jobs/" + job.id + "/preview.glb?written=" +
+         std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(since).count());
 }
 
 Json View(RouteContext& context, const Job& job) {
@@ -44,17 +46,19 @@ Json View(RouteContext& context, const Job& job) {
 std::optional<JobState> StateParameter(const httplib::Request& request) {
   const auto text = QueryParameter(request, "state");
   if (!text) return std::nullopt;
-  for (const JobState state :
-       {JobState::kQueued, JobState::kRunning, JobState::kDone, JobState::kFailed, JobState::kCancelled})
+  for (const JobState state : {JobState::kQueued, JobState::kRunning, JobState::kDone,
+                               JobState::kFailed, JobState::kCancelled})
     if (*text == ToText(state)) return state;
-  throw Error(ErrorCode::kInvalidInput, "'state' is one of queued, running, done, failed, cancelled");
+  throw Error(ErrorCode::kInvalidInput,
+              "'state' is one of queued, running, done, failed, cancelled");
 }
 
 void SendLog(RouteContext& context, const httplib::Request& request, httplib::Response& response) {
   const Job job = JobWithId(context, request.matches[1]);
   int attempt = job.attempt;
   if (const auto text = QueryParameter(request, "attempt")) {
-    const bool is_number = text->size() <= 4 && text->find_first_not_of("0123456789") == std::string::npos;
+    const bool is_number =
+        text->size() <= 4 && text->find_first_not_of("0123456789") == std::string::npos;
     attempt = is_number ? std::stoi(*text) : -1;
   }
   Require(attempt >= 0 && attempt <= job.attempt, ErrorCode::kNotFound,
@@ -73,8 +77,10 @@ void SendLog(RouteContext& context, const httplib::Request& request, httplib::Re
   SendFile(request, response, log);
 }
 
-void SendPreview(RouteContext& context, const httplib::Request& request, httplib::Response& response) {
-  const std::optional<std::filesystem::path> file = PreviewOf(context, JobWithId(context, request.matches[1]));
+void SendPreview(RouteContext& context, const httplib::Request& request,
+                 httplib::Response& response) {
+  const std::optional<std::filesystem::path> file =
+      PreviewOf(context, JobWithId(context, request.matches[1]));
   std::error_code missing;
   const auto bytes = file ? std::filesystem::file_size(*file, missing) : 0;
   Require(file && !missing, ErrorCode::kNotFound,
@@ -90,18 +96,21 @@ void SendPreview(RouteContext& context, const httplib::Request& request, httplib
 }  // namespace
 
 void AddJobRoutes(httplib::Server& http, RouteContext& context) {
-  http.Get("/api/v1/jobs", [&context](const httplib::Request& request, httplib::Response& response) {
+  http.Get("/api/v1/jobs", [&context](const httplib::Request& request,
+                                      httplib::Response& response) {
     const Page page = PageOf(request);
     const auto state = StateParameter(request);
     const auto site = QueryParameter(request, "site");
-    std::vector<Job> jobs = context.store.database.Read(
-        [&](Connection& connection) { return ListJobs(connection, WithOneMore(page), state, site); });
+    std::vector<Job> jobs = context.store.database.Read([&](Connection& connection) {
+      return ListJobs(connection, WithOneMore(page), state, site);
+    });
     SendPage(response, page, std::move(jobs), [&](const Job& job) { return View(context, job); });
   });
 
-  http.Get("/api/v1/jobs/" + kIdPattern, [&context](const httplib::Request& request, httplib::Response& response) {
-    SendJson(response, 200, View(context, JobWithId(context, request.matches[1])));
-  });
+  http.Get("/api/v1/jobs/" + kIdPattern,
+           [&context](const httplib::Request& request, httplib::Response& response) {
+             SendJson(response, 200, View(context, JobWithId(context, request.matches[1])));
+           });
 
   http.Get("/api/v1/jobs/" + kIdPattern + "/log",
            [&context](const httplib::Request& request, httplib::Response& response) {
@@ -114,14 +123,16 @@ void AddJobRoutes(httplib::Server& http, RouteContext& context) {
            });
 
   http.Post("/api/v1/jobs/" + kIdPattern + "/cancel",
-            [&context](const httplib::Request& request, httplib::Response& response, const httplib::ContentReader&) {
+            [&context](const httplib::Request& request, httplib::Response& response,
+                       const httplib::ContentReader&) {
               const std::string id = request.matches[1];
               context.jobs.Cancel(id);
               SendJson(response, 202, View(context, JobWithId(context, id)));
             });
 
   http.Post("/api/v1/jobs/" + kIdPattern + "/retry",
-            [&context](const httplib::Request& request, httplib::Response& response, const httplib::ContentReader&) {
+            [&context](const httplib::Request& request, httplib::Response& response,
+                       const httplib::ContentReader&) {
               const Job job = RetryJob(context.store, request.matches[1]);
               context.events.Publish("job", job.id);
               for (const std::string& drive : job.drives) context.events.Publish("drive", drive);

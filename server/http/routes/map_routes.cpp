@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "server/http/answer.h"
 #include "server/http/file_response.h"
+#include "server/http/json_response.h"
 #include "server/http/routes/routes.h"
 #include "server/store/job_queue.h"
 #include "server/store/tables/map_table.h"
@@ -14,19 +14,23 @@ namespace {
 constexpr std::size_t kMaxPins = 1000;
 constexpr const char* kImmutable = "private, max-age=31536000, immutable";
 
-void SendManifest(RouteContext& context, const httplib::Request& request, httplib::Response& response) {
-  const MapVersion map = context.store.database.Read(
-      [&](Connection& connection) { return FindMap(connection, request.matches[1], std::stoll(request.matches[2])); });
+void SendManifest(RouteContext& context, const httplib::Request& request,
+                  httplib::Response& response) {
+  const MapVersion map = context.store.database.Read([&](Connection& connection) {
+    return FindMap(connection, request.matches[1], std::stoll(request.matches[2]));
+  });
   const std::string etag = '"' + map.sha256 + '"';
   if (SendNotModified(request, response, etag, kImmutable)) return;
   response.status = 200;
   response.set_header("ETag", etag);
   response.set_header("Cache-Control", kImmutable);
-  response.set_content(ToJson(map, /*with_files=*/true).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n",
-                       "application/json");
+  response.set_content(
+      ToJson(map, /*with_files=*/true).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n",
+      "application/json");
 }
 
-void SendMapFile(RouteContext& context, const httplib::Request& request, httplib::Response& response) {
+void SendMapFile(RouteContext& context, const httplib::Request& request,
+                 httplib::Response& response) {
   const std::string name = request.matches[3];
   const PublishedFile published = context.store.database.Read([&](Connection& connection) {
     return FindMapFile(connection, request.matches[1], std::stoll(request.matches[2]), name);
@@ -41,7 +45,8 @@ void SendMapFile(RouteContext& context, const httplib::Request& request, httplib
   SendFile(request, response, file);
 }
 
-void RedirectToLatest(RouteContext& context, const httplib::Request& request, httplib::Response& response) {
+void RedirectToLatest(RouteContext& context, const httplib::Request& request,
+                      httplib::Response& response) {
   const std::string site = request.matches[1];
   const std::int64_t version = context.store.database.Read([&](Connection& connection) {
     FindSite(connection, site);
@@ -62,7 +67,8 @@ std::vector<std::string> TextsOf(const std::string& key, const Json& value) {
   std::vector<std::string> texts;
   for (const Json& text : value) {
     // What begins with a dash would pass for an option of the worker's command line.
-    Require(text.is_string() && !text.get<std::string>().empty() && text.get<std::string>().front() != '-',
+    Require(text.is_string() && !text.get<std::string>().empty() &&
+                text.get<std::string>().front() != '-',
             ErrorCode::kInvalidInput, '"' + key + "\" is a list of ids");
     texts.push_back(text);
   }
@@ -76,15 +82,19 @@ std::string NumberIn(const Json& object, const char* key) {
   return found->dump();
 }
 
-/// {"point": [X, Y, Z], "latitude": LAT, "longitude": LON, "height": HEIGHT, "drive": NAME} as the worker takes it.
+/// {"point": [X, Y, Z], "latitude": LAT, "longitude": LON, "height": HEIGHT, "drive": NAME} as the
+/// worker takes it.
 std::string PinOf(const Json& pin) {
   Require(pin.is_object(), ErrorCode::kInvalidInput, "a pin is an object");
   for (const auto& [key, value] : pin.items())
-    Require(key == "point" || key == "latitude" || key == "longitude" || key == "height" || key == "drive",
-            ErrorCode::kInvalidInput, "a pin knows \"point\", \"latitude\", \"longitude\", \"height\" and \"drive\"");
+    Require(key == "point" || key == "latitude" || key == "longitude" || key == "height" ||
+                key == "drive",
+            ErrorCode::kInvalidInput,
+            "a pin knows \"point\", \"latitude\", \"longitude\", \"height\" and \"drive\"");
   const auto point = pin.find("point");
   Require(point != pin.end() && point->is_array() && point->size() == 3 &&
-              std::all_of(point->begin(), point->end(), [](const Json& number) { return number.is_number(); }),
+              std::all_of(point->begin(), point->end(),
+                          [](const Json& number) { return number.is_number(); }),
           ErrorCode::kInvalidInput, "a pin's \"point\" is a list of three numbers");
   std::string text;
   if (const auto drive = pin.find("drive"); drive != pin.end()) {
@@ -110,12 +120,14 @@ MapRequest ParseMapRequest(const std::string& body) {
   MapRequest request;
   if (body.empty()) return request;
   const Json json = Json::parse(body, nullptr, /*allow_exceptions=*/false);
-  Require(json.is_object(), ErrorCode::kInvalidInput, "the body is a JSON object: {\"drives\": [\"ID\", ...]}");
+  Require(json.is_object(), ErrorCode::kInvalidInput,
+          "the body is a JSON object: {\"drives\": [\"ID\", ...]}");
   for (const auto& [key, value] : json.items()) {
     if (key == "drives") {
       request.drives = TextsOf(key, value);
     } else if (key == "from") {
-      Require(value.is_number_integer(), ErrorCode::kInvalidInput, "\"from\" is the number of a version");
+      Require(value.is_number_integer(), ErrorCode::kInvalidInput,
+              "\"from\" is the number of a version");
       request.review.from_version = value.get<std::int64_t>();
     } else if (key == "reject_loops") {
       request.review.rejected_loops = TextsOf(key, value);
@@ -124,12 +136,13 @@ MapRequest ParseMapRequest(const std::string& body) {
     } else if (key == "pins") {
       request.review.pins = PinsOf(value);
     } else {
-      throw Error(ErrorCode::kInvalidInput,
-                  "the body knows \"drives\", \"from\", \"reject_loops\", \"force_loops\" and \"pins\"");
+      throw Error(
+          ErrorCode::kInvalidInput,
+          "the body knows \"drives\", \"from\", \"reject_loops\", \"force_loops\" and \"pins\"");
     }
   }
-  const bool decides =
-      !request.review.rejected_loops.empty() || !request.review.forced_loops.empty() || request.review.pins;
+  const bool decides = !request.review.rejected_loops.empty() ||
+                       !request.review.forced_loops.empty() || request.review.pins;
   Require(!decides || request.review.from_version, ErrorCode::kInvalidInput,
           "loops and pins are those of a version: name it in \"from\"");
   return request;
@@ -142,10 +155,12 @@ void CheckPins(RouteContext& context, const std::string& site, const MapReview& 
   context.options.check_pins(*review.pins, context.store.directory.MapFolder(from.id));
 }
 
-void BuildMap(RouteContext& context, const std::string& site, const std::string& body, httplib::Response& response) {
+void BuildMap(RouteContext& context, const std::string& site, const std::string& body,
+              httplib::Response& response) {
   const MapRequest request = ParseMapRequest(body);
   CheckPins(context, site, request.review);
-  const Job job = QueueMap(context.store, site, request.drives, context.options.merge_drives, request.review);
+  const Job job =
+      QueueMap(context.store, site, request.drives, context.options.merge_drives, request.review);
   context.events.Publish("job", job.id);
   for (const std::string& drive : job.drives) context.events.Publish("drive", drive);
   context.jobs.Wake();
@@ -174,9 +189,10 @@ void AddMapRoutes(httplib::Server& http, RouteContext& context) {
     BuildMap(context, request.matches[1], ReadBody(body), response);
   });
 
-  http.Get(maps + "/([0-9]{1,9})", [&context](const httplib::Request& request, httplib::Response& response) {
-    SendManifest(context, request, response);
-  });
+  http.Get(maps + "/([0-9]{1,9})",
+           [&context](const httplib::Request& request, httplib::Response& response) {
+             SendManifest(context, request, response);
+           });
   http.Get(maps + "/([0-9]{1,9})/([A-Za-z0-9][A-Za-z0-9._/-]{0,255})",
            [&context](const httplib::Request& request, httplib::Response& response) {
              SendMapFile(context, request, response);

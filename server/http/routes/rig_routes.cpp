@@ -1,6 +1,6 @@
 #include "core/error.h"
-#include "server/http/answer.h"
 #include "server/http/file_response.h"
+#include "server/http/json_response.h"
 #include "server/http/routes/routes.h"
 #include "server/store/rig_store.h"
 #include "server/store/tables/rig_table.h"
@@ -9,7 +9,8 @@ namespace parkade {
 namespace {
 
 std::optional<StoredRig> RigNamed(RouteContext& context, const std::string& name) {
-  return context.store.database.Read([&](Connection& connection) { return FindRig(connection, name); });
+  return context.store.database.Read(
+      [&](Connection& connection) { return FindRig(connection, name); });
 }
 
 /// The parts of a form, each a file under its own name or that of its field.
@@ -19,7 +20,8 @@ RigFiles ReadForm(const httplib::ContentReader& body) {
   const bool is_complete = body(
       [&](const httplib::MultipartFormData& part) {
         const std::string name = part.filename.empty() ? part.name : part.filename;
-        Require(!files.contains(name), ErrorCode::kInvalidInput, "the form holds '" + name + "' twice");
+        Require(!files.contains(name), ErrorCode::kInvalidInput,
+                "the form holds '" + name + "' twice");
         content = &files[name];
         return true;
       },
@@ -34,24 +36,28 @@ RigFiles ReadForm(const httplib::ContentReader& body) {
 }  // namespace
 
 void AddRigRoutes(httplib::Server& http, RouteContext& context) {
-  http.Get("/api/v1/rigs", [&context](const httplib::Request& request, httplib::Response& response) {
-    const Page page = PageOf(request);
-    std::vector<StoredRig> rigs =
-        context.store.database.Read([&](Connection& connection) { return ListRigs(connection, WithOneMore(page)); });
-    SendPage(response, page, std::move(rigs), [](const StoredRig& rig) { return ToJson(rig); });
-  });
+  http.Get(
+      "/api/v1/rigs", [&context](const httplib::Request& request, httplib::Response& response) {
+        const Page page = PageOf(request);
+        std::vector<StoredRig> rigs = context.store.database.Read(
+            [&](Connection& connection) { return ListRigs(connection, WithOneMore(page)); });
+        SendPage(response, page, std::move(rigs), [](const StoredRig& rig) { return ToJson(rig); });
+      });
 
-  http.Put("/api/v1/rigs/" + kNamePattern, [&context](const httplib::Request& request, httplib::Response& response,
-                                                      const httplib::ContentReader& body) {
-    const std::string name = request.matches[1];
-    const RigFiles files = request.is_multipart_form_data() ? ReadForm(body) : UnpackRig(ReadBody(body));
-    const bool is_new = !RigNamed(context, name);
-    const StoredRig rig = StoreRig(context.store, name, files, context.options.check_rig);
-    response.set_header("Location", "/api/v1/rigs/" + name);
-    SendJson(response, is_new ? 201 : 200, ToJson(rig));
-  });
+  http.Put("/api/v1/rigs/" + kNamePattern,
+           [&context](const httplib::Request& request, httplib::Response& response,
+                      const httplib::ContentReader& body) {
+             const std::string name = request.matches[1];
+             const RigFiles files =
+                 request.is_multipart_form_data() ? ReadForm(body) : UnpackRig(ReadBody(body));
+             const bool is_new = !RigNamed(context, name);
+             const StoredRig rig = StoreRig(context.store, name, files, context.options.check_rig);
+             response.set_header("Location", "/api/v1/rigs/" + name);
+             SendJson(response, is_new ? 201 : 200, ToJson(rig));
+           });
 
-  http.Get("/api/v1/rigs/" + kNamePattern, [&context](const httplib::Request& request, httplib::Response& response) {
+  http.Get("/api/v1/rigs/" + kNamePattern, [&context](const httplib::Request& request,
+                                                      httplib::Response& response) {
     const std::string name = request.matches[1];
     const std::optional<StoredRig> rig = RigNamed(context, name);
     Require(rig.has_value(), ErrorCode::kNotFound, "there is no rig '" + name + "'");

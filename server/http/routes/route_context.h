@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "server/http/lifeline.h"
 #include "server/http/metrics.h"
 #include "server/http/serve_options.h"
+#include "server/http/shutdown_signal.h"
 #include "server/jobs/event_hub.h"
 #include "server/jobs/job_runner.h"
 #include "server/jobs/map_comparer.h"
@@ -20,7 +20,7 @@ struct RouteContext {
   JobRunner& jobs;
   MapComparer& comparer;
   Metrics& metrics;
-  const Lifeline& lifeline;
+  const ShutdownSignal& shutdown_signal;
 };
 
 // Bounded patterns: they run on whatever path a stranger sends.

@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
-#include "server/http/answer.h"
+#include "server/http/json_response.h"
 #include "server/http/routes/openapi.h"
 #include "server/http/routes/routes.h"
 #include "server/store/durable_file.h"
@@ -48,8 +48,8 @@ class MetricsText {
 void AddJobCounts(RouteContext& context, MetricsText& text) {
   text.Add("parkade_jobs", "gauge", "Jobs by state.");
   context.store.database.Read([&](Connection& connection) {
-    for (const JobState state :
-         {JobState::kQueued, JobState::kRunning, JobState::kDone, JobState::kFailed, JobState::kCancelled})
+    for (const JobState state : {JobState::kQueued, JobState::kRunning, JobState::kDone,
+                                 JobState::kFailed, JobState::kCancelled})
       text.Value(CountJobs(connection, state), std::string("{state=\"") + ToText(state) + "\"}");
   });
 }
@@ -60,7 +60,8 @@ std::string MetricsOf(RouteContext& context) {
   text.Add("parkade_http_answers_total", "counter", "Answers by class of status.");
   for (size_t i = 1; i < metrics.answers_by_class.size(); ++i)
     text.Value(metrics.answers_by_class[i], "{class=\"" + std::to_string(i) + "xx\"}");
-  text.Counter("parkade_http_requests_refused_total", "Requests refused by their head.", metrics.requests_refused);
+  text.Counter("parkade_http_requests_refused_total", "Requests refused by their head.",
+               metrics.requests_refused);
   text.Counter("parkade_http_connections_refused_total", "Connections refused for want of threads.",
                metrics.connections_refused);
   text.Gauge("parkade_http_connections", "Connections being served.", metrics.connections);
@@ -69,7 +70,8 @@ std::string MetricsOf(RouteContext& context) {
   AddJobCounts(context, text);
   text.Gauge("parkade_disk_free_bytes", "Free bytes on the disk of the data directory.",
              FreeBytes(context.store.directory.root()));
-  text.Gauge("process_resident_memory_bytes", "Memory of the service, without its workers.", ResidentBytes());
+  text.Gauge("process_resident_memory_bytes", "Memory of the service, without its workers.",
+             ResidentBytes());
   const auto uptime = std::chrono::steady_clock::now() - metrics.started;
   text.Gauge("parkade_uptime_seconds", "Time since the start.",
              std::chrono::duration_cast<std::chrono::seconds>(uptime).count());
@@ -80,17 +82,18 @@ std::string MetricsOf(RouteContext& context) {
 Json Readiness(RouteContext& context, bool& is_ready) {
   bool has_database = false, has_room = false;
   try {
-    context.store.database.Read([](Connection& connection) { CountJobs(connection, JobState::kQueued); });
+    context.store.database.Read(
+        [](Connection& connection) { CountJobs(connection, JobState::kQueued); });
     has_database = true;
     has_room = FreeBytes(context.store.directory.root()) > context.store.disk_reserve;
   } catch (const Error& error) {
     LogWarning(std::string("not ready: ") + error.what());
   }
-  is_ready = has_database && has_room && !context.lifeline.is_stopping();
+  is_ready = has_database && has_room && !context.shutdown_signal.is_stopping();
   return {{"ready", is_ready},
           {"database", has_database},
           {"disk", has_room},
-          {"stopping", context.lifeline.is_stopping()}};
+          {"stopping", context.shutdown_signal.is_stopping()}};
 }
 
 }  // namespace

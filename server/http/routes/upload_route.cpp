@@ -2,7 +2,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
-#include "server/http/answer.h"
+#include "server/http/json_response.h"
 #include "server/http/problem.h"
 #include "server/http/routes/routes.h"
 #include "server/store/durable_file.h"
@@ -20,7 +20,8 @@ void Replace(std::string& text, const std::string& from, const std::string& to) 
 }
 
 /// The check speaks of the temporary file it was given; the user knows another name.
-void CheckLog(const RouteContext& context, const std::filesystem::path& file, const std::string& filename) {
+void CheckLog(const RouteContext& context, const std::filesystem::path& file,
+              const std::string& filename) {
   if (!context.options.check_log) return;
   try {
     context.options.check_log(file);
@@ -35,7 +36,8 @@ void CheckLog(const RouteContext& context, const std::filesystem::path& file, co
 }
 
 /// Streams the body to `log`. Bounded memory: it goes on piece by piece.
-void ReceiveBody(const httplib::ContentReader& body, std::int64_t length, GrowingFile& log, Metrics& metrics) {
+void ReceiveBody(const httplib::ContentReader& body, std::int64_t length, GrowingFile& log,
+                 Metrics& metrics) {
   const bool is_complete = body([&](const char* data, size_t size) {
     log.Append({data, size});
     metrics.upload_bytes += static_cast<std::int64_t>(size);
@@ -48,7 +50,9 @@ void ReceiveBody(const httplib::ContentReader& body, std::int64_t length, Growin
 
 NewDrive CheckUpload(const httplib::Request& request, const RouteContext& context) {
   const bool is_form = request.get_header_value("Content-Type").starts_with("multipart/");
-  if (is_form) throw HttpError({415, "unsupported_media_type", "send the log itself as the body: curl -T FILE"});
+  if (is_form)
+    throw HttpError(
+        {415, "unsupported_media_type", "send the log itself as the body: curl -T FILE"});
   const std::int64_t length = LengthOf(request);
   Require(length > 0, ErrorCode::kInvalidInput, "the upload is empty");
   NewDrive drive;
@@ -61,24 +65,27 @@ NewDrive CheckUpload(const httplib::Request& request, const RouteContext& contex
 }
 
 void AddUploadRoute(httplib::Server& http, RouteContext& context) {
-  http.Put("/api/v1/drives", [&context](const httplib::Request& request, httplib::Response& response,
-                                        const httplib::ContentReader& body) {
-    const NewDrive drive = CheckUpload(request, context);
-    const std::int64_t length = LengthOf(request);
-    GrowingFile log(context.store.directory.NewTemporaryPath(), length);
-    ReceiveBody(body, length, log, context.metrics);
-    const std::string sha256 = log.Finish();
-    CheckLog(context, log.path(), drive.filename);
-    const ReceivedDrive received = ReceiveDrive(context.store, drive, log, sha256, context.options.merge_drives);
+  http.Put(
+      "/api/v1/drives", [&context](const httplib::Request& request, httplib::Response& response,
+                                   const httplib::ContentReader& body) {
+        const NewDrive drive = CheckUpload(request, context);
+        const std::int64_t length = LengthOf(request);
+        GrowingFile log(context.store.directory.NewTemporaryPath(), length);
+        ReceiveBody(body, length, log, context.metrics);
+        const std::string sha256 = log.Finish();
+        CheckLog(context, log.path(), drive.filename);
+        const ReceivedDrive received =
+            ReceiveDrive(context.store, drive, log, sha256, context.options.merge_drives);
 
-    LogInfo("received drive=" + received.drive.id + " bytes=" + std::to_string(length) +
-            " site=" + received.drive.site + " job=" + received.job.id);
-    context.events.Publish("drive", received.drive.id);
-    context.events.Publish("job", received.job.id);
-    context.jobs.Wake();
-    response.set_header("Location", "/api/v1/drives/" + received.drive.id);
-    SendJson(response, 201, {{"drive", ToJson(received.drive)}, {"job", ToJson(received.job, std::nullopt)}});
-  });
+        LogInfo("received drive=" + received.drive.id + " bytes=" + std::to_string(length) +
+                " site=" + received.drive.site + " job=" + received.job.id);
+        context.events.Publish("drive", received.drive.id);
+        context.events.Publish("job", received.job.id);
+        context.jobs.Wake();
+        response.set_header("Location", "/api/v1/drives/" + received.drive.id);
+        SendJson(response, 201,
+                 {{"drive", ToJson(received.drive)}, {"job", ToJson(received.job, std::nullopt)}});
+      });
 }
 
 }  // namespace parkade

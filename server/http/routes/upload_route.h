@@ -3,7 +3,7 @@
 #include <httplib.h>
 
 #include "server/http/routes/route_context.h"
-#include "server/store/intake.h"
+#include "server/store/receive_upload.h"
 
 namespace parkade {
 

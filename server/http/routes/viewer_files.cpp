@@ -24,7 +24,8 @@ bool IsPageAddress(const std::string& path) {
 }
 
 bool IsReserved(const std::string& path) {
-  return path.starts_with("/api/") || path == "/api" || path == "/healthz" || path == "/readyz" || path == "/metrics";
+  return path.starts_with("/api/") || path == "/api" || path == "/healthz" || path == "/readyz" ||
+         path == "/metrics";
 }
 
 }  // namespace
@@ -41,21 +42,24 @@ ViewerFiles::ViewerFiles(const fs::path& root) {
     file.content_type = ContentTypeOf(name);
     file.etag = '"' + Sha256Of(file.content) + '"';
     // The build puts a hash into the names below assets/.
-    file.cache_control = name.starts_with("/assets/") ? "public, max-age=31536000, immutable" : "no-cache";
+    file.cache_control =
+        name.starts_with("/assets/") ? "public, max-age=31536000, immutable" : "no-cache";
     files_.emplace(name, std::move(file));
   }
   LogInfo("viewer files=" + std::to_string(files_.size()) + " bytes=" + std::to_string(total));
 }
 
 bool ViewerFiles::Send(const httplib::Request& request, httplib::Response& response) const {
-  if ((request.method != "GET" && request.method != "HEAD") || IsReserved(request.path)) return false;
+  if ((request.method != "GET" && request.method != "HEAD") || IsReserved(request.path))
+    return false;
   auto found = files_.find(request.path);
   if (found == files_.end() && IsPageAddress(request.path)) found = files_.find(kIndex);
   if (found == files_.end()) {
     const bool is_page = IsPageAddress(request.path);
-    SendProblem(response, {404, "not_found",
-                           is_page ? "the viewer is not installed: build it with scripts/build_web.sh"
-                                   : "the viewer has no such file"});
+    SendProblem(response,
+                {404, "not_found",
+                 is_page ? "the viewer is not installed: build it with scripts/build_web.sh"
+                         : "the viewer has no such file"});
     return true;
   }
   const File& file = found->second;

@@ -37,7 +37,8 @@ class SignalWaiter {
  public:
   SignalWaiter() {
     wake_fd = event_fd_ = ::eventfd(0, EFD_CLOEXEC);
-    Require(event_fd_ >= 0, ErrorCode::kInternal, "no file descriptor is left to hear signals with");
+    Require(event_fd_ >= 0, ErrorCode::kInternal,
+            "no file descriptor is left to hear signals with");
     struct sigaction action {};
     action.sa_handler = Wake;
     action.sa_flags = SA_RESTART;

@@ -20,9 +20,11 @@ namespace {
 // blob: for textures and the mesh decoder's worker, which three.js makes of
 // bytes it has; wasm-unsafe-eval for the decoder itself.
 constexpr const char* kContentSecurityPolicy =
-    "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self' blob:; connect-src 'self' blob: "
+    "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self' blob:; "
+    "connect-src 'self' blob: "
     "data:; "
-    "img-src 'self' blob: data:; style-src 'self'; font-src 'self'; object-src 'none'; base-uri 'none'; "
+    "img-src 'self' blob: data:; style-src 'self'; font-src 'self'; object-src 'none'; base-uri "
+    "'none'; "
     "form-action 'self'; frame-ancestors 'none'";
 
 ListenAddress CheckedAddress(const ServeOptions& options) {
@@ -36,9 +38,12 @@ ListenAddress CheckedAddress(const ServeOptions& options) {
 
 const ServeOptions& Checked(const ServeOptions& options) {
   CheckedAddress(options);
-  Require(options.num_workers >= 1 && options.num_workers <= 64, ErrorCode::kUsage, "workers: 1 to 64");
-  Require(options.num_threads >= 4 && options.num_threads <= 1024, ErrorCode::kUsage, "threads: 4 to 1024");
-  Require(options.job_command && options.compare_command, ErrorCode::kInternal, "the service has no worker");
+  Require(options.num_workers >= 1 && options.num_workers <= 64, ErrorCode::kUsage,
+          "workers: 1 to 64");
+  Require(options.num_threads >= 4 && options.num_threads <= 1024, ErrorCode::kUsage,
+          "threads: 4 to 1024");
+  Require(options.job_command && options.compare_command, ErrorCode::kInternal,
+          "the service has no worker");
   return options;
 }
 
@@ -58,29 +63,33 @@ class Service::Parts {
         store_(options_.data),
         comparer_(store_.directory, options_.compare_command),
         viewer_(options_.web_root),
-        http_(lifeline_, metrics_, options_.num_threads, options_.allow_public) {
+        http_(shutdown_signal_, metrics_, options_.num_threads, options_.allow_public) {
     store_.disk_reserve = options_.disk_reserve;
     ReconcileFiles(store_);
     const ListenAddress address = CheckedAddress(options_);
     port_ = http_.Bind(address.host, address.port);
     const bool is_ipv6 = address.host.find(':') != std::string::npos;
-    address_ = "http://" + (is_ipv6 ? "[" + address.host + "]" : address.host) + ":" + std::to_string(port_);
+    address_ = "http://" + (is_ipv6 ? "[" + address.host + "]" : address.host) + ":" +
+               std::to_string(port_);
     jobs_.emplace(store_, events_, RunnerOptions(options_));
-    context_.emplace(RouteContext{options_, store_, events_, *jobs_, comparer_, metrics_, lifeline_});
+    context_.emplace(
+        RouteContext{options_, store_, events_, *jobs_, comparer_, metrics_, shutdown_signal_});
     AddHandlers();
   }
 
   void Run() {
-    Require(http_.listen_after_bind() || lifeline_.is_stopping(), ErrorCode::kInternal, "the service cannot listen");
+    Require(http_.listen_after_bind() || shutdown_signal_.is_stopping(), ErrorCode::kInternal,
+            "the service cannot listen");
     jobs_->Stop();
   }
 
   void Stop(std::chrono::milliseconds patience) {
-    lifeline_.Cut(patience);
+    shutdown_signal_.Cut(patience);
     comparer_.Stop();
     events_.Close();
     // Right after the start there may be nothing yet to stop.
-    for (int i = 0; i < 500 && !http_.is_running(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    for (int i = 0; i < 500 && !http_.is_running(); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
     http_.stop();
   }
 
@@ -93,17 +102,20 @@ class Service::Parts {
                                {"Content-Security-Policy", kContentSecurityPolicy},
                                {"Referrer-Policy", "no-referrer"},
                                {"Cross-Origin-Resource-Policy", "same-origin"}});
-    http_.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
-      return viewer_.Send(request, response) ? httplib::Server::HandlerResponse::Handled
-                                             : httplib::Server::HandlerResponse::Unhandled;
+    http_.set_pre_routing_handler(
+        [this](const httplib::Request& request, httplib::Response& response) {
+          return viewer_.Send(request, response) ? httplib::Server::HandlerResponse::Handled
+                                                 : httplib::Server::HandlerResponse::Unhandled;
+        });
+    http_.set_exception_handler([](const httplib::Request&, httplib::Response& response,
+                                   std::exception_ptr thrown) { SendException(response, thrown); });
+    http_.set_error_handler([](const httplib::Request& request, httplib::Response& response) {
+      ExplainError(request, response);
     });
-    http_.set_exception_handler([](const httplib::Request&, httplib::Response& response, std::exception_ptr thrown) {
-      SendException(response, thrown);
-    });
-    http_.set_error_handler(
-        [](const httplib::Request& request, httplib::Response& response) { ExplainError(request, response); });
     http_.set_expect_100_continue_handler(
-        [this](const httplib::Request& request, httplib::Response& response) { return Expected(request, response); });
+        [this](const httplib::Request& request, httplib::Response& response) {
+          return Expected(request, response);
+        });
     http_.set_logger([this](const httplib::Request& request, const httplib::Response& response) {
       const size_t status_class = static_cast<size_t>(std::clamp(response.status / 100, 0, 5));
       ++metrics_.answers_by_class[status_class];
@@ -129,7 +141,8 @@ class Service::Parts {
       return;
     }
     const std::vector<std::string> methods = MethodsOf(request.path);
-    const bool is_method = std::find(methods.begin(), methods.end(), request.method) != methods.end();
+    const bool is_method =
+        std::find(methods.begin(), methods.end(), request.method) != methods.end();
     if (methods.empty() || is_method) {
       SendProblem(response, {404, "not_found", "there is nothing at this address"});
       return;
@@ -153,7 +166,7 @@ class Service::Parts {
   }
 
   const ServeOptions options_;
-  Lifeline lifeline_;
+  ShutdownSignal shutdown_signal_;
   Metrics metrics_;
   EventHub events_;
   Store store_;

@@ -10,7 +10,8 @@ std::optional<int> TopicMap::TopicOf(std::uint32_t channel) const {
   return found->second;
 }
 
-TopicMap ChannelTable::MakeTopics(const std::map<std::uint32_t, std::uint64_t>& num_messages) const {
+TopicMap ChannelTable::MakeTopics(
+    const std::map<std::uint32_t, std::uint64_t>& num_messages) const {
   TopicMap map;
   std::map<std::tuple<std::string, std::string, std::string>, int> known;
   for (const auto& [id, channel] : channels_) {
@@ -20,15 +21,17 @@ TopicMap ChannelTable::MakeTopics(const std::map<std::uint32_t, std::uint64_t>& 
     }
     const auto schema = channel.schema ? schemas_.find(*channel.schema) : schemas_.end();
     const std::string type = Ros1TypeName(schema != schemas_.end() ? schema->second : channel.type);
-    const auto [entry, is_new] =
-        known.try_emplace({channel.topic, type, channel.encoding}, static_cast<int>(map.topics.size()));
+    const auto [entry, is_new] = known.try_emplace({channel.topic, type, channel.encoding},
+                                                   static_cast<int>(map.topics.size()));
     if (is_new) {
       const bool is_ros1 = channel.encoding == "ros1";
-      map.topics.push_back({channel.topic, type, is_ros1 ? MessageEncoding::kRos1 : MessageEncoding::kCdr, 0});
+      map.topics.push_back(
+          {channel.topic, type, is_ros1 ? MessageEncoding::kRos1 : MessageEncoding::kCdr, 0});
     }
     map.topic_of_channel[id] = entry->second;
     const auto count = num_messages.find(id);
-    if (count != num_messages.end()) map.topics[static_cast<std::size_t>(entry->second)].num_messages += count->second;
+    if (count != num_messages.end())
+      map.topics[static_cast<std::size_t>(entry->second)].num_messages += count->second;
   }
   return map;
 }

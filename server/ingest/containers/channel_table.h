@@ -13,8 +13,9 @@ namespace parkade {
 
 /// Topics of a log and which of the log's channels belong to each.
 struct TopicMap {
-  std::vector<TopicInfo> topics;                            ///< in order of their lowest channel
-  std::unordered_map<std::uint32_t, int> topic_of_channel;  ///< -1: known, but not of an encoding we read
+  std::vector<TopicInfo> topics;  ///< in order of their lowest channel
+  std::unordered_map<std::uint32_t, int>
+      topic_of_channel;  ///< -1: known, but not of an encoding we read
 
   /// Nothing for an unknown channel; -1 as above.
   std::optional<int> TopicOf(std::uint32_t channel) const;

@@ -17,15 +17,15 @@ constexpr std::size_t kPackedWindow = std::size_t{128} << 10;
 class Lz4Unpacker : public Unpacker {
  public:
   Lz4Unpacker() {
-    Require(!LZ4F_isError(LZ4F_createDecompressionContext(&context_, LZ4F_VERSION)), ErrorCode::kInternal,
-            "no memory for lz4");
+    Require(!LZ4F_isError(LZ4F_createDecompressionContext(&context_, LZ4F_VERSION)),
+            ErrorCode::kInternal, "no memory for lz4");
   }
   ~Lz4Unpacker() override { LZ4F_freeDecompressionContext(context_); }
 
   Step Run(std::span<const std::uint8_t> packed, std::span<std::uint8_t> out) override {
     Step step{packed.size(), out.size()};
-    const std::size_t hint =
-        LZ4F_decompress(context_, out.data(), &step.num_produced, packed.data(), &step.num_consumed, nullptr);
+    const std::size_t hint = LZ4F_decompress(context_, out.data(), &step.num_produced,
+                                             packed.data(), &step.num_consumed, nullptr);
     Require(!LZ4F_isError(hint), ErrorCode::kInvalidInput, "damaged lz4 data");
     step.is_at_end = hint == 0;
     return step;
@@ -54,7 +54,10 @@ class ZstdUnpacker : public Unpacker {
 
 class Bz2Unpacker : public Unpacker {
  public:
-  Bz2Unpacker() { Require(BZ2_bzDecompressInit(&stream_, 0, 0) == BZ_OK, ErrorCode::kInternal, "no memory for bzip2"); }
+  Bz2Unpacker() {
+    Require(BZ2_bzDecompressInit(&stream_, 0, 0) == BZ_OK, ErrorCode::kInternal,
+            "no memory for bzip2");
+  }
   ~Bz2Unpacker() override { BZ2_bzDecompressEnd(&stream_); }
 
   Step Run(std::span<const std::uint8_t> packed, std::span<std::uint8_t> out) override {
@@ -66,7 +69,8 @@ class Bz2Unpacker : public Unpacker {
     stream_.avail_out = static_cast<unsigned>(std::min<std::size_t>(out.size(), 1u << 30));
     const unsigned room = stream_.avail_out;
     const int result = BZ2_bzDecompress(&stream_);
-    Require(result == BZ_OK || result == BZ_STREAM_END, ErrorCode::kInvalidInput, "damaged bzip2 data");
+    Require(result == BZ_OK || result == BZ_STREAM_END, ErrorCode::kInvalidInput,
+            "damaged bzip2 data");
     is_at_end_ = result == BZ_STREAM_END;
     return {packed.size() - stream_.avail_in, room - stream_.avail_out, is_at_end_};
   }
@@ -115,7 +119,8 @@ std::size_t UnpackingStream::Read(std::span<std::uint8_t> out) {
       rest_ = rest_.subspan(step.num_consumed);
       num_read += step.num_produced;
       is_in_frame_ = !step.is_at_end;
-      if (step.num_consumed + step.num_produced == 0) state_ = is_input_over ? State::kCut : State::kDamaged;
+      if (step.num_consumed + step.num_produced == 0)
+        state_ = is_input_over ? State::kCut : State::kDamaged;
     } catch (const Error&) {
       state_ = State::kDamaged;
     }
@@ -124,7 +129,8 @@ std::size_t UnpackingStream::Read(std::span<std::uint8_t> out) {
 }
 
 std::size_t UnpackingStream::ReadPlain(std::span<std::uint8_t> out) {
-  const std::size_t asked = static_cast<std::size_t>(std::min<std::uint64_t>(out.size(), end_ - next_));
+  const std::size_t asked =
+      static_cast<std::size_t>(std::min<std::uint64_t>(out.size(), end_ - next_));
   const std::size_t num_read = file_->ReadAt(next_, out.first(asked));
   next_ += num_read;
   if (num_read < asked) state_ = State::kCut;
@@ -144,7 +150,8 @@ std::vector<std::uint8_t> UnpackZstd(std::span<const std::uint8_t> packed, std::
   const unsigned long long claimed = ZSTD_getFrameContentSize(packed.data(), packed.size());
   const bool is_known = claimed != ZSTD_CONTENTSIZE_ERROR && claimed != ZSTD_CONTENTSIZE_UNKNOWN;
   const unsigned long long guess = is_known ? claimed : 4 * packed.size();
-  std::vector<std::uint8_t> out(static_cast<std::size_t>(std::min<unsigned long long>(guess, max_size)));
+  std::vector<std::uint8_t> out(
+      static_cast<std::size_t>(std::min<unsigned long long>(guess, max_size)));
   ZstdUnpacker unpacker;
   for (std::size_t size = 0;;) {
     if (size == out.size()) {
@@ -158,7 +165,8 @@ std::vector<std::uint8_t> UnpackZstd(std::span<const std::uint8_t> packed, std::
       out.resize(size);
       return out;
     }
-    Require(step.num_consumed + step.num_produced > 0, ErrorCode::kInvalidInput, "a packed message is cut off");
+    Require(step.num_consumed + step.num_produced > 0, ErrorCode::kInvalidInput,
+            "a packed message is cut off");
   }
 }
 

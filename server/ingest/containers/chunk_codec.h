@@ -16,7 +16,8 @@ enum class ChunkCompression { kNone, kLz4, kZstd, kBz2 };
 /// Of "", "none", "lz4", "zstd", "bz2".
 std::optional<ChunkCompression> CompressionNamed(std::string_view name);
 
-/// Unpacks one stream of lz4 frames, zstd frames or bzip2, piece by piece, in memory that does not depend on its size.
+/// Unpacks one stream of lz4 frames, zstd frames or bzip2, piece by piece, in memory that does not
+/// depend on its size.
 class Unpacker {
  public:
   struct Step {
@@ -42,7 +43,8 @@ class UnpackingStream {
   };
 
   /// `file` must outlive the stream.
-  UnpackingStream(const InputFile& file, std::uint64_t begin, std::uint64_t size, ChunkCompression compression);
+  UnpackingStream(const InputFile& file, std::uint64_t begin, std::uint64_t size,
+                  ChunkCompression compression);
 
   /// Fills `out`; less than its size only at the end, of which state() tells.
   std::size_t Read(std::span<std::uint8_t> out);
@@ -61,8 +63,8 @@ class UnpackingStream {
   State state_ = State::kRunning;
 };
 
-/// Message bytes of a recorder that packs each message with zstd, unpacked. Throws Error{kInvalidInput} when they are
-/// damaged or unpack to more than `max_size`.
+/// Message bytes of a recorder that packs each message with zstd, unpacked. Throws
+/// Error{kInvalidInput} when they are damaged or unpack to more than `max_size`.
 std::vector<std::uint8_t> UnpackZstd(std::span<const std::uint8_t> packed, std::size_t max_size);
 
 /// True for the first bytes of a zstd frame. No CDR message starts so.

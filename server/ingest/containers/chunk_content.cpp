@@ -18,7 +18,8 @@ std::string Describe(const LogRecord& chunk, const std::string& problem) {
 }
 
 /// What is wrong with a chunk of which `size` bytes with `checksum` came out; empty: nothing.
-std::string FindProblem(const LogRecord& chunk, UnpackingStream& stream, std::uint64_t size, std::uint32_t checksum) {
+std::string FindProblem(const LogRecord& chunk, UnpackingStream& stream, std::uint64_t size,
+                        std::uint32_t checksum) {
   std::uint8_t one_more = 0;
   const bool is_longer = stream.Read({&one_more, 1}) > 0;
   if (stream.state() == UnpackingStream::State::kDamaged) return "has damaged compressed data";
@@ -79,8 +80,8 @@ ChunkContent OpenSmall(const InputFile& file, const LogRecord& chunk) {
   UnpackingStream stream = OpenStream(file, chunk);
   content.bytes.resize(static_cast<std::size_t>(chunk.unpacked_size));
   content.bytes.resize(stream.Read(content.bytes));
-  const std::string problem =
-      FindProblem(chunk, stream, content.bytes.size(), chunk.checksum ? UpdateCrc32(0, content.bytes) : 0);
+  const std::string problem = FindProblem(chunk, stream, content.bytes.size(),
+                                          chunk.checksum ? UpdateCrc32(0, content.bytes) : 0);
   if (!problem.empty()) content.problem = Describe(chunk, chunk.is_at_end ? "is cut off" : problem);
   const bool is_kept = problem.empty() || IsKept(chunk);
   if (!is_kept) content.bytes.clear();
@@ -95,14 +96,17 @@ ChunkContent OpenLarge(const InputFile& file, const LogRecord& chunk) {
   UnpackingStream stream = OpenStream(file, chunk);
   std::uint64_t size = 0;
   std::uint32_t checksum = 0;
-  for (std::size_t count = piece.size(); count == piece.size() && size < chunk.unpacked_size; size += count) {
+  for (std::size_t count = piece.size(); count == piece.size() && size < chunk.unpacked_size;
+       size += count) {
     const std::uint64_t rest = chunk.unpacked_size - size;
-    count = stream.Read(std::span(piece).first(static_cast<std::size_t>(std::min<std::uint64_t>(rest, kPiece))));
+    count = stream.Read(
+        std::span(piece).first(static_cast<std::size_t>(std::min<std::uint64_t>(rest, kPiece))));
     checksum = UpdateCrc32(checksum, std::span(piece).first(count));
   }
   const std::string problem = FindProblem(chunk, stream, size, checksum);
   if (!problem.empty()) content.problem = Describe(chunk, chunk.is_at_end ? "is cut off" : problem);
-  if (problem.empty() || IsKept(chunk)) content.reader = std::make_unique<StreamReader>(file, chunk);
+  if (problem.empty() || IsKept(chunk))
+    content.reader = std::make_unique<StreamReader>(file, chunk);
   return content;
 }
 
@@ -118,7 +122,8 @@ ChunkContent OpenChunk(const InputFile& file, const LogRecord& chunk) {
 }
 
 std::vector<std::uint8_t> UnpackDamagedChunk(const InputFile& file, const LogRecord& chunk) {
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(std::min(chunk.unpacked_size, kMaxHeldChunk)));
+  std::vector<std::uint8_t> bytes(
+      static_cast<std::size_t>(std::min(chunk.unpacked_size, kMaxHeldChunk)));
   UnpackingStream stream = OpenStream(file, chunk);
   // The size is not looked at: a codec that fails may have written before it noticed.
   stream.Read(bytes);

@@ -16,12 +16,13 @@ constexpr std::uint64_t kMaxHeldChunk = std::uint64_t{16} << 20;
 struct ChunkContent {
   std::unique_ptr<ByteReader> reader;  ///< of the unpacked bytes; null when none can be trusted
   std::vector<std::uint8_t> bytes;     ///< where they were unpacked as a whole: what `reader` reads
-  std::string problem;                 ///< a sentence about what is missing; empty: the chunk is whole
+  std::string problem;  ///< a sentence about what is missing; empty: the chunk is whole
 };
 
-/// Unpacks a chunk of `file`, which must outlive the content. A chunk that is damaged (wrong checksum or size, broken
-/// compression, above 1 GiB) is lost as a whole, for no one can tell which of its messages are good. Kept is what comes
-/// before the end of a log that ends inside the chunk, and a plain chunk without checksum.
+/// Unpacks a chunk of `file`, which must outlive the content. A chunk that is damaged (wrong
+/// checksum or size, broken compression, above 1 GiB) is lost as a whole, for no one can tell which
+/// of its messages are good. Kept is what comes before the end of a log that ends inside the chunk,
+/// and a plain chunk without checksum.
 ChunkContent OpenChunk(const InputFile& file, const LogRecord& chunk);
 
 /// Whatever comes out of a damaged chunk, at most kMaxHeldChunk of it. Any byte may be wrong.

@@ -14,15 +14,17 @@ void KeptMessages::Add(std::uint32_t channel, Timestamp time) {
 }
 
 /// True when one of the index's messages was kept.
-static bool HasKept(const ScannedLog& log, ByteReader& reader, const LogRecord& index, const KeptMessages& kept) {
+static bool HasKept(const ScannedLog& log, ByteReader& reader, const LogRecord& index,
+                    const KeptMessages& kept) {
   bool has_kept = false;
-  log.format->ReadIndex(reader, index,
-                        [&](const ChunkIndexEntry& entry) { has_kept |= kept.Contains(index.channel, entry.time); });
+  log.format->ReadIndex(reader, index, [&](const ChunkIndexEntry& entry) {
+    has_kept |= kept.Contains(index.channel, entry.time);
+  });
   return has_kept;
 }
 
-void AddChunkLoss(const ScannedLog& log, const LogRecord& chunk, const std::string& problem, KeptMessages kept,
-                  const std::vector<bool>& wanted, DamageReport& damage) {
+void AddChunkLoss(const ScannedLog& log, const LogRecord& chunk, const std::string& problem,
+                  KeptMessages kept, const std::vector<bool>& wanted, DamageReport& damage) {
   FileReader reader(*log.file, log.format->EndOfRecords(*log.file));
   constexpr int kUndefined = -1;
   std::map<int, LostRange> losses;  // by topic
@@ -34,10 +36,12 @@ void AddChunkLoss(const ScannedLog& log, const LogRecord& chunk, const std::stri
     is_behind_damage |= step.is_damaged;
     if (step.is_damaged) continue;
     const LogRecord& index = *step.record;
-    if (index.kind == RecordKind::kMessage) kept.Add(index.channel, index.time);  // lies open behind a damaged chunk
+    if (index.kind == RecordKind::kMessage)
+      kept.Add(index.channel, index.time);  // lies open behind a damaged chunk
     if (index.kind == RecordKind::kMessage || index.kind == RecordKind::kDefinition) continue;
     if (index.kind != RecordKind::kChunkIndex) break;
-    if (is_behind_damage && !kept.IsEmpty() && !HasKept(log, reader, index, kept)) continue;  // of another chunk
+    if (is_behind_damage && !kept.IsEmpty() && !HasKept(log, reader, index, kept))
+      continue;  // of another chunk
     has_index = true;
     const std::optional<int> topic = log.topics.TopicOf(index.channel);
     if (topic && (*topic < 0 || !wanted[static_cast<std::size_t>(*topic)])) continue;

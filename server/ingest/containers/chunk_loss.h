@@ -12,18 +12,22 @@ namespace parkade {
 class KeptMessages {
  public:
   void Add(std::uint32_t channel, Timestamp time);
-  bool Contains(std::uint32_t channel, Timestamp time) const { return stamps_.contains({channel, time}); }
+  bool Contains(std::uint32_t channel, Timestamp time) const {
+    return stamps_.contains({channel, time});
+  }
   bool IsEmpty() const { return stamps_.empty(); }
-  bool IsComplete() const { return is_complete_; }  ///< false: of too many messages some were not noted
+  bool IsComplete() const {
+    return is_complete_;
+  }  ///< false: of too many messages some were not noted
 
  private:
   std::set<std::pair<std::uint32_t, Timestamp>> stamps_;
   bool is_complete_ = true;
 };
 
-/// Adds to `damage` what is missing of a chunk, per topic, as far as the index records behind the chunk tell.
-/// `problem`: one sentence.
-void AddChunkLoss(const ScannedLog& log, const LogRecord& chunk, const std::string& problem, KeptMessages kept,
-                  const std::vector<bool>& wanted, DamageReport& damage);
+/// Adds to `damage` what is missing of a chunk, per topic, as far as the index records behind the
+/// chunk tell. `problem`: one sentence.
+void AddChunkLoss(const ScannedLog& log, const LogRecord& chunk, const std::string& problem,
+                  KeptMessages kept, const std::vector<bool>& wanted, DamageReport& damage);
 
 }  // namespace parkade

@@ -25,8 +25,9 @@ ReadingPlan PlanReading(const std::vector<LogSegment>& segments) {
   plan.order.resize(segments.size());
   std::iota(plan.order.begin(), plan.order.end(), 0u);
   const std::vector<std::uint32_t> file_order = plan.order;
-  std::stable_sort(plan.order.begin(), plan.order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return segments[a].time.begin < segments[b].time.begin; });
+  std::stable_sort(plan.order.begin(), plan.order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return segments[a].time.begin < segments[b].time.begin;
+  });
   using End = std::pair<Timestamp, std::uint64_t>;
   std::priority_queue<End, std::vector<End>, std::greater<>> open;
   std::uint64_t open_size = 0;
@@ -70,12 +71,15 @@ class SegmentStream : public MessageStream {
     Timestamp time;
     std::uint32_t rank = 0;
     std::shared_ptr<SegmentCursor> cursor;
-    bool operator>(const Open& other) const { return std::pair(time, rank) > std::pair(other.time, other.rank); }
+    bool operator>(const Open& other) const {
+      return std::pair(time, rank) > std::pair(other.time, other.rank);
+    }
   };
 
   bool IsNextSegmentDue() const {
     if (open_.empty()) return true;
-    return plan_->is_merged && log_->segments[plan_->order[next_segment_]].time.begin <= open_.top().time;
+    return plan_->is_merged &&
+           log_->segments[plan_->order[next_segment_]].time.begin <= open_.top().time;
   }
 
   void OpenNextSegment() {
@@ -115,7 +119,8 @@ class ChunkedLogSource : public MessageSource {
 
 }  // namespace
 
-std::unique_ptr<MessageSource> OpenChunkedLog(std::shared_ptr<const InputFile> file, const LogFormat& format) {
+std::unique_ptr<MessageSource> OpenChunkedLog(std::shared_ptr<const InputFile> file,
+                                              const LogFormat& format) {
   return std::make_unique<ChunkedLogSource>(std::move(file), format);
 }
 

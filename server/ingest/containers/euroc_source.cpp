@@ -19,7 +19,8 @@ bool IsEurocFolder(const fs::path& folder) {
 std::vector<fs::path> SortedFolders(const fs::path& folder) {
   std::vector<fs::path> folders;
   std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error))
     if (entry->is_directory(error)) folders.push_back(entry->path());
   // By length first, so that cam10 comes after cam2.
   std::sort(folders.begin(), folders.end(), [](const fs::path& a, const fs::path& b) {
@@ -33,12 +34,15 @@ bool IsPlainFileName(std::string_view name) {
          name.find('\0') == std::string_view::npos;
 }
 
-/// One stream's file, one line ahead so that a stamp out of line with its neighbours does not hold up or overtake the
-/// others.
+/// One stream's file, one line ahead so that a stamp out of line with its neighbors does not hold
+/// up or overtake the others.
 class EurocStreamReader {
  public:
   EurocStreamReader(const fs::path& folder, bool is_image, int topic)
-      : csv_(folder / "data.csv"), data_folder_(folder / "data"), is_image_(is_image), topic_(topic) {
+      : csv_(folder / "data.csv"),
+        data_folder_(folder / "data"),
+        is_image_(is_image),
+        topic_(topic) {
     next_ = csv_.Next();
     Advance();
   }
@@ -50,7 +54,8 @@ class EurocStreamReader {
 
   RawMessage Take() {
     RawMessage message{topic_, current_->stamp, {}};
-    const std::string content = is_image_ ? (data_folder_ / ImageName(*current_)).string() : current_->text;
+    const std::string content =
+        is_image_ ? (data_folder_ / ImageName(*current_)).string() : current_->text;
     message.data.assign(content.begin(), content.end());
     Advance();
     return message;
@@ -90,7 +95,8 @@ class EurocStream : public MessageStream {
     for (std::size_t i = 0; i < topics_.size(); ++i)
       if (wanted[i])
         readers_.push_back(std::make_unique<EurocStreamReader>(
-            source.folder() / topics_[i].topic, topics_[i].type == "sensor_msgs/CompressedImage", static_cast<int>(i)));
+            source.folder() / topics_[i].topic, topics_[i].type == "sensor_msgs/CompressedImage",
+            static_cast<int>(i)));
   }
 
   std::optional<RawMessage> Next() override {
@@ -110,7 +116,8 @@ class EurocStream : public MessageStream {
   void ReportDamage() {
     damage_ = {};
     if (!archive_damage_.empty()) {
-      damage_.ranges.push_back({"the archive cannot be read to its end: " + archive_damage_, "", {}, 0});
+      damage_.ranges.push_back(
+          {"the archive cannot be read to its end: " + archive_damage_, "", {}, 0});
       damage_.is_truncated = true;
     }
     for (const auto& reader : readers_) {
@@ -118,7 +125,10 @@ class EurocStream : public MessageStream {
       const std::string& topic = topics_[static_cast<std::size_t>(reader->topic())].topic;
       const std::uint64_t count = reader->num_bad_lines();
       damage_.ranges.push_back(
-          {topic + "/data.csv has " + std::to_string(count) + " lines that cannot be read", topic, {}, count});
+          {topic + "/data.csv has " + std::to_string(count) + " lines that cannot be read",
+           topic,
+           {},
+           count});
       damage_.num_lost_messages += count;
     }
   }
@@ -151,7 +161,8 @@ std::optional<fs::path> FindEurocFolder(const fs::path& folder) {
 
 EurocSource::EurocSource(const fs::path& folder) : folder_(folder) {
   const auto add = [&](const std::string& topic, const std::string& type) {
-    if (fs::is_regular_file(folder_ / topic / "data.csv")) topics_.push_back({topic, type, MessageEncoding::kEuroc, 0});
+    if (fs::is_regular_file(folder_ / topic / "data.csv"))
+      topics_.push_back({topic, type, MessageEncoding::kEuroc, 0});
   };
   add("imu0", "sensor_msgs/Imu");
   add("odom0", "geometry_msgs/TwistStamped");

@@ -11,19 +11,22 @@
 
 namespace parkade {
 
-/// The EuRoC folder (the one that holds imu0/, cam0/, ...) in `folder`: itself, its child mav0, or the only such one
-/// at most three levels down. Nothing when there is none; throws Error{kInvalidInput} when there are several.
+/// The EuRoC folder (the one that holds imu0/, cam0/, ...) in `folder`: itself, its child mav0, or
+/// the only such one at most three levels down. Nothing when there is none; throws
+/// Error{kInvalidInput} when there are several.
 std::optional<std::filesystem::path> FindEurocFolder(const std::filesystem::path& folder);
 
-/// A drive in EuRoC/ASL layout as a source of messages. Topics: "imu0", "odom0", "gnss0", "cam0", "cam0/semantic",
-/// ... with the ROS types whose meaning they have, encoded as kEuroc. Messages are in order of their stamps; one
-/// whose stamp is out of line with its neighbours stays at its place in its file.
+/// A drive in EuRoC/ASL layout as a source of messages. Topics: "imu0", "odom0", "gnss0", "cam0",
+/// "cam0/semantic",
+/// ... with the ROS types whose meaning they have, encoded as kEuroc. Messages are in order of
+/// their stamps; one whose stamp is out of line with its neighbors stays at its place in its file.
 class EurocSource : public MessageSource {
  public:
   /// `folder` as FindEurocFolder gives it. Throws Error{kInvalidInput} when it holds no stream.
   explicit EurocSource(const std::filesystem::path& folder);
 
-  /// A folder that was unpacked from an archive, whose `damage` (one phrase, or empty) every pass reports.
+  /// A folder that was unpacked from an archive, whose `damage` (one phrase, or empty) every pass
+  /// reports.
   EurocSource(std::shared_ptr<const TemporaryFolder> unpacked, const std::string& damage);
 
   const std::vector<TopicInfo>& topics() const override { return topics_; }

@@ -25,8 +25,12 @@ void Append(DamageReport& all, const DamageReport& more) {
 
 class JoinedStream : public MessageStream {
  public:
-  JoinedStream(std::shared_ptr<const std::vector<Part>> parts, const DamageReport& missing, std::vector<bool> wanted)
-      : parts_(std::move(parts)), wanted_(std::move(wanted)), finished_(missing), streams_(parts_->size()) {}
+  JoinedStream(std::shared_ptr<const std::vector<Part>> parts, const DamageReport& missing,
+               std::vector<bool> wanted)
+      : parts_(std::move(parts)),
+        wanted_(std::move(wanted)),
+        finished_(missing),
+        streams_(parts_->size()) {}
 
   std::optional<RawMessage> Next() override {
     while (next_part_ < parts_->size() && IsNextPartDue()) OpenNextPart();
@@ -64,7 +68,8 @@ class JoinedStream : public MessageStream {
   void OpenNextPart() {
     const Part& part = (*parts_)[next_part_];
     std::vector<bool> wanted;
-    for (const int topic : part.joined_topics) wanted.push_back(wanted_[static_cast<std::size_t>(topic)]);
+    for (const int topic : part.joined_topics)
+      wanted.push_back(wanted_[static_cast<std::size_t>(topic)]);
     streams_[next_part_] = part.source->Read(wanted);
     Advance(next_part_++);
   }
@@ -91,15 +96,16 @@ class JoinedStream : public MessageStream {
 
 class JoinedSource : public MessageSource {
  public:
-  JoinedSource(std::vector<std::unique_ptr<MessageSource>> sources, const DamageReport& missing) : missing_(missing) {
+  JoinedSource(std::vector<std::unique_ptr<MessageSource>> sources, const DamageReport& missing)
+      : missing_(missing) {
     format_ = sources.front()->format();
     std::map<std::tuple<std::string, std::string, MessageEncoding>, int> known;
     auto parts = std::make_shared<std::vector<Part>>();
     for (std::unique_ptr<MessageSource>& source : sources) {
       Part part;
       for (const TopicInfo& topic : source->topics()) {
-        const auto [entry, is_new] =
-            known.try_emplace({topic.topic, topic.type, topic.encoding}, static_cast<int>(topics_.size()));
+        const auto [entry, is_new] = known.try_emplace({topic.topic, topic.type, topic.encoding},
+                                                       static_cast<int>(topics_.size()));
         part.joined_topics.push_back(entry->second);
         if (is_new) {
           topics_.push_back(topic);
@@ -112,7 +118,8 @@ class JoinedSource : public MessageSource {
       part.source = std::move(source);
       parts->push_back(std::move(part));
     }
-    std::stable_sort(parts->begin(), parts->end(), [](const Part& a, const Part& b) { return a.begin < b.begin; });
+    std::stable_sort(parts->begin(), parts->end(),
+                     [](const Part& a, const Part& b) { return a.begin < b.begin; });
     parts_ = std::move(parts);
   }
 

@@ -7,9 +7,9 @@
 
 namespace parkade {
 
-/// Several logs of one drive as one: split files, or one file per sensor. Topics of equal name, type and encoding
-/// become one. Messages are merged by log time; a log is opened when its first message is due.
-/// `missing`: losses that are known before reading.
+/// Several logs of one drive as one: split files, or one file per sensor. Topics of equal name,
+/// type and encoding become one. Messages are merged by log time; a log is opened when its first
+/// message is due. `missing`: losses that are known before reading.
 std::unique_ptr<MessageSource> JoinSources(std::vector<std::unique_ptr<MessageSource>> parts,
                                            const DamageReport& missing = {});
 

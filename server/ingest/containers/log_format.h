@@ -17,8 +17,8 @@ struct ChunkIndexEntry {
 
 /// What the end of a log tells of the whole.
 struct LogSummary {
-  bool is_closed = false;                     ///< the recorder came to its end, and the file is as long as it was then
-  std::optional<std::uint64_t> num_channels;  ///< of the whole log
+  bool is_closed = false;  ///< the recorder came to its end, and the file is as long as it was then
+  std::optional<std::uint64_t> num_channels;            ///< of the whole log
   std::map<std::uint32_t, std::uint64_t> num_messages;  ///< by channel, where told
   std::string problem;                                  ///< one sentence, or empty
 };
@@ -34,13 +34,14 @@ class LogFormat {
   virtual std::uint64_t FirstRecord() const = 0;
   virtual std::uint64_t EndOfRecords(const InputFile& file) const = 0;
 
-  /// The record at `offset`, or nothing when there can be none. Only a message or a chunk may claim to go on behind
-  /// the reader's end. Reads headers only.
+  /// The record at `offset`, or nothing when there can be none. Only a message or a chunk may claim
+  /// to go on behind the reader's end. Reads headers only.
   virtual std::optional<LogRecord> Parse(ByteReader& reader, std::uint64_t offset) const = 0;
 
-  /// The first index from `begin` on at which a record may start, for a quick look at many bytes; bytes.size() - 15 or
-  /// later when there is none.
-  virtual std::size_t FindCandidate(std::span<const std::uint8_t> bytes, std::size_t begin) const = 0;
+  /// The first index from `begin` on at which a record may start, for a quick look at many bytes;
+  /// bytes.size() - 15 or later when there is none.
+  virtual std::size_t FindCandidate(std::span<const std::uint8_t> bytes,
+                                    std::size_t begin) const = 0;
 
   /// Reads a definition.
   virtual void Learn(ByteReader& reader, const LogRecord& record, ChannelTable& channels) const = 0;

@@ -40,11 +40,13 @@ class LogScanner {
     LogRecord record;
     std::map<std::uint32_t, Counted> index;  ///< by channel
     bool has_damage_behind = false;
-    std::vector<LogRecord> doubtful_indexes;  ///< behind the damage: its own, or of a chunk that was lost
+    std::vector<LogRecord>
+        doubtful_indexes;  ///< behind the damage: its own, or of a chunk that was lost
   };
   struct ChunkMessages {
     std::map<std::uint32_t, Counted> by_channel;
-    std::set<std::pair<std::uint32_t, Timestamp>> stamps;  ///< only where doubtful indexes need them
+    std::set<std::pair<std::uint32_t, Timestamp>>
+        stamps;  ///< only where doubtful indexes need them
     TimeSpan time;
   };
 
@@ -72,7 +74,8 @@ class LogScanner {
   bool has_all_channels_ = false;
   std::map<std::uint32_t, std::uint64_t> num_messages_;
   std::optional<OpenedChunk> chunk_;
-  std::map<std::uint32_t, std::uint64_t> num_salvaged_;  ///< messages outside chunks since the last damage
+  std::map<std::uint32_t, std::uint64_t>
+      num_salvaged_;  ///< messages outside chunks since the last damage
   std::vector<ChannelLoss> losses_;
   bool is_new_segment_due_ = true;
   std::uint64_t covered_end_ = 0;  ///< of all segments
@@ -107,7 +110,8 @@ ScannedLog LogScanner::Scan() {
 void LogScanner::OnRecord(const LogRecord& record) {
   if (record.kind == RecordKind::kChunkIndex) return OnIndex(record);
   // Messages of a damaged chunk may lie open between it and its index.
-  const bool may_be_of_chunk = record.kind == RecordKind::kMessage || record.kind == RecordKind::kDefinition;
+  const bool may_be_of_chunk =
+      record.kind == RecordKind::kMessage || record.kind == RecordKind::kDefinition;
   if (!may_be_of_chunk || (chunk_ && !chunk_->has_damage_behind)) CloseChunk();
   if (record.kind == RecordKind::kDefinition) format_->Learn(reader_, record, channels_);
   if (record.kind == RecordKind::kMessage) OnMessage(record);
@@ -152,7 +156,8 @@ void LogScanner::OnIndex(const LogRecord& record) {
 
 void LogScanner::OnMessage(const LogRecord& record) {
   if (record.data_size > kMaxMessageSize) {
-    AddChannelLoss({"a message is larger than 64 MiB", record.channel, {1, {record.time, record.time}}});
+    AddChannelLoss(
+        {"a message is larger than 64 MiB", record.channel, {1, {record.time, record.time}}});
     is_new_segment_due_ = true;
     return;
   }
@@ -184,14 +189,16 @@ void LogScanner::CloseChunk() {
     time.Include(counted.time.end);
   }
   // Of a chunk that cannot be unpacked nor has an index: where the log was before.
-  if (time.IsEmpty() && !log_.segments.empty()) time = {log_.segments.back().time.end, log_.segments.back().time.end};
+  if (time.IsEmpty() && !log_.segments.empty())
+    time = {log_.segments.back().time.end, log_.segments.back().time.end};
   AddSegment(chunk.record, std::min(chunk.record.unpacked_size, kMaxHeldChunk), time);
 }
 
 bool LogScanner::MustUnpack(const OpenedChunk& chunk) const {
   if (chunk.record.is_at_end || chunk.has_damage_behind) return true;
-  const bool has_new_channel = std::any_of(chunk.index.begin(), chunk.index.end(),
-                                           [&](const auto& entry) { return !channels_.HasChannel(entry.first); });
+  const bool has_new_channel =
+      std::any_of(chunk.index.begin(), chunk.index.end(),
+                  [&](const auto& entry) { return !channels_.HasChannel(entry.first); });
   if (!has_all_channels_ && (has_new_channel || chunk.index.empty())) return true;
   const TimeSpan& claimed = chunk.record.span;
   if (claimed.IsEmpty()) return chunk.index.empty();
@@ -199,7 +206,8 @@ bool LogScanner::MustUnpack(const OpenedChunk& chunk) const {
   constexpr double kLargeJump = 3600;  // [s]
   if (log_.segments.empty()) return claimed.Seconds() > kLargeJump;
   const Timestamp before = log_.segments.back().time.end;
-  return std::abs(claimed.begin - before) > kLargeJump || std::abs(claimed.end - before) > kLargeJump;
+  return std::abs(claimed.begin - before) > kLargeJump ||
+         std::abs(claimed.end - before) > kLargeJump;
 }
 
 /// True when one of the index's messages is in the chunk: others of it may be damaged.
@@ -224,19 +232,21 @@ LogScanner::ChunkMessages LogScanner::Unpack(const OpenedChunk& chunk) {
     const RecordWalker::Step step = walker.At(offset);
     offset = step.next;
     if (step.is_damaged) continue;
-    if (step.record->kind == RecordKind::kDefinition) format_->Learn(*content.reader, *step.record, channels_);
+    if (step.record->kind == RecordKind::kDefinition)
+      format_->Learn(*content.reader, *step.record, channels_);
     if (step.record->kind != RecordKind::kMessage) continue;
     Counted& counted = messages.by_channel[step.record->channel];
     ++counted.num_messages;
     counted.time.Include(step.record->time);
     messages.time.Include(step.record->time);
-    if (!chunk.doubtful_indexes.empty()) messages.stamps.insert({step.record->channel, step.record->time});
+    if (!chunk.doubtful_indexes.empty())
+      messages.stamps.insert({step.record->channel, step.record->time});
   }
   return messages;
 }
 
-/// Some writers define a channel only once. Where that is in a damaged chunk, what still looks like a definition is
-/// better than nothing: without it every message of the channel would be lost.
+/// Some writers define a channel only once. Where that is in a damaged chunk, what still looks like
+/// a definition is better than nothing: without it every message of the channel would be lost.
 void LogScanner::GuessDefinitions(const LogRecord& chunk) {
   const std::vector<std::uint8_t> bytes = UnpackDamagedChunk(*log_.file, chunk);
   MemoryReader reader(bytes);
@@ -249,17 +259,22 @@ void LogScanner::GuessDefinitions(const LogRecord& chunk) {
   }
 }
 
-void LogScanner::AddSegment(const LogRecord& record, std::uint64_t held_size, const TimeSpan& time) {
-  const bool is_large_chunk = record.kind == RecordKind::kChunk && record.unpacked_size > kMaxHeldChunk;
+void LogScanner::AddSegment(const LogRecord& record, std::uint64_t held_size,
+                            const TimeSpan& time) {
+  const bool is_large_chunk =
+      record.kind == RecordKind::kChunk && record.unpacked_size > kMaxHeldChunk;
   std::vector<LogSegment>& segments = log_.segments;
-  is_new_segment_due_ |= record.begin < covered_end_ || (!segments.empty() && segments.back().end < covered_end_);
+  is_new_segment_due_ |=
+      record.begin < covered_end_ || (!segments.empty() && segments.back().end < covered_end_);
   covered_end_ = std::max(covered_end_, record.end);
-  const bool fits = !segments.empty() && !is_new_segment_due_ && !is_large_chunk && !segments.back().is_large_chunk &&
-                    !record.is_at_end && record.end - segments.back().begin <= kSegmentSize &&
+  const bool fits = !segments.empty() && !is_new_segment_due_ && !is_large_chunk &&
+                    !segments.back().is_large_chunk && !record.is_at_end &&
+                    record.end - segments.back().begin <= kSegmentSize &&
                     held_size + segments.back().held_size <= kSegmentSize;
   is_new_segment_due_ = false;
   if (!fits) {
-    segments.push_back({record.begin, record.end, held_size, time, is_large_chunk, record.is_at_end});
+    segments.push_back(
+        {record.begin, record.end, held_size, time, is_large_chunk, record.is_at_end});
     return;
   }
   segments.back().end = record.end;
@@ -276,7 +291,8 @@ void LogScanner::AddOrphan(const LogRecord& index) {
   num_salvaged -= num_found;
   counted.num_messages -= num_found;
   if (counted.num_messages == 0) return;
-  AddChannelLoss({"the chunk before byte " + std::to_string(index.begin) + " is damaged", index.channel, counted});
+  AddChannelLoss({"the chunk before byte " + std::to_string(index.begin) + " is damaged",
+                  index.channel, counted});
 }
 
 Counted LogScanner::CountEntries(const LogRecord& index) {
@@ -296,7 +312,8 @@ void LogScanner::AddChannelLoss(ChannelLoss loss) {
 void LogScanner::NameLosses() {
   for (ChannelLoss& loss : losses_) {
     const int topic = loss.channel ? log_.topics.TopicOf(*loss.channel).value_or(-1) : -1;
-    const std::string name = topic < 0 ? "" : log_.topics.topics[static_cast<std::size_t>(topic)].topic;
+    const std::string name =
+        topic < 0 ? "" : log_.topics.topics[static_cast<std::size_t>(topic)].topic;
     AddLoss(log_.damage, {std::move(loss.what), name, loss.lost.time, loss.lost.num_messages});
   }
 }

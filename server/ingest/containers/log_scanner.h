@@ -8,7 +8,7 @@
 
 namespace parkade {
 
-/// A stretch of a log that is read at once: one chunk, or small neighbours.
+/// A stretch of a log that is read at once: one chunk, or small neighbors.
 struct LogSegment {
   std::uint64_t begin = 0, end = 0;  ///< in the file
   std::uint64_t held_size = 0;       ///< [byte] of memory while it is read
@@ -26,8 +26,8 @@ struct ScannedLog {
   DamageReport damage;               ///< of the structure; chunks are not unpacked yet
 };
 
-/// Hops from header to header, past damage. Unpacks a chunk only where the headers leave open which topics or times it
-/// holds.
+/// Hops from header to header, past damage. Unpacks a chunk only where the headers leave open which
+/// topics or times it holds.
 ScannedLog ScanLog(std::shared_ptr<const InputFile> file, const LogFormat& format);
 
 }  // namespace parkade

@@ -63,9 +63,10 @@ Timestamp TimeFrom(std::uint64_t ns) {
   return {static_cast<std::int64_t>(std::min(ns, kLatest))};
 }
 
-/// Bytes that the fields of a body take by their own lengths; nothing when they do not fit in `length`.
-std::optional<std::uint64_t> MeasureFields(ByteReader& reader, const Layout& layout, std::uint64_t body,
-                                           std::uint64_t length) {
+/// Bytes that the fields of a body take by their own lengths; nothing when they do not fit in
+/// `length`.
+std::optional<std::uint64_t> MeasureFields(ByteReader& reader, const Layout& layout,
+                                           std::uint64_t body, std::uint64_t length) {
   std::uint64_t size = 0;
   for (const int field : layout.fields) {
     if (field == kEnd) break;
@@ -88,8 +89,8 @@ std::optional<std::uint64_t> MeasureFields(ByteReader& reader, const Layout& lay
   return size;
 }
 
-/// Fills in what a chunk's header tells. False when it cannot be one. Its two lengths may contradict each other: then
-/// one of them is damaged, and the record is not exact.
+/// Fills in what a chunk's header tells. False when it cannot be one. Its two lengths may
+/// contradict each other: then one of them is damaged, and the record is not exact.
 bool ParseChunk(ByteReader& reader, std::uint64_t length, LogRecord& record) {
   const std::span<const std::uint8_t> head = reader.Fetch(record.begin + kPrefixSize, 44);
   if (head.size() < 40) return false;
@@ -105,8 +106,8 @@ bool ParseChunk(ByteReader& reader, std::uint64_t length, LogRecord& record) {
   if (checksum != 0) record.checksum = checksum;  // 0: not available
   const auto name_size = LoadNumber<std::uint32_t>(head.subspan(28));
   if (name_size > 4 || head.size() < 40 + name_size) return false;
-  const auto compression =
-      CompressionNamed({reinterpret_cast<const char*>(head.data()) + 32, static_cast<std::size_t>(name_size)});
+  const auto compression = CompressionNamed(
+      {reinterpret_cast<const char*>(head.data()) + 32, static_cast<std::size_t>(name_size)});
   if (!compression || *compression == ChunkCompression::kBz2) return false;
   record.compression = *compression;
   record.data_size = LoadNumber<std::uint64_t>(head.subspan(32 + name_size));
@@ -145,7 +146,8 @@ std::uint32_t CrcOf(ByteReader& reader, std::uint64_t begin, std::uint64_t end) 
   constexpr std::uint64_t kStep = 65536;
   std::uint32_t crc = 0;
   for (std::uint64_t offset = begin; offset < end; offset += kStep)
-    crc = UpdateCrc32(crc, reader.Fetch(offset, static_cast<std::size_t>(std::min(kStep, end - offset))));
+    crc = UpdateCrc32(
+        crc, reader.Fetch(offset, static_cast<std::size_t>(std::min(kStep, end - offset))));
   return crc;
 }
 
@@ -171,8 +173,10 @@ class McapLogFormat : public LogFormat {
     record.end = offset + kPrefixSize + length;
     record.data_begin = offset + kPrefixSize;
     record.data_size = length;
-    if (opcode == kChunk) return ParseChunk(reader, length, record) ? std::optional(record) : std::nullopt;
-    if (opcode == kMessage) return ParseMessage(reader, length, record) ? std::optional(record) : std::nullopt;
+    if (opcode == kChunk)
+      return ParseChunk(reader, length, record) ? std::optional(record) : std::nullopt;
+    if (opcode == kMessage)
+      return ParseMessage(reader, length, record) ? std::optional(record) : std::nullopt;
     if (record.end > reader.size()) return std::nullopt;
     if (opcode > std::size(kLayouts)) {
       record.kind = RecordKind::kUnknown;
@@ -203,7 +207,8 @@ class McapLogFormat : public LogFormat {
     for (std::uint64_t i = 0; i < record.num_entries; ++i) {
       const std::span<const std::uint8_t> entry = reader.Fetch(record.data_begin + 16 * i, 16);
       if (entry.size() < 16) return;
-      add({TimeFrom(LoadNumber<std::uint64_t>(entry)), LoadNumber<std::uint64_t>(entry.subspan(8))});
+      add({TimeFrom(LoadNumber<std::uint64_t>(entry)),
+           LoadNumber<std::uint64_t>(entry.subspan(8))});
     }
   }
 
@@ -212,13 +217,14 @@ class McapLogFormat : public LogFormat {
  private:
   static bool HasEndMagic(const InputFile& file) {
     std::array<std::uint8_t, kMagic.size()> end{};
-    return file.size() >= 2 * kMagic.size() && file.ReadAt(file.size() - end.size(), end) == end.size() &&
-           end == kMagic;
+    return file.size() >= 2 * kMagic.size() &&
+           file.ReadAt(file.size() - end.size(), end) == end.size() && end == kMagic;
   }
   static void ReadStatistics(ByteReader& reader, const LogRecord& record, LogSummary& summary);
 };
 
-void McapLogFormat::Learn(ByteReader& reader, const LogRecord& record, ChannelTable& channels) const {
+void McapLogFormat::Learn(ByteReader& reader, const LogRecord& record,
+                          ChannelTable& channels) const {
   constexpr std::uint64_t kMaxText = 4096;
   const bool is_schema = reader.Fetch(record.begin, 1).front() == kSchema;
   const auto id = ReadNumber<std::uint16_t>(reader, record.data_begin);
@@ -242,7 +248,8 @@ LogSummary McapLogFormat::ReadSummary(const InputFile& file, ChannelTable& chann
   if (!HasEndMagic(file) || file.size() < kMagic.size() + tail) return summary;
   FileReader reader(file, file.size() - kMagic.size());
   const std::uint64_t footer_begin = file.size() - tail;
-  const std::span<const std::uint8_t> footer = reader.Fetch(footer_begin, kPrefixSize + kFooterSize);
+  const std::span<const std::uint8_t> footer =
+      reader.Fetch(footer_begin, kPrefixSize + kFooterSize);
   if (footer.size() < kPrefixSize + kFooterSize || footer[0] != kFooter ||
       LoadNumber<std::uint64_t>(footer.subspan(1)) != kFooterSize)
     return summary;
@@ -250,8 +257,9 @@ LogSummary McapLogFormat::ReadSummary(const InputFile& file, ChannelTable& chann
   const auto begin = LoadNumber<std::uint64_t>(footer.subspan(kPrefixSize));
   const auto claimed_crc = LoadNumber<std::uint32_t>(footer.subspan(kPrefixSize + 16));
   if (begin == 0) return summary;
-  const bool is_sound = begin >= FirstRecord() && begin <= footer_begin &&
-                        (claimed_crc == 0 || claimed_crc == CrcOf(reader, begin, footer_begin + kPrefixSize + 16));
+  const bool is_sound =
+      begin >= FirstRecord() && begin <= footer_begin &&
+      (claimed_crc == 0 || claimed_crc == CrcOf(reader, begin, footer_begin + kPrefixSize + 16));
   if (!is_sound) summary.problem = "the summary at the end of the file has a wrong checksum";
   for (std::uint64_t offset = begin; is_sound && offset < footer_begin;) {
     const auto record = Parse(reader, offset);
@@ -266,7 +274,8 @@ LogSummary McapLogFormat::ReadSummary(const InputFile& file, ChannelTable& chann
   return summary;
 }
 
-void McapLogFormat::ReadStatistics(ByteReader& reader, const LogRecord& record, LogSummary& summary) {
+void McapLogFormat::ReadStatistics(ByteReader& reader, const LogRecord& record,
+                                   LogSummary& summary) {
   const auto num_channels = ReadNumber<std::uint32_t>(reader, record.data_begin + 10);
   const auto counts_size = ReadNumber<std::uint32_t>(reader, record.data_begin + 42);
   if (!num_channels || !counts_size) return;

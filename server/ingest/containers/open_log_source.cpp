@@ -9,7 +9,8 @@ namespace parkade {
 
 namespace fs = std::filesystem;
 
-std::shared_ptr<const MessageSource> OpenLogSource(const fs::path& log, const fs::path& scratch_folder) {
+std::shared_ptr<const MessageSource> OpenLogSource(const fs::path& log,
+                                                   const fs::path& scratch_folder) {
   const std::string name = log.filename().string();
   std::error_code error;
   Require(fs::exists(log, error), ErrorCode::kNotFound, "there is no log " + name);
@@ -17,7 +18,8 @@ std::shared_ptr<const MessageSource> OpenLogSource(const fs::path& log, const fs
     if (const auto euroc = FindEurocFolder(log)) return std::make_shared<EurocSource>(*euroc);
     return OpenMessageSource(log, scratch_folder);
   }
-  Require(fs::is_regular_file(log), ErrorCode::kInvalidInput, name + " is neither a file nor a folder");
+  Require(fs::is_regular_file(log), ErrorCode::kInvalidInput,
+          name + " is neither a file nor a folder");
   Require(fs::file_size(log) > 0, ErrorCode::kInvalidInput, name + " is empty");
   if (!IsArchive(log)) return OpenMessageSource(log, scratch_folder);
   auto folder = std::make_shared<const TemporaryFolder>(scratch_folder);

@@ -7,8 +7,9 @@
 
 namespace parkade {
 
-/// A log of any supported format, recognised by content: EuRoC folder or archive of one (unpacked below
-/// `scratch_folder`), ROS 1 bag, MCAP, rosbag2. Throws Error{kNotFound} or Error{kInvalidInput} with one sentence.
+/// A log of any supported format, recognized by content: EuRoC folder or archive of one (unpacked
+/// below `scratch_folder`), ROS 1 bag, MCAP, rosbag2. Throws Error{kNotFound} or
+/// Error{kInvalidInput} with one sentence.
 std::shared_ptr<const MessageSource> OpenLogSource(const std::filesystem::path& log,
                                                    const std::filesystem::path& scratch_folder);
 

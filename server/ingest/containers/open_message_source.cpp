@@ -60,7 +60,8 @@ LogKind KindOfDamaged(const InputFile& file) {
   return LogKind::kNone;
 }
 
-std::unique_ptr<MessageSource> OpenAs(LogKind kind, const fs::path& path, const fs::path& scratch_folder) {
+std::unique_ptr<MessageSource> OpenAs(LogKind kind, const fs::path& path,
+                                      const fs::path& scratch_folder) {
   const std::string name = "'" + path.filename().string() + "'";
   const auto file = std::make_shared<const InputFile>(path);
   switch (kind) {
@@ -68,22 +69,26 @@ std::unique_ptr<MessageSource> OpenAs(LogKind kind, const fs::path& path, const 
     case LogKind::kMcap: return OpenChunkedLog(file, McapFormat());
     case LogKind::kSqlite: return OpenRosbag2Sqlite(path);
     case LogKind::kOldBag:
-      throw Error(ErrorCode::kInvalidInput, name + " is a ROS bag of format 1, which rosbag fix turns into format 2");
+      throw Error(ErrorCode::kInvalidInput,
+                  name + " is a ROS bag of format 1, which rosbag fix turns into format 2");
     case LogKind::kZstd: {
-      UnpackedFile unpacked = UnpackZstdFile(*file, scratch_folder, [](std::string_view first_bytes) {
-        const LogKind inner = KindOf(first_bytes);
-        return inner != LogKind::kNone && inner != LogKind::kZstd;
-      });
+      UnpackedFile unpacked =
+          UnpackZstdFile(*file, scratch_folder, [](std::string_view first_bytes) {
+            const LogKind inner = KindOf(first_bytes);
+            return inner != LogKind::kNone && inner != LogKind::kZstd;
+          });
       if (!unpacked.file) break;
       const LogKind inner = KindOf(InputFile(unpacked.file->path()));
       return KeepFile(OpenAs(inner, unpacked.file->path(), scratch_folder), unpacked);
     }
     case LogKind::kNone: break;
   }
-  throw Error(ErrorCode::kInvalidInput, name + " is not a drive log: neither a ROS 1 bag, nor MCAP, nor rosbag2");
+  throw Error(ErrorCode::kInvalidInput,
+              name + " is not a drive log: neither a ROS 1 bag, nor MCAP, nor rosbag2");
 }
 
-/// The files that metadata.yaml names, without their folders; empty where there is none that can be read.
+/// The files that metadata.yaml names, without their folders; empty where there is none that can be
+/// read.
 std::vector<std::string> FilesInMetadata(const fs::path& folder) {
   std::vector<std::string> names;
   try {
@@ -102,10 +107,11 @@ std::unique_ptr<MessageSource> OpenFolder(const fs::path& folder, const fs::path
   DamageReport missing;
   for (const std::string& name : FilesInMetadata(folder)) {
     // A file that was packed or unpacked since has the same name with or without its last part.
-    const std::array<std::string, 3> candidates = {name, name + ".zstd", fs::path(name).stem().string()};
-    const auto found = std::find_if(candidates.begin(), candidates.end(), [&](const std::string& candidate) {
-      return fs::is_regular_file(folder / candidate);
-    });
+    const std::array<std::string, 3> candidates = {name, name + ".zstd",
+                                                   fs::path(name).stem().string()};
+    const auto found = std::find_if(
+        candidates.begin(), candidates.end(),
+        [&](const std::string& candidate) { return fs::is_regular_file(folder / candidate); });
     if (found != candidates.end()) {
       names.push_back(*found);
     } else {
@@ -125,7 +131,9 @@ std::unique_ptr<MessageSource> OpenFolder(const fs::path& folder, const fs::path
     LogKind kind = KindOf(InputFile(folder / name));
     if (kind == LogKind::kNone && are_named) kind = KindOfDamaged(InputFile(folder / name));
     if (kind == LogKind::kNone) {
-      if (are_named) AddLoss(missing, {"the file '" + name + "' that metadata.yaml names holds nothing", "", {}, 0});
+      if (are_named)
+        AddLoss(missing,
+                {"the file '" + name + "' that metadata.yaml names holds nothing", "", {}, 0});
       continue;
     }
     parts.push_back(OpenAs(kind, folder / name, scratch_folder));
@@ -134,13 +142,15 @@ std::unique_ptr<MessageSource> OpenFolder(const fs::path& folder, const fs::path
   const std::string name = "'" + folder.filename().string() + "'";
   Require(!parts.empty(), ErrorCode::kInvalidInput, name + " holds no drive log");
   Require(formats.size() == 1, ErrorCode::kInvalidInput,
-          name + " holds logs of several formats (" + *formats.begin() + ", " + *formats.rbegin() + "): choose a file");
+          name + " holds logs of several formats (" + *formats.begin() + ", " + *formats.rbegin() +
+              "): choose a file");
   return JoinSources(std::move(parts), missing);
 }
 
 }  // namespace
 
-std::unique_ptr<MessageSource> OpenMessageSource(const fs::path& log, const fs::path& scratch_folder) {
+std::unique_ptr<MessageSource> OpenMessageSource(const fs::path& log,
+                                                 const fs::path& scratch_folder) {
   if (fs::is_directory(log)) return OpenFolder(log, scratch_folder);
   LogKind kind = LogKind::kNone;
   {

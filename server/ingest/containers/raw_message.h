@@ -11,7 +11,8 @@
 
 namespace parkade {
 
-/// How a message's bytes are to be read. kEuroc: a line of a data.csv, for images the path of the file.
+/// How a message's bytes are to be read. kEuroc: a line of a data.csv, for images the path of the
+/// file.
 enum class MessageEncoding { kRos1, kCdr, kEuroc };
 
 /// One topic of a log file.
@@ -22,7 +23,7 @@ struct TopicInfo {
   std::uint64_t num_messages = 0;  ///< as far as known from the index
 };
 
-/// One serialised message. `data` owns its bytes.
+/// One serialized message. `data` owns its bytes.
 struct RawMessage {
   int topic = 0;  ///< index into MessageSource::topics()
   Timestamp log_time;

@@ -16,11 +16,13 @@ RecordWalker::Step RecordWalker::At(std::uint64_t offset) {
 }
 
 RecordWalker::Step RecordWalker::StepOverChunk(LogRecord chunk) {
-  // In a chunk that is not packed lie records, too: only what never lies in a chunk can tell its end.
+  // In a chunk that is not packed lie records, too: only what never lies in a chunk can tell its
+  // end.
   const auto is_outside = [](RecordKind kind) {
     return kind != RecordKind::kMessage && kind != RecordKind::kDefinition;
   };
-  const std::uint64_t next = chunk.is_exact ? Find(chunk.data_begin, is_outside) : FindNext(chunk.begin + 1);
+  const std::uint64_t next =
+      chunk.is_exact ? Find(chunk.data_begin, is_outside) : FindNext(chunk.begin + 1);
   if (next <= chunk.data_begin && next < reader_->size()) return {chunk, true, next};
   chunk.is_at_end = next == reader_->size();
   chunk.end = std::min(chunk.end, next);

@@ -8,9 +8,9 @@ namespace parkade {
 
 /// Goes from record to record, and past damage to the next place where records make sense again.
 ///
-/// A record is believed when another follows it. Where none does, the bytes behind its beginning are searched for the
-/// next record that can be believed: if none lies inside it, it is what follows that is damaged. A chunk ends at the
-/// latest where the next record begins.
+/// A record is believed when another follows it. Where none does, the bytes behind its beginning
+/// are searched for the next record that can be believed: if none lies inside it, it is what
+/// follows that is damaged. A chunk ends at the latest where the next record begins.
 class RecordWalker {
  public:
   struct Step {

@@ -7,9 +7,16 @@
 namespace parkade {
 namespace {
 
-// Operations and fields of wiki.ros.org/Bags/Format/2.0. A record is a header of "name=value" fields and data, each
-// with its length in front.
-enum Op : std::uint8_t { kMessage = 2, kBagHeader = 3, kIndex = 4, kChunk = 5, kChunkInfo = 6, kConnection = 7 };
+// Operations and fields of wiki.ros.org/Bags/Format/2.0. A record is a header of "name=value"
+// fields and data, each with its length in front.
+enum Op : std::uint8_t {
+  kMessage = 2,
+  kBagHeader = 3,
+  kIndex = 4,
+  kChunk = 5,
+  kChunkInfo = 6,
+  kConnection = 7
+};
 
 constexpr std::uint64_t kMagicSize = 13;        // "#ROSBAG V2.0\n"
 constexpr std::uint64_t kMaxHeaderSize = 8192;  // holds a topic's name at most
@@ -29,7 +36,9 @@ std::optional<Field> ParseField(std::span<const std::uint8_t> bytes) {
   const std::size_t equals = text.substr(0, 64).find('=');
   if (equals == 0 || equals == std::string_view::npos) return std::nullopt;
   const std::string_view name = text.substr(0, equals);
-  const auto is_name_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
+  const auto is_name_letter = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  };
   if (!std::all_of(name.begin(), name.end(), is_name_letter)) return std::nullopt;
   return Field{name, bytes.subspan(4 + equals + 1, size - equals - 1)};
 }
@@ -52,7 +61,8 @@ class Header {
     for (std::size_t offset = 0; offset < bytes_.size();) {
       const auto field = ParseField(bytes_.subspan(offset));
       if (field->name == name)
-        return std::string_view(reinterpret_cast<const char*>(field->value.data()), field->value.size());
+        return std::string_view(reinterpret_cast<const char*>(field->value.data()),
+                                field->value.size());
       offset += SizeOf(*field);
     }
     return std::nullopt;
@@ -73,7 +83,8 @@ class Header {
 
 /// ROS time: seconds in the lower, nanoseconds in the upper 32 bits.
 Timestamp TimeFrom(std::uint64_t bits) {
-  return {static_cast<std::int64_t>(bits & 0xFFFFFFFF) * 1'000'000'000 + static_cast<std::int64_t>(bits >> 32)};
+  return {static_cast<std::int64_t>(bits & 0xFFFFFFFF) * 1'000'000'000 +
+          static_cast<std::int64_t>(bits >> 32)};
 }
 
 bool ParseMessage(const Header& header, LogRecord& record) {
@@ -130,19 +141,22 @@ class Rosbag1LogFormat : public LogFormat {
     record.data_begin = offset + bytes.size();
     record.data_size = LoadNumber<std::uint32_t>(bytes.last(4));
     record.end = record.data_begin + record.data_size;
-    if (*op == kMessage) return ParseMessage(*header, record) ? std::optional(record) : std::nullopt;
+    if (*op == kMessage)
+      return ParseMessage(*header, record) ? std::optional(record) : std::nullopt;
     if (*op == kChunk) return ParseChunk(*header, record) ? std::optional(record) : std::nullopt;
     if (record.end > reader.size()) return std::nullopt;
     if (*op == kIndex) return ParseIndex(*header, record) ? std::optional(record) : std::nullopt;
     if (*op == kConnection) record.kind = RecordKind::kDefinition;
-    if (*op == kChunkInfo) record.is_exact = record.data_size == 8 * header->Number<std::uint32_t>("count").value_or(0);
+    if (*op == kChunkInfo)
+      record.is_exact = record.data_size == 8 * header->Number<std::uint32_t>("count").value_or(0);
     return record;
   }
 
   std::size_t FindCandidate(std::span<const std::uint8_t> bytes, std::size_t begin) const override {
     for (std::size_t i = begin; i + 16 <= bytes.size(); ++i) {
       // Header and first field are shorter than 64 KiB; the field's name begins with a letter.
-      if (bytes[i + 2] != 0 || bytes[i + 3] != 0 || bytes[i + 6] != 0 || bytes[i + 7] != 0) continue;
+      if (bytes[i + 2] != 0 || bytes[i + 3] != 0 || bytes[i + 6] != 0 || bytes[i + 7] != 0)
+        continue;
       if (bytes[i + 8] >= 'a' && bytes[i + 8] <= 'z') return i;
     }
     return bytes.size();
@@ -153,9 +167,11 @@ class Rosbag1LogFormat : public LogFormat {
   void ReadIndex(ByteReader& reader, const LogRecord& record,
                  const std::function<void(const ChunkIndexEntry&)>& add) const override {
     for (std::uint64_t i = 0; i < record.num_entries; ++i) {
-      const std::span<const std::uint8_t> entry = reader.Fetch(record.data_begin + kIndexEntrySize * i, 12);
+      const std::span<const std::uint8_t> entry =
+          reader.Fetch(record.data_begin + kIndexEntrySize * i, 12);
       if (entry.size() < kIndexEntrySize) return;
-      add({TimeFrom(LoadNumber<std::uint64_t>(entry)), LoadNumber<std::uint32_t>(entry.subspan(8))});
+      add({TimeFrom(LoadNumber<std::uint64_t>(entry)),
+           LoadNumber<std::uint32_t>(entry.subspan(8))});
     }
   }
 
@@ -171,7 +187,8 @@ class Rosbag1LogFormat : public LogFormat {
   }
 };
 
-void Rosbag1LogFormat::Learn(ByteReader& reader, const LogRecord& record, ChannelTable& channels) const {
+void Rosbag1LogFormat::Learn(ByteReader& reader, const LogRecord& record,
+                             ChannelTable& channels) const {
   ChannelTable::Channel channel;
   channel.encoding = "ros1";
   const auto header = HeaderAt(reader, record.begin);
@@ -184,7 +201,8 @@ void Rosbag1LogFormat::Learn(ByteReader& reader, const LogRecord& record, Channe
     constexpr std::size_t kEnoughForType = 512;
     const auto size = ReadNumber<std::uint32_t>(reader, offset);
     if (!size || *size > record.end - offset) return;
-    const auto text = ReadText(reader, offset + 4, std::min<std::uint64_t>(*size, kEnoughForType), kEnoughForType);
+    const auto text = ReadText(reader, offset + 4, std::min<std::uint64_t>(*size, kEnoughForType),
+                               kEnoughForType);
     if (text && text->starts_with("type=")) channel.type = text->substr(5);
     offset += 4 + std::uint64_t{*size};
   }

@@ -40,9 +40,10 @@ class SqliteStream : public MessageStream {
     }
     try {
       database_.emplace(log_->path);
-      const std::string from = log_->time_index.empty()
-                                   ? "messages ORDER BY id"
-                                   : "messages INDEXED BY " + log_->time_index + " ORDER BY timestamp, id";
+      const std::string from =
+          log_->time_index.empty()
+              ? "messages ORDER BY id"
+              : "messages INDEXED BY " + log_->time_index + " ORDER BY timestamp, id";
       query_.emplace(*database_, "SELECT id, topic_id, timestamp, length(data), data FROM " + from);
     } catch (const Error& error) {
       TurnToPages(error.what());
@@ -90,14 +91,18 @@ class SqliteStream : public MessageStream {
       if (last_ && RankOf(row->id, row->timestamp) <= *last_) continue;  // the query had it
       const std::optional<int> topic = WantedTopic(row->topic_id);
       if (!topic) continue;
-      if (row->data) return RawMessage{*topic, {std::max<std::int64_t>(row->timestamp, 0)}, std::move(*row->data)};
+      if (row->data)
+        return RawMessage{
+            *topic, {std::max<std::int64_t>(row->timestamp, 0)}, std::move(*row->data)};
       CountLoss("pages of a message are missing", *topic, row->timestamp);
     }
     // rosbag2 counts ids up by one.
     constexpr std::int64_t kImplausible = std::int64_t{1} << 40;
     if (largest_id_ > num_rows_ && largest_id_ < kImplausible)
-      AddLoss(damage_,
-              {"pages of the database are damaged", "", {}, static_cast<std::uint64_t>(largest_id_ - num_rows_)});
+      AddLoss(damage_, {"pages of the database are damaged",
+                        "",
+                        {},
+                        static_cast<std::uint64_t>(largest_id_ - num_rows_)});
     is_finished_ = true;
     return std::nullopt;
   }
@@ -116,7 +121,8 @@ class SqliteStream : public MessageStream {
   std::optional<int> WantedTopic(std::int64_t topic_id) const {
     if (topic_id < 0 || topic_id > UINT32_MAX) return std::nullopt;
     const int topic = log_->topics.TopicOf(static_cast<std::uint32_t>(topic_id)).value_or(-1);
-    return topic >= 0 && wanted_[static_cast<std::size_t>(topic)] ? std::optional(topic) : std::nullopt;
+    return topic >= 0 && wanted_[static_cast<std::size_t>(topic)] ? std::optional(topic)
+                                                                  : std::nullopt;
   }
 
   const TopicInfo& TopicOf(const RawMessage& message) const {
@@ -141,22 +147,26 @@ class SqliteStream : public MessageStream {
 
 /// Tables, not views: those could run for ever.
 bool HasTables(const SqliteDatabase& database) {
-  SqliteQuery query(database,
-                    "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name IN ('messages', 'topics')");
+  SqliteQuery query(
+      database,
+      "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name IN ('messages', 'topics')");
   return query.Step() && query.Integer(0) == 2;
 }
 
 std::string FindTimeIndex(const SqliteDatabase& database) {
-  SqliteQuery query(database,
-                    "SELECT list.name FROM pragma_index_list('messages') AS list, pragma_index_info(list.name) AS info "
-                    "WHERE info.seqno = 0 AND info.name = 'timestamp' AND NOT list.partial LIMIT 1");
+  SqliteQuery query(
+      database,
+      "SELECT list.name FROM pragma_index_list('messages') AS list, pragma_index_info(list.name) "
+      "AS info "
+      "WHERE info.seqno = 0 AND info.name = 'timestamp' AND NOT list.partial LIMIT 1");
   if (!query.Step()) return "";
   std::string quoted = "\"";
   for (const char c : query.Text(0)) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
   return quoted + "\"";
 }
 
-std::map<std::uint32_t, std::uint64_t> ReadTables(const SqliteDatabase& database, ChannelTable& channels) {
+std::map<std::uint32_t, std::uint64_t> ReadTables(const SqliteDatabase& database,
+                                                  ChannelTable& channels) {
   SqliteQuery topics(database, "SELECT id, name, type, serialization_format FROM topics");
   while (topics.Step())
     channels.AddChannel(static_cast<std::uint32_t>(topics.Integer(0)),
@@ -164,7 +174,8 @@ std::map<std::uint32_t, std::uint64_t> ReadTables(const SqliteDatabase& database
   std::map<std::uint32_t, std::uint64_t> num_messages;
   SqliteQuery counts(database, "SELECT topic_id, count(*) FROM messages GROUP BY topic_id");
   while (counts.Step())
-    num_messages[static_cast<std::uint32_t>(counts.Integer(0))] = static_cast<std::uint64_t>(counts.Integer(1));
+    num_messages[static_cast<std::uint32_t>(counts.Integer(0))] =
+        static_cast<std::uint64_t>(counts.Integer(1));
   return num_messages;
 }
 
@@ -191,7 +202,8 @@ class SqliteSource : public MessageSource {
       std::error_code error;
       const std::filesystem::path sibling = path.string() + suffix;
       if (std::filesystem::file_size(sibling, error) > 0 && !error)
-        AddLoss(log_->damage, {"'" + sibling.filename().string() + "' beside it was not read", "", {}, 0});
+        AddLoss(log_->damage,
+                {"'" + sibling.filename().string() + "' beside it was not read", "", {}, 0});
     }
     Scan();
   }
@@ -217,7 +229,8 @@ class SqliteSource : public MessageSource {
     } catch (const Error&) {
       log_->is_damaged = true;
       for (const auto& [id, topic] : SqlitePages(log_->file).FindTopics())
-        channels.AddChannel(static_cast<std::uint32_t>(id), {topic.name, topic.type, topic.encoding, std::nullopt});
+        channels.AddChannel(static_cast<std::uint32_t>(id),
+                            {topic.name, topic.type, topic.encoding, std::nullopt});
       has_tables = channels.num_channels() > 0;
     }
     Require(has_tables, ErrorCode::kInvalidInput,

@@ -13,7 +13,8 @@ namespace {
 /// Decides over the records of one chunk, in order.
 class ChunkFilter {
  public:
-  ChunkFilter(const ScannedLog& log, const std::vector<bool>& wanted) : log_(&log), wanted_(&wanted) {}
+  ChunkFilter(const ScannedLog& log, const std::vector<bool>& wanted)
+      : log_(&log), wanted_(&wanted) {}
 
   /// The topic of a message that is wanted; nothing for all else.
   std::optional<int> Accept(const RecordWalker::Step& step) {
@@ -35,8 +36,9 @@ class ChunkFilter {
   /// One sentence, or empty when every record was good.
   std::string Problem(const LogRecord& chunk) const {
     if (num_damaged_bytes_ + num_unusable_ == 0) return "";
-    return "the chunk at byte " + std::to_string(chunk.begin) + " has " + std::to_string(num_damaged_bytes_) +
-           " damaged bytes and " + std::to_string(num_unusable_) + " unusable messages";
+    return "the chunk at byte " + std::to_string(chunk.begin) + " has " +
+           std::to_string(num_damaged_bytes_) + " damaged bytes and " +
+           std::to_string(num_unusable_) + " unusable messages";
   }
 
   KeptMessages kept;
@@ -77,7 +79,8 @@ class LoadedSegment : public SegmentCursor {
   RawMessage Take() override {
     const Message& message = messages_[next_++];
     const auto begin = bytes_.begin() + static_cast<std::ptrdiff_t>(message.begin);
-    return {message.topic, message.time, {begin, begin + static_cast<std::ptrdiff_t>(message.size)}};
+    return {
+        message.topic, message.time, {begin, begin + static_cast<std::ptrdiff_t>(message.size)}};
   }
 
  private:
@@ -87,7 +90,8 @@ class LoadedSegment : public SegmentCursor {
     std::size_t begin = 0, size = 0;  ///< in bytes_
   };
 
-  void AddChunk(const ScannedLog& log, const LogRecord& chunk, const std::vector<bool>& wanted, DamageReport& damage) {
+  void AddChunk(const ScannedLog& log, const LogRecord& chunk, const std::vector<bool>& wanted,
+                DamageReport& damage) {
     ChunkContent content = OpenChunk(*log.file, chunk);
     ChunkFilter filter(log, wanted);
     if (content.reader) {
@@ -111,10 +115,14 @@ class LoadedSegment : public SegmentCursor {
     }
   }
 
-  void AddLoose(const ScannedLog& log, const LogRecord& record, const std::vector<bool>& wanted, DamageReport& damage) {
+  void AddLoose(const ScannedLog& log, const LogRecord& record, const std::vector<bool>& wanted,
+                DamageReport& damage) {
     const std::optional<int> topic = log.topics.TopicOf(record.channel);
     if (!topic) {
-      AddLoss(damage, {"a message is of a topic that the log does not define", "", {record.time, record.time}, 1});
+      AddLoss(damage, {"a message is of a topic that the log does not define",
+                       "",
+                       {record.time, record.time},
+                       1});
       return;
     }
     if (*topic < 0 || !wanted[static_cast<std::size_t>(*topic)]) return;
@@ -132,7 +140,8 @@ class LoadedSegment : public SegmentCursor {
 /// A chunk too large to be held: its messages in the order they have.
 class StreamedChunk : public SegmentCursor {
  public:
-  StreamedChunk(const ScannedLog& log, const LogSegment& segment, const std::vector<bool>& wanted, DamageReport& damage)
+  StreamedChunk(const ScannedLog& log, const LogSegment& segment, const std::vector<bool>& wanted,
+                DamageReport& damage)
       : log_(&log), wanted_(&wanted), damage_(&damage), filter_(log, wanted) {
     FileReader reader(*log.file, segment.end);
     const RecordWalker::Step step = RecordWalker(*log.format, reader).At(segment.begin);
@@ -144,7 +153,9 @@ class StreamedChunk : public SegmentCursor {
     Advance();
   }
 
-  std::optional<Timestamp> NextTime() override { return next_ ? std::optional(next_->log_time) : std::nullopt; }
+  std::optional<Timestamp> NextTime() override {
+    return next_ ? std::optional(next_->log_time) : std::nullopt;
+  }
 
   RawMessage Take() override {
     RawMessage message = std::move(*next_);
@@ -169,7 +180,8 @@ class StreamedChunk : public SegmentCursor {
     }
     if (is_finished_) return;
     is_finished_ = true;
-    const std::string problem = content_.problem.empty() ? filter_.Problem(chunk_) : content_.problem;
+    const std::string problem =
+        content_.problem.empty() ? filter_.Problem(chunk_) : content_.problem;
     if (!problem.empty()) AddChunkLoss(*log_, chunk_, problem, filter_.kept, *wanted_, *damage_);
   }
 

@@ -47,7 +47,8 @@ struct Columns {
 std::optional<Columns> ParseColumns(std::span<const std::uint8_t> payload) {
   std::span<const std::uint8_t> rest = payload;
   const auto header_size = TakeVarint(rest);
-  if (!header_size || *header_size > payload.size() || *header_size < payload.size() - rest.size()) return std::nullopt;
+  if (!header_size || *header_size > payload.size() || *header_size < payload.size() - rest.size())
+    return std::nullopt;
   Columns columns;
   columns.values = payload.subspan(static_cast<std::size_t>(*header_size));
   rest = rest.first(rest.size() - columns.values.size());
@@ -129,13 +130,16 @@ std::map<std::int64_t, SqlitePages::Topic> SqlitePages::FindTopics() {
       const auto cell = CellAt(i);
       const auto columns = cell ? ParseColumns(cell->local) : std::nullopt;
       // id, name, type, serialization_format, offered_qos_profiles[, type_description_hash]
-      if (!columns || columns->types.size() < 4 || columns->types.size() > 6 || columns->types[0] != 0) continue;
+      if (!columns || columns->types.size() < 4 || columns->types.size() > 6 ||
+          columns->types[0] != 0)
+        continue;
       if (!std::all_of(columns->types.begin() + 1, columns->types.begin() + 4, IsText)) continue;
       std::span<const std::uint8_t> values = columns->values;
       const auto name = TakeText(values, columns->types[1]);
       const auto type = TakeText(values, columns->types[2]);
       const auto encoding = TakeText(values, columns->types[3]);
-      if (encoding && name->starts_with('/')) topics.try_emplace(cell->row_id, Topic{*name, *type, *encoding});
+      if (encoding && name->starts_with('/'))
+        topics.try_emplace(cell->row_id, Topic{*name, *type, *encoding});
     }
   }
   return topics;
@@ -155,12 +159,12 @@ std::optional<SqlitePages::Row> SqlitePages::Next(const std::function<bool(std::
   }
 }
 
-std::optional<SqlitePages::Row> SqlitePages::ParseMessage(const Cell& cell,
-                                                          const std::function<bool(std::int64_t)>& wants) const {
+std::optional<SqlitePages::Row> SqlitePages::ParseMessage(
+    const Cell& cell, const std::function<bool(std::int64_t)>& wants) const {
   const auto columns = ParseColumns(cell.local);
   // id (the row's own), topic_id, timestamp, data
-  if (!columns || columns->types.size() != 4 || columns->types[0] != 0 || !IsInteger(columns->types[1]) ||
-      !IsInteger(columns->types[2]) || !IsBlob(columns->types[3]))
+  if (!columns || columns->types.size() != 4 || columns->types[0] != 0 ||
+      !IsInteger(columns->types[1]) || !IsInteger(columns->types[2]) || !IsBlob(columns->types[3]))
     return std::nullopt;
   std::span<const std::uint8_t> values = columns->values;
   const auto topic_id = TakeInteger(values, columns->types[1]);
@@ -187,8 +191,10 @@ std::optional<std::vector<std::uint8_t>> SqlitePages::ReadPayload(const Cell& ce
     if (file_->ReadAt(std::uint64_t{page - 1} * page_size_, piece) <
         std::min<std::uint64_t>(piece.size(), 4 + cell.size - payload.size()))
       return std::nullopt;
-    const std::uint64_t count = std::min<std::uint64_t>(usable_size_ - 4, cell.size - payload.size());
-    payload.insert(payload.end(), piece.begin() + 4, piece.begin() + 4 + static_cast<std::ptrdiff_t>(count));
+    const std::uint64_t count =
+        std::min<std::uint64_t>(usable_size_ - 4, cell.size - payload.size());
+    payload.insert(payload.end(), piece.begin() + 4,
+                   piece.begin() + 4 + static_cast<std::ptrdiff_t>(count));
     page = BigEndian(piece, 0, 4);
   }
   return payload;

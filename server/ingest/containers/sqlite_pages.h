@@ -12,8 +12,9 @@
 
 namespace parkade {
 
-/// What remains of a damaged rosbag2 database: the rows that lie on its leaf pages, whatever became of the pages that
-/// led to them (sqlite.org/fileformat2.html). Pages are taken in the order of the file, which is about that of writing.
+/// What remains of a damaged rosbag2 database: the rows that lie on its leaf pages, whatever became
+/// of the pages that led to them (sqlite.org/fileformat2.html). Pages are taken in the order of the
+/// file, which is about that of writing.
 class SqlitePages {
  public:
   struct Topic {
@@ -42,7 +43,8 @@ class SqlitePages {
 
   bool LoadLeaf(std::uint64_t page);
   std::optional<Cell> CellAt(std::size_t index) const;
-  std::optional<Row> ParseMessage(const Cell& cell, const std::function<bool(std::int64_t)>& wants) const;
+  std::optional<Row> ParseMessage(const Cell& cell,
+                                  const std::function<bool(std::int64_t)>& wants) const;
   std::optional<std::vector<std::uint8_t>> ReadPayload(const Cell& cell) const;
 
   std::shared_ptr<const InputFile> file_;

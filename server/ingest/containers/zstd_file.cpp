@@ -11,7 +11,8 @@ namespace {
 
 class KeptStream : public MessageStream {
  public:
-  KeptStream(std::shared_ptr<const MessageSource> source, const UnpackedFile& unpacked, const std::vector<bool>& wanted)
+  KeptStream(std::shared_ptr<const MessageSource> source, const UnpackedFile& unpacked,
+             const std::vector<bool>& wanted)
       : source_(std::move(source)), unpacked_(unpacked), stream_(source_->Read(wanted)) {}
 
   std::optional<RawMessage> Next() override { return stream_->Next(); }
@@ -60,7 +61,8 @@ UnpackedFile UnpackZstdFile(const InputFile& packed, const std::filesystem::path
   std::ofstream out(unpacked.file->path(), std::ios::binary);
   while (size > 0) {
     out.write(reinterpret_cast<const char*>(piece.data()), static_cast<std::streamsize>(size));
-    Require(out.good(), ErrorCode::kDiskFull, "there is no space to unpack '" + packed.name() + "'");
+    Require(out.good(), ErrorCode::kDiskFull,
+            "there is no space to unpack '" + packed.name() + "'");
     size = stream.Read(piece);
   }
   out.close();
@@ -68,11 +70,13 @@ UnpackedFile UnpackZstdFile(const InputFile& packed, const std::filesystem::path
   if (stream.state() == UnpackingStream::State::kEnded) return unpacked;
   const bool is_cut = stream.state() == UnpackingStream::State::kCut;
   unpacked.damage.is_truncated = is_cut;
-  AddLoss(unpacked.damage, {is_cut ? "the zstd file is cut off" : "the zstd file is damaged", "", {}, 0});
+  AddLoss(unpacked.damage,
+          {is_cut ? "the zstd file is cut off" : "the zstd file is damaged", "", {}, 0});
   return unpacked;
 }
 
-std::unique_ptr<MessageSource> KeepFile(std::unique_ptr<MessageSource> source, const UnpackedFile& unpacked) {
+std::unique_ptr<MessageSource> KeepFile(std::unique_ptr<MessageSource> source,
+                                        const UnpackedFile& unpacked) {
   return std::make_unique<KeptSource>(std::move(source), unpacked);
 }
 

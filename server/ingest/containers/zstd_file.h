@@ -13,15 +13,16 @@ namespace parkade {
 
 struct UnpackedFile {
   std::shared_ptr<const TemporaryFile> file;  ///< null: its first bytes were refused
-  DamageReport damage;                        ///< a file that is cut off or damaged is unpacked up to there
+  DamageReport damage;  ///< a file that is cut off or damaged is unpacked up to there
 };
 
-/// Unpacks a zstd file into a temporary one in `folder`. `accepts` is shown its first 16 bytes before anything is
-/// written. Throws Error{kDiskFull}.
+/// Unpacks a zstd file into a temporary one in `folder`. `accepts` is shown its first 16 bytes
+/// before anything is written. Throws Error{kDiskFull}.
 UnpackedFile UnpackZstdFile(const InputFile& packed, const std::filesystem::path& folder,
                             const std::function<bool(std::string_view)>& accepts);
 
 /// The same source, which keeps the temporary file alive and reports its damage.
-std::unique_ptr<MessageSource> KeepFile(std::unique_ptr<MessageSource> source, const UnpackedFile& unpacked);
+std::unique_ptr<MessageSource> KeepFile(std::unique_ptr<MessageSource> source,
+                                        const UnpackedFile& unpacked);
 
 }  // namespace parkade

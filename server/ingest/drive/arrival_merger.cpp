@@ -6,7 +6,7 @@
 namespace parkade {
 namespace {
 
-constexpr std::size_t kMaxBytes = 256 << 20;  // half a second of six raw colour cameras
+constexpr std::size_t kMaxBytes = 256 << 20;  // half a second of six raw color cameras
 
 std::size_t SizeOf(const Arrival& arrival) {
   const auto* image = std::get_if<EncodedImage>(&arrival.content);
@@ -16,7 +16,9 @@ std::size_t SizeOf(const Arrival& arrival) {
 }  // namespace
 
 ArrivalMerger::ArrivalMerger(std::unique_ptr<ArrivalStream> arrivals, double reorder_window)
-    : arrivals_(std::move(arrivals)), reorder_window_(reorder_window), num_late_(arrivals_->health().size(), 0) {}
+    : arrivals_(std::move(arrivals)),
+      reorder_window_(reorder_window),
+      num_late_(arrivals_->health().size(), 0) {}
 
 bool ArrivalMerger::IsLater(const Held& a, const Held& b) {
   return std::tie(a.arrival.time, a.sequence) > std::tie(b.arrival.time, b.sequence);
@@ -60,7 +62,8 @@ Arrival ArrivalMerger::Pop() {
 
 std::vector<StreamHealth> ArrivalMerger::Health() const {
   std::vector<StreamHealth> health = arrivals_->health();
-  for (std::size_t i = 0; i < health.size(); ++i) health[i].Dropped(DropReason::kLate) = num_late_[i];
+  for (std::size_t i = 0; i < health.size(); ++i)
+    health[i].Dropped(DropReason::kLate) = num_late_[i];
   return health;
 }
 

@@ -8,9 +8,10 @@
 
 namespace parkade {
 
-/// Puts the records of all streams in order of time. A record is passed on once the newest time seen is
-/// `reorder_window` ahead of it; one that comes later than that is counted as late and dropped. Equal times: in the
-/// order of the log. Holds at most 256 MB of images, and then passes on early.
+/// Puts the records of all streams in order of time. A record is passed on once the newest time
+/// seen is `reorder_window` ahead of it; one that comes later than that is counted as late and
+/// dropped. Equal times: in the order of the log. Holds at most 256 MB of images, and then passes
+/// on early.
 class ArrivalMerger {
  public:
   ArrivalMerger(std::unique_ptr<ArrivalStream> arrivals, double reorder_window);

@@ -48,7 +48,8 @@ std::optional<Arrival> ArrivalStream::Next() {
       continue;
     }
     is_finished_ = true;
-    for (std::size_t i = 0; i < guards_.size(); ++i) Release(guards_[i].Finish(imu_front_, health_[i]));
+    for (std::size_t i = 0; i < guards_.size(); ++i)
+      Release(guards_[i].Finish(imu_front_, health_[i]));
   }
   if (ready_.empty()) return std::nullopt;
   Arrival arrival = std::move(ready_.front());
@@ -73,7 +74,8 @@ void ArrivalStream::Take(RawMessage message) {
   } else if (!IsPlausible(*arrival)) {
     ++health.Dropped(DropReason::kNotFinite);
   } else {
-    Release(guards_[static_cast<std::size_t>(stream)].Push(std::move(*arrival), imu_front_, health));
+    Release(
+        guards_[static_cast<std::size_t>(stream)].Push(std::move(*arrival), imu_front_, health));
   }
 }
 
@@ -108,7 +110,8 @@ std::optional<Arrival> ArrivalStream::Decode(RawMessage message, int index) {
     case StreamKind::kSemantic: break;
   }
   const Timestamp time = StampOf(message, stream.encoding);
-  return Arrival{IsTime(time) ? time + stream.time_shift : time, index, EncodedImage{std::move(message)}};
+  return Arrival{IsTime(time) ? time + stream.time_shift : time, index,
+                 EncodedImage{std::move(message)}};
 }
 
 }  // namespace parkade

@@ -8,22 +8,23 @@
 
 #include "server/ingest/containers/raw_message.h"
 #include "server/ingest/drive/drive_log_health.h"
-#include "server/ingest/drive/stamp_guard.h"
+#include "server/ingest/drive/timestamp_filter.h"
 #include "server/ingest/messages/sensor_decoding.h"
 #include "server/ingest/messages/sensor_stream.h"
 
 namespace parkade {
 
-/// One pass over the records of a drive in the order of the log: small ones decoded, images not; each stream strictly
-/// increasing in time. The IMU is always read, since its clock judges the other stamps.
+/// One pass over the records of a drive in the order of the log: small ones decoded, images not;
+/// each stream strictly increasing in time. The IMU is always read, since its clock judges the
+/// other stamps.
 class ArrivalStream {
  public:
   using Filter = std::function<bool(const Arrival& arrival)>;
 
-  /// Only streams with `wanted[stream]`, and of these only arrivals that `filter` (where set) accepts. `source` and
-  /// `streams` must outlive this.
-  ArrivalStream(const MessageSource& source, const std::vector<SensorStream>& streams, std::vector<bool> wanted,
-                Filter filter);
+  /// Only streams with `wanted[stream]`, and of these only arrivals that `filter` (where set)
+  /// accepts. `source` and `streams` must outlive this.
+  ArrivalStream(const MessageSource& source, const std::vector<SensorStream>& streams,
+                std::vector<bool> wanted, Filter filter);
 
   std::optional<Arrival> Next();
 
@@ -44,7 +45,7 @@ class ArrivalStream {
   Filter filter_;
   std::vector<int> stream_of_topic_;  ///< -1: none
   std::unique_ptr<MessageStream> messages_;
-  std::vector<StampGuard> guards_;
+  std::vector<TimestampFilter> guards_;
   std::vector<StreamHealth> health_;
   WheelReader wheel_reader_;
   std::optional<Timestamp> imu_front_;

@@ -2,7 +2,8 @@
 
 namespace parkade {
 
-DecodeAhead::DecodeAhead(std::unique_ptr<ArrivalMerger> arrivals, Decode decode, const Limits& limits)
+DecodeAhead::DecodeAhead(std::unique_ptr<ArrivalMerger> arrivals, Decode decode,
+                         const Limits& limits)
     : decode_(std::move(decode)), limits_(limits), arrivals_(std::move(arrivals)) {
   for (int i = 0; i < limits_.num_threads; ++i) workers_.emplace_back([this] { Work(); });
 }
@@ -20,7 +21,8 @@ std::optional<DecodeAhead::Item> DecodeAhead::Next() {
   std::shared_ptr<Slot> slot;
   {
     std::unique_lock lock(queue_mutex_);
-    has_result_.wait(lock, [this] { return slots_.empty() ? is_drained_ : slots_.front()->is_done; });
+    has_result_.wait(lock,
+                     [this] { return slots_.empty() ? is_drained_ : slots_.front()->is_done; });
     if (slots_.empty()) return std::nullopt;
     slot = std::move(slots_.front());
     slots_.pop_front();
@@ -50,7 +52,8 @@ std::optional<std::pair<std::shared_ptr<DecodeAhead::Slot>, Arrival>> DecodeAhea
   {
     std::unique_lock lock(queue_mutex_);
     has_room_.wait(lock, [this] {
-      return is_stopping_ || (num_images_ < limits_.max_images && slots_.size() < limits_.max_records);
+      return is_stopping_ ||
+             (num_images_ < limits_.max_images && slots_.size() < limits_.max_records);
     });
     if (is_stopping_ || is_drained_) return std::nullopt;
   }
@@ -76,7 +79,8 @@ std::optional<std::pair<std::shared_ptr<DecodeAhead::Slot>, Arrival>> DecodeAhea
   return std::pair(std::move(slot), std::move(*arrival));
 }
 
-void DecodeAhead::Finish(const std::shared_ptr<Slot>& slot, DecodedArrival decoded, std::exception_ptr error) {
+void DecodeAhead::Finish(const std::shared_ptr<Slot>& slot, DecodedArrival decoded,
+                         std::exception_ptr error) {
   {
     const std::lock_guard lock(queue_mutex_);
     slot->item.decoded = std::move(decoded);

@@ -21,11 +21,12 @@ struct DecodedArrival {
   DropReason reason = DropReason::kDamaged;
 };
 
-/// Reads and decodes ahead of its caller on worker threads, in bounded memory, and passes records on in order.
+/// Reads and decodes ahead of its caller on worker threads, in bounded memory, and passes records
+/// on in order.
 ///
-/// Outside core/parallel, threads live here only: ParallelFor returns when all is done, but reading ahead has to go on
-/// while the caller works. Workers share nothing but the queue: each takes the next arrival under `source_mutex_`,
-/// appends an empty slot, and fills it while the others go on.
+/// Outside core/parallel, threads live here only: ParallelFor returns when all is done, but reading
+/// ahead has to go on while the caller works. Workers share nothing but the queue: each takes the
+/// next arrival under `source_mutex_`, appends an empty slot, and fills it while the others go on.
 class DecodeAhead {
  public:
   using Decode = std::function<DecodedArrival(Arrival arrival)>;
@@ -42,7 +43,8 @@ class DecodeAhead {
   DecodeAhead(const DecodeAhead&) = delete;
   DecodeAhead& operator=(const DecodeAhead&) = delete;
 
-  /// The next arrival with its record, or nothing at the end. Rethrows what a worker threw. Call from one thread.
+  /// The next arrival with its record, or nothing at the end. Rethrows what a worker threw. Call
+  /// from one thread.
   struct Item {
     int stream = 0;
     DecodedArrival decoded;

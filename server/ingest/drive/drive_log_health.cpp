@@ -36,15 +36,17 @@ nlohmann::json HealthToJson(const DriveLogHealth& health) {
   for (const StreamHealth& stream : health.streams) {
     nlohmann::json dropped = nlohmann::json::object();
     for (std::size_t i = 0; i < kNumDropReasons; ++i)
-      if (stream.num_dropped[i] > 0) dropped[NameOf(static_cast<DropReason>(i))] = stream.num_dropped[i];
+      if (stream.num_dropped[i] > 0)
+        dropped[NameOf(static_cast<DropReason>(i))] = stream.num_dropped[i];
     const std::uint64_t count = stream.num_delivered;
     const double seconds = stream.span.Seconds();
-    nlohmann::json json = {{"role", stream.role},
-                           {"topic", stream.topic},
-                           {"delivered", count},
-                           {"dropped", dropped},
-                           {"rate_hz", count > 1 && seconds > 0 ? static_cast<double>(count - 1) / seconds : 0.0},
-                           {"longest_gap_s", stream.longest_gap}};
+    nlohmann::json json = {
+        {"role", stream.role},
+        {"topic", stream.topic},
+        {"delivered", count},
+        {"dropped", dropped},
+        {"rate_hz", count > 1 && seconds > 0 ? static_cast<double>(count - 1) / seconds : 0.0},
+        {"longest_gap_s", stream.longest_gap}};
     if (!stream.span.IsEmpty()) {
       json["begin"] = ToDecimalSeconds(stream.span.begin);
       json["end"] = ToDecimalSeconds(stream.span.end);
@@ -54,7 +56,8 @@ nlohmann::json HealthToJson(const DriveLogHealth& health) {
   }
   nlohmann::json lost = nlohmann::json::array();
   for (const LostRange& range : health.damage.ranges)
-    lost.push_back({{"what", range.what}, {"topic", range.topic}, {"messages", range.num_messages}});
+    lost.push_back(
+        {{"what", range.what}, {"topic", range.topic}, {"messages", range.num_messages}});
   return {{"streams", streams},
           {"lost", lost},
           {"num_lost_messages", health.damage.num_lost_messages},

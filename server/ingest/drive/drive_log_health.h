@@ -37,8 +37,12 @@ struct StreamHealth {
   double longest_gap = 0;  ///< [s] between two of them
   Timestamp longest_gap_begin;
 
-  std::uint64_t& Dropped(DropReason reason) { return num_dropped[static_cast<std::size_t>(reason)]; }
-  std::uint64_t Dropped(DropReason reason) const { return num_dropped[static_cast<std::size_t>(reason)]; }
+  std::uint64_t& Dropped(DropReason reason) {
+    return num_dropped[static_cast<std::size_t>(reason)];
+  }
+  std::uint64_t Dropped(DropReason reason) const {
+    return num_dropped[static_cast<std::size_t>(reason)];
+  }
   std::uint64_t NumDropped() const;
 
   /// Counts a record at `time` as one on the drive's clock.

@@ -15,7 +15,8 @@ constexpr double kMaxReorderWindow = 2;  // [s]
 class ImageSurvey {
  public:
   void Include(const RawMessage& message, const SensorStream& stream, const RigCamera& camera) {
-    if (const std::optional<int> bits = SampleBits(message, stream)) sample_bits_ = std::max(sample_bits_, *bits);
+    if (const std::optional<int> bits = SampleBits(message, stream))
+      sample_bits_ = std::max(sample_bits_, *bits);
     if (is_size_checked_ || stream.kind != StreamKind::kImage) return;
     const ImageRequest request{.width = camera.model.width(), .height = camera.model.height()};
     const DecodedImage decoded = DecodeMessageImage(message, stream, request);
@@ -44,17 +45,20 @@ void RequireUsable(const LogSurvey& survey) {
     num_dropped_images += health.NumDropped();
   }
   Require(num_images > 0, ErrorCode::kInvalidInput,
-          num_dropped_images == 0 ? "the log has no image of any camera of the rig"
-                                  : "no image of the log can be used: all " + std::to_string(num_dropped_images) +
-                                        " are damaged or their stamps are not on the IMU's clock");
+          num_dropped_images == 0
+              ? "the log has no image of any camera of the rig"
+              : "no image of the log can be used: all " + std::to_string(num_dropped_images) +
+                    " are damaged or their stamps are not on the IMU's clock");
 }
 
 }  // namespace
 
-LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> streams, const Rig& rig) {
+LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> streams,
+                    const Rig& rig) {
   LogSurvey survey;
   survey.streams = std::move(streams);
-  ArrivalStream arrivals(source, survey.streams, std::vector<bool>(survey.streams.size(), true), nullptr);
+  ArrivalStream arrivals(source, survey.streams, std::vector<bool>(survey.streams.size(), true),
+                         nullptr);
   std::vector<ImageSurvey> images(survey.streams.size());
   std::optional<Timestamp> front;
   while (const std::optional<Arrival> arrival = arrivals.Next()) {
@@ -65,7 +69,8 @@ LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> strea
     if (lag <= kMaxReorderWindow) survey.reorder_window = std::max(survey.reorder_window, lag);
     if (const auto* image = std::get_if<EncodedImage>(&arrival->content)) {
       const SensorStream& stream = survey.streams[index];
-      images[index].Include(image->message, stream, rig.cameras[static_cast<std::size_t>(stream.camera)]);
+      images[index].Include(image->message, stream,
+                            rig.cameras[static_cast<std::size_t>(stream.camera)]);
     }
   }
   for (std::size_t i = 0; i < survey.streams.size(); ++i) {
@@ -73,7 +78,8 @@ LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> strea
     stream.sample_bits = images[i].sample_bits();
     if (stream.kind != StreamKind::kWheels || !arrivals.HasWheelsWithOnlyPoses()) continue;
     stream.is_speed_from_pose = true;
-    survey.warnings.push_back("the twist of " + stream.topic_name + " is always zero: speed is taken from its pose");
+    survey.warnings.push_back("the twist of " + stream.topic_name +
+                              " is always zero: speed is taken from its pose");
     // A speed from two poses belongs midway between them, later than the survey saw it come.
     survey.reorder_window = std::min(kMaxReorderWindow, survey.reorder_window + 0.25);
   }

@@ -6,6 +6,7 @@
 #include "server/ingest/containers/euroc_source.h"
 #include "server/ingest/containers/open_log_source.h"
 #include "server/ingest/drive/euroc_rig.h"
+#include "server/ingest/drive/file_drive.h"
 #include "server/ingest/drive/log_survey.h"
 #include "server/ingest/drive/recorded_drive_parts.h"
 #include "server/ingest/drive/rig_discovery.h"
@@ -54,14 +55,16 @@ std::string DriveName(const fs::path& log) {
 }
 
 int DecodeThreads(const OpenLogOptions& options) {
-  return options.num_decode_threads > 0 ? options.num_decode_threads : std::clamp(NumThreads() - 1, 1, 4);
+  return options.num_decode_threads > 0 ? options.num_decode_threads
+                                        : std::clamp(NumThreads() - 1, 1, 4);
 }
 
 }  // namespace
 
 Rig FindRig(const MessageSource& source, const fs::path& rig_folder) {
   if (!rig_folder.empty()) return ReadRig(rig_folder);
-  if (const auto* euroc = dynamic_cast<const EurocSource*>(&source)) return ReadEurocRig(euroc->folder());
+  if (const auto* euroc = dynamic_cast<const EurocSource*>(&source))
+    return ReadEurocRig(euroc->folder());
   return DiscoverRig(source);
 }
 
@@ -69,20 +72,22 @@ std::unique_ptr<RecordedDrive> OpenDriveLog(const fs::path& log, const OpenLogOp
   return OpenDriveLog(OpenLogSource(log, options.scratch_folder), log, options);
 }
 
-std::unique_ptr<RecordedDrive> OpenDriveLog(std::shared_ptr<const MessageSource> source, const fs::path& name,
-                                            const OpenLogOptions& options) {
+std::unique_ptr<RecordedDrive> OpenDriveLog(std::shared_ptr<const MessageSource> source,
+                                            const fs::path& name, const OpenLogOptions& options) {
   auto parts = std::make_shared<RecordedDriveParts>();
   parts->source = std::move(source);
   parts->rig = WithCameras(FindRig(*parts->source, options.rig_folder), options.cameras);
   parts->name = DriveName(name);
   parts->num_decode_threads = DecodeThreads(options);
-  StreamSelection selection = SelectStreams(*parts->source, parts->rig, options.use_wheels, options.use_gnss);
+  StreamSelection selection =
+      SelectStreams(*parts->source, parts->rig, options.use_wheels, options.use_gnss);
   parts->survey = SurveyLog(*parts->source, std::move(selection.streams), parts->rig);
   parts->health = {parts->survey.health, parts->survey.damage, std::move(selection.warnings)};
-  for (const std::string& warning : parts->survey.warnings) parts->health.warnings.push_back(warning);
+  for (const std::string& warning : parts->survey.warnings)
+    parts->health.warnings.push_back(warning);
   for (const std::string& warning : parts->health.warnings)
     if (options.warn) LogWarning(parts->name + ": " + warning);
-  return std::make_unique<RecordedDrive>(std::move(parts));
+  return std::make_unique<FileDrive>(std::move(parts));
 }
 
 }  // namespace parkade

@@ -11,29 +11,34 @@
 namespace parkade {
 
 struct OpenLogOptions {
-  std::filesystem::path rig_folder{};  ///< Kalibr files (core/rig.h ReadRig); empty: the rig comes from the log
-  std::vector<std::string> cameras{};  ///< names of the rig's cameras to use, in this order; empty: all
+  std::filesystem::path
+      rig_folder{};  ///< Kalibr files (core/rig.h ReadRig); empty: the rig comes from the log
+  std::vector<std::string>
+      cameras{};  ///< names of the rig's cameras to use, in this order; empty: all
   bool use_wheels = true;
   bool use_gnss = true;
-  std::filesystem::path scratch_folder{};  ///< where archives are unpacked; empty: the system's temporary folder
-  bool warn = true;                        ///< log the warnings that health() holds as well
-  int num_decode_threads = 0;              ///< per pass; 0: one less than core/parallel uses, between 1 and 4
+  std::filesystem::path
+      scratch_folder{};  ///< where archives are unpacked; empty: the system's temporary folder
+  bool warn = true;      ///< log the warnings that health() holds as well
+  int num_decode_threads = 0;  ///< per pass; 0: one less than core/parallel uses, between 1 and 4
 };
 
-/// Opens a recorded drive: a ROS 1 bag, MCAP, rosbag2 (file or folder), EuRoC folder, or an archive of one, recognised
-/// by content. Reads the log once without decoding images. An archive is unpacked into a temporary folder that is gone
-/// once the drive and its passes are.
+/// Opens a recorded drive: a ROS 1 bag, MCAP, rosbag2 (file or folder), EuRoC folder, or an archive
+/// of one, recognized by content. Reads the log once without decoding images. An archive is
+/// unpacked into a temporary folder that is gone once the drive and its passes are.
 ///
-/// Throws Error{kInvalidInput} (kNotFound where there is no such file) with one sentence that names what is wrong: not
-/// a log, no IMU, no images, an uncalibrated camera, a rig that does not fit.
-std::unique_ptr<RecordedDrive> OpenDriveLog(const std::filesystem::path& log, const OpenLogOptions& options = {});
+/// Throws Error{kInvalidInput} (kNotFound where there is no such file) with one sentence that names
+/// what is wrong: not a log, no IMU, no images, an uncalibrated camera, a rig that does not fit.
+std::unique_ptr<RecordedDrive> OpenDriveLog(const std::filesystem::path& log,
+                                            const OpenLogOptions& options = {});
 
 /// The same for a log that is open already; `name` may be a file name.
 std::unique_ptr<RecordedDrive> OpenDriveLog(std::shared_ptr<const MessageSource> source,
-                                            const std::filesystem::path& name, const OpenLogOptions& options);
+                                            const std::filesystem::path& name,
+                                            const OpenLogOptions& options);
 
-/// The rig in `rig_folder`; where that is empty, the one that came with the log (see euroc_rig.h, rig_discovery.h).
-/// Throws Error{kInvalidInput} naming what is missing.
+/// The rig in `rig_folder`; where that is empty, the one that came with the log (see euroc_rig.h,
+/// rig_discovery.h). Throws Error{kInvalidInput} naming what is missing.
 Rig FindRig(const MessageSource& source, const std::filesystem::path& rig_folder);
 
 }  // namespace parkade

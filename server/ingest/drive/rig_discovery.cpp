@@ -21,22 +21,27 @@ struct CameraTopics {
   std::optional<CameraInfoMessage> info;
 };
 
-std::string LastPart(std::string_view topic) { return std::string(topic.substr(topic.rfind('/') + 1)); }
+std::string LastPart(std::string_view topic) {
+  return std::string(topic.substr(topic.rfind('/') + 1));
+}
 
 std::string FolderOf(std::string_view topic) {
   const std::size_t slash = topic.rfind('/');
   return slash == std::string_view::npos ? "" : std::string(topic.substr(0, slash));
 }
 
-/// "cam_left" of "cam_left/image_raw"; a topic with a name of its own, as "cam_left", is the camera itself,
-/// unless a CameraInfo lies beside it.
+/// "cam_left" of "cam_left/image_raw"; a topic with a name of its own, as "cam_left", is the camera
+/// itself, unless a CameraInfo lies beside it.
 std::string CameraOf(std::string_view plain_topic, const std::set<std::string>& folders_with_info) {
   const std::string folder = FolderOf(plain_topic);
-  const bool is_in_folder = LastPart(plain_topic).starts_with("image") || folders_with_info.contains(folder);
+  const bool is_in_folder =
+      LastPart(plain_topic).starts_with("image") || folders_with_info.contains(folder);
   return is_in_folder ? folder : std::string(plain_topic);
 }
 
-bool IsRectified(const std::string& topic) { return LastPart(PlainTopic(topic)).starts_with("image_rect"); }
+bool IsRectified(const std::string& topic) {
+  return LastPart(PlainTopic(topic)).starts_with("image_rect");
+}
 
 /// Reads what a rig needs as it passes.
 class RigCollector {
@@ -44,11 +49,13 @@ class RigCollector {
   explicit RigCollector(const MessageSource& source) : topics_(source.topics()) {
     std::set<std::string> folders_with_info;
     for (const auto& topic : topics_)
-      if (topic.type == "sensor_msgs/CameraInfo") folders_with_info.insert(FolderOf(PlainTopic(topic.topic)));
+      if (topic.type == "sensor_msgs/CameraInfo")
+        folders_with_info.insert(FolderOf(PlainTopic(topic.topic)));
     std::map<std::string, CameraTopics> cameras;
     std::vector<std::string> imus;
-    const bool has_index =
-        std::any_of(topics_.begin(), topics_.end(), [](const TopicInfo& topic) { return topic.num_messages > 0; });
+    const bool has_index = std::any_of(topics_.begin(), topics_.end(), [](const TopicInfo& topic) {
+      return topic.num_messages > 0;
+    });
     for (std::size_t i = 0; i < topics_.size(); ++i) {
       if (has_index && topics_[i].num_messages == 0) continue;  // announced, and nothing came
       const std::string& type = topics_[i].type;
@@ -57,8 +64,10 @@ class RigCollector {
         imus.push_back(topics_[i].topic);
       }
       const std::string_view plain = PlainTopic(topics_[i].topic);
-      if (type == "sensor_msgs/CameraInfo") cameras[FolderOf(plain)].info_topic = static_cast<int>(i);
-      if (IsImageType(type) && LastPart(plain) != "semantic" && LastPart(plain) != "compressedDepth")
+      if (type == "sensor_msgs/CameraInfo")
+        cameras[FolderOf(plain)].info_topic = static_cast<int>(i);
+      if (IsImageType(type) && LastPart(plain) != "semantic" &&
+          LastPart(plain) != "compressedDepth")
         AddImageTopic(cameras[CameraOf(plain, folders_with_info)], i);
       if (type == "tf2_msgs/TFMessage" && plain.ends_with("tf_static"))
         transform_topics_.push_back(static_cast<int>(i));
@@ -68,9 +77,11 @@ class RigCollector {
       if (camera.image_topic >= 0) cameras_.push_back(camera);
     }
     Require(!cameras_.empty(), ErrorCode::kInvalidInput, "the log has no images");
-    Require(imu_topic_ >= 0, ErrorCode::kInvalidInput, "the log has no IMU (no topic of type sensor_msgs/Imu)");
+    Require(imu_topic_ >= 0, ErrorCode::kInvalidInput,
+            "the log has no IMU (no topic of type sensor_msgs/Imu)");
     Require(imus.size() == 1, ErrorCode::kInvalidInput,
-            "no rig: the log has several IMUs (" + ListTopics(imus) + "): bring a rig whose imu0.yaml names one");
+            "no rig: the log has several IMUs (" + ListTopics(imus) +
+                "): bring a rig whose imu0.yaml names one");
   }
 
   std::vector<bool> WantedTopics() const {
@@ -86,8 +97,10 @@ class RigCollector {
 
   void Include(const RawMessage& message) {
     const MessageEncoding encoding = topics_[static_cast<std::size_t>(message.topic)].encoding;
-    if (std::find(transform_topics_.begin(), transform_topics_.end(), message.topic) != transform_topics_.end()) {
-      for (const TransformMessage& transform : DecodeTransforms(message.data, encoding)) transforms_.Add(transform);
+    if (std::find(transform_topics_.begin(), transform_topics_.end(), message.topic) !=
+        transform_topics_.end()) {
+      for (const TransformMessage& transform : DecodeTransforms(message.data, encoding))
+        transforms_.Add(transform);
       has_news_ = true;
     }
     if (message.topic == imu_topic_) {
@@ -126,7 +139,8 @@ class RigCollector {
         frames.push_back(frame);
     }
     if (!frames.empty())
-      missing.push_back("/tf_static has no transform from " + PlainFrame(*imu_frame_) + " to " + ListTopics(frames));
+      missing.push_back("/tf_static has no transform from " + PlainFrame(*imu_frame_) + " to " +
+                        ListTopics(frames));
     return missing;
   }
 
@@ -141,7 +155,8 @@ class RigCollector {
       RigCamera camera;
       camera.name = "cam" + std::to_string(rig.cameras.size());
       camera.topic = topics.image_name;
-      camera.model = ModelFromCameraInfo(*topics.info, IsRectified(topics.image_name), "camera /" + topics.folder);
+      camera.model = ModelFromCameraInfo(*topics.info, IsRectified(topics.image_name),
+                                         "camera /" + topics.folder);
       camera.body_from_camera = *transforms_.Find(body, FrameOf(topics));
       rig.cameras.push_back(std::move(camera));
     }
@@ -154,7 +169,8 @@ class RigCollector {
 
   void AddImageTopic(CameraTopics& camera, std::size_t index) {
     const std::string& name = topics_[index].topic;
-    const bool is_better = camera.image_topic < 0 || (IsRectified(camera.image_name) && !IsRectified(name));
+    const bool is_better =
+        camera.image_topic < 0 || (IsRectified(camera.image_name) && !IsRectified(name));
     if (!is_better) return;
     camera.image_topic = static_cast<int>(index);
     camera.image_name = name;

@@ -58,29 +58,32 @@ bool IsGnssType(const std::string& type) { return type == "sensor_msgs/NavSatFix
 
 int FindImu(const Selector& log, const Rig& rig) {
   const std::vector<std::string> candidates = log.TopicsOf(IsImuType);
-  Require(!candidates.empty(), ErrorCode::kInvalidInput, "the log has no IMU (no topic of type sensor_msgs/Imu)");
+  Require(!candidates.empty(), ErrorCode::kInvalidInput,
+          "the log has no IMU (no topic of type sensor_msgs/Imu)");
   const std::string wanted = log.is_euroc() ? "imu0" : rig.imu.topic;
   if (wanted.empty()) {
     Require(candidates.size() == 1, ErrorCode::kInvalidInput,
-            "the log has several IMUs (" + ListTopics(candidates) + "): name one as rostopic in imu0.yaml");
+            "the log has several IMUs (" + ListTopics(candidates) +
+                "): name one as rostopic in imu0.yaml");
     return log.Find(candidates.front(), IsImuType);
   }
   const int found = log.Find(wanted, IsImuType);
-  Require(found >= 0, ErrorCode::kInvalidInput,
-          "the rig's IMU topic " + wanted + " is not in the log, which has " + ListTopics(candidates));
+  Require(
+      found >= 0, ErrorCode::kInvalidInput,
+      "the rig's IMU topic " + wanted + " is not in the log, which has " + ListTopics(candidates));
   return found;
 }
 
 /// A wheel or GNSS topic, which a drive can do without.
 template <typename IsType>
-int FindOptional(const Selector& log, const std::string& wanted, const std::string& what, const IsType& is_type,
-                 std::vector<std::string>& warnings) {
+int FindOptional(const Selector& log, const std::string& wanted, const std::string& what,
+                 const IsType& is_type, std::vector<std::string>& warnings) {
   const std::vector<std::string> candidates = log.TopicsOf(is_type);
   if (!wanted.empty()) {
     const int found = log.Find(wanted, is_type);
     if (found < 0 && !log.is_euroc())
-      warnings.push_back("the rig's " + what + " topic " + wanted + " is not in the log, which has " +
-                         ListTopics(candidates));
+      warnings.push_back("the rig's " + what + " topic " + wanted +
+                         " is not in the log, which has " + ListTopics(candidates));
     return found;
   }
   if (candidates.size() == 1) return log.Find(candidates.front(), is_type);
@@ -95,7 +98,8 @@ std::string FolderOf(std::string_view topic) {
   return std::string(topic.substr(0, slash == std::string_view::npos ? 0 : slash));
 }
 
-/// Whether a topic name starts as another camera's: rigs number their cameras from 0, logs often from 1.
+/// Whether a topic name starts as another camera's: rigs number their cameras from 0, logs often
+/// from 1.
 bool IsOfOtherCamera(const std::string& name, const RigCamera& camera, const Rig& rig) {
   return std::any_of(rig.cameras.begin(), rig.cameras.end(), [&](const RigCamera& other) {
     const std::string topic(PlainTopic(other.topic));
@@ -138,9 +142,10 @@ void AddCameras(const Selector& log, const Rig& rig, StreamSelection& selection)
   const std::vector<std::string> candidates = log.TopicsOf(IsImageType);
   Require(!candidates.empty(), ErrorCode::kInvalidInput, "the log has no images");
   Require(missing.size() < rig.cameras.size(), ErrorCode::kInvalidInput,
-          "none of the rig's cameras is in the log: the rig has " + ListTopics(missing) + ", the log " +
-              ListTopics(candidates));
-  for (const std::string& camera : missing) selection.warnings.push_back("the log has no images of camera " + camera);
+          "none of the rig's cameras is in the log: the rig has " + ListTopics(missing) +
+              ", the log " + ListTopics(candidates));
+  for (const std::string& camera : missing)
+    selection.warnings.push_back("the log has no images of camera " + camera);
   std::move(masks.begin(), masks.end(), std::back_inserter(selection.streams));
 }
 
@@ -156,26 +161,29 @@ std::string_view PlainTopic(std::string_view topic) {
 std::string ListTopics(const std::vector<std::string>& topics) {
   if (topics.empty()) return "none";
   std::string list = topics.front();
-  for (std::size_t i = 1; i < topics.size(); ++i) list += (i + 1 < topics.size() ? ", " : " and ") + topics[i];
+  for (std::size_t i = 1; i < topics.size(); ++i)
+    list += (i + 1 < topics.size() ? ", " : " and ") + topics[i];
   return list;
 }
 
-StreamSelection SelectStreams(const MessageSource& source, const Rig& rig, bool use_wheels, bool use_gnss) {
+StreamSelection SelectStreams(const MessageSource& source, const Rig& rig, bool use_wheels,
+                              bool use_gnss) {
   const Selector log(source);
   StreamSelection selection;
   selection.streams.push_back(log.Make(StreamKind::kImu, FindImu(log, rig), "imu"));
   const VehicleCalibration vehicle = rig.vehicle.value_or(VehicleCalibration{});
   if (use_wheels) {
-    const int topic =
-        FindOptional(log, log.is_euroc() ? "odom0" : vehicle.wheel_topic, "wheel", IsWheelType, selection.warnings);
+    const int topic = FindOptional(log, log.is_euroc() ? "odom0" : vehicle.wheel_topic, "wheel",
+                                   IsWheelType, selection.warnings);
     if (topic >= 0 && rig.vehicle)
       selection.streams.push_back(log.Make(StreamKind::kWheels, topic, "wheels"));
     else if (topic >= 0)
-      selection.warnings.emplace_back("wheel odometry is not used: no vehicle.yaml says where the body frame is");
+      selection.warnings.emplace_back(
+          "wheel odometry is not used: no vehicle.yaml says where the body frame is");
   }
   if (use_gnss) {
-    const int topic =
-        FindOptional(log, log.is_euroc() ? "gnss0" : vehicle.gnss_topic, "GNSS", IsGnssType, selection.warnings);
+    const int topic = FindOptional(log, log.is_euroc() ? "gnss0" : vehicle.gnss_topic, "GNSS",
+                                   IsGnssType, selection.warnings);
     if (topic >= 0) selection.streams.push_back(log.Make(StreamKind::kGnss, topic, "gnss"));
   }
   AddCameras(log, rig, selection);

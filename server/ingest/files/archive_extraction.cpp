@@ -33,8 +33,9 @@ std::vector<std::string> SplitPath(std::string_view path) {
 
 bool IsPlainName(const std::string& name) {
   if (name.empty() || name.size() > kMaxNameLength || name.front() == '.') return false;
-  return std::all_of(name.begin(), name.end(),
-                     [](unsigned char c) { return c < 128 && (std::isalnum(c) || c == '.' || c == '_' || c == '-'); });
+  return std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return c < 128 && (std::isalnum(c) || c == '.' || c == '_' || c == '-');
+  });
 }
 
 bool IsCameraName(const std::string& name) {
@@ -81,7 +82,8 @@ ArchiveReader OpenArchive(const fs::path& file) {
   archive_read_support_format_zip(reader.get());
   archive_read_support_filter_gzip(reader.get());
   archive_read_support_filter_zstd(reader.get());
-  Require(archive_read_open_filename(reader.get(), file.c_str(), kBlockSize) == ARCHIVE_OK, ErrorCode::kInvalidInput,
+  Require(archive_read_open_filename(reader.get(), file.c_str(), kBlockSize) == ARCHIVE_OK,
+          ErrorCode::kInvalidInput,
           file.filename().string() + " is not an archive that can be read");
   return reader;
 }
@@ -105,10 +107,12 @@ class Extractor {
     ExtractionResult result;
     archive_entry* entry = nullptr;
     int status;
-    while ((status = archive_read_next_header(reader_.get(), &entry)) == ARCHIVE_OK || status == ARCHIVE_WARN) {
+    while ((status = archive_read_next_header(reader_.get(), &entry)) == ARCHIVE_OK ||
+           status == ARCHIVE_WARN) {
       if (!Extract(entry, result)) break;
       // Empty entries cost an entry of the folder each, and must not be endless either.
-      Require(++num_entries_ <= kMaxFiles, ErrorCode::kInvalidInput, name_ + " holds more than a million entries");
+      Require(++num_entries_ <= kMaxFiles, ErrorCode::kInvalidInput,
+              name_ + " holds more than a million entries");
     }
     if (status != ARCHIVE_EOF && result.damage.empty()) result.damage = ErrorText();
     Require(result.num_files > 0, ErrorCode::kInvalidInput,
@@ -124,14 +128,17 @@ class Extractor {
     const std::string path = raw_path ? raw_path : "";
     if (path.empty() || path.size() > kMaxPathLength) return true;
     const std::vector<std::string> parts = SplitPath(path);
-    const bool leads_outside = path.front() == '/' || std::find(parts.begin(), parts.end(), "..") != parts.end();
-    Require(!leads_outside, ErrorCode::kInvalidInput, name_ + " holds an entry that leads outside of it");
+    const bool leads_outside =
+        path.front() == '/' || std::find(parts.begin(), parts.end(), "..") != parts.end();
+    Require(!leads_outside, ErrorCode::kInvalidInput,
+            name_ + " holds an entry that leads outside of it");
     // A hard link has the type of a regular file, and no content.
     if (archive_entry_filetype(entry) != AE_IFREG || archive_entry_hardlink(entry)) return true;
     const std::optional<EurocPath> euroc = ParseEurocPath(parts);
     if (!euroc) return true;
     if (result.num_files == 0) root_ = euroc->root;
-    Require(euroc->root == root_, ErrorCode::kInvalidInput, name_ + " holds several EuRoC drives: give one of them");
+    Require(euroc->root == root_, ErrorCode::kInvalidInput,
+            name_ + " holds several EuRoC drives: give one of them");
     ++result.num_files;
     return WriteContent(target_ / euroc->relative, result);
   }
@@ -151,7 +158,8 @@ class Extractor {
       if (!stream) break;
     }
     stream.close();
-    Require(stream.good(), errno == ENOSPC || errno == EDQUOT ? ErrorCode::kDiskFull : ErrorCode::kInternal,
+    Require(stream.good(),
+            errno == ENOSPC || errno == EDQUOT ? ErrorCode::kDiskFull : ErrorCode::kInternal,
             "cannot unpack " + name_ + ": " + std::strerror(errno));
     return result.damage.empty();
   }

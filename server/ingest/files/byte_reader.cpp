@@ -17,7 +17,8 @@ std::span<const std::uint8_t> FileReader::Fetch(std::uint64_t offset, std::size_
   if (offset < window_begin_ || offset + count > window_end) {
     const bool goes_on = offset >= window_begin_ && offset <= window_end && !window_.empty();
     step_ = goes_on ? std::min(2 * step_, kLargestStep) : kSmallestStep;
-    window_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(std::max(count, step_), end_ - offset)));
+    window_.resize(
+        static_cast<std::size_t>(std::min<std::uint64_t>(std::max(count, step_), end_ - offset)));
     window_.resize(file_->ReadAt(offset, window_));
     window_begin_ = offset;
   }

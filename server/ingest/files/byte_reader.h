@@ -35,18 +35,20 @@ class MemoryReader : public ByteReader {
   std::uint64_t size() const override { return bytes_.size(); }
   std::span<const std::uint8_t> Fetch(std::uint64_t offset, std::size_t count) override {
     if (offset >= bytes_.size()) return {};
-    return bytes_.subspan(offset, std::min(count, bytes_.size() - static_cast<std::size_t>(offset)));
+    return bytes_.subspan(offset,
+                          std::min(count, bytes_.size() - static_cast<std::size_t>(offset)));
   }
 
  private:
   std::span<const std::uint8_t> bytes_;
 };
 
-/// Of a file up to byte `end`, through a window: small after a jump, so that hopping from header to header stays cheap,
-/// growing while the offsets go on.
+/// Of a file up to byte `end`, through a window: small after a jump, so that hopping from header to
+/// header stays cheap, growing while the offsets go on.
 class FileReader : public ByteReader {
  public:
-  FileReader(const InputFile& file, std::uint64_t end) : file_(&file), end_(std::min(end, file.size())) {}
+  FileReader(const InputFile& file, std::uint64_t end)
+      : file_(&file), end_(std::min(end, file.size())) {}
 
   std::uint64_t size() const override { return end_; }
   std::span<const std::uint8_t> Fetch(std::uint64_t offset, std::size_t count) override;

@@ -17,8 +17,8 @@ struct EurocLine {
   std::string text;  ///< the whole line without its end
 };
 
-/// Reads a data.csv line by line in constant memory. '#' comments and blank lines are skipped; lines without a stamp,
-/// or longer than 4 KiB, are counted and skipped.
+/// Reads a data.csv line by line in constant memory. '#' comments and blank lines are skipped;
+/// lines without a stamp, or longer than 4 KiB, are counted and skipped.
 class EurocCsv {
  public:
   /// Throws Error{kNotFound} when the file cannot be opened.

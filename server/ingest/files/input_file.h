@@ -19,8 +19,8 @@ class InputFile {
   const std::string& name() const { return name_; }  ///< without its folder
   std::uint64_t size() const { return size_; }       ///< [byte] when it was opened
 
-  /// Fills `out` from byte `offset` on; the count read, less than asked only at the end of the file. Throws
-  /// Error{kInvalidInput} when the disk cannot read.
+  /// Fills `out` from byte `offset` on; the count read, less than asked only at the end of the
+  /// file. Throws Error{kInvalidInput} when the disk cannot read.
   std::size_t ReadAt(std::uint64_t offset, std::span<std::uint8_t> out) const;
 
  private:

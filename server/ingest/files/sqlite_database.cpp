@@ -22,7 +22,8 @@ std::string UriOf(const std::filesystem::path& file) {
 }
 
 [[noreturn]] void ThrowLastError(sqlite3* database) {
-  throw Error(ErrorCode::kInvalidInput, "the database cannot be read: " + std::string(sqlite3_errmsg(database)));
+  throw Error(ErrorCode::kInvalidInput,
+              "the database cannot be read: " + std::string(sqlite3_errmsg(database)));
 }
 
 }  // namespace
@@ -35,8 +36,9 @@ SqliteDatabase::SqliteDatabase(const std::filesystem::path& file) {
   if (result != SQLITE_OK) ThrowLastError(database);
   sqlite3_db_config(database, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   sqlite3_db_config(database, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
-  sqlite3_exec(database, "PRAGMA cell_size_check = ON; PRAGMA mmap_size = 0; PRAGMA cache_size = -4096", nullptr,
-               nullptr, nullptr);
+  sqlite3_exec(database,
+               "PRAGMA cell_size_check = ON; PRAGMA mmap_size = 0; PRAGMA cache_size = -4096",
+               nullptr, nullptr, nullptr);
 }
 
 void SqliteDatabase::Close::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
@@ -48,15 +50,20 @@ SqliteQuery::SqliteQuery(const SqliteDatabase& database, const std::string& sql)
   statement_.reset(statement);
 }
 
-void SqliteQuery::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+void SqliteQuery::Finalize::operator()(sqlite3_stmt* statement) const {
+  sqlite3_finalize(statement);
+}
 
 bool SqliteQuery::Step() {
   const int result = sqlite3_step(statement_.get());
-  if (result != SQLITE_ROW && result != SQLITE_DONE) ThrowLastError(sqlite3_db_handle(statement_.get()));
+  if (result != SQLITE_ROW && result != SQLITE_DONE)
+    ThrowLastError(sqlite3_db_handle(statement_.get()));
   return result == SQLITE_ROW;
 }
 
-std::int64_t SqliteQuery::Integer(int column) const { return sqlite3_column_int64(statement_.get(), column); }
+std::int64_t SqliteQuery::Integer(int column) const {
+  return sqlite3_column_int64(statement_.get(), column);
+}
 
 std::string SqliteQuery::Text(int column) const {
   const unsigned char* text = sqlite3_column_text(statement_.get(), column);

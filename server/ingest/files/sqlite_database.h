@@ -10,7 +10,8 @@ struct sqlite3_stmt;
 
 namespace parkade {
 
-/// One connection to a database that others gave us: read only, immutable, and distrusted. Thread-compatible.
+/// One connection to a database that others gave us: read only, immutable, and distrusted.
+/// Thread-compatible.
 class SqliteDatabase {
  public:
   /// Throws Error{kInvalidInput}.
@@ -25,7 +26,8 @@ class SqliteDatabase {
   std::unique_ptr<sqlite3, Close> database_;
 };
 
-/// A query and its current row. Throws Error{kInvalidInput} with SQLite's words, also where the database is damaged.
+/// A query and its current row. Throws Error{kInvalidInput} with SQLite's words, also where the
+/// database is damaged.
 class SqliteQuery {
  public:
   SqliteQuery(const SqliteDatabase& database, const std::string& sql);

@@ -11,7 +11,8 @@
 namespace parkade {
 
 TemporaryFile::TemporaryFile(const std::filesystem::path& folder) {
-  std::string name = (folder.empty() ? std::filesystem::temp_directory_path() : folder) / "parkade-XXXXXX";
+  std::string name =
+      (folder.empty() ? std::filesystem::temp_directory_path() : folder) / "parkade-XXXXXX";
   const int descriptor = ::mkstemp(name.data());
   const bool is_full = errno == ENOSPC || errno == EDQUOT;
   Require(descriptor >= 0, is_full ? ErrorCode::kDiskFull : ErrorCode::kInternal,

@@ -8,7 +8,8 @@ namespace parkade {
 
 TemporaryFolder::TemporaryFolder(const std::filesystem::path& parent) {
   std::error_code error;
-  const std::filesystem::path folder = parent.empty() ? std::filesystem::temp_directory_path(error) : parent;
+  const std::filesystem::path folder =
+      parent.empty() ? std::filesystem::temp_directory_path(error) : parent;
   std::string name = (folder / "parkade_XXXXXX").string();
   Require(!error && mkdtemp(name.data()) != nullptr, ErrorCode::kInternal,
           "cannot make a temporary folder in " + folder.string());

@@ -16,11 +16,11 @@ namespace fs = std::filesystem;
 class ImageBatch {
  public:
   ImageBatch(const std::vector<TopicInfo>& topics, std::vector<TopicInspector>& inspectors)
-      : topics_(topics), inspectors_(inspectors), pictures_(topics.size()) {}
+      : topics_(topics), inspectors_(inspectors), histories_(topics.size()) {}
 
   void Add(RawMessage message, Timestamp time) {
     num_bytes_ += message.data.size();
-    const bool is_sampled = pictures_[static_cast<std::size_t>(message.topic)].WantsSample(time);
+    const bool is_sampled = histories_[static_cast<std::size_t>(message.topic)].WantsSample(time);
     images_.push_back({std::move(message), time, is_sampled});
     if (images_.size() >= kMaxImages || num_bytes_ >= kMaxBytes) Flush();
   }
@@ -31,7 +31,7 @@ class ImageBatch {
       const std::size_t topic = static_cast<std::size_t>(images_[i].message.topic);
       if (found[i].fault.empty()) {
         inspectors_[topic].IncludeImage(images_[i].time, found[i].width, found[i].height);
-        pictures_[topic].Include(images_[i].time, found[i].glance, found[i].sample);
+        histories_[topic].Include(images_[i].time, found[i].glance, found[i].sample);
       } else {
         inspectors_[topic].IncludeFault(images_[i].time, found[i].fault);
       }
@@ -41,17 +41,17 @@ class ImageBatch {
   }
 
   /// By topic; empty where topics are no camera.
-  std::vector<std::vector<PictureFault>> PictureFaults() const {
-    std::vector<std::vector<PictureFault>> faults(topics_.size());
+  std::vector<std::vector<CameraFault>> CameraFaults() const {
+    std::vector<std::vector<CameraFault>> faults(topics_.size());
     std::vector<std::size_t> cameras;
-    std::vector<const PictureHistory*> histories;
+    std::vector<const ImageHistory*> histories;
     for (std::size_t topic = 0; topic < topics_.size(); ++topic) {
       if (!IsImageType(topics_[topic].type) || IsMaskTopic(topics_[topic].topic)) continue;
-      faults[topic] = pictures_[topic].Faults();
+      faults[topic] = histories_[topic].Faults();
       cameras.push_back(topic);
-      histories.push_back(&pictures_[topic]);
+      histories.push_back(&histories_[topic]);
     }
-    const std::vector<std::vector<PictureFault>> covers = FindCovers(histories);
+    const std::vector<std::vector<CameraFault>> covers = DetectOcclusion(histories);
     for (std::size_t i = 0; i < cameras.size(); ++i)
       faults[cameras[i]].insert(faults[cameras[i]].end(), covers[i].begin(), covers[i].end());
     return faults;
@@ -68,11 +68,11 @@ class ImageBatch {
   struct Found {
     int width = 0, height = 0;
     std::string fault;
-    PictureGlance glance;
-    std::optional<PictureSample> sample;
+    ImageGlance glance;
+    std::optional<ImageSample> sample;
   };
 
-  /// Masks of drivable ground are no pictures: they may well be dark.
+  /// Masks of drivable ground are no images: they may well be dark.
   static bool IsMaskTopic(const std::string& topic) { return topic.ends_with("/semantic"); }
 
   Found Look(const Image& image) const {
@@ -82,7 +82,7 @@ class ImageBatch {
     stream.encoding = topic.encoding;
     DecodedImage decoded = DecodeMessageImage(image.message, stream, {});
     if (decoded.fault != ImageFault::kNone) return {0, 0, decoded.what, {}, {}};
-    // Of 16 bits perhaps only 12 are in use: no picture is dark for that.
+    // Of 16 bits perhaps only 12 are in use: no image is dark for that.
     if (const std::optional<int> bits = SampleBits(image.message, stream))
       decoded = DecodeMessageImage(image.message, stream, {.sample_bits = *bits});
     Found found{decoded.image.cols, decoded.image.rows, "", {}, {}};
@@ -94,7 +94,7 @@ class ImageBatch {
 
   const std::vector<TopicInfo>& topics_;
   std::vector<TopicInspector>& inspectors_;
-  std::vector<PictureHistory> pictures_;  // by topic
+  std::vector<ImageHistory> histories_;  // by topic
   std::vector<Image> images_;
   std::size_t num_bytes_ = 0;
 };
@@ -107,35 +107,44 @@ void InspectTopics(const MessageSource& source, LogInspection& inspection) {
   while (std::optional<RawMessage> message = stream->Next()) {
     const auto index = static_cast<std::size_t>(message->topic);
     inspectors[index].IncludeMessage(*message);
-    if (IsImageType(topics[index].type)) images.Add(std::move(*message), inspectors[index].last_stamp());
+    if (IsImageType(topics[index].type))
+      images.Add(std::move(*message), inspectors[index].last_stamp());
   }
   images.Flush();
-  for (const TopicInspector& inspector : inspectors) inspection.topics.push_back(inspector.Finish());
-  const std::vector<std::vector<PictureFault>> picture_faults = images.PictureFaults();
-  for (std::size_t i = 0; i < topics.size(); ++i) inspection.topics[i].picture_faults = picture_faults[i];
+  for (const TopicInspector& inspector : inspectors)
+    inspection.topics.push_back(inspector.Finish());
+  const std::vector<std::vector<CameraFault>> image_faults = images.CameraFaults();
+  for (std::size_t i = 0; i < topics.size(); ++i)
+    inspection.topics[i].image_faults = image_faults[i];
   inspection.damage = stream->damage();
 }
 
-std::uint64_t NumGood(const LogInspection& inspection, const std::function<bool(const std::string&)>& is_type) {
+std::uint64_t NumGood(const LogInspection& inspection,
+                      const std::function<bool(const std::string&)>& is_type) {
   std::uint64_t count = 0;
   for (const TopicInspection& topic : inspection.topics)
-    if (is_type(topic.type)) count += topic.num_messages - std::min(topic.num_messages, topic.num_undecodable);
+    if (is_type(topic.type))
+      count += topic.num_messages - std::min(topic.num_messages, topic.num_undecodable);
   return count;
 }
 
 LogState StateOf(const LogInspection& inspection, bool is_rig_given) {
-  const bool has_imu = NumGood(inspection, [](const std::string& type) { return type == "sensor_msgs/Imu"; }) > 0;
+  const bool has_imu =
+      NumGood(inspection, [](const std::string& type) { return type == "sensor_msgs/Imu"; }) > 0;
   const bool has_images = NumGood(inspection, IsImageType) > 0;
-  if (!has_imu || !has_images || (is_rig_given && !inspection.missing.empty())) return LogState::kUnusable;
+  if (!has_imu || !has_images || (is_rig_given && !inspection.missing.empty()))
+    return LogState::kUnusable;
   bool is_clean = inspection.damage.IsClean();
-  for (const TopicInspection& topic : inspection.topics) is_clean = is_clean && topic.NumLost() == 0;
+  for (const TopicInspection& topic : inspection.topics)
+    is_clean = is_clean && topic.NumLost() == 0;
   return is_clean ? LogState::kClean : LogState::kLossy;
 }
 
 std::uint64_t SizeOf(const fs::path& log) {
   if (!fs::is_directory(log)) return fs::file_size(log);
   std::uint64_t size = 0;
-  for (const auto& entry : fs::recursive_directory_iterator(log, fs::directory_options::skip_permission_denied))
+  for (const auto& entry :
+       fs::recursive_directory_iterator(log, fs::directory_options::skip_permission_denied))
     if (entry.is_regular_file()) size += entry.file_size();
   return size;
 }
@@ -151,7 +160,8 @@ int LogInspection::ExitStatus() const {
   return 1;
 }
 
-LogInspection InspectLog(const fs::path& log, const fs::path& rig_folder, const fs::path& scratch_folder) {
+LogInspection InspectLog(const fs::path& log, const fs::path& rig_folder,
+                         const fs::path& scratch_folder) {
   const std::shared_ptr<const MessageSource> source = OpenLogSource(log, scratch_folder);
   LogInspection inspection;
   inspection.name = log.filename().string();

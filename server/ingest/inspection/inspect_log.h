@@ -34,8 +34,10 @@ struct LogInspection {
   int ExitStatus() const;
 };
 
-/// Reads a whole log and decodes every message and image, on all cores. Throws Error when it is no log at all.
-LogInspection InspectLog(const std::filesystem::path& log, const std::filesystem::path& rig_folder = {},
+/// Reads a whole log and decodes every message and image, on all cores. Throws Error when it is no
+/// log at all.
+LogInspection InspectLog(const std::filesystem::path& log,
+                         const std::filesystem::path& rig_folder = {},
                          const std::filesystem::path& scratch_folder = {});
 
 std::string InspectionToText(const LogInspection& inspection);

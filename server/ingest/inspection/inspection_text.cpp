@@ -32,10 +32,13 @@ std::string Printable(std::string text) {
 std::string Seconds(double seconds) { return Format(seconds < 10 ? "%.3g s" : "%.1f s", seconds); }
 
 /// Time since the log's begin, which reads better than an epoch.
-std::string Since(const LogInspection& log, Timestamp time) { return Format("%+.3f s", time - log.span.begin); }
+std::string Since(const LogInspection& log, Timestamp time) {
+  return Format("%+.3f s", time - log.span.begin);
+}
 
 std::string RowOf(const TopicInspection& topic) {
-  std::string row = Format("  %-36s %-34s %8llu %9.2f", Printable(topic.topic).c_str(), Printable(topic.type).c_str(),
+  std::string row = Format("  %-36s %-34s %8llu %9.2f", Printable(topic.topic).c_str(),
+                           Printable(topic.type).c_str(),
                            static_cast<unsigned long long>(topic.num_messages), topic.RateHz());
   if (topic.width > 0) row += Format("  %dx%d", topic.width, topic.height);
   if (!topic.image_encoding.empty()) row += " " + Printable(topic.image_encoding.substr(0, 60));
@@ -44,13 +47,13 @@ std::string RowOf(const TopicInspection& topic) {
 
 constexpr std::size_t kMaxGaps = 3;  // that are printed
 
-std::string PictureNote(const PictureFault& fault) {
+std::string ImageNote(const CameraFault& fault) {
   switch (fault.kind) {
-    case PictureFault::Kind::kDark: return "dark";
-    case PictureFault::Kind::kUnchanged: return "the picture does not change";
-    case PictureFault::Kind::kCovered: break;
+    case CameraFault::Kind::kDark: return "dark";
+    case CameraFault::Kind::kUnchanged: return "the image does not change";
+    case CameraFault::Kind::kCovered: break;
   }
-  return Format("covered, at least %.0f %% of the picture,", 100 * fault.share);
+  return Format("covered, at least %.0f %% of the image,", 100 * fault.share);
 }
 
 std::string NotesOf(const LogInspection& log, const TopicInspection& topic) {
@@ -70,18 +73,20 @@ std::string NotesOf(const LogInspection& log, const TopicInspection& topic) {
     notes += (notes.empty() ? "" : "; ") + ("gap of " + Seconds(topic.gaps[i].seconds)) + " at " +
              Since(log, topic.gaps[i].begin);
   if (topic.gaps.size() > kMaxGaps) notes += "; shorter gaps";
-  for (const PictureFault& fault : topic.picture_faults)
-    notes += (notes.empty() ? "" : "; ") + PictureNote(fault) + " from " + Since(log, fault.begin) + " to " +
-             Since(log, fault.end);
+  for (const CameraFault& fault : topic.image_faults)
+    notes += (notes.empty() ? "" : "; ") + ImageNote(fault) + " from " + Since(log, fault.begin) +
+             " to " + Since(log, fault.end);
   return notes.empty() ? "" : "  " + Printable(topic.topic) + ": " + notes + "\n";
 }
 
 std::string RigText(const Rig& rig) {
-  std::string text = Format("rig: IMU %s at %.0f Hz", Printable(rig.imu.topic).c_str(), rig.imu.update_rate);
+  std::string text =
+      Format("rig: IMU %s at %.0f Hz", Printable(rig.imu.topic).c_str(), rig.imu.update_rate);
   text += rig.vehicle ? ", body frame known\n" : ", no body frame (vehicle.yaml)\n";
   for (const RigCamera& camera : rig.cameras)
     text += Format("  %s %s %dx%d, time shift %.4f s\n", Printable(camera.name).c_str(),
-                   Printable(camera.topic).c_str(), camera.model.width(), camera.model.height(), camera.time_shift);
+                   Printable(camera.topic).c_str(), camera.model.width(), camera.model.height(),
+                   camera.time_shift);
   return text;
 }
 
@@ -108,14 +113,14 @@ nlohmann::json ToJson(const TopicInspection& topic) {
     json["begin"] = ToDecimalSeconds(topic.span.begin);
     json["end"] = ToDecimalSeconds(topic.span.end);
   }
-  nlohmann::json picture_faults = nlohmann::json::array();
-  for (const PictureFault& fault : topic.picture_faults)
-    picture_faults.push_back({{"kind", NameOf(fault.kind)},
-                              {"begin", ToDecimalSeconds(fault.begin)},
-                              {"end", ToDecimalSeconds(fault.end)},
-                              {"share", fault.share}});
+  nlohmann::json image_faults = nlohmann::json::array();
+  for (const CameraFault& fault : topic.image_faults)
+    image_faults.push_back({{"kind", NameOf(fault.kind)},
+                            {"begin", ToDecimalSeconds(fault.begin)},
+                            {"end", ToDecimalSeconds(fault.end)},
+                            {"share", fault.share}});
   if (topic.width > 0) {
-    json["picture_faults"] = picture_faults;
+    json["picture_faults"] = image_faults;
     json["width"] = topic.width;
     json["height"] = topic.height;
   }
@@ -126,14 +131,17 @@ nlohmann::json ToJson(const TopicInspection& topic) {
 nlohmann::json ToJson(const DamageReport& damage) {
   nlohmann::json ranges = nlohmann::json::array();
   for (const LostRange& range : damage.ranges) {
-    nlohmann::json json = {{"what", range.what}, {"topic", range.topic}, {"messages", range.num_messages}};
+    nlohmann::json json = {
+        {"what", range.what}, {"topic", range.topic}, {"messages", range.num_messages}};
     if (!range.time.IsEmpty()) {
       json["begin"] = ToDecimalSeconds(range.time.begin);
       json["end"] = ToDecimalSeconds(range.time.end);
     }
     ranges.push_back(std::move(json));
   }
-  return {{"ranges", ranges}, {"lost_messages", damage.num_lost_messages}, {"is_truncated", damage.is_truncated}};
+  return {{"ranges", ranges},
+          {"lost_messages", damage.num_lost_messages},
+          {"is_truncated", damage.is_truncated}};
 }
 
 nlohmann::json ToJson(const Rig& rig) {
@@ -144,7 +152,8 @@ nlohmann::json ToJson(const Rig& rig) {
                        {"width", camera.model.width()},
                        {"height", camera.model.height()},
                        {"time_shift_s", camera.time_shift}});
-  return {{"imu", rig.imu.topic}, {"has_body_frame", rig.vehicle.has_value()}, {"cameras", cameras}};
+  return {
+      {"imu", rig.imu.topic}, {"has_body_frame", rig.vehicle.has_value()}, {"cameras", cameras}};
 }
 
 }  // namespace
@@ -158,16 +167,19 @@ std::string InspectionToText(const LogInspection& log) {
   for (const TopicInspection& topic : log.topics) notes += NotesOf(log, topic);
   if (!notes.empty()) text += "found:\n" + notes;
   if (!log.damage.IsClean())
-    text += Format("damage: %llu messages lost%s\n", static_cast<unsigned long long>(log.damage.num_lost_messages),
+    text += Format("damage: %llu messages lost%s\n",
+                   static_cast<unsigned long long>(log.damage.num_lost_messages),
                    log.damage.is_truncated ? ", the log is cut off" : "");
   for (const LostRange& range : log.damage.ranges) {
     text += "  " + Printable(range.what);
-    if (!range.time.IsEmpty()) text += ", " + Since(log, range.time.begin) + " to " + Since(log, range.time.end);
+    if (!range.time.IsEmpty())
+      text += ", " + Since(log, range.time.begin) + " to " + Since(log, range.time.end);
     text += "\n";
   }
   if (log.rig) text += RigText(*log.rig);
   for (const std::string& warning : log.warnings) text += "note: " + Printable(warning) + "\n";
-  for (const std::string& missing : log.missing) text += "missing for a map: " + Printable(missing) + "\n";
+  for (const std::string& missing : log.missing)
+    text += "missing for a map: " + Printable(missing) + "\n";
   return text + "state: " + NameOf(log.state) + "\n";
 }
 

@@ -12,8 +12,8 @@ constexpr std::size_t kMaxSteps = 10'000, kMaxGaps = 10;
 
 /// Types that begin with a std_msgs/Header.
 bool HasStamp(const std::string& type) {
-  return IsImageType(type) || IsWheelType(type) || type == "sensor_msgs/Imu" || type == "sensor_msgs/NavSatFix" ||
-         type == "sensor_msgs/CameraInfo";
+  return IsImageType(type) || IsWheelType(type) || type == "sensor_msgs/Imu" ||
+         type == "sensor_msgs/NavSatFix" || type == "sensor_msgs/CameraInfo";
 }
 
 }  // namespace
@@ -47,13 +47,14 @@ void TopicInspector::IncludeStamp(Timestamp stamp) {
   if (!is_first && stamp == last_stamp_) ++found_.num_repeated;
   if (!is_first && stamp < last_stamp_) {
     ++found_.num_backward;
-    found_.largest_backward_jump = std::max(found_.largest_backward_jump, -seconds_from(last_stamp_));
+    found_.largest_backward_jump =
+        std::max(found_.largest_backward_jump, -seconds_from(last_stamp_));
   }
   if (!is_first && stamp > found_.span.end) {
     const double step = seconds_from(found_.span.end);
     if (first_steps_.size() < kMaxSteps) first_steps_.push_back(step);
-    const auto at =
-        std::find_if(long_steps_.begin(), long_steps_.end(), [&](const auto& gap) { return gap.seconds < step; });
+    const auto at = std::find_if(long_steps_.begin(), long_steps_.end(),
+                                 [&](const auto& gap) { return gap.seconds < step; });
     long_steps_.insert(at, {found_.span.end, step});
     if (long_steps_.size() > kMaxGaps) long_steps_.pop_back();
   }
@@ -79,13 +80,15 @@ void TopicInspector::CheckContent(const RawMessage& message) {
   } else if (topic_.type == "tf2_msgs/TFMessage") {
     DecodeTransforms(message.data, topic_.encoding);
   } else if (found_.image_encoding.empty() && topic_.encoding != MessageEncoding::kEuroc) {
-    if (topic_.type == "sensor_msgs/Image") found_.image_encoding = DecodeImage(message.data, topic_.encoding).encoding;
+    if (topic_.type == "sensor_msgs/Image")
+      found_.image_encoding = DecodeImage(message.data, topic_.encoding).encoding;
     if (topic_.type == "sensor_msgs/CompressedImage")
       found_.image_encoding = DecodeCompressedImage(message.data, topic_.encoding).format;
   }
   if (is_plausible) return;
   ++found_.num_implausible;
-  if (found_.first_fault.empty()) found_.first_fault = "impossible values at " + ToDecimalSeconds(last_stamp_);
+  if (found_.first_fault.empty())
+    found_.first_fault = "impossible values at " + ToDecimalSeconds(last_stamp_);
 }
 
 void TopicInspector::IncludeImage(Timestamp time, int width, int height) {
@@ -96,8 +99,8 @@ void TopicInspector::IncludeImage(Timestamp time, int width, int height) {
   if (width == found_.width && height == found_.height) return;
   ++found_.num_other_sizes;
   if (found_.first_fault.empty())
-    found_.first_fault =
-        "size " + std::to_string(width) + "x" + std::to_string(height) + " at " + ToDecimalSeconds(time);
+    found_.first_fault = "size " + std::to_string(width) + "x" + std::to_string(height) + " at " +
+                         ToDecimalSeconds(time);
 }
 
 void TopicInspector::IncludeFault(Timestamp time, const std::string& what) {
@@ -116,7 +119,8 @@ TopicInspection TopicInspector::Finish() const {
   // Other types may come whenever something happens.
   const bool is_regular = HasStamp(topic_.type);
   for (const TopicInspection::Gap& step : long_steps_)
-    if (is_regular && step.seconds > std::max(0.1, 3 * inspection.median_step)) inspection.gaps.push_back(step);
+    if (is_regular && step.seconds > std::max(0.1, 3 * inspection.median_step))
+      inspection.gaps.push_back(step);
   return inspection;
 }
 

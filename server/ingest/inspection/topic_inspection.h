@@ -6,7 +6,7 @@
 
 #include "core/timestamp.h"
 #include "server/ingest/containers/raw_message.h"
-#include "server/ingest/inspection/picture_history.h"
+#include "server/ingest/inspection/image_history.h"
 
 namespace parkade {
 
@@ -20,22 +20,26 @@ struct TopicInspection {
   std::string topic, type;
   std::uint64_t num_messages = 0, num_bytes = 0;
   TimeSpan span;
-  double median_step = 0;          ///< [s] between messages
-  std::vector<Gap> gaps;           ///< of sensors: steps above three median steps and 0.1 s, longest first, at most 10
-  std::uint64_t num_repeated = 0;  ///< same stamp as the message before
-  std::uint64_t num_backward = 0;  ///< stamp before that of the message before
-  double largest_backward_jump = 0;          ///< [s]
-  std::uint64_t num_without_stamp = 0;       ///< header.stamp is zero: the log time stands in
-  std::uint64_t num_undecodable = 0;         ///< messages and images that are damaged or not supported
-  std::uint64_t num_implausible = 0;         ///< NaN, infinite or out of any sensor's range
-  std::string first_fault;                   ///< of these, with the time
-  int width = 0, height = 0;                 ///< [px] of the first good image
-  std::uint64_t num_other_sizes = 0;         ///< images of another size than the first
-  std::string image_encoding;                ///< "mono8", "jpeg", ...
-  std::vector<PictureFault> picture_faults;  ///< of cameras: dark, unchanged, covered; at most 10 of each
+  double median_step = 0;  ///< [s] between messages
+  std::vector<Gap>
+      gaps;  ///< of sensors: steps above three median steps and 0.1 s, longest first, at most 10
+  std::uint64_t num_repeated = 0;       ///< same stamp as the message before
+  std::uint64_t num_backward = 0;       ///< stamp before that of the message before
+  double largest_backward_jump = 0;     ///< [s]
+  std::uint64_t num_without_stamp = 0;  ///< header.stamp is zero: the log time stands in
+  std::uint64_t num_undecodable = 0;    ///< messages and images that are damaged or not supported
+  std::uint64_t num_implausible = 0;    ///< NaN, infinite or out of any sensor's range
+  std::string first_fault;              ///< of these, with the time
+  int width = 0, height = 0;            ///< [px] of the first good image
+  std::uint64_t num_other_sizes = 0;    ///< images of another size than the first
+  std::string image_encoding;           ///< "mono8", "jpeg", ...
+  std::vector<CameraFault>
+      image_faults;  ///< of cameras: dark, unchanged, covered; at most 10 of each
 
   double RateHz() const { return median_step > 0 ? 1 / median_step : 0; }
-  std::uint64_t NumLost() const { return num_undecodable + num_implausible + num_backward + num_other_sizes; }
+  std::uint64_t NumLost() const {
+    return num_undecodable + num_implausible + num_backward + num_other_sizes;
+  }
 };
 
 /// Collects a TopicInspection from messages in the order of the log.

@@ -13,40 +13,53 @@ struct Focal {
 
 CameraModel::Projection RadTan(const Focal& f, const std::vector<double>& d) {
   const auto at = [&](std::size_t i) { return i < d.size() ? d[i] : 0.0; };
-  return RadTanProjection{.fx = f.fx,
-                          .fy = f.fy,
-                          .cx = f.cx,
-                          .cy = f.cy,
-                          .distortion = {.k1 = at(0), .k2 = at(1), .p1 = at(2), .p2 = at(3), .k3 = at(4)}};
+  return RadTanProjection{
+      .fx = f.fx,
+      .fy = f.fy,
+      .cx = f.cx,
+      .cy = f.cy,
+      .distortion = {.k1 = at(0), .k2 = at(1), .p1 = at(2), .p2 = at(3), .k3 = at(4)}};
 }
 
-CameraModel::Projection Distorted(const Focal& f, const CameraInfoMessage& info, const std::string& camera) {
+CameraModel::Projection Distorted(const Focal& f, const CameraInfoMessage& info,
+                                  const std::string& camera) {
   const std::vector<double>& d = info.distortion;
   const std::string& name = info.distortion_model;
   const bool is_zero = std::all_of(d.begin(), d.end(), [](double value) { return value == 0; });
   if (name == "none" || (name.empty() && is_zero)) return PinholeProjection{f.fx, f.fy, f.cx, f.cy};
   if (name == "plumb_bob" || (name == "rational_polynomial" && d.size() <= 5)) return RadTan(f, d);
   if (name == "rational_polynomial") {
-    const bool has_denominator = std::any_of(d.begin() + 5, d.end(), [](double value) { return value != 0; });
+    const bool has_denominator =
+        std::any_of(d.begin() + 5, d.end(), [](double value) { return value != 0; });
     Require(!has_denominator, ErrorCode::kInvalidInput,
             camera +
-                " has the distortion model rational_polynomial with a denominator, which Parkade does not know: "
+                " has the distortion model rational_polynomial with a denominator, which Parkade "
+                "does not know: "
                 "bring a rig");
     return RadTan(f, d);
   }
   if (name == "equidistant" || name == "fisheye" || name == "kannala_brandt") {
-    Require(d.size() >= 4, ErrorCode::kInvalidInput,
-            camera + " has fewer than the 4 distortion coefficients of " + name + " in its CameraInfo");
-    return KannalaBrandtProjection{
-        .fx = f.fx, .fy = f.fy, .cx = f.cx, .cy = f.cy, .k1 = d[0], .k2 = d[1], .k3 = d[2], .k4 = d[3]};
+    Require(
+        d.size() >= 4, ErrorCode::kInvalidInput,
+        camera + " has fewer than the 4 distortion coefficients of " + name + " in its CameraInfo");
+    return KannalaBrandtProjection{.fx = f.fx,
+                                   .fy = f.fy,
+                                   .cx = f.cx,
+                                   .cy = f.cy,
+                                   .k1 = d[0],
+                                   .k2 = d[1],
+                                   .k3 = d[2],
+                                   .k4 = d[3]};
   }
-  throw Error(ErrorCode::kInvalidInput, camera + " has the distortion model '" + name.substr(0, 40) +
+  throw Error(ErrorCode::kInvalidInput, camera + " has the distortion model '" +
+                                            name.substr(0, 40) +
                                             "', which Parkade does not know: bring a rig");
 }
 
 }  // namespace
 
-CameraModel ModelFromCameraInfo(const CameraInfoMessage& info, bool is_rectified, const std::string& camera) {
+CameraModel ModelFromCameraInfo(const CameraInfoMessage& info, bool is_rectified,
+                                const std::string& camera) {
   const auto& k = info.intrinsic_matrix;
   const auto& p = info.projection_matrix;
   const Focal focal = is_rectified ? Focal{p[0], p[5], p[2], p[6]} : Focal{k[0], k[4], k[2], k[5]};
@@ -56,9 +69,9 @@ CameraModel ModelFromCameraInfo(const CameraInfoMessage& info, bool is_rectified
   Require(info.width > 0 && info.width <= kMaxSide && info.height > 0 && info.height <= kMaxSide,
           ErrorCode::kInvalidInput, camera + " has no image size in its CameraInfo");
   try {
-    return CameraModel(
-        is_rectified ? PinholeProjection{focal.fx, focal.fy, focal.cx, focal.cy} : Distorted(focal, info, camera),
-        static_cast<int>(info.width), static_cast<int>(info.height));
+    return CameraModel(is_rectified ? PinholeProjection{focal.fx, focal.fy, focal.cx, focal.cy}
+                                    : Distorted(focal, info, camera),
+                       static_cast<int>(info.width), static_cast<int>(info.height));
   } catch (const Error& error) {
     const std::string what = error.what();
     throw Error(ErrorCode::kInvalidInput,

@@ -5,9 +5,11 @@
 
 namespace parkade {
 
-/// The lens that a CameraInfo describes: plumb_bob; rational_polynomial where its denominator is 1; equidistant, also
-/// spelled fisheye or kannala_brandt; none. `is_rectified`: of the rectified image (P, no distortion). Throws
-/// Error{kInvalidInput} with a sentence that begins with `camera`, for a camera that is not calibrated as well.
-CameraModel ModelFromCameraInfo(const CameraInfoMessage& info, bool is_rectified, const std::string& camera);
+/// The lens that a CameraInfo describes: plumb_bob; rational_polynomial where its denominator is 1;
+/// equidistant, also spelled fisheye or kannala_brandt; none. `is_rectified`: of the rectified
+/// image (P, no distortion). Throws Error{kInvalidInput} with a sentence that begins with `camera`,
+/// for a camera that is not calibrated as well.
+CameraModel ModelFromCameraInfo(const CameraInfoMessage& info, bool is_rectified,
+                                const std::string& camera);
 
 }  // namespace parkade

@@ -17,7 +17,8 @@ std::optional<DecodedImage> CheckSize(int width, int height, const ImageRequest&
   return DecodedImage{{},
                       ImageFault::kWrongSize,
                       is_any ? "the image is " + size + " pixels, more than Parkade takes"
-                             : "the image is " + size + ", calibrated is " + std::to_string(request.width) + "x" +
+                             : "the image is " + size + ", calibrated is " +
+                                   std::to_string(request.width) + "x" +
                                    std::to_string(request.height)};
 }
 

@@ -56,7 +56,8 @@ cv::Mat WithSwappedBytes(const cv::Mat& image) {
   for (int y = 0; y < image.rows; ++y) {
     const auto* from = image.ptr<std::uint16_t>(y);
     auto* to = swapped.ptr<std::uint16_t>(y);
-    for (int x = 0; x < image.cols; ++x) to[x] = static_cast<std::uint16_t>(from[x] << 8 | from[x] >> 8);
+    for (int x = 0; x < image.cols; ++x)
+      to[x] = static_cast<std::uint16_t>(from[x] << 8 | from[x] >> 8);
   }
   return swapped;
 }
@@ -79,7 +80,8 @@ cv::Mat WithEightBits(const cv::Mat& image, int sample_bits) {
 std::optional<cv::Mat> ViewOf(const ImageMessage& message, int type) {
   const std::size_t row_size = message.width * CV_ELEM_SIZE(type);
   if (message.width == 0 || message.height == 0 || message.step < row_size) return std::nullopt;
-  if (message.data.size() < std::size_t{message.step} * (message.height - 1) + row_size) return std::nullopt;
+  if (message.data.size() < std::size_t{message.step} * (message.height - 1) + row_size)
+    return std::nullopt;
   // cv::Mat has no const view; nothing writes through this one.
   return cv::Mat(static_cast<int>(message.height), static_cast<int>(message.width), type,
                  const_cast<std::uint8_t*>(message.data.data()), message.step);
@@ -91,32 +93,37 @@ bool IsPng(std::span<const std::uint8_t> data) {
 }
 
 std::uint32_t BigEndian32(std::span<const std::uint8_t> data) {
-  return std::uint32_t{data[0]} << 24 | std::uint32_t{data[1]} << 16 | std::uint32_t{data[2]} << 8 | data[3];
+  return std::uint32_t{data[0]} << 24 | std::uint32_t{data[1]} << 16 | std::uint32_t{data[2]} << 8 |
+         data[3];
 }
 
-/// True when every chunk is whole by its checksum, up to the last. Spares libpng the damaged ones, about which it talks
-/// on stderr.
+/// True when every chunk is whole by its checksum, up to the last. Spares libpng the damaged ones,
+/// about which it talks on stderr.
 bool HasWholeChunks(std::span<const std::uint8_t> data) {
   constexpr std::size_t kSignatureSize = 8, kOverhead = 12;  // length, type, checksum
   for (data = data.subspan(kSignatureSize); data.size() >= kOverhead;) {
     const std::size_t size = BigEndian32(data);
     if (size > data.size() - kOverhead) return false;
     const auto* type = data.data() + 4;
-    if (crc32(0, type, static_cast<uInt>(size + 4)) != BigEndian32(data.subspan(8 + size))) return false;
+    if (crc32(0, type, static_cast<uInt>(size + 4)) != BigEndian32(data.subspan(8 + size)))
+      return false;
     if (std::memcmp(type, "IEND", 4) == 0) return true;
     data = data.subspan(size + kOverhead);
   }
   return false;
 }
 
-/// The size stands in the header: a small file that claims a huge image is refused before anything is unpacked.
+/// The size stands in the header: a small file that claims a huge image is refused before anything
+/// is unpacked.
 DecodedImage DecodePng(std::span<const std::uint8_t> data, const ImageRequest& request) {
   constexpr std::uint32_t kMaxSide = 1 << 16;
   const std::uint32_t width = BigEndian32(data.subspan(16)), height = BigEndian32(data.subspan(20));
   if (width > kMaxSide || height > kMaxSide) return Damaged("PNG: impossible size");
-  if (auto fault = CheckSize(static_cast<int>(width), static_cast<int>(height), request)) return *fault;
+  if (auto fault = CheckSize(static_cast<int>(width), static_cast<int>(height), request))
+    return *fault;
   if (!HasWholeChunks(data)) return Damaged("PNG: damaged data");
-  const cv::Mat encoded(1, static_cast<int>(data.size()), CV_8UC1, const_cast<std::uint8_t*>(data.data()));
+  const cv::Mat encoded(1, static_cast<int>(data.size()), CV_8UC1,
+                        const_cast<std::uint8_t*>(data.data()));
   cv::Mat image;
   try {
     image = cv::imdecode(encoded, cv::IMREAD_UNCHANGED);
@@ -129,7 +136,8 @@ DecodedImage DecodePng(std::span<const std::uint8_t> data, const ImageRequest& r
   if (image.channels() == 1) {
     decoded.image = image;
   } else if (request.grayscale) {
-    cv::cvtColor(image, decoded.image, image.channels() == 4 ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGR2GRAY);
+    cv::cvtColor(image, decoded.image,
+                 image.channels() == 4 ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGR2GRAY);
   } else if (image.channels() == 4) {
     cv::cvtColor(image, decoded.image, cv::COLOR_BGRA2BGR);
   } else {
@@ -155,11 +163,14 @@ DecodedImage DecodeRaw(const ImageMessage& message, const ImageRequest& request)
   if (!format) return Damaged("encoding '" + message.encoding.substr(0, 40) + "' is not supported");
   constexpr std::uint32_t kMaxSide = 1 << 16;
   if (message.width > kMaxSide || message.height > kMaxSide) return Damaged("impossible size");
-  if (auto fault = CheckSize(static_cast<int>(message.width), static_cast<int>(message.height), request)) return *fault;
+  if (auto fault =
+          CheckSize(static_cast<int>(message.width), static_cast<int>(message.height), request))
+    return *fault;
   const std::optional<cv::Mat> view = ViewOf(message, format->type);
   if (!view) return Damaged("the image has fewer bytes than its size needs");
   const bool must_swap = view->depth() == CV_16U && message.is_bigendian;
-  const cv::Mat samples = WithEightBits(must_swap ? WithSwappedBytes(*view) : *view, request.sample_bits);
+  const cv::Mat samples =
+      WithEightBits(must_swap ? WithSwappedBytes(*view) : *view, request.sample_bits);
   const int conversion = request.grayscale ? format->to_gray : format->to_bgr;
   DecodedImage decoded;
   if (conversion >= 0)
@@ -169,15 +180,19 @@ DecodedImage DecodeRaw(const ImageMessage& message, const ImageRequest& request)
   return decoded;
 }
 
-DecodedImage DecodeMessageImage(const RawMessage& message, const SensorStream& stream, const ImageRequest& request) {
+DecodedImage DecodeMessageImage(const RawMessage& message, const SensorStream& stream,
+                                const ImageRequest& request) {
   try {
     if (stream.encoding == MessageEncoding::kEuroc) {
       const std::filesystem::path file = PathOf(message);
-      if (!std::filesystem::is_regular_file(file)) return Damaged("there is no file " + file.filename().string());
+      if (!std::filesystem::is_regular_file(file))
+        return Damaged("there is no file " + file.filename().string());
       const std::string content = ReadFile(file, kMaxFileSize);
-      return DecodeCompressed({reinterpret_cast<const std::uint8_t*>(content.data()), content.size()}, request);
+      return DecodeCompressed(
+          {reinterpret_cast<const std::uint8_t*>(content.data()), content.size()}, request);
     }
-    if (stream.type == "sensor_msgs/Image") return DecodeRaw(DecodeImage(message.data, stream.encoding), request);
+    if (stream.type == "sensor_msgs/Image")
+      return DecodeRaw(DecodeImage(message.data, stream.encoding), request);
     return DecodeCompressed(DecodeCompressedImage(message.data, stream.encoding).data, request);
   } catch (const Error& error) {
     return Damaged(error.what());

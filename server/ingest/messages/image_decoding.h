@@ -10,18 +10,22 @@
 
 namespace parkade {
 
-// None of these throws on bad data, and none allocates for an image larger than requested. Thread-safe.
+// None of these throws on bad data, and none allocates for an image larger than requested.
+// Thread-safe.
 
-/// JPEG or PNG, recognised by content. A JPEG is damaged when the codec had to guess anything (see jpeg_decoding.h).
+/// JPEG or PNG, recognized by content. A JPEG is damaged when the codec had to guess anything (see
+/// jpeg_decoding.h).
 DecodedImage DecodeCompressed(std::span<const std::uint8_t> data, const ImageRequest& request);
 
 /// mono8, mono16, rgb8, bgr8, rgba8, bgra8, bayer_{rggb,bggr,gbrg,grbg}{8,16}, 8UC1, 8UC3, 16UC1.
 DecodedImage DecodeRaw(const ImageMessage& message, const ImageRequest& request);
 
 /// An image of a stream, whatever its type and encoding.
-DecodedImage DecodeMessageImage(const RawMessage& message, const SensorStream& stream, const ImageRequest& request);
+DecodedImage DecodeMessageImage(const RawMessage& message, const SensorStream& stream,
+                                const ImageRequest& request);
 
-/// Bits in use of samples of 16 bits, rounded up to 8, 10, 12, 14 or 16. Nothing where samples have 8 bits.
+/// Bits in use of samples of 16 bits, rounded up to 8, 10, 12, 14 or 16. Nothing where samples have
+/// 8 bits.
 std::optional<int> SampleBits(const RawMessage& message, const SensorStream& stream);
 
 }  // namespace parkade

@@ -2,7 +2,8 @@
 
 namespace parkade {
 
-bool JpegHuffmanTable::Build(std::span<const std::uint8_t, 16> counts, std::span<const std::uint8_t> values) {
+bool JpegHuffmanTable::Build(std::span<const std::uint8_t, 16> counts,
+                             std::span<const std::uint8_t> values) {
   values_.assign(values.begin(), values.end());
   short_codes_.fill({});
   std::int32_t code = 0;
@@ -10,7 +11,8 @@ bool JpegHuffmanTable::Build(std::span<const std::uint8_t, 16> counts, std::span
   for (int length = 1; length <= 16; ++length, code <<= 1) {
     const auto count = static_cast<std::int32_t>(counts[static_cast<std::size_t>(length - 1)]);
     value_offset_[static_cast<std::size_t>(length)] = static_cast<std::int32_t>(index) - code;
-    if (code + count > 1 << length || index + static_cast<std::size_t>(count) > values_.size()) return false;
+    if (code + count > 1 << length || index + static_cast<std::size_t>(count) > values_.size())
+      return false;
     for (std::int32_t i = 0; i < count; ++i, ++code, ++index) {
       if (length > kShortLength) continue;
       const auto first = static_cast<std::size_t>(code) << (kShortLength - length);
@@ -26,7 +28,8 @@ JpegHuffmanTable::Symbol JpegHuffmanTable::FindLong(unsigned next_16_bits) const
   for (std::size_t length = kShortLength + 1; length <= 16; ++length) {
     if (static_cast<std::int32_t>(next_16_bits) >= end_of_length_[length]) continue;
     const auto code = static_cast<std::int32_t>(next_16_bits >> (16 - length));
-    return {values_[static_cast<std::size_t>(code + value_offset_[length])], static_cast<std::uint8_t>(length)};
+    return {values_[static_cast<std::size_t>(code + value_offset_[length])],
+            static_cast<std::uint8_t>(length)};
   }
   return {};
 }

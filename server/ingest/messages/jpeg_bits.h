@@ -8,8 +8,8 @@
 
 namespace parkade {
 
-/// Bits of one entropy-coded segment whose stuffed zeros are already taken out. Beyond its end come zeros, and
-/// `IsOverrun` turns true.
+/// Bits of one entropy-coded segment whose stuffed zeros are already taken out. Beyond its end come
+/// zeros, and `IsOverrun` turns true.
 class JpegBits {
  public:
   explicit JpegBits(std::span<const std::uint8_t> data) : data_(data) {}
@@ -90,8 +90,9 @@ class JpegHuffmanTable {
   Symbol FindLong(unsigned next_16_bits) const;
 
   std::array<Symbol, 1 << kShortLength> short_codes_{};
-  std::array<std::int32_t, 17> end_of_length_{};  ///< one past the last code of a length, shifted to 16 bits
-  std::array<std::int32_t, 17> value_offset_{};   ///< index of a code's value = code + offset
+  std::array<std::int32_t, 17>
+      end_of_length_{};  ///< one past the last code of a length, shifted to 16 bits
+  std::array<std::int32_t, 17> value_offset_{};  ///< index of a code's value = code + offset
   std::vector<std::uint8_t> values_;
 };
 

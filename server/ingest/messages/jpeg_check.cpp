@@ -10,12 +10,14 @@ namespace {
 
 constexpr std::int64_t kMaxEnergy = 1200 * 1200;
 
-constexpr std::uint8_t kSof0 = 0xc0, kSof1 = 0xc1, kSof15 = 0xcf, kDht = 0xc4, kJpg = 0xc8, kDac = 0xcc;
-constexpr std::uint8_t kRst0 = 0xd0, kRst7 = 0xd7, kSoi = 0xd8, kEoi = 0xd9, kSos = 0xda, kDqt = 0xdb, kDri = 0xdd;
+constexpr std::uint8_t kSof0 = 0xc0, kSof1 = 0xc1, kSof15 = 0xcf, kDht = 0xc4, kJpg = 0xc8,
+                       kDac = 0xcc;
+constexpr std::uint8_t kRst0 = 0xd0, kRst7 = 0xd7, kSoi = 0xd8, kEoi = 0xd9, kSos = 0xda,
+                       kDqt = 0xdb, kDri = 0xdd;
 
 struct Component {
   int id = 0, h = 1, v = 1;
-  int quantisation = 0, dc_table = 0, ac_table = 0;
+  int quantization = 0, dc_table = 0, ac_table = 0;
   int previous_dc = 0;
   int blocks_wide = 0, blocks_high = 0;  ///< of a scan of this component alone
 };
@@ -61,9 +63,11 @@ class JpegChecker {
       position = FindMarker(position);
       const std::uint8_t marker = data_[position++];
       if (marker == kEoi) break;
-      if (marker == kSoi || (marker >= kRst0 && marker <= kRst7)) Report("a marker at a wrong place");
+      if (marker == kSoi || (marker >= kRst0 && marker <= kRst7))
+        Report("a marker at a wrong place");
       Check(position + 2 <= data_.size(), "it ends inside a marker segment");
-      const std::size_t length = static_cast<std::size_t>(data_[position] << 8 | data_[position + 1]);
+      const std::size_t length =
+          static_cast<std::size_t>(data_[position] << 8 | data_[position + 1]);
       Check(length >= 2 && position + length <= data_.size(), "it ends inside a marker segment");
       Segment segment(data_.subspan(position + 2, length - 2));
       position += length;
@@ -87,7 +91,7 @@ class JpegChecker {
     if (marker == kDht) {
       ReadHuffmanTables(segment);
     } else if (marker == kDqt) {
-      ReadQuantisation(segment);
+      ReadQuantization(segment);
     } else if (marker == kDri) {
       restart_interval_ = segment.Word();
     } else if (marker == kSof0 || marker == kSof1) {
@@ -110,18 +114,19 @@ class JpegChecker {
       const auto counts = segment.Take(16);
       std::size_t total = 0;
       for (const std::uint8_t count : counts) total += count;
-      JpegHuffmanTable& table = (kind & 0x10 ? ac_tables_ : dc_tables_)[static_cast<std::size_t>(kind & 3)];
+      JpegHuffmanTable& table =
+          (kind & 0x10 ? ac_tables_ : dc_tables_)[static_cast<std::size_t>(kind & 3)];
       Check(table.Build(counts.first<16>(), segment.Take(total)), "a wrong Huffman table");
     }
   }
 
-  void ReadQuantisation(Segment& segment) {
+  void ReadQuantization(Segment& segment) {
     while (!segment.IsEmpty()) {
       const int kind = segment.Byte();
-      Check((kind & 0xf) < 4 && kind >> 4 <= 1, "a wrong quantisation table");
-      for (int& step : quantisation_[static_cast<std::size_t>(kind & 3)]) {
+      Check((kind & 0xf) < 4 && kind >> 4 <= 1, "a wrong quantization table");
+      for (int& step : quantization_[static_cast<std::size_t>(kind & 3)]) {
         step = kind >> 4 ? segment.Word() : segment.Byte();
-        Check(step > 0, "a wrong quantisation table");
+        Check(step > 0, "a wrong quantization table");
       }
     }
   }
@@ -138,10 +143,11 @@ class JpegChecker {
       const int sampling = segment.Byte();
       component.h = sampling >> 4;
       component.v = sampling & 15;
-      Check(component.h >= 1 && component.h <= 4 && component.v >= 1 && component.v <= 4, "a wrong frame");
+      Check(component.h >= 1 && component.h <= 4 && component.v >= 1 && component.v <= 4,
+            "a wrong frame");
       max_h_ = std::max(max_h_, component.h);
       max_v_ = std::max(max_v_, component.v);
-      component.quantisation = segment.Byte() & 3;
+      component.quantization = segment.Byte() & 3;
     }
     const auto blocks = [](int size, int factor, int max_factor) {
       return (size * factor + 8 * max_factor - 1) / (8 * max_factor);
@@ -158,24 +164,28 @@ class JpegChecker {
     const int count = segment.Byte();
     for (int i = 0; i < count; ++i) {
       const int id = segment.Byte(), tables = segment.Byte();
-      const auto found =
-          std::find_if(components_.begin(), components_.end(), [&](const Component& c) { return c.id == id; });
-      Check(found != components_.end() && tables >> 4 < 4 && (tables & 15) < 4, "a wrong scan header");
+      const auto found = std::find_if(components_.begin(), components_.end(),
+                                      [&](const Component& c) { return c.id == id; });
+      Check(found != components_.end() && tables >> 4 < 4 && (tables & 15) < 4,
+            "a wrong scan header");
       found->dc_table = tables >> 4;
       found->ac_table = tables & 15;
       scan_.push_back(&*found);
     }
     Check(!scan_.empty(), "a wrong scan header");
     // Spectral selection and approximation have one value each in a sequential scan.
-    Check(segment.Byte() == 0 && segment.Byte() == 63 && segment.Byte() == 0, "a wrong scan header");
+    Check(segment.Byte() == 0 && segment.Byte() == 63 && segment.Byte() == 0,
+          "a wrong scan header");
     ++num_scans_;
   }
 
   /// Reads all segments between restart markers; returns the position of the marker that follows.
   std::size_t ReadScan(std::size_t position) {
     const bool is_interleaved = scan_.size() > 1;
-    const int mcus_wide = is_interleaved ? (width_ + 8 * max_h_ - 1) / (8 * max_h_) : scan_[0]->blocks_wide;
-    const int mcus_high = is_interleaved ? (height_ + 8 * max_v_ - 1) / (8 * max_v_) : scan_[0]->blocks_high;
+    const int mcus_wide =
+        is_interleaved ? (width_ + 8 * max_h_ - 1) / (8 * max_h_) : scan_[0]->blocks_wide;
+    const int mcus_high =
+        is_interleaved ? (height_ + 8 * max_v_ - 1) / (8 * max_v_) : scan_[0]->blocks_high;
     const std::int64_t num_mcus = std::int64_t{mcus_wide} * mcus_high;
     const std::int64_t interval = restart_interval_ > 0 ? restart_interval_ : num_mcus;
     for (std::int64_t first = 0, restart = 0; first < num_mcus; first += interval, ++restart) {
@@ -196,12 +206,14 @@ class JpegChecker {
     return position;
   }
 
-  /// Fills segment_ with the data up to the next marker, without stuffed zeros; returns where the marker begins.
+  /// Fills segment_ with the data up to the next marker, without stuffed zeros; returns where the
+  /// marker begins.
   std::size_t Unstuff(std::size_t position) {
     segment_.clear();
     while (true) {
       const auto* begin = data_.data() + position;
-      const auto* found = static_cast<const std::uint8_t*>(std::memchr(begin, 0xff, data_.size() - position));
+      const auto* found =
+          static_cast<const std::uint8_t*>(std::memchr(begin, 0xff, data_.size() - position));
       Check(found != nullptr && found + 1 < data_.data() + data_.size(), "no EOI at its end");
       segment_.insert(segment_.end(), begin, found);
       position = static_cast<std::size_t>(found - data_.data());
@@ -220,7 +232,7 @@ class JpegChecker {
 
   /// Takes and returns the bits by value, so that they stay in registers.
   JpegBits ReadBlock(JpegBits bits, Component& component) {
-    const auto& steps = quantisation_[static_cast<std::size_t>(component.quantisation)];
+    const auto& steps = quantization_[static_cast<std::size_t>(component.quantization)];
     const int size = ReadSymbol(bits, dc_tables_[static_cast<std::size_t>(component.dc_table)]);
     Check(size <= 11, "a brightness out of range");
     component.previous_dc += ReadMagnitude(bits, size);
@@ -243,7 +255,8 @@ class JpegChecker {
       k += run;
       Check(k < 64, "a run beyond its block");
       Check(bits_of_value <= 10, "a coefficient out of range");
-      const int step = steps[static_cast<std::size_t>(k)], value = ReadMagnitude(bits, bits_of_value);
+      const int step = steps[static_cast<std::size_t>(k)],
+                value = ReadMagnitude(bits, bits_of_value);
       CheckRange(value, step);
       energy += std::int64_t{value * step} * (value * step);
     }
@@ -251,9 +264,11 @@ class JpegChecker {
     return bits;
   }
 
-  /// By Parseval's theorem 64 samples of at most 128 have coefficients whose squares sum up to at most 1024^2. Rounding
-  /// adds up to half a step to each.
-  static void CheckEnergy(std::int64_t energy) { Check(energy <= kMaxEnergy, "a block brighter than white"); }
+  /// By Parseval's theorem 64 samples of at most 128 have coefficients whose squares sum up to at
+  /// most 1024^2. Rounding adds up to half a step to each.
+  static void CheckEnergy(std::int64_t energy) {
+    Check(energy <= kMaxEnergy, "a block brighter than white");
+  }
 
   static int ReadSymbol(JpegBits& bits, const JpegHuffmanTable& table) {
     const JpegHuffmanTable::Symbol symbol = table.Find(bits.Peek16());
@@ -266,7 +281,8 @@ class JpegChecker {
     if (size == 0) return 0;
     const int value = static_cast<int>(bits.Peek16() >> (16 - size));
     bits.Skip(size);
-    // Without a branch, which would be mispredicted half the time: values without their top bit are negative.
+    // Without a branch, which would be mispredicted half the time: values without their top bit are
+    // negative.
     const int is_negative = (value >> (size - 1)) - 1;
     return value + (is_negative & (1 - (1 << size)));
   }
@@ -278,7 +294,7 @@ class JpegChecker {
 
   std::span<const std::uint8_t> data_;
   std::array<JpegHuffmanTable, 4> dc_tables_, ac_tables_;
-  std::array<std::array<int, 64>, 4> quantisation_{};
+  std::array<std::array<int, 64>, 4> quantization_{};
   std::vector<Component> components_;
   std::vector<Component*> scan_;
   std::vector<std::uint8_t> segment_;

@@ -31,7 +31,8 @@ void OnMessage(j_common_ptr codec, int level) {
 
 void OnOutput(j_common_ptr) {}
 
-/// The codec's state. Each method that calls libjpeg sets its own jump target and holds no object with a destructor.
+/// The codec's state. Each method that calls libjpeg sets its own jump target and holds no object
+/// with a destructor.
 class JpegReader {
  public:
   explicit JpegReader(std::span<const std::uint8_t> data) : data_(data) {
@@ -55,8 +56,10 @@ class JpegReader {
 
   int width() const { return static_cast<int>(codec_.image_width); }
   int height() const { return static_cast<int>(codec_.image_height); }
-  bool is_coloured() const { return codec_.num_components == 3; }
-  bool has_supported_colours() const { return codec_.num_components == 1 || codec_.num_components == 3; }
+  bool is_colored() const { return codec_.num_components == 3; }
+  bool has_supported_colors() const {
+    return codec_.num_components == 1 || codec_.num_components == 3;
+  }
   long num_warnings() const { return errors_.base.num_warnings; }
   const char* message() const { return errors_.message; }
 
@@ -82,14 +85,18 @@ class JpegReader {
 }  // namespace
 
 DecodedImage DecodeJpeg(std::span<const std::uint8_t> data, const ImageRequest& request) {
-  const auto damaged = [](const std::string& what) { return DecodedImage{{}, ImageFault::kDamaged, "JPEG: " + what}; };
+  const auto damaged = [](const std::string& what) {
+    return DecodedImage{{}, ImageFault::kDamaged, "JPEG: " + what};
+  };
   JpegReader reader(data);
   if (!reader.ReadHeader()) return damaged(reader.message());
   if (auto fault = CheckSize(reader.width(), reader.height(), request)) return *fault;
-  if (!reader.has_supported_colours()) return damaged("neither grayscale nor three colours");
+  if (!reader.has_supported_colors()) return damaged("neither grayscale nor three colors");
   DecodedImage decoded;
-  decoded.image.create(reader.height(), reader.width(), reader.is_coloured() && !request.grayscale ? CV_8UC3 : CV_8UC1);
-  if (!reader.ReadPixels(decoded.image) || reader.num_warnings() > 0) return damaged(reader.message());
+  decoded.image.create(reader.height(), reader.width(),
+                       reader.is_colored() && !request.grayscale ? CV_8UC3 : CV_8UC1);
+  if (!reader.ReadPixels(decoded.image) || reader.num_warnings() > 0)
+    return damaged(reader.message());
   if (const std::optional<std::string> damage = FindJpegDamage(data)) return damaged(*damage);
   return decoded;
 }

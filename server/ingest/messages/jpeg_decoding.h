@@ -7,8 +7,9 @@
 
 namespace parkade {
 
-/// Decodes a JPEG with libjpeg-turbo. Damaged is everything that makes the codec warn, or that FindJpegDamage finds
-/// (jpeg_check.h); OpenCV returns an image for nearly all of these. Grayscale takes the luma alone and skips chroma.
+/// Decodes a JPEG with libjpeg-turbo. Damaged is everything that makes the codec warn, or that
+/// FindJpegDamage finds (jpeg_check.h); OpenCV returns an image for nearly all of these. Grayscale
+/// takes the luma alone and skips chroma.
 DecodedImage DecodeJpeg(std::span<const std::uint8_t> data, const ImageRequest& request);
 
 }  // namespace parkade

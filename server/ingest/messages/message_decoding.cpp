@@ -43,7 +43,8 @@ std::array<double, kCount> ReadDoubles(Reader& reader) {
   return values;
 }
 
-/// Translation, then quaternion x y z w (left as it is: the caller decides about one that is not of length 1).
+/// Translation, then quaternion x y z w (left as it is: the caller decides about one that is not of
+/// length 1).
 template <typename Reader>
 Rigid3 ReadRigid3(Reader& reader) {
   Rigid3 motion;
@@ -80,7 +81,8 @@ ImuMessage DecodeImu(std::span<const std::uint8_t> data, MessageEncoding encodin
   });
 }
 
-OdometryMessage DecodeOdometry(std::span<const std::uint8_t> data, MessageEncoding encoding, const std::string& type) {
+OdometryMessage DecodeOdometry(std::span<const std::uint8_t> data, MessageEncoding encoding,
+                               const std::string& type) {
   assert(IsWheelType(type));
   return WithReader(data, encoding, [&](auto& reader) {
     OdometryMessage message;
@@ -120,7 +122,8 @@ CameraInfoMessage DecodeCameraInfo(std::span<const std::uint8_t> data, MessageEn
     message.width = reader.template Read<std::uint32_t>();
     message.distortion_model = reader.ReadString();
     const std::size_t count = reader.ReadCount(sizeof(double));
-    for (std::size_t i = 0; i < count; ++i) message.distortion.push_back(reader.template Read<double>());
+    for (std::size_t i = 0; i < count; ++i)
+      message.distortion.push_back(reader.template Read<double>());
     message.intrinsic_matrix = ReadDoubles<9>(reader);
     ReadDoubles<9>(reader);  // rectification
     message.projection_matrix = ReadDoubles<12>(reader);
@@ -128,7 +131,8 @@ CameraInfoMessage DecodeCameraInfo(std::span<const std::uint8_t> data, MessageEn
   });
 }
 
-std::vector<TransformMessage> DecodeTransforms(std::span<const std::uint8_t> data, MessageEncoding encoding) {
+std::vector<TransformMessage> DecodeTransforms(std::span<const std::uint8_t> data,
+                                               MessageEncoding encoding) {
   return WithReader(data, encoding, [](auto& reader) {
     // Stamp, two empty strings and seven numbers are the least that a transform takes.
     constexpr std::size_t kMinTransformSize = 16 + 7 * sizeof(double);
@@ -156,7 +160,8 @@ ImageMessage DecodeImage(std::span<const std::uint8_t> data, MessageEncoding enc
   });
 }
 
-CompressedImageMessage DecodeCompressedImage(std::span<const std::uint8_t> data, MessageEncoding encoding) {
+CompressedImageMessage DecodeCompressedImage(std::span<const std::uint8_t> data,
+                                             MessageEncoding encoding) {
   return WithReader(data, encoding, [](auto& reader) {
     CompressedImageMessage message;
     message.header = ReadHeader(reader);

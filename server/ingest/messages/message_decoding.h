@@ -13,9 +13,9 @@
 
 namespace parkade {
 
-// The ROS messages that Parkade reads, as far as it needs them. Field meanings: ROS common_msgs. Numbers are as
-// recorded: nothing here is known to be finite. Thread-safe: pure functions. All throw Error{kInvalidInput} when the
-// bytes do not hold the message.
+// The ROS messages that Parkade reads, as far as it needs them. Field meanings: ROS common_msgs.
+// Numbers are as recorded: nothing here is known to be finite. Thread-safe: pure functions. All
+// throw Error{kInvalidInput} when the bytes do not hold the message.
 
 struct MessageHeader {
   Timestamp stamp;  ///< 0 where the sender left it empty
@@ -82,13 +82,16 @@ MessageHeader DecodeHeader(std::span<const std::uint8_t> data, MessageEncoding e
 ImuMessage DecodeImu(std::span<const std::uint8_t> data, MessageEncoding encoding);
 
 /// `type` is one of the three wheel types (IsWheelType).
-OdometryMessage DecodeOdometry(std::span<const std::uint8_t> data, MessageEncoding encoding, const std::string& type);
+OdometryMessage DecodeOdometry(std::span<const std::uint8_t> data, MessageEncoding encoding,
+                               const std::string& type);
 
 NavSatMessage DecodeNavSat(std::span<const std::uint8_t> data, MessageEncoding encoding);
 CameraInfoMessage DecodeCameraInfo(std::span<const std::uint8_t> data, MessageEncoding encoding);
-std::vector<TransformMessage> DecodeTransforms(std::span<const std::uint8_t> data, MessageEncoding encoding);
+std::vector<TransformMessage> DecodeTransforms(std::span<const std::uint8_t> data,
+                                               MessageEncoding encoding);
 ImageMessage DecodeImage(std::span<const std::uint8_t> data, MessageEncoding encoding);
-CompressedImageMessage DecodeCompressedImage(std::span<const std::uint8_t> data, MessageEncoding encoding);
+CompressedImageMessage DecodeCompressedImage(std::span<const std::uint8_t> data,
+                                             MessageEncoding encoding);
 
 bool IsImageType(const std::string& type);
 bool IsWheelType(const std::string& type);

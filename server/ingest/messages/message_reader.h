@@ -13,8 +13,9 @@
 
 namespace parkade {
 
-// Two readers with the same members, so that one schema walk serves both encodings. Every length is checked against
-// the bytes that are left: beyond them Error{kInvalidInput} is thrown and nothing is read.
+// Two readers with the same members, so that one schema walk serves both encodings. Every length is
+// checked against the bytes that are left: beyond them Error{kInvalidInput} is thrown and nothing
+// is read.
 
 namespace internal {
 
@@ -72,8 +73,8 @@ class Ros1Reader {
   std::span<const std::uint8_t> data_;
 };
 
-/// CDR with its 4-byte encapsulation header, as ROS 2 writes it: plain CDR version 1 or 2 in either byte order.
-/// OMG DDS-XTYPES 1.3, 7.4.
+/// CDR with its 4-byte encapsulation header, as ROS 2 writes it: plain CDR version 1 or 2 in either
+/// byte order. OMG DDS-XTYPES 1.3, 7.4.
 class CdrReader {
  public:
   static constexpr bool kHeaderHasSequence = false;

@@ -10,7 +10,8 @@ const Eigen::Vector3d kUnknownSigma(5, 5, 10);  // [m]
 
 /// The numbers of an EuRoC line after its stamp, at least `min_count`.
 std::vector<double> ReadEurocNumbers(const RawMessage& message, std::size_t min_count) {
-  const std::string_view line(reinterpret_cast<const char*>(message.data.data()), message.data.size());
+  const std::string_view line(reinterpret_cast<const char*>(message.data.data()),
+                              message.data.size());
   const std::vector<std::string_view> fields = SplitCsv(line);
   std::vector<double> numbers;
   for (std::size_t i = 1; i < fields.size(); ++i) {
@@ -18,7 +19,8 @@ std::vector<double> ReadEurocNumbers(const RawMessage& message, std::size_t min_
     if (!number) break;
     numbers.push_back(*number);
   }
-  Require(numbers.size() >= min_count, ErrorCode::kInvalidInput, "a line of data.csv has too few numbers");
+  Require(numbers.size() >= min_count, ErrorCode::kInvalidInput,
+          "a line of data.csv has too few numbers");
   return numbers;
 }
 
@@ -31,8 +33,10 @@ GnssFix ReadEurocFix(const RawMessage& message, Timestamp time) {
 
 Eigen::Vector3d SigmaOf(const NavSatMessage& message) {
   constexpr int kUnknownCovariance = 0;
-  const Eigen::Vector3d variance(message.covariance[0], message.covariance[4], message.covariance[8]);
-  if (message.covariance_type == kUnknownCovariance || !(variance.array() > 0).all()) return kUnknownSigma;
+  const Eigen::Vector3d variance(message.covariance[0], message.covariance[4],
+                                 message.covariance[8]);
+  if (message.covariance_type == kUnknownCovariance || !(variance.array() > 0).all())
+    return kUnknownSigma;
   return variance.cwiseSqrt();
 }
 
@@ -48,7 +52,8 @@ ImuSample ReadImuSample(const RawMessage& message, const SensorStream& stream) {
   const Timestamp time = StampOf(message, stream.encoding);
   if (stream.encoding == MessageEncoding::kEuroc) {
     const std::vector<double> numbers = ReadEurocNumbers(message, 6);
-    return {time, Eigen::Map<const Eigen::Vector3d>(numbers.data()), Eigen::Map<const Eigen::Vector3d>(&numbers[3])};
+    return {time, Eigen::Map<const Eigen::Vector3d>(numbers.data()),
+            Eigen::Map<const Eigen::Vector3d>(&numbers[3])};
   }
   const ImuMessage imu = DecodeImu(message.data, stream.encoding);
   return {time, imu.angular_velocity, imu.linear_acceleration};
@@ -63,7 +68,8 @@ std::optional<GnssFix> ReadGnssFix(const RawMessage& message, const SensorStream
 }
 
 OdometryMessage ReadOdometry(const RawMessage& message, const SensorStream& stream) {
-  if (stream.encoding != MessageEncoding::kEuroc) return DecodeOdometry(message.data, stream.encoding, stream.type);
+  if (stream.encoding != MessageEncoding::kEuroc)
+    return DecodeOdometry(message.data, stream.encoding, stream.type);
   const std::vector<double> numbers = ReadEurocNumbers(message, 2);
   OdometryMessage odometry;
   odometry.linear = {numbers[0], 0, 0};
@@ -71,13 +77,15 @@ OdometryMessage ReadOdometry(const RawMessage& message, const SensorStream& stre
   return odometry;
 }
 
-std::optional<WheelSample> WheelReader::Read(const RawMessage& message, const SensorStream& stream) {
+std::optional<WheelSample> WheelReader::Read(const RawMessage& message,
+                                             const SensorStream& stream) {
   const OdometryMessage odometry = ReadOdometry(message, stream);
   const Timestamp time = StampOf(message, stream.encoding);
   const std::optional<WheelSample> from_poses = FromPoses(time, odometry);
   if (odometry.linear.x() != 0 || odometry.angular.z() != 0) has_twist_ = true;
   if (odometry.has_pose) {
-    if (last_time_) path_length_ += (odometry.odom_from_child.translation - last_pose_.translation).norm();
+    if (last_time_)
+      path_length_ += (odometry.odom_from_child.translation - last_pose_.translation).norm();
     has_pose_ = true;
     last_pose_ = odometry.odom_from_child;
     last_time_ = time;
@@ -86,7 +94,8 @@ std::optional<WheelSample> WheelReader::Read(const RawMessage& message, const Se
   return WheelSample{time, odometry.linear.x(), odometry.angular.z()};
 }
 
-std::optional<WheelSample> WheelReader::FromPoses(Timestamp time, const OdometryMessage& message) const {
+std::optional<WheelSample> WheelReader::FromPoses(Timestamp time,
+                                                  const OdometryMessage& message) const {
   if (!message.has_pose || !last_time_ || time <= *last_time_) return std::nullopt;
   const double seconds = time - *last_time_;
   const Rigid3 last_from_now = last_pose_.Inverse() * message.odom_from_child;
@@ -98,8 +107,10 @@ std::optional<WheelSample> WheelReader::FromPoses(Timestamp time, const Odometry
 
 bool IsPlausible(const ImuSample& sample) {
   constexpr double kMaxRate = 70, kMaxAcceleration = 2000;  // [rad/s], [m/s^2]
-  return sample.angular_velocity.cwiseAbs().maxCoeff() <= kMaxRate && sample.angular_velocity.allFinite() &&
-         sample.linear_acceleration.cwiseAbs().maxCoeff() <= kMaxAcceleration && sample.linear_acceleration.allFinite();
+  return sample.angular_velocity.cwiseAbs().maxCoeff() <= kMaxRate &&
+         sample.angular_velocity.allFinite() &&
+         sample.linear_acceleration.cwiseAbs().maxCoeff() <= kMaxAcceleration &&
+         sample.linear_acceleration.allFinite();
 }
 
 bool IsPlausible(const WheelSample& sample) {
@@ -108,8 +119,9 @@ bool IsPlausible(const WheelSample& sample) {
 }
 
 bool IsPlausible(const GnssFix& fix) {
-  return std::abs(fix.latitude_deg) <= 90 && std::abs(fix.longitude_deg) <= 360 && std::abs(fix.altitude) <= 1e5 &&
-         (fix.sigma_enu.array() > 0).all() && (fix.sigma_enu.array() < 1e6).all();
+  return std::abs(fix.latitude_deg) <= 90 && std::abs(fix.longitude_deg) <= 360 &&
+         std::abs(fix.altitude) <= 1e5 && (fix.sigma_enu.array() > 0).all() &&
+         (fix.sigma_enu.array() < 1e6).all();
 }
 
 }  // namespace parkade

@@ -9,8 +9,9 @@
 
 namespace parkade {
 
-// From messages of any encoding to the records of core/drive_log.h, on the stamps of the log (no time shift). All
-// throw Error{kInvalidInput} when the bytes do not hold the message. Nothing is known to be finite: see IsPlausible.
+// From messages of any encoding to the records of core/drive_log.h, on the stamps of the log (no
+// time shift). All throw Error{kInvalidInput} when the bytes do not hold the message. Nothing is
+// known to be finite: see IsPlausible.
 
 /// header.stamp, or the log time where that is zero.
 Timestamp StampOf(const RawMessage& message, MessageEncoding encoding);
@@ -25,7 +26,8 @@ OdometryMessage ReadOdometry(const RawMessage& message, const SensorStream& stre
 /// Reads the wheel messages of one pass in order.
 class WheelReader {
  public:
-  /// By the twist; or by the difference to the pose before (nothing for the first), at the time midway.
+  /// By the twist; or by the difference to the pose before (nothing for the first), at the time
+  /// midway.
   std::optional<WheelSample> Read(const RawMessage& message, const SensorStream& stream);
 
   /// True when every twist so far was zero while the pose moved by more than 0.1 m.
@@ -40,7 +42,8 @@ class WheelReader {
   Rigid3 last_pose_;
 };
 
-// Finite, and within what a sensor of a car can measure (4000 deg/s, 200 g, 150 m/s; a place on Earth).
+// Finite, and within what a sensor of a car can measure (4000 deg/s, 200 g, 150 m/s; a place on
+// Earth).
 bool IsPlausible(const ImuSample& sample);
 bool IsPlausible(const WheelSample& sample);
 bool IsPlausible(const GnssFix& fix);

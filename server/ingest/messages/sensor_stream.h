@@ -18,9 +18,11 @@ struct SensorStream {
   std::string type;  ///< ROS 1 spelling
   MessageEncoding encoding = MessageEncoding::kRos1;
   double time_shift = 0;  ///< [s] added to each stamp
-  /// Wheels whose twist is zero over the whole drive while the pose moves: speed from differences of the pose.
+  /// Wheels whose twist is zero over the whole drive while the pose moves: speed from differences
+  /// of the pose.
   bool is_speed_from_pose = false;
-  /// Images with 16 bits per sample: how many of them the camera uses. 8-bit values are `sample >> (bits - 8)`.
+  /// Images with 16 bits per sample: how many of them the camera uses. 8-bit values are `sample >>
+  /// (bits - 8)`.
   int sample_bits = 16;
 };
 

@@ -12,8 +12,8 @@ namespace parkade {
 /// Static transforms between named frames. A leading slash of a name does not count.
 class TransformGraph {
  public:
-  /// A transform that is not finite, or whose quaternion is not of length 1 (to 1 %), is left out. A later one between
-  /// the same frames replaces the earlier.
+  /// A transform that is not finite, or whose quaternion is not of length 1 (to 1 %), is left out.
+  /// A later one between the same frames replaces the earlier.
   void Add(const TransformMessage& transform);
 
   bool Has(const std::string& frame) const;
@@ -22,7 +22,8 @@ class TransformGraph {
   std::optional<Rigid3> Find(const std::string& target, const std::string& source) const;
 
  private:
-  std::map<std::string, std::map<std::string, Rigid3>> neighbours_;  ///< [frame][other] = frame_from_other
+  std::map<std::string, std::map<std::string, Rigid3>>
+      neighbors_;  ///< [frame][other] = frame_from_other
 };
 
 /// Without a leading slash.

@@ -37,12 +37,14 @@ Database::Database(const std::filesystem::path& file) {
   sqlite3_busy_timeout(database, 5000);
 
   Connection connection(database);
-  for (const char* pragma : {"PRAGMA journal_mode=WAL", "PRAGMA synchronous=FULL", "PRAGMA foreign_keys=ON",
-                             "PRAGMA trusted_schema=OFF", "PRAGMA journal_size_limit=67108864"})
+  for (const char* pragma :
+       {"PRAGMA journal_mode=WAL", "PRAGMA synchronous=FULL", "PRAGMA foreign_keys=ON",
+        "PRAGMA trusted_schema=OFF", "PRAGMA journal_size_limit=67108864"})
     connection.Execute(pragma);
   Statement check = connection.Query("PRAGMA quick_check(1)");
   const std::string finding = check.Step() ? check.Text(0) : "no answer";
-  Require(finding == "ok", ErrorCode::kInternal, "the database is damaged (" + finding + "): restore it from a backup");
+  Require(finding == "ok", ErrorCode::kInternal,
+          "the database is damaged (" + finding + "): restore it from a backup");
   Write([](Connection& writer) { MigrateSchema(writer); });
 }
 

@@ -52,8 +52,8 @@ void InsertDrive(Connection& connection, const Drive& drive) {
   connection.Execute(
       R"(INSERT INTO drives (id, name, filename, site, rig, state, bytes, sha256, created_at, updated_at)
          VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?))",
-      drive.id, drive.name, drive.filename, drive.site, drive.rig, std::string(ToText(drive.state)), drive.bytes,
-      drive.sha256, drive.created_at, drive.updated_at);
+      drive.id, drive.name, drive.filename, drive.site, drive.rig, std::string(ToText(drive.state)),
+      drive.bytes, drive.sha256, drive.created_at, drive.updated_at);
 }
 
 Drive FindDrive(Connection& connection, const std::string& id) {
@@ -64,18 +64,20 @@ Drive FindDriveOrTombstone(Connection& connection, const std::string& id) {
   return Only(connection.Query(kSelect + "WHERE id = ?", id), id);
 }
 
-std::vector<Drive> ListDrives(Connection& connection, const Page& page, const std::optional<std::string>& site) {
+std::vector<Drive> ListDrives(Connection& connection, const Page& page,
+                              const std::optional<std::string>& site) {
   std::vector<Drive> drives;
-  Statement query = connection.Query(
-      kSelect +
-          "WHERE sequence < ? AND (?2 IS NULL OR site = ?2) AND deleted_at IS NULL ORDER BY sequence DESC LIMIT ?",
-      page.before, site, page.limit);
+  Statement query = connection.Query(kSelect +
+                                         "WHERE sequence < ? AND (?2 IS NULL OR site = ?2) AND "
+                                         "deleted_at IS NULL ORDER BY sequence DESC LIMIT ?",
+                                     page.before, site, page.limit);
   while (query.Step()) drives.push_back(FromRow(query));
   return drives;
 }
 
 std::vector<std::string> DrivesOfSite(Connection& connection, const std::string& site) {
-  return Ids(connection.Query("SELECT id FROM drives WHERE site = ? AND deleted_at IS NULL ORDER BY sequence", site));
+  return Ids(connection.Query(
+      "SELECT id FROM drives WHERE site = ? AND deleted_at IS NULL ORDER BY sequence", site));
 }
 
 std::vector<std::string> DrivesToJoin(Connection& connection, const std::string& new_drive) {
@@ -91,7 +93,8 @@ std::vector<std::string> DrivesToJoin(Connection& connection, const std::string&
                               new_drive));
 }
 
-std::string FreeDriveName(Connection& connection, const std::string& site, const std::string& wanted) {
+std::string FreeDriveName(Connection& connection, const std::string& site,
+                          const std::string& wanted) {
   const auto is_taken = [&](const std::string& name) {
     return connection.Query("SELECT 1 FROM drives WHERE site = ? AND name = ?", site, name).Step();
   };
@@ -102,12 +105,14 @@ std::string FreeDriveName(Connection& connection, const std::string& site, const
 
 void SetDriveState(Connection& connection, const std::string& id, DriveState state,
                    const std::optional<std::string>& error) {
-  connection.Execute("UPDATE drives SET state = ?, error = ?, updated_at = ? WHERE id = ?", std::string(ToText(state)),
-                     error, NowUtc(), id);
+  connection.Execute("UPDATE drives SET state = ?, error = ?, updated_at = ? WHERE id = ?",
+                     std::string(ToText(state)), error, NowUtc(), id);
 }
 
-void SetDriveStreams(Connection& connection, const std::string& id, const std::string& streams_json) {
-  connection.Execute("UPDATE drives SET streams = ?, updated_at = ? WHERE id = ?", streams_json, NowUtc(), id);
+void SetDriveStreams(Connection& connection, const std::string& id,
+                     const std::string& streams_json) {
+  connection.Execute("UPDATE drives SET streams = ?, updated_at = ? WHERE id = ?", streams_json,
+                     NowUtc(), id);
 }
 
 void MarkDriveDeleted(Connection& connection, const std::string& id) {
@@ -115,7 +120,8 @@ void MarkDriveDeleted(Connection& connection, const std::string& id) {
 }
 
 std::int64_t CountDrivesWithContent(Connection& connection, const std::string& sha256) {
-  Statement query = connection.Query("SELECT count(*) FROM drives WHERE sha256 = ? AND deleted_at IS NULL", sha256);
+  Statement query = connection.Query(
+      "SELECT count(*) FROM drives WHERE sha256 = ? AND deleted_at IS NULL", sha256);
   query.Step();
   return query.Integer(0);
 }

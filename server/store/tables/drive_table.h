@@ -19,22 +19,25 @@ Drive FindDrive(Connection& connection, const std::string& id);
 Drive FindDriveOrTombstone(Connection& connection, const std::string& id);
 
 /// Newest first; only those of `site` where given.
-std::vector<Drive> ListDrives(Connection& connection, const Page& page, const std::optional<std::string>& site);
+std::vector<Drive> ListDrives(Connection& connection, const Page& page,
+                              const std::optional<std::string>& site);
 
 /// All ids of a site's drives, in order of arrival.
 std::vector<std::string> DrivesOfSite(Connection& connection, const std::string& site);
-/// `new_drive`, unless it was deleted, and what it is joined with: drives of its site that are in a map, for those that
-/// wait have jobs that join them later. Of equal logs the new drive's, or else the one that came last. In order of
-/// arrival; empty where the new drive was deleted.
+/// `new_drive`, unless it was deleted, and what it is joined with: drives of its site that are in a
+/// map, for those that wait have jobs that join them later. Of equal logs the new drive's, or else
+/// the one that came last. In order of arrival; empty where the new drive was deleted.
 std::vector<std::string> DrivesToJoin(Connection& connection, const std::string& new_drive);
 
 /// `wanted`, or `wanted-2`, ... where the site had a drive of that name: a drive's
 /// name is its folder in the site's maps.
-std::string FreeDriveName(Connection& connection, const std::string& site, const std::string& wanted);
+std::string FreeDriveName(Connection& connection, const std::string& site,
+                          const std::string& wanted);
 
 void SetDriveState(Connection& connection, const std::string& id, DriveState state,
                    const std::optional<std::string>& error);
-void SetDriveStreams(Connection& connection, const std::string& id, const std::string& streams_json);
+void SetDriveStreams(Connection& connection, const std::string& id,
+                     const std::string& streams_json);
 void MarkDriveDeleted(Connection& connection, const std::string& id);
 
 /// Drives (not deleted) whose log has this content.

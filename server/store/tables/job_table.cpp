@@ -16,8 +16,9 @@ const std::string kSelect = R"(
 
 std::optional<std::string> ReviewToText(const MapReview& review) {
   if (!review.from_version) return std::nullopt;
-  nlohmann::json json = {
-      {"from", *review.from_version}, {"reject_loops", review.rejected_loops}, {"force_loops", review.forced_loops}};
+  nlohmann::json json = {{"from", *review.from_version},
+                         {"reject_loops", review.rejected_loops},
+                         {"force_loops", review.forced_loops}};
   if (review.pins) json["pins"] = *review.pins;
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
@@ -25,9 +26,11 @@ std::optional<std::string> ReviewToText(const MapReview& review) {
 MapReview ReviewFromText(const std::optional<std::string>& text) {
   if (!text) return {};
   const nlohmann::json json = nlohmann::json::parse(*text);
-  MapReview review{json.at("from").get<std::int64_t>(), json.at("reject_loops").get<std::vector<std::string>>(),
+  MapReview review{json.at("from").get<std::int64_t>(),
+                   json.at("reject_loops").get<std::vector<std::string>>(),
                    json.at("force_loops").get<std::vector<std::string>>(), std::nullopt};
-  if (const auto pins = json.find("pins"); pins != json.end()) review.pins = pins->get<std::vector<std::string>>();
+  if (const auto pins = json.find("pins"); pins != json.end())
+    review.pins = pins->get<std::vector<std::string>>();
   return review;
 }
 
@@ -50,7 +53,8 @@ Job FromRow(Connection& connection, const Statement& row) {
   job.review = ReviewFromText(OptionalText(row, 14));
   job.service_ends = static_cast<int>(row.Integer(15));
   job.new_drive = OptionalText(row, 16);
-  Statement drives = connection.Query("SELECT drive FROM job_drives WHERE job = ? ORDER BY position", job.id);
+  Statement drives =
+      connection.Query("SELECT drive FROM job_drives WHERE job = ? ORDER BY position", job.id);
   while (drives.Step()) job.drives.push_back(drives.Text(0));
   return job;
 }
@@ -60,9 +64,10 @@ std::string Word(JobState state) { return ToText(state); }
 }  // namespace
 
 void InsertJob(Connection& connection, const Job& job) {
-  connection.Execute("INSERT INTO jobs (id, site, state, created_at, review, new_drive) VALUES (?, ?, ?, ?, ?, ?)",
-                     job.id, job.site, Word(JobState::kQueued), job.created_at, ReviewToText(job.review),
-                     job.new_drive);
+  connection.Execute(
+      "INSERT INTO jobs (id, site, state, created_at, review, new_drive) VALUES (?, ?, ?, ?, ?, ?)",
+      job.id, job.site, Word(JobState::kQueued), job.created_at, ReviewToText(job.review),
+      job.new_drive);
   SetJobDrives(connection, job.id, job.drives);
 }
 
@@ -72,15 +77,16 @@ Job FindJob(Connection& connection, const std::string& id) {
   return FromRow(connection, query);
 }
 
-std::vector<Job> ListJobs(Connection& connection, const Page& page, const std::optional<JobState>& state,
+std::vector<Job> ListJobs(Connection& connection, const Page& page,
+                          const std::optional<JobState>& state,
                           const std::optional<std::string>& site) {
   std::optional<std::string> word;
   if (state) word = Word(*state);
-  Statement query =
-      connection.Query(kSelect +
-                           "WHERE sequence < ? AND (?2 IS NULL OR state = ?2) AND (?3 IS NULL OR site = ?3) "
-                           "ORDER BY sequence DESC LIMIT ?",
-                       page.before, word, site, page.limit);
+  Statement query = connection.Query(
+      kSelect +
+          "WHERE sequence < ? AND (?2 IS NULL OR state = ?2) AND (?3 IS NULL OR site = ?3) "
+          "ORDER BY sequence DESC LIMIT ?",
+      page.before, word, site, page.limit);
   std::vector<Job> jobs;
   while (query.Step()) jobs.push_back(FromRow(connection, query));
   return jobs;
@@ -104,33 +110,39 @@ std::int64_t CountJobs(Connection& connection, JobState state) {
 
 std::optional<std::string> RunningJobOf(Connection& connection, const std::string& drive) {
   Statement query = connection.Query(
-      "SELECT j.id FROM job_drives jd JOIN jobs j ON j.id = jd.job WHERE jd.drive = ? AND j.state = ? LIMIT 1", drive,
-      Word(JobState::kRunning));
+      "SELECT j.id FROM job_drives jd JOIN jobs j ON j.id = jd.job WHERE jd.drive = ? AND j.state "
+      "= ? LIMIT 1",
+      drive, Word(JobState::kRunning));
   if (!query.Step()) return std::nullopt;
   return query.Text(0);
 }
 
-void SetJobDrives(Connection& connection, const std::string& id, const std::vector<std::string>& drives) {
+void SetJobDrives(Connection& connection, const std::string& id,
+                  const std::vector<std::string>& drives) {
   connection.Execute("DELETE FROM job_drives WHERE job = ?", id);
   for (size_t i = 0; i < drives.size(); ++i)
-    connection.Execute("INSERT INTO job_drives (job, drive, position) VALUES (?, ?, ?)", id, drives[i], i);
+    connection.Execute("INSERT INTO job_drives (job, drive, position) VALUES (?, ?, ?)", id,
+                       drives[i], i);
 }
 
 void DropDeletedDrives(Connection& connection, const std::string& id) {
   connection.Execute(
-      "DELETE FROM job_drives WHERE job = ? AND drive IN (SELECT id FROM drives WHERE deleted_at IS NOT NULL)", id);
+      "DELETE FROM job_drives WHERE job = ? AND drive IN (SELECT id FROM drives WHERE deleted_at "
+      "IS NOT NULL)",
+      id);
 }
 
 void StartJob(Connection& connection, const std::string& id) {
   connection.Execute(
-      "UPDATE jobs SET state = ?, attempt = attempt + 1, started_at = ?, error = NULL, error_code = NULL WHERE id = ?",
+      "UPDATE jobs SET state = ?, attempt = attempt + 1, started_at = ?, error = NULL, error_code "
+      "= NULL WHERE id = ?",
       Word(JobState::kRunning), NowUtc(), id);
 }
 
 void SetJobProcess(Connection& connection, const std::string& id, int attempt, std::int64_t pid,
                    std::int64_t pid_started) {
-  connection.Execute("UPDATE jobs SET pid = ?, pid_started = ? WHERE id = ? AND attempt = ?", pid, pid_started, id,
-                     attempt);
+  connection.Execute("UPDATE jobs SET pid = ?, pid_started = ? WHERE id = ? AND attempt = ?", pid,
+                     pid_started, id, attempt);
 }
 
 bool EndJob(Connection& connection, const std::string& id, int attempt, const JobEnd& end) {
@@ -148,8 +160,9 @@ bool RequeueJob(Connection& connection, const std::string& id, int attempt, Setb
              R"(UPDATE jobs SET state = ?, crashes = crashes + ?, service_ends = service_ends + ?, error = ?,
                                 pid = NULL, pid_started = NULL
                 WHERE id = ? AND attempt = ? AND state = ?)",
-             Word(JobState::kQueued), setback == Setback::kCrash ? 1 : 0, setback == Setback::kServiceEnd ? 1 : 0,
-             reason, id, attempt, Word(JobState::kRunning)) == 1;
+             Word(JobState::kQueued), setback == Setback::kCrash ? 1 : 0,
+             setback == Setback::kServiceEnd ? 1 : 0, reason, id, attempt,
+             Word(JobState::kRunning)) == 1;
 }
 
 void QueueJobAgain(Connection& connection, const std::string& id) {

@@ -19,18 +19,20 @@ void InsertJob(Connection& connection, const Job& job);
 Job FindJob(Connection& connection, const std::string& id);
 
 /// Newest first; only those in `state` or of `site` where given.
-std::vector<Job> ListJobs(Connection& connection, const Page& page, const std::optional<JobState>& state,
+std::vector<Job> ListJobs(Connection& connection, const Page& page,
+                          const std::optional<JobState>& state,
                           const std::optional<std::string>& site);
 
-/// The oldest queued job that may start. One with a new drive waits for jobs of its site that run: their map is not
-/// there to be joined with yet, and would come after one that knows nothing of it.
+/// The oldest queued job that may start. One with a new drive waits for jobs of its site that run:
+/// their map is not there to be joined with yet, and would come after one that knows nothing of it.
 std::optional<Job> NextQueuedJob(Connection& connection);
 std::int64_t CountJobs(Connection& connection, JobState state);
 
 /// The running job that maps a drive, if any.
 std::optional<std::string> RunningJobOf(Connection& connection, const std::string& drive);
 
-void SetJobDrives(Connection& connection, const std::string& id, const std::vector<std::string>& drives);
+void SetJobDrives(Connection& connection, const std::string& id,
+                  const std::vector<std::string>& drives);
 /// Takes drives off the job's list that were deleted.
 void DropDeletedDrives(Connection& connection, const std::string& id);
 
@@ -53,7 +55,8 @@ bool EndJob(Connection& connection, const std::string& id, int attempt, const Jo
 enum class Setback { kCrash, kServiceEnd, kStop };
 
 /// Running -> queued. False when the attempt is not the running one.
-bool RequeueJob(Connection& connection, const std::string& id, int attempt, Setback setback, const std::string& reason);
+bool RequeueJob(Connection& connection, const std::string& id, int attempt, Setback setback,
+                const std::string& reason);
 
 /// Failed or cancelled -> queued, with the counts of interruptions forgotten.
 void QueueJobAgain(Connection& connection, const std::string& id);

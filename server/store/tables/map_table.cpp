@@ -8,7 +8,8 @@
 namespace parkade {
 namespace {
 
-const std::string kSelect = "SELECT sequence, id, site, version, job, sha256, datum, bounds, created_at FROM maps ";
+const std::string kSelect =
+    "SELECT sequence, id, site, version, job, sha256, datum, bounds, created_at FROM maps ";
 
 MapVersion FromRow(const Statement& row) {
   MapVersion map;
@@ -31,29 +32,34 @@ std::string Missing(const std::string& site, std::int64_t version) {
 }  // namespace
 
 std::int64_t NextMapVersion(Connection& connection, const std::string& site) {
-  Statement query = connection.Query("SELECT coalesce(max(version), 0) + 1 FROM maps WHERE site = ?", site);
+  Statement query =
+      connection.Query("SELECT coalesce(max(version), 0) + 1 FROM maps WHERE site = ?", site);
   query.Step();
   return query.Integer(0);
 }
 
 void InsertMap(Connection& connection, const MapVersion& map) {
   connection.Execute(
-      "INSERT INTO maps (id, site, version, job, sha256, datum, bounds, created_at) VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
+      "INSERT INTO maps (id, site, version, job, sha256, datum, bounds, created_at) VALUES (?, ?, "
+      "?, ?, ?, ?, ?, ?)",
       map.id, map.site, map.version, map.job, map.sha256, map.datum, map.bounds, map.created_at);
   for (const MapFile& file : map.files)
-    connection.Execute("INSERT INTO map_files (map, name, bytes, sha256) VALUES (?, ?, ?, ?)", map.id, file.name,
-                       file.bytes, file.sha256);
+    connection.Execute("INSERT INTO map_files (map, name, bytes, sha256) VALUES (?, ?, ?, ?)",
+                       map.id, file.name, file.bytes, file.sha256);
   for (size_t i = 0; i < map.drives.size(); ++i)
-    connection.Execute("INSERT INTO map_drives (map, drive, position) VALUES (?, ?, ?)", map.id, map.drives[i].id, i);
+    connection.Execute("INSERT INTO map_drives (map, drive, position) VALUES (?, ?, ?)", map.id,
+                       map.drives[i].id, i);
 }
 
 MapVersion FindMap(Connection& connection, const std::string& site, std::int64_t version) {
   Statement query = connection.Query(kSelect + "WHERE site = ? AND version = ?", site, version);
   Require(query.Step(), ErrorCode::kNotFound, Missing(site, version));
   MapVersion map = FromRow(query);
-  Statement files = connection.Query("SELECT name, bytes, sha256 FROM map_files WHERE map = ? ORDER BY name", map.id);
+  Statement files = connection.Query(
+      "SELECT name, bytes, sha256 FROM map_files WHERE map = ? ORDER BY name", map.id);
   while (files.Step()) map.files.push_back({files.Text(0), files.Integer(1), files.Text(2)});
-  Statement drives = connection.Query("SELECT drive FROM map_drives WHERE map = ? ORDER BY position", map.id);
+  Statement drives =
+      connection.Query("SELECT drive FROM map_drives WHERE map = ? ORDER BY position", map.id);
   while (drives.Step()) map.drives.push_back(FindDriveOrTombstone(connection, drives.Text(0)));
   return map;
 }
@@ -64,9 +70,11 @@ std::int64_t LatestMapVersion(Connection& connection, const std::string& site) {
   return next - 1;
 }
 
-std::vector<MapVersion> ListMaps(Connection& connection, const std::string& site, const Page& page) {
-  Statement query = connection.Query(kSelect + "WHERE site = ? AND sequence < ? ORDER BY sequence DESC LIMIT ?", site,
-                                     page.before, page.limit);
+std::vector<MapVersion> ListMaps(Connection& connection, const std::string& site,
+                                 const Page& page) {
+  Statement query =
+      connection.Query(kSelect + "WHERE site = ? AND sequence < ? ORDER BY sequence DESC LIMIT ?",
+                       site, page.before, page.limit);
   std::vector<MapVersion> maps;
   while (query.Step()) maps.push_back(FromRow(query));
   return maps;
@@ -78,7 +86,8 @@ PublishedFile FindMapFile(Connection& connection, const std::string& site, std::
       R"(SELECT maps.id, name, bytes, map_files.sha256 FROM maps JOIN map_files ON map = maps.id
          WHERE site = ? AND version = ? AND name = ?)",
       site, version, name);
-  Require(query.Step(), ErrorCode::kNotFound, Missing(site, version) + " with a file '" + name + "'");
+  Require(query.Step(), ErrorCode::kNotFound,
+          Missing(site, version) + " with a file '" + name + "'");
   return {query.Text(0), {query.Text(1), query.Integer(2), query.Text(3)}};
 }
 

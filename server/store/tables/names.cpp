@@ -17,7 +17,9 @@ constexpr size_t kMaxNameLength = 64;
 constexpr size_t kMaxMadeNameLength = 48;  // leaves room for a suffix
 constexpr int kMaxPathDepth = 4;
 
-bool IsLetterOrDigit(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); }
+bool IsLetterOrDigit(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+}
 
 bool IsPlain(char c) { return IsLetterOrDigit(c) || c == '.' || c == '_' || c == '-'; }
 
@@ -44,7 +46,8 @@ std::string NowUtc() {
   gmtime_r(&seconds, &utc);
   std::array<char, 40> text{};
   const size_t length = std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S", &utc);
-  std::snprintf(text.data() + length, text.size() - length, ".%03dZ", static_cast<int>(milliseconds % 1000));
+  std::snprintf(text.data() + length, text.size() - length, ".%03dZ",
+                static_cast<int>(milliseconds % 1000));
   return text.data();
 }
 
@@ -58,12 +61,15 @@ std::string PlainNameFromFilename(std::string_view filename) {
     filename.remove_prefix(slash + 1);
   for (const std::string_view extension :
        {".tar.gz", ".tar.zst", ".tgz", ".tar", ".zip", ".bag", ".mcap", ".db3", ".zstd"})
-    if (filename.size() > extension.size() && filename.ends_with(extension)) filename.remove_suffix(extension.size());
+    if (filename.size() > extension.size() && filename.ends_with(extension))
+      filename.remove_suffix(extension.size());
 
   std::string name;
-  for (const char c : filename.substr(0, kMaxMadeNameLength)) name += IsPlain(c) && c != '.' ? c : '-';
+  for (const char c : filename.substr(0, kMaxMadeNameLength))
+    name += IsPlain(c) && c != '.' ? c : '-';
   name.erase(name.begin(), std::find_if(name.begin(), name.end(), IsLetterOrDigit));
-  return name.empty() || name == "tiles" ? "drive" + name : name;  // a map has a folder tiles/ of its own
+  return name.empty() || name == "tiles" ? "drive" + name
+                                         : name;  // a map has a folder tiles/ of its own
 }
 
 bool IsPlainPath(std::string_view path) {

@@ -40,28 +40,32 @@ struct Drive {
 
 /// What a reviewer wants of a map that is built anew from one that is there.
 struct MapReview {
-  std::optional<std::int64_t> from_version = {};      ///< of the site: its odometry is taken instead of tracking again
-  std::vector<std::string> rejected_loops = {};       ///< [DRIVE:]LOOP as report.json names them
-  std::vector<std::string> forced_loops = {};         ///< likewise
-  std::optional<std::vector<std::string>> pins = {};  ///< `parkade map --pin`; nothing: as the version has them
+  std::optional<std::int64_t> from_version =
+      {};  ///< of the site: its odometry is taken instead of tracking again
+  std::vector<std::string> rejected_loops = {};  ///< [DRIVE:]LOOP as report.json names them
+  std::vector<std::string> forced_loops = {};    ///< also
+  std::optional<std::vector<std::string>> pins =
+      {};  ///< `parkade map --pin`; nothing: as the version has them
 };
 
 struct Job {
   std::int64_t sequence = 0;
   std::string id;
   std::string site;
-  /// Ids, in the order of the command line. Of a job with a new drive: that one while it waits, and all it was joined
-  /// with since it was started.
+  /// Ids, in the order of the command line. Of a job with a new drive: that one while it waits, and
+  /// all it was joined with since it was started.
   std::vector<std::string> drives;
-  std::optional<std::string> new_drive;  ///< an upload's, to be joined with its site; nothing: `drives` were chosen
+  std::optional<std::string>
+      new_drive;  ///< an upload's, to be joined with its site; nothing: `drives` were chosen
   MapReview review;
   JobState state = JobState::kQueued;
-  int attempt = 0;                               ///< how often a worker was started
-  int crashes = 0;                               ///< of these, ended by a signal since it was queued by hand
-  int service_ends = 0;                          ///< of these, ended because the service died, likewise
-  std::optional<std::string> error;              ///< one sentence
-  std::optional<std::string> error_code;         ///< "invalid_input", "crashed", ...
-  std::optional<std::int64_t> pid, pid_started;  ///< of the running worker; start in clock ticks since boot
+  int attempt = 0;                   ///< how often a worker was started
+  int crashes = 0;                   ///< of these, ended by a signal since it was queued by hand
+  int service_ends = 0;              ///< of these, ended because the service died, also
+  std::optional<std::string> error;  ///< one sentence
+  std::optional<std::string> error_code;  ///< "invalid_input", "crashed", ...
+  std::optional<std::int64_t> pid,
+      pid_started;  ///< of the running worker; start in clock ticks since boot
   std::optional<std::int64_t> map_version;
   std::string created_at;
   std::optional<std::string> started_at, finished_at;
@@ -107,7 +111,8 @@ struct MapVersion {
 /// A part of a list, newest first.
 struct Page {
   int limit = 50;
-  std::int64_t before = std::numeric_limits<std::int64_t>::max();  ///< sequence of the last row of the page before
+  std::int64_t before =
+      std::numeric_limits<std::int64_t>::max();  ///< sequence of the last row of the page before
 };
 
 }  // namespace parkade

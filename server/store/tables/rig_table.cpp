@@ -25,22 +25,24 @@ StoredRig FromRow(const Statement& row) {
 void InsertRig(Connection& connection, const StoredRig& rig) {
   std::string files;
   for (const std::string& file : rig.files) files += (files.empty() ? "" : " ") + file;
-  connection.Execute("INSERT INTO rigs (id, name, sha256, files, created_at) VALUES (?, ?, ?, ?, ?)", rig.id, rig.name,
-                     rig.sha256, files, rig.created_at);
+  connection.Execute(
+      "INSERT INTO rigs (id, name, sha256, files, created_at) VALUES (?, ?, ?, ?, ?)", rig.id,
+      rig.name, rig.sha256, files, rig.created_at);
 }
 
 std::optional<StoredRig> FindRig(Connection& connection, const std::string& name) {
-  Statement query = connection.Query(kSelect + "WHERE name = ? ORDER BY sequence DESC LIMIT 1", name);
+  Statement query =
+      connection.Query(kSelect + "WHERE name = ? ORDER BY sequence DESC LIMIT 1", name);
   if (!query.Step()) return std::nullopt;
   return FromRow(query);
 }
 
 std::vector<StoredRig> ListRigs(Connection& connection, const Page& page) {
-  Statement query =
-      connection.Query(kSelect +
-                           "WHERE sequence IN (SELECT max(sequence) FROM rigs GROUP BY name) AND sequence < ? "
-                           "ORDER BY sequence DESC LIMIT ?",
-                       page.before, page.limit);
+  Statement query = connection.Query(
+      kSelect +
+          "WHERE sequence IN (SELECT max(sequence) FROM rigs GROUP BY name) AND sequence < ? "
+          "ORDER BY sequence DESC LIMIT ?",
+      page.before, page.limit);
   std::vector<StoredRig> rigs;
   while (query.Step()) rigs.push_back(FromRow(query));
   return rigs;

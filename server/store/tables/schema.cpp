@@ -99,17 +99,21 @@ const std::vector<const char*> kVersion1 = {
 const std::vector<const char*> kVersion2 = {"ALTER TABLE jobs ADD COLUMN review TEXT"};
 
 // How often the service ended while the job was running, other than by being stopped.
-const std::vector<const char*> kVersion3 = {"ALTER TABLE jobs ADD COLUMN service_ends INTEGER NOT NULL DEFAULT 0"};
+const std::vector<const char*> kVersion3 = {
+    "ALTER TABLE jobs ADD COLUMN service_ends INTEGER NOT NULL DEFAULT 0"};
 
-// The drive whose upload made the job, which joins it with its site when it starts; NULL: the drives were chosen, or an
-// older program queued the job. Drives in a map are ready: older programs said otherwise while a job ran.
+// The drive whose upload made the job, which joins it with its site when it starts; NULL: the
+// drives were chosen, or an older program queued the job. Drives in a map are ready: older programs
+// said otherwise while a job ran.
 const std::vector<const char*> kVersion4 = {
     "ALTER TABLE jobs ADD COLUMN new_drive TEXT REFERENCES drives (id)",
-    "UPDATE drives SET state = 'ready', error = NULL WHERE state != 'ready' AND id IN (SELECT drive FROM map_drives)"};
+    "UPDATE drives SET state = 'ready', error = NULL WHERE state != 'ready' AND id IN (SELECT "
+    "drive FROM map_drives)"};
 
 // One entry per schema version, oldest first. A published entry never changes:
 // a change of the tables is a new entry.
-const std::vector<const std::vector<const char*>*> kMigrations = {&kVersion1, &kVersion2, &kVersion3, &kVersion4};
+const std::vector<const std::vector<const char*>*> kMigrations = {&kVersion1, &kVersion2,
+                                                                  &kVersion3, &kVersion4};
 
 }  // namespace
 

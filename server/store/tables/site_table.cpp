@@ -22,7 +22,8 @@ Site FromRow(Connection& connection, const Statement& row) {
   site.num_drives = row.Integer(3);
   site.datum = OptionalText(row, 4);
   site.bounds = OptionalText(row, 5);
-  Statement versions = connection.Query("SELECT version FROM maps WHERE site = ? ORDER BY version", site.name);
+  Statement versions =
+      connection.Query("SELECT version FROM maps WHERE site = ? ORDER BY version", site.name);
   while (versions.Step()) site.versions.push_back(versions.Integer(0));
   return site;
 }
@@ -30,8 +31,9 @@ Site FromRow(Connection& connection, const Statement& row) {
 }  // namespace
 
 void EnsureSite(Connection& connection, const std::string& name) {
-  connection.Execute("INSERT INTO sites (name, created_at) VALUES (?, ?) ON CONFLICT (name) DO NOTHING", name,
-                     NowUtc());
+  connection.Execute(
+      "INSERT INTO sites (name, created_at) VALUES (?, ?) ON CONFLICT (name) DO NOTHING", name,
+      NowUtc());
 }
 
 bool HasSite(Connection& connection, const std::string& name) {
@@ -40,7 +42,8 @@ bool HasSite(Connection& connection, const std::string& name) {
 
 std::string FreeSiteName(Connection& connection, const std::string& wanted) {
   std::string name = wanted;
-  for (int number = 2; HasSite(connection, name); ++number) name = wanted + "-" + std::to_string(number);
+  for (int number = 2; HasSite(connection, name); ++number)
+    name = wanted + "-" + std::to_string(number);
   return name;
 }
 
@@ -51,8 +54,8 @@ Site FindSite(Connection& connection, const std::string& name) {
 }
 
 std::vector<Site> ListSites(Connection& connection, const Page& page) {
-  Statement query =
-      connection.Query(kSelect + "WHERE sequence < ? ORDER BY sequence DESC LIMIT ?", page.before, page.limit);
+  Statement query = connection.Query(kSelect + "WHERE sequence < ? ORDER BY sequence DESC LIMIT ?",
+                                     page.before, page.limit);
   std::vector<Site> sites;
   while (query.Step()) sites.push_back(FromRow(connection, query));
   return sites;

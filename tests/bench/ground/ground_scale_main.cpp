@@ -29,8 +29,9 @@ struct CommandLine {
 };
 
 void Print(const StageCost& cost, double hectares) {
-  std::printf("%-8s %9.0f MiB at most, %7.0f of its own, %8.1f s, per hectare %6.1f MiB %6.2f s\n", cost.name.c_str(),
-              cost.peak_mebibytes, cost.peak_own_mebibytes, cost.processor_seconds, cost.peak_mebibytes / hectares,
+  std::printf("%-8s %9.0f MiB at most, %7.0f of its own, %8.1f s, per hectare %6.1f MiB %6.2f s\n",
+              cost.name.c_str(), cost.peak_mebibytes, cost.peak_own_mebibytes,
+              cost.processor_seconds, cost.peak_mebibytes / hectares,
               cost.processor_seconds / hectares);
   std::fflush(stdout);
 }
@@ -55,14 +56,16 @@ int RunStages(const CommandLine& line) {
   heights = {};
   std::printf("         %zu cells\n", map.surface.cells.size());
   map.mesh = Measure("mesh", line.hectares, [&] { return MeshSurface(map.surface); });
-  std::printf("         %zu triangles, %.0f m2\n", map.mesh.triangles.size(), SurfaceArea(map.mesh));
+  std::printf("         %zu triangles, %.0f m2\n", map.mesh.triangles.size(),
+              SurfaceArea(map.mesh));
   const std::unique_ptr<DriveLog> log = site.Log();
   const TextureSource source{log.get(), &site.path()};
   map.texture = Measure("texture", line.hectares, [&] {
     return PaintTexture(map.mesh, map.surface, site.patches().views(), std::span(&source, 1));
   });
   std::printf("         %zu charts\n", map.texture.charts.size());
-  map.drives.push_back({log->name(), site.rig(), site.path().site_from_body, site.path().site_from_body});
+  map.drives.push_back(
+      {log->name(), site.rig(), site.path().site_from_body, site.path().site_from_body});
   Measure("export", line.hectares, [&] {
     fs::create_directories(line.out);
     WriteSiteMap(map, line.out);
@@ -80,7 +83,8 @@ int main(int argc, char** argv) {
   CommandLine line;
   CLI::App app("What mapping large sites takes", "parkade-ground-scale");
   app.footer(kFooter);
-  app.add_option("--hectares", line.hectares, "of the site, a fifth of it drivable")->capture_default_str();
+  app.add_option("--hectares", line.hectares, "of the site, a fifth of it drivable")
+      ->capture_default_str();
   app.add_option("--out", line.out, "folder for the map's files")->required();
   app.add_option("--threads", line.num_threads)->capture_default_str();
   return RunBench(app, argc, argv, line.num_threads, [&] { return RunStages(line); });

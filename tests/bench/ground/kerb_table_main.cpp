@@ -9,7 +9,7 @@
 #include "mapping/markings/find_kerbs.h"
 #include "mapping/mesh/mesh_surface.h"
 #include "mapping/observation/observe_ground.h"
-#include "mapping/observation/seen_ground.h"
+#include "mapping/observation/visible_points.h"
 #include "mapping/surface/fuse_surface.h"
 #include "server/map_folder/kerbs_file.h"
 #include "tests/bench/odometry/run_bench.h"
@@ -54,27 +54,31 @@ struct KerbRun {
   double seconds = 0;  ///< of processor time, to find them
 };
 
-KerbRun RunDrive(const CommandLine& line, const std::string& name, const KerbTableOptions& options) {
+KerbRun RunDrive(const CommandLine& line, const std::string& name,
+                 const KerbTableOptions& options) {
   const SuiteDrive drive = OpenSuiteDrive(line.suite, name);
   const Trajectory world_from_body = TrajectoryOf(drive.world_from_imu, drive.true_rig);
   GroundObservation seen = ObserveGround(*drive.log, world_from_body, {}, 0, options.ground);
   const DrivenPath path = MakeDrivenPath(0, drive.true_rig, world_from_body, seen.body_from_ground);
   std::vector<PosedGroundPatch> patches;
   for (GroundPatch& patch : seen.patches)
-    if (const std::optional<Rigid3> pose = world_from_body.At(patch.time)) patches.push_back({std::move(patch), *pose});
+    if (const std::optional<Rigid3> pose = world_from_body.At(patch.time))
+      patches.push_back({std::move(patch), *pose});
   const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), options.surface);
   const TriangleMesh mesh = MeshSurface(surface, options.mesh);
 
   KerbRun run;
   const std::clock_t start = std::clock();
-  run.kerbs = FindKerbs(mesh, surface, PatchesInMemory(patches), std::span(&path, 1), options.kerbs);
+  run.kerbs =
+      FindKerbs(mesh, surface, PatchesInMemory(patches), std::span(&path, 1), options.kerbs);
   run.seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-  const fs::path truth = line.truth.empty() ? fs::path(line.suite) / name / "truth" / "kerbs.geojson"
-                                            : fs::path(line.truth) / (name + ".geojson");
-  SeenGroundOptions near;
+  const fs::path truth = line.truth.empty()
+                             ? fs::path(line.suite) / name / "truth" / "kerbs.geojson"
+                             : fs::path(line.truth) / (name + ".geojson");
+  VisiblePointsOptions near;
   near.max_distance = options.kerbs.max_distance;
   const KerbScope scope{PathOf(world_from_body), {[&](const std::vector<Eigen::Vector3d>& points) {
-                          return FindSeenGround(points, *drive.log, drive.world_from_imu, near);
+                          return FindVisiblePoints(points, *drive.log, drive.world_from_imu, near);
                         }}};
   run.evaluation = EvaluateKerbs(ReadTrueKerbs(truth, {}), run.kerbs, {}, scope);
   return run;
@@ -84,10 +88,15 @@ nlohmann::json ToJson(const std::string& name, const KerbRun& run) {
   nlohmann::json kerbs = nlohmann::json::array();
   for (const Kerb& kerb : run.kerbs) {
     nlohmann::json points = nlohmann::json::array();
-    for (const Eigen::Vector3d& point : kerb.points) points.push_back({point.x(), point.y(), point.z()});
-    kerbs.push_back({{"height", kerb.height}, {"height_sigma", kerb.height_sigma}, {"points", points}});
+    for (const Eigen::Vector3d& point : kerb.points)
+      points.push_back({point.x(), point.y(), point.z()});
+    kerbs.push_back(
+        {{"height", kerb.height}, {"height_sigma", kerb.height_sigma}, {"points", points}});
   }
-  return {{"drive", name}, {"seconds", run.seconds}, {"evaluation", ToJson(run.evaluation)}, {"kerbs", kerbs}};
+  return {{"drive", name},
+          {"seconds", run.seconds},
+          {"evaluation", ToJson(run.evaluation)},
+          {"kerbs", kerbs}};
 }
 
 int Run(const CommandLine& line) {
@@ -98,10 +107,12 @@ int Run(const CommandLine& line) {
     const KerbRun run = RunDrive(line, name, options);
     const KerbEvaluation& e = run.evaluation;
     std::printf(
-        "%-12s recall %5.1f %% of %4.0f m  precision %5.1f %% of %4.0f m in %2zu  height %.3f median %.3f p95 %+.3f "
+        "%-12s recall %5.1f %% of %4.0f m  precision %5.1f %% of %4.0f m in %2zu  height %.3f "
+        "median %.3f p95 %+.3f "
         "bias  %.1f sigmas  %.1f s\n",
-        name.c_str(), e.recall_percent, e.true_length, e.precision_percent, e.found_length, run.kerbs.size(),
-        e.height_median, e.height_p95, e.height_bias, e.height_normalised_rmse, run.seconds);
+        name.c_str(), e.recall_percent, e.true_length, e.precision_percent, e.found_length,
+        run.kerbs.size(), e.height_median, e.height_p95, e.height_bias, e.height_normalized_rmse,
+        run.seconds);
     std::fflush(stdout);
     json["runs"].push_back(ToJson(name, run));
     if (!line.json_file.empty()) WriteFileAtomically(line.json_file, json.dump(1) + "\n");
@@ -121,7 +132,9 @@ int main(int argc, char** argv) {
   app.add_option("--truth", line.truth, "Folder of true kerbs; default: those of the suite");
   app.add_option("--only", line.drives, "Some drives; default: all that are there")->delimiter(',');
   app.add_option("--set", line.assignments, "Of the map: kerbs.min_views=4");
-  app.add_option("--threads", line.num_threads, "Of one run")->capture_default_str()->check(CLI::Range(1, 256));
+  app.add_option("--threads", line.num_threads, "Of one run")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 256));
   app.add_option("--json", line.json_file, "Every run, with its kerbs");
   return RunBench(app, argc, argv, line.num_threads, [&] { return Run(line); });
 }

@@ -20,8 +20,8 @@ bool IsLane(double y) { return y - kLaneStep * std::floor(y / kLaneStep) < kLane
 
 std::uint8_t ShadeAt(double x, double y) {
   if (std::fmod(x, 2.5) < 0.12) return 220;  // paint
-  const auto noise =
-      static_cast<std::uint32_t>(std::lround(x / kSampleStep) * 7919 + std::lround(y / kSampleStep) * 104729);
+  const auto noise = static_cast<std::uint32_t>(std::lround(x / kSampleStep) * 7919 +
+                                                std::lround(y / kSampleStep) * 104729);
   return static_cast<std::uint8_t>(90 + (noise * 2654435761U >> 28U));
 }
 
@@ -31,10 +31,12 @@ Rig MakeRig() {
   RigCamera camera;
   camera.name = "cam0";
   camera.model =
-      CameraModel(PinholeProjection{.fx = 260, .fy = 260, .cx = 0.5 * kWidth, .cy = 0.5 * kHeight}, kWidth, kHeight);
+      CameraModel(PinholeProjection{.fx = 260, .fy = 260, .cx = 0.5 * kWidth, .cy = 0.5 * kHeight},
+                  kWidth, kHeight);
   const double tilt = 35 * std::numbers::pi / 180;
   Eigen::Matrix3d body_from_camera;
-  body_from_camera << 0, -std::sin(tilt), std::cos(tilt), -1, 0, 0, 0, -std::cos(tilt), -std::sin(tilt);
+  body_from_camera << 0, -std::sin(tilt), std::cos(tilt), -1, 0, 0, 0, -std::cos(tilt),
+      -std::sin(tilt);
   camera.body_from_camera = {Eigen::Quaterniond(body_from_camera), {0, 0, kEyeHeight}};
   rig.cameras.push_back(camera);
   rig.vehicle.emplace();
@@ -51,7 +53,7 @@ Trajectory DriveThrough(double side) {
     for (double x = 0; x < side; x += kViewStep, seconds += 0.1 * kViewStep) {
       TrajectoryState& state = states.emplace_back();
       state.time = TimestampFromSeconds(seconds);
-      state.odom_from_body.translation = {x, y, HeightAt(x, y)};
+      state.world_from_body.translation = {x, y, HeightAt(x, y)};
     }
   return Trajectory(std::move(states));
 }
@@ -62,8 +64,9 @@ class LanePatches final : public PatchSource {
   explicit LanePatches(const DrivenPath& path) {
     for (const TrajectoryState& state : path.site_from_body.states())
       views_.push_back(
-          {0, 0, state.time, state.odom_from_body,
-           ExtentInSite({Eigen::Vector3d(kNear, -kAside, 0), Eigen::Vector3d(kFar, kAside, 0)}, state.odom_from_body)});
+          {0, 0, state.time, state.world_from_body,
+           ExtentInSite({Eigen::Vector3d(kNear, -kAside, 0), Eigen::Vector3d(kFar, kAside, 0)},
+                        state.world_from_body)});
   }
 
   PosedGroundPatch Read(std::size_t index) const override {
@@ -86,10 +89,10 @@ class LanePatches final : public PatchSource {
   static constexpr double kNear = 1, kFar = 8, kAside = 0.5 * kLaneWidth + kSeenBeside;  // [m]
 };
 
-/// One picture, again and again.
-class SamePictures final : public RecordStream {
+/// One image, again and again.
+class SameImages final : public RecordStream {
  public:
-  SamePictures(const Trajectory& trajectory, ReadOptions options)
+  SameImages(const Trajectory& trajectory, ReadOptions options)
       : trajectory_(&trajectory), options_(std::move(options)), image_(kHeight, kWidth, CV_8UC3) {
     cv::RNG random(1);
     random.fill(image_, cv::RNG::NORMAL, 110, 12);
@@ -98,7 +101,8 @@ class SamePictures final : public RecordStream {
   std::optional<SensorRecord> Next() override {
     while (next_ < trajectory_->states().size()) {
       const Timestamp time = trajectory_->states()[next_++].time;
-      if (!options_.wants_image || options_.wants_image(0, time)) return CameraFrame{time, 0, image_};
+      if (!options_.wants_image || options_.wants_image(0, time))
+        return CameraFrame{time, 0, image_};
     }
     return {};
   }
@@ -117,7 +121,7 @@ class LaneLog final : public DriveLog {
   const Rig& rig() const override { return rig_; }
   TimeSpan span() const override { return trajectory_.span(); }
   std::unique_ptr<RecordStream> Read(const ReadOptions& options) const override {
-    return std::make_unique<SamePictures>(trajectory_, options);
+    return std::make_unique<SameImages>(trajectory_, options);
   }
 
  private:
@@ -138,11 +142,15 @@ std::vector<HeightObservation> LargeSite::Heights() const {
   constexpr double kStep = 0.4;
   std::vector<HeightObservation> heights;
   for (double lane = 0; lane < side_; lane += kLaneStep)
-    for (double y = lane - kSeenBeside + 0.5 * kStep; y < lane + kLaneWidth + kSeenBeside; y += kStep)
-      for (double x = 0.5 * kStep; x < side_ + 8; x += kStep) heights.push_back({{x, y, HeightAt(x, y)}, 1e4});
+    for (double y = lane - kSeenBeside + 0.5 * kStep; y < lane + kLaneWidth + kSeenBeside;
+         y += kStep)
+      for (double x = 0.5 * kStep; x < side_ + 8; x += kStep)
+        heights.push_back({{x, y, HeightAt(x, y)}, 1e4});
   return heights;
 }
 
-std::unique_ptr<DriveLog> LargeSite::Log() const { return std::make_unique<LaneLog>(rig_, path_.site_from_body); }
+std::unique_ptr<DriveLog> LargeSite::Log() const {
+  return std::make_unique<LaneLog>(rig_, path_.site_from_body);
+}
 
 }  // namespace parkade

@@ -10,8 +10,9 @@
 
 namespace parkade {
 
-/// A square site of `hectares` with a lane of 10 m every 50 m, a fifth of it, and what a car with one camera saw that
-/// drove through all of them: nothing of it is in memory, all of it is made when it is asked for.
+/// A square site of `hectares` with a lane of 10 m every 50 m, a fifth of it, and what a car with
+/// one camera saw that drove through all of them: nothing of it is in memory, all of it is made
+/// when it is asked for.
 class LargeSite {
  public:
   explicit LargeSite(double hectares);

@@ -10,7 +10,7 @@
 #include "mapping/evaluation/height_raster.h"
 #include "mapping/mesh/read_ply.h"
 #include "mapping/observation/observe_ground.h"
-#include "mapping/observation/seen_ground.h"
+#include "mapping/observation/visible_points.h"
 #include "mapping/surface/outline_features.h"
 #include "mapping/surface/paint_tile.h"
 #include "tests/bench/odometry/run_bench.h"
@@ -28,8 +28,8 @@ channels x rows x columns) and DRIVE_N.truth (uint8: 0 not drivable, 1 drivable,
 3 not within 12 m of the path, or nothing is known).
 Example: parkade-outline-rasters --suite SUITE --out RASTERS --set ground.use_semantics=false)";
 
-constexpr double kMergeGap = 0.1;        // [m] overlapping triangles of one sheet
-constexpr double kMaxGap = 0.5;          // [m] ground and truth further above each other are not the same
+constexpr double kMergeGap = 0.1;  // [m] overlapping triangles of one sheet
+constexpr double kMaxGap = 0.5;    // [m] ground and truth further above each other are not the same
 constexpr double kMaxPathDistance = 12;  // [m] as ground is judged
 constexpr double kMaxDrop = 2.5;         // [m] of the path to a deck that it is on
 constexpr double kWholeSite = 1e4;       // [m]
@@ -61,11 +61,14 @@ std::vector<SurfacePainter::PaintedCell> Paint(const SuiteDrive& drive, const Op
   const DrivenPath path = MakeDrivenPath(0, drive.true_rig, site_from_body, seen.body_from_ground);
   std::vector<PosedGroundPatch> patches;
   for (GroundPatch& patch : seen.patches)
-    if (const std::optional<Rigid3> pose = site_from_body.At(patch.time)) patches.push_back({std::move(patch), *pose});
+    if (const std::optional<Rigid3> pose = site_from_body.At(patch.time))
+      patches.push_back({std::move(patch), *pose});
   const PatchesInMemory source(patches);
-  const std::vector<DriveHeights> heights = {MeasureDriveHeights(source, &path, options.surface.Heights(), {})};
+  const std::vector<DriveHeights> heights = {
+      MeasureDriveHeights(source, &path, options.surface.Heights(), {})};
   const HeightField field = FitHeights(heights, std::span(&path, 1), options.surface.Heights(), {});
-  const int cells_per_side = static_cast<int>(std::round(options.surface.height.spacing / options.surface.cell_size));
+  const int cells_per_side =
+      static_cast<int>(std::round(options.surface.height.spacing / options.surface.cell_size));
   const LatestDrives latest(source.views(), options.surface.latest_drives);
   const std::vector<FieldTile> tiles = CutIntoTiles(field, cells_per_side, kWholeSite);
   Require(!tiles.empty(), ErrorCode::kInvalidInput, "no ground was seen");
@@ -81,9 +84,11 @@ void Write(const fs::path& name, const cv::Mat& features, const std::vector<Trut
   const nlohmann::json json = {
       {"channels", features.size[1]}, {"rows", features.size[2]}, {"columns", features.size[3]}};
   WriteFileAtomically(name.string() + ".json", json.dump() + "\n");
-  WriteFileAtomically(name.string() + ".features",
-                      std::string(reinterpret_cast<const char*>(features.data), features.total() * sizeof(float)));
-  WriteFileAtomically(name.string() + ".truth", std::string(reinterpret_cast<const char*>(truth.data()), truth.size()));
+  WriteFileAtomically(
+      name.string() + ".features",
+      std::string(reinterpret_cast<const char*>(features.data), features.total() * sizeof(float)));
+  WriteFileAtomically(name.string() + ".truth",
+                      std::string(reinterpret_cast<const char*>(truth.data()), truth.size()));
 }
 
 /// The true ground of a drive, and what of it its cameras saw.
@@ -94,8 +99,9 @@ class TrueGround {
         raster_(mesh, spacing, kMergeGap),
         path_(PathOf(TrajectoryOf(drive.world_from_imu, drive.true_rig))) {
     std::vector<Eigen::Vector3d> points;
-    for (const HeightRaster::Sample& sample : raster_.samples()) points.push_back(raster_.PointOf(sample));
-    is_seen_ = FindSeenGround(points, *drive.log, drive.world_from_imu);
+    for (const HeightRaster::Sample& sample : raster_.samples())
+      points.push_back(raster_.PointOf(sample));
+    is_seen_ = FindVisiblePoints(points, *drive.log, drive.world_from_imu);
   }
 
   Truth At(const Eigen::Vector3d& place) const {
@@ -109,7 +115,8 @@ class TrueGround {
  private:
   bool IsNearPath(const Eigen::Vector3d& place) const {
     return std::any_of(path_.begin(), path_.end(), [&](const Eigen::Vector3d& at) {
-      return std::abs(at.z() - place.z()) < kMaxDrop && (at - place).head<2>().norm() < kMaxPathDistance;
+      return std::abs(at.z() - place.z()) < kMaxDrop &&
+             (at - place).head<2>().norm() < kMaxPathDistance;
     });
   }
 
@@ -119,8 +126,8 @@ class TrueGround {
   std::vector<bool> is_seen_;
 };
 
-std::vector<Truth> LabelsOf(std::span<const SurfacePainter::PaintedCell> cells, const DeckRaster& deck,
-                            double cell_size, const TrueGround& truth) {
+std::vector<Truth> LabelsOf(std::span<const SurfacePainter::PaintedCell> cells,
+                            const DeckRaster& deck, double cell_size, const TrueGround& truth) {
   std::vector<Truth> labels;
   for (int row = 0; row < deck.index.rows; row += kOutlineFactor)
     for (int column = 0; column < deck.index.cols; column += kOutlineFactor) {
@@ -129,9 +136,11 @@ std::vector<Truth> LabelsOf(std::span<const SurfacePainter::PaintedCell> cells, 
         labels.push_back(Truth::kUnknown);
         continue;
       }
-      const Eigen::Vector2d middle = cell_size * (deck.origin + Eigen::Vector2i(column, row)).cast<double>().array() +
-                                     0.5 * kOutlineFactor * cell_size;
-      labels.push_back(truth.At({middle.x(), middle.y(), cells[static_cast<size_t>(i)].cell.height}));
+      const Eigen::Vector2d middle =
+          cell_size * (deck.origin + Eigen::Vector2i(column, row)).cast<double>().array() +
+          0.5 * kOutlineFactor * cell_size;
+      labels.push_back(
+          truth.At({middle.x(), middle.y(), cells[static_cast<size_t>(i)].cell.height}));
     }
   return labels;
 }
@@ -142,10 +151,12 @@ void RunDrive(const CommandLine& line, const std::string& name, const Options& o
   const double cell_size = options.surface.cell_size;
   const TrueGround truth(ReadPly(fs::path(line.suite) / name / "truth" / "ground_truth.ply"),
                          kOutlineFactor * cell_size, drive);
-  const std::vector<DeckRaster> decks = CutIntoDecks(cells, LinkPaintedCells(cells, kMaxCellStep), kAlign, kMinCells);
+  const std::vector<DeckRaster> decks =
+      CutIntoDecks(cells, LinkPaintedCells(cells, kMaxCellStep), kAlign, kMinCells);
   for (size_t k = 0; k < decks.size(); ++k)
     Write(fs::path(line.out) / (name + "_" + std::to_string(k)),
-          OutlineFeatures(cells, decks[k], OutlineWindow(decks[k])), LabelsOf(cells, decks[k], cell_size, truth));
+          OutlineFeatures(cells, decks[k], OutlineWindow(decks[k])),
+          LabelsOf(cells, decks[k], cell_size, truth));
   std::printf("%s: %zu decks, %zu cells\n", name.c_str(), decks.size(), cells.size());
   std::fflush(stdout);
 }
@@ -164,7 +175,8 @@ int Run(const CommandLine& line) {
 
 int main(int argc, char** argv) {
   using namespace parkade;
-  CLI::App app{"Writes rasters that the network of outlines is trained with.", "parkade-outline-rasters"};
+  CLI::App app{"Writes rasters that the network of outlines is trained with.",
+               "parkade-outline-rasters"};
   CommandLine line;
   app.footer(kFooter);
   app.add_option("--suite", line.suite, "Folder that parkade-simulate suite filled")->required();

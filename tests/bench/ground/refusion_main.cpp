@@ -9,7 +9,7 @@
 #include "core/options_json.h"
 #include "mapping/mesh/mesh_surface.h"
 #include "mapping/observation/observe_ground.h"
-#include "mapping/observation/seen_ground.h"
+#include "mapping/observation/visible_points.h"
 #include "mapping/surface/fuse_surface.h"
 #include "tests/bench/odometry/run_bench.h"
 #include "tests/bench/suite/suite_drive.h"
@@ -66,8 +66,8 @@ void Print(const char* name, std::vector<Cost> costs, double length) {
   };
   const auto [wall, median_wall] = least_and_median(&Cost::wall);
   const auto [processor, median_processor] = least_and_median(&Cost::processor);
-  std::printf("%-8s %6.1f (median %6.1f) s per km, processor %6.1f (median %6.1f)\n", name, wall, median_wall,
-              processor, median_processor);
+  std::printf("%-8s %6.1f (median %6.1f) s per km, processor %6.1f (median %6.1f)\n", name, wall,
+              median_wall, processor, median_processor);
 }
 
 int Run(const CommandLine& line) {
@@ -79,16 +79,19 @@ int Run(const CommandLine& line) {
   const DrivenPath path = MakeDrivenPath(0, drive.true_rig, site_from_body, seen.body_from_ground);
   std::vector<PosedGroundPatch> patches;
   for (GroundPatch& patch : seen.patches)
-    if (const std::optional<Rigid3> pose = site_from_body.At(patch.time)) patches.push_back({std::move(patch), *pose});
+    if (const std::optional<Rigid3> pose = site_from_body.At(patch.time))
+      patches.push_back({std::move(patch), *pose});
   const PatchesInMemory source(patches);
   std::vector<Cost> heights_costs, fuse_costs, mesh_costs, costs;
   for (int run = 0; run < line.num_runs; ++run) {
     DriveHeights heights;
     SurfaceMap surface;
-    heights_costs.push_back(
-        CostOf([&] { heights = MeasureDriveHeights(source, &path, options.surface.Heights(), {}); }));
-    fuse_costs.push_back(CostOf(
-        [&] { surface = FuseSurface(source, std::span(&path, 1), std::span(&heights, 1), options.surface, {}); }));
+    heights_costs.push_back(CostOf(
+        [&] { heights = MeasureDriveHeights(source, &path, options.surface.Heights(), {}); }));
+    fuse_costs.push_back(CostOf([&] {
+      surface =
+          FuseSurface(source, std::span(&path, 1), std::span(&heights, 1), options.surface, {});
+    }));
     mesh_costs.push_back(CostOf([&] { MeshSurface(surface, options.mesh); }));
     const auto sum = [&](auto member) {
       return heights_costs.back().*member + fuse_costs.back().*member + mesh_costs.back().*member;
@@ -113,8 +116,12 @@ int main(int argc, char** argv) {
   app.footer(kFooter);
   app.add_option("--suite", line.suite, "Folder that parkade-simulate suite filled")->required();
   app.add_option("--only", line.drive, "The drive")->required();
-  app.add_option("--runs", line.num_runs, "How often")->capture_default_str()->check(CLI::Range(1, 1000));
+  app.add_option("--runs", line.num_runs, "How often")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
   app.add_option("--set", line.assignments, "Of the map: ground.max_range=10");
-  app.add_option("--threads", line.num_threads, "Of one run")->capture_default_str()->check(CLI::Range(1, 256));
+  app.add_option("--threads", line.num_threads, "Of one run")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 256));
   return RunBench(app, argc, argv, line.num_threads, [&] { return Run(line); });
 }

@@ -29,7 +29,8 @@ double StatusOf(const std::string& name) {
 
 }  // namespace
 
-StageMeter::StageMeter(std::string name) : name_(std::move(name)), processor_start_(ProcessorSeconds()) {
+StageMeter::StageMeter(std::string name)
+    : name_(std::move(name)), processor_start_(ProcessorSeconds()) {
   ::malloc_trim(0);
   std::ofstream("/proc/self/clear_refs") << "5";  // the peak begins anew
   watch_ = std::thread([this] {

@@ -10,7 +10,7 @@ namespace parkade {
 struct StageCost {
   std::string name;
   double processor_seconds = 0;
-  double peak_mebibytes = 0;      ///< the most that was in memory at once, from the stage's begin on
+  double peak_mebibytes = 0;  ///< the most that was in memory at once, from the stage's begin on
   double peak_own_mebibytes = 0;  ///< the most that cannot be put aside into a file
 };
 

@@ -20,11 +20,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kTexel = 0.1, kHalfSide = 9;  // of the pictures that are compared
+constexpr double kTexel = 0.1, kHalfSide = 9;  // of the images that are compared
 constexpr double kWide = 4;                    // blurs: what is wider is light, not paint
-constexpr double kEyeHeight = 1.2;             // of the cameras on average, to begin with: a unit is about half a metre
-constexpr int kLeastShared = 500;              // texels that neighbours must both see
-constexpr std::array<std::pair<size_t, size_t>, 4> kNeighbours = {{{0, 1}, {0, 3}, {2, 1}, {2, 3}}};
+constexpr double kEyeHeight =
+    1.2;  // of the cameras on average, to begin with: a unit is about half a meter
+constexpr int kLeastShared = 500;  // texels that neighbors must both see
+constexpr std::array<std::pair<size_t, size_t>, 4> kNeighbors = {{{0, 1}, {0, 3}, {2, 1}, {2, 3}}};
 
 nlohmann::json ParamsOf(const fs::path& file) {
   return nlohmann::json::parse(ReadFile(file)).begin().value().at("param");
@@ -41,14 +42,16 @@ OcamProjection FitOcam(const nlohmann::json& param, double* rms) {
   };
   std::vector<std::pair<double, double>> places;  // rho, z
   for (double theta = -0.5 * std::numbers::pi; theta < 0.15; theta += 0.002)
-    if (const double radius = radius_at(theta); radius > 5) places.emplace_back(radius, -radius * std::tan(theta));
+    if (const double radius = radius_at(theta); radius > 5)
+      places.emplace_back(radius, -radius * std::tan(theta));
   Eigen::MatrixXd rows(places.size(), 4);
   Eigen::VectorXd values(places.size());
   for (size_t i = 0; i < places.size(); ++i) {
     const auto& [radius, z] = places[i];
     const double weight = 1 / std::hypot(radius, z);  // of an error across the ray
     const auto row = static_cast<Eigen::Index>(i);
-    rows.row(row) = weight * Eigen::RowVector4d(1, radius * radius, std::pow(radius, 3), std::pow(radius, 4));
+    rows.row(row) =
+        weight * Eigen::RowVector4d(1, radius * radius, std::pow(radius, 3), std::pow(radius, 4));
     values[row] = weight * z;
   }
   const Eigen::Vector4d a = rows.colPivHouseholderQr().solve(values);
@@ -63,7 +66,8 @@ OcamProjection FitOcam(const nlohmann::json& param, double* rms) {
                             .d = matrix[0][1],
                             .e = matrix[1][0]};
   double squares = 0;
-  for (const auto& [radius, z] : places) squares += std::pow(ocam.FindRadius(radius, z) - radius, 2);
+  for (const auto& [radius, z] : places)
+    squares += std::pow(ocam.FindRadius(radius, z) - radius, 2);
   *rms = std::sqrt(squares / static_cast<double>(places.size()));
   return ocam;
 }
@@ -80,14 +84,15 @@ Rigid3 ReadPose(const nlohmann::json& param) {
   return {Eigen::Quaterniond(rotation).normalized(), translation};
 }
 
-/// Where a camera sees the places of a square picture of the ground; -1 where it does not.
-std::pair<cv::Mat, cv::Mat> PixelsOf(const SurroundCamera& camera, double ground, double half_side, double texel) {
+/// Where a camera sees the places of a square image of the ground; -1 where it does not.
+std::pair<cv::Mat, cv::Mat> PixelsOf(const SurroundCamera& camera, double ground, double half_side,
+                                     double texel) {
   const int side = static_cast<int>(std::lround(2 * half_side / texel));
   cv::Mat columns(side, side, CV_32FC1, cv::Scalar(-1)), rows = columns.clone();
   ParallelFor(static_cast<size_t>(side), [&](size_t y) {
     for (int x = 0; x < side; ++x) {
-      const Eigen::Vector3d place((x + 0.5) * texel - half_side, (static_cast<double>(y) + 0.5) * texel - half_side,
-                                  ground);
+      const Eigen::Vector3d place((x + 0.5) * texel - half_side,
+                                  (static_cast<double>(y) + 0.5) * texel - half_side, ground);
       const auto pixel = camera.model.Project(camera.camera_from_view * place);
       if (!pixel || !camera.model.IsInImage(*pixel, 1)) continue;
       columns.at<float>(static_cast<int>(y), x) = static_cast<float>(pixel->x());
@@ -105,18 +110,18 @@ struct GroundView {
 
 GroundView Look(const SurroundCamera& camera, double ground, double blur) {
   const auto [columns, rows] = PixelsOf(camera, ground, kHalfSide, kTexel);
-  cv::Mat grey, smooth, light;
+  cv::Mat gray, smooth, light;
   GroundView view;
-  cv::cvtColor(camera.image, grey, cv::COLOR_BGR2GRAY);
-  cv::remap(grey, grey, columns, rows, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  grey.convertTo(grey, CV_32F);
+  cv::cvtColor(camera.image, gray, cv::COLOR_BGR2GRAY);
+  cv::remap(gray, gray, columns, rows, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  gray.convertTo(gray, CV_32F);
   cv::remap(camera.drivable, view.is_seen, columns, rows, cv::INTER_NEAREST, cv::BORDER_CONSTANT);
   // Means over what is seen alone, so that borders show no contrast.
   cv::Mat share, wide_share, seen;
   view.is_seen.convertTo(seen, CV_32F, 1 / 255.0);
-  cv::GaussianBlur(grey.mul(seen), smooth, {}, blur);
+  cv::GaussianBlur(gray.mul(seen), smooth, {}, blur);
   cv::GaussianBlur(seen, share, {}, blur);
-  cv::GaussianBlur(grey.mul(seen), light, {}, kWide * blur);
+  cv::GaussianBlur(gray.mul(seen), light, {}, kWide * blur);
   cv::GaussianBlur(seen, wide_share, {}, kWide * blur);
   view.contrast = smooth / (share + 1e-3) - light / (wide_share + 1e-3);
   return view;
@@ -133,9 +138,10 @@ double Correlation(const GroundView& a, const GroundView& b) {
 }
 
 /// The pattern search at one blur: what helps is kept.
-class NeighbourSearch {
+class NeighborSearch {
  public:
-  NeighbourSearch(SurroundRig& rig, double blur) : rig_(rig), blur_(blur), views_(rig.cameras.size()) {
+  NeighborSearch(SurroundRig& rig, double blur)
+      : rig_(rig), blur_(blur), views_(rig.cameras.size()) {
     LookAgain();
     best_ = Score();
   }
@@ -145,7 +151,8 @@ class NeighbourSearch {
       bool is_better = TryGround(shift) || TryGround(-shift);
       for (size_t camera = 1; camera < rig_.cameras.size(); ++camera)
         for (int axis = 0; axis < 6; ++axis)
-          for (const double sign : {-1.0, 1.0}) is_better |= TryCamera(camera, axis, sign * (axis < 3 ? turn : shift));
+          for (const double sign : {-1.0, 1.0})
+            is_better |= TryCamera(camera, axis, sign * (axis < 3 ? turn : shift));
       if (!is_better) turn *= 0.5, shift *= 0.5;
     }
   }
@@ -153,12 +160,13 @@ class NeighbourSearch {
  private:
   double Score() const {
     double sum = 0;
-    for (const auto& [a, b] : kNeighbours) sum += Correlation(views_[a], views_[b]);
+    for (const auto& [a, b] : kNeighbors) sum += Correlation(views_[a], views_[b]);
     return sum;
   }
 
   void LookAgain() {
-    for (size_t i = 0; i < views_.size(); ++i) views_[i] = Look(rig_.cameras[i], rig_.ground, blur_);
+    for (size_t i = 0; i < views_.size(); ++i)
+      views_[i] = Look(rig_.cameras[i], rig_.ground, blur_);
   }
 
   bool Keep(const std::vector<GroundView>& before, const std::function<void()>& undo) {
@@ -208,9 +216,11 @@ SurroundRig ReadOpenCalib(const fs::path& folder) {
     SurroundCamera& camera = rig.cameras.emplace_back();
     camera.name = name;
     camera.image = cv::imread(folder / "imgs" / (camera.name + ".png"));
-    Require(!camera.image.empty(), ErrorCode::kNotFound, "there is no picture of camera " + camera.name);
-    camera.model = CameraModel(FitOcam(ParamsOf(folder / "intrinsic" / (camera.name + ".json")), &camera.fit_error),
-                               camera.image.cols, camera.image.rows);
+    Require(!camera.image.empty(), ErrorCode::kNotFound,
+            "there is no image of camera " + camera.name);
+    camera.model = CameraModel(
+        FitOcam(ParamsOf(folder / "intrinsic" / (camera.name + ".json")), &camera.fit_error),
+        camera.image.cols, camera.image.rows);
     camera.camera_from_view = ReadPose(ParamsOf(folder / "extrinsic" / (camera.name + ".json")));
     camera.drivable = network.Run(camera.image).Mask();
     rig.ground += camera.camera_from_view.Inverse().translation.z() / 4;
@@ -219,18 +229,18 @@ SurroundRig ReadOpenCalib(const fs::path& folder) {
   return rig;
 }
 
-std::vector<double> AgreementOfNeighbours(const SurroundRig& rig, double blur) {
+std::vector<double> AgreementOfNeighbors(const SurroundRig& rig, double blur) {
   std::vector<GroundView> views;
   for (const SurroundCamera& camera : rig.cameras) views.push_back(Look(camera, rig.ground, blur));
   std::vector<double> agreements;
-  for (const auto& [a, b] : kNeighbours) agreements.push_back(Correlation(views[a], views[b]));
+  for (const auto& [a, b] : kNeighbors) agreements.push_back(Correlation(views[a], views[b]));
   return agreements;
 }
 
-void AlignNeighbours(SurroundRig& rig) {
-  NeighbourSearch(rig, 5).Run(0.04, 0.4, 12);
-  NeighbourSearch(rig, 2.5).Run(0.01, 0.1, 10);
-  NeighbourSearch(rig, 1).Run(0.004, 0.03, 8);
+void AlignNeighbors(SurroundRig& rig) {
+  NeighborSearch(rig, 5).Run(0.04, 0.4, 12);
+  NeighborSearch(rig, 2.5).Run(0.01, 0.1, 10);
+  NeighborSearch(rig, 1).Run(0.004, 0.03, 8);
 }
 
 cv::Mat ViewFromAbove(const SurroundRig& rig, double half_side, double texel) {
@@ -248,7 +258,8 @@ cv::Mat ViewFromAbove(const SurroundRig& rig, double half_side, double texel) {
         if (columns.at<float>(y, x) < 0) continue;
         const Eigen::Vector2d place((x + 0.5) * texel - half_side, (y + 0.5) * texel - half_side);
         const bool is_free = drivable.at<uchar>(y, x) > 0;
-        const double distance = (place - eye).norm() + (is_free ? 0 : half_side);  // ground before what hides it
+        const double distance =
+            (place - eye).norm() + (is_free ? 0 : half_side);  // ground before what hides it
         if (distance >= nearest.at<double>(y, x)) continue;
         nearest.at<double>(y, x) = distance;
         cv::Vec3b& color = above.at<cv::Vec3b>(y, x) = colors.at<cv::Vec3b>(y, x);

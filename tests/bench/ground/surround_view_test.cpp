@@ -12,13 +12,14 @@ namespace {
 /// Needs PARKADE_SHARED_DATA or ../shared/data.
 TEST(SurroundView, PaintOfARealGarageJoinsThroughTheOcamModel) {
   const std::filesystem::path folder = SharedData() / "surround_garage";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "PARKADE_SHARED_DATA has no surround_garage";
+  if (!std::filesystem::exists(folder))
+    GTEST_SKIP() << "PARKADE_SHARED_DATA has no surround_garage";
   SurroundRig rig = ReadOpenCalib(folder);
   for (const SurroundCamera& camera : rig.cameras) EXPECT_LT(camera.fit_error, 0.05) << camera.name;
 
-  AlignNeighbours(rig);
+  AlignNeighbors(rig);
 
-  const std::vector<double> agreements = AgreementOfNeighbours(rig, 1);
+  const std::vector<double> agreements = AgreementOfNeighbors(rig, 1);
   EXPECT_GT(*std::min_element(agreements.begin(), agreements.end()), 0.35);
 }
 

@@ -29,15 +29,15 @@ class Truth {
     for (const TimedPose& pose : drive.world_from_imu) {
       TrajectoryState state;
       state.time = pose.time;
-      state.odom_from_body = pose.world_from_frame * imu_from_body_;
+      state.world_from_body = pose.world_from_frame * imu_from_body_;
       states.push_back(state);
     }
     trajectory_ = Trajectory(std::move(states));
   }
 
-  std::optional<Rigid3> PlaceAt(Timestamp time) const {
+  std::optional<Rigid3> KeyframeAt(Timestamp time) const {
     const std::optional<Rigid3> body = trajectory_.At(time);
-    return body ? std::optional(LevelledPose(*body)) : std::nullopt;
+    return body ? std::optional(LeveledPose(*body)) : std::nullopt;
   }
 
  private:
@@ -45,9 +45,10 @@ class Truth {
   Trajectory trajectory_;
 };
 
-void Evaluate(const SuiteDrive& drive, const Rig& rig, const Trajectory& odom_from_body, LoopRun& run) {
-  const TrajectoryEvaluation error =
-      EvaluateTrajectory(drive.world_from_imu, PosesOf(ToTimedPoses(odom_from_body), rig.body_from_imu));
+void Evaluate(const SuiteDrive& drive, const Rig& rig, const Trajectory& odom_from_body,
+              LoopRun& run) {
+  const TrajectoryEvaluation error = EvaluateTrajectory(
+      drive.world_from_imu, PosesOf(ToTimedPoses(odom_from_body), rig.body_from_imu));
   run.ate = error.rigid.translation.rmse;
   run.drift_percent = error.drift_percent;
   run.length = error.path_length;
@@ -57,49 +58,59 @@ MountError MountErrorOf(const Rig& rig, const Rig& true_rig) {
   MountError worst;
   for (size_t i = 0; i < rig.cameras.size(); ++i) {
     const Rigid3 off = true_rig.ImuFromCamera(i).Inverse() * rig.ImuFromCamera(i);
-    worst.rotation = std::max(worst.rotation, off.rotation.angularDistance(Eigen::Quaterniond::Identity()));
+    worst.rotation =
+        std::max(worst.rotation, off.rotation.angularDistance(Eigen::Quaterniond::Identity()));
     worst.translation = std::max(worst.translation, off.translation.norm());
   }
   return worst;
 }
 
-bool IsOpposite(const Rigid3& a, const Rigid3& b) { return a.rotation.angularDistance(b.rotation) > kOpposite; }
+bool IsOpposite(const Rigid3& a, const Rigid3& b) {
+  return a.rotation.angularDistance(b.rotation) > kOpposite;
+}
 
-void CountOpposite(const Truth& truth, const Trajectory& odometry, const LoopOptions& options, LoopRun& run,
-                   const LoopClosure& closure) {
-  const std::vector<Place> places = ChoosePlaces(odometry, options.places);
-  for (const Place& later : places) {
-    const std::optional<Rigid3> now = truth.PlaceAt(later.time);
+void CountOpposite(const Truth& truth, const Trajectory& odometry, const LoopOptions& options,
+                   LoopRun& run, const LoopClosure& closure) {
+  const std::vector<RigKeyframe> keyframes = ChooseKeyframes(odometry, options.keyframes);
+  for (const RigKeyframe& later : keyframes) {
+    const std::optional<Rigid3> now = truth.KeyframeAt(later.time);
     const bool is_chance =
-        now && std::any_of(places.begin(), places.end(), [&](const Place& earlier) {
+        now && std::any_of(keyframes.begin(), keyframes.end(), [&](const RigKeyframe& earlier) {
           if (later.distance - earlier.distance < options.recognition.min_gap) return false;
-          const std::optional<Rigid3> then = truth.PlaceAt(earlier.time);
-          const Eigen::Vector3d apart =
-              then ? Eigen::Vector3d(then->translation - now->translation) : Eigen::Vector3d(1e9, 0, 0);
-          return apart.head<2>().norm() < kSameSpot && std::abs(apart.z()) < kSameDeck && IsOpposite(*then, *now);
+          const std::optional<Rigid3> then = truth.KeyframeAt(earlier.time);
+          const Eigen::Vector3d apart = then ? Eigen::Vector3d(then->translation - now->translation)
+                                             : Eigen::Vector3d(1e9, 0, 0);
+          return apart.head<2>().norm() < kSameSpot && std::abs(apart.z()) < kSameDeck &&
+                 IsOpposite(*then, *now);
         });
     if (!is_chance) continue;
     ++run.num_opposite_chances;
-    run.num_opposite_found += std::any_of(closure.loops.begin(), closure.loops.end(), [&](const LoopEvidence& loop) {
-      if (loop.weight <= 0.5 || loop.later != later.time) return false;
-      const std::optional<Rigid3> then = truth.PlaceAt(loop.earlier);
-      return then && IsOpposite(*then, *now);
-    });
+    run.num_opposite_found +=
+        std::any_of(closure.loops.begin(), closure.loops.end(), [&](const LoopEvidence& loop) {
+          if (loop.weight <= 0.5 || loop.later != later.time) return false;
+          const std::optional<Rigid3> then = truth.KeyframeAt(loop.earlier);
+          return then && IsOpposite(*then, *now);
+        });
   }
 }
 
 /// The error of a loop where it was measured, in the units of its own information.
 void JudgeClaim(const LoopEvidence& loop, const Rigid3& earlier_from_later, LoopError& judged) {
   PoseGraphEdge edge;
-  edge.from_from_to = loop.earlier_from_camera.Inverse() * loop.pose.a_from_b * loop.later_from_camera;
-  judged.error = RelativePoseError(edge, loop.earlier_from_camera, earlier_from_later * loop.later_from_camera);
+  edge.from_from_to =
+      loop.earlier_from_camera.Inverse() * loop.pose.a_from_b * loop.later_from_camera;
+  judged.error = RelativePoseError(edge, loop.earlier_from_camera,
+                                   earlier_from_later * loop.later_from_camera);
   const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(loop.pose.information);
   const Vector6d eigenvalues = solver.eigenvalues();
   const auto is_known = eigenvalues.array() > 1e-9 * eigenvalues.maxCoeff();
   const Vector6d variances = is_known.select(eigenvalues.cwiseInverse(), 0);
   judged.sigmas =
-      (solver.eigenvectors() * variances.asDiagonal() * solver.eigenvectors().transpose()).diagonal().cwiseSqrt();
-  judged.squared = judged.error.dot(loop.pose.information * judged.error) / static_cast<double>(is_known.count());
+      (solver.eigenvectors() * variances.asDiagonal() * solver.eigenvectors().transpose())
+          .diagonal()
+          .cwiseSqrt();
+  judged.squared = judged.error.dot(loop.pose.information * judged.error) /
+                   static_cast<double>(is_known.count());
 }
 
 void JudgeLoops(const Truth& truth, const LoopClosure& closure, LoopRun& run) {
@@ -107,7 +118,8 @@ void JudgeLoops(const Truth& truth, const LoopClosure& closure, LoopRun& run) {
   run.num_candidates = static_cast<int>(closure.loops.size());
   for (const LoopEvidence& loop : closure.loops) {
     run.num_measured += loop.pose.rejected.empty();
-    const std::optional<Rigid3> earlier = truth.PlaceAt(loop.earlier), later = truth.PlaceAt(loop.later);
+    const std::optional<Rigid3> earlier = truth.KeyframeAt(loop.earlier),
+                                later = truth.KeyframeAt(loop.later);
     if (loop.weight <= 0.5 || !earlier || !later) continue;
     const Rigid3 actual = earlier->Inverse() * *later;
     const Rigid3 error = actual.Inverse() * loop.pose.a_from_b;
@@ -126,10 +138,11 @@ void JudgeLoops(const Truth& truth, const LoopClosure& closure, LoopRun& run) {
 
 }  // namespace
 
-TrackedDrive TrackDrive(const SuiteDrive& drive, const TableVariant& variant, const OdometryOptions& options,
-                        const std::filesystem::path& kept) {
+TrackedDrive TrackDrive(const SuiteDrive& drive, const TableVariant& variant,
+                        const OdometryOptions& options, const std::filesystem::path& kept) {
   TrackedDrive tracked;
-  tracked.log = std::make_unique<ReriggedLog>(*drive.log, RigOfVariant(variant, drive), std::vector<int>{});
+  tracked.log =
+      std::make_unique<ReriggedLog>(*drive.log, RigOfVariant(variant, drive), std::vector<int>{});
   if (!kept.empty() && std::filesystem::exists(kept)) {
     tracked.odometry = ReadOdometry(kept, tracked.log->rig());
     return tracked;
@@ -142,7 +155,8 @@ TrackedDrive TrackDrive(const SuiteDrive& drive, const TableVariant& variant, co
 }
 
 std::vector<LoopRun> RunLoops(const SuiteDrive& drive, const TrackedDrive& tracked,
-                              const std::vector<std::string>& methods, const LoopTableOptions& table_options) {
+                              const std::vector<std::string>& methods,
+                              const LoopTableOptions& table_options) {
   const OdometryResult& odometry = tracked.odometry;
   const DriveLog& log = *tracked.log;
   const CalibratedLog calibrated(log, odometry.rig);
@@ -212,7 +226,8 @@ nlohmann::json ToJson(const LoopRun& run) {
       {"num_opposite_found", run.num_opposite_found},
       {"seconds", run.seconds},
       {"odometry_seconds", run.odometry_seconds},
-      {"mount_error", {{"rotation", run.mount_error.rotation}, {"translation", run.mount_error.translation}}},
+      {"mount_error",
+       {{"rotation", run.mount_error.rotation}, {"translation", run.mount_error.translation}}},
       {"odometry_drift", {{"translation", run.drift.translation}, {"yaw", run.drift.yaw}}},
       {"accepted", accepted}};
   if (run.mixed.num_wrong > 0)

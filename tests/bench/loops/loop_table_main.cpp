@@ -13,8 +13,10 @@ namespace parkade {
 namespace {
 
 struct CommandLine {
-  std::string suite, variant = "four-wheels-nominal", kept_folder, json_file, markdown_file, plot_file;
-  std::vector<std::string> drives, assignments, methods = {"none", "pnp", "scale-less", "rotation-only", "rig"};
+  std::string suite, variant = "four-wheels-nominal", kept_folder, json_file, markdown_file,
+                     plot_file;
+  std::vector<std::string> drives, assignments,
+      methods = {"none", "pnp", "scale-less", "rotation-only", "rig"};
   int num_threads = 2;
 };
 
@@ -28,13 +30,15 @@ int Run(const CommandLine& line) {
     const SuiteDrive drive = OpenSuiteDrive(line.suite, name);
     try {
       const std::filesystem::path kept =
-          line.kept_folder.empty() ? "" : std::filesystem::path(line.kept_folder) / (name + "." + line.variant);
+          line.kept_folder.empty()
+              ? ""
+              : std::filesystem::path(line.kept_folder) / (name + "." + line.variant);
       const TrackedDrive tracked = TrackDrive(drive, variant, options.odometry, kept);
       for (LoopRun& run : RunLoops(drive, tracked, line.methods, options)) {
         json["runs"].push_back(ToJson(run));
-        std::printf("%-12s %-14s ATE %.4f m  drift %.4f %%  %zu of %d loops, %d wrong  %.1f s\n", run.drive.c_str(),
-                    run.method.c_str(), run.ate, run.drift_percent, run.accepted.size(), run.num_candidates,
-                    run.num_wrong, run.seconds);
+        std::printf("%-12s %-14s ATE %.4f m  drift %.4f %%  %zu of %d loops, %d wrong  %.1f s\n",
+                    run.drive.c_str(), run.method.c_str(), run.ate, run.drift_percent,
+                    run.accepted.size(), run.num_candidates, run.num_wrong, run.seconds);
         runs.push_back(std::move(run));
       }
     } catch (const Error& error) {
@@ -55,20 +59,24 @@ int Run(const CommandLine& line) {
 
 int main(int argc, char** argv) {
   using namespace parkade;
-  CLI::App app{"Closes the loops of rendered drives in all ways and compares with the truth.", "parkade-loop-table"};
+  CLI::App app{"Closes the loops of rendered drives in all ways and compares with the truth.",
+               "parkade-loop-table"};
   CommandLine line;
   app.add_option("--suite", line.suite, "Folder that parkade-simulate suite filled")->required();
   app.add_option("--only", line.drives, "Some drives; default: all that are there")->delimiter(',');
-  app.add_option("--variant", line.variant, "What the odometry is given, as parkade-odometry-table has it")
+  app.add_option("--variant", line.variant,
+                 "What the odometry is given, as parkade-odometry-table has it")
       ->capture_default_str();
   app.add_option("--methods", line.methods, "Some ways to close loops; none: odometry alone")
       ->delimiter(',')
       ->check(CLI::IsMember({"none", "pnp", "scale-less", "rotation-only", "rig"}));
-  app.add_option("--odometry", line.kept_folder, "Folder that keeps tracked drives: each is tracked once")
+  app.add_option("--odometry", line.kept_folder,
+                 "Folder that keeps tracked drives: each is tracked once")
       ->check(CLI::ExistingDirectory);
   app.add_option("--threads", line.num_threads)->capture_default_str()->check(CLI::Range(1, 256));
-  app.add_option("--set", line.assignments,
-                 "odometry.*, loops.* or refinement.*: stage.option=value; refines=false: loops alone");
+  app.add_option(
+      "--set", line.assignments,
+      "odometry.*, loops.* or refinement.*: stage.option=value; refines=false: loops alone");
   app.add_option("--json", line.json_file, "Every run, every accepted loop");
   app.add_option("--markdown", line.markdown_file, "The table");
   app.add_option("--plot", line.plot_file, "Histograms of the loops' errors, PNG");

@@ -1,4 +1,4 @@
-// Tables and pictures of LoopRuns.
+// Tables and images of LoopRuns.
 #include <algorithm>
 #include <cstdio>
 #include <map>
@@ -21,7 +21,8 @@ std::string Print(const char* format, Values... values) {
 
 double MedianOf(std::vector<double> values) {
   if (values.empty()) return 0;
-  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2), values.end());
+  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2),
+                   values.end());
   return values[values.size() / 2];
 }
 
@@ -34,13 +35,17 @@ std::vector<double> ErrorsOf(const LoopRun& run, double scale, double LoopError:
 std::string RowOf(const LoopRun& run) {
   std::vector<double> inliers;
   for (const LoopError& error : run.accepted) inliers.push_back(error.num_inliers);
-  const double decks = static_cast<double>(std::count_if(run.accepted.begin(), run.accepted.end(),
-                                                         [](const LoopError& e) { return std::abs(e.height) > 2; }));
-  return Print("| %s | %s | %.0f | %.3f | %.3f | %zu / %d | %.0f | %.3f | %.2f | %d | %.0f | %d / %d | %.1f |\n",
-               run.drive.c_str(), run.method.c_str(), run.length, run.ate, run.drift_percent, run.accepted.size(),
-               run.num_candidates, MedianOf(inliers), MedianOf(ErrorsOf(run, 1, &LoopError::translation)),
-               MedianOf(ErrorsOf(run, 180 / M_PI, &LoopError::rotation)), run.num_wrong, decks, run.num_opposite_found,
-               run.num_opposite_chances, run.seconds);
+  const double decks =
+      static_cast<double>(std::count_if(run.accepted.begin(), run.accepted.end(),
+                                        [](const LoopError& e) { return std::abs(e.height) > 2; }));
+  return Print(
+      "| %s | %s | %.0f | %.3f | %.3f | %zu / %d | %.0f | %.3f | %.2f | %d | %.0f | %d / %d | %.1f "
+      "|\n",
+      run.drive.c_str(), run.method.c_str(), run.length, run.ate, run.drift_percent,
+      run.accepted.size(), run.num_candidates, MedianOf(inliers),
+      MedianOf(ErrorsOf(run, 1, &LoopError::translation)),
+      MedianOf(ErrorsOf(run, 180 / M_PI, &LoopError::rotation)), run.num_wrong, decks,
+      run.num_opposite_found, run.num_opposite_chances, run.seconds);
 }
 
 /// How honest the loops' information is: 1 where errors are as large as claimed.
@@ -48,43 +53,48 @@ std::string HonestyOf(const std::vector<LoopRun>& runs) {
   std::map<std::string, std::vector<double>> squared;
   for (const LoopRun& run : runs)
     for (const LoopError& error : run.accepted) squared[run.method].push_back(error.squared);
-  std::string text = "Squared errors of accepted loops, in units of what they claim, mean (median):";
+  std::string text =
+      "Squared errors of accepted loops, in units of what they claim, mean (median):";
   for (const auto& [method, values] : squared)
-    text += Print(" %s %.2f (%.2f)", method.c_str(),
-                  std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size()),
-                  MedianOf(values));
+    text += Print(
+        " %s %.2f (%.2f)", method.c_str(),
+        std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size()),
+        MedianOf(values));
   return text + ".\n";
 }
 
 /// Bars of `values` between 0 and `limit`; what is larger falls into the last.
-void DrawHistogram(const std::vector<double>& values, double limit, const std::string& title, cv::Mat picture) {
+void DrawHistogram(const std::vector<double>& values, double limit, const std::string& title,
+                   cv::Mat image) {
   constexpr int kBars = 40;
   std::vector<int> counts(kBars);
   for (const double value : values)
     ++counts[static_cast<size_t>(std::min(kBars - 1, static_cast<int>(value / limit * kBars)))];
   const int most = std::max(1, *std::max_element(counts.begin(), counts.end()));
-  const int bottom = picture.rows - 24, height = picture.rows - 60, width = (picture.cols - 40) / kBars;
+  const int bottom = image.rows - 24, height = image.rows - 60, width = (image.cols - 40) / kBars;
   for (int i = 0; i < kBars; ++i) {
     const int bar = counts[static_cast<size_t>(i)] * height / most;
-    cv::rectangle(picture, {20 + i * width, bottom - bar}, {20 + (i + 1) * width - 2, bottom},
+    cv::rectangle(image, {20 + i * width, bottom - bar}, {20 + (i + 1) * width - 2, bottom},
                   i + 1 == kBars ? cv::Scalar(60, 60, 200) : cv::Scalar(160, 110, 60), cv::FILLED);
   }
-  cv::line(picture, {20, bottom}, {20 + kBars * width, bottom}, {0, 0, 0});
+  cv::line(image, {20, bottom}, {20 + kBars * width, bottom}, {0, 0, 0});
   const auto text = [&](const std::string& what, cv::Point at) {
-    cv::putText(picture, what, at, cv::FONT_HERSHEY_SIMPLEX, 0.45, {0, 0, 0}, 1, cv::LINE_AA);
+    cv::putText(image, what, at, cv::FONT_HERSHEY_SIMPLEX, 0.45, {0, 0, 0}, 1, cv::LINE_AA);
   };
   text(title, {20, 18});
-  text("0", {16, picture.rows - 8});
-  text(Print("%g+", limit), {kBars * width - 20, picture.rows - 8});
+  text("0", {16, image.rows - 8});
+  text(Print("%g+", limit), {kBars * width - 20, image.rows - 8});
 }
 
 }  // namespace
 
 std::string ToMarkdown(const std::vector<LoopRun>& runs) {
   std::string text =
-      "| drive | loops | length, m | ATE, m | drift, % | accepted / candidates | inliers | translation error, m | "
+      "| drive | loops | length, m | ATE, m | drift, % | accepted / candidates | inliers | "
+      "translation error, m | "
       "rotation "
-      "error, deg | wrong | between decks | opposite | s |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+      "error, deg | wrong | between decks | opposite | s "
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   std::map<std::string, std::map<std::string, double>> ates;  // by drive, by method
   std::map<std::string, bool> has_loops;
   for (const LoopRun& run : runs) {
@@ -114,7 +124,7 @@ std::string ToMarkdown(const std::vector<LoopRun>& runs) {
 
 cv::Mat PlotLoopErrors(const std::vector<LoopRun>& runs) {
   const std::vector<std::string> methods = {"pnp", "scale-less", "rotation-only", "rig"};
-  cv::Mat picture(200 * static_cast<int>(methods.size()), 1000, CV_8UC3, cv::Scalar(255, 255, 255));
+  cv::Mat image(200 * static_cast<int>(methods.size()), 1000, CV_8UC3, cv::Scalar(255, 255, 255));
   for (size_t i = 0; i < methods.size(); ++i) {
     std::vector<double> translations, rotations;
     for (const LoopRun& run : runs) {
@@ -127,13 +137,15 @@ cv::Mat PlotLoopErrors(const std::vector<LoopRun>& runs) {
     }
     const int top = static_cast<int>(i) * 200;
     DrawHistogram(translations, 0.4,
-                  methods[i] + Print(": translation error, m (%zu loops, median %.3f)", translations.size(),
-                                     MedianOf(translations)),
-                  picture({0, top, 500, 200}));
-    DrawHistogram(rotations, 1.0, methods[i] + Print(": rotation error, degrees (median %.2f)", MedianOf(rotations)),
-                  picture({500, top, 500, 200}));
+                  methods[i] + Print(": translation error, m (%zu loops, median %.3f)",
+                                     translations.size(), MedianOf(translations)),
+                  image({0, top, 500, 200}));
+    DrawHistogram(
+        rotations, 1.0,
+        methods[i] + Print(": rotation error, degrees (median %.2f)", MedianOf(rotations)),
+        image({500, top, 500, 200}));
   }
-  return picture;
+  return image;
 }
 
 }  // namespace parkade

@@ -33,13 +33,14 @@ void RunDrive(const StatisticsCase& question, const RefinementOptions& options) 
   open.odom_from_body = odometry.odom_from_body;
   const double begin = ProcessSeconds();
   const DriveRefinement refined = RefineDrive(odometry, drive.rig, open, options);
-  const double seconds = ProcessSeconds() - begin, duration = odometry.odom_from_body.span().Seconds();
+  const double seconds = ProcessSeconds() - begin,
+               duration = odometry.odom_from_body.span().Seconds();
   std::printf("| %s | %d | %.0f | %.4f | %.4f | %s | %.3f, %.3f | %.4f | %zu in %d | %.2f |\n",
               question.drive.drive.scene.c_str(), question.drive.drive.seed, drive.length,
               ErrorOf(drive, odometry.odom_from_body), ErrorOf(drive, refined.odom_from_body),
               refined.is_accepted ? "" : refined.reason.c_str(), refined.before.unused_bearings,
-              refined.after.unused_bearings, refined.wheel_scale, refined.num_knots, refined.num_pieces,
-              seconds / duration);
+              refined.after.unused_bearings, refined.wheel_scale, refined.num_nodes,
+              refined.num_pieces, seconds / duration);
   std::fflush(stdout);
 }
 
@@ -47,15 +48,17 @@ int Run(const CommandLine& line) {
   RefinementOptions options;
   for (const std::string& assignment : line.assignments) SetOption(assignment, options);
   std::printf(
-      "| scene | seed | m | odometry, m | refined, m | refused | held-out tracks | wheels | knots | share of the time "
+      "| scene | seed | m | odometry, m | refined, m | refused | held-out tracks | wheels | nodes "
+      "| share of the time "
       "|\n"
       "|---|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string& scene : line.scenes) {
     std::vector<StatisticsCase> cases = StandardCases(scene, line.duration);
-    const auto found =
-        std::find_if(cases.begin(), cases.end(), [&](const StatisticsCase& c) { return c.name == line.name; });
+    const auto found = std::find_if(cases.begin(), cases.end(),
+                                    [&](const StatisticsCase& c) { return c.name == line.name; });
     Require(found != cases.end(), ErrorCode::kUsage, "there is no case '" + line.name + "'");
-    for (const std::string& assignment : line.drive_assignments) SetOption(assignment, found->drive.drive);
+    for (const std::string& assignment : line.drive_assignments)
+      SetOption(assignment, found->drive.drive);
     for (const int seed : line.seeds) {
       found->drive.drive.seed = seed;
       RunDrive(*found, options);
@@ -69,10 +72,12 @@ int Run(const CommandLine& line) {
 
 int main(int argc, char** argv) {
   using namespace parkade;
-  CLI::App app{"Refines simulated drives without pictures and without loops, and compares with the truth.",
-               "parkade-refinement-statistics"};
+  CLI::App app{
+      "Refines simulated drives without images and without loops, and compares with the truth.",
+      "parkade-refinement-statistics"};
   CommandLine line;
-  app.add_option("--case", line.name, "As parkade-odometry-statistics --list")->capture_default_str();
+  app.add_option("--case", line.name, "As parkade-odometry-statistics --list")
+      ->capture_default_str();
   app.add_option("--seeds", line.seeds)->delimiter(',');
   app.add_option("--scenes", line.scenes)->delimiter(',');
   app.add_option("--duration", line.duration, "[s] of each drive")->capture_default_str();

@@ -25,15 +25,15 @@ struct WrongLoopOptions {
 struct MixedLoops {
   size_t num_right = 0, num_wrong = 0;  ///< that went into the graph
   size_t num_right_lost = 0, num_wrong_kept = 0;
-  Trajectory odom_from_body;  ///< carried along with the places
+  Trajectory odom_from_body;  ///< carried along with the keyframes
 };
 
-/// Closes a drive again with the loops of `closure` (ways "rig" and "pnp") that it accepted, and wrong ones until they
-/// are `wrong.share` of all: between places that the gates of recognition let pass, level as gravity wants it, at
-/// random within `options.recognition.drift_base` and at any heading, weighted like random right ones. They come in
-/// groups that agree with each other: the places after the first two seem to lie as odometry says, as in rows that look
-/// alike.
-MixedLoops MixInWrongLoops(const Trajectory& odometry, const LoopClosure& closure, const LoopOptions& options,
-                           const WrongLoopOptions& wrong);
+/// Closes a drive again with the loops of `closure` (ways "rig" and "pnp") that it accepted, and
+/// wrong ones until they are `wrong.share` of all: between keyframes that the gates of recognition
+/// let pass, level as gravity wants it, at random within `options.recognition.drift_base` and at
+/// any heading, weighted like random right ones. They come in groups that agree with each other:
+/// the keyframes after the first two seem to lie as odometry says, as in rows that look alike.
+MixedLoops MixInWrongLoops(const Trajectory& odometry, const LoopClosure& closure,
+                           const LoopOptions& options, const WrongLoopOptions& wrong);
 
 }  // namespace parkade

@@ -5,9 +5,9 @@ namespace {
 
 using simulator::FaultOptions;
 
-void SetRigError(FaultOptions& faults, double degrees, double centimetres) {
+void SetRigError(FaultOptions& faults, double degrees, double centimeters) {
   faults.extrinsic_rotation_deg = {degrees};
-  faults.extrinsic_translation_cm = {centimetres};
+  faults.extrinsic_translation_cm = {centimeters};
 }
 
 }  // namespace
@@ -39,7 +39,9 @@ std::vector<StatisticsCase> StandardCases(const std::string& scene, double durat
     c.drive.drive.sensors.has_wheels = true;
     SetRigError(c.drive.drive.faults, 0.3, 1);
   });
-  add("time-offset", [](StatisticsCase& c) { c.drive.drive.faults.time_offsets = {0.03, -0.03, 0.02, -0.01}; });
+  add("time-offset", [](StatisticsCase& c) {
+    c.drive.drive.faults.time_offsets = {0.03, -0.03, 0.02, -0.01};
+  });
   add("rolling-shutter", [](StatisticsCase& c) { c.drive.drive.rig.line_delay = 3e-5; });
   add("rolling-shutter-unknown", [](StatisticsCase& c) {
     c.drive.drive.rig.line_delay = 3e-5;
@@ -52,7 +54,9 @@ std::vector<StatisticsCase> StandardCases(const std::string& scene, double durat
     c.drive.drive.sensors.has_wheels = true;
     c.start = "rolling";
   });
-  add("camera-gone", [&](StatisticsCase& c) { c.drive.drive.faults.image_gap = {0, middle / 2, duration}; });
+  add("camera-gone", [&](StatisticsCase& c) {
+    c.drive.drive.faults.image_gap = {0, middle / 2, duration};
+  });
   add("dark-5s", [&](StatisticsCase& c) { c.drive.drive.faults.darkness = {middle, middle + 5}; });
   add("dark-5s-wheels", [&](StatisticsCase& c) {
     c.drive.drive.sensors.has_wheels = true;
@@ -62,7 +66,9 @@ std::vector<StatisticsCase> StandardCases(const std::string& scene, double durat
     c.drive.drive.sensors.has_wheels = true;
     c.drive.drive.faults.slip = {middle, middle + 3, 0.5};
   });
-  add("imu-gap-0.4s", [&](StatisticsCase& c) { c.drive.drive.faults.imu_gap = {middle, middle + 0.4}; });
+  add("imu-gap-0.4s", [&](StatisticsCase& c) {
+    c.drive.drive.faults.imu_gap = {middle, middle + 0.4};
+  });
   add("imu-gap-1s-wheels", [&](StatisticsCase& c) {
     c.drive.drive.sensors.has_wheels = true;
     c.drive.drive.faults.imu_gap = {middle, middle + 1};

@@ -18,20 +18,24 @@ constexpr size_t kErrorStride = 10;  // poses of the truth
 
 /// Of one estimate, after rigid alignment.
 struct EstimateErrors {
-  double drift = kNoAnswer, scale = 0;                          // [%]
-  std::vector<std::optional<Eigen::Vector3d>> position_errors;  // [m] at every kErrorStride-th pose of the truth
+  double drift = kNoAnswer, scale = 0;  // [%]
+  std::vector<std::optional<Eigen::Vector3d>>
+      position_errors;  // [m] at every kErrorStride-th pose of the truth
 };
 
 EstimateErrors ErrorsOf(const TrackDrive& drive, const Trajectory& odom_from_body) {
-  const TrajectoryEvaluation evaluation = EvaluateTrajectory(drive.truth, ToTimedPoses(odom_from_body));
+  const TrajectoryEvaluation evaluation =
+      EvaluateTrajectory(drive.truth, ToTimedPoses(odom_from_body));
   EstimateErrors errors;
-  errors.drift = std::min(kNoAnswer, 100 * evaluation.rigid.translation.rmse / std::max(1.0, drive.length));
+  errors.drift =
+      std::min(kNoAnswer, 100 * evaluation.rigid.translation.rmse / std::max(1.0, drive.length));
   errors.scale = 100 * (evaluation.scale - 1);
   for (size_t i = 0; i < drive.truth.size(); i += kErrorStride) {
     const std::optional<Rigid3> at = odom_from_body.At(drive.truth[i].time);
     std::optional<Eigen::Vector3d>& error = errors.position_errors.emplace_back();
     if (at)
-      error = evaluation.rigid.truth_from_estimate * at->translation - drive.truth[i].world_from_frame.translation;
+      error = evaluation.rigid.truth_from_estimate * at->translation -
+              drive.truth[i].world_from_frame.translation;
   }
   return errors;
 }
@@ -57,7 +61,8 @@ std::vector<double> ErrorProducts(const std::vector<EstimateErrors>& estimates, 
   const size_t n = estimates.size();
   for (const EstimateErrors& estimate : estimates)
     if (estimate.position_errors.empty()) return {};
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
+  Eigen::MatrixXd sum =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
   double count = 0;
   for (size_t i = 0; i < estimates.front().position_errors.size(); ++i) {
     Eigen::Matrix3Xd errors(3, n);
@@ -81,14 +86,16 @@ std::vector<double> ErrorProducts(const std::vector<EstimateErrors>& estimates, 
 
 PlaceCase ParsePlace(const std::string& name, double duration) {
   const size_t first = name.find(':'), second = name.find(':', first + 1);
-  const std::string seed = first == std::string::npos ? "" : name.substr(first + 1, second - first - 1);
-  Require(!seed.empty() && seed.size() < 9 && seed.find_first_not_of("0123456789") == std::string::npos,
-          ErrorCode::kUsage, "'" + name + "' is no place: SCENE:SEED[:START]");
+  const std::string seed =
+      first == std::string::npos ? "" : name.substr(first + 1, second - first - 1);
+  Require(
+      !seed.empty() && seed.size() < 9 && seed.find_first_not_of("0123456789") == std::string::npos,
+      ErrorCode::kUsage, "'" + name + "' is no place: SCENE:SEED[:START]");
   PlaceCase place;
   place.name = name;
   if (second != std::string::npos) place.start = name.substr(second + 1);
-  Require(place.start == "standing" || place.start == "rolling" || place.start == "turning", ErrorCode::kUsage,
-          "'" + name + "' must start standing, rolling or turning");
+  Require(place.start == "standing" || place.start == "rolling" || place.start == "turning",
+          ErrorCode::kUsage, "'" + name + "' must start standing, rolling or turning");
   simulator::SimulateOptions& drive = place.drive.drive;
   drive.scene = name.substr(0, first);
   drive.seed = std::stoi(seed);
@@ -100,7 +107,8 @@ PlaceCase ParsePlace(const std::string& name, double duration) {
 
 void SetRigError(const std::string& rig, simulator::TrackDriveOptions& drive) {
   if (rig == "exact") return;
-  Require(rig == "0.3" || rig == "1", ErrorCode::kUsage, "'" + rig + "' is no rig: exact, 0.3 or 1");
+  Require(rig == "0.3" || rig == "1", ErrorCode::kUsage,
+          "'" + rig + "' is no rig: exact, 0.3 or 1");
   drive.drive.faults.extrinsic_rotation_deg = {std::stod(rig)};
   drive.drive.faults.extrinsic_translation_cm = {rig == "1" ? 3.0 : 1.0};
 }
@@ -109,13 +117,13 @@ TrackDrive OneCamera(const TrackDrive& drive, size_t camera) {
   TrackDrive one = drive;
   one.rig.cameras = {drive.rig.cameras.at(camera)};
   one.true_rig.cameras = {drive.true_rig.cameras.at(camera)};
-  std::erase_if(one.pictures, [&](const simulator::SeenPicture& picture) {
-    return picture.frame.camera != static_cast<int>(camera);
+  std::erase_if(one.images, [&](const simulator::SeenImage& image) {
+    return image.frame.camera != static_cast<int>(camera);
   });
-  for (simulator::SeenPicture& picture : one.pictures) {
-    picture.frame.camera = 0;
-    picture.crossed.clear();
-    picture.pair_seconds = 0;
+  for (simulator::SeenImage& image : one.images) {
+    image.frame.camera = 0;
+    image.crossed.clear();
+    image.pair_seconds = 0;
   }
   return one;
 }
@@ -124,8 +132,8 @@ RefinementOptions WholeDriveOptions() {
   constexpr int kAll = 100000;
   constexpr double kWhatever = 1e9;
   RefinementOptions options;
-  options.bearings_per_image = options.sightings_per_track = kAll;
-  options.min_sightings = options.min_knots = 3;
+  options.bearings_per_image = options.observations_per_track = kAll;
+  options.min_observations = options.min_nodes = 3;
   options.held_out_share = 0;
   options.max_imu_growth = options.max_held_out_growth = options.max_track_growth = kWhatever;
   return options;
@@ -136,7 +144,8 @@ std::vector<PlaceRun> RunPlace(const PlaceCase& place, const std::string& rig, i
   simulator::TrackDriveOptions asked = place.drive;
   SetRigError(rig, asked);
   asked.noise_seed = noise_seed;
-  if (place.start != "standing") asked.begin = simulator::FindMovingStart(asked, place.start == "turning");
+  if (place.start != "standing")
+    asked.begin = simulator::FindMovingStart(asked, place.start == "turning");
   const TrackDrive drive = simulator::MakeTrackDrive(asked, estimators.odometry);
   std::vector<std::vector<EstimateErrors>> errors{Estimate(drive, estimators)};
   for (size_t camera = 0; camera < drive.rig.cameras.size(); ++camera)

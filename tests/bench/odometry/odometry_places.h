@@ -11,17 +11,20 @@
 
 namespace parkade {
 
-/// One drive through one place, made anew with other noise: all cameras together beside each of them alone.
+/// One drive through one place, made anew with other noise: all cameras together beside each of
+/// them alone.
 struct PlaceCase {
   std::string name;                    ///< "SCENE:SEED[:START]"
   std::string start = "standing";      ///< or "rolling", "turning"
   simulator::TrackDriveOptions drive;  ///< the noise's seed is set per run
 };
 
-/// Of "street:7" or "garage:3:rolling", `duration` [s] long, without wheels and GNSS. Throws Error{kUsage}.
+/// Of "street:7" or "garage:3:rolling", `duration` [s] long, without wheels and GNSS. Throws
+/// Error{kUsage}.
 PlaceCase ParsePlace(const std::string& name, double duration);
 
-/// Turns and moves every mount: "exact", or degrees as "0.3" and "1", with 1 cm and 3 cm. Throws Error{kUsage}.
+/// Turns and moves every mount: "exact", or degrees as "0.3" and "1", with 1 cm and 3 cm. Throws
+/// Error{kUsage}.
 void SetRigError(const std::string& rig, simulator::TrackDriveOptions& drive);
 
 /// What one camera of a drive sees, with the rig, tracks and noise that it had among the others.
@@ -35,8 +38,9 @@ struct PlaceRun {
   double length = 0;                  ///< [m]
   std::vector<double> drift_percent;  ///< kNoAnswer where there is none
   std::vector<double> scale_percent;  ///< too long by; 0 where there is no answer
-  /// [%^2] mean inner products of the errors of position of each two estimates, n x n by rows, after rigid alignment;
-  /// the diagonal is drift_percent squared, but for the choice of moments. Empty where one has no answer.
+  /// [%^2] mean inner products of the errors of position of each two estimates, n x n by rows,
+  /// after rigid alignment; the diagonal is drift_percent squared, but for the choice of moments.
+  /// Empty where one has no answer.
   std::vector<double> error_products;
 
   static constexpr const char* kOdometry = "odometry";
@@ -44,8 +48,8 @@ struct PlaceRun {
 };
 inline constexpr double kNoAnswer = 100;  ///< [%] of drift
 
-/// The refinement with everything that odometry measured: all tracks at all their sights, no held-out ones, its
-/// result taken whatever it is. What a window loses, it does not.
+/// The refinement with everything that odometry measured: all tracks at all their observations, no
+/// held-out ones, its result taken whatever it is. What a window loses, it does not.
 RefinementOptions WholeDriveOptions();
 
 /// What is asked of each drive.
@@ -62,15 +66,18 @@ std::vector<PlaceRun> RunPlace(const PlaceCase& place, const std::string& rig, i
 struct PlaceSummary {
   size_t num_runs = 0;
   std::vector<double> rms_drift;  ///< [%] over the runs: all cameras, then each alone
-  std::vector<double> rms_scale;  ///< [%] likewise
+  std::vector<double> rms_scale;  ///< [%] also
   size_t best = 0;                ///< the single camera with the smallest rms_drift: 1..
   double ratio = 0;               ///< rms of all over that of `best`
-  double low = 0, high = 0;       ///< 95 % of such ratios among resampled runs, each with its own best camera
-  double near_luckiest = 0;       ///< share of runs in which all are at most 5 % worse than the luckiest camera
-  /// Share of `best` in that mixture of its positions with those of all which has the least error over the runs. An
-  /// estimate that makes the best of all measurements wants nothing of an estimate from some of them: 0 but for chance,
-  /// since its error is uncorrelated with the difference of the two (A. Gelb, "Applied optimal estimation", 1974,
-  /// section 4.2, orthogonality). Above 0, all leave something unused that `best` has.
+  double low = 0,
+         high = 0;  ///< 95 % of such ratios among resampled runs, each with its own best camera
+  double near_luckiest =
+      0;  ///< share of runs in which all are at most 5 % worse than the luckiest camera
+  /// Share of `best` in that mixture of its positions with those of all which has the least error
+  /// over the runs. An estimate that makes the best of all measurements wants nothing of an
+  /// estimate from some of them: 0 but for chance, since its error is uncorrelated with the
+  /// difference of the two (A. Gelb, "Applied optimal estimation", 1974, section 4.2,
+  /// orthogonality). Above 0, all leave something unused that `best` has.
   double wanted_share = 0;
 };
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kFooter =
     R"(Four cameras beside each of them alone: one drive per place, made anew for every seed with other noise of IMU,
-clocks and tracks, and other errors of the rig (track mode of the simulator, no pictures). Columns:
+clocks and tracks, and other errors of the rig (track mode of the simulator, no images). Columns:
   all cam0 ..        drift in per cent (RMSE of positions after rigid alignment / length), root mean square over seeds
   all / best         the same ratio, of all cameras to the best single one; 95 % of resampled seeds, each with its own best
   near the luckiest  share of seeds in which all are at most 5 % worse than whichever camera was best with that seed
@@ -40,11 +40,13 @@ std::vector<PlaceRun> ReadRuns(const std::string& file) {
   std::vector<PlaceRun> runs;
   if (file.empty() || !std::filesystem::exists(file)) return runs;
   std::ifstream stream(file);
-  for (std::string line; std::getline(stream, line);) runs.push_back(PlaceRunFromJson(nlohmann::json::parse(line)));
+  for (std::string line; std::getline(stream, line);)
+    runs.push_back(PlaceRunFromJson(nlohmann::json::parse(line)));
   return runs;
 }
 
-bool IsDone(const std::vector<PlaceRun>& runs, const std::string& place, const std::string& rig, int seed) {
+bool IsDone(const std::vector<PlaceRun>& runs, const std::string& place, const std::string& rig,
+            int seed) {
   return std::any_of(runs.begin(), runs.end(), [&](const PlaceRun& run) {
     return run.place == place && run.rig == rig && run.noise_seed == seed;
   });
@@ -64,7 +66,8 @@ std::vector<PlaceCase> CasesOf(const CommandLine& line) {
 
 int Run(const CommandLine& line) {
   PlaceEstimators estimators;
-  for (const std::string& assignment : line.odometry_assignments) SetOption(assignment, estimators.odometry);
+  for (const std::string& assignment : line.odometry_assignments)
+    SetOption(assignment, estimators.odometry);
   if (line.is_whole_drive) estimators.whole_drive = WholeDriveOptions();
   for (const std::string& assignment : line.refinement_assignments) {
     Require(line.is_whole_drive, ErrorCode::kUsage, "--set-refinement needs --whole-drive");
@@ -92,7 +95,8 @@ int Run(const CommandLine& line) {
 
 int main(int argc, char** argv) {
   using namespace parkade;
-  CLI::App app{"The odometry of four cameras beside that of each alone, place by place.", "parkade-odometry-places"};
+  CLI::App app{"The odometry of four cameras beside that of each alone, place by place.",
+               "parkade-odometry-places"};
   CommandLine line;
   app.footer(kFooter);
   app.add_option("--places", line.places, "SCENE:SEED[:START], START standing, rolling or turning")
@@ -101,15 +105,17 @@ int main(int argc, char** argv) {
   app.add_option("--rigs", line.rigs, "exact, 0.3 (degrees, and 1 cm), 1 (degree, and 3 cm)")
       ->delimiter(',')
       ->capture_default_str();
-  app.add_option("--seeds", line.num_seeds, "Noises per place and rig, 1 to N; 0: only the table of --runs")
+  app.add_option("--seeds", line.num_seeds,
+                 "Noises per place and rig, 1 to N; 0: only the table of --runs")
       ->capture_default_str()
       ->check(CLI::Range(0, 100000));
   app.add_option("--duration", line.duration, "[s] of each drive")->capture_default_str();
-  app.add_option("--rate", line.rate, "[Hz] of pictures")->capture_default_str();
+  app.add_option("--rate", line.rate, "[Hz] of images")->capture_default_str();
   app.add_option("--threads", line.num_threads)->capture_default_str()->check(CLI::Range(1, 256));
   app.add_option("--set", line.odometry_assignments, "Of the odometry: stage.option=value");
   app.add_option("--set-drive", line.drive_assignments, "Of the drive, as parkade-simulate --set");
-  app.add_option("--set-model", line.model_assignments, "Of the tracks: see tests/simulator/tracks/track_model.h");
+  app.add_option("--set-model", line.model_assignments,
+                 "Of the tracks: see tests/simulator/tracks/track_model.h");
   app.add_flag("--whole-drive", line.is_whole_drive,
                "Also adjusts all measurements of each drive at once (RefineDrive, no loops)");
   app.add_option("--set-refinement", line.refinement_assignments, "Of that: option=value");

@@ -16,7 +16,8 @@ constexpr double kNear = 1.05;  // of the luckiest camera's drift
 std::vector<double> RootMeanSquares(const std::vector<const std::vector<double>*>& rows) {
   std::vector<double> rms(rows.front()->size(), 0);
   for (const std::vector<double>* row : rows)
-    for (size_t i = 0; i < rms.size(); ++i) rms[i] += row->at(i) * row->at(i) / static_cast<double>(rows.size());
+    for (size_t i = 0; i < rms.size(); ++i)
+      rms[i] += row->at(i) * row->at(i) / static_cast<double>(rows.size());
   for (double& value : rms) value = std::sqrt(value);
   return rms;
 }
@@ -27,8 +28,8 @@ size_t BestSingle(const std::vector<double>& rms) {
 
 double RatioToBest(const std::vector<double>& rms) { return rms.front() / rms[BestSingle(rms)]; }
 
-/// 2.5 % and 97.5 % of the ratio, runs drawn with repetition (B. Efron, "Bootstrap methods: another look at the
-/// jackknife", 1979).
+/// 2.5 % and 97.5 % of the ratio, runs drawn with repetition (B. Efron, "Bootstrap methods: another
+/// look at the jackknife", 1979).
 void Resample(const std::vector<const std::vector<double>*>& rows, PlaceSummary& summary) {
   simulator::Random random(rows.size(), 0xb007);
   std::vector<double> ratios;
@@ -57,14 +58,14 @@ double WantedShare(const std::vector<PlaceRun>& runs, size_t of, size_t num_esti
 
 std::string TableRow(const PlaceRun& first, const PlaceSummary& summary) {
   char text[80];
-  std::string row =
-      "| " + first.place + " | " + first.rig + " | " + first.estimator + " | " + std::to_string(summary.num_runs);
+  std::string row = "| " + first.place + " | " + first.rig + " | " + first.estimator + " | " +
+                    std::to_string(summary.num_runs);
   for (const double drift : summary.rms_drift) {
     std::snprintf(text, sizeof text, " | %.3f", drift);
     row += text;
   }
-  std::snprintf(text, sizeof text, " | %.2f [%.2f, %.2f] | %.0f %% | %.2f |", summary.ratio, summary.low, summary.high,
-                100 * summary.near_luckiest, summary.wanted_share);
+  std::snprintf(text, sizeof text, " | %.2f [%.2f, %.2f] | %.0f %% | %.2f |", summary.ratio,
+                summary.low, summary.high, 100 * summary.near_luckiest, summary.wanted_share);
   row += text;
   for (const double scale : summary.rms_scale) {
     std::snprintf(text, sizeof text, " %.2f", scale);
@@ -85,8 +86,10 @@ PlaceSummary SummarizePlace(const std::vector<PlaceRun>& runs) {
             "runs of one place must have as many cameras each");
     drifts.push_back(&run.drift_percent);
     scales.push_back(&run.scale_percent);
-    const double luckiest = *std::min_element(run.drift_percent.begin() + 1, run.drift_percent.end());
-    summary.near_luckiest += (run.drift_percent.front() <= kNear * luckiest) / static_cast<double>(runs.size());
+    const double luckiest =
+        *std::min_element(run.drift_percent.begin() + 1, run.drift_percent.end());
+    summary.near_luckiest +=
+        (run.drift_percent.front() <= kNear * luckiest) / static_cast<double>(runs.size());
   }
   summary.num_runs = runs.size();
   summary.rms_drift = RootMeanSquares(drifts);
@@ -101,10 +104,11 @@ PlaceSummary SummarizePlace(const std::vector<PlaceRun>& runs) {
 std::string PlaceTable(const std::vector<PlaceRun>& runs) {
   std::vector<std::vector<PlaceRun>> groups;
   for (const PlaceRun& run : runs) {
-    const auto group = std::find_if(groups.begin(), groups.end(), [&](const std::vector<PlaceRun>& known) {
-      return known.front().place == run.place && known.front().rig == run.rig &&
-             known.front().estimator == run.estimator;
-    });
+    const auto group =
+        std::find_if(groups.begin(), groups.end(), [&](const std::vector<PlaceRun>& known) {
+          return known.front().place == run.place && known.front().rig == run.rig &&
+                 known.front().estimator == run.estimator;
+        });
     if (group != groups.end())
       group->push_back(run);
     else
@@ -116,8 +120,10 @@ std::string PlaceTable(const std::vector<PlaceRun>& runs) {
     head += " | cam" + std::to_string(camera - 1);
     rule += "|---";
   }
-  std::string table = head + " | all / best | near the luckiest | wanted | scale |\n" + rule + "|---|---|---|---|\n";
-  for (const std::vector<PlaceRun>& group : groups) table += TableRow(group.front(), SummarizePlace(group));
+  std::string table = head + " | all / best | near the luckiest | wanted | scale |\n" + rule +
+                      "|---|---|---|---|\n";
+  for (const std::vector<PlaceRun>& group : groups)
+    table += TableRow(group.front(), SummarizePlace(group));
   return table;
 }
 

@@ -34,30 +34,34 @@ TEST(OdometryPlaces, OtherNoiseLeavesThePathAsItIs) {
   const simulator::TrackDrive a = ShortDrive(1), b = ShortDrive(2, "1");
 
   ASSERT_EQ(a.truth.size(), b.truth.size());
-  EXPECT_EQ(a.truth.back().world_from_frame.translation, b.truth.back().world_from_frame.translation);
-  EXPECT_EQ(a.true_rig.cameras[2].body_from_camera.translation, b.true_rig.cameras[2].body_from_camera.translation);
+  EXPECT_EQ(a.truth.back().world_from_frame.translation,
+            b.truth.back().world_from_frame.translation);
+  EXPECT_EQ(a.true_rig.cameras[2].body_from_camera.translation,
+            b.true_rig.cameras[2].body_from_camera.translation);
   EXPECT_NE(a.imu[100].linear_acceleration, b.imu[100].linear_acceleration);
-  EXPECT_NE(a.pictures[9].frame.observations[0].pixel, b.pictures[9].frame.observations[0].pixel);
-  const Rigid3 off = b.true_rig.cameras[1].body_from_camera.Inverse() * b.rig.cameras[1].body_from_camera;
+  EXPECT_NE(a.images[9].frame.observations[0].pixel, b.images[9].frame.observations[0].pixel);
+  const Rigid3 off =
+      b.true_rig.cameras[1].body_from_camera.Inverse() * b.rig.cameras[1].body_from_camera;
   EXPECT_NEAR(LogSo3(off.rotation).norm() * 180 / M_PI, 1, 1e-6);
 }
 
 TEST(OdometryPlaces, OneCameraSeesWhatItSawAmongTheOthers) {
   const simulator::TrackDrive all = ShortDrive(1), left = OneCamera(all, 1);
 
-  const auto is_left = [](const simulator::SeenPicture& picture) { return picture.frame.camera == 1; };
+  const auto is_left = [](const simulator::SeenImage& image) { return image.frame.camera == 1; };
   ASSERT_EQ(left.rig.cameras.size(), 1u);
   EXPECT_EQ(left.rig.cameras[0].name, all.rig.cameras[1].name);
-  ASSERT_EQ(left.pictures.size(),
-            static_cast<size_t>(std::count_if(all.pictures.begin(), all.pictures.end(), is_left)));
-  const auto seen = std::find_if(all.pictures.begin(), all.pictures.end(), is_left);
-  EXPECT_EQ(left.pictures[0].frame.camera, 0);
-  EXPECT_EQ(left.pictures[0].frame.observations.size(), seen->frame.observations.size());
-  for (const simulator::SeenPicture& picture : left.pictures) EXPECT_TRUE(picture.crossed.empty());
+  ASSERT_EQ(left.images.size(),
+            static_cast<size_t>(std::count_if(all.images.begin(), all.images.end(), is_left)));
+  const auto seen = std::find_if(all.images.begin(), all.images.end(), is_left);
+  EXPECT_EQ(left.images[0].frame.camera, 0);
+  EXPECT_EQ(left.images[0].frame.observations.size(), seen->frame.observations.size());
+  for (const simulator::SeenImage& image : left.images) EXPECT_TRUE(image.crossed.empty());
 }
 
 TEST(OdometryPlaces, TheBestCameraIsBestOverAllSeeds) {
-  const PlaceSummary summary = SummarizePlace({RunOf({3, 4, 1}), RunOf({3, 4, 7}), RunOf({3, 4, 5})});
+  const PlaceSummary summary =
+      SummarizePlace({RunOf({3, 4, 1}), RunOf({3, 4, 7}), RunOf({3, 4, 5})});
 
   EXPECT_EQ(summary.num_runs, 3u);
   EXPECT_EQ(summary.best, 1u);
@@ -83,8 +87,10 @@ TEST(OdometryPlaces, TheWholeDriveIsAdjustedBesideItsOdometry) {
     ASSERT_EQ(run.error_products.size(), n * n);
     for (size_t i = 0; i < n; ++i) {
       EXPECT_LT(run.drift_percent[i], 1) << run.estimator << " of estimate " << i;
-      EXPECT_NEAR(std::sqrt(run.error_products[i * n + i]), run.drift_percent[i], 0.1 * run.drift_percent[i]);
-      for (size_t j = 0; j < i; ++j) EXPECT_EQ(run.error_products[i * n + j], run.error_products[j * n + i]);
+      EXPECT_NEAR(std::sqrt(run.error_products[i * n + i]), run.drift_percent[i],
+                  0.1 * run.drift_percent[i]);
+      for (size_t j = 0; j < i; ++j)
+        EXPECT_EQ(run.error_products[i * n + j], run.error_products[j * n + i]);
     }
   }
   EXPECT_NE(runs[0].drift_percent[0], runs[1].drift_percent[0]);
@@ -123,7 +129,8 @@ TEST(OdometryPlaces, RunsSurviveTheirFile) {
   EXPECT_EQ(again.drift_percent, run.drift_percent);
   EXPECT_EQ(again.error_products, run.error_products);
   EXPECT_EQ(again.scale_percent, run.scale_percent);
-  EXPECT_NE(PlaceTable({run, again}).find("| lot:1 | exact | whole drive | 2 | 0.100 | 0.200 |"), std::string::npos);
+  EXPECT_NE(PlaceTable({run, again}).find("| lot:1 | exact | whole drive | 2 | 0.100 | 0.200 |"),
+            std::string::npos);
 }
 
 TEST(OdometryPlaces, RefusesWhatIsNoPlace) {

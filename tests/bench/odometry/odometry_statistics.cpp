@@ -15,34 +15,41 @@
 namespace parkade {
 namespace {
 
-using simulator::SeenPicture;
+using simulator::SeenImage;
 using simulator::TrackDrive;
 
-constexpr double kFailure = 5;      // [%] of drift
-constexpr double kSameTime = 1e-3;  // [s] within which slam's front end needs no motion to match across cameras
+constexpr double kFailure = 5;  // [%] of drift
+constexpr double kSameTime =
+    1e-3;  // [s] within which slam's front end needs no motion to match across cameras
 
-double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+double Now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 void MeasureCalibration(const Rig& refined, const TrackDrive& drive, StatisticsRun& run) {
   for (size_t camera = 0; camera < refined.cameras.size(); ++camera) {
     const RigCamera &after = refined.cameras[camera], &truth = drive.true_rig.cameras[camera];
     const Rigid3 off = truth.body_from_camera.Inverse() * after.body_from_camera;
-    run.rotation_error_deg = std::max(run.rotation_error_deg, LogSo3(off.rotation).norm() * 180 / M_PI);
+    run.rotation_error_deg =
+        std::max(run.rotation_error_deg, LogSo3(off.rotation).norm() * 180 / M_PI);
     run.translation_error_cm = std::max(run.translation_error_cm, 100 * off.translation.norm());
-    run.time_offset_error_ms = std::max(run.time_offset_error_ms, 1e3 * std::abs(after.time_shift - truth.time_shift));
+    run.time_offset_error_ms =
+        std::max(run.time_offset_error_ms, 1e3 * std::abs(after.time_shift - truth.time_shift));
   }
 }
 
-void MeasureAnswer(const OdometryResult& result, const StatisticsCase& question, const TrackDrive& drive,
-                   StatisticsRun& run) {
-  const TrajectoryEvaluation evaluation = EvaluateTrajectory(drive.truth, ToTimedPoses(result.odom_from_body));
+void MeasureAnswer(const OdometryResult& result, const StatisticsCase& question,
+                   const TrackDrive& drive, StatisticsRun& run) {
+  const TrajectoryEvaluation evaluation =
+      EvaluateTrajectory(drive.truth, ToTimedPoses(result.odom_from_body));
   run.drift_percent = 100 * evaluation.rigid.translation.rmse / std::max(1.0, drive.length);
   run.ate = evaluation.rigid.translation.rmse;
-  run.consistency =
-      MeasureConsistency(result.odom_from_body, drive.truth, drive.rig.body_from_imu, {0.25, 0.5, 0.75, 1});
+  run.consistency = MeasureConsistency(result.odom_from_body, drive.truth, drive.rig.body_from_imu,
+                                       {0.25, 0.5, 0.75, 1});
   MeasureCalibration(result.rig, drive, run);
   if (result.report.has_wheels && question.odometry.use_wheels)
-    run.wheel_scale_error = result.report.wheel_scale * (1 + question.drive.drive.sensors.wheel_scale_error) - 1;
+    run.wheel_scale_error =
+        result.report.wheel_scale * (1 + question.drive.drive.sensors.wheel_scale_error) - 1;
   run.start_kind = result.report.start_kind;
   run.start_seconds = result.report.start_time + result.report.start_data;
   run.coverage = std::min(1.0, result.odom_from_body.span().Seconds() / run.duration);
@@ -54,14 +61,16 @@ void MeasureAnswer(const OdometryResult& result, const StatisticsCase& question,
 
 OdometryResult EstimateTrackDrive(const TrackDrive& drive, const OdometryOptions& options) {
   TrajectoryEstimator estimator(drive.rig, options);
-  size_t wheel = 0, picture = 0;
+  size_t wheel = 0, image = 0;
   const auto feed_until = [&](Timestamp time) {
-    for (; wheel < drive.wheels.size() && drive.wheels[wheel].time <= time; ++wheel) estimator.Add(drive.wheels[wheel]);
-    for (; picture < drive.pictures.size() && drive.pictures[picture].frame.time <= time; ++picture) {
-      const SeenPicture& seen = drive.pictures[picture];
+    for (; wheel < drive.wheels.size() && drive.wheels[wheel].time <= time; ++wheel)
+      estimator.Add(drive.wheels[wheel]);
+    for (; image < drive.images.size() && drive.images[image].frame.time <= time; ++image) {
+      const SeenImage& seen = drive.images[image];
       TrackedFrame frame = seen.frame;
       if (seen.pair_seconds < kSameTime || estimator.Latest())
-        frame.observations.insert(frame.observations.end(), seen.crossed.begin(), seen.crossed.end());
+        frame.observations.insert(frame.observations.end(), seen.crossed.begin(),
+                                  seen.crossed.end());
       estimator.Add(std::move(frame));
     }
   };
@@ -75,7 +84,8 @@ OdometryResult EstimateTrackDrive(const TrackDrive& drive, const OdometryOptions
 StatisticsRun RunOnce(const StatisticsCase& question, int seed) {
   StatisticsCase asked = question;
   asked.drive.drive.seed = seed;
-  if (asked.start != "standing") asked.drive.begin = simulator::FindMovingStart(asked.drive, asked.start == "turning");
+  if (asked.start != "standing")
+    asked.drive.begin = simulator::FindMovingStart(asked.drive, asked.start == "turning");
   const double begin = Now();
   const TrackDrive drive = simulator::MakeTrackDrive(asked.drive, asked.odometry);
   StatisticsRun run;
@@ -84,7 +94,7 @@ StatisticsRun RunOnce(const StatisticsCase& question, int seed) {
   run.duration = drive.imu.back().time - drive.imu.front().time;
   const double middle = Now();
   run.making_seconds = middle - begin;
-  run.making_ms_per_picture = 1e3 * drive.seconds_per_picture;
+  run.making_ms_per_image = 1e3 * drive.seconds_per_image;
   try {
     const OdometryResult result = EstimateTrackDrive(drive, asked.odometry);
     run.estimating_seconds = Now() - middle;
@@ -101,14 +111,17 @@ std::vector<StatisticsRun> RunCase(const StatisticsCase& question, int num_runs)
                      [&](size_t i) { return RunOnce(question, static_cast<int>(i) + 1); });
 }
 
-bool IsFailure(const StatisticsRun& run) { return !run.error.empty() || !(run.drift_percent <= kFailure); }
+bool IsFailure(const StatisticsRun& run) {
+  return !run.error.empty() || !(run.drift_percent <= kFailure);
+}
 
 StatisticsSummary Summarize(const std::vector<StatisticsRun>& runs) {
   StatisticsSummary summary;
   std::vector<double> drifts;
   double estimating = 0, duration = 0;
   const auto answered = static_cast<double>(std::max<std::ptrdiff_t>(
-      1, std::count_if(runs.begin(), runs.end(), [](const StatisticsRun& run) { return run.error.empty(); })));
+      1, std::count_if(runs.begin(), runs.end(),
+                       [](const StatisticsRun& run) { return run.error.empty(); })));
   for (const StatisticsRun& run : runs) {
     summary.num_failures += IsFailure(run);
     if (!run.error.empty()) continue;
@@ -121,7 +134,7 @@ StatisticsSummary Summarize(const std::vector<StatisticsRun>& runs) {
     summary.wheel_scale_error += std::abs(run.wheel_scale_error) / answered;
     summary.start_seconds += run.start_seconds / answered;
     summary.coverage += run.coverage / answered;
-    summary.ms_per_picture += run.making_ms_per_picture / answered;
+    summary.ms_per_image += run.making_ms_per_image / answered;
     estimating += run.estimating_seconds;
     duration += run.duration;
     if (run.consistency.empty()) continue;
@@ -133,7 +146,8 @@ StatisticsSummary Summarize(const std::vector<StatisticsRun>& runs) {
     for (const PoseConsistency& at : run.consistency)
       summary.nees_on_the_way += at.pose / static_cast<double>(run.consistency.size());
   }
-  for (double* nees : {&summary.nees_pose, &summary.nees_rotation, &summary.nees_position, &summary.nees_on_the_way})
+  for (double* nees : {&summary.nees_pose, &summary.nees_rotation, &summary.nees_position,
+                       &summary.nees_on_the_way})
     *nees /= std::max(1, summary.num_consistent);
   summary.nees_bounds = BoundsOfMean(summary.num_consistent, 6);
   if (!drifts.empty()) {
@@ -147,10 +161,11 @@ StatisticsSummary Summarize(const std::vector<StatisticsRun>& runs) {
 
 std::string TableHead() {
   char line[300];
-  std::snprintf(line, sizeof line,
-                "%-28s %4s | %6s %6s %6s %4s | %6s %6s %6s %6s %-11s | %5s %5s %5s %6s | %5s %5s %6s", "case", "runs",
-                "mean%", "med%", "worst%", "fail", "NEES", "rot", "pos", "way", "honest", "deg", "cm", "ms", "wheel%",
-                "start", "cover", "speed");
+  std::snprintf(
+      line, sizeof line,
+      "%-28s %4s | %6s %6s %6s %4s | %6s %6s %6s %6s %-11s | %5s %5s %5s %6s | %5s %5s %6s", "case",
+      "runs", "mean%", "med%", "worst%", "fail", "NEES", "rot", "pos", "way", "honest", "deg", "cm",
+      "ms", "wheel%", "start", "cover", "speed");
   return line;
 }
 
@@ -158,12 +173,14 @@ std::string TableLine(const std::string& name, const std::vector<StatisticsRun>&
   const StatisticsSummary s = Summarize(runs);
   char line[400];
   std::snprintf(line, sizeof line,
-                "%-28s %4zu | %6.3f %6.3f %6.3f %4d | %6.2f %6.2f %6.2f %6.2f [%.2f, %.2f] | %5.2f %5.2f %5.2f %6.3f | "
+                "%-28s %4zu | %6.3f %6.3f %6.3f %4d | %6.2f %6.2f %6.2f %6.2f [%.2f, %.2f] | %5.2f "
+                "%5.2f %5.2f %6.3f | "
                 "%5.2f %5.3f %6.2f",
-                name.c_str(), runs.size(), s.mean_drift, s.median_drift, s.worst_drift, s.num_failures, s.nees_pose,
-                s.nees_rotation, s.nees_position, s.nees_on_the_way, s.nees_bounds.low, s.nees_bounds.high,
-                s.rotation_error_deg, s.translation_error_cm, s.time_offset_error_ms, 100 * s.wheel_scale_error,
-                s.start_seconds, s.coverage, s.speed_ratio);
+                name.c_str(), runs.size(), s.mean_drift, s.median_drift, s.worst_drift,
+                s.num_failures, s.nees_pose, s.nees_rotation, s.nees_position, s.nees_on_the_way,
+                s.nees_bounds.low, s.nees_bounds.high, s.rotation_error_deg, s.translation_error_cm,
+                s.time_offset_error_ms, 100 * s.wheel_scale_error, s.start_seconds, s.coverage,
+                s.speed_ratio);
   return line;
 }
 

@@ -28,15 +28,16 @@ struct StatisticsRun {
   double length = 0, duration = 0;  ///< [m], [s] of the record
   double ate = 0;                   ///< [m] after rigid alignment
   double drift_percent = 100;
-  std::vector<PoseConsistency> consistency;  ///< at a quarter, half, three quarters and the end of the drive
-  double rotation_error_deg = 0;             ///< of the cameras' mounting after the drive: greatest
-  double translation_error_cm = 0;           ///< likewise
-  double time_offset_error_ms = 0;           ///< likewise
-  double wheel_scale_error = 0;              ///< estimated / true - 1
-  double start_seconds = 0;                  ///< of data that the start took
-  double coverage = 0;                       ///< share of the record that the trajectory covers
-  double noise_scale = 0;                    ///< greatest of the cameras'
-  double making_seconds = 0, making_ms_per_picture = 0, estimating_seconds = 0;
+  std::vector<PoseConsistency>
+      consistency;                  ///< at a quarter, half, three quarters and the end of the drive
+  double rotation_error_deg = 0;    ///< of the cameras' mounting after the drive: greatest
+  double translation_error_cm = 0;  ///< also
+  double time_offset_error_ms = 0;  ///< also
+  double wheel_scale_error = 0;     ///< estimated / true - 1
+  double start_seconds = 0;         ///< of data that the start took
+  double coverage = 0;              ///< share of the record that the trajectory covers
+  double noise_scale = 0;           ///< greatest of the cameras'
+  double making_seconds = 0, making_ms_per_image = 0, estimating_seconds = 0;
 };
 
 /// Makes the drive and estimates it. Throws only for options that cannot be.
@@ -45,8 +46,9 @@ StatisticsRun RunOnce(const StatisticsCase& question, int seed);
 /// All runs of a case, in order of seeds from 1, in parallel.
 std::vector<StatisticsRun> RunCase(const StatisticsCase& question, int num_runs);
 
-/// Feeds a drive without pictures to the estimator, as EstimateTrajectory feeds one with pictures.
-OdometryResult EstimateTrackDrive(const simulator::TrackDrive& drive, const OdometryOptions& options);
+/// Feeds a drive without images to the estimator, as EstimateTrajectory feeds one with images.
+OdometryResult EstimateTrackDrive(const simulator::TrackDrive& drive,
+                                  const OdometryOptions& options);
 
 /// No answer, or a drift above 5 %.
 bool IsFailure(const StatisticsRun& run);
@@ -61,8 +63,8 @@ struct StatisticsSummary {
   double rotation_error_deg = 0, translation_error_cm = 0, time_offset_error_ms = 0;
   double wheel_scale_error = 0;  ///< of its size
   double start_seconds = 0, coverage = 0;
-  double speed_ratio = 0;     ///< seconds of drive per second of estimating, tracks made before
-  double ms_per_picture = 0;  ///< of making tracks
+  double speed_ratio = 0;   ///< seconds of drive per second of estimating, tracks made before
+  double ms_per_image = 0;  ///< of making tracks
 };
 StatisticsSummary Summarize(const std::vector<StatisticsRun>& runs);
 

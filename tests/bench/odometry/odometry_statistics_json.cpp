@@ -22,7 +22,7 @@ nlohmann::json ToJson(const StatisticsRun& run) {
                          {"coverage", run.coverage},
                          {"noise_scale", run.noise_scale},
                          {"making_s", run.making_seconds},
-                         {"making_ms_per_picture", run.making_ms_per_picture},
+                         {"making_ms_per_image", run.making_ms_per_image},
                          {"estimating_s", run.estimating_seconds}};
   for (const PoseConsistency& at : run.consistency)
     json["nees"].push_back({{"time_s", at.time},

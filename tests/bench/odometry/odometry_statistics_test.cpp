@@ -1,4 +1,4 @@
-// The odometry on a few drives without pictures: what must never get worse. The
+// The odometry on a few drives without images: what must never get worse. The
 // long runs are parkade-odometry-statistics.
 #include "tests/bench/odometry/odometry_statistics.h"
 
@@ -27,7 +27,7 @@ TEST(OdometryStatistics, ExactRigsDriftLittleAndCoverTheDrive) {
   EXPECT_LT(summary.worst_drift, 0.3);
   EXPECT_GT(summary.coverage, 0.99);
   EXPECT_EQ(summary.num_consistent, 2);
-  EXPECT_LT(summary.ms_per_picture, 20) << "track mode must stay far quicker than rendering";
+  EXPECT_LT(summary.ms_per_image, 20) << "track mode must stay far quicker than rendering";
 }
 
 TEST(OdometryStatistics, HonestTracksMakeHonestCovariances) {
@@ -50,7 +50,7 @@ TEST(OdometryStatistics, NamesFailuresInsteadOfHidingThem) {
   StatisticsRun good, bad, worse;
   good.drift_percent = 0.1;
   bad.drift_percent = 6;
-  worse.error = "could not initialise";
+  worse.error = "could not initialize";
 
   const StatisticsSummary summary = Summarize({good, bad, worse});
 

@@ -40,7 +40,8 @@ std::vector<TableRun> ReadRuns(const std::string& file) {
   return runs;
 }
 
-void WriteRuns(const CommandLine& line, const OdometryOptions& options, const std::vector<TableRun>& runs) {
+void WriteRuns(const CommandLine& line, const OdometryOptions& options,
+               const std::vector<TableRun>& runs) {
   if (!line.markdown_file.empty()) WriteFileAtomically(line.markdown_file, ToMarkdown(runs));
   if (line.json_file.empty()) return;
   nlohmann::json json = {{"options", OptionsToJson(options)}, {"threads", line.num_threads}};
@@ -51,16 +52,19 @@ void WriteRuns(const CommandLine& line, const OdometryOptions& options, const st
 
 void PrintRun(const TableRun& run) {
   std::printf(
-      "%-14s %-18s %6.1f m  drift %.3f %%  ATE %.3f m  rig %.3f deg %5.1f mm %5.2f ms  %.2f of real time %4.0f MB",
-      run.drive.c_str(), run.variant.c_str(), run.length, run.drift_percent, run.ate, run.rotation_deg,
-      run.translation_mm, run.time_offset_ms, run.wall_seconds / run.duration, run.peak_memory_mb);
+      "%-14s %-18s %6.1f m  drift %.3f %%  ATE %.3f m  rig %.3f deg %5.1f mm %5.2f ms  %.2f of "
+      "real time %4.0f MB",
+      run.drive.c_str(), run.variant.c_str(), run.length, run.drift_percent, run.ate,
+      run.rotation_deg, run.translation_mm, run.time_offset_ms, run.wall_seconds / run.duration,
+      run.peak_memory_mb);
   std::printf("  noise");
   for (const double scale : run.noise_scales) std::printf(" %.2f", scale);
   std::printf("%s%s\n", run.error.empty() ? "" : "  ", run.error.c_str());
   std::fflush(stdout);
 }
 
-void WritePlot(const CommandLine& line, const SuiteDrive& drive, const std::vector<TableRun>& runs) {
+void WritePlot(const CommandLine& line, const SuiteDrive& drive,
+               const std::vector<TableRun>& runs) {
   std::vector<PlottedWay> ways;
   for (const TableRun& run : runs)
     if (run.drive == drive.name && !run.world_from_imu.empty()) {
@@ -83,15 +87,17 @@ int Run(const CommandLine& line) {
   std::vector<TableRun> runs;
   if (line.keeps_runs && fs::exists(line.json_file)) runs = ReadRuns(line.json_file);
   const auto is_known = [&](const std::string& drive, const std::string& variant) {
-    return std::any_of(runs.begin(), runs.end(),
-                       [&](const TableRun& run) { return run.drive == drive && run.variant == variant; });
+    return std::any_of(runs.begin(), runs.end(), [&](const TableRun& run) {
+      return run.drive == drive && run.variant == variant;
+    });
   };
   if (line.is_report_only) {
     std::cout << ToMarkdown(runs);
     return 0;
   }
   for (const std::string& name : line.drives.empty() ? ListSuite(line.suite) : line.drives) {
-    if (std::all_of(variants.begin(), variants.end(), [&](const TableVariant& v) { return is_known(name, v.name); }))
+    if (std::all_of(variants.begin(), variants.end(),
+                    [&](const TableVariant& v) { return is_known(name, v.name); }))
       continue;
     const SuiteDrive drive = OpenSuiteDrive(line.suite, name);
     for (const TableVariant& variant : variants) {
@@ -111,7 +117,8 @@ int Run(const CommandLine& line) {
 
 int main(int argc, char** argv) {
   using namespace parkade;
-  CLI::App app{"Fills the odometry's table of goals from rendered drives.", "parkade-odometry-table"};
+  CLI::App app{"Fills the odometry's table of goals from rendered drives.",
+               "parkade-odometry-table"};
   CommandLine line;
   app.footer(kFooter);
   app.add_option("--suite", line.suite, "Folder that parkade-simulate suite filled")->required();
@@ -123,7 +130,8 @@ int main(int argc, char** argv) {
   app.add_option("--set", line.assignments, "Of the odometry: stage.option=value");
   app.add_option("--json", line.json_file, "Every run");
   app.add_option("--markdown", line.markdown_file, "The tables");
-  app.add_option("--plots", line.plots_folder, "A picture per drive: ways against truth, errors over time");
+  app.add_option("--plots", line.plots_folder,
+                 "A image per drive: ways against truth, errors over time");
   app.add_flag("--keep", line.keeps_runs, "Runs that --json holds are not run again");
   app.add_flag("--report-only", line.is_report_only,
                "Print the tables of what --json holds (with --keep), run nothing");

@@ -40,22 +40,25 @@ std::string Row(const std::string& variant, const std::string& places, const Run
   const Spread translation = Of(runs, [](const TableRun& run) { return run.translation_mm; });
   const Spread stamps = Of(runs, [](const TableRun& run) { return run.time_offset_ms; });
   const Spread uncovered = Of(runs, [](const TableRun& run) { return 100 * (1 - run.coverage); });
-  const Spread speed = Of(runs, [](const TableRun& run) { return run.wall_seconds / run.duration; });
+  const Spread speed =
+      Of(runs, [](const TableRun& run) { return run.wall_seconds / run.duration; });
   const Spread memory = Of(runs, [](const TableRun& run) { return run.peak_memory_mb; });
   return Format(
-      "| %s | %s | %zu | %.3f / %.3f / %.3f | %.3f / %.3f | %.1f | %td | %.3f / %.3f | %.1f / %.1f | %.2f / %.2f | "
+      "| %s | %s | %zu | %.3f / %.3f / %.3f | %.3f / %.3f | %.1f | %td | %.3f / %.3f | %.1f / %.1f "
+      "| %.2f / %.2f | "
       "%.2f | "
       "%.0f |\n",
-      variant.c_str(), places.c_str(), runs.size(), drift.mean, drift.median, drift.worst, ate.mean, ate.worst,
-      100 - uncovered.worst, failures, rotation.mean, rotation.worst, translation.mean, translation.worst, stamps.mean,
-      stamps.worst, speed.mean, memory.worst);
+      variant.c_str(), places.c_str(), runs.size(), drift.mean, drift.median, drift.worst, ate.mean,
+      ate.worst, 100 - uncovered.worst, failures, rotation.mean, rotation.worst, translation.mean,
+      translation.worst, stamps.mean, stamps.worst, speed.mean, memory.worst);
 }
 
 /// Variants in the order in which they come up.
 std::vector<std::string> VariantsOf(const Runs& runs) {
   std::vector<std::string> names;
   for (const TableRun& run : runs)
-    if (std::find(names.begin(), names.end(), run.variant) == names.end()) names.push_back(run.variant);
+    if (std::find(names.begin(), names.end(), run.variant) == names.end())
+      names.push_back(run.variant);
   return names;
 }
 
@@ -67,15 +70,18 @@ Runs Select(const Runs& runs, const std::function<bool(const TableRun&)>& is_wan
 
 std::string SummaryTable(const Runs& runs) {
   std::string text =
-      "| variant | places | drives | drift %: mean / median / worst | ATE m: mean / worst | covered %, least | "
+      "| variant | places | drives | drift %: mean / median / worst | ATE m: mean / worst | "
+      "covered %, least | "
       "failures | "
-      "rotations off deg: mean / worst | places off mm: mean / worst | stamps off ms: mean / worst | time / real time "
+      "rotations off deg: mean / worst | places off mm: mean / worst | stamps off ms: mean / worst "
+      "| time / real time "
       "| "
       "memory MB |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (const std::string& variant : VariantsOf(runs))
     for (const bool is_garage : {false, true}) {
-      const Runs some =
-          Select(runs, [&](const TableRun& run) { return run.variant == variant && IsGarage(run) == is_garage; });
+      const Runs some = Select(runs, [&](const TableRun& run) {
+        return run.variant == variant && IsGarage(run) == is_garage;
+      });
       if (!some.empty()) text += Row(variant, is_garage ? "garages" : "lots, streets", some);
     }
   return text;
@@ -96,7 +102,8 @@ std::string AgainstSingleCameras(const Runs& runs) {
     }
   }
   std::string text =
-      "| rig | drives | four / best single camera: mean / median / worst | worse by more than 5 % |\n"
+      "| rig | drives | four / best single camera: mean / median / worst | worse by more than 5 % "
+      "|\n"
       "|---|---|---|---|\n";
   for (const auto& [rig, singles] : best) {
     std::vector<double> ratios;
@@ -105,11 +112,12 @@ std::string AgainstSingleCameras(const Runs& runs) {
       const auto with_four = four[rig].find(drive);
       if (with_four == four[rig].end()) continue;
       ratios.push_back(with_four->second / drift);
-      if (ratios.back() > 1.05) worse += Format(" %s %.3f/%.3f", drive.c_str(), with_four->second, drift);
+      if (ratios.back() > 1.05)
+        worse += Format(" %s %.3f/%.3f", drive.c_str(), with_four->second, drift);
     }
     const Spread spread = SpreadOf(ratios);
-    text += Format("| %s | %zu | %.2f / %.2f / %.2f |%s |\n", rig.c_str(), ratios.size(), spread.mean, spread.median,
-                   spread.worst, worse.c_str());
+    text += Format("| %s | %zu | %.2f / %.2f / %.2f |%s |\n", rig.c_str(), ratios.size(),
+                   spread.mean, spread.median, spread.worst, worse.c_str());
   }
   return text;
 }

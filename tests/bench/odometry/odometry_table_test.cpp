@@ -10,7 +10,8 @@
 namespace parkade {
 namespace {
 
-TableRun MakeRun(const std::string& drive, const std::string& scene, const std::string& variant, double drift) {
+TableRun MakeRun(const std::string& drive, const std::string& scene, const std::string& variant,
+                 double drift) {
   TableRun run;
   run.drive = drive;
   run.scene = scene;
@@ -51,24 +52,28 @@ TEST(OdometryTable, EveryCameraOfARigIsOffByWhatIsAsked) {
   const Rig off = RigOfVariant(ParseVariant("four-1"), drive);
 
   for (size_t camera = 0; camera < 2; ++camera) {
-    const Rigid3 error =
-        drive.true_rig.cameras[camera].body_from_camera.Inverse() * off.cameras[camera].body_from_camera;
+    const Rigid3 error = drive.true_rig.cameras[camera].body_from_camera.Inverse() *
+                         off.cameras[camera].body_from_camera;
     EXPECT_NEAR(LogSo3(error.rotation).norm(), M_PI / 180, 1e-9);
     EXPECT_NEAR(error.translation.norm(), 0.03, 1e-9);
   }
   EXPECT_EQ(RigOfVariant(ParseVariant("four-exact"), drive).cameras[0].time_shift, 0.004);
-  EXPECT_NEAR(RigOfVariant(ParseVariant("four-stamps"), drive).cameras[1].time_shift, 0.004 - 0.03, 1e-12);
+  EXPECT_NEAR(RigOfVariant(ParseVariant("four-stamps"), drive).cameras[1].time_shift, 0.004 - 0.03,
+              1e-12);
 }
 
 TEST(OdometryTable, FourCamerasAreComparedWithTheBestSingleOne) {
-  const std::vector<TableRun> runs{MakeRun("a", "lot", "four-exact", 0.2), MakeRun("a", "lot", "cam0-exact", 0.1),
-                                   MakeRun("a", "lot", "cam1-exact", 0.4), MakeRun("b", "garage", "four-exact", 0.1),
-                                   MakeRun("b", "garage", "cam0-exact", 0.2)};
+  const std::vector<TableRun> runs{
+      MakeRun("a", "lot", "four-exact", 0.2), MakeRun("a", "lot", "cam0-exact", 0.1),
+      MakeRun("a", "lot", "cam1-exact", 0.4), MakeRun("b", "garage", "four-exact", 0.1),
+      MakeRun("b", "garage", "cam0-exact", 0.2)};
 
   const std::string text = ToMarkdown(runs);
 
-  EXPECT_NE(text.find("| exact | 2 | 1.25 / 1.25 / 2.00 | a 0.200/0.100 |"), std::string::npos) << text;
-  EXPECT_NE(text.find("| four-exact | garages | 1 | 0.100 / 0.100 / 0.100 |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| exact | 2 | 1.25 / 1.25 / 2.00 | a 0.200/0.100 |"), std::string::npos)
+      << text;
+  EXPECT_NE(text.find("| four-exact | garages | 1 | 0.100 / 0.100 / 0.100 |"), std::string::npos)
+      << text;
 }
 
 TEST(OdometryTable, RunsComeBackFromTheirFile) {

@@ -18,8 +18,8 @@ struct Noise {
   double believed = 1;                      ///< times which the covariance is
 };
 
-/// A curve of 20 s in a world that is turned and moved against odom. The first state is exact, the others off
-/// by draws from a full covariance.
+/// A curve of 20 s in a world that is turned and moved against odom. The first state is exact, the
+/// others off by draws from a full covariance.
 std::vector<PoseConsistency> Draw(const Noise& noise, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
@@ -28,7 +28,8 @@ std::vector<PoseConsistency> Draw(const Noise& noise, unsigned seed) {
   std::vector<TrajectoryState> states;
   for (int i = 0; i <= 200; ++i) {
     const double t = 0.1 * i;
-    const Rigid3 world_from_body{ExpSo3({0.02 * std::sin(t), 0.03 * std::cos(t), 0.2 * t}), {t, 0.1 * t * t, 0.2 * t}};
+    const Rigid3 world_from_body{ExpSo3({0.02 * std::sin(t), 0.03 * std::cos(t), 0.2 * t}),
+                                 {t, 0.1 * t * t, 0.2 * t}};
     truth.push_back({Timestamp{1'000'000'000} + t, world_from_body});
     if (i % 10 != 5) continue;
     TrajectoryState state;
@@ -37,14 +38,15 @@ std::vector<PoseConsistency> Draw(const Noise& noise, unsigned seed) {
     root.bottomLeftCorner<3, 3>().setConstant(0.3);
     const double growth = i == 5 ? 1e-4 : t / 20;
     Vector6 sigma;
-    sigma << Eigen::Vector3d::Constant(noise.rotation * growth), Eigen::Vector3d::Constant(noise.position * growth);
+    sigma << Eigen::Vector3d::Constant(noise.rotation * growth),
+        Eigen::Vector3d::Constant(noise.position * growth);
     root = sigma.asDiagonal() * root;
     Vector6 draw;
     for (double& value : draw) value = normal(random);
     const Vector6 error = root * draw;
     const Rigid3 expected = odom_from_world * world_from_body;
-    state.odom_from_body = {(expected.rotation * ExpSo3(-error.head<3>())).normalized(),
-                            expected.translation - error.tail<3>()};
+    state.world_from_body = {(expected.rotation * ExpSo3(-error.head<3>())).normalized(),
+                             expected.translation - error.tail<3>()};
     state.covariance = noise.believed * noise.believed * root * root.transpose();
     states.push_back(state);
   }
@@ -53,7 +55,8 @@ std::vector<PoseConsistency> Draw(const Noise& noise, unsigned seed) {
 
 double MeanAtEnd(const Noise& noise, int num_runs) {
   double sum = 0;
-  for (int run = 0; run < num_runs; ++run) sum += Draw(noise, static_cast<unsigned>(run)).back().pose / num_runs;
+  for (int run = 0; run < num_runs; ++run)
+    sum += Draw(noise, static_cast<unsigned>(run)).back().pose / num_runs;
   return sum;
 }
 
@@ -66,7 +69,9 @@ TEST(PoseConsistency, HonestErrorsScoreOneWithinTheirBounds) {
   EXPECT_LT(mean, bounds.high);
 }
 
-TEST(PoseConsistency, BelievingInHalfTheErrorScoresFour) { EXPECT_NEAR(MeanAtEnd({.believed = 0.5}, 200), 4, 0.6); }
+TEST(PoseConsistency, BelievingInHalfTheErrorScoresFour) {
+  EXPECT_NEAR(MeanAtEnd({.believed = 0.5}, 200), 4, 0.6);
+}
 
 TEST(PoseConsistency, NamesSizesOfErrorsAndTimes) {
   const std::vector<PoseConsistency> measured = Draw({.rotation = 0, .position = 0}, 1);

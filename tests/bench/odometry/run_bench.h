@@ -5,13 +5,13 @@
 #include <iostream>
 #include <opencv2/core/utility.hpp>
 
-#include "core/keep_memory.h"
 #include "core/parallel.h"
+#include "core/tune_malloc.h"
 
 namespace parkade {
 
-/// The end of a bench's main: reads the command line into what `app` is bound to, then runs on `num_threads`. What goes
-/// wrong is said in one sentence, exit status 2.
+/// The end of a bench's main: reads the command line into what `app` is bound to, then runs on
+/// `num_threads`. What goes wrong is said in one sentence, exit status 2.
 template <typename Run>
 int RunBench(CLI::App& app, int argc, char** argv, const int& num_threads, Run run) {
   CLI11_PARSE(app, argc, argv);
@@ -19,7 +19,7 @@ int RunBench(CLI::App& app, int argc, char** argv, const int& num_threads, Run r
     SetNumThreads(num_threads);
     cv::setNumThreads(1);  // as the product: core/parallel works on many images at once
     KeepLinearAlgebraToCaller();
-    KeepFreedMemory();  // as `parkade map`
+    TuneMalloc();  // as `parkade map`
     return run();
   } catch (const std::exception& error) {
     std::cerr << app.get_name() << ": " << error.what() << "\n";

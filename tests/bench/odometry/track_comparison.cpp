@@ -1,4 +1,4 @@
-// How alike tracks of rendered pictures and tracks of track mode are: prints the
+// How alike tracks of rendered images and tracks of track mode are: prints the
 // statistics of both, camera by camera, and on request what the odometry makes of both.
 #include <CLI/CLI.hpp>
 #include <iostream>
@@ -7,11 +7,11 @@
 #include "slam/evaluation/evaluate_trajectory.h"
 #include "tests/bench/odometry/odometry_statistics.h"
 #include "tests/simulator/drives/plan_drive.h"
+#include "tests/simulator/scenes/build_scene.h"
 #include "tests/simulator/tracks/track_crossing.h"
 #include "tests/simulator/tracks/track_rendered.h"
 #include "tests/simulator/tracks/track_statistics.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
-#include "tests/simulator/scenes/build_scene.h"
 
 namespace parkade::simulator {
 namespace {
@@ -23,53 +23,60 @@ struct CommandLine {
   bool is_quick = false, wants_estimate = false;
 };
 
-/// The pictures of a stretch.
-std::vector<SeenPicture> Within(const std::vector<SeenPicture>& pictures, const Stretch& stretch, Timestamp epoch) {
-  std::vector<SeenPicture> result;
-  for (const SeenPicture& picture : pictures)
-    if (picture.frame.time - epoch >= stretch.begin && picture.frame.time - epoch <= stretch.end)
-      result.push_back(picture);
+/// The images of a stretch.
+std::vector<SeenImage> Within(const std::vector<SeenImage>& images, const Stretch& stretch,
+                              Timestamp epoch) {
+  std::vector<SeenImage> result;
+  for (const SeenImage& image : images)
+    if (image.frame.time - epoch >= stretch.begin && image.frame.time - epoch <= stretch.end)
+      result.push_back(image);
   return result;
 }
 
-void PrintTracks(const std::string& title, const std::vector<SeenPicture>& pictures, const Rig& rig,
+void PrintTracks(const std::string& title, const std::vector<SeenImage>& images, const Rig& rig,
                  const Motion& motion, Timestamp epoch, TrackWorld& world) {
   for (size_t camera = 0; camera < rig.cameras.size(); ++camera) {
     const TrackEye eye(motion, epoch, rig.cameras[camera]);
     std::vector<TrackedFrame> frames;
     size_t num_crossed = 0;
-    for (const SeenPicture& picture : pictures) {
-      if (picture.frame.camera != static_cast<int>(camera)) continue;
-      frames.push_back(picture.frame);
-      num_crossed += picture.crossed.size();
+    for (const SeenImage& image : images) {
+      if (image.frame.camera != static_cast<int>(camera)) continue;
+      frames.push_back(image.frame);
+      num_crossed += image.crossed.size();
     }
-    std::cout << rig.cameras[camera].name << " " << title << ": " << ToText(MeasureTracks(frames, eye, world))
-              << "crossed per frame "
-              << static_cast<double>(num_crossed) / static_cast<double>(std::max<size_t>(1, frames.size())) << "\n";
+    std::cout << rig.cameras[camera].name << " " << title << ": "
+              << ToText(MeasureTracks(frames, eye, world)) << "crossed per frame "
+              << static_cast<double>(num_crossed) /
+                     static_cast<double>(std::max<size_t>(1, frames.size()))
+              << "\n";
   }
 }
 
 void PrintEstimate(const std::string& title, const TrackDrive& drive) {
   const OdometryResult result = EstimateTrackDrive(drive, {});
-  const TrajectoryEvaluation error = EvaluateTrajectory(drive.truth, ToTimedPoses(result.odom_from_body));
+  const TrajectoryEvaluation error =
+      EvaluateTrajectory(drive.truth, ToTimedPoses(result.odom_from_body));
   std::cout << title << ": " << drive.length << " m, drift " << error.drift_percent << " %, NEES";
-  for (const PoseConsistency& at :
-       MeasureConsistency(result.odom_from_body, drive.truth, drive.rig.body_from_imu, {0.25, 0.5, 0.75, 1}))
+  for (const PoseConsistency& at : MeasureConsistency(
+           result.odom_from_body, drive.truth, drive.rig.body_from_imu, {0.25, 0.5, 0.75, 1}))
     std::cout << " " << at.pose << " (" << at.rotation << ", " << at.position << ")";
   std::cout << "; noise scales";
   for (const CameraHealth& camera : result.report.cameras) std::cout << " " << camera.noise_scale;
   std::cout << "\n";
 }
 
-std::vector<SeenPicture> Render(const CommandLine& line, const Scene& scene, const Rig& rig, const Motion& motion) {
-  const RenderedTracks rendered =
-      TrackRenderedDrive(scene, rig, motion, line.stretch, static_cast<std::uint64_t>(line.options.drive.seed));
+std::vector<SeenImage> Render(const CommandLine& line, const Scene& scene, const Rig& rig,
+                              const Motion& motion) {
+  const RenderedTracks rendered = TrackRenderedDrive(
+      scene, rig, motion, line.stretch, static_cast<std::uint64_t>(line.options.drive.seed));
   std::cout << "rendering " << rendered.render_seconds << " s, tracking " << rendered.track_seconds
-            << " s per picture\n";
-  std::vector<SeenPicture> pictures;
+            << " s per image\n";
+  std::vector<SeenImage> images;
   for (size_t i = 0; i < rendered.frames.size(); ++i)
-    pictures.push_back({.frame = rendered.frames[i], .crossed = rendered.crossed[i], .pair_seconds = kMaxPairTime});
-  return pictures;
+    images.push_back({.frame = rendered.frames[i],
+                      .crossed = rendered.crossed[i],
+                      .pair_seconds = kMaxPairTime});
+  return images;
 }
 
 int Run(CommandLine& line) {
@@ -86,12 +93,13 @@ int Run(CommandLine& line) {
   TrackWorld world(scene);
   const Motion motion = PlanDrive(scene.place, options.drive, options.duration, seed).motion;
   TrackDrive drive = MakeTrackDrive(line.options);
-  std::cout << 1e3 * drive.seconds_per_picture << " ms per picture of track mode\n";
-  PrintTracks("tracks", Within(drive.pictures, line.stretch, epoch), drive.true_rig, motion, epoch, world);
+  std::cout << 1e3 * drive.seconds_per_image << " ms per image of track mode\n";
+  PrintTracks("tracks", Within(drive.images, line.stretch, epoch), drive.true_rig, motion, epoch,
+              world);
   if (line.wants_estimate) PrintEstimate("track mode", drive);
   if (line.is_quick) return 0;
-  drive.pictures = Render(line, scene, drive.true_rig, motion);
-  PrintTracks("rendered", drive.pictures, drive.true_rig, motion, epoch, world);
+  drive.images = Render(line, scene, drive.true_rig, motion);
+  PrintTracks("rendered", drive.images, drive.true_rig, motion, epoch, world);
   if (line.wants_estimate) PrintEstimate("rendered", drive);
   return 0;
 }
@@ -101,15 +109,20 @@ int Run(CommandLine& line) {
 
 int main(int argc, char** argv) {
   using namespace parkade::simulator;
-  CLI::App app{"Compares track mode with the real tracker on rendered pictures.", "parkade-track-comparison"};
+  CLI::App app{"Compares track mode with the real tracker on rendered images.",
+               "parkade-track-comparison"};
   CommandLine line;
-  app.add_option("--scene", line.options.drive.scene, "As parkade-simulate --list")->capture_default_str();
+  app.add_option("--scene", line.options.drive.scene, "As parkade-simulate --list")
+      ->capture_default_str();
   app.add_option("--seed", line.options.drive.seed, "Of everything")->capture_default_str();
-  app.add_option("--duration", line.options.drive.duration, "[s] of the drive")->capture_default_str();
-  app.add_option("--begin", line.stretch.begin, "[s] pictures are rendered from here")->capture_default_str();
+  app.add_option("--duration", line.options.drive.duration, "[s] of the drive")
+      ->capture_default_str();
+  app.add_option("--begin", line.stretch.begin, "[s] images are rendered from here")
+      ->capture_default_str();
   app.add_option("--end", line.stretch.end, "[s] to here")->capture_default_str();
   app.add_flag("--no-render", line.is_quick, "Track mode alone");
-  app.add_flag("--estimate", line.wants_estimate, "Render all of the drive, and run the odometry on both");
+  app.add_flag("--estimate", line.wants_estimate,
+               "Render all of the drive, and run the odometry on both");
   app.add_option("--set", line.assignments, "drive.cameras.rate=10, model.slide=0 and the like");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -39,8 +39,10 @@ Drive MakeDrive(double scale, const Rigid3& body_from_camera = kForward) {
 }
 
 void Track(FeatureTracker& tracker, const Drive& drive, int step, size_t last, size_t now) {
-  const Eigen::Quaterniond turn = drive.poses[now].rotation.conjugate() * drive.poses[last].rotation;
-  tracker.Track({Timestamp{1 + 50'000'000LL * step}, 0, drive.images[now]}, turn.toRotationMatrix());
+  const Eigen::Quaterniond turn =
+      drive.poses[now].rotation.conjugate() * drive.poses[last].rotation;
+  tracker.Track({Timestamp{1 + 50'000'000LL * step}, 0, drive.images[now]},
+                turn.toRotationMatrix());
 }
 
 /// Argument: image width [px].
@@ -51,7 +53,7 @@ void TrackOneFrame(benchmark::State& state) {
   size_t last = 0;
   double observations = 0;
   for (auto _ : state) {
-    // To and fro, so that every frame follows a neighbour.
+    // To and fro, so that every frame follows a neighbor.
     const int phase = step % (2 * kNumFrames - 2);
     const auto now = static_cast<size_t>(phase < kNumFrames ? phase : 2 * kNumFrames - 2 - phase);
     Track(tracker, drive, step++, last, now);
@@ -83,7 +85,9 @@ void MatchFisheyes(benchmark::State& state) {
   Track(left_tracker, left_drive, 0, 0, 0);
   size_t matches = 0;
   for (auto _ : state)
-    matches = MatchAcross(front_tracker.last_image(), left_tracker.last_image(), left.Inverse() * kForward).size();
+    matches = MatchAcross(front_tracker.last_image(), left_tracker.last_image(),
+                          left.Inverse() * kForward)
+                  .size();
   state.counters["matches"] = static_cast<double>(matches);
 }
 BENCHMARK(MatchFisheyes)->Unit(benchmark::kMillisecond);

@@ -31,7 +31,10 @@ class RenumberedStream final : public RecordStream {
 }  // namespace
 
 ReriggedLog::ReriggedLog(const DriveLog& log, const Rig& rig, std::vector<int> cameras)
-    : calibrated_(log, rig), cameras_(std::move(cameras)), new_index_(rig.cameras.size(), -1), rig_(rig) {
+    : calibrated_(log, rig),
+      cameras_(std::move(cameras)),
+      new_index_(rig.cameras.size(), -1),
+      rig_(rig) {
   if (cameras_.empty()) {
     cameras_.resize(rig.cameras.size());
     std::iota(cameras_.begin(), cameras_.end(), 0);
@@ -45,7 +48,8 @@ ReriggedLog::ReriggedLog(const DriveLog& log, const Rig& rig, std::vector<int> c
 
 std::unique_ptr<RecordStream> ReriggedLog::Read(const ReadOptions& options) const {
   ReadOptions renumbered = options;
-  renumbered.wants_image = [wants = options.wants_image, index = new_index_](int camera, Timestamp time) {
+  renumbered.wants_image = [wants = options.wants_image, index = new_index_](int camera,
+                                                                             Timestamp time) {
     const int mine = index[static_cast<size_t>(camera)];
     return mine >= 0 && (!wants || wants(mine, time));
   };

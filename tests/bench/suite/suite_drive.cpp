@@ -31,10 +31,12 @@ std::vector<std::string> FaultsOf(const nlohmann::json& summary) {
 }  // namespace
 
 std::vector<std::string> ListSuite(const fs::path& suite) {
-  Require(fs::is_directory(suite), ErrorCode::kNotFound, "there is no folder '" + suite.filename().string() + "'");
+  Require(fs::is_directory(suite), ErrorCode::kNotFound,
+          "there is no folder '" + suite.filename().string() + "'");
   std::vector<std::string> names;
   for (const fs::directory_entry& entry : fs::directory_iterator(suite))
-    if (fs::exists(entry.path() / kTruthFolder / "summary.json")) names.push_back(entry.path().filename().string());
+    if (fs::exists(entry.path() / kTruthFolder / "summary.json"))
+      names.push_back(entry.path().filename().string());
   std::erase_if(names, [](const std::string& name) { return name.ends_with(".part"); });
   std::sort(names.begin(), names.end());
   return names;
@@ -62,8 +64,8 @@ SuiteDrive OpenSuiteDrive(const fs::path& suite, const std::string& name) {
 std::vector<Eigen::Vector3d> PathOf(const Trajectory& trajectory) {
   std::vector<Eigen::Vector3d> path;
   for (const TrajectoryState& state : trajectory.states())
-    if (path.empty() || (state.odom_from_body.translation - path.back()).norm() > 0.2)
-      path.push_back(state.odom_from_body.translation);
+    if (path.empty() || (state.world_from_body.translation - path.back()).norm() > 0.2)
+      path.push_back(state.world_from_body.translation);
   return path;
 }
 

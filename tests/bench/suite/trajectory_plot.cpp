@@ -27,12 +27,13 @@ using Points = std::vector<Eigen::Vector2d>;
 /// One panel with its own scales.
 class Panel {
  public:
-  Panel(cv::Mat image, const Range& x, const Range& y, bool is_isometric) : image_(image), x_(x), y_(y) {
+  Panel(cv::Mat image, const Range& x, const Range& y, bool is_isometric)
+      : image_(image), x_(x), y_(y) {
     scale_x_ = (image.cols - 2 * kMargin) / x.span();
     scale_y_ = (image.rows - 2 * kMargin) / y.span();
     if (is_isometric) scale_x_ = scale_y_ = std::min(scale_x_, scale_y_);
-    cv::rectangle(image_, {kMargin / 2, kMargin / 2}, {image.cols - kMargin / 2, image.rows - kMargin / 2},
-                  {200, 200, 200});
+    cv::rectangle(image_, {kMargin / 2, kMargin / 2},
+                  {image.cols - kMargin / 2, image.rows - kMargin / 2}, {200, 200, 200});
     Label(x.low, y.low);
     Label(x.high, y.high);
   }
@@ -44,7 +45,8 @@ class Panel {
   }
 
   void Write(const std::string& text, int line, const cv::Scalar& color) {
-    cv::putText(image_, text, {kMargin, kMargin + 18 * line}, cv::FONT_HERSHEY_SIMPLEX, 0.45, color, 1, cv::LINE_AA);
+    cv::putText(image_, text, {kMargin, kMargin + 18 * line}, cv::FONT_HERSHEY_SIMPLEX, 0.45, color,
+                1, cv::LINE_AA);
   }
 
  private:
@@ -79,14 +81,15 @@ struct ErrorCurves {
 ErrorCurves ErrorsOf(const std::vector<TimedPose>& way, const std::vector<TimedPose>& truth) {
   ErrorCurves curves;
   for (const TimedPose& pose : way) {
-    const auto later = std::lower_bound(truth.begin(), truth.end(), pose.time,
-                                        [](const TimedPose& a, Timestamp time) { return a.time < time; });
+    const auto later =
+        std::lower_bound(truth.begin(), truth.end(), pose.time,
+                         [](const TimedPose& a, Timestamp time) { return a.time < time; });
     if (later == truth.end()) break;
     if (later == truth.begin()) continue;
     const TimedPose &before = *(later - 1), &after = *later;
     const double share = (pose.time - before.time) / (after.time - before.time);
-    const Eigen::Vector3d there =
-        (1 - share) * before.world_from_frame.translation + share * after.world_from_frame.translation;
+    const Eigen::Vector3d there = (1 - share) * before.world_from_frame.translation +
+                                  share * after.world_from_frame.translation;
     const Eigen::Vector3d off = pose.world_from_frame.translation - there;
     const double time = pose.time - truth.front().time;
     curves.horizontal.emplace_back(time, off.head<2>().norm());

@@ -1,4 +1,5 @@
-// Writes the maps that read_maps.mjs reads: FOLDER/{georeferenced,local,textured,without_ground,no_manifold,empty}.
+// Writes the maps that read_maps.mjs reads:
+// FOLDER/{georeferenced,local,textured,without_ground,no_manifold,empty}.
 
 #include <cstdio>
 
@@ -27,11 +28,13 @@ int main(int argc, char** argv) {
   write("without_ground", parkade::MakeMapWithoutGround());
   write("no_manifold", parkade::MakeMapOfNoManifold());
   write("empty", {});
-  const parkade::PointMotion bend = [](const Eigen::Vector3d& point) -> std::optional<Eigen::Vector3d> {
+  const parkade::PointMotion bend =
+      [](const Eigen::Vector3d& point) -> std::optional<Eigen::Vector3d> {
     if (point.y() > 8) return std::nullopt;
     return point + Eigen::Vector3d(100, 0.001 * point.x() * point.x(), 0);
   };
   parkade::WriteFileAtomically(
       root / "moved.glb",
-      parkade::MoveGltf(EncodeGltf(parkade::MakeTexturedMap(), parkade::MeshEncoding::kPlain), bend, {}, {}));
+      parkade::MoveGltf(EncodeGltf(parkade::MakeTexturedMap(), parkade::MeshEncoding::kPlain), bend,
+                        {}, {}));
 }

@@ -25,14 +25,16 @@ nlohmann::json JsonOf(const std::string& glb) {
 
 TEST(Gltf, TheSameMapGivesTheSameBytes) {
   for (const MeshEncoding encoding : {MeshEncoding::kPlain, MeshEncoding::kDraco})
-    EXPECT_EQ(EncodeGltf(MakeExampleMap(true), encoding), EncodeGltf(MakeExampleMap(true), encoding));
+    EXPECT_EQ(EncodeGltf(MakeExampleMap(true), encoding),
+              EncodeGltf(MakeExampleMap(true), encoding));
 }
 
 TEST(Gltf, NodesAreMovedByTheirOriginsTurnedToYUp) {
   const nlohmann::json json = JsonOf(EncodeGltf(MakeExampleMap(false), MeshEncoding::kPlain));
   for (const auto& node : json.at("nodes")) {
     if (node.at("name") == "ground") {
-      EXPECT_EQ(node.at("translation"), nlohmann::json({3.25, 0.125, 1.5}));  // of (3.25, -1.5, 0.125)
+      EXPECT_EQ(node.at("translation"),
+                nlohmann::json({3.25, 0.125, 1.5}));  // of (3.25, -1.5, 0.125)
     }
   }
 }
@@ -74,15 +76,17 @@ TEST(GltfGeometry, LeavesOutWhatNobodyCanSee) {
   EXPECT_EQ(geometry.positions[2], Eigen::Vector3f(0, 1, -2));
   for (const Eigen::Vector3f& normal : geometry.normals) EXPECT_NEAR(normal.norm(), 1, 1e-6);
   EXPECT_EQ(geometry.normals[0], Eigen::Vector3f(0, 1, 0));  // none given: up
-  EXPECT_EQ(geometry.colors[0], (std::array<std::uint16_t, 4>{65535, 0, LinearFromSrgb(128), 65535}));
+  EXPECT_EQ(geometry.colors[0],
+            (std::array<std::uint16_t, 4>{65535, 0, LinearFromSrgb(128), 65535}));
 }
 
-TEST(GltfGeometry, ColoursAreLinear) {
+TEST(GltfGeometry, ColorsAreLinear) {
   EXPECT_EQ(LinearFromSrgb(0), 0);
   EXPECT_EQ(LinearFromSrgb(255), 65535);
   EXPECT_NEAR(LinearFromSrgb(188) / 65535.0, 0.5, 0.005);
   for (int i = 1; i < 256; ++i)  // every 8-bit value stays distinct
-    EXPECT_GT(LinearFromSrgb(static_cast<std::uint8_t>(i)), LinearFromSrgb(static_cast<std::uint8_t>(i - 1)));
+    EXPECT_GT(LinearFromSrgb(static_cast<std::uint8_t>(i)),
+              LinearFromSrgb(static_cast<std::uint8_t>(i - 1)));
 }
 
 TEST(DracoEncoder, TheStepGrowsOnlyWhereTheBitsRunOut) {

@@ -24,23 +24,29 @@ nlohmann::json JsonOf(const std::string& glb) {
 
 ShownNode Show(const std::string& glb, const std::string& name) {
   const nlohmann::json json = JsonOf(glb);
-  const size_t binary = glb.size() - json.at("buffers").at(0).at("byteLength").get<size_t>() / 4 * 4;
+  const size_t binary =
+      glb.size() - json.at("buffers").at(0).at("byteLength").get<size_t>() / 4 * 4;
   ShownNode shown;
   for (const auto& node : json.at("nodes")) {
     if (node.value("name", "") != name || !node.contains("mesh")) continue;
     Eigen::Vector3d origin = Eigen::Vector3d::Zero();
     if (node.contains("translation"))
-      for (size_t i = 0; i < 3; ++i) origin[static_cast<Eigen::Index>(i)] = node["translation"][i].get<double>();
-    const auto read = [&](size_t accessor, const Eigen::Vector3d& add, std::vector<Eigen::Vector3d>& values) {
-      const auto& view = json.at("bufferViews").at(json.at("accessors").at(accessor).at("bufferView").get<size_t>());
+      for (size_t i = 0; i < 3; ++i)
+        origin[static_cast<Eigen::Index>(i)] = node["translation"][i].get<double>();
+    const auto read = [&](size_t accessor, const Eigen::Vector3d& add,
+                          std::vector<Eigen::Vector3d>& values) {
+      const auto& view = json.at("bufferViews")
+                             .at(json.at("accessors").at(accessor).at("bufferView").get<size_t>());
       for (size_t i = 0; i < json.at("accessors").at(accessor).at("count").get<size_t>(); ++i) {
         Eigen::Vector3f value;
-        std::memcpy(value.data(), glb.data() + binary + view.value("byteOffset", size_t{0}) + 12 * i, 12);
+        std::memcpy(value.data(),
+                    glb.data() + binary + view.value("byteOffset", size_t{0}) + 12 * i, 12);
         const Eigen::Vector3d point = add + value.cast<double>();
         values.emplace_back(point.x(), -point.z(), point.y());
       }
     };
-    for (const auto& primitive : json.at("meshes").at(node.at("mesh").get<size_t>()).at("primitives")) {
+    for (const auto& primitive :
+         json.at("meshes").at(node.at("mesh").get<size_t>()).at("primitives")) {
       read(primitive.at("attributes").at("POSITION"), origin, shown.points);
       if (primitive.at("attributes").contains("NORMAL"))
         read(primitive.at("attributes").at("NORMAL"), Eigen::Vector3d::Zero(), shown.normals);
@@ -65,7 +71,8 @@ TEST(MoveGltf, ShowsTheMapWhereItLiesNow) {
     const ShownNode was = Show(before, name), is = Show(after, name);
     ASSERT_EQ(is.points.size(), was.points.size());
     ASSERT_GT(is.points.size(), 2U) << name;
-    for (size_t i = 0; i < is.points.size(); ++i) EXPECT_LT((is.points[i] - motion * was.points[i]).norm(), 1e-4);
+    for (size_t i = 0; i < is.points.size(); ++i)
+      EXPECT_LT((is.points[i] - motion * was.points[i]).norm(), 1e-4);
     for (size_t i = 0; i < is.normals.size(); ++i)
       EXPECT_LT((is.normals[i] - motion.rotation * was.normals[i]).norm(), 1e-4);
   }
@@ -77,8 +84,8 @@ TEST(MoveGltf, LeavesOutDrivesThatAreGone) {
   const SiteMap map = MakeExampleMap(false);
   ASSERT_GE(map.drives.size(), 2U);
   const std::string after = MoveGltf(
-      EncodeGltf(map, MeshEncoding::kPlain), [](const Eigen::Vector3d& point) { return point; }, {map.drives[1].name},
-      std::nullopt);
+      EncodeGltf(map, MeshEncoding::kPlain), [](const Eigen::Vector3d& point) { return point; },
+      {map.drives[1].name}, std::nullopt);
   EXPECT_TRUE(Show(after, "drive:" + map.drives[0].name).points.empty());
   EXPECT_FALSE(Show(after, "drive:" + map.drives[1].name).points.empty());
 }
@@ -86,24 +93,28 @@ TEST(MoveGltf, LeavesOutDrivesThatAreGone) {
 /// [m^2] of the ground's triangles, of indices of 32 bits.
 double AreaOf(const std::string& glb) {
   const nlohmann::json json = JsonOf(glb);
-  const size_t binary = glb.size() - json.at("buffers").at(0).at("byteLength").get<size_t>() / 4 * 4;
+  const size_t binary =
+      glb.size() - json.at("buffers").at(0).at("byteLength").get<size_t>() / 4 * 4;
   double area = 0;
   for (const auto& node : json.at("nodes")) {
     if (node.at("name") != "ground") continue;
     size_t first = 0;
     const std::vector<Eigen::Vector3d> points = Show(glb, "ground").points;
-    for (const auto& primitive : json.at("meshes").at(node.at("mesh").get<size_t>()).at("primitives")) {
+    for (const auto& primitive :
+         json.at("meshes").at(node.at("mesh").get<size_t>()).at("primitives")) {
       const auto& indices = json.at("accessors").at(primitive.at("indices").get<size_t>());
       const size_t width = indices.at("componentType") == 5125 ? 4 : 2;
       const auto& view = json.at("bufferViews").at(indices.at("bufferView").get<size_t>());
       const auto corner = [&](size_t i) {
         std::uint32_t index = 0;
-        std::memcpy(&index, glb.data() + binary + view.value("byteOffset", size_t{0}) + width * i, width);
+        std::memcpy(&index, glb.data() + binary + view.value("byteOffset", size_t{0}) + width * i,
+                    width);
         return points[first + index];
       };
       for (size_t i = 0; i < indices.at("count").get<size_t>(); i += 3)
         area += 0.5 * (corner(i + 1) - corner(i)).cross(corner(i + 2) - corner(i)).norm();
-      first += json["accessors"][primitive["attributes"]["POSITION"].get<size_t>()]["count"].get<size_t>();
+      first += json["accessors"][primitive["attributes"]["POSITION"].get<size_t>()]["count"]
+                   .get<size_t>();
     }
   }
   return area;
@@ -116,7 +127,8 @@ TEST(MoveGltf, GroundThatIsGoneIsNotShown) {
       return side * point.x() > 0 ? std::optional(point) : std::nullopt;
     };
     const std::string after = MoveGltf(before, keep, {}, std::nullopt);
-    for (const Eigen::Vector3d& point : Show(after, "ground").points) EXPECT_GT(side * point.x(), -1);
+    for (const Eigen::Vector3d& point : Show(after, "ground").points)
+      EXPECT_GT(side * point.x(), -1);
     EXPECT_GT(AreaOf(after), 0.3 * AreaOf(before));
     EXPECT_LT(AreaOf(after), 0.7 * AreaOf(before));
   }

@@ -18,7 +18,8 @@ struct MapLevel {
   std::vector<MapTile> tiles;
 };
 
-std::vector<MapLevel> LevelsOf(const TriangleMesh& mesh, const GroundTexture& texture, double square_size) {
+std::vector<MapLevel> LevelsOf(const TriangleMesh& mesh, const GroundTexture& texture,
+                               double square_size) {
   std::vector<MapLevel> levels;
   VisitTiles(mesh, texture, square_size, 0.5, [&](const MapTile& tile) {
     const auto level = static_cast<size_t>(tile.level);
@@ -70,24 +71,27 @@ TEST(TileLevels, ASmallMapHasAnOverviewToo) {
   EXPECT_TRUE(LevelsOf({}, {}, 8).empty());
 }
 
-TEST(TileLevels, NeighboursOfOneLevelShareTheirVertices) {
+TEST(TileLevels, NeighborsOfOneLevelShareTheirVertices) {
   const SiteMap map = MakeExampleMap(false);
   for (const MapLevel& level : LevelsOf(map)) {
-    // Where two tiles have a vertex of the site's mesh they have it at the same place: places are as many as vertices.
+    // Where two tiles have a vertex of the site's mesh they have it at the same place: places are
+    // as many as vertices.
     std::set<std::tuple<double, double, double>> places;
-    std::set<std::tuple<long, long, long>> centimetres;
+    std::set<std::tuple<long, long, long>> centimeters;
     for (const MapTile& tile : level.tiles)
       for (const Eigen::Vector3f& vertex : tile.mesh.vertices) {
         const Eigen::Vector3d place = tile.mesh.origin + vertex.cast<double>();
         places.emplace(place.x(), place.y(), place.z());
-        centimetres.emplace(std::lround(100 * place.x()), std::lround(100 * place.y()), std::lround(100 * place.z()));
+        centimeters.emplace(std::lround(100 * place.x()), std::lround(100 * place.y()),
+                            std::lround(100 * place.z()));
       }
-    EXPECT_EQ(places.size(), centimetres.size());
+    EXPECT_EQ(places.size(), centimeters.size());
   }
 }
 
 TEST(TileLevels, PicturesStayWhereTheyAre) {
-  const SiteMap map = MakeTexturedMap();  // red is the column and green the row of a picture of 50 m x 30 m
+  const SiteMap map =
+      MakeTexturedMap();  // red is the column and green the row of a image of 50 m x 30 m
   const std::vector<MapLevel> levels = LevelsOf(map);
   ASSERT_GE(levels.size(), 3U);
   for (const MapLevel& level : levels)
@@ -98,7 +102,8 @@ TEST(TileLevels, PicturesStayWhereTheyAre) {
         const double texel = tile.texture.texel_size;
         for (int row = 0; row + 1 < chart.image.rows; row += 7)
           for (int column = 0; column + 1 < chart.image.cols; column += 7) {
-            const double x = chart.left + (column + 0.5) * texel, y = chart.top - (row + 0.5) * texel;
+            const double x = chart.left + (column + 0.5) * texel,
+                         y = chart.top - (row + 0.5) * texel;
             const auto& color = chart.image.at<cv::Vec3b>(row, column);
             EXPECT_NEAR(color[2], 255 * (x + 25) / 50, 1.5 + 255 * texel / 50);
             EXPECT_NEAR(color[1], 255 * (15 - y) / 30, 1.5 + 255 * texel / 30);
@@ -112,7 +117,8 @@ TEST(TileLevels, PicturesStayWhereTheyAre) {
 TEST(TileLevels, GroundThatNoPhotoShowsIsGround) {
   const SiteMap painted = MakeTexturedMap();
   SiteMap plain = MakeTexturedMap();
-  for (TextureChart& chart : plain.texture.charts) chart.mask.setTo(TextureChart::kPlain, chart.mask);
+  for (TextureChart& chart : plain.texture.charts)
+    chart.mask.setTo(TextureChart::kPlain, chart.mask);
   const auto coarsest_mask = [](const SiteMap& map) -> cv::Mat {
     return LevelsOf(map).back().tiles[0].texture.charts[0].mask != 0;
   };

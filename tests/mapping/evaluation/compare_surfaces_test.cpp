@@ -16,7 +16,8 @@ SurfaceMap FlatLot() {
 
 /// Sets what is inside [x0, x1) x [y0, y1) [m].
 template <typename Change>
-void ChangeInside(SurfaceMap& surface, double x0, double x1, double y0, double y1, const Change& change) {
+void ChangeInside(SurfaceMap& surface, double x0, double x1, double y0, double y1,
+                  const Change& change) {
   for (SurfaceCell& cell : surface.cells) {
     const double x = (cell.x + 0.5) * kCell, y = (cell.y + 0.5) * kCell;
     if (x >= x0 && x < x1 && y >= y0 && y < y1) change(cell);
@@ -24,7 +25,8 @@ void ChangeInside(SurfaceMap& surface, double x0, double x1, double y0, double y
 }
 
 void ParkCar(SurfaceMap& surface, double x, double y) {
-  ChangeInside(surface, x, x + 1.8, y, y + 4.4, [](SurfaceCell& cell) { cell.free_belief = 0.05F; });
+  ChangeInside(surface, x, x + 1.8, y, y + 4.4,
+               [](SurfaceCell& cell) { cell.free_belief = 0.05F; });
 }
 
 TEST(CompareSurfaces, FindsNothingBetweenAMapAndItself) {
@@ -52,8 +54,10 @@ TEST(CompareSurfaces, FindsCarsThatCameAndWent) {
 TEST(CompareSurfaces, KnowsACarByItsFoot) {
   SurfaceMap after = FlatLot();
   ParkCar(after, 3, 2);
-  ChangeInside(after, 3.2, 4.6, 2.2, 6.4, [](SurfaceCell& cell) { cell.free_belief = 0.45F; });  // hidden by its sides
-  ChangeInside(after, 12, 15, 5, 8, [](SurfaceCell& cell) { cell.free_belief = 0.45F; });        // hidden by others
+  ChangeInside(after, 3.2, 4.6, 2.2, 6.4,
+               [](SurfaceCell& cell) { cell.free_belief = 0.45F; });  // hidden by its sides
+  ChangeInside(after, 12, 15, 5, 8,
+               [](SurfaceCell& cell) { cell.free_belief = 0.45F; });  // hidden by others
   const SurfaceChanges changes = CompareSurfaces(FlatLot(), after, {});
   ASSERT_EQ(changes.regions.size(), 2U);
   EXPECT_EQ(changes.regions[0].change, GroundChange::kBlocked);
@@ -98,9 +102,11 @@ TEST(CompareSurfaces, MeasuresHeightsThatChanged) {
 
 TEST(CompareSurfaces, ReportsNothingThatTheAlignmentMayHaveMade) {
   SurfaceMap before = FlatLot(), after = FlatLot();
-  for (SurfaceCell& cell : after.cells) cell.height = 0.8F;                                 // all of it
-  ChangeInside(after, 0, 20, 0, 1, [](SurfaceCell& cell) { cell.free_belief = 0.05F; });    // one border
-  ChangeInside(before, 5, 10, 5, 12, [](SurfaceCell& cell) { cell.free_belief = 0.05F; });  // a van and more
+  for (SurfaceCell& cell : after.cells) cell.height = 0.8F;  // all of it
+  ChangeInside(after, 0, 20, 0, 1,
+               [](SurfaceCell& cell) { cell.free_belief = 0.05F; });  // one border
+  ChangeInside(before, 5, 10, 5, 12,
+               [](SurfaceCell& cell) { cell.free_belief = 0.05F; });  // a van and more
   EXPECT_EQ(CompareSurfaces(before, after, {}).regions.size(), 2U);
   const SurfaceChanges changes = CompareSurfaces(before, after, {{}, 0.5, 0.4});
   ASSERT_EQ(changes.regions.size(), 1U);
@@ -130,18 +136,21 @@ TEST(CompareSurfaces, WorksInTheLaterSite) {
   SurfaceMap before = FlatLot();
   ParkCar(before, 3, 2);
   // The earlier site lies turned by a right angle, and elsewhere.
-  const Rigid3 to_from_from{Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ())),
-                            Eigen::Vector3d(40, -5, 2)};
+  const Rigid3 to_from_from{
+      Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ())),
+      Eigen::Vector3d(40, -5, 2)};
   SurfaceMap after{kCell, {}};
   for (const SurfaceCell& cell : FlatLot().cells) {
-    const Eigen::Vector3d moved = to_from_from * Eigen::Vector3d((cell.x + 0.5) * kCell, (cell.y + 0.5) * kCell, 0);
+    const Eigen::Vector3d moved =
+        to_from_from * Eigen::Vector3d((cell.x + 0.5) * kCell, (cell.y + 0.5) * kCell, 0);
     after.cells.push_back(cell);
     after.cells.back().x = static_cast<int>(std::floor(moved.x() / kCell));
     after.cells.back().y = static_cast<int>(std::floor(moved.y() / kCell));
     after.cells.back().height = 2;
   }
-  std::sort(after.cells.begin(), after.cells.end(),
-            [](const SurfaceCell& a, const SurfaceCell& b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); });
+  std::sort(after.cells.begin(), after.cells.end(), [](const SurfaceCell& a, const SurfaceCell& b) {
+    return std::pair(a.y, a.x) < std::pair(b.y, b.x);
+  });
   const SurfaceChanges changes = CompareSurfaces(before, after, {to_from_from});
   ASSERT_EQ(changes.regions.size(), 1U);
   EXPECT_EQ(changes.regions[0].change, GroundChange::kFreed);

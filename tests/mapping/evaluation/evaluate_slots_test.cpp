@@ -8,7 +8,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Five metres by two and a half, its entrance's first corner at (x, 0).
+/// Five meters by two and a half, its entrance's first corner at (x, 0).
 TrueSlot TrueAt(double x, bool is_occupied = false) {
   return {{Vector2d(x, 0), {x + 2.5, 0}, {x + 2.5, 5}, {x, 5}}, 0, is_occupied};
 }
@@ -21,8 +21,8 @@ ParkingSlot FoundAt(double x, SlotState state = SlotState::kUnseen) {
 }
 
 TEST(EvaluateSlots, CountsWhatIsFoundMissedAndFalse) {
-  const SlotEvaluation evaluation =
-      EvaluateSlots({TrueAt(0), TrueAt(2.5), TrueAt(5), TrueAt(7.5)}, {FoundAt(0.1), FoundAt(2.5), FoundAt(20)});
+  const SlotEvaluation evaluation = EvaluateSlots({TrueAt(0), TrueAt(2.5), TrueAt(5), TrueAt(7.5)},
+                                                  {FoundAt(0.1), FoundAt(2.5), FoundAt(20)});
   EXPECT_EQ(evaluation.num_true, 4U);
   EXPECT_EQ(evaluation.num_missed, 2U);
   EXPECT_EQ(evaluation.num_right, 2U);
@@ -39,10 +39,11 @@ TEST(EvaluateSlots, OneSlotIsFoundOnceAndOnlyOnItsDeck) {
 }
 
 TEST(EvaluateSlots, SlotsWhoseLinesWereNotSeenDoNotCount) {
-  // Of the second slot one line only, of the third half a metre of the other.
+  // Of the second slot one line only, of the third half a meter of the other.
   const SlotScope scope{[](const std::vector<Vector3d>& points) {
     std::vector<bool> is_seen;
-    for (const Vector3d& point : points) is_seen.push_back(point.x() < 4 || (point.x() < 7 && point.y() < 0.5));
+    for (const Vector3d& point : points)
+      is_seen.push_back(point.x() < 4 || (point.x() < 7 && point.y() < 0.5));
     return is_seen;
   }};
   const std::vector<TrueSlot> truth = {TrueAt(0), TrueAt(2.5), TrueAt(5)};
@@ -53,9 +54,10 @@ TEST(EvaluateSlots, SlotsWhoseLinesWereNotSeenDoNotCount) {
 }
 
 TEST(EvaluateSlots, JudgesOccupancyWhereItIsKnown) {
-  const SlotEvaluation evaluation = EvaluateSlots({TrueAt(0, true), TrueAt(2.5, true), TrueAt(5), TrueAt(7.5)},
-                                                  {FoundAt(0, SlotState::kOccupied), FoundAt(2.5, SlotState::kFree),
-                                                   FoundAt(5, SlotState::kFree), FoundAt(7.5, SlotState::kUnseen)});
+  const SlotEvaluation evaluation =
+      EvaluateSlots({TrueAt(0, true), TrueAt(2.5, true), TrueAt(5), TrueAt(7.5)},
+                    {FoundAt(0, SlotState::kOccupied), FoundAt(2.5, SlotState::kFree),
+                     FoundAt(5, SlotState::kFree), FoundAt(7.5, SlotState::kUnseen)});
   EXPECT_EQ(evaluation.num_judged, 3U);
   EXPECT_EQ(evaluation.num_judged_right, 2U);
   EXPECT_EQ(evaluation.num_false_free, 1U);

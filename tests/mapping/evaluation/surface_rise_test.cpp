@@ -9,8 +9,8 @@ namespace {
 
 TEST(MedianRise, IsThatOfMostOfTheGround) {
   const SurfaceMap before = MakeSurface(100, 100, 0.1, [](double x, double) { return 0.01 * x; });
-  const SurfaceMap after =
-      MakeSurface(100, 100, 0.1, [](double x, double) { return 3.2 + 0.01 * x + (x < 3 ? 0.5 : 0); });
+  const SurfaceMap after = MakeSurface(
+      100, 100, 0.1, [](double x, double) { return 3.2 + 0.01 * x + (x < 3 ? 0.5 : 0); });
   EXPECT_NEAR(MedianRise(before, after, {}).value_or(0), 3.2, 0.01);
   const Rigid3 lifted{Eigen::Quaterniond::Identity(), {0, 0, 3}};
   EXPECT_NEAR(MedianRise(before, after, lifted).value_or(0), 0.2, 0.01);

@@ -33,10 +33,11 @@ const SurfaceCell* FindByLookingAtAll(const SurfaceMap& surface, const Eigen::Ve
       const int dx = cell.x - static_cast<int>(std::floor(point.x() / surface.cell_size));
       const int dy = cell.y - static_cast<int>(std::floor(point.y() / surface.cell_size));
       if (std::max(std::abs(dx), std::abs(dy)) > ring) continue;
-      const double distance =
-          std::abs(static_cast<double>(cell.height) - point.z()) +
-          std::hypot((cell.x + 0.5) * surface.cell_size - point.x(), (cell.y + 0.5) * surface.cell_size - point.y());
-      if (nearest == nullptr || distance < nearest_distance) nearest = &cell, nearest_distance = distance;
+      const double distance = std::abs(static_cast<double>(cell.height) - point.z()) +
+                              std::hypot((cell.x + 0.5) * surface.cell_size - point.x(),
+                                         (cell.y + 0.5) * surface.cell_size - point.y());
+      if (nearest == nullptr || distance < nearest_distance)
+        nearest = &cell, nearest_distance = distance;
     }
     if (nearest != nullptr) return nearest;
   }

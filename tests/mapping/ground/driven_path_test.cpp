@@ -8,7 +8,8 @@ namespace parkade {
 namespace {
 
 DrivenPath DriveStraight(const Rig& rig, double length) {
-  return MakeDrivenPath(3, rig, DriveAlong(MakeLot(), {-15, 0, 0}, 0, {{length, 0}}, rig), Rigid3{});
+  return MakeDrivenPath(3, rig, DriveAlong(MakeLot(), {-15, 0, 0}, 0, {{length, 0}}, rig),
+                        Rigid3{});
 }
 
 TEST(DrivenPath, ContactsLieUnderBothAxles) {
@@ -21,7 +22,8 @@ TEST(DrivenPath, ContactsLieUnderBothAxles) {
     EXPECT_NEAR(contact.point_in_site.z(), 0, 1e-9);
     EXPECT_LE(std::abs(contact.point_in_site.y()), 0.5 * rig.vehicle->track + 1e-9);
   }
-  EXPECT_NEAR(contacts[1].point_in_site.x() - contacts[0].point_in_site.x(), rig.vehicle->wheelbase, 1e-9);
+  EXPECT_NEAR(contacts[1].point_in_site.x() - contacts[0].point_in_site.x(), rig.vehicle->wheelbase,
+              1e-9);
   EXPECT_TRUE(contacts[1].is_front);
 }
 
@@ -36,7 +38,8 @@ TEST(DrivenPath, WithoutACarThereIsOnePointBelowTheBody) {
 TEST(DrivenPath, AStandingCarLeavesOneSetOfContacts) {
   const Rig rig = MakeTestRig();
   const std::vector<PathPiece> standing(50);
-  const DrivenPath path = MakeDrivenPath(0, rig, DriveAlong(MakeLot(), {0, 0, 0}, 0, standing, rig), Rigid3{});
+  const DrivenPath path =
+      MakeDrivenPath(0, rig, DriveAlong(MakeLot(), {0, 0, 0}, 0, standing, rig), Rigid3{});
 
   EXPECT_EQ(FindContacts(path, 0.2).size(), 6u);
 }

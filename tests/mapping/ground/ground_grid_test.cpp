@@ -14,7 +14,7 @@ namespace {
 class GroundGridOfARig : public testing::Test {
  protected:
   const Rig rig_ = MakeTestRig();
-  const ContactArea contact_ = ContactArea::Of(rig_);
+  const WheelbaseFootprint contact_ = WheelbaseFootprint::Of(rig_);
   const RigCamera& camera_ = rig_.cameras[0];
   const GroundGrid grid_ = MakeGroundGrid(camera_, camera_.body_from_camera, contact_);
 };
@@ -24,12 +24,13 @@ TEST_F(GroundGridOfARig, EachVisiblePlaceIsWhereItsPixelMeetsThePlane) {
   int count = 0;
   for (const GroundGridCell& cell : grid_.cells) {
     if (!cell.is_visible || ++count % 7 != 0) continue;
-    const Eigen::Vector3d ray =
-        camera_.body_from_camera.rotation * camera_.model.Unproject(cell.pixel.cast<double>()).value();
+    const Eigen::Vector3d ray = camera_.body_from_camera.rotation *
+                                camera_.model.Unproject(cell.pixel.cast<double>()).value();
     const Eigen::Vector3d& eye = camera_.body_from_camera.translation;
     const Eigen::Vector3d point = eye - eye.z() / ray.z() * ray;
     const double range = (point - eye).norm();
-    EXPECT_NEAR((point.head<2>() - cell.point_in_ground.cast<double>()).norm(), 0, 1e-4 * range * range + 1e-4);
+    EXPECT_NEAR((point.head<2>() - cell.point_in_ground.cast<double>()).norm(), 0,
+                1e-4 * range * range + 1e-4);
   }
   EXPECT_GT(count, 3000);
 }
@@ -39,7 +40,8 @@ TEST_F(GroundGridOfARig, NoPlaceIsSeenInLongerPixelsThanAskedOrUnderTheCar) {
   const double height = camera_.body_from_camera.translation.z();
   const Eigen::Vector2d middle(0.5 * camera_.model.width(), 0.5 * camera_.model.height());
   const double farthest =
-      std::sqrt(options.max_pixel_length * height * camera_.model.PixelsPerRadian(middle).value() - height * height);
+      std::sqrt(options.max_pixel_length * height * camera_.model.PixelsPerRadian(middle).value() -
+                height * height);
   for (const GroundGridCell& cell : grid_.cells) {
     const Eigen::Vector2d point = cell.point_in_ground.cast<double>();
     if (!cell.is_visible) continue;
@@ -54,7 +56,8 @@ TEST_F(GroundGridOfARig, WeightsFallWithTheDistanceFromTheWheels) {
   for (const GroundGridCell& cell : grid_.cells) {
     if (!cell.is_visible) continue;
     const double d = contact_.DistanceTo(cell.point_in_ground.cast<double>());
-    const double variance = std::pow(d * options.pitch_sigma, 2) + std::pow(0.5 * options.curvature_sigma * d * d, 2) +
+    const double variance = std::pow(d * options.pitch_sigma, 2) +
+                            std::pow(0.5 * options.curvature_sigma * d * d, 2) +
                             std::pow(options.height_sigma, 2);
     EXPECT_NEAR(static_cast<double>(cell.weight) * variance, 1, 1e-3);
   }
@@ -73,7 +76,7 @@ TEST_F(GroundGridOfARig, MaskedPixelsAreNotVisible) {
   }
 }
 
-TEST_F(GroundGridOfARig, ColoursOfALinearImageAreExact) {
+TEST_F(GroundGridOfARig, ColorsOfALinearImageAreExact) {
   cv::Mat image(camera_.model.height(), camera_.model.width(), CV_8UC3);
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x)
@@ -85,7 +88,8 @@ TEST_F(GroundGridOfARig, ColoursOfALinearImageAreExact) {
     if (!grid_.cells[i].is_visible) continue;
     const uchar* color = colors.ptr() + 3 * i;
     EXPECT_NEAR(color[0], grid_.cells[i].pixel.x() / 2, 1.1);
-    const bool is_cut_off = grid_.cells[i].pixel.y() > static_cast<float>(image.rows - 3);  // its share is
+    const bool is_cut_off =
+        grid_.cells[i].pixel.y() > static_cast<float>(image.rows - 3);  // its share is
     EXPECT_NEAR(color[1], grid_.cells[i].pixel.y(), is_cut_off ? 0.7 : 0.51);
     EXPECT_EQ(color[2], 77);
   }
@@ -105,7 +109,7 @@ TEST_F(GroundGridOfARig, AFineTextureGivesItsMeanWhereCellsHoldManyPixels) {
   EXPECT_LT(std::sqrt(sum / count), 20) << "of 80 that single pixels would give";
 }
 
-TEST_F(GroundGridOfARig, GreyImagesGiveGreyColours) {
+TEST_F(GroundGridOfARig, GrayImagesGiveGrayColors) {
   const cv::Mat image(camera_.model.height(), camera_.model.width(), CV_8UC1, cv::Scalar(42));
 
   const cv::Mat colors = SampleColors(grid_, image);
@@ -119,12 +123,13 @@ TEST_F(GroundGridOfARig, GreyImagesGiveGreyColours) {
 
 TEST(GroundGrid, ANarrowLensThatLooksAheadIsGivenItsFirstMetersToo) {
   RigCamera camera;
-  camera.model = CameraModel(PinholeProjection{.fx = 700, .fy = 700, .cx = 600, .cy = 180}, 1200, 360);
+  camera.model =
+      CameraModel(PinholeProjection{.fx = 700, .fy = 700, .cx = 600, .cy = 180}, 1200, 360);
   Eigen::Matrix3d axes;
   axes << 0, 0, 1, -1, 0, 0, 0, -1, 0;  // looks along x, level
   camera.body_from_camera = {Eigen::Quaterniond(axes), {0, 0, 1.65}};
 
-  const GroundGrid grid = MakeGroundGrid(camera, camera.body_from_camera, ContactArea{});
+  const GroundGrid grid = MakeGroundGrid(camera, camera.body_from_camera, WheelbaseFootprint{});
 
   float nearest = 100, farthest = 0;
   for (const GroundGridCell& cell : grid.cells) {
@@ -141,7 +146,7 @@ TEST(GroundGrid, ACameraBelowTheGroundSeesNone) {
   Rigid3 buried = rig.cameras[0].body_from_camera;
   buried.translation.z() = -0.5;
 
-  EXPECT_TRUE(MakeGroundGrid(rig.cameras[0], buried, ContactArea::Of(rig)).cells.empty());
+  EXPECT_TRUE(MakeGroundGrid(rig.cameras[0], buried, WheelbaseFootprint::Of(rig)).cells.empty());
 }
 
 TEST(GroundGrid, RejectsASpacingOfZero) {

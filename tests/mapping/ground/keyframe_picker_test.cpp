@@ -14,7 +14,8 @@ Trajectory StraightDrive(double length) {
 
 int CountWanted(const Trajectory& trajectory, int camera, KeyframePicker& picker) {
   int count = 0;
-  for (const TrajectoryState& state : trajectory.states()) count += picker.Wants(camera, state.time);
+  for (const TrajectoryState& state : trajectory.states())
+    count += picker.Wants(camera, state.time);
   return count;
 }
 
@@ -30,14 +31,16 @@ TEST(KeyframePicker, StretchesAreAsNearToTheirLengthAsTheRateOfImagesAllows) {
   std::vector<TrajectoryState> states(1001);
   for (size_t i = 0; i < states.size(); ++i) {
     states[i].time = TimestampFromSeconds(0.05 * static_cast<double>(i));
-    states[i].odom_from_body.translation.x() = kStep * static_cast<double>(i);
+    states[i].world_from_body.translation.x() = kStep * static_cast<double>(i);
   }
   const Trajectory trajectory(states);
   for (const int every : {1, 2, 3, 4, 5, 9}) {
     KeyframePicker picker(trajectory, 1, kStretch, 0.2);
     int count = 0;
-    for (size_t i = 0; i < states.size(); i += static_cast<size_t>(every)) count += picker.Wants(0, states[i].time);
-    const double between = kStep * every, nearest = between * std::max(1.0, std::round(kStretch / between));
+    for (size_t i = 0; i < states.size(); i += static_cast<size_t>(every))
+      count += picker.Wants(0, states[i].time);
+    const double between = kStep * every,
+                 nearest = between * std::max(1.0, std::round(kStretch / between));
     EXPECT_NEAR(200.0 / count, nearest, 0.02) << "an image every " << between << " m";
   }
 }
@@ -55,7 +58,7 @@ TEST(KeyframePicker, TurningOnTheSpotCountsToo) {
   std::vector<TrajectoryState> states(91);
   for (size_t i = 0; i < states.size(); ++i) {
     states[i].time = TimestampFromSeconds(0.1 * static_cast<double>(i));
-    states[i].odom_from_body.rotation =
+    states[i].world_from_body.rotation =
         Eigen::AngleAxisd(static_cast<double>(i) * M_PI / 180, Eigen::Vector3d::UnitZ());
   }
   const Trajectory trajectory(states);
@@ -68,7 +71,8 @@ TEST(KeyframePicker, AtStandstillOnlyTheFirstIsTaken) {
   std::vector<TrajectoryState> states(500);
   for (size_t i = 0; i < states.size(); ++i) {
     states[i].time = TimestampFromSeconds(0.1 * static_cast<double>(i));
-    states[i].odom_from_body.translation.x() = 0.02 * std::sin(static_cast<double>(i));  // noise of the odometry
+    states[i].world_from_body.translation.x() =
+        0.02 * std::sin(static_cast<double>(i));  // noise of the odometry
   }
   const Trajectory trajectory(states);
   KeyframePicker picker(trajectory, 1, 1.0, 0.2);

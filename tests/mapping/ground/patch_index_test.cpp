@@ -10,13 +10,16 @@ namespace {
 /// All things at a place, as the index tells them.
 std::vector<int> At(const PatchIndex& index, int x, int y) {
   std::vector<int> things;
-  for (int thing = index.First(x, y); thing != PatchIndex::kNone; thing = index.Next(thing)) things.push_back(thing);
+  for (int thing = index.First(x, y); thing != PatchIndex::kNone; thing = index.Next(thing))
+    things.push_back(thing);
   return things;
 }
 
 TEST(PatchIndex, FindsWhatAPlainMapFinds) {
   std::mt19937 random(5);
-  const auto draw = [&](int reach) { return static_cast<int>(random() % static_cast<unsigned>(2 * reach)) - reach; };
+  const auto draw = [&](int reach) {
+    return static_cast<int>(random() % static_cast<unsigned>(2 * reach)) - reach;
+  };
   for (const int reach : {3, 300, 20'000, 2'000'000'000}) {
     PatchIndex index;
     std::map<std::pair<int, int>, std::vector<int>> plain;

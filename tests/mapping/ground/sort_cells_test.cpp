@@ -23,7 +23,8 @@ TEST(SortCells, ByRowThenColumnThenHeight) {
   }
   std::vector<PaintedCell> expected = cells;
   std::sort(expected.begin(), expected.end(), [](const PaintedCell& a, const PaintedCell& b) {
-    return std::tie(a.cell.y, a.cell.x, a.cell.height) < std::tie(b.cell.y, b.cell.x, b.cell.height);
+    return std::tie(a.cell.y, a.cell.x, a.cell.height) <
+           std::tie(b.cell.y, b.cell.x, b.cell.height);
   });
 
   SortCells(cells);

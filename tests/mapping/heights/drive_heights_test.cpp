@@ -15,12 +15,14 @@ namespace {
 /// A drive through a lot, seen once for all tests.
 struct SeenDrive {
   SyntheticScene scene = MakeLot();
-  SyntheticDrive drive{scene, MakeTestRig(), DriveAlong(scene, {-18, 0, 0}, 0, {{12, 0}}, MakeTestRig()), true};
+  SyntheticDrive drive{scene, MakeTestRig(),
+                       DriveAlong(scene, {-18, 0, 0}, 0, {{12, 0}}, MakeTestRig()), true};
   GroundObservation seen = ObserveGround(drive, drive.trajectory(), {}, 0);
 
   DrivenPath Path(int number, const Rigid3& site_from_odom) const {
     std::vector<TrajectoryState> states = drive.trajectory().states();
-    for (TrajectoryState& state : states) state.odom_from_body = site_from_odom * state.odom_from_body;
+    for (TrajectoryState& state : states)
+      state.world_from_body = site_from_odom * state.world_from_body;
     return MakeDrivenPath(number, drive.rig(), Trajectory(states), seen.body_from_ground);
   }
 
@@ -41,11 +43,14 @@ const SeenDrive& Seen() {
 
 /// The same ground, turned and moved.
 Rigid3 Moved() {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ())), Eigen::Vector3d(30.13, -7.31, 2.4)};
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ())),
+          Eigen::Vector3d(30.13, -7.31, 2.4)};
 }
 
-/// [m] RMS between the heights of two fields at places along the drive, which lies somewhere else in each of them.
-double Difference(const HeightField& a, const Rigid3& a_from_odom, const HeightField& b, const Rigid3& b_from_odom) {
+/// [m] RMS between the heights of two fields at places along the drive, which lies somewhere else
+/// in each of them.
+double Difference(const HeightField& a, const Rigid3& a_from_odom, const HeightField& b,
+                  const Rigid3& b_from_odom) {
   double sum = 0;
   int count = 0;
   for (double x = -16; x < -4; x += 0.7)
@@ -72,14 +77,17 @@ TEST(DriveHeights, MoveWithThePathOfTheirDrive) {
   const HeightField here = FitHeights(std::span(&heights, 1), std::span(&path, 1), {});
   const HeightField there = FitHeights(std::span(&heights, 1), std::span(&moved, 1), {});
 
-  EXPECT_LT(Difference(here, {}, there, Moved()), 0.003) << "the grid lies elsewhere on the ground, no more";
+  EXPECT_LT(Difference(here, {}, there, Moved()), 0.003)
+      << "the grid lies elsewhere on the ground, no more";
 }
 
 TEST(DriveHeights, AreTheSameWhereverTheDriveIsMeasured) {
   const DrivenPath path = Seen().Path(0, {}), moved = Seen().Path(0, Moved());
-  const std::vector<PosedGroundPatch> patches = Seen().Patches(0, {}), moved_patches = Seen().Patches(0, Moved());
+  const std::vector<PosedGroundPatch> patches = Seen().Patches(0, {}),
+                                      moved_patches = Seen().Patches(0, Moved());
   const DriveHeights measured = MeasureDriveHeights(PatchesInMemory(patches), &path, {});
-  const DriveHeights measured_there = MeasureDriveHeights(PatchesInMemory(moved_patches), &moved, {});
+  const DriveHeights measured_there =
+      MeasureDriveHeights(PatchesInMemory(moved_patches), &moved, {});
 
   const HeightField kept = FitHeights(std::span(&measured, 1), std::span(&moved, 1), {});
   const HeightField anew = FitHeights(std::span(&measured_there, 1), std::span(&moved, 1), {});
@@ -92,7 +100,8 @@ TEST(DriveHeights, OfTwoDrivesDoNotDependOnTheirOrder) {
   std::vector<DriveHeights> heights;
   for (int drive = 0; drive < 2; ++drive) {
     const std::vector<PosedGroundPatch> patches = Seen().Patches(drive, {});
-    heights.push_back(MeasureDriveHeights(PatchesInMemory(patches), &paths[static_cast<size_t>(drive)], {}));
+    heights.push_back(
+        MeasureDriveHeights(PatchesInMemory(patches), &paths[static_cast<size_t>(drive)], {}));
     EXPECT_EQ(heights.back().drive, drive);
   }
 
@@ -112,17 +121,20 @@ TEST(FuseSurface, TheTilesLeaveNoTrace) {
   SurfaceOptions options;
   const DriveHeights heights = MeasureDriveHeights(source, &path, options.Heights());
   options.tile_size = 1000;
-  const SurfaceMap whole = FuseSurface(source, std::span(&path, 1), std::span(&heights, 1), options);
+  const SurfaceMap whole =
+      FuseSurface(source, std::span(&path, 1), std::span(&heights, 1), options);
 
   options.tile_size = 6;
-  const SurfaceMap tiled = FuseSurface(source, std::span(&path, 1), std::span(&heights, 1), options);
+  const SurfaceMap tiled =
+      FuseSurface(source, std::span(&path, 1), std::span(&heights, 1), options);
 
   ASSERT_GT(whole.cells.size(), 10000u);
   ASSERT_EQ(tiled.cells.size(), whole.cells.size());
   for (size_t i = 0; i < whole.cells.size(); ++i) {
     const SurfaceCell &a = whole.cells[i], &b = tiled.cells[i];
-    ASSERT_TRUE(a.x == b.x && a.y == b.y && a.height == b.height && a.height_sigma == b.height_sigma &&
-                a.free_belief == b.free_belief && a.color == b.color)
+    ASSERT_TRUE(a.x == b.x && a.y == b.y && a.height == b.height &&
+                a.height_sigma == b.height_sigma && a.free_belief == b.free_belief &&
+                a.color == b.color)
         << i;
   }
 }

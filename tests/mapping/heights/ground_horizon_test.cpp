@@ -4,18 +4,20 @@
 
 #include <random>
 
-#include "mapping/heights/meet_surface.h"
+#include "mapping/heights/intersect_ray.h"
 
 namespace parkade {
 namespace {
 
-/// Humps of half a metre on ground that falls by 3 %; half of the ground is known to `sigma` [m], the rest not well.
+/// Humps of half a meter on ground that falls by 3 %; half of the ground is known to `sigma` [m],
+/// the rest not well.
 HeightField Humps(double sigma) {
   std::vector<HeightObservation> heights;
   for (double x = -12; x < 12; x += 0.2)
     for (double y = -12; y < 12; y += 0.2) {
       const double known = std::fmod(std::abs(x) + 2 * std::abs(y), 7.0) < 3.5 ? sigma : 0.3;
-      heights.push_back({{x, y, 0.03 * x + 0.5 * std::sin(0.9 * x) * std::cos(0.7 * y)}, 1 / (known * known)});
+      heights.push_back(
+          {{x, y, 0.03 * x + 0.5 * std::sin(0.9 * x) * std::cos(0.7 * y)}, 1 / (known * known)});
     }
   return HeightField(heights, {.curvature_sigma = 1});
 }
@@ -50,7 +52,8 @@ TEST(GroundHorizon, HardlyAnythingOnEvenGroundIsSuspected) {
   const GroundHorizon horizon(field, {0, 0, 1}, kBox);
   int count = 0, num_suspected = 0;
   for (double x = -11; x < 11; x += 0.3)
-    for (double y = -11; y < 11; y += 0.3, ++count) num_suspected += horizon.MayHide({x, y, 0.04 * x - 0.02 * y});
+    for (double y = -11; y < 11; y += 0.3, ++count)
+      num_suspected += horizon.MayHide({x, y, 0.04 * x - 0.02 * y});
   EXPECT_LT(num_suspected, count / 100) << "the walk along the ray is what it spares";
 }
 

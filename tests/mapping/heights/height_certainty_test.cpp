@@ -19,7 +19,9 @@ HeightField Street(double wave_height) {
   return HeightField(heights, {});
 }
 
-double SigmaAt(const HeightField& field, double x, double y) { return field.SigmaOf(field.FindPatch({x, y, 0})); }
+double SigmaAt(const HeightField& field, double x, double y) {
+  return field.SigmaOf(field.FindPatch({x, y, 0}));
+}
 
 TEST(SpreadSigmas, FlatGroundIsKnownForAsFarAsItIsFlat) {
   HeightField field = Street(0);

@@ -32,7 +32,8 @@ TEST(HeightField, ReproducesAnInclinedPlaneExactly) {
   const HeightField field(Observe(plane, 1000), {});
 
   for (double x = 0.3; x < 9.8; x += 0.37)
-    for (double y = 0.3; y < 5.8; y += 0.41) EXPECT_NEAR(HeightOf(field, x, y, plane(x, y)), plane(x, y), 1e-3);
+    for (double y = 0.3; y < 5.8; y += 0.41)
+      EXPECT_NEAR(HeightOf(field, x, y, plane(x, y)), plane(x, y), 1e-3);
 }
 
 TEST(HeightField, SureObservationsBeatManyUnsureOnes) {
@@ -45,7 +46,8 @@ TEST(HeightField, SureObservationsBeatManyUnsureOnes) {
 }
 
 TEST(HeightField, AStripIsContinuedSidewaysWhereOnlyGuessesAre) {
-  // A road of constant cross slope, known under the axles; beside it weak guesses that ignore the slope.
+  // A road of constant cross slope, known under the axles; beside it weak guesses that ignore the
+  // slope.
   Observations observations;
   for (double x = 0.1; x < 10; x += 0.2)
     for (const double y : {2.2, 3.0, 3.8}) observations.push_back({{x, y, 0.04 * y}, 10000});
@@ -152,7 +154,8 @@ TEST(HeightField, WithoutObservationsItIsEmpty) {
 TEST(HeightField, NegativeCoordinatesAreAsGoodAsOthers) {
   Observations observations;
   for (double x = -5; x < 5; x += 0.15)
-    for (double y = -5; y < 5; y += 0.15) observations.push_back({{x, y, 0.02 * x - 0.03 * y}, 1000});
+    for (double y = -5; y < 5; y += 0.15)
+      observations.push_back({{x, y, 0.02 * x - 0.03 * y}, 1000});
 
   const HeightField field(observations, {});
 

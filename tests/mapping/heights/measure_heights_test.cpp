@@ -13,13 +13,14 @@ namespace {
 
 constexpr double kEyeHeight = 1.0;  // [m]
 
-/// Grey values of a ground that shows something everywhere; `contrast` 0: nothing.
+/// Gray values of a ground that shows something everywhere; `contrast` 0: nothing.
 double TextureAt(double x, double y, double contrast) {
-  return 120 + contrast * (std::sin(7 * x + 3 * y) + std::sin(4 * x - 9 * y) + std::sin(11 * x + 8 * y));
+  return 120 +
+         contrast * (std::sin(7 * x + 3 * y) + std::sin(4 * x - 9 * y) + std::sin(11 * x + 8 * y));
 }
 
-/// What cameras above (x, 0) see of a level ground at `height`, put onto the plane z = 0 on which their car stands.
-/// \param shade  grey values of a shade that goes along with the car
+/// What cameras above (x, 0) see of a level ground at `height`, put onto the plane z = 0 on which
+/// their car stands. \param shade  gray values of a shade that goes along with the car
 std::vector<PosedGroundPatch> LookAt(double height, double contrast, double shade = 0) {
   std::vector<PosedGroundPatch> patches;
   for (double x = 0; x <= 12; x += 0.5) {
@@ -28,11 +29,12 @@ std::vector<PosedGroundPatch> LookAt(double height, double contrast, double shad
     for (double gx = x - 5; gx <= x + 5; gx += 0.09)
       for (double gy = 1.5; gy <= 6; gy += 0.09) {
         const double stretch = kEyeHeight / (kEyeHeight - height);
-        const auto grey = static_cast<std::uint8_t>(
+        const auto gray = static_cast<std::uint8_t>(
             std::lround(TextureAt(gx, gy, contrast) + shade * std::sin(0.9 * (gx - x) + 0.7 * gy)));
         GroundSample sample;
-        sample.point_in_body = Eigen::Vector3f(Eigen::Vector3d(stretch * (gx - x), stretch * gy, 0).cast<float>());
-        sample.blue = sample.green = sample.red = grey;
+        sample.point_in_body =
+            Eigen::Vector3f(Eigen::Vector3d(stretch * (gx - x), stretch * gy, 0).cast<float>());
+        sample.blue = sample.green = sample.red = gray;
         sample.is_free = true;
         posed.patch.samples.push_back(sample);
       }
@@ -80,7 +82,8 @@ double ErrorAfter(size_t num_passes, size_t& num_patches) {
   for (size_t pass = 0; pass < num_passes; ++pass)
     for (PosedGroundPatch& posed : LookAt(0.06, 20)) {
       std::vector<GroundSample> few;
-      for (size_t i = pass % 4; i < posed.patch.samples.size(); i += 4) few.push_back(posed.patch.samples[i]);
+      for (size_t i = pass % 4; i < posed.patch.samples.size(); i += 4)
+        few.push_back(posed.patch.samples[i]);
       posed.patch.samples = std::move(few);
       patches.push_back(std::move(posed));
     }
@@ -114,7 +117,9 @@ class CountingSource final : public PatchSource {
   explicit CountingSource(const PatchSource& source) : source_(&source) {
     views_.assign(source.views().begin(), source.views().end());
   }
-  PosedGroundPatch Read(std::size_t index) const override { return ++num_reads_, source_->Read(index); }
+  PosedGroundPatch Read(std::size_t index) const override {
+    return ++num_reads_, source_->Read(index);
+  }
   int num_reads() const { return num_reads_; }
 
  private:
@@ -131,13 +136,15 @@ TEST(MeasureHeights, OfManyViewsASelectionFindsTheSame) {
   const DrivenPath path = PathWithEye();
 
   const auto by_all = MeasureHeights(all, std::span(&path, 1), LevelField(), 0.15, {});
-  const auto by_selection = MeasureHeights(selection, std::span(&path, 1), LevelField(), 0.15, {.max_views = 20});
+  const auto by_selection =
+      MeasureHeights(selection, std::span(&path, 1), LevelField(), 0.15, {.max_views = 20});
 
   EXPECT_GE(all.num_reads(), 150) << "each patch reaches into a tile";
   EXPECT_LT(selection.num_reads(), all.num_reads() / 2);
   ASSERT_GT(by_selection.size(), 0.9 * static_cast<double>(by_all.size()));
   double sum = 0;
-  for (const HeightObservation& found : by_selection) sum += std::pow(found.point_in_site.z() - 0.06, 2);
+  for (const HeightObservation& found : by_selection)
+    sum += std::pow(found.point_in_site.z() - 0.06, 2);
   EXPECT_LT(std::sqrt(sum / static_cast<double>(by_selection.size())), 0.015);
 }
 

@@ -23,8 +23,9 @@ DrivenPath PathToARamp() {
     TrajectoryState state;
     state.time = TimestampFromSeconds(0.1 * i);
     const double x = 0.3 * i - 14, rise = HeightAt(x + kWheelbase) - HeightAt(x);
-    state.odom_from_body.translation = {x, 0, HeightAt(x)};
-    state.odom_from_body.rotation = Eigen::AngleAxisd(-std::atan(rise / kWheelbase), Eigen::Vector3d::UnitY());
+    state.world_from_body.translation = {x, 0, HeightAt(x)};
+    state.world_from_body.rotation =
+        Eigen::AngleAxisd(-std::atan(rise / kWheelbase), Eigen::Vector3d::UnitY());
     states.push_back(state);
   }
   DrivenPath path;
@@ -38,7 +39,8 @@ std::vector<PosedGroundPatch> PatchesAlong(const DrivenPath& path) {
   std::vector<PosedGroundPatch> patches;
   const std::vector<TrajectoryState>& states = path.site_from_body.states();
   for (size_t i = 1; i < states.size(); i += 3) {
-    PosedGroundPatch posed{{.drive = 0, .camera = 0, .time = states[i].time, .samples = {}}, states[i].odom_from_body};
+    PosedGroundPatch posed{{.drive = 0, .camera = 0, .time = states[i].time, .samples = {}},
+                           states[i].world_from_body};
     for (double x = 0.2; x < 8; x += 0.2)
       for (double y = -2.4; y < 2.5; y += 0.2) {
         GroundSample sample;

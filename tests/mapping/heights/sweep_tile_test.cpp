@@ -13,40 +13,53 @@ namespace parkade {
 namespace {
 
 SweepShape SmallShape() {
-  return {.num_windows = 3, .cells_per_window = 4, .cell_size = 0.1F, .offsets = {-0.1F, -0.03F, 0, 0.05F, 0.1F}};
+  return {.num_windows = 3,
+          .cells_per_window = 4,
+          .cell_size = 0.1F,
+          .offsets = {-0.1F, -0.03F, 0, 0.05F, 0.1F}};
 }
 
-std::vector<Meeting> RandomSights(int count) {
+std::vector<Meeting> RandomMeetings(int count) {
   std::mt19937 random(5);
-  std::uniform_real_distribution<float> place(-0.4F, 1.6F), shift(-6, 6), grey(-40, 40), weight(0.1F, 1);
-  std::vector<Meeting> sights;
+  std::uniform_real_distribution<float> place(-0.4F, 1.6F), shift(-6, 6), gray(-40, 40),
+      weight(0.1F, 1);
+  std::vector<Meeting> observations;
   for (int i = 0; i < count; ++i)
-    sights.push_back({{place(random), place(random)}, {shift(random), shift(random)}, grey(random), weight(random)});
-  return sights;
+    observations.push_back({{place(random), place(random)},
+                            {shift(random), shift(random)},
+                            gray(random),
+                            weight(random)});
+  return observations;
 }
 
 /// By the book: sorted into cells one by one, height by height.
-std::vector<Agreement> SweepSlowly(const std::vector<Meeting>& sights, const SweepShape& shape) {
+std::vector<Agreement> SweepSlowly(const std::vector<Meeting>& observations,
+                                   const SweepShape& shape) {
   const int across = shape.num_windows * shape.cells_per_window;
   std::vector<Agreement> agreements;
   for (int window = 0; window < shape.num_windows * shape.num_windows; ++window)
     for (const float offset : shape.offsets) {
       std::map<std::pair<int, int>, std::vector<Meeting>> cells;
-      for (const Meeting& sight : sights) {
-        const Eigen::Vector2f place = (sight.point + offset * sight.shift) / shape.cell_size;
-        const int x = static_cast<int>(std::floor(place.x())), y = static_cast<int>(std::floor(place.y()));
+      for (const Meeting& observation : observations) {
+        const Eigen::Vector2f place =
+            (observation.point + offset * observation.shift) / shape.cell_size;
+        const int x = static_cast<int>(std::floor(place.x())),
+                  y = static_cast<int>(std::floor(place.y()));
         if (x < 0 || y < 0 || x >= across || y >= across) continue;
-        if (y / shape.cells_per_window * shape.num_windows + x / shape.cells_per_window != window) continue;
-        cells[{y, x}].push_back(sight);
+        if (y / shape.cells_per_window * shape.num_windows + x / shape.cells_per_window != window)
+          continue;
+        cells[{y, x}].push_back(observation);
       }
       Agreement agreement;
       for (const auto& [cell, in_cell] : cells) {
         float mean = 0, weight = 0;
-        for (const Meeting& sight : in_cell) mean += sight.weight * sight.grey, weight += sight.weight;
+        for (const Meeting& observation : in_cell)
+          mean += observation.weight * observation.gray, weight += observation.weight;
         mean /= weight;
-        for (const Meeting& sight : in_cell) {
-          agreement.residual += sight.weight * (sight.grey - mean) * (sight.grey - mean);
-          agreement.total += sight.weight * sight.grey * sight.grey;
+        for (const Meeting& observation : in_cell) {
+          agreement.residual +=
+              observation.weight * (observation.gray - mean) * (observation.gray - mean);
+          agreement.total += observation.weight * observation.gray * observation.gray;
         }
         agreement.weight += weight;
         agreement.num_samples += static_cast<int>(in_cell.size());
@@ -58,16 +71,16 @@ std::vector<Agreement> SweepSlowly(const std::vector<Meeting>& sights, const Swe
 }
 
 TEST(TileSweep, SumsUpWhatASimpleOneDoes) {
-  const std::vector<Meeting> sights = RandomSights(3000);
+  const std::vector<Meeting> observations = RandomMeetings(3000);
   TileSweep sweep(SmallShape());
-  for (const Meeting& sight : sights) sweep.Add(sight);
+  for (const Meeting& observation : observations) sweep.Add(observation);
 
-  const std::vector<Agreement> fast = sweep.Sweep(), slow = SweepSlowly(sights, SmallShape());
+  const std::vector<Agreement> fast = sweep.Sweep(), slow = SweepSlowly(observations, SmallShape());
 
   ASSERT_EQ(fast.size(), slow.size());
   for (size_t i = 0; i < slow.size(); ++i) {
     ASSERT_GT(slow[i].num_samples, 50);
-    // A sight on the border of a cell may fall to either side.
+    // A observation on the border of a cell may fall to either side.
     EXPECT_NEAR(fast[i].num_samples, slow[i].num_samples, 2) << i;
     EXPECT_NEAR(fast[i].num_cells, slow[i].num_cells, 1) << i;
     EXPECT_NEAR(fast[i].total, slow[i].total, 0.02F * slow[i].total) << i;
@@ -76,24 +89,25 @@ TEST(TileSweep, SumsUpWhatASimpleOneDoes) {
   }
 }
 
-TEST(TileSweep, SightsFromOneSideHaveNoParallax) {
+TEST(TileSweep, ObservationsFromOneSideHaveNoParallax) {
   TileSweep from_one_side(SmallShape()), from_two(SmallShape());
-  for (Meeting sight : RandomSights(500)) {
-    sight.shift = {3, 1};
-    from_one_side.Add(sight);
-    from_two.Add(sight);
-    sight.shift = {-1, -2};
-    from_two.Add(sight);
+  for (Meeting observation : RandomMeetings(500)) {
+    observation.shift = {3, 1};
+    from_one_side.Add(observation);
+    from_two.Add(observation);
+    observation.shift = {-1, -2};
+    from_two.Add(observation);
   }
 
   ASSERT_EQ(from_two.Parallaxes().size(), 9u);
   for (const float parallax : from_one_side.Parallaxes()) EXPECT_NEAR(parallax, 0, 0.02F);
-  for (const float parallax : from_two.Parallaxes()) EXPECT_NEAR(parallax, 2.5F, 0.02F) << "half of (4, 3)";
+  for (const float parallax : from_two.Parallaxes())
+    EXPECT_NEAR(parallax, 2.5F, 0.02F) << "half of (4, 3)";
 }
 
 TEST(TileSweep, DoesNotDependOnTheNumberOfThreads) {
   TileSweep sweep(SmallShape());
-  for (const Meeting& sight : RandomSights(3000)) sweep.Add(sight);
+  for (const Meeting& observation : RandomMeetings(3000)) sweep.Add(observation);
   const int before = NumThreads();
 
   SetNumThreads(1);
@@ -112,12 +126,13 @@ TEST(TileSweep, DoesNotDependOnTheNumberOfThreads) {
 TEST(TileSweep, AgreesBestWhereRaysMeet) {
   TileSweep sweep(SmallShape());
   for (int i = 0; i < 144; ++i) {  // one spot per cell, seen from six sides, 0.05 m above
-    const Eigen::Vector2f spot(0.1F * static_cast<float>(i % 12) + 0.05F, 0.1F * static_cast<float>(i / 12) + 0.05F);
-    const auto grey = static_cast<float>(i * 37 % 41 - 20);
+    const Eigen::Vector2f spot(0.1F * static_cast<float>(i % 12) + 0.05F,
+                               0.1F * static_cast<float>(i / 12) + 0.05F);
+    const auto gray = static_cast<float>(i * 37 % 41 - 20);
     for (int view = 0; view < 6; ++view) {
-      const Eigen::Vector2f shift =
-          4 * Eigen::Vector2f(std::cos(static_cast<float>(view)), std::sin(static_cast<float>(view)));
-      sweep.Add({spot - 0.05F * shift, shift, grey, 1});
+      const Eigen::Vector2f shift = 4 * Eigen::Vector2f(std::cos(static_cast<float>(view)),
+                                                        std::sin(static_cast<float>(view)));
+      sweep.Add({spot - 0.05F * shift, shift, gray, 1});
     }
   }
 
@@ -125,7 +140,8 @@ TEST(TileSweep, AgreesBestWhereRaysMeet) {
 
   for (size_t window = 0; window < 9; ++window) {
     EXPECT_NEAR(agreements[5 * window + 3].Misfit(), 0, 1e-4);
-    for (const size_t height : {0, 1, 2, 4}) EXPECT_GT(agreements[5 * window + height].Misfit(), 0.3) << height;
+    for (const size_t height : {0, 1, 2, 4})
+      EXPECT_GT(agreements[5 * window + height].Misfit(), 0.3) << height;
   }
 }
 

@@ -17,19 +17,19 @@ using Eigen::Vector3d;
 constexpr double kBorder = 3.0;     // [m] y at which the drivable ground ends
 constexpr double kEyeHeight = 1.0;  // [m]
 
-/// Grey values of something that shows a pattern everywhere.
+/// Gray values of something that shows a pattern everywhere.
 double Pattern(double x, double y) {
   return 14 * (std::sin(9 * x + 3 * y) + std::sin(6 * x - 11 * y) + std::sin(14 * x + 8 * y));
 }
 
-/// What stands at the border: its front rises from `bottom` to `top`, then it is level. Between the ground and `bottom`
-/// it is dark.
+/// What stands at the border: its front rises from `bottom` to `top`, then it is level. Between the
+/// ground and `bottom` it is dark.
 struct Border {
   double bottom = 0, top = 0.12;  ///< [m] above the ground
 };
 
 /// What a ray from `eye` through `point` of the plane z = 0 sees. The ground lies at z = 0 too.
-double GreyAlong(const Vector3d& eye, const Vector3d& point, const Border& border) {
+double GrayAlong(const Vector3d& eye, const Vector3d& point, const Border& border) {
   const Vector3d ray = point - eye;
   if (point.y() < kBorder) return 90 + 0.3 * Pattern(point.x(), point.y());
   const Vector3d front = eye + (kBorder - eye.y()) / ray.y() * ray;
@@ -39,13 +39,15 @@ double GreyAlong(const Vector3d& eye, const Vector3d& point, const Border& borde
   return 130 + Pattern(level.x(), level.y());
 }
 
-/// Three cameras at different heights and distances look to their left while the car drives along y = 0.
+/// Three cameras at different heights and distances look to their left while the car drives along y
+/// = 0.
 struct DrawnDrive {
   std::vector<PosedGroundPatch> patches;
   DrivenPath path;
 
   explicit DrawnDrive(const Border& border) {
-    path.cameras_in_body = {{0, 0.8, kEyeHeight}, {2, 0, 0.8 * kEyeHeight}, {-1, 0.4, 1.1 * kEyeHeight}};
+    path.cameras_in_body = {
+        {0, 0.8, kEyeHeight}, {2, 0, 0.8 * kEyeHeight}, {-1, 0.4, 1.1 * kEyeHeight}};
     for (int camera = 0; camera < 3; ++camera)
       for (double x = 0; x <= 12; x += 1) {
         PosedGroundPatch posed{{.drive = 0, .camera = camera, .time = {}, .samples = {}}, {}};
@@ -55,8 +57,9 @@ struct DrawnDrive {
           for (double gy = 1.8; gy <= 5; gy += 0.06) {
             GroundSample sample;
             sample.point_in_body = Eigen::Vector3f(Vector3d(gx - x, gy, 0).cast<float>());
-            const double grey = GreyAlong(eye, {gx, gy, 0}, border) + 5 * camera;  // exposures differ
-            sample.blue = sample.green = sample.red = static_cast<std::uint8_t>(std::lround(grey));
+            const double gray =
+                GrayAlong(eye, {gx, gy, 0}, border) + 5 * camera;  // exposures differ
+            sample.blue = sample.green = sample.red = static_cast<std::uint8_t>(std::lround(gray));
             sample.is_free = gy < kBorder;
             sample.confidence = gy < kBorder + 1 ? 1.0F : 0.0F;
             posed.patch.samples.push_back(sample);
@@ -75,7 +78,8 @@ struct DrawnGround {
     surface.cell_size = 0.1;
     for (int y = -20; y < 30; ++y)
       for (int x = -40; x < 160; ++x)
-        surface.cells.push_back({.x = x, .y = y, .height = static_cast<float>(height), .free_belief = 1});
+        surface.cells.push_back(
+            {.x = x, .y = y, .height = static_cast<float>(height), .free_belief = 1});
     const auto z = static_cast<float>(height);
     mesh.vertices = {{-4, -2, z}, {16, -2, z}, {16, kBorder, z}, {-4, kBorder, z}};
     mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -85,7 +89,8 @@ struct DrawnGround {
 std::vector<Kerb> Find(const Border& border, double height_error = 0) {
   const DrawnDrive drive(border);
   const DrawnGround ground(height_error);
-  return FindKerbs(ground.mesh, ground.surface, PatchesInMemory(drive.patches), std::span(&drive.path, 1));
+  return FindKerbs(ground.mesh, ground.surface, PatchesInMemory(drive.patches),
+                   std::span(&drive.path, 1));
 }
 
 TEST(FindKerbs, MeasuresAStepUpToSomethingLevel) {
@@ -99,7 +104,8 @@ TEST(FindKerbs, MeasuresAStepUpToSomethingLevel) {
       EXPECT_NEAR(point.y(), kBorder, 0.02);
       EXPECT_NEAR(point.z(), 0, 0.005);
     }
-    EXPECT_LT(kerbs[0].points.back().x(), kerbs[0].points.front().x()) << "the ground lies on its left";
+    EXPECT_LT(kerbs[0].points.back().x(), kerbs[0].points.front().x())
+        << "the ground lies on its left";
   }
 }
 
@@ -109,7 +115,7 @@ TEST(FindKerbs, MeasuresFromTheGroundThatIsSeenAndNotFromTheMapsError) {
   EXPECT_NEAR(kerbs[0].height, 0.1, 0.012);
 }
 
-TEST(FindKerbs, AFlatChangeOfColourIsNone) { EXPECT_TRUE(Find({.bottom = 0, .top = 0}).empty()); }
+TEST(FindKerbs, AFlatChangeOfColorIsNone) { EXPECT_TRUE(Find({.bottom = 0, .top = 0}).empty()); }
 
 TEST(FindKerbs, AWallIsNone) { EXPECT_TRUE(Find({.bottom = 0, .top = 3}).empty()); }
 
@@ -120,8 +126,9 @@ TEST(FindKerbs, WhereNothingWasSeenBeyondTheOutlineThereIsNone) {
   for (PosedGroundPatch& posed : drive.patches)
     std::erase_if(posed.patch.samples, [](const GroundSample& sample) { return !sample.is_free; });
   const DrawnGround ground;
-  EXPECT_TRUE(
-      FindKerbs(ground.mesh, ground.surface, PatchesInMemory(drive.patches), std::span(&drive.path, 1)).empty());
+  EXPECT_TRUE(FindKerbs(ground.mesh, ground.surface, PatchesInMemory(drive.patches),
+                        std::span(&drive.path, 1))
+                  .empty());
   EXPECT_TRUE(FindKerbs({}, {}, PatchesInMemory({}), {}).empty());
 }
 
@@ -133,7 +140,8 @@ TEST(FindKerbs, RefusesHeightsThatCannotBe) {
 
 TEST(CutOutline, GivesStripsOnTheGroundWithItOnTheirLeft) {
   DrawnGround ground;
-  for (SurfaceCell& cell : ground.surface.cells) cell.height = 0.02F * (static_cast<float>(cell.x) + 0.5F) * 0.1F;
+  for (SurfaceCell& cell : ground.surface.cells)
+    cell.height = 0.02F * (static_cast<float>(cell.x) + 0.5F) * 0.1F;
   const std::vector<OutlineStrip> strips = CutOutline(ground.mesh, ground.surface, 1.0);
   ASSERT_GT(strips.size(), 35U);
   int num_at_border = 0;

@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// A flat ground of 30 m x 30 m about the origin with the picture of a tile, 1.5 m high.
+/// A flat ground of 30 m x 30 m about the origin with the image of a tile, 1.5 m high.
 struct FlatGround {
   SurfaceMap surface;
   TriangleMesh mesh;
@@ -21,17 +21,20 @@ struct FlatGround {
   explicit FlatGround(const GroundTile& tile) {
     surface.cell_size = 0.25;
     for (int y = -60; y < 60; ++y)
-      for (int x = -60; x < 60; ++x) surface.cells.push_back({.x = x, .y = y, .height = 1.5F, .free_belief = 1});
+      for (int x = -60; x < 60; ++x)
+        surface.cells.push_back({.x = x, .y = y, .height = 1.5F, .free_belief = 1});
     texture.chart_size = 15;
     for (int row = -1; row < 1; ++row)
       for (int column = -1; column < 1; ++column) {
         const cv::Rect part(column < 0 ? 0 : tile.image.cols / 2, row < 0 ? tile.image.rows / 2 : 0,
                             tile.image.cols / 2, tile.image.rows / 2);
-        TextureChart chart{column * 15.0, (row + 1) * 15.0, tile.image(part), tile.mask(part), {}, column, row, 0};
+        TextureChart chart{
+            column * 15.0, (row + 1) * 15.0, tile.image(part), tile.mask(part), {}, column, row, 0};
         const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
         for (const Vector2d& corner : {Vector2d(0, 0), {15, 0}, {0, 15}}) {
           const Vector2d place = corner + 15 * Vector2d(column, row);
-          mesh.vertices.emplace_back(static_cast<float>(place.x()), static_cast<float>(place.y()), 1.5F);
+          mesh.vertices.emplace_back(static_cast<float>(place.x()), static_cast<float>(place.y()),
+                                     1.5F);
         }
         chart.triangles.push_back(static_cast<std::uint32_t>(mesh.triangles.size()));
         mesh.triangles.push_back({first, first + 1, first + 2});
@@ -40,7 +43,8 @@ struct FlatGround {
   }
 };
 
-/// A drive straight along y = 0, over a bump that is `height` high and three metres long about x = 4.
+/// A drive straight along y = 0, over a bump that is `height` high and three meters long about x
+/// = 4.
 DrivenPath PathOverBump(SurfaceMap& surface, double height) {
   for (SurfaceCell& cell : surface.cells) {
     const double u = ((cell.x + 0.5) * surface.cell_size - 4) / 1.5;
@@ -50,7 +54,7 @@ DrivenPath PathOverBump(SurfaceMap& surface, double height) {
   for (int i = 0; i <= 280; ++i) {
     TrajectoryState state;
     state.time = TimestampFromSeconds(0.02 * i);
-    state.odom_from_body.translation = {-14 + 0.1 * i, 0, 1.5};
+    state.world_from_body.translation = {-14 + 0.1 * i, 0, 1.5};
     states.push_back(state);
   }
   DrivenPath path;
@@ -68,8 +72,8 @@ TEST(FindMarkings, PutsSlotsAcrossTilesOnTheGround) {
   }
   FlatGround ground(painted.tile());
   const DrivenPath path = PathOverBump(ground.surface, 0.001);
-  const GroundMarkings markings =
-      FindMarkings({ground.mesh, ground.surface, ground.texture, PatchesInMemory({}), std::span(&path, 1), 1});
+  const GroundMarkings markings = FindMarkings(
+      {ground.mesh, ground.surface, ground.texture, PatchesInMemory({}), std::span(&path, 1), 1});
 
   const SlotEvaluation evaluation = EvaluateSlots(truth, markings.slots);
   EXPECT_EQ(evaluation.num_missed, 0U);
@@ -92,7 +96,8 @@ TEST(FindMarkings, FindsNothingOnBareGround) {
       FindMarkings({ground.mesh, ground.surface, ground.texture, PatchesInMemory({}), {}, 0});
   EXPECT_TRUE(markings.slots.empty());
   EXPECT_TRUE(markings.markings.empty());
-  EXPECT_TRUE(FindMarkings({ground.mesh, ground.surface, {}, PatchesInMemory({}), {}, 0}).slots.empty());
+  EXPECT_TRUE(
+      FindMarkings({ground.mesh, ground.surface, {}, PatchesInMemory({}), {}, 0}).slots.empty());
 }
 
 TEST(FindSpeedBumps, MeasuresWhatACarDroveOver) {
@@ -124,7 +129,8 @@ TEST(FindSpeedBumps, MeasuresThemOnTopOfARise) {
 TEST(FindSpeedBumps, RampsAndRoughnessAreNone) {
   FlatGround ground(PaintedGround(30, 0.1).tile());
   const DrivenPath path = PathOverBump(ground.surface, 0.015);
-  for (SurfaceCell& cell : ground.surface.cells) cell.height += static_cast<float>(0.12 * std::max(0, cell.x) * 0.25);
+  for (SurfaceCell& cell : ground.surface.cells)
+    cell.height += static_cast<float>(0.12 * std::max(0, cell.x) * 0.25);
   EXPECT_TRUE(FindSpeedBumps(ground.surface, std::span(&path, 1)).empty());
 }
 

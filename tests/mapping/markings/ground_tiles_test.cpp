@@ -7,8 +7,9 @@ namespace {
 
 constexpr double kSide = 4;  // [m] of a chart
 
-/// A chart in a square of its own colour with one triangle at a height.
-void AddChart(double height, int column, int from, uchar color, TriangleMesh& mesh, GroundTexture& texture) {
+/// A chart in a square of its own color with one triangle at a height.
+void AddChart(double height, int column, int from, uchar color, TriangleMesh& mesh,
+              GroundTexture& texture) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   for (int i = 0; i < 3; ++i) mesh.vertices.emplace_back(0.0F, 0.0F, static_cast<float>(height));
   mesh.triangles.push_back({first, first + 1, first + 2});
@@ -25,10 +26,13 @@ void AddChart(double height, int column, int from, uchar color, TriangleMesh& me
 uchar ColorAt(const GroundTile& tile, const Eigen::Vector2d& place) {
   const int column = static_cast<int>((place.x() - tile.left) / tile.pixel_size);
   const int row = static_cast<int>((tile.top - place.y()) / tile.pixel_size);
-  return tile.mask.at<uchar>(row, column) == GroundTile::kSure ? tile.image.at<cv::Vec3b>(row, column)[0] : uchar{0};
+  return tile.mask.at<uchar>(row, column) == GroundTile::kSure
+             ? tile.image.at<cv::Vec3b>(row, column)[0]
+             : uchar{0};
 }
 
-/// Islands of drivable ground are charts of one square; what lies on them must not be found once per island.
+/// Islands of drivable ground are charts of one square; what lies on them must not be found once
+/// per island.
 TEST(GroundTiles, HoldTheIslandsOfOneDeckTogether) {
   TriangleMesh mesh;
   GroundTexture texture;
@@ -55,7 +59,8 @@ TEST(GroundTiles, AreSureOfNothingThatNoPhotoShows) {
   GroundTexture texture;
   texture.texel_size = 0.1, texture.chart_size = kSide;
   AddChart(0.0, 0, 0, 50, mesh, texture);
-  texture.charts[0].mask.colRange(20, 40).setTo(TextureChart::kPlain, texture.charts[0].mask.colRange(20, 40));
+  texture.charts[0].mask.colRange(20, 40).setTo(TextureChart::kPlain,
+                                                texture.charts[0].mask.colRange(20, 40));
   const SurfaceMap surface;
   const GroundTile tile = GroundTiles(mesh, surface, texture, 1.0).Make(0);
   EXPECT_EQ(ColorAt(tile, {1, 3.8}), 50);

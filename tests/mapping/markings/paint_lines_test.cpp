@@ -16,12 +16,13 @@ double EndError(const PaintLine& line, const Vector2d& place) {
   return std::min((line.begin - place).norm(), (line.end - place).norm());
 }
 
-TEST(PaintLines, AreFoundAtAnyAngleToTwoCentimetres) {
+TEST(PaintLines, AreFoundAtAnyAngleToTwoCentimeters) {
   for (const double degrees : {0.0, 17.0, 45.0, 90.0, 133.0}) {
     PaintedGround ground(16);
     const double angle = degrees * M_PI / 180;
     const Vector2d along(std::cos(angle), std::sin(angle)), across(-along.y(), along.x());
-    for (const double place : {-2.5, 0.0, 2.5}) ground.Line(place * across - 2.5 * along, place * across + 2.5 * along);
+    for (const double place : {-2.5, 0.0, 2.5})
+      ground.Line(place * across - 2.5 * along, place * across + 2.5 * along);
     const std::vector<PaintLine> lines = FindPaintLines(ground.tile());
     ASSERT_EQ(lines.size(), 3U) << degrees;
     for (const PaintLine& line : lines) {
@@ -90,7 +91,8 @@ TEST(PaintAreas, AreArrowsAndNotLines) {
   EXPECT_TRUE(areas[0].is_yellow);
   double twice = 0;
   for (std::size_t i = 0; i < areas[0].outline.size(); ++i) {
-    const Vector2d &a = areas[0].outline[i], &b = areas[0].outline[(i + 1) % areas[0].outline.size()];
+    const Vector2d &a = areas[0].outline[i],
+                   &b = areas[0].outline[(i + 1) % areas[0].outline.size()];
     twice += a.x() * b.y() - a.y() * b.x();
   }
   EXPECT_NEAR(std::abs(twice) / 2, 0.67, 0.15);

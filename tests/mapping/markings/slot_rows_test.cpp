@@ -47,7 +47,8 @@ struct PaintedRow {
     const Vector2d first = start + index * pitch * Along(), across(Inward().y(), -Inward().x());
     const Vector2d corner = slant > 0 ? first : first + shift * Inward();
     const double depth = length - shift;
-    return {{corner, corner + width * across, corner + width * across + depth * Inward(), corner + depth * Inward()},
+    return {{corner, corner + width * across, corner + width * across + depth * Inward(),
+             corner + depth * Inward()},
             0};
   }
 
@@ -68,8 +69,8 @@ std::vector<ParkingSlot> Lifted(const std::vector<PlanarSlot>& planar) {
   return slots;
 }
 
-/// Stripes 5.5 m apart and a dash between each two make a row at half that distance, but for the ground beside the
-/// dashes.
+/// Stripes 5.5 m apart and a dash between each two make a row at half that distance, but for the
+/// ground beside the dashes.
 TEST(SlotRows, AreNoneWhereTheirLinesWouldBeBareGround) {
   const PaintedRow row{.pitch = 2.75};
   std::vector<PaintLine> lines;
@@ -88,7 +89,7 @@ TEST(SlotRows, LackAWornLineOrTwo) {
   EXPECT_EQ(FindSlotRows(lines, {}, [](const Vector2d&, double) { return true; }).size(), 8U);
 }
 
-TEST(SlotRows, OfWholeLinesAreFoundToTheCentimetre) {
+TEST(SlotRows, OfWholeLinesAreFoundToTheCentimeter) {
   const PaintedRow row;
   const std::vector<PaintLine> lines = row.Lines(7);
   const std::vector<TrueSlot> truth = row.Slots(6);
@@ -105,7 +106,7 @@ TEST(SlotRows, OfWholeLinesAreFoundToTheCentimetre) {
   EXPECT_LT(evaluation.corner_rmse, 0.01);
 }
 
-TEST(SlotRows, HiddenLinesFollowFromTheirNeighbours) {
+TEST(SlotRows, HiddenLinesFollowFromTheirNeighbors) {
   const PaintedRow row;
   std::vector<PaintLine> lines;
   for (int i = 0; i < 9; ++i) {
@@ -115,7 +116,8 @@ TEST(SlotRows, HiddenLinesFollowFromTheirNeighbours) {
   const std::vector<TrueSlot> truth = row.Slots(8);
   const std::vector<PlanarSlot> slots = FindSlotRows(lines);
   const SlotEvaluation evaluation = EvaluateSlots(truth, Lifted(slots));
-  EXPECT_EQ(evaluation.num_missed, 1U);  // nothing is seen of either line of the one between 6 and 7
+  EXPECT_EQ(evaluation.num_missed,
+            1U);  // nothing is seen of either line of the one between 6 and 7
   EXPECT_EQ(evaluation.num_right, slots.size());
   EXPECT_LT(evaluation.corner_rmse, 0.03);
 }
@@ -180,8 +182,8 @@ TEST(SlotRows, OfSlantedStubsAreFound) {
   }
 }
 
-/// Near ends are seen of all lines, far ones blurred and mostly too short: only with the slant of the near ones do
-/// three of them agree.
+/// Near ends are seen of all lines, far ones blurred and mostly too short: only with the slant of
+/// the near ones do three of them agree.
 TEST(SlotRows, HaveParallelEnds) {
   PaintedRow row;
   row.slant = 0.3, row.pitch = 2.7, row.length = 5.5;
@@ -196,8 +198,8 @@ TEST(SlotRows, HaveParallelEnds) {
   EXPECT_LT(evaluation.corner_rmse, 0.03);
 }
 
-/// Of a second row, behind the aisle of the first one, three lines show where they begin, one goes on beneath a stain,
-/// and two end where cars happen to stand square to the lines.
+/// Of a second row, behind the aisle of the first one, three lines show where they begin, one goes
+/// on beneath a stain, and two end where cars happen to stand square to the lines.
 TEST(SlotRows, WithParallelLinesHaveOneSlant) {
   PaintedRow row;
   row.slant = 0.35, row.pitch = 2.7, row.length = 5.9;
@@ -215,7 +217,8 @@ TEST(SlotRows, WithParallelLinesHaveOneSlant) {
   EXPECT_LT(evaluation.corner_rmse, 0.07);
 }
 
-/// Behind the ends no ground is seen: what they have in common is a wall, what differs are parked cars.
+/// Behind the ends no ground is seen: what they have in common is a wall, what differs are parked
+/// cars.
 TEST(SlotRows, EndAtWalls) {
   PaintedRow row;
   row.length = 4.6;
@@ -232,7 +235,8 @@ TEST(SlotRows, EndAtWalls) {
 
   const std::vector<PlanarSlot> slots = FindSlotRows(hidden);
   ASSERT_EQ(slots.size(), 6U);
-  for (const PlanarSlot& slot : slots) EXPECT_NEAR(SignedArea(slot.corners), row.pitch * 5.0, 0.2) << "as is usual";
+  for (const PlanarSlot& slot : slots)
+    EXPECT_NEAR(SignedArea(slot.corners), row.pitch * 5.0, 0.2) << "as is usual";
 }
 
 /// Between cars on both sides of every line no line has ground on both.
@@ -284,8 +288,9 @@ TEST(SlotRows, RefuseOptionsThatMakeNoSense) {
   EXPECT_THROW(FindSlotRows({}, options), Error);
 }
 
-TEST(Quadrilateral, SharesAreaWithItsNeighbours) {
-  const Quadrilateral a = {Vector2d(0, 0), {4, 0}, {4, 2}, {0, 2}}, b = {Vector2d(3, 1), {6, 1}, {6, 5}, {3, 5}};
+TEST(Quadrilateral, SharesAreaWithItsNeighbors) {
+  const Quadrilateral a = {Vector2d(0, 0), {4, 0}, {4, 2}, {0, 2}},
+                      b = {Vector2d(3, 1), {6, 1}, {6, 5}, {3, 5}};
   EXPECT_DOUBLE_EQ(SignedArea(a), 8);
   EXPECT_DOUBLE_EQ(SharedArea(a, b), 1);
   EXPECT_DOUBLE_EQ(SharedArea(a, a), 8);

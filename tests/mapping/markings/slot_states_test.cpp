@@ -9,16 +9,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Five metres by two and a half, from (x, 0, height).
+/// Five meters by two and a half, from (x, 0, height).
 ParkingSlot SlotAt(double x, double height = 0) {
   ParkingSlot slot;
-  slot.corners = {Vector3d(x, 0, height), {x + 2.5, 0, height}, {x + 2.5, 5, height}, {x, 5, height}};
+  slot.corners = {
+      Vector3d(x, 0, height), {x + 2.5, 0, height}, {x + 2.5, 5, height}, {x, 5, height}};
   return slot;
 }
 
-/// What a drive saw of [low_x, high_x] x [low_y, high_y], every ten centimetres; the body lies in the site's origin.
-PosedGroundPatch PatchOf(int drive, bool is_free, double low_x, double high_x, double low_y, double high_y,
-                         float height = 0) {
+/// What a drive saw of [low_x, high_x] x [low_y, high_y], every ten centimeters; the body lies in
+/// the site's origin.
+PosedGroundPatch PatchOf(int drive, bool is_free, double low_x, double high_x, double low_y,
+                         double high_y, float height = 0) {
   PosedGroundPatch posed;
   posed.patch.drive = drive;
   for (double x = low_x + 0.05; x < high_x; x += 0.1)
@@ -34,17 +36,20 @@ PosedGroundPatch PatchOf(int drive, bool is_free, double low_x, double high_x, d
 TEST(SlotStates, AreWhatEachDriveSaw) {
   std::vector<ParkingSlot> slots = {SlotAt(0), SlotAt(2.5)};
   const std::vector<PosedGroundPatch> patches = {
-      PatchOf(0, true, 0, 5, -2, 5),                                           // both are empty
-      PatchOf(1, true, 0, 5, -2, 0.4), PatchOf(1, false, 0.4, 2.2, 0.5, 0.8),  // a car's front in the first one
+      PatchOf(0, true, 0, 5, -2, 5),  // both are empty
+      PatchOf(1, true, 0, 5, -2, 0.4),
+      PatchOf(1, false, 0.4, 2.2, 0.5, 0.8),  // a car's front in the first one
       PatchOf(1, true, 2.5, 5, 0, 5)};
   SeeSlots(PatchesInMemory(patches), {}, 3, {}, slots);
-  EXPECT_EQ(slots[0].states, (std::vector{SlotState::kFree, SlotState::kOccupied, SlotState::kUnseen}));
+  EXPECT_EQ(slots[0].states,
+            (std::vector{SlotState::kFree, SlotState::kOccupied, SlotState::kUnseen}));
   EXPECT_EQ(slots[1].states, (std::vector{SlotState::kFree, SlotState::kFree, SlotState::kUnseen}));
 }
 
 TEST(SlotStates, WhatStandsBesideTheSlotDoesNotTakeIt) {
   std::vector<ParkingSlot> slots = {SlotAt(0)};
-  const std::vector<PosedGroundPatch> patches = {PatchOf(0, true, 0.2, 2.5, 0, 5), PatchOf(0, false, -1, 0.2, 0, 5),
+  const std::vector<PosedGroundPatch> patches = {PatchOf(0, true, 0.2, 2.5, 0, 5),
+                                                 PatchOf(0, false, -1, 0.2, 0, 5),
                                                  PatchOf(0, false, 0, 2.5, -1, 0.3)};
   SeeSlots(PatchesInMemory(patches), {}, 1, {}, slots);
   EXPECT_EQ(slots[0].states[0], SlotState::kFree);

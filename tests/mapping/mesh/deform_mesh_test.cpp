@@ -14,14 +14,19 @@
 namespace parkade {
 namespace {
 
-Rigid3 PoseAt(double x, double y, double z = 0, double yaw = 0) { return {ExpSo3({0, 0, yaw}), {x, y, z}}; }
+Rigid3 PoseAt(double x, double y, double z = 0, double yaw = 0) {
+  return {ExpSo3({0, 0, yaw}), {x, y, z}};
+}
 
 DeformationGraph RandomGraph() {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
-  const auto vector = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
+  const auto vector = [&] {
+    return Eigen::Vector3d(normal(random), normal(random), normal(random));
+  };
   DeformationGraph graph;
-  for (int i = 0; i < 2; ++i) graph.nodes.push_back({3 * vector(), {ExpSo3(0.4 * vector()), 3 * vector()}});
+  for (int i = 0; i < 2; ++i)
+    graph.nodes.push_back({3 * vector(), {ExpSo3(0.4 * vector()), 3 * vector()}});
   return graph;
 }
 
@@ -36,7 +41,8 @@ DeformationBlock Differences(DeformationGraph graph, size_t node, const Evaluate
     for (int side = 0; side < 2; ++side) {
       Eigen::Matrix<double, 6, 1> step = Eigen::Matrix<double, 6, 1>::Zero();
       step[i] = side == 0 ? kStep : -kStep;
-      graph.nodes[node].motion = {ExpSo3(step.head<3>()) * motion.rotation, motion.translation + step.tail<3>()};
+      graph.nodes[node].motion = {ExpSo3(step.head<3>()) * motion.rotation,
+                                  motion.translation + step.tail<3>()};
       ends[side] = evaluate(graph).residual;
     }
     block.col(i) = (ends[0] - ends[1]) / (2 * kStep);
@@ -52,7 +58,8 @@ TEST(DeformationGraph, JacobiansMatchFiniteDifferences) {
   EXPECT_LT((EvaluateEdge(graph, edge).by_second - Differences(graph, 1, by_edge)).norm(), 1e-4);
   const DeformationAnchor anchor{1, PoseAt(1, 2, 3, 0.3), 0.02, 0.01};
   const auto by_anchor = [&](const DeformationGraph& at) { return EvaluateAnchor(at, anchor); };
-  EXPECT_LT((EvaluateAnchor(graph, anchor).by_first - Differences(graph, 1, by_anchor)).norm(), 1e-4);
+  EXPECT_LT((EvaluateAnchor(graph, anchor).by_first - Differences(graph, 1, by_anchor)).norm(),
+            1e-4);
 }
 
 /// Any symmetric matrix with these eigenvalues at least.
@@ -68,13 +75,17 @@ TEST(DeformationGraph, JacobiansOfMeasurementsMatchFiniteDifferences) {
   for (DeformationNode& node : graph.nodes) node.attitude = ExpSo3(0.5 * node.rest);
   for (const std::optional<size_t>& from : {std::optional<size_t>(0), std::optional<size_t>()}) {
     const DeformationMeasurement measurement{from, 1, PoseAt(1, -2, 0.5, 1.2), Information(5, 0.1)};
-    const auto evaluate = [&](const DeformationGraph& at) { return EvaluateMeasurement(at, measurement); };
+    const auto evaluate = [&](const DeformationGraph& at) {
+      return EvaluateMeasurement(at, measurement);
+    };
     const DeformationFactor factor = EvaluateMeasurement(graph, measurement);
     EXPECT_GT(factor.residual.norm(), 1) << "far from what was measured";
     EXPECT_LT((factor.by_first - Differences(graph, 0, evaluate)).norm(), 1e-4);
     EXPECT_LT((factor.by_second - Differences(graph, 1, evaluate)).norm(), 1e-4);
-    const Rigid3 pose = from ? graph.nodes[0].Pose().Inverse() * graph.nodes[1].Pose() : graph.nodes[1].Pose();
-    EXPECT_LT(EvaluateMeasurement(graph, {from, 1, pose, measurement.information}).residual.norm(), 1e-9);
+    const Rigid3 pose =
+        from ? graph.nodes[0].Pose().Inverse() * graph.nodes[1].Pose() : graph.nodes[1].Pose();
+    EXPECT_LT(EvaluateMeasurement(graph, {from, 1, pose, measurement.information}).residual.norm(),
+              1e-9);
   }
 }
 
@@ -82,9 +93,11 @@ TEST(DeformationGraph, TheSolutionIsAMinimumInEveryDirection) {
   DeformationGraph graph;
   for (int i = 0; i < 4; ++i) {
     const Rigid3 pose = PoseAt(3 * i, 0.2 * i * i, 0, 0.1 * i);
-    graph.nodes.push_back({pose.translation, {Eigen::Quaterniond::Identity(), pose.translation}, pose.rotation});
+    graph.nodes.push_back(
+        {pose.translation, {Eigen::Quaterniond::Identity(), pose.translation}, pose.rotation});
     if (i > 0)
-      graph.measurements.push_back({static_cast<size_t>(i - 1), static_cast<size_t>(i), PoseAt(3, 0, 0, 0.2),
+      graph.measurements.push_back({static_cast<size_t>(i - 1), static_cast<size_t>(i),
+                                    PoseAt(3, 0, 0, 0.2),
                                     Information(static_cast<std::uint32_t>(i), 50)});
   }
   graph.measurements.push_back({0, 3, PoseAt(8, 3, 0.3, 0.4), Information(9, 20)});
@@ -129,7 +142,9 @@ TEST(DeformMesh, ARigidMotionIsReproducedExactly) {
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Eigen::Vector3d truth = motion * mesh.vertices[i].cast<double>();
     EXPECT_LT((moved.origin + moved.vertices[i].cast<double>() - truth).norm(), 1e-5);
-    EXPECT_LT((moved.normals[i].cast<double>() - motion.rotation * mesh.normals[i].cast<double>()).norm(), 1e-5);
+    EXPECT_LT(
+        (moved.normals[i].cast<double>() - motion.rotation * mesh.normals[i].cast<double>()).norm(),
+        1e-5);
   }
 }
 
@@ -139,14 +154,17 @@ TEST(DeformMesh, DecksDoNotPullEachOther) {
   const auto count = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), upper.vertices.begin(), upper.vertices.end());
   mesh.normals.insert(mesh.normals.end(), upper.normals.begin(), upper.normals.end());
-  for (const auto& [a, b, c] : upper.triangles) mesh.triangles.push_back({a + count, b + count, c + count});
+  for (const auto& [a, b, c] : upper.triangles)
+    mesh.triangles.push_back({a + count, b + count, c + count});
   auto keyframes = Keyframes(0, [](const Rigid3& pose) { return pose; });
   const auto above = Keyframes(2.6, [](const Rigid3& pose) { return PoseAt(0, 1, 0.2) * pose; });
   keyframes.insert(keyframes.end(), above.begin(), above.end());
   const TriangleMesh moved = Deformed(mesh, DeformGround(mesh, keyframes));
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const Eigen::Vector3d shift = moved.origin + (moved.vertices[i] - mesh.vertices[i]).cast<double>();
-    EXPECT_LT((shift - (i < count ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(0, 1, 0.2))).norm(), 1e-4);
+    const Eigen::Vector3d shift =
+        moved.origin + (moved.vertices[i] - mesh.vertices[i]).cast<double>();
+    EXPECT_LT((shift - (i < count ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(0, 1, 0.2))).norm(),
+              1e-4);
   }
 }
 
@@ -171,7 +189,8 @@ TEST(DeformMesh, KnowsWhichGroundKeyframesSaw) {
   EXPECT_TRUE(deformation.IsSeen({30, 4, 0}));
   EXPECT_TRUE(deformation.IsSeen({48, 0, 0}));
   EXPECT_FALSE(deformation.IsSeen({56, 0, 0}));
-  EXPECT_LT((deformation.Apply({70, 0, 0}) - Eigen::Vector3d(70, 0, 0)).norm(), 1e-4) << "its neighbours hold it";
+  EXPECT_LT((deformation.Apply({70, 0, 0}) - Eigen::Vector3d(70, 0, 0)).norm(), 1e-4)
+      << "its neighbors hold it";
 }
 
 TEST(DeformMesh, NothingSaysHowGroundMovesWithoutKeyframes) {
@@ -182,12 +201,15 @@ TEST(DeformMesh, NothingSaysHowGroundMovesWithoutKeyframes) {
 
 DeformationBlock Sigmas(double translation, double turn) {
   Eigen::Matrix<double, 6, 1> variances;
-  variances << Eigen::Vector3d::Constant(translation * translation), Eigen::Vector3d::Constant(turn * turn);
+  variances << Eigen::Vector3d::Constant(translation * translation),
+      Eigen::Vector3d::Constant(turn * turn);
   return variances.cwiseInverse().asDiagonal();
 }
 
-/// A chain of keyframes as they were, along x, each measured in the one before it; the first is held.
-void AddChain(double y, std::vector<FreeKeyframe>& keyframes, std::vector<DeformationMeasurement>& measurements) {
+/// A chain of keyframes as they were, along x, each measured in the one before it; the first is
+/// held.
+void AddChain(double y, std::vector<FreeKeyframe>& keyframes,
+              std::vector<DeformationMeasurement>& measurements) {
   for (int i = 0; i <= 20; ++i) {
     const size_t index = keyframes.size();
     keyframes.push_back({PoseAt(2 * i, y), PoseAt(2 * i, y), i == 0});
@@ -220,7 +242,8 @@ TEST(DeformJointly, GroundTellsADriveThatNothingElseTies) {
   std::vector<DeformationMeasurement> measurements;
   AddChain(-2, keyframes, measurements);
   keyframes.front().is_held = false;
-  measurements.push_back({std::nullopt, 0, PoseAt(0, -1.6), Sigmas(0.001, 0.001)});  // moved by 0.4 m to the side
+  measurements.push_back(
+      {std::nullopt, 0, PoseAt(0, -1.6), Sigmas(0.001, 0.001)});  // moved by 0.4 m to the side
   const size_t other = keyframes.size();
   AddChain(2, keyframes, measurements);
   keyframes[other].is_held = false;
@@ -242,7 +265,7 @@ TEST(DeformJointly, ANewKeyframeHoldsNoGround) {
   EXPECT_LT((joint.ground.Apply({10, 3, 0}) - Eigen::Vector3d(10, 3, 0)).norm(), 1e-3);
 }
 
-/// What one keyframe a metre sees: ground ahead and to both sides, striped across.
+/// What one keyframe a meter sees: ground ahead and to both sides, striped across.
 std::vector<GroundPatch> PatchesAlong(const std::vector<Rigid3>& poses) {
   std::vector<GroundPatch> patches;
   for (size_t i = 0; i < poses.size(); ++i) {
@@ -250,12 +273,13 @@ std::vector<GroundPatch> PatchesAlong(const std::vector<Rigid3>& poses) {
     patch.time = TimestampFromSeconds(static_cast<double>(i));
     for (double x = 0.025; x < 8; x += 0.05)
       for (double y = -3.975; y < 4; y += 0.05)
-        patch.samples.push_back({.point_in_body = Eigen::Vector3f(Eigen::Vector3d(x, y, 0).cast<float>()),
-                                 .blue = 100,
-                                 .green = 100,
-                                 .red = 100,
-                                 .is_free = true,
-                                 .weight = 1000});
+        patch.samples.push_back(
+            {.point_in_body = Eigen::Vector3f(Eigen::Vector3d(x, y, 0).cast<float>()),
+             .blue = 100,
+             .green = 100,
+             .red = 100,
+             .is_free = true,
+             .weight = 1000});
   }
   return patches;
 }
@@ -266,11 +290,12 @@ SurfaceMap Fuse(const std::vector<Rigid3>& poses) {
   const std::vector<GroundPatch> patches = PatchesAlong(poses);
   for (size_t i = 0; i < poses.size(); ++i) {
     posed.push_back({patches[i], poses[i]});
-    states.push_back({.time = patches[i].time, .odom_from_body = poses[i]});
+    states.push_back({.time = patches[i].time, .world_from_body = poses[i]});
   }
   const DrivenPath path = MakeDrivenPath(0, MakeTestRig(), Trajectory(std::move(states)), Rigid3{});
   SurfaceOptions options;
-  options.outlines = "sights";  // of a ground without anything around it a network says one thing here, another there
+  options.outlines = "observations";  // of a ground without anything around it a network says one
+                                      // thing here, another there
   return FuseSurface(posed, std::span(&path, 1), options);
 }
 
@@ -279,7 +304,8 @@ std::vector<double> OutlineDistances(const TriangleMesh& from, const TriangleMes
   const auto outline = [](const TriangleMesh& mesh) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
     for (const auto& [a, b, c] : mesh.triangles)
-      for (const auto& edge : {std::minmax(a, b), std::minmax(b, c), std::minmax(c, a)}) ++edges[edge];
+      for (const auto& edge : {std::minmax(a, b), std::minmax(b, c), std::minmax(c, a)})
+        ++edges[edge];
     std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> rim;
     for (const auto& [edge, count] : edges)
       if (count == 1)
@@ -306,7 +332,7 @@ TEST(DeformMesh, ABentDriveBendsTheGroundAsFusingItAnewWould) {
   std::vector<MovedKeyframe> keyframes;
   for (int i = 0; i <= 30; ++i) {
     before.push_back(PoseAt(i, 0));
-    const double bend = 0.5 / (30 * 30);  // half a metre to the side at the end, 15 cm up
+    const double bend = 0.5 / (30 * 30);  // half a meter to the side at the end, 15 cm up
     after.push_back(PoseAt(i, bend * i * i, 0.005 * i, 2 * bend * i));
     after.back().rotation = after.back().rotation * ExpSo3({0, -0.005, 0});
     keyframes.push_back({before.back(), after.back()});

@@ -28,7 +28,8 @@ TEST(MarchingCubes, EveryCrossedEdgeAndNoOtherIsUsed) {
       for (const VoxelEdge& edge : triangle) used.insert({edge.a, edge.b});
     for (int a = 0; a < 8; ++a)
       for (int bit : {1, 2, 4})
-        if ((a & bit) == 0 && IsInside(bits, a) != IsInside(bits, a | bit)) crossed.insert({a, a | bit});
+        if ((a & bit) == 0 && IsInside(bits, a) != IsInside(bits, a | bit))
+          crossed.insert({a, a | bit});
     EXPECT_EQ(used, crossed) << bits;
   }
 }
@@ -42,7 +43,8 @@ TEST(MarchingCubes, TrianglesCloseUpButOnTheFacesOfTheVoxel) {
     for (const auto& [edge, count] : directed) {
       EXPECT_EQ(count, 1) << bits;
       if (directed.contains({edge.second, edge.first})) continue;
-      // An open side lies on one face: the four corners of its two voxel edges agree in one coordinate.
+      // An open side lies on one face: the four corners of its two voxel edges agree in one
+      // coordinate.
       int all = 7, any = 0;
       for (const int corner : {edge.first / 8, edge.first % 8, edge.second / 8, edge.second % 8})
         all &= corner, any |= corner;
@@ -51,15 +53,18 @@ TEST(MarchingCubes, TrianglesCloseUpButOnTheFacesOfTheVoxel) {
   }
 }
 
-TEST(MarchingCubes, NeighboursAgreeOnTheFaceBetweenThem) {
-  // Segments on the face x = 1 of one voxel and on x = 0 of the next, which shares its corners, run oppositely.
+TEST(MarchingCubes, NeighborsAgreeOnTheFaceBetweenThem) {
+  // Segments on the face x = 1 of one voxel and on x = 0 of the next, which shares its corners, run
+  // oppositely.
   const auto segments = [](int bits, int x) {
     std::multiset<std::pair<int, int>> found;
     std::map<std::pair<int, int>, int> directed;
     for (const auto& triangle : MarchingCubesCases()[static_cast<size_t>(bits)])
       for (size_t i = 0; i < 3; ++i) {
         const VoxelEdge &from = triangle[i], &to = triangle[(i + 1) % 3];
-        const auto on_face = [&](const VoxelEdge& edge) { return (edge.a & 1) == x && (edge.b & 1) == x; };
+        const auto on_face = [&](const VoxelEdge& edge) {
+          return (edge.a & 1) == x && (edge.b & 1) == x;
+        };
         if (on_face(from) && on_face(to))
           ++directed[{(from.a >> 1) * 4 + (from.b >> 1), (to.a >> 1) * 4 + (to.b >> 1)}];
       }
@@ -85,7 +90,8 @@ TEST(MarchingCubes, TrianglesFaceOutwards) {
     const VoxelTriangles& triangles = MarchingCubesCases()[static_cast<size_t>(1 << corner)];
     ASSERT_EQ(triangles.size(), 1u);
     std::array<Eigen::Vector3d, 3> p;
-    for (size_t i = 0; i < 3; ++i) p[i] = 0.5 * (CornerOf(triangles[0][i].a) + CornerOf(triangles[0][i].b));
+    for (size_t i = 0; i < 3; ++i)
+      p[i] = 0.5 * (CornerOf(triangles[0][i].a) + CornerOf(triangles[0][i].b));
     const Eigen::Vector3d normal = (p[1] - p[0]).cross(p[2] - p[0]);
     EXPECT_GT(normal.dot(p[0] - CornerOf(corner)), 0) << corner;
   }
@@ -101,10 +107,12 @@ TEST_P(VoxelSheetOf, ASlopeLiesOnItAndIsAManifold) {
   const VoxelSheet sheet = ExtractSheet(surface, 0.25, 0.5);
 
   ASSERT_GE(sheet.triangles.size(), 29u * 19u * 2u);
-  for (const Eigen::Vector3d& vertex : sheet.vertices) EXPECT_NEAR(vertex.z(), height(vertex.x(), vertex.y()), 1.1e-4);
+  for (const Eigen::Vector3d& vertex : sheet.vertices)
+    EXPECT_NEAR(vertex.z(), height(vertex.x(), vertex.y()), 1.1e-4);
   double area = 0;
   for (const auto& [a, b, c] : sheet.triangles) {
-    const Eigen::Vector3d normal = (sheet.vertices[b] - sheet.vertices[a]).cross(sheet.vertices[c] - sheet.vertices[a]);
+    const Eigen::Vector3d normal =
+        (sheet.vertices[b] - sheet.vertices[a]).cross(sheet.vertices[c] - sheet.vertices[a]);
     EXPECT_GT(normal.z(), -1e-12) << "counter-clockwise seen from above";
     area += 0.5 * normal.z();
   }
@@ -176,7 +184,8 @@ TEST(JoinCells, NegativeCellsJoinWithTheirOwn) {
   EXPECT_EQ(free, (std::vector<Eigen::Vector2i>{{-1, -1}, {0, -1}}));
 }
 
-/// [m^2] of the mesh of a surface of `size` x `size` cells of 5 cm that is free where `is_free` says.
+/// [m^2] of the mesh of a surface of `size` x `size` cells of 5 cm that is free where `is_free`
+/// says.
 double MeshAreaOf(int size, const std::function<bool(double, double)>& is_free) {
   SurfaceMap surface = MakeSurface(size, size, 0.05, [](double, double) { return 0.0; });
   for (SurfaceCell& cell : surface.cells)
@@ -185,49 +194,62 @@ double MeshAreaOf(int size, const std::function<bool(double, double)>& is_free) 
   double area = 0;
   for (const auto& [a, b, c] : mesh.triangles)
     area +=
-        0.5 * static_cast<double>((mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]).z());
+        0.5 *
+        static_cast<double>(
+            (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]).z());
   return area;
 }
 
 TEST(MeshSurface, AnOutlineLiesWhereTheCellsPutIt) {
   // Neither grows nor shrinks, whatever its direction and however it meets the joined cells.
   for (const double edge : {4.0, 4.05, 4.1})
-    EXPECT_NEAR(MeshAreaOf(160, [&](double x, double) { return x < edge; }) / 8, edge, 0.02) << edge;
-  EXPECT_NEAR(MeshAreaOf(160, [](double x, double y) { return x + 0.4 * y < 6; }), 8 * 6 - 0.4 * 32, 0.15);
-  const auto outside_pillar = [](double x, double y) { return std::abs(x - 4) > 0.25 || std::abs(y - 4) > 0.25; };
+    EXPECT_NEAR(MeshAreaOf(160, [&](double x, double) { return x < edge; }) / 8, edge, 0.02)
+        << edge;
+  EXPECT_NEAR(MeshAreaOf(160, [](double x, double y) { return x + 0.4 * y < 6; }), 8 * 6 - 0.4 * 32,
+              0.15);
+  const auto outside_pillar = [](double x, double y) {
+    return std::abs(x - 4) > 0.25 || std::abs(y - 4) > 0.25;
+  };
   EXPECT_NEAR(64 - MeshAreaOf(160, outside_pillar), 0.25, 0.06);
 }
 
-TEST(SimplifySheet, AFlatSheetOfOneColourNeedsFewTriangles) {
-  const VoxelSheet sheet = ExtractSheet(MakeSurface(200, 200, 0.1, [](double, double) { return 0.0; }), 0.25, 0.3);
-  const std::vector<std::array<std::uint8_t, 3>> grey(sheet.vertices.size(), {90, 90, 90});
+TEST(SimplifySheet, AFlatSheetOfOneColorNeedsFewTriangles) {
+  const VoxelSheet sheet =
+      ExtractSheet(MakeSurface(200, 200, 0.1, [](double, double) { return 0.0; }), 0.25, 0.3);
+  const std::vector<std::array<std::uint8_t, 3>> gray(sheet.vertices.size(), {90, 90, 90});
 
-  const VoxelSheet simple = SimplifySheet(sheet, grey, {});
+  const VoxelSheet simple = SimplifySheet(sheet, gray, {});
 
   EXPECT_LT(simple.triangles.size(), sheet.triangles.size() / 10);
   double area = 0;
   for (const auto& [a, b, c] : simple.triangles)
-    area += 0.5 * (simple.vertices[b] - simple.vertices[a]).cross(simple.vertices[c] - simple.vertices[a]).z();
+    area += 0.5 * (simple.vertices[b] - simple.vertices[a])
+                      .cross(simple.vertices[c] - simple.vertices[a])
+                      .z();
   EXPECT_NEAR(area, 19.9 * 19.9, 0.5) << "the border keeps its course";
   for (const auto& [edge, count] : CountDirectedEdges(simple.triangles)) EXPECT_EQ(count, 1);
 }
 
 TEST(SimplifySheet, HeightsStayWithinTheBound) {
-  const auto height = [](double x, double y) { return 0.3 * std::sin(0.4 * x) * std::cos(0.3 * y); };
+  const auto height = [](double x, double y) {
+    return 0.3 * std::sin(0.4 * x) * std::cos(0.3 * y);
+  };
   const VoxelSheet sheet = ExtractSheet(MakeSurface(150, 150, 0.1, height), 0.25, 0.3);
-  const std::vector<std::array<std::uint8_t, 3>> grey(sheet.vertices.size(), {90, 90, 90});
+  const std::vector<std::array<std::uint8_t, 3>> gray(sheet.vertices.size(), {90, 90, 90});
 
-  const VoxelSheet simple = SimplifySheet(sheet, grey, {.max_error = 0.01});
+  const VoxelSheet simple = SimplifySheet(sheet, gray, {.max_error = 0.01});
 
   EXPECT_LT(simple.triangles.size(), sheet.triangles.size() / 3);
   for (const auto& [a, b, c] : simple.triangles) {
-    const Eigen::Vector3d center = (simple.vertices[a] + simple.vertices[b] + simple.vertices[c]) / 3;
+    const Eigen::Vector3d center =
+        (simple.vertices[a] + simple.vertices[b] + simple.vertices[c]) / 3;
     EXPECT_NEAR(center.z(), height(center.x(), center.y()), 0.02);
   }
 }
 
 TEST(SimplifySheet, ALineOfPaintKeepsItsPlace) {
-  const VoxelSheet sheet = ExtractSheet(MakeSurface(100, 100, 0.1, [](double, double) { return 0.0; }), 0.25, 0.3);
+  const VoxelSheet sheet =
+      ExtractSheet(MakeSurface(100, 100, 0.1, [](double, double) { return 0.0; }), 0.25, 0.3);
   std::vector<std::array<std::uint8_t, 3>> colors;
   for (const Eigen::Vector3d& vertex : sheet.vertices)
     colors.push_back(std::abs(vertex.x() - 5.05) < 0.01 ? std::array<std::uint8_t, 3>{220, 220, 220}
@@ -235,12 +257,15 @@ TEST(SimplifySheet, ALineOfPaintKeepsItsPlace) {
 
   const VoxelSheet simple = SimplifySheet(sheet, colors, {});
 
-  const auto on_line = [](const Eigen::Vector3d& vertex) { return std::abs(vertex.x() - 5.05) < 1e-6; };
+  const auto on_line = [](const Eigen::Vector3d& vertex) {
+    return std::abs(vertex.x() - 5.05) < 1e-6;
+  };
   EXPECT_EQ(std::count_if(simple.vertices.begin(), simple.vertices.end(), on_line), 100);
 }
 
 TEST(MeshSurface, HoldsWhatAMeshPromises) {
-  const SurfaceMap surface = MakeSurface(120, 80, 0.05, [](double x, double y) { return 40 + 0.1 * x + 0.02 * y; });
+  const SurfaceMap surface =
+      MakeSurface(120, 80, 0.05, [](double x, double y) { return 40 + 0.1 * x + 0.02 * y; });
 
   const TriangleMesh mesh = MeshSurface(surface);
 
@@ -257,27 +282,30 @@ TEST(MeshSurface, HoldsWhatAMeshPromises) {
   }
 }
 
-/// Two decks above each other and a ramp between them, 64 m x 30 m about the origin, with painted lines, pillars,
-/// ragged outlines, and places where free ground touches in corners only.
+/// Two decks above each other and a ramp between them, 64 m x 30 m about the origin, with painted
+/// lines, pillars, ragged outlines, and places where free ground touches in corners only.
 SurfaceMap MakeTwoDecks() {
   SurfaceMap surface{0.1, {}};
   for (int y = -150; y < 150; ++y)
     for (int x = -320; x < 320; ++x) {
-      const auto noise = static_cast<std::uint32_t>((x + 1000) * 7919 + (y + 1000) * 104729) * 2654435761U >> 24;
+      const auto noise =
+          static_cast<std::uint32_t>((x + 1000) * 7919 + (y + 1000) * 104729) * 2654435761U >> 24;
       const bool is_line = x % 25 == 0 && y > 40;
       const bool is_pillar = x % 120 < 3 && y % 80 < 3;
       const bool is_chequered = std::abs(x) < 20 && y < -100;
-      SurfaceCell cell{.x = x,
-                       .y = y,
-                       .height = 0.004F * static_cast<float>(y) + 0.0001F * static_cast<float>(noise),
-                       .height_sigma = 0.01F + 0.0001F * static_cast<float>(noise),
-                       .free_belief = is_pillar || (is_chequered && (x / 4 + y / 4) % 2 == 0) ? 0.1F : 0.9F,
-                       .color = {100, 100, static_cast<std::uint8_t>(is_line ? 220 : 90 + noise / 16)}};
+      SurfaceCell cell{
+          .x = x,
+          .y = y,
+          .height = 0.004F * static_cast<float>(y) + 0.0001F * static_cast<float>(noise),
+          .height_sigma = 0.01F + 0.0001F * static_cast<float>(noise),
+          .free_belief = is_pillar || (is_chequered && (x / 4 + y / 4) % 2 == 0) ? 0.1F : 0.9F,
+          .color = {100, 100, static_cast<std::uint8_t>(is_line ? 220 : 90 + noise / 16)}};
       if (y > 135 && noise > 120) cell.free_belief = 0.3F;
       surface.cells.push_back(cell);
       // The upper deck, and the ramp that leaves the lower one.
       if (std::abs(y) > 100 || x < -200) continue;
-      cell.height = x < 0 ? 0.015F * static_cast<float>(x + 200) + 0.004F * static_cast<float>(y) : 3;
+      cell.height =
+          x < 0 ? 0.015F * static_cast<float>(x + 200) + 0.004F * static_cast<float>(y) : 3;
       if (x < -120 && std::abs(y) <= 100) cell.free_belief = 0;
       if (cell.height - surface.cells.back().height > 1.5F) surface.cells.push_back(cell);
     }

@@ -36,16 +36,18 @@ struct Thinned {
   std::vector<std::uint32_t> left;
 };
 
-Thinned Thin(const VoxelSheet& sheet, const Colors& colors = {}, const std::vector<bool>& is_kept = {},
-             const ThinSheetOptions& options = {}) {
+Thinned Thin(const VoxelSheet& sheet, const Colors& colors = {},
+             const std::vector<bool>& is_kept = {}, const ThinSheetOptions& options = {}) {
   Thinned thinned{sheet, {}};
   const size_t count = sheet.vertices.size();
-  thinned.left = ThinSheet(colors.empty() ? Colors(count, {90, 90, 90}) : colors,
-                           is_kept.empty() ? std::vector<bool>(count) : is_kept, options, thinned.sheet);
+  thinned.left =
+      ThinSheet(colors.empty() ? Colors(count, {90, 90, 90}) : colors,
+                is_kept.empty() ? std::vector<bool>(count) : is_kept, options, thinned.sheet);
   return thinned;
 }
 
-/// Its area from above; every triangle faces up, every edge has one triangle on each side, or is one of the border.
+/// Its area from above; every triangle faces up, every edge has one triangle on each side, or is
+/// one of the border.
 double CheckedArea(const VoxelSheet& sheet) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   double sum = 0;
@@ -82,28 +84,35 @@ TEST(ThinSheet, LeavesLittleOfFlatGroundAndAllOfItsBorder) {
   EXPECT_NEAR(CheckedArea(thinned.sheet), 36, 1e-9);
   const std::set<std::uint32_t> left(thinned.left.begin(), thinned.left.end());
   for (std::uint32_t i = 0; i < 61; ++i)
-    for (const std::uint32_t at_border : {i, 61 * i, 61 * i + 60, 60 * 61 + i}) EXPECT_TRUE(left.contains(at_border));
-  for (size_t i = 0; i < thinned.left.size(); ++i) EXPECT_EQ(thinned.sheet.vertices[i], grid.vertices[thinned.left[i]]);
+    for (const std::uint32_t at_border : {i, 61 * i, 61 * i + 60, 60 * 61 + i})
+      EXPECT_TRUE(left.contains(at_border));
+  for (size_t i = 0; i < thinned.left.size(); ++i)
+    EXPECT_EQ(thinned.sheet.vertices[i], grid.vertices[thinned.left[i]]);
 }
 
 TEST(ThinSheet, LeavesEdgesAsLongAsAllowed) {
   const Thinned thinned = Thin(MakeGrid(61, Flat), {}, {}, {.max_edge = 0.3});
   for (const auto& triangle : thinned.sheet.triangles)
     for (size_t i = 0; i < 3; ++i)
-      EXPECT_LE((thinned.sheet.vertices[triangle[i]] - thinned.sheet.vertices[triangle[(i + 1) % 3]]).norm(),
-                0.3 + 1e-9);
+      EXPECT_LE(
+          (thinned.sheet.vertices[triangle[i]] - thinned.sheet.vertices[triangle[(i + 1) % 3]])
+              .norm(),
+          0.3 + 1e-9);
 }
 
 TEST(ThinSheet, KeepsTheShapeOfTheGround) {
-  const auto hills = [](double x, double y) { return 0.05 * std::sin(1.5 * x) * std::cos(y) + 0.1 * x; };
+  const auto hills = [](double x, double y) {
+    return 0.05 * std::sin(1.5 * x) * std::cos(y) + 0.1 * x;
+  };
   const Thinned thinned = Thin(MakeGrid(61, hills));
   EXPECT_LT(thinned.sheet.vertices.size(), 3000U);
   EXPECT_NEAR(CheckedArea(thinned.sheet), 36, 1e-9);
   for (double y = 0.05; y < 6; y += 0.31)
-    for (double x = 0.05; x < 6; x += 0.37) EXPECT_NEAR(HeightAt(thinned.sheet, x, y), hills(x, y), 0.004);
+    for (double x = 0.05; x < 6; x += 0.37)
+      EXPECT_NEAR(HeightAt(thinned.sheet, x, y), hills(x, y), 0.004);
 }
 
-TEST(ThinSheet, KeepsEdgesOfColourAndWhatIsToBeKept) {
+TEST(ThinSheet, KeepsEdgesOfColorAndWhatIsToBeKept) {
   const VoxelSheet grid = MakeGrid(61, Flat);
   Colors colors(grid.vertices.size(), {90, 90, 90});
   std::vector<bool> is_kept(grid.vertices.size());
@@ -114,7 +123,8 @@ TEST(ThinSheet, KeepsEdgesOfColourAndWhatIsToBeKept) {
   const Thinned thinned = Thin(grid, colors, is_kept);
   const std::set<std::uint32_t> left(thinned.left.begin(), thinned.left.end());
   for (std::uint32_t i = 0; i < 61; ++i)
-    for (const std::uint32_t vertex : {61 * i + 29, 61 * i + 30, 61 * 20 + i}) EXPECT_TRUE(left.contains(vertex));
+    for (const std::uint32_t vertex : {61 * i + 29, 61 * i + 30, 61 * 20 + i})
+      EXPECT_TRUE(left.contains(vertex));
   EXPECT_LT(left.size(), 1200U);
 }
 

@@ -20,7 +20,8 @@ namespace fs = std::filesystem;
 class FreespaceNetworkFiles : public testing::Test {
  protected:
   FreespaceNetworkFiles()
-      : folder_(fs::temp_directory_path() / ("freespace_network_test." + std::to_string(::getpid()))) {
+      : folder_(fs::temp_directory_path() /
+                ("freespace_network_test." + std::to_string(::getpid()))) {
     fs::create_directories(folder_);
   }
   ~FreespaceNetworkFiles() override { fs::remove_all(folder_); }
@@ -48,7 +49,8 @@ class FreespaceNetworkFiles : public testing::Test {
 cv::Mat Gradient(int width, int height) {
   cv::Mat image(height, width, CV_8UC3);
   for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) image.at<cv::Vec3b>(y, x) = {static_cast<uchar>(x), static_cast<uchar>(2 * y), 200};
+    for (int x = 0; x < width; ++x)
+      image.at<cv::Vec3b>(y, x) = {static_cast<uchar>(x), static_cast<uchar>(2 * y), 200};
   return image;
 }
 
@@ -67,7 +69,8 @@ TEST_F(FreespaceNetworkFiles, BeliefIsBilinearInPixelsOfTheImageWhateverTheNetwo
   const FreespaceBelief belief = network.Run(Gradient(128, 64));
 
   EXPECT_EQ(belief.image_size, cv::Size(128, 64));
-  for (const float column : {10.0F, 33.3F, 100.9F}) EXPECT_NEAR(belief.At({column, 20}), column, 0.51) << column;
+  for (const float column : {10.0F, 33.3F, 100.9F})
+    EXPECT_NEAR(belief.At({column, 20}), column, 0.51) << column;
   EXPECT_NEAR(belief.At({-50, -50}), belief.At({0, 0}), 1e-6) << "off the image its border counts";
 }
 
@@ -88,7 +91,7 @@ TEST_F(FreespaceNetworkFiles, ANetworkOfOpenSizeIsRunAt320x208) {
   EXPECT_NEAR(network.Run(Gradient(64, 48)).At({30, 20}), 30, 1);
 }
 
-TEST(FreespaceNetwork, OursTakesPicturesInTheirOwnProportions) {
+TEST(FreespaceNetwork, OursTakesImagesInTheirOwnProportions) {
   const FreespaceNetwork network;
   EXPECT_EQ(network.InputSizeFor({640, 400}), cv::Size(640, 384));
   EXPECT_EQ(network.InputSizeFor({1280, 800}), cv::Size(640, 384));
@@ -97,7 +100,8 @@ TEST(FreespaceNetwork, OursTakesPicturesInTheirOwnProportions) {
   EXPECT_EQ(network.InputSizeFor({1000, 1000}), cv::Size(384, 384));
   EXPECT_EQ(network.InputSizeFor({480, 640}), cv::Size(288, 384));
   EXPECT_EQ(network.InputSizeFor({6400, 10}), cv::Size(640, 32));
-  for (const cv::Size& size : {cv::Size(48, 36), cv::Size(640, 400), cv::Size(36, 48), cv::Size(640, 4)}) {
+  for (const cv::Size& size :
+       {cv::Size(48, 36), cv::Size(640, 400), cv::Size(36, 48), cv::Size(640, 4)}) {
     const FreespaceBelief belief = network.Run(cv::Mat(size, CV_8UC3, cv::Scalar::all(90)));
     EXPECT_EQ(belief.log_odds.size() * 2, network.InputSizeFor(size));
     EXPECT_EQ(belief.Mask().size(), size);
@@ -113,13 +117,13 @@ TEST_F(FreespaceNetworkFiles, SmallIslandsOfDrivableGroundAreDoubted) {
   const FreespaceBelief belief = network.Run(image);
 
   EXPECT_FLOAT_EQ(belief.At({60, 50}), 50);
-  EXPECT_FLOAT_EQ(belief.At({24, 12}), 50) << "0.8 % of the picture";
-  EXPECT_FLOAT_EQ(belief.At({103, 11}), 0) << "0.4 % of the picture";
+  EXPECT_FLOAT_EQ(belief.At({24, 12}), 50) << "0.8 % of the image";
+  EXPECT_FLOAT_EQ(belief.At({103, 11}), 0) << "0.4 % of the image";
   EXPECT_FLOAT_EQ(belief.At({60, 12}), -50);
   EXPECT_EQ(belief.Mask().at<uchar>(11, 103), 0);
 }
 
-TEST_F(FreespaceNetworkFiles, GreyImagesAreThreeTimesTheSame) {
+TEST_F(FreespaceNetworkFiles, GrayImagesAreThreeTimesTheSame) {
   const FreespaceNetwork network(Write(TinyOnnx({1, 1, 1}, {0}, 32, 16)));
 
   EXPECT_NEAR(network.Run(cv::Mat(16, 32, CV_8UC1, cv::Scalar(50))).At({5, 5}), 150, 1e-3);
@@ -127,8 +131,9 @@ TEST_F(FreespaceNetworkFiles, GreyImagesAreThreeTimesTheSame) {
 
 TEST_F(FreespaceNetworkFiles, FilesThatAreNoNetworkAreNamedInOneSentence) {
   const std::string good = TinyOnnx({1, 0, 0}, {0}, 32, 16);
-  for (const std::string& content : {std::string(), std::string("hello"), std::string(5000, '\7'),
-                                     good.substr(0, good.size() / 2), std::string("\x89PNG\r\n\x1a\n")}) {
+  for (const std::string& content :
+       {std::string(), std::string("hello"), std::string(5000, '\7'),
+        good.substr(0, good.size() / 2), std::string("\x89PNG\r\n\x1a\n")}) {
     const std::string complaint = Complaint(content);
     EXPECT_NE(complaint.find("model.onnx"), std::string::npos) << complaint;
     EXPECT_EQ(complaint.find('\n'), std::string::npos) << complaint;
@@ -136,7 +141,8 @@ TEST_F(FreespaceNetworkFiles, FilesThatAreNoNetworkAreNamedInOneSentence) {
 }
 
 TEST_F(FreespaceNetworkFiles, ANetworkOfFiveClassesIsToldWhatIsWanted) {
-  const std::string complaint = Complaint(TinyOnnx(std::vector<float>(15, 1.0F), std::vector<float>(5), 32, 16));
+  const std::string complaint =
+      Complaint(TinyOnnx(std::vector<float>(15, 1.0F), std::vector<float>(5), 32, 16));
 
   EXPECT_NE(complaint.find("1 x 2 x h x w"), std::string::npos) << complaint;
 }
@@ -156,8 +162,8 @@ TEST(BuiltinFreespaceNetwork, GivesTheSameAnswerOnManyThreads) {
   const cv::Mat image = Gradient(160, 100);
   const cv::Mat expected = network.Run(image).log_odds;
 
-  const std::vector<double> differences =
-      ParallelMap(8, [&](size_t) { return cv::norm(network.Run(image).log_odds, expected, cv::NORM_INF); });
+  const std::vector<double> differences = ParallelMap(
+      8, [&](size_t) { return cv::norm(network.Run(image).log_odds, expected, cv::NORM_INF); });
 
   for (const double difference : differences) EXPECT_EQ(difference, 0);
 }
@@ -171,13 +177,15 @@ TEST(BuiltinFreespaceNetwork, FindsTheRoadOfCamVid) {
   const fs::path folder = fs::path(shared != nullptr ? shared : "../shared/data") / "camvid/val";
   if (!fs::exists(folder)) GTEST_SKIP() << "no CamVid in " << folder;
   std::vector<fs::path> images;
-  for (const auto& entry : fs::directory_iterator(folder / "images")) images.push_back(entry.path());
+  for (const auto& entry : fs::directory_iterator(folder / "images"))
+    images.push_back(entry.path());
   std::sort(images.begin(), images.end());
   const FreespaceNetwork network;
 
   int both = 0, either = 0;
   for (size_t i = 0; i < images.size(); i += 10) {
-    const cv::Mat classes = cv::imread((folder / "labels" / images[i].stem()).string() + ".png", cv::IMREAD_GRAYSCALE);
+    const cv::Mat classes =
+        cv::imread((folder / "labels" / images[i].stem()).string() + ".png", cv::IMREAD_GRAYSCALE);
     const cv::Mat road = classes == 3, known = classes != 11;
     const cv::Mat found = network.Run(cv::imread(images[i].string())).Mask() & known;
     both += cv::countNonZero(found & road);

@@ -13,7 +13,8 @@ namespace {
 /// Plays records back in the order given.
 class ListedDrive : public DriveLog {
  public:
-  ListedDrive(Rig rig, std::vector<SensorRecord> records) : rig_(std::move(rig)), records_(std::move(records)) {}
+  ListedDrive(Rig rig, std::vector<SensorRecord> records)
+      : rig_(std::move(rig)), records_(std::move(records)) {}
 
   const std::string& name() const override { return name_; }
   const Rig& rig() const override { return rig_; }
@@ -31,7 +32,8 @@ class ListedDrive : public DriveLog {
           const auto* frame = std::get_if<CameraFrame>(&record);
           const auto* mask = std::get_if<SemanticFrame>(&record);
           if (mask != nullptr && !wanted_.semantics) continue;
-          if (wanted_.wants_image(frame != nullptr ? frame->camera : mask->camera, TimeOf(record))) return record;
+          if (wanted_.wants_image(frame != nullptr ? frame->camera : mask->camera, TimeOf(record)))
+            return record;
         }
         return std::nullopt;
       }
@@ -55,14 +57,18 @@ class ObservingGround : public testing::Test {
       : rig_(MakeTestRig(true, 160, 100)),
         drive_(MakeLot(), rig_, DriveAlong(MakeLot(), {-15, 0, 0}, 0, {{12, 0}}, rig_), true) {}
 
-  SensorRecord Image(double seconds) const { return CameraFrame{At(seconds), 0, drive_.Render(0, At(seconds)).first}; }
+  SensorRecord Image(double seconds) const {
+    return CameraFrame{At(seconds), 0, drive_.Render(0, At(seconds)).first};
+  }
   SensorRecord Mask(double seconds, double stamp_offset = 0) const {
     return SemanticFrame{At(seconds + stamp_offset), 0, drive_.Render(0, At(seconds)).second};
   }
   Timestamp At(double seconds) const { return drive_.span().begin + seconds; }
 
-  GroundObservation Observe(std::vector<SensorRecord> records, const GroundOptions& options = {}) const {
-    return ObserveGround(ListedDrive(rig_, std::move(records)), drive_.trajectory(), {}, 0, options);
+  GroundObservation Observe(std::vector<SensorRecord> records,
+                            const GroundOptions& options = {}) const {
+    return ObserveGround(ListedDrive(rig_, std::move(records)), drive_.trajectory(), {}, 0,
+                         options);
   }
 
   Rig rig_;
@@ -70,7 +76,8 @@ class ObservingGround : public testing::Test {
 };
 
 TEST_F(ObservingGround, AMaskBelongsToItsImageWhetherItComesBeforeOrAfter) {
-  const GroundObservation seen = Observe({Mask(0), Image(0), Image(0.5), Mask(0.5), Image(1), Image(1.5), Mask(1.5)});
+  const GroundObservation seen =
+      Observe({Mask(0), Image(0), Image(0.5), Mask(0.5), Image(1), Image(1.5), Mask(1.5)});
 
   EXPECT_EQ(seen.num_images, 4);
   EXPECT_EQ(seen.num_masks, 3);
@@ -114,8 +121,10 @@ TEST_F(ObservingGround, ImagesOutsideOfTheTrajectoryAreNotUsed) {
 }
 
 TEST_F(ObservingGround, ACameraThatLooksAtTheSkyIsNamed) {
-  rig_.cameras[0].body_from_camera.rotation = Eigen::Quaterniond::Identity();  // z, its axis, points up
-  rig_.cameras[0].model = CameraModel(PinholeProjection{.fx = 160, .fy = 160, .cx = 80, .cy = 50}, 160, 100);
+  rig_.cameras[0].body_from_camera.rotation =
+      Eigen::Quaterniond::Identity();  // z, its axis, points up
+  rig_.cameras[0].model =
+      CameraModel(PinholeProjection{.fx = 160, .fy = 160, .cx = 80, .cy = 50}, 160, 100);
 
   const GroundObservation seen = Observe({Image(0)});
 

@@ -9,11 +9,12 @@ namespace {
 
 TEST(PathSeeds, AreWhereTheCarWillDriveAndNotBesideIt) {
   const Rig rig = MakeTestRig();
-  const ContactArea contact = ContactArea::Of(rig);
+  const WheelbaseFootprint contact = WheelbaseFootprint::Of(rig);
   const Trajectory trajectory = DriveAlong(MakeLot(), {-15, 0, 0}, 0, {{20, 0}}, rig);
   const GroundGrid grid = MakeGroundGrid(rig.cameras[0], rig.cameras[0].body_from_camera, contact);
 
-  const std::vector<std::uint8_t> seeds = FindPathSeeds(grid, trajectory, trajectory.span().begin, Rigid3{}, contact);
+  const std::vector<std::uint8_t> seeds =
+      FindPathSeeds(grid, trajectory, trajectory.span().begin, Rigid3{}, contact);
 
   int ahead = 0;
   for (size_t i = 0; i < seeds.size(); ++i) {
@@ -27,14 +28,16 @@ TEST(PathSeeds, AreWhereTheCarWillDriveAndNotBesideIt) {
 
 TEST(PathSeeds, TheRearCameraSeesWhereTheCarCameFrom) {
   const Rig rig = MakeTestRig();
-  const ContactArea contact = ContactArea::Of(rig);
+  const WheelbaseFootprint contact = WheelbaseFootprint::Of(rig);
   const Trajectory trajectory = DriveAlong(MakeLot(), {-15, 0, 0}, 0, {{20, 0}}, rig);
   const GroundGrid grid = MakeGroundGrid(rig.cameras[1], rig.cameras[1].body_from_camera, contact);
 
   const auto count = [&](Timestamp time) {
-    const std::vector<std::uint8_t> seeds = FindPathSeeds(grid, trajectory, time, Rigid3{}, contact);
+    const std::vector<std::uint8_t> seeds =
+        FindPathSeeds(grid, trajectory, time, Rigid3{}, contact);
     int behind = 0;
-    for (size_t i = 0; i < seeds.size(); ++i) behind += seeds[i] && grid.cells[i].point_in_ground.x() < -2;
+    for (size_t i = 0; i < seeds.size(); ++i)
+      behind += seeds[i] && grid.cells[i].point_in_ground.x() < -2;
     return behind;
   };
 
@@ -45,9 +48,11 @@ TEST(PathSeeds, TheRearCameraSeesWhereTheCarCameFrom) {
 TEST(PathSeeds, OutsideOfTheTrajectoryThereAreNone) {
   const Rig rig = MakeTestRig();
   const Trajectory trajectory = DriveAlong(MakeLot(), {-15, 0, 0}, 0, {{2, 0}}, rig);
-  const GroundGrid grid = MakeGroundGrid(rig.cameras[0], rig.cameras[0].body_from_camera, ContactArea::Of(rig));
+  const GroundGrid grid =
+      MakeGroundGrid(rig.cameras[0], rig.cameras[0].body_from_camera, WheelbaseFootprint::Of(rig));
 
-  const auto seeds = FindPathSeeds(grid, trajectory, trajectory.span().end + 5, Rigid3{}, ContactArea::Of(rig));
+  const auto seeds = FindPathSeeds(grid, trajectory, trajectory.span().end + 5, Rigid3{},
+                                   WheelbaseFootprint::Of(rig));
 
   EXPECT_EQ(std::count(seeds.begin(), seeds.end(), 1), 0);
 }

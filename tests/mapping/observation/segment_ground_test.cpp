@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kRays = 60, kRanges = 80;
 
-/// A fan of rays with places every 10 cm, all visible: colours can be painted on it directly.
+/// A fan of rays with places every 10 cm, all visible: colors can be painted on it directly.
 GroundGrid MakeFan() {
   GroundGrid grid{.num_rays = kRays,
                   .num_ranges = kRanges,
@@ -19,10 +19,12 @@ GroundGrid MakeFan() {
                   .ranges = {},
                   .pixel_lengths = std::vector<float>(kRanges, 0.1F),
                   .cells = {}};
-  for (int range = 0; range < kRanges; ++range) grid.ranges.push_back(0.1F * static_cast<float>(range + 5));
+  for (int range = 0; range < kRanges; ++range)
+    grid.ranges.push_back(0.1F * static_cast<float>(range + 5));
   for (int ray = 0; ray < kRays; ++ray)
     for (int range = 0; range < kRanges; ++range) {
-      const float angle = 0.02F * static_cast<float>(ray), radius = grid.ranges[static_cast<size_t>(range)];
+      const float angle = 0.02F * static_cast<float>(ray),
+                  radius = grid.ranges[static_cast<size_t>(range)];
       grid.cells.push_back({.pixel = {static_cast<float>(ray), static_cast<float>(range)},
                             .point_in_ground = {radius * std::cos(angle), radius * std::sin(angle)},
                             .weight = 1,
@@ -41,10 +43,12 @@ class SegmentingAFan : public testing::Test {
     }
     seeds_.assign(grid_.cells.size(), 0);
     for (int ray = 20; ray < 40; ++ray)
-      for (int range = 0; range < 10; ++range) seeds_[static_cast<size_t>(grid_.IndexOf(ray, range))] = 1;
+      for (int range = 0; range < 10; ++range)
+        seeds_[static_cast<size_t>(grid_.IndexOf(ray, range))] = 1;
   }
 
-  void Paint(int first_ray, int first_range, int num_rays, int num_ranges, const cv::Scalar& color) {
+  void Paint(int first_ray, int first_range, int num_rays, int num_ranges,
+             const cv::Scalar& color) {
     colors_(cv::Rect(first_range, first_ray, num_ranges, num_rays)).setTo(color);
   }
   GroundLabel At(const std::vector<GroundLabel>& labels, int ray, int range) const {
@@ -56,10 +60,11 @@ class SegmentingAFan : public testing::Test {
   std::vector<std::uint8_t> seeds_;
 };
 
-TEST_F(SegmentingAFan, ARoadOfOneColourIsGroundThroughout) {
+TEST_F(SegmentingAFan, ARoadOfOneColorIsGroundThroughout) {
   const std::vector<GroundLabel> labels = SegmentGround(grid_, colors_, seeds_);
 
-  EXPECT_GT(std::count(labels.begin(), labels.end(), GroundLabel::kGround), kRays * kRanges * 98 / 100);
+  EXPECT_GT(std::count(labels.begin(), labels.end(), GroundLabel::kGround),
+            kRays * kRanges * 98 / 100);
 }
 
 TEST_F(SegmentingAFan, ARedCarIsNotGround) {
@@ -68,7 +73,8 @@ TEST_F(SegmentingAFan, ARedCarIsNotGround) {
   const std::vector<GroundLabel> labels = SegmentGround(grid_, colors_, seeds_);
 
   for (int ray = 27; ray < 35; ++ray)
-    for (int range = 42; range < 78; ++range) EXPECT_EQ(At(labels, ray, range), GroundLabel::kNotGround);
+    for (int range = 42; range < 78; ++range)
+      EXPECT_EQ(At(labels, ray, range), GroundLabel::kNotGround);
   EXPECT_EQ(At(labels, 10, 60), GroundLabel::kGround);
 }
 
@@ -110,7 +116,8 @@ TEST_F(SegmentingAFan, RoadInShadeIsGroundWhenTheSeedsShowBoth) {
 }
 
 TEST_F(SegmentingAFan, WithoutSeedsNothingIsCalledGround) {
-  const std::vector<GroundLabel> labels = SegmentGround(grid_, colors_, std::vector<std::uint8_t>(grid_.cells.size()));
+  const std::vector<GroundLabel> labels =
+      SegmentGround(grid_, colors_, std::vector<std::uint8_t>(grid_.cells.size()));
 
   EXPECT_EQ(std::count(labels.begin(), labels.end(), GroundLabel::kUnknown), kRays * kRanges);
 }
@@ -126,13 +133,15 @@ TEST_F(SegmentingAFan, AMaskIsLookedUpAtEachPlace) {
 }
 
 /// What a network that has the same log-odds everywhere says, sure from 2 on.
-GroundLabels LabelsFrom(const GroundGrid& grid, float log_odds, double doubt_per_meter, double doubt_from = 0) {
+GroundLabels LabelsFrom(const GroundGrid& grid, float log_odds, double doubt_per_meter,
+                        double doubt_from = 0) {
   const FreespaceBelief belief{cv::Mat(4, 4, CV_32FC1, cv::Scalar(log_odds)), {kRays, kRanges}};
   SegmentGroundOptions options;
   options.sure_log_odds = 2;
   options.doubt_per_meter = doubt_per_meter;
   options.doubt_from = doubt_from;
-  return LabelsFromBelief(grid, std::vector<Eigen::Vector2f>(grid.cells.size(), {5, 5}), belief, options);
+  return LabelsFromBelief(grid, std::vector<Eigen::Vector2f>(grid.cells.size(), {5, 5}), belief,
+                          options);
 }
 
 TEST_F(SegmentingAFan, FarGroundMustBeTheSurer) {
@@ -162,7 +171,8 @@ TEST_F(SegmentingAFan, WithoutDoubtANetworkIsTakenAtItsWord) {
 }
 
 TEST_F(SegmentingAFan, ANetworkThatKnowsNothingSaysNothing) {
-  for (const GroundLabel label : LabelsFrom(grid_, 0, 0.25, 2).labels) EXPECT_EQ(label, GroundLabel::kDoubtful);
+  for (const GroundLabel label : LabelsFrom(grid_, 0, 0.25, 2).labels)
+    EXPECT_EQ(label, GroundLabel::kDoubtful);
 }
 
 class HidingBehindObstacles : public testing::Test {
@@ -200,16 +210,26 @@ class HidingBehindObstacles : public testing::Test {
   }
 };
 
-TEST_F(HidingBehindObstacles, OnlyTheFootOfAnObstacleIsKnown) { EXPECT_EQ(Hide("ggnnnnnn", true), "ggnnuuuu"); }
-TEST_F(HidingBehindObstacles, ShortlyBehindTheFootIsAHint) { EXPECT_EQ(Hide("ggnnnnnn", true, 1), "ggnnhhuu"); }
-TEST_F(HidingBehindObstacles, FurtherBehindColoursAreKept) {
+TEST_F(HidingBehindObstacles, OnlyTheFootOfAnObstacleIsKnown) {
+  EXPECT_EQ(Hide("ggnnnnnn", true), "ggnnuuuu");
+}
+TEST_F(HidingBehindObstacles, ShortlyBehindTheFootIsAHint) {
+  EXPECT_EQ(Hide("ggnnnnnn", true, 1), "ggnnhhuu");
+}
+TEST_F(HidingBehindObstacles, FurtherBehindColorsAreKept) {
   EXPECT_EQ(Hide("ggnnnnnnn", true, 1, 1.5), "ggnnhhbbu");
   EXPECT_EQ(Hide("ggnnnnnnn", false, 0.5, 1), "ggnnbbuuu");
   EXPECT_EQ(Hide("nngnn", true, 0.5, 1), "uugnn") << "but nothing of the own car";
 }
-TEST_F(HidingBehindObstacles, AGuessEndsAtTheFirstObstacle) { EXPECT_EQ(Hide("ggnnnngg", false), "ggnnuuuu"); }
-TEST_F(HidingBehindObstacles, AMaskMaySeeGroundAgainBehind) { EXPECT_EQ(Hide("ggnnnnggnnn", true), "ggnnuuggnnu"); }
-TEST_F(HidingBehindObstacles, WhatComesBeforeTheFirstGroundIsTheOwnCar) { EXPECT_EQ(Hide("nnggg", false), "uuggg"); }
+TEST_F(HidingBehindObstacles, AGuessEndsAtTheFirstObstacle) {
+  EXPECT_EQ(Hide("ggnnnngg", false), "ggnnuuuu");
+}
+TEST_F(HidingBehindObstacles, AMaskMaySeeGroundAgainBehind) {
+  EXPECT_EQ(Hide("ggnnnnggnnn", true), "ggnnuuggnnu");
+}
+TEST_F(HidingBehindObstacles, WhatComesBeforeTheFirstGroundIsTheOwnCar) {
+  EXPECT_EQ(Hide("nnggg", false), "uuggg");
+}
 
 TEST(RoadColors, ASmallClusterOfSeedsIsNotTheRoad) {
   std::vector<Appearance> seeds(950, Appearance(100, 128, 128, 2));

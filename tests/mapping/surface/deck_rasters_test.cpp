@@ -22,7 +22,8 @@ PaintedCell CellAt(int x, int y, double height) {
 }
 
 /// Which cells are in which raster; each lies where its raster says.
-std::vector<std::set<int>> MembersOf(const std::vector<PaintedCell>& cells, const std::vector<DeckRaster>& decks) {
+std::vector<std::set<int>> MembersOf(const std::vector<PaintedCell>& cells,
+                                     const std::vector<DeckRaster>& decks) {
   std::vector<std::set<int>> members;
   for (const DeckRaster& deck : decks) {
     std::set<int>& of_deck = members.emplace_back();
@@ -46,7 +47,8 @@ TEST(DeckRasters, DecksAboveEachOtherAreApart) {
       if (x < 10) cells.push_back(CellAt(x, y, 3));
     }
   SortCells(cells);
-  const std::vector<DeckRaster> decks = CutIntoDecks(cells, LinkPaintedCells(cells, kMaxStep), 4, 10);
+  const std::vector<DeckRaster> decks =
+      CutIntoDecks(cells, LinkPaintedCells(cells, kMaxStep), 4, 10);
   ASSERT_EQ(decks.size(), 2);
   EXPECT_EQ(decks[0].origin, Eigen::Vector2i(-8, -16));
   EXPECT_EQ(decks[0].index.size(), cv::Size(40, 36));
@@ -69,7 +71,8 @@ TEST(DeckRasters, ARampThatWindsAboveItselfIsCutAndWhole) {
     return a.cell.x == b.cell.x && a.cell.y == b.cell.y && b.cell.height - a.cell.height < 1;
   };
   cells.erase(std::unique(cells.begin(), cells.end(), is_same), cells.end());
-  const std::vector<DeckRaster> decks = CutIntoDecks(cells, LinkPaintedCells(cells, kMaxStep), 2, 1);
+  const std::vector<DeckRaster> decks =
+      CutIntoDecks(cells, LinkPaintedCells(cells, kMaxStep), 2, 1);
   size_t sum = 0;
   for (const std::set<int>& members : MembersOf(cells, decks)) sum += members.size();
   EXPECT_EQ(sum, cells.size());
@@ -82,7 +85,8 @@ TEST(DeckRasters, WhatIsSmallIsNoDeck) {
   for (int y = 0; y < 10; ++y)
     for (int x = 0; x < 20; ++x)
       if (x != 12) cells.push_back(CellAt(x, y, 0));
-  const std::vector<DeckRaster> decks = CutIntoDecks(cells, LinkPaintedCells(cells, kMaxStep), 2, 100);
+  const std::vector<DeckRaster> decks =
+      CutIntoDecks(cells, LinkPaintedCells(cells, kMaxStep), 2, 100);
   ASSERT_EQ(decks.size(), 1);
   EXPECT_EQ(MembersOf(cells, decks)[0].size(), 120);
   EXPECT_TRUE(CutIntoDecks({}, {}, 2, 1).empty());

@@ -40,7 +40,9 @@ std::vector<bool> FindSmallByFlooding(const std::vector<PaintedCell>& cells, dou
   SurfaceMap surface;
   for (const PaintedCell& cell : cells) surface.cells.push_back(cell.cell);
   const SurfaceLinks links = LinkCells(surface, kMaxStep);
-  const auto is_free = [&](size_t i) { return cells[i].is_seen && cells[i].cell.free_belief > 0.5F; };
+  const auto is_free = [&](size_t i) {
+    return cells[i].is_seen && cells[i].cell.free_belief > 0.5F;
+  };
   std::vector<bool> is_small(cells.size()), is_found(cells.size());
   for (size_t seed = 0; seed < cells.size(); ++seed) {
     if (!is_free(seed) || is_found[seed]) continue;
@@ -51,12 +53,15 @@ std::vector<bool> FindSmallByFlooding(const std::vector<PaintedCell>& cells, dou
       is_driven = is_driven || cells[island[k]].is_driven;
       for (const auto* next : {&links.left, &links.right, &links.up, &links.down}) {
         const int other = (*next)[island[k]];
-        if (other < 0 || !is_free(static_cast<size_t>(other)) || is_found[static_cast<size_t>(other)]) continue;
+        if (other < 0 || !is_free(static_cast<size_t>(other)) ||
+            is_found[static_cast<size_t>(other)])
+          continue;
         is_found[static_cast<size_t>(other)] = true;
         island.push_back(static_cast<size_t>(other));
       }
     }
-    for (const size_t i : island) is_small[i] = !is_driven && static_cast<double>(island.size()) < min_cells;
+    for (const size_t i : island)
+      is_small[i] = !is_driven && static_cast<double>(island.size()) < min_cells;
   }
   return is_small;
 }
@@ -78,7 +83,8 @@ TEST(FreeIslands, AreTheSameHoweverManyRowsComeAtOnce) {
       }
       ASSERT_EQ(all.size(), cells.size());
       for (size_t i = 0; i < cells.size(); ++i)
-        EXPECT_EQ(all[i] != FreeIslands::kNone && islands.IsSmall(all[i], kMinCells), expected[i]) << i;
+        EXPECT_EQ(all[i] != FreeIslands::kNone && islands.IsSmall(all[i], kMinCells), expected[i])
+            << i;
     }
   }
 }

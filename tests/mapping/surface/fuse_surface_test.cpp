@@ -22,29 +22,31 @@ DrivenPath MakePath(double length) {
   for (double x = 0; x <= length; x += 0.1) {
     TrajectoryState& state = states.emplace_back();
     state.time = TimestampFromSeconds(x);
-    state.odom_from_body.translation.x() = x;
+    state.world_from_body.translation.x() = x;
   }
   return MakeDrivenPath(0, rig, Trajectory(states), Rigid3{});
 }
 
 /// Samples every 5 cm of [x0, x1] x [y0, y1] on z = 0 of the body.
-PosedGroundPatch MakePatch(double x0, double y0, double x1, double y1, std::uint8_t grey, bool is_free) {
+PosedGroundPatch MakePatch(double x0, double y0, double x1, double y1, std::uint8_t gray,
+                           bool is_free) {
   PosedGroundPatch posed;
   for (double x = x0 + 0.025; x < x1; x += 0.05)
     for (double y = y0 + 0.025; y < y1; y += 0.05)
-      posed.patch.samples.push_back({.point_in_body = Eigen::Vector3f(Eigen::Vector3d(x, y, 0).cast<float>()),
-                                     .blue = grey,
-                                     .green = grey,
-                                     .red = grey,
-                                     .is_free = is_free,
-                                     .weight = 1000});
+      posed.patch.samples.push_back(
+          {.point_in_body = Eigen::Vector3f(Eigen::Vector3d(x, y, 0).cast<float>()),
+           .blue = gray,
+           .green = gray,
+           .red = gray,
+           .is_free = is_free,
+           .weight = 1000});
   return posed;
 }
 
-/// What is asked here is what sights say; the network of outlines has tests of its own.
-SurfaceOptions SightsAlone() {
+/// What is asked here is what observations say; the network of outlines has tests of its own.
+SurfaceOptions ObservationsAlone() {
   SurfaceOptions options;
-  options.outlines = "sights";
+  options.outlines = "observations";
   return options;
 }
 
@@ -60,7 +62,7 @@ TEST(FuseSurface, WhatWasNeverSeenIsNotInTheMap) {
   const DrivenPath path = MakePath(5);
   const std::vector patches{MakePatch(3, -2, 8, 2, 100, true)};
 
-  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), SightsAlone());
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), ObservationsAlone());
 
   EXPECT_NE(CellAt(surface, 6, 1), nullptr);
   EXPECT_EQ(CellAt(surface, 6, 3), nullptr);
@@ -70,7 +72,7 @@ TEST(FuseSurface, SamplesBeyondTheOutlineSayNothing) {
   const DrivenPath path = MakePath(5);
   std::vector<PosedGroundPatch> patches{MakePatch(3, -2, 8, 2, 100, true)};
   for (const char* method : {"surface", "homography"}) {
-    SurfaceOptions options = SightsAlone();
+    SurfaceOptions options = ObservationsAlone();
     options.method = method;
     const SurfaceMap before = FuseSurface(patches, std::span(&path, 1), options);
     std::vector<PosedGroundPatch> with_beyond = patches;
@@ -90,12 +92,12 @@ TEST(FuseSurface, SamplesBeyondTheOutlineSayNothing) {
 TEST(FuseSurface, SamplesThatCannotTellChangeNothingWithoutANetwork) {
   const DrivenPath path = MakePath(5);
   std::vector<PosedGroundPatch> patches{MakePatch(3, -2, 8, 2, 100, true)};
-  const SurfaceMap before = FuseSurface(patches, std::span(&path, 1), SightsAlone());
+  const SurfaceMap before = FuseSurface(patches, std::span(&path, 1), ObservationsAlone());
   for (GroundSample sample : MakePatch(3, 0, 8, 4, 100, true).patch.samples) {
     sample.confidence = 0;
     patches[0].patch.samples.push_back(sample);
   }
-  const SurfaceMap after = FuseSurface(patches, std::span(&path, 1), SightsAlone());
+  const SurfaceMap after = FuseSurface(patches, std::span(&path, 1), ObservationsAlone());
   ASSERT_GT(before.cells.size(), 1000U);
   ASSERT_EQ(after.cells.size(), before.cells.size());
   for (size_t i = 0; i < before.cells.size(); ++i)
@@ -120,9 +122,9 @@ TEST(FuseSurface, AMovedCarTurnsIntoFreeSpaceAgain) {
   std::vector<PosedGroundPatch> patches{MakePatch(3, -3, 8, 3, 100, true)};
   for (int i = 0; i < 6; ++i) patches.push_back(MakePatch(5, 1.5, 6, 2.5, 20, false));
 
-  const SurfaceMap with_car = FuseSurface(patches, std::span(&path, 1), SightsAlone());
+  const SurfaceMap with_car = FuseSurface(patches, std::span(&path, 1), ObservationsAlone());
   for (int i = 0; i < 20; ++i) patches.push_back(MakePatch(5, 1.5, 6, 2.5, 100, true));
-  const SurfaceMap after = FuseSurface(patches, std::span(&path, 1), SightsAlone());
+  const SurfaceMap after = FuseSurface(patches, std::span(&path, 1), ObservationsAlone());
 
   EXPECT_LT(CellAt(with_car, 5.5, 2)->free_belief, 0.2F);
   EXPECT_GT(CellAt(after, 5.5, 2)->free_belief, 0.8F);
@@ -140,13 +142,14 @@ TEST(FuseSurface, ACarThatParksWhereAnotherDroveBlocksIt) {
   };
   add_day(0, true);
   add_day(1, false);
-  const SurfaceMap blocked = FuseSurface(patches, paths, SightsAlone());
+  const SurfaceMap blocked = FuseSurface(patches, paths, ObservationsAlone());
   EXPECT_LT(CellAt(blocked, 7, 0.2)->free_belief, 0.2F);
 
   patches.resize(31);
-  const SurfaceMap driven = FuseSurface(patches, paths, SightsAlone());
+  const SurfaceMap driven = FuseSurface(patches, paths, ObservationsAlone());
   EXPECT_GT(CellAt(driven, 7, 0.2)->free_belief, 0.8F);
-  EXPECT_GT(CellAt(driven, 2, 0.2)->free_belief, 0.8F) << "the second drive saw nothing, but drove here";
+  EXPECT_GT(CellAt(driven, 2, 0.2)->free_belief, 0.8F)
+      << "the second drive saw nothing, but drove here";
 }
 
 TEST(FuseSurface, WhatTheLatestDriveSeesFromAfarCountsAgainstAllBefore) {
@@ -164,9 +167,10 @@ TEST(FuseSurface, WhatTheLatestDriveSeesFromAfarCountsAgainstAllBefore) {
   add_day(0, true, 30, 1);
   add_day(1, true, 1, 0.03F);
   add_day(1, false, 2, 0.03F);
-  EXPECT_GT(CellAt(FuseSurface(patches, paths, SightsAlone()), 7, 2)->free_belief, 0.9F) << "a glance is not enough";
+  EXPECT_GT(CellAt(FuseSurface(patches, paths, ObservationsAlone()), 7, 2)->free_belief, 0.9F)
+      << "a glance is not enough";
   add_day(2, false, 12, 0.03F);
-  EXPECT_LT(CellAt(FuseSurface(patches, paths, SightsAlone()), 7, 2)->free_belief, 0.5F);
+  EXPECT_LT(CellAt(FuseSurface(patches, paths, ObservationsAlone()), 7, 2)->free_belief, 0.5F);
 }
 
 TEST(FuseSurface, WhatLiesBeyondAnOutlineCoversWhatAnEarlierDriveSaw) {
@@ -182,15 +186,16 @@ TEST(FuseSurface, WhatLiesBeyondAnOutlineCoversWhatAnEarlierDriveSaw) {
         for (GroundSample& sample : posed.patch.samples) sample.confidence = 0;
       patches.push_back(posed);
     }
-  const SurfaceMap covered = FuseSurface(patches, paths, SightsAlone());
+  const SurfaceMap covered = FuseSurface(patches, paths, ObservationsAlone());
   EXPECT_LT(CellAt(covered, 5, 4.5)->free_belief, 0.35F);
-  EXPECT_EQ(CellAt(covered, 5, 4.5)->color[0], 100) << "it is no sight of the ground";
+  EXPECT_EQ(CellAt(covered, 5, 4.5)->color[0], 100) << "it is no observation of the ground";
 }
 
 TEST(FuseSurface, ASlotThatCannotBeSeenAnyMoreIsCovered) {
   std::vector<DrivenPath> paths{MakePath(10), MakePath(10), MakePath(10)};
   for (int drive = 0; drive < 3; ++drive) paths[static_cast<size_t>(drive)].drive = drive;
-  // A slot beside the path, seen in passing; of a car in it only the foot counts, the rest is hidden.
+  // A slot beside the path, seen in passing; of a car in it only the foot counts, the rest is
+  // hidden.
   const auto pass = [&](int drive, bool is_free, double begin, double end) {
     std::vector<PosedGroundPatch> patches;
     for (double x = begin; x <= end; x += 0.5) {
@@ -209,12 +214,13 @@ TEST(FuseSurface, ASlotThatCannotBeSeenAnyMoreIsCovered) {
   };
   add(pass(0, true, 1, 9));
   add(pass(1, false, 1, 9));
-  const SurfaceMap covered = FuseSurface(patches, paths, SightsAlone());
+  const SurfaceMap covered = FuseSurface(patches, paths, ObservationsAlone());
   EXPECT_LT(CellAt(covered, 5, 4.5)->free_belief, 0.35F);
   EXPECT_GT(CellAt(covered, 8, 4.5)->free_belief, 0.5F) << "the slot beside it";
 
   add(pass(2, true, 1, 9));
-  EXPECT_GT(CellAt(FuseSurface(patches, paths, SightsAlone()), 5, 4.5)->free_belief, 0.65F) << "the car has gone";
+  EXPECT_GT(CellAt(FuseSurface(patches, paths, ObservationsAlone()), 5, 4.5)->free_belief, 0.65F)
+      << "the car has gone";
 }
 
 TEST(FuseSurface, WhatIsHiddenFromElsewhereIsNotCovered) {
@@ -222,7 +228,8 @@ TEST(FuseSurface, WhatIsHiddenFromElsewhereIsNotCovered) {
   paths[1].drive = 1;
   std::vector<PosedGroundPatch> patches{MakePatch(-1, -2, 12, 7, 100, true)};
   const auto look = [&](int drive, const Eigen::Vector3d& from, bool is_free) {
-    PosedGroundPatch posed = MakePatch(4 - from.x(), 2 - from.y(), 6 - from.x(), 6 - from.y(), 100, is_free);
+    PosedGroundPatch posed =
+        MakePatch(4 - from.x(), 2 - from.y(), 6 - from.x(), 6 - from.y(), 100, is_free);
     posed.patch.drive = drive;
     posed.site_from_body.translation = from;
     for (GroundSample& sample : posed.patch.samples)
@@ -230,29 +237,30 @@ TEST(FuseSurface, WhatIsHiddenFromElsewhereIsNotCovered) {
     patches.push_back(posed);
   };
   for (const double x : {3.0, 4.0, 5.0, 6.0, 7.0}) look(0, {x, 0, 0}, true);
-  for (const double x : {3.0, 4.0, 5.0, 6.0, 7.0}) look(1, {x, 12, 0}, false);  // from the other side of a hedge
-  EXPECT_GT(CellAt(FuseSurface(patches, paths, SightsAlone()), 5, 4.5)->free_belief, 0.65F);
+  for (const double x : {3.0, 4.0, 5.0, 6.0, 7.0})
+    look(1, {x, 12, 0}, false);  // from the other side of a hedge
+  EXPECT_GT(CellAt(FuseSurface(patches, paths, ObservationsAlone()), 5, 4.5)->free_belief, 0.65F);
 }
 
-TEST(FuseSurface, OneOddSightDoesNotColourACell) {
+TEST(FuseSurface, OneOddObservationDoesNotColorACell) {
   const DrivenPath path = MakePath(5);
   std::vector<PosedGroundPatch> patches;
   for (int i = 0; i < 4; ++i) patches.push_back(MakePatch(3, -2, 8, 2, 100, true));
   patches.push_back(MakePatch(3, -2, 8, 2, 250, true));  // a reflection
 
-  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), SightsAlone());
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), ObservationsAlone());
 
   EXPECT_EQ(CellAt(surface, 6, 1)->color[0], 100);
 }
 
-TEST(FuseSurface, ACellHasTheColourOfTheLatestDriveThatSawIt) {
+TEST(FuseSurface, ACellHasTheColorOfTheLatestDriveThatSawIt) {
   const DrivenPath path = MakePath(5);
   std::vector<PosedGroundPatch> patches;
   for (int i = 0; i < 4; ++i) patches.push_back(MakePatch(3, -2, 8, 2, 100, true));
-  patches.push_back(MakePatch(3, -2, 8, 0, 130, true));  // at dusk, one sight
+  patches.push_back(MakePatch(3, -2, 8, 0, 130, true));  // at dusk, one observation
   patches.back().patch.drive = 1;
 
-  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), SightsAlone());
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), ObservationsAlone());
 
   EXPECT_EQ(CellAt(surface, 6, -1)->color[0], 130);
   EXPECT_EQ(CellAt(surface, 6, 1)->color[0], 100);
@@ -262,13 +270,14 @@ TEST(FuseSurface, ADriveElsewhereDoesNotAgeACellWhateverTheTiles) {
   std::vector<HeightObservation> flat;
   for (double x = -2; x < 30; x += 0.4)
     for (double y = -4; y < 4; y += 0.4) flat.push_back({{x, y, 0}, 1e4});
-  std::vector<PosedGroundPatch> patches{MakePatch(3, -2, 8, 2, 100, true), MakePatch(22, -2, 27, 2, 150, true),
+  std::vector<PosedGroundPatch> patches{MakePatch(3, -2, 8, 2, 100, true),
+                                        MakePatch(22, -2, 27, 2, 150, true),
                                         MakePatch(3, -2, 8, 2, 200, true)};
   for (size_t i = 0; i < patches.size(); ++i) patches[i].patch.drive = static_cast<int>(i);
   for (GroundSample& sample : patches[2].patch.samples)
     sample.weight = 1e-4F * sample.weight;  // from afar: a tenth as near
   for (const double tile_size : {6.0, 1000.0}) {
-    SurfaceOptions options = SightsAlone();
+    SurfaceOptions options = ObservationsAlone();
     options.tile_size = tile_size;
     options.min_island_area = 0;  // nobody drives here
     const SurfaceMap surface = FuseSurface(PatchesInMemory(patches), {}, {}, options, flat);
@@ -282,27 +291,28 @@ TEST(FuseSurface, WhatACarDroveOverIsFreeWhateverWasSeen) {
   std::vector<PosedGroundPatch> patches{MakePatch(0, -3, 8, 3, 100, true)};
   for (int i = 0; i < 20; ++i) patches.push_back(MakePatch(2, -0.5, 4, 0.5, 30, false));
 
-  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), SightsAlone());
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), ObservationsAlone());
 
   EXPECT_GT(CellAt(surface, 3, 0)->free_belief, 0.9F);
 }
 
 TEST(FuseSurface, TheGroundUnderTheCarAtTheStartIsFilled) {
   const DrivenPath path = MakePath(0.05);  // stands: nothing was ever seen below it
-  const std::vector patches{MakePatch(-3, -3, -0.5, 3, 100, true), MakePatch(3.2, -3, 6, 3, 100, true),
-                            MakePatch(-0.5, 1.2, 3.2, 3, 100, true), MakePatch(-0.5, -3, 3.2, -1.2, 100, true)};
+  const std::vector patches{
+      MakePatch(-3, -3, -0.5, 3, 100, true), MakePatch(3.2, -3, 6, 3, 100, true),
+      MakePatch(-0.5, 1.2, 3.2, 3, 100, true), MakePatch(-0.5, -3, 3.2, -1.2, 100, true)};
 
-  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), SightsAlone());
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), ObservationsAlone());
 
   EXPECT_EQ(CellAt(surface, -0.2, 0.0), nullptr) << "not between the wheels";
-  EXPECT_EQ(CellAt(surface, 1.3, 0.0), nullptr) << "nothing seen is near enough to lend its colour";
+  EXPECT_EQ(CellAt(surface, 1.3, 0.0), nullptr) << "nothing seen is near enough to lend its color";
 }
 
 TEST(FuseSurface, SmallIslandsThatNoCarReachedAreDropped) {
   const DrivenPath path = MakePath(5);
   const std::vector patches{MakePatch(-1, -3, 8, 3, 100, true), MakePatch(2, 6, 3, 7, 100, true),
                             MakePatch(1, -10, 5, -6, 100, true)};
-  SurfaceOptions options = SightsAlone();
+  SurfaceOptions options = ObservationsAlone();
   options.min_island_area = 10;
 
   const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), options);
@@ -315,18 +325,18 @@ TEST(FuseSurface, CellsAreSortedAsPromised) {
   const DrivenPath path = MakePath(5);
   const std::vector patches{MakePatch(-1, -3, 8, 3, 100, true)};
 
-  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), SightsAlone());
+  const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), ObservationsAlone());
 
-  EXPECT_TRUE(
-      std::is_sorted(surface.cells.begin(), surface.cells.end(), [](const SurfaceCell& a, const SurfaceCell& b) {
-        return std::tie(a.y, a.x, a.height) < std::tie(b.y, b.x, b.height);
-      }));
+  EXPECT_TRUE(std::is_sorted(surface.cells.begin(), surface.cells.end(),
+                             [](const SurfaceCell& a, const SurfaceCell& b) {
+                               return std::tie(a.y, a.x, a.height) < std::tie(b.y, b.x, b.height);
+                             }));
 }
 
 TEST(FuseSurface, NothingInNothingOut) { EXPECT_TRUE(FuseSurface({}, {}).cells.empty()); }
 
 TEST(FuseSurface, RejectsCellsThatDoNotDivideTheHeightField) {
-  SurfaceOptions options = SightsAlone();
+  SurfaceOptions options = ObservationsAlone();
   options.cell_size = 0.07;
   EXPECT_THROW(FuseSurface({}, {}, options), Error);
 }
@@ -336,7 +346,7 @@ TEST(SurfacePainter, EveryCellThatTheCarStoodOnIsDriven) {
   std::vector<TrajectoryState> states;
   Rigid3 pose;
   for (int i = 0; i < 600; ++i) {
-    states.push_back({.time = TimestampFromSeconds(0.1 * i), .odom_from_body = pose});
+    states.push_back({.time = TimestampFromSeconds(0.1 * i), .world_from_body = pose});
     const double yaw = 0.02 * std::sin(0.02 * i), step = i < 400 ? 0.03 : -0.03;
     pose = pose * Rigid3{ExpSo3({0, 0, yaw}), {step, 0, 0}};
   }
@@ -354,11 +364,11 @@ TEST(SurfacePainter, EveryCellThatTheCarStoodOnIsDriven) {
     if (cell.is_driven) driven.emplace(cell.cell.x, cell.cell.y);
   std::optional<Eigen::Vector3d> last;
   for (const TrajectoryState& state : path.site_from_body.states()) {
-    if (last && (state.odom_from_body.translation - *last).norm() < 0.1) continue;
-    last = state.odom_from_body.translation;
+    if (last && (state.world_from_body.translation - *last).norm() < 0.1) continue;
+    last = state.world_from_body.translation;
     for (double x = 0; x <= path.contact.wheelbase; x += 0.035)
       for (double y = -0.5 * path.contact.track; y <= 0.5 * path.contact.track; y += 0.035) {
-        const Eigen::Vector3d point = state.odom_from_body * Eigen::Vector3d(x, y, 0);
+        const Eigen::Vector3d point = state.world_from_body * Eigen::Vector3d(x, y, 0);
         stood_on.emplace(static_cast<int>(std::floor(point.x() / 0.05)),
                          static_cast<int>(std::floor(point.y() / 0.05)));
       }
@@ -371,10 +381,12 @@ TEST(SurfacePainter, EveryCellThatTheCarStoodOnIsDriven) {
 }
 
 TEST(SurfacePainter, ASampleMovesAlongItsRayOntoARampAhead) {
-  // A ramp of 10 % from x = 2 on; an eye 1 m above the level sees its point (4, 0, 0.2) on the level at x = 5.
+  // A ramp of 10 % from x = 2 on; an eye 1 m above the level sees its point (4, 0, 0.2) on the
+  // level at x = 5.
   std::vector<HeightObservation> heights;
   for (double x = -2; x < 12; x += 0.1)
-    for (double y = -1; y < 1; y += 0.1) heights.push_back({{x, y, std::max(0.0, 0.1 * (x - 2))}, 1000});
+    for (double y = -1; y < 1; y += 0.1)
+      heights.push_back({{x, y, std::max(0.0, 0.1 * (x - 2))}, 1000});
   HeightFieldOptions stiff;
   stiff.curvature_sigma = 10;  // let it have the kink
   const HeightField field(heights, stiff);

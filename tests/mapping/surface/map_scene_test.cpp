@@ -1,4 +1,5 @@
-// The whole of mapping/ on drives through scenes whose every point is known: true poses in, surface out.
+// The whole of mapping/ on drives through scenes whose every point is known: true poses in, surface
+// out.
 
 #include <gtest/gtest.h>
 
@@ -21,14 +22,16 @@ struct MappedScene {
   TriangleMesh mesh;
 };
 
-std::vector<PosedGroundPatch> Pose(const std::vector<GroundPatch>& patches, const Trajectory& site_from_body) {
+std::vector<PosedGroundPatch> Pose(const std::vector<GroundPatch>& patches,
+                                   const Trajectory& site_from_body) {
   std::vector<PosedGroundPatch> posed;
-  for (const GroundPatch& patch : patches) posed.push_back({patch, site_from_body.At(patch.time).value()});
+  for (const GroundPatch& patch : patches)
+    posed.push_back({patch, site_from_body.At(patch.time).value()});
   return posed;
 }
 
 /// The surface from above, 5 cm per pixel, for people: written where PARKADE_TEST_PICTURES says.
-void SavePicture(const SurfaceMap& surface, const std::string& name, double min_height = -1e9) {
+void SaveImage(const SurfaceMap& surface, const std::string& name, double min_height = -1e9) {
   const char* folder = std::getenv("PARKADE_TEST_PICTURES");
   if (folder == nullptr || surface.cells.empty()) return;
   int low_x = INT_MAX, low_y = INT_MAX, high_x = INT_MIN, high_y = INT_MIN;
@@ -36,39 +39,46 @@ void SavePicture(const SurfaceMap& surface, const std::string& name, double min_
     low_x = std::min(low_x, cell.x), high_x = std::max(high_x, cell.x);
     low_y = std::min(low_y, cell.y), high_y = std::max(high_y, cell.y);
   }
-  cv::Mat picture(high_y - low_y + 1, high_x - low_x + 1, CV_8UC3, cv::Scalar(80, 0, 80));
+  cv::Mat image(high_y - low_y + 1, high_x - low_x + 1, CV_8UC3, cv::Scalar(80, 0, 80));
   for (const SurfaceCell& cell : surface.cells) {
     if (static_cast<double>(cell.height) < min_height) continue;
     cv::Vec3b color(cell.color[2], cell.color[1], cell.color[0]);
-    if (cell.free_belief < 0.55F) color = {static_cast<uchar>(color[0] / 3), static_cast<uchar>(color[1] / 3), 200};
-    picture.at<cv::Vec3b>(high_y - cell.y, cell.x - low_x) = color;
+    if (cell.free_belief < 0.55F)
+      color = {static_cast<uchar>(color[0] / 3), static_cast<uchar>(color[1] / 3), 200};
+    image.at<cv::Vec3b>(high_y - cell.y, cell.x - low_x) = color;
   }
-  cv::imwrite(std::string(folder) + "/" + name + ".png", picture);
+  cv::imwrite(std::string(folder) + "/" + name + ".png", image);
 }
 
-MappedScene MapScene(const SyntheticDrive& drive, const std::string& picture, const GroundOptions& options = {}) {
+MappedScene MapScene(const SyntheticDrive& drive, const std::string& image,
+                     const GroundOptions& options = {}) {
   MappedScene mapped;
   mapped.observation = ObserveGround(drive, drive.trajectory(), {}, 0, options);
-  const DrivenPath path = MakeDrivenPath(0, drive.rig(), drive.trajectory(), mapped.observation.body_from_ground);
-  mapped.surface = FuseSurface(Pose(mapped.observation.patches, drive.trajectory()), std::span(&path, 1));
+  const DrivenPath path =
+      MakeDrivenPath(0, drive.rig(), drive.trajectory(), mapped.observation.body_from_ground);
+  mapped.surface =
+      FuseSurface(Pose(mapped.observation.patches, drive.trajectory()), std::span(&path, 1));
   mapped.mesh = MeshSurface(mapped.surface);
-  SavePicture(mapped.surface, picture);
+  SaveImage(mapped.surface, image);
   return mapped;
 }
 
 std::vector<Eigen::Vector3d> PathOf(const Trajectory& trajectory) {
   std::vector<Eigen::Vector3d> path;
-  for (const TrajectoryState& state : trajectory.states()) path.push_back(state.odom_from_body.translation);
+  for (const TrajectoryState& state : trajectory.states())
+    path.push_back(state.world_from_body.translation);
   return path;
 }
 
-SurfaceEvaluation Evaluate(const SyntheticDrive& drive, const TriangleMesh& mesh, double max_path_distance) {
+SurfaceEvaluation Evaluate(const SyntheticDrive& drive, const TriangleMesh& mesh,
+                           double max_path_distance) {
   SurfaceEvaluationOptions options;
   options.max_path_distance = max_path_distance;
   const std::vector<Eigen::Vector3d> path = PathOf(drive.trajectory());
   const SurfaceEvaluation evaluation =
       EvaluateSurface(drive.scene().DrivableMesh(), mesh, options, {.path = path, .find_seen = {}});
-  if (std::getenv("PARKADE_TEST_PICTURES") != nullptr) std::printf("%s", ToText(evaluation).c_str());
+  if (std::getenv("PARKADE_TEST_PICTURES") != nullptr)
+    std::printf("%s", ToText(evaluation).c_str());
   return evaluation;
 }
 
@@ -93,7 +103,7 @@ TEST(MapScene, AFlatLotWithMasksComesOutFlatCompleteAndClean) {
   EXPECT_GT(evaluation.iou, 0.85);
 }
 
-TEST(MapScene, ColoursAreThoseOfThePlace) {
+TEST(MapScene, ColorsAreThoseOfThePlace) {
   const SyntheticDrive drive = LotDrive(true);
 
   const MappedScene mapped = MapScene(drive, "lot_masks");
@@ -127,7 +137,7 @@ TEST(MapScene, AParkedCarIsNotFreeSpace) {
   EXPECT_LT(num_free, 30) << "of 2128 cells under the car";
 }
 
-TEST(MapScene, WithoutMasksAndNetworkTheGuessByColoursKeepsToTheLot) {
+TEST(MapScene, WithoutMasksAndNetworkTheGuessByColorsKeepsToTheLot) {
   const SyntheticDrive drive = LotDrive(false);
   GroundOptions options;
   options.method = "colors";
@@ -145,7 +155,8 @@ TEST(MapScene, TwoDecksStayTwoAndTheRampJoinsThem) {
   const Rig rig = MakeTestRig();
   const SyntheticScene scene = MakeDecks();
   const double half_turn = 3.14159265358979 * 5;
-  const Trajectory trajectory = DriveAlong(scene, {-10, 0, 0}, 0, {{47.5, 0}, {half_turn, 0.2}, {44, 0}}, rig);
+  const Trajectory trajectory =
+      DriveAlong(scene, {-10, 0, 0}, 0, {{47.5, 0}, {half_turn, 0.2}, {44, 0}}, rig);
   const SyntheticDrive drive(scene, rig, trajectory, true);
 
   const MappedScene mapped = MapScene(drive, "decks");
@@ -213,16 +224,18 @@ TEST(MapScene, WithoutVehicleThePlaneOfTheLandmarksIsUsed) {
   const Rig rig = MakeTestRig(/*has_vehicle=*/false);
   const SyntheticScene scene = MakeLot();
   const SyntheticDrive drive(scene, rig, DriveAlong(scene, {-14, 0, 0}, 0, {{24, 0}}, rig), true);
-  Submap submap;
+  std::vector<Landmark> landmarks;
   for (int i = 0; i < 600; ++i) {  // two thirds on the road, the rest on cars and walls
     const double x = -16 + 0.05 * i, y = 4 * std::sin(1.7 * i);
-    const double z = i % 3 == 0 ? 0.4 + 0.9 * std::abs(std::sin(0.9 * i)) : 0.02 * std::sin(5.3 * i);
-    submap.landmarks.push_back({{x, y, z}, 0.02, 5});
+    const double z =
+        i % 3 == 0 ? 0.4 + 0.9 * std::abs(std::sin(0.9 * i)) : 0.02 * std::sin(5.3 * i);
+    landmarks.push_back({{}, 0, {x, y, z}, 0.02, 5});
   }
 
-  const GroundObservation observation = ObserveGround(drive, drive.trajectory(), std::span(&submap, 1), 0);
+  const GroundObservation observation = ObserveGround(drive, drive.trajectory(), landmarks, 0);
   const DrivenPath path = MakeDrivenPath(0, rig, drive.trajectory(), observation.body_from_ground);
-  const SurfaceMap surface = FuseSurface(Pose(observation.patches, drive.trajectory()), std::span(&path, 1));
+  const SurfaceMap surface =
+      FuseSurface(Pose(observation.patches, drive.trajectory()), std::span(&path, 1));
 
   EXPECT_NEAR(observation.body_from_ground.translation.z(), -0.6, 0.01);
   const SurfaceEvaluation evaluation = Evaluate(drive, MeshSurface(surface), 4.0);

@@ -16,24 +16,28 @@ using PaintedCell = SurfacePainter::PaintedCell;
 
 constexpr double kMaxStep = 0.1;  // [m]
 
-/// Ground with patches of all colours and beliefs, some cells unseen, a lane driven.
-std::vector<PaintedCell> MakeGround(const Eigen::Vector2i& corner, const Eigen::Vector2i& size, unsigned seed) {
+/// Ground with patches of all colors and beliefs, some cells unseen, a lane driven.
+std::vector<PaintedCell> MakeGround(const Eigen::Vector2i& corner, const Eigen::Vector2i& size,
+                                    unsigned seed) {
   std::vector<PaintedCell> cells;
   for (int y = 0; y < size.y(); ++y)
     for (int x = 0; x < size.x(); ++x) {
       // Of the place alone, so that grounds of one seed are parts of one.
-      std::mt19937 of_block(seed + 1000003U * static_cast<unsigned>(x / 8) + 7919U * static_cast<unsigned>(y / 8));
-      std::mt19937 of_cell(seed + 7919U * static_cast<unsigned>(x) + 1000003U * static_cast<unsigned>(y));
+      std::mt19937 of_block(seed + 1000003U * static_cast<unsigned>(x / 8) +
+                            7919U * static_cast<unsigned>(y / 8));
+      std::mt19937 of_cell(seed + 7919U * static_cast<unsigned>(x) +
+                           1000003U * static_cast<unsigned>(y));
       PaintedCell& painted = cells.emplace_back();
       painted.cell = {.x = corner.x() + x, .y = corner.y() + y};
       painted.cell.free_belief = 0.02F + 0.96F * static_cast<float>(of_block() % 100) / 100;
-      for (std::uint8_t& value : painted.cell.color) value = static_cast<std::uint8_t>(of_block() % 256);
-      painted.sights = {.free = static_cast<std::uint8_t>(of_cell() % 256),
-                        .occupied = static_cast<std::uint8_t>(of_block() % 256),
-                        .nearness = static_cast<std::uint8_t>(of_block() % 192),
-                        .disagreement = static_cast<std::uint8_t>(of_cell() % 100),
-                        .free_views = static_cast<std::uint8_t>(of_block() % 33),
-                        .occupied_views = static_cast<std::uint8_t>(of_block() % 33)};
+      for (std::uint8_t& value : painted.cell.color)
+        value = static_cast<std::uint8_t>(of_block() % 256);
+      painted.observations = {.free = static_cast<std::uint8_t>(of_cell() % 256),
+                              .occupied = static_cast<std::uint8_t>(of_block() % 256),
+                              .nearness = static_cast<std::uint8_t>(of_block() % 192),
+                              .disagreement = static_cast<std::uint8_t>(of_cell() % 100),
+                              .free_views = static_cast<std::uint8_t>(of_block() % 33),
+                              .occupied_views = static_cast<std::uint8_t>(of_block() % 33)};
       painted.is_seen = of_cell() % 50 != 0;
       painted.is_driven = y / 20 == 3;
     }
@@ -47,7 +51,8 @@ double LogOdds(const PaintedCell& cell) {
 
 TEST(OutlineFeatures, AreMeansOfSeenCells) {
   const std::vector<PaintedCell> cells = MakeGround({-5, 4}, {60, 40}, 1);
-  const std::vector<DeckRaster> decks = CutIntoDecks(cells, LinkPaintedCells(cells, kMaxStep), kOutlineFactor, 1);
+  const std::vector<DeckRaster> decks =
+      CutIntoDecks(cells, LinkPaintedCells(cells, kMaxStep), kOutlineFactor, 1);
   ASSERT_EQ(decks.size(), 1);
   const cv::Rect window(-3, 2, 20, 30);
   const cv::Mat features = OutlineFeatures(cells, decks[0], window);
@@ -86,7 +91,7 @@ TEST(OutlineNetwork, CorrectsWhatWasSeenAndNotDrivenOnWithinBounds) {
   EXPECT_GT(num_changed, 1000);
 }
 
-TEST(OutlineNetwork, MakesNothingSurerThanSightsAre) {
+TEST(OutlineNetwork, MakesNothingSurerThanObservationsAre) {
   const std::vector<PaintedCell> before = MakeGround({-100, 30}, {150, 120}, 2);
   std::vector<PaintedCell> after = before;
   OutlineNetwork().Refine(LinkPaintedCells(after, kMaxStep), after);
@@ -108,7 +113,8 @@ TEST(OutlineNetwork, ACellDependsOnWhatIsNear) {
   std::vector<PaintedCell> whole = MakeGround(corner, size, 3), changed = whole;
   const int from = 150;
   for (PaintedCell& cell : changed)
-    if (cell.cell.x - corner.x() >= from) cell.cell.free_belief = 0.3F, cell.cell.color = {200, 10, 10};
+    if (cell.cell.x - corner.x() >= from)
+      cell.cell.free_belief = 0.3F, cell.cell.color = {200, 10, 10};
   const OutlineNetwork network;
   network.Refine(LinkPaintedCells(whole, kMaxStep), whole);
   network.Refine(LinkPaintedCells(changed, kMaxStep), changed);
@@ -128,11 +134,13 @@ TEST(OutlineNetwork, ACellDependsOnWhatIsNear) {
 }
 
 TEST(OutlineNetwork, APlaceIsTheSameElsewhere) {
-  std::vector<PaintedCell> here = MakeGround({-30, 40}, {150, 120}, 4), there = MakeGround({482, -984}, {150, 120}, 4);
+  std::vector<PaintedCell> here = MakeGround({-30, 40}, {150, 120}, 4),
+                           there = MakeGround({482, -984}, {150, 120}, 4);
   const OutlineNetwork network;
   network.Refine(LinkPaintedCells(here, kMaxStep), here);
   network.Refine(LinkPaintedCells(there, kMaxStep), there);
-  for (size_t i = 0; i < here.size(); ++i) EXPECT_EQ(here[i].cell.free_belief, there[i].cell.free_belief);
+  for (size_t i = 0; i < here.size(); ++i)
+    EXPECT_EQ(here[i].cell.free_belief, there[i].cell.free_belief);
 }
 
 TEST(OutlineNetwork, LeavesNothingAndLittleAsItIs) {
@@ -142,7 +150,8 @@ TEST(OutlineNetwork, LeavesNothingAndLittleAsItIs) {
   EXPECT_TRUE(none.empty());
   const std::vector<PaintedCell> before = little;
   network.Refine(LinkPaintedCells(little, kMaxStep), little);
-  for (size_t i = 0; i < little.size(); ++i) EXPECT_EQ(little[i].cell.free_belief, before[i].cell.free_belief);
+  for (size_t i = 0; i < little.size(); ++i)
+    EXPECT_EQ(little[i].cell.free_belief, before[i].cell.free_belief);
 }
 
 }  // namespace

@@ -12,16 +12,18 @@ namespace {
 
 constexpr double kTexel = 0.02;
 
-/// A smooth pattern on the ground with waves of about a metre.
+/// A smooth pattern on the ground with waves of about a meter.
 Eigen::Vector3d PatternAt(double x, double y) {
-  return {120 + 60 * std::sin(5 * x + 1), 120 + 60 * std::sin(6 * y), 120 + 50 * std::sin(4 * x - 3 * y)};
+  return {120 + 60 * std::sin(5 * x + 1), 120 + 60 * std::sin(6 * y),
+          120 + 50 * std::sin(4 * x - 3 * y)};
 }
 
 /// A fisheye 1.2 m above `place`, looking ahead (+x) and half down.
 RigCamera MakeCamera() {
   RigCamera camera;
   camera.name = "cam0";
-  camera.model = CameraModel(KannalaBrandtProjection{.fx = 300, .fy = 300, .cx = 319.5, .cy = 239.5}, 640, 480);
+  camera.model = CameraModel(
+      KannalaBrandtProjection{.fx = 300, .fy = 300, .cx = 319.5, .cy = 239.5}, 640, 480);
   return camera;
 }
 
@@ -60,13 +62,13 @@ TriangleMesh MakeSlope() {
   return mesh;
 }
 
-GroundPhoto PhotoFrom(const RigCamera& camera, const Eigen::Vector3d& place) {
+GroundImage ImageFrom(const RigCamera& camera, const Eigen::Vector3d& place) {
   const Rigid3 pose = LookFrom(place);
-  GroundPhoto photo;
-  photo.image = Photograph(camera, pose);
-  photo.camera = &camera;
-  photo.site_from_camera = pose;
-  return photo;
+  GroundImage image;
+  image.image = Photograph(camera, pose);
+  image.camera = &camera;
+  image.site_from_camera = pose;
+  return image;
 }
 
 /// Largest and mean difference of the painted chart from the pattern.
@@ -74,7 +76,8 @@ struct Difference {
   double largest = 0, mean = 0;
   int compared = 0;
 };
-Difference CompareWithPattern(const TextureChart& chart, double x0, double x1, double y0, double y1) {
+Difference CompareWithPattern(const TextureChart& chart, double x0, double x1, double y0,
+                              double y1) {
   Difference difference;
   for (int row = 0; row < chart.image.rows; ++row)
     for (int column = 0; column < chart.image.cols; ++column) {
@@ -94,9 +97,13 @@ Difference CompareWithPattern(const TextureChart& chart, double x0, double x1, d
 
 class ChartPainters : public testing::Test {
  protected:
-  ChartPainters() : surface_(MakeSurface(120, 80, 0.05, [](double x, double) { return 0.1 * x; })), cells_(surface_) {}
+  ChartPainters()
+      : surface_(MakeSurface(120, 80, 0.05, [](double x, double) { return 0.1 * x; })),
+        cells_(surface_) {}
 
-  ChartPainter NewPainter() const { return ChartPainter(CutIntoCharts(MakeSlope(), 100, kTexel).at(0), kTexel); }
+  ChartPainter NewPainter() const {
+    return ChartPainter(CutIntoCharts(MakeSlope(), 100, kTexel).at(0), kTexel);
+  }
 
   RigCamera camera_ = MakeCamera();
   SurfaceMap surface_;
@@ -105,7 +112,8 @@ class ChartPainters : public testing::Test {
 
 TEST_F(ChartPainters, PutThePatternOfTheGroundWhereItIs) {
   ChartPainter painter = NewPainter();
-  for (const double x : {0.0, 1.0, 2.0, 3.0}) painter.Paint(PhotoFrom(camera_, {x, 2, 1.2 + 0.1 * x}), 4);
+  for (const double x : {0.0, 1.0, 2.0, 3.0})
+    painter.Paint(ImageFrom(camera_, {x, 2, 1.2 + 0.1 * x}), 4);
 
   const Difference difference = CompareWithPattern(painter.Finish(cells_), 1, 5, 1, 3);
 
@@ -114,30 +122,32 @@ TEST_F(ChartPainters, PutThePatternOfTheGroundWhereItIs) {
   EXPECT_LT(difference.largest, 12);
 }
 
-/// A photo after steeper ones is left out where it adds nothing; first, it is painted and pushed out.
+/// A image after steeper ones is left out where it adds nothing; first, it is painted and pushed
+/// out.
 TEST_F(ChartPainters, LeaveOutOnlyWhatAddsNothing) {
   ChartPainter near_first = NewPainter(), far_first = NewPainter();
   const std::vector<double> places{2, 1.6, 1.2, 0.8, 0.4, 0};
   for (std::size_t i = 0; i < places.size(); ++i) {
     const double near = places[i], far = places[places.size() - 1 - i];
-    near_first.Paint(PhotoFrom(camera_, {near, 2, 1.2 + 0.1 * near}), 4);
-    far_first.Paint(PhotoFrom(camera_, {far, 2, 1.2 + 0.1 * far}), 4);
+    near_first.Paint(ImageFrom(camera_, {near, 2, 1.2 + 0.1 * near}), 4);
+    far_first.Paint(ImageFrom(camera_, {far, 2, 1.2 + 0.1 * far}), 4);
   }
 
   const TextureChart chart = near_first.Finish(cells_), other = far_first.Finish(cells_);
 
   cv::Mat difference;
   cv::absdiff(chart.image, other.image, difference);
-  EXPECT_LT(cv::mean(difference)[0], 0.05) << "but for sights that rank alike";
+  EXPECT_LT(cv::mean(difference)[0], 0.05) << "but for observations that rank alike";
   EXPECT_EQ(cv::norm(chart.mask, other.mask, cv::NORM_INF), 0);
 }
 
 TEST_F(ChartPainters, ForgetWhatOnlyOnePhotoShows) {
   ChartPainter painter = NewPainter();
   for (const double x : {0.0, 1.0, 1.5, 2.0}) {
-    GroundPhoto photo = PhotoFrom(camera_, {x, 2, 1.2 + 0.1 * x});
-    if (x == 1.5) cv::rectangle(photo.image, cv::Rect(200, 150, 240, 200), cv::Scalar::all(255), cv::FILLED);
-    painter.Paint(photo, 4);
+    GroundImage image = ImageFrom(camera_, {x, 2, 1.2 + 0.1 * x});
+    if (x == 1.5)
+      cv::rectangle(image.image, cv::Rect(200, 150, 240, 200), cv::Scalar::all(255), cv::FILLED);
+    painter.Paint(image, 4);
   }
 
   EXPECT_LT(CompareWithPattern(painter.Finish(cells_), 2.2, 4, 1.5, 2.5).mean, 3);
@@ -146,12 +156,12 @@ TEST_F(ChartPainters, ForgetWhatOnlyOnePhotoShows) {
 TEST_F(ChartPainters, ShowTheLatestDriveWhereItSawThePlace) {
   ChartPainter painter = NewPainter();
   for (const double x : {-1.0, 0.0, 1.0, 1.5, 2.0, 2.5}) {
-    GroundPhoto photo = PhotoFrom(camera_, {x, 2, 1.2 + 0.1 * x});
-    photo.image.setTo(cv::Scalar::all(200));
-    photo.drive = 3;
-    painter.Paint(photo, 4);
+    GroundImage image = ImageFrom(camera_, {x, 2, 1.2 + 0.1 * x});
+    image.image.setTo(cv::Scalar::all(200));
+    image.drive = 3;
+    painter.Paint(image, 4);
   }
-  GroundPhoto later = PhotoFrom(camera_, {1, 2, 1.3});
+  GroundImage later = ImageFrom(camera_, {1, 2, 1.3});
   later.image.setTo(cv::Scalar::all(120));
   later.drive = 7;
   painter.Paint(later, 2);
@@ -159,7 +169,8 @@ TEST_F(ChartPainters, ShowTheLatestDriveWhereItSawThePlace) {
   const TextureChart chart = painter.Finish(cells_);
 
   const auto blue_at = [&](double x) {
-    return chart.image.at<cv::Vec3b>(chart.image.rows / 2, static_cast<int>((x - chart.left) / kTexel))[0];
+    return chart.image.at<cv::Vec3b>(chart.image.rows / 2,
+                                     static_cast<int>((x - chart.left) / kTexel))[0];
   };
   EXPECT_EQ(blue_at(2), 120) << "although the earlier drive saw it four times, and more steeply";
   EXPECT_EQ(blue_at(2.8), 120);
@@ -168,11 +179,11 @@ TEST_F(ChartPainters, ShowTheLatestDriveWhereItSawThePlace) {
 
 TEST_F(ChartPainters, ADriveThatDoesNotShowATexelTakesNothingFromIt) {
   ChartPainter painter = NewPainter();
-  const auto paint = [&](int drive, double x, double max_range, double grey) {
-    GroundPhoto photo = PhotoFrom(camera_, {x, 2, 1.2 + 0.1 * x});
-    photo.image.setTo(cv::Scalar::all(grey));
-    photo.drive = drive;
-    painter.Paint(photo, max_range);
+  const auto paint = [&](int drive, double x, double max_range, double gray) {
+    GroundImage image = ImageFrom(camera_, {x, 2, 1.2 + 0.1 * x});
+    image.image.setTo(cv::Scalar::all(gray));
+    image.drive = drive;
+    painter.Paint(image, max_range);
   };
   paint(0, 2, 4, 90);     // shows x = 2.5 steeply,
   paint(1, 4.5, 4, 150);  // nothing of it,
@@ -180,15 +191,17 @@ TEST_F(ChartPainters, ADriveThatDoesNotShowATexelTakesNothingFromIt) {
 
   const TextureChart chart = painter.Finish(cells_);
 
-  EXPECT_EQ(chart.image.at<cv::Vec3b>(chart.image.rows / 2, static_cast<int>((2.5 - chart.left) / kTexel))[0], 90);
+  EXPECT_EQ(chart.image.at<cv::Vec3b>(chart.image.rows / 2,
+                                      static_cast<int>((2.5 - chart.left) / kTexel))[0],
+            90);
 }
 
-TEST_F(ChartPainters, LeaveMaskedPixelsAndFarGroundToTheColoursOfTheCells) {
+TEST_F(ChartPainters, LeaveMaskedPixelsAndFarGroundToTheColorsOfTheCells) {
   camera_.mask = cv::Mat(480, 640, CV_8UC1, cv::Scalar(0));
   ChartPainter painter = NewPainter();
-  painter.Paint(PhotoFrom(camera_, {1, 2, 1.3}), 4);
+  painter.Paint(ImageFrom(camera_, {1, 2, 1.3}), 4);
   camera_.mask.release();
-  painter.Paint(PhotoFrom(camera_, {-3, 2, 0.9}), 4);  // reaches x = 1
+  painter.Paint(ImageFrom(camera_, {-3, 2, 0.9}), 4);  // reaches x = 1
 
   const TextureChart chart = painter.Finish(cells_);
 
@@ -196,15 +209,16 @@ TEST_F(ChartPainters, LeaveMaskedPixelsAndFarGroundToTheColoursOfTheCells) {
   EXPECT_EQ(chart.image.at<cv::Vec3b>(row, chart.image.cols - 10), cv::Vec3b(100, 100, 100));
   EXPECT_EQ(chart.image.at<cv::Vec3b>(row, static_cast<int>(2 / kTexel)), cv::Vec3b(100, 100, 100));
   EXPECT_EQ(chart.mask.at<std::uint8_t>(row, static_cast<int>(2 / kTexel)), TextureChart::kPlain);
-  EXPECT_EQ(chart.mask.at<std::uint8_t>(row, static_cast<int>(0.7 / kTexel)), TextureChart::kPainted);
+  EXPECT_EQ(chart.mask.at<std::uint8_t>(row, static_cast<int>(0.7 / kTexel)),
+            TextureChart::kPainted);
 }
 
 TEST_F(ChartPainters, DoNotPaintThePlaceTheOwnCarStandsOn) {
   ChartPainter painter = NewPainter();
-  GroundPhoto photo = PhotoFrom(camera_, {1, 2, 1.3});
-  photo.site_from_ground.translation = {1.5, 2, 0.15};
-  photo.contact = {.wheelbase = 1.0, .track = 1.0};
-  painter.Paint(photo, 4);
+  GroundImage image = ImageFrom(camera_, {1, 2, 1.3});
+  image.site_from_ground.translation = {1.5, 2, 0.15};
+  image.contact = {.wheelbase = 1.0, .track = 1.0};
+  painter.Paint(image, 4);
 
   const TextureChart chart = painter.Finish(cells_);
 
@@ -216,17 +230,18 @@ TEST_F(ChartPainters, DoNotPaintThePlaceTheOwnCarStandsOn) {
   EXPECT_NE(color_at(3.5, 2.0), cv::Vec3b(100, 100, 100));
 }
 
-/// Its floor hides the one below, which from up there would be seen more steeply than from anywhere on it.
+/// Its floor hides the one below, which from up there would be seen more steeply than from anywhere
+/// on it.
 TEST_F(ChartPainters, DoNotPaintTheDeckBelow) {
   ChartPainter painter = NewPainter();
-  GroundPhoto photo = PhotoFrom(camera_, {1, 2, 3.9});
-  photo.site_from_ground.translation = {1, 2, 2.7};
-  painter.Paint(photo, 4);
+  GroundImage image = ImageFrom(camera_, {1, 2, 3.9});
+  image.site_from_ground.translation = {1, 2, 2.7};
+  painter.Paint(image, 4);
 
   EXPECT_EQ(cv::countNonZero(painter.Finish(cells_).mask == TextureChart::kPainted), 0);
 }
 
-TEST_F(ChartPainters, ContinueTheBordersColourBeyondTheMesh) {
+TEST_F(ChartPainters, ContinueTheBordersColorBeyondTheMesh) {
   const TextureChart chart = NewPainter().Finish(cells_);
 
   EXPECT_EQ(chart.mask.at<std::uint8_t>(0, 0), 0);
@@ -234,15 +249,16 @@ TEST_F(ChartPainters, ContinueTheBordersColourBeyondTheMesh) {
 }
 
 TEST_F(ChartPainters, FindTheGainOfADarkPhoto) {
-  GroundPhoto photo = PhotoFrom(camera_, {2, 2, 1.4});
-  photo.image = cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(60));
-  EXPECT_TRUE(FindGain(photo, cells_, 4).isApproxToConstant(100.0F / 60, 0.01F));
-  photo.image.setTo(cv::Scalar(80, 50, 125));
-  EXPECT_TRUE(FindGain(photo, cells_, 4).isApprox(Eigen::Array3f(1.25F, 2, 0.8F), 0.01F)) << "blue light";
-  photo.image.setTo(cv::Scalar::all(10));
-  EXPECT_TRUE((FindGain(photo, cells_, 4) == 3).all());
-  photo.site_from_camera.translation.x() = 50;
-  EXPECT_TRUE((FindGain(photo, cells_, 4) == 1).all()) << "nothing of the surface is seen";
+  GroundImage image = ImageFrom(camera_, {2, 2, 1.4});
+  image.image = cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(60));
+  EXPECT_TRUE(FindGain(image, cells_, 4).isApproxToConstant(100.0F / 60, 0.01F));
+  image.image.setTo(cv::Scalar(80, 50, 125));
+  EXPECT_TRUE(FindGain(image, cells_, 4).isApprox(Eigen::Array3f(1.25F, 2, 0.8F), 0.01F))
+      << "blue light";
+  image.image.setTo(cv::Scalar::all(10));
+  EXPECT_TRUE((FindGain(image, cells_, 4) == 3).all());
+  image.site_from_camera.translation.x() = 50;
+  EXPECT_TRUE((FindGain(image, cells_, 4) == 1).all()) << "nothing of the surface is seen";
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include "mapping/mesh/mesh_surface.h"
 #include "mapping/observation/observe_ground.h"
 #include "mapping/surface/fuse_surface.h"
-#include "mapping/texture/photo_light.h"
+#include "mapping/texture/exposure_and_vignetting.h"
 #include "tests/mapping/worlds/synthetic_drive.h"
 
 namespace parkade {
@@ -47,7 +47,7 @@ class CountedDrive final : public WrappedDrive {
   mutable int count_ = 0;
 };
 
-/// A drive whose exposures jump from photo to photo and whose lenses darken towards their rims.
+/// A drive whose exposures jump from image to image and whose lenses darken toward their rims.
 class DimmedDrive final : public WrappedDrive {
  public:
   using WrappedDrive::WrappedDrive;
@@ -66,11 +66,12 @@ class DimmedDrive final : public WrappedDrive {
         cv::Mat light(frame->image.size(), CV_32FC1);
         for (int row = 0; row < light.rows; ++row)
           for (int column = 0; column < light.cols; ++column) {
-            const float square =
-                PhotoLight::SquaredRadius(Eigen::Vector2i(column, row).cast<float>(), light.cols, light.rows);
+            const float square = ExposureAndVignetting::SquaredRadius(
+                Eigen::Vector2i(column, row).cast<float>(), light.cols, light.rows);
             light.at<float>(row, column) = exposure * std::exp(-0.5F * square);
           }
-        if (frame->image.channels() == 3) cv::merge(std::vector<cv::Mat>{light, light, light}, light);
+        if (frame->image.channels() == 3)
+          cv::merge(std::vector<cv::Mat>{light, light, light}, light);
         cv::Mat dimmed;
         cv::multiply(frame->image, light, dimmed, 1, frame->image.type());
         frame->image = dimmed;
@@ -87,7 +88,8 @@ class DimmedDrive final : public WrappedDrive {
 /// A lot that one car drove through, mapped.
 struct MappedLot {
   SyntheticScene scene = MakeLot();
-  SyntheticDrive drive{scene, MakeTestRig(), DriveAlong(scene, {-18, 0, 0}, 0, {{10, 0}}, MakeTestRig()), true};
+  SyntheticDrive drive{scene, MakeTestRig(),
+                       DriveAlong(scene, {-18, 0, 0}, 0, {{10, 0}}, MakeTestRig()), true};
   GroundObservation seen = ObserveGround(drive, drive.trajectory(), {}, 0);
   DrivenPath path = MakeDrivenPath(0, drive.rig(), drive.trajectory(), seen.body_from_ground);
   std::vector<PosedGroundPatch> patches;
@@ -95,7 +97,8 @@ struct MappedLot {
   TriangleMesh mesh;
 
   MappedLot() {
-    for (const GroundPatch& patch : seen.patches) patches.push_back({patch, *drive.trajectory().At(patch.time)});
+    for (const GroundPatch& patch : seen.patches)
+      patches.push_back({patch, *drive.trajectory().At(patch.time)});
     surface = FuseSurface(patches, std::span(&path, 1));
     mesh = MeshSurface(surface);
   }
@@ -112,7 +115,8 @@ TEST(PaintTexture, ManyDrivesCostHardlyMoreDecodingThanOneAndTheLatestShows) {
   options.texel_size = 0.05;
   const CountedDrive alone(lot.drive);
   const std::vector<TextureSource> one{{&alone, &lot.path}};
-  const GroundTexture of_one = PaintTexture(lot.mesh, lot.surface, PatchesInMemory(lot.patches).views(), one, options);
+  const GroundTexture of_one =
+      PaintTexture(lot.mesh, lot.surface, PatchesInMemory(lot.patches).views(), one, options);
   ASSERT_FALSE(of_one.empty());
   EXPECT_GT(alone.count(), 20);
   EXPECT_LE(alone.count(), 2 * std::ssize(lot.patches)) << "once for their light, once to paint";
@@ -130,13 +134,16 @@ TEST(PaintTexture, ManyDrivesCostHardlyMoreDecodingThanOneAndTheLatestShows) {
   }
   const CountedDrive early(lot.drive), late(lot.drive);
   std::vector<TextureSource> four;
-  for (size_t drive = 0; drive < 4; ++drive) four.push_back({drive < 3 ? &early : &late, &paths[drive]});
+  for (size_t drive = 0; drive < 4; ++drive)
+    four.push_back({drive < 3 ? &early : &late, &paths[drive]});
   const GroundTexture of_four = PaintTexture(lot.mesh, lot.surface, views, four, options);
 
   EXPECT_EQ(late.count(), alone.count());
-  EXPECT_LT(early.count(), alone.count()) << "only where the latest drive saw a place fewer than four times";
+  EXPECT_LT(early.count(), alone.count())
+      << "only where the latest drive saw a place fewer than four times";
   ASSERT_EQ(of_four.charts.size(), of_one.charts.size());
-  for (size_t i = 0; i < of_one.charts.size(); ++i) EXPECT_EQ(of_four.charts[i].triangles, of_one.charts[i].triangles);
+  for (size_t i = 0; i < of_one.charts.size(); ++i)
+    EXPECT_EQ(of_four.charts[i].triangles, of_one.charts[i].triangles);
 }
 
 TEST(PaintTexture, ThePartsLeaveNoTrace) {
@@ -146,11 +153,13 @@ TEST(PaintTexture, ThePartsLeaveNoTrace) {
   options.chart_size = 8;
   const PatchesInMemory patches(lot.patches);
   const CountedDrive log(lot.drive), log_of_parts(lot.drive);
-  const std::vector<TextureSource> source{{&log, &lot.path}}, source_of_parts{{&log_of_parts, &lot.path}};
+  const std::vector<TextureSource> source{{&log, &lot.path}},
+      source_of_parts{{&log_of_parts, &lot.path}};
   const GroundTexture whole = PaintTexture(lot.mesh, lot.surface, patches.views(), source, options);
   options.max_texels = 60e3;  // two charts or three
 
-  const GroundTexture parts = PaintTexture(lot.mesh, lot.surface, patches.views(), source_of_parts, options);
+  const GroundTexture parts =
+      PaintTexture(lot.mesh, lot.surface, patches.views(), source_of_parts, options);
 
   EXPECT_TRUE(whole.pixels.empty());
   EXPECT_GT(parts.pixels.size(), 2u);
@@ -159,13 +168,15 @@ TEST(PaintTexture, ThePartsLeaveNoTrace) {
   for (size_t i = 0; i < whole.charts.size(); ++i) {
     const TextureChart &a = whole.charts[i], &b = parts.charts[i];
     EXPECT_EQ(a.triangles, b.triangles);
-    EXPECT_TRUE(a.column == b.column && a.row == b.row && a.sheet == b.sheet && a.left == b.left && a.top == b.top);
+    EXPECT_TRUE(a.column == b.column && a.row == b.row && a.sheet == b.sheet && a.left == b.left &&
+                a.top == b.top);
     EXPECT_EQ(cv::norm(a.image, b.image, cv::NORM_INF), 0);
     EXPECT_EQ(cv::norm(a.mask, b.mask, cv::NORM_INF), 0);
   }
 }
 
-/// How much one texture's light against another's differs from place to place: standard deviation of the log-ratio.
+/// How much one texture's light against another's differs from place to place: standard deviation
+/// of the log-ratio.
 double SpreadOfLight(const GroundTexture& texture, const GroundTexture& plain) {
   std::vector<double> logs;
   for (size_t i = 0; i < texture.charts.size(); ++i) {
@@ -188,13 +199,16 @@ TEST(PaintTexture, ExposuresAndLensesLeaveNoSeams) {
   TextureOptions options;
   options.texel_size = 0.05;
   const DimmedDrive dimmed(lot.drive);
-  const std::vector<TextureSource> source{{&lot.drive, &lot.path}}, dimmed_source{{&dimmed, &lot.path}};
+  const std::vector<TextureSource> source{{&lot.drive, &lot.path}},
+      dimmed_source{{&dimmed, &lot.path}};
   const PatchesInMemory patches(lot.patches);
 
   const GroundTexture plain = PaintTexture(lot.mesh, lot.surface, patches.views(), source, options);
-  const GroundTexture balanced = PaintTexture(lot.mesh, lot.surface, patches.views(), dimmed_source, options);
+  const GroundTexture balanced =
+      PaintTexture(lot.mesh, lot.surface, patches.views(), dimmed_source, options);
 
-  EXPECT_LT(SpreadOfLight(balanced, plain), 0.05) << "exposures differ by 1.7, lenses lose two fifths at their rims";
+  EXPECT_LT(SpreadOfLight(balanced, plain), 0.05)
+      << "exposures differ by 1.7, lenses lose two fifths at their rims";
 }
 
 TEST(PaintTexture, RejectsChartsThatAreNone) {

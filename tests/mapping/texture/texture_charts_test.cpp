@@ -18,7 +18,8 @@ TriangleMesh MakeHelix(double turns, double rise) {
     for (const double radius : {2.0, 6.0}) {
       const double angle = 2 * std::numbers::pi * i / 48;
       mesh.vertices.emplace_back(static_cast<float>(5 + radius * std::cos(angle)),
-                                 static_cast<float>(5 + radius * std::sin(angle)), static_cast<float>(rise * i / 48));
+                                 static_cast<float>(5 + radius * std::sin(angle)),
+                                 static_cast<float>(rise * i / 48));
       mesh.normals.push_back(Eigen::Vector3f::UnitZ());
       mesh.colors.push_back({128, 128, 128});
       mesh.height_sigmas.push_back(0);
@@ -51,8 +52,10 @@ TEST(TextureCharts, HoldTheHeightOfThePlaneBelowEachTexel) {
   for (int row = 0; row < blank.height.rows; ++row)
     for (int column = 0; column < blank.height.cols; ++column) {
       if (blank.chart.mask.at<std::uint8_t>(row, column) == 0) continue;
-      const double x = blank.chart.left + 0.1 * (column + 0.5) - 100, y = blank.chart.top - 0.1 * (row + 0.5) - 200;
-      EXPECT_NEAR(static_cast<double>(blank.height.at<float>(row, column)), 5 + 0.1 * x - 0.05 * y, 1e-5);
+      const double x = blank.chart.left + 0.1 * (column + 0.5) - 100,
+                   y = blank.chart.top - 0.1 * (row + 0.5) - 200;
+      EXPECT_NEAR(static_cast<double>(blank.height.at<float>(row, column)), 5 + 0.1 * x - 0.05 * y,
+                  1e-5);
     }
 }
 
@@ -66,7 +69,9 @@ TEST(TextureCharts, AreOnePerSquareWhereTheGroundIsSingle) {
   EXPECT_EQ(charts.size(), 2u * 2u);
   ExpectEveryTriangleOnce(mesh, charts);
   for (size_t i = 1; i < charts.size(); ++i) {
-    const auto key = [](const BlankChart& b) { return std::tuple(b.chart.row, b.chart.column, b.chart.sheet); };
+    const auto key = [](const BlankChart& b) {
+      return std::tuple(b.chart.row, b.chart.column, b.chart.sheet);
+    };
     EXPECT_LT(key(charts[i - 1]), key(charts[i]));
   }
 }

@@ -11,7 +11,7 @@
 
 namespace parkade {
 
-/// A tile of noisy grey ground about (0, 0), to be painted on.
+/// A tile of noisy gray ground about (0, 0), to be painted on.
 class PaintedGround {
  public:
   explicit PaintedGround(double side = 30, double pixel_size = 0.02, double noise = 6) {
@@ -20,12 +20,14 @@ class PaintedGround {
     tile_.left = -0.5 * side, tile_.top = 0.5 * side;
     tile_.image = cv::Mat(pixels, pixels, CV_8UC3, cv::Scalar::all(110));
     tile_.mask = cv::Mat(pixels, pixels, CV_8UC1, cv::Scalar::all(255));
-    tile_.core = Eigen::AlignedBox2d(Eigen::Vector2d::Constant(-0.5 * side), Eigen::Vector2d::Constant(0.5 * side));
+    tile_.core = Eigen::AlignedBox2d(Eigen::Vector2d::Constant(-0.5 * side),
+                                     Eigen::Vector2d::Constant(0.5 * side));
     std::mt19937 random(7);
     for (int row = 0; row < pixels; ++row)
       for (int column = 0; column < pixels; ++column) {
         // Sums of few bits instead of a distribution: the same with every library.
-        const int value = 110 + static_cast<int>(noise * (static_cast<int>(random() % 101) - 50) / 50);
+        const int value =
+            110 + static_cast<int>(noise * (static_cast<int>(random() % 101) - 50) / 50);
         tile_.image.at<cv::Vec3b>(row, column) = cv::Vec3b::all(static_cast<std::uint8_t>(value));
       }
   }
@@ -37,7 +39,8 @@ class PaintedGround {
     const Eigen::Vector2d along = (end - begin) / length, across(-along.y(), along.x());
     const int pieces = static_cast<int>(std::ceil(length / 0.2));
     for (int i = 0; i < pieces; i += keeps_one_of) {
-      const Eigen::Vector2d from = begin + along * (0.2 * i), to = begin + along * std::min(0.2 * (i + 1), length);
+      const Eigen::Vector2d from = begin + along * (0.2 * i),
+                            to = begin + along * std::min(0.2 * (i + 1), length);
       Polygon({from - 0.5 * width * across, to - 0.5 * width * across, to + 0.5 * width * across,
                from + 0.5 * width * across},
               color);
@@ -47,7 +50,8 @@ class PaintedGround {
   void Polygon(const std::vector<Eigen::Vector2d>& points, const cv::Scalar& color) {
     std::vector<cv::Point> pixels;
     for (const Eigen::Vector2d& point : points) pixels.push_back(Fixed(point));
-    cv::fillPoly(tile_.image, std::vector<std::vector<cv::Point>>{pixels}, color, cv::LINE_AA, kShift);
+    cv::fillPoly(tile_.image, std::vector<std::vector<cv::Point>>{pixels}, color, cv::LINE_AA,
+                 kShift);
   }
 
   /// What stands there hides the ground.
@@ -61,7 +65,8 @@ class PaintedGround {
   static constexpr int kShift = 4;  // bits of a pixel's fraction
 
   cv::Point2d Place(const Eigen::Vector2d& point) const {
-    return {(point.x() - tile_.left) / tile_.pixel_size - 0.5, (tile_.top - point.y()) / tile_.pixel_size - 0.5};
+    return {(point.x() - tile_.left) / tile_.pixel_size - 0.5,
+            (tile_.top - point.y()) / tile_.pixel_size - 0.5};
   }
   cv::Point Fixed(const Eigen::Vector2d& point) const {
     const cv::Point2d place = Place(point);

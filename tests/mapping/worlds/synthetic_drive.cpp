@@ -15,7 +15,8 @@ constexpr double kSpeed = 4;        // [m/s]
 
 /// A camera at `position` that looks along `yaw`, tilted down.
 Rigid3 LookAt(const Eigen::Vector3d& position, double yaw, double down) {
-  const Eigen::Vector3d forward(std::cos(yaw) * std::cos(down), std::sin(yaw) * std::cos(down), -std::sin(down));
+  const Eigen::Vector3d forward(std::cos(yaw) * std::cos(down), std::sin(yaw) * std::cos(down),
+                                -std::sin(down));
   Eigen::Matrix3d axes;
   axes.col(2) = forward;
   axes.col(0) = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
@@ -29,7 +30,8 @@ Eigen::Vector3d RayOf(const CameraModel& model, int x, int y) {
 
 class SyntheticStream : public RecordStream {
  public:
-  SyntheticStream(const SyntheticDrive& drive, ReadOptions options) : drive_(drive), options_(std::move(options)) {
+  SyntheticStream(const SyntheticDrive& drive, ReadOptions options)
+      : drive_(drive), options_(std::move(options)) {
     next_ = drive.span().begin;
   }
 
@@ -37,12 +39,15 @@ class SyntheticStream : public RecordStream {
     while (ready_.empty() && next_ <= drive_.span().end) {
       const int num_cameras = static_cast<int>(drive_.rig().cameras.size());
       for (int camera = 0; camera < num_cameras && options_.images; ++camera) {
-        // Cameras are not synchronised.
+        // Cameras are not synchronized.
         const Timestamp time = next_ + 0.011 * camera;
-        if (time > drive_.span().end || (options_.wants_image && !options_.wants_image(camera, time))) continue;
+        if (time > drive_.span().end ||
+            (options_.wants_image && !options_.wants_image(camera, time)))
+          continue;
         auto [image, mask] = drive_.Render(camera, time);
         ready_.push_back(CameraFrame{time, camera, image});
-        if (options_.semantics && drive_.has_masks()) ready_.push_back(SemanticFrame{time, camera, mask});
+        if (options_.semantics && drive_.has_masks())
+          ready_.push_back(SemanticFrame{time, camera, mask});
       }
       next_ = next_ + 1 / drive_.rate();
     }
@@ -69,8 +74,10 @@ Rig MakeTestRig(bool has_vehicle, int width, int height) {
   const double degree = std::numbers::pi / 180;
   const std::array<Rigid3, 4> ground_from_camera{
       LookAt({3.6, 0, 0.7}, 0, 20 * degree), LookAt({-0.9, 0, 0.9}, std::numbers::pi, 25 * degree),
-      LookAt({1.9, 0.95, 1.0}, 90 * degree, 35 * degree), LookAt({1.9, -0.95, 1.0}, -90 * degree, 35 * degree)};
-  const Rigid3 ground_from_body{Eigen::Quaterniond::Identity(), {0, 0, has_vehicle ? 0 : kImuHeight}};
+      LookAt({1.9, 0.95, 1.0}, 90 * degree, 35 * degree),
+      LookAt({1.9, -0.95, 1.0}, -90 * degree, 35 * degree)};
+  const Rigid3 ground_from_body{Eigen::Quaterniond::Identity(),
+                                {0, 0, has_vehicle ? 0 : kImuHeight}};
   for (size_t i = 0; i < 4; ++i) {
     RigCamera camera;
     camera.name = "cam" + std::to_string(i);
@@ -92,21 +99,26 @@ Trajectory DriveAlong(const SyntheticScene& scene, const Eigen::Vector3d& start,
                       const std::vector<PathPiece>& pieces, const Rig& rig) {
   constexpr double kStep = 0.02;  // [s]
   constexpr double kWheelbase = 2.7;
-  const Rigid3 ground_from_body{Eigen::Quaterniond::Identity(), {0, 0, rig.vehicle ? 0 : kImuHeight}};
+  const Rigid3 ground_from_body{Eigen::Quaterniond::Identity(),
+                                {0, 0, rig.vehicle ? 0 : kImuHeight}};
   std::vector<TrajectoryState> states;
   Eigen::Vector3d rear = start;
   double time = 100;
   for (const PathPiece& piece : pieces)
-    for (double along = 0; along < std::max(piece.length, 1e-9); along += kStep * kSpeed, time += kStep) {
+    for (double along = 0; along < std::max(piece.length, 1e-9);
+         along += kStep * kSpeed, time += kStep) {
       rear.z() = scene.GroundHeight(rear.x(), rear.y(), rear.z()).value_or(rear.z());
-      const double front_x = rear.x() + kWheelbase * std::cos(yaw), front_y = rear.y() + kWheelbase * std::sin(yaw);
-      const double climb = scene.GroundHeight(front_x, front_y, rear.z()).value_or(rear.z()) - rear.z();
+      const double front_x = rear.x() + kWheelbase * std::cos(yaw),
+                   front_y = rear.y() + kWheelbase * std::sin(yaw);
+      const double climb =
+          scene.GroundHeight(front_x, front_y, rear.z()).value_or(rear.z()) - rear.z();
       TrajectoryState& state = states.emplace_back();
       state.time = TimestampFromSeconds(time);
-      const Rigid3 site_from_ground{Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
-                                        Eigen::AngleAxisd(-std::atan2(climb, kWheelbase), Eigen::Vector3d::UnitY()),
-                                    rear};
-      state.odom_from_body = site_from_ground * ground_from_body;
+      const Rigid3 site_from_ground{
+          Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+              Eigen::AngleAxisd(-std::atan2(climb, kWheelbase), Eigen::Vector3d::UnitY()),
+          rear};
+      state.world_from_body = site_from_ground * ground_from_body;
       if (piece.length <= 0) continue;
       rear.head<2>() += kStep * kSpeed * Eigen::Vector2d(std::cos(yaw), std::sin(yaw));
       yaw += kStep * kSpeed * piece.curvature;
@@ -114,7 +126,8 @@ Trajectory DriveAlong(const SyntheticScene& scene, const Eigen::Vector3d& start,
   return Trajectory(states);
 }
 
-SyntheticDrive::SyntheticDrive(SyntheticScene scene, Rig rig, Trajectory site_from_body, bool has_masks, double rate)
+SyntheticDrive::SyntheticDrive(SyntheticScene scene, Rig rig, Trajectory site_from_body,
+                               bool has_masks, double rate)
     : scene_(std::move(scene)),
       rig_(std::move(rig)),
       trajectory_(std::move(site_from_body)),
@@ -141,7 +154,8 @@ std::pair<cv::Mat, cv::Mat> SyntheticDrive::Render(int camera, Timestamp time) c
   ParallelFor(static_cast<size_t>(image.rows), [&](size_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < image.cols; ++x) {
-      const Eigen::Vector3d& ray = rays[row * static_cast<size_t>(image.cols) + static_cast<size_t>(x)];
+      const Eigen::Vector3d& ray =
+          rays[row * static_cast<size_t>(image.cols) + static_cast<size_t>(x)];
       if (ray.isZero()) continue;
       const SyntheticScene::Hit hit = scene_.Trace(site_from_camera.translation, rotation * ray);
       image.at<cv::Vec3b>(y, x) = {hit.color[0], hit.color[1], hit.color[2]};

@@ -10,8 +10,8 @@
 
 namespace parkade {
 
-/// Four fisheye cameras around a car (front, rear, left, right), with or without vehicle.yaml's values. Without,
-/// the body is an IMU frame 0.6 m above the road.
+/// Four fisheye cameras around a car (front, rear, left, right), with or without vehicle.yaml's
+/// values. Without, the body is an IMU frame 0.6 m above the road.
 Rig MakeTestRig(bool has_vehicle = true, int width = 320, int height = 200);
 
 /// One bend or straight of a path: `curvature` [1/m], positive to the left.
@@ -27,7 +27,8 @@ Trajectory DriveAlong(const SyntheticScene& scene, const Eigen::Vector3d& start,
 /// A drive log in memory: images are rendered when they are asked for.
 class SyntheticDrive : public DriveLog {
  public:
-  SyntheticDrive(SyntheticScene scene, Rig rig, Trajectory site_from_body, bool has_masks, double rate = 10);
+  SyntheticDrive(SyntheticScene scene, Rig rig, Trajectory site_from_body, bool has_masks,
+                 double rate = 10);
 
   const std::string& name() const override { return name_; }
   const Rig& rig() const override { return rig_; }
@@ -48,7 +49,8 @@ class SyntheticDrive : public DriveLog {
   Trajectory trajectory_;
   bool has_masks_;
   double rate_;
-  std::vector<std::vector<Eigen::Vector3d>> rays_;  ///< unit bearings by camera and pixel; zero where none
+  std::vector<std::vector<Eigen::Vector3d>>
+      rays_;  ///< unit bearings by camera and pixel; zero where none
 };
 
 }  // namespace parkade

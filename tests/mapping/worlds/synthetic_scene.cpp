@@ -9,7 +9,8 @@ namespace {
 
 /// Reproducible noise in [0, 1) of a lattice point.
 double Hash(int x, int y) {
-  std::uint32_t h = static_cast<std::uint32_t>(x) * 374761393U + static_cast<std::uint32_t>(y) * 668265263U;
+  std::uint32_t h =
+      static_cast<std::uint32_t>(x) * 374761393U + static_cast<std::uint32_t>(y) * 668265263U;
   h = (h ^ (h >> 13)) * 1274126177U;
   return static_cast<double>((h ^ (h >> 16)) & 0xFFFFU) / 65536.0;
 }
@@ -34,9 +35,11 @@ void SyntheticScene::AddQuad(const SceneQuad& quad) {
   normals_.push_back(quad.u.cross(quad.v).normalized());
 }
 
-void SyntheticScene::AddBox(const Eigen::Vector3d& center_of_bottom, const Eigen::Vector3d& size, const Bgr& color) {
+void SyntheticScene::AddBox(const Eigen::Vector3d& center_of_bottom, const Eigen::Vector3d& size,
+                            const Bgr& color) {
   const Eigen::Vector3d low = center_of_bottom - Eigen::Vector3d(0.5 * size.x(), 0.5 * size.y(), 0);
-  const Eigen::Vector3d x = size.x() * Eigen::Vector3d::UnitX(), y = size.y() * Eigen::Vector3d::UnitY(),
+  const Eigen::Vector3d x = size.x() * Eigen::Vector3d::UnitX(),
+                        y = size.y() * Eigen::Vector3d::UnitY(),
                         z = size.z() * Eigen::Vector3d::UnitZ();
   const auto shaded = [&](double factor) {
     Bgr result = color;
@@ -53,15 +56,19 @@ void SyntheticScene::AddBox(const Eigen::Vector3d& center_of_bottom, const Eigen
 
 Bgr SyntheticScene::ColorAt(const SceneQuad& quad, const Eigen::Vector3d& point) {
   if (quad.has_slots && std::abs(point.y()) < 5.56 &&
-      ((std::abs(point.y()) > 3 && IsOnLine(point.x(), 2.5)) || std::abs(std::abs(point.y()) - 5.5) < 0.06))
+      ((std::abs(point.y()) > 3 && IsOnLine(point.x(), 2.5)) ||
+       std::abs(std::abs(point.y()) - 5.5) < 0.06))
     return {225, 225, 225};
   Bgr color = quad.color;
-  const double noise = quad.noise * (Noise(point.x(), point.y(), 0.08) + Noise(point.x(), point.y(), 1.1) - 1);
-  for (std::uint8_t& channel : color) channel = static_cast<std::uint8_t>(std::clamp(channel + noise, 0.0, 255.0));
+  const double noise =
+      quad.noise * (Noise(point.x(), point.y(), 0.08) + Noise(point.x(), point.y(), 1.1) - 1);
+  for (std::uint8_t& channel : color)
+    channel = static_cast<std::uint8_t>(std::clamp(channel + noise, 0.0, 255.0));
   return color;
 }
 
-SyntheticScene::Hit SyntheticScene::Trace(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
+SyntheticScene::Hit SyntheticScene::Trace(const Eigen::Vector3d& origin,
+                                          const Eigen::Vector3d& direction) const {
   Hit hit{.color = {235, 215, 190}};
   const SceneQuad* nearest = nullptr;
   for (size_t i = 0; i < quads_.size(); ++i) {
@@ -71,7 +78,8 @@ SyntheticScene::Hit SyntheticScene::Trace(const Eigen::Vector3d& origin, const E
     const double distance = normals_[i].dot(quad.corner - origin) / along;
     if (distance < 1e-6 || distance >= hit.distance) continue;
     const Eigen::Vector3d offset = origin + distance * direction - quad.corner;
-    const double a = offset.dot(quad.u) / quad.u.squaredNorm(), b = offset.dot(quad.v) / quad.v.squaredNorm();
+    const double a = offset.dot(quad.u) / quad.u.squaredNorm(),
+                 b = offset.dot(quad.v) / quad.v.squaredNorm();
     if (a < 0 || a > 1 || b < 0 || b > 1) continue;
     hit.distance = distance;
     nearest = &quad;
@@ -88,9 +96,11 @@ std::optional<double> SyntheticScene::GroundHeight(double x, double y, double z)
     const SceneQuad& quad = quads_[i];
     if (!quad.is_drivable) continue;
     const Eigen::Vector3d& n = normals_[i];
-    const double height = quad.corner.z() - (n.x() * (x - quad.corner.x()) + n.y() * (y - quad.corner.y())) / n.z();
+    const double height =
+        quad.corner.z() - (n.x() * (x - quad.corner.x()) + n.y() * (y - quad.corner.y())) / n.z();
     const Eigen::Vector3d offset = Eigen::Vector3d(x, y, height) - quad.corner;
-    const double a = offset.dot(quad.u) / quad.u.squaredNorm(), b = offset.dot(quad.v) / quad.v.squaredNorm();
+    const double a = offset.dot(quad.u) / quad.u.squaredNorm(),
+                 b = offset.dot(quad.v) / quad.v.squaredNorm();
     if (a < 0 || a > 1 || b < 0 || b > 1) continue;
     if (!nearest || std::abs(height - z) < std::abs(*nearest - z)) nearest = height;
   }
@@ -101,7 +111,8 @@ TriangleMesh SyntheticScene::DrivableMesh() const {
   TriangleMesh mesh;
   const auto is_covered = [&](const Eigen::Vector3d& point) {
     return std::any_of(boxes_.begin(), boxes_.end(), [&](const Box& box) {
-      return (point.head<2>().array() > box.low.array()).all() && (point.head<2>().array() < box.high.array()).all() &&
+      return (point.head<2>().array() > box.low.array()).all() &&
+             (point.head<2>().array() < box.high.array()).all() &&
              std::abs(point.z() - box.bottom) < 0.5;
     });
   };
@@ -116,7 +127,8 @@ TriangleMesh SyntheticScene::DrivableMesh() const {
         };
         if (is_covered(corner(0.5, 0.5))) continue;
         const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-        for (const auto& [a, b] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)})
+        for (const auto& [a, b] :
+             {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)})
           mesh.vertices.push_back(corner(a, b).cast<float>());
         mesh.triangles.push_back({first, first + 1, first + 2});
         mesh.triangles.push_back({first, first + 2, first + 3});
@@ -130,7 +142,8 @@ TriangleMesh SyntheticScene::DrivableMesh() const {
 
 SyntheticScene MakeLot() {
   SyntheticScene scene;
-  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(),
+                        z = Eigen::Vector3d::UnitZ();
   scene.AddQuad({.corner = {-24, -8, 0},
                  .u = 48 * x,
                  .v = 16 * y,
@@ -139,24 +152,30 @@ SyntheticScene MakeLot() {
                  .color = {95, 92, 90},
                  .noise = 12});
   for (const double side : {8.0, -12.0})
-    scene.AddQuad({.corner = {-24, side, 0}, .u = 48 * x, .v = 4 * y, .color = {165, 175, 180}, .noise = 10});
+    scene.AddQuad(
+        {.corner = {-24, side, 0}, .u = 48 * x, .v = 4 * y, .color = {165, 175, 180}, .noise = 10});
   for (const double side : {12.0, -12.0})
-    scene.AddQuad({.corner = {-24, side, 0}, .u = 48 * x, .v = 3 * z, .color = {110, 130, 160}, .noise = 20});
+    scene.AddQuad(
+        {.corner = {-24, side, 0}, .u = 48 * x, .v = 3 * z, .color = {110, 130, 160}, .noise = 20});
   for (const double side : {24.0, -24.0})
-    scene.AddQuad({.corner = {side, -12, 0}, .u = 24 * y, .v = 3 * z, .color = {110, 130, 160}, .noise = 20});
+    scene.AddQuad(
+        {.corner = {side, -12, 0}, .u = 24 * y, .v = 3 * z, .color = {110, 130, 160}, .noise = 20});
   const std::array<Bgr, 4> paints{{{160, 40, 30}, {30, 40, 170}, {220, 220, 220}, {50, 120, 40}}};
   int number = 0;
   for (const double slot : {-16.25, -11.25, -3.75, 1.25, 8.75, 16.25})
     for (const double side : {1.0, -1.0})
-      scene.AddBox({slot, side * 5.6, 0}, {1.8, 4.2, 1.5}, paints[static_cast<size_t>(number++ % 4)]);
+      scene.AddBox({slot, side * 5.6, 0}, {1.8, 4.2, 1.5},
+                   paints[static_cast<size_t>(number++ % 4)]);
   return scene;
 }
 
 SyntheticScene MakeDecks() {
   SyntheticScene scene;
-  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(),
+                        z = Eigen::Vector3d::UnitZ();
   const SceneQuad floor{.is_drivable = true, .color = {110, 110, 112}, .noise = 14};
-  const auto add_floor = [&](const Eigen::Vector3d& corner, const Eigen::Vector3d& u, const Eigen::Vector3d& v) {
+  const auto add_floor = [&](const Eigen::Vector3d& corner, const Eigen::Vector3d& u,
+                             const Eigen::Vector3d& v) {
     SceneQuad quad = floor;
     quad.corner = corner, quad.u = u, quad.v = v;
     scene.AddQuad(quad);
@@ -165,11 +184,14 @@ SyntheticScene MakeDecks() {
   add_floor({10, -3, 0}, 25 * x + 3 * z, 6 * y);  // ramp
   add_floor({35, -4, 3}, 14 * x, 18 * y);         // landing
   add_floor({-12, 6, 3}, 47 * x, 8 * y);          // upper deck, back over the lower
-  scene.AddQuad({.corner = {-12, 6, 2.8}, .u = 47 * x, .v = 8 * y, .color = {60, 60, 70}});  // its underside
+  scene.AddQuad(
+      {.corner = {-12, 6, 2.8}, .u = 47 * x, .v = 8 * y, .color = {60, 60, 70}});  // its underside
   for (const double side : {-4.0, 14.0})
-    scene.AddQuad({.corner = {-12, side, 0}, .u = 61 * x, .v = 6 * z, .color = {60, 110, 170}, .noise = 20});
+    scene.AddQuad(
+        {.corner = {-12, side, 0}, .u = 61 * x, .v = 6 * z, .color = {60, 110, 170}, .noise = 20});
   for (const double side : {-12.0, 49.0})
-    scene.AddQuad({.corner = {side, -4, 0}, .u = 18 * y, .v = 6 * z, .color = {60, 110, 170}, .noise = 20});
+    scene.AddQuad(
+        {.corner = {side, -4, 0}, .u = 18 * y, .v = 6 * z, .color = {60, 110, 170}, .noise = 20});
   return scene;
 }
 

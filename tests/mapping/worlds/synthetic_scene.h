@@ -22,12 +22,13 @@ struct SceneQuad {
   int noise = 0;  ///< of lightness, fixed to the place
 };
 
-/// A handful of flat things whose every point, colour and label is known exactly.
+/// A handful of flat things whose every point, color and label is known exactly.
 class SyntheticScene {
  public:
   void AddQuad(const SceneQuad& quad);
   /// An upright box that stands on z = `bottom`: a parked car.
-  void AddBox(const Eigen::Vector3d& center_of_bottom, const Eigen::Vector3d& size, const Bgr& color);
+  void AddBox(const Eigen::Vector3d& center_of_bottom, const Eigen::Vector3d& size,
+              const Bgr& color);
 
   struct Hit {
     Bgr color{};
@@ -55,8 +56,8 @@ class SyntheticScene {
   std::vector<Box> boxes_;
 };
 
-/// A flat lot 48 m x 24 m around the x axis with slots on both sides, parked cars, a pale pavement behind them and
-/// walls around.
+/// A flat lot 48 m x 24 m around the x axis with slots on both sides, parked cars, a pale pavement
+/// behind them and walls around.
 SyntheticScene MakeLot();
 
 /// A lower deck, a ramp of 12 % and an upper deck 3 m higher that reaches back over the lower one.

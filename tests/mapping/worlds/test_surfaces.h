@@ -9,18 +9,20 @@
 
 namespace parkade {
 
-/// A free, grey surface of the cells [0, width) x [0, height) with heights of `height_at` (x, y of the centre [m]).
+/// A free, gray surface of the cells [0, width) x [0, height) with heights of `height_at` (x, y of
+/// the center [m]).
 inline SurfaceMap MakeSurface(int width, int height, double cell_size,
                               const std::function<double(double, double)>& height_at) {
   SurfaceMap surface{cell_size, {}};
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
-      surface.cells.push_back({.x = x,
-                               .y = y,
-                               .height = static_cast<float>(height_at((x + 0.5) * cell_size, (y + 0.5) * cell_size)),
-                               .height_sigma = 0.02F,
-                               .free_belief = 0.95F,
-                               .color = {100, 100, 100}});
+      surface.cells.push_back(
+          {.x = x,
+           .y = y,
+           .height = static_cast<float>(height_at((x + 0.5) * cell_size, (y + 0.5) * cell_size)),
+           .height_sigma = 0.02F,
+           .free_belief = 0.95F,
+           .color = {100, 100, 100}});
   return surface;
 }
 
@@ -40,7 +42,8 @@ inline void AddRectangle(TriangleMesh& mesh, double x0, double y0, double x1, do
 
 /// How often each directed edge occurs; a manifold has each at most once.
 template <typename Triangles>
-std::map<std::pair<std::uint32_t, std::uint32_t>, int> CountDirectedEdges(const Triangles& triangles) {
+std::map<std::pair<std::uint32_t, std::uint32_t>, int> CountDirectedEdges(
+    const Triangles& triangles) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> count;
   for (const auto& triangle : triangles)
     for (size_t i = 0; i < 3; ++i) ++count[{triangle[i], triangle[(i + 1) % 3]}];

@@ -21,7 +21,8 @@ ParkingSlot SlotAt(double x, std::vector<SlotState> states) {
 }
 
 /// The slots as a map on disk has them.
-std::vector<StoredSlot> Stored(const std::vector<ParkingSlot>& slots, const std::vector<std::string>& drives,
+std::vector<StoredSlot> Stored(const std::vector<ParkingSlot>& slots,
+                               const std::vector<std::string>& drives,
                                const std::optional<SiteDatum>& datum) {
   const TemporaryRoot root;
   const std::filesystem::path file = root.path() / "slots.geojson";
@@ -30,11 +31,13 @@ std::vector<StoredSlot> Stored(const std::vector<ParkingSlot>& slots, const std:
 }
 
 TEST(SlotsFile, HoldsWhatWasWritten) {
-  for (const std::optional<SiteDatum>& datum : {std::optional<SiteDatum>{}, {SiteDatum{48, 11, 500}}}) {
+  for (const std::optional<SiteDatum>& datum :
+       {std::optional<SiteDatum>{}, {SiteDatum{48, 11, 500}}}) {
     const ParkingSlot slot = SlotAt(3, {SlotState::kOccupied, SlotState::kUnseen});
     const std::vector<StoredSlot> stored = Stored({slot}, {"b", "a"}, datum);
     ASSERT_EQ(stored.size(), 1U);
-    for (size_t i = 0; i < 4; ++i) EXPECT_LT((stored[0].slot.corners[i] - slot.corners[i]).norm(), 0.002);
+    for (size_t i = 0; i < 4; ++i)
+      EXPECT_LT((stored[0].slot.corners[i] - slot.corners[i]).norm(), 0.002);
     EXPECT_EQ(stored[0].slot.kind, SlotKind::kPerpendicular);
     EXPECT_EQ(stored[0].slot.states, slot.states) << "in the order of the drives";
     EXPECT_EQ(stored[0].states.at("b"), SlotState::kOccupied);
@@ -44,7 +47,8 @@ TEST(SlotsFile, HoldsWhatWasWritten) {
 TEST(SlotsFile, SomethingElseIsRefused) {
   const TemporaryRoot root;
   const std::filesystem::path file = root.path() / "slots.geojson";
-  for (const char* text : {"", "[]", R"({"features": 1})", R"({"features": [{"geometry": null}]})"}) {
+  for (const char* text :
+       {"", "[]", R"({"features": 1})", R"({"features": [{"geometry": null}]})"}) {
     WriteFileAtomically(file, text);
     EXPECT_THROW(ReadSlots(file, {}), Error) << text;
     EXPECT_THROW(ReadTrueSlots(file, {}), Error) << text;
@@ -52,13 +56,16 @@ TEST(SlotsFile, SomethingElseIsRefused) {
 }
 
 TEST(CompareSlots, TellsWhichCameWentAndWereTaken) {
-  const Rigid3 to_from_from{Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Vector3d::UnitZ())), Vector3d(7, -3, 0.5)};
-  const std::vector<StoredSlot> from = Stored({SlotAt(0, {SlotState::kFree}), SlotAt(2.5, {SlotState::kFree}),
-                                               SlotAt(5, {SlotState::kOccupied}), SlotAt(20, {SlotState::kFree})},
-                                              {"monday"}, {});
-  std::vector<ParkingSlot> later = {
-      SlotAt(0.1, {SlotState::kFree, SlotState::kOccupied}), SlotAt(2.5, {SlotState::kFree, SlotState::kUnseen}),
-      SlotAt(5, {SlotState::kOccupied, SlotState::kFree}), SlotAt(40, {SlotState::kUnseen, SlotState::kFree})};
+  const Rigid3 to_from_from{Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Vector3d::UnitZ())),
+                            Vector3d(7, -3, 0.5)};
+  const std::vector<StoredSlot> from =
+      Stored({SlotAt(0, {SlotState::kFree}), SlotAt(2.5, {SlotState::kFree}),
+              SlotAt(5, {SlotState::kOccupied}), SlotAt(20, {SlotState::kFree})},
+             {"monday"}, {});
+  std::vector<ParkingSlot> later = {SlotAt(0.1, {SlotState::kFree, SlotState::kOccupied}),
+                                    SlotAt(2.5, {SlotState::kFree, SlotState::kUnseen}),
+                                    SlotAt(5, {SlotState::kOccupied, SlotState::kFree}),
+                                    SlotAt(40, {SlotState::kUnseen, SlotState::kFree})};
   for (ParkingSlot& slot : later)
     for (Vector3d& corner : slot.corners) corner = to_from_from * corner;
   const std::vector<StoredSlot> to = Stored(later, {"monday", "tuesday"}, {});

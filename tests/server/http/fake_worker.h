@@ -11,21 +11,24 @@ namespace parkade {
 
 /// A service whose worker is serve_program/main.cpp, on a free port. A log is a
 /// file that begins with "log "; its first line tells the worker what to do.
-inline ServeOptions FakeServeOptions(const std::filesystem::path& program, const std::filesystem::path& data) {
+inline ServeOptions FakeServeOptions(const std::filesystem::path& program,
+                                     const std::filesystem::path& data) {
   ServeOptions options;
   options.data = data;
   options.listen = "127.0.0.1:0";
   options.disk_reserve = 0;
   options.merge_drives = false;  // a log tells the worker what to do: one at a time
-  const std::string worker = std::filesystem::exists(program) && std::filesystem::is_symlink(program)
-                                 ? std::filesystem::read_symlink(program).string()
-                                 : program.string();
+  const std::string worker =
+      std::filesystem::exists(program) && std::filesystem::is_symlink(program)
+          ? std::filesystem::read_symlink(program).string()
+          : program.string();
   options.job_command = [worker](const JobSpec& spec) {
     std::vector<std::string> command = {worker, "work", spec.out, spec.progress};
     command.insert(command.end(), spec.logs.begin(), spec.logs.end());
     return command;
   };
-  options.compare_command = [worker](const std::filesystem::path& from, const std::filesystem::path& to,
+  options.compare_command = [worker](const std::filesystem::path& from,
+                                     const std::filesystem::path& to,
                                      const std::filesystem::path& out) {
     return std::vector<std::string>{worker, "compare", from, to, out};
   };
@@ -33,7 +36,8 @@ inline ServeOptions FakeServeOptions(const std::filesystem::path& program, const
     std::ifstream stream(file);
     std::string word;
     stream >> word;
-    Require(word == "log", ErrorCode::kInvalidInput, "'" + file.filename().string() + "' is not a drive log");
+    Require(word == "log", ErrorCode::kInvalidInput,
+            "'" + file.filename().string() + "' is not a drive log");
   };
   options.check_rig = [](const std::filesystem::path& folder) {
     std::ifstream stream(folder / "imu0.yaml");

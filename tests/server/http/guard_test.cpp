@@ -50,7 +50,8 @@ TEST_F(Guards, RefuseALengthThatIsNoNumberOrStandsTwice) {
     ExpectRefusal(400, Put(std::string("Content-Length: ") + length + "\r\n") + "log ok\n");
   ExpectRefusal(400, Put("Content-Length: 7\r\nContent-Length: 8\r\n") + "log ok\n");
   ExpectRefusal(400, Put("Content-Length: 7\r\ncontent-length: 7\r\n") + "log ok\n");
-  ExpectRefusal(400, "GET /healthz HTTP/1.1\r\nHost: localhost\r\nContent-Length: 7\r\n\r\nlog ok\n");
+  ExpectRefusal(400,
+                "GET /healthz HTTP/1.1\r\nHost: localhost\r\nContent-Length: 7\r\n\r\nlog ok\n");
 }
 
 TEST_F(Guards, RefuseEncodedBodies) {
@@ -58,8 +59,12 @@ TEST_F(Guards, RefuseEncodedBodies) {
 }
 
 TEST_F(Guards, RefuseLargeBodiesWhereOnlySmallOnesMakeSense) {
-  ExpectRefusal(413, "PUT /api/v1/rigs/car HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999999999\r\n\r\n");
-  ExpectRefusal(413, "POST /api/v1/sites/lot/maps HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999999999\r\n\r\n");
+  ExpectRefusal(
+      413,
+      "PUT /api/v1/rigs/car HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999999999\r\n\r\n");
+  ExpectRefusal(413,
+                "POST /api/v1/sites/lot/maps HTTP/1.1\r\nHost: localhost\r\nContent-Length: "
+                "99999999999\r\n\r\n");
 }
 
 TEST_F(Guards, RefuseControlBytesAsTheyAreAndWrittenOut) {
@@ -76,7 +81,8 @@ TEST_F(Guards, RefuseHeadsThatCouldBeReadInTwoWays) {
   ExpectRefusal(400, GetHealth("no colon\r\n"));
   ExpectRefusal(400, "GET /healthz HTTP/1.1\r\n\r\n");
   ExpectRefusal(400, "GET  /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
-  for (const char* target : {"http://", "http:///healthz", "http://u@localhost/healthz", "https://localhost/healthz"})
+  for (const char* target :
+       {"http://", "http:///healthz", "http://u@localhost/healthz", "https://localhost/healthz"})
     ExpectRefusal(400, std::string("GET ") + target + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
   ExpectRefusal(400, "nonsense\r\n\r\n");
   ExpectRefusal(505, "GET /healthz HTTP/3.0\r\nHost: localhost\r\n\r\n");
@@ -95,21 +101,25 @@ TEST_F(Guards, RefuseSeveralRanges) {
 
 TEST_F(Guards, RefuseChangesAskedForByOtherPages) {
   const std::string fields = "Content-Length: 0\r\n";
-  const std::string cancel = "POST /api/v1/jobs/0123456789abcdef/cancel HTTP/1.1\r\nHost: 127.0.0.1:8080\r\n" + fields;
+  const std::string cancel =
+      "POST /api/v1/jobs/0123456789abcdef/cancel HTTP/1.1\r\nHost: 127.0.0.1:8080\r\n" + fields;
   ExpectRefusal(403, cancel + "Origin: https://evil.example\r\n\r\n");
   ExpectRefusal(403, cancel + "Origin: null\r\n\r\n");
   ExpectRefusal(403, cancel + "Sec-Fetch-Site: cross-site\r\n\r\n");
-  ExpectRefusal(404,
-                cancel + "Connection: close\r\nSec-Fetch-Site: same-origin\r\nOrigin: http://127.0.0.1:8080\r\n\r\n");
+  ExpectRefusal(404, cancel +
+                         "Connection: close\r\nSec-Fetch-Site: same-origin\r\nOrigin: "
+                         "http://127.0.0.1:8080\r\n\r\n");
 }
 
 TEST_F(Guards, RefuseNamesThatOtherPagesPointedHere) {
   // To the browser, a page whose name leads here now is of one origin with the service.
-  for (const char* host :
-       {"evil.example", "evil.example:8080", "127.0.0.1.evil.example", "localhost.evil.example:80", "192.168.1.1",
-        "0.0.0.0:8080", "localhost:x", "[::2]:8080", "[::1", "[::1]evil.example", ""}) {
-    const std::string fields = std::string(" HTTP/1.1\r\nHost: ") + host + "\r\nContent-Length: 0\r\n";
-    const std::string origin = std::string("Origin: http://") + host + "\r\nSec-Fetch-Site: same-origin\r\n\r\n";
+  for (const char* host : {"evil.example", "evil.example:8080", "127.0.0.1.evil.example",
+                           "localhost.evil.example:80", "192.168.1.1", "0.0.0.0:8080",
+                           "localhost:x", "[::2]:8080", "[::1", "[::1]evil.example", ""}) {
+    const std::string fields =
+        std::string(" HTTP/1.1\r\nHost: ") + host + "\r\nContent-Length: 0\r\n";
+    const std::string origin =
+        std::string("Origin: http://") + host + "\r\nSec-Fetch-Site: same-origin\r\n\r\n";
     ExpectRefusal(403, "POST /api/v1/jobs/0123456789abcdef/cancel" + fields + origin);
     ExpectRefusal(403, "GET /api/v1/drives" + fields + "\r\n");
   }
@@ -117,7 +127,8 @@ TEST_F(Guards, RefuseNamesThatOtherPagesPointedHere) {
 }
 
 TEST_F(Guards, LetEveryNameOfThisMachineIn) {
-  for (const char* host : {"localhost", "LocalHost:1", "127.0.0.1", "127.9.9.9:65535", "[::1]", "[::1]:8080"}) {
+  for (const char* host :
+       {"localhost", "LocalHost:1", "127.0.0.1", "127.9.9.9:65535", "[::1]", "[::1]:8080"}) {
     const std::string fields = std::string("Host: ") + host + "\r\nConnection: close\r\n\r\n";
     EXPECT_EQ(StatusOf(Ask("GET /api/v1/drives HTTP/1.1\r\n" + fields)), 200) << host;
   }
@@ -125,14 +136,19 @@ TEST_F(Guards, LetEveryNameOfThisMachineIn) {
 
 TEST_F(Guards, LetAnyNameInWhereThePublicIsLetIn) {
   options_.allow_public = true;
-  EXPECT_EQ(StatusOf(Ask("GET /api/v1/drives HTTP/1.1\r\nHost: maps.example\r\nConnection: close\r\n\r\n")), 200);
+  EXPECT_EQ(StatusOf(Ask(
+                "GET /api/v1/drives HTTP/1.1\r\nHost: maps.example\r\nConnection: close\r\n\r\n")),
+            200);
 }
 
 TEST_F(Guards, TakeATargetThatNamesTheHost) {
   const std::string fields = "Host: localhost\r\nConnection: close\r\n";
-  const std::string answer = Ask("GET http://127.0.0.1:18777/healthz HTTP/1.1\r\n" + fields + "\r\n");
+  const std::string answer =
+      Ask("GET http://127.0.0.1:18777/healthz HTTP/1.1\r\n" + fields + "\r\n");
   EXPECT_EQ(StatusOf(answer), 200) << answer;
-  EXPECT_EQ(StatusOf(Ask("GET HTTP://localhost/api/v1/drives?limit=1 HTTP/1.1\r\n" + fields + "\r\n")), 200);
+  EXPECT_EQ(
+      StatusOf(Ask("GET HTTP://localhost/api/v1/drives?limit=1 HTTP/1.1\r\n" + fields + "\r\n")),
+      200);
 }
 
 TEST_F(Guards, BoundTheHead) {
@@ -158,17 +174,18 @@ TEST_F(Guards, CostNoMemoryForAnEndlessHead) {
 TEST_F(Guards, DoNotTakeABodyForARequest) {
   // A handler that answers without reading the body leaves it in the socket.
   const std::string hidden = "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n";
-  const std::string answer = Ask("PUT /api/v1/drives?site=../x HTTP/1.1\r\nHost: localhost\r\nContent-Length: " +
-                                 std::to_string(hidden.size()) + "\r\n\r\n" + hidden);
+  const std::string answer =
+      Ask("PUT /api/v1/drives?site=../x HTTP/1.1\r\nHost: localhost\r\nContent-Length: " +
+          std::to_string(hidden.size()) + "\r\n\r\n" + hidden);
 
   EXPECT_EQ(StatusOf(answer), 400);
   EXPECT_EQ(answer.find("parkade_"), std::string::npos) << answer;
 }
 
 TEST_F(Guards, AnswerPipelinedRequestsInOrder) {
-  const std::string answer =
-      Ask("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\nGET /readyz HTTP/1.1\r\nHost: localhost\r\n"
-          "Connection: close\r\n\r\n");
+  const std::string answer = Ask(
+      "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\nGET /readyz HTTP/1.1\r\nHost: localhost\r\n"
+      "Connection: close\r\n\r\n");
 
   const size_t first = answer.find("\"healthy\""), second = answer.find("\"ready\"");
   ASSERT_NE(first, std::string::npos) << answer;
@@ -178,13 +195,15 @@ TEST_F(Guards, AnswerPipelinedRequestsInOrder) {
 
 TEST_F(Guards, TellAClientThatAsksBeforeItSends) {
   const std::string refused =
-      Ask("PUT /api/v1/drives?site=../x HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5000000\r\nExpect: "
+      Ask("PUT /api/v1/drives?site=../x HTTP/1.1\r\nHost: localhost\r\nContent-Length: "
+          "5000000\r\nExpect: "
           "100-continue\r\n\r\n");
   EXPECT_EQ(StatusOf(refused), 400) << refused;
 
   RawClient raw(service_->port());
   raw.Send(
-      "PUT /api/v1/drives?site=lot HTTP/1.1\r\nHost: localhost\r\nContent-Length: 7\r\nExpect: 100-continue\r\n\r\n");
+      "PUT /api/v1/drives?site=lot HTTP/1.1\r\nHost: localhost\r\nContent-Length: 7\r\nExpect: "
+      "100-continue\r\n\r\n");
   EXPECT_EQ(StatusOf(raw.ReceiveUntil("\r\n\r\n")), 100);
   raw.Send("log ok\n");
   EXPECT_NE(raw.ReceiveUntil("\"job\"").find("HTTP/1.1 201"), std::string::npos);
@@ -194,8 +213,10 @@ TEST_F(Guards, KeepABrokenUploadFromLeavingAnything) {
   client();
   {
     RawClient raw(service_->port());
-    raw.Send("PUT /api/v1/drives?site=lot HTTP/1.1\r\nHost: localhost\r\nContent-Length: 50000000\r\n\r\nlog ok\n" +
-             std::string(3'000'000, 'x'));
+    raw.Send(
+        "PUT /api/v1/drives?site=lot HTTP/1.1\r\nHost: localhost\r\nContent-Length: "
+        "50000000\r\n\r\nlog ok\n" +
+        std::string(3'000'000, 'x'));
     Eventually([&] { return !Files().empty(); });
   }
   Eventually([&] { return Files().empty(); });

@@ -1,4 +1,5 @@
-// A reviewer's decisions about loops and pins on their way from the request to the worker's command.
+// A reviewer's decisions about loops and pins on their way from the request to the worker's
+// command.
 #include <mutex>
 
 #include "tests/server/http/running_service.h"
@@ -14,8 +15,10 @@ class LoopReview : public RunningService {
       specs_.push_back(spec);
       return of_job(spec);
     };
-    options_.check_pins = [](const std::vector<std::string>& pins, const std::filesystem::path& map) {
-      Require(std::filesystem::exists(map / "a" / "trajectory.tum"), ErrorCode::kInternal, "not the version's folder");
+    options_.check_pins = [](const std::vector<std::string>& pins,
+                             const std::filesystem::path& map) {
+      Require(std::filesystem::exists(map / "a" / "trajectory.tum"), ErrorCode::kInternal,
+              "not the version's folder");
       Require(pins.size() > 1, ErrorCode::kInvalidInput, "a site is pinned by two points or more");
     };
     ASSERT_EQ(MapNow("log ok\n").at("state"), "done");
@@ -41,7 +44,8 @@ class LoopReview : public RunningService {
 };
 
 TEST_F(LoopReview, BuildsAVersionFromAnotherWithoutTrackingAgain) {
-  const auto queued = Build(R"({"from": 1, "reject_loops": ["3-17", "a:5-20"], "force_loops": ["4-18"]})");
+  const auto queued =
+      Build(R"({"from": 1, "reject_loops": ["3-17", "a:5-20"], "force_loops": ["4-18"]})");
   ASSERT_EQ(queued->status, 202) << queued->body;
   const Json job = WaitForJob(Json::parse(queued->body).at("id"));
 
@@ -49,7 +53,8 @@ TEST_F(LoopReview, BuildsAVersionFromAnotherWithoutTrackingAgain) {
   EXPECT_EQ(job.at("map_version"), 2);
   const JobSpec spec = LastSpec();
   ASSERT_TRUE(spec.from);
-  EXPECT_TRUE(std::filesystem::exists(*spec.from / "a" / "trajectory.tum")) << "the files of version 1";
+  EXPECT_TRUE(std::filesystem::exists(*spec.from / "a" / "trajectory.tum"))
+      << "the files of version 1";
   EXPECT_EQ(spec.rejected_loops, (std::vector<std::string>{"3-17", "a:5-20"}));
   EXPECT_EQ(spec.forced_loops, std::vector<std::string>{"4-18"});
 }
@@ -61,8 +66,8 @@ TEST_F(LoopReview, PinsReachTheWorkerToTheLastDigit) {
   ASSERT_EQ(queued->status, 202) << queued->body;
   WaitForJob(Json::parse(queued->body).at("id"));
 
-  EXPECT_EQ(LastSpec().pins,
-            (std::vector<std::string>{"-1.25,2,0.1=48.137154321,-11.576124", "a:31,-2.5,0=48.1375,-11.576,519.3"}));
+  EXPECT_EQ(LastSpec().pins, (std::vector<std::string>{"-1.25,2,0.1=48.137154321,-11.576124",
+                                                       "a:31,-2.5,0=48.1375,-11.576,519.3"}));
 
   const auto without = Build(R"({"from": 1, "pins": []})");
   WaitForJob(Json::parse(without->body).at("id"));
@@ -84,10 +89,12 @@ TEST_F(LoopReview, WithoutAVersionStartsAfresh) {
 
 TEST_F(LoopReview, ThatMakesNoSenseStartsNoJob) {
   const size_t before = NumAttempts();
-  ExpectProblem(Build(R"({"reject_loops": ["3-17"]})"), 400, "invalid_input");             // of which version?
-  ExpectProblem(Build(R"({"from": "1"})"), 400, "invalid_input");                          // not a number
-  ExpectProblem(Build(R"({"from": 1, "force_loops": "3-17"})"), 400, "invalid_input");     // not a list
-  ExpectProblem(Build(R"({"from": 1, "force_loops": ["--out"]})"), 400, "invalid_input");  // an option of the worker
+  ExpectProblem(Build(R"({"reject_loops": ["3-17"]})"), 400, "invalid_input");  // of which version?
+  ExpectProblem(Build(R"({"from": "1"})"), 400, "invalid_input");               // not a number
+  ExpectProblem(Build(R"({"from": 1, "force_loops": "3-17"})"), 400,
+                "invalid_input");  // not a list
+  ExpectProblem(Build(R"({"from": 1, "force_loops": ["--out"]})"), 400,
+                "invalid_input");  // an option of the worker
   const std::string place = R"("latitude": 48, "longitude": 11)";
   const std::vector<std::string> bodies = {
       R"({"pins": []})",                                                  // of which version?

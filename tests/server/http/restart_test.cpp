@@ -21,7 +21,8 @@ class ServiceProcess {
   explicit ServiceProcess(const std::filesystem::path& data, std::vector<std::string> wrapper = {})
       : log_(data.string() + "." + NewId() + ".log") {
     std::vector<std::string> arguments = std::move(wrapper);
-    for (const std::string& argument : {std::string(SERVE_PROGRAM), std::string("serve"), data.string()})
+    for (const std::string& argument :
+         {std::string(SERVE_PROGRAM), std::string("serve"), data.string()})
       arguments.push_back(argument);
     std::vector<char*> pointers;
     for (std::string& argument : arguments) pointers.push_back(argument.data());
@@ -46,7 +47,8 @@ class ServiceProcess {
     static const std::regex address("listening on http://127.0.0.1:([0-9]+)");
     std::smatch found;
     std::string text;
-    const bool listens = Eventually([&] { return std::regex_search(text = Said(), found, address); });
+    const bool listens =
+        Eventually([&] { return std::regex_search(text = Said(), found, address); });
     if (!listens) throw std::runtime_error("the service does not listen: " + Said());
     return std::stoi(found[1]);
   }
@@ -93,8 +95,10 @@ TEST_F(Restart, AfterAKillMidUploadFindsNothingHalfWritten) {
   {
     ServiceProcess service(data_);
     RawClient raw(service.Port());
-    raw.Send("PUT /api/v1/drives?site=lot HTTP/1.1\r\nHost: localhost\r\nContent-Length: 90000000\r\n\r\nlog ok\n" +
-             std::string(5'000'000, 'x'));
+    raw.Send(
+        "PUT /api/v1/drives?site=lot HTTP/1.1\r\nHost: localhost\r\nContent-Length: "
+        "90000000\r\n\r\nlog ok\n" +
+        std::string(5'000'000, 'x'));
     Eventually([&] { return !std::filesystem::is_empty(data_ / "tmp"); });
     service.End(SIGKILL);
   }
@@ -113,7 +117,9 @@ TEST_F(Restart, AfterAKillMidJobDoesTheJobAgain) {
     httplib::Client client("127.0.0.1", service.Port());
     job = Upload(client, "log slow\n");
     Eventually([&] { return StateOf(client, job) == "running"; });
-    Eventually([&] { return std::filesystem::exists(data_ / "jobs" / job / "attempt-1" / "progress.ndjson"); });
+    Eventually([&] {
+      return std::filesystem::exists(data_ / "jobs" / job / "attempt-1" / "progress.ndjson");
+    });
     service.End(SIGKILL);
   }
   ServiceProcess service(data_);
@@ -157,9 +163,11 @@ TEST_F(Restart, KeepsEveryAcknowledgedUploadThroughManyKills) {
     });
     httplib::Client client("127.0.0.1", port);
     for (int i = 0; i < 1000; ++i) {
-      const auto answer = client.Put("/api/v1/drives?site=lot", "log ok " + std::to_string(i % 7) + "\n", kLogType);
+      const auto answer =
+          client.Put("/api/v1/drives?site=lot", "log ok " + std::to_string(i % 7) + "\n", kLogType);
       if (!answer) break;
-      if (answer->status == 201) acknowledged.insert(Json::parse(answer->body).at("drive").at("id"));
+      if (answer->status == 201)
+        acknowledged.insert(Json::parse(answer->body).at("drive").at("id"));
       ++answers;
     }
     killer.join();
@@ -169,7 +177,8 @@ TEST_F(Restart, KeepsEveryAcknowledgedUploadThroughManyKills) {
   httplib::Client client("127.0.0.1", service.Port());
 
   EXPECT_GT(acknowledged.size(), 10u);
-  for (const std::string& id : acknowledged) EXPECT_EQ(client.Get("/api/v1/drives/" + id)->status, 200) << id;
+  for (const std::string& id : acknowledged)
+    EXPECT_EQ(client.Get("/api/v1/drives/" + id)->status, 200) << id;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(data_ / "logs"))
     if (entry.is_regular_file()) {
       EXPECT_EQ(Sha256Of(ReadFile(entry.path())), entry.path().filename().string());
@@ -184,9 +193,11 @@ TEST_F(Restart, ASecondServiceOnTheSameDataEndsAtOnceWithASentence) {
   ServiceProcess second(data_);
   const int status = second.Wait();
 
-  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(10));  // and does not wait for the first
+  EXPECT_LT(std::chrono::steady_clock::now() - began,
+            std::chrono::seconds(10));  // and does not wait for the first
   EXPECT_EQ(WEXITSTATUS(status), 1);
-  EXPECT_NE(second.Said().find("another service already uses the data directory"), std::string::npos);
+  EXPECT_NE(second.Said().find("another service already uses the data directory"),
+            std::string::npos);
 }
 
 TEST_F(Restart, SigtermLetsAnUploadEndAndPutsTheJobBack) {
@@ -195,7 +206,8 @@ TEST_F(Restart, SigtermLetsAnUploadEndAndPutsTheJobBack) {
   const std::string job = Upload(client, "log stubborn\n");
   Eventually([&] { return StateOf(client, job) == "running"; });
   RawClient raw(service.Port());
-  raw.Send("PUT /api/v1/drives?site=lot HTTP/1.1\r\nHost: localhost\r\nContent-Length: 7\r\n\r\nlog");
+  raw.Send(
+      "PUT /api/v1/drives?site=lot HTTP/1.1\r\nHost: localhost\r\nContent-Length: 7\r\n\r\nlog");
   Eventually([&] { return !std::filesystem::is_empty(data_ / "tmp"); });
 
   ::kill(service.pid(), SIGTERM);
@@ -236,11 +248,13 @@ TEST_F(Restart, ATakenPortIsRefused) {
 // A filesystem of 12 MiB in a namespace of its own. Needs the right to make one.
 TEST_F(Restart, AFullDiskIsSaidAndLeavesNothingHalfWritten) {
   std::filesystem::create_directories(data_);
-  const std::vector<std::string> wrapper = {"unshare", "--map-root-user",
-                                            "--mount", "sh",
-                                            "-c",      "mount -t tmpfs -o size=12m tmpfs \"$3\" && exec \"$@\" 2>&1",
-                                            "sh"};
-  const std::string probe = "unshare --map-root-user --mount mount -t tmpfs tmpfs " + data_.string() + " 2>/dev/null";
+  const std::vector<std::string> wrapper = {
+      "unshare", "--map-root-user",
+      "--mount", "sh",
+      "-c",      "mount -t tmpfs -o size=12m tmpfs \"$3\" && exec \"$@\" 2>&1",
+      "sh"};
+  const std::string probe =
+      "unshare --map-root-user --mount mount -t tmpfs tmpfs " + data_.string() + " 2>/dev/null";
   if (std::system(probe.c_str()) != 0) GTEST_SKIP() << "no right to mount a small filesystem here";
 
   // Without the look at the free space beforehand: the disk itself is to say no.
@@ -256,7 +270,8 @@ TEST_F(Restart, AFullDiskIsSaidAndLeavesNothingHalfWritten) {
   // It goes on, without a restart.
   EXPECT_EQ(client.Put("/api/v1/drives?site=lot", "log ok\n", kLogType)->status, 201);
   EXPECT_EQ(Parsed(client.Get("/api/v1/drives")).at("items").size(), 1u);
-  const auto ends = std::filesystem::path("/proc") / std::to_string(service.pid()) / "root" / data_.relative_path();
+  const auto ends = std::filesystem::path("/proc") / std::to_string(service.pid()) / "root" /
+                    data_.relative_path();
   Eventually([&] { return std::filesystem::is_empty(ends / "tmp"); });
   service.End(SIGTERM);
 }

@@ -19,7 +19,8 @@ using Json = nlohmann::json;
 
 inline const std::string kLogType = "application/octet-stream";
 
-/// Waits for `probe` to become true; fails the test after a minute (a busy disk may take 20 s to sync).
+/// Waits for `probe` to become true; fails the test after a minute (a busy disk may take 20 s to
+/// sync).
 template <typename Probe>
 bool Eventually(const Probe& probe) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
@@ -56,7 +57,8 @@ class RunningService : public testing::Test {
     return *client_;
   }
 
-  httplib::Result Upload(const std::string& content, const std::string& query = "?filename=a.bag&site=lot") {
+  httplib::Result Upload(const std::string& content,
+                         const std::string& query = "?filename=a.bag&site=lot") {
     return client().Put("/api/v1/drives" + query, content, kLogType);
   }
   Json Get(const std::string& path) {

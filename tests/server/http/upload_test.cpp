@@ -19,7 +19,8 @@ TEST_F(Uploads, AnswerWithTheDriveAndItsJob) {
   EXPECT_EQ(json.at("drive").at("bytes"), 7);
   EXPECT_EQ(json.at("drive").at("sha256"), Sha256Of("log ok\n"));
   EXPECT_EQ(json.at("job").at("drives").at(0), json.at("drive").at("id"));
-  EXPECT_EQ(answer->get_header_value("Location"), "/api/v1/drives/" + json.at("drive").at("id").get<std::string>());
+  EXPECT_EQ(answer->get_header_value("Location"),
+            "/api/v1/drives/" + json.at("drive").at("id").get<std::string>());
 }
 
 TEST_F(Uploads, BecomeAMapByThemselves) {
@@ -31,8 +32,10 @@ TEST_F(Uploads, BecomeAMapByThemselves) {
   const Json drive = Get("/api/v1/drives/" + job.at("drives").at(0).get<std::string>());
   EXPECT_EQ(drive.at("state"), "ready");
   EXPECT_EQ(drive.at("streams").at(0).at("topic"), "/imu");
-  EXPECT_EQ(drive.at("trajectories").at("trajectory.tum"), "/api/v1/sites/lot/maps/1/a/trajectory.tum");
-  EXPECT_EQ(client().Get(drive.at("trajectories").at("trajectory.tum").get<std::string>())->status, 200);
+  EXPECT_EQ(drive.at("trajectories").at("trajectory.tum"),
+            "/api/v1/sites/lot/maps/1/a/trajectory.tum");
+  EXPECT_EQ(client().Get(drive.at("trajectories").at("trajectory.tum").get<std::string>())->status,
+            200);
 }
 
 TEST_F(Uploads, OfNothingAreRefused) {
@@ -54,15 +57,18 @@ TEST_F(Uploads, OfWhatIsNoLogAreRefusedByTheUsersNameAndLeaveNothing) {
 }
 
 TEST_F(Uploads, WithOddNamesAreRefused) {
-  for (const char* query : {"?site=../x", "?site=a%2Fb", "?rig=-x", "?filename=a&filename=b", "?site=.x"})
+  for (const char* query :
+       {"?site=../x", "?site=a%2Fb", "?rig=-x", "?filename=a&filename=b", "?site=.x"})
     ExpectProblem(Upload("log ok\n", query), 400, "invalid_input");
   ExpectProblem(Upload("log ok\n", "?rig=unknown"), 400, "invalid_input");
   EXPECT_TRUE(Files().empty());
 }
 
 TEST_F(Uploads, AsAFormAreRefused) {
-  const std::string body = "--b\r\nContent-Disposition: form-data; name=\"file\"\r\n\r\nlog ok\n\r\n--b--\r\n";
-  ExpectProblem(client().Put("/api/v1/drives", body, "multipart/form-data; boundary=b"), 415, "unsupported_media_type");
+  const std::string body =
+      "--b\r\nContent-Disposition: form-data; name=\"file\"\r\n\r\nlog ok\n\r\n--b--\r\n";
+  ExpectProblem(client().Put("/api/v1/drives", body, "multipart/form-data; boundary=b"), 415,
+                "unsupported_media_type");
 }
 
 TEST_F(Uploads, AreRefusedBeforeTheyBeginWhenTheDiskIsTooSmall) {
@@ -90,7 +96,8 @@ TEST_F(Uploads, OfTheSameBytesAtTheSameTimeShareOneFile) {
   for (int i = 0; i < 8; ++i)
     clients.emplace_back([&, i] {
       httplib::Client own("127.0.0.1", service_->port());
-      const auto answer = own.Put("/api/v1/drives?site=lot&filename=" + std::to_string(i), "log ok\n", kLogType);
+      const auto answer =
+          own.Put("/api/v1/drives?site=lot&filename=" + std::to_string(i), "log ok\n", kLogType);
       if (answer && answer->status == 201) ++accepted;
     });
   for (std::thread& thread : clients) thread.join();

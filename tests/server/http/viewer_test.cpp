@@ -20,7 +20,8 @@ TEST_F(Viewer, IsOnePageWithItsFiles) {
   EXPECT_EQ(page->body, "<!doctype html>");
   EXPECT_EQ(page->get_header_value("Content-Type"), "text/html; charset=utf-8");
   EXPECT_EQ(page->get_header_value("Cache-Control"), "no-cache");
-  EXPECT_NE(page->get_header_value("Content-Security-Policy").find("default-src 'none'"), std::string::npos);
+  EXPECT_NE(page->get_header_value("Content-Security-Policy").find("default-src 'none'"),
+            std::string::npos);
   EXPECT_EQ(page->get_header_value("X-Content-Type-Options"), "nosniff");
   EXPECT_EQ(client().Get("/", {{"If-None-Match", page->get_header_value("ETag")}})->status, 304);
 
@@ -34,8 +35,8 @@ TEST_F(Viewer, IsOnePageWithItsFiles) {
 
 TEST_F(Viewer, GivesOutNothingElse) {
   client();
-  for (const char* path : {"/secret.txt", "/link.txt", "/../secret.txt", "/assets/../../secret.txt", "/..%2fsecret.txt",
-                           "/assets/none.js", "/.git"}) {
+  for (const char* path : {"/secret.txt", "/link.txt", "/../secret.txt", "/assets/../../secret.txt",
+                           "/..%2fsecret.txt", "/assets/none.js", "/.git"}) {
     const auto answer = client().Get(path);
     ASSERT_TRUE(answer) << path;
     EXPECT_EQ(answer->body.find("secret\n"), std::string::npos) << path;

@@ -31,20 +31,23 @@ class JobRunning : public StoreTest {
     options.stop_patience = milliseconds(300);
     options.command = [script](const JobSpec& spec) {
       const std::filesystem::path& rig = spec.rigs.at(0);
-      return std::vector<std::string>{"/bin/sh", "-c",          script,          "worker",
-                                      spec.out,  spec.progress, spec.logs.at(0), rig.empty() ? "none" : rig};
+      return std::vector<std::string>{
+          "/bin/sh", "-c",          script,          "worker",
+          spec.out,  spec.progress, spec.logs.at(0), rig.empty() ? "none" : rig};
     };
     return options;
   }
   Job JobNow() {
-    return store_.database.Read([&](Connection& connection) { return FindJob(connection, received_.job.id); });
+    return store_.database.Read(
+        [&](Connection& connection) { return FindJob(connection, received_.job.id); });
   }
   Job WaitFor(JobState state) { return WaitFor(received_.job.id, state); }
   Job WaitFor(const std::string& id, JobState state) {
     const auto now = [&] {
       return store_.database.Read([&](Connection& connection) { return FindJob(connection, id); });
     };
-    for (int i = 0; i < 2000 && now().state != state; ++i) std::this_thread::sleep_for(milliseconds(10));
+    for (int i = 0; i < 2000 && now().state != state; ++i)
+      std::this_thread::sleep_for(milliseconds(10));
     EXPECT_EQ(now().state, state);
     return now();
   }
@@ -67,23 +70,27 @@ class JobRunning : public StoreTest {
 
 TEST_F(JobRunning, PublishesWhatTheWorkerMade) {
   const std::int64_t start = events_.last_id();
-  JobRunner runner(store_, events_, Shell(std::string(kMakeMap) + "cat $3 > $1/copy.txt; echo hello >&2"));
+  JobRunner runner(store_, events_,
+                   Shell(std::string(kMakeMap) + "cat $3 > $1/copy.txt; echo hello >&2"));
 
   const Job job = WaitFor(JobState::kDone);
   runner.Stop();
 
-  const MapVersion map = store_.database.Read([](Connection& connection) { return FindMap(connection, "lot", 1); });
+  const MapVersion map =
+      store_.database.Read([](Connection& connection) { return FindMap(connection, "lot", 1); });
   EXPECT_EQ(ReadFile(store_.directory.MapFolder(map.id) / "copy.txt"), "a log");
   EXPECT_EQ(ReadFile(store_.directory.AttemptFolder(job.id, 1) / "log.txt"), "hello\n");
   ExpectNoLeftOvers();
   std::set<std::string> kinds;
-  for (const Event& event : events_.WaitFor(start, milliseconds(0)).events) kinds.insert(event.kind);
+  for (const Event& event : events_.WaitFor(start, milliseconds(0)).events)
+    kinds.insert(event.kind);
   EXPECT_EQ(kinds, (std::set<std::string>{"drive", "job", "map"}));
 }
 
 TEST_F(JobRunning, FailsWithTheSentenceOfBadInputAndDoesNotTryAgain) {
-  JobRunner runner(store_, events_,
-                   Shell("echo half > $1/map.glb; echo '{\"error\": \"the log has no IMU\"}' >> $2; exit 1"));
+  JobRunner runner(
+      store_, events_,
+      Shell("echo half > $1/map.glb; echo '{\"error\": \"the log has no IMU\"}' >> $2; exit 1"));
 
   const Job job = WaitFor(JobState::kFailed);
   runner.Stop();
@@ -109,8 +116,9 @@ TEST_F(JobRunning, TriesACrashedWorkerThreeTimesAndKeepsEachLog) {
 
 TEST_F(JobRunning, SucceedsWhenASecondAttemptDoes) {
   const std::string once = (root_.path() / "once").string();
-  JobRunner runner(store_, events_,
-                   Shell("[ -e " + once + " ] || { touch " + once + "; kill -ABRT $$; }; " + kMakeMap));
+  JobRunner runner(
+      store_, events_,
+      Shell("[ -e " + once + " ] || { touch " + once + "; kill -ABRT $$; }; " + kMakeMap));
 
   EXPECT_EQ(WaitFor(JobState::kDone).attempt, 2);
 }
@@ -118,8 +126,8 @@ TEST_F(JobRunning, SucceedsWhenASecondAttemptDoes) {
 TEST_F(JobRunning, ShowsProgressWithATimeLeft) {
   const std::string go = (root_.path() / "go").string();
   JobRunner runner(store_, events_,
-                   Shell("echo '{\"stage\": \"track\", \"progress\": 0.5}' >> $2; until [ -e " + go +
-                         " ]; do sleep 0.05; done; " + kMakeMap));
+                   Shell("echo '{\"stage\": \"track\", \"progress\": 0.5}' >> $2; until [ -e " +
+                         go + " ]; do sleep 0.05; done; " + kMakeMap));
   std::optional<JobProgress> progress;
   for (int i = 0; i < 1000 && !(progress && progress->progress == 0.5); ++i) {
     std::this_thread::sleep_for(milliseconds(10));
@@ -131,14 +139,16 @@ TEST_F(JobRunning, ShowsProgressWithATimeLeft) {
   EXPECT_EQ(progress->stage, "track");
   EXPECT_GT(progress->eta_seconds.value(), 0);
   WaitFor(JobState::kDone);
-  for (int i = 0; i < 500 && runner.ProgressOf(received_.job.id); ++i) std::this_thread::sleep_for(milliseconds(10));
+  for (int i = 0; i < 500 && runner.ProgressOf(received_.job.id); ++i)
+    std::this_thread::sleep_for(milliseconds(10));
   EXPECT_FALSE(runner.ProgressOf(received_.job.id).has_value());
 }
 
 TEST_F(JobRunning, CancelsAWorkerEvenOneThatDoesNotListen) {
   JobRunner runner(store_, events_, Shell("trap '' TERM; while :; do sleep 0.05; done"));
   WaitFor(JobState::kRunning);
-  for (int i = 0; i < 500 && !runner.ProgressOf(received_.job.id); ++i) std::this_thread::sleep_for(milliseconds(10));
+  for (int i = 0; i < 500 && !runner.ProgressOf(received_.job.id); ++i)
+    std::this_thread::sleep_for(milliseconds(10));
 
   runner.Cancel(received_.job.id);
 
@@ -151,12 +161,14 @@ TEST_F(JobRunning, CancelsAWorkerEvenOneThatDoesNotListen) {
 
 TEST_F(JobRunning, CancelsAJobWhoseMapIsBeingSealed) {
   JobRunner runner(store_, events_, Shell(std::string(kMakeMap) + "truncate -s 2G $1/big"));
-  const std::filesystem::path big = store_.directory.AttemptFolder(received_.job.id, 1) / "out" / "big";
+  const std::filesystem::path big =
+      store_.directory.AttemptFolder(received_.job.id, 1) / "out" / "big";
   std::error_code missing;
   const auto is_sealed = [&] {  // or is about to be: hashing takes longer
     using std::filesystem::perms;
     const perms permissions = std::filesystem::status(big, missing).permissions();
-    return std::filesystem::exists(big, missing) && (permissions & perms::owner_write) == perms::none;
+    return std::filesystem::exists(big, missing) &&
+           (permissions & perms::owner_write) == perms::none;
   };
   for (int i = 0; i < 20'000 && !is_sealed(); ++i) std::this_thread::sleep_for(milliseconds(1));
 
@@ -169,7 +181,8 @@ TEST_F(JobRunning, CancelsAJobWhoseMapIsBeingSealed) {
 
 TEST_F(JobRunning, RefusesToCancelAJobWhoseMapIsBeingPublished) {
   const std::string go = (root_.path() / "go").string();
-  JobRunner runner(store_, events_, Shell("until [ -e " + go + " ]; do sleep 0.05; done; " + kMakeMap));
+  JobRunner runner(store_, events_,
+                   Shell("until [ -e " + go + " ]; do sleep 0.05; done; " + kMakeMap));
   for (int i = 0; i < 2000 && !JobNow().pid; ++i) std::this_thread::sleep_for(milliseconds(10));
 
   // While nobody else gets at the database, the map is there and not yet published.
@@ -265,7 +278,8 @@ TEST_F(JobRunning, MapsTheDrivesThatWereNotDeletedMeanwhile) {
   JobRunner runner(store_, events_, Shell(std::string(kMakeMap) + "cat $3 > $1/copy.txt"));
 
   WaitFor(both.id, JobState::kDone);
-  const MapVersion map = store_.database.Read([](Connection& connection) { return FindMap(connection, "lot", 1); });
+  const MapVersion map =
+      store_.database.Read([](Connection& connection) { return FindMap(connection, "lot", 1); });
   EXPECT_EQ(ReadFile(store_.directory.MapFolder(map.id) / "copy.txt"), "second");
   ASSERT_EQ(map.drives.size(), 1u);
   EXPECT_EQ(map.drives[0].id, second.drive.id);

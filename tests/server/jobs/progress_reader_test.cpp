@@ -9,7 +9,9 @@ namespace {
 
 class ProgressFile : public testing::Test {
  protected:
-  void Append(const std::string& text) { std::ofstream(file_, std::ios::app | std::ios::binary) << text; }
+  void Append(const std::string& text) {
+    std::ofstream(file_, std::ios::app | std::ios::binary) << text;
+  }
 
   TemporaryRoot root_;
   std::filesystem::path file_ = root_.path() / "progress.ndjson";
@@ -45,7 +47,8 @@ TEST_F(ProgressFile, NeverGoesBackNorOutOfItsRange) {
 
 TEST_F(ProgressFile, MayHoldNonsense) {
   Append("\n\xff\xfe\n[1, 2]\n{\"progress\": \"half\"}\n{\"stage\": 7}\n{\"progress\": 1e999}\n" +
-         std::string(100'000, 'x') + "\n{\"stage\": \"a\\nb\", \"error\": \"" + std::string(5000, 'e') + "\"}\n");
+         std::string(100'000, 'x') + "\n{\"stage\": \"a\\nb\", \"error\": \"" +
+         std::string(5000, 'e') + "\"}\n");
 
   EXPECT_TRUE(reader_.Poll());
 

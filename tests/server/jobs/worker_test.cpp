@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "server/jobs/worker_end.h"
+#include "server/jobs/worker_exit.h"
 #include "server/jobs/worker_process.h"
 #include "tests/server/store/temporary_store.h"
 
@@ -19,9 +19,12 @@ using std::chrono::milliseconds;
 class Worker : public testing::Test {
  protected:
   std::unique_ptr<WorkerProcess> Start(const std::string& script) {
-    return std::make_unique<WorkerProcess>(std::vector<std::string>{"/bin/sh", "-c", script}, root_.path(), log_);
+    return std::make_unique<WorkerProcess>(std::vector<std::string>{"/bin/sh", "-c", script},
+                                           root_.path(), log_);
   }
-  int StatusOf(const std::string& script) { return Start(script)->Wait(milliseconds(60'000)).value(); }
+  int StatusOf(const std::string& script) {
+    return Start(script)->Wait(milliseconds(60'000)).value();
+  }
   std::string Printed() const { return ReadFile(log_); }
 
   TemporaryRoot root_;
@@ -50,7 +53,8 @@ TEST_F(Worker, IsPoliteAndLeavesNoCore) {
 }
 
 TEST_F(Worker, InheritsNoOpenFiles) {
-  const int leaked = ::open("/dev/null", O_RDONLY);  // without O_CLOEXEC, like the sockets of the HTTP library
+  const int leaked =
+      ::open("/dev/null", O_RDONLY);  // without O_CLOEXEC, like the sockets of the HTTP library
   StatusOf("exec ls /proc/self/fd");
   ::close(leaked);
 
@@ -66,9 +70,10 @@ TEST_F(Worker, ThatCannotStartSaysSo) {
   }
 }
 
-TEST_F(Worker, IsSignalledWithItsWholeGroup) {
+TEST_F(Worker, IsSignaledWithItsWholeGroup) {
   const auto worker = Start("sleep 100 & echo $!; wait");
-  while (!std::filesystem::exists(log_) || Printed().empty()) EXPECT_FALSE(worker->Wait(milliseconds(10)));
+  while (!std::filesystem::exists(log_) || Printed().empty())
+    EXPECT_FALSE(worker->Wait(milliseconds(10)));
   const pid_t grandchild = std::stoi(Printed());
 
   worker->Signal(SIGTERM);
@@ -91,32 +96,34 @@ TEST_F(Worker, DiesWithItsOwner) {
 }
 
 TEST_F(Worker, EndIsUnderstood) {
-  EXPECT_EQ(UnderstandEnd(StatusOf("exit 0"), {}).kind, WorkerEnd::Kind::kDone);
+  EXPECT_EQ(UnderstandEnd(StatusOf("exit 0"), {}).kind, WorkerExit::Kind::kDone);
 
   WorkerProgress last_words;
   last_words.stage = "track";
   last_words.error = "the log has no IMU";
-  const WorkerEnd failed = UnderstandEnd(StatusOf("exit 1"), last_words);
-  EXPECT_EQ(failed.kind, WorkerEnd::Kind::kFailed);
+  const WorkerExit failed = UnderstandEnd(StatusOf("exit 1"), last_words);
+  EXPECT_EQ(failed.kind, WorkerExit::Kind::kFailed);
   EXPECT_EQ(failed.code, "invalid_input");
   EXPECT_EQ(failed.sentence, "the log has no IMU");
 
   for (const auto& [said, code] :
-       {std::pair("usage", "invalid_input"), std::pair("not_found", "invalid_input"), std::pair("conflict", "internal"),
-        std::pair("disk_full", "disk_full"), std::pair("nonsense", "internal")}) {
+       {std::pair("usage", "invalid_input"), std::pair("not_found", "invalid_input"),
+        std::pair("conflict", "internal"), std::pair("disk_full", "disk_full"),
+        std::pair("nonsense", "internal")}) {
     last_words.code = said;
     EXPECT_EQ(UnderstandEnd(StatusOf("exit 2"), last_words).code, code) << said;
   }
 
-  const WorkerEnd silent = UnderstandEnd(StatusOf("exit 3"), {});
-  EXPECT_EQ(silent.kind, WorkerEnd::Kind::kFailed);
+  const WorkerExit silent = UnderstandEnd(StatusOf("exit 3"), {});
+  EXPECT_EQ(silent.kind, WorkerExit::Kind::kFailed);
   EXPECT_EQ(silent.code, "internal");
   EXPECT_EQ(silent.sentence, "the worker ended with status 3 and gave no reason");
 
-  const WorkerEnd crashed = UnderstandEnd(StatusOf("kill -SEGV $$"), last_words);
-  EXPECT_EQ(crashed.kind, WorkerEnd::Kind::kCrashed);
+  const WorkerExit crashed = UnderstandEnd(StatusOf("kill -SEGV $$"), last_words);
+  EXPECT_EQ(crashed.kind, WorkerExit::Kind::kCrashed);
   EXPECT_EQ(crashed.sentence, "the worker crashed in stage 'track': Segmentation fault");
-  EXPECT_NE(UnderstandEnd(StatusOf("kill -KILL $$"), {}).sentence.find("memory"), std::string::npos);
+  EXPECT_NE(UnderstandEnd(StatusOf("kill -KILL $$"), {}).sentence.find("memory"),
+            std::string::npos);
 }
 
 TEST(ProcessStartTime, TellsProcessesApart) {

@@ -7,21 +7,25 @@
 #include <random>
 
 #include "core/file.h"
-#include "server/map_folder/stage_products.h"
+#include "server/map_folder/stage_cache.h"
 #include "tests/server/store/temporary_root.h"
 
 namespace parkade {
 namespace {
 
-/// What a camera that looks at a grid of places sees, some of it hidden.
+/// What a camera that looks at a grid of keyframes sees, some of it hidden.
 GroundPatch RandomPatch(int camera, unsigned seed) {
   std::mt19937 random(seed);
   const auto byte = [&] { return static_cast<std::uint8_t>(random() % 256); };
-  GroundPatch patch{.drive = 0, .camera = camera, .time = {1'000'000 * static_cast<std::int64_t>(seed)}, .samples = {}};
+  GroundPatch patch{.drive = 0,
+                    .camera = camera,
+                    .time = {1'000'000 * static_cast<std::int64_t>(seed)},
+                    .samples = {}};
   for (int range = 0; range < 20; ++range)
     for (int ray = 0; ray < 30; ++ray) {
       if (random() % 4 == 0) continue;
-      const float x = 1 + 0.5F * static_cast<float>(range), y = 0.1F * static_cast<float>(ray + camera);
+      const float x = 1 + 0.5F * static_cast<float>(range),
+                  y = 0.1F * static_cast<float>(ray + camera);
       patch.samples.push_back({.point_in_body = Eigen::Vector3f(x, y, -0.01F * x),
                                .blue = byte(),
                                .green = byte(),
@@ -35,7 +39,8 @@ GroundPatch RandomPatch(int camera, unsigned seed) {
 }
 
 bool AreSame(const std::vector<GroundSample>& a, const std::vector<GroundSample>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(GroundSample)) == 0;
+  return a.size() == b.size() &&
+         std::memcmp(a.data(), b.data(), a.size() * sizeof(GroundSample)) == 0;
 }
 
 class GroundFileTest : public ::testing::Test {
@@ -82,10 +87,11 @@ TEST_F(GroundFileTest, GivesBackEveryBit) {
   }
 }
 
-TEST_F(GroundFileTest, PlacesThatEveryImageShowsCostLittle) {
+TEST_F(GroundFileTest, KeyframesThatEveryImageShowsCostLittle) {
   GroundFileWriter writer(file_, key_);
   GroundPatch patch = RandomPatch(0, 1);
-  for (GroundSample& sample : patch.samples) sample.blue = sample.green = sample.red = 90, sample.confidence = 1;
+  for (GroundSample& sample : patch.samples)
+    sample.blue = sample.green = sample.red = 90, sample.confidence = 1;
   for (int i = 0; i < 100; ++i) writer.Add(patch);
   writer.Finish({});
 
@@ -97,7 +103,8 @@ TEST_F(GroundFileTest, WhatIsOfAnotherKeyOrDamagedIsNotTaken) {
   EXPECT_EQ(GroundFile::Open(file_, KeyOf({"another"})), nullptr);
   EXPECT_EQ(GroundFile::Open(root_.path() / "none", key_), nullptr);
   const std::string whole = ReadFile(file_, 1 << 24);
-  for (const size_t length : {size_t{0}, size_t{5}, size_t{90}, whole.size() / 2, whole.size() - 1}) {
+  for (const size_t length :
+       {size_t{0}, size_t{5}, size_t{90}, whole.size() / 2, whole.size() - 1}) {
     std::ofstream(file_, std::ios::binary) << whole.substr(0, length);
     EXPECT_EQ(GroundFile::Open(file_, key_), nullptr) << length;
   }
@@ -117,7 +124,7 @@ TEST_F(GroundFileTest, StoredGroundPosesPatchesOfSeveralDrives) {
   std::vector<TrajectoryState> states(2);
   states[0].time = patches[2].time;
   states[1].time = patches[9].time;
-  states[1].odom_from_body.translation.x() = states[0].odom_from_body.translation.x() = 100;
+  states[1].world_from_body.translation.x() = states[0].world_from_body.translation.x() = 100;
 
   StoredGround ground;
   ground.Add(file, 0, Trajectory(states));

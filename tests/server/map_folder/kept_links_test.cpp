@@ -12,9 +12,9 @@
 namespace parkade {
 namespace {
 
-PlaceLink Link(size_t place_a, size_t place_b) {
-  PlaceLink link;
-  link.place_a = place_a, link.place_b = place_b;
+SessionLoop Link(size_t keyframe_a, size_t keyframe_b) {
+  SessionLoop link;
+  link.keyframe_a = keyframe_a, link.keyframe_b = keyframe_b;
   link.pose.a_from_b = {ExpSo3({0.01, -0.02, 1.5}), {1, 2, 0.5}};
   for (int row = 0; row < 6; ++row)
     for (int column = 0; column < 6; ++column)
@@ -27,7 +27,9 @@ class KeptLinksTest : public testing::Test {
   /// The report of a map of three drives, of which the first and the last are linked.
   void WriteReport(const nlohmann::json& join) {
     const nlohmann::json report = {
-        {"datum", nullptr}, {"drives", {{{"name", "one"}}, {{"name", "two"}}, {{"name", "three"}}}}, {"join", join}};
+        {"datum", nullptr},
+        {"drives", {{{"name", "one"}}, {{"name", "two"}}, {{"name", "three"}}}},
+        {"join", join}};
     WriteFileAtomically(root_.path() / "report.json", report.dump());
   }
   nlohmann::json Join() {
@@ -44,13 +46,13 @@ class KeptLinksTest : public testing::Test {
 
 TEST_F(KeptLinksTest, AreThoseThatWereBelievedToTheLastDigit) {
   WriteReport(Join());
-  const std::vector<KeptLink> links = ReadKeptLinks(FinishedMap(root_.path()), {"three", "one"});
+  const std::vector<KeptLink> links = ReadKeptLinks(MapReader(root_.path()), {"three", "one"});
   ASSERT_EQ(links.size(), 1u);
   EXPECT_EQ(links[0].drive_a, 1u);
   EXPECT_EQ(links[0].drive_b, 0u);
-  EXPECT_EQ(links[0].place_a, 3u);
-  EXPECT_EQ(links[0].place_b, 4u);
-  const PlaceLink truth = Link(3, 4);
+  EXPECT_EQ(links[0].keyframe_a, 3u);
+  EXPECT_EQ(links[0].keyframe_b, 4u);
+  const SessionLoop truth = Link(3, 4);
   EXPECT_EQ(links[0].information, truth.pose.information);
   EXPECT_EQ(links[0].a_from_b.translation, truth.pose.a_from_b.translation);
   EXPECT_LT(links[0].a_from_b.rotation.angularDistance(truth.pose.a_from_b.rotation), 1e-12);
@@ -58,13 +60,13 @@ TEST_F(KeptLinksTest, AreThoseThatWereBelievedToTheLastDigit) {
 
 TEST_F(KeptLinksTest, OfDrivesThatLeftOrOfOlderMapsThereAreNone) {
   WriteReport(Join());
-  EXPECT_TRUE(ReadKeptLinks(FinishedMap(root_.path()), {"two", "one"}).empty());
+  EXPECT_TRUE(ReadKeptLinks(MapReader(root_.path()), {"two", "one"}).empty());
   nlohmann::json older = Join();
   for (nlohmann::json& link : older["pairs"][0]["links"]) link.erase("information");
   WriteReport(older);
-  EXPECT_TRUE(ReadKeptLinks(FinishedMap(root_.path()), {"three", "one"}).empty());
+  EXPECT_TRUE(ReadKeptLinks(MapReader(root_.path()), {"three", "one"}).empty());
   WriteReport({{"pairs", {{{"a", "one"}, {"b", 3}}}}});
-  EXPECT_THROW(ReadKeptLinks(FinishedMap(root_.path()), {"three", "one"}), Error);
+  EXPECT_THROW(ReadKeptLinks(MapReader(root_.path()), {"three", "one"}), Error);
 }
 
 }  // namespace

@@ -20,7 +20,8 @@ TEST(KerbsFile, HoldsWhatWasWrittenAmongOtherThings) {
   markings.kerbs.push_back(kKerb);
   SiteDatum flat{48, 11, 0};
   flat.is_altitude_known = false;
-  for (const std::optional<SiteDatum>& datum : {std::optional<SiteDatum>{}, {SiteDatum{48, 11, 500}}, {flat}}) {
+  for (const std::optional<SiteDatum>& datum :
+       {std::optional<SiteDatum>{}, {SiteDatum{48, 11, 500}}, {flat}}) {
     WriteFileAtomically(file, EncodeMarkingsGeoJson(markings, {}, datum));
     const std::vector<Kerb> kerbs = ReadKerbs(file);
     ASSERT_EQ(kerbs.size(), 1U);

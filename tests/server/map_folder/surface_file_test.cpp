@@ -26,7 +26,8 @@ class SurfaceFile : public testing::Test {
 
 SurfaceMap HillySurface() {
   SurfaceMap surface = MakeSurface(40, 30, 0.05, [](double x, double y) { return 3 * x - 2 * y; });
-  for (SurfaceCell& cell : surface.cells) cell.x -= 20, cell.free_belief = static_cast<float>(cell.y) / 30;
+  for (SurfaceCell& cell : surface.cells)
+    cell.x -= 20, cell.free_belief = static_cast<float>(cell.y) / 30;
   return surface;
 }
 
@@ -67,7 +68,8 @@ TEST_F(SurfaceFile, IsRefusedInOneSentenceWhereDamaged) {
   std::string newer = bytes;
   newer[15] = 9;
   WriteFileAtomically(file_, newer);
-  EXPECT_NE(Message().find("is of version 9, this program reads 1"), std::string::npos) << Message();
+  EXPECT_NE(Message().find("is of version 9, this program reads 1"), std::string::npos)
+      << Message();
 }
 
 }  // namespace

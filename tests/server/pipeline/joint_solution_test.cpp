@@ -20,7 +20,8 @@ TEST(JointSolution, WhereGroundHardlyCountsItIsThatOfThePoseGraph) {
   TriangleMesh mesh;
   AddRectangle(mesh, -100, -100, 100, 100, 0);
 
-  const JointDeformation joint = DeformJointly(mesh, keyframes, measurements, {.spacing = 10, .ground_share = 1e-9});
+  const JointDeformation joint =
+      DeformJointly(mesh, keyframes, measurements, {.spacing = 10, .ground_share = 1e-9});
 
   PoseGraphOptions by_ceres;
   by_ceres.objective = "information";
@@ -28,8 +29,9 @@ TEST(JointSolution, WhereGroundHardlyCountsItIsThatOfThePoseGraph) {
   OptimizePoseGraph(by_ceres, graph);
   double apart = 0;
   for (size_t i = 0; i < graph.vertices.size(); ++i)
-    apart =
-        std::max(apart, (joint.to_from_body[i].translation - graph.vertices[i].world_from_vertex.translation).norm());
+    apart = std::max(
+        apart, (joint.to_from_body[i].translation - graph.vertices[i].world_from_vertex.translation)
+                   .norm());
   EXPECT_LT(apart, 0.005);
 }
 

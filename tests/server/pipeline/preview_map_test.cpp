@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "export/write_site_map.h"
-#include "server/map_folder/stage_products.h"
+#include "server/map_folder/stage_cache.h"
 #include "slam/sessions/stage_results.h"
 #include "tests/mapping/worlds/test_surfaces.h"
 #include "tests/server/store/temporary_root.h"
@@ -29,7 +29,7 @@ SiteMap MakeSite(const std::string& drive, const Rigid3& site_from_first) {
   for (int i = 0; i <= 400; ++i) {
     TrajectoryState& state = states.emplace_back();
     state.time = TimestampFromSeconds(0.1 * i);
-    state.odom_from_body = Rigid3{Eigen::Quaterniond::Identity(), {0.1 * i, 0, 0}};
+    state.world_from_body = Rigid3{Eigen::Quaterniond::Identity(), {0.1 * i, 0, 0}};
   }
   site.drives[0].odometry = Trajectory(std::move(states));
   site.drives[0].site_from_body_trajectory = site.drives[0].odometry.Transformed(site_from_first);
@@ -44,12 +44,14 @@ std::pair<Eigen::Vector3d, Eigen::Vector3d> BoundsOf(const std::string& glb) {
   std::pair<Eigen::Vector3d, Eigen::Vector3d> bounds;
   for (const auto& node : json.at("nodes")) {
     if (node.at("name") != "ground") continue;
-    const size_t positions = json["meshes"][node["mesh"].get<size_t>()]["primitives"][0]["attributes"]["POSITION"];
+    const size_t positions =
+        json["meshes"][node["mesh"].get<size_t>()]["primitives"][0]["attributes"]["POSITION"];
     const auto corner = [&](const char* key) {
       Eigen::Vector3d point;
       for (size_t i = 0; i < 3; ++i)
-        point[static_cast<Eigen::Index>(i)] = json["accessors"][positions][key][i].get<double>() +
-                                              (node.contains("translation") ? node["translation"][i].get<double>() : 0);
+        point[static_cast<Eigen::Index>(i)] =
+            json["accessors"][positions][key][i].get<double>() +
+            (node.contains("translation") ? node["translation"][i].get<double>() : 0);
       return Eigen::Vector3d(point.x(), -point.z(), point.y());
     };
     const Eigen::Vector3d low = corner("min"), high = corner("max");
@@ -62,18 +64,23 @@ class PreviewMapTest : public testing::Test {
  protected:
   PreviewMapTest() {
     WriteSiteMap(MakeSite("monday", {}), root_.path());
-    WriteFileAtomically(root_.path() / "report.json", R"({"datum": null, "drives": [{"name": "monday"}]})");
+    WriteFileAtomically(root_.path() / "report.json",
+                        R"({"datum": null, "drives": [{"name": "monday"}]})");
   }
   /// Of the drive, once `after` is believed where `before` was in the old map.
-  std::optional<std::string> Joint(const std::vector<LoopEvidence>& before, const std::vector<LoopEvidence>& after,
+  std::optional<std::string> Joint(const std::vector<LoopEvidence>& before,
+                                   const std::vector<LoopEvidence>& after,
                                    bool is_odometry_taken = true, const LogHashes& logs = {}) {
     LoopClosure old_loops, loops;
     const SiteMap site = MakeSite("monday", {});
     old_loops.odom_from_body = loops.odom_from_body = site.drives[0].odometry;
     old_loops.loops = before, loops.loops = after;
     std::filesystem::remove(root_.path() / "monday/loops.bin");
-    StageProducts({}, root_.path()).Get("monday/loops.bin", KeyOf({"loops"}), [&] { return EncodeLoops(old_loops); });
-    const ClosedDrive drive{"monday", kImuFromBody.Inverse(), &site.drives[0].odometry, &loops, is_odometry_taken};
+    StageCache({}, root_.path()).Get("monday/loops.bin", KeyOf({"loops"}), [&] {
+      return EncodeLoops(old_loops);
+    });
+    const ClosedDrive drive{"monday", kImuFromBody.Inverse(), &site.drives[0].odometry, &loops,
+                            is_odometry_taken};
     return EncodeJointPreview(root_.path(), logs, std::span(&drive, 1), LoopOptions{});
   }
   TemporaryRoot root_;
@@ -82,7 +89,7 @@ class PreviewMapTest : public testing::Test {
 /// The end of the drive lies by so much to the left of where it began, as seen there.
 LoopEvidence Loop(double left) {
   LoopEvidence loop;
-  loop.id = "0-20", loop.earlier_place = 0, loop.later_place = 20, loop.weight = 1;
+  loop.id = "0-20", loop.earlier_keyframe = 0, loop.later_keyframe = 20, loop.weight = 1;
   loop.later = TimestampFromSeconds(40);
   loop.pose.a_from_b.translation = {40, left, 0};
   loop.pose.information = 1e6 * Matrix6d::Identity();
@@ -107,11 +114,12 @@ TEST_F(PreviewMapTest, ComesOnceAnotherLoopIsClosed) {
 
 TEST_F(PreviewMapTest, AWithdrawnLoopLetsGoOfTheDrive) {
   SiteMap bent = MakeSite("monday", {});  // as the loop had bent it; odometry was straight
-  for (Eigen::Vector3f& vertex : bent.mesh.vertices) vertex.y() += 0.5F * std::pow(vertex.x() / 40, 2.0F);
+  for (Eigen::Vector3f& vertex : bent.mesh.vertices)
+    vertex.y() += 0.5F * std::pow(vertex.x() / 40, 2.0F);
   std::vector<TrajectoryState> states = bent.drives[0].odometry.states();
   for (TrajectoryState& state : states) {
-    Eigen::Vector3d& at = state.odom_from_body.translation;
-    state.odom_from_body.rotation = ExpSo3({0, 0, at.x() / 1600});
+    Eigen::Vector3d& at = state.world_from_body.translation;
+    state.world_from_body.rotation = ExpSo3({0, 0, at.x() / 1600});
     at.y() = 0.5 * std::pow(at.x() / 40, 2);
   }
   bent.drives[0].site_from_body_trajectory = Trajectory(std::move(states));
@@ -119,7 +127,8 @@ TEST_F(PreviewMapTest, AWithdrawnLoopLetsGoOfTheDrive) {
 
   const std::optional<std::string> preview = Joint({Loop(0.5)}, {});
   ASSERT_TRUE(preview);
-  EXPECT_NEAR(BoundsOf(*preview).second.y(), 5, 0.05) << "as the odometry saw it, not as the loop had bent it";
+  EXPECT_NEAR(BoundsOf(*preview).second.y(), 5, 0.05)
+      << "as the odometry saw it, not as the loop had bent it";
 }
 
 TEST_F(PreviewMapTest, WaitsForTheFinalOneWhereNothingWasClosedAnew) {
@@ -128,8 +137,9 @@ TEST_F(PreviewMapTest, WaitsForTheFinalOneWhereNothingWasClosedAnew) {
 }
 
 TEST_F(PreviewMapTest, DrivesOfOneNameAndOfTwoLogsAreTwo) {
-  WriteFileAtomically(root_.path() / "report.json",
-                      R"({"datum": null, "drives": [{"name": "monday", "log": {"sha256": "one"}}]})");
+  WriteFileAtomically(
+      root_.path() / "report.json",
+      R"({"datum": null, "drives": [{"name": "monday", "log": {"sha256": "one"}}]})");
   EXPECT_NO_THROW(EncodePreview(root_.path(), {{"monday", "one"}}, MakeSite("monday", {})));
   EXPECT_NO_THROW(EncodePreview(root_.path(), {}, MakeSite("monday", {}))) << "nobody says so";
   EXPECT_THROW(EncodePreview(root_.path(), {{"monday", "two"}}, MakeSite("monday", {})), Error);
@@ -151,7 +161,8 @@ TEST_F(PreviewMapTest, LeavesOutWhatOnlyADriveSawThatLeft) {
     states.resize(151);  // until x = 15
     return states;
   }());
-  EXPECT_NEAR(BoundsOf(EncodePreview(root_.path(), {}, site)).second.x(), 40, 1e-3) << "it has not left";
+  EXPECT_NEAR(BoundsOf(EncodePreview(root_.path(), {}, site)).second.x(), 40, 1e-3)
+      << "it has not left";
   WriteFileAtomically(root_.path() / "report.json",
                       R"({"datum": null, "drives": [{"name": "monday"}, {"name": "tuesday"}]})");
   const double end = BoundsOf(EncodePreview(root_.path(), {}, site)).second.x();
@@ -160,7 +171,8 @@ TEST_F(PreviewMapTest, LeavesOutWhatOnlyADriveSawThatLeft) {
 }
 
 TEST_F(PreviewMapTest, SaysWhyThereIsNone) {
-  EXPECT_THROW(EncodePreview(root_.path(), {}, MakeSite("tuesday", {})), Error) << "no drive in common";
+  EXPECT_THROW(EncodePreview(root_.path(), {}, MakeSite("tuesday", {})), Error)
+      << "no drive in common";
   std::filesystem::remove(root_.path() / "ground.ply");
   EXPECT_THROW(EncodePreview(root_.path(), {}, MakeSite("monday", {})), Error);
 }

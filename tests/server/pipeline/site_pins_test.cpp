@@ -17,15 +17,16 @@ namespace fs = std::filesystem;
 
 const SiteDatum kTruth{48.137154, 11.576124, 519.3};
 
-/// A circle of 20 m around `centre`, once in 20 s.
-SiteDrive DriveOf(const std::string& name, double begin, const Eigen::Vector3d& centre) {
+/// A circle of 20 m around `center`, once in 20 s.
+SiteDrive DriveOf(const std::string& name, double begin, const Eigen::Vector3d& center) {
   std::vector<TrajectoryState> states;
   for (int i = 0; i < 400; ++i) {
     const double angle = 2 * M_PI * i / 400;
     TrajectoryState& state = states.emplace_back();
     state.time = TimestampFromSeconds(begin) + 0.05 * i;
-    state.odom_from_body = {Eigen::Quaterniond(Eigen::AngleAxisd(angle + M_PI / 2, Eigen::Vector3d::UnitZ())),
-                            centre + 20 * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0)};
+    state.world_from_body = {
+        Eigen::Quaterniond(Eigen::AngleAxisd(angle + M_PI / 2, Eigen::Vector3d::UnitZ())),
+        center + 20 * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0)};
   }
   SiteDrive drive;
   drive.name = name;
@@ -69,8 +70,8 @@ class SitePins : public testing::Test {
     const Eigen::Vector3d point = site_from_truth * true_point;
     const Geodetic place = GeodeticFromSite(kTruth, true_point);
     char text[200];
-    std::snprintf(text, sizeof text, "%.6f,%.6f,%.6f=%.10f,%.10f,%.4f", point.x(), point.y(), point.z(),
-                  place.latitude_deg, place.longitude_deg, place.altitude);
+    std::snprintf(text, sizeof text, "%.6f,%.6f,%.6f=%.10f,%.10f,%.4f", point.x(), point.y(),
+                  point.z(), place.latitude_deg, place.longitude_deg, place.altitude);
     return text;
   }
 
@@ -89,10 +90,11 @@ class SitePins : public testing::Test {
     double worst = 0;
     const SiteMap truth = MapSeenFrom({});
     for (const SiteDrive& drive : map.drives) {
-      const auto of_truth = std::find_if(truth.drives.begin(), truth.drives.end(),
-                                         [&](const SiteDrive& candidate) { return candidate.name == drive.name; });
+      const auto of_truth =
+          std::find_if(truth.drives.begin(), truth.drives.end(),
+                       [&](const SiteDrive& candidate) { return candidate.name == drive.name; });
       for (const TrajectoryState& state : drive.site_from_body_trajectory.states()) {
-        const Eigen::Vector3d found = EarthFromSite(*map.datum) * state.odom_from_body.translation;
+        const Eigen::Vector3d found = EarthFromSite(*map.datum) * state.world_from_body.translation;
         const Rigid3 true_pose = *of_truth->site_from_body_trajectory.At(state.time);
         worst = std::max(worst, (found - EarthFromSite(kTruth) * true_pose.translation).norm());
       }
@@ -102,7 +104,8 @@ class SitePins : public testing::Test {
 
   const fs::path folder_ = fs::path(testing::TempDir()) / ("pins_" + std::to_string(::getpid()));
   const Rigid3 first_frame_ = Turned(1, {100, -40, 3});
-  const std::vector<std::string> texts_ = {Pin(first_frame_, {22, 3, 0.5}), Pin(first_frame_, {-25, -4, 0})};
+  const std::vector<std::string> texts_ = {Pin(first_frame_, {22, 3, 0.5}),
+                                           Pin(first_frame_, {-25, -4, 0})};
 };
 
 TEST_F(SitePins, ReachEarthThroughABuildWithAnotherFrame) {
@@ -160,13 +163,15 @@ TEST_F(SitePins, OverruleGnssAndTellHowFarItWasOff) {
   EXPECT_NEAR(json.at("pins_from_gnss").at("position").at(0), -30, 0.6);
   EXPECT_NEAR(json.at("pins_from_gnss").at("yaw"), -0.1, 1e-3);
   ASSERT_EQ(pinning.warnings.size(), 1U);
-  EXPECT_NE(pinning.warnings[0].find("30 m from where GNSS has it"), std::string::npos) << pinning.warnings[0];
+  EXPECT_NE(pinning.warnings[0].find("30 m from where GNSS has it"), std::string::npos)
+      << pinning.warnings[0];
 }
 
 TEST_F(SitePins, ThatMakeNoSenseAreRefusedInOneSentence) {
   WriteMap(MapSeenFrom(first_frame_), {});
   const auto expect = [&](const std::vector<std::string>& pins, const std::string& part) {
-    EXPECT_NE(SentenceOf(pins).find(part), std::string::npos) << SentenceOf(pins) << " has no " << part;
+    EXPECT_NE(SentenceOf(pins).find(part), std::string::npos)
+        << SentenceOf(pins) << " has no " << part;
   };
   EXPECT_EQ(SentenceOf(texts_), "");
   expect({texts_[0]}, "two points or more");
@@ -174,7 +179,8 @@ TEST_F(SitePins, ThatMakeNoSenseAreRefusedInOneSentence) {
   expect({texts_[0], "nobody:" + texts_[1]}, "no drive 'nobody', but: monday, tuesday");
   expect({texts_[0], Pin(first_frame_, {300, 40, 0})}, "m from where a drive passed");
   expect({texts_[0], Pin(Turned(1, {100, -35, 3}), {-25, -4, 0})}, "do not fit each other");
-  for (const char* text : {"", "1,2,3", "1,2=48,11", "1,2,3=48", "1,2,3=48,11,5,6", "1,2,x=48,11", "1,2,3=48,11,"})
+  for (const char* text :
+       {"", "1,2,3", "1,2=48,11", "1,2,3=48", "1,2,3=48,11,5,6", "1,2,x=48,11", "1,2,3=48,11,"})
     expect({texts_[0], text}, "is not [DRIVE:]X,Y,Z=LAT,LON[,HEIGHT]");
   expect({texts_[0], "1,2,3=95,11"}, "latitude of pin 2");
 }

@@ -13,15 +13,18 @@ namespace {
 class JobQueue : public StoreTest {
  protected:
   Job JobNow() {
-    return store_.database.Read([&](Connection& connection) { return FindJob(connection, received_.job.id); });
+    return store_.database.Read(
+        [&](Connection& connection) { return FindJob(connection, received_.job.id); });
   }
   Drive DriveNow() {
-    return store_.database.Read([&](Connection& connection) { return FindDrive(connection, received_.drive.id); });
+    return store_.database.Read(
+        [&](Connection& connection) { return FindDrive(connection, received_.drive.id); });
   }
 
   void MakeReady(const std::string& drive) {
-    store_.database.Write(
-        [&](Connection& connection) { SetDriveState(connection, drive, DriveState::kReady, std::nullopt); });
+    store_.database.Write([&](Connection& connection) {
+      SetDriveState(connection, drive, DriveState::kReady, std::nullopt);
+    });
   }
 
   ReceivedDrive received_ = Receive(store_, "a log", {"a.bag", "lot", std::nullopt});
@@ -30,7 +33,8 @@ class JobQueue : public StoreTest {
 TEST_F(JobQueue, GivesOutTheOldestJobOnce) {
   const ReceivedDrive later = Receive(store_, "later", {"b.bag", "lot", std::nullopt});
 
-  const std::optional<Job> first = ClaimJob(store_), second = ClaimJob(store_), third = ClaimJob(store_);
+  const std::optional<Job> first = ClaimJob(store_), second = ClaimJob(store_),
+                           third = ClaimJob(store_);
 
   EXPECT_EQ(first->id, received_.job.id);
   EXPECT_EQ(first->attempt, 1);
@@ -124,7 +128,8 @@ TEST_F(JobQueue, ADriveDeletedMeanwhileIsLeftOut) {
 TEST_F(JobQueue, AnEndedJobIsRetriedWithTheDrivesThatAreLeft) {
   const ReceivedDrive second = Receive(store_, "second", {"b.bag", "lot", std::nullopt});
   const Job both = QueueMap(store_, "lot", {}, /*merge_drives=*/true);
-  for (const std::string& job : {received_.job.id, second.job.id, both.id}) CancelWaitingJob(store_, job);
+  for (const std::string& job : {received_.job.id, second.job.id, both.id})
+    CancelWaitingJob(store_, job);
   DeleteDrive(store_, received_.drive.id);
 
   EXPECT_EQ(RetryJob(store_, both.id).drives, std::vector{second.drive.id});
@@ -150,7 +155,8 @@ TEST_F(JobQueue, AMapIsBuiltFromChosenDrivesOfTheSite) {
 class GrowingSite : public StoreTest {
  protected:
   ReceivedDrive Upload(const std::string& name) {
-    return Receive(store_, "log " + name, {name + ".bag", "lot", std::nullopt}, /*merge_drives=*/true);
+    return Receive(store_, "log " + name, {name + ".bag", "lot", std::nullopt},
+                   /*merge_drives=*/true);
   }
   void Publish(const Job& job) {
     const auto out = store_.directory.AttemptFolder(job.id, job.attempt) / "out";
@@ -166,7 +172,8 @@ class GrowingSite : public StoreTest {
     }
   }
   DriveState StateOf(const ReceivedDrive& received) {
-    return store_.database.Read([&](Connection& connection) { return FindDrive(connection, received.drive.id).state; });
+    return store_.database.Read(
+        [&](Connection& connection) { return FindDrive(connection, received.drive.id).state; });
   }
 };
 
@@ -182,8 +189,10 @@ TEST_F(GrowingSite, IsJoinedAsItIsWhenTheJobStarts) {
 
   const Job third = *ClaimJob(store_);
   EXPECT_EQ(third.drives, (std::vector{a.drive.id, c.drive.id}));
-  EXPECT_EQ(store_.database.Read([&](Connection& connection) { return FindJob(connection, c.job.id); }).drives,
-            third.drives);
+  EXPECT_EQ(
+      store_.database.Read([&](Connection& connection) { return FindJob(connection, c.job.id); })
+          .drives,
+      third.drives);
 }
 
 TEST_F(GrowingSite, IsJoinedWithoutADriveWhoseJobWasCancelled) {
@@ -204,16 +213,19 @@ TEST_F(GrowingSite, IsJoinedByAJobThatIsTriedAgain) {
   const Job again = *ClaimJob(store_);
   EXPECT_EQ(again.drives, (std::vector{a.drive.id, b.drive.id}));
   Publish(again);
-  const MapVersion latest = store_.database.Read([&](Connection& connection) { return FindMap(connection, "lot", 2); });
+  const MapVersion latest =
+      store_.database.Read([&](Connection& connection) { return FindMap(connection, "lot", 2); });
   EXPECT_EQ(latest.drives.size(), 2u);
 }
 
 TEST_F(GrowingSite, IsJoinedByOneJobAfterTheOther) {
   const ReceivedDrive a = Upload("a"), b = Upload("b");
-  const ReceivedDrive elsewhere = Receive(store_, "other", {"other.bag", "garage", std::nullopt}, true);
+  const ReceivedDrive elsewhere =
+      Receive(store_, "other", {"other.bag", "garage", std::nullopt}, true);
 
   const Job first = *ClaimJob(store_);
-  EXPECT_EQ(ClaimJob(store_)->id, elsewhere.job.id) << "another worker does not wait for another site";
+  EXPECT_EQ(ClaimJob(store_)->id, elsewhere.job.id)
+      << "another worker does not wait for another site";
   EXPECT_FALSE(ClaimJob(store_).has_value());
   EXPECT_EQ(StateOf(b), DriveState::kQueued);
   Publish(first);
@@ -249,7 +261,8 @@ TEST_F(GrowingSite, IsNotMappedAnewForADriveThatWasDeleted) {
 TEST_F(GrowingSite, TakesTheNewDriveOfEqualLogs) {
   const ReceivedDrive a = Upload("a");
   FailJob(store_, *ClaimJob(store_), "internal", "no luck");
-  const ReceivedDrive copy = Receive(store_, "log a", {"copy.bag", "lot", std::nullopt}, /*merge_drives=*/true);
+  const ReceivedDrive copy =
+      Receive(store_, "log a", {"copy.bag", "lot", std::nullopt}, /*merge_drives=*/true);
   Publish(*ClaimJob(store_));
   RetryJob(store_, a.job.id);
 

@@ -18,13 +18,15 @@ class PublishedMap : public StoreTest {
     const auto staging = store_.directory.AttemptFolder(received_.job.id, 1) / "out";
     WriteText(staging / "map.glb", "glTF");
     WriteText(staging / "tiles" / "0.glb", "tile");
-    WriteText(staging / "report.json", R"({"datum": {"latitude_deg": 48.1, "longitude_deg": 11.5, "altitude": 500},
+    WriteText(staging / "report.json",
+              R"({"datum": {"latitude_deg": 48.1, "longitude_deg": 11.5, "altitude": 500},
       "bounds": {"min": [0, 0, 0], "max": [1, 1, 1]}, "drives": [{"name": "a", "streams": [{"topic": "/imu"}]}]})");
     return staging;
   }
   void ExpectNothingPublished() {
     EXPECT_TRUE(ContentOf(store_.directory.MapsFolder()).empty());
-    EXPECT_THROW(store_.database.Read([](Connection& connection) { return LatestMapVersion(connection, "lot"); }),
+    EXPECT_THROW(store_.database.Read(
+                     [](Connection& connection) { return LatestMapVersion(connection, "lot"); }),
                  Error);
   }
 
@@ -77,13 +79,14 @@ TEST_F(PublishedMap, ADriveThatTheWorkerLeftOutFailsWithTheReason) {
   const Job both = (QueueMap(store_, "lot", {}, true), *ClaimJob(store_));
   const auto staging = store_.directory.AttemptFolder(both.id, 1) / "out";
   WriteText(staging / "map.glb", "glTF");
-  WriteText(staging / "report.json", R"({"left_out": [{"name": "b", "reason": "no places in common"}]})");
+  WriteText(staging / "report.json",
+            R"({"left_out": [{"name": "b", "reason": "no places in common"}]})");
   const MapVersion map = PublishMap(store_, both, SealMap(staging));
 
   ASSERT_EQ(map.drives.size(), 1u);
   EXPECT_EQ(map.drives[0].name, "a");
-  const Drive left_out =
-      store_.database.Read([&](Connection& connection) { return FindDrive(connection, both.drives[1]); });
+  const Drive left_out = store_.database.Read(
+      [&](Connection& connection) { return FindDrive(connection, both.drives[1]); });
   EXPECT_EQ(left_out.state, DriveState::kFailed);
   EXPECT_EQ(left_out.error, "left out of version 2: no places in common");
 }
@@ -93,15 +96,16 @@ TEST_F(PublishedMap, ADriveStaysReadyWhenALaterJobFails) {
   QueueMap(store_, "lot", {}, false);
   FailJob(store_, *ClaimJob(store_), "internal", "no luck");
 
-  const Drive drive =
-      store_.database.Read([&](Connection& connection) { return FindDrive(connection, received_.drive.id); });
+  const Drive drive = store_.database.Read(
+      [&](Connection& connection) { return FindDrive(connection, received_.drive.id); });
   EXPECT_EQ(drive.state, DriveState::kReady);
 }
 
 TEST_F(PublishedMap, KeepsItsDriveReadyWhileALaterJobWaitsAndRuns) {
   PublishMap(store_, job_, SealMap(Stage()));
   const auto drive_now = [&] {
-    return store_.database.Read([&](Connection& connection) { return FindDrive(connection, received_.drive.id); });
+    return store_.database.Read(
+        [&](Connection& connection) { return FindDrive(connection, received_.drive.id); });
   };
 
   QueueMap(store_, "lot", {}, false);
@@ -141,7 +145,8 @@ TEST_F(PublishedMap, IsReviewedWithoutTheDrivesThatWereDeleted) {
 
   const Job review = QueueMap(store_, "lot", {}, true, {.from_version = 2});
   EXPECT_EQ(review.drives, std::vector{b});
-  EXPECT_THROW(QueueMap(store_, "lot", {a}, true, {.from_version = 2}), Error) << "named by the caller";
+  EXPECT_THROW(QueueMap(store_, "lot", {a}, true, {.from_version = 2}), Error)
+      << "named by the caller";
 
   CancelWaitingJob(store_, review.id);
   DeleteDrive(store_, b);

@@ -8,7 +8,8 @@ namespace {
 
 TEST(ReportSummary, TakesWhatIsThereAndMissesNothingElse) {
   const TemporaryRoot root;
-  WriteText(root.path() / "report.json", R"({"datum": null, "drives": [{"name": "a"}, 7, {"streams": []}]})");
+  WriteText(root.path() / "report.json",
+            R"({"datum": null, "drives": [{"name": "a"}, 7, {"streams": []}]})");
 
   const ReportSummary summary = ReadReportSummary(root.path() / "report.json");
 

@@ -10,11 +10,13 @@
 namespace parkade {
 namespace {
 
-const RigFiles kRig = {
-    {"camchain-imucam.yaml", "cam0: {}"}, {"imu0.yaml", "rostopic: /imu"}, {"vehicle.yaml", "wheelbase: 2.7"}};
+const RigFiles kRig = {{"camchain-imucam.yaml", "cam0: {}"},
+                       {"imu0.yaml", "rostopic: /imu"},
+                       {"vehicle.yaml", "wheelbase: 2.7"}};
 
 /// A zip with entries as named, for names that PackRig would not write.
-std::string ZipOf(const std::vector<std::pair<std::string, std::string>>& entries, unsigned type = AE_IFREG) {
+std::string ZipOf(const std::vector<std::pair<std::string, std::string>>& entries,
+                  unsigned type = AE_IFREG) {
   std::string zip(1 << 20, '\0');
   size_t used = 0;
   archive* writer = archive_write_new();
@@ -50,7 +52,8 @@ TEST(RigArchive, DropsTheFolderAroundTheFiles) {
 }
 
 TEST(RigArchive, RefusesWhatCouldLeadElsewhere) {
-  for (const char* name : {"../imu0.yaml", "/imu0.yaml", "a/b/imu0.yaml", "a/../imu0.yaml", ".imu0.yaml", "imu 0.yaml"})
+  for (const char* name : {"../imu0.yaml", "/imu0.yaml", "a/b/imu0.yaml", "a/../imu0.yaml",
+                           ".imu0.yaml", "imu 0.yaml"})
     EXPECT_THROW(UnpackRig(ZipOf({{name, "a"}})), Error) << name;
   EXPECT_THROW(UnpackRig(ZipOf({{"imu0.yaml", "/etc/passwd"}}, AE_IFLNK)), Error);
   EXPECT_THROW(UnpackRig(ZipOf({{"imu0.yaml", "a"}, {"x/imu0.yaml", "b"}})), Error);
@@ -70,10 +73,12 @@ TEST_F(RigStore, KeepsTheNewestRevisionOfAName) {
   const StoredRig second = StoreRig(store_, "car", changed, nullptr);
   StoreRig(store_, "van", kRig, nullptr);
 
-  const auto found = store_.database.Read([](Connection& connection) { return FindRig(connection, "car"); });
+  const auto found =
+      store_.database.Read([](Connection& connection) { return FindRig(connection, "car"); });
   EXPECT_EQ(found->id, second.id);
   EXPECT_EQ(UnpackRig(ReadRigArchive(store_, *found)), changed);
-  const auto all = store_.database.Read([](Connection& connection) { return ListRigs(connection, {}); });
+  const auto all =
+      store_.database.Read([](Connection& connection) { return ListRigs(connection, {}); });
   ASSERT_EQ(all.size(), 2u);
   EXPECT_EQ(all[0].name, "van");
 }
@@ -83,7 +88,9 @@ TEST_F(RigStore, ARefusedRigLeavesNothing) {
   incomplete.erase("imu0.yaml");
   EXPECT_THROW(StoreRig(store_, "car", incomplete, nullptr), Error);
   EXPECT_THROW(StoreRig(store_, "../car", kRig, nullptr), Error);
-  const auto refuse = [](const std::filesystem::path&) { throw Error(ErrorCode::kInvalidInput, "no such lens"); };
+  const auto refuse = [](const std::filesystem::path&) {
+    throw Error(ErrorCode::kInvalidInput, "no such lens");
+  };
   EXPECT_THROW(StoreRig(store_, "car", kRig, refuse), Error);
 
   EXPECT_TRUE(ContentOf(store_.directory.RigsFolder()).empty());

@@ -18,7 +18,8 @@ TEST(Store, OpensAgainWithRowsInEveryTable) {
   {
     Store store(root.path());
     const ReceivedDrive received = Receive(store, "a log", {"a.bag", "lot", std::nullopt});
-    StoreRig(store, "car", {{"camchain-imucam.yaml", ""}, {"imu0.yaml", ""}, {"vehicle.yaml", ""}}, nullptr);
+    StoreRig(store, "car", {{"camchain-imucam.yaml", ""}, {"imu0.yaml", ""}, {"vehicle.yaml", ""}},
+             nullptr);
     const Job job = *ClaimJob(store);
     const auto staging = store.directory.AttemptFolder(job.id, 1) / "out";
     WriteText(staging / "map.glb", "glTF");
@@ -26,9 +27,11 @@ TEST(Store, OpensAgainWithRowsInEveryTable) {
     PublishMap(store, job, SealMap(staging));
   }
   Store store(root.path());
-  for (const char* table : {"sites", "rigs", "drives", "jobs", "job_drives", "maps", "map_files", "map_drives"}) {
-    const bool has_rows = store.database.Read(
-        [&](Connection& connection) { return connection.Query(std::string("SELECT 1 FROM ") + table).Step(); });
+  for (const char* table :
+       {"sites", "rigs", "drives", "jobs", "job_drives", "maps", "map_files", "map_drives"}) {
+    const bool has_rows = store.database.Read([&](Connection& connection) {
+      return connection.Query(std::string("SELECT 1 FROM ") + table).Step();
+    });
     EXPECT_TRUE(has_rows) << table;
   }
 }
@@ -62,7 +65,8 @@ TEST_F(ReconciledFiles, QuarantineWhatHasNone) {
 
 TEST_F(ReconciledFiles, FinishADeletionThatWasCutShort) {
   const ReceivedDrive received = Receive(store_, "a log", {"a.bag", "lot", std::nullopt});
-  store_.database.Write([&](Connection& connection) { MarkDriveDeleted(connection, received.drive.id); });
+  store_.database.Write(
+      [&](Connection& connection) { MarkDriveDeleted(connection, received.drive.id); });
 
   ReconcileFiles(store_);
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "server/store/durable_file.h"
-#include "server/store/intake.h"
+#include "server/store/receive_upload.h"
 #include "server/store/store.h"
 #include "tests/server/store/temporary_root.h"
 
@@ -19,15 +19,16 @@ inline void WriteText(const std::filesystem::path& file, const std::string& text
   std::ofstream(file, std::ios::binary) << text;
 }
 
-/// Everything below a folder, as relative paths; folders end with '/'. Read again where something goes meanwhile, as
-/// when a job that has ended is tidied up.
+/// Everything below a folder, as relative paths; folders end with '/'. Read again where something
+/// goes meanwhile, as when a job that has ended is tidied up.
 inline std::set<std::string> ContentOf(const std::filesystem::path& folder) {
   constexpr int kTries = 100;
   for (int i = 1;; ++i) {
     try {
       std::set<std::string> names;
       for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
-        names.insert(entry.path().lexically_relative(folder).string() + (entry.is_directory() ? "/" : ""));
+        names.insert(entry.path().lexically_relative(folder).string() +
+                     (entry.is_directory() ? "/" : ""));
       return names;
     } catch (const std::filesystem::filesystem_error&) {
       if (i == kTries) throw;

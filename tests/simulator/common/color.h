@@ -11,6 +11,8 @@ inline Color Rgb(float red, float green, float blue) { return Color(red, green, 
 inline Color Gray(float value) { return Color(value, value, value, 0); }
 
 /// Rec. 709 luminance.
-inline float Luminance(const Color& color) { return 0.2126f * color[0] + 0.7152f * color[1] + 0.0722f * color[2]; }
+inline float Luminance(const Color& color) {
+  return 0.2126f * color[0] + 0.7152f * color[1] + 0.0722f * color[2];
+}
 
 }  // namespace parkade::simulator

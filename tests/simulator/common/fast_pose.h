@@ -11,9 +11,14 @@ struct FastPose {
 
   FastPose() = default;
   explicit FastPose(const Rigid3& motion)
-      : rotation(motion.rotation.toRotationMatrix().cast<float>()), translation(motion.translation.cast<float>()) {}
-  Eigen::Vector3f operator*(const Eigen::Vector3f& point) const { return rotation * point + translation; }
-  Eigen::Vector3f ToSource(const Eigen::Vector3f& point) const { return rotation.transpose() * (point - translation); }
+      : rotation(motion.rotation.toRotationMatrix().cast<float>()),
+        translation(motion.translation.cast<float>()) {}
+  Eigen::Vector3f operator*(const Eigen::Vector3f& point) const {
+    return rotation * point + translation;
+  }
+  Eigen::Vector3f ToSource(const Eigen::Vector3f& point) const {
+    return rotation.transpose() * (point - translation);
+  }
 };
 
 }  // namespace parkade::simulator

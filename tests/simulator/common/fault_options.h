@@ -88,13 +88,14 @@ struct StrongSlip {
   }
 };
 
-/// What goes wrong with a drive. By default nothing. Where a fault concerns the calibration, the rig that is handed
-/// out is the wrong (nominal) one.
+/// What goes wrong with a drive. By default nothing. Where a fault concerns the calibration, the
+/// rig that is handed out is the wrong (nominal) one.
 struct FaultOptions {
-  std::vector<double> extrinsic_rotation_deg;    ///< per camera; one number: of all. In a random direction
+  std::vector<double>
+      extrinsic_rotation_deg;  ///< per camera; one number: of all. In a random direction
   std::vector<double> extrinsic_translation_cm;  ///< the same
-  std::vector<double> time_offsets;              ///< [s] per camera: t_imu = stamp + offset; the rig says 0
-  bool hides_line_delay = false;                 ///< the rig says 0 although the shutter rolls
+  std::vector<double> time_offsets;  ///< [s] per camera: t_imu = stamp + offset; the rig says 0
+  bool hides_line_delay = false;     ///< the rig says 0 although the shutter rolls
   MirrorMove mirror;
   Occlusion occlusion;
   TimeWindow darkness;  ///< of all cameras
@@ -104,7 +105,7 @@ struct FaultOptions {
   StrongSlip slip;
   double duplicates = 0;     ///< share of the records of each sensor that is written twice
   double unordered = 0;      ///< share that is written after its successor
-  double corrupt_jpegs = 0;  ///< share of pictures that is damaged or cut off
+  double corrupt_jpegs = 0;  ///< share of images that is damaged or cut off
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {

@@ -21,11 +21,13 @@ LampField::LampField(std::vector<Lamp> lamps) : lamps_(std::move(lamps)) {
     for (int y = 0; y < size_.y(); ++y)
       for (int x = 0; x < size_.x(); ++x)
         for (std::uint32_t i = 0; i < lamps_.size(); ++i) {
-          const Eigen::Array3f low = min_.array() + kCell * Eigen::Array3f(static_cast<float>(x), static_cast<float>(y),
-                                                                           static_cast<float>(z));
+          const Eigen::Array3f low =
+              min_.array() + kCell * Eigen::Array3f(static_cast<float>(x), static_cast<float>(y),
+                                                    static_cast<float>(z));
           const Eigen::Array3f place = lamps_[i].position.array();
           const float away = (low - place).max(place - low - kCell).max(0.0f).matrix().norm();
-          if (away < kReach) cells_[static_cast<size_t>((z * size_.y() + y) * size_.x() + x)].push_back(i);
+          if (away < kReach)
+            cells_[static_cast<size_t>((z * size_.y() + y) * size_.x() + x)].push_back(i);
         }
 }
 
@@ -37,7 +39,8 @@ const std::vector<std::uint32_t>& LampField::Near(const Eigen::Vector3f& point) 
   return cells_[static_cast<size_t>((cell.z() * size_.y() + cell.y()) * size_.x() + cell.x())];
 }
 
-Color LampField::Irradiance(const Lamp& lamp, const Eigen::Vector3f& point, const Eigen::Vector3f& normal) {
+Color LampField::Irradiance(const Lamp& lamp, const Eigen::Vector3f& point,
+                            const Eigen::Vector3f& normal) {
   const Eigen::Vector3f to_lamp = lamp.position - point;
   const float squared = std::max(0.04f, to_lamp.squaredNorm());
   if (squared > kReach * kReach) return Gray(0);

@@ -29,7 +29,8 @@ class LampField {
   const std::vector<Lamp>& lamps() const { return lamps_; }
 
   /// Irradiance of one lamp at a surface, as if nothing stood between.
-  static Color Irradiance(const Lamp& lamp, const Eigen::Vector3f& point, const Eigen::Vector3f& normal);
+  static Color Irradiance(const Lamp& lamp, const Eigen::Vector3f& point,
+                          const Eigen::Vector3f& normal);
 
   /// Of all lamps near the point, as if nothing stood between.
   Color Irradiance(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;

@@ -19,14 +19,16 @@ void Mesh::AddTriangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, Materi
 }
 
 void Mesh::AddQuad(const std::array<Eigen::Vector3d, 4>& corners, MaterialId material) {
-  const Eigen::Vector3d normal = (corners[2] - corners[0]).cross(corners[3] - corners[1]).normalized();
+  const Eigen::Vector3d normal =
+      (corners[2] - corners[0]).cross(corners[3] - corners[1]).normalized();
   std::array<std::uint32_t, 4> index{};
   for (size_t i = 0; i < 4; ++i) index[i] = AddVertex(corners[i], normal);
   AddTriangle(index[0], index[1], index[2], material);
   AddTriangle(index[0], index[2], index[3], material);
 }
 
-void Mesh::AddBox(const Eigen::Vector3d& center, const Eigen::Vector3d& half_size, double yaw, MaterialId material) {
+void Mesh::AddBox(const Eigen::Vector3d& center, const Eigen::Vector3d& half_size, double yaw,
+                  MaterialId material) {
   const Eigen::AngleAxisd turn(yaw, Eigen::Vector3d::UnitZ());
   const auto corner = [&](int x, int y, int z) -> Eigen::Vector3d {
     return center + turn * Eigen::Vector3d(x * half_size.x(), y * half_size.y(), z * half_size.z());
@@ -39,8 +41,8 @@ void Mesh::AddBox(const Eigen::Vector3d& center, const Eigen::Vector3d& half_siz
   AddQuad({corner(-1, -1, -1), corner(1, -1, -1), corner(1, -1, 1), corner(-1, -1, 1)}, material);
 }
 
-void Mesh::AddCylinder(const Eigen::Vector3d& base, const Eigen::Vector3d& top, double base_radius, double top_radius,
-                       MaterialId material, int num_sides) {
+void Mesh::AddCylinder(const Eigen::Vector3d& base, const Eigen::Vector3d& top, double base_radius,
+                       double top_radius, MaterialId material, int num_sides) {
   const Eigen::Vector3d axis = (top - base).normalized();
   const Eigen::Vector3d u = axis.unitOrthogonal(), v = axis.cross(u);
   const std::uint32_t first = static_cast<std::uint32_t>(positions.size());
@@ -73,10 +75,13 @@ void Mesh::AddSheet(int columns, int rows, const std::function<Eigen::Vector3d(i
   const std::uint32_t first = static_cast<std::uint32_t>(positions.size());
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {
-      const Eigen::Vector3d along_i = position(std::min(i + 1, columns - 1), j) - position(std::max(i - 1, 0), j);
-      const Eigen::Vector3d along_j = position(i, std::min(j + 1, rows - 1)) - position(i, std::max(j - 1, 0));
+      const Eigen::Vector3d along_i =
+          position(std::min(i + 1, columns - 1), j) - position(std::max(i - 1, 0), j);
+      const Eigen::Vector3d along_j =
+          position(i, std::min(j + 1, rows - 1)) - position(i, std::max(j - 1, 0));
       const Eigen::Vector3d normal = along_i.cross(along_j);
-      AddVertex(position(i, j), normal.norm() > 1e-12 ? normal.normalized() : Eigen::Vector3d::UnitZ());
+      AddVertex(position(i, j),
+                normal.norm() > 1e-12 ? normal.normalized() : Eigen::Vector3d::UnitZ());
     }
   }
   for (int j = 0; j + 1 < rows; ++j) {
@@ -89,14 +94,18 @@ void Mesh::AddSheet(int columns, int rows, const std::function<Eigen::Vector3d(i
   }
 }
 
-void Mesh::AddPatchedSheet(int columns, int rows, const std::function<Eigen::Vector3d(int, int)>& position,
-                           const std::function<std::optional<MaterialId>(int, int)>& cell_material) {
+void Mesh::AddPatchedSheet(
+    int columns, int rows, const std::function<Eigen::Vector3d(int, int)>& position,
+    const std::function<std::optional<MaterialId>(int, int)>& cell_material) {
   std::vector<std::int64_t> indices(static_cast<size_t>(columns) * static_cast<size_t>(rows), -1);
   const auto vertex = [&](int i, int j) {
-    std::int64_t& index = indices[static_cast<size_t>(j) * static_cast<size_t>(columns) + static_cast<size_t>(i)];
+    std::int64_t& index =
+        indices[static_cast<size_t>(j) * static_cast<size_t>(columns) + static_cast<size_t>(i)];
     if (index < 0) {
-      const Eigen::Vector3d along_i = position(std::min(i + 1, columns - 1), j) - position(std::max(i - 1, 0), j);
-      const Eigen::Vector3d along_j = position(i, std::min(j + 1, rows - 1)) - position(i, std::max(j - 1, 0));
+      const Eigen::Vector3d along_i =
+          position(std::min(i + 1, columns - 1), j) - position(std::max(i - 1, 0), j);
+      const Eigen::Vector3d along_j =
+          position(i, std::min(j + 1, rows - 1)) - position(i, std::max(j - 1, 0));
       index = AddVertex(position(i, j), along_i.cross(along_j).normalized());
     }
     return static_cast<std::uint32_t>(index);
@@ -105,25 +114,26 @@ void Mesh::AddPatchedSheet(int columns, int rows, const std::function<Eigen::Vec
     for (int i = 0; i + 1 < columns; ++i) {
       const std::optional<MaterialId> material = cell_material(i, j);
       if (!material) continue;
-      const std::uint32_t a = vertex(i, j), b = vertex(i + 1, j), c = vertex(i + 1, j + 1), d = vertex(i, j + 1);
+      const std::uint32_t a = vertex(i, j), b = vertex(i + 1, j), c = vertex(i + 1, j + 1),
+                          d = vertex(i, j + 1);
       AddTriangle(a, b, c, *material);
       AddTriangle(a, c, d, *material);
     }
   }
 }
 
-void Mesh::AddBlob(const Eigen::Vector3d& center, const Eigen::Vector3d& radii, double bumpiness, std::uint32_t seed,
-                   MaterialId material, int detail) {
+void Mesh::AddBlob(const Eigen::Vector3d& center, const Eigen::Vector3d& radii, double bumpiness,
+                   std::uint32_t seed, MaterialId material, int detail) {
   const auto position = [&](int i, int j) -> Eigen::Vector3d {
     const double azimuth = 2 * M_PI * (i % (2 * detail)) / (2 * detail),
                  elevation = M_PI * (static_cast<double>(j) / detail - 0.5);
-    const Eigen::Vector3d out(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
-                              std::sin(elevation));
+    const Eigen::Vector3d out(std::cos(elevation) * std::cos(azimuth),
+                              std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
     // Two planes of noise make bumps that close around the ellipsoid.
-    const float bump =
-        FractalNoise(static_cast<float>(2.7 * out.x() + 3), static_cast<float>(2.7 * out.y() + 1.3 * out.z()), 3,
-                     seed) +
-        FractalNoise(static_cast<float>(2.7 * out.z()), static_cast<float>(2.7 * out.y() - out.x()), 3, seed + 7);
+    const float bump = FractalNoise(static_cast<float>(2.7 * out.x() + 3),
+                                    static_cast<float>(2.7 * out.y() + 1.3 * out.z()), 3, seed) +
+                       FractalNoise(static_cast<float>(2.7 * out.z()),
+                                    static_cast<float>(2.7 * out.y() - out.x()), 3, seed + 7);
     return center + (1 + bumpiness * bump) * out.cwiseProduct(radii);
   };
   AddSheet(2 * detail + 1, detail + 1, position, [&](int, int) { return material; });
@@ -137,8 +147,10 @@ void Mesh::Append(const Mesh& other, const Rigid3& target_from_other) {
     positions.push_back(rotation * other.positions[i] + translation);
     normals.push_back(rotation * other.normals[i]);
   }
-  for (const auto& [a, b, c] : other.triangles) triangles.push_back({a + first, b + first, c + first});
-  triangle_materials.insert(triangle_materials.end(), other.triangle_materials.begin(), other.triangle_materials.end());
+  for (const auto& [a, b, c] : other.triangles)
+    triangles.push_back({a + first, b + first, c + first});
+  triangle_materials.insert(triangle_materials.end(), other.triangle_materials.begin(),
+                            other.triangle_materials.end());
 }
 
 }  // namespace parkade::simulator

@@ -37,11 +37,12 @@ struct Mesh {
   void AddQuad(const std::array<Eigen::Vector3d, 4>& corners, MaterialId material);
 
   /// A box about `center`, turned by `yaw`; half sizes along its own axes.
-  void AddBox(const Eigen::Vector3d& center, const Eigen::Vector3d& half_size, double yaw, MaterialId material);
+  void AddBox(const Eigen::Vector3d& center, const Eigen::Vector3d& half_size, double yaw,
+              MaterialId material);
 
   /// A cone stump from `base` to `top` with both ends closed.
-  void AddCylinder(const Eigen::Vector3d& base, const Eigen::Vector3d& top, double base_radius, double top_radius,
-                   MaterialId material, int num_sides = 12);
+  void AddCylinder(const Eigen::Vector3d& base, const Eigen::Vector3d& top, double base_radius,
+                   double top_radius, MaterialId material, int num_sides = 12);
 
   /// A smooth surface over a grid: `position(i, j)` for i < columns, j < rows.
   /// Outside is the side from which i runs right and j runs up.
@@ -49,12 +50,13 @@ struct Mesh {
                 const std::function<MaterialId(int, int)>& cell_material);
 
   /// As AddSheet, but only the cells that have a material: holes where there is none.
-  void AddPatchedSheet(int columns, int rows, const std::function<Eigen::Vector3d(int, int)>& position,
+  void AddPatchedSheet(int columns, int rows,
+                       const std::function<Eigen::Vector3d(int, int)>& position,
                        const std::function<std::optional<MaterialId>(int, int)>& cell_material);
 
   /// An ellipsoid with bumps, for crowns and bushes; `bumpiness` is relative to the radius.
-  void AddBlob(const Eigen::Vector3d& center, const Eigen::Vector3d& radii, double bumpiness, std::uint32_t seed,
-               MaterialId material, int detail = 14);
+  void AddBlob(const Eigen::Vector3d& center, const Eigen::Vector3d& radii, double bumpiness,
+               std::uint32_t seed, MaterialId material, int detail = 14);
 
   /// Everything of `other`, moved.
   void Append(const Mesh& other, const Rigid3& target_from_other);

@@ -26,7 +26,8 @@ float PeriodicNoise(int column, int row, int cells, std::uint32_t seed) {
 }
 
 /// Octaves from `coarsest` cells over the texture, each `gain` times the one before.
-float PeriodicFractal(int column, int row, int coarsest, int octaves, float gain, std::uint32_t seed) {
+float PeriodicFractal(int column, int row, int coarsest, int octaves, float gain,
+                      std::uint32_t seed) {
   float sum = 0, amplitude = 1;
   for (int octave = 0, cells = coarsest; octave < octaves && cells <= kSize; ++octave, cells *= 2) {
     sum += amplitude * PeriodicNoise(column, row, cells, seed + static_cast<std::uint32_t>(octave));
@@ -44,7 +45,7 @@ float BrickValue(int column, int row) {
   return (is_mortar ? 1.6f : 0.8f * brick) + 0.5f * PeriodicFractal(column, row, 64, 3, 0.7f, 92);
 }
 
-/// Paving slabs in a grid of 8 by 8, each of its own grey, stained.
+/// Paving slabs in a grid of 8 by 8, each of its own gray, stained.
 float SlabValue(int column, int row) {
   const int shifted = (column + (row / 64 % 2) * 32) % kSize;
   const bool is_joint = row % 64 < 2 || shifted % 64 < 2;
@@ -86,7 +87,8 @@ float TextureValue(TextureKind kind, int column, int row) {
 
 }  // namespace
 
-MipTexture::MipTexture(int log2_size, const std::function<float(int, int)>& value) : log2_size_(log2_size) {
+MipTexture::MipTexture(int log2_size, const std::function<float(int, int)>& value)
+    : log2_size_(log2_size) {
   const int size = 1 << log2_size;
   std::vector<float> finest(static_cast<size_t>(size) * static_cast<size_t>(size));
   double sum = 0, sum_squares = 0;
@@ -121,7 +123,7 @@ float MipTexture::SampleLevel(size_t level, float u, float v) const {
   const int size = 1 << (log2_size_ - static_cast<int>(level));
   const int wrap = size - 1;
   const float x = u * static_cast<float>(size) - 0.5f, y = v * static_cast<float>(size) - 0.5f;
-  const int column = FloorToInt(x), row = FloorToInt(y);
+  const int column = FastFloorToInt(x), row = FastFloorToInt(y);
   const float fx = x - static_cast<float>(column), fy = y - static_cast<float>(row);
   const int left = column & wrap, top = row & wrap;
   const int right = (left + 1) & wrap, bottom = (top + 1) & wrap;
@@ -145,8 +147,9 @@ const MipTexture& DetailTexture(TextureKind kind) {
   static const std::vector<MipTexture> textures = [] {
     std::vector<MipTexture> made;
     for (int i = 1; i < kNumTextureKinds; ++i)
-      made.emplace_back(kLog2Size,
-                        [i](int column, int row) { return TextureValue(static_cast<TextureKind>(i), column, row); });
+      made.emplace_back(kLog2Size, [i](int column, int row) {
+        return TextureValue(static_cast<TextureKind>(i), column, row);
+      });
     return made;
   }();
   return textures.at(static_cast<size_t>(static_cast<int>(kind) - 1));

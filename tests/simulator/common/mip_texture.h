@@ -20,7 +20,7 @@ enum class TextureKind : std::uint8_t {
 };
 inline constexpr int kNumTextureKinds = 9;
 
-/// A small grey texture that repeats, with all its averaged levels, so that it is
+/// A small gray texture that repeats, with all its averaged levels, so that it is
 /// never sampled finer than the eye sees it. Values are relative deviations of
 /// brightness around 0, of root mean square 1.
 class MipTexture {

@@ -5,16 +5,17 @@
 
 namespace parkade::simulator {
 
-/// Largest whole number not above `x`, as std::floor, for |x| < 2^31; compiles to two instructions everywhere.
-inline int FloorToInt(float x) {
+/// Largest whole number not above `x`, as std::floor, for |x| < 2^31; compiles to two instructions
+/// everywhere.
+inline int FastFloorToInt(float x) {
   const int truncated = static_cast<int>(x);
   return truncated - (static_cast<float>(truncated) > x);
 }
 
 /// 32 hashed bits of a lattice cell.
 inline std::uint32_t HashCell(int x, int y, std::uint32_t seed) {
-  std::uint32_t h =
-      static_cast<std::uint32_t>(x) * 0x8da6b343u + static_cast<std::uint32_t>(y) * 0xd8163841u + seed * 0xcb1ab31fu;
+  std::uint32_t h = static_cast<std::uint32_t>(x) * 0x8da6b343u +
+                    static_cast<std::uint32_t>(y) * 0xd8163841u + seed * 0xcb1ab31fu;
   h = (h ^ (h >> 16)) * 0x7feb352du;
   h = (h ^ (h >> 15)) * 0x846ca68bu;
   return h ^ (h >> 16);
@@ -27,7 +28,7 @@ inline float CellValue(int x, int y, std::uint32_t seed) {
 
 /// Value noise in [-1, 1] with lattice constant 1, C1-smooth.
 inline float SmoothNoise(float x, float y, std::uint32_t seed) {
-  const int ix = FloorToInt(x), iy = FloorToInt(y);
+  const int ix = FastFloorToInt(x), iy = FastFloorToInt(y);
   const float fx = x - static_cast<float>(ix), fy = y - static_cast<float>(iy);
   const float sx = fx * fx * (3 - 2 * fx), sy = fy * fy * (3 - 2 * fy);
   const float bottom = CellValue(ix, iy, seed) * (1 - sx) + CellValue(ix + 1, iy, seed) * sx;

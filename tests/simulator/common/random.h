@@ -5,7 +5,8 @@
 
 namespace parkade::simulator {
 
-/// Bijective mixing of 64 bits. G. Steele et al., "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
+/// Bijective mixing of 64 bits. G. Steele et al., "Fast Splittable Pseudorandom Number Generators",
+/// OOPSLA 2014.
 inline std::uint64_t Mix64(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15ULL;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -13,9 +14,11 @@ inline std::uint64_t Mix64(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// A seed for one part of what comes from `seed`: no part of another seed has it. (seed + part would: decks of one
-/// garage had the floors of the next seed's.)
-inline std::uint64_t SeedOfPart(std::uint64_t seed, std::uint64_t part) { return Mix64(seed) + part; }
+/// A seed for one part of what comes from `seed`: no part of another seed has it. (seed + part
+/// would: decks of one garage had the floors of the next seed's.)
+inline std::uint64_t SeedOfPart(std::uint64_t seed, std::uint64_t part) {
+  return Mix64(seed) + part;
+}
 
 /// Random numbers that are the same with every compiler and library, unlike
 /// std's distributions. Streams of one seed are independent of each other, so

@@ -32,29 +32,31 @@ std::string HashOf(const SimulateOptions& options) {
   return hex;
 }
 
-nlohmann::json SummaryOf(const SimulateOptions& options, const DrivePlan& plan, const DriveCounts& counts) {
+nlohmann::json SummaryOf(const SimulateOptions& options, const DrivePlan& plan,
+                         const DriveCounts& counts) {
   const SiteDatum datum = SimulatedDatum();
-  return {
-      {"simulator_version", kSimulatorVersion},
-      {"options", OptionsToJson(options)},
-      {"options_hash", HashOf(options)},
-      {"drive",
-       {{"length_m", plan.length},
-        {"duration_s", plan.motion.Duration()},
-        {"max_speed_m_per_s", plan.max_speed},
-        {"min_radius_m", plan.min_radius},
-        {"returns_to_start", plan.returns_to_start},
-        {"reversals", plan.num_reversals},
-        {"is_parked", plan.is_parked}}},
-      {"datum",
-       {{"latitude_deg", datum.latitude_deg}, {"longitude_deg", datum.longitude_deg}, {"altitude", datum.altitude}}},
-      {"counts",
-       {{"images", counts.images},
-        {"image_bytes", counts.image_bytes},
-        {"imu", counts.imu},
-        {"wheels", counts.wheels},
-        {"gnss", counts.gnss}}},
-      {"faults", FaultsOf(options.faults, counts)}};
+  return {{"simulator_version", kSimulatorVersion},
+          {"options", OptionsToJson(options)},
+          {"options_hash", HashOf(options)},
+          {"drive",
+           {{"length_m", plan.length},
+            {"duration_s", plan.motion.Duration()},
+            {"max_speed_m_per_s", plan.max_speed},
+            {"min_radius_m", plan.min_radius},
+            {"returns_to_start", plan.returns_to_start},
+            {"reversals", plan.num_reversals},
+            {"is_parked", plan.is_parked}}},
+          {"datum",
+           {{"latitude_deg", datum.latitude_deg},
+            {"longitude_deg", datum.longitude_deg},
+            {"altitude", datum.altitude}}},
+          {"counts",
+           {{"images", counts.images},
+            {"image_bytes", counts.image_bytes},
+            {"imu", counts.imu},
+            {"wheels", counts.wheels},
+            {"gnss", counts.gnss}}},
+          {"faults", FaultsOf(options.faults, counts)}};
 }
 
 }  // namespace parkade::simulator

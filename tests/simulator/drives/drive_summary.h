@@ -12,17 +12,20 @@ namespace parkade::simulator {
 /// Changes whenever the same options give other bytes than before.
 inline constexpr int kSimulatorVersion = 10;
 
-/// 16 hex digits of all options and the simulator's version: drives are cached by it. FNV-1a, 64 bits.
+/// 16 hex digits of all options and the simulator's version: drives are cached by it. FNV-1a, 64
+/// bits.
 std::string HashOf(const SimulateOptions& options);
 
 /// What was written, for summary.json.
 struct DriveCounts {
   size_t images = 0, image_bytes = 0;
-  size_t imu = 0, wheels = 0, gnss = 0;  ///< as the sensors gave them, before the faults of the recorder
+  size_t imu = 0, wheels = 0,
+         gnss = 0;  ///< as the sensors gave them, before the faults of the recorder
   std::map<std::string, size_t> faults;  ///< records that each fault has met
 };
 
 /// Everything of summary.json but the timings.
-nlohmann::json SummaryOf(const SimulateOptions& options, const DrivePlan& plan, const DriveCounts& counts);
+nlohmann::json SummaryOf(const SimulateOptions& options, const DrivePlan& plan,
+                         const DriveCounts& counts);
 
 }  // namespace parkade::simulator

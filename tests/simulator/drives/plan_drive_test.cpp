@@ -5,14 +5,16 @@
 #include <algorithm>
 
 #include "tests/simulator/layouts/lot_layout.h"
+#include "tests/simulator/layouts/plan_place.h"
 #include "tests/simulator/vehicle/car_mesh.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
-#include "tests/simulator/layouts/plan_place.h"
 
 namespace parkade::simulator {
 namespace {
 
-double SpeedAt(const DrivePlan& plan, double time) { return plan.motion.At(time).velocity_in_world.norm(); }
+double SpeedAt(const DrivePlan& plan, double time) {
+  return plan.motion.At(time).velocity_in_world.norm();
+}
 
 class PlannedDrive : public testing::TestWithParam<int> {
  protected:
@@ -49,10 +51,12 @@ TEST_P(PlannedDrive, KeepsToTheLimitsOfACar) {
   EXPECT_LE(plan_.max_speed, 6.01);
   for (double time = 0; time <= 40; time += 0.05) {
     const MotionState state = plan_.motion.At(time);
-    const Eigen::Vector3d in_body = state.world_from_body.rotation.conjugate() * state.acceleration_in_world;
+    const Eigen::Vector3d in_body =
+        state.world_from_body.rotation.conjugate() * state.acceleration_in_world;
     EXPECT_LT(std::hypot(in_body.x(), in_body.y()), 3.5) << time;
     // It rolls where it points to: no sideways velocity beyond what smoothing leaves.
-    const Eigen::Vector3d velocity = state.world_from_body.rotation.conjugate() * state.velocity_in_world;
+    const Eigen::Vector3d velocity =
+        state.world_from_body.rotation.conjugate() * state.velocity_in_world;
     EXPECT_LT(std::abs(velocity.y()), 0.06) << time;
   }
 }
@@ -75,10 +79,12 @@ TEST_P(PlannedDrive, TouchesNeitherParkedCarsNorKerbs) {
     for (double x = rear; x <= front + 0.01; x += 0.2) {
       for (const double y : {-0.9, 0.9}) {
         const Eigen::Vector2d corner = (world_from_body * Eigen::Vector3d(x, y, 0)).head<2>();
-        for (const ParkedCar& car : layout_.cars) clearance = std::min(clearance, car.footprint.SignedDistance(corner));
-        for (const Rectangle& island : layout_.islands) clearance = std::min(clearance, island.SignedDistance(corner));
-        clearance =
-            std::min({clearance, corner.x(), corner.y(), layout_.length - corner.x(), layout_.width - corner.y()});
+        for (const ParkedCar& car : layout_.cars)
+          clearance = std::min(clearance, car.footprint.SignedDistance(corner));
+        for (const Rectangle& island : layout_.islands)
+          clearance = std::min(clearance, island.SignedDistance(corner));
+        clearance = std::min({clearance, corner.x(), corner.y(), layout_.length - corner.x(),
+                              layout_.width - corner.y()});
       }
     }
     EXPECT_GT(clearance, 0.3) << time;
@@ -116,12 +122,16 @@ TEST(PlanDrive, TheOtherWayAroundIsTheOtherWayAround) {
 
 TEST(PlanDrive, ABumpLiftsOneAxleAfterTheOther) {
   Place road;
-  road.ground =
-      Ground({{.min = {-10, -10},
-               .max = {80, 10},
-               .height = [](const Eigen::Vector2d& xy) { return 0.08 * std::exp(-std::pow((xy.x() - 30) / 0.4, 2)); },
-               .covers = {}}});
-  road.plan_route = [](const RouteWish&) { return RoutePlan{.waypoints = {{0, 0, 0}, {60, 0, 0}}, .slot = {}}; };
+  road.ground = Ground({{.min = {-10, -10},
+                         .max = {80, 10},
+                         .height =
+                             [](const Eigen::Vector2d& xy) {
+                               return 0.08 * std::exp(-std::pow((xy.x() - 30) / 0.4, 2));
+                             },
+                         .covers = {}}});
+  road.plan_route = [](const RouteWish&) {
+    return RoutePlan{.waypoints = {{0, 0, 0}, {60, 0, 0}}, .slot = {}};
+  };
   const DrivePlan plan = PlanDrive(road, {.length = 60, .stops = {}, .suspension = 0}, 0, 1);
   double highest = 0, highest_at = 0, steepest = 0, steepest_at = 0;
   for (double time = 0; time < plan.motion.Duration(); time += 0.01) {
@@ -149,7 +159,8 @@ class ParkingDrive : public testing::TestWithParam<int> {
   const std::uint64_t seed_ = static_cast<std::uint64_t>(GetParam());
   const LotLayout layout_ = PlanLot(seed_);
   const Place place_ = PlanPlace("lot", {.seed = seed_});
-  const DrivePlan plan_ = PlanDrive(place_, {.length = 60, .parks = true, .leaves_slot = true}, 0, seed_);
+  const DrivePlan plan_ =
+      PlanDrive(place_, {.length = 60, .parks = true, .leaves_slot = true}, 0, seed_);
 };
 
 TEST_P(ParkingDrive, BacksIntoAFreeSlotAndLeavesItAgain) {
@@ -161,9 +172,11 @@ TEST_P(ParkingDrive, BacksIntoAFreeSlotAndLeavesItAgain) {
   for (double time = 0; time < plan_.motion.Duration(); time += 0.1) {
     const MotionState state = plan_.motion.At(time);
     if (state.velocity_in_world.norm() > 1e-3) continue;
-    const Eigen::Vector2d middle = (state.world_from_body * Eigen::Vector3d(-RearAxleX(kOwnCarStyle), 0, 0)).head<2>();
+    const Eigen::Vector2d middle =
+        (state.world_from_body * Eigen::Vector3d(-RearAxleX(kOwnCarStyle), 0, 0)).head<2>();
     for (const ParkingSlot& slot : place_.slots)
-      was_in_slot = was_in_slot || (!slot.is_occupied && (slot.outline.center - middle).norm() < 0.3);
+      was_in_slot =
+          was_in_slot || (!slot.is_occupied && (slot.outline.center - middle).norm() < 0.3);
   }
   EXPECT_TRUE(was_in_slot);
 }
@@ -172,15 +185,18 @@ TEST_P(ParkingDrive, TouchesNoCarAndIsSmoothThroughout) {
   MotionState last = plan_.motion.At(0);
   for (double time = 0.01; time < plan_.motion.Duration(); time += 0.01) {
     const MotionState state = plan_.motion.At(time);
-    EXPECT_LT((state.world_from_body.translation - last.world_from_body.translation).norm(), 0.08) << time;
+    EXPECT_LT((state.world_from_body.translation - last.world_from_body.translation).norm(), 0.08)
+        << time;
     EXPECT_LT((state.velocity_in_world - last.velocity_in_world).norm(), 0.05) << time;
     EXPECT_LT((state.acceleration_in_world - last.acceleration_in_world).norm(), 0.6) << time;
-    EXPECT_LT((state.angular_velocity_in_body - last.angular_velocity_in_body).norm(), 0.03) << time;
+    EXPECT_LT((state.angular_velocity_in_body - last.angular_velocity_in_body).norm(), 0.03)
+        << time;
     last = state;
     for (const double x : {-0.7, 1.2, 3.2}) {
       for (const double y : {-0.85, 0.85}) {
         const Eigen::Vector2d corner = (state.world_from_body * Eigen::Vector3d(x, y, 0)).head<2>();
-        for (const ParkedCar& car : layout_.cars) EXPECT_GT(car.footprint.SignedDistance(corner), 0.05) << time;
+        for (const ParkedCar& car : layout_.cars)
+          EXPECT_GT(car.footprint.SignedDistance(corner), 0.05) << time;
       }
     }
   }

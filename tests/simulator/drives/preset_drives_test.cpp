@@ -4,12 +4,12 @@
 
 #include "tests/simulator/drives/plan_drive.h"
 #include "tests/simulator/drives/presets.h"
-#include "tests/simulator/layouts/parking_manoeuvre.h"
+#include "tests/simulator/layouts/parking_maneuver.h"
+#include "tests/simulator/layouts/plan_place.h"
 #include "tests/simulator/rays/ray_scene.h"
+#include "tests/simulator/scenes/build_scene.h"
 #include "tests/simulator/scenes/traffic.h"
 #include "tests/simulator/sensors/imu_integration.h"
-#include "tests/simulator/layouts/plan_place.h"
-#include "tests/simulator/scenes/build_scene.h"
 
 namespace parkade::simulator {
 namespace {
@@ -26,7 +26,8 @@ std::vector<Eigen::Vector2d> OutlinePoints() {
   return points;
 }
 
-/// Whether something stands between the corners of the own car, at the height of bumpers, doors and windows.
+/// Whether something stands between the corners of the own car, at the height of bumpers, doors and
+/// windows.
 bool IsHit(const RayScene& objects, const Rigid3& world_from_body) {
   const CarOutline outline = OwnCarOutline();
   const Eigen::Vector2d corners[] = {{outline.front, outline.half_width},
@@ -36,8 +37,10 @@ bool IsHit(const RayScene& objects, const Rigid3& world_from_body) {
   for (const double height : {0.35, 0.8, 1.3}) {
     for (int edge = 0; edge < 6; ++edge) {  // the four sides and the diagonals
       const int to = edge < 4 ? (edge + 1) % 4 : edge - 2, from = edge < 4 ? edge : edge - 4;
-      const Eigen::Vector3d begin = world_from_body * Eigen::Vector3d(corners[from].x(), corners[from].y(), height),
-                            end = world_from_body * Eigen::Vector3d(corners[to].x(), corners[to].y(), height);
+      const Eigen::Vector3d begin = world_from_body *
+                                    Eigen::Vector3d(corners[from].x(), corners[from].y(), height),
+                            end = world_from_body *
+                                  Eigen::Vector3d(corners[to].x(), corners[to].y(), height);
       const Eigen::Vector3f origin = begin.cast<float>(), way = (end - begin).cast<float>();
       RTCRay ray{};
       ray.org_x = origin.x(), ray.org_y = origin.y(), ray.org_z = origin.z();
@@ -54,15 +57,19 @@ bool IsHit(const RayScene& objects, const Rigid3& world_from_body) {
 }
 
 DrivePlan PlanOf(const Place& place, const SimulateOptions& options) {
-  return PlanDrive(place, options.drive, options.duration, static_cast<std::uint64_t>(options.seed));
+  return PlanDrive(place, options.drive, options.duration,
+                   static_cast<std::uint64_t>(options.seed));
 }
 
 /// From the true start, over ten seconds, at the rate of the drive's own samples.
-void ExpectThatAnIdealImuIntegratesToTheTruth(const SimulateOptions& options, const DrivePlan& plan) {
-  const Rigid3 body_from_imu = MakeSimulatedRig(options.rig, static_cast<std::uint64_t>(options.seed)).body_from_imu;
+void ExpectThatAnIdealImuIntegratesToTheTruth(const SimulateOptions& options,
+                                              const DrivePlan& plan) {
+  const Rigid3 body_from_imu =
+      MakeSimulatedRig(options.rig, static_cast<std::uint64_t>(options.seed)).body_from_imu;
   double worst = 0;
   for (double start = 0; start + 10 < plan.motion.Duration(); start += 2)
-    worst = std::max(worst, IntegrationError(plan.motion, body_from_imu, start, 10, options.sensors.imu_rate));
+    worst = std::max(
+        worst, IntegrationError(plan.motion, body_from_imu, start, 10, options.sensors.imu_rate));
 
   EXPECT_LT(worst, 0.05);
   testing::Test::RecordProperty("worst_imu_m", std::to_string(worst));
@@ -80,7 +87,8 @@ void ExpectThatTheWholeCarStaysOnDrivableGround(const Place& place, const DriveP
   }
 }
 
-void ExpectThatTrafficKeepsClear(const SimulateOptions& options, const Place& place, const DrivePlan& plan) {
+void ExpectThatTrafficKeepsClear(const SimulateOptions& options, const Place& place,
+                                 const DrivePlan& plan) {
   Scene scene{.place = place, .sky = Sky(1)};
   AddTraffic(scene, plan.motion, options.traffic, static_cast<std::uint64_t>(options.seed));
   double nearest = 1e9;
@@ -142,8 +150,8 @@ TEST_P(DriveThroughObjects, TheCarTouchesNothing) {
   EXPECT_TRUE(is_any_hit);
 }
 
-INSTANTIATE_TEST_SUITE_P(Suite, DriveThroughObjects, testing::Values("out3", "out4", "out8", "out15", "in0", "in3"),
-                         TitleOf);
+INSTANTIATE_TEST_SUITE_P(Suite, DriveThroughObjects,
+                         testing::Values("out3", "out4", "out8", "out15", "in0", "in3"), TitleOf);
 
 }  // namespace
 }  // namespace parkade::simulator

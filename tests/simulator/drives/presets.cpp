@@ -41,12 +41,15 @@ void AddSimulated(std::vector<Preset>& presets) {
 }
 
 void AddOutdoor(std::vector<Preset>& presets) {
-  const auto add = [&](double length, const char* scene, const char* character) -> SimulateOptions& {
+  const auto add = [&](double length, const char* scene,
+                       const char* character) -> SimulateOptions& {
     const int index = static_cast<int>(presets.size()) - 4;
-    presets.push_back({"out" + std::to_string(index), character, RealCar(scene, 200 + index, length)});
+    presets.push_back(
+        {"out" + std::to_string(index), character, RealCar(scene, 200 + index, length)});
     return presets.back().options;
   };
-  const auto occlude = [](SimulateOptions& options, int camera, double begin, double end, const char* kind) {
+  const auto occlude = [](SimulateOptions& options, int camera, double begin, double end,
+                          const char* kind) {
     options.faults.occlusion = {camera, begin, end, kind};
   };
   add(498, "lot", "lot, rounds").sensors.gnss = "rtk";
@@ -67,7 +70,8 @@ void AddOutdoor(std::vector<Preset>& presets) {
   add(44, "lot", "lot, short, rolling start").drive.rolling_start = 2.5;
   occlude(add(437, "lot", "lot, rear camera dark nearly all the way"), 3, 10, 600, "dark");
   add(341, "street", "street, stands for a minute").drive.stops = {60};
-  add(517, "lot", "lot, overcast, the other way around, a mirror is knocked").drive.is_opposite = true;
+  add(517, "lot", "lot, overcast, the other way around, a mirror is knocked").drive.is_opposite =
+      true;
   presets.back().options.weather = "overcast";
   presets.back().options.faults.mirror = {1, 60, 1.5};
   add(194, "lot", "lot, backs into a slot and leaves it").drive.parks = true;
@@ -76,9 +80,10 @@ void AddOutdoor(std::vector<Preset>& presets) {
 
 void AddIndoor(std::vector<Preset>& presets) {
   const double lengths[] = {421, 321, 563, 416, 723, 647};
-  const char* const characters[] = {"garage, several decks",         "garage, a stop of 15 s",
-                                    "garage, without wheels",        "garage, the other way around",
-                                    "garage, all cameras dark once", "garage, gaps of IMU and pictures"};
+  const char* const characters[] = {
+      "garage, several decks",         "garage, a stop of 15 s",
+      "garage, without wheels",        "garage, the other way around",
+      "garage, all cameras dark once", "garage, gaps of IMU and images"};
   for (int i = 0; i < 6; ++i) {
     Preset preset{"in" + std::to_string(i), characters[i], RealCar("garage", 300 + i, lengths[i])};
     presets.push_back(preset);
@@ -92,8 +97,8 @@ void AddIndoor(std::vector<Preset>& presets) {
   presets[first + 5].options.faults.image_gap = {-1, 120, 122};
 }
 
-/// Sessions of one place: other cars stand there, the light is another. One goes the other way around, by the way that
-/// the others have come, also where all are cut short.
+/// Sessions of one place: other cars stand there, the light is another. One goes the other way
+/// around, by the way that the others have come, also where all are cut short.
 void AddSessions(std::vector<Preset>& presets, const char* scene, double length, int opposite_day) {
   constexpr int kNumSessions = 3;
   for (int day = 1; day <= kNumSessions; ++day) {
@@ -147,7 +152,8 @@ SimulateOptions QuickForm(const SimulateOptions& options) {
     quick.duration = std::min(options.duration, 20.0);
     return quick;
   }
-  quick.drive.length = std::min(options.drive.length, std::clamp(kShare * options.drive.length, kShortest, kLongest));
+  quick.drive.length = std::min(options.drive.length,
+                                std::clamp(kShare * options.drive.length, kShortest, kLongest));
   const double factor = quick.drive.length / options.drive.length;
   for (double& stop : quick.drive.stops) stop = std::min(stop, 3.0);
   FaultOptions& faults = quick.faults;
@@ -156,7 +162,8 @@ SimulateOptions QuickForm(const SimulateOptions& options) {
   Shrink(factor, faults.image_gap.begin, faults.image_gap.end);
   Shrink(factor, faults.time_jump.begin, faults.time_jump.end);
   Shrink(factor, faults.slip.begin, faults.slip.end);
-  for (TimeWindow* window : {&faults.darkness, &faults.imu_gap, &faults.wheel_gap, &faults.gnss_gap})
+  for (TimeWindow* window :
+       {&faults.darkness, &faults.imu_gap, &faults.wheel_gap, &faults.gnss_gap})
     Shrink(factor, window->begin, window->end);
   return quick;
 }

@@ -14,15 +14,15 @@ struct Preset {
   SimulateOptions options;
 };
 
-/// sim1-4, out0-15 and in0-5 have the lengths and the character of the drives of the paper's suite; pairs and
-/// triples of sessions are of one place on several days.
+/// sim1-4, out0-15 and in0-5 have the lengths and the character of the drives of the paper's suite;
+/// pairs and triples of sessions are of one place on several days.
 const std::vector<Preset>& Presets();
 
 /// Null for an unknown name.
 const Preset* FindPreset(const std::string& name);
 
-/// The same drive in short: a part of the way, short stops, 10 pictures a second of 640x400. Times of faults shrink
-/// with the way.
+/// The same drive in short: a part of the way, short stops, 10 images a second of 640x400. Times of
+/// faults shrink with the way.
 SimulateOptions QuickForm(const SimulateOptions& options);
 
 }  // namespace parkade::simulator

@@ -41,8 +41,8 @@ TEST(Presets, DriveTheirLength) {
     const auto& scenes = SceneNames();
     if (std::find(scenes.begin(), scenes.end(), preset.options.scene) == scenes.end()) continue;
     for (const SimulateOptions& options : {preset.options, QuickForm(preset.options)}) {
-      const DrivePlan plan = PlanDrive(PlanPlace(options.scene, options.OfScene()), options.drive, options.duration,
-                                       static_cast<std::uint64_t>(options.seed));
+      const DrivePlan plan = PlanDrive(PlanPlace(options.scene, options.OfScene()), options.drive,
+                                       options.duration, static_cast<std::uint64_t>(options.seed));
       EXPECT_NEAR(plan.length, options.drive.length, 0.1 * options.drive.length) << preset.name;
       EXPECT_GE(plan.min_radius, 4.99) << preset.name;
       EXPECT_LE(plan.max_speed, 7.01) << preset.name;
@@ -83,7 +83,8 @@ double SharedWay(const DrivePlan& plan, const DrivePlan& other) {
          static_cast<double>(places.size());
 }
 
-/// So that they can be joined, and it can be judged: in both forms, two the same way, one the other way around.
+/// So that they can be joined, and it can be judged: in both forms, two the same way, one the other
+/// way around.
 TEST(Presets, SessionsOfOnePlaceHaveHalfOfTheirWayInCommon) {
   for (const std::string& scene : SceneNames()) {
     for (const bool is_quick : {false, true}) {
@@ -92,8 +93,8 @@ TEST(Presets, SessionsOfOnePlaceHaveHalfOfTheirWayInCommon) {
       for (const int day : {1, 2, 3}) {
         const Preset& preset = *FindPreset(scene + "-day" + std::to_string(day));
         const SimulateOptions options = is_quick ? QuickForm(preset.options) : preset.options;
-        plans.push_back(PlanDrive(PlanPlace(options.scene, options.OfScene()), options.drive, options.duration,
-                                  static_cast<std::uint64_t>(options.seed)));
+        plans.push_back(PlanDrive(PlanPlace(options.scene, options.OfScene()), options.drive,
+                                  options.duration, static_cast<std::uint64_t>(options.seed)));
         num_opposite += options.drive.is_opposite;
       }
       EXPECT_EQ(num_opposite, 1);
@@ -114,7 +115,8 @@ TEST(HashOf, ChangesWithEveryOption) {
 }
 
 TEST(RunSuite, KeepsWhatIsThereAndMakesAnewWhatIsNotWhole) {
-  const fs::path folder = fs::path(testing::TempDir()) / ("parkade_suite_" + std::to_string(getpid()));
+  const fs::path folder =
+      fs::path(testing::TempDir()) / ("parkade_suite_" + std::to_string(getpid()));
   SimulateOptions options;
   options.duration = 10;
   options.ground_texel = 0.1;

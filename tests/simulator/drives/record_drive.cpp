@@ -11,7 +11,8 @@
 namespace parkade::simulator {
 namespace {
 
-constexpr double kImageMargin = 0.1;  // [s] without images at both ends, so that every exposure lies within the motion
+constexpr double kImageMargin =
+    0.1;  // [s] without images at both ends, so that every exposure lies within the motion
 
 class Stopwatch {
  public:
@@ -33,7 +34,8 @@ class RecordFeeder {
 
   void FeedUntil(Timestamp time) {
     while (true) {
-      const Timestamp imu = TimeAt(records_.imu, next_imu_), wheels = TimeAt(records_.wheels, next_wheels_),
+      const Timestamp imu = TimeAt(records_.imu, next_imu_),
+                      wheels = TimeAt(records_.wheels, next_wheels_),
                       gnss = TimeAt(records_.gnss, next_gnss_);
       const Timestamp first = std::min({imu, wheels, gnss});
       if (first > time || first == kNever) return;
@@ -71,21 +73,25 @@ std::vector<CameraChain> MakeCameras(const SimulateOptions& options, const Rig& 
   std::vector<CameraChain> cameras;
   for (size_t camera = 0; camera < rig.cameras.size(); ++camera) {
     const cv::Size size(rig.cameras[camera].model.width(), rig.cameras[camera].model.height());
-    cameras.push_back(
-        {CoveredLens(options.faults, camera, size, seed), ImageSensor(options.image, Mix64(seed) + camera)});
+    cameras.push_back({CoveredLens(options.faults, camera, size, seed),
+                       ImageSensor(options.image, Mix64(seed) + camera)});
   }
   return cameras;
 }
 
-/// The picture to take, by the knocked camera where its mirror was hit before.
-Shot ShotOf(const SimulateOptions& options, const Motion& motion, const ScheduledFrame& frame, size_t num_cameras) {
+/// The image to take, by the knocked camera where its mirror was hit before.
+Shot ShotOf(const SimulateOptions& options, const Motion& motion, const ScheduledFrame& frame,
+            size_t num_cameras) {
   const double since_start = frame.time - DriveEpoch(static_cast<std::uint64_t>(options.seed));
   const MirrorMove& mirror = options.faults.mirror;
-  const bool is_knocked =
-      mirror.angle_deg != 0 && static_cast<size_t>(mirror.camera) == frame.camera && since_start >= mirror.at;
+  const bool is_knocked = mirror.angle_deg != 0 &&
+                          static_cast<size_t>(mirror.camera) == frame.camera &&
+                          since_start >= mirror.at;
   Shot shot;
   shot.camera = is_knocked ? num_cameras : frame.camera;
-  shot.world_from_body = [&motion, since_start](double offset) { return motion.WorldFromBody(since_start + offset); };
+  shot.world_from_body = [&motion, since_start](double offset) {
+    return motion.WorldFromBody(since_start + offset);
+  };
   shot.exposure = options.image.exposure;
   shot.time = since_start;
   shot.with_semantics = options.semantic;
@@ -102,13 +108,15 @@ SensorRecords SimulateSensors(const SimulateOptions& options, const Motion& moti
   if (slip.end > slip.begin) slips.push_back({slip.begin, slip.end, slip.ratio});
   SensorRecords records;
   records.imu = SimulateImu(motion, rig, options.sensors, seed);
-  if (options.sensors.has_wheels) records.wheels = SimulateWheels(motion, options.sensors, seed, slips);
+  if (options.sensors.has_wheels)
+    records.wheels = SimulateWheels(motion, options.sensors, seed, slips);
   records.gnss = SimulateGnss(motion, rig, SimulatedDatum(), options.sensors, seed, is_covered);
   return records;
 }
 
-Recording RecordDrive(const SimulateOptions& options, const Motion& motion, const Rig& rig, const Renderer& renderer,
-                      const SensorRecords& records, DriveSink& sink, const ProgressListener& progress) {
+Recording RecordDrive(const SimulateOptions& options, const Motion& motion, const Rig& rig,
+                      const Renderer& renderer, const SensorRecords& records, DriveSink& sink,
+                      const ProgressListener& progress) {
   const std::uint64_t seed = static_cast<std::uint64_t>(options.seed);
   const Timestamp epoch = DriveEpoch(seed);
   std::vector<CameraChain> cameras = MakeCameras(options, rig);
@@ -116,11 +124,14 @@ Recording RecordDrive(const SimulateOptions& options, const Motion& motion, cons
   RecordFeeder feeder(records, faulty);
   Recording recording;
   DriveCounts& counts = recording.counts;
-  counts.imu = records.imu.size(), counts.wheels = records.wheels.size(), counts.gnss = records.gnss.size();
+  counts.imu = records.imu.size(), counts.wheels = records.wheels.size(),
+  counts.gnss = records.gnss.size();
   const StrongSlip& slip = options.faults.slip;
   for (const WheelSample& sample : records.wheels)
-    if (slip.begin <= sample.time - epoch && sample.time - epoch < slip.end) ++counts.faults["slip.wheels"];
-  const auto frames = ScheduleFrames(motion, rig.cameras.size(), options.cameras, kImageMargin, seed);
+    if (slip.begin <= sample.time - epoch && sample.time - epoch < slip.end)
+      ++counts.faults["slip.wheels"];
+  const auto frames =
+      ScheduleFrames(motion, rig.cameras.size(), options.cameras, kImageMargin, seed);
   Stopwatch watch;
   for (const ScheduledFrame& frame : frames) {
     feeder.FeedUntil(frame.time);
@@ -129,13 +140,15 @@ Recording RecordDrive(const SimulateOptions& options, const Motion& motion, cons
     RenderedImage rendered = renderer.Render(shot);
     recording.times.render += watch.Lap();
     CameraChain& camera = cameras[frame.camera];
-    if (const std::string fault = camera.lens.Apply(rendered.radiance, frame.time - epoch); !fault.empty())
+    if (const std::string fault = camera.lens.Apply(rendered.radiance, frame.time - epoch);
+        !fault.empty())
       ++counts.faults[fault + "." + rig.cameras[frame.camera].name];
     if (shot.camera != frame.camera) ++counts.faults["mirror." + rig.cameras[frame.camera].name];
     const std::vector<std::uint8_t> jpeg =
         EncodeJpeg(camera.sensor.Develop(rendered.radiance), options.image.jpeg_quality);
     faulty.WriteImage(frame.camera, frame.time, jpeg);
-    if (options.semantic) faulty.WriteSemantic(frame.camera, frame.time, EncodePng(rendered.drivable));
+    if (options.semantic)
+      faulty.WriteSemantic(frame.camera, frame.time, EncodePng(rendered.drivable));
     recording.times.encode += watch.Lap();
     counts.image_bytes += jpeg.size();
     progress("render", static_cast<double>(++counts.images) / static_cast<double>(frames.size()));

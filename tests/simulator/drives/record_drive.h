@@ -30,10 +30,11 @@ struct Recording {
   RecordingTimes times;
 };
 
-/// Takes all pictures of a drive and writes them to `sink`, with the other records, in order of time, and with the
-/// faults that are asked for. `renderer` has the cameras of the true rig and, where a mirror is knocked, the knocked
-/// one behind them.
-Recording RecordDrive(const SimulateOptions& options, const Motion& motion, const Rig& rig, const Renderer& renderer,
-                      const SensorRecords& records, DriveSink& sink, const ProgressListener& progress);
+/// Takes all images of a drive and writes them to `sink`, with the other records, in order of time,
+/// and with the faults that are asked for. `renderer` has the cameras of the true rig and, where a
+/// mirror is knocked, the knocked one behind them.
+Recording RecordDrive(const SimulateOptions& options, const Motion& motion, const Rig& rig,
+                      const Renderer& renderer, const SensorRecords& records, DriveSink& sink,
+                      const ProgressListener& progress);
 
 }  // namespace parkade::simulator

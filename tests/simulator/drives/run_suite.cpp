@@ -16,7 +16,8 @@ namespace fs = std::filesystem;
 nlohmann::json FindFinished(const fs::path& folder, const SimulateOptions& options) {
   const fs::path summary_file = folder / "truth" / "summary.json";
   if (!fs::exists(summary_file) || !fs::exists(folder / "drive.mcap")) return nullptr;
-  const nlohmann::json summary = nlohmann::json::parse(ReadFile(summary_file), nullptr, /*allow_exceptions=*/false);
+  const nlohmann::json summary =
+      nlohmann::json::parse(ReadFile(summary_file), nullptr, /*allow_exceptions=*/false);
   const bool is_same = summary.is_object() && summary.value("options_hash", "") == HashOf(options);
   return is_same ? summary : nlohmann::json(nullptr);
 }
@@ -27,9 +28,9 @@ nlohmann::json MakeDrive(const fs::path& folder, const SimulateOptions& options)
   unfinished += ".part";
   fs::remove_all(unfinished);
   fs::create_directories(unfinished);
-  const nlohmann::json summary =
-      SimulateDrive(options, {.log = unfinished / "drive.mcap", .rig = {}, .truth = unfinished / "truth"},
-                    [](const std::string&, double) {});
+  const nlohmann::json summary = SimulateDrive(
+      options, {.log = unfinished / "drive.mcap", .rig = {}, .truth = unfinished / "truth"},
+      [](const std::string&, double) {});
   fs::remove_all(folder);
   fs::rename(unfinished, folder);
   return summary;
@@ -51,7 +52,9 @@ std::vector<Preset> ChoosePresets(const std::vector<std::string>& names, bool is
 
 void RunSuite(const std::vector<Preset>& presets, const fs::path& suite_folder, std::ostream& out) {
   const auto start = std::chrono::steady_clock::now();
-  const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+  const auto elapsed = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
   out << std::fixed << std::setprecision(0);
   for (const Preset& preset : presets) {
     const fs::path folder = suite_folder / preset.name;
@@ -68,7 +71,8 @@ void RunSuite(const std::vector<Preset>& presets, const fs::path& suite_folder, 
     else
       out << "made in " << elapsed() - begin << " s" << std::endl;
   }
-  out << presets.size() << " drives in " << suite_folder.string() << ", " << elapsed() << " s" << std::endl;
+  out << presets.size() << " drives in " << suite_folder.string() << ", " << elapsed() << " s"
+      << std::endl;
 }
 
 }  // namespace parkade::simulator

@@ -7,10 +7,10 @@
 #include "tests/simulator/drives/drive_summary.h"
 #include "tests/simulator/drives/record_drive.h"
 #include "tests/simulator/faults/faulty_rig.h"
+#include "tests/simulator/scenes/build_scene.h"
 #include "tests/simulator/scenes/traffic.h"
 #include "tests/simulator/sinks/open_drive_sink.h"
 #include "tests/simulator/sinks/truth_files.h"
-#include "tests/simulator/scenes/build_scene.h"
 
 namespace parkade::simulator {
 namespace {
@@ -21,7 +21,7 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// The cameras to take pictures with: those of the rig, and a knocked one behind them.
+/// The cameras to take images with: those of the rig, and a knocked one behind them.
 Rig CamerasToRender(const Rig& rig, const MirrorMove& mirror) {
   Rig cameras = rig;
   const size_t camera = static_cast<size_t>(mirror.camera);
@@ -42,7 +42,8 @@ void WriteRigTo(const Rig& rig, const OutputPaths& out, const fs::path& folder) 
 }
 
 /// `rig` is the true one.
-void WriteRigs(const Rig& rig, const SimulateOptions& options, const OutputPaths& out, const fs::path& truth) {
+void WriteRigs(const Rig& rig, const SimulateOptions& options, const OutputPaths& out,
+               const fs::path& truth) {
   WriteRigTo(NominalRig(rig, options.faults, static_cast<std::uint64_t>(options.seed)), out,
              out.rig.empty() ? truth / "rig" : out.rig);
   WriteRigTo(rig, out, truth / "rig_true");
@@ -59,9 +60,11 @@ void WriteRigs(const Rig& rig, const SimulateOptions& options, const OutputPaths
 void SimulateOptions::Validate() const {
   Require(seed >= 0 && place_seed >= -1, ErrorCode::kUsage, "the seed must not be negative");
   Require(day >= 0 && day <= 1000, ErrorCode::kUsage, "the day must be 0 to 1000");
-  Require(speed_bumps >= 0 && speed_bumps <= 4, ErrorCode::kUsage, "the speed bumps must be 0 to 4");
+  Require(speed_bumps >= 0 && speed_bumps <= 4, ErrorCode::kUsage,
+          "the speed bumps must be 0 to 4");
   Require(traffic >= 0 && traffic <= 50, ErrorCode::kUsage, "the traffic must be 0 to 50");
-  Require(duration >= 10 && duration <= 3600, ErrorCode::kUsage, "the duration must be 10 to 3600 s");
+  Require(duration >= 10 && duration <= 3600, ErrorCode::kUsage,
+          "the duration must be 10 to 3600 s");
   Require(relief >= 0 && relief <= 3, ErrorCode::kUsage, "the relief must be 0 to 3");
   Require(ground_texel >= 0.002 && ground_texel <= 0.2, ErrorCode::kUsage,
           "the ground's texels must be 0.002 to 0.2 m");
@@ -90,7 +93,8 @@ fs::path DefaultTruthFolder(const fs::path& log) {
   return folder.replace_extension(".truth");
 }
 
-nlohmann::json SimulateDrive(const SimulateOptions& options, const OutputPaths& out, const ProgressListener& progress) {
+nlohmann::json SimulateDrive(const SimulateOptions& options, const OutputPaths& out,
+                             const ProgressListener& progress) {
   options.Validate();
   RequireNewOutput(out.log);
   Require(IsLogFile(out.log) || options.rig.lens == RigOptions{}.lens, ErrorCode::kUsage,
@@ -100,20 +104,24 @@ nlohmann::json SimulateDrive(const SimulateOptions& options, const OutputPaths& 
   progress("build the scene", 0);
   Scene scene = BuildScene(options.scene, options.OfScene());
   Rig rig = TrueRig(MakeSimulatedRig(options.rig, seed), options.faults);
-  rig.imu = CalibrationOf(ImuGradeNamed(options.sensors.imu), options.sensors.imu_rate, rig.imu.topic);
+  rig.imu =
+      CalibrationOf(ImuGradeNamed(options.sensors.imu), options.sensors.imu_rate, rig.imu.topic);
   const Rig cameras = CamerasToRender(rig, options.faults.mirror);
   const DrivePlan plan = PlanDrive(scene.place, options.drive, options.duration, seed);
   AddTraffic(scene, plan.motion, options.traffic, seed);
   const Renderer renderer(scene, cameras, kHalfFieldOfView);
-  for (size_t camera = 0; camera < rig.cameras.size(); ++camera) rig.cameras[camera].mask = renderer.Mask(camera);
+  for (size_t camera = 0; camera < rig.cameras.size(); ++camera)
+    rig.cameras[camera].mask = renderer.Mask(camera);
   const double scene_seconds = SecondsSince(start);
 
   SimulateOptions applied = options;
   if (applied.image.exposure == 0) applied.image.exposure = scene.usual_exposure;
   const SensorRecords records = SimulateSensors(applied, plan.motion, rig, scene.place.is_covered);
   NameOnlyWhatIsThere(records, rig);
-  const std::unique_ptr<DriveSink> sink = OpenDriveSink(out.log, NominalRig(rig, options.faults, seed));
-  const Recording recording = RecordDrive(applied, plan.motion, rig, renderer, records, *sink, progress);
+  const std::unique_ptr<DriveSink> sink =
+      OpenDriveSink(out.log, NominalRig(rig, options.faults, seed));
+  const Recording recording =
+      RecordDrive(applied, plan.motion, rig, renderer, records, *sink, progress);
 
   const fs::path truth = out.truth.empty() ? DefaultTruthFolder(out.log) : out.truth;
   fs::create_directories(truth);

@@ -26,7 +26,7 @@ struct SimulateOptions {
   double duration = 40;        ///< [s] 10 to 3600; counts where drive.length is 0
   double relief = 1;           ///< scales the ground's slopes
   double ground_texel = 0.01;  ///< [m] of painted asphalt
-  bool semantic = false;       ///< also write masks of drivable ground, one per picture
+  bool semantic = false;       ///< also write masks of drivable ground, one per image
   DriverOptions drive;
   RigOptions rig;
   SensorOptions sensors;
@@ -72,10 +72,11 @@ std::filesystem::path DefaultTruthFolder(const std::filesystem::path& log);
 /// Called now and then with what is being done and how far it is, 0..1.
 using ProgressListener = std::function<void(const std::string& stage, double fraction)>;
 
-/// Makes a drive and writes the log, the rig as its owner knows it (rig/) and as it is (rig_true/, and
-/// rig_true_knocked/ after a mirror was hit), truth.tum, ground_truth.ply, slots.geojson, kerbs.geojson and
-/// summary.json, which it also returns. The same options give the same bytes, but for the summary's timings. Throws
-/// Error{kUsage} for options that cannot be.
-nlohmann::json SimulateDrive(const SimulateOptions& options, const OutputPaths& out, const ProgressListener& progress);
+/// Makes a drive and writes the log, the rig as its owner knows it (rig/) and as it is (rig_true/,
+/// and rig_true_knocked/ after a mirror was hit), truth.tum, ground_truth.ply, slots.geojson,
+/// kerbs.geojson and summary.json, which it also returns. The same options give the same bytes, but
+/// for the summary's timings. Throws Error{kUsage} for options that cannot be.
+nlohmann::json SimulateDrive(const SimulateOptions& options, const OutputPaths& out,
+                             const ProgressListener& progress);
 
 }  // namespace parkade::simulator

@@ -2,9 +2,9 @@
 
 #include "core/error.h"
 #include "core/trajectory.h"
-#include "tests/support/simulated_drive.h"
 #include "tests/simulator/layouts/plan_place.h"
 #include "tests/simulator/scenes/build_scene.h"
+#include "tests/support/simulated_drive.h"
 
 namespace parkade::simulator {
 namespace {
@@ -54,7 +54,8 @@ TEST_F(SimulatedDrive, AllFormatsHoldTheSameNumbers) {
     }
   }
   for (size_t i = 0; i < samples["euroc"].size(); ++i) {
-    const ImuSample &euroc = samples["euroc"][i], &ros1 = samples["ros1.bag"][i], &ros2 = samples["ros2.mcap"][i];
+    const ImuSample &euroc = samples["euroc"][i], &ros1 = samples["ros1.bag"][i],
+                    &ros2 = samples["ros2.mcap"][i];
     EXPECT_EQ(euroc.time, ros2.time);
     EXPECT_EQ(ros1.time, ros2.time);
     EXPECT_EQ(ros1.linear_acceleration, ros2.linear_acceleration);
@@ -101,13 +102,14 @@ TEST_F(SimulatedDrive, SensorsThatWereSwitchedOffAreInNeitherLogNorRig) {
   EXPECT_TRUE(log->rig().vehicle->gnss_topic.empty());
 }
 
-TEST_F(SimulatedDrive, AnotherLensIsInThePicturesAndInTheRig) {
+TEST_F(SimulatedDrive, AnotherLensIsInTheImagesAndInTheRig) {
   SimulateOptions options = SmallDrive();
   options.rig.lens = "ds";
   Simulate("lens.mcap", options);
 
   for (const RigCamera& camera : Open("lens.mcap")->rig().cameras)
-    EXPECT_TRUE(std::holds_alternative<DoubleSphereProjection>(camera.model.projection())) << camera.name;
+    EXPECT_TRUE(std::holds_alternative<DoubleSphereProjection>(camera.model.projection()))
+        << camera.name;
   EXPECT_NE(ReadFile(root_ / "lens.mcap"), ReadFile(PathOf("ros2.mcap")));
   EXPECT_THROW(Simulate("lens", options), Error) << "EuRoC folders know no such lens";
   EXPECT_FALSE(std::filesystem::exists(root_ / "lens"));
@@ -131,7 +133,8 @@ TEST_F(SimulatedDrive, SlotsAreWhereThePlaceHasThem) {
     const auto ring = slots["features"][i]["geometry"]["coordinates"][0];
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (int corner = 0; corner < 4; ++corner)
-      middle += 0.25 * SiteFromGeodetic(SimulatedDatum(), ring[corner][1], ring[corner][0], ring[corner][2]);
+      middle += 0.25 * SiteFromGeodetic(SimulatedDatum(), ring[corner][1], ring[corner][0],
+                                        ring[corner][2]);
     EXPECT_LT((middle.head<2>() - place.slots[i].outline.center).norm(), 1e-3);
     EXPECT_EQ(slots["features"][i]["properties"]["is_occupied"], place.slots[i].is_occupied);
   }
@@ -144,7 +147,8 @@ TEST_F(SimulatedDrive, KerbsAreWhereTheSceneHasThem) {
   ASSERT_EQ(kerbs["features"].size(), scene.kerbs.size());
   for (size_t i = 0; i < scene.kerbs.size(); ++i) {
     const auto line = kerbs["features"][i]["geometry"]["coordinates"];
-    const Eigen::Vector3d begin = SiteFromGeodetic(SimulatedDatum(), line[0][1], line[0][0], line[0][2]);
+    const Eigen::Vector3d begin =
+        SiteFromGeodetic(SimulatedDatum(), line[0][1], line[0][0], line[0][2]);
     EXPECT_LT((begin - scene.kerbs[i].begin).norm(), 1e-3);
     EXPECT_EQ(kerbs["features"][i]["properties"]["height_m"], scene.kerbs[i].height);
     EXPECT_EQ(kerbs["features"][i]["properties"]["type"], "kerb");
@@ -163,7 +167,8 @@ TEST(SimulateOptions, NonsenseIsRefused) {
   EXPECT_THROW(options.Validate(), Error);
   options = {};
   options.scene = "moon";
-  EXPECT_THROW(SimulateDrive(options, {"unused", {}, {}}, [](const std::string&, double) {}), Error);
+  EXPECT_THROW(SimulateDrive(options, {"unused", {}, {}}, [](const std::string&, double) {}),
+               Error);
 }
 
 }  // namespace

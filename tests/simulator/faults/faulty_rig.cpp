@@ -28,8 +28,10 @@ Rig NominalRig(const Rig& true_rig, const FaultOptions& faults, std::uint64_t se
     Random random(seed, 0xe00 + index);
     const Eigen::Vector3d axis = RandomDirection(random), direction = RandomDirection(random);
     const double angle = OfCamera(faults.extrinsic_rotation_deg, index) * M_PI / 180;
-    camera.body_from_camera.rotation = (camera.body_from_camera.rotation * ExpSo3(angle * axis)).normalized();
-    camera.body_from_camera.translation += 0.01 * OfCamera(faults.extrinsic_translation_cm, index) * direction;
+    camera.body_from_camera.rotation =
+        (camera.body_from_camera.rotation * ExpSo3(angle * axis)).normalized();
+    camera.body_from_camera.translation +=
+        0.01 * OfCamera(faults.extrinsic_translation_cm, index) * direction;
     camera.time_shift = 0;
     if (faults.hides_line_delay) camera.line_delay = 0;
   }
@@ -37,7 +39,8 @@ Rig NominalRig(const Rig& true_rig, const FaultOptions& faults, std::uint64_t se
 }
 
 RigCamera KnockedCamera(const RigCamera& camera, double angle_deg) {
-  // The hinge is where the mirror meets the door: a hand's breadth inwards, and tilted as doors are.
+  // The hinge is where the mirror meets the door: a hand's breadth inwards, and tilted as doors
+  // are.
   const Eigen::Vector3d& place = camera.body_from_camera.translation;
   const Eigen::Vector3d hinge = place + Eigen::Vector3d(0.05, place.y() > 0 ? -0.15 : 0.15, 0);
   const Eigen::Vector3d axis = Eigen::Vector3d(0.15, 0.1, 1).normalized();

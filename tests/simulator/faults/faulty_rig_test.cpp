@@ -9,7 +9,8 @@ namespace parkade::simulator {
 namespace {
 
 double AngleBetween(const RigCamera& a, const RigCamera& b) {
-  return LogSo3(a.body_from_camera.rotation.conjugate() * b.body_from_camera.rotation).norm() * 180 / M_PI;
+  return LogSo3(a.body_from_camera.rotation.conjugate() * b.body_from_camera.rotation).norm() *
+         180 / M_PI;
 }
 
 TEST(NominalRig, IsOffByExactlyWhatWasAskedFor) {
@@ -24,7 +25,8 @@ TEST(NominalRig, IsOffByExactlyWhatWasAskedFor) {
   for (size_t camera = 0; camera < 4; ++camera) {
     const RigCamera &told = nominal.cameras[camera], &real = exact.cameras[camera];
     EXPECT_NEAR(AngleBetween(told, real), degrees[camera], 1e-6);
-    EXPECT_NEAR((told.body_from_camera.translation - real.body_from_camera.translation).norm(), 0.03, 1e-9);
+    EXPECT_NEAR((told.body_from_camera.translation - real.body_from_camera.translation).norm(),
+                0.03, 1e-9);
     EXPECT_EQ(real.time_shift, offsets[camera]);
     EXPECT_EQ(told.time_shift, 0);
   }
@@ -41,14 +43,16 @@ TEST(NominalRig, WithoutFaultsIsTheTrueOne) {
 TEST(NominalRig, MayKnowNothingOfTheRollingShutter) {
   FaultOptions faults;
   faults.hides_line_delay = true;
-  EXPECT_EQ(NominalRig(MakeSimulatedRig({.line_delay = 3e-5}, 1), faults, 1).cameras[0].line_delay, 0);
+  EXPECT_EQ(NominalRig(MakeSimulatedRig({.line_delay = 3e-5}, 1), faults, 1).cameras[0].line_delay,
+            0);
 }
 
 TEST(KnockedCamera, TurnsByTheAngleAndHardlyMoves) {
   const RigCamera camera = MakeSimulatedRig({}, 1).cameras[1], knocked = KnockedCamera(camera, 4);
 
   EXPECT_NEAR(AngleBetween(camera, knocked), 4, 1e-6);
-  const double moved = (camera.body_from_camera.translation - knocked.body_from_camera.translation).norm();
+  const double moved =
+      (camera.body_from_camera.translation - knocked.body_from_camera.translation).norm();
   EXPECT_GT(moved, 0.002);
   EXPECT_LT(moved, 0.03);
 }
@@ -62,7 +66,8 @@ TEST(LensCover, DarknessLeavesNextToNothingAndMudLeavesWindows) {
   EXPECT_LT(cv::mean(behind_cap)[1], 0.01);
   int num_clear = 0;
   for (int row = 0; row < size.height; ++row)
-    for (int column = 0; column < size.width; ++column) num_clear += behind_mud.at<cv::Vec3f>(row, column)[1] > 0.8f;
+    for (int column = 0; column < size.width; ++column)
+      num_clear += behind_mud.at<cv::Vec3f>(row, column)[1] > 0.8f;
   EXPECT_GT(num_clear, 0.02 * size.area());
   EXPECT_LT(num_clear, 0.5 * size.area());
 }

@@ -7,7 +7,8 @@ constexpr size_t kMaxCameras = 4;
 
 }  // namespace
 
-FaultySink::FaultySink(DriveSink& sink, const FaultOptions& faults, Timestamp epoch, std::uint64_t seed)
+FaultySink::FaultySink(DriveSink& sink, const FaultOptions& faults, Timestamp epoch,
+                       std::uint64_t seed)
     : sink_(sink),
       faults_(faults),
       epoch_(epoch),
@@ -23,10 +24,10 @@ void FaultySink::Write(const WheelSample& sample) { Pass(sample, wheels_); }
 void FaultySink::Write(const GnssFix& fix) { Pass(fix, gnss_); }
 
 void FaultySink::WriteImage(size_t camera, Timestamp time, std::span<const std::uint8_t> jpeg) {
-  Picture picture{camera, time, {jpeg.begin(), jpeg.end()}};
+  Image image{camera, time, {jpeg.begin(), jpeg.end()}};
   Stream& stream = cameras_.at(camera);
-  if (stream.random.Chance(faults_.corrupt_jpegs)) Damage(picture.file, stream.random);
-  Pass(std::move(picture), stream);
+  if (stream.random.Chance(faults_.corrupt_jpegs)) Damage(image.file, stream.random);
+  Pass(std::move(image), stream);
 }
 
 void FaultySink::WriteSemantic(size_t camera, Timestamp time, std::span<const std::uint8_t> png) {
@@ -38,9 +39,11 @@ void FaultySink::WriteSemantic(size_t camera, Timestamp time, std::span<const st
   Deliver(mask);
 }
 
-/// Draws the same random numbers whatever happens, so that one fault leaves the others where they are.
+/// Draws the same random numbers whatever happens, so that one fault leaves the others where they
+/// are.
 void FaultySink::Pass(Record record, Stream& stream) {
-  const bool is_twice = stream.random.Chance(faults_.duplicates), is_late = stream.random.Chance(faults_.unordered);
+  const bool is_twice = stream.random.Chance(faults_.duplicates),
+             is_late = stream.random.Chance(faults_.unordered);
   Timestamp& stamp = std::visit([](auto& content) -> Timestamp& { return content.time; }, record);
   const double time = SinceStart(stamp);
   sink_.ArriveAt(stamp);
@@ -67,7 +70,7 @@ void FaultySink::Deliver(const Record& record) {
       [&]<typename Content>(const Content& content) {
         if constexpr (std::is_same_v<Content, Mask>) {
           sink_.WriteSemantic(content.camera, content.time, content.file);
-        } else if constexpr (std::is_same_v<Content, Picture>) {
+        } else if constexpr (std::is_same_v<Content, Image>) {
           sink_.WriteImage(content.camera, content.time, content.file);
         } else {
           sink_.Write(content);
@@ -81,17 +84,17 @@ bool FaultySink::IsInGap(const Record& record, double time) const {
   if (std::holds_alternative<WheelSample>(record)) return faults_.wheel_gap.Contains(time);
   if (std::holds_alternative<GnssFix>(record)) return faults_.gnss_gap.Contains(time);
   const ImageGap& gap = faults_.image_gap;
-  const Picture* picture = std::get_if<Picture>(&record);
-  if (!picture) picture = std::get_if<Mask>(&record);
-  const bool is_concerned = gap.camera < 0 || static_cast<size_t>(gap.camera) == picture->camera;
+  const Image* image = std::get_if<Image>(&record);
+  if (!image) image = std::get_if<Mask>(&record);
+  const bool is_concerned = gap.camera < 0 || static_cast<size_t>(gap.camera) == image->camera;
   return is_concerned && gap.begin <= time && time < gap.end;
 }
 
 double FaultySink::StampError(const Record& record, const std::string& stream, double time) {
   double error = 0;
-  const Picture* picture = std::get_if<Picture>(&record);
-  if (!picture) picture = std::get_if<Mask>(&record);
-  if (picture) error -= OfCamera(faults_.time_offsets, picture->camera);
+  const Image* image = std::get_if<Image>(&record);
+  if (!image) image = std::get_if<Mask>(&record);
+  if (image) error -= OfCamera(faults_.time_offsets, image->camera);
   const TimeJump& jump = faults_.time_jump;
   const bool is_concerned = jump.stream == "all" || jump.stream == stream;
   if (is_concerned && jump.begin <= time && time < jump.end) {
@@ -101,7 +104,7 @@ double FaultySink::StampError(const Record& record, const std::string& stream, d
   return error;
 }
 
-/// Some pictures end early, in others a burst of bytes is wrong.
+/// Some images end early, in others a burst of bytes is wrong.
 void FaultySink::Damage(std::vector<std::uint8_t>& jpeg, Random& random) {
   ++counts_["corrupt_jpegs"];
   if (jpeg.size() < 200) return;

@@ -12,8 +12,8 @@
 
 namespace parkade::simulator {
 
-/// Lets records through to another sink, except for the faults of recorders: gaps, wrong stamps, records twice or
-/// out of order, damaged pictures. Masks share the gaps and stamps of their pictures.
+/// Lets records through to another sink, except for the faults of recorders: gaps, wrong stamps,
+/// records twice or out of order, damaged images. Masks share the gaps and stamps of their images.
 class FaultySink : public DriveSink {
  public:
   /// Keeps a reference to `sink`. Times of faults count from `epoch`.
@@ -26,17 +26,18 @@ class FaultySink : public DriveSink {
   void WriteSemantic(size_t camera, Timestamp time, std::span<const std::uint8_t> png) override;
   void Close() override;
 
-  /// How many records each fault has met, by the fault's name and stream: "imu_gap", "duplicates.cam1", ...
+  /// How many records each fault has met, by the fault's name and stream: "imu_gap",
+  /// "duplicates.cam1", ...
   const std::map<std::string, size_t>& counts() const { return counts_; }
 
  private:
-  struct Picture {
+  struct Image {
     size_t camera = 0;
     Timestamp time;
     std::vector<std::uint8_t> file;
   };
-  struct Mask : Picture {};
-  using Record = std::variant<ImuSample, WheelSample, GnssFix, Picture, Mask>;
+  struct Mask : Image {};
+  using Record = std::variant<ImuSample, WheelSample, GnssFix, Image, Mask>;
 
   /// A sensor's stream and the record that waits for its successor.
   struct Stream {

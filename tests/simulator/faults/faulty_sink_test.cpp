@@ -19,14 +19,20 @@ struct Entry {
 /// Keeps what it gets, by stream.
 class MemorySink : public DriveSink {
  public:
-  void Write(const ImuSample& sample) override { Add("imu", sample.time, sample.angular_velocity.x()); }
-  void Write(const WheelSample& sample) override { Add("wheels", sample.time, sample.forward_speed); }
+  void Write(const ImuSample& sample) override {
+    Add("imu", sample.time, sample.angular_velocity.x());
+  }
+  void Write(const WheelSample& sample) override {
+    Add("wheels", sample.time, sample.forward_speed);
+  }
   void Write(const GnssFix& fix) override { Add("gnss", fix.time, fix.altitude); }
   void WriteImage(size_t camera, Timestamp time, std::span<const std::uint8_t> jpeg) override {
-    streams["cam" + std::to_string(camera)].push_back({Ms(time), std::string(jpeg.begin(), jpeg.end())});
+    streams["cam" + std::to_string(camera)].push_back(
+        {Ms(time), std::string(jpeg.begin(), jpeg.end())});
   }
   void WriteSemantic(size_t camera, Timestamp time, std::span<const std::uint8_t> png) override {
-    streams["mask" + std::to_string(camera)].push_back({Ms(time), std::string(png.begin(), png.end())});
+    streams["mask" + std::to_string(camera)].push_back(
+        {Ms(time), std::string(png.begin(), png.end())});
   }
   void Close() override { is_closed = true; }
 
@@ -34,7 +40,9 @@ class MemorySink : public DriveSink {
   bool is_closed = false;
 
  private:
-  static std::int64_t Ms(Timestamp time) { return std::llround(static_cast<double>(time.ns) * 1e-6); }
+  static std::int64_t Ms(Timestamp time) {
+    return std::llround(static_cast<double>(time.ns) * 1e-6);
+  }
   void Add(const std::string& stream, Timestamp time, double value) {
     streams[stream].push_back({Ms(time), std::to_string(value)});
   }
@@ -56,8 +64,10 @@ Log RecordWith(const FaultOptions& faults) {
     if (i % 20 == 0) sink.Write(GnssFix{time, 48, 11, 1.0 * i});
     if (i % 10 != 0) continue;
     for (const size_t camera : {size_t{0}, size_t{1}}) {
-      sink.WriteImage(camera, time, std::vector<std::uint8_t>(1000, static_cast<std::uint8_t>(i / 10)));
-      sink.WriteSemantic(camera, time, std::vector<std::uint8_t>(10, static_cast<std::uint8_t>(i / 10)));
+      sink.WriteImage(camera, time,
+                      std::vector<std::uint8_t>(1000, static_cast<std::uint8_t>(i / 10)));
+      sink.WriteSemantic(camera, time,
+                         std::vector<std::uint8_t>(10, static_cast<std::uint8_t>(i / 10)));
     }
   }
   sink.Close();
@@ -98,7 +108,8 @@ TEST_F(FaultyLog, AGapIsInItsStreamAndInNoOther) {
   EXPECT_EQ(Differences(clean_, log), Names{"imu"});
   EXPECT_EQ(log.streams.at("imu").size(), 950u);
   EXPECT_EQ(log.counts, (std::map<std::string, size_t>{{"gap.imu", 50}}));
-  for (const Entry& entry : log.streams.at("imu")) EXPECT_FALSE(entry.ms >= 4000 && entry.ms < 4500);
+  for (const Entry& entry : log.streams.at("imu"))
+    EXPECT_FALSE(entry.ms >= 4000 && entry.ms < 4500);
 }
 
 TEST_F(FaultyLog, GapsOfWheelsAndGnssAreTheirOwn) {
@@ -122,7 +133,7 @@ TEST_F(FaultyLog, AGapOfAllCamerasLeavesTheSensors) {
   EXPECT_EQ(Differences(clean_, RecordWith(faults_)), (Names{"cam0", "cam1", "mask0", "mask1"}));
 }
 
-TEST_F(FaultyLog, ATimeOffsetMovesStampsOfItsCameraAndKeepsThePictures) {
+TEST_F(FaultyLog, ATimeOffsetMovesStampsOfItsCameraAndKeepsTheImages) {
   faults_.time_offsets = {0, 0.02};
   const Log log = RecordWith(faults_);
 
@@ -151,7 +162,8 @@ TEST_F(FaultyLog, DuplicatesAreWrittenTwiceAndNothingIsLost) {
 
   for (const char* stream : {"imu", "wheels", "gnss", "cam0", "cam1"}) {
     std::vector<Entry> entries = log.streams.at(stream);
-    EXPECT_EQ(entries.size(), clean_.streams.at(stream).size() + log.counts.at(std::string("duplicates.") + stream));
+    EXPECT_EQ(entries.size(), clean_.streams.at(stream).size() +
+                                  log.counts.at(std::string("duplicates.") + stream));
     entries.erase(std::unique(entries.begin(), entries.end()), entries.end());
     EXPECT_EQ(entries, clean_.streams.at(stream));
   }
@@ -170,7 +182,7 @@ TEST_F(FaultyLog, UnorderedRecordsComeLateButCome) {
   EXPECT_EQ(log.streams.at("cam1").size(), 100u);
 }
 
-TEST_F(FaultyLog, CorruptPicturesKeepTheirStampsAndOthersTheirBytes) {
+TEST_F(FaultyLog, CorruptImagesKeepTheirStampsAndOthersTheirBytes) {
   faults_.corrupt_jpegs = 0.2;
   const Log log = RecordWith(faults_);
 

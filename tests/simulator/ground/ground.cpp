@@ -36,7 +36,8 @@ Eigen::Vector2d Ground::Gradient(const Eigen::Vector2d& xy, double near_z) const
   constexpr double kReach = 1e-3;  // [m]; the error is of the order of its square
   const auto& height = sheets_[SheetAt(xy, near_z)].height;
   const Eigen::Vector2d x(kReach, 0), y(0, kReach);
-  return Eigen::Vector2d(height(xy + x) - height(xy - x), height(xy + y) - height(xy - y)) / (2 * kReach);
+  return Eigen::Vector2d(height(xy + x) - height(xy - x), height(xy + y) - height(xy - y)) /
+         (2 * kReach);
 }
 
 Eigen::Vector3d Ground::Normal(const Eigen::Vector2d& xy, double near_z) const {

@@ -24,7 +24,8 @@ Color Decode(const Color& unpacked) { return (unpacked * (1 / 255.0f)).square();
 
 }  // namespace
 
-GroundCanvas::GroundCanvas(const Eigen::Vector2d& min, const Eigen::Vector2d& max, double texel_size)
+GroundCanvas::GroundCanvas(const Eigen::Vector2d& min, const Eigen::Vector2d& max,
+                           double texel_size)
     : min_(min.cast<float>()), texel_size_(static_cast<float>(texel_size)) {
   Level finest;
   finest.width = static_cast<int>(std::ceil((max.x() - min.x()) / texel_size));
@@ -39,15 +40,18 @@ void GroundCanvas::Fill(const std::function<Color(float x, float y)>& color) {
     std::uint32_t* texels = level.texels.data() + row * static_cast<size_t>(level.width);
     const float y = min_.y() + (static_cast<float>(row) + 0.5f) * texel_size_;
     for (int column = 0; column < level.width; ++column)
-      texels[column] = Encode(color(min_.x() + (static_cast<float>(column) + 0.5f) * texel_size_, y));
+      texels[column] =
+          Encode(color(min_.x() + (static_cast<float>(column) + 0.5f) * texel_size_, y));
   });
 }
 
 void GroundCanvas::Paint(const Eigen::Vector2d& center, double reach,
                          const std::function<Touch(float x, float y)>& brush) {
   Level& level = levels_.front();
-  const Eigen::Vector2f low = ((center.cast<float>() - min_).array() - static_cast<float>(reach)) / texel_size_;
-  const Eigen::Vector2f high = ((center.cast<float>() - min_).array() + static_cast<float>(reach)) / texel_size_;
+  const Eigen::Vector2f low =
+      ((center.cast<float>() - min_).array() - static_cast<float>(reach)) / texel_size_;
+  const Eigen::Vector2f high =
+      ((center.cast<float>() - min_).array() + static_cast<float>(reach)) / texel_size_;
   const int first_column = std::max(0, static_cast<int>(low.x())),
             last_column = std::min(level.width - 1, static_cast<int>(high.x()));
   const int first_row = std::max(0, static_cast<int>(low.y())),
@@ -58,7 +62,8 @@ void GroundCanvas::Paint(const Eigen::Vector2d& center, double reach,
       const Touch touch = brush(min_.x() + (static_cast<float>(column) + 0.5f) * texel_size_, y);
       if (touch.cover <= 0) continue;
       std::uint32_t& texel =
-          level.texels[static_cast<size_t>(row) * static_cast<size_t>(level.width) + static_cast<size_t>(column)];
+          level.texels[static_cast<size_t>(row) * static_cast<size_t>(level.width) +
+                       static_cast<size_t>(column)];
       texel = Encode(Decode(Unpack(texel)) * (1 - touch.cover) + touch.color * touch.cover);
     }
   }
@@ -75,9 +80,11 @@ void GroundCanvas::Finish() {
       const std::uint32_t* above = fine.texels.data() + 2 * row * static_cast<size_t>(fine.width);
       const std::uint32_t* below = above + fine.width;
       for (int column = 0; column < coarse.width; ++column) {
-        const Color mean = 0.25f * (Decode(Unpack(above[2 * column])) + Decode(Unpack(above[2 * column + 1])) +
-                                    Decode(Unpack(below[2 * column])) + Decode(Unpack(below[2 * column + 1])));
-        coarse.texels[row * static_cast<size_t>(coarse.width) + static_cast<size_t>(column)] = Encode(mean);
+        const Color mean =
+            0.25f * (Decode(Unpack(above[2 * column])) + Decode(Unpack(above[2 * column + 1])) +
+                     Decode(Unpack(below[2 * column])) + Decode(Unpack(below[2 * column + 1])));
+        coarse.texels[row * static_cast<size_t>(coarse.width) + static_cast<size_t>(column)] =
+            Encode(mean);
       }
     });
     levels_.push_back(std::move(coarse));
@@ -89,7 +96,8 @@ Color GroundCanvas::SampleLevel(const Level& level, float column, float row) con
   const float y = std::clamp(row, 0.0f, static_cast<float>(level.height) - 1.001f);
   const int left = static_cast<int>(x), top = static_cast<int>(y);
   const float fx = x - static_cast<float>(left), fy = y - static_cast<float>(top);
-  const std::uint32_t* upper = level.texels.data() + static_cast<size_t>(top) * static_cast<size_t>(level.width) + left;
+  const std::uint32_t* upper =
+      level.texels.data() + static_cast<size_t>(top) * static_cast<size_t>(level.width) + left;
   const std::uint32_t* lower = upper + level.width;
   return Decode((Unpack(upper[0]) * (1 - fx) + Unpack(upper[1]) * fx) * (1 - fy) +
                 (Unpack(lower[0]) * (1 - fx) + Unpack(lower[1]) * fx) * fy);
@@ -106,7 +114,8 @@ Color GroundCanvas::Sample(float x, float y, float footprint) const {
     return SampleLevel(levels_[index], u * scale - 0.5f, v * scale - 0.5f);
   };
   const Color sharp = at(fine);
-  return fraction > 0 && coarse != fine ? Color(sharp * (1 - fraction) + at(coarse) * fraction) : sharp;
+  return fraction > 0 && coarse != fine ? Color(sharp * (1 - fraction) + at(coarse) * fraction)
+                                        : sharp;
 }
 
 }  // namespace parkade::simulator

@@ -9,8 +9,8 @@
 
 namespace parkade::simulator {
 
-/// The colour of the ground over a rectangle of the world plane, as one picture
-/// seen from above with all its averaged levels. Colours are reflectances, kept
+/// The color of the ground over a rectangle of the world plane, as one image
+/// seen from above with all its averaged levels. Colors are reflectances, kept
 /// as 8-bit square roots so that dark asphalt has fine steps.
 class GroundCanvas {
  public:
@@ -19,7 +19,7 @@ class GroundCanvas {
 
   double texel_size() const { return texel_size_; }  ///< [m]
 
-  /// Sets every texel to `color(x, y)` of its centre, in parallel.
+  /// Sets every texel to `color(x, y)` of its center, in parallel.
   void Fill(const std::function<Color(float x, float y)>& color);
 
   /// What a brush does at a point: mixes in `color` by `cover` 0..1.
@@ -28,13 +28,14 @@ class GroundCanvas {
     float cover = 0;
   };
   /// Visits the texels of a box [m] around `center`. In order, on one thread.
-  void Paint(const Eigen::Vector2d& center, double reach, const std::function<Touch(float x, float y)>& brush);
+  void Paint(const Eigen::Vector2d& center, double reach,
+             const std::function<Touch(float x, float y)>& brush);
 
   /// Makes the averaged levels; call once, after the last stroke.
   void Finish();
 
   /// Mean reflectance over about `footprint` [m] around a point, trilinear;
-  /// points outside take the nearest texel's colour. Thread-safe.
+  /// points outside take the nearest texel's color. Thread-safe.
   Color Sample(float x, float y, float footprint) const;
 
  private:

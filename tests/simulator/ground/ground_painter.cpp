@@ -16,11 +16,14 @@ using Eigen::Vector2f;
 namespace {
 
 /// Share of a texel inside a shape, from the signed distance [m] to its border.
-float Cover(float signed_distance, float texel) { return std::clamp(0.5f - signed_distance / texel, 0.0f, 1.0f); }
+float Cover(float signed_distance, float texel) {
+  return std::clamp(0.5f - signed_distance / texel, 0.0f, 1.0f);
+}
 
 float DistanceToSegment(const Vector2f& point, const Vector2f& a, const Vector2f& b) {
   const Vector2f side = b - a;
-  const float along = std::clamp((point - a).dot(side) / std::max(1e-9f, side.squaredNorm()), 0.0f, 1.0f);
+  const float along =
+      std::clamp((point - a).dot(side) / std::max(1e-9f, side.squaredNorm()), 0.0f, 1.0f);
   return (point - a - along * side).norm();
 }
 
@@ -38,9 +41,11 @@ void GroundPainter::Asphalt(const std::function<bool(float, float)>& covers) {
     if (covers && !covers(x, y)) return Gray(0.125f);
     const float broad = FractalNoise(0.13f * x, 0.13f * y, 3, seed_),
                 middle = FractalNoise(1.1f * x, 1.3f * y, 3, seed_ + 10);
-    const float speckle = CellValue(static_cast<int>(x / texel_), static_cast<int>(y / texel_), seed_ + 20);
+    const float speckle =
+        CellValue(static_cast<int>(x / texel_), static_cast<int>(y / texel_), seed_ + 20);
     const float grain = SmoothNoise(17 * x, 17 * y, seed_ + 21);
-    const float value = 0.125f * (1 + 0.16f * broad + 0.10f * middle + 0.10f * grain + 0.16f * speckle);
+    const float value =
+        0.125f * (1 + 0.16f * broad + 0.10f * middle + 0.10f * grain + 0.16f * speckle);
     return Rgb(1.02f * value, value, 0.96f * value);
   });
 }
@@ -50,13 +55,17 @@ void GroundPainter::Concrete() {
   canvas_.Fill([&](float x, float y) {
     const float broad = FractalNoise(0.2f * x, 0.2f * y, 3, seed_),
                 middle = FractalNoise(1.7f * x, 1.7f * y, 4, seed_ + 10);
-    const float speckle = CellValue(static_cast<int>(x / texel_), static_cast<int>(y / texel_), seed_ + 20);
-    const float slab = CellValue(FloorToInt(x / kSlab), FloorToInt(y / kSlab), seed_ + 30);
-    const float joint =
-        std::min(std::abs(x / kSlab - std::round(x / kSlab)), std::abs(y / kSlab - std::round(y / kSlab))) * kSlab;
+    const float speckle =
+        CellValue(static_cast<int>(x / texel_), static_cast<int>(y / texel_), seed_ + 20);
+    const float slab = CellValue(FastFloorToInt(x / kSlab), FastFloorToInt(y / kSlab), seed_ + 30);
+    const float joint = std::min(std::abs(x / kSlab - std::round(x / kSlab)),
+                                 std::abs(y / kSlab - std::round(y / kSlab))) *
+                        kSlab;
     const float grain = SmoothNoise(17 * x, 17 * y, seed_ + 21);
-    const float value = 0.24f * (1 + 0.18f * broad + 0.20f * middle + 0.10f * grain + 0.08f * slab + 0.10f * speckle);
-    return Color(Rgb(value, 0.985f * value, 0.95f * value) * (1 - 0.7f * Cover(joint - 0.008f, texel_)));
+    const float value = 0.24f * (1 + 0.18f * broad + 0.20f * middle + 0.10f * grain + 0.08f * slab +
+                                 0.10f * speckle);
+    return Color(Rgb(value, 0.985f * value, 0.95f * value) *
+                 (1 - 0.7f * Cover(joint - 0.008f, texel_)));
   });
 }
 
@@ -64,13 +73,15 @@ void GroundPainter::Ribbed(const std::function<float(float, float)>& along) {
   constexpr float kSpacing = 0.16f, kHalf = 0.022f;  // [m]
   canvas_.Fill([&](float x, float y) {
     // No groove is quite straight, as deep as the next one, or as dirty all along.
-    const float across = along(x, y) / kSpacing + 0.3f * FractalNoise(0.8f * x, 0.8f * y, 2, seed_ + 30);
+    const float across =
+        along(x, y) / kSpacing + 0.3f * FractalNoise(0.8f * x, 0.8f * y, 2, seed_ + 30);
     const float groove = (std::abs(across - std::round(across))) * kSpacing - kHalf;
-    const float depth = 0.38f + 0.12f * CellValue(FloorToInt(across + 0.5f), 0, seed_ + 31) +
+    const float depth = 0.38f + 0.12f * CellValue(FastFloorToInt(across + 0.5f), 0, seed_ + 31) +
                         0.25f * FractalNoise(2.3f * x, 2.3f * y, 3, seed_ + 32);
     const float middle = FractalNoise(1.1f * x, 1.1f * y, 4, seed_ + 10),
                 grain = FractalNoise(9 * x, 9 * y, 3, seed_ + 21);
-    const float speckle = CellValue(static_cast<int>(x / texel_), static_cast<int>(y / texel_), seed_ + 20);
+    const float speckle =
+        CellValue(static_cast<int>(x / texel_), static_cast<int>(y / texel_), seed_ + 20);
     const float value = 0.19f * (1 + 0.30f * middle + 0.30f * grain + 0.14f * speckle);
     return Color(Gray(value) * (1 - std::clamp(depth, 0.05f, 0.7f) * Cover(groove, texel_)));
   });
@@ -79,14 +90,17 @@ void GroundPainter::Ribbed(const std::function<float(float, float)>& along) {
 void GroundPainter::Patches(int count, const Chooser& place) {
   for (int i = 0; i < count; ++i) {
     const Vector2d half(random_.Uniform(0.3, 2.4), random_.Uniform(0.25, 0.9));
-    const Rectangle patch{(place ? place() : Anywhere()), half, random_.Chance(0.8) ? 0 : random_.Uniform(0, M_PI)};
+    const Rectangle patch{(place ? place() : Anywhere()), half,
+                          random_.Chance(0.8) ? 0 : random_.Uniform(0, M_PI)};
     const float tone = static_cast<float>(random_.Uniform(0.06, 0.16));
     const std::uint32_t seed = static_cast<std::uint32_t>(random_.Bits());
     canvas_.Paint(patch.center, half.norm() + 0.1, [&](float x, float y) -> GroundCanvas::Touch {
       const float wobble = 0.02f * SmoothNoise(5 * x, 5 * y, seed);
       const float distance = static_cast<float>(patch.SignedDistance(Vector2d(x, y))) + wobble;
-      const float speckle = CellValue(static_cast<int>(x / texel_), static_cast<int>(y / texel_), seed);
-      if (std::abs(distance) < 0.03f) return {Gray(0.035f), 0.9f * Cover(std::abs(distance) - 0.02f, texel_)};
+      const float speckle =
+          CellValue(static_cast<int>(x / texel_), static_cast<int>(y / texel_), seed);
+      if (std::abs(distance) < 0.03f)
+        return {Gray(0.035f), 0.9f * Cover(std::abs(distance) - 0.02f, texel_)};
       return {Gray(tone * (1 + 0.2f * speckle)), 0.85f * Cover(distance, texel_)};
     });
   }
@@ -104,13 +118,14 @@ void GroundPainter::Stains(int count, const Chooser& oil_place, const Chooser& p
     const Vector2d center = is_oil ? oil_place() : place ? place() : Anywhere();
     const double radius = is_oil ? random_.Uniform(0.04, 0.35) : random_.Uniform(0.2, 1.3);
     const float cover = static_cast<float>(random_.Uniform(0.25, 0.8)) * (is_oil ? 1.0f : 0.5f);
-    const Color color = random_.Chance(0.15) ? Rgb(0.16f, 0.12f, 0.08f)
-                                             : Gray(is_oil ? 0.03f : static_cast<float>(random_.Uniform(0.05, 0.2)));
+    const Color color = random_.Chance(0.15)
+                            ? Rgb(0.16f, 0.12f, 0.08f)
+                            : Gray(is_oil ? 0.03f : static_cast<float>(random_.Uniform(0.05, 0.2)));
     const std::uint32_t seed = static_cast<std::uint32_t>(random_.Bits());
     canvas_.Paint(center, 1.5 * radius, [&](float x, float y) -> GroundCanvas::Touch {
       const float r = (Vector2f(x, y) - center.cast<float>()).norm() / static_cast<float>(radius);
-      const float edge =
-          r + 0.7f * FractalNoise(3 * x / static_cast<float>(radius), 3 * y / static_cast<float>(radius), 3, seed);
+      const float edge = r + 0.7f * FractalNoise(3 * x / static_cast<float>(radius),
+                                                 3 * y / static_cast<float>(radius), 3, seed);
       return {color, cover * (1 - SmoothStep(0.45f, 1.0f, edge))};
     });
   }
@@ -124,17 +139,20 @@ void GroundPainter::Litter(int count, const Chooser& place) {
       const Vector2d center = drift + spread * Vector2d(random_.Normal(), random_.Normal());
       const double radius = random_.Uniform(0.008, 0.03), stretch = random_.Uniform(1, 2.2),
                    angle = random_.Uniform(0, M_PI);
-      const Color color = random_.Chance(0.3)
-                              ? Color(Rgb(0.30f, 0.20f, 0.06f) * static_cast<float>(random_.Uniform(0.4, 1.4)))
-                          : random_.Chance(0.5) ? Gray(static_cast<float>(random_.Uniform(0.25, 0.6)))
-                                                : Gray(static_cast<float>(random_.Uniform(0.02, 0.07)));
+      const Color color =
+          random_.Chance(0.3)
+              ? Color(Rgb(0.30f, 0.20f, 0.06f) * static_cast<float>(random_.Uniform(0.4, 1.4)))
+          : random_.Chance(0.5) ? Gray(static_cast<float>(random_.Uniform(0.25, 0.6)))
+                                : Gray(static_cast<float>(random_.Uniform(0.02, 0.07)));
       const Vector2f axis(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)));
-      canvas_.Paint(center, radius * stretch + texel_, [&](float x, float y) -> GroundCanvas::Touch {
-        const Vector2f offset = Vector2f(x, y) - center.cast<float>();
-        const float along = offset.dot(axis) / static_cast<float>(stretch),
-                    across = offset.x() * axis.y() - offset.y() * axis.x();
-        return {color, 0.9f * Cover(std::hypot(along, across) - static_cast<float>(radius), texel_)};
-      });
+      canvas_.Paint(
+          center, radius * stretch + texel_, [&](float x, float y) -> GroundCanvas::Touch {
+            const Vector2f offset = Vector2f(x, y) - center.cast<float>();
+            const float along = offset.dot(axis) / static_cast<float>(stretch),
+                        across = offset.x() * axis.y() - offset.y() * axis.x();
+            return {color,
+                    0.9f * Cover(std::hypot(along, across) - static_cast<float>(radius), texel_)};
+          });
     }
   }
 }
@@ -144,45 +162,52 @@ void GroundPainter::Manhole(const Vector2d& center) {
     const Vector2f offset = Vector2f(x, y) - center.cast<float>();
     const float r = offset.norm();
     if (r > 0.36f) return {Gray(0.2f), Cover(r - 0.43f, texel_)};
-    const bool is_ridge =
-        (static_cast<int>(std::floor(offset.x() / 0.045f)) + static_cast<int>(std::floor(offset.y() / 0.045f))) % 2 ==
-        0;
+    const bool is_ridge = (static_cast<int>(std::floor(offset.x() / 0.045f)) +
+                           static_cast<int>(std::floor(offset.y() / 0.045f))) %
+                              2 ==
+                          0;
     return {Gray(r > 0.32f ? 0.03f : is_ridge ? 0.16f : 0.06f), 1};
   });
 }
 
-void GroundPainter::Line(const Vector2d& from, const Vector2d& to, double width, float wear, const Color& color) {
+void GroundPainter::Line(const Vector2d& from, const Vector2d& to, double width, float wear,
+                         const Color& color) {
   const Vector2f a = from.cast<float>(), b = to.cast<float>();
-  canvas_.Paint((from + to) / 2, (to - from).norm() / 2 + width, [&](float x, float y) -> GroundCanvas::Touch {
-    return Worn(x, y, DistanceToSegment({x, y}, a, b) - static_cast<float>(width / 2), wear, color);
-  });
+  canvas_.Paint((from + to) / 2, (to - from).norm() / 2 + width,
+                [&](float x, float y) -> GroundCanvas::Touch {
+                  return Worn(x, y, DistanceToSegment({x, y}, a, b) - static_cast<float>(width / 2),
+                              wear, color);
+                });
 }
 
-void GroundPainter::TyreTrack(const Vector2d& from, const Vector2d& to, double width, float cover) {
+void GroundPainter::TireTrack(const Vector2d& from, const Vector2d& to, double width, float cover) {
   const Vector2f a = from.cast<float>(), b = to.cast<float>();
   const float half = static_cast<float>(width / 2);
   const std::uint32_t seed = static_cast<std::uint32_t>(random_.Bits());
-  canvas_.Paint((from + to) / 2, (to - from).norm() / 2 + width, [&](float x, float y) -> GroundCanvas::Touch {
-    const float aside = DistanceToSegment({x, y}, a, b) / half;
-    if (aside > 1) return {};
-    const float streaks = 0.6f + 0.4f * FractalNoise(0.7f * x, 0.7f * y, 3, seed);
-    return {Gray(0.035f), cover * streaks * (1 - SmoothStep(0.4f, 1.0f, aside))};
-  });
+  canvas_.Paint((from + to) / 2, (to - from).norm() / 2 + width,
+                [&](float x, float y) -> GroundCanvas::Touch {
+                  const float aside = DistanceToSegment({x, y}, a, b) / half;
+                  if (aside > 1) return {};
+                  const float streaks = 0.6f + 0.4f * FractalNoise(0.7f * x, 0.7f * y, 3, seed);
+                  return {Gray(0.035f), cover * streaks * (1 - SmoothStep(0.4f, 1.0f, aside))};
+                });
 }
 
-void GroundPainter::TyreCircle(const Vector2d& center, double radius, double width, float cover) {
+void GroundPainter::TireCircle(const Vector2d& center, double radius, double width, float cover) {
   const Vector2f middle = center.cast<float>();
   const float half = static_cast<float>(width / 2);
   const std::uint32_t seed = static_cast<std::uint32_t>(random_.Bits());
   canvas_.Paint(center, radius + width, [&](float x, float y) -> GroundCanvas::Touch {
-    const float aside = std::abs((Vector2f(x, y) - middle).norm() - static_cast<float>(radius)) / half;
+    const float aside =
+        std::abs((Vector2f(x, y) - middle).norm() - static_cast<float>(radius)) / half;
     if (aside > 1) return {};
     const float streaks = 0.6f + 0.4f * FractalNoise(0.7f * x, 0.7f * y, 3, seed);
     return {Gray(0.035f), cover * streaks * (1 - SmoothStep(0.4f, 1.0f, aside))};
   });
 }
 
-void GroundPainter::Circle(const Vector2d& center, double radius, double width, float wear, const Color& color) {
+void GroundPainter::Circle(const Vector2d& center, double radius, double width, float wear,
+                           const Color& color) {
   const Vector2f middle = center.cast<float>();
   canvas_.Paint(center, radius + width, [&](float x, float y) -> GroundCanvas::Touch {
     const float aside = std::abs((Vector2f(x, y) - middle).norm() - static_cast<float>(radius));
@@ -192,7 +217,8 @@ void GroundPainter::Circle(const Vector2d& center, double radius, double width, 
 
 void GroundPainter::Number(int value, const Vector2d& center, double yaw, double height) {
   // Seven strokes: top, upper right, lower right, bottom, lower left, upper left, middle.
-  static constexpr std::array<int, 10> kStrokes = {0x3f, 0x06, 0x5b, 0x4f, 0x66, 0x6d, 0x7d, 0x07, 0x7f, 0x6f};
+  static constexpr std::array<int, 10> kStrokes = {0x3f, 0x06, 0x5b, 0x4f, 0x66,
+                                                   0x6d, 0x7d, 0x07, 0x7f, 0x6f};
   static const std::array<std::array<Vector2d, 2>, 7> kEnds = {{{{{0, 2}, {1, 2}}},
                                                                 {{{1, 2}, {1, 1}}},
                                                                 {{{1, 1}, {1, 0}}},
@@ -203,7 +229,8 @@ void GroundPainter::Number(int value, const Vector2d& center, double yaw, double
   const std::string digits = std::to_string(value);
   const double step = height / 2;
   const Vector2d right(std::cos(yaw), std::sin(yaw)), up(-right.y(), right.x());
-  Vector2d corner = center - up * step - right * (step * (1.5 * static_cast<double>(digits.size()) - 0.5) / 2);
+  Vector2d corner =
+      center - up * step - right * (step * (1.5 * static_cast<double>(digits.size()) - 0.5) / 2);
   for (const char digit : digits) {
     for (size_t stroke = 0; stroke < 7; ++stroke) {
       if (!(kStrokes[static_cast<size_t>(digit - '0')] >> stroke & 1)) continue;
@@ -216,11 +243,12 @@ void GroundPainter::Number(int value, const Vector2d& center, double yaw, double
   }
 }
 
-GroundCanvas::Touch GroundPainter::Worn(float x, float y, float signed_distance, float wear, const Color& color) const {
+GroundCanvas::Touch GroundPainter::Worn(float x, float y, float signed_distance, float wear,
+                                        const Color& color) const {
   const float cover = Cover(signed_distance, texel_);
   if (cover <= 0) return {};
-  const float flakes =
-      FractalNoise(2.1f * x, 2.1f * y, 4, seed_ + 40) + 0.6f * FractalNoise(40 * x, 40 * y, 2, seed_ + 50);
+  const float flakes = FractalNoise(2.1f * x, 2.1f * y, 4, seed_ + 40) +
+                       0.6f * FractalNoise(40 * x, 40 * y, 2, seed_ + 50);
   const float kept = 1 - SmoothStep(0.75f - wear, 1.1f - wear, flakes + 0.45f);
   return {color, cover * (0.12f + 0.83f * kept)};
 }
@@ -232,11 +260,15 @@ void GroundPainter::Crack(Vector2d at, double heading, double length, double wid
     const Vector2d next = at + step * Vector2d(std::cos(heading), std::sin(heading));
     const Vector2f a = at.cast<float>(), b = next.cast<float>();
     const double half = width * random_.Uniform(0.3, 1);
-    canvas_.Paint((at + next) / 2, step / 2 + width + 2 * texel_, [&](float x, float y) -> GroundCanvas::Touch {
-      return {Gray(0.028f), 0.85f * Cover(DistanceToSegment({x, y}, a, b) - static_cast<float>(half), 1.5f * texel_)};
-    });
+    canvas_.Paint((at + next) / 2, step / 2 + width + 2 * texel_,
+                  [&](float x, float y) -> GroundCanvas::Touch {
+                    return {Gray(0.028f), 0.85f * Cover(DistanceToSegment({x, y}, a, b) -
+                                                            static_cast<float>(half),
+                                                        1.5f * texel_)};
+                  });
     if (forks > 0 && random_.Chance(0.03))
-      Crack(next, heading + random_.Uniform(-1.3, 1.3), 0.5 * (length - done), 0.7 * width, forks - 1);
+      Crack(next, heading + random_.Uniform(-1.3, 1.3), 0.5 * (length - done), 0.7 * width,
+            forks - 1);
     at = next;
     done += step;
   }
@@ -246,7 +278,8 @@ void GroundPainter::Arrow(const Vector2d& center, double yaw) {
   const float c = static_cast<float>(std::cos(yaw)), s = static_cast<float>(std::sin(yaw));
   canvas_.Paint(center, 1.6, [&](float x, float y) -> GroundCanvas::Touch {
     const Vector2f offset = Vector2f(x, y) - center.cast<float>();
-    const float along = c * offset.x() + s * offset.y(), across = std::abs(c * offset.y() - s * offset.x());
+    const float along = c * offset.x() + s * offset.y(),
+                across = std::abs(c * offset.y() - s * offset.x());
     const float shaft = std::max(std::max(-1.5f - along, along - 0.5f), across - 0.075f);
     const float head = std::max(0.5f - along, (across - 0.36f * (1.5f - along)) * 0.94f);
     return Worn(x, y, std::min(shaft, head), 0.3f, kWhitePaint);

@@ -10,7 +10,7 @@ namespace parkade::simulator {
 inline const Color kWhitePaint = Rgb(0.58f, 0.57f, 0.53f), kYellowPaint = Rgb(0.55f, 0.38f, 0.06f);
 
 /// Paints what grounds look like, with one stream of random numbers: surfaces, damage,
-/// dirt and worn markings. Lengths in metres.
+/// dirt and worn markings. Lengths in meters.
 class GroundPainter {
  public:
   /// Scatters over [0, extent] of the plane.
@@ -19,17 +19,22 @@ class GroundPainter {
   /// A place to put something; empty: anywhere.
   using Chooser = std::function<Eigen::Vector2d()>;
 
-  /// Where `covers`, or everywhere; elsewhere flat grey.
+  /// Where `covers`, or everywhere; elsewhere flat gray.
   void Asphalt(const std::function<bool(float x, float y)>& covers = {});
   void Concrete();  ///< sealed slabs of 6 m with joints
   /// Rough concrete with grooves raked by hand, for ramps; `along` [m] counts across the grooves.
   void Ribbed(const std::function<float(float x, float y)>& along);
-  void Patches(int count, const Chooser& place = {});  ///< repairs: rectangles of younger asphalt with a sealed seam
-  void Cracks(int count, const Chooser& place = {});  ///< random walks of a dark line, thick or thin, sometimes forking
-  /// Oil and rust at `oil_place()`, spills and tyre dust at `place()`.
+  void Patches(
+      int count,
+      const Chooser& place = {});  ///< repairs: rectangles of younger asphalt with a sealed seam
+  void Cracks(int count,
+              const Chooser& place =
+                  {});  ///< random walks of a dark line, thick or thin, sometimes forking
+  /// Oil and rust at `oil_place()`, spills and tire dust at `place()`.
   void Stains(int count, const Chooser& oil_place, const Chooser& place = {});
   void Litter(int count,
-              const Chooser& place = {});  ///< gum, pebbles, leaves, cigarette ends; in drifts, not everywhere
+              const Chooser& place =
+                  {});  ///< gum, pebbles, leaves, cigarette ends; in drifts, not everywhere
   void Manhole(const Eigen::Vector2d& center);
   /// A worn line of paint.
   void Line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double width, float wear,
@@ -38,18 +43,22 @@ class GroundPainter {
   void Arrow(const Eigen::Vector2d& center, double yaw);
   /// A number of strokes as of a stencil, `height` tall, read along `yaw`.
   void Number(int value, const Eigen::Vector2d& center, double yaw, double height);
-  /// Rubber of many tyres along a track, `width` wide.
-  void TyreTrack(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double width, float cover);
+  /// Rubber of many tires along a track, `width` wide.
+  void TireTrack(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double width, float cover);
   /// The same along a circle.
-  void TyreCircle(const Eigen::Vector2d& center, double radius, double width, float cover);
+  void TireCircle(const Eigen::Vector2d& center, double radius, double width, float cover);
   /// A worn circle of paint.
-  void Circle(const Eigen::Vector2d& center, double radius, double width, float wear, const Color& color);
+  void Circle(const Eigen::Vector2d& center, double radius, double width, float wear,
+              const Color& color);
 
-  Eigen::Vector2d Anywhere() { return {random_.Uniform(0, extent_.x()), random_.Uniform(0, extent_.y())}; }
+  Eigen::Vector2d Anywhere() {
+    return {random_.Uniform(0, extent_.x()), random_.Uniform(0, extent_.y())};
+  }
   Random& random() { return random_; }
 
  private:
-  GroundCanvas::Touch Worn(float x, float y, float signed_distance, float wear, const Color& color) const;
+  GroundCanvas::Touch Worn(float x, float y, float signed_distance, float wear,
+                           const Color& color) const;
   void Crack(Eigen::Vector2d at, double heading, double length, double width, int forks);
 
   Eigen::Vector2d extent_;

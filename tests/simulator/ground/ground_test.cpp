@@ -8,9 +8,9 @@
 #include "tests/simulator/layouts/garage_layout.h"
 #include "tests/simulator/layouts/garage_place.h"
 #include "tests/simulator/layouts/place.h"
+#include "tests/simulator/layouts/plan_place.h"
 #include "tests/simulator/motion/ramp_profile.h"
 #include "tests/simulator/motion/route.h"
-#include "tests/simulator/layouts/plan_place.h"
 
 namespace parkade::simulator {
 namespace {
@@ -32,7 +32,8 @@ TEST(RampProfile, BendsSmoothly) {
   const double h = 1e-3;
   double last = 0;
   for (double along = -2; along < ramp.run + 2; along += 0.05) {
-    const double bend = (ramp.Height(along + h) - 2 * ramp.Height(along) + ramp.Height(along - h)) / (h * h);
+    const double bend =
+        (ramp.Height(along + h) - 2 * ramp.Height(along) + ramp.Height(along - h)) / (h * h);
     EXPECT_LT(std::abs(bend - last), 0.004) << along;  // a kink would jump by 0.05
     last = bend;
   }
@@ -46,7 +47,8 @@ TEST(Ground, TheSheetNearestToTheHintAnswers) {
   EXPECT_EQ(place.ground.Height(in_aisle, 0.4), 0);
   EXPECT_EQ(place.ground.Height(in_aisle, 2.5), garage.storey);
   EXPECT_EQ(place.ground.Height(in_aisle, 5.0), 2 * garage.storey);
-  EXPECT_EQ(place.ground.SheetAt({-10, 10}, 6), garage.ForecourtSheet()) << "only one sheet is there";
+  EXPECT_EQ(place.ground.SheetAt({-10, 10}, 6), garage.ForecourtSheet())
+      << "only one sheet is there";
   const Vector2d on_ramp((garage.ramp_from + garage.ramp_to) / 2, garage.width + 2);
   EXPECT_NEAR(place.ground.Height(on_ramp, 1.0), garage.storey / 2, 1e-6);
   EXPECT_NEAR(place.ground.Height(on_ramp, 4.0), 1.5 * garage.storey, 1e-6);
@@ -57,7 +59,8 @@ TEST(Ground, RampsMeetTheDecksWithoutStepOrKink) {
   const Place place = MakeGaragePlace(garage, {.seed = 5});
   const double y = garage.width + 2.5, angle = 1e-4;
   const auto on_curve = [&](double turn) -> Vector2d {
-    return Vector2d(garage.length, garage.curve_y) + garage.curve_radius * Vector2d(std::sin(turn), -std::cos(turn));
+    return Vector2d(garage.length, garage.curve_y) +
+           garage.curve_radius * Vector2d(std::sin(turn), -std::cos(turn));
   };
   for (int deck = 0; deck < garage.num_ramps(); ++deck) {
     const double low = deck * garage.storey, high = low + garage.storey;
@@ -97,8 +100,8 @@ TEST_P(PlacedRoute, RunsOnDrivableGroundWithoutStepsBothWays) {
   const Place place = PlanPlace(GetParam(), {.seed = 4});
   for (const bool is_reversed : {false, true}) {
     for (const bool turns_around : {false, true}) {
-      const RoutePlan plan =
-          place.plan_route({.length = 450, .is_reversed = is_reversed, .turns_around = turns_around, .seed = 4});
+      const RoutePlan plan = place.plan_route(
+          {.length = 450, .is_reversed = is_reversed, .turns_around = turns_around, .seed = 4});
       const Route route(plan.waypoints, plan.corner_radius);
       double last_height = place.ground.Height(route.Position(0), route.HeightHint(0));
       const double first_height = place.ground.Height(route.Position(0.1), route.HeightHint(0.1));
@@ -108,8 +111,10 @@ TEST_P(PlacedRoute, RunsOnDrivableGroundWithoutStepsBothWays) {
         const Vector2d xy = route.Position(s);
         const size_t sheet = place.ground.SheetAt(xy, route.HeightHint(s));
         EXPECT_TRUE(place.ground.sheets()[sheet].Covers(xy) && place.is_drivable(sheet, xy))
-            << GetParam() << " at " << xy.transpose() << " s " << s << (is_reversed ? " reversed" : "");
-        const double height = place.ground.Height(xy, route.HeightHint(s)), slope = (height - last_height) / 0.1;
+            << GetParam() << " at " << xy.transpose() << " s " << s
+            << (is_reversed ? " reversed" : "");
+        const double height = place.ground.Height(xy, route.HeightHint(s)),
+                     slope = (height - last_height) / 0.1;
         EXPECT_LT(std::abs(slope), 0.2) << xy.transpose();
         EXPECT_LT(std::abs(slope - last_slope), 0.02) << xy.transpose();
         last_height = height;
@@ -125,7 +130,8 @@ TEST_P(PlacedRoute, ComesNearTheLengthWishedFor) {
   const Place place = PlanPlace(GetParam(), {.seed = 2});
   for (const double length : {350.0, 720.0}) {
     const RoutePlan plan = place.plan_route({.length = length});
-    EXPECT_NEAR(Route(plan.waypoints, plan.corner_radius).Length(), length, 0.35 * length) << length;
+    EXPECT_NEAR(Route(plan.waypoints, plan.corner_radius).Length(), length, 0.35 * length)
+        << length;
   }
 }
 
@@ -203,7 +209,8 @@ TEST_P(PlacesOfSeeds, DoNotShareTheirPlan) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, PlacesOfSeeds,
-                         testing::Values(std::pair("lot", 50), std::pair("garage", 50), std::pair("street", 8)),
+                         testing::Values(std::pair("lot", 50), std::pair("garage", 50),
+                                         std::pair("street", 8)),
                          [](const auto& info) { return std::string(info.param.first); });
 
 TEST(Garage, EveryDeckHasTheSamePlan) {
@@ -216,7 +223,8 @@ TEST(Garage, EveryDeckHasTheSamePlan) {
 
 TEST(Place, ASlotToEndInIsFreeAndBesideTheWay) {
   for (const char* name : {"lot", "garage"}) {
-    const RoutePlan plan = PlanPlace(name, {.seed = 3}).plan_route({.length = 200, .ends_in_slot = true});
+    const RoutePlan plan =
+        PlanPlace(name, {.seed = 3}).plan_route({.length = 200, .ends_in_slot = true});
     ASSERT_TRUE(plan.slot) << name;
     EXPECT_FALSE(plan.slot->is_occupied);
   }

@@ -16,7 +16,8 @@ double DistanceToLine(const Vector2d& point, const RoadField::Line& line) {
   double best = std::numeric_limits<double>::infinity();
   for (size_t i = 1; i < line.size(); ++i) {
     const Vector2d side = line[i] - line[i - 1];
-    const double along = std::clamp((point - line[i - 1]).dot(side) / std::max(1e-12, side.squaredNorm()), 0.0, 1.0);
+    const double along =
+        std::clamp((point - line[i - 1]).dot(side) / std::max(1e-12, side.squaredNorm()), 0.0, 1.0);
     best = std::min(best, (point - line[i - 1] - along * side).squaredNorm());
   }
   return std::sqrt(best);
@@ -47,7 +48,8 @@ RoadField::RoadField(const std::vector<Line>& streets, double half_width, double
     for (int column = 0; column < columns_; ++column) {
       const Vector2d point = Place(column, static_cast<int>(row));
       double distance = DistanceToLine(point, streets[0]);
-      for (size_t i = 1; i < streets.size(); ++i) distance = SmoothMin(distance, DistanceToLine(point, streets[i]));
+      for (size_t i = 1; i < streets.size(); ++i)
+        distance = SmoothMin(distance, DistanceToLine(point, streets[i]));
       values_[row * static_cast<size_t>(columns_) + static_cast<size_t>(column)] =
           static_cast<float>(distance - half_width);
     }
@@ -56,7 +58,8 @@ RoadField::RoadField(const std::vector<Line>& streets, double half_width, double
 
 double RoadField::At(const Vector2d& point) const {
   const Vector2d place = (point - min_) / kStep;
-  const int column = static_cast<int>(std::floor(place.x())), row = static_cast<int>(std::floor(place.y()));
+  const int column = static_cast<int>(std::floor(place.x())),
+            row = static_cast<int>(std::floor(place.y()));
   if (column < 0 || row < 0 || column + 1 >= columns_ || row + 1 >= rows_) return 100;
   const double u = place.x() - column, v = place.y() - row;
   return (AtNode(column, row) * (1 - u) + AtNode(column + 1, row) * u) * (1 - v) +
@@ -80,7 +83,8 @@ std::vector<std::pair<Vector2d, Vector2d>> RoadField::Kerbs() const {
         const double a = AtNode(column + ax, row + ay), b = AtNode(column + bx, row + by);
         if ((a < 0) == (b < 0)) continue;
         const double share = a / (a - b);
-        crossings.push_back(Place(column + ax, row + ay) * (1 - share) + Place(column + bx, row + by) * share);
+        crossings.push_back(Place(column + ax, row + ay) * (1 - share) +
+                            Place(column + bx, row + by) * share);
       }
       if (crossings.size() != 2 || (crossings[1] - crossings[0]).norm() < 1e-3) continue;
       const Vector2d along = crossings[1] - crossings[0], right(along.y(), -along.x());

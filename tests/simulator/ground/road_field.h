@@ -7,7 +7,7 @@
 namespace parkade::simulator {
 
 /// How far a point of the plane is from the kerb of a network of streets, negative on the road.
-/// Streets that meet are joined by rounded kerbs. Kept as a grid of half-metre steps.
+/// Streets that meet are joined by rounded kerbs. Kept as a grid of half-meter steps.
 class RoadField {
  public:
   using Line = std::vector<Eigen::Vector2d>;
@@ -26,8 +26,12 @@ class RoadField {
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }
-  Eigen::Vector2d Place(int column, int row) const { return min_ + kStep * Eigen::Vector2d(column, row); }
-  double AtNode(int column, int row) const { return values_[static_cast<size_t>(row * columns_ + column)]; }
+  Eigen::Vector2d Place(int column, int row) const {
+    return min_ + kStep * Eigen::Vector2d(column, row);
+  }
+  double AtNode(int column, int row) const {
+    return values_[static_cast<size_t>(row * columns_ + column)];
+  }
   const Eigen::Vector2d& min() const { return min_; }
   Eigen::Vector2d max() const { return Place(columns_ - 1, rows_ - 1); }
 

@@ -18,6 +18,7 @@ struct BuildingPlan {
 };
 
 /// A block with rows of windows on all four sides; no two windows are alike.
-void AddBuilding(const BuildingPlan& plan, Random& random, Mesh& mesh, std::vector<Material>& materials);
+void AddBuilding(const BuildingPlan& plan, Random& random, Mesh& mesh,
+                 std::vector<Material>& materials);
 
 }  // namespace parkade::simulator

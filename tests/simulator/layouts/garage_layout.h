@@ -19,9 +19,10 @@ struct GarageLayout {
   static constexpr double kStrip = 5;       ///< [m] width of the strip
   static constexpr double kForecourt = 30;  ///< [m] length
   static constexpr double kCurveHalfWidth = 2.5;
-  static constexpr double kWallHalf = 0.1;      ///< [m] of the thickness of walls
-  static constexpr double kGateHalf = 2.9;      ///< [m] of the width of gates
-  static constexpr double kStripWallEnd = 9.3;  ///< [m] from either end, where the strip's wall stops
+  static constexpr double kWallHalf = 0.1;  ///< [m] of the thickness of walls
+  static constexpr double kGateHalf = 2.9;  ///< [m] of the width of gates
+  static constexpr double kStripWallEnd =
+      9.3;  ///< [m] from either end, where the strip's wall stops
 
   std::vector<LotLayout> decks;  ///< the same but for the cars
   double storey = 2.9;           ///< [m] from deck to deck
@@ -46,7 +47,9 @@ struct GarageLayout {
 
   // Sheets of the ground: decks, forecourt, straight ramps, half circles.
   size_t ForecourtSheet() const { return decks.size(); }
-  size_t StraightSheet(int from_deck) const { return decks.size() + 1 + static_cast<size_t>(from_deck); }
+  size_t StraightSheet(int from_deck) const {
+    return decks.size() + 1 + static_cast<size_t>(from_deck);
+  }
   size_t CurveSheet(int from_deck) const { return StraightSheet(from_deck + num_ramps()); }
 };
 

@@ -39,7 +39,8 @@ class GarageTours {
       nodes.push_back({west_, south_, Z(deck + 1)});
     }
     for (int round = 0; round < tour.rounds; ++round)
-      for (const auto& [x, y] : {std::pair(east_, south_), {east_, north_}, {west_, north_}, {west_, south_}})
+      for (const auto& [x, y] :
+           {std::pair(east_, south_), {east_, north_}, {west_, north_}, {west_, south_}})
         nodes.push_back({x, y, Z(tour.top)});
     for (int deck = tour.top; deck > 0; --deck) {
       nodes.push_back({east_, south_, Z(deck)});
@@ -82,7 +83,8 @@ class GarageTours {
     const double radius = layout_.curve_radius / std::cos(M_PI / kBends / 2);
     for (int i = 0; i < kBends; ++i) {
       const double angle = M_PI * (i + 0.5) / kBends;
-      nodes.push_back({layout_.length + radius * std::sin(angle), layout_.curve_y - radius * std::cos(angle),
+      nodes.push_back({layout_.length + radius * std::sin(angle),
+                       layout_.curve_y - radius * std::cos(angle),
                        Z(deck) + layout_.storey * (i + 0.5) / kBends});
     }
   }
@@ -100,7 +102,8 @@ std::vector<Tour> ChooseTours(const GarageTours& tours, int num_ramps, double le
     for (int rounds = 0; rounds <= 2; ++rounds) {
       const double one = tours.Length({top, rounds});
       const size_t count = static_cast<size_t>(std::max(1L, std::lround(length / one)));
-      const double miss = std::abs(static_cast<double>(count) * one - length) + 2 * rounds - kPreferred * top;
+      const double miss =
+          std::abs(static_cast<double>(count) * one - length) + 2 * rounds - kPreferred * top;
       if (miss >= best_miss) continue;
       best_miss = miss;
       best.assign(count, {top, rounds});
@@ -111,23 +114,27 @@ std::vector<Tour> ChooseTours(const GarageTours& tours, int num_ramps, double le
 
 std::optional<ParkingSlot> ChooseSlot(const std::vector<ParkingSlot>& slots, double aisle_y) {
   for (const ParkingSlot& slot : slots)
-    if (!slot.is_occupied && slot.height < 0.1 && std::abs(slot.outline.center.y() - aisle_y) < 7) return slot;
+    if (!slot.is_occupied && slot.height < 0.1 && std::abs(slot.outline.center.y() - aisle_y) < 7)
+      return slot;
   return std::nullopt;
 }
 
 }  // namespace
 
-RoutePlan PlanGarageRoute(const GarageLayout& layout, const std::vector<ParkingSlot>& slots, const RouteWish& wish) {
+RoutePlan PlanGarageRoute(const GarageLayout& layout, const std::vector<ParkingSlot>& slots,
+                          const RouteWish& wish) {
   const GarageTours tours(layout);
   const double turn_around = wish.turns_around ? 2 * layout.length + 60 : 0;
-  const std::vector<Tour> chosen = ChooseTours(tours, layout.num_ramps(), wish.length - turn_around);
+  const std::vector<Tour> chosen =
+      ChooseTours(tours, layout.num_ramps(), wish.length - turn_around);
   WaypointTrail trail(tours.Start(), wish.seed);
   bool is_reversed = wish.is_reversed != layout.is_counter;
   const auto drive = [&](const Nodes& nodes) {
     for (const Vector3d& node : nodes) {
       const Eigen::Vector2d side = (node - trail.nominal()).head<2>();
       // Swings only along the aisles of one deck, and not into the half circles.
-      const bool is_aisle = std::abs(side.y()) < 0.1 && std::abs(node.z() - trail.nominal().z()) < 0.1;
+      const bool is_aisle =
+          std::abs(side.y()) < 0.1 && std::abs(node.z() - trail.nominal().z()) < 0.1;
       trail.DriveTo(node, is_aisle ? 0.5 : 0, is_aisle ? 0.2 : 0);
     }
   };
@@ -143,7 +150,10 @@ RoutePlan PlanGarageRoute(const GarageLayout& layout, const std::vector<ParkingS
   const Vector3d end = tours.Start() + Vector3d(is_reversed ? -3 : 3, 0, 0);
   trail.DriveTo(end, 0, 0);
   // Between walls people are careful: 2.8 m/s around a pillar, 3.4 m/s up a half circle.
-  RoutePlan plan{.waypoints = trail.Take(), .corner_radius = 5.4, .max_lateral_acceleration = 1.45, .slot = {}};
+  RoutePlan plan{.waypoints = trail.Take(),
+                 .corner_radius = 5.4,
+                 .max_lateral_acceleration = 1.45,
+                 .slot = {}};
   if (wish.ends_in_slot) plan.slot = ChooseSlot(slots, layout.decks[0].aisle_y[0]);
   return plan;
 }

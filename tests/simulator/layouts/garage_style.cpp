@@ -31,13 +31,16 @@ GarageMeasures MeasureGarage(std::uint64_t seed) {
 }
 
 GarageStyle StyleOfGarage(std::uint64_t seed) {
-  const Color paints[] = {Rgb(0.10f, 0.22f, 0.40f), Rgb(0.09f, 0.30f, 0.16f), Rgb(0.38f, 0.10f, 0.07f),
-                          Rgb(0.45f, 0.24f, 0.06f), Rgb(0.06f, 0.28f, 0.30f), Rgb(0.24f, 0.14f, 0.30f),
+  const Color paints[] = {Rgb(0.10f, 0.22f, 0.40f), Rgb(0.09f, 0.30f, 0.16f),
+                          Rgb(0.38f, 0.10f, 0.07f), Rgb(0.45f, 0.24f, 0.06f),
+                          Rgb(0.06f, 0.28f, 0.30f), Rgb(0.24f, 0.14f, 0.30f),
                           Rgb(0.16f, 0.16f, 0.17f), Rgb(0.44f, 0.38f, 0.20f)};
-  const Color pipes[] = {Rgb(0.45f, 0.05f, 0.04f), Gray(0.36f), Rgb(0.30f, 0.28f, 0.10f), Rgb(0.10f, 0.16f, 0.32f)};
+  const Color pipes[] = {Rgb(0.45f, 0.05f, 0.04f), Gray(0.36f), Rgb(0.30f, 0.28f, 0.10f),
+                         Rgb(0.10f, 0.16f, 0.32f)};
   Random random(seed, 0x6a57);
   const auto gray = [&](double from, double to) {
-    const float level = static_cast<float>(random.Uniform(from, to)), warm = static_cast<float>(random.Uniform(0, 0.1));
+    const float level = static_cast<float>(random.Uniform(from, to)),
+                warm = static_cast<float>(random.Uniform(0, 0.1));
     return Rgb(level, level * (1 - 0.3f * warm), level * (1 - warm));
   };
   GarageStyle style;

@@ -11,13 +11,13 @@ namespace parkade::simulator {
 /// How one garage differs from another in its plan; its decks do not differ.
 struct GarageMeasures {
   LotMeasures deck;
-  double storey = 2.9;                         ///< [m] from deck to deck
-  double ramp_share = 0.5;                     ///< where in the strip the straight ramp lies: 0 far west, 1 far east
-  int slots_per_pillar = 3;                    ///< between two pillars
+  double storey = 2.9;       ///< [m] from deck to deck
+  double ramp_share = 0.5;   ///< where in the strip the straight ramp lies: 0 far west, 1 far east
+  int slots_per_pillar = 3;  ///< between two pillars
   Eigen::Vector2d pillar_half = {0.16, 0.35};  ///< [m] half its sides
-  double pillar_inset = 1.7;                   ///< [m] from the middle of the slots towards the aisle
-  double median_wall = 0;                      ///< [m] height of the wall between the rows in the middle; 0: none
-  bool is_counter = false;                     ///< up the straight ramps and down the half circles
+  double pillar_inset = 1.7;  ///< [m] from the middle of the slots toward the aisle
+  double median_wall = 0;     ///< [m] height of the wall between the rows in the middle; 0: none
+  bool is_counter = false;    ///< up the straight ramps and down the half circles
 };
 
 GarageMeasures MeasureGarage(std::uint64_t seed);

@@ -10,7 +10,8 @@ namespace {
 using Eigen::Vector2d;
 
 Vector2d InAnySlot(const LotLayout& layout, Random& random) {
-  const Rectangle& slot = layout.slots[static_cast<size_t>(random.Index(static_cast<int>(layout.slots.size())))];
+  const Rectangle& slot =
+      layout.slots[static_cast<size_t>(random.Index(static_cast<int>(layout.slots.size())))];
   return slot.center + Vector2d(random.Uniform(-0.6, 0.6), random.Uniform(-1.5, 1.5));
 }
 
@@ -21,13 +22,15 @@ void Mark(const LotLayout& layout, GroundPainter& painter) {
     for (const double side : {-1.0, 1.0}) {
       const Vector2d into(std::cos(slot.yaw), std::sin(slot.yaw)), across(-into.y(), into.x());
       const Vector2d middle = slot.center + side * slot.half_size.y() * across;
-      painter.Line(middle - slot.half_size.x() * into, middle + slot.half_size.x() * into, 0.11, wear);
+      painter.Line(middle - slot.half_size.x() * into, middle + slot.half_size.x() * into, 0.11,
+                   wear);
     }
   }
   for (int aisle = 0; aisle < 2; ++aisle) {
     const double direction = layout.long_loop[0].y() == layout.aisle_y[aisle] ? 1 : -1;
     for (double x = 14; x < layout.length - 12; x += painter.random().Uniform(13, 19))
-      painter.Arrow({x, layout.aisle_y[aisle] + painter.random().Uniform(-0.2, 0.2)}, direction > 0 ? 0 : M_PI);
+      painter.Arrow({x, layout.aisle_y[aisle] + painter.random().Uniform(-0.2, 0.2)},
+                    direction > 0 ? 0 : M_PI);
   }
   for (const double x : {7.6, layout.length - 7.6})
     for (const double y : layout.aisle_y)
@@ -45,30 +48,33 @@ void MarkBumps(const LotLayout& layout, GroundPainter& painter) {
 /// Slots with numbers, and where everybody drives.
 void MarkDeck(const LotLayout& layout, GroundPainter& painter, int first_number) {
   for (const double y : layout.aisle_y)
-    for (const double side : {-0.75, 0.75}) painter.TyreTrack({3, y + side}, {layout.length - 3, y + side}, 0.6, 0.35f);
+    for (const double side : {-0.75, 0.75})
+      painter.TireTrack({3, y + side}, {layout.length - 3, y + side}, 0.6, 0.35f);
   for (const double x : {4.0, layout.length - 4})
-    for (const double side : {-0.75, 0.75}) painter.TyreTrack({x + side, 4}, {x + side, layout.width + 3}, 0.6, 0.3f);
+    for (const double side : {-0.75, 0.75})
+      painter.TireTrack({x + side, 4}, {x + side, layout.width + 3}, 0.6, 0.3f);
   for (const Rectangle& slot : layout.slots) {
     const Vector2d into(std::cos(slot.yaw), std::sin(slot.yaw));
-    painter.Number(first_number++, slot.center - (slot.half_size.x() - 0.55) * into, slot.yaw - M_PI / 2, 0.5);
+    painter.Number(first_number++, slot.center - (slot.half_size.x() - 0.55) * into,
+                   slot.yaw - M_PI / 2, 0.5);
   }
 }
 
 /// The way to the ramps, beside the slots: worn and dirty.
 void MarkStrip(const LotLayout& layout, double strip, GroundPainter& painter) {
-  constexpr double kPerMetre = 3;
+  constexpr double kPerMeter = 3;
   const double middle = layout.width + strip / 2;
   const auto anywhere = [&] {
     return Vector2d(painter.random().Uniform(0, layout.length),
                     layout.width + painter.random().Uniform(0.2, strip - 0.2));
   };
   for (const double side : {-0.75, 0.75})
-    painter.TyreTrack({3, middle + side}, {layout.length - 3, middle + side}, 0.6, 0.4f);
+    painter.TireTrack({3, middle + side}, {layout.length - 3, middle + side}, 0.6, 0.4f);
   for (const double y : {layout.width + 0.35, layout.width + strip - 0.35})
     painter.Line({9.5, y}, {layout.length - 9.5, y}, 0.12, 0.3f, kYellowPaint);
   painter.Cracks(static_cast<int>(layout.length / 5), anywhere);
-  painter.Stains(static_cast<int>(kPerMetre * layout.length), anywhere, anywhere);
-  painter.Litter(static_cast<int>(kPerMetre * layout.length), anywhere);
+  painter.Stains(static_cast<int>(kPerMeter * layout.length), anywhere, anywhere);
+  painter.Litter(static_cast<int>(kPerMeter * layout.length), anywhere);
 }
 
 }  // namespace
@@ -76,7 +82,9 @@ void MarkStrip(const LotLayout& layout, double strip, GroundPainter& painter) {
 GroundCanvas PaintLot(const LotLayout& layout, double texel_size, std::uint64_t seed) {
   GroundCanvas canvas(Vector2d::Zero(), Vector2d(layout.length, layout.width), texel_size);
   const double area = layout.length * layout.width;
-  const auto per_area = [&](double square_meters) { return static_cast<int>(area / square_meters); };
+  const auto per_area = [&](double square_meters) {
+    return static_cast<int>(area / square_meters);
+  };
   GroundPainter painter({layout.length, layout.width}, canvas, seed);
   painter.Asphalt();
   painter.Patches(per_area(90));
@@ -86,17 +94,21 @@ GroundCanvas PaintLot(const LotLayout& layout, double texel_size, std::uint64_t 
   MarkBumps(layout, painter);
   for (int i = 0; i < per_area(350); ++i) {
     const double x = painter.random().Uniform(2, layout.length - 2);
-    painter.Manhole({x, layout.aisle_y[painter.random().Index(2)] + painter.random().Uniform(-2, 2)});
+    painter.Manhole(
+        {x, layout.aisle_y[painter.random().Index(2)] + painter.random().Uniform(-2, 2)});
   }
   painter.Litter(per_area(0.5));
   canvas.Finish();
   return canvas;
 }
 
-GroundCanvas PaintDeck(const LotLayout& layout, double strip, double texel_size, std::uint64_t seed, int deck) {
+GroundCanvas PaintDeck(const LotLayout& layout, double strip, double texel_size, std::uint64_t seed,
+                       int deck) {
   GroundCanvas canvas(Vector2d::Zero(), Vector2d(layout.length, layout.width + strip), texel_size);
   const double area = layout.length * layout.width;
-  const auto per_area = [&](double square_meters) { return static_cast<int>(area / square_meters); };
+  const auto per_area = [&](double square_meters) {
+    return static_cast<int>(area / square_meters);
+  };
   GroundPainter painter({layout.length, layout.width + strip}, canvas,
                         SeedOfPart(seed, static_cast<std::uint64_t>(deck)));
   painter.Concrete();

@@ -13,9 +13,10 @@ GroundCanvas PaintLot(const LotLayout& layout, double texel_size, std::uint64_t 
 
 /// The sealed concrete of a garage's deck that has the plan of a lot, with numbers of slots
 /// from 100 * (deck + 1) + 1 on, and `strip` [m] more to the north.
-GroundCanvas PaintDeck(const LotLayout& layout, double strip, double texel_size, std::uint64_t seed, int deck);
+GroundCanvas PaintDeck(const LotLayout& layout, double strip, double texel_size, std::uint64_t seed,
+                       int deck);
 
-/// The asphalt as a mesh of quarter-metre steps, the same that the truth is
+/// The asphalt as a mesh of quarter-meter steps, the same that the truth is
 /// written from. Within 0.2 mm of the ground.
 Mesh MakeLotGround(const LotLayout& layout, const Ground& ground);
 

@@ -7,14 +7,16 @@
 namespace parkade::simulator {
 namespace {
 
-/// Correlation of the grain of two floors (differences over 10 cm) on 6 m beside the middle of an aisle, where nothing
-/// is painted.
+/// Correlation of the grain of two floors (differences over 10 cm) on 6 m beside the middle of an
+/// aisle, where nothing is painted.
 double CorrelationOf(const GroundCanvas& a, const GroundCanvas& b, double aisle) {
   double n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
   for (float along = 8; along < 14; along += 0.05f) {
-    for (float across = static_cast<float>(aisle) + 0.6f; across < static_cast<float>(aisle) + 1.8f; across += 0.05f) {
+    for (float across = static_cast<float>(aisle) + 0.6f; across < static_cast<float>(aisle) + 1.8f;
+         across += 0.05f) {
       const auto grain = [&](const GroundCanvas& floor) {
-        return Luminance(floor.Sample(along + 0.1f, across, 0.05f)) - Luminance(floor.Sample(along, across, 0.05f));
+        return Luminance(floor.Sample(along + 0.1f, across, 0.05f)) -
+               Luminance(floor.Sample(along, across, 0.05f));
       };
       const double u = grain(a), v = grain(b);
       n += 1, x += u, y += v, xx += u * u, yy += v * v, xy += u * v;
@@ -27,7 +29,9 @@ TEST(LotGround, NoDeckHasTheFloorOfAnother) {
   const LotLayout layout = PlanLot(3, 0);
   constexpr double kTexel = 0.05;
   const double aisle = layout.aisle_y[0];
-  const auto deck = [&](std::uint64_t seed, int number) { return PaintDeck(layout, 1, kTexel, seed, number); };
+  const auto deck = [&](std::uint64_t seed, int number) {
+    return PaintDeck(layout, 1, kTexel, seed, number);
+  };
   const GroundCanvas floor = deck(3, 1);
   EXPECT_GT(CorrelationOf(floor, deck(3, 1), aisle), 0.999);
   EXPECT_LT(std::abs(CorrelationOf(floor, deck(3, 0), aisle)), 0.3) << "of the same garage";

@@ -10,7 +10,8 @@ namespace parkade::simulator {
 namespace {
 
 constexpr double kLane = 8.0, kIsland = 1.6, kMargin = 0.3;
-constexpr double kCrossLane = 9.6;  // [m] between slots; the lane across the middle takes the room of as many as that
+constexpr double kCrossLane =
+    9.6;  // [m] between slots; the lane across the middle takes the room of as many as that
 
 /// One row of slots: where, and how they stand.
 struct Row {
@@ -26,17 +27,19 @@ struct Row {
 void AddRow(const LotMeasures& measures, const Row& row, LotLayout& lot) {
   for (int i = 0; i < row.count; ++i) {
     if (i >= row.gap_begin && i < row.gap_end) continue;
-    lot.slots.push_back(
-        {{row.Boundary(i) + row.pitch / 2, row.center_y}, {measures.slot_depth / 2, measures.slot_width / 2}, row.yaw});
+    lot.slots.push_back({{row.Boundary(i) + row.pitch / 2, row.center_y},
+                         {measures.slot_depth / 2, measures.slot_width / 2},
+                         row.yaw});
   }
 }
 
-/// Cars stand a little askew and off centre, nose or tail first. Whole stretches
+/// Cars stand a little askew and off center, nose or tail first. Whole stretches
 /// stay empty, as in real lots.
 void ParkCars(LotLayout& lot, Random& random) {
   const double fill_phase = random.Uniform(0, 6), fill_period = random.Uniform(14, 22);
   for (const Rectangle& slot : lot.slots) {
-    const double crowd = std::sin(2 * M_PI * slot.center.x() / fill_period + fill_phase + slot.center.y());
+    const double crowd =
+        std::sin(2 * M_PI * slot.center.x() / fill_period + fill_phase + slot.center.y());
     const double style_draw = random.Uniform();
     ParkedCar car;
     car.style = style_draw < 0.45 ? 0 : style_draw < 0.8 ? 1 : 2;
@@ -45,7 +48,8 @@ void ParkCars(LotLayout& lot, Random& random) {
     car.footprint.half_size = {length[car.style] / 2, width[car.style] / 2};
     car.footprint.yaw = slot.yaw + random.Uniform(-0.045, 0.045) + (random.Chance(0.3) ? M_PI : 0);
     car.footprint.center =
-        slot.center + Eigen::Vector2d(random.Uniform(-0.14, 0.14), std::sin(slot.yaw) * random.Uniform(-0.12, 0.14));
+        slot.center + Eigen::Vector2d(random.Uniform(-0.14, 0.14),
+                                      std::sin(slot.yaw) * random.Uniform(-0.12, 0.14));
     if (random.Uniform() < 0.52 + 0.38 * crowd) lot.cars.push_back(car);
   }
 }
@@ -56,11 +60,13 @@ bool LotLayout::IsDrivable(const Eigen::Vector2d& point) const {
   if (point.x() < 0 || point.y() < 0 || point.x() > length || point.y() > width) return false;
   const auto covers = [&](const Rectangle& rectangle) { return rectangle.Contains(point); };
   return std::none_of(islands.begin(), islands.end(), covers) &&
-         std::none_of(cars.begin(), cars.end(), [&](const ParkedCar& car) { return covers(car.footprint); });
+         std::none_of(cars.begin(), cars.end(),
+                      [&](const ParkedCar& car) { return covers(car.footprint); });
 }
 
 double BumpHeight(const LotLayout& lot, const Eigen::Vector2d& point) {
-  constexpr double kHeight = 0.06, kHalfLength = 2.0, kHalfWidth = 4.5;  // [m]; it fades out in the slots
+  constexpr double kHeight = 0.06, kHalfLength = 2.0,
+                   kHalfWidth = 4.5;  // [m]; it fades out in the slots
   double height = 0;
   for (const Eigen::Vector2d& bump : lot.bumps) {
     const double u = (point.x() - bump.x()) / kHalfLength, v = (point.y() - bump.y()) / kHalfWidth;
@@ -93,12 +99,14 @@ LotLayout PlanLot(std::uint64_t seed, int day) { return PlanLot(MeasureLot(seed)
 
 LotLayout PlanLot(const LotMeasures& measures, std::uint64_t seed, int day) {
   const double depth = measures.slot_depth, slant = measures.slant, up = M_PI / 2;
-  const double depth_inside = depth * std::cos(slant) + measures.slot_width * std::sin(std::abs(slant));
+  const double depth_inside =
+      depth * std::cos(slant) + measures.slot_width * std::sin(std::abs(slant));
   LotLayout lot;
   lot.length = 2 * (kLane + kIsland) + measures.num_slots * measures.slot_width;
   lot.width = 2 * (kMargin + depth + measures.aisle + depth_inside) + measures.median;
   const Row outer{kMargin + depth / 2, -up, measures.slot_width, measures.num_slots};
-  Row inner{kMargin + depth + measures.aisle + depth_inside / 2, up - slant, measures.slot_width / std::cos(slant)};
+  Row inner{kMargin + depth + measures.aisle + depth_inside / 2, up - slant,
+            measures.slot_width / std::cos(slant)};
   inner.count = static_cast<int>(measures.num_slots * outer.pitch / inner.pitch + 1e-9);
   const int gap = static_cast<int>(std::ceil(kCrossLane / inner.pitch));
   inner.gap_begin = (inner.count - gap) / 2 + measures.cross_shift;
@@ -115,8 +123,8 @@ LotLayout PlanLot(const LotMeasures& measures, std::uint64_t seed, int day) {
   const double middle = lot.width / 2, island_half = depth_inside - 0.4 + measures.median / 2;
   const double cross_x = (inner.Boundary(inner.gap_begin) + inner.Boundary(inner.gap_end)) / 2;
   const double cross_half = gap * inner.pitch / 2 - kIsland / 2;
-  for (const double x :
-       {kLane + kIsland / 2, cross_x - cross_half, cross_x + cross_half, lot.length - kLane - kIsland / 2})
+  for (const double x : {kLane + kIsland / 2, cross_x - cross_half, cross_x + cross_half,
+                         lot.length - kLane - kIsland / 2})
     lot.islands.push_back({{x, middle}, {kIsland / 2 - 0.15, island_half}, 0});
   for (const double x : {1.3, lot.length - 1.3})
     for (const double y : {1.2, lot.width - 1.2}) lot.islands.push_back({{x, y}, {1.3, 1.2}, 0});

@@ -12,7 +12,7 @@ namespace parkade::simulator {
 struct ParkedCar {
   Rectangle footprint;
   int style = 0;           ///< 0 hatchback, 1 saloon, 2 van
-  std::uint64_t seed = 0;  ///< of its colours and proportions
+  std::uint64_t seed = 0;  ///< of its colors and proportions
 };
 
 /// What differs from car park to car park.
@@ -22,9 +22,9 @@ struct LotMeasures {
   double slot_depth = 5;    ///< [m]
   double aisle = 6.5;       ///< [m] wide
   double median = 0;        ///< [m] between the two rows in the middle
-  double slant = 0;         ///< [rad] by which those in the middle are turned from square to the aisle
-  int cross_shift = 0;      ///< slots by which the lane across lies east of the middle
-  bool is_turned = false;   ///< the northern aisle is driven first
+  double slant = 0;     ///< [rad] by which those in the middle are turned from square to the aisle
+  int cross_shift = 0;  ///< slots by which the lane across lies east of the middle
+  bool is_turned = false;  ///< the northern aisle is driven first
 };
 
 /// Of a lot in the open.
@@ -40,7 +40,7 @@ struct LotLayout {
   /// Corners of the two closed round trips, through all of both aisles and through
   /// half of them. They begin with the same stretch of the same aisle.
   std::vector<Eigen::Vector2d> long_loop, short_loop;
-  double aisle_y[2] = {0, 0};          ///< [m] centre lines
+  double aisle_y[2] = {0, 0};          ///< [m] center lines
   std::vector<Eigen::Vector2d> bumps;  ///< middles of speed bumps across an aisle
 
   /// Asphalt that a car may drive on: neither island nor parked car.

@@ -43,8 +43,8 @@ RoutePlan DriveRounds(const LotLayout& layout, const Rounds& rounds, const Route
       const Eigen::Vector2d &first = layout.short_loop[1], &second = layout.short_loop[2];
       if (is_reversed)
         // A long round brings it back to where all rounds begin.
-        drive({layout.long_loop[0], layout.long_loop[3], second, first, layout.long_loop[1], layout.long_loop[2],
-               layout.long_loop[3], layout.long_loop[0]});
+        drive({layout.long_loop[0], layout.long_loop[3], second, first, layout.long_loop[1],
+               layout.long_loop[2], layout.long_loop[3], layout.long_loop[0]});
       else
         drive({layout.long_loop[1], layout.long_loop[2], second, first});
       is_reversed = !is_reversed;
@@ -56,7 +56,9 @@ RoutePlan DriveRounds(const LotLayout& layout, const Rounds& rounds, const Route
   return {.waypoints = trail.Take(), .slot = {}};
 }
 
-double LengthOf(const RoutePlan& plan) { return Route(plan.waypoints, plan.corner_radius).Length(); }
+double LengthOf(const RoutePlan& plan) {
+  return Route(plan.waypoints, plan.corner_radius).Length();
+}
 
 /// The rounds that come closest to the length wished for; one short one when none does.
 Rounds ChooseRounds(const LotLayout& layout, const RouteWish& wish) {
@@ -69,7 +71,8 @@ Rounds ChooseRounds(const LotLayout& layout, const RouteWish& wish) {
   Rounds best{0, 1};
   double best_miss = std::abs(best.num_short * short_round - wanted);
   for (int num_long = 0; num_long * long_round < wanted + long_round; ++num_long) {
-    const int num_short = std::max(0, static_cast<int>(std::lround((wanted - num_long * long_round) / short_round)));
+    const int num_short =
+        std::max(0, static_cast<int>(std::lround((wanted - num_long * long_round) / short_round)));
     const double miss = std::abs(num_long * long_round + num_short * short_round - wanted);
     if (num_long + num_short == 0 || miss >= best_miss) continue;
     best = {num_long, num_short};
@@ -79,8 +82,9 @@ Rounds ChooseRounds(const LotLayout& layout, const RouteWish& wish) {
 }
 
 /// A free slot beside the first aisle, ahead of where the drive comes to its end; those
-/// with free neighbours first.
-std::optional<ParkingSlot> ChooseSlot(const std::vector<ParkingSlot>& slots, const RoutePlan& plan) {
+/// with free neighbors first.
+std::optional<ParkingSlot> ChooseSlot(const std::vector<ParkingSlot>& slots,
+                                      const RoutePlan& plan) {
   const Eigen::Vector2d end = plan.waypoints.back().head<2>();
   const ParkingSlot* best = nullptr;
   double best_cost = 1e9;
@@ -104,19 +108,25 @@ Place MakeLotPlace(const LotLayout& layout_in, const SceneOptions& options) {
   const Terrain terrain(options.seed, options.relief);
   Place place;
   place.name = "lot";
-  place.ground = Ground(
-      {{.min = Eigen::Vector2d::Zero(),
-        .max = Eigen::Vector2d(layout->length, layout->width),
-        .height = [terrain, layout](
-                      const Eigen::Vector2d& xy) { return terrain.Height(xy.x(), xy.y()) + BumpHeight(*layout, xy); },
-        .covers = {}}});
+  place.ground = Ground({{.min = Eigen::Vector2d::Zero(),
+                          .max = Eigen::Vector2d(layout->length, layout->width),
+                          .height =
+                              [terrain, layout](const Eigen::Vector2d& xy) {
+                                return terrain.Height(xy.x(), xy.y()) + BumpHeight(*layout, xy);
+                              },
+                          .covers = {}}});
   for (const Rectangle& outline : layout->slots) {
-    const auto stands_in = [&](const ParkedCar& car) { return outline.Contains(car.footprint.center); };
-    place.slots.push_back({.outline = outline,
-                           .height = place.ground.Height(outline.center, 0),
-                           .is_occupied = std::any_of(layout->cars.begin(), layout->cars.end(), stands_in)});
+    const auto stands_in = [&](const ParkedCar& car) {
+      return outline.Contains(car.footprint.center);
+    };
+    place.slots.push_back(
+        {.outline = outline,
+         .height = place.ground.Height(outline.center, 0),
+         .is_occupied = std::any_of(layout->cars.begin(), layout->cars.end(), stands_in)});
   }
-  place.is_drivable = [layout](size_t, const Eigen::Vector2d& xy) { return layout->IsDrivable(xy); };
+  place.is_drivable = [layout](size_t, const Eigen::Vector2d& xy) {
+    return layout->IsDrivable(xy);
+  };
   place.is_covered = [](const Eigen::Vector3d&) { return false; };
   place.plan_route = [layout, slots = place.slots](const RouteWish& wish) {
     RoutePlan plan = DriveRounds(*layout, ChooseRounds(*layout, wish), wish);
@@ -126,10 +136,12 @@ Place MakeLotPlace(const LotLayout& layout_in, const SceneOptions& options) {
   // People walk along the cars' ends and across the aisles.
   for (const double y : layout->aisle_y)
     for (const double side : {-2.75, 2.75})
-      place.walks.push_back(WalkAround({10, y + side}, {layout->length - 10, y + side}, 0.35, place.ground, 0));
+      place.walks.push_back(
+          WalkAround({10, y + side}, {layout->length - 10, y + side}, 0.35, place.ground, 0));
   for (const double share : {0.3, 0.55, 0.75})
     place.walks.push_back(WalkAround({share * layout->length, layout->aisle_y[0] - 3},
-                                     {share * layout->length, layout->aisle_y[0] + 3}, 0.5, place.ground, 0));
+                                     {share * layout->length, layout->aisle_y[0] + 3}, 0.5,
+                                     place.ground, 0));
   return place;
 }
 

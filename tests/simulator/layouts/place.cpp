@@ -12,15 +12,18 @@ Weather WeatherOf(const SceneOptions& options) {
   if (options.weather.empty())
     return options.day == 0
                ? Weather::kDry
-               : static_cast<Weather>(Random(options.seed, 0xda7 + static_cast<std::uint64_t>(options.day)).Index(4));
+               : static_cast<Weather>(
+                     Random(options.seed, 0xda7 + static_cast<std::uint64_t>(options.day))
+                         .Index(4));
   const auto found = std::find(names.begin(), names.end(), options.weather);
   Require(found != names.end(), ErrorCode::kUsage,
           "there is no weather '" + options.weather + "'; there are: dry, overcast, wet, dusk");
   return static_cast<Weather>(found - names.begin());
 }
 
-std::vector<Eigen::Vector3d> WalkAround(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double apart,
-                                        const Ground& ground, double above, double near_z) {
+std::vector<Eigen::Vector3d> WalkAround(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                                        double apart, const Ground& ground, double above,
+                                        double near_z) {
   const Eigen::Vector2d along = (to - from).normalized(), left(-along.y(), along.x());
   const int num_steps = 1 + static_cast<int>((to - from).norm() / 2);
   std::vector<Eigen::Vector3d> walk;

@@ -17,7 +17,7 @@ struct SceneOptions {
   double ground_texel = 0.01;  ///< [m] of painted asphalt; larger is quicker to make
   int speed_bumps = 0;         ///< of a lot, at most 4
   int day = 0;                 ///< other parked cars and other light at the same place
-  std::string weather = "";    ///< dry, overcast, wet, dusk; empty: as the day wants it, dry on day 0
+  std::string weather = "";  ///< dry, overcast, wet, dusk; empty: as the day wants it, dry on day 0
 };
 
 enum class Weather { kDry, kOvercast, kWet, kDusk };
@@ -35,10 +35,11 @@ struct ParkingSlot {
 
 /// What a drive should be like.
 struct RouteWish {
-  double length = 100;        ///< [m]; the rounds that come closest to it are driven
-  bool is_reversed = false;   ///< the other way around
-  bool turns_around = false;  ///< changes its direction on the way: one place is seen from both sides
-  bool is_whole = false;      ///< a round is not cut short, however long it is
+  double length = 100;       ///< [m]; the rounds that come closest to it are driven
+  bool is_reversed = false;  ///< the other way around
+  bool turns_around =
+      false;              ///< changes its direction on the way: one place is seen from both sides
+  bool is_whole = false;  ///< a round is not cut short, however long it is
   bool ends_in_slot = false;  ///< asks for RoutePlan::slot
   std::uint64_t seed = 1;     ///< of the driver's swings
 };
@@ -50,7 +51,7 @@ struct RoutePlan {
   double corner_radius = 6.2;             ///< [m] for Route
   double max_lateral_acceleration = 2.2;  ///< [m/s^2] as people drive there
   /// A free slot beside the last side of the route, for those who end in one:
-  /// the car's middle comes to stand in its middle, its nose towards the aisle.
+  /// the car's middle comes to stand in its middle, its nose toward the aisle.
   std::optional<ParkingSlot> slot;
 };
 
@@ -59,7 +60,8 @@ struct Place {
   std::string name;
   Ground ground;
   std::vector<ParkingSlot> slots;
-  /// Whether a car may drive on a point of a sheet of `ground`, within its part: neither kerb nor parked car.
+  /// Whether a car may drive on a point of a sheet of `ground`, within its part: neither kerb nor
+  /// parked car.
   std::function<bool(size_t sheet, const Eigen::Vector2d&)> is_drivable;
   /// Whether a roof hides the sky from a point of the world: no GNSS there.
   std::function<bool(const Eigen::Vector3d&)> is_covered;
@@ -69,7 +71,8 @@ struct Place {
 };
 
 /// A walk from one place to another and back, `apart` [m] beside, `above` the ground.
-std::vector<Eigen::Vector3d> WalkAround(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double apart,
-                                        const Ground& ground, double above, double near_z = 0);
+std::vector<Eigen::Vector3d> WalkAround(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                                        double apart, const Ground& ground, double above,
+                                        double near_z = 0);
 
 }  // namespace parkade::simulator

@@ -19,8 +19,8 @@ const std::vector<std::string>& SceneNames() {
 Place PlanPlace(const std::string& name, const SceneOptions& options) {
   std::string known;
   for (const std::string& scene : SceneNames()) known += (known.empty() ? "" : ", ") + scene;
-  Require(std::find(SceneNames().begin(), SceneNames().end(), name) != SceneNames().end(), ErrorCode::kUsage,
-          "there is no scene '" + name + "'; there are: " + known);
+  Require(std::find(SceneNames().begin(), SceneNames().end(), name) != SceneNames().end(),
+          ErrorCode::kUsage, "there is no scene '" + name + "'; there are: " + known);
   if (name == "garage") return MakeGaragePlace(PlanGarage(options.seed, options.day), options);
   if (name == "street") return MakeStreetPlace(PlanStreet(options.seed, options.day), options);
   LotLayout lot = PlanLot(options.seed, options.day);

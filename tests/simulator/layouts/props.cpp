@@ -11,11 +11,14 @@ namespace parkade::simulator {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-Props::Props(const Ground& ground, std::uint64_t seed, bool is_dark, std::vector<Material>& materials)
+Props::Props(const Ground& ground, std::uint64_t seed, bool is_dark,
+             std::vector<Material>& materials)
     : ground_(ground), random_(seed, 0x0b1), is_dark_(is_dark), materials_(materials) {
   for (const float tone : {0.24f, 0.30f, 0.36f})
-    kerb_.push_back(
-        Add({.albedo = Gray(tone), .texture = TextureKind::kPlaster, .texture_size = 0.7f, .texture_contrast = 0.12f}));
+    kerb_.push_back(Add({.albedo = Gray(tone),
+                         .texture = TextureKind::kPlaster,
+                         .texture_size = 0.7f,
+                         .texture_contrast = 0.12f}));
   grass_ = Add({.albedo = Rgb(0.10f, 0.15f, 0.045f),
                 .texture = TextureKind::kGrass,
                 .texture_size = 2.3f,
@@ -24,9 +27,12 @@ Props::Props(const Ground& ground, std::uint64_t seed, bool is_dark, std::vector
                .texture = TextureKind::kBark,
                .texture_size = 0.9f,
                .texture_contrast = 0.35f});
-  for (const Color& color : {Rgb(0.07f, 0.13f, 0.03f), Rgb(0.11f, 0.15f, 0.035f), Rgb(0.05f, 0.10f, 0.035f)})
-    leaves_.push_back(
-        Add({.albedo = color, .texture = TextureKind::kLeaves, .texture_size = 1.9f, .texture_contrast = 0.55f}));
+  for (const Color& color :
+       {Rgb(0.07f, 0.13f, 0.03f), Rgb(0.11f, 0.15f, 0.035f), Rgb(0.05f, 0.10f, 0.035f)})
+    leaves_.push_back(Add({.albedo = color,
+                           .texture = TextureKind::kLeaves,
+                           .texture_size = 1.9f,
+                           .texture_contrast = 0.55f}));
   metal_ = Add({.albedo = Gray(0.32f), .mirror = 0.06f});
   white_ = Add({.albedo = Gray(0.7f)});
   blue_ = Add({.albedo = Rgb(0.03f, 0.12f, 0.42f)});
@@ -47,7 +53,9 @@ MaterialId Props::Add(const Material& material) {
   return static_cast<MaterialId>(materials_.size() - 1);
 }
 
-Vector3d Props::OnGround(double x, double y, double above) const { return {x, y, ground_.Height({x, y}, 0) + above}; }
+Vector3d Props::OnGround(double x, double y, double above) const {
+  return {x, y, ground_.Height({x, y}, 0) + above};
+}
 
 void Props::Kerb(const Vector2d& from, const Vector2d& to) {
   const double length = (to - from).norm();
@@ -71,23 +79,27 @@ void Props::Kerb(const Vector2d& from, const Vector2d& to) {
 
 void Props::Tree(const Vector2d& at, double height) {
   const Vector3d foot = OnGround(at.x(), at.y(), 0),
-                 crown = foot + Vector3d(random_.Uniform(-0.2, 0.2), random_.Uniform(-0.2, 0.2), 0.62 * height);
+                 crown = foot + Vector3d(random_.Uniform(-0.2, 0.2), random_.Uniform(-0.2, 0.2),
+                                         0.62 * height);
   mesh_.AddCylinder(foot - Vector3d(0, 0, 0.2), crown, 0.03 * height, 0.015 * height, bark_, 9);
   const MaterialId leaves = leaves_[static_cast<size_t>(random_.Index(3))];
   const int num_blobs = 6 + random_.Index(5);
   for (int i = 0; i < num_blobs; ++i) {
     const double radius = height * random_.Uniform(0.10, 0.2);
     const Vector3d offset =
-        height * Vector3d(random_.Uniform(-0.2, 0.2), random_.Uniform(-0.2, 0.2), random_.Uniform(-0.12, 0.24));
+        height * Vector3d(random_.Uniform(-0.2, 0.2), random_.Uniform(-0.2, 0.2),
+                          random_.Uniform(-0.12, 0.24));
     mesh_.AddBlob(crown + offset, radius * Vector3d(1, 1, random_.Uniform(0.7, 1)), 0.45,
                   static_cast<std::uint32_t>(random_.Bits()), leaves, 10);
-    mesh_.AddCylinder(crown - Vector3d(0, 0, 0.1 * height), crown + offset, 0.012 * height, 0.006 * height, bark_, 5);
+    mesh_.AddCylinder(crown - Vector3d(0, 0, 0.1 * height), crown + offset, 0.012 * height,
+                      0.006 * height, bark_, 5);
   }
 }
 
 void Props::Bush(const Vector2d& at, double radius) {
   mesh_.AddBlob(OnGround(at.x(), at.y(), 0.6 * radius), {radius, radius, 0.9 * radius}, 0.4,
-                static_cast<std::uint32_t>(random_.Bits()), leaves_[static_cast<size_t>(random_.Index(3))], 10);
+                static_cast<std::uint32_t>(random_.Bits()),
+                leaves_[static_cast<size_t>(random_.Index(3))], 10);
 }
 
 void Props::Hedge(const Vector2d& from, const Vector2d& to) {
@@ -103,7 +115,8 @@ void Props::Fence(const Vector2d& from, const Vector2d& to) {
     const Vector2d at = from + place * along, middle = at + along;
     mesh_.AddBox(OnGround(at.x(), at.y(), 0.55), {0.05, 0.05, 0.6}, yaw, wood_);
     for (const double z : {0.35, 0.7, 1.0})
-      mesh_.AddBox(OnGround(middle.x(), middle.y(), z + random_.Uniform(-0.02, 0.02)), {1.0, 0.02, 0.07}, yaw, wood_);
+      mesh_.AddBox(OnGround(middle.x(), middle.y(), z + random_.Uniform(-0.02, 0.02)),
+                   {1.0, 0.02, 0.07}, yaw, wood_);
   }
 }
 
@@ -115,7 +128,9 @@ void Props::StreetLamp(const Vector2d& at) {
   mesh_.AddBox(top + Vector3d(0, 0, 0.05), {0.7, 0.12, 0.05}, yaw, metal_);
   mesh_.AddBox(top - Vector3d(0, 0, 0.01), {0.6, 0.09, 0.015}, yaw, lamp_);
   const float strength = static_cast<float>(random_.Uniform(7, 10));
-  if (is_dark_) lamps_.push_back({(top - Vector3d(0, 0, 0.1)).cast<float>(), Rgb(1.0f, 0.78f, 0.48f) * strength});
+  if (is_dark_)
+    lamps_.push_back(
+        {(top - Vector3d(0, 0, 0.1)).cast<float>(), Rgb(1.0f, 0.78f, 0.48f) * strength});
 }
 
 void Props::Bollard(const Vector2d& at) {
@@ -133,9 +148,10 @@ void Props::Sign(const Vector2d& at, double yaw) {
   const bool is_blue = random_.Chance(0.5);
   mesh_.AddBox(board, {0.012, 0.3, 0.3}, yaw, is_blue ? blue_ : white_);
   for (int i = 0; i < 7; ++i) {
-    const Vector3d offset = left * random_.Uniform(-0.22, 0.22) + Vector3d(0, 0, random_.Uniform(-0.22, 0.22));
-    mesh_.AddBox(board + 0.004 * front + offset, {0.012, random_.Uniform(0.015, 0.07), random_.Uniform(0.015, 0.07)},
-                 yaw,
+    const Vector3d offset =
+        left * random_.Uniform(-0.22, 0.22) + Vector3d(0, 0, random_.Uniform(-0.22, 0.22));
+    mesh_.AddBox(board + 0.004 * front + offset,
+                 {0.012, random_.Uniform(0.015, 0.07), random_.Uniform(0.015, 0.07)}, yaw,
                  is_blue               ? white_
                  : random_.Chance(0.5) ? red_
                                        : blue_);
@@ -159,7 +175,8 @@ void Props::Building(const Rectangle& outline, double height, bool is_detailed) 
 
 void Props::Car(const Rectangle& footprint, double near_z, int style, std::uint64_t seed) {
   const Vector2d& center = footprint.center;
-  const Eigen::Quaterniond tilt = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), ground_.Normal(center, near_z));
+  const Eigen::Quaterniond tilt =
+      Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), ground_.Normal(center, near_z));
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(footprint.yaw, Vector3d::UnitZ()));
   mesh_.Append(MakeCar(style, seed, materials_),
                {tilt * turn, {center.x(), center.y(), ground_.Height(center, near_z)}});

@@ -17,7 +17,7 @@ namespace parkade::simulator {
 class Props {
  public:
   static constexpr double kKerbHeight = 0.12, kKerbWidth = 0.15;  ///< [m]
-  static constexpr double kLampFoot = 0.16;                       ///< [m] half the width of a street lamp's foot
+  static constexpr double kLampFoot = 0.16;  ///< [m] half the width of a street lamp's foot
 
   /// Keeps references to `ground` and `materials`. `is_dark` lights windows and lamps.
   Props(const Ground& ground, std::uint64_t seed, bool is_dark, std::vector<Material>& materials);
@@ -26,7 +26,7 @@ class Props {
   /// At the height of a lawn or pavement behind a kerb.
   Eigen::Vector3d OnGreen(double x, double y) const { return OnGround(x, y, kKerbHeight - 0.02); }
 
-  /// Kerb stones of about a metre, each of its own grey; the road is on the right of from -> to.
+  /// Kerb stones of about a meter, each of its own gray; the road is on the right of from -> to.
   void Kerb(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
   void KerbAround(const Rectangle& rectangle, bool is_inside_out);
   void Tree(const Eigen::Vector2d& at, double height);
@@ -59,7 +59,8 @@ class Props {
   std::vector<Lamp> lamps_;
   std::vector<KerbStone> kerbs_;
   std::vector<MaterialId> kerb_, leaves_;
-  MaterialId grass_ = 0, pavement_ = 0, bark_ = 0, metal_ = 0, white_ = 0, blue_ = 0, red_ = 0, wood_ = 0, lamp_ = 0;
+  MaterialId grass_ = 0, pavement_ = 0, bark_ = 0, metal_ = 0, white_ = 0, blue_ = 0, red_ = 0,
+             wood_ = 0, lamp_ = 0;
 };
 
 }  // namespace parkade::simulator

@@ -17,9 +17,10 @@ struct StreetLayout {
   static constexpr double kPavement = 3.2;     ///< [m] width
   static constexpr double kCornerRadius = 14;  ///< [m] of the middle of the street
 
-  std::vector<Eigen::Vector2d> corners;            ///< of the middle of the street around, counter-clockwise
-  RoadField::Line loop, cross;                     ///< middles of the streets, in steps of a metre; cross runs north
-  Eigen::Vector2d south_junction, north_junction;  ///< where the cross street's middle meets the others
+  std::vector<Eigen::Vector2d> corners;  ///< of the middle of the street around, counter-clockwise
+  RoadField::Line loop, cross;  ///< middles of the streets, in steps of a meter; cross runs north
+  Eigen::Vector2d south_junction,
+      north_junction;  ///< where the cross street's middle meets the others
   RoadField field;
   struct Wave {
     Eigen::Vector2d wave_vector;

@@ -26,11 +26,13 @@ Lane RightLane(const Vector2d& from, const Vector2d& to) {
 Vector2d Meet(const Lane& first, const Lane& second) {
   const double cross = first.along.x() * second.along.y() - first.along.y() * second.along.x();
   const Vector2d offset = second.point - first.point;
-  return first.point + first.along * ((offset.x() * second.along.y() - offset.y() * second.along.x()) / cross);
+  return first.point +
+         first.along * ((offset.x() * second.along.y() - offset.y() * second.along.x()) / cross);
 }
 
 Lane LaneOfSide(const StreetLayout& layout, size_t side, bool is_clockwise) {
-  const Vector2d &from = layout.corners[side], &to = layout.corners[(side + 1) % layout.corners.size()];
+  const Vector2d &from = layout.corners[side],
+                 &to = layout.corners[(side + 1) % layout.corners.size()];
   return is_clockwise ? RightLane(to, from) : RightLane(from, to);
 }
 
@@ -59,7 +61,8 @@ std::vector<Eigen::Vector3d> FirstPart(const std::vector<Eigen::Vector3d>& point
   std::vector<Eigen::Vector3d> part = {points.front()};
   for (size_t i = 1; i < points.size() && (length > kLeast || part.size() < 2); ++i) {
     const double side = (points[i] - points[i - 1]).norm();
-    part.push_back(points[i - 1] + (points[i] - points[i - 1]) * std::min(1.0, std::max(length, kLeast) / side));
+    part.push_back(points[i - 1] +
+                   (points[i] - points[i - 1]) * std::min(1.0, std::max(length, kLeast) / side));
     length -= side;
   }
   return part;
@@ -73,7 +76,8 @@ std::vector<Vector2d> LaneCorners(const StreetLayout& layout, bool is_clockwise)
   for (size_t i = 0; i < count; ++i) {
     const size_t side = is_clockwise ? (count - i) % count : i;
     const size_t next = is_clockwise ? (side + count - 1) % count : (side + 1) % count;
-    corners.push_back(Meet(LaneOfSide(layout, side, is_clockwise), LaneOfSide(layout, next, is_clockwise)));
+    corners.push_back(
+        Meet(LaneOfSide(layout, side, is_clockwise), LaneOfSide(layout, next, is_clockwise)));
   }
   return corners;
 }
@@ -85,10 +89,12 @@ RoutePlan PlanStreetRoute(const StreetLayout& layout, const RouteWish& wish) {
     return lane.point + lane.along * lane.along.dot(layout.corners[0] + 70 * along - lane.point);
   };
   const double round = static_cast<double>(layout.loop.size());
-  // Turning around is most of a round; to the counter-clockwise it ends beyond the start, and a round must follow.
+  // Turning around is most of a round; to the counter-clockwise it ends beyond the start, and a
+  // round must follow.
   const double turn_around = wish.turns_around ? 0.85 * round : 0;
   const int least = wish.turns_around && !wish.is_reversed ? 0 : 1;
-  const int num_rounds = std::max(least, static_cast<int>(std::lround((wish.length - turn_around) / round)));
+  const int num_rounds =
+      std::max(least, static_cast<int>(std::lround((wish.length - turn_around) / round)));
   bool is_clockwise = wish.is_reversed;
   const Vector2d start = start_of(is_clockwise);
   WaypointTrail trail({start.x(), start.y(), 0}, wish.seed);
@@ -108,7 +114,8 @@ RoutePlan PlanStreetRoute(const StreetLayout& layout, const RouteWish& wish) {
   const Vector2d end = start_of(is_clockwise) + (is_clockwise ? -3 : 3) * along;
   trail.DriveTo({end.x(), end.y(), 0}, 0, 0);
   RoutePlan plan{.waypoints = trail.Take(), .slot = {}};
-  plan.corner_radius = StreetLayout::kCornerRadius + (is_clockwise || wish.turns_around ? -1 : 1) * StreetLayout::kLane;
+  plan.corner_radius = StreetLayout::kCornerRadius +
+                       (is_clockwise || wish.turns_around ? -1 : 1) * StreetLayout::kLane;
   if (!wish.turns_around && !wish.is_whole && wish.length < 0.8 * round)
     plan.waypoints = FirstPart(plan.waypoints, wish.length);
   return plan;

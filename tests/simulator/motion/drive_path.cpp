@@ -12,7 +12,8 @@ DrivePath::DrivePath(std::vector<Leg> legs) : legs_(std::move(legs)) {
   double heading = legs_.front().route.Heading(0) + (legs_.front().is_reverse ? M_PI : 0);
   for (const Leg& leg : legs_) {
     const double turned = leg.route.Heading(0) + (leg.is_reverse ? M_PI : 0);
-    turns_.push_back((leg.is_reverse ? M_PI : 0) + 2 * M_PI * std::round((heading - turned) / (2 * M_PI)));
+    turns_.push_back((leg.is_reverse ? M_PI : 0) +
+                     2 * M_PI * std::round((heading - turned) / (2 * M_PI)));
     heading = leg.route.Heading(leg.route.Length()) + turns_.back();
   }
 }

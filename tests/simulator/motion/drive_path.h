@@ -17,11 +17,11 @@ struct PathPoint {
   Eigen::Vector2d position;
   double near_z = 0;     ///< [m] hint of the height
   double heading = 0;    ///< [rad] of the body, continuous along the path
-  double curvature = 0;  ///< [1/m] turn of the body to the left per metre that it goes forward
+  double curvature = 0;  ///< [1/m] turn of the body to the left per meter that it goes forward
 };
 
-/// What the rear axle drives along: legs, each of which begins where the one before ends. Where the direction
-/// changes, both legs are straight and in line.
+/// What the rear axle drives along: legs, each of which begins where the one before ends. Where the
+/// direction changes, both legs are straight and in line.
 class DrivePath {
  public:
   /// At least one leg.

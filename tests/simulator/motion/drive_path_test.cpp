@@ -53,7 +53,7 @@ TEST(SpeedProfile, SpeedRunsSmoothlyThroughZeroWhereTheDirectionChanges) {
 
   EXPECT_LT(max_step, 0.25);  // [m/s^2] in 10 ms
   EXPECT_NEAR(min_speed, -1.5, 0.05);
-  EXPECT_NEAR(profile.Travelled(profile.Duration()), path.Length(), 0.05);
+  EXPECT_NEAR(profile.Traveled(profile.Duration()), path.Length(), 0.05);
 }
 
 TEST(SpeedProfile, StandsAsLongAndAsOftenAsAskedFor) {
@@ -71,11 +71,15 @@ TEST(SpeedProfile, ARollingStartBeginsAtItsSpeed) {
   const SpeedProfile profile(path, {.rolling_speed = 3});
 
   EXPECT_NEAR(profile.Speed(0), 3, 0.05);
-  EXPECT_NEAR(profile.Travelled(0), 0, 1e-9);
+  EXPECT_NEAR(profile.Traveled(0), 0, 1e-9);
 }
 
 TEST(Suspension, LeansAgainstAStepAndSwingsOnce) {
-  const Suspension suspension([](double time) { return Suspension::Push{time < 1 ? 0.0 : 2.0, 0}; }, 6, 1);
+  const Suspension suspension(
+      [](double time) {
+        return Suspension::Push{time < 1 ? 0.0 : 2.0, 0};
+      },
+      6, 1);
   double lowest = 0;
   for (double time = 0; time < 6; time += 0.01) lowest = std::min(lowest, suspension.Pitch(time));
 

@@ -24,11 +24,12 @@ struct MotionState {
 /// What the body does over time: a quintic B-spline of the six pose numbers, so
 /// that images, IMU, wheels and truth all come from one function that is
 /// differentiable four times. It is the truth by definition; it approximates the
-/// function it is made from to fourth order of the knot distance.
+/// function it is made from to fourth order of the node distance.
 class Motion {
  public:
-  /// Samples `pose_at` every `knot_distance` [s] over [0, duration].
-  Motion(const std::function<PoseVector(double)>& pose_at, double duration, double knot_distance = 0.02);
+  /// Samples `pose_at` every `node_distance` [s] over [0, duration].
+  Motion(const std::function<PoseVector(double)>& pose_at, double duration,
+         double node_distance = 0.02);
 
   double Duration() const { return duration_; }  ///< [s]
   MotionState At(double time) const;             ///< `time` is clamped to [0, duration]
@@ -36,7 +37,7 @@ class Motion {
 
  private:
   double duration_ = 0;
-  double knot_distance_ = 0;
+  double node_distance_ = 0;
   std::vector<PoseVector> control_points_;
 };
 

@@ -24,7 +24,8 @@ Path Resample(const Path& path, double step) {
   return result;
 }
 
-/// How much of a side an arc may take: half of it is the next arc's, unless it is the first or last side.
+/// How much of a side an arc may take: half of it is the next arc's, unless it is the first or last
+/// side.
 double RoomOn(const Eigen::Vector2d& side, bool is_end) {
   constexpr double kStraightEnd = 1.6;  // [m] more than what smoothing reaches
   const double half = 0.499 * side.norm();
@@ -33,12 +34,15 @@ double RoomOn(const Eigen::Vector2d& side, bool is_end) {
 
 /// Replaces the corner `index` by an arc; heights run straight along it.
 void AppendArc(const Path& waypoints, size_t index, double max_radius, Path& path) {
-  const Eigen::Vector3d &before = waypoints[index - 1], &corner = waypoints[index], &after = waypoints[index + 1];
-  const Eigen::Vector2d side_in = (corner - before).head<2>(), side_out = (after - corner).head<2>();
+  const Eigen::Vector3d &before = waypoints[index - 1], &corner = waypoints[index],
+                        &after = waypoints[index + 1];
+  const Eigen::Vector2d side_in = (corner - before).head<2>(),
+                        side_out = (after - corner).head<2>();
   const Eigen::Vector2d in = side_in.normalized(), out = side_out.normalized();
   const double turn = std::atan2(in.x() * out.y() - in.y() * out.x(), in.dot(out));
   if (std::abs(turn) < 1e-6) return path.push_back(corner);
-  const double room = std::min(RoomOn(side_in, index == 1), RoomOn(side_out, index + 2 == waypoints.size()));
+  const double room =
+      std::min(RoomOn(side_in, index == 1), RoomOn(side_out, index + 2 == waypoints.size()));
   // A slight bend is driven as a wide arc, a corner as a tight one.
   const double wanted_radius = std::abs(turn) < 0.5 ? 6 * max_radius : max_radius;
   const double radius = std::min(wanted_radius, room / std::tan(std::abs(turn) / 2));
@@ -51,7 +55,8 @@ void AppendArc(const Path& waypoints, size_t index, double max_radius, Path& pat
   const int num_steps = 2 + static_cast<int>(radius * std::abs(turn) / 0.02);
   for (int i = 0; i <= num_steps; ++i) {
     const double angle = turn * i / num_steps, share = static_cast<double>(i) / num_steps;
-    const Eigen::Vector2d point = center + radius * (std::abs(std::sin(angle)) * in - side * std::cos(angle) * left);
+    const Eigen::Vector2d point =
+        center + radius * (std::abs(std::sin(angle)) * in - side * std::cos(angle) * left);
     path.emplace_back(point.x(), point.y(), height_in + share * (height_out - height_in));
   }
 }
@@ -61,7 +66,8 @@ Path Smoothed(const Path& path, int half) {
   const int size = static_cast<int>(path.size());
   const auto at = [&](int i) -> Eigen::Vector3d {
     if (i < 0) return 2 * path.front() - path[static_cast<size_t>(std::min(-i, size - 1))];
-    if (i >= size) return 2 * path.back() - path[static_cast<size_t>(std::max(0, 2 * size - 2 - i))];
+    if (i >= size)
+      return 2 * path.back() - path[static_cast<size_t>(std::max(0, 2 * size - 2 - i))];
     return path[static_cast<size_t>(i)];
   };
   Path result(path.size());
@@ -88,7 +94,8 @@ Route::Route(const std::vector<Eigen::Vector3d>& waypoints, double radius) {
 
   double previous = 0;
   for (size_t i = 0; i < points_.size(); ++i) {
-    const Eigen::Vector3d tangent = points_[std::min(i + 1, points_.size() - 1)] - points_[i == 0 ? 0 : i - 1];
+    const Eigen::Vector3d tangent =
+        points_[std::min(i + 1, points_.size() - 1)] - points_[i == 0 ? 0 : i - 1];
     const double heading = std::atan2(tangent.y(), tangent.x());
     previous += std::remainder(heading - previous, 2 * M_PI);
     headings_.push_back(previous);
@@ -99,7 +106,8 @@ Route Route::Part(double from, double to) const {
   constexpr size_t kFewest = 4;
   const size_t size = points_.size();
   const size_t begin = std::min(static_cast<size_t>(std::max(0.0, from) / step_), size - kFewest);
-  const size_t end = std::clamp(static_cast<size_t>(std::max(0.0, to) / step_) + 1, begin + kFewest, size);
+  const size_t end =
+      std::clamp(static_cast<size_t>(std::max(0.0, to) / step_) + 1, begin + kFewest, size);
   const auto part = [&](const auto& values) {
     return std::vector(values.begin() + static_cast<std::ptrdiff_t>(begin),
                        values.begin() + static_cast<std::ptrdiff_t>(end));

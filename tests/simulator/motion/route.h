@@ -6,15 +6,17 @@
 namespace parkade::simulator {
 
 /// A path in the plane whose curvature is continuous: a polyline with rounded
-/// corners, smoothed along its length. It carries a hint of the height along, which tells decks of a garage apart.
+/// corners, smoothed along its length. It carries a hint of the height along, which tells decks of
+/// a garage apart.
 class Route {
  public:
-  /// `waypoints` are x, y and the hint [m]. Rounds each corner by an arc of `radius` [m], slight bends by
-  /// six times that, as far as half the adjoining sides allow; of the first and the last side all but a straight end.
-  /// Throws Error{kInternal} for fewer than two points.
+  /// `waypoints` are x, y and the hint [m]. Rounds each corner by an arc of `radius` [m], slight
+  /// bends by six times that, as far as half the adjoining sides allow; of the first and the last
+  /// side all but a straight end. Throws Error{kInternal} for fewer than two points.
   Route(const std::vector<Eigen::Vector3d>& waypoints, double radius);
 
-  /// What lies between two distances [m] from the start, clamped to the ends; at least a few centimetres.
+  /// What lies between two distances [m] from the start, clamped to the ends; at least a few
+  /// centimeters.
   Route Part(double from, double to) const;
 
   double Length() const { return step_ * static_cast<double>(points_.size() - 1); }  ///< [m]

@@ -8,7 +8,8 @@ namespace {
 
 constexpr double kDistanceStep = 0.01;  // [m]
 
-/// Whether the way leads from deck to deck there: of routes in the open the hint of the height does not change.
+/// Whether the way leads from deck to deck there: of routes in the open the hint of the height does
+/// not change.
 bool IsOnRamp(const Route& route, double distance) {
   constexpr double kReach = 1, kLeastSlope = 0.03;  // [m]
   const double rise = route.HeightHint(distance + kReach) - route.HeightHint(distance - kReach);
@@ -16,23 +17,26 @@ bool IsOnRamp(const Route& route, double distance) {
 }
 
 /// Highest speed [m/s] at each step of a stretch that begins and ends standing.
-std::vector<double> SpeedLimits(const Leg& leg, const SpeedOptions& options, double from, double to) {
+std::vector<double> SpeedLimits(const Leg& leg, const SpeedOptions& options, double from,
+                                double to) {
   const size_t size = std::max<size_t>(3, static_cast<size_t>((to - from) / kDistanceStep) + 1);
   const double max_speed = leg.is_reverse ? options.max_reverse_speed : options.max_speed;
   std::vector<double> speeds(size);
   for (size_t i = 0; i < size; ++i) {
     const double distance = from + kDistanceStep * static_cast<double>(i);
     const double curvature = std::abs(leg.route.Curvature(distance));
-    const double most = IsOnRamp(leg.route, distance) ? std::min(max_speed, options.max_ramp_speed) : max_speed;
-    speeds[i] = std::min(most, std::sqrt(options.max_lateral_acceleration / std::max(curvature, 1e-6)));
+    const double most =
+        IsOnRamp(leg.route, distance) ? std::min(max_speed, options.max_ramp_speed) : max_speed;
+    speeds[i] =
+        std::min(most, std::sqrt(options.max_lateral_acceleration / std::max(curvature, 1e-6)));
   }
   speeds.front() = speeds.back() = 0;
   for (size_t i = 1; i < size; ++i)
-    speeds[i] =
-        std::min(speeds[i], std::sqrt(speeds[i - 1] * speeds[i - 1] + 2 * options.max_acceleration * kDistanceStep));
+    speeds[i] = std::min(speeds[i], std::sqrt(speeds[i - 1] * speeds[i - 1] +
+                                              2 * options.max_acceleration * kDistanceStep));
   for (size_t i = size - 1; i-- > 0;)
-    speeds[i] =
-        std::min(speeds[i], std::sqrt(speeds[i + 1] * speeds[i + 1] + 2 * options.max_deceleration * kDistanceStep));
+    speeds[i] = std::min(speeds[i], std::sqrt(speeds[i + 1] * speeds[i + 1] +
+                                              2 * options.max_deceleration * kDistanceStep));
   return speeds;
 }
 
@@ -60,7 +64,8 @@ struct Course {
 
   void Drive(const Leg& leg, const SpeedOptions& options, double from, double to) {
     const std::vector<double> speeds = SpeedLimits(leg, options, from, to);
-    const double step = (to - from) / static_cast<double>(speeds.size() - 1), sign = leg.is_reverse ? -1 : 1;
+    const double step = (to - from) / static_cast<double>(speeds.size() - 1),
+                 sign = leg.is_reverse ? -1 : 1;
     const double begin = ways.back();
     for (size_t i = 1; i < speeds.size(); ++i) {
       times.push_back(times.back() + 2 * step / (speeds[i - 1] + speeds[i]));
@@ -74,7 +79,8 @@ struct Course {
       const double time = step * static_cast<double>(i);
       while (next < times.size() && times[next] < time) ++next;
       if (next == times.size()) return samples;
-      const double fraction = (time - times[next - 1]) / std::max(1e-9, times[next] - times[next - 1]);
+      const double fraction =
+          (time - times[next - 1]) / std::max(1e-9, times[next] - times[next - 1]);
       samples.push_back(ways[next - 1] + fraction * (ways[next] - ways[next - 1]));
     }
   }
@@ -88,11 +94,13 @@ SpeedProfile::SpeedProfile(const DrivePath& path, const SpeedOptions& options) {
   for (size_t index = 0; index < path.legs().size(); ++index) {
     const Leg& leg = path.legs()[index];
     const double length = leg.route.Length();
-    if (index > 0 && index <= options.leg_stands.size()) course.Stand(options.leg_stands[index - 1]);
+    if (index > 0 && index <= options.leg_stands.size())
+      course.Stand(options.leg_stands[index - 1]);
     legs_.push_back({course.times.back(), course.ways.back(), length, leg.is_reverse});
     double from = 0;
     for (size_t i = 0; index == 0 && i < options.stops.size(); ++i) {
-      const double stop = length * (static_cast<double>(i) + 0.9) / static_cast<double>(options.stops.size() + 1);
+      const double stop =
+          length * (static_cast<double>(i) + 0.9) / static_cast<double>(options.stops.size() + 1);
       course.Drive(leg, options, from, stop);
       course.Stand(options.stops[i]);
       from = stop;
@@ -103,7 +111,8 @@ SpeedProfile::SpeedProfile(const DrivePath& path, const SpeedOptions& options) {
   legs_.front().begin_time = 0;
   ways_ = course.Sampled(step_);
   // Pedals move smoothly: three running means bound the jerk and its rate.
-  for (const double width : {0.3, 0.2, 0.2}) ways_ = Smoothed(ways_, static_cast<int>(width / step_));
+  for (const double width : {0.3, 0.2, 0.2})
+    ways_ = Smoothed(ways_, static_cast<int>(width / step_));
   if (options.rolling_speed > 0) start_ = FirstTimeAt(options.rolling_speed);
 }
 
@@ -116,7 +125,8 @@ double SpeedProfile::FirstTimeAt(double speed) const {
 }
 
 double SpeedProfile::Way(double time) const {
-  const double place = std::clamp((start_ + time) / step_, 0.0, static_cast<double>(ways_.size() - 1));
+  const double place =
+      std::clamp((start_ + time) / step_, 0.0, static_cast<double>(ways_.size() - 1));
   const size_t index = std::min(static_cast<size_t>(place), ways_.size() - 2);
   const double fraction = place - static_cast<double>(index);
   return ways_[index] * (1 - fraction) + ways_[index + 1] * fraction;
@@ -149,6 +159,6 @@ double SpeedProfile::DistanceAlong(double time) const {
   return distance;
 }
 
-double SpeedProfile::Travelled(double time) const { return DistanceAlong(time) - DistanceAlong(0); }
+double SpeedProfile::Traveled(double time) const { return DistanceAlong(time) - DistanceAlong(0); }
 
 }  // namespace parkade::simulator

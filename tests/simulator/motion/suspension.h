@@ -5,16 +5,17 @@
 
 namespace parkade::simulator {
 
-/// How the body leans when the car accelerates and turns: two damped springs (1.3 Hz, a third of critical damping),
-/// as of a small car.
+/// How the body leans when the car accelerates and turns: two damped springs (1.3 Hz, a third of
+/// critical damping), as of a small car.
 class Suspension {
  public:
-  /// Acceleration [m/s^2] towards the front and to the left, at a time [s].
+  /// Acceleration [m/s^2] toward the front and to the left, at a time [s].
   struct Push {
     double forward = 0, left = 0;
   };
 
-  /// Over [0, duration]; before, the car is taken to have stood as at time 0. `softness` scales the lean; 0: none.
+  /// Over [0, duration]; before, the car is taken to have stood as at time 0. `softness` scales the
+  /// lean; 0: none.
   Suspension(const std::function<Push(double)>& push_at, double duration, double softness);
 
   // [rad], C2-smooth; clamped to the ends.

@@ -7,7 +7,7 @@
 namespace parkade::simulator {
 
 /// Height of the drivable ground over the plane: gentle drainage slopes, smooth
-/// to any order so that pose, IMU and surface truth agree. World: z up, metres.
+/// to any order so that pose, IMU and surface truth agree. World: z up, meters.
 class Terrain {
  public:
   /// `relief` scales all slopes; 0 is flat, 1 about 1-2 %.

@@ -20,7 +20,8 @@ RayScene::RayScene(const std::vector<const Mesh*>& meshes) {
   scene_.reset(rtcNewScene(device_.get()));
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
   for (size_t id = 0; id < meshes.size(); ++id)
-    if (!meshes[id]->triangles.empty()) AttachMesh(device_.get(), scene_.get(), *meshes[id], static_cast<unsigned>(id));
+    if (!meshes[id]->triangles.empty())
+      AttachMesh(device_.get(), scene_.get(), *meshes[id], static_cast<unsigned>(id));
   rtcCommitScene(scene_.get());
 }
 
@@ -39,7 +40,8 @@ void AttachMesh(RTCDevice device, RTCScene scene, const Mesh& mesh, unsigned id)
   rtcReleaseGeometry(geometry);
 }
 
-std::vector<float> RayScene::VertexAmbient(const Mesh& mesh, float reach, std::uint64_t seed, int rounds) const {
+std::vector<float> RayScene::VertexAmbient(const Mesh& mesh, float reach, std::uint64_t seed,
+                                           int rounds) const {
   constexpr int kRays = 16;
   constexpr size_t kBlock = 256;
   std::vector<float> ambient(mesh.positions.size());
@@ -48,7 +50,8 @@ std::vector<float> RayScene::VertexAmbient(const Mesh& mesh, float reach, std::u
     Random random(seed, block);
     const size_t end = std::min(ambient.size(), (block + 1) * kBlock);
     for (size_t vertex = block * kBlock; vertex < end; ++vertex) {
-      const Eigen::Vector3f normal = mesh.normals[vertex], u = normal.unitOrthogonal(), v = normal.cross(u);
+      const Eigen::Vector3f normal = mesh.normals[vertex], u = normal.unitOrthogonal(),
+                            v = normal.cross(u);
       const Eigen::Vector3f origin = mesh.positions[vertex] + 0.01f * normal;
       int num_free = 0;
       for (int round = 0; round < rounds; ++round) {
@@ -59,10 +62,11 @@ std::vector<float> RayScene::VertexAmbient(const Mesh& mesh, float reach, std::u
           // Cosine-weighted points of the hemisphere on a sunflower spiral.
           const float radius = std::sqrt((static_cast<float>(i) + 0.5f) / kRays),
                       angle = static_cast<float>(turn + 2.399963 * i);
-          const Eigen::Vector3f direction =
-              radius * (std::cos(angle) * u + std::sin(angle) * v) + std::sqrt(1 - radius * radius) * normal;
+          const Eigen::Vector3f direction = radius * (std::cos(angle) * u + std::sin(angle) * v) +
+                                            std::sqrt(1 - radius * radius) * normal;
           rays.org_x[i] = origin.x(), rays.org_y[i] = origin.y(), rays.org_z[i] = origin.z();
-          rays.dir_x[i] = direction.x(), rays.dir_y[i] = direction.y(), rays.dir_z[i] = direction.z();
+          rays.dir_x[i] = direction.x(), rays.dir_y[i] = direction.y(),
+          rays.dir_z[i] = direction.z();
           rays.tnear[i] = 0, rays.tfar[i] = reach, rays.time[i] = 0;
           rays.mask[i] = ~0u, rays.id[i] = 0, rays.flags[i] = 0;
           valid[i] = -1;

@@ -22,9 +22,10 @@ class RayScene {
 
   RTCScene scene() const { return scene_.get(); }
 
-  /// `rounds` of 16 rays a vertex. Share of the sky that each vertex of `mesh` sees within `reach` [m],
-  /// cosine-weighted, 0..1. In parallel, the same every time.
-  std::vector<float> VertexAmbient(const Mesh& mesh, float reach, std::uint64_t seed, int rounds = 1) const;
+  /// `rounds` of 16 rays a vertex. Share of the sky that each vertex of `mesh` sees within `reach`
+  /// [m], cosine-weighted, 0..1. In parallel, the same every time.
+  std::vector<float> VertexAmbient(const Mesh& mesh, float reach, std::uint64_t seed,
+                                   int rounds = 1) const;
 
   /// Irradiance of the lamps at each vertex of `mesh`, shadows included. In parallel.
   std::vector<Color> VertexLamps(const Mesh& mesh, const LampField& lamps) const;

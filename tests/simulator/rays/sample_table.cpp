@@ -16,7 +16,8 @@ float Vignetting(double angle, double half_field_of_view) {
   return static_cast<float>((1 - 0.45 * relative * relative * relative) * rim);
 }
 
-std::optional<OwnCarHit> HitOwnCar(const Mesh& own_car, const RayScene& rays, const Rigid3& body_from_camera,
+std::optional<OwnCarHit> HitOwnCar(const Mesh& own_car, const RayScene& rays,
+                                   const Rigid3& body_from_camera,
                                    const Eigen::Vector3d& direction_in_camera) {
   const Eigen::Vector3f origin = body_from_camera.translation.cast<float>();
   const Eigen::Vector3f direction = (body_from_camera.rotation * direction_in_camera).cast<float>();
@@ -45,24 +46,28 @@ struct TableRow {
   std::vector<OwnCarHit> hits;
 };
 
-TableRow MakeRow(const RigCamera& camera, const Mesh& own_car, const RayScene& rays, double half_field_of_view,
-                 int row) {
+TableRow MakeRow(const RigCamera& camera, const Mesh& own_car, const RayScene& rays,
+                 double half_field_of_view, int row) {
   const CameraModel& model = camera.model;
   TableRow made;
-  made.packets.resize(static_cast<size_t>((model.width() + kPixelsPerPacket - 1) / kPixelsPerPacket));
-  for (SamplePacket& packet : made.packets) std::fill(std::begin(packet.target), std::end(packet.target), kOutside);
+  made.packets.resize(
+      static_cast<size_t>((model.width() + kPixelsPerPacket - 1) / kPixelsPerPacket));
+  for (SamplePacket& packet : made.packets)
+    std::fill(std::begin(packet.target), std::end(packet.target), kOutside);
   for (int column = 0; column < model.width(); ++column) {
     const std::optional<Eigen::Vector3d> bearing = model.Unproject({column, row});
     const double angle = bearing ? std::acos(std::clamp(bearing->z(), -1.0, 1.0)) : M_PI;
     made.vignetting.push_back(Vignetting(angle, half_field_of_view));
-    made.angles.push_back(static_cast<float>(0.5 / model.PixelsPerRadian({column, row}).value_or(1e3)));
+    made.angles.push_back(
+        static_cast<float>(0.5 / model.PixelsPerRadian({column, row}).value_or(1e3)));
     if (made.vignetting.back() <= 0) continue;
     SamplePacket& packet = made.packets[static_cast<size_t>(column / kPixelsPerPacket)];
     for (size_t sample = 0; sample < kSamplesPerPixel; ++sample) {
       const auto [right, down] = kSampleOffsets[sample];
       const auto direction = model.Unproject({column + double{right}, row + double{down}});
       if (!direction) continue;
-      const size_t lane = static_cast<size_t>(column % kPixelsPerPacket) * kSamplesPerPixel + sample;
+      const size_t lane =
+          static_cast<size_t>(column % kPixelsPerPacket) * kSamplesPerPixel + sample;
       packet.x[lane] = static_cast<float>(direction->x());
       packet.y[lane] = static_cast<float>(direction->y());
       packet.z[lane] = static_cast<float>(direction->z());
@@ -78,11 +83,12 @@ TableRow MakeRow(const RigCamera& camera, const Mesh& own_car, const RayScene& r
 
 }  // namespace
 
-SampleTable MakeSampleTable(const RigCamera& camera, const Mesh& own_car, const RayScene& own_car_rays,
-                            double half_field_of_view) {
-  const std::vector<TableRow> rows = ParallelMap(static_cast<size_t>(camera.model.height()), [&](size_t row) {
-    return MakeRow(camera, own_car, own_car_rays, half_field_of_view, static_cast<int>(row));
-  });
+SampleTable MakeSampleTable(const RigCamera& camera, const Mesh& own_car,
+                            const RayScene& own_car_rays, double half_field_of_view) {
+  const std::vector<TableRow> rows =
+      ParallelMap(static_cast<size_t>(camera.model.height()), [&](size_t row) {
+        return MakeRow(camera, own_car, own_car_rays, half_field_of_view, static_cast<int>(row));
+      });
   SampleTable table;
   table.width = camera.model.width();
   table.height = camera.model.height();
@@ -104,15 +110,19 @@ cv::Mat SampleTable::Mask() const {
   cv::Mat mask(height, width, CV_8UC1);
   for (int row = 0; row < height; ++row) {
     for (int column = 0; column < width; ++column) {
-      const SamplePacket& packet = packets[static_cast<size_t>(row * packets_per_row + column / kPixelsPerPacket)];
+      const SamplePacket& packet =
+          packets[static_cast<size_t>(row * packets_per_row + column / kPixelsPerPacket)];
       bool is_usable = vignetting[static_cast<size_t>(row * width + column)] > 0.3f;
       for (int sample = 0; sample < kSamplesPerPixel; ++sample)
-        is_usable = is_usable && packet.target[column % kPixelsPerPacket * kSamplesPerPixel + sample] == kWorld;
+        is_usable = is_usable &&
+                    packet.target[column % kPixelsPerPacket * kSamplesPerPixel + sample] == kWorld;
       mask.at<std::uint8_t>(row, column) = is_usable ? 255 : 0;
     }
   }
-  // What is hidden by a hand's breadth of paint today is seen with a slightly turned camera tomorrow.
-  cv::erode(mask, mask, cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5}), {-1, -1}, 1, cv::BORDER_REPLICATE);
+  // What is hidden by a hand's breadth of paint today is seen with a slightly turned camera
+  // tomorrow.
+  cv::erode(mask, mask, cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5}), {-1, -1}, 1,
+            cv::BORDER_REPLICATE);
   return mask;
 }
 

@@ -14,11 +14,11 @@ namespace parkade::simulator {
 inline constexpr int kPixelsPerPacket = 4;
 inline constexpr int kPacketSize = kSamplesPerPixel * kPixelsPerPacket;
 
-/// The rays of four pixels, four each; lane = 4 * pixel + sample. In a SampleTable the pixels are neighbours and the
-/// samples their first four.
+/// The rays of four pixels, four each; lane = 4 * pixel + sample. In a SampleTable the pixels are
+/// neighbors and the samples their first four.
 struct alignas(64) SamplePacket {
   float x[kPacketSize], y[kPacketSize], z[kPacketSize];  ///< unit direction in camera
-  std::int32_t target[kPacketSize];                      ///< kOutside, kWorld, or an index into own_car_hits
+  std::int32_t target[kPacketSize];  ///< kOutside, kWorld, or an index into own_car_hits
 };
 inline constexpr std::int32_t kOutside = -2, kWorld = -1;
 
@@ -35,7 +35,7 @@ struct SampleTable {
   int width = 0, height = 0;
   int packets_per_row = 0;
   std::vector<SamplePacket> packets;  ///< row by row
-  std::vector<float> sample_angle;    ///< [rad] between neighbouring samples, per pixel
+  std::vector<float> sample_angle;    ///< [rad] between neighboring samples, per pixel
   std::vector<float> vignetting;      ///< share of light that arrives, per pixel
   std::vector<OwnCarHit> own_car_hits;
 
@@ -43,15 +43,19 @@ struct SampleTable {
   const SamplePacket& PacketOf(int column, int row) const {
     return packets[static_cast<size_t>(row * packets_per_row + column / kPixelsPerPacket)];
   }
-  float SampleAngle(int column, int row) const { return sample_angle[static_cast<size_t>(row * width + column)]; }
-  float Vignetting(int column, int row) const { return vignetting[static_cast<size_t>(row * width + column)]; }
+  float SampleAngle(int column, int row) const {
+    return sample_angle[static_cast<size_t>(row * width + column)];
+  }
+  float Vignetting(int column, int row) const {
+    return vignetting[static_cast<size_t>(row * width + column)];
+  }
 
   /// CV_8UC1, 0 where a pixel shows the own car or the outside of the lens.
   cv::Mat Mask() const;
 };
 
 /// `own_car_rays` holds `own_car` alone, in body.
-SampleTable MakeSampleTable(const RigCamera& camera, const Mesh& own_car, const RayScene& own_car_rays,
-                            double half_field_of_view);
+SampleTable MakeSampleTable(const RigCamera& camera, const Mesh& own_car,
+                            const RayScene& own_car_rays, double half_field_of_view);
 
 }  // namespace parkade::simulator

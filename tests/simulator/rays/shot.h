@@ -6,7 +6,7 @@
 
 namespace parkade::simulator {
 
-/// One picture to take. `world_from_body(offset)` is the pose of the car `offset`
+/// One image to take. `world_from_body(offset)` is the pose of the car `offset`
 /// seconds after the middle of the exposure of the image's middle row.
 struct Shot {
   size_t camera = 0;

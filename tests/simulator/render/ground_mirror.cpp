@@ -19,9 +19,11 @@ void MirrorWorld(const Scene& scene, const SceneSurfaces& surfaces, const Packet
     valid[lane] = share[index] > kLeast ? -1 : 0;
     if (!valid[lane]) continue;
     is_any = true;
-    const Eigen::Vector3f normal = (point.normal + Eigen::Vector3f(kTilts[sample], -kTilts[sample], 0)).normalized();
+    const Eigen::Vector3f normal =
+        (point.normal + Eigen::Vector3f(kTilts[sample], -kTilts[sample], 0)).normalized();
     const Eigen::Vector3f mirrored = point.ray - 2 * point.ray.dot(normal) * normal;
-    SetRay(hits.ray, lane, point.position + kLift * point.flat_normal, mirrored, 150, poses.Of(lane).time);
+    SetRay(hits.ray, lane, point.position + kLift * point.flat_normal, mirrored, 150,
+           poses.Of(lane).time);
     ClearHit(hits, lane);
   }
   if (!is_any) return;

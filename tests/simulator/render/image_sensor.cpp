@@ -26,8 +26,10 @@ const std::array<std::uint8_t, kCurveSteps>& ToneCurve() {
     for (int i = 0; i < kCurveSteps; ++i) {
       const double light = 1.6 * i / (kCurveSteps - 1);
       const double soft = light < 0.6 ? light : 0.6 + 0.4 * (1 - std::exp(-(light - 0.6) / 0.4));
-      const double encoded = soft < 0.0031308 ? 12.92 * soft : 1.055 * std::pow(soft, 1 / 2.4) - 0.055;
-      made[static_cast<size_t>(i)] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(encoded, 0.0, 1.0)));
+      const double encoded =
+          soft < 0.0031308 ? 12.92 * soft : 1.055 * std::pow(soft, 1 / 2.4) - 0.055;
+      made[static_cast<size_t>(i)] =
+          static_cast<std::uint8_t>(std::lround(255 * std::clamp(encoded, 0.0, 1.0)));
     }
     return made;
   }();
@@ -50,15 +52,20 @@ const std::vector<float>& NormalDeviates() {
 void ImageSensorOptions::Validate() const {
   Require(exposure >= 0 && exposure < 0.1, ErrorCode::kUsage, "the exposure must be 0 to 0.1 s");
   Require(noise >= 0, ErrorCode::kUsage, "the image noise must not be negative");
-  Require(jpeg_quality >= 1 && jpeg_quality <= 100, ErrorCode::kUsage, "the JPEG quality must be 1 to 100");
+  Require(jpeg_quality >= 1 && jpeg_quality <= 100, ErrorCode::kUsage,
+          "the JPEG quality must be 1 to 100");
 }
 
-ImageSensor::ImageSensor(const ImageSensorOptions& options, std::uint64_t seed) : options_(options), seed_(seed) {}
+ImageSensor::ImageSensor(const ImageSensorOptions& options, std::uint64_t seed)
+    : options_(options), seed_(seed) {}
 
-double ImageSensor::ExposureRatio() const { return options_.exposure > 0 ? options_.exposure / kDaylightExposure : 1; }
+double ImageSensor::ExposureRatio() const {
+  return options_.exposure > 0 ? options_.exposure / kDaylightExposure : 1;
+}
 
 void ImageSensor::FollowLight(const cv::Mat& radiance) {
-  constexpr double kTarget = 0.20, kFollow = 0.08;  // mean of linear light; share of the way per frame
+  constexpr double kTarget = 0.20,
+                   kFollow = 0.08;  // mean of linear light; share of the way per frame
   double sum = 0;
   int count = 0;
   for (int row = 2; row < radiance.rows; row += 4) {
@@ -79,7 +86,8 @@ cv::Mat ImageSensor::Develop(const cv::Mat& radiance) {
   FollowLight(radiance);
   const float gain = static_cast<float>(*gain_);
   // Noise of the electrons grows with the amplification, but not with a longer exposure.
-  const double amplification = *gain_ / kDaylightGain / ExposureRatio(), strength = options_.noise * options_.noise;
+  const double amplification = *gain_ / kDaylightGain / ExposureRatio(),
+               strength = options_.noise * options_.noise;
   const float shot = static_cast<float>(7e-5 * strength * amplification),
               read = static_cast<float>(1.3e-6 * strength * amplification * amplification);
   const auto& curve = ToneCurve();
@@ -94,9 +102,11 @@ cv::Mat ImageSensor::Develop(const cv::Mat& radiance) {
       const std::uint64_t bits = random.Bits();
       for (int channel = 0; channel < 3; ++channel) {
         const float exposed = gain * light[3 * column + channel];
-        const float noisy = exposed + std::sqrt(shot * exposed + read) * deviates[bits >> (16 * channel) & 0xffffu];
+        const float noisy =
+            exposed + std::sqrt(shot * exposed + read) * deviates[bits >> (16 * channel) & 0xffffu];
         const int step = static_cast<int>(noisy * ((kCurveSteps - 1) / 1.6f) + 0.5f);
-        out[3 * column + 2 - channel] = curve[static_cast<size_t>(std::clamp(step, 0, kCurveSteps - 1))];
+        out[3 * column + 2 - channel] =
+            curve[static_cast<size_t>(std::clamp(step, 0, kCurveSteps - 1))];
       }
     }
   });
@@ -105,8 +115,8 @@ cv::Mat ImageSensor::Develop(const cv::Mat& radiance) {
 
 std::vector<std::uint8_t> EncodeJpeg(const cv::Mat& image, int quality) {
   std::vector<std::uint8_t> jpeg;
-  Require(cv::imencode(".jpg", image, jpeg, {cv::IMWRITE_JPEG_QUALITY, quality}), ErrorCode::kInternal,
-          "an image could not be encoded");
+  Require(cv::imencode(".jpg", image, jpeg, {cv::IMWRITE_JPEG_QUALITY, quality}),
+          ErrorCode::kInternal, "an image could not be encoded");
   return jpeg;
 }
 

@@ -8,7 +8,8 @@
 namespace parkade::simulator {
 
 struct ImageSensorOptions {
-  double exposure = 0;    ///< [s] moving things smear; 0: what a camera would choose in the light of the scene
+  double exposure =
+      0;  ///< [s] moving things smear; 0: what a camera would choose in the light of the scene
   double noise = 1;       ///< scales shot and read noise
   int jpeg_quality = 90;  ///< 1..100
 
@@ -21,8 +22,9 @@ struct ImageSensorOptions {
   void Validate() const;  ///< throws Error{kUsage}
 };
 
-/// Turns light into the picture a camera gives out: automatic gain that follows
-/// slowly, up to 24 dB, shot and read noise that grow with it, highlights that saturate softly, sRGB.
+/// Turns light into the image a camera gives out: automatic gain that follows
+/// slowly, up to 24 dB, shot and read noise that grow with it, highlights that saturate softly,
+/// sRGB.
 class ImageSensor {
  public:
   ImageSensor(const ImageSensorOptions& options, std::uint64_t seed);

@@ -5,17 +5,20 @@
 
 namespace parkade::simulator {
 
-LensCover::LensCover(const std::string& kind, cv::Size size, std::uint64_t seed) : is_mud_(kind == "mud") {
-  constexpr float kDark = 0.001f, kThroughMud = 0.03f, kBlots = 5;  // shares of light; across the picture
+LensCover::LensCover(const std::string& kind, cv::Size size, std::uint64_t seed)
+    : is_mud_(kind == "mud") {
+  constexpr float kDark = 0.001f, kThroughMud = 0.03f,
+                  kBlots = 5;  // shares of light; across the image
   transmission_.create(size, CV_32FC1);
   const std::uint32_t noise_seed = static_cast<std::uint32_t>(Mix64(seed));
   for (int row = 0; row < size.height; ++row) {
     for (int column = 0; column < size.width; ++column) {
       const float scale = kBlots / static_cast<float>(size.width);
-      const float noise =
-          FractalNoise(scale * static_cast<float>(column), scale * static_cast<float>(row), 4, noise_seed);
+      const float noise = FractalNoise(scale * static_cast<float>(column),
+                                       scale * static_cast<float>(row), 4, noise_seed);
       const float window = SmoothStep(0.08f, 0.45f, noise);
-      transmission_.at<float>(row, column) = is_mud_ ? kThroughMud + (1 - kThroughMud) * window : kDark;
+      transmission_.at<float>(row, column) =
+          is_mud_ ? kThroughMud + (1 - kThroughMud) * window : kDark;
     }
   }
 }
@@ -34,7 +37,8 @@ void LensCover::Apply(cv::Mat& radiance) const {
   }
 }
 
-CoveredLens::CoveredLens(const FaultOptions& faults, size_t camera, cv::Size size, std::uint64_t seed)
+CoveredLens::CoveredLens(const FaultOptions& faults, size_t camera, cv::Size size,
+                         std::uint64_t seed)
     : darkness_(faults.darkness),
       cover_(faults.occlusion.kind, size, Mix64(seed) + camera),
       night_("dark", size, seed) {

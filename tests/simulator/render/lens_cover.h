@@ -8,11 +8,11 @@
 
 namespace parkade::simulator {
 
-/// What lies on a lens: mud, which leaves blurred windows of a quarter of the picture, or a dark cap, which leaves
-/// next to nothing.
+/// What lies on a lens: mud, which leaves blurred windows of a quarter of the image, or a dark cap,
+/// which leaves next to nothing.
 class LensCover {
  public:
-  /// `kind` is "mud" or "dark"; `size` that of the pictures.
+  /// `kind` is "mud" or "dark"; `size` that of the images.
   LensCover(const std::string& kind, cv::Size size, std::uint64_t seed);
 
   /// Of `radiance` (CV_32FC3) what arrives behind the cover.
@@ -28,7 +28,8 @@ class CoveredLens {
  public:
   CoveredLens(const FaultOptions& faults, size_t camera, cv::Size size, std::uint64_t seed);
 
-  /// Covers `radiance` as is due at `time` [s of the drive]. The name of the fault that was applied, or "".
+  /// Covers `radiance` as is due at `time` [s of the drive]. The name of the fault that was
+  /// applied, or "".
   std::string Apply(cv::Mat& radiance, double time) const;
 
  private:

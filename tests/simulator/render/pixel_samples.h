@@ -9,8 +9,8 @@
 
 namespace parkade::simulator {
 
-/// What the samples of a pixel saw. Textures are averaged over what a ray covers; what is not are edges: outlines,
-/// creases and shadows.
+/// What the samples of a pixel saw. Textures are averaged over what a ray covers; what is not are
+/// edges: outlines, creases and shadows.
 class PixelSamples {
  public:
   /// Null for the sky.
@@ -27,7 +27,7 @@ class PixelSamples {
   /// Whether the samples see unlike things in unlike light.
   bool IsEdge() const { return is_cut_ && IsUnlike(darkest_, brightest_); }
 
-  /// Whether an edge runs between two neighbours.
+  /// Whether an edge runs between two neighbors.
   bool IsCutFrom(const PixelSamples& other) const {
     return count > 0 && other.count > 0 && !first_.IsContinuedBy(other.first_) &&
            IsUnlike(std::min(darkest_, other.darkest_), std::max(brightest_, other.brightest_));
@@ -59,8 +59,9 @@ class PixelSamples {
     bool IsContinuedBy(const Seen& other) const {
       constexpr float kStep = 0.02f;  // [m]
       if (is_sky || other.is_sky) return is_sky && other.is_sky;
-      return is_ground == other.is_ground && material == other.material && is_sunlit == other.is_sunlit &&
-             normal.dot(other.normal) > 0.95f && (is_ground || std::abs(normal.dot(other.position - position)) < kStep);
+      return is_ground == other.is_ground && material == other.material &&
+             is_sunlit == other.is_sunlit && normal.dot(other.normal) > 0.95f &&
+             (is_ground || std::abs(normal.dot(other.position - position)) < kStep);
     }
   };
 
@@ -69,14 +70,16 @@ class PixelSamples {
   bool is_cut_ = false;
 };
 
-/// Of a whole picture, row by row.
-using PictureSamples = std::vector<std::vector<PixelSamples>>;
+/// Of a whole image, row by row.
+using ImageSamples = std::vector<std::vector<PixelSamples>>;
 
 /// Whether an edge runs through a pixel, or along its rim, where no sample has seen it.
-inline bool HasEdge(const PictureSamples& rows, size_t row, size_t column) {
+inline bool HasEdge(const ImageSamples& rows, size_t row, size_t column) {
   const PixelSamples& pixel = rows[row][column];
   if (pixel.IsEdge()) return true;
-  const auto is_cut_from = [&](const PixelSamples& other) { return !other.IsEdge() && pixel.IsCutFrom(other); };
+  const auto is_cut_from = [&](const PixelSamples& other) {
+    return !other.IsEdge() && pixel.IsCutFrom(other);
+  };
   return (column > 0 && is_cut_from(rows[row][column - 1])) ||
          (column + 1 < rows[row].size() && is_cut_from(rows[row][column + 1])) ||
          (row > 0 && is_cut_from(rows[row - 1][column])) ||

@@ -11,7 +11,7 @@
 
 namespace parkade::simulator {
 
-// One lane a ray: those of four neighbouring pixels, in the order of SamplePacket.
+// One lane a ray: those of four neighboring pixels, in the order of SamplePacket.
 using LaneFlags = std::array<bool, kPacketSize>;
 using SurfacePoints = std::array<SurfacePoint, kPacketSize>;
 
@@ -28,17 +28,18 @@ struct PacketPoses {
   const MomentPose& Of(int lane) const { return row.moments[moments[static_cast<size_t>(lane)]]; }
 };
 
-/// `time`: 0..1 over the picture.
-inline void SetRay(RTCRay16& rays, int lane, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float far,
-                   float time) {
+/// `time`: 0..1 over the image.
+inline void SetRay(RTCRay16& rays, int lane, const Eigen::Vector3f& origin,
+                   const Eigen::Vector3f& direction, float far, float time) {
   rays.org_x[lane] = origin.x(), rays.org_y[lane] = origin.y(), rays.org_z[lane] = origin.z();
-  rays.dir_x[lane] = direction.x(), rays.dir_y[lane] = direction.y(), rays.dir_z[lane] = direction.z();
+  rays.dir_x[lane] = direction.x(), rays.dir_y[lane] = direction.y(),
+  rays.dir_z[lane] = direction.z();
   rays.tnear[lane] = 0, rays.tfar[lane] = far, rays.time[lane] = time;
   rays.mask[lane] = ~0u, rays.id[lane] = static_cast<unsigned>(lane), rays.flags[lane] = 0;
 }
 
-/// Empties the rays of lanes that are not valid. Embree splits packets that are wider than the processor's registers,
-/// and then knows such lanes by their interval alone.
+/// Empties the rays of lanes that are not valid. Embree splits packets that are wider than the
+/// processor's registers, and then knows such lanes by their interval alone.
 inline void EmptyOtherLanes(const int* valid, RTCRay16& rays) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   for (int lane = 0; lane < static_cast<int>(kPacketSize); ++lane) {

@@ -17,16 +17,19 @@ namespace {
 
 using PixelsOfPacket = std::array<PixelSamples*, kPixelsPerPacket>;
 
-/// The rays of samples `first` to `first` + 3 of pixels of which a table has the first four: the lens is taken to be
-/// even within a pixel, a thousandth of a pixel off at most.
-void AddSamples(const SamplePacket& table, int pixel_in_table, int first, int pixel, SamplePacket& packet) {
+/// The rays of samples `first` to `first` + 3 of pixels of which a table has the first four: the
+/// lens is taken to be even within a pixel, a thousandth of a pixel off at most.
+void AddSamples(const SamplePacket& table, int pixel_in_table, int first, int pixel,
+                SamplePacket& packet) {
   const auto ray = [&](int sample) {
     const int lane = pixel_in_table * kSamplesPerPixel + sample;
     return Eigen::Vector3f(table.x[lane], table.y[lane], table.z[lane]);
   };
   // The table's samples lie in a square: two diagonals, at right angles.
-  const Eigen::Vector3f middle = 0.25f * (ray(0) + ray(1) + ray(2) + ray(3)), a = ray(3) - ray(0), b = ray(1) - ray(2);
-  const Eigen::Vector3f by_column = (0.25f * a + 0.75f * b) / 0.625f, by_row = (0.75f * a - 0.25f * b) / 0.625f;
+  const Eigen::Vector3f middle = 0.25f * (ray(0) + ray(1) + ray(2) + ray(3)), a = ray(3) - ray(0),
+                        b = ray(1) - ray(2);
+  const Eigen::Vector3f by_column = (0.25f * a + 0.75f * b) / 0.625f,
+                        by_row = (0.75f * a - 0.25f * b) / 0.625f;
   for (int sample = 0; sample < kSamplesPerPixel; ++sample) {
     const auto [right, down] = kSampleOffsets[static_cast<size_t>(first + sample)];
     const Eigen::Vector3f direction = (middle + right * by_column + down * by_row).normalized();
@@ -38,7 +41,8 @@ void AddSamples(const SamplePacket& table, int pixel_in_table, int first, int pi
 
 bool SeesWorldAlone(const SamplePacket& packet, int pixel) {
   const std::int32_t* target = packet.target + pixel * kSamplesPerPixel;
-  return std::all_of(target, target + kSamplesPerPixel, [](std::int32_t of_sample) { return of_sample == kWorld; });
+  return std::all_of(target, target + kSamplesPerPixel,
+                     [](std::int32_t of_sample) { return of_sample == kWorld; });
 }
 
 }  // namespace
@@ -47,19 +51,20 @@ struct Renderer::Parts {
   const Scene& scene;
   const Rig& rig;
   RayScene own_car;
-  mutable SceneSurfaces surfaces;  ///< movers are placed anew for each picture
+  mutable SceneSurfaces surfaces;  ///< movers are placed anew for each image
   Sunlight sunlight;
   std::vector<DrivableRaster> drivable;  ///< per sheet of the ground
   std::vector<SampleTable> tables;
 
   Parts(const Scene& scene_in, const Rig& rig_in, double half_field_of_view);
   std::vector<PixelSamples> RenderRow(const Shot& shot, const RowPoses& poses, int row) const;
-  std::vector<int> EdgesOfRow(const Shot& shot, const PictureSamples& rows, int row) const;
-  void RenderEdges(const Shot& shot, const RowPoses& poses, int row, const std::vector<int>& columns,
-                   std::vector<PixelSamples>& pixels) const;
-  RenderedImage Picture(const Shot& shot, const PictureSamples& rows) const;
+  std::vector<int> EdgesOfRow(const Shot& shot, const ImageSamples& rows, int row) const;
+  void RenderEdges(const Shot& shot, const RowPoses& poses, int row,
+                   const std::vector<int>& columns, std::vector<PixelSamples>& pixels) const;
+  RenderedImage Image(const Shot& shot, const ImageSamples& rows) const;
   void RenderPacket(const Shot& shot, const PacketPoses& poses, const SamplePacket& packet,
-                    const std::array<float, kPixelsPerPacket>& sample_angles, const PixelsOfPacket& pixels) const;
+                    const std::array<float, kPixelsPerPacket>& sample_angles,
+                    const PixelsOfPacket& pixels) const;
   SurfacePoint PointOnOwnCar(const OwnCarHit& hit, const MomentPose& pose, bool is_covered) const;
   void LightNearOwnCar(const FastPose& body_from_world, SurfacePoint& point) const;
 };
@@ -70,12 +75,14 @@ Renderer::Parts::Parts(const Scene& scene_in, const Rig& rig_in, double half_fie
       own_car({&scene_in.own_car}),
       surfaces(scene_in),
       sunlight(scene_in, surfaces, own_car) {
-  for (size_t sheet = 0; sheet < scene.place.ground.sheets().size(); ++sheet) drivable.emplace_back(scene.place, sheet);
+  for (size_t sheet = 0; sheet < scene.place.ground.sheets().size(); ++sheet)
+    drivable.emplace_back(scene.place, sheet);
   for (const RigCamera& camera : rig.cameras)
     tables.push_back(MakeSampleTable(camera, scene.own_car, own_car, half_field_of_view));
 }
 
-SurfacePoint Renderer::Parts::PointOnOwnCar(const OwnCarHit& hit, const MomentPose& pose, bool is_covered) const {
+SurfacePoint Renderer::Parts::PointOnOwnCar(const OwnCarHit& hit, const MomentPose& pose,
+                                            bool is_covered) const {
   SurfacePoint point;
   point.position = pose.world_from_body * hit.point_in_body;
   point.normal = point.flat_normal = pose.world_from_body.rotation * hit.normal_in_body;
@@ -83,7 +90,8 @@ SurfacePoint Renderer::Parts::PointOnOwnCar(const OwnCarHit& hit, const MomentPo
   point.distance = hit.distance;
   point.ambient = is_covered ? 0.03f : 0.8f;
   point.openness = is_covered ? 0.0f : 1.0f;
-  point.light = scene.lamps.Irradiance(point.position, point.normal) + (is_covered ? scene.bounce : Gray(0));
+  point.light =
+      scene.lamps.Irradiance(point.position, point.normal) + (is_covered ? scene.bounce : Gray(0));
   point.material = hit.material;
   return point;
 }
@@ -99,10 +107,12 @@ void Renderer::Parts::LightNearOwnCar(const FastPose& body_from_world, SurfacePo
     point.ambient *= left;
     point.light *= left;
   }
-  if (scene.has_headlights) point.light += HeadlightIrradiance(in_body, body_from_world.rotation * point.normal);
+  if (scene.has_headlights)
+    point.light += HeadlightIrradiance(in_body, body_from_world.rotation * point.normal);
 }
 
-void Renderer::Parts::RenderPacket(const Shot& shot, const PacketPoses& poses, const SamplePacket& packet,
+void Renderer::Parts::RenderPacket(const Shot& shot, const PacketPoses& poses,
+                                   const SamplePacket& packet,
                                    const std::array<float, kPixelsPerPacket>& sample_angles,
                                    const PixelsOfPacket& pixels) const {
   alignas(64) RTCRayHit16 hits;
@@ -111,8 +121,8 @@ void Renderer::Parts::RenderPacket(const Shot& shot, const PacketPoses& poses, c
     const MomentPose& pose = poses.Of(lane);
     valid[lane] = packet.target[lane] == kWorld ? -1 : 0;
     const Eigen::Vector3f direction(packet.x[lane], packet.y[lane], packet.z[lane]);
-    SetRay(hits.ray, lane, pose.world_from_camera.translation, pose.world_from_camera.rotation * direction, 1000,
-           pose.time);
+    SetRay(hits.ray, lane, pose.world_from_camera.translation,
+           pose.world_from_camera.rotation * direction, 1000, pose.time);
     ClearHit(hits, lane);
   }
   const LaneFlags is_mover = surfaces.Trace(valid, hits);
@@ -122,12 +132,15 @@ void Renderer::Parts::RenderPacket(const Shot& shot, const PacketPoses& poses, c
   for (int lane = 0; lane < kPacketSize; ++lane) {
     const size_t index = static_cast<size_t>(lane), pixel = index / kSamplesPerPixel;
     const bool is_own_car = packet.target[lane] >= 0;
-    is_surface[index] = is_own_car || (valid[lane] && hits.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID);
+    is_surface[index] =
+        is_own_car || (valid[lane] && hits.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID);
     if (!is_surface[index]) continue;
     SurfacePoint& point = points[index];
-    point = is_own_car ? PointOnOwnCar(tables[shot.camera].own_car_hits[static_cast<size_t>(packet.target[lane])],
-                                       poses.Of(lane), poses.row.is_covered)
-                       : surfaces.PointOfHit(hits, lane, is_mover[index]);
+    point = is_own_car
+                ? PointOnOwnCar(
+                      tables[shot.camera].own_car_hits[static_cast<size_t>(packet.target[lane])],
+                      poses.Of(lane), poses.row.is_covered)
+                : surfaces.PointOfHit(hits, lane, is_mover[index]);
     point.sample_angle = sample_angles[pixel];
     if (!is_own_car) {
       point.motion = 0.25f * poses.row.speed * static_cast<float>(shot.exposure);
@@ -138,7 +151,8 @@ void Renderer::Parts::RenderPacket(const Shot& shot, const PacketPoses& poses, c
       }
       LightNearOwnCar(poses.Of(lane).body_from_world, point);
     }
-    if (shot.with_semantics && point.is_ground && drivable[point.material].At(point.position.x(), point.position.y()))
+    if (shot.with_semantics && point.is_ground &&
+        drivable[point.material].At(point.position.x(), point.position.y()))
       ++pixels[pixel]->num_drivable;
   }
   sunlight.FallOn(poses, is_surface, points);
@@ -154,9 +168,10 @@ void Renderer::Parts::RenderPacket(const Shot& shot, const PacketPoses& poses, c
   }
 }
 
-std::vector<PixelSamples> Renderer::Parts::RenderRow(const Shot& shot, const RowPoses& poses, int row) const {
+std::vector<PixelSamples> Renderer::Parts::RenderRow(const Shot& shot, const RowPoses& poses,
+                                                     int row) const {
   const SampleTable& table = tables[shot.camera];
-  // The last packet may be wider than the picture.
+  // The last packet may be wider than the image.
   std::vector<PixelSamples> pixels(static_cast<size_t>(table.packets_per_row * kPixelsPerPacket));
   for (int column = 0; column < table.width; column += kPixelsPerPacket) {
     PacketPoses packet_poses{poses};
@@ -165,7 +180,8 @@ std::vector<PixelSamples> Renderer::Parts::RenderRow(const Shot& shot, const Row
     for (int pixel = 0; pixel < kPixelsPerPacket; ++pixel) {
       const size_t index = static_cast<size_t>(pixel);
       targets[index] = &pixels[static_cast<size_t>(column) + index];
-      if (column + pixel < table.width) sample_angles[index] = table.SampleAngle(column + pixel, row);
+      if (column + pixel < table.width)
+        sample_angles[index] = table.SampleAngle(column + pixel, row);
       packet_poses.SetMoments(pixel, PixelMoments(column + pixel, row), 0);
     }
     RenderPacket(shot, packet_poses, table.PacketOf(column, row), sample_angles, targets);
@@ -175,7 +191,8 @@ std::vector<PixelSamples> Renderer::Parts::RenderRow(const Shot& shot, const Row
 }
 
 /// Columns of the pixels that want more samples.
-std::vector<int> Renderer::Parts::EdgesOfRow(const Shot& shot, const PictureSamples& rows, int row) const {
+std::vector<int> Renderer::Parts::EdgesOfRow(const Shot& shot, const ImageSamples& rows,
+                                             int row) const {
   const SampleTable& table = tables[shot.camera];
   std::vector<int> columns;
   for (int column = 0; column < table.width; ++column)
@@ -186,7 +203,8 @@ std::vector<int> Renderer::Parts::EdgesOfRow(const Shot& shot, const PictureSamp
 }
 
 /// Adds twelve samples to each pixel at an edge.
-void Renderer::Parts::RenderEdges(const Shot& shot, const RowPoses& poses, int row, const std::vector<int>& columns,
+void Renderer::Parts::RenderEdges(const Shot& shot, const RowPoses& poses, int row,
+                                  const std::vector<int>& columns,
                                   std::vector<PixelSamples>& pixels) const {
   const SampleTable& table = tables[shot.camera];
   PixelSamples unused;
@@ -203,14 +221,15 @@ void Renderer::Parts::RenderEdges(const Shot& shot, const RowPoses& poses, int r
         targets[pixel] = &pixels[static_cast<size_t>(column)];
         sample_angles[pixel] = table.SampleAngle(column, row);
         packet_poses.SetMoments(static_cast<int>(pixel), PixelMoments(column, row), first);
-        AddSamples(table.PacketOf(column, row), column % kPixelsPerPacket, first, static_cast<int>(pixel), packet);
+        AddSamples(table.PacketOf(column, row), column % kPixelsPerPacket, first,
+                   static_cast<int>(pixel), packet);
       }
       RenderPacket(shot, packet_poses, packet, sample_angles, targets);
     }
   }
 }
 
-RenderedImage Renderer::Parts::Picture(const Shot& shot, const PictureSamples& rows) const {
+RenderedImage Renderer::Parts::Image(const Shot& shot, const ImageSamples& rows) const {
   const SampleTable& table = tables[shot.camera];
   RenderedImage image;
   image.radiance = cv::Mat::zeros(table.height, table.width, CV_32FC3);
@@ -221,9 +240,11 @@ RenderedImage Renderer::Parts::Picture(const Shot& shot, const PictureSamples& r
       if (pixel.count == 0) continue;
       // A sample outside the lens is dark.
       const int count = std::max(pixel.count, kSamplesPerPixel);
-      const Color arriving = pixel.light * (table.Vignetting(column, row) / static_cast<float>(count));
+      const Color arriving =
+          pixel.light * (table.Vignetting(column, row) / static_cast<float>(count));
       image.radiance.at<cv::Vec3f>(row, column) = {arriving[0], arriving[1], arriving[2]};
-      // Halves go one way in every other pixel: taken for undrivable, outlines would be an eighth of a pixel off.
+      // Halves go one way in every other pixel: taken for undrivable, outlines would be an eighth
+      // of a pixel off.
       const int halves = (row + column) % 2;
       if (shot.with_semantics && 2 * pixel.num_drivable + halves > count)
         image.drivable.at<std::uint8_t>(row, column) = 255;
@@ -239,14 +260,15 @@ Renderer::~Renderer() = default;
 RenderedImage Renderer::Render(const Shot& shot) const {
   const SampleTable& table = parts_->tables[shot.camera];
   const RigCamera& camera = parts_->rig.cameras[shot.camera];
-  const double half_picture = PictureHalfTime(camera, shot);
+  const double half_image = ImageHalfTime(camera, shot);
   const Rigid3 world_from_body = shot.world_from_body(0);
-  parts_->surfaces.PlaceMovers(shot.time - half_picture, shot.time + half_picture, world_from_body.translation);
+  parts_->surfaces.PlaceMovers(shot.time - half_image, shot.time + half_image,
+                               world_from_body.translation);
   const auto& covers = parts_->scene.place.is_covered;
   const bool is_covered = covers && covers(world_from_body.translation);
   const size_t num_rows = static_cast<size_t>(table.height);
   std::vector<RowPoses> poses(num_rows);
-  PictureSamples rows(num_rows);
+  ImageSamples rows(num_rows);
   std::vector<std::vector<int>> edges(num_rows);
   const auto for_all_rows = [&](auto&& of_row) {
     ParallelFor(num_rows, [&](size_t row) {
@@ -260,8 +282,10 @@ RenderedImage Renderer::Render(const Shot& shot) const {
     rows[index] = parts_->RenderRow(shot, poses[index], row);
   });
   for_all_rows([&](size_t index, int row) { edges[index] = parts_->EdgesOfRow(shot, rows, row); });
-  for_all_rows([&](size_t index, int row) { parts_->RenderEdges(shot, poses[index], row, edges[index], rows[index]); });
-  return parts_->Picture(shot, rows);
+  for_all_rows([&](size_t index, int row) {
+    parts_->RenderEdges(shot, poses[index], row, edges[index], rows[index]);
+  });
+  return parts_->Image(shot, rows);
 }
 
 cv::Mat Renderer::Mask(size_t camera) const { return parts_->tables[camera].Mask(); }

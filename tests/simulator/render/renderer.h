@@ -15,10 +15,10 @@ struct RenderedImage {
   cv::Mat drivable;  ///< CV_8UC1, 255 = drivable ground; empty unless asked for
 };
 
-/// Takes pictures of a scene with the cameras of a rig, by ray tracing: four rays
+/// Takes images of a scene with the cameras of a rig, by ray tracing: four rays
 /// a pixel, sixteen at edges, each at its own moment of the exposure, textures averaged over what a
 /// ray covers, shadows of the sun and of lamps, mirrors of wet ground. All cores; one
-/// picture at a time.
+/// image at a time.
 class Renderer {
  public:
   /// Keeps references to `scene` and `rig`.

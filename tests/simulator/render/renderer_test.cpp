@@ -7,14 +7,14 @@
 #include "core/parallel.h"
 #include "tests/simulator/drives/plan_drive.h"
 #include "tests/simulator/render/image_sensor.h"
+#include "tests/simulator/scenes/build_scene.h"
 #include "tests/simulator/tracks/kept_tracks.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
-#include "tests/simulator/scenes/build_scene.h"
 
 namespace parkade::simulator {
 namespace {
 
-class LotPictures : public testing::Test {
+class LotImages : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     SetNumThreads(2);
@@ -32,7 +32,8 @@ class LotPictures : public testing::Test {
 
   static RenderedImage Take(size_t camera, double time, bool with_semantics) {
     return renderer_->Render(
-        {camera, [=](double offset) { return plan_->motion.WorldFromBody(time + offset); }, 0.003, with_semantics});
+        {camera, [=](double offset) { return plan_->motion.WorldFromBody(time + offset); }, 0.003,
+         with_semantics});
   }
 
   static inline Scene* scene_ = nullptr;
@@ -41,12 +42,13 @@ class LotPictures : public testing::Test {
   static inline DrivePlan* plan_ = nullptr;
 };
 
-TEST_F(LotPictures, MostTracksSurviveFromFrameToFrameWhileDriving) {
+TEST_F(LotImages, MostTracksSurviveFromFrameToFrameWhileDriving) {
   for (size_t camera = 0; camera < 4; ++camera) {
     ImageSensor sensor({}, camera);
     cv::Mat gray[2];
     for (int i = 0; i < 2; ++i)
-      cv::cvtColor(sensor.Develop(Take(camera, 8 + 0.1 * i, false).radiance), gray[i], cv::COLOR_BGR2GRAY);
+      cv::cvtColor(sensor.Develop(Take(camera, 8 + 0.1 * i, false).radiance), gray[i],
+                   cv::COLOR_BGR2GRAY);
     const FollowedCorners tracks =
         FollowCorners(gray[0], gray[1], renderer_->Mask(camera), {.quality = 0.005, .spacing = 10});
     ASSERT_GE(tracks.num_corners(), 150) << camera;
@@ -54,9 +56,9 @@ TEST_F(LotPictures, MostTracksSurviveFromFrameToFrameWhileDriving) {
   }
 }
 
-/// Pixels are drivable by the half, so that nothing is said of rims of 10 cm, nor of what is so far that a pixel is
-/// long.
-TEST_F(LotPictures, NoUndrivablePlaceOfThePlanIsMarkedAsDrivable) {
+/// Pixels are drivable by the half, so that nothing is said of rims of 10 cm, nor of what is so far
+/// that a pixel is long.
+TEST_F(LotImages, NoUndrivablePlaceOfThePlanIsMarkedAsDrivable) {
   constexpr double kRim = 0.1, kReach = 12;  // [m]
   const double time = 12;
   const GroundSheet& sheet = scene_->place.ground.sheets()[0];
@@ -70,29 +72,32 @@ TEST_F(LotPictures, NoUndrivablePlaceOfThePlanIsMarkedAsDrivable) {
     const cv::Mat drivable = Take(camera, time, true).drivable, mask = renderer_->Mask(camera);
     cv::Mat inner;
     cv::erode(drivable, inner, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}));
-    const Rigid3 world_from_camera = plan_->motion.WorldFromBody(time) * rig_->cameras[camera].body_from_camera;
+    const Rigid3 world_from_camera =
+        plan_->motion.WorldFromBody(time) * rig_->cameras[camera].body_from_camera;
     const Rigid3 camera_from_world = world_from_camera.Inverse();
     const Eigen::Vector2d eye = world_from_camera.translation.head<2>();
     int num_wrong = 0, num_checked = 0;
     for (double x = 0.5; x < sheet.max.x(); x += 0.31) {
       for (double y = 0.5; y < sheet.max.y(); y += 0.31) {
         if ((Eigen::Vector2d(x, y) - eye).norm() > kReach || !is_far_from_drivable(x, y)) continue;
-        const auto pixel =
-            rig_->cameras[camera].model.Project(camera_from_world * Eigen::Vector3d(x, y, sheet.height({x, y})));
+        const auto pixel = rig_->cameras[camera].model.Project(
+            camera_from_world * Eigen::Vector3d(x, y, sheet.height({x, y})));
         if (!pixel || !rig_->cameras[camera].model.IsInImage(*pixel, 2)) continue;
-        const cv::Point place(static_cast<int>(std::lround(pixel->x())), static_cast<int>(std::lround(pixel->y())));
+        const cv::Point place(static_cast<int>(std::lround(pixel->x())),
+                              static_cast<int>(std::lround(pixel->y())));
         if (mask.at<std::uint8_t>(place) == 0) continue;
         num_wrong += inner.at<std::uint8_t>(place) == 255;
         ++num_checked;
       }
     }
     EXPECT_GT(num_checked, 100);
-    EXPECT_LE(num_wrong, 0.001 * num_checked) << camera << ": " << num_wrong << " of " << num_checked;
+    EXPECT_LE(num_wrong, 0.001 * num_checked)
+        << camera << ": " << num_wrong << " of " << num_checked;
     EXPECT_GT(cv::countNonZero(drivable), 20000) << camera;
   }
 }
 
-TEST_F(LotPictures, TheOwnCarIsMaskedAndDoesNotMove) {
+TEST_F(LotImages, TheOwnCarIsMaskedAndDoesNotMove) {
   for (size_t camera = 0; camera < 4; ++camera) {
     const cv::Mat mask = renderer_->Mask(camera);
     const int num_masked = mask.rows * mask.cols - cv::countNonZero(mask);
@@ -106,7 +111,7 @@ TEST_F(LotPictures, TheOwnCarIsMaskedAndDoesNotMove) {
   }
 }
 
-TEST_F(LotPictures, TheSamePictureComesOutTwice) {
+TEST_F(LotImages, TheSameImageComesOutTwice) {
   const cv::Mat first = Take(1, 9, false).radiance, second = Take(1, 9, false).radiance;
   EXPECT_EQ(cv::norm(first, second, cv::NORM_INF), 0);
 }

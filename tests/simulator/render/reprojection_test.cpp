@@ -4,28 +4,31 @@
 #include <optional>
 
 #include "tests/simulator/drives/plan_drive.h"
+#include "tests/simulator/layouts/plan_place.h"
 #include "tests/simulator/render/renderer.h"
 #include "tests/simulator/vehicle/lens_models.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
-#include "tests/simulator/layouts/plan_place.h"
 
 namespace parkade::simulator {
 namespace {
 
-using Poses = std::function<Rigid3(double)>;  ///< world_from_body by time since the middle of the picture [s]
+using Poses =
+    std::function<Rigid3(double)>;  ///< world_from_body by time since the middle of the image [s]
 
-/// A plate that shines: its centre and half its sides [m].
+/// A plate that shines: its center and half its sides [m].
 struct Marker {
   Eigen::Vector3d center, right, up;
 };
 
-/// A black room around the car, in it plates that face it. They shine by themselves, so that neither light nor shadow
-/// shifts their centres, and are turned about their own axes, so that no edge runs along the rows of samples.
+/// A black room around the car, in it plates that face it. They shine by themselves, so that
+/// neither light nor shadow shifts their centers, and are turned about their own axes, so that no
+/// edge runs along the rows of samples.
 struct MarkerWorld {
   std::vector<Marker> markers;
-  Scene scene{.place = {},
-              .sky = Sky(1),
-              .materials = {Material{.albedo = Gray(0)}, Material{.albedo = Gray(0), .emission = Gray(1)}}};
+  Scene scene{
+      .place = {},
+      .sky = Sky(1),
+      .materials = {Material{.albedo = Gray(0)}, Material{.albedo = Gray(0), .emission = Gray(1)}}};
 
   /// `is_white`: walls shine, too, which shows how much light arrives at each pixel.
   explicit MarkerWorld(const Rigid3& world_from_body, bool is_white = false) {
@@ -37,20 +40,24 @@ struct MarkerWorld {
     }
     scene.objects.AddBox(car - Eigen::Vector3d(0, 0, 2), {15, 15, 0.1}, 0, 0);
     for (int i = 0; i < 36; ++i) {
-      const double azimuth = 2 * M_PI * i / 36, distance = 5 + 0.7 * (i % 4), half = 0.034 * distance;
+      const double azimuth = 2 * M_PI * i / 36, distance = 5 + 0.7 * (i % 4),
+                   half = 0.034 * distance;
       const Eigen::Vector3d center(1.3 + distance * std::cos(azimuth), distance * std::sin(azimuth),
                                    0.35 + 0.6 * (i % 3));
       const Eigen::Vector3d front = (Eigen::Vector3d(1.3, 0, 0.8) - center).normalized();
       const Eigen::AngleAxisd roll(0.37 + 0.61 * i, front);
-      const Eigen::Vector3d right = half * (roll * Eigen::Vector3d::UnitZ().cross(front).normalized());
-      Add({world_from_body * center, world_from_body.rotation * right, world_from_body.rotation * front.cross(right)});
+      const Eigen::Vector3d right =
+          half * (roll * Eigen::Vector3d::UnitZ().cross(front).normalized());
+      Add({world_from_body * center, world_from_body.rotation * right,
+           world_from_body.rotation * front.cross(right)});
     }
   }
 
   void Add(const Marker& marker) {
     markers.push_back(marker);
     const auto& [center, right, up] = marker;
-    scene.objects.AddQuad({center - right - up, center + right - up, center + right + up, center - right + up}, 1);
+    scene.objects.AddQuad(
+        {center - right - up, center + right - up, center + right + up, center - right + up}, 1);
   }
 };
 
@@ -60,8 +67,9 @@ struct Patch {
   double reach = 0;
 };
 
-/// Centre of the marker within a patch of a picture in which 1 is its light: each pixel weighs by how many of its
-/// samples are on it. Nothing when it is not there, or the own car or the rim may cut it.
+/// Center of the marker within a patch of a image in which 1 is its light: each pixel weighs by how
+/// many of its samples are on it. Nothing when it is not there, or the own car or the rim may cut
+/// it.
 std::optional<Eigen::Vector2d> MarkerIn(const cv::Mat& share, const Patch& patch) {
   const int reach = static_cast<int>(patch.reach) + 3;
   const int column = static_cast<int>(std::lround(patch.center.x())),
@@ -83,7 +91,8 @@ std::optional<Eigen::Vector2d> MarkerIn(const cv::Mat& share, const Patch& patch
   return Eigen::Vector2d(sum / num_samples);
 }
 
-/// The share of light that the markers give, CV_32FC1; negative where the own car or the rim of the lens is.
+/// The share of light that the markers give, CV_32FC1; negative where the own car or the rim of the
+/// lens is.
 cv::Mat ShareOf(const cv::Mat& radiance, const cv::Mat& white, const cv::Mat& mask) {
   cv::Mat share(radiance.size(), CV_32FC1, cv::Scalar(-1));
   for (int y = 0; y < share.rows; ++y)
@@ -99,20 +108,23 @@ std::optional<Eigen::Vector2d> Project(const RigCamera& camera, const Poses& wor
   double offset = 0;
   std::optional<Eigen::Vector2d> pixel;
   for (int iteration = 0; iteration < 5; ++iteration) {
-    pixel = camera.model.Project((world_from_body(offset) * camera.body_from_camera).Inverse() * point);
+    pixel =
+        camera.model.Project((world_from_body(offset) * camera.body_from_camera).Inverse() * point);
     if (!pixel) return std::nullopt;
     offset = camera.line_delay * (pixel->y() - (camera.model.height() - 1) / 2.0);
   }
   return pixel;
 }
 
-/// Centre of the picture of a whole marker: the mean over its cells, each by the area of its picture.
-std::optional<Patch> ProjectMarker(const RigCamera& camera, const Poses& world_from_body, const Marker& marker) {
+/// Center of the image of a whole marker: the mean over its cells, each by the area of its image.
+std::optional<Patch> ProjectMarker(const RigCamera& camera, const Poses& world_from_body,
+                                   const Marker& marker) {
   constexpr int kCells = 6;
   std::array<std::array<Eigen::Vector2d, kCells + 1>, kCells + 1> grid;
   for (int i = 0; i <= kCells; ++i) {
     for (int j = 0; j <= kCells; ++j) {
-      const Eigen::Vector3d offset = (2.0 * i / kCells - 1) * marker.right + (2.0 * j / kCells - 1) * marker.up;
+      const Eigen::Vector3d offset =
+          (2.0 * i / kCells - 1) * marker.right + (2.0 * j / kCells - 1) * marker.up;
       const auto pixel = Project(camera, world_from_body, marker.center + offset);
       if (!pixel) return std::nullopt;
       grid[static_cast<size_t>(i)][static_cast<size_t>(j)] = *pixel;
@@ -122,9 +134,11 @@ std::optional<Patch> ProjectMarker(const RigCamera& camera, const Poses& world_f
   double area_sum = 0;
   for (size_t i = 0; i < kCells; ++i) {
     for (size_t j = 0; j < kCells; ++j) {
-      const Eigen::Vector2d a = grid[i + 1][j + 1] - grid[i][j], b = grid[i][j + 1] - grid[i + 1][j];
+      const Eigen::Vector2d a = grid[i + 1][j + 1] - grid[i][j],
+                            b = grid[i][j + 1] - grid[i + 1][j];
       const double area = std::abs(a.x() * b.y() - a.y() * b.x());
-      patch.center += area / 4 * (grid[i][j] + grid[i + 1][j] + grid[i][j + 1] + grid[i + 1][j + 1]);
+      patch.center +=
+          area / 4 * (grid[i][j] + grid[i + 1][j] + grid[i][j + 1] + grid[i + 1][j + 1]);
       area_sum += area;
     }
   }
@@ -136,24 +150,25 @@ std::optional<Patch> ProjectMarker(const RigCamera& camera, const Poses& world_f
 
 struct MarkerErrors {
   std::array<int, 4> count{};              ///< markers seen, per camera
-  double worst = 0, root_mean_square = 0;  ///< [px] over all markers of all pictures
+  double worst = 0, root_mean_square = 0;  ///< [px] over all markers of all images
 };
 
-/// The pictures to take: the first with its middle at time 0, the others a little later.
-struct Pictures {
+/// The images to take: the first with its middle at time 0, the others a little later.
+struct Images {
   Poses world_from_body;
   double exposure = 0;  ///< [s]
   int count = 1;
   double step = 0.0023;  ///< [s] between them
 
-  Poses PosesOf(int picture) const {
-    return [this, picture](double offset) { return world_from_body(picture * step + offset); };
+  Poses PosesOf(int image) const {
+    return [this, image](double offset) { return world_from_body(image * step + offset); };
   }
 };
 
-/// How far a marker is from where it should be in a picture [px]; nothing where it is not in the picture whole.
-std::optional<double> MarkerError(const RigCamera& camera, const Poses& world_from_body, const cv::Mat& share,
-                                  const Marker& marker) {
+/// How far a marker is from where it should be in a image [px]; nothing where it is not in the
+/// image whole.
+std::optional<double> MarkerError(const RigCamera& camera, const Poses& world_from_body,
+                                  const cv::Mat& share, const Marker& marker) {
   constexpr double kWidest = 1.45;  // [rad] to the axis: beyond it the rim of the lens cuts plates
   const auto expected = ProjectMarker(camera, world_from_body, marker);
   const auto bearing = expected ? camera.model.Unproject(expected->center) : std::nullopt;
@@ -163,7 +178,8 @@ std::optional<double> MarkerError(const RigCamera& camera, const Poses& world_fr
   return (*seen - expected->center).norm();
 }
 
-cv::Mat Take(const Renderer& renderer, size_t camera, const Poses& world_from_body, double exposure) {
+cv::Mat Take(const Renderer& renderer, size_t camera, const Poses& world_from_body,
+             double exposure) {
   Shot shot;
   shot.camera = camera;
   shot.world_from_body = world_from_body;
@@ -171,17 +187,19 @@ cv::Mat Take(const Renderer& renderer, size_t camera, const Poses& world_from_bo
   return renderer.Render(shot).radiance;
 }
 
-MarkerErrors CompareMarkers(const Rig& rig, const Pictures& pictures) {
-  const MarkerWorld world(pictures.world_from_body(0)), white_world(pictures.world_from_body(0), true);
-  const Renderer renderer(world.scene, rig, kHalfFieldOfView), white(white_world.scene, rig, kHalfFieldOfView);
+MarkerErrors CompareMarkers(const Rig& rig, const Images& images) {
+  const MarkerWorld world(images.world_from_body(0)), white_world(images.world_from_body(0), true);
+  const Renderer renderer(world.scene, rig, kHalfFieldOfView),
+      white(white_world.scene, rig, kHalfFieldOfView);
   MarkerErrors errors;
   double sum_squares = 0;
   int count = 0;
   for (size_t camera = 0; camera < rig.cameras.size(); ++camera) {
-    const cv::Mat all = Take(white, camera, pictures.PosesOf(0), 0), mask = renderer.Mask(camera);
-    for (int picture = 0; picture < pictures.count; ++picture) {
-      const Poses world_from_body = pictures.PosesOf(picture);
-      const cv::Mat share = ShareOf(Take(renderer, camera, world_from_body, pictures.exposure), all, mask);
+    const cv::Mat all = Take(white, camera, images.PosesOf(0), 0), mask = renderer.Mask(camera);
+    for (int image = 0; image < images.count; ++image) {
+      const Poses world_from_body = images.PosesOf(image);
+      const cv::Mat share =
+          ShareOf(Take(renderer, camera, world_from_body, images.exposure), all, mask);
       for (const Marker& marker : world.markers) {
         const auto error = MarkerError(rig.cameras[camera], world_from_body, share, marker);
         if (!error) continue;
@@ -196,13 +214,13 @@ MarkerErrors CompareMarkers(const Rig& rig, const Pictures& pictures) {
   return errors;
 }
 
-void ExpectExact(const MarkerErrors& errors, int num_pictures) {
+void ExpectExact(const MarkerErrors& errors, int num_images) {
   for (size_t camera = 0; camera < errors.count.size(); ++camera)
-    EXPECT_GE(errors.count[camera], 10 * num_pictures) << camera;
+    EXPECT_GE(errors.count[camera], 10 * num_images) << camera;
   EXPECT_LE(errors.worst, 0.1);
   EXPECT_LT(errors.root_mean_square, 0.022);
-  testing::Test::RecordProperty("markers",
-                                std::to_string(std::accumulate(errors.count.begin(), errors.count.end(), 0)));
+  testing::Test::RecordProperty(
+      "markers", std::to_string(std::accumulate(errors.count.begin(), errors.count.end(), 0)));
   testing::Test::RecordProperty("worst_px", std::to_string(errors.worst));
   testing::Test::RecordProperty("rms_px", std::to_string(errors.root_mean_square));
 }
@@ -214,14 +232,16 @@ TEST_P(ReprojectionOfLens, AMarkerAppearsWhereTheCameraModelProjectsIt) {
   RigOptions options;
   options.lens = GetParam();
 
-  ExpectExact(CompareMarkers(MakeSimulatedRig(options, 4), {.world_from_body = [&](double) { return pose; }}), 1);
+  ExpectExact(CompareMarkers(MakeSimulatedRig(options, 4),
+                             {.world_from_body = [&](double) { return pose; }}),
+              1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, ReprojectionOfLens, testing::ValuesIn(LensNames()),
                          [](const auto& info) { return info.param; });
 
-/// The moments of a drive at which the largest errors are to be feared: the fastest, the sharpest turn, the hardest
-/// braking.
+/// The moments of a drive at which the largest errors are to be feared: the fastest, the sharpest
+/// turn, the hardest braking.
 std::array<double, 3> HardMoments(const Motion& motion) {
   const auto hardness = [&](double time) -> std::array<double, 3> {
     const MotionState state = motion.At(time);
@@ -240,30 +260,38 @@ std::array<double, 3> HardMoments(const Motion& motion) {
   return moments;
 }
 
-/// Drives through the scenes: with slopes, bumps of the road, a body that leans, and a shutter that rolls.
+/// Drives through the scenes: with slopes, bumps of the road, a body that leans, and a shutter that
+/// rolls.
 class ReprojectionWhileDriving : public testing::TestWithParam<std::tuple<const char*, int>> {};
 
 TEST_P(ReprojectionWhileDriving, MotionAndRollingShutterMoveAMarkerAsTheTruthSays) {
-  constexpr int kNumPictures = 3;
+  constexpr int kNumImages = 3;
   const auto& [scene, number] = GetParam();
   const std::uint64_t seed = static_cast<std::uint64_t>(number);
   RigOptions options;
   options.line_delay = 5e-5;
   const Rig rig = MakeSimulatedRig(options, seed);
-  const DrivePlan plan = PlanDrive(PlanPlace(scene, {.seed = seed}), {.length = 300, .stops = {}}, 0, seed);
+  const DrivePlan plan =
+      PlanDrive(PlanPlace(scene, {.seed = seed}), {.length = 300, .stops = {}}, 0, seed);
 
   for (const double time : HardMoments(plan.motion)) {
     SCOPED_TRACE(time);
-    const Poses world_from_body = [&](double offset) { return plan.motion.WorldFromBody(time + offset); };
-    ExpectExact(CompareMarkers(rig, {.world_from_body = world_from_body, .exposure = 0.004, .count = kNumPictures}),
-                kNumPictures);
+    const Poses world_from_body = [&](double offset) {
+      return plan.motion.WorldFromBody(time + offset);
+    };
+    ExpectExact(
+        CompareMarkers(
+            rig, {.world_from_body = world_from_body, .exposure = 0.004, .count = kNumImages}),
+        kNumImages);
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, ReprojectionWhileDriving,
-                         testing::Combine(testing::Values("lot", "garage", "street"), testing::Values(5, 6)),
+                         testing::Combine(testing::Values("lot", "garage", "street"),
+                                          testing::Values(5, 6)),
                          [](const auto& info) {
-                           return std::get<0>(info.param) + ("_" + std::to_string(std::get<1>(info.param)));
+                           return std::get<0>(info.param) +
+                                  ("_" + std::to_string(std::get<1>(info.param)));
                          });
 
 }  // namespace

@@ -18,7 +18,8 @@ void SceneSurfaces::BakeLight() {
   constexpr float kNearReach = 3;  // [m] within which things keep bounced light from each other
   const Mesh* const meshes[] = {&scene_.ground, &scene_.objects};
   for (size_t i = 0; i < 2; ++i) {
-    ambient_[i] = world_.VertexAmbient(*meshes[i], scene_.sky_reach, i + 1, scene_.IsIndoors() ? 2 : 1);
+    ambient_[i] =
+        world_.VertexAmbient(*meshes[i], scene_.sky_reach, i + 1, scene_.IsIndoors() ? 2 : 1);
     light_[i] = world_.VertexLamps(*meshes[i], scene_.lamps);
     if (!scene_.IsIndoors()) continue;
     const std::vector<float> openness = world_.VertexAmbient(*meshes[i], kNearReach, i + 3);
@@ -35,7 +36,8 @@ SurfacePoint SceneSurfaces::PointInWorld(const RTCRayHit16& hits, int lane) cons
   const auto& [a, b, c] = mesh.triangles[hits.hit.primID[lane]];
   const float u = hits.hit.u[lane], v = hits.hit.v[lane], w = 1 - u - v;
   SurfacePoint point;
-  point.flat_normal = Eigen::Vector3f(hits.hit.Ng_x[lane], hits.hit.Ng_y[lane], hits.hit.Ng_z[lane]).normalized();
+  point.flat_normal =
+      Eigen::Vector3f(hits.hit.Ng_x[lane], hits.hit.Ng_y[lane], hits.hit.Ng_z[lane]).normalized();
   point.normal = (w * mesh.normals[a] + u * mesh.normals[b] + v * mesh.normals[c]).normalized();
   const float visible_sky = w * sky[a] + u * sky[b] + v * sky[c];
   point.ambient = scene_.IsIndoors() ? visible_sky : 0.12f + 0.88f * visible_sky;
@@ -54,7 +56,9 @@ SurfacePoint SceneSurfaces::PointOnMover(const RTCRayHit16& hits, int lane) cons
   const Eigen::Vector3f flat_normal(hits.hit.Ng_x[lane], hits.hit.Ng_y[lane], hits.hit.Ng_z[lane]);
   SurfacePoint point;
   point.flat_normal = placed.world_from_mover.rotation * flat_normal.normalized();
-  point.normal = (placed.world_from_mover.rotation * (w * normals[a] + u * normals[b] + v * normals[c])).normalized();
+  point.normal =
+      (placed.world_from_mover.rotation * (w * normals[a] + u * normals[b] + v * normals[c]))
+          .normalized();
   point.ambient = scene_.IsIndoors() ? 0.02f : 0.65f + 0.25f * point.normal.z();
   point.openness = scene_.IsIndoors() ? 0.0f : 1.0f;
   point.material = placed.mesh->triangle_materials[hits.hit.primID[lane]];
@@ -66,7 +70,8 @@ SurfacePoint SceneSurfaces::PointOfHit(const RTCRayHit16& hits, int lane, bool i
   point.ray = {hits.ray.dir_x[lane], hits.ray.dir_y[lane], hits.ray.dir_z[lane]};
   point.distance = hits.ray.tfar[lane];
   point.position =
-      Eigen::Vector3f(hits.ray.org_x[lane], hits.ray.org_y[lane], hits.ray.org_z[lane]) + point.distance * point.ray;
+      Eigen::Vector3f(hits.ray.org_x[lane], hits.ray.org_y[lane], hits.ray.org_z[lane]) +
+      point.distance * point.ray;
   // A surface seen from its back is lit as one that faces the eye.
   if (point.ray.dot(point.flat_normal) > 0) point.flat_normal = -point.flat_normal;
   if (point.normal.dot(point.flat_normal) < 0) point.normal = -point.normal;

@@ -8,18 +8,22 @@
 
 namespace parkade::simulator {
 
-/// All that rays meet but the own car: the world as it stands, with the light of sky, lamps and walls baked into its
-/// vertices, and what moves in it. Between two PlaceMovers calls tracing is thread-safe.
+/// All that rays meet but the own car: the world as it stands, with the light of sky, lamps and
+/// walls baked into its vertices, and what moves in it. Between two PlaceMovers calls tracing is
+/// thread-safe.
 class SceneSurfaces {
  public:
   /// Keeps a reference to `scene`. Bakes light, on all cores: seconds.
   explicit SceneSurfaces(const Scene& scene);
 
   /// See MoverScene::PlaceAt.
-  void PlaceMovers(double from, double to, const Eigen::Vector3d& eye) { movers_.PlaceAt(from, to, eye); }
+  void PlaceMovers(double from, double to, const Eigen::Vector3d& eye) {
+    movers_.PlaceAt(from, to, eye);
+  }
   const MoverScene& movers() const { return movers_; }
 
-  /// Shoots rays at the world and the movers; tells which lanes hit a mover. `valid`: -1 for lanes in use, else 0.
+  /// Shoots rays at the world and the movers; tells which lanes hit a mover. `valid`: -1 for lanes
+  /// in use, else 0.
   LaneFlags Trace(const int* valid, RTCRayHit16& hits) const;
   /// Makes tfar negative in the lanes that something hides.
   void Occlude(const int* valid, RTCRay16& rays) const;

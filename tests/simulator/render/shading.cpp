@@ -13,7 +13,8 @@ namespace {
 float Detail(const MipTexture& texture, float u, float v, float footprint, float size) {
   const float first = 1 / size, second = 1.618f / size;
   return 0.8f * texture.Sample(u * first, v * first, footprint * first) +
-         0.6f * texture.Sample((0.8f * u + 0.6f * v) * second, (0.8f * v - 0.6f * u) * second, footprint * second);
+         0.6f * texture.Sample((0.8f * u + 0.6f * v) * second, (0.8f * v - 0.6f * u) * second,
+                               footprint * second);
 }
 
 /// 0 for a wet film, 1 in a puddle.
@@ -27,7 +28,7 @@ Color GroundAlbedo(const Scene& scene, const SurfacePoint& point, float footprin
   const float wetness = scene.finish.empty() ? 0 : scene.finish[point.material].wetness;
   const float wet = wetness > 0 ? wetness * (0.45f + 0.25f * Puddle(point.position)) : 0;
   const Color painted = dry * (1 - wet);
-  if (footprint > 0.06f) return painted;  // stones of a centimetre average out
+  if (footprint > 0.06f) return painted;  // stones of a centimeter average out
   static const MipTexture& aggregate = DetailTexture(TextureKind::kAggregate);
   return painted * std::max(0.2f, 1 + 0.20f * Detail(aggregate, x, y, footprint, 0.9f));
 }
@@ -43,10 +44,10 @@ Color ObjectAlbedo(const Material& material, const SurfacePoint& point, float fo
   }
   const MipTexture& texture = DetailTexture(material.texture);
   // Bricks have to stay in their courses: one copy, and a slow change of tone.
-  const float value =
-      material.texture == TextureKind::kBrick
-          ? texture.Sample(u / material.texture_size, v / material.texture_size, footprint / material.texture_size)
-          : Detail(texture, u, v, footprint, material.texture_size);
+  const float value = material.texture == TextureKind::kBrick
+                          ? texture.Sample(u / material.texture_size, v / material.texture_size,
+                                           footprint / material.texture_size)
+                          : Detail(texture, u, v, footprint, material.texture_size);
   return material.albedo * std::max(0.1f, 1 + material.texture_contrast * value);
 }
 
@@ -56,8 +57,9 @@ Color Reflection(const Scene& scene, const SurfacePoint& point, float head_on) {
   const float share = head_on + (1 - head_on) * 0.6f * squared * squared * grazing;
   const Eigen::Vector3f mirrored = point.ray - 2 * point.ray.dot(point.normal) * point.normal;
   // Around the surface there is sky, or what the lamps light.
-  const Color sky = mirrored.z() > 0 ? Color(scene.sky.Radiance(mirrored).min(6.0f))
-                                     : Color(scene.sky.AmbientIrradiance(-Eigen::Vector3f::UnitZ()) * 0.32f);
+  const Color sky = mirrored.z() > 0
+                        ? Color(scene.sky.Radiance(mirrored).min(6.0f))
+                        : Color(scene.sky.AmbientIrradiance(-Eigen::Vector3f::UnitZ()) * 0.32f);
   return (sky * (0.4f + 0.6f * point.ambient) * point.openness + point.light * 0.12f) * share;
 }
 
@@ -67,7 +69,8 @@ float GroundMirror(const Scene& scene, const SurfacePoint& point) {
   const float cosine = std::clamp(-point.ray.dot(point.normal), 0.0f, 1.0f), grazing = 1 - cosine;
   const float squared = grazing * grazing, fresnel = 0.025f + 0.975f * squared * squared * grazing;
   const GroundFinish& finish = scene.finish[point.material];
-  const float water = finish.wetness > 0 ? finish.wetness * (0.3f + 0.7f * Puddle(point.position)) : 0;
+  const float water =
+      finish.wetness > 0 ? finish.wetness * (0.3f + 0.7f * Puddle(point.position)) : 0;
   return fresnel * std::max(finish.gloss, water);
 }
 
@@ -79,14 +82,15 @@ Color Shade(const Scene& scene, const SurfacePoint& point) {
   const float cosine = std::max(0.02f, std::abs(point.ray.dot(point.flat_normal)));
   const float footprint = std::max(across, 0.5f * across / cosine) + point.motion;
 
-  const Color irradiance =
-      scene.sky.sun_irradiance() * point.sun + scene.sky.AmbientIrradiance(point.normal) * point.ambient + point.light;
+  const Color irradiance = scene.sky.sun_irradiance() * point.sun +
+                           scene.sky.AmbientIrradiance(point.normal) * point.ambient + point.light;
   Color radiance;
   if (point.is_ground) {
     radiance = GroundAlbedo(scene, point, footprint) * irradiance * kInversePi + point.reflected;
   } else {
     const Material& material = scene.materials[point.material];
-    radiance = ObjectAlbedo(material, point, footprint) * irradiance * kInversePi + material.emission;
+    radiance =
+        ObjectAlbedo(material, point, footprint) * irradiance * kInversePi + material.emission;
     if (material.mirror > 0) radiance += Reflection(scene, point, material.mirror);
   }
   const float clear = std::exp(-point.distance / kHazeDistance);

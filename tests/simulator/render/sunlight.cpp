@@ -15,10 +15,12 @@ Sunlight::Sunlight(const Scene& scene, const SceneSurfaces& surfaces, const RayS
     : scene_(scene), surfaces_(surfaces), own_car_(own_car) {
   const Eigen::Vector3f sun = scene.sky.sun_direction(), u = sun.unitOrthogonal(), v = sun.cross(u);
   for (size_t i = 0; i < kSamplesPerPixel; ++i)
-    to_sun_[i] = (sun + Sky::kSunRadius * (kSunOffsets[i][0] * u + kSunOffsets[i][1] * v)).normalized();
+    to_sun_[i] =
+        (sun + Sky::kSunRadius * (kSunOffsets[i][0] * u + kSunOffsets[i][1] * v)).normalized();
 }
 
-void Sunlight::FallOn(const PacketPoses& poses, const LaneFlags& is_surface, SurfacePoints& points) const {
+void Sunlight::FallOn(const PacketPoses& poses, const LaneFlags& is_surface,
+                      SurfacePoints& points) const {
   constexpr float kLift = 0.004f;          // [m] off the surface, against its own shadow
   constexpr float kOwnShadowReach = 8.0f;  // [m] from the body's origin
   if (scene_.sky.sun_irradiance()[0] <= 0) return;
@@ -51,7 +53,8 @@ void Sunlight::FallOn(const PacketPoses& poses, const LaneFlags& is_surface, Sur
     rtcOccluded16(valid_near, own_car_.scene(), &context, &in_body);
   }
   for (int lane = 0; lane < kPacketSize; ++lane) {
-    const bool is_hidden = (valid[lane] && in_world.tfar[lane] < 0) || (valid_near[lane] && in_body.tfar[lane] < 0);
+    const bool is_hidden =
+        (valid[lane] && in_world.tfar[lane] < 0) || (valid_near[lane] && in_body.tfar[lane] < 0);
     if (is_hidden) points[static_cast<size_t>(lane)].sun = 0;
   }
 }

@@ -9,7 +9,8 @@ namespace {
 float RootMeanSquare(const MipTexture& texture, float footprint) {
   double sum = 0;
   for (int i = 0; i < 4000; ++i) {
-    const float value = texture.Sample(0.37f * static_cast<float>(i), 0.613f * static_cast<float>(i), footprint);
+    const float value =
+        texture.Sample(0.37f * static_cast<float>(i), 0.613f * static_cast<float>(i), footprint);
     sum += value * value;
   }
   return static_cast<float>(std::sqrt(sum / 4000));
@@ -43,7 +44,9 @@ TEST(GroundCanvas, CoarseSamplesAreTheMeanReflectance) {
 
 TEST(GroundCanvas, PaintLandsWhereItIsPut) {
   GroundCanvas canvas({-1, -2}, {3, 2}, 0.01);
-  canvas.Paint({1, 0.5}, 0.1, [](float, float) { return GroundCanvas::Touch{Rgb(0.5f, 0.2f, 0.1f), 1}; });
+  canvas.Paint({1, 0.5}, 0.1, [](float, float) {
+    return GroundCanvas::Touch{Rgb(0.5f, 0.2f, 0.1f), 1};
+  });
   canvas.Finish();
 
   EXPECT_NEAR(canvas.Sample(1, 0.5f, 0.01f)[0], 0.5, 0.01);

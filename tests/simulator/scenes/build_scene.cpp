@@ -3,12 +3,12 @@
 #include "tests/simulator/common/random.h"
 #include "tests/simulator/layouts/lot_ground.h"
 #include "tests/simulator/layouts/lot_place.h"
+#include "tests/simulator/layouts/plan_place.h"
 #include "tests/simulator/scenes/garage_scene.h"
 #include "tests/simulator/scenes/lot_objects.h"
 #include "tests/simulator/scenes/street_scene.h"
 #include "tests/simulator/vehicle/car_mesh.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
-#include "tests/simulator/layouts/plan_place.h"
 
 namespace parkade::simulator {
 namespace {

@@ -9,7 +9,9 @@ namespace parkade::simulator {
 
 DrivableRaster::DrivableRaster(const Place& place, size_t sheet_index) {
   ask_ = [sheet = place.ground.sheets()[sheet_index], is_drivable = place.is_drivable,
-          sheet_index](const Eigen::Vector2d& point) { return sheet.Covers(point) && is_drivable(sheet_index, point); };
+          sheet_index](const Eigen::Vector2d& point) {
+    return sheet.Covers(point) && is_drivable(sheet_index, point);
+  };
   const GroundSheet& sheet = place.ground.sheets()[sheet_index];
   min_ = sheet.min.cast<float>();
   columns_ = static_cast<int>(std::ceil((sheet.max.x() - sheet.min.x()) * kPerMeter));

@@ -1,16 +1,18 @@
 #include "tests/simulator/scenes/drivable_raster.h"
-#include "tests/simulator/layouts/plan_place.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
+
+#include "tests/simulator/layouts/plan_place.h"
 
 namespace parkade::simulator {
 namespace {
 
 class DrivableRasters : public testing::TestWithParam<const char*> {};
 
-/// Points nearer than 2 mm to where the answer changes are left out: they are asked for in single precision.
+/// Points nearer than 2 mm to where the answer changes are left out: they are asked for in single
+/// precision.
 TEST_P(DrivableRasters, SayWhatThePlanSays) {
   constexpr double kMargin = 0.002;  // [m]
   const Place place = PlanPlace(GetParam(), {.seed = 5});
@@ -21,8 +23,10 @@ TEST_P(DrivableRasters, SayWhatThePlanSays) {
     const auto is_drivable = [&](const Eigen::Vector2d& xy) {
       return ground.Covers(xy) && place.is_drivable(sheet, xy);
     };
-    std::uniform_real_distribution<double> x(ground.min.x() + kMargin, ground.max.x() - 2 * kMargin);
-    std::uniform_real_distribution<double> y(ground.min.y() + kMargin, ground.max.y() - 2 * kMargin);
+    std::uniform_real_distribution<double> x(ground.min.x() + kMargin,
+                                             ground.max.x() - 2 * kMargin);
+    std::uniform_real_distribution<double> y(ground.min.y() + kMargin,
+                                             ground.max.y() - 2 * kMargin);
     int num_checked = 0, num_wrong = 0;
     for (int i = 0; i < 20000; ++i) {
       const Eigen::Vector2d xy(x(random), y(random));

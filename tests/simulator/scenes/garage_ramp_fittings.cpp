@@ -15,19 +15,22 @@ void GarageStructure::RampLamps(int deck) {
              0);
   }
   for (const double share : {0.15, 0.5, 0.85}) {
-    const double angle = M_PI * (share - 0.5), radius = layout_.curve_radius + GarageLayout::kCurveHalfWidth - 0.3;
+    const double angle = M_PI * (share - 0.5),
+                 radius = layout_.curve_radius + GarageLayout::kCurveHalfWidth - 0.3;
     TubeLamp({layout_.length + radius * std::cos(angle), layout_.curve_y + radius * std::sin(angle),
               floor + layout_.curve.Height(share * layout_.curve.run) + 2.15},
              angle + M_PI / 2);
   }
 }
 
-void GarageStructure::AddToCurve(const CurvePlace& place, const Vector3d& half_size, MaterialId material) {
-  const double radius = layout_.curve_radius + (place.is_outer ? 1 : -1) * GarageLayout::kCurveHalfWidth;
-  const double floor =
-      place.deck * layout_.storey + layout_.curve.Height((place.angle + M_PI / 2) * layout_.curve_radius);
-  mesh_.AddBox({layout_.length + radius * std::cos(place.angle), layout_.curve_y + radius * std::sin(place.angle),
-                floor + place.height},
+void GarageStructure::AddToCurve(const CurvePlace& place, const Vector3d& half_size,
+                                 MaterialId material) {
+  const double radius =
+      layout_.curve_radius + (place.is_outer ? 1 : -1) * GarageLayout::kCurveHalfWidth;
+  const double floor = place.deck * layout_.storey +
+                       layout_.curve.Height((place.angle + M_PI / 2) * layout_.curve_radius);
+  mesh_.AddBox({layout_.length + radius * std::cos(place.angle),
+                layout_.curve_y + radius * std::sin(place.angle), floor + place.height},
                half_size, place.angle, material);
 }
 
@@ -38,7 +41,7 @@ void GarageStructure::CurveWall(int deck, bool is_outer) {
   const double strip = 0.5 / radius;
   for (double angle = -M_PI / 2 + strip / 2; angle < M_PI / 2; angle += strip)
     AddToCurve({deck, is_outer, angle, 0.4}, {0.012, 0.26, 0.4 + random_.Uniform(0, 0.02)}, paint_);
-  // What bumpers, mirrors and tyres leave.
+  // What bumpers, mirrors and tires leave.
   const int num_scuffs = static_cast<int>(9 * radius);
   for (int i = 0; i < num_scuffs; ++i) {
     const MaterialId materials[] = {rubber_, paper_, concrete_, black_};
@@ -54,7 +57,8 @@ void GarageStructure::CurveWall(int deck, bool is_outer) {
                    part % 2 == 0 ? black_ : yellow_);
     } else {
       AddToCurve({deck, is_outer, angle, random_.Uniform(1.2, 1.7)},
-                 {0.03, random_.Uniform(0.1, 0.25), random_.Uniform(0.12, 0.3)}, random_.Chance(0.5) ? metal_ : paper_);
+                 {0.03, random_.Uniform(0.1, 0.25), random_.Uniform(0.12, 0.3)},
+                 random_.Chance(0.5) ? metal_ : paper_);
     }
   }
 }
@@ -63,7 +67,8 @@ void GarageStructure::RampWall(int deck, bool is_north) {
   const double y = layout_.width + (is_north ? GarageLayout::kStrip - 0.1 : 0.1);
   // The flat ends of the way as well, on this deck and on the next.
   const double begin = 9.5 - layout_.ramp_from, end = layout_.length - 9.5 - layout_.ramp_from;
-  const auto add = [&](double along, double height, const Vector3d& half_size, MaterialId material) {
+  const auto add = [&](double along, double height, const Vector3d& half_size,
+                       MaterialId material) {
     const double floor = deck * layout_.storey + layout_.straight.Height(along);
     mesh_.AddBox({layout_.ramp_from + along, y, floor + height}, half_size, 0, material);
   };
@@ -74,10 +79,13 @@ void GarageStructure::RampWall(int deck, bool is_north) {
   for (int i = 0; i < num_scuffs; ++i) {
     const MaterialId materials[] = {rubber_, paper_, concrete_, black_};
     add(random_.Uniform(begin, end), random_.Uniform(0.1, 1.9),
-        {random_.Uniform(0.03, 0.3), 0.02 + 0.0001 * i, random_.Uniform(0.006, 0.04)}, materials[random_.Index(4)]);
+        {random_.Uniform(0.03, 0.3), 0.02 + 0.0001 * i, random_.Uniform(0.006, 0.04)},
+        materials[random_.Index(4)]);
   }
-  for (double along = begin + random_.Uniform(0.5, 2); along < end; along += random_.Uniform(1.5, 3.5))
-    add(along, random_.Uniform(1.2, 1.7), {random_.Uniform(0.1, 0.3), 0.06, random_.Uniform(0.1, 0.3)},
+  for (double along = begin + random_.Uniform(0.5, 2); along < end;
+       along += random_.Uniform(1.5, 3.5))
+    add(along, random_.Uniform(1.2, 1.7),
+        {random_.Uniform(0.1, 0.3), 0.06, random_.Uniform(0.1, 0.3)},
         random_.Chance(0.5) ? metal_ : paper_);
 }
 

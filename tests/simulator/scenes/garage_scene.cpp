@@ -23,7 +23,8 @@ void Soil(GroundPainter& painter, const GroundPainter::Chooser& anywhere) {
 }
 
 /// The canvas of a straight ramp: ribbed concrete between yellow lines.
-GroundCanvas PaintStraightRamp(const GarageLayout& layout, const GroundSheet& sheet, double texel, std::uint64_t seed) {
+GroundCanvas PaintStraightRamp(const GarageLayout& layout, const GroundSheet& sheet, double texel,
+                               std::uint64_t seed) {
   GroundCanvas canvas(sheet.min, sheet.max, texel);
   GroundPainter painter(sheet.max - sheet.min, canvas, seed);
   painter.Ribbed([](float x, float) { return x; });
@@ -31,29 +32,35 @@ GroundCanvas PaintStraightRamp(const GarageLayout& layout, const GroundSheet& sh
     painter.Line({sheet.min.x(), y}, {sheet.max.x(), y}, 0.12, 0.3f, kYellowPaint);
   const double middle = (sheet.min.y() + sheet.max.y()) / 2;
   for (const double side : {-0.75, 0.75})
-    painter.TyreTrack({sheet.min.x(), middle + side}, {sheet.max.x(), middle + side}, 0.6, 0.4f);
+    painter.TireTrack({sheet.min.x(), middle + side}, {sheet.max.x(), middle + side}, 0.6, 0.4f);
   Soil(painter, [&]() -> Vector2d { return sheet.min + painter.Anywhere(); });
   for (const double share : {0.25, 0.6})
-    painter.Arrow({sheet.min.x() + share * (sheet.max.x() - sheet.min.x()), middle}, layout.is_counter ? 0 : M_PI);
+    painter.Arrow({sheet.min.x() + share * (sheet.max.x() - sheet.min.x()), middle},
+                  layout.is_counter ? 0 : M_PI);
   canvas.Finish();
   return canvas;
 }
 
 /// The canvas of a half circle: its grooves run from wall to wall.
-GroundCanvas PaintCurve(const GarageLayout& layout, const GroundSheet& sheet, double texel, std::uint64_t seed) {
+GroundCanvas PaintCurve(const GarageLayout& layout, const GroundSheet& sheet, double texel,
+                        std::uint64_t seed) {
   GroundCanvas canvas(sheet.min, sheet.max, texel);
   GroundPainter painter(sheet.max - sheet.min, canvas, seed);
   const Vector2d center(layout.length, layout.curve_y);
   const double radius = layout.curve_radius, half = GarageLayout::kCurveHalfWidth;
-  painter.Ribbed(
-      [&](float x, float y) { return static_cast<float>(radius * std::atan2(y - center.y(), x - center.x())); });
-  for (const double side : {0.35 - half, half - 0.35}) painter.Circle(center, radius + side, 0.12, 0.3f, kYellowPaint);
-  for (const double side : {-0.75, 0.75}) painter.TyreCircle(center, radius + side, 0.6, 0.4f);
+  painter.Ribbed([&](float x, float y) {
+    return static_cast<float>(radius * std::atan2(y - center.y(), x - center.x()));
+  });
+  for (const double side : {0.35 - half, half - 0.35})
+    painter.Circle(center, radius + side, 0.12, 0.3f, kYellowPaint);
+  for (const double side : {-0.75, 0.75}) painter.TireCircle(center, radius + side, 0.6, 0.4f);
   const auto on_ring = [&](double angle, double aside) -> Vector2d {
     return center + (radius + aside) * Vector2d(std::cos(angle), std::sin(angle));
   };
-  Soil(painter,
-       [&] { return on_ring(painter.random().Uniform(-M_PI / 2, M_PI / 2), painter.random().Uniform(-half, half)); });
+  Soil(painter, [&] {
+    return on_ring(painter.random().Uniform(-M_PI / 2, M_PI / 2),
+                   painter.random().Uniform(-half, half));
+  });
   for (const double angle : {-0.9, 0.3})
     painter.Arrow(on_ring(angle, 0), angle + (layout.is_counter ? -M_PI / 2 : M_PI / 2));
   canvas.Finish();
@@ -65,12 +72,14 @@ GroundCanvas PaintForecourt(const GroundSheet& sheet, double texel, std::uint64_
   GroundPainter painter({1, 1}, canvas, seed);
   painter.Asphalt();
   const auto anywhere = [&] {
-    return Vector2d(painter.random().Uniform(sheet.min.x(), 0), painter.random().Uniform(0, sheet.max.y()));
+    return Vector2d(painter.random().Uniform(sheet.min.x(), 0),
+                    painter.random().Uniform(0, sheet.max.y()));
   };
   painter.Stains(90, anywhere);
   for (int i = 0; i < 4; ++i) painter.Manhole(anywhere());
   for (double y = 3; y < sheet.max.y(); y += 5.5) painter.Line({-29, y}, {-25, y}, 0.12, 0.3f);
-  for (double x = -26; x < -2; x += 3) painter.Line({x, sheet.max.y() / 2}, {x + 1.5, sheet.max.y() / 2}, 0.12, 0.4f);
+  for (double x = -26; x < -2; x += 3)
+    painter.Line({x, sheet.max.y() / 2}, {x + 1.5, sheet.max.y() / 2}, 0.12, 0.4f);
   canvas.Finish();
   return canvas;
 }
@@ -104,9 +113,10 @@ Mesh MakeFloors(const GarageLayout& layout, const Ground& ground) {
         columns, rows,
         [&](int i, int j) -> Vector3d {
           const double angle = M_PI * (i / (columns - 1.0) - 0.5),
-                       radius = layout.curve_radius - GarageLayout::kCurveHalfWidth * (2 * j / (rows - 1.0) - 1);
-          const Vector2d xy =
-              Vector2d(layout.length, layout.curve_y) + radius * Vector2d(std::cos(angle), std::sin(angle));
+                       radius = layout.curve_radius -
+                                GarageLayout::kCurveHalfWidth * (2 * j / (rows - 1.0) - 1);
+          const Vector2d xy = Vector2d(layout.length, layout.curve_y) +
+                              radius * Vector2d(std::cos(angle), std::sin(angle));
           return {xy.x(), xy.y(), ground.sheets()[curve].height(xy)};
         },
         [&](int, int) { return static_cast<MaterialId>(curve); });
@@ -121,23 +131,30 @@ void FurnishOutside(const GarageLayout& layout, Props& props) {
   for (double x = -160; x < 200; x += kStep)
     for (double y = -120; y < 160; y += kStep) {
       if (x >= west && x < layout.length + 11 && y >= 0 && y + kStep <= north) continue;
-      const double x1 = x < west && x + kStep > west && y >= 0 && y < north ? west : x + kStep, z = -0.03;
-      props.mesh().AddQuad({Vector3d(x, y, z), {x1, y, z}, {x1, y + kStep, z}, {x, y + kStep, z}}, props.grass());
+      const double x1 = x < west && x + kStep > west && y >= 0 && y < north ? west : x + kStep,
+                   z = -0.03;
+      props.mesh().AddQuad({Vector3d(x, y, z), {x1, y, z}, {x1, y + kStep, z}, {x, y + kStep, z}},
+                           props.grass());
     }
   props.Kerb({-0.3, 0}, {west, 0});
   props.Kerb({west, layout.width}, {-0.3, layout.width});
   props.Kerb({west, 0}, {west, layout.width});
   Random& random = props.random();
-  for (double y = 2; y < layout.width; y += random.Uniform(5, 9)) props.Tree({west - 3, y}, random.Uniform(4, 7));
-  for (double x = west; x < layout.length; x += random.Uniform(6, 11)) props.Tree({x, -4}, random.Uniform(4, 8));
+  for (double y = 2; y < layout.width; y += random.Uniform(5, 9))
+    props.Tree({west - 3, y}, random.Uniform(4, 7));
+  for (double x = west; x < layout.length; x += random.Uniform(6, 11))
+    props.Tree({x, -4}, random.Uniform(4, 8));
   for (double x = west; x < -4; x += 9) props.Tree({x, layout.width + 4}, random.Uniform(4, 7));
   for (double y = -30; y < 70; y += 24)
-    props.Building({{west - 18, y}, {6, 9}, random.Uniform(-0.05, 0.05)}, random.Uniform(7, 13), true);
+    props.Building({{west - 18, y}, {6, 9}, random.Uniform(-0.05, 0.05)}, random.Uniform(7, 13),
+                   true);
   for (double x = west; x < layout.length + 20; x += 26) {
     props.Building({{x, -22}, {10, 7}, random.Uniform(-0.05, 0.05)}, random.Uniform(6, 14), true);
-    props.Building({{x, layout.width + 28}, {10, 7}, random.Uniform(-0.05, 0.05)}, random.Uniform(6, 14), true);
+    props.Building({{x, layout.width + 28}, {10, 7}, random.Uniform(-0.05, 0.05)},
+                   random.Uniform(6, 14), true);
   }
-  for (const double y : {layout.decks[0].aisle_y[0] - 4, layout.decks[0].aisle_y[1] + 4}) props.Sign({-1, y}, M_PI);
+  for (const double y : {layout.decks[0].aisle_y[0] - 4, layout.decks[0].aisle_y[1] + 4})
+    props.Sign({-1, y}, M_PI);
   for (const Rectangle& foot : layout.lamp_feet) props.StreetLamp(foot.center);
 }
 
@@ -159,15 +176,17 @@ Scene BuildGarage(const SceneOptions& options) {
   const Ground& ground = scene.place.ground;
   scene.ground = MakeFloors(layout, ground);
   for (int deck = 0; deck < layout.num_decks(); ++deck)
-    scene.ground_colors.push_back(PaintDeck(layout.decks[static_cast<size_t>(deck)], GarageLayout::kStrip,
-                                            options.ground_texel, options.seed, deck));
+    scene.ground_colors.push_back(PaintDeck(layout.decks[static_cast<size_t>(deck)],
+                                            GarageLayout::kStrip, options.ground_texel,
+                                            options.seed, deck));
   for (size_t sheet = layout.ForecourtSheet(); sheet < ground.sheets().size(); ++sheet) {
     const GroundSheet& floor = ground.sheets()[sheet];
     const std::uint64_t seed = SeedOfPart(options.seed, sheet);
-    scene.ground_colors.push_back(
-        sheet == layout.ForecourtSheet() ? PaintForecourt(floor, options.ground_texel, options.seed)
-        : sheet < layout.CurveSheet(0)   ? PaintStraightRamp(layout, floor, options.ground_texel, seed)
-                                         : PaintCurve(layout, floor, options.ground_texel, seed));
+    scene.ground_colors.push_back(sheet == layout.ForecourtSheet()
+                                      ? PaintForecourt(floor, options.ground_texel, options.seed)
+                                  : sheet < layout.CurveSheet(0)
+                                      ? PaintStraightRamp(layout, floor, options.ground_texel, seed)
+                                      : PaintCurve(layout, floor, options.ground_texel, seed));
   }
   GarageStructure structure(layout, options.seed, scene.materials);
   structure.Walls();

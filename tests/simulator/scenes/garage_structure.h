@@ -8,7 +8,7 @@
 namespace parkade::simulator {
 
 /// Concrete, paint and fittings of a garage; floors excepted. All faces are cut into
-/// pieces of less than a metre, so that light varies over them.
+/// pieces of less than a meter, so that light varies over them.
 class GarageStructure {
  public:
   GarageStructure(const GarageLayout& layout, std::uint64_t seed, std::vector<Material>& materials);
@@ -25,17 +25,19 @@ class GarageStructure {
  private:
   MaterialId Add(const Material& material);
   /// A parallelogram in pieces, seen from the side from which `u` runs right and `v` up.
-  void Panel(const Eigen::Vector3d& corner, const Eigen::Vector3d& u, const Eigen::Vector3d& v, MaterialId material);
+  void Panel(const Eigen::Vector3d& corner, const Eigen::Vector3d& u, const Eigen::Vector3d& v,
+             MaterialId material);
   /// An upright wall 20 cm thick with paint at the foot.
   void Wall(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double bottom, double top);
   /// A wall with an opening around each place in `gates` along it.
-  void WallWithGates(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double bottom, double top,
-                     const std::vector<double>& gates);
+  void WallWithGates(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double bottom,
+                     double top, const std::vector<double>& gates);
   void Parapet(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double bottom, double top);
   /// Seen from inside or from outside.
   void HalfCylinder(double radius, bool faces_inward);
   void TubeLamp(const Eigen::Vector3d& at, double yaw);
-  void Pipe(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double radius, MaterialId material);
+  void Pipe(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double radius,
+            MaterialId material);
   void ExitSign(const Eigen::Vector3d& at, double yaw);
   void Poster(const Eigen::Vector3d& at, double yaw);
   void DeckFittings(int deck);
@@ -62,8 +64,9 @@ class GarageStructure {
   std::vector<Material>& materials_;
   Mesh mesh_;
   std::vector<Lamp> lamps_;
-  MaterialId concrete_ = 0, paint_ = 0, ceiling_ = 0, yellow_ = 0, black_ = 0, tube_ = 0, dead_tube_ = 0, metal_ = 0,
-             red_ = 0, exit_ = 0, white_ = 0, paper_ = 0, rubber_ = 0, pipe_ = 0;
+  MaterialId concrete_ = 0, paint_ = 0, ceiling_ = 0, yellow_ = 0, black_ = 0, tube_ = 0,
+             dead_tube_ = 0, metal_ = 0, red_ = 0, exit_ = 0, white_ = 0, paper_ = 0, rubber_ = 0,
+             pipe_ = 0;
 };
 
 }  // namespace parkade::simulator

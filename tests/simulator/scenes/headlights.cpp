@@ -4,7 +4,8 @@
 
 namespace parkade::simulator {
 
-Color HeadlightIrradiance(const Eigen::Vector3f& point_in_body, const Eigen::Vector3f& normal_in_body) {
+Color HeadlightIrradiance(const Eigen::Vector3f& point_in_body,
+                          const Eigen::Vector3f& normal_in_body) {
   constexpr float kStrength = 7;
   if (point_in_body.x() < 3.2f || point_in_body.x() > 35) return Gray(0);
   float sum = 0;

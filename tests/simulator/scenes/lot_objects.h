@@ -5,8 +5,8 @@
 
 namespace parkade::simulator {
 
-/// Kerbs, green, trees, hedges, lamps, signs, a fence, buildings and parked cars. The cars come last,
-/// so that all else is the same whatever is parked.
+/// Kerbs, green, trees, hedges, lamps, signs, a fence, buildings and parked cars. The cars come
+/// last, so that all else is the same whatever is parked.
 void FurnishLot(const LotLayout& layout, Props& props);
 
 }  // namespace parkade::simulator

@@ -18,7 +18,8 @@ std::array<float, 12> ColumnsOf(const Rigid3& motion) {
   const FastPose pose(motion);
   std::array<float, 12> columns{};
   for (int column = 0; column < 3; ++column)
-    for (int row = 0; row < 3; ++row) columns[static_cast<size_t>(3 * column + row)] = pose.rotation(row, column);
+    for (int row = 0; row < 3; ++row)
+      columns[static_cast<size_t>(3 * column + row)] = pose.rotation(row, column);
   for (int row = 0; row < 3; ++row) columns[static_cast<size_t>(9 + row)] = pose.translation[row];
   return columns;
 }
@@ -68,8 +69,10 @@ float MoverScene::Ambient(const Eigen::Vector3f& point) const {
     if ((placed.world_from_mover.translation - point).squaredNorm() > 36) continue;
     const Eigen::Vector3f local = placed.world_from_mover.ToSource(point);
     const Eigen::Vector2f beyond =
-        ((local.head<2>() - Eigen::Vector2f(placed.mover->center, 0)).cwiseAbs() - half).cwiseMax(0.0f);
-    ambient *= 1 - 0.75f * std::exp(-(beyond.norm() + std::abs(local.z())) / (0.2f + 0.25f * half.x()));
+        ((local.head<2>() - Eigen::Vector2f(placed.mover->center, 0)).cwiseAbs() - half)
+            .cwiseMax(0.0f);
+    ambient *=
+        1 - 0.75f * std::exp(-(beyond.norm() + std::abs(local.z())) / (0.2f + 0.25f * half.x()));
   }
   return ambient;
 }

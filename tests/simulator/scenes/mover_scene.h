@@ -10,7 +10,7 @@
 
 namespace parkade::simulator {
 
-/// The movers at one stretch of time, for rays that carry a time within it. One picture
+/// The movers at one stretch of time, for rays that carry a time within it. One image
 /// at a time; between two PlaceAt calls tracing is thread-safe.
 class MoverScene {
  public:

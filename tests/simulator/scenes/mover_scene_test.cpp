@@ -12,14 +12,16 @@ namespace {
 
 constexpr double kSpeed = 8;  // [m/s]
 
-/// Black drivable ground, and a white ball that flies past the left camera, half a metre up.
+/// Black drivable ground, and a white ball that flies past the left camera, half a meter up.
 Scene BallWorld(bool has_ball) {
   Scene scene{.place = {},
               .sky = Sky(1, Weather::kOvercast),
               .ground_colors = {GroundCanvas({-1, -1}, {1, 1}, 0.1)},
               .materials = {Material{.albedo = Gray(0.9f)}}};
-  scene.place.ground = Ground(
-      {{.min = {-40, -40}, .max = {40, 40}, .height = [](const Eigen::Vector2d&) { return 0.0; }, .covers = {}}});
+  scene.place.ground = Ground({{.min = {-40, -40},
+                                .max = {40, 40},
+                                .height = [](const Eigen::Vector2d&) { return 0.0; },
+                                .covers = {}}});
   scene.place.is_drivable = [](size_t, const Eigen::Vector2d&) { return true; };
   scene.ground_colors[0].Finish();
   scene.ground.AddQuad({{{-40, -40, 0}, {40, -40, 0}, {40, 40, 0}, {-40, 40, 0}}}, 0);
@@ -27,9 +29,10 @@ Scene BallWorld(bool has_ball) {
   Mesh ball;
   ball.AddBlob({0, 0, 0}, {0.3, 0.3, 0.3}, 0, 1, 0, 24);
   scene.movers.shapes.push_back(ball);
-  scene.movers.movers.push_back({0, [](double time) {
-                                   return Rigid3{Eigen::Quaterniond::Identity(), {2 + kSpeed * (time - 3), 5, 0.35}};
-                                 }});
+  scene.movers.movers.push_back(
+      {0, [](double time) {
+         return Rigid3{Eigen::Quaterniond::Identity(), {2 + kSpeed * (time - 3), 5, 0.35}};
+       }});
   return scene;
 }
 
@@ -63,11 +66,13 @@ TEST_F(Movers, AreSeenWhereTheyAreWhenTheirRowIsExposed) {
     std::optional<Eigen::Vector2d> expected;
     for (int i = 0; i < 4; ++i) {
       const Rigid3 world_from_ball = scene.movers.movers[0].world_from_mover(time + offset);
-      expected = camera.model.Project(camera.body_from_camera.Inverse() * world_from_ball.translation);
+      expected =
+          camera.model.Project(camera.body_from_camera.Inverse() * world_from_ball.translation);
       ASSERT_TRUE(expected);
       offset = camera.line_delay * (expected->y() - (camera.model.height() - 1) / 2.0);
     }
-    // The ball is lit from above, but for its outline that does not matter: every white pixel counts the same.
+    // The ball is lit from above, but for its outline that does not matter: every white pixel
+    // counts the same.
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     int count = 0;
     const int column = static_cast<int>(expected->x()), row = static_cast<int>(expected->y());
@@ -78,14 +83,16 @@ TEST_F(Movers, AreSeenWhereTheyAreWhenTheirRowIsExposed) {
           ++count;
         }
     ASSERT_GT(count, 60) << time;
-    // A fisheye draws a ball a little lopsided; standing still for the rows' delay would be 4 px off.
+    // A fisheye draws a ball a little lopsided; standing still for the rows' delay would be 4 px
+    // off.
     EXPECT_LT((sum / count - *expected).norm(), 1) << time;
   }
 }
 
 TEST_F(Movers, AreNoDrivableGround) {
   const Rig rig = RollingRig();
-  const cv::Mat without = Take(BallWorld(false), rig, 3).drivable, with = Take(BallWorld(true), rig, 3).drivable;
+  const cv::Mat without = Take(BallWorld(false), rig, 3).drivable,
+                with = Take(BallWorld(true), rig, 3).drivable;
 
   EXPECT_GT(cv::countNonZero(without) - cv::countNonZero(with), 60);
   EXPECT_EQ(cv::countNonZero(with & ~without), 0);

@@ -19,15 +19,17 @@ Color Cloth(Random& random) {
 
 }  // namespace
 
-void AddPedestrian(Random& random, const std::function<Rigid3(double)>& pose, double speed, Movers& movers,
-                   std::vector<Material>& materials) {
+void AddPedestrian(Random& random, const std::function<Rigid3(double)>& pose, double speed,
+                   Movers& movers, std::vector<Material>& materials) {
   const auto add = [&](const Color& color) {
-    materials.push_back(
-        {.albedo = color, .texture = TextureKind::kPlaster, .texture_size = 0.6f, .texture_contrast = 0.25f});
+    materials.push_back({.albedo = color,
+                         .texture = TextureKind::kPlaster,
+                         .texture_size = 0.6f,
+                         .texture_contrast = 0.25f});
     return static_cast<MaterialId>(materials.size() - 1);
   };
-  const MaterialId coat = add(Cloth(random)), trousers = add(0.5f * Cloth(random)), skin = add(Rgb(0.42f, 0.28f, 0.2f)),
-                   hair = add(Rgb(0.07f, 0.05f, 0.03f));
+  const MaterialId coat = add(Cloth(random)), trousers = add(0.5f * Cloth(random)),
+                   skin = add(Rgb(0.42f, 0.28f, 0.2f)), hair = add(Rgb(0.07f, 0.05f, 0.03f));
   const std::uint32_t seed = static_cast<std::uint32_t>(random.Bits());
   Mesh trunk;
   trunk.AddBlob({0, 0, 1.15}, {0.15, 0.23, 0.34}, 0.15, seed, coat, 10);
@@ -46,7 +48,8 @@ void AddPedestrian(Random& random, const std::function<Rigid3(double)>& pose, do
   movers.shapes.push_back(std::move(leg));
   const size_t trunk_shape = movers.shapes.size() - 2;
   movers.movers.push_back({trunk_shape, pose, {0.25f, 0.25f}});
-  const double pace = 2 * M_PI * speed / 1.45, phase = random.Uniform(0, 2 * M_PI);  // a double step is 1.45 m
+  const double pace = 2 * M_PI * speed / 1.45,
+               phase = random.Uniform(0, 2 * M_PI);  // a double step is 1.45 m
   for (const double side : {-1.0, 1.0})
     movers.movers.push_back({trunk_shape + 1,
                              [=](double time) {

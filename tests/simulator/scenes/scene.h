@@ -20,7 +20,7 @@ struct GroundFinish {
   float gloss = 0;    ///< share of the mirror of a sealed floor
 };
 
-/// A world to drive in and to see, everything but the car itself. World: z up, metres;
+/// A world to drive in and to see, everything but the car itself. World: z up, meters;
 /// x east, y north.
 struct Scene {
   Place place;
@@ -32,9 +32,10 @@ struct Scene {
   Mesh own_car = {};                             ///< in body
   Movers movers = {};                            ///< what moves (see AddTraffic)
   LampField lamps = {};                          ///< those that are on
-  Color bounce = Gray(0);                        ///< irradiance from all sides inside a lit building
-  std::vector<KerbStone> kerbs = {};             ///< at the border of `ground`, some behind parked cars
-  float sky_reach = 4;  ///< [m] what is farther away hides no sky; small outdoors, where there is more
+  Color bounce = Gray(0);             ///< irradiance from all sides inside a lit building
+  std::vector<KerbStone> kerbs = {};  ///< at the border of `ground`, some behind parked cars
+  float sky_reach =
+      4;  ///< [m] what is farther away hides no sky; small outdoors, where there is more
   std::vector<GroundFinish> finish = {};  ///< of the sheets of ground; empty: all dry and dull
   bool has_headlights = false;            ///< the own car drives with its lights on
   double usual_exposure = 0.003;          ///< [s] that a camera would choose in this light

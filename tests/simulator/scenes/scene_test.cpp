@@ -7,20 +7,20 @@
 
 #include "core/parallel.h"
 #include "tests/simulator/drives/plan_drive.h"
+#include "tests/simulator/layouts/plan_place.h"
 #include "tests/simulator/rays/ray_scene.h"
 #include "tests/simulator/render/image_sensor.h"
 #include "tests/simulator/render/renderer.h"
+#include "tests/simulator/scenes/build_scene.h"
 #include "tests/simulator/scenes/traffic.h"
 #include "tests/simulator/sinks/truth_files.h"
 #include "tests/simulator/tracks/kept_tracks.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
-#include "tests/simulator/layouts/plan_place.h"
-#include "tests/simulator/scenes/build_scene.h"
 
 namespace parkade::simulator {
 namespace {
 
-/// A drive through a scene, and pictures of it. Coarse ground paint: quick to make.
+/// A drive through a scene, and images of it. Coarse ground paint: quick to make.
 struct DrivenScene {
   Scene scene;
   DrivePlan plan;
@@ -38,7 +38,9 @@ struct DrivenScene {
   RenderedImage Take(size_t camera, double time) const {
     Shot shot;
     shot.camera = camera;
-    shot.world_from_body = [this, time](double offset) { return plan.motion.WorldFromBody(time + offset); };
+    shot.world_from_body = [this, time](double offset) {
+      return plan.motion.WorldFromBody(time + offset);
+    };
     shot.exposure = scene.usual_exposure;
     shot.with_semantics = true;
     shot.time = time;
@@ -46,12 +48,13 @@ struct DrivenScene {
   }
 };
 
-/// Of 200 corners, those that are followed into the picture 50 ms later and back to where they were.
+/// Of 200 corners, those that are followed into the image 50 ms later and back to where they were.
 int NumKeptTracks(const DrivenScene& driven, size_t camera, double time) {
   ImageSensor sensor({.exposure = driven.scene.usual_exposure}, camera);
   cv::Mat gray[2];
   for (int i = 0; i < 2; ++i)
-    cv::cvtColor(sensor.Develop(driven.Take(camera, time + 0.05 * i).radiance), gray[i], cv::COLOR_BGR2GRAY);
+    cv::cvtColor(sensor.Develop(driven.Take(camera, time + 0.05 * i).radiance), gray[i],
+                 cv::COLOR_BGR2GRAY);
   const FollowedCorners tracks = FollowCorners(gray[0], gray[1], driven.renderer->Mask(camera));
   EXPECT_GE(tracks.num_corners(), 195) << camera;
   return tracks.num_kept();
@@ -76,21 +79,25 @@ bool IsNearRim(const Place& place, size_t sheet, const Eigen::Vector2d& xy) {
   constexpr double kCell = 0.05;  // [m]
   for (const double dx : {-kCell, 0.0, kCell})
     for (const double dy : {-kCell, 0.0, kCell})
-      if (place.is_drivable(sheet, xy + Eigen::Vector2d(dx, dy)) != place.is_drivable(sheet, xy)) return true;
+      if (place.is_drivable(sheet, xy + Eigen::Vector2d(dx, dy)) != place.is_drivable(sheet, xy))
+        return true;
   return false;
 }
 
-/// Of places on drivable ground within 4 m of a camera that nothing hides, and of undrivable ones within 8 m, the share
-/// that the mask has right, give or take a pixel and the cell of 5 cm that the renderer looks up.
+/// Of places on drivable ground within 4 m of a camera that nothing hides, and of undrivable ones
+/// within 8 m, the share that the mask has right, give or take a pixel and the cell of 5 cm that
+/// the renderer looks up.
 double MaskAgreement(const DrivenScene& driven, size_t camera, double time) {
   const cv::Mat drivable = driven.Take(camera, time).drivable, mask = driven.renderer->Mask(camera);
-  const cv::Mat neighbours = cv::getStructuringElement(cv::MORPH_RECT, {3, 3});
+  const cv::Mat neighbors = cv::getStructuringElement(cv::MORPH_RECT, {3, 3});
   cv::Mat inner, outer;
-  cv::erode(drivable, inner, neighbours);
-  cv::dilate(drivable, outer, neighbours);
+  cv::erode(drivable, inner, neighbors);
+  cv::dilate(drivable, outer, neighbors);
   const Rigid3 world_from_body = driven.plan.motion.WorldFromBody(time);
-  const Rigid3 camera_from_world = (world_from_body * driven.rig.cameras[camera].body_from_camera).Inverse();
-  const Eigen::Vector3d camera_place = world_from_body * driven.rig.cameras[camera].body_from_camera.translation;
+  const Rigid3 camera_from_world =
+      (world_from_body * driven.rig.cameras[camera].body_from_camera).Inverse();
+  const Eigen::Vector3d camera_place =
+      world_from_body * driven.rig.cameras[camera].body_from_camera.translation;
   const Eigen::Vector2d eye = camera_place.head<2>();
   const RayScene objects({&driven.scene.objects});
   const Ground& ground = driven.scene.place.ground;
@@ -106,10 +113,12 @@ double MaskAgreement(const DrivenScene& driven, size_t camera, double time) {
       const Eigen::Vector3d point(xy.x(), xy.y(), ground.Height(xy, near_z));
       const auto pixel = driven.rig.cameras[camera].model.Project(camera_from_world * point);
       if (!pixel || !driven.rig.cameras[camera].model.IsInImage(*pixel, 2)) continue;
-      const cv::Point place(static_cast<int>(std::lround(pixel->x())), static_cast<int>(std::lround(pixel->y())));
+      const cv::Point place(static_cast<int>(std::lround(pixel->x())),
+                            static_cast<int>(std::lround(pixel->y())));
       if (mask.at<std::uint8_t>(place) == 0) continue;
       if (is_road && (std::hypot(dx, dy) > 4 || IsHidden(objects, camera_place, point))) continue;
-      num_right += is_road ? outer.at<std::uint8_t>(place) == 255 : inner.at<std::uint8_t>(place) == 0;
+      num_right +=
+          is_road ? outer.at<std::uint8_t>(place) == 255 : inner.at<std::uint8_t>(place) == 0;
       ++num_checked;
     }
   }
@@ -136,10 +145,12 @@ TEST_P(DrivenScenes, TracksSurviveMasksMatchTheGroundAndTheBytesRepeat) {
   for (const double time : wanted.moments) {
     ASSERT_GT(driven.plan.motion.At(time).velocity_in_world.norm(), 1.5);
     for (size_t camera = 0; camera < 4; ++camera)
-      EXPECT_GE(NumKeptTracks(driven, camera, time), 150) << wanted.title << " camera " << camera << " at " << time;
+      EXPECT_GE(NumKeptTracks(driven, camera, time), 150)
+          << wanted.title << " camera " << camera << " at " << time;
   }
   for (size_t camera = 0; camera < 4; ++camera)
-    EXPECT_GT(MaskAgreement(driven, camera, wanted.moments[0]), 0.97) << wanted.title << " camera " << camera;
+    EXPECT_GT(MaskAgreement(driven, camera, wanted.moments[0]), 0.97)
+        << wanted.title << " camera " << camera;
   const RenderedImage first = driven.Take(1, 9), second = driven.Take(1, 9);
   EXPECT_EQ(cv::norm(first.radiance, second.radiance, cv::NORM_INF), 0);
   EXPECT_EQ(cv::norm(first.drivable, second.drivable, cv::NORM_INF), 0);
@@ -147,11 +158,16 @@ TEST_P(DrivenScenes, TracksSurviveMasksMatchTheGroundAndTheBytesRepeat) {
 
 INSTANTIATE_TEST_SUITE_P(
     Worlds, DrivenScenes,
-    testing::Values(SceneCase{"lot_wet", "lot", {.seed = 5, .ground_texel = 0.015, .weather = "wet"}, {8, 28}},
-                    SceneCase{"garage", "garage", {.seed = 5, .ground_texel = 0.015}, {18, 21}},
-                    SceneCase{"street", "street", {.seed = 5, .ground_texel = 0.012}, {9, 15}},
-                    SceneCase{"street_dusk", "street", {.seed = 5, .ground_texel = 0.012, .weather = "dusk"}, {9, 15}},
-                    SceneCase{"lot_dusk", "lot", {.seed = 5, .ground_texel = 0.015, .weather = "dusk"}, {8, 28}}),
+    testing::Values(
+        SceneCase{"lot_wet", "lot", {.seed = 5, .ground_texel = 0.015, .weather = "wet"}, {8, 28}},
+        SceneCase{"garage", "garage", {.seed = 5, .ground_texel = 0.015}, {18, 21}},
+        SceneCase{"street", "street", {.seed = 5, .ground_texel = 0.012}, {9, 15}},
+        SceneCase{"street_dusk",
+                  "street",
+                  {.seed = 5, .ground_texel = 0.012, .weather = "dusk"},
+                  {9, 15}},
+        SceneCase{
+            "lot_dusk", "lot", {.seed = 5, .ground_texel = 0.015, .weather = "dusk"}, {8, 28}}),
     [](const auto& info) { return std::string(info.param.title); });
 
 class SurfaceTruth : public testing::TestWithParam<const char*> {};
@@ -164,7 +180,8 @@ TEST_P(SurfaceTruth, TheMeshThatIsSeenAndThePlyLieOnTheGround) {
   for (size_t i = 0; i < scene.ground.triangles.size(); ++i) {
     const auto& [a, b, c] = scene.ground.triangles[i];
     const Eigen::Vector3d center =
-        ((scene.ground.positions[a] + scene.ground.positions[b] + scene.ground.positions[c]) / 3).cast<double>();
+        ((scene.ground.positions[a] + scene.ground.positions[b] + scene.ground.positions[c]) / 3)
+            .cast<double>();
     const GroundSheet& sheet = scene.place.ground.sheets()[scene.ground.triangle_materials[i]];
     worst = std::max(worst, std::abs(sheet.height(center.head<2>()) - center.z()));
   }
@@ -175,7 +192,8 @@ TEST_P(SurfaceTruth, TheMeshThatIsSeenAndThePlyLieOnTheGround) {
   for (const Eigen::Vector3f& vertex : truth.vertices) {
     double nearest = 1e9;
     for (const GroundSheet& sheet : scene.place.ground.sheets())
-      nearest = std::min(nearest, std::abs(sheet.height(vertex.head<2>().cast<double>()) - vertex.cast<double>().z()));
+      nearest = std::min(nearest, std::abs(sheet.height(vertex.head<2>().cast<double>()) -
+                                           vertex.cast<double>().z()));
     worst_truth = std::max(worst_truth, nearest);
   }
   EXPECT_LT(worst_truth, 1e-5);
@@ -183,13 +201,15 @@ TEST_P(SurfaceTruth, TheMeshThatIsSeenAndThePlyLieOnTheGround) {
 }
 
 TEST_P(SurfaceTruth, IsTheDrivableGroundAtTheMiddlesOfItsSquaresAndHasNoGapBetweenSheets) {
-  constexpr int kPerMetre = 10;
-  const Place place = PlanPlace(GetParam(), {.seed = 90});  // whose half circles begin between two squares
+  constexpr int kPerMeter = 10;
+  const Place place =
+      PlanPlace(GetParam(), {.seed = 90});  // whose half circles begin between two squares
   const TriangleMesh truth = DrivableSurface(place);
   std::set<std::pair<int, int>> squares;
   for (const auto& [a, b, c] : truth.triangles) {
-    const Eigen::Vector2f corner = truth.vertices[a].head<2>();  // of both triangles of a square the lowest one
-    squares.emplace(std::lround(kPerMetre * corner.x()), std::lround(kPerMetre * corner.y()));
+    const Eigen::Vector2f corner =
+        truth.vertices[a].head<2>();  // of both triangles of a square the lowest one
+    squares.emplace(std::lround(kPerMeter * corner.x()), std::lround(kPerMeter * corner.y()));
   }
   Eigen::AlignedBox2d box;
   for (const GroundSheet& sheet : place.ground.sheets()) box.extend(sheet.min).extend(sheet.max);
@@ -199,9 +219,11 @@ TEST_P(SurfaceTruth, IsTheDrivableGroundAtTheMiddlesOfItsSquaresAndHasNoGapBetwe
     return false;
   };
   size_t num_wrong = 0;
-  for (int x = static_cast<int>(kPerMetre * box.min().x()) - 2; x < kPerMetre * box.max().x() + 2; ++x)
-    for (int y = static_cast<int>(kPerMetre * box.min().y()) - 2; y < kPerMetre * box.max().y() + 2; ++y) {
-      const Eigen::Vector2d middle = Eigen::Vector2d(x + 0.5, y + 0.5) / kPerMetre;
+  for (int x = static_cast<int>(kPerMeter * box.min().x()) - 2; x < kPerMeter * box.max().x() + 2;
+       ++x)
+    for (int y = static_cast<int>(kPerMeter * box.min().y()) - 2; y < kPerMeter * box.max().y() + 2;
+         ++y) {
+      const Eigen::Vector2d middle = Eigen::Vector2d(x + 0.5, y + 0.5) / kPerMeter;
       const bool expected = is_drivable(middle);
       const bool is_tie = is_drivable(middle.array() - 1e-9) != is_drivable(middle.array() + 1e-9);
       num_wrong += !is_tie && expected != squares.contains({x, y});
@@ -227,7 +249,8 @@ TEST_P(SurfaceTruth, KerbsBoundTheGroundThatLiesLeftOfThem) {
     EXPECT_NEAR(stone.height, 0.114, 0.0061);
     EXPECT_NEAR(stone.begin.z(), place.ground.Height(begin, stone.begin.z()), 1e-9);
   }
-  EXPECT_LT(num_right, 0.01 * static_cast<double>(scene.kerbs.size())) << "in the corners of squares that bends cross";
+  EXPECT_LT(num_right, 0.01 * static_cast<double>(scene.kerbs.size()))
+      << "in the corners of squares that bends cross";
   EXPECT_GT(num_left, 0.8 * static_cast<double>(scene.kerbs.size())) << "cars stand at some";
 }
 

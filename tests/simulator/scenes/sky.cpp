@@ -59,8 +59,8 @@ void Sky::ChooseLight(Weather weather) {
 Sky::Sky(std::uint64_t seed, Weather weather) {
   Random random(seed, 0x5c1);
   const double elevation = random.Uniform(0.55, 0.95), azimuth = random.Uniform(0, 2 * M_PI);
-  sun_direction_ = Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
-                                   std::sin(elevation))
+  sun_direction_ = Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth),
+                                   std::cos(elevation) * std::sin(azimuth), std::sin(elevation))
                        .cast<float>();
   ChooseLight(weather);
 
@@ -70,8 +70,8 @@ Sky::Sky(std::uint64_t seed, Weather weather) {
     for (int column = 0; column < kColumns; ++column) {
       const Eigen::Vector2f flat =
           FromDiamondAzimuth((static_cast<float>(column) + 0.5f) / kColumns) * std::sqrt(1 - z * z);
-      map_[static_cast<size_t>(row * kColumns + column)] =
-          Paint(Eigen::Vector3f(flat.x(), flat.y(), z), static_cast<std::uint32_t>(Mix64(seed ^ 0xc10d)));
+      map_[static_cast<size_t>(row * kColumns + column)] = Paint(
+          Eigen::Vector3f(flat.x(), flat.y(), z), static_cast<std::uint32_t>(Mix64(seed ^ 0xc10d)));
     }
   }
 }
@@ -79,21 +79,23 @@ Sky::Sky(std::uint64_t seed, Weather weather) {
 Color Sky::Paint(const Eigen::Vector3f& direction, std::uint32_t seed) const {
   const float z = direction.z();
   Color color = haze_ + (zenith_ - haze_) * std::pow(z, 0.55f);
-  // Clouds on a plane far up; they melt into the haze towards the horizon.
+  // Clouds on a plane far up; they melt into the haze toward the horizon.
   const float x = direction.x() / (z + 0.12f), y = direction.y() / (z + 0.12f);
   const float density = SmoothStep(0.02f, 0.5f, FractalNoise(1.3f * x, 1.3f * y, 5, seed));
   const float toward_sun = std::max(0.0f, direction.dot(sun_direction_));
   const Color cloud = Gray(cloud_ * (1 + 0.4f * (1 - overcast_) * std::pow(toward_sun, 8.0f)));
   color += (cloud - color) * (0.75f * density * SmoothStep(0.02f, 0.3f, z));
-  return color + glow_ * (0.25f * std::pow(toward_sun, 24.0f) + 1.2f * std::pow(toward_sun, 400.0f));
+  return color +
+         glow_ * (0.25f * std::pow(toward_sun, 24.0f) + 1.2f * std::pow(toward_sun, 400.0f));
 }
 
 Color Sky::Radiance(const Eigen::Vector3f& direction) const {
   if (direction.z() <= 0) return haze_ * std::max(0.35f, 1 + 2 * direction.z());
-  if (sun_irradiance_[0] > 0 && direction.dot(sun_direction_) > 1 - 4 * kSunRadius * kSunRadius) return Rgb(60, 58, 52);
+  if (sun_irradiance_[0] > 0 && direction.dot(sun_direction_) > 1 - 4 * kSunRadius * kSunRadius)
+    return Rgb(60, 58, 52);
   const float u = DiamondAzimuth(direction.x(), direction.y()) * kColumns - 0.5f;
   const float v = std::clamp(direction.z() * kRows - 0.5f, 0.0f, kRows - 1.001f);
-  const int left = FloorToInt(u), low = static_cast<int>(v);
+  const int left = FastFloorToInt(u), low = static_cast<int>(v);
   const float fu = u - static_cast<float>(left), fv = v - static_cast<float>(low);
   const auto at = [&](int column, int row) -> const Color& {
     return map_[static_cast<size_t>(row * kColumns + ((column + kColumns) & (kColumns - 1)))];

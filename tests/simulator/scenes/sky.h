@@ -16,9 +16,13 @@ class Sky {
   /// overcast or wet; at dusk it has set.
   explicit Sky(std::uint64_t seed, Weather weather = Weather::kDry);
 
-  const Eigen::Vector3f& sun_direction() const { return sun_direction_; }  ///< unit, towards the sun, world
-  const Color& sun_irradiance() const { return sun_irradiance_; }          ///< on a surface square to it; may be 0
-  static constexpr float kSunRadius = 0.0047f;                             ///< [rad]
+  const Eigen::Vector3f& sun_direction() const {
+    return sun_direction_;
+  }  ///< unit, toward the sun, world
+  const Color& sun_irradiance() const {
+    return sun_irradiance_;
+  }                                             ///< on a surface square to it; may be 0
+  static constexpr float kSunRadius = 0.0047f;  ///< [rad]
 
   /// Radiance from a direction (unit, world), sun disc included.
   Color Radiance(const Eigen::Vector3f& direction) const;
@@ -36,7 +40,7 @@ class Sky {
   Eigen::Vector3f sun_direction_;
   Color sun_irradiance_, haze_, zenith_, from_above_, from_below_, glow_;
   float cloud_ = 0.62f, overcast_ = 0;  ///< brightness of clouds; 1: clouds hide the sun
-  std::vector<Color> map_;              ///< rows of elevation from the horizon up, columns of azimuth
+  std::vector<Color> map_;  ///< rows of elevation from the horizon up, columns of azimuth
 };
 
 }  // namespace parkade::simulator

@@ -18,10 +18,14 @@ using Eigen::Vector3d;
 void MarkStreet(const StreetLayout& layout, const RoadField::Line& line, GroundPainter& painter) {
   for (size_t i = 2; i + 3 < line.size(); ++i) {
     const Vector2d along = (line[i + 1] - line[i]).normalized(), left(-along.y(), along.x());
-    const auto is_near = [&](const Vector2d& place, double reach) { return (place - line[i]).norm() < reach; };
-    const bool is_junction = is_near(layout.south_junction, 13) || is_near(layout.north_junction, 13);
+    const auto is_near = [&](const Vector2d& place, double reach) {
+      return (place - line[i]).norm() < reach;
+    };
+    const bool is_junction =
+        is_near(layout.south_junction, 13) || is_near(layout.north_junction, 13);
     bool is_crossing = false;
-    for (const Rectangle& crossing : layout.crossings) is_crossing = is_crossing || is_near(crossing.center, 4);
+    for (const Rectangle& crossing : layout.crossings)
+      is_crossing = is_crossing || is_near(crossing.center, 4);
     if (is_junction || is_crossing) continue;
     if (i % 9 < 4) painter.Line(line[i], line[i + 1], 0.12, 0.3f);
     if (i % 2 == 0)
@@ -51,9 +55,11 @@ GroundCanvas PaintStreet(const StreetLayout& layout, double texel, std::uint64_t
   MarkStreet(layout, layout.loop, painter);
   MarkStreet(layout, layout.cross, painter);
   for (const Rectangle& crossing : layout.crossings) {
-    const Vector2d along(std::cos(crossing.yaw), std::sin(crossing.yaw)), left(-along.y(), along.x());
+    const Vector2d along(std::cos(crossing.yaw), std::sin(crossing.yaw)),
+        left(-along.y(), along.x());
     for (double side = -4.8; side < 5; side += 1)
-      painter.Line(crossing.center + side * left - 1.5 * along, crossing.center + side * left + 1.5 * along, 0.5, 0.3f);
+      painter.Line(crossing.center + side * left - 1.5 * along,
+                   crossing.center + side * left + 1.5 * along, 0.5, 0.3f);
   }
   for (int i = 0; i < 40; ++i) painter.Manhole(anywhere());
   painter.Litter(9000, anywhere);
@@ -69,14 +75,17 @@ Mesh MakeRoad(const StreetLayout& layout, const Ground& ground) {
     return {xy.x(), xy.y(), ground.Height(xy, 0)};
   };
   mesh.AddPatchedSheet(field.columns(), field.rows(), vertex, [&](int i, int j) {
-    return field.AtNode(i, j) < 0.6 || field.AtNode(i + 1, j + 1) < 0.6 ? std::optional<MaterialId>(0) : std::nullopt;
+    return field.AtNode(i, j) < 0.6 || field.AtNode(i + 1, j + 1) < 0.6
+               ? std::optional<MaterialId>(0)
+               : std::nullopt;
   });
   return mesh;
 }
 
 class StreetFurnisher {
  public:
-  StreetFurnisher(const StreetLayout& layout, Props& props) : layout_(layout), field_(layout.field), props_(props) {}
+  StreetFurnisher(const StreetLayout& layout, Props& props)
+      : layout_(layout), field_(layout.field), props_(props) {}
 
   /// Pavements behind the kerbs, lawn behind them.
   void Land() {
@@ -101,11 +110,16 @@ class StreetFurnisher {
     constexpr double kStep = 4;
     for (double x = field_.min().x() - 100; x < field_.max().x() + 100; x += kStep)
       for (double y = field_.min().y() - 100; y < field_.max().y() + 100; y += kStep) {
-        const auto at = [&](double dx, double dy) -> Vector3d { return props_.OnGround(x + dx, y + dy, 0.07); };
+        const auto at = [&](double dx, double dy) -> Vector3d {
+          return props_.OnGround(x + dx, y + dy, 0.07);
+        };
         double low = 1e9;
         for (const double dx : {0.0, kStep / 2, kStep})
-          for (const double dy : {0.0, kStep / 2, kStep}) low = std::min(low, field_.At({x + dx, y + dy}));
-        if (low > 0.5) props_.mesh().AddQuad({at(0, 0), at(kStep, 0), at(kStep, kStep), at(0, kStep)}, props_.grass());
+          for (const double dy : {0.0, kStep / 2, kStep})
+            low = std::min(low, field_.At({x + dx, y + dy}));
+        if (low > 0.5)
+          props_.mesh().AddQuad({at(0, 0), at(kStep, 0), at(kStep, kStep), at(0, kStep)},
+                                props_.grass());
       }
   }
 
@@ -116,10 +130,12 @@ class StreetFurnisher {
         Random& random = props_.random();
         const double half_front = random.Uniform(4.5, 9), half_depth = random.Uniform(4, 6),
                      gap = random.Uniform(0, 2.5), height = random.Uniform(6, 15);
-        const size_t first = static_cast<size_t>(place), last = static_cast<size_t>(place + 2 * half_front);
+        const size_t first = static_cast<size_t>(place),
+                     last = static_cast<size_t>(place + 2 * half_front);
         if (last >= line.size()) break;
         const Vector2d along = (line[last] - line[first]).normalized(), left(-along.y(), along.x());
-        const double front = StreetLayout::kHalfWidth + StreetLayout::kPavement + random.Uniform(0.1, 0.9);
+        const double front =
+            StreetLayout::kHalfWidth + StreetLayout::kPavement + random.Uniform(0.1, 0.9);
         const Rectangle outline{(line[first] + line[last]) / 2 + side * (front + half_depth) * left,
                                 {half_front, half_depth},
                                 std::atan2(along.y(), along.x())};
@@ -138,14 +154,17 @@ class StreetFurnisher {
   void Pavement(const RoadField::Line& line) {
     Random& random = props_.random();
     for (const double side : {-1.0, 1.0}) {
-      for (double place = 4; place < static_cast<double>(line.size()) - 4; place += random.Uniform(4, 9)) {
+      for (double place = 4; place < static_cast<double>(line.size()) - 4;
+           place += random.Uniform(4, 9)) {
         const size_t index = static_cast<size_t>(place);
-        const Vector2d along = (line[index + 1] - line[index]).normalized(), left(-along.y(), along.x());
+        const Vector2d along = (line[index + 1] - line[index]).normalized(),
+                       left(-along.y(), along.x());
         const Vector2d at = line[index] + side * (StreetLayout::kHalfWidth + 0.75) * left;
         const int kind = random.Index(10);
         const double size = random.Uniform(4.5, 7.5);
         bool is_kept = std::abs(field_.At(at) - 0.75) < 0.3;
-        for (const Rectangle& crossing : layout_.crossings) is_kept = is_kept && (crossing.center - at).norm() > 8;
+        for (const Rectangle& crossing : layout_.crossings)
+          is_kept = is_kept && (crossing.center - at).norm() > 8;
         if (!is_kept) continue;
         if (kind < 4) props_.Tree(at, size);
         if (kind >= 4 && kind < 6) props_.StreetLamp(at);
@@ -157,9 +176,11 @@ class StreetFurnisher {
     }
     for (const Rectangle& crossing : layout_.crossings)
       for (const double side : {-1.0, 1.0}) {
-        const Vector2d along(std::cos(crossing.yaw), std::sin(crossing.yaw)), left(-along.y(), along.x());
-        props_.Sign(crossing.center + side * (2.4 * along + (StreetLayout::kHalfWidth + 0.5) * left),
-                    crossing.yaw + (side > 0 ? 0 : M_PI));
+        const Vector2d along(std::cos(crossing.yaw), std::sin(crossing.yaw)),
+            left(-along.y(), along.x());
+        props_.Sign(
+            crossing.center + side * (2.4 * along + (StreetLayout::kHalfWidth + 0.5) * left),
+            crossing.yaw + (side > 0 ? 0 : M_PI));
       }
   }
 
@@ -169,8 +190,9 @@ class StreetFurnisher {
       const Vector2d at(random.Uniform(field_.min().x(), field_.max().x()),
                         random.Uniform(field_.min().y(), field_.max().y()));
       const double size = random.Uniform(4, 9);
-      const bool is_in_house = std::any_of(houses_.begin(), houses_.end(),
-                                           [&](const Rectangle& house) { return house.SignedDistance(at) < 2; });
+      const bool is_in_house =
+          std::any_of(houses_.begin(), houses_.end(),
+                      [&](const Rectangle& house) { return house.SignedDistance(at) < 2; });
       if (field_.At(at) > 5 && !is_in_house) props_.Tree(at, size);
     }
   }
@@ -179,8 +201,8 @@ class StreetFurnisher {
   bool IsFree(const Rectangle& outline) const {
     for (const double u : {-1.0, -0.5, 0.0, 0.5, 1.0})
       for (const double v : {-1.0, 0.0, 1.0}) {
-        const double c = std::cos(outline.yaw), s = std::sin(outline.yaw), x = u * outline.half_size.x(),
-                     y = v * outline.half_size.y();
+        const double c = std::cos(outline.yaw), s = std::sin(outline.yaw),
+                     x = u * outline.half_size.x(), y = v * outline.half_size.y();
         const Vector2d point = outline.center + Vector2d(c * x - s * y, s * x + c * y);
         if (field_.At(point) < StreetLayout::kPavement) return false;
         for (const Rectangle& house : houses_)

@@ -26,7 +26,8 @@ class Track {
     constexpr double kTimeStep = 0.05;
     for (double time = 0; time <= motion.Duration(); time += kTimeStep) {
       const MotionState state = motion.At(time);
-      const double ahead = (state.world_from_body.rotation.conjugate() * state.velocity_in_world).x();
+      const double ahead =
+          (state.world_from_body.rotation.conjugate() * state.velocity_in_world).x();
       runs_back_ = runs_back_ || ahead < -0.05;
       if (distances_.empty() || ahead > 0.02) {
         distances_.push_back(distances_.empty() ? 0 : distances_.back() + ahead * kTimeStep);
@@ -41,7 +42,8 @@ class Track {
 
   /// [m] that the own car has gone at a time.
   double Distance(double time) const {
-    const double place = std::clamp(time / duration_, 0.0, 1.0) * static_cast<double>(at_time_.size() - 1);
+    const double place =
+        std::clamp(time / duration_, 0.0, 1.0) * static_cast<double>(at_time_.size() - 1);
     const size_t index = std::min(static_cast<size_t>(place), at_time_.size() - 2);
     const double share = place - static_cast<double>(index);
     return at_time_[index] * (1 - share) + at_time_[index + 1] * share;
@@ -75,10 +77,13 @@ Rigid3 OnLoop(const std::vector<Vector3d>& loop, double length, double distance)
     if (left <= side || i + 1 == loop.size()) {
       // The heading turns over the last stretch before a corner.
       const Vector3d& beyond = loop[(i + 2) % loop.size()];
-      const double share = side > 0 ? std::min(1.0, left / side) : 0, turn = std::max(0.0, 1 - (side - left) / 0.6);
-      const Vector3d ahead = (to - from).normalized() * (1 - 0.5 * turn) + (beyond - to).normalized() * (0.5 * turn);
+      const double share = side > 0 ? std::min(1.0, left / side) : 0,
+                   turn = std::max(0.0, 1 - (side - left) / 0.6);
+      const Vector3d ahead =
+          (to - from).normalized() * (1 - 0.5 * turn) + (beyond - to).normalized() * (0.5 * turn);
       const double yaw = std::atan2(ahead.y(), ahead.x());
-      return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Vector3d::UnitZ())), from + share * (to - from)};
+      return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Vector3d::UnitZ())),
+              from + share * (to - from)};
     }
     left -= side;
   }
@@ -113,21 +118,28 @@ double Distance(const Outline& first, const Outline& second, double time) {
     for (const double v : {0.0, 0.5, 1.0}) {
       const Vector2d inside = first.low + (first.high - first.low).cwiseProduct(Vector2d(u, v));
       const Vector2d point = (second_from_first * Vector3d(inside.x(), inside.y(), 0)).head<2>();
-      best = std::min(best, (second.low - point).cwiseMax(point - second.high).cwiseMax(0.0).norm());
+      best =
+          std::min(best, (second.low - point).cwiseMax(point - second.high).cwiseMax(0.0).norm());
     }
   return best;
 }
 
 Outline OwnOutline(const Motion& own) {
   const double middle = -RearAxleX(kOwnCarStyle);
-  return {[&own](double time) { return own.WorldFromBody(time); }, {middle - 1.98, -0.95}, {middle + 1.98, 0.95}};
+  return {[&own](double time) { return own.WorldFromBody(time); },
+          {middle - 1.98, -0.95},
+          {middle + 1.98, 0.95}};
 }
 
 /// Finds room in time and place for movers, one after the other.
 class TrafficPlanner {
  public:
   TrafficPlanner(Scene& scene, const Motion& own, std::uint64_t seed)
-      : scene_(scene), own_(own), track_(own), random_(seed, 0x72aff1c), outlines_{OwnOutline(own)} {}
+      : scene_(scene),
+        own_(own),
+        track_(own),
+        random_(seed, 0x72aff1c),
+        outlines_{OwnOutline(own)} {}
 
   void AddCars(int count) {
     const std::shared_ptr<const Track> track = std::make_shared<Track>(track_);
@@ -155,8 +167,10 @@ class TrafficPlanner {
     const auto& walks = scene_.place.walks;
     if (walks.empty()) return;
     for (int attempt = 0; attempt < 60 && count > 0; ++attempt) {
-      const std::vector<Vector3d> walk = walks[static_cast<size_t>(random_.Index(static_cast<int>(walks.size())))];
-      const double start = random_.Uniform(0, 400), speed = random_.Uniform(0.9, 1.6), length = LengthOf(walk);
+      const std::vector<Vector3d> walk =
+          walks[static_cast<size_t>(random_.Index(static_cast<int>(walks.size())))];
+      const double start = random_.Uniform(0, 400), speed = random_.Uniform(0.9, 1.6),
+                   length = LengthOf(walk);
       const PoseAt pose = [walk, start, speed, length](double time) {
         return OnLoop(walk, length, start + speed * time);
       };
@@ -184,7 +198,8 @@ class TrafficPlanner {
     if (!IsFree(outline)) return false;
     outlines_.push_back(outline);
     Mesh mesh;
-    mesh.Append(MakeCar(style, seed, scene_.materials), {Eigen::Quaterniond::Identity(), {middle, 0, 0}});
+    mesh.Append(MakeCar(style, seed, scene_.materials),
+                {Eigen::Quaterniond::Identity(), {middle, 0, 0}});
     scene_.movers.shapes.push_back(std::move(mesh));
     // Its shade lies under its middle, its frame at its rear axle.
     Mover mover{scene_.movers.shapes.size() - 1, pose, {2.0f, 0.8f}};
@@ -197,7 +212,8 @@ class TrafficPlanner {
   bool AddCarOnLane() {
     const auto& lanes = scene_.place.lanes;
     if (lanes.empty()) return false;
-    const std::vector<Vector3d> lane = lanes[static_cast<size_t>(random_.Index(static_cast<int>(lanes.size())))];
+    const std::vector<Vector3d> lane =
+        lanes[static_cast<size_t>(random_.Index(static_cast<int>(lanes.size())))];
     const double start = random_.Uniform(0, 1e3), length = LengthOf(lane);
     const Ground& ground = scene_.place.ground;
     return AddCar([lane, start, length, &ground](double time) {
@@ -205,7 +221,8 @@ class TrafficPlanner {
       Rigid3 pose = OnLoop(lane, length, start + kSpeed * time);
       const Vector2d xy = pose.translation.head<2>();
       pose.translation.z() = ground.Height(xy, pose.translation.z());
-      pose.rotation = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), ground.Normal(xy, pose.translation.z())) *
+      pose.rotation = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(),
+                                                         ground.Normal(xy, pose.translation.z())) *
                       pose.rotation;
       return pose;
     });
@@ -213,7 +230,8 @@ class TrafficPlanner {
 
   /// A car that drives the own car's way much earlier or later.
   bool AddCarLater(const std::shared_ptr<const Track>& track) {
-    const double lead = random_.Uniform(8, 45) * (random_.Chance(0.6) ? 1 : -1), gap = lead > 0 ? 9 : -9;
+    const double lead = random_.Uniform(8, 45) * (random_.Chance(0.6) ? 1 : -1),
+                 gap = lead > 0 ? 9 : -9;
     return AddCar([&ground = scene_.place.ground, track, lead, gap](double time) {
       return Seated(track->Pose(track->Distance(time + lead) + gap), ground);
     });
@@ -240,7 +258,8 @@ double TrafficClearance(const Scene& scene, const Motion& own, double time) {
   for (const Mover& mover : scene.movers.movers) {
     if (mover.half_size.x() <= 0) continue;
     const Vector2d center(mover.center, 0), half = mover.half_size.cast<double>();
-    clearance = std::min(clearance, Distance(outline, {mover.world_from_mover, center - half, center + half}, time));
+    clearance = std::min(
+        clearance, Distance(outline, {mover.world_from_mover, center - half, center + half}, time));
   }
   return clearance;
 }

@@ -7,8 +7,8 @@ namespace parkade::simulator {
 
 /// Lets `count` cars and as many pedestrians move through the scene while the own car
 /// drives: a car ahead and one behind it that keep their distance, others that come
-/// towards it on the other lane or cross its way at a distance, people on their walks and
-/// across the road. Whoever would come nearer to the own car than a metre is left out, and
+/// toward it on the other lane or cross its way at a distance, people on their walks and
+/// across the road. Whoever would come nearer to the own car than a meter is left out, and
 /// other candidates are tried; so there may be fewer. Appends to `scene.materials`.
 void AddTraffic(Scene& scene, const Motion& own, int count, std::uint64_t seed);
 

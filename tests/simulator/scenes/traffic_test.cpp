@@ -25,8 +25,9 @@ TEST_P(Traffic, MovesAndKeepsClearOfTheOwnCar) {
     for (double time = 0; time < 60; time += 0.23)
       nearest = std::min(nearest, TrafficClearance(scene, plan.motion, time));
     for (const Mover& mover : scene.movers.movers)
-      longest =
-          std::max(longest, (mover.world_from_mover(30).translation - mover.world_from_mover(20).translation).norm());
+      longest = std::max(
+          longest,
+          (mover.world_from_mover(30).translation - mover.world_from_mover(20).translation).norm());
     EXPECT_GT(nearest, 0.6) << seed;
     EXPECT_LT(nearest, 25) << "somebody is to be seen, seed " << seed;
     EXPECT_GT(longest, 5) << seed;
@@ -43,7 +44,8 @@ TEST_P(Traffic, StaysOnTheGroundAndMovesWithoutJumps) {
       const Rigid3 now = mover.world_from_mover(time), soon = mover.world_from_mover(time + 0.02);
       EXPECT_LT((soon.translation - now.translation).norm(), 0.2) << time;
       if (mover.half_size.x() <= 0) continue;  // legs hang from the hip
-      const double ground = scene.place.ground.Height(now.translation.head<2>(), now.translation.z());
+      const double ground =
+          scene.place.ground.Height(now.translation.head<2>(), now.translation.z());
       EXPECT_NEAR(now.translation.z(), ground, 0.16) << time;
     }
   }

@@ -21,7 +21,8 @@ Eigen::Vector3d NormalVector(Random& random) {
 
 /// How much worse than under an open sky a receiver is that has seen the sky for `seconds`.
 double SigmaFactor(double hidden_sky, double seconds, bool has_been_covered) {
-  const double settling = has_been_covered ? 3 * std::exp(-(seconds - kAcquisition) / kSettling) : 0;
+  const double settling =
+      has_been_covered ? 3 * std::exp(-(seconds - kAcquisition) / kSettling) : 0;
   return 1 + 6 * hidden_sky + settling;
 }
 
@@ -35,13 +36,15 @@ double HiddenSky(const RoofQuery& is_covered, const Eigen::Vector3d& point) {
   for (const double radius : {3.0, 6.0, 10.0}) {
     for (int i = 0; i < kDirections; ++i) {
       const double azimuth = 2 * M_PI * i / kDirections;
-      num_covered += is_covered(point + radius * Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 0));
+      num_covered +=
+          is_covered(point + radius * Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 0));
     }
   }
   return num_covered / (3.0 * kDirections);
 }
 
-std::vector<MultipathJump> PlanMultipath(double duration, const SensorOptions& options, std::uint64_t seed) {
+std::vector<MultipathJump> PlanMultipath(double duration, const SensorOptions& options,
+                                         std::uint64_t seed) {
   std::vector<MultipathJump> jumps;
   if (options.gnss != "standard" || options.gnss_multipath == 0) return jumps;
   Random random(seed, 0x6f);
@@ -49,21 +52,25 @@ std::vector<MultipathJump> PlanMultipath(double duration, const SensorOptions& o
   while (true) {
     time += -std::log(1 - random.Uniform()) * 60 / options.gnss_multipath;
     if (time >= duration) return jumps;
-    const double azimuth = random.Uniform(0, 2 * M_PI), size = random.Uniform(2, 7), length = random.Uniform(2, 10);
-    jumps.push_back({time, time + length, size * Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 1.2)});
+    const double azimuth = random.Uniform(0, 2 * M_PI), size = random.Uniform(2, 7),
+                 length = random.Uniform(2, 10);
+    jumps.push_back(
+        {time, time + length, size * Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 1.2)});
     time += length;
   }
 }
 
 std::vector<GnssFix> SimulateGnss(const Motion& motion, const Rig& rig, const SiteDatum& datum,
-                                  const SensorOptions& options, std::uint64_t seed, const RoofQuery& is_covered) {
+                                  const SensorOptions& options, std::uint64_t seed,
+                                  const RoofQuery& is_covered) {
   std::vector<GnssFix> fixes;
   if (options.gnss == "none") return fixes;
   Random random(seed, 0x6e);
   const bool is_rtk = options.gnss == "rtk";
   const double sigma = options.gnss_sigma > 0 ? options.gnss_sigma : kUsualSigma[is_rtk];
   const std::vector<MultipathJump> jumps = PlanMultipath(motion.Duration(), options, seed);
-  const double slow_share = is_rtk ? 0.6 : 0.98, white_share = std::sqrt(1 - slow_share * slow_share);
+  const double slow_share = is_rtk ? 0.6 : 0.98,
+               white_share = std::sqrt(1 - slow_share * slow_share);
   const double keep = std::exp(-1 / (options.gnss_memory * kRate));
   Eigen::Vector3d slow = NormalVector(random);
   double open_since = -kAcquisition;  // a receiver that was on before the drive

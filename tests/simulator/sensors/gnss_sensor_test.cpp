@@ -4,21 +4,25 @@
 
 #include "tests/simulator/common/drive_clock.h"
 #include "tests/simulator/drives/plan_drive.h"
-#include "tests/simulator/vehicle/simulated_rig.h"
 #include "tests/simulator/layouts/plan_place.h"
+#include "tests/simulator/vehicle/simulated_rig.h"
 
 namespace parkade::simulator {
 namespace {
 
 /// Along x at 3 m/s, turning a little.
 Motion Rolling(double duration) {
-  return Motion([](double t) { return PoseVector(PoseVector(3 * t, 0, 0, 0.05 * t, 0, 0)); }, duration, 0.2);
+  return Motion([](double t) { return PoseVector(PoseVector(3 * t, 0, 0, 0.05 * t, 0, 0)); },
+                duration, 0.2);
 }
 
 /// Of a fix against the antenna's true place.
-Eigen::Vector3d ErrorOf(const GnssFix& fix, const Motion& motion, const Rig& rig, std::uint64_t seed) {
-  const Eigen::Vector3d antenna = motion.WorldFromBody(fix.time - DriveEpoch(seed)) * *rig.vehicle->antenna_in_body;
-  return SiteFromGeodetic(SimulatedDatum(), fix.latitude_deg, fix.longitude_deg, fix.altitude) - antenna;
+Eigen::Vector3d ErrorOf(const GnssFix& fix, const Motion& motion, const Rig& rig,
+                        std::uint64_t seed) {
+  const Eigen::Vector3d antenna =
+      motion.WorldFromBody(fix.time - DriveEpoch(seed)) * *rig.vehicle->antenna_in_body;
+  return SiteFromGeodetic(SimulatedDatum(), fix.latitude_deg, fix.longitude_deg, fix.altitude) -
+         antenna;
 }
 
 TEST(SimulateGnss, ErrorsHaveTheSizeThatTheFixesState) {
@@ -49,7 +53,8 @@ TEST(SimulateGnss, StandardErrorsAreSlowAndRtkErrorsAreSmall) {
   double step_squares = 0, squares = 0;
   const auto fixes = SimulateGnss(motion, rig, SimulatedDatum(), options, 4);
   for (size_t i = 1; i < fixes.size(); ++i) {
-    const double before = ErrorOf(fixes[i - 1], motion, rig, 4).x(), now = ErrorOf(fixes[i], motion, rig, 4).x();
+    const double before = ErrorOf(fixes[i - 1], motion, rig, 4).x(),
+                 now = ErrorOf(fixes[i], motion, rig, 4).x();
     step_squares += (now - before) * (now - before);
     squares += now * now;
   }
@@ -76,7 +81,9 @@ TEST(SimulateGnss, AMultipathJumpIsInTheFixesButNotInTheirSigma) {
     Eigen::Vector3d expected = Eigen::Vector3d::Zero();
     for (const MultipathJump& jump : jumps)
       if (jump.begin <= time && time < jump.end) expected = jump.offset;
-    EXPECT_LT((ErrorOf(with[i], motion, rig, 7) - ErrorOf(plain[i], motion, rig, 7) - expected).norm(), 1e-5);
+    EXPECT_LT(
+        (ErrorOf(with[i], motion, rig, 7) - ErrorOf(plain[i], motion, rig, 7) - expected).norm(),
+        1e-5);
     EXPECT_EQ(with[i].sigma_enu, plain[i].sigma_enu);
   }
 }
@@ -84,10 +91,13 @@ TEST(SimulateGnss, AMultipathJumpIsInTheFixesButNotInTheirSigma) {
 TEST(SimulateGnss, UnderARoofThereIsNoFixAndBesideItAWorseOne) {
   const Rig rig = MakeSimulatedRig({}, 1);
   const Motion motion = Rolling(60);
-  const auto is_covered = [](const Eigen::Vector3d& point) { return point.x() > 60 && point.x() < 90; };
+  const auto is_covered = [](const Eigen::Vector3d& point) {
+    return point.x() > 60 && point.x() < 90;
+  };
   double sigma_far = 0, sigma_near = 0, first_after = 1e9;
   for (const GnssFix& fix : SimulateGnss(motion, rig, SimulatedDatum(), {}, 3, is_covered)) {
-    const Eigen::Vector3d antenna = motion.WorldFromBody(fix.time - DriveEpoch(3)) * *rig.vehicle->antenna_in_body;
+    const Eigen::Vector3d antenna =
+        motion.WorldFromBody(fix.time - DriveEpoch(3)) * *rig.vehicle->antenna_in_body;
     EXPECT_FALSE(is_covered(antenna));
     if (antenna.x() < 30) sigma_far = fix.sigma_enu.x();
     if (antenna.x() < 60) sigma_near = fix.sigma_enu.x();
@@ -103,7 +113,8 @@ TEST(SimulateGnss, ThereAreFixesBeforeTheGarageAndNoneWithin) {
   const DrivePlan plan = PlanDrive(garage, {.length = 150}, 0, 2);
   const Rig rig = MakeSimulatedRig({}, 2);
   size_t num_outside = 0;
-  for (const GnssFix& fix : SimulateGnss(plan.motion, rig, SimulatedDatum(), {}, 2, garage.is_covered)) {
+  for (const GnssFix& fix :
+       SimulateGnss(plan.motion, rig, SimulatedDatum(), {}, 2, garage.is_covered)) {
     const Rigid3 world_from_body = plan.motion.WorldFromBody(fix.time - DriveEpoch(2));
     EXPECT_FALSE(garage.is_covered(world_from_body * *rig.vehicle->antenna_in_body));
     ++num_outside;
@@ -116,7 +127,8 @@ TEST(SimulateGnss, ThereAreFixesBeforeTheGarageAndNoneWithin) {
 TEST(SimulateGnss, NoneGivesNone) {
   SensorOptions options;
   options.gnss = "none";
-  EXPECT_TRUE(SimulateGnss(Rolling(5), MakeSimulatedRig({}, 1), SimulatedDatum(), options, 1).empty());
+  EXPECT_TRUE(
+      SimulateGnss(Rolling(5), MakeSimulatedRig({}, 1), SimulatedDatum(), options, 1).empty());
 }
 
 }  // namespace

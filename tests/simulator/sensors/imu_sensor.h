@@ -14,14 +14,16 @@ namespace parkade::simulator {
 
 inline constexpr double kGravity = 9.80665;  ///< [m/s^2]
 
-/// What a kind of IMU does wrong. The densities are what imu0.yaml says; the rest is for the estimator to find out.
+/// What a kind of IMU does wrong. The densities are what imu0.yaml says; the rest is for the
+/// estimator to find out.
 struct ImuGrade {
   std::string name;
-  double accelerometer_noise_density, accelerometer_random_walk;  ///< [m/s^2/sqrt(Hz)], [m/s^3/sqrt(Hz)]
-  double gyroscope_noise_density, gyroscope_random_walk;          ///< [rad/s/sqrt(Hz)], [rad/s^2/sqrt(Hz)]
-  double accelerometer_bias, gyroscope_bias;                      ///< [m/s^2], [rad/s] at switching on, per axis
-  double scale_error;                                             ///< of each axis
-  double misalignment;                                            ///< [rad] of each axis towards the others
+  double accelerometer_noise_density,
+      accelerometer_random_walk;                          ///< [m/s^2/sqrt(Hz)], [m/s^3/sqrt(Hz)]
+  double gyroscope_noise_density, gyroscope_random_walk;  ///< [rad/s/sqrt(Hz)], [rad/s^2/sqrt(Hz)]
+  double accelerometer_bias, gyroscope_bias;  ///< [m/s^2], [rad/s] at switching on, per axis
+  double scale_error;                         ///< of each axis
+  double misalignment;                        ///< [rad] of each axis toward the others
 };
 
 /// "rt3000" (of the class of an OxTS RT3000) or "mems". Throws Error{kUsage} for any other name.
@@ -30,8 +32,9 @@ const ImuGrade& ImuGradeNamed(const std::string& name);
 /// What imu0.yaml says of an IMU of this kind.
 ImuCalibration CalibrationOf(const ImuGrade& grade, double rate, const std::string& topic);
 
-/// Turns ideal samples into what a real IMU gives: scale, misalignment, a bias that begins at random and walks
-/// (Gauss-Markov of an hour: a random walk over a drive, bounded over a day), white noise.
+/// Turns ideal samples into what a real IMU gives: scale, misalignment, a bias that begins at
+/// random and walks (Gauss-Markov of an hour: a random walk over a drive, bounded over a day),
+/// white noise.
 class ImuErrors {
  public:
   /// `strength` scales every error; 0 leaves samples as they are. Samples come at `rate` [Hz].
@@ -45,14 +48,16 @@ class ImuErrors {
   Random random_;
   Eigen::Matrix3d gyroscope_matrix_, accelerometer_matrix_;
   Eigen::Vector3d gyroscope_offset_, accelerometer_offset_;  ///< of switching on
-  Eigen::Vector3d gyroscope_walk_ = Eigen::Vector3d::Zero(), accelerometer_walk_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d gyroscope_walk_ = Eigen::Vector3d::Zero(),
+                  accelerometer_walk_ = Eigen::Vector3d::Zero();
 };
 
 /// What an ideal IMU measures: angular velocity and specific force in imu.
-ImuSample IdealImuSample(const Motion& motion, const Rigid3& body_from_imu, Timestamp epoch, Timestamp time);
+ImuSample IdealImuSample(const Motion& motion, const Rigid3& body_from_imu, Timestamp epoch,
+                         Timestamp time);
 
 /// Over the whole motion, in order of time.
-std::vector<ImuSample> SimulateImu(const Motion& motion, const Rig& rig, const SensorOptions& options,
-                                   std::uint64_t seed);
+std::vector<ImuSample> SimulateImu(const Motion& motion, const Rig& rig,
+                                   const SensorOptions& options, std::uint64_t seed);
 
 }  // namespace parkade::simulator

@@ -20,15 +20,18 @@ double AllanDeviation(const std::vector<float>& values, size_t size) {
     means.push_back(sum / static_cast<double>(size));
   }
   double sum = 0;
-  for (size_t i = 1; i < means.size(); ++i) sum += (means[i] - means[i - 1]) * (means[i] - means[i - 1]);
+  for (size_t i = 1; i < means.size(); ++i)
+    sum += (means[i] - means[i - 1]) * (means[i] - means[i - 1]);
   return std::sqrt(sum / (2 * static_cast<double>(means.size() - 1)));
 }
 
-/// White noise and a Gauss-Markov bias that is driven by noise of density `walk`: IEEE Std 952-1997, annex C.
+/// White noise and a Gauss-Markov bias that is driven by noise of density `walk`: IEEE Std
+/// 952-1997, annex C.
 double ExpectedAllanDeviation(double density, double walk, double seconds) {
   constexpr double kTime = 3600;
   const double x = seconds / kTime;
-  const double bias = walk * walk * kTime * kTime / seconds * (1 - (3 - 4 * std::exp(-x) + std::exp(-2 * x)) / (2 * x));
+  const double bias = walk * walk * kTime * kTime / seconds *
+                      (1 - (3 - 4 * std::exp(-x) + std::exp(-2 * x)) / (2 * x));
   return std::sqrt(density * density / seconds + bias);
 }
 
@@ -57,9 +60,10 @@ TEST_P(ImuGrades, AllanDeviationIsThatOfTheDensitiesInTheRigFile) {
 
   for (const size_t size : {size_t{1}, size_t{10}, size_t{100}, size_t{1000}, size_t{8000}}) {
     const double seconds = static_cast<double>(size) / kRate;
-    const double gyroscope = ExpectedAllanDeviation(told.gyroscope_noise_density, told.gyroscope_random_walk, seconds);
-    const double accelerometer =
-        ExpectedAllanDeviation(told.accelerometer_noise_density, told.accelerometer_random_walk, seconds);
+    const double gyroscope =
+        ExpectedAllanDeviation(told.gyroscope_noise_density, told.gyroscope_random_walk, seconds);
+    const double accelerometer = ExpectedAllanDeviation(told.accelerometer_noise_density,
+                                                        told.accelerometer_random_walk, seconds);
     EXPECT_NEAR(AllanDeviation(recording.gyroscope, size) / gyroscope, 1, 0.1) << seconds;
     EXPECT_NEAR(AllanDeviation(recording.accelerometer, size) / accelerometer, 1, 0.1) << seconds;
   }
@@ -68,7 +72,8 @@ TEST_P(ImuGrades, AllanDeviationIsThatOfTheDensitiesInTheRigFile) {
 TEST_P(ImuGrades, AllanDeviationFallsWithTheRootOfTimeAndRisesWithItLater) {
   const Recording recording = RecordStanding(ImuGradeNamed(GetParam()));
   const auto slope = [&](size_t from, size_t to) {
-    const double ratio = AllanDeviation(recording.accelerometer, to) / AllanDeviation(recording.accelerometer, from);
+    const double ratio =
+        AllanDeviation(recording.accelerometer, to) / AllanDeviation(recording.accelerometer, from);
     return std::log(ratio) / std::log(static_cast<double>(to) / static_cast<double>(from));
   };
 

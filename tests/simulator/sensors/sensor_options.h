@@ -4,7 +4,8 @@
 
 namespace parkade::simulator {
 
-/// What the sensors are, and what they do wrong all the time. What goes wrong at times is in FaultOptions.
+/// What the sensors are, and what they do wrong all the time. What goes wrong at times is in
+/// FaultOptions.
 struct SensorOptions {
   std::string imu = "mems";          ///< mems, rt3000
   double imu_rate = 100;             ///< [Hz]

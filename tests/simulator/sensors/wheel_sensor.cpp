@@ -9,9 +9,10 @@
 namespace parkade::simulator {
 namespace {
 
-constexpr double kRate = 100;                   // [Hz]
-constexpr double kSlipPerAcceleration = 0.002;  // [s^2/m] of rolling tyres, as tyres of passenger cars have
-constexpr double kSlipperyAcceleration = 1;     // [m/s^2]
+constexpr double kRate = 100;  // [Hz]
+constexpr double kSlipPerAcceleration =
+    0.002;  // [s^2/m] of rolling tires, as tires of passenger cars have
+constexpr double kSlipperyAcceleration = 1;  // [m/s^2]
 
 /// Along the body's x.
 double ForwardAcceleration(const MotionState& state) {
@@ -30,7 +31,8 @@ double SlipAt(const std::vector<WheelSlip>& slips, double time) {
 
 }  // namespace
 
-std::vector<WheelSlip> PlanSlips(const Motion& motion, const SensorOptions& options, std::uint64_t seed) {
+std::vector<WheelSlip> PlanSlips(const Motion& motion, const SensorOptions& options,
+                                 std::uint64_t seed) {
   constexpr double kStep = 0.1;  // [s]
   Random random(seed, 0x511);
   std::vector<WheelSlip> slips;
@@ -46,7 +48,8 @@ std::vector<WheelSlip> PlanSlips(const Motion& motion, const SensorOptions& opti
   return slips;
 }
 
-std::vector<WheelSample> SimulateWheels(const Motion& motion, const SensorOptions& options, std::uint64_t seed,
+std::vector<WheelSample> SimulateWheels(const Motion& motion, const SensorOptions& options,
+                                        std::uint64_t seed,
                                         const std::vector<WheelSlip>& more_slips) {
   std::vector<WheelSlip> slips = PlanSlips(motion, options, seed);
   slips.insert(slips.end(), more_slips.begin(), more_slips.end());
@@ -57,12 +60,13 @@ std::vector<WheelSample> SimulateWheels(const Motion& motion, const SensorOption
     const double since_start = time - DriveEpoch(seed);
     const MotionState state = motion.At(since_start);
     const double speed = (state.world_from_body.rotation.conjugate() * state.velocity_in_world).x();
-    const double tyres =
-        options.wheel_noise * kSlipPerAcceleration * ForwardAcceleration(state) * std::copysign(1, speed);
+    const double tires = options.wheel_noise * kSlipPerAcceleration * ForwardAcceleration(state) *
+                         std::copysign(1, speed);
     // Wheels that stand give no pulses: no speed, and no noise either.
     const double rolling = options.wheel_noise * std::min(1.0, std::abs(speed) / 0.2);
-    WheelSample sample{time, speed * (1 + options.wheel_scale_error) * (1 + tyres + SlipAt(slips, since_start)),
-                       state.angular_velocity_in_body.z() * yaw_scale};
+    WheelSample sample{
+        time, speed * (1 + options.wheel_scale_error) * (1 + tires + SlipAt(slips, since_start)),
+        state.angular_velocity_in_body.z() * yaw_scale};
     sample.forward_speed += rolling * (0.012 + 0.002 * std::abs(speed)) * random.Normal();
     sample.yaw_rate += rolling * 0.006 * random.Normal();
     if (std::abs(speed) < 1e-3) sample.forward_speed = sample.yaw_rate = 0;

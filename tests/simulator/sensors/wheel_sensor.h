@@ -15,12 +15,15 @@ struct WheelSlip {
   double ratio = 0;           ///< of speed
 };
 
-/// The short slips of a drive: while it accelerates or brakes by more than 1 m/s^2, `options.wheel_slips` a minute.
-std::vector<WheelSlip> PlanSlips(const Motion& motion, const SensorOptions& options, std::uint64_t seed);
+/// The short slips of a drive: while it accelerates or brakes by more than 1 m/s^2,
+/// `options.wheel_slips` a minute.
+std::vector<WheelSlip> PlanSlips(const Motion& motion, const SensorOptions& options,
+                                 std::uint64_t seed);
 
-/// Wheel odometry at 100 Hz in order of time: scale error, slip with acceleration, the slips of PlanSlips and
-/// `more_slips`, noise; standing wheels give exactly zero.
-std::vector<WheelSample> SimulateWheels(const Motion& motion, const SensorOptions& options, std::uint64_t seed,
+/// Wheel odometry at 100 Hz in order of time: scale error, slip with acceleration, the slips of
+/// PlanSlips and `more_slips`, noise; standing wheels give exactly zero.
+std::vector<WheelSample> SimulateWheels(const Motion& motion, const SensorOptions& options,
+                                        std::uint64_t seed,
                                         const std::vector<WheelSlip>& more_slips = {});
 
 }  // namespace parkade::simulator

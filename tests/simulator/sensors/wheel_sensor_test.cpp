@@ -8,7 +8,8 @@ namespace parkade::simulator {
 namespace {
 
 Motion Straight(double duration, double speed) {
-  return Motion([=](double t) { return PoseVector(PoseVector(speed * t, 0, 0, 0, 0, 0)); }, duration);
+  return Motion([=](double t) { return PoseVector(PoseVector(speed * t, 0, 0, 0, 0, 0)); },
+                duration);
 }
 
 TEST(SimulateWheels, SpeedIsOffByTheScaleErrorAndIntegratesToTheWay) {
@@ -17,7 +18,8 @@ TEST(SimulateWheels, SpeedIsOffByTheScaleErrorAndIntegratesToTheWay) {
   const auto samples = SimulateWheels(Straight(60, 3), options, 5);
 
   double way = 0;
-  for (size_t i = 1; i < samples.size(); ++i) way += samples[i].forward_speed * (samples[i].time - samples[i - 1].time);
+  for (size_t i = 1; i < samples.size(); ++i)
+    way += samples[i].forward_speed * (samples[i].time - samples[i - 1].time);
   EXPECT_NEAR(way / (3 * (samples.back().time - samples.front().time)), 1.01, 3e-4);
 }
 
@@ -47,10 +49,12 @@ TEST(SimulateWheels, StandingWheelsGiveExactlyZero) {
 
 TEST(SimulateWheels, ASlipIsThereWhileItLastsAndNowhereElse) {
   const Motion motion = Straight(20, 4);
-  const auto plain = SimulateWheels(motion, {}, 5), slipping = SimulateWheels(motion, {}, 5, {{8, 10, 0.5}});
+  const auto plain = SimulateWheels(motion, {}, 5),
+             slipping = SimulateWheels(motion, {}, 5, {{8, 10, 0.5}});
 
   for (size_t i = 0; i < plain.size(); ++i) {
-    const double time = plain[i].time - DriveEpoch(5), more = slipping[i].forward_speed - plain[i].forward_speed;
+    const double time = plain[i].time - DriveEpoch(5),
+                 more = slipping[i].forward_speed - plain[i].forward_speed;
     if (time < 8 || time > 10) {
       EXPECT_EQ(more, 0) << time;
     } else if (time > 8.1 && time < 9.9) {
@@ -62,8 +66,9 @@ TEST(SimulateWheels, ASlipIsThereWhileItLastsAndNowhereElse) {
 TEST(PlanSlips, WheelsSlipWhenTheCarAcceleratesHardOnly) {
   SensorOptions options;
   options.wheel_slips = 30;
-  const Motion swaying([](double t) { return PoseVector(PoseVector(8 * t + 6 * std::sin(0.6 * t), 0, 0, 0, 0, 0)); },
-                       300);
+  const Motion swaying(
+      [](double t) { return PoseVector(PoseVector(8 * t + 6 * std::sin(0.6 * t), 0, 0, 0, 0, 0)); },
+      300);
 
   const std::vector<WheelSlip> slips = PlanSlips(swaying, options, 2);
   EXPECT_GT(slips.size(), 20u);

@@ -13,7 +13,8 @@ class DriveSink {
  public:
   virtual ~DriveSink() = default;
 
-  /// When the next records reach the recorder, for logs that keep that beside the stamps. Without it: at their stamps.
+  /// When the next records reach the recorder, for logs that keep that beside the stamps. Without
+  /// it: at their stamps.
   void ArriveAt(Timestamp time) { arrival_ = time; }
 
   virtual void Write(const ImuSample& sample) = 0;

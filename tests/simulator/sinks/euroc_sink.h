@@ -27,7 +27,8 @@ class EurocSink : public DriveSink {
     std::ofstream file;
   };
   void WriteLine(Table& table, const std::string& line);
-  void WriteFrame(Table& table, Timestamp time, const char* suffix, std::span<const std::uint8_t> content);
+  void WriteFrame(Table& table, Timestamp time, const char* suffix,
+                  std::span<const std::uint8_t> content);
 
   std::filesystem::path root_;
   Table imu_, wheels_, gnss_;

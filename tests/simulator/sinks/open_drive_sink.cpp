@@ -6,11 +6,13 @@
 
 namespace parkade::simulator {
 
-bool IsLogFile(const std::filesystem::path& out) { return out.extension() == ".bag" || out.extension() == ".mcap"; }
+bool IsLogFile(const std::filesystem::path& out) {
+  return out.extension() == ".bag" || out.extension() == ".mcap";
+}
 
 void RequireNewOutput(const std::filesystem::path& out) {
-  const bool is_new =
-      !std::filesystem::exists(out) || (std::filesystem::is_directory(out) && std::filesystem::is_empty(out));
+  const bool is_new = !std::filesystem::exists(out) ||
+                      (std::filesystem::is_directory(out) && std::filesystem::is_empty(out));
   Require(is_new, ErrorCode::kUsage, out.string() + " exists already");
 }
 

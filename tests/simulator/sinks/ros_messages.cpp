@@ -7,7 +7,7 @@
 namespace parkade::simulator {
 namespace {
 
-/// Appends numbers and texts the way one of the two serialisations wants them.
+/// Appends numbers and texts the way one of the two serializations wants them.
 class MessageWriter {
  public:
   explicit MessageWriter(RosEncoding encoding) : encoding_(encoding) {
@@ -43,7 +43,8 @@ class MessageWriter {
   void Diagonal(std::initializer_list<double> diagonal) {
     size_t row = 0;
     for (const double value : diagonal) {
-      for (size_t column = 0; column < diagonal.size(); ++column) Number(column == row ? value : 0.0);
+      for (size_t column = 0; column < diagonal.size(); ++column)
+        Number(column == row ? value : 0.0);
       ++row;
     }
   }
@@ -66,66 +67,83 @@ class MessageWriter {
 
 const std::string kSeparator = std::string(80, '=') + "\nMSG: ";
 
-const std::string kHeader1 = kSeparator + "std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n";
-const std::string kHeader2 = kSeparator + "std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n" +
+const std::string kHeader1 =
+    kSeparator + "std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n";
+const std::string kHeader2 = kSeparator +
+                             "std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n" +
                              kSeparator + "builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
-const std::string kVector3 = kSeparator + "geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n";
-const std::string kQuaternion = kSeparator + "geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n";
+const std::string kVector3 =
+    kSeparator + "geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n";
+const std::string kQuaternion =
+    kSeparator + "geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n";
 
 /// `fields` without the header line; `parts`: definitions of other types within.
-RosType MakeType(const std::string& package, const std::string& name, const std::string& md5, const std::string& fields,
-                 const std::string& parts) {
-  return {package + "/" + name, package + "/msg/" + name, "Header header\n" + fields + kHeader1 + parts,
+RosType MakeType(const std::string& package, const std::string& name, const std::string& md5,
+                 const std::string& fields, const std::string& parts) {
+  return {package + "/" + name, package + "/msg/" + name,
+          "Header header\n" + fields + kHeader1 + parts,
           "std_msgs/Header header\n" + fields + kHeader2 + parts, md5};
 }
 
 }  // namespace
 
 const RosType& CompressedImageType() {
-  static const RosType type = MakeType("sensor_msgs", "CompressedImage", "8f7a12909da2c9d3332d540a0977563f",
-                                       "string format\nuint8[] data\n", "");
+  static const RosType type =
+      MakeType("sensor_msgs", "CompressedImage", "8f7a12909da2c9d3332d540a0977563f",
+               "string format\nuint8[] data\n", "");
   return type;
 }
 
 const RosType& ImuType() {
-  static const RosType type = MakeType("sensor_msgs", "Imu", "6a62c6daae103f4ff57a132d6f95cec2",
-                                       "geometry_msgs/Quaternion orientation\nfloat64[9] "
-                                       "orientation_covariance\ngeometry_msgs/Vector3 angular_velocity\n"
-                                       "float64[9] angular_velocity_covariance\ngeometry_msgs/Vector3 "
-                                       "linear_acceleration\nfloat64[9] linear_acceleration_covariance\n",
-                                       kQuaternion + kVector3);
+  static const RosType type =
+      MakeType("sensor_msgs", "Imu", "6a62c6daae103f4ff57a132d6f95cec2",
+               "geometry_msgs/Quaternion orientation\nfloat64[9] "
+               "orientation_covariance\ngeometry_msgs/Vector3 angular_velocity\n"
+               "float64[9] angular_velocity_covariance\ngeometry_msgs/Vector3 "
+               "linear_acceleration\nfloat64[9] linear_acceleration_covariance\n",
+               kQuaternion + kVector3);
   return type;
 }
 
 const RosType& NavSatFixType() {
-  static const RosType type =
-      MakeType("sensor_msgs", "NavSatFix", "2d3a8cd499b9b4a0249fb98fd05cfa48",
-               "uint8 COVARIANCE_TYPE_UNKNOWN=0\nuint8 COVARIANCE_TYPE_APPROXIMATED=1\nuint8 "
-               "COVARIANCE_TYPE_DIAGONAL_KNOWN=2\nuint8 COVARIANCE_TYPE_KNOWN=3\n"
-               "sensor_msgs/NavSatStatus status\nfloat64 latitude\nfloat64 longitude\nfloat64 altitude\nfloat64[9] "
-               "position_covariance\nuint8 position_covariance_type\n",
-               kSeparator +
-                   "sensor_msgs/NavSatStatus\nint8 STATUS_NO_FIX=-1\nint8 STATUS_FIX=0\nint8 STATUS_SBAS_FIX=1\nint8 "
-                   "STATUS_GBAS_FIX=2\n"
-                   "uint16 SERVICE_GPS=1\nuint16 SERVICE_GLONASS=2\nuint16 SERVICE_COMPASS=4\nuint16 "
-                   "SERVICE_GALILEO=8\nint8 status\nuint16 service\n");
+  static const RosType type = MakeType(
+      "sensor_msgs", "NavSatFix", "2d3a8cd499b9b4a0249fb98fd05cfa48",
+      "uint8 COVARIANCE_TYPE_UNKNOWN=0\nuint8 COVARIANCE_TYPE_APPROXIMATED=1\nuint8 "
+      "COVARIANCE_TYPE_DIAGONAL_KNOWN=2\nuint8 COVARIANCE_TYPE_KNOWN=3\n"
+      "sensor_msgs/NavSatStatus status\nfloat64 latitude\nfloat64 longitude\nfloat64 "
+      "altitude\nfloat64[9] "
+      "position_covariance\nuint8 position_covariance_type\n",
+      kSeparator +
+          "sensor_msgs/NavSatStatus\nint8 STATUS_NO_FIX=-1\nint8 STATUS_FIX=0\nint8 "
+          "STATUS_SBAS_FIX=1\nint8 "
+          "STATUS_GBAS_FIX=2\n"
+          "uint16 SERVICE_GPS=1\nuint16 SERVICE_GLONASS=2\nuint16 SERVICE_COMPASS=4\nuint16 "
+          "SERVICE_GALILEO=8\nint8 status\nuint16 service\n");
   return type;
 }
 
 const RosType& OdometryType() {
   static const RosType type = MakeType(
       "nav_msgs", "Odometry", "cd5e73d190d741a2f92e81eda573aca7",
-      "string child_frame_id\ngeometry_msgs/PoseWithCovariance pose\ngeometry_msgs/TwistWithCovariance twist\n",
-      kSeparator + "geometry_msgs/PoseWithCovariance\ngeometry_msgs/Pose pose\nfloat64[36] covariance\n" + kSeparator +
-          "geometry_msgs/Pose\ngeometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n" + kSeparator +
-          "geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z\n" + kQuaternion + kSeparator +
-          "geometry_msgs/TwistWithCovariance\ngeometry_msgs/Twist twist\nfloat64[36] covariance\n" + kSeparator +
-          "geometry_msgs/Twist\ngeometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular\n" + kVector3);
+      "string child_frame_id\ngeometry_msgs/PoseWithCovariance "
+      "pose\ngeometry_msgs/TwistWithCovariance twist\n",
+      kSeparator +
+          "geometry_msgs/PoseWithCovariance\ngeometry_msgs/Pose pose\nfloat64[36] covariance\n" +
+          kSeparator +
+          "geometry_msgs/Pose\ngeometry_msgs/Point position\ngeometry_msgs/Quaternion "
+          "orientation\n" +
+          kSeparator + "geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z\n" + kQuaternion +
+          kSeparator +
+          "geometry_msgs/TwistWithCovariance\ngeometry_msgs/Twist twist\nfloat64[36] covariance\n" +
+          kSeparator +
+          "geometry_msgs/Twist\ngeometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular\n" +
+          kVector3);
   return type;
 }
 
 std::vector<std::uint8_t> EncodeCompressedImage(const RosHeader& header, const std::string& format,
-                                                std::span<const std::uint8_t> file, RosEncoding encoding) {
+                                                std::span<const std::uint8_t> file,
+                                                RosEncoding encoding) {
   MessageWriter writer(encoding);
   writer.Header(header);
   writer.Text(format);
@@ -133,7 +151,8 @@ std::vector<std::uint8_t> EncodeCompressedImage(const RosHeader& header, const s
   return writer.Take();
 }
 
-std::vector<std::uint8_t> EncodeImu(const RosHeader& header, const ImuSample& sample, RosEncoding encoding) {
+std::vector<std::uint8_t> EncodeImu(const RosHeader& header, const ImuSample& sample,
+                                    RosEncoding encoding) {
   MessageWriter writer(encoding);
   writer.Header(header);
   writer.Doubles({0, 0, 0, 1});
@@ -146,7 +165,8 @@ std::vector<std::uint8_t> EncodeImu(const RosHeader& header, const ImuSample& sa
   return writer.Take();
 }
 
-std::vector<std::uint8_t> EncodeNavSatFix(const RosHeader& header, const GnssFix& fix, RosEncoding encoding) {
+std::vector<std::uint8_t> EncodeNavSatFix(const RosHeader& header, const GnssFix& fix,
+                                          RosEncoding encoding) {
   constexpr std::uint8_t kDiagonalKnown = 2;
   MessageWriter writer(encoding);
   writer.Header(header);
@@ -167,7 +187,8 @@ std::vector<std::uint8_t> EncodeOdometry(const RosHeader& header, const std::str
   writer.Text(child_frame);
   const Eigen::Vector3d& position = odom_from_body.translation;
   const Eigen::Quaterniond& rotation = odom_from_body.rotation;
-  writer.Doubles({position.x(), position.y(), position.z(), rotation.x(), rotation.y(), rotation.z(), rotation.w()});
+  writer.Doubles({position.x(), position.y(), position.z(), rotation.x(), rotation.y(),
+                  rotation.z(), rotation.w()});
   writer.Diagonal({0, 0, 0, 0, 0, 0});
   writer.Doubles({sample.forward_speed, 0, 0, 0, 0, sample.yaw_rate});
   writer.Diagonal({4e-4, 1e-4, 1e-2, 1e-2, 1e-2, 1e-4});

@@ -29,13 +29,18 @@ struct RosHeader {
   std::string frame;
 };
 
-// The bytes of a message: ROS 1 serialisation, or little-endian plain CDR with its four bytes of encapsulation.
+// The bytes of a message: ROS 1 serialization, or little-endian plain CDR with its four bytes of
+// encapsulation.
 std::vector<std::uint8_t> EncodeCompressedImage(const RosHeader& header, const std::string& format,
-                                                std::span<const std::uint8_t> file, RosEncoding encoding);
-std::vector<std::uint8_t> EncodeImu(const RosHeader& header, const ImuSample& sample, RosEncoding encoding);
-std::vector<std::uint8_t> EncodeNavSatFix(const RosHeader& header, const GnssFix& fix, RosEncoding encoding);
+                                                std::span<const std::uint8_t> file,
+                                                RosEncoding encoding);
+std::vector<std::uint8_t> EncodeImu(const RosHeader& header, const ImuSample& sample,
+                                    RosEncoding encoding);
+std::vector<std::uint8_t> EncodeNavSatFix(const RosHeader& header, const GnssFix& fix,
+                                          RosEncoding encoding);
 /// Twist in `child_frame`, and the pose dead-reckoned from it.
 std::vector<std::uint8_t> EncodeOdometry(const RosHeader& header, const std::string& child_frame,
-                                         const WheelSample& sample, const Rigid3& odom_from_body, RosEncoding encoding);
+                                         const WheelSample& sample, const Rigid3& odom_from_body,
+                                         RosEncoding encoding);
 
 }  // namespace parkade::simulator

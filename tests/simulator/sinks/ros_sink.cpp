@@ -16,7 +16,10 @@ std::variant<McapWriter, Rosbag1Writer> OpenWriter(const std::filesystem::path& 
 }  // namespace
 
 RosSink::RosSink(const std::filesystem::path& file, const Rig& rig)
-    : file_(file), unfinished_(Unfinished(file)), rig_(rig), writer_(OpenWriter(file, unfinished_)) {
+    : file_(file),
+      unfinished_(Unfinished(file)),
+      rig_(rig),
+      writer_(OpenWriter(file, unfinished_)) {
   imu_ = AddChannel(rig.imu.topic, ImuType());
   for (const RigCamera& camera : rig.cameras)
     images_.push_back(AddChannel(camera.topic + "/compressed", CompressedImageType()));
@@ -31,19 +34,22 @@ RosSink::Channel RosSink::AddChannel(const std::string& topic, const RosType& ty
   const std::string name = topic.starts_with("/") ? topic : "/" + topic;
   if (auto* mcap = std::get_if<McapWriter>(&writer_))
     return {mcap->AddChannel(name, type.ros2_name, type.ros2_definition, "cdr")};
-  return {std::get<Rosbag1Writer>(writer_).AddChannel(name, type.ros1_name, type.ros1_definition, type.ros1_md5)};
+  return {std::get<Rosbag1Writer>(writer_).AddChannel(name, type.ros1_name, type.ros1_definition,
+                                                      type.ros1_md5)};
 }
 
 RosHeader RosSink::NextHeader(Channel& channel, Timestamp time, const std::string& frame) {
   return {channel.num_messages++, time, frame};
 }
 
-void RosSink::WriteMessage(const Channel& channel, Timestamp time, const std::vector<std::uint8_t>& bytes) {
+void RosSink::WriteMessage(const Channel& channel, Timestamp time,
+                           const std::vector<std::uint8_t>& bytes) {
   std::visit([&](auto& writer) { writer.Write(channel.id, ArrivalOr(time), bytes); }, writer_);
 }
 
 void RosSink::Write(const ImuSample& sample) {
-  WriteMessage(imu_, sample.time, EncodeImu(NextHeader(imu_, sample.time, "imu"), sample, encoding()));
+  WriteMessage(imu_, sample.time,
+               EncodeImu(NextHeader(imu_, sample.time, "imu"), sample, encoding()));
 }
 
 void RosSink::Write(const WheelSample& sample) {
@@ -53,18 +59,20 @@ void RosSink::Write(const WheelSample& sample) {
     const double step = 0.5 * (sample.forward_speed + last_wheels_->forward_speed) * seconds;
     // The chord of a short arc points half the turn to the side.
     odom_from_body_ =
-        odom_from_body_ * Rigid3{ExpSo3({0, 0, turn}), {step * std::cos(turn / 2), step * std::sin(turn / 2), 0}};
+        odom_from_body_ *
+        Rigid3{ExpSo3({0, 0, turn}), {step * std::cos(turn / 2), step * std::sin(turn / 2), 0}};
   }
   last_wheels_ = sample;
   if (wheels_.id < 0) wheels_ = AddChannel(rig_.vehicle->wheel_topic, OdometryType());
-  WriteMessage(
-      wheels_, sample.time,
-      EncodeOdometry(NextHeader(wheels_, sample.time, "odom"), "base_link", sample, odom_from_body_, encoding()));
+  WriteMessage(wheels_, sample.time,
+               EncodeOdometry(NextHeader(wheels_, sample.time, "odom"), "base_link", sample,
+                              odom_from_body_, encoding()));
 }
 
 void RosSink::Write(const GnssFix& fix) {
   if (gnss_.id < 0) gnss_ = AddChannel(rig_.vehicle->gnss_topic, NavSatFixType());
-  WriteMessage(gnss_, fix.time, EncodeNavSatFix(NextHeader(gnss_, fix.time, "gnss"), fix, encoding()));
+  WriteMessage(gnss_, fix.time,
+               EncodeNavSatFix(NextHeader(gnss_, fix.time, "gnss"), fix, encoding()));
 }
 
 void RosSink::WriteImage(size_t camera, Timestamp time, std::span<const std::uint8_t> jpeg) {

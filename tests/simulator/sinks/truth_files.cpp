@@ -19,8 +19,8 @@ void AppendBytes(std::string& content, const T& value) {
   std::memcpy(content.data() + size, &value, sizeof(T));
 }
 
-/// Squares of the world's lattice whose middles are drivable: surfaces that are compared at those middles are compared
-/// with the exact outline, and parts of the ground that touch leave no gap.
+/// Squares of the world's lattice whose middles are drivable: surfaces that are compared at those
+/// middles are compared with the exact outline, and parts of the ground that touch leave no gap.
 void AppendSheet(const Place& place, size_t sheet_index, TriangleMesh& mesh) {
   constexpr double kStep = 0.1;  // [m]
   const GroundSheet& sheet = place.ground.sheets()[sheet_index];
@@ -45,8 +45,8 @@ void AppendSheet(const Place& place, size_t sheet_index, TriangleMesh& mesh) {
     for (int column = 0; column < size.x(); ++column) {
       const Eigen::Vector2d center = place_of(column + 0.5, row + 0.5);
       if (!sheet.Covers(center) || !place.is_drivable(sheet_index, center)) continue;
-      const std::uint32_t a = vertex(column, row), b = vertex(column + 1, row), c = vertex(column + 1, row + 1),
-                          d = vertex(column, row + 1);
+      const std::uint32_t a = vertex(column, row), b = vertex(column + 1, row),
+                          c = vertex(column + 1, row + 1), d = vertex(column, row + 1);
       mesh.triangles.push_back({a, b, c});
       mesh.triangles.push_back({a, c, d});
     }
@@ -57,7 +57,8 @@ void AppendSheet(const Place& place, size_t sheet_index, TriangleMesh& mesh) {
 
 TriangleMesh DrivableSurface(const Place& place) {
   TriangleMesh mesh;
-  for (size_t sheet = 0; sheet < place.ground.sheets().size(); ++sheet) AppendSheet(place, sheet, mesh);
+  for (size_t sheet = 0; sheet < place.ground.sheets().size(); ++sheet)
+    AppendSheet(place, sheet, mesh);
   return mesh;
 }
 
@@ -84,7 +85,8 @@ void WriteSlots(const Place& place, const SiteDatum& datum, const std::filesyste
   WriteFileAtomically(file, collection.dump() + "\n");
 }
 
-void WriteKerbs(std::span<const KerbStone> kerbs, const SiteDatum& datum, const std::filesystem::path& file) {
+void WriteKerbs(std::span<const KerbStone> kerbs, const SiteDatum& datum,
+                const std::filesystem::path& file) {
   nlohmann::json features = nlohmann::json::array();
   for (const KerbStone& stone : kerbs) {
     nlohmann::json places = nlohmann::json::array(), line = nlohmann::json::array();
@@ -93,9 +95,10 @@ void WriteKerbs(std::span<const KerbStone> kerbs, const SiteDatum& datum, const 
       places.push_back({at.longitude_deg, at.latitude_deg, at.altitude});
       line.push_back({point.x(), point.y(), point.z()});
     }
-    features.push_back({{"type", "Feature"},
-                        {"geometry", {{"type", "LineString"}, {"coordinates", places}}},
-                        {"properties", {{"type", "kerb"}, {"height_m", stone.height}, {"line", line}}}});
+    features.push_back(
+        {{"type", "Feature"},
+         {"geometry", {{"type", "LineString"}, {"coordinates", places}}},
+         {"properties", {{"type", "kerb"}, {"height_m", stone.height}, {"line", line}}}});
   }
   const nlohmann::json collection = {{"type", "FeatureCollection"}, {"features", features}};
   WriteFileAtomically(file, collection.dump() + "\n");
@@ -103,15 +106,19 @@ void WriteKerbs(std::span<const KerbStone> kerbs, const SiteDatum& datum, const 
 
 void WritePly(const TriangleMesh& mesh, const std::filesystem::path& file) {
   std::string content =
-      "ply\nformat binary_little_endian 1.0\ncomment drivable ground, metres, z up\nelement vertex " +
-      std::to_string(mesh.vertices.size()) + "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
-      std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+      "ply\nformat binary_little_endian 1.0\ncomment drivable ground, meters, z up\nelement "
+      "vertex " +
+      std::to_string(mesh.vertices.size()) +
+      "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+      std::to_string(mesh.triangles.size()) +
+      "\nproperty list uchar int vertex_indices\nend_header\n";
   content.reserve(content.size() + 12 * mesh.vertices.size() + 13 * mesh.triangles.size());
   for (const Eigen::Vector3f& vertex : mesh.vertices)
     for (int axis = 0; axis < 3; ++axis) AppendBytes(content, vertex[axis]);
   for (const auto& triangle : mesh.triangles) {
     AppendBytes(content, std::uint8_t{3});
-    for (const std::uint32_t index : triangle) AppendBytes(content, static_cast<std::int32_t>(index));
+    for (const std::uint32_t index : triangle)
+      AppendBytes(content, static_cast<std::int32_t>(index));
   }
   WriteFileAtomically(file, content);
 }

@@ -17,13 +17,15 @@ namespace parkade::simulator {
 /// islands and what parked cars stand on.
 TriangleMesh DrivableSurface(const Place& place);
 
-/// GeoJSON of the parking slots: outlines in WGS84, and in `properties` their kind, whether a car stands there, and
-/// where they are in world: `center` [m], `size` [m] along and across, `yaw` [rad].
+/// GeoJSON of the parking slots: outlines in WGS84, and in `properties` their kind, whether a car
+/// stands there, and where they are in world: `center` [m], `size` [m] along and across, `yaw`
+/// [rad].
 void WriteSlots(const Place& place, const SiteDatum& datum, const std::filesystem::path& file);
 
-/// GeoJSON of kerbs, stone by stone: the line of its foot in WGS84, the ground on its left, and in `properties` its
-/// type "kerb", `height_m` above that ground, and its `line` in world [m].
-void WriteKerbs(std::span<const KerbStone> kerbs, const SiteDatum& datum, const std::filesystem::path& file);
+/// GeoJSON of kerbs, stone by stone: the line of its foot in WGS84, the ground on its left, and in
+/// `properties` its type "kerb", `height_m` above that ground, and its `line` in world [m].
+void WriteKerbs(std::span<const KerbStone> kerbs, const SiteDatum& datum,
+                const std::filesystem::path& file);
 
 /// Binary PLY: float x, y, z [m] and triangles. Whole or not at all.
 void WritePly(const TriangleMesh& mesh, const std::filesystem::path& file);

@@ -14,27 +14,33 @@ struct CornerChoice {
   double spacing = 8;      ///< [px]
 };
 
-/// Corners of a picture and where they went; those that came back to within a pixel of where they were are kept.
+/// Corners of a image and where they went; those that came back to within a pixel of where they
+/// were are kept.
 struct FollowedCorners {
   std::vector<cv::Point2f> corners, moved;
   std::vector<bool> is_kept;
 
   int num_corners() const { return static_cast<int>(corners.size()); }
-  int num_kept() const { return static_cast<int>(std::count(is_kept.begin(), is_kept.end(), true)); }
+  int num_kept() const {
+    return static_cast<int>(std::count(is_kept.begin(), is_kept.end(), true));
+  }
 };
 
-/// Follows the corners of a grey picture within `mask` by OpenCV's Lucas-Kanade into the next picture and back.
-inline FollowedCorners FollowCorners(const cv::Mat& before, const cv::Mat& after, const cv::Mat& mask,
-                                     const CornerChoice& choice = {}) {
+/// Follows the corners of a gray image within `mask` by OpenCV's Lucas-Kanade into the next image
+/// and back.
+inline FollowedCorners FollowCorners(const cv::Mat& before, const cv::Mat& after,
+                                     const cv::Mat& mask, const CornerChoice& choice = {}) {
   FollowedCorners followed;
-  cv::goodFeaturesToTrack(before, followed.corners, choice.most, choice.quality, choice.spacing, mask);
+  cv::goodFeaturesToTrack(before, followed.corners, choice.most, choice.quality, choice.spacing,
+                          mask);
   if (followed.corners.empty()) return followed;
   std::vector<cv::Point2f> back;
   std::vector<std::uint8_t> found, found_back;
   cv::calcOpticalFlowPyrLK(before, after, followed.corners, followed.moved, found, cv::noArray());
   cv::calcOpticalFlowPyrLK(after, before, followed.moved, back, found_back, cv::noArray());
   for (std::size_t i = 0; i < back.size(); ++i)
-    followed.is_kept.push_back(found[i] && found_back[i] && cv::norm(back[i] - followed.corners[i]) < 1);
+    followed.is_kept.push_back(found[i] && found_back[i] &&
+                               cv::norm(back[i] - followed.corners[i]) < 1);
   return followed;
 }
 

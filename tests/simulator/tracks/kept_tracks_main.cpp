@@ -1,5 +1,5 @@
-// Of 200 corners of a picture, how many optical flow follows into the next one while the car drives: prints every pair
-// with too few, and a line per drive; on request draws them.
+// Of 200 corners of a image, how many optical flow follows into the next one while the car drives:
+// prints every pair with too few, and a line per drive; on request draws them.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
@@ -10,7 +10,7 @@
 #include "core/options_json.h"
 #include "core/parallel.h"
 #include "tests/simulator/drives/presets.h"
-#include "tests/simulator/tracks/picture_pairs.h"
+#include "tests/simulator/tracks/image_pairs.h"
 
 namespace parkade::simulator {
 namespace {
@@ -24,15 +24,16 @@ struct CommandLine {
   int least = 150, num_threads = 0;
 };
 
-/// Both pictures one above the other, with a line from each corner to where it went: green when kept.
-cv::Mat Drawing(const PicturePair& pair) {
+/// Both images one above the other, with a line from each corner to where it went: green when kept.
+cv::Mat Drawing(const ImagePair& pair) {
   cv::Mat first, second;
   cv::cvtColor(pair.before, first, cv::COLOR_GRAY2BGR);
   cv::cvtColor(pair.after, second, cv::COLOR_GRAY2BGR);
   const FollowedCorners& followed = pair.followed;
   for (size_t i = 0; i < followed.corners.size(); ++i) {
     const cv::Scalar color = followed.is_kept[i] ? cv::Scalar(0, 220, 0) : cv::Scalar(0, 0, 255);
-    for (cv::Mat* picture : {&first, &second}) cv::line(*picture, followed.corners[i], followed.moved[i], color);
+    for (cv::Mat* image : {&first, &second})
+      cv::line(*image, followed.corners[i], followed.moved[i], color);
     cv::circle(first, followed.corners[i], 2, color);
     cv::circle(second, followed.moved[i], 2, color);
   }
@@ -44,21 +45,22 @@ cv::Mat Drawing(const PicturePair& pair) {
 void Judge(const std::string& title, const SimulateOptions& options, const CommandLine& line) {
   std::vector<int> kept;
   std::vector<double> low_times;
-  TakePicturePairs(options, line.pairs, [&](const PicturePair& pair) {
+  TakeImagePairs(options, line.pairs, [&](const ImagePair& pair) {
     kept.push_back(pair.followed.num_kept());
     if (kept.back() >= line.least) return;
     low_times.push_back(pair.time);
-    std::printf("  %s camera %zu at %.1f s, %.1f m/s, %.0f deg/s: %d of %d\n", title.c_str(), pair.camera, pair.time,
-                pair.speed, pair.turn_rate * 180 / M_PI, kept.back(), pair.followed.num_corners());
+    std::printf("  %s camera %zu at %.1f s, %.1f m/s, %.0f deg/s: %d of %d\n", title.c_str(),
+                pair.camera, pair.time, pair.speed, pair.turn_rate * 180 / M_PI, kept.back(),
+                pair.followed.num_corners());
     if (line.drawings.empty()) return;
-    const std::string name =
-        title + "-" + std::to_string(pair.camera) + "-" + std::to_string(std::lround(pair.time)) + ".png";
+    const std::string name = title + "-" + std::to_string(pair.camera) + "-" +
+                             std::to_string(std::lround(pair.time)) + ".png";
     cv::imwrite((line.drawings / name).string(), Drawing(pair));
   });
   if (kept.empty()) return;
   std::sort(kept.begin(), kept.end());
-  std::printf("%s: %zu pairs, worst %d, median %d, below %d: %zu\n", title.c_str(), kept.size(), kept.front(),
-              kept[kept.size() / 2], line.least, low_times.size());
+  std::printf("%s: %zu pairs, worst %d, median %d, below %d: %zu\n", title.c_str(), kept.size(),
+              kept.front(), kept[kept.size() / 2], line.least, low_times.size());
   std::fflush(stdout);
 }
 
@@ -85,14 +87,15 @@ int Run(CommandLine& line) {
 
 int main(int argc, char** argv) {
   using namespace parkade;
-  CLI::App app{"Counts the tracks that optical flow keeps from picture to picture of simulated drives.",
+  CLI::App app{"Counts the tracks that optical flow keeps from image to image of simulated drives.",
                "parkade-kept-tracks"};
   simulator::CommandLine line;
   line.options.traffic = 2;
   app.add_option("drives", line.drives, "Scenes or presets")->required();
   app.add_option("--seed", line.seeds, "Of scenes: one drive each");
   app.add_option("--every", line.pairs.every, "[s] from pair to pair")->capture_default_str();
-  app.add_option("--slowest", line.pairs.slowest, "[m/s] slower is not counted")->capture_default_str();
+  app.add_option("--slowest", line.pairs.slowest, "[m/s] slower is not counted")
+      ->capture_default_str();
   app.add_option("--least", line.least, "Tracks that should be kept")->capture_default_str();
   app.add_option("--draw", line.drawings, "Folder for drawings of the pairs with fewer");
   app.add_option("--set", line.assignments, "Any option of parkade-simulate: group.option=value");

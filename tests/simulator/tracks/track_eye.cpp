@@ -5,13 +5,17 @@
 namespace parkade::simulator {
 
 Rigid3 TrackEye::WorldFromCamera(Timestamp time, double row) const {
-  return motion_.WorldFromBody(time - epoch_ + camera_->line_delay * (row - MiddleRow())) * camera_->body_from_camera;
+  return motion_.WorldFromBody(time - epoch_ + camera_->line_delay * (row - MiddleRow())) *
+         camera_->body_from_camera;
 }
 
-std::optional<Eigen::Vector2d> TrackEye::Project(const Eigen::Vector3d& point_in_world, Timestamp time) const {
-  std::optional<Eigen::Vector2d> pixel = camera_->model.Project(WorldFromCamera(time).Inverse() * point_in_world);
+std::optional<Eigen::Vector2d> TrackEye::Project(const Eigen::Vector3d& point_in_world,
+                                                 Timestamp time) const {
+  std::optional<Eigen::Vector2d> pixel =
+      camera_->model.Project(WorldFromCamera(time).Inverse() * point_in_world);
   if (camera_->line_delay == 0) return pixel;
-  // The row decides the moment, the moment decides the row: a contraction while nothing crosses the image in one frame.
+  // The row decides the moment, the moment decides the row: a contraction while nothing crosses the
+  // image in one frame.
   constexpr int kMaxIterations = 8;
   constexpr double kConverged = 1e-6;  // [px]
   for (int i = 0; pixel && i < kMaxIterations; ++i) {

@@ -15,7 +15,7 @@ struct SightLine {
   Eigen::Vector3d direction;  ///< unit
 };
 
-/// The true geometry of the pictures that one camera takes on a drive: lens,
+/// The true geometry of the images that one camera takes on a drive: lens,
 /// mounting, rolling shutter and motion, as the renderer has them. `motion` and
 /// `camera` must outlive it.
 class TrackEye {
@@ -26,11 +26,12 @@ class TrackEye {
   /// From now on the camera is mounted as this one, which must outlive the eye.
   void MountAs(const RigCamera& camera) { camera_ = &camera; }
 
-  /// Where the picture whose middle row is exposed at `time` shows a point of the
+  /// Where the image whose middle row is exposed at `time` shows a point of the
   /// world [m]; nothing outside the lens' domain. May lie outside the image.
-  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point_in_world, Timestamp time) const;
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point_in_world,
+                                         Timestamp time) const;
 
-  /// What a pixel of that picture looks along; nothing outside the lens' domain.
+  /// What a pixel of that image looks along; nothing outside the lens' domain.
   std::optional<SightLine> LineOf(const Eigen::Vector2d& pixel, Timestamp time) const;
 
   /// `world_from_camera` while `row` is exposed.
@@ -38,7 +39,9 @@ class TrackEye {
   Rigid3 WorldFromCamera(Timestamp time) const { return WorldFromCamera(time, MiddleRow()); }
 
   Rigid3 WorldFromBody(Timestamp time) const { return motion_.WorldFromBody(SecondsOf(time)); }
-  double SecondsOf(Timestamp time) const { return time - epoch_; }  ///< since the start of the drive
+  double SecondsOf(Timestamp time) const {
+    return time - epoch_;
+  }  ///< since the start of the drive
 
   const RigCamera& camera() const { return *camera_; }
 

@@ -9,12 +9,12 @@
 
 namespace parkade::simulator {
 
-/// What the real front end makes of rendered pictures: the measure for track mode.
+/// What the real front end makes of rendered images: the measure for track mode.
 struct RenderedTracks {
-  std::vector<TrackedFrame> frames;                      ///< of all cameras, in order of time; own tracks only
+  std::vector<TrackedFrame> frames;  ///< of all cameras, in order of time; own tracks only
   std::vector<std::vector<FeatureObservation>> crossed;  ///< per frame: what MatchAcross adds to it
-  double render_seconds = 0;                             ///< per picture
-  double track_seconds = 0;                              ///< likewise
+  double render_seconds = 0;                             ///< per image
+  double track_seconds = 0;                              ///< also
 };
 
 /// A stretch of a drive to be rendered.
@@ -23,10 +23,11 @@ struct Stretch {
   CameraClockOptions cameras;
 };
 
-/// Renders and tracks the pictures of a stretch; the rig's cameras get masks from
+/// Renders and tracks the images of a stretch; the rig's cameras get masks from
 /// the renderer. Rotations between frames come from the true motion. Slow: a
-/// third of a second per picture.
-RenderedTracks TrackRenderedDrive(const Scene& scene, const Rig& rig, const Motion& motion, const Stretch& stretch,
-                                  std::uint64_t seed, const FeatureTrackerOptions& options = {});
+/// third of a second per image.
+RenderedTracks TrackRenderedDrive(const Scene& scene, const Rig& rig, const Motion& motion,
+                                  const Stretch& stretch, std::uint64_t seed,
+                                  const FeatureTrackerOptions& options = {});
 
 }  // namespace parkade::simulator

@@ -18,24 +18,27 @@ namespace parkade::simulator {
 /// something that moves, or, as a shadow of the own car, in the body.
 struct LiveTrack {
   std::int64_t number = 0;
-  int age = 0;                                       ///< pictures since the first
-  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  ///< [m] in world, or in `mover`, or in body where `is_shadow`
+  int age = 0;  ///< images since the first
+  Eigen::Vector3d anchor =
+      Eigen::Vector3d::Zero();  ///< [m] in world, or in `mover`, or in body where `is_shadow`
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   const Mover* mover = nullptr;
   bool is_shadow = false;
-  std::optional<Eigen::Vector3d> behind;                 ///< [m] in world, what shows past an outline in the same pixel
-  double behind_share = 0;                               ///< of the track's hold on it
-  double roughness = 1;                                  ///< of its noise
-  double frailty = 1;                                    ///< of its chance to be lost
-  Eigen::Vector2d slide = Eigen::Vector2d::Zero();       ///< along and across the flow, in units of TrackModel's
-  Eigen::Vector2d drift = Eigen::Vector2d::Zero();       ///< [px] that it has walked
-  Eigen::Vector2d true_pixel = Eigen::Vector2d::Zero();  ///< in the last picture
-  FeatureObservation seen;                               ///< in the last picture, with errors
-  Eigen::Vector3d seen_before = Eigen::Vector3d::Zero();  ///< unit, its bearing one picture earlier
+  std::optional<Eigen::Vector3d>
+      behind;               ///< [m] in world, what shows past an outline in the same pixel
+  double behind_share = 0;  ///< of the track's hold on it
+  double roughness = 1;     ///< of its noise
+  double frailty = 1;       ///< of its chance to be lost
+  Eigen::Vector2d slide =
+      Eigen::Vector2d::Zero();  ///< along and across the flow, in units of TrackModel's
+  Eigen::Vector2d drift = Eigen::Vector2d::Zero();        ///< [px] that it has walked
+  Eigen::Vector2d true_pixel = Eigen::Vector2d::Zero();   ///< in the last image
+  FeatureObservation seen;                                ///< in the last image, with errors
+  Eigen::Vector3d seen_before = Eigen::Vector3d::Zero();  ///< unit, its bearing one image earlier
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();          ///< [m] in world, then
 };
 
-/// Follows points of a world through the pictures of one camera as slam's
+/// Follows points of a world through the images of one camera as slam's
 /// FeatureTracker follows corners: as many, spread as evenly, lost and erring in
 /// the same ways, and checked by the same epipolar geometry. Same seed, same tracks.
 class TrackSimulator {
@@ -43,9 +46,10 @@ class TrackSimulator {
   /// \param eye      of the true camera
   /// \param nominal  the camera as the odometry knows it: its lens makes bearings of pixels
   TrackSimulator(const TrackEye& eye, const RigCamera& nominal, int camera_index, TrackWorld& world,
-                 const TrackModel& model, std::uint64_t seed, const FeatureTrackerOptions& options = {});
+                 const TrackModel& model, std::uint64_t seed,
+                 const FeatureTrackerOptions& options = {});
 
-  /// Takes the picture whose middle row is exposed at `time`, which the camera stamps as `stamp`.
+  /// Takes the image whose middle row is exposed at `time`, which the camera stamps as `stamp`.
   TrackedFrame Track(Timestamp time, Timestamp stamp);
 
   /// A dark or covered lens: nothing is seen, and after a while all is forgotten.

@@ -5,10 +5,10 @@
 #include <map>
 
 #include "tests/simulator/drives/plan_drive.h"
+#include "tests/simulator/scenes/build_scene.h"
 #include "tests/simulator/tracks/track_crossing.h"
 #include "tests/simulator/tracks/track_drive.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
-#include "tests/simulator/scenes/build_scene.h"
 
 namespace parkade::simulator {
 namespace {
@@ -49,7 +49,8 @@ TEST(TrackEye, SeesThroughARollingShutterWhatItProjects) {
   const TrackEye eye = stage.EyeOf(0);
   for (double seconds = 4; seconds < 12; seconds += 0.7) {
     const Timestamp time = stage.epoch + seconds;
-    const Eigen::Vector3d point = eye.WorldFromCamera(time) * Eigen::Vector3d(1.5 * std::sin(seconds), 0.5, 4);
+    const Eigen::Vector3d point =
+        eye.WorldFromCamera(time) * Eigen::Vector3d(1.5 * std::sin(seconds), 0.5, 4);
 
     const auto pixel = eye.Project(point, time);
     ASSERT_TRUE(pixel);
@@ -99,7 +100,8 @@ TEST(TrackSimulator, WithoutErrorsTracksReprojectExactlyAndStayVisible) {
       EXPECT_EQ(stage.rig.cameras[1].mask.at<std::uint8_t>(static_cast<int>(seen.pixel.y()),
                                                            static_cast<int>(seen.pixel.x())),
                 255);
-      EXPECT_FALSE(stage.world.IsHidden(eye.WorldFromCamera(time, seen.pixel.y()).translation, track.anchor));
+      EXPECT_FALSE(stage.world.IsHidden(eye.WorldFromCamera(time, seen.pixel.y()).translation,
+                                        track.anchor));
       const auto [known, is_new] = anchors.emplace(seen.track, track.anchor);
       EXPECT_EQ(known->second, track.anchor);
       followed += !is_new;
@@ -164,9 +166,10 @@ size_t CountCrossings(const Rig& nominal) {
   size_t matched = 0;
   for (const CameraPair& pair : OverlappingPairs(stage.rig)) {
     const TrackEye from_eye = stage.EyeOf(pair.from), to_eye = stage.EyeOf(pair.to);
-    TrackSimulator from(from_eye, nominal.cameras[pair.from], static_cast<int>(pair.from), stage.world, Perfect(),
-                        kSeed);
-    TrackSimulator to(to_eye, nominal.cameras[pair.to], static_cast<int>(pair.to), stage.world, Perfect(), kSeed);
+    TrackSimulator from(from_eye, nominal.cameras[pair.from], static_cast<int>(pair.from),
+                        stage.world, Perfect(), kSeed);
+    TrackSimulator to(to_eye, nominal.cameras[pair.to], static_cast<int>(pair.to), stage.world,
+                      Perfect(), kSeed);
     const Timestamp time = stage.epoch + 7.0, later = time + 0.008;
     from.Track(time, time);
     std::map<std::int64_t, Eigen::Vector3d> anchors;
@@ -183,8 +186,8 @@ TEST(TrackCrossing, FindsTracksWhereTwoCamerasSeeThemAndTheRigIsRight) {
   const Rig& rig = TheStage().rig;
   Rig off = rig;
   for (size_t camera = 0; camera < rig.cameras.size(); ++camera)
-    off.cameras[camera].body_from_camera.rotation =
-        off.cameras[camera].body_from_camera.rotation * ExpSo3({0.06, camera % 2 ? 0.06 : -0.06, 0});
+    off.cameras[camera].body_from_camera.rotation = off.cameras[camera].body_from_camera.rotation *
+                                                    ExpSo3({0.06, camera % 2 ? 0.06 : -0.06, 0});
 
   const size_t right = CountCrossings(rig), wrong = CountCrossings(off);
 
@@ -205,15 +208,16 @@ TEST(TrackDrive, HasGapsAndStampsAsTheFaultsSay) {
   const TrackDrive drive = MakeTrackDrive(options);
 
   const Timestamp epoch = DriveEpoch(3);
-  for (const SeenPicture& picture : drive.pictures) {
-    const double time = picture.frame.time - epoch + 0.02;  // t_imu = stamp + offset
-    EXPECT_EQ(picture.frame.observations.empty(), 6 <= time && time < 8) << time;
-    EXPECT_FALSE(picture.frame.camera == 2 && 4 < time && time < 5);
+  for (const SeenImage& image : drive.images) {
+    const double time = image.frame.time - epoch + 0.02;  // t_imu = stamp + offset
+    EXPECT_EQ(image.frame.observations.empty(), 6 <= time && time < 8) << time;
+    EXPECT_FALSE(image.frame.camera == 2 && 4 < time && time < 5);
   }
-  for (const ImuSample& sample : drive.imu) EXPECT_FALSE(9 <= sample.time - epoch && sample.time - epoch < 9.4);
+  for (const ImuSample& sample : drive.imu)
+    EXPECT_FALSE(9 <= sample.time - epoch && sample.time - epoch < 9.4);
   for (size_t camera = 0; camera < 4; ++camera) {
-    const Rigid3 off =
-        drive.true_rig.cameras[camera].body_from_camera.Inverse() * drive.rig.cameras[camera].body_from_camera;
+    const Rigid3 off = drive.true_rig.cameras[camera].body_from_camera.Inverse() *
+                       drive.rig.cameras[camera].body_from_camera;
     EXPECT_NEAR(LogSo3(off.rotation).norm() * 180 / M_PI, 1, 1e-6);
     EXPECT_EQ(drive.rig.cameras[camera].time_shift, 0);
     EXPECT_EQ(drive.true_rig.cameras[camera].time_shift, 0.02);

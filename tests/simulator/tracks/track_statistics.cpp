@@ -26,7 +26,8 @@ struct Life {
 
 double Quantile(std::vector<double>& values, double share) {
   if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -39,7 +40,8 @@ double RobustSigma(std::vector<double> values) {
 
 class Measurement {
  public:
-  Measurement(const TrackEye& eye, TrackWorld& world) : eye_(eye), world_(world), by_age_(std::size(kAges)) {}
+  Measurement(const TrackEye& eye, TrackWorld& world)
+      : eye_(eye), world_(world), by_age_(std::size(kAges)) {}
 
   void Add(const TrackedFrame& frame) {
     world_.PlaceMovers(eye_.SecondsOf(frame.time), eye_.WorldFromBody(frame.time).translation);
@@ -76,7 +78,8 @@ class Measurement {
       const Errors& errors = by_age_[i];
       const size_t age = static_cast<size_t>(kAges[i]), count = errors.along.size();
       if (count == 0 || age >= survival.size()) continue;
-      result.ages.push_back({kAges[i], count, survival[age], RobustSigma(errors.along), RobustSigma(errors.across),
+      result.ages.push_back({kAges[i], count, survival[age], RobustSigma(errors.along),
+                             RobustSigma(errors.across),
                              static_cast<double>(errors.num_gross) / static_cast<double>(count)});
     }
     return result;
@@ -109,7 +112,8 @@ class Measurement {
     const double due = (*truth - life.last_pixel).norm(), done = (pixel - life.last_seen).norm();
     if (due > kClearFlow && done < kStuckShare * due) ++num_stuck_;
     life.last_seen = pixel;
-    for (const double step : {(error - life.last_error).x(), (error - life.last_error).y()}) steps_.push_back(step);
+    for (const double step : {(error - life.last_error).x(), (error - life.last_error).y()})
+      steps_.push_back(step);
     const size_t age = num_frames_ - life.first_frame;
     const auto found = std::find(std::begin(kAges), std::end(kAges), static_cast<int>(age));
     if (found != std::end(kAges)) {
@@ -134,9 +138,10 @@ class Measurement {
     }
     std::vector<double> survival = {1};
     for (size_t age = 0; age + 1 <= num_frames_; ++age)
-      survival.push_back(at_risk[age] == 0 ? survival.back()
-                                           : survival.back() * (1 - static_cast<double>(ended[age]) /
-                                                                        static_cast<double>(at_risk[age])));
+      survival.push_back(at_risk[age] == 0
+                             ? survival.back()
+                             : survival.back() * (1 - static_cast<double>(ended[age]) /
+                                                          static_cast<double>(at_risk[age])));
     return survival;
   }
 
@@ -145,12 +150,14 @@ class Measurement {
   std::map<std::int64_t, Life> lives_;
   std::vector<Errors> by_age_;
   std::vector<double> steps_, distances_;
-  size_t num_frames_ = 0, num_observations_ = 0, num_gross_ = 0, num_stuck_ = 0, num_ground_ = 0, num_sky_ = 0;
+  size_t num_frames_ = 0, num_observations_ = 0, num_gross_ = 0, num_stuck_ = 0, num_ground_ = 0,
+         num_sky_ = 0;
 };
 
 }  // namespace
 
-TrackStatistics MeasureTracks(const std::vector<TrackedFrame>& frames, const TrackEye& eye, TrackWorld& world) {
+TrackStatistics MeasureTracks(const std::vector<TrackedFrame>& frames, const TrackEye& eye,
+                              TrackWorld& world) {
   Measurement measurement(eye, world);
   for (const TrackedFrame& frame : frames)
     if (!frame.observations.empty()) measurement.Add(frame);
@@ -164,14 +171,15 @@ std::string ToText(const TrackStatistics& statistics) {
     std::snprintf(line, sizeof line, format, values...);
     text += line;
   };
-  add("%.1f tracks per frame, %.1f new; ground %.0f %%, sky %.0f %%; distance quartiles %.1f %.1f %.1f m\n",
-      statistics.tracks_per_frame, statistics.new_per_frame, 100 * statistics.on_ground, 100 * statistics.in_sky,
-      statistics.near, statistics.middle, statistics.far);
+  add("%.1f tracks per frame, %.1f new; ground %.0f %%, sky %.0f %%; distance quartiles %.1f %.1f "
+      "%.1f m\n",
+      statistics.tracks_per_frame, statistics.new_per_frame, 100 * statistics.on_ground,
+      100 * statistics.in_sky, statistics.near, statistics.middle, statistics.far);
   add("step %.3f px, outliers %.2f %%, stuck %.2f %%\n", statistics.step, 100 * statistics.outliers,
       100 * statistics.stuck);
   for (const TrackErrorAtAge& age : statistics.ages)
-    add("  age %2d: survival %.3f, error along %.3f across %.3f px, gross %.2f %% (%zu)\n", age.age, age.survival,
-        age.along, age.across, 100 * age.gross, age.count);
+    add("  age %2d: survival %.3f, error along %.3f across %.3f px, gross %.2f %% (%zu)\n", age.age,
+        age.survival, age.along, age.across, 100 * age.gross, age.count);
   return text;
 }
 

@@ -1,4 +1,4 @@
-// Track mode against the real tracker on rendered pictures of the same drive.
+// Track mode against the real tracker on rendered images of the same drive.
 #include "tests/simulator/tracks/track_statistics.h"
 
 #include <gtest/gtest.h>
@@ -6,10 +6,10 @@
 #include <algorithm>
 
 #include "tests/simulator/drives/plan_drive.h"
+#include "tests/simulator/scenes/build_scene.h"
 #include "tests/simulator/tracks/track_rendered.h"
 #include "tests/simulator/tracks/track_simulator.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
-#include "tests/simulator/scenes/build_scene.h"
 
 namespace parkade::simulator {
 namespace {
@@ -26,8 +26,8 @@ void ExpectWithinFactor(double value, double reference, double factor, const std
   EXPECT_GT(value, reference / factor) << name;
 }
 
-/// Front and left camera for a second in mid-drive: pictures are dear.
-TEST(TrackMode, LivesAndErrorsAreLikeThoseOfRenderedPictures) {
+/// Front and left camera for a second in mid-drive: images are dear.
+TEST(TrackMode, LivesAndErrorsAreLikeThoseOfRenderedImages) {
   constexpr std::uint64_t kSeed = 1;
   const Scene scene = BuildScene("lot", {.seed = kSeed, .ground_texel = 0.015});
   TrackWorld world(scene);
@@ -40,7 +40,8 @@ TEST(TrackMode, LivesAndErrorsAreLikeThoseOfRenderedPictures) {
   for (size_t camera = 0; camera < rig.cameras.size(); ++camera) {
     SCOPED_TRACE(rig.cameras[camera].name);
     const TrackEye eye(plan.motion, DriveEpoch(kSeed), rig.cameras[camera]);
-    TrackSimulator simulator(eye, rig.cameras[camera], static_cast<int>(camera), world, TrackModel{}, kSeed);
+    TrackSimulator simulator(eye, rig.cameras[camera], static_cast<int>(camera), world,
+                             TrackModel{}, kSeed);
     std::vector<TrackedFrame> real_frames, made_frames;
     for (const TrackedFrame& frame : rendered.frames) {
       if (frame.camera != static_cast<int>(camera)) continue;
@@ -48,7 +49,8 @@ TEST(TrackMode, LivesAndErrorsAreLikeThoseOfRenderedPictures) {
       made_frames.push_back(simulator.Track(frame.time, frame.time));
     }
 
-    const TrackStatistics real = MeasureTracks(real_frames, eye, world), made = MeasureTracks(made_frames, eye, world);
+    const TrackStatistics real = MeasureTracks(real_frames, eye, world),
+                          made = MeasureTracks(made_frames, eye, world);
 
     EXPECT_NEAR(made.tracks_per_frame, real.tracks_per_frame, 0.1 * real.tracks_per_frame);
     EXPECT_NEAR(made.on_ground, real.on_ground, 0.2);

@@ -48,11 +48,13 @@ TrackWorld::TrackWorld(const Scene& scene)
       movers_(scene.movers),
       to_sun_(scene.sky.sun_direction().cast<double>()) {}
 
-bool TrackWorld::OwnCarHides(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
+bool TrackWorld::OwnCarHides(const Eigen::Vector3d& origin,
+                             const Eigen::Vector3d& direction) const {
   return IsBlocked(own_car_.scene(), MakeRay(origin, direction, kOwnCarReach));
 }
 
-std::optional<Sight> TrackWorld::Look(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
+std::optional<Sight> TrackWorld::Look(const Eigen::Vector3d& origin,
+                                      const Eigen::Vector3d& direction) const {
   const RTCRay ray = MakeRay(origin, direction, kSight);
   RTCRayHit hit = Intersect(world_.scene(), ray);
   const bool is_still = hit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
@@ -60,7 +62,8 @@ std::optional<Sight> TrackWorld::Look(const Eigen::Vector3d& origin, const Eigen
   sight.is_ground = is_still && hit.hit.geomID == kGround;
   if (!movers_.empty()) {
     const RTCRayHit moving = Intersect(movers_.scene(), ray);
-    if (moving.hit.geomID != RTC_INVALID_GEOMETRY_ID && (!is_still || moving.ray.tfar < hit.ray.tfar)) {
+    if (moving.hit.geomID != RTC_INVALID_GEOMETRY_ID &&
+        (!is_still || moving.ray.tfar < hit.ray.tfar)) {
       hit = moving;
       sight.is_ground = false;
       sight.mover = movers_.placed(moving.hit.instID[0]).mover;
@@ -78,7 +81,8 @@ std::optional<Sight> TrackWorld::Look(const Eigen::Vector3d& origin, const Eigen
 
 bool TrackWorld::IsHidden(const Eigen::Vector3d& eye, const Eigen::Vector3d& point) const {
   const Eigen::Vector3d way = point - eye;
-  const double distance = way.norm(), reach = std::min(distance - std::max(0.05, 0.01 * distance), kSight);
+  const double distance = way.norm(),
+               reach = std::min(distance - std::max(0.05, 0.01 * distance), kSight);
   if (reach <= 0) return false;
   const RTCRay ray = MakeRay(eye, way / distance, reach);
   return IsBlocked(world_.scene(), ray) || (!movers_.empty() && IsBlocked(movers_.scene(), ray));
@@ -93,15 +97,19 @@ cv::Mat TrackWorld::OwnCarMask(const RigCamera& camera, double half_field_of_vie
       const std::optional<Eigen::Vector3d> bearing = model.Unproject({column + 0.5, row + 0.5});
       if (!bearing) continue;
       const double relative = std::acos(std::clamp(bearing->z(), -1.0, 1.0)) / half_field_of_view;
-      if ((1 - 0.45 * relative * relative * relative) * std::clamp((1 - relative) / 0.03, 0.0, 1.0) <= kMinShare)
+      if ((1 - 0.45 * relative * relative * relative) *
+              std::clamp((1 - relative) / 0.03, 0.0, 1.0) <=
+          kMinShare)
         continue;
       const Rigid3& body_from_camera = camera.body_from_camera;
-      if (IsBlocked(own_car_.scene(), MakeRay(body_from_camera.translation, body_from_camera.rotation * *bearing, 20)))
+      if (IsBlocked(own_car_.scene(), MakeRay(body_from_camera.translation,
+                                              body_from_camera.rotation * *bearing, 20)))
         continue;
       mask(cv::Rect(column, row, kStep, kStep) & cv::Rect(0, 0, mask.cols, mask.rows)) = 255;
     }
   }
-  cv::erode(mask, mask, cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5}), {-1, -1}, 1, cv::BORDER_REPLICATE);
+  cv::erode(mask, mask, cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5}), {-1, -1}, 1,
+            cv::BORDER_REPLICATE);
   return mask;
 }
 

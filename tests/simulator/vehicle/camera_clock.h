@@ -8,11 +8,11 @@
 
 namespace parkade::simulator {
 
-/// When each camera takes its pictures: the rate is common, the phase is each camera's own.
+/// When each camera takes its images: the rate is common, the phase is each camera's own.
 struct CameraClockOptions {
-  double rate = 20;                 ///< [Hz]
-  double jitter = 0.0008;           ///< [s] standard deviation of the intervals' ends, cut at three times
-  double drop_probability = 0.003;  ///< share of pictures that get lost
+  double rate = 20;        ///< [Hz]
+  double jitter = 0.0008;  ///< [s] standard deviation of the intervals' ends, cut at three times
+  double drop_probability = 0.003;  ///< share of images that get lost
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -28,8 +28,9 @@ struct ScheduledFrame {
   size_t camera = 0;
 };
 
-/// Pictures of all cameras in order of time, between `margin` [s] after the start and before the end.
-std::vector<ScheduledFrame> ScheduleFrames(const Motion& motion, size_t num_cameras, const CameraClockOptions& options,
-                                           double margin, std::uint64_t seed);
+/// Images of all cameras in order of time, between `margin` [s] after the start and before the end.
+std::vector<ScheduledFrame> ScheduleFrames(const Motion& motion, size_t num_cameras,
+                                           const CameraClockOptions& options, double margin,
+                                           std::uint64_t seed);
 
 }  // namespace parkade::simulator

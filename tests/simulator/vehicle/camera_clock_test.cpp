@@ -31,7 +31,7 @@ TEST(ScheduleFrames, CamerasKeepTheirRateButNeverFireTogether) {
   }
 }
 
-TEST(ScheduleFrames, LosesTheShareOfPicturesAskedForAndKeepsTheOthersWhereTheyAre) {
+TEST(ScheduleFrames, LosesTheShareOfImagesAskedForAndKeepsTheOthersWhereTheyAre) {
   const auto all = ScheduleFrames(Standing(200), 1, {.drop_probability = 0}, 0.1, 2),
              some = ScheduleFrames(Standing(200), 1, {.drop_probability = 0.2}, 0.1, 2);
 

@@ -87,7 +87,8 @@ double TopAt(const CarShape& shape, double x) {
 std::vector<double> Stations(const CarShape& shape) {
   std::vector<double> stations;
   for (const auto& [x, z] : shape.top)
-    for (const double side : {-0.04, 0.0, 0.04}) stations.push_back(std::clamp(x + side, 0.0, shape.length));
+    for (const double side : {-0.04, 0.0, 0.04})
+      stations.push_back(std::clamp(x + side, 0.0, shape.length));
   for (double x = 0.3; x < shape.length - 0.2; x += 0.3) stations.push_back(x);
   std::sort(stations.begin(), stations.end());
   std::vector<double> spaced = {stations.front()};
@@ -102,7 +103,8 @@ constexpr int kSectionPoints = 11;
 Eigen::Vector3d SectionPoint(const CarShape& shape, double x, int point) {
   const double top = (TopAt(shape, x - 0.04) + TopAt(shape, x) + TopAt(shape, x + 0.04)) / 3;
   const double along = 2 * x / shape.length - 1;
-  const double width = shape.half_width * (1 - 0.10 * std::pow(std::abs(along), 6) - 0.03 * along * along);
+  const double width =
+      shape.half_width * (1 - 0.10 * std::pow(std::abs(along), 6) - 0.03 * along * along);
   const double belt = std::min(shape.belt, top - 0.05);
   const double cabin = std::clamp((top - shape.belt) / 0.45, 0.0, 1.0);
   const double shoulder = width * (0.97 - 0.17 * cabin);
@@ -124,13 +126,15 @@ struct CarMaterials {
 CarMaterials ChooseMaterials(Random& random, std::vector<Material>& materials) {
   static const std::array<Color, 10> paints = {
       {Gray(0.72f), Gray(0.55f), Gray(0.30f), Gray(0.045f), Gray(0.10f), Rgb(0.05f, 0.11f, 0.32f),
-       Rgb(0.42f, 0.04f, 0.03f), Rgb(0.08f, 0.20f, 0.12f), Rgb(0.45f, 0.38f, 0.26f), Rgb(0.16f, 0.30f, 0.46f)}};
+       Rgb(0.42f, 0.04f, 0.03f), Rgb(0.08f, 0.20f, 0.12f), Rgb(0.45f, 0.38f, 0.26f),
+       Rgb(0.16f, 0.30f, 0.46f)}};
   const auto add = [&](const Material& material) {
     materials.push_back(material);
     return static_cast<MaterialId>(materials.size() - 1);
   };
   CarMaterials chosen{};
-  const Color paint = paints[static_cast<size_t>(random.Index(10))] * static_cast<float>(random.Uniform(0.8, 1.15));
+  const Color paint =
+      paints[static_cast<size_t>(random.Index(10))] * static_cast<float>(random.Uniform(0.8, 1.15));
   chosen.paint = add({.albedo = paint,
                       .mirror = 0.05f,
                       .texture = TextureKind::kPlaster,
@@ -149,7 +153,9 @@ CarMaterials ChooseMaterials(Random& random, std::vector<Material>& materials) {
 void AddBody(Mesh& mesh, const CarShape& shape, const CarMaterials& materials) {
   const std::vector<double> stations = Stations(shape);
   const int columns = static_cast<int>(stations.size());
-  const auto position = [&](int i, int j) { return SectionPoint(shape, stations[static_cast<size_t>(i)], j); };
+  const auto position = [&](int i, int j) {
+    return SectionPoint(shape, stations[static_cast<size_t>(i)], j);
+  };
   const double pillar = shape.length * 0.48;
   const auto material = [&](int i, int j) {
     const double x0 = stations[static_cast<size_t>(i)], x1 = stations[static_cast<size_t>(i) + 1];
@@ -164,8 +170,8 @@ void AddBody(Mesh& mesh, const CarShape& shape, const CarMaterials& materials) {
   for (const int end : {0, columns - 1}) {
     for (int j = 0; j < 5; ++j) {
       const int other = kSectionPoints - 1 - j;
-      const std::array<Eigen::Vector3d, 4> face = {position(end, other), position(end, j), position(end, j + 1),
-                                                   position(end, other - 1)};
+      const std::array<Eigen::Vector3d, 4> face = {position(end, other), position(end, j),
+                                                   position(end, j + 1), position(end, other - 1)};
       const std::array<Eigen::Vector3d, 4> reversed = {face[3], face[2], face[1], face[0]};
       mesh.AddQuad(end == 0 ? face : reversed, j < 2 ? materials.dark : materials.paint);
     }
@@ -177,8 +183,9 @@ void AddWheels(Mesh& mesh, const CarShape& shape, const CarMaterials& materials)
     for (const double side : {-1.0, 1.0}) {
       const auto disc = [&](double radius, double from, double to, MaterialId material, int sides) {
         const Eigen::Vector3d center(x - shape.length / 2, 0, shape.wheel_radius);
-        mesh.AddCylinder(center + side * from * Eigen::Vector3d::UnitY(), center + side * to * Eigen::Vector3d::UnitY(),
-                         radius, radius, material, sides);
+        mesh.AddCylinder(center + side * from * Eigen::Vector3d::UnitY(),
+                         center + side * to * Eigen::Vector3d::UnitY(), radius, radius, material,
+                         sides);
       };
       const double face = shape.half_width;
       disc(shape.wheel_radius + 0.06, face - 0.15, face - 0.004, materials.dark, 20);
@@ -192,7 +199,8 @@ void AddWheels(Mesh& mesh, const CarShape& shape, const CarMaterials& materials)
 /// Lamps, plates, grille, door gaps and handles, mirrors.
 void AddTrim(Mesh& mesh, const CarShape& shape, const CarMaterials& materials, Random& random) {
   const double nose = shape.length / 2, width = shape.half_width;
-  const auto box = [&](double x, double y, double z, double dx, double dy, double dz, MaterialId material) {
+  const auto box = [&](double x, double y, double z, double dx, double dy, double dz,
+                       MaterialId material) {
     mesh.AddBox({x, y, z}, {dx, dy, dz}, 0, material);
   };
   for (const double side : {-1.0, 1.0}) {
@@ -201,8 +209,10 @@ void AddTrim(Mesh& mesh, const CarShape& shape, const CarMaterials& materials, R
     const double screen = shape.rear_overhang + shape.wheelbase - nose - 0.62;
     box(screen, side * (width + 0.09), shape.belt + 0.07, 0.05, 0.09, 0.07, materials.dark);
     for (const double x : {0.55, -0.45}) {
-      box(screen + x - 0.55, side * (width - 0.002), 0.62 * shape.belt, 0.006, 0.006, 0.28, materials.dark);
-      box(screen + x - 0.75, side * (width + 0.005), shape.belt - 0.12, 0.08, 0.015, 0.014, materials.rim);
+      box(screen + x - 0.55, side * (width - 0.002), 0.62 * shape.belt, 0.006, 0.006, 0.28,
+          materials.dark);
+      box(screen + x - 0.75, side * (width + 0.005), shape.belt - 0.12, 0.08, 0.015, 0.014,
+          materials.rim);
     }
     box(0, side * (width - 0.004), 0.26, 0.28 * shape.length, 0.012, 0.05, materials.dark);
   }
@@ -212,8 +222,8 @@ void AddTrim(Mesh& mesh, const CarShape& shape, const CarMaterials& materials, R
     box(end, 0, z, 0.025, 0.26, 0.055, materials.plate);
     for (int letter = 0; letter < 7; ++letter)
       if (random.Chance(0.8))
-        box(end, -0.21 + 0.07 * letter, z + random.Uniform(-0.008, 0.008), 0.028, random.Uniform(0.01, 0.022),
-            random.Uniform(0.02, 0.036), materials.dark);
+        box(end, -0.21 + 0.07 * letter, z + random.Uniform(-0.008, 0.008), 0.028,
+            random.Uniform(0.01, 0.022), random.Uniform(0.02, 0.036), materials.dark);
   }
 }
 

@@ -5,7 +5,8 @@
 namespace parkade::simulator {
 namespace {
 
-// Each model's parameters were fitted to r = t - 0.016 t^3 + 0.0021 t^5 - 0.0011 t^7 + 0.00012 t^9 up to 94 degrees.
+// Each model's parameters were fitted to r = t - 0.016 t^3 + 0.0021 t^5 - 0.0011 t^7 + 0.00012 t^9
+// up to 94 degrees.
 
 MeiProjection MeiLike(const KannalaBrandtProjection& lens) {
   constexpr double kScale = 2.61103455;

@@ -26,8 +26,8 @@ TEST_P(Lens, SeesWhatTheUsualOneSees) {
     for (size_t camera = 0; camera < rig.cameras.size(); ++camera) {
       for (double angle = 0.01; angle < kHalfFieldOfView; angle += 0.05) {
         for (double around = 0; around < 6; around += 0.7) {
-          const Eigen::Vector3d bearing(std::sin(angle) * std::cos(around), std::sin(angle) * std::sin(around),
-                                        std::cos(angle));
+          const Eigen::Vector3d bearing(std::sin(angle) * std::cos(around),
+                                        std::sin(angle) * std::sin(around), std::cos(angle));
           const auto expected = usual.cameras[camera].model.Project(bearing),
                      pixel = rig.cameras[camera].model.Project(bearing);
           ASSERT_TRUE(expected && pixel) << angle;
@@ -41,7 +41,8 @@ TEST_P(Lens, SeesWhatTheUsualOneSees) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Models, Lens, testing::ValuesIn(LensNames()), [](const auto& info) { return info.param; });
+INSTANTIATE_TEST_SUITE_P(Models, Lens, testing::ValuesIn(LensNames()),
+                         [](const auto& info) { return info.param; });
 
 TEST(LensModels, AnUnknownLensIsRefused) {
   RigOptions options;

@@ -72,7 +72,8 @@ RigCamera MakeCamera(size_t index, const RigOptions& options, Random& random) {
 void RigOptions::Validate() const {
   Require(width >= 64 && width <= 4096 && height >= 64 && height <= 4096, ErrorCode::kUsage,
           "the image size must be within 64x64 and 4096x4096");
-  Require(num_cameras >= 1 && num_cameras <= 4, ErrorCode::kUsage, "the number of cameras must be 1 to 4");
+  Require(num_cameras >= 1 && num_cameras <= 4, ErrorCode::kUsage,
+          "the number of cameras must be 1 to 4");
   Require(line_delay >= 0 && line_delay * height < 0.1, ErrorCode::kUsage,
           "the line delay must be 0 or more, and an image must take less than 0.1 s");
   const auto& lenses = LensNames();

@@ -15,7 +15,8 @@ std::vector<TimedPose> Curve() {
   for (int i = 0; i <= 200; ++i) {
     const double angle = 0.01 * i;  // [rad] on a circle of 50 m
     const Eigen::Vector3d position(50 * std::sin(angle), 50 * (1 - std::cos(angle)), 0.02 * i);
-    poses.push_back({Timestamp{1'000'000'000 + 50'000'000LL * i}, {ExpSo3({0, 0, angle}), position}});
+    poses.push_back(
+        {Timestamp{1'000'000'000 + 50'000'000LL * i}, {ExpSo3({0, 0, angle}), position}});
   }
   return poses;
 }
@@ -37,7 +38,8 @@ TEST(EvaluateTrajectory, TheSameDriveInAnotherWorldHasNoError) {
   EXPECT_LT(evaluation.rigid.translation.max, 1e-9);
   EXPECT_LT(evaluation.rigid.rotation.max, 1e-6);
   EXPECT_NEAR(evaluation.scale, 1, 1e-9);
-  EXPECT_GT(evaluation.yaw_only.translation.rmse, 1) << "a tilted world is an error where both have z up";
+  EXPECT_GT(evaluation.yaw_only.translation.rmse, 1)
+      << "a tilted world is an error where both have z up";
   const Rigid3 loop = evaluation.rigid.truth_from_estimate * other_from_world;
   EXPECT_LT(loop.translation.norm() + LogSo3(loop.rotation).norm(), 1e-6);
 }
@@ -46,7 +48,8 @@ TEST(EvaluateTrajectory, AttitudesTellTheRollThatAStraightDriveLeavesOpen) {
   std::vector<TimedPose> truth;
   for (int i = 0; i <= 100; ++i) {
     const double x = static_cast<double>(i);
-    truth.push_back({TimestampFromSeconds(0.1 * x), Rigid3{Eigen::Quaterniond::Identity(), {x, 0, 0}}});
+    truth.push_back(
+        {TimestampFromSeconds(0.1 * x), Rigid3{Eigen::Quaterniond::Identity(), {x, 0, 0}}});
   }
   const Rigid3 tilted{ExpSo3({0.02, -0.01, 1.0}), {3, 2, 1}};
 
@@ -61,13 +64,15 @@ TEST(EvaluateTrajectory, AlternatingOffsetIsExactlyTheRmse) {
   const std::vector<TimedPose> truth = Curve();
   std::vector<TimedPose> estimate = truth;
   estimate.pop_back();
-  for (size_t i = 0; i < estimate.size(); ++i) estimate[i].world_from_frame.translation.z() += i % 2 == 0 ? 0.1 : -0.1;
+  for (size_t i = 0; i < estimate.size(); ++i)
+    estimate[i].world_from_frame.translation.z() += i % 2 == 0 ? 0.1 : -0.1;
 
   const TrajectoryEvaluation evaluation = EvaluateTrajectory(truth, estimate);
 
   EXPECT_NEAR(evaluation.rigid.translation.rmse, 0.1, 1e-4);
   EXPECT_NEAR(evaluation.rigid.translation.median, 0.1, 1e-2);
-  EXPECT_NEAR(evaluation.drift_percent, 100 * evaluation.rigid.translation.rmse / evaluation.path_length, 1e-12);
+  EXPECT_NEAR(evaluation.drift_percent,
+              100 * evaluation.rigid.translation.rmse / evaluation.path_length, 1e-12);
 }
 
 TEST(EvaluateTrajectory, RelativeErrorOfAWrongScaleGrowsWithLength) {
@@ -90,7 +95,8 @@ TEST(EvaluateTrajectory, ConstantYawDriftShowsPerSecond) {
   std::vector<TimedPose> estimate = truth;
   for (size_t i = 0; i < estimate.size(); ++i) {
     const double drift = 0.004 * 0.05 * static_cast<double>(i);  // 0.004 rad/s
-    estimate[i].world_from_frame.rotation = ExpSo3({0, 0, drift}) * estimate[i].world_from_frame.rotation;
+    estimate[i].world_from_frame.rotation =
+        ExpSo3({0, 0, drift}) * estimate[i].world_from_frame.rotation;
   }
 
   const TrajectoryEvaluation evaluation = EvaluateTrajectory(truth, estimate);
@@ -104,7 +110,8 @@ TEST(EvaluateTrajectory, TruthIsInterpolatedButNotAcrossHoles) {
   std::vector<TimedPose> estimate;
   for (size_t i = 0; i + 1 < truth.size(); i += 2) {
     const Timestamp time{(truth[i].time.ns + truth[i + 1].time.ns) / 2};
-    estimate.push_back({time, Interpolate(truth[i].world_from_frame, truth[i + 1].world_from_frame, 0.5)});
+    estimate.push_back(
+        {time, Interpolate(truth[i].world_from_frame, truth[i + 1].world_from_frame, 0.5)});
   }
   truth.erase(truth.begin() + 50, truth.begin() + 100);  // 2.5 s
 
@@ -119,7 +126,8 @@ TEST(EvaluateTrajectory, StandingStillHasNoDriftInPercent) {
   std::vector<TimedPose> truth;
   for (int i = 0; i < 50; ++i) truth.push_back({Timestamp{100'000'000LL * i}, {}});
   std::vector<TimedPose> estimate = truth;
-  for (size_t i = 0; i < estimate.size(); ++i) estimate[i].world_from_frame.translation.x() = i % 2 == 0 ? 0.01 : -0.01;
+  for (size_t i = 0; i < estimate.size(); ++i)
+    estimate[i].world_from_frame.translation.x() = i % 2 == 0 ? 0.01 : -0.01;
 
   const TrajectoryEvaluation evaluation = EvaluateTrajectory(truth, estimate);
 

@@ -1,4 +1,5 @@
-// Jacobians of the smoother's cost functions against finite differences, and their values at the truth.
+// Jacobians of the smoother's cost functions against finite differences, and their values at the
+// truth.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -15,15 +16,17 @@
 namespace parkade {
 namespace {
 
-constexpr double kTolerance = 2e-5;  // relative; finite differences of whitened residuals reach some 1e-6
+constexpr double kTolerance =
+    2e-5;  // relative; finite differences of whitened residuals reach some 1e-6
 const PoseManifold kPose;
 
-struct KnotValues {
-  std::vector<double> pose = std::vector<double>(kPoseSize), motion = std::vector<double>(kMotionSize);
+struct NodeValues {
+  std::vector<double> pose = std::vector<double>(kPoseSize),
+                      motion = std::vector<double>(kMotionSize);
 };
 
-// A knot near the true state of a flight.
-KnotValues KnotAt(double time, std::uint32_t seed, double disturbance) {
+// A node near the true state of a flight.
+NodeValues NodeAt(double time, std::uint32_t seed, double disturbance) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0, disturbance);
   const auto vector = [&] {
@@ -31,11 +34,13 @@ KnotValues KnotAt(double time, std::uint32_t seed, double disturbance) {
     return Eigen::Vector3d(x, y, z);
   };
   const BodyMotion motion = FlightMotion()(time);
-  KnotValues knot;
-  PoseToParameters({motion.world_from_body.rotation * ExpSo3(vector()), motion.world_from_body.translation + vector()},
-                   knot.pose.data());
-  Eigen::Map<Eigen::Matrix<double, 9, 1>>(knot.motion.data()) << motion.velocity + vector(), vector(), vector();
-  return knot;
+  NodeValues node;
+  PoseToParameters({motion.world_from_body.rotation * ExpSo3(vector()),
+                    motion.world_from_body.translation + vector()},
+                   node.pose.data());
+  Eigen::Map<Eigen::Matrix<double, 9, 1>>(node.motion.data()) << motion.velocity + vector(),
+      vector(), vector();
+  return node;
 }
 
 std::vector<ImuSample> ImuSamples(double begin, double end) {
@@ -43,8 +48,9 @@ std::vector<ImuSample> ImuSamples(double begin, double end) {
   for (int k = 0; k <= 40; ++k) {
     const double t = begin + (end - begin) * k / 40;
     const BodyMotion motion = FlightMotion()(t);
-    samples.push_back({TimestampFromSeconds(100 + t), motion.angular_velocity,
-                       motion.world_from_body.rotation.conjugate() * (motion.acceleration - kGravityInOdom)});
+    samples.push_back(
+        {TimestampFromSeconds(100 + t), motion.angular_velocity,
+         motion.world_from_body.rotation.conjugate() * (motion.acceleration - kGravityInOdom)});
   }
   return samples;
 }
@@ -52,7 +58,7 @@ std::vector<ImuSample> ImuSamples(double begin, double end) {
 TEST(ImuCost, JacobiansAreRight) {
   const ImuPreintegration imu(ImuSamples(1, 1.2), {}, {});
   const ImuCost cost(&imu);
-  const KnotValues i = KnotAt(1, 1, 0.02), j = KnotAt(1.2, 2, 0.02);
+  const NodeValues i = NodeAt(1, 1, 0.02), j = NodeAt(1.2, 2, 0.02);
   std::vector<std::vector<double>> parameters{i.pose, i.motion, j.pose, j.motion};
 
   EXPECT_LT(JacobianError(cost, parameters, {&kPose, nullptr, &kPose, nullptr}), kTolerance);
@@ -60,7 +66,7 @@ TEST(ImuCost, JacobiansAreRight) {
 
 TEST(ImuCost, IsZeroAtTheTruth) {
   const ImuPreintegration imu(ImuSamples(1, 1.2), {}, {});
-  const KnotValues i = KnotAt(1, 1, 0), j = KnotAt(1.2, 2, 0);
+  const NodeValues i = NodeAt(1, 1, 0), j = NodeAt(1.2, 2, 0);
   const double* parameters[] = {i.pose.data(), i.motion.data(), j.pose.data(), j.motion.data()};
 
   Eigen::Matrix<double, 15, 1> residual;
@@ -71,14 +77,16 @@ TEST(ImuCost, IsZeroAtTheTruth) {
 
 WheelPreintegration Wheels(double speed) {
   const std::vector<ImuSample> imu = ImuSamples(1, 1.2);
-  const std::vector<WheelSample> wheels{{imu.front().time, speed, 0}, {imu.back().time, speed + 0.3, 0}};
+  const std::vector<WheelSample> wheels{{imu.front().time, speed, 0},
+                                        {imu.back().time, speed + 0.3, 0}};
   const Rigid3 imu_from_body{ExpSo3({0.1, -0.05, 0.3}), {-1.1, 0.2, -0.5}};
-  return PreintegrateWheels(imu, wheels, Eigen::Vector3d(0.01, 0, -0.02), imu_from_body, WheelNoise{});
+  return PreintegrateWheels(imu, wheels, Eigen::Vector3d(0.01, 0, -0.02), imu_from_body,
+                            WheelNoise{});
 }
 
 TEST(WheelCost, JacobiansAreRight) {
   const WheelCost cost(Wheels(4));
-  const KnotValues i = KnotAt(1, 3, 0.05), j = KnotAt(1.2, 4, 0.05);
+  const NodeValues i = NodeAt(1, 3, 0.05), j = NodeAt(1.2, 4, 0.05);
   std::vector<std::vector<double>> parameters{i.pose, i.motion, j.pose, {0.03}};
 
   EXPECT_LT(JacobianError(cost, parameters, {&kPose, nullptr, &kPose, nullptr}), kTolerance);
@@ -96,8 +104,9 @@ TEST(WheelCost, IsZeroForACarThatDrivesAsItsWheelsSay) {
     imu.push_back({time, imu_from_body.rotation * at.angular_velocity, Eigen::Vector3d::Zero()});
     wheels.push_back({time, (at.world_from_body.rotation.conjugate() * at.velocity).x() / 1.02, 0});
   }
-  const WheelCost cost(PreintegrateWheels(imu, wheels, Eigen::Vector3d::Zero(), imu_from_body, WheelNoise{}));
-  KnotValues i, j;
+  const WheelCost cost(
+      PreintegrateWheels(imu, wheels, Eigen::Vector3d::Zero(), imu_from_body, WheelNoise{}));
+  NodeValues i, j;
   PoseToParameters(motion(begin).world_from_body * imu_from_body.Inverse(), i.pose.data());
   PoseToParameters(motion(begin + 0.2).world_from_body * imu_from_body.Inverse(), j.pose.data());
   const double scale = 0.02;
@@ -113,7 +122,9 @@ TEST(WheelPreintegration, BiasDerivativeAgreesWithIntegratingAgain) {
   const std::vector<ImuSample> imu = ImuSamples(1, 1.2);
   const std::vector<WheelSample> wheels{{imu.front().time, 3, 0}, {imu.back().time, 4, 0}};
   const Eigen::Vector3d bias(1e-3, -2e-3, 1.5e-3);
-  const auto at = [&](const Eigen::Vector3d& b) { return PreintegrateWheels(imu, wheels, b, Rigid3{}, WheelNoise{}); };
+  const auto at = [&](const Eigen::Vector3d& b) {
+    return PreintegrateWheels(imu, wheels, b, Rigid3{}, WheelNoise{});
+  };
 
   const WheelPreintegration zero = at(Eigen::Vector3d::Zero());
   const Eigen::Vector3d predicted = zero.displacement + zero.d_gyroscope_bias * bias;
@@ -129,14 +140,14 @@ TEST(GnssCost, JacobiansAreRight) {
   fix.antenna_in_site = {3, 4, 5};
   fix.sigma = {0.02, 0.03, 0.05};
   const GnssCost cost(fix);
-  const KnotValues i = KnotAt(1, 1, 0.02), j = KnotAt(1.2, 2, 0.02);
+  const NodeValues i = NodeAt(1, 1, 0.02), j = NodeAt(1.2, 2, 0.02);
   std::vector<std::vector<double>> parameters{i.pose, j.pose, {0.7, 10, -20, 3}};
 
   EXPECT_LT(JacobianError(cost, parameters, {&kPose, &kPose, nullptr}), kTolerance);
 }
 
 TEST(GnssCost, IsZeroWhereTheAntennaIsSaidToBe) {
-  const KnotValues i = KnotAt(1, 1, 0.02);
+  const NodeValues i = NodeAt(1, 1, 0.02);
   const Rigid3 site_from_odom{ExpSo3({0, 0, 0.7}), {10, -20, 3}};
   AntennaFix fix;
   fix.antenna_in_imu = {0.5, -0.2, 1.4};
@@ -152,23 +163,24 @@ TEST(GnssCost, IsZeroWhereTheAntennaIsSaidToBe) {
 
 TEST(StandstillCost, JacobiansAreRight) {
   const StandstillCost cost(StandstillNoise{});
-  const KnotValues i = KnotAt(1, 3, 0.05), j = KnotAt(1, 4, 0.05);
+  const NodeValues i = NodeAt(1, 3, 0.05), j = NodeAt(1, 4, 0.05);
   std::vector<std::vector<double>> parameters{i.pose, j.pose, j.motion};
 
   EXPECT_LT(JacobianError(cost, parameters, {&kPose, &kPose, nullptr}), kTolerance);
 }
 
-struct Sighting {
+struct LandmarkObservation {
   std::vector<double> extrinsics = std::vector<double>(kPoseSize), timing{0.012, 4e-5};
-  KnotValues first = KnotAt(1, 5, 0.02), second = KnotAt(1.2, 6, 0.02);
+  NodeValues first = NodeAt(1, 5, 0.02), second = NodeAt(1.2, 6, 0.02);
   LandmarkRay ray{{0.3, -0.1, 0.2}, {1, 2, -0.5}};
   ImageView view;
 
-  Sighting() {
+  LandmarkObservation() {
     PoseToParameters({ExpSo3({1.2, -1.1, 1.3}), {0.8, -0.3, 0.2}}, extrinsics.data());
     const std::vector<ImuSample> samples = ImuSamples(1, 1.2);
-    view.interpolation = MakeKnotInterpolation(Integrate(std::span(samples).first(17), {}), Integrate(samples, {}),
-                                               PoseFromParameters(first.pose.data()).rotation);
+    view.interpolation =
+        MakeNodeInterpolation(Integrate(std::span(samples).first(17), {}), Integrate(samples, {}),
+                              PoseFromParameters(first.pose.data()).rotation);
     view.time_offset = 0.004;
     view.angular_velocity = {0.3, -0.5, 0.8};
     view.velocity_in_odom = {1.2, 4, -0.3};
@@ -186,45 +198,51 @@ struct Sighting {
   }
 };
 
-TEST(BearingCost, JacobiansAreRightBetweenTwoKnots) {
-  Sighting sighting;
-  std::vector<std::vector<double>> parameters = sighting.Blocks(true, {0.05, -0.03, 0.2});
+TEST(BearingCost, JacobiansAreRightBetweenTwoNodes) {
+  LandmarkObservation observation;
+  std::vector<std::vector<double>> parameters = observation.Blocks(true, {0.05, -0.03, 0.2});
   for (const Eigen::Vector3d& measured :
-       {Eigen::Vector3d(0.1, 0.2, 1), Eigen::Vector3d(1, 0.3, -0.3), Eigen::Vector3d(-0.2, -1, 0.1)}) {
-    const BearingCost cost(&sighting.view, &sighting.ray, Bearing(measured.normalized(), 1e-2, 150));
+       {Eigen::Vector3d(0.1, 0.2, 1), Eigen::Vector3d(1, 0.3, -0.3),
+        Eigen::Vector3d(-0.2, -1, 0.1)}) {
+    const BearingCost cost(&observation.view, &observation.ray,
+                           Bearing(measured.normalized(), 1e-2, 150));
 
-    EXPECT_LT(
-        JacobianError(cost, parameters, {&kPose, &kPose, &kPose, nullptr, nullptr}, [&] { sighting.view.Update(); }),
-        kTolerance);
+    EXPECT_LT(JacobianError(cost, parameters, {&kPose, &kPose, &kPose, nullptr, nullptr},
+                            [&] { observation.view.Update(); }),
+              kTolerance);
   }
 }
 
-TEST(BearingCost, JacobiansAreRightAtAKnotAndAtInfinity) {
-  Sighting sighting;
-  sighting.view.interpolation = {};
-  std::vector<std::vector<double>> parameters = sighting.Blocks(false, {0.05, -0.03, 0.0});
-  const BearingCost cost(&sighting.view, &sighting.ray, Bearing(Eigen::Vector3d(0.1, 0.2, 1).normalized(), 1e-2, -99));
+TEST(BearingCost, JacobiansAreRightAtANodeAndAtInfinity) {
+  LandmarkObservation observation;
+  observation.view.interpolation = {};
+  std::vector<std::vector<double>> parameters = observation.Blocks(false, {0.05, -0.03, 0.0});
+  const BearingCost cost(&observation.view, &observation.ray,
+                         Bearing(Eigen::Vector3d(0.1, 0.2, 1).normalized(), 1e-2, -99));
 
-  EXPECT_LT(JacobianError(cost, parameters, {&kPose, &kPose, nullptr, nullptr}, [&] { sighting.view.Update(); }),
+  EXPECT_LT(JacobianError(cost, parameters, {&kPose, &kPose, nullptr, nullptr},
+                          [&] { observation.view.Update(); }),
             kTolerance);
 }
 
 TEST(BearingCost, IsTheAngleOverSigmaEvenBehindTheImagePlane) {
-  Sighting sighting;
-  sighting.view.interpolation = {};
-  sighting.timing = {sighting.view.time_offset, 0};
-  const std::vector<std::vector<double>> blocks = sighting.Blocks(false, {0, 0, 0.25});
-  sighting.view.Update();
+  LandmarkObservation observation;
+  observation.view.interpolation = {};
+  observation.timing = {observation.view.time_offset, 0};
+  const std::vector<std::vector<double>> blocks = observation.Blocks(false, {0, 0, 0.25});
+  observation.view.Update();
   const double* landmark = blocks.back().data();
-  const Eigen::Vector3d direction = LandmarkInCamera(sighting.view, sighting.ray, landmark, 0).normalized();
-  const Eigen::Vector3d point_in_camera = sighting.view.OdomFromCamera(0).Inverse() * sighting.ray.Point(landmark);
+  const Eigen::Vector3d direction =
+      LandmarkInCamera(observation.view, observation.ray, landmark, 0).normalized();
+  const Eigen::Vector3d point_in_camera =
+      observation.view.OdomFromCamera(0).Inverse() * observation.ray.Point(landmark);
   EXPECT_LT((point_in_camera.normalized() - direction).norm(), 1e-9);
 
   const Eigen::Vector3d measured = ExpSo3(0.01 * BasisAcross(direction).col(0)) * direction;
   std::vector<const double*> parameters;
   for (const auto& block : blocks) parameters.push_back(block.data());
   Eigen::Vector2d residual;
-  ASSERT_TRUE(BearingCost(&sighting.view, &sighting.ray, Bearing(measured, 2e-3))
+  ASSERT_TRUE(BearingCost(&observation.view, &observation.ray, Bearing(measured, 2e-3))
                   .Evaluate(parameters.data(), residual.data(), nullptr));
 
   EXPECT_NEAR(residual.norm(), 5, 1e-3);
@@ -247,11 +265,14 @@ TEST(BearingCost, LooksFromWhereTheCarWasWhenTheRowWasExposed) {
   view.velocity_in_odom = at.velocity;
   view.Update();
 
-  const Rigid3 expected = motion(t + offset + row * line_delay).world_from_body * PoseFromParameters(extrinsics.data());
+  const Rigid3 expected =
+      motion(t + offset + row * line_delay).world_from_body * PoseFromParameters(extrinsics.data());
 
   EXPECT_LT((view.OdomFromCamera(row).translation - expected.translation).norm(), 5e-5);
   EXPECT_LT(view.OdomFromCamera(row).rotation.angularDistance(expected.rotation), 5e-5);
-  EXPECT_GT((at.world_from_body.translation - motion(t + offset + row * line_delay).world_from_body.translation).norm(),
+  EXPECT_GT((at.world_from_body.translation -
+             motion(t + offset + row * line_delay).world_from_body.translation)
+                .norm(),
             1e-3);
 }
 
@@ -262,7 +283,7 @@ TEST(LinearPriorCost, IsLinearAroundItsPointAndKeepsItsJacobian) {
                   {{StateName::Kind::kWheelScale, 0}, {}},
                   {{StateName::Kind::kExtrinsics, 1}, {}},
                   {{StateName::Kind::kTiming, 1}, {}}};
-  const KnotValues at = KnotAt(1, 8, 0.1);
+  const NodeValues at = NodeAt(1, 8, 0.1);
   std::copy(at.pose.begin(), at.pose.end(), prior.blocks[0].at.begin());
   std::copy(at.motion.begin(), at.motion.end(), prior.blocks[1].at.begin());
   std::copy(at.pose.begin(), at.pose.end(), prior.blocks[3].at.begin());
@@ -274,7 +295,8 @@ TEST(LinearPriorCost, IsLinearAroundItsPointAndKeepsItsJacobian) {
   std::vector<std::vector<double>> parameters{at.pose, at.motion, {0.0}, at.pose, {0.01, 1e-5}};
 
   EXPECT_EQ(prior.Columns(), 24);
-  EXPECT_LT(JacobianError(cost, parameters, {&kPose, nullptr, nullptr, &kPose, nullptr}), kTolerance);
+  EXPECT_LT(JacobianError(cost, parameters, {&kPose, nullptr, nullptr, &kPose, nullptr}),
+            kTolerance);
 }
 
 }  // namespace

@@ -17,7 +17,8 @@ TEST(AlignPoints, ExactMotionAndScaleComeBack) {
   const Eigen::Matrix3Xd source = RandomPoints(20);
   const Rigid3 moved{ExpSo3({0.3, -2.0, 1.1}), {4, -5, 6}};
   Eigen::Matrix3Xd target = source;
-  for (Eigen::Index i = 0; i < source.cols(); ++i) target.col(i) = moved * Eigen::Vector3d(1.25 * source.col(i));
+  for (Eigen::Index i = 0; i < source.cols(); ++i)
+    target.col(i) = moved * Eigen::Vector3d(1.25 * source.col(i));
 
   const SimilarityAlignment alignment = AlignPoints(source, target);
 
@@ -30,7 +31,8 @@ TEST(AlignPoints, MirroredPointsAreNeverAnsweredByAReflection) {
   Eigen::Matrix3Xd target = source;
   target.row(0) *= -1;
 
-  const Eigen::Matrix3d rotation = AlignPoints(source, target).target_from_source.rotation.toRotationMatrix();
+  const Eigen::Matrix3d rotation =
+      AlignPoints(source, target).target_from_source.rotation.toRotationMatrix();
 
   EXPECT_NEAR(rotation.determinant(), 1, 1e-12);
 }
@@ -39,7 +41,8 @@ TEST(AlignYawAndTranslation, TiltIsLeftAloneAndZeroWeightIgnored) {
   const Eigen::Matrix3Xd source = RandomPoints(30);
   const Rigid3 moved{ExpSo3({0, 0, 2.5}), {100, -50, 3}};
   Eigen::Matrix3Xd target = source;
-  for (Eigen::Index i = 0; i < source.cols(); ++i) target.col(i) = moved * Eigen::Vector3d(source.col(i));
+  for (Eigen::Index i = 0; i < source.cols(); ++i)
+    target.col(i) = moved * Eigen::Vector3d(source.col(i));
   target.col(7).setConstant(1e6);
   Eigen::VectorXd weights = Eigen::VectorXd::Constant(30, 2.0);
   weights[7] = 0;

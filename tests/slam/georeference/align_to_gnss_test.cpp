@@ -20,8 +20,9 @@ Trajectory DriveAround(double length) {
     const double angle = 2 * M_PI * i / 400;
     TrajectoryState state;
     state.time = Timestamp{100'000'000LL * i};
-    state.odom_from_body = {ExpSo3({0, 0, angle + M_PI / 2}),
-                            {0.5 * length * std::cos(angle), 0.5 * length * std::sin(angle), 0.2 * std::sin(angle)}};
+    state.world_from_body = {
+        ExpSo3({0, 0, angle + M_PI / 2}),
+        {0.5 * length * std::cos(angle), 0.5 * length * std::sin(angle), 0.2 * std::sin(angle)}};
     states.push_back(state);
   }
   return Trajectory(states);
@@ -33,16 +34,21 @@ std::vector<GnssFix> FixesOf(const Trajectory& trajectory, double sigma, std::ui
   std::vector<GnssFix> fixes;
   for (const TrajectoryState& state : trajectory.states()) {
     const Eigen::Vector3d noise(normal(random), normal(random), 2 * normal(random));
-    const Eigen::Vector3d in_site = kSiteFromOdom * (state.odom_from_body * kAntenna) + noise;
+    const Eigen::Vector3d in_site = kSiteFromOdom * (state.world_from_body * kAntenna) + noise;
     const Geodetic place = GeodeticFromSite(kDatum, in_site);
-    fixes.push_back({state.time, place.latitude_deg, place.longitude_deg, place.altitude, {sigma, sigma, 2 * sigma}});
+    fixes.push_back({state.time,
+                     place.latitude_deg,
+                     place.longitude_deg,
+                     place.altitude,
+                     {sigma, sigma, 2 * sigma}});
   }
   return fixes;
 }
 
 /// [m] between where the alignment puts a point of the drive and where it is.
 double ErrorAt(const GnssAlignment& alignment, const Eigen::Vector3d& point_in_odom) {
-  const Eigen::Vector3d found = EarthFromSite(alignment.datum) * (alignment.site_from_odom * point_in_odom);
+  const Eigen::Vector3d found =
+      EarthFromSite(alignment.datum) * (alignment.site_from_odom * point_in_odom);
   return (found - EarthFromSite(kDatum) * (kSiteFromOdom * point_in_odom)).norm();
 }
 
@@ -72,7 +78,7 @@ TEST(AlignToGnss, AThirdOfReflectedFixesDoesNoHarm) {
   const Trajectory drive = DriveAround(60);
   std::vector<GnssFix> fixes = FixesOf(drive, 0.5);
   for (size_t i = 100; i < 233; ++i) fixes[i].latitude_deg += 3e-4;  // 33 m north, all the same way
-  fixes[0].latitude_deg = fixes[0].longitude_deg = 0;                // a receiver that has just started
+  fixes[0].latitude_deg = fixes[0].longitude_deg = 0;  // a receiver that has just started
 
   const auto alignment = AlignToGnss(drive, fixes, kAntenna);
 
@@ -93,7 +99,8 @@ TEST(AlignToGnss, ReportedYawSigmaIsHonest) {
   for (std::uint32_t seed = 1; seed <= kTrials; ++seed) {
     const auto alignment = AlignToGnss(drive, FixesOf(drive, 1.0, seed), kAntenna, options);
     ASSERT_TRUE(alignment);
-    const double error = LogSo3(alignment->site_from_odom.rotation * kSiteFromOdom.rotation.conjugate()).z();
+    const double error =
+        LogSo3(alignment->site_from_odom.rotation * kSiteFromOdom.rotation.conjugate()).z();
     squared += error * error / kTrials;
     claimed += alignment->covariance(0, 0) / kTrials;
   }
@@ -136,10 +143,13 @@ TEST(AlignToGnss, ARealReceiverPlacesARealDrive) {
   const auto folder = FindSharedData("comma2k19_drive");
   if (!folder) GTEST_SKIP() << "no comma2k19_drive";
   const auto poses = ReadCsv(*folder / "pose_ecef.csv");
-  const auto number = [](const std::vector<std::string>& row, size_t i) { return std::stod(row.at(i)); };
+  const auto number = [](const std::vector<std::string>& row, size_t i) {
+    return std::stod(row.at(i));
+  };
   std::vector<GnssFix> fixes;
   for (const auto& row : ReadCsv(*folder / "gnss_ublox.csv"))
-    fixes.push_back({ParseSeconds(row.at(0)), number(row, 1), number(row, 2), number(row, 5), {2, 2, 4}});
+    fixes.push_back(
+        {ParseSeconds(row.at(0)), number(row, 1), number(row, 2), number(row, 5), {2, 2, 4}});
   const SiteDatum datum{fixes[0].latitude_deg, fixes[0].longitude_deg, fixes[0].altitude};
   const Rigid3 odom_from_site{ExpSo3({0, 0, -1.3}), {70, -30, 4}};
   std::vector<TrajectoryState> states;
@@ -148,7 +158,7 @@ TEST(AlignToGnss, ARealReceiverPlacesARealDrive) {
                                    {number(row, 1), number(row, 2), number(row, 3)}};
     TrajectoryState state;
     state.time = ParseSeconds(row.at(0));
-    state.odom_from_body = odom_from_site * EarthFromSite(datum).Inverse() * earth_from_device;
+    state.world_from_body = odom_from_site * EarthFromSite(datum).Inverse() * earth_from_device;
     states.push_back(state);
   }
   const Trajectory drive(states);
@@ -159,7 +169,8 @@ TEST(AlignToGnss, ARealReceiverPlacesARealDrive) {
   const Rigid3 error = alignment->site_from_odom * odom_from_site;
   EXPECT_LT(std::abs(LogSo3(error.rotation).z()), std::max(0.01, 3 * alignment->YawSigma()));
   const Eigen::Vector3d middle =
-      odom_from_site.Inverse() * drive.states()[drive.states().size() / 2].odom_from_body.translation;
+      odom_from_site.Inverse() *
+      drive.states()[drive.states().size() / 2].world_from_body.translation;
   EXPECT_LT((error * middle - middle).head<2>().norm(), 4) << "[m] a receiver without corrections";
   EXPECT_GT(alignment->num_inliers, alignment->num_fixes * 9 / 10);
   EXPECT_LT(alignment->cep50, 2);
@@ -168,17 +179,17 @@ TEST(AlignToGnss, ARealReceiverPlacesARealDrive) {
 
 TEST(AlignToGnss, DrivesPlaceASiteTogetherMoreSurelyThanEach) {
   GnssAlignment west, east;
-  west.centre_in_odom = {-50, 0, 0};
-  east.centre_in_odom = {50, 0, 0};
+  west.center_in_odom = {-50, 0, 0};
+  east.center_in_odom = {50, 0, 0};
   for (GnssAlignment* drive : {&west, &east}) drive->covariance.diagonal() << 1e-2, 1, 1, 4;
 
   EXPECT_TRUE(PlacementBy({east}).covariance.isApprox(east.covariance, 1e-9));
-  EXPECT_TRUE(PlacementBy({east}).centre.isApprox(east.centre_in_odom, 1e-9));
+  EXPECT_TRUE(PlacementBy({east}).center.isApprox(east.center_in_odom, 1e-9));
   const SitePlacement both = PlacementBy({west, east});
-  EXPECT_LT(both.centre.norm(), 1e-9);
+  EXPECT_LT(both.center.norm(), 1e-9);
   EXPECT_NEAR(both.covariance(1, 1), 0.5, 1e-9);
   EXPECT_NEAR(both.covariance(3, 3), 2, 1e-9);
-  // The line between them has a heading of its own: one metre each at 50 m of arm.
+  // The line between them has a heading of its own: one meter each at 50 m of arm.
   EXPECT_NEAR(1 / both.covariance(0, 0), 2 / 1e-2 + 2 * 50.0 * 50.0, 1e-6);
 }
 

@@ -16,12 +16,14 @@ Eigen::VectorXd UnevenTimes(int count) {
 }
 
 /// Of the errors of a series; weights as WhitenRows has them.
-Eigen::MatrixXd CovarianceOf(const Eigen::VectorXd& times, const Eigen::VectorXd& weights, const ErrorModel& model) {
+Eigen::MatrixXd CovarianceOf(const Eigen::VectorXd& times, const Eigen::VectorXd& weights,
+                             const ErrorModel& model) {
   const auto count = times.size();
   Eigen::MatrixXd covariance(count, count);
   for (Eigen::Index i = 0; i < count; ++i)
     for (Eigen::Index k = 0; k < count; ++k) {
-      covariance(i, k) = (1 - model.white_variance) * std::exp(-std::abs(times[i] - times[k]) / model.correlation_time);
+      covariance(i, k) = (1 - model.white_variance) *
+                         std::exp(-std::abs(times[i] - times[k]) / model.correlation_time);
       if (i == k) covariance(i, k) += model.white_variance / weights[i];
     }
   return covariance;
@@ -40,7 +42,8 @@ TEST(CorrelatedErrors, WhitenedRowsHaveTheInformationOfTheFullCovariance) {
   const Eigen::VectorXd times = UnevenTimes(count);
   const ErrorModel model{20, 0.2};
   const Eigen::MatrixXd white = WhitenRows(rows, times, weights, model);
-  const Eigen::MatrixXd expected = rows.transpose() * CovarianceOf(times, weights, model).ldlt().solve(rows);
+  const Eigen::MatrixXd expected =
+      rows.transpose() * CovarianceOf(times, weights, model).ldlt().solve(rows);
   EXPECT_LT((white.transpose() * white - expected).norm(), 1e-9 * expected.norm());
 }
 

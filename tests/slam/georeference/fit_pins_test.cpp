@@ -10,7 +10,8 @@ namespace parkade {
 namespace {
 
 const SiteDatum kTruth{48.137154, 11.576124, 519.3};
-const Rigid3 kTruthFromSite{Eigen::Quaterniond(Eigen::AngleAxisd(2.1, Eigen::Vector3d::UnitZ())), {31, -12, 4.5}};
+const Rigid3 kTruthFromSite{Eigen::Quaterniond(Eigen::AngleAxisd(2.1, Eigen::Vector3d::UnitZ())),
+                            {31, -12, 4.5}};
 
 PinnedPoint Pin(const Eigen::Vector3d& point_in_site, bool has_height = true) {
   const Geodetic place = GeodeticFromSite(kTruth, kTruthFromSite * point_in_site);
@@ -39,9 +40,11 @@ std::string SentenceOf(const std::vector<PinnedPoint>& pins) {
 TEST(FitPins, TwoExactPinsPutTheSiteWhereItIs) {
   const PinFit fit = FitPins({Pin({0, 0, 0}), Pin({60, 25, 1})}, {});
 
-  EXPECT_LT(ErrorAt(fit, {100, -40, 2}).norm(), 2e-3);  // tangent planes 40 m apart differ by that much
+  EXPECT_LT(ErrorAt(fit, {100, -40, 2}).norm(),
+            2e-3);  // tangent planes 40 m apart differ by that much
   EXPECT_LT(fit.residuals[fit.WorstPin()].norm(), 1e-3);
-  EXPECT_LT((fit.pinned_from_site * Eigen::Vector3d(0, 0, 0)).norm(), 1e-3) << "the datum is at the first pin";
+  EXPECT_LT((fit.pinned_from_site * Eigen::Vector3d(0, 0, 0)).norm(), 1e-3)
+      << "the datum is at the first pin";
   EXPECT_TRUE(fit.datum.is_altitude_known);
 }
 
@@ -60,7 +63,8 @@ TEST(FitPins, WithoutHeightsTheSiteKeepsTheHeightItHas) {
 }
 
 TEST(FitPins, OnePinWithAHeightGivesAllOfThemTheirs) {
-  const PinFit fit = FitPins({Pin({0, 0, 0}, false), Pin({60, 25, 1}), Pin({10, 45, -1}, false)}, {});
+  const PinFit fit =
+      FitPins({Pin({0, 0, 0}, false), Pin({60, 25, 1}), Pin({10, 45, -1}, false)}, {});
 
   EXPECT_LT(ErrorAt(fit, {100, -40, 2}).norm(), 2e-3);
   EXPECT_EQ(fit.residuals[0].z(), 0);
@@ -76,20 +80,23 @@ TEST(FitPins, TheCovarianceIsThatOfTheErrors) {
   const Eigen::Vector3d far(150, 30, 0);
   for (int run = 0; run < kRuns; ++run) {
     std::vector<PinnedPoint> pins;
-    for (const Eigen::Vector3d& point : {Eigen::Vector3d(0, 0, 0), {50, 0, 0}, {50, 30, 0}, {0, 30, 0}}) {
+    for (const Eigen::Vector3d& point :
+         {Eigen::Vector3d(0, 0, 0), {50, 0, 0}, {50, 30, 0}, {0, 30, 0}}) {
       pins.push_back(Pin(point));
       pins.back().point_in_site += Eigen::Vector3d(noise(random), noise(random), noise(random));
     }
     const PinFit fit = FitPins(pins, options);
-    const Eigen::Vector3d error =
-        EarthFromSite(fit.datum).rotation.conjugate() * (EarthFromSite(kTruth).rotation * ErrorAt(fit, far));
+    const Eigen::Vector3d error = EarthFromSite(fit.datum).rotation.conjugate() *
+                                  (EarthFromSite(kTruth).rotation * ErrorAt(fit, far));
     squared += error.cwiseAbs2();
     claimed += fit.placement.PositionSigma(fit.pinned_from_site * far).cwiseAbs2();
-    const double yaw = (fit.pinned_from_site.rotation * kTruthFromSite.rotation.conjugate()).z() * 2;
+    const double yaw =
+        (fit.pinned_from_site.rotation * kTruthFromSite.rotation.conjugate()).z() * 2;
     squared_yaw += yaw * yaw;
     claimed_yaw += std::pow(fit.placement.YawSigma(), 2);
   }
-  // Residuals raise the claim where they are large by chance, so that it is a little above what the errors are.
+  // Residuals raise the claim where they are large by chance, so that it is a little above what the
+  // errors are.
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_GT(squared[axis] / claimed[axis], 0.5);
     EXPECT_LT(squared[axis] / claimed[axis], 1.2);
@@ -107,7 +114,8 @@ TEST(FitPins, PinsThatDoNotFitEachOtherAreNamed) {
 
 TEST(FitPins, WhatPinsNothingIsRefusedInOneSentence) {
   EXPECT_NE(SentenceOf({Pin({0, 0, 0})}).find("two points or more"), std::string::npos);
-  EXPECT_NE(SentenceOf({Pin({0, 0, 0}), Pin({0, 0, 0})}).find("0.00 m of each other"), std::string::npos);
+  EXPECT_NE(SentenceOf({Pin({0, 0, 0}), Pin({0, 0, 0})}).find("0.00 m of each other"),
+            std::string::npos);
   EXPECT_NE(SentenceOf({Pin({0, 0, 0}), Pin({0, 0, 30})}).find("of each other"), std::string::npos);
   PinnedPoint nowhere = Pin({30, 0, 0});
   nowhere.latitude_deg = 91;

@@ -21,7 +21,8 @@ Buffers BuffersOf(const SyntheticDrive& drive) {
 }
 
 double TiltError(const SyntheticDrive& drive, const Eigen::Quaterniond& odom_from_imu) {
-  const Eigen::Quaterniond truth = drive.truth.front().world_from_frame.rotation * drive.rig.body_from_imu.rotation;
+  const Eigen::Quaterniond truth =
+      drive.truth.front().world_from_frame.rotation * drive.rig.body_from_imu.rotation;
   const Eigen::Vector3d up = odom_from_imu.conjugate() * Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d true_up = truth.conjugate() * Eigen::Vector3d::UnitZ();
   return std::acos(std::min(1.0, up.dot(true_up)));
@@ -36,7 +37,8 @@ TEST(EstimateGyroscopeBias, FindsALargeBiasInFlight) {
     SyntheticDriveOptions without = options;
     without.gyroscope_bias = 0;  // the same noise without bias: the difference is the bias
     const SyntheticDrive flight = MakeFlight(options);
-    const Eigen::Vector3d bias = flight.imu.front().angular_velocity - MakeFlight(without).imu.front().angular_velocity;
+    const Eigen::Vector3d bias =
+        flight.imu.front().angular_velocity - MakeFlight(without).imu.front().angular_velocity;
     ASSERT_GT(bias.norm(), 0.02);
 
     const auto estimate = EstimateGyroscopeBias(flight.frames, BuffersOf(flight).imu, flight.rig);
@@ -57,7 +59,8 @@ TEST(StartFromImages, FindsVelocityAndGravityOfAFlight) {
     const auto bias = EstimateGyroscopeBias(flight.frames, imu, flight.rig);
     ASSERT_TRUE(bias);
 
-    const auto start = StartFromImages(imu, flight.frames, flight.rig, *bias, flight.imu.front().time, imu.back().time);
+    const auto start = StartFromImages(imu, flight.frames, flight.rig, *bias,
+                                       flight.imu.front().time, imu.back().time);
 
     if (!start) continue;
     ++num_found;
@@ -76,11 +79,14 @@ TEST(StartFromImages, RefusesACarAtConstantSpeedWhoseScaleNothingTells) {
   const SyntheticDrive drive = MakeCarDrive(options);
   const ImuBuffer imu = BuffersOf(drive).imu;
 
-  EXPECT_FALSE(StartFromImages(imu, drive.frames, drive.rig, {}, drive.imu.front().time, imu.back().time));
+  EXPECT_FALSE(
+      StartFromImages(imu, drive.frames, drive.rig, {}, drive.imu.front().time, imu.back().time));
 }
 
-/// 1 s straight on at constant speed: nothing but the ground tells scale to cameras that do not see the same.
-std::optional<StartEstimate> StartAtConstantSpeed(std::uint32_t seed, bool knows_ground, double& speed) {
+/// 1 s straight on at constant speed: nothing but the ground tells scale to cameras that do not see
+/// the same.
+std::optional<StartEstimate> StartAtConstantSpeed(std::uint32_t seed, bool knows_ground,
+                                                  double& speed) {
   SyntheticDriveOptions options;
   options.seed = seed;
   options.start = 8;
@@ -91,7 +97,8 @@ std::optional<StartEstimate> StartAtConstantSpeed(std::uint32_t seed, bool knows
   const ImuBuffer imu = BuffersOf(drive).imu;
   const auto bias = EstimateGyroscopeBias(drive.frames, imu, drive.rig);
   EXPECT_TRUE(bias);
-  return StartFromImages(imu, drive.frames, drive.rig, *bias, drive.imu.front().time, imu.back().time);
+  return StartFromImages(imu, drive.frames, drive.rig, *bias, drive.imu.front().time,
+                         imu.back().time);
 }
 
 TEST(StartFromImages, TakesTheScaleFromTheHeightOfTheCameras) {
@@ -119,8 +126,9 @@ TEST(StartFromWheels, FindsTiltAndVelocityWhileBrakingInATurn) {
   const SyntheticDrive drive = MakeCarDrive(options);
   const Buffers buffers = BuffersOf(drive);
 
-  const auto start = StartFromWheels(buffers.imu, buffers.wheels, drive.rig, {Eigen::Vector3d::Zero(), 0.01},
-                                     drive.imu.front().time, drive.imu.front().time + 1.0);
+  const auto start =
+      StartFromWheels(buffers.imu, buffers.wheels, drive.rig, {Eigen::Vector3d::Zero(), 0.01},
+                      drive.imu.front().time, drive.imu.front().time + 1.0);
 
   ASSERT_TRUE(start);
   EXPECT_LT(TiltError(drive, start->state.odom_from_imu.rotation), 0.03);
@@ -133,16 +141,17 @@ TEST(StartFromStandstill, FindsTiltAndBias) {
   const SyntheticDrive drive = MakeRestingDrive(options);
   const ImuBuffer imu = BuffersOf(drive).imu;
 
-  const auto start = StartFromStandstill(imu, drive.rig.imu, drive.imu.front().time, drive.imu.front().time + 1.0);
+  const auto start =
+      StartFromStandstill(imu, drive.rig.imu, drive.imu.front().time, drive.imu.front().time + 1.0);
 
   ASSERT_TRUE(start);
   EXPECT_LT(TiltError(drive, start->state.odom_from_imu.rotation), 0.02);
 }
 
-TEST(LevelledRotation, TurnsDownDownAndForwardAhead) {
+TEST(LeveledRotation, TurnsDownDownAndForwardAhead) {
   const Eigen::Vector3d gravity_in_imu = Eigen::Vector3d(1, 2, -9).normalized() * 9.81;
 
-  const Eigen::Quaterniond rotation = LevelledRotation(gravity_in_imu);
+  const Eigen::Quaterniond rotation = LeveledRotation(gravity_in_imu);
 
   EXPECT_LT((rotation * gravity_in_imu - kGravityInOdom).norm(), 1e-9);
   const Eigen::Vector3d forward = rotation * Eigen::Vector3d::UnitX();
@@ -150,13 +159,14 @@ TEST(LevelledRotation, TurnsDownDownAndForwardAhead) {
   EXPECT_GT(forward.x(), 0);
 }
 
-SightRay RayTo(const Eigen::Vector3d& origin, const Eigen::Vector3d& point) {
+ObservationRay RayTo(const Eigen::Vector3d& origin, const Eigen::Vector3d& point) {
   return {origin, (point - origin).normalized(), 1e-3};
 }
 
 TEST(Triangulate, FindsThePointWhereRaysMeet) {
   const Eigen::Vector3d point(2, 3, 10);
-  const std::vector<SightRay> rays{RayTo({0, 0, 0}, point), RayTo({0.5, 0, 0}, point), RayTo({1, 0.2, 0}, point)};
+  const std::vector<ObservationRay> rays{RayTo({0, 0, 0}, point), RayTo({0.5, 0, 0}, point),
+                                         RayTo({1, 0.2, 0}, point)};
 
   const auto found = Triangulate(rays, 5, 0.3);
 
@@ -166,7 +176,7 @@ TEST(Triangulate, FindsThePointWhereRaysMeet) {
 
 TEST(Triangulate, RaysWithoutParallaxMeetAtInfinity) {
   const Eigen::Vector3d point(0, 0, 1e5);
-  const std::vector<SightRay> rays{RayTo({0, 0, 0}, point), RayTo({1, 0, 0}, point)};
+  const std::vector<ObservationRay> rays{RayTo({0, 0, 0}, point), RayTo({1, 0, 0}, point)};
 
   const auto found = Triangulate(rays, 5, 0.3);
 
@@ -175,9 +185,10 @@ TEST(Triangulate, RaysWithoutParallaxMeetAtInfinity) {
 }
 
 TEST(Triangulate, RefusesRaysThatContradictEachOther) {
-  const std::vector<SightRay> skew{RayTo({0, 0, 0}, {0, 0, 5}), RayTo({1, 0, 0}, {0, 0, 5}),
-                                   RayTo({0, 1, 0}, {0.5, 0, 5})};
-  const std::vector<SightRay> behind{RayTo({0, 0, 0}, {0, 0, 5}), RayTo({1, 0, 0}, {2, 0, 5})};
+  const std::vector<ObservationRay> skew{RayTo({0, 0, 0}, {0, 0, 5}), RayTo({1, 0, 0}, {0, 0, 5}),
+                                         RayTo({0, 1, 0}, {0.5, 0, 5})};
+  const std::vector<ObservationRay> behind{RayTo({0, 0, 0}, {0, 0, 5}),
+                                           RayTo({1, 0, 0}, {2, 0, 5})};
 
   EXPECT_FALSE(Triangulate(skew, 5, 0.3));
   EXPECT_FALSE(Triangulate(behind, 5, 0.3));

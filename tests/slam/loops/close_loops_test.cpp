@@ -15,70 +15,77 @@ Trajectory StraightDrive(int num_states) {
   for (int i = 0; i < num_states; ++i) {
     TrajectoryState state;
     state.time = Timestamp{500'000'000LL * i};
-    state.odom_from_body = {ExpSo3({0, 0.02, 0}), {0.5 * i, 0, 0.1}};
-    state.velocity_in_odom = {1, 0, 0};
+    state.world_from_body = {ExpSo3({0, 0.02, 0}), {0.5 * i, 0, 0.1}};
+    state.velocity_in_world = {1, 0, 0};
     states.push_back(state);
   }
   return Trajectory(std::move(states));
 }
 
-std::vector<Place> PlacesOf(const Trajectory& drive, size_t every) {
-  std::vector<Place> places;
+std::vector<RigKeyframe> KeyframesOf(const Trajectory& drive, size_t every) {
+  std::vector<RigKeyframe> keyframes;
   for (size_t i = 0; i < drive.states().size(); i += every) {
     const TrajectoryState& state = drive.states()[i];
-    places.push_back({state.time,
-                      state.odom_from_body.translation.x(),
-                      {Eigen::Quaterniond::Identity(), state.odom_from_body.translation},
-                      {},
-                      {}});
+    keyframes.push_back({state.time,
+                         state.world_from_body.translation.x(),
+                         {Eigen::Quaterniond::Identity(), state.world_from_body.translation},
+                         {},
+                         {}});
   }
-  return places;
+  return keyframes;
 }
 
-TEST(CarryAlong, PlacesThatStayLeaveTheDriveAlone) {
+TEST(CarryAlong, KeyframesThatStayLeaveTheDriveAlone) {
   const Trajectory drive = StraightDrive(41);
-  const std::vector<Place> places = PlacesOf(drive, 4);
+  const std::vector<RigKeyframe> keyframes = KeyframesOf(drive, 4);
   std::vector<Rigid3> same;
-  for (const Place& place : places) same.push_back(place.odom_from_place);
+  for (const RigKeyframe& keyframe : keyframes) same.push_back(keyframe.odom_from_keyframe);
 
-  const Trajectory carried = CarryAlong(drive, places, same);
+  const Trajectory carried = CarryAlong(drive, keyframes, same);
 
   for (size_t i = 0; i < 41; ++i)
-    EXPECT_LT((carried.states()[i].odom_from_body.translation - drive.states()[i].odom_from_body.translation).norm(),
+    EXPECT_LT((carried.states()[i].world_from_body.translation -
+               drive.states()[i].world_from_body.translation)
+                  .norm(),
               1e-12);
 }
 
-TEST(CarryAlong, StatesBetweenPlacesMoveWithBoth) {
-  const Trajectory drive = StraightDrive(43);  // ends between places
-  const std::vector<Place> places = PlacesOf(drive, 4);
-  // Each place a bit farther to the left: 0.1 m per place.
+TEST(CarryAlong, StatesBetweenKeyframesMoveWithBoth) {
+  const Trajectory drive = StraightDrive(43);  // ends between keyframes
+  const std::vector<RigKeyframe> keyframes = KeyframesOf(drive, 4);
+  // Each keyframe a bit farther to the left: 0.1 m per keyframe.
   std::vector<Rigid3> moved;
-  for (size_t i = 0; i < places.size(); ++i) {
-    moved.push_back(places[i].odom_from_place);
+  for (size_t i = 0; i < keyframes.size(); ++i) {
+    moved.push_back(keyframes[i].odom_from_keyframe);
     moved.back().translation.y() += 0.1 * static_cast<double>(i);
   }
 
-  const Trajectory carried = CarryAlong(drive, places, moved);
+  const Trajectory carried = CarryAlong(drive, keyframes, moved);
 
   EXPECT_NEAR(carried.At(Timestamp{4'000'000'000})->translation.y(), 0.2, 1e-12) << "at a place";
-  EXPECT_NEAR(carried.At(Timestamp{5'000'000'000})->translation.y(), 0.25, 1e-12) << "half way to the next";
-  EXPECT_NEAR(carried.states().back().odom_from_body.translation.y(), 1.0, 1e-12) << "after the last place";
+  EXPECT_NEAR(carried.At(Timestamp{5'000'000'000})->translation.y(), 0.25, 1e-12)
+      << "half way to the next";
+  EXPECT_NEAR(carried.states().back().world_from_body.translation.y(), 1.0, 1e-12)
+      << "after the last place";
 }
 
 TEST(RecognisePlaces, FindsTheVisitBeforeAndNotThoseThatOdometryRulesOut) {
-  // Three spots with looks of their own, visited twice; a fourth that looks like the first but lies a deck above.
-  std::vector<Place> places;
-  const auto visit = [&places](std::uint32_t looks, double distance, const Eigen::Vector3d& position) {
-    Place place = MakePlaceWorld({.seed = looks}).a;
-    place.distance = distance;
-    place.odom_from_place.translation = position;
-    places.push_back(place);
+  // Three spots with looks of their own, visited twice; a fourth that looks like the first but lies
+  // a deck above.
+  std::vector<RigKeyframe> keyframes;
+  const auto visit = [&keyframes](std::uint32_t looks, double distance,
+                                  const Eigen::Vector3d& position) {
+    RigKeyframe keyframe = MakePlaceWorld({.seed = looks}).a;
+    keyframe.distance = distance;
+    keyframe.odom_from_keyframe.translation = position;
+    keyframes.push_back(keyframe);
   };
   for (int lap = 0; lap < 2; ++lap)
-    for (std::uint32_t spot = 1; spot <= 3; ++spot) visit(spot, 100.0 * lap + 10.0 * spot, {10.0 * spot, 0.5 * lap, 0});
+    for (std::uint32_t spot = 1; spot <= 3; ++spot)
+      visit(spot, 100.0 * lap + 10.0 * spot, {10.0 * spot, 0.5 * lap, 0});
   visit(1, 200, {10, 0, 3});
 
-  const std::vector<PlaceCandidate> candidates = RecognisePlaces(places, {.max_candidates = 1});
+  const std::vector<PlaceCandidate> candidates = RecognisePlaces(keyframes, {.max_candidates = 1});
 
   const auto found = [&](size_t earlier, size_t later) {
     return std::any_of(candidates.begin(), candidates.end(), [&](const PlaceCandidate& candidate) {
@@ -91,12 +98,13 @@ TEST(RecognisePlaces, FindsTheVisitBeforeAndNotThoseThatOdometryRulesOut) {
 }
 
 TEST(FindPossibleRevisits, AStraightDriveHasNone) {
-  const std::vector<Place> straight = PlacesOf(StraightDrive(401), 4);
+  const std::vector<RigKeyframe> straight = KeyframesOf(StraightDrive(401), 4);
   const std::vector<bool> possible = FindPossibleRevisits(straight, {});
   EXPECT_EQ(std::count(possible.begin(), possible.end(), true), 0);
 
-  std::vector<Place> back = straight;
-  for (size_t i = 51; i < back.size(); ++i) back[i].odom_from_place = back[100 - i].odom_from_place;
+  std::vector<RigKeyframe> back = straight;
+  for (size_t i = 51; i < back.size(); ++i)
+    back[i].odom_from_keyframe = back[100 - i].odom_from_keyframe;
   const std::vector<bool> of_return = FindPossibleRevisits(back, {});
   EXPECT_TRUE(of_return[0] && of_return[100]);
   EXPECT_FALSE(of_return[50]) << "where it turns, it has not driven far enough since";
@@ -110,10 +118,12 @@ TEST(CylinderView, BearingsAreThoseOfTheLens) {
   body_from_camera << 1, 0, 0, 0, 0, 1, 0, -1, 0;
   camera.body_from_camera.rotation = Eigen::Quaterniond(body_from_camera) * ExpSo3({-0.35, 0, 0});
   const CylinderView view(camera, Eigen::Quaterniond::Identity());
-  // An image whose brightness is its column: what is warped must show the column of the pixel it comes from.
+  // An image whose brightness is its column: what is warped must show the column of the pixel it
+  // comes from.
   cv::Mat image(400, 640, CV_8UC1);
   for (int row = 0; row < 400; ++row)
-    for (int column = 0; column < 640; ++column) image.at<uchar>(row, column) = static_cast<uchar>(column / 3);
+    for (int column = 0; column < 640; ++column)
+      image.at<uchar>(row, column) = static_cast<uchar>(column / 3);
 
   const cv::Mat warped = view.Warp(image);
 
@@ -122,7 +132,8 @@ TEST(CylinderView, BearingsAreThoseOfTheLens) {
     for (int column = 0; column < warped.cols; column += 13) {
       if (view.usable().at<uchar>(row, column) == 0) continue;
       const Eigen::Vector3d bearing = view.BearingInUpright(column, row);
-      const auto pixel = camera.model.Project(camera.body_from_camera.rotation.conjugate() * bearing);
+      const auto pixel =
+          camera.model.Project(camera.body_from_camera.rotation.conjugate() * bearing);
       ASSERT_TRUE(pixel);
       EXPECT_NEAR(warped.at<uchar>(row, column), pixel->x() / 3, 1.5);
       ++num_checked;

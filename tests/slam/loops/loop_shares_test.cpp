@@ -5,31 +5,32 @@
 namespace parkade {
 namespace {
 
-std::vector<Place> PlacesEvery(double metres, size_t count) {
-  std::vector<Place> places(count);
-  for (size_t i = 0; i < count; ++i) places[i].distance = metres * static_cast<double>(i);
-  return places;
+std::vector<RigKeyframe> PlacesEvery(double meters, size_t count) {
+  std::vector<RigKeyframe> keyframes(count);
+  for (size_t i = 0; i < count; ++i) keyframes[i].distance = meters * static_cast<double>(i);
+  return keyframes;
 }
 
 LoopEvidence LoopBetween(size_t earlier, size_t later) {
   LoopEvidence loop;
-  loop.earlier_place = earlier;
-  loop.later_place = later;
+  loop.earlier_keyframe = earlier;
+  loop.later_keyframe = later;
   return loop;
 }
 
 TEST(LoopShares, ALoopAloneCountsWhole) {
-  const std::vector<double> shares = SharesOf({LoopBetween(0, 20), LoopBetween(10, 29)}, PlacesEvery(2, 30), 8);
+  const std::vector<double> shares =
+      SharesOf({LoopBetween(0, 20), LoopBetween(10, 29)}, PlacesEvery(2, 30), 8);
   EXPECT_DOUBLE_EQ(shares[0], 1) << "the other lies 20 m on";
   EXPECT_DOUBLE_EQ(shares[1], 1);
 }
 
-TEST(LoopShares, NeighboursCountLessAndTheNearerTheLess) {
-  const std::vector<Place> places = PlacesEvery(2, 30);
+TEST(LoopShares, NeighborsCountLessAndTheNearerTheLess) {
+  const std::vector<RigKeyframe> keyframes = PlacesEvery(2, 30);
   const auto share_beside = [&](size_t earlier, size_t later) {
-    return SharesOf({LoopBetween(5, 20), LoopBetween(earlier, later)}, places, 8)[0];
+    return SharesOf({LoopBetween(5, 20), LoopBetween(earlier, later)}, keyframes, 8)[0];
   };
-  EXPECT_DOUBLE_EQ(share_beside(6, 20), 1 / (1 + kNeighbourCorrelation * 0.75));
+  EXPECT_DOUBLE_EQ(share_beside(6, 20), 1 / (1 + kNeighborCorrelation * 0.75));
   EXPECT_LT(share_beside(6, 20), share_beside(7, 20));
   EXPECT_LT(share_beside(7, 20), share_beside(7, 22)) << "both ends count";
 }

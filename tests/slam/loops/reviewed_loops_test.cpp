@@ -27,7 +27,8 @@ TEST(ReviewedLoops, WhatIsRejectedStaysOpen) {
 
 TEST(ReviewedLoops, WhatIsForcedNeedsAMeasurement) {
   const ReviewedLoops reviewed({.forced = {"2-40", "3-41"}}, 50);
-  LoopEvidence measured = Loop("2-40", 15, "too few inliers"), blind = Loop("3-41", 2, "too few inliers");
+  LoopEvidence measured = Loop("2-40", 15, "too few inliers"),
+               blind = Loop("3-41", 2, "too few inliers");
   reviewed.Judge(measured);
   reviewed.Judge(blind);
   EXPECT_TRUE(measured.is_forced);
@@ -41,7 +42,7 @@ TEST(ReviewedLoops, AForcedLoopThatNobodyProposedIsLookedAt) {
   std::vector<bool> is_wanted(10);
   std::vector<PlaceCandidate> candidates = {{1, 8, 0.5}};
 
-  reviewed.MarkPlaces(is_wanted);
+  reviewed.MarkKeyframes(is_wanted);
   reviewed.AddForced(candidates);
 
   EXPECT_TRUE(is_wanted[0] && is_wanted[2] && is_wanted[7] && is_wanted[9]);

@@ -1,5 +1,5 @@
-// Odometry of real recordings, read as the product reads them. Found by the environment variable PARKADE_SHARED_DATA or
-// in ../shared/data beside the repository; skipped where absent.
+// Odometry of real recordings, read as the product reads them. Found by the environment variable
+// PARKADE_SHARED_DATA or in ../shared/data beside the repository; skipped where absent.
 #include "slam/odometry/estimate_trajectory.h"
 
 #include <gtest/gtest.h>
@@ -39,8 +39,9 @@ Answer EstimateReal(const std::string& name, std::vector<double>* progress = nul
   return answer;
 }
 
-#define SKIP_WITHOUT(name) \
-  if (!std::filesystem::exists(SharedData() / name)) GTEST_SKIP() << "no " << name << " in " << SharedData()
+#define SKIP_WITHOUT(name)                           \
+  if (!std::filesystem::exists(SharedData() / name)) \
+  GTEST_SKIP() << "no " << name << " in " << SharedData()
 
 TEST(EstimateTrajectory, AStereoCarThatRollsFromTheFirstFrameDriftsLessThanOnePercent) {
   SKIP_WITHOUT("kitti_06_clip");
@@ -68,10 +69,13 @@ TEST(EstimateTrajectory, ADroneOnTheGroundStays) {
 
   const Answer answer = EstimateReal("euroc_v101_clip");
 
-  // Its motors run: the ground truth itself moves by 6 mm, and the IMU runs on for 0.4 s after the last image.
+  // Its motors run: the ground truth itself moves by 6 mm, and the IMU runs on for 0.4 s after the
+  // last image.
   const auto& states = answer.odometry.odom_from_body.states();
   for (const TrajectoryState& state : states)
-    ASSERT_LT((state.odom_from_body.translation - states.front().odom_from_body.translation).norm(), 0.02);
+    ASSERT_LT(
+        (state.world_from_body.translation - states.front().world_from_body.translation).norm(),
+        0.02);
 }
 
 }  // namespace

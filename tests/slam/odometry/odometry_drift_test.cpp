@@ -11,7 +11,7 @@ Trajectory StraightDrive(const Eigen::Matrix<double, 6, 6>& covariance) {
   for (int i = 0; i <= 100; ++i) {
     TrajectoryState& state = states.emplace_back();
     state.time = TimestampFromSeconds(i);
-    state.odom_from_body = {ExpSo3({0.5, 0, 0}), Eigen::Vector3d(i, 0, 0)};
+    state.world_from_body = {ExpSo3({0.5, 0, 0}), Eigen::Vector3d(i, 0, 0)};
   }
   states.back().covariance = covariance;
   return Trajectory(std::move(states));
@@ -20,8 +20,9 @@ Trajectory StraightDrive(const Eigen::Matrix<double, 6, 6>& covariance) {
 TEST(OdometryDrift, IsTheRandomWalkThatEndsWithTheCovariance) {
   const Eigen::Vector3d up_in_body = ExpSo3({0.5, 0, 0}).conjugate() * Eigen::Vector3d::UnitZ();
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  covariance.topLeftCorner<3, 3>() = 1e-4 * up_in_body * up_in_body.transpose();  // 0.01 rad of yaw alone
-  covariance.bottomRightCorner<3, 3>() = 0.09 * Eigen::Matrix3d::Identity();      // 0.3 m
+  covariance.topLeftCorner<3, 3>() =
+      1e-4 * up_in_body * up_in_body.transpose();  // 0.01 rad of yaw alone
+  covariance.bottomRightCorner<3, 3>() = 0.09 * Eigen::Matrix3d::Identity();  // 0.3 m
 
   const OdometryDrift drift = DriftOf(StraightDrive(covariance));
 

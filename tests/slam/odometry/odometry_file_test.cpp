@@ -17,8 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 
 struct TrackedDrive {
-  SyntheticDrive drive = MakeCarDrive(
-      {.seed = 3, .duration = 12, .camera_rate = 10, .num_cameras = 2, .tracks = 40, .rig_rotation_deg = 0.2});
+  SyntheticDrive drive = MakeCarDrive({.seed = 3,
+                                       .duration = 12,
+                                       .camera_rate = 10,
+                                       .num_cameras = 2,
+                                       .tracks = 40,
+                                       .rig_rotation_deg = 0.2});
   OdometryResult odometry = EstimateDrive(drive);
 };
 
@@ -31,7 +35,8 @@ class OdometryFile : public testing::Test {
  protected:
   ~OdometryFile() override { fs::remove(file_); }
 
-  const fs::path file_ = fs::path(testing::TempDir()) / ("odometry_" + std::to_string(::getpid()) + ".bin");
+  const fs::path file_ =
+      fs::path(testing::TempDir()) / ("odometry_" + std::to_string(::getpid()) + ".bin");
 };
 
 TEST_F(OdometryFile, ReadAndWrittenAgainItHasTheSameBytes) {
@@ -65,7 +70,8 @@ TEST_F(OdometryFile, DamageAndOtherRigsAreNamed) {
   EXPECT_NO_THROW(reads(tracked.drive.rig));
 
   const std::string bytes = ReadFile(file_);
-  for (const size_t at : {size_t{3}, size_t{17}, size_t{22}, size_t{33}, bytes.size() / 2, bytes.size() - 1}) {
+  for (const size_t at :
+       {size_t{3}, size_t{17}, size_t{22}, size_t{33}, bytes.size() / 2, bytes.size() - 1}) {
     std::string damaged = bytes;
     damaged[at] ^= 4;
     WriteFileAtomically(file_, damaged);
@@ -84,7 +90,7 @@ OdometryResult LongOdometry() {
   odometry.rig = Tracked().drive.rig;
   auto measurements = std::make_shared<DriveMeasurements>(odometry.rig.imu);
   RecordedImage image;
-  image.sightings.resize(1000);
+  image.observations.resize(1000);
   for (int i = 0; i < 3500; ++i) measurements->AddImage(image);
   odometry.measurements = std::move(measurements);
   return odometry;

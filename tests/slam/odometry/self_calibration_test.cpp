@@ -1,8 +1,8 @@
-// Cameras that are not where, or when, the rig says: thresholds are some two to three times what was measured over
-// twelve seeds.
+// Cameras that are not where, or when, the rig says: thresholds are some two to three times what
+// was measured over twelve seeds.
 #include <gtest/gtest.h>
 
-#include "slam/factors/fit_turn.h"
+#include "slam/factors/fit_rotation.h"
 #include "slam/odometry/calibrated_log.h"
 #include "slam/odometry/gate_calibration.h"
 #include "slam/smoother/drive_measurements.h"
@@ -22,19 +22,21 @@ SyntheticDriveOptions WrongRig(std::uint32_t seed, bool has_wheels) {
 }
 
 double RotationErrorDeg(const SyntheticDrive& drive, const Rig& rig, size_t camera) {
-  return rig.ImuFromCamera(camera).rotation.angularDistance(drive.true_rig.ImuFromCamera(camera).rotation) * 180 / M_PI;
+  return rig.ImuFromCamera(camera).rotation.angularDistance(
+             drive.true_rig.ImuFromCamera(camera).rotation) *
+         180 / M_PI;
 }
 
 /// [rad] in imu, of each camera.
 std::vector<Eigen::Vector3d> TurnsOff(const SyntheticDrive& drive, const Rig& rig) {
   std::vector<Eigen::Vector3d> turns;
   for (size_t camera = 0; camera < rig.cameras.size(); ++camera)
-    turns.push_back(
-        LogSo3(rig.ImuFromCamera(camera).rotation * drive.true_rig.ImuFromCamera(camera).rotation.conjugate()));
+    turns.push_back(LogSo3(rig.ImuFromCamera(camera).rotation *
+                           drive.true_rig.ImuFromCamera(camera).rotation.conjugate()));
   return turns;
 }
 
-TEST(SelfCalibration, ADegreeAndThreeCentimetresOffDriftHardlyMoreThanTheExactRig) {
+TEST(SelfCalibration, ADegreeAndThreeCentimetersOffDriftHardlyMoreThanTheExactRig) {
   constexpr double kDegree = M_PI / 180;
   for (const bool has_wheels : {true, false}) {
     const SyntheticDrive drive = MakeCarDrive(WrongRig(3, has_wheels));
@@ -51,9 +53,13 @@ TEST(SelfCalibration, ADegreeAndThreeCentimetresOffDriftHardlyMoreThanTheExactRi
       EXPECT_NEAR(RotationErrorDeg(drive, drive.rig, camera), 1, 1e-6);
       EXPECT_LT((turns[camera] - common).norm() / kDegree, 0.1) << camera;
       // The estimate itself, before it is judged.
-      const Rigid3 estimate = estimated.odometry.measurements->shared.cameras[camera].ImuFromCamera();
-      EXPECT_LT(estimate.rotation.angularDistance(drive.true_rig.ImuFromCamera(camera).rotation) / kDegree, 0.15);
-      EXPECT_NE(estimated.odometry.report.calibration[camera].quantities[0].status, CalibratedQuantity::Status::kKept);
+      const Rigid3 estimate =
+          estimated.odometry.measurements->shared.cameras[camera].ImuFromCamera();
+      EXPECT_LT(estimate.rotation.angularDistance(drive.true_rig.ImuFromCamera(camera).rotation) /
+                    kDegree,
+                0.15);
+      EXPECT_NE(estimated.odometry.report.calibration[camera].quantities[0].status,
+                CalibratedQuantity::Status::kKept);
     }
   }
 }
@@ -63,7 +69,8 @@ TEST(SelfCalibration, WithoutItTheSameRigDriftsSeveralTimesAsMuch) {
   OdometryOptions held;
   held.smoother.calibration.extrinsics = false;
 
-  EXPECT_GT(EstimateAndCompare(drive, held).error.drift_percent, 3 * EstimateAndCompare(drive).error.drift_percent);
+  EXPECT_GT(EstimateAndCompare(drive, held).error.drift_percent,
+            3 * EstimateAndCompare(drive).error.drift_percent);
 }
 
 TEST(SelfCalibration, FindsTimeOffsetsOfEitherSign) {
@@ -76,7 +83,8 @@ TEST(SelfCalibration, FindsTimeOffsetsOfEitherSign) {
   const EstimatedDrive estimated = EstimateAndCompare(drive);
 
   for (size_t camera = 0; camera < 4; ++camera)
-    EXPECT_NEAR(estimated.odometry.rig.cameras[camera].time_shift, drive.true_rig.cameras[camera].time_shift, 4e-3);
+    EXPECT_NEAR(estimated.odometry.rig.cameras[camera].time_shift,
+                drive.true_rig.cameras[camera].time_shift, 4e-3);
   EXPECT_LT(estimated.error.drift_percent, 0.15);
 }
 
@@ -94,10 +102,13 @@ TEST(SelfCalibration, RefinesTheLineDelayOfARollingShutterWhereItShows) {
   EXPECT_LT(estimated.error.drift_percent, 0.2);
   int num_refined = 0;
   for (size_t camera = 0; camera < 4; ++camera) {
-    const CalibratedQuantity& line_delay = estimated.odometry.report.calibration[camera].quantities[3];
+    const CalibratedQuantity& line_delay =
+        estimated.odometry.report.calibration[camera].quantities[3];
     if (line_delay.status != CalibratedQuantity::Status::kRefined) continue;
     ++num_refined;
-    EXPECT_LT(std::abs(estimated.odometry.rig.cameras[camera].line_delay - 4e-5), 3 * line_delay.sigma[0]) << camera;
+    EXPECT_LT(std::abs(estimated.odometry.rig.cameras[camera].line_delay - 4e-5),
+              3 * line_delay.sigma[0])
+        << camera;
   }
   EXPECT_GE(num_refined, 1);
 }
@@ -115,7 +126,8 @@ TEST(SelfCalibration, NoticesAMirrorThatTurnsAndCalibratesItAnew) {
 
   EXPECT_LT(estimated.error.drift_percent, 0.15);
   ASSERT_EQ(estimated.odometry.report.degraded.size(), 1u);
-  EXPECT_NE(estimated.odometry.report.degraded[0].reason.find("'left' was turned by 3.0 deg"), std::string::npos);
+  EXPECT_NE(estimated.odometry.report.degraded[0].reason.find("'left' was turned by 3.0 deg"),
+            std::string::npos);
   EXPECT_NEAR(estimated.odometry.report.degraded[0].begin - drive.imu.front().time, 12, 0.3);
   EXPECT_NEAR(RotationErrorDeg(drive, drive.rig, 1), 3, 1e-6);
   EXPECT_LT(RotationErrorDeg(drive, estimated.odometry.rig, 1), 0.3);
@@ -139,16 +151,18 @@ TEST(SelfCalibration, AStandingCarTellsNothingAndKeepsItsRig) {
   }
 }
 
-TEST(FitTurn, FindsARotationAmongOutliers) {
+TEST(FitRotation, FindsARotationAmongOutliers) {
   const Eigen::Quaterniond turn(ExpSo3({0.03, -0.08, 0.05}));
   std::vector<DirectionPair> pairs;
   for (int i = 0; i < 30; ++i) {
-    const Eigen::Vector3d predicted = Eigen::Vector3d(std::sin(i), std::cos(1.7 * i), 0.8).normalized();
-    pairs.push_back({predicted, i % 5 == 0 ? Eigen::Vector3d(predicted.y(), predicted.x(), 0.3).normalized()
-                                           : Eigen::Vector3d(turn * predicted)});
+    const Eigen::Vector3d predicted =
+        Eigen::Vector3d(std::sin(i), std::cos(1.7 * i), 0.8).normalized();
+    pairs.push_back(
+        {predicted, i % 5 == 0 ? Eigen::Vector3d(predicted.y(), predicted.x(), 0.3).normalized()
+                               : Eigen::Vector3d(turn * predicted)});
   }
 
-  const std::optional<Turn> found = FitTurn(pairs);
+  const std::optional<Turn> found = FitRotation(pairs);
 
   ASSERT_TRUE(found);
   EXPECT_LT(found->measured_from_predicted.angularDistance(turn), 1e-3);
@@ -156,17 +170,18 @@ TEST(FitTurn, FindsARotationAmongOutliers) {
   EXPECT_GT(found->error_before, 0.03);
   EXPECT_GT(found->spread, 0.15);
   pairs.resize(9);
-  EXPECT_FALSE(FitTurn(pairs));
+  EXPECT_FALSE(FitRotation(pairs));
 }
 
-TEST(FitTurn, KnowsOneCarThatMovesFromAWholeViewThatTurns) {
+TEST(FitRotation, KnowsOneCarThatMovesFromAWholeViewThatTurns) {
   std::vector<DirectionPair> pairs;
   for (int i = 0; i < 20; ++i) {  // all within 10 degrees, all displaced alike
-    const Eigen::Vector3d predicted = Eigen::Vector3d(0.15 * std::sin(i), 0.15 * std::cos(1.7 * i), 1).normalized();
+    const Eigen::Vector3d predicted =
+        Eigen::Vector3d(0.15 * std::sin(i), 0.15 * std::cos(1.7 * i), 1).normalized();
     pairs.push_back({predicted, (predicted + Eigen::Vector3d(0.02, 0, 0)).normalized()});
   }
 
-  const std::optional<Turn> found = FitTurn(pairs);
+  const std::optional<Turn> found = FitRotation(pairs);
 
   ASSERT_TRUE(found);
   EXPECT_LT(found->error_after, 0.3 * found->error_before);  // a rotation explains it
@@ -185,11 +200,14 @@ TEST(GateCalibration, MovesAlongSureDirectionsOnly) {
 
   const Eigen::Matrix<double, 8, 8> covariance = sigmas.cwiseAbs2().asDiagonal();
 
-  const GatedCalibration gated = GateCalibration("front", settings, by_rig, estimate, {covariance, covariance});
+  const GatedCalibration gated =
+      GateCalibration("front", settings, by_rig, estimate, {covariance, covariance});
 
   EXPECT_NEAR(gated.parameters.ImuFromCamera().translation.x(), 0.01, 1e-9);  // sure
   EXPECT_NEAR(gated.parameters.ImuFromCamera().translation.y(), 0, 1e-9);     // as unsure as before
-  EXPECT_NEAR(gated.parameters.ImuFromCamera().rotation.angularDistance(Eigen::Quaterniond::Identity()), 0.005, 1e-9);
+  EXPECT_NEAR(
+      gated.parameters.ImuFromCamera().rotation.angularDistance(Eigen::Quaterniond::Identity()),
+      0.005, 1e-9);
   EXPECT_NEAR(gated.parameters.time_offset(), 0, 1e-12);
   EXPECT_EQ(gated.report.quantities[0].status, CalibratedQuantity::Status::kRefined);
   EXPECT_EQ(gated.report.quantities[1].status, CalibratedQuantity::Status::kPartlyRefined);
@@ -206,8 +224,9 @@ TEST(GateCalibration, KeepsWhatIsObservedButNotSurerThanTheRig) {
   assumed << 0.001, 0.001, 0.001, 0.019, 0.019, 0.019, 0.009, 0;
   honest << 0.001, 0.002, 0.009, 0.019, 0.019, 0.019, 0.009, 0;  // of yaw: errors that last
 
-  const GatedCalibration gated = GateCalibration("front", settings, by_rig, estimate,
-                                                 {assumed.cwiseAbs2().asDiagonal(), honest.cwiseAbs2().asDiagonal()});
+  const GatedCalibration gated =
+      GateCalibration("front", settings, by_rig, estimate,
+                      {assumed.cwiseAbs2().asDiagonal(), honest.cwiseAbs2().asDiagonal()});
 
   const CalibratedQuantity& rotation = gated.report.quantities[0];
   EXPECT_NEAR(rotation.change.y(), 0.004, 1e-4);
@@ -227,9 +246,11 @@ class ShortLog final : public DriveLog {
   std::unique_ptr<RecordStream> Read(const ReadOptions& options) const override {
     auto stream = std::make_unique<Stream>();
     for (int ms = 0; ms <= 1000; ms += 10) {
-      stream->records.push_back(ImuSample{At(ms * 1e-3), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
+      stream->records.push_back(
+          ImuSample{At(ms * 1e-3), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
       for (const int camera : {0, 1})
-        if (ms % 100 == 20 * camera && (!options.wants_image || options.wants_image(camera, At(ms * 1e-3))))
+        if (ms % 100 == 20 * camera &&
+            (!options.wants_image || options.wants_image(camera, At(ms * 1e-3))))
           stream->records.push_back(CameraFrame{At(ms * 1e-3), camera, {}});
     }
     return stream;
@@ -269,7 +290,8 @@ TEST(CalibratedLog, ShiftsImagesAndKeepsAllRecordsInOrder) {
   for (std::optional<SensorRecord> record; (record = stream->Next()); ++count) {
     EXPECT_LE(last, TimeOf(*record));
     last = TimeOf(*record);
-    if (const auto* frame = std::get_if<CameraFrame>(&*record)) images[frame->camera].push_back(frame->time);
+    if (const auto* frame = std::get_if<CameraFrame>(&*record))
+      images[frame->camera].push_back(frame->time);
   }
 
   EXPECT_EQ(count, 101 + 11 + 4);

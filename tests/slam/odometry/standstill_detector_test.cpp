@@ -60,9 +60,9 @@ TEST(StandstillDetector, WhatMovesWithTheCarDoesNotPassForTheWorld) {
     for (TrackedFrame& frame : drive.frames)
       for (FeatureObservation& seen : frame.observations)
         if (seen.track % 5 < 3)
-          seen.bearing =
-              ExpSo3({0.1 * static_cast<double>(seen.track % 7), 0.1 * static_cast<double>(seen.track % 11), 0}) *
-              Eigen::Vector3d::UnitZ();
+          seen.bearing = ExpSo3({0.1 * static_cast<double>(seen.track % 7),
+                                 0.1 * static_cast<double>(seen.track % 11), 0}) *
+                         Eigen::Vector3d::UnitZ();
     EXPECT_FALSE(Detected(drive).IsStill(1, 1.5)) << start;
   }
 }

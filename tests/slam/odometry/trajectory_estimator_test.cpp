@@ -1,4 +1,5 @@
-// The estimator on synthetic drives: thresholds are some two to three times what was measured over eight seeds.
+// The estimator on synthetic drives: thresholds are some two to three times what was measured over
+// eight seeds.
 #include "slam/odometry/trajectory_estimator.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +26,8 @@ void ExpectCoversTheLog(const SyntheticDrive& drive, const OdometryResult& odome
   ASSERT_FALSE(states.empty());
   EXPECT_EQ(states.front().time, drive.imu.front().time);
   EXPECT_EQ(states.back().time, drive.imu.back().time);
-  for (size_t i = 1; i < states.size(); ++i) ASSERT_LE(states[i].time - states[i - 1].time, 0.05 + 1e-9) << i;
+  for (size_t i = 1; i < states.size(); ++i)
+    ASSERT_LE(states[i].time - states[i - 1].time, 0.05 + 1e-9) << i;
 }
 
 class DriveWithSeed : public testing::TestWithParam<std::uint32_t> {};
@@ -175,7 +177,8 @@ TEST(TrajectoryEstimator, WhatIsLearnedLaterCorrectsTheWayBefore) {
   OdometryOptions without;
   without.smooth_backwards = false;
 
-  const EstimatedDrive smoothed = EstimateAndCompare(drive), filtered = EstimateAndCompare(drive, without);
+  const EstimatedDrive smoothed = EstimateAndCompare(drive),
+                       filtered = EstimateAndCompare(drive, without);
 
   EXPECT_LT(smoothed.error.drift_percent, 0.7 * filtered.error.drift_percent);
   EXPECT_LT(smoothed.error.rigid.rotation.rmse, 0.5 * filtered.error.rigid.rotation.rmse);
@@ -196,19 +199,24 @@ TEST(TrajectoryEstimator, ALateStartWithoutWheelsIsFilledByRunningBackwards) {
   ExpectCoversTheLog(drive, estimated.odometry);
 }
 
-/// Squared error of a state over its covariance, per degree of freedom; yaw and position of the start are the gauge.
-double NormalisedSquaredError(const SyntheticDrive& drive, const Trajectory& estimate, size_t truth_index) {
+/// Squared error of a state over its covariance, per degree of freedom; yaw and position of the
+/// start are the gauge.
+double NormalisedSquaredError(const SyntheticDrive& drive, const Trajectory& estimate,
+                              size_t truth_index) {
   const auto yaw_of = [](const Eigen::Quaterniond& q) {
     const Eigen::Vector3d forward = q * Eigen::Vector3d::UnitX();
     return std::atan2(forward.y(), forward.x());
   };
-  const Rigid3 truth_start = drive.truth[0].world_from_frame, start = estimate.states().front().odom_from_body;
+  const Rigid3 truth_start = drive.truth[0].world_from_frame,
+               start = estimate.states().front().world_from_body;
   const double yaw = yaw_of(start.rotation) - yaw_of(truth_start.rotation);
   Rigid3 odom_from_world{Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())), {}};
-  odom_from_world.translation = start.translation - odom_from_world.rotation * truth_start.translation;
+  odom_from_world.translation =
+      start.translation - odom_from_world.rotation * truth_start.translation;
   const Rigid3 truth = odom_from_world * drive.truth[truth_index].world_from_frame;
-  const auto after = std::lower_bound(estimate.states().begin(), estimate.states().end(), drive.truth[truth_index].time,
-                                      [](const TrajectoryState& state, Timestamp time) { return state.time < time; });
+  const auto after = std::lower_bound(
+      estimate.states().begin(), estimate.states().end(), drive.truth[truth_index].time,
+      [](const TrajectoryState& state, Timestamp time) { return state.time < time; });
   const Rigid3 pose = estimate.At(drive.truth[truth_index].time).value();
   Eigen::Matrix<double, 6, 1> error;
   error << LogSo3(truth.rotation.conjugate() * pose.rotation), pose.translation - truth.translation;
@@ -230,7 +238,8 @@ TEST(TrajectoryEstimator, CovariancesTellTheSizeOfErrors) {
       }
     }
 
-    // Tracks with independent errors and an IMU without errors of scale are better than what covariances allow for.
+    // Tracks with independent errors and an IMU without errors of scale are better than what
+    // covariances allow for.
     EXPECT_GT(sum / count, 0.15) << has_wheels;  // measured: 0.29 with wheels
     EXPECT_LT(sum / count, 2.0) << has_wheels;
   }
@@ -243,14 +252,15 @@ TEST(TrajectoryEstimator, GivesTheSameBytesTwice) {
 
   ASSERT_EQ(a.odom_from_body.states().size(), b.odom_from_body.states().size());
   for (size_t i = 0; i < a.odom_from_body.states().size(); ++i) {
-    EXPECT_EQ(a.odom_from_body.states()[i].odom_from_body.translation,
-              b.odom_from_body.states()[i].odom_from_body.translation);
-    EXPECT_EQ(a.odom_from_body.states()[i].odom_from_body.rotation.coeffs(),
-              b.odom_from_body.states()[i].odom_from_body.rotation.coeffs());
+    EXPECT_EQ(a.odom_from_body.states()[i].world_from_body.translation,
+              b.odom_from_body.states()[i].world_from_body.translation);
+    EXPECT_EQ(a.odom_from_body.states()[i].world_from_body.rotation.coeffs(),
+              b.odom_from_body.states()[i].world_from_body.rotation.coeffs());
   }
 }
 
-/// What the allocator has given out and not got back, [bytes]: no pages, no caches, the same every time.
+/// What the allocator has given out and not got back, [bytes]: no pages, no caches, the same every
+/// time.
 size_t HeldBytes() {
   const struct mallinfo2 all = ::mallinfo2();
   return all.uordblks + all.hblkhd;
@@ -265,16 +275,18 @@ TEST(TrajectoryEstimator, WhatItMeasuredDoesNotStayInMemory) {
   Timestamp time_before;
   for (const ImuSample& sample : drive.imu) {
     while (drive.wheels[wheel].time <= sample.time) estimator.Add(drive.wheels[wheel++]);
-    while (frame < drive.frames.size() && drive.frames[frame].time <= sample.time) estimator.Add(drive.frames[frame++]);
+    while (frame < drive.frames.size() && drive.frames[frame].time <= sample.time)
+      estimator.Add(drive.frames[frame++]);
     estimator.Add(sample);
     if (held_before > 0 || sample.time - begin < 20) continue;
     held_before = HeldBytes();
     time_before = sample.time;
   }
-  const double growth = static_cast<double>(HeldBytes()) - static_cast<double>(held_before);  // [bytes]
+  const double growth =
+      static_cast<double>(HeldBytes()) - static_cast<double>(held_before);  // [bytes]
 
-  // Poses, landmarks and where records lie: 14 kB/s measured. Bearings, IMU samples and what knots left behind when
-  // they left the window: 250 kB/s.
+  // Poses, landmarks and where records lie: 14 kB/s measured. Bearings, IMU samples and what nodes
+  // left behind when they left the window: 250 kB/s.
   EXPECT_LT(growth / (drive.imu.back().time - time_before), 40e3);
 }
 
@@ -285,8 +297,8 @@ TEST(TrajectoryEstimator, OdomIsLevel) {
 
   const Rigid3 truth = drive.truth[1000].world_from_frame;
   const Rigid3 estimate = odometry.odom_from_body.At(drive.truth[1000].time).value();
-  const Eigen::Vector3d up_error =
-      truth.rotation.conjugate() * Eigen::Vector3d::UnitZ() - estimate.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d up_error = truth.rotation.conjugate() * Eigen::Vector3d::UnitZ() -
+                                   estimate.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   EXPECT_LT(up_error.norm(), 0.01);
 }
 
@@ -296,10 +308,12 @@ TEST(TrajectoryEstimator, VelocitiesAreThoseOfTheBody) {
   const OdometryResult odometry = EstimateDrive(drive);
 
   for (size_t i = 400; i + 1 < odometry.odom_from_body.states().size(); i += 50) {
-    const TrajectoryState &before = odometry.odom_from_body.states()[i - 1], &at = odometry.odom_from_body.states()[i],
+    const TrajectoryState &before = odometry.odom_from_body.states()[i - 1],
+                          &at = odometry.odom_from_body.states()[i],
                           &after = odometry.odom_from_body.states()[i + 1];
     const Eigen::Vector3d difference =
-        (after.odom_from_body.translation - before.odom_from_body.translation) / (after.time - before.time);
+        (after.world_from_body.translation - before.world_from_body.translation) /
+        (after.time - before.time);
     EXPECT_LT((difference - at.velocity_in_odom).norm(), 0.12) << i;
   }
 }
@@ -312,7 +326,7 @@ TEST(TrajectoryEstimator, LandmarksAndKeyframesLieWhereTheWorldIs) {
   EXPECT_GT(estimated.odometry.landmarks.size(), 500u);
   EXPECT_GT(estimated.odometry.keyframes.size(), 4 * drive.length / 0.5 * 0.5);
   size_t num_sure = 0, num_in_world = 0;
-  for (const OdometryLandmark& landmark : estimated.odometry.landmarks) {
+  for (const Landmark& landmark : estimated.odometry.landmarks) {
     if (landmark.sigma > 0.3) continue;
     ++num_sure;
     const double height = (estimated.error.rigid.truth_from_estimate * landmark.point_in_odom).z();
@@ -343,12 +357,12 @@ TEST(TrajectoryEstimator, RefusesWhatCannotBeMappedInOneSentence) {
   SyntheticDrive blind = drive;
   blind.frames.clear();
   blind.wheels.clear();
-  EXPECT_NE(message_of(blind).find("could not initialise"), std::string::npos);
+  EXPECT_NE(message_of(blind).find("could not initialize"), std::string::npos);
 }
 
 TEST(OdometryOptions, RefusesBadValues) {
   OdometryOptions options;
-  options.knots.interval = -1;
+  options.nodes.interval = -1;
   EXPECT_THROW(TrajectoryEstimator(MakeCarDrive(Options(1, 1)).rig, options), Error);
 }
 

@@ -9,7 +9,9 @@ namespace {
 
 constexpr double kSigma = 0.002;  // [rad] of rays
 
-Rigid3 Truth() { return {ExpSo3({0.02, -0.01, 0.2}), Eigen::Vector3d(0.8, 0.6, 0.05).normalized()}; }
+Rigid3 Truth() {
+  return {ExpSo3({0.02, -0.01, 0.2}), Eigen::Vector3d(0.8, 0.6, 0.05).normalized()};
+}
 
 /// Points 4 to 20 m ahead of two cameras that lie `baseline` apart, with noise.
 std::vector<RayPair> SeePoints(double baseline, int count, std::uint32_t seed) {
@@ -19,9 +21,11 @@ std::vector<RayPair> SeePoints(double baseline, int count, std::uint32_t seed) {
   const Rigid3 a_from_b{Truth().rotation, baseline * Truth().translation};
   std::vector<RayPair> pairs;
   for (int i = 0; i < count; ++i) {
-    const Eigen::Vector3d point(12 + 8 * uniform(random), 10 * uniform(random), 3 * uniform(random));
+    const Eigen::Vector3d point(12 + 8 * uniform(random), 10 * uniform(random),
+                                3 * uniform(random));
     const auto noisy = [&](const Eigen::Vector3d& ray) {
-      return (ray.normalized() + Eigen::Vector3d(normal(random), normal(random), normal(random))).normalized();
+      return (ray.normalized() + Eigen::Vector3d(normal(random), normal(random), normal(random)))
+          .normalized();
     };
     const Eigen::Vector3d in_a = noisy(point), in_b = noisy(a_from_b.Inverse() * point);
     pairs.push_back({in_a, in_b, kSigma, kSigma});

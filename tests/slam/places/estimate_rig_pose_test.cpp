@@ -6,50 +6,61 @@
 
 #include "core/error.h"
 #include "slam/places/guided_matches.h"
+#include "slam/places/ray_point_correspondence.h"
 #include "slam/places/relative_pose_baselines.h"
-#include "slam/places/sight.h"
 #include "tests/slam/worlds/place_world.h"
 
 namespace parkade {
 namespace {
 
-Rigid3 Level(double x, double y, double z, double yaw_deg) { return {ExpSo3({0, 0, yaw_deg * M_PI / 180}), {x, y, z}}; }
+Rigid3 Level(double x, double y, double z, double yaw_deg) {
+  return {ExpSo3({0, 0, yaw_deg * M_PI / 180}), {x, y, z}};
+}
 
-double AngleDeg(const Rigid3& a, const Rigid3& b) { return a.rotation.angularDistance(b.rotation) * 180 / M_PI; }
+double AngleDeg(const Rigid3& a, const Rigid3& b) {
+  return a.rotation.angularDistance(b.rotation) * 180 / M_PI;
+}
 
-TEST(Sight, JacobiansMatchFiniteDifferences) {
+TEST(RayPointCorrespondence, JacobiansMatchFiniteDifferences) {
   const PlaceWorld world = MakePlaceWorld({.a_from_b = Level(1, 0.5, 0.1, 30)});
   const Rigid3 a_from_b = Level(1.02, 0.47, 0.12, 30.3);
   constexpr double kStep = 1e-6;
   int num_checked = 0;
-  for (const Sight& sight : SightsOf(world.a, world.b, MatchPlaces(world.a, world.b, {}))) {
-    const SightError error = ErrorOf(sight, a_from_b);
+  for (const RayPointCorrespondence& correspondence :
+       CorrespondencesOf(world.a, world.b, MatchKeyframes(world.a, world.b, {}))) {
+    const CorrespondenceError error = ErrorOf(correspondence, a_from_b);
     for (int i = 0; i < 6; ++i) {
       Eigen::Vector2d sides[2];
       for (const int side : {0, 1}) {
         Vector6d delta = Vector6d::Zero();
         delta[i] = side == 0 ? -kStep : kStep;
         const Rigid3 moved = a_from_b * Rigid3{ExpSo3(delta.tail<3>()), delta.head<3>()};
-        sides[side] = ErrorOf(sight, moved).whitened;
+        sides[side] = ErrorOf(correspondence, moved).whitened;
       }
-      // The Jacobian leaves out the change of distance and of sigma: both multiply an error that is nearly zero.
+      // The Jacobian leaves out the change of distance and of sigma: both multiply an error that is
+      // nearly zero.
       const Eigen::Vector2d numeric = (sides[1] - sides[0]) / (2 * kStep);
-      EXPECT_LT((numeric - error.jacobian.col(i)).norm(), 0.1 * error.jacobian.norm() * (1 + error.whitened.norm()));
+      EXPECT_LT((numeric - error.jacobian.col(i)).norm(),
+                0.1 * error.jacobian.norm() * (1 + error.whitened.norm()));
     }
     ++num_checked;
   }
   EXPECT_GT(num_checked, 100);
 }
 
-TEST(RelativePose, TwoSightsAreEnoughWhereNothingIsWrong) {
+TEST(RelativePose, TwoCorrespondencesAreEnoughWhereNothingIsWrong) {
   const Rigid3 truth = Level(2, -1, 0.3, 160);
-  const PlaceWorld world = MakePlaceWorld({.a_from_b = truth, .bearing_sigma = 1e-9, .depth_error = 1e-9});
-  const std::vector<Sight> sights = SightsOf(world.a, world.b, MatchPlaces(world.a, world.b, {}));
-  ASSERT_GT(sights.size(), 10u);
+  const PlaceWorld world =
+      MakePlaceWorld({.a_from_b = truth, .bearing_sigma = 1e-9, .depth_error = 1e-9});
+  const std::vector<RayPointCorrespondence> correspondences =
+      CorrespondencesOf(world.a, world.b, MatchKeyframes(world.a, world.b, {}));
+  ASSERT_GT(correspondences.size(), 10u);
   for (const bool is_forward : {true, false}) {
-    std::vector<Sight> same;
-    std::copy_if(sights.begin(), sights.end(), std::back_inserter(same),
-                 [&](const Sight& sight) { return sight.is_forward == is_forward; });
+    std::vector<RayPointCorrespondence> same;
+    std::copy_if(correspondences.begin(), correspondences.end(), std::back_inserter(same),
+                 [&](const RayPointCorrespondence& correspondence) {
+                   return correspondence.is_forward == is_forward;
+                 });
     double best = 1e9;
     for (const Rigid3& pose : SolveUprightPose(same[0], same[7]))
       best = std::min(best, (pose.translation - truth.translation).norm() + AngleDeg(pose, truth));
@@ -63,11 +74,13 @@ TEST(RelativePose, RigPoseIsRightInAllDirectionsAmongWrongMatches) {
       const Rigid3 truth = Level(1.2, 0.9, 0.05, yaw_deg);
       const PlaceWorld world = MakePlaceWorld({.a_from_b = truth, .wrong_share = wrong_share});
 
-      const RelativePose pose = EstimateRigPose(world.a, world.b, MatchPlaces(world.a, world.b, {}), {});
+      const RelativePose pose =
+          EstimateRigPose(world.a, world.b, MatchKeyframes(world.a, world.b, {}), {});
 
       EXPECT_EQ(pose.rejected, "") << yaw_deg << " " << wrong_share;
       EXPECT_GT(pose.num_camera_pairs, 2);
-      EXPECT_LT((pose.a_from_b.translation - truth.translation).norm(), 0.05) << yaw_deg << " " << wrong_share;
+      EXPECT_LT((pose.a_from_b.translation - truth.translation).norm(), 0.05)
+          << yaw_deg << " " << wrong_share;
       EXPECT_LT(AngleDeg(pose.a_from_b, truth), 0.2) << yaw_deg << " " << wrong_share;
     }
   }
@@ -78,18 +91,20 @@ TEST(RelativePose, ARoughPoseGuidesToMoreMatches) {
   const PlaceWorld world = MakePlaceWorld({.a_from_b = truth, .wrong_share = 0.3});
   RelativePoseOptions options;
   options.ratio = 0.6;  // as where much looks alike
-  const std::vector<FeatureMatch> without = MatchPlaces(world.a, world.b, options);
+  const std::vector<FeatureMatch> without = MatchKeyframes(world.a, world.b, options);
   const Rigid3 rough = truth * Rigid3{ExpSo3({0, 0, 0.003}), {0.05, -0.05, 0.02}};
 
   const std::vector<FeatureMatch> guided = FindGuidedMatches(world.a, world.b, rough, options);
 
   EXPECT_GT(guided.size(), without.size() * 6 / 10);
   int num_right = 0;
-  for (const Sight& sight : SightsOf(world.a, world.b, guided))
-    num_right += ErrorOf(sight, truth).whitened.norm() < 3.5;
-  EXPECT_GT(num_right, static_cast<int>(SightsOf(world.a, world.b, guided).size()) * 9 / 10);
+  for (const RayPointCorrespondence& correspondence : CorrespondencesOf(world.a, world.b, guided))
+    num_right += ErrorOf(correspondence, truth).whitened.norm() < 3.5;
+  EXPECT_GT(num_right,
+            static_cast<int>(CorrespondencesOf(world.a, world.b, guided).size()) * 9 / 10);
   std::set<size_t> of_a, of_b;
-  for (const FeatureMatch& match : guided) EXPECT_TRUE(of_a.insert(match.a).second && of_b.insert(match.b).second);
+  for (const FeatureMatch& match : guided)
+    EXPECT_TRUE(of_a.insert(match.a).second && of_b.insert(match.b).second);
 }
 
 TEST(RelativePose, ItsInformationIsHonest) {
@@ -98,7 +113,8 @@ TEST(RelativePose, ItsInformationIsHonest) {
   for (std::uint32_t seed = 1; seed <= kTrials; ++seed) {
     const Rigid3 truth = Level(1.2, 0.9, 0.05, 10);
     const PlaceWorld world = MakePlaceWorld({.a_from_b = truth, .num_points = 200, .seed = seed});
-    const RelativePose pose = EstimateRigPose(world.a, world.b, MatchPlaces(world.a, world.b, {}), {});
+    const RelativePose pose =
+        EstimateRigPose(world.a, world.b, MatchKeyframes(world.a, world.b, {}), {});
     PoseGraphEdge edge;
     edge.from_from_to = pose.a_from_b;
     const Vector6d error = RelativePoseError(edge, {}, truth);
@@ -110,15 +126,16 @@ TEST(RelativePose, ItsInformationIsHonest) {
 
 TEST(RelativePose, DifferentPlacesAreRejected) {
   const PlaceWorld one = MakePlaceWorld({.seed = 1}), other = MakePlaceWorld({.seed = 2});
-  EXPECT_NE(EstimateRigPose(one.a, other.b, MatchPlaces(one.a, other.b, {}), {}).rejected, "");
+  EXPECT_NE(EstimateRigPose(one.a, other.b, MatchKeyframes(one.a, other.b, {}), {}).rejected, "");
   // The same looks everywhere: every match is there and wrong.
   std::vector<FeatureMatch> matches;
-  for (size_t i = 0; i < std::min(one.a.features.size(), other.b.features.size()); ++i) matches.push_back({i, i});
+  for (size_t i = 0; i < std::min(one.a.features.size(), other.b.features.size()); ++i)
+    matches.push_back({i, i});
   EXPECT_NE(EstimateRigPose(one.a, other.b, matches, {}).rejected, "");
 }
 
 TEST(RelativePose, NothingToMatchIsNoPose) {
-  EXPECT_TRUE(MatchPlaces({}, {}, {}).empty());
+  EXPECT_TRUE(MatchKeyframes({}, {}, {}).empty());
   EXPECT_NE(EstimateRigPose({}, {}, {}, {}).rejected, "");
   EXPECT_NE(EstimatePnpPose({}, {}, {}, {}).rejected, "");
   EXPECT_NE(EstimateTwoViewPose({}, {}, {}, {}).rejected, "");
@@ -127,7 +144,8 @@ TEST(RelativePose, NothingToMatchIsNoPose) {
 TEST(RelativePose, PnpFindsThePoseOfOneCameraOnly) {
   const Rigid3 truth = Level(1.2, 0.9, 0.05, 10);
   const PlaceWorld world = MakePlaceWorld({.a_from_b = truth});
-  const RelativePose pose = EstimatePnpPose(world.a, world.b, MatchPlaces(world.a, world.b, {}), {});
+  const RelativePose pose =
+      EstimatePnpPose(world.a, world.b, MatchKeyframes(world.a, world.b, {}), {});
   EXPECT_EQ(pose.rejected, "");
   EXPECT_LT((pose.a_from_b.translation - truth.translation).norm(), 0.5);
   EXPECT_LT(AngleDeg(pose.a_from_b, truth), 2);
@@ -136,7 +154,8 @@ TEST(RelativePose, PnpFindsThePoseOfOneCameraOnly) {
 TEST(RelativePose, FivePointsKnowRotationAndDirection) {
   const Rigid3 truth = Level(2, 1, 0, 12);
   const PlaceWorld world = MakePlaceWorld({.a_from_b = truth, .bearing_sigma = 0.001});
-  const TwoViewPose pose = EstimateTwoViewPose(world.a, world.b, MatchPlaces(world.a, world.b, {}), {});
+  const TwoViewPose pose =
+      EstimateTwoViewPose(world.a, world.b, MatchKeyframes(world.a, world.b, {}), {});
   ASSERT_EQ(pose.rejected, "");
   // As noisy as five rays are: nothing adjusts them afterwards.
   EXPECT_LT(AngleDeg(pose.first_from_second, truth), 2.5);
@@ -153,7 +172,8 @@ TEST(ScaleLessInformation, LeavesOutTheDirectionOfTranslation) {
     const Vector6d error = RelativePoseError(edge, {}, actual);
     return error.dot(edge.information * error);
   };
-  EXPECT_LT(cost_of({measured.rotation, 5 * measured.translation}), 1e-9) << "length does not count";
+  EXPECT_LT(cost_of({measured.rotation, 5 * measured.translation}), 1e-9)
+      << "length does not count";
   const Eigen::Vector3d across = measured.translation.unitOrthogonal();
   EXPECT_NEAR(cost_of({measured.rotation, measured.translation + 0.1 * across}), 1, 1e-9);
   EXPECT_NEAR(cost_of({measured.rotation * ExpSo3({0, 0.01, 0}), measured.translation}), 1, 1e-3);
@@ -163,8 +183,8 @@ TEST(ScaleLessInformation, LeavesOutTheDirectionOfTranslation) {
 
 TEST(RelativePose, OptionsThatMakeNoSenseAreRefused) {
   for (const RelativePoseOptions& options :
-       {RelativePoseOptions{.max_hamming = 0}, RelativePoseOptions{.ratio = 1.5}, RelativePoseOptions{.iterations = 0},
-        RelativePoseOptions{.min_inliers = 2}})
+       {RelativePoseOptions{.max_hamming = 0}, RelativePoseOptions{.ratio = 1.5},
+        RelativePoseOptions{.iterations = 0}, RelativePoseOptions{.min_inliers = 2}})
     EXPECT_THROW(options.Validate(), Error);
 }
 

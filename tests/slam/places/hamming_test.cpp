@@ -12,7 +12,8 @@ cv::Mat RandomDescriptors(int rows, std::uint32_t seed) {
   std::mt19937 random(seed);
   cv::Mat descriptors(rows, kDescriptorBytes, CV_8UC1);
   for (int row = 0; row < rows; ++row)
-    for (int i = 0; i < kDescriptorBytes; ++i) descriptors.at<uchar>(row, i) = static_cast<uchar>(random());
+    for (int i = 0; i < kDescriptorBytes; ++i)
+      descriptors.at<uchar>(row, i) = static_cast<uchar>(random());
   return descriptors;
 }
 
@@ -20,7 +21,8 @@ TEST(HammingDistance, CountsBitsAsOpenCvDoes) {
   const cv::Mat descriptors = RandomDescriptors(50, 1);
   for (int row = 1; row < descriptors.rows; ++row)
     EXPECT_EQ(HammingDistance(descriptors.ptr(row - 1), descriptors.ptr(row)),
-              static_cast<int>(cv::norm(descriptors.row(row - 1), descriptors.row(row), cv::NORM_HAMMING)));
+              static_cast<int>(
+                  cv::norm(descriptors.row(row - 1), descriptors.row(row), cv::NORM_HAMMING)));
 }
 
 TEST(FindNearestDescriptor, TheFirstOfEqualsIsNearestAndTheOtherIsSecond) {

@@ -44,7 +44,8 @@ TEST(G2oFile, SpatialGraphIsReadAsWritten) {
   EXPECT_EQ(edge.from, 0u);
   EXPECT_EQ(edge.to, 1u);
   EXPECT_EQ(edge.information(2, 2), 3);
-  EXPECT_EQ(edge.information(5, 3), 0.5) << "order is translation, rotation; both triangles are filled";
+  EXPECT_EQ(edge.information(5, 3), 0.5)
+      << "order is translation, rotation; both triangles are filled";
   EXPECT_EQ(edge.information(5, 5), 6);
 }
 
@@ -63,7 +64,8 @@ TEST(G2oFile, PlanarGraphWithoutVerticesNamesThemByItsEdges) {
 
 TEST(G2oFile, WhatIsWrittenReadsBackTheSame) {
   for (const bool is_planar : {false, true}) {
-    const PoseGraph graph = MakeSyntheticGraph({.num_poses = 40, .wrong_share = 0.2, .is_planar = is_planar}).graph;
+    const PoseGraph graph =
+        MakeSyntheticGraph({.num_poses = 40, .wrong_share = 0.2, .is_planar = is_planar}).graph;
     const std::string text = WriteG2o(graph);
     const PoseGraph again = ReadG2o(text);
     EXPECT_EQ(again.is_planar, is_planar);
@@ -72,7 +74,9 @@ TEST(G2oFile, WhatIsWrittenReadsBackTheSame) {
       EXPECT_EQ(again.edges[i].is_trusted, graph.edges[i].is_trusted);
       EXPECT_EQ(again.edges[i].information, graph.edges[i].information);
       EXPECT_EQ(again.edges[i].from_from_to.translation, graph.edges[i].from_from_to.translation);
-      EXPECT_LT(again.edges[i].from_from_to.rotation.angularDistance(graph.edges[i].from_from_to.rotation), 1e-12);
+      EXPECT_LT(again.edges[i].from_from_to.rotation.angularDistance(
+                    graph.edges[i].from_from_to.rotation),
+                1e-12);
     }
   }
 }
@@ -110,7 +114,8 @@ TEST(G2oFile, EveryComplaintNamesItsLine) {
       {"", "no edges"},
   };
   for (const auto& [text, expected] : cases)
-    EXPECT_NE(ComplaintAbout(text).find(expected), std::string::npos) << text << "\n" << ComplaintAbout(text);
+    EXPECT_NE(ComplaintAbout(text).find(expected), std::string::npos) << text << "\n"
+                                                                      << ComplaintAbout(text);
 }
 
 TEST(G2oFile, DamagedTextIsReadOrRefusedButNeverWorse) {

@@ -22,16 +22,17 @@ std::filesystem::path SharedGraph(const std::string& name) {
 }
 
 TEST(RelativePoseCost, JacobiansMatchFiniteDifferences) {
-  SyntheticGraph made = MakeSyntheticGraph({.num_poses = 60, .translation_sigma = 0.5, .rotation_sigma = 0.4});
+  SyntheticGraph made =
+      MakeSyntheticGraph({.num_poses = 60, .translation_sigma = 0.5, .rotation_sigma = 0.4});
   const PoseManifold spatial;
   const PlanarPoseManifold planar;
   for (size_t i = 0; i < made.graph.edges.size(); ++i) {
     PoseGraphEdge& edge = made.graph.edges[i];
     edge.information(0, 4) = edge.information(4, 0) = 0.7;
-    const RelativePoseCost cost(edge.from_from_to,
-                                SquareRootWeight(made.graph, edge, PoseGraphObjective::kInformation));
-    for (const ceres::Manifold* manifold :
-         {static_cast<const ceres::Manifold*>(&spatial), static_cast<const ceres::Manifold*>(&planar)}) {
+    const RelativePoseCost cost(
+        edge.from_from_to, SquareRootWeight(made.graph, edge, PoseGraphObjective::kInformation));
+    for (const ceres::Manifold* manifold : {static_cast<const ceres::Manifold*>(&spatial),
+                                            static_cast<const ceres::Manifold*>(&planar)}) {
       std::vector<std::vector<double>> parameters(2, std::vector<double>(kPoseSize));
       PoseToParameters(made.truth[edge.from], parameters[0].data());
       PoseToParameters(made.truth[edge.to], parameters[1].data());
@@ -47,20 +48,24 @@ TEST(PoseGraph, ChordalObjectiveIsTheSumOfMatrixDistances) {
     const Rigid3 &from = made.truth[edge.from], &to = made.truth[edge.to];
     const double kappa = 3 / (2 * edge.information.bottomRightCorner<3, 3>().inverse().trace());
     const double tau = 3 / edge.information.topLeftCorner<3, 3>().inverse().trace();
-    const Eigen::Matrix3d turned = from.rotation.toRotationMatrix() * edge.from_from_to.rotation.toRotationMatrix();
+    const Eigen::Matrix3d turned =
+        from.rotation.toRotationMatrix() * edge.from_from_to.rotation.toRotationMatrix();
     expected += kappa * (to.rotation.toRotationMatrix() - turned).squaredNorm() +
                 tau * (to.translation - from * edge.from_from_to.translation).squaredNorm();
   }
   PoseGraph at_truth = made.graph;
-  for (size_t i = 0; i < made.truth.size(); ++i) at_truth.vertices[i].world_from_vertex = made.truth[i];
+  for (size_t i = 0; i < made.truth.size(); ++i)
+    at_truth.vertices[i].world_from_vertex = made.truth[i];
 
   EXPECT_NEAR(ObjectiveOf(at_truth, PoseGraphObjective::kChordal), expected, 1e-9 * expected);
 }
 
 TEST(PoseGraph, WithoutNoiseEveryStartIsTheTruth) {
   for (const bool is_planar : {false, true}) {
-    const SyntheticGraph made = MakeSyntheticGraph(
-        {.num_poses = 80, .translation_sigma = 1e-9, .rotation_sigma = 1e-9, .is_planar = is_planar});
+    const SyntheticGraph made = MakeSyntheticGraph({.num_poses = 80,
+                                                    .translation_sigma = 1e-9,
+                                                    .rotation_sigma = 1e-9,
+                                                    .is_planar = is_planar});
     for (const std::vector<Rigid3>& poses : {ChainEdges(made.graph), RelaxChordally(made.graph)}) {
       ASSERT_EQ(poses.size(), made.truth.size());
       for (size_t i = 0; i < poses.size(); ++i) {
@@ -80,9 +85,11 @@ TEST(PoseGraph, LoopsMakeADriveBetterThanItsOdometry) {
 
     EXPECT_TRUE(summary.has_converged);
     EXPECT_LT(PositionError(made.truth, made.graph), 0.7 * before);
-    const double edges = static_cast<double>(made.graph.edges.size()), poses = static_cast<double>(made.truth.size());
+    const double edges = static_cast<double>(made.graph.edges.size()),
+                 poses = static_cast<double>(made.truth.size());
     if (!is_planar) {
-      EXPECT_NEAR(summary.final_cost / (6 * (edges - poses + 1)), 1, 0.2) << "chi^2 per degree of freedom";
+      EXPECT_NEAR(summary.final_cost / (6 * (edges - poses + 1)), 1, 0.2)
+          << "chi^2 per degree of freedom";
     }
     if (is_planar) {
       for (const PoseGraphVertex& vertex : made.graph.vertices) {
@@ -103,7 +110,8 @@ TEST(PoseGraph, BothObjectivesAndAllStartsAgreeWhereNoiseIsIsotropic) {
       options.objective = objective;
       options.start = start;
       PoseGraph graph = made.graph;
-      EXPECT_NEAR(OptimizePoseGraph(options, graph).final_cost, cost, 1e-5 * cost) << objective << " " << start;
+      EXPECT_NEAR(OptimizePoseGraph(options, graph).final_cost, cost, 1e-5 * cost)
+          << objective << " " << start;
     }
 }
 
@@ -123,23 +131,31 @@ TEST(PoseGraph, FixedVerticesStayAndPartsAreHeldOneByOne) {
   OptimizePoseGraph({}, made.graph);
 
   for (const size_t i : {10u, 70u, 80u, 82u}) {
-    const Rigid3 &was = before.vertices[i].world_from_vertex, &is = made.graph.vertices[i].world_from_vertex;
+    const Rigid3 &was = before.vertices[i].world_from_vertex,
+                 &is = made.graph.vertices[i].world_from_vertex;
     EXPECT_EQ(was.translation, is.translation) << i;
     EXPECT_TRUE(was.rotation.isApprox(is.rotation)) << i;
   }
-  EXPECT_GT(
-      (before.vertices[0].world_from_vertex.translation - made.graph.vertices[0].world_from_vertex.translation).norm(),
-      1e-3);
-  EXPECT_LT((made.graph.vertices[81].world_from_vertex.translation - edge.from_from_to.translation).norm(), 1e-6);
+  EXPECT_GT((before.vertices[0].world_from_vertex.translation -
+             made.graph.vertices[0].world_from_vertex.translation)
+                .norm(),
+            1e-3);
+  EXPECT_LT((made.graph.vertices[81].world_from_vertex.translation - edge.from_from_to.translation)
+                .norm(),
+            1e-6);
 }
 
 TEST(PoseGraph, AnEdgeThatKnowsDirectionsOnlyIsUsedForThose) {
-  // Two fixed ends at x = 0 and x = 10; the pose between knows x from nobody but the first, y from the second too.
+  // Two fixed ends at x = 0 and x = 10; the pose between knows x from nobody but the first, y from
+  // the second too.
   PoseGraph graph;
-  graph.vertices = {{0, {}, true}, {1, {}, false}, {2, {Eigen::Quaterniond::Identity(), {10, 0, 0}}, true}};
-  PoseGraphEdge first{0, 1, {Eigen::Quaterniond::Identity(), {4, 1, 0}}, Matrix6d::Identity(), true};
+  graph.vertices = {
+      {0, {}, true}, {1, {}, false}, {2, {Eigen::Quaterniond::Identity(), {10, 0, 0}}, true}};
+  PoseGraphEdge first{
+      0, 1, {Eigen::Quaterniond::Identity(), {4, 1, 0}}, Matrix6d::Identity(), true};
   first.information.bottomRightCorner<3, 3>() *= 1e6;
-  PoseGraphEdge second{1, 2, {Eigen::Quaterniond::Identity(), {5, 0, 0}}, Matrix6d::Identity(), false};
+  PoseGraphEdge second{
+      1, 2, {Eigen::Quaterniond::Identity(), {5, 0, 0}}, Matrix6d::Identity(), false};
   second.information(0, 0) = 0;
   graph.edges = {first, second};
   PoseGraphOptions options;
@@ -185,12 +201,15 @@ TEST_P(SharedPoseGraph, ReachesTheCertifiedOptimumFromOdometryAlone) {
 
   EXPECT_TRUE(summary.has_converged);
   // Known to four digits.
-  EXPECT_NEAR(ObjectiveOf(graph, PoseGraphObjective::kChordal), GetParam().objective, 1e-3 * GetParam().objective);
+  EXPECT_NEAR(ObjectiveOf(graph, PoseGraphObjective::kChordal), GetParam().objective,
+              1e-3 * GetParam().objective);
 }
 
 INSTANTIATE_TEST_SUITE_P(Known, SharedPoseGraph,
-                         testing::Values(KnownOptimum{"parking-garage", 1.263}, KnownOptimum{"sphere2500", 1687},
-                                         KnownOptimum{"torus3D", 24227}, KnownOptimum{"cubicle", 717.1}),
+                         testing::Values(KnownOptimum{"parking-garage", 1.263},
+                                         KnownOptimum{"sphere2500", 1687},
+                                         KnownOptimum{"torus3D", 24227},
+                                         KnownOptimum{"cubicle", 717.1}),
                          [](const auto& info) {
                            std::string name = info.param.name;
                            std::replace(name.begin(), name.end(), '-', '_');

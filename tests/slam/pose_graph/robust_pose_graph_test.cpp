@@ -32,15 +32,20 @@ TEST(RobustPoseGraph, WrongLoopsDoNotMoveTheDrive) {
       for (const std::uint32_t seed : {1u, 2u, 3u}) {
         SyntheticGraph clean = MakeSyntheticGraph({.is_planar = is_planar, .seed = seed});
         OptimizePoseGraph({}, clean.graph);
-        SyntheticGraph made = MakeSyntheticGraph({.wrong_share = share, .is_planar = is_planar, .seed = seed});
+        SyntheticGraph made =
+            MakeSyntheticGraph({.wrong_share = share, .is_planar = is_planar, .seed = seed});
         ASSERT_GT(made.num_wrong_loops, 10u);
 
         const RobustPoseGraphSummary summary = OptimizePoseGraphRobustly({}, made.graph);
 
-        const double error = PositionError(made.truth, made.graph), expected = PositionError(clean.truth, clean.graph);
-        EXPECT_LT(error, 1.05 * expected) << "share " << share << " seed " << seed << " planar " << is_planar;
-        const auto first_wrong = summary.weights.end() - static_cast<std::ptrdiff_t>(made.num_wrong_loops);
-        EXPECT_EQ(std::count(first_wrong, summary.weights.end(), 1.0), 0) << "wrong loops that survived";
+        const double error = PositionError(made.truth, made.graph),
+                     expected = PositionError(clean.truth, clean.graph);
+        EXPECT_LT(error, 1.05 * expected)
+            << "share " << share << " seed " << seed << " planar " << is_planar;
+        const auto first_wrong =
+            summary.weights.end() - static_cast<std::ptrdiff_t>(made.num_wrong_loops);
+        EXPECT_EQ(std::count(first_wrong, summary.weights.end(), 1.0), 0)
+            << "wrong loops that survived";
       }
     }
   }
@@ -56,10 +61,12 @@ TEST(RobustPoseGraph, StretchesThatLookAlikeDoNotMoveTheDrive) {
 
       const RobustPoseGraphSummary summary = OptimizePoseGraphRobustly({}, made.graph);
 
-      EXPECT_LT(PositionError(made.truth, made.graph), 1.1 * PositionError(clean.truth, clean.graph))
+      EXPECT_LT(PositionError(made.truth, made.graph),
+                1.1 * PositionError(clean.truth, clean.graph))
           << "share " << share << " seed " << seed;
       const auto first_wrong = summary.weights.begin() + static_cast<std::ptrdiff_t>(num_before);
-      EXPECT_EQ(std::count(first_wrong, summary.weights.end(), 1.0), 0) << "wrong loops that survived";
+      EXPECT_EQ(std::count(first_wrong, summary.weights.end(), 1.0), 0)
+          << "wrong loops that survived";
     }
   }
 }
@@ -98,8 +105,8 @@ class SharedRobustPoseGraph : public testing::TestWithParam<const char*> {};
 
 TEST_P(SharedRobustPoseGraph, FortyPercentWrongLoopsChangeNothing) {
   const char* shared = std::getenv("PARKADE_SHARED_DATA");
-  const auto file =
-      std::filesystem::path(shared ? shared : "../shared/data") / "g2o" / (GetParam() + std::string(".g2o"));
+  const auto file = std::filesystem::path(shared ? shared : "../shared/data") / "g2o" /
+                    (GetParam() + std::string(".g2o"));
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no pose graphs beside the repository";
   PoseGraph clean = ReadG2o(ReadFile(file)), odometry = clean;
   OptimizePoseGraph({}, clean);

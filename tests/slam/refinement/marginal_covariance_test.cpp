@@ -9,7 +9,7 @@
 
 #include "slam/factors/imu_sensitivity.h"
 #include "slam/factors/landmark_parameters.h"
-#include "slam/factors/linearise_block.h"
+#include "slam/factors/linearize_block.h"
 #include "slam/factors/track_errors.h"
 
 namespace parkade {
@@ -18,11 +18,13 @@ namespace {
 /// r = A [x_1; x_2; ...] - b.
 class LinearCost final : public ceres::CostFunction {
  public:
-  LinearCost(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const std::vector<int>& sizes) : a_(a), b_(b) {
+  LinearCost(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const std::vector<int>& sizes)
+      : a_(a), b_(b) {
     set_num_residuals(static_cast<int>(a.rows()));
     *mutable_parameter_block_sizes() = sizes;
   }
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
     Eigen::Map<Eigen::VectorXd> residual(residuals, a_.rows());
     residual = -b_;
     Eigen::Index column = 0;
@@ -31,8 +33,8 @@ class LinearCost final : public ceres::CostFunction {
       const auto part = a_.middleCols(column, size);
       residual += part * Eigen::Map<const Eigen::VectorXd>(parameters[i], size);
       if (jacobians && jacobians[i])
-        Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(jacobians[i], a_.rows(),
-                                                                                           size) = part;
+        Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+            jacobians[i], a_.rows(), size) = part;
       column += size;
     }
     return true;
@@ -43,7 +45,7 @@ class LinearCost final : public ceres::CostFunction {
   Eigen::VectorXd b_;
 };
 
-/// Four states of two in a chain, each pair of neighbours with a landmark that both see three times.
+/// Four states of two in a chain, each pair of neighbors with a landmark that both see three times.
 class MarginalCovarianceTest : public testing::Test {
  protected:
   static constexpr int kStates = 4, kSights = 3;
@@ -61,10 +63,12 @@ class MarginalCovarianceTest : public testing::Test {
   void Add(const std::vector<int>& states, int rows, double* landmark) {
     std::vector<double*> blocks;
     std::vector<int> sizes;
-    for (const int state : states) blocks.push_back(states_[static_cast<size_t>(state)].data()), sizes.push_back(2);
+    for (const int state : states)
+      blocks.push_back(states_[static_cast<size_t>(state)].data()), sizes.push_back(2);
     if (landmark) blocks.push_back(landmark), sizes.push_back(kLandmarkSize);
     const int columns = 2 * static_cast<int>(states.size()) + (landmark ? kLandmarkSize : 0);
-    const Eigen::MatrixXd a = Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return noise_(random_); });
+    const Eigen::MatrixXd a =
+        Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return noise_(random_); });
     const Eigen::VectorXd b = Eigen::VectorXd::NullaryExpr(rows, [&] { return noise_(random_); });
     problem_.AddResidualBlock(new LinearCost(a, b, sizes), nullptr, blocks);
     rows_.push_back({a, b, states, landmark});
@@ -88,7 +92,8 @@ class MarginalCovarianceTest : public testing::Test {
       for (size_t i = 0; i < rows.states.size(); ++i) {
         const auto block = rows.a.middleCols(2 * static_cast<Eigen::Index>(i), 2);
         part.middleCols(2 * rows.states[i], 2) = block;
-        error += block * Eigen::Map<const Eigen::Vector2d>(states_[static_cast<size_t>(rows.states[i])].data());
+        error += block * Eigen::Map<const Eigen::Vector2d>(
+                             states_[static_cast<size_t>(rows.states[i])].data());
       }
       if (landmark) {
         part.rightCols(kLandmarkSize) = rows.a.rightCols(kLandmarkSize);
@@ -120,8 +125,8 @@ TEST_F(MarginalCovarianceTest, IsTheSandwichOfDenseMatrices) {
     const Eigen::MatrixXd all = Stacked(landmarks_[static_cast<size_t>(i)].data(), residual);
     const Eigen::MatrixXd own = all.rightCols(kLandmarkSize);
     // What does not depend on the landmark.
-    const Eigen::MatrixXd rest =
-        Eigen::MatrixXd::Identity(all.rows(), all.rows()) - own * (own.transpose() * own).inverse() * own.transpose();
+    const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(all.rows(), all.rows()) -
+                                 own * (own.transpose() * own).inverse() * own.transpose();
     const Eigen::MatrixXd left = rest * all.leftCols(kSize);
     information += left.transpose() * left;
     const Eigen::VectorXd score = left.transpose() * residual;
@@ -135,9 +140,12 @@ TEST_F(MarginalCovarianceTest, IsTheSandwichOfDenseMatrices) {
       MarginalCovariance(problem_, landmarks, {states_[3].data(), states_[1].data()}).value();
 
   ASSERT_EQ(covariance.rows(), 4);
-  EXPECT_LT((covariance.topLeftCorner(2, 2) - expected.block(6, 6, 2, 2)).norm(), 1e-9 * expected.norm());
-  EXPECT_LT((covariance.topRightCorner(2, 2) - expected.block(6, 2, 2, 2)).norm(), 1e-9 * expected.norm());
-  EXPECT_LT((covariance.bottomRightCorner(2, 2) - expected.block(2, 2, 2, 2)).norm(), 1e-9 * expected.norm());
+  EXPECT_LT((covariance.topLeftCorner(2, 2) - expected.block(6, 6, 2, 2)).norm(),
+            1e-9 * expected.norm());
+  EXPECT_LT((covariance.topRightCorner(2, 2) - expected.block(6, 2, 2, 2)).norm(),
+            1e-9 * expected.norm());
+  EXPECT_LT((covariance.bottomRightCorner(2, 2) - expected.block(2, 2, 2, 2)).norm(),
+            1e-9 * expected.norm());
 }
 
 TEST_F(MarginalCovarianceTest, WhatIsHeldHasNone) {
@@ -152,10 +160,12 @@ TEST_F(MarginalCovarianceTest, WhatIsHeldHasNone) {
 }
 
 TEST(MarginalCovariance, ErrorsOfTheImusScaleCount) {
-  // A second of turning and speeding up, from a state that is known: what scale and axes may do comes on top of noise.
+  // A second of turning and speeding up, from a state that is known: what scale and axes may do
+  // comes on top of noise.
   std::vector<ImuSample> samples;
   for (int k = 0; k <= 100; ++k)
-    samples.push_back({Timestamp{} + 0.01 * k, {0, 0, 1}, Eigen::Vector3d(2, 0, 0) - kGravityInOdom});
+    samples.push_back(
+        {Timestamp{} + 0.01 * k, {0, 0, 1}, Eigen::Vector3d(2, 0, 0) - kGravityInOdom});
   const ImuPreintegration imu(samples, {}, {});
   std::array<double, kPoseSize> pose_i{}, pose_j{};
   std::array<double, kMotionSize> motion_i{}, motion_j{};
@@ -168,21 +178,27 @@ TEST(MarginalCovariance, ErrorsOfTheImusScaleCount) {
   problem.AddParameterBlock(pose_i.data(), kPoseSize, &manifold);
   problem.AddParameterBlock(pose_j.data(), kPoseSize, &manifold);
   auto* const cost = new ImuCost(&imu);
-  problem.AddResidualBlock(cost, nullptr, pose_i.data(), motion_i.data(), pose_j.data(), motion_j.data());
+  problem.AddResidualBlock(cost, nullptr, pose_i.data(), motion_i.data(), pose_j.data(),
+                           motion_j.data());
   problem.SetParameterBlockConstant(pose_i.data());
   problem.SetParameterBlockConstant(motion_i.data());
 
   const Eigen::MatrixXd covariance = MarginalCovariance(problem, {}, {pose_j.data()}).value();
 
-  // All that is free is the second knot: H = J^T J of 15 x 15.
-  const LinearisableBlock block{
-      cost, nullptr, {pose_i.data(), motion_i.data(), pose_j.data(), motion_j.data()}, {0, 6, 15, 21}, {6, 9, 6, 9}};
-  const std::optional<LinearisedBlock> linear = Linearise(block);
+  // All that is free is the second node: H = J^T J of 15 x 15.
+  const LinearisableBlock block{cost,
+                                nullptr,
+                                {pose_i.data(), motion_i.data(), pose_j.data(), motion_j.data()},
+                                {0, 6, 15, 21},
+                                {6, 9, 6, 9}};
+  const std::optional<LinearisedBlock> linear = Linearize(block);
   Eigen::MatrixXd jacobian(15, 15);
   jacobian << linear->jacobians[2], linear->jacobians[3];
   const Eigen::MatrixXd by_noise = (jacobian.transpose() * jacobian).inverse();
-  const Eigen::MatrixXd by_scale = by_noise * ScoreSensitivity(*cost, imu, block.parameters).bottomRows<15>();
-  const Eigen::MatrixXd expected = (by_noise + by_scale * by_scale.transpose()).topLeftCorner<6, 6>();
+  const Eigen::MatrixXd by_scale =
+      by_noise * ScoreSensitivity(*cost, imu, block.parameters).bottomRows<15>();
+  const Eigen::MatrixXd expected =
+      (by_noise + by_scale * by_scale.transpose()).topLeftCorner<6, 6>();
   EXPECT_LT((covariance - expected).norm(), 1e-6 * expected.norm());
   const double of_noise = by_noise.topLeftCorner(6, 6).trace();
   EXPECT_GT(covariance.trace(), 1.05 * of_noise);
@@ -191,8 +207,9 @@ TEST(MarginalCovariance, ErrorsOfTheImusScaleCount) {
 TEST(MarginalCovariance, SaysNothingOfWhatNothingHolds) {
   double x = 0, y = 0;
   ceres::Problem problem;
-  problem.AddResidualBlock(new LinearCost(Eigen::MatrixXd::Ones(1, 2), Eigen::VectorXd::Zero(1), {1, 1}), nullptr, &x,
-                           &y);
+  problem.AddResidualBlock(
+      new LinearCost(Eigen::MatrixXd::Ones(1, 2), Eigen::VectorXd::Zero(1), {1, 1}), nullptr, &x,
+      &y);
   EXPECT_FALSE(MarginalCovariance(problem, {}, {&x}));
 }
 

@@ -7,99 +7,105 @@
 namespace parkade {
 namespace {
 
-DriveLinks Link(const WorldDrive& a, const WorldDrive& b) {
-  return LinkDrives(a.drive.places, b.drive.places, {}, RelativePoseOptions{});
+SessionLoops Link(const WorldDrive& a, const WorldDrive& b) {
+  return MatchSessions(a.drive.keyframes, b.drive.keyframes, {}, RelativePoseOptions{});
 }
 
-double WorstLink(const WorldDrive& a, const WorldDrive& b, const std::vector<PlaceLink>& links) {
+double WorstLink(const WorldDrive& a, const WorldDrive& b, const std::vector<SessionLoop>& links) {
   double worst = 0;
-  for (const PlaceLink& link : links) {
-    const Rigid3 truth = a.world_from_place[link.place_a].Inverse() * b.world_from_place[link.place_b];
+  for (const SessionLoop& link : links) {
+    const Rigid3 truth =
+        a.world_from_keyframe[link.keyframe_a].Inverse() * b.world_from_keyframe[link.keyframe_b];
     worst = std::max(worst, (truth.translation - link.pose.a_from_b.translation).norm());
   }
   return worst;
 }
 
-TEST(LinkDrives, FindsWhereDrivesPassEachOther) {
+TEST(MatchSessions, FindsWhereDrivesPassEachOther) {
   const DriveWorld world;
   const WorldDrive a = world.Drive(1), b = world.Drive(2);
-  const DriveLinks found = Link(a, b);
+  const SessionLoops found = Link(a, b);
   EXPECT_EQ(found.rejected, "");
   EXPECT_GT(found.links.size(), 15u);
   EXPECT_LT(WorstLink(a, b, found.links), 0.15);
 }
 
-TEST(LinkDrives, TheOtherWayAroundIsNoHindrance) {
+TEST(MatchSessions, TheOtherWayAroundIsNoHindrance) {
   const DriveWorld world;
   const WorldDrive a = world.Drive(1), b = world.Drive(2, /*is_opposite=*/true);
-  const DriveLinks found = Link(a, b);
+  const SessionLoops found = Link(a, b);
   EXPECT_GT(found.links.size(), 15u) << found.rejected;
   EXPECT_LT(WorstLink(a, b, found.links), 0.15);
 }
 
-TEST(LinkDrives, AnotherPlaceHasNoLinks) {
+TEST(MatchSessions, AnotherPlaceHasNoLinks) {
   const WorldDrive a = DriveWorld({.seed = 1}).Drive(1), b = DriveWorld({.seed = 2}).Drive(2);
-  const DriveLinks found = Link(a, b);
+  const SessionLoops found = Link(a, b);
   EXPECT_TRUE(found.links.empty());
   EXPECT_EQ(found.rejected, "no places in common");
 }
 
-TEST(LinkDrives, DecksThatLookQuiteTheSameAreAmbiguous) {
+TEST(MatchSessions, DecksThatLookQuiteTheSameAreAmbiguous) {
   const DriveWorld world({.num_decks = 2, .shared_looks = 1});
-  const DriveLinks found = Link(world.Drive(1, false, {0, 1}), world.Drive(2, false, {1}));
+  const SessionLoops found = Link(world.Drive(1, false, {0, 1}), world.Drive(2, false, {1}));
   EXPECT_TRUE(found.links.empty());
   EXPECT_EQ(found.rejected, "ambiguous: other links agree on another pose");
 }
 
-TEST(LinkDrives, DecksAreToldApartByWhatDiffers) {
+TEST(MatchSessions, DecksAreToldApartByWhatDiffers) {
   const DriveWorld world({.num_decks = 2, .shared_looks = 0.5});
   const WorldDrive a = world.Drive(1, false, {0, 1}), b = world.Drive(2, false, {1});
-  const DriveLinks found = Link(a, b);
+  const SessionLoops found = Link(a, b);
   EXPECT_GT(found.links.size(), 15u) << found.rejected;
   EXPECT_LT(WorstLink(a, b, found.links), 0.15);
 }
 
-TEST(LinkDrives, BuildingsThatLookAlikeAreToldApartByTheirFloors) {
-  const std::vector<Place> here = DriveWorld({.floor_seed = 1}).Drive(1).drive.places;
-  const DriveLinks twins = LinkDrives(here, DriveWorld({.floor_seed = 2}).Drive(2).drive.places, {}, {});
+TEST(MatchSessions, BuildingsThatLookAlikeAreToldApartByTheirFloors) {
+  const std::vector<RigKeyframe> here = DriveWorld({.floor_seed = 1}).Drive(1).drive.keyframes;
+  const SessionLoops twins =
+      MatchSessions(here, DriveWorld({.floor_seed = 2}).Drive(2).drive.keyframes, {}, {});
   EXPECT_TRUE(twins.links.empty());
   EXPECT_EQ(twins.rejected, "the floor is another one");
   EXPECT_GT(twins.num_agreeing, 10);
-  const DriveLinks same = LinkDrives(here, DriveWorld({.floor_seed = 1}).Drive(2, true).drive.places, {}, {});
+  const SessionLoops same =
+      MatchSessions(here, DriveWorld({.floor_seed = 1}).Drive(2, true).drive.keyframes, {}, {});
   EXPECT_GT(same.links.size(), 10U);
   EXPECT_GT(same.floor.across.share(), 0.8);
 }
 
-TEST(LinkDrives, AFloorThatNobodySawTellsNothing) {
-  const std::vector<Place> here = DriveWorld({.floor_seed = 1}).Drive(1).drive.places;
-  EXPECT_GT(LinkDrives(here, DriveWorld().Drive(2).drive.places, {}, {}).links.size(), 10U);
+TEST(MatchSessions, AFloorThatNobodySawTellsNothing) {
+  const std::vector<RigKeyframe> here = DriveWorld({.floor_seed = 1}).Drive(1).drive.keyframes;
+  EXPECT_GT(MatchSessions(here, DriveWorld().Drive(2).drive.keyframes, {}, {}).links.size(), 10U);
 }
 
-TEST(LinkDrives, GnssKeepsApartWhatItPutsFarApart) {
+TEST(MatchSessions, GnssKeepsApartWhatItPutsFarApart) {
   const DriveWorld world;
   const WorldDrive a = world.Drive(1), b = world.Drive(2);
-  const Rigid3 truth = a.drive.places[0].odom_from_place * a.world_from_place[0].Inverse() * b.world_from_place[0] *
-                       b.drive.places[0].odom_from_place.Inverse();
+  const Rigid3 truth = a.drive.keyframes[0].odom_from_keyframe *
+                       a.world_from_keyframe[0].Inverse() * b.world_from_keyframe[0] *
+                       b.drive.keyframes[0].odom_from_keyframe.Inverse();
   const Rigid3 elsewhere = Rigid3{Eigen::Quaterniond::Identity(), {0, 200, 0}} * truth;
-  EXPECT_FALSE(LinkDrives(a.drive.places, b.drive.places, {}, {}, truth, 1.0).links.empty());
-  EXPECT_TRUE(LinkDrives(a.drive.places, b.drive.places, {}, {}, elsewhere, 1.0).links.empty());
+  EXPECT_FALSE(
+      MatchSessions(a.drive.keyframes, b.drive.keyframes, {}, {}, truth, 1.0).links.empty());
+  EXPECT_TRUE(
+      MatchSessions(a.drive.keyframes, b.drive.keyframes, {}, {}, elsewhere, 1.0).links.empty());
 }
 
-TEST(FindAgreeingLinks, WrongLinksAgreeWithNothing) {
+TEST(FindConsistentLoops, WrongLinksAgreeWithNothing) {
   const DriveWorld world;
   const WorldDrive a = world.Drive(1), b = world.Drive(2);
-  std::vector<PlaceLink> links;
+  std::vector<SessionLoop> links;
   for (size_t i = 0; i < 20; ++i) {
-    PlaceLink link{i, i, 0, {}};
-    link.pose.a_from_b = a.world_from_place[i].Inverse() * b.world_from_place[i];
+    SessionLoop link{i, i, 0, {}};
+    link.pose.a_from_b = a.world_from_keyframe[i].Inverse() * b.world_from_keyframe[i];
     link.pose.worst_sigma = 0.02;
-    if (i % 2 == 1)  // wrong by metres, each in its own way
+    if (i % 2 == 1)  // wrong by meters, each in its own way
       link.pose.a_from_b.translation +=
           1.5 * Eigen::Vector3d(std::sin(7.0 * double(i)), std::cos(5.0 * double(i)), 0.3);
     links.push_back(link);
   }
   const std::vector<size_t> expected = {0, 2, 4, 6, 8, 10, 12, 14, 16, 18};
-  EXPECT_EQ(FindAgreeingLinks(a.drive.places, b.drive.places, links, {}), expected);
+  EXPECT_EQ(FindConsistentLoops(a.drive.keyframes, b.drive.keyframes, links, {}), expected);
 }
 
 TEST(JoinDrives, ThreeDrivesOfOnePlaceComeTogether) {
@@ -107,13 +113,18 @@ TEST(JoinDrives, ThreeDrivesOfOnePlaceComeTogether) {
   const std::vector<WorldDrive> drives = {world.Drive(1), world.Drive(2, true), world.Drive(3)};
   const DriveJoin join = JoinDrives({drives[0].drive, drives[1].drive, drives[2].drive}, {}, {});
   for (size_t i = 0; i < 3; ++i) ASSERT_EQ(join.drives[i].left_out, "") << i;
-  EXPECT_LT(WorstOffset(drives[0], join.drives[0].site_from_body, drives[1], join.drives[1].site_from_body), 0.08);
-  EXPECT_LT(WorstOffset(drives[1], join.drives[1].site_from_body, drives[2], join.drives[2].site_from_body), 0.08);
+  EXPECT_LT(WorstOffset(drives[0], join.drives[0].site_from_body, drives[1],
+                        join.drives[1].site_from_body),
+            0.08);
+  EXPECT_LT(WorstOffset(drives[1], join.drives[1].site_from_body, drives[2],
+                        join.drives[2].site_from_body),
+            0.08);
 }
 
 TEST(JoinDrives, ADriveOfAnotherPlaceIsLeftOut) {
   const DriveWorld world({.seed = 1}), elsewhere({.seed = 2});
-  const DriveJoin join = JoinDrives({world.Drive(1).drive, elsewhere.Drive(2).drive, world.Drive(3).drive}, {}, {});
+  const DriveJoin join =
+      JoinDrives({world.Drive(1).drive, elsewhere.Drive(2).drive, world.Drive(3).drive}, {}, {});
   EXPECT_EQ(join.drives[0].left_out, "");
   EXPECT_EQ(join.drives[1].left_out, "no places in common");
   EXPECT_TRUE(join.drives[1].site_from_body.empty());
@@ -133,13 +144,16 @@ TEST(JoinDrives, GnssPlacesTheSiteAndLinksTheDrivesWithinIt) {
   const DriveWorld world;
   WorldDrive a = world.Drive(1), b = world.Drive(2);
   const auto frame_of = [](const WorldDrive& drive) {
-    return drive.world_from_place[10] * drive.drive.places[10].odom_from_place.Inverse();
+    return drive.world_from_keyframe[10] * drive.drive.keyframes[10].odom_from_keyframe.Inverse();
   };
   a.drive.gnss = Fix(Rigid3{Eigen::Quaterniond::Identity(), {0.6, 0, 0}} * frame_of(a), 0.5);
   b.drive.gnss = Fix(Rigid3{Eigen::Quaterniond::Identity(), {0, -0.6, 0}} * frame_of(b), 0.5);
   const DriveJoin join = JoinDrives({a.drive, b.drive}, {}, {});
-  const Eigen::Vector3d in_site = join.drives[0].site_from_body.states()[10].odom_from_body.translation;
-  EXPECT_LT((in_site - a.world_from_place[10].translation - Eigen::Vector3d(0.3, -0.3, 0)).norm(), 0.1);
+  const Eigen::Vector3d in_site =
+      join.drives[0].site_from_body.states()[10].world_from_body.translation;
+  EXPECT_LT(
+      (in_site - a.world_from_keyframe[10].translation - Eigen::Vector3d(0.3, -0.3, 0)).norm(),
+      0.1);
   EXPECT_LT(WorstOffset(a, join.drives[0].site_from_body, b, join.drives[1].site_from_body), 0.08);
 }
 
@@ -148,25 +162,29 @@ TEST(JoinDrives, GnssThatIsOffBendsNothing) {
   std::vector<WorldDrive> drives = {world.Drive(1), world.Drive(2, true), world.Drive(3)};
   double off = 0.1;  // [rad], and that many times 10 m
   for (WorldDrive& drive : drives) {
-    const Rigid3 true_frame = drive.world_from_place[10] * drive.drive.places[10].odom_from_place.Inverse();
-    drive.drive.gnss = Fix(Rigid3{ExpSo3({0, 0, off}), {10 * off, -5 * off, 5 * off}} * true_frame, 0.8);
+    const Rigid3 true_frame =
+        drive.world_from_keyframe[10] * drive.drive.keyframes[10].odom_from_keyframe.Inverse();
+    drive.drive.gnss =
+        Fix(Rigid3{ExpSo3({0, 0, off}), {10 * off, -5 * off, 5 * off}} * true_frame, 0.8);
     off *= -1.2;
   }
   const DriveJoin join = JoinDrives({drives[0].drive, drives[1].drive, drives[2].drive}, {}, {});
   for (size_t i = 1; i < 3; ++i) {
     ASSERT_EQ(join.drives[i].left_out, "");
-    EXPECT_LT(WorstOffset(drives[i - 1], join.drives[i - 1].site_from_body, drives[i], join.drives[i].site_from_body),
+    EXPECT_LT(WorstOffset(drives[i - 1], join.drives[i - 1].site_from_body, drives[i],
+                          join.drives[i].site_from_body),
               0.08);
   }
 }
 
 TEST(JoinDrives, DrivesOfAnotherPlaceThatFitEachOtherAreLeftOutForTheRightReason) {
   const DriveWorld here({.seed = 1}), there({.seed = 2});
-  const DriveJoin join = JoinDrives(
-      {there.Drive(4).drive, here.Drive(1).drive, here.Drive(2).drive, here.Drive(3).drive, there.Drive(5).drive}, {},
-      {});
+  const DriveJoin join = JoinDrives({there.Drive(4).drive, here.Drive(1).drive, here.Drive(2).drive,
+                                     here.Drive(3).drive, there.Drive(5).drive},
+                                    {}, {});
   for (const size_t kept : {1, 2, 3}) EXPECT_EQ(join.drives[kept].left_out, "");
-  for (const size_t foreign : {0, 4}) EXPECT_EQ(join.drives[foreign].left_out, "no places in common");
+  for (const size_t foreign : {0, 4})
+    EXPECT_EQ(join.drives[foreign].left_out, "no places in common");
 }
 
 TEST(JoinDrives, GnssAloneHoldsDrivesTogetherThatShareNoPlace) {
@@ -175,15 +193,18 @@ TEST(JoinDrives, GnssAloneHoldsDrivesTogetherThatShareNoPlace) {
   b.drive.gnss = Fix({Eigen::Quaterniond::Identity(), {0, 100, 0}}, 0.02);
   const DriveJoin join = JoinDrives({a.drive, b.drive}, {}, {});
   EXPECT_EQ(join.drives[0].left_out + join.drives[1].left_out, "");
-  const Eigen::Vector3d expected = Eigen::Vector3d(0, 100, 0) + b.drive.places[10].odom_from_place.translation;
-  EXPECT_LT((join.drives[1].site_from_body.states()[10].odom_from_body.translation - expected).norm(), 0.05);
+  const Eigen::Vector3d expected =
+      Eigen::Vector3d(0, 100, 0) + b.drive.keyframes[10].odom_from_keyframe.translation;
+  EXPECT_LT(
+      (join.drives[1].site_from_body.states()[10].world_from_body.translation - expected).norm(),
+      0.05);
 }
 
 TEST(JoinDrives, OneDriveStaysWhereItIs) {
   const WorldDrive a = DriveWorld().Drive(1);
   const DriveJoin join = JoinDrives({a.drive}, {}, {});
-  EXPECT_EQ(join.drives[0].site_from_body.states()[3].odom_from_body.translation,
-            a.drive.odom_from_body.states()[3].odom_from_body.translation);
+  EXPECT_EQ(join.drives[0].site_from_body.states()[3].world_from_body.translation,
+            a.drive.odom_from_body.states()[3].world_from_body.translation);
 }
 
 }  // namespace

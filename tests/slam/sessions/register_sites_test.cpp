@@ -9,20 +9,24 @@ namespace {
 
 const Rigid3 kSiteFromWorld{ExpSo3({0, 0, 0.8}), {40, -12, 3}};
 
-/// Places where they truly lie in a site.
-std::vector<Place> PlacesIn(const Rigid3& site_from_world, const WorldDrive& drive) {
-  std::vector<Place> places = drive.drive.places;
-  for (size_t i = 0; i < places.size(); ++i) places[i].odom_from_place = site_from_world * drive.world_from_place[i];
-  return places;
+/// Keyframes where they truly lie in a site.
+std::vector<RigKeyframe> KeyframesIn(const Rigid3& site_from_world, const WorldDrive& drive) {
+  std::vector<RigKeyframe> keyframes = drive.drive.keyframes;
+  for (size_t i = 0; i < keyframes.size(); ++i)
+    keyframes[i].odom_from_keyframe = site_from_world * drive.world_from_keyframe[i];
+  return keyframes;
 }
 
 TEST(RegisterSites, FindsHowTheyLieToEachOther) {
   const DriveWorld world;
-  const auto found = RegisterSites({PlacesIn({}, world.Drive(1))},
-                                   {PlacesIn(kSiteFromWorld, world.Drive(2, /*is_opposite=*/true))}, {}, {});
+  const auto found =
+      RegisterSites({KeyframesIn({}, world.Drive(1))},
+                    {KeyframesIn(kSiteFromWorld, world.Drive(2, /*is_opposite=*/true))}, {}, {});
   ASSERT_TRUE(found);
   const Rigid3 error = found->to_from_from * kSiteFromWorld.Inverse();
-  EXPECT_LT((error * (kSiteFromWorld * Eigen::Vector3d(20, 0, 0)) - kSiteFromWorld * Eigen::Vector3d(20, 0, 0)).norm(),
+  EXPECT_LT((error * (kSiteFromWorld * Eigen::Vector3d(20, 0, 0)) -
+             kSiteFromWorld * Eigen::Vector3d(20, 0, 0))
+                .norm(),
             0.03);
   EXPECT_LT(LogSo3(error.rotation).norm(), 0.002);
   EXPECT_GT(found->num_links, 15U);
@@ -33,9 +37,10 @@ TEST(RegisterSites, FindsHowTheyLieToEachOther) {
 TEST(RegisterSites, OneDriveThatLiesWrongInItsSiteDoesNotMoveTheRest) {
   const DriveWorld world;
   const Rigid3 shifted{Eigen::Quaterniond::Identity(), {0, 2, 0}};
-  const std::vector<std::vector<Place>> from = {PlacesIn({}, world.Drive(1)), PlacesIn({}, world.Drive(2)),
-                                                PlacesIn(shifted, world.Drive(3))};
-  const auto found = RegisterSites(from, {PlacesIn(kSiteFromWorld, world.Drive(4))}, {}, {});
+  const std::vector<std::vector<RigKeyframe>> from = {KeyframesIn({}, world.Drive(1)),
+                                                      KeyframesIn({}, world.Drive(2)),
+                                                      KeyframesIn(shifted, world.Drive(3))};
+  const auto found = RegisterSites(from, {KeyframesIn(kSiteFromWorld, world.Drive(4))}, {}, {});
   ASSERT_TRUE(found);
   const Eigen::Vector3d middle(20, 0, 0);
   EXPECT_LT((found->to_from_from * middle - kSiteFromWorld * middle).norm(), 0.06);
@@ -44,20 +49,22 @@ TEST(RegisterSites, OneDriveThatLiesWrongInItsSiteDoesNotMoveTheRest) {
 TEST(RegisterSites, SitesThatContradictEachOtherAreNotRegistered) {
   const DriveWorld world;
   const Rigid3 shifted{Eigen::Quaterniond::Identity(), {0, 2, 0}};
-  const std::vector<std::vector<Place>> from = {PlacesIn({}, world.Drive(1)), PlacesIn(shifted, world.Drive(2))};
-  EXPECT_FALSE(RegisterSites(from, {PlacesIn({}, world.Drive(3))}, {}, {}));
+  const std::vector<std::vector<RigKeyframe>> from = {KeyframesIn({}, world.Drive(1)),
+                                                      KeyframesIn(shifted, world.Drive(2))};
+  EXPECT_FALSE(RegisterSites(from, {KeyframesIn({}, world.Drive(3))}, {}, {}));
 }
 
 TEST(RegisterSites, AnotherPlaceIsNot) {
-  const std::vector<Place> here = PlacesIn({}, DriveWorld({.seed = 1}).Drive(1));
-  const std::vector<Place> there = PlacesIn({}, DriveWorld({.seed = 2}).Drive(2));
+  const std::vector<RigKeyframe> here = KeyframesIn({}, DriveWorld({.seed = 1}).Drive(1));
+  const std::vector<RigKeyframe> there = KeyframesIn({}, DriveWorld({.seed = 2}).Drive(2));
   EXPECT_FALSE(RegisterSites({here}, {there}, {}, {}));
   EXPECT_FALSE(RegisterSites({here}, {}, {}, {}));
 }
 
 TEST(RegisterSites, WhereTheyLieOnEarthKeepsApartWhatLooksAlike) {
   const DriveWorld world;
-  const std::vector<Place> here = PlacesIn({}, world.Drive(1)), there = PlacesIn({}, world.Drive(2));
+  const std::vector<RigKeyframe> here = KeyframesIn({}, world.Drive(1)),
+                                 there = KeyframesIn({}, world.Drive(2));
   const SitePrior elsewhere{Rigid3{Eigen::Quaterniond::Identity(), {0, 200, 0}}, 2};
   EXPECT_FALSE(RegisterSites({here}, {there}, {}, {}, elsewhere));
   EXPECT_TRUE(RegisterSites({here}, {there}, {}, {}, SitePrior{{}, 2}));

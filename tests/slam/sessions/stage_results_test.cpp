@@ -28,29 +28,30 @@ DriveRefinement SomeRefinement() {
   return refinement;
 }
 
-TEST(StageResults, PlacesComeBackWithEveryBit) {
-  const std::vector<Place> places = DriveWorld({.floor_seed = 1}).Drive(1).drive.places;
-  const std::string bytes = EncodePlaces(places);
-  const std::vector<Place> read = DecodePlaces(bytes);
-  EXPECT_EQ(cv::norm(read[5].floor, places[5].floor, cv::NORM_INF), 0);
-  ASSERT_EQ(read.size(), places.size());
-  ASSERT_EQ(read[5].features.size(), places[5].features.size());
-  EXPECT_EQ(read[5].features[9].bearing, places[5].features[9].bearing);
-  EXPECT_EQ(read[5].features[9].point, places[5].features[9].point);
-  EXPECT_EQ(read[5].odom_from_place.Matrix(), places[5].odom_from_place.Matrix());
-  EXPECT_EQ(EncodePlaces(read), bytes);
+TEST(StageResults, KeyframesComeBackWithEveryBit) {
+  const std::vector<RigKeyframe> keyframes = DriveWorld({.floor_seed = 1}).Drive(1).drive.keyframes;
+  const std::string bytes = EncodeKeyframes(keyframes);
+  const std::vector<RigKeyframe> read = DecodeKeyframes(bytes);
+  EXPECT_EQ(cv::norm(read[5].floor, keyframes[5].floor, cv::NORM_INF), 0);
+  ASSERT_EQ(read.size(), keyframes.size());
+  ASSERT_EQ(read[5].features.size(), keyframes[5].features.size());
+  EXPECT_EQ(read[5].features[9].bearing, keyframes[5].features[9].bearing);
+  EXPECT_EQ(read[5].features[9].point, keyframes[5].features[9].point);
+  EXPECT_EQ(read[5].odom_from_keyframe.Matrix(), keyframes[5].odom_from_keyframe.Matrix());
+  EXPECT_EQ(EncodeKeyframes(read), bytes);
 }
 
 TEST(StageResults, LinksComeBackWithEveryBit) {
   const DriveWorld world;
-  const DriveLinks links = LinkDrives(world.Drive(1).drive.places, world.Drive(2).drive.places, {}, {});
+  const SessionLoops links =
+      MatchSessions(world.Drive(1).drive.keyframes, world.Drive(2).drive.keyframes, {}, {});
   ASSERT_FALSE(links.links.empty());
   const std::string bytes = EncodeLinks(links);
   EXPECT_EQ(EncodeLinks(DecodeLinks(bytes)), bytes);
   EXPECT_EQ(DecodeLinks(bytes).links.back().pose.information, links.links.back().pose.information);
 }
 
-TEST(StageResults, LoopsComeBackWithTheirPicturesButNotTheirTime) {
+TEST(StageResults, LoopsComeBackWithTheirImagesButNotTheirTime) {
   LoopClosure loops;
   loops.odom_from_body = DriveWorld().Drive(3).drive.odom_from_body;
   loops.seconds = 9;
@@ -95,10 +96,10 @@ TEST(StageResults, ARefinementComesBackOntoItsRig) {
 }
 
 TEST(StageResults, WhatIsCutOffIsNoResult) {
-  const std::string bytes = EncodePlaces(DriveWorld().Drive(1).drive.places);
+  const std::string bytes = EncodeKeyframes(DriveWorld().Drive(1).drive.keyframes);
   for (const size_t length : {size_t{0}, size_t{7}, bytes.size() / 2, bytes.size() - 1})
-    EXPECT_THROW(DecodePlaces(std::string_view(bytes).substr(0, length)), Error) << length;
-  EXPECT_THROW(DecodePlaces(bytes + "x"), Error);
+    EXPECT_THROW(DecodeKeyframes(std::string_view(bytes).substr(0, length)), Error) << length;
+  EXPECT_THROW(DecodeKeyframes(bytes + "x"), Error);
 }
 
 }  // namespace

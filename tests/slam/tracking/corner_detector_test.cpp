@@ -27,8 +27,8 @@ class CornersAtScale : public testing::TestWithParam<int> {};
 TEST_P(CornersAtScale, CornersOfSquaresAreFoundAndEdgesAreNot) {
   const cv::Mat image = Squares(GetParam(), 480);
 
-  const auto corners =
-      CornerDetector(Everywhere(image), 300).Detect(BuildPyramid(image, 17, 3), Everywhere(image), {}, Always);
+  const auto corners = CornerDetector(Everywhere(image), 300)
+                           .Detect(BuildPyramid(image, 17, 3), Everywhere(image), {}, Always);
 
   ASSERT_GT(corners.size(), 50u);
   for (const Eigen::Vector2d& corner : corners) {
@@ -52,8 +52,9 @@ TEST(CornerDetector, DistanceBudgetMaskAndWishesAreKept) {
   const CornerDetector detector(usable, 100);
   std::vector<Eigen::Vector2d> all = {{300, 300}, {305, 200}};
 
-  const auto corners = detector.Detect(BuildPyramid(NormalizeLocally(image), 17, 3), usable, all,
-                                       [](const Eigen::Vector2d& pixel) { return pixel.x() < 600; });
+  const auto corners =
+      detector.Detect(BuildPyramid(NormalizeLocally(image), 17, 3), usable, all,
+                      [](const Eigen::Vector2d& pixel) { return pixel.x() < 600; });
 
   EXPECT_LE(corners.size(), 98u);
   EXPECT_GE(corners.size(), 85u);
@@ -72,12 +73,14 @@ TEST(CornerDetector, AFaintCornerOfADarkCellIsTaken) {
   cv::RNG(2).fill(noise, cv::RNG::NORMAL, 3, 1);
   image += noise;
 
-  const auto corners = CornerDetector(Everywhere(image), 150)
-                           .Detect(BuildPyramid(NormalizeLocally(image), 17, 3), Everywhere(image), {}, Always);
+  const auto corners =
+      CornerDetector(Everywhere(image), 150)
+          .Detect(BuildPyramid(NormalizeLocally(image), 17, 3), Everywhere(image), {}, Always);
 
   EXPECT_GE(corners.size(), 3u);
   for (const Eigen::Vector2d& corner : corners)
-    EXPECT_LT((corner - Eigen::Vector2d(520, 320)).cwiseAbs().maxCoeff(), 30) << "noise is no corner";
+    EXPECT_LT((corner - Eigen::Vector2d(520, 320)).cwiseAbs().maxCoeff(), 30)
+        << "noise is no corner";
 }
 
 TEST(CornerDetector, AFullImageAndAFlatImageGetNone) {
@@ -86,7 +89,9 @@ TEST(CornerDetector, AFullImageAndAFlatImageGetNone) {
 
   EXPECT_TRUE(detector.Detect(BuildPyramid(flat, 17, 3), Everywhere(flat), {}, Always).empty());
   const std::vector<Eigen::Vector2d> full(10, {100, 100});
-  EXPECT_TRUE(detector.Detect(BuildPyramid(Squares(640, 400), 17, 3), Everywhere(flat), full, Always).empty());
+  EXPECT_TRUE(
+      detector.Detect(BuildPyramid(Squares(640, 400), 17, 3), Everywhere(flat), full, Always)
+          .empty());
 }
 
 }  // namespace

@@ -34,7 +34,8 @@ struct Result {
   double median_error = 0;                                ///< [px]
 };
 
-Result MatchInRoom(const RigCamera& first, const RigCamera& second, const Rigid3& error_of_extrinsics = {}) {
+Result MatchInRoom(const RigCamera& first, const RigCamera& second,
+                   const Rigid3& error_of_extrinsics = {}) {
   const RenderedRoom room({-8, -6, 0}, {8, 6, 3}, 11);
   const Rigid3 room_from_body{ExpSo3({0, 0, 0.4}), {-2, 1, 0.9}};
   TrackedImage images[2];
@@ -45,7 +46,8 @@ Result MatchInRoom(const RigCamera& first, const RigCamera& second, const Rigid3
     const RoomCamera room_camera(camera->model, room);
     poses[index] = room_from_body * camera->body_from_camera;
     FeatureTracker tracker(*camera, index);
-    tracker.Track({Timestamp{1000}, index, room_camera.Render(poses[index], 1.0, index)}, Eigen::Matrix3d::Identity());
+    tracker.Track({Timestamp{1000}, index, room_camera.Render(poses[index], 1.0, index)},
+                  Eigen::Matrix3d::Identity());
     images[index++] = tracker.last_image();
     drawn.emplace(room_camera);
   }
@@ -56,7 +58,8 @@ Result MatchInRoom(const RigCamera& first, const RigCamera& second, const Rigid3
   std::map<std::int64_t, Eigen::Vector3d> points;
   for (const FeatureObservation& track : images[0].observations) {
     const Eigen::Vector3d direction = poses[0].rotation * track.bearing;
-    points[track.track] = poses[0].translation + room.RangeAlong(poses[0].translation, direction) * direction;
+    points[track.track] =
+        poses[0].translation + room.RangeAlong(poses[0].translation, direction) * direction;
   }
   Result result{points.size(), matches.size()};
   std::vector<double> errors;
@@ -73,7 +76,8 @@ Result MatchInRoom(const RigCamera& first, const RigCamera& second, const Rigid3
 }
 
 TEST(MatchAcross, AStereoPairFindsNearlyAllItsPoints) {
-  const CameraModel lens(PinholeProjection{.fx = 400, .fy = 400, .cx = 319.5, .cy = 199.5}, 640, 400);
+  const CameraModel lens(PinholeProjection{.fx = 400, .fy = 400, .cx = 319.5, .cy = 199.5}, 640,
+                         400);
   const RigCamera left = MakeCamera(lens, kForward),
                   right = MakeCamera(lens, Rigid3{{1, 0, 0, 0}, {0, -0.4, 0}} * kForward);
 
@@ -85,8 +89,10 @@ TEST(MatchAcross, AStereoPairFindsNearlyAllItsPoints) {
 }
 
 TEST(MatchAcross, FisheyesAtRightAnglesMeetAtTheCorner) {
-  const RigCamera front = MakeCamera(SurroundFisheye(), Rigid3{{1, 0, 0, 0}, {3.7, 0, -0.2}} * kForward);
-  const RigCamera left = MakeCamera(SurroundFisheye(), Rigid3{ExpSo3({0, 0, M_PI / 2}), {2.0, 1.0, 0.1}} * kForward);
+  const RigCamera front =
+      MakeCamera(SurroundFisheye(), Rigid3{{1, 0, 0, 0}, {3.7, 0, -0.2}} * kForward);
+  const RigCamera left =
+      MakeCamera(SurroundFisheye(), Rigid3{ExpSo3({0, 0, M_PI / 2}), {2.0, 1.0, 0.1}} * kForward);
 
   const Result result = MatchInRoom(front, left);
 
@@ -96,18 +102,21 @@ TEST(MatchAcross, FisheyesAtRightAnglesMeetAtTheCorner) {
 }
 
 TEST(MatchAcross, SlightlyWrongExtrinsicsAreTolerated) {
-  const CameraModel lens(PinholeProjection{.fx = 400, .fy = 400, .cx = 319.5, .cy = 199.5}, 640, 400);
+  const CameraModel lens(PinholeProjection{.fx = 400, .fy = 400, .cx = 319.5, .cy = 199.5}, 640,
+                         400);
   const RigCamera left = MakeCamera(lens, kForward),
                   right = MakeCamera(lens, Rigid3{{1, 0, 0, 0}, {0, -0.4, 0}} * kForward);
 
-  const Result result = MatchInRoom(left, right, {ExpSo3({0.002, 0.002, 0.002}), {0.005, 0.005, 0.005}});
+  const Result result =
+      MatchInRoom(left, right, {ExpSo3({0.002, 0.002, 0.002}), {0.005, 0.005, 0.005}});
 
   EXPECT_GT(result.num_matches, result.num_tracks / 2);
   EXPECT_LE(result.num_wrong, result.num_matches / 50);
 }
 
 TEST(MatchAcross, CamerasThatSeeNothingInCommonMatchNothing) {
-  const CameraModel lens(PinholeProjection{.fx = 400, .fy = 400, .cx = 319.5, .cy = 199.5}, 640, 400);
+  const CameraModel lens(PinholeProjection{.fx = 400, .fy = 400, .cx = 319.5, .cy = 199.5}, 640,
+                         400);
   const RigCamera ahead = MakeCamera(lens, kForward);
   const RigCamera behind = MakeCamera(lens, Rigid3{ExpSo3({0, 0, M_PI}), {-1, 0, 0}} * kForward);
 
@@ -117,13 +126,14 @@ TEST(MatchAcross, CamerasThatSeeNothingInCommonMatchNothing) {
 }
 
 TEST(ViewOverlap, GrowsWithTheFieldOfView) {
-  const CameraModel narrow(PinholeProjection{.fx = 400, .fy = 400, .cx = 319.5, .cy = 199.5}, 640, 400);
+  const CameraModel narrow(PinholeProjection{.fx = 400, .fy = 400, .cx = 319.5, .cy = 199.5}, 640,
+                           400);
   const Rigid3 beside{{1, 0, 0, 0}, {0, -0.5, 0}}, left{ExpSo3({0, 0, M_PI / 2}), {2, 1, 0}};
 
   EXPECT_GT(ViewOverlap(MakeCamera(narrow, kForward), MakeCamera(narrow, beside * kForward)), 0.9);
   EXPECT_EQ(ViewOverlap(MakeCamera(narrow, kForward), MakeCamera(narrow, left * kForward)), 0);
-  const double fisheye =
-      ViewOverlap(MakeCamera(SurroundFisheye(), kForward), MakeCamera(SurroundFisheye(), left * kForward));
+  const double fisheye = ViewOverlap(MakeCamera(SurroundFisheye(), kForward),
+                                     MakeCamera(SurroundFisheye(), left * kForward));
   EXPECT_GT(fisheye, 0.2);
   EXPECT_LT(fisheye, 0.7);
 }

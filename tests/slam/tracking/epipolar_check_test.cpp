@@ -17,17 +17,20 @@ struct Scene {
 };
 
 /// 150 points 2 to 30 m all around; the first `num_moving` of them moved on their own.
-Scene MakeScene(const Rigid3& now_from_last, size_t num_moving, const Eigen::Vector3d& their_motion) {
+Scene MakeScene(const Rigid3& now_from_last, size_t num_moving,
+                const Eigen::Vector3d& their_motion) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(-1, 1);
   std::normal_distribution<double> noise(0, 0.3 * kRadiansPerPixel);
   Scene scene;
   while (scene.pairs.size() < 150) {
     const Eigen::Vector3d direction(uniform(random), uniform(random), uniform(random));
-    if (direction.norm() > 1 || direction.norm() < 0.2 || direction.z() < -0.2 * direction.norm()) continue;
+    if (direction.norm() > 1 || direction.norm() < 0.2 || direction.z() < -0.2 * direction.norm())
+      continue;
     const Eigen::Vector3d point = direction.normalized() * (16 + 14 * uniform(random));
     const bool is_static = scene.pairs.size() >= num_moving;
-    Eigen::Vector3d now = now_from_last * point + (is_static ? Eigen::Vector3d::Zero() : their_motion);
+    Eigen::Vector3d now =
+        now_from_last * point + (is_static ? Eigen::Vector3d::Zero() : their_motion);
     now = now.normalized() + Eigen::Vector3d(noise(random), noise(random), noise(random));
     scene.pairs.push_back({point.normalized(), now.normalized(), kRadiansPerPixel});
     scene.is_static.push_back(is_static);
@@ -37,7 +40,8 @@ Scene MakeScene(const Rigid3& now_from_last, size_t num_moving, const Eigen::Vec
 
 size_t CountAgreeing(const Scene& scene, const EpipolarCheck& check, bool is_static) {
   size_t count = 0;
-  for (size_t i = 0; i < scene.pairs.size(); ++i) count += scene.is_static[i] == is_static && check.agrees[i];
+  for (size_t i = 0; i < scene.pairs.size(); ++i)
+    count += scene.is_static[i] == is_static && check.agrees[i];
   return count;
 }
 
@@ -45,7 +49,8 @@ TEST(CheckEpipolarGeometry, MovingThingsAreRefusedAndTheStaticWorldKept) {
   const Rigid3 now_from_last{ExpSo3({0.01, -0.03, 0.005}), {0.05, 0, -0.6}};
   const Scene scene = MakeScene(now_from_last, 45, {0.6, -0.7, 0.2});
 
-  const EpipolarCheck check = CheckEpipolarGeometry(scene.pairs, now_from_last.rotation.toRotationMatrix(), 1.5);
+  const EpipolarCheck check =
+      CheckEpipolarGeometry(scene.pairs, now_from_last.rotation.toRotationMatrix(), 1.5);
 
   EXPECT_TRUE(check.is_trusted);
   EXPECT_GE(CountAgreeing(scene, check, true), 100u) << "of 105";
@@ -56,7 +61,8 @@ TEST(CheckEpipolarGeometry, MovingThingsAreRefusedAndTheStaticWorldKept) {
 TEST(CheckEpipolarGeometry, AGyroBiasIsRefinedAway) {
   const Rigid3 now_from_last{ExpSo3({0.01, -0.03, 0.005}), {0.3, 0, -0.3}};
   const Scene scene = MakeScene(now_from_last, 30, {0.8, -0.9, 0.2});
-  const Eigen::Matrix3d predicted = (ExpSo3({0.012, 0.01, -0.01}) * now_from_last.rotation).toRotationMatrix();
+  const Eigen::Matrix3d predicted =
+      (ExpSo3({0.012, 0.01, -0.01}) * now_from_last.rotation).toRotationMatrix();
 
   const EpipolarCheck check = CheckEpipolarGeometry(scene.pairs, predicted, 1.5);
 
@@ -66,11 +72,13 @@ TEST(CheckEpipolarGeometry, AGyroBiasIsRefinedAway) {
 }
 
 TEST(CheckEpipolarGeometry, StandstillAndPureRotationKeepEverything) {
-  for (const Eigen::Vector3d& turn : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.02, -0.1, 0.01)}) {
+  for (const Eigen::Vector3d& turn :
+       {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.02, -0.1, 0.01)}) {
     const Rigid3 now_from_last{ExpSo3(turn), {0, 0, 0}};
     const Scene scene = MakeScene(now_from_last, 0, {0, 0, 0});
 
-    const EpipolarCheck check = CheckEpipolarGeometry(scene.pairs, now_from_last.rotation.toRotationMatrix(), 1.5);
+    const EpipolarCheck check =
+        CheckEpipolarGeometry(scene.pairs, now_from_last.rotation.toRotationMatrix(), 1.5);
 
     EXPECT_TRUE(check.is_trusted);
     EXPECT_GE(CountAgreeing(scene, check, true), 149u) << "turn " << turn.transpose();
@@ -79,7 +87,8 @@ TEST(CheckEpipolarGeometry, StandstillAndPureRotationKeepEverything) {
 
 TEST(CheckEpipolarGeometry, SomethingThatComesBackwardsAlongItsEpipolarLineIsRefused) {
   const Rigid3 now_from_last{ExpSo3({0, 0, 0}), {0, 0, -0.5}};
-  const Scene scene = MakeScene(now_from_last, 20, {0, 0, 2.0});  // drives away from us, faster than we do
+  const Scene scene =
+      MakeScene(now_from_last, 20, {0, 0, 2.0});  // drives away from us, faster than we do
 
   const EpipolarCheck check = CheckEpipolarGeometry(scene.pairs, Eigen::Matrix3d::Identity(), 1.5);
 
@@ -92,11 +101,12 @@ TEST(CheckEpipolarGeometry, FewPairsAndNonsenseAreNotTrustedAndNotRefused) {
   std::mt19937 random(9);
   std::shuffle(scene.pairs.begin(), scene.pairs.end(), random);
   std::vector<BearingPair> nonsense = scene.pairs;
-  for (size_t i = 0; i < nonsense.size(); ++i) nonsense[i].now = scene.pairs[(i + 11) % nonsense.size()].now;
+  for (size_t i = 0; i < nonsense.size(); ++i)
+    nonsense[i].now = scene.pairs[(i + 11) % nonsense.size()].now;
 
   const EpipolarCheck check = CheckEpipolarGeometry(nonsense, Eigen::Matrix3d::Identity(), 1.5);
-  const EpipolarCheck few =
-      CheckEpipolarGeometry({scene.pairs.begin(), scene.pairs.begin() + 5}, Eigen::Matrix3d::Identity(), 1.5);
+  const EpipolarCheck few = CheckEpipolarGeometry({scene.pairs.begin(), scene.pairs.begin() + 5},
+                                                  Eigen::Matrix3d::Identity(), 1.5);
   const EpipolarCheck none = CheckEpipolarGeometry({}, Eigen::Matrix3d::Identity(), 1.5);
 
   EXPECT_FALSE(check.is_trusted);

@@ -20,7 +20,8 @@ class FeatureTrackerTest : public testing::Test {
   static Rigid3 PoseAt(int steps, double speed = 2.0, double turn_rate = 0.3) {
     const Rigid3 body_from_camera{Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5), {0, 0, 1}};
     const double seconds = 0.05 * steps, angle = turn_rate * seconds;
-    return Rigid3{ExpSo3({0, 0, angle}), {speed * seconds - 2, 0.5 * speed * seconds * angle, 0}} * body_from_camera;
+    return Rigid3{ExpSo3({0, 0, angle}), {speed * seconds - 2, 0.5 * speed * seconds * angle, 0}} *
+           body_from_camera;
   }
 
   static Eigen::Matrix3d Rotation(const Rigid3& last, const Rigid3& now) {
@@ -48,15 +49,17 @@ class FeatureTrackerTest : public testing::Test {
   }
 
   /// [px] of every track of `now` off where the point of its pixel in `last` is.
-  std::vector<double> Errors(const TrackedFrame& last, const Rigid3& last_pose, const TrackedFrame& now,
-                             const Rigid3& now_pose) const {
+  std::vector<double> Errors(const TrackedFrame& last, const Rigid3& last_pose,
+                             const TrackedFrame& now, const Rigid3& now_pose) const {
     std::map<std::int64_t, Eigen::Vector2d> pixels;
-    for (const FeatureObservation& observation : last.observations) pixels[observation.track] = observation.pixel;
+    for (const FeatureObservation& observation : last.observations)
+      pixels[observation.track] = observation.pixel;
     std::vector<double> errors;
     for (const FeatureObservation& observation : now.observations) {
       const auto found = pixels.find(observation.track);
       Eigen::Vector2d expected;
-      if (found == pixels.end() || !camera_.Follow(found->second, last_pose, now_pose, &expected)) continue;
+      if (found == pixels.end() || !camera_.Follow(found->second, last_pose, now_pose, &expected))
+        continue;
       errors.push_back((observation.pixel - expected).norm());
     }
     std::sort(errors.begin(), errors.end());
@@ -74,7 +77,8 @@ TEST_F(FeatureTrackerTest, TracksStayOnTheirPoints) {
 
   for (size_t i = 1; i < frames.size(); ++i) {
     const auto step = static_cast<int>(i);
-    const std::vector<double> errors = Errors(frames[i - 1], PoseAt(step - 1), frames[i], PoseAt(step));
+    const std::vector<double> errors =
+        Errors(frames[i - 1], PoseAt(step - 1), frames[i], PoseAt(step));
     ASSERT_GE(errors.size(), 110u) << "step " << i;
     EXPECT_LT(errors[errors.size() / 2], 0.1) << "step " << i;
     EXPECT_LT(errors[errors.size() * 95 / 100], 0.5) << "step " << i;
@@ -96,7 +100,8 @@ TEST_F(FeatureTrackerTest, ObservationsAreConsistentAndSpreadOverTheImage) {
     EXPECT_EQ(observation.track >> 40, 2);
     EXPECT_NEAR(observation.bearing.norm(), 1, 1e-12);
     EXPECT_LT((*camera_.model().Project(observation.bearing) - observation.pixel).norm(), 1e-6);
-    EXPECT_NEAR(observation.sigma, 0.5 / *camera_.model().PixelsPerRadian(observation.pixel), 1e-12);
+    EXPECT_NEAR(observation.sigma, 0.5 / *camera_.model().PixelsPerRadian(observation.pixel),
+                1e-12);
     ++quarters[2 * (observation.pixel.y() > 200) + (observation.pixel.x() > 320)];
   }
   EXPECT_EQ(tracks.size(), frame.observations.size());
@@ -122,7 +127,8 @@ TEST_F(FeatureTrackerTest, PointsLeftBehindDoNotCrowdTheVanishingPoint) {
   for (size_t i = 0; i < frame.observations.size(); ++i) {
     const Eigen::Vector2d& pixel = frame.observations[i].pixel;
     num_close += (pixel - vanishing_point).norm() < 50;
-    for (size_t j = 0; j < i; ++j) nearest = std::min(nearest, (frame.observations[j].pixel - pixel).norm());
+    for (size_t j = 0; j < i; ++j)
+      nearest = std::min(nearest, (frame.observations[j].pixel - pixel).norm());
   }
   EXPECT_GT(nearest, 9) << "[px]";
   EXPECT_LT(num_close, 50);
@@ -142,9 +148,11 @@ TEST_F(FeatureTrackerTest, APatchThatMovesOnItsOwnLosesItsTracks) {
     cv::Mat image = camera_.Render(PoseAt(step), 1.0, step);
     const cv::Rect place(330 - 5 * step, 100 + 4 * step, patch.cols, patch.rows);
     patch.copyTo(image(place));
-    const TrackedFrame frame = tracker.Track(Frame(step, image), Rotation(PoseAt(std::max(0, step - 1)), PoseAt(step)));
+    const TrackedFrame frame =
+        tracker.Track(Frame(step, image), Rotation(PoseAt(std::max(0, step - 1)), PoseAt(step)));
     for (const FeatureObservation& observation : frame.observations) {
-      const bool is_on_patch = place.contains(cv::Point2d(observation.pixel.x(), observation.pixel.y()));
+      const bool is_on_patch =
+          place.contains(cv::Point2d(observation.pixel.x(), observation.pixel.y()));
       const bool is_old = !known.insert(observation.track).second;
       on_patch += is_on_patch;
       old_on_patch += is_on_patch && is_old;
@@ -166,7 +174,8 @@ TEST_F(FeatureTrackerTest, MaskedPixelsAreNeverObserved) {
 
   for (const TrackedFrame& frame : Drive(tracker, 0, 4)) {
     EXPECT_GT(frame.observations.size(), 80u);
-    for (const FeatureObservation& observation : frame.observations) EXPECT_LT(observation.pixel.y(), 260);
+    for (const FeatureObservation& observation : frame.observations)
+      EXPECT_LT(observation.pixel.y(), 260);
   }
 }
 
@@ -187,7 +196,8 @@ TEST_F(FeatureTrackerTest, DarknessGivesFewerTracksNotNone) {
 }
 
 TEST_F(FeatureTrackerTest, ASuddenExposureChangeKeepsTheTracks) {
-  for (const auto& [gain, offset] : {std::pair(0.5, 0.0), std::pair(1.5, 10.0), std::pair(0.7, -20.0)}) {
+  for (const auto& [gain, offset] :
+       {std::pair(0.5, 0.0), std::pair(1.5, 10.0), std::pair(0.7, -20.0)}) {
     FeatureTracker tracker(Camera(), 0);
     const TrackedFrame before = Drive(tracker, 0, 2).back();
     cv::Mat changed;
@@ -203,10 +213,13 @@ TEST_F(FeatureTrackerTest, ASuddenExposureChangeKeepsTheTracks) {
 
 TEST_F(FeatureTrackerTest, AFastTurnIsFollowedThroughTheLens) {
   FeatureTracker tracker(Camera(), 0);
-  const Rigid3 first = PoseAt(0, 1.0, 3.0), second = PoseAt(4, 1.0, 3.0);  // 34 degrees: 116 px at the centre
+  const Rigid3 first = PoseAt(0, 1.0, 3.0),
+               second = PoseAt(4, 1.0, 3.0);  // 34 degrees: 116 px at the center
 
-  const TrackedFrame before = tracker.Track(Frame(0, camera_.Render(first)), Eigen::Matrix3d::Identity());
-  const TrackedFrame after = tracker.Track(Frame(4, camera_.Render(second, 1.0, 4)), Rotation(first, second));
+  const TrackedFrame before =
+      tracker.Track(Frame(0, camera_.Render(first)), Eigen::Matrix3d::Identity());
+  const TrackedFrame after =
+      tracker.Track(Frame(4, camera_.Render(second, 1.0, 4)), Rotation(first, second));
 
   const std::vector<double> errors = Errors(before, first, after, second);
   ASSERT_GT(errors.size(), 45u);
@@ -218,13 +231,16 @@ TEST_F(FeatureTrackerTest, BadFramesAreSkippedAndTracksContinueAfterThem) {
   const TrackedFrame before = Drive(tracker, 0, 3).back();
   const Eigen::Matrix3d turn = Rotation(PoseAt(2), PoseAt(3));
 
-  EXPECT_TRUE(tracker.Track(Frame(3, cv::Mat::zeros(400, 640, CV_8UC1)), turn).observations.empty());
-  EXPECT_TRUE(tracker.Track(Frame(4, cv::Mat::zeros(100, 640, CV_8UC1)), turn).observations.empty());
+  EXPECT_TRUE(
+      tracker.Track(Frame(3, cv::Mat::zeros(400, 640, CV_8UC1)), turn).observations.empty());
+  EXPECT_TRUE(
+      tracker.Track(Frame(4, cv::Mat::zeros(100, 640, CV_8UC1)), turn).observations.empty());
   EXPECT_TRUE(tracker.Track(Frame(5, cv::Mat()), turn).observations.empty());
   EXPECT_TRUE(tracker.Track(Frame(5, cv::Mat(400, 640, CV_32FC1, 0.5)), turn).observations.empty());
   EXPECT_TRUE(tracker.Track(Frame(1, camera_.Render(PoseAt(1))), turn).observations.empty());
   // The rotations of the skipped frames were chained: 4 times the turn of one step, as from 2 to 6.
-  const TrackedFrame after = tracker.Track(Frame(6, camera_.Render(PoseAt(6), 1.0, 6)), Eigen::Matrix3d::Identity());
+  const TrackedFrame after =
+      tracker.Track(Frame(6, camera_.Render(PoseAt(6), 1.0, 6)), Eigen::Matrix3d::Identity());
 
   EXPECT_EQ(tracker.statistics().frames_blank, 1);
   EXPECT_EQ(tracker.statistics().frames_wrong_size, 3);
@@ -250,7 +266,8 @@ TEST_F(FeatureTrackerTest, ALongPauseStartsNewTracks) {
   FeatureTracker tracker(Camera(), 0);
   const TrackedFrame before = Drive(tracker, 0, 2).back();
 
-  const TrackedFrame after = tracker.Track(Frame(60, camera_.Render(PoseAt(1), 1.0, 9)), Eigen::Matrix3d::Identity());
+  const TrackedFrame after =
+      tracker.Track(Frame(60, camera_.Render(PoseAt(1), 1.0, 9)), Eigen::Matrix3d::Identity());
 
   EXPECT_EQ(tracker.statistics().restarts, 1);
   EXPECT_GT(after.observations.size(), 100u);
@@ -261,7 +278,8 @@ TEST_F(FeatureTrackerTest, StandingStillNothingMoves) {
   FeatureTracker tracker(Camera(), 0);
   TrackedFrame first, last;
   for (int step = 0; step < 20; ++step) {
-    last = tracker.Track(Frame(step, camera_.Render(PoseAt(0), 1.0, step)), Eigen::Matrix3d::Identity());
+    last = tracker.Track(Frame(step, camera_.Render(PoseAt(0), 1.0, step)),
+                         Eigen::Matrix3d::Identity());
     if (step == 0) first = last;
   }
 
@@ -283,10 +301,12 @@ TEST_F(FeatureTrackerTest, TheCarsOwnBodyIsLearnedInCurves) {
     cv::Mat image = camera_.Render(PoseAt(step, 1.5, 0.6), 1.0, step);
     bonnet.copyTo(image(place));
     const Rigid3 last = PoseAt(std::max(0, step - 1), 1.5, 0.6);
-    const TrackedFrame frame = tracker.Track(Frame(step, image), Rotation(last, PoseAt(step, 1.5, 0.6)));
+    const TrackedFrame frame =
+        tracker.Track(Frame(step, image), Rotation(last, PoseAt(step, 1.5, 0.6)));
     on_bonnet.push_back(static_cast<int>(std::count_if(
-        frame.observations.begin(), frame.observations.end(),
-        [&](const FeatureObservation& seen) { return place.contains(cv::Point2d(seen.pixel.x(), seen.pixel.y())); })));
+        frame.observations.begin(), frame.observations.end(), [&](const FeatureObservation& seen) {
+          return place.contains(cv::Point2d(seen.pixel.x(), seen.pixel.y()));
+        })));
   }
 
   EXPECT_GT(on_bonnet.front(), 10);

@@ -12,7 +12,8 @@ namespace {
 
 cv::Mat RoomImage() {
   const RenderedRoom room({-6, -4, 0}, {6, 4, 3}, 3);
-  return RoomCamera({PinholeProjection{.fx = 250, .fy = 250, .cx = 159.5, .cy = 119.5}, 320, 240}, room)
+  return RoomCamera({PinholeProjection{.fx = 250, .fy = 250, .cx = 159.5, .cy = 119.5}, 320, 240},
+                    room)
       .Render({ExpSo3({0, M_PI / 2, 0}), {0, 0, 1}});
 }
 

@@ -29,8 +29,9 @@ TEST(LucasKanade, FindsPointsFromNearAndFarStarts) {
   const auto from = BuildPyramid(Texture({0, 0}), kWindow, kLevels);
   const auto to = BuildPyramid(Texture(shift), kWindow, kLevels);
   const std::vector<Eigen::Vector2d> before{{100, 100}, {200, 150}, {300, 200}};
-  const std::vector<std::optional<Eigen::Vector2d>> start{before[0] + shift + Eigen::Vector2d(0.5, 0.5),
-                                                          before[1] + shift + Eigen::Vector2d(-6, 4), std::nullopt};
+  const std::vector<std::optional<Eigen::Vector2d>> start{
+      before[0] + shift + Eigen::Vector2d(0.5, 0.5), before[1] + shift + Eigen::Vector2d(-6, 4),
+      std::nullopt};
 
   const auto found = FollowThereAndBack(from, to, before, start, {});
 
@@ -44,7 +45,8 @@ TEST(LucasKanade, LosesWhatIsNoLongerThere) {
   const cv::Mat first = Texture({0, 0});
   cv::Mat second = first.clone();
   cv::flip(second(cv::Rect(160, 110, 80, 80)), second(cv::Rect(160, 110, 80, 80)), -1);
-  const auto from = BuildPyramid(first, kWindow, kLevels), to = BuildPyramid(second, kWindow, kLevels);
+  const auto from = BuildPyramid(first, kWindow, kLevels),
+             to = BuildPyramid(second, kWindow, kLevels);
   const std::vector<Eigen::Vector2d> before{{190, 140}, {60, 60}};
 
   const auto found = FollowThereAndBack(from, to, before, {before[0], before[1]}, {});

@@ -12,15 +12,19 @@ TEST(ParallaxOf, IsStepPerRange) {
   const Eigen::Vector3d step(0.1, 0, -1.2), point(2, 1, 8);
   const Eigen::Vector3d direction = step.normalized();
 
-  EXPECT_NEAR(ParallaxOf(point.normalized(), (point + step).normalized(), direction), step.norm() / point.norm(), 1e-9);
+  EXPECT_NEAR(ParallaxOf(point.normalized(), (point + step).normalized(), direction),
+              step.norm() / point.norm(), 1e-9);
   EXPECT_EQ(ParallaxOf(point.normalized(), point.normalized(), direction), 0);
-  EXPECT_EQ(ParallaxOf(point.normalized(), (point - step).normalized(), direction), 0) << "against the motion";
+  EXPECT_EQ(ParallaxOf(point.normalized(), (point - step).normalized(), direction), 0)
+      << "against the motion";
   EXPECT_EQ(ParallaxOf(direction, direction, direction), 0) << "at the epipole nothing is known";
 }
 
 TEST(ParallaxField, ContinuesThePlaneOfTheRoad) {
   const double height = 1.6, step = 1.2;
-  const auto on_road = [&](double forward, double right) { return Eigen::Vector3d(right, height, forward); };
+  const auto on_road = [&](double forward, double right) {
+    return Eigen::Vector3d(right, height, forward);
+  };
   std::mt19937 random(3);
   std::uniform_real_distribution<double> forward(8, 20), right(-3, 3);
   ParallaxField field;
@@ -36,7 +40,7 @@ TEST(ParallaxField, ContinuesThePlaneOfTheRoad) {
   EXPECT_NEAR(*parallax, step / near.norm(), 0.15 * step / near.norm());
 }
 
-TEST(ParallaxField, StaysBetweenNothingAndTwiceItsNeighbours) {
+TEST(ParallaxField, StaysBetweenNothingAndTwiceItsNeighbors) {
   ParallaxField field;
   EXPECT_FALSE(field.At({0, 0, 1}));
   for (int i = 0; i < 10; ++i) field.Add(Eigen::Vector3d(0.02 * i, 0, 1).normalized(), 0.01 * i);

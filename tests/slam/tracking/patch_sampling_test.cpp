@@ -21,12 +21,12 @@ TEST(PatchSampling, AnUprightGridIsSampledAsAnyOther) {
   const cv::Mat image = RandomImage();
   Eigen::Matrix2d nearly = Eigen::Matrix2d::Identity();
   nearly(0, 1) = 1e-9;  // takes the general way
-  for (const Eigen::Vector2d& centre :
+  for (const Eigen::Vector2d& center :
        {Eigen::Vector2d(20.3, 15.8), Eigen::Vector2d(3.01, 3.01), Eigen::Vector2d(45.9, 35.9)}) {
     Samples upright, general;
 
-    ASSERT_TRUE(SampleGrid<kEdge>(image, centre, Eigen::Matrix2d::Identity(), upright));
-    ASSERT_TRUE(SampleGrid<kEdge>(image, centre, nearly, general));
+    ASSERT_TRUE(SampleGrid<kEdge>(image, center, Eigen::Matrix2d::Identity(), upright));
+    ASSERT_TRUE(SampleGrid<kEdge>(image, center, nearly, general));
 
     EXPECT_LT((upright - general).cwiseAbs().maxCoeff(), 0.01);
   }

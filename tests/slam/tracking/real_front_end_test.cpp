@@ -15,9 +15,10 @@ namespace {
 
 struct Summary {
   double tracks_per_frame = 0;
-  double survival = 0;      ///< mean share of the tracks of one frame that the next one has
-  size_t num_long = 0;      ///< tracks of 5 frames or more
-  double median_creep = 0;  ///< [px] of the tracks that lived through the clip, beyond their common motion
+  double survival = 0;  ///< mean share of the tracks of one frame that the next one has
+  size_t num_long = 0;  ///< tracks of 5 frames or more
+  double median_creep =
+      0;  ///< [px] of the tracks that lived through the clip, beyond their common motion
   FeatureTrackerStatistics statistics;
 };
 
@@ -34,8 +35,9 @@ Summary TrackClip(const RealClip& clip) {
   size_t num_last = 0;
   const size_t count = clip.times[0].size();
   for (size_t i = 0; i < count; ++i) {
-    const Eigen::Matrix3d rotation =
-        i == 0 ? Eigen::Matrix3d::Identity() : clip.Rotation(0, clip.times[0][i - 1], clip.times[0][i]);
+    const Eigen::Matrix3d rotation = i == 0
+                                         ? Eigen::Matrix3d::Identity()
+                                         : clip.Rotation(0, clip.times[0][i - 1], clip.times[0][i]);
     const TrackedFrame frame = tracker.Track(clip.Frame(0, i), rotation);
     size_t num_old = 0;
     for (const FeatureObservation& observation : frame.observations) {
@@ -43,8 +45,11 @@ Summary TrackClip(const RealClip& clip) {
       num_old += !history.empty();
       history.push_back(observation.pixel);
     }
-    if (i > 0) summary.survival += static_cast<double>(num_old) / static_cast<double>(num_last * (count - 1));
-    summary.tracks_per_frame += static_cast<double>(frame.observations.size()) / static_cast<double>(count);
+    if (i > 0)
+      summary.survival +=
+          static_cast<double>(num_old) / static_cast<double>(num_last * (count - 1));
+    summary.tracks_per_frame +=
+        static_cast<double>(frame.observations.size()) / static_cast<double>(count);
     num_last = frame.observations.size();
   }
   std::vector<double> right, down, creep;
@@ -61,7 +66,7 @@ Summary TrackClip(const RealClip& clip) {
   return summary;
 }
 
-TEST(RealFrontEnd, ACarAtTwelveMetresPerSecondKeepsMostOfItsTracks) {
+TEST(RealFrontEnd, ACarAtTwelveMetersPerSecondKeepsMostOfItsTracks) {
   const auto clip = LoadKittiClip();
   if (!clip) GTEST_SKIP() << "no kitti_06_clip";
 
@@ -91,22 +96,26 @@ TEST(RealFrontEnd, StandingStillNothingIsLostAndNothingCreeps) {
   const Summary summary = TrackClip(*clip);
 
   EXPECT_GT(summary.survival, 0.998);
-  // The running propellers shake the image by up to 2 px as a whole (and the true pose by 0.2 degrees).
+  // The running propellers shake the image by up to 2 px as a whole (and the true pose by 0.2
+  // degrees).
   EXPECT_LT(summary.median_creep, 0.35) << "[px] over 95 images";
   EXPECT_EQ(summary.statistics.lost_on_own_body, 0) << "a biased gyro is no turn";
 }
 
 /// Share of the matches whose depth and epipolar distance are possible; how many there are.
-void ExpectStereo(const RealClip& clip, size_t index, size_t min_matches, double min_depth, double max_depth) {
+void ExpectStereo(const RealClip& clip, size_t index, size_t min_matches, double min_depth,
+                  double max_depth) {
   FeatureTracker left(clip.cameras[0], 0), right(clip.cameras[1], 1);
   left.Track(clip.Frame(0, index), Eigen::Matrix3d::Identity());
   right.Track(clip.Frame(1, index), Eigen::Matrix3d::Identity());
-  const Rigid3 right_from_left = clip.cameras[1].body_from_camera.Inverse() * clip.cameras[0].body_from_camera;
+  const Rigid3 right_from_left =
+      clip.cameras[1].body_from_camera.Inverse() * clip.cameras[0].body_from_camera;
 
   const auto matches = MatchAcross(left.last_image(), right.last_image(), right_from_left);
 
   std::map<std::int64_t, Eigen::Vector3d> bearings;
-  for (const FeatureObservation& track : left.last_image().observations) bearings[track.track] = track.bearing;
+  for (const FeatureObservation& track : left.last_image().observations)
+    bearings[track.track] = track.bearing;
   EXPECT_GE(matches.size(), min_matches) << "of " << bearings.size();
   size_t num_in_range = 0;
   for (const FeatureObservation& match : matches) {

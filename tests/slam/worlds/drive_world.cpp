@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "slam/places/floor_view.h"
+#include "slam/places/ground_bev.h"
 #include "tests/slam/worlds/rendered_room.h"
 
 namespace parkade {
@@ -14,17 +14,20 @@ constexpr double kSight = 20;           // [m]
 constexpr double kBearingSigma = 2e-3;  // [rad]
 constexpr double kDepthError = 0.05;
 constexpr int kFlippedBits = 8;  // of the 256 of a look, each time it is seen
-const Eigen::Vector3d kMounts[] = {{3.7, 0, 0.6}, {2, 1, 1}, {-0.9, 0, 0.9}, {2, -1, 1}};  // front, left, rear, right
+const Eigen::Vector3d kMounts[] = {
+    {3.7, 0, 0.6}, {2, 1, 1}, {-0.9, 0, 0.9}, {2, -1, 1}};  // front, left, rear, right
 
 cv::Mat FloorAround(const Rigid3& world_from_place, std::uint32_t seed) {
   const RenderedRoom room({-100, -100, 0}, {100, 100, 100}, seed);
   cv::Mat floor(kFloorSize, CV_8UC1);
   for (int row = 0; row < floor.rows; ++row) {
     for (int column = 0; column < floor.cols; ++column) {
-      Eigen::Vector3d cell = world_from_place * Eigen::Vector3d(kFloorFront - (row + 0.5) * kFloorCell,
-                                                                kFloorLeft - (column + 0.5) * kFloorCell, 0);
+      Eigen::Vector3d cell =
+          world_from_place * Eigen::Vector3d(kFloorFront - (row + 0.5) * kFloorCell,
+                                             kFloorLeft - (column + 0.5) * kFloorCell, 0);
       cell.z() = 0;
-      floor.at<uchar>(row, column) = cv::saturate_cast<uchar>(128 + 0.9 * (room.BrightnessAt(cell, 0.06) - 128));
+      floor.at<uchar>(row, column) =
+          cv::saturate_cast<uchar>(128 + 0.9 * (room.BrightnessAt(cell, 0.06) - 128));
     }
   }
   return floor;
@@ -39,12 +42,12 @@ DriveWorld::DriveWorld(const DriveWorldOptions& options) : options_(options) {
   for (int row = 0; row < looks_.rows; ++row)
     for (int k = 0; k < 32; ++k) looks_.at<uchar>(row, k) = static_cast<uchar>(random());
   for (int i = 0; i < kPointsPerDeck; ++i) {
-    const Eigen::Vector3d position((0.5 + 0.7 * uniform(random)) * kLaneLength, 15 * uniform(random),
-                                   1.2 + 1.1 * uniform(random));
+    const Eigen::Vector3d position((0.5 + 0.7 * uniform(random)) * kLaneLength,
+                                   15 * uniform(random), 1.2 + 1.1 * uniform(random));
     const bool is_shared = i < options.shared_looks * kPointsPerDeck;
     for (int deck = 0; deck < options.num_decks; ++deck)
-      points_.push_back(
-          {position + kDeckHeight * deck * Eigen::Vector3d::UnitZ(), is_shared ? i : (deck + 1) * kPointsPerDeck + i});
+      points_.push_back({position + kDeckHeight * deck * Eigen::Vector3d::UnitZ(),
+                         is_shared ? i : (deck + 1) * kPointsPerDeck + i});
   }
 }
 
@@ -56,7 +59,8 @@ void DriveWorld::Observe(const Rigid3& world_from_place, std::uint32_t seed, Pla
   for (const Point& point : points_) {
     const Eigen::Vector3d seen = place_from_world * point.position;
     if (seen.norm() > kSight || std::abs(seen.z() - 1.2) > 0.5 * kDeckHeight) continue;
-    const int camera = static_cast<int>(std::lround(std::atan2(seen.y(), seen.x()) / (M_PI / 2)) + 4) % 4;
+    const int camera =
+        static_cast<int>(std::lround(std::atan2(seen.y(), seen.x()) / (M_PI / 2)) + 4) % 4;
     const Eigen::Vector3d view = seen - kMounts[camera];
     if (view.norm() < 1) continue;
     PlaceFeature feature;
@@ -65,19 +69,25 @@ void DriveWorld::Observe(const Rigid3& world_from_place, std::uint32_t seed, Pla
     const Eigen::Vector3d noise(normal(random), normal(random), normal(random));
     feature.bearing = (view.normalized() + kBearingSigma * noise).normalized();
     feature.sigma = kBearingSigma;
-    feature.point = feature.origin + view.norm() * (1 + kDepthError * normal(random)) * feature.bearing;
+    feature.point =
+        feature.origin + view.norm() * (1 + kDepthError * normal(random)) * feature.bearing;
     feature.depth_sigma = kDepthError * view.norm();
     place.features.push_back(feature);
     const bool is_wrong = uniform(random) < options_.wrong_share;
     cv::Mat look =
-        looks_.row(is_wrong ? static_cast<int>(random() % static_cast<unsigned>(looks_.rows)) : point.look).clone();
+        looks_
+            .row(is_wrong ? static_cast<int>(random() % static_cast<unsigned>(looks_.rows))
+                          : point.look)
+            .clone();
     for (int i = 0; i < kFlippedBits; ++i)
-      look.at<uchar>(0, static_cast<int>(random() % 32)) ^= static_cast<uchar>(1u << (random() % 8));
+      look.at<uchar>(0, static_cast<int>(random() % 32)) ^=
+          static_cast<uchar>(1u << (random() % 8));
     place.descriptors.push_back(look);
   }
 }
 
-WorldDrive DriveWorld::Drive(std::uint32_t seed, bool is_opposite, const std::vector<int>& decks) const {
+WorldDrive DriveWorld::Drive(std::uint32_t seed, bool is_opposite,
+                             const std::vector<int>& decks) const {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   WorldDrive result;
@@ -104,7 +114,7 @@ WorldDrive DriveWorld::Drive(std::uint32_t seed, bool is_opposite, const std::ve
       result.drive.places.push_back(std::move(place));
       TrajectoryState state;
       state.time = result.drive.places.back().time;
-      state.odom_from_body = odom_from_place;
+      state.world_from_body = odom_from_place;
       states.push_back(state);
     }
   }
@@ -117,10 +127,11 @@ double WorstOffset(const WorldDrive& a, const Trajectory& site_from_a, const Wor
   double worst = 0;
   for (size_t i = 0; i < a.world_from_place.size(); ++i) {
     for (size_t k = 0; k < b.world_from_place.size(); ++k) {
-      const Eigen::Vector3d truth = (a.world_from_place[i].Inverse() * b.world_from_place[k]).translation;
+      const Eigen::Vector3d truth =
+          (a.world_from_place[i].Inverse() * b.world_from_place[k]).translation;
       if (truth.norm() > kSpacing) continue;
-      const Rigid3 &site_from_i = site_from_a.states()[i].odom_from_body,
-                   &site_from_k = site_from_b.states()[k].odom_from_body;
+      const Rigid3 &site_from_i = site_from_a.states()[i].world_from_body,
+                   &site_from_k = site_from_b.states()[k].world_from_body;
       worst = std::max(worst, ((site_from_i.Inverse() * site_from_k).translation - truth).norm());
     }
   }

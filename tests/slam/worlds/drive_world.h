@@ -12,7 +12,7 @@ struct DriveWorldOptions {
   int num_decks = 1;             ///< 3 m above each other ...
   double shared_looks = 0;       ///< ... this share of their points looks the same on all of them
   double wrong_share = 0.2;      ///< of what a drive sees that looks like something else
-  std::uint32_t floor_seed = 0;  ///< of what the floor shows; 0: no pictures of it
+  std::uint32_t floor_seed = 0;  ///< of what the floor shows; 0: no images of it
 };
 
 /// A drive of which the truth is known.
@@ -26,11 +26,13 @@ class DriveWorld {
  public:
   explicit DriveWorld(const DriveWorldOptions& options = {});
 
-  /// A drive along the lane, a place every 2 m, whose odometry has a frame of its own and drifts a little.
+  /// A drive along the lane, a place every 2 m, whose odometry has a frame of its own and drifts a
+  /// little.
   ///
   /// \param is_opposite  from the lane's end to its beginning
   /// \param decks        visited one after the other
-  WorldDrive Drive(std::uint32_t seed, bool is_opposite = false, const std::vector<int>& decks = {0}) const;
+  WorldDrive Drive(std::uint32_t seed, bool is_opposite = false,
+                   const std::vector<int>& decks = {0}) const;
 
  private:
   struct Point {

@@ -13,20 +13,25 @@ struct EstimatedDrive {
 };
 
 /// Feeds a drive in order of time.
-inline OdometryResult EstimateDrive(const SyntheticDrive& drive, const OdometryOptions& options = {}) {
+inline OdometryResult EstimateDrive(const SyntheticDrive& drive,
+                                    const OdometryOptions& options = {}) {
   TrajectoryEstimator estimator(drive.rig, options);
   size_t wheel = 0, frame = 0;
   for (const ImuSample& sample : drive.imu) {
-    while (wheel < drive.wheels.size() && drive.wheels[wheel].time <= sample.time) estimator.Add(drive.wheels[wheel++]);
-    while (frame < drive.frames.size() && drive.frames[frame].time <= sample.time) estimator.Add(drive.frames[frame++]);
+    while (wheel < drive.wheels.size() && drive.wheels[wheel].time <= sample.time)
+      estimator.Add(drive.wheels[wheel++]);
+    while (frame < drive.frames.size() && drive.frames[frame].time <= sample.time)
+      estimator.Add(drive.frames[frame++]);
     estimator.Add(sample);
   }
   return estimator.Finish();
 }
 
-inline EstimatedDrive EstimateAndCompare(const SyntheticDrive& drive, const OdometryOptions& options = {}) {
+inline EstimatedDrive EstimateAndCompare(const SyntheticDrive& drive,
+                                         const OdometryOptions& options = {}) {
   EstimatedDrive estimated{EstimateDrive(drive, options), {}};
-  estimated.error = EvaluateTrajectory(drive.truth, ToTimedPoses(estimated.odometry.odom_from_body));
+  estimated.error =
+      EvaluateTrajectory(drive.truth, ToTimedPoses(estimated.odometry.odom_from_body));
   return estimated;
 }
 

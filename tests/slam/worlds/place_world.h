@@ -2,11 +2,12 @@
 
 #include <cstdint>
 
-#include "slam/places/place.h"
+#include "slam/places/rig_keyframe.h"
 
 namespace parkade {
 
-/// Two visits to a spot among random points, seen by four cameras around a car: front, left, right, rear.
+/// Two visits to a spot among random points, seen by four cameras around a car: front, left, right,
+/// rear.
 struct PlaceWorldOptions {
   Rigid3 a_from_b = {};          ///< level
   double bearing_sigma = 0.002;  ///< [rad]
@@ -17,7 +18,7 @@ struct PlaceWorldOptions {
 };
 
 struct PlaceWorld {
-  Place a, b;
+  RigKeyframe a, b;
 };
 
 PlaceWorld MakePlaceWorld(const PlaceWorldOptions& options);

@@ -36,13 +36,15 @@ RealClip LoadMav(const std::filesystem::path& folder, std::vector<RigCamera> cam
   }
   for (const auto& row : ReadCsv(folder / "mav0" / "imu0" / "data.csv")) {
     const auto number = [&](size_t i) { return std::stod(row.at(i)); };
-    clip.imu.push_back(
-        {Timestamp{std::stoll(row.at(0))}, {number(1), number(2), number(3)}, {number(4), number(5), number(6)}});
+    clip.imu.push_back({Timestamp{std::stoll(row.at(0))},
+                        {number(1), number(2), number(3)},
+                        {number(4), number(5), number(6)}});
   }
   return clip;
 }
 
-RigCamera MakeCamera(const std::string& name, const CameraModel& model, const Eigen::Matrix4d& imu_from_camera) {
+RigCamera MakeCamera(const std::string& name, const CameraModel& model,
+                     const Eigen::Matrix4d& imu_from_camera) {
   RigCamera camera;
   camera.name = name;
   camera.model = model;
@@ -71,8 +73,10 @@ std::vector<RigCamera> EurocCameras() {
       .fy = 456.134,
       .cx = 379.999,
       .cy = 255.238,
-      .distortion = {.k1 = -0.28368365, .k2 = 0.07451284, .p1 = -0.00010473, .p2 = -3.55590700e-05}};
-  return {MakeCamera("cam0", {left_lens, 752, 480}, left), MakeCamera("cam1", {right_lens, 752, 480}, right)};
+      .distortion = {
+          .k1 = -0.28368365, .k2 = 0.07451284, .p1 = -0.00010473, .p2 = -3.55590700e-05}};
+  return {MakeCamera("cam0", {left_lens, 752, 480}, left),
+          MakeCamera("cam1", {right_lens, 752, 480}, right)};
 }
 
 }  // namespace
@@ -83,7 +87,8 @@ CameraFrame RealClip::Frame(size_t camera, size_t index) const {
 }
 
 Eigen::Matrix3d RealClip::Rotation(size_t camera, Timestamp from, Timestamp to) const {
-  Eigen::Quaterniond from_imu_to_imu = Eigen::Quaterniond::Identity();  // imu at `from` from imu later
+  Eigen::Quaterniond from_imu_to_imu =
+      Eigen::Quaterniond::Identity();  // imu at `from` from imu later
   for (size_t i = 0; i + 1 < imu.size(); ++i) {
     const Timestamp begin = std::max(from, imu[i].time), end = std::min(to, imu[i + 1].time);
     if (begin >= end) continue;
@@ -91,7 +96,8 @@ Eigen::Matrix3d RealClip::Rotation(size_t camera, Timestamp from, Timestamp to) 
     from_imu_to_imu = from_imu_to_imu * ExpSo3(rate * (end - begin));
   }
   const Eigen::Quaterniond imu_from_camera = cameras[camera].body_from_camera.rotation;
-  return (imu_from_camera.conjugate() * from_imu_to_imu.conjugate() * imu_from_camera).toRotationMatrix();
+  return (imu_from_camera.conjugate() * from_imu_to_imu.conjugate() * imu_from_camera)
+      .toRotationMatrix();
 }
 
 std::optional<std::filesystem::path> FindSharedData(const std::string& name) {
@@ -104,7 +110,8 @@ std::optional<std::filesystem::path> FindSharedData(const std::string& name) {
 std::optional<RealClip> LoadKittiClip() {
   const auto folder = FindSharedData("kitti_06_clip");
   if (!folder) return std::nullopt;
-  const CameraModel lens(PinholeProjection{.fx = 707.0912, .fy = 707.0912, .cx = 601.8873, .cy = 183.1104}, 1226, 370);
+  const CameraModel lens(
+      PinholeProjection{.fx = 707.0912, .fy = 707.0912, .cx = 601.8873, .cy = 183.1104}, 1226, 370);
   std::vector<RigCamera> cameras;
   for (const double x : {-0.314076870, -0.851227523}) {
     Eigen::Matrix4d camera_from_imu;

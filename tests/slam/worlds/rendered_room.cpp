@@ -8,7 +8,8 @@ namespace parkade {
 namespace {
 
 double Hash(std::int64_t x, std::int64_t y, std::uint32_t seed) {
-  auto h = static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15u ^ static_cast<std::uint64_t>(y) * 0xC2B2AE3D27D4EB4Fu;
+  auto h = static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15u ^
+           static_cast<std::uint64_t>(y) * 0xC2B2AE3D27D4EB4Fu;
   h ^= static_cast<std::uint64_t>(seed) * 0x165667B19E3779F9u;
   h = (h ^ (h >> 29)) * 0xBF58476D1CE4E5B9u;
   return static_cast<double>((h ^ (h >> 32)) & 0xFFFFFF) / 0xFFFFFF;
@@ -27,10 +28,12 @@ double Noise(double x, double y, std::uint32_t seed) {
 
 }  // namespace
 
-RenderedRoom::RenderedRoom(const Eigen::Vector3d& low, const Eigen::Vector3d& high, std::uint32_t seed)
+RenderedRoom::RenderedRoom(const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                           std::uint32_t seed)
     : low_(low), high_(high), seed_(seed) {}
 
-double RenderedRoom::RangeAlong(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
+double RenderedRoom::RangeAlong(const Eigen::Vector3d& origin,
+                                const Eigen::Vector3d& direction) const {
   double range = 1e300;
   for (int axis = 0; axis < 3; ++axis) {
     if (direction[axis] == 0) continue;
@@ -44,8 +47,8 @@ double RenderedRoom::BrightnessAt(const Eigen::Vector3d& point, double footprint
   int face = 0;
   double nearest = 1e300;
   for (int axis = 0; axis < 3; ++axis) {
-    for (const auto& [distance, index] :
-         {std::pair(point[axis] - low_[axis], 2 * axis), std::pair(high_[axis] - point[axis], 2 * axis + 1)}) {
+    for (const auto& [distance, index] : {std::pair(point[axis] - low_[axis], 2 * axis),
+                                          std::pair(high_[axis] - point[axis], 2 * axis + 1)}) {
       if (distance >= nearest) continue;
       nearest = distance;
       face = index;
@@ -64,7 +67,8 @@ double RenderedRoom::BrightnessAt(const Eigen::Vector3d& point, double footprint
   return std::clamp(brightness, 0.0, 255.0);
 }
 
-RoomCamera::RoomCamera(const CameraModel& model, const RenderedRoom& room) : model_(model), room_(room) {
+RoomCamera::RoomCamera(const CameraModel& model, const RenderedRoom& room)
+    : model_(model), room_(room) {
   bearings_.reserve(static_cast<size_t>(model.width() * model.height()));
   for (int y = 0; y < model.height(); ++y)
     for (int x = 0; x < model.width(); ++x)
@@ -74,7 +78,8 @@ RoomCamera::RoomCamera(const CameraModel& model, const RenderedRoom& room) : mod
 cv::Mat RoomCamera::Render(const Rigid3& room_from_camera, double noise, int frame) const {
   cv::Mat image = cv::Mat::zeros(model_.height(), model_.width(), CV_8UC1);
   cv::RNG random(static_cast<std::uint64_t>(frame) + 1);
-  const double pixels_per_radian = model_.PixelsPerRadian({0.5 * model_.width(), 0.5 * model_.height()}).value();
+  const double pixels_per_radian =
+      model_.PixelsPerRadian({0.5 * model_.width(), 0.5 * model_.height()}).value();
   const Eigen::Matrix3d rotation = room_from_camera.rotation.toRotationMatrix();
   size_t index = 0;
   for (int y = 0; y < image.rows; ++y) {
@@ -83,27 +88,31 @@ cv::Mat RoomCamera::Render(const Rigid3& room_from_camera, double noise, int fra
       const Eigen::Vector3d direction = rotation * bearings_[index];
       const double range = room_.RangeAlong(room_from_camera.translation, direction);
       const Eigen::Vector3d point = room_from_camera.translation + range * direction;
-      const double brightness = room_.BrightnessAt(point, range / pixels_per_radian) + random.gaussian(noise);
+      const double brightness =
+          room_.BrightnessAt(point, range / pixels_per_radian) + random.gaussian(noise);
       image.at<std::uint8_t>(y, x) = cv::saturate_cast<std::uint8_t>(brightness);
     }
   }
   return image;
 }
 
-bool RoomCamera::Follow(const Eigen::Vector2d& pixel, const Rigid3& room_from_first, const Rigid3& room_from_second,
-                        Eigen::Vector2d* second) const {
+bool RoomCamera::Follow(const Eigen::Vector2d& pixel, const Rigid3& room_from_first,
+                        const Rigid3& room_from_second, Eigen::Vector2d* second) const {
   const auto bearing = model_.Unproject(pixel);
   if (!bearing) return false;
   const Eigen::Vector3d direction = room_from_first.rotation * *bearing;
   const Eigen::Vector3d point =
-      room_from_first.translation + room_.RangeAlong(room_from_first.translation, direction) * direction;
+      room_from_first.translation +
+      room_.RangeAlong(room_from_first.translation, direction) * direction;
   const auto seen = model_.Project(room_from_second.Inverse() * point);
   if (seen) *second = *seen;
   return seen.has_value();
 }
 
 CameraModel SurroundFisheye() {
-  return {KannalaBrandtProjection{.fx = 193, .fy = 193, .cx = 319.5, .cy = 199.5, .k1 = -0.01, .k2 = 0.002}, 640, 400};
+  return {KannalaBrandtProjection{
+              .fx = 193, .fy = 193, .cx = 319.5, .cy = 199.5, .k1 = -0.01, .k2 = 0.002},
+          640, 400};
 }
 
 }  // namespace parkade

@@ -19,7 +19,7 @@ class RenderedRoom {
   /// [m] along a unit `direction` from inside the room to its wall.
   double RangeAlong(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
 
-  /// Grey level in [0, 255] of a point on a wall; details below `footprint` [m] are left out.
+  /// Gray level in [0, 255] of a point on a wall; details below `footprint` [m] are left out.
   double BrightnessAt(const Eigen::Vector3d& point_in_room, double footprint) const;
 
  private:
@@ -32,14 +32,14 @@ class RoomCamera {
  public:
   RoomCamera(const CameraModel& model, const RenderedRoom& room);
 
-  /// CV_8UC1; pixels without a bearing are black. `noise` [grey levels] is added
+  /// CV_8UC1; pixels without a bearing are black. `noise` [gray levels] is added
   /// with a fixed seed per `frame`.
   cv::Mat Render(const Rigid3& room_from_camera, double noise = 1.0, int frame = 0) const;
 
   /// Where the point that `pixel` shows from one place is seen from another;
   /// false where it is not.
-  bool Follow(const Eigen::Vector2d& pixel, const Rigid3& room_from_first, const Rigid3& room_from_second,
-              Eigen::Vector2d* second) const;
+  bool Follow(const Eigen::Vector2d& pixel, const Rigid3& room_from_first,
+              const Rigid3& room_from_second, Eigen::Vector2d* second) const;
 
   const CameraModel& model() const { return model_; }
 

@@ -18,13 +18,16 @@ class Noise {
     const double x = Normal(), y = Normal(), z = Normal();
     return sigma * Eigen::Vector3d(x, y, z);
   }
-  size_t Index(size_t size) { return std::min(size - 1, static_cast<size_t>(Uniform() * static_cast<double>(size))); }
+  size_t Index(size_t size) {
+    return std::min(size - 1, static_cast<size_t>(Uniform() * static_cast<double>(size)));
+  }
 
  private:
   std::mt19937 random_;
 };
 
-/// Lanes of 20 m, 5 m apart, driven up and down; the second half of the drive repeats the first with a small offset.
+/// Lanes of 20 m, 5 m apart, driven up and down; the second half of the drive repeats the first
+/// with a small offset.
 std::vector<Rigid3> DriveLanes(int num_poses, bool is_planar) {
   std::vector<Rigid3> poses;
   const int half = num_poses / 2, per_lane = 20;
@@ -32,15 +35,18 @@ std::vector<Rigid3> DriveLanes(int num_poses, bool is_planar) {
     const int step = i % half, lane = step / per_lane, along = step % per_lane;
     const bool is_up = lane % 2 == 0;
     const double height = is_planar ? 0 : 0.3 * std::sin(0.1 * step);
-    const Eigen::Vector3d position(is_up ? along : per_lane - along, 5.0 * lane + (i < half ? 0 : 0.4), height);
+    const Eigen::Vector3d position(is_up ? along : per_lane - along,
+                                   5.0 * lane + (i < half ? 0 : 0.4), height);
     const double yaw = is_up ? 0 : M_PI;
-    poses.push_back({ExpSo3({0, 0, yaw}) * ExpSo3({0, is_planar ? 0 : 0.05 * std::cos(0.1 * step), 0}), position});
+    poses.push_back(
+        {ExpSo3({0, 0, yaw}) * ExpSo3({0, is_planar ? 0 : 0.05 * std::cos(0.1 * step), 0}),
+         position});
   }
   return poses;
 }
 
-PoseGraphEdge Measure(const std::vector<Rigid3>& truth, size_t from, size_t to, const SyntheticGraphOptions& options,
-                      Noise& noise) {
+PoseGraphEdge Measure(const std::vector<Rigid3>& truth, size_t from, size_t to,
+                      const SyntheticGraphOptions& options, Noise& noise) {
   PoseGraphEdge edge;
   edge.from = from;
   edge.to = to;
@@ -83,39 +89,44 @@ SyntheticGraph MakeSyntheticGraph(const SyntheticGraphOptions& options) {
     ++made.num_right_loops;
   }
   const std::vector<Rigid3> odometry = ChainEdges(made.graph);
-  for (size_t i = 0; i < odometry.size(); ++i) made.graph.vertices[i].world_from_vertex = odometry[i];
+  for (size_t i = 0; i < odometry.size(); ++i)
+    made.graph.vertices[i].world_from_vertex = odometry[i];
   const size_t before = made.graph.edges.size();
   AddWrongLoops(made.truth, options.wrong_share, options.seed + 1000, made.graph);
   made.num_wrong_loops = made.graph.edges.size() - before;
   return made;
 }
 
-void AddWrongLoops(const std::vector<Rigid3>& placed, double share, std::uint32_t seed, PoseGraph& graph) {
+void AddWrongLoops(const std::vector<Rigid3>& placed, double share, std::uint32_t seed,
+                   PoseGraph& graph) {
   Noise noise(seed);
   Eigen::AlignedBox3d box;
   for (const Rigid3& pose : placed) box.extend(pose.translation);
   std::vector<Matrix6d> informations;
   for (const PoseGraphEdge& edge : graph.edges)
     if (!edge.is_trusted) informations.push_back(edge.information);
-  const auto count = static_cast<size_t>(std::lround(share / (1 - share) * static_cast<double>(informations.size())));
+  const auto count = static_cast<size_t>(
+      std::lround(share / (1 - share) * static_cast<double>(informations.size())));
   for (size_t i = 0; i < count;) {
     PoseGraphEdge edge;
     edge.from = noise.Index(placed.size());
     edge.to = noise.Index(placed.size());
     if (std::max(edge.from, edge.to) - std::min(edge.from, edge.to) < 10) continue;
-    for (int k = 0; k < 3; ++k) edge.from_from_to.translation[k] = (noise.Uniform() - 0.5) * box.sizes()[k];
+    for (int k = 0; k < 3; ++k)
+      edge.from_from_to.translation[k] = (noise.Uniform() - 0.5) * box.sizes()[k];
     const Eigen::Vector3d axis = noise.NormalVector(1);
     const double w = noise.Normal();
     edge.from_from_to.rotation = Eigen::Quaterniond(w, axis.x(), axis.y(), axis.z()).normalized();
-    if (graph.is_planar) edge.from_from_to.rotation = ExpSo3({0, 0, 2 * M_PI * noise.Uniform() - M_PI});
+    if (graph.is_planar)
+      edge.from_from_to.rotation = ExpSo3({0, 0, 2 * M_PI * noise.Uniform() - M_PI});
     edge.information = informations[noise.Index(informations.size())];
     graph.edges.push_back(edge);
     ++i;
   }
 }
 
-void AddAlikeStretches(const std::vector<Rigid3>& placed, double share, size_t group, std::uint32_t seed,
-                       PoseGraph& graph) {
+void AddAlikeStretches(const std::vector<Rigid3>& placed, double share, size_t group,
+                       std::uint32_t seed, PoseGraph& graph) {
   Noise noise(seed);
   std::vector<Matrix6d> informations;
   for (const PoseGraphEdge& edge : graph.edges)
@@ -123,7 +134,8 @@ void AddAlikeStretches(const std::vector<Rigid3>& placed, double share, size_t g
   const double wanted = share / (1 - share) * static_cast<double>(informations.size());
   size_t num_added = 0;
   while (static_cast<double>(num_added) < wanted) {
-    const size_t first = noise.Index(placed.size() - group), second = noise.Index(placed.size() - group);
+    const size_t first = noise.Index(placed.size() - group),
+                 second = noise.Index(placed.size() - group);
     const Rigid3& there = placed[second];
     const Rigid3 here_from_there = placed[first] * there.Inverse();
     // Where the second stretch truly is beside the first, nothing would be wrong.

@@ -7,7 +7,10 @@ using Drives = RunningService;
 
 TEST_F(Drives, AreListedInPagesFromTheNewest) {
   for (int i = 0; i < 5; ++i)
-    ASSERT_EQ(Upload("log ok " + std::to_string(i) + "\n", "?site=lot&filename=" + std::to_string(i))->status, 201);
+    ASSERT_EQ(
+        Upload("log ok " + std::to_string(i) + "\n", "?site=lot&filename=" + std::to_string(i))
+            ->status,
+        201);
 
   std::vector<std::string> names;
   std::string cursor;

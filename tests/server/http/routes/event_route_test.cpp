@@ -22,7 +22,8 @@ TEST_F(Events, TellOfJobsDrivesAndMaps) {
   const std::string text = listener->ReceiveUntil("event: map");
   EXPECT_NE(text.find("event: drive\n"), std::string::npos);
   EXPECT_NE(text.find("event: job\n"), std::string::npos);
-  EXPECT_NE(listener->ReceiveUntil("\"version\":1").find("\"url\":\"/api/v1/sites/lot/maps/1\""), std::string::npos);
+  EXPECT_NE(listener->ReceiveUntil("\"version\":1").find("\"url\":\"/api/v1/sites/lot/maps/1\""),
+            std::string::npos);
 }
 
 TEST_F(Events, GoOnWhereTheListenerLeft) {
@@ -43,7 +44,8 @@ TEST_F(Events, GoOnWhereTheListenerLeft) {
 TEST_F(Events, AskAListenerToReloadWhoMissedTooMuch) {
   for (const char* id : {"1", "nonsense", "99999999999999"}) {
     const auto listener = Listen(std::string("Last-Event-ID: ") + id + "\r\n");
-    EXPECT_NE(listener->ReceiveUntil("event: reload\n").find("event: reload\n"), std::string::npos) << id;
+    EXPECT_NE(listener->ReceiveUntil("event: reload\n").find("event: reload\n"), std::string::npos)
+        << id;
   }
 }
 

@@ -12,7 +12,9 @@ class Jobs : public RunningService {
     drive_ = json.at("drive").at("id");
     return json.at("job").at("id");
   }
-  httplib::Result Post(const std::string& path) { return client().Post(path, "", "application/json"); }
+  httplib::Result Post(const std::string& path) {
+    return client().Post(path, "", "application/json");
+  }
 
   std::string drive_;
 };
@@ -48,8 +50,9 @@ TEST_F(Jobs, ShowAPreviewWhileTheyRun) {
   EXPECT_EQ(preview->get_header_value("Cache-Control"), "no-store");
   for (const std::string& file : Files())
     if (file.ends_with("preview.glb"))
-      std::filesystem::last_write_time(options_.data / file,
-                                       std::filesystem::file_time_type::clock::now() + std::chrono::seconds(5));
+      std::filesystem::last_write_time(
+          options_.data / file,
+          std::filesystem::file_time_type::clock::now() + std::chrono::seconds(5));
   EXPECT_NE(Get("/api/v1/jobs/" + id).at("preview"), first) << "it was replaced";
 
   EXPECT_EQ(WaitForJob(id).at("state"), "done");
@@ -83,7 +86,8 @@ TEST_F(Jobs, ThatCrashHurtNobodyElse) {
 
 TEST_F(Jobs, ThatMakeNoMapFail) {
   EXPECT_EQ(WaitForJob(Start("no-map")).at("error"), "the worker ended without 'map.glb'");
-  EXPECT_EQ(WaitForJob(Start("silent")).at("error"), "the worker ended with status 3 and gave no reason");
+  EXPECT_EQ(WaitForJob(Start("silent")).at("error"),
+            "the worker ended with status 3 and gave no reason");
   for (const std::string& file : Files()) EXPECT_FALSE(file.starts_with("maps/")) << file;
 }
 
@@ -150,7 +154,8 @@ TEST_F(Jobs, AreListedByState) {
 
 TEST_F(Jobs, ThatDoNotExistAreNotFound) {
   client();
-  for (const char* path : {"/api/v1/jobs/0123456789abcdef", "/api/v1/jobs/0123456789abcdef/log", "/api/v1/jobs/x"})
+  for (const char* path :
+       {"/api/v1/jobs/0123456789abcdef", "/api/v1/jobs/0123456789abcdef/log", "/api/v1/jobs/x"})
     ExpectProblem(client().Get(path), 404, "not_found");
   ExpectProblem(Post("/api/v1/jobs/0123456789abcdef/cancel"), 404, "not_found");
 }

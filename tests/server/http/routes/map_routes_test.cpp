@@ -30,7 +30,8 @@ TEST_F(Maps, ListTheirFilesWithHashes) {
     EXPECT_EQ(Sha256Of(answer->body), file.at("sha256"));
     EXPECT_EQ(answer->get_header_value("Content-Type"), file.at("content_type"));
   }
-  EXPECT_EQ(names, (std::set<std::string>{"a/trajectory.tum", "empty.txt", "map.glb", "report.json"}));
+  EXPECT_EQ(names,
+            (std::set<std::string>{"a/trajectory.tum", "empty.txt", "map.glb", "report.json"}));
 }
 
 TEST_F(Maps, AreServedAsImmutableWithAStrongTag) {
@@ -53,7 +54,9 @@ TEST_F(Maps, AreNotSentAgainToWhoHasThem) {
     EXPECT_EQ(answer->get_header_value("ETag"), etag_);
   }
   EXPECT_EQ(GetMesh({{"If-None-Match", "\"other\""}})->status, 200);
-  EXPECT_EQ(client().Get(map_, {{"If-None-Match", client().Get(map_)->get_header_value("ETag")}})->status, 304);
+  EXPECT_EQ(
+      client().Get(map_, {{"If-None-Match", client().Get(map_)->get_header_value("ETag")}})->status,
+      304);
 }
 
 TEST_F(Maps, AreServedInParts) {
@@ -99,7 +102,8 @@ TEST_F(Maps, MayHoldEmptyFiles) {
   EXPECT_EQ(answer->status, 200);
   EXPECT_EQ(answer->body, "");
   EXPECT_EQ(answer->get_header_value("Content-Length"), "0");
-  ExpectProblem(client().Get(map_ + "/empty.txt", {{"Range", "bytes=0-"}}), 416, "range_not_satisfiable");
+  ExpectProblem(client().Get(map_ + "/empty.txt", {{"Range", "bytes=0-"}}), 416,
+                "range_not_satisfiable");
 }
 
 TEST_F(Maps, AreReachedByTheNameLatest) {
@@ -113,8 +117,9 @@ TEST_F(Maps, AreReachedByTheNameLatest) {
 TEST_F(Maps, HaveNothingElse) {
   for (const std::string path :
        {"/api/v1/sites/lot/maps/2", "/api/v1/sites/lot/maps/0", "/api/v1/sites/lot/maps/1/none.glb",
-        "/api/v1/sites/lot/maps/1/../../../../etc/passwd", "/api/v1/sites/lot/maps/1/..%2f..%2fdb%2fmain.db",
-        "/api/v1/sites/none/maps/1/map.glb", "/api/v1/sites/none/maps/latest", "/api/v1/sites/none/maps",
+        "/api/v1/sites/lot/maps/1/../../../../etc/passwd",
+        "/api/v1/sites/lot/maps/1/..%2f..%2fdb%2fmain.db", "/api/v1/sites/none/maps/1/map.glb",
+        "/api/v1/sites/none/maps/latest", "/api/v1/sites/none/maps",
         "/api/v1/sites/lot/maps/999999999999/map.glb", "/api/v1/sites/lot/maps/1/a"})
     ExpectProblem(client().Get(path), 404, "not_found");
 }
@@ -131,7 +136,8 @@ TEST_F(Maps, AreBuiltAgainOnRequestAndTheOldOnesStay) {
   const Json page = Get("/api/v1/sites/lot/maps?limit=1");
   EXPECT_EQ(page.at("items").at(0).at("version"), 2);
   const std::string cursor = page.at("next_cursor");
-  EXPECT_EQ(Get("/api/v1/sites/lot/maps?limit=1&cursor=" + cursor).at("items").at(0).at("version"), 1);
+  EXPECT_EQ(Get("/api/v1/sites/lot/maps?limit=1&cursor=" + cursor).at("items").at(0).at("version"),
+            1);
 }
 
 TEST_F(Maps, AreBuiltOnlyFromWhatMakesSense) {

@@ -22,8 +22,10 @@ TEST_F(Status, HasMetricsThatPrometheusReads) {
   EXPECT_EQ(answer->get_header_value("Content-Type"), "text/plain; version=0.0.4; charset=utf-8");
   const std::regex line(R"(# (HELP|TYPE) [a-z_]+ .+|[a-z_]+(\{[a-z]+="[0-9a-z]+"\})? -?[0-9]+)");
   std::istringstream lines(answer->body);
-  for (std::string text; std::getline(lines, text);) EXPECT_TRUE(std::regex_match(text, line)) << text;
-  EXPECT_NE(answer->body.find("parkade_jobs{state=\"done\"} 1\n"), std::string::npos) << answer->body;
+  for (std::string text; std::getline(lines, text);)
+    EXPECT_TRUE(std::regex_match(text, line)) << text;
+  EXPECT_NE(answer->body.find("parkade_jobs{state=\"done\"} 1\n"), std::string::npos)
+      << answer->body;
   EXPECT_NE(answer->body.find("parkade_upload_bytes_total 7\n"), std::string::npos);
 }
 
@@ -39,7 +41,8 @@ TEST_F(Status, TellsAWrongMethodFromAWrongAddress) {
 /// An address of a described path, of things that exist.
 std::string Filled(std::string path, const std::string& drive, const std::string& job) {
   const auto fill = [&](const std::string& name, const std::string& value) {
-    if (const size_t at = path.find(name); at != std::string::npos) path.replace(at, name.size(), value);
+    if (const size_t at = path.find(name); at != std::string::npos)
+      path.replace(at, name.size(), value);
   };
   fill("{id}", path.find("/jobs/") != std::string::npos ? job : drive);
   fill("{site}", "lot");
@@ -52,14 +55,16 @@ std::string Filled(std::string path, const std::string& drive, const std::string
 TEST_F(Status, DescribesOnlyWhatAnswers) {
   const Json job = MapNow("log ok\n");
   const std::string drive = job.at("drives").at(0);
-  const std::string to_delete = MapNow("log ok\n", "?filename=to-delete&site=other").at("drives").at(0);
+  const std::string to_delete =
+      MapNow("log ok\n", "?filename=to-delete&site=other").at("drives").at(0);
   const Json description = Get("/api/v1/openapi.json");
   EXPECT_EQ(description.at("openapi"), "3.1.0");
 
   int operations = 0;
   for (const auto& [path, item] : description.at("paths").items()) {
     for (const auto& [method, operation] : item.items()) {
-      const std::string address = Filled(path, method == "delete" ? to_delete : drive, job.at("id"));
+      const std::string address =
+          Filled(path, method == "delete" ? to_delete : drive, job.at("id"));
       if (method == "parameters" || path == "/api/v1/events") continue;
       ++operations;
       httplib::Request request;
@@ -70,13 +75,15 @@ TEST_F(Status, DescribesOnlyWhatAnswers) {
       const auto answer = client().send(request);
       ASSERT_TRUE(answer) << method << " " << address;
       // Found, and its body or state found wanting at most.
-      const bool is_missing_rig = path == "/api/v1/rigs/{rig}" && method == "get" && answer->status == 404;
+      const bool is_missing_rig =
+          path == "/api/v1/rigs/{rig}" && method == "get" && answer->status == 404;
       const bool has_no_preview = path.ends_with("/preview.glb") && answer->status == 404;
-      EXPECT_TRUE(is_missing_rig || has_no_preview || answer->status < 300 || answer->status == 400 ||
-                  answer->status == 409)
+      EXPECT_TRUE(is_missing_rig || has_no_preview || answer->status < 300 ||
+                  answer->status == 400 || answer->status == 409)
           << method << " " << address << ": " << answer->status << " " << answer->body;
-      const bool is_described = operation.at("responses").contains(std::to_string(answer->status)) ||
-                                operation.at("responses").contains("default");
+      const bool is_described =
+          operation.at("responses").contains(std::to_string(answer->status)) ||
+          operation.at("responses").contains("default");
       EXPECT_TRUE(is_described) << method << " " << address << ": " << answer->status;
     }
   }

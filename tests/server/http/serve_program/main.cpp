@@ -25,7 +25,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void Say(const fs::path& progress, const std::string& line) { std::ofstream(progress, std::ios::app) << line << "\n"; }
+void Say(const fs::path& progress, const std::string& line) {
+  std::ofstream(progress, std::ios::app) << line << "\n";
+}
 
 void WriteMap(const fs::path& out, const std::vector<fs::path>& logs) {
   std::ofstream(out / "map.glb") << "glTF of " << logs.size() << " drives";
@@ -34,9 +36,10 @@ void WriteMap(const fs::path& out, const std::vector<fs::path>& logs) {
     fs::create_directories(out / log.filename());
     std::ofstream(out / log.filename() / "trajectory.tum") << "0 0 0 0 0 0 0 1\n";
   }
-  std::ofstream(out / "report.json") << R"({"datum": null, "bounds": {"min": [0, 0, 0], "max": [9, 9, 1]},)"
-                                     << R"( "drives": [{"name": ")" << logs.front().filename().string()
-                                     << R"(", "streams": [{"topic": "/imu", "rate": 100}]}]})";
+  std::ofstream(out / "report.json")
+      << R"({"datum": null, "bounds": {"min": [0, 0, 0], "max": [9, 9, 1]},)"
+      << R"( "drives": [{"name": ")" << logs.front().filename().string()
+      << R"(", "streams": [{"topic": "/imu", "rate": 100}]}]})";
 }
 
 int Work(const fs::path& out, const fs::path& progress, const std::vector<fs::path>& logs) {
@@ -53,7 +56,8 @@ int Work(const fs::path& out, const fs::path& progress, const std::vector<fs::pa
   if (todo == "crash") std::abort();
   if (todo == "stubborn") std::signal(SIGTERM, SIG_IGN);
   if (todo == "slow") std::this_thread::sleep_for(std::chrono::seconds(2));
-  while (todo == "hang" || todo == "stubborn") std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  while (todo == "hang" || todo == "stubborn")
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
   Say(progress, R"({"stage": "mesh", "progress": 0.75, "eta": 1.5})");
   if (todo != "no-map") WriteMap(out, logs);
   return 0;
@@ -68,7 +72,8 @@ int Compare(const fs::path& from, const fs::path& to, const fs::path& out) {
     std::cerr << "parkade: nothing says how the two maps lie to each other" << std::endl;
     return 1;
   }
-  std::ofstream(out.parent_path() / "comparisons", std::ios::app) << out.filename().string() << "\n";
+  std::ofstream(out.parent_path() / "comparisons", std::ios::app)
+      << out.filename().string() << "\n";
   fs::create_directories(out);
   std::ofstream(out / "changes.json") << R"({"free_space": {"gained": 0}})";
   std::ofstream(out / "changes.geojson") << R"({"type": "FeatureCollection", "features": []})";

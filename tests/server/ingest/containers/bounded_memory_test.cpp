@@ -55,7 +55,8 @@ void WriteImages(const std::filesystem::path& file, int count, const McapWriterO
 
 TEST(BoundedMemory, HoldsForALogOfManyChunks) {
   const ScratchFile file(".mcap");
-  WriteImages(file.path(), 300, {.compression = LogCompression::kLz4, .chunk_size = 4 << 20, .has_checksums = false});
+  WriteImages(file.path(), 300,
+              {.compression = LogCompression::kLz4, .chunk_size = 4 << 20, .has_checksums = false});
 
   std::size_t count = 0;
   const double growth = PeakGrowthDuring([&] { count = CountMessages(file.path()); });
@@ -79,11 +80,13 @@ TEST(BoundedMemory, HoldsForOneChunkOfHundredsOfMegabytes) {
 TEST(BoundedMemory, HoldsWhereEveryChunkOverlapsAllOthers) {
   const ScratchFile file(".mcap");
   {
-    McapWriter writer(file.path(), "ros2", {.compression = LogCompression::kLz4, .chunk_size = 8 << 20});
+    McapWriter writer(file.path(), "ros2",
+                      {.compression = LogCompression::kLz4, .chunk_size = 8 << 20});
     const int channel = writer.AddChannel("/cam0/image_raw", "sensor_msgs/msg/Image", "", "cdr");
     const std::vector<std::uint8_t> image(kMessageSize);
     for (int chunk = 0; chunk < 30; ++chunk)
-      for (int i = 0; i < 8; ++i) writer.Write(channel, {i == 0 ? 1 : (i == 7 ? 1'000'000 : chunk * 8 + i)}, image);
+      for (int i = 0; i < 8; ++i)
+        writer.Write(channel, {i == 0 ? 1 : (i == 7 ? 1'000'000 : chunk * 8 + i)}, image);
     writer.Close();
   }
 

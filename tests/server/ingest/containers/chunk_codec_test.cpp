@@ -25,7 +25,8 @@ std::vector<std::uint8_t> SomeBytes() {
 }
 
 // All that comes out, in pieces of an odd size.
-std::pair<std::vector<std::uint8_t>, State> UnpackAll(const std::vector<std::uint8_t>& packed, ChunkCompression codec) {
+std::pair<std::vector<std::uint8_t>, State> UnpackAll(const std::vector<std::uint8_t>& packed,
+                                                      ChunkCompression codec) {
   const ScratchFile scratch(".packed");
   scratch.Write(packed);
   const InputFile file(scratch.path());
@@ -63,7 +64,8 @@ TEST(UnpackingStream, OfACutStreamGivesTheBeginningAndSaysSo) {
 TEST(UnpackingStream, NoticesAFlippedBit) {
   const std::vector<std::uint8_t> bytes = SomeBytes();
   for (const auto& [codec, writer] : kCodecs) {
-    if (codec != ChunkCompression::kLz4 && codec != ChunkCompression::kBz2) continue;  // no checksum of their own
+    if (codec != ChunkCompression::kLz4 && codec != ChunkCompression::kBz2)
+      continue;  // no checksum of their own
     std::vector<std::uint8_t> packed = Compress(bytes, writer);
     packed[packed.size() / 2] ^= 4;
 
@@ -88,7 +90,8 @@ TEST(UnpackZstd, RefusesAFrameThatIsCutOff) {
 
 TEST(Crc32, IsThatOfItsStandard) {
   const std::string check = "123456789";
-  EXPECT_EQ(UpdateCrc32(0, {reinterpret_cast<const std::uint8_t*>(check.data()), check.size()}), 0xCBF43926u);
+  EXPECT_EQ(UpdateCrc32(0, {reinterpret_cast<const std::uint8_t*>(check.data()), check.size()}),
+            0xCBF43926u);
 }
 
 }  // namespace

@@ -11,7 +11,8 @@ namespace {
 constexpr std::size_t kPage = 4096;
 constexpr std::size_t kMostPerPage = 13;  // messages of 320 byte
 
-// SQLite's own checks end a query at the first damaged page: what lies behind it must come all the same.
+// SQLite's own checks end a query at the first damaged page: what lies behind it must come all the
+// same.
 class DamagedDatabase : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
@@ -53,7 +54,8 @@ TEST_P(DamagedDatabase, CutAnywhereGivesAboutAllBefore) {
   std::mt19937 random(6);
   for (int trial = 0; trial < 40; ++trial) {
     const std::size_t size = 20 * kPage + random() % (bytes_.size() - 20 * kPage);
-    const ReadLog log = ReadMutant({bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(size)});
+    const ReadLog log =
+        ReadMutant({bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(size)});
 
     EXPECT_TRUE(log.damage.is_truncated);
     EXPECT_EQ(log.num_wrong, 0u);
@@ -77,7 +79,9 @@ TEST_P(DamagedDatabase, WithAFlippedBitLosesOnePageAtMost) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Layouts, DamagedDatabase, testing::Values("", "index=no"),
-                         [](const auto& info) { return *info.param == '\0' ? "WithIndex" : "NoIndex"; });
+                         [](const auto& info) {
+                           return *info.param == '\0' ? "WithIndex" : "NoIndex";
+                         });
 
 }  // namespace
 }  // namespace parkade

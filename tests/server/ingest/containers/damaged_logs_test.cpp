@@ -14,8 +14,9 @@ struct Sample {
   const char* script;
   const char* extension;
   std::vector<std::string> arguments;
-  bool has_checksums;                 ///< of chunks: no damaged message may come through
-  bool has_spare_definitions = true;  ///< topics are defined in more than the chunk where they begin
+  bool has_checksums;  ///< of chunks: no damaged message may come through
+  bool has_spare_definitions =
+      true;  ///< topics are defined in more than the chunk where they begin
 };
 
 void PrintTo(const Sample& sample, std::ostream* out) { *out << sample.name; }
@@ -35,10 +36,11 @@ class DamagedLogs : public testing::TestWithParam<Sample> {
     return ReadWhole(file_.path());
   }
 
-  /// Messages of chunks that lie whole before `begin` or begin at `end` or later must all be there; the index of the
-  /// chunk that is hit counts as part of it.
+  /// Messages of chunks that lie whole before `begin` or begin at `end` or later must all be there;
+  /// the index of the chunk that is hit counts as part of it.
   void ExpectTheRestIsThere(const ReadLog& log, std::uint64_t begin, std::uint64_t end) const {
-    const bool hits_definitions = begin < sample_->chunks.front().end || log.topics.size() < kSampleTopics.size();
+    const bool hits_definitions =
+        begin < sample_->chunks.front().end || log.topics.size() < kSampleTopics.size();
     std::size_t first = 0;
     for (const SampleChunk& chunk : sample_->chunks) {
       if (hits_definitions && !GetParam().has_spare_definitions) break;
@@ -52,7 +54,8 @@ class DamagedLogs : public testing::TestWithParam<Sample> {
       EXPECT_EQ(log.num_wrong, 0u) << "damage at " << begin << ".." << end;
     }
     EXPECT_LE(log.num_wrong, 1 + (end - begin) / 100) << "damage at " << begin << ".." << end;
-    EXPECT_EQ(log.found.size(), log.NumFoundOf(0, SampleMessages().size())) << "a message came twice";
+    EXPECT_EQ(log.found.size(), log.NumFoundOf(0, SampleMessages().size()))
+        << "a message came twice";
   }
 
   /// Whoever loses messages says so, and says how many where indexes tell.
@@ -151,7 +154,8 @@ TEST_P(DamagedLogs, WithForeignBytesInsideLoseOneChunkAtMost) {
     std::vector<std::uint8_t> foreign(1 + random() % 3000);
     for (std::uint8_t& byte : foreign) byte = static_cast<std::uint8_t>(random());
     std::vector<std::uint8_t> mutant = bytes_;
-    mutant.insert(mutant.begin() + static_cast<std::ptrdiff_t>(place), foreign.begin(), foreign.end());
+    mutant.insert(mutant.begin() + static_cast<std::ptrdiff_t>(place), foreign.begin(),
+                  foreign.end());
     const ReadLog log = ReadMutant(mutant);
 
     ExpectTheRestIsThere(log, place, place + 1);
@@ -159,7 +163,8 @@ TEST_P(DamagedLogs, WithForeignBytesInsideLoseOneChunkAtMost) {
   }
 }
 
-// With an index behind each chunk the count of what was lost is exact, topic by topic, with its times.
+// With an index behind each chunk the count of what was lost is exact, topic by topic, with its
+// times.
 TEST_P(DamagedLogs, TellExactlyWhatADamagedChunkHeld) {
   if (!GetParam().has_checksums) GTEST_SKIP() << "nothing tells that such a chunk is damaged";
   std::size_t first = 0;
@@ -193,8 +198,12 @@ INSTANTIATE_TEST_SUITE_P(
                     Sample{"McapPlain", "write_mcap.mjs", ".mcap", {}, true},
                     Sample{"McapLz4", "write_mcap.mjs", ".mcap", {"compression=lz4"}, true},
                     Sample{"McapZstd", "write_mcap.mjs", ".mcap", {"compression=zstd"}, true},
-                    Sample{
-                        "McapNoSummary", "write_mcap.mjs", ".mcap", {"compression=zstd", "summary=no"}, true, false}),
+                    Sample{"McapNoSummary",
+                           "write_mcap.mjs",
+                           ".mcap",
+                           {"compression=zstd", "summary=no"},
+                           true,
+                           false}),
     [](const auto& info) { return info.param.name; });
 
 }  // namespace

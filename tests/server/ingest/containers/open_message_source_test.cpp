@@ -21,17 +21,22 @@ class OpenMessageSourceTest : public testing::Test {
 
   void Write(const std::string& name, const std::vector<std::uint8_t>& bytes) const {
     std::ofstream stream(folder_ / name, std::ios::binary);
-    stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    stream.write(reinterpret_cast<const char*>(bytes.data()),
+                 static_cast<std::streamsize>(bytes.size()));
   }
-  void WriteText(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+  void WriteText(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+  }
 
   /// Samples [first, last) as an MCAP file.
   void WritePart(const std::string& name, std::size_t first, std::size_t last,
                  const McapWriterOptions& options = {}) const {
     McapWriter writer(folder_ / name, "ros2", options);
-    for (const SampleTopic& topic : kSampleTopics) writer.AddChannel(topic.topic, topic.type, "", "cdr");
+    for (const SampleTopic& topic : kSampleTopics)
+      writer.AddChannel(topic.topic, topic.type, "", "cdr");
     for (std::size_t i = first; i < last; ++i)
-      writer.Write(static_cast<int>(SampleMessages()[i].topic), SampleMessages()[i].time, SampleMessages()[i].data);
+      writer.Write(static_cast<int>(SampleMessages()[i].topic), SampleMessages()[i].time,
+                   SampleMessages()[i].data);
     writer.Close();
   }
 
@@ -64,8 +69,10 @@ TEST_F(OpenMessageSourceTest, OtherFilesAreRefusedByName) {
   WriteText("old.bag", "#ROSBAG V1.2\n");
   WriteText("fake.db3", "SQLite format 3");
 
-  EXPECT_NE(ErrorOf(folder_ / "empty.bag").find("'empty.bag' is not a drive log"), std::string::npos);
-  EXPECT_NE(ErrorOf(folder_ / "notes.mcap").find("'notes.mcap' is not a drive log"), std::string::npos);
+  EXPECT_NE(ErrorOf(folder_ / "empty.bag").find("'empty.bag' is not a drive log"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(folder_ / "notes.mcap").find("'notes.mcap' is not a drive log"),
+            std::string::npos);
   EXPECT_NE(ErrorOf(folder_ / "old.bag").find("'old.bag'"), std::string::npos);
   EXPECT_NE(ErrorOf(folder_ / "fake.db3").find("'fake.db3'"), std::string::npos);
   EXPECT_NE(ErrorOf(folder_ / "nothing").find("nothing"), std::string::npos);
@@ -89,7 +96,8 @@ TEST_F(OpenMessageSourceTest, SplitFilesAreOneLogInOrderOfTime) {
 TEST_F(OpenMessageSourceTest, FilesOfOneDriveSideBySideAreMerged) {
   for (std::size_t topic = 0; topic < 4; ++topic) {
     McapWriter writer(folder_ / ("sensor" + std::to_string(topic)), "ros2", {.chunk_size = 20'000});
-    const int channel = writer.AddChannel(kSampleTopics[topic].topic, kSampleTopics[topic].type, "", "cdr");
+    const int channel =
+        writer.AddChannel(kSampleTopics[topic].topic, kSampleTopics[topic].type, "", "cdr");
     for (const SampleMessage& message : SampleMessages())
       if (message.topic == topic) writer.Write(channel, message.time, message.data);
     writer.Close();
@@ -102,7 +110,8 @@ TEST_F(OpenMessageSourceTest, MetadataTellsWhichFilesBelongAndWhichAreMissing) {
   WritePart("drive_0.mcap", 0, 300);
   WritePart("unrelated.mcap", 300, 500);
   WriteText("metadata.yaml",
-            "rosbag2_bagfile_information:\n  relative_file_paths:\n    - drive_0.mcap\n    - drive_1.mcap\n");
+            "rosbag2_bagfile_information:\n  relative_file_paths:\n    - drive_0.mcap\n    - "
+            "drive_1.mcap\n");
 
   const ReadLog log = ReadWhole(folder_);
 
@@ -115,17 +124,20 @@ TEST_F(OpenMessageSourceTest, NamedFilesWithADamagedHeadGiveWhatTheyHold) {
   WritePart("drive_0.mcap", 0, 300);
   WritePart("drive_1.mcap", 300, 710);
   WriteText("drive_2.mcap", "");
-  std::fstream(folder_ / "drive_1.mcap", std::ios::in | std::ios::out | std::ios::binary).write("\0\0\0\0\0\0\0\0", 8);
+  std::fstream(folder_ / "drive_1.mcap", std::ios::in | std::ios::out | std::ios::binary)
+      .write("\0\0\0\0\0\0\0\0", 8);
   WriteText("metadata.yaml",
-            "rosbag2_bagfile_information:\n  relative_file_paths:\n    - drive_0.mcap\n    - drive_1.mcap\n    - "
+            "rosbag2_bagfile_information:\n  relative_file_paths:\n    - drive_0.mcap\n    - "
+            "drive_1.mcap\n    - "
             "drive_2.mcap\n");
 
   const ReadLog log = ReadWhole(folder_);
 
   EXPECT_EQ(log.found, AllSamples());
-  EXPECT_TRUE(std::any_of(log.damage.ranges.begin(), log.damage.ranges.end(), [](const LostRange& range) {
-    return range.what.find("'drive_2.mcap'") != std::string::npos;
-  }));
+  EXPECT_TRUE(
+      std::any_of(log.damage.ranges.begin(), log.damage.ranges.end(), [](const LostRange& range) {
+        return range.what.find("'drive_2.mcap'") != std::string::npos;
+      }));
 }
 
 TEST_F(OpenMessageSourceTest, BrokenMetadataIsDoneWithout) {
@@ -170,7 +182,8 @@ TEST_F(OpenMessageSourceTest, APassOutlivesItsSource) {
 TEST_F(OpenMessageSourceTest, APackedFileThatIsCutOffIsReadUpToThere) {
   fs::create_directories(scratch_);
   WritePart("plain.mcap", 0, 710, {.chunk_size = 20'000});
-  std::vector<std::uint8_t> packed = Compress(ReadBytes(folder_ / "plain.mcap"), LogCompression::kZstd);
+  std::vector<std::uint8_t> packed =
+      Compress(ReadBytes(folder_ / "plain.mcap"), LogCompression::kZstd);
   packed.resize(packed.size() * 4 / 5);
   Write("drive.zstd", packed);
 
@@ -193,7 +206,8 @@ TEST_F(OpenMessageSourceTest, ALogWhoseBeginningIsGoneIsKnownByItsRecords) {
 
     const ReadLog log = ReadWhole(folder_ / "headless");
 
-    EXPECT_EQ(log.NumFoundOf(sample->chunks[0].num_messages, 710), 710 - sample->chunks[0].num_messages);
+    EXPECT_EQ(log.NumFoundOf(sample->chunks[0].num_messages, 710),
+              710 - sample->chunks[0].num_messages);
     EXPECT_FALSE(log.damage.IsClean());
   }
 }
@@ -204,7 +218,8 @@ class RecordedLogs : public testing::Test {
   void SetUp() override {
     const char* shared = std::getenv("PARKADE_SHARED_DATA");
     data_ = shared != nullptr ? fs::path(shared) : fs::path("../shared/data");
-    if (!fs::exists(data_ / "rosbag1")) GTEST_SKIP() << "needs PARKADE_SHARED_DATA or ../shared/data";
+    if (!fs::exists(data_ / "rosbag1"))
+      GTEST_SKIP() << "needs PARKADE_SHARED_DATA or ../shared/data";
   }
 
   struct Counted {
@@ -242,7 +257,8 @@ TEST_F(RecordedLogs, AnLz4BagOfRos1IsReadWhole) {
 }
 
 TEST_F(RecordedLogs, BagsOfRos2HoldTheSameInBothFormats) {
-  for (const char* name : {"convert_a", "convert_b", "talker", "wbag", "reindex_test_bags/multiple_files"}) {
+  for (const char* name :
+       {"convert_a", "convert_b", "talker", "wbag", "reindex_test_bags/multiple_files"}) {
     const Counted mcap = Count(data_ / "rosbag2/mcap" / name);
     const Counted sqlite = Count(data_ / "rosbag2/sqlite3" / name);
 

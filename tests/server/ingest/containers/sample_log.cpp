@@ -22,7 +22,9 @@ constexpr std::int64_t kBegin = 1'700'000'000'000'000'000;
 
 std::vector<std::uint8_t> Payload(std::size_t topic, int tick) {
   std::vector<std::uint8_t> bytes(kSampleTopics[topic].size);
-  const auto put = [&](std::size_t offset, std::uint32_t value) { std::memcpy(&bytes[offset], &value, 4); };
+  const auto put = [&](std::size_t offset, std::uint32_t value) {
+    std::memcpy(&bytes[offset], &value, 4);
+  };
   put(0, static_cast<std::uint32_t>(topic * 65536));
   put(4, static_cast<std::uint32_t>(tick));
   auto random = static_cast<std::uint32_t>(topic * 65536) + static_cast<std::uint32_t>(tick) + 1;
@@ -38,7 +40,8 @@ std::string Quoted(const std::string& text) { return "'" + text + "'"; }
 
 std::string CommandOf(const std::string& script, const std::vector<std::string>& arguments) {
   // Debian's Python: rosbag is a package of Debian.
-  std::string command = script.ends_with(".py") ? "PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 " : "node ";
+  std::string command =
+      script.ends_with(".py") ? "PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 " : "node ";
   command += Quoted((kScripts / script).string());
   for (const std::string& argument : arguments) command += " " + Quoted(argument);
   return command;
@@ -52,7 +55,8 @@ const std::vector<SampleMessage>& SampleMessages() {
     for (int tick = 0; tick < 400; ++tick)
       for (std::size_t topic = 0; topic < kSampleTopics.size(); ++topic) {
         if (tick < kSampleTopics[topic].begin || tick % kSampleTopics[topic].period != 0) continue;
-        const Timestamp time{kBegin + tick * 10'000'000LL + static_cast<std::int64_t>(topic) * 1000};
+        const Timestamp time{kBegin + tick * 10'000'000LL +
+                             static_cast<std::int64_t>(topic) * 1000};
         messages.push_back({topic, time, Payload(topic, tick)});
       }
     return messages;
@@ -69,11 +73,13 @@ std::optional<std::size_t> FindSample(const std::string& topic, const RawMessage
   const auto found = by_time.find(message.log_time);
   if (found == by_time.end()) return std::nullopt;
   const SampleMessage& sample = SampleMessages()[found->second];
-  if (kSampleTopics[sample.topic].topic != topic || sample.data != message.data) return std::nullopt;
+  if (kSampleTopics[sample.topic].topic != topic || sample.data != message.data)
+    return std::nullopt;
   return found->second;
 }
 
-std::optional<std::string> RunScript(const std::string& script, const std::vector<std::string>& arguments) {
+std::optional<std::string> RunScript(const std::string& script,
+                                     const std::vector<std::string>& arguments) {
   FILE* pipe = ::popen(CommandOf(script, arguments).c_str(), "r");
   if (pipe == nullptr) return std::nullopt;
   std::string output;
@@ -91,11 +97,13 @@ std::optional<SampleFile> MakeSample(const std::string& script, const std::strin
   for (const std::string& argument : arguments) name += "-" + argument;
   SampleFile sample{folder / (name + extension), {}};
   const auto is_stale = [&](const fs::path& source) {
-    return !fs::exists(sample.path) || fs::last_write_time(source) > fs::last_write_time(sample.path);
+    return !fs::exists(sample.path) ||
+           fs::last_write_time(source) > fs::last_write_time(sample.path);
   };
   const std::string chunks_suffix = ".json";
   const bool is_python = script.ends_with(".py");
-  if (is_stale(kScripts / script) || is_stale(kScripts / (is_python ? "sample.py" : "sample.mjs"))) {
+  if (is_stale(kScripts / script) ||
+      is_stale(kScripts / (is_python ? "sample.py" : "sample.mjs"))) {
     // Other test processes may be at the same: whole files only, by renaming.
     const fs::path mine = sample.path.string() + "." + std::to_string(::getpid());
     std::vector<std::string> all = {mine.string()};
@@ -108,7 +116,8 @@ std::optional<SampleFile> MakeSample(const std::string& script, const std::strin
   std::ifstream stream(sample.path.string() + chunks_suffix);
   if (!stream.good()) return sample;
   const nlohmann::json layout = nlohmann::json::parse(stream);
-  for (const auto& chunk : layout.at("chunks")) sample.chunks.push_back({chunk[0], chunk[1], chunk[2]});
+  for (const auto& chunk : layout.at("chunks"))
+    sample.chunks.push_back({chunk[0], chunk[1], chunk[2]});
   return sample;
 }
 
@@ -124,7 +133,8 @@ ReadLog ReadWhole(const MessageSource& source) {
   log.topics = source.topics();
   const auto stream = source.Read(std::vector<bool>(log.topics.size(), true));
   while (const auto message = stream->Next()) {
-    const auto sample = FindSample(log.topics.at(static_cast<std::size_t>(message->topic)).topic, *message);
+    const auto sample =
+        FindSample(log.topics.at(static_cast<std::size_t>(message->topic)).topic, *message);
     if (sample) {
       log.found.push_back(*sample);
     } else {
@@ -145,8 +155,8 @@ std::vector<std::size_t> AllSamples() {
 
 ScratchFile::ScratchFile(const std::string& extension) {
   static int count = 0;
-  path_ = fs::temp_directory_path() /
-          ("parkade-test-" + std::to_string(::getpid()) + "-" + std::to_string(count++) + extension);
+  path_ = fs::temp_directory_path() / ("parkade-test-" + std::to_string(::getpid()) + "-" +
+                                       std::to_string(count++) + extension);
 }
 
 ScratchFile::~ScratchFile() {
@@ -156,7 +166,8 @@ ScratchFile::~ScratchFile() {
 
 void ScratchFile::Write(const std::vector<std::uint8_t>& bytes) const {
   std::ofstream stream(path_, std::ios::binary);
-  stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  stream.write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
 }
 
 std::vector<std::uint8_t> ReadBytes(const fs::path& file) {

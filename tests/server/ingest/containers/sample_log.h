@@ -14,8 +14,9 @@
 
 namespace parkade {
 
-// A small drive that this file, sample.mjs and sample.py know alike: four topics over four seconds, each message with a
-// checksum of its own at its end, so that a test can tell a good message from a damaged one without a second copy.
+// A small drive that this file, sample.mjs and sample.py know alike: four topics over four seconds,
+// each message with a checksum of its own at its end, so that a test can tell a good message from a
+// damaged one without a second copy.
 
 struct SampleTopic {
   const char* topic;
@@ -25,10 +26,11 @@ struct SampleTopic {
   std::size_t size;
 };
 
-inline constexpr std::array<SampleTopic, 4> kSampleTopics = {{{"/imu", "sensor_msgs/Imu", 1, 0, 320},
-                                                              {"/cam0/image_raw", "sensor_msgs/Image", 5, 0, 6000},
-                                                              {"/odom", "nav_msgs/Odometry", 2, 0, 700},
-                                                              {"/fix", "sensor_msgs/NavSatFix", 10, 100, 120}}};
+inline constexpr std::array<SampleTopic, 4> kSampleTopics = {
+    {{"/imu", "sensor_msgs/Imu", 1, 0, 320},
+     {"/cam0/image_raw", "sensor_msgs/Image", 5, 0, 6000},
+     {"/odom", "nav_msgs/Odometry", 2, 0, 700},
+     {"/fix", "sensor_msgs/NavSatFix", 10, 100, 120}}};
 
 struct SampleMessage {
   std::size_t topic = 0;
@@ -39,7 +41,8 @@ struct SampleMessage {
 /// All 710 of them, in order of time.
 const std::vector<SampleMessage>& SampleMessages();
 
-/// Index into SampleMessages() of a message that was read, or nothing when a byte, the topic or the time is wrong.
+/// Index into SampleMessages() of a message that was read, or nothing when a byte, the topic or the
+/// time is wrong.
 std::optional<std::size_t> FindSample(const std::string& topic, const RawMessage& message);
 
 /// Where a chunk lies in a file and how many messages it holds.
@@ -53,22 +56,25 @@ struct SampleFile {
   std::vector<SampleChunk> chunks;  ///< in the order of the file; empty for files without chunks
 };
 
-/// A sample written by an official writer: `script` of this folder with `arguments`, made once per build and kept.
-/// Nothing when the script's program is not installed; the caller then skips.
+/// A sample written by an official writer: `script` of this folder with `arguments`, made once per
+/// build and kept. Nothing when the script's program is not installed; the caller then skips.
 std::optional<SampleFile> MakeSample(const std::string& script, const std::string& extension,
                                      const std::vector<std::string>& arguments);
 
 /// A script of this folder on `arguments`: its standard output. Nothing when it failed.
-std::optional<std::string> RunScript(const std::string& script, const std::vector<std::string>& arguments);
+std::optional<std::string> RunScript(const std::string& script,
+                                     const std::vector<std::string>& arguments);
 
 /// What a pass over a log gave.
 struct ReadLog {
   std::vector<TopicInfo> topics;
-  std::vector<std::size_t> found;  ///< indices into SampleMessages() of the good messages, in the order they came
-  std::size_t num_wrong = 0;       ///< messages that are none of the sample
+  std::vector<std::size_t>
+      found;  ///< indices into SampleMessages() of the good messages, in the order they came
+  std::size_t num_wrong = 0;  ///< messages that are none of the sample
   DamageReport damage;
 
-  std::size_t NumFoundOf(std::size_t first, std::size_t count) const;  ///< different ones in [first, first + count)
+  std::size_t NumFoundOf(std::size_t first,
+                         std::size_t count) const;  ///< different ones in [first, first + count)
 };
 ReadLog ReadWhole(const MessageSource& source);
 ReadLog ReadWhole(const std::filesystem::path& log);
@@ -94,4 +100,5 @@ std::vector<std::uint8_t> ReadBytes(const std::filesystem::path& file);
 
 /// Skips a test whose sample cannot be made on this machine.
 #define PARKADE_SKIP_WITHOUT(sample) \
-  if (!(sample)) GTEST_SKIP() << "needs scripts/install_packages.sh and scripts/install_node_modules.sh"
+  if (!(sample))                     \
+  GTEST_SKIP() << "needs scripts/install_packages.sh and scripts/install_node_modules.sh"

@@ -24,7 +24,8 @@ std::string Slurp(const fs::path& file) {
 }
 
 /// `kind`: zip, tar, tar.gz or tar.zst.
-void WriteArchive(const fs::path& file, const std::string& kind, const std::vector<Entry>& entries) {
+void WriteArchive(const fs::path& file, const std::string& kind,
+                  const std::vector<Entry>& entries) {
   archive* writer = archive_write_new();
   if (kind == "zip")
     archive_write_set_format_zip(writer);
@@ -56,7 +57,8 @@ std::vector<Entry> EntriesOf(const fs::path& folder, const std::string& prefix) 
   for (const auto& file : fs::recursive_directory_iterator(folder))
     if (file.is_regular_file())
       entries.push_back({prefix + fs::relative(file.path(), folder).string(), Slurp(file.path())});
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.path < b.path; });
+  std::sort(entries.begin(), entries.end(),
+            [](const Entry& a, const Entry& b) { return a.path < b.path; });
   return entries;
 }
 
@@ -118,13 +120,17 @@ TEST_F(Archives, TheUnpackedFilesAreGoneWithTheLastPass) {
 }
 
 TEST_F(Archives, NothingIsWrittenOutside) {
-  const fs::path target = folder_.path() / "a" / "b" / "target", outside = folder_.path() / "a" / "owned";
+  const fs::path target = folder_.path() / "a" / "b" / "target",
+                 outside = folder_.path() / "a" / "owned";
   const std::vector<std::vector<Entry>> attacks = {
       {{"../../owned", "x"}},
       {{"mav0/cam0/data/../../../../../owned", "x"}},
       {{outside.string(), "x"}},
-      {{"mav0/cam0/data", "", AE_IFLNK, (folder_.path() / "a").string()}, {"mav0/cam0/data/owned", "x"}},
-      {{"mav0/cam0", "", AE_IFLNK, "../.."}, {"mav0/cam0/data.csv", "x"}, {"mav0/cam0/data/owned", "x"}},
+      {{"mav0/cam0/data", "", AE_IFLNK, (folder_.path() / "a").string()},
+       {"mav0/cam0/data/owned", "x"}},
+      {{"mav0/cam0", "", AE_IFLNK, "../.."},
+       {"mav0/cam0/data.csv", "x"},
+       {"mav0/cam0/data/owned", "x"}},
       {{"mav0/cam0/data/a.png", "", AE_IFREG, "/etc/passwd"}},
       {{"mav0/cam0/data/..\\..\\owned", "x"}},
       {{"mav0/cam0/data/.owned", "x"}},
@@ -142,7 +148,8 @@ TEST_F(Archives, NothingIsWrittenOutside) {
       EXPECT_FALSE(fs::exists(folder_.path() / "a" / "data.csv")) << kind << i;
       for (const auto& made : fs::recursive_directory_iterator(target))
         EXPECT_FALSE(made.is_symlink()) << kind << i << made.path();
-      EXPECT_FALSE(fs::exists(target / "cam0" / "data" / "a.png")) << "a hard link has no content of its own";
+      EXPECT_FALSE(fs::exists(target / "cam0" / "data" / "a.png"))
+          << "a hard link has no content of its own";
       fs::remove_all(folder_.path() / "a");
     }
   }
@@ -159,18 +166,22 @@ TEST_F(Archives, ABombIsRefused) {
 TEST_F(Archives, WhatIsNoEurocDriveIsSaidInOneSentence) {
   const fs::path file = folder_.path() / "photos.zip";
   WriteArchive(file, "zip", {{"holiday/1.jpg", "x"}, {"cam0.csv", "x"}});
-  EXPECT_EQ(WhatExtractionThrows(file, scratch_), "photos.zip holds no EuRoC drive (mav0 with imu0, cam0, ...)");
+  EXPECT_EQ(WhatExtractionThrows(file, scratch_),
+            "photos.zip holds no EuRoC drive (mav0 with imu0, cam0, ...)");
 
   auto two = entries_;
-  for (const Entry& entry : EntriesOf(folder_.path() / "source" / "mav0", "another/mav0/")) two.push_back(entry);
+  for (const Entry& entry : EntriesOf(folder_.path() / "source" / "mav0", "another/mav0/"))
+    two.push_back(entry);
   WriteArchive(file, "zip", two);
-  EXPECT_EQ(WhatExtractionThrows(file, scratch_), "photos.zip holds several EuRoC drives: give one of them");
+  EXPECT_EQ(WhatExtractionThrows(file, scratch_),
+            "photos.zip holds several EuRoC drives: give one of them");
 }
 
 TEST_F(Archives, ACutOneGivesWhatItHoldsAndSaysSo) {
   // The IMU first, so that the cut falls into the images.
-  std::stable_partition(entries_.begin(), entries_.end(),
-                        [](const Entry& entry) { return entry.path.find("/data/") == std::string::npos; });
+  std::stable_partition(entries_.begin(), entries_.end(), [](const Entry& entry) {
+    return entry.path.find("/data/") == std::string::npos;
+  });
   const fs::path file = folder_.path() / "drive.tar";
   WriteArchive(file, "tar", entries_);
   fs::resize_file(file, fs::file_size(file) * 3 / 4);

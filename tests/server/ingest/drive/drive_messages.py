@@ -3,7 +3,7 @@
 usage: drive_messages.py OUT.bag none|bz2|lz4
 
 3 s: Imu at 200 Hz, Odometry at 50 Hz, NavSatFix at 5 Hz, /cam_front as raw bgr8 and /cam_left as PNG at 20 Hz with
-CameraInfo, static transforms. The grey value of an image is its number; stamps are 1700000000 s + i * period.
+CameraInfo, static transforms. The gray value of an image is its number; stamps are 1700000000 s + i * period.
 """
 
 import struct

@@ -27,7 +27,8 @@ std::vector<T> Select(const std::vector<SensorRecord>& records) {
 }
 
 void ExpectOrdered(const std::vector<SensorRecord>& records) {
-  for (std::size_t i = 1; i < records.size(); ++i) ASSERT_LE(TimeOf(records[i - 1]), TimeOf(records[i])) << i;
+  for (std::size_t i = 1; i < records.size(); ++i)
+    ASSERT_LE(TimeOf(records[i - 1]), TimeOf(records[i])) << i;
 }
 
 std::string WhatOpeningThrows(const fs::path& log, const OpenLogOptions& options = {}) {
@@ -83,7 +84,8 @@ TEST(EurocDrive, EachFrameIsTheImageOfItsStamp) {
   std::array<int, 2> next{};
   for (const CameraFrame& frame : frames) {
     const int index = next[static_cast<std::size_t>(frame.camera)]++;
-    EXPECT_EQ(frame.time.ns, 1'000'000'000'000 + index * 100'000'000LL + frame.camera * 7'000'000LL);
+    EXPECT_EQ(frame.time.ns,
+              1'000'000'000'000 + index * 100'000'000LL + frame.camera * 7'000'000LL);
     EXPECT_EQ(cv::norm(frame.image, NumberedImage(frame.camera, index), cv::NORM_INF), 0);
   }
   EXPECT_EQ(next[0], 21);
@@ -119,7 +121,8 @@ TEST(EurocDrive, ItsRigComesFromSensorYaml) {
   EXPECT_EQ(rig.imu.gyroscope_noise_density, 2e-4);
   EXPECT_TRUE(rig.cameras[1].body_from_camera.translation.isApprox(Eigen::Vector3d(1.5, 0.5, 0.8)));
   // The optical axis points along the body's x.
-  EXPECT_TRUE((rig.cameras[0].body_from_camera.rotation * Eigen::Vector3d::UnitZ()).isApprox(Eigen::Vector3d::UnitX()));
+  EXPECT_TRUE((rig.cameras[0].body_from_camera.rotation * Eigen::Vector3d::UnitZ())
+                  .isApprox(Eigen::Vector3d::UnitX()));
   EXPECT_EQ(rig.cameras[0].model.width(), 64);
 }
 
@@ -145,7 +148,8 @@ TEST(EurocDrive, DamagedImagesAndLinesAreCountedAndSkipped) {
   const fs::path mav0 = folder.path() / "mav0";
   WriteText(mav0 / "cam0" / "data" / "1000300000000.png", "no image");
   fs::remove(mav0 / "cam0" / "data" / "1000400000000.png");
-  cv::imwrite((mav0 / "cam0" / "data" / "1000500000000.png").string(), cv::Mat(24, 32, CV_8UC1, cv::Scalar(9)));
+  cv::imwrite((mav0 / "cam0" / "data" / "1000500000000.png").string(),
+              cv::Mat(24, 32, CV_8UC1, cv::Scalar(9)));
   Edit(mav0 / "imu0" / "data.csv", "1000100000000,0.01", "1000100000000,nan");
   Edit(mav0 / "imu0" / "data.csv", "1000110000000,", "1000100000000,");
   Edit(mav0 / "imu0" / "data.csv", "1000120000000,", "999000000000,");
@@ -158,7 +162,8 @@ TEST(EurocDrive, DamagedImagesAndLinesAreCountedAndSkipped) {
 
   ExpectOrdered(records);
   EXPECT_EQ(Select<CameraFrame>(records).size(), 18u);
-  EXPECT_EQ(Select<ImuSample>(records).size(), 196u);  // 1.100 (once repeated), .12, .13, .14, .15 are gone
+  EXPECT_EQ(Select<ImuSample>(records).size(),
+            196u);  // 1.100 (once repeated), .12, .13, .14, .15 are gone
   const DriveLogHealth health = log->health();
   const StreamHealth& imu = health.streams[0];
   EXPECT_EQ(imu.num_delivered, 196u);
@@ -220,7 +225,8 @@ TEST(EurocDrive, SemanticImagesBecomeMasks) {
   const fs::path mav0 = folder.path() / "mav0";
   WriteEurocFolder(mav0, {.num_cameras = 1});
   fs::create_directories(mav0 / "cam0" / "semantic" / "data");
-  WriteText(mav0 / "cam0" / "semantic" / "data.csv", "#timestamp [ns],filename\n1000300000000,1000300000000.png\n");
+  WriteText(mav0 / "cam0" / "semantic" / "data.csv",
+            "#timestamp [ns],filename\n1000300000000,1000300000000.png\n");
   const cv::Mat mask(48, 64, CV_8UC1, cv::Scalar(255));
   cv::imwrite((mav0 / "cam0" / "semantic" / "data" / "1000300000000.png").string(), mask);
   const auto log = OpenDriveLog(folder.path());
@@ -248,7 +254,8 @@ TEST(EurocDrive, WhatIsMissingIsNamedInOneSentence) {
   EXPECT_EQ(WhatOpeningThrows(folder.path()), "cam0/sensor.yaml has a wrong 'resolution'");
   fs::remove(mav0 / "cam0" / "sensor.yaml");
   EXPECT_EQ(WhatOpeningThrows(folder.path()), "no rig: cam0/sensor.yaml is missing");
-  WriteText(mav0 / "cam0" / "sensor.yaml", std::regex_replace(CameraSensorYaml(0), std::regex("64, 48"), "80, 48"));
+  WriteText(mav0 / "cam0" / "sensor.yaml",
+            std::regex_replace(CameraSensorYaml(0), std::regex("64, 48"), "80, 48"));
   EXPECT_EQ(WhatOpeningThrows(folder.path()),
             "the rig does not fit the log: camera cam0: the image is 64x48, calibrated is 80x48");
 }
@@ -271,13 +278,16 @@ TEST(EurocDrive, APassMayBeLeftEarlyAndOutliveItsLog) {
 TEST(EurocDrive, RealClipsComeOutWhole) {
   const struct {
     const char* name;
-    std::size_t num_images, num_missing;  // the index of the first names four files that are not there
-  } clips[] = {{"euroc_v101_clip", 190, 4}, {"kitti_06_clip", 102, 0}, {"euroc_v101_moving", 90, 0}};
+    std::size_t num_images,
+        num_missing;  // the index of the first names four files that are not there
+  } clips[] = {
+      {"euroc_v101_clip", 190, 4}, {"kitti_06_clip", 102, 0}, {"euroc_v101_moving", 90, 0}};
   for (const auto& clip : clips) {
     const fs::path folder = SharedData() / clip.name;
     if (!fs::exists(folder)) GTEST_SKIP() << "PARKADE_SHARED_DATA has no " << clip.name;
 
-    const auto log = OpenDriveLog(folder, {.rig_folder = fs::exists(folder / "rig") ? folder / "rig" : fs::path()});
+    const auto log = OpenDriveLog(
+        folder, {.rig_folder = fs::exists(folder / "rig") ? folder / "rig" : fs::path()});
     const auto records = ReadAll(*log);
 
     ExpectOrdered(records);

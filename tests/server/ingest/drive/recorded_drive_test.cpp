@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kBegin = 1'700'000'000'000'000'000, kMs = 1'000'000;
 
-/// What is written into a log, and when. Images are 64 x 48 of one grey value.
+/// What is written into a log, and when. Images are 64 x 48 of one gray value.
 struct LogPlan {
   int milliseconds = 3000;
   std::vector<std::string> cameras = {"/cam_front", "/cam_left"};
@@ -26,8 +26,10 @@ struct LogPlan {
 void AddTransforms(MemorySource& log, const LogPlan& plan) {
   std::vector<TransformValues> transforms = {{"base_link", "imu_link", {0.5, 0, 0.4}}};
   for (std::size_t i = 0; i < plan.cameras.size(); ++i)
-    transforms.push_back(
-        {"base_link", plan.cameras[i].substr(1), {2, 0.5 * static_cast<double>(i), 1}, {-0.5, 0.5, -0.5, 0.5}});
+    transforms.push_back({"base_link",
+                          plan.cameras[i].substr(1),
+                          {2, 0.5 * static_cast<double>(i), 1},
+                          {-0.5, 0.5, -0.5, 0.5}});
   log.Add("/tf_static", "tf2_msgs/TFMessage", kBegin, TransformBytes(log.Writer(), transforms));
 }
 
@@ -36,12 +38,14 @@ MemorySource MakeLog(const LogPlan& plan, MessageEncoding encoding = MessageEnco
   if (plan.has_transforms) AddTransforms(log, plan);
   for (int ms = 0; ms <= plan.milliseconds; ++ms) {
     const std::int64_t now = kBegin + ms * kMs;
-    if (plan.has_imu && ms % 5 == 0) log.Add("/imu", "sensor_msgs/Imu", now, ImuBytes(log.Writer(), now, "imu_link"));
+    if (plan.has_imu && ms % 5 == 0)
+      log.Add("/imu", "sensor_msgs/Imu", now, ImuBytes(log.Writer(), now, "imu_link"));
     const double x = 0.0015 * ms;
     if (ms % 20 == 3)
       log.Add("/odom", "nav_msgs/Odometry", now,
               OdometryBytes(log.Writer(), now, {.x = x, .speed = plan.has_twist ? 1.5 : 0}));
-    if (ms % 200 == 7) log.Add("/fix", "sensor_msgs/NavSatFix", now, NavSatBytes(log.Writer(), now, 0, 4, 2));
+    if (ms % 200 == 7)
+      log.Add("/fix", "sensor_msgs/NavSatFix", now, NavSatBytes(log.Writer(), now, 0, 4, 2));
     const int stamp_ms = ms - plan.image_latency_ms;
     for (std::size_t i = 0; i < plan.cameras.size(); ++i) {
       if (stamp_ms < 0 || stamp_ms % 50 != static_cast<int>(7 * i)) continue;
@@ -49,7 +53,8 @@ MemorySource MakeLog(const LogPlan& plan, MessageEncoding encoding = MessageEnco
       const std::string& camera = plan.cameras[i];
       if (plan.has_info)
         log.Add(camera + "/camera_info", "sensor_msgs/CameraInfo", now,
-                CameraInfoBytes(log.Writer(), stamp, camera.substr(1), {.model = plan.distortion_model}));
+                CameraInfoBytes(log.Writer(), stamp, camera.substr(1),
+                                {.model = plan.distortion_model}));
       ImageValues image{64, 48, 64, "mono8", false, std::vector<std::uint8_t>(64 * 48)};
       std::fill(image.data.begin(), image.data.end(), static_cast<std::uint8_t>(stamp_ms / 50));
       log.Add(camera + plan.image_name, "sensor_msgs/Image", now,
@@ -122,7 +127,8 @@ TEST(RecordedDrive, LateImagesAreSortedIn) {
 
     EXPECT_EQ(records.imu, 1201);
     EXPECT_GT(records.images, 150);
-    for (const StreamHealth& stream : drive->health().streams) EXPECT_EQ(stream.NumDropped(), 0u) << latency;
+    for (const StreamHealth& stream : drive->health().streams)
+      EXPECT_EQ(stream.NumDropped(), 0u) << latency;
   }
 }
 
@@ -145,7 +151,8 @@ TEST(RecordedDrive, TheRigComesFromCameraInfoAndStaticTransforms) {
   EXPECT_TRUE(rig.vehicle.has_value());
   EXPECT_TRUE(rig.body_from_imu.translation.isApprox(Eigen::Vector3d(0.5, 0, 0.4)));
   EXPECT_TRUE(rig.cameras[1].body_from_camera.translation.isApprox(Eigen::Vector3d(2, 0.5, 1)));
-  EXPECT_TRUE((rig.cameras[0].body_from_camera.rotation * Eigen::Vector3d::UnitZ()).isApprox(Eigen::Vector3d::UnitX()));
+  EXPECT_TRUE((rig.cameras[0].body_from_camera.rotation * Eigen::Vector3d::UnitZ())
+                  .isApprox(Eigen::Vector3d::UnitX()));
   EXPECT_NEAR(rig.imu.update_rate, 200, 1);
   const auto& lens = std::get<RadTanProjection>(rig.cameras[0].model.projection());
   EXPECT_EQ(lens.fx, 40);
@@ -158,35 +165,44 @@ TEST(RecordedDrive, ATopicMayBeNamedAsItsCamera) {
 
   ASSERT_EQ(drive->rig().cameras.size(), 2u);
   EXPECT_EQ(drive->rig().cameras[1].topic, "/cam_left");
-  EXPECT_EQ(WhatOpeningThrows(MakeLog({.image_name = "", .has_info = false, .has_transforms = false})),
-            "no rig: camera /cam_front has no CameraInfo, camera /cam_left has no CameraInfo and /tf_static has no "
-            "transform from imu_link to cam_front and cam_left");
+  EXPECT_EQ(
+      WhatOpeningThrows(MakeLog({.image_name = "", .has_info = false, .has_transforms = false})),
+      "no rig: camera /cam_front has no CameraInfo, camera /cam_left has no CameraInfo and "
+      "/tf_static has no "
+      "transform from imu_link to cam_front and cam_left");
 }
 
 TEST(RecordedDrive, VendorsSpellingsOfTheFisheyeLensAreKnown) {
   for (const std::string spelling : {"equidistant", "fisheye", "kannala_brandt"}) {
     const auto drive = Open(MakeLog({.distortion_model = spelling}));
-    EXPECT_TRUE(std::holds_alternative<KannalaBrandtProjection>(drive->rig().cameras[0].model.projection()));
+    EXPECT_TRUE(std::holds_alternative<KannalaBrandtProjection>(
+        drive->rig().cameras[0].model.projection()));
   }
   EXPECT_EQ(WhatOpeningThrows(MakeLog({.distortion_model = "thin_prism"})),
-            "camera /cam_front has the distortion model 'thin_prism', which Parkade does not know: bring a rig");
+            "camera /cam_front has the distortion model 'thin_prism', which Parkade does not know: "
+            "bring a rig");
 }
 
 TEST(RecordedDrive, WhatTheRigLacksIsNamedInOneSentence) {
-  EXPECT_EQ(WhatOpeningThrows(MakeLog({.cameras = {"/cam_left"}, .has_info = false, .has_transforms = false})),
-            "no rig: camera /cam_left has no CameraInfo and /tf_static has no transform from imu_link to cam_left");
+  EXPECT_EQ(WhatOpeningThrows(
+                MakeLog({.cameras = {"/cam_left"}, .has_info = false, .has_transforms = false})),
+            "no rig: camera /cam_left has no CameraInfo and /tf_static has no transform from "
+            "imu_link to cam_left");
   EXPECT_EQ(WhatOpeningThrows(MakeLog({.has_transforms = false})),
             "no rig: /tf_static has no transform from imu_link to cam_front and cam_left");
-  EXPECT_EQ(WhatOpeningThrows(MakeLog({.has_imu = false})), "the log has no IMU (no topic of type sensor_msgs/Imu)");
+  EXPECT_EQ(WhatOpeningThrows(MakeLog({.has_imu = false})),
+            "the log has no IMU (no topic of type sensor_msgs/Imu)");
   EXPECT_EQ(WhatOpeningThrows(MakeLog({.cameras = {}})), "the log has no images");
 }
 
 TEST(RecordedDrive, AnUncalibratedCameraIsNamed) {
   MemorySource log = MakeLog({.cameras = {"/cam_left"}, .has_info = false});
   log.Add("/cam_left/camera_info", "sensor_msgs/CameraInfo", kBegin,
-          CameraInfoBytes(log.Writer(), kBegin, "cam_left", {.model = "", .distortion = {}, .focal = 0}));
+          CameraInfoBytes(log.Writer(), kBegin, "cam_left",
+                          {.model = "", .distortion = {}, .focal = 0}));
 
-  EXPECT_EQ(WhatOpeningThrows(log), "camera /cam_left is not calibrated: the focal length in its CameraInfo is 0");
+  EXPECT_EQ(WhatOpeningThrows(log),
+            "camera /cam_left is not calibrated: the focal length in its CameraInfo is 0");
 }
 
 TEST(RecordedDrive, ATwistThatIsAlwaysZeroGivesWayToThePose) {
@@ -211,7 +227,8 @@ TEST(RecordedDrive, ACameraOnAnotherClockLosesNothingButItself) {
   AddTransforms(skewed, plan);
   for (int ms = 0; ms <= 3000; ++ms) {
     const std::int64_t now = kBegin + ms * kMs;
-    if (ms % 5 == 0) skewed.Add("/imu", "sensor_msgs/Imu", now, ImuBytes(skewed.Writer(), now, "imu_link"));
+    if (ms % 5 == 0)
+      skewed.Add("/imu", "sensor_msgs/Imu", now, ImuBytes(skewed.Writer(), now, "imu_link"));
     for (std::size_t i = 0; i < 2; ++i) {
       if (ms % 50 != 0) continue;
       const std::int64_t stamp = now + (i == 1 && ms > 500 ? 3'600'000 * kMs : 0);
@@ -238,11 +255,14 @@ TEST(RecordedDrive, AGapOfAnHourLosesNothing) {
   const ImageValues image{64, 48, 64, "mono8", false, std::vector<std::uint8_t>(64 * 48)};
   for (int ms = 0; ms <= 2000; ++ms) {
     const std::int64_t now = kBegin + (ms + (ms > 1000 ? 3'600'000LL : 0)) * kMs;
-    if (ms % 5 == 0) log.Add("/imu", "sensor_msgs/Imu", now, ImuBytes(log.Writer(), now, "imu_link"));
+    if (ms % 5 == 0)
+      log.Add("/imu", "sensor_msgs/Imu", now, ImuBytes(log.Writer(), now, "imu_link"));
     for (const std::string camera : {"cam_front", "cam_left"}) {
       if (ms % 50 != 0) continue;
-      log.Add("/" + camera + "/camera_info", "sensor_msgs/CameraInfo", now, CameraInfoBytes(log.Writer(), now, camera));
-      log.Add("/" + camera + "/image_raw", "sensor_msgs/Image", now, ImageBytes(log.Writer(), now, camera, image));
+      log.Add("/" + camera + "/camera_info", "sensor_msgs/CameraInfo", now,
+              CameraInfoBytes(log.Writer(), now, camera));
+      log.Add("/" + camera + "/image_raw", "sensor_msgs/Image", now,
+              ImageBytes(log.Writer(), now, camera, image));
     }
   }
 
@@ -258,13 +278,16 @@ TEST(RecordedDrive, ARigFolderIsMatchedToTopicsAndShiftsTheImages) {
   const TestFolder folder;
   const std::string camera =
       "  camera_model: pinhole\n  intrinsics: [40, 40, 31.5, 23.5]\n  distortion_model: radtan\n"
-      "  distortion_coeffs: [0, 0, 0, 0]\n  resolution: [64, 48]\n  timeshift_cam_imu: 0.012\n  T_cam_imu:\n"
+      "  distortion_coeffs: [0, 0, 0, 0]\n  resolution: [64, 48]\n  timeshift_cam_imu: 0.012\n  "
+      "T_cam_imu:\n"
       "  - [0, -1, 0, 0]\n  - [0, 0, -1, 0]\n  - [1, 0, 0, 0]\n  - [0, 0, 0, 1]\n";
   const auto write = [&](const std::string& topic, const std::string& imu) {
-    WriteText(folder.path() / "camchain-imucam.yaml", "cam0:\n" + camera + "  rostopic: " + topic + "\n");
+    WriteText(folder.path() / "camchain-imucam.yaml",
+              "cam0:\n" + camera + "  rostopic: " + topic + "\n");
     WriteText(folder.path() / "imu0.yaml",
               "rostopic: " + imu +
-                  "\nupdate_rate: 200\naccelerometer_noise_density: 0.02\naccelerometer_random_walk: 0.001\n"
+                  "\nupdate_rate: 200\naccelerometer_noise_density: "
+                  "0.02\naccelerometer_random_walk: 0.001\n"
                   "gyroscope_noise_density: 0.001\ngyroscope_random_walk: 0.00001\n");
   };
   OpenLogOptions options;
@@ -279,12 +302,13 @@ TEST(RecordedDrive, ARigFolderIsMatchedToTopicsAndShiftsTheImages) {
   EXPECT_NE(drive->health().warnings[0].find("no vehicle.yaml"), std::string::npos);
 
   write("/other/image_raw", "/imu");
-  EXPECT_EQ(
-      WhatOpeningThrows(MakeLog({}), options),
-      "none of the rig's cameras is in the log: the rig has cam0 (/other/image_raw), the log /cam_front/image_raw "
-      "and /cam_left/image_raw");
+  EXPECT_EQ(WhatOpeningThrows(MakeLog({}), options),
+            "none of the rig's cameras is in the log: the rig has cam0 (/other/image_raw), the log "
+            "/cam_front/image_raw "
+            "and /cam_left/image_raw");
   write("/cam_left/image_raw", "/imu/data");
-  EXPECT_EQ(WhatOpeningThrows(MakeLog({}), options), "the rig's IMU topic /imu/data is not in the log, which has /imu");
+  EXPECT_EQ(WhatOpeningThrows(MakeLog({}), options),
+            "the rig's IMU topic /imu/data is not in the log, which has /imu");
 }
 
 TEST(RecordedDrive, EveryPassIsTheSameWhateverTheThreads) {

@@ -14,8 +14,8 @@ namespace fs = std::filesystem;
 /// A bag that ROS' own writer wrote; false where that is not installed (python3-rosbag).
 bool WriteBag(const fs::path& file, const std::string& compression) {
   const std::string command =
-      "PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 tests/server/ingest/drive/drive_messages.py '" + file.string() +
-      "' " + compression + " 2>/dev/null";
+      "PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 tests/server/ingest/drive/drive_messages.py '" +
+      file.string() + "' " + compression + " 2>/dev/null";
   return std::system(command.c_str()) == 0;
 }
 

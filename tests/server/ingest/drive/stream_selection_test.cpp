@@ -43,11 +43,12 @@ TEST(StreamSelection, MasksFollowTheTopicsHoweverTheRigCounts) {
     topics.push_back({camera + "/semantic", "sensor_msgs/Image"});
   }
 
-  const auto masks =
-      MasksOf(TopicsOnly(topics),
-              RigOf({{"cam0", "/cam1/image_raw"}, {"cam1", "/cam2/image_raw"}, {"cam2", "/cam3/image_raw"}}));
+  const auto masks = MasksOf(TopicsOnly(topics), RigOf({{"cam0", "/cam1/image_raw"},
+                                                        {"cam1", "/cam2/image_raw"},
+                                                        {"cam2", "/cam3/image_raw"}}));
 
-  EXPECT_EQ(masks, (std::map<int, std::string>{{0, "/cam1/semantic"}, {1, "/cam2/semantic"}, {2, "/cam3/semantic"}}));
+  EXPECT_EQ(masks, (std::map<int, std::string>{
+                       {0, "/cam1/semantic"}, {1, "/cam2/semantic"}, {2, "/cam3/semantic"}}));
 }
 
 TEST(StreamSelection, MasksMayGoByTheCamerasNames) {
@@ -67,7 +68,8 @@ TEST(StreamSelection, AMaskBelongsToOneCamera) {
                         {"/cam2/image_raw", "sensor_msgs/Image"},
                         {"/cam1/semantic", "sensor_msgs/Image"}});
 
-  const auto masks = MasksOf(log, RigOf({{"cam0", "/cam1/image_raw"}, {"cam1", "/cam2/image_raw"}}));
+  const auto masks =
+      MasksOf(log, RigOf({{"cam0", "/cam1/image_raw"}, {"cam1", "/cam2/image_raw"}}));
 
   EXPECT_EQ(masks, (std::map<int, std::string>{{0, "/cam1/semantic"}}));
 }

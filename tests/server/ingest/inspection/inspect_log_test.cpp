@@ -65,7 +65,9 @@ TEST(InspectLog, DamageIsCountedPerTopicAndMakesTheLogLossy) {
   EXPECT_EQ(Topic(inspection, "cam0").num_undecodable, 0u);
   EXPECT_EQ(Topic(inspection, "imu0").num_implausible, 1u);
   const std::string text = InspectionToText(inspection);
-  EXPECT_NE(text.find("cam1: 2 damaged; first: neither JPEG nor PNG at 1000.307000000"), std::string::npos) << text;
+  EXPECT_NE(text.find("cam1: 2 damaged; first: neither JPEG nor PNG at 1000.307000000"),
+            std::string::npos)
+      << text;
   EXPECT_NE(text.find("state: lossy"), std::string::npos);
 }
 
@@ -77,8 +79,8 @@ TEST(InspectLog, GapsJumpsAndRepetitionsAreTold) {
   std::string line, text;
   while (std::getline(stream, line)) {
     // Nothing from 0.5 s to 0.9 s, one sample twice.
-    if (line.substr(0, 5) == "10005" || line.substr(0, 5) == "10006" || line.substr(0, 5) == "10007" ||
-        line.substr(0, 5) == "10008")
+    if (line.substr(0, 5) == "10005" || line.substr(0, 5) == "10006" ||
+        line.substr(0, 5) == "10007" || line.substr(0, 5) == "10008")
       continue;
     text += line + "\n";
     if (line.starts_with("1001200000000")) text += line + "\n" + "999" + line.substr(4) + "\n";
@@ -139,10 +141,13 @@ TEST(InspectLog, WhatIsNoLogIsRefusedWithOneSentence) {
 }
 
 TEST(InspectLog, RealClipsAreReadToTheirEnds) {
-  if (!fs::exists(SharedData() / "euroc_v101_clip")) GTEST_SKIP() << "PARKADE_SHARED_DATA has no euroc_v101_clip";
+  if (!fs::exists(SharedData() / "euroc_v101_clip"))
+    GTEST_SKIP() << "PARKADE_SHARED_DATA has no euroc_v101_clip";
   // The index of cam1 names four files that are not there.
   EXPECT_EQ(InspectLog(SharedData() / "euroc_v101_clip").ExitStatus(), 3);
-  EXPECT_EQ(InspectLog(SharedData() / "kitti_06_clip", SharedData() / "kitti_06_clip/rig").ExitStatus(), 0);
+  EXPECT_EQ(
+      InspectLog(SharedData() / "kitti_06_clip", SharedData() / "kitti_06_clip/rig").ExitStatus(),
+      0);
 }
 
 }  // namespace

@@ -29,7 +29,8 @@ cv::Mat Scene(int seed, int width = 320, int height = 240) {
   return image;
 }
 
-Bytes Encode(const cv::Mat& image, const std::string& extension, const std::vector<int>& parameters = {}) {
+Bytes Encode(const cv::Mat& image, const std::string& extension,
+             const std::vector<int>& parameters = {}) {
   Bytes bytes;
   cv::imencode(extension, image, bytes, parameters);
   return bytes;
@@ -52,25 +53,30 @@ double MaxDifference(const cv::Mat& a, const cv::Mat& b) {
   return cv::norm(a, b, cv::NORM_INF);
 }
 
-TEST(RawImages, ColourLayoutsGiveTheSameImage) {
+TEST(RawImages, ColorLayoutsGiveTheSameImage) {
   const cv::Mat bgr = Scene(1);
   cv::Mat rgb, rgba, bgra, gray;
   cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
   cv::cvtColor(bgr, rgba, cv::COLOR_BGR2RGBA);
   cv::cvtColor(bgr, bgra, cv::COLOR_BGR2BGRA);
   cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
-  const std::pair<cv::Mat, std::string> layouts[] = {{bgr, "bgr8"}, {rgb, "rgb8"}, {rgba, "rgba8"}, {bgra, "bgra8"}};
+  const std::pair<cv::Mat, std::string> layouts[] = {
+      {bgr, "bgr8"}, {rgb, "rgb8"}, {rgba, "rgba8"}, {bgra, "bgra8"}};
   for (const auto& [image, encoding] : layouts) {
-    EXPECT_EQ(MaxDifference(DecodeRaw(MessageOf(image, encoding), kColor).image, bgr), 0) << encoding;
-    EXPECT_LE(MaxDifference(DecodeRaw(MessageOf(image, encoding), kGray).image, gray), 1) << encoding;
+    EXPECT_EQ(MaxDifference(DecodeRaw(MessageOf(image, encoding), kColor).image, bgr), 0)
+        << encoding;
+    EXPECT_LE(MaxDifference(DecodeRaw(MessageOf(image, encoding), kGray).image, gray), 1)
+        << encoding;
   }
   EXPECT_EQ(MaxDifference(DecodeRaw(MessageOf(gray, "mono8"), kColor).image, gray), 0);
 }
 
-TEST(RawImages, EachBayerPatternGivesBackItsColours) {
+TEST(RawImages, EachBayerPatternGivesBackItsColors) {
   const cv::Mat bgr(16, 16, CV_8UC3, cv::Scalar(200, 120, 40));  // blue, green, red
-  const std::pair<std::string, std::string> patterns[] = {
-      {"bayer_rggb8", "rggb"}, {"bayer_bggr8", "bggr"}, {"bayer_gbrg8", "gbrg"}, {"bayer_grbg8", "grbg"}};
+  const std::pair<std::string, std::string> patterns[] = {{"bayer_rggb8", "rggb"},
+                                                          {"bayer_bggr8", "bggr"},
+                                                          {"bayer_gbrg8", "gbrg"},
+                                                          {"bayer_grbg8", "grbg"}};
   for (const auto& [encoding, pattern] : patterns) {
     cv::Mat mosaic(16, 16, CV_8UC1);
     for (int y = 0; y < 16; ++y)
@@ -79,13 +85,15 @@ TEST(RawImages, EachBayerPatternGivesBackItsColours) {
         mosaic.at<std::uint8_t>(y, x) = color == 'b' ? 200 : color == 'g' ? 120 : 40;
       }
 
-    EXPECT_LE(MaxDifference(DecodeRaw(MessageOf(mosaic, encoding), kColor).image, bgr), 1) << encoding;
+    EXPECT_LE(MaxDifference(DecodeRaw(MessageOf(mosaic, encoding), kColor).image, bgr), 1)
+        << encoding;
   }
 }
 
 TEST(RawImages, SixteenBitsAreNarrowedByTheBitsInUse) {
   cv::Mat deep(4, 4, CV_16UC1);
-  for (int i = 0; i < 16; ++i) deep.at<std::uint16_t>(i / 4, i % 4) = static_cast<std::uint16_t>(i * 273);  // 12 bits
+  for (int i = 0; i < 16; ++i)
+    deep.at<std::uint16_t>(i / 4, i % 4) = static_cast<std::uint16_t>(i * 273);  // 12 bits
   SensorStream stream;
   stream.type = "sensor_msgs/Image";
 
@@ -124,8 +132,12 @@ TEST(CompressedImages, JpegAndPngDecodeAsOpenCvDecodesThem) {
   for (const std::string extension : {".jpg", ".png"}) {
     const Bytes bytes = Encode(scene, extension);
 
-    EXPECT_EQ(MaxDifference(DecodeCompressed(bytes, kColor).image, cv::imdecode(bytes, cv::IMREAD_COLOR)), 0);
-    EXPECT_LE(MaxDifference(DecodeCompressed(bytes, kGray).image, cv::imdecode(bytes, cv::IMREAD_GRAYSCALE)), 1);
+    EXPECT_EQ(
+        MaxDifference(DecodeCompressed(bytes, kColor).image, cv::imdecode(bytes, cv::IMREAD_COLOR)),
+        0);
+    EXPECT_LE(MaxDifference(DecodeCompressed(bytes, kGray).image,
+                            cv::imdecode(bytes, cv::IMREAD_GRAYSCALE)),
+              1);
   }
   cv::Mat gray;
   cv::cvtColor(scene, gray, cv::COLOR_BGR2GRAY);
@@ -150,7 +162,8 @@ TEST(CompressedImages, AFloodOfPixelsIsRefusedByItsHeader) {
 }
 
 TEST(CompressedImages, WhatIsNoImageIsDamaged) {
-  for (const std::string text : {"", "x", "GIF89a", "\xff\xd8", "\xff\xd8\xff\xd9", "\x89PNG\r\n\x1a\n"}) {
+  for (const std::string text :
+       {"", "x", "GIF89a", "\xff\xd8", "\xff\xd8\xff\xd9", "\x89PNG\r\n\x1a\n"}) {
     const Bytes bytes(text.begin(), text.end());
     EXPECT_EQ(DecodeCompressed(bytes, kGray).fault, ImageFault::kDamaged) << text;
   }
@@ -163,15 +176,18 @@ TEST(CompressedImages, EveryJpegSettingPassesTheDamageCheck) {
       for (const int variant : {0, 1, 2, 3}) {
         std::vector<int> parameters = {cv::IMWRITE_JPEG_QUALITY, quality};
         if (variant == 1) parameters.insert(parameters.end(), {cv::IMWRITE_JPEG_OPTIMIZE, 1});
-        if (variant == 2) parameters.insert(parameters.end(), {cv::IMWRITE_JPEG_RST_INTERVAL, 1 + seed});
+        if (variant == 2)
+          parameters.insert(parameters.end(), {cv::IMWRITE_JPEG_RST_INTERVAL, 1 + seed});
         if (variant == 3) parameters.insert(parameters.end(), {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
         cv::Mat scene = Scene(seed, 317, 201 + seed);
-        if (seed % 3 == 0) cv::threshold(scene, scene, 128, 255, cv::THRESH_BINARY);  // the largest coefficients
+        if (seed % 3 == 0)
+          cv::threshold(scene, scene, 128, 255, cv::THRESH_BINARY);  // the largest coefficients
         if (seed % 2 == 0) cv::cvtColor(scene, scene, cv::COLOR_BGR2GRAY);
 
         const DecodedImage decoded = DecodeCompressed(Encode(scene, ".jpg", parameters), kGray);
 
-        EXPECT_EQ(decoded.fault, ImageFault::kNone) << seed << " " << quality << " " << variant << " " << decoded.what;
+        EXPECT_EQ(decoded.fault, ImageFault::kNone)
+            << seed << " " << quality << " " << variant << " " << decoded.what;
         ++count;
       }
     }
@@ -179,7 +195,7 @@ TEST(CompressedImages, EveryJpegSettingPassesTheDamageCheck) {
   EXPECT_EQ(count, 336);
 }
 
-/// Visibly wrong: more than 64 pixels are off by more than 16 grey levels, or there is no image.
+/// Visibly wrong: more than 64 pixels are off by more than 16 gray levels, or there is no image.
 bool IsVisiblyWrong(const Bytes& mutant, const cv::Mat& original) {
   const cv::Mat decoded = cv::imdecode(mutant, cv::IMREAD_GRAYSCALE);
   if (decoded.size() != original.size()) return true;
@@ -192,12 +208,14 @@ TEST(CompressedImages, DamagedJpegsAreNoticed) {
   std::mt19937 random(11);
   int num_visible = 0, num_noticed = 0, num_cut = 0;
   for (int trial = 0; trial < 400; ++trial) {
-    const Bytes whole = Encode(Scene(trial % 20), ".jpg", {cv::IMWRITE_JPEG_QUALITY, 80 + trial % 16});
+    const Bytes whole =
+        Encode(Scene(trial % 20), ".jpg", {cv::IMWRITE_JPEG_QUALITY, 80 + trial % 16});
     const cv::Mat original = cv::imdecode(whole, cv::IMREAD_GRAYSCALE);
     Bytes mutant = whole;
     if (trial % 4 == 0) {
       mutant.resize(1 + random() % (whole.size() - 3));
-      EXPECT_EQ(DecodeCompressed(mutant, kGray).fault, ImageFault::kDamaged) << "cut at " << mutant.size();
+      EXPECT_EQ(DecodeCompressed(mutant, kGray).fault, ImageFault::kDamaged)
+          << "cut at " << mutant.size();
       ++num_cut;
       continue;
     }
@@ -234,7 +252,8 @@ TEST(CompressedImages, RealFramesRaiseNoFalseAlarm) {
                                            SharedData() / "euroc_v101_clip/mav0/cam0/data"};
   int count = 0;
   for (const auto& folder : folders) {
-    if (!std::filesystem::exists(folder)) GTEST_SKIP() << "PARKADE_SHARED_DATA has no " << folder.filename();
+    if (!std::filesystem::exists(folder))
+      GTEST_SKIP() << "PARKADE_SHARED_DATA has no " << folder.filename();
     for (const auto& file : std::filesystem::directory_iterator(folder)) {
       std::ifstream stream(file.path(), std::ios::binary);
       const Bytes bytes{std::istreambuf_iterator<char>(stream), {}};

@@ -27,7 +27,8 @@ class EachEncoding : public testing::TestWithParam<Case> {
 };
 
 INSTANTIATE_TEST_SUITE_P(Messages, EachEncoding,
-                         testing::Values(Case{MessageEncoding::kRos1, false}, Case{MessageEncoding::kCdr, false},
+                         testing::Values(Case{MessageEncoding::kRos1, false},
+                                         Case{MessageEncoding::kCdr, false},
                                          Case{MessageEncoding::kCdr, true}),
                          [](const auto& info) {
                            return info.param.encoding == MessageEncoding::kRos1 ? "Ros1"
@@ -45,9 +46,9 @@ TEST_P(EachEncoding, ImuIsRead) {
 }
 
 TEST_P(EachEncoding, TheThreeWheelTypesAreRead) {
-  const OdometryMessage odometry =
-      DecodeOdometry(OdometryBytes(Writer(), kStamp, {.x = 3, .y = 4, .yaw = 0.5, .speed = 2, .yaw_rate = 0.1}),
-                     encoding(), "nav_msgs/Odometry");
+  const OdometryMessage odometry = DecodeOdometry(
+      OdometryBytes(Writer(), kStamp, {.x = 3, .y = 4, .yaw = 0.5, .speed = 2, .yaw_rate = 0.1}),
+      encoding(), "nav_msgs/Odometry");
   EXPECT_TRUE(odometry.has_pose);
   EXPECT_EQ(odometry.odom_from_child.translation, Eigen::Vector3d(3, 4, 0));
   EXPECT_NEAR(LogSo3(odometry.odom_from_child.rotation).z(), 0.5, 1e-12);
@@ -55,9 +56,9 @@ TEST_P(EachEncoding, TheThreeWheelTypesAreRead) {
   EXPECT_EQ(odometry.angular.z(), 0.1);
 
   for (const bool has_covariance : {false, true}) {
-    const OdometryMessage twist =
-        DecodeOdometry(TwistBytes(Writer(), kStamp, 1.5, -0.25, has_covariance), encoding(),
-                       has_covariance ? "geometry_msgs/TwistWithCovarianceStamped" : "geometry_msgs/TwistStamped");
+    const OdometryMessage twist = DecodeOdometry(
+        TwistBytes(Writer(), kStamp, 1.5, -0.25, has_covariance), encoding(),
+        has_covariance ? "geometry_msgs/TwistWithCovarianceStamped" : "geometry_msgs/TwistStamped");
     EXPECT_FALSE(twist.has_pose);
     EXPECT_EQ(twist.linear.x(), 1.5);
     EXPECT_EQ(twist.angular.z(), -0.25);
@@ -89,7 +90,8 @@ TEST_P(EachEncoding, AFixIsDroppedWithoutStatusAndVagueWithoutCovariance) {
 }
 
 TEST_P(EachEncoding, CameraInfoIsRead) {
-  const CameraInfoMessage info = DecodeCameraInfo(CameraInfoBytes(Writer(), kStamp, "cam"), encoding());
+  const CameraInfoMessage info =
+      DecodeCameraInfo(CameraInfoBytes(Writer(), kStamp, "cam"), encoding());
 
   EXPECT_EQ(info.width, 64u);
   EXPECT_EQ(info.height, 48u);
@@ -101,7 +103,9 @@ TEST_P(EachEncoding, CameraInfoIsRead) {
 
 TEST_P(EachEncoding, TransformsAreRead) {
   const auto transforms = DecodeTransforms(
-      TransformBytes(Writer(), {{"base_link", "a", {1, 2, 3}}, {"a", "camera", {4, 5, 6}, {1, 0, 0, 0}}}), encoding());
+      TransformBytes(Writer(),
+                     {{"base_link", "a", {1, 2, 3}}, {"a", "camera", {4, 5, 6}, {1, 0, 0, 0}}}),
+      encoding());
 
   ASSERT_EQ(transforms.size(), 2u);
   EXPECT_EQ(transforms[0].header.frame_id, "base_link");
@@ -111,7 +115,8 @@ TEST_P(EachEncoding, TransformsAreRead) {
 }
 
 TEST_P(EachEncoding, ImagesAreViewedInPlace) {
-  const auto bytes = ImageBytes(Writer(), kStamp, "cam", {2, 3, 2, "mono8", false, {1, 2, 3, 4, 5, 6}});
+  const auto bytes =
+      ImageBytes(Writer(), kStamp, "cam", {2, 3, 2, "mono8", false, {1, 2, 3, 4, 5, 6}});
   const ImageMessage image = DecodeImage(bytes, encoding());
   EXPECT_EQ(image.width, 2u);
   EXPECT_EQ(image.height, 3u);
@@ -128,7 +133,8 @@ TEST_P(EachEncoding, AZeroStampGivesWayToTheLogTime) {
 }
 
 TEST_P(EachEncoding, AMessageCutAnywhereIsRefused) {
-  const auto expect_refused = [&](std::vector<std::uint8_t> bytes, std::size_t size, const auto& decode) {
+  const auto expect_refused = [&](std::vector<std::uint8_t> bytes, std::size_t size,
+                                  const auto& decode) {
     for (; size > 0; --size) {
       bytes.resize(size - 1);
       EXPECT_THROW(decode(bytes), Error) << size;
@@ -141,16 +147,19 @@ TEST_P(EachEncoding, AMessageCutAnywhereIsRefused) {
   const auto image = ImageBytes(Writer(), kStamp, "c", {2, 1, 2, "mono8", false, {1, 2}});
   expect_refused(image, image.size(), [&](const auto& bytes) { DecodeImage(bytes, encoding()); });
   const auto transform = TransformBytes(Writer(), {{"a", "b"}});
-  expect_refused(transform, transform.size(), [&](const auto& bytes) { DecodeTransforms(bytes, encoding()); });
+  expect_refused(transform, transform.size(),
+                 [&](const auto& bytes) { DecodeTransforms(bytes, encoding()); });
   const auto info = CameraInfoBytes(Writer(), kStamp, "c");
-  expect_refused(info, info.size() - 6 * 4 - 1, [&](const auto& bytes) { DecodeCameraInfo(bytes, encoding()); });
+  expect_refused(info, info.size() - 6 * 4 - 1,
+                 [&](const auto& bytes) { DecodeCameraInfo(bytes, encoding()); });
 }
 
 TEST_P(EachEncoding, NoLengthInAMessageIsBelieved) {
   std::mt19937 random(3);
   const std::vector<std::vector<std::uint8_t>> originals = {
       TransformBytes(Writer(), {{"a", "b"}, {"c", "d"}}), CameraInfoBytes(Writer(), kStamp, "c"),
-      ImageBytes(Writer(), kStamp, "c", {2, 1, 2, "mono8", false, {1, 2}}), OdometryBytes(Writer(), kStamp, {})};
+      ImageBytes(Writer(), kStamp, "c", {2, 1, 2, "mono8", false, {1, 2}}),
+      OdometryBytes(Writer(), kStamp, {})};
   for (int trial = 0; trial < 4000; ++trial) {
     auto bytes = originals[static_cast<std::size_t>(trial) % originals.size()];
     for (int i = 0; i < 4; ++i)
@@ -187,8 +196,9 @@ TEST(WheelReader, DifferencesOfThePoseGiveTheSpeedOfAnArc) {
   for (int i = 0; i < 3; ++i) {
     const double yaw = 0.5 * 0.1 * i;
     const OdometryValues values{.x = 4 * std::sin(yaw), .y = 4 * (1 - std::cos(yaw)), .yaw = yaw};
-    sample =
-        reader.Read({0, {}, OdometryBytes(MessageWriter(MessageEncoding::kRos1), i * 100'000'000 + 1, values)}, stream);
+    sample = reader.Read(
+        {0, {}, OdometryBytes(MessageWriter(MessageEncoding::kRos1), i * 100'000'000 + 1, values)},
+        stream);
   }
 
   ASSERT_TRUE(sample.has_value());

@@ -12,13 +12,15 @@
 
 namespace parkade {
 
-/// Serialises ROS messages for tests: ROS 1 by hand, CDR by eProsima's library. Shares no code with the readers.
+/// Serializes ROS messages for tests: ROS 1 by hand, CDR by eProsima's library. Shares no code with
+/// the readers.
 class MessageWriter {
  public:
   explicit MessageWriter(MessageEncoding encoding, bool is_big_endian = false)
       : is_cdr_(encoding == MessageEncoding::kCdr),
         cdr_(buffer_,
-             is_big_endian ? eprosima::fastcdr::Cdr::BIG_ENDIANNESS : eprosima::fastcdr::Cdr::LITTLE_ENDIANNESS,
+             is_big_endian ? eprosima::fastcdr::Cdr::BIG_ENDIANNESS
+                           : eprosima::fastcdr::Cdr::LITTLE_ENDIANNESS,
              eprosima::fastcdr::Cdr::DDS_CDR) {
     if (is_cdr_) cdr_.serialize_encapsulation();
   }
@@ -107,16 +109,16 @@ inline std::vector<std::uint8_t> OdometryBytes(MessageWriter writer, std::int64_
   return writer.Doubles({values.speed, 0.01, 0.02, 0, 0, values.yaw_rate}).Zeros(36).Take();
 }
 
-inline std::vector<std::uint8_t> TwistBytes(MessageWriter writer, std::int64_t stamp_ns, double speed, double yaw_rate,
-                                            bool has_covariance) {
+inline std::vector<std::uint8_t> TwistBytes(MessageWriter writer, std::int64_t stamp_ns,
+                                            double speed, double yaw_rate, bool has_covariance) {
   return writer.Header(stamp_ns, "base_link")
       .Doubles({speed, 0, 0, 0, 0, yaw_rate})
       .Zeros(has_covariance ? 36 : 0)
       .Take();
 }
 
-inline std::vector<std::uint8_t> NavSatBytes(MessageWriter writer, std::int64_t stamp_ns, int status, double variance,
-                                             int covariance_type) {
+inline std::vector<std::uint8_t> NavSatBytes(MessageWriter writer, std::int64_t stamp_ns,
+                                             int status, double variance, int covariance_type) {
   writer.Header(stamp_ns, "gnss").Put(static_cast<std::int8_t>(status)).Put(std::uint16_t{1});
   writer.Doubles({48.1, 11.5, 512.25, variance, 0, 0, 0, 2 * variance, 0, 0, 0, 3 * variance});
   return writer.Put(static_cast<std::uint8_t>(covariance_type)).Take();
@@ -129,7 +131,8 @@ struct CameraInfoValues {
   double focal = 40;
 };
 
-inline std::vector<std::uint8_t> CameraInfoBytes(MessageWriter writer, std::int64_t stamp_ns, const std::string& frame,
+inline std::vector<std::uint8_t> CameraInfoBytes(MessageWriter writer, std::int64_t stamp_ns,
+                                                 const std::string& frame,
                                                  const CameraInfoValues& values = {}) {
   const double f = values.focal;
   writer.Header(stamp_ns, frame).Put(values.height).Put(values.width).Text(values.model);
@@ -147,7 +150,8 @@ struct TransformValues {
   std::array<double, 4> rotation = {0, 0, 0, 1};  ///< x y z w
 };
 
-inline std::vector<std::uint8_t> TransformBytes(MessageWriter writer, const std::vector<TransformValues>& transforms) {
+inline std::vector<std::uint8_t> TransformBytes(MessageWriter writer,
+                                                const std::vector<TransformValues>& transforms) {
   writer.Put(static_cast<std::uint32_t>(transforms.size()));
   for (const TransformValues& transform : transforms) {
     writer.Header(1, transform.parent).Text(transform.child);
@@ -164,15 +168,16 @@ struct ImageValues {
   std::vector<std::uint8_t> data;
 };
 
-inline std::vector<std::uint8_t> ImageBytes(MessageWriter writer, std::int64_t stamp_ns, const std::string& frame,
-                                            const ImageValues& image) {
+inline std::vector<std::uint8_t> ImageBytes(MessageWriter writer, std::int64_t stamp_ns,
+                                            const std::string& frame, const ImageValues& image) {
   writer.Header(stamp_ns, frame).Put(image.height).Put(image.width).Text(image.encoding);
   writer.Put(static_cast<std::uint8_t>(image.is_bigendian)).Put(image.step);
   return writer.Bytes(image.data).Take();
 }
 
 inline std::vector<std::uint8_t> CompressedImageBytes(MessageWriter writer, std::int64_t stamp_ns,
-                                                      const std::string& frame, const std::vector<std::uint8_t>& data) {
+                                                      const std::string& frame,
+                                                      const std::vector<std::uint8_t>& data) {
   return writer.Header(stamp_ns, frame).Text("jpeg").Bytes(data).Take();
 }
 
@@ -203,7 +208,8 @@ class MemorySource : public MessageSource {
  private:
   class Stream : public MessageStream {
    public:
-    Stream(const MemorySource& source, const std::vector<bool>& wanted) : source_(source), wanted_(wanted) {}
+    Stream(const MemorySource& source, const std::vector<bool>& wanted)
+        : source_(source), wanted_(wanted) {}
     std::optional<RawMessage> Next() override {
       while (next_ < source_.messages_.size()) {
         const RawMessage& message = source_.messages_[next_++];

@@ -72,12 +72,14 @@ TEST(Database, RefusesAValueOfTheWrongTypeAndADanglingReference) {
 
   const auto insert_job = [&](const std::string& site) {
     database.Write([&](Connection& connection) {
-      connection.Execute("INSERT INTO jobs (id, site, state, created_at) VALUES ('a', ?, 'queued', 'now')", site);
+      connection.Execute(
+          "INSERT INTO jobs (id, site, state, created_at) VALUES ('a', ?, 'queued', 'now')", site);
     });
   };
   EXPECT_THROW(insert_job("nowhere"), Error);
   EXPECT_THROW(database.Write([](Connection& connection) {
-    connection.Execute("INSERT INTO sites (sequence, name, created_at) VALUES ('one', 'lot', 'now')");
+    connection.Execute(
+        "INSERT INTO sites (sequence, name, created_at) VALUES ('one', 'lot', 'now')");
   }),
                Error);
 }
@@ -102,9 +104,11 @@ TEST(Database, TakesOverJobsOfTheSchemaBefore) {
     Database database(root.path() / "main.db");
     database.Write([](Connection& connection) {
       AddSite(connection, "lot");
-      connection.Execute(R"(INSERT INTO drives (id, name, filename, site, state, bytes, sha256, created_at, updated_at)
+      connection.Execute(
+          R"(INSERT INTO drives (id, name, filename, site, state, bytes, sha256, created_at, updated_at)
                             VALUES ('d', 'a', 'a.bag', 'lot', 'processing', 1, 'x', 'now', 'now'))");
-      connection.Execute("INSERT INTO jobs (id, site, state, created_at) VALUES ('j', 'lot', 'queued', 'now')");
+      connection.Execute(
+          "INSERT INTO jobs (id, site, state, created_at) VALUES ('j', 'lot', 'queued', 'now')");
       connection.Execute("INSERT INTO job_drives (job, position, drive) VALUES ('j', 0, 'd')");
       connection.Execute(R"(INSERT INTO maps (id, site, version, job, sha256, created_at)
                             VALUES ('m', 'lot', 1, 'j', 'x', 'now'))");
@@ -116,7 +120,8 @@ TEST(Database, TakesOverJobsOfTheSchemaBefore) {
   Database database(root.path() / "main.db");
 
   database.Read([](Connection& connection) {
-    EXPECT_EQ(FindJob(connection, "j").new_drive, std::nullopt) << "its drives stay as they were chosen";
+    EXPECT_EQ(FindJob(connection, "j").new_drive, std::nullopt)
+        << "its drives stay as they were chosen";
     EXPECT_EQ(FindJob(connection, "j").drives, std::vector<std::string>{"d"});
     EXPECT_EQ(FindDrive(connection, "d").state, DriveState::kReady) << "it is in a map";
   });

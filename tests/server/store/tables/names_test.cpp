@@ -27,22 +27,25 @@ TEST(NowUtc, LooksLikeRfc3339) {
 
 TEST(PlainName, RefusesWhatCouldBeAPathOrAnOption) {
   EXPECT_TRUE(IsPlainName("garage-2.north_wing"));
-  for (const char* name : {"", ".", "..", ".hidden", "-rf", "a/b", "a b", "a\nb", "\xc3\xa4", "a%2fb", "a\\b"})
+  for (const char* name :
+       {"", ".", "..", ".hidden", "-rf", "a/b", "a b", "a\nb", "\xc3\xa4", "a%2fb", "a\\b"})
     EXPECT_FALSE(IsPlainName(name)) << name;
   EXPECT_TRUE(IsPlainName(std::string(64, 'a')));
   EXPECT_FALSE(IsPlainName(std::string(65, 'a')));
 }
 
-TEST(PlainNameFromFilename, KeepsWhatPeopleRecognise) {
+TEST(PlainNameFromFilename, KeepsWhatPeopleRecognize) {
   EXPECT_EQ(PlainNameFromFilename("lot.mcap"), "lot");
-  EXPECT_EQ(PlainNameFromFilename("tiles.mcap"), "drivetiles") << "a map has a folder tiles/ itself";
+  EXPECT_EQ(PlainNameFromFilename("tiles.mcap"), "drivetiles")
+      << "a map has a folder tiles/ itself";
   EXPECT_EQ(PlainNameFromFilename("MH_01_easy.tar.gz"), "MH_01_easy");
   EXPECT_EQ(PlainNameFromFilename("2026-11-21 drive (3).bag"), "2026-11-21-drive--3-");
   EXPECT_EQ(PlainNameFromFilename("lot.v2.bag"), "lot-v2");
 }
 
 TEST(PlainNameFromFilename, IsPlainWhateverItIsGiven) {
-  for (const char* name : {"", "../../etc/passwd", "C:\\drives\\x.bag", "....", "\xff\xfe", "-rf", ".bag", "a\0b"})
+  for (const char* name :
+       {"", "../../etc/passwd", "C:\\drives\\x.bag", "....", "\xff\xfe", "-rf", ".bag", "a\0b"})
     EXPECT_TRUE(IsPlainName(PlainNameFromFilename(name))) << name;
   EXPECT_EQ(PlainNameFromFilename("../../etc/passwd"), "passwd");
   EXPECT_LE(PlainNameFromFilename(std::string(5000, 'x')).size(), 48u);

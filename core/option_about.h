@@ -1,0 +1,15 @@
+#pragma once
+
+#include <limits>
+
+namespace parkade {
+
+/// What a user must know of an option; `VisitFields` hands it on with the field.
+struct OptionAbout {
+  const char* sentence;                                     ///< what it does
+  const char* unit = "";                                    ///< "" without one
+  double least = -std::numeric_limits<double>::infinity();  ///< of a number; less is refused
+  double most = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace parkade

@@ -1,0 +1,11 @@
+#pragma once
+
+namespace parkade {
+
+/// From now on memory that was let go is kept for what comes next, where the C library can. A map
+/// takes and lets go of large pieces all the time: to give them back to the system and to be given
+/// them anew, zeroed, takes longer than some of what they are needed for. For processes that end
+/// with their work.
+void TuneMalloc();
+
+}  // namespace parkade

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/rigid3.h"
+#include "mapping/ground/cell_finder.h"
+
+namespace parkade {
+
+/// How far a camera sees the ground before something stands on it, by direction: what is behind
+/// shows in a image as the side of a car or a hedge. How high that is nobody knows, so that it
+/// hides whatever follows.
+class VisibilityHorizon {
+ public:
+  /// Nothing stands anywhere.
+  VisibilityHorizon() = default;
+
+  /// Ground is looked for along rays from the camera, on the plane on which the car stands: where
+  /// there is none that is free for a quarter of a meter, something stands. Nearer than 0.8 m
+  /// everything is open. \param max_range  [m] horizontally, beyond which nothing is looked for and
+  /// everything is hidden
+  VisibilityHorizon(const Rigid3& site_from_camera, const Rigid3& site_from_ground,
+                    double max_range, const CellFinder& cells);
+
+  /// Whether the camera, which is at `eye` [m], sees the ground at a point.
+  bool Shows(const Eigen::Vector2d& eye, const Eigen::Vector2d& point) const;
+
+ private:
+  std::vector<float> ranges_;  ///< [m] by direction, evenly from -pi on; empty: open everywhere
+};
+
+}  // namespace parkade

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+
+#include "core/error.h"
+#include "server/jobs/progress_reader.h"
+
+namespace parkade {
+
+/// How a worker's end is to be understood.
+struct WorkerExit {
+  enum class Kind {
+    kDone,
+    kFailed,   ///< trying again would give the same
+    kCrashed,  ///< ended by a signal: worth another try
+  };
+  Kind kind = Kind::kDone;
+  std::string code;      ///< "invalid_input", "disk_full", "internal", "crashed"
+  std::string sentence;  ///< for the user
+};
+
+/// The `error_code` of a job that ended by an error: one of those above. What a job misses or is
+/// told wrongly is its input; a conflict is between us.
+const char* JobErrorCode(ErrorCode code);
+
+/// `status` as given by waitpid(2), `last_words` as read from its progress file.
+WorkerExit UnderstandEnd(int status, const WorkerProgress& last_words);
+
+}  // namespace parkade

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geo.h"
+#include "core/surface_map.h"
+#include "core/trajectory.h"
+#include "core/triangle_mesh.h"
+#include "slam/loops/close_loops.h"
+
+namespace parkade {
+
+/// SHA-256 of logs, by drive; of others nothing is known. A drive of a finished map is one of a new
+/// map if both have its name and neither says that they are of two logs.
+using LogHashes = std::map<std::string, std::string>;
+
+/// A folder that `parkade map` left, opened again.
+class MapReader {
+ public:
+  /// Throws Error{kNotFound} where there is no folder, Error{kInvalidInput} where it holds no map.
+  explicit MapReader(const std::filesystem::path& folder);
+
+  bool Has(const std::string& name) const { return std::filesystem::exists(folder_ / name); }
+
+  /// One of the map's files. Throws Error{kInvalidInput} where this map does not have it.
+  std::filesystem::path FileNamed(const std::string& name) const;
+
+  /// A file of a drive. `drive` may be empty where the map has only one. Throws Error{kUsage}
+  /// naming the drives.
+  std::filesystem::path FileOfDrive(const std::string& drive, const std::string& name) const;
+
+  TriangleMesh ReadGround() const;
+  Trajectory ReadTrajectory(const std::string& drive) const;  ///< final, site_from_imu
+  SurfaceMap ReadSurfaceMap() const;                          ///< without colors
+
+  const std::vector<std::string>& drives() const { return drives_; }
+  /// Whether it has a drive of this name, made from the log with this hash where both say from
+  /// which.
+  bool Holds(const std::string& drive, const std::string& log) const;
+
+  // Of its drives and of those that it left out:
+  /// Whether its drive of this name may have been made from the log with this hash: only two hashes
+  /// that differ tell.
+  bool MayBeOf(const std::string& drive, const std::string& log) const;
+  /// SHA-256 of the log that a drive was made from; empty where the map does not say.
+  std::string LogOf(const std::string& drive) const;
+  /// What a drive was tracked by, see OdometryFingerprint.
+  std::string OdometryFingerprint(const std::string& drive) const;
+  /// What reviewers have decided on its loops, in this version or in those that it was made from.
+  LoopReview ReviewOf(const std::string& drive) const;
+
+  const std::optional<SiteDatum>& datum() const { return datum_; }
+  /// [m] east, north and up, by which any of the map may lie elsewhere on Earth; 3 m and 5 m of
+  /// height where the map does not say.
+  const Eigen::Vector3d& PlacementSigma() const { return placement_sigma_; }
+
+ private:
+  /// Takes in what `drive`, one entry of `report`, says of how it was made.
+  void Remember(const nlohmann::json& report, const nlohmann::json& drive);
+
+  std::filesystem::path folder_;
+  std::vector<std::string> drives_;
+  std::map<std::string, std::string> logs_, tracked_by_;
+  std::map<std::string, LoopReview> reviews_;
+  std::optional<SiteDatum> datum_;
+  Eigen::Vector3d placement_sigma_{3, 3, 5};
+};
+
+}  // namespace parkade

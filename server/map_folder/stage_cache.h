@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace parkade {
+
+/// Takes a result piece by piece.
+using PieceSink = std::function<void(std::string_view piece)>;
+
+/// Results of stages, kept in a map's folder under keys of all that they depend on, so that a later
+/// build from that map need not find them again. A file holds any number of them.
+class StageCache {
+ public:
+  /// \param from  finished map whose results may be taken; empty: none
+  /// \param to    folder of the map in the making; empty: nothing is kept
+  StageCache(std::filesystem::path from, std::filesystem::path to);
+
+  /// The result under `key` of the finished map; nothing without a whole one.
+  std::optional<std::string> Find(const std::string& file, const std::string& key) const;
+
+  /// The result under `key`: taken where there is a whole one, else computed. Kept in the new map
+  /// either way; a file of this one result is shared between the maps. `file` is relative to the
+  /// maps' folders.
+  std::string Get(const std::string& file, const std::string& key,
+                  const std::function<std::string()>& compute) const;
+
+  /// The same as Get for results that are long and not needed now: they are only kept, piece by
+  /// piece.
+  void Keep(const std::string& file, const std::string& key,
+            const std::function<void(const PieceSink&)>& compute) const;
+
+ private:
+  std::filesystem::path from_, to_;
+};
+
+/// The last result in a file of a finished map, whatever its key; nothing without a whole one.
+std::optional<std::string> LastProduct(const std::filesystem::path& file);
+
+/// The file `from` under the name `to` as well, or a copy where the file system has no hard links.
+void LinkOrCopy(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// One key for all these, in their order.
+std::string KeyOf(const std::vector<std::string>& parts);
+
+}  // namespace parkade

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/map_folder/map_reader.h"
+#include "server/map_folder/stage_cache.h"
+#include "server/pipeline/built_map.h"
+#include "server/pipeline/map_options.h"
+
+namespace parkade {
+
+/// How much of the way to go, and what is known before.
+struct BuildScope {
+  bool is_odometry_only = false;  ///< trajectories, no surface
+  std::filesystem::path from;     ///< finished map whose stages' products are taken where they fit
+  LogHashes logs;  ///< of the drives: what `from` has of one that was made from another log is not
+                   ///< taken
+  std::filesystem::path products;  ///< folder in which products are kept; empty: none, no surface
+  std::filesystem::path preview;   ///< .glb that shows the map before it is done; empty: none
+  std::map<std::string, LoopReview> loops;  ///< what a reviewer decided, by drive
+  std::vector<SitePin> pins;                ///< where points of the site lie on Earth
+  std::vector<LeftOutDrive> unreadable;     ///< logs that are left out from the beginning
+};
+
+/// What all stages of one build share.
+struct BuildContext {
+  BuildContext(const MapOptions& map_options, const BuildScope& build_scope);
+
+  const MapOptions& options;
+  const BuildScope& scope;
+  StageCache cache;
+  std::optional<MapReader> from;  ///< nothing where the build starts anew
+};
+
+}  // namespace parkade

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/site_map.h"
+#include "server/pipeline/site_pins.h"
+#include "slam/refinement/refine_drive.h"
+#include "slam/sessions/join_drives.h"
+
+namespace parkade {
+
+/// What is known about one drive of a map beyond the map itself.
+struct DriveOutcome {
+  size_t log = 0;  ///< index among the logs that were given
+  OdometryReport odometry;
+  LoopClosure loops;
+  LoopReview review;  ///< decisions that hold for them, of this build and of those before
+  DriveRefinement refinement;
+  std::optional<GnssAlignment> gnss;
+  size_t num_keyframes = 0;
+  int num_ground_images = 0;
+};
+
+/// A drive that the map is made without.
+struct LeftOutDrive {
+  std::string name, reason;
+  std::optional<size_t> log =
+      {};  ///< of those that BuildMap was given, where it has odometry for the next version
+  LoopReview review = {};
+};
+
+/// A map and how it came about.
+struct BuiltMap {
+  SiteMap site;
+  std::vector<DriveOutcome> drives;  ///< as SiteMap::drives
+  SitePinning pinning;
+  DriveJoin join;                  ///< of all drives that have odometry
+  std::vector<std::string> names;  ///< of these
+  std::vector<LeftOutDrive> left_out;
+  std::vector<std::string> warnings;  ///< one sentence each
+};
+
+}  // namespace parkade

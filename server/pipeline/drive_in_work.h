@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "server/ingest/drive/recorded_drive.h"
+#include "server/pipeline/built_map.h"
+#include "server/pipeline/keyed.h"
+#include "slam/odometry/calibrated_log.h"
+#include "slam/odometry/odometry_result.h"
+#include "slam/places/rig_keyframe.h"
+
+namespace parkade {
+
+/// A drive on its way into the map: what its stages made so far, in their order.
+struct DriveInWork {
+  const RecordedDrive* log = nullptr;
+  size_t index = 0;  ///< of the log among those given
+  Keyed<OdometryResult> odometry;
+  bool is_odometry_taken = false;  ///< from the map that the build starts from
+  LoopReview review;               ///< decisions that hold, of this build and of those before
+  Keyed<LoopClosure> loops;
+  Keyed<DriveRefinement> refinement;
+  std::optional<CalibratedLog> calibrated;  ///< the log as all that follows the refinement sees it
+  std::optional<GnssAlignment> gnss;
+  Keyed<std::vector<RigKeyframe>> keyframes;  ///< of several drives; a drive alone needs none
+};
+
+}  // namespace parkade

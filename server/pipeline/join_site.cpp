@@ -1,0 +1,172 @@
+#include "server/pipeline/join_site.h"
+
+#include <utility>
+
+#include "core/binary_archive.h"
+#include "core/options_json.h"
+#include "server/pipeline/drive_stages.h"
+#include "slam/sessions/stage_results.h"
+
+namespace parkade {
+namespace {
+
+/// Where GNSS puts each drive, all in one datum: that of the first drive that has one.
+std::optional<SiteDatum> AlignAllToGnss(const GnssAlignOptions& options,
+                                        std::vector<DriveInWork>& drives) {
+  std::optional<SiteDatum> datum;
+  for (DriveInWork& drive : drives) {
+    const GnssPositions gnss = ReadGnss(*drive.log, options);
+    drive.gnss = AlignToGnss(drive.refinement.value.odom_from_body, gnss.fixes,
+                             gnss.antenna_in_body, options, datum);
+    if (drive.gnss) datum = drive.gnss->datum;
+  }
+  return datum;
+}
+
+std::vector<DriveToJoin> DescribeDrives(const BuildContext& context,
+                                        std::vector<DriveInWork>& drives) {
+  std::vector<DriveToJoin> to_join;
+  for (DriveInWork& drive : drives) {
+    if (drives.size() > 1)
+      DescribeKeyframes(context, drive);
+    else  // for maps that it is compared with, and drives that join it
+      KeepKeyframes(context, drive);
+    const DriveRefinement& refinement = drive.refinement.value;
+    to_join.push_back({refinement.odom_from_body, std::exchange(drive.keyframes.value, {}),
+                       drive.loops.value, drive.gnss, refinement.modes});
+  }
+  return to_join;
+}
+
+// Numbers with every bit, as they are in memory.
+
+std::string BytesOf(const std::optional<GnssAlignment>& gnss) {
+  BinaryWriter writer;
+  if (gnss) {
+    GnssAlignment alignment = *gnss;
+    writer(alignment.site_from_odom.rotation, alignment.site_from_odom.translation,
+           alignment.covariance, alignment.extent);
+  }
+  return writer.bytes();
+}
+
+/// What pairs of drives have in common, as a stage of two: its files lie with the later drive.
+class PairCache {
+ public:
+  PairCache(const BuildContext& context, const std::vector<DriveInWork>& drives)
+      : context_(context), drives_(drives) {}
+
+  /// All that the map to start from knows.
+  PairFindings Known() const {
+    PairFindings known;
+    for (size_t b = 1; b < drives_.size(); ++b)
+      for (size_t a = 0; a < b; ++a) {
+        if (const auto bytes = Find("similarity", {a, b}))
+          BinaryReader{*bytes}(known.similarities[{a, b}]);
+        if (const auto bytes = Find("links", {a, b}))
+          known.loops.emplace(PairOfDrives{a, b}, DecodeLinks(*bytes));
+      }
+    return known;
+  }
+
+  /// Keeps what was asked for.
+  void Keep(const PairFindings& findings) const {
+    for (auto [pair, similarity] : findings.similarities) {
+      BinaryWriter writer;
+      writer(similarity);
+      KeepBytes("similarity", pair, writer.bytes());
+    }
+    for (const auto& [pair, loops] : findings.loops) KeepBytes("links", pair, EncodeLinks(loops));
+  }
+
+ private:
+  std::string FileOf(const std::string& what, const PairOfDrives& pair) const {
+    return drives_[pair.second].log->name() + "/" + what + ".bin";
+  }
+  std::string KeyOfPair(const std::string& what, const PairOfDrives& pair) const {
+    const DriveInWork &a = drives_[pair.first], &b = drives_[pair.second];
+    return KeyOf({what, a.keyframes.key, b.keyframes.key,
+                  OptionsToJson(context_.options.links).dump(), BytesOf(a.gnss), BytesOf(b.gnss)});
+  }
+  std::optional<std::string> Find(const std::string& what, const PairOfDrives& pair) const {
+    return context_.cache.Find(FileOf(what, pair), KeyOfPair(what, pair));
+  }
+  void KeepBytes(const std::string& what, const PairOfDrives& pair,
+                 const std::string& bytes) const {
+    context_.cache.Get(FileOf(what, pair), KeyOfPair(what, pair), [&] { return bytes; });
+  }
+
+  const BuildContext& context_;
+  const std::vector<DriveInWork>& drives_;
+};
+
+DriveOutcome OutcomeOf(DriveInWork& drive) {
+  const OdometryResult& odometry = drive.odometry.value;
+  return {drive.index,
+          odometry.report,
+          drive.loops.value,
+          drive.review,
+          drive.refinement.value,
+          drive.gnss,
+          odometry.keyframes.size()};
+}
+
+}  // namespace
+
+void JoinSite(const BuildContext& context, std::vector<DriveInWork>& drives, BuiltMap& built) {
+  const MapOptions& options = context.options;
+  built.site.datum = AlignAllToGnss(options.gnss, drives);
+  const std::vector<DriveToJoin> to_join = DescribeDrives(context, drives);
+  const PairCache pairs(context, drives);
+  built.join = JoinDrives(to_join, options.loops, options.links, pairs.Known());
+  pairs.Keep(built.join.findings);
+
+  bool has_gnss = false;
+  std::vector<DriveInWork> kept;
+  for (size_t i = 0; i < drives.size(); ++i) {
+    DriveInWork& drive = drives[i];
+    JoinedDrive& joined = built.join.drives[i];
+    built.names.push_back(drive.log->name());
+    if (!joined.left_out.empty()) {
+      built.left_out.push_back({drive.log->name(), "it does not fit the others: " + joined.left_out,
+                                drive.index, drive.review});
+      continue;
+    }
+    has_gnss = has_gnss || drive.gnss;
+    built.drives.push_back(OutcomeOf(drive));
+    built.site.drives.push_back({drive.log->name(), drive.calibrated->rig(),
+                                 drive.odometry.value.odom_from_body,
+                                 std::move(joined.site_from_body)});
+    kept.push_back(std::move(drive));
+  }
+  drives = std::move(kept);
+  if (!has_gnss) built.site.datum.reset();
+}
+
+void PutOnEarth(const BuildContext& context, BuiltMap& built) {
+  std::vector<GnssAlignment> by_gnss;
+  for (const DriveOutcome& drive : built.drives)
+    if (drive.gnss) by_gnss.push_back(*drive.gnss);
+  if (!by_gnss.empty()) built.site.placement = PlacementBy(by_gnss);
+  built.pinning = PinSite(context.scope.pins, context.options.pins, built.site);
+  built.warnings.insert(built.warnings.end(), built.pinning.warnings.begin(),
+                        built.pinning.warnings.end());
+}
+
+void WarnOfLosses(const std::vector<DriveInWork>& drives, BuiltMap& built) {
+  std::vector<std::string>& warnings = built.warnings;
+  for (const LeftOutDrive& drive : built.left_out)
+    warnings.push_back("drive '" + drive.name + "' is left out: " + drive.reason);
+  for (const DriveInWork& drive : drives) {
+    const DriveLogHealth health = drive.log->health();
+    const std::string name = "drive '" + drive.log->name() + "': ";
+    for (const std::string& warning : health.warnings) warnings.push_back(name + warning);
+    if (health.damage.is_truncated)
+      warnings.push_back(name + "the log is cut off; what came after is not in the map");
+    if (!health.damage.ranges.empty())
+      warnings.push_back(name +
+                         "parts of the log are damaged and left out, see the health of the drive");
+  }
+}
+
+}  // namespace parkade

@@ -1,0 +1,319 @@
+#include "slam/sessions/session_loops.h"
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "slam/loops/loop_shares.h"
+#include "slam/places/estimate_rig_pose.h"
+#include "slam/places/place_recognition.h"
+#include "slam/places/widen_keyframe.h"
+
+namespace parkade {
+namespace {
+
+constexpr double kClosingDegreesPerMeter = 0.02;
+constexpr size_t kMaxFloors = 24;  // pairs of keyframes whose floors are compared
+
+/// By the link, of the frame of drive b in that of drive a.
+Rigid3 FrameOf(const SessionLoop& link, const std::vector<RigKeyframe>& keyframes_a,
+               const std::vector<RigKeyframe>& keyframes_b) {
+  return keyframes_a[link.keyframe_a].odom_from_keyframe * link.pose.a_from_b *
+         keyframes_b[link.keyframe_b].odom_from_keyframe.Inverse();
+}
+
+bool Agree(const SessionLoop& first, const SessionLoop& second,
+           const std::vector<RigKeyframe>& keyframes_a, const std::vector<RigKeyframe>& keyframes_b,
+           const SessionLoopOptions& options) {
+  const RigKeyframe &first_a = keyframes_a[first.keyframe_a],
+                    &second_a = keyframes_a[second.keyframe_a];
+  const RigKeyframe &first_b = keyframes_b[first.keyframe_b],
+                    &second_b = keyframes_b[second.keyframe_b];
+  // The second keyframe b in the first place a, by either way around.
+  const Rigid3 by_a =
+      first_a.odom_from_keyframe.Inverse() * second_a.odom_from_keyframe * second.pose.a_from_b;
+  const Rigid3 by_b =
+      first.pose.a_from_b * first_b.odom_from_keyframe.Inverse() * second_b.odom_from_keyframe;
+  const double way = std::abs(second_a.distance - first_a.distance) +
+                     std::abs(second_b.distance - first_b.distance);
+  const double sigmas = 3 * std::hypot(first.pose.worst_sigma, second.pose.worst_sigma);
+  const double max_turn = (options.closing_deg + kClosingDegreesPerMeter * way) * M_PI / 180;
+  // A turn within its bound shifts what lies far away.
+  const double lever = (by_b.translation - first.pose.a_from_b.translation).norm();
+  const double max_apart = options.closing_base + options.closing_per_meter * way + sigmas +
+                           std::sin(options.closing_deg * M_PI / 180) * lever;
+  return (by_a.translation - by_b.translation).norm() < max_apart &&
+         by_a.rotation.angularDistance(by_b.rotation) < max_turn;
+}
+
+/// [m] along the longer side of what the links' keyframes cover in drive b.
+double SpreadOf(const std::vector<SessionLoop>& links,
+                const std::vector<RigKeyframe>& keyframes_b) {
+  double spread = 0;
+  for (const SessionLoop& link : links)
+    spread = std::max(spread, (keyframes_b[link.keyframe_b].odom_from_keyframe.translation -
+                               keyframes_b[links.front().keyframe_b].odom_from_keyframe.translation)
+                                  .norm());
+  return spread;
+}
+
+std::vector<SessionLoop> Choose(const std::vector<SessionLoop>& links,
+                                const std::vector<size_t>& indices) {
+  std::vector<SessionLoop> chosen;
+  for (const size_t index : indices) chosen.push_back(links[index]);
+  return chosen;
+}
+
+std::vector<SessionLoop> WithoutThoseAt(const std::vector<SessionLoop>& links,
+                                        const std::vector<size_t>& indices) {
+  std::vector<SessionLoop> rest;
+  for (size_t i = 0; i < links.size(); ++i)
+    if (!std::binary_search(indices.begin(), indices.end(), i)) rest.push_back(links[i]);
+  return rest;
+}
+
+/// Alike keyframes, the most alike first; with `a_from_b` only those within `reach` [m] of each
+/// other.
+std::vector<PlaceCandidate> FindCandidates(const ComparedDrive& drive_a,
+                                           const ComparedDrive& drive_b,
+                                           const std::optional<Rigid3>& a_from_b, double reach,
+                                           int max_candidates) {
+  const auto is_possible = [&](size_t a, size_t b) {
+    if (!a_from_b) return true;
+    const Eigen::Vector3d apart =
+        (*drive_a.keyframes)[a].odom_from_keyframe.translation -
+        *a_from_b * (*drive_b.keyframes)[b].odom_from_keyframe.translation;
+    return apart.head<2>().norm() < reach;
+  };
+  std::vector<PlaceCandidate> candidates =
+      FindAlikePlaces(drive_a.words, drive_b.words, is_possible, max_candidates);
+  std::stable_sort(
+      candidates.begin(), candidates.end(),
+      [](const PlaceCandidate& a, const PlaceCandidate& b) { return a.score > b.score; });
+  return candidates;
+}
+
+/// The work of MatchSessions on one pair of drives.
+class DriveLinker {
+ public:
+  DriveLinker(const std::vector<RigKeyframe>& keyframes_a,
+              const std::vector<RigKeyframe>& keyframes_b, const SessionLoopOptions& options,
+              const RelativePoseOptions& relative_pose)
+      : keyframes_a_(keyframes_a),
+        keyframes_b_(keyframes_b),
+        options_(options),
+        relative_pose_(relative_pose) {}
+
+  SessionLoops Link(const std::optional<Rigid3>& a_from_b, double sigma) {
+    const std::vector<PlaceCandidate> candidates =
+        FindCandidates(ComparedDrive(keyframes_a_), ComparedDrive(keyframes_b_), a_from_b,
+                       options_.reach + 3 * sigma, options_.max_candidates);
+    result_.num_candidates = static_cast<int>(candidates.size());
+    const size_t most = std::min(candidates.size(), static_cast<size_t>(options_.max_measured));
+    for (size_t begin = 0; begin < most && result_.links.empty();
+         begin += static_cast<size_t>(options_.batch)) {
+      const size_t end = std::min(begin + static_cast<size_t>(options_.batch), most);
+      Measure({candidates.begin() + static_cast<std::ptrdiff_t>(begin),
+               candidates.begin() + static_cast<std::ptrdiff_t>(end)});
+      Judge();
+    }
+    if (!result_.links.empty()) MeasureForetold();
+    return std::move(result_);
+  }
+
+ private:
+  /// Adds the good ones to measured_.
+  void Measure(const std::vector<PlaceCandidate>& candidates) {
+    std::vector<SessionLoop> links = ParallelMap(candidates.size(), [&](size_t i) {
+      const auto neighbors = static_cast<size_t>(options_.neighbors);
+      const RigKeyframe a = WidenKeyframe(keyframes_a_, candidates[i].earlier, neighbors);
+      const RigKeyframe b = WidenKeyframe(keyframes_b_, candidates[i].later, neighbors);
+      SessionLoop link{candidates[i].earlier, candidates[i].later, candidates[i].score,
+                       EstimateRigPose(a, b, MatchKeyframes(a, b, relative_pose_), relative_pose_)};
+      // What neighbors both saw counts more than once in it.
+      const double repeats = 2 * options_.neighbors + 1;
+      link.pose.information /= repeats;
+      link.pose.worst_sigma *= std::sqrt(repeats);
+      return link;
+    });
+    for (SessionLoop& link : links) {
+      tried_.insert({link.keyframe_a, link.keyframe_b});
+      if (link.pose.rejected.empty()) measured_.push_back(std::move(link));
+    }
+    result_.num_measured = static_cast<int>(tried_.size());
+  }
+
+  /// Takes the links that agree where they are enough and without rival.
+  void Judge() {
+    const std::vector<size_t> best =
+        FindConsistentLoops(keyframes_a_, keyframes_b_, measured_, options_);
+    const std::vector<SessionLoop> agreeing = Choose(measured_, best),
+                                   others = WithoutThoseAt(measured_, best);
+    result_.num_agreeing = static_cast<int>(best.size());
+    result_.num_rivals =
+        static_cast<int>(FindConsistentLoops(keyframes_a_, keyframes_b_, others, options_).size());
+    result_.rejected = "";
+    if (measured_.empty()) {
+      result_.rejected = "no places in common";
+    } else if (result_.num_agreeing < options_.min_links) {
+      result_.rejected = "too few links agree";
+    } else if (SpreadOf(agreeing, keyframes_b_) < options_.min_spread) {
+      result_.rejected = "all links are at one spot";
+    } else if (result_.num_rivals > options_.max_rival_share * result_.num_agreeing) {
+      result_.rejected = "ambiguous: other links agree on another pose";
+    } else if (IsOnAnotherFloor(agreeing)) {
+      result_.rejected = "the floor is another one";
+    } else {
+      result_.links = agreeing;
+    }
+  }
+
+  /// Whether the floors show enough to tell that they are not the same. Reflections move with the
+  /// car and spoil a drive's fit with itself, not with another day: one drive that shows its floor
+  /// is enough.
+  bool IsOnAnotherFloor(const std::vector<SessionLoop>& links) {
+    const DriveFloors floors_a(keyframes_a_), floors_b(keyframes_b_);
+    BevEvidence& floor = result_.floor = {};
+    const BevAgreement within_a = CompareNeighbors(floors_a, keyframes_a_),
+                       within_b = CompareNeighbors(floors_b, keyframes_b_);
+    floor.within += within_a;
+    floor.within += within_b;
+    floor.across = SumOverSome(links.size(), kMaxFloors, [&](size_t i) {
+      return CompareBevs(floors_a, links[i].keyframe_a, floors_b, links[i].keyframe_b,
+                         links[i].pose.a_from_b);
+    });
+    for (const BevAgreement& agreement : {within_a, within_b, floor.across})
+      if (agreement.num_tiles < options_.min_floor_tiles) return false;
+    return std::max(within_a.share(), within_b.share()) > options_.telling_floor &&
+           floor.across.share() < options_.min_floor_share * floor.within.share();
+  }
+
+  /// Where the links say that the drives pass each other, the nearest keyframes are measured as
+  /// well.
+  void MeasureForetold() {
+    constexpr size_t kNearest = 1;
+    std::vector<PlaceCandidate> foretold;
+    for (size_t b = 0; b < keyframes_b_.size(); b += static_cast<size_t>(options_.neighbors) + 1) {
+      const Rigid3 a_from_b = FrameOf(NearestLink(b), keyframes_a_, keyframes_b_);
+      const Eigen::Vector3d position = a_from_b * keyframes_b_[b].odom_from_keyframe.translation;
+      std::vector<std::pair<double, size_t>> near;
+      for (size_t a = 0; a < keyframes_a_.size(); ++a) {
+        const Eigen::Vector3d apart = keyframes_a_[a].odom_from_keyframe.translation - position;
+        if (apart.head<2>().norm() < options_.reach && std::abs(apart.z()) < options_.height_reach)
+          near.emplace_back(apart.norm(), a);
+      }
+      std::sort(near.begin(), near.end());
+      for (size_t i = 0; i < std::min(near.size(), kNearest); ++i)
+        if (!tried_.contains({near[i].second, b})) foretold.push_back({near[i].second, b, 0});
+    }
+    Measure(foretold);
+    // What was measured from one end must still agree: the same set grows.
+    result_.links =
+        Choose(measured_, FindConsistentLoops(keyframes_a_, keyframes_b_, measured_, options_));
+    result_.num_agreeing = static_cast<int>(result_.links.size());
+  }
+
+  const SessionLoop& NearestLink(size_t keyframe_b) const {
+    return *std::min_element(
+        result_.links.begin(), result_.links.end(),
+        [&](const SessionLoop& x, const SessionLoop& y) {
+          const double to_x =
+              std::abs(keyframes_b_[x.keyframe_b].distance - keyframes_b_[keyframe_b].distance);
+          const double to_y =
+              std::abs(keyframes_b_[y.keyframe_b].distance - keyframes_b_[keyframe_b].distance);
+          return to_x < to_y;
+        });
+  }
+
+  const std::vector<RigKeyframe>&keyframes_a_, &keyframes_b_;
+  const SessionLoopOptions& options_;
+  const RelativePoseOptions& relative_pose_;
+  std::vector<SessionLoop> measured_;          ///< good ones only
+  std::set<std::pair<size_t, size_t>> tried_;  ///< keyframes that were measured, good or not
+  SessionLoops result_;
+};
+
+}  // namespace
+
+void SessionLoopOptions::Validate() const {
+  Require(max_candidates > 0 && batch > 0 && max_measured > 0 && min_links > 0 && neighbors >= 0 &&
+              neighbors <= 10,
+          ErrorCode::kUsage,
+          "counts of links between drives must be positive, and at most 10 neighbors");
+  Require(min_spread >= 0 && max_rival_share >= 0 && reach > 0 && height_reach > 0 &&
+              closing_base > 0 && closing_per_meter >= 0 && closing_deg > 0,
+          ErrorCode::kUsage, "the bounds on links between drives must be positive");
+  Require(min_floor_tiles >= 1 && telling_floor > 0 && telling_floor <= 1 && min_floor_share >= 0 &&
+              min_floor_share < 1,
+          ErrorCode::kUsage,
+          "what floors must show to tell places apart must be shares of at least one tile");
+  Require(all_pairs_up_to >= 2 && partners >= 1, ErrorCode::kUsage,
+          "links.all_pairs_up_to must be at least 2, links.partners at least 1");
+}
+
+std::vector<size_t> FindConsistentLoops(const std::vector<RigKeyframe>& keyframes_a,
+                                        const std::vector<RigKeyframe>& keyframes_b,
+                                        const std::vector<SessionLoop>& links,
+                                        const SessionLoopOptions& options) {
+  const size_t count = links.size();
+  std::vector<std::vector<bool>> agrees(count, std::vector<bool>(count));
+  std::vector<size_t> degree(count), order(count);
+  for (size_t i = 0; i < count; ++i)
+    for (size_t j = i + 1; j < count; ++j)
+      if (Agree(links[i], links[j], keyframes_a, keyframes_b, options)) {
+        agrees[i][j] = agrees[j][i] = true;
+        ++degree[i];
+        ++degree[j];
+      }
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return degree[a] > degree[b]; });
+  std::vector<size_t> best;
+  constexpr size_t kStarts = 30;  // the likeliest members, each begins a set
+  for (size_t start = 0; start < std::min(count, kStarts); ++start) {
+    if (degree[order[start]] + 1 <= best.size()) break;
+    std::vector<size_t> set = {order[start]};
+    for (const size_t candidate : order)
+      if (std::all_of(set.begin(), set.end(),
+                      [&](size_t member) { return agrees[member][candidate]; }))
+        set.push_back(candidate);
+    if (set.size() > best.size()) best = std::move(set);
+  }
+  std::sort(best.begin(), best.end());
+  return best;
+}
+
+double SimilarityOf(const ComparedDrive& a, const ComparedDrive& b,
+                    const SessionLoopOptions& options, const std::optional<Rigid3>& a_from_b,
+                    double sigma) {
+  const std::vector<PlaceCandidate> candidates =
+      FindCandidates(a, b, a_from_b, options.reach + 3 * sigma, 1);
+  const size_t count =
+      2 * static_cast<size_t>(options.min_links);  // as many as a good link needs, and some
+  double sum = 0;
+  for (size_t i = 0; i < std::min(count, candidates.size()); ++i) sum += candidates[i].score;
+  return sum / static_cast<double>(count);
+}
+
+SessionLoops MatchSessions(const std::vector<RigKeyframe>& keyframes_a,
+                           const std::vector<RigKeyframe>& keyframes_b,
+                           const SessionLoopOptions& options,
+                           const RelativePoseOptions& relative_pose,
+                           const std::optional<Rigid3>& a_from_b, double sigma) {
+  options.Validate();
+  relative_pose.Validate();
+  return DriveLinker(keyframes_a, keyframes_b, options, relative_pose).Link(a_from_b, sigma);
+}
+
+std::vector<double> SharesOf(const std::vector<SessionLoop>& links,
+                             const std::vector<RigKeyframe>& keyframes_a,
+                             const std::vector<RigKeyframe>& keyframes_b, double reach) {
+  std::vector<Eigen::Vector2d> ways;
+  for (const SessionLoop& link : links)
+    ways.emplace_back(keyframes_a[link.keyframe_a].distance, keyframes_b[link.keyframe_b].distance);
+  return SharesOf(ways, reach);
+}
+
+}  // namespace parkade

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/option_about.h"
+#include "slam/places/compare_bevs.h"
+#include "slam/places/place_words.h"
+#include "slam/places/relative_pose.h"
+#include "slam/places/rig_keyframe.h"
+
+namespace parkade {
+
+struct SessionLoopOptions {
+  int max_candidates = 3;  ///< per keyframe, the most alike keyframes of the other drive
+  int batch = 48;          ///< candidates measured at a time, the most alike first
+  int max_measured = 480;  ///< without a drive that fits: then it does not
+  int min_links = 6;       ///< that agree with each other ...
+  double min_spread = 6;   ///< [m] ... and lie this far apart
+  double max_rival_share =
+      0.6;  ///< of links that agree on something else, relative to the best: more is ambiguous
+  int neighbors = 1;  ///< keyframes before and after one that are measured with it
+  double reach = 4;   ///< [m] around its foretold position in which a keyframe is looked for
+  double height_reach = 1.2;  ///< [m] also; decks of a garage lie 2.5 m apart or more
+  // Two links agree where the ways between their ends in both drives close with them, up to these.
+  double closing_base = 0.15;       ///< [m], plus ...
+  double closing_per_meter = 0.01;  ///< ... this share of the ways
+  double closing_deg = 1.0;         ///< plus 0.02 degrees per meter
+  // Drives whose keyframes look alike lie on one floor, too, if theirs show enough to tell.
+  int min_floor_tiles = 12;  ///< compared, in both drives and between them; fewer tell nothing
+  double telling_floor =
+      0.3;  ///< share of a drive's tiles that fit its own next keyframe; less in both tells nothing
+  double min_floor_share = 0.65;  ///< of what fits within the drives, fits between them
+  int all_pairs_up_to = 6;  ///< drives: of more not every pair is linked, but each drive with ...
+  int partners = 3;  ///< ... these many that look most like it, and more where drives stay apart
+
+  template <typename Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("min_links", min_links,
+          OptionAbout{"Two drives need this many loops between them that agree.", "", 2, 100});
+  }
+  void Validate() const;  ///< throws Error{kUsage}
+};
+
+/// A keyframe of one drive that is a keyframe of another.
+struct SessionLoop {
+  size_t keyframe_a = 0, keyframe_b = 0;  ///< indices
+  double score = 0;   ///< of place recognition; 0 where the link was foretold by others
+  RelativePose pose;  ///< of keyframe b in place a
+};
+
+/// How two drives lie to each other, by keyframes that both passed.
+struct SessionLoops {
+  std::vector<SessionLoop> links;  ///< that agree; empty where the drives do not fit
+  int num_candidates = 0, num_measured = 0, num_agreeing = 0, num_rivals = 0;
+  BevEvidence floor;     ///< of the links that agreed; empty where there were none
+  std::string rejected;  ///< why there are no links, in a few words
+};
+
+/// How much of each link's information counts, as SharesOf has it for loops.
+std::vector<double> SharesOf(const std::vector<SessionLoop>& links,
+                             const std::vector<RigKeyframe>& keyframes_a,
+                             const std::vector<RigKeyframe>& keyframes_b, double reach);
+
+/// Which links agree with each other: the ways between their ends, by either drive's trajectory,
+/// close with the links. A large set in which all agree with all (greedy), after J. Mangelson et
+/// al., "Pairwise Consistent Measurement Set Maximization for Robust Multi-Robot Map Merging", ICRA
+/// 2018. Indices, ascending.
+std::vector<size_t> FindConsistentLoops(const std::vector<RigKeyframe>& keyframes_a,
+                                        const std::vector<RigKeyframe>& keyframes_b,
+                                        const std::vector<SessionLoop>& links,
+                                        const SessionLoopOptions& options);
+
+/// The keyframes of a drive and their words, which are found once however many other drives it is
+/// compared with.
+struct ComparedDrive {
+  explicit ComparedDrive(const std::vector<RigKeyframe>& drive_keyframes)
+      : keyframes(&drive_keyframes), words(drive_keyframes) {}
+
+  const std::vector<RigKeyframe>* keyframes;  ///< borrowed
+  PlaceWords words;
+};
+
+/// How alike two drives look, 0 to 1: the mean score of their most alike keyframes; 0 where GNSS
+/// puts them apart. Parameters as of MatchSessions; takes a hundredth of its time.
+double SimilarityOf(const ComparedDrive& a, const ComparedDrive& b,
+                    const SessionLoopOptions& options,
+                    const std::optional<Rigid3>& a_from_b = std::nullopt, double sigma = 0);
+
+/// Links two drives: keyframes that look alike are measured (EstimateRigPose), the most alike
+/// first, until enough of them agree; these foretell where the drives pass each other, in either
+/// direction, and there all keyframes are measured. Nothing is forced: too few agreeing links,
+/// links all at one spot, another set that agrees as well (decks that look alike), or a floor that
+/// is not the same (buildings that look alike) leave the drives apart.
+///
+/// \param keyframes_a, keyframes_b  described keyframes along either drive; odom_from_keyframe is
+/// the drive's best trajectory \param a_from_b            what GNSS says about the drives' frames;
+/// empty: nothing \param sigma [m] of a_from_b at the keyframes; links farther than reach + 3 sigma
+/// from it are not tried
+SessionLoops MatchSessions(const std::vector<RigKeyframe>& keyframes_a,
+                           const std::vector<RigKeyframe>& keyframes_b,
+                           const SessionLoopOptions& options,
+                           const RelativePoseOptions& relative_pose,
+                           const std::optional<Rigid3>& a_from_b = std::nullopt, double sigma = 0);
+
+}  // namespace parkade

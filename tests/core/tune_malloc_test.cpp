@@ -1,0 +1,31 @@
+#include "core/tune_malloc.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <vector>
+
+namespace parkade {
+namespace {
+
+long PageFaults() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_minflt;
+}
+
+TEST(KeepMemory, APieceThatWasLetGoIsTakenAgainWithoutNewPages) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers have an allocator of their own";
+#endif
+  constexpr std::size_t kSize = 16 << 20;
+  constexpr int kPages = kSize / 4096;
+  TuneMalloc();
+  { const std::vector<char> first(kSize, 1); }
+  const long before = PageFaults();
+  for (int i = 0; i < 5; ++i) const std::vector<char> again(kSize, 2);
+  EXPECT_LT(PageFaults() - before, kPages);
+}
+
+}  // namespace
+}  // namespace parkade
