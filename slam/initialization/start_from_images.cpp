@@ -21,9 +21,11 @@ constexpr double kSystematicScale = 0.15;   // that is no contradiction between 
 constexpr double kMaxTiltSigma = 0.10;      // [rad]
 constexpr double kMaxVelocitySigma = 0.15;  // [m/s] plus a share of the speed
 constexpr double kMaxVelocityShare = 0.10, kMaxVelocityShareOfImu = 0.05;
-constexpr double kMinTiltSigma = 0.03, kMinVelocitySigma = 0.1,
-                 kMinBiasSigma = 1e-3;  // [rad, m/s, rad/s] handed on
-constexpr double kMaxNoise = 4;         // [sigma] of the median observation
+// Handed on:
+constexpr double kMinTiltSigma = 0.03;     // [rad]
+constexpr double kMinVelocitySigma = 0.1;  // [m/s]
+constexpr double kMinBiasSigma = 1e-3;     // [rad/s]
+constexpr double kMaxNoise = 4;            // [sigma] of the median observation
 constexpr int kGroundRounds = 3;
 constexpr double kSameScale = 0.1;      // of its logarithm
 constexpr double kMaxDisagreement = 3;  // [sigma] between scales
