@@ -15,7 +15,7 @@ constexpr int kDirectionPasses = 4;
 constexpr double kRobustAngle = 0.005;  // [rad] off the epipolar plane
 constexpr int kFirstIterations = 12, kLastIterations = 8;
 constexpr int kPasses = 2;          // at the noise that the pass before found
-constexpr double kCorrelation = 6;  // variance: errors of a track last (docs/decisions.md)
+constexpr double kCorrelation = 6;  // variance: errors of a track last (docs/decisions/)
 constexpr double kSystematic = 10;  // the same for what acceleration tells of scale, of its sigma
 constexpr double kSystematicScale = 0.15;   // that is no contradiction between ground and IMU
 constexpr double kMaxTiltSigma = 0.10;      // [rad]
