@@ -19,8 +19,8 @@ class AppendedFile {
  public:
   static constexpr std::size_t kBufferBytes = std::size_t{1} << 18;
 
-  /// Without a name, see OpenNamelessFile; in memory where there is none, and as long as nothing
-  /// was written.
+  /// Makes a file without a name (OpenNamelessFile); its bytes stay in memory where there is no
+  /// such file, and as long as nothing was written.
   AppendedFile() = default;
   /// Creates `path`, which must not exist. It stays; Flush() before anybody else reads it.
   explicit AppendedFile(const std::filesystem::path& path);
@@ -29,11 +29,11 @@ class AppendedFile {
   AppendedFile& operator=(const AppendedFile&) = delete;
 
   void Append(std::string_view bytes);
-  /// Other bytes for some that were appended.
+  /// Replaces some of the bytes that were appended.
   void Overwrite(std::uint64_t offset, std::string_view bytes);
   void Flush();
 
-  /// What was appended. Several threads may read at once, while none writes.
+  /// Reads what was appended. Several threads may read at once, while none writes.
   std::string Read(std::uint64_t offset, std::size_t size) const;
 
   std::uint64_t size() const { return written_ + pending_.size(); }

@@ -81,7 +81,7 @@ class BinaryReaderOf {
   Source source_;
 };
 
-/// Borrows them.
+/// Borrows the bytes.
 class BytesInMemory {
  public:
   explicit BytesInMemory(std::string_view bytes) : bytes_(bytes) {}

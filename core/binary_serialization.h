@@ -35,7 +35,7 @@ void Serialize(Archive& archive, Trajectory& trajectory) {
   trajectory = Trajectory(std::move(states));
 }
 
-/// Of bytes: CV_8UC1 to CV_8UC4.
+/// An image of bytes: CV_8UC1 to CV_8UC4.
 template <typename Archive>
 void Serialize(Archive& archive, cv::Mat& image) {
   std::int32_t rows = image.rows, columns = image.cols, type = image.type();

@@ -11,9 +11,9 @@
 namespace parkade {
 namespace {
 
-// Where no fold ends a model, this does: 89.94 degrees of a distorted pinhole.
+// The tangent of 89.94 degrees, where a distorted pinhole ends if no fold ends it before.
 constexpr double kMaxTangent = 1e3;
-// And this, on the undistorted sensor of OCam [px].
+// The same limit for OCam, on its undistorted sensor [px].
 constexpr double kMaxSensorRadius = 1e5;
 // Share of the radius or angle kept from a fold, where the inverse is ill-conditioned.
 constexpr double kFoldMargin = 1e-6;
@@ -183,7 +183,7 @@ RadTanProjection RadTanProjection::Scaled(double factor) const {
 }
 
 double KannalaBrandtProjection::FindMaxTheta(double k1, double k2, double k3, double k4) {
-  // In t^2, where the slope of r(t) is a quartic.
+  // The slope of r(t) is a quartic in t^2.
   const std::vector<double> folds =
       FindSignChanges({1, 3 * k1, 5 * k2, 7 * k3, 9 * k4}, 0, M_PI * M_PI);
   return folds.empty() ? M_PI : std::sqrt(folds.front()) * (1 - kFoldMargin);

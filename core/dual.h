@@ -49,7 +49,7 @@ struct Dual {
   }
 };
 
-/// The number without its derivatives: of a double, a Dual or a ceres::Jet.
+/// The number without its derivatives. Takes a double, a Dual or a ceres::Jet.
 template <typename T>
 double ValueOf(const T& x) {
   if constexpr (requires { x.a; }) {

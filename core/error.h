@@ -34,7 +34,7 @@ inline void Require(bool condition, ErrorCode code, const std::string& message) 
   if (!condition) throw Error(code, message);
 }
 
-/// Also, for inner loops: makes no string of the message unless it is thrown.
+/// The same for inner loops: makes no string of the message unless it is thrown.
 inline void Require(bool condition, ErrorCode code, const char* message) {
   if (!condition) throw Error(code, message);
 }

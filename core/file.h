@@ -18,11 +18,11 @@ void WriteFileAtomically(const std::filesystem::path& file, std::string_view con
 void WriteFileAtomically(const std::filesystem::path& file,
                          const std::function<void(const std::filesystem::path&)>& write);
 
-/// A copy that can be written to, also of a read-only file. Throws as ThrowErrno.
+/// Copies a file, even a read-only one, to one that can be written to. Throws as ThrowErrno.
 void CopyToWrite(const std::filesystem::path& from, const std::filesystem::path& to);
 
-/// Whole content. Throws Error{kNotFound}, or Error{kInvalidInput} for a folder and above
-/// `max_bytes`.
+/// Returns the whole content. Throws Error{kNotFound}, or Error{kInvalidInput} for a folder and
+/// above `max_bytes`.
 std::string ReadFile(const std::filesystem::path& file,
                      std::size_t max_bytes = std::size_t{1} << 30);
 

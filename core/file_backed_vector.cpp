@@ -29,7 +29,7 @@ int OpenFileOf(std::size_t num_bytes) {
   return -1;
 }
 
-/// In memory, where no folder has room.
+/// No folder has room: memory may.
 int OpenMemory(std::size_t num_bytes) {
   const int file = ::memfd_create("parkade", MFD_CLOEXEC);
   if (file < 0) return -1;
@@ -59,7 +59,7 @@ void FreeScratch(void* data, std::size_t num_bytes) noexcept {
 }
 
 void ReleaseScratch(const void* data, std::size_t num_bytes) noexcept {
-  // Pages of a file that is shared keep what was written to them.
+  // Pages of a shared file keep what was written to them.
   if (num_bytes >= kMinScratchBytes) ::madvise(const_cast<void*>(data), num_bytes, MADV_DONTNEED);
 }
 

@@ -10,12 +10,14 @@ namespace parkade {
 /// than memory. Smaller ones lie where all do.
 inline constexpr std::size_t kMinScratchBytes = std::size_t{64} << 20;
 
-/// Zeros where it is a file's. Throws std::bad_alloc where neither disk nor memory has room.
+/// Returns memory that is zero where a file is behind it. Throws std::bad_alloc where neither disk
+/// nor memory has room.
 void* AllocateScratch(std::size_t num_bytes);
 void FreeScratch(void* data, std::size_t num_bytes) noexcept;
 
-/// What of `data` is in memory is in this program's no longer; it comes back when it is looked at.
-/// Of a file's only, else nothing happens. `num_bytes` as allocated. Thread-safe.
+/// Takes the pages of `data` out of this program's memory; the system reads them again when they
+/// are looked at. Does nothing unless a file is behind `data`. `num_bytes` as allocated.
+/// Thread-safe.
 void ReleaseScratch(const void* data, std::size_t num_bytes) noexcept;
 
 template <typename Value>
@@ -41,7 +43,7 @@ struct FileBackedAllocator {
 template <typename Value>
 using FileBackedVector = std::vector<Value, FileBackedAllocator<Value>>;
 
-/// See ReleaseScratch: between one part of the work and the next.
+/// Calls ReleaseScratch for the array, between one part of the work and the next.
 template <typename Value>
 void ReleaseMemory(const FileBackedVector<Value>& values) {
   ReleaseScratch(values.data(), values.capacity() * sizeof(Value));

@@ -9,7 +9,7 @@ namespace parkade {
 /// sentence's beginning.
 [[noreturn]] void ThrowErrno(const std::string& what, int error);
 
-/// The same of a stream that failed, which does not say why.
+/// The same for a stream that failed, which does not say why.
 [[noreturn]] void ThrowCannotWrite(const std::filesystem::path& file);
 
 }  // namespace parkade

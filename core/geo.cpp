@@ -18,7 +18,7 @@ double SitePlacement::YawSigma() const { return std::sqrt(covariance(0, 0)); }
 
 Eigen::Vector3d SitePlacement::PositionSigma(const Eigen::Vector3d& point_in_site) const {
   const Eigen::Vector3d arm = point_in_site - center;
-  // z apart: its variance may be infinite, which a product with zero would spoil.
+  // z is moved apart: its variance may be infinite, which a product with zero would spoil.
   Eigen::Matrix<double, 2, 3> moved_by;  // [yaw, x, y]
   moved_by << -arm.y(), 1, 0, arm.x(), 0, 1;
   const Eigen::Matrix2d horizontal =

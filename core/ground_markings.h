@@ -54,9 +54,13 @@ struct ParkingSlot {
   double Entrance() const { return (corners[1] - corners[0]).norm(); }  ///< [m]
   double Depth() const {
     return (corners[3] - corners[0]).norm();
-  }                                                               ///< [m] from the entrance inwards
-  double Width() const { return std::min(Entrance(), Depth()); }  ///< [m] of a car's width
-  double Length() const { return std::max(Entrance(), Depth()); }  ///< [m] of a car's length
+  }  ///< [m] from the entrance inwards
+  double Width() const {
+    return std::min(Entrance(), Depth());
+  }  ///< [m] the side that a car's width takes
+  double Length() const {
+    return std::max(Entrance(), Depth());
+  }  ///< [m] the side that a car's length takes
 };
 
 /// Paint on the ground that is not said by slots alone.

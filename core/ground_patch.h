@@ -62,9 +62,10 @@ struct GroundSample {
   bool is_free = false;        ///< drivable ground; false: seen, and not ground
   CompactFloat weight = 1;     ///< inverse variance of the height [1/m^2]
   CompactFloat footprint = 0;  ///< [m] side of the square of ground that it stands for; 0: one cell
-  CompactFloat confidence = 1;  ///< of is_free, 0 to 1: the share of a sure sight's log-odds that
-                                ///< this one counts for; 0: it has colors only, being beyond what
-                                ///< bounds the ground, or, where is_free, nothing can be told
+  CompactFloat confidence =
+      1;  ///< of is_free, 0 to 1: the share of a sure observation's log-odds that this one counts
+          ///< for. 0: it only has a color, because it lies beyond what bounds the ground or, where
+          ///< is_free, nothing can be told
 
   bool IsDoubtful() const { return is_free && confidence <= 0; }
   bool IsBeyond() const { return !is_free && confidence <= 0; }

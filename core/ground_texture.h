@@ -9,7 +9,7 @@
 
 namespace parkade {
 
-/// A image of a stretch of ground, straight from above: texel (column, row) shows the square whose
+/// An image of a stretch of ground, straight from above: texel (column, row) shows the square whose
 /// upper left corner is at (left + column * texel_size, top - row * texel_size) in site. Rows run
 /// south, columns east.
 struct TextureChart {
@@ -20,9 +20,9 @@ struct TextureChart {
   int column = 0, row = 0;  ///< of the square of ground that the triangles' centers lie in
   int sheet = 0;            ///< counts where decks lie above each other in one square
 
-  static constexpr std::uint8_t kPainted = 255;  ///< by photos
+  static constexpr std::uint8_t kPainted = 255;  ///< by images
   static constexpr std::uint8_t kPlain =
-      128;  ///< no photo shows it from near: it has the color of a cell
+      128;  ///< no image shows it from near: it has the color of a cell
 };
 
 /// The texture of a mesh: each triangle belongs to exactly one chart. No charts: the mesh has
@@ -36,8 +36,8 @@ struct GroundTexture {
 
   bool empty() const { return charts.empty(); }
 
-  /// Images of large maps are out of memory until they are looked at again: for those who go
-  /// through all charts.
+  /// Takes the images of a large map out of memory until they are looked at again. Call between two
+  /// charts when going through all of them.
   void Release() const {
     for (const auto& array : pixels) ReleaseMemory(*array);
   }

@@ -10,7 +10,8 @@
 
 namespace parkade {
 
-/// As ParallelMap, but the largest by `size_of(i)` are begun first, so that no thread is left with
+/// Does what ParallelMap does, but begins with the largest by `size_of(i)`, so that no thread is
+/// left with
 /// a large one while the others have nothing more to do.
 template <typename SizeOf, typename Body>
 auto ParallelMapLargestFirst(std::size_t count, const SizeOf& size_of, const Body& body) {

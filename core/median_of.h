@@ -6,7 +6,7 @@
 
 namespace parkade {
 
-/// The upper one of an even number; 0 of none.
+/// The median: the upper one of an even number of values; 0 without any.
 inline double MedianOf(std::vector<double> values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

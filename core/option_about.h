@@ -8,7 +8,7 @@ namespace parkade {
 struct OptionAbout {
   const char* sentence;                                     ///< what it does
   const char* unit = "";                                    ///< "" without one
-  double least = -std::numeric_limits<double>::infinity();  ///< of a number; less is refused
+  double least = -std::numeric_limits<double>::infinity();  ///< a smaller number is refused
   double most = std::numeric_limits<double>::infinity();
 };
 

@@ -133,7 +133,7 @@ void SetOption(const std::string& assignment, Options& options) {
   ReadOptionsFromJson(ParseAssignment(assignment), options);
 }
 
-/// Applies all of them at once, for options that are valid together only. Throws Error{kUsage}.
+/// Applies all assignments at once, for options that are valid together only. Throws Error{kUsage}.
 template <OptionStruct Options>
 void SetOptions(const std::vector<std::string>& assignments, Options& options) {
   nlohmann::json all = nlohmann::json::object();

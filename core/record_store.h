@@ -22,7 +22,7 @@ class RecordStore {
     file_.Append(writer.bytes());
   }
 
-  /// As Add encoded it.
+  /// The record's bytes, as Add encoded them.
   std::string Bytes(std::size_t i) const {
     const std::uint64_t end = i + 1 < offsets_.size() ? offsets_[i + 1] : file_.size();
     return file_.Read(offsets_[i], end - offsets_[i]);

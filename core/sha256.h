@@ -23,10 +23,10 @@ class Sha256 {
   evp_md_ctx_st* context_;
 };
 
-/// Of these bytes.
+/// The SHA-256 of these bytes.
 std::string Sha256Of(std::string_view bytes);
 
-/// Of the file's content. Throws Error{kInternal} where it cannot be read.
+/// The SHA-256 of the file's content. Throws Error{kInternal} where it cannot be read.
 std::string Sha256OfFile(const std::filesystem::path& file);
 
 }  // namespace parkade

@@ -6,7 +6,7 @@
 
 namespace parkade {
 
-/// x of A x = b, one column for each of `b`.
+/// Solves A x = b; x has one column for each of `b`.
 ///
 /// A is symmetric and positive definite; only its lower triangle is read. Supernodal Cholesky
 /// (CHOLMOD), all of it in the thread that calls: the result does not depend on how many there are.

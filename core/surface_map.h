@@ -14,7 +14,7 @@ struct SurfaceCell {
   int x = 0, y = 0;        ///< cell index: center at ((x + 0.5) * cell_size, (y + 0.5) * cell_size)
   float height = 0;        ///< [m] in site
   float height_sigma = 0;  ///< [m]
-  float free_belief = 0;   ///< P(drivable) in [0, 1]; cells never seen are not in the map
+  float free_belief = 0;   ///< P(drivable) in [0, 1]; cells that were never seen are not in the map
   std::array<std::uint8_t, 3> color{};  ///< sRGB
 };
 

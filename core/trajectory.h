@@ -19,7 +19,7 @@ struct TrajectoryState {
   Eigen::Vector3d velocity_in_world = Eigen::Vector3d::Zero();  ///< [m/s] of the body origin
   Eigen::Vector3d gyroscope_bias = Eigen::Vector3d::Zero();
   Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();
-  /// Of [rotation vector in body (rad), translation in world (m)].
+  /// Covariance of [rotation vector in body (rad), translation in world (m)].
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
 

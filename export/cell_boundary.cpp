@@ -18,7 +18,7 @@ struct Edge {
   bool is_used = false;
 };
 
-/// By the key of the corner they start at: two where cells touch diagonally, else one.
+/// Sides by the key of the corner they start at: two where cells touch diagonally, else one.
 using EdgeMap = std::map<std::int64_t, std::vector<Edge>>;
 
 /// For each cell, which of its sides have no cell beyond them: a bit per side, east first. `cells`

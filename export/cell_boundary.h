@@ -9,7 +9,8 @@
 
 namespace parkade {
 
-/// Closed, the last point not repeated; (x, y) at cell corners, z the height of a cell there.
+/// A closed line whose last point is not repeated; (x, y) at cell corners, z the height of a cell
+/// there.
 using Ring = std::vector<Eigen::Vector3d>;
 
 /// The boundary of cells that are connected through edges, no two at one (x, y): first the outer

@@ -10,7 +10,7 @@
 namespace parkade {
 
 /// GeoJSON: one MultiPolygon per region, with its `change`, `area_m2`, `height_change_m` and `id`:
-/// its place in `changes.regions`. With a datum WGS84 (RFC 7946); without, site meters, said by
+/// its index in `changes.regions`. With a datum WGS84 (RFC 7946); without, site meters, said by
 /// "frame": "site".
 std::string EncodeChangesGeoJson(const SurfaceChanges& changes,
                                  const std::optional<SiteDatum>& datum);

@@ -29,7 +29,7 @@ void Append(double number, std::string& text) {
   text += buffer;
 }
 
-/// Of the IMU's turn and of its position, from those of the body.
+/// Covariance of the IMU's rotation and position, from that of the body's.
 Eigen::Matrix<double, 6, 6> OfImu(const Eigen::Matrix<double, 6, 6>& covariance,
                                   const Rigid3& body_from_imu,
                                   const Eigen::Matrix3d& site_from_body) {

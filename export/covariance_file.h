@@ -15,12 +15,12 @@ namespace parkade {
 ///   x y z]: a small turn
 ///                               of the IMU in its own axes, R exp(r) [rad], and its position along
 ///                               the site's axes [m]
-///   site x, y, z [m], yaw [rad] sigmas of where the site itself puts this position on Earth; nan
-///   where it lies nowhere
+/// site x, y, z [m], yaw [rad] sigmas of where the site itself puts this position on Earth; nan
+/// where no datum is known
 ///
 /// The 21 numbers are of errors since the drive's first state, whose position and yaw count as
-/// exact: those of the refinement, or of the odometry where that was not accepted. Other drives of
-/// the site make poses better than that. What places the site comes on top; the two are
+/// exact: the refinement gives them, or the odometry where that was not accepted. Other drives of
+/// the site make poses better than that. The error of where the site lies comes on top; the two are
 /// independent.
 std::string EncodeCovarianceCsv(const SiteDrive& drive,
                                 const std::optional<SitePlacement>& placement);

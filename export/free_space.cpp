@@ -103,8 +103,9 @@ class CellGraph {
   std::vector<bool> is_open_;       ///< members not yet in a part; all false between calls
 };
 
-/// The fewest heights [m] that lie between the cells of every (x, y) that has several; each where
-/// the part has the least ground, so that ramps are cut and not decks. Increasing. Greedy stabbing
+/// The fewest heights [m] that lie between the cells of every (x, y) that has several. Each is
+/// chosen where the part has the least ground, so that ramps are cut and not decks. Increasing.
+/// Greedy stabbing
 /// of intervals.
 std::vector<double> FindCuts(const Cells& cells, Indices part) {
   std::sort(part.begin(), part.end());

@@ -38,7 +38,7 @@ struct FreeSheet {
   std::vector<Ring> rings;                                           ///< TraceBoundary, [m] in site
 };
 
-/// Linear in the cells, but for sorting.
+/// Finds the sheets. Linear in the cells, but for sorting.
 std::vector<FreeSheet> FindFreeSheets(const SurfaceMap& surface,
                                       const FreeSpaceOptions& options = {});
 

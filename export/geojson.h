@@ -14,7 +14,7 @@ namespace parkade {
 /// site.
 std::string FormatPolygon(const std::vector<Ring>& rings, const std::optional<SiteDatum>& datum);
 
-/// One position also.
+/// The coordinates of one position, in the units of FormatPolygon.
 std::string FormatPosition(const Eigen::Vector3d& point_in_site,
                            const std::optional<SiteDatum>& datum);
 

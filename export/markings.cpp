@@ -14,8 +14,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kSheetSlack = 0.5;  // [m] by which things may lie beside a sheet's heights
 
-/// The level of the sheet that a height is of: its own range of heights first, then the nearest
-/// mean.
+/// The level of the sheet that a height belongs to: one whose range of heights holds it, else the
+/// one with the nearest mean.
 int LevelAt(double height, const std::vector<FreeSheet>& sheets) {
   int level = 0;
   double best = 1e9;
@@ -28,7 +28,7 @@ int LevelAt(double height, const std::vector<FreeSheet>& sheets) {
   return level;
 }
 
-/// To so many parts of one, so that the text is short and the same everywhere.
+/// Rounds to so many parts of one, so that the text is short and the same everywhere.
 double Rounded(double value, double parts) { return std::round(value * parts) / parts; }
 
 std::string FormatFeature(const Json& properties, const std::string& type,

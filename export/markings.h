@@ -21,7 +21,7 @@ std::string EncodeSlotsGeoJson(const std::vector<ParkingSlot>& slots,
                                const std::vector<FreeSheet>& sheets,
                                const std::optional<SiteDatum>& datum);
 
-/// GeoJSON of the rest, also: LineStrings of `type` "line" with `color`, `width_m` and
+/// GeoJSON of all other markings: LineStrings of `type` "line" with `color`, `width_m` and
 /// `bounds_slot`; Polygons of `type` "area" with `color`; Points of `type` "speed_bump" with
 /// `height_m`, `length_m`, `yaw_deg` (of the way over it, counter-clockwise from the site's x) and
 /// `passes`; and LineStrings of `type` "kerb", the drivable ground on the left, with `height_m` (of

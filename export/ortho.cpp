@@ -58,7 +58,7 @@ GridBounds BoundsOf(std::span<const SurfaceCell> cells) {
   return bounds;
 }
 
-/// Of a chart, in texels from the site's origin.
+/// The bounds of a chart, in texels from the site's origin.
 GridBounds BoundsOf(const TextureChart& chart, double texel_size) {
   const int left = static_cast<int>(std::lround(chart.left / texel_size));
   const int top = static_cast<int>(std::lround(chart.top / texel_size)) - 1;

@@ -18,19 +18,20 @@ struct Orthophoto {
   double left = 0, top = 0;  ///< [m] in site, of the outer corner of the upper left pixel
 };
 
-/// Where decks lie above each other, the highest. One pixel per cell, or one per n x n cells where
-/// the image would exceed `max_size` pixels a side. Of an empty map one transparent pixel.
+/// Draws the highest deck where several lie above each other. One pixel per cell, or one per n x n
+/// cells where the image would exceed `max_size` pixels a side. An empty map gives one transparent
+/// pixel.
 Orthophoto RenderOrthophoto(const SurfaceMap& surface, int max_size = 16384);
 
-/// The same from the texture of a mesh: one pixel per texel, or one per n x n. Where decks lie
-/// above each other, the chart that lies higher on the whole.
+/// Draws the texture of a mesh: one pixel per texel, or one per n x n. Where decks lie above each
+/// other, the chart that lies higher on the whole is shown.
 Orthophoto RenderOrthophoto(const TriangleMesh& mesh, const GroundTexture& texture,
                             int max_size = 8192);
 
-/// 8-bit RGBA.
+/// Encodes an 8-bit RGBA PNG.
 std::string EncodePng(const Orthophoto& ortho);
 
-/// The .pgw of it: meters per pixel and the center of the upper left pixel in site.
+/// The orthophoto's .pgw: meters per pixel and the center of the upper left pixel in site.
 std::string EncodeWorldFile(const Orthophoto& ortho);
 
 /// The orthophoto on Earth: a tiled, deflated RGBA GeoTIFF 1.1 (OGC 19-008) in a transverse

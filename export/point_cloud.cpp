@@ -8,7 +8,7 @@
 namespace parkade {
 namespace {
 
-/// Of triangle (a, b, c): shares of its corners at (x, y), negative outside.
+/// Barycentric coordinates of (x, y) in the triangle (a, b, c); negative outside.
 Eigen::Vector3d BarycentricAt(const std::array<Eigen::Vector3d, 3>& corners, double x, double y) {
   const auto& [a, b, c] = corners;
   const auto cross = [&](const Eigen::Vector3d& from, const Eigen::Vector3d& to) {

@@ -18,7 +18,7 @@ constexpr double kFinestStep = 1.0 / 512;  // [m]
 constexpr int kNormalBits = 8;
 constexpr int kSigmaBits = 10;
 constexpr int kTexcoordBits =
-    14;  // of a image at most some thousand texels wide: a fraction of one
+    14;  // an image is at most some thousand texels wide: steps are a fraction of one
 // Of 0 (smallest) to 10 (fastest); 4 still uses the predictors that matter for a surface.
 constexpr int kSpeed = 4;
 

@@ -16,7 +16,7 @@ namespace parkade {
 /// drives, and without both. Same map, same bytes.
 std::string EncodeGltf(const SiteMap& map, MeshEncoding encoding);
 
-/// The same bytes, to a stream: one copy less of all images in memory.
+/// Writes the same bytes to a stream: one copy less of all images in memory.
 void WriteGltf(const SiteMap& map, MeshEncoding encoding, std::ostream& stream);
 
 /// One tile: the mesh alone, with its texture or else vertex colors.

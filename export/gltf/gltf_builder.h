@@ -25,7 +25,7 @@ class GltfBuilder {
 
   /// Unlit material; `name` and linear color factor.
   int AddMaterial(const std::string& name, const Eigen::Vector3d& color);
-  /// Unlit material of a image: an encoded JPEG.
+  /// Unlit material with an image: an encoded JPEG.
   int AddTexturedMaterial(const std::string& name, const std::vector<std::uint8_t>& jpeg);
   /// One mesh of several pieces, each with its material. Pieces without triangles are left out; ->
   /// nothing where that leaves none.
@@ -42,7 +42,7 @@ class GltfBuilder {
 
   void SetAssetExtras(const nlohmann::json& extras);
 
-  /// The .glb.
+  /// The finished .glb.
   void Write(std::ostream& stream) const;
 
  private:

@@ -85,7 +85,7 @@ TextureChart HalveAndJoin(const std::vector<TextureChart>& charts, double texel_
   return joined;
 }
 
-/// All levels of one map, from below.
+/// Makes all levels of one map, from the finest up.
 class TilePyramid {
  public:
   TilePyramid(const TriangleMesh& mesh, const GroundTexture& texture, double square_size,
@@ -126,7 +126,7 @@ class TilePyramid {
 
   double ErrorOf(int level) const { return level == 0 ? 0 : std::ldexp(coarse_cell_, level - 1); }
 
-  /// The square's tiles and all below them. -> their charts
+  /// Visits the square's tiles and all below them. Returns their charts.
   Charts VisitSquare(int level, int row, int column) {
     const auto found = parts_at_[static_cast<size_t>(level)].find({row, column});
     if (found == parts_at_[static_cast<size_t>(level)].end()) return {};

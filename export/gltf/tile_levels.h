@@ -14,7 +14,7 @@ struct MapTile {
   bool is_coarsest = false;  ///< then it is the whole map
   double error = 0;          ///< [m] that its geometry may be off
   int column = 0,
-      row = 0;  ///< of its square: from the map's lower left corner, in squares of its level
+      row = 0;  ///< its square's indices: from the map's lower left corner, in squares of its level
   int sheet =
       0;  ///< of the finest level only: counts where decks lie above each other in one square
   std::string name;       ///< begins with a letter, whatever the signs: "at_-1_0"

@@ -15,7 +15,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kMinExtent = 0.02;  // [m] never flat: some viewers cull a box without a volume
 
-/// Around meshes in site.
+/// A box around meshes in site.
 struct SiteBox {
   Eigen::Vector3d low, high;  ///< [m]
 
@@ -42,7 +42,7 @@ struct Branch {
   SiteBox box;
   Json json;
 };
-/// By square, of one level.
+/// The tiles of one level, by square.
 using Branches = std::map<std::pair<int, int>, std::vector<Branch>>;
 
 /// Puts the tree of tiles together, from its leaves.

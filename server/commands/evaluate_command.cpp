@@ -29,7 +29,7 @@ struct EvaluateArguments {
   double within = 0;            ///< [m] of the true path; 0: everywhere
   std::string seen_in, rig;     ///< a log with masks, and the true rig
   std::string slots, map;  ///< true slots (GeoJSON), and the map whose slots are compared with them
-  std::string kerbs;       ///< true kerbs (GeoJSON), also
+  std::string kerbs;       ///< true kerbs (GeoJSON), compared with those of `map`
   bool is_json = false;
 };
 
@@ -66,9 +66,9 @@ SurfaceEvaluation EvaluateGround(const EvaluateArguments& arguments,
 }
 
 constexpr double kSlotRange = 8;  // [m] from which a camera may see the lines of a slot
-constexpr double kKerbRange = 6;  // [m] also the ground before a kerb
+constexpr double kKerbRange = 6;  // [m] from which a camera may see the ground before a kerb
 
-/// What the masks of a log show from near, where there is one.
+/// The ground that the masks of a log show from near, where there is a log.
 SlotScope ScopeOf(const EvaluateArguments& arguments, double max_distance) {
   if (arguments.seen_in.empty()) return {};
   Require(!arguments.truth.empty(), ErrorCode::kUsage, "--seen-in needs --truth");
@@ -129,7 +129,7 @@ int Evaluate(const EvaluateArguments& arguments) {
         EvaluateTrajectory(ReadTum(arguments.truth), ReadTum(arguments.estimate));
     json["trajectory"] = ToJson(evaluation);
     text += ToText(evaluation);
-    // Not the alignment by positions: along a straight street they leave the roll open.
+    // The alignment by positions will not do: along a straight street they leave the roll open.
     truth_from_estimate = (arguments.align == "poses" ? evaluation.by_poses : evaluation.yaw_only)
                               .truth_from_estimate;
   }

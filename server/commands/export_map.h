@@ -9,7 +9,7 @@
 
 namespace parkade {
 
-/// What `parkade export` may be told beyond the format.
+/// Options of `parkade export` beyond the format.
 struct ExportOptions {
   std::string drive;     ///< of trajectory formats; may be empty where the map has one drive
   double spacing = 0.1;  ///< [m] between the points of a point cloud
@@ -26,8 +26,8 @@ struct ExportFormat {
 /// All formats in the order of --help.
 const std::vector<ExportFormat>& ExportFormats();
 
-/// Writes one export of a finished map to `out`: a file, or a folder where the format is one of
-/// several files. Whole or not at all. Throws Error{kUsage} naming the formats for any other, and
+/// Writes one export of a finished map to `out`: a file, or a folder where the format has several
+/// files. Whole or not at all. Throws Error{kUsage} naming the formats for any other, and
 /// what MapReader throws.
 void ExportMap(const MapReader& map, const std::string& format, const std::filesystem::path& out,
                const ExportOptions& options = {});

@@ -60,7 +60,7 @@ struct DriveSource {
 struct OpenedLogs {
   std::vector<std::unique_ptr<RecordedDrive>> drives;  ///< in the order of their time
   std::map<std::string, DriveSource> sources;          ///< by the drives' names
-  std::vector<LeftOutDrive> unreadable;                ///< of several, those that cannot be used
+  std::vector<LeftOutDrive> unreadable;                ///< drives of several that cannot be used
 };
 
 OpenedLogs OpenLogs(const MapArguments& arguments) {
@@ -145,7 +145,7 @@ void AddDecision(const std::string& text, const std::vector<std::unique_ptr<Reco
       .push_back(colon == std::string::npos ? text : text.substr(colon + 1));
 }
 
-/// Those of the command line, which stand for all that the map to start from has; else these.
+/// The pins of the command line, which replace all that the map to start from has; else those.
 std::vector<SitePin> PinsOf(const MapArguments& arguments, const PinOptions& options) {
   Require(arguments.pins.empty() || !arguments.from.empty(), ErrorCode::kUsage,
           "--pin needs --from: its X,Y,Z are of that map");
@@ -172,7 +172,7 @@ BuildScope ScopeOf(const MapArguments& arguments,
 }
 
 void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Progress& progress) {
-  if (!arguments.from.empty()) MapReader(arguments.from);  // throws where there is none
+  if (!arguments.from.empty()) MapReader(arguments.from);  // throws where there is no map
   std::vector<SitePin> pins = PinsOf(arguments, options.pins);
   OutputFolder output(arguments.out);
   const OpenedLogs logs = OpenLogs(arguments);
@@ -180,7 +180,7 @@ void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Pro
   BuildScope scope = ScopeOf(arguments, logs.drives, output.staging());
   scope.unreadable = logs.unreadable;
   scope.pins = std::move(pins);
-  // What cannot be read is said now, not after a long drive was tracked.
+  // A file that cannot be read is reported now, not after a long drive was tracked.
   const std::map<std::string, DriveInputs> inputs = HashInputs(logs.sources, arguments.out);
   for (const auto& [name, input] : inputs) scope.logs[name] = input.log.sha256;
   const BuiltMap built = BuildMap(logs.drives, options, scope, progress);
@@ -222,7 +222,7 @@ int RunMap(const MapArguments& arguments) {
   Require(!arguments.out.empty(), ErrorCode::kUsage, "map needs --out DIR");
   Require(arguments.preview.empty() || !arguments.from.empty(), ErrorCode::kUsage,
           "--preview needs --from: it is that map's ground, bent");
-  // Said now, not after a long drive was tracked.
+  // A network that cannot be read is reported now, not after a long drive was tracked.
   if (!options.ground.freespace_model.empty()) FreespaceNetwork{options.ground.freespace_model};
   TuneMalloc();
   if (arguments.num_threads > 0) SetNumThreads(arguments.num_threads);

@@ -27,7 +27,7 @@ struct SegmentArguments {
   bool has_overlays = false;
 };
 
-/// Throws Error{kInvalidInput} naming what is no image.
+/// Reads an image. Throws Error{kInvalidInput} naming a file that is none.
 cv::Mat ReadImage(const std::string& file) {
   const std::string bytes = ReadFile(file);
   cv::Mat image;
@@ -35,7 +35,7 @@ cv::Mat ReadImage(const std::string& file) {
     try {
       image = cv::imdecode(std::vector<uchar>(bytes.begin(), bytes.end()), cv::IMREAD_COLOR);
     } catch (const cv::Exception&) {
-      image.release();  // a header that promises too much
+      image.release();  // its header promises too much
     }
   }
   Require(!image.empty(), ErrorCode::kInvalidInput, "'" + file + "' is no image that can be read");
@@ -71,7 +71,7 @@ std::vector<std::string> NamesOf(const std::vector<std::string>& images) {
   return names;
 }
 
-/// Of one image: the mask, and the overlay where it is asked for.
+/// Writes one image's mask, and its overlay where it is asked for.
 std::vector<fs::path> TargetsOf(const SegmentArguments& arguments, const std::string& name) {
   std::vector<fs::path> targets = {fs::path(arguments.out) / (name + ".png")};
   if (arguments.has_overlays) targets.push_back(fs::path(arguments.out) / (name + "_overlay.jpg"));
@@ -80,7 +80,7 @@ std::vector<fs::path> TargetsOf(const SegmentArguments& arguments, const std::st
 
 /// Throws Error{kUsage} where a mask would replace one of the images.
 void RequireImagesStay(const SegmentArguments& arguments, const std::vector<std::string>& names) {
-  std::error_code ignored;  // what is missing is no image
+  std::error_code ignored;  // a path that does not exist cannot be an image
   for (const std::string& name : names)
     for (const fs::path& target : TargetsOf(arguments, name))
       for (const std::string& image : arguments.images)
@@ -105,7 +105,8 @@ RigCamera FindCamera(const SegmentArguments& arguments) {
               "--camera must name the camera of the rig that took the images: " + names);
 }
 
-/// Finds drivable ground in images: of a camera that is known as maps do, else as they are.
+/// Finds drivable ground in images: as maps do where the camera is known, else in the images as
+/// they are.
 class Segmenter {
  public:
   explicit Segmenter(const SegmentArguments& arguments) {
@@ -123,8 +124,8 @@ class Segmenter {
 
  private:
   std::optional<RigCamera> camera_;
-  std::unique_ptr<ImageNetworks> own_;         ///< where the camera is known
-  std::unique_ptr<FreespaceNetwork> network_;  ///< else
+  std::unique_ptr<ImageNetworks> own_;         ///< set where the camera is known
+  std::unique_ptr<FreespaceNetwork> network_;  ///< set where it is not
 };
 
 int Segment(const SegmentArguments& arguments) {

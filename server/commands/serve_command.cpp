@@ -23,9 +23,9 @@ std::filesystem::path FindWebRoot() {
              : std::filesystem::path(PARKADE_WEB_ROOT);
 }
 
-/// `parkade map` as the worker of one attempt.
+/// The command line of `parkade map` as the worker of one attempt.
 std::vector<std::string> WorkerCommand(const JobSpec& spec) {
-  // By this name the running program is found even after an upgrade replaced its file.
+  // This name leads to the running program even after an upgrade replaced its file.
   std::vector<std::string> command = {"/proc/self/exe", "map"};
   command.insert(command.end(), spec.logs.begin(), spec.logs.end());
   for (const std::filesystem::path& rig : spec.rigs)
@@ -36,7 +36,7 @@ std::vector<std::string> WorkerCommand(const JobSpec& spec) {
   for (const std::string& loop : spec.forced_loops)
     command.insert(command.end(), {"--force-loop", loop});
   if (spec.pins && spec.pins->empty()) command.push_back("--no-pins");
-  // In one word: what begins with a dash is a number.
+  // One word, because a value that begins with a dash would pass for an option.
   for (const std::string& pin : spec.pins.value_or(std::vector<std::string>()))
     command.push_back("--pin=" + pin);
   command.insert(command.end(), {"--out", spec.out, "--progress-file", spec.progress});

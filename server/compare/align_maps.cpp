@@ -15,8 +15,9 @@
 namespace parkade {
 namespace {
 
-constexpr double kPosesApart = 0.2;      // [s] of those that are compared
-constexpr double kDatumsApart = 20000;   // [m] beyond which two tangent planes are two places
+constexpr double kPosesApart = 0.2;  // [s] between poses that are compared
+constexpr double kDatumsApart =
+    20000;  // [m] beyond which two tangent planes count as different towns
 constexpr double kMedianToSigma = 1.48;  // of the absolute values of a normal distribution
 
 double Median(std::vector<double> values) {
@@ -38,7 +39,7 @@ SharedDrive PairPoses(const std::string& drive, const MapReader& from, const Map
   return shared;
 }
 
-/// Medians over all poses: a stretch that moved does not move the rest.
+/// Takes medians over all poses: a stretch that moved does not move the rest.
 SiteAlignment AlignByDrives(const std::vector<SharedDrive>& drives) {
   std::vector<PosePair> pairs;
   for (const SharedDrive& drive : drives)
@@ -69,7 +70,8 @@ SiteAlignment AlignByDrives(const std::vector<SharedDrive>& drives) {
   return alignment;
 }
 
-/// What the two datums say; nothing where a map has none, or where they contradict each other.
+/// The alignment by the two datums; nothing where a map has none, or where they contradict each
+/// other.
 std::optional<SiteAlignment> AlignByDatum(const MapReader& from, const MapReader& to) {
   if (!from.datum() || !to.datum()) return std::nullopt;
   SiteAlignment alignment{.to_from_from = {}, .aligned_by = "datum", .note = ""};

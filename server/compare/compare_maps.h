@@ -15,7 +15,8 @@
 
 namespace parkade {
 
-/// How far a drive that both versions hold has moved, once their sites are aligned [m].
+/// The distance [m] by which a drive that both versions hold has moved, once their sites are
+/// aligned.
 struct TrajectoryOffset {
   std::string drive;
   double median = 0, percentile_95 = 0, largest = 0;
@@ -33,12 +34,12 @@ struct MapComparison {
   std::optional<SiteDatum> datum;  ///< of the later map
 };
 
-/// Throws Error{kInvalidInput} where a map lacks its surface (an older program made it), and as
-/// AlignMaps does where nothing says how the two lie to each other.
+/// Compares two maps. Throws Error{kInvalidInput} where a map lacks its surface (an older program
+/// made it), and what AlignMaps throws where nothing says how the two lie to each other.
 MapComparison CompareMaps(const MapReader& from, const MapReader& to,
                           const CompareOptions& options = {});
 
-/// The whole comparison but for the regions' outlines, JSON.
+/// The whole comparison but for the regions' outlines, as JSON.
 std::string EncodeComparison(const MapComparison& comparison);
 
 /// Writes changes.json, changes.geojson, changes.png and changes.pgw into a folder: all of them or

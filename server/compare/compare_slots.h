@@ -19,7 +19,7 @@ struct SlotChanges {
   std::vector<std::string> added;    ///< ids in the later map
   std::vector<std::string> removed;  ///< ids in the earlier map
   std::vector<SlotChange> changed;   ///< taken or left since
-  std::size_t num_kept = 0;          ///< in both, changed or not
+  std::size_t num_kept = 0;          ///< slots in both, changed or not
 };
 
 /// Slots that overlap by half or more are the same one. A slot's state in a version is that of the

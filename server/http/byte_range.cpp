@@ -10,7 +10,7 @@
 namespace parkade {
 namespace {
 
-/// A number of digits only; a number too large counts as the largest.
+/// Parses a number of digits only; a number too large counts as the largest.
 std::optional<std::int64_t> Digits(std::string_view text) {
   if (text.empty() || text.find_first_not_of("0123456789") != std::string_view::npos)
     return std::nullopt;

@@ -15,10 +15,10 @@ using namespace std::chrono_literals;
 
 constexpr size_t kMaxHeadBytes = 32768;
 constexpr size_t kReceiveBytes = 65536;
-constexpr auto kHeadPatience = 10s;      // for a head, once it has begun
-constexpr auto kProgressPatience = 15s;  // without a single byte moving
+constexpr auto kHeadPatience = 10s;      // to wait for a head, once it has begun
+constexpr auto kProgressPatience = 15s;  // to wait without a single byte moving
 constexpr auto kFinishPatience = 2s;
-constexpr auto kLookInterval = 250ms;  // how often a waiting thread looks at the shutdown_signal
+constexpr auto kLookInterval = 250ms;  // how often a waiting thread looks at the shutdown signal
 // A body may be slow, but not so slow that it holds a thread for nothing.
 constexpr auto kBodyGrace = 30s;
 constexpr double kMinBodyPace = 8192;  // [bytes/s]
@@ -72,7 +72,7 @@ bool HttpConnection::Receive(Clock::time_point deadline) {
 std::optional<RequestHead> HttpConnection::ReadHead(std::chrono::milliseconds patience) {
   const Clock::time_point idle_deadline = Clock::now() + patience;
   while (buffer_begin_ == buffer_.size()) {
-    // In slices, so that an idle client does not hold up the end of the service.
+    // It waits in slices, so that an idle client does not hold up the end of the service.
     if (shutdown_signal_.is_stopping() || Clock::now() >= idle_deadline) return std::nullopt;
     if (!WaitFor(POLLIN, std::min(idle_deadline, Clock::now() + kLookInterval))) continue;
     if (!Receive(idle_deadline)) return std::nullopt;
@@ -126,7 +126,7 @@ ssize_t HttpConnection::read(char* data, size_t size) {
   return static_cast<ssize_t>(count);
 }
 
-// All or nothing: the library does not look how much of a head was sent.
+// Writes all or nothing: the library does not check how much of a head was sent.
 ssize_t HttpConnection::write(const char* data, size_t size) {
   size_t sent = 0;
   while (sent < size) {
@@ -149,7 +149,7 @@ void HttpConnection::SendProblem(const Problem& problem) {
       "\r\nContent-Type: application/problem+json\r\nContent-Length: " +
       std::to_string(body.size()) +
       "\r\nConnection: close\r\nX-Content-Type-Options: nosniff\r\n\r\n" + body;
-  body_left_ = 1;  // whatever follows is not a request
+  body_left_ = 1;  // bytes that follow are not a request
   write(text.data(), text.size());
 }
 

@@ -32,7 +32,7 @@ class OpenFile {
     return fd_ >= 0 && ::fstat(fd_, &info) == 0 && S_ISREG(info.st_mode) && info.st_size >= bytes;
   }
 
-  /// Passes a piece on; false at the end, on errors and when the client is gone.
+  /// Passes a piece on. Returns false at the end, on errors and when the client is gone.
   bool SendPiece(std::int64_t offset, size_t length, httplib::DataSink& sink) const {
     std::vector<char> piece(std::min(length, kPieceBytes));
     const ssize_t size = ::pread(fd_, piece.data(), piece.size(), offset);

@@ -5,7 +5,7 @@
 namespace parkade {
 namespace {
 
-/// "Name:80" -> "name", "[::1]" -> "::1"; "" for what is no host.
+/// "Name:80" -> "name", "[::1]" -> "::1"; "" where the text is not a host.
 std::string HostWithoutPort(const std::string& text) {
   const bool is_bracketed = text.starts_with('[');
   const size_t end = is_bracketed ? text.find(']') : text.find(':');

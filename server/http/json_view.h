@@ -12,7 +12,7 @@ using Json = nlohmann::ordered_json;
 
 // Rows as the API shows them (openapi.json, components/schemas).
 
-/// Without what needs more than the row: see AddTrajectories.
+/// The drive without what needs more than its row: see AddTrajectories.
 Json ToJson(const Drive& drive);
 Json ToJson(const Job& job, const std::optional<JobProgress>& progress);
 Json ToJson(const StoredRig& rig);
@@ -27,7 +27,7 @@ void AddTrajectories(const Drive& drive, const MapVersion& map, Json& json);
 /// "/api/v1/sites/NAME/maps/VERSION"
 std::string MapAddress(const std::string& site, std::int64_t version);
 
-/// By the extension of a map file's name.
+/// The content type, by the extension of a map file's name.
 const char* ContentTypeOf(const std::string& filename);
 
 }  // namespace parkade

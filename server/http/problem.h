@@ -39,8 +39,8 @@ class HttpError : public std::exception {
 
 void SendProblem(httplib::Response& response, const Problem& problem);
 
-/// The one place where a handler's exception becomes an answer. Texts that are
-/// not ours go to the log, never to a stranger.
+/// The one place where a handler's exception becomes an answer. Messages of other libraries go to
+/// the log, never to a stranger.
 void SendException(httplib::Response& response, std::exception_ptr thrown);
 
 }  // namespace parkade

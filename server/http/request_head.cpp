@@ -24,8 +24,8 @@ bool IsToken(std::string_view text) {
 
 bool IsControl(unsigned char byte) { return (byte < 0x20 && byte != '\t') || byte == 0x7f; }
 
-/// True for control bytes as they are and for %00 to %1f and %7f: the library
-/// decodes these in values.
+/// True for control bytes, plain or written as %00 to %1f and %7f: the library decodes these in
+/// values.
 bool HasControlByte(std::string_view text) {
   for (size_t i = 0; i < text.size(); ++i) {
     if (IsControl(static_cast<unsigned char>(text[i]))) return true;
@@ -92,7 +92,7 @@ void RefuseForeignChange(const RequestHead& head) {
 }
 
 /// Takes the host out of a target that names it, "http://HOST/PATH", as RFC 9112 (3.2.2) asks for:
-/// it stands for what the Host field says.
+/// it replaces the Host field.
 void SplitAbsoluteTarget(RequestHead& head) {
   constexpr std::string_view kScheme = "http://";
   if (InLowerCase(head.target.substr(0, kScheme.size())) != kScheme) return;

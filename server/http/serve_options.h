@@ -11,15 +11,15 @@
 
 namespace parkade {
 
-/// How to serve. The functions are what the service does not know itself: it
-/// parses no user file.
+/// How to serve. The functions stand for what the service leaves to others: it parses no user file
+/// itself.
 struct ServeOptions {
   std::filesystem::path data = "data";    ///< created where missing; one service at a time
   std::string listen = "127.0.0.1:8080";  ///< HOST:PORT, [IPv6]:PORT; port 0 takes a free one
   bool allow_public =
-      false;  ///< listen on other than loopback addresses, to any Host, without authentication
+      false;  ///< listen on addresses other than loopback, to any Host, without authentication
   std::filesystem::path web_root;  ///< the built viewer; "/" says how to build it where missing
-  int num_workers = 1;             ///< jobs at a time
+  int num_workers = 1;             ///< how many jobs run at a time
   bool merge_drives = true;        ///< a job maps all drives of its site; false: the new one alone
   std::int64_t disk_reserve = std::int64_t{2} << 30;  ///< [bytes] uploads leave free
   int num_threads = 64;                               ///< connections served at a time

@@ -8,7 +8,7 @@ namespace parkade {
 /// Tells connections when the service ends. Thread-safe.
 class ShutdownSignal {
  public:
-  /// From now on no request is begun, and after `patience` none goes on.
+  /// Begins the end: no request is begun any more, and after `patience` none goes on.
   void Cut(std::chrono::milliseconds patience) {
     end_ = (std::chrono::steady_clock::now() + patience).time_since_epoch().count();
   }

@@ -21,7 +21,7 @@ std::vector<Drive> DrivesOf(Store& store, const Job& job) {
   });
 }
 
-/// Empty where the drive names no rig.
+/// The rig's folder; empty where the drive names no rig.
 fs::path RigFolderOf(Store& store, const Drive& drive) {
   if (!drive.rig) return {};
   const std::optional<StoredRig> rig =
@@ -30,7 +30,8 @@ fs::path RigFolderOf(Store& store, const Drive& drive) {
   return store.directory.RigFolder(rig->id);
 }
 
-/// The version that a review names. A job of several drives takes the site's latest, so that its
+/// The map to start from: the version that a review names. A job of several drives takes the site's
+/// latest, so that its
 /// work grows with what is new. Published maps never change and are never deleted while the service
 /// runs: the worker may read there.
 std::optional<fs::path> MapToStartFrom(Store& store, const Job& job) {

@@ -66,7 +66,7 @@ void JobRunner::Cancel(const std::string& job_id) {
   if (!CancelWaitingJob(store_, job_id)) {
     const std::lock_guard lock(mutex_);
     const auto found = running_.find(job_id);
-    // It is running in the store, but here it is not: it is about to end.
+    // The job runs by the store, but not here: it is about to end.
     const bool is_in_time = found != running_.end() && !found->second.is_ending;
     Require(is_in_time, ErrorCode::kConflict, "job '" + job_id + "' is just ending");
     found->second.is_cancelled = true;
@@ -101,7 +101,7 @@ void JobRunner::Work() {
       job = ClaimJob(store_);
     } catch (const Error& error) {
       LogError(std::string("queue error=") +
-               error.what());  // a full disk, most likely: try again later
+               error.what());  // most likely the disk is full: try again later
     }
     if (job) {
       RunAttempt(*job);
@@ -235,7 +235,7 @@ void JobRunner::PublishStates(const Job& job) {
   for (const std::string& drive : job.drives) events_.Publish("drive", drive);
 }
 
-/// A job's end must not get lost on a full disk: there is room again at some time.
+/// A job's end must not get lost on a full disk: at some time there is room again.
 template <typename Change>
 void JobRunner::Persist(const Change& change) {
   for (;;) {

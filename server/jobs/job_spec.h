@@ -10,7 +10,7 @@ namespace parkade {
 
 /// One attempt at a map, as a worker process is told of it.
 struct JobSpec {
-  std::string job;  ///< id, for messages only
+  std::string job;  ///< its id, for messages only
   int attempt = 1;  ///< counts from 1
   std::vector<std::filesystem::path>
       logs;  ///< drive logs; the file name is the drive's name in the map
@@ -20,7 +20,7 @@ struct JobSpec {
       from;  ///< finished map whose odometry is taken instead of tracking again
   std::vector<std::string> rejected_loops, forced_loops;  ///< [DRIVE:]LOOP
   std::optional<std::vector<std::string>>
-      pins;                        ///< as --pin takes them; nothing: those of `from`; empty: none
+      pins;                        ///< in the form of --pin; nothing: those of `from`; empty: none
   std::filesystem::path out;       ///< empty folder for the products
   std::filesystem::path progress;  ///< file to append progress lines to
   std::filesystem::path preview;   ///< file for what the map will look like, where `from` allows;

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxCallers = 8;                   // at a time: each keeps a connection waiting
+constexpr int kMaxCallers = 8;  // at a time, because each keeps a connection waiting
 constexpr std::chrono::seconds kTimeLimit{300};  // for one comparison
 constexpr std::chrono::milliseconds kPatience{100};
 
@@ -32,7 +32,7 @@ class Presence {
   int number_;
 };
 
-/// What the process said at last, without its own name.
+/// The last line that the process printed, without its own name.
 std::string LastSentence(const fs::path& log) {
   std::ifstream stream(log);
   std::string line, last;
@@ -60,7 +60,7 @@ std::optional<fs::path> MapComparer::Compare(const std::string& from_map,
 void MapComparer::Run(const std::string& from_map, const std::string& to_map,
                       const fs::path& out) const {
   Require(static_cast<bool>(command_), ErrorCode::kInternal, "the service cannot compare maps");
-  // Gone after the process, which may still write there.
+  // It is removed after the process has ended, which may still write there.
   const TemporaryPath log(directory_.NewTemporaryPath()), products(directory_.NewTemporaryPath());
   WorkerProcess process(
       command_(directory_.MapFolder(from_map), directory_.MapFolder(to_map), products.get()),
@@ -79,7 +79,7 @@ void MapComparer::Run(const std::string& from_map, const std::string& to_map,
   Require(is_done || !is_refused, ErrorCode::kInvalidInput, sentence);
   Require(is_done, ErrorCode::kInternal, "comparing two maps failed: " + sentence);
   fs::rename(products.get(),
-             out);  // as a whole: a process that is ended early leaves no comparison
+             out);  // renamed as a whole: a process that is ended early leaves no comparison
 }
 
 }  // namespace parkade

@@ -13,17 +13,17 @@
 namespace parkade {
 
 /// The command line that compares two finished maps and leaves changes.json, changes.geojson,
-/// changes.png and changes.pgw in the folder `out`, which it makes, or nothing. What it prints last
-/// when it fails with status 1 is a sentence for the user.
+/// changes.png and changes.pgw in the folder `out`, which it makes, or nothing. When it fails with
+/// status 1, the last line that it prints is a sentence for the user.
 using CompareCommand = std::function<std::vector<std::string>(const std::filesystem::path& from,
                                                               const std::filesystem::path& to,
                                                               const std::filesystem::path& out)>;
 
-/// Compares published maps, each pair in a process of its own and once: what came out is kept in
-/// tmp/ until the service starts again. One comparison at a time. Thread-safe.
+/// Compares published maps, each pair in a process of its own and once: the result is kept in tmp/
+/// until the service starts again. One comparison at a time. Thread-safe.
 class MapComparer {
  public:
-  /// The directory is borrowed.
+  /// Borrows the directory.
   MapComparer(const DataDirectory& directory, CompareCommand command);
 
   /// The folder with the files of a comparison. Waits where another is under way; nothing where too
@@ -32,7 +32,7 @@ class MapComparer {
   std::optional<std::filesystem::path> Compare(const std::string& from_map,
                                                const std::string& to_map);
 
-  /// Ends what is under way. Final.
+  /// Ends the comparison under way. Final.
   void Stop() { is_stopping_ = true; }
 
  private:

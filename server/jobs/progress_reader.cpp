@@ -11,7 +11,7 @@ namespace {
 constexpr size_t kMaxLineBytes = 16384;
 constexpr size_t kMaxTextBytes = 1024;
 
-/// Text of a worker as it is shown to people: cut, and printable.
+/// A worker's text as it is shown to people: cut, and printable.
 std::string Printable(const std::string& text) {
   std::string printable = text.substr(0, kMaxTextBytes);
   std::replace_if(

@@ -15,7 +15,7 @@ std::string Sentence(int signal, const std::string& stage) {
   return "the worker crashed" + where + ": " + ::strsignal(signal);
 }
 
-/// A worker says more than what jobs end by.
+/// A worker has more codes than jobs end with.
 std::string CodeOfWorker(const std::string& word) {
   if (word == "invalid_input" || word == "usage" || word == "not_found") return "invalid_input";
   return word == "disk_full" ? word : "internal";

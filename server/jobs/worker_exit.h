@@ -19,8 +19,8 @@ struct WorkerExit {
   std::string sentence;  ///< for the user
 };
 
-/// The `error_code` of a job that ended by an error: one of those above. What a job misses or is
-/// told wrongly is its input; a conflict is between us.
+/// The `error_code` of a job that ended by an error: one of those above. A job that misses
+/// something or is told something wrong has a bad input; a conflict is our fault.
 const char* JobErrorCode(ErrorCode code);
 
 /// `status` as given by waitpid(2), `last_words` as read from its progress file.

@@ -22,8 +22,8 @@ namespace {
 
 constexpr int kNiceness = 10;  // above the service's
 
-/// What the child needs, prepared before fork: after it, only calls that are
-/// async-signal-safe are allowed, because other threads may have held locks.
+/// Everything the child needs, prepared before fork: after it, only async-signal-safe calls are
+/// allowed, because other threads may have held locks.
 struct Launch {
   std::vector<char*> arguments;
   const char* folder = nullptr;
@@ -85,7 +85,7 @@ WorkerProcess::WorkerProcess(const std::vector<std::string>& command,
     if (pid_ < 0) error = errno;
   }
   for (const int fd : {launch.log_fd, launch.null_fd, failure[1]}) ::close(fd);
-  // Closed by a successful exec; otherwise it tells why there was none.
+  // A successful exec closes the pipe; otherwise the pipe tells why there was none.
   if (error == 0 && ::read(failure[0], &error, sizeof(error)) != sizeof(error)) error = 0;
   ::close(failure[0]);
   if (error != 0) {
@@ -93,7 +93,7 @@ WorkerProcess::WorkerProcess(const std::vector<std::string>& command,
     throw Error(ErrorCode::kInternal,
                 std::string("the worker cannot be started: ") + std::strerror(error));
   }
-  // By its number: glibc 2.36 declares pidfd_open without C linkage.
+  // Called by its number, since glibc 2.36 declares pidfd_open without C linkage.
   pid_fd_ = static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0));
 }
 
@@ -112,8 +112,8 @@ std::optional<int> WorkerProcess::Wait(std::chrono::milliseconds patience) {
   siginfo_t end{};
   const int result = ::waitid(P_PID, static_cast<id_t>(pid_), &end, WEXITED | WNOHANG | WNOWAIT);
   if (result != 0 || end.si_pid != pid_) return std::nullopt;
-  // What it may have left behind in its group goes too; before it is buried, as
-  // afterwards the number may be another's.
+  // Processes that it left behind in its group end too. That comes before waitpid, after which the
+  // number may be another's.
   ::kill(-pid_, SIGKILL);
   int status = 0;
   ::waitpid(pid_, &status, 0);

@@ -28,7 +28,7 @@ class WorkerProcess {
   pid_t pid() const { return pid_; }
 
   /// Waits for the end, at most `patience`. Returns the status of waitpid(2), or
-  /// nothing while the process runs. To call again after the end is fine.
+  /// nothing while the process runs. It may be called again after the end.
   std::optional<int> Wait(std::chrono::milliseconds patience);
 
   /// Sends a signal to the whole group; nothing happens after its end.

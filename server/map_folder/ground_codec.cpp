@@ -12,10 +12,10 @@ namespace parkade {
 namespace {
 
 constexpr int kCompressionLevel =
-    1;  // higher ones take longer and save little: what is left is noise of images
+    1;  // higher ones take longer and save little: the rest is image noise
 
 // Bytes of samples stand plane by plane: all first bytes, then all second ones. Colors and numbers
-// are differences from the sample before, blue and red also from green.
+// are differences from the sample before, and those of blue and red from the one of green.
 enum Plane : std::size_t {
   kNumber0,
   kNumber1,
@@ -36,7 +36,7 @@ std::uint16_t BitsOf(const CompactFloat& value) { return std::bit_cast<std::uint
 
 CompactFloat FromBits(std::uint16_t bits) { return std::bit_cast<CompactFloat>(bits); }
 
-/// Small numbers of either sign to small numbers.
+/// Maps small numbers of either sign to small numbers without one.
 std::uint32_t Fold(std::int32_t value) {
   return (static_cast<std::uint32_t>(value) << 1) ^ static_cast<std::uint32_t>(value >> 31);
 }
@@ -108,7 +108,7 @@ std::string EncodeSamples(std::span<const GroundSample> samples, GroundCells& ce
 std::vector<GroundSample> DecodeSamples(std::string_view bytes, std::size_t num_samples,
                                         std::span<const GroundCell> cells) {
   thread_local std::string
-      planes;  // kept: memory that comes and goes costs more than what is done in it
+      planes;  // kept between calls: allocating it costs more than the work done in it
   if (planes.size() < kNumPlanes * num_samples) planes.resize(kNumPlanes * num_samples);
   DecompressInto({planes.data(), kNumPlanes * num_samples}, bytes);
   const auto at = [&](std::size_t plane, std::size_t i) {

@@ -12,9 +12,9 @@
 
 namespace parkade {
 
-/// What samples of one cell of a camera's grid have in common: a camera looks at the same
-/// cells of its car's plane in every image, so that a sample is the number of its cell, a
-/// color, and what was seen there.
+/// The part that samples of one cell of a camera's grid have in common: a camera looks at the same
+/// cells of its car's plane in every image, so that a sample is the number of its cell, a color,
+/// and what was seen there.
 struct GroundCell {
   CompactPoint point_in_body;
   CompactFloat weight, footprint, confidence;  ///< confidence: of the first sample there
@@ -26,13 +26,13 @@ class GroundCells {
   GroundCells() = default;
   explicit GroundCells(std::vector<GroundCell> cells) : cells_(std::move(cells)) {}
 
-  /// Numbers of the samples' cells; new cells are added.
+  /// Returns the numbers of the samples' cells; adds new cells.
   std::vector<std::uint32_t> NumbersOf(std::span<const GroundSample> samples);
 
   std::span<const GroundCell> cells() const { return cells_; }
 
  private:
-  using Bytes = std::array<std::uint8_t, 10>;  // of the cell but for its confidence
+  using Bytes = std::array<std::uint8_t, 10>;  // the cell but for its confidence
   struct Hash {
     std::size_t operator()(const Bytes& bytes) const {
       return std::hash<std::string_view>{}(
@@ -44,17 +44,17 @@ class GroundCells {
   std::unordered_map<Bytes, std::uint32_t, Hash> numbers_;
 };
 
-/// The samples of a patch, compressed, exactly: 2 to 4 bytes each.
+/// Compresses the samples of a patch exactly, to 2 to 4 bytes each.
 std::string EncodeSamples(std::span<const GroundSample> samples, GroundCells& cells);
 
-/// Throws Error{kInvalidInput} for bytes that are none.
+/// The inverse of EncodeSamples. Throws Error{kInvalidInput} for other bytes.
 std::vector<GroundSample> DecodeSamples(std::string_view bytes, std::size_t num_samples,
                                         std::span<const GroundCell> cells);
 
-/// zstd with a checksum.
+/// Compresses by zstd, with a checksum.
 std::string Compress(std::string_view bytes);
 
-/// Throws Error{kInvalidInput} unless `bytes` unfold to `size` bytes.
+/// Unpacks. Throws Error{kInvalidInput} unless `bytes` unfold to `size` bytes.
 std::string Decompress(std::string_view bytes, std::size_t size);
 
 }  // namespace parkade

@@ -50,9 +50,9 @@ class GroundFileWriter {
 /// are asked for.
 class GroundFile {
  public:
-  /// Null where there is no such file, or it is of another key. All of it is read and held against
-  /// its SHA-256, which takes a twentieth of decoding it: null, too, where it is damaged, with a
-  /// line in the log.
+  /// Opens a file. Returns null where there is none, it has another key or, with a line in the log,
+  /// is damaged: all of it is read and held against its SHA-256, which takes a twentieth of the
+  /// time of decoding it.
   static std::unique_ptr<const GroundFile> Open(const std::filesystem::path& file,
                                                 const std::string& key);
 
@@ -60,11 +60,11 @@ class GroundFile {
   GroundFile(const GroundFile&) = delete;
   GroundFile& operator=(const GroundFile&) = delete;
 
-  /// All but the patches.
+  /// The observation without its patches.
   const GroundObservation& observation() const { return observation_; }
   const std::vector<StoredPatch>& patches() const { return patches_; }
 
-  /// As it was added, but that its drive is `drive`. Thread-safe.
+  /// Reads a patch as it was added, except that its drive is `drive`. Thread-safe.
   GroundPatch Read(std::size_t index, int drive) const;
 
  private:
@@ -82,7 +82,8 @@ class GroundFile {
 /// The stored patches of several drives, posed.
 class StoredGround final : public PatchSource {
  public:
-  /// Patches at whose time `site_from_body` knows no pose are left out. Call in the order of the
+  /// Adds a drive's patches. Those at whose time `site_from_body` knows no pose are left out. Call
+  /// in the order of the
   /// drives' numbers.
   void Add(std::shared_ptr<const GroundFile> file, int drive, const Trajectory& site_from_body);
 
@@ -93,7 +94,7 @@ class StoredGround final : public PatchSource {
     std::size_t file = 0, patch = 0;
   };
   std::vector<std::shared_ptr<const GroundFile>> files_;
-  std::vector<Origin> origins_;  // as views_
+  std::vector<Origin> origins_;  // in the order of views_
 };
 
 }  // namespace parkade

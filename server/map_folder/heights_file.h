@@ -7,14 +7,14 @@
 
 namespace parkade {
 
-/// Raised whenever what is stored of the ground of a drive, or how it is found with the same
-/// inputs, changes.
+/// Raise it whenever the stored form of a drive's ground or heights changes, or the way they are
+/// found from the same inputs.
 constexpr int kGroundVersion = 4;
 
-// As the results of slam/sessions/stage_results.h: exact, but without the number of the drive.
+// Encodes as slam/sessions/stage_results.h does: exactly, but without the number of the drive.
 
 std::string EncodeHeights(DriveHeights heights);
-/// Throws Error{kInvalidInput} for bytes that are none.
+/// The inverse. Throws Error{kInvalidInput} for other bytes.
 DriveHeights DecodeHeights(std::string_view bytes);
 
 }  // namespace parkade

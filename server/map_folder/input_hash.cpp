@@ -23,7 +23,7 @@ InputHash HashFile(const fs::path& file) {
   return {file.filename().string(), static_cast<std::int64_t>(bytes), Sha256OfFile(file)};
 }
 
-/// By their names in the folder.
+/// The files of a folder by their names in it.
 std::map<std::string, fs::path> FilesIn(const fs::path& folder, const fs::path& left_out) {
   constexpr auto kSkip = fs::directory_options::skip_permission_denied;
   std::map<std::string, fs::path> files;

@@ -6,8 +6,7 @@
 
 namespace parkade {
 
-/// What a map was made from, so that it can be told again: a file, or a folder with all that is in
-/// it.
+/// Identifies an input that a map was made from: a file, or a folder with all that is in it.
 struct InputHash {
   std::string name;  ///< the last part of the path
   std::int64_t bytes = 0;
@@ -15,9 +14,9 @@ struct InputHash {
       sha256;  ///< of a folder: of the lines "SHA256 BYTES NAME" of its files, sorted by name
 };
 
-/// Reads everything once. Folders that may not be opened count as empty.
-/// \param left_out  a folder inside of `path` that does not count, as that to which a map is
-/// written Throws Error{kInvalidInput} for a file that cannot be read.
+/// Reads everything once. Folders that cannot be opened count as empty.
+/// \param left_out a folder inside of `path` that does not count, such as the one a map is written
+/// to Throws Error{kInvalidInput} for a file that cannot be read.
 InputHash HashInput(const std::filesystem::path& path, const std::filesystem::path& left_out = {});
 
 }  // namespace parkade

@@ -11,7 +11,7 @@
 namespace parkade {
 
 /// The kerbs of a map's markings.geojson, in its site. Throws Error{kNotFound} without the file,
-/// Error{kInvalidInput} where it is none.
+/// Error{kInvalidInput} where it is no such file.
 std::vector<Kerb> ReadKerbs(const std::filesystem::path& file);
 
 /// True kerbs from the LineStrings of `type` "kerb" with `height_m` of a GeoJSON, in meters: as

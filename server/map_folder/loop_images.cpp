@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kQuality = 80;
 
-/// Relative to the map's folder.
+/// The image's path, relative to the map's folder.
 std::string ImageName(const std::string& drive, size_t keyframe, const std::string& camera) {
   char number[16];
   std::snprintf(number, sizeof number, "%05zu", keyframe);

@@ -22,12 +22,12 @@ std::string Join(const std::vector<std::string>& names) {
   return text;
 }
 
-/// JSON has no infinity: how sure a height is of which nothing is known is null.
+/// JSON has no infinity: the sigma of a height about which nothing is known is null.
 double ReadSigma(const Json& sigma) {
   return sigma.is_null() ? std::numeric_limits<double>::infinity() : sigma.get<double>();
 }
 
-/// Of the farthest corner of the map from where it is placed.
+/// Sigma of where the map's corner lies that is farthest from where it is placed.
 Eigen::Vector3d SigmaOf(const Json& georeference, const Json& bounds) {
   Eigen::Vector3d sigma;
   double reach = 0;

@@ -15,8 +15,8 @@
 
 namespace parkade {
 
-/// SHA-256 of logs, by drive; of others nothing is known. A drive of a finished map is one of a new
-/// map if both have its name and neither says that they are of two logs.
+/// SHA-256 of logs, by drive; other logs are unknown. A drive of a finished map is also one of a
+/// new map if both have its name and their logs, where both are known, are equal.
 using LogHashes = std::map<std::string, std::string>;
 
 /// A folder that `parkade map` left, opened again.
@@ -27,10 +27,12 @@ class MapReader {
 
   bool Has(const std::string& name) const { return std::filesystem::exists(folder_ / name); }
 
-  /// One of the map's files. Throws Error{kInvalidInput} where this map does not have it.
+  /// The path of one of the map's files. Throws Error{kInvalidInput} where this map does not have
+  /// it.
   std::filesystem::path FileNamed(const std::string& name) const;
 
-  /// A file of a drive. `drive` may be empty where the map has only one. Throws Error{kUsage}
+  /// The path of a file of a drive. `drive` may be empty where the map has only one. Throws
+  /// Error{kUsage}
   /// naming the drives.
   std::filesystem::path FileOfDrive(const std::string& drive, const std::string& name) const;
 
@@ -43,19 +45,18 @@ class MapReader {
   /// which.
   bool Holds(const std::string& drive, const std::string& log) const;
 
-  // Of its drives and of those that it left out:
-  /// Whether its drive of this name may have been made from the log with this hash: only two hashes
-  /// that differ tell.
+  // Whether a drive of this name, even one that the map left out, may have been made from the log
+  // with this hash: only two hashes that differ tell.
   bool MayBeOf(const std::string& drive, const std::string& log) const;
   /// SHA-256 of the log that a drive was made from; empty where the map does not say.
   std::string LogOf(const std::string& drive) const;
-  /// What a drive was tracked by, see OdometryFingerprint.
+  /// The text of OdometryFingerprint (odometry_fingerprint.h) that a drive was tracked with.
   std::string OdometryFingerprint(const std::string& drive) const;
-  /// What reviewers have decided on its loops, in this version or in those that it was made from.
+  /// Reviewers' decisions on a drive's loops, in this version or in those that it was made from.
   LoopReview ReviewOf(const std::string& drive) const;
 
   const std::optional<SiteDatum>& datum() const { return datum_; }
-  /// [m] east, north and up, by which any of the map may lie elsewhere on Earth; 3 m and 5 m of
+  /// Sigmas [m] east, north and up of where any part of the map lies on Earth; 3 m and 5 m of
   /// height where the map does not say.
   const Eigen::Vector3d& PlacementSigma() const { return placement_sigma_; }
 

@@ -5,8 +5,9 @@
 
 namespace parkade {
 
-/// What a drive was tracked by, as text to be compared: the options of odometry, and the streams
-/// that it reads. \param options  as in report.json \param streams  of a drive in report.json, or
+/// Identifies how a drive was tracked, as text to be compared: the options of odometry and the
+/// streams that it reads. \param options in the form of report.json \param streams  of a drive in
+/// report.json, or
 /// of HealthToJson
 std::string OdometryFingerprint(const nlohmann::json& options, const nlohmann::json& streams);
 

@@ -17,9 +17,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kStaging = ".staging.";  // and the process
+constexpr const char* kStaging = ".staging.";  // followed by the process's number
 
-/// What processes that were ended in the middle left behind.
+/// Removes folders that processes left behind which were ended in the middle.
 void RemoveOrphans(const fs::path& folder) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
@@ -66,7 +66,7 @@ void OutputFolder::Commit() {
   for (const fs::directory_entry& entry : fs::directory_iterator(staging_)) made.push_back(entry);
   for (const fs::directory_entry& entry : made) {
     const fs::path name = entry.path().filename(), target = folder_ / name;
-    // A folder cannot be renamed onto one that has files; what was there goes with what is left of
+    // A folder cannot be renamed onto one that has files; the old files go with the rest of
     // staging.
     if (entry.is_directory() && fs::exists(target))
       fs::rename(target, staging_ / ("old " + name.string()));

@@ -25,7 +25,7 @@ class OutputFolder {
   bool is_made_here_ = false;
 };
 
-/// Throws Error{kInvalidInput} where `folder` is none, or no file can be made in it.
+/// Throws Error{kInvalidInput} where `folder` is not a folder, or no file can be made in it.
 void RequireWritable(const std::filesystem::path& folder);
 
 }  // namespace parkade

@@ -8,7 +8,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// None where there is no map.
+/// The folders of a map; none where there is no map.
 std::vector<std::string> DrivesOfOldMap(const fs::path& folder) {
   try {
     return MapReader(folder).drives();

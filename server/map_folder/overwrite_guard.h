@@ -6,14 +6,14 @@
 
 namespace parkade {
 
-/// A map that goes into `folder` replaces the older one there, and nothing else: throws
-/// Error{kInvalidInput} where one of its own folders, of `drives` or `tiles`, is there already and
-/// of no map. Nothing that is missing is made.
+/// Makes sure that a map that goes into `folder` replaces an older map there and nothing else.
+/// Throws Error{kInvalidInput} where one of the folders that it needs (one per drive, `tiles`) is
+/// there already and does not belong to a map. Creates nothing.
 void RequireOverwritable(const std::filesystem::path& folder,
                          const std::vector<std::string>& drives);
 
-/// Takes away what an older map in `folder` has and the new one in `staging` has not: it would pass
-/// for the new one's.
+/// Removes files that an older map in `folder` has and the new one in `staging` has not: they would
+/// pass for the new map's.
 void RemoveRestOfOldMap(const std::filesystem::path& folder, const std::filesystem::path& staging);
 
 }  // namespace parkade

@@ -11,8 +11,8 @@
 namespace parkade {
 namespace {
 
-/// Of the rig that the drive was mapped with; the identity without a vehicle, whose body is the
-/// IMU.
+/// imu_from_body of the rig that the drive was mapped with; the identity without a vehicle, whose
+/// body is the IMU.
 Rigid3 ImuFromBody(const std::filesystem::path& calibration) {
   try {
     const YAML::Node vehicle = YAML::LoadFile(calibration)["vehicle"];

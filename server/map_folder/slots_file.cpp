@@ -61,7 +61,7 @@ StoredSlot ReadSlot(const Json& feature, bool is_in_site, const std::optional<Si
   return stored;
 }
 
-/// A rectangle as the simulator says it.
+/// A rectangle in the simulator's form.
 TrueSlot RectangleOf(const Json& properties) {
   const Json &center = properties.at("center"), &size = properties.at("size");
   const double yaw = properties.at("yaw").get<double>();

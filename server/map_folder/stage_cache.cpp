@@ -50,7 +50,7 @@ class ProductReader {
     }
     return hash.Finish() == sum_;
   }
-  /// Nothing where it is not whole.
+  /// The result; nothing where it is not whole.
   std::optional<std::string> Read() {
     std::string result;
     if (Read([&result](std::string_view piece) { result += piece; })) return result;
@@ -87,7 +87,7 @@ bool HoldsOneResult(const std::filesystem::path& file) {
   return !reader.Next();
 }
 
-/// A copy of its own, where an older map shares the file.
+/// Makes a copy where an older map shares the file.
 void StopSharing(const std::filesystem::path& file) {
   if (std::filesystem::hard_link_count(file) < 2) return;
   std::filesystem::path copy = file;
@@ -110,7 +110,7 @@ void Append(const std::filesystem::path& file, const std::string& key,
     stream << sum;
     stream.write(reinterpret_cast<const char*>(&size), sizeof size);
   };
-  write_head(std::string(kDigits, '0'));  // until they are known
+  write_head(std::string(kDigits, '0'));  // placeholder until size and hash are known
   Sha256 hash;
   write([&](std::string_view piece) {
     hash.Add(piece);
@@ -123,7 +123,7 @@ void Append(const std::filesystem::path& file, const std::string& key,
   if (stream.fail()) ThrowCannotWrite(file);
 }
 
-/// The whole file becomes the new map's, too, where it holds nothing else.
+/// The new map shares the whole file where it holds nothing else.
 bool TakeOver(const std::filesystem::path& from, const std::filesystem::path& to) {
   if (std::filesystem::exists(to) || !HoldsOneResult(from)) return false;
   LinkOrCopy(from, to);

@@ -13,23 +13,24 @@ namespace parkade {
 using PieceSink = std::function<void(std::string_view piece)>;
 
 /// Results of stages, kept in a map's folder under keys of all that they depend on, so that a later
-/// build from that map need not find them again. A file holds any number of them.
+/// build from that map need not find them again. A file holds any number of results.
 class StageCache {
  public:
   /// \param from  finished map whose results may be taken; empty: none
   /// \param to    folder of the map in the making; empty: nothing is kept
   StageCache(std::filesystem::path from, std::filesystem::path to);
 
-  /// The result under `key` of the finished map; nothing without a whole one.
+  /// The finished map's result under `key`; nothing where there is no whole one.
   std::optional<std::string> Find(const std::string& file, const std::string& key) const;
 
-  /// The result under `key`: taken where there is a whole one, else computed. Kept in the new map
-  /// either way; a file of this one result is shared between the maps. `file` is relative to the
+  /// The result under `key`: taken where there is a whole one, else computed. It is kept in the new
+  /// map either way; a file with this one result is shared between the maps. `file` is relative to
+  /// the
   /// maps' folders.
   std::string Get(const std::string& file, const std::string& key,
                   const std::function<std::string()>& compute) const;
 
-  /// The same as Get for results that are long and not needed now: they are only kept, piece by
+  /// Does what Get does for results that are long and not needed now: they are only kept, piece by
   /// piece.
   void Keep(const std::string& file, const std::string& key,
             const std::function<void(const PieceSink&)>& compute) const;
@@ -38,13 +39,14 @@ class StageCache {
   std::filesystem::path from_, to_;
 };
 
-/// The last result in a file of a finished map, whatever its key; nothing without a whole one.
+/// The last result in a file of a finished map, whatever its key; nothing where there is no whole
+/// one.
 std::optional<std::string> LastProduct(const std::filesystem::path& file);
 
-/// The file `from` under the name `to` as well, or a copy where the file system has no hard links.
+/// Links the file `from` under the name `to`, or copies it where the file system has no hard links.
 void LinkOrCopy(const std::filesystem::path& from, const std::filesystem::path& to);
 
-/// One key for all these, in their order.
+/// One key for all these values, in their order.
 std::string KeyOf(const std::vector<std::string>& parts);
 
 }  // namespace parkade

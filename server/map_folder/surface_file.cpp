@@ -62,7 +62,7 @@ SurfaceMap Restored(const StoredSurface& stored) {
   return surface;
 }
 
-/// Packs bytes as they come into one frame that says how long it is.
+/// Packs bytes as they come into one frame that states its length.
 class FrameWriter {
  public:
   FrameWriter(std::ostream& stream, std::uint64_t num_bytes)
@@ -111,7 +111,7 @@ void AddColumn(const SurfaceMap& surface, const ValueOf& value_of, FrameWriter& 
                    [&](size_t i) { frame.Add(static_cast<Value>(value_of(surface.cells[i]))); });
 }
 
-/// The same of differences from the cell before.
+/// The same with differences from the cell before.
 template <typename ValueOf>
 void AddSteps(const SurfaceMap& surface, const ValueOf& value_of, FrameWriter& frame) {
   std::int32_t last = 0;
@@ -121,7 +121,7 @@ void AddSteps(const SurfaceMap& surface, const ValueOf& value_of, FrameWriter& f
       frame);
 }
 
-/// As StoredSurface lies in a file, which may be larger than memory.
+/// Writes the layout of StoredSurface into a file, which may be larger than memory.
 void WriteFrame(const SurfaceMap& surface, std::ostream& stream) {
   constexpr size_t kNumColumns = 5,
                    kBytesPerCell = 3 * sizeof(std::int32_t) + sizeof(std::uint16_t) + 1;

@@ -13,12 +13,11 @@
 
 namespace parkade {
 
-/// How much of the way to go, and what is known before.
+/// How far to build, and what is known before.
 struct BuildScope {
   bool is_odometry_only = false;  ///< trajectories, no surface
   std::filesystem::path from;     ///< finished map whose stages' products are taken where they fit
-  LogHashes logs;  ///< of the drives: what `from` has of one that was made from another log is not
-                   ///< taken
+  LogHashes logs;  ///< by drive: products in `from` that were made from another log are not taken
   std::filesystem::path products;  ///< folder in which products are kept; empty: none, no surface
   std::filesystem::path preview;   ///< .glb that shows the map before it is done; empty: none
   std::map<std::string, LoopReview> loops;  ///< what a reviewer decided, by drive
@@ -26,7 +25,7 @@ struct BuildScope {
   std::vector<LeftOutDrive> unreadable;     ///< logs that are left out from the beginning
 };
 
-/// What all stages of one build share.
+/// The values that all stages of one build share.
 struct BuildContext {
   BuildContext(const MapOptions& map_options, const BuildScope& build_scope);
 

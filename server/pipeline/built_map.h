@@ -11,7 +11,7 @@
 
 namespace parkade {
 
-/// What is known about one drive of a map beyond the map itself.
+/// Facts about one drive of a map that the map itself does not hold.
 struct DriveOutcome {
   size_t log = 0;  ///< index among the logs that were given
   OdometryReport odometry;
@@ -23,11 +23,11 @@ struct DriveOutcome {
   int num_ground_images = 0;
 };
 
-/// A drive that the map is made without.
+/// A drive that was left out of the map.
 struct LeftOutDrive {
   std::string name, reason;
-  std::optional<size_t> log =
-      {};  ///< of those that BuildMap was given, where it has odometry for the next version
+  std::optional<size_t> log = {};  ///< index among the logs that BuildMap was given, where it has
+                                   ///< odometry for the next version
   LoopReview review = {};
 };
 

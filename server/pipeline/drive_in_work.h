@@ -12,7 +12,7 @@
 
 namespace parkade {
 
-/// A drive on its way into the map: what its stages made so far, in their order.
+/// A drive on its way into the map: the products of its stages so far, in their order.
 struct DriveInWork {
   const RecordedDrive* log = nullptr;
   size_t index = 0;  ///< of the log among those given

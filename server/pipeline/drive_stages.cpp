@@ -27,7 +27,7 @@ std::string TextOf(const LoopReview& review) {
 
 constexpr const char* kKeyframesFile = "/places.bin";
 
-// Numbers with every bit, as they are in memory.
+// Text with every bit of the numbers, as they are in memory.
 
 std::string BytesOf(GnssPositions gnss) {
   BinaryWriter writer;
@@ -37,7 +37,7 @@ std::string BytesOf(GnssPositions gnss) {
   return writer.bytes();
 }
 
-/// Of what the refinement may change about a rig: the rest belongs to the odometry.
+/// Hash of everything that the refinement may change about a rig: the rest belongs to the odometry.
 std::string BytesOf(Rig rig) {
   BinaryWriter writer;
   for (RigCamera& camera : rig.cameras)

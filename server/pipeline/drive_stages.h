@@ -13,22 +13,22 @@ namespace parkade {
 // product or takes it from the map that the build starts from: a drive that joins a site of many
 // costs its own work.
 
-/// Loops of the odometry, with what reviewers decided on them.
+/// Closes the loops of the odometry, under the decisions of reviewers.
 void CloseLoops(const BuildContext& context, DriveInWork& drive);
 
-/// The drive's refinement after its loops; the measurements that it was made from are let go.
+/// Refines the drive after its loops are closed, and lets go of the measurements behind it.
 void Refine(const BuildContext& context, DriveInWork& drive);
 
-/// What is seen at the rig's keyframes along the refined drive.
+/// Describes the keyframes along the refined drive.
 void DescribeKeyframes(const BuildContext& context, DriveInWork& drive);
-/// The same, but it is only kept for maps to come: few keyframes are in memory at a time.
+/// Describes keyframes only to keep them for later maps: few are in memory at a time.
 void KeepKeyframes(const BuildContext& context, const DriveInWork& drive);
 
-/// What the drive sees of the ground, in the map's folder, which there must be.
+/// Observes the ground along the drive, into the map's folder, which must exist.
 Keyed<std::shared_ptr<const GroundFile>> ObserveGround(const BuildContext& context,
                                                        const DriveInWork& drive);
 
-/// What it knows of the ground's height. \param number  of the drive in the site
+/// Measures the ground's height along the drive. \param number  of the drive in the site
 Keyed<DriveHeights> MeasureHeights(const BuildContext& context, const DriveInWork& drive,
                                    const Keyed<std::shared_ptr<const GroundFile>>& ground,
                                    int number);

@@ -10,7 +10,7 @@
 namespace parkade {
 namespace {
 
-/// Where GNSS puts each drive, all in one datum: that of the first drive that has one.
+/// Aligns each drive to GNSS, all in one datum: that of the first drive that has one.
 std::optional<SiteDatum> AlignAllToGnss(const GnssAlignOptions& options,
                                         std::vector<DriveInWork>& drives) {
   std::optional<SiteDatum> datum;
@@ -29,7 +29,7 @@ std::vector<DriveToJoin> DescribeDrives(const BuildContext& context,
   for (DriveInWork& drive : drives) {
     if (drives.size() > 1)
       DescribeKeyframes(context, drive);
-    else  // for maps that it is compared with, and drives that join it
+    else  // kept for maps that it is compared with, and drives that join it
       KeepKeyframes(context, drive);
     const DriveRefinement& refinement = drive.refinement.value;
     to_join.push_back({refinement.odom_from_body, std::exchange(drive.keyframes.value, {}),
@@ -38,7 +38,7 @@ std::vector<DriveToJoin> DescribeDrives(const BuildContext& context,
   return to_join;
 }
 
-// Numbers with every bit, as they are in memory.
+// Text with every bit of the numbers, as they are in memory.
 
 std::string BytesOf(const std::optional<GnssAlignment>& gnss) {
   BinaryWriter writer;
@@ -50,13 +50,14 @@ std::string BytesOf(const std::optional<GnssAlignment>& gnss) {
   return writer.bytes();
 }
 
-/// What pairs of drives have in common, as a stage of two: its files lie with the later drive.
+/// The findings about pairs of drives, as a stage of two drives: its files lie with the later
+/// drive.
 class PairCache {
  public:
   PairCache(const BuildContext& context, const std::vector<DriveInWork>& drives)
       : context_(context), drives_(drives) {}
 
-  /// All that the map to start from knows.
+  /// Everything that the map to start from knows about the pairs.
   PairFindings Known() const {
     PairFindings known;
     for (size_t b = 1; b < drives_.size(); ++b)
@@ -69,7 +70,7 @@ class PairCache {
     return known;
   }
 
-  /// Keeps what was asked for.
+  /// Keeps the findings that were asked for.
   void Keep(const PairFindings& findings) const {
     for (auto [pair, similarity] : findings.similarities) {
       BinaryWriter writer;

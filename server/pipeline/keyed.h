@@ -9,7 +9,7 @@
 
 namespace parkade {
 
-/// What a stage made, with the key of all that it depends on: its inputs' keys and its options. A
+/// A stage's product, with the key of all that it depends on: its inputs' keys and its options. A
 /// stage that takes it hashes the key into its own.
 template <typename Value>
 struct Keyed {

@@ -7,7 +7,7 @@
 
 namespace parkade {
 
-/// What all drives saw of the ground, and where they drove, in the site.
+/// The ground as all drives saw it, and where they drove, in the site.
 struct SiteGround {
   StoredGround patches;
   std::vector<DrivenPath> paths;

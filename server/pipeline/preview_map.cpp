@@ -46,8 +46,8 @@ void AddKeyframes(const std::vector<TimedPose>& old_poses, const SiteDrive& driv
 std::string Encode(const MapReader& old_map, const MeshDeformation& deformation,
                    const Rigid3& site_from_deformed, const std::set<std::string>& drives,
                    const std::optional<SiteDatum>& datum, const std::string& preview) {
-  // What only drives saw that have left is not shown; without one that left, all of the ground was
-  // seen.
+  // Ground that only removed drives saw is not shown; if no drive was removed, all of the ground
+  // was seen.
   const bool has_lost_drives = drives.size() < old_map.drives().size();
   const auto motion = [&](const Eigen::Vector3d& point) -> std::optional<Eigen::Vector3d> {
     if (has_lost_drives && !deformation.IsSeen(point)) return std::nullopt;
@@ -65,7 +65,7 @@ Trajectory OldTrajectory(const MapReader& old_map, const ClosedDrive& drive) {
   return Trajectory(std::move(states));
 }
 
-/// As the old map closed its loops; none where it does not say.
+/// The loops of the old map as it closed them; none where it does not say.
 LoopClosure OldLoops(const MapReader& old_map, const std::string& drive) {
   if (!old_map.Has(drive + "/loops.bin")) return {};
   const std::optional<std::string> bytes = LastProduct(old_map.FileOfDrive(drive, "loops.bin"));
@@ -86,7 +86,7 @@ JointDeformation DeformWith(const SiteGraph& site, const TriangleMesh& ground) {
 }
 
 /// A site on Earth stays where it lies as a whole: all its fixes or pins say so, and not its first
-/// place.
+/// keyframe.
 Rigid3 StayOnEarth(const SiteGraph& site, const std::vector<Rigid3>& poses) {
   Eigen::Matrix3Xd from(3, poses.size()), to(3, poses.size());
   for (size_t i = 0; i < poses.size(); ++i) {

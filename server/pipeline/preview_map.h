@@ -20,7 +20,7 @@ struct ClosedDrive {
   bool is_odometry_taken = false;  ///< from the map that the build starts from
 };
 
-/// What a map will look like, moments after its trajectories are final: the ground of the map that
+/// Shows how a map will look, moments after its trajectories are final: the ground of the map that
 /// it is built from, bent as the trajectories of the drives of both have bent (DeformGround),
 /// textured as it was, as a .glb. Ground that only a new drive saw is not in it yet; ground that no
 /// drive came near which is left is not in it any more. `asset.extras.preview` is "final".
@@ -31,7 +31,7 @@ struct ClosedDrive {
 std::string EncodePreview(const std::filesystem::path& from, const LogHashes& logs,
                           const SiteMap& site);
 
-/// The same as soon as loops are closed and before anything is refined: the old map's ground and
+/// Shows it as soon as loops are closed and before anything is refined: the old map's ground and
 /// all its drives as one problem (RegraphSite, DeformJointly), in the frame of the old map.
 /// `asset.extras.preview` is "joint". Nothing where no drive of the old map has other loops than it
 /// had, or where one of them was tracked again: the next preview is the final one. Throws as
@@ -41,12 +41,13 @@ std::optional<std::string> EncodeJointPreview(const std::filesystem::path& from,
                                               std::span<const ClosedDrive> drives,
                                               const LoopOptions& options);
 
-// The two as stages of a build: written to BuildScope::preview, where there is one; each replaces
-// the one before. A preview that cannot be made costs nobody the map.
+// The two previews as stages of a build: written to BuildScope::preview, where there is one; each
+// replaces
+// the one before. A preview that cannot be made does not fail the build.
 
-/// After all drives' loops are closed: EncodeJointPreview.
+/// Call after all drives' loops are closed: EncodeJointPreview.
 void PreviewLoops(const BuildContext& context, std::span<const DriveInWork> drives);
-/// Once trajectories are final, before there is ground: EncodePreview.
+/// Call once trajectories are final, before there is ground: EncodePreview.
 void PreviewSite(const BuildContext& context, const SiteMap& site);
 
 }  // namespace parkade

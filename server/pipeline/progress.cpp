@@ -15,14 +15,14 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Of this process, the workers of core/parallel included.
+/// Resources that this process used, the workers of core/parallel included.
 rusage Usage() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
   return usage;
 }
 
-/// [s] so far.
+/// Processor time so far [s].
 double ProcessorSeconds() {
   const rusage usage = Usage();
   const auto seconds = [](const timeval& time) {

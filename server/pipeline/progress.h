@@ -23,7 +23,7 @@ struct StageTiming {
   std::int64_t peak_memory_bytes = 0;  ///< of the process, until its end
 };
 
-/// Of this process so far, the workers of core/parallel included.
+/// Processor time of this process so far, the workers of core/parallel included.
 std::int64_t PeakMemoryBytes();
 
 /// Tells people and the service how far a run is: a line with an ETA on a

@@ -74,7 +74,7 @@ Json LibrariesToJson(const char* versions) {
   return json;
 }
 
-/// How many there are, by kind and by what the last drive that saw them saw.
+/// Counts slots by kind and by what the last drive that saw them saw.
 Json SlotsToJson(const SiteMap& map) {
   Json json = {{"count", map.markings.slots.size()},
                {"perpendicular", 0},
@@ -104,7 +104,7 @@ Json MapToJson(const SiteMap& map) {
           {"num_kerbs", map.markings.kerbs.size()}};
 }
 
-/// Of the ground and the trajectories.
+/// Statistics of the ground and the trajectories.
 Eigen::AlignedBox3d BoundsOf(const SiteMap& map) {
   Eigen::AlignedBox3d bounds;
   for (const Eigen::Vector3f& vertex : map.mesh.vertices)
@@ -115,7 +115,7 @@ Eigen::AlignedBox3d BoundsOf(const SiteMap& map) {
   return bounds;
 }
 
-/// With what the next build from this map must know to take its odometry.
+/// One drive of the report, with what the next build from this map must know to take its odometry.
 Json LeftOutToJson(const LeftOutDrive& drive,
                    const std::vector<std::unique_ptr<RecordedDrive>>& logs,
                    const std::map<std::string, DriveInputs>& inputs) {

@@ -12,10 +12,10 @@
 
 namespace parkade {
 
-/// What a drive of a map was made from.
+/// The inputs that a drive of a map was made from.
 struct DriveInputs {
   InputHash log;
-  std::optional<InputHash> rig;  ///< nothing: what the log says itself
+  std::optional<InputHash> rig;  ///< nothing: the rig came with the log
 };
 
 /// Writes report.json: versions, options, timings per stage, peak memory, health

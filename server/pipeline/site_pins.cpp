@@ -13,7 +13,7 @@ namespace parkade {
 namespace {
 
 constexpr double kReach =
-    100;  // [m] farther from every drive a pin is in another place, or in another frame
+    100;  // [m] a pin farther from every drive is in another place, or in another frame
 constexpr double kAnchorReach = 30;  // [m] within which a further drive is an anchor
 constexpr double kFarFromGnss = 15;  // [m] more than a receiver errs in the open
 

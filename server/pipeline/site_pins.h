@@ -15,7 +15,7 @@ namespace parkade {
 struct PinAnchor {
   std::string drive;
   Timestamp time;                                          ///< of a pose near the pin
-  Eigen::Vector3d point_in_imu = Eigen::Vector3d::Zero();  ///< [m] then
+  Eigen::Vector3d point_in_imu = Eigen::Vector3d::Zero();  ///< [m] at that time
 };
 
 /// A point of which a reviewer knows where it lies on Earth.
@@ -40,10 +40,10 @@ AskedPin ParsePin(const std::string& text);
 std::vector<SitePin> AnchorPins(const std::vector<std::string>& texts,
                                 const std::filesystem::path& map, const PinOptions& options);
 
-/// Those that a finished map was pinned by, from its report.json.
+/// Reads the pins of a finished map from its report.json.
 std::vector<SitePin> ReadPins(const std::filesystem::path& map);
 
-/// What pins did to a map.
+/// The effect of pins on a map.
 struct SitePinning {
   std::vector<SitePin> pins;  ///< in the pinned site
   std::optional<PinFit>
@@ -59,11 +59,10 @@ struct SitePinning {
 /// with a warning: they did when they were set.
 SitePinning PinSite(std::vector<SitePin> pins, const PinOptions& options, SiteMap& map);
 
-/// As a list for report.json; ReadPins reads it.
+/// The pins as a list for report.json; ReadPins reads it.
 nlohmann::ordered_json PinsToJson(const SitePinning& pinning);
 
-/// How a map lies on Earth, how sure that is, and how high the sea is there; null where it lies
-/// nowhere.
+/// How a map lies on Earth, how sure that is, and how high the sea is there; null without a datum.
 nlohmann::ordered_json GeoreferenceToJson(const SiteMap& map, const SitePinning& pinning);
 
 }  // namespace parkade

@@ -16,7 +16,7 @@ Eigen::Vector3d VectorOf(const Json& json) {
   return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
 }
 
-/// Null in place of what is infinite.
+/// A number, or null in place of an infinite one.
 Json RowsOf(const Eigen::Matrix4d& matrix) {
   Json rows = Json::array();
   for (Eigen::Index i = 0; i < 4; ++i) {
@@ -50,7 +50,8 @@ Json GeoidToJson(const SiteDatum& datum) {
 
 std::vector<SitePin> ReadPins(const std::filesystem::path& map) {
   const std::filesystem::path file = map / "report.json";
-  if (!std::filesystem::exists(file)) return {};  // said where the map's odometry is missed
+  if (!std::filesystem::exists(file))
+    return {};  // the missing map is reported where its odometry is needed
   std::vector<SitePin> pins;
   try {
     const Json report = Json::parse(ReadFile(file));

@@ -33,7 +33,7 @@ OdometryResult ReadStoredOdometry(const RecordedDrive& log, const BuildScope& sc
   return odometry;
 }
 
-/// In the map in the making, shared with the one that it was taken from.
+/// Puts the file into the map in the making, shared with the map that it was taken from.
 void StoreOdometry(const OdometryResult& odometry, const DriveLog& log, const BuildScope& scope,
                    bool is_taken) {
   const std::filesystem::path name = std::filesystem::path(log.name()) / kOdometryFile;
@@ -48,7 +48,8 @@ std::string KeyOfOdometry(const BuildScope& scope, const DriveLog& log) {
   return KeyOf({kVersion, std::to_string(kStageResultsVersion), stored});
 }
 
-/// From the map to start from where it holds this drive's; nothing where it cannot be used.
+/// Takes the odometry from the map to start from where it holds this drive's; nothing where it
+/// cannot be used.
 std::optional<OdometryResult> TakeOdometry(const RecordedDrive& log, const BuildContext& context) {
   const std::filesystem::path file = context.scope.from / log.name() / kOdometryFile;
   if (!context.from || !std::filesystem::exists(file)) return std::nullopt;

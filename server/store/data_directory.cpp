@@ -44,7 +44,7 @@ DataDirectory::DataDirectory(const std::filesystem::path& root)
   }
   for (const char* folder : {"db", "logs", "rigs", "maps", "jobs", "tmp", "quarantine"})
     CreateDurableFolder(root_ / folder);
-  // Bytes nobody was promised: the upload they belong to was never acknowledged.
+  // These bytes were promised to nobody: their upload was never acknowledged.
   for (const auto& entry : std::filesystem::directory_iterator(root_ / "tmp"))
     std::filesystem::remove_all(entry.path());
 }

@@ -39,7 +39,7 @@ class DataDirectory {
   std::filesystem::path JobFolder(const std::string& job_id) const { return JobsFolder() / job_id; }
   std::filesystem::path AttemptFolder(const std::string& job_id, int attempt) const;
 
-  /// Where the comparison of two published maps is kept, in tmp/.
+  /// The folder in tmp/ where the comparison of two published maps is kept.
   std::filesystem::path ComparisonFolder(const std::string& from_map,
                                          const std::string& to_map) const {
     return root_ / "tmp" / ("compare-" + from_map + "-" + to_map);

@@ -26,7 +26,7 @@ constexpr std::int64_t kEarlySyncBytes = std::int64_t{8} << 20;
 
 GrowingFile::GrowingFile(std::filesystem::path path, std::int64_t expected_bytes)
     : path_(std::move(path)) {
-  // To reserve more than there is would take all of it from everybody else before it fails.
+  // Reserving more than there is would take all of it from everybody else before it fails.
   if (expected_bytes > FreeBytes(path_.parent_path())) ThrowErrno("cannot reserve space", ENOSPC);
   fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (fd_ < 0) ThrowErrno("cannot create a file in the data directory", errno);
@@ -66,7 +66,7 @@ void GrowingFile::Flush() {
     }
   }
   pending_.clear();
-  // Start the disk early, so that the fsync at the end has little left to wait for.
+  // The disk starts early, so that the fsync at the end has little left to wait for.
   if (const std::int64_t behind = size_ - flushed_; behind >= kEarlySyncBytes) {
     ::sync_file_range(fd_, flushed_, behind, SYNC_FILE_RANGE_WRITE);
     flushed_ = size_;

@@ -12,7 +12,7 @@
 namespace parkade {
 namespace {
 
-/// Those in a map are ready, whatever comes later.
+/// Drives in a map are ready, whatever comes later.
 void SetStates(Connection& connection, const Job& job, DriveState state,
                const std::optional<std::string>& error = std::nullopt) {
   const std::vector<std::string> moved = job.new_drive ? std::vector{*job.new_drive} : job.drives;
@@ -25,7 +25,7 @@ void SetStates(Connection& connection, const Job& job, DriveState state,
   }
 }
 
-/// Of a job that waits again.
+/// Resets the drives of a job that waits again.
 void ResetDrives(Connection& connection, const Job& job) {
   if (job.new_drive) SetJobDrives(connection, job.id, {*job.new_drive});
   DropDeletedDrives(connection, job.id);

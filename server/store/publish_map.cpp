@@ -113,7 +113,7 @@ MapVersion PublishMap(Store& store, const Job& job, const SealedMap& sealed) {
     for (const Drive& drive : left_out) {
       const std::string reason = "left out of version " + std::to_string(map.version) + ": " +
                                  report.left_out.at(drive.name);
-      // What already made it into a map stays ready, whatever comes later.
+      // A drive that already is in a map stays ready, whatever comes later.
       if (HasMap(connection, drive.id)) {
         SetDriveState(connection, drive.id, DriveState::kReady, std::nullopt);
       } else {

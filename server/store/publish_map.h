@@ -10,7 +10,7 @@
 
 namespace parkade {
 
-/// What a finished attempt left, fit to be published.
+/// The products of a finished attempt, fit to be published.
 struct SealedMap {
   std::filesystem::path staging;
   std::vector<MapFile> files;  ///< sorted by name

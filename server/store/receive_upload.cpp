@@ -39,8 +39,8 @@ Job QueueFirstJob(Connection& connection, const Drive& drive, bool merge_drives)
   return FindJob(connection, job.id);
 }
 
-/// Nothing else is done with the database meanwhile, so that no equal log arrives
-/// between the look and the deed. A Read, for it has to work on a full disk.
+/// Nothing else is done with the database meanwhile, so that no equal log arrives between check and
+/// removal. It is a Read, because it has to work on a full disk.
 void RemoveUnusedLog(Store& store, const std::string& sha256) {
   store.database.Read([&](Connection& connection) {
     if (CountDrivesWithContent(connection, sha256) == 0)
@@ -80,7 +80,7 @@ ReceivedDrive ReceiveDrive(Store& store, const NewDrive& new_drive, GrowingFile&
     return store.database.Write([&](Connection& connection) {
       drive.site = new_drive.site ? *new_drive.site : FreeSiteName(connection, drive.name);
       drive.name = FreeDriveName(connection, drive.site, drive.name);
-      // Inside the transaction, so that no deletion of an equal log comes between.
+      // This happens inside the transaction, so that no deletion of an equal log comes between.
       if (!std::filesystem::exists(target)) {
         has_moved = true;
         log.MoveTo(target);
@@ -109,8 +109,8 @@ void DeleteDrive(Store& store, const std::string& id) {
     MarkDriveDeleted(connection, id);
     return drive.sha256;
   });
-  // After the commit: were it the other way round, a failed commit would leave a
-  // drive without its log.
+  // Files go after the commit: the other way round, a failed commit would leave a drive without its
+  // log.
   RemoveUnusedLog(store, sha256);
 }
 

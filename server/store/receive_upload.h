@@ -21,8 +21,8 @@ struct ReceivedDrive {
   Job job;
 };
 
-/// Throws Error{kInvalidInput} when the names are not usable or the rig does not
-/// exist. For before the first byte is taken.
+/// Call before the first byte is taken. Throws Error{kInvalidInput} when the names are not usable
+/// or the rig does not exist.
 void CheckNewDrive(Store& store, const NewDrive& drive);
 
 /// Stores a finished log (GrowingFile::Finish gave `sha256`) as a drive of its

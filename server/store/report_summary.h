@@ -7,7 +7,7 @@
 
 namespace parkade {
 
-/// What lists of sites and drives show of a map's report.json. Each value is
+/// The parts of a map's report.json that lists of sites and drives show. Each value is
 /// JSON text; absent where the report does not say.
 struct ReportSummary {
   std::optional<std::string> datum;   ///< "datum": {latitude_deg, longitude_deg, altitude}

@@ -20,7 +20,7 @@ using RigFiles = std::map<std::string, std::string>;
 /// 64 MiB or 64 files.
 RigFiles UnpackRig(const std::string& zip);
 
-/// The same files as a zip, byte for byte the same each time.
+/// Packs the files as a zip, byte for byte the same each time.
 std::string PackRig(const RigFiles& files);
 
 /// Checks and stores a revision of the rig `name`. `check_rig` is given a folder

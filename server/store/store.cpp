@@ -17,7 +17,7 @@ std::vector<fs::path> EntriesOf(const fs::path& folder) {
   return entries;
 }
 
-/// The folders in `folder`; anything else there is none of ours.
+/// The folders in `folder`; anything else there is not ours.
 std::vector<fs::path> FoldersOf(const Store& store, const fs::path& folder) {
   std::vector<fs::path> folders;
   for (const fs::path& entry : EntriesOf(folder)) {

@@ -27,7 +27,7 @@ void RequireSpace(const Store& store, std::int64_t bytes);
 
 /// Moves what has no row in the database to quarantine/, finishes deletions
 /// that were cut short and removes products of jobs that will not publish them.
-/// For the start, before anything else uses the store.
+/// Call at the start, before anything else uses the store.
 void ReconcileFiles(Store& store);
 
 }  // namespace parkade

@@ -24,7 +24,7 @@ struct EvaluationOptions {
   void Validate() const;  ///< throws Error{kUsage}
 };
 
-/// Of a list of non-negative errors; all 0 when the list is empty.
+/// Statistics of non-negative errors; all 0 without any.
 struct ErrorSummary {
   double rmse = 0, mean = 0, median = 0, max = 0;
 };
@@ -49,7 +49,7 @@ struct TrajectoryEvaluation {
   std::size_t num_matched = 0;  ///< estimates with a truth at their time
   double path_length = 0;       ///< [m] of the truth, over the matched times
   double duration = 0;          ///< [s] from the first match to the last
-  AbsoluteError rigid;          ///< ATE after 6-DoF alignment: what the paper reports
+  AbsoluteError rigid;          ///< ATE after 6-DoF alignment, the usual figure
   AbsoluteError yaw_only;       ///< the same with yaw and translation only: both worlds have z up
   AbsoluteError by_poses;  ///< after 6-DoF alignment of attitudes, too: what lies beside the drive
   double tilt = 0;         ///< [rad] between the two verticals in that alignment
@@ -66,7 +66,7 @@ struct TrajectoryEvaluation {
 ///
 /// Alignment without scale: S. Umeyama, "Least-squares estimation of
 /// transformation parameters between two point patterns", TPAMI 1991, eq. 40-42.
-/// Alignment by poses: also, of each pose its position and three points 5 m off along its axes,
+/// Alignment by poses: the same for each pose's position and three points 5 m off along its axes,
 /// since positions along a straight street leave the roll about it open. Relative error: J. Sturm
 /// et al., "A benchmark for the evaluation of RGB-D SLAM systems", IROS 2012, eq. 2.
 ///
@@ -82,7 +82,7 @@ std::string ToText(const TrajectoryEvaluation& evaluation);
 /// Every field under its own name; quaternions as [x, y, z, w].
 nlohmann::json ToJson(const TrajectoryEvaluation& evaluation);
 
-/// The same poses of `frame` in another frame of the car:
+/// Poses of `frame` as those of another frame of the car:
 /// world_from_other = world_from_frame * frame_from_other.
 std::vector<TimedPose> PosesOf(const std::vector<TimedPose>& world_from_frame,
                                const Rigid3& frame_from_other);

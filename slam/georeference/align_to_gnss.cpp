@@ -17,7 +17,7 @@ constexpr double kMinSigma = 0.01;              ///< [m] receivers that claim le
 constexpr double kLongArm = 20;                 ///< [m] from which on residuals tell of bends
 constexpr double kLeastBend = 1e-4;             ///< [m/m]
 constexpr double kBendsPerMedian = 1.5;
-constexpr double kSigmasOfExtent = 2;  ///< that a drive must reach for a heading
+constexpr double kSigmasOfExtent = 2;  ///< a drive must extend this far for a heading
 constexpr double kMostWhiteVariance =
     0.7;  ///< a drive may be too short to show that a receiver errs slowly
 constexpr int kCorrelatedRounds = 3;     ///< after the robust fit, which is near
@@ -264,7 +264,7 @@ SitePlacement PlacementBy(const std::vector<GnssAlignment>& drives) {
   for (const GnssAlignment& drive : drives) {
     const Eigen::Vector3d arm = center_of(drive) - placement.center;
     Eigen::Matrix4d moved_by =
-        Eigen::Matrix4d::Identity();  // [yaw, x, y, z] of the drive's center by the site's
+        Eigen::Matrix4d::Identity();  // d [yaw, x, y, z] at the drive's center / d the site's
     moved_by(1, 0) = -arm.y();
     moved_by(2, 0) = arm.x();
     information += moved_by.transpose() * drive.covariance.inverse() * moved_by;
@@ -299,8 +299,8 @@ std::optional<GnssAlignment> AlignToGnss(const Trajectory& odom_from_body,
   alignment.datum = site_datum;
   const bool most_agree =
       alignment.num_inliers >= kMinInliers && 2 * alignment.num_inliers >= alignment.num_fixes;
-  // Reflections go with the place: within their reach they look like a turn, whatever the noise
-  // averages to.
+  // Reflections change with the location: within their reach they look like a rotation, whatever
+  // the noise averages to.
   std::vector<double> sigmas;
   for (const GnssFix& fix : usable) sigmas.push_back(fix.sigma_enu.head<2>().maxCoeff());
   if (alignment.extent < kSigmasOfExtent * Median(sigmas)) return std::nullopt;

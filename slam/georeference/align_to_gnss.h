@@ -43,8 +43,8 @@ struct GnssAlignment {
   double YawSigma() const;  ///< [rad]
 };
 
-/// How sure it is where a site lies that these drives' GNSS placed, all in one datum: they err
-/// independently.
+/// How well the place on Earth of a site is known that these drives' GNSS gave it, all in one
+/// datum. The drives err independently.
 SitePlacement PlacementBy(const std::vector<GnssAlignment>& drives);
 
 /// Whether a fix is whole, within the trajectory's span, and claims at most `max_sigma` [m]
@@ -55,7 +55,7 @@ bool IsUsable(const GnssFix& fix, const Trajectory& odom_from_body, double max_s
 /// the antenna of the trajectory lies on the fixes. Robust by graduated
 /// non-convexity with the Geman-McClure loss: H. Yang et al., "Graduated
 /// non-convexity for robust spatial perception", RA-L 2020, eq. 9-12. Then least squares in which
-/// the errors of successive fixes are as alike as their differences say (WhitenRows): that gives
+/// the errors of successive fixes are correlated as their differences show (WhitenRows): that gives
 /// the ends of the drive, where heading comes from, their right weight, and a covariance that does
 /// not take a thousand fixes for a thousand answers.
 ///

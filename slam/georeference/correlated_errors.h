@@ -11,9 +11,9 @@ struct ErrorModel {
   double white_variance = 0.1;   ///< share of the variance, (0, 1]
 };
 
-/// Turns rows of a least-squares problem whose errors are not independent of each other into rows
-/// that are, with unit variance: the innovations of a Kalman filter over the slow part, each column
-/// alike, which is the same as multiplying by the inverse square root of the series' covariance.
+/// Turns rows of a least-squares problem whose errors are correlated into rows with independent
+/// errors of unit variance: the innovations of a Kalman filter over the slow part, for each column
+/// in the same way, which equals multiplying by the inverse square root of the series' covariance.
 /// O(n). A. C. Harvey, "Forecasting, structural time series models and the Kalman filter", 1990,
 /// section 3.4.2.
 ///

@@ -59,7 +59,7 @@ SiteDatum DatumAt(const std::vector<PinnedPoint>& pins, const std::optional<Site
 
 double Square(double x) { return x * x; }
 
-/// Of [yaw, x, y, z] at the pins' center.
+/// Covariance of [yaw, x, y, z] at the pins' center.
 Eigen::Matrix4d CovarianceOf(const Eigen::Matrix3Xd& target, const Eigen::ArrayXd& has_height,
                              const PinFit& fit, double sigma, double placed_variance) {
   double horizontal = 0, vertical = 0;

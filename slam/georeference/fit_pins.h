@@ -24,14 +24,14 @@ struct PinOptions {
   void Validate() const;  ///< throws Error{kUsage}
 };
 
-/// A point of a site of which it is known where it lies on Earth.
+/// A point of a site whose position on Earth is known.
 struct PinnedPoint {
   Eigen::Vector3d point_in_site = Eigen::Vector3d::Zero();  ///< [m]
   double latitude_deg = 0, longitude_deg = 0;
   std::optional<double> height;  ///< [m] above the ellipsoid
 };
 
-/// How a site moves to lie where its pins say.
+/// The motion that puts a site where its pins say.
 struct PinFit {
   SiteDatum datum;  ///< at the first pin
   Rigid3 pinned_from_site;
@@ -51,12 +51,12 @@ struct PinFit {
 ///
 /// \param placed            where the site lies by other means
 /// \param placed_variance   [m^2] of its height
-/// Throws Error{kInvalidInput} for fewer than two pins, a place that is none, or pins that lie
-/// together.
+/// Throws Error{kInvalidInput} for fewer than two pins, coordinates that are not on Earth, or pins
+/// that lie together.
 PinFit FitPins(const std::vector<PinnedPoint>& pins, const PinOptions& options,
                const std::optional<SiteDatum>& placed = std::nullopt, double placed_variance = 0);
 
-/// Throws Error{kInvalidInput} naming the worst pin where they err by more than the tolerance.
+/// Throws Error{kInvalidInput} naming the worst pin where pins err by more than the tolerance.
 void RequireAgreement(const PinFit& fit, const PinOptions& options);
 
 }  // namespace parkade

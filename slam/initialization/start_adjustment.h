@@ -72,7 +72,7 @@ struct StartFit {
   StartMotionMatrix covariance;  ///< as the sigmas of the observations have it, times noise^2;
                                  ///< infinite where singular
   double cost = 0;               ///< robust, at the sigmas times the noise that was given
-  double noise = 1;              ///< of the observations / their sigmas
+  double noise = 1;              ///< of the observations, in units of their sigmas
 };
 
 /// [m] from begin to end.

@@ -16,8 +16,9 @@ constexpr double kRobustAngle = 0.005;  // [rad] off the epipolar plane
 constexpr int kFirstIterations = 12, kLastIterations = 8;
 constexpr int kPasses = 2;          // at the noise that the pass before found
 constexpr double kCorrelation = 6;  // variance: errors of a track last (docs/decisions/)
-constexpr double kSystematic = 10;  // the same for what acceleration tells of scale, of its sigma
-constexpr double kSystematicScale = 0.15;   // that is no contradiction between ground and IMU
+constexpr double kSystematic = 10;  // factor on the sigma of the scale that acceleration tells
+constexpr double kSystematicScale =
+    0.15;  // ground and IMU that differ by less do not contradict each other
 constexpr double kMaxTiltSigma = 0.10;      // [rad]
 constexpr double kMaxVelocitySigma = 0.15;  // [m/s] plus a share of the speed
 constexpr double kMaxVelocityShare = 0.10, kMaxVelocityShareOfImu = 0.05;
@@ -104,8 +105,8 @@ std::optional<Candidate> BestHypothesis(const StartProblem& problem,
   return best;
 }
 
-/// Of the logarithm of the way, as images and IMU have it. What tracks and IMU have in common over
-/// seconds looks like acceleration, which is all that tells scale here: hence far more than white
+/// Sigma of the logarithm of the way, by images and IMU. Errors that tracks and IMU keep over
+/// seconds look like acceleration, which is all that tells scale here: hence far more than white
 /// noise.
 double ScaleSigma(const Candidate& candidate) {
   const Eigen::Vector3d way = WayOf(candidate.problem, candidate.fit.motion);
@@ -154,7 +155,7 @@ KnownScale UseGround(Candidate& candidate, const Rig& rig) {
   return {1 / std::hypot(1 / sigma, 1 / ground->sigma), true};
 }
 
-/// Nothing moves but the IMU's noise, which motors that run may well make.
+/// Whether the car stands, by its images alone: a running motor may well shake the IMU.
 bool IsAtRest(const StartProblem& problem) {
   double num_tracks = 0, num_resting = 0;
   for (const StartTrack& track : problem.tracks) {

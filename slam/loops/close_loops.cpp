@@ -16,7 +16,7 @@ namespace parkade {
 namespace {
 
 // Below these no loop without scale is believed: two cameras do not hold together as four do.
-constexpr double kFloorTranslation = 0.02;           // [m] across the direction
+constexpr double kFloorTranslation = 0.02;           // [m] across the direction, at least
 constexpr double kFloorRotation = 0.1 * M_PI / 180;  // [rad]
 
 /// Vertex 0 is the world, vertex i + 1 is keyframe i.
@@ -29,7 +29,7 @@ PoseGraph GraphOf(const std::vector<RigKeyframe>& keyframes, const LoopOptions& 
 }
 
 /// The factor of the five-point method is between two cameras; the length of the way between them
-/// is unknown. The evidence shows the odometry's.
+/// is unknown. The evidence shows the odometry's length.
 void MeasureWithoutScale(const RigKeyframe& earlier, const RigKeyframe& later,
                          const std::vector<FeatureMatch>& matches, const Rigid3& by_odometry,
                          const LoopOptions& options, LoopEvidence& loop) {
@@ -55,7 +55,7 @@ void MeasureWithoutScale(const RigKeyframe& earlier, const RigKeyframe& later,
       sigma, options.method == "scale-less");
 }
 
-/// Keeps images of the two cameras that share the most inliers.
+/// Keeps the images of the two cameras that share the most inliers.
 void ShowViews(const RigKeyframe& earlier, const RigKeyframe& later, LoopEvidence& loop) {
   if (!loop.pose.inliers_of_cameras.empty()) {
     loop.earlier_camera = loop.pose.inliers_of_cameras.front().camera_a;
@@ -82,7 +82,7 @@ RelativePose MeasureRig(const std::vector<RigKeyframe>& keyframes, const PlaceCa
                     later = WidenKeyframe(keyframes, candidate.later, reach);
   RelativePose pose = EstimateRigPose(earlier, later, MatchKeyframes(earlier, later, how), how);
   pose.information /=
-      2 * options.neighbors + 1;  // what neighbors both saw counts more than once in it
+      2 * options.neighbors + 1;  // points that several neighbors saw count more than once
   return pose;
 }
 
@@ -133,7 +133,7 @@ void AddLoop(const PlaceCandidate& candidate, const LoopEvidence& loop, const Lo
   constexpr double kRigid = 1e8;  // [1/m^2], [1/rad^2]
   const size_t first = graph.vertices.size();
   const auto add_camera = [&](size_t keyframe, const Rigid3& keyframe_from_camera) {
-    // Ids far from each other's: nothing but their keyframe is near them in time.
+    // Their ids lie far from all others: nothing but their keyframe is near them in time.
     const auto id = static_cast<std::int64_t>(1'000'000'000 + 100 * graph.vertices.size());
     graph.vertices.push_back(
         {id, graph.vertices[keyframe].world_from_vertex * keyframe_from_camera, false});

@@ -12,7 +12,7 @@ constexpr std::int64_t kWorldId = -1'000'000;
 
 double Square(double x) { return x * x; }
 
-/// `by_options`, or what the odometry says of itself within a factor.
+/// The odometry's own figure, kept within a factor of `by_options`.
 double Drift(double by_odometry, double by_options) {
   constexpr double kLeast = 0.3, kMost = 2;
   return by_odometry > 0 ? std::clamp(by_odometry, kLeast * by_options, kMost * by_options)

@@ -1,4 +1,4 @@
-// Loops as report.json has them.
+// The list of loops of report.json.
 #include "slam/loops/loop_closure.h"
 
 #include <nlohmann/json.hpp>

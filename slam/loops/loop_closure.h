@@ -18,7 +18,7 @@ struct LoopOptions {
   RecognitionOptions recognition;
   RelativePoseOptions relative_pose;
   // Random walk of the odometry over a way of d meters: sigma = value * sqrt(d). Where the odometry
-  // gives a covariance, that counts, within 0.3 to 2 times these.
+  // gives a covariance, that counts instead, within 0.3 to 2 times these.
   double odometry_translation = 0.003;  ///< [m / sqrt(m)]
   double odometry_yaw = 0.0006;         ///< [rad / sqrt(m)]
   double odometry_tilt = 0.0005;        ///< [rad] of roll and pitch, which do not drift
@@ -55,15 +55,14 @@ struct LoopEvidence {
   cv::Mat earlier_view, later_view;          ///< what they saw, small; CV_8UC1, may be empty
   Timestamp earlier, later;
   double way = 0;                                 ///< [m] driven between
-  double score = 0;                               ///< of place recognition
+  double score = 0;                               ///< by place recognition
   RelativePose pose;                              ///< of the later in the earlier keyframe
   Rigid3 earlier_from_camera, later_from_camera;  ///< of a loop without scale: what its factor ties
   bool is_forced = false;                         ///< by a reviewer
-  double share = 1;        ///< of its information that counts beside that of its neighbors
-  double chi_squared = 0;  ///< [sigma^2] of the loop once all are closed
-  double weight = 0;       ///< 1 where the pose graph believed it
-  double odometry_disagreement =
-      0;  ///< [m] by which odometry alone put the later keyframe elsewhere
+  double share = 1;                  ///< of its information that counts, beside its neighbors
+  double chi_squared = 0;            ///< [sigma^2] of the loop once all are closed
+  double weight = 0;                 ///< 1 where the pose graph believed it
+  double odometry_disagreement = 0;  ///< [m] how far off odometry alone put the later keyframe
 };
 
 struct LoopClosure {

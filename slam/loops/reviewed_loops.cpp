@@ -9,7 +9,7 @@ namespace parkade {
 namespace {
 
 constexpr int kMinInliersOfForced = 6;  // fewer fix no pose, whatever a reviewer wants
-constexpr size_t kNeighbors = 2;        // whose images give the points of a place
+constexpr size_t kNeighbors = 2;        // on each side, whose images give the points of a keyframe
 
 std::string IdOf(const PlaceCandidate& loop) {
   return std::to_string(loop.earlier) + "-" + std::to_string(loop.later);

@@ -12,7 +12,7 @@ namespace parkade {
 namespace {
 
 constexpr double kHardlyHeld =
-    1e-4;  // [1/m^2], [1/rad^2] of a drive's first place: all there is without links
+    1e-4;  // [1/m^2], [1/rad^2] of a drive's first keyframe: all there is without links
 
 std::set<std::string> BelievedLoops(const LoopClosure& closure) {
   std::set<std::string> ids;
@@ -23,7 +23,7 @@ std::set<std::string> BelievedLoops(const LoopClosure& closure) {
 
 bool HasScale(const LoopEvidence& loop) { return loop.pose.information.diagonal().minCoeff() > 0; }
 
-/// At a moment of the drive; at its ends where rounding put it outside.
+/// The pose at a moment of the drive; at an end of the drive where rounding put the moment outside.
 Rigid3 KeyframeAt(const Trajectory& trajectory, Timestamp time) {
   const TimeSpan span = trajectory.span();
   return LeveledPose(*trajectory.At(std::clamp(time, span.begin, span.end)));

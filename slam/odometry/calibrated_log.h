@@ -6,8 +6,8 @@
 
 namespace parkade {
 
-/// A drive with another calibration of the same cameras: images and masks come at
-/// the times that its time shifts say, in order of time as ever.
+/// A drive with another calibration of the same cameras: images and masks come at the times that
+/// its time shifts say, still in order of time.
 class CalibratedLog final : public DriveLog {
  public:
   /// `log` is borrowed. `rig` has the cameras of log.rig(), in their order.

@@ -19,9 +19,9 @@ constexpr double kMaxPairTime =
     0.06;  // [s] between two images that are matched across cameras: any, at 10 Hz
 constexpr double kSameTime = 1e-3;  // [s] within which no motion needs to be known
 constexpr double kMatchInterval =
-    0.07;  // [s] between two images of a camera that another's tracks are sought in
+    0.07;  // [s] between two images of a camera in which another's tracks are sought
 constexpr int kMissesPerTry =
-    4;  // images after which a track that another camera did not show is sought again
+    4;  // images after which a track is sought again that the other camera did not show
 
 using Batch = std::vector<SensorRecord>;
 
@@ -52,7 +52,7 @@ class FrontEnd {
   size_t num_cameras() const { return trackers_.size(); }
   const FeatureTracker& tracker(size_t camera) const { return *trackers_[camera]; }
 
-  /// Before the cameras are tracked: IMU of the batch, and what the estimator knows.
+  /// Takes in the IMU of the batch and what the estimator knows, before the cameras are tracked.
   void Prepare(const Batch& batch, const std::optional<MotionState>& latest,
                std::vector<Rigid3> imu_from_cameras) {
     imu_from_cameras_ = std::move(imu_from_cameras);
@@ -102,7 +102,7 @@ class FrontEnd {
   }
 
  private:
-  /// What an image shows of another camera's tracks.
+  /// Another camera's tracks, as an image shows them.
   struct CrossMatches {
     size_t frame = 0;  ///< index into frames_ of the camera
     std::vector<FeatureObservation> observations;
@@ -129,7 +129,7 @@ class FrontEnd {
     return found;
   }
 
-  /// Tracks sought in vain rest for some images: most of them no camera beside shows.
+  /// Tracks sought in vain rest for some images: most of them are in no other camera's view.
   std::vector<FeatureObservation> MatchImages(CameraPair& pair, const TrackedImage& from,
                                               const TrackedImage& to) const {
     std::unordered_map<std::int64_t, int> misses;
@@ -187,7 +187,7 @@ class FrontEnd {
   std::optional<MotionState> latest_;
   std::vector<Rigid3> imu_from_cameras_;           // as the estimator knows them by now
   std::vector<std::vector<TrackedFrame>> frames_;  // per camera, of this batch
-  std::vector<std::vector<TrackedImage>> images_;  // also
+  std::vector<std::vector<TrackedImage>> images_;  // per camera, of this batch
 };
 
 /// What the estimator gets of one batch: images already tracked.

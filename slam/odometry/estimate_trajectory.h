@@ -8,7 +8,7 @@
 
 namespace parkade {
 
-/// Told now and then how far the pass over the log has come, in [0, 1].
+/// Called now and then with how far the pass over the log has come, in [0, 1].
 using ProgressCallback = std::function<void(double fraction)>;
 
 /// Estimates the way of the car from one pass over a drive: features tracked

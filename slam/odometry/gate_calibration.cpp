@@ -11,7 +11,7 @@ using Vector8d = Eigen::Matrix<double, 8, 1>;
 using Matrix8d = Eigen::Matrix<double, 8, 8>;
 
 constexpr double kMaxVarianceShare =
-    0.7;  // of the prior's variance that may be left along a direction that moves
+    0.7;  // share of the prior's variance that may be left along a direction that moves
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 struct Part {
@@ -48,7 +48,8 @@ Vector8d Difference(const CameraParameters& to, const CameraParameters& from) {
   return difference;
 }
 
-/// In units of the prior's sigmas; what is not estimated is known as well as by the prior.
+/// The covariance in units of the prior's sigmas; a quantity that is not estimated keeps the
+/// prior's.
 Matrix8d Whitened(const Matrix8d& covariance, const Vector8d& unit,
                   const Eigen::Array<bool, 8, 1>& is_estimated) {
   Matrix8d whitened =
@@ -62,7 +63,7 @@ Matrix8d Whitened(const Matrix8d& covariance, const Vector8d& unit,
   return whitened;
 }
 
-/// \param variance  in units of the prior's
+/// \param variance in units of the prior's variance
 CalibratedQuantity::Status StatusOf(const Part& part, const Eigen::VectorXd& variance,
                                     const Eigen::VectorXd& sigma) {
   const auto moved = (variance.array() < kMaxVarianceShare).count();
@@ -81,14 +82,14 @@ GatedCalibration GateCalibration(const std::string& camera, const CameraSettings
   const Eigen::Array<bool, 8, 1> is_estimated = Estimated(settings);
   const Vector8d prior = PriorSigmas(settings);
   const Vector8d unit = is_estimated.select(prior.array(), 1.0).matrix();
-  const Matrix8d assumed = Whitened(covariance.assumed, unit, is_estimated);
-  const Matrix8d honest = Whitened(covariance.honest, unit, is_estimated);
-  const Eigen::SelfAdjointEigenSolver<Matrix8d> eigen(assumed);
+  const Matrix8d model = Whitened(covariance.model, unit, is_estimated);
+  const Matrix8d sandwich = Whitened(covariance.sandwich, unit, is_estimated);
+  const Eigen::SelfAdjointEigenSolver<Matrix8d> eigen(model);
   Matrix8d refine = Matrix8d::Zero();  // projects on the refined directions
   for (int k = 0; k < 8; ++k) {
     const Vector8d direction = eigen.eigenvectors().col(k);
     if (eigen.eigenvalues()[k] < kMaxVarianceShare &&
-        direction.dot(honest * direction) < kMaxVarianceShare)
+        direction.dot(sandwich * direction) < kMaxVarianceShare)
       refine += direction * direction.transpose();
   }
   const Vector8d change =
@@ -101,7 +102,7 @@ GatedCalibration GateCalibration(const std::string& camera, const CameraSettings
   for (size_t k = 0; k < kTimingSize; ++k)
     gated.parameters.timing[k] += change[6 + static_cast<Eigen::Index>(k)];
   const Matrix8d keep = Matrix8d::Identity() - refine;
-  Vector8d variance = (refine * honest * refine + keep).diagonal();
+  Vector8d variance = (refine * sandwich * refine + keep).diagonal();
   const Eigen::Matrix3d imu_from_camera = estimate.ImuFromCamera().rotation.toRotationMatrix();
   variance.head<3>() +=
       (imu_from_camera.transpose() * turn.directions * imu_from_camera).diagonal();

@@ -10,7 +10,7 @@ OdometryDrift DriftOf(const Trajectory& odom_from_body) {
   const double length = odom_from_body.Length();
   if (states.empty() || !(length > 0)) return {};
   const TrajectoryState& last = states.back();
-  // Along the vertical: R e_z in odom is e_z turned back into body.
+  // Yaw is the rotation along the vertical, which is e_z of odom rotated back into body.
   const Eigen::Vector3d up_in_body =
       last.world_from_body.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   const double yaw_variance = up_in_body.dot(last.covariance.topLeftCorner<3, 3>() * up_in_body);

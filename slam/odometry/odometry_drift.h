@@ -11,8 +11,8 @@ struct OdometryDrift {
 };
 
 /// The random walk that ends with the covariance that the odometry itself gives for its last pose,
-/// seen from its first. Zero where it gives none. What all the way shares, as an error of scale, is
-/// in it too.
+/// seen from its first. Zero where it gives none. Errors that the whole way shares, as one of
+/// scale, are in it too.
 OdometryDrift DriftOf(const Trajectory& odom_from_body);
 
 }  // namespace parkade

@@ -33,7 +33,7 @@ std::string_view BytesOf(const Eigen::Ref<const Eigen::VectorXd>& numbers) {
           sizeof(double) * static_cast<size_t>(numbers.size())};
 }
 
-/// Of all that tracking takes from a rig. A lens counts by the rays of some of its pixels.
+/// Hash of all that tracking takes from a rig. A lens counts by the rays of some of its pixels.
 std::uint64_t FingerprintOf(const Rig& rig) {
   std::string bytes;
   const auto add_pose = [&bytes](const Rigid3& pose) {
@@ -99,7 +99,7 @@ class ContentWriter {
     Pass(encoder_.bytes());
     encoder_.Clear();
   }
-  /// What is encoded already.
+  /// Adds bytes that are encoded already.
   void Pass(std::string_view bytes) {
     checksum_.Add(bytes);
     file_.Append(bytes);
@@ -200,7 +200,7 @@ OdometryResult ReadContent(FileReader& content, const Rig& rig) {
   return odometry;
 }
 
-/// Of what is left of `stream`.
+/// Checksum of what is left of `stream`.
 Checksum ChecksumOf(std::ifstream& stream) {
   Checksum checksum;
   std::string piece(AppendedFile::kBufferBytes, '\0');

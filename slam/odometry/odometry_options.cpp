@@ -8,7 +8,7 @@ void NodeOptions::Validate() const {
   Require(interval >= 0.02 && slow_interval >= interval && still_interval >= interval &&
               distance > 0 && rotation > 0,
           ErrorCode::kUsage,
-          "knots must be at least 0.02 s apart, and further apart when slow or still");
+          "nodes must be at least 0.02 s apart, and further apart when slow or still");
 }
 
 void OdometryOptions::Validate() const {

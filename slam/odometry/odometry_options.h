@@ -11,10 +11,10 @@ namespace parkade {
 
 /// When the smoother gets a new state.
 struct NodeOptions {
-  double interval = 0.1;        ///< [s] between nodes of a moving car, at least
+  double interval = 0.1;        ///< [s] at least, between nodes of a moving car
   double slow_interval = 0.2;   ///< [s] at most, while it moves and turns little
   double distance = 0.25;       ///< [m] after which the next node is due
-  double rotation = 0.05;       ///< [rad] also
+  double rotation = 0.05;       ///< [rad] after which the next node is due
   double still_interval = 1.0;  ///< [s] while the car stands
   void Validate() const;
 };

@@ -16,7 +16,7 @@ struct DriveMeasurements;
 
 /// An image worth keeping.
 struct OdometryKeyframe {
-  Timestamp time;  ///< by the refined rig: CalibratedLog delivers the image at exactly that time
+  Timestamp time;  ///< of the refined rig: CalibratedLog delivers the image at exactly that time
   int camera = 0;
   Rigid3 odom_from_body;
 };
@@ -51,7 +51,7 @@ struct CameraCalibration {
       quantities;  ///< rotation, translation, time_offset [s], line_delay [s/row]
 };
 
-/// How it went; goes into report.json.
+/// How the odometry went; goes into report.json.
 struct OdometryReport {
   std::string start_kind;  ///< "standstill", "rolling on wheels", "moving in images"
   double start_time = 0;   ///< [s] after the log's begin, of the first estimated state
@@ -63,9 +63,9 @@ struct OdometryReport {
   int solves = 0;
   double mean_solve_seconds = 0, max_solve_seconds = 0;
   double mean_bearings = 0;  ///< per solve
-  double seconds = 0;        ///< of computing, all in all
+  double seconds = 0;        ///< of computing, in total
   double length = 0;         ///< [m]
-  double still_seconds = 0;  ///< the car stood
+  double still_seconds = 0;  ///< [s] during which the car stood
   bool has_wheels = false;
   double wheel_scale = 1;  ///< true speed / reported speed, estimated
   Eigen::Vector3d gyroscope_bias = Eigen::Vector3d::Zero();      ///< [rad/s] at the end

@@ -3,8 +3,8 @@
 #include "core/binary_serialization.h"
 #include "slam/odometry/odometry_result.h"
 
-// What an odometry file holds beside the measurements, for BinaryWriter and BinaryReader. In the
-// order of the file: a change needs a new version of it.
+// What an odometry file holds beside the measurements, for BinaryWriter and BinaryReader. Fields
+// are in the order of the file: a change needs a new version of it.
 namespace parkade {
 
 template <typename A>

@@ -84,8 +84,8 @@ StandstillDetector::StandstillDetector(const ImuCalibration& imu, size_t num_cam
       std::max(options.gyroscope_deviation, three_axes * imu.gyroscope_noise_density);
   max_accelerometer_deviation_ =
       std::max(options.accelerometer_deviation, three_axes * imu.accelerometer_noise_density);
-  // Of the means over two thirds of the interval.
-  constexpr double kThird = 0.1;  // [s] as the estimator looks
+  // Noise of the difference between means over a third of the interval each.
+  constexpr double kThird = 0.1;  // [s] the estimator looks at intervals three times as long
   max_change_of_force_ = std::max(kMinChangeOfForce, kNoiseSigmas * std::sqrt(2 * 3 / kThird) *
                                                          imu.accelerometer_noise_density);
 }

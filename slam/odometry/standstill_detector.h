@@ -16,7 +16,8 @@ struct StandstillOptions {
   double image_interval = 0.5;  ///< [s]
   double gyroscope_deviation =
       0.01;  ///< [rad/s] spread of a resting gyroscope, or 3 sigma of its noise
-  double accelerometer_deviation = 0.15;  ///< [m/s^2] also
+  double accelerometer_deviation =
+      0.15;  ///< [m/s^2] spread of a resting accelerometer, or 3 sigma of its noise
   void Validate() const;
 };
 
@@ -24,7 +25,7 @@ struct StandstillOptions {
 /// gyroscope is quiet; without wheels, the images stand still and the whole IMU is
 /// quiet. Traffic that fills one camera does not matter: it takes the median
 /// track of the quietest camera against wheels, and three quarters of the tracks of every camera
-/// without: what moves with the car, as its shadow does, must not pass for the world.
+/// without: tracks that move with the car, as its shadow's do, must not pass for the world.
 class StandstillDetector {
  public:
   StandstillDetector(const ImuCalibration& imu, size_t num_cameras,
@@ -32,7 +33,8 @@ class StandstillDetector {
 
   void Add(const TrackedFrame& frame);
 
-  /// For begin < end; at least 0.1 s apart to be meaningful. `imu` is not empty.
+  /// Whether the car stood from `begin` to `end`, which must be later and should be by 0.1 s. `imu`
+  /// is not empty.
   /// `was_still`: the car stood just before; it then takes more to believe that it
   /// moves, and no images are no reason to.
   bool IsStill(const ImuBuffer& imu, const WheelBuffer& wheels, Timestamp begin, Timestamp end,

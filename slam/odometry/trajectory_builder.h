@@ -18,13 +18,14 @@ class TrajectoryBuilder {
  public:
   TrajectoryBuilder(const Rig& rig, double output_interval);
 
-  /// For the states that follow: where the IMU sits, once the cameras are calibrated.
+  /// Sets where the IMU sits for the states that follow, once the cameras are calibrated.
   void MountOn(const Rig& rig) { imu_from_body_ = rig.body_from_imu.Inverse(); }
 
-  /// Nodes come in order of time. `interval`: since the node before, empty at the first.
+  /// Adds a node; they come in order of time. `interval`: since the node before, empty at the
+  /// first.
   void Add(const RecordedNode& node, const std::optional<NodeInterval>& interval);
 
-  /// States of the time before the first node, running backwards on the
+  /// Adds states of the time before the first node, running backwards on the
   /// gyroscope and the wheels, or on the IMU alone where there are none.
   /// `is_still`: the car stood all that time.
   std::vector<TrajectoryState> StatesBefore(const EarlyRecords& early, bool is_still) const;

@@ -10,16 +10,16 @@ constexpr double kMinInterval = 0.01;  // [s] between nodes
 constexpr double kSnap = 0.03;         // [s] a node moves this far to be at an image
 constexpr double kStillLook = 0.3;     // [s] over which standstill is judged
 constexpr double kWheelDoubt = 0.3;    // [s] a car may have moved before its wheels show it
-constexpr double kImageDoubt = 0.6;    // [s] or its images
+constexpr double kImageDoubt = 0.6;    // [s] a car may have moved before its images show it
 constexpr double kRateSpan =
     0.04;  // [s] before and after an image over which its rotation rate is averaged
-constexpr double kShortInterval = 0.05;  // [s] that needs no image
+constexpr double kShortInterval = 0.05;  // [s] an interval this short needs no image
 constexpr int kFewBearings = 8;          // fewer say next to nothing
 
 int CountCommon(const TrackedFrame& frame) { return static_cast<int>(frame.observations.size()); }
 
-/// [rad/s] around `time`, biased: one sample alone is mostly noise, which as a
-/// derivative by time would pass for a knowledge of time offsets.
+/// Biased rotation rate [rad/s] around `time`: one sample alone is mostly noise, which as a
+/// derivative by time would pass for knowledge of time offsets.
 Eigen::Vector3d MeanRate(const ImuBuffer& imu, Timestamp time) {
   const std::vector<ImuSample> samples = imu.Between(time - kRateSpan, time + kRateSpan);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -82,8 +82,8 @@ void TrajectoryEstimator::PlaceNodes(Timestamp until) {
 }
 
 std::vector<NewImage> TrajectoryEstimator::TakeImages(const ImuPreintegration& imu) {
-  // One image per camera and interval: the last, or the last that other cameras' tracks were found
-  // in.
+  // One image per camera and interval: the last one in which other cameras' tracks were found, else
+  // the last.
   std::vector<TrackedFrame*> chosen(rig_.cameras.size(), nullptr);
   size_t num_taken = 0;
   for (; num_taken < pending_.size() && pending_[num_taken].time <= imu.end(); ++num_taken) {

@@ -16,7 +16,7 @@ constexpr double kFirstImageStart = 1.0;  // [s] of moving images for the first 
 constexpr double kAttemptStep = 0.25;     // [s] between attempts
 constexpr double kMinBackwards = 0.3;     // [s] before the first node that are worth it
 
-// What remains unknown of a state that the forward run has smoothed.
+// Sigmas of a state that the forward run has smoothed.
 constexpr StartUncertainty kSmoothedUncertainty{0.01, 0.05, 2e-3, 0.03};
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What is common to the rotations of all cameras, and how it is kept from the rig.
+// FindKeptTurn: the rotation that the estimates of all cameras have in common.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
@@ -10,8 +10,8 @@ namespace parkade {
 namespace {
 
 constexpr double kSureTurn =
-    0.075 * M_PI / 180;         // [rad] sigma of a common turn that is taken whatever it is
-constexpr double kRefuted = 3;  // [sigma] by which a turn less sure must differ from none
+    0.075 * M_PI / 180;  // [rad] sigma of a common rotation that is taken, however large it is
+constexpr double kRefuted = 3;  // [sigma] by which a less sure rotation must differ from none
 
 /// First column of the camera's state in `joint`; -1 where it is not estimated.
 Eigen::Index ColumnOf(const JointEstimate& joint, StateName::Kind kind, size_t camera) {
@@ -27,7 +27,7 @@ Eigen::Matrix3d RotationOf(const CameraParameters& camera) {
   return camera.ImuFromCamera().rotation.toRotationMatrix();
 }
 
-/// [rad, in imu] by which each camera was turned.
+/// The rotation of each camera's estimate against the rig [rad, in imu].
 Eigen::Vector3d TurnOf(const Rigid3& imu_from_camera, const CameraParameters& estimate) {
   return LogSo3(
       (estimate.ImuFromCamera().rotation * imu_from_camera.rotation.conjugate()).normalized());

@@ -9,9 +9,10 @@ namespace parkade {
 namespace {
 
 constexpr int kSteps = 8;
-constexpr double kLeastScatter = 0.25;       // of squared residuals in units of their variances
-constexpr double kFloorTranslation = 0.007;  // [m] below which no loop is believed
-constexpr double kFloorRotation = 0.04 * M_PI / 180;  // [rad] the same
+constexpr double kLeastScatter =
+    0.25;  // of squared residuals in units of their variances, at least
+constexpr double kFloorTranslation = 0.007;           // [m] below which no loop is believed
+constexpr double kFloorRotation = 0.04 * M_PI / 180;  // [rad] below which no loop is believed
 
 double WeightOf(const CorrespondenceError& error) {
   return 1 / (1 + error.whitened.squaredNorm() / 4);

@@ -13,18 +13,19 @@ namespace parkade {
 Matrix6d AdjustToCorrespondences(const std::vector<RayPointCorrespondence>& correspondences,
                                  double tilt_sigma, Rigid3& a_from_b);
 
-/// Covariance of a pose that was adjusted to these correspondences: hessian^-1 in units of what the
-/// residuals show, plus what errors of the cameras' mounts do (the options'). Those are considered,
+/// Covariance of a pose that was adjusted to these correspondences: hessian^-1 scaled by what the
+/// residuals show, plus the effect of errors of the cameras' mounts (sigmas in the options). Those
+/// are considered,
 /// not estimated (S. Schmidt, "Application of state-space methods to navigation problems", 1966):
 /// with a residual's derivative G by the mounts, of variance Q, it is hessian^-1 (J^T W G) Q (J^T W
-/// G)^T hessian^-1. Seen by the same camera in the same direction twice they cancel; where the car
-/// stands the other way around they do not.
+/// G)^T hessian^-1. They cancel where the same camera sees the place twice in the same direction,
+/// and add up where the car stands the other way around.
 Matrix6d CovarianceOfCorrespondences(const std::vector<RayPointCorrespondence>& correspondences,
                                      const Matrix6d& hessian, const Rigid3& a_from_b,
                                      const RelativePoseOptions& options);
 
-/// Sets information and worst_sigma: the covariance of what was seen, and a floor below which no
-/// loop is believed.
+/// Sets information and worst_sigma from the covariance of what was seen, plus a floor below which
+/// no loop is believed.
 void SetInformation(const Matrix6d& covariance_of_correspondences, RelativePose& pose);
 
 }  // namespace parkade

@@ -13,7 +13,7 @@ using Matrix5d = Eigen::Matrix<double, 5, 5>;
 
 constexpr int kSteps = 20;
 constexpr size_t kMinPairs = 6;
-constexpr double kLeastInformation = 1;  // [1/rad^2] nobody knows less than that
+constexpr double kLeastInformation = 1;  // [1/rad^2] at least
 
 Eigen::Matrix<double, 3, 2> TangentOf(const Eigen::Vector3d& direction) {
   const Eigen::Vector3d first = direction.unitOrthogonal();
@@ -27,8 +27,8 @@ Eigen::Matrix<double, 3, 2> TangentOf(const Eigen::Vector3d& direction) {
 struct EpipolarError {
   double whitened = 0;
   Vector5d jacobian;
-  Eigen::Matrix2d by_chance;  ///< of jacobian jacobian^T by the direction, what noise of the rays
-                              ///< alone would show
+  Eigen::Matrix2d by_chance;  ///< the part of jacobian jacobian^T by the direction that noise of
+                              ///< the rays alone would show
 };
 
 EpipolarError ErrorOf(const RayPair& pair, const Rigid3& a_from_b,
@@ -52,8 +52,8 @@ EpipolarError ErrorOf(const RayPair& pair, const Rigid3& a_from_b,
   return error;
 }
 
-/// The information without what noise alone would show of the direction: without a baseline that is
-/// all there is.
+/// The information, without what noise alone would show about the direction: without a baseline
+/// nothing else is left.
 Matrix5d WithoutChance(const Matrix5d& hessian, const Matrix5d& by_chance) {
   const Eigen::SelfAdjointEigenSolver<Matrix5d> solver(hessian - by_chance);
   return solver.eigenvectors() * solver.eigenvalues().cwiseMax(kLeastInformation).asDiagonal() *

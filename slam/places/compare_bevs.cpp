@@ -20,8 +20,8 @@ constexpr double kMaxContrast = 1.5;
 constexpr double kContrastSigma = 12;  // cells
 constexpr double kNoise = 2;           // gray values that count as no contrast
 
-/// The image over its contrast. What is painted counts no more than stains and grain: much of it is
-/// alike elsewhere.
+/// The image over its contrast. Paint counts no more than stains and grain: much of it looks alike
+/// elsewhere.
 cv::Mat PatternOf(const cv::Mat& floor, const cv::Mat& is_seen) {
   cv::Mat values, weights, contrast;
   floor.convertTo(values, CV_32F, 1, -kFloorGray);

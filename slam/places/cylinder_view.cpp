@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kHalfWidth = 1.3;  // [rad] to each side of the optical axis
 constexpr double kLowest = -1.3;    // tangent of the elevation
-constexpr double kHighest = 0.8;    // "
+constexpr double kHighest = 0.8;    // tangent of the elevation
 constexpr double kBorder = 3;       // [px] of the image that are not trusted
 
 }  // namespace

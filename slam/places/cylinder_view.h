@@ -9,8 +9,8 @@
 namespace parkade {
 
 /// A camera's image on an upright cylinder around the car: columns are equal
-/// angles about the upright axis, rows the tangent of the elevation. What stands
-/// upright does so in every camera's view, and cameras that look the same way see
+/// angles about the upright axis, rows the tangent of the elevation. Upright things stand upright
+/// in every camera's view, and cameras that look the same way see
 /// the same image, whatever their lenses. Immutable, thread-safe.
 class CylinderView {
  public:
@@ -18,10 +18,10 @@ class CylinderView {
   /// \param upright_from_body  turns the body's frame so that z is up where the car stands level
   CylinderView(const RigCamera& camera, const Eigen::Quaterniond& upright_from_body);
 
-  /// CV_8UC1 of the calibrated size -> view. Pixels without correspondence are 0.
+  /// Turns an image (CV_8UC1 of the calibrated size) into a view. Pixels that show nothing are 0.
   cv::Mat Warp(const cv::Mat& image) const;
 
-  /// CV_8UC1, 0 where the lens or the rig's mask leaves nothing to see.
+  /// The view's mask: CV_8UC1, 0 where the lens or the rig's mask leaves nothing to see.
   const cv::Mat& usable() const { return usable_; }
 
   /// Unit bearing of a pixel of the view, in the upright frame.

@@ -16,11 +16,10 @@ constexpr size_t kKeyframesPerPiece = 32;  // that are triangulated at once
 constexpr int kCell = 32;                  // [px] corners are spread over cells of this size
 constexpr int kCornersPerCell = 6;
 constexpr double kPixelSigma = 0.7;     // [px] of a corner at full size
-constexpr int kViewWidth = 200;         // [px] of a place's images for people
+constexpr int kViewWidth = 200;         // [px] of a keyframe's images for people
 constexpr double kMaxImageDelay = 0.5;  // [s] an image may come after the moment of its keyframe
 
-/// Wants, of each camera, the first image after the moment of each keyframe that is to be
-/// described.
+/// Accepts each camera's first image after the moment of each keyframe that is to be described.
 class ImagePicker {
  public:
   ImagePicker(const std::vector<RigKeyframe>& keyframes, const std::vector<bool>& is_wanted,
@@ -110,7 +109,7 @@ size_t KeyframeAt(const std::vector<RigKeyframe>& keyframes, Timestamp time) {
   return static_cast<size_t>(after - keyframes.begin()) - 1;
 }
 
-/// Keyframes in order, from their first image until their neighbors have all of theirs.
+/// Holds keyframes in order, from their first image until their neighbors have all of theirs.
 class KeyframesInWork {
  public:
   KeyframesInWork(std::vector<RigKeyframe> keyframes, size_t num_cameras,
@@ -205,7 +204,7 @@ void DescribeKeyframes(const DriveLog& log, const Trajectory& odom_from_body,
   const std::vector<CylinderView> views = ParallelMap(rig.cameras.size(), [&](size_t i) {
     return CylinderView(rig.cameras[i], upright_from_body);
   });
-  // Without a vehicle nobody knows where the ground is below the body.
+  // Without a vehicle it is unknown how far the ground is below the body.
   std::vector<GroundBevView> floors;
   if (rig.vehicle)
     floors =

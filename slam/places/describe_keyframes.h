@@ -12,7 +12,7 @@ namespace parkade {
 struct KeyframeOptions {
   double spacing = 2;             ///< [m] between keyframes
   double spacing_deg = 25;        ///< a turn of this much makes a keyframe too
-  int max_features = 400;         ///< per image
+  int max_features = 400;         ///< kept per image
   double max_distance = 40;       ///< [m] of points that are believed
   double max_depth_error = 0.15;  ///< sigma / distance above which a point is not believed
 
@@ -24,7 +24,7 @@ struct KeyframeOptions {
   void Validate() const;  ///< throws Error{kUsage}
 };
 
-/// Keyframes along the drive, without features.
+/// Places keyframes along the drive, without features.
 std::vector<RigKeyframe> ChooseKeyframes(const Trajectory& odom_from_body,
                                          const KeyframeOptions& options);
 

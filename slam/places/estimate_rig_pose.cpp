@@ -11,7 +11,7 @@
 namespace parkade {
 namespace {
 
-constexpr int kRounds = 3;                       // of choosing inliers and adjusting
+constexpr int kRounds = 3;                       // rounds of choosing inliers and adjusting
 constexpr double kTiltSigma = 0.3 * M_PI / 180;  // [rad] between the gravity of two keyframes
 
 /// How many correspondences a pose explains; 0 as soon as they cannot be more than `most`.

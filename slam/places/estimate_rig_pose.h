@@ -7,7 +7,7 @@
 
 namespace parkade {
 
-/// Best matches that are mutual and distinct.
+/// Matches of features that are each other's best and distinct.
 std::vector<FeatureMatch> MatchKeyframes(const RigKeyframe& a, const RigKeyframe& b,
                                          const RelativePoseOptions& options);
 

@@ -10,7 +10,7 @@ namespace parkade {
 namespace {
 
 constexpr int kFiner = 2;            // samples per cell and direction
-constexpr double kMinSharpness = 6;  // [px/m]; less shows nothing of 10 cm
+constexpr double kMinSharpness = 6;  // [px/m]; with less, details of 10 cm do not show
 constexpr double kMaxFlatness =
     4.5;  // distance over height; beyond, pillars and walls hide the ground more and more
 constexpr double kLightSigma = 6;  // cells: changes over more than this are light
@@ -36,7 +36,8 @@ double SharpnessAt(const RigCamera& camera, const Rigid3& camera_from_body,
   return worst < kMinSharpness ? 0 : worst;
 }
 
-/// What is brighter or darker than the ground around, about kFloorGray. Unseen cells are
+/// The image relative to the brightness of the ground around, which becomes kFloorGray. Unseen
+/// cells are
 /// kFloorGray.
 cv::Mat WithoutLight(const cv::Mat& image, const cv::Mat& is_seen) {
   cv::Mat values, weights;
@@ -89,8 +90,8 @@ GroundBev GroundBevView::Look(const cv::Mat& image, const Rigid3& keyframe_from_
 
 cv::Matx23f MoveOfFloor(const Rigid3& to_from) {
   const double yaw = YawOf(to_from.rotation), c = std::cos(yaw), s = std::sin(yaw);
-  // Of the pixel (u, v) in the middle of the frame; u counts to the right and v to the back, y and
-  // x against them.
+  // Position in the frame of the pixel (u, v); u counts to the right and v to the back, y and x
+  // against them.
   const double u0 = kFloorLeft / kFloorCell - 0.5, v0 = kFloorFront / kFloorCell - 0.5;
   const double tx = to_from.translation.x() / kFloorCell, ty = to_from.translation.y() / kFloorCell;
   return {

@@ -7,11 +7,11 @@
 
 namespace parkade {
 
-/// A image of the ground around a keyframe from above, in the frame of the keyframe: row 0 is
+/// An image of the ground around a keyframe from above, in the frame of the keyframe: row 0 is
 /// ahead, column 0 to the left. Cells of kFloorCell; the middle of cell (row, column) is x =
 /// kFloorFront - (row + 0.5) kFloorCell, y = kFloorLeft - (column + 0.5) kFloorCell. CV_8UC1:
 /// kFloorGray is as bright as the ground around as the same camera shows it, 0 is where no camera
-/// sees the ground, or where the observation of one meets that of another.
+/// sees the ground, or where the areas that two cameras show meet.
 constexpr double kFloorCell = 0.05;  ///< [m]
 constexpr double kFloorFront = 6;    ///< [m] ahead of the rear axle
 constexpr double kFloorLeft = 5;     ///< [m] to either side
@@ -35,13 +35,13 @@ class GroundBevView {
   explicit GroundBevView(const RigCamera& camera);
 
   /// \param image            CV_8UC1 of the calibrated size
-  /// \param keyframe_from_body  when the image was taken; what it tilts is left out
-  /// \param camera           its number, for what is returned
+  /// \param keyframe_from_body when the image was taken; its tilt is left out
+  /// \param camera its number, which GroundBev::camera will hold
   GroundBev Look(const cv::Mat& image, const Rigid3& keyframe_from_body, int camera) const;
 
  private:
   cv::Mat map_x_, map_y_;  ///< at half the cell size, in the frame of the body
-  cv::Mat sharpness_;      ///< CV_32FC1, also in the frame of the body
+  cv::Mat sharpness_;      ///< CV_32FC1, in the frame of the body like the maps
 };
 
 /// The affine map that moves images of the ground from one frame to another, both upright.

@@ -10,16 +10,17 @@ namespace parkade {
 namespace {
 
 constexpr double kPoseAngle = 0.3 * M_PI / 180;  // [rad] the pose may be off
-constexpr double kPosePlace = 0.1;               // [m] also
+constexpr double kPosePlace = 0.1;               // [m] the pose may be off
 constexpr double kSigmas = 3;
-constexpr double kMaxAngle = 4 * M_PI / 180;  // [rad] beyond which a guess is none
+constexpr double kMaxAngle =
+    4 * M_PI / 180;  // [rad] between ray and point, beyond which a guess is useless
 
 struct Guess {
   FeatureMatch match;
   int hamming = 0;
 };
 
-/// Features by camera, with the one origin that the rays of a camera share.
+/// A keyframe's features by camera, with the one origin that the rays of a camera share.
 std::map<int, std::vector<size_t>> ByCamera(const RigKeyframe& keyframe) {
   std::map<int, std::vector<size_t>> by_camera;
   for (size_t i = 0; i < keyframe.features.size(); ++i)

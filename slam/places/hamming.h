@@ -6,7 +6,7 @@ namespace parkade {
 
 constexpr int kDescriptorBytes = 32;  ///< of a binary descriptor (ORB)
 
-/// In how many bits two descriptors differ.
+/// The number of bits in which two descriptors differ.
 int HammingDistance(const uchar* a, const uchar* b);
 
 /// The descriptor that is nearest to another one, and how near the second comes.
@@ -15,7 +15,7 @@ struct NearestDescriptor {
   int distance = 8 * kDescriptorBytes, second_distance = 8 * kDescriptorBytes;
 };
 
-/// Among the rows of `descriptors` (CV_8UC1, 32 bytes each). About 2 ns per row.
+/// Finds it among the rows of `descriptors` (CV_8UC1, 32 bytes each). About 2 ns per row.
 NearestDescriptor FindNearestDescriptor(const uchar* descriptor, const cv::Mat& descriptors);
 
 }  // namespace parkade

@@ -8,7 +8,7 @@
 
 namespace parkade {
 
-/// Finds the one feature of a place that looks like a descriptor, among those it is shown.
+/// Finds the one feature of a keyframe that looks like a descriptor, among those it is shown.
 class NearestDescriptorSearch {
  public:
   /// `descriptor` of 32 bytes is borrowed.
@@ -26,7 +26,8 @@ class NearestDescriptorSearch {
     }
   }
 
-  /// Nothing when the best is further than `max_hamming` [bits], or two are alike: further than
+  /// The index of the nearest feature. Nothing when it is further than `max_hamming` [bits], or two
+  /// are alike: further than
   /// `ratio` times the second best.
   std::optional<size_t> Found(int max_hamming, double ratio) const {
     return best_ <= max_hamming && best_ <= ratio * second_ ? std::optional(index_) : std::nullopt;

@@ -31,7 +31,7 @@ class WordIndex {
     for (double& norm : norms_) norm = std::sqrt(norm);
   }
 
-  /// Cosines of the words of `later` with those of each of the first keyframes, up to `end`.
+  /// Cosines between the words of `later` and of each keyframe below `end`.
   void ScoreThoseBefore(size_t end, size_t later, std::vector<double>& scores) const {
     std::fill(scores.begin(), scores.end(), 0);
     for (const size_t word : words_of_[later])
@@ -52,7 +52,7 @@ class WordIndex {
   std::vector<double> norms_;                  ///< per keyframe
 };
 
-/// What looks most like each of the keyframes from `first_later` on, of those before it and before
+/// For each keyframe from `first_later` on, the most alike keyframes before it and before
 /// `end_earlier`.
 std::vector<PlaceCandidate> FindAlike(const WordIndex& index, size_t num_keyframes,
                                       size_t first_later, size_t end_earlier,

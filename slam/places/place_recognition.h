@@ -26,13 +26,14 @@ struct RecognitionOptions {
   void Validate() const;  ///< throws Error{kUsage}
 };
 
-/// Two keyframes that may be one.
+/// Two keyframes that may show one place.
 struct PlaceCandidate {
   size_t earlier = 0, later = 0;  ///< indices of keyframes
   double score = 0;               ///< 0 to 1, cosine of their words
 };
 
-/// Keyframes that odometry allows to be one with another, and two neighbors to each side of them,
+/// Keyframes that odometry allows to be at the place of another, and two neighbors to each side of
+/// them,
 /// from whose images their points come. One flag per keyframe.
 std::vector<bool> FindPossibleRevisits(const std::vector<RigKeyframe>& keyframes,
                                        const RecognitionOptions& options);
@@ -45,12 +46,13 @@ std::vector<PlaceCandidate> FindAlikePlaces(const PlaceWords& keyframes,
                                             const std::function<bool(size_t, size_t)>& is_possible,
                                             int max_candidates);
 
-/// Also of two drives: `earlier` and `later` of a candidate are indices into either's keyframes.
+/// The same for two drives: `earlier` and `later` of a candidate are indices into either's
+/// keyframes.
 std::vector<PlaceCandidate> FindAlikePlaces(const PlaceWords& earlier, const PlaceWords& later,
                                             const std::function<bool(size_t, size_t)>& is_possible,
                                             int max_candidates);
 
-/// Alike keyframes of one drive that its odometry does not rule out.
+/// Pairs of alike keyframes of one drive that its odometry does not rule out.
 std::vector<PlaceCandidate> RecognisePlaces(const std::vector<RigKeyframe>& keyframes,
                                             const RecognitionOptions& options);
 

@@ -5,7 +5,7 @@
 namespace parkade {
 namespace {
 
-/// Two unit vectors across `bearing`, as rows.
+/// Two unit vectors perpendicular to `bearing`, as rows.
 Eigen::Matrix<double, 2, 3> RowsAcross(const Eigen::Vector3d& bearing) {
   const Eigen::Vector3d first = bearing.unitOrthogonal();
   Eigen::Matrix<double, 2, 3> basis;
@@ -88,7 +88,7 @@ MountJacobians MountJacobiansOf(const RayPointCorrespondence& correspondence,
   MountJacobians jacobians;
   jacobians.ray_camera = correspondence.is_forward ? camera_of_a : camera_of_b;
   jacobians.point_camera = correspondence.is_forward ? camera_of_b : camera_of_a;
-  // A ray that turns is a view that turns back; a point moves with the camera that saw it.
+  // A mount that rotates the ray rotates the view back; a point moves with the camera that saw it.
   jacobians.by_ray << -view.whitening, view.whitening * Skew(view.to_point);
   jacobians.by_point << view.whitening * view.ray_from_point,
       -view.whitening * view.ray_from_point *

@@ -10,7 +10,8 @@ namespace parkade {
 
 inline constexpr int kCamerasPerKeyframe = 64;  // more than any rig has
 
-/// A ray of one place to a point of the other. `is_forward`: the ray is of `a`, the point of `b`.
+/// A ray of one keyframe to a point of the other. `is_forward`: the ray is of `a`, the point of
+/// `b`.
 struct RayPointCorrespondence {
   bool is_forward = true;
   size_t match = 0;
@@ -23,7 +24,7 @@ struct RayPointCorrespondence {
   double depth_sigma = 0;           ///< [m] along it
 };
 
-/// Every match gives up to two correspondences.
+/// The correspondences of all matches: up to two for each.
 std::vector<RayPointCorrespondence> CorrespondencesOf(const RigKeyframe& a, const RigKeyframe& b,
                                                       const std::vector<FeatureMatch>& matches);
 

@@ -9,17 +9,17 @@
 namespace parkade {
 
 struct RelativePoseOptions {
-  int max_hamming = 64;          ///< of 256 bits, of features that may match
+  int max_hamming = 64;          ///< bits of 256 in which features that match may differ
   double ratio = 0.9;            ///< of the best to the second best match
   int iterations = 150;          ///< of RANSAC
   double max_error = 3.5;        ///< [sigma] of inliers
   double max_tilt_deg = 1.5;     ///< by which the two keyframes' gravity may differ
-  int min_guiding_inliers = 12;  ///< of a pose by which more matches are sought
+  int min_guiding_inliers = 12;  ///< with which a pose guides the search for more matches
   int min_inliers = 25;          ///< from two cameras or more ...
   int min_inliers_of_one = 40;   ///< ... or from one
   double max_sigma = 0.3;        ///< [m] of the worst direction
-  // By which each camera's mount may still be off after calibration: all loops that a camera sees
-  // share it.
+  // How far each camera's mount may still be off after calibration: all loops that a camera sees
+  // share that.
   double mount_rotation_deg = 0.06;
   double mount_translation = 0.015;  ///< [m]
 
@@ -42,10 +42,10 @@ struct CameraPairInliers {
   int camera_a = 0, camera_b = 0, count = 0;
 };
 
-/// Where keyframe `b` lies in the frame of keyframe `a`, and how that is known.
+/// Where keyframe `b` lies in the frame of keyframe `a`, and how well that is known.
 struct RelativePose {
   Rigid3 a_from_b;
-  Matrix6d information = Matrix6d::Zero();  ///< of RelativePoseError(measured, actual)
+  Matrix6d information = Matrix6d::Zero();  ///< about RelativePoseError(measured, actual)
   int num_matches = 0, num_inliers = 0, num_camera_pairs = 0;
   int num_first_inliers = 0;  ///< before the pose guided the search for more
   std::vector<CameraPairInliers> inliers_of_cameras;  ///< the most first

@@ -16,10 +16,11 @@ constexpr double kMinForward =
 // twice as large (squared) as their inliers show.
 constexpr double kEpipolarInflation = 2;
 constexpr int kMinInliersPnp = 10;
-constexpr int kRoundsPnp = 3;  // of choosing inliers and adjusting
+constexpr int kRoundsPnp = 3;  // rounds of choosing inliers and adjusting
 constexpr double kRansacProbability = 0.999;
 
-/// Matches of the camera pair that has the most; those whose rays lie in front of both cameras.
+/// The matches of the camera pair that has the most, as far as their rays lie in front of both
+/// cameras.
 std::vector<FeatureMatch> OfBestCameraPair(const RigKeyframe& a, const RigKeyframe& b,
                                            const std::vector<FeatureMatch>& matches) {
   std::map<std::pair<int, int>, std::vector<FeatureMatch>> by_pair;
@@ -81,8 +82,8 @@ Eigen::Vector3d ToVector(const cv::Mat& vector) {
   return {vector.at<double>(0), vector.at<double>(1), vector.at<double>(2)};
 }
 
-/// What errors of the two cameras' mounts add to the covariance of the rotation between them: the
-/// same camera twice errs alike, and nothing is left of it where the car heads the same way.
+/// The covariance that errors of the two cameras' mounts add to the rotation between them: the same
+/// camera errs alike twice, so that nothing is left where the car heads the same way.
 Eigen::Matrix3d MountsIn(const Eigen::Quaterniond& a_from_b, bool is_same_camera,
                          const RelativePoseOptions& options) {
   const double variance = std::pow(options.mount_rotation_deg * M_PI / 180, 2);

@@ -5,7 +5,7 @@
 
 namespace parkade {
 
-// The three ways of the seed paper to measure a loop, for comparison: each uses one camera of
+// Three ways to measure a loop that are known from papers, for comparison: each uses one camera of
 // either keyframe, the pair with the most matches.
 
 /// Perspective-n-points of the rays of one camera of `b` to the points of one camera of `a`, in

@@ -22,8 +22,8 @@ struct KeyframeFeature {
   double depth_sigma = 0;
 };
 
-/// What all cameras saw at one spot of a drive. The frame of a place is the body, leveled: z up, x
-/// along the heading.
+/// What all cameras saw at one spot of a drive. The frame of a keyframe is the body, leveled: z up,
+/// x along the heading.
 struct RigKeyframe {
   Timestamp time;
   double distance = 0;  ///< [m] driven until here
@@ -32,7 +32,7 @@ struct RigKeyframe {
   cv::Mat descriptors;  ///< CV_8UC1, one row of 32 bytes (ORB) per feature
   std::vector<cv::Mat> views =
       {};              ///< small images for people, one per camera; CV_8UC1, may be empty
-  cv::Mat floor = {};  ///< the ground from above (floor_view.h); empty where the rig has no vehicle
+  cv::Mat floor = {};  ///< the ground from above (ground_bev.h); empty where the rig has no vehicle
 };
 
 /// The frame of a rig keyframe where the car is at `odom_from_body`.

@@ -24,7 +24,7 @@ std::optional<size_t> FindAlong(const RigKeyframe& keyframe, size_t index, const
     const Eigen::Vector3d baseline = keyframe_from_other * candidate.origin - feature.origin;
     const Eigen::Vector3d normal = baseline.cross(feature.bearing);
     const double size = normal.norm();
-    if (size < 0.02) continue;  // [m] no parallax along the way of the car
+    if (size < 0.02) continue;  // [m] there is no parallax along the way of the car
     const Eigen::Vector3d bearing = keyframe_from_other.rotation * candidate.bearing;
     const double sigma = feature.sigma + candidate.sigma + kExtraSigma;
     if (std::abs(normal.dot(bearing)) <= kMaxOffPlane * sigma * size) nearest.Look(other, i);

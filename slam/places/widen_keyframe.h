@@ -6,9 +6,9 @@
 
 namespace parkade {
 
-/// RigKeyframe `index` with what `reach` keyframes before and after it saw, in its frame. A point
+/// The keyframe `index` with what `reach` keyframes before and after it saw, in its frame. A point
 /// beside the road is seen from several sides, so that a visit from another lane or direction finds
-/// it alike; what neighbors both saw is in it more than once.
+/// it alike; features that several neighbors saw are in it more than once.
 RigKeyframe WidenKeyframe(const std::vector<RigKeyframe>& keyframes, size_t index, size_t reach);
 
 }  // namespace parkade

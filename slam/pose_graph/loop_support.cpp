@@ -26,9 +26,9 @@ Variances VariancesOf(const PoseGraphEdge& edge, bool is_planar) {
 
 /// The vertices in the order of their ids, and what odometry knows between them.
 struct OdometryLine {
-  std::vector<int> place;         ///< of each vertex along the line
-  std::vector<Variances> summed;  ///< per place: from the beginning of the line
-  std::vector<Rigid3> poses;      ///< per place: chained odometry
+  std::vector<int> place;         ///< of each vertex: its position along the line
+  std::vector<Variances> summed;  ///< per position: from the beginning of the line
+  std::vector<Rigid3> poses;      ///< per position: chained odometry
 };
 
 OdometryLine LineUp(const PoseGraph& graph) {
@@ -41,7 +41,7 @@ OdometryLine LineUp(const PoseGraph& graph) {
   line.place.resize(count);
   for (size_t i = 0; i < count; ++i) line.place[order[i]] = static_cast<int>(i);
 
-  std::vector<Variances> steps(count);  // that lead to a place from the one before
+  std::vector<Variances> steps(count);  // of the step that leads to a position from the one before
   std::vector<bool> has_step(count);
   for (const PoseGraphEdge& edge : graph.edges) {
     const auto [first, last] = std::minmax({line.place[edge.from], line.place[edge.to]});
@@ -68,10 +68,10 @@ OdometryLine LineUp(const PoseGraph& graph) {
   return line;
 }
 
-/// A loop from the earlier to the later place.
+/// A loop from the earlier to the later vertex.
 struct Loop {
   size_t edge;
-  size_t first, last;  ///< places
+  size_t first, last;  ///< positions along the line
   Rigid3 first_from_last;
   Variances variances;
 };
@@ -133,7 +133,7 @@ std::vector<LoopPair> PairsOf(const OdometryLine& line, const std::vector<Loop>&
   return pairs;
 }
 
-/// What the better part of the loops shows of the noise, relative to what their information says.
+/// Noise that the better part of the loops shows, relative to what their information says.
 double NoiseScaleOf(const std::vector<LoopPair>& pairs, size_t num_loops) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   std::vector<double> least(num_loops, kNone);

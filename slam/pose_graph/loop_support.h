@@ -7,7 +7,7 @@ namespace parkade {
 /// Which edges that are not trusted agree with other such edges whose ends lie
 /// near both of theirs along the odometry, and these with each other: around the loop of the two
 /// edges and the two stretches of odometry between them, the error passes a chi^2 test. Wrong loops
-/// at random places hardly ever find such a partner. After J. Mangelson et al., "Pairwise
+/// between random places hardly ever find such a partner. After J. Mangelson et al., "Pairwise
 /// Consistent Measurement Set Maximization", ICRA 2018, eq. 4, within a window instead of over all
 /// pairs. One flag per edge; trusted edges have false.
 ///

@@ -10,7 +10,7 @@
 namespace parkade {
 namespace {
 
-/// Multiplies by a weight that may change between solves.
+/// A loss that multiplies by a weight, which may change between solves.
 class WeightLoss final : public ceres::LossFunction {
  public:
   explicit WeightLoss(const double* weight) : weight_(weight) {}

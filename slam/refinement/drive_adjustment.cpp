@@ -9,7 +9,6 @@
 #include "slam/factors/imu_cost.h"
 #include "slam/factors/relative_pose_cost.h"
 #include "slam/factors/wheel_cost.h"
-#include "slam/refinement/drive_adjustment_parts.h"
 
 namespace parkade {
 namespace {
@@ -208,7 +207,7 @@ AdjustmentStatistics DriveAdjustment::Statistics() const {
   if (nodes_.size() > 1) statistics.imu = imu / static_cast<double>(nodes_.size() - 1);
   double unused_bearings = 0;
   size_t num_unused = 0;
-  for (const Landmark& landmark : landmarks_) {
+  for (const AdjustedLandmark& landmark : landmarks_) {
     if (!landmark.is_used) {
       unused_bearings += RobustErrorOf(landmark);
       num_unused += landmark.observations.size();
@@ -264,7 +263,7 @@ void DriveAdjustment::MoveNodes(const std::vector<Rigid3>& odom_from_odom) {
     velocity = (odom_from_odom[i].rotation * velocity).eval();
   }
   PointImages();
-  for (Landmark& landmark : landmarks_)
+  for (AdjustedLandmark& landmark : landmarks_)
     if (!landmark.observations.empty()) Triangulate(landmark);
   FitLandmarks();
 }

@@ -8,6 +8,7 @@
 #include "slam/factors/gnss_cost.h"
 #include "slam/factors/linear_prior.h"
 #include "slam/pose_graph/pose_graph.h"
+#include "slam/refinement/adjusted_landmark.h"
 #include "slam/refinement/adjustment_statistics.h"
 #include "slam/refinement/refinement_options.h"
 #include "slam/smoother/drive_measurements.h"
@@ -85,11 +86,8 @@ class DriveAdjustment {
   size_t num_nodes() const { return nodes_.size(); }
 
  private:
-  struct LandmarkObservation;
-  struct Landmark;
-  struct Seen;
   struct StretchProblem;
-  using ChosenTrack = std::vector<Seen>;
+  using ChosenTrack = std::vector<SeenTrack>;
   static std::vector<ChosenTrack> ChooseTracks(const DriveMeasurements& measurements,
                                                const RefinementOptions& options);
   struct Image {
@@ -115,9 +113,9 @@ class DriveAdjustment {
   void HoldHeads(const Rig& rig);
   void AddPriors(const Rig& rig);
   void PointImages();
-  bool Triangulate(Landmark& landmark) const;
-  void FitLandmark(Landmark& landmark) const;
-  double RobustErrorOf(const Landmark& landmark) const;
+  bool Triangulate(AdjustedLandmark& landmark) const;
+  void FitLandmark(AdjustedLandmark& landmark) const;
+  double RobustErrorOf(const AdjustedLandmark& landmark) const;
   std::vector<double*> BlocksOf(const Image& image) const;
 
   RefinementOptions options_;
@@ -128,7 +126,7 @@ class DriveAdjustment {
   double* wheel_scale_ = nullptr;
   double* site_from_odom_ = nullptr;  ///< yaw and translation; unused without fixes
   std::vector<Image> images_;
-  std::vector<Landmark> landmarks_;
+  std::vector<AdjustedLandmark> landmarks_;
   std::vector<AdjustedLoop> loops_;
   std::vector<AdjustedFix> fixes_;
   std::vector<LinearPrior> priors_;

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "slam/factors/triangulate.h"
-#include "slam/refinement/drive_adjustment_parts.h"
+#include "slam/refinement/drive_adjustment.h"
 
 namespace parkade {
 namespace {
@@ -16,10 +16,10 @@ constexpr int kFitSteps = 3;
 constexpr double kRebaseTangent = 0.1;  // [a b] beyond which a landmark gets a new ray
 
 /// At most `count` of `seen`, evenly spread, the first and the last among them.
-template <typename Seen>
-std::vector<Seen> Thinned(const std::vector<Seen>& seen, size_t count) {
+template <typename SeenTrack>
+std::vector<SeenTrack> Thinned(const std::vector<SeenTrack>& seen, size_t count) {
   if (seen.size() <= count) return seen;
-  std::vector<Seen> thinned;
+  std::vector<SeenTrack> thinned;
   for (size_t i = 0; i < count; ++i) thinned.push_back(seen[i * (seen.size() - 1) / (count - 1)]);
   return thinned;
 }
@@ -46,11 +46,11 @@ std::vector<DriveAdjustment::ChosenTrack> DriveAdjustment::ChooseTracks(
   std::vector<int> taken(measurements.num_images());
   std::vector<ChosenTrack> chosen;
   for (ChosenTrack* track : candidates) {
-    if (std::none_of(track->begin(), track->end(), [&](const Seen& seen) {
+    if (std::none_of(track->begin(), track->end(), [&](const SeenTrack& seen) {
           return taken[seen.image] < options.bearings_per_image;
         }))
       continue;
-    for (const Seen& seen : *track) ++taken[seen.image];
+    for (const SeenTrack& seen : *track) ++taken[seen.image];
     chosen.push_back(std::move(*track));
   }
   return chosen;
@@ -63,8 +63,8 @@ void DriveAdjustment::AddLandmarks(const DriveMeasurements& measurements,
   };
   std::vector<std::vector<Needed>> needed(images_.size());  // of each image: read once
   for (std::uint32_t t = 0; t < tracks.size(); ++t)
-    for (const Seen& seen : tracks[t]) needed[seen.image].push_back({seen.observation, t});
-  std::vector<Landmark> candidates(tracks.size());
+    for (const SeenTrack& seen : tracks[t]) needed[seen.image].push_back({seen.observation, t});
+  std::vector<AdjustedLandmark> candidates(tracks.size());
   for (size_t i = 0; i < images_.size(); ++i) {
     if (needed[i].empty()) continue;
     const RecordedImage image = measurements.Image(i);
@@ -79,21 +79,21 @@ void DriveAdjustment::AddLandmarks(const DriveMeasurements& measurements,
     }
   }
   landmarks_.reserve(tracks.size());  // costs point at their rays
-  for (Landmark& landmark : candidates) {
+  for (AdjustedLandmark& landmark : candidates) {
     std::array<double, kLandmarkSize> begin{};
     landmark.values = begin.data();
     if (!Triangulate(landmark)) continue;
     values_.insert(values_.end(), begin.begin(), begin.end());
     landmark.values = values_.data() + values_.size() - kLandmarkSize;
     landmarks_.push_back(std::move(landmark));
-    Landmark& added = landmarks_.back();
+    AdjustedLandmark& added = landmarks_.back();
     for (LandmarkObservation& observation : added.observations)
       observation.cost = std::make_unique<BearingCost>(&images_[observation.image].geometry,
                                                        &added.ray, observation.bearing);
   }
 }
 
-bool DriveAdjustment::Triangulate(Landmark& landmark) const {
+bool DriveAdjustment::Triangulate(AdjustedLandmark& landmark) const {
   std::vector<ObservationRay> rays;
   for (const LandmarkObservation& observation : landmark.observations) {
     const Rigid3 odom_from_camera =
@@ -116,7 +116,7 @@ void DriveAdjustment::HoldOutLandmarks(size_t every) {
     landmarks_[i].is_used = every == 0 || i % every != every / 2;
 }
 
-void DriveAdjustment::FitLandmark(Landmark& landmark) const {
+void DriveAdjustment::FitLandmark(AdjustedLandmark& landmark) const {
   for (int step = 0; step < kFitSteps; ++step) {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
@@ -142,10 +142,10 @@ void DriveAdjustment::FitLandmark(Landmark& landmark) const {
 
 void DriveAdjustment::FitLandmarks() {
   PointImages();
-  for (Landmark& landmark : landmarks_) FitLandmark(landmark);
+  for (AdjustedLandmark& landmark : landmarks_) FitLandmark(landmark);
 }
 
-double DriveAdjustment::RobustErrorOf(const Landmark& landmark) const {
+double DriveAdjustment::RobustErrorOf(const AdjustedLandmark& landmark) const {
   const double width_squared = options_.robust_width * options_.robust_width;
   double sum = 0;
   for (const LandmarkObservation& observation : landmark.observations) {
@@ -161,7 +161,7 @@ double DriveAdjustment::RobustErrorOf(const Landmark& landmark) const {
 void DriveAdjustment::RejectOutliers() {
   PointImages();
   const double limit = options_.max_bearing_error * options_.max_bearing_error;
-  for (Landmark& landmark : landmarks_) {
+  for (AdjustedLandmark& landmark : landmarks_) {
     if (!landmark.is_used) continue;
     double* values = landmark.values;
     values[2] = std::max(values[2], 0.0);

@@ -8,7 +8,7 @@
 #include "slam/factors/imu_cost.h"
 #include "slam/factors/relative_pose_cost.h"
 #include "slam/factors/wheel_cost.h"
-#include "slam/refinement/drive_adjustment_parts.h"
+#include "slam/refinement/drive_adjustment.h"
 #include "slam/refinement/marginal_covariance.h"
 #include "slam/smoother/standstill_cost.h"
 
@@ -157,7 +157,7 @@ std::unique_ptr<DriveAdjustment::StretchProblem> DriveAdjustment::BuildProblem(
   }
 
   std::vector<bool> is_seen(images_.size());
-  for (Landmark& landmark : landmarks_) {
+  for (AdjustedLandmark& landmark : landmarks_) {
     const bool concerns = std::any_of(landmark.observations.begin(), landmark.observations.end(),
                                       [&](const LandmarkObservation& seen) {
                                         return is_moved(images_[seen.image].first) ||
@@ -190,7 +190,7 @@ int DriveAdjustment::Solve(const AdjustedStretch& stretch, int max_iterations) {
   const std::unique_ptr<StretchProblem> posed = BuildProblem(stretch);
   ceres::Solver::Options solver = SolverOptions(max_iterations);
   for (double* block : posed->states) solver.linear_solver_ordering->AddElementToGroup(block, 1);
-  for (Landmark& landmark : landmarks_)
+  for (AdjustedLandmark& landmark : landmarks_)
     if (posed->landmarks.contains(landmark.values))
       solver.linear_solver_ordering->AddElementToGroup(landmark.values, 0);
   const std::vector<double> before = values_;

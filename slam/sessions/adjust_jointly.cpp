@@ -16,7 +16,7 @@
 namespace parkade {
 namespace {
 
-constexpr double kRobustWidth = 2;     // [sigma] of links
+constexpr double kRobustWidth = 2;     // [sigma] Cauchy, of links
 constexpr Eigen::Index kNumMount = 6;  // modes that move what a drive sees, but not the drive
 constexpr int kMaxSteps = 20;
 
@@ -24,7 +24,7 @@ constexpr int kMaxSteps = 20;
 struct BentDrive {
   std::array<double, kFrameSize> frame{};
   std::vector<double> bends;             ///< amounts of its modes, then of its mounts
-  std::vector<PerturbedPose> keyframes;  ///< by these
+  std::vector<PerturbedPose> keyframes;  ///< moved by frame and bends
 
   int num_bends() const { return static_cast<int>(bends.size()); }
 
@@ -38,8 +38,8 @@ struct BentDrive {
   }
 };
 
-/// The turn about z and the shift that carry keyframes from odom nearest to where the group has
-/// them.
+/// The rotation about z and the translation that carry keyframes from odom nearest to where the
+/// group has them.
 std::array<double, kFrameSize> FrameOf(const std::vector<RigKeyframe>& keyframes,
                                        const std::vector<Rigid3>& group_from_keyframe) {
   Eigen::Vector3d forward = Eigen::Vector3d::Zero(), in_odom = forward, in_group = forward;
@@ -74,7 +74,7 @@ BentDrive MakeBent(const DriveToJoin& drive, const LoopOptions& loops,
   return bent;
 }
 
-/// Of the links that count, as they are known [sigma^2].
+/// Median squared error of the links that count [sigma^2].
 std::vector<double> SquaredErrorsOf(const std::vector<DrivePair*>& pairs) {
   std::vector<double> errors;
   for (const DrivePair* pair : pairs)

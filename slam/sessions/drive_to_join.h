@@ -20,7 +20,7 @@ struct DriveToJoin {
       keyframes;                      ///< all of them, see KeyframesAlong; a drive alone needs none
   LoopClosure loops;                  ///< between these keyframes
   std::optional<GnssAlignment> gnss;  ///< all drives' in one datum
-  CovarianceModes modes = {};         ///< how it may be off; empty: as AddKeyframes has it
+  CovarianceModes modes = {};         ///< how it may be off; empty: the random walk of AddKeyframes
 };
 
 /// Two drives and what links them.

@@ -176,7 +176,7 @@ size_t PlaceGroups(const std::vector<DriveToJoin>& drives, std::vector<size_t>& 
   return ChooseGroup(drives, groups);
 }
 
-/// By the drives that are kept: others that are left out may well fit it.
+/// Chosen by the drives that are kept: others that are left out may well fit it.
 std::string ReasonFor(size_t drive, const std::vector<DrivePair>& pairs,
                       const std::vector<size_t>& groups, size_t group) {
   const DrivePair* nearest = nullptr;

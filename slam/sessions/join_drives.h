@@ -24,17 +24,17 @@ struct JoinedDrive {
 struct DriveJoin {
   std::vector<JoinedDrive> drives;  ///< as they were given
   std::vector<DrivePair> pairs;
-  PairFindings findings;       ///< that `pairs` were made from
+  PairFindings findings;       ///< from which `pairs` were made
   JointAdjustment adjustment;  ///< of the group with the most links
   double seconds = 0;          ///< of computing
 };
 
-/// Joins drives of one place: links between them by MatchAllSessions; one pose graph of the
+/// Joins drives of one site: links between them by MatchAllSessions; one pose graph of the
 /// keyframes of all drives that links hold together, with the drives' own loops and gravity, in
 /// which graduated non-convexity doubts the links; all these drives adjusted at once, each as its
 /// own refinement allows (AdjustJointly); then each such group is placed on Earth by the GNSS of
-/// its drives, rigidly. Kept is the largest set of drives that hang together by links or by GNSS
-/// (of equal ones that with the longest way); a drive that does not is left out with a reason.
+/// its drives, rigidly. The largest set of drives that hang together by links or by GNSS is kept
+/// (of equal ones the one with the longest way); any other drive is left out with a reason.
 /// `site` is the datum's tangent plane where a kept drive has GNSS, else the odometry frame of the
 /// first kept drive. A single drive is only placed.
 DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops,

@@ -8,7 +8,7 @@
 namespace parkade {
 namespace {
 
-/// [m] by which a drive may lie off, where GNSS puts it.
+/// [m] how far a drive may lie from where GNSS puts it.
 double SigmaOf(const GnssAlignment& gnss) {
   const double turned = gnss.covariance(0, 0) * gnss.extent * gnss.extent;
   return std::sqrt(gnss.covariance(1, 1) + gnss.covariance(2, 2) + turned);
@@ -113,7 +113,7 @@ std::vector<PairOfDrives> AlikePairs(size_t num_drives, size_t partners, PairLin
   return {chosen.begin(), chosen.end()};
 }
 
-/// Of every two groups the most alike pair that is not linked yet.
+/// The most alike pair of each two groups that is not linked yet.
 std::vector<PairOfDrives> PairsBetweenGroups(const std::vector<size_t>& groups,
                                              PairLinker& linker) {
   std::map<PairOfDrives, std::pair<double, PairOfDrives>> best;

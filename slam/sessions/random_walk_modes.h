@@ -5,8 +5,9 @@
 
 namespace parkade {
 
-/// Of a drive whose refinement tells none: those of the random walk that AddKeyframes gives its
-/// keyframes, held together by its own loops. Position and yaw of the first place are certain.
+/// Makes covariance modes for a drive whose refinement gives none: those of the random walk that
+/// AddKeyframes gives its keyframes, held together by its own loops. Position and yaw of the first
+/// keyframe are certain.
 CovarianceModes RandomWalkModes(const DriveToJoin& drive, const LoopOptions& options);
 
 }  // namespace parkade

@@ -7,18 +7,18 @@
 
 namespace parkade {
 
-/// How two sites are thought to lie to each other before anything was looked at.
+/// How two sites are thought to lie to each other before any images are compared.
 struct SitePrior {
   Rigid3 to_from_from;
   double sigma = 0;  ///< [m] horizontally, where the drives are
 };
 
-/// How two sites lie to each other by keyframes that drives of both passed.
+/// How two sites lie to each other by places that drives of both passed.
 struct SiteRegistration {
-  Rigid3 to_from_from;  ///< a turn about z and a translation
+  Rigid3 to_from_from;  ///< a rotation about z and a translation
   double horizontal_sigma =
       0;  ///< [m] per axis, by which single links disagree: either map's bends, and their errors
-  double height_sigma = 0;  ///< [m] also
+  double height_sigma = 0;  ///< [m] by which heights of single links disagree
   size_t num_links = 0;     ///< that agree with it
 };
 

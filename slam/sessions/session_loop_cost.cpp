@@ -5,7 +5,7 @@ namespace {
 
 using DynamicJacobian = Eigen::Map<Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>>;
 
-/// By frame and bends, from what it is by the tangent of the pose, [rotation in the pose |
+/// Derivatives by frame and bends, from those by the tangent of the pose, [rotation in the pose |
 /// translation].
 void FillJacobians(const PerturbedPose& pose, const double* frame, const double* bends,
                    const Matrix6d& by_tangent, double* by_frame, double* by_bends) {

@@ -13,10 +13,10 @@ inline constexpr int kFrameSize = 4;  ///< of a drive in its site: yaw [rad], tr
 
 Rigid3 FrameFromParameters(const double* frame);
 
-/// A pose of a drive in the site, as the drive lies there and is bent: parameters of kFrameSize and
-/// one per mode.
+/// A pose of a drive in the site, moved by the drive's frame there and by its modes: kFrameSize
+/// parameters and one per mode.
 struct PerturbedPose {
-  Rigid3 odom_from_pose;  ///< unbent
+  Rigid3 odom_from_pose;  ///< with all modes zero
   Eigen::MatrixXd modes;  ///< 6 x modes, CovarianceModes::At
 
   Rigid3 InSite(const double* frame, const double* bends) const;

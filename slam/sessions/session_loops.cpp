@@ -17,7 +17,7 @@ namespace {
 constexpr double kClosingDegreesPerMeter = 0.02;
 constexpr size_t kMaxFloors = 24;  // pairs of keyframes whose floors are compared
 
-/// By the link, of the frame of drive b in that of drive a.
+/// The frame of drive b in that of drive a, by the link.
 Rigid3 FrameOf(const SessionLoop& link, const std::vector<RigKeyframe>& keyframes_a,
                const std::vector<RigKeyframe>& keyframes_b) {
   return keyframes_a[link.keyframe_a].odom_from_keyframe * link.pose.a_from_b *
@@ -31,7 +31,7 @@ bool Agree(const SessionLoop& first, const SessionLoop& second,
                     &second_a = keyframes_a[second.keyframe_a];
   const RigKeyframe &first_b = keyframes_b[first.keyframe_b],
                     &second_b = keyframes_b[second.keyframe_b];
-  // The second keyframe b in the first place a, by either way around.
+  // The second link's keyframe b in the first link's keyframe a, by either way around.
   const Rigid3 by_a =
       first_a.odom_from_keyframe.Inverse() * second_a.odom_from_keyframe * second.pose.a_from_b;
   const Rigid3 by_b =
@@ -40,7 +40,7 @@ bool Agree(const SessionLoop& first, const SessionLoop& second,
                      std::abs(second_b.distance - first_b.distance);
   const double sigmas = 3 * std::hypot(first.pose.worst_sigma, second.pose.worst_sigma);
   const double max_turn = (options.closing_deg + kClosingDegreesPerMeter * way) * M_PI / 180;
-  // A turn within its bound shifts what lies far away.
+  // A rotation within its bound shifts what lies far away.
   const double lever = (by_b.translation - first.pose.a_from_b.translation).norm();
   const double max_apart = options.closing_base + options.closing_per_meter * way + sigmas +
                            std::sin(options.closing_deg * M_PI / 180) * lever;
@@ -124,7 +124,7 @@ class DriveLinker {
   }
 
  private:
-  /// Adds the good ones to measured_.
+  /// Measures candidates and adds the good ones to measured_.
   void Measure(const std::vector<PlaceCandidate>& candidates) {
     std::vector<SessionLoop> links = ParallelMap(candidates.size(), [&](size_t i) {
       const auto neighbors = static_cast<size_t>(options_.neighbors);
@@ -132,7 +132,7 @@ class DriveLinker {
       const RigKeyframe b = WidenKeyframe(keyframes_b_, candidates[i].later, neighbors);
       SessionLoop link{candidates[i].earlier, candidates[i].later, candidates[i].score,
                        EstimateRigPose(a, b, MatchKeyframes(a, b, relative_pose_), relative_pose_)};
-      // What neighbors both saw counts more than once in it.
+      // Points that several neighbors saw count more than once.
       const double repeats = 2 * options_.neighbors + 1;
       link.pose.information /= repeats;
       link.pose.worst_sigma *= std::sqrt(repeats);

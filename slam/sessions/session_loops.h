@@ -22,17 +22,21 @@ struct SessionLoopOptions {
       0.6;  ///< of links that agree on something else, relative to the best: more is ambiguous
   int neighbors = 1;  ///< keyframes before and after one that are measured with it
   double reach = 4;   ///< [m] around its foretold position in which a keyframe is looked for
-  double height_reach = 1.2;  ///< [m] also; decks of a garage lie 2.5 m apart or more
+  double height_reach =
+      1.2;  ///< [m] the same for heights; decks of a garage lie 2.5 m apart or more
   // Two links agree where the ways between their ends in both drives close with them, up to these.
   double closing_base = 0.15;       ///< [m], plus ...
   double closing_per_meter = 0.01;  ///< ... this share of the ways
   double closing_deg = 1.0;         ///< plus 0.02 degrees per meter
-  // Drives whose keyframes look alike lie on one floor, too, if theirs show enough to tell.
+  // Drives whose keyframes look alike must also share the floor, if their floors show enough to
+  // tell.
   int min_floor_tiles = 12;  ///< compared, in both drives and between them; fewer tell nothing
   double telling_floor =
       0.3;  ///< share of a drive's tiles that fit its own next keyframe; less in both tells nothing
-  double min_floor_share = 0.65;  ///< of what fits within the drives, fits between them
-  int all_pairs_up_to = 6;  ///< drives: of more not every pair is linked, but each drive with ...
+  double min_floor_share =
+      0.65;  ///< of the share that fits within the drives, must fit between them
+  int all_pairs_up_to =
+      6;  ///< drives; if there are more, not every pair is linked, but each drive with ...
   int partners = 3;  ///< ... these many that look most like it, and more where drives stay apart
 
   template <typename Visitor>
@@ -43,22 +47,22 @@ struct SessionLoopOptions {
   void Validate() const;  ///< throws Error{kUsage}
 };
 
-/// A keyframe of one drive that is a keyframe of another.
+/// A keyframe of one drive at the place of a keyframe of another.
 struct SessionLoop {
   size_t keyframe_a = 0, keyframe_b = 0;  ///< indices
-  double score = 0;   ///< of place recognition; 0 where the link was foretold by others
-  RelativePose pose;  ///< of keyframe b in place a
+  double score = 0;   ///< by place recognition; 0 where the link was foretold by others
+  RelativePose pose;  ///< of keyframe b in keyframe a
 };
 
-/// How two drives lie to each other, by keyframes that both passed.
+/// How two drives lie to each other, by places that both passed.
 struct SessionLoops {
   std::vector<SessionLoop> links;  ///< that agree; empty where the drives do not fit
   int num_candidates = 0, num_measured = 0, num_agreeing = 0, num_rivals = 0;
-  BevEvidence floor;     ///< of the links that agreed; empty where there were none
+  BevEvidence floor;     ///< at the links that agreed; empty where there were none
   std::string rejected;  ///< why there are no links, in a few words
 };
 
-/// How much of each link's information counts, as SharesOf has it for loops.
+/// How much of each link's information counts, as SharesOf computes it for loops.
 std::vector<double> SharesOf(const std::vector<SessionLoop>& links,
                              const std::vector<RigKeyframe>& keyframes_a,
                              const std::vector<RigKeyframe>& keyframes_b, double reach);
@@ -83,7 +87,7 @@ struct ComparedDrive {
 };
 
 /// How alike two drives look, 0 to 1: the mean score of their most alike keyframes; 0 where GNSS
-/// puts them apart. Parameters as of MatchSessions; takes a hundredth of its time.
+/// puts them apart. Takes the parameters of MatchSessions and a hundredth of its time.
 double SimilarityOf(const ComparedDrive& a, const ComparedDrive& b,
                     const SessionLoopOptions& options,
                     const std::optional<Rigid3>& a_from_b = std::nullopt, double sigma = 0);

@@ -149,7 +149,7 @@ std::vector<RigKeyframe> DecodeKeyframes(std::string_view bytes) {
   BinaryReader reader(bytes);
   std::vector<RigKeyframe> keyframes;
   reader(keyframes);
-  if (reader.is_at_end()) return keyframes;  // of a version that knew no floors
+  if (reader.is_at_end()) return keyframes;  // written by a version that knew no floors
   std::vector<cv::Mat> floors;
   reader(floors);
   Require(reader.is_at_end() && floors.size() == keyframes.size(), ErrorCode::kInvalidInput,

@@ -12,10 +12,10 @@
 
 namespace parkade {
 
-// What stages found, as bytes, so that a later build with the same inputs need not find it again.
-// Little-endian, no version of their own: who keeps them knows what they are. Exact: what is read
-// equals what was written, but that the seconds of computing are 0. Reading throws
-// Error{kInvalidInput} for bytes that are none.
+// Results of stages as bytes, so that a later build with the same inputs need not find them again.
+// Little-endian, without a version: whoever keeps them knows what they are. Exact: what is read
+// equals what was written, except that the seconds of computing are 0. Reading throws
+// Error{kInvalidInput} for other bytes.
 
 /// Raised whenever one of the layouts, or what a stage does with the same inputs, changes.
 constexpr int kStageResultsVersion = 3;
@@ -30,14 +30,14 @@ DriveRefinement DecodeRefinement(std::string_view bytes, const Rig& rig);
 std::string EncodeKeyframes(const std::vector<RigKeyframe>& keyframes);
 std::vector<RigKeyframe> DecodeKeyframes(std::string_view bytes);
 
-/// What EncodeKeyframes gives, in pieces, of keyframes that come one by one. Holds one at a time:
+/// Encodes like EncodeKeyframes, in pieces, keyframes that come one by one. Holds one at a time:
 /// floors, which come last, wait on disk.
 class KeyframesEncoder {
  public:
   /// `num_keyframes` will be added. `sink` gets the bytes in order.
   KeyframesEncoder(size_t num_keyframes, std::function<void(std::string_view)> sink);
   void Add(RigKeyframe keyframe);
-  /// Last.
+  /// Call last: hands on the floors.
   void Finish();
 
  private:

@@ -211,9 +211,9 @@ std::vector<FinishedNode> FixedLagSmoother::Finish() {
 }
 
 JointEstimate FixedLagSmoother::LastEstimate() const {
-  const Eigen::MatrixXd assumed = prior_.ModelCovariance();
-  JointEstimate last{prior_.blocks, prior_.Covariance(), assumed,
-                     -assumed * prior_.score_sensitivity};
+  const Eigen::MatrixXd by_model = prior_.ModelCovariance();
+  JointEstimate last{prior_.blocks, prior_.Covariance(), by_model,
+                     -by_model * prior_.score_sensitivity};
   for (PriorBlock& block : last.states)
     if (const double* values = ValuesOf(block.name))
       std::copy_n(values, block.Size(), block.at.begin());

@@ -81,13 +81,13 @@ bool IsLocalMaximum(const cv::Mat& scores, int y, int x) {
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx) {
       const float other = scores.at<float>(y + dy, x + dx);
-      // Of equal neighbors the first in reading order wins.
+      // The first of equal neighbors in reading order wins.
       if (other > score || (other == score && (dy < 0 || (dy == 0 && dx < 0)))) return false;
     }
   return true;
 }
 
-/// Which places are taken, on the lattice of the scores.
+/// Which spots are taken, on the lattice of the scores.
 class Occupancy {
  public:
   Occupancy(cv::Size size, double pixels_per_entry, double radius)

@@ -12,12 +12,12 @@ namespace parkade {
 namespace {
 
 constexpr int kSearchLevel = 1;   ///< of the pyramid
-constexpr double kSpacing = 1.5;  ///< [px of that level] between two places on the curve
+constexpr double kSpacing = 1.5;  ///< [px of that level] between two points on the curve
 constexpr double kMinSearchCorrelation = 0.5;  ///< at the search level
 constexpr double kMaxAmbiguity = 0.8;          ///< (1 - best) / (1 - second best) along the curve
 constexpr int kSamplesPerWarp = 6;          ///< a patch warped for one depth serves its neighbors
 constexpr int kMaxSamples = 200;            ///< along one epipolar curve
-constexpr double kMinDepthPerBaseline = 5;  ///< cameras close to each other also share what is near
+constexpr double kMinDepthPerBaseline = 5;  ///< cameras close to each other share near points, too
 constexpr double kMinDepth = 0.1;           ///< [m]
 constexpr double kMinDepression = 0.1;  ///< [rad] below the horizon a point may lie on the ground
 constexpr double kMaxReturn = 1.0;      ///< [px] backward check
@@ -30,13 +30,13 @@ struct Views {
   Rigid3 from_from_to;
 };
 
-/// What a patch is taken for: it decides how the two lenses see it.
+/// What surface a patch is taken to lie on: it decides how the two lenses see it.
 enum class Surface {
   kFacing,  ///< turned toward both cameras: walls, signs, pillars
   kGround,  ///< flat on the ground
 };
 
-/// A place on the epipolar curve of one track.
+/// A point on the epipolar curve of one track.
 struct Hypothesis {
   double inverse_depth = 0;  ///< [1/m] along the ray of `from`
   Eigen::Vector2d pixel;     ///< in `to`
@@ -104,8 +104,7 @@ std::optional<PatchTemplate> TemplateFor(const Views& views, const Eigen::Vector
                       pixel_in_from / (1 << level), *warp);
 }
 
-/// Places on the epipolar curve from infinity to `min_depth`, kSpacing pixels of
-/// `level` apart.
+/// Points on the epipolar curve from infinity to `min_depth`, kSpacing pixels of `level` apart.
 std::vector<Hypothesis> SampleCurve(const Views& views, const Eigen::Vector3d& bearing,
                                     double min_depth, int level) {
   constexpr int kCoarse = 12;
@@ -128,7 +127,7 @@ std::vector<Hypothesis> SampleCurve(const Views& views, const Eigen::Vector3d& b
   return curve;
 }
 
-/// Normalized correlation at each place of the curve; -1 where there is none.
+/// Normalized correlation at each point of the curve; -1 where there is none.
 std::vector<double> Score(const Views& views, const FeatureObservation& track,
                           const std::vector<Hypothesis>& curve, int level) {
   const cv::Mat& image = views.to.pyramid[static_cast<size_t>(2 * level)];
@@ -147,8 +146,7 @@ std::vector<double> Score(const Views& views, const FeatureObservation& track,
   return scores;
 }
 
-/// The one place on the curve that looks like the track, or nothing where none
-/// does or several do.
+/// The one point on the curve that looks like the track, or nothing where none does or several do.
 std::optional<Hypothesis> Search(const Views& views, const FeatureObservation& track,
                                  double min_depth, int level) {
   std::vector<Hypothesis> curve = SampleCurve(views, track.bearing, min_depth, level);
@@ -261,7 +259,8 @@ double ViewOverlap(const RigCamera& a, const RigCamera& b, double min_depth) {
       const auto bearing = a.model.Unproject(pixel);
       if (!bearing) continue;
       ++num_rays;
-      for (const double share : {0.0, 0.1, 0.3, 1.0}) {  // of 1 / min_depth, from infinity inwards
+      for (const double share :
+           {0.0, 0.1, 0.3, 1.0}) {  // as a share of 1 / min_depth, from infinity inwards
         const Eigen::Vector3d point =
             b_from_a.rotation * *bearing + share / min_depth * b_from_a.translation;
         const auto seen = b.model.Project(point);

@@ -15,8 +15,10 @@ namespace {
 
 constexpr int kCameraShift = 40;     ///< bits of a track number below the camera index
 constexpr double kOtherStart = 1.5;  ///< [px] from a start that failed: nearer ones would fail, too
-constexpr double kMinSimilarity = 0.8;  ///< correlation with the first look for it to be believed
-constexpr double kMaxCreep = 1.5;    ///< [px] between the look of the last image and the first look
+constexpr double kMinSimilarity =
+    0.8;  ///< correlation with the reference patch of a track that is believed
+constexpr double kMaxCreep =
+    1.5;  ///< [px] between where optical flow and where the reference patch puts a track
 constexpr double kMaxGrowth = 2.5;   ///< of a patch's area before it gets a new reference
 constexpr double kMovingFlow = 1.0;  ///< [px] median flow of a car that moves
 
@@ -103,7 +105,7 @@ TrackedFrame FeatureTracker::Track(const CameraFrame& frame,
   return result;
 }
 
-/// Counts why not.
+/// Counts why a frame is refused.
 bool FeatureTracker::IsUsable(const cv::Mat& gray) {
   if (gray.empty()) {
     ++statistics_.frames_wrong_size;
@@ -164,7 +166,7 @@ std::vector<FeatureTracker::Found> FeatureTracker::Follow(
   return found;
 }
 
-/// The pixel that agrees with the track's first look, where it still has that look.
+/// The pixel that agrees with the track's reference patch, where it still looks like that.
 FeatureTracker::Found FeatureTracker::Refine(const cv::Mat& image, size_t origin,
                                              const Eigen::Vector2d& pixel) const {
   Found track;
@@ -181,8 +183,8 @@ FeatureTracker::Found FeatureTracker::Refine(const cv::Mat& image, size_t origin
   return track;
 }
 
-/// The look to compare with from now on: the first one, until it is seen from too
-/// far away or too near.
+/// The reference patch from now on: the first one, until the point is seen from too far away or too
+/// near.
 FeatureTracker::Memory FeatureTracker::Remember(Memory memory, const Found& track,
                                                 const cv::Mat& image) {
   const double area = track.image_from_reference ? track.image_from_reference->determinant() : 0;
@@ -195,8 +197,8 @@ FeatureTracker::Memory FeatureTracker::Remember(Memory memory, const Found& trac
   return memory;
 }
 
-/// Lets the tracks vote on what is the car's own body. By the rotation that the
-/// images show: to a biased gyro a parked car seems to turn.
+/// Lets the tracks vote on what is the car's own body. The rotation is that of the images: to a
+/// biased gyro a parked car seems to turn.
 void FeatureTracker::LearnEgoMask(const std::vector<Found>& found, const EpipolarCheck& check) {
   const int version = ego_mask_.version();
   for (const Found& track : found) {
@@ -256,8 +258,8 @@ void FeatureTracker::Keep(std::vector<Found> found,
   for (const Found& track : kept) pixels.push_back(track.observation.pixel);
   std::vector<Memory> memories;
   std::vector<double> flows;
-  // What a rear camera leaves behind converges on its vanishing point, where it creeps and takes
-  // the place of near points. Of two that meet the older one goes on.
+  // Points that a rear camera leaves behind converge on its vanishing point, where their tracks
+  // creep and keep near points from being found. The older of two that meet goes on.
   for (const size_t index : SuppressNonMaxima(pixels, kCrowded * detector_.min_distance())) {
     const Found& track = kept[index];
     if (!IsSet(now.usable, track.observation.pixel)) {

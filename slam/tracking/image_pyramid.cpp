@@ -13,7 +13,7 @@ constexpr int kStatisticsScale =
 constexpr double kTargetContrast = 40;  ///< [gray levels] standard deviation after normalizing
 constexpr double kNeighborhood = 3;  ///< [blocks] standard deviation of the Gaussian around a block
 
-/// Per block of kStatisticsScale: mean of the values and of their squares.
+/// Mean of the values and of their squares, per block of kStatisticsScale.
 struct LocalMoments {
   cv::Mat mean, mean_square;  ///< CV_32FC1
 };
@@ -60,7 +60,7 @@ class BlockRow {
  public:
   BlockRow(const cv::Mat& blocks, int width) : blocks_(blocks), width_(width) {}
 
-  /// Of the buffer that At wants.
+  /// Size of the buffer that At wants.
   size_t size() const { return static_cast<size_t>((blocks_.cols + 1) * kStatisticsScale); }
 
   /// Values of the pixels of row `y`, held by `buffer`.

@@ -7,7 +7,8 @@
 
 namespace parkade {
 
-/// CV_8UC1 of a CV_8UC1 or CV_8UC3 (BGR) image; empty where it is not of that size and type.
+/// The CV_8UC1 version of a CV_8UC1 or CV_8UC3 (BGR) image; empty where it is not of that size and
+/// type.
 cv::Mat ToGray(const cv::Mat& image, const cv::Size& size);
 
 /// The image with its local mean and contrast made equal everywhere, CV_8UC1:

@@ -10,7 +10,7 @@ namespace {
 constexpr int kMaxIterations = 20;     ///< per level
 constexpr double kConvergence = 0.02;  ///< [px]
 constexpr double kNearPrediction = 3;  ///< [px] within which the way back needs no coarse levels
-constexpr int kLevelsNear = 2;         ///< of the pyramid then
+constexpr int kLevelsNear = 2;         ///< of the pyramid, that the way back needs then
 
 using Points = std::vector<cv::Point2f>;
 

@@ -6,8 +6,8 @@
 
 namespace parkade {
 
-/// Of the distance between new corners (CornerDetector::min_distance): tracks nearer to each other
-/// converge, and one of them goes.
+/// Share of the distance between new corners (CornerDetector::min_distance) below which one of two
+/// tracks ends: they converge.
 inline constexpr double kCrowded = 0.5;
 
 /// Indices, in order, of the `pixels` that are at least `distance` [px] from every one kept before.

@@ -6,9 +6,9 @@
 
 namespace parkade {
 
-/// How a point looked when its track began. Following a track from image to
-/// image lets it creep, because perspective changes within the window; aligning
-/// every image with the first look, under an affine warp, does not.
+/// How a point looked when its track began. Following a track from image to image lets it creep,
+/// because perspective changes within the window; aligning every image with the reference patch,
+/// under an affine warp, does not.
 ///
 /// J. Shi, C. Tomasi, "Good features to track", CVPR 1994, section 4 (affine
 /// consistency with the first image), by inverse compositional Gauss-Newton

@@ -18,7 +18,7 @@ struct TrackedImage {
   CameraModel model;
   Eigen::Vector3d up_in_camera =
       Eigen::Vector3d::Zero();  ///< unit, z of the body: the ground's normal
-  /// Of cv::buildOpticalFlowPyramid: image and Scharr derivatives of level 0,
+  /// Made by cv::buildOpticalFlowPyramid: image and Scharr derivatives of level 0,
   /// of level 1 (half size), ...; locally normalized, padded by the window.
   std::vector<cv::Mat> pyramid;
   cv::Mat

@@ -33,7 +33,9 @@ TEST(FinalTrajectory, CoversTheWholeDriveWithoutGaps) {
 TEST(FinalTrajectory, IsOfTheImuAndFollowsTheOdometryBetweenFinalStates) {
   const SiteDrive drive = Drive();
   const Rigid3 imu_from_body = drive.rig.body_from_imu.Inverse();
-  for (const TimedPose& pose : SampleFinalTrajectory(drive)) {
+  const std::vector<TimedPose> poses = SampleFinalTrajectory(drive);
+  ASSERT_GT(poses.size(), 20u);
+  for (const TimedPose& pose : poses) {
     const Rigid3 site_from_body = pose.world_from_frame * imu_from_body;
     // Between the 4 Hz states a chord would be 13 mm off the circle. Beyond the last states the
     // drift goes on.

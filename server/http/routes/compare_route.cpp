@@ -36,7 +36,7 @@ std::string AddressOf(const std::string& site, std::int64_t from, std::int64_t t
          "&to=" + std::to_string(to) + (format == "json" ? "" : "&format=" + format);
 }
 
-/// What the worker found, with what only the service knows.
+/// The worker's result, with what only the service knows.
 std::string Complete(const std::string& found, const MapVersion& from, const MapVersion& to) {
   Json json = {{"site", from.site}, {"from", from.version}, {"to", to.version}};
   json.update(Json::parse(found));
@@ -65,7 +65,7 @@ void SendComparison(RouteContext& context, const httplib::Request& request,
     return std::pair(find(from_text), find(to_text));
   });
   if (from_text == "latest" ||
-      to_text == "latest") {  // which changes; the address it leads to does not
+      to_text == "latest") {  // it changes; the address it leads to does not
     response.set_header("Cache-Control", "no-cache");
     response.set_redirect(AddressOf(site, from.version, to.version, format), 307);
     return;

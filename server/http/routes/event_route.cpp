@@ -17,8 +17,8 @@ constexpr std::chrono::milliseconds kLookInterval{500};
 constexpr std::chrono::seconds kHeartbeatInterval{10};
 constexpr std::chrono::minutes kMaxLifetime{10};  // then the client comes back with Last-Event-ID
 
-/// What an event is about, as it is now: a listener that comes late gets one
-/// state, not the way to it.
+/// The subject of an event as it is now: a listener that comes late gets one state, not the way to
+/// it.
 Json DataOf(RouteContext& context, const Event& event) {
   try {
     if (event.kind == "job") {
@@ -50,7 +50,7 @@ class EventStream {
   EventStream(RouteContext& context, std::int64_t last_seen)
       : context_(context), presence_(context.metrics.event_clients), last_seen_(last_seen) {}
 
-  /// Sends what there is, waiting a moment for it; false at the end.
+  /// Sends the events there are, waiting a moment for some; false at the end.
   bool Send(httplib::DataSink& sink) {
     const steady_clock::time_point now = steady_clock::now();
     if (context_.shutdown_signal.is_stopping() || now - started_ > kMaxLifetime) {
@@ -95,7 +95,8 @@ std::int64_t LastSeen(const httplib::Request& request, const EventHub& events) {
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), id);
   const bool is_number =
       !text.empty() && parsed.ec == std::errc{} && parsed.ptr == text.data() + text.size();
-  if (!text.empty() && !is_number) return 0;  // not one of ours: has missed everything
+  if (!text.empty() && !is_number)
+    return 0;  // an id that is not ours: the client has missed everything
   return is_number ? id : events.last_id();
 }
 

@@ -16,7 +16,7 @@ Job JobWithId(RouteContext& context, const std::string& id) {
       [&](Connection& connection) { return FindJob(connection, id); });
 }
 
-/// Of a running job that has one.
+/// The preview of a running job that has one.
 std::optional<std::filesystem::path> PreviewOf(RouteContext& context, const Job& job) {
   if (job.state != JobState::kRunning) return std::nullopt;
   const std::filesystem::path file =
@@ -25,7 +25,8 @@ std::optional<std::filesystem::path> PreviewOf(RouteContext& context, const Job&
   return std::filesystem::exists(file, ignored) ? std::optional(file) : std::nullopt;
 }
 
-/// Another one for each preview of a job, so that whoever shows one sees that it was replaced.
+/// The entity tag differs for each preview of a job, so that whoever shows one sees that it was
+/// replaced.
 Json AddressOfPreview(RouteContext& context, const Job& job) {
   const std::optional<std::filesystem::path> file = PreviewOf(context, job);
   std::error_code missing;

@@ -56,7 +56,7 @@ void RedirectToLatest(RouteContext& context, const httplib::Request& request,
   response.set_redirect(MapAddress(site, version) + std::string(request.matches[2]), 307);
 }
 
-/// What the body of a request to build a map may hold.
+/// The members that the body of a request to build a map may hold.
 struct MapRequest {
   std::vector<std::string> drives;
   MapReview review;
@@ -66,7 +66,7 @@ std::vector<std::string> TextsOf(const std::string& key, const Json& value) {
   Require(value.is_array(), ErrorCode::kInvalidInput, '"' + key + "\" is a list");
   std::vector<std::string> texts;
   for (const Json& text : value) {
-    // What begins with a dash would pass for an option of the worker's command line.
+    // A word that begins with a dash would pass for an option of the worker's command line.
     Require(text.is_string() && !text.get<std::string>().empty() &&
                 text.get<std::string>().front() != '-',
             ErrorCode::kInvalidInput, '"' + key + "\" is a list of ids");

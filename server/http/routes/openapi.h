@@ -5,11 +5,11 @@
 
 namespace parkade {
 
-/// server/http/openapi.json, the description of what exists.
+/// The text of server/http/openapi.json, which describes all routes.
 const std::string& OpenApiText();
 
 /// Methods that `path` has according to the description, in upper case; none
-/// when there is no such path. For telling 405 from 404.
+/// when there is no such path. Tells 405 from 404.
 std::vector<std::string> MethodsOf(const std::string& path);
 
 }  // namespace parkade

@@ -12,7 +12,7 @@
 
 namespace parkade {
 
-/// What handlers work with. Outlives the server they are added to.
+/// The objects that handlers work with. Outlives the server they are added to.
 struct RouteContext {
   const ServeOptions& options;
   Store& store;
@@ -23,7 +23,7 @@ struct RouteContext {
   const ShutdownSignal& shutdown_signal;
 };
 
-// Bounded patterns: they run on whatever path a stranger sends.
+// Patterns of names and ids. They are bounded, since they run on whatever path a stranger sends.
 inline const std::string kIdPattern = "([0-9a-f]{16})";
 inline const std::string kNamePattern = "([A-Za-z0-9][A-Za-z0-9._-]{0,63})";
 

@@ -11,7 +11,8 @@ namespace parkade {
 namespace {
 
 std::int64_t LengthOf(const httplib::Request& request) {
-  return std::stoll(request.get_header_value("Content-Length"));  // CheckRequestHead saw to it
+  return std::stoll(
+      request.get_header_value("Content-Length"));  // CheckRequestHead made sure that it is there
 }
 
 void Replace(std::string& text, const std::string& from, const std::string& to) {

@@ -7,8 +7,8 @@
 
 namespace parkade {
 
-/// What can be said against an upload before its first byte is taken. Returns
-/// what it says about itself; throws HttpError or Error.
+/// Checks an upload before its first byte is taken. Returns what it says about itself; throws
+/// HttpError or Error.
 NewDrive CheckUpload(const httplib::Request& request, const RouteContext& context);
 
 }  // namespace parkade

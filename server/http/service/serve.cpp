@@ -32,7 +32,7 @@ void Wake(int) {
 /// Our threads leave the signals to that one: a handler would disturb what they do. But
 /// libraries start threads before main (OpenBLAS does) that leave signals open, so that
 /// whichever thread the kernel picks there is a handler, and not the default: the end.
-/// To be made before any other thread of ours.
+/// Make it before any other thread of ours.
 class SignalWaiter {
  public:
   SignalWaiter() {

@@ -17,8 +17,8 @@
 namespace parkade {
 namespace {
 
-// blob: for textures and the mesh decoder's worker, which three.js makes of
-// bytes it has; wasm-unsafe-eval for the decoder itself.
+// "blob:" is for textures and the mesh decoder's worker, which three.js makes from bytes it has;
+// "wasm-unsafe-eval" for the decoder itself.
 constexpr const char* kContentSecurityPolicy =
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self' blob:; "
     "connect-src 'self' blob: "
@@ -87,7 +87,7 @@ class Service::Parts {
     shutdown_signal_.Cut(patience);
     comparer_.Stop();
     events_.Close();
-    // Right after the start there may be nothing yet to stop.
+    // There may be nothing to stop yet right after the start.
     for (int i = 0; i < 500 && !http_.is_running(); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     http_.stop();
@@ -153,7 +153,7 @@ class Service::Parts {
     SendProblem(response, {405, "method_not_allowed", "this address knows " + allowed});
   }
 
-  /// Whether a client may go on that asked before it sends a large body.
+  /// Tells a client that asked before sending a large body whether it may go on.
   int Expected(const httplib::Request& request, httplib::Response& response) const {
     if (request.method != "PUT" || request.path != "/api/v1/drives") return 100;
     try {

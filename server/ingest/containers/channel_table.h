@@ -17,7 +17,7 @@ struct TopicMap {
   std::unordered_map<std::uint32_t, int>
       topic_of_channel;  ///< -1: known, but not of an encoding we read
 
-  /// Nothing for an unknown channel; -1 as above.
+  /// The topic of a channel: nothing for an unknown channel; -1 where we do not read its encoding.
   std::optional<int> TopicOf(std::uint32_t channel) const;
 };
 

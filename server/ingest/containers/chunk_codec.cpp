@@ -61,7 +61,7 @@ class Bz2Unpacker : public Unpacker {
   ~Bz2Unpacker() override { BZ2_bzDecompressEnd(&stream_); }
 
   Step Run(std::span<const std::uint8_t> packed, std::span<std::uint8_t> out) override {
-    if (is_at_end_) return {packed.size(), 0, true};  // what follows the stream is padding
+    if (is_at_end_) return {packed.size(), 0, true};  // bytes behind the stream are padding
     // bzlib takes no const, and does not write there.
     stream_.next_in = const_cast<char*>(reinterpret_cast<const char*>(packed.data()));
     stream_.avail_in = static_cast<unsigned>(packed.size());
@@ -114,7 +114,7 @@ std::size_t UnpackingStream::Read(std::span<std::uint8_t> out) {
       break;
     }
     try {
-      // Also without input: the unpacker may still hold output.
+      // Runs even without input: the unpacker may still hold output.
       const Unpacker::Step step = unpacker_->Run(rest_, out.subspan(num_read));
       rest_ = rest_.subspan(step.num_consumed);
       num_read += step.num_produced;

@@ -13,7 +13,7 @@ namespace parkade {
 
 enum class ChunkCompression { kNone, kLz4, kZstd, kBz2 };
 
-/// Of "", "none", "lz4", "zstd", "bz2".
+/// The compression by its name: "", "none", "lz4", "zstd" or "bz2".
 std::optional<ChunkCompression> CompressionNamed(std::string_view name);
 
 /// Unpacks one stream of lz4 frames, zstd frames or bzip2, piece by piece, in memory that does not
@@ -26,7 +26,8 @@ class Unpacker {
   };
 
   virtual ~Unpacker() = default;
-  /// Takes of `packed`, fills of `out`. Throws Error{kInvalidInput} when the bytes are damaged.
+  /// Takes some of `packed`, fills some of `out`. Throws Error{kInvalidInput} when the bytes are
+  /// damaged.
   virtual Step Run(std::span<const std::uint8_t> packed, std::span<std::uint8_t> out) = 0;
 };
 
@@ -46,7 +47,7 @@ class UnpackingStream {
   UnpackingStream(const InputFile& file, std::uint64_t begin, std::uint64_t size,
                   ChunkCompression compression);
 
-  /// Fills `out`; less than its size only at the end, of which state() tells.
+  /// Fills `out`. Returns less than its size only at the end, about which state() tells.
   std::size_t Read(std::span<std::uint8_t> out);
   State state() const { return state_; }
 
@@ -63,7 +64,7 @@ class UnpackingStream {
   State state_ = State::kRunning;
 };
 
-/// Message bytes of a recorder that packs each message with zstd, unpacked. Throws
+/// Unpacks the bytes of a message from a recorder that packs each message with zstd. Throws
 /// Error{kInvalidInput} when they are damaged or unpack to more than `max_size`.
 std::vector<std::uint8_t> UnpackZstd(std::span<const std::uint8_t> packed, std::size_t max_size);
 

@@ -17,7 +17,7 @@ std::string Describe(const LogRecord& chunk, const std::string& problem) {
   return "the chunk at byte " + std::to_string(chunk.begin) + " " + problem;
 }
 
-/// What is wrong with a chunk of which `size` bytes with `checksum` came out; empty: nothing.
+/// The fault of a chunk that unpacked to `size` bytes with `checksum`; empty: none.
 std::string FindProblem(const LogRecord& chunk, UnpackingStream& stream, std::uint64_t size,
                         std::uint32_t checksum) {
   std::uint8_t one_more = 0;
@@ -48,7 +48,7 @@ class StreamReader : public ByteReader {
   }
 
   void Release(std::uint64_t offset) override {
-    if (offset < begin_ + kPiece) return;  // seldom, for it moves bytes
+    if (offset < begin_ + kPiece) return;  // it moves bytes, hence seldom
     const std::uint64_t count = std::min<std::uint64_t>(offset - begin_, window_.size());
     window_.erase(window_.begin(), window_.begin() + static_cast<std::ptrdiff_t>(count));
     begin_ += count;

@@ -37,11 +37,11 @@ void AddChunkLoss(const ScannedLog& log, const LogRecord& chunk, const std::stri
     if (step.is_damaged) continue;
     const LogRecord& index = *step.record;
     if (index.kind == RecordKind::kMessage)
-      kept.Add(index.channel, index.time);  // lies open behind a damaged chunk
+      kept.Add(index.channel, index.time);  // the message lies open behind a damaged chunk
     if (index.kind == RecordKind::kMessage || index.kind == RecordKind::kDefinition) continue;
     if (index.kind != RecordKind::kChunkIndex) break;
     if (is_behind_damage && !kept.IsEmpty() && !HasKept(log, reader, index, kept))
-      continue;  // of another chunk
+      continue;  // the index belongs to another chunk
     has_index = true;
     const std::optional<int> topic = log.topics.TopicOf(index.channel);
     if (topic && (*topic < 0 || !wanted[static_cast<std::size_t>(*topic)])) continue;

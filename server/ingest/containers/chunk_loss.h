@@ -18,7 +18,7 @@ class KeptMessages {
   bool IsEmpty() const { return stamps_.empty(); }
   bool IsComplete() const {
     return is_complete_;
-  }  ///< false: of too many messages some were not noted
+  }  ///< false: there were too many messages to note all
 
  private:
   std::set<std::pair<std::uint32_t, Timestamp>> stamps_;

@@ -11,7 +11,7 @@ inline void AddLoss(DamageReport& damage, LostRange range) {
   if (damage.ranges.size() < kMaxRanges) damage.ranges.push_back(std::move(range));
 }
 
-/// What `damage` tells about the wanted topics, and about unknown ones.
+/// The part of `damage` that concerns the wanted topics or unknown ones.
 DamageReport OfWanted(const DamageReport& damage, const std::vector<TopicInfo>& topics,
                       const std::vector<bool>& wanted);
 

@@ -22,7 +22,7 @@ std::vector<fs::path> SortedFolders(const fs::path& folder) {
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error))
     if (entry->is_directory(error)) folders.push_back(entry->path());
-  // By length first, so that cam10 comes after cam2.
+  // Orders names by length first, so that cam10 comes after cam2.
   std::sort(folders.begin(), folders.end(), [](const fs::path& a, const fs::path& b) {
     return std::pair(a.native().size(), a.native()) < std::pair(b.native().size(), b.native());
   });

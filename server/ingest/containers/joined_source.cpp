@@ -35,7 +35,7 @@ class JoinedStream : public MessageStream {
   std::optional<RawMessage> Next() override {
     while (next_part_ < parts_->size() && IsNextPartDue()) OpenNextPart();
     if (heads_.empty()) return std::nullopt;
-    // priority_queue gives no way to move its top out.
+    // std::priority_queue gives no way to move its top out.
     Head head = std::move(const_cast<Head&>(heads_.top()));
     heads_.pop();
     Advance(head.part);

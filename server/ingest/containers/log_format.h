@@ -15,7 +15,7 @@ struct ChunkIndexEntry {
   std::uint64_t offset = 0;  ///< of the message's record in the unpacked chunk
 };
 
-/// What the end of a log tells of the whole.
+/// The summary at the end of a log.
 struct LogSummary {
   bool is_closed = false;  ///< the recorder came to its end, and the file is as long as it was then
   std::optional<std::uint64_t> num_channels;            ///< of the whole log
@@ -30,7 +30,7 @@ class LogFormat {
 
   virtual std::string name() const = 0;
 
-  /// Where the records begin and end in a file.
+  /// The offsets where the records begin and end in a file.
   virtual std::uint64_t FirstRecord() const = 0;
   virtual std::uint64_t EndOfRecords(const InputFile& file) const = 0;
 

@@ -11,7 +11,7 @@ namespace parkade {
 enum class RecordKind {
   kMessage,
   kChunk,       ///< packed messages and definitions
-  kChunkIndex,  ///< behind a chunk: time and place of its messages of one channel
+  kChunkIndex,  ///< behind a chunk: time and offset of its messages of one channel
   kDefinition,  ///< of a channel, or of a message type
   kOther,
   kUnknown,  ///< may be a record that is newer than this reader, or no record at all

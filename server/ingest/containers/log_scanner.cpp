@@ -41,7 +41,7 @@ class LogScanner {
     std::map<std::uint32_t, Counted> index;  ///< by channel
     bool has_damage_behind = false;
     std::vector<LogRecord>
-        doubtful_indexes;  ///< behind the damage: its own, or of a chunk that was lost
+        doubtful_indexes;  ///< behind the damage: of this chunk, or of one that was lost
   };
   struct ChunkMessages {
     std::map<std::uint32_t, Counted> by_channel;
@@ -69,7 +69,7 @@ class LogScanner {
   FileReader reader_;
   ScannedLog log_;
   ChannelTable channels_;
-  ChannelTable guessed_channels_;  ///< of damaged chunks
+  ChannelTable guessed_channels_;  ///< from damaged chunks
   LogSummary summary_;
   bool has_all_channels_ = false;
   std::map<std::uint32_t, std::uint64_t> num_messages_;
@@ -188,7 +188,7 @@ void LogScanner::CloseChunk() {
     time.Include(counted.time.begin);
     time.Include(counted.time.end);
   }
-  // Of a chunk that cannot be unpacked nor has an index: where the log was before.
+  // The time of a chunk that cannot be unpacked and has no index: that of the log before it.
   if (time.IsEmpty() && !log_.segments.empty())
     time = {log_.segments.back().time.end, log_.segments.back().time.end};
   AddSegment(chunk.record, std::min(chunk.record.unpacked_size, kMaxHeldChunk), time);
@@ -202,7 +202,7 @@ bool LogScanner::MustUnpack(const OpenedChunk& chunk) const {
   if (!has_all_channels_ && (has_new_channel || chunk.index.empty())) return true;
   const TimeSpan& claimed = chunk.record.span;
   if (claimed.IsEmpty()) return chunk.index.empty();
-  // A jump is rare, and a damaged time would move the whole chunk to the wrong place.
+  // A jump is rare, and a damaged time would move the whole chunk to a wrong time.
   constexpr double kLargeJump = 3600;  // [s]
   if (log_.segments.empty()) return claimed.Seconds() > kLargeJump;
   const Timestamp before = log_.segments.back().time.end;
@@ -210,7 +210,7 @@ bool LogScanner::MustUnpack(const OpenedChunk& chunk) const {
          std::abs(claimed.end - before) > kLargeJump;
 }
 
-/// True when one of the index's messages is in the chunk: others of it may be damaged.
+/// True when one of the index's messages is in the chunk: its other messages may be damaged.
 bool LogScanner::IsIndexOf(const LogRecord& index, const ChunkMessages& messages) {
   bool is_index = false;
   format_->ReadIndex(reader_, index, [&](const ChunkIndexEntry& entry) {
@@ -245,8 +245,9 @@ LogScanner::ChunkMessages LogScanner::Unpack(const OpenedChunk& chunk) {
   return messages;
 }
 
-/// Some writers define a channel only once. Where that is in a damaged chunk, what still looks like
-/// a definition is better than nothing: without it every message of the channel would be lost.
+/// Some writers define a channel only once. Where that one is in a damaged chunk, anything that
+/// still looks like a definition is better than nothing: without it every message of the channel
+/// would be lost.
 void LogScanner::GuessDefinitions(const LogRecord& chunk) {
   const std::vector<std::uint8_t> bytes = UnpackDamagedChunk(*log_.file, chunk);
   MemoryReader reader(bytes);

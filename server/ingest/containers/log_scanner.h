@@ -17,7 +17,7 @@ struct LogSegment {
   bool is_at_end = false;            ///< a chunk that is_at_end
 };
 
-/// What one look at the headers of a log tells.
+/// The result of one look at the headers of a log.
 struct ScannedLog {
   std::shared_ptr<const InputFile> file;
   const LogFormat* format = nullptr;

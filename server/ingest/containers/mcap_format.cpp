@@ -32,7 +32,7 @@ constexpr std::uint64_t kFooterSize = 20;  // without prefix
 
 // Fields of a record's body: a positive number counts fixed bytes.
 constexpr int kEnd = 0;
-constexpr int kText = -1;  // 32-bit length in front; also arrays and maps
+constexpr int kText = -1;  // 32-bit length in front: texts, arrays and maps
 constexpr int kBlob = -2;  // 64-bit length in front
 
 struct Layout {
@@ -89,7 +89,7 @@ std::optional<std::uint64_t> MeasureFields(ByteReader& reader, const Layout& lay
   return size;
 }
 
-/// Fills in what a chunk's header tells. False when it cannot be one. Its two lengths may
+/// Fills in the fields of a chunk's header. False when it cannot be one. Its two lengths may
 /// contradict each other: then one of them is damaged, and the record is not exact.
 bool ParseChunk(ByteReader& reader, std::uint64_t length, LogRecord& record) {
   const std::span<const std::uint8_t> head = reader.Fetch(record.begin + kPrefixSize, 44);

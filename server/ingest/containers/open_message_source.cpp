@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 enum class LogKind { kNone, kOldBag, kBag, kMcap, kSqlite, kZstd };
 
-/// By the first bytes.
+/// Recognizes a file by its first bytes.
 LogKind KindOf(std::string_view bytes) {
   using namespace std::string_view_literals;
   if (bytes.starts_with("#ROSBAG V2.0\n"sv)) return LogKind::kBag;
@@ -53,7 +53,7 @@ bool HasRecords(const InputFile& file, const LogFormat& format) {
   return false;
 }
 
-/// A file whose first bytes are damaged.
+/// Recognizes a file whose first bytes are damaged.
 LogKind KindOfDamaged(const InputFile& file) {
   if (HasRecords(file, Rosbag1Format())) return LogKind::kBag;
   if (HasRecords(file, McapFormat())) return LogKind::kMcap;
@@ -97,7 +97,7 @@ std::vector<std::string> FilesInMetadata(const fs::path& folder) {
       names.push_back(fs::path(path.as<std::string>()).filename().string());
   } catch (const YAML::Exception&) {
     names.clear();
-  } catch (const Error&) {  // no such file
+  } catch (const Error&) {  // there is no such file
   }
   return names;
 }

@@ -8,8 +8,8 @@
 namespace parkade {
 
 /// Opens a ROS 1 bag (v2.0), an MCAP file, a rosbag2 sqlite3 file, any of them packed with zstd as
-/// a whole, or a folder of one recording in several files, with or without metadata.yaml. What a
-/// file is, its content says, never its name; a file whose beginning is damaged is known by its
+/// a whole, or a folder of one recording in several files, with or without metadata.yaml. Files are
+/// recognized by their content, never by name; a file whose beginning is damaged is known by its
 /// records. In a folder other files are passed over.
 ///
 /// A packed file is unpacked to a temporary one in `scratch_folder` (empty: TMPDIR), which lives as

@@ -18,7 +18,8 @@ enum class MessageEncoding { kRos1, kCdr, kEuroc };
 /// One topic of a log file.
 struct TopicInfo {
   std::string topic;  ///< "/cam0/image_raw"
-  std::string type;   ///< ROS 1 spelling: "sensor_msgs/Image" (also for "sensor_msgs/msg/Image")
+  std::string type;   ///< ROS 1 spelling: "sensor_msgs/Image", even where the log says
+                      ///< "sensor_msgs/msg/Image"
   MessageEncoding encoding = MessageEncoding::kRos1;
   std::uint64_t num_messages = 0;  ///< as far as known from the index
 };
@@ -38,7 +39,7 @@ struct LostRange {
   std::uint64_t num_messages = 0;  ///< as far as known
 };
 
-/// What was lost while reading; grows during a pass.
+/// The losses while reading; grows during a pass.
 struct DamageReport {
   std::vector<LostRange> ranges;  ///< at most 1000 kept
   std::uint64_t num_lost_messages = 0;

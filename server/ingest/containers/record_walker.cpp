@@ -16,8 +16,8 @@ RecordWalker::Step RecordWalker::At(std::uint64_t offset) {
 }
 
 RecordWalker::Step RecordWalker::StepOverChunk(LogRecord chunk) {
-  // In a chunk that is not packed lie records, too: only what never lies in a chunk can tell its
-  // end.
+  // Records lie in a chunk that is not packed, too: only a record that never lies in a chunk can
+  // tell its end.
   const auto is_outside = [](RecordKind kind) {
     return kind != RecordKind::kMessage && kind != RecordKind::kDefinition;
   };

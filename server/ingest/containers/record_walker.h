@@ -9,20 +9,20 @@ namespace parkade {
 /// Goes from record to record, and past damage to the next place where records make sense again.
 ///
 /// A record is believed when another follows it. Where none does, the bytes behind its beginning
-/// are searched for the next record that can be believed: if none lies inside it, it is what
-/// follows that is damaged. A chunk ends at the latest where the next record begins.
+/// are searched for the next record that can be believed: if none lies inside it, the bytes behind
+/// it are the damaged ones. A chunk ends at the latest where the next record begins.
 class RecordWalker {
  public:
   struct Step {
-    std::optional<LogRecord> record;  ///< also of damaged messages whose header could be read
+    std::optional<LogRecord> record;  ///< set, too, for damaged messages whose header could be read
     bool is_damaged = false;          ///< [offset, next) holds nothing that can be believed
     std::uint64_t next = 0;           ///< where to go on
   };
 
-  /// Both must outlive the walker.
+  /// Borrows both arguments, which must outlive the walker.
   RecordWalker(const LogFormat& format, ByteReader& reader) : format_(&format), reader_(&reader) {}
 
-  /// `offset` < reader.size().
+  /// The record or the damage at `offset`, which must be below reader.size().
   Step At(std::uint64_t offset);
 
  private:

@@ -196,7 +196,7 @@ void Rosbag1LogFormat::Learn(ByteReader& reader, const LogRecord& record,
   const auto topic = header ? header->Text("topic") : std::nullopt;
   if (!id || !topic) return;
   channel.topic = *topic;
-  // The data are fields as well; the long one, message_definition, is skipped.
+  // The data are fields, too; the long one, message_definition, is skipped.
   for (std::uint64_t offset = record.data_begin; offset < record.end;) {
     constexpr std::size_t kEnoughForType = 512;
     const auto size = ReadNumber<std::uint32_t>(reader, offset);

@@ -16,17 +16,17 @@
 namespace parkade {
 namespace {
 
-/// What all passes share.
+/// The state that all passes share.
 struct Rosbag2File {
   std::filesystem::path path;
   std::shared_ptr<const InputFile> file;
   TopicMap topics;         ///< a topic's id is its channel
   std::string time_index;  ///< name of the index on the timestamp, quoted; empty: none
   DamageReport damage;
-  bool is_damaged = false;  ///< found so when it was opened
+  bool is_damaged = false;  ///< found to be so when it was opened
 };
 
-/// Of a message in the order of a pass.
+/// The position of a message in the order of a pass.
 using Rank = std::tuple<std::int64_t, std::int64_t>;
 
 class SqliteStream : public MessageStream {
@@ -88,7 +88,8 @@ class SqliteStream : public MessageStream {
     while (auto row = pages_->Next(wants)) {
       largest_id_ = std::max(largest_id_, row->id);
       ++num_rows_;
-      if (last_ && RankOf(row->id, row->timestamp) <= *last_) continue;  // the query had it
+      if (last_ && RankOf(row->id, row->timestamp) <= *last_)
+        continue;  // the query gave it already
       const std::optional<int> topic = WantedTopic(row->topic_id);
       if (!topic) continue;
       if (row->data)
@@ -139,13 +140,13 @@ class SqliteStream : public MessageStream {
   DamageReport damage_;
   std::optional<SqliteDatabase> database_;
   std::optional<SqliteQuery> query_;
-  std::optional<Rank> last_;  ///< of the message the query gave last
+  std::optional<Rank> last_;  ///< of the message that the query gave last
   std::optional<SqlitePages> pages_;
   std::int64_t largest_id_ = 0, num_rows_ = 0;
   bool is_finished_ = false;
 };
 
-/// Tables, not views: those could run for ever.
+/// Only tables will do: a view could run for ever.
 bool HasTables(const SqliteDatabase& database) {
   SqliteQuery query(
       database,

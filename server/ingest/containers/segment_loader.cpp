@@ -16,7 +16,7 @@ class ChunkFilter {
   ChunkFilter(const ScannedLog& log, const std::vector<bool>& wanted)
       : log_(&log), wanted_(&wanted) {}
 
-  /// The topic of a message that is wanted; nothing for all else.
+  /// The topic of a wanted message; nothing for any other record.
   std::optional<int> Accept(const RecordWalker::Step& step) {
     if (step.is_damaged) {
       num_damaged_bytes_ += step.next - (step.record ? step.record->begin : last_end_);
@@ -60,10 +60,10 @@ class LoadedSegment : public SegmentCursor {
     for (std::uint64_t offset = segment.begin; offset < segment.end;) {
       const RecordWalker::Step step = walker.At(offset);
       offset = step.next;
-      if (step.is_damaged) continue;  // the scan has told
+      if (step.is_damaged) continue;  // the scan has reported it
       if (step.record->kind == RecordKind::kChunk) {
         LogRecord chunk = *step.record;
-        chunk.is_at_end = segment.is_at_end;  // of the log, not of this stretch of it
+        chunk.is_at_end = segment.is_at_end;  // at the end of the log, not of this stretch of it
         AddChunk(log, chunk, wanted, damage);
       }
       if (step.record->kind == RecordKind::kMessage) AddLoose(log, *step.record, wanted, damage);
@@ -137,7 +137,7 @@ class LoadedSegment : public SegmentCursor {
   std::size_t next_ = 0;
 };
 
-/// A chunk too large to be held: its messages in the order they have.
+/// A chunk too large to be held: its messages come in the order of the file.
 class StreamedChunk : public SegmentCursor {
  public:
   StreamedChunk(const ScannedLog& log, const LogSegment& segment, const std::vector<bool>& wanted,

@@ -107,7 +107,7 @@ std::optional<SqlitePages::Cell> SqlitePages::CellAt(std::size_t index) const {
   const auto row_id = size ? TakeVarint(rest) : std::nullopt;
   if (!row_id) return std::nullopt;
   Cell cell{static_cast<std::int64_t>(*row_id), *size, {}, 0};
-  // How much of a payload stays on its page: fileformat2, 1.6.
+  // The part of a payload that stays on its page: fileformat2, 1.6.
   const std::uint64_t most = usable_size_ - 35;
   std::uint64_t local = *size;
   if (*size > most) {

@@ -12,7 +12,8 @@
 
 namespace parkade {
 
-/// What remains of a damaged rosbag2 database: the rows that lie on its leaf pages, whatever became
+/// Reads the remains of a damaged rosbag2 database: the rows that lie on its leaf pages, whatever
+/// became
 /// of the pages that led to them (sqlite.org/fileformat2.html). Pages are taken in the order of the
 /// file, which is about that of writing.
 class SqlitePages {
@@ -37,7 +38,7 @@ class SqlitePages {
   struct Cell {
     std::int64_t row_id = 0;
     std::uint64_t size = 0;               ///< [byte] of the payload
-    std::span<const std::uint8_t> local;  ///< what of it lies on the page
+    std::span<const std::uint8_t> local;  ///< the part of it on the page
     std::uint32_t overflow_page = 0;      ///< 0: none
   };
 

@@ -13,7 +13,7 @@ namespace parkade {
 
 struct UnpackedFile {
   std::shared_ptr<const TemporaryFile> file;  ///< null: its first bytes were refused
-  DamageReport damage;  ///< a file that is cut off or damaged is unpacked up to there
+  DamageReport damage;  ///< a file that is cut off or damaged is unpacked up to that point
 };
 
 /// Unpacks a zstd file into a temporary one in `folder`. `accepts` is shown its first 16 bytes
@@ -21,7 +21,7 @@ struct UnpackedFile {
 UnpackedFile UnpackZstdFile(const InputFile& packed, const std::filesystem::path& folder,
                             const std::function<bool(std::string_view)>& accepts);
 
-/// The same source, which keeps the temporary file alive and reports its damage.
+/// Wraps a source so that it keeps the temporary file alive and reports its damage.
 std::unique_ptr<MessageSource> KeepFile(std::unique_ptr<MessageSource> source,
                                         const UnpackedFile& unpacked);
 

@@ -5,7 +5,7 @@
 namespace parkade {
 namespace {
 
-/// Stamps outside have no difference in 64 bits, and are no time of a drive.
+/// The difference of stamps outside does not fit 64 bits, and no drive has such times.
 bool IsTime(Timestamp time) { return time.ns >= 0 && time.ns < 4'300'000'000'000'000'000; }
 
 bool IsPlausible(const Arrival& arrival) {

@@ -21,8 +21,8 @@ class ArrivalStream {
  public:
   using Filter = std::function<bool(const Arrival& arrival)>;
 
-  /// Only streams with `wanted[stream]`, and of these only arrivals that `filter` (where set)
-  /// accepts. `source` and `streams` must outlive this.
+  /// Delivers only streams with `wanted[stream]`, and only those of their arrivals that `filter`
+  /// (where set) accepts. `source` and `streams` must outlive this.
   ArrivalStream(const MessageSource& source, const std::vector<SensorStream>& streams,
                 std::vector<bool> wanted, Filter filter);
 

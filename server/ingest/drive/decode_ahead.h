@@ -15,7 +15,7 @@
 
 namespace parkade {
 
-/// What became of an arrival: a record, or the reason why there is none.
+/// The result of decoding an arrival: a record, or the reason why there is none.
 struct DecodedArrival {
   std::optional<SensorRecord> record;
   DropReason reason = DropReason::kDamaged;

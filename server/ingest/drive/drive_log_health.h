@@ -27,7 +27,7 @@ inline constexpr std::size_t kNumDropReasons = 8;
 /// "damaged", "repeated", "backward_stamp", ...
 const char* NameOf(DropReason reason);
 
-/// What one stream delivered in one pass, and what not.
+/// The records that one stream delivered in one pass, and those that it did not.
 struct StreamHealth {
   std::string topic;
   std::string role;  ///< "imu", "wheels", "gnss", a camera's name, or that with "/semantic"

@@ -149,7 +149,7 @@ Rig ReadEurocRig(const fs::path& folder) {
   const Rigid3 euroc_body_from_imu = imu_file.BodyFromSensor(/*is_required=*/false);
   const bool has_vehicle = fs::is_regular_file(folder / "odom0" / "data.csv");
   // Without wheels nothing ties EuRoC's body to the car: body is then the IMU frame, as core/rig.h
-  // has it.
+  // says.
   const Rigid3 body_from_euroc_body = has_vehicle ? Rigid3{} : euroc_body_from_imu.Inverse();
   rig.body_from_imu = body_from_euroc_body * euroc_body_from_imu;
   if (has_vehicle) {

@@ -61,7 +61,7 @@ DecodedArrival DecodeArrival(const RecordedDriveParts& parts, Arrival arrival, b
       arrival.content);
 }
 
-/// One pass. Keeps the parts alive.
+/// One pass over the drive. Keeps the parts alive.
 class RecordedStream : public RecordStream {
  public:
   RecordedStream(std::shared_ptr<RecordedDriveParts> parts, const ReadOptions& options)

@@ -10,7 +10,7 @@
 
 namespace parkade {
 
-/// What has to be known about a whole drive before its first record can be passed on.
+/// Facts about a whole drive that must be known before its first record can be passed on.
 struct LogSurvey {
   TimeSpan span;  ///< of all records on the drive's clock
   double reorder_window =

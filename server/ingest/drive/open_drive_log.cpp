@@ -43,7 +43,7 @@ bool IsNameOfDrive(const std::string& name) {
   return std::none_of(of_files.begin(), of_files.end(), ends_so);
 }
 
-/// Letters, digits, '-', '_' and '.' of the log's name without its extension.
+/// The drive's name: letters, digits, '-', '_' and '.' of the log's name without its extension.
 std::string DriveName(const fs::path& log) {
   fs::path path = fs::absolute(log).lexically_normal();
   if (path.filename().empty()) path = path.parent_path();

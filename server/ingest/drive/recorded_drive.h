@@ -5,10 +5,11 @@
 
 namespace parkade {
 
-/// A drive log that says what of it was lost.
+/// A drive log that reports its losses.
 class RecordedDrive : public DriveLog {
  public:
-  /// As the last pass to its end found each stream; before that as opening it did.
+  /// The health of each stream as the last pass to its end found it; before that as opening the log
+  /// did.
   virtual DriveLogHealth health() const = 0;
 };
 

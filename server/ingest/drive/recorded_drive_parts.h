@@ -11,7 +11,7 @@
 
 namespace parkade {
 
-/// What a RecordedDrive and its passes share.
+/// The state that a RecordedDrive and its passes share.
 struct RecordedDriveParts {
   std::string name;
   Rig rig;

@@ -43,7 +43,7 @@ bool IsRectified(const std::string& topic) {
   return LastPart(PlainTopic(topic)).starts_with("image_rect");
 }
 
-/// Reads what a rig needs as it passes.
+/// Collects the parts of a rig as messages pass.
 class RigCollector {
  public:
   explicit RigCollector(const MessageSource& source) : topics_(source.topics()) {
@@ -57,7 +57,8 @@ class RigCollector {
       return topic.num_messages > 0;
     });
     for (std::size_t i = 0; i < topics_.size(); ++i) {
-      if (has_index && topics_[i].num_messages == 0) continue;  // announced, and nothing came
+      if (has_index && topics_[i].num_messages == 0)
+        continue;  // it was announced, and nothing came
       const std::string& type = topics_[i].type;
       if (type == "sensor_msgs/Imu") {
         imu_topic_ = static_cast<int>(i);
@@ -125,7 +126,7 @@ class RigCollector {
     return FindMissing().empty() && BodyFrame();
   }
 
-  /// Phrases, one for each thing that is missing.
+  /// One phrase for each thing that is missing.
   std::vector<std::string> FindMissing() const {
     if (!imu_frame_) return {"the IMU topic has no message"};
     std::vector<std::string> missing, frames;
@@ -187,7 +188,7 @@ class RigCollector {
     return std::nullopt;
   }
 
-  /// [Hz] by the median step between stamps.
+  /// The rate [Hz] by the median step between stamps.
   std::optional<double> ImuRate() const {
     std::vector<double> steps;
     for (std::size_t i = 1; i < imu_stamps_.size(); ++i)

@@ -19,14 +19,15 @@ struct StreamSelection {
 ///
 /// Topics match with or without a leading slash and a trailing "/compressed"; in EuRoC folders
 /// camera `camN` is `camN`, and the others are imu0, odom0, gnss0. A wheel or GNSS topic that the
-/// rig does not name is taken when the log has exactly one of that type; of several none is taken,
-/// with a warning. Wheels need a vehicle.yaml (or an EuRoC odom0), which says where the body frame
+/// rig does not name is taken when the log has exactly one of that type; if there are several, none
+/// is taken, with a warning. Wheels need a vehicle.yaml (or an EuRoC odom0), which says where the
+/// body frame
 /// is. `<camera>/semantic` may be the camera's name, its topic or its topic's folder. Throws
 /// Error{kInvalidInput} naming the topics when there is no IMU, or none of the cameras.
 StreamSelection SelectStreams(const MessageSource& source, const Rig& rig, bool use_wheels,
                               bool use_gnss);
 
-/// Without a leading slash and a trailing "/compressed".
+/// A topic's name without a leading slash and a trailing "/compressed".
 std::string_view PlainTopic(std::string_view topic);
 
 /// "/a, /b and /c", or "none".

@@ -38,7 +38,7 @@ class TimestampFilter {
   std::vector<Arrival> Push(Arrival arrival, const std::optional<Timestamp>& imu_front,
                             StreamHealth& health);
 
-  /// At the end of the log: what of the held records is good after all.
+  /// Call at the end of the log: the held records that are good after all.
   std::vector<Arrival> Finish(const std::optional<Timestamp>& imu_front, StreamHealth& health);
 
  private:
@@ -51,7 +51,7 @@ class TimestampFilter {
   std::optional<Timestamp> last_;
   std::deque<Arrival> held_;  ///< at most kMaxHeld, in order of time
   std::size_t num_challenges_ =
-      0;  ///< records at odds with those held: as many as these outvote them
+      0;  ///< records that contradict the held ones; as many as there are of these outvote them
 };
 
 }  // namespace parkade

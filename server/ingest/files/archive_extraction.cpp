@@ -43,13 +43,13 @@ bool IsCameraName(const std::string& name) {
          std::all_of(name.begin() + 3, name.end(), [](unsigned char c) { return std::isdigit(c); });
 }
 
-/// What of an entry's path lies inside the EuRoC folder.
+/// The part of an entry's path inside the EuRoC folder.
 struct EurocPath {
   std::string root;  ///< the folders above, "" or "drive/mav0"
   fs::path relative;
 };
 
-/// Nothing for files that are no part of an EuRoC drive.
+/// Splits a path; nothing for files that are no part of an EuRoC drive.
 std::optional<EurocPath> ParseEurocPath(const std::vector<std::string>& parts) {
   std::string root;
   for (std::size_t i = 0; i + 1 < parts.size() && i <= kMaxDepth; root += parts[i] + "/", ++i) {
@@ -88,7 +88,7 @@ ArchiveReader OpenArchive(const fs::path& file) {
   return reader;
 }
 
-/// A zstd file may hold anything, a rosbag2 database for one.
+/// A zstd file may hold anything, for example a rosbag2 database.
 bool HoldsTar(const fs::path& file) {
   archive_entry* entry = nullptr;
   const int status = archive_read_next_header(OpenArchive(file).get(), &entry);
@@ -122,7 +122,7 @@ class Extractor {
   }
 
  private:
-  /// False when the archive is damaged from here on.
+  /// Reads the next entry. False when the archive is damaged from here on.
   bool Extract(archive_entry* entry, ExtractionResult& result) {
     const char* raw_path = archive_entry_pathname(entry);
     const std::string path = raw_path ? raw_path : "";

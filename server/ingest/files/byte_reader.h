@@ -17,7 +17,7 @@ class ByteReader {
  public:
   virtual ~ByteReader() = default;
 
-  /// Offset behind the last byte there may be.
+  /// The offset behind the last byte there may be.
   virtual std::uint64_t size() const = 0;
 
   /// `count` bytes from `offset` on, or fewer where they end. Valid until the next call.
@@ -27,7 +27,7 @@ class ByteReader {
   virtual void Release(std::uint64_t offset) { static_cast<void>(offset); }
 };
 
-/// Of memory, which must outlive the reader.
+/// Reads memory, which must outlive the reader.
 class MemoryReader : public ByteReader {
  public:
   explicit MemoryReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -43,7 +43,8 @@ class MemoryReader : public ByteReader {
   std::span<const std::uint8_t> bytes_;
 };
 
-/// Of a file up to byte `end`, through a window: small after a jump, so that hopping from header to
+/// Reads a file up to byte `end`, through a window: small after a jump, so that hopping from header
+/// to
 /// header stays cheap, growing while the offsets go on.
 class FileReader : public ByteReader {
  public:
@@ -70,7 +71,7 @@ T LoadNumber(std::span<const std::uint8_t> bytes) {
   return value;
 }
 
-/// Nothing beyond the end.
+/// The number at `offset`; nothing beyond the end.
 template <typename T>
 std::optional<T> ReadNumber(ByteReader& reader, std::uint64_t offset) {
   const std::span<const std::uint8_t> bytes = reader.Fetch(offset, sizeof(T));

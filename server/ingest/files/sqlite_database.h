@@ -26,7 +26,7 @@ class SqliteDatabase {
   std::unique_ptr<sqlite3, Close> database_;
 };
 
-/// A query and its current row. Throws Error{kInvalidInput} with SQLite's words, also where the
+/// A query and its current row. Throws Error{kInvalidInput} with SQLite's words, even where the
 /// database is damaged.
 class SqliteQuery {
  public:

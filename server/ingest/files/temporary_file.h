@@ -7,7 +7,8 @@ namespace parkade {
 /// An empty file of its own name that is removed with the object.
 class TemporaryFile {
  public:
-  /// In `folder`, or where that is empty in the system's folder for temporary files (TMPDIR).
+  /// Makes it in `folder`, or where that is empty in the system's folder for temporary files
+  /// (TMPDIR).
   /// Throws Error{kInternal}, or Error{kDiskFull}.
   explicit TemporaryFile(const std::filesystem::path& folder);
   ~TemporaryFile();

@@ -7,7 +7,8 @@ namespace parkade {
 /// A new folder, readable by its owner alone, that is deleted with everything in it at the end.
 class TemporaryFolder {
  public:
-  /// In `parent`, or in the system's temporary folder where that is empty. Throws Error{kInternal}
+  /// Makes it in `parent`, or in the system's temporary folder where that is empty. Throws
+  /// Error{kInternal}
   /// when it cannot be made.
   explicit TemporaryFolder(const std::filesystem::path& parent);
   ~TemporaryFolder();

@@ -11,9 +11,9 @@ namespace {
 using Blocks = std::bitset<ImageSample::kBlocks>;
 using Contrasts = std::array<double, ImageSample::kBlocks>;  // in units of ImageSample
 
-constexpr double kBegins = 0.2, kLasts = 0.12;  // share of the image beyond what is usual
+constexpr double kBegins = 0.2, kLasts = 0.12;  // share of the image that is blind beyond the usual
 constexpr double kSameBlocks = 0.5;  // of the blocks that are blind in one of two samples, in both
-constexpr double kAlways = 0.8;      // of the samples in which a covered block is blind
+constexpr double kAlways = 0.8;      // share of the samples in which a covered block is blind
 constexpr int kLeastPairs = 5;       // of samples between which the car moved
 constexpr double kShortest = 3;      // [s]
 
@@ -21,7 +21,7 @@ double Share(const Blocks& some, const Blocks& of) {
   return of.any() ? static_cast<double>((some & of).count()) / static_cast<double>(of.count()) : 0;
 }
 
-/// The value that this share of all is at or below; 0 of none.
+/// The value that this share of all is at or below; 0 without any.
 double Quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
   const auto at =
@@ -30,7 +30,7 @@ double Quantile(std::vector<double> values, double share) {
   return *at;
 }
 
-/// Blocks that are more than black at some time: those within the lens.
+/// The blocks within the lens: those that are more than black at some time.
 Blocks LitBlocks(const ImageHistory& camera) {
   constexpr int kBlack = 12;
   Blocks lit;
@@ -52,7 +52,7 @@ Contrasts ContrastsOf(const ImageHistory& camera, double quantile) {
   return contrasts;
 }
 
-/// What a camera usually shows at each height in the image.
+/// The contrast that a camera usually shows at each height in the image.
 std::array<double, ImageSample::kRows> ContrastOfRows(const ImageHistory& camera,
                                                       const Blocks& lit) {
   const Contrasts usual = ContrastsOf(camera, 0.5);
@@ -74,7 +74,7 @@ Blocks BlindBlocks(const ImageSample& sample, const Contrasts& expected, const B
   return blind;
 }
 
-/// Whether what can be seen has changed, other than as a whole.
+/// Whether the view has changed, other than as a whole.
 bool HasMoved(const ImageSample& before, const ImageSample& after, const Blocks& lit) {
   constexpr double kChange = 4, kMovedShare = 0.25;  // gray levels; of the blocks
   constexpr std::size_t kLeastBlocks = 8;
@@ -91,7 +91,7 @@ bool HasMoved(const ImageSample& before, const ImageSample& after, const Blocks&
   return static_cast<double>(num_moved) > kMovedShare * static_cast<double>(changes.size());
 }
 
-/// One camera's samples against what is usual.
+/// One camera's samples against the usual contrast.
 class CoverFinder {
  public:
   /// `moments`, sorted: when some camera saw the world move.
@@ -130,7 +130,7 @@ class CoverFinder {
     num_pairs_ = num_moving_ = 0;
     num_blind_ = {};
     if (!is_fault) return;
-    // A image or two may show more, as where the sun shines through the mud.
+    // An image or two may show more, as where the sun shines through the mud.
     const bool goes_on =
         !faults_.empty() && fault_.begin.ToSeconds() - faults_.back().end.ToSeconds() <= kShortest;
     if (goes_on)
@@ -148,13 +148,14 @@ class CoverFinder {
   std::vector<CameraFault> faults_;
 };
 
-/// What a camera's samples are compared with.
+/// The usual contrasts that a camera's samples are compared with.
 struct CameraView {
   const ImageHistory* history = nullptr;
   Blocks lit;
   std::array<double, ImageSample::kRows> rows{};  // usual contrast
   std::vector<Blocks> blind;                      // of each sample
-  std::vector<double> shares;  // of what is lit, blind in two samples that follow each other
+  std::vector<double>
+      shares;  // share of the lit blocks, blind in two samples that follow each other
 };
 
 /// The median of the views other than `view` that have samples; nothing without any.

@@ -38,9 +38,9 @@ class ImageHistory {
     ImageSample sample;
   };
 
-  /// Whether a image of this time is to be sampled; each answer counts.
+  /// Whether an image of this time is to be sampled; each answer counts.
   bool WantsSample(Timestamp time);
-  /// Of every image; dark ones need no sample.
+  /// Adds an image; call it for every one. Dark images need no sample.
   void Include(Timestamp time, const ImageGlance& glance, const std::optional<ImageSample>& sample);
 
   /// Samples of the images that are not dark.
@@ -61,11 +61,13 @@ class ImageHistory {
 };
 
 /// Stretches in which something covers a part of a lens, per camera: blocks that stay blind
-/// although the car moves, and more of them than the camera or the others usually have. Blind is
-/// what has much less contrast than the camera shows there at its best, or the others usually do at
-/// that height in the image: mud lets a little through, and the exposure brings it up. Sky and bare
-/// walls are blind too, but to all cameras that see them, and not in one place for long. Of a
-/// single camera only a cover that comes or goes is told. At least five seconds of driving. Linear
+/// although the car moves, and more of them than the camera or the others usually have. A block is
+/// blind that has much less contrast than the camera shows there at its best, or the others usually
+/// do at that height in the image: mud lets a little through, and the exposure brings it up. Sky
+/// and bare
+/// walls are blind too, but to all cameras that see them, and not in one place for long. For a
+/// single camera only a cover that comes or goes is reported. At least five seconds of driving.
+/// Linear
 /// but for sorts.
 std::vector<std::vector<CameraFault>> DetectOcclusion(
     const std::vector<const ImageHistory*>& cameras);

@@ -34,7 +34,7 @@ cv::Mat Smaller(const cv::Mat& gray, int factor) {
   return small;
 }
 
-/// Per block: how far pixels are from the mean of their neighborhood, in gray levels.
+/// How far the pixels of each block are from the mean of their neighborhood, in gray levels.
 std::array<float, ImageSample::kBlocks> DetailOfBlocks(const cv::Mat& image) {
   cv::Mat smooth, detail;
   cv::blur(image, smooth, {3, 3});
@@ -91,8 +91,7 @@ std::optional<ImageSample> SampleOf(const cv::Mat& gray) {
   ImageSample sample;
   for (std::size_t i = 0; i < ImageSample::kBlocks; ++i) {
     sample.brightness[i] = static_cast<std::uint8_t>(std::lround(brightness[i]));
-    // White noise loses half of its strength from one size to the next, what is to be seen hardly
-    // any.
+    // White noise loses half of its strength from one size to the next, real detail hardly any.
     const float fine = fine_detail[i], coarse = coarse_detail[i];
     const float detail =
         coarse < kNoiseRatio * fine ? 0 : std::sqrt((4 * coarse * coarse - fine * fine) / 3);

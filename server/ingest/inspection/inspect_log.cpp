@@ -40,7 +40,7 @@ class ImageBatch {
     num_bytes_ = 0;
   }
 
-  /// By topic; empty where topics are no camera.
+  /// The histories by topic; empty where a topic is no camera.
   std::vector<std::vector<CameraFault>> CameraFaults() const {
     std::vector<std::vector<CameraFault>> faults(topics_.size());
     std::vector<std::size_t> cameras;
@@ -82,7 +82,7 @@ class ImageBatch {
     stream.encoding = topic.encoding;
     DecodedImage decoded = DecodeMessageImage(image.message, stream, {});
     if (decoded.fault != ImageFault::kNone) return {0, 0, decoded.what, {}, {}};
-    // Of 16 bits perhaps only 12 are in use: no image is dark for that.
+    // Perhaps only 12 of 16 bits are in use: an image is not dark for that.
     if (const std::optional<int> bits = SampleBits(image.message, stream))
       decoded = DecodeMessageImage(image.message, stream, {.sample_bits = *bits});
     Found found{decoded.image.cols, decoded.image.rows, "", {}, {}};

@@ -26,11 +26,11 @@ struct LogInspection {
   std::vector<TopicInspection> topics;
   DamageReport damage;  ///< of the container
   std::optional<Rig> rig;
-  std::vector<std::string> missing;   ///< one sentence each: what stands in the way of a map
-  std::vector<std::string> warnings;  ///< one sentence each: what a map would do without
+  std::vector<std::string> missing;   ///< one sentence each, on what prevents a map
+  std::vector<std::string> warnings;  ///< one sentence each, on what a map would have to do without
   LogState state = LogState::kClean;
 
-  /// Of `parkade inspect`: 0 clean, 3 lossy, 1 unusable.
+  /// The exit status of `parkade inspect`: 0 clean, 3 lossy, 1 unusable.
   int ExitStatus() const;
 };
 

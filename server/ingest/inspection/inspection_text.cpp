@@ -22,7 +22,7 @@ std::string Format(const char* format, Values... values) {
   return line.data();
 }
 
-/// Names in a log are anybody's: nothing of them may steer the terminal.
+/// Names in a log come from strangers: no byte of them may steer the terminal.
 std::string Printable(std::string text) {
   for (char& c : text)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
@@ -31,7 +31,7 @@ std::string Printable(std::string text) {
 
 std::string Seconds(double seconds) { return Format(seconds < 10 ? "%.3g s" : "%.1f s", seconds); }
 
-/// Time since the log's begin, which reads better than an epoch.
+/// The time since the log's begin, which reads better than an epoch.
 std::string Since(const LogInspection& log, Timestamp time) {
   return Format("%+.3f s", time - log.span.begin);
 }

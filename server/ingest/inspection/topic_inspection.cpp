@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMaxSteps = 10'000, kMaxGaps = 10;
 
-/// Types that begin with a std_msgs/Header.
+/// The types that begin with a std_msgs/Header.
 bool HasStamp(const std::string& type) {
   return IsImageType(type) || IsWheelType(type) || type == "sensor_msgs/Imu" ||
          type == "sensor_msgs/NavSatFix" || type == "sensor_msgs/CameraInfo";
@@ -40,7 +40,7 @@ void TopicInspector::IncludeMessage(const RawMessage& message) {
 }
 
 void TopicInspector::IncludeStamp(Timestamp stamp) {
-  const auto seconds_from = [&](Timestamp earlier) {  // without overflow, whatever the stamps
+  const auto seconds_from = [&](Timestamp earlier) {  // cannot overflow, whatever the stamps
     return static_cast<double>(stamp.ns) * 1e-9 - static_cast<double>(earlier.ns) * 1e-9;
   };
   const bool is_first = found_.span.IsEmpty();
@@ -116,7 +116,7 @@ TopicInspection TopicInspector::Finish() const {
     std::nth_element(steps.begin(), middle, steps.end());
     inspection.median_step = *middle;
   }
-  // Other types may come whenever something happens.
+  // Messages of other types may come whenever something happens.
   const bool is_regular = HasStamp(topic_.type);
   for (const TopicInspection::Gap& step : long_steps_)
     if (is_regular && step.seconds > std::max(0.1, 3 * inspection.median_step))

@@ -10,7 +10,7 @@
 
 namespace parkade {
 
-/// What one topic of a log holds, by its stamps as recorded.
+/// The content of one topic of a log, by its stamps as recorded.
 struct TopicInspection {
   struct Gap {
     Timestamp begin;
@@ -47,13 +47,13 @@ class TopicInspector {
  public:
   explicit TopicInspector(const TopicInfo& topic);
 
-  /// Of every message.
+  /// Call for every message.
   void IncludeMessage(const RawMessage& message);
-  /// Of images, once decoded.
+  /// Call for images, once decoded.
   void IncludeImage(Timestamp time, int width, int height);
   void IncludeFault(Timestamp time, const std::string& what);
 
-  /// Time by which faults are told: the last stamp.
+  /// The time by which faults are reported: the last stamp.
   Timestamp last_stamp() const { return last_stamp_; }
 
   TopicInspection Finish() const;

@@ -6,11 +6,11 @@
 
 namespace parkade {
 
-/// What an image must be, and how it is wanted.
+/// The form that an image must have, and the form that is wanted.
 struct ImageRequest {
   int width = 0, height = 0;  ///< [px] as calibrated; 0: any size up to 64 megapixels
   bool grayscale = true;      ///< CV_8UC1; false: as recorded (CV_8UC3 BGR where colored)
-  int sample_bits = 16;       ///< of samples of 16 bits: how many are in use, see SensorStream
+  int sample_bits = 16;       ///< how many bits of 16-bit samples are in use, see SensorStream
 };
 
 /// Why there is no image.

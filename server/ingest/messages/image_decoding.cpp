@@ -62,7 +62,7 @@ cv::Mat WithSwappedBytes(const cv::Mat& image) {
   return swapped;
 }
 
-/// Samples of 16 bits to 8: the upper eight of the bits in use.
+/// Turns samples of 16 bits into 8: the upper eight of the bits in use.
 cv::Mat WithEightBits(const cv::Mat& image, int sample_bits) {
   if (image.depth() != CV_16U) return image;
   cv::Mat narrow(image.size(), CV_MAKETYPE(CV_8U, image.channels()));
@@ -76,7 +76,7 @@ cv::Mat WithEightBits(const cv::Mat& image, int sample_bits) {
   return narrow;
 }
 
-/// A view of the pixels, or nothing when the message is at odds with itself.
+/// A view of the pixels, or nothing when the message contradicts itself.
 std::optional<cv::Mat> ViewOf(const ImageMessage& message, int type) {
   const std::size_t row_size = message.width * CV_ELEM_SIZE(type);
   if (message.width == 0 || message.height == 0 || message.step < row_size) return std::nullopt;

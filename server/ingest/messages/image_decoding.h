@@ -10,17 +10,19 @@
 
 namespace parkade {
 
-// None of these throws on bad data, and none allocates for an image larger than requested.
-// Thread-safe.
+// None of these functions throws on bad data, and none allocates for an image larger than
+// requested. Thread-safe.
 
-/// JPEG or PNG, recognized by content. A JPEG is damaged when the codec had to guess anything (see
+/// Decodes JPEG or PNG, recognized by content. A JPEG is damaged when the codec had to guess
+/// anything (see
 /// jpeg_decoding.h).
 DecodedImage DecodeCompressed(std::span<const std::uint8_t> data, const ImageRequest& request);
 
-/// mono8, mono16, rgb8, bgr8, rgba8, bgra8, bayer_{rggb,bggr,gbrg,grbg}{8,16}, 8UC1, 8UC3, 16UC1.
+/// Decodes mono8, mono16, rgb8, bgr8, rgba8, bgra8, bayer_{rggb,bggr,gbrg,grbg}{8,16}, 8UC1, 8UC3,
+/// 16UC1.
 DecodedImage DecodeRaw(const ImageMessage& message, const ImageRequest& request);
 
-/// An image of a stream, whatever its type and encoding.
+/// Decodes an image of a stream, whatever its type and encoding.
 DecodedImage DecodeMessageImage(const RawMessage& message, const SensorStream& stream,
                                 const ImageRequest& request);
 

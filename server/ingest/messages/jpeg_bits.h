@@ -38,7 +38,7 @@ class JpegBits {
   }
 
  private:
-  /// [bits] taken so far.
+  /// How many bits were taken so far.
   std::size_t Position() const { return 8 * next_byte_ - static_cast<std::size_t>(num_bits_); }
 
   void Refill() {
@@ -46,7 +46,7 @@ class JpegBits {
       std::uint64_t word;
       std::memcpy(&word, data_.data() + next_byte_, sizeof(word));
       const int num_bytes = (64 - num_bits_) / 8;
-      // Whole bytes only: what is below them in the window would be in the way next time.
+      // Fills in whole bytes only: bits below them in the window would be in the way next time.
       const int num_kept = num_bits_ + 8 * num_bytes;
       window_ |= __builtin_bswap64(word) >> num_bits_;
       if (num_kept < 64) window_ &= ~std::uint64_t{0} << (64 - num_kept);

@@ -32,7 +32,7 @@ inline void Check(bool is_fine, const char* what) {
   if (!is_fine) Report(what);
 }
 
-/// Length-checked reading of marker segments.
+/// Reads marker segments, checking every length.
 class Segment {
  public:
   explicit Segment(std::span<const std::uint8_t> data) : data_(data) {}

@@ -12,7 +12,7 @@ namespace {
 
 /// libjpeg reports through these: errors jump back, warnings are counted.
 struct JpegErrors {
-  jpeg_error_mgr base;  // first, so that libjpeg's pointer is also ours
+  jpeg_error_mgr base;  // the first member, so that libjpeg's pointer is ours, too
   std::jmp_buf jump;
   char message[JMSG_LENGTH_MAX];
 };

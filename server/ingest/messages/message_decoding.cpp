@@ -43,8 +43,8 @@ std::array<double, kCount> ReadDoubles(Reader& reader) {
   return values;
 }
 
-/// Translation, then quaternion x y z w (left as it is: the caller decides about one that is not of
-/// length 1).
+/// Reads a translation, then a quaternion x y z w (left as it is: the caller decides about one that
+/// is not of length 1).
 template <typename Reader>
 Rigid3 ReadRigid3(Reader& reader) {
   Rigid3 motion;

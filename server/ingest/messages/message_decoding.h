@@ -28,7 +28,7 @@ struct ImuMessage {
   Eigen::Vector3d linear_acceleration;  ///< [m/s^2]
 };
 
-/// nav_msgs/Odometry, or one of the two stamped twists (then without a pose).
+/// A nav_msgs/Odometry, or one of the two stamped twists (then without a pose).
 struct OdometryMessage {
   MessageHeader header;
   bool has_pose = false;
@@ -60,7 +60,7 @@ struct TransformMessage {
   Rigid3 parent_from_child;
 };
 
-/// sensor_msgs/Image. `data` points into the message.
+/// A sensor_msgs/Image. `data` points into the message.
 struct ImageMessage {
   MessageHeader header;
   std::uint32_t width = 0, height = 0, step = 0;
@@ -69,14 +69,14 @@ struct ImageMessage {
   std::span<const std::uint8_t> data;
 };
 
-/// sensor_msgs/CompressedImage. `data` points into the message.
+/// A sensor_msgs/CompressedImage. `data` points into the message.
 struct CompressedImageMessage {
   MessageHeader header;
   std::string format;
   std::span<const std::uint8_t> data;
 };
 
-/// Any message that begins with a std_msgs/Header.
+/// Decodes the header of any message that begins with a std_msgs/Header.
 MessageHeader DecodeHeader(std::span<const std::uint8_t> data, MessageEncoding encoding);
 
 ImuMessage DecodeImu(std::span<const std::uint8_t> data, MessageEncoding encoding);

@@ -62,7 +62,7 @@ class Ros1Reader {
     return bytes;
   }
 
-  /// Number of elements that follow; at least `min_element_size` bytes each must be left.
+  /// The number of elements that follow; at least `min_element_size` bytes each must be left.
   std::size_t ReadCount(std::size_t min_element_size) {
     const auto count = Read<std::uint32_t>();
     internal::RequireBytes(count * min_element_size, data_.size());
@@ -101,7 +101,7 @@ class CdrReader {
     return is_swapped_ ? internal::SwapBytes(value) : value;
   }
 
-  /// Without the terminating NUL that CDR counts.
+  /// A string without the terminating NUL, which CDR counts.
   std::string_view ReadString() {
     const auto bytes = ReadBytes();
     std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());

@@ -9,16 +9,17 @@
 
 namespace parkade {
 
-// From messages of any encoding to the records of core/drive_log.h, on the stamps of the log (no
+// Turns messages of any encoding into the records of core/drive_log.h, on the stamps of the log (no
 // time shift). All throw Error{kInvalidInput} when the bytes do not hold the message. Nothing is
 // known to be finite: see IsPlausible.
 
-/// header.stamp, or the log time where that is zero.
+/// The message's header.stamp, or the log time where that is zero.
 Timestamp StampOf(const RawMessage& message, MessageEncoding encoding);
 
 ImuSample ReadImuSample(const RawMessage& message, const SensorStream& stream);
 
-/// Nothing without a fix. An unknown covariance becomes 5 m horizontal, 10 m vertical.
+/// Decodes a GNSS message; nothing without a fix. An unknown covariance becomes 5 m horizontal, 10
+/// m vertical.
 std::optional<GnssFix> ReadGnssFix(const RawMessage& message, const SensorStream& stream);
 
 OdometryMessage ReadOdometry(const RawMessage& message, const SensorStream& stream);
@@ -26,7 +27,8 @@ OdometryMessage ReadOdometry(const RawMessage& message, const SensorStream& stre
 /// Reads the wheel messages of one pass in order.
 class WheelReader {
  public:
-  /// By the twist; or by the difference to the pose before (nothing for the first), at the time
+  /// The speed by the twist; or by the difference to the pose before (nothing for the first), at
+  /// the time
   /// midway.
   std::optional<WheelSample> Read(const RawMessage& message, const SensorStream& stream);
 
@@ -42,7 +44,8 @@ class WheelReader {
   Rigid3 last_pose_;
 };
 
-// Finite, and within what a sensor of a car can measure (4000 deg/s, 200 g, 150 m/s; a place on
+// Whether all is finite, and within what a sensor of a car can measure (4000 deg/s, 200 g, 150 m/s;
+// a place on
 // Earth).
 bool IsPlausible(const ImuSample& sample);
 bool IsPlausible(const WheelSample& sample);

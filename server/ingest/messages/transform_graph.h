@@ -12,13 +12,14 @@ namespace parkade {
 /// Static transforms between named frames. A leading slash of a name does not count.
 class TransformGraph {
  public:
-  /// A transform that is not finite, or whose quaternion is not of length 1 (to 1 %), is left out.
+  /// Adds a transform. One that is not finite, or whose quaternion is not of length 1 (to 1 %), is
+  /// left out.
   /// A later one between the same frames replaces the earlier.
   void Add(const TransformMessage& transform);
 
   bool Has(const std::string& frame) const;
 
-  /// Along any chain of transforms, or nothing.
+  /// The transform along any chain, or nothing where there is none.
   std::optional<Rigid3> Find(const std::string& target, const std::string& source) const;
 
  private:
@@ -26,7 +27,7 @@ class TransformGraph {
       neighbors_;  ///< [frame][other] = frame_from_other
 };
 
-/// Without a leading slash.
+/// A frame's name without a leading slash.
 std::string PlainFrame(const std::string& frame);
 
 }  // namespace parkade

@@ -16,7 +16,7 @@ Database::Transaction::~Transaction() {
   try {
     connection_.Execute("ROLLBACK");
   } catch (const Error&) {
-    // A full disk rolls back by itself; ThrowSqlite has logged the reason.
+    // SQLite rolls back by itself on a full disk; ThrowSqlite has logged the reason.
   }
 }
 

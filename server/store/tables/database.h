@@ -29,8 +29,7 @@ class Database {
     return body(connection);
   }
 
-  /// The same inside one transaction: committed when `body` returns, undone
-  /// when it throws.
+  /// Does so inside one transaction: committed when `body` returns, undone when it throws.
   template <typename Body>
   auto Write(const Body& body) {
     const std::lock_guard lock(mutex_);

@@ -24,9 +24,10 @@ std::vector<Drive> ListDrives(Connection& connection, const Page& page,
 
 /// All ids of a site's drives, in order of arrival.
 std::vector<std::string> DrivesOfSite(Connection& connection, const std::string& site);
-/// `new_drive`, unless it was deleted, and what it is joined with: drives of its site that are in a
-/// map, for those that wait have jobs that join them later. Of equal logs the new drive's, or else
-/// the one that came last. In order of arrival; empty where the new drive was deleted.
+/// `new_drive`, unless it was deleted, and the drives that it is joined with: those of its site
+/// that are in a map, since drives that wait have jobs that join them later. Where logs are equal,
+/// the new drive's is taken, or else the one that came last. In order of arrival; empty where the
+/// new drive was deleted.
 std::vector<std::string> DrivesToJoin(Connection& connection, const std::string& new_drive);
 
 /// `wanted`, or `wanted-2`, ... where the site had a drive of that name: a drive's

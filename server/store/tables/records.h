@@ -8,7 +8,7 @@
 
 namespace parkade {
 
-// What the database holds, row by row. Times are RFC 3339 in UTC. `sequence`
+// The rows of the database. Times are RFC 3339 in UTC. `sequence`
 // orders rows by arrival and is what cursors of lists are made of.
 
 enum class DriveState { kReceived, kQueued, kProcessing, kReady, kFailed };
@@ -38,12 +38,12 @@ struct Drive {
   std::optional<std::int64_t> map_version;  ///< the latest one made from this drive
 };
 
-/// What a reviewer wants of a map that is built anew from one that is there.
+/// A reviewer's wishes for a map that is built anew from an existing one.
 struct MapReview {
   std::optional<std::int64_t> from_version =
       {};  ///< of the site: its odometry is taken instead of tracking again
   std::vector<std::string> rejected_loops = {};  ///< [DRIVE:]LOOP as report.json names them
-  std::vector<std::string> forced_loops = {};    ///< also
+  std::vector<std::string> forced_loops = {};    ///< [DRIVE:]LOOP as report.json names them
   std::optional<std::vector<std::string>> pins =
       {};  ///< `parkade map --pin`; nothing: as the version has them
 };
@@ -52,17 +52,17 @@ struct Job {
   std::int64_t sequence = 0;
   std::string id;
   std::string site;
-  /// Ids, in the order of the command line. Of a job with a new drive: that one while it waits, and
-  /// all it was joined with since it was started.
+  /// Ids of the drives, in the order of the command line. A job with a new drive has that one while
+  /// it waits, and all that it is joined with once it was started.
   std::vector<std::string> drives;
   std::optional<std::string>
       new_drive;  ///< an upload's, to be joined with its site; nothing: `drives` were chosen
   MapReview review;
   JobState state = JobState::kQueued;
-  int attempt = 0;                   ///< how often a worker was started
-  int crashes = 0;                   ///< of these, ended by a signal since it was queued by hand
-  int service_ends = 0;              ///< of these, ended because the service died, also
-  std::optional<std::string> error;  ///< one sentence
+  int attempt = 0;       ///< how often a worker was started
+  int crashes = 0;       ///< of these, ended by a signal since it was queued by hand
+  int service_ends = 0;  ///< of these, ended because the service died since it was queued by hand
+  std::optional<std::string> error;       ///< one sentence
   std::optional<std::string> error_code;  ///< "invalid_input", "crashed", ...
   std::optional<std::int64_t> pid,
       pid_started;  ///< of the running worker; start in clock ticks since boot

@@ -95,7 +95,7 @@ const std::vector<const char*> kVersion1 = {
     "CREATE INDEX map_drives_by_drive ON map_drives (drive)",
 };
 
-// What a review wants of the job, JSON; NULL: nothing.
+// A review's wishes for the job, JSON; NULL: none.
 const std::vector<const char*> kVersion2 = {"ALTER TABLE jobs ADD COLUMN review TEXT"};
 
 // How often the service ended while the job was running, other than by being stopped.

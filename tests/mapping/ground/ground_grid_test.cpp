@@ -11,8 +11,15 @@
 namespace parkade {
 namespace {
 
+std::ptrdiff_t NumVisible(const GroundGrid& grid) {
+  return std::count_if(grid.cells.begin(), grid.cells.end(),
+                       [](const GroundGridCell& cell) { return cell.is_visible; });
+}
+
 class GroundGridOfARig : public testing::Test {
  protected:
+  void SetUp() override { ASSERT_GT(NumVisible(grid_), 100); }
+
   const Rig rig_ = MakeTestRig();
   const WheelbaseFootprint contact_ = WheelbaseFootprint::Of(rig_);
   const RigCamera& camera_ = rig_.cameras[0];
@@ -70,6 +77,7 @@ TEST_F(GroundGridOfARig, MaskedPixelsAreNotVisible) {
 
   const GroundGrid grid = MakeGroundGrid(masked, masked.body_from_camera, contact_);
 
+  ASSERT_GT(NumVisible(grid), 50);
   for (const GroundGridCell& cell : grid.cells) {
     if (!cell.is_visible) continue;
     EXPECT_GE(cell.pixel.x(), static_cast<float>(masked.model.width()) / 2 - 1);

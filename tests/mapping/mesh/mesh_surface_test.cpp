@@ -338,6 +338,7 @@ TEST(MeshSurface, SeamsOfWindowsHaveNoCracks) {
   MeshOptions options;
   options.window_size = 12;
   const TriangleMesh mesh = MeshSurface(surface, options);
+  ASSERT_FALSE(mesh.empty());
   const auto edges = CountDirectedEdges(mesh.triangles);
   for (const auto& [edge, count] : edges) {
     ASSERT_EQ(count, 1);

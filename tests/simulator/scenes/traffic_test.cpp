@@ -39,6 +39,7 @@ TEST_P(Traffic, StaysOnTheGroundAndMovesWithoutJumps) {
   const DrivePlan plan = PlanDrive(scene.place, 40, 7);
   AddTraffic(scene, plan.motion, 3, 7);
 
+  ASSERT_FALSE(scene.movers.movers.empty());
   for (const Mover& mover : scene.movers.movers) {
     for (double time = 0.5; time < 39; time += 0.37) {
       const Rigid3 now = mover.world_from_mover(time), soon = mover.world_from_mover(time + 0.02);

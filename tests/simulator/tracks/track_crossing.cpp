@@ -28,7 +28,7 @@ TrackCrossing::TrackCrossing(TrackWorld& world, const TrackModel& model,
     : world_(world), model_(model), options_(options), random_(seed, 0xc205) {}
 
 std::vector<FeatureObservation> TrackCrossing::Match(const TrackSimulator& from,
-                                                     const TrackedImage& image,
+                                                     const TrackedView& image,
                                                      const TrackSimulator& to, Timestamp to_time) {
   const Rigid3 body_from_body =
       to.eye().WorldFromBody(to_time).Inverse() * from.eye().WorldFromBody(image.time);

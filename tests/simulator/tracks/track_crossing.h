@@ -22,7 +22,7 @@ inline constexpr double kMatchInterval = 0.07;  ///< [s] between two images of a
 std::vector<CameraPair> OverlappingPairs(const Rig& rig);
 
 /// The tracks of one image of one camera.
-struct TrackedImage {
+struct TrackedView {
   Timestamp time;  ///< true
   std::vector<LiveTrack> tracks;
 };
@@ -36,7 +36,7 @@ class TrackCrossing {
   TrackCrossing(TrackWorld& world, const TrackModel& model, const CrossCameraOptions& options,
                 std::uint64_t seed);
 
-  std::vector<FeatureObservation> Match(const TrackSimulator& from, const TrackedImage& image,
+  std::vector<FeatureObservation> Match(const TrackSimulator& from, const TrackedView& image,
                                         const TrackSimulator& to, Timestamp to_time);
 
  private:

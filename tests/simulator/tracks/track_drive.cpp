@@ -124,8 +124,8 @@ class ImageTaker {
   /// Each image of the second camera is matched with that of the first which is nearest in time,
   /// before or after.
   void Cross(const ScheduledFrame& frame) {
-    const TrackedImage now{frame.time, simulators_[frame.camera].tracks()};
-    TrackedImage& last = before_[frame.camera];
+    const TrackedView now{frame.time, simulators_[frame.camera].tracks()};
+    TrackedView& last = before_[frame.camera];
     for (OpenPair& pair : pairs_) {
       if (pair.cameras.to == frame.camera)
         pair.waiting.push_back({frame.time, drive_.images.size() - 1});
@@ -137,7 +137,7 @@ class ImageTaker {
     last = now;
   }
 
-  void MatchImages(OpenPair& pair, const TrackedImage& from, const Waiting& to) {
+  void MatchImages(OpenPair& pair, const TrackedView& from, const Waiting& to) {
     const double apart = std::abs(from.time - to.time);
     if (apart >= kMaxPairTime || (pair.last_match && to.time - *pair.last_match < kMatchInterval))
       return;
@@ -160,7 +160,7 @@ class ImageTaker {
   std::vector<TrackEye> eyes_;
   std::vector<TrackSimulator> simulators_;
   std::vector<OpenPair> pairs_;
-  std::vector<TrackedImage> before_;  ///< the last image per camera
+  std::vector<TrackedView> before_;  ///< the last image per camera
 };
 
 void RecordSamples(const TrackDriveOptions& options, const Motion& motion,

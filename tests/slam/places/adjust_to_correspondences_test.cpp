@@ -21,7 +21,9 @@ std::vector<RayPointCorrespondence> CorrespondencesAt(const Rigid3& a_from_b) {
 TEST(MountJacobians, MatchFiniteDifferences) {
   const Rigid3 truth = Level(1, 0.5, 150);
   constexpr double kStep = 1e-6;
-  for (const RayPointCorrespondence& correspondence : CorrespondencesAt(truth)) {
+  const std::vector<RayPointCorrespondence> correspondences = CorrespondencesAt(truth);
+  ASSERT_FALSE(correspondences.empty());
+  for (const RayPointCorrespondence& correspondence : correspondences) {
     const MountJacobians jacobians = MountJacobiansOf(correspondence, truth);
     for (int i = 0; i < 6; ++i) {
       Vector6d change = Vector6d::Zero();

@@ -8,6 +8,7 @@
 #include "slam/places/guided_matches.h"
 #include "slam/places/ray_point_correspondence.h"
 #include "slam/places/relative_pose_baselines.h"
+#include "slam/pose_graph/pose_graph.h"
 #include "tests/slam/worlds/place_world.h"
 
 namespace parkade {

@@ -18,7 +18,7 @@ struct DriveWorldOptions {
 /// A drive of which the truth is known.
 struct WorldDrive {
   DriveToJoin drive;
-  std::vector<Rigid3> world_from_place;
+  std::vector<Rigid3> world_from_keyframe;
 };
 
 /// Random points along a lane of 40 m, and drives that see them with four cameras.
@@ -26,8 +26,8 @@ class DriveWorld {
  public:
   explicit DriveWorld(const DriveWorldOptions& options = {});
 
-  /// A drive along the lane, a place every 2 m, whose odometry has a frame of its own and drifts a
-  /// little.
+  /// A drive along the lane, a keyframe every 2 m, whose odometry has a frame of its own and drifts
+  /// a little.
   ///
   /// \param is_opposite  from the lane's end to its beginning
   /// \param decks        visited one after the other
@@ -39,14 +39,15 @@ class DriveWorld {
     Eigen::Vector3d position;
     int look = 0;  ///< row of looks_
   };
-  void Observe(const Rigid3& world_from_place, std::uint32_t seed, Place& place) const;
+  void Observe(const Rigid3& world_from_keyframe, std::uint32_t seed, RigKeyframe& keyframe) const;
 
   DriveWorldOptions options_;
   std::vector<Point> points_;
   cv::Mat looks_;  ///< 32 random bytes each
 };
 
-/// [m] by which places of two joined drives lie elsewhere to each other than in truth, the largest.
+/// [m] by which keyframes of two joined drives lie elsewhere to each other than in truth, the
+/// largest.
 double WorstOffset(const WorldDrive& a, const Trajectory& site_from_a, const WorldDrive& b,
                    const Trajectory& site_from_b);
 

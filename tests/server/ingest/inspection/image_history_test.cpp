@@ -69,7 +69,9 @@ std::vector<std::vector<CameraFault>> CoversOf(const Drive& drive, const Veil& v
   }
   std::vector<const ImageHistory*> cameras;
   for (const ImageHistory& history : histories) cameras.push_back(&history);
-  return DetectOcclusion(cameras);
+  std::vector<std::vector<CameraFault>> covers = DetectOcclusion(cameras);
+  EXPECT_EQ(covers.size(), static_cast<std::size_t>(drive.num_cameras));
+  return covers;
 }
 
 void MudOnTheLeft(cv::Mat& image) { image(cv::Rect(0, 0, kWidth / 2, kHeight)) = 70; }

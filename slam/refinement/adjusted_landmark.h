@@ -1,24 +1,28 @@
 #pragma once
 
+#include <cstdint>
+#include <memory>
+#include <vector>
+
 #include "slam/factors/bearing_cost.h"
-#include "slam/refinement/drive_adjustment.h"
+#include "slam/factors/landmark_parameters.h"
 
 namespace parkade {
 
-// What DriveAdjustment is made of; for its own source files only.
-
-/// Where a track was seen: image and keyframe among its observations.
-struct DriveAdjustment::Seen {
+/// Where a track was seen: the image, and which of its observations.
+struct SeenTrack {
   std::uint32_t image = 0, observation = 0;
 };
 
-struct DriveAdjustment::LandmarkObservation {
+/// A bearing of a landmark in one image of DriveAdjustment.
+struct LandmarkObservation {
   size_t image = 0;
   Bearing bearing;
   std::unique_ptr<BearingCost> cost;
 };
 
-struct DriveAdjustment::Landmark {
+/// A landmark of DriveAdjustment.
+struct AdjustedLandmark {
   LandmarkRay ray;
   double* values = nullptr;
   std::vector<LandmarkObservation> observations;
