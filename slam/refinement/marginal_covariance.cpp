@@ -78,7 +78,7 @@ class NormalEquations {
     return matrix;
   }
 
-  /// Of the score, by what is considered but not estimated.
+  /// Derivative of the score by what is considered but not estimated.
   const Eigen::MatrixXd& sensitivity() const { return sensitivity_; }
 
   const Block& KeyframeOf(const double* block) const { return keyframes_.at(block); }
