@@ -13,7 +13,7 @@ RULES = [
     ("'likewise' says nothing", re.compile(r"\b[Ll]ikewise\b")),
     ("British spelling", re.compile(r"[Cc]olour|[Cc]entre|\b[Gg]rey\b|[Nn]eighbour|[a-z]metre|\b[Mm]etre|[Bb]ehaviour|"
                                     r"(?:[Oo]ptim|[Nn]ormal|[Ll]inear|[Mm]arginal|[Ii]nitial|[Mm]inim|[Rr]ecogn|"
-                                    r"[Ss]ummar|[Ss]erial|[Ss]ynchron)is(?:e|ed|es|ing|ation)\b")),
+                                    r"[Ss]ummar|[Ss]erial|[Ss]ynchron)is(?:e|ed|es|ing|ation)(?![a-z])")),
     ("a private word (docs/glossary.md)", re.compile(r"\b(?:[Kk]nots?|[Ss]ightings?|[Ll]ikeness|[Pp]hotos?)\b")),
 ]
 
