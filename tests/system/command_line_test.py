@@ -329,7 +329,7 @@ class CommandLine(unittest.TestCase):
         only = ("--odometry-only", "--quiet")
         self.assertEqual(run("map", drive, *only, "--out", relative).returncode, 0)
         self.assertNotIn("tracked again", run("map", drive, *only, "--from", relative, "--out", same).stderr)
-        result = run("map", drive, *only, "--from", relative, "--set", "odometry.keyframe_distance=0.4", "--out", other)
+        result = run("map", drive, *only, "--from", relative, "--set", "odometry.smoother.landmarks=60", "--out", other)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("other options", result.stderr)
 
