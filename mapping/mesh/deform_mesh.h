@@ -64,8 +64,8 @@ class MeshDeformation {
   std::vector<bool> is_seen_;                                   ///< each
 };
 
-/// Nodes are spread over the mesh, squares of `spacing`, decks apart; those that one sheet of the
-/// mesh joins hold each other, so that decks of a garage pull each other only along their ramps.
+/// Nodes are spread over the mesh, squares of `spacing`, decks apart; those that triangles of the
+/// mesh join hold each other, so that decks of a garage pull each other only along their ramps.
 /// Keyframes hold the nodes they saw and are held where they are now. Keyframes in order of time,
 /// drive after drive. Throws Error{kInvalidInput} without any keyframe.
 MeshDeformation DeformGround(const TriangleMesh& mesh, std::span<const MovedKeyframe> keyframes,
