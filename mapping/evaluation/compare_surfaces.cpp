@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/statistics.h"
 #include "mapping/evaluation/height_drift.h"
 #include "mapping/ground/cell_finder.h"
 #include "mapping/ground/surface_links.h"
@@ -258,15 +259,9 @@ HeightChange Summarize(std::vector<double> changes) {
   double sum = 0;
   for (const double change : changes) sum += change * change;
   summary.rmse = std::sqrt(sum / static_cast<double>(changes.size()));
-  const auto percentile = [&](double fraction) {
-    const auto nth =
-        changes.begin() + std::lround(fraction * static_cast<double>(changes.size() - 1));
-    std::nth_element(changes.begin(), nth, changes.end());
-    return *nth;
-  };
-  summary.median = percentile(0.5);
+  summary.median = Quantile(changes, 0.5);
   for (double& change : changes) change = std::abs(change);
-  summary.percentile_95 = percentile(0.95);
+  summary.percentile_95 = Quantile(std::move(changes), 0.95);
   return summary;
 }
 

@@ -18,8 +18,8 @@ namespace {
 
 using Colors = std::vector<std::array<std::uint8_t, 3>>;
 
-// Cells that are joined depend on those two further on, vertices that are doubled on two more, their
-// colors, too.
+// Cells that are joined depend on those two further on, vertices that are doubled on two more,
+// their colors, too.
 constexpr int kMargin = 8;  // [joined cells]
 constexpr int kReach = 3;   // [joined cells] that the mesh may go beyond the surface, and some
 

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "core/statistics.h"
 #include "mapping/ground/image_sampling.h"
 
 namespace parkade {
@@ -335,9 +336,8 @@ Eigen::Array3f FindGain(const GroundImage& image, const CellFinder& cells, doubl
   Eigen::Array3f gain = Eigen::Array3f::Ones();
   if (ratios[0].size() < kMinGainSamples) return gain;
   for (size_t c = 0; c < 3; ++c) {
-    const auto middle = ratios[c].begin() + static_cast<std::ptrdiff_t>(ratios[c].size() / 2);
-    std::nth_element(ratios[c].begin(), middle, ratios[c].end());
-    gain[static_cast<Eigen::Index>(c)] = std::clamp(*middle, 1 / kMaxGain, kMaxGain);
+    gain[static_cast<Eigen::Index>(c)] =
+        std::clamp(Median(std::move(ratios[c])), 1 / kMaxGain, kMaxGain);
   }
   return gain;
 }
