@@ -13,15 +13,7 @@
 namespace parkade {
 
 struct KerbOptions {
-  double min_height = 0.04;   ///< [m] above the ground beside it; less is a joint or a dropped kerb
-  double max_height = 0.22;   ///< [m]; more is the sill of a car or a wall
-  double max_distance = 5.0;  ///< [m] of its place to a camera
-  int min_views = 5;
-  double max_misfit =
-      0.85;  ///< of views at the best height, as a share of that at the median height
-  double max_rivalry = 0.9;  ///< the same of the agreement at the best height elsewhere
-  double max_jump = 0.03;    ///< [m] of height along one kerb
-  double min_length = 2.0;   ///< [m]
+  double min_height = 0.04;  ///< [m] above the ground beside it; less is a joint or a dropped kerb
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
