@@ -48,7 +48,6 @@ class MeshDeformation {
   bool IsSeen(const Eigen::Vector3d& point_in_from) const;
 
   const DeformationGraph& graph() const { return graph_; }
-  size_t num_ground_nodes() const { return num_ground_nodes_; }
 
  private:
   friend class DeformationBuilder;
@@ -90,8 +89,5 @@ struct JointDeformation {
 JointDeformation DeformJointly(const TriangleMesh& mesh, std::span<const FreeKeyframe> keyframes,
                                std::span<const DeformationMeasurement> measurements,
                                const DeformationOptions& options = {});
-
-/// The whole mesh moved, its normals turned; the same triangles.
-TriangleMesh Deformed(const TriangleMesh& mesh, const MeshDeformation& deformation);
 
 }  // namespace parkade

@@ -237,11 +237,4 @@ std::vector<std::vector<std::uint32_t>> JoinPieces(std::span<const SimplifiedPie
   return in_joined;
 }
 
-HeightMesh SimplifyMesh(const HeightMesh& mesh, const Colors& colors,
-                        const SimplifyMeshOptions& options) {
-  HeightMesh joined;
-  JoinPieces(SimplifyPieces(mesh, colors, options), joined);
-  return joined;
-}
-
 }  // namespace parkade

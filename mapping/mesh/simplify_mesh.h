@@ -44,9 +44,4 @@ std::vector<SimplifiedPiece> SimplifyPieces(const HeightMesh& mesh,
 std::vector<std::vector<std::uint32_t>> JoinPieces(std::span<const SimplifiedPiece> pieces,
                                                    HeightMesh& joined);
 
-/// Both, one after the other.
-HeightMesh SimplifyMesh(const HeightMesh& mesh,
-                        const std::vector<std::array<std::uint8_t, 3>>& colors,
-                        const SimplifyMeshOptions& options);
-
 }  // namespace parkade

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <set>
 
 #include "core/for_each_releasing.h"
 #include "core/log.h"
@@ -109,22 +108,6 @@ SurfaceMap FuseSurface(const PatchSource& patches, std::span<const DrivenPath> p
   LogInfo("stage=fuse_surface patches=" + std::to_string(patches.views().size()) + " nodes=" +
           std::to_string(field.num_nodes()) + " cells=" + std::to_string(surface.cells.size()));
   return surface;
-}
-
-SurfaceMap FuseSurface(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths,
-                       const SurfaceOptions& options, std::span<const HeightObservation> measured) {
-  options.Validate();
-  const PatchesInMemory source(patches);
-  std::vector<DriveHeights> heights;
-  std::set<int> drives;
-  for (const PatchView& view : source.views()) drives.insert(view.drive);
-  if (options.method == "surface")
-    for (const int drive : drives) {
-      heights.push_back(MeasureDriveHeights(PatchesOfDrive(source, drive), FindPath(paths, drive),
-                                            options.Heights(), measured));
-      heights.back().drive = drive;
-    }
-  return FuseSurface(source, paths, heights, options, measured);
 }
 
 }  // namespace parkade

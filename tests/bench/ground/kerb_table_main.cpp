@@ -10,10 +10,10 @@
 #include "mapping/mesh/mesh_surface.h"
 #include "mapping/observation/observe_ground.h"
 #include "mapping/observation/visible_points.h"
-#include "mapping/surface/fuse_surface.h"
 #include "server/map_folder/kerbs_file.h"
 #include "tests/bench/odometry/run_bench.h"
 #include "tests/bench/suite/suite_drive.h"
+#include "tests/mapping/worlds/fuse_patches.h"
 
 namespace parkade {
 namespace {

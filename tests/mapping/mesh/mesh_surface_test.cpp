@@ -130,6 +130,14 @@ TEST(MeshSurface, AnOutlineLiesWhereTheCellsPutIt) {
   EXPECT_NEAR(64 - MeshAreaOf(160, outside_pillar), 0.25, 0.06);
 }
 
+HeightMesh SimplifyMesh(const HeightMesh& mesh,
+                        const std::vector<std::array<std::uint8_t, 3>>& colors,
+                        const SimplifyMeshOptions& options) {
+  HeightMesh joined;
+  JoinPieces(SimplifyPieces(mesh, colors, options), joined);
+  return joined;
+}
+
 TEST(SimplifyMesh, AFlatMeshOfOneColorNeedsFewTriangles) {
   const HeightMesh mesh =
       TriangulateHeights(MakeSurface(200, 200, 0.1, [](double, double) { return 0.0; }), 0.3);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "tests/mapping/worlds/all_charts.h"
 #include "tests/mapping/worlds/test_surfaces.h"
 
 namespace parkade {
