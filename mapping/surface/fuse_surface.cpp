@@ -7,9 +7,9 @@
 #include "core/for_each_releasing.h"
 #include "core/log.h"
 #include "core/parallel.h"
+#include "mapping/baselines/fuse_voxels.h"
 #include "mapping/ground/sort_cells.h"
 #include "mapping/surface/free_islands.h"
-#include "mapping/surface/fuse_voxels.h"
 #include "mapping/surface/paint_tile.h"
 
 namespace parkade {

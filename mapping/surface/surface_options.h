@@ -3,10 +3,10 @@
 #include <string>
 
 #include "core/option_about.h"
+#include "mapping/baselines/fuse_voxels.h"
 #include "mapping/heights/drive_heights.h"
 #include "mapping/heights/height_field.h"
 #include "mapping/heights/measure_heights_options.h"
-#include "mapping/surface/fuse_voxels.h"
 
 namespace parkade {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "mapping/surface/fuse_voxels.h"
+#include "mapping/baselines/fuse_voxels.h"
 
 namespace parkade {
 namespace {

@@ -1,7 +1,8 @@
-#include "mapping/surface/fuse_voxels.h"
+#include "mapping/baselines/fuse_voxels.h"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <tuple>
 #include <unordered_map>
 
