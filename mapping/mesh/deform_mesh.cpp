@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "mapping/mesh/mesh_samples.h"
 
 namespace parkade {
 namespace {
@@ -16,82 +17,6 @@ constexpr double kLevelBase = 0.6,
 constexpr double kSigmaPerMeter = 0.01;  // of what a keyframe saw
 constexpr double kHeightCounts = 3;      // heights count this much more when nodes are looked for
 constexpr size_t kBlended = 4;           // nodes per point, as in the paper
-
-using Square = std::pair<int, int>;
-
-Square SquareOf(const Eigen::Vector3d& point, double spacing) {
-  return {static_cast<int>(std::floor(point.x() / spacing)),
-          static_cast<int>(std::floor(point.y() / spacing))};
-}
-
-/// Points over the mesh, close enough that each square it touches has some, and which of them are
-/// neighbors.
-struct MeshSamples {
-  std::vector<Eigen::Vector3d> points;
-  std::vector<std::pair<size_t, size_t>> links;
-};
-
-MeshSamples SampleMesh(const TriangleMesh& mesh, double step) {
-  MeshSamples samples;
-  for (const Eigen::Vector3f& vertex : mesh.vertices)
-    samples.points.push_back(mesh.origin + vertex.cast<double>());
-  for (const auto& triangle : mesh.triangles) {
-    const Eigen::Vector3d a = samples.points[triangle[0]], b = samples.points[triangle[1]],
-                          c = samples.points[triangle[2]];
-    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-    const int parts = std::max(1, static_cast<int>(std::ceil(longest / step)));
-    // Rows of points parallel to the side from b to c, from a on.
-    std::vector<size_t> last = {triangle[0]};
-    for (int i = 1; i <= parts; ++i) {
-      std::vector<size_t> row;
-      for (int k = 0; k <= i; ++k) {
-        if (i == parts && (k == 0 || k == i)) {
-          row.push_back(triangle[k == 0 ? 1 : 2]);
-        } else {
-          const double to_c = static_cast<double>(k) / parts,
-                       to_b = static_cast<double>(i - k) / parts;
-          row.push_back(samples.points.size());
-          samples.points.push_back(a + to_b * (b - a) + to_c * (c - a));
-        }
-        if (k > 0) samples.links.emplace_back(row[static_cast<size_t>(k) - 1], row.back());
-        if (k < i) samples.links.emplace_back(last[static_cast<size_t>(k)], row.back());
-        if (k > 0) samples.links.emplace_back(last[static_cast<size_t>(k) - 1], row.back());
-      }
-      last = std::move(row);
-    }
-  }
-  return samples;
-}
-
-/// Ground in one square and on one deck.
-struct NodeSamples {
-  std::vector<size_t> node_of_sample;
-  std::vector<Eigen::Vector3d> nodes;
-};
-
-NodeSamples GroupSamples(const MeshSamples& samples, const DeformationOptions& options) {
-  std::map<Square, std::vector<size_t>> by_square;
-  for (size_t i = 0; i < samples.points.size(); ++i)
-    by_square[SquareOf(samples.points[i], options.spacing)].push_back(i);
-  NodeSamples grouped{std::vector<size_t>(samples.points.size()), {}};
-  for (auto& [square, members] : by_square) {
-    std::sort(members.begin(), members.end(), [&](size_t a, size_t b) {
-      return std::pair(samples.points[a].z(), a) < std::pair(samples.points[b].z(), b);
-    });
-    for (size_t begin = 0, end; begin < members.size(); begin = end) {
-      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      for (end = begin; end < members.size(); ++end) {
-        const Eigen::Vector3d& point = samples.points[members[end]];
-        if (end > begin && point.z() - samples.points[members[end - 1]].z() > options.level_gap)
-          break;
-        sum += point;
-        grouped.node_of_sample[members[end]] = grouped.nodes.size();
-      }
-      grouped.nodes.push_back(sum / static_cast<double>(end - begin));
-    }
-  }
-  return grouped;
-}
 
 /// Those at least `spacing` from the one used before.
 std::vector<MovedKeyframe> ThinOut(std::span<const MovedKeyframe> keyframes, double spacing) {
@@ -155,7 +80,7 @@ class DeformationBuilder {
   DeformationBuilder(const TriangleMesh& mesh, const DeformationOptions& options, double share)
       : options_(options), slack_(1 / std::sqrt(share)) {
     const MeshSamples samples = SampleMesh(mesh, 0.5 * options.spacing);
-    const NodeSamples grouped = GroupSamples(samples, options);
+    const NodeSamples grouped = GroupSamples(samples, options.spacing, options.level_gap);
     deformation_.spacing_ = options.spacing;
     deformation_.num_ground_nodes_ = grouped.nodes.size();
     deformation_.neighbors_.resize(grouped.nodes.size());
