@@ -13,7 +13,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kBlock = 24.0;  // [m] side of squares of the site whose strips are swept at once
-constexpr double kMaxDistance = 5.0;   // [m] to the camera; a step is clear from near only
 constexpr std::size_t kMaxViews = 60;  // of a strip: the nearest
 constexpr double kMinEyeHeight = 0.3;  // [m] above the ground
 constexpr double kMaxEyeHeight = 2.5;  // [m]; higher ones are on another deck
@@ -46,7 +45,7 @@ std::vector<Seen> FindViews(const OutlineStrip& strip, std::span<const PatchView
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Vector3d to_eye = eyes[i] - strip.foot;
     const double distance = to_eye.head<2>().norm();
-    if (distance > kMaxDistance || to_eye.z() < kMinEyeHeight || to_eye.z() > kMaxEyeHeight)
+    if (distance > kMaxKerbDistance || to_eye.z() < kMinEyeHeight || to_eye.z() > kMaxEyeHeight)
       continue;
     if (-to_eye.head<2>().dot(strip.Outward()) < kMinAway) continue;
     if (views[i].extent.exteriorDistance(strip.foot.head<2>().eval()) > 0) continue;

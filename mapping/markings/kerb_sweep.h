@@ -10,6 +10,9 @@
 
 namespace parkade {
 
+/// [m] of a strip to the camera: a step is clear from near only.
+inline constexpr double kMaxKerbDistance = 5.0;
+
 /// Which strip along an outline is looked at, and at which heights.
 struct StripWindow {
   static constexpr int kNearRows = 2, kFarRows = 3;

@@ -11,6 +11,13 @@
 namespace parkade {
 namespace {
 
+constexpr double kReach = 12;            // [m] within which a keyframe saw ground and holds it
+constexpr size_t kKeyframesPerNode = 8;  // the nearest of them
+constexpr double kKeyframeSpacing = 2;   // [m] between those that are used of one drive
+constexpr double kStiffness = 0.01;      // [m/m] and [rad] by which neighboring nodes may disagree
+constexpr double kSeenSigma =
+    0.02;                          // [m] of ground beside a keyframe, and 0.01 more per meter away
+constexpr double kLevelGap = 1.0;  // [m] of height between nodes of one column: more are two decks
 constexpr double kLevelBase = 0.6,
                  kLevelSlope =
                      0.1;  // [m], and per meter: heights within which a keyframe saw ground
@@ -35,26 +42,23 @@ Rigid3 MotionOf(const MovedKeyframe& keyframe) {
 }
 
 /// How far a keyframe stands from ground that it saw; nothing where it did not.
-std::optional<double> ObservationOf(const MovedKeyframe& keyframe, const Eigen::Vector3d& ground,
-                                    double reach) {
+std::optional<double> ObservationOf(const MovedKeyframe& keyframe, const Eigen::Vector3d& ground) {
   const Eigen::Vector3d apart = ground - keyframe.from_from_body.translation;
   const double distance = apart.head<2>().norm();
-  if (distance > reach || std::abs(apart.z()) > kLevelBase + kLevelSlope * distance)
+  if (distance > kReach || std::abs(apart.z()) > kLevelBase + kLevelSlope * distance)
     return std::nullopt;
   return distance;
 }
 
 /// The observations of one piece of ground, the nearest first.
 std::vector<std::pair<double, size_t>> ObservationsOf(const std::vector<MovedKeyframe>& keyframes,
-                                                      const Eigen::Vector3d& ground,
-                                                      const DeformationOptions& options) {
+                                                      const Eigen::Vector3d& ground) {
   std::vector<std::pair<double, size_t>> observations;
   for (size_t i = 0; i < keyframes.size(); ++i)
-    if (const std::optional<double> distance = ObservationOf(keyframes[i], ground, options.reach))
+    if (const std::optional<double> distance = ObservationOf(keyframes[i], ground))
       observations.emplace_back(*distance, i);
   std::sort(observations.begin(), observations.end());
-  if (observations.size() > options.keyframes_per_node)
-    observations.resize(options.keyframes_per_node);
+  if (observations.size() > kKeyframesPerNode) observations.resize(kKeyframesPerNode);
   return observations;
 }
 
@@ -80,7 +84,7 @@ class DeformationBuilder {
   DeformationBuilder(const TriangleMesh& mesh, const DeformationOptions& options, double share)
       : options_(options), slack_(1 / std::sqrt(share)) {
     const MeshSamples samples = SampleMesh(mesh, 0.5 * options.spacing);
-    const NodeSamples grouped = GroupSamples(samples, options.spacing, options.level_gap);
+    const NodeSamples grouped = GroupSamples(samples, options.spacing, kLevelGap);
     deformation_.spacing_ = options.spacing;
     deformation_.num_ground_nodes_ = grouped.nodes.size();
     deformation_.neighbors_.resize(grouped.nodes.size());
@@ -99,11 +103,11 @@ class DeformationBuilder {
       const Rigid3 motion = NearestMotion(keyframes, node.rest);
       node.motion = {motion.rotation, motion * node.rest};
       const std::vector<std::pair<double, size_t>> observations =
-          ObservationsOf(keyframes, node.rest, options_);
+          ObservationsOf(keyframes, node.rest);
       deformation_.is_seen_.push_back(!observations.empty());
       for (const auto& [distance, keyframe] : observations)
-        HoldEachOther(i, nodes[keyframe], options_.seen_sigma + kSigmaPerMeter * distance,
-                      options_.stiffness * (1 + distance));
+        HoldEachOther(i, nodes[keyframe], kSeenSigma + kSigmaPerMeter * distance,
+                      kStiffness * (1 + distance));
     }
   }
 
@@ -138,8 +142,7 @@ class DeformationBuilder {
           std::minmax(grouped.node_of_sample[a], grouped.node_of_sample[b]);
       if (first == second || !joined.insert({first, second}).second) continue;
       const double distance = (graph().nodes[first].rest - graph().nodes[second].rest).norm();
-      HoldEachOther(first, second, options_.stiffness * std::max(distance, 0.1),
-                    options_.stiffness);
+      HoldEachOther(first, second, kStiffness * std::max(distance, 0.1), kStiffness);
       deformation_.neighbors_[first].push_back(second);
       deformation_.neighbors_[second].push_back(first);
     }
@@ -154,7 +157,7 @@ MeshDeformation DeformGround(const TriangleMesh& mesh, std::span<const MovedKeyf
                              const DeformationOptions& options) {
   Require(!all_keyframes.empty(), ErrorCode::kInvalidInput,
           "nothing says how the ground has moved");
-  const std::vector<MovedKeyframe> keyframes = ThinOut(all_keyframes, options.keyframe_spacing);
+  const std::vector<MovedKeyframe> keyframes = ThinOut(all_keyframes, kKeyframeSpacing);
   DeformationBuilder builder(mesh, options, /*share=*/1);
   std::vector<size_t> nodes;
   for (const MovedKeyframe& keyframe : keyframes) {

@@ -25,15 +25,9 @@ struct FreeKeyframe {
 };
 
 struct DeformationOptions {
-  double spacing = 2.5;           ///< [m] of nodes on the ground
-  double reach = 12;              ///< [m] within which a keyframe saw ground and holds it
-  size_t keyframes_per_node = 8;  ///< the nearest of them
-  double keyframe_spacing = 2;    ///< [m] between those that are used of one drive
-  double stiffness = 0.01;        ///< [m/m] and [rad] by which neighboring nodes may disagree
-  double seen_sigma = 0.02;       ///< [m] of ground beside a keyframe, and 0.01 more per meter away
-  double level_gap = 1.0;         ///< [m] of height between nodes of one column: more are two decks
-  double ground_share = 1e-4;     ///< of the ground's information that counts where keyframes are
-                                  ///< free, see DeformJointly
+  double spacing = 2.5;        ///< [m] of nodes on the ground
+  double ground_share = 1e-4;  ///< of the ground's information that counts where keyframes are
+                               ///< free, see DeformJointly
 };
 
 /// How the ground of a map moves with the trajectories it was seen from.

@@ -5,8 +5,6 @@
 namespace parkade {
 
 void MeshOptions::Validate() const {
-  Require(cells_per_square >= 1 && cells_per_square <= 64, ErrorCode::kUsage,
-          "cells_per_square must be in 1..64");
   Require(free_threshold > 0 && free_threshold < 1, ErrorCode::kUsage,
           "free_threshold must be in (0, 1)");
   Require(max_step > 0, ErrorCode::kUsage, "max_step must be > 0 m");

@@ -16,6 +16,8 @@
 namespace parkade {
 namespace {
 
+constexpr int kCellsPerSquare =
+    2;  // cells of the surface on each side of a square; more is coarser and smaller
 using Colors = std::vector<std::array<std::uint8_t, 3>>;
 
 // Cells that are joined depend on those two further on, vertices that are doubled on two more,
@@ -32,7 +34,7 @@ const SurfaceCell& FindCell(const CellFinder& finder, const Eigen::Vector3d& ver
 }
 
 SurfaceMap Join(const SurfaceMap& surface, const MeshOptions& options) {
-  return JoinCells(surface, options.cells_per_square, options.free_threshold, options.max_step);
+  return JoinCells(surface, kCellsPerSquare, options.free_threshold, options.max_step);
 }
 
 HeightMesh Triangulate(const SurfaceMap& joined, const MeshOptions& options) {
@@ -59,7 +61,7 @@ bool Contains(const Eigen::AlignedBox2i& tiles, const Eigen::Vector3d& center) {
 std::vector<MeshWindow> CutIntoWindows(const SurfaceMap& surface, const MeshOptions& options) {
   const int side =
       std::max(1, static_cast<int>(std::lround(options.window_size / kTileSize)));  // [tiles]
-  const int factor = options.cells_per_square, reach = kReach * factor;
+  const int factor = kCellsPerSquare, reach = kReach * factor;
   const double joined_size = surface.cell_size * factor;
   const auto window_of = [&](int cell) {
     return FloorDivide(static_cast<int>(std::floor(cell * surface.cell_size / kTileSize)), side);

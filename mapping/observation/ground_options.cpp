@@ -11,7 +11,6 @@ void GroundOptions::Validate() const {
           "method must be network or colors");
   grid.Validate();
   segmentation.Validate();
-  plane.Validate();
 }
 
 }  // namespace parkade

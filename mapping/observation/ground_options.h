@@ -22,7 +22,6 @@ struct GroundOptions {
   bool level_views = true;  ///< our own network sees wide lenses' images as LevelView shows them
   GroundGridOptions grid;
   SegmentGroundOptions segmentation;
-  GroundPlaneOptions plane;
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {

@@ -126,7 +126,7 @@ GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from
   const Rig& rig = log.rig();
   GroundObservation result;
   const std::optional<Rigid3> body_from_ground =
-      EstimateBodyFromGround(rig, odom_from_body, landmarks, options.plane);
+      EstimateBodyFromGround(rig, odom_from_body, landmarks);
   if (!body_from_ground) {
     result.warnings.push_back(
         "no ground plane was found in drive '" + log.name() +

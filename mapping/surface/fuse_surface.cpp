@@ -79,8 +79,7 @@ SurfaceMap FuseSurface(const PatchSource& patches, std::span<const DrivenPath> p
                        std::span<const DriveHeights> heights, const SurfaceOptions& options,
                        std::span<const HeightObservation> measured) {
   options.Validate();
-  if (options.method == "homography")
-    return FuseVoxels(patches, paths, options.cell_size, options.voxels);
+  if (options.method == "homography") return FuseVoxels(patches, paths, options.cell_size);
   const HeightField field = FitHeights(heights, paths, options.Heights(), measured);
   const int cells_per_side =
       static_cast<int>(std::round(options.height.spacing / options.cell_size));

@@ -14,7 +14,6 @@ void SurfaceOptions::Validate() const {
   Require(outlines == "observations" || outlines == "network", ErrorCode::kUsage,
           "outlines of the surface must be observations or network");
   height.Validate();
-  voxels.Validate();
   sweep.Validate();
   const double ratio = height.spacing / cell_size;
   Require(ratio >= 1 && std::abs(ratio - std::round(ratio)) < 1e-6, ErrorCode::kUsage,

@@ -3,7 +3,6 @@
 #include <string>
 
 #include "core/option_about.h"
-#include "mapping/baselines/fuse_voxels.h"
 #include "mapping/heights/drive_heights.h"
 #include "mapping/heights/height_field.h"
 #include "mapping/heights/measure_heights_options.h"
@@ -35,7 +34,6 @@ struct SurfaceOptions {
   double tile_size = 48.0;  ///< [m] of the squares painted two at a time; less takes less memory
   HeightFieldOptions height;
   MeasureHeightsOptions sweep;
-  VoxelFusionOptions voxels;  ///< of the method "homography"
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {

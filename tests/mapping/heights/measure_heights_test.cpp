@@ -191,7 +191,7 @@ TEST(FuseVoxels, TheSurfaceLiesOnThePlaneOfTheCar) {
 }
 
 TEST(FuseVoxels, RejectsVoxelsThatCellsDoNotFill) {
-  EXPECT_THROW(FuseVoxels(PatchesInMemory({}), {}, 0.03, {}), Error);
+  EXPECT_THROW(FuseVoxels(PatchesInMemory({}), {}, 0.03), Error);
 }
 
 }  // namespace
