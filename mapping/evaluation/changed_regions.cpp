@@ -68,7 +68,7 @@ ChangedRegion CellPatches::RegionOf(GroundChange change, const std::vector<size_
     region.height_change += height_change;
   }
   // Only a car's foot is sure; where there is none, what lies behind others came into
-  // observation or went out of it.
+  // view or went out of it.
   if (static_cast<double>(num_obstacles) < kMinObstacleShare * static_cast<double>(part.size())) {
     if (change == GroundChange::kFreed) region.change = GroundChange::kMapped;
     if (change == GroundChange::kBlocked) region.change = GroundChange::kUnmapped;

@@ -20,8 +20,8 @@ struct GroundGridOptions {
   double pitch_sigma = 0.005;  ///< [rad] of the body against the road: suspension and attitude
   double curvature_sigma = 0.007;  ///< [1/m] of the road: how fast a plane loses it
   double height_sigma = 0.01;      ///< [m] of the road right at the wheels
-  double sharp_length =
-      0.1;  ///< [m] of ground in one pixel at which a observation says half as much of what is free
+  double sharp_length = 0.1;  ///< [m] of ground in one pixel at which an observation says half as
+                              ///< much of what is free
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {

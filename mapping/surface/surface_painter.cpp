@@ -24,7 +24,7 @@ constexpr double kLeastTrust = 0.05;   // what is seen of a poorly known height 
 constexpr double kMinEyeHeight = 0.2;  // [m] above the ground
 constexpr double kTrustedView = 0.5;   // trust from which on it is known what was looked at
 constexpr double kDoubtfulLogOdds =
-    -1e-6;  // of a observation that cannot tell: with nothing else, not drivable
+    -1e-6;  // of an observation that cannot tell: with nothing else, not drivable
 constexpr double kMaxStretch = 1.5;      // of rays: IntersectRay goes no further
 constexpr double kMaxFootprint = 1.0;    // [m] that samples stand for reach less far from them
 constexpr size_t kPatchesPerBatch = 64;  // hits of so many patches are held at once

@@ -12,7 +12,7 @@ namespace parkade {
 namespace {
 
 constexpr float kLeastAbove =
-    1;  // of the rank of a observation above the least: observations all alike weigh alike
+    1;  // of the rank of an observation above the least: observations all alike weigh alike
 constexpr double kMaxPixelGap =
     60;  // [px] between two corners of a block: more is a fold of the lens
 constexpr int kColorTolerance =

@@ -26,7 +26,7 @@ class ChartPainter {
   /// drive by drive, the latest last.
   void Paint(const GroundImage& image, double max_range);
 
-  /// The image; texels without a observation have the color of their cell, those off the mesh that
+  /// The image; texels without an observation have the color of their cell, those off the mesh that
   /// of the nearest texel on it.
   TextureChart Finish(const CellFinder& cells);
 
@@ -67,7 +67,7 @@ class ChartPainter {
   std::vector<float> corner_heights_;   ///< [m] NaN where no mesh is near
   std::vector<Observations> observations_;
   std::vector<std::uint8_t>
-      least_ranks_;  ///< per block: a image of this drive that ranks no higher adds nothing
+      least_ranks_;  ///< per block: an image of this drive that ranks no higher adds nothing
   std::optional<int> drive_;    ///< whose images are being painted
   std::vector<bool> is_shown_;  ///< by it
 };

@@ -22,7 +22,7 @@ constexpr double kOwnShade =
     1.3;  // [m] beside the contact area the car's own shadow lies most of the time ...
 constexpr double kShadeRim = 0.6;  // [m] ... and beyond that less and less
 constexpr double kShadePenalty =
-    0.3;  // of the rank of sights in there: further cameras saw the place in the light
+    0.3;  // of the rank of observations in there: further cameras saw the place in the light
 constexpr size_t kMinGainSamples = 60;  // fewer say nothing about the exposure
 constexpr float kMaxGain = 3;
 

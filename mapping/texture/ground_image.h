@@ -26,13 +26,13 @@ struct GroundImage {
   VisibilityHorizon open_ground = {};  ///< what it shows of the ground
 };
 
-/// Where a image shows a point of the ground, and how steeply.
+/// Where an image shows a point of the ground, and how steeply.
 struct GroundPixel {
   Eigen::Vector2f pixel = Eigen::Vector2f::Zero();
   float steepness = 0;  ///< sine of the depression, less in what may be the own shade; 0: not seen
 };
 
-/// How a image sees a point; not at all beyond `max_range` [m] (horizontally) from the camera,
+/// How an image sees a point; not at all beyond `max_range` [m] (horizontally) from the camera,
 /// where something stands in the way, or on another deck than the car's: its own floor is what a
 /// image shows there. The image is not needed.
 GroundPixel SeePoint(const GroundImage& image, const Rigid3& camera_from_site,

@@ -29,7 +29,7 @@ const TextureSource* FindSource(std::span<const TextureSource> sources, int driv
   return found == sources.end() ? nullptr : &*found;
 }
 
-/// A image that is yet to be read.
+/// An image that is yet to be read.
 GroundImage ImageOf(const PatchView& view, const TextureSource& source) {
   const RigCamera& camera = source.log->rig().cameras[static_cast<std::size_t>(view.camera)];
   return {.image = {},

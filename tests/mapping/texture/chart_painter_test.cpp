@@ -123,7 +123,7 @@ TEST_F(ChartPainters, PutThePatternOfTheGroundWhereItIs) {
   EXPECT_LT(difference.largest, 12);
 }
 
-/// A image after steeper ones is left out where it adds nothing; first, it is painted and pushed
+/// An image after steeper ones is left out where it adds nothing; first, it is painted and pushed
 /// out.
 TEST_F(ChartPainters, LeaveOutOnlyWhatAddsNothing) {
   ChartPainter near_first = NewPainter(), far_first = NewPainter();
