@@ -10,6 +10,11 @@
 namespace parkade {
 namespace {
 
+constexpr double kMinContrast =
+    1.5;  // [gray values] of the ground in a window, rms; less shows nothing
+constexpr double kMinObservations = 1.5;  // of a cell of a window on average: less agrees by chance
+constexpr double kMaxJump = 0.03;         // [m] of correction between windows side by side
+constexpr double kLeastSigma = 0.01;      // [m] at best
 constexpr int kRivalSteps = 3;  // of the sweep from the best height to what may be another one
 constexpr double kMinParallax =
     0.8;  // [m per meter of height] of a window: views from one side agree on any height
@@ -79,8 +84,7 @@ std::optional<Best> FindBest(const std::vector<Agreement>& agreements, int num_c
       static_cast<size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
   if (best == 0 || best + 1 >= misfits.size()) return std::nullopt;
   const Agreement& at = agreements[best];
-  if (!IsSeenWell(at, {static_cast<double>(options.min_observations),
-                       static_cast<double>(num_cells), options.min_contrast}))
+  if (!IsSeenWell(at, {kMinObservations, static_cast<double>(num_cells), kMinContrast}))
     return std::nullopt;
   const int freedom = at.num_samples - at.num_cells;
   const double dip = NeededDip(freedom);
@@ -89,7 +93,7 @@ std::optional<Best> FindBest(const std::vector<Agreement>& agreements, int num_c
   const std::optional<SweepMinimum> minimum = FitMinimum(misfits, best, step, freedom);
   if (!minimum) return std::nullopt;
   return Best{max_offset * (static_cast<double>(best) / options.num_steps - 1) + minimum->offset,
-              std::hypot(options.sigma, std::sqrt(minimum->variance))};
+              std::hypot(kLeastSigma, std::sqrt(minimum->variance))};
 }
 
 /// The height of a window by itself or, where its ground shows too little, together with those
@@ -185,7 +189,7 @@ std::vector<HeightObservation> MeasureHeights(const PatchSource& patches,
   for (const SweptWindow& window : swept)
     if (const auto height = HeightOf(window, sums, field, max_offset, options))
       windows.push_back(*height);
-  return SpreadOverWindows(KeepSupported(windows, options.max_jump), field, options.window);
+  return SpreadOverWindows(KeepSupported(windows, kMaxJump), field, options.window);
 }
 
 }  // namespace parkade

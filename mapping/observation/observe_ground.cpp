@@ -15,6 +15,8 @@
 namespace parkade {
 namespace {
 
+constexpr double kSharpLength =
+    0.1;  // [m] of ground in one pixel at which an observation says half as much of what is free
 // What colors alone guess is wrong far away most often.
 constexpr double kGuessRange = 8.0;   // [m] beyond the nearest ground, up to which it is asked
 constexpr float kGuessPixel = 0.8F;   // [m] of ground in one pixel, at most ...
@@ -86,7 +88,7 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
     const int stride = RayStride(grid, grid.ranges[at], options.grid.spacing);
     const float footprint = grid.ranges[at] - (range > 0 ? grid.ranges[at - 1] : 0);
     // Who sees an outline in longer pixels knows less well where it is.
-    const float blur = grid.pixel_lengths[at] / static_cast<float>(options.grid.sharp_length);
+    const float blur = grid.pixel_lengths[at] / static_cast<float>(kSharpLength);
     const float sharpness = 1 / (1 + blur * blur);
     for (int ray = 0; ray < grid.num_rays; ray += stride) {
       const auto i = static_cast<size_t>(grid.IndexOf(ray, range));

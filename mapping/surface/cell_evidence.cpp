@@ -5,6 +5,8 @@
 namespace parkade {
 namespace {
 
+constexpr float kChangeLogOdds =
+    0.1F;  // from which a drive that contradicts those before it is believed alone
 constexpr int kViewDirections = 16;    // in which views are told apart
 constexpr double kNearView = 4.0;      // [m] of distance from the camera
 constexpr int kCoveringViews = 1;      // from which a drive misses what an earlier one saw
@@ -24,15 +26,14 @@ ViewSet ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point) {
                         (ray.squaredNorm() < kNearView * kNearView ? 0 : kViewDirections));
 }
 
-void CellEvidence::EndDrive(const ObservationLogOdds& limits) {
-  const auto limit = static_cast<float>(limits.limit), change = static_cast<float>(limits.change);
+void CellEvidence::EndDrive() {
   // From where it was seen, something stands in the way now; from elsewhere it may always have
   // been hidden.
   const bool is_blocked = std::popcount(seen_from & hidden_now) >= kCoveringViews;
   const float now = std::exchange(log_odds_now, 0.0F);
   const bool has_changed =
-      now * log_odds < 0 && std::abs(now) >= change && (now > 0 || is_blocked || is_driven);
-  log_odds = has_changed ? now : std::clamp(log_odds + now, -limit, limit);
+      now * log_odds < 0 && std::abs(now) >= kChangeLogOdds && (now > 0 || is_blocked || is_driven);
+  log_odds = has_changed ? now : std::clamp(log_odds + now, -kLogOddsLimit, kLogOddsLimit);
   if (has_changed) (now > 0 ? occupied_sum : free_sum) = 0;
   const bool is_covered = is_blocked && seen_now == 0;
   if (is_covered) {

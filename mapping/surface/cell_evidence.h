@@ -11,11 +11,7 @@
 
 namespace parkade {
 
-/// Log-odds that one observation near the car adds for and against free space, the largest sum, and
-/// the sum from which a drive that contradicts those before it is believed alone.
-struct ObservationLogOdds {
-  double free = 0.8, occupied = 1.2, limit = 6, change = 0.1;
-};
+inline constexpr float kLogOddsLimit = 8;  ///< of one drive
 
 /// Directions and distances from which a cell was looked at: a bit each.
 using ViewSet = std::uint32_t;
@@ -44,8 +40,8 @@ struct CellEvidence {
 
   bool IsKnown() const { return is_driven || !observations.empty(); }
 
-  void Count(const CellObservation& observation, float limit) {
-    log_odds_now = std::clamp(log_odds_now + observation.log_odds, -limit, limit);
+  void Count(const CellObservation& observation) {
+    log_odds_now = std::clamp(log_odds_now + observation.log_odds, -kLogOddsLimit, kLogOddsLimit);
     (observation.log_odds > 0 ? seen_now : hidden_now) |= observation.view;
     (observation.log_odds > 0 ? free_sum : occupied_sum) += std::abs(observation.log_odds);
     if (observation.color.rank > 0)
@@ -53,7 +49,7 @@ struct CellEvidence {
   }
 
   /// What the drive saw joins what those before it did.
-  void EndDrive(const ObservationLogOdds& limits);
+  void EndDrive();
 
   ObservationSummary Summary() const;
 };

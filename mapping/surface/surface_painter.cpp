@@ -16,6 +16,10 @@
 namespace parkade {
 namespace {
 
+constexpr double kFreeLogOdds =
+    0.8;  // of one observation of free ground near the car; less with distance
+constexpr double kOccupiedLogOdds =
+    0.8;  // of one observation of something else; more keeps obstacles, and their halo, out
 constexpr double kNearVariance = 1e-4;  // [m^2] of the height of a sample right at the car
 constexpr double kNearEnough =
     0.75;  // observations from here on are equally sharp: the first come before the own shadow
@@ -53,12 +57,10 @@ std::optional<Eigen::Vector3d> EyeOf(const PatchView& view, const DrivenPath* pa
 }  // namespace
 
 SurfacePainter::SurfacePainter(const HeightField& field, int cells_per_side,
-                               const ObservationLogOdds& log_odds,
                                const std::optional<Eigen::AlignedBox2i>& window)
     : field_(&field),
       cells_per_side_(cells_per_side),
       cell_size_(field.spacing() / cells_per_side),
-      log_odds_(log_odds),
       slots_(static_cast<size_t>(field.num_patches()), HeightField::kNone) {
   int num_slots = 0;
   for (int patch = 0; patch < field.num_patches(); ++patch) {
@@ -188,7 +190,7 @@ SurfacePainter::SharedHits SurfacePainter::FindHits(const PatchView& view, const
     const ViewSet view_bit = has_eye && trust > kTrustedView ? ViewFrom(eye, point) : 0;
     if (sample.IsBeyond() && view_bit == 0) continue;
     AddHit(sample, found, point,
-           (sample.is_free ? log_odds_.free : -log_odds_.occupied) *
+           (sample.is_free ? kFreeLogOdds : -kOccupiedLogOdds) *
                static_cast<double>(sample.confidence) * trust,
            view_bit, hits);
   }
@@ -203,7 +205,6 @@ void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> i
     const auto hits_of = ParallelMap(batch.size(), [&](size_t i) {
       return FindHits(patches.views()[batch[i]], patches.Read(batch[i]).patch, path, latest);
     });
-    const auto limit = static_cast<float>(log_odds_.limit);
     // Each thread has cells of its own, so that those of a cell come in order.
     ParallelFor(kShares, [&](size_t share) {
       for (const SharedHits& hits : hits_of)
@@ -211,8 +212,7 @@ void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> i
           for (size_t y = 0; y < hit.rows; ++y) {
             const auto row =
                 std::span(evidence_).subspan(hit.first + y * static_cast<size_t>(cells_per_side_));
-            for (CellEvidence& evidence : row.first(hit.columns))
-              evidence.Count(hit.observation, limit);
+            for (CellEvidence& evidence : row.first(hit.columns)) evidence.Count(hit.observation);
           }
         }
     });
@@ -220,7 +220,7 @@ void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> i
 }
 
 void SurfacePainter::EndDrive() {
-  for (CellEvidence& evidence : evidence_) evidence.EndDrive(log_odds_);
+  for (CellEvidence& evidence : evidence_) evidence.EndDrive();
   has_earlier_ = true;
 }
 
@@ -255,7 +255,7 @@ void SurfacePainter::MarkDriven(const DrivenPath& path) {
         if (patch == HeightField::kNone || !IsPainted(patch)) continue;
         CellEvidence& evidence = evidence_[EvidenceAt(patch, CellAt(point.head<2>()))];
         evidence.is_driven = true;
-        evidence.log_odds = static_cast<float>(log_odds_.limit);
+        evidence.log_odds = kLogOddsLimit;
       }
     stood_from_site = site_from_ground.Inverse();
   }

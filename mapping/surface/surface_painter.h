@@ -25,7 +25,7 @@ class SurfacePainter {
   /// \param window  squares of the field that are painted, the last one being the one before max();
   /// nothing: all.
   ///                What is painted of them does not depend on the window.
-  SurfacePainter(const HeightField& field, int cells_per_side, const ObservationLogOdds& log_odds,
+  SurfacePainter(const HeightField& field, int cells_per_side,
                  const std::optional<Eigen::AlignedBox2i>& window = {});
 
   /// Whether samples of a patch may lie in the window, once they have moved along their rays.
@@ -91,7 +91,6 @@ class SurfacePainter {
   const HeightField* field_;
   int cells_per_side_;
   double cell_size_;
-  ObservationLogOdds log_odds_;
   std::vector<int> slots_;    ///< by patch: where its evidence is, or none
   std::vector<int> painted_;  ///< patches that have a slot, in order
   Eigen::AlignedBox2d
