@@ -18,7 +18,7 @@ struct TextureChart {
   cv::Mat mask;              ///< CV_8UC1 of the same size: 0 off the mesh, kPainted or kPlain on it
   std::vector<std::uint32_t> triangles;  ///< of the mesh, painted by this chart, increasing
   int column = 0, row = 0;  ///< of the square of ground that the triangles' centers lie in
-  int sheet = 0;            ///< counts where decks lie above each other in one square
+  int layer = 0;            ///< counts where decks lie above each other in one square
 
   static constexpr std::uint8_t kPainted = 255;  ///< by images
   static constexpr std::uint8_t kPlain =
@@ -30,7 +30,7 @@ struct TextureChart {
 struct GroundTexture {
   double texel_size = 0.02;          ///< [m]
   double chart_size = 24;            ///< [m] edge of the squares
-  std::vector<TextureChart> charts;  ///< sorted by row, column, sheet
+  std::vector<TextureChart> charts;  ///< sorted by row, column, layer
   std::vector<std::shared_ptr<const FileBackedVector<std::uint8_t>>> pixels =
       {};  ///< where images of large maps lie
 

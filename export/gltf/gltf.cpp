@@ -80,12 +80,6 @@ void WriteGltf(const SiteMap& map, MeshEncoding encoding, std::ostream& stream) 
   builder.Write(stream);
 }
 
-std::string EncodeGltf(const SiteMap& map, MeshEncoding encoding) {
-  std::ostringstream stream;
-  WriteGltf(map, encoding, stream);
-  return std::move(stream).str();
-}
-
 std::string EncodeGltfTile(const TriangleMesh& mesh, const GroundTexture& texture) {
   GltfBuilder builder;
   AddGround(builder, mesh, texture, MeshEncoding::kDraco, {});

@@ -14,9 +14,6 @@ namespace parkade {
 /// _HEIGHT_SIGMA [m]) and one `drive:<name>` per drive (a line strip of the final trajectory of the
 /// body's origin). Datum and transforms are in `asset.extras`. Valid without a mesh, without
 /// drives, and without both. Same map, same bytes.
-std::string EncodeGltf(const SiteMap& map, MeshEncoding encoding);
-
-/// Writes the same bytes to a stream: one copy less of all images in memory.
 void WriteGltf(const SiteMap& map, MeshEncoding encoding, std::ostream& stream);
 
 /// One tile: the mesh alone, with its texture or else vertex colors.

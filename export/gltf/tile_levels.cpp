@@ -12,16 +12,16 @@
 namespace parkade {
 namespace {
 
-/// What one square of one sheet of the finest level holds.
+/// What one square of one layer of the finest level holds.
 struct Part {
-  int column = 0, row = 0, sheet = 0;
+  int column = 0, row = 0, layer = 0;
   std::vector<std::uint32_t> triangles;
 };
 
 std::vector<Part> PartsOfCharts(const GroundTexture& texture) {
   std::vector<Part> parts;
   for (const TextureChart& chart : texture.charts)
-    parts.push_back({chart.column, chart.row, chart.sheet, chart.triangles});
+    parts.push_back({chart.column, chart.row, chart.layer, chart.triangles});
   return parts;
 }
 
@@ -45,7 +45,7 @@ std::vector<Part> PartsOfSquares(const TriangleMesh& mesh, double square_size) {
 
 std::string NameOf(const Part& part) {
   std::string name = "at_" + std::to_string(part.column) + "_" + std::to_string(part.row);
-  if (part.sheet > 0) name += "_" + std::to_string(part.sheet);
+  if (part.layer > 0) name += "_" + std::to_string(part.layer);
   return name;
 }
 
@@ -131,11 +131,11 @@ class TilePyramid {
     const auto found = parts_at_[static_cast<size_t>(level)].find({row, column});
     if (found == parts_at_[static_cast<size_t>(level)].end()) return {};
     if (level == 0) return VisitFinest(found->second);
-    std::map<int, Charts> finer;  // by sheet
+    std::map<int, Charts> finer;  // by layer
     for (const int finer_row : {2 * row, 2 * row + 1})
       for (const int finer_column : {2 * column, 2 * column + 1})
         for (TextureChart& chart : VisitSquare(level - 1, finer_row, finer_column))
-          finer[chart.sheet].push_back(std::move(chart));
+          finer[chart.layer].push_back(std::move(chart));
     MapTile tile{
         .level = level,
         .is_coarsest = level == coarsest_,
@@ -161,7 +161,7 @@ class TilePyramid {
         copier.AddTriangle(mesh_.triangles[triangle]);
       MapTile tile{.column = part.column - corner_.x(),
                    .row = part.row - corner_.y(),
-                   .sheet = part.sheet,
+                   .layer = part.layer,
                    .name = NameOf(part),
                    .mesh = copier.Take(),
                    .texture = {texture_.texel_size, square_size_, {}}};
@@ -175,13 +175,13 @@ class TilePyramid {
     return charts;
   }
 
-  /// What a coarse tile shows: the triangles of each sheet that merging leaves, painted by what the
+  /// What a coarse tile shows: the triangles of each layer that merging leaves, painted by what the
   /// finer level shows.
   void Assemble(const std::vector<size_t>& indices, const std::map<int, Charts>& finer,
                 MapTile& tile) const {
-    std::map<int, std::vector<std::uint32_t>> triangles_of_sheet;
+    std::map<int, std::vector<std::uint32_t>> triangles_of_layer;
     for (const size_t i : indices) {
-      std::vector<std::uint32_t>& triangles = triangles_of_sheet[parts_[i].sheet];
+      std::vector<std::uint32_t>& triangles = triangles_of_layer[parts_[i].layer];
       triangles.insert(triangles.end(), parts_[i].triangles.begin(), parts_[i].triangles.end());
     }
     const double size = tile.texture.chart_size;
@@ -190,7 +190,7 @@ class TilePyramid {
     VertexCopier copier(
         mesh_, {corner_.x() * square_size_ + tile.column * size,
                 corner_.y() * square_size_ + tile.row * size, std::round(mesh_.origin.z())});
-    for (const auto& [sheet, triangles] : triangles_of_sheet) {
+    for (const auto& [layer, triangles] : triangles_of_layer) {
       const auto first = static_cast<std::uint32_t>(copier.mesh().triangles.size());
       for (const std::uint32_t index : triangles) {
         const auto& [a, b, c] = mesh_.triangles[index];
@@ -200,10 +200,10 @@ class TilePyramid {
           copier.AddTriangle(merged);
       }
       const auto count = static_cast<std::uint32_t>(copier.mesh().triangles.size()) - first;
-      const auto charts = finer.find(sheet);
+      const auto charts = finer.find(layer);
       if (count == 0 || charts == finer.end()) continue;
       TextureChart chart = HalveAndJoin(charts->second, 0.5 * tile.texture.texel_size);
-      chart.sheet = sheet;
+      chart.layer = layer;
       chart.triangles.resize(count);
       std::iota(chart.triangles.begin(), chart.triangles.end(), first);
       tile.texture.charts.push_back(std::move(chart));

@@ -15,7 +15,7 @@ struct MapTile {
   double error = 0;          ///< [m] that its geometry may be off
   int column = 0,
       row = 0;  ///< its square's indices: from the map's lower left corner, in squares of its level
-  int sheet =
+  int layer =
       0;  ///< of the finest level only: counts where decks lie above each other in one square
   std::string name;       ///< begins with a letter, whatever the signs: "at_-1_0"
   TriangleMesh mesh;      ///< empty where nothing is left of it at this level
@@ -28,7 +28,7 @@ struct MapTile {
 /// long, so that images stay of one size; the coarsest is a single tile. At least two levels, none
 /// of an empty mesh. Tiles of one level meet without cracks.
 ///
-/// `visit` gets each tile after those that it takes the place of, by row, column, sheet: in memory
+/// `visit` gets each tile after those that it takes the place of, by row, column, layer: in memory
 /// are the images of few tiles of each level.
 void VisitTiles(const TriangleMesh& mesh, const GroundTexture& texture, double square_size,
                 double coarse_cell, const std::function<void(const MapTile&)>& visit);

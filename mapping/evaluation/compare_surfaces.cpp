@@ -9,16 +9,15 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/statistics.h"
+#include "mapping/evaluation/changed_regions.h"
 #include "mapping/evaluation/height_drift.h"
 #include "mapping/ground/cell_finder.h"
-#include "mapping/ground/surface_links.h"
 
 namespace parkade {
 namespace {
 
-constexpr double kSureSigmas = 3;          // of a change
-constexpr double kMinObstacleShare = 0.1;  // of the cells of a region that was or is blocked
-constexpr double kMaxCellStep = 0.3;       // [m] of height between neighboring cells of one region
+constexpr double kSureSigmas = 3;  // of a change
 
 /// What a version says of a cell, from what is surely drivable to what is surely not, or was never
 /// seen.
@@ -31,13 +30,6 @@ Drivability DrivabilityOf(const SurfaceCell* cell, double sure_belief) {
   if (belief >= 0.5) return Drivability::kLikely;
   return belief > 1 - sure_belief ? Drivability::kUnlikely : Drivability::kNo;
 }
-
-/// A cell of one kind of change, in the later grid.
-struct ChangedCell {
-  SurfaceCell cell;
-  double height_change = 0;
-  bool is_obstacle = false;  ///< in the version in which it is not drivable, for sure
-};
 
 bool IsBefore(const SurfaceCell& a, const SurfaceCell& b) {
   return std::tie(a.y, a.x, a.height) < std::tie(b.y, b.x, b.height);
@@ -163,110 +155,15 @@ class SurfaceComparison {
   CompareOptions options_;
 };
 
-/// Cells of one kind with their neighbors of the same kind.
-class CellPatches {
- public:
-  CellPatches(const std::vector<ChangedCell>& cells, double cell_size)
-      : cells_(cells), cell_size_(cell_size), is_in_(cells.size(), true) {
-    SurfaceMap surface{cell_size, {}};
-    for (const ChangedCell& cell : cells) surface.cells.push_back(cell.cell);
-    links_ = LinkCells(surface, kMaxCellStep);
-  }
-
-  /// Takes away what is narrower than 2 * `rounds` + 1 cells.
-  void Open(int rounds) {
-    for (int round = 0; round < rounds; ++round)
-      Step([&](size_t i, const std::vector<bool>& was) {
-        return was[i] && CountAround(i, was) == 8;
-      });
-    for (int round = 0; round < rounds; ++round)
-      Step([&](size_t i, const std::vector<bool>& was) {
-        return was[i] || CountAround(i, was) > 0;
-      });
-  }
-
-  /// Connected through edges, each in the order of the cells.
-  std::vector<std::vector<size_t>> FindParts() const {
-    std::vector<std::vector<size_t>> parts;
-    std::vector<bool> is_found(cells_.size());
-    for (size_t first = 0; first < cells_.size(); ++first) {
-      if (!is_in_[first] || is_found[first]) continue;
-      std::vector<size_t> part = {first};
-      is_found[first] = true;
-      for (size_t k = 0; k < part.size(); ++k)
-        for (const std::vector<int>* links :
-             {&links_.left, &links_.right, &links_.down, &links_.up}) {
-          const int next = (*links)[part[k]];
-          if (next < 0 || !is_in_[static_cast<size_t>(next)] || is_found[static_cast<size_t>(next)])
-            continue;
-          is_found[static_cast<size_t>(next)] = true;
-          part.push_back(static_cast<size_t>(next));
-        }
-      std::sort(part.begin(), part.end());
-      parts.push_back(std::move(part));
-    }
-    return parts;
-  }
-
-  ChangedRegion RegionOf(GroundChange change, const std::vector<size_t>& part) const {
-    ChangedRegion region{.change = change,
-                         .area = static_cast<double>(part.size()) * cell_size_ * cell_size_};
-    size_t num_obstacles = 0;
-    for (const size_t index : part) {
-      const auto& [cell, height_change, is_obstacle] = cells_[index];
-      num_obstacles += is_obstacle;
-      region.cells.push_back(cell);
-      region.center += Eigen::Vector3d((cell.x + 0.5) * cell_size_, (cell.y + 0.5) * cell_size_,
-                                       static_cast<double>(cell.height));
-      region.height_change += height_change;
-    }
-    // Only a car's foot is sure; where there is none, what lies behind others came into
-    // observation or went out of it.
-    if (static_cast<double>(num_obstacles) < kMinObstacleShare * static_cast<double>(part.size())) {
-      if (change == GroundChange::kFreed) region.change = GroundChange::kMapped;
-      if (change == GroundChange::kBlocked) region.change = GroundChange::kUnmapped;
-    }
-    region.center /= static_cast<double>(part.size());
-    region.height_change /= static_cast<double>(part.size());
-    return region;
-  }
-
- private:
-  int CountAround(size_t cell, const std::vector<bool>& is_in) const {
-    int count = 0;
-    for (const int next : links_.Around(static_cast<int>(cell)))
-      count += next >= 0 && is_in[static_cast<size_t>(next)];
-    return count;
-  }
-
-  template <typename Rule>
-  void Step(const Rule& rule) {
-    std::vector<bool> next(is_in_.size());
-    for (size_t i = 0; i < is_in_.size(); ++i) next[i] = rule(i, is_in_);
-    is_in_ = std::move(next);
-  }
-
-  const std::vector<ChangedCell>& cells_;
-  double cell_size_;
-  std::vector<bool> is_in_;
-  SurfaceLinks links_;
-};
-
 HeightChange Summarize(std::vector<double> changes) {
   HeightChange summary;
   if (changes.empty()) return summary;
   double sum = 0;
   for (const double change : changes) sum += change * change;
   summary.rmse = std::sqrt(sum / static_cast<double>(changes.size()));
-  const auto percentile = [&](double fraction) {
-    const auto nth =
-        changes.begin() + std::lround(fraction * static_cast<double>(changes.size() - 1));
-    std::nth_element(changes.begin(), nth, changes.end());
-    return *nth;
-  };
-  summary.median = percentile(0.5);
+  summary.median = Quantile(changes, 0.5);
   for (double& change : changes) change = std::abs(change);
-  summary.percentile_95 = percentile(0.95);
+  summary.percentile_95 = Quantile(std::move(changes), 0.95);
   return summary;
 }
 

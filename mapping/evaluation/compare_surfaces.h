@@ -39,7 +39,7 @@ struct SiteMotion {
 /// changed where one version is sure that it is drivable and the other says that it is not, or does
 /// not know it; then what is narrower than `min_width` goes (morphological opening, decks apart),
 /// and what is left is grouped into connected regions. One is freed or blocked where a tenth of it
-/// is surely an obstacle, as the foot of a parked car is; else it came into observation or went out
+/// is surely an obstacle, as the foot of a parked car is; else it came into view or went out
 /// of it. Ground is raised or lowered beside the ground around it (HeightDrift). Deterministic.
 /// O(number of cells), but for sorting.
 SurfaceChanges CompareSurfaces(const SurfaceMap& from, const SurfaceMap& to,

@@ -7,11 +7,14 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "core/error.h"
-
 namespace parkade {
 namespace {
 
+constexpr double kMaxDistance =
+    0.3;  // [m] from a true kerb, horizontally, at which a found one is right
+constexpr double kMaxHeightGap = 1.0;  // [m] of decks above each other
+constexpr double kReach = 5.0;         // [m] from the path to which true kerbs count
+constexpr double kSpacing = 0.2;       // [m] along kerbs
 using Eigen::Vector3d;
 
 constexpr double kSquare = 2.0;    // [m] side of the squares that pieces are sorted into
@@ -70,14 +73,12 @@ class NearPoints {
 
 /// The points of true kerbs that count.
 std::vector<bool> FindScope(const std::vector<TrueKerb>& truth,
-                            const std::vector<LinePoint>& points,
-                            const KerbEvaluationOptions& options, const KerbScope& scope) {
+                            const std::vector<LinePoint>& points, const KerbScope& scope) {
   std::vector<bool> counts(points.size(), true);
   for (std::size_t i = 0; i < points.size() && !scope.path.empty(); ++i)
     counts[i] = std::any_of(scope.path.begin(), scope.path.end(), [&](const Vector3d& place) {
       const Vector3d offset = place - points[i].place;
-      return offset.head<2>().norm() <= options.reach &&
-             std::abs(offset.z()) < 2 * options.max_height_gap;
+      return offset.head<2>().norm() <= kReach && std::abs(offset.z()) < 2 * kMaxHeightGap;
     });
   if (!scope.ground.find_seen) return counts;
   std::vector<Vector3d> in_front;
@@ -113,40 +114,31 @@ void Summarize(const std::vector<double>& errors, const std::vector<double>& in_
 
 }  // namespace
 
-void KerbEvaluationOptions::Validate() const {
-  Require(max_distance > 0 && max_distance <= kSquare, ErrorCode::kUsage,
-          "max_distance must be in 0..2 m");
-  Require(max_height_gap > 0 && reach > 0 && step > 0, ErrorCode::kUsage,
-          "max_height_gap, reach and step must be > 0 m");
-}
-
 KerbEvaluation EvaluateKerbs(const std::vector<TrueKerb>& truth, const std::vector<Kerb>& found,
-                             const KerbEvaluationOptions& options, const KerbScope& scope) {
-  options.Validate();
+                             const KerbScope& scope) {
   std::vector<LinePoint> true_points, found_points;
   for (std::size_t i = 0; i < truth.size(); ++i)
-    Walk(truth[i].begin, truth[i].end, options.step, i, true_points);
+    Walk(truth[i].begin, truth[i].end, kSpacing, i, true_points);
   for (std::size_t i = 0; i < found.size(); ++i)
     for (std::size_t k = 1; k < found[i].points.size(); ++k)
-      Walk(found[i].points[k - 1], found[i].points[k], options.step, i, found_points);
+      Walk(found[i].points[k - 1], found[i].points[k], kSpacing, i, found_points);
   const NearPoints near_truth(true_points), near_found(found_points);
-  const double reach =
-      options.max_distance + 0.5 * options.step;  // between points of the other line
+  const double reach = kMaxDistance + 0.5 * kSpacing;  // between points of the other line
 
   KerbEvaluation evaluation;
-  const std::vector<bool> counts = FindScope(truth, true_points, options, scope);
+  const std::vector<bool> counts = FindScope(truth, true_points, scope);
   for (std::size_t i = 0; i < true_points.size(); ++i) {
     if (!counts[i]) continue;
-    evaluation.true_length += options.step;
-    if (!near_found.Find(true_points[i].place, reach, options.max_height_gap))
-      evaluation.missed_length += options.step;
+    evaluation.true_length += kSpacing;
+    if (!near_found.Find(true_points[i].place, reach, kMaxHeightGap))
+      evaluation.missed_length += kSpacing;
   }
   std::vector<double> errors, in_sigmas;
   for (const LinePoint& point : found_points) {
-    evaluation.found_length += options.step;
-    const auto nearest = near_truth.Find(point.place, reach, options.max_height_gap);
+    evaluation.found_length += kSpacing;
+    const auto nearest = near_truth.Find(point.place, reach, kMaxHeightGap);
     if (!nearest) continue;
-    evaluation.right_length += options.step;
+    evaluation.right_length += kSpacing;
     const Kerb& kerb = found[point.line];
     errors.push_back(kerb.height - truth[true_points[*nearest].line].height);
     in_sigmas.push_back(kerb.height_sigma > 0 ? errors.back() / kerb.height_sigma : 0);

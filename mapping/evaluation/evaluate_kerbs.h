@@ -16,15 +16,6 @@ struct TrueKerb {
   double height = 0;           ///< [m] above that ground
 };
 
-struct KerbEvaluationOptions {
-  double max_distance = 0.3;  ///< [m] from a true kerb, horizontally, at which a found one is right
-  double max_height_gap = 1.0;  ///< [m] of decks above each other
-  double reach = 5.0;           ///< [m] from the path to which true kerbs count
-  double step = 0.2;            ///< [m] along kerbs
-
-  void Validate() const;  ///< throws Error{kUsage}
-};
-
 /// A drive is not blamed for kerbs that it did not come near, or that parked cars hid.
 struct KerbScope {
   std::vector<Eigen::Vector3d> path = {};  ///< [m] where the car was; none: all true kerbs count
@@ -44,7 +35,6 @@ struct KerbEvaluation {
 
 /// Compares kerbs with the true ones, by length. `found` in the frame of the truth.
 KerbEvaluation EvaluateKerbs(const std::vector<TrueKerb>& truth, const std::vector<Kerb>& found,
-                             const KerbEvaluationOptions& options = {},
                              const KerbScope& scope = {});
 
 /// A few aligned lines for people.

@@ -5,11 +5,13 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
-
 namespace parkade {
 namespace {
 
+constexpr double kMinOverlap = 0.5;    // intersection over union from which a slot is found
+constexpr double kMaxHeightGap = 1.0;  // [m] of slots above each other that are not the same
+constexpr double kSeenLength =
+    1.0;  // [m] of each line beside a slot that a camera must have seen for it to count
 constexpr double kStep = 0.1;  // [m] between points of a line that may be seen
 
 Quadrilateral CounterClockwise(Quadrilateral shape) {
@@ -46,8 +48,7 @@ std::array<std::vector<Eigen::Vector3d>, 2> LinesOf(const TrueSlot& slot) {
 }
 
 /// The slots of which enough was seen of both lines.
-std::vector<bool> FindScope(const std::vector<TrueSlot>& truth,
-                            const SlotEvaluationOptions& options, const SlotScope& scope) {
+std::vector<bool> FindScope(const std::vector<TrueSlot>& truth, const SlotScope& scope) {
   std::vector<bool> counts(truth.size(), true);
   if (!scope.find_seen) return counts;
   std::vector<Eigen::Vector3d> points;
@@ -61,7 +62,7 @@ std::vector<bool> FindScope(const std::vector<TrueSlot>& truth,
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     const auto begin = is_seen.begin() + static_cast<std::ptrdiff_t>(ranges[i].first);
     const auto end = is_seen.begin() + static_cast<std::ptrdiff_t>(ranges[i].second);
-    if (kStep * static_cast<double>(std::count(begin, end, true)) < options.seen_length)
+    if (kStep * static_cast<double>(std::count(begin, end, true)) < kSeenLength)
       counts[i / 2] = false;
   }
   return counts;
@@ -110,17 +111,9 @@ void Summarize(std::vector<double> errors, SlotEvaluation& evaluation) {
 
 }  // namespace
 
-void SlotEvaluationOptions::Validate() const {
-  Require(min_overlap > 0 && min_overlap < 1, ErrorCode::kUsage, "min_overlap must be in 0..1");
-  Require(max_height_gap > 0 && seen_length >= 0, ErrorCode::kUsage,
-          "max_height_gap must be > 0 m and seen_length not negative");
-}
-
 SlotEvaluation EvaluateSlots(const std::vector<TrueSlot>& truth,
-                             const std::vector<ParkingSlot>& found,
-                             const SlotEvaluationOptions& options, const SlotScope& scope) {
-  options.Validate();
-  const std::vector<bool> counts = FindScope(truth, options, scope);
+                             const std::vector<ParkingSlot>& found, const SlotScope& scope) {
+  const std::vector<bool> counts = FindScope(truth, scope);
   std::vector<Quadrilateral> outlines;
   for (const TrueSlot& slot : truth) outlines.push_back(CounterClockwise(slot.corners));
   std::vector<bool> is_hit(truth.size());
@@ -130,10 +123,9 @@ SlotEvaluation EvaluateSlots(const std::vector<TrueSlot>& truth,
   for (const ParkingSlot& slot : found) {
     const Quadrilateral outline = OutlineOf(slot);
     std::size_t best = truth.size();
-    double best_overlap = options.min_overlap;
+    double best_overlap = kMinOverlap;
     for (std::size_t i = 0; i < truth.size(); ++i) {
-      if (is_hit[i] || std::abs(truth[i].height - slot.Center().z()) > options.max_height_gap)
-        continue;
+      if (is_hit[i] || std::abs(truth[i].height - slot.Center().z()) > kMaxHeightGap) continue;
       const double overlap = OverlapOf(outline, outlines[i]);
       if (overlap >= best_overlap) best = i, best_overlap = overlap;
     }

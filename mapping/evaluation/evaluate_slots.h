@@ -19,15 +19,6 @@ struct TrueSlot {
   bool is_occupied = false;
 };
 
-struct SlotEvaluationOptions {
-  double min_overlap = 0.5;     ///< intersection over union from which a slot is found
-  double max_height_gap = 1.0;  ///< [m] of slots above each other that are not the same
-  double seen_length =
-      1.0;  ///< [m] of each line beside a slot that a camera must have seen for it to count
-
-  void Validate() const;  ///< throws Error{kUsage}
-};
-
 /// A drive is not blamed for slots whose lines it never saw; one that it found nevertheless counts
 /// as right.
 struct SlotScope {
@@ -52,9 +43,7 @@ struct SlotEvaluation {
 /// Compares slots with the true ones, each with the one that it overlaps most. `found` in the frame
 /// of the truth; its occupancy is that of its last state that is not unseen.
 SlotEvaluation EvaluateSlots(const std::vector<TrueSlot>& truth,
-                             const std::vector<ParkingSlot>& found,
-                             const SlotEvaluationOptions& options = {},
-                             const SlotScope& scope = {});
+                             const std::vector<ParkingSlot>& found, const SlotScope& scope = {});
 
 /// A few aligned lines for people.
 std::string ToText(const SlotEvaluation& evaluation);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/fast_floor.h"
+#include "core/statistics.h"
 
 namespace parkade {
 namespace {
@@ -12,13 +13,6 @@ namespace {
 constexpr double kSide = 2;  // [m] of a square
 constexpr double kMaxHeight =
     1.5;  // [m] to the ground around: a steep ramp over kReach, less than from deck to deck
-constexpr double kSigmaOfMad = 1.4826;
-
-double MedianOf(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 
@@ -50,9 +44,8 @@ HeightDrift::Around HeightDrift::FindAround(const Square& square) const {
       differences.push_back(at->second.difference / at->second.count);
     }
   }
-  Around around{.median = MedianOf(differences)};
-  for (double& difference : differences) difference = std::abs(difference - around.median);
-  around.sigma = kSigmaOfMad * MedianOf(differences);
+  Around around{.median = Median(differences)};
+  around.sigma = MadSigma(std::move(differences), around.median);
   return around;
 }
 

@@ -5,6 +5,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/statistics.h"
+
 namespace parkade {
 namespace {
 
@@ -47,9 +49,7 @@ std::optional<double> MedianRise(const SurfaceMap& from, const SurfaceMap& to,
   }
   if (static_cast<double>(rises.size()) * to.cell_size * to.cell_size < kMinArea)
     return std::nullopt;
-  const auto middle = rises.begin() + static_cast<std::ptrdiff_t>(rises.size() / 2);
-  std::nth_element(rises.begin(), middle, rises.end());
-  return *middle;
+  return Median(std::move(rises));
 }
 
 }  // namespace parkade

@@ -9,7 +9,8 @@
 namespace parkade {
 namespace {
 
-constexpr int kMaxLooks = 4;  // at the pixels of a cell, along each side
+constexpr double kDenseRange = 3.0;  // [m] beyond, the spacing grows in proportion to the range
+constexpr int kMaxLooks = 4;         // at the pixels of a cell, along each side
 constexpr double kMaxNearestRange =
     15.0;  // [m] a camera that sees no nearer ground is not for mapping
 
@@ -127,21 +128,19 @@ cv::Vec3b MeanColor(const cv::Mat& image, const Eigen::Vector2f& pixel,
 }  // namespace
 
 void GroundGridOptions::Validate() const {
-  Require(spacing > 0, ErrorCode::kUsage, "spacing must be > 0 m");
-  Require(dense_range > spacing, ErrorCode::kUsage, "dense_range must exceed spacing");
+  Require(spacing > 0 && spacing < kDenseRange, ErrorCode::kUsage, "spacing must be in (0, 3) m");
   Require(max_range > spacing, ErrorCode::kUsage, "max_range must exceed spacing");
   Require(max_pixel_length > 0, ErrorCode::kUsage, "max_pixel_length must be > 0 m");
   Require(pitch_sigma >= 0 && curvature_sigma >= 0, ErrorCode::kUsage,
           "pitch_sigma and curvature_sigma must not be negative");
-  Require(height_sigma > 0 && sharp_length > 0, ErrorCode::kUsage,
-          "height_sigma and sharp_length must be > 0 m");
+  Require(height_sigma > 0, ErrorCode::kUsage, "height_sigma must be > 0 m");
 }
 
 GroundGrid MakeGroundGrid(const RigCamera& camera, const Rigid3& ground_from_camera,
                           const WheelbaseFootprint& contact, const GroundGridOptions& options) {
   const Eigen::Vector3d center = ground_from_camera.translation;
   GroundGrid grid;
-  grid.angle_step = options.spacing / options.dense_range;
+  grid.angle_step = options.spacing / kDenseRange;
   const Eigen::Vector2d middle(0.5 * camera.model.width(), 0.5 * camera.model.height());
   const std::optional<double> pixels_per_radian = camera.model.PixelsPerRadian(middle);
   if (center.z() <= 0.1 || !pixels_per_radian) return grid;

@@ -13,15 +13,12 @@ namespace parkade {
 struct GroundGridOptions {
   double max_range =
       16.0;  ///< [m] on level ground, beyond the nearest a camera sees; less where it rises
-  double spacing = 0.05;     ///< [m] between samples near the camera
-  double dense_range = 3.0;  ///< [m] beyond, the spacing grows in proportion to the range
+  double spacing = 0.05;  ///< [m] between samples near the camera
   double max_pixel_length =
       1.2;                     ///< [m] a view so grazing that a pixel covers more road is not used
   double pitch_sigma = 0.005;  ///< [rad] of the body against the road: suspension and attitude
   double curvature_sigma = 0.007;  ///< [1/m] of the road: how fast a plane loses it
   double height_sigma = 0.01;      ///< [m] of the road right at the wheels
-  double sharp_length =
-      0.1;  ///< [m] of ground in one pixel at which a observation says half as much of what is free
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {

@@ -1,7 +1,5 @@
 #include "mapping/ground/patch_source.h"
 
-#include "core/parallel.h"
-
 namespace parkade {
 
 Eigen::AlignedBox3d ExtentOf(const GroundPatch& patch) {
@@ -26,19 +24,6 @@ PatchesInMemory::PatchesInMemory(std::span<const PosedGroundPatch> patches) : pa
   for (const PosedGroundPatch& posed : patches)
     views_.push_back({posed.patch.drive, posed.patch.camera, posed.patch.time, posed.site_from_body,
                       ExtentInSite(ExtentOf(posed.patch), posed.site_from_body)});
-}
-
-PatchesOfDrive::PatchesOfDrive(const PatchSource& source, int drive) : source_(&source) {
-  for (std::size_t i = 0; i < source.views().size(); ++i)
-    if (source.views()[i].drive == drive) {
-      views_.push_back(source.views()[i]);
-      indices_.push_back(i);
-    }
-}
-
-std::vector<PosedGroundPatch> ReadPatches(const PatchSource& source,
-                                          std::span<const std::size_t> indices) {
-  return ParallelMap(indices.size(), [&](std::size_t i) { return source.Read(indices[i]); });
 }
 
 }  // namespace parkade

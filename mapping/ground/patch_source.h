@@ -45,23 +45,6 @@ class PatchesInMemory final : public PatchSource {
   std::span<const PosedGroundPatch> patches_;
 };
 
-/// Those of another source that belong to one drive.
-class PatchesOfDrive final : public PatchSource {
- public:
-  /// The source is borrowed.
-  PatchesOfDrive(const PatchSource& source, int drive);
-
-  PosedGroundPatch Read(std::size_t index) const override { return source_->Read(indices_[index]); }
-
- private:
-  const PatchSource* source_;
-  std::vector<std::size_t> indices_;
-};
-
-/// Patches `indices` of a source, read in parallel.
-std::vector<PosedGroundPatch> ReadPatches(const PatchSource& source,
-                                          std::span<const std::size_t> indices);
-
 /// Around the samples of a patch [m]: in body.
 Eigen::AlignedBox3d ExtentOf(const GroundPatch& patch);
 

@@ -17,6 +17,13 @@
 namespace parkade {
 namespace {
 
+constexpr int kNumRounds = 4;  // 0: the height of the ground beside the path is extrapolated only
+constexpr double kMaxOffset =
+    0.25;  // [m] above and below what is known so far; half of it in the last round
+constexpr double kContactSigma = 0.01;      // [m] of the road's height at a wheel
+constexpr double kSuspensionSigma = 0.005;  // [rad] of the body's pitch: adds to the front wheels
+constexpr double kPlaneShare =
+    0.1;  // weight of a square of a keyframe's plane: those around it err alike
 constexpr double kPoseDistance = 0.5;  // [m] between poses that heights may be tied to
 constexpr double kPoseSquare = 8.0;    // [m] of the squares in which these are sorted
 
@@ -43,8 +50,8 @@ class EveryThird final : public PatchSource {
 void AddContacts(const DrivenPath& path, const HeightOptions& options,
                  std::vector<HeightObservation>& observations) {
   for (const ContactPoint& contact : FindContacts(path, 0.5 * options.field.spacing)) {
-    const double lever = contact.is_front ? path.contact.wheelbase * options.suspension_sigma : 0;
-    const double variance = options.contact_sigma * options.contact_sigma + lever * lever;
+    const double lever = contact.is_front ? path.contact.wheelbase * kSuspensionSigma : 0;
+    const double variance = kContactSigma * kContactSigma + lever * lever;
     observations.push_back({contact.point_in_site, 1 / variance});
   }
 }
@@ -130,12 +137,12 @@ DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* p
   const auto find_known = [&](const PlaneHeights& planes) {
     std::vector<HeightObservation> known;
     if (path) AddContacts(leaning, options, known);
-    const std::vector<HeightObservation> seen = planes.Observations(options.plane_share);
+    const std::vector<HeightObservation> seen = planes.Observations(kPlaneShare);
     known.insert(known.end(), seen.begin(), seen.end());
     known.insert(known.end(), measured.begin(), measured.end());
     return known;
   };
-  const int num_rounds = path ? options.sweep.num_rounds : 0;
+  const int num_rounds = path ? kNumRounds : 0;
   MeasureHeightsOptions early = options.sweep;
   early.max_views /= 2;
   const std::array<EveryThird, 3> thirds = {EveryThird(patches, 0), EveryThird(patches, 1),
@@ -153,8 +160,7 @@ DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* p
     field = HeightField(std::move(all), options.field, field ? &*field : nullptr);
     const bool is_last = round + 1 == num_rounds;
     swept = MeasureHeights(used_in(round), std::span(path, 1), *field,
-                           (is_last ? 0.5 : 1.0) * options.sweep.max_offset,
-                           is_last ? options.sweep : early);
+                           (is_last ? 0.5 : 1.0) * kMaxOffset, is_last ? options.sweep : early);
     LogDebug("stage=measure_heights round=" + std::to_string(round) +
              " heights=" + std::to_string(swept.size()));
     if (round > 0) continue;
@@ -199,7 +205,7 @@ HeightField FitHeights(std::span<const DriveHeights> drives, std::span<const Dri
         swept.push_back(
             {*point, static_cast<double>(height.weight), static_cast<double>(height.sigma)});
   }
-  for (const auto& more : {planes.Observations(options.plane_share), swept})
+  for (const auto& more : {planes.Observations(kPlaneShare), swept})
     heights.insert(heights.end(), more.begin(), more.end());
   heights.insert(heights.end(), measured.begin(), measured.end());
   HeightField field(std::move(heights), options.field);

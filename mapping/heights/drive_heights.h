@@ -13,10 +13,6 @@ namespace parkade {
 
 /// How heights of the ground are found.
 struct HeightOptions {
-  double contact_sigma = 0.01;      ///< [m] of the road's height at a wheel
-  double suspension_sigma = 0.005;  ///< [rad] of the body's pitch: adds to the front wheels
-  double plane_share =
-      0.1;  ///< weight of a square of a keyframe's plane: those around it err alike
   HeightFieldOptions field;
   MeasureHeightsOptions sweep;
 };

@@ -7,6 +7,8 @@
 #include <map>
 #include <vector>
 
+#include "core/statistics.h"
+
 namespace parkade {
 namespace {
 
@@ -119,10 +121,8 @@ double EstimatePlaneErrors(const DrivenPath& path, std::span<const HeightObserva
   }
   if (ratios.empty()) return 1;
   constexpr double kOneSigma = 0.683;
-  const auto rank =
-      ratios.begin() + static_cast<std::ptrdiff_t>(kOneSigma * static_cast<double>(ratios.size()));
-  std::nth_element(ratios.begin(), rank, ratios.end());
-  return std::clamp(*rank, kLeastPlaneErrors, 1.0);
+  const auto rank = static_cast<size_t>(kOneSigma * static_cast<double>(ratios.size()));
+  return std::clamp(NthSmallest(ratios, rank), kLeastPlaneErrors, 1.0);
 }
 
 }  // namespace parkade

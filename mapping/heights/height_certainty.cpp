@@ -8,6 +8,8 @@
 #include <tuple>
 #include <vector>
 
+#include "core/statistics.h"
+
 namespace parkade {
 namespace {
 
@@ -117,10 +119,8 @@ class SigmaSpreader {
       growth_[i] = std::hypot(kUnknownSlope * kLengths[i],
                               0.5 * kUnknownCurvature * kLengths[i] * kLengths[i]);
       if (errors[i].size() >= kMinTrials) {
-        const auto rank = errors[i].begin() + static_cast<std::ptrdiff_t>(
-                                                  kShare * static_cast<double>(errors[i].size()));
-        std::nth_element(errors[i].begin(), rank, errors[i].end());
-        growth_[i] = *rank / kSigmas;
+        const auto rank = static_cast<size_t>(kShare * static_cast<double>(errors[i].size()));
+        growth_[i] = NthSmallest(errors[i], rank) / kSigmas;
       }
       least = growth_[i] = std::max(least, growth_[i]);
     }

@@ -15,6 +15,8 @@
 namespace parkade {
 namespace {
 
+constexpr double kOutlierHeight =
+    0.1;                       // [m] off the surface from which an observation loses its say
 constexpr int kNumRounds = 3;  // of re-weighting
 constexpr double kTie = 1e-3;  // [1/m^2] weight of a node's own guess: next to nothing
 
@@ -80,7 +82,6 @@ void HeightFieldOptions::Validate() const {
   Require(curvature_sigma > 0, ErrorCode::kUsage,
           "curvature_sigma of the height field must be > 0");
   Require(level_separation > 0, ErrorCode::kUsage, "level_separation must be > 0 m");
-  Require(outlier_height > 0, ErrorCode::kUsage, "outlier_height must be > 0 m");
 }
 
 HeightField::HeightField(std::vector<HeightObservation> observations,
@@ -213,7 +214,7 @@ void HeightField::AddThinPlate(NormalEquations& equations) const {
 double HeightField::WeightOf(const HeightObservation& observation) const {
   double height = observation.point_in_site.z();
   FindPatch(observation.point_in_site, height);
-  const double offset = (observation.point_in_site.z() - height) / options_.outlier_height;
+  const double offset = (observation.point_in_site.z() - height) / kOutlierHeight;
   return observation.weight / ((1 + offset * offset) * (1 + offset * offset));
 }
 

@@ -27,9 +27,8 @@ struct HeightFieldOptions {
   double spacing = 0.4;  ///< [m] between nodes; bumps shorter than two of them are not kept
   double curvature_sigma = 0.02;  ///< [1/m] of the road; smaller smooths more
   double level_separation =
-      1.5;                      ///< [m] surfaces further apart in height are decks above each other
-  double outlier_height = 0.1;  ///< [m] off the surface from which an observation loses its say
-  void Validate() const;        ///< throws Error{kUsage}
+      1.5;                ///< [m] surfaces further apart in height are decks above each other
+  void Validate() const;  ///< throws Error{kUsage}
 };
 
 /// Heights of the ground on a sparse grid of nodes, bilinear between them, several decks allowed

@@ -10,12 +10,15 @@
 namespace parkade {
 namespace {
 
+constexpr double kMinContrast =
+    1.5;  // [gray values] of the ground in a window, rms; less shows nothing
+constexpr double kMinObservations = 1.5;  // of a cell of a window on average: less agrees by chance
+constexpr double kMaxJump = 0.03;         // [m] of correction between windows side by side
+constexpr double kLeastSigma = 0.01;      // [m] at best
 constexpr int kRivalSteps = 3;  // of the sweep from the best height to what may be another one
 constexpr double kMinParallax =
     0.8;  // [m per meter of height] of a window: views from one side agree on any height
-constexpr int kMinSupport = 2;  // windows around one that correct the height as it does
-constexpr double kCorrelation =
-    4.0;  // samples of one view are not independent: variances times this
+constexpr int kMinSupport = 2;          // windows around one that correct the height as it does
 constexpr double kMinSignificance = 2;  // sigmas of a minimum below the rest
 constexpr double kLeastDip =
     0.03;  // share of a minimum below the rest that lies beyond errors of the model
@@ -67,7 +70,7 @@ struct Best {
 /// Share by which the misfit at the best height must lie below that at most heights: more samples
 /// show a fainter dip. \param freedom  samples less the cells whose means they gave
 double NeededDip(int freedom) {
-  const double noise = std::sqrt(2 * kCorrelation / freedom);
+  const double noise = std::sqrt(2 * kViewCorrelation / freedom);
   return std::clamp(kMinSignificance * noise, kLeastDip, kMostDip);
 }
 
@@ -81,33 +84,16 @@ std::optional<Best> FindBest(const std::vector<Agreement>& agreements, int num_c
       static_cast<size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
   if (best == 0 || best + 1 >= misfits.size()) return std::nullopt;
   const Agreement& at = agreements[best];
-  if (at.num_samples < options.min_observations * at.num_cells || at.num_cells < num_cells)
+  if (!IsSeenWell(at, {kMinObservations, static_cast<double>(num_cells), kMinContrast}))
     return std::nullopt;
-  const double contrast = std::sqrt(static_cast<double>(at.total / std::max(at.weight, 1e-6F)));
-  if (contrast < options.min_contrast) return std::nullopt;
   const int freedom = at.num_samples - at.num_cells;
   const double dip = NeededDip(freedom);
-  std::vector<double> sorted = misfits;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
-                   sorted.end());
-  if (misfits[best] > (1 - dip) * sorted[sorted.size() / 2]) return std::nullopt;
-  const double rivalry = 1 - kRivalDip * dip;
-  for (size_t i = 1; i + 1 < misfits.size(); ++i) {
-    const bool is_rival = i + kRivalSteps <= best || best + kRivalSteps <= i;
-    const bool is_dip = misfits[i] <= misfits[i - 1] && misfits[i] <= misfits[i + 1];
-    if (is_rival && is_dip && misfits[best] > rivalry * misfits[i]) return std::nullopt;
-  }
-  // A parabola through the best three.
-  const double before = misfits[best - 1], here = misfits[best], after = misfits[best + 1];
-  const double curvature = before - 2 * here + after;
-  if (curvature <= 0) return std::nullopt;
+  if (!IsClear(misfits, best, {1 - dip, 1 - kRivalDip * dip, kRivalSteps})) return std::nullopt;
   const double step = max_offset / options.num_steps;
-  // Misfit is a mean of squares: its noise is misfit / freedom, its second derivative curvature /
-  // step^2.
-  const double variance = kCorrelation * 2 * here * step * step / (curvature * freedom);
-  return Best{max_offset * (static_cast<double>(best) / options.num_steps - 1) +
-                  0.5 * step * (before - after) / curvature,
-              std::hypot(options.sigma, std::sqrt(variance))};
+  const std::optional<SweepMinimum> minimum = FitMinimum(misfits, best, step, freedom);
+  if (!minimum) return std::nullopt;
+  return Best{max_offset * (static_cast<double>(best) / options.num_steps - 1) + minimum->offset,
+              std::hypot(kLeastSigma, std::sqrt(minimum->variance))};
 }
 
 /// The height of a window by itself or, where its ground shows too little, together with those
@@ -203,7 +189,7 @@ std::vector<HeightObservation> MeasureHeights(const PatchSource& patches,
   for (const SweptWindow& window : swept)
     if (const auto height = HeightOf(window, sums, field, max_offset, options))
       windows.push_back(*height);
-  return SpreadOverWindows(KeepSupported(windows, options.max_jump), field, options.window);
+  return SpreadOverWindows(KeepSupported(windows, kMaxJump), field, options.window);
 }
 
 }  // namespace parkade

@@ -3,33 +3,11 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mapping/heights/sweep_agreement.h"
+
 namespace parkade {
 
-/// How well views agree over a piece of ground at one height.
-struct Agreement {
-  float residual = 0,
-        total = 0;  ///< of squared gray values: within cells, and altogether
-  float weight = 0;
-  int num_samples = 0, num_cells = 0;
-
-  void Add(const Agreement& other) {
-    residual += other.residual;
-    total += other.total;
-    weight += other.weight;
-    num_samples += other.num_samples;
-    num_cells += other.num_cells;
-  }
-
-  /// Share of the variance that remains within cells: 1 where heights do not matter.
-  double Misfit() const {
-    const double freedom = num_samples - num_cells;
-    return freedom > 0 && total > 0
-               ? static_cast<double>(residual) / static_cast<double>(total) * num_samples / freedom
-               : 1;
-  }
-};
-
-/// Where a observation meets the surface, and how that moves when the surface rises.
+/// Where an observation meets the surface, and how that moves when the surface rises.
 struct Meeting {
   Eigen::Vector2f point;  ///< [m] from the corner of the square that is swept
   Eigen::Vector2f shift;  ///< [m] per meter of height

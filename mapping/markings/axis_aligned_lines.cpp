@@ -10,6 +10,8 @@
 namespace parkade {
 namespace {
 
+constexpr double kMinContrast = 0.06;  // against both sides, of their brightness
+constexpr double kMaxGap = 0.6;        // [m] that a line may be interrupted
 constexpr float kKnownShare = 0.4F;    // of a box that must be known
 constexpr double kColumnStep = 1.6;    // [pixels] from row to row that links maxima,
 constexpr double kColumnDrift = 0.05;  // and per row of a gap
@@ -173,13 +175,12 @@ std::vector<AxisAlignedLine> FindAxisAlignedLines(const RotatedRaster& ground,
   const BoxMeans boxes(ground, odd(pixels(options.stripe_width) - 1),
                        odd(pixels(options.filter_length)));
   const int side = std::max(2, pixels(1.5 * options.stripe_width));
-  ChainLinker linker(pixels(options.max_gap));
+  ChainLinker linker(pixels(kMaxGap));
   for (int row = 0; row < ground.mask().rows; ++row)
-    linker.AddRow(
-        row, PeaksOf(AnswerRow(boxes, row, side), row, static_cast<float>(options.min_contrast)));
+    linker.AddRow(row, PeaksOf(AnswerRow(boxes, row, side), row, static_cast<float>(kMinContrast)));
   std::vector<AxisAlignedLine> lines;
   for (const Chain& chain : std::move(linker).Finish()) {
-    if (static_cast<double>(chain.peaks.size()) * options.pixel_size < options.min_length) continue;
+    if (static_cast<double>(chain.peaks.size()) * options.pixel_size < kMinLineLength) continue;
     std::optional<AxisAlignedLine> line = FitLine(chain);
     if (!line) continue;
     RefineLine(ground, options, *line);

@@ -8,6 +8,9 @@
 
 namespace parkade {
 
+/// [m] What is shorter is no line.
+inline constexpr double kMinLineLength = 0.6;
+
 /// Bright stripes that stand upright to a few degrees. O(pixels).
 std::vector<AxisAlignedLine> FindAxisAlignedLines(const RotatedRaster& ground,
                                                   const PaintLineOptions& options);

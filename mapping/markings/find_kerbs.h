@@ -13,15 +13,7 @@
 namespace parkade {
 
 struct KerbOptions {
-  double min_height = 0.04;   ///< [m] above the ground beside it; less is a joint or a dropped kerb
-  double max_height = 0.22;   ///< [m]; more is the sill of a car or a wall
-  double max_distance = 5.0;  ///< [m] of its place to a camera
-  int min_views = 5;
-  double max_misfit =
-      0.85;  ///< of views at the best height, as a share of that at the median height
-  double max_rivalry = 0.9;  ///< the same of the agreement at the best height elsewhere
-  double max_jump = 0.03;    ///< [m] of height along one kerb
-  double min_length = 2.0;   ///< [m]
+  double min_height = 0.04;  ///< [m] above the ground beside it; less is a joint or a dropped kerb
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -35,7 +27,7 @@ struct KerbOptions {
 /// Along the outline of the mesh a sweep of its own (SweepStrips) looks just beyond it: views from
 /// different places agree at the height of what is level there, next to the outline and farther off
 /// alike. Walls and parked cars agree at no height more than at others. The ground before the
-/// outline is swept also, and its height taken off. A height is believed where the dip is clear, no
+/// outline is swept, too, and its height taken off. A height is believed where the dip is clear, no
 /// other is as deep, and strips along the outline support it; elsewhere nothing is said. Strips
 /// that follow each other are one kerb; up to two that say nothing are bridged. O(samples near the
 /// outline); in parallel, the same every time.

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/error.h"
 #include "core/log.h"
 #include "core/parallel.h"
 #include "mapping/ground/cell_finder.h"
@@ -13,6 +12,8 @@
 namespace parkade {
 namespace {
 
+constexpr double kMinLineContrast =
+    0.12;  // of lines that are written down; fainter ones only bound slots
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
@@ -153,7 +154,7 @@ Paint FindPaint(const MarkedGround& ground, const MarkingOptions& options) {
   const GroundTiles tiles(ground.mesh, ground.surface, ground.texture, kMargin);
   const auto found = ParallelMap(tiles.size(), [&](std::size_t i) {
     const GroundTile tile = tiles.Make(i);
-    return Paint{FindPaintLines(tile, options.lines), FindPaintAreas(tile, options.areas)};
+    return Paint{FindPaintLines(tile, options.lines), FindPaintAreas(tile)};
   });
   Paint all;
   for (const Paint& paint : found) {
@@ -190,12 +191,8 @@ std::vector<RoadMarking> MarkingsOf(const Paint& paint, const std::vector<Parkin
 }  // namespace
 
 void MarkingOptions::Validate() const {
-  Require(min_line_contrast > 0, ErrorCode::kUsage, "min_line_contrast must be > 0");
   lines.Validate();
-  areas.Validate();
   slots.Validate();
-  states.Validate();
-  bumps.Validate();
   kerbs.Validate();
 }
 
@@ -203,7 +200,7 @@ GroundMarkings FindMarkings(const MarkedGround& ground, const MarkingOptions& op
   options.Validate();
   GroundMarkings markings;
   if (!options.enabled) return markings;
-  markings.bumps = FindSpeedBumps(ground.surface, ground.paths, options.bumps);
+  markings.bumps = FindSpeedBumps(ground.surface, ground.paths);
   markings.kerbs =
       FindKerbs(ground.mesh, ground.surface, ground.patches, ground.paths, options.kerbs);
   const CellFinder cells(ground.surface);
@@ -220,8 +217,8 @@ GroundMarkings FindMarkings(const MarkedGround& ground, const MarkingOptions& op
   for (const PlanarSlot& slot : FindSlotRows(paint.lines, options.slots, is_bare))
     if (!IsDrivenThrough(slot, ground.paths))
       markings.slots.push_back(PlaceSlot(slot, cells, ground.paths));
-  SeeSlots(ground.patches, ground.paths, ground.num_drives, options.states, markings.slots);
-  markings.markings = MarkingsOf(paint, markings.slots, cells, options.min_line_contrast);
+  SeeSlots(ground.patches, ground.paths, ground.num_drives, markings.slots);
+  markings.markings = MarkingsOf(paint, markings.slots, cells, kMinLineContrast);
   LogInfo("stage=find_markings lines=" + std::to_string(paint.lines.size()) +
           " slots=" + std::to_string(markings.slots.size()) +
           " markings=" + std::to_string(markings.markings.size()) +

@@ -20,13 +20,8 @@ namespace parkade {
 
 struct MarkingOptions {
   bool enabled = true;  ///< needs the texture
-  double min_line_contrast =
-      0.12;  ///< of lines that are written down; fainter ones only bound slots
   PaintLineOptions lines;
-  PaintAreaOptions areas;
   SlotRowOptions slots;
-  SlotStateOptions states;
-  SpeedBumpOptions bumps;
   KerbOptions kerbs;
 
   template <typename Visitor>

@@ -4,12 +4,15 @@
 #include <cmath>
 #include <optional>
 
-#include "core/error.h"
 #include "mapping/ground/cell_finder.h"
 
 namespace parkade {
 namespace {
 
+constexpr double kMinHeight = 0.03;  // [m] above the ground before and behind
+constexpr double kMaxHeight = 0.25;  // [m]
+constexpr double kMaxLength = 5.0;   // [m] along the way
+constexpr double kSpacing = 0.1;     // [m] at which the driven heights are compared
 constexpr double kSameBump = 1.5;    // [m] between the crests of two passes
 constexpr double kSameHeight = 1.0;  // [m] between samples of one height
 constexpr double kBaseReach =
@@ -79,19 +82,16 @@ std::optional<BaseLine> FitBase(const DrivenProfile& profile, int begin, int end
 
 /// The bump whose crest is at `crest`, of the length that makes it the highest; nothing where there
 /// is none.
-std::optional<SpeedBump> MeasureBump(const DrivenProfile& profile, int crest,
-                                     const SpeedBumpOptions& options) {
-  const int reach = static_cast<int>(std::ceil(kBaseReach / options.spacing));
-  const int half = static_cast<int>(0.5 * options.max_length / options.spacing);
+std::optional<SpeedBump> MeasureBump(const DrivenProfile& profile, int crest) {
+  const int reach = static_cast<int>(std::ceil(kBaseReach / kSpacing));
+  const int half = static_cast<int>(0.5 * kMaxLength / kSpacing);
   const std::optional<BaseLine> base = FitBase(profile, crest - half, crest + half, reach);
   if (!base) return {};
   const auto above = [&](int i) {
     return profile.points[static_cast<std::size_t>(i)].z() - base->At(i);
   };
   const double height = above(crest);
-  if (height < options.min_height || height > options.max_height ||
-      base->rmse > kMaxBaseError * height)
-    return {};
+  if (height < kMinHeight || height > kMaxHeight || base->rmse > kMaxBaseError * height) return {};
   int begin = crest, end = crest;
   while (begin > crest - half && above(begin) > kFootShare * height) --begin;
   while (end < crest + half && above(end) > kFootShare * height) ++end;
@@ -103,8 +103,8 @@ std::optional<SpeedBump> MeasureBump(const DrivenProfile& profile, int crest,
   }
   if (begin == crest - half || end == crest + half) return {};
   const auto middle = static_cast<std::size_t>((crest + last) / 2);
-  return SpeedBump{profile.points[middle], profile.yaws[middle], height,
-                   (end - begin) * options.spacing, 1};
+  return SpeedBump{profile.points[middle], profile.yaws[middle], height, (end - begin) * kSpacing,
+                   1};
 }
 
 /// Adds one pass to the bump that it is of, or as a new one.
@@ -126,23 +126,14 @@ void Merge(const SpeedBump& pass, std::vector<SpeedBump>& bumps) {
 
 }  // namespace
 
-void SpeedBumpOptions::Validate() const {
-  Require(min_height > 0 && max_height > min_height, ErrorCode::kUsage,
-          "bumps: 0 < min_height < max_height");
-  Require(spacing > 0 && max_length > 4 * spacing, ErrorCode::kUsage,
-          "bumps: max_length must exceed four spacings");
-}
-
-std::vector<SpeedBump> FindSpeedBumps(const SurfaceMap& surface, std::span<const DrivenPath> paths,
-                                      const SpeedBumpOptions& options) {
-  options.Validate();
+std::vector<SpeedBump> FindSpeedBumps(const SurfaceMap& surface,
+                                      std::span<const DrivenPath> paths) {
   const CellFinder cells(surface);
   std::vector<SpeedBump> bumps;
   for (const DrivenPath& path : paths)
-    for (const DrivenProfile& profile : ProfilesOf(path, cells, options.spacing))
+    for (const DrivenProfile& profile : ProfilesOf(path, cells, kSpacing))
       for (int i = 0; i < static_cast<int>(profile.points.size()); ++i)
-        if (const std::optional<SpeedBump> bump = MeasureBump(profile, i, options))
-          Merge(*bump, bumps);
+        if (const std::optional<SpeedBump> bump = MeasureBump(profile, i)) Merge(*bump, bumps);
   return bumps;
 }
 

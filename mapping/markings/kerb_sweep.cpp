@@ -13,6 +13,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kBlock = 24.0;  // [m] side of squares of the site whose strips are swept at once
+constexpr std::size_t kMaxViews = 60;  // of a strip: the nearest
 constexpr double kMinEyeHeight = 0.3;  // [m] above the ground
 constexpr double kMaxEyeHeight = 2.5;  // [m]; higher ones are on another deck
 constexpr double kMinAway = 0.3;    // [m] of the camera from the outline, on the side of the ground
@@ -39,12 +40,12 @@ struct Seen {
 
 /// Which views look at a strip, the nearest first.
 std::vector<Seen> FindViews(const OutlineStrip& strip, std::span<const PatchView> views,
-                            std::span<const Vector3d> eyes, const StripViews& wanted) {
+                            std::span<const Vector3d> eyes) {
   std::vector<Seen> seen;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Vector3d to_eye = eyes[i] - strip.foot;
     const double distance = to_eye.head<2>().norm();
-    if (distance > wanted.max_distance || to_eye.z() < kMinEyeHeight || to_eye.z() > kMaxEyeHeight)
+    if (distance > kMaxKerbDistance || to_eye.z() < kMinEyeHeight || to_eye.z() > kMaxEyeHeight)
       continue;
     if (-to_eye.head<2>().dot(strip.Outward()) < kMinAway) continue;
     if (views[i].extent.exteriorDistance(strip.foot.head<2>().eval()) > 0) continue;
@@ -52,8 +53,7 @@ std::vector<Seen> FindViews(const OutlineStrip& strip, std::span<const PatchView
   }
   std::stable_sort(seen.begin(), seen.end(),
                    [](const Seen& a, const Seen& b) { return a.distance < b.distance; });
-  if (seen.size() > static_cast<std::size_t>(wanted.max_count))
-    seen.resize(static_cast<std::size_t>(wanted.max_count));
+  if (seen.size() > kMaxViews) seen.resize(kMaxViews);
   return seen;
 }
 
@@ -135,8 +135,8 @@ class StripImage {
     for (const View& view : views) Add(view, static_cast<float>(height));
   }
 
-  StripAgreement OfRows(int begin, int end) const {
-    StripAgreement agreement;
+  Agreement OfRows(int begin, int end) const {
+    Agreement agreement;
     for (int row = begin; row < end; ++row) {
       Sums of_row;
       for (int column = 0; column < columns_; ++column) {
@@ -150,7 +150,7 @@ class StripImage {
       agreement.total += of_row.Residual();
       agreement.weight += of_row.weight;
       agreement.num_samples += of_row.count;
-      ++agreement.num_rows;
+      ++agreement.num_means;
     }
     return agreement;
   }
@@ -232,31 +232,13 @@ int StripWindow::NumHeights() const {
   return 1 + static_cast<int>(std::lround((max_height - min_height) / kHeightStep));
 }
 
-void StripAgreement::Add(const StripAgreement& other) {
-  residual += other.residual;
-  total += other.total;
-  weight += other.weight;
-  num_samples += other.num_samples;
-  num_cells += other.num_cells;
-  num_rows += other.num_rows;
-}
-
-double StripAgreement::Misfit() const {
-  const int freedom = num_samples - num_cells;
-  if (freedom <= 0 || total <= 0) return 1;
-  return static_cast<double>(residual) / freedom /
-         (static_cast<double>(total) / (num_samples - num_rows));
-}
-
 std::vector<std::vector<SweptStrip>> SweepStrips(std::span<const OutlineStrip> strips,
                                                  double length, const PatchSource& patches,
                                                  std::span<const DrivenPath> paths,
-                                                 std::span<const StripWindow> windows,
-                                                 const StripViews& views) {
+                                                 std::span<const StripWindow> windows) {
   const std::vector<Vector3d> eyes = FindEyes(patches.views(), paths);
-  const auto seen = ParallelMap(strips.size(), [&](std::size_t i) {
-    return FindViews(strips[i], patches.views(), eyes, views);
-  });
+  const auto seen = ParallelMap(
+      strips.size(), [&](std::size_t i) { return FindViews(strips[i], patches.views(), eyes); });
   std::vector<std::vector<SweptStrip>> swept(windows.size(),
                                              std::vector<SweptStrip>(strips.size()));
   for (const std::vector<std::size_t>& block : MakeBlocks(strips)) {

@@ -5,9 +5,13 @@
 
 #include "mapping/ground/driven_path.h"
 #include "mapping/ground/patch_source.h"
+#include "mapping/heights/sweep_agreement.h"
 #include "mapping/markings/outline_strips.h"
 
 namespace parkade {
+
+/// [m] of a strip to the camera: a step is clear from near only.
+inline constexpr double kMaxKerbDistance = 5.0;
 
 /// Which strip along an outline is looked at, and at which heights.
 struct StripWindow {
@@ -23,29 +27,11 @@ struct StripWindow {
   double HeightAt(double step) const { return min_height + step * kHeightStep; }  ///< [m]
 };
 
-/// Who looks at a strip.
-struct StripViews {
-  double max_distance = 5.0;  ///< [m] to the camera; a step is clear from near only
-  int max_count = 60;         ///< the nearest
-};
-
-/// How well views of a piece of ground along an outline agree at one height.
-struct StripAgreement {
-  float residual = 0, total = 0;  ///< of squared gray values: within cells, and along the outline
-  float weight = 0;
-  int num_samples = 0, num_cells = 0, num_rows = 0;
-
-  void Add(const StripAgreement& other);
-
-  /// Share of the variance along the outline that remains within cells: 1 where heights do not
-  /// matter.
-  double Misfit() const;
-};
-
 /// One strip at all heights of the sweep, from the lowest up: what is next to the outline and what
-/// lies farther off. Empty where nothing was seen.
+/// lies farther off. Of agreements, `total` is along the outline: each row's mean is taken off.
+/// Empty where nothing was seen.
 struct SweptStrip {
-  std::vector<StripAgreement> near_outline = {}, far_off = {};
+  std::vector<Agreement> near_outline = {}, far_off = {};
   int num_views = 0;
 };
 
@@ -59,7 +45,6 @@ struct SweptStrip {
 std::vector<std::vector<SweptStrip>> SweepStrips(std::span<const OutlineStrip> strips,
                                                  double length, const PatchSource& patches,
                                                  std::span<const DrivenPath> paths,
-                                                 std::span<const StripWindow> windows,
-                                                 const StripViews& views = {});
+                                                 std::span<const StripWindow> windows);
 
 }  // namespace parkade

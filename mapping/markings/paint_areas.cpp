@@ -3,12 +3,14 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "core/error.h"
-
 namespace parkade {
 namespace {
 
-constexpr double kPixel = 0.04;  // [m] at which areas are looked for
+constexpr double kWidestStroke = 0.7;  // [m] brighter spots that are wider than this are no paint
+constexpr double kMinContrast = 0.3;   // against the ground around, of its brightness
+constexpr double kMinArea = 0.12;      // [m^2]
+constexpr double kMaxArea = 15;        // [m^2]
+constexpr double kPixel = 0.04;        // [m] at which areas are looked for
 constexpr double kRim = 0.3;     // [m] of known ground around a piece: smears of cars have none
 constexpr double kThinnest = 7;  // length over width of what is a line
 constexpr float kDarkness = 12;  // of 255
@@ -30,16 +32,7 @@ bool IsLine(const std::vector<cv::Point>& contour, double area) {
 
 }  // namespace
 
-void PaintAreaOptions::Validate() const {
-  Require(widest_stroke > 0.1 && widest_stroke < 5, ErrorCode::kUsage,
-          "widest_stroke must be in 0.1..5 m");
-  Require(min_contrast > 0, ErrorCode::kUsage, "min_contrast must be > 0");
-  Require(min_area > 0 && max_area > min_area, ErrorCode::kUsage,
-          "areas of paint: 0 < min_area < max_area");
-}
-
-std::vector<PaintArea> FindPaintAreas(const GroundTile& tile, const PaintAreaOptions& options) {
-  options.Validate();
+std::vector<PaintArea> FindPaintAreas(const GroundTile& tile) {
   const double scale = tile.pixel_size / kPixel;
   cv::Mat image, mask, brightness, opened, inside, paint;
   cv::resize(tile.image, image, {}, scale, scale, cv::INTER_AREA);
@@ -50,9 +43,9 @@ std::vector<PaintArea> FindPaintAreas(const GroundTile& tile, const PaintAreaOpt
     const int size = 2 * static_cast<int>(std::lround(0.5 * diameter / kPixel)) + 1;
     return cv::getStructuringElement(cv::MORPH_ELLIPSE, {size, size});
   };
-  cv::morphologyEx(brightness, opened, cv::MORPH_OPEN, disc(options.widest_stroke));
+  cv::morphologyEx(brightness, opened, cv::MORPH_OPEN, disc(kWidestStroke));
   cv::erode(mask, inside, disc(2 * kRim), {-1, -1}, 1, cv::BORDER_CONSTANT, cv::Scalar::all(0));
-  paint = (brightness - opened) > options.min_contrast * (opened + kDarkness);
+  paint = (brightness - opened) > kMinContrast * (opened + kDarkness);
   cv::morphologyEx(paint, paint, cv::MORPH_CLOSE, cv::Mat::ones(3, 3, CV_8U));
 
   std::vector<std::vector<cv::Point>> contours;
@@ -60,15 +53,13 @@ std::vector<PaintArea> FindPaintAreas(const GroundTile& tile, const PaintAreaOpt
   std::vector<PaintArea> areas;
   for (const std::vector<cv::Point>& contour : contours) {
     const cv::Rect box = cv::boundingRect(contour);
-    if (box.area() * kPixel * kPixel < options.min_area) continue;
+    if (box.area() * kPixel * kPixel < kMinArea) continue;
     cv::Mat piece = cv::Mat::zeros(box.size(), CV_8UC1);
     cv::drawContours(piece, std::vector<std::vector<cv::Point>>{contour}, 0, 255, cv::FILLED,
                      cv::LINE_8, {}, 0, -box.tl());
     cv::bitwise_and(piece, paint(box), piece);
     const double area = cv::countNonZero(piece), square_meters = area * kPixel * kPixel;
-    if (square_meters < options.min_area || square_meters > options.max_area ||
-        IsLine(contour, area))
-      continue;
+    if (square_meters < kMinArea || square_meters > kMaxArea || IsLine(contour, area)) continue;
     if (cv::countNonZero(piece & ~inside(box)) > 0) continue;
     PaintArea found{{}, tile.height, IsYellow(image(box), piece)};
     std::vector<cv::Point> outline;

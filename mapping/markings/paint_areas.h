@@ -7,14 +7,6 @@
 
 namespace parkade {
 
-struct PaintAreaOptions {
-  double widest_stroke = 0.7;  ///< [m] brighter spots that are wider than this are no paint
-  double min_contrast = 0.3;   ///< against the ground around, of its brightness
-  double min_area = 0.12;      ///< [m^2]
-  double max_area = 15;        ///< [m^2]
-  void Validate() const;       ///< throws Error{kUsage}
-};
-
 /// One piece of paint that is not just a line: an arrow, a bar of a crossing, a letter.
 struct PaintArea {
   std::vector<Eigen::Vector2d> outline;  ///< [m] in site, not closed
@@ -24,6 +16,6 @@ struct PaintArea {
 
 /// Bright pieces of ground whose middles lie in the core of a tile, at least a hand's breadth
 /// inside what is known.
-std::vector<PaintArea> FindPaintAreas(const GroundTile& tile, const PaintAreaOptions& options = {});
+std::vector<PaintArea> FindPaintAreas(const GroundTile& tile);
 
 }  // namespace parkade

@@ -10,6 +10,7 @@
 namespace parkade {
 namespace {
 
+constexpr int kMaxDirections = 4;         // that one neighborhood may have
 constexpr double kDirectionPixel = 0.05;  // [m] at which directions are looked for
 constexpr double kWidestPaint = 0.26;   // [m] brighter spots that are wider than this are no lines
 constexpr float kEdgeContrast = 0.08F;  // of spots whose edges count
@@ -127,8 +128,7 @@ std::vector<PaintLine> FindPaintLines(const GroundTile& tile, const PaintLineOpt
   const cv::Mat brightness = BrightnessOf(tile.image);
   std::vector<PaintLine> lines;
   const cv::Mat sure = tile.mask == GroundTile::kSure;
-  for (const double direction :
-       FindDirections(brightness, sure, tile.pixel_size, options.max_directions)) {
+  for (const double direction : FindDirections(brightness, sure, tile.pixel_size, kMaxDirections)) {
     const RotatedRaster turned(brightness, tile.mask, tile.pixel_size, direction,
                                options.pixel_size);
     std::vector<PaintLine> found;
@@ -146,7 +146,7 @@ std::vector<PaintLine> FindPaintLines(const GroundTile& tile, const PaintLineOpt
                      .is_end_seen = upright.is_last_seen,
                      .is_yellow = false,
                      .is_one_sided = upright.is_one_sided};
-      if (line.Length() < options.min_length || !tile.core.contains(line.Middle()) ||
+      if (line.Length() < kMinLineLength || !tile.core.contains(line.Middle()) ||
           IsKnown(line, lines))
         continue;
       line.is_yellow = IsYellowAt(tile, line.begin, line.end);

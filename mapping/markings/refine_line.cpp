@@ -5,6 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/statistics.h"
+
 namespace parkade {
 namespace {
 
@@ -137,13 +139,11 @@ void RefineLine(const RotatedRaster& ground, const PaintLineOptions& options,
     if (const std::optional<double> contrast = profile.ContrastAt(row))
       contrasts.push_back(*contrast);
   if (contrasts.empty()) return;
-  const auto middle = contrasts.begin() + static_cast<std::ptrdiff_t>(contrasts.size() / 2);
-  std::nth_element(contrasts.begin(), middle, contrasts.end());
-  const double level = kEndLevel * *middle;
+  const double median = Median(std::move(contrasts)), level = kEndLevel * median;
   const int center = (first + last) / 2;
   line.first_row = FindEnd(profile, center, first, level, options.pixel_size, line.is_first_seen);
   line.last_row = FindEnd(profile, center, last, level, options.pixel_size, line.is_last_seen);
-  line.contrast = *middle;
+  line.contrast = median;
   line.width = LineProfile(ground, line, options).Width();
 }
 

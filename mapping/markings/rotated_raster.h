@@ -5,7 +5,7 @@
 
 namespace parkade {
 
-/// A image of the ground turned so that lines of one direction stand upright.
+/// An image of the ground turned so that lines of one direction stand upright.
 class RotatedRaster {
  public:
   static constexpr float kDark = 15;  ///< of 255: contrast to what is darker is noise

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "core/statistics.h"
+
 namespace parkade {
 namespace {
 
@@ -168,9 +170,7 @@ RowHabits FindHabits(const std::vector<SlotRow>& rows, const SlotMeasures& measu
       if (ranks->is_length_measured)
         lengths.push_back(LengthBetween(ranks->lower, ranks->upper, row.pitch) / ranks->count);
   if (lengths.empty()) return habits;
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  habits.length = *middle;
+  habits.length = Median(std::move(lengths));
   return habits;
 }
 

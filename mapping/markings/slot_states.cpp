@@ -4,15 +4,19 @@
 #include <cmath>
 #include <optional>
 
-#include "core/error.h"
 #include "core/parallel.h"
 #include "mapping/ground/patch_index.h"
 
 namespace parkade {
 namespace {
 
-constexpr double kSquare = 2.0;  // [m] of the squares in which slots are sorted
-constexpr double kReach = 0.5;   // [m] that a ray may move between its own plane and the slot's
+constexpr double kSideMargin =
+    0.25;  // [m] beside the lines that does not count: who parks badly, and who walks past
+constexpr double kEndMargin = 0.4;   // [m] the same at the ends
+constexpr double kFreeShare = 0.55;  // of what is left that must be seen as ground in a free slot
+constexpr double kOccupiedShare = 0.03;  // the least share of something else in an occupied one
+constexpr double kSquare = 2.0;          // [m] of the squares in which slots are sorted
+constexpr double kReach = 0.5;  // [m] that a ray may move between its own plane and the slot's
 constexpr double kMaxHeightStep = 1.2;  // [m] between those
 constexpr int kColumns = 8, kRows = 16;
 constexpr float kKnown = 0.15F;  // of evidence in a cell
@@ -58,9 +62,8 @@ struct SlotGrid {
   Eigen::Vector3d origin;
   Eigen::Vector2d across, inward;  ///< unit vectors
   double width = 0, length = 0;    ///< [m]
-  SlotStateOptions options;
 
-  SlotGrid(const ParkingSlot& slot, const SlotStateOptions& options_in) : options(options_in) {
+  explicit SlotGrid(const ParkingSlot& slot) {
     origin = slot.corners[0];
     across = (slot.corners[1] - slot.corners[0]).head<2>().normalized();
     inward = Eigen::Vector2d(-across.y(), across.x());
@@ -70,8 +73,8 @@ struct SlotGrid {
   /// Index of the cell at a point on the slot's plane, or nothing.
   std::optional<std::size_t> CellAt(const Eigen::Vector2d& point) const {
     const Eigen::Vector2d offset = point - origin.head<2>();
-    const double u = (offset.dot(across) - options.side_margin) / (width - 2 * options.side_margin);
-    const double v = (offset.dot(inward) - options.end_margin) / (length - 2 * options.end_margin);
+    const double u = (offset.dot(across) - kSideMargin) / (width - 2 * kSideMargin);
+    const double v = (offset.dot(inward) - kEndMargin) / (length - 2 * kEndMargin);
     if (!(u >= 0 && u < 1 && v >= 0 && v < 1)) return {};
     return static_cast<std::size_t>(static_cast<int>(v * kRows) * kColumns +
                                     static_cast<int>(u * kColumns));
@@ -112,35 +115,26 @@ std::vector<Hit> FindHits(const PosedGroundPatch& patch, std::span<const DrivenP
   return hits;
 }
 
-SlotState StateOf(const Cells& cells, const SlotStateOptions& options) {
+SlotState StateOf(const Cells& cells) {
   double num_free = 0, num_other = 0;
   for (const float evidence : cells) {
     num_free += evidence > kKnown;
     num_other += evidence < -kKnown;
   }
   const double count = kColumns * kRows;
-  if (num_free >= options.free_share * count && num_other < 0.25 * num_free)
-    return SlotState::kFree;
-  if (num_other >= options.occupied_share * count && num_free < options.free_share * count)
+  if (num_free >= kFreeShare * count && num_other < 0.25 * num_free) return SlotState::kFree;
+  if (num_other >= kOccupiedShare * count && num_free < kFreeShare * count)
     return SlotState::kOccupied;
   return SlotState::kUnseen;
 }
 
 }  // namespace
 
-void SlotStateOptions::Validate() const {
-  Require(side_margin >= 0 && side_margin < 0.7 && end_margin >= 0 && end_margin < 0.7,
-          ErrorCode::kUsage, "margins of slots must be in 0..0.7 m");
-  Require(free_share > 0 && free_share <= 1 && occupied_share > 0 && occupied_share <= 1,
-          ErrorCode::kUsage, "shares of slots must be in 0..1");
-}
-
 void SeeSlots(const PatchSource& patches, std::span<const DrivenPath> paths, std::size_t num_drives,
-              const SlotStateOptions& options, std::vector<ParkingSlot>& slots) {
-  options.Validate();
+              std::vector<ParkingSlot>& slots) {
   const SlotSquares squares(slots);
   std::vector<SlotGrid> grids;
-  for (const ParkingSlot& slot : slots) grids.emplace_back(slot, options);
+  for (const ParkingSlot& slot : slots) grids.emplace_back(slot);
   std::vector<std::vector<Cells>> cells(num_drives, std::vector<Cells>(slots.size(), Cells{}));
   constexpr std::size_t kBatch = 64;
   const std::span<const PatchView> views = patches.views();
@@ -158,7 +152,7 @@ void SeeSlots(const PatchSource& patches, std::span<const DrivenPath> paths, std
   for (std::size_t i = 0; i < slots.size(); ++i) {
     slots[i].states.clear();
     for (std::size_t drive = 0; drive < num_drives; ++drive)
-      slots[i].states.push_back(StateOf(cells[drive][i], options));
+      slots[i].states.push_back(StateOf(cells[drive][i]));
   }
 }
 

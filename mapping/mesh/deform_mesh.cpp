@@ -6,92 +6,24 @@
 #include <set>
 
 #include "core/error.h"
+#include "mapping/mesh/mesh_samples.h"
 
 namespace parkade {
 namespace {
 
+constexpr double kReach = 12;            // [m] within which a keyframe saw ground and holds it
+constexpr size_t kKeyframesPerNode = 8;  // the nearest of them
+constexpr double kKeyframeSpacing = 2;   // [m] between those that are used of one drive
+constexpr double kStiffness = 0.01;      // [m/m] and [rad] by which neighboring nodes may disagree
+constexpr double kSeenSigma =
+    0.02;                          // [m] of ground beside a keyframe, and 0.01 more per meter away
+constexpr double kLevelGap = 1.0;  // [m] of height between nodes of one column: more are two decks
 constexpr double kLevelBase = 0.6,
                  kLevelSlope =
                      0.1;  // [m], and per meter: heights within which a keyframe saw ground
 constexpr double kSigmaPerMeter = 0.01;  // of what a keyframe saw
 constexpr double kHeightCounts = 3;      // heights count this much more when nodes are looked for
 constexpr size_t kBlended = 4;           // nodes per point, as in the paper
-
-using Square = std::pair<int, int>;
-
-Square SquareOf(const Eigen::Vector3d& point, double spacing) {
-  return {static_cast<int>(std::floor(point.x() / spacing)),
-          static_cast<int>(std::floor(point.y() / spacing))};
-}
-
-/// Points over the mesh, close enough that each square it touches has some, and which of them are
-/// neighbors.
-struct MeshSamples {
-  std::vector<Eigen::Vector3d> points;
-  std::vector<std::pair<size_t, size_t>> links;
-};
-
-MeshSamples SampleMesh(const TriangleMesh& mesh, double step) {
-  MeshSamples samples;
-  for (const Eigen::Vector3f& vertex : mesh.vertices)
-    samples.points.push_back(mesh.origin + vertex.cast<double>());
-  for (const auto& triangle : mesh.triangles) {
-    const Eigen::Vector3d a = samples.points[triangle[0]], b = samples.points[triangle[1]],
-                          c = samples.points[triangle[2]];
-    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-    const int parts = std::max(1, static_cast<int>(std::ceil(longest / step)));
-    // Rows of points parallel to the side from b to c, from a on.
-    std::vector<size_t> last = {triangle[0]};
-    for (int i = 1; i <= parts; ++i) {
-      std::vector<size_t> row;
-      for (int k = 0; k <= i; ++k) {
-        if (i == parts && (k == 0 || k == i)) {
-          row.push_back(triangle[k == 0 ? 1 : 2]);
-        } else {
-          const double to_c = static_cast<double>(k) / parts,
-                       to_b = static_cast<double>(i - k) / parts;
-          row.push_back(samples.points.size());
-          samples.points.push_back(a + to_b * (b - a) + to_c * (c - a));
-        }
-        if (k > 0) samples.links.emplace_back(row[static_cast<size_t>(k) - 1], row.back());
-        if (k < i) samples.links.emplace_back(last[static_cast<size_t>(k)], row.back());
-        if (k > 0) samples.links.emplace_back(last[static_cast<size_t>(k) - 1], row.back());
-      }
-      last = std::move(row);
-    }
-  }
-  return samples;
-}
-
-/// Ground in one square and on one deck.
-struct NodeSamples {
-  std::vector<size_t> node_of_sample;
-  std::vector<Eigen::Vector3d> nodes;
-};
-
-NodeSamples GroupSamples(const MeshSamples& samples, const DeformationOptions& options) {
-  std::map<Square, std::vector<size_t>> by_square;
-  for (size_t i = 0; i < samples.points.size(); ++i)
-    by_square[SquareOf(samples.points[i], options.spacing)].push_back(i);
-  NodeSamples grouped{std::vector<size_t>(samples.points.size()), {}};
-  for (auto& [square, members] : by_square) {
-    std::sort(members.begin(), members.end(), [&](size_t a, size_t b) {
-      return std::pair(samples.points[a].z(), a) < std::pair(samples.points[b].z(), b);
-    });
-    for (size_t begin = 0, end; begin < members.size(); begin = end) {
-      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      for (end = begin; end < members.size(); ++end) {
-        const Eigen::Vector3d& point = samples.points[members[end]];
-        if (end > begin && point.z() - samples.points[members[end - 1]].z() > options.level_gap)
-          break;
-        sum += point;
-        grouped.node_of_sample[members[end]] = grouped.nodes.size();
-      }
-      grouped.nodes.push_back(sum / static_cast<double>(end - begin));
-    }
-  }
-  return grouped;
-}
 
 /// Those at least `spacing` from the one used before.
 std::vector<MovedKeyframe> ThinOut(std::span<const MovedKeyframe> keyframes, double spacing) {
@@ -110,26 +42,23 @@ Rigid3 MotionOf(const MovedKeyframe& keyframe) {
 }
 
 /// How far a keyframe stands from ground that it saw; nothing where it did not.
-std::optional<double> ObservationOf(const MovedKeyframe& keyframe, const Eigen::Vector3d& ground,
-                                    double reach) {
+std::optional<double> ObservationOf(const MovedKeyframe& keyframe, const Eigen::Vector3d& ground) {
   const Eigen::Vector3d apart = ground - keyframe.from_from_body.translation;
   const double distance = apart.head<2>().norm();
-  if (distance > reach || std::abs(apart.z()) > kLevelBase + kLevelSlope * distance)
+  if (distance > kReach || std::abs(apart.z()) > kLevelBase + kLevelSlope * distance)
     return std::nullopt;
   return distance;
 }
 
 /// The observations of one piece of ground, the nearest first.
 std::vector<std::pair<double, size_t>> ObservationsOf(const std::vector<MovedKeyframe>& keyframes,
-                                                      const Eigen::Vector3d& ground,
-                                                      const DeformationOptions& options) {
+                                                      const Eigen::Vector3d& ground) {
   std::vector<std::pair<double, size_t>> observations;
   for (size_t i = 0; i < keyframes.size(); ++i)
-    if (const std::optional<double> distance = ObservationOf(keyframes[i], ground, options.reach))
+    if (const std::optional<double> distance = ObservationOf(keyframes[i], ground))
       observations.emplace_back(*distance, i);
   std::sort(observations.begin(), observations.end());
-  if (observations.size() > options.keyframes_per_node)
-    observations.resize(options.keyframes_per_node);
+  if (observations.size() > kKeyframesPerNode) observations.resize(kKeyframesPerNode);
   return observations;
 }
 
@@ -155,7 +84,7 @@ class DeformationBuilder {
   DeformationBuilder(const TriangleMesh& mesh, const DeformationOptions& options, double share)
       : options_(options), slack_(1 / std::sqrt(share)) {
     const MeshSamples samples = SampleMesh(mesh, 0.5 * options.spacing);
-    const NodeSamples grouped = GroupSamples(samples, options);
+    const NodeSamples grouped = GroupSamples(samples, options.spacing, kLevelGap);
     deformation_.spacing_ = options.spacing;
     deformation_.num_ground_nodes_ = grouped.nodes.size();
     deformation_.neighbors_.resize(grouped.nodes.size());
@@ -174,11 +103,11 @@ class DeformationBuilder {
       const Rigid3 motion = NearestMotion(keyframes, node.rest);
       node.motion = {motion.rotation, motion * node.rest};
       const std::vector<std::pair<double, size_t>> observations =
-          ObservationsOf(keyframes, node.rest, options_);
+          ObservationsOf(keyframes, node.rest);
       deformation_.is_seen_.push_back(!observations.empty());
       for (const auto& [distance, keyframe] : observations)
-        HoldEachOther(i, nodes[keyframe], options_.seen_sigma + kSigmaPerMeter * distance,
-                      options_.stiffness * (1 + distance));
+        HoldEachOther(i, nodes[keyframe], kSeenSigma + kSigmaPerMeter * distance,
+                      kStiffness * (1 + distance));
     }
   }
 
@@ -213,8 +142,7 @@ class DeformationBuilder {
           std::minmax(grouped.node_of_sample[a], grouped.node_of_sample[b]);
       if (first == second || !joined.insert({first, second}).second) continue;
       const double distance = (graph().nodes[first].rest - graph().nodes[second].rest).norm();
-      HoldEachOther(first, second, options_.stiffness * std::max(distance, 0.1),
-                    options_.stiffness);
+      HoldEachOther(first, second, kStiffness * std::max(distance, 0.1), kStiffness);
       deformation_.neighbors_[first].push_back(second);
       deformation_.neighbors_[second].push_back(first);
     }
@@ -229,7 +157,7 @@ MeshDeformation DeformGround(const TriangleMesh& mesh, std::span<const MovedKeyf
                              const DeformationOptions& options) {
   Require(!all_keyframes.empty(), ErrorCode::kInvalidInput,
           "nothing says how the ground has moved");
-  const std::vector<MovedKeyframe> keyframes = ThinOut(all_keyframes, options.keyframe_spacing);
+  const std::vector<MovedKeyframe> keyframes = ThinOut(all_keyframes, kKeyframeSpacing);
   DeformationBuilder builder(mesh, options, /*share=*/1);
   std::vector<size_t> nodes;
   for (const MovedKeyframe& keyframe : keyframes) {
@@ -310,22 +238,6 @@ Eigen::Vector3d MeshDeformation::Apply(const Eigen::Vector3d& point) const {
     total += weight;
   }
   return sum / total;
-}
-
-TriangleMesh Deformed(const TriangleMesh& mesh, const MeshDeformation& deformation) {
-  constexpr double kArm = 0.1;  // [m] along a normal, to see it turn
-  TriangleMesh moved = mesh;
-  if (mesh.vertices.empty()) return moved;
-  moved.origin =
-      deformation.Apply(mesh.origin + mesh.vertices.front().cast<double>()).array().round();
-  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const Eigen::Vector3d point = mesh.origin + mesh.vertices[i].cast<double>();
-    const Eigen::Vector3d at = deformation.Apply(point);
-    moved.vertices[i] = (at - moved.origin).cast<float>();
-    const Eigen::Vector3d tip = deformation.Apply(point + kArm * mesh.normals[i].cast<double>());
-    moved.normals[i] = (tip - at).normalized().cast<float>();
-  }
-  return moved;
 }
 
 }  // namespace parkade

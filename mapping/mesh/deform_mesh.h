@@ -25,15 +25,9 @@ struct FreeKeyframe {
 };
 
 struct DeformationOptions {
-  double spacing = 2.5;           ///< [m] of nodes on the ground
-  double reach = 12;              ///< [m] within which a keyframe saw ground and holds it
-  size_t keyframes_per_node = 8;  ///< the nearest of them
-  double keyframe_spacing = 2;    ///< [m] between those that are used of one drive
-  double stiffness = 0.01;        ///< [m/m] and [rad] by which neighboring nodes may disagree
-  double seen_sigma = 0.02;       ///< [m] of ground beside a keyframe, and 0.01 more per meter away
-  double level_gap = 1.0;         ///< [m] of height between nodes of one column: more are two decks
-  double ground_share = 1e-4;     ///< of the ground's information that counts where keyframes are
-                                  ///< free, see DeformJointly
+  double spacing = 2.5;        ///< [m] of nodes on the ground
+  double ground_share = 1e-4;  ///< of the ground's information that counts where keyframes are
+                               ///< free, see DeformJointly
 };
 
 /// How the ground of a map moves with the trajectories it was seen from.
@@ -48,7 +42,6 @@ class MeshDeformation {
   bool IsSeen(const Eigen::Vector3d& point_in_from) const;
 
   const DeformationGraph& graph() const { return graph_; }
-  size_t num_ground_nodes() const { return num_ground_nodes_; }
 
  private:
   friend class DeformationBuilder;
@@ -64,8 +57,8 @@ class MeshDeformation {
   std::vector<bool> is_seen_;                                   ///< each
 };
 
-/// Nodes are spread over the mesh, squares of `spacing`, decks apart; those that one sheet of the
-/// mesh joins hold each other, so that decks of a garage pull each other only along their ramps.
+/// Nodes are spread over the mesh, squares of `spacing`, decks apart; those that triangles of the
+/// mesh join hold each other, so that decks of a garage pull each other only along their ramps.
 /// Keyframes hold the nodes they saw and are held where they are now. Keyframes in order of time,
 /// drive after drive. Throws Error{kInvalidInput} without any keyframe.
 MeshDeformation DeformGround(const TriangleMesh& mesh, std::span<const MovedKeyframe> keyframes,
@@ -90,8 +83,5 @@ struct JointDeformation {
 JointDeformation DeformJointly(const TriangleMesh& mesh, std::span<const FreeKeyframe> keyframes,
                                std::span<const DeformationMeasurement> measurements,
                                const DeformationOptions& options = {});
-
-/// The whole mesh moved, its normals turned; the same triangles.
-TriangleMesh Deformed(const TriangleMesh& mesh, const MeshDeformation& deformation);
 
 }  // namespace parkade

@@ -5,9 +5,6 @@
 namespace parkade {
 
 void MeshOptions::Validate() const {
-  Require(cells_per_voxel >= 1 && cells_per_voxel <= 64, ErrorCode::kUsage,
-          "cells_per_voxel must be in 1..64");
-  Require(voxel_height > 0, ErrorCode::kUsage, "voxel_height must be > 0 m");
   Require(free_threshold > 0 && free_threshold < 1, ErrorCode::kUsage,
           "free_threshold must be in (0, 1)");
   Require(max_step > 0, ErrorCode::kUsage, "max_step must be > 0 m");

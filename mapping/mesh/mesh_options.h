@@ -6,9 +6,6 @@ namespace parkade {
 
 /// How a surface becomes a mesh.
 struct MeshOptions {
-  int cells_per_voxel =
-      2;  ///< cells of the surface on each side of a voxel; more is coarser and smaller
-  double voxel_height = 0.25;      ///< [m]; has no influence on accuracy, only on slivers on slopes
   double free_threshold = 0.5;     ///< belief from which a cell is drivable
   double max_step = 0.3;           ///< [m] between neighbors of one deck; steeper is a gap
   bool simplify = true;            ///< merges flat triangles of one color

@@ -26,11 +26,11 @@ Eigen::Vector3d OriginOf(const std::vector<Eigen::Vector3d>& vertices) {
 }
 
 /// Area-weighted, unit, upwards.
-std::vector<Eigen::Vector3f> NormalsOf(const VoxelSheet& sheet) {
-  std::vector<Eigen::Vector3d> sums(sheet.vertices.size(), Eigen::Vector3d::Zero());
-  for (const auto& [a, b, c] : sheet.triangles) {
+std::vector<Eigen::Vector3f> NormalsOf(const HeightMesh& mesh) {
+  std::vector<Eigen::Vector3d> sums(mesh.vertices.size(), Eigen::Vector3d::Zero());
+  for (const auto& [a, b, c] : mesh.triangles) {
     const Eigen::Vector3d normal =
-        (sheet.vertices[b] - sheet.vertices[a]).cross(sheet.vertices[c] - sheet.vertices[a]);
+        (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
     for (const std::uint32_t vertex : {a, b, c}) sums[vertex] += normal;
   }
   std::vector<Eigen::Vector3f> normals;
@@ -47,7 +47,7 @@ std::vector<MeshPiece> MeshPieces(const SurfaceMap& surface, const MeshOptions& 
   std::vector<MeshPiece> pieces;
   SeamNumbers numbers;
   const auto add = [&](WindowMesh&& mesh) {
-    numbers.Renumber(mesh.sheet, mesh.pieces);
+    numbers.Renumber(mesh.height_mesh, mesh.pieces);
     std::move(mesh.pieces.begin(), mesh.pieces.end(), std::back_inserter(pieces));
     num_full_triangles += mesh.num_full_triangles;
   };
@@ -74,18 +74,19 @@ std::vector<MeshPiece> MeshPieces(const SurfaceMap& surface, const MeshOptions& 
     ReleaseMemory(surface.cells);
   }
   std::sort(pieces.begin(), pieces.end(), [](const MeshPiece& a, const MeshPiece& b) {
-    return std::tie(a.sheet.row, a.sheet.column) < std::tie(b.sheet.row, b.sheet.column);
+    return std::tie(a.simplified.row, a.simplified.column) <
+           std::tie(b.simplified.row, b.simplified.column);
   });
   return pieces;
 }
 
-/// The sheets of the pieces, which are gone then, as one. -> for each piece where its vertices are
+/// The meshes of the pieces, which are gone then, as one. -> for each piece where its vertices are
 /// in there
-std::vector<std::vector<std::uint32_t>> JoinSheets(std::vector<MeshPiece>& pieces,
-                                                   VoxelSheet& sheet) {
-  std::vector<SheetPiece> sheets;
-  for (MeshPiece& piece : pieces) sheets.push_back(std::move(piece.sheet));
-  return JoinPieces(sheets, sheet);
+std::vector<std::vector<std::uint32_t>> JoinAll(std::vector<MeshPiece>& pieces,
+                                                HeightMesh& joined) {
+  std::vector<SimplifiedPiece> simplified;
+  for (MeshPiece& piece : pieces) simplified.push_back(std::move(piece.simplified));
+  return JoinPieces(simplified, joined);
 }
 
 }  // namespace
@@ -94,22 +95,22 @@ TriangleMesh MeshSurface(const SurfaceMap& surface, const MeshOptions& options) 
   options.Validate();
   size_t num_full_triangles = 0;
   std::vector<MeshPiece> pieces = MeshPieces(surface, options, num_full_triangles);
-  VoxelSheet sheet;
-  const std::vector<std::vector<std::uint32_t>> in_sheet = JoinSheets(pieces, sheet);
+  HeightMesh joined;
+  const std::vector<std::vector<std::uint32_t>> in_joined = JoinAll(pieces, joined);
 
   TriangleMesh mesh;
-  mesh.origin = OriginOf(sheet.vertices);
-  mesh.normals = NormalsOf(sheet);
-  mesh.triangles = std::move(sheet.triangles);
-  mesh.vertices.reserve(sheet.vertices.size());
-  for (const Eigen::Vector3d& vertex : sheet.vertices)
+  mesh.origin = OriginOf(joined.vertices);
+  mesh.normals = NormalsOf(joined);
+  mesh.triangles = std::move(joined.triangles);
+  mesh.vertices.reserve(joined.vertices.size());
+  for (const Eigen::Vector3d& vertex : joined.vertices)
     mesh.vertices.push_back((vertex - mesh.origin).cast<float>());
-  mesh.colors.resize(sheet.vertices.size());
-  mesh.height_sigmas.resize(sheet.vertices.size());
+  mesh.colors.resize(joined.vertices.size());
+  mesh.height_sigmas.resize(joined.vertices.size());
   for (size_t p = 0; p < pieces.size(); ++p)
-    for (size_t i = 0; i < in_sheet[p].size(); ++i) {
-      mesh.colors[in_sheet[p][i]] = pieces[p].colors[i];
-      mesh.height_sigmas[in_sheet[p][i]] = pieces[p].height_sigmas[i];
+    for (size_t i = 0; i < in_joined[p].size(); ++i) {
+      mesh.colors[in_joined[p][i]] = pieces[p].colors[i];
+      mesh.height_sigmas[in_joined[p][i]] = pieces[p].height_sigmas[i];
     }
   ValidateMesh(mesh);
   LogInfo("stage=mesh_surface triangles=" + std::to_string(mesh.triangles.size()) +

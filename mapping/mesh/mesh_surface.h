@@ -6,12 +6,12 @@
 
 namespace parkade {
 
-/// The drivable part of a surface as a mesh: voxels around the free cells hold the signed height
-/// above the ground, marching cubes takes the zero level, its outline is cut where the belief
-/// interpolated between cells passes the threshold, CGAL merges what is flat and of one color. Each
-/// deck is a sheet of its own. In memory are the cells, voxels and triangles of one window, and
+/// The drivable part of a surface as a mesh: two triangles for each square between four cells,
+/// cut where the belief interpolated between cells passes the threshold; CGAL merges what is flat
+/// and of one color. Decks are not joined. In memory are the cells and triangles of one window, and
 /// what simplifying leaves of all; the result does not depend on the windows. Without simplifying
-/// all are. Passes ValidateMesh; every edge has one or two triangles, every vertex one fan. Empty
+/// all are. Passes ValidateMesh; every edge has one or two triangles, and around every
+/// vertex they follow each other. Empty
 /// where nothing is free. Deterministic.
 TriangleMesh MeshSurface(const SurfaceMap& surface, const MeshOptions& options = {});
 

@@ -16,14 +16,16 @@
 namespace parkade {
 namespace {
 
+constexpr int kCellsPerSquare =
+    2;  // cells of the surface on each side of a square; more is coarser and smaller
 using Colors = std::vector<std::array<std::uint8_t, 3>>;
 
-// Cells that are joined depend on those two further on, vertices and their fans on two more, their
-// colors, too.
+// Cells that are joined depend on those two further on, vertices that are doubled on two more,
+// their colors, too.
 constexpr int kMargin = 8;  // [joined cells]
 constexpr int kReach = 3;   // [joined cells] that the mesh may go beyond the surface, and some
 
-const double kTileSize = SimplifySheetOptions{}.tile_size;
+const double kTileSize = SimplifyMeshOptions{}.tile_size;
 
 const SurfaceCell& FindCell(const CellFinder& finder, const Eigen::Vector3d& vertex) {
   const SurfaceCell* cell = finder.Find(vertex);
@@ -32,16 +34,16 @@ const SurfaceCell& FindCell(const CellFinder& finder, const Eigen::Vector3d& ver
 }
 
 SurfaceMap Join(const SurfaceMap& surface, const MeshOptions& options) {
-  return JoinCells(surface, options.cells_per_voxel, options.free_threshold, options.max_step);
+  return JoinCells(surface, kCellsPerSquare, options.free_threshold, options.max_step);
 }
 
-VoxelSheet Extract(const SurfaceMap& joined, const MeshOptions& options) {
-  return ExtractSheet(joined, options.voxel_height, options.max_step, options.free_threshold);
+HeightMesh Triangulate(const SurfaceMap& joined, const MeshOptions& options) {
+  return TriangulateHeights(joined, options.max_step, options.free_threshold);
 }
 
-MeshPiece WithColors(SheetPiece&& sheet, const CellFinder& finder) {
-  MeshPiece piece{std::move(sheet), {}, {}};
-  for (const Eigen::Vector3d& vertex : piece.sheet.sheet.vertices) {
+MeshPiece WithColors(SimplifiedPiece&& simplified, const CellFinder& finder) {
+  MeshPiece piece{std::move(simplified), {}, {}};
+  for (const Eigen::Vector3d& vertex : piece.simplified.mesh.vertices) {
     const SurfaceCell& cell = FindCell(finder, vertex);
     piece.colors.push_back(cell.color);
     piece.height_sigmas.push_back(cell.height_sigma);
@@ -59,7 +61,7 @@ bool Contains(const Eigen::AlignedBox2i& tiles, const Eigen::Vector3d& center) {
 std::vector<MeshWindow> CutIntoWindows(const SurfaceMap& surface, const MeshOptions& options) {
   const int side =
       std::max(1, static_cast<int>(std::lround(options.window_size / kTileSize)));  // [tiles]
-  const int factor = options.cells_per_voxel, reach = kReach * factor;
+  const int factor = kCellsPerSquare, reach = kReach * factor;
   const double joined_size = surface.cell_size * factor;
   const auto window_of = [&](int cell) {
     return FloorDivide(static_cast<int>(std::floor(cell * surface.cell_size / kTileSize)), side);
@@ -98,17 +100,17 @@ std::vector<MeshWindow> CutIntoWindows(const SurfaceMap& surface, const MeshOpti
 WindowMesh MeshWindowOf(const SurfaceMap& surface, const MeshWindow& window,
                         const MeshOptions& options) {
   const SurfaceMap joined = Join(CutOut(surface, window.cells), options);
-  WindowMesh mesh{.sheet = Extract(joined, options), .pieces = {}};
-  if (mesh.sheet.triangles.empty()) return mesh;
+  WindowMesh mesh{.height_mesh = Triangulate(joined, options), .pieces = {}};
+  if (mesh.height_mesh.triangles.empty()) return mesh;
   const CellFinder finder(joined);
-  const std::vector<Eigen::Vector3d>& vertices = mesh.sheet.vertices;
+  const std::vector<Eigen::Vector3d>& vertices = mesh.height_mesh.vertices;
   const Colors colors =
       ParallelMap(vertices.size(), [&](size_t i) { return FindCell(finder, vertices[i]).color; });
-  for (const auto& [a, b, c] : mesh.sheet.triangles)
+  for (const auto& [a, b, c] : mesh.height_mesh.triangles)
     mesh.num_full_triangles +=
         Contains(window.tiles, (vertices[a] + vertices[b] + vertices[c]) / 3);
-  for (SheetPiece& piece : SimplifyPieces(
-           mesh.sheet, colors,
+  for (SimplifiedPiece& piece : SimplifyPieces(
+           mesh.height_mesh, colors,
            {.max_error = options.max_height_error, .color_contrast = options.color_contrast},
            window.tiles))
     mesh.pieces.push_back(WithColors(std::move(piece), finder));
@@ -117,10 +119,10 @@ WindowMesh MeshWindowOf(const SurfaceMap& surface, const MeshWindow& window,
 
 WindowMesh MeshWithoutSimplifying(const SurfaceMap& surface, const MeshOptions& options) {
   const SurfaceMap joined = Join(surface, options);
-  SheetPiece whole{.sheet = Extract(joined, options), .seams = {}};
-  whole.seams.assign(whole.sheet.vertices.size(), SheetPiece::kNoSeam);
+  SimplifiedPiece whole{.mesh = Triangulate(joined, options), .seams = {}};
+  whole.seams.assign(whole.mesh.vertices.size(), SimplifiedPiece::kNoSeam);
   WindowMesh mesh;
-  mesh.num_full_triangles = whole.sheet.triangles.size();
+  mesh.num_full_triangles = whole.mesh.triangles.size();
   mesh.pieces.push_back(WithColors(std::move(whole), CellFinder(joined)));
   return mesh;
 }
@@ -132,19 +134,20 @@ std::size_t SeamNumbers::HashOfPlace::operator()(const Place& place) const {
   return hash;
 }
 
-void SeamNumbers::Renumber(const VoxelSheet& sheet, std::vector<MeshPiece>& pieces) {
-  std::unordered_map<Place, std::vector<std::uint32_t>, HashOfPlace> vertices_at;  // of the sheet
+void SeamNumbers::Renumber(const HeightMesh& mesh, std::vector<MeshPiece>& pieces) {
+  std::unordered_map<Place, std::vector<std::uint32_t>, HashOfPlace> vertices_at;  // of the mesh
   for (const MeshPiece& piece : pieces)
-    for (const std::uint32_t vertex : piece.sheet.seams)
-      if (vertex != SheetPiece::kNoSeam) vertices_at.try_emplace(PlaceOf(sheet.vertices[vertex]));
-  for (std::uint32_t vertex = 0; vertex < sheet.vertices.size(); ++vertex)
-    if (const auto found = vertices_at.find(PlaceOf(sheet.vertices[vertex]));
+    for (const std::uint32_t vertex : piece.simplified.seams)
+      if (vertex != SimplifiedPiece::kNoSeam)
+        vertices_at.try_emplace(PlaceOf(mesh.vertices[vertex]));
+  for (std::uint32_t vertex = 0; vertex < mesh.vertices.size(); ++vertex)
+    if (const auto found = vertices_at.find(PlaceOf(mesh.vertices[vertex]));
         found != vertices_at.end())
       found->second.push_back(vertex);
   for (MeshPiece& piece : pieces)
-    for (std::uint32_t& vertex : piece.sheet.seams) {
-      if (vertex == SheetPiece::kNoSeam) continue;
-      const Place place = PlaceOf(sheet.vertices[vertex]);
+    for (std::uint32_t& vertex : piece.simplified.seams) {
+      if (vertex == SimplifiedPiece::kNoSeam) continue;
+      const Place place = PlaceOf(mesh.vertices[vertex]);
       const std::vector<std::uint32_t>& here = vertices_at.at(place);
       const auto rank =
           static_cast<std::size_t>(std::find(here.begin(), here.end(), vertex) - here.begin());

@@ -8,13 +8,13 @@
 
 #include "core/surface_map.h"
 #include "mapping/mesh/mesh_options.h"
-#include "mapping/mesh/simplify_sheet.h"
+#include "mapping/mesh/simplify_mesh.h"
 
 namespace parkade {
 
 /// A square of the site's mesh.
 struct MeshPiece {
-  SheetPiece sheet;
+  SimplifiedPiece simplified;
   std::vector<std::array<std::uint8_t, 3>> colors;  ///< of its vertices
   std::vector<float> height_sigmas;                 ///< [m]
 };
@@ -22,7 +22,7 @@ struct MeshPiece {
 /// What is meshed at once.
 struct MeshWindow {
   Eigen::AlignedBox2i
-      tiles;  ///< squares of SimplifySheetOptions::tile_size; the last is the one before max()
+      tiles;  ///< squares of SimplifyMeshOptions::tile_size; the last is the one before max()
   Eigen::AlignedBox2i
       cells;  ///< with those around, so that within `tiles` all is as if the whole site were there
   std::size_t num_cells = 0;  ///< about as many hold something
@@ -33,7 +33,7 @@ std::vector<MeshWindow> CutIntoWindows(const SurfaceMap& surface, const MeshOpti
 
 /// The mesh of one window.
 struct WindowMesh {
-  VoxelSheet sheet;  ///< before it was simplified
+  HeightMesh height_mesh;  ///< before it was simplified
   std::vector<MeshPiece> pieces;
   std::size_t num_full_triangles = 0;  ///< before they were simplified, of all pieces
 };
@@ -45,10 +45,10 @@ WindowMesh MeshWindowOf(const SurfaceMap& surface, const MeshWindow& window,
 WindowMesh MeshWithoutSimplifying(const SurfaceMap& surface, const MeshOptions& options);
 
 /// Gives vertices at seams numbers that windows agree upon: by where they are, and of several at
-/// one place (SplitFans) by their order, which is that of the cells.
+/// one place (DuplicateNonManifoldVertices) by their order, which is that of the cells.
 class SeamNumbers {
  public:
-  void Renumber(const VoxelSheet& sheet, std::vector<MeshPiece>& pieces);
+  void Renumber(const HeightMesh& mesh, std::vector<MeshPiece>& pieces);
 
  private:
   using Place = std::array<double, 3>;

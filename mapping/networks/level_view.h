@@ -12,7 +12,7 @@ namespace parkade {
 /// Images of a wide lens as the network of level views takes them: columns are azimuths, rows are
 /// elevations against the plane of the ground, and rows lie dense where the ground is far. Ground
 /// between 4 and 12 m, a few dozen rows of a fisheye's image, gets about as many again; sky and the
-/// ground at the car's foot, which are easy, get fewer. In all it has as many pixels as a image of
+/// ground at the car's foot, which are easy, get fewer. In all it has as many pixels as an image of
 /// 640 x 384 (training/level_view.py trains on the same).
 ///
 /// Immutable once made, hence thread-safe.
@@ -36,7 +36,7 @@ class LevelView {
   LevelView() = default;
 
   double heading_ = 0;          ///< [rad] of the middle column, from the ground's x to its y
-  cv::Size image_;              ///< [px] that a image is reduced to before
+  cv::Size image_;              ///< [px] that an image is reduced to before
   cv::Mat places_, fractions_;  ///< pixels of that, for cv::remap
 };
 

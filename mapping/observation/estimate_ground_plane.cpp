@@ -11,11 +11,14 @@
 #include <limits>
 #include <numbers>
 
-#include "core/error.h"
-
 namespace parkade {
 namespace {
 
+constexpr double kMaxLandmarkSigma = 0.3;  // [m] less certain landmarks are not used
+constexpr double kMaxDistance = 8.0;       // [m] of a landmark to the path, horizontally
+constexpr double kInlierDistance = 0.08;   // [m] to the plane
+constexpr double kMaxTiltDeg = 10;         // of the plane against gravity
+constexpr int kMinInliers = 40;            // fewer landmarks on one plane are no ground
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
 constexpr double kPoseSpacing = 0.3;  // [m] between the poses that landmarks are seen from
@@ -56,8 +59,8 @@ std::ptrdiff_t FindNearest(const std::vector<Rigid3>& poses, const Eigen::Vector
 
 /// Landmarks below the lowest camera, each in the body frames of a few poses nearby.
 Cloud::Ptr CollectLandmarks(const Rig& rig, const std::vector<Rigid3>& poses,
-                            const Eigen::Vector3d& up_in_body, std::span<const Landmark> landmarks,
-                            const GroundPlaneOptions& options) {
+                            const Eigen::Vector3d& up_in_body,
+                            std::span<const Landmark> landmarks) {
   double lowest_camera = std::numeric_limits<double>::max();
   for (const RigCamera& camera : rig.cameras)
     lowest_camera = std::min(lowest_camera, up_in_body.dot(camera.body_from_camera.translation));
@@ -70,7 +73,7 @@ Cloud::Ptr CollectLandmarks(const Rig& rig, const std::vector<Rigid3>& poses,
 
   Cloud::Ptr cloud(new Cloud);
   for (const Landmark& landmark : landmarks) {
-    if (!(landmark.sigma <= options.max_landmark_sigma)) continue;
+    if (!(landmark.sigma <= kMaxLandmarkSigma)) continue;
     // From the nearest pose alone every landmark lies right beside the body, and pitch would be
     // anyone's guess.
     const std::ptrdiff_t nearest = FindNearest(poses, landmark.point_in_odom);
@@ -80,7 +83,7 @@ Cloud::Ptr CollectLandmarks(const Rig& rig, const std::vector<Rigid3>& poses,
           poses[static_cast<size_t>(i)].Inverse() * landmark.point_in_odom;
       const double height = up_in_body.dot(point_in_body);
       if (height > lowest_camera - kMinCameraHeight) continue;
-      if ((point_in_body - height * up_in_body).norm() > options.max_distance) continue;
+      if ((point_in_body - height * up_in_body).norm() > kMaxDistance) continue;
       const Eigen::Vector3f point = point_in_body.cast<float>();
       cloud->push_back({point.x(), point.y(), point.z()});
     }
@@ -99,30 +102,28 @@ Cloud::Ptr RemoveOutliers(const Cloud::Ptr& cloud) {
 }
 
 /// (unit normal that points up, offset) with normal . p + offset = 0.
-std::optional<Eigen::Vector4d> FitPlane(const Cloud::Ptr& cloud, const Eigen::Vector3d& up_in_body,
-                                        const GroundPlaneOptions& options) {
+std::optional<Eigen::Vector4d> FitPlane(const Cloud::Ptr& cloud,
+                                        const Eigen::Vector3d& up_in_body) {
   pcl::SACSegmentation<pcl::PointXYZ> segmentation;
   segmentation.setModelType(pcl::SACMODEL_PERPENDICULAR_PLANE);
   segmentation.setMethodType(pcl::SAC_RANSAC);
   segmentation.setAxis(up_in_body.cast<float>());
-  segmentation.setEpsAngle(options.max_tilt_deg * std::numbers::pi / 180);
-  segmentation.setDistanceThreshold(options.inlier_distance);
+  segmentation.setEpsAngle(kMaxTiltDeg * std::numbers::pi / 180);
+  segmentation.setDistanceThreshold(kInlierDistance);
   segmentation.setMaxIterations(500);
   segmentation.setOptimizeCoefficients(true);
   segmentation.setInputCloud(cloud);
   pcl::PointIndices inliers;
   pcl::ModelCoefficients coefficients;
   segmentation.segment(inliers, coefficients);
-  if (coefficients.values.size() != 4 ||
-      inliers.indices.size() < static_cast<size_t>(options.min_inliers))
-    return std::nullopt;
+  if (coefficients.values.size() != 4 || inliers.indices.size() < kMinInliers) return std::nullopt;
   Eigen::Vector4d plane(coefficients.values[0], coefficients.values[1], coefficients.values[2],
                         coefficients.values[3]);
   plane /= plane.head<3>().norm();
   if (plane.head<3>().dot(up_in_body) < 0) plane = -plane;
   const auto is_below = [&](const pcl::PointXYZ& point) {
     return plane.head<3>().dot(Eigen::Vector3d(point.x, point.y, point.z)) + plane[3] <
-           -3 * options.inlier_distance;
+           -3 * kInlierDistance;
   };
   const auto num_below = static_cast<double>(std::count_if(cloud->begin(), cloud->end(), is_below));
   if (num_below > kMaxShareBelow * static_cast<double>(cloud->size())) return std::nullopt;
@@ -145,24 +146,15 @@ Eigen::Vector3d ForwardInBody(const Rig& rig, const std::vector<Rigid3>& poses,
 
 }  // namespace
 
-void GroundPlaneOptions::Validate() const {
-  Require(max_landmark_sigma > 0 && max_distance > 0 && inlier_distance > 0, ErrorCode::kUsage,
-          "max_landmark_sigma, max_distance and inlier_distance must be > 0 m");
-  Require(max_tilt_deg > 0 && max_tilt_deg < 90, ErrorCode::kUsage,
-          "max_tilt_deg must be in (0, 90)");
-  Require(min_inliers >= 3, ErrorCode::kUsage, "min_inliers must be at least 3");
-}
-
 std::optional<Rigid3> EstimateBodyFromGround(const Rig& rig, const Trajectory& odom_from_body,
-                                             std::span<const Landmark> landmarks,
-                                             const GroundPlaneOptions& options) {
+                                             std::span<const Landmark> landmarks) {
   if (rig.vehicle) return Rigid3{};
   const std::vector<Rigid3> poses = SpacedPoses(odom_from_body);
   if (poses.empty()) return std::nullopt;
   const Eigen::Vector3d up_in_body = MeanUpInBody(poses);
-  const Cloud::Ptr cloud = CollectLandmarks(rig, poses, up_in_body, landmarks, options);
-  if (cloud->size() < static_cast<size_t>(options.min_inliers)) return std::nullopt;
-  const std::optional<Eigen::Vector4d> plane = FitPlane(RemoveOutliers(cloud), up_in_body, options);
+  const Cloud::Ptr cloud = CollectLandmarks(rig, poses, up_in_body, landmarks);
+  if (cloud->size() < kMinInliers) return std::nullopt;
+  const std::optional<Eigen::Vector4d> plane = FitPlane(RemoveOutliers(cloud), up_in_body);
   if (!plane) return std::nullopt;
 
   Eigen::Matrix3d axes;

@@ -9,15 +9,6 @@
 
 namespace parkade {
 
-struct GroundPlaneOptions {
-  double max_landmark_sigma = 0.3;  ///< [m] less certain landmarks are not used
-  double max_distance = 8.0;        ///< [m] of a landmark to the path, horizontally
-  double inlier_distance = 0.08;    ///< [m] to the plane
-  double max_tilt_deg = 10;         ///< of the plane against gravity
-  int min_inliers = 40;             ///< fewer landmarks on one plane are no ground
-  void Validate() const;            ///< throws Error{kUsage}
-};
-
 /// The frame `ground` of a rig: z = 0 on the road under the car, x forward, origin below the
 /// body's. It is the body frame where vehicle.yaml tells it. Otherwise the plane is found in the
 /// landmarks: each is seen from a few of the body's poses nearby, so that the road under a car
@@ -25,7 +16,6 @@ struct GroundPlaneOptions {
 /// below the cameras and with next to nothing under it. Nothing where no such plane exists: too few
 /// landmarks, or a body that rolls and pitches like a drone's.
 std::optional<Rigid3> EstimateBodyFromGround(const Rig& rig, const Trajectory& odom_from_body,
-                                             std::span<const Landmark> landmarks,
-                                             const GroundPlaneOptions& options = {});
+                                             std::span<const Landmark> landmarks);
 
 }  // namespace parkade

@@ -2,24 +2,21 @@
 
 #include <algorithm>
 #include <cfloat>
-#include <deque>
-#include <memory>
 #include <numbers>
 #include <optional>
 #include <sstream>
 
-#include "core/error.h"
 #include "core/log.h"
 #include "core/parallel.h"
 #include "mapping/ground/keyframe_picker.h"
-#include "mapping/networks/level_view.h"
-#include "mapping/observation/path_seeds.h"
+#include "mapping/observation/image_labeler.h"
+#include "mapping/observation/masked_image_stream.h"
 
 namespace parkade {
 namespace {
 
-constexpr double kMaskDelay = 0.25;   // [s] of log within which the mask of an image must come
-constexpr double kSameImage = 0.002;  // [s] a mask may be stamped this far from its image
+constexpr double kSharpLength =
+    0.1;  // [m] of ground in one pixel at which an observation says half as much of what is free
 // What colors alone guess is wrong far away most often.
 constexpr double kGuessRange = 8.0;   // [m] beyond the nearest ground, up to which it is asked
 constexpr float kGuessPixel = 0.8F;   // [m] of ground in one pixel, at most ...
@@ -29,152 +26,6 @@ constexpr float kGuessFreeConfidence =
 constexpr float kBeyondRange =
     8;  // [m] to which what lies beyond the outline is kept: steps are small
 constexpr size_t kImagesPerBatch = 16;  // kept in memory at once; worked on in parallel
-
-struct ImageWithMask {
-  CameraFrame frame;
-  cv::Mat mask;  ///< empty where the log has none
-};
-
-bool IsMaskOf(const SemanticFrame& mask, const CameraFrame& frame) {
-  return mask.camera == frame.camera && std::abs(mask.time - frame.time) < kSameImage;
-}
-
-/// Joins images with their masks, which may come before or after them.
-class MaskedImageStream {
- public:
-  explicit MaskedImageStream(std::unique_ptr<RecordStream> stream) : stream_(std::move(stream)) {}
-
-  /// The next images in order of time, up to `count`; fewer only at the end.
-  std::vector<ImageWithMask> NextBatch(size_t count) {
-    std::vector<ImageWithMask> batch;
-    while (batch.size() < count && HasNext()) {
-      batch.push_back(std::move(waiting_.front()));
-      waiting_.pop_front();
-    }
-    return batch;
-  }
-
- private:
-  /// Reads on until the first image that waits has its mask, or is past hope of one.
-  bool HasNext() {
-    while (!is_at_end_ &&
-           (waiting_.empty() || (waiting_.front().mask.empty() && !IsPastHope(waiting_.front())))) {
-      std::optional<SensorRecord> record = stream_->Next();
-      if (!record) {
-        is_at_end_ = true;
-        break;
-      }
-      last_time_ = TimeOf(*record);
-      if (auto* frame = std::get_if<CameraFrame>(&*record)) Add(std::move(*frame));
-      if (auto* mask = std::get_if<SemanticFrame>(&*record)) Add(std::move(*mask));
-    }
-    return !waiting_.empty();
-  }
-
-  bool IsPastHope(const ImageWithMask& image) const {
-    return last_time_ - image.frame.time > kMaskDelay;
-  }
-
-  void Add(CameraFrame frame) {
-    ImageWithMask image{std::move(frame), {}};
-    for (SemanticFrame& mask : early_masks_)
-      if (IsMaskOf(mask, image.frame)) image.mask = mask.mask;
-    std::erase_if(early_masks_,
-                  [&](const SemanticFrame& mask) { return last_time_ - mask.time > kMaskDelay; });
-    waiting_.push_back(std::move(image));
-  }
-
-  void Add(SemanticFrame mask) {
-    for (ImageWithMask& image : waiting_)
-      if (IsMaskOf(mask, image.frame)) {
-        image.mask = std::move(mask.mask);
-        return;
-      }
-    early_masks_.push_back(std::move(mask));
-  }
-
-  std::unique_ptr<RecordStream> stream_;
-  std::deque<ImageWithMask> waiting_;
-  std::vector<SemanticFrame> early_masks_;
-  Timestamp last_time_{};
-  bool is_at_end_ = false;
-};
-
-/// What a network is shown of one camera's images, and where in it the cells of the camera's grid
-/// lie.
-struct NetworkView {
-  std::optional<LevelView> level;  ///< empty: the images as they are
-  std::vector<Eigen::Vector2f> pixels;
-};
-
-NetworkView MakeNetworkView(const RigCamera& camera, const GroundGrid& grid,
-                            const Rigid3& body_from_ground, bool wants_level) {
-  const Rigid3 ground_from_camera = body_from_ground.Inverse() * camera.body_from_camera;
-  NetworkView view;
-  if (wants_level && !grid.cells.empty())
-    view.level = LevelView::Of(camera.model, ground_from_camera);
-  view.pixels.reserve(grid.cells.size());
-  for (const GroundGridCell& cell : grid.cells) {
-    const Eigen::Vector3d point(cell.point_in_ground.x(), cell.point_in_ground.y(), 0);
-    view.pixels.push_back(view.level ? view.level->PixelOf(point - ground_from_camera.translation)
-                                     : cell.pixel);
-  }
-  return view;
-}
-
-/// Labels what images show, by the surest means there is: the log's own mask, the network, or
-/// colors.
-class ImageLabeler {
- public:
-  /// Borrows the trajectory, the grids (one per camera of the rig) and the options.
-  ImageLabeler(const Trajectory& odom_from_body, const Rigid3& body_from_ground, const Rig& rig,
-               std::span<const GroundGrid> grids, const GroundOptions& options)
-      : odom_from_body_(&odom_from_body),
-        body_from_ground_(body_from_ground),
-        contact_(WheelbaseFootprint::Of(rig)),
-        grids_(grids),
-        options_(&options) {
-    if (options.method != "network") return;
-    const bool wants_level = options.level_views && options.freespace_model.empty();
-    views_ = ParallelMap(grids.size(), [&](size_t i) {
-      return MakeNetworkView(rig.cameras[i], grids[i], body_from_ground, wants_level);
-    });
-    const auto is_level = [](const NetworkView& view) { return view.level.has_value(); };
-    if (std::ranges::any_of(views_, is_level)) level_network_ = FreespaceNetwork::OfLevelViews();
-    if (!std::ranges::all_of(views_, is_level)) image_network_.emplace(options.freespace_model);
-  }
-
-  /// Thread-safe. `colors` are those of SampleColors.
-  GroundLabels Label(const ImageWithMask& image, const cv::Mat& colors) const {
-    const auto camera = static_cast<size_t>(image.frame.camera);
-    const GroundGrid& grid = grids_[camera];
-    if (!image.mask.empty()) return {LabelsFromMask(grid, image.mask), {}, true};
-    const SegmentGroundOptions& options = options_->segmentation;
-    if (!views_.empty())
-      return LabelsFromBelief(grid, views_[camera].pixels, BeliefOf(image.frame), options);
-    return {SegmentGround(grid, colors,
-                          FindPathSeeds(grid, *odom_from_body_, image.frame.time, body_from_ground_,
-                                        contact_),
-                          options),
-            {},
-            false};
-  }
-
- private:
-  FreespaceBelief BeliefOf(const CameraFrame& frame) const {
-    const std::optional<LevelView>& level = views_[static_cast<size_t>(frame.camera)].level;
-    return level ? level_network_->Run(level->Show(frame.image)) : image_network_->Run(frame.image);
-  }
-
-  const Trajectory* odom_from_body_;
-  Rigid3 body_from_ground_;
-  WheelbaseFootprint contact_;
-  std::span<const GroundGrid> grids_;
-  const GroundOptions* options_;
-  std::vector<NetworkView> views_;  ///< one per camera; empty: no network is asked
-  std::unique_ptr<FreespaceNetwork> level_network_;
-  std::optional<FreespaceNetwork> image_network_;
-};
 
 /// Near the camera the rays lie closer than the spacing asked for: every how many-th is enough.
 int RayStride(const GroundGrid& grid, float range, double spacing) {
@@ -221,16 +72,6 @@ std::vector<GroundGrid> MakeGrids(const Rig& rig, const Rigid3& body_from_ground
 
 }  // namespace
 
-void GroundOptions::Validate() const {
-  Require(keyframe_distance > 0, ErrorCode::kUsage, "keyframe_distance must be > 0 m");
-  Require(keyframe_angle_deg > 0, ErrorCode::kUsage, "keyframe_angle_deg must be > 0");
-  Require(method == "network" || method == "colors", ErrorCode::kUsage,
-          "method must be network or colors");
-  grid.Validate();
-  segmentation.Validate();
-  plane.Validate();
-}
-
 GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const cv::Mat& colors,
                          GroundLabels&& found, const Rigid3& body_from_ground,
                          const GroundOptions& options) {
@@ -247,7 +88,7 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
     const int stride = RayStride(grid, grid.ranges[at], options.grid.spacing);
     const float footprint = grid.ranges[at] - (range > 0 ? grid.ranges[at - 1] : 0);
     // Who sees an outline in longer pixels knows less well where it is.
-    const float blur = grid.pixel_lengths[at] / static_cast<float>(options.grid.sharp_length);
+    const float blur = grid.pixel_lengths[at] / static_cast<float>(kSharpLength);
     const float sharpness = 1 / (1 + blur * blur);
     for (int ray = 0; ray < grid.num_rays; ray += stride) {
       const auto i = static_cast<size_t>(grid.IndexOf(ray, range));
@@ -287,7 +128,7 @@ GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from
   const Rig& rig = log.rig();
   GroundObservation result;
   const std::optional<Rigid3> body_from_ground =
-      EstimateBodyFromGround(rig, odom_from_body, landmarks, options.plane);
+      EstimateBodyFromGround(rig, odom_from_body, landmarks);
   if (!body_from_ground) {
     result.warnings.push_back(
         "no ground plane was found in drive '" + log.name() +

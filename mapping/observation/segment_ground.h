@@ -6,15 +6,12 @@
 #include <vector>
 
 #include "mapping/ground/ground_grid.h"
+#include "mapping/ground/ground_label.h"
 #include "mapping/networks/freespace_network.h"
 
 namespace parkade {
 
 struct SegmentGroundOptions {
-  double color_tolerance =
-      3.5;  ///< sigmas from the road's colors; higher takes in more, obstacles too
-  double max_marking_width =
-      0.3;  ///< [m] a brighter stripe this wide, with road on both sides, is paint
   double obstacle_depth =
       1.2;  ///< [m] of not-ground that a guess needs; what follows on its ray is hidden
   double hidden_confidence =
@@ -23,7 +20,6 @@ struct SegmentGroundOptions {
       2.0;  ///< [m] of not-ground of which the colors are kept: how high it is can be told
   double foot_depth =
       0.2;  ///< [m] the same for a mask or a network, to which one pixel's ground is added
-  int min_seeds = 40;  ///< with fewer, nothing is called ground
   double sure_log_odds =
       4.0;  ///< of a network from which it is taken to be sure; below, it counts in proportion
   double doubt_per_meter =
@@ -32,33 +28,12 @@ struct SegmentGroundOptions {
   void Validate() const;    ///< throws Error{kUsage}
 };
 
-enum class GroundLabel : std::uint8_t {
-  kUnknown,    ///< not visible, or hidden
-  kGround,     ///< drivable
-  kNotGround,  ///< something stands here, or the ground is not for driving
-  kHidden,     ///< shortly behind that: of what stands there most often
-  kBeyond,     ///< further behind: it says nothing of where one can drive
-  kDoubtful,   ///< drivable or not, which cannot be told from here: it has colors only
-};
-
 /// The labels of a grid's cells and how sure they are.
 struct GroundLabels {
   std::vector<GroundLabel> labels;
   std::vector<float> confidence;  ///< 0 to 1; empty: all are sure
   bool is_trusted = false;        ///< ground seen behind obstacles is believed
 };
-
-/// A guess of what is road, without a network: the road's colors and their roughness are learnt
-/// from the `seeds` (places where the car has just driven, or is about to) as a few clusters, and
-/// grown from them over neighboring places that look alike. Thin bright stripes inside are paint.
-/// Conservative: what looks unlike the road is not ground. Follow it with HideBehindObstacles.
-///
-/// \param colors  of SampleColors
-/// \param seeds   one per cell of the grid, non-zero where the road is known
-/// \return one per cell of the grid
-std::vector<GroundLabel> SegmentGround(const GroundGrid& grid, const cv::Mat& colors,
-                                       const std::vector<std::uint8_t>& seeds,
-                                       const SegmentGroundOptions& options = {});
 
 /// The labels that a mask (CV_8UC1 of the image's size, >= 128 = drivable) gives.
 std::vector<GroundLabel> LabelsFromMask(const GroundGrid& grid, const cv::Mat& mask);

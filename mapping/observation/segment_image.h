@@ -14,7 +14,7 @@ struct ImageNetworks {
   FreespaceNetwork of_images{};
 };
 
-/// What the network of level views says of a image's own pixels; beyond the view, what that of
+/// What the network of level views says of an image's own pixels; beyond the view, what that of
 /// images says. \param ground_from_camera  z of frame `ground` is up Throws Error{kInvalidInput}
 /// where the image has another size than the model, or LevelView has none of the camera.
 FreespaceBelief SegmentImage(const ImageNetworks& networks, const CameraModel& model,

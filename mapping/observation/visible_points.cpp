@@ -1,6 +1,7 @@
 #include "mapping/observation/visible_points.h"
 
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
@@ -11,6 +12,10 @@
 namespace parkade {
 namespace {
 
+constexpr double kKeyframeDistance =
+    0.25;  // [m] of travel between masks of one camera that are looked at
+constexpr double kMaxDrop =
+    3.0;  // [m] of the ground below the camera: the deck below this one is hidden
 constexpr double kMinAngle =
     3 * std::numbers::pi / 180;  // [rad] of turning between masks that are looked at
 constexpr double kSquare = 4.0;  // [m] of the squares in which points are sorted
@@ -53,8 +58,7 @@ std::vector<size_t> FindShown(const std::vector<Eigen::Vector3d>& points,
   std::vector<size_t> shown;
   squares.VisitAround(eye.head<2>(), options.max_distance, [&](size_t i) {
     const Eigen::Vector3d ray = points[i] - eye;
-    if (ray.head<2>().norm() > options.max_distance || ray.z() >= 0 || ray.z() < -options.max_drop)
-      return;
+    if (ray.head<2>().norm() > options.max_distance || ray.z() >= 0 || ray.z() < -kMaxDrop) return;
     const std::optional<Eigen::Vector2d> pixel =
         camera.model.Project(camera_from_world * points[i]);
     if (!pixel || !camera.model.IsInImage(*pixel, 1)) return;
@@ -68,8 +72,7 @@ std::vector<size_t> FindShown(const std::vector<Eigen::Vector3d>& points,
 }  // namespace
 
 void VisiblePointsOptions::Validate() const {
-  Require(max_distance > 0 && keyframe_distance > 0 && max_drop > 0, ErrorCode::kUsage,
-          "the distances of seen ground must be > 0 m");
+  Require(max_distance > 0, ErrorCode::kUsage, "max_distance of visible ground must be > 0 m");
 }
 
 Trajectory TrajectoryOf(std::span<const TimedPose> world_from_imu, const Rig& rig) {
@@ -86,7 +89,7 @@ std::vector<bool> FindVisiblePoints(const std::vector<Eigen::Vector3d>& points, 
   options.Validate();
   const Trajectory trajectory = TrajectoryOf(world_from_imu, log.rig());
   const PointSquares squares(points);
-  KeyframePicker picker(trajectory, log.rig().cameras.size(), options.keyframe_distance, kMinAngle);
+  KeyframePicker picker(trajectory, log.rig().cameras.size(), kKeyframeDistance, kMinAngle);
   const std::unique_ptr<RecordStream> records = log.Read(
       {.imu = false,
        .wheels = false,

@@ -11,9 +11,6 @@ namespace parkade {
 
 struct VisiblePointsOptions {
   double max_distance = 12;  ///< [m] of the ground to the camera
-  double keyframe_distance =
-      0.25;               ///< [m] of travel between masks of one camera that are looked at
-  double max_drop = 3.0;  ///< [m] of the ground below the camera: the deck below this one is hidden
 
   void Validate() const;  ///< throws Error{kUsage}
 };

@@ -8,9 +8,9 @@
 namespace parkade {
 
 constexpr float kComparable =
-    0.5F;  ///< of the best observation's rank: a observation that has a say beside it
+    0.5F;  ///< of the best observation's rank: an observation that has a say beside it
 constexpr float kEarlierShare =
-    0.125F;  ///< of its rank: what a observation keeps once a later drive shows the place
+    0.125F;  ///< of its rank: what an observation keeps once a later drive shows the place
 
 /// A color of the ground in one image, and how well it was seen.
 struct ColorObservation {
@@ -25,7 +25,7 @@ class BestObservations {
   bool empty() const { return observations_[0].rank == 0; }
   const ColorObservation& operator[](std::size_t i) const { return observations_[i]; }
 
-  /// Whether a observation of this rank would be kept.
+  /// Whether an observation of this rank would be kept.
   bool Wants(std::uint8_t rank) const { return rank > observations_.back().rank; }
 
   void Add(const ColorObservation& observation) {

@@ -10,7 +10,7 @@
 
 namespace parkade {
 
-/// Cells that hang together on one deck, none above another, as a image.
+/// Cells that hang together on one deck, none above another, as an image.
 struct DeckRaster {
   Eigen::Vector2i origin =
       Eigen::Vector2i::Zero();  ///< (x, y) of the cell in column 0, row 0; multiples of `align`

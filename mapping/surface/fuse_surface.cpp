@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <set>
 
 #include "core/for_each_releasing.h"
 #include "core/log.h"
 #include "core/parallel.h"
+#include "mapping/baselines/fuse_voxels.h"
 #include "mapping/ground/sort_cells.h"
 #include "mapping/surface/free_islands.h"
-#include "mapping/surface/fuse_voxels.h"
 #include "mapping/surface/paint_tile.h"
 
 namespace parkade {
@@ -80,8 +79,7 @@ SurfaceMap FuseSurface(const PatchSource& patches, std::span<const DrivenPath> p
                        std::span<const DriveHeights> heights, const SurfaceOptions& options,
                        std::span<const HeightObservation> measured) {
   options.Validate();
-  if (options.method == "homography")
-    return FuseVoxels(patches, paths, options.cell_size, options.voxels);
+  if (options.method == "homography") return FuseVoxels(patches, paths, options.cell_size);
   const HeightField field = FitHeights(heights, paths, options.Heights(), measured);
   const int cells_per_side =
       static_cast<int>(std::round(options.height.spacing / options.cell_size));
@@ -109,22 +107,6 @@ SurfaceMap FuseSurface(const PatchSource& patches, std::span<const DrivenPath> p
   LogInfo("stage=fuse_surface patches=" + std::to_string(patches.views().size()) + " nodes=" +
           std::to_string(field.num_nodes()) + " cells=" + std::to_string(surface.cells.size()));
   return surface;
-}
-
-SurfaceMap FuseSurface(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths,
-                       const SurfaceOptions& options, std::span<const HeightObservation> measured) {
-  options.Validate();
-  const PatchesInMemory source(patches);
-  std::vector<DriveHeights> heights;
-  std::set<int> drives;
-  for (const PatchView& view : source.views()) drives.insert(view.drive);
-  if (options.method == "surface")
-    for (const int drive : drives) {
-      heights.push_back(MeasureDriveHeights(PatchesOfDrive(source, drive), FindPath(paths, drive),
-                                            options.Heights(), measured));
-      heights.back().drive = drive;
-    }
-  return FuseSurface(source, paths, heights, options, measured);
 }
 
 }  // namespace parkade

@@ -38,9 +38,4 @@ SurfaceMap FuseSurface(const PatchSource& patches, std::span<const DrivenPath> p
                        std::span<const DriveHeights> heights, const SurfaceOptions& options = {},
                        std::span<const HeightObservation> measured = {});
 
-/// Also of patches in memory, whose heights are measured first.
-SurfaceMap FuseSurface(std::span<const PosedGroundPatch> patches, std::span<const DrivenPath> paths,
-                       const SurfaceOptions& options = {},
-                       std::span<const HeightObservation> measured = {});
-
 }  // namespace parkade

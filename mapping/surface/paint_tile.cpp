@@ -131,10 +131,7 @@ std::vector<PaintedCell> PaintTile(const FieldTile& tile, const PatchSource& pat
                                    const OutlineNetwork* network) {
   const int cells_per_side =
       static_cast<int>(std::round(options.height.spacing / options.cell_size));
-  SurfacePainter painter(field, cells_per_side,
-                         {options.free_log_odds, options.occupied_log_odds, options.log_odds_limit,
-                          options.change_log_odds},
-                         tile.window);
+  SurfacePainter painter(field, cells_per_side, tile.window);
   PaintDrives(patches, paths, latest, painter);
   std::vector<PaintedCell> cells = painter.Cells();
   DropFalseDecks(options.height.level_separation, cells);

@@ -1,6 +1,5 @@
 #include "mapping/surface/surface_options.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -14,19 +13,11 @@ void SurfaceOptions::Validate() const {
   Require(outlines == "observations" || outlines == "network", ErrorCode::kUsage,
           "outlines of the surface must be observations or network");
   height.Validate();
-  voxels.Validate();
   sweep.Validate();
   const double ratio = height.spacing / cell_size;
   Require(ratio >= 1 && std::abs(ratio - std::round(ratio)) < 1e-6, ErrorCode::kUsage,
           "height.spacing must be a multiple of cell_size");
-  Require(contact_sigma > 0 && suspension_sigma >= 0, ErrorCode::kUsage,
-          "contact_sigma must be > 0 m and suspension_sigma not negative");
-  Require(free_log_odds > 0 && occupied_log_odds > 0 &&
-              log_odds_limit > std::max(free_log_odds, occupied_log_odds),
-          ErrorCode::kUsage, "free_log_odds and occupied_log_odds must be in (0, log_odds_limit)");
-  Require(change_log_odds >= 0, ErrorCode::kUsage, "change_log_odds must not be negative");
   Require(max_height_sigma > 0, ErrorCode::kUsage, "max_height_sigma must be > 0 m");
-  Require(plane_share > 0 && plane_share <= 1, ErrorCode::kUsage, "plane_share must be in (0, 1]");
   Require(min_island_area >= 0, ErrorCode::kUsage, "min_island_area must not be negative");
   Require(latest_drives >= 1, ErrorCode::kUsage, "latest_drives must be 1 at least");
   Require(tile_size >= height.spacing, ErrorCode::kUsage,

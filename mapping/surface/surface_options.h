@@ -6,7 +6,6 @@
 #include "mapping/heights/drive_heights.h"
 #include "mapping/heights/height_field.h"
 #include "mapping/heights/measure_heights_options.h"
-#include "mapping/surface/fuse_voxels.h"
 
 namespace parkade {
 
@@ -16,18 +15,7 @@ struct SurfaceOptions {
       "surface";  ///< or "homography": flat ground in voxels, as in the seed paper, to compare
   std::string outlines =
       "network";  ///< corrects those that all observations together draw; or "observations" alone
-  double cell_size = 0.05;      ///< [m] of colors and free space; height.spacing must be a multiple
-  double contact_sigma = 0.01;  ///< [m] of the road's height at a wheel
-  double suspension_sigma = 0.005;  ///< [rad] of the body's pitch: adds to the front wheels
-  double plane_share =
-      0.1;  ///< weight of a square of a keyframe's plane: those around it err alike
-  double free_log_odds =
-      0.8;  ///< of one observation of free ground near the car; less with distance
-  double occupied_log_odds =
-      0.8;  ///< of one observation of something else; more keeps obstacles, and their halo, out
-  double log_odds_limit = 8.0;  ///< of one drive
-  double change_log_odds =
-      0.1;  ///< from which a drive that contradicts those before it is believed alone
+  double cell_size = 0.05;  ///< [m] of colors and free space; height.spacing must be a multiple
   double max_height_sigma = 0.12;  ///< [m] ground whose height is known less well is not mapped
   double min_island_area =
       200.0;              ///< [m^2] smaller free islands that no car drove on are most often walls
@@ -35,7 +23,6 @@ struct SurfaceOptions {
   double tile_size = 48.0;  ///< [m] of the squares painted two at a time; less takes less memory
   HeightFieldOptions height;
   MeasureHeightsOptions sweep;
-  VoxelFusionOptions voxels;  ///< of the method "homography"
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
@@ -55,9 +42,7 @@ struct SurfaceOptions {
           OptionAbout{"The last drives that saw a cell decide about it, this many.", "", 1, 100});
   }
   void Validate() const;  ///< throws Error{kUsage}
-  HeightOptions Heights() const {
-    return {contact_sigma, suspension_sigma, plane_share, height, sweep};
-  }
+  HeightOptions Heights() const { return {height, sweep}; }
 };
 
 }  // namespace parkade

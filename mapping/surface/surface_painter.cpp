@@ -1,8 +1,8 @@
 #include "mapping/surface/surface_painter.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <functional>
 #include <tuple>
 #include <utility>
 
@@ -16,19 +16,19 @@
 namespace parkade {
 namespace {
 
+constexpr double kFreeLogOdds =
+    0.8;  // of one observation of free ground near the car; less with distance
+constexpr double kOccupiedLogOdds =
+    0.8;  // of one observation of something else; more keeps obstacles, and their halo, out
 constexpr double kNearVariance = 1e-4;  // [m^2] of the height of a sample right at the car
 constexpr double kNearEnough =
     0.75;  // observations from here on are equally sharp: the first come before the own shadow
 constexpr double kKnownShift = 0.3;    // [m] along the ray at which an outline counts half
 constexpr double kLeastTrust = 0.05;   // what is seen of a poorly known height still counts
 constexpr double kMinEyeHeight = 0.2;  // [m] above the ground
-constexpr int kViewDirections = 16;    // in which views are told apart
-constexpr double kNearView = 4.0;      // [m] of distance from the camera
 constexpr double kTrustedView = 0.5;   // trust from which on it is known what was looked at
-constexpr int kCoveringViews = 1;      // from which a drive misses what an earlier one saw
-constexpr float kCoveredLogOdds = -1;  // of what is covered
 constexpr double kDoubtfulLogOdds =
-    -1e-6;  // of a observation that cannot tell: with nothing else, not drivable
+    -1e-6;  // of an observation that cannot tell: with nothing else, not drivable
 constexpr double kMaxStretch = 1.5;      // of rays: IntersectRay goes no further
 constexpr double kMaxFootprint = 1.0;    // [m] that samples stand for reach less far from them
 constexpr size_t kPatchesPerBatch = 64;  // hits of so many patches are held at once
@@ -57,12 +57,10 @@ std::optional<Eigen::Vector3d> EyeOf(const PatchView& view, const DrivenPath* pa
 }  // namespace
 
 SurfacePainter::SurfacePainter(const HeightField& field, int cells_per_side,
-                               const ObservationLogOdds& log_odds,
                                const std::optional<Eigen::AlignedBox2i>& window)
     : field_(&field),
       cells_per_side_(cells_per_side),
       cell_size_(field.spacing() / cells_per_side),
-      log_odds_(log_odds),
       slots_(static_cast<size_t>(field.num_patches()), HeightField::kNone) {
   int num_slots = 0;
   for (int patch = 0; patch < field.num_patches(); ++patch) {
@@ -132,10 +130,10 @@ void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::
       static_cast<std::uint8_t>(1 + std::lround(254 * std::min(nearness, kNearEnough)));
   // What lies far behind an outline is no observation of the ground: it only tells that there is
   // none.
-  Hit hit{.observation = {sample.blue, sample.green, sample.red,
-                          sample.IsBeyond() ? std::uint8_t{0} : rank},
-          .log_odds = static_cast<float>(log_odds),
-          .view = view};
+  Hit hit{.observation = {.color = {sample.blue, sample.green, sample.red,
+                                    sample.IsBeyond() ? std::uint8_t{0} : rank},
+                          .log_odds = static_cast<float>(log_odds),
+                          .view = view}};
   const double reach = std::max(0.0, 0.5 * (static_cast<double>(sample.footprint) - cell_size_));
   const Eigen::Vector2i low = CellAt(point.head<2>().array() - reach),
                         high = CellAt(point.head<2>().array() + reach);
@@ -192,20 +190,11 @@ SurfacePainter::SharedHits SurfacePainter::FindHits(const PatchView& view, const
     const ViewSet view_bit = has_eye && trust > kTrustedView ? ViewFrom(eye, point) : 0;
     if (sample.IsBeyond() && view_bit == 0) continue;
     AddHit(sample, found, point,
-           (sample.is_free ? log_odds_.free : -log_odds_.occupied) *
+           (sample.is_free ? kFreeLogOdds : -kOccupiedLogOdds) *
                static_cast<double>(sample.confidence) * trust,
            view_bit, hits);
   }
   return hits;
-}
-
-void SurfacePainter::Count(const Hit& hit, Evidence& evidence) const {
-  const auto limit = static_cast<float>(log_odds_.limit);
-  evidence.log_odds_now = std::clamp(evidence.log_odds_now + hit.log_odds, -limit, limit);
-  (hit.log_odds > 0 ? evidence.seen_now : evidence.hidden_now) |= hit.view;
-  (hit.log_odds > 0 ? evidence.free_sum : evidence.occupied_sum) += std::abs(hit.log_odds);
-  if (hit.observation.rank > 0)
-    evidence.observations.Add(hit.observation, /*is_first=*/!std::exchange(evidence.is_hit, true));
 }
 
 void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> indices,
@@ -223,50 +212,15 @@ void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> i
           for (size_t y = 0; y < hit.rows; ++y) {
             const auto row =
                 std::span(evidence_).subspan(hit.first + y * static_cast<size_t>(cells_per_side_));
-            for (Evidence& evidence : row.first(hit.columns)) Count(hit, evidence);
+            for (CellEvidence& evidence : row.first(hit.columns)) evidence.Count(hit.observation);
           }
         }
     });
   }
 }
 
-SurfacePainter::ViewSet SurfacePainter::ViewFrom(const Eigen::Vector3d& eye,
-                                                 const Eigen::Vector3d& point) {
-  const Eigen::Vector2d ray = (point - eye).head<2>();
-  // A turn has eight eighths, told apart by signs and by which is longer, and each two halves.
-  static_assert(kViewDirections == 16);
-  constexpr double kHalf = 0.41421356237309503;  // tangent of a sixteenth of a turn
-  const double x = std::abs(ray.x()), y = std::abs(ray.y());
-  const bool is_steep = y > x, is_outer = is_steep ? x < kHalf * y : y < kHalf * x;
-  const int direction = (ray.x() < 0) | (ray.y() < 0) << 1 | is_steep << 2 | is_outer << 3;
-  return ViewSet{1} << (direction +
-                        (ray.squaredNorm() < kNearView * kNearView ? 0 : kViewDirections));
-}
-
 void SurfacePainter::EndDrive() {
-  const auto limit = static_cast<float>(log_odds_.limit),
-             change = static_cast<float>(log_odds_.change);
-  for (Evidence& evidence : evidence_) {
-    // From where it was seen, something stands in the way now; from elsewhere it may always have
-    // been hidden.
-    const bool is_blocked =
-        std::popcount(evidence.seen_from & evidence.hidden_now) >= kCoveringViews;
-    const float now = std::exchange(evidence.log_odds_now, 0.0F);
-    const bool has_changed = now * evidence.log_odds < 0 && std::abs(now) >= change &&
-                             (now > 0 || is_blocked || evidence.is_driven);
-    evidence.log_odds = has_changed ? now : std::clamp(evidence.log_odds + now, -limit, limit);
-    if (has_changed) (now > 0 ? evidence.occupied_sum : evidence.free_sum) = 0;
-    const bool is_covered = is_blocked && evidence.seen_now == 0;
-    if (is_covered) {
-      evidence.log_odds = std::min(evidence.log_odds, kCoveredLogOdds);
-      evidence.free_sum = 0;
-      evidence.seen_from = 0;
-    }
-    evidence.is_hit = false;
-    evidence.seen_from |= evidence.seen_now;
-    evidence.hidden_from |= evidence.hidden_now;
-    evidence.seen_now = evidence.hidden_now = 0;
-  }
+  for (CellEvidence& evidence : evidence_) evidence.EndDrive();
   has_earlier_ = true;
 }
 
@@ -299,9 +253,9 @@ void SurfacePainter::MarkDriven(const DrivenPath& path) {
         const Eigen::Vector3d point = site_from_ground * Eigen::Vector3d(x, y, 0);
         const int patch = field_->FindPatch(point);
         if (patch == HeightField::kNone || !IsPainted(patch)) continue;
-        Evidence& evidence = evidence_[EvidenceAt(patch, CellAt(point.head<2>()))];
+        CellEvidence& evidence = evidence_[EvidenceAt(patch, CellAt(point.head<2>()))];
         evidence.is_driven = true;
-        evidence.log_odds = static_cast<float>(log_odds_.limit);
+        evidence.log_odds = kLogOddsLimit;
       }
     stood_from_site = site_from_ground.Inverse();
   }
@@ -313,13 +267,11 @@ std::vector<SurfacePainter::PaintedCell> SurfacePainter::Cells() const {
     std::vector<PaintedCell> cells;
     const int patch = painted_[slot];
     const auto begin = evidence_.begin() + static_cast<std::ptrdiff_t>(slot) * cells_per_patch;
-    const auto is_known = [](const Evidence& evidence) {
-      return evidence.is_driven || !evidence.observations.empty();
-    };
-    if (std::none_of(begin, begin + cells_per_patch, is_known)) return cells;
+    if (std::none_of(begin, begin + cells_per_patch, std::mem_fn(&CellEvidence::IsKnown)))
+      return cells;
     const Eigen::Vector2i corner = field_->IndexOf(patch) * cells_per_side_;
     for (int i = 0; i < cells_per_patch; ++i) {
-      const Evidence& evidence = *(begin + i);
+      const CellEvidence& evidence = *(begin + i);
       PaintedCell& painted = cells.emplace_back();
       painted.cell.x = corner.x() + i % cells_per_side_;
       painted.cell.y = corner.y() + i / cells_per_side_;
@@ -331,13 +283,7 @@ std::vector<SurfacePainter::PaintedCell> SurfacePainter::Cells() const {
       painted.cell.color = evidence.observations.Color();
       painted.is_seen = !evidence.observations.empty();
       painted.is_driven = evidence.is_driven;
-      painted.observations = {
-          .free = ObservationSummary::PackLogOdds(evidence.free_sum),
-          .occupied = ObservationSummary::PackLogOdds(evidence.occupied_sum),
-          .nearness = evidence.observations.Nearness(),
-          .disagreement = evidence.observations.Disagreement(),
-          .free_views = static_cast<std::uint8_t>(std::popcount(evidence.seen_from)),
-          .occupied_views = static_cast<std::uint8_t>(std::popcount(evidence.hidden_from))};
+      painted.observations = evidence.Summary();
     }
     return cells;
   });

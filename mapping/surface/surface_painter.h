@@ -12,16 +12,10 @@
 #include "mapping/ground/latest_drives.h"
 #include "mapping/ground/patch_source.h"
 #include "mapping/heights/height_field.h"
-#include "mapping/surface/cell_color.h"
+#include "mapping/surface/cell_evidence.h"
 #include "mapping/surface/observation_summary.h"
 
 namespace parkade {
-
-/// Log-odds that one observation near the car adds for and against free space, the largest sum, and
-/// the sum from which a drive that contradicts those before it is believed alone.
-struct ObservationLogOdds {
-  double free = 0.8, occupied = 1.2, limit = 6, change = 0.1;
-};
 
 /// Colors and free-space evidence gathered on the patches of a height field, one drive after the
 /// other.
@@ -31,7 +25,7 @@ class SurfacePainter {
   /// \param window  squares of the field that are painted, the last one being the one before max();
   /// nothing: all.
   ///                What is painted of them does not depend on the window.
-  SurfacePainter(const HeightField& field, int cells_per_side, const ObservationLogOdds& log_odds,
+  SurfacePainter(const HeightField& field, int cells_per_side,
                  const std::optional<Eigen::AlignedBox2i>& window = {});
 
   /// Whether samples of a patch may lie in the window, once they have moved along their rays.
@@ -65,27 +59,11 @@ class SurfacePainter {
   std::vector<PaintedCell> Cells() const;
 
  private:
-  /// Directions and distances from which a cell was looked at: a bit each.
-  using ViewSet = std::uint32_t;
-
-  struct Evidence {
-    float log_odds = 0;      ///< of the drives before this one
-    float log_odds_now = 0;  ///< of this drive
-    bool is_driven = false;
-    bool is_hit = false;                   ///< in this drive
-    ViewSet seen_from = 0;                 ///< in earlier drives, as free ground
-    ViewSet seen_now = 0, hidden_now = 0;  ///< in this drive; hidden: seen as something else
-    ViewSet hidden_from = 0;               ///< in earlier drives
-    float free_sum = 0, occupied_sum = 0;  ///< log-odds for and against, of all drives that count
-    CellColor observations;
-  };
   /// The range of the cells of one square that a sample stands for.
   struct Hit {
     std::uint32_t first = 0;              ///< evidence of the lowest of them
     std::uint16_t columns = 0, rows = 0;  ///< of cells
-    ColorObservation observation;
-    float log_odds = 0;
-    ViewSet view = 0;  ///< one bit, or none where it is not known well enough
+    CellObservation observation;
   };
 
   /// Squares are divided among threads.
@@ -94,9 +72,7 @@ class SurfacePainter {
 
   void Paint(const PatchSource& patches, std::span<const size_t> indices, const DrivenPath* path,
              const LatestDrives* latest);
-  void Count(const Hit& hit, Evidence& evidence) const;
   void EndDrive();
-  static ViewSet ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point);
   void AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds,
               ViewSet view, SharedHits& hits) const;
   SharedHits FindHits(const PatchView& view, const GroundPatch& patch, const DrivenPath* path,
@@ -115,13 +91,12 @@ class SurfacePainter {
   const HeightField* field_;
   int cells_per_side_;
   double cell_size_;
-  ObservationLogOdds log_odds_;
   std::vector<int> slots_;    ///< by patch: where its evidence is, or none
   std::vector<int> painted_;  ///< patches that have a slot, in order
   Eigen::AlignedBox2d
       reach_;  ///< [m] of the window, and of samples that stand for more than a cell
-  std::vector<Evidence> evidence_;  ///< slots x cells_per_side^2
-  bool has_earlier_ = false;        ///< a drive before the one that is painted
+  std::vector<CellEvidence> evidence_;  ///< slots x cells_per_side^2
+  bool has_earlier_ = false;            ///< a drive before the one that is painted
 };
 
 }  // namespace parkade

@@ -9,7 +9,7 @@
 namespace parkade {
 
 /// How far a camera sees the ground before something stands on it, by direction: what is behind
-/// shows in a image as the side of a car or a hedge. How high that is nobody knows, so that it
+/// shows in an image as the side of a car or a hedge. How high that is nobody knows, so that it
 /// hides whatever follows.
 class VisibilityHorizon {
  public:

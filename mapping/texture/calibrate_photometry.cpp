@@ -10,7 +10,7 @@ namespace parkade {
 namespace {
 
 constexpr double kPriorWeight =
-    5;  // of a image's gain, where a steep observation has 1: a few observations do not move it
+    5;  // of an image's gain, where a steep observation has 1: a few observations do not move it
 constexpr double kFalloffWeight = 1;  // of a lens without any
 constexpr double kTolerance = 0.06;  // of log-colors: observations further off count a half or less
 constexpr int kNumRounds = 4;        // of reweighting
@@ -26,7 +26,7 @@ std::span<const LightObservation> ObservationsOf(const LightPlace& place) {
   return {observations.begin(), end};
 }
 
-/// What is added to a observation's log-color: its image's gain and twice its lens's falloff, by
+/// What is added to an observation's log-color: its image's gain and twice its lens's falloff, by
 /// powers of the radius.
 struct Terms {
   std::array<int, 3> index;

@@ -9,7 +9,7 @@
 
 namespace parkade {
 
-/// How a image shows a place.
+/// How an image shows a place.
 struct LightObservation {
   std::uint32_t image = 0;
   float weight = 0;                                   ///< steepness; 0: no observation
@@ -30,7 +30,7 @@ class LightPlace {
   std::array<LightObservation, kNumObservations> observations_;  // those without weight last
 };
 
-/// A image, before its light is known.
+/// An image, before its light is known.
 struct LightPrior {
   std::uint32_t lens = 0;                            ///< images of a lens share a falloff
   Eigen::Array3f log_gain = Eigen::Array3f::Zero();  ///< what it has where little is known

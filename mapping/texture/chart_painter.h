@@ -7,40 +7,12 @@
 #include <optional>
 #include <vector>
 
-#include "core/rig.h"
 #include "mapping/ground/cell_finder.h"
-#include "mapping/ground/wheelbase_footprint.h"
 #include "mapping/surface/best_observations.h"
-#include "mapping/surface/visibility_horizon.h"
-#include "mapping/texture/exposure_and_vignetting.h"
+#include "mapping/texture/ground_image.h"
 #include "mapping/texture/texture_charts.h"
 
 namespace parkade {
-
-/// One image of the ground, and from where it was taken.
-struct GroundImage {
-  cv::Mat image;  ///< CV_8UC1 or CV_8UC3 (BGR)
-  const RigCamera* camera = nullptr;
-  Rigid3 site_from_camera;
-  Rigid3 site_from_ground;  ///< of the car: its own contact area is not looked at
-  WheelbaseFootprint contact;
-  int drive = 0;                       ///< that took it
-  std::uint32_t index = 0;             ///< among the images that paint
-  ExposureAndVignetting light = {};    ///< brings the image to the light of the others
-  VisibilityHorizon open_ground = {};  ///< what it shows of the ground
-};
-
-/// Where a image shows a point of the ground, and how steeply.
-struct GroundPixel {
-  Eigen::Vector2f pixel = Eigen::Vector2f::Zero();
-  float steepness = 0;  ///< sine of the depression, less in what may be the own shade; 0: not seen
-};
-
-/// How a image sees a point; not at all beyond `max_range` [m] (horizontally) from the camera,
-/// where something stands in the way, or on another deck than the car's: its own floor is what a
-/// image shows there. The image is not needed.
-GroundPixel SeePoint(const GroundImage& image, const Rigid3& camera_from_site,
-                     const Eigen::Vector3d& point_in_site, double max_range);
 
 /// Paints one chart. Each texel keeps the few steepest observations of it; what the most of them
 /// agree on wins, so that what passes by vanishes. The latest drive shows a place wherever it saw
@@ -54,7 +26,7 @@ class ChartPainter {
   /// drive by drive, the latest last.
   void Paint(const GroundImage& image, double max_range);
 
-  /// The image; texels without a observation have the color of their cell, those off the mesh that
+  /// The image; texels without an observation have the color of their cell, those off the mesh that
   /// of the nearest texel on it.
   TextureChart Finish(const CellFinder& cells);
 
@@ -95,13 +67,9 @@ class ChartPainter {
   std::vector<float> corner_heights_;   ///< [m] NaN where no mesh is near
   std::vector<Observations> observations_;
   std::vector<std::uint8_t>
-      least_ranks_;  ///< per block: a image of this drive that ranks no higher adds nothing
+      least_ranks_;  ///< per block: an image of this drive that ranks no higher adds nothing
   std::optional<int> drive_;    ///< whose images are being painted
   std::vector<bool> is_shown_;  ///< by it
 };
-
-/// Median of cells' blue, green and red over those of the image at the same places: what it has to
-/// be multiplied by to look like the surface; 1 where too little is seen. Within [1/3, 3].
-Eigen::Array3f FindGain(const GroundImage& image, const CellFinder& cells, double max_range);
 
 }  // namespace parkade

@@ -12,7 +12,7 @@ namespace {
 constexpr double kSquare = 4.0;      // [m] of the squares in which places are sorted
 constexpr int kNumObservations = 4;  // of a place that are wanted, as many as are painted from
 constexpr float kClearly = 1.15F;    // times as steep as the best
-constexpr int kMinPlaces = 3;        // that a image must serve
+constexpr int kMinPlaces = 3;        // that an image must serve
 
 /// A place and how steeply it is seen by the images chosen so far, the steepest first.
 struct Place {
@@ -77,7 +77,7 @@ std::vector<bool> ChooseImages(std::span<GroundImage> images,
     GroundImage& image = images[i];
     const Rigid3 camera_from_site = image.site_from_camera.Inverse();
     const Eigen::Vector3d& eye = image.site_from_camera.translation;
-    // What costs least comes first: how steep a observation can be at all, then the projection,
+    // What costs least comes first: how steep an observation can be at all, then the projection,
     // then what is in the way.
     std::vector<std::pair<Place*, float>> shown;
     const auto count_served = [&] {

@@ -6,7 +6,7 @@
 
 namespace parkade {
 
-/// What a lens and an exposure make of the light: a image's colors times At() are those of the
+/// What a lens and an exposure make of the light: an image's colors times At() are those of the
 /// ground. Gain and falloff are of blue, green, red; a lens keeps exp(-(falloff[0] r^2 + falloff[1]
 /// r^4)) of the light at r half diagonals off the image's middle.
 class ExposureAndVignetting {
@@ -16,7 +16,7 @@ class ExposureAndVignetting {
   ExposureAndVignetting() { factors_.fill({1, 1, 1}); }
   ExposureAndVignetting(const Eigen::Array3f& gain, const Falloff& falloff, int width, int height);
 
-  /// Squared distance from the middle of a image of this size, in half diagonals.
+  /// Squared distance from the middle of an image of this size, in half diagonals.
   static float SquaredRadius(const Eigen::Vector2f& pixel, int width, int height) {
     const Eigen::Vector2f middle(0.5F * static_cast<float>(width - 1),
                                  0.5F * static_cast<float>(height - 1));

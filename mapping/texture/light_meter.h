@@ -18,8 +18,8 @@ class LightMeter {
   /// do not count
   LightMeter(std::vector<Eigen::Vector3d> places, std::size_t num_images, double max_range);
 
-  /// In parallel over images; the sums do not depend on the order. `cells` give what a image's gain
-  /// is where no other image tells (FindGain).
+  /// In parallel over images; the sums do not depend on the order. `cells` give what an image's
+  /// gain is where no other image tells (FindGain).
   void Measure(std::span<const GroundImage> images, const CellFinder& cells);
 
   /// Sets each image's light, by its index. Logs how much observations of a place differ without it

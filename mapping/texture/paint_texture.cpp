@@ -29,7 +29,7 @@ const TextureSource* FindSource(std::span<const TextureSource> sources, int driv
   return found == sources.end() ? nullptr : &*found;
 }
 
-/// A image that is yet to be read.
+/// An image that is yet to be read.
 GroundImage ImageOf(const PatchView& view, const TextureSource& source) {
   const RigCamera& camera = source.log->rig().cameras[static_cast<std::size_t>(view.camera)];
   return {.image = {},
@@ -281,7 +281,7 @@ GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface,
   }
   std::sort(texture.charts.begin(), texture.charts.end(),
             [](const TextureChart& a, const TextureChart& b) {
-              return std::tie(a.row, a.column, a.sheet) < std::tie(b.row, b.column, b.sheet);
+              return std::tie(a.row, a.column, a.layer) < std::tie(b.row, b.column, b.layer);
             });
   LogInfo("stage=paint_texture charts=" + std::to_string(texture.charts.size()) +
           " images=" + std::to_string(chosen.size()) + " of " + std::to_string(images.size()));

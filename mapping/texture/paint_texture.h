@@ -15,7 +15,7 @@ namespace parkade {
 struct TextureOptions {
   bool enabled = true;       ///< false: vertex colors only
   double texel_size = 0.02;  ///< [m]
-  double chart_size = 24;    ///< [m] edge of the squares that have a image each
+  double chart_size = 24;    ///< [m] edge of the squares that have an image each
   double max_range = 14;     ///< [m] from the camera; ground further off keeps its cells' color
   double max_texels = 40e6;  ///< that are painted at once, 24 bytes each; of more ground logs are
                              ///< read several times

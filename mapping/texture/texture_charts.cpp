@@ -6,8 +6,6 @@
 #include <numeric>
 #include <unordered_map>
 
-#include "core/parallel.h"
-
 namespace parkade {
 namespace {
 
@@ -46,7 +44,7 @@ BlankChart MakeChart(const TriangleMesh& mesh, Triangles triangles, double texel
   return blank;
 }
 
-/// Heights of one triangle at the centers of the texels inside. False where another sheet is there
+/// Heights of one triangle at the centers of the texels inside. False where another layer is there
 /// already.
 bool DrawTriangle(const std::array<Eigen::Vector3d, 3>& corners, double texel_size,
                   BlankChart& blank) {
@@ -160,22 +158,11 @@ std::vector<ChartSquare> CutIntoSquares(const TriangleMesh& mesh, double chart_s
 std::vector<BlankChart> ChartsOf(const ChartSquare& square, const TriangleMesh& mesh,
                                  double texel_size) {
   std::vector<BlankChart> charts = ChartsOfSquare(mesh, square.triangles, texel_size);
-  for (std::size_t sheet = 0; sheet < charts.size(); ++sheet) {
-    charts[sheet].chart.row = square.row;
-    charts[sheet].chart.column = square.column;
-    charts[sheet].chart.sheet = static_cast<int>(sheet);
+  for (std::size_t layer = 0; layer < charts.size(); ++layer) {
+    charts[layer].chart.row = square.row;
+    charts[layer].chart.column = square.column;
+    charts[layer].chart.layer = static_cast<int>(layer);
   }
-  return charts;
-}
-
-std::vector<BlankChart> CutIntoCharts(const TriangleMesh& mesh, double chart_size,
-                                      double texel_size) {
-  const std::vector<ChartSquare> squares = CutIntoSquares(mesh, chart_size);
-  auto charts_of = ParallelMap(
-      squares.size(), [&](std::size_t i) { return ChartsOf(squares[i], mesh, texel_size); });
-  std::vector<BlankChart> charts;
-  for (auto& of_square : charts_of)
-    std::move(of_square.begin(), of_square.end(), std::back_inserter(charts));
   return charts;
 }
 

@@ -29,8 +29,4 @@ std::vector<ChartSquare> CutIntoSquares(const TriangleMesh& mesh, double chart_s
 std::vector<BlankChart> ChartsOf(const ChartSquare& square, const TriangleMesh& mesh,
                                  double texel_size);
 
-/// All charts of a mesh, sorted as GroundTexture says. In parallel, the same every time.
-std::vector<BlankChart> CutIntoCharts(const TriangleMesh& mesh, double chart_size,
-                                      double texel_size);
-
 }  // namespace parkade

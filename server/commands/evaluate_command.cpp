@@ -92,7 +92,7 @@ SlotEvaluation EvaluateMapSlots(const EvaluateArguments& arguments,
     found.push_back(stored.slot);
     for (Eigen::Vector3d& corner : found.back().corners) corner = truth_from_estimate * corner;
   }
-  return EvaluateSlots(ReadTrueSlots(arguments.slots, map.datum()), found, {},
+  return EvaluateSlots(ReadTrueSlots(arguments.slots, map.datum()), found,
                        ScopeOf(arguments, kSlotRange));
 }
 
@@ -109,7 +109,7 @@ KerbEvaluation EvaluateMapKerbs(const EvaluateArguments& arguments,
   if (!arguments.truth.empty())
     for (const TimedPose& pose : ReadTum(arguments.truth))
       scope.path.push_back(pose.world_from_frame.translation);
-  return EvaluateKerbs(ReadTrueKerbs(arguments.kerbs, map.datum()), found, {}, scope);
+  return EvaluateKerbs(ReadTrueKerbs(arguments.kerbs, map.datum()), found, scope);
 }
 
 int Evaluate(const EvaluateArguments& arguments) {

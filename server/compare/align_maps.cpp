@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/error.h"
+#include "core/statistics.h"
 #include "core/trajectory.h"
 #include "core/yaw.h"
 #include "mapping/evaluation/surface_rise.h"
@@ -19,12 +20,6 @@ constexpr double kPosesApart = 0.2;  // [s] between poses that are compared
 constexpr double kDatumsApart =
     20000;  // [m] beyond which two tangent planes count as different towns
 constexpr double kMedianToSigma = 1.48;  // of the absolute values of a normal distribution
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 SharedDrive PairPoses(const std::string& drive, const MapReader& from, const MapReader& to) {
   const Trajectory in_from = from.ReadTrajectory(drive), in_to = to.ReadTrajectory(drive);

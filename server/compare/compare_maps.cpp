@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/statistics.h"
 #include "core/trajectory.h"
 #include "core/yaw.h"
 #include "export/changes.h"
@@ -19,18 +20,11 @@ using Json = nlohmann::ordered_json;
 constexpr double kMaxSlotSigma =
     0.3;  // [m] of the alignment, beyond which a slot may be taken for its neighbor
 
-/// The value that a share of all lie below; `values` is not empty.
-double Percentile(std::vector<double> values, double share) {
-  const auto nth = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
-
 TrajectoryOffset OffsetOf(const SharedDrive& drive, const Rigid3& to_from_from) {
   std::vector<double> offsets;
   for (const PosePair& pair : drive.poses)
     offsets.push_back((pair.in_to.translation - to_from_from * pair.in_from.translation).norm());
-  return {drive.name, Percentile(offsets, 0.5), Percentile(offsets, 0.95), Percentile(offsets, 1)};
+  return {drive.name, Quantile(offsets, 0.5), Quantile(offsets, 0.95), Quantile(offsets, 1)};
 }
 
 /// Drives that `others` does not hold.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/statistics.h"
+
 namespace parkade {
 namespace {
 
@@ -22,12 +24,6 @@ std::vector<double> Errors(const std::vector<DirectionPair>& pairs,
   for (const DirectionPair& pair : pairs)
     errors.push_back(AngleBetween(turn * pair.predicted, pair.measured));
   return errors;
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace

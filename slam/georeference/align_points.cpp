@@ -1,29 +1,22 @@
 #include "slam/georeference/align_points.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <cassert>
+#include <cmath>
 
 namespace parkade {
 
 SimilarityAlignment AlignPoints(const Eigen::Matrix3Xd& source, const Eigen::Matrix3Xd& target) {
   assert(source.cols() == target.cols() && source.cols() >= 1);
-  const Eigen::Vector3d source_mean = source.rowwise().mean();
-  const Eigen::Vector3d target_mean = target.rowwise().mean();
-  const Eigen::Matrix3Xd centered_source = source.colwise() - source_mean;
-  const Eigen::Matrix3d covariance = (target.colwise() - target_mean) *
-                                     centered_source.transpose() /
-                                     static_cast<double>(source.cols());
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d signs = Eigen::Vector3d::Ones();
-  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0) signs.z() = -1;
-  const Eigen::Matrix3d rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
-
+  const Eigen::Matrix4d rigid = Eigen::umeyama(source, target, /*with_scaling=*/false);
   SimilarityAlignment alignment;
-  alignment.target_from_source.rotation = Eigen::Quaterniond(rotation).normalized();
-  alignment.target_from_source.translation = target_mean - rotation * source_mean;
-  const double variance = centered_source.squaredNorm() / static_cast<double>(source.cols());
-  if (variance > 0) alignment.scale = svd.singularValues().dot(signs) / variance;
+  alignment.target_from_source.rotation =
+      Eigen::Quaterniond(Eigen::Matrix3d(rigid.topLeftCorner<3, 3>())).normalized();
+  alignment.target_from_source.translation = rigid.topRightCorner<3, 1>();
+  const double scale =
+      Eigen::umeyama(source, target, /*with_scaling=*/true).topLeftCorner<3, 1>().norm();
+  if (std::isfinite(scale)) alignment.scale = scale;  // points that are all one have none
   return alignment;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/statistics.h"
 #include "slam/georeference/align_points.h"
 #include "slam/georeference/correlated_errors.h"
 
@@ -36,12 +37,6 @@ struct Pairs {
 
 Eigen::Vector3d InEarth(const GnssFix& fix) {
   return EarthFromSite({fix.latitude_deg, fix.longitude_deg, fix.altitude}).translation;
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// A receiver that starts up may report (0, 0) or its last parking place: the

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/statistics.h"
+
 namespace parkade {
 namespace {
 
@@ -56,9 +58,7 @@ double EstimateWhiteVariance(const Eigen::VectorXd& values, const Eigen::VectorX
     shares.push_back(0.5 * step * step - kMedianChiSquared * (1 - memory));
   }
   if (shares.size() < kMinPairs) return 1;
-  const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
-  std::nth_element(shares.begin(), middle, shares.end());
-  return std::clamp(*middle / kMedianChiSquared, kLeastWhiteVariance, 1.0);
+  return std::clamp(Median(std::move(shares)) / kMedianChiSquared, kLeastWhiteVariance, 1.0);
 }
 
 }  // namespace parkade

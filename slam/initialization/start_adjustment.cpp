@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/statistics.h"
 #include "slam/factors/landmark_parameters.h"
 
 namespace parkade {
@@ -222,12 +223,10 @@ double NoiseOf(const StartProblem& problem, const StartMotion& motion) {
           Linearize(track, BasisAcross(track.ray), observation, images[observation.image], 1, false)
               .residual.squaredNorm());
   if (squared.empty()) return 1;
-  std::nth_element(squared.begin(), squared.begin() + static_cast<long>(squared.size() / 2),
-                   squared.end());
+  const double median = NthSmallest(squared, squared.size() / 2);
   const double freedom = std::max(0.3, 1 - 1.5 * static_cast<double>(problem.tracks.size()) /
                                                static_cast<double>(squared.size()));
-  return std::clamp(std::sqrt(squared[squared.size() / 2] / kMedianOfChiSquared2 / freedom),
-                    kMinNoise, kMaxNoise);
+  return std::clamp(std::sqrt(median / kMedianOfChiSquared2 / freedom), kMinNoise, kMaxNoise);
 }
 
 }  // namespace

@@ -4,11 +4,11 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "slam/baselines/relative_pose_baselines.h"
 #include "slam/loops/keyframe_graph.h"
 #include "slam/loops/loop_shares.h"
 #include "slam/loops/reviewed_loops.h"
 #include "slam/places/estimate_rig_pose.h"
-#include "slam/places/relative_pose_baselines.h"
 #include "slam/places/widen_keyframe.h"
 #include "slam/pose_graph/robust_pose_graph.h"
 

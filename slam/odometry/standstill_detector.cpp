@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "core/error.h"
+#include "core/statistics.h"
 
 namespace parkade {
 namespace {
@@ -35,10 +36,7 @@ std::optional<MotionOfTracks> MeasureMotion(const TrackedFrame& from, const Trac
   }
   if (angles.size() < kMinCommonTracks) return std::nullopt;
   const auto quantile = [](std::vector<double>& values, double share) {
-    const auto place =
-        values.begin() + static_cast<long>(share * static_cast<double>(values.size()));
-    std::nth_element(values.begin(), place, values.end());
-    return *place;
+    return NthSmallest(values, static_cast<size_t>(share * static_cast<double>(values.size())));
   };
   return MotionOfTracks{quantile(angles, 0.5), quantile(angles, kMostTracks),
                         quantile(sigmas, 0.5)};

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "slam/places/nearest_descriptor_search.h"
+#include "slam/places/hamming.h"
 
 namespace parkade {
 namespace {
@@ -36,7 +36,8 @@ std::optional<Guess> FindNear(const RigKeyframe& keyframe, size_t index, const R
                               const RelativePoseOptions& options) {
   const KeyframeFeature& feature = keyframe.features[index];
   const Eigen::Vector3d point = other_from_keyframe * *feature.point;
-  NearestDescriptorSearch nearest(keyframe.descriptors.ptr(static_cast<int>(index)));
+  const uchar* wanted = keyframe.descriptors.ptr(static_cast<int>(index));
+  NearestDescriptor nearest;
   for (const auto& [camera, features] : by_camera) {
     const Eigen::Vector3d view = point - other.features[features.front()].origin;
     const double distance = view.norm();
@@ -44,11 +45,14 @@ std::optional<Guess> FindNear(const RigKeyframe& keyframe, size_t index, const R
     const double off = std::hypot(kPosePlace, feature.depth_sigma) / distance;
     const double cosine = std::cos(std::min(kMaxAngle, kSigmas * std::hypot(off, kPoseAngle)));
     const Eigen::Vector3d direction = view / distance;
-    for (const size_t i : features)
-      if (other.features[i].bearing.dot(direction) >= cosine) nearest.Look(other, i);
+    for (const size_t i : features) {
+      const int row = static_cast<int>(i);
+      if (other.features[i].bearing.dot(direction) >= cosine)
+        nearest.Add(row, HammingDistance(wanted, other.descriptors.ptr(row)));
+    }
   }
   const std::optional<size_t> found = nearest.Found(options.max_hamming, options.ratio);
-  return found ? std::optional(Guess{{index, *found}, nearest.hamming()}) : std::nullopt;
+  return found ? std::optional(Guess{{index, *found}, nearest.distance}) : std::nullopt;
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "slam/places/hamming.h"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -42,16 +41,8 @@ PARKADE_COUNTS_BITS NearestDescriptor FindNearestDescriptor(const uchar* descrip
                                                             const cv::Mat& descriptors) {
   const Words wanted = Load(descriptor);
   NearestDescriptor nearest;
-  for (int row = 0; row < descriptors.rows; ++row) {
-    const int distance = CountDifferent(wanted, Load(descriptors.ptr(row)));
-    if (distance < nearest.distance) {
-      nearest.second_distance = nearest.distance;
-      nearest.distance = distance;
-      nearest.index = row;
-    } else {
-      nearest.second_distance = std::min(nearest.second_distance, distance);
-    }
-  }
+  for (int row = 0; row < descriptors.rows; ++row)
+    nearest.Add(row, CountDifferent(wanted, Load(descriptors.ptr(row))));
   return nearest;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 
 namespace parkade {
 
@@ -13,6 +15,24 @@ int HammingDistance(const uchar* a, const uchar* b);
 struct NearestDescriptor {
   int index = -1;  ///< the first of equals; -1: there is none
   int distance = 8 * kDescriptorBytes, second_distance = 8 * kDescriptorBytes;
+
+  /// Takes in one more.
+  void Add(int its_index, int its_distance) {
+    if (its_distance < distance) {
+      second_distance = distance;
+      distance = its_distance;
+      index = its_index;
+    } else {
+      second_distance = std::min(second_distance, its_distance);
+    }
+  }
+
+  /// The index, or nothing when it is further than `max_distance` [bits], or two are alike: further
+  /// than `ratio` times the second.
+  std::optional<std::size_t> Found(int max_distance, double ratio) const {
+    if (index < 0 || distance > max_distance || distance > ratio * second_distance) return {};
+    return static_cast<std::size_t>(index);
+  }
 };
 
 /// Finds it among the rows of `descriptors` (CV_8UC1, 32 bytes each). About 2 ns per row.

@@ -1,6 +1,6 @@
 #include "slam/factors/triangulate.h"
 #include "slam/places/describe_keyframes.h"
-#include "slam/places/nearest_descriptor_search.h"
+#include "slam/places/hamming.h"
 
 namespace parkade {
 namespace {
@@ -17,7 +17,8 @@ constexpr double kExtraSigma = 5e-4;  // [rad] of the odometry between keyframes
 std::optional<size_t> FindAlong(const RigKeyframe& keyframe, size_t index, const RigKeyframe& other,
                                 const Rigid3& keyframe_from_other) {
   const KeyframeFeature& feature = keyframe.features[index];
-  NearestDescriptorSearch nearest(keyframe.descriptors.ptr(static_cast<int>(index)));
+  const uchar* wanted = keyframe.descriptors.ptr(static_cast<int>(index));
+  NearestDescriptor nearest;
   for (size_t i = 0; i < other.features.size(); ++i) {
     const KeyframeFeature& candidate = other.features[i];
     if (candidate.camera != feature.camera) continue;
@@ -27,7 +28,9 @@ std::optional<size_t> FindAlong(const RigKeyframe& keyframe, size_t index, const
     if (size < 0.02) continue;  // [m] there is no parallax along the way of the car
     const Eigen::Vector3d bearing = keyframe_from_other.rotation * candidate.bearing;
     const double sigma = feature.sigma + candidate.sigma + kExtraSigma;
-    if (std::abs(normal.dot(bearing)) <= kMaxOffPlane * sigma * size) nearest.Look(other, i);
+    const int row = static_cast<int>(i);
+    if (std::abs(normal.dot(bearing)) <= kMaxOffPlane * sigma * size)
+      nearest.Add(row, HammingDistance(wanted, other.descriptors.ptr(row)));
   }
   return nearest.Found(kMaxHamming, kRatio);
 }

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/error.h"
+#include "core/statistics.h"
 #include "slam/pose_graph/chi_squared.h"
 #include "slam/pose_graph/loop_support.h"
 #include "slam/pose_graph/pose_graph_start.h"
@@ -235,9 +236,7 @@ class GraduatedNonConvexity {
       if (!graph_.edges[i].is_trusted && weights_[i] > 0.5)
         ratios.push_back(squared_errors[i] / medians_[i]);
     if (ratios.size() < 20) return 1;
-    const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-    std::nth_element(ratios.begin(), middle, ratios.end());
-    return kNoiseMargin * std::sqrt(*middle);
+    return kNoiseMargin * std::sqrt(Median(std::move(ratios)));
   }
 
   /// Adds what joins parts that the trusted and the chosen edges leave apart: the loops between the

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "core/median_of.h"
+#include "core/statistics.h"
 #include "slam/factors/imu_cost.h"
 #include "slam/factors/relative_pose_cost.h"
 #include "slam/factors/wheel_cost.h"
@@ -231,12 +231,12 @@ AdjustmentStatistics DriveAdjustment::Statistics() const {
     gnss.push_back(
         MeanSquare(GnssCost(fix.antenna),
                    {nodes_[fix.first].pose, nodes_[fix.first + 1].pose, site_from_odom_}));
-  statistics.gnss = MedianOf(gnss);
+  statistics.gnss = Median(gnss);
   statistics.num_bearings = bearings.size();
-  statistics.wheels = MedianOf(wheels);
-  statistics.bearings = MedianOf(bearings);
-  statistics.loops = MedianOf(loops);
-  statistics.unused_loops = MedianOf(unused_loops);
+  statistics.wheels = Median(wheels);
+  statistics.bearings = Median(bearings);
+  statistics.loops = Median(loops);
+  statistics.unused_loops = Median(unused_loops);
   return statistics;
 }
 

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "core/log.h"
-#include "core/median_of.h"
+#include "core/statistics.h"
 #include "slam/sessions/random_walk_modes.h"
 #include "slam/sessions/session_loop_cost.h"
 
@@ -172,9 +172,9 @@ JointAdjustment AdjustJointly(const std::vector<DriveToJoin>& drives, const Loop
   for (DrivePair* pair : pairs) problem.AddLinks(*pair, *bent[pair->drive_a], *bent[pair->drive_b]);
   JointAdjustment result;
   result.num_links = static_cast<int>(problem.num_links());
-  result.before = result.after = MedianOf(SquaredErrorsOf(pairs));
+  result.before = result.after = Median(SquaredErrorsOf(pairs));
   if (problem.Solve()) {
-    result.after = MedianOf(SquaredErrorsOf(pairs));
+    result.after = Median(SquaredErrorsOf(pairs));
     for (size_t i = 0; i < drives.size(); ++i) {
       if (!bent[i]) continue;
       const std::vector<Rigid3> moved = bent[i]->WithoutMounts();

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/statistics.h"
 #include "slam/georeference/align_points.h"
 
 namespace parkade {
@@ -87,12 +88,6 @@ Eigen::Vector3d ResidualOf(const KeyframeInBoth& keyframe, const Rigid3& to_from
          to_from_from * keyframe.from_from_keyframe.translation;
 }
 
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 std::optional<SiteRegistration> RegisterSites(const std::vector<std::vector<RigKeyframe>>& from,
@@ -102,7 +97,6 @@ std::optional<SiteRegistration> RegisterSites(const std::vector<std::vector<RigK
                                               const std::optional<SitePrior>& prior) {
   const std::vector<KeyframeInBoth> keyframes = LinkSites(from, to, options, relative_pose, prior);
   if (keyframes.empty()) return std::nullopt;
-  constexpr double kMedianToSigma = 1.4826;  // of the absolute values of a normal distribution
   SiteRegistration found;
   std::vector<double> weights(keyframes.size(), 1), residuals(keyframes.size());
   double scale = 0;
@@ -110,7 +104,7 @@ std::optional<SiteRegistration> RegisterSites(const std::vector<std::vector<RigK
     found.to_from_from = Fit(keyframes, weights);
     for (size_t i = 0; i < keyframes.size(); ++i)
       residuals[i] = ResidualOf(keyframes[i], found.to_from_from).norm();
-    scale = std::max(kMinScale, kMedianToSigma * Median(residuals));
+    scale = std::max(kMinScale, MadSigma(residuals, 0));
     for (size_t i = 0; i < keyframes.size(); ++i)
       weights[i] = 1 / (1 + std::pow(residuals[i] / scale, 2));
   }
@@ -127,7 +121,7 @@ std::optional<SiteRegistration> RegisterSites(const std::vector<std::vector<RigK
     return std::nullopt;
   constexpr double kMedianOfRayleigh = 1.1774;  // of two axes, in sigmas of one
   found.horizontal_sigma = Median(horizontal) / kMedianOfRayleigh;
-  found.height_sigma = kMedianToSigma * Median(vertical);
+  found.height_sigma = MadSigma(vertical, 0);
   return found;
 }
 

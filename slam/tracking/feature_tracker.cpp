@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.h"
+#include "core/statistics.h"
 #include "slam/tracking/image_pyramid.h"
 #include "slam/tracking/lucas_kanade.h"
 #include "slam/tracking/non_maximum_suppression.h"
@@ -26,13 +27,6 @@ bool IsSet(const cv::Mat& mask, const Eigen::Vector2d& pixel) {
   const int x = static_cast<int>(std::lround(pixel.x())),
             y = static_cast<int>(std::lround(pixel.y()));
   return x >= 0 && y >= 0 && x < mask.cols && y < mask.rows && mask.at<std::uint8_t>(y, x) != 0;
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace

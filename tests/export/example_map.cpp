@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <map>
+#include <sstream>
 #include <tuple>
+#include <utility>
+
+#include "export/gltf/gltf.h"
 
 namespace parkade {
 namespace {
@@ -151,7 +155,7 @@ SiteMap MakeTexturedMap() {
     charts[key].triangles.push_back(i);
   }
   for (auto& [key, chart] : charts) {
-    std::tie(chart.row, chart.column, chart.sheet) = key;
+    std::tie(chart.row, chart.column, chart.layer) = key;
     chart.left = -25;
     chart.top = 15;
     chart.image = cv::Mat(300, 500, CV_8UC3);
@@ -181,6 +185,12 @@ SiteMap MakeMapOfNoManifold() {
   map.mesh.colors.assign(7, {200, 100, 50});
   map.mesh.height_sigmas.assign(7, 0.02F);
   return map;
+}
+
+std::string EncodeGltf(const SiteMap& map, MeshEncoding encoding) {
+  std::ostringstream stream;
+  WriteGltf(map, encoding, stream);
+  return std::move(stream).str();
 }
 
 }  // namespace parkade

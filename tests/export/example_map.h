@@ -1,6 +1,9 @@
 #pragma once
 
+#include <string>
+
 #include "core/site_map.h"
+#include "export/gltf/mesh_encoding.h"
 
 namespace parkade {
 
@@ -23,5 +26,8 @@ SiteMap MakeMapWithoutGround();
 /// No drives; triangles that are no manifold: three at one edge, and two that meet in a vertex
 /// only.
 SiteMap MakeMapOfNoManifold();
+
+/// What WriteGltf writes.
+std::string EncodeGltf(const SiteMap& map, MeshEncoding encoding);
 
 }  // namespace parkade

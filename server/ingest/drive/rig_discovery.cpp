@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "core/statistics.h"
 #include "server/ingest/drive/stream_selection.h"
 #include "server/ingest/messages/camera_info_model.h"
 #include "server/ingest/messages/message_decoding.h"
@@ -194,9 +195,7 @@ class RigCollector {
     for (std::size_t i = 1; i < imu_stamps_.size(); ++i)
       if (imu_stamps_[i] > imu_stamps_[i - 1]) steps.push_back(imu_stamps_[i] - imu_stamps_[i - 1]);
     if (steps.empty()) return std::nullopt;
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    return 1 / *middle;
+    return 1 / Median(std::move(steps));
   }
 
   const std::vector<TopicInfo>& topics_;

@@ -3,6 +3,7 @@
 #include <bitset>
 #include <cmath>
 
+#include "core/statistics.h"
 #include "server/ingest/inspection/image_history.h"
 
 namespace parkade {
@@ -22,12 +23,9 @@ double Share(const Blocks& some, const Blocks& of) {
 }
 
 /// The value that this share of all is at or below; 0 without any.
-double Quantile(std::vector<double> values, double share) {
+double LowerQuantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+  return NthSmallest(values, static_cast<size_t>(share * static_cast<double>(values.size() - 1)));
 }
 
 /// The blocks within the lens: those that are more than black at some time.
@@ -47,7 +45,7 @@ Contrasts ContrastsOf(const ImageHistory& camera, double quantile) {
     std::vector<double> values;
     for (const ImageHistory::Entry& entry : camera.entries())
       values.push_back(entry.sample.contrast[i]);
-    contrasts[i] = Quantile(std::move(values), quantile);
+    contrasts[i] = LowerQuantile(std::move(values), quantile);
   }
   return contrasts;
 }
@@ -61,7 +59,7 @@ std::array<double, ImageSample::kRows> ContrastOfRows(const ImageHistory& camera
     std::vector<double> values;
     for (std::size_t i = row * ImageSample::kColumns; i < (row + 1) * ImageSample::kColumns; ++i)
       if (lit[i]) values.push_back(usual[i]);
-    rows[row] = Quantile(std::move(values), 0.5);
+    rows[row] = LowerQuantile(std::move(values), 0.5);
   }
   return rows;
 }
@@ -84,7 +82,7 @@ bool HasMoved(const ImageSample& before, const ImageSample& after, const Blocks&
     if (lit[i] && std::min(before.contrast[i], after.contrast[i]) >= kSeeing)
       changes.push_back(static_cast<double>(after.brightness[i]) - before.brightness[i]);
   if (changes.size() < kLeastBlocks) return false;
-  const double common = Quantile(changes, 0.5);
+  const double common = LowerQuantile(changes, 0.5);
   const auto num_moved = std::count_if(changes.begin(), changes.end(), [&](double change) {
     return std::abs(change - common) > kChange;
   });
@@ -166,7 +164,7 @@ std::optional<double> MedianOfOthers(const std::vector<CameraView>& views, const
   for (const CameraView& other : views)
     if (&other != &view && !other.history->entries().empty()) values.push_back(value_of(other));
   if (values.empty()) return std::nullopt;
-  return Quantile(std::move(values), 0.5);
+  return LowerQuantile(std::move(values), 0.5);
 }
 
 void FindBlindBlocks(const std::vector<CameraView>& views, CameraView& view) {
@@ -210,9 +208,9 @@ std::vector<std::vector<CameraFault>> DetectOcclusion(
   const std::vector<Timestamp> moments = MomentsOfMotion(views);
   std::vector<std::vector<CameraFault>> covers;
   for (const CameraView& view : views) {
-    const double low = Quantile(view.shares, 0.25);
+    const double low = LowerQuantile(view.shares, 0.25);
     const auto others = MedianOfOthers(
-        views, view, [](const CameraView& other) { return Quantile(other.shares, 0.5); });
+        views, view, [](const CameraView& other) { return LowerQuantile(other.shares, 0.5); });
     CoverFinder finder(view.lit, std::min(low, others.value_or(low)), moments);
     const auto& entries = view.history->entries();
     for (std::size_t i = 1; i < entries.size(); ++i)

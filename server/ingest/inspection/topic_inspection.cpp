@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/statistics.h"
 #include "server/ingest/messages/sensor_decoding.h"
 
 namespace parkade {
@@ -112,9 +113,7 @@ TopicInspection TopicInspector::Finish() const {
   TopicInspection inspection = found_;
   std::vector<double> steps = first_steps_;
   if (!steps.empty()) {
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    inspection.median_step = *middle;
+    inspection.median_step = Median(std::move(steps));
   }
   // Messages of other types may come whenever something happens.
   const bool is_regular = HasStamp(topic_.type);

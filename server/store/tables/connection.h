@@ -37,7 +37,6 @@ class Statement {
 
   std::string Text(int column) const;  ///< "" where NULL
   std::int64_t Integer(int column) const;
-  double Real(int column) const;
   bool IsNull(int column) const;
 
  private:

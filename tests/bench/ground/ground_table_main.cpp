@@ -11,11 +11,11 @@
 #include "mapping/mesh/read_ply.h"
 #include "mapping/observation/observe_ground.h"
 #include "mapping/observation/visible_points.h"
-#include "mapping/surface/fuse_surface.h"
 #include "slam/evaluation/evaluate_trajectory.h"
 #include "tests/bench/ground/ground_images.h"
 #include "tests/bench/odometry/run_bench.h"
 #include "tests/bench/suite/suite_drive.h"
+#include "tests/mapping/worlds/fuse_patches.h"
 
 namespace parkade {
 namespace {

@@ -7,13 +7,14 @@
 #include "core/options_json.h"
 #include "mapping/evaluation/evaluate_kerbs.h"
 #include "mapping/markings/find_kerbs.h"
+#include "mapping/markings/kerb_sweep.h"
 #include "mapping/mesh/mesh_surface.h"
 #include "mapping/observation/observe_ground.h"
 #include "mapping/observation/visible_points.h"
-#include "mapping/surface/fuse_surface.h"
 #include "server/map_folder/kerbs_file.h"
 #include "tests/bench/odometry/run_bench.h"
 #include "tests/bench/suite/suite_drive.h"
+#include "tests/mapping/worlds/fuse_patches.h"
 
 namespace parkade {
 namespace {
@@ -76,11 +77,11 @@ KerbRun RunDrive(const CommandLine& line, const std::string& name,
                              ? fs::path(line.suite) / name / "truth" / "kerbs.geojson"
                              : fs::path(line.truth) / (name + ".geojson");
   VisiblePointsOptions near;
-  near.max_distance = options.kerbs.max_distance;
+  near.max_distance = kMaxKerbDistance;
   const KerbScope scope{PathOf(world_from_body), {[&](const std::vector<Eigen::Vector3d>& points) {
                           return FindVisiblePoints(points, *drive.log, drive.world_from_imu, near);
                         }}};
-  run.evaluation = EvaluateKerbs(ReadTrueKerbs(truth, {}), run.kerbs, {}, scope);
+  run.evaluation = EvaluateKerbs(ReadTrueKerbs(truth, {}), run.kerbs, scope);
   return run;
 }
 

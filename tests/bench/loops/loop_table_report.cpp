@@ -5,6 +5,7 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
+#include "core/statistics.h"
 #include "tests/bench/loops/loop_table.h"
 
 namespace parkade {
@@ -17,13 +18,6 @@ std::string Print(const char* format, Values... values) {
   char text[256];
   std::snprintf(text, sizeof text, format, values...);
   return text;
-}
-
-double MedianOf(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
 }
 
 std::vector<double> ErrorsOf(const LoopRun& run, double scale, double LoopError::*what) {
@@ -42,9 +36,9 @@ std::string RowOf(const LoopRun& run) {
       "| %s | %s | %.0f | %.3f | %.3f | %zu / %d | %.0f | %.3f | %.2f | %d | %.0f | %d / %d | %.1f "
       "|\n",
       run.drive.c_str(), run.method.c_str(), run.length, run.ate, run.drift_percent,
-      run.accepted.size(), run.num_candidates, MedianOf(inliers),
-      MedianOf(ErrorsOf(run, 1, &LoopError::translation)),
-      MedianOf(ErrorsOf(run, 180 / M_PI, &LoopError::rotation)), run.num_wrong, decks,
+      run.accepted.size(), run.num_candidates, Median(inliers),
+      Median(ErrorsOf(run, 1, &LoopError::translation)),
+      Median(ErrorsOf(run, 180 / M_PI, &LoopError::rotation)), run.num_wrong, decks,
       run.num_opposite_found, run.num_opposite_chances, run.seconds);
 }
 
@@ -59,7 +53,7 @@ std::string HonestyOf(const std::vector<LoopRun>& runs) {
     text += Print(
         " %s %.2f (%.2f)", method.c_str(),
         std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size()),
-        MedianOf(values));
+        Median(values));
   return text + ".\n";
 }
 
@@ -138,12 +132,11 @@ cv::Mat PlotLoopErrors(const std::vector<LoopRun>& runs) {
     const int top = static_cast<int>(i) * 200;
     DrawHistogram(translations, 0.4,
                   methods[i] + Print(": translation error, m (%zu loops, median %.3f)",
-                                     translations.size(), MedianOf(translations)),
+                                     translations.size(), Median(translations)),
                   image({0, top, 500, 200}));
-    DrawHistogram(
-        rotations, 1.0,
-        methods[i] + Print(": rotation error, degrees (median %.2f)", MedianOf(rotations)),
-        image({500, top, 500, 200}));
+    DrawHistogram(rotations, 1.0,
+                  methods[i] + Print(": rotation error, degrees (median %.2f)", Median(rotations)),
+                  image({500, top, 500, 200}));
   }
   return image;
 }

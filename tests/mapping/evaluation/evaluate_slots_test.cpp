@@ -47,8 +47,8 @@ TEST(EvaluateSlots, SlotsWhoseLinesWereNotSeenDoNotCount) {
     return is_seen;
   }};
   const std::vector<TrueSlot> truth = {TrueAt(0), TrueAt(2.5), TrueAt(5)};
-  EXPECT_EQ(EvaluateSlots(truth, {}, {}, scope).num_true, 1U);
-  const SlotEvaluation evaluation = EvaluateSlots(truth, {FoundAt(2.5)}, {}, scope);
+  EXPECT_EQ(EvaluateSlots(truth, {}, scope).num_true, 1U);
+  const SlotEvaluation evaluation = EvaluateSlots(truth, {FoundAt(2.5)}, scope);
   EXPECT_EQ(evaluation.num_right, 1U);  // found nevertheless
   EXPECT_EQ(evaluation.num_missed, 1U);
 }

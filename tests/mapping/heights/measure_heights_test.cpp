@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "mapping/surface/fuse_voxels.h"
+#include "mapping/baselines/fuse_voxels.h"
 
 namespace parkade {
 namespace {
@@ -191,7 +191,7 @@ TEST(FuseVoxels, TheSurfaceLiesOnThePlaneOfTheCar) {
 }
 
 TEST(FuseVoxels, RejectsVoxelsThatCellsDoNotFill) {
-  EXPECT_THROW(FuseVoxels(PatchesInMemory({}), {}, 0.03, {}), Error);
+  EXPECT_THROW(FuseVoxels(PatchesInMemory({}), {}, 0.03), Error);
 }
 
 }  // namespace

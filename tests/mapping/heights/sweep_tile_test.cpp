@@ -80,7 +80,7 @@ TEST(TileSweep, SumsUpWhatASimpleOneDoes) {
   ASSERT_EQ(fast.size(), slow.size());
   for (size_t i = 0; i < slow.size(); ++i) {
     ASSERT_GT(slow[i].num_samples, 50);
-    // A observation on the border of a cell may fall to either side.
+    // An observation on the border of a cell may fall to either side.
     EXPECT_NEAR(fast[i].num_samples, slow[i].num_samples, 2) << i;
     EXPECT_NEAR(fast[i].num_cells, slow[i].num_cells, 1) << i;
     EXPECT_NEAR(fast[i].total, slow[i].total, 0.02F * slow[i].total) << i;

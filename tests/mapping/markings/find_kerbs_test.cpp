@@ -134,7 +134,7 @@ TEST(FindKerbs, WhereNothingWasSeenBeyondTheOutlineThereIsNone) {
 
 TEST(FindKerbs, RefusesHeightsThatCannotBe) {
   KerbOptions options;
-  options.max_height = options.min_height;
+  options.min_height = 0.5;
   EXPECT_THROW(options.Validate(), Error);
 }
 

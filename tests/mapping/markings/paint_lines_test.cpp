@@ -78,7 +78,6 @@ TEST(PaintLines, DarkStripesAndEdgesOfShadowsAreNone) {
 
 TEST(PaintLines, RefuseOptionsThatMakeNoSense) {
   EXPECT_THROW(FindPaintLines(PaintedGround(4).tile(), {.stripe_width = 0.01}), Error);
-  EXPECT_THROW(FindPaintAreas(PaintedGround(4).tile(), {.min_area = 0}), Error);
 }
 
 TEST(PaintAreas, AreArrowsAndNotLines) {

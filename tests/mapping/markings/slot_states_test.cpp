@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
-
 namespace parkade {
 namespace {
 
@@ -40,7 +38,7 @@ TEST(SlotStates, AreWhatEachDriveSaw) {
       PatchOf(1, true, 0, 5, -2, 0.4),
       PatchOf(1, false, 0.4, 2.2, 0.5, 0.8),  // a car's front in the first one
       PatchOf(1, true, 2.5, 5, 0, 5)};
-  SeeSlots(PatchesInMemory(patches), {}, 3, {}, slots);
+  SeeSlots(PatchesInMemory(patches), {}, 3, slots);
   EXPECT_EQ(slots[0].states,
             (std::vector{SlotState::kFree, SlotState::kOccupied, SlotState::kUnseen}));
   EXPECT_EQ(slots[1].states, (std::vector{SlotState::kFree, SlotState::kFree, SlotState::kUnseen}));
@@ -51,20 +49,15 @@ TEST(SlotStates, WhatStandsBesideTheSlotDoesNotTakeIt) {
   const std::vector<PosedGroundPatch> patches = {PatchOf(0, true, 0.2, 2.5, 0, 5),
                                                  PatchOf(0, false, -1, 0.2, 0, 5),
                                                  PatchOf(0, false, 0, 2.5, -1, 0.3)};
-  SeeSlots(PatchesInMemory(patches), {}, 1, {}, slots);
+  SeeSlots(PatchesInMemory(patches), {}, 1, slots);
   EXPECT_EQ(slots[0].states[0], SlotState::kFree);
 }
 
 TEST(SlotStates, OtherDecksDoNotCount) {
   std::vector<ParkingSlot> slots = {SlotAt(0), SlotAt(0, 3)};
-  SeeSlots(PatchesInMemory(std::vector{PatchOf(0, true, 0, 2.5, 0, 5, 3)}), {}, 1, {}, slots);
+  SeeSlots(PatchesInMemory(std::vector{PatchOf(0, true, 0, 2.5, 0, 5, 3)}), {}, 1, slots);
   EXPECT_EQ(slots[0].states[0], SlotState::kUnseen);
   EXPECT_EQ(slots[1].states[0], SlotState::kFree);
-}
-
-TEST(SlotStates, RefuseOptionsThatMakeNoSense) {
-  std::vector<ParkingSlot> slots;
-  EXPECT_THROW(SeeSlots(PatchesInMemory({}), {}, 0, {.free_share = 0}, slots), Error);
 }
 
 }  // namespace

@@ -7,7 +7,8 @@
 #include "core/error.h"
 #include "mapping/ground/cell_finder.h"
 #include "mapping/mesh/mesh_surface.h"
-#include "mapping/surface/fuse_surface.h"
+#include "tests/mapping/worlds/deformed_mesh.h"
+#include "tests/mapping/worlds/fuse_patches.h"
 #include "tests/mapping/worlds/synthetic_drive.h"
 #include "tests/mapping/worlds/test_surfaces.h"
 

@@ -6,132 +6,49 @@
 
 #include "core/error.h"
 #include "mapping/ground/surface_links.h"
-#include "mapping/mesh/marching_cubes.h"
-#include "mapping/mesh/simplify_sheet.h"
-#include "mapping/mesh/voxel_sheet.h"
+#include "mapping/mesh/height_mesh.h"
+#include "mapping/mesh/simplify_mesh.h"
 #include "mapping/surface/join_cells.h"
 #include "tests/mapping/worlds/test_surfaces.h"
 
 namespace parkade {
 namespace {
 
-Eigen::Vector3d CornerOf(int corner) {
-  return Eigen::Vector3i(corner & 1, corner >> 1 & 1, corner >> 2 & 1).cast<double>();
-}
+class HeightMeshOf : public testing::TestWithParam<double> {};
 
-bool IsInside(int bits, int corner) { return (bits >> corner & 1) != 0; }
-
-TEST(MarchingCubes, EveryCrossedEdgeAndNoOtherIsUsed) {
-  for (int bits = 0; bits < 256; ++bits) {
-    std::set<std::pair<int, int>> used, crossed;
-    for (const auto& triangle : MarchingCubesCases()[static_cast<size_t>(bits)])
-      for (const VoxelEdge& edge : triangle) used.insert({edge.a, edge.b});
-    for (int a = 0; a < 8; ++a)
-      for (int bit : {1, 2, 4})
-        if ((a & bit) == 0 && IsInside(bits, a) != IsInside(bits, a | bit))
-          crossed.insert({a, a | bit});
-    EXPECT_EQ(used, crossed) << bits;
-  }
-}
-
-TEST(MarchingCubes, TrianglesCloseUpButOnTheFacesOfTheVoxel) {
-  for (int bits = 0; bits < 256; ++bits) {
-    std::map<std::pair<int, int>, int> directed;
-    const auto id = [](const VoxelEdge& edge) { return edge.a * 8 + edge.b; };
-    for (const auto& triangle : MarchingCubesCases()[static_cast<size_t>(bits)])
-      for (size_t i = 0; i < 3; ++i) ++directed[{id(triangle[i]), id(triangle[(i + 1) % 3])}];
-    for (const auto& [edge, count] : directed) {
-      EXPECT_EQ(count, 1) << bits;
-      if (directed.contains({edge.second, edge.first})) continue;
-      // An open side lies on one face: the four corners of its two voxel edges agree in one
-      // coordinate.
-      int all = 7, any = 0;
-      for (const int corner : {edge.first / 8, edge.first % 8, edge.second / 8, edge.second % 8})
-        all &= corner, any |= corner;
-      EXPECT_TRUE(all != 0 || any != 7) << bits;
-    }
-  }
-}
-
-TEST(MarchingCubes, NeighborsAgreeOnTheFaceBetweenThem) {
-  // Segments on the face x = 1 of one voxel and on x = 0 of the next, which shares its corners, run
-  // oppositely.
-  const auto segments = [](int bits, int x) {
-    std::multiset<std::pair<int, int>> found;
-    std::map<std::pair<int, int>, int> directed;
-    for (const auto& triangle : MarchingCubesCases()[static_cast<size_t>(bits)])
-      for (size_t i = 0; i < 3; ++i) {
-        const VoxelEdge &from = triangle[i], &to = triangle[(i + 1) % 3];
-        const auto on_face = [&](const VoxelEdge& edge) {
-          return (edge.a & 1) == x && (edge.b & 1) == x;
-        };
-        if (on_face(from) && on_face(to))
-          ++directed[{(from.a >> 1) * 4 + (from.b >> 1), (to.a >> 1) * 4 + (to.b >> 1)}];
-      }
-    for (const auto& [segment, count] : directed)
-      if (!directed.contains({segment.second, segment.first})) found.insert(segment);
-    return found;
-  };
-  for (int left = 0; left < 256; ++left)
-    for (int other = 0; other < 16; ++other) {
-      int right = 0;
-      for (int corner = 0; corner < 4; ++corner) {
-        if (IsInside(left, 2 * corner + 1)) right |= 1 << (2 * corner);
-        if (other >> corner & 1) right |= 1 << (2 * corner + 1);
-      }
-      std::multiset<std::pair<int, int>> reversed;
-      for (const auto& [from, to] : segments(right, 0)) reversed.insert({to, from});
-      ASSERT_EQ(segments(left, 1), reversed) << left << " " << right;
-    }
-}
-
-TEST(MarchingCubes, TrianglesFaceOutwards) {
-  for (int corner = 0; corner < 8; ++corner) {
-    const VoxelTriangles& triangles = MarchingCubesCases()[static_cast<size_t>(1 << corner)];
-    ASSERT_EQ(triangles.size(), 1u);
-    std::array<Eigen::Vector3d, 3> p;
-    for (size_t i = 0; i < 3; ++i)
-      p[i] = 0.5 * (CornerOf(triangles[0][i].a) + CornerOf(triangles[0][i].b));
-    const Eigen::Vector3d normal = (p[1] - p[0]).cross(p[2] - p[0]);
-    EXPECT_GT(normal.dot(p[0] - CornerOf(corner)), 0) << corner;
-  }
-}
-
-class VoxelSheetOf : public testing::TestWithParam<double> {};
-
-TEST_P(VoxelSheetOf, ASlopeLiesOnItAndIsAManifold) {
+TEST_P(HeightMeshOf, ASlopeLiesOnItAndIsAManifold) {
   const double slope = GetParam();
   const auto height = [&](double x, double y) { return 0.125 + slope * x - 0.3 * slope * y; };
   const SurfaceMap surface = MakeSurface(30, 20, 0.1, height);
 
-  const VoxelSheet sheet = ExtractSheet(surface, 0.25, 0.5);
+  const HeightMesh mesh = TriangulateHeights(surface, 0.5);
 
-  ASSERT_GE(sheet.triangles.size(), 29u * 19u * 2u);
-  for (const Eigen::Vector3d& vertex : sheet.vertices)
-    EXPECT_NEAR(vertex.z(), height(vertex.x(), vertex.y()), 1.1e-4);
+  ASSERT_EQ(mesh.triangles.size(), 29u * 19u * 2u);
+  for (const Eigen::Vector3d& vertex : mesh.vertices)
+    EXPECT_NEAR(vertex.z(), height(vertex.x(), vertex.y()), 1e-6);
   double area = 0;
-  for (const auto& [a, b, c] : sheet.triangles) {
+  for (const auto& [a, b, c] : mesh.triangles) {
     const Eigen::Vector3d normal =
-        (sheet.vertices[b] - sheet.vertices[a]).cross(sheet.vertices[c] - sheet.vertices[a]);
+        (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
     EXPECT_GT(normal.z(), -1e-12) << "counter-clockwise seen from above";
     area += 0.5 * normal.z();
   }
   EXPECT_NEAR(area, 2.9 * 1.9, 1e-6);
-  for (const auto& [edge, count] : CountDirectedEdges(sheet.triangles)) EXPECT_EQ(count, 1);
+  for (const auto& [edge, count] : CountDirectedEdges(mesh.triangles)) EXPECT_EQ(count, 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Slopes, VoxelSheetOf, testing::Values(0.0, 0.02, 0.15, 0.4, -0.15));
+INSTANTIATE_TEST_SUITE_P(Slopes, HeightMeshOf, testing::Values(0.0, 0.02, 0.15, 0.4, -0.15));
 
-TEST(VoxelSheet, VerticesWhereOnlyCornersTouchAreDoubled) {
+TEST(HeightMesh, VerticesWhereOnlyCornersTouchAreDoubled) {
   // Two blocks of cells that share one cell in the middle.
   SurfaceMap surface{0.1, {}};
   for (const SurfaceCell& cell : MakeSurface(7, 7, 0.1, [](double, double) { return 0.0; }).cells)
     if ((cell.x <= 3 && cell.y <= 3) || (cell.x >= 3 && cell.y >= 3)) surface.cells.push_back(cell);
 
-  const VoxelSheet sheet = ExtractSheet(surface, 0.25, 0.3);
+  const HeightMesh mesh = TriangulateHeights(surface, 0.3);
 
-  EXPECT_EQ(sheet.vertices.size(), 32u);
-  EXPECT_EQ(sheet.triangles.size(), 36u);
+  EXPECT_EQ(mesh.vertices.size(), 32u);
+  EXPECT_EQ(mesh.triangles.size(), 36u);
 }
 
 TEST(SurfaceLinks, JoinTheNearestHeightAndNoOther) {
@@ -213,14 +130,22 @@ TEST(MeshSurface, AnOutlineLiesWhereTheCellsPutIt) {
   EXPECT_NEAR(64 - MeshAreaOf(160, outside_pillar), 0.25, 0.06);
 }
 
-TEST(SimplifySheet, AFlatSheetOfOneColorNeedsFewTriangles) {
-  const VoxelSheet sheet =
-      ExtractSheet(MakeSurface(200, 200, 0.1, [](double, double) { return 0.0; }), 0.25, 0.3);
-  const std::vector<std::array<std::uint8_t, 3>> gray(sheet.vertices.size(), {90, 90, 90});
+HeightMesh SimplifyMesh(const HeightMesh& mesh,
+                        const std::vector<std::array<std::uint8_t, 3>>& colors,
+                        const SimplifyMeshOptions& options) {
+  HeightMesh joined;
+  JoinPieces(SimplifyPieces(mesh, colors, options), joined);
+  return joined;
+}
 
-  const VoxelSheet simple = SimplifySheet(sheet, gray, {});
+TEST(SimplifyMesh, AFlatMeshOfOneColorNeedsFewTriangles) {
+  const HeightMesh mesh =
+      TriangulateHeights(MakeSurface(200, 200, 0.1, [](double, double) { return 0.0; }), 0.3);
+  const std::vector<std::array<std::uint8_t, 3>> gray(mesh.vertices.size(), {90, 90, 90});
 
-  EXPECT_LT(simple.triangles.size(), sheet.triangles.size() / 10);
+  const HeightMesh simple = SimplifyMesh(mesh, gray, {});
+
+  EXPECT_LT(simple.triangles.size(), mesh.triangles.size() / 10);
   double area = 0;
   for (const auto& [a, b, c] : simple.triangles)
     area += 0.5 * (simple.vertices[b] - simple.vertices[a])
@@ -230,16 +155,16 @@ TEST(SimplifySheet, AFlatSheetOfOneColorNeedsFewTriangles) {
   for (const auto& [edge, count] : CountDirectedEdges(simple.triangles)) EXPECT_EQ(count, 1);
 }
 
-TEST(SimplifySheet, HeightsStayWithinTheBound) {
+TEST(SimplifyMesh, HeightsStayWithinTheBound) {
   const auto height = [](double x, double y) {
     return 0.3 * std::sin(0.4 * x) * std::cos(0.3 * y);
   };
-  const VoxelSheet sheet = ExtractSheet(MakeSurface(150, 150, 0.1, height), 0.25, 0.3);
-  const std::vector<std::array<std::uint8_t, 3>> gray(sheet.vertices.size(), {90, 90, 90});
+  const HeightMesh mesh = TriangulateHeights(MakeSurface(150, 150, 0.1, height), 0.3);
+  const std::vector<std::array<std::uint8_t, 3>> gray(mesh.vertices.size(), {90, 90, 90});
 
-  const VoxelSheet simple = SimplifySheet(sheet, gray, {.max_error = 0.01});
+  const HeightMesh simple = SimplifyMesh(mesh, gray, {.max_error = 0.01});
 
-  EXPECT_LT(simple.triangles.size(), sheet.triangles.size() / 3);
+  EXPECT_LT(simple.triangles.size(), mesh.triangles.size() / 3);
   for (const auto& [a, b, c] : simple.triangles) {
     const Eigen::Vector3d center =
         (simple.vertices[a] + simple.vertices[b] + simple.vertices[c]) / 3;
@@ -247,15 +172,15 @@ TEST(SimplifySheet, HeightsStayWithinTheBound) {
   }
 }
 
-TEST(SimplifySheet, ALineOfPaintKeepsItsPlace) {
-  const VoxelSheet sheet =
-      ExtractSheet(MakeSurface(100, 100, 0.1, [](double, double) { return 0.0; }), 0.25, 0.3);
+TEST(SimplifyMesh, ALineOfPaintKeepsItsPlace) {
+  const HeightMesh mesh =
+      TriangulateHeights(MakeSurface(100, 100, 0.1, [](double, double) { return 0.0; }), 0.3);
   std::vector<std::array<std::uint8_t, 3>> colors;
-  for (const Eigen::Vector3d& vertex : sheet.vertices)
+  for (const Eigen::Vector3d& vertex : mesh.vertices)
     colors.push_back(std::abs(vertex.x() - 5.05) < 0.01 ? std::array<std::uint8_t, 3>{220, 220, 220}
                                                         : std::array<std::uint8_t, 3>{90, 90, 90});
 
-  const VoxelSheet simple = SimplifySheet(sheet, colors, {});
+  const HeightMesh simple = SimplifyMesh(mesh, colors, {});
 
   const auto on_line = [](const Eigen::Vector3d& vertex) {
     return std::abs(vertex.x() - 5.05) < 1e-6;

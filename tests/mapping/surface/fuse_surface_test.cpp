@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "mapping/surface/surface_painter.h"
+#include "tests/mapping/worlds/fuse_patches.h"
 #include "tests/mapping/worlds/synthetic_drive.h"
 
 namespace parkade {

@@ -10,7 +10,7 @@
 #include "mapping/evaluation/evaluate_surface.h"
 #include "mapping/mesh/mesh_surface.h"
 #include "mapping/observation/observe_ground.h"
-#include "mapping/surface/fuse_surface.h"
+#include "tests/mapping/worlds/fuse_patches.h"
 #include "tests/mapping/worlds/synthetic_drive.h"
 
 namespace parkade {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "tests/mapping/worlds/all_charts.h"
 #include "tests/mapping/worlds/test_surfaces.h"
 
 namespace parkade {
@@ -122,7 +123,7 @@ TEST_F(ChartPainters, PutThePatternOfTheGroundWhereItIs) {
   EXPECT_LT(difference.largest, 12);
 }
 
-/// A image after steeper ones is left out where it adds nothing; first, it is painted and pushed
+/// An image after steeper ones is left out where it adds nothing; first, it is painted and pushed
 /// out.
 TEST_F(ChartPainters, LeaveOutOnlyWhatAddsNothing) {
   ChartPainter near_first = NewPainter(), far_first = NewPainter();

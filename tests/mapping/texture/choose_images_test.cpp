@@ -30,7 +30,7 @@ GroundImage ImageAt(double x) {
   return image;
 }
 
-/// Of `num_drives` along the same 20 m, a image every meter, each drive a little aside of the
+/// Of `num_drives` along the same 20 m, an image every meter, each drive a little aside of the
 /// others.
 std::vector<GroundImage> Drives(int num_drives) {
   std::vector<GroundImage> images;

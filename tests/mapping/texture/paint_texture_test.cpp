@@ -9,8 +9,8 @@
 #include "core/error.h"
 #include "mapping/mesh/mesh_surface.h"
 #include "mapping/observation/observe_ground.h"
-#include "mapping/surface/fuse_surface.h"
 #include "mapping/texture/exposure_and_vignetting.h"
+#include "tests/mapping/worlds/fuse_patches.h"
 #include "tests/mapping/worlds/synthetic_drive.h"
 
 namespace parkade {
@@ -168,7 +168,7 @@ TEST(PaintTexture, ThePartsLeaveNoTrace) {
   for (size_t i = 0; i < whole.charts.size(); ++i) {
     const TextureChart &a = whole.charts[i], &b = parts.charts[i];
     EXPECT_EQ(a.triangles, b.triangles);
-    EXPECT_TRUE(a.column == b.column && a.row == b.row && a.sheet == b.sheet && a.left == b.left &&
+    EXPECT_TRUE(a.column == b.column && a.row == b.row && a.layer == b.layer && a.left == b.left &&
                 a.top == b.top);
     EXPECT_EQ(cv::norm(a.image, b.image, cv::NORM_INF), 0);
     EXPECT_EQ(cv::norm(a.mask, b.mask, cv::NORM_INF), 0);

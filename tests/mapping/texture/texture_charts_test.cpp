@@ -5,6 +5,7 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 
+#include "tests/mapping/worlds/all_charts.h"
 #include "tests/mapping/worlds/test_surfaces.h"
 
 namespace parkade {
@@ -70,7 +71,7 @@ TEST(TextureCharts, AreOnePerSquareWhereTheGroundIsSingle) {
   ExpectEveryTriangleOnce(mesh, charts);
   for (size_t i = 1; i < charts.size(); ++i) {
     const auto key = [](const BlankChart& b) {
-      return std::tuple(b.chart.row, b.chart.column, b.chart.sheet);
+      return std::tuple(b.chart.row, b.chart.column, b.chart.layer);
     };
     EXPECT_LT(key(charts[i - 1]), key(charts[i]));
   }
@@ -87,7 +88,7 @@ TEST(TextureCharts, SeparateDecks) {
   ExpectEveryTriangleOnce(mesh, charts);
   EXPECT_EQ(cv::countNonZero(charts[0].chart.mask), 100 * 100);
   EXPECT_EQ(cv::countNonZero(charts[1].chart.mask), 60 * 100);
-  EXPECT_EQ(charts[1].chart.sheet, 1);
+  EXPECT_EQ(charts[1].chart.layer, 1);
 }
 
 TEST(TextureCharts, CutASpiralRampWhereItWouldLieAboveItself) {

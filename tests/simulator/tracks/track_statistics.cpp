@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <map>
 
+#include "core/statistics.h"
+
 namespace parkade::simulator {
 namespace {
 
@@ -24,18 +26,15 @@ struct Life {
   bool is_done = false;  ///< ended before the last frame
 };
 
-double Quantile(std::vector<double>& values, double share) {
+double LowerQuantile(std::vector<double>& values, double share) {
   if (values.empty()) return 0;
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+  return NthSmallest(values, static_cast<size_t>(share * static_cast<double>(values.size() - 1)));
 }
 
 /// Standard deviation of what is normal in `values`, about zero.
 double RobustSigma(std::vector<double> values) {
   for (double& value : values) value = std::abs(value);
-  return 1.4826 * Quantile(values, 0.5);
+  return 1.4826 * LowerQuantile(values, 0.5);
 }
 
 class Measurement {
@@ -70,9 +69,9 @@ class Measurement {
     result.stuck = static_cast<double>(num_stuck_) / observations;
     result.on_ground = static_cast<double>(num_ground_) / lives;
     result.in_sky = static_cast<double>(num_sky_) / lives;
-    result.near = Quantile(distances_, 0.25);
-    result.middle = Quantile(distances_, 0.5);
-    result.far = Quantile(distances_, 0.75);
+    result.near = LowerQuantile(distances_, 0.25);
+    result.middle = LowerQuantile(distances_, 0.5);
+    result.far = LowerQuantile(distances_, 0.75);
     const std::vector<double> survival = Survival();
     for (size_t i = 0; i < by_age_.size(); ++i) {
       const Errors& errors = by_age_[i];

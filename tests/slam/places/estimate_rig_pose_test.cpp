@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "slam/places/guided_matches.h"
 #include "slam/places/ray_point_correspondence.h"
-#include "slam/places/relative_pose_baselines.h"
+#include "slam/baselines/relative_pose_baselines.h"
 #include "slam/pose_graph/pose_graph.h"
 #include "tests/slam/worlds/place_world.h"
 

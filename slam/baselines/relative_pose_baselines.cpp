@@ -1,4 +1,4 @@
-#include "slam/places/relative_pose_baselines.h"
+#include "slam/baselines/relative_pose_baselines.h"
 
 #include <map>
 #include <opencv2/calib3d.hpp>

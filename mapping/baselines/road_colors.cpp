@@ -1,4 +1,4 @@
-#include "mapping/observation/road_colors.h"
+#include "mapping/baselines/road_colors.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "mapping/mesh/thin_sheet.h"
+#include "mapping/mesh/decimate_flat.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -23,18 +23,18 @@ double AreaFromAbove(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const E
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
-class SheetThinner {
+class FlatDecimator {
  public:
-  SheetThinner(const Colors& colors, const std::vector<bool>& is_kept,
-               const ThinSheetOptions& options, VoxelSheet& sheet)
+  FlatDecimator(const Colors& colors, const std::vector<bool>& is_kept,
+                const DecimateFlatOptions& options, HeightMesh& mesh)
       : colors_(colors),
         is_kept_(is_kept),
         options_(options),
-        vertices_(sheet.vertices),
-        triangles_(sheet.triangles),
-        fans_(sheet.vertices.size()) {
+        vertices_(mesh.vertices),
+        triangles_(mesh.triangles),
+        triangles_of_(mesh.vertices.size()) {
     for (std::uint32_t t = 0; t < triangles_.size(); ++t)
-      for (const std::uint32_t vertex : triangles_[t]) fans_[vertex].push_back(t);
+      for (const std::uint32_t vertex : triangles_[t]) triangles_of_[vertex].push_back(t);
   }
 
   void Run() {
@@ -57,7 +57,7 @@ class SheetThinner {
     std::erase_if(triangles_, [](const Triangle& triangle) { return triangle[0] == triangle[1]; });
     std::vector<std::uint32_t> left, number(vertices_.size());
     for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
-      if (fans_[v].empty()) continue;
+      if (triangles_of_[v].empty()) continue;
       number[v] = static_cast<std::uint32_t>(left.size());
       vertices_[left.size()] = vertices_[v];
       left.push_back(v);
@@ -69,10 +69,10 @@ class SheetThinner {
   }
 
  private:
-  /// The neighbors of a vertex inside the sheet, counter-clockwise; nothing at a border.
+  /// The neighbors of a vertex inside the mesh, counter-clockwise; nothing at a border.
   bool FindRing(std::uint32_t vertex) {
     edges_.clear();
-    for (const std::uint32_t t : fans_[vertex]) {
+    for (const std::uint32_t t : triangles_of_[vertex]) {
       const Triangle& triangle = triangles_[t];
       const size_t at = triangle[0] == vertex ? 0 : triangle[1] == vertex ? 1 : 2;
       edges_.emplace_back(triangle[(at + 1) % 3], triangle[(at + 2) % 3]);
@@ -133,13 +133,13 @@ class SheetThinner {
     return best;
   }
 
-  /// Two neighbors of the vertex alone are neighbors of the target: else the sheet would be folded.
+  /// Two neighbors of the vertex alone are neighbors of the target: else the mesh would be folded.
   bool IsLinked(std::uint32_t target) const {
     size_t count = 0;
     for (const std::uint32_t around : ring_) {
       if (around == target) continue;
-      const std::vector<std::uint32_t>& fan = fans_[around];
-      count += std::any_of(fan.begin(), fan.end(), [&](std::uint32_t t) {
+      const std::vector<std::uint32_t>& near = triangles_of_[around];
+      count += std::any_of(near.begin(), near.end(), [&](std::uint32_t t) {
         return std::find(triangles_[t].begin(), triangles_[t].end(), target) != triangles_[t].end();
       });
     }
@@ -151,15 +151,15 @@ class SheetThinner {
     if (!target) return false;
     const std::uint32_t into = ring_[*target];
     for (const std::uint32_t around : ring_) has_to_stay[around] = true;
-    for (const std::uint32_t t : std::exchange(fans_[vertex], {})) {
+    for (const std::uint32_t t : std::exchange(triangles_of_[vertex], {})) {
       Triangle& triangle = triangles_[t];
       if (std::find(triangle.begin(), triangle.end(), into) == triangle.end()) {
         std::replace(triangle.begin(), triangle.end(), vertex, into);
-        fans_[into].push_back(t);
+        triangles_of_[into].push_back(t);
         continue;
       }
       for (const std::uint32_t corner : triangle)
-        if (corner != vertex) std::erase(fans_[corner], t);
+        if (corner != vertex) std::erase(triangles_of_[corner], t);
       triangle.fill(into);
     }
     return true;
@@ -167,10 +167,10 @@ class SheetThinner {
 
   const Colors& colors_;
   const std::vector<bool>& is_kept_;
-  const ThinSheetOptions& options_;
+  const DecimateFlatOptions& options_;
   std::vector<Eigen::Vector3d>& vertices_;
   std::vector<Triangle>& triangles_;
-  std::vector<std::vector<std::uint32_t>> fans_;  ///< triangles of each vertex
+  std::vector<std::vector<std::uint32_t>> triangles_of_;  ///< triangles of each vertex
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges_;
   std::vector<std::uint32_t> ring_;
 };
@@ -184,11 +184,11 @@ bool HasContrast(const std::array<std::uint8_t, 3>& a, const std::array<std::uin
   return false;
 }
 
-std::vector<std::uint32_t> ThinSheet(const Colors& colors, const std::vector<bool>& is_kept,
-                                     const ThinSheetOptions& options, VoxelSheet& sheet) {
-  SheetThinner thinner(colors, is_kept, options, sheet);
-  thinner.Run();
-  return thinner.Compact();
+std::vector<std::uint32_t> DecimateFlat(const Colors& colors, const std::vector<bool>& is_kept,
+                                        const DecimateFlatOptions& options, HeightMesh& mesh) {
+  FlatDecimator decimator(colors, is_kept, options, mesh);
+  decimator.Run();
+  return decimator.Compact();
 }
 
 }  // namespace parkade

@@ -1,7 +1,8 @@
-#include "mapping/surface/fuse_voxels.h"
+#include "mapping/baselines/fuse_voxels.h"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <tuple>
 #include <unordered_map>
 
@@ -10,6 +11,9 @@
 namespace parkade {
 namespace {
 
+constexpr double kVoxelSize = 0.1;   // [m]; a multiple of the surface's cells
+constexpr double kTruncation = 0.2;  // [m] along a ray, before and behind where it meets the plane
+constexpr double kFreeLogOdds = 1;   // of one observation, for or against
 constexpr float kMaxWeight = 10000;  // of a voxel: as in the paper's fusion, next to no forgetting
 
 struct Voxel {
@@ -61,20 +65,18 @@ void Integrate(const GroundSample& sample, float distance, float log_odds, Voxel
 /// Every voxel that the ray passes within the truncation gets the distance to the sample along the
 /// ray.
 void CastRay(const Eigen::Vector3d& eye, const Eigen::Vector3d& point, const GroundSample& sample,
-             const VoxelFusionOptions& options, VoxelGrid& grid) {
+             VoxelGrid& grid) {
   const Eigen::Vector3d ray = (point - eye).normalized();
   const auto log_odds =
-      static_cast<float>((sample.is_free ? 1 : -1) * options.free_log_odds) * sample.confidence;
+      static_cast<float>((sample.is_free ? 1 : -1) * kFreeLogOdds) * sample.confidence;
   Eigen::Vector3i last = Eigen::Vector3i::Constant(INT_MAX);
-  for (double along = -options.truncation; along <= options.truncation;
-       along += 0.5 * options.voxel_size) {
+  for (double along = -kTruncation; along <= kTruncation; along += 0.5 * kVoxelSize) {
     const Eigen::Vector3i index = grid.IndexOf(point + along * ray);
     if (index == last) continue;
     last = index;
     const double distance = (point - grid.CenterOf(index)).dot(ray);
-    Integrate(sample,
-              static_cast<float>(std::clamp(distance, -options.truncation, options.truncation)),
-              log_odds, grid.At(index));
+    Integrate(sample, static_cast<float>(std::clamp(distance, -kTruncation, kTruncation)), log_odds,
+              grid.At(index));
   }
 }
 
@@ -105,19 +107,12 @@ void AddCells(int x, int y, const std::map<int, Voxel>& column, int cells_per_vo
 
 }  // namespace
 
-void VoxelFusionOptions::Validate() const {
-  Require(voxel_size > 0 && truncation >= voxel_size, ErrorCode::kUsage,
-          "voxel_size must be > 0 m and truncation not less");
-  Require(free_log_odds > 0, ErrorCode::kUsage, "free_log_odds of the voxels must be > 0");
-}
-
 SurfaceMap FuseVoxels(const PatchSource& patches, std::span<const DrivenPath> paths,
-                      double cell_size, const VoxelFusionOptions& options) {
-  options.Validate();
-  const int cells_per_voxel = static_cast<int>(std::lround(options.voxel_size / cell_size));
-  Require(cells_per_voxel >= 1 && std::abs(cells_per_voxel * cell_size - options.voxel_size) < 1e-9,
+                      double cell_size) {
+  const int cells_per_voxel = static_cast<int>(std::lround(kVoxelSize / cell_size));
+  Require(cells_per_voxel >= 1 && std::abs(cells_per_voxel * cell_size - kVoxelSize) < 1e-9,
           ErrorCode::kUsage, "voxel_size must be a multiple of cell_size");
-  VoxelGrid grid(options.voxel_size);
+  VoxelGrid grid(kVoxelSize);
   for (size_t i = 0; i < patches.views().size(); ++i) {
     const PosedGroundPatch posed = patches.Read(i);
     const DrivenPath* path = FindPath(paths, posed.patch.drive);
@@ -126,13 +121,12 @@ SurfaceMap FuseVoxels(const PatchSource& patches, std::span<const DrivenPath> pa
     const Eigen::Vector3d eye = posed.site_from_body * path->cameras_in_body[camera];
     for (const GroundSample& sample : posed.patch.samples) {
       if (sample.confidence <= 0) continue;
-      CastRay(eye, posed.site_from_body * sample.point_in_body.cast<double>(), sample, options,
-              grid);
+      CastRay(eye, posed.site_from_body * sample.point_in_body.cast<double>(), sample, grid);
     }
   }
   SurfaceMap surface{cell_size, {}};
   grid.VisitColumns([&](int x, int y, const std::map<int, Voxel>& column) {
-    AddCells(x, y, column, cells_per_voxel, options.voxel_size, surface);
+    AddCells(x, y, column, cells_per_voxel, kVoxelSize, surface);
   });
   std::sort(surface.cells.begin(), surface.cells.end(),
             [](const SurfaceCell& a, const SurfaceCell& b) {

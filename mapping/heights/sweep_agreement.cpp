@@ -1,0 +1,57 @@
+#include "mapping/heights/sweep_agreement.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/statistics.h"
+
+namespace parkade {
+
+void Agreement::Add(const Agreement& other) {
+  residual += other.residual;
+  total += other.total;
+  weight += other.weight;
+  num_samples += other.num_samples;
+  num_cells += other.num_cells;
+  num_means += other.num_means;
+}
+
+double Agreement::Misfit() const {
+  const double freedom = num_samples - num_cells;
+  if (!(freedom > 0 && total > 0)) return 1;
+  return static_cast<double>(residual) / static_cast<double>(total) * (num_samples - num_means) /
+         freedom;
+}
+
+bool IsSeenWell(const Agreement& agreement, const SweepDemands& demands) {
+  if (agreement.num_samples < demands.samples_per_cell * agreement.num_cells ||
+      agreement.num_cells < demands.num_cells)
+    return false;
+  const double contrast =
+      std::sqrt(static_cast<double>(agreement.total / std::max(agreement.weight, 1e-6F)));
+  return contrast >= demands.contrast;
+}
+
+bool IsClear(const std::vector<double>& misfits, std::size_t best, const SweepClarity& clarity) {
+  if (misfits[best] > clarity.max_misfit * Median(misfits)) return false;
+  const auto rival_steps = static_cast<std::size_t>(clarity.rival_steps);
+  for (std::size_t i = 1; i + 1 < misfits.size(); ++i) {
+    const bool is_elsewhere = i + rival_steps <= best || best + rival_steps <= i;
+    const bool is_dip = misfits[i] <= misfits[i - 1] && misfits[i] <= misfits[i + 1];
+    if (is_elsewhere && is_dip && misfits[best] > clarity.max_rivalry * misfits[i]) return false;
+  }
+  return true;
+}
+
+std::optional<SweepMinimum> FitMinimum(std::span<const double> misfits, std::size_t best,
+                                       double step, int freedom) {
+  const double before = misfits[best - 1], here = misfits[best], after = misfits[best + 1];
+  const double curvature = before - 2 * here + after;
+  if (curvature <= 0) return std::nullopt;
+  // Misfit is a mean of squares: its noise is misfit / freedom, its second derivative curvature /
+  // step^2.
+  return SweepMinimum{0.5 * step * (before - after) / curvature,
+                      kViewCorrelation * 2 * here * step * step / (curvature * freedom)};
+}
+
+}  // namespace parkade

@@ -1,0 +1,158 @@
+#include "mapping/markings/kerb_steps.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "mapping/heights/sweep_agreement.h"
+#include "mapping/markings/kerb_sweep.h"
+
+namespace parkade {
+namespace {
+
+constexpr StripWindow kBeyond{
+    0.05, -0.06, KerbStep::kMaxHeight};             // what lies nearer may be the front of the step
+constexpr StripWindow kBefore{-0.65, -0.08, 0.08};  // the rim may be of something else
+constexpr double kSeenShare =
+    0.5;  // of the samples at the height that has most: with fewer none is judged
+constexpr double kMinObservations = 6;  // of a cell on average: less agrees by chance
+constexpr double kMinCells = 0.5;       // of those of a strip and those beside it
+constexpr double kMinContrast = 1.5;    // [gray values] rms
+constexpr int kRivalSteps = 4;   // of the sweep from the best height to what may be another one
+constexpr int kMinHeights = 10;  // of a sweep
+constexpr double kFarDip =
+    0.8;  // of the misfit farther off at the best height, of that below it ...
+constexpr double kFarRise = 0.9;  // ... and above it
+constexpr double kFarBelow = 0.04,
+                 kFarAbove = 0.02;  // [m] it may lie below or above what is next to the outline
+constexpr double kUnknownGround = 0.01;  // [m] of the ground at the outline where it was not swept
+constexpr int kMinViews = 5;             // of a strip
+
+/// What several strips say together.
+std::vector<Agreement> SumOf(std::span<const std::size_t> indices,
+                             std::span<const SweptStrip> swept, bool is_near, bool is_far) {
+  std::vector<Agreement> sums;
+  for (const std::size_t i : indices)
+    for (const auto* part :
+         {is_near ? &swept[i].near_outline : nullptr, is_far ? &swept[i].far_off : nullptr}) {
+      if (part == nullptr || part->empty()) continue;
+      sums.resize(part->size());
+      for (std::size_t k = 0; k < part->size(); ++k) sums[k].Add((*part)[k]);
+    }
+  return sums;
+}
+
+/// Misfits at those heights of a sweep at which enough is seen.
+struct Misfits {
+  std::size_t first = 0;  ///< step of the sweep that the first is of
+  std::vector<double> values = {};
+};
+
+Misfits MisfitsOf(const std::vector<Agreement>& agreements) {
+  if (agreements.empty()) return {};
+  const auto most =
+      std::max_element(agreements.begin(), agreements.end(),
+                       [](const auto& a, const auto& b) { return a.num_samples < b.num_samples; });
+  const auto is_seen = [&](const Agreement& at) {
+    return at.num_samples > 0 && at.num_samples >= kSeenShare * most->num_samples;
+  };
+  auto begin = most, end = most;
+  while (begin != agreements.begin() && is_seen(*(begin - 1))) --begin;
+  while (end != agreements.end() && is_seen(*end)) ++end;
+  Misfits misfits{static_cast<std::size_t>(begin - agreements.begin())};
+  for (auto at = begin; at != end; ++at) misfits.values.push_back(at->Misfit());
+  return misfits;
+}
+
+/// How clear a dip of the misfit must be. \see SweepClarity
+struct Clarity {
+  double max_misfit = 0, max_rivalry = 0;
+  double max_side = 0;  ///< of the greatest misfit below it, and of that above
+};
+
+/// The height at which views agree, unless they do nowhere, or as well elsewhere. `num_cells` are
+/// all there are.
+std::optional<KerbStep> FindStep(const std::vector<Agreement>& agreements,
+                                 const StripWindow& window, double num_cells,
+                                 const Clarity& clarity) {
+  const auto [first, misfits] = MisfitsOf(agreements);
+  if (misfits.size() < kMinHeights) return {};
+  const auto lowest = std::min_element(misfits.begin(), misfits.end());
+  const auto best = static_cast<std::size_t>(lowest - misfits.begin());
+  if (best < 2 || best + 3 > misfits.size()) return {};
+  const Agreement& at = agreements[first + best];
+  if (!IsSeenWell(at, {kMinObservations, kMinCells * num_cells, kMinContrast}) ||
+      !IsClear(misfits, best, {clarity.max_misfit, clarity.max_rivalry, kRivalSteps}))
+    return {};
+  const double below = *std::max_element(misfits.begin(), lowest),
+               above = *std::max_element(lowest + 1, misfits.end());
+  if (*lowest > clarity.max_side * std::min(below, above)) return {};
+  const std::optional<SweepMinimum> minimum =
+      FitMinimum(misfits, best, StripWindow::kHeightStep, at.num_samples);
+  if (!minimum) return {};
+  return KerbStep{window.HeightAt(static_cast<double>(first + best)) + minimum->offset,
+                  std::sqrt(minimum->variance)};
+}
+
+/// Whether what lies farther off is as high: then the step has a level top.
+bool IsLevel(const std::vector<Agreement>& far_off, double height) {
+  const Misfits seen = MisfitsOf(far_off);
+  const std::vector<double>& misfits = seen.values;
+  const auto step_at = [&](double at) {
+    const double step =
+        (at - kBeyond.HeightAt(static_cast<double>(seen.first))) / StripWindow::kHeightStep;
+    return std::clamp(static_cast<std::ptrdiff_t>(std::lround(step)), std::ptrdiff_t{1},
+                      static_cast<std::ptrdiff_t>(misfits.size()) - 2);
+  };
+  if (misfits.size() < kMinHeights) return false;
+  const auto begin = misfits.begin() + step_at(height - kFarBelow),
+             end = misfits.begin() + step_at(height + kFarAbove);
+  const auto best = std::min_element(begin, end + 1);
+  return *best <= kFarDip * *std::max_element(misfits.begin(), best) &&
+         *best <= kFarRise * *std::max_element(best + 1, misfits.end());
+}
+
+}  // namespace
+
+std::vector<std::size_t> Around(const OutlineStrip& strip, const StripsAlong& along, int reach) {
+  std::vector<std::size_t> around;
+  for (int i = -reach; i <= reach; ++i) {
+    const int index = ((strip.index + i) % strip.ring_size + strip.ring_size) % strip.ring_size;
+    const auto found = along.find({strip.ring, index});
+    if (found != along.end() &&
+        std::find(around.begin(), around.end(), found->second) == around.end())
+      around.push_back(found->second);
+  }
+  return around;
+}
+
+std::vector<std::optional<KerbStep>> MeasureSteps(std::span<const OutlineStrip> strips,
+                                                  const StripsAlong& along,
+                                                  const PatchSource& patches,
+                                                  std::span<const DrivenPath> paths) {
+  constexpr Clarity kClear{0.85, 0.9, 0.85};
+  constexpr Clarity kFaint{0.97, 0.98, 0.95};  // what the ground's height is, is nearly known
+  constexpr double kCellsPerStrip = (StripWindow::kNearRows + StripWindow::kFarRows) *
+                                    KerbStep::kStripLength / StripWindow::kCellSize;
+  constexpr double kNumCells = kCellsPerStrip * (2 * KerbStep::kReach + 1);
+  const std::array<StripWindow, 2> windows = {kBeyond, kBefore};
+  const auto swept = SweepStrips(strips, KerbStep::kStripLength, patches, paths, windows);
+  const std::vector<SweptStrip>&beyond = swept[0], &before = swept[1];
+  std::vector<std::optional<KerbStep>> steps(strips.size());
+  for (std::size_t i = 0; i < strips.size(); ++i) {
+    if (beyond[i].num_views < kMinViews) continue;
+    const std::vector<std::size_t> around = Around(strips[i], along, KerbStep::kReach);
+    std::optional<KerbStep> top =
+        FindStep(SumOf(around, beyond, true, true), kBeyond, kNumCells, kClear);
+    if (!top || !IsLevel(SumOf(around, beyond, false, true), top->height)) continue;
+    const std::optional<KerbStep> ground =
+        FindStep(SumOf(around, before, true, true), kBefore, kNumCells, kFaint);
+    if (ground) top->height -= ground->height;
+    top->sigma =
+        std::hypot(top->sigma, ground ? ground->sigma : kUnknownGround, KerbStep::kLeastSigma);
+    steps[i] = top;
+  }
+  return steps;
+}
+
+}  // namespace parkade

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "mapping/ground/driven_path.h"
+#include "mapping/ground/patch_source.h"
+#include "mapping/markings/outline_strips.h"
+
+namespace parkade {
+
+/// A step up at the outline, as one strip and those beside it tell it.
+struct KerbStep {
+  static constexpr double kMaxHeight = 0.34;    ///< [m] more is not looked for
+  static constexpr double kLeastSigma = 0.005;  ///< [m]
+  static constexpr double kStripLength = 1.0;   ///< [m]
+  static constexpr int kReach = 1;  ///< strips to each side that are asked together with one
+
+  double height = 0, sigma = 0;  ///< [m]
+};
+
+/// Strips by ring and place along it.
+using StripsAlong = std::map<std::pair<int, int>, std::size_t>;
+
+/// The strips up to `reach` to each side of one, and itself.
+std::vector<std::size_t> Around(const OutlineStrip& strip, const StripsAlong& along, int reach);
+
+/// The steps of all strips that tell one, however high they are: what lies just beyond the outline
+/// is swept, next to it and farther off, and so is the ground before it. One entry per strip. In
+/// parallel, the same every time.
+std::vector<std::optional<KerbStep>> MeasureSteps(std::span<const OutlineStrip> strips,
+                                                  const StripsAlong& along,
+                                                  const PatchSource& patches,
+                                                  std::span<const DrivenPath> paths);
+
+}  // namespace parkade

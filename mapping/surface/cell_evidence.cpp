@@ -1,0 +1,59 @@
+#include "mapping/surface/cell_evidence.h"
+
+#include <bit>
+
+namespace parkade {
+namespace {
+
+constexpr float kChangeLogOdds =
+    0.1F;  // from which a drive that contradicts those before it is believed alone
+constexpr int kViewDirections = 16;    // in which views are told apart
+constexpr double kNearView = 4.0;      // [m] of distance from the camera
+constexpr int kCoveringViews = 1;      // from which a drive misses what an earlier one saw
+constexpr float kCoveredLogOdds = -1;  // of what is covered
+
+}  // namespace
+
+ViewSet ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point) {
+  const Eigen::Vector2d ray = (point - eye).head<2>();
+  // A turn has eight eighths, told apart by signs and by which is longer, and each two halves.
+  static_assert(kViewDirections == 16);
+  constexpr double kHalf = 0.41421356237309503;  // tangent of a sixteenth of a turn
+  const double x = std::abs(ray.x()), y = std::abs(ray.y());
+  const bool is_steep = y > x, is_outer = is_steep ? x < kHalf * y : y < kHalf * x;
+  const int direction = (ray.x() < 0) | (ray.y() < 0) << 1 | is_steep << 2 | is_outer << 3;
+  return ViewSet{1} << (direction +
+                        (ray.squaredNorm() < kNearView * kNearView ? 0 : kViewDirections));
+}
+
+void CellEvidence::EndDrive() {
+  // From where it was seen, something stands in the way now; from elsewhere it may always have
+  // been hidden.
+  const bool is_blocked = std::popcount(seen_from & hidden_now) >= kCoveringViews;
+  const float now = std::exchange(log_odds_now, 0.0F);
+  const bool has_changed =
+      now * log_odds < 0 && std::abs(now) >= kChangeLogOdds && (now > 0 || is_blocked || is_driven);
+  log_odds = has_changed ? now : std::clamp(log_odds + now, -kLogOddsLimit, kLogOddsLimit);
+  if (has_changed) (now > 0 ? occupied_sum : free_sum) = 0;
+  const bool is_covered = is_blocked && seen_now == 0;
+  if (is_covered) {
+    log_odds = std::min(log_odds, kCoveredLogOdds);
+    free_sum = 0;
+    seen_from = 0;
+  }
+  is_hit = false;
+  seen_from |= seen_now;
+  hidden_from |= hidden_now;
+  seen_now = hidden_now = 0;
+}
+
+ObservationSummary CellEvidence::Summary() const {
+  return {.free = ObservationSummary::PackLogOdds(free_sum),
+          .occupied = ObservationSummary::PackLogOdds(occupied_sum),
+          .nearness = observations.Nearness(),
+          .disagreement = observations.Disagreement(),
+          .free_views = static_cast<std::uint8_t>(std::popcount(seen_from)),
+          .occupied_views = static_cast<std::uint8_t>(std::popcount(hidden_from))};
+}
+
+}  // namespace parkade

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "mapping/surface/cell_color.h"
+#include "mapping/surface/observation_summary.h"
+
+namespace parkade {
+
+inline constexpr float kLogOddsLimit = 8;  ///< of one drive
+
+/// Directions and distances from which a cell was looked at: a bit each.
+using ViewSet = std::uint32_t;
+
+/// The one of them that looks from `eye` at a point.
+ViewSet ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point);
+
+/// What a sample tells of a cell.
+struct CellObservation {
+  ColorObservation color;
+  float log_odds = 0;
+  ViewSet view = 0;  ///< one bit, or none where it is not known well enough
+};
+
+/// What is known of a cell.
+struct CellEvidence {
+  float log_odds = 0;      ///< of the drives before this one
+  float log_odds_now = 0;  ///< of this drive
+  bool is_driven = false;
+  bool is_hit = false;                   ///< in this drive
+  ViewSet seen_from = 0;                 ///< in earlier drives, as free ground
+  ViewSet seen_now = 0, hidden_now = 0;  ///< in this drive; hidden: seen as something else
+  ViewSet hidden_from = 0;               ///< in earlier drives
+  float free_sum = 0, occupied_sum = 0;  ///< log-odds for and against, of all drives that count
+  CellColor observations;
+
+  bool IsKnown() const { return is_driven || !observations.empty(); }
+
+  void Count(const CellObservation& observation) {
+    log_odds_now = std::clamp(log_odds_now + observation.log_odds, -kLogOddsLimit, kLogOddsLimit);
+    (observation.log_odds > 0 ? seen_now : hidden_now) |= observation.view;
+    (observation.log_odds > 0 ? free_sum : occupied_sum) += std::abs(observation.log_odds);
+    if (observation.color.rank > 0)
+      observations.Add(observation.color, /*is_first=*/!std::exchange(is_hit, true));
+  }
+
+  /// What the drive saw joins what those before it did.
+  void EndDrive();
+
+  ObservationSummary Summary() const;
+};
+
+}  // namespace parkade

@@ -1,0 +1,99 @@
+#include "mapping/texture/ground_image.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/statistics.h"
+#include "mapping/ground/image_sampling.h"
+
+namespace parkade {
+namespace {
+
+constexpr double kSteepest = 0.17;  // of ramps: what lies higher or lower is another deck's, ...
+constexpr double kDeckStep = 0.1;   // [m] ... but for this little, ...
+constexpr double kDeckHeight =
+    2.0;  // [m] ... and so is all that lies so much off the plane that the car stands on
+constexpr double kOwnShade =
+    1.3;  // [m] beside the contact area the car's own shadow lies most of the time ...
+constexpr double kShadeRim = 0.6;  // [m] ... and beyond that less and less
+constexpr double kShadePenalty =
+    0.3;  // of the rank of observations in there: further cameras saw the place in the light
+constexpr size_t kMinGainSamples = 60;  // fewer say nothing about the exposure
+constexpr float kMaxGain = 3;
+
+/// The pixel at which the image shows a point of the ground, unless the own car is in the way, or
+/// the own deck. `point_in_ground` is the same point.
+std::optional<Eigen::Vector2d> FindPixel(const GroundImage& image, const Rigid3& camera_from_site,
+                                         const Eigen::Vector3d& point_in_site,
+                                         const Eigen::Vector3d& point_in_ground) {
+  const double height_of_deck =
+      std::min(kDeckHeight, kDeckStep + kSteepest * point_in_ground.head<2>().norm());
+  if (std::abs(point_in_ground.z()) > height_of_deck) return {};
+  if (IsUnderCar(point_in_ground.head<2>(), image.contact)) return {};
+  std::optional<Eigen::Vector2d> pixel =
+      image.camera->model.Project(camera_from_site * point_in_site);
+  if (!pixel || !image.camera->IsUsable(*pixel, 1)) return {};
+  return pixel;
+}
+
+}  // namespace
+
+GroundPixel SeePoint(const GroundImage& image, const Rigid3& camera_from_site,
+                     const Eigen::Vector3d& point_in_site, double max_range) {
+  const Eigen::Vector3d observation = point_in_site - image.site_from_camera.translation;
+  if (observation.head<2>().squaredNorm() > max_range * max_range || observation.z() > -0.05)
+    return {};
+  if (!image.open_ground.Shows(image.site_from_camera.translation.head<2>(),
+                               point_in_site.head<2>()))
+    return {};
+  const Eigen::Vector3d point_in_ground = image.site_from_ground.Inverse() * point_in_site;
+  const std::optional<Eigen::Vector2d> pixel =
+      FindPixel(image, camera_from_site, point_in_site, point_in_ground);
+  if (!pixel) return {};
+  const double off = image.contact.DistanceTo(point_in_ground.head<2>());
+  const double lit =
+      kShadePenalty + (1 - kShadePenalty) * std::clamp((off - kOwnShade) / kShadeRim, 0.0, 1.0);
+  return {pixel->cast<float>(), static_cast<float>(lit * -observation.z() / observation.norm())};
+}
+
+Eigen::Array3f FindGain(const GroundImage& image, const CellFinder& cells, double max_range) {
+  constexpr int kNumAngles = 48, kNumRanges = 12;
+  const Rigid3 camera_from_site = image.site_from_camera.Inverse(),
+               ground_from_site = image.site_from_ground.Inverse();
+  const Eigen::Vector3d& eye = image.site_from_camera.translation;
+  std::array<std::vector<float>, 3> ratios;
+  for (int i = 0; i < kNumAngles; ++i)
+    for (int k = 1; k <= kNumRanges; ++k) {
+      const double angle = 2 * std::numbers::pi * i / kNumAngles,
+                   range = max_range * k / kNumRanges;
+      Eigen::Vector3d point = eye + range * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
+      point.z() = image.site_from_ground.translation.z();
+      const SurfaceCell* cell = cells.Find(point);
+      if (cell == nullptr) continue;
+      point.z() = static_cast<double>(cell->height);
+      const std::optional<Eigen::Vector2d> pixel =
+          FindPixel(image, camera_from_site, point, ground_from_site * point);
+      if (!pixel) continue;
+      const Eigen::Vector2f place = pixel->cast<float>();
+      const std::array<float, 3> color = ColorAt(image.image, place.x(), place.y());
+      const int seen = Lightness(ToByte(color[0]), ToByte(color[1]), ToByte(color[2]));
+      const int known = Lightness(cell->color[2], cell->color[1], cell->color[0]);
+      if (seen <= 8 || seen >= 247 || known <= 8 || known >= 247) continue;
+      for (size_t c = 0; c < 3; ++c)
+        ratios[c].push_back(static_cast<float>(cell->color[2 - c]) / std::max(color[c], 1.0F));
+    }
+  Eigen::Array3f gain = Eigen::Array3f::Ones();
+  if (ratios[0].size() < kMinGainSamples) return gain;
+  for (size_t c = 0; c < 3; ++c) {
+    gain[static_cast<Eigen::Index>(c)] =
+        std::clamp(Median(std::move(ratios[c])), 1 / kMaxGain, kMaxGain);
+  }
+  return gain;
+}
+
+}  // namespace parkade
