@@ -41,7 +41,7 @@ void Serialize(Archive& archive, cv::Mat& image) {
   std::int32_t rows = image.rows, columns = image.cols, type = image.type();
   archive(rows, columns, type);
   Require(rows >= 0 && columns >= 0 && CV_MAT_DEPTH(type) == CV_8U, ErrorCode::kInvalidInput,
-          "it holds a image that cannot be");
+          "it holds an image that cannot be");
   archive.Count(static_cast<std::uint64_t>(rows) * static_cast<std::uint64_t>(columns));
   image.create(rows, columns, type);  // nothing happens where it is so already
   for (int row = 0; row < rows; ++row)

@@ -27,8 +27,7 @@ class NearestDescriptorSearch {
   }
 
   /// The index of the nearest feature. Nothing when it is further than `max_hamming` [bits], or two
-  /// are alike: further than
-  /// `ratio` times the second best.
+  /// are alike: further than `ratio` times the second best.
   std::optional<size_t> Found(int max_hamming, double ratio) const {
     return best_ <= max_hamming && best_ <= ratio * second_ ? std::optional(index_) : std::nullopt;
   }

@@ -52,8 +52,8 @@ struct FeatureTrackerStatistics {
 /// Follows corners through the images of ONE camera: pyramidal Lucas-Kanade on
 /// locally normalized images, started where the predicted rotation moves each
 /// corner through the lens model, forward-backward check, sub-pixel alignment with the track's
-/// reference patch, epipolar check with the predicted rotation, and new
-/// corners where the image is empty.
+/// reference patch, epipolar check with the predicted rotation, and new corners where the image is
+/// empty.
 ///
 /// J.-Y. Bouguet, "Pyramidal implementation of the affine Lucas Kanade feature
 /// tracker", 2001; J. Shi, C. Tomasi, "Good features to track", CVPR 1994.

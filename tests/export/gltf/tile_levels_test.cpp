@@ -91,7 +91,7 @@ TEST(TileLevels, NeighborsOfOneLevelShareTheirVertices) {
 
 TEST(TileLevels, PicturesStayWhereTheyAre) {
   const SiteMap map =
-      MakeTexturedMap();  // red is the column and green the row of a image of 50 m x 30 m
+      MakeTexturedMap();  // red is the column and green the row of an image of 50 m x 30 m
   const std::vector<MapLevel> levels = LevelsOf(map);
   ASSERT_GE(levels.size(), 3U);
   for (const MapLevel& level : levels)

@@ -1,4 +1,4 @@
-// Of 200 corners of a image, how many optical flow follows into the next one while the car drives:
+// Of 200 corners of an image, how many optical flow follows into the next one while the car drives:
 // prints every pair with too few, and a line per drive; on request draws them.
 #include <CLI/CLI.hpp>
 #include <algorithm>
