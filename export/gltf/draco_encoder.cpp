@@ -19,7 +19,8 @@ constexpr int kNormalBits = 8;
 constexpr int kSigmaBits = 10;
 constexpr int kTexcoordBits =
     14;  // an image is at most some thousand texels wide: steps are a fraction of one
-// Of 0 (smallest) to 10 (fastest); 4 still uses the predictors that matter for a surface.
+// Draco's speed, 0 (smallest) to 10 (fastest); 4 still uses the predictors that matter for a
+// surface.
 constexpr int kSpeed = 4;
 
 template <typename Value>

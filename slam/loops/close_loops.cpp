@@ -225,7 +225,7 @@ LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const Lo
   DescribeKeyframes(
       log, odometry, options.keyframes, is_possible, std::move(chosen),
       [&keyframes](RigKeyframe&& keyframe) { keyframes.push_back(std::move(keyframe)); });
-  std::vector<PlaceCandidate> candidates = RecognisePlaces(keyframes, options.recognition);
+  std::vector<PlaceCandidate> candidates = RecognizePlaces(keyframes, options.recognition);
   reviewed.AddForced(candidates);
   closure.loops = Measure(keyframes, candidates, options);
   for (LoopEvidence& loop : closure.loops) reviewed.Judge(loop);

@@ -139,7 +139,7 @@ std::vector<PlaceCandidate> FindAlikePlaces(const PlaceWords& earlier, const Pla
   return candidates;
 }
 
-std::vector<PlaceCandidate> RecognisePlaces(const std::vector<RigKeyframe>& keyframes,
+std::vector<PlaceCandidate> RecognizePlaces(const std::vector<RigKeyframe>& keyframes,
                                             const RecognitionOptions& options) {
   options.Validate();
   return FindAlikePlaces(

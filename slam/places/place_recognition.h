@@ -52,7 +52,7 @@ std::vector<PlaceCandidate> FindAlikePlaces(const PlaceWords& earlier, const Pla
                                             int max_candidates);
 
 /// Pairs of alike keyframes of one drive that its odometry does not rule out.
-std::vector<PlaceCandidate> RecognisePlaces(const std::vector<RigKeyframe>& keyframes,
+std::vector<PlaceCandidate> RecognizePlaces(const std::vector<RigKeyframe>& keyframes,
                                             const RecognitionOptions& options);
 
 }  // namespace parkade

@@ -69,7 +69,7 @@ TEST(CarryAlong, StatesBetweenKeyframesMoveWithBoth) {
       << "after the last place";
 }
 
-TEST(RecognisePlaces, FindsTheVisitBeforeAndNotThoseThatOdometryRulesOut) {
+TEST(RecognizePlaces, FindsTheVisitBeforeAndNotThoseThatOdometryRulesOut) {
   // Three spots with looks of their own, visited twice; a fourth that looks like the first but lies
   // a deck above.
   std::vector<RigKeyframe> keyframes;
@@ -85,7 +85,7 @@ TEST(RecognisePlaces, FindsTheVisitBeforeAndNotThoseThatOdometryRulesOut) {
       visit(spot, 100.0 * lap + 10.0 * spot, {10.0 * spot, 0.5 * lap, 0});
   visit(1, 200, {10, 0, 3});
 
-  const std::vector<PlaceCandidate> candidates = RecognisePlaces(keyframes, {.max_candidates = 1});
+  const std::vector<PlaceCandidate> candidates = RecognizePlaces(keyframes, {.max_candidates = 1});
 
   const auto found = [&](size_t earlier, size_t later) {
     return std::any_of(candidates.begin(), candidates.end(), [&](const PlaceCandidate& candidate) {
