@@ -1,6 +1,5 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -39,8 +38,5 @@ struct DriveJoin {
 /// kept drive. A single drive is only placed.
 DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops,
                      const SessionLoopOptions& links, const PairFindings& known = {});
-
-/// \param names  of the drives
-nlohmann::json ToJson(const DriveJoin& join, const std::vector<std::string>& names);
 
 }  // namespace parkade

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "core/error.h"
+#include "core/median_of.h"
 #include "slam/tracking/image_pyramid.h"
 #include "slam/tracking/lucas_kanade.h"
 #include "slam/tracking/non_maximum_suppression.h"
@@ -28,27 +28,7 @@ bool IsSet(const cv::Mat& mask, const Eigen::Vector2d& pixel) {
   return x >= 0 && y >= 0 && x < mask.cols && y < mask.rows && mask.at<std::uint8_t>(y, x) != 0;
 }
 
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
-
-void FeatureTrackerOptions::Validate() const {
-  Require(max_tracks >= 8 && max_tracks <= 5000, ErrorCode::kUsage,
-          "max_tracks must be in 8..5000");
-  Require(window >= 5 && window <= 51 && window % 2 == 1, ErrorCode::kUsage,
-          "window must be odd and in 5..51 px");
-  Require(pyramid_levels >= 1 && pyramid_levels <= 8, ErrorCode::kUsage,
-          "pyramid_levels must be in 1..8");
-  Require(pixel_sigma > 0, ErrorCode::kUsage, "pixel_sigma must be > 0 px");
-  Require(max_round_trip > 0, ErrorCode::kUsage, "max_round_trip must be > 0 px");
-  Require(max_epipolar_error > 0, ErrorCode::kUsage, "max_epipolar_error must be > 0 px");
-  Require(max_gap > 0, ErrorCode::kUsage, "max_gap must be > 0 s");
-}
 
 FeatureTracker::FeatureTracker(const RigCamera& camera, int camera_index,
                                const FeatureTrackerOptions& options)
@@ -276,7 +256,7 @@ void FeatureTracker::Keep(std::vector<Found> found,
   }
   memories_ = std::move(memories);
   direction_ = check.direction;
-  median_flow_ = Median(std::move(flows));
+  median_flow_ = MedianOf(std::move(flows));
 }
 
 /// New tracks where the image has none, but not where they would leave it at once.
