@@ -16,18 +16,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct TrackedDrive {
-  SyntheticDrive drive = MakeCarDrive({.seed = 3,
-                                       .duration = 12,
-                                       .camera_rate = 10,
-                                       .num_cameras = 2,
-                                       .tracks = 40,
-                                       .rig_rotation_deg = 0.2});
+struct SampledDrive {
+  SampledDrive drive = MakeCarDrive({.seed = 3,
+                                     .duration = 12,
+                                     .camera_rate = 10,
+                                     .num_cameras = 2,
+                                     .tracks = 40,
+                                     .rig_rotation_deg = 0.2});
   OdometryResult odometry = EstimateDrive(drive);
 };
 
-const TrackedDrive& Tracked() {
-  static const TrackedDrive tracked;
+const SampledDrive& Tracked() {
+  static const SampledDrive tracked;
   return tracked;
 }
 
@@ -40,7 +40,7 @@ class OdometryFile : public testing::Test {
 };
 
 TEST_F(OdometryFile, ReadAndWrittenAgainItHasTheSameBytes) {
-  const TrackedDrive& tracked = Tracked();
+  const SampledDrive& tracked = Tracked();
   WriteOdometry(tracked.odometry, tracked.drive.rig, file_);
   const std::string bytes = ReadFile(file_);
 
@@ -57,7 +57,7 @@ TEST_F(OdometryFile, ReadAndWrittenAgainItHasTheSameBytes) {
 }
 
 TEST_F(OdometryFile, DamageAndOtherRigsAreNamed) {
-  const TrackedDrive& tracked = Tracked();
+  const SampledDrive& tracked = Tracked();
   const auto reads = [&](const Rig& rig) { return ReadOdometry(file_, rig); };
   EXPECT_THROW(reads(tracked.drive.rig), Error) << "it is not there";
   WriteOdometry(tracked.odometry, tracked.drive.rig, file_);

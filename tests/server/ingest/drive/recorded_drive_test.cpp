@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "server/ingest/drive/open_drive_log.h"
 #include "tests/server/ingest/drive/euroc_folder.h"
-#include "tests/server/ingest/messages/ros_messages.h"
+#include "tests/server/ingest/messages/message_writer.h"
 
 namespace parkade {
 namespace {
