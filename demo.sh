@@ -28,7 +28,7 @@ scripts/build_web.sh
 
 # The drive is kept: the same options give the same bytes.
 drive=demo-data/lot.mcap
-options=(lot --seed 1 --duration 40 --rate 10)
+options=(lot --seed 1 --duration 24 --rate 5)
 if [ ! -f "$drive" ] || [ "$(cat demo-data/options 2> /dev/null)" != "${options[*]}" ]; then
   say "a drive: parkade-simulate ${options[*]}"
   mkdir -p demo-data

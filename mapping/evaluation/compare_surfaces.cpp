@@ -220,7 +220,7 @@ class CellPatches {
                                        static_cast<double>(cell.height));
       region.height_change += height_change;
     }
-    // Of a car only the foot is sure; where there is none, what lies behind others came into
+    // Only a car's foot is sure; where there is none, what lies behind others came into
     // observation or went out of it.
     if (static_cast<double>(num_obstacles) < kMinObstacleShare * static_cast<double>(part.size())) {
       if (change == GroundChange::kFreed) region.change = GroundChange::kMapped;

@@ -57,10 +57,11 @@ struct SurfaceEvaluation {
       0;  ///< [m] distance of each sample of the estimate to the truth, false ones too
   double completeness_percent =
       0;  ///< of the truth, with an estimate within max_completeness_distance
-  double false_free_percent = 0;       ///< of the estimate, where there is no true ground
-  double iou = 0;                      ///< of the areas
-  double boundary_iou = 0;             ///< of what lies within boundary_width of the own outline
-  double relative_boundary_iou = 0;    ///< also, over the width that its authors use by default:
+  double false_free_percent = 0;  ///< of the estimate, where there is no true ground
+  double iou = 0;                 ///< of the areas
+  double boundary_iou = 0;        ///< of what lies within boundary_width of the own outline
+  double relative_boundary_iou =
+      0;  ///< boundary IoU, over the width that its authors use by default:
   double relative_boundary_width = 0;  ///< [m] 2 % of the diagonal of the truth that counts
   double ramp_area = 0;         ///< [m^2] of the estimate where the truth is steeper than 5 %
   double ramp_height_rmse = 0;  ///< [m] there

@@ -26,7 +26,7 @@ class HeightDrift {
   /// Call it once all points are there, before At. O(number of squares of 2 m).
   void Finish();
 
-  /// Of the 2 m around an added point.
+  /// The drift within 2 m of an added point.
   Around At(const Eigen::Vector3d& point) const { return around_.at(SquareOf(point)); }
 
  private:

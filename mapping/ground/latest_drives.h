@@ -23,7 +23,7 @@ class LatestDrives {
   class Share {
    public:
     bool is_none() const { return num_counting_ == 0; }
-    /// Of a sample that lies at `point_in_site` on its car's plane.
+    /// That of a sample which lies at `point_in_site` on its car's plane.
     bool Counts(const Eigen::Vector2d& point_in_site) const;
 
    private:

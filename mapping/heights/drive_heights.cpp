@@ -82,7 +82,7 @@ class PoseTies {
             static_cast<int>(std::floor(point.y() / kPoseSquare))};
   }
 
-  /// Of the squares around a point, or of all where these are empty.
+  /// Taken from the squares around a point, or from all where these are empty.
   const TrajectoryState* NearestTo(const Eigen::Vector3d& point) const {
     const TrajectoryState* nearest = nullptr;
     double least = std::numeric_limits<double>::max();

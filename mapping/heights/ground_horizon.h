@@ -12,7 +12,7 @@ namespace parkade {
 /// most places that nothing hides them, without the walk of IsHidden along the ray.
 class GroundHorizon {
  public:
-  /// Of the ground in a box; for places in it.
+  /// The horizon of the ground in a box; for places in it.
   /// \param eye  [m] in site
   GroundHorizon(const HeightField& field, const Eigen::Vector3d& eye,
                 const Eigen::AlignedBox2d& box);

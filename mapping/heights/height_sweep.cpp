@@ -84,7 +84,7 @@ bool AddObservations(const std::vector<Meeting>& meetings, const Eigen::Vector2f
   return sweep.num_observations() > before;
 }
 
-/// Of each camera's patches, which are in order of time, as many of every stretch of the drive.
+/// Each camera's patches, which are in order of time, as many of every stretch of the drive.
 std::vector<size_t> ChooseEvenly(const std::vector<size_t>& indices, size_t max_count,
                                  std::span<const PatchView> patches) {
   if (indices.size() <= max_count) return indices;
@@ -185,7 +185,7 @@ std::map<size_t, std::vector<Meeting>> MeetAll(const Block& block, const PatchSo
   return meetings;
 }
 
-/// Of decks above each other the one that the nearest patch drove on [m].
+/// Among decks above each other, the one that the nearest patch drove on [m].
 double DeckOf(const Tile& tile, const Eigen::Vector2d& place, std::span<const PatchView> patches) {
   double nearest = 1e9, deck = 0;
   for (const size_t i : tile.near) {

@@ -50,7 +50,7 @@ void PlaneHeights::Add(const PosedGroundPatch& posed, const DrivenPath* path) {
       point.z() -= path->lean.LiftAt(acceleration, (ground_from_body * point_in_body).head<2>());
     const Square square = SquareOf(point);
     if (here == nullptr || square != last) here = &sums_[square], last = square;
-    // Of planes that disagree the nearest car's is right, however well they agree elsewhere.
+    // Among planes that disagree the nearest car's is right, however well they agree elsewhere.
     const auto weight = static_cast<double>(sample.weight), sureness = kLeastPlaneVariance * weight;
     here->Add(point, weight / (1 + sureness), weight / (share + sureness));
   }

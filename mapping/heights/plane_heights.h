@@ -56,7 +56,7 @@ class PlaneHeights {
   std::map<Square, Sum> sums_;
 };
 
-/// Of all patches; read in batches, in parallel. `path` is that of their drive, or null.
+/// The planes of all patches; read in batches, in parallel. `path` is that of their drive, or null.
 PlaneHeights CollectPlanes(const PatchSource& patches, const DrivenPath* path,
                            const HeightFieldOptions& options);
 

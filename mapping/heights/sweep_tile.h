@@ -69,7 +69,7 @@ class TileSweep {
   std::vector<float> Parallaxes() const;
 
  private:
-  /// Of a cell or a sample: weight, gray, its square (both weighted), number.
+  /// What is known of a cell or a sample: weight, gray, its square (both weighted), number.
   using Sums = Eigen::Array4f;
 
   std::vector<Sums> AddUp(float offset) const;

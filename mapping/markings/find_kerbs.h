@@ -19,7 +19,7 @@ struct KerbOptions {
   int min_views = 5;
   double max_misfit =
       0.85;  ///< of views at the best height, as a share of that at the median height
-  double max_rivalry = 0.9;  ///< also, of that at the best height elsewhere
+  double max_rivalry = 0.9;  ///< the same of the agreement at the best height elsewhere
   double max_jump = 0.03;    ///< [m] of height along one kerb
   double min_length = 2.0;   ///< [m]
 

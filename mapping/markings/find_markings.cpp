@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 
 constexpr double kMargin = 7.0;        // [m] around tiles: lines reach into the next one
 constexpr double kBesideSlot = 0.2;    // [m] of a line to the side of the slot that it bounds
-constexpr double kParallel = 0.98;     // cosine, also
+constexpr double kParallel = 0.98;     // cosine of the angle between two lines
 constexpr double kInArea = 0.15;       // [m] from an area's outline at which a line is a part of it
 constexpr double kSureSlot = 0.9;      // confidence
 constexpr double kInside = 0.4;        // [m] from a slot's sides

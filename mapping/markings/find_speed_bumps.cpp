@@ -11,7 +11,7 @@ namespace parkade {
 namespace {
 
 constexpr double kSameBump = 1.5;    // [m] between the crests of two passes
-constexpr double kSameHeight = 1.0;  // [m] also
+constexpr double kSameHeight = 1.0;  // [m] between samples of one height
 constexpr double kBaseReach =
     1.5;  // [m] of ground before and behind that the height is measured from
 constexpr double kFootShare =
@@ -95,7 +95,7 @@ std::optional<SpeedBump> MeasureBump(const DrivenProfile& profile, int crest,
   int begin = crest, end = crest;
   while (begin > crest - half && above(begin) > kFootShare * height) --begin;
   while (end < crest + half && above(end) > kFootShare * height) ++end;
-  // Of a flat crest only the first place counts.
+  // Only the first place of a flat crest counts.
   int last = crest;
   for (int i = begin; i <= end; ++i) {
     if (above(i) > height + kSame || (i < crest && above(i) > height - kSame)) return {};

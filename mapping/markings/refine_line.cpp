@@ -31,7 +31,7 @@ class LineProfile {
               const PaintLineOptions& options)
       : ground_(ground), line_(line), stripe_(options.stripe_width / options.pixel_size) {}
 
-  /// Of the paint at a row against the brighter of its sides; nothing where not known.
+  /// The contrast of the paint at a row against the brighter of its sides; nothing where not known.
   std::optional<double> ContrastAt(int row) const {
     const double middle = line_.ColumnAt(row);
     const std::optional<double> center =

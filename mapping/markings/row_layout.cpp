@@ -9,7 +9,7 @@ namespace parkade {
 namespace {
 
 constexpr double kMinSeenShare = 0.25;  // of a row's lines whose ends have to agree
-constexpr double kMinWallShare = 0.4;   // also, of those that a wall cuts off
+constexpr double kMinWallShare = 0.4;   // the same for those that a wall cuts off
 constexpr double kSecondRank =
     1.0;  // [m] of paint behind one rank of slots that say that there is another
 constexpr int kFewLines = 4;   // seen ones: fewer are a row only where they are whole

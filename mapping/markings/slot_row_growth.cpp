@@ -10,15 +10,15 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kRowReach = 60;         // [m] across from the line a row starts from
-constexpr double kPitchReach = 15;       // [m] also, of lines that say what its pitch is
+constexpr double kPitchReach = 15;       // [m] the same for lines that say what its pitch is
 constexpr double kMaxHeightStep = 1.2;   // [m] between lines of one deck
 constexpr double kTurn_deg = 3.5;        // between long lines of one row
-constexpr double kShortTurn_deg = 7;     // also of short ones
+constexpr double kShortTurn_deg = 7;     // the same for short ones
 constexpr double kLongLine = 1.5;        // [m]
 constexpr double kMinOverlap = 0.4;      // [m] along, of neighbors
 constexpr double kSameDivider = 0.16;    // [m] across, of stretches of one line
 constexpr double kPitchTolerance = 0.2;  // [m] from line to line
-constexpr double kEdgeTolerance = 0.12;  // [m] also, of what may be the edge of something
+constexpr double kEdgeTolerance = 0.12;  // [m] the same for what may be the edge of something
 constexpr double kMaxSlide =
     0.6;  // [m] along per [m] across, by which the ends of slanted rows move on
 constexpr double kMaxHidden = 3.0;  // [m] that a car may hide of a line; aisles are wider

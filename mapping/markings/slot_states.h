@@ -12,9 +12,9 @@ namespace parkade {
 struct SlotStateOptions {
   double side_margin =
       0.25;  ///< [m] beside the lines that does not count: who parks badly, and who walks past
-  double end_margin = 0.4;       ///< [m] also at the ends
+  double end_margin = 0.4;       ///< [m] the same at the ends
   double free_share = 0.55;      ///< of what is left that must be seen as ground in a free slot
-  double occupied_share = 0.03;  ///< also as something else in an occupied one
+  double occupied_share = 0.03;  ///< the least share of something else in an occupied one
   void Validate() const;         ///< throws Error{kUsage}
 };
 

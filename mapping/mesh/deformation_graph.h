@@ -61,7 +61,8 @@ struct DeformationGraph {
 
 using DeformationBlock = Eigen::Matrix<double, 6, 6>;
 
-/// Of [turn (rad), shift (m)] of a node, both in the target frame: rotation <- Exp(turn) rotation.
+/// A block of [turn (rad), shift (m)] of a node, both in the target frame: rotation <- Exp(turn)
+/// rotation.
 struct DeformationFactor {
   Eigen::Matrix<double, 6, 1> residual;  ///< [sigmas]
   DeformationBlock by_first = DeformationBlock::Zero(), by_second = DeformationBlock::Zero();

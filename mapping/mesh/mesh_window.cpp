@@ -19,7 +19,7 @@ namespace {
 using Colors = std::vector<std::array<std::uint8_t, 3>>;
 
 // Cells that are joined depend on those two further on, vertices and their fans on two more, their
-// colors also.
+// colors, too.
 constexpr int kMargin = 8;  // [joined cells]
 constexpr int kReach = 3;   // [joined cells] that the mesh may go beyond the surface, and some
 

@@ -24,7 +24,7 @@ class SheetExtractor {
     column_vertices_.assign(surface.cells.size(), kNone);
   }
 
-  /// Of each vertex of the sheet.
+  /// One entry per vertex of the sheet.
   const std::vector<double>& beliefs() const { return beliefs_; }
 
   VoxelSheet Extract() {

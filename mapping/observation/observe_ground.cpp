@@ -236,7 +236,7 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
                          const GroundOptions& options) {
   GroundPatch patch{.drive = 0, .camera = frame.camera, .time = frame.time, .samples = {}};
   std::vector<GroundLabel>& labels = found.labels;
-  // Of what is not ground only its foot is known to stand where its pixels meet the plane.
+  // Where it is no ground, only its foot is known to stand where its pixels meet the plane.
   HideBehindObstacles(grid, options.segmentation, found.is_trusted, labels);
   const Eigen::Matrix3f rotation = body_from_ground.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = body_from_ground.translation.cast<float>();

@@ -81,7 +81,7 @@ void FillMarkings(const GroundGrid& grid, const std::vector<std::uint8_t>& may_b
   }
 }
 
-/// Of what lies `depth` [m] behind the foot of an obstacle, on its ray.
+/// The confidence of what lies `depth` [m] behind the foot of an obstacle, on its ray.
 GroundLabel LabelBehind(double depth, const SegmentGroundOptions& options, bool is_trusted) {
   if (is_trusted && depth < options.obstacle_depth) return GroundLabel::kHidden;
   return depth < options.beyond_depth ? GroundLabel::kBeyond : GroundLabel::kUnknown;

@@ -22,7 +22,7 @@ struct SegmentGroundOptions {
   double beyond_depth =
       2.0;  ///< [m] of not-ground of which the colors are kept: how high it is can be told
   double foot_depth =
-      0.2;             ///< [m] also for a mask or a network, to which one pixel's ground is added
+      0.2;  ///< [m] the same for a mask or a network, to which one pixel's ground is added
   int min_seeds = 40;  ///< with fewer, nothing is called ground
   double sure_log_odds =
       4.0;  ///< of a network from which it is taken to be sure; below, it counts in proportion

@@ -17,7 +17,7 @@ struct ObservationSummary {
   std::uint8_t free_views = 0,
                occupied_views = 0;  ///< directions and distances from which it was seen as that
 
-  /// Of the root: large sums need no fine steps.
+  /// Kept as the root: large sums need no fine steps.
   static constexpr float kSteps = 32;
   static std::uint8_t PackLogOdds(float sum) {
     return static_cast<std::uint8_t>(std::lround(std::min(255.0F, kSteps * std::sqrt(sum))));

@@ -79,7 +79,7 @@ class SurfacePainter {
     float free_sum = 0, occupied_sum = 0;  ///< log-odds for and against, of all drives that count
     CellColor observations;
   };
-  /// Of the cells of one square that a sample stands for.
+  /// The range of the cells of one square that a sample stands for.
   struct Hit {
     std::uint32_t first = 0;              ///< evidence of the lowest of them
     std::uint16_t columns = 0, rows = 0;  ///< of cells
@@ -106,7 +106,7 @@ class SurfacePainter {
   bool IsPainted(int patch) const {
     return slots_[static_cast<size_t>(patch)] != HeightField::kNone;
   }
-  /// Of the height field, in which a cell lies.
+  /// The square of the height field in which a cell lies.
   Eigen::Vector2i SquareAt(const Eigen::Vector2i& cell) const;
   std::uint32_t FirstEvidenceOf(int patch) const;
   std::uint32_t EvidenceAt(int patch, const Eigen::Vector2i& cell) const;

@@ -78,7 +78,7 @@ class ChartPainter {
                   double max_range) const;
   /// How steeply a corner is seen from a place if nothing hides it; 0 or less: not at all.
   float SteepestAt(const Eigen::Vector3d& eye, int column, int row) const;
-  /// Of a block, or the corner before it.
+  /// The index of a block, or of the corner before it.
   std::size_t BlockAt(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(num_columns_) +
            static_cast<std::size_t>(column);

@@ -23,7 +23,7 @@ class ExposureAndVignetting {
     return (pixel - middle).squaredNorm() / middle.squaredNorm();
   }
 
-  /// Of blue, green, red, at a pixel.
+  /// The gains of blue, green and red at a pixel.
   const std::array<float, 3>& At(const Eigen::Vector2f& pixel) const {
     const float step = (pixel - middle_).squaredNorm() * steps_per_square_;
     return factors_[step < static_cast<float>(kNumSteps - 1) ? static_cast<std::size_t>(step + 0.5F)

@@ -40,7 +40,7 @@ struct TextureSource {
 /// images that see it from near, all images are brought to one light (CalibratePhotometry), and the
 /// steepest observations of the latest drive that agree are blended.
 ///
-/// Of the images that `views` name only those are decoded that some place needs (ChooseImages),
+/// Among the images that `views` name, only those are decoded that some place needs (ChooseImages),
 /// once for their light and once to paint. Logs are read one after the other; a chart takes 24
 /// bytes per texel from the first image that shows it to the last, 4 before and after. Where charts
 /// have more than `max_texels` they are painted part by part, each from all the logs that show it,

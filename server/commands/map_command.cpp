@@ -18,6 +18,7 @@
 #include "export/write_site_map.h"
 #include "mapping/networks/freespace_network.h"
 #include "server/commands/commands.h"
+#include "server/commands/map_arguments.h"
 #include "server/commands/open_logs.h"
 #include "server/map_folder/loop_images.h"
 #include "server/map_folder/output_folder.h"
@@ -31,16 +32,6 @@
 
 namespace parkade {
 namespace {
-
-struct MapArguments {
-  std::vector<std::string> logs, rigs;
-  std::string out, from, preview, progress_file, cameras, loops, freespace_model;
-  std::vector<std::string> settings, rejected_loops, forced_loops, pins;
-  bool no_pins = false;
-  bool no_wheel = false, no_gnss = false, no_refine = false, is_odometry_only = false;
-  bool print_options = false, explain_options = false, is_quiet = false;
-  int num_threads = 0;
-};
 
 std::vector<std::string> SplitAtCommas(const std::string& text) {
   std::vector<std::string> parts;
@@ -194,62 +185,7 @@ void AddMapCommand(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<MapArguments>();
   CLI::App* command =
       app.add_subcommand("map", "Build one map from one or more drives of one place");
-  command->add_option("LOG", arguments->logs,
-                      "ROS 1 bag, MCAP, rosbag2, EuRoC folder or archive of one");
-  command
-      ->add_option("--rig", arguments->rigs,
-                   "folder with camchain-imucam.yaml, imu0.yaml and vehicle.yaml; once for all "
-                   "logs or once for each, "
-                   "in their order ('-': the log's own)")
-      ->allow_extra_args(false);
-  command->add_option("--out", arguments->out, "folder for the map; made where missing");
-  command->add_option("--cameras", arguments->cameras, "use these cameras only: cam0,cam2");
-  command->add_flag("--no-wheel", arguments->no_wheel, "leave wheel odometry out");
-  command->add_flag("--no-gnss", arguments->no_gnss, "leave GNSS out");
-  command->add_option(
-      "--loops", arguments->loops,
-      "how loops are closed: rig (default; all cameras against metric points), scale-less, "
-      "rotation-only, pnp (one camera each, as in the literature) or none");
-  command->add_option(
-      "--freespace-model", arguments->freespace_model,
-      "ONNX network that finds drivable ground, instead of the built-in one (docs/freespace.md)");
-  command->add_option(
-      "--from", arguments->from,
-      "finished map: its odometry is taken for the drives it has, which are not tracked again");
-  command->add_option(
-      "--preview", arguments->preview,
-      "FILE.glb: the ground of the map --from, bent as trajectories have: written as soon as other "
-      "loops are closed, and again once trajectories are final");
-  command
-      ->add_option("--reject-loop", arguments->rejected_loops,
-                   "[DRIVE:]LOOP, by the id in report.json: never closed")
-      ->allow_extra_args(false);
-  command
-      ->add_option("--force-loop", arguments->forced_loops,
-                   "[DRIVE:]LOOP: closed without doubt, where the images allow to measure it")
-      ->allow_extra_args(false);
-  command
-      ->add_option(
-          "--pin", arguments->pins,
-          "[DRIVE:]X,Y,Z=LAT,LON[,HEIGHT]: where a point of the map --from lies on Earth, meters "
-          "in its site, "
-          "degrees, meters above the ellipsoid; two or more, which stand for those that map has")
-      ->allow_extra_args(false);
-  command->add_flag("--no-pins", arguments->no_pins, "leave out the pins of the map --from");
-  command->add_flag("--no-refine", arguments->no_refine,
-                    "no adjustment of the whole drive after loops are closed");
-  command->add_flag("--odometry-only", arguments->is_odometry_only, "trajectories, no surface");
-  command->add_option("--set", arguments->settings,
-                      "stage.option=value; --explain-options lists them");
-  command->add_flag("--print-options", arguments->print_options,
-                    "print all options as JSON and end");
-  command->add_flag("--explain-options", arguments->explain_options,
-                    "print all options with what they do, their ranges and units, and end");
-  command->add_option("--threads", arguments->num_threads, "threads to use; default: all cores")
-      ->check(CLI::Range(1, 1024));
-  command->add_flag("--quiet", arguments->is_quiet, "warnings and errors only");
-  command->add_option("--progress-file", arguments->progress_file,
-                      "append progress as lines of JSON");
+  AddMapArguments(*command, *arguments);
   command->callback([arguments, &action] { action = [arguments] { return RunMap(*arguments); }; });
 }
 

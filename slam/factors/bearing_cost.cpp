@@ -57,7 +57,7 @@ Eigen::Vector3d LandmarkInCamera(const ImageView& view, const LandmarkRay& ray,
   return LookAt(view, ray, landmark, view.Delay(row)).in_camera;
 }
 
-/// Of the residual, by what the landmark passes through.
+/// Derivative of the residual by what the landmark passes through.
 struct BearingCost::Derivatives {
   Look sight;
   double w = 0;                        // inverse distance

@@ -52,7 +52,7 @@ struct LinearPrior {
   /// Covariance of sqrt_information^T offset, which would be the information if errors were as
   /// independent and as small as the weights have them: see ScoreElimination.
   Eigen::MatrixXd score_covariance;
-  /// Of that score, by what is considered but not estimated, in units of its sigmas: see
+  /// Derivative of that score by what is considered but not estimated, in units of its sigmas: see
   /// imu_sensitivity.h.
   Eigen::MatrixXd score_sensitivity;
 
@@ -63,7 +63,7 @@ struct LinearPrior {
   /// known about get a huge one. What the covariance of all its states would be if errors were as
   /// the weights have them.
   Eigen::MatrixXd ModelCovariance() const;
-  /// Of all its states.
+  /// The number of parameters of all its states.
   Eigen::MatrixXd Covariance() const;
 };
 

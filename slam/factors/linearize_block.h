@@ -20,7 +20,7 @@ struct LinearisableBlock {
   std::vector<int> tangent_sizes;
 };
 
-struct LinearisedBlock {
+struct LinearizedBlock {
   using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   std::vector<Jacobian> jacobians;  ///< by the blocks' tangents
   Eigen::VectorXd residual;
@@ -29,6 +29,6 @@ struct LinearisedBlock {
 /// Residual and Jacobians, both scaled by the root of the loss' slope: the Gauss-Newton part of
 /// Triggs' correction, which keeps the system definite. Nothing where the block cannot be
 /// evaluated.
-std::optional<LinearisedBlock> Linearize(const LinearisableBlock& block);
+std::optional<LinearizedBlock> Linearize(const LinearisableBlock& block);
 
 }  // namespace parkade

@@ -60,8 +60,9 @@ class DriveAdjustment {
   /// and yaw. Returns the number of steps.
   int Solve(const AdjustedStretch& stretch, int max_iterations);
 
-  /// Of the poses of `nodes` around the solution, [rotation in imu, position in odom] each;
-  /// position and yaw of the first node of the drive are certain. See MarginalCovariance.
+  /// The covariance of the poses of `nodes` around the solution, [rotation in imu, position in
+  /// odom] each; position and yaw of the first node of the drive are certain. See
+  /// MarginalCovariance.
   std::optional<Eigen::MatrixXd> PoseCovariance(const std::vector<size_t>& nodes);
 
   /// Moves nodes by one motion of odom each, at their keyframes in time, and triangulates all

@@ -78,7 +78,7 @@ class NormalEquations {
     return matrix;
   }
 
-  /// Of the score, by what is considered but not estimated.
+  /// Derivative of the score by what is considered but not estimated.
   const Eigen::MatrixXd& sensitivity() const { return sensitivity_; }
 
   const Block& KeyframeOf(const double* block) const { return keyframes_.at(block); }
@@ -109,11 +109,11 @@ class NormalEquations {
   }
 
   void Add(const LinearisableBlock& block) {
-    const std::optional<LinearisedBlock> linear = Linearize(block);
+    const std::optional<LinearizedBlock> linear = Linearize(block);
     if (!linear) return;
     for (size_t i = 0; i < block.columns.size(); ++i) {
       if (block.columns[i] == kConstant) continue;
-      const LinearisedBlock::Jacobian& by_i = linear->jacobians[i];
+      const LinearizedBlock::Jacobian& by_i = linear->jacobians[i];
       for (Eigen::Index row = 0; row < by_i.rows(); ++row)
         for (Eigen::Index k = 0; k < by_i.cols(); ++k)
           scores_.emplace_back(num_scores_ + static_cast<int>(row),
@@ -154,14 +154,14 @@ class NormalEquations {
     Eigen::MatrixXd to_own = Eigen::MatrixXd::Zero(first.back(), kLandmarkSize);
     Eigen::VectorXd score = Eigen::VectorXd::Zero(first.back());
     for (const LinearisableBlock& sight : sights) {
-      const std::optional<LinearisedBlock> linear = Linearize(sight);
+      const std::optional<LinearizedBlock> linear = Linearize(sight);
       if (!linear) continue;
-      const LinearisedBlock::Jacobian& by_landmark = linear->jacobians.back();
+      const LinearizedBlock::Jacobian& by_landmark = linear->jacobians.back();
       own.noalias() += by_landmark.transpose() * by_landmark;
       own_score.noalias() += by_landmark.transpose() * linear->residual;
       for (size_t i = 0; i + 1 < sight.columns.size(); ++i) {
         if (sight.columns[i] == kConstant) continue;
-        const LinearisedBlock::Jacobian& by_i = linear->jacobians[i];
+        const LinearizedBlock::Jacobian& by_i = linear->jacobians[i];
         const Block block{sight.columns[i], sight.tangent_sizes[i]};
         const auto at = first[static_cast<size_t>(
             std::lower_bound(blocks.begin(), blocks.end(), block) - blocks.begin())];

@@ -105,7 +105,7 @@ CovarianceModes ModesOf(DriveAdjustment& adjustment, const Rig& rig, int num_pie
   return FindCovarianceModes(std::move(times), covariance);
 }
 
-/// Of what odometry had found observable, the refined value is taken.
+/// The refined value is taken where odometry had found the quantity observable.
 void TakeCalibration(const OdometryResult& odometry, const std::vector<CameraParameters>& refined,
                      DriveRefinement& result) {
   const auto is_refined = [&](size_t camera, const char* name) {

@@ -193,13 +193,13 @@ SolveSummary FixedLagSmoother::Solve() {
 std::vector<FinishedNode> FixedLagSmoother::DropOldest() {
   std::vector<FinishedNode> finished;
   while (static_cast<int>(nodes_.size()) > options_.window_nodes)
-    finished.push_back(MarginaliseOldest());
+    finished.push_back(MarginalizeOldest());
   return finished;
 }
 
 std::vector<FinishedNode> FixedLagSmoother::Finish() {
   std::vector<FinishedNode> finished;
-  while (nodes_.size() > 1) finished.push_back(MarginaliseOldest());
+  while (nodes_.size() > 1) finished.push_back(MarginalizeOldest());
   if (!nodes_.empty()) {
     finished.push_back({nodes_.front().number,
                         nodes_.front().State(),

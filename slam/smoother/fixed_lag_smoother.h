@@ -103,7 +103,7 @@ class FixedLagSmoother {
   bool RejectOutliersOf(Track& track);
   void UpdateCameraNoise();
   void Restart(Track& track);
-  FinishedNode MarginaliseOldest();
+  FinishedNode MarginalizeOldest();
   void ForgetOldest();
   void FinishLandmark(const Track& track);
   SolveSummary SolveWindow(int max_iterations);

@@ -49,7 +49,7 @@ std::vector<int> ColumnsOf(const LinearisableBlock& block) {
 
 }  // namespace
 
-FinishedNode FixedLagSmoother::MarginaliseOldest() {
+FinishedNode FixedLagSmoother::MarginalizeOldest() {
   StateNode& oldest = nodes_[0];
   StateNode& next = nodes_[1];
   const NodeInterval& interval = *next.interval;

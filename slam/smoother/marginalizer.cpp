@@ -29,7 +29,7 @@ void Marginalizer::AddScores(const std::vector<int>& columns, const Eigen::Matri
 }
 
 bool Marginalizer::Add(const LinearisableBlock& block, const Eigen::MatrixXd* score_covariance) {
-  const std::optional<LinearisedBlock> evaluated = Linearize(block);
+  const std::optional<LinearizedBlock> evaluated = Linearize(block);
   if (!evaluated) return false;
   int width = 0;
   for (const int size : block.tangent_sizes) width += size;
@@ -63,7 +63,7 @@ bool Marginalizer::AddLandmark(std::span<const LinearisableBlock> observations) 
   if (stacked.rows() <= kOwn) return false;
   Eigen::Index row = 0;
   for (const LinearisableBlock& block : observations) {
-    const std::optional<LinearisedBlock> evaluated = Linearize(block);
+    const std::optional<LinearizedBlock> evaluated = Linearize(block);
     if (!evaluated) return false;
     stacked.block<2, kOwn>(row, 0) = evaluated->jacobians.back();
     for (size_t i = 0; i + 1 < block.columns.size(); ++i) {

@@ -11,7 +11,7 @@
 namespace parkade {
 namespace {
 
-/// Of the diagonal, 1 / this is added: enough for landmarks at infinity, and little enough for four
+/// 1 / this is added to the diagonal: enough for landmarks at infinity, and little enough for four
 /// iterations to move what only the sum of all measurements tells, as scale on a straight road.
 constexpr double kTrustRegion = 1e7;
 

@@ -42,7 +42,7 @@ const char* const kFooter =
 rig/ holds camchain-imucam.yaml, imu0.yaml, vehicle.yaml and a mask per camera, as the owner of the car knows them;
 rig_true/ the same as they are (rig_true_knocked/ after a mirror was hit). truth.tum is world_from_imu, the world being
 the local tangent plane (x east, y north, z up). Same options, same bytes (but for summary.json's timings).
-Examples: parkade-simulate lot --seed 1 --duration 40 --rate 10 --out demo-data/lot.mcap
+Examples: parkade-simulate lot --seed 1 --duration 24 --rate 5 --out demo-data/lot.mcap
           parkade-simulate out8 --quick --out drive.bag
           parkade-simulate lot --out drive --no-gnss --set sensors.imu_noise=0 --set image.noise=0
           parkade-simulate suite --quick --out build/suite --only out8 --only out11

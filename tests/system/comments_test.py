@@ -14,11 +14,11 @@ import re
 import sys
 from pathlib import Path
 
-FOLDERS = ["core", "slam", "mapping", "export", "server", "web/src"]
-SUFFIXES = {".h", ".cpp", ".ts", ".json", ".css"}
+FOLDERS = ["core", "slam", "mapping", "export", "server"]
+SUFFIXES = {".h", ".cpp", ".json"}
 
 # Keys of files that others read.
-EXCEPTIONS = re.compile(r'"centre"|height_normalised_rmse|"knots"|lines? of sight')
+EXCEPTIONS = re.compile(r'"centre"|height_normalised_rmse|"(?:num_)?knots"|lines? of sight')
 
 VERBS = """analy categor character discret equal factor final general initial linear local
 marginal maxim minim modern neutral normal optim organ parameter parametr penal polar quant random
@@ -27,7 +27,11 @@ BRITISH = re.compile(
     r"(?<![a-z])(?:colour\w*|(?:kilo|centi|milli)?metres?|centre[sd]?|centring|grey\w*|neighbour\w*"
     r"|behaviour\w*|favour\w*|labell\w+|travell\w+|modell\w+|levell\w+|catalogue\w*"
     rf"|(?:re|un|de)?(?:{'|'.join(VERBS)})(?:is|ys)(?:e|es|ed|ing|er|ers|ation|ations|able))(?![a-z])")
-PRIVATE = re.compile(r"(?<![a-z])(?:likewise|knots?|sights?|likeness(?:es)?|likest)(?![a-z])")
+PRIVATE = re.compile(r"(?<![a-z])(?:likewise|knots?|photos?|sightings?|sights?|likeness(?:es)?|likest)(?![a-z])")
+
+# Names here are still to be mended: they are listed, and do not fail. Take a room out once it is clean.
+TO_MEND = ("slam/factors/", "slam/refinement/", "slam/smoother/", "mapping/")
+MENDED_LATER = re.compile(r'"(?:sights?|linearisable|rasterise)" is')
 
 COMMENT = re.compile(r'"(?:\\.|[^"\\\n])*"|(?P<comment>//[^\n]*)')
 OF = re.compile(r"//[/!]?<?\s*Of\s")
@@ -76,9 +80,11 @@ def main():
         sys.exit(f"only {len(files)} sources below {root}")
     count = 0
     for file in files:
+        name = file.relative_to(root).as_posix()
         for number, fault in faults(file.read_text(encoding="utf-8")):
-            print(f"{file.relative_to(root)}:{number}: {fault}")
-            count += 1
+            is_later = name.startswith(TO_MEND) and MENDED_LATER.match(fault) is not None
+            print(f"{name}:{number}: {fault}{' (to be mended)' if is_later else ''}")
+            count += not is_later
     if count:
         sys.exit(f"{count} faults in {len(files)} sources")
     print(f"{len(files)} sources")

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "tests/simulator/drives/plan_drive.h"
-#include "tests/simulator/drives/simulate_drive.h"
+#include "tests/simulator/drives/simulate_options.h"
 
 namespace parkade::simulator {
 

@@ -5,59 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "tests/simulator/common/fault_options.h"
-#include "tests/simulator/motion/driver_options.h"
-#include "tests/simulator/render/image_sensor.h"
-#include "tests/simulator/scenes/scene.h"
-#include "tests/simulator/sensors/sensors.h"
-#include "tests/simulator/vehicle/camera_clock.h"
-#include "tests/simulator/vehicle/simulated_rig.h"
+#include "tests/simulator/drives/simulate_options.h"
 
 namespace parkade::simulator {
-
-struct SimulateOptions {
-  std::string scene = "lot";
-  int seed = 1;                ///< of everything that is left to chance, but for the place
-  int place_seed = -1;         ///< of the place; -1: `seed`. Drives of one place have it in common
-  int day = 0;                 ///< of the place: other parked cars, other light
-  std::string weather;         ///< dry, overcast, wet, dusk; empty: as the day wants it
-  int speed_bumps = 0;         ///< of a lot, at most 4
-  int traffic = 0;             ///< cars that move, and as many people (see AddTraffic)
-  double duration = 40;        ///< [s] 10 to 3600; counts where drive.length is 0
-  double relief = 1;           ///< scales the ground's slopes
-  double ground_texel = 0.01;  ///< [m] of painted asphalt
-  bool semantic = false;       ///< also write masks of drivable ground, one per image
-  DriverOptions drive;
-  RigOptions rig;
-  SensorOptions sensors;
-  CameraClockOptions cameras;
-  ImageSensorOptions image;
-  FaultOptions faults;
-
-  template <typename Visitor>
-  void VisitFields(Visitor&& visit) {
-    visit("scene", scene);
-    visit("seed", seed);
-    visit("place_seed", place_seed);
-    visit("day", day);
-    visit("weather", weather);
-    visit("speed_bumps", speed_bumps);
-    visit("traffic", traffic);
-    visit("duration", duration);
-    visit("relief", relief);
-    visit("ground_texel", ground_texel);
-    visit("semantic", semantic);
-    visit("drive", drive);
-    visit("rig", rig);
-    visit("sensors", sensors);
-    visit("cameras", cameras);
-    visit("image", image);
-    visit("faults", faults);
-  }
-  void Validate() const;  ///< throws Error{kUsage}
-
-  SceneOptions OfScene() const;
-};
 
 /// Where the results go.
 struct OutputPaths {

@@ -8,29 +8,12 @@
 #include "core/rig.h"
 #include "tests/simulator/common/random.h"
 #include "tests/simulator/motion/motion.h"
+#include "tests/simulator/sensors/imu_grade.h"
 #include "tests/simulator/sensors/sensor_options.h"
 
 namespace parkade::simulator {
 
 inline constexpr double kGravity = 9.80665;  ///< [m/s^2]
-
-/// What a kind of IMU does wrong. The densities are what imu0.yaml says; the rest is for the
-/// estimator to find out.
-struct ImuGrade {
-  std::string name;
-  double accelerometer_noise_density,
-      accelerometer_random_walk;                          ///< [m/s^2/sqrt(Hz)], [m/s^3/sqrt(Hz)]
-  double gyroscope_noise_density, gyroscope_random_walk;  ///< [rad/s/sqrt(Hz)], [rad/s^2/sqrt(Hz)]
-  double accelerometer_bias, gyroscope_bias;  ///< [m/s^2], [rad/s] at switching on, per axis
-  double scale_error;                         ///< of each axis
-  double misalignment;                        ///< [rad] of each axis toward the others
-};
-
-/// "rt3000" (of the class of an OxTS RT3000) or "mems". Throws Error{kUsage} for any other name.
-const ImuGrade& ImuGradeNamed(const std::string& name);
-
-/// What imu0.yaml says of an IMU of this kind.
-ImuCalibration CalibrationOf(const ImuGrade& grade, double rate, const std::string& topic);
 
 /// Turns ideal samples into what a real IMU gives: scale, misalignment, a bias that begins at
 /// random and walks (Gauss-Markov of an hour: a random walk over a drive, bounded over a day),

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "tests/simulator/sensors/imu_sensor.h"
+#include "tests/simulator/sensors/imu_grade.h"
 
 namespace parkade::simulator {
 

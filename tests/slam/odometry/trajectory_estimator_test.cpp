@@ -201,7 +201,7 @@ TEST(TrajectoryEstimator, ALateStartWithoutWheelsIsFilledByRunningBackwards) {
 
 /// Squared error of a state over its covariance, per degree of freedom; yaw and position of the
 /// start are the gauge.
-double NormalisedSquaredError(const SampledDrive& drive, const Trajectory& estimate,
+double NormalizedSquaredError(const SampledDrive& drive, const Trajectory& estimate,
                               size_t truth_index) {
   const auto yaw_of = [](const Eigen::Quaterniond& q) {
     const Eigen::Vector3d forward = q * Eigen::Vector3d::UnitX();
@@ -233,7 +233,7 @@ TEST(TrajectoryEstimator, CovariancesTellTheSizeOfErrors) {
       const SampledDrive drive = MakeCarDrive(options);
       const OdometryResult odometry = EstimateDrive(drive);
       for (const size_t index : {700u, 1500u, 2300u, 2990u}) {
-        sum += NormalisedSquaredError(drive, odometry.odom_from_body, index);
+        sum += NormalizedSquaredError(drive, odometry.odom_from_body, index);
         ++count;
       }
     }

@@ -191,7 +191,7 @@ TEST(MarginalCovariance, ErrorsOfTheImusScaleCount) {
                                 {pose_i.data(), motion_i.data(), pose_j.data(), motion_j.data()},
                                 {0, 6, 15, 21},
                                 {6, 9, 6, 9}};
-  const std::optional<LinearisedBlock> linear = Linearize(block);
+  const std::optional<LinearizedBlock> linear = Linearize(block);
   Eigen::MatrixXd jacobian(15, 15);
   jacobian << linear->jacobians[2], linear->jacobians[3];
   const Eigen::MatrixXd by_noise = (jacobian.transpose() * jacobian).inverse();

@@ -64,7 +64,7 @@ void DriveWorld::Observe(const Rigid3& world_from_keyframe, std::uint32_t seed,
         static_cast<int>(std::lround(std::atan2(seen.y(), seen.x()) / (M_PI / 2)) + 4) % 4;
     const Eigen::Vector3d view = seen - kMounts[camera];
     if (view.norm() < 1) continue;
-    PlaceFeature feature;
+    KeyframeFeature feature;
     feature.camera = camera;
     feature.origin = kMounts[camera];
     const Eigen::Vector3d noise(normal(random), normal(random), normal(random));

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace parkade {
+
+/// What `parkade map` was asked for, as it was typed.
+struct MapArguments {
+  std::vector<std::string> logs, rigs;
+  std::string out, from, preview, progress_file, cameras, loops, freespace_model;
+  std::vector<std::string> settings, rejected_loops, forced_loops, pins;
+  bool no_pins = false;
+  bool no_wheel = false, no_gnss = false, no_refine = false, is_odometry_only = false;
+  bool print_options = false, explain_options = false, is_quiet = false;
+  int num_threads = 0;
+};
+
+/// Adds its options to the command; `arguments` outlives it.
+void AddMapArguments(CLI::App& command, MapArguments& arguments);
+
+}  // namespace parkade

@@ -1,0 +1,37 @@
+#include "tests/simulator/drives/simulate_options.h"
+
+#include "core/error.h"
+
+namespace parkade::simulator {
+
+void SimulateOptions::Validate() const {
+  Require(seed >= 0 && place_seed >= -1, ErrorCode::kUsage, "the seed must not be negative");
+  Require(day >= 0 && day <= 1000, ErrorCode::kUsage, "the day must be 0 to 1000");
+  Require(speed_bumps >= 0 && speed_bumps <= 4, ErrorCode::kUsage,
+          "the speed bumps must be 0 to 4");
+  Require(traffic >= 0 && traffic <= 50, ErrorCode::kUsage, "the traffic must be 0 to 50");
+  Require(duration >= 10 && duration <= 3600, ErrorCode::kUsage,
+          "the duration must be 10 to 3600 s");
+  Require(relief >= 0 && relief <= 3, ErrorCode::kUsage, "the relief must be 0 to 3");
+  Require(ground_texel >= 0.002 && ground_texel <= 0.2, ErrorCode::kUsage,
+          "the ground's texels must be 0.002 to 0.2 m");
+  drive.Validate();
+  rig.Validate();
+  sensors.Validate();
+  cameras.Validate();
+  image.Validate();
+  faults.Validate();
+}
+
+SceneOptions SimulateOptions::OfScene() const {
+  SceneOptions scene_options;
+  scene_options.seed = static_cast<std::uint64_t>(place_seed < 0 ? seed : place_seed);
+  scene_options.relief = relief;
+  scene_options.ground_texel = ground_texel;
+  scene_options.day = day;
+  scene_options.speed_bumps = speed_bumps;
+  scene_options.weather = weather;
+  return scene_options;
+}
+
+}  // namespace parkade::simulator
