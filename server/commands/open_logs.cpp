@@ -39,6 +39,7 @@ OpenedLogs OpenLogs(const std::vector<std::string>& logs, const std::vector<std:
 
 std::vector<std::string> NamesOf(const std::vector<std::unique_ptr<RecordedDrive>>& drives) {
   std::vector<std::string> names;
+  names.reserve(drives.size());
   for (const auto& drive : drives) names.push_back(drive->name());
   return names;
 }

@@ -220,6 +220,7 @@ std::optional<GnssAlignment> AlignToGnss(const Trajectory& odom_from_body,
   // Reflections change with the location: within their reach they look like a rotation, whatever
   // the noise averages to.
   std::vector<double> sigmas;
+  sigmas.reserve(usable.size());
   for (const GnssFix& fix : usable) sigmas.push_back(fix.sigma_enu.head<2>().maxCoeff());
   if (alignment.extent < kSigmasOfExtent * MedianOf(sigmas)) return std::nullopt;
   if (!most_agree || alignment.YawSigma() > options.max_yaw_sigma) return std::nullopt;
