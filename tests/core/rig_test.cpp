@@ -149,7 +149,7 @@ TEST_F(RigFolder, ACameraWithoutItsOwnMountingIsChainedToThePreviousOne) {
 }
 
 TEST_F(RigFolder, TheSignOfTheToolboxsPolynomialDoesNotMatter) {
-  const std::string tail = "\n  center: [640.5, 480.25]\n  affine: [0.9998, 4.9e-4, 2.4e-4]\n";
+  const std::string tail = "\n  centre: [640.5, 480.25]\n  affine: [0.9998, 4.9e-4, 2.4e-4]\n";
   const auto write = [&](const std::string& intrinsics) {
     std::string text = kCamera;
     text.replace(text.find("pinhole"), 7, "ocam").replace(text.find("radtan"), 6, "none");

@@ -237,8 +237,9 @@ TEST_F(Architecture, LinesGoDownBetweenRooms) {
     for (const std::string& header : included) {
       const std::optional<size_t> other =
           includes_.contains(header) ? FindRoom(header) : std::nullopt;
-      if (other && folder_of(*other) == folder_of(*room))
+      if (other && folder_of(*other) == folder_of(*room)) {
         EXPECT_LE(*other, *room) << file << " includes " << header;
+      }
     }
   }
 }

@@ -62,7 +62,10 @@ Rig HallRig() {
   rig.imu.topic = "/imu";
   rig.imu.update_rate = kImuRate;
   rig.body_from_imu.translation = {1.2, 0.1, 0.5};
-  rig.vehicle = VehicleCalibration{.wheelbase = 2.8, .track = 1.6, .wheel_topic = "/wheels"};
+  rig.vehicle.emplace();
+  rig.vehicle->wheelbase = 2.8;
+  rig.vehicle->track = 1.6;
+  rig.vehicle->wheel_topic = "/wheels";
   return rig;
 }
 
