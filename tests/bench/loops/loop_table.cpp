@@ -138,9 +138,9 @@ void JudgeLoops(const Truth& truth, const LoopClosure& closure, LoopRun& run) {
 
 }  // namespace
 
-SampledDrive TrackDrive(const SuiteDrive& drive, const TableVariant& variant,
+TrackedDrive TrackDrive(const SuiteDrive& drive, const TableVariant& variant,
                         const OdometryOptions& options, const std::filesystem::path& kept) {
-  SampledDrive tracked;
+  TrackedDrive tracked;
   tracked.log =
       std::make_unique<ReriggedLog>(*drive.log, RigOfVariant(variant, drive), std::vector<int>{});
   if (!kept.empty() && std::filesystem::exists(kept)) {
@@ -154,7 +154,7 @@ SampledDrive TrackDrive(const SuiteDrive& drive, const TableVariant& variant,
   return tracked;
 }
 
-std::vector<LoopRun> RunLoops(const SuiteDrive& drive, const SampledDrive& tracked,
+std::vector<LoopRun> RunLoops(const SuiteDrive& drive, const TrackedDrive& tracked,
                               const std::vector<std::string>& methods,
                               const LoopTableOptions& table_options) {
   const OdometryResult& odometry = tracked.odometry;

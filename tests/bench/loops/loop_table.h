@@ -74,19 +74,19 @@ struct LoopTableOptions {
 };
 
 /// A drive as one variant of the odometry's table sees it, tracked.
-struct SampledDrive {
+struct TrackedDrive {
   std::unique_ptr<DriveLog> log;
   OdometryResult odometry;
 };
 
 /// Tracks the drive with the variant's rig. Where `kept` is not empty, the odometry is read from
 /// that file, or written there.
-SampledDrive TrackDrive(const SuiteDrive& drive, const TableVariant& variant,
+TrackedDrive TrackDrive(const SuiteDrive& drive, const TableVariant& variant,
                         const OdometryOptions& options, const std::filesystem::path& kept);
 
 /// Closes the drive's loops in each of the ways; where options.refines, what "rig" made and the
 /// odometry alone are refined too.
-std::vector<LoopRun> RunLoops(const SuiteDrive& drive, const SampledDrive& tracked,
+std::vector<LoopRun> RunLoops(const SuiteDrive& drive, const TrackedDrive& tracked,
                               const std::vector<std::string>& methods,
                               const LoopTableOptions& options);
 

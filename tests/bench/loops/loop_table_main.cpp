@@ -33,7 +33,7 @@ int Run(const CommandLine& line) {
           line.kept_folder.empty()
               ? ""
               : std::filesystem::path(line.kept_folder) / (name + "." + line.variant);
-      const SampledDrive tracked = TrackDrive(drive, variant, options.odometry, kept);
+      const TrackedDrive tracked = TrackDrive(drive, variant, options.odometry, kept);
       for (LoopRun& run : RunLoops(drive, tracked, line.methods, options)) {
         json["runs"].push_back(ToJson(run));
         std::printf("%-12s %-14s ATE %.4f m  drift %.4f %%  %zu of %d loops, %d wrong  %.1f s\n",

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct SampledDrive {
+struct TrackedDrive {
   SampledDrive drive = MakeCarDrive({.seed = 3,
                                      .duration = 12,
                                      .camera_rate = 10,
@@ -26,8 +26,8 @@ struct SampledDrive {
   OdometryResult odometry = EstimateDrive(drive);
 };
 
-const SampledDrive& Tracked() {
-  static const SampledDrive tracked;
+const TrackedDrive& Tracked() {
+  static const TrackedDrive tracked;
   return tracked;
 }
 
@@ -40,7 +40,7 @@ class OdometryFile : public testing::Test {
 };
 
 TEST_F(OdometryFile, ReadAndWrittenAgainItHasTheSameBytes) {
-  const SampledDrive& tracked = Tracked();
+  const TrackedDrive& tracked = Tracked();
   WriteOdometry(tracked.odometry, tracked.drive.rig, file_);
   const std::string bytes = ReadFile(file_);
 
@@ -57,7 +57,7 @@ TEST_F(OdometryFile, ReadAndWrittenAgainItHasTheSameBytes) {
 }
 
 TEST_F(OdometryFile, DamageAndOtherRigsAreNamed) {
-  const SampledDrive& tracked = Tracked();
+  const TrackedDrive& tracked = Tracked();
   const auto reads = [&](const Rig& rig) { return ReadOdometry(file_, rig); };
   EXPECT_THROW(reads(tracked.drive.rig), Error) << "it is not there";
   WriteOdometry(tracked.odometry, tracked.drive.rig, file_);
