@@ -140,7 +140,9 @@ TEST(SelfCalibration, AStandingCarTellsNothingAndKeepsItsRig) {
 
   const OdometryResult odometry = EstimateDrive(drive);
 
+  ASSERT_EQ(odometry.report.calibration.size(), 4u);
   for (size_t camera = 0; camera < 4; ++camera) {
+    EXPECT_FALSE(odometry.report.calibration[camera].quantities.empty());
     EXPECT_LT((odometry.rig.cameras[camera].body_from_camera.translation -
                drive.rig.cameras[camera].body_from_camera.translation)
                   .norm(),

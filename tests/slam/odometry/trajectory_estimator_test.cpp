@@ -307,6 +307,7 @@ TEST(TrajectoryEstimator, VelocitiesAreThoseOfTheBody) {
 
   const OdometryResult odometry = EstimateDrive(drive);
 
+  ASSERT_GT(odometry.odom_from_body.states().size(), 500u);
   for (size_t i = 400; i + 1 < odometry.odom_from_body.states().size(); i += 50) {
     const TrajectoryState &before = odometry.odom_from_body.states()[i - 1],
                           &at = odometry.odom_from_body.states()[i],

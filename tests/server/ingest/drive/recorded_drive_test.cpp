@@ -127,6 +127,7 @@ TEST(RecordedDrive, LateImagesAreSortedIn) {
 
     EXPECT_EQ(records.imu, 1201);
     EXPECT_GT(records.images, 150);
+    EXPECT_FALSE(drive->health().streams.empty());
     for (const StreamHealth& stream : drive->health().streams)
       EXPECT_EQ(stream.NumDropped(), 0u) << latency;
   }
