@@ -12,7 +12,7 @@ namespace {
 
 using Drives = std::vector<std::unique_ptr<RecordedDrive>>;
 
-constexpr double kDuration = 9;  // [s], of which the car stands for two
+constexpr double kDuration = 7;  // [s], of which the car stands for two
 
 class BuildMapTest : public testing::Test {
  protected:
@@ -51,7 +51,7 @@ TEST_F(BuildMapTest, ADriveInMemoryBecomesATrajectoryNearTheTruth) {
   const double end = site_from_body.span().Seconds();
   const Eigen::Vector3d expected = site_from_world * truth(end).world_from_body.translation;
   EXPECT_GT((truth(end).world_from_body.translation - truth(0).world_from_body.translation).norm(),
-            5);
+            3);
   EXPECT_LT((site_from_body.At(site_from_body.span().end)->translation - expected).norm(), 0.1);
   std::vector<std::string> stages;
   for (const StageTiming& timing : timings_) stages.push_back(timing.name);
@@ -66,7 +66,7 @@ TEST_F(BuildMapTest, ABuildFromAMapTakesItsStagesAndGivesTheSame) {
 
   const BuiltMap again = Build(drives, "again", "first");
 
-  EXPECT_GT(first.drives[0].refinement.seconds, 0);
+  EXPECT_GT(first.drives[0].odometry.seconds, 0);
   EXPECT_EQ(again.drives[0].loops.seconds, 0) << "taken";
   EXPECT_EQ(again.drives[0].refinement.seconds, 0) << "taken";
   const auto& before = first.site.drives[0].site_from_body_trajectory.states();

@@ -9,7 +9,7 @@
 namespace parkade {
 namespace {
 
-constexpr double kImuRate = 200, kWheelRate = 50, kCameraRate = 10;  // [Hz]
+constexpr double kImuRate = 200, kWheelRate = 50, kCameraRate = 5;  // [Hz]
 constexpr int kWidth = 320, kHeight = 200;
 
 class MemoryStream final : public RecordStream {

@@ -28,7 +28,7 @@ class MemoryDrive final : public RecordedDrive {
 };
 
 /// CarMotion through a textured hall for `duration` seconds, as an exact IMU at 200 Hz, wheels at
-/// 50 Hz and two fisheyes of 320x200 at 10 Hz see it. Frame `world` is that of CarMotion.
+/// 50 Hz and two fisheyes of 320x200 at 5 Hz see it. Frame `world` is that of CarMotion.
 std::unique_ptr<RecordedDrive> DriveThroughHall(const std::string& name, double duration);
 
 /// A log of an IMU alone for `duration` seconds: nothing can be tracked.
