@@ -1,15 +1,21 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, runs all tests. What CI runs.
-#   ./test.sh          everything
-#   ./test.sh --fast   without the sanitizer builds
+#   ./test.sh                    everything; sanitizers and clang-tidy look at what changed since
+#                                the upstream (scripts/changed_files.sh): the test programs of the
+#                                folders with a change, four minutes of clang-tidy. At most 45
+#                                minutes on two slow cores.
+#   ./test.sh --all-sanitizers   the same with ASan and UBSan on all test programs, TSan on the
+#                                server core
+#   ./test.sh --fast             format, build and tests: no sanitizers, clang-tidy or fuzzer
 set -euo pipefail
 cd "$(dirname "$0")"
 
-fast=false
+mode=changed
 case "${1:-}" in
   "") ;;
-  --fast) fast=true ;;
-  *) echo "usage: $0 [--fast]" >&2; exit 2 ;;
+  --fast) mode=fast ;;
+  --all-sanitizers) mode=all ;;
+  *) echo "usage: $0 [--fast | --all-sanitizers]" >&2; exit 2 ;;
 esac
 
 say() { printf '\n== %s (%s s)\n' "$*" "$SECONDS"; }
@@ -34,17 +40,46 @@ ctest --test-dir build/release --output-on-failure --parallel 2
 # A suite passes with cases skipped: which, and why.
 grep -B 1 -h '^\[  SKIPPED \] .* ms)$' build/release/Testing/Temporary/LastTest.log || echo "no case was skipped"
 
-if ! $fast; then
-  # OpenCV's and TBB's own threads give false reports under TSan: the server core has none.
-  say "ASan and UBSan on the units"
-  cmake --preset asan
-  cmake --build --preset asan --target parkade_unit_tests
-  ctest --test-dir build/asan --output-on-failure --parallel 2 -L '^(unit|server_core)$'
+changes=$(scripts/changed_files.sh)
+# True where sanitizers are to look at the folders of this pattern.
+wants() { [ "$mode" = all ] || grep -qE "^($1)/" <<< "$changes"; }
 
-  say "TSan on the server core"
-  cmake --preset tsan
-  cmake --build --preset tsan --target parkade_server_core_tests
-  ctest --test-dir build/tsan --output-on-failure --parallel 2 -L '^server_core$'
+# Builds test programs under a sanitizer's preset and runs their suites, which have their labels.
+sanitize() {
+  local preset=$1 labels
+  shift
+  cmake --preset "$preset"
+  cmake --build --preset "$preset" --target "$@"
+  labels=$(IFS='|'; echo "$*")
+  ctest --test-dir "build/$preset" --output-on-failure --parallel 2 --no-tests=error -L "^($labels)\$"
+}
+
+if [ "$mode" != fast ]; then
+  server_core=(parkade_server_store_tests parkade_server_jobs_tests parkade_server_http_tests)
+  programs=()
+  if wants 'core|tests/core'; then programs+=(parkade_core_tests); fi
+  if wants 'export|tests/export'; then programs+=(parkade_export_tests parkade_export_example); fi
+  if wants 'slam|tests/slam|tests/support'; then programs+=(parkade_slam_tests); fi
+  if wants 'mapping|tests/mapping'; then programs+=(parkade_mapping_tests); fi
+  if wants 'server/ingest|tests/server/ingest'; then
+    programs+=(parkade_server_ingest_tests parkade_server_ingest_containers_tests)
+  fi
+  if wants 'server/(store|jobs|http)|tests/server/(store|jobs|http)'; then programs+=("${server_core[@]}"); fi
+  if [ ${#programs[@]} -gt 0 ]; then
+    say "ASan and UBSan on ${programs[*]}"
+    sanitize asan "${programs[@]}"
+  fi
+  # OpenCV's and TBB's own threads give false reports under TSan: the server core has none.
+  if wants 'core|server/(store|jobs|http)|tests/server/(store|jobs|http)'; then
+    say "TSan on the server core"
+    sanitize tsan "${server_core[@]}"
+  fi
+
+  say "fuzzer of the log readers"
+  scripts/fuzz.sh 60
+
+  say "clang-tidy"
+  TIDY_SECONDS=240 scripts/tidy.sh
 fi
 
 say "all tests passed"

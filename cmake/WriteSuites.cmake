@@ -1,4 +1,10 @@
-# Asks `program` for its suites and writes `file`, a test each, with `label`, run in `folder` (DiscoverSuites.cmake).
+# Asks `program` for its suites and writes `file`, a test each, with `label` and the program's name as labels, run in
+# `folder` (DiscoverSuites.cmake).
+cmake_path(GET program FILENAME name)
+set(labels "${label}")
+if(NOT name MATCHES "system") # `ctest -LE system` goes by parts of labels
+  list(APPEND labels ${name})
+endif()
 execute_process(COMMAND ${program} --gtest_list_tests OUTPUT_VARIABLE listing COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCHALL "(^|\n)[A-Za-z0-9_/]+\\." lines "${listing}")
 set(script "")
@@ -7,7 +13,7 @@ foreach(line IN LISTS lines)
   string(REGEX REPLACE "\\.$" "" suite "${suite}")
   string(APPEND script
     "add_test([=[${suite}]=] [=[${program}]=] [=[--gtest_filter=${suite}.*]=])\n"
-    "set_tests_properties([=[${suite}]=] PROPERTIES LABELS ${label} TIMEOUT 900 WORKING_DIRECTORY [=[${folder}]=]\n"
+    "set_tests_properties([=[${suite}]=] PROPERTIES LABELS [=[${labels}]=] TIMEOUT 900 WORKING_DIRECTORY [=[${folder}]=]\n"
     "  ENVIRONMENT [=[TSAN_OPTIONS=suppressions=${folder}/tests/tsan.supp]=])\n")
 endforeach()
 file(WRITE ${file} "${script}")

@@ -2,8 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <initializer_list>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "core/error.h"
 #include "core/polynomial.h"
@@ -18,9 +20,10 @@ constexpr double kMaxSensorRadius = 1e5;
 // Share of the radius or angle kept from a fold, where the inverse is ill-conditioned.
 constexpr double kFoldMargin = 1e-6;
 
-void RequireFinite(double value, const char* name) {
-  Require(std::isfinite(value), ErrorCode::kInvalidInput,
-          std::string("intrinsic '") + name + "' is not finite");
+void RequireFinite(std::initializer_list<std::pair<double, const char*>> intrinsics) {
+  for (const auto& [value, name] : intrinsics)
+    Require(std::isfinite(value), ErrorCode::kInvalidInput,
+            std::string("intrinsic '") + name + "' is not finite");
 }
 
 void RequireIn(double value, const char* name, double begin, double end) {
@@ -34,8 +37,7 @@ void ValidatePlane(const Projection& lens) {
   for (const auto& [value, name] : {std::pair{lens.fx, "fx"}, std::pair{lens.fy, "fy"}})
     Require(value > 0 && std::isfinite(value), ErrorCode::kInvalidInput,
             std::string("intrinsic '") + name + "' must be a positive number of pixels");
-  RequireFinite(lens.cx, "cx");
-  RequireFinite(lens.cy, "cy");
+  RequireFinite({{lens.cx, "cx"}, {lens.cy, "cy"}});
 }
 
 /// Pixel in the normalized image plane.
@@ -47,30 +49,12 @@ Eigen::Vector2d Normalized(const Projection& lens, const Eigen::Vector2d& pixel)
 double ScaledCenter(double center, double factor) { return (center + 0.5) * factor - 0.5; }
 
 template <typename Projection>
-Projection ScaledPlane(Projection lens, double factor) {
+Projection Resized(Projection lens, double factor) {
   lens.fx *= factor;
   lens.fy *= factor;
   lens.cx = ScaledCenter(lens.cx, factor);
   lens.cy = ScaledCenter(lens.cy, factor);
   return lens;
-}
-
-/// Root of the increasing `function` (value and slope) in [0, max]: Newton, and bisection where
-/// Newton leaves the bracket. Nothing where the root lies beyond `max`.
-template <typename Function>
-std::optional<double> SolveIncreasing(const Function& function, double start, double max) {
-  if (!(function(max).first >= 0)) return std::nullopt;
-  double low = 0, high = max, x = start;
-  for (int iteration = 0; iteration < 100; ++iteration) {
-    const auto [value, slope] = function(x);
-    (value < 0 ? low : high) = x;
-    double next = x - value / slope;
-    if (!(low <= next && next <= high)) next = 0.5 * (low + high);
-    const double step = std::abs(next - x);
-    x = next;
-    if (step <= 4e-16 * x) break;
-  }
-  return x;
 }
 
 /// Jacobian of RadTanDistortion::Distort.
@@ -150,9 +134,7 @@ std::optional<Eigen::Vector2d> RadTanDistortion::Undistort(const Eigen::Vector2d
 }
 
 void RadTanDistortion::Validate() const {
-  for (const auto& [value, name] : {std::pair{k1, "k1"}, std::pair{k2, "k2"}, std::pair{p1, "p1"},
-                                    std::pair{p2, "p2"}, std::pair{k3, "k3"}})
-    RequireFinite(value, name);
+  RequireFinite({{k1, "k1"}, {k2, "k2"}, {p1, "p1"}, {p2, "p2"}, {k3, "k3"}});
 }
 
 std::optional<Eigen::Vector3d> PinholeProjection::Unproject(const Eigen::Vector2d& pixel) const {
@@ -163,9 +145,7 @@ std::optional<Eigen::Vector3d> PinholeProjection::Unproject(const Eigen::Vector2
 
 void PinholeProjection::Validate() const { ValidatePlane(*this); }
 
-PinholeProjection PinholeProjection::Scaled(double factor) const {
-  return ScaledPlane(*this, factor);
-}
+PinholeProjection PinholeProjection::Scaled(double factor) const { return Resized(*this, factor); }
 
 std::optional<Eigen::Vector3d> RadTanProjection::Unproject(const Eigen::Vector2d& pixel) const {
   const std::optional<Eigen::Vector2d> point = distortion.Undistort(Normalized(*this, pixel));
@@ -178,9 +158,7 @@ void RadTanProjection::Validate() const {
   distortion.Validate();
 }
 
-RadTanProjection RadTanProjection::Scaled(double factor) const {
-  return ScaledPlane(*this, factor);
-}
+RadTanProjection RadTanProjection::Scaled(double factor) const { return Resized(*this, factor); }
 
 double KannalaBrandtProjection::FindMaxTheta(double k1, double k2, double k3, double k4) {
   // The slope of r(t) is a quartic in t^2.
@@ -208,13 +186,11 @@ std::optional<Eigen::Vector3d> KannalaBrandtProjection::Unproject(
 
 void KannalaBrandtProjection::Validate() const {
   ValidatePlane(*this);
-  for (const auto& [value, name] :
-       {std::pair{k1, "k1"}, std::pair{k2, "k2"}, std::pair{k3, "k3"}, std::pair{k4, "k4"}})
-    RequireFinite(value, name);
+  RequireFinite({{k1, "k1"}, {k2, "k2"}, {k3, "k3"}, {k4, "k4"}});
 }
 
 KannalaBrandtProjection KannalaBrandtProjection::Scaled(double factor) const {
-  return ScaledPlane(*this, factor);
+  return Resized(*this, factor);
 }
 
 std::optional<Eigen::Vector3d> MeiProjection::Unproject(const Eigen::Vector2d& pixel) const {
@@ -233,7 +209,7 @@ void MeiProjection::Validate() const {
   RequireIn(xi, "xi", 0, 100);
 }
 
-MeiProjection MeiProjection::Scaled(double factor) const { return ScaledPlane(*this, factor); }
+MeiProjection MeiProjection::Scaled(double factor) const { return Resized(*this, factor); }
 
 std::optional<Eigen::Vector3d> EucmProjection::Unproject(const Eigen::Vector2d& pixel) const {
   const Eigen::Vector2d point = Normalized(*this, pixel);
@@ -250,7 +226,7 @@ void EucmProjection::Validate() const {
   RequireIn(beta, "beta", 1e-6, 1e6);
 }
 
-EucmProjection EucmProjection::Scaled(double factor) const { return ScaledPlane(*this, factor); }
+EucmProjection EucmProjection::Scaled(double factor) const { return Resized(*this, factor); }
 
 std::optional<Eigen::Vector3d> DoubleSphereProjection::Unproject(
     const Eigen::Vector2d& pixel) const {
@@ -272,7 +248,7 @@ void DoubleSphereProjection::Validate() const {
 }
 
 DoubleSphereProjection DoubleSphereProjection::Scaled(double factor) const {
-  return ScaledPlane(*this, factor);
+  return Resized(*this, factor);
 }
 
 double OcamProjection::FindMaxRadius(double a0, double a2, double a3, double a4) {
@@ -307,10 +283,8 @@ std::optional<Eigen::Vector3d> OcamProjection::Unproject(const Eigen::Vector2d& 
 }
 
 void OcamProjection::Validate() const {
-  for (const auto& [value, name] :
-       {std::pair{a2, "a2"}, std::pair{a3, "a3"}, std::pair{a4, "a4"}, std::pair{cx, "cx"},
-        std::pair{cy, "cy"}, std::pair{c, "c"}, std::pair{d, "d"}, std::pair{e, "e"}})
-    RequireFinite(value, name);
+  RequireFinite(
+      {{a2, "a2"}, {a3, "a3"}, {a4, "a4"}, {cx, "cx"}, {cy, "cy"}, {c, "c"}, {d, "d"}, {e, "e"}});
   Require(a0 > 0 && std::isfinite(a0), ErrorCode::kInvalidInput,
           "intrinsic 'a0' must be a positive number of pixels");
   Require(c - d * e > 0.1, ErrorCode::kInvalidInput,

@@ -46,9 +46,8 @@ class CompactFloat {
   CompactFloat(float value)  // NOLINT: converts
       : upper_(static_cast<std::uint16_t>((std::bit_cast<std::uint32_t>(value) + 0x8000U) >> 16U)) {
   }
-  operator float() const {
-    return std::bit_cast<float>(std::uint32_t{upper_} << 16U);
-  }  // NOLINT: converts
+  // NOLINTNEXTLINE(google-explicit-constructor): converts
+  operator float() const { return std::bit_cast<float>(std::uint32_t{upper_} << 16U); }
 
  private:
   std::uint16_t upper_ = 0;

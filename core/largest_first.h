@@ -11,8 +11,7 @@
 namespace parkade {
 
 /// Does what ParallelMap does, but begins with the largest by `size_of(i)`, so that no thread is
-/// left with
-/// a large one while the others have nothing more to do.
+/// left with a large one while the others have nothing more to do.
 template <typename SizeOf, typename Body>
 auto ParallelMapLargestFirst(std::size_t count, const SizeOf& size_of, const Body& body) {
   std::vector<std::size_t> order(count);

@@ -6,8 +6,8 @@ namespace parkade {
 
 enum class LogLevel { kDebug, kInfo, kWarning, kError, kSilent };
 
-/// Writes one line to stderr: "2026-11-21T04:22:27.123Z info stage=track frames=812".
-/// Control bytes in `message` are escaped. Thread-safe.
+/// Writes one line to stderr: "2026-11-21T04:22:27.123Z info stage=track frames=812". Control bytes
+/// in `message` are escaped. Thread-safe.
 void SetLogLevel(LogLevel level);
 void Log(LogLevel level, const std::string& message);
 

@@ -2,10 +2,10 @@
 
 namespace parkade {
 
-/// Makes the C library, where it can, keep memory that was let go for what comes next. A map
-/// takes and lets go of large pieces all the time: to give them back to the system and to be given
-/// them anew, zeroed, takes longer than some of what they are needed for. For processes that end
-/// with their work.
+/// Makes the C library, where it can, keep memory that was let go for what comes next. A map takes
+/// and lets go of large pieces all the time: to give them back to the system and to be given them
+/// anew, zeroed, takes longer than some of what they are needed for. For processes that end with
+/// their work.
 void TuneMalloc();
 
 }  // namespace parkade

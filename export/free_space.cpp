@@ -105,8 +105,7 @@ class CellGraph {
 
 /// The fewest heights [m] that lie between the cells of every (x, y) that has several. Each is
 /// chosen where the part has the least ground, so that ramps are cut and not decks. Increasing.
-/// Greedy stabbing
-/// of intervals.
+/// Greedy stabbing of intervals.
 std::vector<double> FindCuts(const Cells& cells, Indices part) {
   std::sort(part.begin(), part.end());
   std::vector<std::pair<double, double>> gaps;  // (upper, lower) height

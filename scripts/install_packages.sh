@@ -17,6 +17,8 @@ build_packages=(
   # tests and the drive simulator
   libgtest-dev libbenchmark-dev libembree-dev gdal-bin python3 python3-rosbag python3-sensor-msgs python3-nav-msgs
   python3-geometry-msgs python3-tf2-msgs chromium clang-format
+  # clang-tidy, and the fuzzer of the log readers
+  clang-14 clang-tidy-14 libclang-rt-14-dev
 )
 runtime_packages=(
   libopencv-core406 libopencv-imgproc406 libopencv-imgcodecs406 libopencv-features2d406 libopencv-calib3d406

@@ -19,7 +19,7 @@ constexpr int kNormalBits = 8;
 constexpr int kSigmaBits = 10;
 constexpr int kTexcoordBits =
     14;  // an image is at most some thousand texels wide: steps are a fraction of one
-// Speeds go from 0 (smallest) to 10 (fastest); 4 still uses the predictors that matter for a
+// Draco's speed, 0 (smallest) to 10 (fastest); 4 still uses the predictors that matter for a
 // surface.
 constexpr int kSpeed = 4;
 

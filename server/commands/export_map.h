@@ -27,8 +27,8 @@ struct ExportFormat {
 const std::vector<ExportFormat>& ExportFormats();
 
 /// Writes one export of a finished map to `out`: a file, or a folder where the format has several
-/// files. Whole or not at all. Throws Error{kUsage} naming the formats for any other, and
-/// what MapReader throws.
+/// files. Whole or not at all. Throws Error{kUsage} naming the formats for any other, and what
+/// MapReader throws.
 void ExportMap(const MapReader& map, const std::string& format, const std::filesystem::path& out,
                const ExportOptions& options = {});
 

@@ -19,7 +19,7 @@
 #include "mapping/networks/freespace_network.h"
 #include "server/commands/commands.h"
 #include "server/commands/map_arguments.h"
-#include "server/ingest/drive/open_drive_log.h"
+#include "server/commands/open_logs.h"
 #include "server/map_folder/loop_images.h"
 #include "server/map_folder/output_folder.h"
 #include "server/map_folder/overwrite_guard.h"
@@ -41,68 +41,6 @@ std::vector<std::string> SplitAtCommas(const std::string& text) {
     begin = end + 1;
   }
   return parts;
-}
-
-/// Where a drive comes from.
-struct DriveSource {
-  std::filesystem::path log, rig;  ///< the rig's folder may be empty: the log's own
-};
-
-struct OpenedLogs {
-  std::vector<std::unique_ptr<RecordedDrive>> drives;  ///< in the order of their time
-  std::map<std::string, DriveSource> sources;          ///< by the drives' names
-  std::vector<LeftOutDrive> unreadable;                ///< drives of several that cannot be used
-};
-
-OpenedLogs OpenLogs(const MapArguments& arguments) {
-  OpenLogOptions options;
-  options.cameras = SplitAtCommas(arguments.cameras);
-  options.use_wheels = !arguments.no_wheel;
-  options.use_gnss = !arguments.no_gnss;
-  OpenedLogs opened;
-  auto& [drives, sources, unreadable] = opened;
-  Require(arguments.rigs.size() <= 1 || arguments.rigs.size() == arguments.logs.size(),
-          ErrorCode::kUsage, "--rig is given once for all logs, or once for each, in their order");
-  for (size_t i = 0; i < arguments.logs.size(); ++i) {
-    const std::string rig =
-        arguments.rigs.empty() ? "-" : arguments.rigs[std::min(i, arguments.rigs.size() - 1)];
-    options.rig_folder = rig == "-" ? "" : rig;
-    try {
-      drives.push_back(OpenDriveLog(arguments.logs[i], options));
-    } catch (const Error& error) {
-      if (arguments.logs.size() == 1 || error.code() != ErrorCode::kInvalidInput) throw;
-      unreadable.push_back({std::filesystem::path(arguments.logs[i]).stem(), error.what()});
-      continue;
-    }
-    const DriveSource source{arguments.logs[i], options.rig_folder};
-    Require(sources.emplace(drives.back()->name(), source).second, ErrorCode::kInvalidInput,
-            "two of the logs are called '" + drives.back()->name() +
-                "'; a drive's name is that of its file");
-  }
-  Require(!drives.empty(), ErrorCode::kInvalidInput,
-          "none of the logs can be used; the first: " +
-              (unreadable.empty() ? "" : unreadable.front().reason));
-  // The same drives make the same map, in whatever order they are given.
-  std::sort(drives.begin(), drives.end(), [](const auto& a, const auto& b) {
-    return std::pair(a->span().begin, a->name()) < std::pair(b->span().begin, b->name());
-  });
-  return opened;
-}
-
-std::vector<std::string> NamesOf(const std::vector<std::unique_ptr<RecordedDrive>>& drives) {
-  std::vector<std::string> names;
-  for (const auto& drive : drives) names.push_back(drive->name());
-  return names;
-}
-
-std::map<std::string, DriveInputs> HashInputs(const std::map<std::string, DriveSource>& sources,
-                                              const std::filesystem::path& out) {
-  std::map<std::string, DriveInputs> inputs;
-  for (const auto& [name, source] : sources) {
-    inputs[name].log = HashInput(source.log, out);
-    if (!source.rig.empty()) inputs[name].rig = HashInput(source.rig);
-  }
-  return inputs;
 }
 
 void WriteProducts(const OpenedLogs& logs, const BuiltMap& built, const MapOptions& options,
@@ -147,6 +85,14 @@ std::vector<SitePin> PinsOf(const MapArguments& arguments, const PinOptions& opt
   return ReadPins(arguments.from);
 }
 
+OpenLogOptions OpenOptionsOf(const MapArguments& arguments) {
+  OpenLogOptions options;
+  options.cameras = SplitAtCommas(arguments.cameras);
+  options.use_wheels = !arguments.no_wheel;
+  options.use_gnss = !arguments.no_gnss;
+  return options;
+}
+
 BuildScope ScopeOf(const MapArguments& arguments,
                    const std::vector<std::unique_ptr<RecordedDrive>>& drives,
                    const std::filesystem::path& products) {
@@ -166,7 +112,7 @@ void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Pro
   if (!arguments.from.empty()) MapReader(arguments.from);  // throws where there is no map
   std::vector<SitePin> pins = PinsOf(arguments, options.pins);
   OutputFolder output(arguments.out);
-  const OpenedLogs logs = OpenLogs(arguments);
+  const OpenedLogs logs = OpenLogs(arguments.logs, arguments.rigs, OpenOptionsOf(arguments));
   RequireOverwritable(arguments.out, NamesOf(logs.drives));
   BuildScope scope = ScopeOf(arguments, logs.drives, output.staging());
   scope.unreadable = logs.unreadable;

@@ -38,11 +38,10 @@ struct SiteAlignment {
 };
 
 /// Aligns two maps by shared drives where there are any; else by keyframes (RegisterSites, started
-/// from where both
-/// lie on Earth, if anywhere). Where no place is recognized the datum remains: heights are then
-/// moved so that the two grounds lie on each other in the median, and the sigmas are those of the
-/// two placements. Throws Error{kInvalidInput} where nothing says how the maps lie to each other,
-/// or where they lie in different towns.
+/// from where both lie on Earth, if anywhere). Where no place is recognized the datum remains:
+/// heights are then moved so that the two grounds lie on each other in the median, and the sigmas
+/// are those of the two placements. Throws Error{kInvalidInput} where nothing says how the maps lie
+/// to each other, or where they lie in different towns.
 SiteAlignment AlignMaps(const std::vector<SharedDrive>& shared, const MapReader& from,
                         const MapReader& to);
 

@@ -26,16 +26,15 @@ struct RequestHead {
 
 /// Parses the text up to and including the empty line. Strict where RFC 9112
 /// allows to be: lines end with CR LF, names are tokens, no folding, no control bytes, not even
-/// written as %0d or %00. A target that names the host,
-/// "http://HOST/PATH", sets the Host field. Throws HttpError{400, 505}.
+/// written as %0d or %00. A target that names the host, "http://HOST/PATH", sets the Host field.
+/// Throws HttpError{400, 505}.
 RequestHead ParseRequestHead(std::string_view text);
 
 /// Refuses requests that the HTTP library would get wrong or that cost memory before our code runs
-/// (measured on cpp-httplib 0.11.4): transfer encodings (411), content
-/// encodings (415), missing (411), repeated or malformed (400) and oversized (413)
-/// Content-Length, several ranges (416), forged connection fields (400), changes
-/// asked for by another site's page (403). Throws HttpError. Returns the length
-/// of the body.
+/// (measured on cpp-httplib 0.11.4): transfer encodings (411), content encodings (415), missing
+/// (411), repeated or malformed (400) and oversized (413) Content-Length, several ranges (416),
+/// forged connection fields (400), changes asked for by another site's page (403). Throws
+/// HttpError. Returns the length of the body.
 std::int64_t CheckRequestHead(const RequestHead& head);
 
 /// Under this name the Range field is handed to our own code, past the library's.

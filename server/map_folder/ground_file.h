@@ -83,8 +83,7 @@ class GroundFile {
 class StoredGround final : public PatchSource {
  public:
   /// Adds a drive's patches. Those at whose time `site_from_body` knows no pose are left out. Call
-  /// in the order of the
-  /// drives' numbers.
+  /// in the order of the drives' numbers.
   void Add(std::shared_ptr<const GroundFile> file, int drive, const Trajectory& site_from_body);
 
   PosedGroundPatch Read(std::size_t index) const override;

@@ -32,8 +32,7 @@ class MapReader {
   std::filesystem::path FileNamed(const std::string& name) const;
 
   /// The path of a file of a drive. `drive` may be empty where the map has only one. Throws
-  /// Error{kUsage}
-  /// naming the drives.
+  /// Error{kUsage} naming the drives.
   std::filesystem::path FileOfDrive(const std::string& drive, const std::string& name) const;
 
   TriangleMesh ReadGround() const;

@@ -20,8 +20,7 @@ struct StoredSlot {
 };
 
 /// Reads a map's slots.geojson. `datum`: of the map, where it is on Earth. Throws Error{kNotFound}
-/// without
-/// the file, Error{kInvalidInput} where it is no such file.
+/// without the file, Error{kInvalidInput} where it is no such file.
 std::vector<StoredSlot> ReadSlots(const std::filesystem::path& file,
                                   const std::optional<SiteDatum>& datum);
 

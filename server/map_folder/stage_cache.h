@@ -25,8 +25,7 @@ class StageCache {
 
   /// The result under `key`: taken where there is a whole one, else computed. It is kept in the new
   /// map either way; a file with this one result is shared between the maps. `file` is relative to
-  /// the
-  /// maps' folders.
+  /// the maps' folders.
   std::string Get(const std::string& file, const std::string& key,
                   const std::function<std::string()>& compute) const;
 

@@ -42,8 +42,7 @@ std::optional<std::string> EncodeJointPreview(const std::filesystem::path& from,
                                               const LoopOptions& options);
 
 // The two previews as stages of a build: written to BuildScope::preview, where there is one; each
-// replaces
-// the one before. A preview that cannot be made does not fail the build.
+// replaces the one before. A preview that cannot be made does not fail the build.
 
 /// Call after all drives' loops are closed: EncodeJointPreview.
 void PreviewLoops(const BuildContext& context, std::span<const DriveInWork> drives);

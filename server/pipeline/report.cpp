@@ -9,6 +9,7 @@
 #include "core/version.h"
 #include "export/markings.h"
 #include "server/map_folder/loop_images.h"
+#include "slam/sessions/drive_join_json.h"
 
 namespace parkade {
 namespace {

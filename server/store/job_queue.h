@@ -26,15 +26,14 @@ Job QueueMap(Store& store, const std::string& site, std::vector<std::string> dri
              bool merge_drives, const MapReview& review = {});
 
 /// Takes the oldest queued job, if any, and starts an attempt of it, without the drives that were
-/// deleted since it was queued. None may be left. A job with a new drive is joined with what
-/// its site has now, and waits while another job of its site runs.
+/// deleted since it was queued. None may be left. A job with a new drive is joined with what its
+/// site has now, and waits while another job of its site runs.
 std::optional<Job> ClaimJob(Store& store);
 
 /// How many attempts at a job may end by a crash of its worker.
 constexpr int kMaxCrashes = 3;
 /// How many attempts may end with the service. Mostly these have nothing to do with the job, but a
-/// job that
-/// takes the whole machine down must not do so for ever.
+/// job that takes the whole machine down must not do so for ever.
 constexpr int kMaxServiceEnds = 20;
 
 /// Ends an attempt that will not be tried again. Nothing happens when it is no

@@ -7,8 +7,8 @@
 
 namespace parkade {
 
-/// The parts of a map's report.json that lists of sites and drives show. Each value is
-/// JSON text; absent where the report does not say.
+/// The parts of a map's report.json that lists of sites and drives show. Each value is JSON text;
+/// absent where the report does not say.
 struct ReportSummary {
   std::optional<std::string> datum;   ///< "datum": {latitude_deg, longitude_deg, altitude}
   std::optional<std::string> bounds;  ///< "bounds": {min: [x, y, z], max: [x, y, z]} in site [m]

@@ -8,99 +8,22 @@
 #include "core/statistics.h"
 #include "slam/georeference/align_points.h"
 #include "slam/georeference/correlated_errors.h"
+#include "slam/georeference/gnss_pairs.h"
 
 namespace parkade {
 namespace {
 
 constexpr int kMinInliers = 5;
 constexpr double kOutlierSquaredError = 11.34;  ///< chi-square, 3 degrees of freedom, 99 %
-constexpr double kMinSigma = 0.01;              ///< [m] receivers that claim less are not believed
 constexpr double kLongArm = 20;                 ///< [m] from which on residuals tell of bends
 constexpr double kLeastBend = 1e-4;             ///< [m/m]
 constexpr double kBendsPerMedian = 1.5;
 constexpr double kSigmasOfExtent = 2;  ///< a drive must extend this far for a heading
 constexpr double kMostWhiteVariance =
     0.7;  ///< a drive may be too short to show that a receiver errs slowly
-constexpr int kCorrelatedRounds = 3;     ///< after the robust fit, which is near
-constexpr double kMaxSiteRadius = 10e3;  ///< [m]
+constexpr int kCorrelatedRounds = 3;  ///< after the robust fit, which is near
 
-/// Fixes beside the antenna positions that odometry gives for their times.
-struct Pairs {
-  Eigen::Matrix3Xd antenna_in_odom;
-  Eigen::Matrix3Xd antenna_in_site;
-  Eigen::Matrix3Xd sigma;  ///< [m] east, north, up; odometry drift included
-  Eigen::VectorXd times;   ///< [s] since the first
-  Eigen::VectorXd arms;    ///< [m] of way from the middle of the drive
-
-  Eigen::Index size() const { return sigma.cols(); }
-};
-
-Eigen::Vector3d InEarth(const GnssFix& fix) {
-  return EarthFromSite({fix.latitude_deg, fix.longitude_deg, fix.altitude}).translation;
-}
-
-/// A receiver that starts up may report (0, 0) or its last parking place: the
-/// first fix is the datum only if most others are near.
-SiteDatum ChooseDatum(const std::vector<GnssFix>& fixes) {
-  std::vector<double> axes[3];
-  for (const GnssFix& fix : fixes) {
-    const Eigen::Vector3d in_earth = InEarth(fix);
-    for (int axis = 0; axis < 3; ++axis) axes[axis].push_back(in_earth[axis]);
-  }
-  const Eigen::Vector3d center(Median(axes[0]), Median(axes[1]), Median(axes[2]));
-  const auto first = std::find_if(fixes.begin(), fixes.end(), [&](const GnssFix& fix) {
-    return (InEarth(fix) - center).norm() < kMaxSiteRadius;
-  });
-  const GnssFix& fix = first == fixes.end() ? fixes.front() : *first;
-  return {fix.latitude_deg, fix.longitude_deg, fix.altitude};
-}
-
-Pairs MakePairs(const Trajectory& trajectory, const std::vector<GnssFix>& fixes,
-                const Eigen::Vector3d& antenna_in_body, const SiteDatum& datum, double drift) {
-  Pairs pairs;
-  const auto count = static_cast<Eigen::Index>(fixes.size());
-  for (Eigen::Matrix3Xd* points : {&pairs.antenna_in_odom, &pairs.antenna_in_site, &pairs.sigma})
-    points->resize(3, count);
-  pairs.times.resize(count);
-  pairs.arms.resize(count);
-  std::vector<double> traveled(fixes.size(), 0.0);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const GnssFix& fix = fixes[static_cast<size_t>(i)];
-    pairs.times[i] = fix.time - fixes.front().time;
-    pairs.antenna_in_odom.col(i) = trajectory.At(fix.time).value() * antenna_in_body;
-    pairs.antenna_in_site.col(i) =
-        SiteFromGeodetic(datum, fix.latitude_deg, fix.longitude_deg, fix.altitude);
-    if (i > 0)
-      traveled[static_cast<size_t>(i)] =
-          traveled[static_cast<size_t>(i - 1)] +
-          (pairs.antenna_in_odom.col(i) - pairs.antenna_in_odom.col(i - 1)).norm();
-  }
-  // Drift grows away from the middle of the drive, where the alignment is best.
-  for (Eigen::Index i = 0; i < count; ++i) {
-    pairs.arms[i] = traveled[static_cast<size_t>(i)] - 0.5 * traveled.back();
-    const double bend = drift * pairs.arms[i];
-    const Eigen::Vector3d sigma = fixes[static_cast<size_t>(i)].sigma_enu.cwiseMax(kMinSigma);
-    pairs.sigma.col(i) = (sigma.array().square() + bend * bend).sqrt();
-  }
-  return pairs;
-}
-
-Eigen::Matrix3Xd Residuals(const Pairs& pairs, const Rigid3& site_from_odom) {
-  Eigen::Matrix3Xd residuals = pairs.antenna_in_site;
-  for (Eigen::Index i = 0; i < pairs.size(); ++i)
-    residuals.col(i) -= site_from_odom * Eigen::Vector3d(pairs.antenna_in_odom.col(i));
-  return residuals;
-}
-
-Eigen::VectorXd SquaredErrors(const Pairs& pairs, const Rigid3& site_from_odom) {
-  return (Residuals(pairs, site_from_odom).array() / pairs.sigma.array())
-      .square()
-      .colwise()
-      .sum()
-      .transpose();
-}
-
-Rigid3 Fit(const Pairs& pairs, const Eigen::VectorXd& weights) {
+Rigid3 Fit(const GnssPairs& pairs, const Eigen::VectorXd& weights) {
   const Eigen::ArrayXd horizontal_variance =
       0.5 * pairs.sigma.topRows<2>().colwise().squaredNorm().transpose();
   const Eigen::ArrayXd vertical_variance = pairs.sigma.row(2).array().square().transpose();
@@ -114,7 +37,7 @@ struct RobustFit {
   Eigen::VectorXd weights;  ///< in (0, 1]: how far each fix is believed
 };
 
-RobustFit FitRobustly(const Pairs& pairs) {
+RobustFit FitRobustly(const GnssPairs& pairs) {
   RobustFit fit;
   fit.weights = Eigen::VectorXd::Ones(pairs.size());
   fit.site_from_odom = Fit(pairs, fit.weights);
@@ -135,7 +58,7 @@ RobustFit FitRobustly(const Pairs& pairs) {
 
 /// How far odometry bends at most, by what the fit leaves: much less than it may where fixes are
 /// exact and agree.
-double BendOf(const Pairs& pairs, const RobustFit& fit, double drift) {
+double BendOf(const GnssPairs& pairs, const RobustFit& fit, double drift) {
   const Eigen::Matrix3Xd residuals = Residuals(pairs, fit.site_from_odom);
   std::vector<double> bends;
   for (Eigen::Index i = 0; i < pairs.size(); ++i)
@@ -152,7 +75,7 @@ struct LinearFit {
 };
 
 /// Least squares that knows that errors of fixes in quick succession are nearly the same.
-LinearFit FitCorrelated(const Pairs& pairs, const RobustFit& fit,
+LinearFit FitCorrelated(const GnssPairs& pairs, const RobustFit& fit,
                         const Eigen::Vector3d& center_in_odom, double correlation_time) {
   const Eigen::Matrix3Xd residuals = Residuals(pairs, fit.site_from_odom);
   Eigen::Matrix4d information =
@@ -197,7 +120,7 @@ double Quantile(std::vector<double> sorted_values, double share) {
 }
 
 /// Everything but the datum.
-GnssAlignment Describe(const Pairs& pairs, RobustFit&& fit, double correlation_time) {
+GnssAlignment Describe(const GnssPairs& pairs, RobustFit&& fit, double correlation_time) {
   GnssAlignment alignment;
   const Eigen::Vector3d center_in_odom = pairs.antenna_in_odom * fit.weights / fit.weights.sum();
   for (int round = 0; round < kCorrelatedRounds; ++round) {
@@ -284,9 +207,9 @@ std::optional<GnssAlignment> AlignToGnss(const Trajectory& odom_from_body,
 
   const SiteDatum site_datum = datum ? *datum : ChooseDatum(usable);
   const auto make_pairs = [&](double drift) {
-    return MakePairs(odom_from_body, usable, antenna_in_body, site_datum, drift);
+    return MakeGnssPairs(odom_from_body, usable, antenna_in_body, site_datum, drift);
   };
-  Pairs pairs = make_pairs(options.odometry_drift);
+  GnssPairs pairs = make_pairs(options.odometry_drift);
   RobustFit fit = FitRobustly(pairs);
   pairs = make_pairs(BendOf(pairs, fit, options.odometry_drift));
   fit = FitRobustly(pairs);
@@ -297,6 +220,7 @@ std::optional<GnssAlignment> AlignToGnss(const Trajectory& odom_from_body,
   // Reflections change with the location: within their reach they look like a rotation, whatever
   // the noise averages to.
   std::vector<double> sigmas;
+  sigmas.reserve(usable.size());
   for (const GnssFix& fix : usable) sigmas.push_back(fix.sigma_enu.head<2>().maxCoeff());
   if (alignment.extent < kSigmasOfExtent * Median(sigmas)) return std::nullopt;
   if (!most_agree || alignment.YawSigma() > options.max_yaw_sigma) return std::nullopt;

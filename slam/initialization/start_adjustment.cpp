@@ -7,6 +7,7 @@
 
 #include "core/statistics.h"
 #include "slam/factors/landmark_parameters.h"
+#include "slam/initialization/start_linearization.h"
 
 namespace parkade {
 namespace {
@@ -21,76 +22,6 @@ constexpr double kInfinityDamping = 1e-6;  // [1/(1/m)^2] keeps points without p
 constexpr double kMedianOfChiSquared2 = 1.386;
 constexpr double kMinNoise = 0.2, kMaxNoise = 10;
 constexpr double kEnough = 1e-4;  // relative fall of the cost
-
-/// One observation's residual [sigma] and its derivatives by the point (3) and by the motion.
-struct Linearized {
-  Eigen::Vector2d residual = Eigen::Vector2d::Zero();
-  Eigen::Matrix<double, 2, 3> by_point = Eigen::Matrix<double, 2, 3>::Zero();
-  Eigen::Matrix<double, 2, kStartMotionSize> by_motion =
-      Eigen::Matrix<double, 2, kStartMotionSize>::Zero();
-};
-
-/// An image at one motion.
-struct ImageAt {
-  Eigen::Vector3d center;
-  Eigen::Matrix3d rotation;
-  Eigen::Matrix<double, 3, kStartMotionSize> center_by_motion, turn_by_motion;
-};
-
-Eigen::Matrix3d RotationOf(const StartImage& image, const ImuBias& bias,
-                           const ImuBias& linearized_at) {
-  return image.rotation *
-         ExpSo3(image.rotation_by_gyroscope * (bias.gyroscope - linearized_at.gyroscope))
-             .toRotationMatrix();
-}
-
-Eigen::Matrix<double, 3, 2> GravityBasis(const Eigen::Vector3d& gravity) {
-  return gravity.norm() * BasisAcross(gravity.normalized());
-}
-
-ImageAt Place(const StartImage& image, const StartMotion& motion, const ImuBias& linearized_at) {
-  ImageAt at;
-  at.rotation = RotationOf(image, motion.bias, linearized_at);
-  at.center = CenterOf(image, motion, linearized_at);
-  at.turn_by_motion.setZero();
-  at.turn_by_motion.middleCols<3>(5) = image.rotation_by_gyroscope;
-  at.center_by_motion.leftCols<3>() = image.t * Eigen::Matrix3d::Identity();
-  at.center_by_motion.middleCols<2>(3) = 0.5 * image.t * image.t * GravityBasis(motion.gravity);
-  at.center_by_motion.middleCols<3>(5) =
-      image.position_by_gyroscope -
-      at.rotation * Skew(image.camera_in_imu) * image.rotation_by_gyroscope;
-  at.center_by_motion.rightCols<3>() = image.position_by_accelerometer;
-  return at;
-}
-
-/// Points behind have a constant error of a right angle, and no derivative.
-Linearized Linearize(const StartTrack& track, const Eigen::Matrix<double, 3, 2>& across,
-                     const StartObservation& observation, const ImageAt& at, double noise,
-                     bool wants_motion) {
-  Linearized result;
-  const double sigma = observation.sigma * noise;
-  const Eigen::Vector3d offset = track.origin - at.center;
-  const Eigen::Vector3d seen =
-      at.rotation.transpose() * (track.ray + track.inverse_distance * offset);
-  const double length = seen.norm();
-  if (!(seen.dot(observation.bearing) > 1e-6)) {
-    result.residual.x() = 1 / sigma;
-    return result;
-  }
-  const Eigen::Matrix<double, 3, 2> basis = BasisAcross(observation.bearing);
-  const Eigen::Vector3d direction = seen / length;
-  result.residual = basis.transpose() * direction / sigma;
-  const Eigen::Matrix<double, 2, 3> by_seen =
-      basis.transpose() * (Eigen::Matrix3d::Identity() - direction * direction.transpose()) /
-      (length * sigma);
-  const Eigen::Matrix<double, 2, 3> by_ray = by_seen * at.rotation.transpose();
-  result.by_point.leftCols<2>() = by_ray * across;
-  result.by_point.col(2) = by_ray * offset;
-  if (wants_motion)
-    result.by_motion = by_seen * Skew(seen) * at.turn_by_motion -
-                       track.inverse_distance * by_ray * at.center_by_motion;
-  return result;
-}
 
 double RobustCost(double squared) {
   return kRobustWidth * kRobustWidth * std::log1p(squared / (kRobustWidth * kRobustWidth));
@@ -111,13 +42,13 @@ struct MotionEquations {
   double cost = 0;
 };
 
-TrackEquations Accumulate(const StartTrack& track, const std::vector<ImageAt>& images, double noise,
-                          MotionEquations* motion) {
+TrackEquations Accumulate(const StartTrack& track, const std::vector<PlacedStartImage>& images,
+                          double noise, MotionEquations* motion) {
   TrackEquations own;
   const Eigen::Matrix<double, 3, 2> across = BasisAcross(track.ray);
   for (const StartObservation& observation : track.observations) {
-    const Linearized at =
-        Linearize(track, across, observation, images[observation.image], noise, motion != nullptr);
+    const StartResidual at = LinearizeStart(track, across, observation, images[observation.image],
+                                            noise, motion != nullptr);
     const double squared = at.residual.squaredNorm(), weight = RobustWeight(squared);
     own.cost += RobustCost(squared);
     own.points += weight * at.by_point.transpose() * at.by_point;
@@ -156,7 +87,7 @@ void AddPriors(const StartProblem& problem, const StartMotion& motion, MotionEqu
     add(row, motion.bias.accelerometer[k] / problem.accelerometer_bias_sigma);
   }
   if (!problem.scale) return;
-  const ImageAt end = Place(problem.end, motion, problem.linearized_at);
+  const PlacedStartImage end = PlaceStartImage(problem.end, motion, problem.linearized_at);
   const double way = std::max(end.center.norm(), 1e-3);
   add(end.center.transpose() / (way * way) * end.center_by_motion / problem.scale->sigma,
       std::log(way / problem.scale->way) / problem.scale->sigma);
@@ -172,23 +103,23 @@ StartMotion Moved(const StartMotion& motion, const MotionVector& step) {
   return moved;
 }
 
-std::vector<ImageAt> PlaceImages(const StartProblem& problem, const StartMotion& motion) {
-  std::vector<ImageAt> images;
+std::vector<PlacedStartImage> PlaceImages(const StartProblem& problem, const StartMotion& motion) {
+  std::vector<PlacedStartImage> images;
   images.reserve(problem.images.size());
   for (const StartImage& image : problem.images)
-    images.push_back(Place(image, motion, problem.linearized_at));
+    images.push_back(PlaceStartImage(image, motion, problem.linearized_at));
   return images;
 }
 
 double CostOf(const StartProblem& problem, const StartMotion& motion, double noise) {
-  const std::vector<ImageAt> images = PlaceImages(problem, motion);
+  const std::vector<PlacedStartImage> images = PlaceImages(problem, motion);
   MotionEquations priors;
   AddPriors(problem, motion, priors);
   double cost = priors.cost;
   for (const StartTrack& track : problem.tracks)
     for (const StartObservation& observation : track.observations)
-      cost += RobustCost(Linearize(track, BasisAcross(track.ray), observation,
-                                   images[observation.image], noise, false)
+      cost += RobustCost(LinearizeStart(track, BasisAcross(track.ray), observation,
+                                        images[observation.image], noise, false)
                              .residual.squaredNorm());
   return cost;
 }
@@ -196,7 +127,7 @@ double CostOf(const StartProblem& problem, const StartMotion& motion, double noi
 /// Equations of the motion with all points eliminated.
 MotionEquations Reduce(const StartProblem& problem, const StartMotion& motion, double noise,
                        double damping, std::vector<TrackEquations>& tracks) {
-  const std::vector<ImageAt> images = PlaceImages(problem, motion);
+  const std::vector<PlacedStartImage> images = PlaceImages(problem, motion);
   MotionEquations equations;
   AddPriors(problem, motion, equations);
   tracks.clear();
@@ -215,13 +146,13 @@ MotionEquations Reduce(const StartProblem& problem, const StartMotion& motion, d
 
 /// Median of the squared errors against what white noise of the declared sigmas would leave.
 double NoiseOf(const StartProblem& problem, const StartMotion& motion) {
-  const std::vector<ImageAt> images = PlaceImages(problem, motion);
+  const std::vector<PlacedStartImage> images = PlaceImages(problem, motion);
   std::vector<double> squared;
   for (const StartTrack& track : problem.tracks)
     for (const StartObservation& observation : track.observations)
-      squared.push_back(
-          Linearize(track, BasisAcross(track.ray), observation, images[observation.image], 1, false)
-              .residual.squaredNorm());
+      squared.push_back(LinearizeStart(track, BasisAcross(track.ray), observation,
+                                       images[observation.image], 1, false)
+                            .residual.squaredNorm());
   if (squared.empty()) return 1;
   const double median = NthSmallest(squared, squared.size() / 2);
   const double freedom = std::max(0.3, 1 - 1.5 * static_cast<double>(problem.tracks.size()) /
@@ -231,21 +162,12 @@ double NoiseOf(const StartProblem& problem, const StartMotion& motion) {
 
 }  // namespace
 
-Eigen::Vector3d CenterOf(const StartImage& image, const StartMotion& motion,
-                         const ImuBias& linearized_at) {
-  return motion.velocity * image.t + 0.5 * image.t * image.t * motion.gravity + image.position +
-         image.position_by_gyroscope * (motion.bias.gyroscope - linearized_at.gyroscope) +
-         image.position_by_accelerometer *
-             (motion.bias.accelerometer - linearized_at.accelerometer) +
-         RotationOf(image, motion.bias, linearized_at) * image.camera_in_imu;
-}
-
 Eigen::Vector3d WayOf(const StartProblem& problem, const StartMotion& motion) {
   return CenterOf(problem.end, motion, problem.linearized_at);
 }
 
 double PlacePoints(StartProblem& problem, const StartMotion& motion, double noise) {
-  const std::vector<ImageAt> images = PlaceImages(problem, motion);
+  const std::vector<PlacedStartImage> images = PlaceImages(problem, motion);
   for (StartTrack& track : problem.tracks) {
     const StartObservation& first = track.observations.front();
     track.origin = images[first.image].center;

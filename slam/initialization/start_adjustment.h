@@ -77,9 +77,6 @@ struct StartFit {
 
 /// [m] from begin to end.
 Eigen::Vector3d WayOf(const StartProblem& problem, const StartMotion& motion);
-/// [m] where the camera of `image` was.
-Eigen::Vector3d CenterOf(const StartImage& image, const StartMotion& motion,
-                         const ImuBias& linearized_at);
 
 /// Points of all tracks for a known motion; returns the robust cost.
 double PlacePoints(StartProblem& problem, const StartMotion& motion, double noise);

@@ -10,7 +10,7 @@ namespace {
 constexpr double kImagesPerCamera = 12;
 constexpr double kMinImageInterval = 0.08;  // [s]
 constexpr size_t kTracksPerCamera = 70;
-constexpr size_t kMinSights = 3;
+constexpr size_t kMinObservations = 3;
 constexpr double kMinBiasSigma = 1e-4;  // [rad/s]
 
 /// Carries an image's derivatives along from one instant to the next.
@@ -70,7 +70,7 @@ std::vector<StartTrack> LongestTracks(std::map<std::int64_t, StartTrack> tracks,
                                       const StartProblem& problem, size_t num_cameras) {
   std::vector<std::vector<StartTrack>> of_camera(num_cameras);
   for (auto& [number, track] : tracks)
-    if (track.observations.size() >= kMinSights)
+    if (track.observations.size() >= kMinObservations)
       of_camera[static_cast<size_t>(problem.images[track.observations.front().image].camera)]
           .push_back(std::move(track));
   std::vector<StartTrack> kept;

@@ -7,12 +7,12 @@
 
 namespace parkade {
 
-/// Finds places that the drive visits again, measures how they lie to each other, and
-/// bends the odometry so that they do: keyframes' images are read again from `log`,
-/// DescribeKeyframes, RecognizePlaces, EstimateRigPose (or a baseline), OptimizePoseGraphRobustly
-/// with gravity held. `odometry` is odom_from_body of that log. Images are worked on in parallel;
-/// results do not depend on the number of threads. `review` overrules; a loop it names that no two
-/// keyframes have throws Error{kUsage}.
+/// Finds places that the drive visits again, measures how they lie to each other, and bends the
+/// odometry so that they do: keyframes' images are read again from `log`, DescribeKeyframes,
+/// RecognizePlaces, EstimateRigPose (or a baseline), OptimizePoseGraphRobustly with gravity held.
+/// `odometry` is odom_from_body of that log. Images are worked on in parallel; results do not
+/// depend on the number of threads. `review` overrules; a loop it names that no two keyframes have
+/// throws Error{kUsage}.
 LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const LoopOptions& options,
                        const LoopReview& review = {});
 

@@ -25,8 +25,8 @@ PoseGraph WorldGraph();
 /// keyframe's vertex; the others follow.
 ///
 /// \param world_from_keyframe  where the keyframes begin; level
-/// \param first_id of the first keyframe; the others count up. Ids of several drives must lie
-/// far apart.
+/// \param first_id of the first keyframe; the others count up. Ids of several drives must lie far
+/// apart.
 size_t AddKeyframes(const std::vector<RigKeyframe>& keyframes,
                     const std::vector<Rigid3>& world_from_keyframe, const LoopOptions& options,
                     std::int64_t first_id, PoseGraph& graph);

@@ -12,7 +12,7 @@
 
 namespace parkade {
 
-struct DriveMeasurements;
+class DriveMeasurements;
 
 /// An image worth keeping.
 struct OdometryKeyframe {

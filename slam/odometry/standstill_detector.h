@@ -34,8 +34,7 @@ class StandstillDetector {
   void Add(const TrackedFrame& frame);
 
   /// Whether the car stood from `begin` to `end`, which must be later and should be by 0.1 s. `imu`
-  /// is not empty.
-  /// `was_still`: the car stood just before; it then takes more to believe that it
+  /// is not empty. `was_still`: the car stood just before; it then takes more to believe that it
   /// moves, and no images are no reason to.
   bool IsStill(const ImuBuffer& imu, const WheelBuffer& wheels, Timestamp begin, Timestamp end,
                bool was_still = false) const;

@@ -25,9 +25,8 @@ class TrajectoryBuilder {
   /// first.
   void Add(const RecordedNode& node, const std::optional<NodeInterval>& interval);
 
-  /// Adds states of the time before the first node, running backwards on the
-  /// gyroscope and the wheels, or on the IMU alone where there are none.
-  /// `is_still`: the car stood all that time.
+  /// Adds states of the time before the first node, running backwards on the gyroscope and the
+  /// wheels, or on the IMU alone where there are none. `is_still`: the car stood all that time.
   std::vector<TrajectoryState> StatesBefore(const EarlyRecords& early, bool is_still) const;
 
   bool empty() const { return states_.empty(); }

@@ -15,11 +15,10 @@ Matrix6d AdjustToCorrespondences(const std::vector<RayPointCorrespondence>& corr
 
 /// Covariance of a pose that was adjusted to these correspondences: hessian^-1 scaled by what the
 /// residuals show, plus the effect of errors of the cameras' mounts (sigmas in the options). Those
-/// are considered,
-/// not estimated (S. Schmidt, "Application of state-space methods to navigation problems", 1966):
-/// with a residual's derivative G by the mounts, of variance Q, it is hessian^-1 (J^T W G) Q (J^T W
-/// G)^T hessian^-1. They cancel where the same camera sees the place twice in the same direction,
-/// and add up where the car stands the other way around.
+/// are considered, not estimated (S. Schmidt, "Application of state-space methods to navigation
+/// problems", 1966): with a residual's derivative G by the mounts, of variance Q, it is hessian^-1
+/// (J^T W G) Q (J^T W G)^T hessian^-1. They cancel where the same camera sees the place twice in
+/// the same direction, and add up where the car stands the other way around.
 Matrix6d CovarianceOfCorrespondences(const std::vector<RayPointCorrespondence>& correspondences,
                                      const Matrix6d& hessian, const Rigid3& a_from_b,
                                      const RelativePoseOptions& options);

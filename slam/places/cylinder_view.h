@@ -10,8 +10,8 @@ namespace parkade {
 
 /// A camera's image on an upright cylinder around the car: columns are equal
 /// angles about the upright axis, rows the tangent of the elevation. Upright things stand upright
-/// in every camera's view, and cameras that look the same way see
-/// the same image, whatever their lenses. Immutable, thread-safe.
+/// in every camera's view, and cameras that look the same way see the same image, whatever their
+/// lenses. Immutable, thread-safe.
 class CylinderView {
  public:
   CylinderView() = default;  ///< sees nothing

@@ -37,8 +37,7 @@ double SharpnessAt(const RigCamera& camera, const Rigid3& camera_from_body,
 }
 
 /// The image relative to the brightness of the ground around, which becomes kFloorGray. Unseen
-/// cells are
-/// kFloorGray.
+/// cells are kFloorGray.
 cv::Mat WithoutLight(const cv::Mat& image, const cv::Mat& is_seen) {
   cv::Mat values, weights;
   is_seen.convertTo(weights, CV_32F, 1.0 / 255);

@@ -33,8 +33,7 @@ struct PlaceCandidate {
 };
 
 /// Keyframes that odometry allows to be at the place of another, and two neighbors to each side of
-/// them,
-/// from whose images their points come. One flag per keyframe.
+/// them, from whose images their points come. One flag per keyframe.
 std::vector<bool> FindPossibleRevisits(const std::vector<RigKeyframe>& keyframes,
                                        const RecognitionOptions& options);
 

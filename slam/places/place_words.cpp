@@ -24,10 +24,10 @@ std::array<int, kTables * kBits> ChooseBits() {
 }
 
 std::uint32_t WordOf(const uchar* descriptor, int table) {
-  static const std::array<int, kTables* kBits> kChosen = ChooseBits();
+  static const std::array<int, kTables* kBits> chosen = ChooseBits();
   auto word = static_cast<std::uint32_t>(table);
   for (int i = 0; i < kBits; ++i) {
-    const int bit = kChosen[static_cast<size_t>(table * kBits + i)];
+    const int bit = chosen[static_cast<size_t>(table * kBits + i)];
     word = 2 * word + ((descriptor[bit / 8] >> (bit % 8)) & 1u);
   }
   return word;

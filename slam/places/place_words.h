@@ -10,8 +10,7 @@ namespace parkade {
 /// Tells which keyframes have which words. Words are fixed groups of 16 bits of the descriptors,
 /// four per feature, so that there is no vocabulary to train or to ship (locality-sensitive
 /// hashing: P. Indyk, R. Motwani, STOC 1998); all cameras of a keyframe make one document, so that
-/// the
-/// left camera finds what the right one saw.
+/// the left camera finds what the right one saw.
 class PlaceWords {
  public:
   /// A word that a keyframe has.

@@ -2,11 +2,11 @@
 
 #include <Eigen/Eigenvalues>
 #include <limits>
-#include <numeric>
 
 #include "core/error.h"
 #include "core/statistics.h"
 #include "slam/pose_graph/chi_squared.h"
+#include "slam/pose_graph/join_parts.h"
 #include "slam/pose_graph/loop_support.h"
 #include "slam/pose_graph/pose_graph_start.h"
 
@@ -129,7 +129,7 @@ class GraduatedNonConvexity {
 
   /// Continues from `weights`; takes the result where its truncated cost is lower than `best`'s.
   void Try(std::vector<double> weights, double mu, RobustPoseGraphSummary& summary, Reached& best) {
-    JoinParts(weights);
+    JoinParts(graph_, weights);
     Begin(weights);
     Continue(mu, summary);
     Reached reached = Current(summary.noise_scale);
@@ -237,34 +237,6 @@ class GraduatedNonConvexity {
         ratios.push_back(squared_errors[i] / medians_[i]);
     if (ratios.size() < 20) return 1;
     return kNoiseMargin * std::sqrt(Median(std::move(ratios)));
-  }
-
-  /// Adds what joins parts that the trusted and the chosen edges leave apart: the loops between the
-  /// nearest ids first, which are the likeliest to be odometry.
-  void JoinParts(std::vector<double>& weights) const {
-    std::vector<size_t> parent(graph_.vertices.size()), order;
-    std::iota(parent.begin(), parent.end(), size_t{0});
-    const auto root_of = [&parent](size_t vertex) {
-      while (parent[vertex] != vertex) vertex = parent[vertex] = parent[parent[vertex]];
-      return vertex;
-    };
-    const auto joins = [&](size_t i) {
-      const size_t a = root_of(graph_.edges[i].from), b = root_of(graph_.edges[i].to);
-      parent[a] = b;
-      return a != b;
-    };
-    for (size_t i = 0; i < weights.size(); ++i) {
-      if (weights[i] == 0) {
-        order.push_back(i);
-      } else {
-        joins(i);
-      }
-    }
-    std::stable_sort(order.begin(), order.end(), [this](size_t a, size_t b) {
-      return IdGap(graph_, graph_.edges[a]) < IdGap(graph_, graph_.edges[b]);
-    });
-    for (const size_t i : order)
-      if (joins(i)) weights[i] = 1;
   }
 
   /// Solves with the accepted edges alone, from the better of two starts, and accepts anew by the

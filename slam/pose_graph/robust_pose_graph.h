@@ -28,8 +28,7 @@ struct RobustPoseGraphSummary {
 };
 
 /// Does what OptimizePoseGraph does where edges that are not trusted may be wrong: truncated least
-/// squares by
-/// graduated non-convexity. H. Yang et al., "Graduated Non-Convexity for Robust Spatial
+/// squares by graduated non-convexity. H. Yang et al., "Graduated Non-Convexity for Robust Spatial
 /// Perception", RA-L 2020, eq. 12-14, down to truncation at the 99 % quantile of chi^2; started
 /// from the loops that support each other (FindSupportedLoops), and where there are few loops also
 /// from all of them: the lower truncated cost wins.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -34,13 +33,10 @@ struct DriveJoin {
 /// which graduated non-convexity doubts the links; all these drives adjusted at once, each as its
 /// own refinement allows (AdjustJointly); then each such group is placed on Earth by the GNSS of
 /// its drives, rigidly. The largest set of drives that hang together by links or by GNSS is kept
-/// (of equal ones the one with the longest way); any other drive is left out with a reason.
-/// `site` is the datum's tangent plane where a kept drive has GNSS, else the odometry frame of the
-/// first kept drive. A single drive is only placed.
+/// (of equal ones the one with the longest way); any other drive is left out with a reason. `site`
+/// is the datum's tangent plane where a kept drive has GNSS, else the odometry frame of the first
+/// kept drive. A single drive is only placed.
 DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops,
                      const SessionLoopOptions& links, const PairFindings& known = {});
-
-/// \param names  of the drives
-nlohmann::json ToJson(const DriveJoin& join, const std::vector<std::string>& names);
 
 }  // namespace parkade

@@ -17,9 +17,9 @@ struct GnssDrive {
   std::vector<Eigen::Vector3d> in_group;  ///< [m] the same keyframes, as the group has them
 };
 
-/// Places a group by the GNSS of its drives: the yaw and translation that agree best with all
-/// their alignments, each by its whole covariance, since receivers err independently on different
-/// days. Nothing without any drive. Gauss-Newton over [yaw, x, y, z].
+/// Places a group by the GNSS of its drives: the yaw and translation that agree best with all their
+/// alignments, each by its whole covariance, since receivers err independently on different days.
+/// Nothing without any drive. Gauss-Newton over [yaw, x, y, z].
 std::optional<Rigid3> PlaceByGnss(std::span<const GnssDrive> drives);
 
 }  // namespace parkade

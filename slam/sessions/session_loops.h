@@ -67,15 +67,6 @@ std::vector<double> SharesOf(const std::vector<SessionLoop>& links,
                              const std::vector<RigKeyframe>& keyframes_a,
                              const std::vector<RigKeyframe>& keyframes_b, double reach);
 
-/// Which links agree with each other: the ways between their ends, by either drive's trajectory,
-/// close with the links. A large set in which all agree with all (greedy), after J. Mangelson et
-/// al., "Pairwise Consistent Measurement Set Maximization for Robust Multi-Robot Map Merging", ICRA
-/// 2018. Indices, ascending.
-std::vector<size_t> FindConsistentLoops(const std::vector<RigKeyframe>& keyframes_a,
-                                        const std::vector<RigKeyframe>& keyframes_b,
-                                        const std::vector<SessionLoop>& links,
-                                        const SessionLoopOptions& options);
-
 /// The keyframes of a drive and their words, which are found once however many other drives it is
 /// compared with.
 struct ComparedDrive {

@@ -6,34 +6,16 @@
 #include <vector>
 
 #include "core/drive_log.h"
-#include "core/option_about.h"
 #include "core/rig.h"
 #include "slam/tracking/corner_detector.h"
 #include "slam/tracking/ego_mask.h"
 #include "slam/tracking/epipolar_check.h"
 #include "slam/tracking/feature_track.h"
+#include "slam/tracking/feature_tracker_options.h"
 #include "slam/tracking/reference_patch.h"
 #include "slam/tracking/tracked_image.h"
 
 namespace parkade {
-
-struct FeatureTrackerOptions {
-  int max_tracks = 180;    ///< per image; also sets the distance between corners
-  int window = 17;         ///< [px] odd edge of the patch that is tracked; larger: steadier, slower
-  int pyramid_levels = 4;  ///< halvings + 1; more: larger motion than the gyro predicts
-  double pixel_sigma = 0.5;         ///< [px] noise reported with each observation
-  double max_round_trip = 0.7;      ///< [px] forward-backward error above which a track ends
-  double max_epipolar_error = 1.5;  ///< [px] off the epipolar plane above which a track ends
-  double max_gap = 1.0;             ///< [s] tracks do not survive a longer pause
-  bool learn_own_body = true;       ///< find and ignore the car's own body in the image
-
-  template <typename Visitor>
-  void VisitFields(Visitor&& visit) {
-    visit("max_tracks", max_tracks,
-          OptionAbout{"Each camera follows this many corners at most.", "", 20, 2000});
-  }
-  void Validate() const;  ///< throws Error{kUsage}
-};
 
 /// What a tracker has met so far. Counts of frames add up to the calls of Track.
 struct FeatureTrackerStatistics {
@@ -52,8 +34,8 @@ struct FeatureTrackerStatistics {
 /// Follows corners through the images of ONE camera: pyramidal Lucas-Kanade on
 /// locally normalized images, started where the predicted rotation moves each
 /// corner through the lens model, forward-backward check, sub-pixel alignment with the track's
-/// reference patch, epipolar check with the predicted rotation, and new
-/// corners where the image is empty.
+/// reference patch, epipolar check with the predicted rotation, and new corners where the image is
+/// empty.
 ///
 /// J.-Y. Bouguet, "Pyramidal implementation of the affine Lucas Kanade feature
 /// tracker", 2001; J. Shi, C. Tomasi, "Good features to track", CVPR 1994.

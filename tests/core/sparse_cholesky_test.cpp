@@ -10,8 +10,8 @@
 namespace parkade {
 namespace {
 
-/// Of a grid whose neighbors are tied with random weights; large enough for supernodes. Lower
-/// triangle.
+/// The matrix of a grid whose neighbors are tied with random weights; large enough for supernodes.
+/// Lower triangle.
 Eigen::SparseMatrix<double> GridMatrix(int side) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> weight(0.5, 2);

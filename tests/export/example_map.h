@@ -16,8 +16,8 @@ SiteMap MakeExampleMap(bool is_georeferenced);
 inline constexpr double kUpperDeckHeight = 2.6;
 
 /// The same with a texture: a chart for each 16 m square of triangles' centers and each deck,
-/// texels of 0.1 m whose red is the column and whose green is the row, of 255, across a image of 50
-/// m x 30 m from (-25, 15).
+/// texels of 0.1 m whose red is the column and whose green is the row, of 255, across an image of
+/// 50 m x 30 m from (-25, 15).
 SiteMap MakeTexturedMap();
 
 /// Two drives and no ground.

@@ -20,6 +20,7 @@ std::vector<TimedPose> MakePoses() {
 
 TEST(PoseFiles, KittisRowsAreTheMatrix) {
   const std::vector<TimedPose> poses = MakePoses();
+  ASSERT_FALSE(poses.empty());
   std::istringstream text(EncodeKittiPoses(poses));
   for (const TimedPose& pose : poses) {
     std::string line;

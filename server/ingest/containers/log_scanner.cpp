@@ -3,26 +3,14 @@
 #include <algorithm>
 #include <set>
 
+#include "server/ingest/containers/channel_losses.h"
 #include "server/ingest/containers/chunk_content.h"
 #include "server/ingest/containers/damage.h"
 #include "server/ingest/containers/record_walker.h"
+#include "server/ingest/containers/segment_list.h"
 
 namespace parkade {
 namespace {
-
-constexpr std::uint64_t kSegmentSize = std::uint64_t{2} << 20;
-
-struct Counted {
-  std::uint64_t num_messages = 0;
-  TimeSpan time;
-};
-
-/// A loss whose topic is known when all channels are.
-struct ChannelLoss {
-  std::string what;
-  std::optional<std::uint32_t> channel;
-  Counted lost;
-};
 
 class LogScanner {
  public:
@@ -38,13 +26,13 @@ class LogScanner {
   /// A chunk whose index records are still coming.
   struct OpenedChunk {
     LogRecord record;
-    std::map<std::uint32_t, Counted> index;  ///< by channel
+    std::map<std::uint32_t, MessageCount> index;  ///< by channel
     bool has_damage_behind = false;
     std::vector<LogRecord>
         doubtful_indexes;  ///< behind the damage: of this chunk, or of one that was lost
   };
   struct ChunkMessages {
-    std::map<std::uint32_t, Counted> by_channel;
+    std::map<std::uint32_t, MessageCount> by_channel;
     std::set<std::pair<std::uint32_t, Timestamp>>
         stamps;  ///< only where doubtful indexes need them
     TimeSpan time;
@@ -59,11 +47,8 @@ class LogScanner {
   bool IsIndexOf(const LogRecord& index, const ChunkMessages& messages);
   ChunkMessages Unpack(const OpenedChunk& chunk);
   void GuessDefinitions(const LogRecord& chunk);
-  void AddSegment(const LogRecord& record, std::uint64_t held_size, const TimeSpan& time);
   void AddOrphan(const LogRecord& index);
-  Counted CountEntries(const LogRecord& index);
-  void AddChannelLoss(ChannelLoss loss);
-  void NameLosses();
+  MessageCount CountEntries(const LogRecord& index);
 
   const LogFormat* format_;
   FileReader reader_;
@@ -76,9 +61,8 @@ class LogScanner {
   std::optional<OpenedChunk> chunk_;
   std::map<std::uint32_t, std::uint64_t>
       num_salvaged_;  ///< messages outside chunks since the last damage
-  std::vector<ChannelLoss> losses_;
-  bool is_new_segment_due_ = true;
-  std::uint64_t covered_end_ = 0;  ///< of all segments
+  ChannelLosses losses_;
+  SegmentList segments_;
 };
 
 ScannedLog LogScanner::Scan() {
@@ -98,12 +82,11 @@ ScannedLog LogScanner::Scan() {
   }
   CloseChunk();
   // A chunk is complete only after what lies open behind it.
-  std::sort(log_.segments.begin(), log_.segments.end(),
-            [](const LogSegment& a, const LogSegment& b) { return a.begin < b.begin; });
+  log_.segments = segments_.TakeSorted();
   channels_.AddMissing(guessed_channels_);
   const bool knows_counts = has_all_channels_ && !summary_.num_messages.empty();
   log_.topics = channels_.MakeTopics(knows_counts ? summary_.num_messages : num_messages_);
-  NameLosses();
+  losses_.AddTo(log_.damage, log_.topics);
   return std::move(log_);
 }
 
@@ -133,9 +116,9 @@ void LogScanner::OnDamage(std::uint64_t begin, const RecordWalker::Step& step) {
       loss.lost = {1, {step.record->time, step.record->time}};
     }
   }
-  AddChannelLoss(std::move(loss));
+  losses_.Add(std::move(loss));
   num_salvaged_.clear();
-  is_new_segment_due_ = true;
+  segments_.BeginNew();
   if (chunk_) chunk_->has_damage_behind = true;
 }
 
@@ -146,8 +129,8 @@ void LogScanner::OnIndex(const LogRecord& record) {
     if (chunk_->doubtful_indexes.size() < kMaxDoubtful) chunk_->doubtful_indexes.push_back(record);
     return;
   }
-  const Counted counted = CountEntries(record);
-  Counted& known = chunk_->index[record.channel];
+  const MessageCount counted = CountEntries(record);
+  MessageCount& known = chunk_->index[record.channel];
   known.num_messages += counted.num_messages;
   if (counted.time.IsEmpty()) return;
   known.time.Include(counted.time.begin);
@@ -156,21 +139,21 @@ void LogScanner::OnIndex(const LogRecord& record) {
 
 void LogScanner::OnMessage(const LogRecord& record) {
   if (record.data_size > kMaxMessageSize) {
-    AddChannelLoss(
+    losses_.Add(
         {"a message is larger than 64 MiB", record.channel, {1, {record.time, record.time}}});
-    is_new_segment_due_ = true;
+    segments_.BeginNew();
     return;
   }
   ++num_messages_[record.channel];
   ++num_salvaged_[record.channel];
-  AddSegment(record, record.end - record.begin, {record.time, record.time});
+  segments_.Add(record, record.end - record.begin, {record.time, record.time});
 }
 
 void LogScanner::CloseChunk() {
   if (!chunk_) return;
   const OpenedChunk chunk = std::move(*chunk_);
   chunk_.reset();
-  std::map<std::uint32_t, Counted> by_channel = chunk.index;
+  std::map<std::uint32_t, MessageCount> by_channel = chunk.index;
   TimeSpan time = chunk.record.span;
   if (MustUnpack(chunk)) {
     const ChunkMessages messages = Unpack(chunk);
@@ -189,9 +172,9 @@ void LogScanner::CloseChunk() {
     time.Include(counted.time.end);
   }
   // The time of a chunk that cannot be unpacked and has no index: that of the log before it.
-  if (time.IsEmpty() && !log_.segments.empty())
-    time = {log_.segments.back().time.end, log_.segments.back().time.end};
-  AddSegment(chunk.record, std::min(chunk.record.unpacked_size, kMaxHeldChunk), time);
+  if (time.IsEmpty() && segments_.last())
+    time = {segments_.last()->time.end, segments_.last()->time.end};
+  segments_.Add(chunk.record, std::min(chunk.record.unpacked_size, kMaxHeldChunk), time);
 }
 
 bool LogScanner::MustUnpack(const OpenedChunk& chunk) const {
@@ -204,8 +187,8 @@ bool LogScanner::MustUnpack(const OpenedChunk& chunk) const {
   if (claimed.IsEmpty()) return chunk.index.empty();
   // A jump is rare, and a damaged time would move the whole chunk to a wrong time.
   constexpr double kLargeJump = 3600;  // [s]
-  if (log_.segments.empty()) return claimed.Seconds() > kLargeJump;
-  const Timestamp before = log_.segments.back().time.end;
+  if (!segments_.last()) return claimed.Seconds() > kLargeJump;
+  const Timestamp before = segments_.last()->time.end;
   return std::abs(claimed.begin - before) > kLargeJump ||
          std::abs(claimed.end - before) > kLargeJump;
 }
@@ -235,7 +218,7 @@ LogScanner::ChunkMessages LogScanner::Unpack(const OpenedChunk& chunk) {
     if (step.record->kind == RecordKind::kDefinition)
       format_->Learn(*content.reader, *step.record, channels_);
     if (step.record->kind != RecordKind::kMessage) continue;
-    Counted& counted = messages.by_channel[step.record->channel];
+    MessageCount& counted = messages.by_channel[step.record->channel];
     ++counted.num_messages;
     counted.time.Include(step.record->time);
     messages.time.Include(step.record->time);
@@ -260,63 +243,24 @@ void LogScanner::GuessDefinitions(const LogRecord& chunk) {
   }
 }
 
-void LogScanner::AddSegment(const LogRecord& record, std::uint64_t held_size,
-                            const TimeSpan& time) {
-  const bool is_large_chunk =
-      record.kind == RecordKind::kChunk && record.unpacked_size > kMaxHeldChunk;
-  std::vector<LogSegment>& segments = log_.segments;
-  is_new_segment_due_ |=
-      record.begin < covered_end_ || (!segments.empty() && segments.back().end < covered_end_);
-  covered_end_ = std::max(covered_end_, record.end);
-  const bool fits = !segments.empty() && !is_new_segment_due_ && !is_large_chunk &&
-                    !segments.back().is_large_chunk && !record.is_at_end &&
-                    record.end - segments.back().begin <= kSegmentSize &&
-                    held_size + segments.back().held_size <= kSegmentSize;
-  is_new_segment_due_ = false;
-  if (!fits) {
-    segments.push_back(
-        {record.begin, record.end, held_size, time, is_large_chunk, record.is_at_end});
-    return;
-  }
-  segments.back().end = record.end;
-  segments.back().held_size += held_size;
-  if (time.IsEmpty()) return;
-  segments.back().time.Include(time.begin);
-  segments.back().time.Include(time.end);
-}
-
 void LogScanner::AddOrphan(const LogRecord& index) {
-  Counted counted = CountEntries(index);
+  MessageCount counted = CountEntries(index);
   std::uint64_t& num_salvaged = num_salvaged_[index.channel];
   const std::uint64_t num_found = std::min(num_salvaged, counted.num_messages);
   num_salvaged -= num_found;
   counted.num_messages -= num_found;
   if (counted.num_messages == 0) return;
-  AddChannelLoss({"the chunk before byte " + std::to_string(index.begin) + " is damaged",
-                  index.channel, counted});
+  losses_.Add({"the chunk before byte " + std::to_string(index.begin) + " is damaged",
+               index.channel, counted});
 }
 
-Counted LogScanner::CountEntries(const LogRecord& index) {
-  Counted counted;
+MessageCount LogScanner::CountEntries(const LogRecord& index) {
+  MessageCount counted;
   format_->ReadIndex(reader_, index, [&](const ChunkIndexEntry& entry) {
     ++counted.num_messages;
     counted.time.Include(entry.time);
   });
   return counted;
-}
-
-void LogScanner::AddChannelLoss(ChannelLoss loss) {
-  constexpr std::size_t kMaxLosses = 100'000;
-  if (losses_.size() < kMaxLosses) losses_.push_back(std::move(loss));
-}
-
-void LogScanner::NameLosses() {
-  for (ChannelLoss& loss : losses_) {
-    const int topic = loss.channel ? log_.topics.TopicOf(*loss.channel).value_or(-1) : -1;
-    const std::string name =
-        topic < 0 ? "" : log_.topics.topics[static_cast<std::size_t>(topic)].topic;
-    AddLoss(log_.damage, {std::move(loss.what), name, loss.lost.time, loss.lost.num_messages});
-  }
 }
 
 }  // namespace

@@ -5,17 +5,9 @@
 
 #include "server/ingest/containers/log_format.h"
 #include "server/ingest/containers/raw_message.h"
+#include "server/ingest/containers/segment_list.h"
 
 namespace parkade {
-
-/// A stretch of a log that is read at once: one chunk, or small neighbors.
-struct LogSegment {
-  std::uint64_t begin = 0, end = 0;  ///< in the file
-  std::uint64_t held_size = 0;       ///< [byte] of memory while it is read
-  TimeSpan time;                     ///< of its messages, as far as the headers tell
-  bool is_large_chunk = false;       ///< above kMaxHeldChunk
-  bool is_at_end = false;            ///< a chunk that is_at_end
-};
 
 /// The result of one look at the headers of a log.
 struct ScannedLog {

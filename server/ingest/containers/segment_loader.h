@@ -16,8 +16,8 @@ class SegmentCursor {
   virtual RawMessage Take() = 0;
 };
 
-/// Opens a segment; losses, now and later, are added to `damage`. All arguments must outlive
-/// the cursor.
+/// Opens a segment; losses, now and later, are added to `damage`. All arguments must outlive the
+/// cursor.
 std::unique_ptr<SegmentCursor> OpenSegment(const ScannedLog& log, const LogSegment& segment,
                                            const std::vector<bool>& wanted, DamageReport& damage);
 

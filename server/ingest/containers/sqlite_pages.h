@@ -13,9 +13,8 @@
 namespace parkade {
 
 /// Reads the remains of a damaged rosbag2 database: the rows that lie on its leaf pages, whatever
-/// became
-/// of the pages that led to them (sqlite.org/fileformat2.html). Pages are taken in the order of the
-/// file, which is about that of writing.
+/// became of the pages that led to them (sqlite.org/fileformat2.html). Pages are taken in the order
+/// of the file, which is about that of writing.
 class SqlitePages {
  public:
   struct Topic {

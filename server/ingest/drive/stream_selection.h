@@ -21,9 +21,8 @@ struct StreamSelection {
 /// camera `camN` is `camN`, and the others are imu0, odom0, gnss0. A wheel or GNSS topic that the
 /// rig does not name is taken when the log has exactly one of that type; if there are several, none
 /// is taken, with a warning. Wheels need a vehicle.yaml (or an EuRoC odom0), which says where the
-/// body frame
-/// is. `<camera>/semantic` may be the camera's name, its topic or its topic's folder. Throws
-/// Error{kInvalidInput} naming the topics when there is no IMU, or none of the cameras.
+/// body frame is. `<camera>/semantic` may be the camera's name, its topic or its topic's folder.
+/// Throws Error{kInvalidInput} naming the topics when there is no IMU, or none of the cameras.
 StreamSelection SelectStreams(const MessageSource& source, const Rig& rig, bool use_wheels,
                               bool use_gnss);
 

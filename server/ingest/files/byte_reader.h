@@ -44,8 +44,7 @@ class MemoryReader : public ByteReader {
 };
 
 /// Reads a file up to byte `end`, through a window: small after a jump, so that hopping from header
-/// to
-/// header stays cheap, growing while the offsets go on.
+/// to header stays cheap, growing while the offsets go on.
 class FileReader : public ByteReader {
  public:
   FileReader(const InputFile& file, std::uint64_t end)

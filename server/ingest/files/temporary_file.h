@@ -8,8 +8,7 @@ namespace parkade {
 class TemporaryFile {
  public:
   /// Makes it in `folder`, or where that is empty in the system's folder for temporary files
-  /// (TMPDIR).
-  /// Throws Error{kInternal}, or Error{kDiskFull}.
+  /// (TMPDIR). Throws Error{kInternal}, or Error{kDiskFull}.
   explicit TemporaryFile(const std::filesystem::path& folder);
   ~TemporaryFile();
   TemporaryFile(const TemporaryFile&) = delete;

@@ -8,8 +8,7 @@ namespace parkade {
 class TemporaryFolder {
  public:
   /// Makes it in `parent`, or in the system's temporary folder where that is empty. Throws
-  /// Error{kInternal}
-  /// when it cannot be made.
+  /// Error{kInternal} when it cannot be made.
   explicit TemporaryFolder(const std::filesystem::path& parent);
   ~TemporaryFolder();
   TemporaryFolder(const TemporaryFolder&) = delete;

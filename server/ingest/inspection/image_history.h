@@ -64,11 +64,9 @@ class ImageHistory {
 /// although the car moves, and more of them than the camera or the others usually have. A block is
 /// blind that has much less contrast than the camera shows there at its best, or the others usually
 /// do at that height in the image: mud lets a little through, and the exposure brings it up. Sky
-/// and bare
-/// walls are blind too, but to all cameras that see them, and not in one place for long. For a
-/// single camera only a cover that comes or goes is reported. At least five seconds of driving.
-/// Linear
-/// but for sorts.
+/// and bare walls are blind too, but to all cameras that see them, and not in one place for long.
+/// For a single camera only a cover that comes or goes is reported. At least five seconds of
+/// driving. Linear but for sorts.
 std::vector<std::vector<CameraFault>> DetectOcclusion(
     const std::vector<const ImageHistory*>& cameras);
 

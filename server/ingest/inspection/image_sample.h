@@ -29,8 +29,8 @@ struct ImageSample {
 ImageGlance GlanceAt(const cv::Mat& gray);
 
 /// Samples an image. Takes about as long as two blurs of an image of 320 pixels' width, after it
-/// was made as small as that.
-/// Nothing for images below 160x100 pixels, which have too little detail to miss.
+/// was made as small as that. Nothing for images below 160x100 pixels, which have too little detail
+/// to miss.
 std::optional<ImageSample> SampleOf(const cv::Mat& gray);
 
 }  // namespace parkade

@@ -14,8 +14,7 @@ namespace parkade {
 // requested. Thread-safe.
 
 /// Decodes JPEG or PNG, recognized by content. A JPEG is damaged when the codec had to guess
-/// anything (see
-/// jpeg_decoding.h).
+/// anything (see jpeg_decoding.h).
 DecodedImage DecodeCompressed(std::span<const std::uint8_t> data, const ImageRequest& request);
 
 /// Decodes mono8, mono16, rgb8, bgr8, rgba8, bgra8, bayer_{rggb,bggr,gbrg,grbg}{8,16}, 8UC1, 8UC3,

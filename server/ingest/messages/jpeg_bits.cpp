@@ -28,8 +28,8 @@ JpegHuffmanTable::Symbol JpegHuffmanTable::FindLong(unsigned next_16_bits) const
   for (std::size_t length = kShortLength + 1; length <= 16; ++length) {
     if (static_cast<std::int32_t>(next_16_bits) >= end_of_length_[length]) continue;
     const auto code = static_cast<std::int32_t>(next_16_bits >> (16 - length));
-    return {values_[static_cast<std::size_t>(code + value_offset_[length])],
-            static_cast<std::uint8_t>(length)};
+    const std::int32_t index = code + value_offset_[length];
+    return {values_[static_cast<std::size_t>(index)], static_cast<std::uint8_t>(length)};
   }
   return {};
 }

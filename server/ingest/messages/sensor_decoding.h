@@ -28,8 +28,7 @@ OdometryMessage ReadOdometry(const RawMessage& message, const SensorStream& stre
 class WheelReader {
  public:
   /// The speed by the twist; or by the difference to the pose before (nothing for the first), at
-  /// the time
-  /// midway.
+  /// the time midway.
   std::optional<WheelSample> Read(const RawMessage& message, const SensorStream& stream);
 
   /// True when every twist so far was zero while the pose moved by more than 0.1 m.
@@ -45,8 +44,7 @@ class WheelReader {
 };
 
 // Whether all is finite, and within what a sensor of a car can measure (4000 deg/s, 200 g, 150 m/s;
-// a place on
-// Earth).
+// a place on Earth).
 bool IsPlausible(const ImuSample& sample);
 bool IsPlausible(const WheelSample& sample);
 bool IsPlausible(const GnssFix& fix);

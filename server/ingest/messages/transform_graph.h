@@ -13,8 +13,7 @@ namespace parkade {
 class TransformGraph {
  public:
   /// Adds a transform. One that is not finite, or whose quaternion is not of length 1 (to 1 %), is
-  /// left out.
-  /// A later one between the same frames replaces the earlier.
+  /// left out. A later one between the same frames replaces the earlier.
   void Add(const TransformMessage& transform);
 
   bool Has(const std::string& frame) const;

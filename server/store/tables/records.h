@@ -8,8 +8,8 @@
 
 namespace parkade {
 
-// The rows of the database. Times are RFC 3339 in UTC. `sequence`
-// orders rows by arrival and is what cursors of lists are made of.
+// The rows of the database. Times are RFC 3339 in UTC. `sequence` orders rows by arrival and is
+// what cursors of lists are made of.
 
 enum class DriveState { kReceived, kQueued, kProcessing, kReady, kFailed };
 enum class JobState { kQueued, kRunning, kDone, kFailed, kCancelled };

@@ -13,7 +13,7 @@ constexpr double kReach = 12;       // [m] from the path
 constexpr double kMaxGap = 0.5;     // [m] of height between what is compared
 constexpr double kFullColor = 0.1;  // [m] of error
 
-/// A image of what lies around a path.
+/// An image of what lies around a path.
 class Image {
  public:
   Image(const std::vector<Eigen::Vector3d>& path, const cv::Vec3b& background) {

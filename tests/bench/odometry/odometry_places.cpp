@@ -16,7 +16,7 @@ using simulator::TrackDrive;
 
 constexpr size_t kErrorStride = 10;  // poses of the truth
 
-/// Of one estimate, after rigid alignment.
+/// Errors of one estimate, after rigid alignment.
 struct EstimateErrors {
   double drift = kNoAnswer, scale = 0;  // [%]
   std::vector<std::optional<Eigen::Vector3d>>
@@ -40,7 +40,7 @@ EstimateErrors ErrorsOf(const TrackDrive& drive, const Trajectory& odom_from_bod
   return errors;
 }
 
-/// Of the odometry and, where asked for, of the whole drive's adjustment.
+/// Figures of the odometry and, where asked for, of the whole drive's adjustment.
 std::vector<EstimateErrors> Estimate(const TrackDrive& drive, const PlaceEstimators& estimators) {
   std::vector<EstimateErrors> errors(estimators.whole_drive ? 2 : 1);
   try {

@@ -19,8 +19,8 @@ struct PlaceCase {
   simulator::TrackDriveOptions drive;  ///< the noise's seed is set per run
 };
 
-/// Of "street:7" or "garage:3:rolling", `duration` [s] long, without wheels and GNSS. Throws
-/// Error{kUsage}.
+/// Makes the drive "street:7" or "garage:3:rolling", `duration` [s] long, without wheels and GNSS.
+/// Throws Error{kUsage}.
 PlaceCase ParsePlace(const std::string& name, double duration);
 
 /// Turns and moves every mount: "exact", or degrees as "0.3" and "1", with 1 cm and 3 cm. Throws
@@ -66,7 +66,7 @@ std::vector<PlaceRun> RunPlace(const PlaceCase& place, const std::string& rig, i
 struct PlaceSummary {
   size_t num_runs = 0;
   std::vector<double> rms_drift;  ///< [%] over the runs: all cameras, then each alone
-  std::vector<double> rms_scale;  ///< [%] also
+  std::vector<double> rms_scale;  ///< [%] of the scale
   size_t best = 0;                ///< the single camera with the smallest rms_drift: 1..
   double ratio = 0;               ///< rms of all over that of `best`
   double low = 0,

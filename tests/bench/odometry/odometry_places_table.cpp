@@ -44,7 +44,7 @@ void Resample(const std::vector<const std::vector<double>*>& rows, PlaceSummary&
   summary.high = ratios[kResamples - 1 - kResamples / 40];
 }
 
-/// Of the errors' inner products, summed over the runs; 0 where no run has them.
+/// Correlation by the errors' inner products, summed over the runs; 0 where no run has them.
 double WantedShare(const std::vector<PlaceRun>& runs, size_t of, size_t num_estimates) {
   double gain = 0, squared_difference = 0;
   for (const PlaceRun& run : runs) {

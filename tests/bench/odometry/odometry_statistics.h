@@ -31,8 +31,8 @@ struct StatisticsRun {
   std::vector<PoseConsistency>
       consistency;                  ///< at a quarter, half, three quarters and the end of the drive
   double rotation_error_deg = 0;    ///< of the cameras' mounting after the drive: greatest
-  double translation_error_cm = 0;  ///< also
-  double time_offset_error_ms = 0;  ///< also
+  double translation_error_cm = 0;  ///< of the worst camera's mounting
+  double time_offset_error_ms = 0;  ///< of the worst camera
   double wheel_scale_error = 0;     ///< estimated / true - 1
   double start_seconds = 0;         ///< of data that the start took
   double coverage = 0;              ///< share of the record that the trajectory covers

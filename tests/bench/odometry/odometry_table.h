@@ -19,7 +19,7 @@ struct TableVariant {
   bool has_wheels = false;
   std::string rig = "exact";
   double rotation_deg = 0;    ///< where the rig is off by an angle
-  double translation_cm = 0;  ///< also
+  double translation_cm = 0;  ///< where the rig is off by a length
 };
 
 /// Throws Error{kUsage} for a name that is no variant.
@@ -40,9 +40,9 @@ struct TableRun {
   double ate = 0, drift_percent = 100;          ///< [m] after rigid alignment
   double coverage = 0;                          ///< share of the log
   double rotation_deg = 0, translation_mm = 0;  ///< error of the worst camera after the drive
-  double released_deg = 0, released_mm = 0;     ///< also, of the quantities reported as refined
-  int num_released = 0;                         ///< of rotations and translations
-  double time_offset_ms = 0;                    ///< error of the worst camera after the drive
+  double released_deg = 0, released_mm = 0;  ///< the same error of quantities reported as refined
+  int num_released = 0;                      ///< of rotations and translations
+  double time_offset_ms = 0;                 ///< error of the worst camera after the drive
   double wall_seconds = 0, peak_memory_mb = 0;  ///< of the run
   double start_seconds = 0;                     ///< into the log, until the start was found
   std::string start_kind;

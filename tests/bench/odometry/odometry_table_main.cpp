@@ -131,7 +131,7 @@ int main(int argc, char** argv) {
   app.add_option("--json", line.json_file, "Every run");
   app.add_option("--markdown", line.markdown_file, "The tables");
   app.add_option("--plots", line.plots_folder,
-                 "A image per drive: ways against truth, errors over time");
+                 "An image per drive: ways against truth, errors over time");
   app.add_flag("--keep", line.keeps_runs, "Runs that --json holds are not run again");
   app.add_flag("--report-only", line.is_report_only,
                "Print the tables of what --json holds (with --keep), run nothing");

@@ -86,12 +86,13 @@ TEST(TileLevels, NeighborsOfOneLevelShareTheirVertices) {
                             std::lround(100 * place.z()));
       }
     EXPECT_EQ(places.size(), centimeters.size());
+    EXPECT_FALSE(places.empty());
   }
 }
 
 TEST(TileLevels, PicturesStayWhereTheyAre) {
   const SiteMap map =
-      MakeTexturedMap();  // red is the column and green the row of a image of 50 m x 30 m
+      MakeTexturedMap();  // red is the column and green the row of an image of 50 m x 30 m
   const std::vector<MapLevel> levels = LevelsOf(map);
   ASSERT_GE(levels.size(), 3U);
   for (const MapLevel& level : levels)
@@ -131,6 +132,7 @@ TEST(TileLevels, GroundThatNoPhotoShowsIsGround) {
 TEST(MergeVertices, MovesNoVertexFurtherThanItsCubeIsLong) {
   const TriangleMesh mesh = MakeExampleMap(false).mesh;
   const std::vector<std::uint32_t> representative = MergeVertices(mesh, 0.5);
+  ASSERT_FALSE(mesh.vertices.empty());
   for (size_t i = 0; i < mesh.vertices.size(); ++i)
     EXPECT_LT((mesh.vertices[representative[i]] - mesh.vertices[i]).norm(), 0.5 * std::sqrt(3.0));
 }
@@ -138,6 +140,7 @@ TEST(MergeVertices, MovesNoVertexFurtherThanItsCubeIsLong) {
 TEST(MergeVertices, DecksStayApart) {
   const TriangleMesh mesh = MakeExampleMap(false).mesh;
   const std::vector<std::uint32_t> representative = MergeVertices(mesh, 16);
+  ASSERT_FALSE(mesh.vertices.empty());
   for (size_t i = 0; i < mesh.vertices.size(); ++i)
     EXPECT_LE(std::abs(mesh.vertices[representative[i]].z() - mesh.vertices[i].z()), 1);
 }
@@ -147,7 +150,9 @@ TEST(MergeVertices, OutlinesStayOutlines) {
   TriangleMesh mesh;
   mesh.vertices = {{0.1F, 0.1F, 0}, {1.9F, 0.1F, 0}, {1.9F, 1.9F, 0}, {0.1F, 1.9F, 0}, {1, 1, 0}};
   mesh.triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
-  for (const std::uint32_t vertex : MergeVertices(mesh, 2)) EXPECT_NE(vertex, 4U);
+  const std::vector<std::uint32_t> representative = MergeVertices(mesh, 2);
+  ASSERT_EQ(representative.size(), 5U);
+  for (const std::uint32_t vertex : representative) EXPECT_NE(vertex, 4U);
 }
 
 }  // namespace

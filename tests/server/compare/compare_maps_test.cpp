@@ -19,7 +19,7 @@ namespace {
 
 class CompareMapsTest : public testing::Test {
  protected:
-  /// Of two maps of one place the second lies elsewhere in its own site.
+  /// Makes two maps of one place, the second of which lies elsewhere in its own site.
   const Rigid3 to_from_from_{Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ())),
                              Eigen::Vector3d(12, -30, 1.5)};
 

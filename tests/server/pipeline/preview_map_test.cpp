@@ -67,7 +67,7 @@ class PreviewMapTest : public testing::Test {
     WriteFileAtomically(root_.path() / "report.json",
                         R"({"datum": null, "drives": [{"name": "monday"}]})");
   }
-  /// Of the drive, once `after` is believed where `before` was in the old map.
+  /// The preview of the drive, once `after` is believed where `before` was in the old map.
   std::optional<std::string> Joint(const std::vector<LoopEvidence>& before,
                                    const std::vector<LoopEvidence>& after,
                                    bool is_odometry_taken = true, const LogHashes& logs = {}) {

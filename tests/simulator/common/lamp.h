@@ -32,7 +32,7 @@ class LampField {
   static Color Irradiance(const Lamp& lamp, const Eigen::Vector3f& point,
                           const Eigen::Vector3f& normal);
 
-  /// Of all lamps near the point, as if nothing stood between.
+  /// The light of all lamps near the point, as if nothing stood between.
   Color Irradiance(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;
 
  private:

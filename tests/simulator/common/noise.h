@@ -21,7 +21,7 @@ inline std::uint32_t HashCell(int x, int y, std::uint32_t seed) {
   return h ^ (h >> 16);
 }
 
-/// Of a cell, in [-1, 1].
+/// The noise of a cell, in [-1, 1].
 inline float CellValue(int x, int y, std::uint32_t seed) {
   return static_cast<float>(HashCell(x, y, seed) >> 8) * (2.0f / 16777215.0f) - 1.0f;
 }

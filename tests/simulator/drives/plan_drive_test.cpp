@@ -182,6 +182,8 @@ TEST_P(ParkingDrive, BacksIntoAFreeSlotAndLeavesItAgain) {
 }
 
 TEST_P(ParkingDrive, TouchesNoCarAndIsSmoothThroughout) {
+  ASSERT_FALSE(layout_.cars.empty());
+  ASSERT_GT(plan_.motion.Duration(), 1);
   MotionState last = plan_.motion.At(0);
   for (double time = 0.01; time < plan_.motion.Duration(); time += 0.01) {
     const MotionState state = plan_.motion.At(time);

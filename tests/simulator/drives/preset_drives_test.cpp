@@ -128,7 +128,7 @@ std::string TitleOf(const testing::TestParamInfo<const char*>& info) {
 
 INSTANTIATE_TEST_SUITE_P(Suite, QuickDrive, testing::ValuesIn(AllPresets()), TitleOf);
 
-/// Of what is really there to be seen: walls, pillars, poles, parked cars.
+/// Points that are really there to be seen: on walls, pillars, poles, parked cars.
 class DriveThroughObjects : public QuickDrive {};
 
 TEST_P(DriveThroughObjects, TheCarTouchesNothing) {

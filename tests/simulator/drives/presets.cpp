@@ -98,7 +98,7 @@ void AddIndoor(std::vector<Preset>& presets) {
 }
 
 /// Sessions of one place: other cars stand there, the light is another. One goes the other way
-/// around, by the way that the others have come, also where all are cut short.
+/// around, by the way that the others have come, even where all are cut short.
 void AddSessions(std::vector<Preset>& presets, const char* scene, double length, int opposite_day) {
   constexpr int kNumSessions = 3;
   for (int day = 1; day <= kNumSessions; ++day) {

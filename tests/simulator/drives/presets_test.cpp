@@ -52,6 +52,7 @@ TEST(Presets, DriveTheirLength) {
 }
 
 TEST(Presets, TheQuickFormIsShorterAndItsFaultsAreWithinIt) {
+  ASSERT_FALSE(Presets().empty());
   for (const Preset& preset : Presets()) {
     const SimulateOptions quick = QuickForm(preset.options);
     EXPECT_LE(quick.drive.length, preset.options.drive.length);

@@ -17,7 +17,7 @@ struct SensorRecords {
   std::vector<GnssFix> gnss;
 };
 
-/// Of the sensors that `options` ask for.
+/// Samples of the sensors that `options` ask for.
 SensorRecords SimulateSensors(const SimulateOptions& options, const Motion& motion, const Rig& rig,
                               const RoofQuery& is_covered);
 

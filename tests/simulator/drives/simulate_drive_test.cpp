@@ -53,6 +53,12 @@ TEST_F(SimulatedDrive, AllFormatsHoldTheSameNumbers) {
       if (const auto* fix = std::get_if<GnssFix>(&*record)) fixes[name].push_back(*fix);
     }
   }
+  ASSERT_FALSE(samples["euroc"].empty());
+  ASSERT_FALSE(fixes["euroc"].empty());
+  for (const std::string name : kFormats) {
+    ASSERT_EQ(samples[name].size(), samples["euroc"].size()) << name;
+    ASSERT_EQ(fixes[name].size(), fixes["euroc"].size()) << name;
+  }
   for (size_t i = 0; i < samples["euroc"].size(); ++i) {
     const ImuSample &euroc = samples["euroc"][i], &ros1 = samples["ros1.bag"][i],
                     &ros2 = samples["ros2.mcap"][i];

@@ -30,7 +30,7 @@ class Ground {
   /// At least one sheet.
   explicit Ground(std::vector<GroundSheet> sheets);
 
-  /// Of the sheet that SheetAt names.
+  /// The height of the sheet that SheetAt names.
   double Height(const Eigen::Vector2d& xy, double near_z) const;
   Eigen::Vector2d Gradient(const Eigen::Vector2d& xy, double near_z) const;
   Eigen::Vector3d Normal(const Eigen::Vector2d& xy, double near_z) const;  ///< unit, pointing up

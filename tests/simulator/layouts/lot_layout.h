@@ -27,7 +27,7 @@ struct LotMeasures {
   bool is_turned = false;  ///< the northern aisle is driven first
 };
 
-/// Of a lot in the open.
+/// The layout of a lot in the open.
 LotMeasures MeasureLot(std::uint64_t seed);
 
 /// The plan of a car park: asphalt over [0, length] x [0, width], two aisles

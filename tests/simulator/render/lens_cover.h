@@ -15,7 +15,7 @@ class LensCover {
   /// `kind` is "mud" or "dark"; `size` that of the images.
   LensCover(const std::string& kind, cv::Size size, std::uint64_t seed);
 
-  /// Of `radiance` (CV_32FC3) what arrives behind the cover.
+  /// The part of `radiance` (CV_32FC3) that arrives behind the cover.
   void Apply(cv::Mat& radiance) const;
 
  private:

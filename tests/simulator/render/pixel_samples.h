@@ -70,7 +70,7 @@ class PixelSamples {
   bool is_cut_ = false;
 };
 
-/// Of a whole image, row by row.
+/// Samples of a whole image, row by row.
 using ImageSamples = std::vector<std::vector<PixelSamples>>;
 
 /// Whether an edge runs through a pixel, or along its rim, where no sample has seen it.

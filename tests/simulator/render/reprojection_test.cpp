@@ -67,9 +67,9 @@ struct Patch {
   double reach = 0;
 };
 
-/// Center of the marker within a patch of a image in which 1 is its light: each pixel weighs by how
-/// many of its samples are on it. Nothing when it is not there, or the own car or the rim may cut
-/// it.
+/// Center of the marker within a patch of an image in which 1 is its light: each pixel weighs by
+/// how many of its samples are on it. Nothing when it is not there, or the own car or the rim may
+/// cut it.
 std::optional<Eigen::Vector2d> MarkerIn(const cv::Mat& share, const Patch& patch) {
   const int reach = static_cast<int>(patch.reach) + 3;
   const int column = static_cast<int>(std::lround(patch.center.x())),
@@ -165,7 +165,7 @@ struct Images {
   }
 };
 
-/// How far a marker is from where it should be in a image [px]; nothing where it is not in the
+/// How far a marker is from where it should be in an image [px]; nothing where it is not in the
 /// image whole.
 std::optional<double> MarkerError(const RigCamera& camera, const Poses& world_from_body,
                                   const cv::Mat& share, const Marker& marker) {

@@ -28,7 +28,7 @@ class SceneSurfaces {
   /// Makes tfar negative in the lanes that something hides.
   void Occlude(const int* valid, RTCRay16& rays) const;
 
-  /// Of a lane that has hit something.
+  /// The surface that a lane has hit.
   SurfacePoint PointOfHit(const RTCRayHit16& hits, int lane, bool is_mover) const;
 
  private:
@@ -38,7 +38,7 @@ class SceneSurfaces {
 
   const Scene& scene_;
   RayScene world_;
-  /// Of ground and objects, per vertex: the share of sky, and the light of lamps and walls.
+  /// Values of ground and objects, per vertex: the share of sky, and the light of lamps and walls.
   std::array<std::vector<float>, 2> ambient_;
   std::array<std::vector<Color>, 2> light_;
   MoverScene movers_;

@@ -4,7 +4,8 @@
 
 namespace parkade::simulator {
 
-/// The sun on what a image shows, with the shadows of the world, of what moves, and of the own car.
+/// The sun on what an image shows, with the shadows of the world, of what moves, and of the own
+/// car.
 class Sunlight {
  public:
   /// Keeps references. `own_car` holds the own car alone, in body.

@@ -17,6 +17,7 @@ TEST_P(DrivableRasters, SayWhatThePlanSays) {
   constexpr double kMargin = 0.002;  // [m]
   const Place place = PlanPlace(GetParam(), {.seed = 5});
   std::mt19937 random(3);
+  ASSERT_FALSE(place.ground.sheets().empty());
   for (size_t sheet = 0; sheet < place.ground.sheets().size(); ++sheet) {
     const GroundSheet& ground = place.ground.sheets()[sheet];
     const DrivableRaster raster(place, sheet);

@@ -17,7 +17,7 @@ class MoverScene {
   explicit MoverScene(const Movers& movers);
   ~MoverScene();
 
-  /// Places the movers within sight of `eye` for [from, to] [s]; rays' time 0..1 runs over it.
+  /// Places the movers that `eye` may see for [from, to] [s]; rays' time 0..1 runs over it.
   void PlaceAt(double from, double to, const Eigen::Vector3d& eye);
 
   bool empty() const { return placed_.empty(); }

@@ -48,7 +48,7 @@ struct DrivenScene {
   }
 };
 
-/// Of 200 corners, those that are followed into the image 50 ms later and back to where they were.
+/// How many of 200 corners are followed into the image 50 ms later and back to where they were.
 int NumKeptTracks(const DrivenScene& driven, size_t camera, double time) {
   ImageSensor sensor({.exposure = driven.scene.usual_exposure}, camera);
   cv::Mat gray[2];
@@ -84,9 +84,9 @@ bool IsNearRim(const Place& place, size_t sheet, const Eigen::Vector2d& xy) {
   return false;
 }
 
-/// Of places on drivable ground within 4 m of a camera that nothing hides, and of undrivable ones
-/// within 8 m, the share that the mask has right, give or take a pixel and the cell of 5 cm that
-/// the renderer looks up.
+/// Looks at places on drivable ground within 4 m of a camera that nothing hides, and at undrivable
+/// ones within 8 m. Returns the share that the mask has right, give or take a pixel and the cell of
+/// 5 cm that the renderer looks up.
 double MaskAgreement(const DrivenScene& driven, size_t camera, double time) {
   const cv::Mat drivable = driven.Take(camera, time).drivable, mask = driven.renderer->Mask(camera);
   const cv::Mat neighbors = cv::getStructuringElement(cv::MORPH_RECT, {3, 3});

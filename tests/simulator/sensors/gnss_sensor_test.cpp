@@ -16,7 +16,7 @@ Motion Rolling(double duration) {
                 duration, 0.2);
 }
 
-/// Of a fix against the antenna's true place.
+/// The error of a fix against the antenna's true position.
 Eigen::Vector3d ErrorOf(const GnssFix& fix, const Motion& motion, const Rig& rig,
                         std::uint64_t seed) {
   const Eigen::Vector3d antenna =

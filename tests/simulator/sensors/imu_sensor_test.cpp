@@ -11,7 +11,7 @@ namespace {
 constexpr double kRate = 10;  // [Hz]
 constexpr size_t kNumSamples = 3'000'000;
 
-/// Of the means of clusters of `size` values.
+/// The deviation of the means of clusters of `size` values.
 double AllanDeviation(const std::vector<float>& values, size_t size) {
   std::vector<double> means;
   for (size_t i = 0; i + size <= values.size(); i += size) {

@@ -41,7 +41,9 @@ TEST(SimulateWheels, NoiseHasItsNominalSizeAndNoMemory) {
 }
 
 TEST(SimulateWheels, StandingWheelsGiveExactlyZero) {
-  for (const WheelSample& sample : SimulateWheels(Straight(2, 0), {}, 5)) {
+  const auto samples = SimulateWheels(Straight(2, 0), {}, 5);
+  ASSERT_FALSE(samples.empty());
+  for (const WheelSample& sample : samples) {
     EXPECT_EQ(sample.forward_speed, 0);
     EXPECT_EQ(sample.yaw_rate, 0);
   }
@@ -52,6 +54,8 @@ TEST(SimulateWheels, ASlipIsThereWhileItLastsAndNowhereElse) {
   const auto plain = SimulateWheels(motion, {}, 5),
              slipping = SimulateWheels(motion, {}, 5, {{8, 10, 0.5}});
 
+  ASSERT_FALSE(plain.empty());
+  ASSERT_EQ(plain.size(), slipping.size());
   for (size_t i = 0; i < plain.size(); ++i) {
     const double time = plain[i].time - DriveEpoch(5),
                  more = slipping[i].forward_speed - plain[i].forward_speed;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tests/simulator/sinks/drive_sink.h"
-#include "tests/simulator/sinks/ros_messages.h"
+#include "tests/simulator/sinks/encode_ros_messages.h"
 #include "tests/support/mcap_writer.h"
 #include "tests/support/rosbag1_writer.h"
 

@@ -14,7 +14,7 @@ struct CornerChoice {
   double spacing = 8;      ///< [px]
 };
 
-/// Corners of a image and where they went; those that came back to within a pixel of where they
+/// Corners of an image and where they went; those that came back to within a pixel of where they
 /// were are kept.
 struct FollowedCorners {
   std::vector<cv::Point2f> corners, moved;

@@ -1,5 +1,5 @@
-// Of 200 corners of a image, how many optical flow follows into the next one while the car drives:
-// prints every pair with too few, and a line per drive; on request draws them.
+// Tells how many of 200 corners of an image optical flow follows into the next one while the car
+// drives: prints every pair with too few, and a line per drive; on request draws them.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>

@@ -27,10 +27,9 @@ struct TrackedView {
   std::vector<LiveTrack> tracks;
 };
 
-/// Which tracks of a image slam's MatchAcross would find in a image of another
-/// camera: those that both see and that look alike enough, refused by the same
-/// checks against the rig that the odometry was given. They carry the errors that
-/// the tracks had, and their own.
+/// Which tracks of an image slam's MatchAcross would find in a image of another camera: those that
+/// both see and that look alike enough, refused by the same checks against the rig that the
+/// odometry was given. They carry the errors that the tracks had, and their own.
 class TrackCrossing {
  public:
   TrackCrossing(TrackWorld& world, const TrackModel& model, const CrossCameraOptions& options,

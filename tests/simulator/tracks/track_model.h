@@ -11,7 +11,7 @@ namespace parkade::simulator {
 struct TrackModel {
   double white =
       0.02;  ///< [px] per axis, new in every image, at rest; grows with a track's own roughness
-  double blur = 0.02;   ///< [px] also, per root of a pixel of flow
+  double blur = 0.02;   ///< [px] of noise, per root of a pixel of flow
   double drift = 0.05;  ///< [px] per axis that the error walks per root of change
   double slide = 9;     ///< [px] along the flow per unit of growth or shrinking, ahead and behind
   double slide_limit = 0.1;  ///< of growth per image: beyond it a track slides no faster there
@@ -36,7 +36,7 @@ struct TrackModel {
   double crossing =
       0.5;  ///< chance that a point in two cameras' view is found in both, looking alike
   double crossing_angle =
-      0.7;  ///< [rad] between the two sights by which that chance falls to a third
+      0.7;  ///< [rad] between the two lines of sight by which that chance falls to a third
   double crossing_noise = 0.3;  ///< [px] per axis, of such a match
 
   template <typename Visitor>

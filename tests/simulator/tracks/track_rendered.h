@@ -14,7 +14,7 @@ struct RenderedTracks {
   std::vector<TrackedFrame> frames;  ///< of all cameras, in order of time; own tracks only
   std::vector<std::vector<FeatureObservation>> crossed;  ///< per frame: what MatchAcross adds to it
   double render_seconds = 0;                             ///< per image
-  double track_seconds = 0;                              ///< also
+  double track_seconds = 0;                              ///< per image
 };
 
 /// A stretch of a drive to be rendered.

@@ -185,7 +185,7 @@ void TrackSimulator::DropDisagreeing(std::vector<LiveTrack>& tracks, Timestamp t
   tracks.resize(kept);
 }
 
-/// Of tracks that meet the older one goes on, as in the real tracker.
+/// The older of two tracks that meet goes on, as in the real tracker.
 void TrackSimulator::DropCrowded(std::vector<LiveTrack>& tracks) const {
   std::vector<Eigen::Vector2d> pixels;
   for (const LiveTrack& track : tracks) pixels.push_back(track.seen.pixel);

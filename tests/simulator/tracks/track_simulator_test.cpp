@@ -142,6 +142,7 @@ TEST(TrackSimulator, TracksThatMeetAreThinned) {
   for (int i = 0; i < 120; ++i) {
     const Timestamp time = stage.epoch + (6 + i / kRate);
     const TrackedFrame frame = simulator.Track(time, time);
+    ASSERT_GT(frame.observations.size(), 1u);
     for (size_t a = 0; a < frame.observations.size(); ++a)
       for (size_t b = 0; b < a; ++b)
         ASSERT_GT((frame.observations[a].pixel - frame.observations[b].pixel).norm(), 6) << "[px]";
@@ -207,6 +208,8 @@ TEST(TrackDrive, HasGapsAndStampsAsTheFaultsSay) {
 
   const TrackDrive drive = MakeTrackDrive(options);
 
+  ASSERT_FALSE(drive.images.empty());
+  ASSERT_FALSE(drive.imu.empty());
   const Timestamp epoch = DriveEpoch(3);
   for (const SeenImage& image : drive.images) {
     const double time = image.frame.time - epoch + 0.02;  // t_imu = stamp + offset

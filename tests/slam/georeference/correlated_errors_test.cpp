@@ -15,7 +15,7 @@ Eigen::VectorXd UnevenTimes(int count) {
   return times;
 }
 
-/// Of the errors of a series; weights as WhitenRows has them.
+/// The covariance of the errors of a series; weights as WhitenRows takes them.
 Eigen::MatrixXd CovarianceOf(const Eigen::VectorXd& times, const Eigen::VectorXd& weights,
                              const ErrorModel& model) {
   const auto count = times.size();

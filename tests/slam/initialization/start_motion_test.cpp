@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "slam/factors/triangulate.h"
-#include "tests/support/synthetic_drive.h"
+#include "tests/support/sampled_drive.h"
 
 namespace parkade {
 namespace {
@@ -13,14 +13,14 @@ struct Buffers {
   WheelBuffer wheels;
 };
 
-Buffers BuffersOf(const SyntheticDrive& drive) {
+Buffers BuffersOf(const SampledDrive& drive) {
   Buffers buffers;
   for (const ImuSample& sample : drive.imu) buffers.imu.Add(sample);
   for (const WheelSample& sample : drive.wheels) buffers.wheels.Add(sample);
   return buffers;
 }
 
-double TiltError(const SyntheticDrive& drive, const Eigen::Quaterniond& odom_from_imu) {
+double TiltError(const SampledDrive& drive, const Eigen::Quaterniond& odom_from_imu) {
   const Eigen::Quaterniond truth =
       drive.truth.front().world_from_frame.rotation * drive.rig.body_from_imu.rotation;
   const Eigen::Vector3d up = odom_from_imu.conjugate() * Eigen::Vector3d::UnitZ();
@@ -29,14 +29,14 @@ double TiltError(const SyntheticDrive& drive, const Eigen::Quaterniond& odom_fro
 }
 
 TEST(EstimateGyroscopeBias, FindsALargeBiasInFlight) {
-  SyntheticDriveOptions options;
+  SampledDriveOptions options;
   options.duration = 2;
   options.gyroscope_bias = 0.06;
   for (const std::uint32_t seed : {1u, 2u, 3u, 4u}) {
     options.seed = seed;
-    SyntheticDriveOptions without = options;
+    SampledDriveOptions without = options;
     without.gyroscope_bias = 0;  // the same noise without bias: the difference is the bias
-    const SyntheticDrive flight = MakeFlight(options);
+    const SampledDrive flight = MakeFlight(options);
     const Eigen::Vector3d bias =
         flight.imu.front().angular_velocity - MakeFlight(without).imu.front().angular_velocity;
     ASSERT_GT(bias.norm(), 0.02);
@@ -51,10 +51,10 @@ TEST(EstimateGyroscopeBias, FindsALargeBiasInFlight) {
 TEST(StartFromImages, FindsVelocityAndGravityOfAFlight) {
   int num_found = 0;
   for (const std::uint32_t seed : {1u, 2u, 3u, 4u}) {
-    SyntheticDriveOptions options;
+    SampledDriveOptions options;
     options.seed = seed;
     options.duration = 2;
-    const SyntheticDrive flight = MakeFlight(options);
+    const SampledDrive flight = MakeFlight(options);
     const ImuBuffer imu = BuffersOf(flight).imu;
     const auto bias = EstimateGyroscopeBias(flight.frames, imu, flight.rig);
     ASSERT_TRUE(bias);
@@ -72,11 +72,11 @@ TEST(StartFromImages, FindsVelocityAndGravityOfAFlight) {
 }
 
 TEST(StartFromImages, RefusesACarAtConstantSpeedWhoseScaleNothingTells) {
-  SyntheticDriveOptions options;
+  SampledDriveOptions options;
   options.start = 11;
   options.duration = 1;
   options.num_cameras = 1;
-  const SyntheticDrive drive = MakeCarDrive(options);
+  const SampledDrive drive = MakeCarDrive(options);
   const ImuBuffer imu = BuffersOf(drive).imu;
 
   EXPECT_FALSE(
@@ -87,11 +87,11 @@ TEST(StartFromImages, RefusesACarAtConstantSpeedWhoseScaleNothingTells) {
 /// the same.
 std::optional<StartEstimate> StartAtConstantSpeed(std::uint32_t seed, bool knows_ground,
                                                   double& speed) {
-  SyntheticDriveOptions options;
+  SampledDriveOptions options;
   options.seed = seed;
   options.start = 8;
   options.duration = 1.2;
-  SyntheticDrive drive = MakeCarDrive(options);
+  SampledDrive drive = MakeCarDrive(options);
   if (!knows_ground) drive.rig.vehicle.reset();
   speed = CarMotion(20)(options.start).velocity.norm();
   const ImuBuffer imu = BuffersOf(drive).imu;
@@ -120,10 +120,10 @@ TEST(StartFromImages, WaitsWhereNeitherGroundNorAccelerationTellScale) {
 }
 
 TEST(StartFromWheels, FindsTiltAndVelocityWhileBrakingInATurn) {
-  SyntheticDriveOptions options;
+  SampledDriveOptions options;
   options.start = 14.5;
   options.duration = 2;
-  const SyntheticDrive drive = MakeCarDrive(options);
+  const SampledDrive drive = MakeCarDrive(options);
   const Buffers buffers = BuffersOf(drive);
 
   const auto start =
@@ -136,9 +136,9 @@ TEST(StartFromWheels, FindsTiltAndVelocityWhileBrakingInATurn) {
 }
 
 TEST(StartFromStandstill, FindsTiltAndBias) {
-  SyntheticDriveOptions options;
+  SampledDriveOptions options;
   options.duration = 2;
-  const SyntheticDrive drive = MakeRestingDrive(options);
+  const SampledDrive drive = MakeRestingDrive(options);
   const ImuBuffer imu = BuffersOf(drive).imu;
 
   const auto start =

@@ -43,6 +43,7 @@ TEST(CarryAlong, KeyframesThatStayLeaveTheDriveAlone) {
 
   const Trajectory carried = CarryAlong(drive, keyframes, same);
 
+  ASSERT_EQ(carried.states().size(), 41u);
   for (size_t i = 0; i < 41; ++i)
     EXPECT_LT((carried.states()[i].world_from_body.translation -
                drive.states()[i].world_from_body.translation)

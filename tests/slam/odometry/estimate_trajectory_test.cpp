@@ -72,6 +72,7 @@ TEST(EstimateTrajectory, ADroneOnTheGroundStays) {
   // Its motors run: the ground truth itself moves by 6 mm, and the IMU runs on for 0.4 s after the
   // last image.
   const auto& states = answer.odometry.odom_from_body.states();
+  ASSERT_FALSE(states.empty());
   for (const TrajectoryState& state : states)
     ASSERT_LT(
         (state.world_from_body.translation - states.front().world_from_body.translation).norm(),

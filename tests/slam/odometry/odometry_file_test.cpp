@@ -17,12 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 
 struct TrackedDrive {
-  SyntheticDrive drive = MakeCarDrive({.seed = 3,
-                                       .duration = 12,
-                                       .camera_rate = 10,
-                                       .num_cameras = 2,
-                                       .tracks = 40,
-                                       .rig_rotation_deg = 0.2});
+  SampledDrive drive = MakeCarDrive({.seed = 3,
+                                     .duration = 12,
+                                     .camera_rate = 10,
+                                     .num_cameras = 2,
+                                     .tracks = 40,
+                                     .rig_rotation_deg = 0.2});
   OdometryResult odometry = EstimateDrive(drive);
 };
 

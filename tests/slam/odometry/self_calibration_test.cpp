@@ -11,8 +11,8 @@
 namespace parkade {
 namespace {
 
-SyntheticDriveOptions WrongRig(std::uint32_t seed, bool has_wheels) {
-  SyntheticDriveOptions options;
+SampledDriveOptions WrongRig(std::uint32_t seed, bool has_wheels) {
+  SampledDriveOptions options;
   options.seed = seed;
   options.duration = 48;
   options.has_wheels = has_wheels;
@@ -21,14 +21,14 @@ SyntheticDriveOptions WrongRig(std::uint32_t seed, bool has_wheels) {
   return options;
 }
 
-double RotationErrorDeg(const SyntheticDrive& drive, const Rig& rig, size_t camera) {
+double RotationErrorDeg(const SampledDrive& drive, const Rig& rig, size_t camera) {
   return rig.ImuFromCamera(camera).rotation.angularDistance(
              drive.true_rig.ImuFromCamera(camera).rotation) *
          180 / M_PI;
 }
 
 /// [rad] in imu, of each camera.
-std::vector<Eigen::Vector3d> TurnsOff(const SyntheticDrive& drive, const Rig& rig) {
+std::vector<Eigen::Vector3d> TurnsOff(const SampledDrive& drive, const Rig& rig) {
   std::vector<Eigen::Vector3d> turns;
   for (size_t camera = 0; camera < rig.cameras.size(); ++camera)
     turns.push_back(LogSo3(rig.ImuFromCamera(camera).rotation *
@@ -39,7 +39,7 @@ std::vector<Eigen::Vector3d> TurnsOff(const SyntheticDrive& drive, const Rig& ri
 TEST(SelfCalibration, ADegreeAndThreeCentimetersOffDriftHardlyMoreThanTheExactRig) {
   constexpr double kDegree = M_PI / 180;
   for (const bool has_wheels : {true, false}) {
-    const SyntheticDrive drive = MakeCarDrive(WrongRig(3, has_wheels));
+    const SampledDrive drive = MakeCarDrive(WrongRig(3, has_wheels));
 
     const EstimatedDrive estimated = EstimateAndCompare(drive);
 
@@ -65,7 +65,7 @@ TEST(SelfCalibration, ADegreeAndThreeCentimetersOffDriftHardlyMoreThanTheExactRi
 }
 
 TEST(SelfCalibration, WithoutItTheSameRigDriftsSeveralTimesAsMuch) {
-  const SyntheticDrive drive = MakeCarDrive(WrongRig(3, false));
+  const SampledDrive drive = MakeCarDrive(WrongRig(3, false));
   OdometryOptions held;
   held.smoother.calibration.extrinsics = false;
 
@@ -74,11 +74,11 @@ TEST(SelfCalibration, WithoutItTheSameRigDriftsSeveralTimesAsMuch) {
 }
 
 TEST(SelfCalibration, FindsTimeOffsetsOfEitherSign) {
-  SyntheticDriveOptions options;
+  SampledDriveOptions options;
   options.seed = 4;
   options.duration = 48;
   options.time_offset = 0.03;  // of cameras 0 and 2, and its negative of 1 and 3
-  const SyntheticDrive drive = MakeCarDrive(options);
+  const SampledDrive drive = MakeCarDrive(options);
 
   const EstimatedDrive estimated = EstimateAndCompare(drive);
 
@@ -90,12 +90,12 @@ TEST(SelfCalibration, FindsTimeOffsetsOfEitherSign) {
 
 // At the speeds of a car park it shows in the side cameras at best.
 TEST(SelfCalibration, RefinesTheLineDelayOfARollingShutterWhereItShows) {
-  SyntheticDriveOptions options;
+  SampledDriveOptions options;
   options.seed = 5;
   options.duration = 48;
   options.line_delay = 4e-5;
   options.line_delay_error = 0.2;
-  const SyntheticDrive drive = MakeCarDrive(options);
+  const SampledDrive drive = MakeCarDrive(options);
 
   const EstimatedDrive estimated = EstimateAndCompare(drive);
 
@@ -114,13 +114,13 @@ TEST(SelfCalibration, RefinesTheLineDelayOfARollingShutterWhereItShows) {
 }
 
 TEST(SelfCalibration, NoticesAMirrorThatTurnsAndCalibratesItAnew) {
-  SyntheticDriveOptions options;
+  SampledDriveOptions options;
   options.seed = 7;
   options.duration = 48;
   options.jump_camera = 1;
   options.jump_time = 12;
   options.jump_deg = 3;
-  const SyntheticDrive drive = MakeCarDrive(options);
+  const SampledDrive drive = MakeCarDrive(options);
 
   const EstimatedDrive estimated = EstimateAndCompare(drive);
 
@@ -134,13 +134,15 @@ TEST(SelfCalibration, NoticesAMirrorThatTurnsAndCalibratesItAnew) {
 }
 
 TEST(SelfCalibration, AStandingCarTellsNothingAndKeepsItsRig) {
-  SyntheticDriveOptions options = WrongRig(6, true);
+  SampledDriveOptions options = WrongRig(6, true);
   options.duration = 20;
-  const SyntheticDrive drive = MakeRestingDrive(options);
+  const SampledDrive drive = MakeRestingDrive(options);
 
   const OdometryResult odometry = EstimateDrive(drive);
 
+  ASSERT_EQ(odometry.report.calibration.size(), 4u);
   for (size_t camera = 0; camera < 4; ++camera) {
+    EXPECT_FALSE(odometry.report.calibration[camera].quantities.empty());
     EXPECT_LT((odometry.rig.cameras[camera].body_from_camera.translation -
                drive.rig.cameras[camera].body_from_camera.translation)
                   .norm(),

@@ -2,14 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/synthetic_drive.h"
+#include "tests/support/sampled_drive.h"
 
 namespace parkade {
 namespace {
 
 class Detected {
  public:
-  explicit Detected(const SyntheticDrive& drive)
+  explicit Detected(const SampledDrive& drive)
       : drive_(drive), detector_(drive.rig.imu, drive.rig.cameras.size(), {}) {
     for (const ImuSample& sample : drive.imu) imu_.Add(sample);
     for (const WheelSample& sample : drive.wheels) wheels_.Add(sample);
@@ -22,14 +22,14 @@ class Detected {
   }
 
  private:
-  const SyntheticDrive& drive_;
+  const SampledDrive& drive_;
   ImuBuffer imu_;
   WheelBuffer wheels_;
   StandstillDetector detector_;
 };
 
-SyntheticDriveOptions Options(double start, bool has_wheels) {
-  SyntheticDriveOptions options;
+SampledDriveOptions Options(double start, bool has_wheels) {
+  SampledDriveOptions options;
   options.start = start;
   options.duration = 3;
   options.has_wheels = has_wheels;
@@ -38,7 +38,7 @@ SyntheticDriveOptions Options(double start, bool has_wheels) {
 
 TEST(StandstillDetector, KnowsAStandingCarWithAndWithoutWheels) {
   for (const bool has_wheels : {true, false}) {
-    const SyntheticDrive drive = MakeRestingDrive(Options(0, has_wheels));
+    const SampledDrive drive = MakeRestingDrive(Options(0, has_wheels));
     EXPECT_TRUE(Detected(drive).IsStill(1, 1.5)) << has_wheels;
   }
 }
@@ -46,7 +46,7 @@ TEST(StandstillDetector, KnowsAStandingCarWithAndWithoutWheels) {
 TEST(StandstillDetector, KnowsAMovingCarWithAndWithoutWheels) {
   for (const bool has_wheels : {true, false})
     for (const double start : {8.0, 12.0, 25.0, 40.0}) {
-      const SyntheticDrive drive = MakeCarDrive(Options(start, has_wheels));
+      const SampledDrive drive = MakeCarDrive(Options(start, has_wheels));
       EXPECT_FALSE(Detected(drive).IsStill(1, 1.5)) << has_wheels << " " << start;
     }
 }
@@ -54,9 +54,9 @@ TEST(StandstillDetector, KnowsAMovingCarWithAndWithoutWheels) {
 TEST(StandstillDetector, WhatMovesWithTheCarDoesNotPassForTheWorld) {
   // More than half of what a front camera tracks may lie on the edge of the own car's shadow.
   for (const double start : {8.0, 12.0, 25.0, 40.0}) {
-    SyntheticDriveOptions options = Options(start, false);
+    SampledDriveOptions options = Options(start, false);
     options.num_cameras = 1;
-    SyntheticDrive drive = MakeCarDrive(options);
+    SampledDrive drive = MakeCarDrive(options);
     for (TrackedFrame& frame : drive.frames)
       for (FeatureObservation& seen : frame.observations)
         if (seen.track % 5 < 3)
@@ -68,7 +68,7 @@ TEST(StandstillDetector, WhatMovesWithTheCarDoesNotPassForTheWorld) {
 }
 
 TEST(StandstillDetector, AGentleStartIsFeltBeforeItIsSeen) {
-  SyntheticDrive drive = MakeRestingDrive(Options(0, false));
+  SampledDrive drive = MakeRestingDrive(Options(0, false));
   const Timestamp zero = drive.imu.front().time;
   for (ImuSample& sample : drive.imu)
     sample.linear_acceleration.x() += std::clamp(4 * (sample.time - zero - 1.2), 0.0, 1.2);
@@ -77,7 +77,7 @@ TEST(StandstillDetector, AGentleStartIsFeltBeforeItIsSeen) {
 }
 
 TEST(StandstillDetector, TrafficInOneCameraDoesNotMoveACarWhoseWheelsStand) {
-  SyntheticDrive drive = MakeRestingDrive(Options(0, true));
+  SampledDrive drive = MakeRestingDrive(Options(0, true));
   for (TrackedFrame& frame : drive.frames)
     if (frame.camera == 1)
       for (FeatureObservation& seen : frame.observations)
@@ -87,14 +87,14 @@ TEST(StandstillDetector, TrafficInOneCameraDoesNotMoveACarWhoseWheelsStand) {
 }
 
 TEST(StandstillDetector, AWheelSensorThatDiedDoesNotStopTheCar) {
-  SyntheticDrive drive = MakeCarDrive(Options(8, true));
+  SampledDrive drive = MakeCarDrive(Options(8, true));
   for (WheelSample& sample : drive.wheels) sample.forward_speed = 0;
 
   EXPECT_FALSE(Detected(drive).IsStill(1, 1.5));
 }
 
 TEST(StandstillDetector, WithoutWheelsAndImagesNothingIsCertain) {
-  SyntheticDrive drive = MakeRestingDrive(Options(0, false));
+  SampledDrive drive = MakeRestingDrive(Options(0, false));
   drive.frames.clear();
 
   EXPECT_FALSE(Detected(drive).IsStill(1, 1.5));

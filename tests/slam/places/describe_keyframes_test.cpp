@@ -100,7 +100,7 @@ TEST(DescribeKeyframes, KeyframeByKeyframeItGivesWhatAllAtOnceGive) {
   }
   EXPECT_GT(num_features, 50 * keyframes.size());
   EXPECT_GT(num_points, num_features / 10) << "neighbors see the same";
-  // Of the drive so far, only some keyframes wait: they do not become more as the drive becomes
+  // Only some keyframes of the drive so far wait: they do not become more as the drive becomes
   // longer.
   for (size_t i = 0; i < keyframes.size(); ++i) EXPECT_LT(read_before[i], static_cast<int>(i) + 60);
 }

@@ -17,13 +17,13 @@ namespace {
 /// A drive without images and its odometry: two cameras and IMU, no wheels.
 struct TrackedDrive {
   std::uint32_t seed = 3;
-  SyntheticDrive drive = MakeCarDrive({.seed = seed,
-                                       .duration = 24,
-                                       .camera_rate = 10,
-                                       .num_cameras = 2,
-                                       .has_wheels = false,
-                                       .tracks = 40,
-                                       .rig_rotation_deg = 0.2});
+  SampledDrive drive = MakeCarDrive({.seed = seed,
+                                     .duration = 24,
+                                     .camera_rate = 10,
+                                     .num_cameras = 2,
+                                     .has_wheels = false,
+                                     .tracks = 40,
+                                     .rig_rotation_deg = 0.2});
   OdometryResult odometry = EstimateDrive(drive);
 
   double ErrorOf(const Trajectory& odom_from_body) const {
@@ -37,7 +37,7 @@ const TrackedDrive& Tracked() {
   return tracked;
 }
 
-Rigid3 TruthAt(const SyntheticDrive& drive, Timestamp time) {
+Rigid3 TruthAt(const SampledDrive& drive, Timestamp time) {
   const auto after =
       std::lower_bound(drive.truth.begin(), drive.truth.end(), time,
                        [](const TimedPose& pose, Timestamp t) { return pose.time < t; });

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "slam/sessions/consistent_loops.h"
 #include "tests/slam/worlds/drive_world.h"
 
 namespace parkade {

@@ -172,7 +172,9 @@ TEST_F(FeatureTrackerTest, MaskedPixelsAreNeverObserved) {
   camera.mask(cv::Rect(0, 260, 640, 140)) = 0;
   FeatureTracker tracker(camera, 0);
 
-  for (const TrackedFrame& frame : Drive(tracker, 0, 4)) {
+  const std::vector<TrackedFrame> frames = Drive(tracker, 0, 4);
+  ASSERT_FALSE(frames.empty());
+  for (const TrackedFrame& frame : frames) {
     EXPECT_GT(frame.observations.size(), 80u);
     for (const FeatureObservation& observation : frame.observations)
       EXPECT_LT(observation.pixel.y(), 260);

@@ -2,7 +2,7 @@
 
 #include "slam/evaluation/evaluate_trajectory.h"
 #include "slam/odometry/trajectory_estimator.h"
-#include "tests/support/synthetic_drive.h"
+#include "tests/support/sampled_drive.h"
 
 namespace parkade {
 
@@ -13,7 +13,7 @@ struct EstimatedDrive {
 };
 
 /// Feeds a drive in order of time.
-inline OdometryResult EstimateDrive(const SyntheticDrive& drive,
+inline OdometryResult EstimateDrive(const SampledDrive& drive,
                                     const OdometryOptions& options = {}) {
   TrajectoryEstimator estimator(drive.rig, options);
   size_t wheel = 0, frame = 0;
@@ -27,7 +27,7 @@ inline OdometryResult EstimateDrive(const SyntheticDrive& drive,
   return estimator.Finish();
 }
 
-inline EstimatedDrive EstimateAndCompare(const SyntheticDrive& drive,
+inline EstimatedDrive EstimateAndCompare(const SampledDrive& drive,
                                          const OdometryOptions& options = {}) {
   EstimatedDrive estimated{EstimateDrive(drive, options), {}};
   estimated.error =

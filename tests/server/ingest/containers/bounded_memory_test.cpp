@@ -10,7 +10,7 @@
 namespace parkade {
 namespace {
 
-/// Of this process: "VmHWM", the most it ever held, or "VmRSS" [MiB].
+/// Memory of this process: "VmHWM", the most it ever held, or "VmRSS" [MiB].
 double MemoryOf(const std::string& key) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)

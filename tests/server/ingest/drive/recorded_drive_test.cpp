@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "server/ingest/drive/open_drive_log.h"
 #include "tests/server/ingest/drive/euroc_folder.h"
-#include "tests/server/ingest/messages/ros_messages.h"
+#include "tests/server/ingest/messages/message_writer.h"
 
 namespace parkade {
 namespace {
@@ -127,6 +127,7 @@ TEST(RecordedDrive, LateImagesAreSortedIn) {
 
     EXPECT_EQ(records.imu, 1201);
     EXPECT_GT(records.images, 150);
+    EXPECT_FALSE(drive->health().streams.empty());
     for (const StreamHealth& stream : drive->health().streams)
       EXPECT_EQ(stream.NumDropped(), 0u) << latency;
   }

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "server/ingest/messages/sensor_decoding.h"
-#include "tests/server/ingest/messages/ros_messages.h"
+#include "tests/server/ingest/messages/message_writer.h"
 
 namespace parkade {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/support/synthetic_drive.h"
+#include "tests/support/sampled_drive.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,7 +61,7 @@ Rig CarRig(int num_cameras) {
 }
 
 std::vector<Eigen::Vector3d> PointsAlongPath(const MotionFunction& motion,
-                                             const SyntheticDriveOptions& options, Random& random) {
+                                             const SampledDriveOptions& options, Random& random) {
   std::uniform_real_distribution<double> uniform(0, 1);
   std::vector<Eigen::Vector3d> points;
   double due = 0;
@@ -94,7 +94,7 @@ std::vector<Eigen::Vector3d> PointsAlongPath(const MotionFunction& motion,
   return points;
 }
 
-std::vector<Eigen::Vector3d> PointsInRoom(const SyntheticDriveOptions& options, Random& random) {
+std::vector<Eigen::Vector3d> PointsInRoom(const SampledDriveOptions& options, Random& random) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 50 * options.points_per_meter; ++i) {
@@ -109,7 +109,7 @@ std::vector<Eigen::Vector3d> PointsInRoom(const SyntheticDriveOptions& options, 
 class TrackMaker {
  public:
   TrackMaker(const Rig& rig, int camera, const std::vector<Eigen::Vector3d>& points,
-             const SyntheticDriveOptions& options, double max_angle)
+             const SampledDriveOptions& options, double max_angle)
       : camera_(camera),
         body_from_camera_(rig.cameras[static_cast<size_t>(camera)].body_from_camera),
         model_(rig.cameras[static_cast<size_t>(camera)].model),
@@ -180,15 +180,15 @@ class TrackMaker {
   Rigid3 body_from_camera_;
   CameraModel model_;
   const std::vector<Eigen::Vector3d>& points_;
-  const SyntheticDriveOptions& options_;
+  const SampledDriveOptions& options_;
   double max_angle_;
   Random random_;
   std::map<size_t, Track> tracks_;
   std::int64_t next_ = 0;
 };
 
-void MakeImu(SyntheticDrive& drive, const MotionFunction& motion,
-             const SyntheticDriveOptions& options, Random& random) {
+void MakeImu(SampledDrive& drive, const MotionFunction& motion, const SampledDriveOptions& options,
+             Random& random) {
   const ImuCalibration& imu = drive.rig.imu;
   const double root_rate = std::sqrt(options.imu_rate);
   const Rigid3 imu_from_body = drive.rig.body_from_imu.Inverse();
@@ -216,8 +216,8 @@ void MakeImu(SyntheticDrive& drive, const MotionFunction& motion,
   }
 }
 
-void MakeFrames(SyntheticDrive& drive, const MotionFunction& motion,
-                const std::vector<Eigen::Vector3d>& points, const SyntheticDriveOptions& options,
+void MakeFrames(SampledDrive& drive, const MotionFunction& motion,
+                const std::vector<Eigen::Vector3d>& points, const SampledDriveOptions& options,
                 double max_angle) {
   for (size_t camera = 0; camera < drive.rig.cameras.size(); ++camera) {
     TrackMaker tracks(drive.true_rig, static_cast<int>(camera), points, options, max_angle);
@@ -239,7 +239,7 @@ void MakeFrames(SyntheticDrive& drive, const MotionFunction& motion,
 }
 
 /// Makes drive.rig out of drive.true_rig.
-void DisturbRig(SyntheticDrive& drive, const SyntheticDriveOptions& options) {
+void DisturbRig(SampledDrive& drive, const SampledDriveOptions& options) {
   Random random(options.seed * 7919);
   for (size_t i = 0; i < drive.rig.cameras.size(); ++i) {
     RigCamera& true_camera = drive.true_rig.cameras[i];
@@ -256,10 +256,10 @@ void DisturbRig(SyntheticDrive& drive, const SyntheticDriveOptions& options) {
   }
 }
 
-SyntheticDrive MakeDrive(Rig rig, const MotionFunction& motion,
-                         const std::vector<Eigen::Vector3d>& points,
-                         const SyntheticDriveOptions& options, Random& random, double max_angle) {
-  SyntheticDrive drive;
+SampledDrive MakeDrive(Rig rig, const MotionFunction& motion,
+                       const std::vector<Eigen::Vector3d>& points,
+                       const SampledDriveOptions& options, Random& random, double max_angle) {
+  SampledDrive drive;
   drive.rig = std::move(rig);
   drive.rig.imu.update_rate = options.imu_rate;
   drive.true_rig = drive.rig;
@@ -289,39 +289,39 @@ SyntheticDrive MakeDrive(Rig rig, const MotionFunction& motion,
 
 }  // namespace
 
-SyntheticDrive MakeCarDrive(const SyntheticDriveOptions& options) {
+SampledDrive MakeCarDrive(const SampledDriveOptions& options) {
   Random random(options.seed);
   const MotionFunction motion = CarMotion(options.start + options.duration);
   return MakeDrive(CarRig(options.num_cameras), motion, PointsAlongPath(motion, options, random),
                    options, random, kMaxAngle);
 }
 
-SyntheticDrive MakeRestingDrive(const SyntheticDriveOptions& options) {
+SampledDrive MakeRestingDrive(const SampledDriveOptions& options) {
   Random random(options.seed);
   return MakeDrive(CarRig(options.num_cameras), RestingMotion(),
                    PointsAlongPath(RestingMotion(), options, random), options, random, kMaxAngle);
 }
 
-SyntheticDrive MakeFlight(const SyntheticDriveOptions& options) {
+SampledDrive MakeFlight(const SampledDriveOptions& options) {
   Random random(options.seed);
   Rig rig;
   rig.cameras = {MakeCamera("cam0", {0.05, 0.02, 0.03}, 5, 3)};
   rig.imu.gyroscope_noise_density = 2e-4;
   rig.imu.accelerometer_noise_density = 2e-3;
-  SyntheticDriveOptions flight = options;
+  SampledDriveOptions flight = options;
   flight.has_wheels = false;
   const std::vector<Eigen::Vector3d> points = PointsInRoom(options, random);
   return MakeDrive(std::move(rig), FlightMotion(), points, flight, random, /*max_angle=*/0.8);
 }
 
-void RemoveImages(SyntheticDrive& drive, int camera, double begin, double end) {
+void RemoveImages(SampledDrive& drive, int camera, double begin, double end) {
   std::erase_if(drive.frames, [&](const TrackedFrame& frame) {
     return (camera < 0 || frame.camera == camera) && TimeAt(begin) <= frame.time &&
            frame.time <= TimeAt(end);
   });
 }
 
-void RemoveImu(SyntheticDrive& drive, double begin, double end) {
+void RemoveImu(SampledDrive& drive, double begin, double end) {
   std::erase_if(drive.imu, [&](const ImuSample& sample) {
     return TimeAt(begin) < sample.time && sample.time < TimeAt(end);
   });

@@ -13,7 +13,7 @@ namespace parkade {
 
 /// A drive without images: samples and tracks from an exact motion through a
 /// world of points, with noise of known size. Same options, same numbers.
-struct SyntheticDriveOptions {
+struct SampledDriveOptions {
   std::uint32_t seed = 1;
   double duration = 50;     ///< [s]
   double start = 0;         ///< [s] into the motion: > 6 starts rolling
@@ -42,7 +42,7 @@ struct SyntheticDriveOptions {
   double jump_deg = 0;
 };
 
-struct SyntheticDrive {
+struct SampledDrive {
   Rig rig;       ///< as the estimator gets it
   Rig true_rig;  ///< at the end of the drive
   std::vector<ImuSample> imu;
@@ -53,17 +53,17 @@ struct SyntheticDrive {
 };
 
 /// Four unsynchronized 185-degree cameras on a car, IMU off the rear axle.
-SyntheticDrive MakeCarDrive(const SyntheticDriveOptions& options);
+SampledDrive MakeCarDrive(const SampledDriveOptions& options);
 
 /// A standing car with the same sensors.
-SyntheticDrive MakeRestingDrive(const SyntheticDriveOptions& options);
+SampledDrive MakeRestingDrive(const SampledDriveOptions& options);
 
 /// A drone with one camera (num_cameras and has_wheels are ignored); body = imu.
-SyntheticDrive MakeFlight(const SyntheticDriveOptions& options);
+SampledDrive MakeFlight(const SampledDriveOptions& options);
 
 /// All images of `camera` (-1: of all cameras) within [begin, end] s after the start removed.
-void RemoveImages(SyntheticDrive& drive, int camera, double begin, double end);
+void RemoveImages(SampledDrive& drive, int camera, double begin, double end);
 /// All IMU samples within (begin, end) removed.
-void RemoveImu(SyntheticDrive& drive, double begin, double end);
+void RemoveImu(SampledDrive& drive, double begin, double end);
 
 }  // namespace parkade

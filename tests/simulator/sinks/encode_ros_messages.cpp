@@ -1,4 +1,4 @@
-#include "tests/simulator/sinks/ros_messages.h"
+#include "tests/simulator/sinks/encode_ros_messages.h"
 
 #include <array>
 #include <bit>

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/ingest/drive/open_drive_log.h"
+#include "server/pipeline/built_map.h"
+#include "server/pipeline/report.h"
+
+namespace parkade {
+
+/// Where a drive comes from.
+struct DriveSource {
+  std::filesystem::path log, rig;  ///< the rig's folder may be empty: the log's own
+};
+
+/// The drives of one map.
+struct OpenedLogs {
+  std::vector<std::unique_ptr<RecordedDrive>> drives;  ///< in the order of their time
+  std::map<std::string, DriveSource> sources;          ///< by the drives' names
+  std::vector<LeftOutDrive> unreadable;                ///< drives of several that cannot be used
+};
+
+/// Opens the logs of one map. One of several that cannot be used is left out.
+/// \param rigs  folders with rig files: none, one for all logs, or one for each; "-": the log's own
+/// Throws Error{kInvalidInput} where none can be used or two have one name, Error{kUsage} for
+/// another number of rigs.
+OpenedLogs OpenLogs(const std::vector<std::string>& logs, const std::vector<std::string>& rigs,
+                    OpenLogOptions options);
+
+std::vector<std::string> NamesOf(const std::vector<std::unique_ptr<RecordedDrive>>& drives);
+
+/// What each drive is made from. `out`: the map's folder, which does not count where it lies in a
+/// log's.
+std::map<std::string, DriveInputs> HashInputs(const std::map<std::string, DriveSource>& sources,
+                                              const std::filesystem::path& out);
+
+}  // namespace parkade

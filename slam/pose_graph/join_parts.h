@@ -1,0 +1,14 @@
+#pragma once
+
+#include <vector>
+
+#include "slam/pose_graph/pose_graph.h"
+
+namespace parkade {
+
+/// Sets weights of 0 to 1 where those edges join parts of the graph that the others leave apart:
+/// the edges between the nearest ids first, which are the likeliest to be odometry.
+/// \param weights  one per edge
+void JoinParts(const PoseGraph& graph, std::vector<double>& weights);
+
+}  // namespace parkade
