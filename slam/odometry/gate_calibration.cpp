@@ -81,14 +81,14 @@ GatedCalibration GateCalibration(const std::string& camera, const CameraSettings
   const Eigen::Array<bool, 8, 1> is_estimated = Estimated(settings);
   const Vector8d prior = PriorSigmas(settings);
   const Vector8d unit = is_estimated.select(prior.array(), 1.0).matrix();
-  const Matrix8d assumed = Whitened(covariance.assumed, unit, is_estimated);
-  const Matrix8d honest = Whitened(covariance.honest, unit, is_estimated);
-  const Eigen::SelfAdjointEigenSolver<Matrix8d> eigen(assumed);
+  const Matrix8d model = Whitened(covariance.model, unit, is_estimated);
+  const Matrix8d sandwich = Whitened(covariance.sandwich, unit, is_estimated);
+  const Eigen::SelfAdjointEigenSolver<Matrix8d> eigen(model);
   Matrix8d refine = Matrix8d::Zero();  // projects on the refined directions
   for (int k = 0; k < 8; ++k) {
     const Vector8d direction = eigen.eigenvectors().col(k);
     if (eigen.eigenvalues()[k] < kMaxVarianceShare &&
-        direction.dot(honest * direction) < kMaxVarianceShare)
+        direction.dot(sandwich * direction) < kMaxVarianceShare)
       refine += direction * direction.transpose();
   }
   const Vector8d change =
@@ -101,7 +101,7 @@ GatedCalibration GateCalibration(const std::string& camera, const CameraSettings
   for (size_t k = 0; k < kTimingSize; ++k)
     gated.parameters.timing[k] += change[6 + static_cast<Eigen::Index>(k)];
   const Matrix8d keep = Matrix8d::Identity() - refine;
-  Vector8d variance = (refine * honest * refine + keep).diagonal();
+  Vector8d variance = (refine * sandwich * refine + keep).diagonal();
   const Eigen::Matrix3d imu_from_camera = estimate.ImuFromCamera().rotation.toRotationMatrix();
   variance.head<3>() +=
       (imu_from_camera.transpose() * turn.directions * imu_from_camera).diagonal();

@@ -10,12 +10,13 @@
 
 namespace parkade {
 
-/// Of a camera's calibration (8 x 8). Columns: [rotation 3 | translation 3 | time offset | line
-/// delay].
+/// Two covariances of a camera's calibration (8 x 8). Columns: [rotation 3 | translation 3 | time
+/// offset | line delay].
 struct CalibrationCovariance {
-  Eigen::Matrix<double, 8, 8>
-      assumed;  ///< inverse information: what share of the estimate is the prior's
-  Eigen::Matrix<double, 8, 8> honest;  ///< of its errors
+  /// As the weights have it, the inverse information: what share of the estimate is the prior's.
+  Eigen::Matrix<double, 8, 8> model;
+  /// What its errors really have (LinearPrior::Covariance).
+  Eigen::Matrix<double, 8, 8> sandwich;
 };
 
 /// The rotation by which the estimate turns all cameras alike, as far as the rig is believed rather
@@ -54,7 +55,7 @@ struct GatedCalibration {
 
 /// \param rig_parameters  what the rig says
 /// \param estimate        what the smoother says, without `turn`
-/// \param covariance      also
+/// \param covariance      of that estimate
 GatedCalibration GateCalibration(const std::string& camera, const CameraSettings& settings,
                                  const CameraParameters& rig_parameters,
                                  const CameraParameters& estimate,

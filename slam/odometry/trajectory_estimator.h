@@ -10,6 +10,7 @@
 #include "slam/odometry/odometry_options.h"
 #include "slam/odometry/odometry_result.h"
 #include "slam/odometry/trajectory_builder.h"
+#include "slam/smoother/fixed_lag_smoother.h"
 
 namespace parkade {
 
@@ -33,7 +34,6 @@ class TrajectoryEstimator {
   /// data never allowed a start. Call once, last.
   OdometryResult Finish();
 
-  bool is_started() const { return is_started_; }
   /// Best guess so far, for whoever predicts images; nothing before the start.
   std::optional<MotionState> Latest() const;
   /// Also, of the cameras.

@@ -49,7 +49,7 @@ JointEstimate Joint(const std::vector<CameraParameters>& cameras, double common_
   }
   joint.covariance =
       sigma * sigma * Eigen::MatrixXd::Identity(width, width) + common * common.transpose();
-  joint.assumed_covariance = joint.covariance;
+  joint.model_covariance = joint.covariance;
   return joint;
 }
 
@@ -68,7 +68,7 @@ TEST(FindKeptTurn, KeepsWhatIsCommonAndUnsure) {
   EXPECT_NEAR(LogSo3(own.rotation).norm(), 0.4 * kDegree, 0.01 * kDegree);
   // What is left is as sure as each camera by itself.
   const CalibrationCovariance covariance = CovarianceWithout(turn, estimate, joint, 1);
-  EXPECT_LT(std::sqrt(covariance.honest.topLeftCorner<3, 3>().trace()), 0.03 * kDegree);
+  EXPECT_LT(std::sqrt(covariance.sandwich.topLeftCorner<3, 3>().trace()), 0.03 * kDegree);
 }
 
 TEST(FindKeptTurn, KeepsNothingThatIsSureOrRefutesTheRig) {
