@@ -67,7 +67,7 @@ class ImuPreintegration {
   const std::vector<ImuSample>& samples() const { return samples_; }
   const ImuBias& bias() const { return bias_; }
   const MotionIncrement& increment() const { return increment_; }
-  /// Of [rotation vector, velocity, position].
+  /// The covariance of [rotation vector, velocity, position].
   const Matrix9d& covariance() const { return covariance_; }
   /// Rows [rotation vector, velocity, position], columns gyroscope bias.
   const Eigen::Matrix<double, 9, 3>& d_gyroscope() const { return d_gyroscope_; }

@@ -61,9 +61,9 @@ Eigen::MatrixXd LinearPrior::ModelCovariance() const {
 }
 
 Eigen::MatrixXd LinearPrior::Covariance() const {
-  const Eigen::MatrixXd assumed = ModelCovariance();
-  const Eigen::MatrixXd sensitivity = assumed * score_sensitivity;
-  return assumed * score_covariance * assumed + sensitivity * sensitivity.transpose();
+  const Eigen::MatrixXd model = ModelCovariance();
+  const Eigen::MatrixXd sensitivity = model * score_sensitivity;
+  return model * score_covariance * model + sensitivity * sensitivity.transpose();
 }
 
 ScoreElimination EliminateScores(const Eigen::MatrixXd& score_covariance,

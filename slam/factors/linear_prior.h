@@ -52,18 +52,18 @@ struct LinearPrior {
   /// Covariance of sqrt_information^T offset, which would be the information if errors were as
   /// independent and as small as the weights have them: see ScoreElimination.
   Eigen::MatrixXd score_covariance;
-  /// Of that score, by what is considered but not estimated, in units of its sigmas: see
+  /// Derivative of that score by what is considered but not estimated, in units of its sigmas: see
   /// imu_sensitivity.h.
   Eigen::MatrixXd score_sensitivity;
 
   int Columns() const;
   /// First column of a state, which must be one of the blocks.
   int ColumnOf(const StateName& name) const;
-  /// The inverse of the information; upper triangular sqrt_information. Directions that nothing is
-  /// known about get a huge one. What the covariance of all its states would be if errors were as
-  /// the weights have them.
+  /// What the covariance of all its states would be if errors were as the weights have them: the
+  /// inverse of the information, for an upper triangular sqrt_information. Directions that nothing
+  /// is known about get a huge one.
   Eigen::MatrixXd ModelCovariance() const;
-  /// Of all its states.
+  /// The covariance of all its states, as large as their errors are ("sandwich").
   Eigen::MatrixXd Covariance() const;
 };
 

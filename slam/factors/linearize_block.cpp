@@ -5,14 +5,14 @@
 
 namespace parkade {
 
-std::optional<LinearisedBlock> Linearize(const LinearisableBlock& block) {
-  LinearisedBlock result;
+std::optional<LinearizedBlock> Linearize(const LinearizableBlock& block) {
+  LinearizedBlock result;
   result.residual.resize(block.cost->num_residuals());
-  std::vector<LinearisedBlock::Jacobian> full;
+  std::vector<LinearizedBlock::Jacobian> full;
   std::vector<double*> pointers;
   for (const int size : block.cost->parameter_block_sizes())
     full.emplace_back(block.cost->num_residuals(), size);
-  for (LinearisedBlock::Jacobian& jacobian : full) pointers.push_back(jacobian.data());
+  for (LinearizedBlock::Jacobian& jacobian : full) pointers.push_back(jacobian.data());
   if (!block.cost->Evaluate(block.parameters.data(), result.residual.data(), pointers.data()))
     return std::nullopt;
   double scale = 1;
@@ -24,7 +24,7 @@ std::optional<LinearisedBlock> Linearize(const LinearisableBlock& block) {
   result.residual *= scale;
   for (size_t i = 0; i < full.size(); ++i)
     result.jacobians.push_back(scale * full[i].leftCols(block.tangent_sizes[i]));
-  const auto is_finite = [](const LinearisedBlock::Jacobian& jacobian) {
+  const auto is_finite = [](const LinearizedBlock::Jacobian& jacobian) {
     return jacobian.allFinite();
   };
   if (!result.residual.allFinite() ||

@@ -14,7 +14,7 @@
 
 namespace parkade {
 
-/// A observation of a tracked point, as small as it can be kept for a whole drive.
+/// An observation of a tracked point, as small as it can be kept for a whole drive.
 struct RecordedObservation {
   std::int64_t track = 0;
   Eigen::Vector3f bearing;  ///< unit, in the camera
