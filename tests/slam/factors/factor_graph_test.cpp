@@ -92,6 +92,14 @@ struct TinyWorld {
   }
 };
 
+GraphSolverOptions ToTheEnd() {
+  GraphSolverOptions options;
+  options.linear_solver = ceres::DENSE_QR;
+  options.max_iterations = 50;
+  options.function_tolerance = 1e-12;
+  return options;
+}
+
 /// Squared norm of a cost's residual.
 double Squared(const ceres::CostFunction& cost, const std::vector<double*>& blocks) {
   Eigen::VectorXd residual(cost.num_residuals());
@@ -156,9 +164,7 @@ TEST(FactorGraph, TheImuAloneBringsDisturbedNodesBackToTheTruth) {
   }
   const double before = graph.Cost();
 
-  GraphSolverOptions options;
-  options.linear_solver = ceres::DENSE_QR;
-  const SolveSummary summary = graph.Solve(options);
+  const SolveSummary summary = graph.Solve(ToTheEnd());
 
   EXPECT_GT(before, 1e3);
   EXPECT_LT(summary.final_cost, 0.1);
@@ -177,9 +183,7 @@ TEST(FactorGraph, AStateThatIsNotFreeStays) {
   graph.AddLoop(world.loop, world.loop_weight, world.nodes[0].pose, world.nodes[1].pose);
   const std::vector<double> held(world.nodes[0].pose, world.nodes[0].pose + kPoseSize);
 
-  GraphSolverOptions options;
-  options.linear_solver = ceres::DENSE_QR;
-  graph.Solve(options);
+  graph.Solve(ToTheEnd());
 
   EXPECT_EQ(std::vector<double>(world.nodes[0].pose, world.nodes[0].pose + kPoseSize), held);
   const Rigid3 found =
@@ -196,9 +200,7 @@ TEST(FactorGraph, WithoutASolutionAllStatesStay) {
   graph.AddPrior(broken, {world.nodes[0].pose});
   const std::vector<double> before = world.arena.values();
 
-  GraphSolverOptions options;
-  options.linear_solver = ceres::DENSE_QR;
-  graph.Solve(options);
+  graph.Solve(ToTheEnd());
 
   EXPECT_EQ(world.arena.values(), before);
 }

@@ -54,6 +54,7 @@ struct TinyDrive {
     for (const int node : kSeenFrom) {
       WindowView& view = window.views.emplace_back();
       view.first_node = node;
+      view.angular_velocity.setZero();
       track.observations.push_back({&view, BearingFrom(node), nullptr});
     }
     window.PointViewsAtNodes();
