@@ -1,5 +1,7 @@
 #include "slam/factors/bearing_cost.h"
 
+#include "slam/factors/measurement_model.h"
+
 namespace parkade {
 namespace {
 
@@ -23,17 +25,22 @@ Eigen::Vector3d TurnBack(const Eigen::Vector3d& angle, const Eigen::Vector3d& v)
 
 Look LookAt(const ImageView& view, const LandmarkRay& ray, const double* landmark, double delay) {
   const double w = landmark[2];
-  Look sight;
-  sight.velocity = w * (view.pose.odom_from_imu.transpose() * view.velocity_in_odom);
-  sight.before = view.pose.odom_from_imu.transpose() *
-                     (ray.Ray(landmark) + w * (ray.origin - view.pose.imu_in_odom)) -
-                 delay * sight.velocity;
-  sight.in_imu = TurnBack(delay * view.angular_velocity, sight.before);
-  sight.in_camera = view.camera_from_imu * (sight.in_imu - w * view.camera_in_imu);
-  return sight;
+  Look look;
+  look.velocity = w * (view.pose.odom_from_imu.transpose() * view.velocity_in_odom);
+  look.before = view.pose.odom_from_imu.transpose() *
+                    (ray.Ray(landmark) + w * (ray.origin - view.pose.imu_in_odom)) -
+                delay * look.velocity;
+  look.in_imu = TurnBack(delay * view.angular_velocity, look.before);
+  look.in_camera = view.camera_from_imu * (look.in_imu - w * view.camera_in_imu);
+  return look;
 }
 
 }  // namespace
+
+std::vector<double*> ImageView::Blocks() const {
+  if (!second_pose) return {first_pose, extrinsics, timing};
+  return {first_pose, second_pose, extrinsics, timing};
+}
 
 void ImageView::Update() {
   const double* second = second_pose ? second_pose : first_pose;
@@ -57,9 +64,17 @@ Eigen::Vector3d LandmarkInCamera(const ImageView& view, const LandmarkRay& ray,
   return LookAt(view, ray, landmark, view.Delay(row)).in_camera;
 }
 
-/// Derivative of the residual by what the landmark passes through.
+bool IsOutlier(const ImageView& view, const LandmarkRay& ray, const double* landmark,
+               const Bearing& bearing) {
+  const Eigen::Vector3d direction = LandmarkInCamera(view, ray, landmark, bearing.row);
+  const Eigen::Vector2d error = bearing.basis.transpose() * direction.normalized() / bearing.sigma;
+  return !(direction.dot(bearing.direction) > 0 &&
+           error.squaredNorm() < kMaxBearingError * kMaxBearingError);
+}
+
+/// Derivatives of the residual by what the landmark passes through.
 struct BearingCost::Derivatives {
-  Look sight;
+  Look look;
   double w = 0;                        // inverse distance
   Eigen::Matrix<double, 2, 3> camera;  // by a vector in the camera
   Eigen::Matrix<double, 2, 3> imu;     // by one in imu at t
@@ -82,7 +97,7 @@ void BearingCost::FillPoses(const Derivatives& by, double** jacobians) const {
   const ImagePose& pose = view_->pose;
   const bool is_between = view_->second_pose != nullptr;
   if (!jacobians[0] && !(is_between && jacobians[1])) return;
-  const Eigen::Matrix<double, 2, 3> by_rotation = by.before * Skew(by.sight.before);
+  const Eigen::Matrix<double, 2, 3> by_rotation = by.before * Skew(by.look.before);
   const Eigen::Matrix<double, 2, 3> by_position = -by.w * by.odom;
   if (jacobians[0]) {
     PoseJacobian jacobian(jacobians[0]);
@@ -102,16 +117,16 @@ void BearingCost::FillPoses(const Derivatives& by, double** jacobians) const {
 void BearingCost::FillCamera(const Derivatives& by, double** jacobians) const {
   if (jacobians[0]) {
     PoseJacobian jacobian(jacobians[0]);
-    jacobian.leftCols<3>().noalias() = by.camera * Skew(by.sight.in_camera);
+    jacobian.leftCols<3>().noalias() = by.camera * Skew(by.look.in_camera);
     jacobian.middleCols<3>(3) = -by.w * by.imu;
     jacobian.col(6).setZero();
   }
   if (jacobians[1]) {
     Eigen::Map<Eigen::Matrix<double, 2, kTimingSize, Eigen::RowMajor>> jacobian(jacobians[1]);
-    const Eigen::Vector3d turning = view_->angular_velocity.cross(by.sight.before);
+    const Eigen::Vector3d turning = view_->angular_velocity.cross(by.look.before);
     const Eigen::Vector3d rate =
         turning - view_->Delay(bearing_.row) * view_->angular_velocity.cross(turning);
-    jacobian.col(0) = -by.imu * rate - by.before * by.sight.velocity;
+    jacobian.col(0) = -by.imu * rate - by.before * by.look.velocity;
     jacobian.col(1) = bearing_.row * jacobian.col(0);
     if (view_->holds_time_offset) jacobian.col(0).setZero();
     if (view_->holds_line_delay) jacobian.col(1).setZero();
@@ -125,14 +140,14 @@ bool BearingCost::Evaluate(double const* const* parameters, double* residuals,
   const double delay = view_->Delay(bearing_.row);
   const Eigen::Matrix<double, 2, 3> across = bearing_.basis.transpose() / bearing_.sigma;
   Derivatives by;
-  by.sight = LookAt(*view_, *ray_, landmark, delay);
-  const double norm = by.sight.in_camera.norm();
+  by.look = LookAt(*view_, *ray_, landmark, delay);
+  const double norm = by.look.in_camera.norm();
   if (!(norm > kMinNorm)) return false;
-  Eigen::Map<Eigen::Vector2d>(residuals).noalias() = across * (by.sight.in_camera / norm);
+  Eigen::Map<Eigen::Vector2d>(residuals).noalias() = across * (by.look.in_camera / norm);
   if (!jacobians) return true;
 
   const ImagePose& pose = view_->pose;
-  const Eigen::Vector3d unit = by.sight.in_camera / norm;
+  const Eigen::Vector3d unit = by.look.in_camera / norm;
   const Eigen::Vector3d angle = delay * view_->angular_velocity;
   by.w = landmark[2];
   by.camera = (across - (across * unit) * unit.transpose()) / norm;

@@ -2,22 +2,23 @@
 
 #include <ceres/cost_function.h>
 
+#include <vector>
+
 #include "slam/factors/camera_parameters.h"
 #include "slam/factors/image_pose.h"
 #include "slam/factors/landmark_parameters.h"
 
 namespace parkade {
 
-/// One image in the window: its camera, the nodes around it, and its pose,
-/// evaluated once per step for all the bearings in it (see
-/// WindowEvaluationCallback).
+/// One image in a graph: its camera, the nodes around it, and its pose, evaluated once per step for
+/// all the bearings in it (see FactorGraph).
 struct ImageView {
   NodeInterpolation interpolation;
-  const double* first_pose = nullptr;   ///< parameter block of the node before
-  const double* second_pose = nullptr;  ///< of the node after; null: the image is at the first node
-  const double* extrinsics = nullptr;   ///< parameter block of the camera
-  const double* timing = nullptr;       ///< parameter block of the camera
-  double time_offset = 0;               ///< [s] with which `interpolation` was made
+  double* first_pose = nullptr;   ///< parameter block of the node before
+  double* second_pose = nullptr;  ///< of the node after; null: the image is at the first node
+  double* extrinsics = nullptr;   ///< parameter block of the camera
+  double* timing = nullptr;       ///< parameter block of the camera
+  double time_offset = 0;         ///< [s] with which `interpolation` was made
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< [rad/s] in imu, held fixed
   Eigen::Vector3d velocity_in_odom = Eigen::Vector3d::Zero();  ///< [m/s] of the imu, held fixed
 
@@ -27,6 +28,9 @@ struct ImageView {
   ImagePose pose;
   Eigen::Matrix3d camera_from_imu = Eigen::Matrix3d::Identity();
   Eigen::Vector3d camera_in_imu = Eigen::Vector3d::Zero();  ///< [m]
+
+  /// The parameter blocks on which bearings in this image depend, in the order of a BearingCost.
+  std::vector<double*> Blocks() const;
 
   /// Recomputes the pose and the camera's from the parameter blocks.
   void Update();
@@ -55,6 +59,10 @@ struct Bearing {
 /// normalized, at the view's current pose.
 Eigen::Vector3d LandmarkInCamera(const ImageView& view, const LandmarkRay& ray,
                                  const double* landmark, double row);
+
+/// The bearing is further off the landmark than kMaxBearingError, or the landmark is behind.
+bool IsOutlier(const ImageView& view, const LandmarkRay& ray, const double* landmark,
+               const Bearing& bearing);
 
 /// Bearing of a landmark in an image (2 values), on the plane tangent to the
 /// measured bearing z, valid for any angle from the optical axis:

@@ -4,7 +4,7 @@ namespace parkade {
 namespace {
 
 // Rig files say nothing about scale and misalignment, but noise tells the grade: an MEMS gyroscope
-// of 2e-4 rad/s/sqrt(Hz) is off by some 1e-3, a fibre-optic one of 6e-5 by 3e-4; axes are askew by
+// of 2e-4 rad/s/sqrt(Hz) is off by some 1e-3, a fiber-optic one of 6e-5 by 3e-4; axes are askew by
 // half of that.
 constexpr double kScalePerNoise = 5;        // [sqrt(s)] of the gyroscope's noise density
 constexpr double kMisalignmentShare = 0.5;  // of the scale's sigma

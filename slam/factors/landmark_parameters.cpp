@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 
+#include "slam/factors/measurement_model.h"
+
 namespace parkade {
 
 LandmarkRay::LandmarkRay(const Eigen::Vector3d& origin_in_odom,
@@ -9,6 +11,14 @@ LandmarkRay::LandmarkRay(const Eigen::Vector3d& origin_in_odom,
     : origin(origin_in_odom),
       direction(direction_in_odom.normalized()),
       basis(BasisAcross(direction)) {}
+
+void Rebase(LandmarkRay& ray, double* landmark) {
+  if (!(Eigen::Map<const Eigen::Vector2d>(landmark).norm() > kMaxLandmarkTangent)) return;
+  const Eigen::Vector3d moved = ray.Ray(landmark);
+  landmark[0] = landmark[1] = 0;
+  landmark[2] /= moved.norm();
+  ray = LandmarkRay(ray.origin, moved);
+}
 
 Eigen::Matrix<double, 3, 2> BasisAcross(const Eigen::Vector3d& direction) {
   int smallest = 0;

@@ -30,6 +30,9 @@ struct LandmarkRay {
   }
 };
 
+/// Gives a landmark that moved far from its ray a new one, through the same point.
+void Rebase(LandmarkRay& ray, double* landmark);
+
 /// Two unit vectors that complete `direction` (unit) to an orthonormal frame.
 Eigen::Matrix<double, 3, 2> BasisAcross(const Eigen::Vector3d& direction);
 

@@ -61,9 +61,9 @@ Eigen::MatrixXd LinearPrior::ModelCovariance() const {
 }
 
 Eigen::MatrixXd LinearPrior::Covariance() const {
-  const Eigen::MatrixXd by_model = ModelCovariance();
-  const Eigen::MatrixXd sensitivity = by_model * score_sensitivity;
-  return by_model * score_covariance * by_model + sensitivity * sensitivity.transpose();
+  const Eigen::MatrixXd model = ModelCovariance();
+  const Eigen::MatrixXd sensitivity = model * score_sensitivity;
+  return model * score_covariance * model + sensitivity * sensitivity.transpose();
 }
 
 ScoreElimination EliminateScores(const Eigen::MatrixXd& score_covariance,

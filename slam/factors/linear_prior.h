@@ -59,11 +59,11 @@ struct LinearPrior {
   int Columns() const;
   /// First column of a state, which must be one of the blocks.
   int ColumnOf(const StateName& name) const;
-  /// The inverse of the information; upper triangular sqrt_information. Directions that nothing is
-  /// known about get a huge one. What the covariance of all its states would be if errors were as
-  /// the weights have them.
+  /// What the covariance of all its states would be if errors were as the weights have them: the
+  /// inverse of the information, for an upper triangular sqrt_information. Directions that nothing
+  /// is known about get a huge one.
   Eigen::MatrixXd ModelCovariance() const;
-  /// The number of parameters of all its states.
+  /// The covariance of all its states, as large as their errors are ("sandwich").
   Eigen::MatrixXd Covariance() const;
 };
 

@@ -5,7 +5,7 @@
 
 namespace parkade {
 
-std::optional<LinearizedBlock> Linearize(const LinearisableBlock& block) {
+std::optional<LinearizedBlock> Linearize(const LinearizableBlock& block) {
   LinearizedBlock result;
   result.residual.resize(block.cost->num_residuals());
   std::vector<LinearizedBlock::Jacobian> full;

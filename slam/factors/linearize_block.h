@@ -12,7 +12,7 @@ namespace parkade {
 /// A residual block with the parameters to linearize it at. `columns` holds, per
 /// parameter block, the first column of its tangent in the system; the tangent
 /// is the first `tangent_sizes` columns of the block's Jacobian (identity lift).
-struct LinearisableBlock {
+struct LinearizableBlock {
   const ceres::CostFunction* cost = nullptr;
   const ceres::LossFunction* loss = nullptr;  ///< null: none
   std::vector<const double*> parameters;
@@ -29,6 +29,6 @@ struct LinearizedBlock {
 /// Residual and Jacobians, both scaled by the root of the loss' slope: the Gauss-Newton part of
 /// Triggs' correction, which keeps the system definite. Nothing where the block cannot be
 /// evaluated.
-std::optional<LinearizedBlock> Linearize(const LinearisableBlock& block);
+std::optional<LinearizedBlock> Linearize(const LinearizableBlock& block);
 
 }  // namespace parkade

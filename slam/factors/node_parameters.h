@@ -9,7 +9,7 @@
 
 namespace parkade {
 
-// A node of the smoother is two parameter blocks:
+// A state node is two parameter blocks:
 //   pose    7: [qx qy qz qw | px py pz]  odom_from_imu; tangent 6: [rotation | translation]
 //   motion  9: [v | b_g | b_a]           velocity in odom, biases
 // The tangent of a pose is R <- R Exp(rotation), p <- p + translation.
@@ -41,6 +41,12 @@ inline MotionState StateFromParameters(Timestamp time, const double* pose, const
   const ImuBias bias = BiasFromParameters(motion);
   return {time, PoseFromParameters(pose), Eigen::Vector3d(motion[0], motion[1], motion[2]),
           bias.gyroscope, bias.accelerometer};
+}
+
+inline void StateToParameters(const MotionState& state, double* pose, double* motion) {
+  PoseToParameters(state.odom_from_imu, pose);
+  Eigen::Map<Eigen::Matrix<double, kMotionSize, 1>>(motion) << state.velocity_in_odom,
+      state.gyroscope_bias, state.accelerometer_bias;
 }
 
 /// The manifold of a pose block. Jacobians of our cost functions are by the

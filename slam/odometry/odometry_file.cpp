@@ -7,6 +7,7 @@
 #include "core/appended_file.h"
 #include "core/file.h"
 #include "slam/odometry/odometry_serialization.h"
+#include "slam/smoother/drive_measurements.h"
 #include "slam/smoother/measurement_serialization.h"
 
 namespace parkade {

@@ -33,7 +33,7 @@ struct CameraHealth {
   int frames_used = 0;          ///< observed by the estimator
   int frames_rejected = 0;      ///< blank, of the wrong size, repeated
   double tracks_per_frame = 0;  ///< mean, in the frames used
-  double noise_scale = 1;       ///< noise found / noise assumed
+  double noise_scale = 1;       ///< noise found / noise declared
 };
 
 /// One quantity of a camera's calibration, and what the drive says about it.

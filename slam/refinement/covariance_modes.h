@@ -26,7 +26,7 @@ struct CovarianceModes {
 };
 
 /// \param covariance  of the errors at `times`, 6 x 6 blocks as in CovarianceModes
-/// What is left out adds up to less than 1 mm at a keyframe (rms), rotations counted at 5 m.
+/// What is left out adds up to less than 1 mm at a pose (rms), rotations counted at 5 m.
 CovarianceModes FindCovarianceModes(std::vector<Timestamp> times,
                                     const Eigen::MatrixXd& covariance);
 

@@ -16,8 +16,8 @@ namespace parkade {
 struct CameraRefinement {
   std::string name;
   double rotation = 0;     ///< [rad] against what odometry had found
-  double translation = 0;  ///< [m] also
-  double time_offset = 0;  ///< [s] also
+  double translation = 0;  ///< [m] against what odometry had found
+  double time_offset = 0;  ///< [s] against what odometry had found
   bool is_taken = false;   ///< odometry had found the quantity observable, so the change is taken
 };
 
@@ -32,7 +32,7 @@ struct GnssPositions {
 struct DriveRefinement {
   Trajectory odom_from_body;  ///< refined where accepted, else as it was given; with the
                               ///< covariances of `modes`
-  Rig rig;                    ///< also
+  Rig rig;                    ///< refined where accepted, else as it was given
   CovarianceModes
       modes;  ///< how it may be off; empty where not accepted, in pieces, or not determined
   bool is_accepted = false;

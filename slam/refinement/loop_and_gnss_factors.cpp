@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slam/pose_graph/pose_graph.h"
+
 namespace parkade {
 namespace {
 
@@ -59,19 +61,6 @@ class LoopTranslator {
 };
 
 }  // namespace
-
-GnssPositions ReadGnss(const DriveLog& log, const GnssAlignOptions& options) {
-  GnssPositions gnss;
-  gnss.options = options;
-  const std::optional<VehicleCalibration>& vehicle = log.rig().vehicle;
-  if (vehicle && vehicle->antenna_in_body) gnss.antenna_in_body = *vehicle->antenna_in_body;
-  ReadOptions only_gnss;
-  only_gnss.imu = only_gnss.wheels = only_gnss.images = false;
-  const std::unique_ptr<RecordStream> records = log.Read(only_gnss);
-  while (const std::optional<SensorRecord> record = records->Next())
-    if (const auto* fix = std::get_if<GnssFix>(&*record)) gnss.fixes.push_back(*fix);
-  return gnss;
-}
 
 std::vector<AdjustedLoop> LoopsBetweenNodes(const DriveMeasurements& measurements,
                                             const Trajectory& odometry,

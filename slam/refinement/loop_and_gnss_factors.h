@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "slam/loops/loop_closure.h"
-#include "slam/refinement/drive_adjustment.h"
+#include "slam/refinement/adjusted_drive.h"
 #include "slam/refinement/drive_refinement.h"
 
 namespace parkade {

@@ -11,7 +11,7 @@
 #include "slam/factors/imu_sensitivity.h"
 #include "slam/factors/landmark_parameters.h"
 #include "slam/factors/linearize_block.h"
-#include "slam/factors/track_errors.h"
+#include "slam/factors/measurement_model.h"
 
 namespace parkade {
 namespace {
@@ -34,28 +34,28 @@ class NormalEquations {
     for (double* block : blocks) {
       if (landmarks.contains(block)) continue;
       const bool is_constant = problem.IsParameterBlockConstant(block);
-      const Block keyframe{is_constant ? kConstant : num_columns_,
-                           problem.ParameterBlockTangentSize(block)};
-      keyframes_.emplace(block, keyframe);
-      if (!is_constant) num_columns_ += keyframe.size;
+      const Block columns{is_constant ? kConstant : num_columns_,
+                          problem.ParameterBlockTangentSize(block)};
+      columns_.emplace(block, columns);
+      if (!is_constant) num_columns_ += columns.size;
     }
     sensitivity_ = Eigen::MatrixXd::Zero(num_columns_, kImuSensitivities);
     std::vector<ceres::ResidualBlockId> residuals;
     problem.GetResidualBlocks(&residuals);
     const double* landmark = nullptr;
-    std::vector<LinearisableBlock> sights;
+    std::vector<LinearizableBlock> observations;
     for (const ceres::ResidualBlockId id : residuals) {
-      LinearisableBlock block = BlockOf(problem, id);
+      LinearizableBlock block = BlockOf(problem, id);
       const double* last = block.parameters.back();
       if (!landmarks.contains(last)) {
         Add(block);
         continue;
       }
-      if (last != landmark) AddLandmark(sights);
+      if (last != landmark) AddLandmark(observations);
       landmark = last;
-      sights.push_back(std::move(block));
+      observations.push_back(std::move(block));
     }
-    AddLandmark(sights);
+    AddLandmark(observations);
   }
 
   Eigen::SparseMatrix<double> Information() const {
@@ -81,22 +81,22 @@ class NormalEquations {
   /// Derivative of the score by what is considered but not estimated.
   const Eigen::MatrixXd& sensitivity() const { return sensitivity_; }
 
-  const Block& KeyframeOf(const double* block) const { return keyframes_.at(block); }
+  const Block& ColumnsOf(const double* block) const { return columns_.at(block); }
   int num_columns() const { return num_columns_; }
 
  private:
-  LinearisableBlock BlockOf(const ceres::Problem& problem, ceres::ResidualBlockId id) const {
-    LinearisableBlock block;
+  LinearizableBlock BlockOf(const ceres::Problem& problem, ceres::ResidualBlockId id) const {
+    LinearizableBlock block;
     block.cost = problem.GetCostFunctionForResidualBlock(id);
     block.loss = problem.GetLossFunctionForResidualBlock(id);
     std::vector<double*> parameters;
     problem.GetParameterBlocksForResidualBlock(id, &parameters);
     for (const double* parameter : parameters) {
-      const auto keyframe = keyframes_.find(parameter);
-      const bool is_landmark = keyframe == keyframes_.end();
+      const auto columns = columns_.find(parameter);
+      const bool is_landmark = columns == columns_.end();
       block.parameters.push_back(parameter);
-      block.columns.push_back(is_landmark ? kConstant : keyframe->second.column);
-      block.tangent_sizes.push_back(is_landmark ? kLandmarkSize : keyframe->second.size);
+      block.columns.push_back(is_landmark ? kConstant : columns->second.column);
+      block.tangent_sizes.push_back(is_landmark ? kLandmarkSize : columns->second.size);
     }
     return block;
   }
@@ -108,7 +108,7 @@ class NormalEquations {
     if (!is_new) entry->second += block;
   }
 
-  void Add(const LinearisableBlock& block) {
+  void Add(const LinearizableBlock& block) {
     const std::optional<LinearizedBlock> linear = Linearize(block);
     if (!linear) return;
     for (size_t i = 0; i < block.columns.size(); ++i) {
@@ -128,7 +128,7 @@ class NormalEquations {
     if (const auto* imu = dynamic_cast<const ImuCost*>(block.cost)) AddSensitivity(*imu, block);
   }
 
-  void AddSensitivity(const ImuCost& imu, const LinearisableBlock& block) {
+  void AddSensitivity(const ImuCost& imu, const LinearizableBlock& block) {
     const Eigen::MatrixXd of_block = ScoreSensitivity(imu, imu.preintegration(), block.parameters);
     Eigen::Index row = 0;
     for (size_t i = 0; i < block.columns.size(); row += block.tangent_sizes[i++])
@@ -137,13 +137,13 @@ class NormalEquations {
             of_block.middleRows(row, block.tangent_sizes[i]);
   }
 
-  /// All sights of one landmark; empties them.
-  void AddLandmark(std::vector<LinearisableBlock>& sights) {
+  /// All observations of one landmark; empties them.
+  void AddLandmark(std::vector<LinearizableBlock>& observations) {
     std::vector<Block> blocks;
-    for (const LinearisableBlock& sight : sights)
-      for (size_t i = 0; i < sight.columns.size(); ++i)
-        if (sight.columns[i] != kConstant)
-          blocks.push_back({sight.columns[i], sight.tangent_sizes[i]});
+    for (const LinearizableBlock& observation : observations)
+      for (size_t i = 0; i < observation.columns.size(); ++i)
+        if (observation.columns[i] != kConstant)
+          blocks.push_back({observation.columns[i], observation.tangent_sizes[i]});
     std::sort(blocks.begin(), blocks.end());
     blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
     std::vector<int> first(blocks.size() + 1);  // among this landmark's columns
@@ -153,27 +153,28 @@ class NormalEquations {
     Eigen::Vector3d own_score = Eigen::Vector3d::Zero();
     Eigen::MatrixXd to_own = Eigen::MatrixXd::Zero(first.back(), kLandmarkSize);
     Eigen::VectorXd score = Eigen::VectorXd::Zero(first.back());
-    for (const LinearisableBlock& sight : sights) {
-      const std::optional<LinearizedBlock> linear = Linearize(sight);
+    for (const LinearizableBlock& observation : observations) {
+      const std::optional<LinearizedBlock> linear = Linearize(observation);
       if (!linear) continue;
       const LinearizedBlock::Jacobian& by_landmark = linear->jacobians.back();
       own.noalias() += by_landmark.transpose() * by_landmark;
       own_score.noalias() += by_landmark.transpose() * linear->residual;
-      for (size_t i = 0; i + 1 < sight.columns.size(); ++i) {
-        if (sight.columns[i] == kConstant) continue;
+      for (size_t i = 0; i + 1 < observation.columns.size(); ++i) {
+        if (observation.columns[i] == kConstant) continue;
         const LinearizedBlock::Jacobian& by_i = linear->jacobians[i];
-        const Block block{sight.columns[i], sight.tangent_sizes[i]};
+        const Block block{observation.columns[i], observation.tangent_sizes[i]};
         const auto at = first[static_cast<size_t>(
             std::lower_bound(blocks.begin(), blocks.end(), block) - blocks.begin())];
         to_own.middleRows(at, block.size).noalias() += by_i.transpose() * by_landmark;
         score.segment(at, block.size).noalias() += by_i.transpose() * linear->residual;
-        for (size_t j = 0; j + 1 < sight.columns.size(); ++j)
-          if (sight.columns[j] != kConstant && sight.columns[j] <= sight.columns[i])
-            AddInformation(block, {sight.columns[j], sight.tangent_sizes[j]},
+        for (size_t j = 0; j + 1 < observation.columns.size(); ++j)
+          if (observation.columns[j] != kConstant &&
+              observation.columns[j] <= observation.columns[i])
+            AddInformation(block, {observation.columns[j], observation.tangent_sizes[j]},
                            by_i.transpose() * linear->jacobians[j]);
       }
     }
-    sights.clear();
+    observations.clear();
     const Eigen::LLT<Eigen::Matrix3d> factor(own);
     if (blocks.empty() || factor.info() != Eigen::Success) return;
     score -= to_own * factor.solve(own_score);
@@ -190,7 +191,7 @@ class NormalEquations {
     ++num_scores_;
   }
 
-  std::unordered_map<const double*, Block> keyframes_;
+  std::unordered_map<const double*, Block> columns_;
   std::unordered_map<std::uint64_t, Eigen::MatrixXd>
       information_;  ///< lower triangle, by row and column
   std::vector<Eigen::Triplet<double>> scores_;
@@ -206,8 +207,8 @@ std::optional<Eigen::MatrixXd> MarginalCovariance(
   const NormalEquations normal(problem, landmarks);
   std::vector<int> columns;
   for (const double* block : of)
-    for (int k = 0; k < normal.KeyframeOf(block).size; ++k)
-      columns.push_back(normal.KeyframeOf(block).column + k);
+    for (int k = 0; k < normal.ColumnsOf(block).size; ++k)
+      columns.push_back(normal.ColumnsOf(block).column + k);
   const auto count = static_cast<Eigen::Index>(columns.size());
   Eigen::MatrixXd wanted = Eigen::MatrixXd::Zero(normal.num_columns(), count);
   for (Eigen::Index i = 0; i < count; ++i) wanted(columns[static_cast<size_t>(i)], i) = 1;

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "core/error.h"
 #include "core/log.h"
 #include "slam/odometry/gate_calibration.h"
 #include "slam/odometry/trajectory_builder.h"
@@ -105,7 +104,7 @@ CovarianceModes ModesOf(DriveAdjustment& adjustment, const Rig& rig, int num_pie
   return FindCovarianceModes(std::move(times), covariance);
 }
 
-/// The refined value is taken where odometry had found the quantity observable.
+/// Takes the refined value of what odometry had found observable.
 void TakeCalibration(const OdometryResult& odometry, const std::vector<CameraParameters>& refined,
                      DriveRefinement& result) {
   const auto is_refined = [&](size_t camera, const char* name) {
@@ -149,20 +148,17 @@ std::string ReasonAgainst(const DriveRefinement& result, const RefinementOptions
 
 }  // namespace
 
-void RefinementOptions::Validate() const {
-  Require(bearings_per_image > 0 && min_observations >= 3 && max_iterations > 0 &&
-              max_nodes >= 100 && min_nodes >= 3 && observations_per_track >= min_observations,
-          ErrorCode::kUsage,
-          "the counts of the refinement must be positive, with at least 3 observations, 100 nodes, "
-          "and tracks not thinned "
-          "below that");
-  Require(min_distance > 0 && bearing_inflation > 0 && robust_width > 0 && max_bearing_error > 0 &&
-              wheel_scale_sigma > 0 && max_imu_growth > 0 && max_held_out_growth > 0 &&
-              max_track_growth > 0,
-          ErrorCode::kUsage, "the bounds of the refinement must be positive");
-  Require(
-      held_out_share >= 0 && held_out_share < 1, ErrorCode::kUsage,
-      "the share of tracks and loops that the refinement holds out must be at least 0 and below 1");
+GnssPositions ReadGnss(const DriveLog& log, const GnssAlignOptions& options) {
+  GnssPositions gnss;
+  gnss.options = options;
+  const std::optional<VehicleCalibration>& vehicle = log.rig().vehicle;
+  if (vehicle && vehicle->antenna_in_body) gnss.antenna_in_body = *vehicle->antenna_in_body;
+  ReadOptions only_gnss;
+  only_gnss.imu = only_gnss.wheels = only_gnss.images = false;
+  const std::unique_ptr<RecordStream> records = log.Read(only_gnss);
+  while (const std::optional<SensorRecord> record = records->Next())
+    if (const auto* fix = std::get_if<GnssFix>(&*record)) gnss.fixes.push_back(*fix);
+  return gnss;
 }
 
 DriveRefinement RefineDrive(const OdometryResult& odometry, const Rig& rig,

@@ -8,23 +8,19 @@ struct RefinementOptions {
   bool enabled = true;          ///< false: the pose graph has the last word
   int bearings_per_image = 50;  ///< longest tracks first; more: slower
   int observations_per_track =
-      10;                     ///< at most, spread over its images: errors of neighbors are alike
-  int min_observations = 4;   ///< of a track that becomes a landmark
-  double min_distance = 0.3;  ///< [m] landmarks nearer are the car itself or nonsense
+      10;                    ///< at most, spread over its images: errors of neighbors are alike
+  int min_observations = 4;  ///< of a track that becomes a landmark
   double bearing_inflation =
       2.45;  ///< of the sigma that odometry found, whose estimator weighs bearings alike
-  double robust_width = 2;       ///< [sigma] Cauchy loss of bearings, wheels and loops
-  double max_bearing_error = 5;  ///< [sigma] a bearing further off is left out
-  int max_iterations = 10;       ///< of each of the two or three solves
-  int min_nodes = 100;   ///< fewer: the odometry's window has seen nearly all of them at once
+  int max_iterations = 10;  ///< of each of the two or three solves
+  int min_nodes = 100;      ///< fewer: the odometry's window has seen nearly all of them at once
   int max_nodes = 3000;  ///< adjusted at once, some 1.4 GB; longer drives in pieces (SolveInPieces)
   double held_out_share = 0.2;  ///< of tracks and loops, which judge the result before they join it
-  double wheel_scale_sigma = 0.01;  ///< of the tires' radius before the drive tells
   double max_imu_growth =
       1.5;  ///< of the IMU's mean squared error, beyond which the result is not taken
-  double max_held_out_growth = 1.0;  ///< of the held-out loops' median error, also
-  double max_track_growth =
-      1.08;  ///< of the held-out tracks' mean error, also; odometry has bent to them
+  double max_held_out_growth = 1.0;  ///< the same of the held-out loops' median error
+  /// The same of the held-out tracks' mean error; odometry has bent to them.
+  double max_track_growth = 1.08;
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {

@@ -88,7 +88,7 @@ PoseGraph GraphOf(const std::vector<MotionState>& states, const std::vector<size
   for (size_t i = 0; i < separators.size(); ++i) {
     const Rigid3& pose = states[separators[i]].odom_from_imu;
     graph.vertices.push_back({static_cast<std::int64_t>(i), pose, i == 0});
-    // The part of the remaining turn about odom's vertical is free.
+    // Gravity leaves turns about odom's vertical free.
     const Eigen::Vector3d up = pose.rotation.conjugate() * Eigen::Vector3d::UnitZ();
     PoseGraphEdge gravity{0, i + 1, pose, Matrix6d::Zero(), true};
     gravity.information.bottomRightCorner<3, 3>() =

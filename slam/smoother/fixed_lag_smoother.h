@@ -1,49 +1,22 @@
 #pragma once
 
 #include <deque>
-#include <map>
 #include <utility>
 #include <vector>
 
 #include "core/rig.h"
-#include "slam/factors/linear_prior.h"
-#include "slam/smoother/drive_measurements.h"
+#include "slam/factors/factor_graph.h"
+#include "slam/smoother/mount_jumps.h"
 #include "slam/smoother/node_conditional.h"
+#include "slam/smoother/recorded_states.h"
 #include "slam/smoother/smoother_options.h"
 #include "slam/smoother/smoother_window.h"
-#include "slam/smoother/standstill_cost.h"
 
 namespace parkade {
 
-/// What of one camera's calibration is estimated, and what was known of it before.
-struct CameraSettings {
-  double middle_row = 0;  ///< [px]
-  CameraSigmas prior;
-  bool has_extrinsics = true;   ///< estimated
-  bool has_time_offset = true;  ///< estimated
-  bool has_line_delay = false;  ///< estimated
-};
-
-/// A camera whose mount turned at once.
-struct CameraJump {
-  Timestamp time;  ///< of its first image after that
-  int camera = 0;
-  double angle = 0;  ///< [rad]
-};
-
-/// What one solve was like, for reports and tests.
-struct SolveSummary {
-  int iterations = 0;
-  double seconds = 0;
-  double final_cost = 0;
-  int landmarks = 0;
-  int bearings = 0;
-};
-
-/// Fixed-lag smoother: the states of the last nodes, the landmarks in their
-/// images, the wheel scale and the calibration of the cameras, estimated together
-/// from IMU, wheels, standstill and bearings; what leaves the window is condensed into a linear
-/// prior. Deterministic; one thread.
+/// Fixed-lag smoother: what a window of nodes holds, how often it is solved, and when a node leaves
+/// it. The window is estimated from IMU, wheels, standstill and bearings (WindowGraph); what leaves
+/// it is condensed into a linear prior (MarginalizeOldest). Deterministic; one thread.
 ///
 /// S. Leutenegger et al., "Keyframe-based visual-inertial odometry using
 /// nonlinear optimization", IJRR 2015; N. Demmel et al., ICCV 2021 (prior).
@@ -72,64 +45,29 @@ class FixedLagSmoother {
   /// Images that came since the last call, for whoever adjusts the whole drive.
   std::vector<RecordedImage> TakeImages() { return std::exchange(recorded_images_, {}); }
 
-  const std::deque<StateNode>& nodes() const { return nodes_; }
-  MotionState Latest() const { return nodes_.back().State(); }
-  double wheel_scale() const { return wheel_scale_; }
-  /// What is known of the cameras now; and how well, by the prior (the window's images not
-  /// counted).
-  const std::vector<CameraParameters>& cameras() const { return cameras_; }
-  CameraSigmas SigmasOf(int camera) const;
-  const std::vector<CameraSettings>& camera_settings() const { return camera_settings_; }
+  const SmootherWindow& window() const { return window_; }
+  const std::deque<StateNode>& nodes() const { return window_.nodes; }
+  MotionState Latest() const { return window_.nodes.back().State(); }
+  double wheel_scale() const { return window_.wheel_scale; }
+  /// What is known of the cameras now.
+  const std::vector<CameraParameters>& cameras() const { return window_.cameras; }
+  const std::vector<CameraSettings>& camera_settings() const { return window_.camera_settings; }
   /// Cameras whose mounts turned, in order of time.
   const std::vector<CameraJump>& jumps() const { return jumps_; }
   /// Noise found / noise declared, per camera.
-  const std::vector<double>& camera_noise_scales() const { return camera_noise_scales_; }
-  int NumLandmarks() const;
+  const std::vector<double>& camera_noise_scales() const { return window_.camera_noise_scales; }
 
  private:
-  void AddCameras(const Rig& rig);
-  void AddPriorOfCameras();
-  void AddPriorOfPair(size_t i, size_t j);
   void AddImages(std::vector<NewImage> images, std::int64_t node_before, std::int64_t node_at);
-  Bearing BearingOf(const FeatureObservation& seen, int camera) const;
+  void AddView(const NewImage& image, std::int64_t node_before, std::int64_t node_at);
+  void AddObservations(const NewImage& image, WindowView& view);
   void LookForJumps(size_t first_new_view);
-  void RotateCamera(const WindowView& first_view, const Eigen::Quaterniond& new_from_old);
-  void ReopenExtrinsics(int camera, const Eigen::Quaterniond& new_from_old,
-                        const CameraSigmas& sigmas);
-  void StartLandmarks();
-  bool StartLandmark(Track& track);
-  void PointViewsAtNodes();
-  void RejectOutliers();
-  bool RejectOutliersOf(Track& track);
-  void UpdateCameraNoise();
-  void Restart(Track& track);
-  FinishedNode MarginalizeOldest();
-  void ForgetOldest();
-  void FinishLandmark(const Track& track);
-  SolveSummary SolveWindow(int max_iterations);
-  /// The states that bearings in `view` depend on, in the order of their blocks.
-  static std::vector<StateName> StatesOf(const WindowView& view);
-  bool IsEstimated(const StateName& name) const;
-  const double* ValuesOf(const StateName& name) const;
-  void UpdateOldestCovariance();
-  StateNode& NodeNumbered(std::int64_t number) {
-    return nodes_[static_cast<size_t>(number - nodes_.front().number)];
-  }
-  const StateNode& NodeNumbered(std::int64_t number) const {
-    return nodes_[static_cast<size_t>(number - nodes_.front().number)];
-  }
+  FinishedNode RemoveOldest();
 
   SmootherOptions options_;
-  std::vector<CameraParameters> cameras_;
-  std::vector<CameraSettings> camera_settings_;
-  std::deque<StateNode> nodes_;
-  std::deque<WindowView> views_;          ///< in order of their first node
-  std::map<std::int64_t, Track> tracks_;  ///< by number: the order of everything that follows
-  LinearPrior prior_;
+  SmootherWindow window_;
   std::vector<StateConditional> reopened_;  ///< since the last node that left
-  double wheel_scale_ = 0;
   std::vector<CameraJump> jumps_;
-  std::vector<double> camera_noise_scales_;
   std::vector<FinishedLandmark> finished_landmarks_;
   std::vector<RecordedImage> recorded_images_;
   Eigen::Matrix<double, 6, 6> oldest_covariance_ = Eigen::Matrix<double, 6, 6>::Zero();

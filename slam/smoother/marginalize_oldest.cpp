@@ -1,17 +1,20 @@
-// How FixedLagSmoother condenses its oldest node into the prior.
+#include "slam/smoother/marginalize_oldest.h"
+
 #include <ceres/loss_function.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <map>
 #include <set>
 #include <utility>
 
 #include "slam/factors/imu_cost.h"
 #include "slam/factors/imu_sensitivity.h"
-#include "slam/factors/track_errors.h"
+#include "slam/factors/measurement_model.h"
+#include "slam/factors/standstill_cost.h"
 #include "slam/factors/wheel_cost.h"
-#include "slam/smoother/fixed_lag_smoother.h"
 #include "slam/smoother/marginalizer.h"
+#include "slam/smoother/window_landmarks.h"
 
 namespace parkade {
 namespace {
@@ -20,7 +23,7 @@ using Kind = StateName::Kind;
 
 constexpr StateName kWheelScale{Kind::kWheelScale, 0};
 
-constexpr double kMinRoot = 1e-9;  // of a diagonal of the prior: a direction nothing is known about
+constexpr double kMinRoot = 1e-9;  // of a diagonal of the prior: nothing is known of a direction
 
 /// Where each state's tangent begins among the columns.
 class ColumnMap {
@@ -40,93 +43,156 @@ class ColumnMap {
 };
 
 /// Columns of the system, one per column of the block's tangents.
-std::vector<int> ColumnsOf(const LinearisableBlock& block) {
+std::vector<int> ColumnsOf(const LinearizableBlock& block) {
   std::vector<int> columns;
   for (size_t i = 0; i < block.columns.size(); ++i)
     for (int k = 0; k < block.tangent_sizes[i]; ++k) columns.push_back(block.columns[i] + k);
   return columns;
 }
 
-}  // namespace
+/// All factors that hang on the oldest node, and the states that they speak of: those of the oldest
+/// node first.
+class OldestSystem {
+ public:
+  static constexpr int kDropped = kPoseTangentSize + kMotionSize;
 
-FinishedNode FixedLagSmoother::MarginalizeOldest() {
-  StateNode& oldest = nodes_[0];
-  StateNode& next = nodes_[1];
-  const NodeInterval& interval = *next.interval;
+  explicit OldestSystem(SmootherWindow& window)
+      : window_(window),
+        interval_(*window.nodes[1].interval),
+        pose_i_{Kind::kPose, window.nodes[0].number},
+        motion_i_{Kind::kMotion, window.nodes[0].number},
+        pose_j_{Kind::kPose, window.nodes[1].number},
+        motion_j_{Kind::kMotion, window.nodes[1].number},
+        consumed_(FindConsumed()),
+        states_(FindStates()),
+        columns_(states_) {}
 
-  std::vector<Track*> consumed;
-  std::set<StateName> states{{Kind::kPose, oldest.number},
-                             {Kind::kMotion, oldest.number},
-                             {Kind::kPose, next.number},
-                             {Kind::kMotion, next.number}};
-  for (const PriorBlock& block : prior_.blocks) states.insert(block.name);
-  if (interval.wheels) states.insert(kWheelScale);
-  for (auto& [number, track] : tracks_) {
-    if (!track.has_landmark || track.observations.front().view->first_node != oldest.number)
-      continue;
-    consumed.push_back(&track);
-    for (const TrackObservation& seen : track.observations)
-      for (const StateName& name : StatesOf(*seen.view))
-        if (IsEstimated(name)) states.insert(name);
+  const std::vector<Track*>& consumed() const { return consumed_; }
+
+  Marginalizer::Result Eliminate() const {
+    Marginalizer marginalizer(kDropped, columns_.width() - kDropped);
+    AddPrior(marginalizer);
+    AddInterval(marginalizer);
+    const ceres::CauchyLoss loss(kRobustWidth);
+    const ceres::ScaledLoss bearing_loss(&loss, 1 / kCommonErrors, ceres::DO_NOT_TAKE_OWNERSHIP);
+    for (const Track* track : consumed_) {
+      std::vector<LinearizableBlock> observations;
+      for (const TrackObservation& seen : track->observations) {
+        observations.push_back(BlockOf(seen.cost.get(), &bearing_loss, StatesOf(*seen.view)));
+        observations.back().parameters.push_back(track->landmark.data());
+        observations.back().columns.push_back(0);
+        observations.back().tangent_sizes.push_back(kLandmarkSize);
+      }
+      marginalizer.AddLandmark(observations);
+    }
+    return marginalizer.Finish();
   }
-  const ColumnMap columns(states);
-  const auto block_of = [&](const ceres::CostFunction* cost, const ceres::LossFunction* loss,
-                            const std::vector<StateName>& names) {
-    LinearisableBlock block{cost, loss, {}, {}, {}};
+
+  /// The states of the oldest node, or else those that stay, with their values.
+  std::vector<PriorBlock> Blocks(bool of_oldest) const {
+    std::vector<PriorBlock> blocks;
+    for (const StateName& name : states_) {
+      if ((name == pose_i_ || name == motion_i_) != of_oldest) continue;
+      PriorBlock& block = blocks.emplace_back(PriorBlock{name, {}});
+      std::copy_n(window_.ValuesOf(name), block.Size(), block.at.begin());
+    }
+    return blocks;
+  }
+
+ private:
+  /// Tracks whose landmarks the oldest node has seen.
+  std::vector<Track*> FindConsumed() const {
+    std::vector<Track*> consumed;
+    for (auto& [number, track] : window_.tracks)
+      if (track.has_landmark &&
+          track.observations.front().view->first_node == window_.nodes[0].number)
+        consumed.push_back(&track);
+    return consumed;
+  }
+
+  std::set<StateName> FindStates() const {
+    std::set<StateName> states{pose_i_, motion_i_, pose_j_, motion_j_};
+    for (const PriorBlock& block : window_.prior.blocks) states.insert(block.name);
+    if (interval_.wheels) states.insert(kWheelScale);
+    for (const Track* track : consumed_)
+      for (const TrackObservation& seen : track->observations)
+        for (const StateName& name : StatesOf(*seen.view))
+          if (window_.IsEstimated(name)) states.insert(name);
+    return states;
+  }
+
+  LinearizableBlock BlockOf(const ceres::CostFunction* cost, const ceres::LossFunction* loss,
+                            const std::vector<StateName>& names) const {
+    LinearizableBlock block{cost, loss, {}, {}, {}};
     for (const StateName& name : names) {
-      block.parameters.push_back(ValuesOf(name));
-      block.columns.push_back(IsEstimated(name) ? columns[name] : 0);
-      block.tangent_sizes.push_back(IsEstimated(name) ? name.TangentSize() : 0);
+      const bool is_estimated = window_.IsEstimated(name);
+      block.parameters.push_back(window_.ValuesOf(name));
+      block.columns.push_back(is_estimated ? columns_[name] : 0);
+      block.tangent_sizes.push_back(is_estimated ? name.TangentSize() : 0);
     }
     return block;
-  };
+  }
 
-  constexpr int kDropped = kPoseTangentSize + kMotionSize;
-  Marginalizer marginalizer(kDropped, columns.width() - kDropped);
-  const LinearPriorCost prior_cost(&prior_);
-  std::vector<StateName> prior_states;
-  for (const PriorBlock& block : prior_.blocks) prior_states.push_back(block.name);
-  const LinearisableBlock prior_block = block_of(&prior_cost, nullptr, prior_states);
-  marginalizer.Add(prior_block, &prior_.score_covariance);
-  marginalizer.AddSensitivity(ColumnsOf(prior_block), prior_.score_sensitivity);
-  const ImuCost imu_cost(&interval.imu);
-  const StateName pose_i{Kind::kPose, oldest.number}, motion_i{Kind::kMotion, oldest.number};
-  const StateName pose_j{Kind::kPose, next.number}, motion_j{Kind::kMotion, next.number};
-  const LinearisableBlock imu_block =
-      block_of(&imu_cost, nullptr, {pose_i, motion_i, pose_j, motion_j});
-  marginalizer.Add(imu_block);
-  marginalizer.AddSensitivity(ColumnsOf(imu_block),
-                              ScoreSensitivity(imu_cost, interval.imu, imu_block.parameters));
-  if (interval.wheels) {
-    const WheelCost cost(*interval.wheels);
-    const ceres::CauchyLoss loss(options_.wheel_robust_width);
-    marginalizer.Add(block_of(&cost, &loss, {pose_i, motion_i, pose_j, kWheelScale}));
+  void AddPrior(Marginalizer& marginalizer) const {
+    const LinearPrior& prior = window_.prior;
+    const LinearPriorCost cost(&prior);
+    std::vector<StateName> names;
+    for (const PriorBlock& block : prior.blocks) names.push_back(block.name);
+    const LinearizableBlock block = BlockOf(&cost, nullptr, names);
+    marginalizer.Add(block, &prior.score_covariance);
+    marginalizer.AddSensitivity(ColumnsOf(block), prior.score_sensitivity);
   }
-  if (interval.is_still) {
-    const StandstillCost cost(options_.standstill);
-    marginalizer.Add(block_of(&cost, nullptr, {pose_i, pose_j, motion_j}));
-  }
-  const ceres::ScaledLoss bearing_loss = BearingLoss(options_.robust_width);
-  for (const Track* track : consumed) {
-    std::vector<LinearisableBlock> observations;
-    for (const TrackObservation& seen : track->observations) {
-      observations.push_back(block_of(seen.cost.get(), &bearing_loss, StatesOf(*seen.view)));
-      observations.back().parameters.push_back(track->landmark.data());
-      observations.back().columns.push_back(0);
-      observations.back().tangent_sizes.push_back(kLandmarkSize);
+
+  void AddInterval(Marginalizer& marginalizer) const {
+    const ImuCost imu_cost(&interval_.imu);
+    const LinearizableBlock imu =
+        BlockOf(&imu_cost, nullptr, {pose_i_, motion_i_, pose_j_, motion_j_});
+    marginalizer.Add(imu);
+    marginalizer.AddSensitivity(ColumnsOf(imu),
+                                ScoreSensitivity(imu_cost, interval_.imu, imu.parameters));
+    if (interval_.wheels) {
+      const WheelCost cost(*interval_.wheels);
+      const ceres::CauchyLoss loss(kRobustWidth);
+      marginalizer.Add(BlockOf(&cost, &loss, {pose_i_, motion_i_, pose_j_, kWheelScale}));
     }
-    marginalizer.AddLandmark(observations);
+    if (interval_.is_still) {
+      const StandstillCost cost;
+      marginalizer.Add(BlockOf(&cost, nullptr, {pose_i_, pose_j_, motion_j_}));
+    }
   }
-  Marginalizer::Result result = marginalizer.Finish();
 
+  SmootherWindow& window_;
+  const NodeInterval& interval_;  // from the oldest node to the next
+  StateName pose_i_, motion_i_, pose_j_, motion_j_;
+  std::vector<Track*> consumed_;
+  std::set<StateName> states_;
+  ColumnMap columns_;
+};
+
+/// Removes the oldest node, its images, and tracks that are over.
+void ForgetOldest(SmootherWindow& window) {
+  const std::int64_t number = window.nodes.front().number;
+  for (auto& [track_number, track] : window.tracks)
+    std::erase_if(track.observations,
+                  [&](const TrackObservation& seen) { return seen.view->first_node == number; });
+  while (!window.views.empty() && window.views.front().first_node == number)
+    window.views.pop_front();
+  window.nodes.pop_front();
+  // Numbers are never reused: a track not seen for a whole window is over.
+  const Timestamp begin = window.nodes.front().time;
+  std::erase_if(window.tracks, [&](const auto& entry) {
+    return entry.second.observations.empty() && entry.second.last_time < begin;
+  });
+}
+
+}  // namespace
+
+MarginalizedNode MarginalizeOldest(SmootherWindow& window) {
+  const OldestSystem system(window);
+  Marginalizer::Result result = system.Eliminate();
   LinearPrior prior;
-  for (const StateName& name : states) {
-    if (name == pose_i || name == motion_i) continue;
-    PriorBlock block{name, {}};
-    std::copy_n(ValuesOf(name), block.Size(), block.at.begin());
-    prior.blocks.push_back(block);
-  }
-  StateConditional conditional{{{pose_i, {}}, {motion_i, {}}},
+  prior.blocks = system.Blocks(false);
+  StateConditional conditional{system.Blocks(true),
                                result.dropped_information.cast<float>(),
                                result.dropped_to_kept.cast<float>(),
                                result.dropped_offset.cast<float>(),
@@ -134,57 +200,44 @@ FinishedNode FixedLagSmoother::MarginalizeOldest() {
                                result.scores.cross.cast<float>(),
                                result.scores.dropped_sensitivity.cast<float>(),
                                prior.blocks};
-  std::copy(oldest.pose.begin(), oldest.pose.end(), conditional.states[0].at.begin());
-  std::copy(oldest.motion.begin(), oldest.motion.end(), conditional.states[1].at.begin());
   prior.offset = std::move(result.offset);
   prior.sqrt_information = std::move(result.sqrt_information);
   prior.score_covariance = std::move(result.scores.kept);
   prior.score_sensitivity = std::move(result.scores.kept_sensitivity);
-  prior_ = std::move(prior);
+  window.prior = std::move(prior);
 
-  for (Track* track : consumed) {
-    FinishLandmark(*track);
+  MarginalizedNode marginalized;
+  for (Track* track : system.consumed()) {
+    if (std::optional<FinishedLandmark> landmark = FinishLandmark(window, *track))
+      marginalized.landmarks.push_back(*landmark);
     track->num_consumed += static_cast<int>(track->observations.size());
     track->observations.clear();
     track->has_landmark = false;
   }
-  FinishedNode finished{oldest.number,
-                        oldest.State(),
-                        std::move(oldest.interval),
-                        oldest_covariance_,
-                        {std::move(conditional), std::exchange(reopened_, {})}};
-  ForgetOldest();
-  UpdateOldestCovariance();
-  return finished;
+  StateNode& oldest = window.nodes.front();
+  marginalized.node = {oldest.number,
+                       oldest.State(),
+                       std::move(oldest.interval),
+                       Eigen::Matrix<double, 6, 6>::Zero(),
+                       {std::move(conditional), {}}};
+  ForgetOldest(window);
+  return marginalized;
 }
 
-void FixedLagSmoother::ForgetOldest() {
-  const std::int64_t number = nodes_.front().number;
-  for (auto& [track_number, track] : tracks_)
-    std::erase_if(track.observations,
-                  [&](const TrackObservation& seen) { return seen.view->first_node == number; });
-  while (!views_.empty() && views_.front().first_node == number) views_.pop_front();
-  nodes_.pop_front();
-  // Numbers are never reused: a track not seen for a whole window is over.
-  const Timestamp begin = nodes_.front().time;
-  std::erase_if(tracks_, [&](const auto& entry) {
-    return entry.second.observations.empty() && entry.second.last_time < begin;
-  });
-}
-
-void FixedLagSmoother::UpdateOldestCovariance() {
-  const Eigen::Index width = prior_.sqrt_information.cols();
-  Eigen::MatrixXd root = prior_.sqrt_information;
+std::optional<Eigen::Matrix<double, 6, 6>> CovarianceOfFirstPose(const LinearPrior& prior) {
+  const Eigen::Index width = prior.sqrt_information.cols();
+  Eigen::MatrixXd root = prior.sqrt_information;
   root.diagonal().array() += (root.diagonal().array().abs() < kMinRoot).cast<double>() * kMinRoot;
-  // Columns of the oldest pose, the first, of (R^T R)^-1.
+  // The columns of the first pose in (R^T R)^-1.
   const Eigen::MatrixXd selector = Eigen::MatrixXd::Identity(width, kPoseTangentSize);
   Eigen::MatrixXd columns = root.transpose().triangularView<Eigen::Lower>().solve(selector);
   root.triangularView<Eigen::Upper>().solveInPlace(columns);
-  const Eigen::MatrixXd sensitivity = columns.transpose() * prior_.score_sensitivity;
+  const Eigen::MatrixXd sensitivity = columns.transpose() * prior.score_sensitivity;
   const Eigen::Matrix<double, 6, 6> covariance =
-      columns.transpose() * prior_.score_covariance * columns +
+      columns.transpose() * prior.score_covariance * columns +
       sensitivity * sensitivity.transpose();
-  if (covariance.allFinite()) oldest_covariance_ = covariance;
+  if (!covariance.allFinite()) return std::nullopt;
+  return covariance;
 }
 
 }  // namespace parkade

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "slam/factors/imu_sensitivity.h"
-#include "slam/factors/track_errors.h"
+#include "slam/factors/measurement_model.h"
 
 namespace parkade {
 
@@ -28,7 +28,7 @@ void Marginalizer::AddScores(const std::vector<int>& columns, const Eigen::Matri
           covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
 }
 
-bool Marginalizer::Add(const LinearisableBlock& block, const Eigen::MatrixXd* score_covariance) {
+bool Marginalizer::Add(const LinearizableBlock& block, const Eigen::MatrixXd* score_covariance) {
   const std::optional<LinearizedBlock> evaluated = Linearize(block);
   if (!evaluated) return false;
   int width = 0;
@@ -48,10 +48,10 @@ bool Marginalizer::Add(const LinearisableBlock& block, const Eigen::MatrixXd* sc
   return true;
 }
 
-bool Marginalizer::AddLandmark(std::span<const LinearisableBlock> observations) {
+bool Marginalizer::AddLandmark(std::span<const LinearizableBlock> observations) {
   // Dense rows over the columns that this landmark touches, its own first.
   Rows rows;
-  for (const LinearisableBlock& block : observations)
+  for (const LinearizableBlock& block : observations)
     for (size_t i = 0; i + 1 < block.columns.size(); ++i)
       for (int k = 0; k < block.tangent_sizes[i]; ++k) rows.columns.push_back(block.columns[i] + k);
   std::sort(rows.columns.begin(), rows.columns.end());
@@ -62,7 +62,7 @@ bool Marginalizer::AddLandmark(std::span<const LinearisableBlock> observations) 
       Eigen::MatrixXd::Zero(2 * static_cast<Eigen::Index>(observations.size()), kOwn + width + 1);
   if (stacked.rows() <= kOwn) return false;
   Eigen::Index row = 0;
-  for (const LinearisableBlock& block : observations) {
+  for (const LinearizableBlock& block : observations) {
     const std::optional<LinearizedBlock> evaluated = Linearize(block);
     if (!evaluated) return false;
     stacked.block<2, kOwn>(row, 0) = evaluated->jacobians.back();

@@ -20,7 +20,7 @@ class Marginalizer {
 
   /// Returns false, adding nothing, when the block cannot be evaluated.
   /// `score_covariance`, of the block's tangents, where it is not the information.
-  bool Add(const LinearisableBlock& block, const Eigen::MatrixXd* score_covariance = nullptr);
+  bool Add(const LinearizableBlock& block, const Eigen::MatrixXd* score_covariance = nullptr);
 
   /// By what is considered but not estimated: rows as `columns` of the system.
   void AddSensitivity(const std::vector<int>& columns, const Eigen::MatrixXd& sensitivity);
@@ -30,7 +30,7 @@ class Marginalizer {
   /// image; what they add up to is read off its residuals, taken as one draw, times kCommonErrors:
   /// K.-Y. Liang, S. L. Zeger, "Longitudinal data analysis using generalized linear models",
   /// Biometrika 1986.
-  bool AddLandmark(std::span<const LinearisableBlock> observations);
+  bool AddLandmark(std::span<const LinearizableBlock> observations);
 
   struct Result {
     Eigen::MatrixXd

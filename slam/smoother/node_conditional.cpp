@@ -42,7 +42,7 @@ struct JointCovariance {
   std::vector<StateName> names;
   std::vector<Eigen::Index> columns;  // where each begins
   Eigen::MatrixXd matrix;
-  Eigen::MatrixXd assumed;      // inverse information
+  Eigen::MatrixXd model;        // inverse information
   Eigen::MatrixXd sensitivity;  // by what is considered, which `matrix` leaves out
 
   void Append(const StateName& name) {
@@ -72,7 +72,7 @@ std::optional<JointCovariance> Extend(const StateConditional& conditional,
   for (const PriorBlock& block : conditional.rest) rest_names.push_back(block.name);
   const std::optional<std::vector<Eigen::Index>> from = ColumnsOf(joint, rest_names);
   if (!from) return std::nullopt;
-  const Eigen::MatrixXd rest = joint.matrix(*from, *from), model_rest = joint.assumed(*from, *from);
+  const Eigen::MatrixXd rest = joint.matrix(*from, *from), model_rest = joint.model(*from, *from);
   const Eigen::MatrixXd own = conditional.own.cast<double>();
   const auto root = own.triangularView<Eigen::Upper>();
   // Own error = gain (error of the rest) - inverse z; z goes with the rest's error as far as their
@@ -93,15 +93,15 @@ std::optional<JointCovariance> Extend(const StateConditional& conditional,
   all.matrix << gain * rest * gain.transpose() - mixed - mixed.transpose() +
                     inverse * conditional.offset_covariance.cast<double>() * inverse.transpose(),
       cross, cross.transpose(), rest;
-  all.assumed.resize(size, size);
-  all.assumed << inverse * inverse.transpose() + model_cross * gain.transpose(), model_cross,
+  all.model.resize(size, size);
+  all.model << inverse * inverse.transpose() + model_cross * gain.transpose(), model_cross,
       model_cross.transpose(), model_rest;
   const Eigen::MatrixXd rest_sensitivity = joint.sensitivity(*from, Eigen::all);
   all.sensitivity.resize(size, rest_sensitivity.cols());
   all.sensitivity << gain * rest_sensitivity -
                          inverse * conditional.offset_sensitivity.cast<double>(),
       rest_sensitivity;
-  if (!all.matrix.allFinite() || !all.assumed.allFinite()) return std::nullopt;
+  if (!all.matrix.allFinite() || !all.model.allFinite()) return std::nullopt;
   JointCovariance unique;
   for (const StateName& name : all.names)
     if (std::find(unique.names.begin(), unique.names.end(), name) == unique.names.end())
@@ -109,7 +109,7 @@ std::optional<JointCovariance> Extend(const StateConditional& conditional,
   if (unique.names.size() == all.names.size()) return all;
   const std::optional<std::vector<Eigen::Index>> kept = ColumnsOf(all, unique.names);
   unique.matrix = all.matrix(*kept, *kept);
-  unique.assumed = all.assumed(*kept, *kept);
+  unique.model = all.model(*kept, *kept);
   unique.sensitivity = all.sensitivity(*kept, Eigen::all);
   return unique;
 }
@@ -169,7 +169,7 @@ void SmoothBackwards(std::vector<RecordedNode>& nodes, const ConditionalStore& c
   std::optional<JointCovariance> joint;
   if (last.covariance.size() > 0) {
     joint.emplace().matrix = last.covariance - last.sensitivity * last.sensitivity.transpose();
-    joint->assumed = last.model_covariance;
+    joint->model = last.model_covariance;
     joint->sensitivity = last.sensitivity;
   }
   for (const PriorBlock& block : last.states) {

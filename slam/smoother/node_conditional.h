@@ -30,7 +30,7 @@ struct StateConditional {
 /// What was learned of a node when it left the window, and of what left with it.
 struct NodeConditionals {
   std::optional<StateConditional> own;  ///< empty for the last node of all
-  /// Those of cameras whose calibration was reopened before this node left and after the node
+  /// The same for cameras whose calibration was reopened before this node left and after the node
   /// before it did.
   std::vector<StateConditional> reopened;
 };

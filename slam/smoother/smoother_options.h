@@ -4,14 +4,6 @@
 
 namespace parkade {
 
-/// How still a car stands: standard deviations over one interval.
-struct StandstillNoise {
-  double rotation = 2e-4;  ///< [rad]
-  double position = 5e-4;  ///< [m]
-  double velocity = 2e-3;  ///< [m/s]
-  void Validate() const;
-};
-
 /// What is estimated of the cameras' calibration, and how far off the rig may be:
 /// standard deviations of the prior.
 struct CalibrationOptions {
@@ -42,18 +34,9 @@ struct CalibrationOptions {
 };
 
 struct SmootherOptions {
-  int window_nodes = 16;            ///< states estimated at a time; more: longer baselines, slower
-  int landmarks = 120;              ///< seen at a time, shared by the cameras
-  int max_iterations = 4;           ///< per node; the window starts near its optimum
-  int start_iterations = 15;        ///< until the window is full for the first time
-  double robust_width = 2.0;        ///< [sigma] Cauchy loss of bearings
-  double wheel_robust_width = 2.0;  ///< [sigma] Cauchy loss of wheels: slip
-  double max_bearing_error = 5.0;   ///< [sigma] a bearing further off is left out
-  double min_distance = 0.3;        ///< [m] landmarks nearer are the car itself or nonsense
-  bool estimate_wheel_scale = true;
-  double wheel_scale_sigma = 0.01;  ///< of the tires' radius before the drive tells
-  bool scale_camera_noise = true;   ///< per camera, from its residuals
-  StandstillNoise standstill;
+  int window_nodes = 16;   ///< states estimated at a time; more: longer baselines, slower
+  int landmarks = 120;     ///< seen at a time, shared by the cameras
+  int max_iterations = 4;  ///< per node; the window starts near its optimum
   CalibrationOptions calibration;
 
   template <typename Visitor>

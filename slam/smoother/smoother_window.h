@@ -2,12 +2,15 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "slam/factors/bearing_cost.h"
 #include "slam/factors/imu_preintegration.h"
+#include "slam/factors/linear_prior.h"
 #include "slam/factors/node_parameters.h"
 #include "slam/factors/wheel_preintegration.h"
 #include "slam/smoother/node_conditional.h"
@@ -45,7 +48,7 @@ struct WindowView {
 };
 
 struct TrackObservation {
-  const WindowView* view = nullptr;
+  WindowView* view = nullptr;
   Bearing bearing;
   std::unique_ptr<BearingCost> cost;  ///< only while the track has a landmark
 };
@@ -63,6 +66,43 @@ struct Track {
   Timestamp first_time;  ///< of the first observation ever
   Timestamp last_time;   ///< of the last, kept or not
 };
+
+/// What of one camera's calibration is estimated, and what was known of it before.
+struct CameraSettings {
+  double middle_row = 0;  ///< [px]
+  CameraSigmas prior;
+  bool has_extrinsics = true;   ///< estimated
+  bool has_time_offset = true;  ///< estimated
+  bool has_line_delay = false;  ///< estimated
+};
+
+/// All that is estimated at a time: the states of the last nodes, the landmarks in their images,
+/// the wheel scale and the calibration of the cameras; and what is known of them from before.
+struct SmootherWindow {
+  std::vector<CameraParameters> cameras;
+  std::vector<CameraSettings> camera_settings;
+  std::vector<double> camera_noise_scales;  ///< noise found / noise declared
+  double wheel_scale = 0;
+  std::deque<StateNode> nodes;
+  std::deque<WindowView> views;          ///< in order of their first node
+  std::map<std::int64_t, Track> tracks;  ///< by number: the order of everything that follows
+  LinearPrior prior;
+
+  StateNode& Node(std::int64_t number) {
+    return nodes[static_cast<size_t>(number - nodes.front().number)];
+  }
+  const StateNode& Node(std::int64_t number) const {
+    return nodes[static_cast<size_t>(number - nodes.front().number)];
+  }
+  bool IsEstimated(const StateName& name) const;
+  const double* ValuesOf(const StateName& name) const;
+  Bearing BearingOf(const FeatureObservation& seen, int camera) const;
+  /// Brings the views' geometry to the states as they are.
+  void PointViewsAtNodes();
+};
+
+/// The states that bearings in `view` depend on, in the order of their blocks.
+std::vector<StateName> StatesOf(const WindowView& view);
 
 /// An image on its way into the window.
 struct NewImage {

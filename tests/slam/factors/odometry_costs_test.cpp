@@ -9,7 +9,7 @@
 #include "slam/factors/imu_cost.h"
 #include "slam/factors/linear_prior.h"
 #include "slam/factors/wheel_cost.h"
-#include "slam/smoother/standstill_cost.h"
+#include "slam/factors/standstill_cost.h"
 #include "tests/support/check_jacobian.h"
 #include "tests/support/synthetic_motion.h"
 
@@ -256,7 +256,7 @@ TEST(BearingCost, LooksFromWhereTheCarWasWhenTheRowWasExposed) {
   std::vector<double> pose(kPoseSize), extrinsics(kPoseSize);
   PoseToParameters(at.world_from_body, pose.data());
   PoseToParameters({ExpSo3({1.2, -1.1, 1.3}), {0.8, -0.3, 0.2}}, extrinsics.data());
-  const double timing[] = {offset, line_delay};
+  double timing[] = {offset, line_delay};
   ImageView view;
   view.first_pose = pose.data();
   view.extrinsics = extrinsics.data();

@@ -222,13 +222,13 @@ TEST(GateCalibration, KeepsWhatIsObservedButNotSurerThanTheRig) {
   CameraParameters by_rig, estimate;
   PoseToParameters({}, by_rig.extrinsics.data());
   PoseToParameters({ExpSo3({0, 0.004, 0.005}), {0, 0, 0}}, estimate.extrinsics.data());
-  Eigen::Matrix<double, 8, 1> assumed, honest;
-  assumed << 0.001, 0.001, 0.001, 0.019, 0.019, 0.019, 0.009, 0;
-  honest << 0.001, 0.002, 0.009, 0.019, 0.019, 0.019, 0.009, 0;  // of yaw: errors that last
+  Eigen::Matrix<double, 8, 1> model, sandwich;
+  model << 0.001, 0.001, 0.001, 0.019, 0.019, 0.019, 0.009, 0;
+  sandwich << 0.001, 0.002, 0.009, 0.019, 0.019, 0.019, 0.009, 0;  // of yaw: errors that last
 
   const GatedCalibration gated =
       GateCalibration("front", settings, by_rig, estimate,
-                      {assumed.cwiseAbs2().asDiagonal(), honest.cwiseAbs2().asDiagonal()});
+                      {model.cwiseAbs2().asDiagonal(), sandwich.cwiseAbs2().asDiagonal()});
 
   const CalibratedQuantity& rotation = gated.report.quantities[0];
   EXPECT_NEAR(rotation.change.y(), 0.004, 1e-4);

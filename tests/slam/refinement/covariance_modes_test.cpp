@@ -9,8 +9,8 @@
 namespace parkade {
 namespace {
 
-/// Of a drive straight on whose speed is off by a hundredth and whose heading walks: 30 keyframes,
-/// one in a meter.
+/// The covariance of a straight drive whose speed is off by a hundredth and whose heading walks:
+/// poses a meter apart.
 Eigen::MatrixXd CovarianceOfWalk(int count) {
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(6 * count, 6 * count);
   for (int i = 0; i < count; ++i)

@@ -10,7 +10,7 @@
 #include "slam/factors/imu_sensitivity.h"
 #include "slam/factors/landmark_parameters.h"
 #include "slam/factors/linearize_block.h"
-#include "slam/factors/track_errors.h"
+#include "slam/factors/measurement_model.h"
 
 namespace parkade {
 namespace {
@@ -186,7 +186,7 @@ TEST(MarginalCovariance, ErrorsOfTheImusScaleCount) {
   const Eigen::MatrixXd covariance = MarginalCovariance(problem, {}, {pose_j.data()}).value();
 
   // All that is free is the second node: H = J^T J of 15 x 15.
-  const LinearisableBlock block{cost,
+  const LinearizableBlock block{cost,
                                 nullptr,
                                 {pose_i.data(), motion_i.data(), pose_j.data(), motion_j.data()},
                                 {0, 6, 15, 21},

@@ -203,9 +203,9 @@ GnssPositions FixesOf(const TrackedDrive& tracked, double sigma) {
     Eigen::Vector3d antenna = site_from_world * (pose.world_from_frame * gnss.antenna_in_body);
     for (double& coordinate : antenna) coordinate += noise(random);
     if (i % 500 == 250) antenna.x() += 5;
-    const Geodetic keyframe = GeodeticFromSite(datum, antenna);
-    gnss.fixes.push_back({pose.time, keyframe.latitude_deg, keyframe.longitude_deg,
-                          keyframe.altitude, Eigen::Vector3d::Constant(sigma)});
+    const Geodetic position = GeodeticFromSite(datum, antenna);
+    gnss.fixes.push_back({pose.time, position.latitude_deg, position.longitude_deg,
+                          position.altitude, Eigen::Vector3d::Constant(sigma)});
   }
   return gnss;
 }

@@ -64,8 +64,8 @@ class SmallSystem : public testing::Test {
     for (const auto& cost : observations_b_) add(cost, {2, 10});
   }
 
-  LinearisableBlock Block(const RandomLinearCost& cost, std::vector<int> columns) const {
-    LinearisableBlock block{&cost, nullptr, {}, std::move(columns), cost.parameter_block_sizes()};
+  LinearizableBlock Block(const RandomLinearCost& cost, std::vector<int> columns) const {
+    LinearizableBlock block{&cost, nullptr, {}, std::move(columns), cost.parameter_block_sizes()};
     block.parameters.assign(cost.matrices.size(), zeros_);
     return block;
   }
@@ -79,7 +79,7 @@ class SmallSystem : public testing::Test {
 TEST_F(SmallSystem, LeavesWhatTheWholeSystemSaysAboutTheRest) {
   Marginalizer marginalizer(2, 5);
   ASSERT_TRUE(marginalizer.Add(Block(factor_, {0, 2})));
-  std::vector<LinearisableBlock> a, b;
+  std::vector<LinearizableBlock> a, b;
   for (const auto& cost : observations_a_) a.push_back(Block(cost, {0, 0}));
   for (const auto& cost : observations_b_) b.push_back(Block(cost, {2, 0}));
   ASSERT_TRUE(marginalizer.AddLandmark(a));
@@ -108,7 +108,7 @@ TEST_F(SmallSystem, ARobustLossWeakensAnOutlier) {
   const ceres::CauchyLoss loss(0.1);
   const auto information_of = [&](const ceres::LossFunction* robust) {
     Marginalizer marginalizer(2, 5);
-    LinearisableBlock block = Block(factor_, {0, 2});
+    LinearizableBlock block = Block(factor_, {0, 2});
     block.loss = robust;
     EXPECT_TRUE(marginalizer.Add(block));
     return marginalizer.Finish().sqrt_information.norm();
@@ -119,7 +119,7 @@ TEST_F(SmallSystem, ARobustLossWeakensAnOutlier) {
 
 TEST_F(SmallSystem, ALandmarkSeenOnceSaysNothing) {
   Marginalizer marginalizer(2, 5);
-  const std::vector<LinearisableBlock> once{Block(observations_a_[0], {0, 0})};
+  const std::vector<LinearizableBlock> once{Block(observations_a_[0], {0, 0})};
 
   EXPECT_FALSE(marginalizer.AddLandmark(once));
   EXPECT_EQ(marginalizer.Finish().sqrt_information.norm(), 0);

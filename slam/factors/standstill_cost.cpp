@@ -1,15 +1,6 @@
-#include "slam/smoother/standstill_cost.h"
-
-#include "core/error.h"
+#include "slam/factors/standstill_cost.h"
 
 namespace parkade {
-
-void StandstillNoise::Validate() const {
-  Require(rotation > 0 && position > 0 && velocity > 0, ErrorCode::kUsage,
-          "the noise of a standstill must be positive");
-}
-
-StandstillCost::StandstillCost(const StandstillNoise& noise) : noise_(noise) {}
 
 bool StandstillCost::Evaluate(double const* const* parameters, double* residuals,
                               double** jacobians) const {
