@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "slam/initialization/start_linearization.h"
 #include "slam/initialization/start_motion.h"
 #include "slam/initialization/start_problem.h"
 

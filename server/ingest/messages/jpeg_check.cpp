@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kMaxEnergy = 1200 * 1200;
 
-constexpr std::uint8_t kRst0 = 0xd0, kRst7 = 0xd7, kSoi = 0xd8, kEoi = 0xd9, kSos = 0xda;
+constexpr std::uint8_t kRst0 = 0xd0, kRst7 = 0xd7, kSoi = 0xd8, kEoi = 0xd9;
 
 class JpegChecker {
  public:
@@ -33,7 +33,7 @@ class JpegChecker {
       JpegSegment segment(data_.subspan(position + 2, length - 2));
       position += length;
       if (!header_.Read(marker, segment)) return;
-      if (marker == kSos) position = ReadScan(position);
+      if (marker == kJpegScan) position = ReadScan(position);
     }
     CheckJpeg(header_.num_scans > 0, "it holds no image data");
   }

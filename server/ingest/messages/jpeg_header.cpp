@@ -6,9 +6,11 @@ namespace parkade {
 namespace {
 
 constexpr std::uint8_t kSof0 = 0xc0, kSof1 = 0xc1, kSof15 = 0xcf, kDht = 0xc4, kJpg = 0xc8,
-                       kDac = 0xcc, kSos = 0xda, kDqt = 0xdb, kDri = 0xdd;
+                       kDac = 0xcc, kDqt = 0xdb, kDri = 0xdd;
 
 }  // namespace
+
+void ReportJpegDamage(const char* what) { throw JpegDamage{what}; }
 
 bool JpegHeader::Read(std::uint8_t marker, JpegSegment& segment) {
   if (marker == kDht) {
@@ -19,7 +21,7 @@ bool JpegHeader::Read(std::uint8_t marker, JpegSegment& segment) {
     restart_interval = segment.Word();
   } else if (marker == kSof0 || marker == kSof1) {
     return ReadFrame(segment);
-  } else if (marker == kSos) {
+  } else if (marker == kJpegScan) {
     CheckJpeg(!components_.empty(), "a scan before its frame");
     if (!has_huffman_tables_) return false;  // motion JPEG, which leaves out the standard tables
     ReadScanHeader(segment);

@@ -10,14 +10,15 @@
 
 namespace parkade {
 
+/// The marker of a scan.
+inline constexpr std::uint8_t kJpegScan = 0xda;
+
 /// Thrown inside the check of a JPEG; what is wrong with it.
 struct JpegDamage {
   std::string what;
 };
 
-[[noreturn]] __attribute__((noinline, cold)) void ReportJpegDamage(const char* what) {
-  throw JpegDamage{what};
-}
+[[noreturn]] __attribute__((cold)) void ReportJpegDamage(const char* what);
 
 inline void CheckJpeg(bool is_fine, const char* what) {
   if (!is_fine) ReportJpegDamage(what);

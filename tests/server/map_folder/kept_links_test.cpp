@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "slam/sessions/drive_join_json.h"
 #include "slam/sessions/join_drives.h"
 #include "tests/server/store/temporary_root.h"
 

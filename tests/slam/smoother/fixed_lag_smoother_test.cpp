@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kDegree = M_PI / 180;
 
-SyntheticDriveOptions RollingDrive() {
+SampledDriveOptions RollingDrive() {
   return {.seed = 5,
           .duration = 10,
           .start = 12,
@@ -84,7 +84,7 @@ TEST(FixedLagSmoother, NodesLeaveInOrderWithACovarianceAndWhatTheRestSaysOfThem)
 }
 
 TEST(FixedLagSmoother, WithoutImagesImuAndWheelsCarryOn) {
-  SyntheticDriveOptions options = RollingDrive();
+  SampledDriveOptions options = RollingDrive();
   options.tracks = 0;
   options.duration = 5;
   const NodedDrive drive(options);
@@ -99,7 +99,7 @@ TEST(FixedLagSmoother, WithoutImagesImuAndWheelsCarryOn) {
 }
 
 TEST(FixedLagSmoother, TheSameDriveGivesTheSameBytes) {
-  SyntheticDriveOptions options = RollingDrive();
+  SampledDriveOptions options = RollingDrive();
   options.duration = 5;
   const NodedDrive drive(options);
   FixedLagSmoother first(drive.rig(), {}), second(drive.rig(), {});

@@ -6,7 +6,7 @@
 #include "slam/factors/sample_buffer.h"
 #include "slam/smoother/drive_measurements.h"
 #include "slam/smoother/fixed_lag_smoother.h"
-#include "tests/support/synthetic_drive.h"
+#include "tests/support/sampled_drive.h"
 
 namespace parkade {
 
@@ -14,7 +14,7 @@ namespace parkade {
 /// lies behind the odometry that would choose them.
 class NodedDrive {
  public:
-  explicit NodedDrive(const SyntheticDriveOptions& options)
+  explicit NodedDrive(const SampledDriveOptions& options)
       : options_(options),
         drive_(MakeCarDrive(options)),
         motion_(CarMotion(options.start + options.duration)) {
@@ -93,8 +93,8 @@ class NodedDrive {
   static constexpr double kInterval = 0.2;  // [s] between nodes
   Timestamp TimeAt(int node) const { return drive_.imu.front().time + kInterval * node; }
 
-  SyntheticDriveOptions options_;
-  SyntheticDrive drive_;
+  SampledDriveOptions options_;
+  SampledDrive drive_;
   MotionFunction motion_;
   ImuBuffer imu_;
   WheelBuffer wheels_;
