@@ -1,8 +1,9 @@
 #include "slam/factors/triangulate.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "core/decompositions.h"
 
 namespace parkade {
 namespace {
@@ -51,7 +52,7 @@ std::optional<Triangulated> Triangulate(std::span<const ObservationRay> rays, do
       normal += across;
       right += across * rays[i].origin;
     }
-    point = normal.ldlt().solve(right);
+    point = SolveSymmetric(normal, right);
     if (!point.allFinite()) return std::nullopt;
     for (size_t i = 0; i < rays.size(); ++i)
       weights[i] =

@@ -1,10 +1,10 @@
 #include "slam/refinement/adjusted_landmarks.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "core/decompositions.h"
 #include "slam/factors/measurement_model.h"
 #include "slam/factors/triangulate.h"
 
@@ -57,7 +57,7 @@ void FitLandmark(AdjustedDrive& drive, AdjustedLandmark& landmark) {
       normal += weight * jacobian.transpose() * jacobian;
       right -= weight * jacobian.transpose() * residual;
     }
-    const Eigen::Vector3d change = normal.ldlt().solve(right);
+    const Eigen::Vector3d change = SolveSymmetric(normal, right);
     if (!change.allFinite()) return;
     Eigen::Map<Eigen::Vector3d>(landmark.values) += change;
     landmark.values[2] = std::max(landmark.values[2], 0.0);
