@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/decompositions.h"
+#include "slam/initialization/start_adjustment.h"
 #include "slam/initialization/start_linearization.h"
 #include "slam/initialization/start_motion.h"
 #include "slam/initialization/start_problem.h"
