@@ -85,11 +85,11 @@ std::vector<ChosenTrack> ChooseTracks(const DriveMeasurements& measurements,
   std::vector<int> taken(measurements.num_images());
   std::vector<ChosenTrack> chosen;
   for (ChosenTrack* track : candidates) {
-    if (std::none_of(track->begin(), track->end(), [&](const TrackSighting& seen) {
+    if (std::none_of(track->begin(), track->end(), [&](const TrackInImage& seen) {
           return taken[seen.image] < options.bearings_per_image;
         }))
       continue;
-    for (const TrackSighting& seen : *track) ++taken[seen.image];
+    for (const TrackInImage& seen : *track) ++taken[seen.image];
     chosen.push_back(std::move(*track));
   }
   return chosen;
@@ -102,7 +102,7 @@ void AddLandmarks(const DriveMeasurements& measurements, const std::vector<Chose
   };
   std::vector<std::vector<Needed>> needed(drive.images.size());  // of each image: read once
   for (std::uint32_t t = 0; t < tracks.size(); ++t)
-    for (const TrackSighting& seen : tracks[t]) needed[seen.image].push_back({seen.observation, t});
+    for (const TrackInImage& seen : tracks[t]) needed[seen.image].push_back({seen.observation, t});
   std::vector<AdjustedLandmark> candidates(tracks.size());
   for (size_t i = 0; i < drive.images.size(); ++i) {
     if (needed[i].empty()) continue;
