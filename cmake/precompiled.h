@@ -1,6 +1,7 @@
-// Precompiled for every library: what nearly every file includes and no one edits.
+// Precompiled once for all targets: what many files include and no one edits.
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -11,8 +12,11 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <opencv2/core/mat.hpp>
+#include <opencv2/imgproc.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <variant>
