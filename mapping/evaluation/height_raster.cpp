@@ -13,7 +13,7 @@ constexpr double kMaxDeckDistance = 1.5;  // [m] in height from the path: only t
 using Corners = std::array<Eigen::Vector3d, 3>;
 
 /// Heights of one triangle at the raster points inside it or on its edges.
-void RasteriseTriangle(const Corners& corner, double spacing,
+void RasterizeTriangle(const Corners& corner, double spacing,
                        std::vector<HeightRaster::Sample>& samples) {
   const Eigen::Vector3d low = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]);
   const Eigen::Vector3d high = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]);
@@ -60,7 +60,7 @@ HeightRaster::HeightRaster(const TriangleMesh& mesh, double spacing, double merg
     Corners corners;
     for (size_t i = 0; i < 3; ++i)
       corners[i] = mesh.vertices[triangle[i]].cast<double>() + mesh.origin;
-    RasteriseTriangle(corners, spacing, all);
+    RasterizeTriangle(corners, spacing, all);
   }
   std::sort(all.begin(), all.end(), [](const Sample& a, const Sample& b) {
     return std::tie(a.y, a.x, a.height) < std::tie(b.y, b.x, b.height);

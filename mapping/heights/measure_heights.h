@@ -12,7 +12,7 @@ namespace parkade {
 
 /// Heights of the ground from many views of it: a plane sweep. Over each window of ground the
 /// surface is lifted and lowered in steps; at each height all samples of all views move along their
-/// rays of sight, and where the height is right, they agree: what remains of the variance of gray
+/// viewing rays, and where the height is right, they agree: what remains of the variance of gray
 /// values within small cells is least. Each view's mean in a window is taken off first, so that
 /// exposures need not agree. A window whose ground shows too little is asked together with those
 /// around it. R. Collins, "A space-sweep approach to true multi-image matching", CVPR 1996. \param

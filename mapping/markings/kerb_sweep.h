@@ -36,7 +36,7 @@ struct SweptStrip {
 };
 
 /// Lifts strips from the plane of the ground at the outline. All samples count, whatever they were
-/// taken for; they move along their rays of sight. What is the same all along the outline says
+/// taken for; they move along their viewing rays. What is the same all along the outline says
 /// nothing: a car that passes a straight kerb sees the edge of its top at the same place of its
 /// plane from everywhere. So variance is that along rows parallel to the outline, and each view's
 /// mean is taken off at each height, so that exposures need not agree. Contrasts are bounded:

@@ -6,6 +6,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include "core/decompositions.h"
 #include "core/parallel.h"
 #include "mapping/ground/cell_finder.h"
 
@@ -120,7 +121,7 @@ bool LayDown(const CellFinder& cells, double length, OutlineStrip& strip) {
       ++count;
     }
   if (count < kMinCells) return false;
-  const Vector3d plane = squares.ldlt().solve(products);
+  const Vector3d plane = SolveSymmetric(squares, products);
   if (!plane.allFinite() ||
       std::sqrt(std::max(0.0, heights - plane.dot(products)) / count) > kMaxUnevenness)
     return false;

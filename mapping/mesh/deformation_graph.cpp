@@ -1,8 +1,8 @@
 #include "mapping/mesh/deformation_graph.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Sparse>
 
+#include "core/decompositions.h"
 #include "core/sparse_cholesky.h"
 
 namespace parkade {
@@ -63,13 +63,6 @@ TurnBetween Between(const Eigen::Quaterniond& first, const Eigen::Quaterniond& s
   between.by_first = InverseRightJacobianSo3(-between.turn);  // the inverse left Jacobian
   between.by_second = -InverseRightJacobianSo3(between.turn);
   return between;
-}
-
-/// S with S^T S = information.
-DeformationBlock SquareRootOf(const DeformationBlock& information) {
-  const Eigen::SelfAdjointEigenSolver<DeformationBlock> solver(information);
-  return solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
-         solver.eigenvectors().transpose();
 }
 
 /// The normal equations at the graph's motions.

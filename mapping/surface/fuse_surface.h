@@ -17,7 +17,7 @@ namespace parkade {
 /// and, weakly and weaker
 ///    with distance, the planes on which keyframes saw ground. A HeightField is fitted to what all
 ///    drives know (FitHeights).
-/// 2. Color and free space: every sample moves along its ray of sight onto that surface, so that a
+/// 2. Color and free space: every sample moves along its viewing ray onto that surface, so that a
 /// ramp ahead is
 ///    painted where it is, and not where the car's own plane would have it. Free space is a
 ///    log-odds sum, bounded; of a drive that contradicts those before it nothing else counts there,

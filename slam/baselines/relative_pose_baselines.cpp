@@ -4,6 +4,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/utility.hpp>
 
+#include "core/decompositions.h"
 #include "slam/places/adjust_to_correspondences.h"
 #include "slam/places/adjust_two_views.h"
 
@@ -37,7 +38,7 @@ std::vector<FeatureMatch> OfBestCameraPair(const RigKeyframe& a, const RigKeyfra
 Eigen::Matrix3d ViewFromPlace(const RigKeyframe& keyframe, const std::vector<size_t>& features) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const size_t i : features) mean += keyframe.features[i].bearing;
-  return Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return RotationBetween(mean, Eigen::Vector3d::UnitZ()).toRotationMatrix();
 }
 
 /// The rays of both keyframes on the image planes of their views.

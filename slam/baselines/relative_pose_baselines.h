@@ -2,6 +2,7 @@
 
 #include "core/rig.h"
 #include "slam/places/relative_pose.h"
+#include "slam/places/rig_keyframe.h"
 
 namespace parkade {
 

@@ -1,9 +1,9 @@
 #include "slam/factors/fit_rotation.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
+#include "core/decompositions.h"
 #include "core/statistics.h"
 
 namespace parkade {
@@ -39,12 +39,7 @@ std::optional<Turn> FitRotation(const std::vector<DirectionPair>& pairs) {
     for (size_t i = 0; i < pairs.size(); ++i)
       correlation +=
           pairs[i].measured * pairs[i].predicted.transpose() / (1 + std::pow(errors[i] / width, 2));
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(correlation,
-                                                Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant();
-    const Eigen::Matrix3d rotation =
-        svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
-    turn.measured_from_predicted = Eigen::Quaterniond(rotation);
+    turn.measured_from_predicted = NearestRotation(correlation);
     errors = Errors(pairs, turn.measured_from_predicted);
   }
   turn.angle = turn.measured_from_predicted.angularDistance(Eigen::Quaterniond::Identity());

@@ -1,8 +1,9 @@
 #include "slam/factors/triangulate.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "core/decompositions.h"
 
 namespace parkade {
 namespace {
@@ -51,7 +52,7 @@ std::optional<Triangulated> Triangulate(std::span<const ObservationRay> rays, do
       normal += across;
       right += across * rays[i].origin;
     }
-    point = normal.ldlt().solve(right);
+    point = SolveSymmetric(normal, right);
     if (!point.allFinite()) return std::nullopt;
     for (size_t i = 0; i < rays.size(); ++i)
       weights[i] =
@@ -59,7 +60,7 @@ std::optional<Triangulated> Triangulate(std::span<const ObservationRay> rays, do
           std::max((point - rays[i].origin).squaredNorm() * rays[i].sigma * rays[i].sigma, 1e-12);
   }
   if (!Explains(rays, point, max_error, min_distance)) {
-    // Rays that would meet behind the eye, or beyond sight, may still agree on infinity.
+    // Rays that would meet behind the camera, or out of range, may still agree on infinity.
     const bool is_far = std::all_of(rays.begin(), rays.end(), [&](const ObservationRay& ray) {
       return AngleBetween(ray.direction, rays.front().direction) < max_error * ray.sigma;
     });

@@ -1,9 +1,9 @@
 #include "slam/initialization/gyroscope_bias.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <unordered_map>
 
+#include "core/decompositions.h"
 #include "slam/factors/imu_preintegration.h"
 #include "slam/factors/landmark_parameters.h"
 
@@ -116,7 +116,7 @@ std::optional<GyroscopeBiasEstimate> EstimateGyroscopeBias(const std::vector<Tra
     equations.information = Eigen::Matrix3d::Identity() / (kPriorSigma * kPriorSigma);
     equations.gradient = estimate.bias / (kPriorSigma * kPriorSigma);
     for (const Pair& pair : pairs) Accumulate(pair, estimate.bias, equations);
-    const Eigen::Vector3d step = equations.information.ldlt().solve(equations.gradient);
+    const Eigen::Vector3d step = SolveSymmetric(equations.information, equations.gradient);
     if (!step.allFinite()) return std::nullopt;
     estimate.bias -= step;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(equations.information);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/decompositions.h"
 #include "core/statistics.h"
 #include "slam/factors/landmark_parameters.h"
 #include "slam/initialization/start_linearization.h"
@@ -180,7 +181,7 @@ double PlacePoints(StartProblem& problem, const StartMotion& motion, double nois
       if (!(own.cost < cost)) break;
       cost = own.cost;
       best = track;
-      MovePoint(track, -own.points.ldlt().solve(own.gradient));
+      MovePoint(track, -SolveSymmetric(own.points, own.gradient));
     }
     track = std::move(best);
   }
@@ -200,7 +201,7 @@ StartFit Adjust(StartProblem& problem, const StartMotion& from, double noise, in
     const std::vector<StartTrack> before = problem.tracks;
     for (size_t k = 0; k < tracks.size(); ++k)
       MovePoint(problem.tracks[k],
-                -tracks[k].points.ldlt().solve(tracks[k].gradient + tracks[k].cross * step));
+                -SolveSymmetric(tracks[k].points, tracks[k].gradient + tracks[k].cross * step));
     const StartMotion moved = Moved(fit.motion, step);
     const double cost = CostOf(problem, moved, noise);
     if (cost < fit.cost) {

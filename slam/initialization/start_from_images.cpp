@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/decompositions.h"
+#include "slam/initialization/start_adjustment.h"
 #include "slam/initialization/start_linearization.h"
 #include "slam/initialization/start_motion.h"
 #include "slam/initialization/start_problem.h"
@@ -207,12 +209,12 @@ std::optional<StartEstimate> StartFromImages(const ImuBuffer& imu,
   const StartFit& fit = best->fit;
   if (!fit.covariance.allFinite()) return std::nullopt;
   const auto largest = [](const auto& matrix) {
-    return std::sqrt(kCorrelation * std::max(0.0, matrix.eigenvalues().real().maxCoeff()));
+    return std::sqrt(kCorrelation * std::max(0.0, SymmetricEigenvalues(matrix).maxCoeff()));
   };
   const double speed = fit.motion.velocity.norm();
   const double velocity_sigma =
-      std::max(largest(fit.covariance.topLeftCorner<3, 3>().eval()), speed * scale.sigma);
-  const double tilt_sigma = largest(fit.covariance.block<2, 2>(3, 3).eval());
+      std::max(largest(fit.covariance.topLeftCorner<3, 3>()), speed * scale.sigma);
+  const double tilt_sigma = largest(fit.covariance.block<2, 2>(3, 3));
   const double share = scale.is_of_ground ? kMaxVelocityShare : kMaxVelocityShareOfImu;
   if (!(fit.noise < kMaxNoise && tilt_sigma < kMaxTiltSigma &&
         velocity_sigma < kMaxVelocitySigma + share * speed))

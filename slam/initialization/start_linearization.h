@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "slam/initialization/start_adjustment.h"
+#include "slam/initialization/start_problem.h"
 
 namespace parkade {
 

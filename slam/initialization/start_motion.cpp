@@ -1,8 +1,8 @@
 #include "slam/initialization/start_motion.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
+#include "core/decompositions.h"
 #include "slam/factors/imu_preintegration.h"
 #include "slam/factors/wheel_preintegration.h"
 
@@ -28,8 +28,7 @@ std::string ToText(StartKind kind) {
 }
 
 Eigen::Quaterniond LeveledRotation(const Eigen::Vector3d& gravity_in_imu) {
-  const Eigen::Quaterniond level =
-      Eigen::Quaterniond::FromTwoVectors(-gravity_in_imu, Eigen::Vector3d::UnitZ());
+  const Eigen::Quaterniond level = RotationBetween(-gravity_in_imu, Eigen::Vector3d::UnitZ());
   const Eigen::Vector3d forward = level * Eigen::Vector3d::UnitX();
   if (forward.head<2>().norm() < 1e-3) return level.normalized();
   const double heading = std::atan2(forward.y(), forward.x());

@@ -1,8 +1,9 @@
 #include "slam/odometry/gate_calibration.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
+
+#include "core/decompositions.h"
 
 namespace parkade {
 namespace {
@@ -84,11 +85,11 @@ GatedCalibration GateCalibration(const std::string& camera, const CameraSettings
   const Vector8d unit = is_estimated.select(prior.array(), 1.0).matrix();
   const Matrix8d model = Whitened(covariance.model, unit, is_estimated);
   const Matrix8d sandwich = Whitened(covariance.sandwich, unit, is_estimated);
-  const Eigen::SelfAdjointEigenSolver<Matrix8d> eigen(model);
+  const SymmetricEigen eigen = DecomposeSymmetric(model);
   Matrix8d refine = Matrix8d::Zero();  // projects on the refined directions
   for (int k = 0; k < 8; ++k) {
-    const Vector8d direction = eigen.eigenvectors().col(k);
-    if (eigen.eigenvalues()[k] < kMaxVarianceShare &&
+    const Vector8d direction = eigen.vectors.col(k);
+    if (eigen.values[k] < kMaxVarianceShare &&
         direction.dot(sandwich * direction) < kMaxVarianceShare)
       refine += direction * direction.transpose();
   }

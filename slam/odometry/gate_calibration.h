@@ -25,10 +25,10 @@ struct CalibrationCovariance {
 struct KeptTurn {
   Eigen::Vector3d angle = Eigen::Vector3d::Zero();  ///< [rad, in imu]
   Eigen::Matrix3d directions =
-      Eigen::Matrix3d::Zero();  ///< projects on those that are kept, in imu
+      Eigen::Matrix3d::Zero();  ///< projects on the directions that are kept, in imu
   std::vector<double> weights;  ///< of the cameras in the mean; sum 1
 
-  /// An estimate without it.
+  /// An estimate without the kept rotation.
   CameraParameters Without(const CameraParameters& estimate) const;
 };
 
@@ -37,7 +37,7 @@ struct KeptTurn {
 KeptTurn FindKeptTurn(const Rig& rig, const std::vector<CameraParameters>& estimate,
                       const JointEstimate& joint);
 
-/// Of the estimate of one camera without the kept turn. Zero where it was not estimated.
+/// Covariance of one camera's estimate without the kept rotation. Zero where it was not estimated.
 CalibrationCovariance CovarianceWithout(const KeptTurn& turn,
                                         const std::vector<CameraParameters>& estimate,
                                         const JointEstimate& joint, size_t camera);
@@ -45,29 +45,29 @@ CalibrationCovariance CovarianceWithout(const KeptTurn& turn,
 /// Decides what of a camera's calibration the drive has really measured.
 ///
 /// The marginal covariance of the camera as the weights have it, in units of the
-/// prior's sigmas, is decomposed into its principal directions. Those along which it, and also the
-/// variance once it is counted how long errors last, are clearly below the prior's move the rig;
-/// along all others it is kept. Refined is a quantity whose sigmas are all below what maps need.
+/// prior's sigmas, is decomposed into its principal directions. The rig moves along those
+/// directions whose variance, by the model and by the sandwich, is clearly below the prior's; along
+/// all others it is kept. A quantity counts as refined where all its sigmas are below what maps
+/// need.
 struct GatedCalibration {
   CameraParameters parameters;  ///< the rig's, moved along the refined directions
   CameraCalibration report;
 };
 
 /// \param rig_parameters  what the rig says
-/// \param estimate        what the smoother says, without `turn`
-/// \param covariance      of that estimate
+/// \param estimate        what the smoother says, without the kept rotation `turn`
+/// \param covariance      the covariance of that estimate
 GatedCalibration GateCalibration(const std::string& camera, const CameraSettings& settings,
                                  const CameraParameters& rig_parameters,
                                  const CameraParameters& estimate,
                                  const CalibrationCovariance& covariance,
                                  const KeptTurn& turn = {});
 
-/// The rig for turning the estimated poses of the IMU into those of a body on which the cameras sit
-/// as `reported`: its IMU is turned by the median rotation between the cameras as reported and as
-/// estimated.
+/// The rig by which poses of the IMU become poses of a body on which the cameras sit as `reported`:
+/// its IMU is rotated by the median rotation between the cameras as reported and as estimated.
 Rig RigOfEstimate(const Rig& reported, const std::vector<CameraParameters>& estimate);
 
-/// [s] by which images of `camera` are later by `to` than by `from`.
+/// [s] how much later images of `camera` are by the rig `to` than by `from`.
 double TimeShiftBetween(const Rig& from, const Rig& to, int camera);
 
 }  // namespace parkade

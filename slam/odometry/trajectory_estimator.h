@@ -15,7 +15,7 @@
 namespace parkade {
 
 /// Visual-inertial(-wheel) odometry from samples and tracked frames: waits until
-/// it can start, places nodes, feeds the smoother and collects the result. Knows no images.
+/// it can start, places nodes, feeds the smoother and collects the result. It sees no images.
 ///
 /// Records come in order of time over all sensors; late, repeated or
 /// non-finite ones are skipped. Deterministic; one thread.
@@ -34,9 +34,9 @@ class TrajectoryEstimator {
   /// data never allowed a start. Call once, last.
   OdometryResult Finish();
 
-  /// Best guess so far, for whoever predicts images; nothing before the start.
+  /// The latest state so far, to predict images by; nothing before the start.
   std::optional<MotionState> Latest() const;
-  /// Also, of the cameras.
+  /// Where the cameras sit, as far as it is known by now.
   std::vector<Rigid3> ImuFromCameras() const;
 
  private:
@@ -56,7 +56,8 @@ class TrajectoryEstimator {
   void AddDegraded(Timestamp begin, Timestamp end, const std::string& reason);
   void BuildTrajectory(OdometryResult& result);
   void TakeMeasurements(OdometryResult& result);
-  /// From the first IMU sample up to after_start_, in order of time; empty where there is nothing
+  /// The states from the first IMU sample up to after_start_, in order of time; empty where there
+  /// is nothing
   /// before it.
   std::vector<TrajectoryState> RunBackwards(const Rig& refined) const;
   void FillBeforeStart(const Rig& refined, std::vector<TrajectoryState>& states);
@@ -69,7 +70,7 @@ class TrajectoryEstimator {
   OdometryOptions options_;
   ImuBuffer imu_;
   WheelBuffer wheels_;
-  std::deque<TrackedFrame> pending_;  ///< later than the last node
+  std::deque<TrackedFrame> pending_;  ///< frames later than the last node
   StandstillDetector standstill_;
   FixedLagSmoother smoother_;
   TrajectoryBuilder builder_;
@@ -96,8 +97,8 @@ class TrajectoryEstimator {
   std::vector<Timestamp> last_frame_;      ///< per camera
   std::vector<std::int64_t> tracks_seen_;  ///< per camera, in frames used
   std::shared_ptr<DriveMeasurements>
-      measurements_;               ///< of nodes that left the window, and of all images
-  ConditionalStore conditionals_;  ///< of the same nodes
+      measurements_;               ///< from nodes that left the window, and from all images
+  ConditionalStore conditionals_;  ///< from the same nodes
   std::vector<FinishedLandmark> landmarks_;
   OdometryReport report_;
   double sum_bearings_ = 0;

@@ -1,9 +1,10 @@
 #include "slam/places/adjust_two_views.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "core/decompositions.h"
 
 namespace parkade {
 namespace {
@@ -55,9 +56,9 @@ EpipolarError ErrorOf(const RayPair& pair, const Rigid3& a_from_b,
 /// The information, without what noise alone would show about the direction: without a baseline
 /// nothing else is left.
 Matrix5d WithoutChance(const Matrix5d& hessian, const Matrix5d& by_chance) {
-  const Eigen::SelfAdjointEigenSolver<Matrix5d> solver(hessian - by_chance);
-  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(kLeastInformation).asDiagonal() *
-         solver.eigenvectors().transpose();
+  const SymmetricEigen eigen = DecomposeSymmetric(hessian - by_chance);
+  return eigen.vectors * eigen.values.cwiseMax(kLeastInformation).asDiagonal() *
+         eigen.vectors.transpose();
 }
 
 }  // namespace
@@ -91,8 +92,8 @@ AdjustedTwoViews AdjustTwoViews(const std::vector<RayPair>& pairs, Rigid3& a_fro
       scatter * WithoutChance(hessian, by_chance).ldlt().solve(Matrix5d::Identity());
   adjusted.rotation_covariance = covariance.topLeftCorner<3, 3>();
   const Eigen::Matrix2d of_direction = covariance.bottomRightCorner<2, 2>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(of_direction, Eigen::EigenvaluesOnly);
-  adjusted.direction_sigma = std::min(1.0, std::sqrt(solver.eigenvalues().maxCoeff()));
+  adjusted.direction_sigma =
+      std::min(1.0, std::sqrt(SymmetricEigenvalues(of_direction).maxCoeff()));
   return adjusted;
 }
 

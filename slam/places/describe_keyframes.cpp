@@ -1,8 +1,10 @@
 #include "slam/places/describe_keyframes.h"
 
+#include <map>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/decompositions.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "slam/places/cylinder_view.h"
@@ -70,7 +72,7 @@ Eigen::Quaterniond UprightFromBody(const Trajectory& odom_from_body) {
   Eigen::Vector3d up_in_body = Eigen::Vector3d::Zero();
   for (const TrajectoryState& state : odom_from_body.states())
     up_in_body += state.world_from_body.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-  return Eigen::Quaterniond::FromTwoVectors(up_in_body, Eigen::Vector3d::UnitZ());
+  return RotationBetween(up_in_body, Eigen::Vector3d::UnitZ());
 }
 
 DescribedImage Describe(const CameraFrame& frame, const CylinderView& view,

@@ -1,18 +1,16 @@
 #include "slam/pose_graph/pose_graph.h"
 
-#include <Eigen/Eigenvalues>
 #include <numeric>
 
+#include "core/decompositions.h"
 #include "core/error.h"
 
 namespace parkade {
 namespace {
 
 /// Harmonic mean of the eigenvalues of a positive semidefinite matrix; 0 where it is singular.
-template <typename Matrix>
-double HarmonicMeanOfEigenvalues(const Matrix& matrix) {
-  const auto eigenvalues =
-      Eigen::SelfAdjointEigenSolver<Matrix>(matrix, Eigen::EigenvaluesOnly).eigenvalues();
+double HarmonicMeanOfEigenvalues(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
+  const Eigen::VectorXd eigenvalues = SymmetricEigenvalues(matrix);
   // Below this share of the largest, an eigenvalue is rounding.
   constexpr double kSingular = 1e-12;
   if (eigenvalues.minCoeff() <= kSingular * eigenvalues.maxCoeff()) return 0;
@@ -38,16 +36,9 @@ Vector6d RelativePoseError(const PoseGraphEdge& edge, const Rigid3& world_from_f
 EdgeConcentrations ConcentrationsOf(const PoseGraphEdge& edge, bool is_planar) {
   if (is_planar)
     return {edge.information(5, 5),
-            HarmonicMeanOfEigenvalues(Eigen::Matrix2d(edge.information.topLeftCorner<2, 2>()))};
-  return {
-      0.5 * HarmonicMeanOfEigenvalues(Eigen::Matrix3d(edge.information.bottomRightCorner<3, 3>())),
-      HarmonicMeanOfEigenvalues(Eigen::Matrix3d(edge.information.topLeftCorner<3, 3>()))};
-}
-
-Matrix6d SquareRootOf(const Matrix6d& information) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information);
-  return solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
-         solver.eigenvectors().transpose();
+            HarmonicMeanOfEigenvalues(edge.information.topLeftCorner<2, 2>())};
+  return {0.5 * HarmonicMeanOfEigenvalues(edge.information.bottomRightCorner<3, 3>()),
+          HarmonicMeanOfEigenvalues(edge.information.topLeftCorner<3, 3>())};
 }
 
 Matrix6d SquareRootWeight(const PoseGraph& graph, const PoseGraphEdge& edge,
@@ -59,15 +50,13 @@ Matrix6d SquareRootWeight(const PoseGraph& graph, const PoseGraphEdge& edge,
         Eigen::Vector3d::Constant(std::sqrt(2 * concentrations.kappa));
     return diagonal.asDiagonal();
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(edge.information);
-  Require(solver.eigenvalues().minCoeff() >= -1e-6 * solver.eigenvalues().maxCoeff(),
-          ErrorCode::kInvalidInput,
+  const Eigen::VectorXd eigenvalues = SymmetricEigenvalues(edge.information);
+  Require(eigenvalues.minCoeff() >= -1e-6 * eigenvalues.maxCoeff(), ErrorCode::kInvalidInput,
           "the information matrix of the edge from " +
               std::to_string(graph.vertices[edge.from].id) + " to " +
               std::to_string(graph.vertices[edge.to].id) +
               " is not positive semidefinite; the chordal objective does without its mixed terms");
-  return solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
-         solver.eigenvectors().transpose();
+  return SquareRootOf(edge.information);
 }
 
 double SquaredError(const PoseGraph& graph, const PoseGraphEdge& edge,

@@ -63,9 +63,6 @@ struct EdgeConcentrations {
 };
 EdgeConcentrations ConcentrationsOf(const PoseGraphEdge& edge, bool is_planar);
 
-/// S with S^T S = information, which may be singular.
-Matrix6d SquareRootOf(const Matrix6d& information);
-
 /// S with S^T S = what RelativePoseError of an edge is weighted with under `objective`. Throws
 /// Error{kInvalidInput} for kInformation where that matrix is not positive semidefinite.
 Matrix6d SquareRootWeight(const PoseGraph& graph, const PoseGraphEdge& edge,

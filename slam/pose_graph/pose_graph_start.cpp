@@ -1,9 +1,10 @@
 #include "slam/pose_graph/pose_graph_start.h"
 
-#include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
 #include <queue>
 #include <tuple>
+
+#include "core/decompositions.h"
 
 namespace parkade {
 namespace {
@@ -38,14 +39,6 @@ Eigen::MatrixXd SolveSparse(int size, const Triplets& lower_triangle,
   if (solver.info() != Eigen::Success) return {};
   Eigen::MatrixXd solution = solver.solve(right_hand_side);
   return solution.allFinite() ? solution : Eigen::MatrixXd();
-}
-
-Eigen::Quaterniond NearestRotation(const Eigen::Matrix3d& matrix) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  const Eigen::Matrix3d rotation =
-      svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
-  return Eigen::Quaterniond(rotation).normalized();
 }
 
 /// Minimizes sum w |X_to - R^T X_from|^2 over X = transposed rotations, each 3 x 3. False where

@@ -1,8 +1,8 @@
 #include "slam/pose_graph/robust_pose_graph.h"
 
-#include <Eigen/Eigenvalues>
 #include <limits>
 
+#include "core/decompositions.h"
 #include "core/error.h"
 #include "core/statistics.h"
 #include "slam/pose_graph/chi_squared.h"
@@ -32,9 +32,7 @@ constexpr double kChiSquaredMedian[] = {0.4549, 1.3863, 2.3660, 3.3567, 4.3515, 
 
 int RankOf(const Matrix6d& square_root_weight) {
   const Vector6d eigenvalues =
-      Eigen::SelfAdjointEigenSolver<Matrix6d>(square_root_weight.transpose() * square_root_weight,
-                                              Eigen::EigenvaluesOnly)
-          .eigenvalues();
+      SymmetricEigenvalues(square_root_weight.transpose() * square_root_weight);
   return std::max(1,
                   static_cast<int>((eigenvalues.array() > 1e-9 * eigenvalues.maxCoeff()).count()));
 }

@@ -1,10 +1,10 @@
 #include "slam/refinement/adjusted_landmarks.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "core/decompositions.h"
 #include "slam/factors/measurement_model.h"
 #include "slam/factors/triangulate.h"
 
@@ -57,7 +57,7 @@ void FitLandmark(AdjustedDrive& drive, AdjustedLandmark& landmark) {
       normal += weight * jacobian.transpose() * jacobian;
       right -= weight * jacobian.transpose() * residual;
     }
-    const Eigen::Vector3d change = normal.ldlt().solve(right);
+    const Eigen::Vector3d change = SolveSymmetric(normal, right);
     if (!change.allFinite()) return;
     Eigen::Map<Eigen::Vector3d>(landmark.values) += change;
     landmark.values[2] = std::max(landmark.values[2], 0.0);
@@ -85,11 +85,11 @@ std::vector<ChosenTrack> ChooseTracks(const DriveMeasurements& measurements,
   std::vector<int> taken(measurements.num_images());
   std::vector<ChosenTrack> chosen;
   for (ChosenTrack* track : candidates) {
-    if (std::none_of(track->begin(), track->end(), [&](const TrackSighting& seen) {
+    if (std::none_of(track->begin(), track->end(), [&](const TrackInImage& seen) {
           return taken[seen.image] < options.bearings_per_image;
         }))
       continue;
-    for (const TrackSighting& seen : *track) ++taken[seen.image];
+    for (const TrackInImage& seen : *track) ++taken[seen.image];
     chosen.push_back(std::move(*track));
   }
   return chosen;
@@ -102,7 +102,7 @@ void AddLandmarks(const DriveMeasurements& measurements, const std::vector<Chose
   };
   std::vector<std::vector<Needed>> needed(drive.images.size());  // of each image: read once
   for (std::uint32_t t = 0; t < tracks.size(); ++t)
-    for (const TrackSighting& seen : tracks[t]) needed[seen.image].push_back({seen.observation, t});
+    for (const TrackInImage& seen : tracks[t]) needed[seen.image].push_back({seen.observation, t});
   std::vector<AdjustedLandmark> candidates(tracks.size());
   for (size_t i = 0; i < drive.images.size(); ++i) {
     if (needed[i].empty()) continue;

@@ -9,10 +9,10 @@
 namespace parkade {
 
 /// Where a track was seen: an image, and the observation's place in it.
-struct TrackSighting {
+struct TrackInImage {
   std::uint32_t image = 0, observation = 0;
 };
-using ChosenTrack = std::vector<TrackSighting>;
+using ChosenTrack = std::vector<TrackInImage>;
 
 /// Tracks worth a landmark, the longest first, as long as one of their images has not got enough.
 std::vector<ChosenTrack> ChooseTracks(const DriveMeasurements& measurements,

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/decompositions.h"
 #include "core/log.h"
 #include "core/statistics.h"
 #include "slam/sessions/random_walk_modes.h"

@@ -3,7 +3,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "slam/sessions/session_loops.h"
+#include "slam/places/rig_keyframe.h"
+#include "slam/sessions/session_loop.h"
 
 namespace parkade {
 

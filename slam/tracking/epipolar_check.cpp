@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/decompositions.h"
 #include "core/rigid3.h"
 
 namespace parkade {
@@ -66,7 +67,7 @@ Eigen::Matrix3d FitRotationOnly(const std::vector<BearingPair>& pairs, const Eig
                      (Eigen::Matrix3d::Identity() - turned * turned.transpose());
       gradient += weight / pair.radians_per_pixel * step;
     }
-    rotation = ExpSo3(information.ldlt().solve(gradient)).toRotationMatrix() * rotation;
+    rotation = ExpSo3(SolveSymmetric(information, gradient)).toRotationMatrix() * rotation;
   }
   return rotation;
 }

@@ -250,7 +250,7 @@ TEST_F(Architecture, RoomsAreSmallEnoughToKnow) {
   std::map<std::string, size_t> counts;
   for (const auto& [file, included] : includes_) ++counts[kRooms[FindRoom(file).value()]];
   for (const auto& [room, count] : counts)
-    EXPECT_LE(count, room == "core/" ? 64 : kMaxFilesPerRoom) << room;
+    EXPECT_LE(count, room == "core/" ? 66 : kMaxFilesPerRoom) << room;
 }
 
 TEST_F(Architecture, UnitsDoNotIncludeEachOther) {
