@@ -43,7 +43,7 @@ for i in {0..36} {40..59}; do
     *)
       paint_ground "$name" train network --set ground.use_semantics=false
       paint_ground "$name" train earlier --set ground.use_semantics=false --set "ground.freespace_model=$earlier"
-      paint_ground "$name" train half --set ground.use_semantics=false --set ground.keyframe_distance=2.4
+      paint_ground "$name" train half --set ground.use_semantics=false --keyframe-distance 2.4
       paint_ground "$name" train masks
       ;;
   esac

@@ -23,7 +23,7 @@ inline constexpr double kHeadSize = 1.0;
 
 /// Variance of what a track's errors add up to / what its residuals show of it: a patch slides
 /// along the flow as it grows, and tracks that live side by side slide alike, so that residuals are
-/// the smaller part. Measured on drives with known truth, see docs/decisions.md.
+/// the smaller part. Measured on drives with known truth, see docs/decisions/0014.
 inline constexpr double kCommonErrors = 6;
 
 }  // namespace parkade

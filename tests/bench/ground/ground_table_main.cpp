@@ -174,7 +174,8 @@ int main(int argc, char** argv) {
   app.add_option("--only", line.drives, "Some drives; default: all that are there")->delimiter(',');
   app.add_option("--poses", line.poses,
                  "Folder of finished maps, one per drive; default: true poses");
-  app.add_option("--set", line.assignments, "Of the map or the evaluation: ground.max_range=10");
+  app.add_option("--set", line.assignments,
+                 "Of the map or the evaluation: ground.grid.max_range=10");
   app.add_option("--threads", line.num_threads, "Of one run; runs go one after the other")
       ->capture_default_str()
       ->check(CLI::Range(1, 256));

@@ -52,6 +52,7 @@ struct Options {
 struct CommandLine {
   std::string suite, out;
   std::vector<std::string> drives, assignments;
+  double keyframe_distance = GroundOptions().keyframe_distance;  ///< [m]
   int num_threads = 2;
 };
 
@@ -163,6 +164,7 @@ void RunDrive(const CommandLine& line, const std::string& name, const Options& o
 
 int Run(const CommandLine& line) {
   Options options;
+  options.ground.keyframe_distance = line.keyframe_distance;
   for (const std::string& assignment : line.assignments) SetOption(assignment, options);
   fs::create_directories(line.out);
   for (const std::string& name : line.drives.empty() ? ListSuite(line.suite) : line.drives)
@@ -182,7 +184,9 @@ int main(int argc, char** argv) {
   app.add_option("--suite", line.suite, "Folder that parkade-simulate suite filled")->required();
   app.add_option("--out", line.out, "Folder")->required();
   app.add_option("--only", line.drives, "Some drives; default: all")->delimiter(',');
-  app.add_option("--set", line.assignments, "Of the map: ground.max_range=10");
+  app.add_option("--set", line.assignments, "Of the map: ground.grid.max_range=10");
+  app.add_option("--keyframe-distance", line.keyframe_distance, "[m] Images are taken so far apart")
+      ->capture_default_str();
   app.add_option("--threads", line.num_threads, "Of one drive; drives go one after the other")
       ->capture_default_str()
       ->check(CLI::Range(1, 256));

@@ -119,7 +119,7 @@ int main(int argc, char** argv) {
   app.add_option("--runs", line.num_runs, "How often")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  app.add_option("--set", line.assignments, "Of the map: ground.max_range=10");
+  app.add_option("--set", line.assignments, "Of the map: ground.grid.max_range=10");
   app.add_option("--threads", line.num_threads, "Of one run")
       ->capture_default_str()
       ->check(CLI::Range(1, 256));
