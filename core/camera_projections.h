@@ -10,9 +10,9 @@ namespace parkade {
 
 // One struct per lens. Each has
 //   Project    pixel of a point [m] in the camera frame (z forward, x right, y down), or false
-//   outside the
-//              model's domain: behind the lens, or where the model folds and two points would share
-//              a pixel. T is double, Dual or ceres::Jet. The length of the point does not matter.
+//              outside the model's domain: behind the lens, or where the model folds and two points
+//              would share a pixel. T is double, Dual or ceres::Jet. The length of the point does
+//              not matter.
 //   Unproject  unit bearing of a pixel, or nothing outside the domain; exact inverse of Project.
 //   Validate   throws Error{kInvalidInput} naming the parameter that is out of its range.
 //   Scaled     the same lens on an image resized by a factor (pixel centers at integers).

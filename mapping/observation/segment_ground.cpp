@@ -9,7 +9,7 @@
 namespace parkade {
 namespace {
 
-/// The confidence of what lies `depth` [m] behind the foot of an obstacle, on its ray.
+/// What a sample is called that lies `depth` [m] behind the foot of an obstacle, on its ray.
 GroundLabel LabelBehind(double depth, const SegmentGroundOptions& options, bool is_trusted) {
   if (is_trusted && depth < options.obstacle_depth) return GroundLabel::kHidden;
   return depth < options.beyond_depth ? GroundLabel::kBeyond : GroundLabel::kUnknown;

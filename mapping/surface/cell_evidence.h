@@ -11,7 +11,7 @@
 
 namespace parkade {
 
-inline constexpr float kLogOddsLimit = 8;  ///< of one drive
+inline constexpr float kLogOddsLimit = 8;  ///< of one drive, and of all drives together
 
 /// Directions and distances from which a cell was looked at: a bit each.
 using ViewSet = std::uint32_t;

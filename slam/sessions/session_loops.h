@@ -48,9 +48,10 @@ double SimilarityOf(const ComparedDrive& a, const ComparedDrive& b,
 /// is not the same (buildings that look alike) leave the drives apart.
 ///
 /// \param keyframes_a, keyframes_b  described keyframes along either drive; odom_from_keyframe is
-/// the drive's best trajectory \param a_from_b            what GNSS says about the drives' frames;
-/// empty: nothing \param sigma [m] of a_from_b at the keyframes; links farther than reach + 3 sigma
-/// from it are not tried
+///                                  the drive's best trajectory
+/// \param a_from_b  what GNSS says about the drives' frames; empty: nothing
+/// \param sigma     [m] of a_from_b at the keyframes; links farther than reach + 3 sigma from it
+///                  are not tried
 SessionLoops MatchSessions(const std::vector<RigKeyframe>& keyframes_a,
                            const std::vector<RigKeyframe>& keyframes_b,
                            const SessionLoopOptions& options,
