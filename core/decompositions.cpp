@@ -2,12 +2,17 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <Eigen/SVD>
 
 namespace parkade {
 
 Eigen::Vector3d SolveSymmetric(const Eigen::Matrix3d& matrix, const Eigen::Vector3d& right) {
   return matrix.ldlt().solve(right);
+}
+
+Eigen::MatrixXd TriangularFactor(const Eigen::Ref<const Eigen::MatrixXd>& rows) {
+  return Eigen::HouseholderQR<Eigen::MatrixXd>(rows).matrixQR().triangularView<Eigen::Upper>();
 }
 
 Eigen::Quaterniond RotationBetween(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {

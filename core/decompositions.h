@@ -12,6 +12,9 @@ namespace parkade {
 /// matrix is singular.
 Eigen::Vector3d SolveSymmetric(const Eigen::Matrix3d& matrix, const Eigen::Vector3d& right);
 
+/// R of `rows` = Q R with an orthogonal Q, by Householder's reflections; as tall as `rows`.
+Eigen::MatrixXd TriangularFactor(const Eigen::Ref<const Eigen::MatrixXd>& rows);
+
 /// The smallest rotation that takes the direction of `from` to the direction of `to`.
 Eigen::Quaterniond RotationBetween(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 

@@ -1,7 +1,8 @@
 #include "slam/refinement/covariance_modes.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
+
+#include "core/decompositions.h"
 
 namespace parkade {
 namespace {
@@ -25,9 +26,9 @@ CovarianceModes FindCovarianceModes(std::vector<Timestamp> times,
   const Eigen::Index count = covariance.rows();
   Eigen::VectorXd scale(count);
   for (Eigen::Index i = 0; i < count; ++i) scale[i] = i % 6 < 3 ? kLever : 1;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scale.asDiagonal() * covariance *
-                                                              scale.asDiagonal());
-  const Eigen::VectorXd& variances = solver.eigenvalues();  // ascending
+  const SymmetricEigen eigen =
+      DecomposeSymmetric(scale.asDiagonal() * covariance * scale.asDiagonal());
+  const Eigen::VectorXd& variances = eigen.values;
   const double bound = kLeftOut * kLeftOut * static_cast<double>(times.size());
   Eigen::Index left_out = 0;
   for (double sum = 0; left_out < count; ++left_out) {
@@ -37,7 +38,7 @@ CovarianceModes FindCovarianceModes(std::vector<Timestamp> times,
   const Eigen::Index kept = count - left_out;
   CovarianceModes result;
   result.times = std::move(times);
-  result.modes = scale.cwiseInverse().asDiagonal() * solver.eigenvectors().rightCols(kept) *
+  result.modes = scale.cwiseInverse().asDiagonal() * eigen.vectors.rightCols(kept) *
                  variances.tail(kept).cwiseSqrt().asDiagonal();
   return result;
 }

@@ -1,9 +1,9 @@
 #include "slam/smoother/mount_jumps.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <map>
 
+#include "core/decompositions.h"
 #include "slam/factors/fit_rotation.h"
 
 namespace parkade {
@@ -73,8 +73,7 @@ StateConditional ReopenExtrinsics(int camera, const Eigen::Quaterniond& new_from
   rows.block(0, kOwn + width, height, 1) = prior.offset;
   rows.block<kOwn, kOwn>(height, 0) = -(weight.asDiagonal() * carry);
   rows.block<kOwn, kOwn>(height, kOwn + column) = weight.asDiagonal();
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(rows);
-  const Eigen::MatrixXd root = qr.matrixQR().triangularView<Eigen::Upper>();
+  const Eigen::MatrixXd root = TriangularFactor(rows);
 
   std::vector<Eigen::Index> place;  // of the old states among the columns
   for (Eigen::Index k = 0; k < width; ++k)

@@ -1,10 +1,10 @@
 #include "slam/smoother/window_cameras.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "core/decompositions.h"
 #include "slam/factors/measurement_model.h"
 
 namespace parkade {
@@ -50,10 +50,7 @@ void AddPriorOfPair(size_t i, size_t j, SmootherWindow& window) {
   };
   fill(i, first, 1);
   fill(j, second, -1);
-  window.prior.sqrt_information = Eigen::HouseholderQR<Eigen::MatrixXd>(rows)
-                                      .matrixQR()
-                                      .topRows(width)
-                                      .triangularView<Eigen::Upper>();
+  window.prior.sqrt_information = TriangularFactor(rows).topRows(width);
 }
 
 }  // namespace

@@ -21,6 +21,15 @@ TEST(DecompositionsTest, ASymmetricSystemIsSolved) {
   EXPECT_TRUE(SolveSymmetric(matrix, matrix * x).isApprox(x, 1e-9));
 }
 
+TEST(DecompositionsTest, TheTriangularFactorHasTheSameSquare) {
+  const Eigen::MatrixXd rows = SymmetricMatrix(5).leftCols(3);
+  const Eigen::MatrixXd factor = TriangularFactor(rows);
+  ASSERT_EQ(factor.rows(), 5);
+  EXPECT_TRUE((factor.transpose() * factor).isApprox(rows.transpose() * rows, 1e-9));
+  EXPECT_EQ(factor(1, 0), 0);
+  EXPECT_EQ(factor(4, 2), 0);
+}
+
 TEST(DecompositionsTest, TheRotationBetweenDirectionsIsTheSmallest) {
   const Eigen::Vector3d from(1, 2, 3), to(-2, 0.5, 1);
   const Eigen::Quaterniond rotation = RotationBetween(from, to);

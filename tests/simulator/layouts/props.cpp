@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/decompositions.h"
 #include "tests/simulator/layouts/buildings.h"
 #include "tests/simulator/vehicle/car_mesh.h"
 
@@ -176,7 +177,7 @@ void Props::Building(const Rectangle& outline, double height, bool is_detailed) 
 void Props::Car(const Rectangle& footprint, double near_z, int style, std::uint64_t seed) {
   const Vector2d& center = footprint.center;
   const Eigen::Quaterniond tilt =
-      Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), ground_.Normal(center, near_z));
+      RotationBetween(Vector3d::UnitZ(), ground_.Normal(center, near_z));
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(footprint.yaw, Vector3d::UnitZ()));
   mesh_.Append(MakeCar(style, seed, materials_),
                {tilt * turn, {center.x(), center.y(), ground_.Height(center, near_z)}});

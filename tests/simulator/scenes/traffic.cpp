@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/decompositions.h"
 #include "tests/simulator/common/random.h"
 #include "tests/simulator/scenes/pedestrian_mesh.h"
 #include "tests/simulator/vehicle/car_mesh.h"
@@ -221,8 +222,7 @@ class TrafficPlanner {
       Rigid3 pose = OnLoop(lane, length, start + kSpeed * time);
       const Vector2d xy = pose.translation.head<2>();
       pose.translation.z() = ground.Height(xy, pose.translation.z());
-      pose.rotation = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(),
-                                                         ground.Normal(xy, pose.translation.z())) *
+      pose.rotation = RotationBetween(Vector3d::UnitZ(), ground.Normal(xy, pose.translation.z())) *
                       pose.rotation;
       return pose;
     });
