@@ -8,8 +8,8 @@
 #include "slam/factors/gnss_cost.h"
 #include "slam/factors/imu_cost.h"
 #include "slam/factors/linear_prior.h"
-#include "slam/factors/wheel_cost.h"
 #include "slam/factors/standstill_cost.h"
+#include "slam/factors/wheel_cost.h"
 #include "tests/support/check_jacobian.h"
 #include "tests/support/synthetic_motion.h"
 

@@ -5,9 +5,9 @@
 #include <set>
 
 #include "core/error.h"
+#include "slam/baselines/relative_pose_baselines.h"
 #include "slam/places/guided_matches.h"
 #include "slam/places/ray_point_correspondence.h"
-#include "slam/baselines/relative_pose_baselines.h"
 #include "slam/pose_graph/pose_graph.h"
 #include "tests/slam/worlds/place_world.h"
 
