@@ -15,7 +15,12 @@ esac
 say() { printf '\n== %s\n' "$*"; }
 
 say "packages"
-scripts/install_packages.sh
+scripts/install_packages.sh --build
+
+# The web page comes from the network, the programs keep the processors busy.
+mkdir -p demo-data
+scripts/build_web.sh > demo-data/web.log 2>&1 &
+web=$!
 
 say "build"
 [ -f build/release/build.ninja ] || cmake --preset release > build.log 2>&1 || { cat build.log; exit 1; }
@@ -24,14 +29,13 @@ cmake --build --preset release --target parkade parkade-simulate
 parkade=build/release/server/parkade
 
 say "web page"
-scripts/build_web.sh
+wait "$web" || { cat demo-data/web.log >&2; exit 1; }
 
 # The drive is kept: the same options give the same bytes.
 drive=demo-data/lot.mcap
 options=(lot --seed 1 --duration 24 --rate 5)
 if [ ! -f "$drive" ] || [ "$(cat demo-data/options 2> /dev/null)" != "${options[*]}" ]; then
   say "a drive: parkade-simulate ${options[*]}"
-  mkdir -p demo-data
   rm -rf "$drive" demo-data/rig demo-data/truth demo-data/options
   build/release/tests/simulator/parkade-simulate "${options[@]}" --out "$drive" --rig-out demo-data/rig --truth-out demo-data/truth
   printf '%s' "${options[*]}" > demo-data/options

@@ -6,8 +6,7 @@
 # g++ takes a header that was precompiled without definitions in targets that have some, as long as the header does not
 # read them; and warns where it does not take it (-Winvalid-pch).
 find_package(GTest REQUIRED)
-file(WRITE ${PROJECT_BINARY_DIR}/precompiled.cpp.in "// What a precompiled header needs beside it.\n")
-configure_file(${PROJECT_BINARY_DIR}/precompiled.cpp.in ${PROJECT_BINARY_DIR}/precompiled.cpp COPYONLY)
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled.cpp CONTENT "// A target needs a source.\n")
 foreach(kind "" _gtest)
   add_library(parkade_headers${kind} OBJECT EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/precompiled.cpp)
   target_link_libraries(parkade_headers${kind}

@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # Installs what Parkade needs on Debian 12, and says what it installs. Idempotent.
 #   scripts/install_packages.sh             to build, run and test
+#   scripts/install_packages.sh --build     to build and run
 #   scripts/install_packages.sh --runtime   only to run an installed build
 set -euo pipefail
 
 build_packages=(
   # toolchain
-  build-essential cmake ninja-build ccache pkg-config ca-certificates curl git time
+  build-essential cmake ninja-build ccache pkg-config ca-certificates curl git python3
   # what the program is made of
   libeigen3-dev libopencv-dev libopencv-contrib-dev libceres-dev libsuitesparse-dev libpcl-dev libcgal-dev libtinygltf-dev libdraco-dev
   libgeotiff-dev libtiff-dev libgeographiclib-dev libcpp-httplib-dev libssl-dev nlohmann-json3-dev libyaml-cpp-dev
@@ -14,9 +15,11 @@ build_packages=(
   libsqlite3-dev libarchive-dev libzstd-dev liblz4-dev libbz2-dev zlib1g-dev libturbojpeg0-dev libpng-dev libfastcdr-dev
   # Debian's Ceres would otherwise run on ATLAS, which is several times slower
   libopenblas0-pthread
-  # tests and the drive simulator
-  libgtest-dev libbenchmark-dev libembree-dev gdal-bin python3 python3-rosbag python3-sensor-msgs python3-nav-msgs
-  python3-geometry-msgs python3-tf2-msgs chromium clang-format
+  # the drive simulator, and what CMake looks for to configure the tests
+  libembree-dev libgtest-dev libbenchmark-dev
+)
+test_packages=(
+  time gdal-bin python3-rosbag python3-sensor-msgs python3-nav-msgs python3-geometry-msgs python3-tf2-msgs chromium clang-format
   # clang-tidy, and the fuzzer of the log readers
   clang-14 clang-tidy-14 libclang-rt-14-dev
 )
@@ -29,9 +32,10 @@ runtime_packages=(
 )
 
 case "${1:-}" in
-  "") wanted=("${build_packages[@]}") ;;
+  "") wanted=("${build_packages[@]}" "${test_packages[@]}") ;;
+  --build) wanted=("${build_packages[@]}") ;;
   --runtime) wanted=("${runtime_packages[@]}") ;;
-  *) echo "usage: $0 [--runtime]" >&2; exit 2 ;;
+  *) echo "usage: $0 [--build | --runtime]" >&2; exit 2 ;;
 esac
 
 is_installed() { [ "$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null)" = installed ]; }
@@ -41,7 +45,7 @@ for package in "${wanted[@]}"; do
   is_installed "$package" || missing+=("$package")
 done
 # Node.js from wherever it came; Debian's is new enough (18).
-if [ "${1:-}" = "" ]; then
+if [ "${1:-}" != --runtime ]; then
   command -v node > /dev/null || missing+=(nodejs)
   command -v npm > /dev/null || missing+=(npm)
 fi
