@@ -44,9 +44,9 @@ changes=$(scripts/changed_files.sh)
 # True where sanitizers are to look at the folders of this pattern.
 wants() { [ "$mode" = all ] || grep -qE "^($1)/" <<< "$changes"; }
 
-# Where everything changed, sanitizers would take a slow machine an hour: none is begun after forty
+# Where everything changed, sanitizers would take a slow machine an hour: none is begun after thirty
 # minutes. What is left out is said.
-is_late() { [ "$mode" = changed ] && [ "$SECONDS" -gt 2400 ]; }
+is_late() { [ "$mode" = changed ] && [ "$SECONDS" -gt 1800 ]; }
 
 # Builds test programs under a sanitizer's preset, one after the other, and runs their suites, which
 # have their labels.
