@@ -6,6 +6,8 @@
 #include <random>
 #include <set>
 
+#include "tests/support/fisheye_camera.h"
+
 namespace parkade {
 namespace {
 
@@ -30,21 +32,8 @@ Timestamp TimeAt(double seconds) { return TimestampFromSeconds(kBeginOfTime + se
 /// A camera that looks along `yaw_deg` to the left of forward, and down.
 RigCamera MakeCamera(const std::string& name, const Eigen::Vector3d& position, double yaw_deg,
                      double down_deg) {
-  const double yaw = yaw_deg * M_PI / 180, down = down_deg * M_PI / 180;
-  Eigen::Matrix3d body_from_camera;
-  body_from_camera.col(2) << std::cos(yaw) * std::cos(down), std::sin(yaw) * std::cos(down),
-      -std::sin(down);
-  body_from_camera.col(0) << std::sin(yaw), -std::cos(yaw), 0;
-  body_from_camera.col(1) = body_from_camera.col(2).cross(body_from_camera.col(0));
-  RigCamera camera;
-  camera.name = name;
-  camera.topic = "/" + name;
-  camera.body_from_camera = {Eigen::Quaterniond(body_from_camera), position};
-  camera.model = CameraModel(
-      KannalaBrandtProjection{
-          .fx = 140, .fy = 140, .cx = (kWidth - 1) / 2.0, .cy = (kHeight - 1) / 2.0},
-      kWidth, kHeight);
-  return camera;
+  return MakeFisheyeCamera(name, position, yaw_deg * M_PI / 180, down_deg * M_PI / 180, 140, kWidth,
+                           kHeight);
 }
 
 Rig CarRig(int num_cameras) {

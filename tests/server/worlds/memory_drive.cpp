@@ -5,6 +5,7 @@
 
 #include "slam/factors/motion_state.h"
 #include "tests/slam/worlds/rendered_room.h"
+#include "tests/support/fisheye_camera.h"
 
 namespace parkade {
 namespace {
@@ -40,19 +41,7 @@ class MemoryStream final : public RecordStream {
 };
 
 RigCamera MakeCamera(const std::string& name, const Eigen::Vector3d& position, double yaw) {
-  Eigen::Matrix3d body_from_camera;
-  body_from_camera.col(2) << std::cos(yaw), std::sin(yaw), 0;
-  body_from_camera.col(0) << std::sin(yaw), -std::cos(yaw), 0;
-  body_from_camera.col(1) = body_from_camera.col(2).cross(body_from_camera.col(0));
-  RigCamera camera;
-  camera.name = name;
-  camera.topic = "/" + name;
-  camera.body_from_camera = {Eigen::Quaterniond(body_from_camera), position};
-  camera.model = CameraModel(
-      KannalaBrandtProjection{
-          .fx = 100, .fy = 100, .cx = (kWidth - 1) / 2.0, .cy = (kHeight - 1) / 2.0},
-      kWidth, kHeight);
-  return camera;
+  return MakeFisheyeCamera(name, position, yaw, 0, 100, kWidth, kHeight);
 }
 
 Rig HallRig() {
