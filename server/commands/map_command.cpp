@@ -93,9 +93,9 @@ OpenLogOptions OpenOptionsOf(const MapArguments& arguments) {
   return options;
 }
 
-BuildScope ScopeOf(const MapArguments& arguments,
-                   const std::vector<std::unique_ptr<RecordedDrive>>& drives,
-                   const std::filesystem::path& products) {
+BuildScope BuildScopeOf(const MapArguments& arguments,
+                        const std::vector<std::unique_ptr<RecordedDrive>>& drives,
+                        const std::filesystem::path& products) {
   BuildScope scope;
   scope.is_odometry_only = arguments.is_odometry_only;
   scope.from = arguments.from;
@@ -114,7 +114,7 @@ void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Pro
   OutputFolder output(arguments.out);
   const OpenedLogs logs = OpenLogs(arguments.logs, arguments.rigs, OpenOptionsOf(arguments));
   RequireOverwritable(arguments.out, NamesOf(logs.drives));
-  BuildScope scope = ScopeOf(arguments, logs.drives, output.staging());
+  BuildScope scope = BuildScopeOf(arguments, logs.drives, output.staging());
   scope.unreadable = logs.unreadable;
   scope.pins = std::move(pins);
   // A file that cannot be read is reported now, not after a long drive was tracked.
