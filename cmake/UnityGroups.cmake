@@ -1,13 +1,8 @@
 # Compiles several sources of a target as one: headers and templates are read once, which takes half of the time
 # from nothing. Sources that declare a name of their own alike (`kReach`, `using Json`) go to different groups.
 #
-# Sources with decompositions or Ceres are compiled alone: for every type that it meets, g++ searches a list of the
-# variants of that type, and with Eigen's templates those grow with each source. Eight such took 149 s as one and 92 s
-# one by one.
-#
 #   parkade_unity_groups()     at the end of the top CMakeLists.txt, for every target of ours
-set(parkade_unity_size 12) # sources of a group at most
-set(parkade_alone "^#include <(ceres/|Eigen/(Cholesky|Eigenvalues|LU|QR|SVD|Sparse))")
+set(parkade_unity_size 8) # sources of a group at most
 
 # What a source declares for itself, at the left edge: constants, aliases, types, functions.
 function(parkade_own_names source names)
@@ -36,11 +31,6 @@ function(parkade_group_sources target)
   list(FILTER sources INCLUDE REGEX "\\.cpp$")
   foreach(source IN LISTS sources)
     cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${folder})
-    file(STRINGS ${source} reasons REGEX "${parkade_alone}")
-    if(reasons)
-      set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-      continue()
-    endif()
     parkade_own_names(${source} names)
     set(group -1)
     set(fits FALSE)
