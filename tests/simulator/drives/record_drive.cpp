@@ -95,6 +95,7 @@ Shot ShotOf(const SimulateOptions& options, const Motion& motion, const Schedule
   shot.exposure = options.image.exposure;
   shot.time = since_start;
   shot.with_semantics = options.semantic;
+  shot.marks_level_ground = options.semantic_kind == "level";
   return shot;
 }
 

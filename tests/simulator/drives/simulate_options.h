@@ -24,7 +24,9 @@ struct SimulateOptions {
   double duration = 40;        ///< [s] 10 to 3600; counts where drive.length is 0
   double relief = 1;           ///< scales the ground's slopes
   double ground_texel = 0.01;  ///< [m] of painted asphalt
-  bool semantic = false;       ///< also write masks of drivable ground, one per image
+  bool semantic = false;       ///< also write masks, one per image
+  std::string semantic_kind = "drivable";  ///< what they show: drivable ground, or "level": also
+                                           ///< pavements and islands, as a mistaken network would
   DriverOptions drive;
   RigOptions rig;
   SensorOptions sensors;
@@ -45,6 +47,7 @@ struct SimulateOptions {
     visit("relief", relief);
     visit("ground_texel", ground_texel);
     visit("semantic", semantic);
+    visit("semantic_kind", semantic_kind);
     visit("drive", drive);
     visit("rig", rig);
     visit("sensors", sensors);

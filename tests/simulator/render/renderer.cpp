@@ -67,6 +67,10 @@ struct Renderer::Parts {
                     const PixelsOfPacket& pixels) const;
   SurfacePoint PointOnOwnCar(const OwnCarHit& hit, const MomentPose& pose, bool is_covered) const;
   void LightNearOwnCar(const FastPose& body_from_world, SurfacePoint& point) const;
+  bool IsDrivable(const SurfacePoint& point) const {
+    return point.is_ground && drivable[point.material].At(point.position.x(), point.position.y());
+  }
+  bool IsLevelGround(const SurfacePoint& point) const;
 };
 
 Renderer::Parts::Parts(const Scene& scene_in, const Rig& rig_in, double half_field_of_view)
@@ -94,6 +98,15 @@ SurfacePoint Renderer::Parts::PointOnOwnCar(const OwnCarHit& hit, const MomentPo
       scene.lamps.Irradiance(point.position, point.normal) + (is_covered ? scene.bounce : Gray(0));
   point.material = hit.material;
   return point;
+}
+
+/// What a network may take for a road: level, and hardly higher than the road.
+bool Renderer::Parts::IsLevelGround(const SurfacePoint& point) const {
+  constexpr float kLevel = 0.9F, kMaxHeight = 0.25F;  // cosine of the slope, [m]
+  const Eigen::Vector3d position = point.position.cast<double>();
+  const double road = scene.place.ground.Height(position.head<2>(), position.z());
+  return !point.is_ground && point.flat_normal.z() > kLevel &&
+         position.z() - road < static_cast<double>(kMaxHeight);
 }
 
 /// The car hides light from the ground beside and below it, and its headlights shine ahead.
@@ -151,8 +164,8 @@ void Renderer::Parts::RenderPacket(const Shot& shot, const PacketPoses& poses,
       }
       LightNearOwnCar(poses.Of(lane).body_from_world, point);
     }
-    if (shot.with_semantics && point.is_ground &&
-        drivable[point.material].At(point.position.x(), point.position.y()))
+    if (shot.with_semantics && !is_own_car &&
+        (IsDrivable(point) || (shot.marks_level_ground && IsLevelGround(point))))
       ++pixels[pixel]->num_drivable;
   }
   sunlight.FallOn(poses, is_surface, points);

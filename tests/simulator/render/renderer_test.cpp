@@ -97,6 +97,24 @@ TEST_F(LotImages, NoUndrivablePlaceOfThePlanIsMarkedAsDrivable) {
   }
 }
 
+TEST_F(LotImages, LevelGroundIsWhatIsDrivableAndIslandsBesides) {
+  for (size_t camera = 0; camera < 4; ++camera) {
+    const Shot shot{
+        .camera = camera,
+        .world_from_body = [](double offset) { return plan_->motion.WorldFromBody(12 + offset); },
+        .with_semantics = true,
+        .marks_level_ground = true};
+    const cv::Mat level = renderer_->Render(shot).drivable,
+                  drivable = Take(camera, 12, true).drivable;
+    cv::Mat missing, more;
+    cv::subtract(drivable, level, missing);
+    cv::subtract(level, drivable, more);
+    EXPECT_EQ(cv::countNonZero(missing), 0) << camera;
+    EXPECT_GT(cv::countNonZero(more), 200) << camera;
+    EXPECT_LT(cv::countNonZero(more), cv::countNonZero(drivable)) << camera;
+  }
+}
+
 TEST_F(LotImages, TheOwnCarIsMaskedAndDoesNotMove) {
   for (size_t camera = 0; camera < 4; ++camera) {
     const cv::Mat mask = renderer_->Mask(camera);
