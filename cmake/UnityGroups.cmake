@@ -1,5 +1,6 @@
 # Compiles several sources of a target as one: headers and templates are read once, which takes half of the time
 # from nothing. Sources that declare a name of their own alike (`kReach`, `using Json`) go to different groups.
+# Larger groups, or sources with Eigen's decompositions left alone, were measured by processor time: no quicker.
 #
 #   parkade_unity_groups()     at the end of the top CMakeLists.txt, for every target of ours
 set(parkade_unity_size 8) # sources of a group at most
