@@ -60,7 +60,7 @@ cv::Mat Overlay(const cv::Mat& image, const cv::Mat& mask) {
 
 /// Names of the masks, which are those of the images; two images of one name have no place in one
 /// folder.
-std::vector<std::string> OutputNames(const std::vector<std::string>& images) {
+std::vector<std::string> MaskNames(const std::vector<std::string>& images) {
   std::vector<std::string> names;
   std::set<std::string> taken;
   for (const std::string& image : images) {
@@ -129,7 +129,7 @@ class Segmenter {
 };
 
 int Segment(const SegmentArguments& arguments) {
-  const std::vector<std::string> names = OutputNames(arguments.images);
+  const std::vector<std::string> names = MaskNames(arguments.images);
   RequireImagesStay(arguments, names);
   const Segmenter segmenter(arguments);
   std::error_code error;

@@ -103,10 +103,10 @@ SurfacePoint Renderer::Parts::PointOnOwnCar(const OwnCarHit& hit, const MomentPo
 /// What a network may take for a road: level, and hardly higher than the road.
 bool Renderer::Parts::IsLevelGround(const SurfacePoint& point) const {
   constexpr float kLevel = 0.9F, kMaxHeight = 0.25F;  // cosine of the slope, [m]
+  if (point.is_ground || point.flat_normal.z() <= kLevel) return false;
   const Eigen::Vector3d position = point.position.cast<double>();
   const double road = scene.place.ground.Height(position.head<2>(), position.z());
-  return !point.is_ground && point.flat_normal.z() > kLevel &&
-         position.z() - road < static_cast<double>(kMaxHeight);
+  return position.z() - road < static_cast<double>(kMaxHeight);
 }
 
 /// The car hides light from the ground beside and below it, and its headlights shine ahead.
