@@ -78,15 +78,12 @@ std::vector<fs::path> TargetsOf(const SegmentArguments& arguments, const std::st
   return targets;
 }
 
-/// Throws Error{kUsage} where a mask would replace one of the images.
-void RequireImagesStay(const SegmentArguments& arguments, const std::vector<std::string>& names) {
+/// Throws Error{kUsage} where a file to write would replace one of the images.
+void RequireImagesStay(const SegmentArguments& arguments, const fs::path& target) {
   std::error_code ignored;  // a path that does not exist cannot be an image
-  for (const std::string& name : names)
-    for (const fs::path& target : TargetsOf(arguments, name))
-      for (const std::string& image : arguments.images)
-        Require(!fs::equivalent(target, image, ignored), ErrorCode::kUsage,
-                "the mask of '" + name + "' would replace the image '" + image +
-                    "': choose another --out");
+  for (const std::string& image : arguments.images)
+    Require(!fs::equivalent(target, image, ignored), ErrorCode::kUsage,
+            "'" + target.string() + "' would replace an image: choose another --out");
 }
 
 /// The camera that took the images. Throws Error{kUsage} or {kInvalidInput} where the rig does not
@@ -130,7 +127,8 @@ class Segmenter {
 
 int Segment(const SegmentArguments& arguments) {
   const std::vector<std::string> names = MaskNames(arguments.images);
-  RequireImagesStay(arguments, names);
+  for (const std::string& name : names)
+    for (const fs::path& target : TargetsOf(arguments, name)) RequireImagesStay(arguments, target);
   const Segmenter segmenter(arguments);
   std::error_code error;
   fs::create_directories(arguments.out, error);
