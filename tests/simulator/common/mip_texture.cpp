@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "tests/simulator/common/noise.h"
 
@@ -61,6 +62,54 @@ float ConcreteValue(int column, int row) {
          1.1f * PeriodicFractal(column, row, 4, 7, 0.7f, 83);
 }
 
+/// Distance [texels] to the nearest of points that lie at random in a lattice of `cells` by `cells`
+/// over the texture, and to the next one. Repeats.
+std::pair<float, float> NearestPoints(int column, int row, int cells, std::uint32_t seed) {
+  const int side = kSize / cells, x = column / side, y = row / side;
+  float nearest = 1e9f, next = 1e9f;
+  for (int j = y - 1; j <= y + 1; ++j)
+    for (int i = x - 1; i <= x + 1; ++i) {
+      const int at_x = (i + cells) % cells, at_y = (j + cells) % cells;
+      const auto place = [&](int cell, std::uint32_t stream) {
+        const float shift = 0.5f + 0.35f * CellValue(at_x, at_y, seed + stream);
+        return (static_cast<float>(cell) + shift) * static_cast<float>(side);
+      };
+      const float distance = std::hypot(place(i, 0) - static_cast<float>(column),
+                                        place(j, 1) - static_cast<float>(row));
+      next = std::min(next, std::max(nearest, distance));
+      nearest = std::min(nearest, distance);
+    }
+  return {nearest, next};
+}
+
+/// Stones of 64 to a side, each of its own gray, dark between them.
+float GravelValue(int column, int row) {
+  const auto [nearest, next] = NearestPoints(column, row, 64, 101);
+  const float stone = CellValue(column / 8, row / 8, 103);
+  return 0.8f * stone + 0.35f * std::min(next - nearest, 3.0f) +
+         0.7f * PeriodicFractal(column, row, 4, 4, 0.8f, 104);
+}
+
+/// Large square tiles in a grid of 8 by 8 with thin joints, hardly a stain.
+float TileValue(int column, int row) {
+  const bool is_joint = row % 64 < 2 || column % 64 < 2;
+  return (is_joint ? -3.0f : 0.6f * CellValue(column / 64, row / 64, 111)) +
+         0.4f * PeriodicFractal(column, row, 16, 5, 0.7f, 112);
+}
+
+/// Rounded stones, 16 to a side, in dark joints.
+float CobbleValue(int column, int row) {
+  const auto [nearest, next] = NearestPoints(column, row, 16, 121);
+  return 1.5f * std::min((next - nearest) / 6, 1.0f) - 0.03f * nearest +
+         0.6f * PeriodicFractal(column, row, 16, 5, 0.7f, 123);
+}
+
+/// Chips of bark.
+float MulchValue(int column, int row) {
+  return PeriodicFractal(column, 2 * row % kSize, 32, 4, 0.8f, 131) +
+         PeriodicFractal(2 * column % kSize, row, 32, 4, 0.8f, 132);
+}
+
 float TextureValue(TextureKind kind, int column, int row) {
   switch (kind) {
     case TextureKind::kAggregate: {
@@ -80,6 +129,10 @@ float TextureValue(TextureKind kind, int column, int row) {
     case TextureKind::kGrass: return PeriodicFractal(column, row, 8, 7, 0.85f, 61);
     case TextureKind::kSlabs: return SlabValue(column, row);
     case TextureKind::kConcrete: return ConcreteValue(column, row);
+    case TextureKind::kGravel: return GravelValue(column, row);
+    case TextureKind::kTiles: return TileValue(column, row);
+    case TextureKind::kCobbles: return CobbleValue(column, row);
+    case TextureKind::kMulch: return MulchValue(column, row);
     case TextureKind::kNone: break;
   }
   throw std::out_of_range("no texture of this kind");

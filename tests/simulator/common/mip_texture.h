@@ -16,9 +16,13 @@ enum class TextureKind : std::uint8_t {
   kBark,
   kGrass,
   kSlabs,
-  kConcrete
+  kConcrete,
+  kGravel,
+  kTiles,
+  kCobbles,
+  kMulch
 };
-inline constexpr int kNumTextureKinds = 9;
+inline constexpr int kNumTextureKinds = 13;
 
 /// A small gray texture that repeats, with all its averaged levels, so that it is
 /// never sampled finer than the eye sees it. Values are relative deviations of

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "core/options_json.h"
+#include "tests/simulator/layouts/place_look.h"
 #include "tests/simulator/vehicle/simulated_rig.h"
 
 namespace parkade::simulator {
@@ -22,7 +23,8 @@ nlohmann::json FaultsOf(const FaultOptions& faults, const DriveCounts& counts) {
 
 std::string HashOf(const SimulateOptions& options) {
   nlohmann::json json = OptionsToJson(options);
-  // Drives that were made before there were other lenses stay as they are.
+  // Drives that were made before there were other lenses and looks stay as they are.
+  if (json["looks"] == SimulateOptions{}.looks) json.erase("looks");
   if (json["rig"]["lens"] == RigOptions{}.lens) json["rig"].erase("lens");
   const std::string text = std::to_string(kSimulatorVersion) + json.dump();
   std::uint64_t hash = 0xcbf29ce484222325ULL;
@@ -46,6 +48,7 @@ nlohmann::json SummaryOf(const SimulateOptions& options, const DrivePlan& plan,
             {"returns_to_start", plan.returns_to_start},
             {"reversals", plan.num_reversals},
             {"is_parked", plan.is_parked}}},
+          {"look", LookOf(options.looks, options.OfScene().seed).family},
           {"datum",
            {{"latitude_deg", datum.latitude_deg},
             {"longitude_deg", datum.longitude_deg},

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "tests/simulator/drives/drive_summary.h"
+#include "tests/simulator/drives/progress_listener.h"
 #include "tests/simulator/render/renderer.h"
 #include "tests/simulator/sinks/drive_sink.h"
 

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/simulator/drives/progress_listener.h"
 #include "tests/simulator/drives/simulate_options.h"
 
 namespace parkade::simulator {
@@ -18,9 +18,6 @@ struct OutputPaths {
 
 /// FILE.mcap -> FILE.truth beside it; a folder -> itself.
 std::filesystem::path DefaultTruthFolder(const std::filesystem::path& log);
-
-/// Called now and then with what is being done and how far it is, 0..1.
-using ProgressListener = std::function<void(const std::string& stage, double fraction)>;
 
 /// Makes a drive and writes the log, the rig as its owner knows it (rig/) and as it is (rig_true/,
 /// and rig_true_knocked/ after a mirror was hit), truth.tum, ground_truth.ply, slots.geojson,

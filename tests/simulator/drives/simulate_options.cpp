@@ -1,6 +1,7 @@
 #include "tests/simulator/drives/simulate_options.h"
 
 #include "core/error.h"
+#include "tests/simulator/layouts/place_look.h"
 
 namespace parkade::simulator {
 
@@ -17,6 +18,7 @@ void SimulateOptions::Validate() const {
           "the ground's texels must be 0.002 to 0.2 m");
   Require(semantic_kind == "drivable" || semantic_kind == "level", ErrorCode::kUsage,
           "semantic_kind must be drivable or level");
+  LookOf(looks, 1);
   drive.Validate();
   rig.Validate();
   sensors.Validate();
@@ -33,6 +35,7 @@ SceneOptions SimulateOptions::OfScene() const {
   scene_options.day = day;
   scene_options.speed_bumps = speed_bumps;
   scene_options.weather = weather;
+  scene_options.looks = looks;
   return scene_options;
 }
 

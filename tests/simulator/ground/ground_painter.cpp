@@ -36,7 +36,9 @@ GroundPainter::GroundPainter(const Vector2d& extent, GroundCanvas& canvas, std::
       seed_(static_cast<std::uint32_t>(Mix64(seed))),
       texel_(static_cast<float>(canvas.texel_size())) {}
 
-void GroundPainter::Asphalt(const std::function<bool(float, float)>& covers) {
+void GroundPainter::Asphalt(const RoadLook& look, const std::function<bool(float, float)>& covers) {
+  const MipTexture* pattern =
+      look.pattern == TextureKind::kNone ? nullptr : &DetailTexture(look.pattern);
   canvas_.Fill([&](float x, float y) {
     if (covers && !covers(x, y)) return Gray(0.125f);
     const float broad = FractalNoise(0.13f * x, 0.13f * y, 3, seed_),
@@ -44,9 +46,11 @@ void GroundPainter::Asphalt(const std::function<bool(float, float)>& covers) {
     const float speckle =
         CellValue(static_cast<int>(x / texel_), static_cast<int>(y / texel_), seed_ + 20);
     const float grain = SmoothNoise(17 * x, 17 * y, seed_ + 21);
-    const float value =
-        0.125f * (1 + 0.16f * broad + 0.10f * middle + 0.10f * grain + 0.16f * speckle);
-    return Rgb(1.02f * value, value, 0.96f * value);
+    const float value = 1 + 0.16f * broad + 0.10f * middle + 0.10f * grain + 0.16f * speckle;
+    const float laid = pattern ? pattern->Sample(x / look.pattern_size, y / look.pattern_size,
+                                                 texel_ / look.pattern_size)
+                               : 0;
+    return Color(look.albedo * value * std::max(0.2f, 1 + look.pattern_contrast * laid));
   });
 }
 

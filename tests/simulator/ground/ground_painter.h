@@ -4,6 +4,7 @@
 
 #include "tests/simulator/common/random.h"
 #include "tests/simulator/ground/ground_canvas.h"
+#include "tests/simulator/ground/road_look.h"
 
 namespace parkade::simulator {
 
@@ -20,7 +21,7 @@ class GroundPainter {
   using Chooser = std::function<Eigen::Vector2d()>;
 
   /// Where `covers`, or everywhere; elsewhere flat gray.
-  void Asphalt(const std::function<bool(float x, float y)>& covers = {});
+  void Asphalt(const RoadLook& look, const std::function<bool(float x, float y)>& covers = {});
   void Concrete();  ///< sealed slabs of 6 m with joints
   /// Rough concrete with grooves raked by hand, for ramps; `along` [m] counts across the grooves.
   void Ribbed(const std::function<float(float x, float y)>& along);

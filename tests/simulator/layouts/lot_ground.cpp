@@ -79,14 +79,15 @@ void MarkStrip(const LotLayout& layout, double strip, GroundPainter& painter) {
 
 }  // namespace
 
-GroundCanvas PaintLot(const LotLayout& layout, double texel_size, std::uint64_t seed) {
+GroundCanvas PaintLot(const LotLayout& layout, const RoadLook& road, double texel_size,
+                      std::uint64_t seed) {
   GroundCanvas canvas(Vector2d::Zero(), Vector2d(layout.length, layout.width), texel_size);
   const double area = layout.length * layout.width;
   const auto per_area = [&](double square_meters) {
     return static_cast<int>(area / square_meters);
   };
   GroundPainter painter({layout.length, layout.width}, canvas, seed);
-  painter.Asphalt();
+  painter.Asphalt(road);
   painter.Patches(per_area(90));
   painter.Cracks(per_area(45));
   painter.Stains(per_area(14), [&] { return InAnySlot(layout, painter.random()); });

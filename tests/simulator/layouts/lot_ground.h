@@ -3,13 +3,15 @@
 #include "tests/simulator/common/mesh.h"
 #include "tests/simulator/ground/ground.h"
 #include "tests/simulator/ground/ground_canvas.h"
+#include "tests/simulator/ground/road_look.h"
 #include "tests/simulator/layouts/lot_layout.h"
 
 namespace parkade::simulator {
 
 /// The asphalt of a car park: worn and patched, with cracks, stains, lines,
 /// arrows, manholes and litter here, and large plain areas there.
-GroundCanvas PaintLot(const LotLayout& layout, double texel_size, std::uint64_t seed);
+GroundCanvas PaintLot(const LotLayout& layout, const RoadLook& road, double texel_size,
+                      std::uint64_t seed);
 
 /// The sealed concrete of a garage's deck that has the plan of a lot, with numbers of slots
 /// from 100 * (deck + 1) + 1 on, and `strip` [m] more to the north.

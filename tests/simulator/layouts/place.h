@@ -18,6 +18,7 @@ struct SceneOptions {
   int speed_bumps = 0;         ///< of a lot, at most 4
   int day = 0;                 ///< other parked cars and other light at the same place
   std::string weather = "";  ///< dry, overcast, wet, dusk; empty: as the day wants it, dry on day 0
+  std::string looks = "classic";  ///< of what the ground is made (LookOf)
 };
 
 enum class Weather { kDry, kOvercast, kWet, kDusk };

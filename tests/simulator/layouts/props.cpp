@@ -12,18 +12,16 @@ namespace parkade::simulator {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-Props::Props(const Ground& ground, std::uint64_t seed, bool is_dark,
+Props::Props(const Ground& ground, std::uint64_t seed, bool is_dark, const PlaceLook& look,
              std::vector<Material>& materials)
-    : ground_(ground), random_(seed, 0x0b1), is_dark_(is_dark), materials_(materials) {
-  for (const float tone : {0.24f, 0.30f, 0.36f})
-    kerb_.push_back(Add({.albedo = Gray(tone),
-                         .texture = TextureKind::kPlaster,
-                         .texture_size = 0.7f,
-                         .texture_contrast = 0.12f}));
-  grass_ = Add({.albedo = Rgb(0.10f, 0.15f, 0.045f),
-                .texture = TextureKind::kGrass,
-                .texture_size = 2.3f,
-                .texture_contrast = 0.35f});
+    : ground_(ground),
+      random_(seed, 0x0b1),
+      is_dark_(is_dark),
+      kerb_height_(look.kerb_height),
+      materials_(materials) {
+  for (const Material& stone : look.kerbs) kerb_.push_back(Add(stone));
+  land_ = Add(look.land);
+  island_ = Add(look.island);
   bark_ = Add({.albedo = Rgb(0.13f, 0.10f, 0.075f),
                .texture = TextureKind::kBark,
                .texture_size = 0.9f,
@@ -42,10 +40,7 @@ Props::Props(const Ground& ground, std::uint64_t seed, bool is_dark,
                .texture = TextureKind::kBark,
                .texture_size = 1.3f,
                .texture_contrast = 0.25f});
-  pavement_ = Add({.albedo = Rgb(0.27f, 0.26f, 0.25f),
-                   .texture = TextureKind::kSlabs,
-                   .texture_size = 2.4f,
-                   .texture_contrast = 0.16f});
+  pavement_ = Add(look.pavement);
   lamp_ = Add({.albedo = Gray(0.7f), .emission = is_dark ? Rgb(6, 4.8f, 3) : Gray(0)});
 }
 
@@ -71,7 +66,7 @@ void Props::Kerb(const Vector2d& from, const Vector2d& to) {
       const Vector2d moved = point + outward * right;
       return OnGround(moved.x(), moved.y(), above);
     };
-    const double top = kKerbHeight - sink, inner = -kKerbWidth;
+    const double top = kerb_height_ - sink, inner = -kKerbWidth;
     kerbs_.push_back({at(b, 0, 0), at(a, 0, 0), top});
     mesh_.AddQuad({at(a, 0, top), at(a, 0, -0.1), at(b, 0, -0.1), at(b, 0, top)}, stone);
     mesh_.AddQuad({at(a, inner, top), at(a, 0, top), at(b, 0, top), at(b, inner, top)}, stone);

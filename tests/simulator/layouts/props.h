@@ -8,6 +8,7 @@
 #include "tests/simulator/common/rectangle.h"
 #include "tests/simulator/ground/ground.h"
 #include "tests/simulator/ground/kerb_stone.h"
+#include "tests/simulator/layouts/place_look.h"
 
 namespace parkade::simulator {
 
@@ -16,15 +17,16 @@ namespace parkade::simulator {
 /// and the lights.
 class Props {
  public:
-  static constexpr double kKerbHeight = 0.12, kKerbWidth = 0.15;  ///< [m]
-  static constexpr double kLampFoot = 0.16;  ///< [m] half the width of a street lamp's foot
+  static constexpr double kKerbWidth = 0.15;  ///< [m]
+  static constexpr double kLampFoot = 0.16;   ///< [m] half the width of a street lamp's foot
 
   /// Keeps references to `ground` and `materials`. `is_dark` lights windows and lamps.
-  Props(const Ground& ground, std::uint64_t seed, bool is_dark, std::vector<Material>& materials);
+  Props(const Ground& ground, std::uint64_t seed, bool is_dark, const PlaceLook& look,
+        std::vector<Material>& materials);
 
   Eigen::Vector3d OnGround(double x, double y, double above) const;
   /// At the height of a lawn or pavement behind a kerb.
-  Eigen::Vector3d OnGreen(double x, double y) const { return OnGround(x, y, kKerbHeight - 0.02); }
+  Eigen::Vector3d OnGreen(double x, double y) const { return OnGround(x, y, kerb_height_ - 0.02); }
 
   /// Kerb stones of about a meter, each of its own gray; the road is on the right of from -> to.
   void Kerb(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
@@ -43,7 +45,8 @@ class Props {
   void Car(const Rectangle& footprint, double near_z, int style, std::uint64_t seed);
 
   MaterialId Add(const Material& material);
-  MaterialId grass() const { return grass_; }
+  MaterialId island() const { return island_; }
+  MaterialId land() const { return land_; }
   MaterialId pavement() const { return pavement_; }
   Random& random() { return random_; }
   Mesh& mesh() { return mesh_; }
@@ -54,13 +57,14 @@ class Props {
   const Ground& ground_;
   Random random_;
   bool is_dark_;
+  double kerb_height_;  // [m]
   std::vector<Material>& materials_;
   Mesh mesh_;
   std::vector<Lamp> lamps_;
   std::vector<KerbStone> kerbs_;
   std::vector<MaterialId> kerb_, leaves_;
-  MaterialId grass_ = 0, pavement_ = 0, bark_ = 0, metal_ = 0, white_ = 0, blue_ = 0, red_ = 0,
-             wood_ = 0, lamp_ = 0;
+  MaterialId land_ = 0, island_ = 0, pavement_ = 0, bark_ = 0, metal_ = 0, white_ = 0, blue_ = 0,
+             red_ = 0, wood_ = 0, lamp_ = 0;
 };
 
 }  // namespace parkade::simulator

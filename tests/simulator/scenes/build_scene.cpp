@@ -16,12 +16,13 @@ namespace {
 Scene BuildLot(const Place& place, const SceneOptions& options) {
   LotLayout layout = PlanLot(options.seed, options.day);
   AddBumps(options.speed_bumps, layout);
+  const PlaceLook look = LookOf(options.looks, options.seed);
   const Weather weather = WeatherOf(options);
   Scene scene{.place = place,
               .sky = Sky(options.seed + 7919 * static_cast<std::uint64_t>(options.day), weather),
               .ground = MakeLotGround(layout, place.ground)};
-  scene.ground_colors.push_back(PaintLot(layout, options.ground_texel, options.seed));
-  Props props(scene.place.ground, options.seed, weather == Weather::kDusk, scene.materials);
+  scene.ground_colors.push_back(PaintLot(layout, look.road, options.ground_texel, options.seed));
+  Props props(scene.place.ground, options.seed, weather == Weather::kDusk, look, scene.materials);
   FurnishLot(layout, props);
   scene.objects = std::move(props.mesh());
   scene.lamps = LampField(props.lamps());

@@ -70,7 +70,7 @@ GroundCanvas PaintCurve(const GarageLayout& layout, const GroundSheet& sheet, do
 GroundCanvas PaintForecourt(const GroundSheet& sheet, double texel, std::uint64_t seed) {
   GroundCanvas canvas(sheet.min, sheet.max, texel);
   GroundPainter painter({1, 1}, canvas, seed);
-  painter.Asphalt();
+  painter.Asphalt({});
   const auto anywhere = [&] {
     return Vector2d(painter.random().Uniform(sheet.min.x(), 0),
                     painter.random().Uniform(0, sheet.max.y()));
@@ -134,7 +134,7 @@ void FurnishOutside(const GarageLayout& layout, Props& props) {
       const double x1 = x < west && x + kStep > west && y >= 0 && y < north ? west : x + kStep,
                    z = -0.03;
       props.mesh().AddQuad({Vector3d(x, y, z), {x1, y, z}, {x1, y + kStep, z}, {x, y + kStep, z}},
-                           props.grass());
+                           props.land());
     }
   props.Kerb({-0.3, 0}, {west, 0});
   props.Kerb({west, layout.width}, {-0.3, layout.width});
@@ -194,7 +194,8 @@ Scene BuildGarage(const SceneOptions& options) {
   structure.Pillars();
   structure.Rooms();
   structure.Fittings();
-  Props props(ground, options.seed, weather == Weather::kDusk, scene.materials);
+  Props props(ground, options.seed, weather == Weather::kDusk, LookOf(options.looks, options.seed),
+              scene.materials);
   FurnishOutside(layout, props);
   for (int deck = 0; deck < layout.num_decks(); ++deck)
     for (const ParkedCar& car : layout.decks[static_cast<size_t>(deck)].cars)

@@ -34,7 +34,7 @@ class LotFurnisher {
         props_.mesh().AddQuad(
             {props_.OnGreen(xs[i], ys[j]), props_.OnGreen(xs[i + 1], ys[j]),
              props_.OnGreen(xs[i + 1], ys[j + 1]), props_.OnGreen(xs[i], ys[j + 1])},
-            props_.grass());
+            props_.land());
       }
     }
   }
@@ -49,7 +49,7 @@ class LotFurnisher {
           [&](int i, int j) {
             return props_.OnGreen(low.x() + size.x() * i, low.y() + size.y() * j / (rows - 1));
           },
-          [&](int, int) { return props_.grass(); });
+          [&](int, int) { return props_.island(); });
       if (island.half_size.y() > 2) {
         for (const double y : {-0.6, 0.55})
           props_.Tree(island.center + Vector2d(0, y * island.half_size.y()),

@@ -38,11 +38,12 @@ void MarkStreet(const StreetLayout& layout, const RoadField::Line& line, GroundP
   }
 }
 
-GroundCanvas PaintStreet(const StreetLayout& layout, double texel, std::uint64_t seed) {
+GroundCanvas PaintStreet(const StreetLayout& layout, const RoadLook& road, double texel,
+                         std::uint64_t seed) {
   const Vector2d min = layout.field.min(), max = layout.field.max();
   GroundCanvas canvas(min, max, texel);
   GroundPainter painter(max - min, canvas, seed);
-  painter.Asphalt([&](float x, float y) { return layout.field.At({x, y}) < 0.4; });
+  painter.Asphalt(road, [&](float x, float y) { return layout.field.At({x, y}) < 0.4; });
   Random& random = painter.random();
   const auto anywhere = [&] {
     const auto& line = random.Chance(0.85) ? layout.loop : layout.cross;
@@ -119,7 +120,7 @@ class StreetFurnisher {
             low = std::min(low, field_.At({x + dx, y + dy}));
         if (low > 0.5)
           props_.mesh().AddQuad({at(0, 0), at(kStep, 0), at(kStep, kStep), at(0, kStep)},
-                                props_.grass());
+                                props_.land());
       }
   }
 
@@ -222,12 +223,14 @@ class StreetFurnisher {
 Scene BuildStreet(const SceneOptions& options) {
   constexpr double kCoarser = 2.5;  // than a lot's: a street is long
   const StreetLayout layout = PlanStreet(options.seed, options.day);
+  const PlaceLook look = LookOf(options.looks, options.seed);
   const Weather weather = WeatherOf(options);
   Scene scene{.place = MakeStreetPlace(layout, options),
               .sky = Sky(options.seed + 7919 * static_cast<std::uint64_t>(options.day), weather)};
   scene.ground = MakeRoad(layout, scene.place.ground);
-  scene.ground_colors.push_back(PaintStreet(layout, kCoarser * options.ground_texel, options.seed));
-  Props props(scene.place.ground, options.seed, weather == Weather::kDusk, scene.materials);
+  scene.ground_colors.push_back(
+      PaintStreet(layout, look.road, kCoarser * options.ground_texel, options.seed));
+  Props props(scene.place.ground, options.seed, weather == Weather::kDusk, look, scene.materials);
   StreetFurnisher furnisher(layout, props);
   furnisher.Land();
   furnisher.Houses(layout.loop);

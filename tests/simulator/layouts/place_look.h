@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "tests/simulator/common/mesh.h"
+#include "tests/simulator/ground/road_look.h"
+
+namespace parkade::simulator {
+
+/// Of what the ground of a place is made, and how high its kerbs are.
+struct PlaceLook {
+  std::string family = "classic";
+  double kerb_height = 0.12;  ///< [m]
+  RoadLook road;
+  std::array<Material, 3> kerbs;  ///< each stone is of one of them
+  Material pavement,              ///< behind the kerbs of streets
+      island,                     ///< on top of islands
+      land;                       ///< all around
+};
+
+/// Looks are drawn per place from families of surfaces. `looks` is "classic", the one look of a
+/// place of old; "known", for networks to learn from; or "unknown", families with kinds of surface
+/// that no known one has: nothing is trained on or chosen by them. Throws Error{kUsage} for others.
+PlaceLook LookOf(const std::string& looks, std::uint64_t seed);
+
+}  // namespace parkade::simulator
