@@ -10,6 +10,7 @@
 #include "core/log.h"
 #include "core/parallel.h"
 #include "mapping/heights/estimate_suspension.h"
+#include "mapping/heights/fine_heights.h"
 #include "mapping/heights/height_certainty.h"
 #include "mapping/heights/measure_heights.h"
 #include "mapping/heights/plane_heights.h"
@@ -19,11 +20,13 @@ namespace {
 
 constexpr int kNumRounds = 4;  // 0: the height of the ground beside the path is extrapolated only
 constexpr double kMaxOffset =
-    0.25;  // [m] above and below what is known so far; half of it in the last round
+    0.25;  // [m] above and below what is known so far, but for the last round
 constexpr double kContactSigma = 0.01;      // [m] of the road's height at a wheel
 constexpr double kSuspensionSigma = 0.005;  // [rad] of the body's pitch: adds to the front wheels
 constexpr double kPlaneShare =
     0.1;  // weight of a square of a keyframe's plane: those around it err alike
+constexpr double kContinuedSigma =
+    1;  // [m] of a plane beyond the wheels: how far it holds, SpreadSigmas says
 constexpr double kPoseDistance = 0.5;  // [m] between poses that heights may be tied to
 constexpr double kPoseSquare = 8.0;    // [m] of the squares in which these are sorted
 
@@ -118,6 +121,32 @@ std::vector<DriveHeight> TieAll(const std::vector<HeightObservation>& heights,
   return ParallelMap(heights.size(), [&](size_t i) { return ties.Tie(heights[i]); });
 }
 
+/// The squares of a field in which heights were measured.
+class MeasuredSquares {
+ public:
+  MeasuredSquares(std::span<const HeightObservation> heights, double side) : side_(side) {
+    for (const HeightObservation& height : heights)
+      squares_[SquareOf(height.point_in_site)].push_back(height.point_in_site.z());
+  }
+
+  bool Has(const Eigen::Vector3d& point) const {
+    const auto found = squares_.find(SquareOf(point));
+    return found != squares_.end() &&
+           std::any_of(found->second.begin(), found->second.end(),
+                       [&](double z) { return std::abs(z - point.z()) < kSameDeck; });
+  }
+
+ private:
+  static constexpr double kSameDeck = 1.0;  // [m]
+  std::pair<int, int> SquareOf(const Eigen::Vector3d& point) const {
+    return {static_cast<int>(std::floor(point.x() / side_)),
+            static_cast<int>(std::floor(point.y() / side_))};
+  }
+
+  double side_;
+  std::map<std::pair<int, int>, std::vector<double>> squares_;
+};
+
 /// Where a height lies now. Nothing where the path does not reach its time.
 std::optional<Eigen::Vector3d> PointInSite(const DriveHeight& height, const DrivenPath* path) {
   const Eigen::Vector3d point = height.point_in_body.cast<double>();
@@ -159,8 +188,8 @@ DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* p
     all.insert(all.end(), swept.begin(), swept.end());
     field = HeightField(std::move(all), options.field, field ? &*field : nullptr);
     const bool is_last = round + 1 == num_rounds;
-    swept = MeasureHeights(used_in(round), std::span(path, 1), *field,
-                           (is_last ? 0.5 : 1.0) * kMaxOffset, is_last ? options.sweep : early);
+    swept = is_last ? MeasureFineHeights(patches, std::span(path, 1), *field, options.sweep)
+                    : MeasureHeights(used_in(round), std::span(path, 1), *field, kMaxOffset, early);
     LogDebug("stage=measure_heights round=" + std::to_string(round) +
              " heights=" + std::to_string(swept.size()));
     if (round > 0) continue;
@@ -180,9 +209,11 @@ DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* p
           TieAll(planes.Sums(), ties)};
 }
 
-HeightField FitHeights(std::span<const DriveHeights> drives, std::span<const DrivenPath> paths,
-                       const HeightOptions& options, std::span<const HeightObservation> measured) {
-  std::vector<HeightObservation> heights;
+namespace {
+
+/// What cars stood on.
+void AddContactsOf(std::span<const DriveHeights> drives, std::span<const DrivenPath> paths,
+                   const HeightOptions& options, std::vector<HeightObservation>& heights) {
   for (const DrivenPath& path : paths) {
     const auto own = std::find_if(drives.begin(), drives.end(), [&](const DriveHeights& of_drive) {
       return of_drive.drive == path.drive;
@@ -191,8 +222,13 @@ HeightField FitHeights(std::span<const DriveHeights> drives, std::span<const Dri
     if (own != drives.end()) leaning.lean = own->lean;
     AddContacts(leaning, options, heights);
   }
+}
+
+/// The planes of all keyframes.
+std::vector<HeightObservation> PlanesOf(std::span<const DriveHeights> drives,
+                                        std::span<const DrivenPath> paths,
+                                        const HeightOptions& options) {
   PlaneHeights planes(options.field);
-  std::vector<HeightObservation> swept;
   for (const DriveHeights& of_drive : drives) {
     const DrivenPath* path = FindPath(paths, of_drive.drive);
     for (const DriveHeight& plane : of_drive.planes)
@@ -200,17 +236,43 @@ HeightField FitHeights(std::span<const DriveHeights> drives, std::span<const Dri
         const double sigma = static_cast<double>(plane.sigma);
         planes.Add(*point, static_cast<double>(plane.weight), 1 / (sigma * sigma));
       }
+  }
+  return planes.Observations(kPlaneShare);
+}
+
+}  // namespace
+
+HeightField FitHeights(std::span<const DriveHeights> drives, std::span<const DrivenPath> paths,
+                       const HeightOptions& options, std::span<const HeightObservation> measured) {
+  std::vector<HeightObservation> heights;
+  AddContactsOf(drives, paths, options, heights);
+  std::vector<HeightObservation> swept;
+  for (const DriveHeights& of_drive : drives) {
+    const DrivenPath* path = FindPath(paths, of_drive.drive);
     for (const DriveHeight& height : of_drive.swept)
       if (const std::optional<Eigen::Vector3d> point = PointInSite(height, path))
         swept.push_back(
-            {*point, static_cast<double>(height.weight), static_cast<double>(height.sigma)});
+            {*point, static_cast<double>(height.weight), static_cast<double>(height.sigma), true});
   }
-  for (const auto& more : {planes.Observations(kPlaneShare), swept})
-    heights.insert(heights.end(), more.begin(), more.end());
+  // A keyframe's plane only says how the ground goes on where nothing has measured it.
+  const MeasuredSquares measured_at(swept, options.field.spacing);
+  for (const HeightObservation& plane : PlanesOf(drives, paths, options))
+    if (!measured_at.Has(plane.point_in_site))
+      heights.push_back({plane.point_in_site, plane.weight, kContinuedSigma});
+  heights.insert(heights.end(), swept.begin(), swept.end());
   heights.insert(heights.end(), measured.begin(), measured.end());
-  HeightField field(std::move(heights), options.field);
+  HeightFieldOptions with_steps = options.field;
+  with_steps.has_steps = true;
+  HeightField field(std::move(heights), with_steps);
   SpreadSigmas(field);
   return field;
+}
+
+HeightField FitRoad(std::span<const DriveHeights> drives, std::span<const DrivenPath> paths,
+                    const HeightOptions& options) {
+  std::vector<HeightObservation> heights = PlanesOf(drives, paths, options);
+  AddContactsOf(drives, paths, options, heights);
+  return HeightField(std::move(heights), options.field);
 }
 
 }  // namespace parkade

@@ -54,4 +54,9 @@ HeightField FitHeights(std::span<const DriveHeights> drives, std::span<const Dri
                        const HeightOptions& options,
                        std::span<const HeightObservation> measured = {});
 
+/// The road alone, as it would go on beside the paths: wheel contacts and planes of keyframes. What
+/// lies above it is a kerb, an island, a pavement, or a ramp that nobody drove on.
+HeightField FitRoad(std::span<const DriveHeights> drives, std::span<const DrivenPath> paths,
+                    const HeightOptions& options);
+
 }  // namespace parkade

@@ -18,8 +18,8 @@ constexpr double kBase = 2.0;                          // [m] over which a slope
 constexpr std::array<double, 4> kLengths{2, 4, 6, 8};  // [m] of continuation that are tried
 constexpr size_t kMinTrials = 100;
 constexpr double kShare =
-    0.8;  // of the trials that err by less than kSigmas sigmas, as a Gaussian would have it
-constexpr double kSigmas = 1.28;
+    0.95;  // of the trials that err by less than kSigmas sigmas, as a Gaussian would have it
+constexpr double kSigmas = 1.96;
 constexpr double kUnknownSlope = 0.005;      // [rad] where it could not be tried
 constexpr double kUnknownCurvature = 0.007;  // [1/m]
 

@@ -16,9 +16,11 @@ namespace parkade {
 namespace {
 
 constexpr double kOutlierHeight =
-    0.1;                       // [m] off the surface from which an observation loses its say
-constexpr int kNumRounds = 3;  // of re-weighting
-constexpr double kTie = 1e-3;  // [1/m^2] weight of a node's own guess: next to nothing
+    0.1;                              // [m] off the surface from which an observation loses its say
+constexpr int kNumRoundsOfSteps = 6;  // of re-weighting where the surface may break
+constexpr double kBreakingBend = 0.003;  // [m] second difference at which it gives way
+constexpr int kNumRounds = 3;            // of re-weighting
+constexpr double kTie = 1e-3;            // [1/m^2] weight of a node's own guess: next to nothing
 
 using Coefficients = std::array<double, 4>;
 
@@ -96,6 +98,18 @@ HeightField::HeightField(std::vector<HeightObservation> observations,
   NumberByPlace();
   MakeNodes();
   if (!heights_.empty()) Solve(observations, before);
+  KeepMeasured(observations);
+}
+
+void HeightField::KeepMeasured(const std::vector<HeightObservation>& observations) {
+  for (const HeightObservation& observation : observations) {
+    const int patch = observation.is_swept ? FindPatch(observation.point_in_site) : kNone;
+    if (patch == kNone) continue;
+    MeasuredHeight& measured = patches_[static_cast<size_t>(patch)].measured;
+    measured.weight += observation.weight;
+    measured.height +=
+        observation.weight / measured.weight * (observation.point_in_site.z() - measured.height);
+  }
 }
 
 bool HeightField::HasPatchNear(int x, int y, double height) const {
@@ -175,9 +189,10 @@ void HeightField::Solve(const std::vector<HeightObservation>& observations,
                         const HeightField* before) {
   CholeskySolver solver;
   const HeightField* weighed_by = before;
-  for (int round = before ? 1 : 0; round < kNumRounds; ++round) {
+  const int num_rounds = options_.has_steps ? kNumRoundsOfSteps : kNumRounds;
+  for (int round = before ? 1 : 0; round < num_rounds; ++round) {
     NormalEquations equations(num_nodes());
-    AddThinPlate(equations);
+    AddThinPlate(options_.has_steps && round > 0, equations);
     AddObservations(observations, weighed_by, equations);
     // A node that nothing binds keeps its first guess.
     for (int node = 0; node < num_nodes(); ++node)
@@ -189,7 +204,8 @@ void HeightField::Solve(const std::vector<HeightObservation>& observations,
   }
 }
 
-void HeightField::AddThinPlate(NormalEquations& equations) const {
+/// \param breaks  where the last solution bends too much, it breaks
+void HeightField::AddThinPlate(bool breaks, NormalEquations& equations) const {
   std::vector<int> right(heights_.size(), kNone), up(heights_.size(), kNone);
   for (const Patch& patch : patches_) {
     right[static_cast<size_t>(patch.nodes[0])] = patch.nodes[1];
@@ -199,15 +215,24 @@ void HeightField::AddThinPlate(NormalEquations& equations) const {
   }
   const double bend = options_.curvature_sigma * options_.spacing * options_.spacing;
   const double stiffness = 1 / (bend * bend);
+  const auto height = [&](int node) { return heights_[static_cast<size_t>(node)]; };
+  const auto left_of = [&](double difference) {
+    const double strain = breaks ? difference / kBreakingBend : 0;
+    return stiffness / ((1 + strain * strain) * (1 + strain * strain));
+  };
   for (const std::vector<int>& next : {right, up})
     for (int node = 0; node < num_nodes(); ++node) {
       const int second = next[static_cast<size_t>(node)];
       if (second == kNone) continue;
       const int third = next[static_cast<size_t>(second)];
-      if (third != kNone) equations.AddRow<3>({node, second, third}, {1, -2, 1}, 0, stiffness);
+      if (third != kNone)
+        equations.AddRow<3>({node, second, third}, {1, -2, 1}, 0,
+                            left_of(height(node) - 2 * height(second) + height(third)));
     }
   for (const Patch& patch : patches_)
-    equations.AddRow<4>(patch.nodes, {1, -1, -1, 1}, 0, 2 * stiffness);
+    equations.AddRow<4>(patch.nodes, {1, -1, -1, 1}, 0,
+                        2 * left_of(height(patch.nodes[0]) - height(patch.nodes[1]) -
+                                    height(patch.nodes[2]) + height(patch.nodes[3])));
 }
 
 /// Less, the further it is from the surface. Where there is none, its own.

@@ -20,15 +20,24 @@ struct HeightObservation {
   double sigma = 0;  ///< [m] how well the height is known there, where observations share what they
                      ///< know; 0: by weight
 
+  bool is_swept = false;  ///< views of the very place agreed on it
+
   double Sigma() const { return sigma > 0 ? sigma : 1 / std::sqrt(weight); }
+};
+
+/// What views of one patch agreed on.
+struct MeasuredHeight {
+  double height = 0;  ///< [m] mean
+  double weight = 0;  ///< [1/m^2] of all of them; 0: none agreed
 };
 
 struct HeightFieldOptions {
   double spacing = 0.4;  ///< [m] between nodes; bumps shorter than two of them are not kept
   double curvature_sigma = 0.02;  ///< [1/m] of the road; smaller smooths more
   double level_separation =
-      1.5;                ///< [m] surfaces further apart in height are decks above each other
-  void Validate() const;  ///< throws Error{kUsage}
+      1.5;                 ///< [m] surfaces further apart in height are decks above each other
+  bool has_steps = false;  ///< the plate gives way where observations bend it too much
+  void Validate() const;   ///< throws Error{kUsage}
 };
 
 /// Heights of the ground on a sparse grid of nodes, bilinear between them, several decks allowed
@@ -80,6 +89,10 @@ class HeightField {
   double SigmaOf(int patch) const { return patches_[static_cast<size_t>(patch)].sigma; }
   void SetSigma(int patch, double sigma) { patches_[static_cast<size_t>(patch)].sigma = sigma; }
 
+  const MeasuredHeight& MeasuredIn(int patch) const {
+    return patches_[static_cast<size_t>(patch)].measured;
+  }
+
   /// Grid index of the patch's lower corner, which is at index * spacing.
   Eigen::Vector2i IndexOf(int patch) const {
     return {patches_[static_cast<size_t>(patch)].x, patches_[static_cast<size_t>(patch)].y};
@@ -95,6 +108,7 @@ class HeightField {
     std::array<int, 4> nodes{};  ///< at (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)
     double guess = 0;            ///< [m] first height
     double sigma = 0;            ///< [m]
+    MeasuredHeight measured = {};
   };
   class NormalEquations;
   friend class PatchFinder;
@@ -106,8 +120,9 @@ class HeightField {
   bool HasPatchNear(int x, int y, double height) const;
   void AddPatch(const Patch& patch);
   void KeepHeights();
+  void KeepMeasured(const std::vector<HeightObservation>& observations);
   void Solve(const std::vector<HeightObservation>& observations, const HeightField* before);
-  void AddThinPlate(NormalEquations& equations) const;
+  void AddThinPlate(bool breaks, NormalEquations& equations) const;
   void AddObservations(const std::vector<HeightObservation>& observations,
                        const HeightField* weighed_by, NormalEquations& equations);
   double WeightOf(const HeightObservation& observation) const;

@@ -17,14 +17,23 @@
 namespace parkade {
 namespace {
 
-constexpr int kWindowsPerTile = 12;  // a tile is swept by one thread
+constexpr double kTileSide = 14.4;   // [m] of what one thread sweeps
 constexpr size_t kMaxPatches = 500;  // of a block, read at once: that bounds memory
 constexpr double kMinLever =
     1.0;  // distance over height of the eye: a steeper view tells no height
-constexpr double kMeanSquare = 0.75;  // of a window: the squares of LocalMeans
-constexpr double kMargin = 3.0;       // [m] rays meet the surface not further from
-                                      // where they meet the car's plane ...
-constexpr double kMaxShift = 0.375;   // ... nor this share of the way there
+constexpr double kMeanAlong = 1.5, kMeanAcross = 0.2;  // [m] the squares of LocalMeans
+constexpr double kMargin = 3.0;                        // [m] rays meet the surface not further from
+                                                       // where they meet the car's plane ...
+constexpr double kMaxShift = 0.375;                    // ... nor this share of the way there
+
+int WindowsPerTile(const MeasureHeightsOptions& options) {
+  return static_cast<int>(std::lround(kTileSide / options.window));
+}
+
+/// [m] of a tile, whole windows.
+double SideOf(const MeasureHeightsOptions& options) {
+  return WindowsPerTile(options) * options.window;
+}
 
 /// Which patches are near enough to matter to a tile.
 struct Tile {
@@ -43,17 +52,18 @@ struct Block {
 /// The samples of a patch that say something about heights, on the surface.
 std::vector<Meeting> FindMeetings(const PosedGroundPatch& posed, const DrivenPath& path,
                                   const HeightField& field, const Eigen::AlignedBox2d& block,
-                                  const MeasureHeightsOptions& options) {
+                                  const MeasureHeightsOptions& options, UsedSamples used) {
   std::vector<Meeting> meetings;
   meetings.reserve(posed.patch.samples.size());
   const double max_squared_distance = options.max_distance * options.max_distance;
   PatchFinder patches_at(field);
-  const LocalMeans means(posed.patch.samples, kMeanSquare * options.window);
+  const LocalMeans means(posed.patch.samples, kMeanAlong, kMeanAcross, used);
   const Eigen::Isometry3d site_from_body = IsometryOf(posed.site_from_body);
   const Eigen::Vector3d eye =
       site_from_body * path.cameras_in_body[static_cast<size_t>(posed.patch.camera)];
   for (const GroundSample& sample : posed.patch.samples) {
-    if (!LocalMeans::IsUsed(sample)) continue;
+    const float weight = means.WeightOf(sample);
+    if (!(weight > 0)) continue;
     Eigen::Vector3d point = site_from_body * sample.point_in_body.cast<double>();
     const double squared_distance = (point - eye).head<2>().squaredNorm(),
                  least = kMinLever * (eye.z() - point.z());
@@ -65,7 +75,7 @@ std::vector<Meeting> FindMeetings(const PosedGroundPatch& posed, const DrivenPat
     if (IntersectRay(patches_at, eye, point) == HeightField::kNone) continue;
     const Eigen::Vector2d shift = -(point - eye).head<2>() / (eye.z() - point.z());
     meetings.push_back({(point.head<2>() - block.min()).cast<float>(), shift.cast<float>(),
-                        LocalMeans::GrayOf(sample) - means.At(sample), sample.confidence});
+                        LocalMeans::GrayOf(sample) - means.At(sample), weight});
   }
   return meetings;
 }
@@ -128,7 +138,7 @@ void MakeBlocks(std::span<Tile> tiles, double side, std::vector<Block>& blocks) 
 std::vector<Tile> MakeTiles(std::span<const PatchView> patches, std::span<const DrivenPath> paths,
                             const MeasureHeightsOptions& options) {
   constexpr double kDeckHeight = 1.5;  // [m]
-  const double side = kWindowsPerTile * options.window;
+  const double side = SideOf(options);
   std::map<std::tuple<int, int, int>, Tile> tiles;
   for (size_t i = 0; i < patches.size(); ++i) {
     const DrivenPath* path = FindPath(paths, patches[i].drive);
@@ -172,7 +182,8 @@ std::vector<Block> MakeBlocks(std::vector<Tile> tiles, double side) {
 std::map<size_t, std::vector<Meeting>> MeetAll(const Block& block, const PatchSource& patches,
                                                std::span<const DrivenPath> paths,
                                                const HeightField& field,
-                                               const MeasureHeightsOptions& options) {
+                                               const MeasureHeightsOptions& options,
+                                               UsedSamples used) {
   std::map<size_t, std::vector<Meeting>> meetings;
   for (const size_t i : PatchesOf(block.tiles)) meetings.try_emplace(i);
   std::vector<std::pair<const size_t, std::vector<Meeting>>*> list;
@@ -180,7 +191,7 @@ std::map<size_t, std::vector<Meeting>> MeetAll(const Block& block, const PatchSo
   ParallelFor(list.size(), [&](size_t k) {
     const PosedGroundPatch posed = patches.Read(list[k]->first);
     list[k]->second =
-        FindMeetings(posed, *FindPath(paths, posed.patch.drive), field, block.box, options);
+        FindMeetings(posed, *FindPath(paths, posed.patch.drive), field, block.box, options, used);
   });
   return meetings;
 }
@@ -196,39 +207,45 @@ double DeckOf(const Tile& tile, const Eigen::Vector2d& place, std::span<const Pa
   return deck;
 }
 
-SweepShape ShapeOf(double max_offset, const MeasureHeightsOptions& options) {
-  SweepShape shape{kWindowsPerTile,
-                   static_cast<int>(std::lround(options.window / options.cell_size)),
-                   static_cast<float>(options.cell_size),
-                   {}};
-  for (int step = -options.num_steps; step <= options.num_steps; ++step)
-    shape.offsets.push_back(static_cast<float>(max_offset * step / options.num_steps));
-  return shape;
+SweepShape ShapeOf(std::span<const float> offsets, const MeasureHeightsOptions& options) {
+  return {WindowsPerTile(options),
+          static_cast<int>(std::lround(options.window / options.cell_size)),
+          static_cast<float>(options.cell_size),
+          {offsets.begin(), offsets.end()}};
 }
 
 /// The windows of a tile of which anything was seen.
-std::vector<SweptWindow> WindowsOf(const Tile& tile, const TileSweep& sweep, size_t num_heights,
-                                   std::span<const PatchView> patches, double side) {
-  const std::vector<Agreement> agreements = sweep.Sweep();
+std::vector<SweptWindow> WindowsOf(const Tile& tile, const TileSweep& sweep,
+                                   const SweepShape& shape, std::span<const PatchView> patches,
+                                   double side, bool is_judged) {
+  const int across = shape.num_windows;
+  const size_t num_heights = shape.offsets.size();
+  std::vector<Agreement> coarse;
+  const std::vector<Agreement> agreements = sweep.SweepTwice(is_judged ? &coarse : nullptr);
   const std::vector<float> parallaxes = sweep.Parallaxes();
   std::vector<SweptWindow> windows;
-  for (int y = 0; y < kWindowsPerTile; ++y)
-    for (int x = 0; x < kWindowsPerTile; ++x) {
+  for (int y = 0; y < across; ++y)
+    for (int x = 0; x < across; ++x) {
       const auto begin =
-          agreements.begin() + static_cast<std::ptrdiff_t>(num_heights) * (y * kWindowsPerTile + x);
+          agreements.begin() + static_cast<std::ptrdiff_t>(num_heights) * (y * across + x);
       const auto end = begin + static_cast<std::ptrdiff_t>(num_heights);
       if (std::all_of(begin, end,
                       [](const Agreement& agreement) { return agreement.num_samples == 0; }))
         continue;
-      const Eigen::Vector2i at(tile.x * kWindowsPerTile + x, tile.y * kWindowsPerTile + y);
+      const Eigen::Vector2i at(tile.x * across + x, tile.y * across + y);
       windows.push_back(
           {.deck = tile.deck,
            .x = at.x(),
            .y = at.y(),
            .deck_height = DeckOf(tile, side * (at.cast<double>().array() + 0.5).matrix(), patches),
-           .parallax =
-               static_cast<double>(parallaxes[static_cast<size_t>(y * kWindowsPerTile + x)]),
-           .agreements = {begin, end}});
+           .parallax = static_cast<double>(parallaxes[static_cast<size_t>(y * across + x)]),
+           .agreements = {begin, end},
+           .coarse = {},
+           .costs = {}});
+      if (is_judged) {
+        const auto from = coarse.begin() + (begin - agreements.begin());
+        windows.back().coarse.assign(from, from + (end - begin));
+      }
     }
   return windows;
 }
@@ -236,15 +253,17 @@ std::vector<SweptWindow> WindowsOf(const Tile& tile, const TileSweep& sweep, siz
 }  // namespace
 
 std::vector<SweptWindow> SweepWindows(const PatchSource& patches, std::span<const DrivenPath> paths,
-                                      const HeightField& field, double max_offset,
-                                      const MeasureHeightsOptions& options) {
-  const auto side = static_cast<float>(kWindowsPerTile * options.window);
-  const SweepShape shape = ShapeOf(max_offset, options);
+                                      const HeightField& field, std::span<const float> offsets,
+                                      const MeasureHeightsOptions& options,
+                                      const std::function<void(SweptWindow&)>& judge) {
+  const auto side = static_cast<float>(SideOf(options));
+  const SweepShape shape = ShapeOf(offsets, options);
+  const float max_offset = std::max(std::abs(offsets.front()), std::abs(offsets.back()));
   std::vector<SweptWindow> windows;
   for (const Block& block :
        MakeBlocks(MakeTiles(patches.views(), paths, options), static_cast<double>(side))) {
-    const std::map<size_t, std::vector<Meeting>> meetings =
-        MeetAll(block, patches, paths, field, options);
+    const std::map<size_t, std::vector<Meeting>> meetings = MeetAll(
+        block, patches, paths, field, options, judge ? UsedSamples::kSeen : UsedSamples::kFree);
     const auto num_patches = [&](size_t t) { return block.tiles[t].patches.size(); };
     const auto of_tiles = ParallelMapLargestFirst(block.tiles.size(), num_patches, [&](size_t t) {
       const Tile& tile = block.tiles[t];
@@ -252,10 +271,12 @@ std::vector<SweptWindow> SweepWindows(const PatchSource& patches, std::span<cons
       TileSweep sweep(shape);
       int num_views = 0;
       for (const size_t i : tile.patches)
-        num_views += AddObservations(meetings.at(i), tile_in_block, side,
-                                     static_cast<float>(max_offset), sweep);
+        num_views += AddObservations(meetings.at(i), tile_in_block, side, max_offset, sweep);
       if (num_views < 2) return std::vector<SweptWindow>{};
-      return WindowsOf(tile, sweep, shape.offsets.size(), patches.views(), options.window);
+      std::vector<SweptWindow> of_tile =
+          WindowsOf(tile, sweep, shape, patches.views(), options.window, judge != nullptr);
+      if (judge) std::for_each(of_tile.begin(), of_tile.end(), judge);
+      return of_tile;
     });
     for (const auto& of_tile : of_tiles)
       windows.insert(windows.end(), of_tile.begin(), of_tile.end());

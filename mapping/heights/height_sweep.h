@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -17,14 +18,18 @@ struct SweptWindow {
       y = 0;                          ///< its lower corner lies at (x, y) times the window's side
   double deck_height = 0;             ///< [m] of the nearest car: tells decks apart
   double parallax = 0;                ///< [m per meter of height] see TileSweep::Parallaxes
-  std::vector<Agreement> agreements;  ///< 2 num_steps + 1, from -max_offset to max_offset
+  std::vector<Agreement> agreements;  ///< one per height of the sweep
+  std::vector<Agreement> coarse;      ///< the same of larger cells, for whoever judges
+  std::vector<float> costs;           ///< of whoever judges the agreements; else empty
 };
 
-/// Lifts and lowers the field by up to `max_offset` [m]. Windows that nothing was seen of are left
-/// out. Windows are in order of deck, y and x, whatever the number of threads. Memory: 24 bytes per
-/// sample of 500 patches (some 100 m of a drive), or of as many as reach into a square of 14 m.
+/// Lifts and lowers the field to each of `offsets` [m] from it. Windows that nothing was seen of
+/// are left out. Windows are in order of deck, y and x, whatever the number of threads. Memory: 24
+/// bytes per sample of 500 patches (some 100 m of a drive), or of as many as reach into a square of
+/// 14 m.
 std::vector<SweptWindow> SweepWindows(const PatchSource& patches, std::span<const DrivenPath> paths,
-                                      const HeightField& field, double max_offset,
-                                      const MeasureHeightsOptions& options);
+                                      const HeightField& field, std::span<const float> offsets,
+                                      const MeasureHeightsOptions& options,
+                                      const std::function<void(SweptWindow&)>& judge = {});
 
 }  // namespace parkade

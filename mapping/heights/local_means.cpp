@@ -5,21 +5,20 @@
 
 namespace parkade {
 
-LocalMeans::LocalMeans(const std::vector<GroundSample>& samples, double square)
-    : per_square_(static_cast<float>(1 / square)) {
+LocalMeans::LocalMeans(const std::vector<GroundSample>& samples, double along, double across,
+                       UsedSamples used)
+    : used_(used), per_square_(static_cast<float>(1 / along), static_cast<float>(1 / across)) {
   Eigen::AlignedBox2f box;
   for (const GroundSample& sample : samples)
-    if (IsUsed(sample)) box.extend(PlaceOf(sample).matrix());
+    if (WeightOf(sample) > 0) box.extend(PlaceOf(sample).matrix());
   if (box.isEmpty()) return;
   low_ = box.min().array().floor() - 1;
   width_ = static_cast<int>(std::floor(box.max().x()) - low_.x()) + 2;
   const int height = static_cast<int>(std::floor(box.max().y()) - low_.y()) + 2;
   sums_.resize(static_cast<std::size_t>(width_ * height), Eigen::Array2f::Zero());
   for (const GroundSample& sample : samples)
-    if (IsUsed(sample)) {
-      const float weight = sample.confidence;
+    if (const float weight = WeightOf(sample); weight > 0)
       sums_[IndexOf(PlaceOf(sample).cast<int>())] += weight * Eigen::Array2f(1, GrayOf(sample));
-    }
 }
 
 float LocalMeans::At(const GroundSample& sample) const {

@@ -1,11 +1,18 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <vector>
 
 #include "core/ground_patch.h"
 
 namespace parkade {
+
+/// Which samples are asked what the ground looks like.
+enum class UsedSamples {
+  kFree,  ///< drivable ground
+  kSeen   ///< also pavements, lawns and what nobody can tell, but for what bounds the ground hides
+};
 
 /// What is usual around a sample of the ground in its own image. Taken off, it makes exposures and
 /// shades agree. It is smooth, and its squares lie on the car's plane, where the car carries them
@@ -14,11 +21,17 @@ namespace parkade {
 /// there, right or wrong.
 class LocalMeans {
  public:
-  /// The samples are borrowed. \param square  [m] side
-  LocalMeans(const std::vector<GroundSample>& samples, double square);
+  /// The samples are borrowed. \param along, across  [m] of its squares, in the direction that the
+  /// car looks and across
+  LocalMeans(const std::vector<GroundSample>& samples, double along, double across,
+             UsedSamples used = UsedSamples::kFree);
 
-  /// Only free ground shows what the ground looks like.
-  static bool IsUsed(const GroundSample& sample) { return sample.is_free && sample.confidence > 0; }
+  /// What a sample counts for; 0: it is not used.
+  float WeightOf(const GroundSample& sample) const {
+    constexpr float kDoubtful = 0.3F;
+    if (used_ == UsedSamples::kFree) return sample.is_free ? float{sample.confidence} : 0;
+    return sample.IsBeyond() ? 0 : std::max(float{sample.confidence}, kDoubtful);
+  }
   static float GrayOf(const GroundSample& sample) {
     return (114.0F * sample.blue + 587.0F * sample.green + 299.0F * sample.red) / 1000;
   }
@@ -34,7 +47,8 @@ class LocalMeans {
     return static_cast<std::size_t>(square.y() * width_ + square.x());
   }
 
-  float per_square_;                             ///< [1/m]
+  UsedSamples used_;
+  Eigen::Array2f per_square_;                    ///< [1/m]
   Eigen::Array2f low_ = Eigen::Array2f::Zero();  ///< [squares] corner; a rim of one square around
                                                  ///< all samples
   int width_ = 0;

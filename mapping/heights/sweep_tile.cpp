@@ -24,11 +24,14 @@ TileSweep::TileSweep(SweepShape shape)
       per_cell_(1 / shape_.cell_size),
       across_(shape_.num_windows * shape_.cells_per_window + 2) {}
 
-std::vector<Agreement> TileSweep::Sweep() const {
+std::vector<Agreement> TileSweep::SweepTwice(std::vector<Agreement>* coarse) const {
   std::vector<Agreement> agreements(
       static_cast<std::size_t>(shape_.num_windows * shape_.num_windows) * shape_.offsets.size());
+  if (coarse) coarse->assign(agreements.size(), {});
   ParallelFor(shape_.offsets.size(), [&](std::size_t height) {
-    AgreementsInto(height, AddUp(shape_.offsets[height]), agreements);
+    const std::vector<Sums> cells = AddUp(shape_.offsets[height]);
+    AgreementsInto(height, cells, 1, agreements);
+    if (coarse) AgreementsInto(height, cells, 2, *coarse);
   });
   return agreements;
 }
@@ -74,11 +77,15 @@ std::vector<TileSweep::Sums> TileSweep::AddUp(float offset) const {
   return cells;
 }
 
-void TileSweep::AgreementsInto(std::size_t height, const std::vector<Sums>& cells,
+void TileSweep::AgreementsInto(std::size_t height, const std::vector<Sums>& cells, int cells_in_one,
                                std::vector<Agreement>& agreements) const {
-  for (int y = 0; y + 2 < across_; ++y)
-    for (int x = 0; x + 2 < across_; ++x) {
-      const Sums& cell = cells[static_cast<std::size_t>((y + 1) * across_ + x + 1)];
+  const auto at = [&](int x, int y) {
+    return cells[static_cast<std::size_t>((y + 1) * across_ + x + 1)];
+  };
+  for (int y = 0; y + 2 < across_; y += cells_in_one)
+    for (int x = 0; x + 2 < across_; x += cells_in_one) {
+      Sums cell = at(x, y);
+      if (cells_in_one == 2) cell += at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1);
       if (cell[3] == 0) continue;
       const auto window = static_cast<std::size_t>(
           y / shape_.cells_per_window * shape_.num_windows + x / shape_.cells_per_window);

@@ -40,7 +40,11 @@ class TileSweep {
   }
   std::size_t num_observations() const { return x_.size(); }
 
-  std::vector<Agreement> Sweep() const;
+  std::vector<Agreement> Sweep() const { return SweepTwice(nullptr); }
+
+  /// Also; `coarse` gets the agreements of cells twice as long and wide, which far views, whose
+  /// samples lie apart, need.
+  std::vector<Agreement> SweepTwice(std::vector<Agreement>* coarse) const;
 
   /// By how much the shifts of a window's observations differ, rms [m per meter of height]:
   /// observations from one side say nothing of heights. One per window.
@@ -51,7 +55,7 @@ class TileSweep {
   using Sums = Eigen::Array4f;
 
   std::vector<Sums> AddUp(float offset) const;
-  void AgreementsInto(std::size_t height, const std::vector<Sums>& cells,
+  void AgreementsInto(std::size_t height, const std::vector<Sums>& cells, int cells_in_one,
                       std::vector<Agreement>& agreements) const;
 
   SweepShape shape_;

@@ -16,7 +16,7 @@ struct SurfaceOptions {
   std::string outlines =
       "network";  ///< corrects those that all observations together draw; or "observations" alone
   double cell_size = 0.05;  ///< [m] of colors and free space; height.spacing must be a multiple
-  double max_height_sigma = 0.12;  ///< [m] ground whose height is known less well is not mapped
+  double max_height_sigma = 0.04;  ///< [m] ground whose height is known less well is not mapped
   double min_island_area =
       200.0;              ///< [m^2] smaller free islands that no car drove on are most often walls
   int latest_drives = 6;  ///< so many of the latest drives that looked at a place decide about it

@@ -45,6 +45,34 @@ TEST(HeightField, SureObservationsBeatManyUnsureOnes) {
   EXPECT_NEAR(HeightOf(field, 5, 3, 0), 0, 0.01);
 }
 
+TEST(HeightField, AKerbStaysAStepWhereThePlateMayBreak) {
+  const auto kerb = [](double, double y) { return y < 3 ? 0.0 : 0.12; };
+  const Observations observations = Observe(kerb, 5000);
+
+  const HeightField smooth(observations, {}), stepped(observations, {.has_steps = true});
+
+  const auto error = [&](const HeightField& field, double y) {
+    return std::abs(HeightOf(field, 5.1, y, kerb(5.1, y)) - kerb(5.1, y));
+  };
+  for (const double y : {2.3, 3.7}) {
+    EXPECT_GT(error(smooth, y), 0.008) << y;
+    EXPECT_LT(error(stepped, y), 0.006) << y;
+  }
+}
+
+TEST(HeightField, KnowsWhatViewsMeasuredInAPatch) {
+  Observations observations = Observe([](double, double) { return 0.0; }, 100);
+  observations.push_back({{5.1, 3.1, 0.05}, 1000, 0.02, true});
+  observations.push_back({{5.15, 3.1, 0.08}, 500, 0.02, true});
+
+  const HeightField field(observations, {});
+
+  const MeasuredHeight& there = field.MeasuredIn(field.FindPatch({5.1, 3.1, 0}));
+  EXPECT_NEAR(there.height, 0.06, 1e-9);
+  EXPECT_NEAR(there.weight, 1500, 1e-9);
+  EXPECT_EQ(field.MeasuredIn(field.FindPatch({2.1, 1.1, 0})).weight, 0);
+}
+
 TEST(HeightField, AStripIsContinuedSidewaysWhereOnlyGuessesAre) {
   // A road of constant cross slope, known under the axles; beside it weak guesses that ignore the
   // slope.

@@ -21,7 +21,7 @@ TEST(LocalMeans, TakesOffShadesAndLeavesWhatIsPainted) {
     for (double y = 1; y < 6; y += 0.07)
       samples.push_back(
           SampleAt(x, y, 90 + 7 * x + 5 * y + (std::fmod(x + 100, 0.28) < 0.14 ? 10 : -10)));
-  const LocalMeans means(samples, 0.9);
+  const LocalMeans means(samples, 0.9, 0.9);
 
   double sum = 0, square = 0, last = 0, jump = 0;
   for (size_t i = 0; i < samples.size(); ++i) {
@@ -42,11 +42,11 @@ TEST(LocalMeans, OfGroundThatIsNotFreeNothingIsAsked) {
   std::vector<GroundSample> samples{SampleAt(0, 0, 100), SampleAt(0.1, 0, 200)};
   samples[1].is_free = false;
 
-  const LocalMeans means(samples, 0.9);
+  const LocalMeans means(samples, 0.9, 0.9);
 
-  EXPECT_FALSE(LocalMeans::IsUsed(samples[1]));
+  EXPECT_FALSE(means.WeightOf(samples[1]) > 0);
   EXPECT_NEAR(means.At(samples[0]), 100, 1e-3);
-  EXPECT_NO_THROW(LocalMeans({}, 0.9));
+  EXPECT_NO_THROW(LocalMeans({}, 0.9, 0.9));
 }
 
 }  // namespace

@@ -315,11 +315,14 @@ TEST(FuseSurface, SmallIslandsThatNoCarReachedAreDropped) {
                             MakePatch(1, -10, 5, -6, 100, true)};
   SurfaceOptions options = ObservationsAlone();
   options.min_island_area = 10;
+  const SurfaceMap sure = FuseSurface(patches, std::span(&path, 1), options);
+  options.max_height_sigma = 1;
 
   const SurfaceMap surface = FuseSurface(patches, std::span(&path, 1), options);
 
   EXPECT_EQ(CellAt(surface, 2.5, 6.5), nullptr) << "1 m^2";
   EXPECT_NE(CellAt(surface, 3, -7), nullptr) << "16 m^2";
+  EXPECT_EQ(CellAt(sure, 3, -7), nullptr) << "nobody measured its height";
 }
 
 TEST(FuseSurface, CellsAreSortedAsPromised) {

@@ -1,0 +1,179 @@
+#include "mapping/heights/fine_heights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <tuple>
+
+#include "core/statistics.h"
+#include "mapping/ground/patch_index.h"
+#include "mapping/heights/height_sweep.h"
+#include "mapping/heights/scanline_costs.h"
+
+namespace parkade {
+namespace {
+
+constexpr double kLowest = -0.2, kHighest = 0.35;  // [m] from the field
+constexpr double kStep = 0.0125;                   // [m]
+constexpr double kMinParallax = 0.8;   // [m per meter of height] views from one side agree anywhere
+constexpr double kMinFreedom = 12;     // samples of a window less its cells
+constexpr double kFineFreedom = 60;    // from which its small cells tell more than larger ones
+constexpr double kMaxFreedom = 60;     // neighbors keep their say, however many samples there are
+constexpr double kLeastMisfit = 0.05;  // lower ones say no more
+constexpr double kNoise = 1.0;         // [gray values] that views differ by for other reasons
+constexpr double kLeastSigma = 0.01;   // [m] at best
+constexpr double kMaxSigma = 0.06;     // [m] ground that is known less well is not known
+constexpr float kMinEvidence = 1;      // [nats] of a window itself
+constexpr double kMaxJump = 0.025;     // [m] of offset between windows that agree
+constexpr int kMinSupport = 2;         // windows around one that agree with it
+constexpr double kSameDeck = 1.0;      // [m] between cars that looked at a window
+constexpr double kShared = 2;          // windows whose errors are much the same
+
+std::vector<float> OffsetsOfSweep() {
+  std::vector<float> offsets;
+  for (int i = 0; kLowest + i * kStep < kHighest + 0.5 * kStep; ++i)
+    offsets.push_back(static_cast<float>(kLowest + i * kStep));
+  return offsets;
+}
+
+/// Share of the variance that remains at a height, of which `kNoise` is none of the height's.
+double MisfitOf(const Agreement& agreement) {
+  const double freedom = agreement.num_samples - agreement.num_cells;
+  const double floor = kNoise * kNoise;
+  const auto mean = [](float sum, double count) { return static_cast<double>(sum) / count; };
+  if (!(freedom > 0)) return 1;
+  const double total = mean(agreement.total, std::max(1.0F, agreement.weight)),
+               left = mean(agreement.residual, std::max(1.0F, agreement.weight)) *
+                      agreement.num_samples / freedom;
+  return (left + floor) / (total + floor);
+}
+
+/// Samples less the cells' means that they gave, usually.
+double FreedomOf(const std::vector<Agreement>& agreements) {
+  std::vector<double> freedoms;
+  for (const Agreement& at : agreements) freedoms.push_back(at.num_samples - at.num_cells);
+  return Median(std::move(freedoms));
+}
+
+/// [nats] what a window says against each height: the logarithm of a variance is distributed as if
+/// it had been estimated from the samples that are not spent on the cells' means.
+void Judge(SweptWindow& window) {
+  window.costs.assign(window.agreements.size(), 0);
+  const bool is_fine = FreedomOf(window.agreements) >= kFineFreedom;
+  const std::vector<Agreement>& agreements = is_fine ? window.agreements : window.coarse;
+  const double usual = FreedomOf(agreements);
+  if (window.parallax >= kMinParallax && usual >= kMinFreedom) {
+    const double freedom = std::min(usual / kViewCorrelation, kMaxFreedom);
+    for (std::size_t i = 0; i < agreements.size(); ++i) {
+      const bool is_seen = agreements[i].num_samples - agreements[i].num_cells >= 0.5 * usual;
+      const double misfit = is_seen ? MisfitOf(agreements[i]) : 1;
+      window.costs[i] =
+          static_cast<float>(0.5 * freedom * std::log(std::clamp(misfit, kLeastMisfit, 1.0)));
+    }
+  }
+  window.agreements = {}, window.coarse = {};
+}
+
+/// [nats] by which a window tells its heights apart.
+float EvidenceOf(const SweptWindow& window) {
+  const auto [least, most] = std::minmax_element(window.costs.begin(), window.costs.end());
+  return *most - *least;
+}
+
+/// Where cars of two bins of height looked at one deck, the window that tells more. Sorted by y and
+/// x.
+std::vector<SweptWindow> OnePerDeck(std::vector<SweptWindow> windows) {
+  std::stable_sort(windows.begin(), windows.end(), [](const SweptWindow& a, const SweptWindow& b) {
+    return std::tie(a.y, a.x) < std::tie(b.y, b.x);
+  });
+  std::vector<SweptWindow> kept;
+  for (SweptWindow& window : windows) {
+    const bool is_same = !kept.empty() && kept.back().x == window.x && kept.back().y == window.y &&
+                         std::abs(kept.back().deck_height - window.deck_height) < kSameDeck;
+    if (!is_same)
+      kept.push_back(std::move(window));
+    else if (EvidenceOf(window) > EvidenceOf(kept.back()))
+      kept.back() = std::move(window);
+  }
+  return kept;
+}
+
+/// Mean and deviation [m] of an offset whose costs are given.
+struct Belief {
+  double mean = 0, sigma = 0;
+};
+
+Belief BeliefOf(std::span<const float> costs, std::span<const float> offsets) {
+  double weight = 0, sum = 0, square = 0;
+  for (std::size_t i = 0; i < costs.size(); ++i) {
+    const double likelihood = std::exp(-static_cast<double>(costs[i])),
+                 offset = static_cast<double>(offsets[i]);
+    weight += likelihood, sum += likelihood * offset, square += likelihood * offset * offset;
+  }
+  const double mean = sum / weight;
+  return {mean, std::hypot(std::sqrt(std::max(0.0, square / weight - mean * mean)), kLeastSigma)};
+}
+
+/// Windows that enough of those around them agree with: chance agrees with nobody, and along a kerb
+/// there are two at least.
+std::vector<bool> FindSupported(std::span<const GridPlace> places,
+                                std::span<const std::optional<Belief>> beliefs) {
+  PatchIndex index;
+  for (const GridPlace& place : places) index.Add(place.x, place.y);
+  std::vector<bool> is_supported(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (!beliefs[i]) continue;
+    int support = -1;  // it agrees with itself
+    for (int y = places[i].y - 1; y <= places[i].y + 1; ++y)
+      for (int x = places[i].x - 1; x <= places[i].x + 1; ++x)
+        for (int other = index.First(x, y); other != PatchIndex::kNone; other = index.Next(other)) {
+          const auto k = static_cast<std::size_t>(other);
+          support += beliefs[k] && std::abs(places[k].height - places[i].height) < kSameDeck &&
+                     std::abs(beliefs[k]->mean - beliefs[i]->mean) < kMaxJump;
+        }
+    is_supported[i] = support >= kMinSupport;
+  }
+  return is_supported;
+}
+
+}  // namespace
+
+std::vector<HeightObservation> MeasureFineHeights(const PatchSource& patches,
+                                                  std::span<const DrivenPath> paths,
+                                                  const HeightField& field,
+                                                  const MeasureHeightsOptions& options) {
+  MeasureHeightsOptions fine = options;
+  fine.window = field.spacing();
+  const std::vector<float> offsets = OffsetsOfSweep();
+  const std::vector<SweptWindow> windows =
+      OnePerDeck(SweepWindows(patches, paths, field, offsets, fine, Judge));
+  std::vector<GridPlace> places;
+  std::vector<float> costs;
+  for (const SweptWindow& window : windows) {
+    places.push_back({window.x, window.y, window.deck_height});
+    costs.insert(costs.end(), window.costs.begin(), window.costs.end());
+  }
+  const std::vector<float> sums = SumAlongScanlines(places, costs, offsets.size(), {});
+  std::vector<std::optional<Belief>> beliefs(windows.size());
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    const Belief belief =
+        BeliefOf(std::span(sums).subspan(i * offsets.size(), offsets.size()), offsets);
+    if (belief.sigma <= kMaxSigma && EvidenceOf(windows[i]) >= kMinEvidence) beliefs[i] = belief;
+  }
+  const std::vector<bool> is_supported = FindSupported(places, beliefs);
+  std::vector<HeightObservation> heights;
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    if (!is_supported[i]) continue;
+    const Belief& belief = *beliefs[i];
+    const Eigen::Vector2d middle =
+        fine.window * Eigen::Vector2d(windows[i].x + 0.5, windows[i].y + 0.5);
+    const int patch = field.FindPatch({middle.x(), middle.y(), windows[i].deck_height});
+    if (patch == HeightField::kNone) continue;
+    heights.push_back({{middle.x(), middle.y(), field.HeightAt(patch, middle) + belief.mean},
+                       1 / (belief.sigma * belief.sigma * kShared),
+                       belief.sigma});
+  }
+  return heights;
+}
+
+}  // namespace parkade
