@@ -1,5 +1,5 @@
 """The network that corrects outlines: looks at painted ground from above (mapping/surface/outline_features.h), a pixel per 0.1 m.
-Input: N x 12 x H x W, H and W multiples of 4. Output: N x 1 x H x W, what is added to the log-odds of "drivable".
+Input: N x 15 x H x W, H and W multiples of 4. Output: N x 1 x H x W, what is added to the log-odds of "drivable".
 A pixel depends on at most 31 others in each direction, so that the ground can be painted square by square.
 """
 import torch
@@ -8,10 +8,11 @@ from torch.nn import functional
 
 from network import Residual, conv, fold, read_onnx
 
-FEATURES = 12
+FEATURES = 15
 SEEN, LOG_ODDS, FREE, OCCUPIED, COLORS = 0, 1, 2, 3, slice(9, 12)
+RAISED, MEASURED, CERTAINTY = 12, 13, 14  # above the road, 0.1 m
 LOG_ODDS_UNIT = 8  # of feature LOG_ODDS
-MAX_CORRECTION = 6  # as OutlineNetwork::kMaxCorrection
+MAX_CORRECTION = 12  # a step outweighs whatever images say: log-odds of 9.2 at most
 
 
 class Decoder(nn.Module):
@@ -58,6 +59,8 @@ def load(path):
     """What train_outlines.py has saved, or export_outlines.py has written (FILE.onnx), with batch normalization folded."""
     state = read_onnx(path) if str(path).endswith(".onnx") else torch.load(path, map_location="cpu")["network"]
     network = OutlineNetwork()
+    first = state["at_full.0.weight"]
+    state["at_full.0.weight"] = functional.pad(first, (0, 0, 0, 0, 0, FEATURES - first.shape[1]))  # of fewer features
     if not any(name.endswith("running_mean") for name in state):
         network = fold(network)
     network.load_state_dict(state)

@@ -5,7 +5,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from outline_network import COLORS, FREE, LOG_ODDS, LOG_ODDS_UNIT, OCCUPIED, SEEN
+from outline_network import (CERTAINTY, COLORS, FREE, LOG_ODDS, LOG_ODDS_UNIT, MEASURED, OCCUPIED, RAISED, SEEN)
 
 NOT_DRIVABLE, DRIVABLE, UNSEEN, FAR = range(4)  # of the truth; UNSEEN: drivable, but no camera saw it
 
@@ -64,7 +64,32 @@ def augment(rng, features, truth):
             features[channel] = np.clip(features[channel] * np.sqrt(certainty), 0, 1)
     if rng.random() < 0.3:
         features[LOG_ODDS] += seen[0] * smooth_noise(rng, truth.shape, rng.uniform(8, 40)) * rng.uniform(0.2, 1) / LOG_ODDS_UNIT
+    change_heights(rng, features)
     return features, truth
+
+
+def change_heights(rng, features):
+    """Steps are higher and lower than in the simulator, the road bends away from where it would go on to, and what views
+    agreed on is missing at random."""
+    shape, seen = features.shape[1:], features[SEEN] > 0
+    is_measured = features[CERTAINTY] > 0
+    if rng.random() < 0.5:
+        scale = np.exp(rng.normal(0, 0.3))
+        features[RAISED] *= scale
+        features[MEASURED] *= scale
+    if rng.random() < 0.6:
+        rows, columns = np.mgrid[: shape[0], : shape[1]]
+        slope = rng.normal(0, 0.12, 2) / 10  # 0.1 m per pixel of 0.1 m: percents
+        bend = slope[0] * (columns - shape[1] / 2) + slope[1] * (rows - shape[0] / 2)
+        bend = bend + smooth_noise(rng, shape, rng.uniform(40, 100)) * rng.uniform(0, 0.6)
+        features[RAISED] += seen * bend
+        features[MEASURED] += is_measured * bend
+    if rng.random() < 0.3:
+        is_lost = smooth_noise(rng, shape, rng.uniform(4, 30)) > rng.uniform(0.3, 1.5)
+        features[MEASURED][is_lost] = 0
+        features[CERTAINTY][is_lost] = 0
+    np.clip(features[RAISED], -2, 2, out=features[RAISED])
+    np.clip(features[MEASURED], -2, 2, out=features[MEASURED])
 
 
 def smooth_noise(rng, shape, length):

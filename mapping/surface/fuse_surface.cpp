@@ -81,6 +81,7 @@ SurfaceMap FuseSurface(const PatchSource& patches, std::span<const DrivenPath> p
   options.Validate();
   if (options.method == "homography") return FuseVoxels(patches, paths, options.cell_size);
   const HeightField field = FitHeights(heights, paths, options.Heights(), measured);
+  const HeightField road = FitRoad(heights, paths, options.Heights());
   const int cells_per_side =
       static_cast<int>(std::round(options.height.spacing / options.cell_size));
   const LatestDrives latest(patches.views(), options.latest_drives);
@@ -94,7 +95,7 @@ SurfaceMap FuseSurface(const PatchSource& patches, std::span<const DrivenPath> p
     std::vector<PaintedCell> cells;  // of a row of tiles
     for (size_t first = begin; first < end; first += kTilesAtOnce) {
       const auto of_tiles = ParallelMap(std::min(kTilesAtOnce, end - first), [&](size_t i) {
-        return PaintTile(tiles[first + i], patches, paths, latest, field, options,
+        return PaintTile(tiles[first + i], patches, paths, latest, field, road, options,
                          network ? &*network : nullptr);
       });
       for (const auto& of_tile : of_tiles)

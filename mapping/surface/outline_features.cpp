@@ -22,7 +22,10 @@ std::array<float, kOutlineFeatures> FeaturesOf(const SurfacePainter::PaintedCell
           static_cast<float>(painted.observations.occupied_views) / 16,
           byte(painted.cell.color[0]) - 0.5F,
           byte(painted.cell.color[1]) - 0.5F,
-          byte(painted.cell.color[2]) - 0.5F};
+          byte(painted.cell.color[2]) - 0.5F,
+          std::clamp(painted.raised / 0.1F, -2.0F, 2.0F),
+          std::clamp(painted.measured / 0.1F, -2.0F, 2.0F),
+          painted.certainty};
 }
 
 }  // namespace

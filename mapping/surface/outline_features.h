@@ -8,7 +8,7 @@
 namespace parkade {
 
 constexpr int kOutlineFactor = 2;     ///< cells per pixel of the features
-constexpr int kOutlineFeatures = 12;  ///< per pixel
+constexpr int kOutlineFeatures = 15;  ///< per pixel
 
 /// What a network that draws outlines is told of a window of a deck: 1 x kOutlineFeatures x height
 /// x width (CV_32F), a pixel per kOutlineFactor x kOutlineFactor cells; all 0 where nothing was

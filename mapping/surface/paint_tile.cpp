@@ -85,6 +85,26 @@ void FillPinholes(const SurfaceLinks& links, std::vector<PaintedCell>& cells) {
   }
 }
 
+/// How far cells lie above the road, 0 where that does not reach.
+void SetRaised(const HeightField& field, const HeightField& road, double cell_size,
+               std::vector<PaintedCell>& cells) {
+  constexpr double kSure = 5000;  // [1/m^2]
+  for (PaintedCell& painted : cells) {
+    const SurfaceCell& cell = painted.cell;
+    const Eigen::Vector3d point(cell_size * (cell.x + 0.5), cell_size * (cell.y + 0.5),
+                                static_cast<double>(cell.height));
+    double level = point.z();
+    if (road.FindPatch(point, level) == HeightField::kNone) continue;
+    painted.raised = static_cast<float>(point.z() - level);
+    const int patch = field.FindPatch(point);
+    if (patch == HeightField::kNone) continue;
+    const MeasuredHeight& measured = field.MeasuredIn(patch);
+    if (!(measured.weight > 0)) continue;
+    painted.measured = static_cast<float>(measured.height - level);
+    painted.certainty = static_cast<float>(std::sqrt(std::min(1.0, measured.weight / kSure)));
+  }
+}
+
 /// One drive after the other: where a car drove on an earlier day there may be an obstacle now.
 void PaintDrives(const PatchSource& patches, std::span<const DrivenPath> paths,
                  const LatestDrives& latest, SurfacePainter& painter) {
@@ -127,14 +147,15 @@ std::vector<FieldTile> CutIntoTiles(const HeightField& field, int cells_per_side
 
 std::vector<PaintedCell> PaintTile(const FieldTile& tile, const PatchSource& patches,
                                    std::span<const DrivenPath> paths, const LatestDrives& latest,
-                                   const HeightField& field, const SurfaceOptions& options,
-                                   const OutlineNetwork* network) {
+                                   const HeightField& field, const HeightField& road,
+                                   const SurfaceOptions& options, const OutlineNetwork* network) {
   const int cells_per_side =
       static_cast<int>(std::round(options.height.spacing / options.cell_size));
   SurfacePainter painter(field, cells_per_side, tile.window);
   PaintDrives(patches, paths, latest, painter);
   std::vector<PaintedCell> cells = painter.Cells();
   DropFalseDecks(options.height.level_separation, cells);
+  SetRaised(field, road, options.cell_size, cells);
   const SurfaceLinks links = LinkPaintedCells(cells, kMaxCellStep);
   if (network)
     network->Refine(links, cells);

@@ -26,10 +26,11 @@ struct FieldTile {
 std::vector<FieldTile> CutIntoTiles(const HeightField& field, int cells_per_side, double tile_size);
 
 /// The finished cells of one tile, but for islands: painted, one per deck, outlines corrected by
-/// `network` where there is one, pinholes filled. Sorted as SurfaceMap.
+/// `network` where there is one, pinholes filled. Sorted as SurfaceMap. \param road  where the road
+/// would go on to (FitRoad)
 std::vector<SurfacePainter::PaintedCell> PaintTile(
     const FieldTile& tile, const PatchSource& patches, std::span<const DrivenPath> paths,
-    const LatestDrives& latest, const HeightField& field, const SurfaceOptions& options,
-    const OutlineNetwork* network = nullptr);
+    const LatestDrives& latest, const HeightField& field, const HeightField& road,
+    const SurfaceOptions& options, const OutlineNetwork* network = nullptr);
 
 }  // namespace parkade

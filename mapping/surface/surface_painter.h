@@ -51,6 +51,9 @@ class SurfacePainter {
     SurfaceCell cell;
     bool is_seen = false;  ///< has a color
     bool is_driven = false;
+    float raised = 0;     ///< [m] above where the road that cars drove on would go on to
+    float measured = 0;   ///< [m] the same of what views of the place agreed on; 0 without
+    float certainty = 0;  ///< of that, 0..1
     ObservationSummary observations;
   };
 

@@ -179,12 +179,12 @@ def write_raster(name, rng):
     """Ground with a box on it: as parkade-outline-rasters writes them."""
     truth = np.ones((180, 200), np.uint8)
     truth[60:100, 70:90], truth[:, 190:], truth[:10] = 0, 2, 3
-    features = rng.random((12, *truth.shape)).astype(np.float32)
+    features = rng.random((15, *truth.shape)).astype(np.float32)
     features[0] = truth != 3
     features[1] = np.where(truth == 0, -0.3, 0.3)
     features.tofile(name.with_suffix(".features"))
     truth.tofile(name.with_suffix(".truth"))
-    name.with_suffix(".json").write_text(json.dumps({"channels": 12, "rows": truth.shape[0], "columns": truth.shape[1]}))
+    name.with_suffix(".json").write_text(json.dumps({"channels": 15, "rows": truth.shape[0], "columns": truth.shape[1]}))
 
 
 def check_outlines(folder):
@@ -194,7 +194,7 @@ def check_outlines(folder):
 
     write_raster(folder / "ground_0", np.random.default_rng(2))
     ((name, features, truth),) = rasters.load_rasters(folder)
-    assert name == "ground_0" and features.shape == (12, 180, 200)
+    assert name == "ground_0" and features.shape == (15, 180, 200)
     weights = rasters.weights_of(features, truth)
     assert weights[5].max() == 0 and weights[:, 195].max() == 0 and weights[55, 80] > weights[150, 20] > 0
     perfect = rasters.compare(features, truth, np.where(truth == 0, -1, 1))
@@ -206,11 +206,12 @@ def check_outlines(folder):
         changed, label = rasters.augment(np.random.default_rng(seed), *square)
         assert sorted(label.ravel()) == sorted(square[1].ravel()) and np.isfinite(changed).all()
         # Turned or not, the box lies where it is labeled, but for cells along its outline and errors that were added.
+        assert (changed[13][changed[14] == 0] == 0).all() and abs(changed[12:14]).max() <= 2
         counts = (changed[0] > 0.9) & (label != 3)
         assert ((changed[1] < 0) == (label == 0))[counts].mean() > 0.93, seed
     # What lies further than the reach that the program relies on has no say.
     network = OutlineNetwork().eval()
-    ground = torch.rand(1, 12, 96, 96)
+    ground = torch.rand(1, 15, 96, 96)
     other = ground.clone()
     other[..., 64:] = 0
     with torch.no_grad():

@@ -78,7 +78,9 @@ std::vector<SurfacePainter::PaintedCell> Paint(const SuiteDrive& drive, const Op
     all.core.extend(tile.core);
     all.window.extend(tile.window);
   }
-  return PaintTile(all, source, std::span(&path, 1), latest, field, options.surface);
+  return PaintTile(all, source, std::span(&path, 1), latest, field,
+                   FitRoad(heights, std::span(&path, 1), options.surface.Heights()),
+                   options.surface);
 }
 
 void Write(const fs::path& name, const cv::Mat& features, const std::vector<Truth>& truth) {

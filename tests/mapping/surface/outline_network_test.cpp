@@ -40,6 +40,9 @@ std::vector<PaintedCell> MakeGround(const Eigen::Vector2i& corner, const Eigen::
                               .occupied_views = static_cast<std::uint8_t>(of_block() % 33)};
       painted.is_seen = of_cell() % 50 != 0;
       painted.is_driven = y / 20 == 3;
+      painted.raised = 0.001F * static_cast<float>(of_block() % 150) - 0.05F;
+      painted.measured = painted.raised;
+      painted.certainty = static_cast<float>(of_block() % 100) / 100;
     }
   return cells;
 }
@@ -57,13 +60,15 @@ TEST(OutlineFeatures, AreMeansOfSeenCells) {
   const cv::Rect window(-3, 2, 20, 30);
   const cv::Mat features = OutlineFeatures(cells, decks[0], window);
   ASSERT_EQ(features.size[1], kOutlineFeatures);
-  cv::Mat blue(window.size(), CV_64F, cv::Scalar(0)), belief = blue.clone(), seen = blue.clone();
+  cv::Mat blue(window.size(), CV_64F, cv::Scalar(0)), belief = blue.clone(), seen = blue.clone(),
+                                                      raised = blue.clone();
   for (const PaintedCell& cell : cells) {
     const cv::Point at((cell.cell.x - decks[0].origin.x()) / 2 - window.x,
                        (cell.cell.y - decks[0].origin.y()) / 2 - window.y);
     if (!cell.is_seen || !cv::Rect({}, window.size()).contains(at)) continue;
     seen.at<double>(at) += 0.25;
     belief.at<double>(at) += 0.25 * LogOdds(cell) / 8;
+    raised.at<double>(at) += 0.25 * static_cast<double>(cell.raised) / 0.1;
     blue.at<double>(at) += 0.25 * (cell.cell.color[2] / 255.0 - 0.5);
   }
   for (int row = 0; row < window.height; ++row)
@@ -71,6 +76,7 @@ TEST(OutlineFeatures, AreMeansOfSeenCells) {
       EXPECT_NEAR(features.ptr<float>(0, 0, row)[column], seen.at<double>(row, column), 1e-6);
       EXPECT_NEAR(features.ptr<float>(0, 1, row)[column], belief.at<double>(row, column), 1e-5);
       EXPECT_NEAR(features.ptr<float>(0, 11, row)[column], blue.at<double>(row, column), 1e-5);
+      EXPECT_NEAR(features.ptr<float>(0, 12, row)[column], raised.at<double>(row, column), 1e-5);
     }
 }
 
