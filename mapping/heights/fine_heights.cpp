@@ -51,6 +51,7 @@ double MisfitOf(const Agreement& agreement) {
 /// Samples less the cells' means that they gave, usually.
 double FreedomOf(const std::vector<Agreement>& agreements) {
   std::vector<double> freedoms;
+  freedoms.reserve(agreements.size());
   for (const Agreement& at : agreements) freedoms.push_back(at.num_samples - at.num_cells);
   return Median(std::move(freedoms));
 }

@@ -187,6 +187,7 @@ std::map<size_t, std::vector<Meeting>> MeetAll(const Block& block, const PatchSo
   std::map<size_t, std::vector<Meeting>> meetings;
   for (const size_t i : PatchesOf(block.tiles)) meetings.try_emplace(i);
   std::vector<std::pair<const size_t, std::vector<Meeting>>*> list;
+  list.reserve(meetings.size());
   for (auto& of_patch : meetings) list.push_back(&of_patch);
   ParallelFor(list.size(), [&](size_t k) {
     const PosedGroundPatch posed = patches.Read(list[k]->first);

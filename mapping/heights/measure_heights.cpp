@@ -79,6 +79,7 @@ double NeededDip(int freedom) {
 std::optional<Best> FindBest(const std::vector<Agreement>& agreements, int num_cells,
                              double max_offset, const MeasureHeightsOptions& options) {
   std::vector<double> misfits;
+  misfits.reserve(agreements.size());
   for (const Agreement& agreement : agreements) misfits.push_back(agreement.Misfit());
   const auto best =
       static_cast<size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());

@@ -237,6 +237,7 @@ void SurfacePainter::MarkDriven(const DrivenPath& path) {
   const double rim = 2.5 * cell_size_, half_track = 0.5 * path.contact.track;
   const Eigen::AlignedBox2d inside(Eigen::Vector2d(rim, rim - half_track),
                                    Eigen::Vector2d(path.contact.wheelbase - rim, half_track - rim));
+  const double apart = 0.7 * cell_size_;  // of places: no cell is missed
   std::optional<Rigid3> stood_from_site;
   std::optional<Eigen::Vector3d> last;
   for (const TrajectoryState& state : path.site_from_body.states()) {
@@ -247,8 +248,9 @@ void SurfacePainter::MarkDriven(const DrivenPath& path) {
     const Eigen::Affine2d stood_from_ground = stood_from_site
                                                   ? InPlane(*stood_from_site * site_from_ground)
                                                   : Eigen::Affine2d::Identity();
-    for (double x = 0; x <= path.contact.wheelbase; x += 0.7 * cell_size_)
-      for (double y = -half_track; y <= half_track; y += 0.7 * cell_size_) {
+    for (int i = 0; i * apart <= path.contact.wheelbase; ++i)
+      for (int k = 0; k * apart <= 2 * half_track; ++k) {
+        const double x = i * apart, y = k * apart - half_track;
         if (stood_from_site && inside.contains(stood_from_ground * Eigen::Vector2d(x, y))) continue;
         const Eigen::Vector3d point = site_from_ground * Eigen::Vector3d(x, y, 0);
         const int patch = field_->FindPatch(point);
