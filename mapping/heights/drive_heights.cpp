@@ -9,6 +9,7 @@
 
 #include "core/log.h"
 #include "core/parallel.h"
+#include "mapping/ground/patch_index.h"
 #include "mapping/heights/estimate_suspension.h"
 #include "mapping/heights/fine_heights.h"
 #include "mapping/heights/height_certainty.h"
@@ -124,27 +125,27 @@ std::vector<DriveHeight> TieAll(const std::vector<HeightObservation>& heights,
 /// The squares of a field in which heights were measured.
 class MeasuredSquares {
  public:
-  MeasuredSquares(std::span<const HeightObservation> heights, double side) : side_(side) {
+  MeasuredSquares(std::span<const HeightObservation> heights, double side)
+      : heights_(heights), side_(side) {
     for (const HeightObservation& height : heights)
-      squares_[SquareOf(height.point_in_site)].push_back(height.point_in_site.z());
+      index_.Add(Square(height.point_in_site.x()), Square(height.point_in_site.y()));
   }
 
   bool Has(const Eigen::Vector3d& point) const {
-    const auto found = squares_.find(SquareOf(point));
-    return found != squares_.end() &&
-           std::any_of(found->second.begin(), found->second.end(),
-                       [&](double z) { return std::abs(z - point.z()) < kSameDeck; });
+    for (int i = index_.First(Square(point.x()), Square(point.y())); i != PatchIndex::kNone;
+         i = index_.Next(i))
+      if (std::abs(heights_[static_cast<size_t>(i)].point_in_site.z() - point.z()) < kSameDeck)
+        return true;
+    return false;
   }
 
  private:
   static constexpr double kSameDeck = 1.0;  // [m]
-  std::pair<int, int> SquareOf(const Eigen::Vector3d& point) const {
-    return {static_cast<int>(std::floor(point.x() / side_)),
-            static_cast<int>(std::floor(point.y() / side_))};
-  }
+  int Square(double coordinate) const { return static_cast<int>(std::floor(coordinate / side_)); }
 
+  std::span<const HeightObservation> heights_;
   double side_;
-  std::map<std::pair<int, int>, std::vector<double>> squares_;
+  PatchIndex index_;
 };
 
 /// Where a height lies now. Nothing where the path does not reach its time.

@@ -216,7 +216,7 @@ void HeightField::AddThinPlate(bool breaks, NormalEquations& equations) const {
   const double bend = options_.curvature_sigma * options_.spacing * options_.spacing;
   const double stiffness = 1 / (bend * bend);
   const auto height = [&](int node) { return heights_[static_cast<size_t>(node)]; };
-  const auto left_of = [&](double difference) {
+  const auto stiffness_at = [&](double difference) {
     const double strain = breaks ? difference / kBreakingBend : 0;
     return stiffness / ((1 + strain * strain) * (1 + strain * strain));
   };
@@ -227,12 +227,12 @@ void HeightField::AddThinPlate(bool breaks, NormalEquations& equations) const {
       const int third = next[static_cast<size_t>(second)];
       if (third != kNone)
         equations.AddRow<3>({node, second, third}, {1, -2, 1}, 0,
-                            left_of(height(node) - 2 * height(second) + height(third)));
+                            stiffness_at(height(node) - 2 * height(second) + height(third)));
     }
   for (const Patch& patch : patches_)
     equations.AddRow<4>(patch.nodes, {1, -1, -1, 1}, 0,
-                        2 * left_of(height(patch.nodes[0]) - height(patch.nodes[1]) -
-                                    height(patch.nodes[2]) + height(patch.nodes[3])));
+                        2 * stiffness_at(height(patch.nodes[0]) - height(patch.nodes[1]) -
+                                         height(patch.nodes[2]) + height(patch.nodes[3])));
 }
 
 /// Less, the further it is from the surface. Where there is none, its own.
