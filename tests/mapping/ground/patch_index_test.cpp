@@ -18,7 +18,7 @@ std::vector<int> At(const PatchIndex& index, int x, int y) {
 TEST(PatchIndex, FindsWhatAPlainMapFinds) {
   std::mt19937 random(5);
   const auto draw = [&](int reach) {
-    return static_cast<int>(random() % static_cast<unsigned>(2 * reach)) - reach;
+    return std::uniform_int_distribution<int>(-reach, reach)(random);
   };
   for (const int reach : {3, 300, 20'000, 2'000'000'000}) {
     PatchIndex index;
