@@ -32,6 +32,7 @@ constexpr double kDoubtfulLogOdds =
 constexpr double kMaxStretch = 1.5;      // of rays: IntersectRay goes no further
 constexpr double kMaxFootprint = 1.0;    // [m] that samples stand for reach less far from them
 constexpr size_t kPatchesPerBatch = 64;  // hits of so many patches are held at once
+constexpr WheelbaseFootprint kSmallestCar{1.6, 1.1};  // where the rig does not know its size
 
 /// 1 right at the car, falling with distance: whose color counts. Much slower than the variance of
 /// a height grows.
@@ -231,12 +232,13 @@ void SurfacePainter::PaintDrive(const PatchSource& patches, std::span<const size
 }
 
 void SurfacePainter::MarkDriven(const DrivenPath& path) {
-  if (path.contact.wheelbase <= 0 || path.contact.track <= 0) return;
-  const double step = 2 * cell_size_, length = path.contact.wheelbase + path.contact.track + 1;
+  const bool is_known = path.contact.wheelbase > 0 && path.contact.track > 0;
+  const WheelbaseFootprint car = is_known ? path.contact : kSmallestCar;
+  const double step = 2 * cell_size_, length = car.wheelbase + car.track + 1;
   // Every cell well inside of where the car stood last is marked already.
-  const double rim = 2.5 * cell_size_, half_track = 0.5 * path.contact.track;
+  const double rim = 2.5 * cell_size_, half_track = 0.5 * car.track;
   const Eigen::AlignedBox2d inside(Eigen::Vector2d(rim, rim - half_track),
-                                   Eigen::Vector2d(path.contact.wheelbase - rim, half_track - rim));
+                                   Eigen::Vector2d(car.wheelbase - rim, half_track - rim));
   const double apart = 0.7 * cell_size_;  // of places: no cell is missed
   std::optional<Rigid3> stood_from_site;
   std::optional<Eigen::Vector3d> last;
@@ -248,7 +250,7 @@ void SurfacePainter::MarkDriven(const DrivenPath& path) {
     const Eigen::Affine2d stood_from_ground = stood_from_site
                                                   ? InPlane(*stood_from_site * site_from_ground)
                                                   : Eigen::Affine2d::Identity();
-    for (int i = 0; i * apart <= path.contact.wheelbase; ++i)
+    for (int i = 0; i * apart <= car.wheelbase; ++i)
       for (int k = 0; k * apart <= 2 * half_track; ++k) {
         const double x = i * apart, y = k * apart - half_track;
         if (stood_from_site && inside.contains(stood_from_ground * Eigen::Vector2d(x, y))) continue;

@@ -43,7 +43,7 @@ class SurfacePainter {
   void PaintDrive(const PatchSource& patches, std::span<const size_t> indices,
                   const DrivenPath* path, const LatestDrives* latest = nullptr);
 
-  /// Where a car has been there is room for it.
+  /// Where a car has been there is room for it. One of unknown size is taken for a very small one.
   void MarkDriven(const DrivenPath& path);
 
   /// A cell of the result with what has not yet been decided about it.

@@ -384,6 +384,26 @@ TEST(SurfacePainter, EveryCellThatTheCarStoodOnIsDriven) {
   EXPECT_LT(different.size(), 3u) << "but for points that rounding puts to either side";
 }
 
+TEST(SurfacePainter, ACarOfUnknownSizeIsASmallOne) {
+  std::vector<TrajectoryState> states;
+  for (int i = 0; i <= 100; ++i)
+    states.push_back({.time = TimestampFromSeconds(0.1 * i),
+                      .world_from_body = {Eigen::Quaterniond::Identity(), {0.1 * i, 0, 0}}});
+  DrivenPath path = MakeDrivenPath(0, MakeTestRig(), Trajectory(states), Rigid3{});
+  path.contact = {};
+  std::vector<HeightObservation> flat;
+  for (double x = -4; x < 16; x += 0.4)
+    for (double y = -4; y < 4; y += 0.4) flat.push_back({{x, y, 0}, 1e4});
+  const HeightField field(flat, {});
+
+  SurfacePainter painter(field, 8, {});
+  painter.MarkDriven(path);
+
+  int num_driven = 0;
+  for (const SurfacePainter::PaintedCell& cell : painter.Cells()) num_driven += cell.is_driven;
+  EXPECT_NEAR(num_driven * 0.05 * 0.05, (10 + 1.6) * 1.1, 0.8) << "m^2, without gaps";
+}
+
 TEST(SurfacePainter, ASampleMovesAlongItsRayOntoARampAhead) {
   // A ramp of 10 % from x = 2 on; an eye 1 m above the level sees its point (4, 0, 0.2) on the
   // level at x = 5.
