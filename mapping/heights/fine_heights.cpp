@@ -36,18 +36,6 @@ std::vector<float> OffsetsOfSweep() {
   return offsets;
 }
 
-/// Share of the variance that remains at a height, of which `kNoise` is none of the height's.
-double MisfitOf(const Agreement& agreement) {
-  const double freedom = agreement.num_samples - agreement.num_cells;
-  const double floor = kNoise * kNoise;
-  const auto mean = [](float sum, double count) { return static_cast<double>(sum) / count; };
-  if (!(freedom > 0)) return 1;
-  const double total = mean(agreement.total, std::max(1.0F, agreement.weight)),
-               left = mean(agreement.residual, std::max(1.0F, agreement.weight)) *
-                      agreement.num_samples / freedom;
-  return (left + floor) / (total + floor);
-}
-
 /// Samples less the cells' means that they gave, usually.
 double FreedomOf(const std::vector<Agreement>& agreements) {
   std::vector<double> freedoms;
@@ -65,12 +53,10 @@ void Judge(SweptWindow& window) {
   const double usual = FreedomOf(agreements);
   if (window.parallax >= kMinParallax && usual >= kMinFreedom) {
     const double freedom = std::min(usual / kViewCorrelation, kMaxFreedom);
-    for (std::size_t i = 0; i < agreements.size(); ++i) {
-      const bool is_seen = agreements[i].num_samples - agreements[i].num_cells >= 0.5 * usual;
-      const double misfit = is_seen ? MisfitOf(agreements[i]) : 1;
+    const std::vector<double> misfits = MisfitsOf(agreements, kNoise * kNoise, 0.5 * usual);
+    for (std::size_t i = 0; i < misfits.size(); ++i)
       window.costs[i] =
-          static_cast<float>(0.5 * freedom * std::log(std::clamp(misfit, kLeastMisfit, 1.0)));
-    }
+          static_cast<float>(0.5 * freedom * std::log(std::max(misfits[i], kLeastMisfit)));
   }
   window.agreements = {}, window.coarse = {};
 }

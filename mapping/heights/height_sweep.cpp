@@ -84,6 +84,7 @@ std::vector<Meeting> FindMeetings(const PosedGroundPatch& posed, const DrivenPat
 bool AddObservations(const std::vector<Meeting>& meetings, const Eigen::Vector2f& tile_in_block,
                      float side, float max_offset, TileSweep& sweep) {
   const size_t before = sweep.num_observations();
+  sweep.BeginView();
   for (Meeting observation : meetings) {
     observation.point -= tile_in_block;
     const float outside =

@@ -78,9 +78,7 @@ double NeededDip(int freedom) {
 /// make half of what is looked at.
 std::optional<Best> FindBest(const std::vector<Agreement>& agreements, int num_cells,
                              double max_offset, const MeasureHeightsOptions& options) {
-  std::vector<double> misfits;
-  misfits.reserve(agreements.size());
-  for (const Agreement& agreement : agreements) misfits.push_back(agreement.Misfit());
+  const std::vector<double> misfits = MisfitsOf(agreements, 0, 1);
   const auto best =
       static_cast<size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
   if (best == 0 || best + 1 >= misfits.size()) return std::nullopt;

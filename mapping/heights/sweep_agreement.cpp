@@ -23,6 +23,30 @@ double Agreement::Misfit() const {
          freedom;
 }
 
+std::vector<double> MisfitsOf(std::span<const Agreement> agreements, double noise,
+                              double min_freedom) {
+  const std::size_t count = agreements.size();
+  std::vector<double> differences(count), above(count), misfits(count, 1);
+  const auto freedom = [&](std::size_t i) {
+    return agreements[i].num_samples - agreements[i].num_cells;
+  };
+  const auto mean = [&](float sum, std::size_t i) {
+    return static_cast<double>(sum / std::max(1.0F, agreements[i].weight));
+  };
+  for (std::size_t i = 0; i < count; ++i)
+    if (freedom(i) > 0 && freedom(i) >= min_freedom)
+      differences[i] = mean(agreements[i].residual, i) * agreements[i].num_samples / freedom(i);
+  for (std::size_t i = count; i-- > 1;) above[i - 1] = std::max(above[i], differences[i]);
+  double below = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double wrong = std::min({mean(agreements[i].total, i), below, above[i]}) + noise,
+                 here = differences[i] + noise;
+    if (freedom(i) > 0 && freedom(i) >= min_freedom && here < wrong) misfits[i] = here / wrong;
+    below = std::max(below, differences[i]);
+  }
+  return misfits;
+}
+
 bool IsSeenWell(const Agreement& agreement, const SweepDemands& demands) {
   if (agreement.num_samples < demands.samples_per_cell * agreement.num_cells ||
       agreement.num_cells < demands.num_cells)

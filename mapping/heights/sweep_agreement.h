@@ -12,7 +12,8 @@ struct Agreement {
   float residual = 0,
         total = 0;  ///< of squared gray values: within cells, and altogether
   float weight = 0;
-  int num_samples = 0, num_cells = 0;
+  int num_samples = 0;  ///< that are compared: means of what one view saw of a cell
+  int num_cells = 0;
   int num_means = 0;  ///< that were taken off before `total` was summed up
 
   void Add(const Agreement& other);
@@ -20,6 +21,14 @@ struct Agreement {
   /// Share of the variance that remains within cells: 1 where heights do not matter.
   double Misfit() const;
 };
+
+/// How much views differ at each height of a sweep, as a share of how much they would if it were
+/// wrong: of what they show there, but of no more than they differ by anywhere below it, nor above.
+/// What looks alike at all heights, as lines along the path do, tells none of them. 1 where nothing
+/// is told, and where `freedom`, samples less cells, is less than is asked for.
+/// \param noise  [gray values squared] by which views differ at the right height
+std::vector<double> MisfitsOf(std::span<const Agreement> agreements, double noise,
+                              double min_freedom);
 
 /// What ground must show for a sweep over it to be judged.
 struct SweepDemands {

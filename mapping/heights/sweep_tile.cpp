@@ -20,37 +20,34 @@ float Clamped(float value, float limit) {
 }  // namespace
 
 TileSweep::TileSweep(SweepShape shape)
-    : shape_(std::move(shape)),
-      per_cell_(1 / shape_.cell_size),
-      across_(shape_.num_windows * shape_.cells_per_window + 2) {}
+    : shape_(std::move(shape)), per_cell_(1 / shape_.cell_size) {}
 
 std::vector<Agreement> TileSweep::SweepTwice(std::vector<Agreement>* coarse) const {
   std::vector<Agreement> agreements(
       static_cast<std::size_t>(shape_.num_windows * shape_.num_windows) * shape_.offsets.size());
   if (coarse) coarse->assign(agreements.size(), {});
   ParallelFor(shape_.offsets.size(), [&](std::size_t height) {
-    const std::vector<Sums> cells = AddUp(shape_.offsets[height]);
-    AgreementsInto(height, cells, 1, agreements);
-    if (coarse) AgreementsInto(height, cells, 2, *coarse);
+    AgreementsInto(height, 1, agreements);
+    if (coarse) AgreementsInto(height, 2, *coarse);
   });
   return agreements;
 }
 
 std::vector<float> TileSweep::Parallaxes() const {
-  std::vector<Sums> sums(static_cast<std::size_t>(shape_.num_windows * shape_.num_windows),
-                         Sums::Zero());
+  std::vector<Eigen::Array4f> sums(
+      static_cast<std::size_t>(shape_.num_windows * shape_.num_windows), Eigen::Array4f::Zero());
   const auto side = static_cast<float>(shape_.num_windows),
              per_window = 1 / static_cast<float>(shape_.cells_per_window);
   for (std::size_t i = 0; i < x_.size(); ++i) {
-    const float x = (x_[i] - 1) * per_window, y = (y_[i] - 1) * per_window;
+    const float x = x_[i] * per_window, y = y_[i] * per_window;
     if (x < 0 || y < 0 || x >= side || y >= side) continue;
     const auto window =
         static_cast<std::size_t>(static_cast<int>(y) * shape_.num_windows + static_cast<int>(x));
     const float dx = dx_[i] / per_cell_, dy = dy_[i] / per_cell_;
-    sums[window] += Sums(1, dx, dy, dx * dx + dy * dy);
+    sums[window] += Eigen::Array4f(1, dx, dy, dx * dx + dy * dy);
   }
   std::vector<float> parallaxes;
-  for (const Sums& sum : sums) {
+  for (const Eigen::Array4f& sum : sums) {
     const Eigen::Array3f mean = sum.tail<3>() / std::max(sum[0], 1.0F);
     parallaxes.push_back(
         std::sqrt(std::max(mean[2] - mean[0] * mean[0] - mean[1] * mean[1], 0.0F)));
@@ -58,42 +55,63 @@ std::vector<float> TileSweep::Parallaxes() const {
   return parallaxes;
 }
 
-std::vector<TileSweep::Sums> TileSweep::AddUp(float offset) const {
-  std::vector<Sums> cells(static_cast<std::size_t>(across_) * static_cast<std::size_t>(across_),
-                          Sums::Zero());
+void TileSweep::Cell::Close() {
+  if (!(last.weight > 0)) return;
+  all.weight += last.weight, all.gray += last.gray;
+  square += last.gray * last.gray / last.weight;
+  ++num_views;
+  last = {};
+}
+
+/// Row by row, with a rim of one that gathers what lies outside.
+std::vector<TileSweep::Cell> TileSweep::AddUp(float offset, int cells_in_one) const {
+  const int across = NumCells(cells_in_one) + 2;
+  std::vector<Cell> cells(static_cast<std::size_t>(across) * static_cast<std::size_t>(across));
   std::array<std::int32_t, kChunk> at;
-  const auto limit = static_cast<float>(across_ - 1);
-  for (std::size_t begin = 0; begin < x_.size(); begin += kChunk) {
-    const std::size_t count = std::min(kChunk, x_.size() - begin);
-    const float *x = &x_[begin], *y = &y_[begin], *dx = &dx_[begin], *dy = &dy_[begin];
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto column = static_cast<std::int32_t>(Clamped(x[i] + offset * dx[i], limit));
-      const auto row = static_cast<std::int32_t>(Clamped(y[i] + offset * dy[i], limit));
-      at[i] = row * across_ + column;
+  const auto limit = static_cast<float>(across - 1);
+  const float scale = 1 / static_cast<float>(cells_in_one);
+  for (std::size_t view = 0; view < views_.size(); ++view) {
+    const std::size_t end = view + 1 < views_.size() ? views_[view + 1] : x_.size();
+    for (std::size_t begin = views_[view]; begin < end; begin += kChunk) {
+      const std::size_t count = std::min(kChunk, end - begin);
+      const float *x = &x_[begin], *y = &y_[begin], *dx = &dx_[begin], *dy = &dy_[begin];
+      for (std::size_t i = 0; i < count; ++i) {
+        const auto column =
+            static_cast<std::int32_t>(Clamped(scale * (x[i] + offset * dx[i]) + 1, limit));
+        const auto row =
+            static_cast<std::int32_t>(Clamped(scale * (y[i] + offset * dy[i]) + 1, limit));
+        at[i] = row * across + column;
+      }
+      const Sample* samples = &samples_[begin];
+      for (std::size_t i = 0; i < count; ++i) {
+        Cell& cell = cells[static_cast<std::size_t>(at[i])];
+        if (cell.last_view != static_cast<int>(view)) {
+          cell.Close();
+          cell.last_view = static_cast<int>(view);
+        }
+        cell.last.weight += samples[i].weight, cell.last.gray += samples[i].gray;
+      }
     }
-    const Sums* sums = &sums_[begin];
-    for (std::size_t i = 0; i < count; ++i) cells[static_cast<std::size_t>(at[i])] += sums[i];
   }
   return cells;
 }
 
-void TileSweep::AgreementsInto(std::size_t height, const std::vector<Sums>& cells, int cells_in_one,
+void TileSweep::AgreementsInto(std::size_t height, int cells_in_one,
                                std::vector<Agreement>& agreements) const {
-  const auto at = [&](int x, int y) {
-    return cells[static_cast<std::size_t>((y + 1) * across_ + x + 1)];
-  };
-  for (int y = 0; y + 2 < across_; y += cells_in_one)
-    for (int x = 0; x + 2 < across_; x += cells_in_one) {
-      Sums cell = at(x, y);
-      if (cells_in_one == 2) cell += at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1);
-      if (cell[3] == 0) continue;
-      const auto window = static_cast<std::size_t>(
-          y / shape_.cells_per_window * shape_.num_windows + x / shape_.cells_per_window);
+  const int across = NumCells(cells_in_one), per_window = shape_.cells_per_window / cells_in_one;
+  std::vector<Cell> cells = AddUp(shape_.offsets[height], cells_in_one);
+  for (int y = 0; y < across; ++y)
+    for (int x = 0; x < across; ++x) {
+      Cell& cell = cells[static_cast<std::size_t>((y + 1) * (across + 2) + x + 1)];
+      cell.Close();
+      if (cell.num_views == 0) continue;
+      const auto window =
+          static_cast<std::size_t>(y / per_window * shape_.num_windows + x / per_window);
       Agreement& agreement = agreements[window * shape_.offsets.size() + height];
-      agreement.residual += cell[2] - cell[1] * cell[1] / cell[0];
-      agreement.total += cell[2];
-      agreement.weight += cell[0];
-      agreement.num_samples += static_cast<int>(cell[3]);
+      agreement.residual += cell.square - cell.all.gray * cell.all.gray / cell.all.weight;
+      agreement.total += cell.square;
+      agreement.weight += cell.all.weight;
+      agreement.num_samples += cell.num_views;
       ++agreement.num_cells;
     }
 }

@@ -23,20 +23,24 @@ struct SweepShape {
   std::vector<float> offsets;  ///< [m] of the surface
 };
 
-/// Moves samples along their rays to each height and sums up how well they agree there.
-/// Observations of many views follow each other in any order. \return one per window (row by row)
-/// and height: [window * offsets.size() + height]. O(observations * heights), heights in parallel.
+/// Moves samples along their rays to each height and sums up how well views agree there: means of a
+/// cell, one per view, are compared with each other. Samples of one view are not: an edge along the
+/// path, which looks alike at any height, would favor those at which it lies between cells.
+/// \return one per window (row by row) and height: [window * offsets.size() + height].
+/// O(observations * heights), heights in parallel.
 class TileSweep {
  public:
   explicit TileSweep(SweepShape shape);
 
+  /// What is added from here on is of another view.
+  void BeginView() { views_.push_back(x_.size()); }
+
   void Add(const Meeting& observation) {
-    x_.push_back(observation.point.x() * per_cell_ + 1),
-        y_.push_back(observation.point.y() * per_cell_ + 1);
+    x_.push_back(observation.point.x() * per_cell_),
+        y_.push_back(observation.point.y() * per_cell_);
     dx_.push_back(observation.shift.x() * per_cell_),
         dy_.push_back(observation.shift.y() * per_cell_);
-    const float weighted = observation.weight * observation.gray;
-    sums_.emplace_back(observation.weight, weighted, weighted * observation.gray, 1.0F);
+    samples_.push_back({observation.weight, observation.weight * observation.gray});
   }
   std::size_t num_observations() const { return x_.size(); }
 
@@ -51,19 +55,33 @@ class TileSweep {
   std::vector<float> Parallaxes() const;
 
  private:
-  /// What is known of a cell or a sample: weight, gray, its square (both weighted), number.
-  using Sums = Eigen::Array4f;
+  /// Sums of weights and of weighted grays.
+  struct Sample {
+    float weight = 0, gray = 0;
+  };
+  /// What is known of a cell: of all views before the one that saw it last, and of that one.
+  struct Cell {
+    Sample all, last;
+    float square = 0;  ///< of the views' means, weighted
+    int num_views = 0, last_view = -1;
 
-  std::vector<Sums> AddUp(float offset) const;
-  void AgreementsInto(std::size_t height, const std::vector<Sums>& cells, int cells_in_one,
+    void Close();
+  };
+
+  /// Along each side, `cells_in_one` of which, along each side, make one.
+  int NumCells(int cells_in_one) const {
+    return shape_.num_windows * shape_.cells_per_window / cells_in_one;
+  }
+  std::vector<Cell> AddUp(float offset, int cells_in_one) const;
+  void AgreementsInto(std::size_t height, int cells_in_one,
                       std::vector<Agreement>& agreements) const;
 
   SweepShape shape_;
   float per_cell_ = 0;          ///< [1/m]
-  int across_ = 0;              ///< cells, with a rim of one that gathers what lies outside
   std::vector<float> x_, y_;    ///< [cells]
   std::vector<float> dx_, dy_;  ///< [cells] per meter of height
-  std::vector<Sums> sums_;
+  std::vector<Sample> samples_;
+  std::vector<std::size_t> views_;  ///< where each begins
 };
 
 }  // namespace parkade

@@ -76,5 +76,15 @@ TEST(FineHeights, GroundThatShowsNothingHasNone) {
   EXPECT_TRUE(Measure(LookAt(Kerb, [](double, double) { return 120; })).empty());
 }
 
+TEST(FineHeights, LinesAlongThePathTellNothing) {
+  for (const double contrast : {3, 10, 40})
+    for (const double width : {0.1, 0.3, 0.8}) {
+      const auto lines = [&](double, double y) {
+        return 120 + contrast * (std::fmod(y, 3 * width) < width);
+      };
+      EXPECT_LT(Measure(LookAt(Kerb, lines)).size(), 30) << contrast << " " << width;
+    }
+}
+
 }  // namespace
 }  // namespace parkade

@@ -39,6 +39,36 @@ TEST(Agreement, SumsCountWhatEachCounts) {
   EXPECT_EQ(sum.num_means, 60);
 }
 
+/// Heights at which views differ by these squares, of 10 each that they show.
+std::vector<Agreement> DifferingBy(const std::vector<float>& squares) {
+  std::vector<Agreement> agreements;
+  for (const float square : squares)
+    agreements.push_back({.residual = 50 * square,
+                          .total = 1000,
+                          .weight = 100,
+                          .num_samples = 100,
+                          .num_cells = 50});
+  return agreements;
+}
+
+TEST(MisfitsOf, ComparesWithWhatWouldBeWrong) {
+  const std::vector<double> dip = MisfitsOf(DifferingBy({8, 6, 1, 12, 5}), 0, 1);
+  EXPECT_EQ(dip[0], 1) << "nothing is known of what lies below";
+  EXPECT_DOUBLE_EQ(dip[1], 0.75) << "lower, they differ by 8";
+  EXPECT_DOUBLE_EQ(dip[2], 0.125);
+  EXPECT_EQ(dip[3], 1);
+  EXPECT_EQ(dip[4], 1);
+  EXPECT_DOUBLE_EQ(MisfitsOf(DifferingBy({20, 1, 30}), 0, 1)[1], 0.1)
+      << "by 10 they would by chance";
+  EXPECT_DOUBLE_EQ(MisfitsOf(DifferingBy({20, 1, 30}), 2, 1)[1], 0.25) << "3 of 12";
+}
+
+TEST(MisfitsOf, WhatLooksAlikeAtAllHeightsTellsNone) {
+  for (const double misfit : MisfitsOf(DifferingBy({0, 0, 0, 0}), 0, 1)) EXPECT_EQ(misfit, 1);
+  for (const double misfit : MisfitsOf(DifferingBy({1, 2, 3, 4}), 1, 1)) EXPECT_EQ(misfit, 1);
+  for (const double misfit : MisfitsOf(DifferingBy({4, 1, 4}), 1, 51)) EXPECT_EQ(misfit, 1);
+}
+
 TEST(IsSeenWell, AsksForSamplesCellsAndContrast) {
   const Agreement seen{.total = 400, .weight = 100, .num_samples = 100, .num_cells = 20};
   EXPECT_TRUE(IsSeenWell(seen, {5, 20, 2}));
