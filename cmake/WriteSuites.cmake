@@ -13,7 +13,7 @@ foreach(line IN LISTS lines)
   string(REGEX REPLACE "\\.$" "" suite "${suite}")
   string(APPEND script
     "add_test([=[${suite}]=] [=[${program}]=] [=[--gtest_filter=${suite}.*]=])\n"
-    "set_tests_properties([=[${suite}]=] PROPERTIES LABELS [=[${labels}]=] TIMEOUT 900 WORKING_DIRECTORY [=[${folder}]=]\n"
-    "  ENVIRONMENT [=[TSAN_OPTIONS=suppressions=${folder}/tests/tsan.supp]=])\n")
+    "set_tests_properties([=[${suite}]=] PROPERTIES LABELS [=[${labels}]=] TIMEOUT 1800 WORKING_DIRECTORY [=[${folder}]=]\n"
+    "  ENVIRONMENT [=[TSAN_OPTIONS=suppressions=${folder}/tests/tsan.supp;LSAN_OPTIONS=suppressions=${folder}/tests/lsan.supp]=])\n")
 endforeach()
 file(WRITE ${file} "${script}")

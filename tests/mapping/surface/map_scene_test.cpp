@@ -152,7 +152,7 @@ TEST(MapScene, WithoutMasksAndNetworkTheGuessByColorsKeepsToTheLot) {
   EXPECT_LT(evaluation.false_free_percent, 5);
 }
 
-TEST(MapScene, TwoDecksStayTwoAndTheRampJoinsThem) {
+TEST(MapHardScene, TwoDecksStayTwoAndTheRampJoinsThem) {
   const Rig rig = MakeTestRig();
   const SyntheticScene scene = MakeDecks();
   const double half_turn = 3.14159265358979 * 5;
@@ -176,7 +176,7 @@ TEST(MapScene, TwoDecksStayTwoAndTheRampJoinsThem) {
   EXPECT_GT(num_double, 2000) << "cells of the lower deck seen below the upper one";
 }
 
-TEST(MapScene, ARampAheadDoesNotBendTheLevelBeforeIt) {
+TEST(MapHardScene, ARampAheadDoesNotBendTheLevelBeforeIt) {
   const Rig rig = MakeTestRig();
   const SyntheticScene scene = MakeDecks();
   const SyntheticDrive drive(scene, rig, DriveAlong(scene, {-6, 0, 0}, 0, {{30, 0}}, rig), true);
@@ -196,7 +196,7 @@ TEST(MapScene, ARampAheadDoesNotBendTheLevelBeforeIt) {
   EXPECT_LT(std::sqrt(sum / count), 0.02);
 }
 
-TEST(MapScene, ACarThatStandsStillMapsItsSurroundingsOnce) {
+TEST(MapHardScene, ACarThatStandsStillMapsItsSurroundingsOnce) {
   const Rig rig = MakeTestRig();
   const SyntheticScene scene = MakeLot();
   std::vector<PathPiece> standing(200);
@@ -208,7 +208,7 @@ TEST(MapScene, ACarThatStandsStillMapsItsSurroundingsOnce) {
   EXPECT_NO_THROW(ValidateMesh(mapped.mesh));
 }
 
-TEST(MapScene, WithoutVehicleAndLandmarksThereIsNoMapButAReason) {
+TEST(MapHardScene, WithoutVehicleAndLandmarksThereIsNoMapButAReason) {
   const Rig rig = MakeTestRig(/*has_vehicle=*/false);
   const SyntheticScene scene = MakeLot();
   const SyntheticDrive drive(scene, rig, DriveAlong(scene, {-6, 0, 0}, 0, {{8, 0}}, rig), true);
@@ -221,7 +221,7 @@ TEST(MapScene, WithoutVehicleAndLandmarksThereIsNoMapButAReason) {
   EXPECT_TRUE(mapped.mesh.empty());
 }
 
-TEST(MapScene, WithoutVehicleThePlaneOfTheLandmarksIsUsed) {
+TEST(MapHardScene, WithoutVehicleThePlaneOfTheLandmarksIsUsed) {
   const Rig rig = MakeTestRig(/*has_vehicle=*/false);
   const SyntheticScene scene = MakeLot();
   const SyntheticDrive drive(scene, rig, DriveAlong(scene, {-14, 0, 0}, 0, {{24, 0}}, rig), true);
