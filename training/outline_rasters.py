@@ -62,6 +62,8 @@ def augment(rng, features, truth):
         features[LOG_ODDS] = np.clip(features[LOG_ODDS] * certainty, -1, 1)
         for channel in (FREE, OCCUPIED):  # roots
             features[channel] = np.clip(features[channel] * np.sqrt(certainty), 0, 1)
+    if rng.random() < 0.25:  # a place of which it is unsure altogether
+        features[LOG_ODDS] = np.clip(features[LOG_ODDS] - rng.uniform(0, 0.5) * seen[0], -1, 1)
     if rng.random() < 0.3:
         features[LOG_ODDS] += seen[0] * smooth_noise(rng, truth.shape, rng.uniform(8, 40)) * rng.uniform(0.2, 1) / LOG_ODDS_UNIT
     change_heights(rng, features)
