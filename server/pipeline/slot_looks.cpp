@@ -1,0 +1,91 @@
+#include "server/pipeline/slot_looks.h"
+
+#include "core/error.h"
+#include "core/log.h"
+#include "server/map_folder/slots_file.h"
+#include "server/pipeline/name_slots.h"
+
+namespace parkade {
+namespace {
+
+constexpr double kMaxSpread = 0.5;  // [m] by which an earlier map's ground may be bent since
+constexpr const char* kSlotsFile = "slots.geojson";
+
+Trajectory ImuOf(const SiteDrive& drive) {
+  std::vector<TrajectoryState> states = drive.site_from_body_trajectory.states();
+  for (TrajectoryState& state : states)
+    state.world_from_body = state.world_from_body * drive.rig.body_from_imu;
+  return Trajectory(std::move(states));
+}
+
+std::vector<MovedDrive> SharedWith(const MapReader& from, const LogHashes& logs,
+                                   const SiteMap& map) {
+  std::vector<MovedDrive> shared;
+  for (const SiteDrive& drive : map.drives) {
+    const auto log = logs.find(drive.name);
+    if (from.Holds(drive.name, log == logs.end() ? "" : log->second))
+      shared.push_back({from.ReadTrajectory(drive.name), ImuOf(drive)});
+  }
+  return shared;
+}
+
+/// Slots that count, and slots of which only the names do.
+std::vector<SlotLook> LooksOf(const MapReader& from, const LogHashes& logs, const SiteMap& map) {
+  const std::vector<MovedDrive> shared = SharedWith(from, logs, map);
+  std::vector<SlotLook> looks(2);
+  looks[1].establishes = false;
+  for (const StoredSlot& stored : ReadSlots(from.FileNamed(kSlotsFile), from.datum())) {
+    const std::optional<Carriage> carriage = CarryFrom(stored.slot.Center(), shared);
+    if (!carriage) continue;
+    const bool is_as_it_was =
+        shared.size() == from.drives().size() && carriage->spread < kMaxSpread;
+    ParkingSlot slot = Moved(stored.slot, carriage->after_from_before);
+    slot.id = stored.id;
+    looks[is_as_it_was ? 0 : 1].slots.push_back(std::move(slot));
+  }
+  return looks;
+}
+
+/// Those of the map to start from; none where it has none that can be read.
+std::vector<SlotLook> EarlierLooks(const BuildContext& context, const SiteMap& map) {
+  if (!context.from || !context.from->Has(kSlotsFile)) return {};
+  try {
+    return LooksOf(*context.from, context.scope.logs, map);
+  } catch (const Error& error) {
+    LogWarning(std::string("slots get new ids: ") + error.what());
+    return {};
+  }
+}
+
+}  // namespace
+
+std::vector<SlotLook> LooksBefore(const BuildContext& context,
+                                  const std::vector<DriveInWork>& drives, const SiteGround& ground,
+                                  const SiteMap& map, Progress& progress) {
+  if (!context.options.markings.enabled || !context.options.texture.enabled) return {};
+  std::vector<SlotLook> looks = EarlierLooks(context, map);
+  if (drives.size() < 2) return looks;
+  for (size_t i = 0; i < drives.size(); ++i) {
+    const MovedDrive moved{drives[i].refinement.value.odom_from_body,
+                           map.drives[i].site_from_body_trajectory};
+    SlotLook look{{}, static_cast<int>(i)};
+    for (const ParkingSlot& slot : FindDriveSlots(context, drives[i], ground, i))
+      if (const auto carriage = CarryFrom(slot.Center(), std::span(&moved, 1)))
+        look.slots.push_back(Moved(slot, carriage->after_from_before));
+    looks.push_back(std::move(look));
+    progress.Update(static_cast<double>(i + 1) / static_cast<double>(drives.size()));
+  }
+  return looks;
+}
+
+void NameAndKeepSlots(const BuildContext& context, const std::vector<DriveInWork>& drives,
+                      const SiteGround& ground, SiteMap& map) {
+  std::vector<NamingDrive> naming;
+  for (const SiteDrive& drive : map.drives)
+    naming.push_back({drive.name, {drive.site_from_body_trajectory, drive.odometry}});
+  NameSlots(naming, map.markings.slots);
+  if (drives.size() == 1 && context.options.markings.enabled && context.options.texture.enabled)
+    KeepDriveSlots(context, drives[0], ground, map);
+}
+
+}  // namespace parkade
