@@ -18,22 +18,27 @@ Trajectory ImuOf(const SiteDrive& drive) {
   return Trajectory(std::move(states));
 }
 
-std::vector<MovedDrive> SharedWith(const MapReader& from, const LogHashes& logs,
-                                   const SiteMap& map) {
-  std::vector<MovedDrive> shared;
-  for (const SiteDrive& drive : map.drives) {
-    const auto log = logs.find(drive.name);
-    if (from.Holds(drive.name, log == logs.end() ? "" : log->second))
-      shared.push_back({from.ReadTrajectory(drive.name), ImuOf(drive)});
-  }
-  return shared;
+bool IsIn(const MapReader& from, const LogHashes& logs, const std::string& drive) {
+  const auto log = logs.find(drive);
+  return from.Holds(drive, log == logs.end() ? "" : log->second);
 }
 
-/// Slots that count, and slots of which only the names do.
-std::vector<SlotLook> LooksOf(const MapReader& from, const LogHashes& logs, const SiteMap& map) {
-  const std::vector<MovedDrive> shared = SharedWith(from, logs, map);
-  std::vector<SlotLook> looks(2);
-  looks[1].establishes = false;
+/// What the map to start from says of slots.
+struct EarlierSlots {
+  std::vector<SlotLook> looks;     ///< slots that count, and slots of which only the names do
+  std::vector<bool> is_told = {};  ///< by drive of the new map: the looks say all that it saw
+};
+
+EarlierSlots SlotsOf(const MapReader& from, const LogHashes& logs, const SiteMap& map) {
+  std::vector<MovedDrive> shared;
+  SlotLook standing, names{{}, -1, false};
+  std::vector<bool> is_told;
+  for (const SiteDrive& drive : map.drives) {
+    is_told.push_back(IsIn(from, logs, drive.name));
+    if (!is_told.back()) continue;
+    shared.push_back({from.ReadTrajectory(drive.name), ImuOf(drive)});
+    standing.drive = static_cast<int>(is_told.size()) - 1;
+  }
   for (const StoredSlot& stored : ReadSlots(from.FileNamed(kSlotsFile), from.datum())) {
     const std::optional<Carriage> carriage = CarryFrom(stored.slot.Center(), shared);
     if (!carriage) continue;
@@ -41,19 +46,21 @@ std::vector<SlotLook> LooksOf(const MapReader& from, const LogHashes& logs, cons
         shared.size() == from.drives().size() && carriage->spread < kMaxSpread;
     ParkingSlot slot = Moved(stored.slot, carriage->after_from_before);
     slot.id = stored.id;
-    looks[is_as_it_was ? 0 : 1].slots.push_back(std::move(slot));
+    (is_as_it_was ? standing : names).slots.push_back(std::move(slot));
   }
-  return looks;
+  if (!names.slots.empty()) is_told.assign(is_told.size(), false);
+  return {{std::move(standing), std::move(names)}, std::move(is_told)};
 }
 
-/// Those of the map to start from; none where it has none that can be read.
-std::vector<SlotLook> EarlierLooks(const BuildContext& context, const SiteMap& map) {
-  if (!context.from || !context.from->Has(kSlotsFile)) return {};
+/// Nothing where the map to start from has none that can be read.
+EarlierSlots FindEarlierSlots(const BuildContext& context, const SiteMap& map) {
+  const EarlierSlots nothing{{}, std::vector<bool>(map.drives.size())};
+  if (!context.from || !context.from->Has(kSlotsFile)) return nothing;
   try {
-    return LooksOf(*context.from, context.scope.logs, map);
+    return SlotsOf(*context.from, context.scope.logs, map);
   } catch (const Error& error) {
     LogWarning(std::string("slots get new ids: ") + error.what());
-    return {};
+    return nothing;
   }
 }
 
@@ -63,9 +70,10 @@ std::vector<SlotLook> LooksBefore(const BuildContext& context,
                                   const std::vector<DriveInWork>& drives, const SiteGround& ground,
                                   const SiteMap& map, Progress& progress) {
   if (!context.options.markings.enabled || !context.options.texture.enabled) return {};
-  std::vector<SlotLook> looks = EarlierLooks(context, map);
-  if (drives.size() < 2) return looks;
-  for (size_t i = 0; i < drives.size(); ++i) {
+  EarlierSlots earlier = FindEarlierSlots(context, map);
+  std::vector<SlotLook> looks = std::move(earlier.looks);
+  for (size_t i = 0; i + 1 < drives.size(); ++i) {
+    if (earlier.is_told[i]) continue;
     const MovedDrive moved{drives[i].refinement.value.odom_from_body,
                            map.drives[i].site_from_body_trajectory};
     SlotLook look{{}, static_cast<int>(i)};
