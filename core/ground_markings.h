@@ -40,6 +40,7 @@ inline const char* ToText(SlotState state) {
 
 /// A marked parking space: the rectangle between the middles of the painted lines beside it.
 struct ParkingSlot {
+  std::string id = {};  ///< the same in all versions of a map; empty until it is named
   std::array<Eigen::Vector3d, 4>
       corners{};  ///< [m] in site, counter-clockwise; the first two are its entrance
   SlotKind kind = SlotKind::kPerpendicular;
@@ -100,7 +101,7 @@ struct Kerb {
 
 /// What is painted on the ground and what stands out of it.
 struct GroundMarkings {
-  std::vector<ParkingSlot> slots = {};  ///< by row, then along it
+  std::vector<ParkingSlot> slots = {};  ///< by the look that found them, by row, then along it
   std::vector<RoadMarking> markings = {};
   std::vector<SpeedBump> bumps = {};
   std::vector<Kerb> kerbs = {};

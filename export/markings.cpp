@@ -47,20 +47,18 @@ std::string FormatSlot(const ParkingSlot& slot, const std::vector<std::string>& 
         {Rounded(corner.x(), 1000), Rounded(corner.y(), 1000), Rounded(corner.z(), 1000)});
   for (size_t i = 0; i < drives.size() && i < slot.states.size(); ++i)
     states[drives[i]] = ToText(slot.states[i]);
-  const Json properties = {
-      {"id", "slot_" + std::to_string(level) + "_" + std::to_string(std::lround(2 * center.x())) +
-                 "_" + std::to_string(std::lround(2 * center.y()))},
-      {"type", ToText(slot.kind)},
-      {"width_m", Rounded(slot.Width(), 1000)},
-      {"length_m", Rounded(slot.Length(), 1000)},
-      {"angle_deg", Rounded(slot.angle * 180 / std::numbers::pi, 10)},
-      {"level", level},
-      {"height_m", Rounded(center.z(), 1000)},
-      {"confidence", Rounded(slot.confidence, 100)},
-      {"marked_sides", slot.num_marked_sides},
-      {"state", ToText(LatestState(slot))},
-      {"states", states},
-      {"corners_m", corners}};
+  const Json properties = {{"id", slot.id},
+                           {"type", ToText(slot.kind)},
+                           {"width_m", Rounded(slot.Width(), 1000)},
+                           {"length_m", Rounded(slot.Length(), 1000)},
+                           {"angle_deg", Rounded(slot.angle * 180 / std::numbers::pi, 10)},
+                           {"level", level},
+                           {"height_m", Rounded(center.z(), 1000)},
+                           {"confidence", Rounded(slot.confidence, 100)},
+                           {"marked_sides", slot.num_marked_sides},
+                           {"state", ToText(LatestState(slot))},
+                           {"states", states},
+                           {"corners_m", corners}};
   return FormatFeature(properties, "Polygon",
                        FormatPolygon({Ring(slot.corners.begin(), slot.corners.end())}, datum));
 }

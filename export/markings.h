@@ -13,8 +13,7 @@ namespace parkade {
 /// GeoJSON: one Polygon per slot, its entrance first. Properties: `id`, `type`, `width_m`,
 /// `length_m`, `angle_deg` (between the lines beside it and the row), `level` (of `sheets`),
 /// `height_m`, `confidence`, `marked_sides`, `states` (by drive: free, occupied or unseen), `state`
-/// (of the last drive that saw it) and `corners_m` (in site). An id says where the slot is: deck
-/// and half meters, so that it stays when a map is made again. With a datum WGS84 (RFC 7946);
+/// (of the last drive that saw it) and `corners_m` (in site). With a datum WGS84 (RFC 7946);
 /// without, site meters, said by "frame": "site". \param drives  names, as ParkingSlot::states
 std::string EncodeSlotsGeoJson(const std::vector<ParkingSlot>& slots,
                                const std::vector<std::string>& drives,

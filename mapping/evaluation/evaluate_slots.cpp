@@ -25,11 +25,6 @@ Quadrilateral OutlineOf(const ParkingSlot& slot) {
   return CounterClockwise(shape);
 }
 
-double OverlapOf(const Quadrilateral& a, const Quadrilateral& b) {
-  const double shared = SharedArea(a, b);
-  return shared / (SignedArea(a) + SignedArea(b) - shared);
-}
-
 /// The points of both long sides of a slot, one side after the other.
 std::array<std::vector<Eigen::Vector3d>, 2> LinesOf(const TrueSlot& slot) {
   const bool is_first_long =

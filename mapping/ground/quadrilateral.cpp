@@ -36,6 +36,11 @@ double SharedArea(const Quadrilateral& a, const Quadrilateral& b) {
   return rest.size() < 3 ? 0 : AreaOf(rest);
 }
 
+double OverlapOf(const Quadrilateral& a, const Quadrilateral& b) {
+  const double shared = SharedArea(a, b);
+  return shared / (SignedArea(a) + SignedArea(b) - shared);
+}
+
 bool Contains(const Quadrilateral& shape, const Vector2d& point, double margin) {
   for (std::size_t i = 0; i < shape.size(); ++i) {
     const Vector2d side = shape[(i + 1) % shape.size()] - shape[i];

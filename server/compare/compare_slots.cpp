@@ -7,8 +7,9 @@
 namespace parkade {
 namespace {
 
-constexpr double kMinOverlap = 0.5;    // intersection over union
-constexpr double kMaxHeightGap = 1.0;  // [m]
+constexpr double kMinOverlap = 0.5;        // intersection over union
+constexpr double kMinOverlapOfName = 0.2;  // the same for slots of one id
+constexpr double kMaxHeightGap = 1.0;      // [m]
 
 Quadrilateral OutlineIn(const ParkingSlot& slot, const Rigid3& target_from_source) {
   Quadrilateral shape;
@@ -31,14 +32,15 @@ SlotChanges CompareSlots(const std::vector<StoredSlot>& from, const std::vector<
   for (const StoredSlot& later : to) {
     const Quadrilateral outline = OutlineIn(later.slot, {});
     size_t best = from.size();
-    double best_overlap = kMinOverlap;
+    double best_rank = 0;
     for (size_t i = 0; i < from.size(); ++i) {
       const Eigen::Vector3d center = to_from_from * from[i].slot.Center();
       if (is_kept[i] || std::abs(center.z() - later.slot.Center().z()) > kMaxHeightGap) continue;
-      const Quadrilateral other = OutlineIn(from[i].slot, to_from_from);
-      const double shared = SharedArea(outline, other);
-      const double overlap = shared / (SignedArea(outline) + SignedArea(other) - shared);
-      if (overlap >= best_overlap) best = i, best_overlap = overlap;
+      const double overlap = OverlapOf(outline, OutlineIn(from[i].slot, to_from_from));
+      const bool has_name = from[i].id == later.id;
+      if (overlap < (has_name ? kMinOverlapOfName : kMinOverlap)) continue;
+      const double rank = overlap + (has_name ? 1 : 0);
+      if (rank > best_rank) best = i, best_rank = rank;
     }
     if (best == from.size()) {
       changes.added.push_back(later.id);

@@ -22,7 +22,8 @@ struct SlotChanges {
   std::size_t num_kept = 0;          ///< slots in both, changed or not
 };
 
-/// Slots that overlap by half or more are the same one. A slot's state in a version is that of the
+/// Slots that overlap by half or more are the same one, and those of one id that overlap by a
+/// fifth. A slot's state in a version is that of the
 /// last drive that saw it. `to_from_from` moves the earlier map's site into the later one's.
 SlotChanges CompareSlots(const std::vector<StoredSlot>& from, const std::vector<StoredSlot>& to,
                          const Rigid3& to_from_from);

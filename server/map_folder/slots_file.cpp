@@ -33,6 +33,15 @@ std::array<Eigen::Vector3d, 4> CornersOf(const Json& feature, bool is_in_site,
   return corners;
 }
 
+/// Four corners in site, which also maps have that do not know how high they lie on Earth.
+std::array<Eigen::Vector3d, 4> CornersIn(const Json& corners_in_site) {
+  std::array<Eigen::Vector3d, 4> corners;
+  for (size_t i = 0; i < 4; ++i)
+    for (size_t axis = 0; axis < 3; ++axis)
+      corners[i][static_cast<Eigen::Index>(axis)] = corners_in_site.at(i).at(axis).get<double>();
+  return corners;
+}
+
 template <typename Named>
 Named FindNamed(const std::string& name, std::initializer_list<Named> all) {
   for (const Named value : all)
@@ -48,7 +57,8 @@ StoredSlot ReadSlot(const Json& feature, bool is_in_site, const std::optional<Si
   StoredSlot stored;
   const Json& properties = feature.at("properties");
   stored.id = properties.at("id").get<std::string>();
-  stored.slot.corners = CornersOf(feature, is_in_site, datum);
+  stored.slot.corners = properties.contains("corners_m") ? CornersIn(properties["corners_m"])
+                                                         : CornersOf(feature, is_in_site, datum);
   stored.slot.kind = FindNamed(properties.at("type").get<std::string>(),
                                {SlotKind::kPerpendicular, SlotKind::kAngled, SlotKind::kParallel});
   stored.slot.angle = properties.at("angle_deg").get<double>() * M_PI / 180;

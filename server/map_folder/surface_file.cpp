@@ -19,7 +19,7 @@ namespace parkade {
 namespace {
 
 constexpr std::string_view kMagic = "parkade surface";
-constexpr std::uint32_t kVersion = 1;  // of the layout
+constexpr std::uint32_t kLayoutVersion = 1;  // of the layout
 constexpr size_t kMaxBytes = size_t{16} << 30;
 constexpr int kCompressionLevel = 3;
 
@@ -166,9 +166,9 @@ SurfaceMap Parse(std::string_view bytes) {
   std::uint32_t version = 0;
   BinaryReader head(bytes);
   head(version);
-  Require(version == kVersion, ErrorCode::kInvalidInput,
+  Require(version == kLayoutVersion, ErrorCode::kInvalidInput,
           "it is of version " + std::to_string(version) + ", this program reads " +
-              std::to_string(kVersion));
+              std::to_string(kLayoutVersion));
   bytes.remove_prefix(sizeof version);
   const std::string content = Decompress(bytes);
   BinaryReader reader(content);
@@ -182,7 +182,7 @@ SurfaceMap Parse(std::string_view bytes) {
 
 void WriteSurface(const SurfaceMap& surface, const std::filesystem::path& file) {
   BinaryWriter head;
-  std::uint32_t version = kVersion;
+  std::uint32_t version = kLayoutVersion;
   head(version);
   WriteFileAtomically(file, [&](const std::filesystem::path& temporary) {
     std::ofstream stream(temporary, std::ios::binary);

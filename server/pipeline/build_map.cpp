@@ -4,6 +4,7 @@
 #include "server/pipeline/join_site.h"
 #include "server/pipeline/observe_site.h"
 #include "server/pipeline/preview_map.h"
+#include "server/pipeline/slot_looks.h"
 #include "server/pipeline/track_drives.h"
 
 namespace parkade {
@@ -50,10 +51,14 @@ BuiltMap BuildMap(std::span<const std::unique_ptr<RecordedDrive>> logs, const Ma
   map.texture =
       PaintTexture(map.mesh, map.surface, ground.patches.views(), sources, options.texture);
 
+  progress.Begin("slots by drive");
+  std::vector<SlotLook> looks = LooksBefore(context, drives, ground, map, progress);
+
   progress.Begin("find markings");
-  map.markings = FindMarkings(
-      {map.mesh, map.surface, map.texture, ground.patches, ground.paths, map.drives.size()},
-      options.markings);
+  map.markings = FindMarkings({map.mesh, map.surface, map.texture, ground.patches, ground.paths,
+                               map.drives.size(), std::move(looks)},
+                              options.markings);
+  NameAndKeepSlots(context, drives, ground, map);
   return built;
 }
 

@@ -19,6 +19,7 @@ SiteGround ObserveSite(const BuildContext& context, const std::vector<DriveInWor
     ground.paths.push_back(
         MakeDrivenPath(number, site_drive.rig, site_from_body, seen.body_from_ground));
     ground.patches.Add(file.value, number, site_from_body);
+    ground.files.push_back(file);
     progress.Update(static_cast<double>(i + 1) / static_cast<double>(drives.size()));
   }
   return ground;

@@ -9,6 +9,7 @@ namespace parkade {
 
 /// The ground as all drives saw it, and where they drove, in the site.
 struct SiteGround {
+  std::vector<Keyed<std::shared_ptr<const GroundFile>>> files;  ///< by drive, as all that follows
   StoredGround patches;
   std::vector<DrivenPath> paths;
   std::vector<DriveHeights> heights;  ///< none for methods that do not use them

@@ -14,6 +14,7 @@ std::vector<StagePlan> PlanStages(size_t num_drives, bool is_odometry_only) {
                              {"fuse surface", 5 * drives},
                              {"mesh", 4 * drives},
                              {"texture", 15 * drives},
+                             {"slots by drive", num_drives > 1 ? 20 * (drives - 1) : 0},
                              {"find markings", 2 * drives}});
   plan.push_back({"write", 4});
   return plan;

@@ -12,6 +12,7 @@ using nlohmann::json;
 /// A slot of an upper deck, free on one day and taken on the next.
 ParkingSlot UpperSlot() {
   ParkingSlot slot;
+  slot.id = "slot_a";
   slot.corners = {Eigen::Vector3d(10, 20, 3), {12.5, 20, 3}, {12.5, 25, 3}, {10, 25, 3}};
   slot.kind = SlotKind::kAngled;
   slot.angle = M_PI / 3;
@@ -39,7 +40,7 @@ TEST(Markings, OfSlotsAreClosedPolygonsWithAllThatIsKnown) {
   EXPECT_EQ(ring[0], ring[4]);
   EXPECT_EQ(ring[1], json({12.5, 20.0, 3.0}));
   const json& properties = feature.at("properties");
-  EXPECT_EQ(properties.at("id"), "slot_1_23_45");
+  EXPECT_EQ(properties.at("id"), "slot_a");
   EXPECT_EQ(properties.at("type"), "angled");
   EXPECT_DOUBLE_EQ(properties.at("width_m"), 2.5);
   EXPECT_DOUBLE_EQ(properties.at("length_m"), 5);

@@ -54,6 +54,17 @@ class PaintedGround {
                  kShift);
   }
 
+  /// A shadow that leaves this share of the light.
+  void Shade(const std::vector<Eigen::Vector2d>& points, double share) {
+    std::vector<cv::Point> pixels;
+    for (const Eigen::Vector2d& point : points) pixels.push_back(Fixed(point));
+    cv::Mat mask(tile_.image.size(), CV_8UC1, cv::Scalar::all(0));
+    cv::fillPoly(mask, std::vector<std::vector<cv::Point>>{pixels}, cv::Scalar::all(255),
+                 cv::LINE_8, kShift);
+    const cv::Mat shaded = share * tile_.image;
+    shaded.copyTo(tile_.image, mask);
+  }
+
   /// What stands there hides the ground.
   void Hide(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
     cv::rectangle(tile_.mask, Pixel(low), Pixel(high), cv::Scalar::all(0), cv::FILLED);

@@ -15,6 +15,7 @@ using Eigen::Vector3d;
 ParkingSlot SlotAt(double x, std::vector<SlotState> states) {
   ParkingSlot slot;
   slot.corners = {Vector3d(x, 0, 1), {x + 2.5, 0, 1}, {x + 2.5, 5, 1}, {x, 5, 1}};
+  slot.id = "slot_" + std::to_string(x);
   slot.confidence = 0.5;
   slot.states = std::move(states);
   return slot;
@@ -78,6 +79,20 @@ TEST(CompareSlots, TellsWhichCameWentAndWereTaken) {
   EXPECT_EQ(changes.changed[0].id, to[0].id);
   EXPECT_EQ(changes.changed[0].to, SlotState::kOccupied);
   EXPECT_EQ(changes.changed[1].to, SlotState::kFree);
+}
+
+TEST(CompareSlots, OneIdIsOneSlotEvenWhereItIsFoundShorter) {
+  ParkingSlot whole = SlotAt(0, {SlotState::kFree}), part = whole;
+  part.corners = {Vector3d(0, 0, 1), {2.5, 0, 1}, {2.5, 2, 1}, {0, 2, 1}};
+  const auto compare = [&] {
+    return CompareSlots(Stored({whole}, {"monday"}, {}), Stored({part}, {"monday"}, {}), {});
+  };
+  EXPECT_EQ(compare().num_kept, 1U);
+  part.id = "slot_b";
+  EXPECT_EQ(compare().num_kept, 0U);
+  part = SlotAt(20, {SlotState::kFree});
+  part.id = whole.id;
+  EXPECT_EQ(compare().num_kept, 0U) << "ids of older versions of this program say little";
 }
 
 }  // namespace
