@@ -44,11 +44,23 @@ SlotState StateNamed(const std::string& name) {
   return FindNamed(name, {SlotState::kUnseen, SlotState::kFree, SlotState::kOccupied});
 }
 
+/// The corners of a map's own slot: in site where the map says so, which older ones do not.
+std::array<Eigen::Vector3d, 4> CornersInSite(const Json& feature, bool is_in_site,
+                                             const std::optional<SiteDatum>& datum) {
+  const auto own = feature.at("properties").find("corners_m");
+  if (own == feature.at("properties").end()) return CornersOf(feature, is_in_site, datum);
+  std::array<Eigen::Vector3d, 4> corners;
+  for (size_t i = 0; i < 4; ++i)
+    for (size_t axis = 0; axis < 3; ++axis)
+      corners[i][static_cast<Eigen::Index>(axis)] = own->at(i).at(axis).get<double>();
+  return corners;
+}
+
 StoredSlot ReadSlot(const Json& feature, bool is_in_site, const std::optional<SiteDatum>& datum) {
   StoredSlot stored;
   const Json& properties = feature.at("properties");
   stored.id = properties.at("id").get<std::string>();
-  stored.slot.corners = CornersOf(feature, is_in_site, datum);
+  stored.slot.corners = CornersInSite(feature, is_in_site, datum);
   stored.slot.kind = FindNamed(properties.at("type").get<std::string>(),
                                {SlotKind::kPerpendicular, SlotKind::kAngled, SlotKind::kParallel});
   stored.slot.angle = properties.at("angle_deg").get<double>() * M_PI / 180;
