@@ -45,6 +45,7 @@ parkade_imported(Cholmod HEADER cholmod.h SUBDIRS suitesparse LIBRARIES cholmod)
 parkade_imported(Tinygltf HEADER tiny_gltf.h LIBRARIES tinygltf)
 parkade_imported(GeoTiff HEADER geotiffio.h SUBDIRS geotiff LIBRARIES geotiff tiffxx tiff)
 parkade_imported(Draco HEADER draco/compression/encode.h LIBRARIES draco)
+parkade_imported(Pugixml HEADER pugixml.hpp LIBRARIES pugixml)
 parkade_imported(Fastcdr HEADER fastcdr/Cdr.h LIBRARIES fastcdr)
 parkade_imported(Embree HEADER embree3/rtcore.h LIBRARIES embree3)
 

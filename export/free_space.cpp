@@ -18,6 +18,7 @@ using Indices = FileBackedVector<int>;  // of cells
 
 constexpr int kNone = -1;
 constexpr double kHeightBin = 0.05;  // [m]
+constexpr double kSheetSlack = 0.5;  // [m] by which things may lie beside a sheet's heights
 
 /// Free cells sorted by (y, x, height), of which no two of one (x, y) are closer than a deck's
 /// height.
@@ -204,6 +205,18 @@ std::vector<FreeSheet> FindFreeSheets(const SurfaceMap& surface, const FreeSpace
     sheet.level = level;
   }
   return sheets;
+}
+
+int LevelAt(double height, std::span<const FreeSheet> sheets) {
+  int level = 0;
+  double best = 1e9;
+  for (const FreeSheet& sheet : sheets) {
+    const bool is_within =
+        height > sheet.min_height - kSheetSlack && height < sheet.max_height + kSheetSlack;
+    const double distance = std::abs(height - sheet.mean_height) + (is_within ? 0 : 1e6);
+    if (distance < best) best = distance, level = sheet.level;
+  }
+  return level;
 }
 
 std::string EncodeFreeSpaceGeoJson(const std::vector<FreeSheet>& sheets,

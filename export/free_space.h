@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,10 @@ struct FreeSheet {
 /// Finds the sheets. Linear in the cells, but for sorting.
 std::vector<FreeSheet> FindFreeSheets(const SurfaceMap& surface,
                                       const FreeSpaceOptions& options = {});
+
+/// The level of the sheet that a height [m] belongs to: one whose range of heights holds it, else
+/// the one with the nearest mean; 0 without sheets.
+int LevelAt(double height, std::span<const FreeSheet> sheets);
 
 /// GeoJSON: one Polygon per sheet. With a datum WGS84 (RFC 7946); without, site meters, said by
 /// "frame": "site".

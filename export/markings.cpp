@@ -12,22 +12,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kSheetSlack = 0.5;  // [m] by which things may lie beside a sheet's heights
-
-/// The level of the sheet that a height belongs to: one whose range of heights holds it, else the
-/// one with the nearest mean.
-int LevelAt(double height, const std::vector<FreeSheet>& sheets) {
-  int level = 0;
-  double best = 1e9;
-  for (const FreeSheet& sheet : sheets) {
-    const bool is_within =
-        height > sheet.min_height - kSheetSlack && height < sheet.max_height + kSheetSlack;
-    const double distance = std::abs(height - sheet.mean_height) + (is_within ? 0 : 1e6);
-    if (distance < best) best = distance, level = sheet.level;
-  }
-  return level;
-}
-
 /// Rounds to so many parts of one, so that the text is short and the same everywhere.
 double Rounded(double value, double parts) { return std::round(value * parts) / parts; }
 

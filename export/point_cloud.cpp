@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 
 namespace parkade {
@@ -70,17 +69,6 @@ std::string EncodePcd(const std::vector<ColoredPoint>& points) {
     bytes.append(record.data(), record.size());
   }
   return bytes;
-}
-
-std::string EncodeMapProjectorInfo(const std::optional<SiteDatum>& datum) {
-  if (!datum) return "projector_type: Local\n";
-  char text[256];
-  std::snprintf(
-      text, sizeof text,
-      "projector_type: LocalCartesian\nvertical_datum: WGS84\nmap_origin:\n  latitude: %.10f\n"
-      "  longitude: %.10f\n  altitude: %.4f\n",
-      datum->latitude_deg, datum->longitude_deg, datum->altitude);
-  return text;
 }
 
 }  // namespace parkade

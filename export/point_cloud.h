@@ -3,11 +3,9 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "core/geo.h"
 #include "core/triangle_mesh.h"
 
 namespace parkade {
@@ -24,8 +22,5 @@ std::vector<ColoredPoint> SamplePoints(const TriangleMesh& mesh, double spacing)
 
 /// PCD 0.7, binary: x y z and rgb packed into the bits of a float, as PCL and Autoware read it.
 std::string EncodePcd(const std::vector<ColoredPoint>& points);
-
-/// Autoware's map_projector_info.yaml: `LocalCartesian` about the datum, `Local` without one.
-std::string EncodeMapProjectorInfo(const std::optional<SiteDatum>& datum);
 
 }  // namespace parkade

@@ -43,6 +43,8 @@ void AddExportCommand(CLI::App& app, Action& action) {
                       "[m] in site: lower ground is not in the occupancy grid");
   command->add_option("--highest", options.grid.highest,
                       "[m] in site: higher ground is not in the occupancy grid");
+  command->add_option("--level", options.level,
+                      "the only one in lanelet2, whose readers look from above; 0 is the lowest");
   command->footer(DescribeFormats());
   command->callback([arguments, &action] {
     action = [arguments] {

@@ -5,10 +5,14 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/trajectory.h"
+#include "export/lanelet2/lanelet2_map.h"
+#include "export/map_projector.h"
 #include "export/point_cloud.h"
 #include "export/pose_files.h"
+#include "server/map_folder/kerbs_file.h"
 #include "server/map_folder/output_folder.h"
 #include "server/map_folder/overwrite_guard.h"
+#include "server/map_folder/slots_file.h"
 
 namespace parkade {
 namespace {
@@ -54,11 +58,32 @@ void WritePcd(const MapReader& map, const path& out, const ExportOptions& option
   WriteFileAtomically(out, EncodePcd(SamplePoints(map.ReadGround(), options.spacing)));
 }
 
+/// The files of a map folder of Autoware that say where the ground is.
+void StageAutoware(const MapReader& map, const path& staging, const ExportOptions& options) {
+  WritePcd(map, staging / "pointcloud_map.pcd", options);
+  WriteFileAtomically(staging / "map_projector_info.yaml", MapProjector(map.datum()).EncodeInfo());
+}
+
 void WriteAutoware(const MapReader& map, const path& out, const ExportOptions& options) {
   OutputFolder folder(out);
-  WritePcd(map, folder.staging() / "pointcloud_map.pcd", options);
-  WriteFileAtomically(folder.staging() / "map_projector_info.yaml",
-                      EncodeMapProjectorInfo(map.datum()));
+  StageAutoware(map, folder.staging(), options);
+  folder.Commit();
+}
+
+ParkingMap ReadParkingMap(const MapReader& map) {
+  const SurfaceMap surface = map.ReadSurfaceMap();
+  ParkingMap parking{.sheets = FindFreeSheets(surface), .cell_size = surface.cell_size};
+  for (StoredSlot& stored : ReadSlots(map.FileNamed("slots.geojson"), map.datum()))
+    parking.slots.push_back({std::move(stored.id), std::move(stored.slot)});
+  parking.kerbs = ReadKerbs(map.FileNamed("markings.geojson"));
+  return parking;
+}
+
+void WriteLanelet2(const MapReader& map, const path& out, const ExportOptions& options) {
+  const std::string osm = EncodeLanelet2(ReadParkingMap(map), map.datum(), options.level);
+  OutputFolder folder(out);
+  WriteFileAtomically(folder.staging() / "lanelet2_map.osm", osm);
+  StageAutoware(map, folder.staging(), options);
   folder.Commit();
 }
 
@@ -90,6 +115,9 @@ const std::vector<Exporter>& Exporters() {
       {{"pcd", "the ground as points (PCL)"}, WritePcd},
       {{"autoware", "folder: pointcloud_map.pcd and map_projector_info.yaml", /*is_folder=*/true},
        WriteAutoware},
+      {{"lanelet2", "folder: the same and lanelet2_map.osm: slots, lots, obstacles, kerbs",
+        /*is_folder=*/true},
+       WriteLanelet2},
       {{"occupancy", "FILE.yaml and FILE.pgm for ROS' map_server"}, WriteOccupancy},
       Copy("geojson", "free_space.geojson", "outline of the free space"),
       Copy("slots", "slots.geojson", "parking slots and who stood in them (GeoJSON)"),

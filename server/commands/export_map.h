@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct ExportOptions {
   std::string drive;     ///< of trajectory formats; may be empty where the map has one drive
   double spacing = 0.1;  ///< [m] between the points of a point cloud
   OccupancyGridOptions grid;
+  std::optional<int> level = {};  ///< of lanelet2: this one alone
 };
 
 /// One format: its name on the command line and what it is.

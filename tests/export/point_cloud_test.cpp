@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
-#include <yaml-cpp/yaml.h>
 
 #include <cmath>
 #include <fstream>
@@ -65,17 +64,6 @@ TEST(PointCloud, IsReadByPclAsWritten) {
     EXPECT_EQ(cloud[i].g, points[i].color[1]);
     EXPECT_EQ(cloud[i].b, points[i].color[2]);
   }
-}
-
-TEST(MapProjectorInfo, SaysWhereOnEarthTheOriginIs) {
-  const YAML::Node local = YAML::Load(EncodeMapProjectorInfo({}));
-  EXPECT_EQ(local["projector_type"].as<std::string>(), "Local");
-
-  const YAML::Node yaml = YAML::Load(EncodeMapProjectorInfo(SiteDatum{48.1372, 11.5756, 520.25}));
-  EXPECT_EQ(yaml["projector_type"].as<std::string>(), "LocalCartesian");
-  EXPECT_DOUBLE_EQ(yaml["map_origin"]["latitude"].as<double>(), 48.1372);
-  EXPECT_DOUBLE_EQ(yaml["map_origin"]["longitude"].as<double>(), 11.5756);
-  EXPECT_DOUBLE_EQ(yaml["map_origin"]["altitude"].as<double>(), 520.25);
 }
 
 }  // namespace

@@ -299,6 +299,10 @@ class CommandLine(unittest.TestCase):
         result = run("export", pinned, "--format", "autoware", "--out", f"{self.folder}/autoware/")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertTrue((self.folder / "autoware/map_projector_info.yaml").exists())
+        result = run("export", pinned, "--format", "lanelet2", "--out", f"{self.folder}/lanelet2")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("neither free ground nor parking slots", result.stderr)
+        self.assertFalse((self.folder / "lanelet2").exists())
 
     def test_a_map_pinned_without_heights_is_one_to_go_on_from(self):
         drive = write_drive(self.folder / "parked", seconds=4.0)

@@ -105,6 +105,8 @@ try {
     assert.ok(existsSync(out), format);
   }
   console.log(`exports: ${formats.join(', ')}`);
+  const read = run('python3', path.join(root, 'tests/export/read_lanelet2.py'), at('map'), at('exports/lanelet2'));
+  console.log(`lanelet2: ${read.trim()}`);
 
   if (existsSync(process.env.CHROMIUM ?? '/usr/bin/chromium'))
     console.log(run('node', path.join(root, 'web/browser_test.mjs'), `${address}/`, at('viewer.png')));

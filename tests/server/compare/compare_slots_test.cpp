@@ -33,7 +33,7 @@ std::vector<StoredSlot> Stored(const std::vector<ParkingSlot>& slots,
 
 TEST(SlotsFile, HoldsWhatWasWritten) {
   for (const std::optional<SiteDatum>& datum :
-       {std::optional<SiteDatum>{}, {SiteDatum{48, 11, 500}}}) {
+       {std::optional<SiteDatum>{}, {SiteDatum{48, 11, 500}}, {SiteDatum{48, 11, 0, false}}}) {
     const ParkingSlot slot = SlotAt(3, {SlotState::kOccupied, SlotState::kUnseen});
     const std::vector<StoredSlot> stored = Stored({slot}, {"b", "a"}, datum);
     ASSERT_EQ(stored.size(), 1U);
