@@ -164,6 +164,7 @@ std::vector<ParkingSlot> FindSlots(const MarkedGround& ground, const Paint& pain
   looks.push_back(std::move(now));
   std::vector<SlotCandidate> candidates = MatchLooks(looks);
   std::vector<ParkingSlot> slots;
+  slots.reserve(candidates.size());
   for (const SlotCandidate& candidate : candidates) slots.push_back(candidate.slot);
   SeeSlots(ground.patches, ground.paths, ground.num_drives, slots);
   const std::vector<SlotSides> sides =

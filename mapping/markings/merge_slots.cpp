@@ -93,6 +93,7 @@ std::vector<bool> FindDoubtful(const std::vector<SlotCandidate>& candidates,
   for (std::size_t i = 0; i < candidates.size(); ++i)
     balance[rows[i]] += IsGone(candidates[i]) ? -1 : is_painted(candidates[i]) ? 1 : 0;
   std::vector<bool> is_doubtful;
+  is_doubtful.reserve(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i)
     is_doubtful.push_back(CountBare(candidates[i]) > 0 ||
                           (balance[rows[i]] < 0 && !is_painted(candidates[i])));
@@ -156,6 +157,7 @@ std::vector<ParkingSlot> ChooseSlots(const std::vector<SlotCandidate>& candidate
       kept.push_back(i);
   std::sort(kept.begin(), kept.end());
   std::vector<ParkingSlot> slots;
+  slots.reserve(kept.size());
   for (const std::size_t i : kept) {
     slots.push_back(candidates[i].slot);
     slots.back().confidence *= 1 - kDoubt * static_cast<double>(CountBare(candidates[i]));

@@ -25,6 +25,7 @@ std::string TextOf(const std::string& drive, const Eigen::Vector3d& place) {
 
 void NameSlots(const std::vector<NamingDrive>& drives, std::vector<ParkingSlot>& slots) {
   std::vector<MovedDrive> moved;
+  moved.reserve(drives.size());
   for (const NamingDrive& drive : drives) moved.push_back(drive.odometry_from_site);
   std::set<std::string> taken;
   for (ParkingSlot& slot : slots)
