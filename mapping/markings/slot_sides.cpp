@@ -85,9 +85,10 @@ PaintSeen SeeSide(const TileBrightness& ground, const Vector2d& begin, const Vec
   const double length = (end - begin).norm();
   const Vector2d along = (end - begin) / length, across(-along.y(), along.x());
   Profile sum{};
-  int num_known = 0, count = 0;
-  for (double distance = kEnds; distance <= length - kEnds; distance += kStep, ++count)
-    if (const auto profile = ProfileAt(ground, begin + distance * along, across)) {
+  const int count = static_cast<int>((length - 2 * kEnds) / kStep) + 1;
+  int num_known = 0;
+  for (int step = 0; step < count; ++step)
+    if (const auto profile = ProfileAt(ground, begin + (kEnds + step * kStep) * along, across)) {
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += (*profile)[i];
       ++num_known;
     }
