@@ -12,7 +12,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json ParseCollection(const std::filesystem::path& file) {
-  const Json json = Json::parse(ReadFile(file), nullptr, /*allow_exceptions=*/false);
+  Json json = Json::parse(ReadFile(file), nullptr, /*allow_exceptions=*/false);
   Require(json.is_object() && json.contains("features") && json["features"].is_array(),
           ErrorCode::kInvalidInput, "'" + file.string() + "' is no GeoJSON FeatureCollection");
   return json;
