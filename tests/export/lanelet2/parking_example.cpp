@@ -1,8 +1,7 @@
 #include "tests/export/lanelet2/parking_example.h"
 
-#include <nlohmann/json.hpp>
+#include <string>
 
-#include "export/markings.h"
 #include "tests/export/example_map.h"
 
 namespace parkade {
@@ -48,7 +47,10 @@ SiteMap MakeParkingExample(bool is_georeferenced) {
   slots.push_back(MakeSlot({-16, -6}, {2.4, 4.1}, 2.3, 0));
   slots.back().kind = SlotKind::kAngled;
   slots.push_back(MakeSlot({30, 0}, {5, 0}, 2.5, 0));
-  for (ParkingSlot& slot : slots) slot.states.assign(map.drives.size(), SlotState::kFree);
+  for (ParkingSlot& slot : slots) {
+    slot.id = "slot_" + std::to_string(&slot - slots.data());
+    slot.states.assign(map.drives.size(), SlotState::kFree);
+  }
   map.markings.kerbs = {
       {.points = {{19, 9, 0.09}, {-5, 9, 0.09}, {-19, 9, 0.09}},
        .height = 0.12,
@@ -61,11 +63,7 @@ ParkingMap ParkingMapOf(const SiteMap& map) {
   ParkingMap parking{.sheets = FindFreeSheets(map.surface),
                      .cell_size = map.surface.cell_size,
                      .kerbs = map.markings.kerbs};
-  const auto collection =
-      nlohmann::json::parse(EncodeSlotsGeoJson(map.markings.slots, {}, parking.sheets, map.datum));
-  for (size_t i = 0; i < map.markings.slots.size(); ++i)
-    parking.slots.push_back(
-        {collection.at("features").at(i).at("properties").at("id"), map.markings.slots[i]});
+  for (const ParkingSlot& slot : map.markings.slots) parking.slots.push_back({slot.id, slot});
   return parking;
 }
 
