@@ -208,7 +208,8 @@ def check_outlines(folder):
         # Turned or not, the box lies where it is labeled, but for cells along its outline and errors that were added.
         assert (changed[13][changed[14] == 0] == 0).all() and abs(changed[12:14]).max() <= 2
         counts = (changed[0] > 0.9) & (label != 3)
-        assert ((changed[1] < 0) == (label == 0))[counts].mean() > 0.93, seed
+        middle = np.mean([changed[1][counts & (label == kind)].mean() for kind in (0, 1)])  # a network may be unsure of all
+        assert ((changed[1] < middle) == (label == 0))[counts].mean() > 0.93, seed
     # What lies further than the reach that the program relies on has no say.
     network = OutlineNetwork().eval()
     ground = torch.rand(1, 15, 96, 96)
