@@ -18,6 +18,7 @@ constexpr double kMaxApart = 12;        // [m] between the middles of slots that
 constexpr double kSharedSide = 0.5;     // [m] between the middles of neighbors' common side
 constexpr double kDoubt = 0.25;         // of a slot's confidence, that a bare line takes
 constexpr double kAsSure = 0.2;         // of confidence: what differs by less is as sure
+constexpr double kRounded = 0.01;  // of confidence, which files round: seen again it is the same
 
 /// A slot from above.
 struct Outline {
@@ -126,7 +127,8 @@ std::vector<SlotCandidate> MatchLooks(std::span<const SlotLook> looks) {
       SlotCandidate& same = candidates[*best];
       const std::string id = same.slot.id.empty() ? slot.id : same.slot.id;
       const bool is_better =
-          look.establishes && (!is_established[*best] || slot.confidence >= same.slot.confidence);
+          look.establishes &&
+          (!is_established[*best] || slot.confidence >= same.slot.confidence - kRounded);
       if (is_better) same.slot = slot;
       same.slot.id = id;
       if (look.establishes) same.last_drive = std::max(same.last_drive, look.drive);

@@ -45,6 +45,14 @@ TEST(MatchLooks, OneSlotOfSeveralLooksKeepsItsFirstNameAndItsSurestShape) {
   for (const SlotCandidate& candidate : all) EXPECT_EQ(candidate.last_drive, 1);
 }
 
+TEST(MatchLooks, ASlotReadFromAFileGivesWayToTheSameOneFoundAgain) {
+  const SlotLook rounded{{SlotAt(0.001, 0.87, "a")}, 0}, found{{SlotAt(0.0004, 0.866)}, 0};
+  const std::vector<SlotCandidate> all = MatchLooks(std::vector{rounded, found});
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0].slot.id, "a");
+  EXPECT_EQ(all[0].slot.corners[0].x(), 0.0004);
+}
+
 TEST(MatchLooks, ARowLaidOutAnewIsNotTheOldOne) {
   const SlotLook before{{SlotAt(0, 0.8, "a"), SlotAt(2.5, 0.8, "b")}, 0};
   const SlotLook after{{SlotAt(1.25, 0.8, "c")}, 1};
