@@ -54,7 +54,7 @@ EarlierSlots SlotsOf(const MapReader& from, const LogHashes& logs, const SiteMap
 
 /// Nothing where the map to start from has none that can be read.
 EarlierSlots FindEarlierSlots(const BuildContext& context, const SiteMap& map) {
-  const EarlierSlots nothing{{}, std::vector<bool>(map.drives.size())};
+  EarlierSlots nothing{{}, std::vector<bool>(map.drives.size())};
   if (!context.from || !context.from->Has(kSlotsFile)) return nothing;
   try {
     return SlotsOf(*context.from, context.scope.logs, map);
