@@ -106,6 +106,7 @@ std::string EncodeSlotsGeoJson(const std::vector<ParkingSlot>& slots,
                                const std::vector<FreeSheet>& sheets,
                                const std::optional<SiteDatum>& datum) {
   std::vector<std::string> features;
+  features.reserve(slots.size());
   for (const ParkingSlot& slot : slots)
     features.push_back(FormatSlot(slot, drives, LevelAt(slot.Center().z(), sheets), datum));
   return FormatFeatureCollection(features, datum);
