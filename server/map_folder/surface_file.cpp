@@ -19,7 +19,7 @@ namespace parkade {
 namespace {
 
 constexpr std::string_view kMagic = "parkade surface";
-constexpr std::uint32_t kLayoutVersion = 1;  // of the layout
+constexpr std::uint32_t kLayoutVersion = 1;
 constexpr size_t kMaxBytes = size_t{16} << 30;
 constexpr int kCompressionLevel = 3;
 

@@ -345,6 +345,14 @@ TEST(FuseSurface, RejectsCellsThatDoNotDivideTheHeightField) {
   EXPECT_THROW(FuseSurface({}, {}, options), Error);
 }
 
+/// Level ground between two corners [m].
+HeightField FlatField(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
+  std::vector<HeightObservation> flat;
+  for (double x = low.x(); x < high.x(); x += 0.4)
+    for (double y = low.y(); y < high.y(); y += 0.4) flat.push_back({{x, y, 0}, 1e4});
+  return {std::move(flat), {}};
+}
+
 TEST(SurfacePainter, EveryCellThatTheCarStoodOnIsDriven) {
   // In bends of both directions, there and back again in reverse.
   std::vector<TrajectoryState> states;
@@ -355,10 +363,7 @@ TEST(SurfacePainter, EveryCellThatTheCarStoodOnIsDriven) {
     pose = pose * Rigid3{ExpSo3({0, 0, yaw}), {step, 0, 0}};
   }
   const DrivenPath path = MakeDrivenPath(0, MakeTestRig(), Trajectory(states), Rigid3{});
-  std::vector<HeightObservation> flat;
-  for (double x = -10; x < 25; x += 0.4)
-    for (double y = -15; y < 15; y += 0.4) flat.push_back({{x, y, 0}, 1e4});
-  const HeightField field(flat, {});
+  const HeightField field = FlatField({-10, -15}, {25, 15});
 
   SurfacePainter painter(field, 8, {});
   painter.MarkDriven(path);
@@ -391,10 +396,7 @@ TEST(SurfacePainter, ACarOfUnknownSizeIsASmallOne) {
                       .world_from_body = {Eigen::Quaterniond::Identity(), {0.1 * i, 0, 0}}});
   DrivenPath path = MakeDrivenPath(0, MakeTestRig(), Trajectory(states), Rigid3{});
   path.contact = {};
-  std::vector<HeightObservation> flat;
-  for (double x = -4; x < 16; x += 0.4)
-    for (double y = -4; y < 4; y += 0.4) flat.push_back({{x, y, 0}, 1e4});
-  const HeightField field(flat, {});
+  const HeightField field = FlatField({-4, -4}, {16, 4});
 
   SurfacePainter painter(field, 8, {});
   painter.MarkDriven(path);
