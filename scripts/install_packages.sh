@@ -12,7 +12,7 @@ build_packages=(
   libeigen3-dev libopencv-dev libopencv-contrib-dev libceres-dev libsuitesparse-dev libpcl-dev libcgal-dev libtinygltf-dev libdraco-dev
   libgeotiff-dev libtiff-dev libpugixml-dev libgeographiclib-dev libcpp-httplib-dev libssl-dev nlohmann-json3-dev libyaml-cpp-dev
   libspdlog-dev libcli11-dev
-  libsqlite3-dev libarchive-dev libzstd-dev liblz4-dev libbz2-dev zlib1g-dev libturbojpeg0-dev libpng-dev libfastcdr-dev
+  libsqlite3-dev libarchive-dev libzstd-dev liblz4-dev libxxhash-dev libbz2-dev zlib1g-dev libturbojpeg0-dev libpng-dev libfastcdr-dev
   # Debian's Ceres would otherwise run on ATLAS, which is several times slower
   libopenblas0-pthread
   # the drive simulator, and what CMake looks for to configure the tests

@@ -64,6 +64,17 @@ void AddServeCommand(CLI::App& app, Action& action) {
   command->add_flag("!--separate-drives", options->merge_drives,
                     "map each new drive by itself instead of joining it to its site");
   command->add_option("--web", options->web_root, "folder of the built viewer");
+  command
+      ->add_option("--disk-reserve", options->disk_reserve,
+                   "bytes of the disk that uploads leave free for maps, \"2GiB\"")
+      ->capture_default_str()
+      ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
+      ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option("--scrub-days", options->scrub_days,
+                   "days within which every stored file is read and checked; 0: never")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 3650));
   command->add_option("--workers", options->num_workers, "jobs at a time")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));

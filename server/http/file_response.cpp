@@ -4,43 +4,76 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
+#include <vector>
 
-#include "core/error.h"
 #include "server/http/byte_range.h"
 #include "server/http/problem.h"
 #include "server/http/request_head.h"
+#include "server/store/disk/file_sums.h"
 
 namespace parkade {
 namespace {
 
-constexpr size_t kPieceBytes = 131072;
+constexpr size_t kUncheckedBytes = 131072;  // per write
 
-class OpenFile {
+/// A file that is read by pieces, each compared with its sum before a byte of it is sent.
+class CheckedFile {
  public:
-  explicit OpenFile(const std::filesystem::path& path)
-      : fd_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)) {}
-  ~OpenFile() {
+  explicit CheckedFile(ServedFile file)
+      : file_(std::move(file)),
+        fd_(::open(file_.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)) {}
+  ~CheckedFile() {
     if (fd_ >= 0) ::close(fd_);
   }
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
+  CheckedFile(const CheckedFile&) = delete;
+  CheckedFile& operator=(const CheckedFile&) = delete;
 
-  bool HasAtLeast(std::int64_t bytes) const {
+  /// False where it is not there, too short, or the piece at `offset` has changed on the disk.
+  bool IsWholeAt(std::int64_t offset) {
     struct stat info {};
-    return fd_ >= 0 && ::fstat(fd_, &info) == 0 && S_ISREG(info.st_mode) && info.st_size >= bytes;
+    const bool is_there = fd_ >= 0 && ::fstat(fd_, &info) == 0 && S_ISREG(info.st_mode) &&
+                          info.st_size >= file_.bytes;
+    const bool is_whole = is_there && (file_.bytes == 0 || !Read(offset).empty());
+    if (!is_whole && file_.on_damage) file_.on_damage();
+    return is_whole;
   }
 
-  /// Passes a piece on. Returns false at the end, on errors and when the client is gone.
-  bool SendPiece(std::int64_t offset, size_t length, httplib::DataSink& sink) const {
-    std::vector<char> piece(std::min(length, kPieceBytes));
-    const ssize_t size = ::pread(fd_, piece.data(), piece.size(), offset);
-    return size > 0 && sink.write(piece.data(), static_cast<size_t>(size));
+  /// Passes some of `length` bytes on. Returns false on errors and when the client is gone.
+  bool SendSome(std::int64_t offset, size_t length, httplib::DataSink& sink) {
+    const std::string_view content = Read(offset).substr(0, length);
+    if (content.empty() && file_.on_damage) file_.on_damage();
+    return !content.empty() && sink.write(content.data(), content.size());
   }
 
  private:
+  /// From `offset` to the end of its piece; nothing where that cannot be read or has changed.
+  std::string_view Read(std::int64_t offset) {
+    const bool is_checked = !file_.pieces.empty();
+    const std::int64_t size = is_checked ? kSummedBytes : std::int64_t{kUncheckedBytes};
+    const std::int64_t index = offset / size, first = index * size;
+    if (index != index_) {
+      index_ = -1;
+      piece_.resize(static_cast<size_t>(std::min(size, file_.bytes - first)));
+      for (size_t got = 0; got < piece_.size();) {
+        const ssize_t count = ::pread(fd_, piece_.data() + got, piece_.size() - got,
+                                      first + static_cast<std::int64_t>(got));
+        if (count <= 0) return {};
+        got += static_cast<size_t>(count);
+      }
+      if (is_checked && !IsPiece({piece_.data(), piece_.size()}, index, file_.pieces)) return {};
+      index_ = index;
+    }
+    return std::string_view(piece_.data(), piece_.size())
+        .substr(static_cast<size_t>(offset - first));
+  }
+
+  ServedFile file_;
   int fd_;
+  std::int64_t index_ = -1;  ///< of the piece that is held
+  std::vector<char> piece_;
 };
 
 bool NamesTag(const std::string& field, const std::string& etag) {
@@ -74,9 +107,6 @@ void SendFile(const httplib::Request& request, httplib::Response& response,
               const ServedFile& file) {
   const std::string etag = file.sha256.empty() ? "" : '"' + file.sha256 + '"';
   if (!etag.empty() && SendNotModified(request, response, etag, file.cache_control)) return;
-  const auto open_file = std::make_shared<OpenFile>(file.path);
-  Require(open_file->HasAtLeast(file.bytes), ErrorCode::kInternal,
-          "the store lacks the file '" + file.path.filename().string() + "'");
 
   std::optional<ByteRange> range;
   try {
@@ -85,12 +115,17 @@ void SendFile(const httplib::Request& request, httplib::Response& response,
     response.set_header("Content-Range", "bytes */" + std::to_string(file.bytes));
     throw;
   }
+  const ByteRange part = range.value_or(ByteRange{0, file.bytes});
+  const auto checked = std::make_shared<CheckedFile>(file);
+  if (!checked->IsWholeAt(part.first))
+    throw HttpError(
+        {500, "damaged",
+         "the stored file '" + file.path.filename().string() + "' is damaged or missing"});
   response.status = range ? 206 : 200;
   if (!etag.empty()) response.set_header("ETag", etag);
   response.set_header("Cache-Control", file.cache_control);
   if (request.method != "HEAD")
     response.set_header("Accept-Ranges", "bytes");  // the library adds it to HEAD
-  const ByteRange part = range.value_or(ByteRange{0, file.bytes});
   if (range)
     response.set_header("Content-Range", "bytes " + std::to_string(part.first) + "-" +
                                              std::to_string(part.first + part.length - 1) + "/" +
@@ -101,8 +136,8 @@ void SendFile(const httplib::Request& request, httplib::Response& response,
   }
   response.set_content_provider(
       static_cast<size_t>(part.length), file.content_type,
-      [open_file, part](size_t offset, size_t length, httplib::DataSink& sink) {
-        return open_file->SendPiece(part.first + static_cast<std::int64_t>(offset), length, sink);
+      [checked, part](size_t offset, size_t length, httplib::DataSink& sink) {
+        return checked->SendSome(part.first + static_cast<std::int64_t>(offset), length, sink);
       });
 }
 

@@ -7,8 +7,10 @@
 #include "server/jobs/attempt_folder.h"
 #include "server/jobs/worker_exit.h"
 #include "server/jobs/worker_process.h"
+#include "server/store/care/stored_files.h"
 #include "server/store/job_queue.h"
 #include "server/store/publish_map.h"
+#include "server/store/tables/drive_table.h"
 #include "server/store/tables/job_table.h"
 
 namespace parkade {
@@ -121,6 +123,8 @@ void JobRunner::RunAttempt(const Job& job) {
   PublishStates(job);
   try {
     RunWorker(job);
+  } catch (const DiskFailure& failure) {
+    store_.database.Freeze(failure.what());  // the next start does the job again
   } catch (const Error& error) {
     End(job, [&] { FailJob(store_, job, JobErrorCode(error.code()), error.what()); });
   } catch (const std::exception& error) {
@@ -141,6 +145,7 @@ void JobRunner::RunAttempt(const Job& job) {
 
 void JobRunner::RunWorker(const Job& job) {
   const AttemptFolder folder(store_, job);
+  CheckLogs(job);
   ProgressReader progress(folder.spec().progress);
   WorkerProcess worker(options_.command(folder.spec()), folder.path(), folder.LogFile());
   store_.database.Write([&](Connection& connection) {
@@ -163,6 +168,21 @@ void JobRunner::RunWorker(const Job& job) {
   if (end.kind == WorkerExit::Kind::kCrashed)
     End(job, [&] { RetryCrashedJob(store_, job, end.sentence); });
   if (end.kind == WorkerExit::Kind::kDone) Publish(job, folder.spec().out);
+}
+
+/// A log that rotted would give a map that is wrong without a word.
+void JobRunner::CheckLogs(const Job& job) {
+  for (const std::string& id : job.drives) {
+    const Drive drive =
+        store_.database.Read([&](Connection& connection) { return FindDrive(connection, id); });
+    const StoredFile log{DataDirectory::LogPath(drive.sha256), drive.bytes, drive.sha256};
+    const auto damage = CheckStoredFile(store_.directory, log,
+                                        [&] { return Interrupted(job) == Interruption::kNone; });
+    if (!damage) continue;
+    RecordFileCheck(store_, log.path, damage);
+    throw Error(ErrorCode::kInternal,
+                "the stored log of drive '" + drive.name + "' " + *damage + ": upload it again");
+  }
 }
 
 void JobRunner::Publish(const Job& job, const std::filesystem::path& products) {

@@ -71,6 +71,7 @@ class JobRunner {
   void Work();
   void RunAttempt(const Job& job);
   void RunWorker(const Job& job);
+  void CheckLogs(const Job& job);
   void Publish(const Job& job, const std::filesystem::path& products);
   Interruption Supervise(const Job& job, class WorkerProcess& worker, ProgressReader& progress);
   Interruption Interrupted(const Job& job) const;

@@ -11,7 +11,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
-#include "server/store/durable_file.h"
+#include "server/store/disk/durable_file.h"
 #include "server/store/tables/names.h"
 
 namespace parkade {
@@ -50,10 +50,6 @@ DataDirectory::DataDirectory(const std::filesystem::path& root)
 }
 
 DataDirectory::~DataDirectory() { ::close(lock_fd_); }
-
-std::filesystem::path DataDirectory::LogFile(const std::string& sha256) const {
-  return LogsFolder() / sha256.substr(0, 2) / sha256;
-}
 
 std::filesystem::path DataDirectory::AttemptFolder(const std::string& job_id, int attempt) const {
   return JobFolder(job_id) / ("attempt-" + std::to_string(attempt));

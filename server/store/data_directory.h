@@ -11,6 +11,7 @@ namespace parkade {
 ///
 ///   LOCK                    held as long as this object lives
 ///   db/main.db              the truth (server/store/tables/database.h)
+///   db/ballast              room for the day when the disk is full
 ///   logs/ab/<sha256>        drive logs as uploaded, read-only
 ///   rigs/<id>/              rig files
 ///   maps/<id>/              published maps, never changed
@@ -33,7 +34,11 @@ class DataDirectory {
   std::filesystem::path MapsFolder() const { return root_ / "maps"; }
   std::filesystem::path JobsFolder() const { return root_ / "jobs"; }
 
-  std::filesystem::path LogFile(const std::string& sha256) const;
+  /// Where a log lies, relative to the root.
+  static std::string LogPath(const std::string& sha256) {
+    return "logs/" + sha256.substr(0, 2) + "/" + sha256;
+  }
+  std::filesystem::path LogFile(const std::string& sha256) const { return root_ / LogPath(sha256); }
   std::filesystem::path RigFolder(const std::string& rig_id) const { return RigsFolder() / rig_id; }
   std::filesystem::path MapFolder(const std::string& map_id) const { return MapsFolder() / map_id; }
   std::filesystem::path JobFolder(const std::string& job_id) const { return JobsFolder() / job_id; }

@@ -5,7 +5,8 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/sha256.h"
-#include "server/store/durable_file.h"
+#include "server/store/disk/durable_file.h"
+#include "server/store/disk/file_sums.h"
 #include "server/store/tables/drive_table.h"
 #include "server/store/tables/job_table.h"
 #include "server/store/tables/map_table.h"
@@ -29,8 +30,8 @@ std::vector<MapFile> SealFiles(const fs::path& staging) {
     if (fs::is_directory(status)) continue;
     fs::permissions(entry.path(),
                     fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
-    files.push_back(
-        {name, static_cast<std::int64_t>(entry.file_size()), Sha256OfFile(entry.path())});
+    const FileSums sums = SumsOfFile(entry.path());
+    files.push_back({name, sums.bytes, sums.sha256, sums.pieces});
   }
   SyncToDisk(staging);
   std::sort(files.begin(), files.end(),
@@ -51,44 +52,8 @@ std::string HashOfManifest(const std::vector<MapFile>& files) {
   return hash.Finish();
 }
 
-/// Removes the published folder again unless the transaction was committed.
-class FolderUndo {
- public:
-  explicit FolderUndo(fs::path folder) : folder_(std::move(folder)) {}
-  ~FolderUndo() {
-    std::error_code ignored;
-    if (!folder_.empty()) fs::remove_all(folder_, ignored);
-  }
-  FolderUndo(const FolderUndo&) = delete;
-  FolderUndo& operator=(const FolderUndo&) = delete;
-  void Keep() { folder_.clear(); }
-
- private:
-  fs::path folder_;
-};
-
-}  // namespace
-
-SealedMap SealMap(const fs::path& staging) {
-  return {staging, SealFiles(staging), ReadReportSummary(staging / "report.json")};
-}
-
-MapVersion PublishMap(Store& store, const Job& job, const SealedMap& sealed) {
-  const ReportSummary& report = sealed.report;
-  MapVersion map;
-  map.id = NewId();
-  map.site = job.site;
-  map.job = job.id;
-  map.files = sealed.files;
-  map.sha256 = HashOfManifest(map.files);
-  map.datum = report.datum;
-  map.bounds = report.bounds;
-  map.created_at = NowUtc();
-
-  const fs::path folder = store.directory.MapFolder(map.id);
-  FolderUndo undo(folder);
-  fs::rename(sealed.staging, folder);
-  SyncToDisk(folder.parent_path());
+/// The transaction that makes `map` visible; its folder is in place. Sets the version and drives.
+void InsertVersion(Store& store, const Job& job, const ReportSummary& report, MapVersion& map) {
   store.database.Write([&](Connection& connection) {
     map.version = NextMapVersion(connection, map.site);
     std::vector<Drive> left_out;
@@ -121,7 +86,38 @@ MapVersion PublishMap(Store& store, const Job& job, const SealedMap& sealed) {
       }
     }
   });
-  undo.Keep();
+}
+
+}  // namespace
+
+SealedMap SealMap(const fs::path& staging) {
+  return {staging, SealFiles(staging), ReadReportSummary(staging / "report.json")};
+}
+
+MapVersion PublishMap(Store& store, const Job& job, const SealedMap& sealed) {
+  const ReportSummary& report = sealed.report;
+  MapVersion map;
+  map.id = NewId();
+  map.site = job.site;
+  map.job = job.id;
+  map.files = sealed.files;
+  map.sha256 = HashOfManifest(map.files);
+  map.datum = report.datum;
+  map.bounds = report.bounds;
+  map.created_at = NowUtc();
+
+  const fs::path folder = store.directory.MapFolder(map.id);
+  fs::rename(sealed.staging, folder);
+  try {
+    SyncToDisk(folder.parent_path());
+    InsertVersion(store, job, sealed.report, map);
+  } catch (const DiskFailure&) {
+    throw;  // the version may be there after the next start, and needs its folder then
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+    throw;
+  }
   LogInfo("published site=" + map.site + " version=" + std::to_string(map.version) +
           " files=" + std::to_string(map.files.size()) + " job=" + job.id);
   return map;

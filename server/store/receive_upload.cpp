@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "server/store/tables/check_table.h"
 #include "server/store/tables/drive_table.h"
 #include "server/store/tables/job_table.h"
 #include "server/store/tables/names.h"
@@ -81,15 +82,17 @@ ReceivedDrive ReceiveDrive(Store& store, const NewDrive& new_drive, GrowingFile&
       drive.site = new_drive.site ? *new_drive.site : FreeSiteName(connection, drive.name);
       drive.name = FreeDriveName(connection, drive.site, drive.name);
       // This happens inside the transaction, so that no deletion of an equal log comes between.
-      if (!std::filesystem::exists(target)) {
-        has_moved = true;
-        log.MoveTo(target);
-      }
+      // What was just hashed takes the place of what lies there, which may have rotted.
+      has_moved = true;
+      log.MoveTo(target);
+      SetFileCheck(connection, DataDirectory::LogPath(sha256), std::nullopt);
       EnsureSite(connection, drive.site);
       InsertDrive(connection, drive);
       const Job job = QueueFirstJob(connection, drive, merge_drives);
       return ReceivedDrive{FindDrive(connection, drive.id), job};
     });
+  } catch (const DiskFailure&) {
+    throw;  // the drive may be there after the next start, and needs its log then
   } catch (...) {
     if (has_moved) RemoveUnusedLog(store, sha256);
     throw;
@@ -97,7 +100,7 @@ ReceivedDrive ReceiveDrive(Store& store, const NewDrive& new_drive, GrowingFile&
 }
 
 void DeleteDrive(Store& store, const std::string& id) {
-  const std::string sha256 = store.database.Write([&](Connection& connection) {
+  const std::string sha256 = WriteToMakeRoom(store, [&](Connection& connection) {
     const Drive drive = FindDrive(connection, id);
     const bool is_waiting =
         drive.state == DriveState::kQueued || drive.state == DriveState::kProcessing;
@@ -107,11 +110,14 @@ void DeleteDrive(Store& store, const std::string& id) {
         !user, ErrorCode::kConflict,
         "drive '" + id + "' is in use by job '" + user.value_or("") + "': cancel the job first");
     MarkDriveDeleted(connection, id);
+    if (CountDrivesWithContent(connection, drive.sha256) == 0)
+      DropFileCheck(connection, DataDirectory::LogPath(drive.sha256));
     return drive.sha256;
   });
   // Files go after the commit: the other way round, a failed commit would leave a drive without its
   // log.
   RemoveUnusedLog(store, sha256);
+  store.ballast.Restore();
 }
 
 }  // namespace parkade

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "server/store/durable_file.h"
+#include "server/store/disk/durable_file.h"
 #include "server/store/store.h"
 #include "server/store/tables/records.h"
 

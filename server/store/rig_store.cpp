@@ -3,7 +3,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/sha256.h"
-#include "server/store/durable_file.h"
+#include "server/store/disk/durable_file.h"
 #include "server/store/tables/names.h"
 #include "server/store/tables/rig_table.h"
 #include "server/store/temporary_path.h"
@@ -45,7 +45,10 @@ std::string ReadRigArchive(const Store& store, const StoredRig& rig) {
   RigFiles files;
   for (const std::string& file : rig.files)
     files[file] = ReadFile(store.directory.RigFolder(rig.id) / file);
-  return PackRig(files);
+  std::string zip = PackRig(files);
+  Require(Sha256Of(zip) == rig.sha256, ErrorCode::kInternal,
+          "the stored rig '" + rig.name + "' has changed on the disk: upload it again");
+  return zip;
 }
 
 }  // namespace parkade

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "server/store/durable_file.h"
+#include "server/store/disk/durable_file.h"
 
 namespace parkade {
 namespace {

@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "core/error.h"
 #include "server/store/data_directory.h"
+#include "server/store/disk/ballast.h"
 #include "server/store/tables/database.h"
 
 namespace parkade {
@@ -13,13 +15,27 @@ namespace parkade {
 /// does not happen, because the file is durable before the row is written.
 struct Store {
   explicit Store(const std::filesystem::path& root)
-      : directory(root), database(directory.DatabaseFile()) {}
+      : directory(root),
+        ballast(directory.root() / "db" / "ballast"),
+        database(directory.DatabaseFile()) {}
 
   DataDirectory directory;
+  Ballast ballast;
   Database database;
   /// [bytes] of the disk that uploads leave free for the database and the maps.
   std::int64_t disk_reserve = std::int64_t{2} << 30;
 };
+
+/// A Write that makes room, and so has to work on a full disk.
+template <typename Body>
+auto WriteToMakeRoom(Store& store, const Body& body) {
+  try {
+    return store.database.Write(body);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kDiskFull || !store.ballast.Drop()) throw;
+  }
+  return store.database.Write(body);
+}
 
 /// Throws Error{kDiskFull} saying how much is needed and how much there is,
 /// unless `bytes` fit on the disk beside the reserve.

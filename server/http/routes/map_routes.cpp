@@ -1,10 +1,14 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/log.h"
 #include "server/http/file_response.h"
 #include "server/http/json_response.h"
+#include "server/http/problem.h"
 #include "server/http/routes/routes.h"
+#include "server/store/care/stored_files.h"
 #include "server/store/job_queue.h"
+#include "server/store/tables/check_table.h"
 #include "server/store/tables/map_table.h"
 #include "server/store/tables/site_table.h"
 
@@ -29,12 +33,29 @@ void SendManifest(RouteContext& context, const httplib::Request& request,
       "application/json");
 }
 
+/// A note that cannot be taken, on a full disk say, is taken by the next reader.
+void NoteDamage(RouteContext& context, const std::string& path) {
+  try {
+    RecordFileCheck(context.store, path, "has changed on the disk");
+  } catch (const Error& error) {
+    LogError(std::string("damage not noted error=") + error.what());
+  }
+}
+
 void SendMapFile(RouteContext& context, const httplib::Request& request,
                  httplib::Response& response) {
   const std::string name = request.matches[3];
   const PublishedFile published = context.store.database.Read([&](Connection& connection) {
     return FindMapFile(connection, request.matches[1], std::stoll(request.matches[2]), name);
   });
+  const std::string path = "maps/" + published.map_id + "/" + name;
+  // What an older program published can be checked by the scrubber only.
+  const bool is_damaged =
+      published.file.pieces.empty() && context.store.database.Read([&](Connection& connection) {
+        return DamageOf(connection, path).has_value();
+      });
+  if (is_damaged)
+    throw HttpError({500, "damaged", "the stored file '" + name + "' is damaged or missing"});
   // Only a name that the manifest holds becomes a path.
   ServedFile file;
   file.path = context.store.directory.MapFolder(published.map_id) / published.file.name;
@@ -42,6 +63,8 @@ void SendMapFile(RouteContext& context, const httplib::Request& request,
   file.sha256 = published.file.sha256;
   file.content_type = ContentTypeOf(name);
   file.cache_control = kImmutable;
+  file.pieces = published.file.pieces;
+  file.on_damage = [&context, path] { NoteDamage(context, path); };
   SendFile(request, response, file);
 }
 

@@ -7,7 +7,8 @@
 #include "server/http/json_response.h"
 #include "server/http/routes/openapi.h"
 #include "server/http/routes/routes.h"
-#include "server/store/durable_file.h"
+#include "server/store/disk/durable_file.h"
+#include "server/store/tables/check_table.h"
 #include "server/store/tables/job_table.h"
 
 namespace parkade {
@@ -68,6 +69,8 @@ std::string MetricsOf(RouteContext& context) {
   text.Gauge("parkade_event_clients", "Listeners to server-sent events.", metrics.event_clients);
   text.Counter("parkade_upload_bytes_total", "Bytes of drive logs received.", metrics.upload_bytes);
   AddJobCounts(context, text);
+  text.Gauge("parkade_damaged_files", "Stored files that are missing or have changed on the disk.",
+             context.store.database.Read(CountDamagedFiles));
   text.Gauge("parkade_disk_free_bytes", "Free bytes on the disk of the data directory.",
              FreeBytes(context.store.directory.root()));
   text.Gauge("process_resident_memory_bytes", "Memory of the service, without its workers.",
@@ -89,10 +92,12 @@ Json Readiness(RouteContext& context, bool& is_ready) {
   } catch (const Error& error) {
     LogWarning(std::string("not ready: ") + error.what());
   }
-  is_ready = has_database && has_room && !context.shutdown_signal.is_stopping();
+  const bool is_writable = !context.store.database.is_frozen();
+  is_ready = has_database && has_room && is_writable && !context.shutdown_signal.is_stopping();
   return {{"ready", is_ready},
           {"database", has_database},
           {"disk", has_room},
+          {"writable", is_writable},
           {"stopping", context.shutdown_signal.is_stopping()}};
 }
 

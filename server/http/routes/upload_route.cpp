@@ -5,7 +5,7 @@
 #include "server/http/json_response.h"
 #include "server/http/problem.h"
 #include "server/http/routes/routes.h"
-#include "server/store/durable_file.h"
+#include "server/store/disk/durable_file.h"
 
 namespace parkade {
 namespace {

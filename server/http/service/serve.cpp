@@ -4,6 +4,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -17,6 +18,9 @@
 
 namespace parkade {
 namespace {
+
+constexpr int kTryAgain = 75;  // EX_TEMPFAIL of sysexits.h
+constexpr std::chrono::seconds kPatienceAfterFailure{2};
 
 std::atomic<int> wake_fd = -1;  // what a handler may use: lock-free
 
@@ -89,15 +93,16 @@ class SignalWaiter {
 int Serve(const ServeOptions& options) {
   SignalWaiter signals;
   Service service(options);
+  service.OnDiskFailure([] { Wake(0); });
   signals.Start([&service, patience = std::chrono::seconds(options.drain_seconds)] {
     LogInfo("stopping");
-    service.Stop(patience);
+    service.Stop(service.has_disk_failed() ? std::min(patience, kPatienceAfterFailure) : patience);
   });
   if (options.allow_public) LogWarning("listening without authentication, as --allow-public says");
   LogInfo("listening on " + service.address());
   service.Run();
   LogInfo("stopped");
-  return 0;
+  return service.has_disk_failed() ? kTryAgain : 0;
 }
 
 }  // namespace parkade

@@ -13,6 +13,7 @@
 #include "server/http/routes/routes.h"
 #include "server/http/routes/upload_route.h"
 #include "server/http/routes/viewer_files.h"
+#include "server/store/care/scrubber.h"
 
 namespace parkade {
 namespace {
@@ -65,6 +66,9 @@ class Service::Parts {
         viewer_(options_.web_root),
         http_(shutdown_signal_, metrics_, options_.num_threads, options_.allow_public) {
     store_.disk_reserve = options_.disk_reserve;
+    store_.database.OnFreeze([this] {
+      if (on_disk_failure_) on_disk_failure_();
+    });
     ReconcileFiles(store_);
     const ListenAddress address = CheckedAddress(options_);
     port_ = http_.Bind(address.host, address.port);
@@ -75,6 +79,7 @@ class Service::Parts {
     context_.emplace(
         RouteContext{options_, store_, events_, *jobs_, comparer_, metrics_, shutdown_signal_});
     AddHandlers();
+    scrubber_.emplace(store_, std::chrono::days(options_.scrub_days));
   }
 
   void Run() {
@@ -95,6 +100,8 @@ class Service::Parts {
 
   const std::string& address() const { return address_; }
   int port() const { return port_; }
+  void OnDiskFailure(std::function<void()> listener) { on_disk_failure_ = std::move(listener); }
+  bool has_disk_failed() const { return store_.database.is_frozen(); }
 
  private:
   void AddHandlers() {
@@ -107,8 +114,8 @@ class Service::Parts {
           return viewer_.Send(request, response) ? httplib::Server::HandlerResponse::Handled
                                                  : httplib::Server::HandlerResponse::Unhandled;
         });
-    http_.set_exception_handler([](const httplib::Request&, httplib::Response& response,
-                                   std::exception_ptr thrown) { SendException(response, thrown); });
+    http_.set_exception_handler([this](const httplib::Request&, httplib::Response& response,
+                                       std::exception_ptr thrown) { Explain(response, thrown); });
     http_.set_error_handler([](const httplib::Request& request, httplib::Response& response) {
       ExplainError(request, response);
     });
@@ -131,6 +138,20 @@ class Service::Parts {
     AddSiteRoutes(http_, *context_);
     AddEventRoute(http_, *context_);
     AddStatusRoutes(http_, *context_);
+  }
+
+  /// A disk that failed under an upload is not written to any more.
+  void Explain(httplib::Response& response, std::exception_ptr thrown) {
+    try {
+      std::rethrow_exception(thrown);
+    } catch (const DiskFailure& failure) {
+      store_.database.Freeze(failure.what());
+      SendProblem(response, {503, "disk_failed",
+                             "the disk of the service failed: nothing is stored until it is "
+                             "started again"});
+    } catch (...) {
+      SendException(response, thrown);
+    }
   }
 
   /// Gives the library's own bare refusals a body.
@@ -175,6 +196,8 @@ class Service::Parts {
   HttpServer http_;
   std::optional<JobRunner> jobs_;
   std::optional<RouteContext> context_;
+  std::optional<Scrubber> scrubber_;
+  std::function<void()> on_disk_failure_;
   std::string address_;
   int port_ = 0;
 };
@@ -183,6 +206,10 @@ Service::Service(const ServeOptions& options) : parts_(std::make_unique<Parts>(o
 Service::~Service() = default;
 const std::string& Service::address() const { return parts_->address(); }
 int Service::port() const { return parts_->port(); }
+void Service::OnDiskFailure(std::function<void()> listener) {
+  parts_->OnDiskFailure(std::move(listener));
+}
+bool Service::has_disk_failed() const { return parts_->has_disk_failed(); }
 void Service::Run() { parts_->Run(); }
 void Service::Stop(std::chrono::milliseconds patience) { parts_->Stop(patience); }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -24,6 +25,11 @@ class Service {
 
   /// Answers requests until Stop.
   void Run();
+
+  /// `listener` is called once, from any thread, when the disk fails: the service only answers
+  /// readers from then on, and should be ended. Set it before Run.
+  void OnDiskFailure(std::function<void()> listener);
+  bool has_disk_failed() const;
 
   /// Lets requests under way end within `patience`, ends workers and makes Run
   /// return. From any thread.

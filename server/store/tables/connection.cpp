@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "server/store/disk/disk_failure.h"
 
 namespace parkade {
 namespace {
@@ -14,6 +15,7 @@ namespace {
   LogError("database code=" + std::to_string(result) + " reason=" + reason);
   if ((result & 0xff) == SQLITE_FULL)
     throw Error(ErrorCode::kDiskFull, "the disk of the data directory is full");
+  if ((result & 0xff) == SQLITE_IOERR) throw DiskFailure("the database failed: " + reason);
   throw Error(ErrorCode::kInternal, "the database failed: " + reason);
 }
 

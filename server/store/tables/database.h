@@ -1,10 +1,13 @@
 #pragma once
 
+#include <atomic>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <type_traits>
 
+#include "server/store/disk/disk_failure.h"
 #include "server/store/tables/connection.h"
 
 struct sqlite3;
@@ -29,23 +32,49 @@ class Database {
     return body(connection);
   }
 
-  /// Does so inside one transaction: committed when `body` returns, undone when it throws.
+  /// Does so inside one transaction: committed when `body` returns, undone when it throws. Throws
+  /// DiskFailure when the disk did not keep it, which freezes the database: whether the
+  /// transaction is there after the next start is not known then, so delete nothing it may need.
   template <typename Body>
   auto Write(const Body& body) {
     const std::lock_guard lock(mutex_);
+    RequireWritable();
+    try {
+      return WriteLocked(body);
+    } catch (const DiskFailure& failure) {
+      Freeze(failure.what());
+      throw;
+    }
+  }
+
+  /// Lets nothing be written any more: every Write throws DiskFailure from now on. What calls it
+  /// first is logged and told to the listener.
+  void Freeze(const std::string& reason);
+  bool is_frozen() const { return is_frozen_; }
+  void RequireWritable() const;
+
+  /// `listener` is called once, by the thread that met the failure: let it do little. Set it before
+  /// there are other threads.
+  void OnFreeze(std::function<void()> listener) { on_freeze_ = std::move(listener); }
+
+ private:
+  template <typename Body>
+  auto WriteLocked(const Body& body) {
     Connection connection(database_.get());
     Transaction transaction(connection);
     if constexpr (std::is_void_v<std::invoke_result_t<Body, Connection&>>) {
       body(connection);
       transaction.Commit();
+      CheckpointIfLong();
     } else {
       auto result = body(connection);
       transaction.Commit();
+      CheckpointIfLong();
       return result;
     }
   }
+  void CheckpointIfLong();
 
- private:
   class Transaction {
    public:
     explicit Transaction(Connection& connection);
@@ -64,6 +93,9 @@ class Database {
 
   std::unique_ptr<sqlite3, Close> database_;
   std::mutex mutex_;
+  int log_pages_ = 0;  ///< in the write-ahead log after the last commit
+  std::atomic<bool> is_frozen_ = false;
+  std::function<void()> on_freeze_;
 };
 
 }  // namespace parkade

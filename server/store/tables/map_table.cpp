@@ -44,8 +44,9 @@ void InsertMap(Connection& connection, const MapVersion& map) {
       "?, ?, ?, ?, ?, ?)",
       map.id, map.site, map.version, map.job, map.sha256, map.datum, map.bounds, map.created_at);
   for (const MapFile& file : map.files)
-    connection.Execute("INSERT INTO map_files (map, name, bytes, sha256) VALUES (?, ?, ?, ?)",
-                       map.id, file.name, file.bytes, file.sha256);
+    connection.Execute(
+        "INSERT INTO map_files (map, name, bytes, sha256, pieces) VALUES (?, ?, ?, ?, ?)", map.id,
+        file.name, file.bytes, file.sha256, file.pieces);
   for (size_t i = 0; i < map.drives.size(); ++i)
     connection.Execute("INSERT INTO map_drives (map, drive, position) VALUES (?, ?, ?)", map.id,
                        map.drives[i].id, i);
@@ -83,12 +84,12 @@ std::vector<MapVersion> ListMaps(Connection& connection, const std::string& site
 PublishedFile FindMapFile(Connection& connection, const std::string& site, std::int64_t version,
                           const std::string& name) {
   Statement query = connection.Query(
-      R"(SELECT maps.id, name, bytes, map_files.sha256 FROM maps JOIN map_files ON map = maps.id
+      R"(SELECT maps.id, name, bytes, map_files.sha256, map_files.pieces FROM maps JOIN map_files ON map = maps.id
          WHERE site = ? AND version = ? AND name = ?)",
       site, version, name);
   Require(query.Step(), ErrorCode::kNotFound,
           Missing(site, version) + " with a file '" + name + "'");
-  return {query.Text(0), {query.Text(1), query.Integer(2), query.Text(3)}};
+  return {query.Text(0), {query.Text(1), query.Integer(2), query.Text(3), query.Text(4)}};
 }
 
 }  // namespace parkade

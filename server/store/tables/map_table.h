@@ -28,7 +28,7 @@ struct PublishedFile {
   MapFile file;
 };
 
-/// Throws Error{kNotFound}.
+/// With the sums of its pieces, which whole versions come without. Throws Error{kNotFound}.
 PublishedFile FindMapFile(Connection& connection, const std::string& site, std::int64_t version,
                           const std::string& name);
 

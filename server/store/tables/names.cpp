@@ -38,9 +38,11 @@ std::string NewId() {
   return id;
 }
 
-std::string NowUtc() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
+std::string NowUtc() { return UtcText(std::chrono::system_clock::now()); }
+
+std::string UtcText(std::chrono::system_clock::time_point time) {
+  const auto milliseconds =
+      std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch()).count();
   const std::time_t seconds = milliseconds / 1000;
   std::tm utc{};
   gmtime_r(&seconds, &utc);

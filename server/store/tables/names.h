@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <string_view>
 
@@ -10,6 +11,7 @@ std::string NewId();
 
 /// Now as RFC 3339 in UTC with milliseconds, "2026-11-21T04:22:27.123Z".
 std::string NowUtc();
+std::string UtcText(std::chrono::system_clock::time_point time);
 
 /// True for names of sites, rigs and mask files: 1 to 64 characters of
 /// [A-Za-z0-9._-], the first a letter or digit.

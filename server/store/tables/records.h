@@ -93,6 +93,7 @@ struct MapFile {
   std::string name;  ///< plain relative path
   std::int64_t bytes = 0;
   std::string sha256;
+  std::string pieces = {};  ///< FileSums::pieces; empty where an older program published it
 };
 
 struct MapVersion {

@@ -110,10 +110,36 @@ const std::vector<const char*> kVersion4 = {
     "UPDATE drives SET state = 'ready', error = NULL WHERE state != 'ready' AND id IN (SELECT "
     "drive FROM map_drives)"};
 
+// Logs that arrive in parts (tus), sums of the pieces of maps' files, and when stored files were
+// last compared with what these tables say of them.
+const std::vector<const char*> kVersion5 = {
+    R"(CREATE TABLE uploads (
+         sequence INTEGER PRIMARY KEY AUTOINCREMENT,
+         id TEXT NOT NULL UNIQUE,
+         metadata TEXT NOT NULL,
+         filename TEXT NOT NULL,
+         site TEXT,
+         rig TEXT,
+         sha256 TEXT,
+         length INTEGER NOT NULL,
+         offset INTEGER NOT NULL DEFAULT 0,
+         state TEXT NOT NULL DEFAULT 'receiving' CHECK (state IN ('receiving', 'done', 'refused')),
+         error TEXT,
+         error_code TEXT,
+         drive TEXT REFERENCES drives (id),
+         created_at TEXT NOT NULL,
+         expires_at TEXT NOT NULL) STRICT)",
+    "CREATE INDEX uploads_by_state ON uploads (state, expires_at)",
+    "ALTER TABLE map_files ADD COLUMN pieces TEXT",
+    R"(CREATE TABLE file_checks (
+         path TEXT NOT NULL PRIMARY KEY,
+         checked_at TEXT NOT NULL,
+         damage TEXT) STRICT, WITHOUT ROWID)"};
+
 // One entry per schema version, oldest first. A published entry never changes:
 // a change of the tables is a new entry.
-const std::vector<const std::vector<const char*>*> kMigrations = {&kVersion1, &kVersion2,
-                                                                  &kVersion3, &kVersion4};
+const std::vector<const std::vector<const char*>*> kMigrations = {
+    &kVersion1, &kVersion2, &kVersion3, &kVersion4, &kVersion5};
 
 }  // namespace
 
@@ -123,6 +149,8 @@ void MigrateSchema(Connection& connection) {
   const auto found = static_cast<size_t>(query.Integer(0));
   Require(found <= kMigrations.size(), ErrorCode::kConflict,
           "the data directory was written by a newer version of this program");
+  // A service has to start on a full disk.
+  if (found == kMigrations.size()) return;
   for (size_t version = found; version < kMigrations.size(); ++version)
     for (const char* statement : *kMigrations[version]) connection.Execute(statement);
   connection.Execute("PRAGMA user_version=" + std::to_string(kMigrations.size()));

@@ -1,76 +1,17 @@
 // The service as a process of its own: killed, started again, started twice.
 
-#include <fcntl.h>
 #include <signal.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
-#include <regex>
+#include <optional>
 
 #include "core/file.h"
 #include "tests/server/http/raw_client.h"
-#include "tests/server/http/running_service.h"
+#include "tests/server/http/service_process.h"
 
 namespace parkade {
 namespace {
-
-/// parkade_serve_program, with what it says in a file.
-class ServiceProcess {
- public:
-  explicit ServiceProcess(const std::filesystem::path& data, std::vector<std::string> wrapper = {})
-      : log_(data.string() + "." + NewId() + ".log") {
-    std::vector<std::string> arguments = std::move(wrapper);
-    for (const std::string& argument :
-         {std::string(SERVE_PROGRAM), std::string("serve"), data.string()})
-      arguments.push_back(argument);
-    std::vector<char*> pointers;
-    for (std::string& argument : arguments) pointers.push_back(argument.data());
-    pointers.push_back(nullptr);
-    pid_ = ::fork();
-    if (pid_ == 0) {
-      const int fd = ::open(log_.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
-      ::dup2(fd, 1);
-      ::dup2(fd, 2);
-      ::execvp(pointers[0], pointers.data());
-      ::_exit(127);
-    }
-  }
-  ~ServiceProcess() {
-    if (pid_ > 0) End(SIGKILL);
-  }
-  ServiceProcess(const ServiceProcess&) = delete;
-  ServiceProcess& operator=(const ServiceProcess&) = delete;
-
-  /// Waits until it answers.
-  int Port() {
-    static const std::regex address("listening on http://127.0.0.1:([0-9]+)");
-    std::smatch found;
-    std::string text;
-    const bool listens =
-        Eventually([&] { return std::regex_search(text = Said(), found, address); });
-    if (!listens) throw std::runtime_error("the service does not listen: " + Said());
-    return std::stoi(found[1]);
-  }
-  std::string Said() const { return std::filesystem::exists(log_) ? ReadFile(log_) : ""; }
-
-  /// Sends a signal and returns the status of its end.
-  int End(int signal) {
-    ::kill(pid_, signal);
-    return Wait();
-  }
-  int Wait() {
-    int status = 0;
-    ::waitpid(pid_, &status, 0);
-    pid_ = -1;
-    return status;
-  }
-  pid_t pid() const { return pid_; }
-
- private:
-  std::filesystem::path log_;
-  pid_t pid_ = -1;
-};
 
 class Restart : public testing::Test {
  protected:
@@ -88,6 +29,23 @@ class Restart : public testing::Test {
   }
 
   TemporaryRoot root_;
+  /// Words before the service's, so that its data lie on a filesystem of its own; nothing where
+  /// there is no right to mount one.
+  std::optional<std::vector<std::string>> OnASmallDisk(const std::string& mount) {
+    std::filesystem::create_directories(data_);
+    const std::string probe =
+        "unshare --map-root-user --mount mount -t tmpfs tmpfs " + data_.string() + " 2>/dev/null";
+    if (std::system(probe.c_str()) != 0) return std::nullopt;
+    return std::vector<std::string>{
+        "unshare", "--map-root-user", "--mount", "sh", "-c", mount + " \"$3\" && exec \"$@\" 2>&1",
+        "sh"};
+  }
+  /// The data directory as the service sees it.
+  std::filesystem::path Inside(const ServiceProcess& service) const {
+    return std::filesystem::path("/proc") / std::to_string(service.pid()) / "root" /
+           data_.relative_path();
+  }
+
   std::filesystem::path data_ = root_.path() / "data";
 };
 
@@ -247,19 +205,12 @@ TEST_F(Restart, ATakenPortIsRefused) {
 
 // A filesystem of 12 MiB in a namespace of its own. Needs the right to make one.
 TEST_F(Restart, AFullDiskIsSaidAndLeavesNothingHalfWritten) {
-  std::filesystem::create_directories(data_);
-  const std::vector<std::string> wrapper = {
-      "unshare", "--map-root-user",
-      "--mount", "sh",
-      "-c",      "mount -t tmpfs -o size=12m tmpfs \"$3\" && exec \"$@\" 2>&1",
-      "sh"};
-  const std::string probe =
-      "unshare --map-root-user --mount mount -t tmpfs tmpfs " + data_.string() + " 2>/dev/null";
-  if (std::system(probe.c_str()) != 0) GTEST_SKIP() << "no right to mount a small filesystem here";
+  const auto wrapper = OnASmallDisk("mount -t tmpfs -o size=12m tmpfs");
+  if (!wrapper) GTEST_SKIP() << "no right to mount a small filesystem here";
 
   // Without the look at the free space beforehand: the disk itself is to say no.
   ::setenv("RESERVE", "-1000000000", 1);
-  ServiceProcess service(data_, wrapper);
+  ServiceProcess service(data_, *wrapper);
   ::unsetenv("RESERVE");
   httplib::Client client("127.0.0.1", service.Port());
   client.set_read_timeout(60);
@@ -270,10 +221,42 @@ TEST_F(Restart, AFullDiskIsSaidAndLeavesNothingHalfWritten) {
   // It goes on, without a restart.
   EXPECT_EQ(client.Put("/api/v1/drives?site=lot", "log ok\n", kLogType)->status, 201);
   EXPECT_EQ(Parsed(client.Get("/api/v1/drives")).at("items").size(), 1u);
-  const auto ends = std::filesystem::path("/proc") / std::to_string(service.pid()) / "root" /
-                    data_.relative_path();
-  Eventually([&] { return std::filesystem::is_empty(ends / "tmp"); });
+  Eventually([&] { return std::filesystem::is_empty(Inside(service) / "tmp"); });
   service.End(SIGTERM);
+}
+
+// The disk of a service that was killed is filled to the last byte before the next one starts.
+TEST_F(Restart, AServiceStartsOnAFullDiskAndDeletes) {
+  const auto wrapper = OnASmallDisk(
+      "fill() { dd if=/dev/zero of=\"$1/filling\" bs=64k 2>/dev/null; "
+      "dd if=/dev/zero of=\"$1/crumbs\" bs=1 2>/dev/null; :; }; "
+      "mount -t tmpfs -o size=320m tmpfs \"$3\" && ( timeout -s KILL 5 \"$@\"; fill \"$3\" ); :");
+  if (!wrapper) GTEST_SKIP() << "no right to mount a small filesystem here";
+  ::setenv("RESERVE", "100000000", 1);
+  ServiceProcess service(data_, *wrapper);
+  ::unsetenv("RESERVE");
+  std::string drive;
+  {
+    httplib::Client client("127.0.0.1", service.Port());
+    const Json answer = Parsed(
+        client.Put("/api/v1/drives?site=lot", "log ok\n" + std::string(5'000'000, 'x'), kLogType));
+    drive = answer.at("drive").at("id");
+  }
+  // The second start says its own address.
+  std::string said;
+  Eventually([&] {
+    said = service.Said();
+    return said.find("listening") != said.rfind("listening") || service.HasEnded();
+  });
+  ASSERT_NE(said.find("listening"), said.rfind("listening")) << said;
+  httplib::Client client("127.0.0.1", std::stoi(said.substr(said.rfind(':') + 1)));
+  EXPECT_EQ(client.Get("/readyz")->status, 503);
+  ExpectProblem(client.Put("/api/v1/drives?site=lot", "log ok\n", kLogType), 507, "disk_full");
+
+  Eventually(
+      [&] { return Parsed(client.Get("/api/v1/drives/" + drive)).at("state") != "processing"; });
+  EXPECT_EQ(client.Delete("/api/v1/drives/" + drive)->status, 204);
+  EXPECT_EQ(client.Get("/api/v1/drives/" + drive)->status, 404);
 }
 
 }  // namespace

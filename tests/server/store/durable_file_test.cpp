@@ -1,4 +1,4 @@
-#include "server/store/durable_file.h"
+#include "server/store/disk/durable_file.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "server/store/durable_file.h"
+#include "server/store/disk/durable_file.h"
 #include "server/store/receive_upload.h"
 #include "server/store/store.h"
 #include "tests/server/store/temporary_root.h"

@@ -114,6 +114,9 @@ TEST(Database, TakesOverJobsOfTheSchemaBefore) {
                             VALUES ('m', 'lot', 1, 'j', 'x', 'now'))");
       connection.Execute("INSERT INTO map_drives (map, position, drive) VALUES ('m', 0, 'd')");
       connection.Execute("ALTER TABLE jobs DROP COLUMN new_drive");
+      connection.Execute("ALTER TABLE map_files DROP COLUMN pieces");
+      for (const char* table : {"uploads", "file_checks"})
+        connection.Execute(std::string("DROP TABLE ") + table);
       connection.Execute("PRAGMA user_version=3");
     });
   }

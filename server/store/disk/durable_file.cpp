@@ -1,4 +1,4 @@
-#include "server/store/durable_file.h"
+#include "server/store/disk/durable_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "server/store/disk/disk_failure.h"
 
 namespace parkade {
 namespace {
@@ -16,10 +17,16 @@ namespace {
 constexpr size_t kWriteSize = size_t{1} << 20;
 constexpr std::int64_t kEarlySyncBytes = std::int64_t{8} << 20;
 
+bool IsFull(int error) { return error == ENOSPC || error == EDQUOT; }
+
 [[noreturn]] void ThrowErrno(const std::string& what, int error) {
-  if (error == ENOSPC || error == EDQUOT)
-    throw Error(ErrorCode::kDiskFull, "the disk of the data directory is full");
+  if (IsFull(error)) throw Error(ErrorCode::kDiskFull, "the disk of the data directory is full");
   throw Error(ErrorCode::kInternal, what + ": " + std::strerror(error));
+}
+
+[[noreturn]] void ThrowNotKept(int error) {
+  if (IsFull(error)) ThrowErrno("", error);
+  throw DiskFailure(std::string("the disk of the data directory failed: ") + std::strerror(error));
 }
 
 }  // namespace
@@ -62,7 +69,7 @@ void GrowingFile::Flush() {
     if (written >= 0) {
       rest.remove_prefix(static_cast<size_t>(written));
     } else if (errno != EINTR) {
-      ThrowErrno("cannot write to the data directory", errno);
+      ThrowNotKept(errno);
     }
   }
   pending_.clear();
@@ -75,11 +82,10 @@ void GrowingFile::Flush() {
 
 std::string GrowingFile::Finish() {
   Flush();
-  if (::fchmod(fd_, 0444) != 0 || ::fsync(fd_) != 0)
-    ThrowErrno("cannot write to the data directory", errno);
+  if (::fchmod(fd_, 0444) != 0 || ::fsync(fd_) != 0) ThrowNotKept(errno);
   const int result = ::close(fd_);
   fd_ = -1;
-  if (result != 0) ThrowErrno("cannot write to the data directory", errno);
+  if (result != 0) ThrowNotKept(errno);
   return hash_.Finish();
 }
 
@@ -97,7 +103,7 @@ void SyncToDisk(const std::filesystem::path& path) {
   const int result = ::fsync(fd);
   const int error = errno;
   ::close(fd);
-  if (result != 0) ThrowErrno("cannot write to the data directory", error);
+  if (result != 0) ThrowNotKept(error);
 }
 
 void CreateDurableFolder(const std::filesystem::path& folder) {

@@ -25,7 +25,8 @@ class GrowingFile {
   void Append(std::string_view bytes);
 
   /// Writes what is left, makes the file durable and read-only, and returns the
-  /// SHA-256 of its content. It is still removed unless moved away.
+  /// SHA-256 of its content. It is still removed unless moved away. Throws DiskFailure,
+  /// Error{kDiskFull}.
   std::string Finish();
 
   std::int64_t size() const { return size_; }
@@ -45,8 +46,7 @@ class GrowingFile {
   Sha256 hash_;
 };
 
-/// fsync of a file or folder. An error is final: the kernel may have dropped
-/// the data, so never retry, never acknowledge. Throws Error.
+/// fsync of a file or folder. Throws DiskFailure, or Error where it cannot be opened.
 void SyncToDisk(const std::filesystem::path& path);
 
 /// Creates `folder` and its missing parents and makes their entries durable.

@@ -1,0 +1,83 @@
+#include "server/store/care/stored_files.h"
+
+#include <fstream>
+
+#include "core/file.h"
+#include "core/log.h"
+#include "core/sha256.h"
+#include "server/store/rig_store.h"
+#include "server/store/tables/check_table.h"
+#include "server/store/tables/drive_table.h"
+
+namespace parkade {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kPieceBytes = size_t{1} << 20;
+const std::string kMissing = "is missing", kChanged = "has changed on the disk",
+                  kUnreadable = "cannot be read";
+
+std::optional<std::string> CheckRig(const DataDirectory& directory, const StoredFile& file) {
+  RigFiles files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(directory.root() / file.path))
+    files[entry.path().filename().string()] = ReadFile(entry.path());
+  return Sha256Of(PackRig(files)) == file.sha256 ? std::nullopt : std::optional(kChanged);
+}
+
+}  // namespace
+
+std::vector<StoredFile> StoredFiles(Connection& connection) {
+  std::vector<StoredFile> files;
+  Statement logs = connection.Query(
+      "SELECT sha256, max(bytes) FROM drives WHERE deleted_at IS NULL GROUP BY sha256");
+  while (logs.Step())
+    files.push_back({DataDirectory::LogPath(logs.Text(0)), logs.Integer(1), logs.Text(0)});
+  Statement maps = connection.Query("SELECT map, name, bytes, sha256 FROM map_files");
+  while (maps.Step())
+    files.push_back({"maps/" + maps.Text(0) + "/" + maps.Text(1), maps.Integer(2), maps.Text(3)});
+  Statement rigs = connection.Query("SELECT id, sha256 FROM rigs");
+  while (rigs.Step()) files.push_back({"rigs/" + rigs.Text(0), 0, rigs.Text(1), rigs.Text(0)});
+  return files;
+}
+
+bool IsStored(Connection& connection, const StoredFile& file) {
+  // Maps and rigs stay.
+  return !file.path.starts_with("logs/") || CountDrivesWithContent(connection, file.sha256) > 0;
+}
+
+std::optional<std::string> LookAtStoredFile(const DataDirectory& directory,
+                                            const StoredFile& file) {
+  const fs::path path = directory.root() / file.path;
+  std::error_code error;
+  const fs::file_status status = fs::symlink_status(path, error);
+  if (!fs::exists(status)) return kMissing;
+  if (!file.rig.empty()) return fs::is_directory(status) ? std::nullopt : std::optional(kMissing);
+  const auto bytes = fs::file_size(path, error);
+  if (error || !fs::is_regular_file(status)) return kUnreadable;
+  if (static_cast<std::int64_t>(bytes) == file.bytes) return std::nullopt;
+  return "has " + std::to_string(bytes) + " bytes instead of " + std::to_string(file.bytes);
+}
+
+std::optional<std::string> CheckStoredFile(const DataDirectory& directory, const StoredFile& file,
+                                           const std::function<bool()>& go_on) {
+  if (const auto damage = LookAtStoredFile(directory, file)) return damage;
+  if (!file.rig.empty()) return CheckRig(directory, file);
+  std::ifstream stream(directory.root() / file.path, std::ios::binary);
+  std::vector<char> piece(kPieceBytes);
+  Sha256 hash;
+  while (stream.read(piece.data(), kPieceBytes) || stream.gcount() > 0) {
+    if (!go_on()) return std::nullopt;
+    hash.Add({piece.data(), static_cast<size_t>(stream.gcount())});
+  }
+  if (!stream.eof()) return kUnreadable;
+  return hash.Finish() == file.sha256 ? std::nullopt : std::optional(kChanged);
+}
+
+void RecordFileCheck(Store& store, const std::string& path,
+                     const std::optional<std::string>& damage) {
+  if (damage) LogError("damaged file path=" + path + " damage=" + *damage);
+  store.database.Write([&](Connection& connection) { SetFileCheck(connection, path, damage); });
+}
+
+}  // namespace parkade

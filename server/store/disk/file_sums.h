@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace parkade {
+
+/// A file is checked whenever a piece of it is read: quick checksums stand beside its SHA-256.
+constexpr std::int64_t kSummedBytes = std::int64_t{1} << 20;
+
+struct FileSums {
+  std::int64_t bytes = 0;
+  std::string sha256;
+  std::string pieces;  ///< XXH3 (64 bits) of each piece of kSummedBytes, 16 hexadecimal digits each
+};
+
+/// Reads the whole file once. Throws Error{kInternal} where it cannot be read.
+FileSums SumsOfFile(const std::filesystem::path& file);
+
+/// True when `content` is the piece number `index`, from 0, of a file with these sums.
+bool IsPiece(std::string_view content, std::int64_t index, std::string_view pieces);
+
+}  // namespace parkade
