@@ -9,6 +9,7 @@
 #include "core/log.h"
 #include "server/http/connection.h"
 #include "server/http/connection_queue.h"
+#include "server/http/current_socket.h"
 #include "server/http/host_check.h"
 
 namespace parkade {
@@ -90,7 +91,9 @@ void HttpServer::Serve(socket_t socket) {
     }
     const bool is_last = count == kMaxRequestsPerConnection || shutdown_signal_.is_stopping();
     bool is_closed = false;
+    CurrentSocket() = socket;
     const bool is_answered = process_request(connection, is_last, is_closed, nullptr);
+    CurrentSocket() = -1;
     if (!is_answered || is_closed || is_last || !connection.IsBodyRead()) break;
   }
   connection.FinishSending();

@@ -37,6 +37,21 @@ Json ToJson(const Drive& drive) {
           {"updated_at", drive.updated_at}};
 }
 
+Json ToJson(const Upload& upload) {
+  return {{"id", upload.id},
+          {"filename", upload.filename},
+          {"site", OrNull(upload.site)},
+          {"rig", OrNull(upload.rig)},
+          {"state", ToText(upload.state)},
+          {"error", OrNull(upload.error)},
+          {"error_code", OrNull(upload.error_code)},
+          {"length", upload.length},
+          {"offset", upload.offset},
+          {"drive", OrNull(upload.drive)},
+          {"created_at", upload.created_at},
+          {"expires_at", upload.expires_at}};
+}
+
 void AddTrajectories(const Drive& drive, const MapVersion& map, Json& json) {
   Json links = Json::object();
   const std::string folder = drive.name + "/";

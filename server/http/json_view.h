@@ -5,6 +5,7 @@
 
 #include "server/jobs/job_runner.h"
 #include "server/store/tables/records.h"
+#include "server/store/tables/upload_table.h"
 
 namespace parkade {
 
@@ -14,6 +15,7 @@ using Json = nlohmann::ordered_json;
 
 /// The drive without what needs more than its row: see AddTrajectories.
 Json ToJson(const Drive& drive);
+Json ToJson(const Upload& upload);
 Json ToJson(const Job& job, const std::optional<JobProgress>& progress);
 Json ToJson(const StoredRig& rig);
 Json ToJson(const Site& site);

@@ -53,8 +53,16 @@ std::string InLowerCase(std::string_view text) {
 /// Actions that have nothing to say but their address: `curl -X POST` sends no length.
 bool NeedsNoBody(const RequestHead& head) {
   const std::string path = head.Path();
-  return head.method == "POST" &&
-         (path.ends_with("/cancel") || path.ends_with("/retry") || path.ends_with("/maps"));
+  return head.method == "POST" && (path.ends_with("/cancel") || path.ends_with("/retry") ||
+                                   path.ends_with("/maps") || path == "/api/v1/uploads");
+}
+
+/// A drive log, or a part of one.
+bool HasLargeBody(const RequestHead& head) {
+  const std::string path = head.Path();
+  const bool is_part = (head.method == "PATCH" || head.method == "POST") &&
+                       (path == "/api/v1/uploads" || path.starts_with("/api/v1/uploads/"));
+  return is_part || (head.method == "PUT" && path == "/api/v1/drives");
 }
 
 std::int64_t ContentLengthOf(const RequestHead& head) {
@@ -70,8 +78,7 @@ std::int64_t ContentLengthOf(const RequestHead& head) {
   if (text->empty() || parsed.ec != std::errc{} || parsed.ptr != text->data() + text->size() ||
       length < 0)
     Refuse(400, "the Content-Length is not a number");
-  const bool is_drive_log = head.method == "PUT" && head.Path() == "/api/v1/drives";
-  if (!is_drive_log && length > kMaxSmallBody) Refuse(413, "the body is larger than 16 MiB");
+  if (!HasLargeBody(head) && length > kMaxSmallBody) Refuse(413, "the body is larger than 16 MiB");
   if (!may_have_body && length > 0) Refuse(400, "a " + head.method + " request has no body");
   return length;
 }

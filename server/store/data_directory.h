@@ -12,11 +12,12 @@ namespace parkade {
 ///   LOCK                    held as long as this object lives
 ///   db/main.db              the truth (server/store/tables/database.h)
 ///   db/ballast              room for the day when the disk is full
+///   uploads/<id>            logs that arrive in parts
 ///   logs/ab/<sha256>        drive logs as uploaded, read-only
 ///   rigs/<id>/              rig files
 ///   maps/<id>/              published maps, never changed
 ///   jobs/<id>/attempt-<n>/  log, progress and unpublished products of a job
-///   tmp/                    uploads under way, comparisons of maps; emptied at start
+///   tmp/                    uploads by one request, comparisons of maps; emptied at start
 ///   quarantine/             what was found without a row in the database
 class DataDirectory {
  public:
@@ -33,12 +34,16 @@ class DataDirectory {
   std::filesystem::path RigsFolder() const { return root_ / "rigs"; }
   std::filesystem::path MapsFolder() const { return root_ / "maps"; }
   std::filesystem::path JobsFolder() const { return root_ / "jobs"; }
+  std::filesystem::path UploadsFolder() const { return root_ / "uploads"; }
 
   /// Where a log lies, relative to the root.
   static std::string LogPath(const std::string& sha256) {
     return "logs/" + sha256.substr(0, 2) + "/" + sha256;
   }
   std::filesystem::path LogFile(const std::string& sha256) const { return root_ / LogPath(sha256); }
+  std::filesystem::path UploadFile(const std::string& upload_id) const {
+    return UploadsFolder() / upload_id;
+  }
   std::filesystem::path RigFolder(const std::string& rig_id) const { return RigsFolder() / rig_id; }
   std::filesystem::path MapFolder(const std::string& map_id) const { return MapsFolder() / map_id; }
   std::filesystem::path JobFolder(const std::string& job_id) const { return JobsFolder() / job_id; }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "server/store/disk/durable_file.h"
 #include "server/store/tables/check_table.h"
 #include "server/store/tables/drive_table.h"
 #include "server/store/tables/job_table.h"
@@ -63,38 +64,40 @@ void CheckNewDrive(Store& store, const NewDrive& drive) {
           "there is no rig '" + *drive.rig + "': PUT /api/v1/rigs/" + *drive.rig);
 }
 
-ReceivedDrive ReceiveDrive(Store& store, const NewDrive& new_drive, GrowingFile& log,
-                           const std::string& sha256, bool merge_drives) {
+ReceivedDrive ReceiveDrive(Store& store, const NewDrive& new_drive, const ArrivedLog& log,
+                           bool merge_drives,
+                           const std::function<void(Connection&, const Drive&)>& also) {
   Drive drive;
   drive.id = NewId();
   drive.name = PlainNameFromFilename(new_drive.filename);
   drive.filename = new_drive.filename;
   drive.rig = new_drive.rig;
   drive.state = DriveState::kQueued;
-  drive.bytes = log.size();
-  drive.sha256 = sha256;
+  drive.bytes = log.bytes;
+  drive.sha256 = log.sha256;
   drive.created_at = drive.updated_at = NowUtc();
 
-  const std::filesystem::path target = store.directory.LogFile(sha256);
-  bool has_moved = false;
+  const std::filesystem::path target = store.directory.LogFile(log.sha256);
+  bool is_kept = false;
   try {
     return store.database.Write([&](Connection& connection) {
       drive.site = new_drive.site ? *new_drive.site : FreeSiteName(connection, drive.name);
       drive.name = FreeDriveName(connection, drive.site, drive.name);
       // This happens inside the transaction, so that no deletion of an equal log comes between.
       // What was just hashed takes the place of what lies there, which may have rotted.
-      has_moved = true;
-      log.MoveTo(target);
-      SetFileCheck(connection, DataDirectory::LogPath(sha256), std::nullopt);
+      is_kept = true;
+      KeepFile(log.path, target);
+      SetFileCheck(connection, DataDirectory::LogPath(log.sha256), std::nullopt);
       EnsureSite(connection, drive.site);
       InsertDrive(connection, drive);
       const Job job = QueueFirstJob(connection, drive, merge_drives);
+      also(connection, drive);
       return ReceivedDrive{FindDrive(connection, drive.id), job};
     });
   } catch (const DiskFailure&) {
     throw;  // the drive may be there after the next start, and needs its log then
   } catch (...) {
-    if (has_moved) RemoveUnusedLog(store, sha256);
+    if (is_kept) RemoveUnusedLog(store, log.sha256);
     throw;
   }
 }

@@ -1,9 +1,10 @@
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
-#include "server/store/disk/durable_file.h"
 #include "server/store/store.h"
 #include "server/store/tables/records.h"
 
@@ -25,12 +26,20 @@ struct ReceivedDrive {
 /// or the rig does not exist.
 void CheckNewDrive(Store& store, const NewDrive& drive);
 
-/// Stores a finished log (GrowingFile::Finish gave `sha256`) as a drive of its
-/// site and queues the job that maps it: joined with its site as it is when the job starts
-/// where `merge_drives`, alone otherwise. Durable when it returns. Equal logs
-/// share one file.
-ReceivedDrive ReceiveDrive(Store& store, const NewDrive& drive, GrowingFile& log,
-                           const std::string& sha256, bool merge_drives);
+/// A log that is finished and synced, in the data directory.
+struct ArrivedLog {
+  std::filesystem::path path;
+  std::int64_t bytes = 0;
+  std::string sha256;
+};
+
+/// Stores a log as a drive of its site and queues the job that maps it: joined with its site as it
+/// is when the job starts where `merge_drives`, alone otherwise. `also` is done in the same
+/// transaction. Durable when it returns. Equal logs share one file. The log keeps its old name,
+/// too.
+ReceivedDrive ReceiveDrive(
+    Store& store, const NewDrive& drive, const ArrivedLog& log, bool merge_drives,
+    const std::function<void(Connection&, const Drive&)>& also = [](Connection&, const Drive&) {});
 
 /// Deletes a drive and its log; maps made from it stay. Throws Error{kNotFound},
 /// Error{kConflict} while it waits for a map or a job that uses it runs.

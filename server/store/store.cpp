@@ -1,9 +1,11 @@
 #include "server/store/store.h"
 
+#include <set>
 #include <vector>
 
 #include "core/error.h"
 #include "server/store/disk/durable_file.h"
+#include "server/store/tables/upload_table.h"
 
 namespace parkade {
 namespace {
@@ -53,6 +55,20 @@ void ReconcileLogs(Store& store) {
   }
 }
 
+void ReconcileUploads(Store& store) {
+  std::set<std::string> unfinished;
+  for (const Upload& upload : store.database.Read(UnfinishedUploads)) unfinished.insert(upload.id);
+  for (const fs::path& file : EntriesOf(store.directory.UploadsFolder())) {
+    const std::string id = file.filename().string();
+    if (unfinished.contains(id)) continue;
+    if (HasRow(store, "uploads", id)) {
+      fs::remove(file);
+    } else {
+      store.directory.Quarantine(file);
+    }
+  }
+}
+
 void ReconcileJobFolders(Store& store) {
   for (const fs::path& folder : FoldersOf(store, store.directory.JobsFolder())) {
     if (!HasRow(store, "jobs", folder.filename().string())) {
@@ -77,6 +93,7 @@ void RequireSpace(const Store& store, std::int64_t bytes) {
 }
 
 void ReconcileFiles(Store& store) {
+  ReconcileUploads(store);
   ReconcileLogs(store);
   ReconcileJobFolders(store);
   for (const fs::path& folder : FoldersOf(store, store.directory.MapsFolder()))

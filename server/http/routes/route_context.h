@@ -9,6 +9,7 @@
 #include "server/jobs/job_runner.h"
 #include "server/jobs/map_comparer.h"
 #include "server/store/store.h"
+#include "server/store/uploads/resumable_uploads.h"
 
 namespace parkade {
 
@@ -19,6 +20,7 @@ struct RouteContext {
   EventHub& events;
   JobRunner& jobs;
   MapComparer& comparer;
+  ResumableUploads& uploads;
   Metrics& metrics;
   const ShutdownSignal& shutdown_signal;
 };

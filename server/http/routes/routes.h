@@ -13,6 +13,7 @@ namespace parkade {
 
 void AddDriveRoutes(httplib::Server& http, RouteContext& context);
 void AddUploadRoute(httplib::Server& http, RouteContext& context);
+void AddTusRoutes(httplib::Server& http, RouteContext& context);
 void AddRigRoutes(httplib::Server& http, RouteContext& context);
 void AddJobRoutes(httplib::Server& http, RouteContext& context);
 void AddSiteRoutes(httplib::Server& http, RouteContext& context);

@@ -2,10 +2,12 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "core/sha256.h"
 #include "server/http/json_response.h"
 #include "server/http/problem.h"
 #include "server/http/routes/routes.h"
-#include "server/store/disk/durable_file.h"
+#include "server/store/disk/growing_file.h"
+#include "server/store/temporary_path.h"
 
 namespace parkade {
 namespace {
@@ -20,12 +22,25 @@ void Replace(std::string& text, const std::string& from, const std::string& to) 
     text.replace(at, from.size(), to);
 }
 
-/// The check speaks of the temporary file it was given; the user knows another name.
-void CheckLog(const RouteContext& context, const std::filesystem::path& file,
+/// Streams the body to `log`. Bounded memory: it goes on piece by piece.
+void ReceiveBody(const httplib::ContentReader& body, std::int64_t length, GrowingFile& log,
+                 Sha256& hash, Metrics& metrics) {
+  const bool is_complete = body([&](const char* data, size_t size) {
+    log.Append({data, size});
+    hash.Add({data, size});
+    metrics.upload_bytes += static_cast<std::int64_t>(size);
+    return true;
+  });
+  Require(is_complete && log.size() == length, ErrorCode::kInvalidInput, "the upload broke off");
+}
+
+}  // namespace
+
+void CheckLog(const ServeOptions& options, const std::filesystem::path& file,
               const std::string& filename) {
-  if (!context.options.check_log) return;
+  if (!options.check_log) return;
   try {
-    context.options.check_log(file);
+    options.check_log(file);
   } catch (const Error& error) {
     const std::string name = filename.empty() ? "the upload" : filename;
     std::string sentence = error.what();
@@ -36,18 +51,11 @@ void CheckLog(const RouteContext& context, const std::filesystem::path& file,
   }
 }
 
-/// Streams the body to `log`. Bounded memory: it goes on piece by piece.
-void ReceiveBody(const httplib::ContentReader& body, std::int64_t length, GrowingFile& log,
-                 Metrics& metrics) {
-  const bool is_complete = body([&](const char* data, size_t size) {
-    log.Append({data, size});
-    metrics.upload_bytes += static_cast<std::int64_t>(size);
-    return true;
-  });
-  Require(is_complete && log.size() == length, ErrorCode::kInvalidInput, "the upload broke off");
+void AnnounceDrive(const ReceivedDrive& received, EventHub& events, JobRunner& jobs) {
+  events.Publish("drive", received.drive.id);
+  events.Publish("job", received.job.id);
+  jobs.Wake();
 }
-
-}  // namespace
 
 NewDrive CheckUpload(const httplib::Request& request, const RouteContext& context) {
   const bool is_form = request.get_header_value("Content-Type").starts_with("multipart/");
@@ -66,27 +74,27 @@ NewDrive CheckUpload(const httplib::Request& request, const RouteContext& contex
 }
 
 void AddUploadRoute(httplib::Server& http, RouteContext& context) {
-  http.Put(
-      "/api/v1/drives", [&context](const httplib::Request& request, httplib::Response& response,
-                                   const httplib::ContentReader& body) {
-        const NewDrive drive = CheckUpload(request, context);
-        const std::int64_t length = LengthOf(request);
-        GrowingFile log(context.store.directory.NewTemporaryPath(), length);
-        ReceiveBody(body, length, log, context.metrics);
-        const std::string sha256 = log.Finish();
-        CheckLog(context, log.path(), drive.filename);
-        const ReceivedDrive received =
-            ReceiveDrive(context.store, drive, log, sha256, context.options.merge_drives);
+  http.Put("/api/v1/drives", [&context](const httplib::Request& request,
+                                        httplib::Response& response,
+                                        const httplib::ContentReader& body) {
+    const NewDrive drive = CheckUpload(request, context);
+    const std::int64_t length = LengthOf(request);
+    const TemporaryPath path(context.store.directory.NewTemporaryPath());
+    GrowingFile log = GrowingFile::Create(path.get(), length);
+    Sha256 hash;
+    ReceiveBody(body, length, log, hash, context.metrics);
+    log.Finish();
+    CheckLog(context.options, path.get(), drive.filename);
+    const ReceivedDrive received = ReceiveDrive(
+        context.store, drive, {path.get(), length, hash.Finish()}, context.options.merge_drives);
 
-        LogInfo("received drive=" + received.drive.id + " bytes=" + std::to_string(length) +
-                " site=" + received.drive.site + " job=" + received.job.id);
-        context.events.Publish("drive", received.drive.id);
-        context.events.Publish("job", received.job.id);
-        context.jobs.Wake();
-        response.set_header("Location", "/api/v1/drives/" + received.drive.id);
-        SendJson(response, 201,
-                 {{"drive", ToJson(received.drive)}, {"job", ToJson(received.job, std::nullopt)}});
-      });
+    LogInfo("received drive=" + received.drive.id + " bytes=" + std::to_string(length) +
+            " site=" + received.drive.site + " job=" + received.job.id);
+    AnnounceDrive(received, context.events, context.jobs);
+    response.set_header("Location", "/api/v1/drives/" + received.drive.id);
+    SendJson(response, 201,
+             {{"drive", ToJson(received.drive)}, {"job", ToJson(received.job, std::nullopt)}});
+  });
 }
 
 }  // namespace parkade

@@ -11,4 +11,12 @@ namespace parkade {
 /// HttpError or Error.
 NewDrive CheckUpload(const httplib::Request& request, const RouteContext& context);
 
+/// Throws unless the file looks like a drive log. The check speaks of the file that it is given,
+/// the sentence of the name that the user knows.
+void CheckLog(const ServeOptions& options, const std::filesystem::path& file,
+              const std::string& filename);
+
+/// Tells listeners and the queue that a drive has come.
+void AnnounceDrive(const ReceivedDrive& received, EventHub& events, JobRunner& jobs);
+
 }  // namespace parkade

@@ -76,8 +76,9 @@ class Service::Parts {
     address_ = "http://" + (is_ipv6 ? "[" + address.host + "]" : address.host) + ":" +
                std::to_string(port_);
     jobs_.emplace(store_, events_, RunnerOptions(options_));
-    context_.emplace(
-        RouteContext{options_, store_, events_, *jobs_, comparer_, metrics_, shutdown_signal_});
+    uploads_.emplace(store_, OptionsOfUploads());
+    context_.emplace(RouteContext{options_, store_, events_, *jobs_, comparer_, *uploads_, metrics_,
+                                  shutdown_signal_});
     AddHandlers();
     scrubber_.emplace(store_, std::chrono::days(options_.scrub_days));
   }
@@ -104,6 +105,18 @@ class Service::Parts {
   bool has_disk_failed() const { return store_.database.is_frozen(); }
 
  private:
+  UploadOptions OptionsOfUploads() {
+    UploadOptions uploads;
+    uploads.check_log = [this](const std::filesystem::path& file, const std::string& filename) {
+      CheckLog(options_, file, filename);
+    };
+    uploads.on_received = [this](const ReceivedDrive& received) {
+      AnnounceDrive(received, events_, *jobs_);
+    };
+    uploads.merge_drives = options_.merge_drives;
+    return uploads;
+  }
+
   void AddHandlers() {
     http_.set_default_headers({{"X-Content-Type-Options", "nosniff"},
                                {"Content-Security-Policy", kContentSecurityPolicy},
@@ -130,6 +143,7 @@ class Service::Parts {
                " status=" + std::to_string(response.status));
     });
     AddUploadRoute(http_, *context_);
+    AddTusRoutes(http_, *context_);
     AddDriveRoutes(http_, *context_);
     AddRigRoutes(http_, *context_);
     AddJobRoutes(http_, *context_);
@@ -195,6 +209,7 @@ class Service::Parts {
   ViewerFiles viewer_;
   HttpServer http_;
   std::optional<JobRunner> jobs_;
+  std::optional<ResumableUploads> uploads_;
   std::optional<RouteContext> context_;
   std::optional<Scrubber> scrubber_;
   std::function<void()> on_disk_failure_;

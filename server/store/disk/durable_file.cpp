@@ -8,92 +8,24 @@
 #include <cerrno>
 #include <cstring>
 
-#include "core/error.h"
+#include "core/file_error.h"
 #include "server/store/disk/disk_failure.h"
 
 namespace parkade {
-namespace {
 
-constexpr size_t kWriteSize = size_t{1} << 20;
-constexpr std::int64_t kEarlySyncBytes = std::int64_t{8} << 20;
-
-bool IsFull(int error) { return error == ENOSPC || error == EDQUOT; }
-
-[[noreturn]] void ThrowErrno(const std::string& what, int error) {
-  if (IsFull(error)) throw Error(ErrorCode::kDiskFull, "the disk of the data directory is full");
-  throw Error(ErrorCode::kInternal, what + ": " + std::strerror(error));
-}
-
-[[noreturn]] void ThrowNotKept(int error) {
-  if (IsFull(error)) ThrowErrno("", error);
+void ThrowNotKept(int error) {
+  if (error == ENOSPC || error == EDQUOT) ThrowErrno("cannot write to the data directory", error);
   throw DiskFailure(std::string("the disk of the data directory failed: ") + std::strerror(error));
 }
 
-}  // namespace
-
-GrowingFile::GrowingFile(std::filesystem::path path, std::int64_t expected_bytes)
-    : path_(std::move(path)) {
-  // Reserving more than there is would take all of it from everybody else before it fails.
-  if (expected_bytes > FreeBytes(path_.parent_path())) ThrowErrno("cannot reserve space", ENOSPC);
-  fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (fd_ < 0) ThrowErrno("cannot create a file in the data directory", errno);
-  pending_.reserve(kWriteSize);
-  if (expected_bytes > 0 && ::fallocate(fd_, FALLOC_FL_KEEP_SIZE, 0, expected_bytes) != 0 &&
-      errno == ENOSPC) {
-    ::close(fd_);
-    ::unlink(path_.c_str());
-    ThrowErrno("cannot reserve space", ENOSPC);
-  }
-}
-
-GrowingFile::~GrowingFile() {
-  if (fd_ >= 0) ::close(fd_);
-  if (!path_.empty()) ::unlink(path_.c_str());
-}
-
-void GrowingFile::Append(std::string_view bytes) {
-  size_ += static_cast<std::int64_t>(bytes.size());
-  while (!bytes.empty()) {
-    const std::string_view piece = bytes.substr(0, kWriteSize - pending_.size());
-    pending_.insert(pending_.end(), piece.begin(), piece.end());
-    bytes.remove_prefix(piece.size());
-    if (pending_.size() == kWriteSize) Flush();
-  }
-}
-
-void GrowingFile::Flush() {
-  std::string_view rest(pending_.data(), pending_.size());
-  hash_.Add(rest);
-  while (!rest.empty()) {
-    const ssize_t written = ::write(fd_, rest.data(), rest.size());
-    if (written >= 0) {
-      rest.remove_prefix(static_cast<size_t>(written));
-    } else if (errno != EINTR) {
-      ThrowNotKept(errno);
-    }
-  }
-  pending_.clear();
-  // The disk starts early, so that the fsync at the end has little left to wait for.
-  if (const std::int64_t behind = size_ - flushed_; behind >= kEarlySyncBytes) {
-    ::sync_file_range(fd_, flushed_, behind, SYNC_FILE_RANGE_WRITE);
-    flushed_ = size_;
-  }
-}
-
-std::string GrowingFile::Finish() {
-  Flush();
-  if (::fchmod(fd_, 0444) != 0 || ::fsync(fd_) != 0) ThrowNotKept(errno);
-  const int result = ::close(fd_);
-  fd_ = -1;
-  if (result != 0) ThrowNotKept(errno);
-  return hash_.Finish();
-}
-
-void GrowingFile::MoveTo(const std::filesystem::path& target) {
+void KeepFile(const std::filesystem::path& file, const std::filesystem::path& target) {
   CreateDurableFolder(target.parent_path());
-  if (::rename(path_.c_str(), target.c_str()) != 0)
-    ThrowErrno("cannot rename in the data directory", errno);
-  path_.clear();
+  // A link takes no place that is taken, and a rename does: so first the one and then the other.
+  const std::filesystem::path link = target.string() + ".new";
+  ::unlink(link.c_str());
+  if (::link(file.c_str(), link.c_str()) != 0 || ::rename(link.c_str(), target.c_str()) != 0)
+    ThrowErrno("cannot keep a file in the data directory", errno);
+  ::unlink(link.c_str());  // renaming a link to its own file leaves it
   SyncToDisk(target.parent_path());
 }
 

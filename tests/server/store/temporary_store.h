@@ -7,9 +7,10 @@
 #include <set>
 #include <string>
 
-#include "server/store/disk/durable_file.h"
+#include "core/sha256.h"
 #include "server/store/receive_upload.h"
 #include "server/store/store.h"
+#include "server/store/temporary_path.h"
 #include "tests/server/store/temporary_root.h"
 
 namespace parkade {
@@ -39,10 +40,11 @@ inline std::set<std::string> ContentOf(const std::filesystem::path& folder) {
 /// Takes in `content` as an upload would.
 inline ReceivedDrive Receive(Store& store, const std::string& content, const NewDrive& drive,
                              bool merge_drives = false) {
-  GrowingFile log(store.directory.NewTemporaryPath(), static_cast<std::int64_t>(content.size()));
-  log.Append(content);
-  const std::string sha256 = log.Finish();
-  return ReceiveDrive(store, drive, log, sha256, merge_drives);
+  const TemporaryPath path(store.directory.NewTemporaryPath());
+  WriteText(path.get(), content);
+  return ReceiveDrive(store, drive,
+                      {path.get(), static_cast<std::int64_t>(content.size()), Sha256Of(content)},
+                      merge_drives);
 }
 
 /// A store in a folder of its own.

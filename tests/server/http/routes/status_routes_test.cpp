@@ -57,21 +57,31 @@ TEST_F(Status, DescribesOnlyWhatAnswers) {
   const std::string drive = job.at("drives").at(0);
   const std::string to_delete =
       MapNow("log ok\n", "?filename=to-delete&site=other").at("drives").at(0);
+  const auto new_upload = [&] {
+    const auto answer =
+        client().Post("/api/v1/uploads",
+                      httplib::Headers{{"Tus-Resumable", "1.0.0"}, {"Upload-Length", "9"}}, "", "");
+    return answer->get_header_value("Location");
+  };
+  const std::string upload = new_upload(), upload_to_delete = new_upload();
   const Json description = Get("/api/v1/openapi.json");
   EXPECT_EQ(description.at("openapi"), "3.1.0");
 
   int operations = 0;
   for (const auto& [path, item] : description.at("paths").items()) {
     for (const auto& [method, operation] : item.items()) {
-      const std::string address =
-          Filled(path, method == "delete" ? to_delete : drive, job.at("id"));
+      std::string address = Filled(path, method == "delete" ? to_delete : drive, job.at("id"));
+      if (path == "/api/v1/uploads/{id}") address = method == "delete" ? upload_to_delete : upload;
       if (method == "parameters" || path == "/api/v1/events") continue;
       ++operations;
       httplib::Request request;
       request.path = address;
       request.method = method;
       for (char& c : request.method) c = static_cast<char>(std::toupper(c));
-      if (method == "put" || method == "post") request.set_header("Content-Length", "0");
+      request.set_header("Tus-Resumable", "1.0.0");
+      request.set_header("X-HTTP-Method-Override", "PATCH");
+      if (method == "put" || method == "post" || method == "patch")
+        request.set_header("Content-Length", "0");
       const auto answer = client().send(request);
       ASSERT_TRUE(answer) << method << " " << address;
       // Found, and its body or state found wanting at most.
@@ -103,6 +113,10 @@ TEST_F(Status, DescribesTheFieldsThatAnswersHave) {
   expect_described("Drive", Get("/api/v1/drives/" + job.at("drives").at(0).get<std::string>()));
   expect_described("Site", Get("/api/v1/sites/lot"));
   expect_described("Map", Get("/api/v1/sites/lot/maps/1"));
+  const auto upload =
+      client().Post("/api/v1/uploads",
+                    httplib::Headers{{"Tus-Resumable", "1.0.0"}, {"Upload-Length", "9"}}, "", "");
+  expect_described("Upload", Get(upload->get_header_value("Location")));
   expect_described("Readiness", Get("/readyz"));
   expect_described("JobPage", Get("/api/v1/jobs"));
 }

@@ -85,6 +85,7 @@ int Compare(const fs::path& from, const fs::path& to, const fs::path& out) {
 int RunService(const std::string& data) {
   ServeOptions options = FakeServeOptions("/proc/self/exe", data);
   if (const char* reserve = std::getenv("RESERVE")) options.disk_reserve = std::stoll(reserve);
+  if (const char* listen = std::getenv("LISTEN")) options.listen = listen;
   options.drain_seconds = 3;
   // As libraries do that start threads before main: this one leaves signals open.
   std::thread([] {

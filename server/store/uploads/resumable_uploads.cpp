@@ -1,0 +1,273 @@
+#include "server/store/uploads/resumable_uploads.h"
+
+#include <fstream>
+#include <vector>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "core/sha256.h"
+#include "server/store/disk/durable_file.h"
+#include "server/store/disk/growing_file.h"
+#include "server/store/tables/names.h"
+#include "server/store/uploads/part_digest.h"
+
+namespace parkade {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::int64_t kSyncBytes = std::int64_t{32} << 20;  // a kill costs at most these
+constexpr auto kLockPatience = 10s;                          // a busy disk may take its time
+constexpr auto kTidyInterval = 10min;
+
+}  // namespace
+
+/// The hash of what has arrived, as far as it was computed on the way: after a restart it stands at
+/// the beginning.
+struct ResumableUploads::Hash {
+  Sha256 sha256;
+  std::int64_t bytes = 0;
+
+  void Add(std::string_view piece) {
+    sha256.Add(piece);
+    bytes += static_cast<std::int64_t>(piece.size());
+  }
+  /// Reads on to `end`; false when `is_stopping` becomes true.
+  bool CatchUp(const std::filesystem::path& file, std::int64_t end,
+               const std::atomic<bool>& is_stopping) {
+    std::ifstream stream(file, std::ios::binary);
+    stream.seekg(bytes);
+    std::vector<char> piece(size_t{1} << 20);
+    while (bytes < end && !is_stopping) {
+      const auto wanted = std::min<std::int64_t>(std::ssize(piece), end - bytes);
+      Require(static_cast<bool>(stream.read(piece.data(), wanted)), ErrorCode::kInternal,
+              "an upload cannot be read back");
+      Add({piece.data(), static_cast<size_t>(wanted)});
+    }
+    return bytes == end;
+  }
+};
+
+ResumableUploads::ResumableUploads(Store& store, UploadOptions options)
+    : store_(store), options_(std::move(options)), thread_([this] { Work(); }) {}
+
+ResumableUploads::~ResumableUploads() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_stopping_ = true;
+  }
+  stopping_.notify_all();
+  thread_.join();
+}
+
+std::filesystem::path ResumableUploads::FileOf(const std::string& id) const {
+  return store_.directory.UploadFile(id);
+}
+
+UploadLocks::Hold ResumableUploads::Take(const std::string& id, std::function<void()> give_up) {
+  auto hold = locks_.Take(id, std::move(give_up), kLockPatience);
+  Require(hold.has_value(), ErrorCode::kConflict,
+          "another request still adds to upload '" + id + "': try again in a moment");
+  return std::move(*hold);
+}
+
+Upload ResumableUploads::Row(const std::string& id) {
+  return store_.database.Read([&](Connection& connection) { return FindUpload(connection, id); });
+}
+
+std::string ResumableUploads::ExpiryFromNow() const {
+  return UtcText(std::chrono::system_clock::now() + options_.lifetime);
+}
+
+Upload ResumableUploads::Create(Upload upload) {
+  Require(upload.length > 0, ErrorCode::kInvalidInput, "the upload is empty");
+  CheckNewDrive(store_, {upload.filename, upload.site, upload.rig});
+  RequireSpace(store_, upload.length);
+  upload.id = NewId();
+  upload.created_at = NowUtc();
+  upload.expires_at = ExpiryFromNow();
+  const std::filesystem::path file = FileOf(upload.id);
+  try {
+    GrowingFile::Create(file, upload.length).Sync();
+    SyncToDisk(file.parent_path());
+    store_.database.Write([&](Connection& connection) { InsertUpload(connection, upload); });
+  } catch (const DiskFailure&) {
+    throw;
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(file, ignored);
+    throw;
+  }
+  const std::lock_guard lock(mutex_);
+  hashes_[upload.id] = std::make_shared<Hash>();
+  return upload;
+}
+
+Upload ResumableUploads::Find(const std::string& id) {
+  Row(id);  // an id that does not exist needs no lock
+  const UploadLocks::Hold hold = Take(id, [] {});
+  return Row(id);
+}
+
+Upload ResumableUploads::Append(const std::string& id, std::int64_t offset, std::int64_t bytes,
+                                const Part& part, const std::optional<PartChecksum>& checksum,
+                                const std::function<void()>& give_up) {
+  Row(id);
+  const UploadLocks::Hold hold = Take(id, give_up);
+  Upload upload = Row(id);
+  Require(upload.state != UploadState::kRefused, ErrorCode::kInvalidInput,
+          upload.error.value_or("the upload was refused"));
+  Require(offset == upload.offset, ErrorCode::kConflict,
+          "the upload goes on at byte " + std::to_string(upload.offset) + ", not at byte " +
+              std::to_string(offset));
+  Require(bytes <= upload.length - offset, ErrorCode::kInvalidInput,
+          "the part is longer than what is missing of the upload");
+  if (upload.state == UploadState::kDone) return upload;
+
+  GrowingFile file = GrowingFile::Continue(FileOf(id), offset);
+  const std::shared_ptr<Hash> hash = HashOf(upload);
+  // Bytes that a checksum may take back are hashed once they stay.
+  const bool is_hashed = !checksum && hash->bytes == offset;
+  std::optional<PartDigest> digest;
+  if (checksum) digest.emplace(checksum->algorithm);
+  const auto keep = [&] {
+    file.Sync();
+    upload.offset = file.size();
+    upload.expires_at = ExpiryFromNow();
+    store_.database.Write([&](Connection& connection) {
+      SetUploadOffset(connection, id, upload.offset, upload.expires_at);
+    });
+  };
+  const bool is_whole = part([&](std::string_view piece) {
+    file.Append(piece);
+    if (is_hashed) hash->Add(piece);
+    if (digest) digest->Add(piece);
+    if (!digest && file.size() - upload.offset >= kSyncBytes) keep();
+  });
+  const bool is_complete = is_whole && file.size() == offset + bytes;
+  if (digest && is_complete && digest->Finish() != checksum->digest) throw ChecksumMismatch();
+  if (!digest || is_complete) keep();
+  // Clients of tus try again after a conflict.
+  Require(is_complete, ErrorCode::kConflict, "the part broke off: ask how far it came");
+  return upload.offset == upload.length ? Finish(upload) : upload;
+}
+
+/// Makes a drive of an upload that is there as a whole. The caller holds it.
+Upload ResumableUploads::Finish(const Upload& upload) {
+  const std::filesystem::path file = FileOf(upload.id);
+  const std::shared_ptr<Hash> hash = HashOf(upload);
+  Require(hash->CatchUp(file, upload.length, is_stopping_), ErrorCode::kInternal,
+          "the service stops: it finishes the upload when it starts again");
+  const std::string sha256 = hash->sha256.Finish();
+  ForgetHash(upload.id);
+  try {
+    Require(!upload.sha256 || *upload.sha256 == sha256, ErrorCode::kInvalidInput,
+            "the log that arrived has the SHA-256 " + sha256 + ", not the one that was announced");
+    options_.check_log(file, upload.filename);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kInvalidInput) throw;
+    Refuse(upload, "invalid_input", error.what());
+    throw;
+  }
+  GrowingFile::Continue(file, upload.length).Finish();
+  const ReceivedDrive received = ReceiveDrive(store_, {upload.filename, upload.site, upload.rig},
+                                              {file, upload.length, sha256}, options_.merge_drives,
+                                              [&](Connection& connection, const Drive& drive) {
+                                                SetUploadDone(connection, upload.id, drive.id);
+                                              });
+  std::error_code ignored;
+  std::filesystem::remove(file, ignored);
+  LogInfo("received drive=" + received.drive.id + " bytes=" + std::to_string(upload.length) +
+          " site=" + received.drive.site + " job=" + received.job.id + " upload=" + upload.id);
+  options_.on_received(received);
+  return Row(upload.id);
+}
+
+void ResumableUploads::Refuse(const Upload& upload, const std::string& code,
+                              const std::string& sentence) {
+  WriteToMakeRoom(store_, [&](Connection& connection) {
+    SetUploadRefused(connection, upload.id, code, sentence);
+  });
+  std::error_code ignored;
+  std::filesystem::remove(FileOf(upload.id), ignored);
+}
+
+void ResumableUploads::Terminate(const std::string& id) {
+  Row(id);
+  const UploadLocks::Hold hold = Take(id, [] {});
+  Row(id);
+  Remove(id);
+}
+
+void ResumableUploads::Remove(const std::string& id) {
+  WriteToMakeRoom(store_, [&](Connection& connection) { DeleteUpload(connection, id); });
+  ForgetHash(id);
+  std::error_code ignored;
+  std::filesystem::remove(FileOf(id), ignored);
+}
+
+std::shared_ptr<ResumableUploads::Hash> ResumableUploads::HashOf(const Upload& upload) {
+  const std::lock_guard lock(mutex_);
+  std::shared_ptr<Hash>& hash = hashes_[upload.id];
+  // A part that failed may have left it ahead of what was kept.
+  if (!hash || hash->bytes > upload.offset) hash = std::make_shared<Hash>();
+  return hash;
+}
+
+void ResumableUploads::ForgetHash(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  hashes_.erase(id);
+}
+
+void ResumableUploads::Work() {
+  try {
+    Recover();
+    std::unique_lock lock(mutex_);
+    while (!is_stopping_) {
+      lock.unlock();
+      RemoveExpired();
+      lock.lock();
+      stopping_.wait_for(lock, kTidyInterval, [this] { return is_stopping_.load(); });
+    }
+  } catch (const DiskFailure& failure) {
+    store_.database.Freeze(failure.what());
+  } catch (const std::exception& error) {
+    LogError(std::string("uploads are not tidied up any more error=") + error.what());
+  }
+}
+
+void ResumableUploads::Recover() {
+  for (const Upload& found : store_.database.Read(UnfinishedUploads)) {
+    if (is_stopping_) return;
+    try {
+      const UploadLocks::Hold hold = Take(found.id, [] {});
+      const Upload upload = Row(found.id);
+      if (upload.state != UploadState::kReceiving) continue;
+      std::error_code missing;
+      const auto bytes = std::filesystem::file_size(FileOf(upload.id), missing);
+      if (missing || static_cast<std::int64_t>(bytes) < upload.offset) {
+        Refuse(upload, "internal", "the disk lost what had arrived: upload the log anew");
+      } else if (upload.offset == upload.length) {
+        Finish(upload);
+      }
+    } catch (const DiskFailure&) {
+      throw;
+    } catch (const Error& error) {
+      LogWarning("upload id=" + found.id + " not finished error=" + error.what());
+    }
+  }
+}
+
+void ResumableUploads::RemoveExpired() {
+  const auto expired = store_.database.Read(
+      [](Connection& connection) { return ExpiredUploads(connection, NowUtc()); });
+  for (const std::string& id : expired) {
+    const auto hold = locks_.Take(
+        id, [] {}, 0ms);
+    if (!hold) continue;
+    Remove(id);
+    LogInfo("upload expired id=" + id);
+  }
+}
+
+}  // namespace parkade
