@@ -33,6 +33,9 @@ int RunCommandLine(int argc, const char* const* argv) {
   Action action;
   AddMapCommand(app, action);
   AddServeCommand(app, action);
+  AddVerifyCommand(app, action);
+  AddBackupCommand(app, action);
+  AddRestoreCommand(app, action);
   AddInspectCommand(app, action);
   AddExportCommand(app, action);
   AddCompareCommand(app, action);

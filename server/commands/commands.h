@@ -11,6 +11,9 @@ using Action = std::function<int()>;
 // Each adds one subcommand to `app` and, when that one is chosen, sets `action`.
 void AddMapCommand(CLI::App& app, Action& action);
 void AddServeCommand(CLI::App& app, Action& action);
+void AddVerifyCommand(CLI::App& app, Action& action);
+void AddBackupCommand(CLI::App& app, Action& action);
+void AddRestoreCommand(CLI::App& app, Action& action);
 void AddInspectCommand(CLI::App& app, Action& action);
 void AddExportCommand(CLI::App& app, Action& action);
 void AddCompareCommand(CLI::App& app, Action& action);

@@ -176,7 +176,7 @@ void JobRunner::CheckLogs(const Job& job) {
     const Drive drive =
         store_.database.Read([&](Connection& connection) { return FindDrive(connection, id); });
     const StoredFile log{DataDirectory::LogPath(drive.sha256), drive.bytes, drive.sha256};
-    const auto damage = CheckStoredFile(store_.directory, log,
+    const auto damage = CheckStoredFile(store_.directory.root(), log,
                                         [&] { return Interrupted(job) == Interruption::kNone; });
     if (!damage) continue;
     RecordFileCheck(store_, log.path, damage);

@@ -65,7 +65,7 @@ void Scrubber::Work(std::chrono::milliseconds interval) {
 
 void Scrubber::LookAtAll() {
   for (const StoredFile& file : FilesOf(store_)) {
-    const std::optional<std::string> damage = LookAtStoredFile(store_.directory, file);
+    const std::optional<std::string> damage = LookAtStoredFile(store_.directory.root(), file);
     if (damage) RecordFileCheck(store_, file.path, damage);
     if (!Rest(0ms)) return;
   }
@@ -90,7 +90,7 @@ void Scrubber::ReadDue(std::chrono::milliseconds interval) {
     if (time_of(file) > due) return;
     bool is_read = true;
     const std::optional<std::string> damage =
-        CheckStoredFile(store_.directory, file, [&] { return is_read = Rest(kPause); });
+        CheckStoredFile(store_.directory.root(), file, [&] { return is_read = Rest(kPause); });
     if (!is_read) return;
     const bool is_still_stored =
         store_.database.Read([&](Connection& connection) { return IsStored(connection, file); });

@@ -18,9 +18,9 @@ constexpr size_t kPieceBytes = size_t{1} << 20;
 const std::string kMissing = "is missing", kChanged = "has changed on the disk",
                   kUnreadable = "cannot be read";
 
-std::optional<std::string> CheckRig(const DataDirectory& directory, const StoredFile& file) {
+std::optional<std::string> CheckRig(const std::filesystem::path& data, const StoredFile& file) {
   RigFiles files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(directory.root() / file.path))
+  for (const fs::directory_entry& entry : fs::directory_iterator(data / file.path))
     files[entry.path().filename().string()] = ReadFile(entry.path());
   return Sha256Of(PackRig(files)) == file.sha256 ? std::nullopt : std::optional(kChanged);
 }
@@ -46,9 +46,9 @@ bool IsStored(Connection& connection, const StoredFile& file) {
   return !file.path.starts_with("logs/") || CountDrivesWithContent(connection, file.sha256) > 0;
 }
 
-std::optional<std::string> LookAtStoredFile(const DataDirectory& directory,
+std::optional<std::string> LookAtStoredFile(const std::filesystem::path& data,
                                             const StoredFile& file) {
-  const fs::path path = directory.root() / file.path;
+  const fs::path path = data / file.path;
   std::error_code error;
   const fs::file_status status = fs::symlink_status(path, error);
   if (!fs::exists(status)) return kMissing;
@@ -59,11 +59,12 @@ std::optional<std::string> LookAtStoredFile(const DataDirectory& directory,
   return "has " + std::to_string(bytes) + " bytes instead of " + std::to_string(file.bytes);
 }
 
-std::optional<std::string> CheckStoredFile(const DataDirectory& directory, const StoredFile& file,
+std::optional<std::string> CheckStoredFile(const std::filesystem::path& data,
+                                           const StoredFile& file,
                                            const std::function<bool()>& go_on) {
-  if (const auto damage = LookAtStoredFile(directory, file)) return damage;
-  if (!file.rig.empty()) return CheckRig(directory, file);
-  std::ifstream stream(directory.root() / file.path, std::ios::binary);
+  if (const auto damage = LookAtStoredFile(data, file)) return damage;
+  if (!file.rig.empty()) return CheckRig(data, file);
+  std::ifstream stream(data / file.path, std::ios::binary);
   std::vector<char> piece(kPieceBytes);
   Sha256 hash;
   while (stream.read(piece.data(), kPieceBytes) || stream.gcount() > 0) {

@@ -24,14 +24,15 @@ std::vector<StoredFile> StoredFiles(Connection& connection);
 /// False once the last drive with this log was deleted.
 bool IsStored(Connection& connection, const StoredFile& file);
 
-/// Whether a file is there, as long as it should be, without reading it: nothing where it is, else
-/// what is wrong, as in "is missing".
-std::optional<std::string> LookAtStoredFile(const DataDirectory& directory, const StoredFile& file);
+/// Whether a file is there in the data directory `data`, as long as it should be, without reading
+/// it: nothing where it is, else what is wrong, as in "is missing".
+std::optional<std::string> LookAtStoredFile(const std::filesystem::path& data,
+                                            const StoredFile& file);
 
 /// Reads it whole and compares the SHA-256. `go_on` is asked after every MiB; nothing is known,
 /// and nothing returned, where it says false.
 std::optional<std::string> CheckStoredFile(
-    const DataDirectory& directory, const StoredFile& file,
+    const std::filesystem::path& data, const StoredFile& file,
     const std::function<bool()>& go_on = [] { return true; });
 
 /// Notes in the log and the database what is wrong with a file, or that nothing is.

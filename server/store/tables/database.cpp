@@ -54,17 +54,23 @@ void Database::Transaction::Commit() {
 
 void Database::Close::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
 
-Database::Database(const std::filesystem::path& file) {
+Database::Database(const std::filesystem::path& file, DatabaseUse use) {
   WatchFolderSyncs();
   sqlite3* database = nullptr;
-  constexpr int kFlags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_FULLMUTEX;
-  const int result = sqlite3_open_v2(file.c_str(), &database, kFlags, nullptr);
+  const int flags =
+      use == DatabaseUse::kLook ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  const int result =
+      sqlite3_open_v2(file.c_str(), &database, flags | SQLITE_OPEN_FULLMUTEX, nullptr);
   database_.reset(database);
   CheckSqlite(database, result);
   sqlite3_extended_result_codes(database, 1);
   sqlite3_busy_timeout(database, 5000);
 
   Connection connection(database);
+  if (use == DatabaseUse::kLook) {
+    RequireSchema(connection);
+    return;
+  }
   for (const char* pragma :
        {"PRAGMA journal_mode=WAL", "PRAGMA synchronous=FULL", "PRAGMA foreign_keys=ON",
         "PRAGMA trusted_schema=OFF", "PRAGMA journal_size_limit=67108864"})

@@ -14,15 +14,20 @@ struct sqlite3;
 
 namespace parkade {
 
+enum class DatabaseUse {
+  kOwn,   ///< read and write, the only one to do so
+  kLook,  ///< read, beside a service that may run
+};
+
 /// The SQLite file that holds the truth about drives, jobs, rigs and maps:
 /// write-ahead log, synchronous=FULL, foreign keys, STRICT tables. A Write that
 /// returned has survived a power cut. Thread-safe; one caller at a time.
 class Database {
  public:
-  /// Opens or creates `file`, checks it, and brings its schema up to date.
-  /// Throws Error{kInternal} when it is damaged, Error{kConflict} when a newer
-  /// program wrote it.
-  explicit Database(const std::filesystem::path& file);
+  /// Opens or creates `file`, checks it, and brings its schema up to date; or only looks at one
+  /// that may be in use. Throws Error{kInternal} when it is damaged, Error{kConflict} when a newer
+  /// program wrote it, or for a look an older one.
+  explicit Database(const std::filesystem::path& file, DatabaseUse use = DatabaseUse::kOwn);
 
   /// Calls `body(Connection&)` and returns what it returns.
   template <typename Body>

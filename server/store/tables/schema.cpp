@@ -141,12 +141,22 @@ const std::vector<const char*> kVersion5 = {
 const std::vector<const std::vector<const char*>*> kMigrations = {
     &kVersion1, &kVersion2, &kVersion3, &kVersion4, &kVersion5};
 
-}  // namespace
-
-void MigrateSchema(Connection& connection) {
+size_t FoundVersion(Connection& connection) {
   Statement query = connection.Query("PRAGMA user_version");
   query.Step();
-  const auto found = static_cast<size_t>(query.Integer(0));
+  return static_cast<size_t>(query.Integer(0));
+}
+
+}  // namespace
+
+void RequireSchema(Connection& connection) {
+  Require(FoundVersion(connection) == kMigrations.size(), ErrorCode::kConflict,
+          "the data directory was written by another version of this program: an older one's is "
+          "taken over when the service starts");
+}
+
+void MigrateSchema(Connection& connection) {
+  const size_t found = FoundVersion(connection);
   Require(found <= kMigrations.size(), ErrorCode::kConflict,
           "the data directory was written by a newer version of this program");
   // A service has to start on a full disk.

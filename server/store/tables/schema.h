@@ -8,4 +8,7 @@ namespace parkade {
 /// transaction. Throws Error{kConflict} when a newer program wrote them.
 void MigrateSchema(Connection& connection);
 
+/// Throws Error{kConflict} unless the tables are of the version this program knows.
+void RequireSchema(Connection& connection);
+
 }  // namespace parkade
