@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "core/file.h"
 #include "server/commands/commands.h"
 #include "server/ingest/inspection/inspect_log.h"
 
@@ -12,16 +13,19 @@ namespace parkade {
 namespace {
 
 struct InspectArguments {
-  std::string log, rig;
+  std::string log, rig, json_file;
   bool is_json = false;
 };
 
 int Inspect(const InspectArguments& arguments) {
   const LogInspection inspection = InspectLog(arguments.log, arguments.rig);
-  if (arguments.is_json) {
-    // Names of topics may hold any bytes.
-    const nlohmann::json json = InspectionToJson(inspection);
-    std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  // Names of topics may hold any bytes.
+  const std::string json =
+      InspectionToJson(inspection).dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+  if (!arguments.json_file.empty()) {
+    WriteFileAtomically(arguments.json_file, json);
+  } else if (arguments.is_json) {
+    std::printf("%s\n", json.c_str());
   } else {
     std::printf("%s", InspectionToText(inspection).c_str());
   }
@@ -42,6 +46,7 @@ void AddInspectCommand(CLI::App& app, Action& action) {
   command->add_option("--rig", arguments->rig,
                       "folder with the rig files, where the log itself has no calibration");
   command->add_flag("--json", arguments->is_json, "print JSON");
+  command->add_option("--json-file", arguments->json_file, "write the JSON to this file instead");
   command->callback([arguments, &action] { action = [arguments] { return Inspect(*arguments); }; });
 }
 

@@ -49,6 +49,14 @@ std::vector<std::string> ComparisonCommand(const std::filesystem::path& from,
   return {"/proc/self/exe", "compare", from, to, "--out", out};
 }
 
+std::vector<std::string> InspectionCommand(const std::filesystem::path& log,
+                                           const std::optional<std::filesystem::path>& rig,
+                                           const std::filesystem::path& out) {
+  std::vector<std::string> command = {"/proc/self/exe", "inspect", log, "--json-file", out};
+  if (rig) command.insert(command.end(), {"--rig", *rig});
+  return command;
+}
+
 }  // namespace
 
 void AddServeCommand(CLI::App& app, Action& action) {
@@ -83,6 +91,7 @@ void AddServeCommand(CLI::App& app, Action& action) {
       if (options->web_root.empty()) options->web_root = FindWebRoot();
       options->job_command = WorkerCommand;
       options->compare_command = ComparisonCommand;
+      options->inspect_command = InspectionCommand;
       options->check_log = CheckLooksLikeLog;
       options->check_rig = [](const std::filesystem::path& folder) { ReadRig(folder); };
       options->check_pins = [](const std::vector<std::string>& pins,

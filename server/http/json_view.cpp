@@ -31,6 +31,7 @@ Json ToJson(const Drive& drive) {
           {"bytes", drive.bytes},
           {"sha256", drive.sha256},
           {"streams", Parsed(drive.streams)},
+          {"inspection", OrNull(drive.inspection_state)},
           {"job", OrNull(drive.job)},
           {"map_version", OrNull(drive.map_version)},
           {"created_at", drive.created_at},

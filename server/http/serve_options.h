@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "server/jobs/drive_inspector.h"
 #include "server/jobs/job_spec.h"
 #include "server/jobs/map_comparer.h"
 
@@ -28,6 +29,7 @@ struct ServeOptions {
 
   JobCommand job_command;          ///< required: the worker of a job
   CompareCommand compare_command;  ///< required: compares two published maps
+  InspectCommand inspect_command;  ///< looks at logs that arrive; none: nobody does
   std::function<void(const std::filesystem::path&)>
       check_log;  ///< throws unless the file looks like a drive log
   std::function<void(const std::filesystem::path&)>

@@ -3,9 +3,9 @@
 #include <sys/wait.h>
 
 #include <chrono>
-#include <fstream>
 
 #include "core/error.h"
+#include "server/jobs/last_sentence.h"
 #include "server/jobs/worker_process.h"
 #include "server/store/temporary_path.h"
 
@@ -31,16 +31,6 @@ class Presence {
   std::atomic<int>& count_;
   int number_;
 };
-
-/// The last line that the process printed, without its own name.
-std::string LastSentence(const fs::path& log) {
-  std::ifstream stream(log);
-  std::string line, last;
-  while (std::getline(stream, line))
-    if (!line.empty()) last = line;
-  const std::string name = "parkade: ";
-  return last.starts_with(name) ? last.substr(name.size()) : last;
-}
 
 }  // namespace
 

@@ -112,6 +112,20 @@ void FailJob(Store& store, const Job& job, const std::string& code, const std::s
   });
 }
 
+void RecordInspection(Store& store, const std::string& drive, const DriveInspection& inspection) {
+  store.database.Write([&](Connection& connection) {
+    SetDriveInspection(connection, drive, inspection);
+    if (inspection.state != kUnusable) return;
+    const Drive found = FindDriveOrTombstone(connection, drive);
+    if (!found.job) return;
+    const Job job = FindJob(connection, *found.job);
+    if (job.drives != std::vector{drive}) return;
+    const std::string sentence = inspection.error.value_or("the log cannot be mapped");
+    if (FailQueuedJob(connection, job.id, "invalid_input", sentence))
+      SetStates(connection, job, DriveState::kFailed, sentence);
+  });
+}
+
 void FinishCancelledJob(Store& store, const Job& job) {
   store.database.Write([&](Connection& connection) {
     if (EndJob(connection, job.id, job.attempt,

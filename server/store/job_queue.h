@@ -41,6 +41,10 @@ constexpr int kMaxServiceEnds = 20;
 void FailJob(Store& store, const Job& job, const std::string& code, const std::string& sentence);
 void FinishCancelledJob(Store& store, const Job& job);
 
+/// Notes what a first look at a drive's log found. Where no map can be made of it, the job that
+/// waits with this drive as its only or new one fails at once.
+void RecordInspection(Store& store, const std::string& drive, const DriveInspection& inspection);
+
 /// Puts an attempt whose worker crashed back into the queue, or fails it after
 /// kMaxCrashes crashes.
 void RetryCrashedJob(Store& store, const Job& job, const std::string& sentence);

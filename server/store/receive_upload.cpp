@@ -75,6 +75,7 @@ ReceivedDrive ReceiveDrive(Store& store, const NewDrive& new_drive, const Arrive
   drive.state = DriveState::kQueued;
   drive.bytes = log.bytes;
   drive.sha256 = log.sha256;
+  if (store.inspects_drives) drive.inspection_state = kWaiting;
   drive.created_at = drive.updated_at = NowUtc();
 
   const std::filesystem::path target = store.directory.LogFile(log.sha256);

@@ -24,6 +24,8 @@ struct Store {
   Database database;
   /// [bytes] of the disk that uploads leave free for the database and the maps.
   std::int64_t disk_reserve = std::int64_t{2} << 30;
+  /// Whether new drives wait for a first look at their logs.
+  bool inspects_drives = false;
 };
 
 /// A Write that makes room, and so has to work on a full disk.

@@ -1,3 +1,4 @@
+#include "core/error.h"
 #include "server/http/json_response.h"
 #include "server/http/routes/routes.h"
 #include "server/store/receive_upload.h"
@@ -5,6 +6,32 @@
 #include "server/store/tables/map_table.h"
 
 namespace parkade {
+namespace {
+
+/// A drive that was never looked at, by an older program say, is now; come back for the answer.
+void SendInspection(RouteContext& context, const std::string& id, httplib::Response& response) {
+  const auto [drive, json] = context.store.database.Read([&](Connection& connection) {
+    return std::pair(FindDrive(connection, id), InspectionOf(connection, id));
+  });
+  response.set_header("Cache-Control", "no-store");
+  if (json) {
+    SendJson(response, 200, Json::parse(*json));
+    return;
+  }
+  const bool is_over = drive.inspection_state && *drive.inspection_state != kWaiting;
+  Require(!is_over && context.inspector != nullptr, ErrorCode::kNotFound,
+          drive.error.value_or("the log of drive '" + id + "' could not be inspected"));
+  if (!drive.inspection_state) {
+    context.store.database.Write([&](Connection& connection) {
+      SetDriveInspection(connection, id, {.state = kWaiting, .json = {}, .error = {}});
+    });
+    context.inspector->Wake();
+  }
+  response.set_header("Retry-After", "1");
+  SendJson(response, 202, {{"state", kWaiting}});
+}
+
+}  // namespace
 
 void AddDriveRoutes(httplib::Server& http, RouteContext& context) {
   http.Get("/api/v1/drives", [&context](const httplib::Request& request,
@@ -28,6 +55,11 @@ void AddDriveRoutes(httplib::Server& http, RouteContext& context) {
     });
     SendJson(response, 200, json);
   });
+
+  http.Get("/api/v1/drives/" + kIdPattern + "/inspect",
+           [&context](const httplib::Request& request, httplib::Response& response) {
+             SendInspection(context, request.matches[1], response);
+           });
 
   http.Delete("/api/v1/drives/" + kIdPattern,
               [&context](const httplib::Request& request, httplib::Response& response) {

@@ -5,6 +5,7 @@
 #include "server/http/metrics.h"
 #include "server/http/serve_options.h"
 #include "server/http/shutdown_signal.h"
+#include "server/jobs/drive_inspector.h"
 #include "server/jobs/event_hub.h"
 #include "server/jobs/job_runner.h"
 #include "server/jobs/map_comparer.h"
@@ -21,6 +22,7 @@ struct RouteContext {
   JobRunner& jobs;
   MapComparer& comparer;
   ResumableUploads& uploads;
+  DriveInspector* inspector;  ///< null where nobody looks at logs
   Metrics& metrics;
   const ShutdownSignal& shutdown_signal;
 };

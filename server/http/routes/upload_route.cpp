@@ -51,9 +51,11 @@ void CheckLog(const ServeOptions& options, const std::filesystem::path& file,
   }
 }
 
-void AnnounceDrive(const ReceivedDrive& received, EventHub& events, JobRunner& jobs) {
+void AnnounceDrive(const ReceivedDrive& received, EventHub& events, JobRunner& jobs,
+                   DriveInspector* inspector) {
   events.Publish("drive", received.drive.id);
   events.Publish("job", received.job.id);
+  if (inspector != nullptr) inspector->Wake();
   jobs.Wake();
 }
 
@@ -90,7 +92,7 @@ void AddUploadRoute(httplib::Server& http, RouteContext& context) {
 
     LogInfo("received drive=" + received.drive.id + " bytes=" + std::to_string(length) +
             " site=" + received.drive.site + " job=" + received.job.id);
-    AnnounceDrive(received, context.events, context.jobs);
+    AnnounceDrive(received, context.events, context.jobs, context.inspector);
     response.set_header("Location", "/api/v1/drives/" + received.drive.id);
     SendJson(response, 201,
              {{"drive", ToJson(received.drive)}, {"job", ToJson(received.job, std::nullopt)}});

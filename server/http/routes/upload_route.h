@@ -16,7 +16,8 @@ NewDrive CheckUpload(const httplib::Request& request, const RouteContext& contex
 void CheckLog(const ServeOptions& options, const std::filesystem::path& file,
               const std::string& filename);
 
-/// Tells listeners and the queue that a drive has come.
-void AnnounceDrive(const ReceivedDrive& received, EventHub& events, JobRunner& jobs);
+/// Tells listeners, the inspector and the queue that a drive has come.
+void AnnounceDrive(const ReceivedDrive& received, EventHub& events, JobRunner& jobs,
+                   DriveInspector* inspector);
 
 }  // namespace parkade

@@ -69,6 +69,7 @@ class Service::Parts {
     store_.database.OnFreeze([this] {
       if (on_disk_failure_) on_disk_failure_();
     });
+    store_.inspects_drives = static_cast<bool>(options_.inspect_command);
     ReconcileFiles(store_);
     const ListenAddress address = CheckedAddress(options_);
     port_ = http_.Bind(address.host, address.port);
@@ -76,9 +77,11 @@ class Service::Parts {
     address_ = "http://" + (is_ipv6 ? "[" + address.host + "]" : address.host) + ":" +
                std::to_string(port_);
     jobs_.emplace(store_, events_, RunnerOptions(options_));
+    if (options_.inspect_command)
+      inspector_.emplace(store_, events_, options_.inspect_command, [this] { jobs_->Wake(); });
     uploads_.emplace(store_, OptionsOfUploads());
-    context_.emplace(RouteContext{options_, store_, events_, *jobs_, comparer_, *uploads_, metrics_,
-                                  shutdown_signal_});
+    context_.emplace(RouteContext{options_, store_, events_, *jobs_, comparer_, *uploads_,
+                                  inspector_ ? &*inspector_ : nullptr, metrics_, shutdown_signal_});
     AddHandlers();
     scrubber_.emplace(store_, std::chrono::days(options_.scrub_days));
   }
@@ -111,7 +114,7 @@ class Service::Parts {
       CheckLog(options_, file, filename);
     };
     uploads.on_received = [this](const ReceivedDrive& received) {
-      AnnounceDrive(received, events_, *jobs_);
+      AnnounceDrive(received, events_, *jobs_, inspector_ ? &*inspector_ : nullptr);
     };
     uploads.merge_drives = options_.merge_drives;
     return uploads;
@@ -209,6 +212,7 @@ class Service::Parts {
   ViewerFiles viewer_;
   HttpServer http_;
   std::optional<JobRunner> jobs_;
+  std::optional<DriveInspector> inspector_;
   std::optional<ResumableUploads> uploads_;
   std::optional<RouteContext> context_;
   std::optional<Scrubber> scrubber_;

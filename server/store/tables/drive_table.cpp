@@ -12,7 +12,8 @@ const std::string kSelect = R"(
          (SELECT j.id FROM job_drives jd JOIN jobs j ON j.id = jd.job WHERE jd.drive = drives.id
             ORDER BY j.sequence DESC LIMIT 1),
          (SELECT m.version FROM map_drives md JOIN maps m ON m.id = md.map WHERE md.drive = drives.id
-            ORDER BY m.sequence DESC LIMIT 1)
+            ORDER BY m.sequence DESC LIMIT 1),
+         inspection_state
   FROM drives )";
 
 Drive FromRow(const Statement& row) {
@@ -32,6 +33,7 @@ Drive FromRow(const Statement& row) {
   drive.updated_at = row.Text(12);
   drive.job = OptionalText(row, 13);
   drive.map_version = OptionalInteger(row, 14);
+  drive.inspection_state = OptionalText(row, 15);
   return drive;
 }
 
@@ -50,10 +52,31 @@ std::vector<std::string> Ids(Statement query) {
 
 void InsertDrive(Connection& connection, const Drive& drive) {
   connection.Execute(
-      R"(INSERT INTO drives (id, name, filename, site, rig, state, bytes, sha256, created_at, updated_at)
-         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?))",
+      R"(INSERT INTO drives (id, name, filename, site, rig, state, bytes, sha256, created_at, updated_at,
+                             inspection_state)
+         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))",
       drive.id, drive.name, drive.filename, drive.site, drive.rig, std::string(ToText(drive.state)),
-      drive.bytes, drive.sha256, drive.created_at, drive.updated_at);
+      drive.bytes, drive.sha256, drive.created_at, drive.updated_at, drive.inspection_state);
+}
+
+std::optional<Drive> NextDriveToInspect(Connection& connection) {
+  Statement query = connection.Query(
+      kSelect + "WHERE inspection_state = ? AND deleted_at IS NULL ORDER BY sequence LIMIT 1",
+      kWaiting);
+  if (!query.Step()) return std::nullopt;
+  return FromRow(query);
+}
+
+void SetDriveInspection(Connection& connection, const std::string& id,
+                        const DriveInspection& inspection) {
+  connection.Execute(
+      "UPDATE drives SET inspection_state = ?, inspection = ?, updated_at = ? WHERE id = ?",
+      inspection.state, inspection.json, NowUtc(), id);
+}
+
+std::optional<std::string> InspectionOf(Connection& connection, const std::string& id) {
+  Statement query = connection.Query("SELECT inspection FROM drives WHERE id = ?", id);
+  return query.Step() ? OptionalText(query, 0) : std::nullopt;
 }
 
 Drive FindDrive(Connection& connection, const std::string& id) {

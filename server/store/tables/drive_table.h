@@ -18,6 +18,13 @@ void InsertDrive(Connection& connection, const Drive& drive);
 Drive FindDrive(Connection& connection, const std::string& id);
 Drive FindDriveOrTombstone(Connection& connection, const std::string& id);
 
+/// The oldest drive that waits for a first look at its log.
+std::optional<Drive> NextDriveToInspect(Connection& connection);
+void SetDriveInspection(Connection& connection, const std::string& id,
+                        const DriveInspection& inspection);
+/// What the look found, JSON.
+std::optional<std::string> InspectionOf(Connection& connection, const std::string& id);
+
 /// Newest first; only those of `site` where given.
 std::vector<Drive> ListDrives(Connection& connection, const Page& page,
                               const std::optional<std::string>& site);

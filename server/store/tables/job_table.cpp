@@ -96,8 +96,11 @@ std::optional<Job> NextQueuedJob(Connection& connection) {
   Statement query = connection.Query(kSelect + R"(
       WHERE state = ? AND (new_drive IS NULL
                            OR NOT EXISTS (SELECT 1 FROM jobs other WHERE other.site = jobs.site AND other.state = ?))
+        AND NOT EXISTS (SELECT 1 FROM job_drives JOIN drives ON drives.id = job_drives.drive
+                          WHERE job_drives.job = jobs.id AND drives.inspection_state = ?
+                            AND drives.deleted_at IS NULL)
       ORDER BY sequence LIMIT 1)",
-                                     Word(JobState::kQueued), Word(JobState::kRunning));
+                                     Word(JobState::kQueued), Word(JobState::kRunning), kWaiting);
   if (!query.Step()) return std::nullopt;
   return FromRow(connection, query);
 }
@@ -170,6 +173,14 @@ void QueueJobAgain(Connection& connection, const std::string& id) {
       R"(UPDATE jobs SET state = ?, crashes = 0, service_ends = 0, error = NULL, error_code = NULL,
                          started_at = NULL, finished_at = NULL WHERE id = ?)",
       Word(JobState::kQueued), id);
+}
+
+bool FailQueuedJob(Connection& connection, const std::string& id, const std::string& code,
+                   const std::string& sentence) {
+  return connection.Execute(
+             R"(UPDATE jobs SET state = ?, error = ?, error_code = ?, finished_at = ?
+                WHERE id = ? AND state = ?)",
+             Word(JobState::kFailed), sentence, code, NowUtc(), id, Word(JobState::kQueued)) == 1;
 }
 
 bool CancelQueuedJob(Connection& connection, const std::string& id) {

@@ -23,8 +23,9 @@ std::vector<Job> ListJobs(Connection& connection, const Page& page,
                           const std::optional<JobState>& state,
                           const std::optional<std::string>& site);
 
-/// The oldest queued job that may start. One with a new drive waits for jobs of its site that run:
-/// their map is not there to be joined with yet, and would come after one that knows nothing of it.
+/// The oldest queued job that may start: none whose drives still wait for a first look. One with a
+/// new drive waits for jobs of its site that run: their map is not there to be joined with yet, and
+/// would come after one that knows nothing of it.
 std::optional<Job> NextQueuedJob(Connection& connection);
 std::int64_t CountJobs(Connection& connection, JobState state);
 
@@ -60,6 +61,10 @@ bool RequeueJob(Connection& connection, const std::string& id, int attempt, Setb
 
 /// Failed or cancelled -> queued, with the counts of interruptions forgotten.
 void QueueJobAgain(Connection& connection, const std::string& id);
+
+/// Queued -> failed. False when it is not queued.
+bool FailQueuedJob(Connection& connection, const std::string& id, const std::string& code,
+                   const std::string& sentence);
 
 /// Queued -> cancelled. False when it is not queued.
 bool CancelQueuedJob(Connection& connection, const std::string& id);

@@ -21,6 +21,19 @@ const char* ToText(JobState state);
 DriveState DriveStateFromText(const std::string& text);
 JobState JobStateFromText(const std::string& text);
 
+// What a first look at a log found. Its job waits until there was one.
+inline const std::string kWaiting = "waiting";
+inline const std::string kClean = "clean";
+inline const std::string kLossy = "lossy";
+inline const std::string kUnusable = "unusable";
+inline const std::string kNotInspected = "failed";  ///< the look itself failed
+
+struct DriveInspection {
+  std::string state;                 ///< one of the words above
+  std::optional<std::string> json;   ///< as `parkade inspect --json` says it
+  std::optional<std::string> error;  ///< why no map can be made, one sentence
+};
+
 struct Drive {
   std::int64_t sequence = 0;
   std::string id;
@@ -32,7 +45,8 @@ struct Drive {
   std::optional<std::string> error;  ///< one sentence
   std::int64_t bytes = 0;
   std::string sha256;
-  std::optional<std::string> streams;  ///< JSON from the last map's report.json
+  std::optional<std::string> streams;           ///< JSON from the last map's report.json
+  std::optional<std::string> inspection_state;  ///< one of the words below; nothing: never asked
   std::string created_at, updated_at;
   std::optional<std::string> job;           ///< the latest one
   std::optional<std::int64_t> map_version;  ///< the latest one made from this drive

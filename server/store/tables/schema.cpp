@@ -110,8 +110,8 @@ const std::vector<const char*> kVersion4 = {
     "UPDATE drives SET state = 'ready', error = NULL WHERE state != 'ready' AND id IN (SELECT "
     "drive FROM map_drives)"};
 
-// Logs that arrive in parts (tus), sums of the pieces of maps' files, and when stored files were
-// last compared with what these tables say of them.
+// Logs that arrive in parts (tus), what a first look at a log found, sums of the pieces of maps'
+// files, and when stored files were last compared with what these tables say of them.
 const std::vector<const char*> kVersion5 = {
     R"(CREATE TABLE uploads (
          sequence INTEGER PRIMARY KEY AUTOINCREMENT,
@@ -131,6 +131,9 @@ const std::vector<const char*> kVersion5 = {
          expires_at TEXT NOT NULL) STRICT)",
     "CREATE INDEX uploads_by_state ON uploads (state, expires_at)",
     "ALTER TABLE map_files ADD COLUMN pieces TEXT",
+    "ALTER TABLE drives ADD COLUMN inspection_state TEXT",
+    "ALTER TABLE drives ADD COLUMN inspection TEXT",
+    "CREATE INDEX drives_by_inspection ON drives (inspection_state, sequence)",
     R"(CREATE TABLE file_checks (
          path TEXT NOT NULL PRIMARY KEY,
          checked_at TEXT NOT NULL,

@@ -2,6 +2,7 @@
 // and its worker, which does what the first line of the log says:
 //                                       parkade_serve_program work OUT PROGRESS LOG...
 //                                       parkade_serve_program compare FROM TO OUT
+//                                       parkade_serve_program inspect LOG OUT
 //   log ok | slow | hang | stubborn | bad-input | crash | silent | no-map
 
 #include <unistd.h>
@@ -82,6 +83,25 @@ int Compare(const fs::path& from, const fs::path& to, const fs::path& out) {
   return 0;
 }
 
+/// What the second line of the log says of it: state, and what is missing.
+int Inspect(const fs::path& log, const fs::path& out) {
+  std::ifstream stream(log);
+  std::string todo, state, missing;
+  std::getline(stream, todo);
+  stream >> state;
+  std::getline(stream >> std::ws, missing);
+  if (state == "slow") std::this_thread::sleep_for(std::chrono::seconds(1));
+  if (state == "crash") std::abort();
+  if (state == "no-log") {
+    std::cerr << "parkade: " << log.filename().string() << " is not a drive log" << std::endl;
+    return 1;
+  }
+  std::ofstream(out) << R"({"name": "?", "topics": [], "state": ")"
+                     << (state.empty() || state == "slow" ? "clean" : state) << R"(", "missing": [)"
+                     << (missing.empty() ? "" : '"' + missing + '"') << "]}";
+  return 0;
+}
+
 int RunService(const std::string& data) {
   ServeOptions options = FakeServeOptions("/proc/self/exe", data);
   if (const char* reserve = std::getenv("RESERVE")) options.disk_reserve = std::stoll(reserve);
@@ -107,6 +127,8 @@ int main(int argc, char** argv) {
   if (arguments.size() == 2 && arguments[0] == "serve") return parkade::RunService(arguments[1]);
   if (arguments.size() == 4 && arguments[0] == "compare")
     return parkade::Compare(arguments[1], arguments[2], arguments[3]);
+  if (arguments.size() == 3 && arguments[0] == "inspect")
+    return parkade::Inspect(arguments[1], arguments[2]);
   if (arguments.size() >= 4 && arguments[0] == "work")
     return parkade::Work(arguments[1], arguments[2], {arguments.begin() + 3, arguments.end()});
   return 2;

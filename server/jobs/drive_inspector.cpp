@@ -1,0 +1,140 @@
+#include "server/jobs/drive_inspector.h"
+
+#include <sys/wait.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "server/jobs/last_sentence.h"
+#include "server/jobs/worker_process.h"
+#include "server/store/job_queue.h"
+#include "server/store/tables/drive_table.h"
+#include "server/store/tables/rig_table.h"
+#include "server/store/temporary_path.h"
+
+namespace parkade {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::chrono::minutes kTimeLimit{15};  // for one log
+constexpr std::chrono::milliseconds kPatience{100};
+constexpr std::chrono::seconds kLookInterval{30};
+constexpr size_t kMaxBytes = size_t{4} << 20;
+
+std::string Joined(const nlohmann::json& sentences) {
+  std::string text;
+  for (const nlohmann::json& sentence : sentences)
+    text += (text.empty() ? "" : "; ") + sentence.get<std::string>();
+  return text;
+}
+
+/// What the process left. Its own state says how much can be read; without a rig, say, all of it
+/// can, and no map can be made.
+DriveInspection UnderstandInspection(const fs::path& file, const std::string& filename) {
+  nlohmann::json json = nlohmann::json::parse(ReadFile(file, kMaxBytes));
+  json["name"] = filename;
+  DriveInspection inspection;
+  inspection.state = json.at("state");
+  if (!json.at("missing").empty()) {
+    inspection.state = kUnusable;
+    inspection.error = Joined(json.at("missing"));
+  } else if (inspection.state == kUnusable) {
+    inspection.error = "the log cannot be mapped: its inspection says why";
+  }
+  inspection.json = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return inspection;
+}
+
+}  // namespace
+
+DriveInspector::DriveInspector(Store& store, EventHub& events, InspectCommand command,
+                               std::function<void()> on_inspected)
+    : store_(store),
+      events_(events),
+      command_(std::move(command)),
+      on_inspected_(std::move(on_inspected)),
+      thread_([this] { Work(); }) {}
+
+DriveInspector::~DriveInspector() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_stopping_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void DriveInspector::Wake() {
+  {
+    const std::lock_guard lock(mutex_);
+    has_news_ = true;
+  }
+  changed_.notify_all();
+}
+
+bool DriveInspector::is_stopping() {
+  const std::lock_guard lock(mutex_);
+  return is_stopping_;
+}
+
+void DriveInspector::Work() {
+  while (!is_stopping()) {
+    try {
+      const std::optional<Drive> drive = store_.database.Read(NextDriveToInspect);
+      if (drive) {
+        Inspect(*drive);
+        continue;
+      }
+    } catch (const DiskFailure& failure) {
+      store_.database.Freeze(failure.what());
+    } catch (const std::exception& error) {
+      LogError(std::string("inspection error=") + error.what());  // a full disk: try again later
+    }
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, kLookInterval, [this] { return is_stopping_ || has_news_; });
+    has_news_ = false;
+  }
+}
+
+void DriveInspector::Inspect(const Drive& drive) {
+  const TemporaryPath folder(store_.directory.NewTemporaryPath());
+  fs::create_directory(folder.get());
+  const fs::path out = folder.get() / "inspection.json", log = folder.get() / "log.txt";
+  std::optional<fs::path> rig;
+  if (drive.rig)
+    if (const auto stored = store_.database.Read(
+            [&](Connection& connection) { return FindRig(connection, *drive.rig); }))
+      rig = store_.directory.RigFolder(stored->id);
+
+  DriveInspection inspection{.state = kNotInspected, .json = {}, .error = {}};
+  std::optional<int> status;
+  {
+    WorkerProcess process(command_(store_.directory.LogFile(drive.sha256), rig, out), folder.get(),
+                          log);
+    const auto end = std::chrono::steady_clock::now() + kTimeLimit;
+    while (!(status = process.Wait(kPatience))) {
+      if (is_stopping()) return;  // the next service does it again
+      if (std::chrono::steady_clock::now() > end) break;
+    }
+  }
+  const bool has_ended = status && WIFEXITED(*status);
+  if (has_ended && fs::exists(out)) {
+    inspection = UnderstandInspection(out, drive.filename);
+  } else if (has_ended && WEXITSTATUS(*status) == 1) {
+    inspection.state = kUnusable;
+    inspection.error = LastSentence(log);
+  } else {
+    // The job may have better luck, and says what is wrong otherwise.
+    LogWarning("inspection gave nothing drive=" + drive.id);
+  }
+  RecordInspection(store_, drive.id, inspection);
+  events_.Publish("drive", drive.id);
+  if (drive.job) events_.Publish("job", *drive.job);
+  on_inspected_();
+}
+
+}  // namespace parkade
