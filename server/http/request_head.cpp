@@ -4,6 +4,8 @@
 #include <array>
 #include <charconv>
 
+#include "server/http/route_class.h"
+
 namespace parkade {
 namespace {
 
@@ -70,8 +72,8 @@ std::int64_t ContentLengthOf(const RequestHead& head) {
   if (text->empty() || parsed.ec != std::errc{} || parsed.ptr != text->data() + text->size() ||
       length < 0)
     Refuse(400, "the Content-Length is not a number");
-  const bool is_drive_log = head.method == "PUT" && head.Path() == "/api/v1/drives";
-  if (!is_drive_log && length > kMaxSmallBody) Refuse(413, "the body is larger than 16 MiB");
+  if (length > kMaxSmallBody && !HasLargeBody(head.method, head.Path()))
+    Refuse(413, "the body is larger than 16 MiB");
   if (!may_have_body && length > 0) Refuse(400, "a " + head.method + " request has no body");
   return length;
 }

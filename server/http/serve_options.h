@@ -22,7 +22,7 @@ struct ServeOptions {
   int num_workers = 1;             ///< how many jobs run at a time
   bool merge_drives = true;        ///< a job maps all drives of its site; false: the new one alone
   std::int64_t disk_reserve = std::int64_t{2} << 30;  ///< [bytes] uploads leave free
-  int num_threads = 64;                               ///< connections served at a time
+  int num_threads = 64;    ///< see RequestPools, which has a share for each kind of request
   int drain_seconds = 20;  ///< [s] requests under way may take after SIGTERM
 
   JobCommand job_command;          ///< required: the worker of a job
