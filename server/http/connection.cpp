@@ -18,6 +18,10 @@ constexpr size_t kMaxHeadBytes = 32768;
 constexpr size_t kReceiveBytes = 65536;
 constexpr int kLookInterval = 250;  // [ms] how often a waiting thread looks at the shutdown signal
 
+bool HasShortAnswer(RouteClass route_class) {
+  return route_class == RouteClass::kApi || route_class == RouteClass::kHealth;
+}
+
 void AddressOf(const sockaddr_storage& address, std::string& ip, int& port) {
   std::array<char, INET6_ADDRSTRLEN> text{};
   if (address.ss_family == AF_INET) {
@@ -133,6 +137,10 @@ ssize_t HttpConnection::read(char* data, size_t size) {
 
 // Writes all or nothing: the library does not check how much of a head was sent.
 ssize_t HttpConnection::write(const char* data, size_t size) {
+  if (num_unsent() > 0) {
+    rest_.append(data, size);
+    return static_cast<ssize_t>(size);
+  }
   size_t sent = 0;
   while (sent < size) {
     const ssize_t result = ::send(socket_, data + sent, size - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -143,9 +151,26 @@ ssize_t HttpConnection::write(const char* data, size_t size) {
     }
     if (result < 0 && errno == EINTR) continue;
     if (result < 0 && errno != EAGAIN) return -1;
+    if (HasShortAnswer(route_class_)) {
+      rest_.assign(data + sent, size - sent);
+      break;
+    }
     if (!AwaitClient(POLLOUT)) return -1;
   }
   return static_cast<ssize_t>(size);
+}
+
+bool HttpConnection::SendRest() {
+  const ssize_t sent =
+      ::send(socket_, rest_.data() + rest_begin_, num_unsent(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  if (sent < 0) return errno == EAGAIN || errno == EINTR;
+  num_sent_ += sent;
+  rest_begin_ += static_cast<size_t>(sent);
+  if (num_unsent() == 0) {
+    rest_ = std::string();
+    rest_begin_ = 0;
+  }
+  return true;
 }
 
 void HttpConnection::SendProblem(const Problem& problem, int retry_after) {

@@ -51,11 +51,19 @@ class HttpConnection : public httplib::Stream {
   /// Requests begun so far.
   int num_requests() const { return num_requests_; }
   RouteClass route_class() const { return route_class_; }
+  void set_route_class(RouteClass route_class) { route_class_ = route_class; }
   Clock::time_point request_began() const { return request_began_; }
 
   /// Answers a request the library never sees, where the client takes answers at all, and says that
   /// nothing more comes. A client is asked to come back after `retry_after` seconds, unless 0.
   void SendProblem(const Problem& problem, int retry_after = 0);
+
+  /// [bytes] of a short answer that the client has yet to take.
+  size_t num_unsent() const { return rest_.size() - rest_begin_; }
+  /// Sends of them what the client takes now; false when it is gone.
+  bool SendRest();
+  /// [bytes] kept for the client, in and out.
+  std::int64_t num_held() const { return static_cast<std::int64_t>(num_unread() + num_unsent()); }
 
   // For the thread that answers.
 
@@ -71,6 +79,8 @@ class HttpConnection : public httplib::Stream {
   bool is_readable() const override;
   bool is_writable() const override;
   ssize_t read(char* data, size_t size) override;
+  /// Waits for the client only with long answers, those of downloads and events; of short ones it
+  /// keeps what the client does not take.
   ssize_t write(const char* data, size_t size) override;
   void get_remote_ip_and_port(std::string& ip, int& port) const override;
   void get_local_ip_and_port(std::string& ip, int& port) const override;
@@ -99,6 +109,8 @@ class HttpConnection : public httplib::Stream {
   size_t num_scanned_ = 0;   ///< unread bytes that hold no end of a head
   std::string head_text_;    ///< for the library to read first
   size_t head_begin_ = 0;
+  std::string rest_;  ///< of a short answer
+  size_t rest_begin_ = 0;
   std::int64_t body_left_ = 0, body_length_ = 0;
   std::int64_t num_sent_ = 0, num_taken_ = 0;  ///< bytes given to the kernel, and by the client
   int num_requests_ = 0;

@@ -22,9 +22,9 @@ Epoll::~Epoll() {
   ::close(wake_fd_);
 }
 
-bool Epoll::Add(int fd, std::uint64_t number) {
+bool Epoll::Add(int fd, std::uint64_t number, For what) {
   epoll_event event{};
-  event.events = EPOLLIN;
+  event.events = what == For::kInput ? EPOLLIN : EPOLLOUT;
   event.data.u64 = number;
   return ::epoll_ctl(epoll_fd_, EPOLL_CTL_ADD, fd, &event) == 0;
 }

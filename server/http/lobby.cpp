@@ -45,7 +45,11 @@ void Lobby::Run(socket_t listener) {
     for (const std::uint64_t number : epoll_.Wait(is_stopping ? kTickAtTheEnd : kTick)) {
       if (number == kListener)
         Accept(listener);
-      else if (const auto found = guests_.find(number); found != guests_.end())
+      else if (const auto found = guests_.find(number); found == guests_.end())
+        continue;  // dropped for one that came before in this round
+      else if (found->second.stage == Stage::kAnswer)
+        SendRest(found->second, number);
+      else
         Receive(found->second, number);
     }
     // Asked first: whoever was answered before lies in returned_ by now.
@@ -92,19 +96,22 @@ void Lobby::Enter(std::unique_ptr<HttpConnection> connection, Stage stage,
                   std::chrono::milliseconds patience) {
   while (guests_.size() >= limits_.max_connections) DropOldest();
   const std::uint64_t number = next_number_++;
-  if (!epoll_.Add(connection->socket(), number)) return;
+  const Epoll::For what = stage == Stage::kAnswer ? Epoll::For::kOutput : Epoll::For::kInput;
+  if (!epoll_.Add(connection->socket(), number, what)) return;
   Guest& guest = guests_[number];
   guest.connection = std::move(connection);
   guest.stage = stage;
   guest.deadline = Clock::now() + patience;
-  if (guest.connection->num_unread() > 0) Proceed(number);
+  if (stage == Stage::kIdle && guest.connection->num_unread() > 0) Proceed(number);
 }
 
 void Lobby::Return(std::unique_ptr<HttpConnection> connection) {
-  if (!connection->keeps_alive()) connection->FinishSending();
-  // What a client still sends is taken in for a moment: closing at once would lose the answer on
-  // its way.
-  if (!connection->keeps_alive() && connection->IsBodyRead()) return;
+  if (!connection->keeps_alive() && connection->num_unsent() == 0) {
+    connection->FinishSending();
+    // What a client still sends is taken in for a moment: closing at once would lose the answer on
+    // its way.
+    if (connection->IsBodyRead()) return;
+  }
   const std::lock_guard lock(mutex_);
   returned_.push_back(std::move(connection));
   epoll_.Wake();
@@ -117,12 +124,25 @@ void Lobby::TakeReturned() {
     returned.swap(returned_);
   }
   for (std::unique_ptr<HttpConnection>& connection : returned) {
-    const bool keeps_alive = connection->keeps_alive();
-    if (!keeps_alive) connection->DiscardUnread();
+    if (!connection->keeps_alive()) connection->DiscardUnread();
     connection->Rest();
-    Enter(std::move(connection), keeps_alive ? Stage::kIdle : Stage::kFarewell,
-          keeps_alive ? limits_.next_request : limits_.farewell);
+    const auto at_least_pace = std::chrono::milliseconds(static_cast<std::int64_t>(
+        1000.0 * static_cast<double>(connection->num_unsent()) / PaceMeter::kLeastPace));
+    if (connection->num_unsent() > 0)
+      Enter(std::move(connection), Stage::kAnswer, limits_.answer + at_least_pace);
+    else if (connection->keeps_alive())
+      Enter(std::move(connection), Stage::kIdle, limits_.next_request);
+    else
+      Enter(std::move(connection), Stage::kFarewell, limits_.farewell);
   }
+}
+
+void Lobby::SendRest(Guest& guest, std::uint64_t number) {
+  const bool is_there = guest.connection->SendRest();
+  if (is_there && guest.connection->num_unsent() > 0) return;
+  epoll_.Remove(guest.connection->socket());
+  if (is_there) Return(std::move(guest.connection));
+  guests_.erase(number);
 }
 
 void Lobby::Receive(Guest& guest, std::uint64_t number) {
@@ -172,9 +192,13 @@ void Lobby::TakeHead(Guest& guest) {
 
 void Lobby::Admit(std::uint64_t number) {
   auto guest = guests_.extract(number);
-  epoll_.Remove(guest.mapped().connection->socket());
+  HttpConnection& connection = *guest.mapped().connection;
+  epoll_.Remove(connection.socket());
+  // Whatever its route: the thread will have to wait for the rest of the body.
+  if (static_cast<std::int64_t>(connection.num_unread()) < connection.body_length())
+    connection.set_route_class(RouteClass::kUploads);
   if (pools_.Submit(guest.mapped().connection)) return;
-  if (!epoll_.Add(guest.mapped().connection->socket(), number)) return;
+  if (!epoll_.Add(connection.socket(), number)) return;
   BeginFarewell(guests_.insert(std::move(guest)).position->second);
 }
 
@@ -208,9 +232,13 @@ void Lobby::EndLate(Clock::time_point now) {
       continue;
     }
     ++metrics_.connections_too_slow;
-    Refuse(guest->second, {408, "timeout",
-                           stage == Stage::kHead ? "the request's head took longer than 10 seconds"
-                                                 : "the request's body came too slowly"});
+    if (stage == Stage::kAnswer)
+      guests_.erase(guest);
+    else
+      Refuse(guest->second,
+             {408, "timeout",
+              stage == Stage::kHead ? "the request's head took longer than 10 seconds"
+                                    : "the request's body came too slowly"});
   }
 }
 
@@ -228,10 +256,9 @@ void Lobby::EndIdle() {
 void Lobby::Tick(Clock::time_point now) {
   EndLate(now);
   std::int64_t num_bytes = 0;
-  for (const auto& [number, guest] : guests_)
-    num_bytes += static_cast<std::int64_t>(guest.connection->num_unread());
+  for (const auto& [number, guest] : guests_) num_bytes += guest.connection->num_held();
   while (num_bytes > limits_.max_bytes) {
-    num_bytes -= static_cast<std::int64_t>(guests_.begin()->second.connection->num_unread());
+    num_bytes -= guests_.begin()->second.connection->num_held();
     DropOldest();
   }
   pools_.Relieve(now);

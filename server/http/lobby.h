@@ -19,14 +19,16 @@ struct LobbyLimits {
   std::chrono::milliseconds next_request{5'000};    ///< until one that was answered does
   std::chrono::milliseconds head{10'000};           ///< for a head, once it has begun
   std::chrono::milliseconds body{10'000};           ///< for a body, or its first 64 KiB
-  std::chrono::milliseconds farewell{2'000};        ///< to take in what nobody reads
+  std::chrono::milliseconds answer{10'000};   ///< for a short answer, at PaceMeter::kLeastPace
+  std::chrono::milliseconds farewell{2'000};  ///< to take in what nobody reads
   size_t max_connections = 4096;
-  std::int64_t max_bytes = std::int64_t{64} << 20;  ///< taken in, of all together
+  std::int64_t max_bytes = std::int64_t{64} << 20;  ///< kept here, of all together
 };
 
 /// Where connections wait for requests, all in one thread that never waits for a single one. A
 /// request leaves for its pool when it is whole, or when 64 KiB of its body are there: clients
-/// that send byte by byte cost a place here, and no thread. Connections come back between requests.
+/// that send byte by byte cost a place here, and no thread. Connections come back between requests,
+/// and where short answers wait for their reader.
 class Lobby {
  public:
   using Clock = HttpConnection::Clock;
@@ -40,14 +42,15 @@ class Lobby {
   /// service ends and everybody was answered or the patience of its end is over.
   void Run(socket_t listener);
 
-  /// Takes a connection back whose request was answered. From any thread.
+  /// Takes a connection back whose request was answered: to wait for the next one, or to be closed
+  /// as soon as the client has its answer. From any thread.
   void Return(std::unique_ptr<HttpConnection> connection);
 
   /// Makes Run look at the shutdown signal. From any thread.
   void Wake() { epoll_.Wake(); }
 
  private:
-  enum class Stage { kIdle, kHead, kBody, kFarewell };
+  enum class Stage { kIdle, kHead, kBody, kAnswer, kFarewell };
   struct Guest {
     std::unique_ptr<HttpConnection> connection;
     Stage stage = Stage::kIdle;
@@ -58,6 +61,7 @@ class Lobby {
 
   void Accept(socket_t listener);
   void Receive(Guest& guest, std::uint64_t number);
+  void SendRest(Guest& guest, std::uint64_t number);
   /// Goes on with what the guest has sent. It may be gone afterwards.
   void Proceed(std::uint64_t number);
   void TakeHead(Guest& guest);

@@ -76,6 +76,7 @@ class LobbyTest : public testing::Test {
   ShutdownSignal signal_;
   int listener_ = -1, port_ = 0;
   std::atomic<bool> gate_ = false;
+  size_t padding_ = 0;  // [bytes] before each answer
   std::optional<RequestPools> pools_;
   std::optional<Lobby> lobby_;
   std::thread thread_;
@@ -86,7 +87,8 @@ class LobbyTest : public testing::Test {
     std::string text, piece(4096, '\0');
     for (ssize_t size = 1; size > 0; text += piece.substr(0, static_cast<size_t>(size)))
       if ((size = connection.read(piece.data(), piece.size())) <= 0) break;
-    const std::string body = std::to_string(connection.body_length()) + " bytes";
+    const std::string body =
+        std::string(padding_, ' ') + std::to_string(connection.body_length()) + " bytes";
     const std::string answer =
         "HTTP/1.1 200 OK\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
     connection.write(answer.data(), answer.size());
@@ -195,6 +197,52 @@ TEST_F(LobbyTest, AnswersOtherKindsOfRequestsWhereOneIsFull) {
     EXPECT_EQ(StatusOf(Ask(Request(std::string("GET ") + path))), 200) << path;
   Open();
   for (const auto& client : busy) EXPECT_EQ(StatusOf(client->ReceiveUntil("bytes")), 200);
+}
+
+TEST_F(LobbyTest, KeepsShortAnswersOfWhoReadsLate) {
+  padding_ = size_t{6} << 20;  // more than the kernel takes
+  limits_.max_bytes = std::int64_t{1} << 30;
+  Open();
+  Start();
+  const auto late = Clients(5, Request("GET /api/v1/drives"));
+  while (metrics_.connections_waiting < 5) std::this_thread::sleep_for(1ms);
+  std::this_thread::sleep_for(50ms);  // not for requests: none is unanswered
+
+  EXPECT_EQ(metrics_.of(RouteClass::kApi).busy, 0);
+  EXPECT_EQ(metrics_.of(RouteClass::kApi).waiting, 0);
+  EXPECT_GT(Ask(Request("GET /api/v1/drives")).size(), padding_);
+  for (const auto& client : late) {
+    EXPECT_GT(client->ReceiveUntil("0 bytes").size(), padding_);
+    client->Send(Request("PUT /a", "abc"));
+    EXPECT_NE(client->ReceiveUntil("3 bytes").find("3 bytes"), std::string::npos);
+  }
+}
+
+TEST_F(LobbyTest, EndsWhoDoesNotReadAShortAnswer) {
+  padding_ = size_t{6} << 20;
+  limits_.answer = -780s;  // more than the time for six megabytes is taken off
+  Open();
+  Start();
+  RawClient late(port_);
+  late.Send(Request("GET /api/v1/drives"));
+  while (metrics_.connections_too_slow < 1) std::this_thread::sleep_for(1ms);
+  EXPECT_LT(late.ReceiveAll().size(), padding_);
+}
+
+TEST_F(LobbyTest, TakesWhatSendsItsBodyLaterForAnUpload) {
+  Start();  // the gate of the API is shut
+  const std::string head = "PUT /api/v1/x HTTP/1.1\r\nHost: localhost\r\n";
+  for (const std::string& beginning :
+       {head + "Expect: 100-continue\r\nContent-Length: 100000\r\n\r\n",
+        head + "Content-Length: 200000\r\n\r\n" + std::string(100'000, 'x')}) {
+    RawClient client(port_);
+    client.Send(beginning);
+    while (metrics_.of(RouteClass::kUploads).busy == 0) std::this_thread::sleep_for(1ms);
+    client.Send(std::string(100'000, 'x'));
+    EXPECT_EQ(StatusOf(client.ReceiveUntil("bytes")), 200);
+    while (metrics_.of(RouteClass::kUploads).busy > 0) std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_EQ(metrics_.of(RouteClass::kApi).busy, 0);
 }
 
 TEST_F(LobbyTest, HandsOnWhatBrokeOffInALargeBody) {
