@@ -254,6 +254,7 @@ TEST_F(LobbyTest, HandsOnWhatBrokeOffInALargeBody) {
 }
 
 TEST_F(LobbyTest, AnswersWhoIsThereAtTheEnd) {
+  limits_.first_request = 60s;
   Start();
   const auto busy = Clients(20, Request("GET /api/v1/drives"));
   const RouteClassMetrics& api = metrics_.of(RouteClass::kApi);

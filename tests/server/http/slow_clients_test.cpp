@@ -109,24 +109,34 @@ TEST_F(SlowClients, MakeRoomWhereOthersWait) {
 }
 
 TEST_F(SlowClients, AreEndedThoughTheyBeganFast) {
-  const std::string file = LargeFile(size_t{32} << 20);
+  const std::string get =
+      "GET " + LargeFile(size_t{32} << 20) + " HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  const std::string put = PutHead(100'000'000) + "log ok\n" + std::string(3'000'000, 'x');
   RawClient reader(service_->port()), writer(service_->port());
-  reader.Send("GET " + file + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
-  writer.Send(PutHead(100'000'000) + "log ok\n" + std::string(3'000'000, 'x'));
+  RawClient steady_reader(service_->port()), steady_writer(service_->port());
+  for (RawClient* client : {&reader, &steady_reader}) client->Send(get);
+  for (RawClient* client : {&writer, &steady_writer}) client->Send(put);
   const auto began = steady_clock::now();
   std::atomic<bool> is_ended = false;
   std::thread drip([&] {
-    while (!is_ended && writer.Send("x"))
+    std::string piece(65536, '\0');
+    while (!is_ended) {
+      writer.Send("x");
+      steady_writer.Send(std::string(10'000, 'x'));
+      EXPECT_GT(::recv(steady_reader.socket(), piece.data(), piece.size(), 0), 0);
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
   });
-  Eventually([&] { return Metric("parkade_http_connections_too_slow_total") == 2; });
+  Eventually([&] { return Metric("parkade_http_connections_too_slow_total") >= 2; });
+  EXPECT_GT(steady_clock::now() - began, std::chrono::seconds(8));
+  std::this_thread::sleep_for(std::chrono::seconds(2));  // the steady ones are not next
   is_ended = true;
   drip.join();
 
-  EXPECT_GT(steady_clock::now() - began, std::chrono::seconds(8));
+  EXPECT_EQ(Metric("parkade_http_connections_too_slow_total"), 2);
   EXPECT_EQ(StatusOf(writer.ReceiveAll()), 400);
   EXPECT_LT(reader.ReceiveAll().size(), size_t{32} << 20);
-  Eventually([&] { return Metric("parkade_http_threads_busy{class=\"uploads\"}") == 0; });
+  Eventually([&] { return Metric("parkade_http_threads_busy{class=\"uploads\"}") == 1; });
 }
 
 TEST_F(SlowClients, WhoAskBeforeTheySendAreAnsweredAtOnce) {
