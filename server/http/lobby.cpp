@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 
+#include "core/error.h"
 #include "core/log.h"
 #include "server/http/host_check.h"
 
@@ -37,7 +38,7 @@ Lobby::Lobby(const LobbyLimits& limits, bool any_host, RequestPools& pools,
       metrics_(metrics) {}
 
 void Lobby::Run(socket_t listener) {
-  epoll_.Add(listener, kListener);
+  Require(epoll_.Add(listener, kListener), ErrorCode::kInternal, "the service cannot listen");
   bool is_listening = true;
   Clock::time_point next_tick = Clock::now();
   for (;;) {

@@ -39,7 +39,8 @@ class Lobby {
         const ShutdownSignal& shutdown_signal, Metrics& metrics);
 
   /// Accepts connections of the listening socket `listener`, which must not block, until the
-  /// service ends and everybody was answered or the patience of its end is over.
+  /// service ends and everybody was answered or the patience of its end is over. Throws
+  /// Error{kInternal} where the kernel has no room for it.
   void Run(socket_t listener);
 
   /// Takes a connection back whose request was answered: to wait for the next one, or to be closed
