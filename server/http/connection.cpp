@@ -1,27 +1,26 @@
 #include "server/http/connection.h"
 
 #include <arpa/inet.h>
+#include <linux/sockios.h>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
-#include <cstring>
 
 namespace parkade {
 namespace {
 
-using namespace std::chrono_literals;
-
 constexpr size_t kMaxHeadBytes = 32768;
 constexpr size_t kReceiveBytes = 65536;
-constexpr auto kHeadPatience = 10s;      // to wait for a head, once it has begun
-constexpr auto kProgressPatience = 15s;  // to wait without a single byte moving
-constexpr auto kFinishPatience = 2s;
-constexpr auto kLookInterval = 250ms;  // how often a waiting thread looks at the shutdown signal
-// A body may be slow, but not so slow that it holds a thread for nothing.
-constexpr auto kBodyGrace = 30s;
-constexpr double kMinBodyPace = 8192;  // [bytes/s]
+constexpr int kLookInterval = 250;  // [ms] how often a waiting thread looks at the shutdown signal
+
+bool HasShortAnswer(RouteClass route_class) {
+  return route_class == RouteClass::kApi || route_class == RouteClass::kHealth;
+}
 
 void AddressOf(const sockaddr_storage& address, std::string& ip, int& port) {
   std::array<char, INET6_ADDRSTRLEN> text{};
@@ -39,74 +38,83 @@ void AddressOf(const sockaddr_storage& address, std::string& ip, int& port) {
 
 }  // namespace
 
-bool HttpConnection::WaitFor(short events, Clock::time_point deadline) const {
-  for (;;) {
-    if (shutdown_signal_.is_over()) return false;
-    const auto left = deadline - Clock::now();
-    if (left <= Clock::duration::zero()) return false;
-    const auto slice = std::min<Clock::duration>(left, kLookInterval);
-    pollfd wanted{socket_, events, 0};
-    const int result = ::poll(
-        &wanted, 1,
-        static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(slice).count()) + 1);
-    if (result > 0) return true;
-    if (result < 0 && errno != EINTR) return false;
-  }
-}
+HttpConnection::HttpConnection(socket_t socket, const ShutdownSignal& shutdown_signal,
+                               Metrics& metrics)
+    : socket_(socket),
+      shutdown_signal_(shutdown_signal),
+      metrics_(metrics),
+      presence_(metrics.connections) {}
 
-bool HttpConnection::Receive(Clock::time_point deadline) {
+HttpConnection::~HttpConnection() { ::close(socket_); }
+
+HttpConnection::Input HttpConnection::Receive() {
+  thread_local std::array<char, kReceiveBytes> piece;
+  const ssize_t received = ::recv(socket_, piece.data(), piece.size(), MSG_DONTWAIT);
+  if (received < 0 && (errno == EAGAIN || errno == EINTR)) return Input::kNone;
+  if (received <= 0) return Input::kEnd;
   buffer_.erase(0, buffer_begin_);
   buffer_begin_ = 0;
-  const size_t old_size = buffer_.size();
-  for (;;) {
-    if (!WaitFor(POLLIN, deadline)) return false;
-    buffer_.resize(old_size + kReceiveBytes);
-    const ssize_t received =
-        ::recv(socket_, buffer_.data() + old_size, kReceiveBytes, MSG_DONTWAIT);
-    buffer_.resize(old_size + static_cast<size_t>(std::max<ssize_t>(received, 0)));
-    if (received > 0) return true;
-    if (received == 0 || (errno != EAGAIN && errno != EINTR)) return false;
-  }
+  buffer_.append(piece.data(), static_cast<size_t>(received));
+  pace_.Count(received);
+  return Input::kSome;
 }
 
-std::optional<RequestHead> HttpConnection::ReadHead(std::chrono::milliseconds patience) {
-  const Clock::time_point idle_deadline = Clock::now() + patience;
-  while (buffer_begin_ == buffer_.size()) {
-    // It waits in slices, so that an idle client does not hold up the end of the service.
-    if (shutdown_signal_.is_stopping() || Clock::now() >= idle_deadline) return std::nullopt;
-    if (!WaitFor(POLLIN, std::min(idle_deadline, Clock::now() + kLookInterval))) continue;
-    if (!Receive(idle_deadline)) return std::nullopt;
-  }
-
-  const Clock::time_point deadline = Clock::now() + kHeadPatience;
-  for (;;) {
-    const size_t end = buffer_.find("\r\n\r\n", buffer_begin_);
-    const size_t size = (end == std::string::npos ? buffer_.size() : end + 4) - buffer_begin_;
-    if (size > kMaxHeadBytes)
-      throw HttpError({431, "invalid_request", "the request's head is larger than 32 KiB"});
-    if (end != std::string::npos) {
-      RequestHead head = ParseRequestHead(std::string_view(buffer_).substr(buffer_begin_, size));
-      buffer_begin_ += size;
-      return head;
-    }
-    if (Receive(deadline)) continue;
-    if (Clock::now() >= deadline)
-      throw HttpError({408, "timeout", "the request's head took longer than 10 seconds"});
-    return std::nullopt;
-  }
+void HttpConnection::DiscardUnread() {
+  buffer_ = std::string();
+  buffer_begin_ = num_scanned_ = 0;
 }
 
-void HttpConnection::BeginRequest(std::string head_text, std::int64_t body_length) {
-  head_text_ = std::move(head_text);
+std::optional<RequestHead> HttpConnection::TakeHead() {
+  constexpr std::string_view kEnd = "\r\n\r\n";
+  const std::string_view unread = std::string_view(buffer_).substr(buffer_begin_);
+  const size_t end = unread.find(kEnd, num_scanned_ - std::min(num_scanned_, kEnd.size() - 1));
+  const size_t size = end == std::string_view::npos ? unread.size() : end + kEnd.size();
+  if (size > kMaxHeadBytes)
+    throw HttpError({431, "invalid_request", "the request's head is larger than 32 KiB"});
+  num_scanned_ = size;
+  if (end == std::string_view::npos) return std::nullopt;
+  RequestHead head = ParseRequestHead(unread.substr(0, size));
+  buffer_begin_ += size;
+  num_scanned_ = 0;
+  return head;
+}
+
+void HttpConnection::BeginRequest(const RequestHead& head, std::int64_t body_length) {
+  head_text_ = ToText(head, body_length);
   head_begin_ = 0;
   body_left_ = body_length_ = body_length;
-  body_started_ = Clock::now();
+  route_class_ = ClassOf(head.method, head.Path());
+  keeps_alive_ = false;
+  ++num_requests_;
+  request_began_ = Clock::now();
+  pace_.Reset();
 }
 
-bool HttpConnection::IsTooSlow() const {
-  const double seconds =
-      std::chrono::duration<double>(Clock::now() - body_started_ - kBodyGrace).count();
-  return seconds * kMinBodyPace > static_cast<double>(body_length_ - body_left_);
+bool HttpConnection::AwaitClient(short events) {
+  pace_.BeginWaiting(Clock::now());
+  bool is_ready = false;
+  while (!is_ready && !is_cut_off_ && !shutdown_signal_.is_over()) {
+    pollfd wanted{socket_, events, 0};
+    const int result = ::poll(&wanted, 1, kLookInterval);
+    if (result < 0 && errno != EINTR) break;
+    is_ready = result > 0;
+    if (events == POLLOUT) CountTaken();
+    if (pace_.IsTooSlow(Clock::now())) CutOff();
+  }
+  pace_.EndWaiting(Clock::now());
+  return is_ready && !is_cut_off_;
+}
+
+void HttpConnection::CountTaken() {
+  int num_queued = 0;
+  if (::ioctl(socket_, SIOCOUTQ, &num_queued) != 0) return;
+  const std::int64_t num_taken = num_sent_ - num_queued;
+  pace_.Count(num_taken - num_taken_);
+  num_taken_ = num_taken;
+}
+
+void HttpConnection::CutOff() {
+  if (!is_cut_off_.exchange(true)) ++metrics_.connections_too_slow;
 }
 
 ssize_t HttpConnection::read(char* data, size_t size) {
@@ -117,9 +125,10 @@ ssize_t HttpConnection::read(char* data, size_t size) {
   }
   size = std::min(size, static_cast<size_t>(body_left_));
   if (size == 0) return 0;
-  if (buffer_begin_ == buffer_.size() &&
-      (IsTooSlow() || !Receive(Clock::now() + kProgressPatience)))
-    return -1;
+  while (num_unread() == 0) {
+    const Input input = Receive();
+    if (input == Input::kEnd || (input == Input::kNone && !AwaitClient(POLLIN))) return -1;
+  }
   const size_t count = buffer_.copy(data, size, buffer_begin_);
   buffer_begin_ += count;
   body_left_ -= static_cast<std::int64_t>(count);
@@ -128,48 +137,69 @@ ssize_t HttpConnection::read(char* data, size_t size) {
 
 // Writes all or nothing: the library does not check how much of a head was sent.
 ssize_t HttpConnection::write(const char* data, size_t size) {
+  if (num_unsent() > 0) {
+    rest_.append(data, size);
+    return static_cast<ssize_t>(size);
+  }
   size_t sent = 0;
   while (sent < size) {
     const ssize_t result = ::send(socket_, data + sent, size - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
     if (result > 0) {
       sent += static_cast<size_t>(result);
+      num_sent_ += result;
       continue;
     }
     if (result < 0 && errno == EINTR) continue;
     if (result < 0 && errno != EAGAIN) return -1;
-    if (!WaitFor(POLLOUT, Clock::now() + kProgressPatience)) return -1;
+    if (HasShortAnswer(route_class_)) {
+      rest_.assign(data + sent, size - sent);
+      break;
+    }
+    if (!AwaitClient(POLLOUT)) return -1;
   }
   return static_cast<ssize_t>(size);
 }
 
-void HttpConnection::SendProblem(const Problem& problem) {
+bool HttpConnection::SendRest() {
+  const ssize_t sent =
+      ::send(socket_, rest_.data() + rest_begin_, num_unsent(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  if (sent < 0) return errno == EAGAIN || errno == EINTR;
+  num_sent_ += sent;
+  rest_begin_ += static_cast<size_t>(sent);
+  if (num_unsent() == 0) {
+    rest_ = std::string();
+    rest_begin_ = 0;
+  }
+  return true;
+}
+
+void HttpConnection::SendProblem(const Problem& problem, int retry_after) {
   const std::string body = ToJsonText(problem);
   const std::string text =
       "HTTP/1.1 " + std::to_string(problem.status) + " " + TitleOf(problem.status) +
       "\r\nContent-Type: application/problem+json\r\nContent-Length: " +
       std::to_string(body.size()) +
+      (retry_after > 0 ? "\r\nRetry-After: " + std::to_string(retry_after) : "") +
       "\r\nConnection: close\r\nX-Content-Type-Options: nosniff\r\n\r\n" + body;
-  body_left_ = 1;  // bytes that follow are not a request
-  write(text.data(), text.size());
+  [[maybe_unused]] const ssize_t ignored =
+      ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  FinishSending();
 }
 
-void HttpConnection::FinishSending() {
-  ::shutdown(socket_, SHUT_WR);
-  if (body_left_ == 0) return;
-  const Clock::time_point deadline = Clock::now() + kFinishPatience;
-  do {
-    buffer_begin_ = buffer_.size();
-  } while (!shutdown_signal_.is_over() && Receive(deadline));
-}
+void HttpConnection::FinishSending() { ::shutdown(socket_, SHUT_WR); }
 
 bool HttpConnection::is_readable() const {
   return head_begin_ < head_text_.size() || body_left_ > 0;
 }
 
 bool HttpConnection::is_writable() const {
-  if (shutdown_signal_.is_over()) return false;
-  pollfd state{socket_, POLLOUT, 0};
-  return ::poll(&state, 1, 0) >= 0 && (state.revents & (POLLERR | POLLHUP | POLLNVAL)) == 0;
+  if (is_cut_off_ || shutdown_signal_.is_over()) return false;
+  // A client may say that it sends no more and still read its answer, but who listens to events
+  // says so only when it leaves.
+  const short gone =
+      POLLERR | POLLHUP | POLLNVAL | (route_class_ == RouteClass::kEvents ? POLLRDHUP : 0);
+  pollfd state{socket_, static_cast<short>(POLLOUT | gone), 0};
+  return ::poll(&state, 1, 0) >= 0 && (state.revents & gone) == 0;
 }
 
 void HttpConnection::get_remote_ip_and_port(std::string& ip, int& port) const {

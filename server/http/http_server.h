@@ -2,31 +2,40 @@
 
 #include <httplib.h>
 
+#include "server/http/lobby.h"
 #include "server/http/metrics.h"
+#include "server/http/request_pools.h"
 #include "server/http/shutdown_signal.h"
 
 namespace parkade {
 
-/// cpp-httplib's server behind our own reading of requests (HttpConnection): it gets
-/// to see only heads that are short, complete and checked.
+/// cpp-httplib's routes behind our own reading of requests: connections wait in the Lobby, and a
+/// thread of RequestPools is taken by requests whose heads are short, complete and checked.
 class HttpServer : public httplib::Server {
  public:
-  /// Requests have to name this machine as their Host, unless `any_host`.
+  /// Requests have to name this machine as their Host, unless `any_host`. `num_threads` as
+  /// RequestPools has it.
   HttpServer(const ShutdownSignal& shutdown_signal, Metrics& metrics, int num_threads,
              bool any_host);
   ~HttpServer() override;
 
-  /// Binds; port 0 takes a free one. Returns the port. Throws Error{kUsage} when
+  /// Binds and listens; port 0 takes a free one. Returns the port. Throws Error{kUsage} when
   /// the address is taken or not ours.
   int Bind(const std::string& host, int port);
 
+  /// Answers until the shutdown signal, and then those who are here.
+  void Run();
+
+  /// Makes Run look at the shutdown signal. From any thread.
+  void Wake() { lobby_.Wake(); }
+
  private:
-  bool process_and_close_socket(socket_t socket) override;
-  void Serve(socket_t socket);
+  void Answer(HttpConnection& connection);
 
   const ShutdownSignal& shutdown_signal_;
   Metrics& metrics_;
-  const bool any_host_;
+  RequestPools pools_;
+  Lobby lobby_;
 };
 
 }  // namespace parkade

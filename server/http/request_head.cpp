@@ -4,6 +4,8 @@
 #include <array>
 #include <charconv>
 
+#include "server/http/route_class.h"
+
 namespace parkade {
 namespace {
 
@@ -57,14 +59,6 @@ bool NeedsNoBody(const RequestHead& head) {
                                    path.ends_with("/maps") || path == "/api/v1/uploads");
 }
 
-/// A drive log, or a part of one.
-bool HasLargeBody(const RequestHead& head) {
-  const std::string path = head.Path();
-  const bool is_part = (head.method == "PATCH" || head.method == "POST") &&
-                       (path == "/api/v1/uploads" || path.starts_with("/api/v1/uploads/"));
-  return is_part || (head.method == "PUT" && path == "/api/v1/drives");
-}
-
 std::int64_t ContentLengthOf(const RequestHead& head) {
   const std::optional<std::string> text = head.Find("content-length");
   const bool may_have_body =
@@ -78,7 +72,8 @@ std::int64_t ContentLengthOf(const RequestHead& head) {
   if (text->empty() || parsed.ec != std::errc{} || parsed.ptr != text->data() + text->size() ||
       length < 0)
     Refuse(400, "the Content-Length is not a number");
-  if (!HasLargeBody(head) && length > kMaxSmallBody) Refuse(413, "the body is larger than 16 MiB");
+  if (length > kMaxSmallBody && !HasLargeBody(head.method, head.Path()))
+    Refuse(413, "the body is larger than 16 MiB");
   if (!may_have_body && length > 0) Refuse(400, "a " + head.method + " request has no body");
   return length;
 }

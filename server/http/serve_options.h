@@ -24,7 +24,7 @@ struct ServeOptions {
   bool merge_drives = true;        ///< a job maps all drives of its site; false: the new one alone
   std::int64_t disk_reserve = std::int64_t{2} << 30;  ///< [bytes] uploads leave free
   int scrub_days = 7;      ///< [days] within which every stored file is read and compared; 0: never
-  int num_threads = 64;    ///< connections served at a time
+  int num_threads = 64;    ///< see RequestPools, which has a share for each kind of request
   int drain_seconds = 20;  ///< [s] requests under way may take after SIGTERM
 
   JobCommand job_command;          ///< required: the worker of a job

@@ -2,7 +2,6 @@
 
 #include "core/error.h"
 #include "server/http/json_response.h"
-#include "server/http/problem.h"
 #include "server/http/routes/routes.h"
 #include "server/store/tables/drive_table.h"
 #include "server/store/tables/job_table.h"
@@ -12,7 +11,6 @@ namespace {
 
 using std::chrono::steady_clock;
 
-constexpr int kMaxClients = 32;
 constexpr std::chrono::milliseconds kLookInterval{500};
 constexpr std::chrono::seconds kHeartbeatInterval{10};
 constexpr std::chrono::minutes kMaxLifetime{10};  // then the client comes back with Last-Event-ID
@@ -105,10 +103,6 @@ std::int64_t LastSeen(const httplib::Request& request, const EventHub& events) {
 void AddEventRoute(httplib::Server& http, RouteContext& context) {
   http.Get("/api/v1/events", [&context](const httplib::Request& request,
                                         httplib::Response& response) {
-    if (context.metrics.event_clients >= kMaxClients) {
-      response.set_header("Retry-After", "10");
-      throw HttpError({503, "busy", "too many listeners: try again in a moment"});
-    }
     const auto stream = std::make_shared<EventStream>(context, LastSeen(request, context.events));
     response.status = 200;
     response.set_header("Cache-Control", "no-store");

@@ -1,6 +1,8 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <iomanip>
+#include <sstream>
 
 #include "core/error.h"
 #include "core/log.h"
@@ -22,6 +24,13 @@ std::int64_t ResidentBytes() {
   return resident * ::sysconf(_SC_PAGESIZE);
 }
 
+/// A number as it stands in the text: 0.005, 3.
+std::string NumberText(double number) {
+  std::ostringstream text;
+  text << std::setprecision(12) << number;
+  return text.str();
+}
+
 /// Text format of Prometheus, version 0.0.4.
 class MetricsText {
  public:
@@ -40,6 +49,20 @@ class MetricsText {
     Add(name, "counter", help);
     Value(value);
   }
+  /// One of several under a name that Add began; `label` is without braces.
+  void Histogram(const DurationHistogram& durations, const std::string& label) {
+    std::int64_t count = 0;
+    for (size_t i = 0; i <= DurationHistogram::kBounds.size(); ++i) {
+      const std::string bound = i < DurationHistogram::kBounds.size()
+                                    ? NumberText(DurationHistogram::kBounds[i])
+                                    : "+Inf";
+      count += durations.count(i);
+      text_ +=
+          name_ + "_bucket{" + label + ",le=\"" + bound + "\"} " + std::to_string(count) + "\n";
+    }
+    text_ += name_ + "_sum{" + label + "} " + NumberText(durations.sum()) + "\n" + name_ +
+             "_count{" + label + "} " + std::to_string(count) + "\n";
+  }
   const std::string& text() const { return text_; }
 
  private:
@@ -55,17 +78,46 @@ void AddJobCounts(RouteContext& context, MetricsText& text) {
   });
 }
 
+std::string LabelOf(RouteClass route_class) {
+  return std::string("class=\"") + NameOf(route_class) + "\"";
+}
+
+void AddRouteClasses(Metrics& metrics, MetricsText& text) {
+  const auto add = [&](const char* name, const char* type, const char* help, const auto& value) {
+    text.Add(name, type, help);
+    for (const RouteClass route_class : kRouteClasses)
+      text.Value(value(metrics.of(route_class)), "{" + LabelOf(route_class) + "}");
+  };
+  add("parkade_http_threads_busy", "gauge", "Threads that answer, by class of route.",
+      [](const RouteClassMetrics& of_class) -> std::int64_t { return of_class.busy; });
+  add("parkade_http_requests_waiting", "gauge", "Whole requests that wait for a thread.",
+      [](const RouteClassMetrics& of_class) -> std::int64_t { return of_class.waiting; });
+  add("parkade_http_requests_busy_total", "counter", "Requests refused for want of threads.",
+      [](const RouteClassMetrics& of_class) -> std::int64_t { return of_class.refused; });
+  text.Add("parkade_http_request_seconds", "histogram",
+           "Time from a whole request to its whole answer.");
+  for (const RouteClass route_class : kRouteClasses)
+    text.Histogram(metrics.of(route_class).durations, LabelOf(route_class));
+}
+
 std::string MetricsOf(RouteContext& context) {
-  const Metrics& metrics = context.metrics;
+  Metrics& metrics = context.metrics;
   MetricsText text;
   text.Add("parkade_http_answers_total", "counter", "Answers by class of status.");
   for (size_t i = 1; i < metrics.answers_by_class.size(); ++i)
     text.Value(metrics.answers_by_class[i], "{class=\"" + std::to_string(i) + "xx\"}");
   text.Counter("parkade_http_requests_refused_total", "Requests refused by their head.",
                metrics.requests_refused);
-  text.Counter("parkade_http_connections_refused_total", "Connections refused for want of threads.",
+  text.Counter("parkade_http_connections_refused_total",
+               "Connections dropped for want of places to wait for requests.",
                metrics.connections_refused);
-  text.Gauge("parkade_http_connections", "Connections being served.", metrics.connections);
+  text.Counter("parkade_http_connections_too_slow_total",
+               "Connections ended because the client sent or read too slowly.",
+               metrics.connections_too_slow);
+  text.Gauge("parkade_http_connections", "Open connections.", metrics.connections);
+  text.Gauge("parkade_http_connections_waiting", "Connections that wait for requests.",
+             metrics.connections_waiting);
+  AddRouteClasses(metrics, text);
   text.Gauge("parkade_event_clients", "Listeners to server-sent events.", metrics.event_clients);
   text.Counter("parkade_upload_bytes_total", "Bytes of drive logs received.", metrics.upload_bytes);
   AddJobCounts(context, text);

@@ -2,6 +2,9 @@
 
 #include <httplib.h>
 
+#include <algorithm>
+#include <array>
+
 #include "core/file.h"
 #include "core/log.h"
 #include "core/sha256.h"
@@ -17,15 +20,11 @@ namespace fs = std::filesystem;
 constexpr size_t kMaxTotalBytes = size_t{64} << 20;
 constexpr const char* kIndex = "/index.html";
 
-/// Addresses of the page itself: the viewer keeps its state in the address, and
-/// no such state has a dot in its last part.
-bool IsPageAddress(const std::string& path) {
-  return path == "/" || path.find('.', path.rfind('/')) == std::string::npos;
-}
+/// Addresses of the page: the viewer keeps its state in the query ("/?site=lot").
+constexpr std::array<std::string_view, 1> kPageAddresses = {"/"};
 
-bool IsReserved(const std::string& path) {
-  return path.starts_with("/api/") || path == "/api" || path == "/healthz" || path == "/readyz" ||
-         path == "/metrics";
+bool IsPageAddress(std::string_view path) {
+  return std::find(kPageAddresses.begin(), kPageAddresses.end(), path) != kPageAddresses.end();
 }
 
 }  // namespace
@@ -50,17 +49,14 @@ ViewerFiles::ViewerFiles(const fs::path& root) {
 }
 
 bool ViewerFiles::Send(const httplib::Request& request, httplib::Response& response) const {
-  if ((request.method != "GET" && request.method != "HEAD") || IsReserved(request.path))
-    return false;
-  auto found = files_.find(request.path);
-  if (found == files_.end() && IsPageAddress(request.path)) found = files_.find(kIndex);
+  if (request.method != "GET" && request.method != "HEAD") return false;
+  const bool is_page = IsPageAddress(request.path);
+  const auto found = files_.find(is_page ? kIndex : request.path);
   if (found == files_.end()) {
-    const bool is_page = IsPageAddress(request.path);
-    SendProblem(response,
-                {404, "not_found",
-                 is_page ? "the viewer is not installed: build it with scripts/build_web.sh"
-                         : "the viewer has no such file"});
-    return true;
+    if (is_page)
+      SendProblem(response, {404, "not_found",
+                             "the viewer is not installed: build it with scripts/build_web.sh"});
+    return is_page;
   }
   const File& file = found->second;
   if (SendNotModified(request, response, file.etag, file.cache_control)) return true;

@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 #include <sys/eventfd.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -88,10 +89,21 @@ class SignalWaiter {
   std::thread thread_;
 };
 
+/// Slow clients hold file descriptors: a service takes more than the 1024 that systems give to
+/// programs that have not asked.
+void AskForFileDescriptors() {
+  constexpr rlim_t kEnough = 16384;
+  rlimit files{};
+  if (::getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= kEnough) return;
+  files.rlim_cur = std::min(kEnough, files.rlim_max);
+  ::setrlimit(RLIMIT_NOFILE, &files);
+}
+
 }  // namespace
 
 int Serve(const ServeOptions& options) {
   SignalWaiter signals;
+  AskForFileDescriptors();
   Service service(options);
   service.OnDiskFailure([] { Wake(0); });
   signals.Start([&service, patience = std::chrono::seconds(options.drain_seconds)] {

@@ -87,8 +87,7 @@ class Service::Parts {
   }
 
   void Run() {
-    Require(http_.listen_after_bind() || shutdown_signal_.is_stopping(), ErrorCode::kInternal,
-            "the service cannot listen");
+    http_.Run();
     jobs_->Stop();
   }
 
@@ -96,10 +95,7 @@ class Service::Parts {
     shutdown_signal_.Cut(patience);
     comparer_.Stop();
     events_.Close();
-    // There may be nothing to stop yet right after the start.
-    for (int i = 0; i < 500 && !http_.is_running(); ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    http_.stop();
+    http_.Wake();
   }
 
   const std::string& address() const { return address_; }

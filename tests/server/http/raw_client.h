@@ -51,6 +51,7 @@ class RawClient {
     }
     return received_;
   }
+  int socket() const { return socket_; }
   std::string ReceiveAll() { return ReceiveUntil("\x01 never"); }
 
  private:

@@ -165,12 +165,14 @@ TEST_F(Restart, SigtermLetsAnUploadEndAndPutsTheJobBack) {
   Eventually([&] { return StateOf(client, job) == "running"; });
   RawClient raw(service.Port());
   raw.Send(
-      "PUT /api/v1/drives?site=lot HTTP/1.1\r\nHost: localhost\r\nContent-Length: 7\r\n\r\nlog");
+      "PUT /api/v1/drives?site=lot HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100007\r\n\r\n"
+      "log ok\n" +
+      std::string(99'990, 'x'));
   Eventually([&] { return !std::filesystem::is_empty(data_ / "tmp"); });
 
   ::kill(service.pid(), SIGTERM);
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  raw.Send(" ok\n");
+  raw.Send("the rest.\n");
 
   EXPECT_EQ(StatusOf(raw.ReceiveUntil("\"job\"")), 201);
   EXPECT_EQ(service.Wait(), 0) << service.Said();

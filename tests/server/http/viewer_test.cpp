@@ -29,14 +29,15 @@ TEST_F(Viewer, IsOnePageWithItsFiles) {
   EXPECT_EQ(script->body, "export {}");
   EXPECT_EQ(script->get_header_value("Content-Type"), "text/javascript; charset=utf-8");
   EXPECT_NE(script->get_header_value("Cache-Control").find("immutable"), std::string::npos);
-  EXPECT_EQ(client().Get("/sites/lot")->body, "<!doctype html>");
+  EXPECT_EQ(client().Get("/?site=lot")->body, "<!doctype html>");
   EXPECT_EQ(client().Head("/")->get_header_value("Content-Length"), "15");
 }
 
 TEST_F(Viewer, GivesOutNothingElse) {
   client();
-  for (const char* path : {"/secret.txt", "/link.txt", "/../secret.txt", "/assets/../../secret.txt",
-                           "/..%2fsecret.txt", "/assets/none.js", "/.git"}) {
+  for (const char* path :
+       {"/secret.txt", "/link.txt", "/../secret.txt", "/assets/../../secret.txt",
+        "/..%2fsecret.txt", "/assets/none.js", "/.git", "/sites/lot", "/assets", "/assets/none"}) {
     const auto answer = client().Get(path);
     ASSERT_TRUE(answer) << path;
     EXPECT_EQ(answer->body.find("secret\n"), std::string::npos) << path;

@@ -59,6 +59,21 @@ TEST_F(Events, AreForALimitedNumberOfListeners) {
   EXPECT_EQ(client().Get("/healthz")->status, 200);
 }
 
+TEST_F(Events, LetAListenerGoAsSoonAsItLeaves) {
+  options_.num_threads = 4;  // places for two
+  std::vector<std::unique_ptr<RawClient>> listeners;
+  for (int i = 0; i < 2; ++i) listeners.push_back(Listen());
+  ExpectProblem(client().Get("/api/v1/events"), 503, "busy");
+  const auto began = std::chrono::steady_clock::now();
+  listeners.front()->Close();
+  const auto is_free = [&] {
+    return client().Get("/metrics")->body.find("parkade_event_clients 1\n") != std::string::npos;
+  };
+  EXPECT_TRUE(Eventually(is_free));
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(3));
+  Listen();
+}
+
 TEST_F(Events, DoNotHoldUpTheEndOfTheService) {
   const auto listener = Listen();
   const auto began = std::chrono::steady_clock::now();

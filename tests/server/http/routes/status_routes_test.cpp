@@ -20,13 +20,33 @@ TEST_F(Status, HasMetricsThatPrometheusReads) {
   const auto answer = client().Get("/metrics");
 
   EXPECT_EQ(answer->get_header_value("Content-Type"), "text/plain; version=0.0.4; charset=utf-8");
-  const std::regex line(R"(# (HELP|TYPE) [a-z_]+ .+|[a-z_]+(\{[a-z]+="[0-9a-z]+"\})? -?[0-9]+)");
+  const std::regex line(
+      R"x(# (HELP|TYPE) [a-z_]+ .+|[a-z_]+(\{[a-z]+="[0-9a-z]+"(,le="(\+Inf|[0-9.]+)")?\})? [0-9.e-]+)x");
   std::istringstream lines(answer->body);
   for (std::string text; std::getline(lines, text);)
     EXPECT_TRUE(std::regex_match(text, line)) << text;
   EXPECT_NE(answer->body.find("parkade_jobs{state=\"done\"} 1\n"), std::string::npos)
       << answer->body;
   EXPECT_NE(answer->body.find("parkade_upload_bytes_total 7\n"), std::string::npos);
+  EXPECT_NE(answer->body.find("parkade_http_threads_busy{class=\"health\"} 1\n"), std::string::npos)
+      << answer->body;
+}
+
+TEST_F(Status, CountsHowLongAnswersTake) {
+  EXPECT_EQ(Upload("log ok\n")->status, 201);
+  const std::string name = "parkade_http_request_seconds";
+  std::string text;
+  Eventually([&] {
+    text = client().Get("/metrics")->body;
+    return text.find(name + "_count{class=\"uploads\"} 1\n") != std::string::npos;
+  });
+  EXPECT_NE(text.find(name + "_bucket{class=\"uploads\",le=\"300\"} 1\n"), std::string::npos)
+      << text;
+  EXPECT_NE(text.find(name + "_bucket{class=\"uploads\",le=\"+Inf\"} 1\n"), std::string::npos);
+  EXPECT_NE(text.find(name + "_count{class=\"events\"} 0\n"), std::string::npos);
+  const size_t sum = text.find(name + "_sum{class=\"uploads\"} ");
+  ASSERT_NE(sum, std::string::npos);
+  EXPECT_GT(std::stod(text.substr(text.find(' ', sum))), 0);
 }
 
 TEST_F(Status, TellsAWrongMethodFromAWrongAddress) {

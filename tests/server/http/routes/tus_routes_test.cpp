@@ -110,14 +110,14 @@ TEST_F(Tus, AWholeThatIsNoLogIsRefusedForGood) {
 }
 
 TEST_F(Tus, WhoeverComesBackTakesOver) {
-  const std::string address = Address(1000);
+  const std::string log = "log ok\n" + std::string(999'993, 'x');
+  const std::string address = Address(1'000'000);
   RawClient stuck(service_->port());
   stuck.Send("PATCH " + address +
              " HTTP/1.1\r\nHost: localhost\r\nTus-Resumable: 1.0.0\r\nUpload-Offset: "
              "0\r\nContent-Type: application/offset+octet-stream\r\nContent-Length: "
-             "1000\r\n\r\nlog ok\n");
-  const std::filesystem::path file =
-      options_.data / "uploads" / address.substr(address.rfind('/') + 1);
+             "1000000\r\n\r\n" +
+             log.substr(0, 200'000));
   // It has begun once it holds the upload; before that HEAD would find it free.
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   const auto start = std::chrono::steady_clock::now();
@@ -125,8 +125,8 @@ TEST_F(Tus, WhoeverComesBackTakesOver) {
   const auto head = Head(address);
 
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(1));
-  EXPECT_EQ(head->get_header_value("Upload-Offset"), "7") << "what had come is there";
-  EXPECT_EQ(Append(address, 7, std::string(993, 'x'))->status, 204);
+  EXPECT_EQ(head->get_header_value("Upload-Offset"), "200000") << "what had come is there";
+  EXPECT_EQ(Append(address, 200'000, log.substr(200'000))->status, 204);
 }
 
 TEST_F(Tus, IsTerminatedAndOverridden) {

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace parkade {
+
+/// What a request asks of the service. Each class has threads of its own (RequestPools), so that
+/// one whose threads are all taken holds up no other.
+enum class RouteClass {
+  kHealth,     ///< asked by whoever watches the service: always answered
+  kApi,        ///< short answers out of the database
+  kUploads,    ///< bodies that come as fast as the client sends
+  kDownloads,  ///< answers that go as fast as the client reads
+  kEvents,     ///< streams that last for minutes
+};
+
+inline constexpr std::array kRouteClasses = {RouteClass::kHealth, RouteClass::kApi,
+                                             RouteClass::kUploads, RouteClass::kDownloads,
+                                             RouteClass::kEvents};
+
+/// "health", "api", ...
+const char* NameOf(RouteClass route_class);
+
+/// The class of a request, by its method and path (without the query). One table says it for all
+/// routes, and for addresses that lead nowhere.
+RouteClass ClassOf(std::string_view method, std::string_view path);
+
+/// True where a body may be as large as a drive log.
+bool HasLargeBody(std::string_view method, std::string_view path);
+
+}  // namespace parkade
