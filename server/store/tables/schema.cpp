@@ -110,10 +110,13 @@ const std::vector<const char*> kVersion4 = {
     "UPDATE drives SET state = 'ready', error = NULL WHERE state != 'ready' AND id IN (SELECT "
     "drive FROM map_drives)"};
 
+// When a queued job may start at the earliest; NULL: at once.
+const std::vector<const char*> kVersion5 = {"ALTER TABLE jobs ADD COLUMN not_before TEXT"};
+
 // One entry per schema version, oldest first. A published entry never changes:
 // a change of the tables is a new entry.
-const std::vector<const std::vector<const char*>*> kMigrations = {&kVersion1, &kVersion2,
-                                                                  &kVersion3, &kVersion4};
+const std::vector<const std::vector<const char*>*> kMigrations = {
+    &kVersion1, &kVersion2, &kVersion3, &kVersion4, &kVersion5};
 
 }  // namespace
 

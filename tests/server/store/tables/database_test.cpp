@@ -114,6 +114,7 @@ TEST(Database, TakesOverJobsOfTheSchemaBefore) {
                             VALUES ('m', 'lot', 1, 'j', 'x', 'now'))");
       connection.Execute("INSERT INTO map_drives (map, position, drive) VALUES ('m', 0, 'd')");
       connection.Execute("ALTER TABLE jobs DROP COLUMN new_drive");
+      connection.Execute("ALTER TABLE jobs DROP COLUMN not_before");
       connection.Execute("PRAGMA user_version=3");
     });
   }
