@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "server/jobs/job_limits.h"
 #include "server/jobs/job_spec.h"
 #include "server/jobs/map_comparer.h"
 
@@ -25,6 +26,7 @@ struct ServeOptions {
   int num_threads = 64;                               ///< connections served at a time
   int drain_seconds = 20;  ///< [s] requests under way may take after SIGTERM
 
+  JobLimits job_limits;
   JobCommand job_command;          ///< required: the worker of a job
   CompareCommand compare_command;  ///< required: compares two published maps
   std::function<void(const std::filesystem::path&)>

@@ -1,12 +1,12 @@
 #include "server/jobs/job_runner.h"
 
+#include <algorithm>
 #include <csignal>
 
 #include "core/error.h"
 #include "core/log.h"
 #include "server/jobs/attempt_folder.h"
 #include "server/jobs/worker_exit.h"
-#include "server/jobs/worker_process.h"
 #include "server/store/job_queue.h"
 #include "server/store/publish_map.h"
 #include "server/store/tables/job_table.h"
@@ -142,27 +142,36 @@ void JobRunner::RunAttempt(const Job& job) {
 void JobRunner::RunWorker(const Job& job) {
   const AttemptFolder folder(store_, job);
   ProgressReader progress(folder.spec().progress);
-  WorkerProcess worker(options_.command(folder.spec()), folder.path(), folder.LogFile());
+  WatchedWorker worker(options_.command(folder.spec()), folder, options_.limits);
   store_.database.Write([&](Connection& connection) {
-    SetJobProcess(connection, job.id, job.attempt, worker.pid(),
-                  ProcessStartTime(worker.pid()).value_or(0));
+    SetJobProcess(connection, job.id, job.attempt, worker.process().pid(),
+                  ProcessStartTime(worker.process().pid()).value_or(0));
   });
 
   switch (Supervise(job, worker, progress)) {
     case Interruption::kCancelled: End(job, [&] { FinishCancelledJob(store_, job); }); return;
     case Interruption::kStopped: End(job, [&] { ReturnJob(store_, job); }); return;
-    case Interruption::kTimedOut:
-      throw Error(ErrorCode::kInternal, "the job took longer than " +
-                                            std::to_string(options_.time_limit.count()) +
-                                            " seconds and was stopped");
+    case Interruption::kTrouble: {
+      const WorkerExit end =
+          ExplainTrouble(worker.trouble(), worker.limits(), progress.latest().stage);
+      End(job, [&] { FailJob(store_, job, end.code, end.sentence); });
+      return;
+    }
     case Interruption::kNone: break;
   }
-  const WorkerExit end = UnderstandEnd(worker.Wait(milliseconds{0}).value(), progress.latest());
+  const WorkerExit end = UnderstandEnd(worker.process().Wait(milliseconds{0}).value(),
+                                       progress.latest(), worker.WasKilledForMemory());
   if (end.kind == WorkerExit::Kind::kFailed)
     End(job, [&] { FailJob(store_, job, end.code, end.sentence); });
   if (end.kind == WorkerExit::Kind::kCrashed)
-    End(job, [&] { RetryCrashedJob(store_, job, end.sentence); });
+    End(job, [&] { RetryCrashedJob(store_, job, end.code, end.sentence, PauseAfter(job)); });
   if (end.kind == WorkerExit::Kind::kDone) Publish(job, folder.spec().out);
+}
+
+std::chrono::milliseconds JobRunner::PauseAfter(const Job& crashed) const {
+  if (options_.limits.crash_pauses.empty()) return milliseconds{0};
+  const auto last = options_.limits.crash_pauses.size() - 1;
+  return options_.limits.crash_pauses[std::min(static_cast<std::size_t>(crashed.crashes), last)];
 }
 
 void JobRunner::Publish(const Job& job, const std::filesystem::path& products) {
@@ -175,33 +184,37 @@ void JobRunner::Publish(const Job& job, const std::filesystem::path& products) {
   events_.Publish("map", map.site + "/" + std::to_string(map.version));
 }
 
-JobRunner::Interruption JobRunner::Supervise(const Job& job, WorkerProcess& worker,
+JobRunner::Interruption JobRunner::Supervise(const Job& job, WatchedWorker& worker,
                                              ProgressReader& progress) {
   Interruption interruption = Interruption::kNone;
   steady_clock::time_point kill_time;
-  while (!worker.Wait(kPollInterval)) {
-    if (progress.Poll()) Announce(job, progress.latest());
+  while (!worker.process().Wait(kPollInterval)) {
+    const bool has_spoken = progress.Poll();
+    if (has_spoken) Announce(job, progress.latest());
+    worker.Look(has_spoken);
     const steady_clock::time_point now = steady_clock::now();
-    if (interruption != Interruption::kNone) {
-      if (now >= kill_time) worker.Signal(SIGKILL);
-      continue;
+    if (interruption == Interruption::kNone) {
+      interruption = Interrupted(job, worker.trouble());
+      if (interruption == Interruption::kNone) continue;
+      worker.process().Signal(SIGTERM);
+      // Memory is not to grow on meanwhile.
+      kill_time = now;
+      if (worker.trouble() != WorkerTrouble::kOverMemory) kill_time += options_.stop_patience;
     }
-    interruption = Interrupted(job);
-    if (interruption == Interruption::kNone) continue;
-    worker.Signal(SIGTERM);
-    kill_time = now + options_.stop_patience;
+    if (now >= kill_time) worker.process().Signal(SIGKILL);
   }
   progress.Poll();
-  return interruption;
+  worker.LookAtEnd(worker.process().Wait(milliseconds{0}).value());
+  const bool is_trouble =
+      interruption == Interruption::kNone && worker.trouble() == WorkerTrouble::kOverMemory;
+  return is_trouble ? Interruption::kTrouble : interruption;
 }
 
-JobRunner::Interruption JobRunner::Interrupted(const Job& job) const {
+JobRunner::Interruption JobRunner::Interrupted(const Job& job, WorkerTrouble trouble) const {
   const std::lock_guard lock(mutex_);
-  const Running& running = running_.at(job.id);
-  if (running.is_cancelled) return Interruption::kCancelled;
+  if (running_.at(job.id).is_cancelled) return Interruption::kCancelled;
   if (is_stopping_) return Interruption::kStopped;
-  if (steady_clock::now() - running.started > options_.time_limit) return Interruption::kTimedOut;
-  return Interruption::kNone;
+  return trouble == WorkerTrouble::kNone ? Interruption::kNone : Interruption::kTrouble;
 }
 
 /// From here on the job cannot be cancelled any more. True when it was before.

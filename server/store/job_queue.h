@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,9 +42,10 @@ constexpr int kMaxServiceEnds = 20;
 void FailJob(Store& store, const Job& job, const std::string& code, const std::string& sentence);
 void FinishCancelledJob(Store& store, const Job& job);
 
-/// Puts an attempt whose worker crashed back into the queue, or fails it after
-/// kMaxCrashes crashes.
-void RetryCrashedJob(Store& store, const Job& job, const std::string& sentence);
+/// Puts an attempt whose worker crashed back into the queue, where it waits for `pause`, or fails
+/// it with `code` after kMaxCrashes crashes.
+void RetryCrashedJob(Store& store, const Job& job, const std::string& code,
+                     const std::string& sentence, std::chrono::milliseconds pause);
 
 /// Puts an attempt back into the queue that an earlier service was at when it died, or fails it
 /// after kMaxServiceEnds of them.
@@ -56,8 +58,8 @@ void ReturnJob(Store& store, const Job& job);
 /// Error{kNotFound}, Error{kConflict} when it has ended.
 bool CancelWaitingJob(Store& store, const std::string& id);
 
-/// Queues a failed or cancelled job again. Throws Error{kNotFound},
-/// Error{kConflict} in another state or when all drives of it were deleted.
+/// Queues a failed or cancelled job again, or ends the pause of one that crashed. Throws
+/// Error{kNotFound}, Error{kConflict} in another state or when all drives of it were deleted.
 Job RetryJob(Store& store, const std::string& id);
 
 }  // namespace parkade

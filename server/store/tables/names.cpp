@@ -38,8 +38,8 @@ std::string NewId() {
   return id;
 }
 
-std::string NowUtc() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
+std::string UtcIn(std::chrono::milliseconds delay) {
+  const auto now = std::chrono::system_clock::now().time_since_epoch() + delay;
   const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
   const std::time_t seconds = milliseconds / 1000;
   std::tm utc{};

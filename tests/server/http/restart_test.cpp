@@ -1,76 +1,14 @@
 // The service as a process of its own: killed, started again, started twice.
 
-#include <fcntl.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <atomic>
-#include <regex>
 
 #include "core/file.h"
 #include "tests/server/http/raw_client.h"
 #include "tests/server/http/running_service.h"
+#include "tests/server/http/service_process.h"
 
 namespace parkade {
 namespace {
-
-/// parkade_serve_program, with what it says in a file.
-class ServiceProcess {
- public:
-  explicit ServiceProcess(const std::filesystem::path& data, std::vector<std::string> wrapper = {})
-      : log_(data.string() + "." + NewId() + ".log") {
-    std::vector<std::string> arguments = std::move(wrapper);
-    for (const std::string& argument :
-         {std::string(SERVE_PROGRAM), std::string("serve"), data.string()})
-      arguments.push_back(argument);
-    std::vector<char*> pointers;
-    for (std::string& argument : arguments) pointers.push_back(argument.data());
-    pointers.push_back(nullptr);
-    pid_ = ::fork();
-    if (pid_ == 0) {
-      const int fd = ::open(log_.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
-      ::dup2(fd, 1);
-      ::dup2(fd, 2);
-      ::execvp(pointers[0], pointers.data());
-      ::_exit(127);
-    }
-  }
-  ~ServiceProcess() {
-    if (pid_ > 0) End(SIGKILL);
-  }
-  ServiceProcess(const ServiceProcess&) = delete;
-  ServiceProcess& operator=(const ServiceProcess&) = delete;
-
-  /// Waits until it answers.
-  int Port() {
-    static const std::regex address("listening on http://127.0.0.1:([0-9]+)");
-    std::smatch found;
-    std::string text;
-    const bool listens =
-        Eventually([&] { return std::regex_search(text = Said(), found, address); });
-    if (!listens) throw std::runtime_error("the service does not listen: " + Said());
-    return std::stoi(found[1]);
-  }
-  std::string Said() const { return std::filesystem::exists(log_) ? ReadFile(log_) : ""; }
-
-  /// Sends a signal and returns the status of its end.
-  int End(int signal) {
-    ::kill(pid_, signal);
-    return Wait();
-  }
-  int Wait() {
-    int status = 0;
-    ::waitpid(pid_, &status, 0);
-    pid_ = -1;
-    return status;
-  }
-  pid_t pid() const { return pid_; }
-
- private:
-  std::filesystem::path log_;
-  pid_t pid_ = -1;
-};
 
 class Restart : public testing::Test {
  protected:
@@ -131,6 +69,33 @@ TEST_F(Restart, AfterAKillMidJobDoesTheJobAgain) {
   EXPECT_EQ(found.at("map_version"), 1);
   EXPECT_EQ(client.Get("/api/v1/sites/lot/maps/1/map.glb")->status, 200);
   EXPECT_FALSE(std::filesystem::exists(data_ / "jobs" / job / "attempt-1" / "out"));
+  EXPECT_FALSE(std::filesystem::exists(data_ / "jobs" / job / "attempt-1" / "tmp"));
+}
+
+TEST_F(Restart, ACrashedJobWaitsOnAfterAKill) {
+  std::string job, not_before;
+  {
+    ::setenv("CRASH_PAUSE", "3600", 1);
+    ServiceProcess service(data_);
+    httplib::Client client("127.0.0.1", service.Port());
+    job = Upload(client, "log crash\n");
+    Eventually([&] {
+      const Json found = Parsed(client.Get("/api/v1/jobs/" + job));
+      const bool waits = found.at("state") == "queued" && found.at("not_before").is_string();
+      if (waits) not_before = found.at("not_before");
+      return waits;
+    });
+    service.End(SIGKILL);
+  }
+  ServiceProcess service(data_);
+  ::unsetenv("CRASH_PAUSE");
+  httplib::Client client("127.0.0.1", service.Port());
+  EXPECT_EQ(Parsed(client.Get("/api/v1/jobs/" + job)).at("not_before"), not_before);
+  EXPECT_EQ(Parsed(client.Get("/api/v1/jobs/" + job)).at("attempts"), 1);
+
+  EXPECT_EQ(client.Post("/api/v1/jobs/" + job + "/retry", "", "application/json")->status, 202);
+  Eventually(
+      [&] { return Parsed(client.Get("/api/v1/jobs/" + job)).at("attempts").get<int>() == 2; });
 }
 
 TEST_F(Restart, LosesNoJobHoweverOftenTheServiceIsKilled) {
