@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "server/commands/commands.h"
+#include "server/ingest/files/remove_at_signal.h"
 #include "server/ingest/inspection/inspect_log.h"
 
 namespace parkade {
@@ -17,6 +18,7 @@ struct InspectArguments {
 };
 
 int Inspect(const InspectArguments& arguments) {
+  const RemoveAtSignal removal;
   const LogInspection inspection = InspectLog(arguments.log, arguments.rig);
   if (arguments.is_json) {
     // Names of topics may hold any bytes.
