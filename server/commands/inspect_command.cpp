@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "server/commands/commands.h"
+#include "server/ingest/files/remove_at_signal.h"
 #include "server/ingest/inspection/inspect_log.h"
 
 namespace parkade {
@@ -18,6 +19,7 @@ struct InspectArguments {
 };
 
 int Inspect(const InspectArguments& arguments) {
+  const RemoveAtSignal removal;
   const LogInspection inspection = InspectLog(arguments.log, arguments.rig);
   // Names of topics may hold any bytes.
   const std::string json =

@@ -66,8 +66,10 @@ void AddRunOptions(CLI::App& command, MapArguments& arguments) {
   command.add_option("--threads", arguments.num_threads, "threads to use; default: all cores")
       ->check(CLI::Range(1, 1024));
   command.add_flag("--quiet", arguments.is_quiet, "warnings and errors only");
-  command.add_option("--progress-file", arguments.progress_file,
-                     "append progress as lines of JSON");
+  command.add_option(
+      "--progress-file", arguments.progress_file,
+      "append progress as lines of JSON; exit status 4 then is a full disk, 5 want of "
+      "memory");
 }
 
 }  // namespace

@@ -18,8 +18,10 @@
 #include "export/write_site_map.h"
 #include "mapping/networks/freespace_network.h"
 #include "server/commands/commands.h"
+#include "server/commands/failure.h"
 #include "server/commands/map_arguments.h"
 #include "server/commands/open_logs.h"
+#include "server/ingest/files/remove_at_signal.h"
 #include "server/map_folder/loop_images.h"
 #include "server/map_folder/output_folder.h"
 #include "server/map_folder/overwrite_guard.h"
@@ -127,18 +129,6 @@ void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Pro
   for (const std::string& warning : built.warnings) LogWarning(warning);
 }
 
-const char* CodeOf(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::kInvalidInput:
-    case ErrorCode::kNotFound: return "invalid_input";
-    case ErrorCode::kUsage: return "usage";
-    case ErrorCode::kDiskFull: return "disk_full";
-    case ErrorCode::kConflict:
-    case ErrorCode::kInternal: return "internal";
-  }
-  return "internal";
-}
-
 int RunMap(const MapArguments& arguments) {
   MapOptions options;
   for (const std::string& setting : arguments.settings) SetOption(setting, options);
@@ -170,11 +160,16 @@ int RunMap(const MapArguments& arguments) {
   outputs.terminal = is_terminal && !arguments.is_quiet;
   if (!arguments.progress_file.empty()) outputs.file = arguments.progress_file;
   Progress progress(PlanStages(arguments.logs.size(), arguments.is_odometry_only), outputs);
+  const RemoveAtSignal removal;
   try {
     BuildAndWrite(arguments, options, progress);
-  } catch (const Error& error) {
-    progress.Fail(error.what(), CodeOf(error.code()));
-    throw;
+  } catch (const std::exception& exception) {
+    if (!outputs.file) throw;
+    // The service's worker: it has a status for each class.
+    const Failure failure = FailureOf(exception);
+    progress.Fail(failure.sentence, failure.code);
+    std::fprintf(stderr, "parkade: %s\n", failure.sentence.c_str());
+    return static_cast<int>(failure.status);
   }
   return 0;
 }

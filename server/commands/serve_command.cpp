@@ -86,8 +86,14 @@ void AddServeCommand(CLI::App& app, Action& action) {
   command->add_option("--workers", options->num_workers, "jobs at a time")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));
-  command->callback([options, &action] {
-    action = [options] {
+  const auto job_memory = std::make_shared<std::int64_t>(0);
+  command
+      ->add_option("--job-memory", *job_memory,
+                   "[MiB] that a job may use; 0: nine tenths of the machine's")
+      ->check(CLI::NonNegativeNumber);
+  command->callback([options, job_memory, &action] {
+    action = [options, job_memory] {
+      options->job_limits.memory_bytes = *job_memory << 20;
       if (options->web_root.empty()) options->web_root = FindWebRoot();
       options->job_command = WorkerCommand;
       options->compare_command = ComparisonCommand;

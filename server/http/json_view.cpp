@@ -79,6 +79,7 @@ Json ToJson(const Job& job, const std::optional<JobProgress>& live_progress) {
           {"attempts", job.attempt},
           {"error", OrNull(job.error)},
           {"error_code", OrNull(job.error_code)},
+          {"not_before", OrNull(job.not_before)},
           {"map_version", OrNull(job.map_version)},
           {"created_at", job.created_at},
           {"started_at", OrNull(job.started_at)},

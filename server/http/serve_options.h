@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/jobs/drive_inspector.h"
+#include "server/jobs/job_limits.h"
 #include "server/jobs/job_spec.h"
 #include "server/jobs/map_comparer.h"
 
@@ -27,6 +28,7 @@ struct ServeOptions {
   int num_threads = 64;    ///< see RequestPools, which has a share for each kind of request
   int drain_seconds = 20;  ///< [s] requests under way may take after SIGTERM
 
+  JobLimits job_limits;
   JobCommand job_command;          ///< required: the worker of a job
   CompareCommand compare_command;  ///< required: compares two published maps
   InspectCommand inspect_command;  ///< looks at logs that arrive; none: nobody does

@@ -60,6 +60,7 @@ AttemptFolder::AttemptFolder(Store& store, const Job& job)
   try {
     fs::create_directories(path_ / "input");
     fs::create_directories(spec_.out);
+    fs::create_directories(TemporaryFiles());
     // Hard links: deleting the drive meanwhile takes nothing from the worker.
     for (const Drive& drive : drives) {
       spec_.logs.push_back(path_ / "input" / drive.name);
@@ -77,6 +78,7 @@ AttemptFolder::~AttemptFolder() {
   std::error_code ignored;
   fs::remove_all(path_ / "input", ignored);
   fs::remove_all(spec_.out, ignored);
+  fs::remove_all(TemporaryFiles(), ignored);
   fs::remove(spec_.preview, ignored);
 }
 

@@ -13,8 +13,9 @@ namespace parkade {
 ///   progress.ndjson      what the worker says about itself
 ///   preview.glb          what the map will look like, once the worker knows; see EncodePreview
 ///   log.txt              what the worker prints; kept
+///   tmp/                 the worker's temporary files
 ///
-/// input/, out/ and preview.glb are gone when this object is.
+/// input/, out/, tmp/ and preview.glb are gone when this object is.
 class AttemptFolder {
  public:
   /// Throws Error{kInvalidInput} for a job whose drives were all deleted, Error{kNotFound} when a
@@ -27,6 +28,7 @@ class AttemptFolder {
   const JobSpec& spec() const { return spec_; }
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path LogFile() const { return path_ / kLogName; }
+  std::filesystem::path TemporaryFiles() const { return path_ / "tmp"; }
 
   static constexpr const char* kLogName = "log.txt";
   static constexpr const char* kPreviewName = "preview.glb";

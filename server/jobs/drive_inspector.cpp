@@ -113,8 +113,9 @@ void DriveInspector::Inspect(const Drive& drive) {
   DriveInspection inspection{.state = kNotInspected, .json = {}, .error = {}};
   std::optional<int> status;
   {
-    WorkerProcess process(command_(store_.directory.LogFile(drive.sha256), rig, out), folder.get(),
-                          log);
+    WorkerProcess process(
+        command_(store_.directory.LogFile(drive.sha256), rig, out),
+        {.folder = folder.get(), .log = log, .temporary_files = folder.get(), .cgroup = {}});
     const auto end = std::chrono::steady_clock::now() + kTimeLimit;
     while (!(status = process.Wait(kPatience))) {
       if (is_stopping()) return;  // the next service does it again

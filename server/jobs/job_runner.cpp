@@ -1,12 +1,12 @@
 #include "server/jobs/job_runner.h"
 
+#include <algorithm>
 #include <csignal>
 
 #include "core/error.h"
 #include "core/log.h"
 #include "server/jobs/attempt_folder.h"
 #include "server/jobs/worker_exit.h"
-#include "server/jobs/worker_process.h"
 #include "server/store/care/stored_files.h"
 #include "server/store/job_queue.h"
 #include "server/store/publish_map.h"
@@ -35,21 +35,29 @@ void KillLeftOver(const Job& job) {
 
 JobRunner::JobRunner(Store& store, EventHub& events, JobRunnerOptions options)
     : store_(store), events_(events), options_(std::move(options)) {
+  left_over_ = store_.database.Read([](Connection& connection) {
+    return ListJobs(connection, {.limit = 1000}, JobState::kRunning, std::nullopt);
+  });
   RecoverJobs();
   for (int i = 0; i < options_.num_workers; ++i) threads_.emplace_back([this] { Work(); });
 }
 
 JobRunner::~JobRunner() { Stop(); }
 
-void JobRunner::RecoverJobs() {
-  const std::vector<Job> left_over = store_.database.Read([](Connection& connection) {
-    return ListJobs(connection, {.limit = 1000}, JobState::kRunning, std::nullopt);
-  });
-  for (const Job& job : left_over) {
-    KillLeftOver(job);
-    RecoverJob(store_, job);
-    LogWarning("job recovered id=" + job.id + " attempt=" + std::to_string(job.attempt));
+/// False while a full disk does not take it: nothing may start before.
+bool JobRunner::RecoverJobs() {
+  const std::lock_guard lock(recovery_mutex_);
+  try {
+    for (; !left_over_.empty(); left_over_.pop_back()) {
+      const Job& job = left_over_.back();
+      KillLeftOver(job);
+      RecoverJob(store_, job);
+      LogWarning("job recovered id=" + job.id + " attempt=" + std::to_string(job.attempt));
+    }
+  } catch (const Error& error) {
+    LogError(std::string("jobs not recovered error=") + error.what());
   }
+  return left_over_.empty();
 }
 
 void JobRunner::Wake() { changed_.notify_all(); }
@@ -100,7 +108,7 @@ void JobRunner::Work() {
     }
     std::optional<Job> job;
     try {
-      job = ClaimJob(store_);
+      if (RecoverJobs()) job = ClaimJob(store_);
     } catch (const Error& error) {
       LogError(std::string("queue error=") +
                error.what());  // most likely the disk is full: try again later
@@ -147,26 +155,29 @@ void JobRunner::RunWorker(const Job& job) {
   const AttemptFolder folder(store_, job);
   CheckLogs(job);
   ProgressReader progress(folder.spec().progress);
-  WorkerProcess worker(options_.command(folder.spec()), folder.path(), folder.LogFile());
+  WatchedWorker worker(options_.command(folder.spec()), folder, options_.limits);
   store_.database.Write([&](Connection& connection) {
-    SetJobProcess(connection, job.id, job.attempt, worker.pid(),
-                  ProcessStartTime(worker.pid()).value_or(0));
+    SetJobProcess(connection, job.id, job.attempt, worker.process().pid(),
+                  ProcessStartTime(worker.process().pid()).value_or(0));
   });
 
   switch (Supervise(job, worker, progress)) {
     case Interruption::kCancelled: End(job, [&] { FinishCancelledJob(store_, job); }); return;
     case Interruption::kStopped: End(job, [&] { ReturnJob(store_, job); }); return;
-    case Interruption::kTimedOut:
-      throw Error(ErrorCode::kInternal, "the job took longer than " +
-                                            std::to_string(options_.time_limit.count()) +
-                                            " seconds and was stopped");
+    case Interruption::kTrouble: {
+      const WorkerExit end =
+          ExplainTrouble(worker.trouble(), worker.limits(), progress.latest().stage);
+      End(job, [&] { FailJob(store_, job, end.code, end.sentence); });
+      return;
+    }
     case Interruption::kNone: break;
   }
-  const WorkerExit end = UnderstandEnd(worker.Wait(milliseconds{0}).value(), progress.latest());
+  const WorkerExit end = UnderstandEnd(worker.process().Wait(milliseconds{0}).value(),
+                                       progress.latest(), worker.WasKilledForMemory());
   if (end.kind == WorkerExit::Kind::kFailed)
     End(job, [&] { FailJob(store_, job, end.code, end.sentence); });
   if (end.kind == WorkerExit::Kind::kCrashed)
-    End(job, [&] { RetryCrashedJob(store_, job, end.sentence); });
+    End(job, [&] { RetryCrashedJob(store_, job, end.code, end.sentence, PauseAfter(job)); });
   if (end.kind == WorkerExit::Kind::kDone) Publish(job, folder.spec().out);
 }
 
@@ -176,13 +187,20 @@ void JobRunner::CheckLogs(const Job& job) {
     const Drive drive =
         store_.database.Read([&](Connection& connection) { return FindDrive(connection, id); });
     const StoredFile log{DataDirectory::LogPath(drive.sha256), drive.bytes, drive.sha256};
-    const auto damage = CheckStoredFile(store_.directory.root(), log,
-                                        [&] { return Interrupted(job) == Interruption::kNone; });
+    const auto damage = CheckStoredFile(store_.directory.root(), log, [&] {
+      return Interrupted(job, WorkerTrouble::kNone) == Interruption::kNone;
+    });
     if (!damage) continue;
     RecordFileCheck(store_, log.path, damage);
     throw Error(ErrorCode::kInternal,
                 "the stored log of drive '" + drive.name + "' " + *damage + ": upload it again");
   }
+}
+
+std::chrono::milliseconds JobRunner::PauseAfter(const Job& crashed) const {
+  if (options_.limits.crash_pauses.empty()) return milliseconds{0};
+  const auto last = options_.limits.crash_pauses.size() - 1;
+  return options_.limits.crash_pauses[std::min(static_cast<std::size_t>(crashed.crashes), last)];
 }
 
 void JobRunner::Publish(const Job& job, const std::filesystem::path& products) {
@@ -195,33 +213,37 @@ void JobRunner::Publish(const Job& job, const std::filesystem::path& products) {
   events_.Publish("map", map.site + "/" + std::to_string(map.version));
 }
 
-JobRunner::Interruption JobRunner::Supervise(const Job& job, WorkerProcess& worker,
+JobRunner::Interruption JobRunner::Supervise(const Job& job, WatchedWorker& worker,
                                              ProgressReader& progress) {
   Interruption interruption = Interruption::kNone;
   steady_clock::time_point kill_time;
-  while (!worker.Wait(kPollInterval)) {
-    if (progress.Poll()) Announce(job, progress.latest());
+  while (!worker.process().Wait(kPollInterval)) {
+    const bool has_spoken = progress.Poll();
+    if (has_spoken) Announce(job, progress.latest());
+    worker.Look(has_spoken);
     const steady_clock::time_point now = steady_clock::now();
-    if (interruption != Interruption::kNone) {
-      if (now >= kill_time) worker.Signal(SIGKILL);
-      continue;
+    if (interruption == Interruption::kNone) {
+      interruption = Interrupted(job, worker.trouble());
+      if (interruption == Interruption::kNone) continue;
+      worker.process().Signal(SIGTERM);
+      // Memory is not to grow on meanwhile.
+      kill_time = now;
+      if (worker.trouble() != WorkerTrouble::kOverMemory) kill_time += options_.stop_patience;
     }
-    interruption = Interrupted(job);
-    if (interruption == Interruption::kNone) continue;
-    worker.Signal(SIGTERM);
-    kill_time = now + options_.stop_patience;
+    if (now >= kill_time) worker.process().Signal(SIGKILL);
   }
   progress.Poll();
-  return interruption;
+  worker.LookAtEnd(worker.process().Wait(milliseconds{0}).value());
+  const bool is_trouble =
+      interruption == Interruption::kNone && worker.trouble() == WorkerTrouble::kOverMemory;
+  return is_trouble ? Interruption::kTrouble : interruption;
 }
 
-JobRunner::Interruption JobRunner::Interrupted(const Job& job) const {
+JobRunner::Interruption JobRunner::Interrupted(const Job& job, WorkerTrouble trouble) const {
   const std::lock_guard lock(mutex_);
-  const Running& running = running_.at(job.id);
-  if (running.is_cancelled) return Interruption::kCancelled;
+  if (running_.at(job.id).is_cancelled) return Interruption::kCancelled;
   if (is_stopping_) return Interruption::kStopped;
-  if (steady_clock::now() - running.started > options_.time_limit) return Interruption::kTimedOut;
-  return Interruption::kNone;
+  return trouble == WorkerTrouble::kNone ? Interruption::kNone : Interruption::kTrouble;
 }
 
 /// From here on the job cannot be cancelled any more. True when it was before.

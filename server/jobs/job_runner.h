@@ -11,8 +11,10 @@
 #include <vector>
 
 #include "server/jobs/event_hub.h"
+#include "server/jobs/job_limits.h"
 #include "server/jobs/job_spec.h"
 #include "server/jobs/progress_reader.h"
+#include "server/jobs/watched_worker.h"
 #include "server/store/store.h"
 #include "server/store/tables/records.h"
 
@@ -22,7 +24,7 @@ struct JobRunnerOptions {
   JobCommand command;                             ///< required
   int num_workers = 1;                            ///< worker processes at a time
   std::chrono::milliseconds stop_patience{5000};  ///< between SIGTERM and SIGKILL
-  std::chrono::seconds time_limit{24 * 3600};     ///< for one attempt
+  JobLimits limits;
 };
 
 /// How far a running job is.
@@ -65,16 +67,17 @@ class JobRunner {
     bool is_cancelled = false;
     bool is_ending = false;  ///< too late to cancel it
   };
-  enum class Interruption { kNone, kCancelled, kStopped, kTimedOut };
+  enum class Interruption { kNone, kCancelled, kStopped, kTrouble };
 
-  void RecoverJobs();
+  bool RecoverJobs();
   void Work();
   void RunAttempt(const Job& job);
   void RunWorker(const Job& job);
   void CheckLogs(const Job& job);
+  std::chrono::milliseconds PauseAfter(const Job& crashed) const;
   void Publish(const Job& job, const std::filesystem::path& products);
-  Interruption Supervise(const Job& job, class WorkerProcess& worker, ProgressReader& progress);
-  Interruption Interrupted(const Job& job) const;
+  Interruption Supervise(const Job& job, WatchedWorker& worker, ProgressReader& progress);
+  Interruption Interrupted(const Job& job, WorkerTrouble trouble) const;
   bool BeginEnd(const Job& job);
   template <typename Change>
   void End(const Job& job, const Change& change);
@@ -89,6 +92,8 @@ class JobRunner {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::map<std::string, Running> running_;
+  std::mutex recovery_mutex_;
+  std::vector<Job> left_over_;  ///< jobs that an earlier service left running
   bool is_stopping_ = false;
   std::vector<std::thread> threads_;
 };

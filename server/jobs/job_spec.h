@@ -27,13 +27,23 @@ struct JobSpec {
                                    ///< written before the map
 };
 
+/// How a worker ends, one status per class, so that the class is known even where a full disk took
+/// no last words.
+enum class WorkerStatus : int {
+  kDone = 0,
+  kInvalidInput = 1,
+  kUsage = 2,
+  kInternal = 3,
+  kDiskFull = 4,
+  kOutOfMemory = 5,
+};
+
 /// The command line of the worker for an attempt, the program first.
 ///
 /// The worker appends lines of JSON to `progress`:
 ///   {"stage": "track", "progress": 0.42, "eta": 30}  of the whole, 0 to 1; [s] left, where known
 ///   {"error": "sentence", "code": "invalid_input"}   the last line when it fails
-/// and ends with 0 when done, 1 when the input is at fault, anything else when
-/// we are. On SIGTERM it ends soon. What it prints is kept as the job's log.
+/// and ends with a WorkerStatus. On SIGTERM it ends soon. What it prints is kept as the job's log.
 using JobCommand = std::function<std::vector<std::string>(const JobSpec&)>;
 
 }  // namespace parkade

@@ -54,7 +54,9 @@ void MapComparer::Run(const std::string& from_map, const std::string& to_map,
   const TemporaryPath log(directory_.NewTemporaryPath()), products(directory_.NewTemporaryPath());
   WorkerProcess process(
       command_(directory_.MapFolder(from_map), directory_.MapFolder(to_map), products.get()),
-      directory_.root(), log.get());
+      {.folder = directory_.root(),
+       .log = log.get(),
+       .temporary_files = directory_.root() / "tmp"});
   const auto end = std::chrono::steady_clock::now() + kTimeLimit;
   std::optional<int> status;
   while (!(status = process.Wait(kPatience))) {

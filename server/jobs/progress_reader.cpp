@@ -8,7 +8,7 @@
 namespace parkade {
 namespace {
 
-constexpr size_t kMaxLineBytes = 16384;
+constexpr size_t kMaxLineBytes = size_t{1} << 20;  // a sentence may quote much
 constexpr size_t kMaxTextBytes = 1024;
 
 /// A worker's text as it is shown to people: cut, and printable.

@@ -5,20 +5,24 @@
 #include <csignal>
 #include <cstring>
 
+#include "server/jobs/job_spec.h"
+
 namespace parkade {
 namespace {
 
-std::string Sentence(int signal, const std::string& stage) {
-  const std::string where = stage.empty() ? "" : " in stage '" + stage + "'";
-  if (signal == SIGKILL)
-    return "the worker was killed" + where + ", most likely for want of memory";
-  return "the worker crashed" + where + ": " + ::strsignal(signal);
+std::string Place(const std::string& stage) {
+  return stage.empty() ? "" : " in stage '" + stage + "'";
+}
+
+std::string Seconds(std::chrono::milliseconds time) {
+  return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(time).count()) +
+         " seconds";
 }
 
 /// A worker has more codes than jobs end with.
 std::string CodeOfWorker(const std::string& word) {
   if (word == "invalid_input" || word == "usage" || word == "not_found") return "invalid_input";
-  return word == "disk_full" ? word : "internal";
+  return word == "disk_full" || word == "out_of_memory" ? word : "internal";
 }
 
 }  // namespace
@@ -35,16 +39,55 @@ const char* JobErrorCode(ErrorCode code) {
   return "internal";
 }
 
-WorkerExit UnderstandEnd(int status, const WorkerProgress& last_words) {
+WorkerExit UnderstandEnd(int status, const WorkerProgress& last_words, bool is_killed_for_memory) {
+  const std::string place = Place(last_words.stage);
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL && is_killed_for_memory)
+    return {WorkerExit::Kind::kCrashed, "out_of_memory",
+            "the worker ran out of memory" + place + " and was ended by the system"};
   if (WIFSIGNALED(status))
-    return {WorkerExit::Kind::kCrashed, "crashed", Sentence(WTERMSIG(status), last_words.stage)};
+    return {WorkerExit::Kind::kCrashed, "crashed",
+            "the worker crashed" + place + ": " + ::strsignal(WTERMSIG(status))};
   const int exit_status = WEXITSTATUS(status);
-  if (exit_status == 0) return {WorkerExit::Kind::kDone, "", ""};
+  switch (static_cast<WorkerStatus>(exit_status)) {
+    case WorkerStatus::kDone: return {WorkerExit::Kind::kDone, "", ""};
+    case WorkerStatus::kDiskFull:
+      return {WorkerExit::Kind::kFailed, "disk_full",
+              last_words.error.value_or("the disk was full" + place)};
+    case WorkerStatus::kOutOfMemory:
+      return {WorkerExit::Kind::kFailed, "out_of_memory",
+              last_words.error.value_or("the worker ran out of memory" + place)};
+    default: break;
+  }
+  const bool is_inputs_fault = exit_status == static_cast<int>(WorkerStatus::kInvalidInput);
   const std::string code =
-      CodeOfWorker(last_words.code.value_or(exit_status == 1 ? "invalid_input" : "internal"));
+      CodeOfWorker(last_words.code.value_or(is_inputs_fault ? "invalid_input" : "internal"));
   const std::string silent =
       "the worker ended with status " + std::to_string(exit_status) + " and gave no reason";
   return {WorkerExit::Kind::kFailed, code, last_words.error.value_or(silent)};
+}
+
+WorkerExit ExplainTrouble(WorkerTrouble trouble, const JobLimits& limits,
+                          const std::string& stage) {
+  const std::string place = Place(stage);
+  switch (trouble) {
+    case WorkerTrouble::kHangs:
+      return {WorkerExit::Kind::kFailed, "time_limit",
+              "the worker hung" + place + ": it did nothing at all for " + Seconds(limits.hang) +
+                  " and was ended"};
+    case WorkerTrouble::kIsSilent:
+      return {WorkerExit::Kind::kFailed, "time_limit",
+              "the worker made no progress" + place + " for " + Seconds(limits.silence) +
+                  " and was ended"};
+    case WorkerTrouble::kOverMemory:
+      return {WorkerExit::Kind::kFailed, "out_of_memory",
+              "the worker took more memory" + place + " than the " +
+                  std::to_string(limits.memory_bytes >> 20) +
+                  " MiB that a job may use, and was ended"};
+    case WorkerTrouble::kIsLate:
+    case WorkerTrouble::kNone: break;
+  }
+  return {WorkerExit::Kind::kFailed, "time_limit",
+          "the job took longer than " + Seconds(limits.time) + " and was stopped" + place};
 }
 
 }  // namespace parkade

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "server/jobs/progress_reader.h"
+#include "server/jobs/worker_watch.h"
 
 namespace parkade {
 
@@ -15,7 +16,8 @@ struct WorkerExit {
     kCrashed,  ///< ended by a signal: worth another try
   };
   Kind kind = Kind::kDone;
-  std::string code;      ///< "invalid_input", "disk_full", "internal", "crashed"
+  /// "invalid_input", "disk_full", "out_of_memory", "time_limit", "internal", "crashed"
+  std::string code;
   std::string sentence;  ///< for the user
 };
 
@@ -23,7 +25,11 @@ struct WorkerExit {
 /// something or is told something wrong has a bad input; a conflict is our fault.
 const char* JobErrorCode(ErrorCode code);
 
-/// `status` as given by waitpid(2), `last_words` as read from its progress file.
-WorkerExit UnderstandEnd(int status, const WorkerProgress& last_words);
+/// `status` as given by waitpid(2), `last_words` as read from its progress file;
+/// `is_killed_for_memory`: by what the kernel says.
+WorkerExit UnderstandEnd(int status, const WorkerProgress& last_words, bool is_killed_for_memory);
+
+/// Of a worker that was ended for `trouble`, which is not kNone, in stage `stage`.
+WorkerExit ExplainTrouble(WorkerTrouble trouble, const JobLimits& limits, const std::string& stage);
 
 }  // namespace parkade

@@ -14,6 +14,7 @@
 #include <cstring>
 #include <fstream>
 #include <sstream>
+#include <string_view>
 
 #include "core/error.h"
 
@@ -21,13 +22,25 @@ namespace parkade {
 namespace {
 
 constexpr int kNiceness = 10;  // above the service's
+const std::string kTemporaryFiles = "TMPDIR=";
+
+/// This process's environment with another line for temporary files; with its own where null.
+std::vector<char*> Environment(char* temporary_files) {
+  std::vector<char*> lines;
+  for (char** line = ::environ; *line != nullptr; ++line)
+    if (temporary_files == nullptr || !std::string_view(*line).starts_with(kTemporaryFiles))
+      lines.push_back(*line);
+  if (temporary_files != nullptr) lines.push_back(temporary_files);
+  lines.push_back(nullptr);
+  return lines;
+}
 
 /// Everything the child needs, prepared before fork: after it, only async-signal-safe calls are
 /// allowed, because other threads may have held locks.
 struct Launch {
-  std::vector<char*> arguments;
+  std::vector<char*> arguments, environment;
   const char* folder = nullptr;
-  int log_fd = -1, null_fd = -1, failure_fd = -1;
+  int log_fd = -1, null_fd = -1, failure_fd = -1, cgroup_fd = -1;
   pid_t parent = 0;
 };
 
@@ -38,6 +51,10 @@ struct Launch {
     ::_exit(127);
   };
   ::setpgid(0, 0);
+  if (launch.cgroup_fd >= 0 && ::write(launch.cgroup_fd, "0", 1) != 1) {
+    constexpr std::string_view kNote = "the worker cannot join its control group\n";
+    [[maybe_unused]] const ssize_t ignored = ::write(launch.log_fd, kNote.data(), kNote.size());
+  }
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != launch.parent) ::_exit(127);  // the parent died before the line above
   const rlimit no_core{0, 0};
@@ -55,25 +72,27 @@ struct Launch {
   if (::chdir(launch.folder) != 0) give_up();
   // Sockets that the HTTP library accepted are not close-on-exec.
   ::close_range(3, ~0U, CLOSE_RANGE_CLOEXEC);
-  ::execvp(launch.arguments[0], launch.arguments.data());
+  ::execvpe(launch.arguments[0], launch.arguments.data(), launch.environment.data());
   give_up();
   ::_exit(127);
 }
 
 }  // namespace
 
-WorkerProcess::WorkerProcess(const std::vector<std::string>& command,
-                             const std::filesystem::path& folder,
-                             const std::filesystem::path& log) {
+WorkerProcess::WorkerProcess(const std::vector<std::string>& command, const WorkerPlace& place) {
   Require(!command.empty(), ErrorCode::kInternal, "the worker has no command line");
   Launch launch;
   for (const std::string& argument : command)
     launch.arguments.push_back(const_cast<char*>(argument.c_str()));
   launch.arguments.push_back(nullptr);
-  launch.folder = folder.c_str();
+  std::string temporary_files = kTemporaryFiles + place.temporary_files.string();
+  launch.environment =
+      Environment(place.temporary_files.empty() ? nullptr : temporary_files.data());
+  launch.folder = place.folder.c_str();
   launch.parent = ::getpid();
-  launch.log_fd = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  launch.log_fd = ::open(place.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   launch.null_fd = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+  if (!place.cgroup.empty()) launch.cgroup_fd = ::open(place.cgroup.c_str(), O_WRONLY | O_CLOEXEC);
   std::array<int, 2> failure{-1, -1};
   int error = launch.log_fd < 0 || launch.null_fd < 0 || ::pipe2(failure.data(), O_CLOEXEC) != 0
                   ? errno
@@ -84,7 +103,8 @@ WorkerProcess::WorkerProcess(const std::vector<std::string>& command,
     if (pid_ == 0) RunChild(launch);
     if (pid_ < 0) error = errno;
   }
-  for (const int fd : {launch.log_fd, launch.null_fd, failure[1]}) ::close(fd);
+  for (const int fd : {launch.log_fd, launch.null_fd, launch.cgroup_fd, failure[1]})
+    if (fd >= 0) ::close(fd);
   // A successful exec closes the pipe; otherwise the pipe tells why there was none.
   if (error == 0 && ::read(failure[0], &error, sizeof(error)) != sizeof(error)) error = 0;
   ::close(failure[0]);

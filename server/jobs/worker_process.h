@@ -11,15 +11,22 @@
 
 namespace parkade {
 
+/// Where a worker runs.
+struct WorkerPlace {
+  std::filesystem::path folder;                ///< its working directory
+  std::filesystem::path log;                   ///< what it prints is appended here
+  std::filesystem::path temporary_files = {};  ///< its TMPDIR; empty: this process's own
+  std::filesystem::path cgroup = {};           ///< file to join a control group by; empty: none
+};
+
 /// A child process in a group of its own that cannot outlive the thread that
 /// started it, writes no core file, is nicer than the service and is the first to go when
 /// memory runs out. Use from the thread that created it.
 class WorkerProcess {
  public:
-  /// Starts `command` in `folder`; what it prints is appended to `log`. Throws
-  /// Error{kInternal} when it cannot be started.
-  WorkerProcess(const std::vector<std::string>& command, const std::filesystem::path& folder,
-                const std::filesystem::path& log);
+  /// Throws Error{kInternal} when it cannot be started. A control group that it cannot join only
+  /// leaves a line in its log.
+  WorkerProcess(const std::vector<std::string>& command, const WorkerPlace& place);
   /// Kills the group when it still runs.
   ~WorkerProcess();
   WorkerProcess(const WorkerProcess&) = delete;

@@ -69,9 +69,10 @@ void Progress::Finish() {
 }
 
 void Progress::Fail(const std::string& sentence, const std::string& code) {
-  // A sentence may quote a file name that is not UTF-8.
-  Append(nlohmann::json{{"error", sentence}, {"code", code}}.dump(
-      -1, ' ', false, nlohmann::json::error_handler_t::replace));
+  constexpr std::size_t kMaxBytes = 4096;
+  // A sentence may quote a file name that is not UTF-8. A full disk may have cut the line before.
+  Append('\n' + nlohmann::json{{"error", sentence.substr(0, kMaxBytes)}, {"code", code}}.dump(
+                    -1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 double Progress::Overall() const {

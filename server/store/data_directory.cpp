@@ -27,12 +27,15 @@ bool TakeLock(int fd) {
   return false;
 }
 
+/// "data/" has an empty last part otherwise.
+std::filesystem::path WithoutLastSlash(const std::filesystem::path& path) {
+  return path.has_filename() ? path : path.parent_path();
+}
+
 }  // namespace
 
 DataDirectory::DataDirectory(const std::filesystem::path& root)
-    : root_(std::filesystem::absolute(root)) {
-  // "data/" would otherwise have an empty last part.
-  if (!root_.has_filename()) root_ = root_.parent_path();
+    : root_(WithoutLastSlash(std::filesystem::absolute(root))), quarantine_(root_ / "quarantine") {
   CreateDurableFolder(root_);
   lock_fd_ = ::open((root_ / "LOCK").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   Require(lock_fd_ >= 0, ErrorCode::kInvalidInput,
@@ -47,6 +50,7 @@ DataDirectory::DataDirectory(const std::filesystem::path& root)
   // These bytes were promised to nobody: their upload was never acknowledged.
   for (const auto& entry : std::filesystem::directory_iterator(root_ / "tmp"))
     std::filesystem::remove_all(entry.path());
+  quarantine_.Tidy();
 }
 
 DataDirectory::~DataDirectory() { ::close(lock_fd_); }
@@ -56,13 +60,5 @@ std::filesystem::path DataDirectory::AttemptFolder(const std::string& job_id, in
 }
 
 std::filesystem::path DataDirectory::NewTemporaryPath() const { return root_ / "tmp" / NewId(); }
-
-void DataDirectory::Quarantine(const std::filesystem::path& path) const {
-  const std::filesystem::path target =
-      root_ / "quarantine" / (NewId() + "-" + path.filename().string());
-  std::filesystem::rename(path, target);
-  LogWarning("quarantined path=" + path.lexically_relative(root_).string() +
-             " as=" + target.filename().string());
-}
 
 }  // namespace parkade

@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <string>
 
+#include "server/store/quarantine.h"
+
 namespace parkade {
 
 /// The folder that holds everything a service keeps, and the promise that no
@@ -18,7 +20,7 @@ namespace parkade {
 ///   maps/<id>/              published maps, never changed
 ///   jobs/<id>/attempt-<n>/  log, progress and unpublished products of a job
 ///   tmp/                    uploads by one request, comparisons of maps; emptied at start
-///   quarantine/             what was found without a row in the database
+///   quarantine/             what was found without a row in the database; kept for a month
 class DataDirectory {
  public:
   /// Creates what is missing and takes the lock. Throws Error{kConflict} when
@@ -58,12 +60,14 @@ class DataDirectory {
   /// A path in tmp/ that is not in use.
   std::filesystem::path NewTemporaryPath() const;
 
-  /// Moves a path to quarantine/. Nothing there is ever deleted by the service.
-  void Quarantine(const std::filesystem::path& path) const;
+  /// Moves a path to quarantine/.
+  void PutAside(const std::filesystem::path& path) const { quarantine_.Take(path, root_); }
+  const Quarantine& quarantine() const { return quarantine_; }
 
  private:
   std::filesystem::path root_;
   int lock_fd_ = -1;
+  mutable Quarantine quarantine_;
 };
 
 }  // namespace parkade

@@ -31,9 +31,10 @@ void ResetDrives(Connection& connection, const Job& job) {
   DropDeletedDrives(connection, job.id);
 }
 
-void Requeue(Store& store, const Job& job, Setback setback, const std::string& reason) {
+void Requeue(Store& store, const Job& job, Setback setback, const std::string& reason,
+             const std::optional<std::string>& not_before = std::nullopt) {
   store.database.Write([&](Connection& connection) {
-    if (!RequeueJob(connection, job.id, job.attempt, setback, reason)) return;
+    if (!RequeueJob(connection, job.id, job.attempt, setback, reason, not_before)) return;
     ResetDrives(connection, job);
     SetStates(connection, job, DriveState::kQueued);
   });
@@ -134,11 +135,12 @@ void FinishCancelledJob(Store& store, const Job& job) {
   });
 }
 
-void RetryCrashedJob(Store& store, const Job& job, const std::string& sentence) {
+void RetryCrashedJob(Store& store, const Job& job, const std::string& code,
+                     const std::string& sentence, std::chrono::milliseconds pause) {
   if (job.crashes + 1 >= kMaxCrashes) {
-    FailJob(store, job, "crashed", sentence);
+    FailJob(store, job, code, sentence);
   } else {
-    Requeue(store, job, Setback::kCrash, sentence);
+    Requeue(store, job, Setback::kCrash, sentence, UtcIn(pause));
   }
 }
 
@@ -171,10 +173,13 @@ bool CancelWaitingJob(Store& store, const std::string& id) {
 Job RetryJob(Store& store, const std::string& id) {
   return store.database.Write([&](Connection& connection) {
     const Job ended = FindJob(connection, id);
-    const bool can_retry = ended.state == JobState::kFailed || ended.state == JobState::kCancelled;
+    const bool is_paused = ended.state == JobState::kQueued && ended.not_before;
+    const bool can_retry =
+        is_paused || ended.state == JobState::kFailed || ended.state == JobState::kCancelled;
     Require(can_retry, ErrorCode::kConflict,
-            "only a failed or cancelled job can be tried again: job '" + id + "' is " +
-                ToText(ended.state));
+            "only a failed or cancelled job, or one that waits after a crash, can be tried again: "
+            "job '" +
+                id + "' is " + ToText(ended.state));
     ResetDrives(connection, ended);
     QueueJobAgain(connection, id);
     const Job job = FindJob(connection, id);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
@@ -45,9 +46,10 @@ void FinishCancelledJob(Store& store, const Job& job);
 /// waits with this drive as its only or new one fails at once.
 void RecordInspection(Store& store, const std::string& drive, const DriveInspection& inspection);
 
-/// Puts an attempt whose worker crashed back into the queue, or fails it after
-/// kMaxCrashes crashes.
-void RetryCrashedJob(Store& store, const Job& job, const std::string& sentence);
+/// Puts an attempt whose worker crashed back into the queue, where it waits for `pause`, or fails
+/// it with `code` after kMaxCrashes crashes.
+void RetryCrashedJob(Store& store, const Job& job, const std::string& code,
+                     const std::string& sentence, std::chrono::milliseconds pause);
 
 /// Puts an attempt back into the queue that an earlier service was at when it died, or fails it
 /// after kMaxServiceEnds of them.
@@ -60,8 +62,8 @@ void ReturnJob(Store& store, const Job& job);
 /// Error{kNotFound}, Error{kConflict} when it has ended.
 bool CancelWaitingJob(Store& store, const std::string& id);
 
-/// Queues a failed or cancelled job again. Throws Error{kNotFound},
-/// Error{kConflict} in another state or when all drives of it were deleted.
+/// Queues a failed or cancelled job again, or ends the pause of one that crashed. Throws
+/// Error{kNotFound}, Error{kConflict} in another state or when all drives of it were deleted.
 Job RetryJob(Store& store, const std::string& id);
 
 }  // namespace parkade

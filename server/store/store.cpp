@@ -26,7 +26,7 @@ std::vector<fs::path> FoldersOf(const Store& store, const fs::path& folder) {
     if (fs::is_directory(fs::symlink_status(entry))) {
       folders.push_back(entry);
     } else {
-      store.directory.Quarantine(entry);
+      store.directory.PutAside(entry);
     }
   }
   return folders;
@@ -49,7 +49,7 @@ void ReconcileLogs(Store& store) {
         query.Step();
         return std::pair(query.Integer(0), query.Integer(1));
       });
-      if (rows == 0) store.directory.Quarantine(log);
+      if (rows == 0) store.directory.PutAside(log);
       if (rows > 0 && live_rows == 0) fs::remove(log);
     }
   }
@@ -64,7 +64,7 @@ void ReconcileUploads(Store& store) {
     if (HasRow(store, "uploads", id)) {
       fs::remove(file);
     } else {
-      store.directory.Quarantine(file);
+      store.directory.PutAside(file);
     }
   }
 }
@@ -72,12 +72,13 @@ void ReconcileUploads(Store& store) {
 void ReconcileJobFolders(Store& store) {
   for (const fs::path& folder : FoldersOf(store, store.directory.JobsFolder())) {
     if (!HasRow(store, "jobs", folder.filename().string())) {
-      store.directory.Quarantine(folder);
+      store.directory.PutAside(folder);
       continue;
     }
     for (const fs::path& attempt : EntriesOf(folder)) {
       fs::remove_all(attempt / "out");
       fs::remove_all(attempt / "input");
+      fs::remove_all(attempt / "tmp");
       fs::remove(attempt / "preview.glb");
     }
   }
@@ -97,9 +98,9 @@ void ReconcileFiles(Store& store) {
   ReconcileLogs(store);
   ReconcileJobFolders(store);
   for (const fs::path& folder : FoldersOf(store, store.directory.MapsFolder()))
-    if (!HasRow(store, "maps", folder.filename().string())) store.directory.Quarantine(folder);
+    if (!HasRow(store, "maps", folder.filename().string())) store.directory.PutAside(folder);
   for (const fs::path& folder : FoldersOf(store, store.directory.RigsFolder()))
-    if (!HasRow(store, "rigs", folder.filename().string())) store.directory.Quarantine(folder);
+    if (!HasRow(store, "rigs", folder.filename().string())) store.directory.PutAside(folder);
 }
 
 }  // namespace parkade

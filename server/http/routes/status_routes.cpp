@@ -125,6 +125,9 @@ std::string MetricsOf(RouteContext& context) {
              context.store.database.Read(CountDamagedFiles));
   text.Gauge("parkade_disk_free_bytes", "Free bytes on the disk of the data directory.",
              FreeBytes(context.store.directory.root()));
+  const Quarantine& quarantine = context.store.directory.quarantine();
+  text.Gauge("parkade_quarantine_entries", "What lies in quarantine/.", quarantine.num_entries());
+  text.Gauge("parkade_quarantine_bytes", "Its bytes.", quarantine.num_bytes());
   text.Gauge("process_resident_memory_bytes", "Memory of the service, without its workers.",
              ResidentBytes());
   const auto uptime = std::chrono::steady_clock::now() - metrics.started;

@@ -52,6 +52,7 @@ JobRunnerOptions RunnerOptions(const ServeOptions& options) {
   JobRunnerOptions runner;
   runner.command = options.job_command;
   runner.num_workers = options.num_workers;
+  runner.limits = options.job_limits;
   return runner;
 }
 

@@ -144,7 +144,8 @@ class Extractor {
   }
 
   bool WriteContent(const fs::path& file, ExtractionResult& result) {
-    fs::create_directories(file.parent_path());
+    if (file.parent_path() != last_folder_) fs::create_directories(file.parent_path());
+    last_folder_ = file.parent_path();
     errno = 0;
     std::ofstream stream(file, std::ios::binary | std::ios::trunc);
     while (true) {
@@ -170,7 +171,7 @@ class Extractor {
   }
 
   std::string name_;
-  fs::path target_;
+  fs::path target_, last_folder_;
   std::uint64_t max_bytes_;
   ArchiveReader reader_;
   std::string root_;

@@ -2,21 +2,21 @@
 
 #include <filesystem>
 
+#include "server/ingest/files/temporary_folder.h"
+
 namespace parkade {
 
-/// An empty file of its own name that is removed with the object.
+/// A file of its own, to be written, that is removed with the object.
 class TemporaryFile {
  public:
-  /// Makes it in `folder`, or where that is empty in the system's folder for temporary files
-  /// (TMPDIR). Throws Error{kInternal}, or Error{kDiskFull}.
-  explicit TemporaryFile(const std::filesystem::path& folder);
-  ~TemporaryFile();
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  /// Lies in a TemporaryFolder in `folder`, which throws.
+  explicit TemporaryFile(const std::filesystem::path& folder)
+      : folder_(folder), path_(folder_.path() / "content") {}
 
   const std::filesystem::path& path() const { return path_; }
 
  private:
+  TemporaryFolder folder_;
   std::filesystem::path path_;
 };
 

@@ -11,7 +11,7 @@ namespace {
 
 const std::string kSelect = R"(
   SELECT sequence, id, site, state, attempt, crashes, error, error_code, pid, pid_started, map_version, created_at,
-         started_at, finished_at, review, service_ends, new_drive
+         started_at, finished_at, review, service_ends, new_drive, not_before
   FROM jobs )";
 
 std::optional<std::string> ReviewToText(const MapReview& review) {
@@ -53,6 +53,7 @@ Job FromRow(Connection& connection, const Statement& row) {
   job.review = ReviewFromText(OptionalText(row, 14));
   job.service_ends = static_cast<int>(row.Integer(15));
   job.new_drive = OptionalText(row, 16);
+  job.not_before = OptionalText(row, 17);
   Statement drives =
       connection.Query("SELECT drive FROM job_drives WHERE job = ? ORDER BY position", job.id);
   while (drives.Step()) job.drives.push_back(drives.Text(0));
@@ -93,14 +94,16 @@ std::vector<Job> ListJobs(Connection& connection, const Page& page,
 }
 
 std::optional<Job> NextQueuedJob(Connection& connection) {
-  Statement query = connection.Query(kSelect + R"(
-      WHERE state = ? AND (new_drive IS NULL
-                           OR NOT EXISTS (SELECT 1 FROM jobs other WHERE other.site = jobs.site AND other.state = ?))
+  Statement query =
+      connection.Query(kSelect + R"(
+      WHERE state = ?1 AND (not_before IS NULL OR not_before <= ?3)
+        AND (new_drive IS NULL
+                           OR NOT EXISTS (SELECT 1 FROM jobs other WHERE other.site = jobs.site AND other.state = ?2))
         AND NOT EXISTS (SELECT 1 FROM job_drives JOIN drives ON drives.id = job_drives.drive
-                          WHERE job_drives.job = jobs.id AND drives.inspection_state = ?
+                          WHERE job_drives.job = jobs.id AND drives.inspection_state = ?4
                             AND drives.deleted_at IS NULL)
       ORDER BY sequence LIMIT 1)",
-                                     Word(JobState::kQueued), Word(JobState::kRunning), kWaiting);
+                       Word(JobState::kQueued), Word(JobState::kRunning), NowUtc(), kWaiting);
   if (!query.Step()) return std::nullopt;
   return FromRow(connection, query);
 }
@@ -138,7 +141,7 @@ void DropDeletedDrives(Connection& connection, const std::string& id) {
 void StartJob(Connection& connection, const std::string& id) {
   connection.Execute(
       "UPDATE jobs SET state = ?, attempt = attempt + 1, started_at = ?, error = NULL, error_code "
-      "= NULL WHERE id = ?",
+      "= NULL, not_before = NULL WHERE id = ?",
       Word(JobState::kRunning), NowUtc(), id);
 }
 
@@ -158,20 +161,20 @@ bool EndJob(Connection& connection, const std::string& id, int attempt, const Jo
 }
 
 bool RequeueJob(Connection& connection, const std::string& id, int attempt, Setback setback,
-                const std::string& reason) {
+                const std::string& reason, const std::optional<std::string>& not_before) {
   return connection.Execute(
              R"(UPDATE jobs SET state = ?, crashes = crashes + ?, service_ends = service_ends + ?, error = ?,
-                                pid = NULL, pid_started = NULL
+                                not_before = ?, pid = NULL, pid_started = NULL
                 WHERE id = ? AND attempt = ? AND state = ?)",
              Word(JobState::kQueued), setback == Setback::kCrash ? 1 : 0,
-             setback == Setback::kServiceEnd ? 1 : 0, reason, id, attempt,
+             setback == Setback::kServiceEnd ? 1 : 0, reason, not_before, id, attempt,
              Word(JobState::kRunning)) == 1;
 }
 
 void QueueJobAgain(Connection& connection, const std::string& id) {
   connection.Execute(
       R"(UPDATE jobs SET state = ?, crashes = 0, service_ends = 0, error = NULL, error_code = NULL,
-                         started_at = NULL, finished_at = NULL WHERE id = ?)",
+                         started_at = NULL, finished_at = NULL, not_before = NULL WHERE id = ?)",
       Word(JobState::kQueued), id);
 }
 
@@ -185,7 +188,8 @@ bool FailQueuedJob(Connection& connection, const std::string& id, const std::str
 
 bool CancelQueuedJob(Connection& connection, const std::string& id) {
   return connection.Execute(
-             R"(UPDATE jobs SET state = ?, error = 'cancelled', error_code = 'cancelled', finished_at = ?
+             R"(UPDATE jobs SET state = ?, error = 'cancelled', error_code = 'cancelled', finished_at = ?,
+                                not_before = NULL
                 WHERE id = ? AND state = ?)",
              Word(JobState::kCancelled), NowUtc(), id, Word(JobState::kQueued)) == 1;
 }

@@ -23,9 +23,9 @@ std::vector<Job> ListJobs(Connection& connection, const Page& page,
                           const std::optional<JobState>& state,
                           const std::optional<std::string>& site);
 
-/// The oldest queued job that may start: none whose drives still wait for a first look. One with a
-/// new drive waits for jobs of its site that run: their map is not there to be joined with yet, and
-/// would come after one that knows nothing of it.
+/// The oldest queued job that may start now: none whose drives still wait for a first look. One
+/// with a new drive waits for jobs of its site that run: their map is not there to be joined with
+/// yet, and would come after one that knows nothing of it.
 std::optional<Job> NextQueuedJob(Connection& connection);
 std::int64_t CountJobs(Connection& connection, JobState state);
 
@@ -55,11 +55,13 @@ bool EndJob(Connection& connection, const std::string& id, int attempt, const Jo
 /// Why an attempt ended without a result. Crashes and ends of the service are counted.
 enum class Setback { kCrash, kServiceEnd, kStop };
 
-/// Running -> queued. False when the attempt is not the running one.
+/// Running -> queued, until `not_before` where given. False when the attempt is not the running
+/// one.
 bool RequeueJob(Connection& connection, const std::string& id, int attempt, Setback setback,
-                const std::string& reason);
+                const std::string& reason, const std::optional<std::string>& not_before);
 
-/// Failed or cancelled -> queued, with the counts of interruptions forgotten.
+/// Failed, cancelled or waiting after a crash -> queued, with the counts of interruptions
+/// forgotten.
 void QueueJobAgain(Connection& connection, const std::string& id);
 
 /// Queued -> failed. False when it is not queued.

@@ -38,8 +38,6 @@ std::string NewId() {
   return id;
 }
 
-std::string NowUtc() { return UtcText(std::chrono::system_clock::now()); }
-
 std::string UtcText(std::chrono::system_clock::time_point time) {
   const auto milliseconds =
       std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch()).count();

@@ -9,9 +9,14 @@ namespace parkade {
 /// 16 hexadecimal digits from the kernel's random numbers.
 std::string NewId();
 
-/// Now as RFC 3339 in UTC with milliseconds, "2026-11-21T04:22:27.123Z".
-std::string NowUtc();
+/// A time as RFC 3339 in UTC with milliseconds, "2026-11-21T04:22:27.123Z": texts order as times
+/// do.
 std::string UtcText(std::chrono::system_clock::time_point time);
+/// The time in `delay`.
+inline std::string UtcIn(std::chrono::milliseconds delay) {
+  return UtcText(std::chrono::system_clock::now() + delay);
+}
+inline std::string NowUtc() { return UtcIn(std::chrono::milliseconds{0}); }
 
 /// True for names of sites, rigs and mask files: 1 to 64 characters of
 /// [A-Za-z0-9._-], the first a letter or digit.

@@ -78,6 +78,7 @@ struct Job {
   int service_ends = 0;  ///< of these, ended because the service died since it was queued by hand
   std::optional<std::string> error;       ///< one sentence
   std::optional<std::string> error_code;  ///< "invalid_input", "crashed", ...
+  std::optional<std::string> not_before;  ///< of a queued job that waits after a crash
   std::optional<std::int64_t> pid,
       pid_started;  ///< of the running worker; start in clock ticks since boot
   std::optional<std::int64_t> map_version;

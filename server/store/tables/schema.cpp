@@ -139,10 +139,13 @@ const std::vector<const char*> kVersion5 = {
          checked_at TEXT NOT NULL,
          damage TEXT) STRICT, WITHOUT ROWID)"};
 
+// When a queued job may start at the earliest; NULL: at once.
+const std::vector<const char*> kVersion6 = {"ALTER TABLE jobs ADD COLUMN not_before TEXT"};
+
 // One entry per schema version, oldest first. A published entry never changes:
 // a change of the tables is a new entry.
 const std::vector<const std::vector<const char*>*> kMigrations = {
-    &kVersion1, &kVersion2, &kVersion3, &kVersion4, &kVersion5};
+    &kVersion1, &kVersion2, &kVersion3, &kVersion4, &kVersion5, &kVersion6};
 
 size_t FoundVersion(Connection& connection) {
   Statement query = connection.Query("PRAGMA user_version");

@@ -17,6 +17,7 @@ inline ServeOptions FakeServeOptions(const std::filesystem::path& program,
   options.data = data;
   options.listen = "127.0.0.1:0";
   options.disk_reserve = 0;
+  options.job_limits.crash_pauses = {};
   options.merge_drives = false;  // a log tells the worker what to do: one at a time
   const std::string worker =
       std::filesystem::exists(program) && std::filesystem::is_symlink(program)

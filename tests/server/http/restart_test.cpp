@@ -1,8 +1,5 @@
 // The service as a process of its own: killed, started again, started twice.
 
-#include <signal.h>
-#include <unistd.h>
-
 #include <atomic>
 #include <optional>
 
@@ -89,6 +86,33 @@ TEST_F(Restart, AfterAKillMidJobDoesTheJobAgain) {
   EXPECT_EQ(found.at("map_version"), 1);
   EXPECT_EQ(client.Get("/api/v1/sites/lot/maps/1/map.glb")->status, 200);
   EXPECT_FALSE(std::filesystem::exists(data_ / "jobs" / job / "attempt-1" / "out"));
+  EXPECT_FALSE(std::filesystem::exists(data_ / "jobs" / job / "attempt-1" / "tmp"));
+}
+
+TEST_F(Restart, ACrashedJobWaitsOnAfterAKill) {
+  std::string job, not_before;
+  {
+    ::setenv("CRASH_PAUSE", "3600", 1);
+    ServiceProcess service(data_);
+    httplib::Client client("127.0.0.1", service.Port());
+    job = Upload(client, "log crash\n");
+    Eventually([&] {
+      const Json found = Parsed(client.Get("/api/v1/jobs/" + job));
+      const bool waits = found.at("state") == "queued" && found.at("not_before").is_string();
+      if (waits) not_before = found.at("not_before");
+      return waits;
+    });
+    service.End(SIGKILL);
+  }
+  ServiceProcess service(data_);
+  ::unsetenv("CRASH_PAUSE");
+  httplib::Client client("127.0.0.1", service.Port());
+  EXPECT_EQ(Parsed(client.Get("/api/v1/jobs/" + job)).at("not_before"), not_before);
+  EXPECT_EQ(Parsed(client.Get("/api/v1/jobs/" + job)).at("attempts"), 1);
+
+  EXPECT_EQ(client.Post("/api/v1/jobs/" + job + "/retry", "", "application/json")->status, 202);
+  Eventually(
+      [&] { return Parsed(client.Get("/api/v1/jobs/" + job)).at("attempts").get<int>() == 2; });
 }
 
 TEST_F(Restart, LosesNoJobHoweverOftenTheServiceIsKilled) {

@@ -57,6 +57,12 @@ TEST_F(ProgressFile, MayHoldNonsense) {
   EXPECT_EQ(reader_.latest().error->size(), 1024u);
 }
 
+TEST_F(ProgressFile, TakesTheCodeBehindALongSentence) {
+  Append("{\"error\": \"" + std::string(20'000, 'e') + "\", \"code\": \"disk_full\"}\n");
+  reader_.Poll();
+  EXPECT_EQ(reader_.latest().code, "disk_full");
+}
+
 TEST_F(ProgressFile, KeepsTheLastWordsOfAFailure) {
   Append("{\"error\": \"the log has no IMU\", \"code\": \"invalid_input\"}\n");
   reader_.Poll();

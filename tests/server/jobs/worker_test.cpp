@@ -20,7 +20,7 @@ class Worker : public testing::Test {
  protected:
   std::unique_ptr<WorkerProcess> Start(const std::string& script) {
     return std::make_unique<WorkerProcess>(std::vector<std::string>{"/bin/sh", "-c", script},
-                                           root_.path(), log_);
+                                           WorkerPlace{root_.path(), log_});
   }
   int StatusOf(const std::string& script) {
     return Start(script)->Wait(milliseconds(60'000)).value();
@@ -63,7 +63,7 @@ TEST_F(Worker, InheritsNoOpenFiles) {
 
 TEST_F(Worker, ThatCannotStartSaysSo) {
   try {
-    WorkerProcess({"/nonexistent/program"}, root_.path(), log_);
+    WorkerProcess({"/nonexistent/program"}, {root_.path(), log_});
     FAIL() << "started";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("No such file"), std::string::npos);
@@ -96,12 +96,12 @@ TEST_F(Worker, DiesWithItsOwner) {
 }
 
 TEST_F(Worker, EndIsUnderstood) {
-  EXPECT_EQ(UnderstandEnd(StatusOf("exit 0"), {}).kind, WorkerExit::Kind::kDone);
+  EXPECT_EQ(UnderstandEnd(StatusOf("exit 0"), {}, false).kind, WorkerExit::Kind::kDone);
 
   WorkerProgress last_words;
   last_words.stage = "track";
   last_words.error = "the log has no IMU";
-  const WorkerExit failed = UnderstandEnd(StatusOf("exit 1"), last_words);
+  const WorkerExit failed = UnderstandEnd(StatusOf("exit 1"), last_words, false);
   EXPECT_EQ(failed.kind, WorkerExit::Kind::kFailed);
   EXPECT_EQ(failed.code, "invalid_input");
   EXPECT_EQ(failed.sentence, "the log has no IMU");
@@ -111,19 +111,43 @@ TEST_F(Worker, EndIsUnderstood) {
         std::pair("conflict", "internal"), std::pair("disk_full", "disk_full"),
         std::pair("nonsense", "internal")}) {
     last_words.code = said;
-    EXPECT_EQ(UnderstandEnd(StatusOf("exit 2"), last_words).code, code) << said;
+    EXPECT_EQ(UnderstandEnd(StatusOf("exit 2"), last_words, false).code, code) << said;
   }
 
-  const WorkerExit silent = UnderstandEnd(StatusOf("exit 3"), {});
+  const WorkerExit silent = UnderstandEnd(StatusOf("exit 3"), {}, false);
   EXPECT_EQ(silent.kind, WorkerExit::Kind::kFailed);
   EXPECT_EQ(silent.code, "internal");
   EXPECT_EQ(silent.sentence, "the worker ended with status 3 and gave no reason");
 
-  const WorkerExit crashed = UnderstandEnd(StatusOf("kill -SEGV $$"), last_words);
+  const WorkerExit crashed = UnderstandEnd(StatusOf("kill -SEGV $$"), last_words, false);
   EXPECT_EQ(crashed.kind, WorkerExit::Kind::kCrashed);
   EXPECT_EQ(crashed.sentence, "the worker crashed in stage 'track': Segmentation fault");
-  EXPECT_NE(UnderstandEnd(StatusOf("kill -KILL $$"), {}).sentence.find("memory"),
-            std::string::npos);
+
+  const int killed = StatusOf("kill -KILL $$");
+  EXPECT_EQ(UnderstandEnd(killed, {}, false).code, "crashed");
+  EXPECT_EQ(UnderstandEnd(killed, {}, true).code, "out_of_memory");
+  EXPECT_EQ(UnderstandEnd(StatusOf("kill -SEGV $$"), {}, true).code, "crashed")
+      << "another process was killed for memory meanwhile";
+}
+
+TEST_F(Worker, EndsWithAStatusForEachClassWhateverItsLastWordsAre) {
+  WorkerProgress cut_off;
+  cut_off.code = "invalid_input";
+  for (const auto& [status, code] :
+       {std::pair("4", "disk_full"), std::pair("5", "out_of_memory")}) {
+    const int end = StatusOf(std::string("exit ") + status);
+    EXPECT_EQ(UnderstandEnd(end, {}, false).code, code);
+    EXPECT_EQ(UnderstandEnd(end, cut_off, false).code, code);
+    EXPECT_EQ(UnderstandEnd(end, {}, false).sentence.find("gave no reason"), std::string::npos);
+  }
+}
+
+TEST_F(Worker, PutsTemporaryFilesWhereItIsTold) {
+  WorkerProcess worker({"/bin/sh", "-c", "echo $TMPDIR; env | grep -c ^TMPDIR="},
+                       {root_.path(), log_, "/some/where"});
+  worker.Wait(milliseconds(60'000));
+
+  EXPECT_EQ(Printed(), "/some/where\n1\n");
 }
 
 TEST(ProcessStartTime, TellsProcessesApart) {

@@ -41,7 +41,7 @@ TEST(DataDirectory, ForgetsUnfinishedUploadsAndKeepsWhatItQuarantines) {
   WriteText(root.path() / "data" / "maps" / "stray" / "map.glb", "whose?");
 
   const DataDirectory directory(root.path() / "data" / "");
-  directory.Quarantine(directory.MapsFolder() / "stray");
+  directory.PutAside(directory.MapsFolder() / "stray");
 
   EXPECT_TRUE(ContentOf(directory.root() / "tmp").empty());
   EXPECT_TRUE(ContentOf(directory.MapsFolder()).empty());

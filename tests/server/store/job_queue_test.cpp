@@ -1,5 +1,7 @@
 #include "server/store/job_queue.h"
 
+#include <thread>
+
 #include "core/error.h"
 #include "server/store/publish_map.h"
 #include "server/store/tables/drive_table.h"
@@ -9,6 +11,10 @@
 
 namespace parkade {
 namespace {
+
+void Crash(Store& store, const Job& job, std::chrono::milliseconds pause = {}) {
+  RetryCrashedJob(store, job, "crashed", "segmentation fault", pause);
+}
 
 class JobQueue : public StoreTest {
  protected:
@@ -58,7 +64,7 @@ TEST_F(JobQueue, ACrashedJobIsTriedThreeTimesInAll) {
     const std::optional<Job> job = ClaimJob(store_);
     ASSERT_TRUE(job.has_value());
     EXPECT_EQ(job->attempt, attempt);
-    RetryCrashedJob(store_, *job, "segmentation fault");
+    Crash(store_, *job);
   }
   EXPECT_FALSE(ClaimJob(store_).has_value());
   EXPECT_EQ(JobNow().state, JobState::kFailed);
@@ -66,6 +72,29 @@ TEST_F(JobQueue, ACrashedJobIsTriedThreeTimesInAll) {
 
   RetryJob(store_, received_.job.id);
   EXPECT_EQ(ClaimJob(store_)->attempt, 4) << "attempts count on, so that their folders differ";
+}
+
+TEST_F(JobQueue, ACrashedJobWaitsAndOthersGoFirst) {
+  const ReceivedDrive later = Receive(store_, "later", {"b.bag", "lot", std::nullopt});
+  Crash(store_, *ClaimJob(store_), std::chrono::hours(1));
+
+  EXPECT_GT(JobNow().not_before.value(), UtcIn(std::chrono::minutes(59)));
+  EXPECT_EQ(ClaimJob(store_)->id, later.job.id);
+  EXPECT_FALSE(ClaimJob(store_).has_value());
+
+  RetryJob(store_, received_.job.id);
+  EXPECT_FALSE(JobNow().not_before.has_value());
+  EXPECT_EQ(ClaimJob(store_)->id, received_.job.id) << "by hand it starts at once";
+}
+
+TEST_F(JobQueue, ACrashedJobStartsWhenItsPauseIsOver) {
+  Crash(store_, *ClaimJob(store_), std::chrono::milliseconds(50));
+  EXPECT_FALSE(ClaimJob(store_).has_value());
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+
+  const std::optional<Job> again = ClaimJob(store_);
+  ASSERT_TRUE(again.has_value());
+  EXPECT_FALSE(again->not_before.has_value());
 }
 
 TEST_F(JobQueue, AStoppedServiceDoesNotCountAsACrash) {
@@ -77,7 +106,7 @@ TEST_F(JobQueue, AStoppedServiceDoesNotCountAsACrash) {
 
 TEST_F(JobQueue, AnAttemptThatWasGivenUpChangesNothing) {
   const Job zombie = *ClaimJob(store_);
-  RetryCrashedJob(store_, zombie, "lost");
+  Crash(store_, zombie);
   const Job current = *ClaimJob(store_);
 
   FailJob(store_, zombie, "internal", "too late");
@@ -168,7 +197,7 @@ class GrowingSite : public StoreTest {
     for (int attempt = 1; attempt <= 3; ++attempt) {
       const Job claimed = *ClaimJob(store_);
       ASSERT_EQ(claimed.id, job);
-      RetryCrashedJob(store_, claimed, "segmentation fault");
+      Crash(store_, claimed);
     }
   }
   DriveState StateOf(const ReceivedDrive& received) {
@@ -239,7 +268,7 @@ TEST_F(GrowingSite, IsJoinedAnewAfterACrash) {
   const Job second = *ClaimJob(store_);
   EXPECT_EQ(second.drives, (std::vector{a.drive.id, b.drive.id}));
 
-  RetryCrashedJob(store_, second, "segmentation fault");
+  Crash(store_, second);
   EXPECT_EQ(StateOf(a), DriveState::kReady);
   EXPECT_EQ(StateOf(b), DriveState::kQueued);
   DeleteDrive(store_, a.drive.id);

@@ -176,7 +176,7 @@ TEST_F(PublishedMap, TakesNoLinksOutOfTheFolder) {
 }
 
 TEST_F(PublishedMap, IsNotPublishedByAnAttemptThatWasGivenUp) {
-  RetryCrashedJob(store_, job_, "lost");
+  RetryCrashedJob(store_, job_, "crashed", "lost", {});
   ClaimJob(store_);
 
   EXPECT_THROW(PublishMap(store_, job_, SealMap(Stage())), Error);

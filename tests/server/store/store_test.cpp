@@ -78,6 +78,7 @@ TEST_F(ReconciledFiles, DropUnpublishedProductsAndKeepTheLog) {
   const auto attempt = store_.directory.AttemptFolder(received.job.id, 1);
   WriteText(attempt / "out" / "map.glb", "half a map");
   WriteText(attempt / "preview.glb", "what it would have been");
+  WriteText(attempt / "tmp" / "parkade-unpacked-a" / "data.csv", "of an archive");
   WriteText(attempt / "log.txt", "said");
 
   ReconcileFiles(store_);

@@ -355,6 +355,10 @@ TEST(TrajectoryEstimator, RefusesWhatCannotBeMappedInOneSentence) {
   SampledDrive short_drive = drive;
   short_drive.imu.resize(60);
   EXPECT_NE(message_of(short_drive).find("0.3 s"), std::string::npos);
+  SampledDrive nearly_enough = drive;
+  nearly_enough.imu.resize(199);  // of 200 Hz
+  EXPECT_NE(message_of(nearly_enough).find("only 0.9 s of IMU data; at least 1.0 s"),
+            std::string::npos);
   SampledDrive blind = drive;
   blind.frames.clear();
   blind.wheels.clear();

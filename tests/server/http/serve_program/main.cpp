@@ -48,6 +48,8 @@ int Work(const fs::path& out, const fs::path& progress, const std::vector<fs::pa
   std::string word, todo;
   stream >> word >> todo;
   std::cerr << "working on " << logs.front().filename().string() << ": " << todo << std::endl;
+  if (const char* folder = std::getenv("TMPDIR"))
+    std::ofstream(fs::path(folder) / "unpacked") << "as a worker leaves it that is killed";
   Say(progress, R"({"stage": "track", "progress": 0.25})");
   if (todo == "bad-input") {
     Say(progress, R"({"error": "the log has no IMU", "code": "invalid_input"})");
@@ -106,6 +108,8 @@ int RunService(const std::string& data) {
   ServeOptions options = FakeServeOptions("/proc/self/exe", data);
   if (const char* reserve = std::getenv("RESERVE")) options.disk_reserve = std::stoll(reserve);
   if (const char* listen = std::getenv("LISTEN")) options.listen = listen;
+  if (const char* pause = std::getenv("CRASH_PAUSE"))
+    options.job_limits.crash_pauses = {std::chrono::seconds(std::stoi(pause))};
   options.drain_seconds = 3;
   // As libraries do that start threads before main: this one leaves signals open.
   std::thread([] {

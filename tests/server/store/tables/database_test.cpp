@@ -115,8 +115,12 @@ TEST(Database, TakesOverJobsOfTheSchemaBefore) {
       connection.Execute("INSERT INTO map_drives (map, position, drive) VALUES ('m', 0, 'd')");
       connection.Execute("ALTER TABLE jobs DROP COLUMN new_drive");
       connection.Execute("ALTER TABLE map_files DROP COLUMN pieces");
+      connection.Execute("DROP INDEX drives_by_inspection");
+      for (const char* column : {"inspection_state", "inspection"})
+        connection.Execute(std::string("ALTER TABLE drives DROP COLUMN ") + column);
       for (const char* table : {"uploads", "file_checks"})
         connection.Execute(std::string("DROP TABLE ") + table);
+      connection.Execute("ALTER TABLE jobs DROP COLUMN not_before");
       connection.Execute("PRAGMA user_version=3");
     });
   }

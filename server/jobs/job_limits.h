@@ -1,0 +1,21 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+namespace parkade {
+
+/// What a job may use, and how long a crashed one waits.
+struct JobLimits {
+  std::chrono::seconds time{24 * 3600};  ///< for one attempt
+  /// Without any sign of life: neither progress, nor processor time, nor work of the disk.
+  std::chrono::milliseconds hang{20'000};
+  std::chrono::milliseconds silence{4 * 3'600'000};  ///< at work, but without progress
+  std::int64_t memory_bytes = 0;                     ///< of one worker; 0: DefaultMemoryLimit()
+  /// Before a crashed worker is started again: after the first crash, the second, ...
+  std::vector<std::chrono::milliseconds> crash_pauses = {std::chrono::seconds{10},
+                                                         std::chrono::seconds{60}};
+};
+
+}  // namespace parkade
