@@ -25,6 +25,9 @@ constexpr std::chrono::milliseconds kPatience{100};
 constexpr std::chrono::seconds kLookInterval{30};
 constexpr size_t kMaxBytes = size_t{4} << 20;
 
+// The job may have better luck, and says what is wrong otherwise.
+const DriveInspection kNothingFound{.state = kNotInspected, .json = {}, .error = {}};
+
 std::string Joined(const nlohmann::json& sentences) {
   std::string text;
   for (const nlohmann::json& sentence : sentences)
@@ -84,14 +87,13 @@ bool DriveInspector::is_stopping() {
 void DriveInspector::Work() {
   while (!is_stopping()) {
     try {
-      const std::optional<Drive> drive = store_.database.Read(NextDriveToInspect);
-      if (drive) {
-        Inspect(*drive);
+      if (const std::optional<Drive> drive = store_.database.Read(NextDriveToInspect)) {
+        Finish(*drive, Inspect(*drive));
         continue;
       }
     } catch (const DiskFailure& failure) {
       store_.database.Freeze(failure.what());
-    } catch (const std::exception& error) {
+    } catch (const Error& error) {
       LogError(std::string("inspection error=") + error.what());  // a full disk: try again later
     }
     std::unique_lock lock(mutex_);
@@ -100,7 +102,22 @@ void DriveInspector::Work() {
   }
 }
 
-void DriveInspector::Inspect(const Drive& drive) {
+/// Nothing where the service ends meanwhile; the next one does it again.
+std::optional<DriveInspection> DriveInspector::Inspect(const Drive& drive) {
+  try {
+    return RunInspection(drive);
+  } catch (const DiskFailure&) {
+    throw;
+  } catch (const std::exception& error) {
+    if (const auto* known = dynamic_cast<const Error*>(&error);
+        known != nullptr && known->code() == ErrorCode::kDiskFull)
+      throw;
+    LogWarning("inspection failed drive=" + drive.id + " error=" + error.what());
+    return kNothingFound;
+  }
+}
+
+std::optional<DriveInspection> DriveInspector::RunInspection(const Drive& drive) {
   const TemporaryPath folder(store_.directory.NewTemporaryPath());
   fs::create_directory(folder.get());
   const fs::path out = folder.get() / "inspection.json", log = folder.get() / "log.txt";
@@ -110,7 +127,6 @@ void DriveInspector::Inspect(const Drive& drive) {
             [&](Connection& connection) { return FindRig(connection, *drive.rig); }))
       rig = store_.directory.RigFolder(stored->id);
 
-  DriveInspection inspection{.state = kNotInspected, .json = {}, .error = {}};
   std::optional<int> status;
   {
     WorkerProcess process(
@@ -118,21 +134,21 @@ void DriveInspector::Inspect(const Drive& drive) {
         {.folder = folder.get(), .log = log, .temporary_files = folder.get(), .cgroup = {}});
     const auto end = std::chrono::steady_clock::now() + kTimeLimit;
     while (!(status = process.Wait(kPatience))) {
-      if (is_stopping()) return;  // the next service does it again
+      if (is_stopping()) return std::nullopt;
       if (std::chrono::steady_clock::now() > end) break;
     }
   }
   const bool has_ended = status && WIFEXITED(*status);
-  if (has_ended && fs::exists(out)) {
-    inspection = UnderstandInspection(out, drive.filename);
-  } else if (has_ended && WEXITSTATUS(*status) == 1) {
-    inspection.state = kUnusable;
-    inspection.error = LastSentence(log);
-  } else {
-    // The job may have better luck, and says what is wrong otherwise.
-    LogWarning("inspection gave nothing drive=" + drive.id);
-  }
-  RecordInspection(store_, drive.id, inspection);
+  if (has_ended && fs::exists(out)) return UnderstandInspection(out, drive.filename);
+  if (has_ended && WEXITSTATUS(*status) == 1)
+    return DriveInspection{.state = kUnusable, .json = {}, .error = LastSentence(log)};
+  LogWarning("inspection gave nothing drive=" + drive.id);
+  return kNothingFound;
+}
+
+void DriveInspector::Finish(const Drive& drive, const std::optional<DriveInspection>& inspection) {
+  if (!inspection) return;
+  RecordInspection(store_, drive.id, *inspection);
   events_.Publish("drive", drive.id);
   if (drive.job) events_.Publish("job", *drive.job);
   on_inspected_();

@@ -40,7 +40,9 @@ class DriveInspector {
 
  private:
   void Work();
-  void Inspect(const Drive& drive);
+  std::optional<DriveInspection> Inspect(const Drive& drive);
+  std::optional<DriveInspection> RunInspection(const Drive& drive);
+  void Finish(const Drive& drive, const std::optional<DriveInspection>& inspection);
   bool is_stopping();
 
   Store& store_;

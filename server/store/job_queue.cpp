@@ -159,7 +159,8 @@ void ReturnJob(Store& store, const Job& job) {
 }
 
 bool CancelWaitingJob(Store& store, const std::string& id) {
-  return store.database.Write([&](Connection& connection) {
+  // So that its drive can be deleted.
+  return WriteToMakeRoom(store, [&](Connection& connection) {
     const Job job = FindJob(connection, id);
     const bool has_ended = job.state != JobState::kQueued && job.state != JobState::kRunning;
     Require(!has_ended, ErrorCode::kConflict,

@@ -281,7 +281,8 @@ TEST_F(Restart, AServiceStartsOnAFullDiskAndDeletes) {
 
   Eventually(
       [&] { return Parsed(client.Get("/api/v1/drives/" + drive)).at("state") != "processing"; });
-  EXPECT_EQ(client.Delete("/api/v1/drives/" + drive)->status, 204);
+  EXPECT_EQ(client.Delete("/api/v1/drives/" + drive)->status, 204)
+      << client.Get("/api/v1/jobs")->body << service.Said();
   EXPECT_EQ(client.Get("/api/v1/drives/" + drive)->status, 404);
 }
 

@@ -16,8 +16,9 @@ TEST(RouteClass, IsSaidByOneTable) {
         Case{"GET", "/api/v1/drives", RouteClass::kApi},
         Case{"GET", "/api/v1/drives/0123", RouteClass::kApi},
         Case{"PATCH", "/api/v1/uploads/0123", RouteClass::kUploads},
-        Case{"HEAD", "/api/v1/uploads/0123", RouteClass::kApi},
-        Case{"POST", "/api/v1/uploads", RouteClass::kApi},
+        Case{"HEAD", "/api/v1/uploads/0123", RouteClass::kUploads},
+        Case{"GET", "/api/v1/uploads/0123", RouteClass::kApi},
+        Case{"POST", "/api/v1/uploads", RouteClass::kUploads},
         Case{"PUT", "/api/v1/rigs/car", RouteClass::kUploads},
         Case{"GET", "/api/v1/jobs/0123/log", RouteClass::kDownloads},
         Case{"GET", "/api/v1/sites/lot/maps/1", RouteClass::kApi},
@@ -30,6 +31,7 @@ TEST(RouteClass, IsSaidByOneTable) {
 
   EXPECT_TRUE(HasLargeBody("PUT", "/api/v1/drives"));
   EXPECT_TRUE(HasLargeBody("PATCH", "/api/v1/uploads/0123"));
+  EXPECT_TRUE(HasLargeBody("POST", "/api/v1/uploads"));
   EXPECT_FALSE(HasLargeBody("PATCH", "/api/v1/uploads"));
   EXPECT_FALSE(HasLargeBody("PUT", "/api/v1/rigs/car"));
 }

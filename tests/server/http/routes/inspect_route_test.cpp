@@ -48,11 +48,13 @@ TEST_F(Inspection, WhatIsNoLogAtAllSaysSo) {
   EXPECT_EQ(client().Get(Address(uploaded) + "/inspect")->status, 404);
 }
 
-TEST_F(Inspection, ThatCrashesStopsNothing) {
-  const Json uploaded = Uploaded("log ok\ncrash\n");
+TEST_F(Inspection, ThatCrashesOrTalksNonsenseStopsNothing) {
+  for (const std::string todo : {"crash", "nonsense"}) {
+    const Json uploaded = Uploaded("log ok\n" + todo + "\n");
 
-  EXPECT_EQ(WaitForJob(uploaded.at("job").at("id")).at("state"), "done");
-  EXPECT_EQ(Get(Address(uploaded)).at("inspection"), "failed");
+    EXPECT_EQ(WaitForJob(uploaded.at("job").at("id")).at("state"), "done");
+    EXPECT_EQ(Get(Address(uploaded)).at("inspection"), "failed");
+  }
 }
 
 TEST_F(Inspection, IsWaitedFor) {

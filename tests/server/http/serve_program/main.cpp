@@ -90,8 +90,16 @@ int Inspect(const fs::path& log, const fs::path& out) {
   std::ifstream stream(log);
   std::string todo, state, missing;
   std::getline(stream, todo);
-  stream >> state;
-  std::getline(stream >> std::ws, missing);
+  std::getline(stream, state);
+  state = state.substr(0, 1000);
+  if (const size_t space = state.find(' '); space != std::string::npos) {
+    missing = state.substr(space + 1);
+    state.resize(space);
+  }
+  if (state == "nonsense") {
+    std::ofstream(out) << "{";
+    return 0;
+  }
   if (state == "slow") std::this_thread::sleep_for(std::chrono::seconds(1));
   if (state == "crash") std::abort();
   if (state == "no-log") {
@@ -99,8 +107,9 @@ int Inspect(const fs::path& log, const fs::path& out) {
     return 1;
   }
   std::ofstream(out) << R"({"name": "?", "topics": [], "state": ")"
-                     << (state.empty() || state == "slow" ? "clean" : state) << R"(", "missing": [)"
-                     << (missing.empty() ? "" : '"' + missing + '"') << "]}";
+                     << (state == "lossy" || state == "unusable" ? state : "clean")
+                     << R"(", "missing": [)" << (missing.empty() ? "" : '"' + missing + '"')
+                     << "]}";
   return 0;
 }
 
