@@ -33,7 +33,8 @@ WatchedWorker::WatchedWorker(const std::vector<std::string>& command, const Atte
       process_(command, {.folder = folder.path(),
                          .log = folder.LogFile(),
                          .temporary_files = folder.TemporaryFiles(),
-                         .cgroup = cgroup_ ? cgroup_->ProcessesFile() : ""}),
+                         .cgroup = cgroup_ ? cgroup_->ProcessesFile() : "",
+                         .says_walls = true}),
       watch_(limits_, WorkerWatch::Clock::now()),
       log_(folder.LogFile()) {}
 

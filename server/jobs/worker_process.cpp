@@ -17,6 +17,7 @@
 #include <string_view>
 
 #include "core/error.h"
+#include "server/jobs/network_wall.h"
 
 namespace parkade {
 namespace {
@@ -42,6 +43,7 @@ struct Launch {
   const char* folder = nullptr;
   int log_fd = -1, null_fd = -1, failure_fd = -1, cgroup_fd = -1;
   pid_t parent = 0;
+  bool says_walls = false;
 };
 
 [[noreturn]] void RunChild(const Launch& launch) {
@@ -54,6 +56,12 @@ struct Launch {
   if (launch.cgroup_fd >= 0 && ::write(launch.cgroup_fd, "0", 1) != 1) {
     constexpr std::string_view kNote = "the worker cannot join its control group\n";
     [[maybe_unused]] const ssize_t ignored = ::write(launch.log_fd, kNote.data(), kNote.size());
+  }
+  constexpr std::string_view kAlone = "the worker is shut off from the network\n",
+                             kOpen = "the worker keeps the network: the kernel allows no other\n";
+  const std::string_view network = LeaveNetwork() == 0 ? kAlone : kOpen;
+  if (launch.says_walls) {
+    [[maybe_unused]] const ssize_t ignored = ::write(launch.log_fd, network.data(), network.size());
   }
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != launch.parent) ::_exit(127);  // the parent died before the line above
@@ -90,6 +98,7 @@ WorkerProcess::WorkerProcess(const std::vector<std::string>& command, const Work
       Environment(place.temporary_files.empty() ? nullptr : temporary_files.data());
   launch.folder = place.folder.c_str();
   launch.parent = ::getpid();
+  launch.says_walls = place.says_walls;
   launch.log_fd = ::open(place.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   launch.null_fd = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
   if (!place.cgroup.empty()) launch.cgroup_fd = ::open(place.cgroup.c_str(), O_WRONLY | O_CLOEXEC);

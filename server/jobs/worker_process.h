@@ -17,11 +17,12 @@ struct WorkerPlace {
   std::filesystem::path log;                   ///< what it prints is appended here
   std::filesystem::path temporary_files = {};  ///< its TMPDIR; empty: this process's own
   std::filesystem::path cgroup = {};           ///< file to join a control group by; empty: none
+  bool says_walls = false;                     ///< the log says what the worker is shut off from
 };
 
 /// A child process in a group of its own that cannot outlive the thread that
-/// started it, writes no core file, is nicer than the service and is the first to go when
-/// memory runs out. Use from the thread that created it.
+/// started it, reaches no network where the kernel allows that, writes no core file, is nicer than
+/// the service and is the first to go when memory runs out. Use from the thread that created it.
 class WorkerProcess {
  public:
   /// Throws Error{kInternal} when it cannot be started. A control group that it cannot join only

@@ -64,6 +64,12 @@ try {
   assert.equal(refused.headers.get('content-type'), 'application/problem+json');
 
   const accepted = JSON.parse(run('curl', '-fsS', '-T', at('drive.mcap'), `${address}/api/v1/drives?filename=drive.mcap&site=yard&rig=car`));
+  const look = await until('the first look', 60, async () => {
+    const answer = await fetch(`${address}/api/v1/drives/${accepted.drive.id}/inspect`);
+    return answer.status === 200 && answer.json();
+  });
+  assert.equal(look.state, 'clean');
+  assert.deepEqual(look.missing, []);
   await jobDone(address, accepted.job.id);
   assert.equal((await json(address, `/api/v1/drives/${accepted.drive.id}`)).state, 'ready');
 

@@ -150,6 +150,27 @@ TEST_F(Worker, PutsTemporaryFilesWhereItIsTold) {
   EXPECT_EQ(Printed(), "/some/where\n1\n");
 }
 
+// Needs a kernel that lets us make a namespace; the log says whether it did.
+TEST_F(Worker, ReachesNoNetwork) {
+  WorkerPlace place{root_.path(), log_};
+  place.says_walls = true;
+  WorkerProcess worker({"/bin/sh", "-c", "cat /proc/net/dev; id -u"}, place);
+  ASSERT_EQ(worker.Wait(milliseconds(60'000)).value(), 0);
+
+  const std::string printed = Printed();
+  if (printed.starts_with("the worker keeps the network")) GTEST_SKIP() << printed;
+  EXPECT_TRUE(printed.starts_with("the worker is shut off from the network\n")) << printed;
+  std::istringstream lines(printed);
+  int interfaces = 0;
+  for (std::string line; std::getline(lines, line);)
+    if (line.find(": ") != std::string::npos) {
+      ++interfaces;
+      EXPECT_NE(line.find("lo:"), std::string::npos) << line;
+    }
+  EXPECT_EQ(interfaces, 1);
+  EXPECT_TRUE(printed.ends_with("\n" + std::to_string(::getuid()) + "\n")) << "it is who it was";
+}
+
 TEST(ProcessStartTime, TellsProcessesApart) {
   EXPECT_EQ(ProcessStartTime(::getpid()), ProcessStartTime(::getpid()));
   EXPECT_GT(ProcessStartTime(::getpid()).value(), ProcessStartTime(1).value());
