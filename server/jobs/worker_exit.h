@@ -29,7 +29,7 @@ const char* JobErrorCode(ErrorCode code);
 /// `is_killed_for_memory`: by what the kernel says.
 WorkerExit UnderstandEnd(int status, const WorkerProgress& last_words, bool is_killed_for_memory);
 
-/// Of a worker that was ended for `trouble`, which is not kNone, in stage `stage`.
+/// Explains the end of a worker for `trouble`, which is not kNone, in stage `stage`.
 WorkerExit ExplainTrouble(WorkerTrouble trouble, const JobLimits& limits, const std::string& stage);
 
 }  // namespace parkade

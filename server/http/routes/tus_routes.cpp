@@ -113,11 +113,13 @@ void Terminate(RouteContext& context, const httplib::Request& request,
   response.status = 204;
 }
 
-/// HEAD is what tus asks for; GET tells people and scripts the same as JSON.
+/// HEAD is what tus asks for: the client comes back. GET tells people and scripts the same as JSON,
+/// while the upload goes on.
 void Show(RouteContext& context, const httplib::Request& request, httplib::Response& response) {
   const bool is_head = request.method == "HEAD";
   if (is_head) BeginTus(request, response);
-  const Upload upload = context.uploads.Find(request.matches[1]);
+  const std::string id = request.matches[1];
+  const Upload upload = is_head ? context.uploads.Find(id) : context.uploads.Look(id);
   Describe(upload, context, response);
   response.set_header("Upload-Length", std::to_string(upload.length));
   if (!upload.metadata.empty()) response.set_header("Upload-Metadata", upload.metadata);

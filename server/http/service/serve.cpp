@@ -15,7 +15,9 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "server/http/listen_address.h"
 #include "server/http/service/service.h"
+#include "server/http/service/supervisor.h"
 
 namespace parkade {
 namespace {
@@ -112,7 +114,10 @@ int Serve(const ServeOptions& options) {
   });
   if (options.allow_public) LogWarning("listening without authentication, as --allow-public says");
   LogInfo("listening on " + service.address());
-  service.Run();
+  {
+    const Supervisor supervisor(ParseListenAddress(options.listen).host, service.port());
+    service.Run();
+  }
   LogInfo("stopped");
   return service.has_disk_failed() ? kTryAgain : 0;
 }

@@ -95,6 +95,7 @@ class Service::Parts {
   void Stop(std::chrono::milliseconds patience) {
     shutdown_signal_.Cut(patience);
     comparer_.Stop();
+    uploads_->Stop();
     events_.Close();
     http_.Wake();
   }

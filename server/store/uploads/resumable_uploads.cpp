@@ -71,7 +71,7 @@ UploadLocks::Hold ResumableUploads::Take(const std::string& id, std::function<vo
   return std::move(*hold);
 }
 
-Upload ResumableUploads::Row(const std::string& id) {
+Upload ResumableUploads::Look(const std::string& id) {
   return store_.database.Read([&](Connection& connection) { return FindUpload(connection, id); });
 }
 
@@ -104,17 +104,17 @@ Upload ResumableUploads::Create(Upload upload) {
 }
 
 Upload ResumableUploads::Find(const std::string& id) {
-  Row(id);  // an id that does not exist needs no lock
+  Look(id);  // an id that does not exist needs no lock
   const UploadLocks::Hold hold = Take(id, [] {});
-  return Row(id);
+  return Look(id);
 }
 
 Upload ResumableUploads::Append(const std::string& id, std::int64_t offset, std::int64_t bytes,
                                 const Part& part, const std::optional<PartChecksum>& checksum,
                                 const std::function<void()>& give_up) {
-  Row(id);
+  Look(id);
   const UploadLocks::Hold hold = Take(id, give_up);
-  Upload upload = Row(id);
+  Upload upload = Look(id);
   Require(upload.state != UploadState::kRefused, ErrorCode::kInvalidInput,
           upload.error.value_or("the upload was refused"));
   Require(offset == upload.offset, ErrorCode::kConflict,
@@ -180,7 +180,7 @@ Upload ResumableUploads::Finish(const Upload& upload) {
   LogInfo("received drive=" + received.drive.id + " bytes=" + std::to_string(upload.length) +
           " site=" + received.drive.site + " job=" + received.job.id + " upload=" + upload.id);
   options_.on_received(received);
-  return Row(upload.id);
+  return Look(upload.id);
 }
 
 void ResumableUploads::Refuse(const Upload& upload, const std::string& code,
@@ -193,9 +193,9 @@ void ResumableUploads::Refuse(const Upload& upload, const std::string& code,
 }
 
 void ResumableUploads::Terminate(const std::string& id) {
-  Row(id);
+  Look(id);
   const UploadLocks::Hold hold = Take(id, [] {});
-  Row(id);
+  Look(id);
   Remove(id);
 }
 
@@ -241,7 +241,7 @@ void ResumableUploads::Recover() {
     if (is_stopping_) return;
     try {
       const UploadLocks::Hold hold = Take(found.id, [] {});
-      const Upload upload = Row(found.id);
+      const Upload upload = Look(found.id);
       if (upload.state != UploadState::kReceiving) continue;
       std::error_code missing;
       const auto bytes = std::filesystem::file_size(FileOf(upload.id), missing);

@@ -57,6 +57,8 @@ class ResumableUploads {
   /// The upload as it is once whoever adds to it has stopped. Throws Error{kNotFound},
   /// Error{kConflict} while it does not.
   Upload Find(const std::string& id);
+  /// The upload as far as it is known, disturbing nobody. Throws Error{kNotFound}.
+  Upload Look(const std::string& id);
 
   /// Reads pieces of a part and hands each to the function; returns false when it broke off.
   using Part = std::function<bool(const std::function<void(std::string_view)>&)>;
@@ -69,6 +71,9 @@ class ResumableUploads {
   Upload Append(const std::string& id, std::int64_t offset, std::int64_t bytes, const Part& part,
                 const std::optional<PartChecksum>& checksum, const std::function<void()>& give_up);
 
+  /// Breaks off what takes long and can be done by the next service.
+  void Stop() { is_stopping_ = true; }
+
   /// Forgets an upload; a drive that was made from it stays. Throws as Find does.
   void Terminate(const std::string& id);
 
@@ -77,7 +82,6 @@ class ResumableUploads {
 
   std::filesystem::path FileOf(const std::string& id) const;
   UploadLocks::Hold Take(const std::string& id, std::function<void()> give_up);
-  Upload Row(const std::string& id);
   std::string ExpiryFromNow() const;
   std::shared_ptr<Hash> HashOf(const Upload& upload);
   void ForgetHash(const std::string& id);

@@ -1,5 +1,7 @@
 // The service as a process of its own: killed, started again, started twice.
 
+#include <sys/un.h>
+
 #include <atomic>
 #include <optional>
 
@@ -227,6 +229,43 @@ TEST_F(Restart, ATakenPortIsRefused) {
   options.listen = "127.0.0.1:" + std::to_string(first.port());
 
   EXPECT_THROW(Service{options}, Error);
+}
+
+// What systemd is told (sd_notify(3)), and how it hears that a service hangs.
+TEST_F(Restart, TheSupervisorHearsHowTheServiceIs) {
+  const std::string name = (root_.path() / "notify").string();
+  const int fd = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  name.copy(address.sun_path, sizeof(address.sun_path) - 1);
+  ASSERT_EQ(::bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
+  const auto heard = [&](int milliseconds) {
+    pollfd wanted{fd, POLLIN, 0};
+    std::string text(4096, '\0');
+    if (::poll(&wanted, 1, milliseconds) <= 0) return std::string();
+    text.resize(static_cast<size_t>(std::max<ssize_t>(::recv(fd, text.data(), text.size(), 0), 0)));
+    return text;
+  };
+  ::setenv("NOTIFY_SOCKET", name.c_str(), 1);
+  ::setenv("WATCHDOG_USEC", "300000", 1);
+  ServiceProcess service(data_);
+  ::unsetenv("NOTIFY_SOCKET");
+  ::unsetenv("WATCHDOG_USEC");
+
+  EXPECT_TRUE(heard(60'000).starts_with("READY=1\n"));
+  EXPECT_EQ(heard(60'000), "WATCHDOG=1");
+  ::kill(service.pid(), SIGSTOP);
+  while (!heard(1000).empty()) {
+  }
+  EXPECT_EQ(heard(1000), "") << "a service that hangs says nothing";
+  ::kill(service.pid(), SIGCONT);
+  ::kill(service.pid(), SIGTERM);
+  std::string last;
+  while (last != "STOPPING=1" && !(last = heard(60'000)).empty()) {
+  }
+  EXPECT_EQ(last, "STOPPING=1");
+  service.Wait();
+  ::close(fd);
 }
 
 // A filesystem of 12 MiB in a namespace of its own. Needs the right to make one.

@@ -15,7 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
-class Uploads : public StoreTest {
+class UploadInParts : public StoreTest {
  protected:
   void SetUp() override { Open(); }
 
@@ -71,7 +71,7 @@ class Uploads : public StoreTest {
   std::atomic<int> received_ = 0;
 };
 
-TEST_F(Uploads, BecomeADriveWithTheirLastPart) {
+TEST_F(UploadInParts, BecomeADriveWithTheirLastPart) {
   const std::string id = Create(10);
   EXPECT_EQ(Append(id, 0, "log ").offset, 4);
   EXPECT_EQ(Append(id, 4, "12").offset, 6);
@@ -89,7 +89,7 @@ TEST_F(Uploads, BecomeADriveWithTheirLastPart) {
   EXPECT_EQ(Append(id, 10, "").drive, done.drive) << "asked again, the same answer";
 }
 
-TEST_F(Uploads, KeepWhatCameBeforeAPartBrokeOff) {
+TEST_F(UploadInParts, KeepWhatCameBeforeAPartBrokeOff) {
   const std::string id = Create(10);
   BreakOff(id, 0, 10, "log 12");
   EXPECT_EQ(uploads_->Find(id).offset, 6);
@@ -99,7 +99,7 @@ TEST_F(Uploads, KeepWhatCameBeforeAPartBrokeOff) {
   EXPECT_EQ(Append(id, 6, "3456").state, UploadState::kDone);
 }
 
-TEST_F(Uploads, GoOnAfterARestart) {
+TEST_F(UploadInParts, GoOnAfterARestart) {
   const std::string id = Create(10);
   Append(id, 0, "log 1");
   WriteText(store_.directory.UploadFile(id), "log 1 and what was not durable");
@@ -112,7 +112,7 @@ TEST_F(Uploads, GoOnAfterARestart) {
   EXPECT_TRUE(fs::exists(store_.directory.LogFile(Sha256Of("log 123456"))));
 }
 
-TEST_F(Uploads, ThatCameWholeAreFinishedByTheNextService) {
+TEST_F(UploadInParts, ThatCameWholeAreFinishedByTheNextService) {
   const std::string id = Create(5);
   WriteText(store_.directory.UploadFile(id), "log 1");
   store_.database.Write(
@@ -125,7 +125,7 @@ TEST_F(Uploads, ThatCameWholeAreFinishedByTheNextService) {
   EXPECT_EQ(NumDrives(), 1u);
 }
 
-TEST_F(Uploads, WhoseBytesTheDiskLostAreRefused) {
+TEST_F(UploadInParts, WhoseBytesTheDiskLostAreRefused) {
   const std::string id = Create(10);
   Append(id, 0, "log 123");
   fs::resize_file(store_.directory.UploadFile(id), 3);
@@ -138,7 +138,7 @@ TEST_F(Uploads, WhoseBytesTheDiskLostAreRefused) {
   EXPECT_THROW(Append(id, 7, "456"), Error);
 }
 
-TEST_F(Uploads, TakePartsOnlyWithTheirChecksum) {
+TEST_F(UploadInParts, TakePartsOnlyWithTheirChecksum) {
   const std::string id = Create(10);
   for (const std::string algorithm : {"sha1", "sha256"}) {
     const std::string bad = Digest(algorithm, "log 9");
@@ -155,7 +155,7 @@ TEST_F(Uploads, TakePartsOnlyWithTheirChecksum) {
   EXPECT_TRUE(fs::exists(store_.directory.LogFile(Sha256Of("log 123456"))));
 }
 
-TEST_F(Uploads, AreRefusedWhenTheWholeIsNotWhatWasAnnounced) {
+TEST_F(UploadInParts, AreRefusedWhenTheWholeIsNotWhatWasAnnounced) {
   Upload upload;
   upload.length = 5;
   upload.sha256 = Sha256Of("log 2");
@@ -168,7 +168,7 @@ TEST_F(Uploads, AreRefusedWhenTheWholeIsNotWhatWasAnnounced) {
   EXPECT_EQ(NumDrives(), 0u);
 }
 
-TEST_F(Uploads, ThatAreNoLogsAreRefusedForGood) {
+TEST_F(UploadInParts, ThatAreNoLogsAreRefusedForGood) {
   const std::string id = Create(4);
   EXPECT_THROW(Append(id, 0, "list"), Error);
   const Upload refused = uploads_->Find(id);
@@ -177,14 +177,14 @@ TEST_F(Uploads, ThatAreNoLogsAreRefusedForGood) {
   EXPECT_THROW(Append(id, 4, ""), Error);
 }
 
-TEST_F(Uploads, ReserveTheirRoomBeforehand) {
+TEST_F(UploadInParts, ReserveTheirRoomBeforehand) {
   EXPECT_THROW(Create(std::int64_t{1} << 60), Error);
   EXPECT_THROW(Create(0), Error);
   EXPECT_TRUE(fs::is_empty(store_.directory.UploadsFolder()));
   EXPECT_THROW(Append(Create(3), 0, "longer"), Error);
 }
 
-TEST_F(Uploads, PassToWhoeverAsksLast) {
+TEST_F(UploadInParts, PassToWhoeverAsksLast) {
   const std::string id = Create(10);
   std::atomic<bool> has_begun = false, is_given_up = false;
   std::thread stuck([&] {
@@ -206,7 +206,7 @@ TEST_F(Uploads, PassToWhoeverAsksLast) {
   stuck.join();
 }
 
-TEST_F(Uploads, ExpireAndAreTerminated) {
+TEST_F(UploadInParts, ExpireAndAreTerminated) {
   const std::string terminated = Create(10), kept = Create(10);
   Append(terminated, 0, "log");
   uploads_->Terminate(terminated);
@@ -224,7 +224,7 @@ TEST_F(Uploads, ExpireAndAreTerminated) {
 }
 
 // Chunks of every size, kills in between: the log is what was sent.
-TEST_F(Uploads, AddUpToWhatWasSent) {
+TEST_F(UploadInParts, AddUpToWhatWasSent) {
   std::string log = "log ";
   for (int i = 0; i < 3'000'000; ++i) log += static_cast<char>(i * i >> 3);
   const std::string id = Create(std::ssize(log));

@@ -120,6 +120,7 @@ TEST_F(Tus, WhoeverComesBackTakesOver) {
              log.substr(0, 200'000));
   // It has begun once it holds the upload; before that HEAD would find it free.
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_EQ(Get(address).at("offset"), 0) << "who only looks disturbs nobody";
   const auto start = std::chrono::steady_clock::now();
 
   const auto head = Head(address);
