@@ -140,12 +140,21 @@ class Extractor {
     Require(euroc->root == root_, ErrorCode::kInvalidInput,
             name_ + " holds several EuRoC drives: give one of them");
     ++result.num_files;
-    return WriteContent(target_ / euroc->relative, result);
+    return WriteContent(euroc->relative, result);
   }
 
-  bool WriteContent(const fs::path& file, ExtractionResult& result) {
-    if (file.parent_path() != last_folder_) fs::create_directories(file.parent_path());
-    last_folder_ = file.parent_path();
+  /// Makes the folders of a file, below a target that must be there: one that a signal has removed
+  /// stays so.
+  void MakeFoldersOf(const fs::path& relative) {
+    if (relative.parent_path() == last_folder_) return;
+    last_folder_ = relative.parent_path();
+    fs::path folder = target_;
+    for (const fs::path& part : last_folder_) fs::create_directory(folder /= part);
+  }
+
+  bool WriteContent(const fs::path& relative, ExtractionResult& result) {
+    MakeFoldersOf(relative);
+    const fs::path file = target_ / relative;
     errno = 0;
     std::ofstream stream(file, std::ios::binary | std::ios::trunc);
     while (true) {
