@@ -1,11 +1,8 @@
 #pragma once
 
+#include <CLI/App.hpp>
 #include <string>
 #include <vector>
-
-namespace CLI {
-class App;
-}
 
 namespace parkade {
 

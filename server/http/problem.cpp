@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 #include <system_error>
+#include <utility>
 
 #include "core/log.h"
 
@@ -70,7 +71,7 @@ void SendProblem(httplib::Response& response, const Problem& problem) {
 
 void SendException(httplib::Response& response, std::exception_ptr thrown) {
   try {
-    std::rethrow_exception(thrown);
+    std::rethrow_exception(std::move(thrown));
   } catch (const HttpError& error) {
     SendProblem(response, error.problem());
   } catch (const Error& error) {

@@ -183,8 +183,8 @@ std::string ToText(const RequestHead& head, std::int64_t body_length) {
     // library would do both, wrongly or slowly.
     const bool is_ours = name == "content-length" || name == "range" || name == kRangeField ||
                          name == "accept-encoding";
-    if (!is_ours) text += name + ": " + value + "\r\n";
-    if (name == "range") text += std::string(kRangeField) + ": " + value + "\r\n";
+    if (!is_ours) text.append(name).append(": ").append(value).append("\r\n");
+    if (name == "range") text.append(kRangeField).append(": ").append(value).append("\r\n");
   }
   return text + "content-length: " + std::to_string(body_length) + "\r\n\r\n";
 }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "server/jobs/drive_inspector.h"
+#include "server/jobs/inspect_command.h"
 #include "server/jobs/job_limits.h"
 #include "server/jobs/job_spec.h"
 #include "server/jobs/map_comparer.h"

@@ -1,27 +1,18 @@
 #pragma once
 
 #include <condition_variable>
-#include <filesystem>
 #include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "server/jobs/event_hub.h"
+#include "server/jobs/inspect_command.h"
 #include "server/store/store.h"
 #include "server/store/tables/records.h"
 
 namespace parkade {
-
-/// The command line that inspects a log, with the folder of its rig if any, and leaves what it
-/// found in the file `out`: JSON with `state` and `missing` as `parkade inspect --json` has them.
-/// When it fails with status 1 and no file, the last line that it prints is a sentence for the
-/// user.
-using InspectCommand = std::function<std::vector<std::string>(
-    const std::filesystem::path& log, const std::optional<std::filesystem::path>& rig,
-    const std::filesystem::path& out)>;
 
 /// Looks at every log that arrives, in a process of its own, one at a time and before its job may
 /// start: a log that cannot be mapped says why at once. Thread-safe.

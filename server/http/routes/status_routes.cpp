@@ -57,15 +57,19 @@ class MetricsText {
                                     ? NumberText(DurationHistogram::kBounds[i])
                                     : "+Inf";
       count += durations.count(i);
-      text_ +=
-          name_ + "_bucket{" + label + ",le=\"" + bound + "\"} " + std::to_string(count) + "\n";
+      Line("_bucket", label + ",le=\"" + bound + '"', std::to_string(count));
     }
-    text_ += name_ + "_sum{" + label + "} " + NumberText(durations.sum()) + "\n" + name_ +
-             "_count{" + label + "} " + std::to_string(count) + "\n";
+    Line("_sum", label, NumberText(durations.sum()));
+    Line("_count", label, std::to_string(count));
   }
   const std::string& text() const { return text_; }
 
  private:
+  void Line(const char* suffix, const std::string& labels, const std::string& value) {
+    text_.append(name_).append(suffix).append("{").append(labels).append("} ");
+    text_.append(value).append("\n");
+  }
+
   std::string name_, text_;
 };
 

@@ -156,7 +156,7 @@ class Service::Parts {
   }
 
   /// A disk that failed under an upload is not written to any more.
-  void Explain(httplib::Response& response, std::exception_ptr thrown) {
+  void Explain(httplib::Response& response, const std::exception_ptr& thrown) {
     try {
       std::rethrow_exception(thrown);
     } catch (const DiskFailure& failure) {

@@ -226,7 +226,8 @@ TEST_F(UploadInParts, ExpireAndAreTerminated) {
 // Chunks of every size, kills in between: the log is what was sent.
 TEST_F(UploadInParts, AddUpToWhatWasSent) {
   std::string log = "log ";
-  for (int i = 0; i < 3'000'000; ++i) log += static_cast<char>(i * i >> 3);
+  for (int i = 0; i < 3'000'000; ++i)
+    log += static_cast<char>(static_cast<unsigned>(i) * static_cast<unsigned>(i) >> 3);
   const std::string id = Create(std::ssize(log));
   std::int64_t offset = 0;
   for (int i = 1; offset < std::ssize(log); ++i) {
