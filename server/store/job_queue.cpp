@@ -183,7 +183,7 @@ Job RetryJob(Store& store, const std::string& id) {
                 id + "' is " + ToText(ended.state));
     ResetDrives(connection, ended);
     QueueJobAgain(connection, id);
-    const Job job = FindJob(connection, id);
+    Job job = FindJob(connection, id);
     Require(!job.drives.empty(), ErrorCode::kConflict,
             "all drives of job '" + id + "' were deleted");
     SetStates(connection, job, DriveState::kQueued);

@@ -29,7 +29,7 @@ constexpr const char* kContentSecurityPolicy =
     "form-action 'self'; frame-ancestors 'none'";
 
 ListenAddress CheckedAddress(const ServeOptions& options) {
-  const ListenAddress address = ParseListenAddress(options.listen);
+  ListenAddress address = ParseListenAddress(options.listen);
   Require(options.allow_public || IsLoopback(address.host), ErrorCode::kUsage,
           "'" + address.host +
               "' is not a loopback address: without authentication anyone who reaches it may read, "
@@ -128,8 +128,9 @@ class Service::Parts {
           return viewer_.Send(request, response) ? httplib::Server::HandlerResponse::Handled
                                                  : httplib::Server::HandlerResponse::Unhandled;
         });
-    http_.set_exception_handler([this](const httplib::Request&, httplib::Response& response,
-                                       std::exception_ptr thrown) { Explain(response, thrown); });
+    http_.set_exception_handler(
+        [this](const httplib::Request&, httplib::Response& response,
+               const std::exception_ptr& thrown) { Explain(response, thrown); });
     http_.set_error_handler([](const httplib::Request& request, httplib::Response& response) {
       ExplainError(request, response);
     });

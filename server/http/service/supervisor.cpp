@@ -20,7 +20,7 @@ void Tell(const std::string& state) {
   sockaddr_un address{};
   if (name == nullptr || std::strlen(name) >= sizeof(address.sun_path)) return;
   address.sun_family = AF_UNIX;
-  std::strcpy(address.sun_path, name);
+  std::memcpy(address.sun_path, name, std::strlen(name));
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + std::strlen(name));
   if (name[0] == '@') address.sun_path[0] = '\0';  // an abstract name
   const int fd = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);

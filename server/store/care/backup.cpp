@@ -54,7 +54,7 @@ std::string CopyDurably(const fs::path& from, const fs::path& to, CareReport& re
 std::optional<std::string> CopyStored(const fs::path& from, const fs::path& to,
                                       const StoredFile& file, CareReport& report) {
   if (!LookAtStoredFile(to, file)) return std::nullopt;
-  if (const auto damage = LookAtStoredFile(from, file)) return damage;
+  if (auto damage = LookAtStoredFile(from, file)) return damage;
   if (file.rig.empty()) {
     if (CopyDurably(from / file.path, to / file.path, report) == file.sha256) return std::nullopt;
   } else {

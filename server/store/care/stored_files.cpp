@@ -62,7 +62,7 @@ std::optional<std::string> LookAtStoredFile(const std::filesystem::path& data,
 std::optional<std::string> CheckStoredFile(const std::filesystem::path& data,
                                            const StoredFile& file,
                                            const std::function<bool()>& go_on) {
-  if (const auto damage = LookAtStoredFile(data, file)) return damage;
+  if (auto damage = LookAtStoredFile(data, file)) return damage;
   if (!file.rig.empty()) return CheckRig(data, file);
   std::ifstream stream(data / file.path, std::ios::binary);
   std::vector<char> piece(kPieceBytes);
