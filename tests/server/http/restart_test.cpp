@@ -295,7 +295,7 @@ TEST_F(Restart, AServiceStartsOnAFullDiskAndDeletes) {
   const auto wrapper = OnASmallDisk(
       "fill() { dd if=/dev/zero of=\"$1/filling\" bs=64k 2>/dev/null; "
       "dd if=/dev/zero of=\"$1/crumbs\" bs=1 2>/dev/null; :; }; "
-      "mount -t tmpfs -o size=320m tmpfs \"$3\" && ( timeout -s KILL 5 \"$@\"; fill \"$3\" ); :");
+      "mount -t tmpfs -o size=320m tmpfs \"$3\" && ( timeout -s KILL 12 \"$@\"; fill \"$3\" ); :");
   if (!wrapper) GTEST_SKIP() << "no right to mount a small filesystem here";
   ::setenv("RESERVE", "100000000", 1);
   ServiceProcess service(data_, *wrapper);

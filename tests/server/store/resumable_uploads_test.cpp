@@ -202,7 +202,7 @@ TEST_F(UploadInParts, PassToWhoeverAsksLast) {
 
   EXPECT_EQ(uploads_->Find(id).offset, 3);
 
-  EXPECT_LT(std::chrono::steady_clock::now() - start, 1s);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 8s) << "not by patience";
   stuck.join();
 }
 
