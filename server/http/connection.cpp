@@ -11,6 +11,8 @@
 #include <array>
 #include <cerrno>
 
+#include "server/http/route_table.h"
+
 namespace parkade {
 namespace {
 
@@ -83,7 +85,7 @@ void HttpConnection::BeginRequest(const RequestHead& head, std::int64_t body_len
   head_text_ = ToText(head, body_length);
   head_begin_ = 0;
   body_left_ = body_length_ = body_length;
-  route_class_ = ClassOf(head.method, head.Path());
+  route_class_ = RouteOf(head.method, head.Path()).route_class;
   keeps_alive_ = false;
   ++num_requests_;
   request_began_ = Clock::now();

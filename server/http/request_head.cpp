@@ -4,7 +4,7 @@
 #include <array>
 #include <charconv>
 
-#include "server/http/route_class.h"
+#include "server/http/route_table.h"
 
 namespace parkade {
 namespace {
@@ -72,7 +72,7 @@ std::int64_t ContentLengthOf(const RequestHead& head) {
   if (text->empty() || parsed.ec != std::errc{} || parsed.ptr != text->data() + text->size() ||
       length < 0)
     Refuse(400, "the Content-Length is not a number");
-  if (length > kMaxSmallBody && !HasLargeBody(head.method, head.Path()))
+  if (length > kMaxSmallBody && !RouteOf(head.method, head.Path()).has_large_body)
     Refuse(413, "the body is larger than 16 MiB");
   if (!may_have_body && length > 0) Refuse(400, "a " + head.method + " request has no body");
   return length;

@@ -22,11 +22,4 @@ inline constexpr std::array kRouteClasses = {RouteClass::kHealth, RouteClass::kA
 /// "health", "api", ...
 const char* NameOf(RouteClass route_class);
 
-/// The class of a request, by its method and path (without the query). One table says it for all
-/// routes, and for addresses that lead nowhere.
-RouteClass ClassOf(std::string_view method, std::string_view path);
-
-/// True where a body may be as large as a drive log.
-bool HasLargeBody(std::string_view method, std::string_view path);
-
 }  // namespace parkade

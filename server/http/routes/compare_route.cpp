@@ -86,11 +86,11 @@ void SendComparison(RouteContext& context, const httplib::Request& request,
 
 }  // namespace
 
-void AddCompareRoute(httplib::Server& http, RouteContext& context) {
-  http.Get("/api/v1/sites/" + kNamePattern + "/compare",
-           [&context](const httplib::Request& request, httplib::Response& response) {
-             SendComparison(context, request, response);
-           });
+void AddCompareRoute(Router& routes, RouteContext& context) {
+  routes.On("GET /api/v1/sites/{site}/compare",
+            [&context](const httplib::Request& request, httplib::Response& response) {
+              SendComparison(context, request, response);
+            });
 }
 
 }  // namespace parkade

@@ -33,9 +33,9 @@ void SendInspection(RouteContext& context, const std::string& id, httplib::Respo
 
 }  // namespace
 
-void AddDriveRoutes(httplib::Server& http, RouteContext& context) {
-  http.Get("/api/v1/drives", [&context](const httplib::Request& request,
-                                        httplib::Response& response) {
+void AddDriveRoutes(Router& routes, RouteContext& context) {
+  routes.On("GET /api/v1/drives", [&context](const httplib::Request& request,
+                                             httplib::Response& response) {
     const Page page = PageOf(request);
     const auto site = QueryParameter(request, "site");
     std::vector<Drive> drives = context.store.database.Read(
@@ -43,8 +43,8 @@ void AddDriveRoutes(httplib::Server& http, RouteContext& context) {
     SendPage(response, page, std::move(drives), [](const Drive& drive) { return ToJson(drive); });
   });
 
-  http.Get("/api/v1/drives/" + kIdPattern, [&context](const httplib::Request& request,
-                                                      httplib::Response& response) {
+  routes.On("GET /api/v1/drives/{drive}", [&context](const httplib::Request& request,
+                                                     httplib::Response& response) {
     const Json json = context.store.database.Read([&](Connection& connection) {
       const Drive drive = FindDrive(connection, request.matches[1]);
       Json found = ToJson(drive);
@@ -56,18 +56,18 @@ void AddDriveRoutes(httplib::Server& http, RouteContext& context) {
     SendJson(response, 200, json);
   });
 
-  http.Get("/api/v1/drives/" + kIdPattern + "/inspect",
-           [&context](const httplib::Request& request, httplib::Response& response) {
-             SendInspection(context, request.matches[1], response);
-           });
+  routes.On("GET /api/v1/drives/{drive}/inspect",
+            [&context](const httplib::Request& request, httplib::Response& response) {
+              SendInspection(context, request.matches[1], response);
+            });
 
-  http.Delete("/api/v1/drives/" + kIdPattern,
-              [&context](const httplib::Request& request, httplib::Response& response) {
-                const std::string id = request.matches[1];
-                DeleteDrive(context.store, id);
-                context.events.Publish("drive", id);
-                response.status = 204;
-              });
+  routes.On("DELETE /api/v1/drives/{drive}",
+            [&context](const httplib::Request& request, httplib::Response& response) {
+              const std::string id = request.matches[1];
+              DeleteDrive(context.store, id);
+              context.events.Publish("drive", id);
+              response.status = 204;
+            });
 }
 
 }  // namespace parkade

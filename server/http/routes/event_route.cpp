@@ -100,9 +100,9 @@ std::int64_t LastSeen(const httplib::Request& request, const EventHub& events) {
 
 }  // namespace
 
-void AddEventRoute(httplib::Server& http, RouteContext& context) {
-  http.Get("/api/v1/events", [&context](const httplib::Request& request,
-                                        httplib::Response& response) {
+void AddEventRoute(Router& routes, RouteContext& context) {
+  routes.On("GET /api/v1/events", [&context](const httplib::Request& request,
+                                             httplib::Response& response) {
     const auto stream = std::make_shared<EventStream>(context, LastSeen(request, context.events));
     response.status = 200;
     response.set_header("Cache-Control", "no-store");

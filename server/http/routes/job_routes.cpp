@@ -96,9 +96,9 @@ void SendPreview(RouteContext& context, const httplib::Request& request,
 
 }  // namespace
 
-void AddJobRoutes(httplib::Server& http, RouteContext& context) {
-  http.Get("/api/v1/jobs", [&context](const httplib::Request& request,
-                                      httplib::Response& response) {
+void AddJobRoutes(Router& routes, RouteContext& context) {
+  routes.On("GET /api/v1/jobs", [&context](const httplib::Request& request,
+                                           httplib::Response& response) {
     const Page page = PageOf(request);
     const auto state = StateParameter(request);
     const auto site = QueryParameter(request, "site");
@@ -108,22 +108,22 @@ void AddJobRoutes(httplib::Server& http, RouteContext& context) {
     SendPage(response, page, std::move(jobs), [&](const Job& job) { return View(context, job); });
   });
 
-  http.Get("/api/v1/jobs/" + kIdPattern,
-           [&context](const httplib::Request& request, httplib::Response& response) {
-             SendJson(response, 200, View(context, JobWithId(context, request.matches[1])));
-           });
+  routes.On("GET /api/v1/jobs/{job}",
+            [&context](const httplib::Request& request, httplib::Response& response) {
+              SendJson(response, 200, View(context, JobWithId(context, request.matches[1])));
+            });
 
-  http.Get("/api/v1/jobs/" + kIdPattern + "/log",
-           [&context](const httplib::Request& request, httplib::Response& response) {
-             SendLog(context, request, response);
-           });
+  routes.On("GET /api/v1/jobs/{job}/log",
+            [&context](const httplib::Request& request, httplib::Response& response) {
+              SendLog(context, request, response);
+            });
 
-  http.Get("/api/v1/jobs/" + kIdPattern + "/preview.glb",
-           [&context](const httplib::Request& request, httplib::Response& response) {
-             SendPreview(context, request, response);
-           });
+  routes.On("GET /api/v1/jobs/{job}/preview.glb",
+            [&context](const httplib::Request& request, httplib::Response& response) {
+              SendPreview(context, request, response);
+            });
 
-  http.Post("/api/v1/jobs/" + kIdPattern + "/cancel",
+  routes.On("POST /api/v1/jobs/{job}/cancel",
             [&context](const httplib::Request& request, httplib::Response& response,
                        const httplib::ContentReader&) {
               const std::string id = request.matches[1];
@@ -131,7 +131,7 @@ void AddJobRoutes(httplib::Server& http, RouteContext& context) {
               SendJson(response, 202, View(context, JobWithId(context, id)));
             });
 
-  http.Post("/api/v1/jobs/" + kIdPattern + "/retry",
+  routes.On("POST /api/v1/jobs/{job}/retry",
             [&context](const httplib::Request& request, httplib::Response& response,
                        const httplib::ContentReader&) {
               const Job job = RetryJob(context.store, request.matches[1]);

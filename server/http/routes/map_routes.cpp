@@ -68,15 +68,16 @@ void SendMapFile(RouteContext& context, const httplib::Request& request,
   SendFile(request, response, file);
 }
 
-void RedirectToLatest(RouteContext& context, const httplib::Request& request,
-                      httplib::Response& response) {
+/// `rest` of the address stays.
+void Redirect(RouteContext& context, const httplib::Request& request, const std::string& rest,
+              httplib::Response& response) {
   const std::string site = request.matches[1];
   const std::int64_t version = context.store.database.Read([&](Connection& connection) {
     FindSite(connection, site);
     return LatestMapVersion(connection, site);
   });
   response.set_header("Cache-Control", "no-cache");
-  response.set_redirect(MapAddress(site, version) + std::string(request.matches[2]), 307);
+  response.set_redirect(MapAddress(site, version) + rest, 307);
 }
 
 /// The members that the body of a request to build a map may hold.
@@ -193,10 +194,9 @@ void BuildMap(RouteContext& context, const std::string& site, const std::string&
 
 }  // namespace
 
-void AddMapRoutes(httplib::Server& http, RouteContext& context) {
-  const std::string maps = "/api/v1/sites/" + kNamePattern + "/maps";
-
-  http.Get(maps, [&context](const httplib::Request& request, httplib::Response& response) {
+void AddMapRoutes(Router& routes, RouteContext& context) {
+  routes.On("GET /api/v1/sites/{site}/maps", [&context](const httplib::Request& request,
+                                                        httplib::Response& response) {
     const std::string site = request.matches[1];
     const Page page = PageOf(request);
     std::vector<MapVersion> versions = context.store.database.Read([&](Connection& connection) {
@@ -207,23 +207,28 @@ void AddMapRoutes(httplib::Server& http, RouteContext& context) {
              [](const MapVersion& map) { return ToJson(map, /*with_files=*/false); });
   });
 
-  http.Post(maps, [&context](const httplib::Request& request, httplib::Response& response,
-                             const httplib::ContentReader& body) {
-    BuildMap(context, request.matches[1], ReadBody(body), response);
-  });
+  routes.On("POST /api/v1/sites/{site}/maps",
+            [&context](const httplib::Request& request, httplib::Response& response,
+                       const httplib::ContentReader& body) {
+              BuildMap(context, request.matches[1], ReadBody(body), response);
+            });
 
-  http.Get(maps + "/([0-9]{1,9})",
-           [&context](const httplib::Request& request, httplib::Response& response) {
-             SendManifest(context, request, response);
-           });
-  http.Get(maps + "/([0-9]{1,9})/([A-Za-z0-9][A-Za-z0-9._/-]{0,255})",
-           [&context](const httplib::Request& request, httplib::Response& response) {
-             SendMapFile(context, request, response);
-           });
-  http.Get(maps + "/latest((?:/[A-Za-z0-9][A-Za-z0-9._/-]{0,255})?)",
-           [&context](const httplib::Request& request, httplib::Response& response) {
-             RedirectToLatest(context, request, response);
-           });
+  routes.On("GET /api/v1/sites/{site}/maps/{version}",
+            [&context](const httplib::Request& request, httplib::Response& response) {
+              SendManifest(context, request, response);
+            });
+  routes.On("GET /api/v1/sites/{site}/maps/{version}/{file}",
+            [&context](const httplib::Request& request, httplib::Response& response) {
+              SendMapFile(context, request, response);
+            });
+  routes.On("GET /api/v1/sites/{site}/maps/{alias}",
+            [&context](const httplib::Request& request, httplib::Response& response) {
+              Redirect(context, request, "", response);
+            });
+  routes.On("GET /api/v1/sites/{site}/maps/{alias}/{file}",
+            [&context](const httplib::Request& request, httplib::Response& response) {
+              Redirect(context, request, "/" + request.matches[3].str(), response);
+            });
 }
 
 }  // namespace parkade

@@ -35,29 +35,29 @@ RigFiles ReadForm(const httplib::ContentReader& body) {
 
 }  // namespace
 
-void AddRigRoutes(httplib::Server& http, RouteContext& context) {
-  http.Get(
-      "/api/v1/rigs", [&context](const httplib::Request& request, httplib::Response& response) {
+void AddRigRoutes(Router& routes, RouteContext& context) {
+  routes.On(
+      "GET /api/v1/rigs", [&context](const httplib::Request& request, httplib::Response& response) {
         const Page page = PageOf(request);
         std::vector<StoredRig> rigs = context.store.database.Read(
             [&](Connection& connection) { return ListRigs(connection, WithOneMore(page)); });
         SendPage(response, page, std::move(rigs), [](const StoredRig& rig) { return ToJson(rig); });
       });
 
-  http.Put("/api/v1/rigs/" + kNamePattern,
-           [&context](const httplib::Request& request, httplib::Response& response,
-                      const httplib::ContentReader& body) {
-             const std::string name = request.matches[1];
-             const RigFiles files =
-                 request.is_multipart_form_data() ? ReadForm(body) : UnpackRig(ReadBody(body));
-             const bool is_new = !RigNamed(context, name);
-             const StoredRig rig = StoreRig(context.store, name, files, context.options.check_rig);
-             response.set_header("Location", "/api/v1/rigs/" + name);
-             SendJson(response, is_new ? 201 : 200, ToJson(rig));
-           });
+  routes.On("PUT /api/v1/rigs/{rig}",
+            [&context](const httplib::Request& request, httplib::Response& response,
+                       const httplib::ContentReader& body) {
+              const std::string name = request.matches[1];
+              const RigFiles files =
+                  request.is_multipart_form_data() ? ReadForm(body) : UnpackRig(ReadBody(body));
+              const bool is_new = !RigNamed(context, name);
+              const StoredRig rig = StoreRig(context.store, name, files, context.options.check_rig);
+              response.set_header("Location", "/api/v1/rigs/" + name);
+              SendJson(response, is_new ? 201 : 200, ToJson(rig));
+            });
 
-  http.Get("/api/v1/rigs/" + kNamePattern, [&context](const httplib::Request& request,
-                                                      httplib::Response& response) {
+  routes.On("GET /api/v1/rigs/{rig}", [&context](const httplib::Request& request,
+                                                 httplib::Response& response) {
     const std::string name = request.matches[1];
     const std::optional<StoredRig> rig = RigNamed(context, name);
     Require(rig.has_value(), ErrorCode::kNotFound, "there is no rig '" + name + "'");

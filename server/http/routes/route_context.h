@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string>
-
 #include "server/http/metrics.h"
 #include "server/http/serve_options.h"
 #include "server/http/shutdown_signal.h"
@@ -26,9 +24,5 @@ struct RouteContext {
   Metrics& metrics;
   const ShutdownSignal& shutdown_signal;
 };
-
-// Patterns of names and ids. They are bounded, since they run on whatever path a stranger sends.
-inline const std::string kIdPattern = "([0-9a-f]{16})";
-inline const std::string kNamePattern = "([A-Za-z0-9][A-Za-z0-9._-]{0,63})";
 
 }  // namespace parkade

@@ -1,25 +1,22 @@
 #pragma once
 
+#include "server/http/access/router.h"
 #include "server/http/routes/route_context.h"
-
-namespace httplib {
-class Server;
-}
 
 namespace parkade {
 
-// One function per noun. Each adds the routes of its file to `http`; `context`
-// outlives it. What exists is described in openapi.json.
+// One function per noun. Each adds the handlers of its file to `routes`; `context` outlives them.
+// What exists is said by kRoutes and described in openapi.json.
 
-void AddDriveRoutes(httplib::Server& http, RouteContext& context);
-void AddUploadRoute(httplib::Server& http, RouteContext& context);
-void AddTusRoutes(httplib::Server& http, RouteContext& context);
-void AddRigRoutes(httplib::Server& http, RouteContext& context);
-void AddJobRoutes(httplib::Server& http, RouteContext& context);
-void AddSiteRoutes(httplib::Server& http, RouteContext& context);
-void AddMapRoutes(httplib::Server& http, RouteContext& context);
-void AddCompareRoute(httplib::Server& http, RouteContext& context);
-void AddEventRoute(httplib::Server& http, RouteContext& context);
-void AddStatusRoutes(httplib::Server& http, RouteContext& context);
+void AddDriveRoutes(Router& routes, RouteContext& context);
+void AddUploadRoute(Router& routes, RouteContext& context);
+void AddTusRoutes(Router& routes, RouteContext& context);
+void AddRigRoutes(Router& routes, RouteContext& context);
+void AddJobRoutes(Router& routes, RouteContext& context);
+void AddSiteRoutes(Router& routes, RouteContext& context);
+void AddMapRoutes(Router& routes, RouteContext& context);
+void AddCompareRoute(Router& routes, RouteContext& context);
+void AddEventRoute(Router& routes, RouteContext& context);
+void AddStatusRoutes(Router& routes, RouteContext& context);
 
 }  // namespace parkade

@@ -162,21 +162,21 @@ Json Readiness(RouteContext& context, bool& is_ready) {
 
 }  // namespace
 
-void AddStatusRoutes(httplib::Server& http, RouteContext& context) {
-  http.Get("/healthz", [](const httplib::Request&, httplib::Response& response) {
+void AddStatusRoutes(Router& routes, RouteContext& context) {
+  routes.On("GET /healthz", [](const httplib::Request&, httplib::Response& response) {
     SendJson(response, 200, {{"healthy", true}});
   });
-  http.Get("/readyz", [&context](const httplib::Request&, httplib::Response& response) {
+  routes.On("GET /readyz", [&context](const httplib::Request&, httplib::Response& response) {
     bool is_ready = false;
     const Json json = Readiness(context, is_ready);
     SendJson(response, is_ready ? 200 : 503, json);
   });
-  http.Get("/metrics", [&context](const httplib::Request&, httplib::Response& response) {
+  routes.On("GET /metrics", [&context](const httplib::Request&, httplib::Response& response) {
     response.status = 200;
     response.set_header("Cache-Control", "no-store");
     response.set_content(MetricsOf(context), "text/plain; version=0.0.4; charset=utf-8");
   });
-  http.Get("/api/v1/openapi.json", [](const httplib::Request&, httplib::Response& response) {
+  routes.On("GET /api/v1/openapi.json", [](const httplib::Request&, httplib::Response& response) {
     response.status = 200;
     response.set_header("Cache-Control", "no-cache");
     response.set_content(OpenApiText(), "application/json");

@@ -129,10 +129,9 @@ void Show(RouteContext& context, const httplib::Request& request, httplib::Respo
 
 }  // namespace
 
-void AddTusRoutes(httplib::Server& http, RouteContext& context) {
+void AddTusRoutes(Router& routes, RouteContext& context) {
   using Request = httplib::Request;
   using Response = httplib::Response;
-  const std::string one = kUploads + "/" + kIdPattern;
 
   const auto say_what_is_spoken = [](const Request&, Response& response) {
     response.set_header("Tus-Resumable", kVersion);
@@ -142,25 +141,26 @@ void AddTusRoutes(httplib::Server& http, RouteContext& context) {
     response.set_header("Tus-Checksum-Algorithm", "sha1,sha256");
     response.status = 204;
   };
-  http.Options(kUploads, say_what_is_spoken);
-  http.Options(one, say_what_is_spoken);
-  http.Post(kUploads, [&context](const Request& request, Response& response,
-                                 const httplib::ContentReader& body) {
+  routes.On("OPTIONS /api/v1/uploads", say_what_is_spoken);
+  routes.On("OPTIONS /api/v1/uploads/{upload}", say_what_is_spoken);
+  routes.On("POST /api/v1/uploads", [&context](const Request& request, Response& response,
+                                               const httplib::ContentReader& body) {
     Create(context, request, response, body);
   });
-  http.Get(one, [&context](const Request& request, Response& response) {
+  routes.On("GET /api/v1/uploads/{upload}", [&context](const Request& request, Response& response) {
     Show(context, request, response);
   });
-  http.Patch(one, [&context](const Request& request, Response& response,
-                             const httplib::ContentReader& body) {
+  routes.On("PATCH /api/v1/uploads/{upload}", [&context](const Request& request, Response& response,
+                                                         const httplib::ContentReader& body) {
     Patch(context, request, response, body);
   });
-  http.Delete(one, [&context](const Request& request, Response& response) {
-    Terminate(context, request, response);
-  });
+  routes.On("DELETE /api/v1/uploads/{upload}",
+            [&context](const Request& request, Response& response) {
+              Terminate(context, request, response);
+            });
   // Clients behind a proxy that knows no PATCH.
-  http.Post(one, [&context](const Request& request, Response& response,
-                            const httplib::ContentReader& body) {
+  routes.On("POST /api/v1/uploads/{upload}", [&context](const Request& request, Response& response,
+                                                        const httplib::ContentReader& body) {
     const std::string method = request.get_header_value("X-HTTP-Method-Override");
     if (method == "DELETE") return Terminate(context, request, response);
     if (method == "PATCH") return Patch(context, request, response, body);

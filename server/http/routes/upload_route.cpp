@@ -75,10 +75,10 @@ NewDrive CheckUpload(const httplib::Request& request, const RouteContext& contex
   return drive;
 }
 
-void AddUploadRoute(httplib::Server& http, RouteContext& context) {
-  http.Put("/api/v1/drives", [&context](const httplib::Request& request,
-                                        httplib::Response& response,
-                                        const httplib::ContentReader& body) {
+void AddUploadRoute(Router& routes, RouteContext& context) {
+  routes.On("PUT /api/v1/drives", [&context](const httplib::Request& request,
+                                             httplib::Response& response,
+                                             const httplib::ContentReader& body) {
     const NewDrive drive = CheckUpload(request, context);
     const std::int64_t length = LengthOf(request);
     const TemporaryPath path(context.store.directory.NewTemporaryPath());

@@ -9,7 +9,6 @@
 #include "server/http/http_server.h"
 #include "server/http/listen_address.h"
 #include "server/http/problem.h"
-#include "server/http/routes/openapi.h"
 #include "server/http/routes/routes.h"
 #include "server/http/routes/upload_route.h"
 #include "server/http/routes/viewer_files.h"
@@ -144,16 +143,17 @@ class Service::Parts {
       LogDebug("request method=" + request.method + " path=" + request.path +
                " status=" + std::to_string(response.status));
     });
-    AddUploadRoute(http_, *context_);
-    AddTusRoutes(http_, *context_);
-    AddDriveRoutes(http_, *context_);
-    AddRigRoutes(http_, *context_);
-    AddJobRoutes(http_, *context_);
-    AddMapRoutes(http_, *context_);
-    AddCompareRoute(http_, *context_);
-    AddSiteRoutes(http_, *context_);
-    AddEventRoute(http_, *context_);
-    AddStatusRoutes(http_, *context_);
+    Router router(http_, gate_);
+    AddUploadRoute(router, *context_);
+    AddTusRoutes(router, *context_);
+    AddDriveRoutes(router, *context_);
+    AddRigRoutes(router, *context_);
+    AddJobRoutes(router, *context_);
+    AddMapRoutes(router, *context_);
+    AddCompareRoute(router, *context_);
+    AddSiteRoutes(router, *context_);
+    AddEventRoute(router, *context_);
+    AddStatusRoutes(router, *context_);
   }
 
   /// A disk that failed under an upload is not written to any more.
@@ -177,15 +177,14 @@ class Service::Parts {
       SendProblem(response, {response.status, "invalid_request", "the request is malformed"});
       return;
     }
-    const std::vector<std::string> methods = MethodsOf(request.path);
-    const bool is_method =
-        std::find(methods.begin(), methods.end(), request.method) != methods.end();
-    if (methods.empty() || is_method) {
+    const std::set<std::string_view> methods = MethodsOf(request.path);
+    if (methods.empty() || methods.contains(request.method)) {
       SendProblem(response, {404, "not_found", "there is nothing at this address"});
       return;
     }
     std::string allowed;
-    for (const std::string& method : methods) allowed += (allowed.empty() ? "" : ", ") + method;
+    for (const std::string_view method : methods)
+      allowed.append(allowed.empty() ? "" : ", ").append(method);
     response.set_header("Allow", allowed);
     SendProblem(response, {405, "method_not_allowed", "this address knows " + allowed});
   }
@@ -210,6 +209,7 @@ class Service::Parts {
   MapComparer comparer_;
   ViewerFiles viewer_;
   HttpServer http_;
+  Gate gate_;
   std::optional<JobRunner> jobs_;
   std::optional<DriveInspector> inspector_;
   std::optional<ResumableUploads> uploads_;

@@ -1,0 +1,73 @@
+#include "server/http/route_table.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "server/http/routes/openapi.h"
+
+namespace parkade {
+namespace {
+
+TEST(RouteTable, TellsTheClassOfEveryRequest) {
+  struct Case {
+    const char *method, *path;
+    RouteClass expected;
+  };
+  for (const Case& c :
+       {Case{"GET", "/healthz", RouteClass::kHealth}, Case{"GET", "/metrics", RouteClass::kHealth},
+        Case{"PUT", "/api/v1/drives", RouteClass::kUploads},
+        Case{"GET", "/api/v1/drives", RouteClass::kApi},
+        Case{"GET", "/api/v1/drives/0123", RouteClass::kApi},
+        Case{"PATCH", "/api/v1/uploads/0123", RouteClass::kUploads},
+        Case{"HEAD", "/api/v1/uploads/0123", RouteClass::kUploads},
+        Case{"GET", "/api/v1/uploads/0123", RouteClass::kApi},
+        Case{"POST", "/api/v1/uploads", RouteClass::kUploads},
+        Case{"PUT", "/api/v1/rigs/car", RouteClass::kUploads},
+        Case{"GET", "/api/v1/jobs/0123/log", RouteClass::kDownloads},
+        Case{"GET", "/api/v1/sites/lot/maps/1", RouteClass::kApi},
+        Case{"GET", "/api/v1/sites/lot/maps/1/a/b.tum", RouteClass::kDownloads},
+        Case{"GET", "/api/v1/events", RouteClass::kEvents},
+        Case{"GET", "/api", RouteClass::kDownloads}, Case{"GET", "/", RouteClass::kDownloads},
+        Case{"GET", "/assets/index.js", RouteClass::kDownloads},
+        Case{"GET", "/api/v1/jobs//log", RouteClass::kApi}})
+    EXPECT_EQ(RouteOf(c.method, c.path).route_class, c.expected) << c.method << " " << c.path;
+
+  EXPECT_TRUE(RouteOf("PUT", "/api/v1/drives").has_large_body);
+  EXPECT_TRUE(RouteOf("PATCH", "/api/v1/uploads/0123").has_large_body);
+  EXPECT_TRUE(RouteOf("POST", "/api/v1/uploads").has_large_body);
+  EXPECT_FALSE(RouteOf("PATCH", "/api/v1/uploads").has_large_body);
+  EXPECT_FALSE(RouteOf("PUT", "/api/v1/rigs/car").has_large_body);
+}
+
+TEST(RouteTable, TellsTheMethodsOfAddresses) {
+  using Methods = std::set<std::string_view>;
+  EXPECT_EQ(MethodsOf("/api/v1/drives"), (Methods{"GET", "PUT"}));
+  EXPECT_EQ(MethodsOf("/api/v1/sites/lot/maps/1/tiles/0.glb"), Methods{"GET"});
+  EXPECT_EQ(MethodsOf("/api/v1/drives/a/b"), Methods());
+  EXPECT_EQ(MethodsOf("/"), Methods());
+}
+
+/// "{alias}" is described as a "{version}".
+std::string Described(const Route& route) {
+  std::string path(route.path);
+  if (const size_t at = path.find("{alias}"); at != std::string::npos)
+    path.replace(at, 7, "{version}");
+  std::string method(route.method);
+  for (char& c : method) c = static_cast<char>(std::tolower(c));
+  return method + " " + path;
+}
+
+TEST(RouteTable, HoldsWhatIsDescribedAndNothingElse) {
+  const auto description = nlohmann::json::parse(OpenApiText());
+  std::set<std::string> described, in_table;
+  for (const auto& [path, item] : description.at("paths").items())
+    for (const auto& [method, operation] : item.items())
+      if (method != "parameters") described.insert(method + " " + path);
+  for (const Route& route : kRoutes)
+    if (!route.method.empty()) in_table.insert(Described(route));
+  EXPECT_EQ(in_table, described);
+}
+
+}  // namespace
+}  // namespace parkade
