@@ -36,6 +36,7 @@ int RunCommandLine(int argc, const char* const* argv) {
   AddVerifyCommand(app, action);
   AddBackupCommand(app, action);
   AddRestoreCommand(app, action);
+  AddTokenCommand(app, action);
   AddInspectCommand(app, action);
   AddExportCommand(app, action);
   AddCompareCommand(app, action);

@@ -14,6 +14,7 @@ void AddServeCommand(CLI::App& app, Action& action);
 void AddVerifyCommand(CLI::App& app, Action& action);
 void AddBackupCommand(CLI::App& app, Action& action);
 void AddRestoreCommand(CLI::App& app, Action& action);
+void AddTokenCommand(CLI::App& app, Action& action);
 void AddInspectCommand(CLI::App& app, Action& action);
 void AddExportCommand(CLI::App& app, Action& action);
 void AddCompareCommand(CLI::App& app, Action& action);

@@ -67,8 +67,7 @@ void AddServeCommand(CLI::App& app, Action& action) {
   command->add_option("--listen", options->listen, "HOST:PORT; port 0 takes a free one")
       ->capture_default_str();
   command->add_flag("--allow-public", options->allow_public,
-                    "listen on other than loopback addresses, to any Host: anyone who reaches them "
-                    "may upload and delete");
+                    "listen on other than loopback addresses, to any Host; needs a token");
   command->add_flag("!--separate-drives", options->merge_drives,
                     "map each new drive by itself instead of joining it to its site");
   command->add_option("--web", options->web_root, "folder of the built viewer");
@@ -83,6 +82,11 @@ void AddServeCommand(CLI::App& app, Action& action) {
                    "days within which every stored file is read and checked; 0: never")
       ->capture_default_str()
       ->check(CLI::Range(0, 3650));
+  command
+      ->add_option("--request-rate", options->request_rate,
+                   "requests a second that each token may ask in the long run; 0: any")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 100000));
   command->add_option("--workers", options->num_workers, "jobs at a time")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));

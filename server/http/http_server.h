@@ -2,6 +2,8 @@
 
 #include <httplib.h>
 
+#include <functional>
+
 #include "server/http/lobby.h"
 #include "server/http/metrics.h"
 #include "server/http/request_pools.h"
@@ -13,10 +15,10 @@ namespace parkade {
 /// thread of RequestPools is taken by requests whose heads are short, complete and checked.
 class HttpServer : public httplib::Server {
  public:
-  /// Requests have to name this machine as their Host, unless `any_host`. `num_threads` as
-  /// RequestPools has it.
+  /// Requests have to name this machine as their Host, unless `takes_any_host` says otherwise,
+  /// which must not wait. `num_threads` as RequestPools has it.
   HttpServer(const ShutdownSignal& shutdown_signal, Metrics& metrics, int num_threads,
-             bool any_host);
+             std::function<bool()> takes_any_host);
   ~HttpServer() override;
 
   /// Binds and listens; port 0 takes a free one. Returns the port. Throws Error{kUsage} when

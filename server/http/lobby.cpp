@@ -29,10 +29,10 @@ bool IsFull(int error) {
 
 }  // namespace
 
-Lobby::Lobby(const LobbyLimits& limits, bool any_host, RequestPools& pools,
+Lobby::Lobby(const LobbyLimits& limits, std::function<bool()> takes_any_host, RequestPools& pools,
              const ShutdownSignal& shutdown_signal, Metrics& metrics)
     : limits_(limits),
-      any_host_(any_host),
+      takes_any_host_(std::move(takes_any_host)),
       pools_(pools),
       shutdown_signal_(shutdown_signal),
       metrics_(metrics) {}
@@ -181,7 +181,7 @@ void Lobby::TakeHead(Guest& guest) {
   const std::optional<RequestHead> head = guest.connection->TakeHead();
   if (!head) return;
   const std::int64_t body_length = CheckRequestHead(*head);
-  if (!any_host_) RefuseForeignHost(*head);
+  if (!takes_any_host_()) RefuseForeignHost(*head);
   guest.connection->BeginRequest(*head, body_length);
   guest.stage = Stage::kBody;
   guest.deadline = Clock::now() + limits_.body;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -33,9 +34,9 @@ class Lobby {
  public:
   using Clock = HttpConnection::Clock;
 
-  /// Requests have to name this machine as their Host, unless `any_host`. What is handed over
-  /// outlives the lobby.
-  Lobby(const LobbyLimits& limits, bool any_host, RequestPools& pools,
+  /// Requests have to name this machine as their Host, unless `takes_any_host` says otherwise,
+  /// which must not wait. What is handed over outlives the lobby.
+  Lobby(const LobbyLimits& limits, std::function<bool()> takes_any_host, RequestPools& pools,
         const ShutdownSignal& shutdown_signal, Metrics& metrics);
 
   /// Accepts connections of the listening socket `listener`, which must not block, until the
@@ -78,7 +79,7 @@ class Lobby {
   void Tick(Clock::time_point now);
 
   const LobbyLimits limits_;
-  const bool any_host_;
+  const std::function<bool()> takes_any_host_;
   RequestPools& pools_;
   const ShutdownSignal& shutdown_signal_;
   Metrics& metrics_;

@@ -18,6 +18,7 @@ const Problem kOurFault{500, "internal", "the service failed; its log has the re
 const char* TitleOf(int status) {
   switch (status) {
     case 400: return "Bad Request";
+    case 401: return "Unauthorized";
     case 403: return "Forbidden";
     case 404: return "Not Found";
     case 405: return "Method Not Allowed";
@@ -31,6 +32,7 @@ const char* TitleOf(int status) {
     case 415: return "Unsupported Media Type";
     case 416: return "Range Not Satisfiable";
     case 417: return "Expectation Failed";
+    case 429: return "Too Many Requests";
     case 431: return "Request Header Fields Too Large";
     case 460: return "Checksum Mismatch";
     case 500: return "Internal Server Error";

@@ -108,6 +108,18 @@ inline constexpr std::array kRoutes = {
     Route{"GET", "/api/v1/sites/{site}/compare", RouteClass::kDownloads, Right::kSeeMaps,
           Reach::kPath},
 
+    // A session is for who shows a token or a link, which the handlers ask for.
+    Route{"GET", "/api/v1/session", RouteClass::kApi, Right::kNone, Reach::kNothing},
+    Route{"POST", "/api/v1/session", RouteClass::kApi, Right::kNone, Reach::kNothing},
+    Route{"DELETE", "/api/v1/session", RouteClass::kApi, Right::kNone, Reach::kNothing},
+    Route{"GET", "/api/v1/tokens", RouteClass::kApi, Right::kAdmin, Reach::kWhole},
+    Route{"POST", "/api/v1/tokens", RouteClass::kApi, Right::kAdmin, Reach::kWhole},
+    Route{"DELETE", "/api/v1/tokens/{token}", RouteClass::kApi, Right::kAdmin, Reach::kWhole},
+    Route{"GET", "/api/v1/shares", RouteClass::kApi, Right::kReview, Reach::kFiltered},
+    Route{"POST", "/api/v1/shares", RouteClass::kApi, Right::kReview, Reach::kFiltered},
+    Route{"DELETE", "/api/v1/shares/{share}", RouteClass::kApi, Right::kReview, Reach::kPath},
+    Route{"GET", "/api/v1/audit", RouteClass::kApi, Right::kAdmin, Reach::kWhole},
+
     // Addresses that lead nowhere, and the viewer, which holds nothing of anybody's.
     Route{"", "/api/{any}", RouteClass::kApi, Right::kAdmin, Reach::kWhole},
     Route{"", "/{any}", RouteClass::kDownloads, Right::kNone, Reach::kNothing},

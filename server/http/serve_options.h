@@ -18,8 +18,8 @@ namespace parkade {
 struct ServeOptions {
   std::filesystem::path data = "data";    ///< created where missing; one service at a time
   std::string listen = "127.0.0.1:8080";  ///< HOST:PORT, [IPv6]:PORT; port 0 takes a free one
-  bool allow_public =
-      false;  ///< listen on addresses other than loopback, to any Host, without authentication
+  bool allow_public = false;              ///< listen on addresses other than loopback, to any Host
+  int request_rate = 100;          ///< [1/s] that a token or link may ask in the long run; 0: any
   std::filesystem::path web_root;  ///< the built viewer; "/" says how to build it where missing
   int num_workers = 1;             ///< how many jobs run at a time
   bool merge_drives = true;        ///< a job maps all drives of its site; false: the new one alone

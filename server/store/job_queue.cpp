@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "server/store/access/audit_log.h"
 #include "server/store/tables/drive_table.h"
 #include "server/store/tables/job_table.h"
 #include "server/store/tables/map_table.h"
@@ -86,6 +87,7 @@ Job QueueMap(Store& store, const std::string& site, std::vector<std::string> dri
     job.created_at = NowUtc();
     InsertJob(connection, job);
     SetStates(connection, job, DriveState::kQueued);
+    RecordAudit(connection, "job.create", job.id, "{\"site\":\"" + site + "\"}");
     return FindJob(connection, job.id);
   });
 }
@@ -165,6 +167,7 @@ bool CancelWaitingJob(Store& store, const std::string& id) {
     const bool has_ended = job.state != JobState::kQueued && job.state != JobState::kRunning;
     Require(!has_ended, ErrorCode::kConflict,
             "job '" + id + "' has already ended: it is " + ToText(job.state));
+    RecordAudit(connection, "job.cancel", id);
     if (!CancelQueuedJob(connection, id)) return false;
     SetStates(connection, job, DriveState::kReceived);
     return true;
@@ -187,6 +190,7 @@ Job RetryJob(Store& store, const std::string& id) {
     Require(!job.drives.empty(), ErrorCode::kConflict,
             "all drives of job '" + id + "' were deleted");
     SetStates(connection, job, DriveState::kQueued);
+    RecordAudit(connection, "job.retry", id);
     return job;
   });
 }

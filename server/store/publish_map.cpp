@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/sha256.h"
+#include "server/store/access/audit_log.h"
 #include "server/store/disk/durable_file.h"
 #include "server/store/disk/file_sums.h"
 #include "server/store/tables/drive_table.h"
@@ -64,6 +65,8 @@ void InsertVersion(Store& store, const Job& job, const ReportSummary& report, Ma
     Require(!map.drives.empty(), ErrorCode::kInternal,
             "the worker left all drives out and made a map");
     InsertMap(connection, map);
+    RecordAudit(connection, "map.publish", map.site + "/" + std::to_string(map.version),
+                "{\"job\":\"" + job.id + "\"}");
     const bool is_current = EndJob(connection, job.id, job.attempt,
                                    {JobState::kDone, std::nullopt, std::nullopt, map.version});
     Require(is_current, ErrorCode::kConflict,

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "server/store/access/audit_log.h"
+#include "server/store/access/caller.h"
 #include "server/store/disk/durable_file.h"
 #include "server/store/tables/check_table.h"
 #include "server/store/tables/drive_table.h"
@@ -76,6 +78,7 @@ ReceivedDrive ReceiveDrive(Store& store, const NewDrive& new_drive, const Arrive
   drive.bytes = log.bytes;
   drive.sha256 = log.sha256;
   if (store.inspects_drives) drive.inspection_state = kWaiting;
+  drive.created_by = IdOfCurrentCaller();
   drive.created_at = drive.updated_at = NowUtc();
 
   const std::filesystem::path target = store.directory.LogFile(log.sha256);
@@ -93,6 +96,7 @@ ReceivedDrive ReceiveDrive(Store& store, const NewDrive& new_drive, const Arrive
       InsertDrive(connection, drive);
       const Job job = QueueFirstJob(connection, drive, merge_drives);
       also(connection, drive);
+      RecordAudit(connection, "drive.create", drive.id, "{\"site\":\"" + drive.site + "\"}");
       return ReceivedDrive{FindDrive(connection, drive.id), job};
     });
   } catch (const DiskFailure&) {
@@ -114,6 +118,7 @@ void DeleteDrive(Store& store, const std::string& id) {
         !user, ErrorCode::kConflict,
         "drive '" + id + "' is in use by job '" + user.value_or("") + "': cancel the job first");
     MarkDriveDeleted(connection, id);
+    RecordAudit(connection, "drive.delete", id, "{\"site\":\"" + drive.site + "\"}");
     if (CountDrivesWithContent(connection, drive.sha256) == 0)
       DropFileCheck(connection, DataDirectory::LogPath(drive.sha256));
     return drive.sha256;

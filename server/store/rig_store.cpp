@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/sha256.h"
+#include "server/store/access/audit_log.h"
 #include "server/store/disk/durable_file.h"
 #include "server/store/tables/names.h"
 #include "server/store/tables/rig_table.h"
@@ -37,7 +38,10 @@ StoredRig StoreRig(Store& store, const std::string& name, const RigFiles& files,
   rig.created_at = NowUtc();
   fs::rename(folder.get(), store.directory.RigFolder(rig.id));
   SyncToDisk(store.directory.RigsFolder());
-  store.database.Write([&](Connection& connection) { InsertRig(connection, rig); });
+  store.database.Write([&](Connection& connection) {
+    InsertRig(connection, rig);
+    RecordAudit(connection, "rig.put", rig.name, "{\"sha256\":\"" + rig.sha256 + "\"}");
+  });
   return rig;
 }
 

@@ -1,5 +1,7 @@
 // What the service answers, as /api/v1/openapi.json describes it.
 
+import { changeHeaders } from './session';
+
 export type DriveState = 'received' | 'queued' | 'processing' | 'ready' | 'failed';
 
 export interface Drive {
@@ -113,7 +115,7 @@ export const report = (map: MapVersion) => get<Report>(mapUrl(map.site, map.vers
 export async function buildWithPins(map: MapVersion, pins: object[]): Promise<Job> {
   const path = `/api/v1/sites/${segment(map.site)}/maps`;
   const body = JSON.stringify({ from: map.version, pins });
-  return answerOf<Job>(path, await fetch(path, { method: 'POST', headers: { 'content-type': 'application/json' }, body }));
+  return answerOf<Job>(path, await fetch(path, { method: 'POST', headers: { 'content-type': 'application/json', ...changeHeaders() }, body }));
 }
 
 /** The parking slots of a map; none of one that an older version made. */

@@ -6,6 +6,8 @@ import { renderDrives } from './drive_list';
 import { renderMapPanel } from './map_panel';
 import { MapView } from './map_view';
 import { PinPanel } from './pin_panel';
+import { mayReview, mayUpload, seesDrives, type Caller } from './session';
+import { awaitCaller, showCaller } from './sign_in';
 import { firstSite, hasMap } from './sites';
 import { countStates, renderSlotLegend } from './slot_layer';
 import { createToolbar } from './toolbar';
@@ -16,6 +18,7 @@ const panel = byId('map-panel');
 const toolbar = byId('toolbar');
 const view = new MapView(byId<HTMLCanvasElement>('canvas'));
 const pins = new PinPanel(byId('pin-panel'), view, () => void requestRefresh());
+let caller: Caller | null = null; // nobody yet
 const siteInUrl = new URLSearchParams(location.search).get('site');
 
 let selectedSite: string | null = siteInUrl;
@@ -65,7 +68,7 @@ function setPinning(isPossible: boolean): void {
   const toggle = toolbar.querySelector<HTMLButtonElement>('[data-pins]');
   if (!toggle) return;
   if (!isPossible && toggle.getAttribute('aria-pressed') === 'true') toggle.click();
-  toggle.disabled = !isPossible;
+  toggle.disabled = !isPossible || !caller || !mayReview(caller); // pins make a new version
 }
 
 /** What the next version will look like, while it is made. False where it is gone already. */
@@ -91,7 +94,12 @@ async function showPreview({ preview }: Job): Promise<boolean> {
 
 async function refresh(): Promise<void> {
   try {
-    const [drives, jobs, sites] = await Promise.all([listDrives(), listJobs(), listSites()]);
+    const isInside = caller !== null && seesDrives(caller);
+    const [drives, jobs, sites] = await Promise.all([
+      isInside ? listDrives() : [],
+      isInside ? listJobs() : [],
+      listSites(),
+    ]);
     selectedSite ??= firstSite(drives, sites);
     renderDrives(byId('drives'), { drives, jobs, sites }, selectedSite, (site) => void showSite(site));
     const inWork = jobs.find((job) => job.site === selectedSite && job.state === 'running' && job.preview);
@@ -130,7 +138,13 @@ async function requestRefresh(): Promise<void> {
   isRefreshing = false;
 }
 
-createToolbar(toolbar, view, byId('legend'), pins);
-createUpload(byId('upload'), () => void requestRefresh());
-watchEvents(() => void requestRefresh());
-void requestRefresh();
+async function start(): Promise<void> {
+  caller = await awaitCaller(byId('stage'));
+  if (caller.name !== 'local') showCaller(byId('caller'), caller);
+  createToolbar(toolbar, view, byId('legend'), pins);
+  if (mayUpload(caller)) createUpload(byId('upload'), () => void requestRefresh());
+  if (seesDrives(caller)) watchEvents(() => void requestRefresh());
+  await requestRefresh();
+}
+
+start().catch((error: unknown) => say(error instanceof Error ? error.message : String(error)));

@@ -1,5 +1,6 @@
 import { element } from './dom';
 import { formatBytes } from './format';
+import { changeHeaders } from './session';
 
 /** A place to drop a drive log. Calls `onDone` when the service has it all. */
 export function createUpload(place: HTMLElement, onDone: () => void): void {
@@ -12,6 +13,7 @@ export function createUpload(place: HTMLElement, onDone: () => void): void {
   const send = (file: File) => {
     const request = new XMLHttpRequest(); // fetch reports no upload progress
     request.open('PUT', `/api/v1/drives?filename=${encodeURIComponent(file.name)}`);
+    for (const [name, value] of Object.entries(changeHeaders())) request.setRequestHeader(name, value);
     request.upload.addEventListener('progress', (event) => {
       bar.value = event.loaded / Math.max(1, file.size);
       status.textContent = `${file.name}: ${formatBytes(event.loaded)} of ${formatBytes(file.size)}`;

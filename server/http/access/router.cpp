@@ -51,10 +51,10 @@ std::string PatternOfPath(std::string_view path) {
 
 void Router::Add(const Route& route, AnyHandler handler) {
   const std::string pattern = PatternOfPath(route.path);
-  const auto answer = [this, &route, handler = std::move(handler)](
+  const auto answer = [&gate = gate_, &route, handler = std::move(handler)](
                           const httplib::Request& request, httplib::Response& response,
                           const httplib::ContentReader* body) {
-    const Caller caller = gate_.Admit(route, request, response);
+    const Caller caller = gate.Admit(route, request, response);
     const WorkFor scope(caller);
     handler(request, response, body);
   };

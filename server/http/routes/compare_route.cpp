@@ -64,6 +64,8 @@ void SendComparison(RouteContext& context, const httplib::Request& request,
     };
     return std::pair(find(from_text), find(to_text));
   });
+  RequireVersion(from.version);
+  RequireVersion(to.version);
   if (from_text == "latest" ||
       to_text == "latest") {  // it changes; the address it leads to does not
     response.set_header("Cache-Control", "no-cache");

@@ -38,8 +38,9 @@ void AddDriveRoutes(Router& routes, RouteContext& context) {
                                              httplib::Response& response) {
     const Page page = PageOf(request);
     const auto site = QueryParameter(request, "site");
-    std::vector<Drive> drives = context.store.database.Read(
-        [&](Connection& connection) { return ListDrives(connection, WithOneMore(page), site); });
+    std::vector<Drive> drives = context.store.database.Read([&](Connection& connection) {
+      return ListDrives(connection, WithOneMore(page), site, CurrentCaller().sites);
+    });
     SendPage(response, page, std::move(drives), [](const Drive& drive) { return ToJson(drive); });
   });
 

@@ -15,10 +15,20 @@ constexpr std::chrono::milliseconds kLookInterval{500};
 constexpr std::chrono::seconds kHeartbeatInterval{10};
 constexpr std::chrono::minutes kMaxLifetime{10};  // then the client comes back with Last-Event-ID
 
+/// Of which site an event tells.
+std::string SiteOf(Connection& connection, const Event& event) {
+  if (event.kind == "job") return FindJob(connection, event.subject).site;
+  if (event.kind == "drive") return FindDriveOrTombstone(connection, event.subject).site;
+  return event.subject.substr(0, event.subject.rfind('/'));
+}
+
 /// The subject of an event as it is now: a listener that comes late gets one state, not the way to
-/// it.
-Json DataOf(RouteContext& context, const Event& event) {
+/// it. Nothing where the listener may not know of its site.
+std::optional<Json> DataOf(RouteContext& context, const Event& event, const SiteScope& sites) {
   try {
+    const std::string site = context.store.database.Read(
+        [&](Connection& connection) { return SiteOf(connection, event); });
+    if (!Includes(sites, site)) return std::nullopt;
     if (event.kind == "job") {
       const Job job = context.store.database.Read(
           [&](Connection& connection) { return FindJob(connection, event.subject); });
@@ -27,13 +37,11 @@ Json DataOf(RouteContext& context, const Event& event) {
     if (event.kind == "drive")
       return ToJson(context.store.database.Read(
           [&](Connection& connection) { return FindDrive(connection, event.subject); }));
-    const size_t slash = event.subject.rfind('/');
-    const std::string site = event.subject.substr(0, slash);
-    const std::int64_t version = std::stoll(event.subject.substr(slash + 1));
-    return {{"site", site}, {"version", version}, {"url", MapAddress(site, version)}};
+    const std::int64_t version = std::stoll(event.subject.substr(site.size() + 1));
+    return Json{{"site", site}, {"version", version}, {"url", MapAddress(site, version)}};
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kNotFound) throw;
-    return {{"id", event.subject}, {"deleted", true}};
+    return Json{{"id", event.subject}, {"deleted", true}};
   }
 }
 
@@ -74,13 +82,15 @@ class EventStream {
       return TextOf("reload", last_seen_, Json::object());
     }
     for (const Event& event : news.events)
-      text += TextOf(event.kind, event.id, DataOf(context_, event));
+      if (const auto data = DataOf(context_, event, sites_))
+        text += TextOf(event.kind, event.id, *data);
     if (!news.events.empty()) last_seen_ = news.events.back().id;
     return text;
   }
 
   RouteContext& context_;
   CountedPresence presence_;
+  const SiteScope sites_ = CurrentCaller().sites;  // of the request it is made for
   std::int64_t last_seen_;
   const steady_clock::time_point started_ = steady_clock::now();
   steady_clock::time_point last_sent_ = started_;

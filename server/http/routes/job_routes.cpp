@@ -103,7 +103,7 @@ void AddJobRoutes(Router& routes, RouteContext& context) {
     const auto state = StateParameter(request);
     const auto site = QueryParameter(request, "site");
     std::vector<Job> jobs = context.store.database.Read([&](Connection& connection) {
-      return ListJobs(connection, WithOneMore(page), state, site);
+      return ListJobs(connection, WithOneMore(page), state, site, CurrentCaller().sites);
     });
     SendPage(response, page, std::move(jobs), [&](const Job& job) { return View(context, job); });
   });

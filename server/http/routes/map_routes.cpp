@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "server/http/access/rights.h"
 #include "server/http/file_response.h"
 #include "server/http/json_response.h"
 #include "server/http/problem.h"
@@ -33,6 +34,12 @@ void SendManifest(RouteContext& context, const httplib::Request& request,
       "application/json");
 }
 
+/// The pictures at both ends of loops come from the cameras as they are; all others are made of
+/// many.
+bool IsCameraPicture(const std::string& name) {
+  return name.find("/loops/") != std::string::npos && name.ends_with(".jpg");
+}
+
 /// A note that cannot be taken, on a full disk say, is taken by the next reader.
 void NoteDamage(RouteContext& context, const std::string& path) {
   try {
@@ -45,6 +52,8 @@ void NoteDamage(RouteContext& context, const std::string& path) {
 void SendMapFile(RouteContext& context, const httplib::Request& request,
                  httplib::Response& response) {
   const std::string name = request.matches[3];
+  if (IsCameraPicture(name) && !CurrentCaller().may_see_pictures)
+    throw HttpError({403, "forbidden", NeedOf(Right::kPictures)});
   const PublishedFile published = context.store.database.Read([&](Connection& connection) {
     return FindMapFile(connection, request.matches[1], std::stoll(request.matches[2]), name);
   });
@@ -74,7 +83,7 @@ void Redirect(RouteContext& context, const httplib::Request& request, const std:
   const std::string site = request.matches[1];
   const std::int64_t version = context.store.database.Read([&](Connection& connection) {
     FindSite(connection, site);
-    return LatestMapVersion(connection, site);
+    return CurrentCaller().version.value_or(LatestMapVersion(connection, site));
   });
   response.set_header("Cache-Control", "no-cache");
   response.set_redirect(MapAddress(site, version) + rest, 307);
@@ -203,6 +212,8 @@ void AddMapRoutes(Router& routes, RouteContext& context) {
       FindSite(connection, site);
       return ListMaps(connection, site, WithOneMore(page));
     });
+    if (const auto only = CurrentCaller().version)
+      std::erase_if(versions, [&](const MapVersion& map) { return map.version != *only; });
     SendPage(response, page, std::move(versions),
              [](const MapVersion& map) { return ToJson(map, /*with_files=*/false); });
   });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "server/http/access/gate.h"
 #include "server/http/metrics.h"
 #include "server/http/serve_options.h"
 #include "server/http/shutdown_signal.h"
@@ -21,6 +22,7 @@ struct RouteContext {
   MapComparer& comparer;
   ResumableUploads& uploads;
   DriveInspector* inspector;  ///< null where nobody looks at logs
+  Gate& gate;
   Metrics& metrics;
   const ShutdownSignal& shutdown_signal;
 };

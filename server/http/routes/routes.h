@@ -17,6 +17,10 @@ void AddSiteRoutes(Router& routes, RouteContext& context);
 void AddMapRoutes(Router& routes, RouteContext& context);
 void AddCompareRoute(Router& routes, RouteContext& context);
 void AddEventRoute(Router& routes, RouteContext& context);
+void AddSessionRoutes(Router& routes, RouteContext& context);
+void AddTokenRoutes(Router& routes, RouteContext& context);
+void AddShareRoutes(Router& routes, RouteContext& context);
+void AddAuditRoute(Router& routes, RouteContext& context);
 void AddStatusRoutes(Router& routes, RouteContext& context);
 
 }  // namespace parkade

@@ -90,6 +90,7 @@ void Create(RouteContext& context, const httplib::Request& request, httplib::Res
   const bool has_part = request.get_header_value("Content-Length") != "0";
   if (has_part) RequirePartType(request);
 
+  RequireSite(upload.site);
   upload = context.uploads.Create(upload);
   response.set_header("Location", kUploads + "/" + upload.id);
   if (has_part) upload = Append(context, request, upload.id, 0, body);

@@ -70,6 +70,7 @@ NewDrive CheckUpload(const httplib::Request& request, const RouteContext& contex
   drive.filename = QueryParameter(request, "filename").value_or("");
   drive.site = QueryParameter(request, "site");
   drive.rig = QueryParameter(request, "rig");
+  RequireSite(drive.site);
   CheckNewDrive(context.store, drive);
   RequireSpace(context.store, length);
   return drive;

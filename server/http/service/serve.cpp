@@ -112,7 +112,6 @@ int Serve(const ServeOptions& options) {
     LogInfo("stopping");
     service.Stop(service.has_disk_failed() ? std::min(patience, kPatienceAfterFailure) : patience);
   });
-  if (options.allow_public) LogWarning("listening without authentication, as --allow-public says");
   LogInfo("listening on " + service.address());
   {
     const Supervisor supervisor(ParseListenAddress(options.listen).host, service.port());

@@ -12,6 +12,7 @@
 #include "server/http/routes/routes.h"
 #include "server/http/routes/upload_route.h"
 #include "server/http/routes/viewer_files.h"
+#include "server/store/access/tokens.h"
 #include "server/store/care/scrubber.h"
 
 namespace parkade {
@@ -31,8 +32,8 @@ ListenAddress CheckedAddress(const ServeOptions& options) {
   ListenAddress address = ParseListenAddress(options.listen);
   Require(options.allow_public || IsLoopback(address.host), ErrorCode::kUsage,
           "'" + address.host +
-              "' is not a loopback address: without authentication anyone who reaches it may read, "
-              "add and delete drives and maps; put a proxy in front, or say --allow-public");
+              "' is not a loopback address: put a proxy in front that speaks TLS, or say "
+              "--allow-public, which needs a token");
   return address;
 }
 
@@ -64,7 +65,13 @@ class Service::Parts {
         store_(options_.data),
         comparer_(store_.directory, options_.compare_command),
         viewer_(options_.web_root),
-        http_(shutdown_signal_, metrics_, options_.num_threads, options_.allow_public) {
+        gate_(store_.database, options_.request_rate),
+        http_(shutdown_signal_, metrics_, options_.num_threads,
+              [this] { return options_.allow_public || !gate_.was_open(); }) {
+    Require(!options_.allow_public || store_.database.Read(HasUsableAdmin), ErrorCode::kUsage,
+            "--allow-public needs a token, so that not everybody may do everything: parkade token "
+            "create NAME --role admin --data " +
+                options_.data.string());
     store_.disk_reserve = options_.disk_reserve;
     store_.database.OnFreeze([this] {
       if (on_disk_failure_) on_disk_failure_();
@@ -81,7 +88,8 @@ class Service::Parts {
       inspector_.emplace(store_, events_, options_.inspect_command, [this] { jobs_->Wake(); });
     uploads_.emplace(store_, OptionsOfUploads());
     context_.emplace(RouteContext{options_, store_, events_, *jobs_, comparer_, *uploads_,
-                                  inspector_ ? &*inspector_ : nullptr, metrics_, shutdown_signal_});
+                                  inspector_ ? &*inspector_ : nullptr, gate_, metrics_,
+                                  shutdown_signal_});
     AddHandlers();
     scrubber_.emplace(store_, std::chrono::days(options_.scrub_days));
   }
@@ -153,6 +161,10 @@ class Service::Parts {
     AddCompareRoute(router, *context_);
     AddSiteRoutes(router, *context_);
     AddEventRoute(router, *context_);
+    AddSessionRoutes(router, *context_);
+    AddTokenRoutes(router, *context_);
+    AddShareRoutes(router, *context_);
+    AddAuditRoute(router, *context_);
     AddStatusRoutes(router, *context_);
   }
 
@@ -190,9 +202,10 @@ class Service::Parts {
   }
 
   /// Tells a client that asked before sending a large body whether it may go on.
-  int Expected(const httplib::Request& request, httplib::Response& response) const {
+  int Expected(const httplib::Request& request, httplib::Response& response) {
     if (request.method != "PUT" || request.path != "/api/v1/drives") return 100;
     try {
+      const WorkFor scope(gate_.Admit(RouteOf(request.method, request.path), request, response));
       CheckUpload(request, *context_);
       return 100;
     } catch (const std::exception&) {
@@ -208,8 +221,8 @@ class Service::Parts {
   Store store_;
   MapComparer comparer_;
   ViewerFiles viewer_;
-  HttpServer http_;
   Gate gate_;
+  HttpServer http_;
   std::optional<JobRunner> jobs_;
   std::optional<DriveInspector> inspector_;
   std::optional<ResumableUploads> uploads_;

@@ -28,10 +28,6 @@ std::optional<Role> RoleFromText(const std::string& text) {
   return found == kRoles.end() ? std::nullopt : std::optional(*found);
 }
 
-bool Includes(const SiteScope& scope, const std::string& site) {
-  return !scope || std::find(scope->begin(), scope->end(), site) != scope->end();
-}
-
 Caller CallerWithAllRights(const std::string& name) {
   Caller caller;
   caller.name = name;
@@ -44,6 +40,11 @@ Caller CallerWithAllRights(const std::string& name) {
 const Caller& CurrentCaller() {
   static const Caller service = CallerWithAllRights("service");
   return current_caller == nullptr ? service : *current_caller;
+}
+
+std::optional<std::string> IdOfCurrentCaller() {
+  const std::string& id = CurrentCaller().id;
+  return id.empty() ? std::nullopt : std::optional(id);
 }
 
 WorkFor::WorkFor(const Caller& caller) : before_(current_caller) { current_caller = &caller; }

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "server/store/tables/site_scope.h"
+
 namespace parkade {
 
 /// What a caller may do in all; see Right for what each route asks for.
@@ -14,11 +16,6 @@ enum class Role { kViewer, kUploader, kReviewer, kAdmin };
 const char* ToText(Role role);
 /// Nothing for other words.
 std::optional<Role> RoleFromText(const std::string& text);
-
-/// The sites somebody may know of; nothing: all.
-using SiteScope = std::optional<std::vector<std::string>>;
-
-bool Includes(const SiteScope& scope, const std::string& site);
 
 /// Who asks for something, or does it by itself.
 struct Caller {
@@ -37,6 +34,9 @@ Caller CallerWithAllRights(const std::string& name);
 
 /// Whoever this thread works for; "service" where no request is answered.
 const Caller& CurrentCaller();
+
+/// Its id; nothing where it needs none.
+std::optional<std::string> IdOfCurrentCaller();
 
 /// Makes this thread work for `caller` as long as it lives.
 class WorkFor {

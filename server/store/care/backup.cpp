@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/sha256.h"
+#include "server/store/access/audit_log.h"
 #include "server/store/care/stored_files.h"
 #include "server/store/disk/durable_file.h"
 #include "server/store/disk/growing_file.h"
@@ -142,6 +143,8 @@ CareReport VerifyData(const fs::path& data, bool deep) {
     if (deep) report.bytes += file.bytes;
     if (damage) report.damaged.push_back({file.path, *damage});
   }
+  if (const auto damage = database.Read(DamageOfAudit))
+    report.damaged.push_back({"db/main.db", "is not as the service left it: " + *damage});
   return report;
 }
 

@@ -57,8 +57,9 @@ void Database::Close::operator()(sqlite3* database) const { sqlite3_close_v2(dat
 Database::Database(const std::filesystem::path& file, DatabaseUse use) {
   WatchFolderSyncs();
   sqlite3* database = nullptr;
-  const int flags =
-      use == DatabaseUse::kLook ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  int flags = SQLITE_OPEN_READONLY;
+  if (use != DatabaseUse::kLook) flags = SQLITE_OPEN_READWRITE;
+  if (use == DatabaseUse::kOwn) flags |= SQLITE_OPEN_CREATE;
   const int result =
       sqlite3_open_v2(file.c_str(), &database, flags | SQLITE_OPEN_FULLMUTEX, nullptr);
   database_.reset(database);
@@ -67,10 +68,8 @@ Database::Database(const std::filesystem::path& file, DatabaseUse use) {
   sqlite3_busy_timeout(database, 5000);
 
   Connection connection(database);
-  if (use == DatabaseUse::kLook) {
-    RequireSchema(connection);
-    return;
-  }
+  if (use != DatabaseUse::kOwn) RequireSchema(connection);
+  if (use == DatabaseUse::kLook) return;
   for (const char* pragma :
        {"PRAGMA journal_mode=WAL", "PRAGMA synchronous=FULL", "PRAGMA foreign_keys=ON",
         "PRAGMA trusted_schema=OFF", "PRAGMA journal_size_limit=67108864"})
@@ -83,6 +82,7 @@ Database::Database(const std::filesystem::path& file, DatabaseUse use) {
         return SQLITE_OK;
       },
       &log_pages_);
+  if (use == DatabaseUse::kShare) return;
   Statement check = connection.Query("PRAGMA quick_check(1)");
   const std::string finding = check.Step() ? check.Text(0) : "no answer";
   Require(finding == "ok", ErrorCode::kInternal,

@@ -15,8 +15,9 @@ struct sqlite3;
 namespace parkade {
 
 enum class DatabaseUse {
-  kOwn,   ///< read and write, the only one to do so
-  kLook,  ///< read, beside a service that may run
+  kOwn,    ///< read and write, the only one to do so
+  kShare,  ///< read and write a little, beside a service that runs
+  kLook,   ///< read, beside a service that may run
 };
 
 /// The SQLite file that holds the truth about drives, jobs, rigs and maps:
@@ -26,7 +27,7 @@ class Database {
  public:
   /// Opens or creates `file`, checks it, and brings its schema up to date; or only looks at one
   /// that may be in use. Throws Error{kInternal} when it is damaged, Error{kConflict} when a newer
-  /// program wrote it, or for a look an older one.
+  /// program wrote it, or an older one unless it is owned.
   explicit Database(const std::filesystem::path& file, DatabaseUse use = DatabaseUse::kOwn);
 
   /// Calls `body(Connection&)` and returns what it returns.

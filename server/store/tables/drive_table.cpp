@@ -13,7 +13,7 @@ const std::string kSelect = R"(
             ORDER BY j.sequence DESC LIMIT 1),
          (SELECT m.version FROM map_drives md JOIN maps m ON m.id = md.map WHERE md.drive = drives.id
             ORDER BY m.sequence DESC LIMIT 1),
-         inspection_state
+         inspection_state, created_by
   FROM drives )";
 
 Drive FromRow(const Statement& row) {
@@ -34,6 +34,7 @@ Drive FromRow(const Statement& row) {
   drive.job = OptionalText(row, 13);
   drive.map_version = OptionalInteger(row, 14);
   drive.inspection_state = OptionalText(row, 15);
+  drive.created_by = OptionalText(row, 16);
   return drive;
 }
 
@@ -53,10 +54,11 @@ std::vector<std::string> Ids(Statement query) {
 void InsertDrive(Connection& connection, const Drive& drive) {
   connection.Execute(
       R"(INSERT INTO drives (id, name, filename, site, rig, state, bytes, sha256, created_at, updated_at,
-                             inspection_state)
-         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))",
+                             inspection_state, created_by)
+         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))",
       drive.id, drive.name, drive.filename, drive.site, drive.rig, std::string(ToText(drive.state)),
-      drive.bytes, drive.sha256, drive.created_at, drive.updated_at, drive.inspection_state);
+      drive.bytes, drive.sha256, drive.created_at, drive.updated_at, drive.inspection_state,
+      drive.created_by);
 }
 
 std::optional<Drive> NextDriveToInspect(Connection& connection) {
@@ -88,12 +90,13 @@ Drive FindDriveOrTombstone(Connection& connection, const std::string& id) {
 }
 
 std::vector<Drive> ListDrives(Connection& connection, const Page& page,
-                              const std::optional<std::string>& site) {
+                              const std::optional<std::string>& site, const SiteScope& scope) {
   std::vector<Drive> drives;
-  Statement query = connection.Query(kSelect +
-                                         "WHERE sequence < ? AND (?2 IS NULL OR site = ?2) AND "
-                                         "deleted_at IS NULL ORDER BY sequence DESC LIMIT ?",
-                                     page.before, site, page.limit);
+  Statement query = connection.Query(
+      kSelect +
+          "WHERE sequence < ? AND (?2 IS NULL OR site = ?2) AND (?3 IS NULL OR site IN (SELECT "
+          "value FROM json_each(?3))) AND deleted_at IS NULL ORDER BY sequence DESC LIMIT ?",
+      page.before, site, JsonOf(scope), page.limit);
   while (query.Step()) drives.push_back(FromRow(query));
   return drives;
 }

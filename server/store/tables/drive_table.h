@@ -6,6 +6,7 @@
 
 #include "server/store/tables/database.h"
 #include "server/store/tables/records.h"
+#include "server/store/tables/site_scope.h"
 
 namespace parkade {
 
@@ -25,9 +26,9 @@ void SetDriveInspection(Connection& connection, const std::string& id,
 /// What the look found, JSON.
 std::optional<std::string> InspectionOf(Connection& connection, const std::string& id);
 
-/// Newest first; only those of `site` where given.
+/// Newest first; only those of sites in `scope`, and of `site` where given.
 std::vector<Drive> ListDrives(Connection& connection, const Page& page,
-                              const std::optional<std::string>& site);
+                              const std::optional<std::string>& site, const SiteScope& scope = {});
 
 /// All ids of a site's drives, in order of arrival.
 std::vector<std::string> DrivesOfSite(Connection& connection, const std::string& site);

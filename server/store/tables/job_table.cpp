@@ -80,14 +80,14 @@ Job FindJob(Connection& connection, const std::string& id) {
 
 std::vector<Job> ListJobs(Connection& connection, const Page& page,
                           const std::optional<JobState>& state,
-                          const std::optional<std::string>& site) {
+                          const std::optional<std::string>& site, const SiteScope& scope) {
   std::optional<std::string> word;
   if (state) word = Word(*state);
   Statement query = connection.Query(
       kSelect +
-          "WHERE sequence < ? AND (?2 IS NULL OR state = ?2) AND (?3 IS NULL OR site = ?3) "
-          "ORDER BY sequence DESC LIMIT ?",
-      page.before, word, site, page.limit);
+          "WHERE sequence < ? AND (?2 IS NULL OR state = ?2) AND (?3 IS NULL OR site = ?3) AND (?4 "
+          "IS NULL OR site IN (SELECT value FROM json_each(?4))) ORDER BY sequence DESC LIMIT ?",
+      page.before, word, site, JsonOf(scope), page.limit);
   std::vector<Job> jobs;
   while (query.Step()) jobs.push_back(FromRow(connection, query));
   return jobs;

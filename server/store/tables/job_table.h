@@ -6,6 +6,7 @@
 
 #include "server/store/tables/database.h"
 #include "server/store/tables/records.h"
+#include "server/store/tables/site_scope.h"
 
 namespace parkade {
 
@@ -18,10 +19,10 @@ void InsertJob(Connection& connection, const Job& job);
 /// Throws Error{kNotFound}.
 Job FindJob(Connection& connection, const std::string& id);
 
-/// Newest first; only those in `state` or of `site` where given.
+/// Newest first; only those of sites in `scope`, and in `state` or of `site` where given.
 std::vector<Job> ListJobs(Connection& connection, const Page& page,
                           const std::optional<JobState>& state,
-                          const std::optional<std::string>& site);
+                          const std::optional<std::string>& site, const SiteScope& scope = {});
 
 /// The oldest queued job that may start now: none whose drives still wait for a first look. One
 /// with a new drive waits for jobs of its site that run: their map is not there to be joined with

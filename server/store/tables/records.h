@@ -47,6 +47,7 @@ struct Drive {
   std::string sha256;
   std::optional<std::string> streams;           ///< JSON from the last map's report.json
   std::optional<std::string> inspection_state;  ///< one of the words below; nothing: never asked
+  std::optional<std::string> created_by;        ///< id of the token it came with
   std::string created_at, updated_at;
   std::optional<std::string> job;           ///< the latest one
   std::optional<std::int64_t> map_version;  ///< the latest one made from this drive

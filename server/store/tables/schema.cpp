@@ -142,10 +142,56 @@ const std::vector<const char*> kVersion5 = {
 // When a queued job may start at the earliest; NULL: at once.
 const std::vector<const char*> kVersion6 = {"ALTER TABLE jobs ADD COLUMN not_before TEXT"};
 
+// Who may do what, and who did. Secrets are kept as their SHA-256; `sites` is a JSON list, NULL for
+// all; `created_by` is the id of a token, NULL where none was needed.
+const std::vector<const char*> kVersion7 = {
+    R"(CREATE TABLE tokens (
+         sequence INTEGER PRIMARY KEY AUTOINCREMENT,
+         id TEXT NOT NULL UNIQUE,
+         name TEXT NOT NULL,
+         role TEXT NOT NULL CHECK (role IN ('viewer', 'uploader', 'reviewer', 'admin')),
+         sites TEXT,
+         pictures INTEGER NOT NULL,
+         secret_sha256 TEXT NOT NULL UNIQUE,
+         created_at TEXT NOT NULL,
+         expires_at TEXT,
+         revoked_at TEXT,
+         used_at TEXT) STRICT)",
+    R"(CREATE TABLE shares (
+         sequence INTEGER PRIMARY KEY AUTOINCREMENT,
+         id TEXT NOT NULL UNIQUE,
+         name TEXT NOT NULL,
+         site TEXT NOT NULL REFERENCES sites (name),
+         version INTEGER,
+         secret_sha256 TEXT NOT NULL UNIQUE,
+         created_by TEXT NOT NULL,
+         created_at TEXT NOT NULL,
+         expires_at TEXT NOT NULL,
+         revoked_at TEXT) STRICT)",
+    R"(CREATE TABLE sessions (
+         secret_sha256 TEXT NOT NULL PRIMARY KEY,
+         token TEXT REFERENCES tokens (id),
+         share TEXT REFERENCES shares (id),
+         created_at TEXT NOT NULL,
+         used_at TEXT NOT NULL,
+         expires_at TEXT NOT NULL) STRICT, WITHOUT ROWID)",
+    R"(CREATE TABLE audit (
+         sequence INTEGER PRIMARY KEY AUTOINCREMENT,
+         at TEXT NOT NULL,
+         caller TEXT NOT NULL,
+         caller_name TEXT NOT NULL,
+         address TEXT NOT NULL,
+         action TEXT NOT NULL,
+         subject TEXT NOT NULL,
+         detail TEXT NOT NULL,
+         sha256 TEXT NOT NULL) STRICT)",
+    "ALTER TABLE drives ADD COLUMN created_by TEXT",
+    "ALTER TABLE uploads ADD COLUMN created_by TEXT"};
+
 // One entry per schema version, oldest first. A published entry never changes:
 // a change of the tables is a new entry.
 const std::vector<const std::vector<const char*>*> kMigrations = {
-    &kVersion1, &kVersion2, &kVersion3, &kVersion4, &kVersion5, &kVersion6};
+    &kVersion1, &kVersion2, &kVersion3, &kVersion4, &kVersion5, &kVersion6, &kVersion7};
 
 size_t FoundVersion(Connection& connection) {
   Statement query = connection.Query("PRAGMA user_version");

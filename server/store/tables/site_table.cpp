@@ -53,9 +53,12 @@ Site FindSite(Connection& connection, const std::string& name) {
   return FromRow(connection, query);
 }
 
-std::vector<Site> ListSites(Connection& connection, const Page& page) {
-  Statement query = connection.Query(kSelect + "WHERE sequence < ? ORDER BY sequence DESC LIMIT ?",
-                                     page.before, page.limit);
+std::vector<Site> ListSites(Connection& connection, const Page& page, const SiteScope& scope) {
+  Statement query = connection.Query(
+      kSelect +
+          "WHERE sequence < ? AND (?2 IS NULL OR name IN (SELECT value FROM json_each(?2))) ORDER "
+          "BY sequence DESC LIMIT ?",
+      page.before, JsonOf(scope), page.limit);
   std::vector<Site> sites;
   while (query.Step()) sites.push_back(FromRow(connection, query));
   return sites;

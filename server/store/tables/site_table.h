@@ -5,6 +5,7 @@
 
 #include "server/store/tables/database.h"
 #include "server/store/tables/records.h"
+#include "server/store/tables/site_scope.h"
 
 namespace parkade {
 
@@ -19,7 +20,7 @@ std::string FreeSiteName(Connection& connection, const std::string& wanted);
 /// Throws Error{kNotFound}.
 Site FindSite(Connection& connection, const std::string& name);
 
-/// Newest first.
-std::vector<Site> ListSites(Connection& connection, const Page& page);
+/// Newest first, those in `scope`.
+std::vector<Site> ListSites(Connection& connection, const Page& page, const SiteScope& scope = {});
 
 }  // namespace parkade

@@ -13,7 +13,7 @@ constexpr std::array<UploadState, 3> kStates = {UploadState::kReceiving, UploadS
 
 const std::string kSelect = R"(
   SELECT sequence, id, metadata, filename, site, rig, sha256, length, offset, state, error, error_code, drive,
-         created_at, expires_at
+         created_at, expires_at, created_by
   FROM uploads )";
 
 UploadState StateFromText(const std::string& text) {
@@ -39,6 +39,7 @@ Upload FromRow(const Statement& row) {
   upload.drive = OptionalText(row, 12);
   upload.created_at = row.Text(13);
   upload.expires_at = row.Text(14);
+  upload.created_by = OptionalText(row, 15);
   return upload;
 }
 
@@ -55,10 +56,11 @@ const char* ToText(UploadState state) {
 
 void InsertUpload(Connection& connection, const Upload& upload) {
   connection.Execute(
-      R"(INSERT INTO uploads (id, metadata, filename, site, rig, sha256, length, created_at, expires_at)
-         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?))",
+      R"(INSERT INTO uploads (id, metadata, filename, site, rig, sha256, length, created_at, expires_at,
+                              created_by)
+         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?))",
       upload.id, upload.metadata, upload.filename, upload.site, upload.rig, upload.sha256,
-      upload.length, upload.created_at, upload.expires_at);
+      upload.length, upload.created_at, upload.expires_at, upload.created_by);
 }
 
 Upload FindUpload(Connection& connection, const std::string& id) {

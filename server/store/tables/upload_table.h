@@ -27,6 +27,7 @@ struct Upload {
   std::optional<std::string> error, error_code;  ///< why it was refused
   std::optional<std::string> drive;              ///< what it became
   std::string created_at, expires_at;
+  std::optional<std::string> created_by;  ///< id of the token it began with
 };
 
 // Rows of `uploads`.

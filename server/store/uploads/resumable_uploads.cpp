@@ -6,6 +6,8 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/sha256.h"
+#include "server/store/access/audit_log.h"
+#include "server/store/access/caller.h"
 #include "server/store/disk/durable_file.h"
 #include "server/store/disk/growing_file.h"
 #include "server/store/tables/names.h"
@@ -85,12 +87,16 @@ Upload ResumableUploads::Create(Upload upload) {
   RequireSpace(store_, upload.length);
   upload.id = NewId();
   upload.created_at = NowUtc();
+  upload.created_by = IdOfCurrentCaller();
   upload.expires_at = ExpiryFromNow();
   const std::filesystem::path file = FileOf(upload.id);
   try {
     GrowingFile::Create(file, upload.length).Sync();
     SyncToDisk(file.parent_path());
-    store_.database.Write([&](Connection& connection) { InsertUpload(connection, upload); });
+    store_.database.Write([&](Connection& connection) {
+      InsertUpload(connection, upload);
+      RecordAudit(connection, "upload.create", upload.id);
+    });
   } catch (const DiskFailure&) {
     throw;
   } catch (...) {
@@ -200,7 +206,10 @@ void ResumableUploads::Terminate(const std::string& id) {
 }
 
 void ResumableUploads::Remove(const std::string& id) {
-  WriteToMakeRoom(store_, [&](Connection& connection) { DeleteUpload(connection, id); });
+  WriteToMakeRoom(store_, [&](Connection& connection) {
+    DeleteUpload(connection, id);
+    RecordAudit(connection, "upload.delete", id);
+  });
   ForgetHash(id);
   std::error_code ignored;
   std::filesystem::remove(FileOf(id), ignored);

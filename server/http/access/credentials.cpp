@@ -1,0 +1,89 @@
+#include "server/http/access/credentials.h"
+
+#include <arpa/inet.h>
+
+#include <array>
+#include <string_view>
+
+#include "server/http/listen_address.h"
+#include "server/http/problem.h"
+
+namespace parkade {
+namespace {
+
+constexpr std::string_view kScheme = "bearer ";
+
+/// A proxy on this machine may say what the client cannot.
+bool IsFromProxyHere(const httplib::Request& request) { return IsLoopback(request.remote_addr); }
+
+bool IsOverTls(const httplib::Request& request) {
+  return IsFromProxyHere(request) && request.get_header_value("X-Forwarded-Proto") == "https";
+}
+
+/// The prefix makes browsers refuse such a cookie where another host of the domain sets it.
+std::string CookieName(const httplib::Request& request) {
+  return IsOverTls(request) ? "__Host-parkade" : "parkade";
+}
+
+std::optional<std::string> FindCookie(std::string_view cookies, std::string_view name) {
+  while (!cookies.empty()) {
+    const size_t end = std::min(cookies.find(';'), cookies.size());
+    std::string_view cookie = cookies.substr(0, end);
+    cookies.remove_prefix(std::min(end + 1, cookies.size()));
+    while (cookie.starts_with(' ')) cookie.remove_prefix(1);
+    if (cookie.starts_with(name) && cookie.substr(name.size()).starts_with('='))
+      return std::string(cookie.substr(name.size() + 1));
+  }
+  return std::nullopt;
+}
+
+bool IsAddress(const std::string& text) {
+  std::array<unsigned char, sizeof(in6_addr)> ignored{};
+  return ::inet_pton(AF_INET, text.c_str(), ignored.data()) == 1 ||
+         ::inet_pton(AF_INET6, text.c_str(), ignored.data()) == 1;
+}
+
+bool IsInLowerCaseEqual(std::string_view text, std::string_view expected) {
+  if (text.size() != expected.size()) return false;
+  for (size_t i = 0; i < text.size(); ++i)
+    if (std::tolower(static_cast<unsigned char>(text[i])) != expected[i]) return false;
+  return true;
+}
+
+void SendCookie(const httplib::Request& request, const std::string& value,
+                const std::string& attributes, httplib::Response& response) {
+  response.set_header("Set-Cookie", CookieName(request) + "=" + value +
+                                        "; Path=/; HttpOnly; SameSite=Strict" + attributes +
+                                        (IsOverTls(request) ? "; Secure" : ""));
+}
+
+}  // namespace
+
+Credentials CredentialsOf(const httplib::Request& request) {
+  Credentials credentials;
+  if (request.has_header("Authorization")) {
+    const std::string value = request.get_header_value("Authorization");
+    if (!IsInLowerCaseEqual(std::string_view(value).substr(0, kScheme.size()), kScheme))
+      throw HttpError({401, "unauthenticated", "say who you are by 'Authorization: Bearer TOKEN'"});
+    credentials.bearer = value.substr(kScheme.size());
+    return credentials;
+  }
+  credentials.session = FindCookie(request.get_header_value("Cookie"), CookieName(request));
+  return credentials;
+}
+
+std::string ClientAddressOf(const httplib::Request& request) {
+  const std::string named = request.get_header_value("X-Real-IP");
+  return IsFromProxyHere(request) && IsAddress(named) ? named : request.remote_addr;
+}
+
+void SetSessionCookie(const httplib::Request& request, const std::string& secret,
+                      httplib::Response& response) {
+  SendCookie(request, secret, "; Max-Age=43200", response);
+}
+
+void ClearSessionCookie(const httplib::Request& request, httplib::Response& response) {
+  SendCookie(request, "", "; Max-Age=0", response);
+}
+
+}  // namespace parkade

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <httplib.h>
+
+#include <optional>
+#include <string>
+
+namespace parkade {
+
+/// What a request shows to say who it is from.
+struct Credentials {
+  std::optional<std::string> bearer;   ///< secret of a token or share link, by Authorization
+  std::optional<std::string> session;  ///< secret of a session, by cookie
+};
+
+/// Throws HttpError{401} for an Authorization other than "Bearer SECRET".
+Credentials CredentialsOf(const httplib::Request& request);
+
+/// Where the request comes from: its peer, or whom a proxy on this machine names as X-Real-IP.
+std::string ClientAddressOf(const httplib::Request& request);
+
+/// Sets the cookie of a session, that no page's script sees and no other site's request carries.
+/// Behind a proxy that speaks TLS it never goes without.
+void SetSessionCookie(const httplib::Request& request, const std::string& secret,
+                      httplib::Response& response);
+void ClearSessionCookie(const httplib::Request& request, httplib::Response& response);
+
+}  // namespace parkade

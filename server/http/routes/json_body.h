@@ -1,0 +1,24 @@
+#pragma once
+
+#include <httplib.h>
+
+#include <initializer_list>
+#include <optional>
+#include <string>
+
+#include "server/http/json_view.h"
+
+namespace parkade {
+
+/// Reads the body, a JSON object with some of the members `known`. Throws Error{kInvalidInput} for
+/// anything else. An empty body is an empty object.
+Json ReadObject(const httplib::ContentReader& body, std::initializer_list<const char*> known);
+
+// Members of such an object; nothing where absent or null. Throw Error{kInvalidInput} where they
+// are of another kind.
+std::optional<std::string> TextIn(const Json& object, const char* key);
+std::optional<std::int64_t> IntegerIn(const Json& object, const char* key);
+std::optional<bool> FlagIn(const Json& object, const char* key);
+std::optional<std::vector<std::string>> TextsIn(const Json& object, const char* key);
+
+}  // namespace parkade
