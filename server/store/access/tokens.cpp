@@ -59,7 +59,7 @@ NewToken CreateToken(Database& database, const Token& wanted) {
   made.token.created_at = NowUtc();
   database.Write([&](Connection& connection) {
     const bool is_admin_of_all = wanted.role == Role::kAdmin && !wanted.sites;
-    Require(is_admin_of_all || HasTokens(connection), ErrorCode::kConflict,
+    Require(is_admin_of_all || HasTokens(connection), ErrorCode::kUsage,
             "the first token has to be an admin's for all sites, since from then on nobody gets in "
             "without a token");
     connection.Execute(

@@ -29,7 +29,7 @@ struct NewToken {
 };
 
 /// Makes a token with the name, role, sites, right and end of `wanted`. Throws Error{kInvalidInput}
-/// for an unusable name, site or end, Error{kConflict} where it is the first one and not an admin's
+/// for an unusable name, site or end, Error{kUsage} where it is the first one and not an admin's
 /// for all sites: nobody could make another.
 NewToken CreateToken(Database& database, const Token& wanted);
 
