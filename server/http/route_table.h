@@ -22,7 +22,7 @@ enum class Right {
   kAdmin,      ///< admins
 };
 
-/// Of which sites a route tells, for callers that may see some sites only.
+/// The sites that a route tells of, for callers that may see some sites only.
 enum class Reach {
   kPath,      ///< of the one in the path, or whose drive, job, upload or link is in the path
   kFiltered,  ///< of many: the handler leaves out what the caller may not see

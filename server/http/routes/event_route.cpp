@@ -15,7 +15,7 @@ constexpr std::chrono::milliseconds kLookInterval{500};
 constexpr std::chrono::seconds kHeartbeatInterval{10};
 constexpr std::chrono::minutes kMaxLifetime{10};  // then the client comes back with Last-Event-ID
 
-/// Of which site an event tells.
+/// The site that an event tells of.
 std::string SiteOf(Connection& connection, const Event& event) {
   if (event.kind == "job") return FindJob(connection, event.subject).site;
   if (event.kind == "drive") return FindDriveOrTombstone(connection, event.subject).site;
