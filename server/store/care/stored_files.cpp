@@ -15,6 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kPieceBytes = size_t{1} << 20;
+const std::string kMaps = "maps/";
 const std::string kMissing = "is missing", kChanged = "has changed on the disk",
                   kUnreadable = "cannot be read";
 
@@ -30,20 +31,26 @@ std::optional<std::string> CheckRig(const std::filesystem::path& data, const Sto
 std::vector<StoredFile> StoredFiles(Connection& connection) {
   std::vector<StoredFile> files;
   Statement logs = connection.Query(
-      "SELECT sha256, max(bytes) FROM drives WHERE deleted_at IS NULL GROUP BY sha256");
+      "SELECT sha256, max(bytes) FROM drives WHERE deleted_at IS NULL AND log_deleted_at IS NULL "
+      "GROUP BY sha256");
   while (logs.Step())
     files.push_back({DataDirectory::LogPath(logs.Text(0)), logs.Integer(1), logs.Text(0)});
   Statement maps = connection.Query("SELECT map, name, bytes, sha256 FROM map_files");
   while (maps.Step())
-    files.push_back({"maps/" + maps.Text(0) + "/" + maps.Text(1), maps.Integer(2), maps.Text(3)});
+    files.push_back({kMaps + maps.Text(0) + "/" + maps.Text(1), maps.Integer(2), maps.Text(3)});
   Statement rigs = connection.Query("SELECT id, sha256 FROM rigs");
   while (rigs.Step()) files.push_back({"rigs/" + rigs.Text(0), 0, rigs.Text(1), rigs.Text(0)});
   return files;
 }
 
 bool IsStored(Connection& connection, const StoredFile& file) {
-  // Maps and rigs stay.
-  return !file.path.starts_with("logs/") || CountDrivesWithContent(connection, file.sha256) > 0;
+  if (file.path.starts_with("logs/")) return CountDrivesWithContent(connection, file.sha256) > 0;
+  if (!file.path.starts_with(kMaps)) return true;
+  const size_t slash = file.path.find('/', kMaps.size());
+  return connection
+      .Query("SELECT 1 FROM map_files WHERE map = ? AND name = ?",
+             file.path.substr(kMaps.size(), slash - kMaps.size()), file.path.substr(slash + 1))
+      .Step();
 }
 
 std::optional<std::string> LookAtStoredFile(const std::filesystem::path& data,

@@ -21,7 +21,7 @@ struct StoredFile {
 /// The logs of all drives, the files of all map versions and all rigs.
 std::vector<StoredFile> StoredFiles(Connection& connection);
 
-/// False once the last drive with this log was deleted.
+/// False once the last drive with this log was deleted, or the files of the map version were.
 bool IsStored(Connection& connection, const StoredFile& file);
 
 /// Whether a file is there in the data directory `data`, as long as it should be, without reading
