@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kPieceBytes = size_t{1} << 20;
-const std::string kMaps = "maps/";
+const std::string kLogs = "logs/", kMaps = "maps/";
 const std::string kMissing = "is missing", kChanged = "has changed on the disk",
                   kUnreadable = "cannot be read";
 
@@ -43,13 +43,14 @@ std::vector<StoredFile> StoredFiles(Connection& connection) {
   return files;
 }
 
-bool IsStored(Connection& connection, const StoredFile& file) {
-  if (file.path.starts_with("logs/")) return CountDrivesWithContent(connection, file.sha256) > 0;
-  if (!file.path.starts_with(kMaps)) return true;
-  const size_t slash = file.path.find('/', kMaps.size());
+bool IsStored(Connection& connection, const std::string& path) {
+  if (path.starts_with(kLogs))
+    return CountDrivesWithContent(connection, path.substr(path.rfind('/') + 1)) > 0;
+  if (!path.starts_with(kMaps)) return true;  // rigs stay
+  const size_t slash = path.find('/', kMaps.size());
   return connection
       .Query("SELECT 1 FROM map_files WHERE map = ? AND name = ?",
-             file.path.substr(kMaps.size(), slash - kMaps.size()), file.path.substr(slash + 1))
+             path.substr(kMaps.size(), slash - kMaps.size()), path.substr(slash + 1))
       .Step();
 }
 
@@ -84,8 +85,12 @@ std::optional<std::string> CheckStoredFile(const std::filesystem::path& data,
 
 void RecordFileCheck(Store& store, const std::string& path,
                      const std::optional<std::string>& damage) {
-  if (damage) LogError("damaged file path=" + path + " damage=" + *damage);
-  store.database.Write([&](Connection& connection) { SetFileCheck(connection, path, damage); });
+  const bool is_stored = store.database.Write([&](Connection& connection) {
+    if (!IsStored(connection, path)) return false;
+    SetFileCheck(connection, path, damage);
+    return true;
+  });
+  if (is_stored && damage) LogError("damaged file path=" + path + " damage=" + *damage);
 }
 
 }  // namespace parkade

@@ -24,7 +24,7 @@ Comment AddComment(Store& store, const std::string& site, std::int64_t version,
 
 struct CommentChange {
   std::optional<std::string> text = {};
-  std::optional<bool> is_resolved;  ///< of a thread, by its first comment; anyone may
+  std::optional<bool> is_resolved = {};  ///< of a thread, by its first comment; anyone may
 };
 Comment ChangeComment(Store& store, const std::string& site, std::int64_t version,
                       const std::string& id, const CommentChange& change,

@@ -10,7 +10,8 @@ namespace {
 
 const std::string kSelect =
     "SELECT sequence, id, map, thread, text, pin, author, created_at, edited_at, resolved_at, "
-    "resolved_by, deleted_at FROM comments ";
+    "resolved_by, deleted_at, (SELECT site FROM maps WHERE maps.id = map), "
+    "(SELECT version FROM maps WHERE maps.id = map) FROM comments ";
 
 std::optional<std::string> PinToText(const CommentPin& pin) {
   if (pin == CommentPin{}) return std::nullopt;
@@ -49,6 +50,8 @@ Comment FromRow(const Statement& row) {
   comment.resolved_at = OptionalText(row, 9);
   comment.resolved_by = OptionalText(row, 10);
   comment.deleted_at = OptionalText(row, 11);
+  comment.site = row.Text(12);
+  comment.version = row.Integer(13);
   return comment;
 }
 

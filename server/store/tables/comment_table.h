@@ -24,7 +24,9 @@ struct CommentPin {
 struct Comment {
   std::int64_t sequence = 0;
   std::string id;
-  std::string map;                    ///< id of the version
+  std::string map;  ///< id of the version
+  std::string site;
+  std::int64_t version = 0;
   std::optional<std::string> thread;  ///< id of the comment it answers to; nothing: it is the first
   std::string text;                   ///< plain text; empty once it was deleted
   CommentPin pin;                     ///< empty in answers
@@ -39,7 +41,7 @@ struct Comment {
 
 void InsertComment(Connection& connection, const Comment& comment);
 
-/// Of a version. Throws Error{kNotFound}.
+/// One comment of a version. Throws Error{kNotFound}.
 Comment FindComment(Connection& connection, const std::string& map, const std::string& id);
 /// The same where the version is not known.
 Comment FindComment(Connection& connection, const std::string& id);
