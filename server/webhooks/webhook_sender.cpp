@@ -40,12 +40,18 @@ class WebhookSender::Multi {
   void Add(const Post& post) { curl_multi_add_handle(handle_, post.handle()); }
   void Remove(const Post& post) { curl_multi_remove_handle(handle_, post.handle()); }
 
-  /// Goes on with all of them, and returns when one did or `patience` is over.
-  void Drive(milliseconds patience) {
+  /// Goes on with all `num_transfers`, and returns when one did or `patience` is over.
+  void Drive(size_t num_transfers, milliseconds patience) {
     int num_running = 0;
     curl_multi_perform(handle_, &num_running);
+    if (static_cast<size_t>(num_running) < num_transfers) return;
     curl_multi_poll(handle_, nullptr, 0, static_cast<int>(patience.count()), nullptr);
     curl_multi_perform(handle_, &num_running);
+  }
+
+  /// Goes on with none, until it is woken or `patience` is over.
+  void Rest(milliseconds patience) {
+    curl_multi_poll(handle_, nullptr, 0, static_cast<int>(patience.count()), nullptr);
   }
 
   /// The next transfer that has ended, with curl's code; null where there is none.
@@ -88,7 +94,7 @@ void WebhookSender::Work() {
   while (!multi_->is_stopping) {
     try {
       StartDue();
-      multi_->Drive(kLookInterval);
+      multi_->Drive(under_way_.size(), kLookInterval);
       FinishDone();
     } catch (const DiskFailure& failure) {
       store_.database.Freeze(failure.what());
@@ -97,7 +103,7 @@ void WebhookSender::Work() {
       LogError(std::string("webhooks error=") + error.what());
       for (auto rest = kPauseAfterError; rest > milliseconds{0} && !multi_->is_stopping;
            rest -= kLookInterval)
-        multi_->Drive(kLookInterval);
+        multi_->Rest(kLookInterval);
     }
   }
 }
