@@ -3,6 +3,8 @@
 #include <curl/curl.h>
 
 #include <atomic>
+#include <tuple>
+#include <utility>
 
 #include "core/error.h"
 #include "core/log.h"

@@ -16,7 +16,7 @@ CommentPin PinOf(const Json& json) {
   if (const auto point = found->find("point"); point != found->end() && !point->is_null())
     pin.point = PointOf(*point);
   pin.drive = TextIn(*found, "drive");
-  pin.time = NumberIn(*found, "time");
+  pin.time = RealIn(*found, "time");
   pin.slot = TextIn(*found, "slot");
   pin.loop = TextIn(*found, "loop");
   return pin;

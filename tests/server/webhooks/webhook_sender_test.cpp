@@ -35,7 +35,7 @@ class Receiver {
                  });
     port_ = server_.bind_to_any_port("127.0.0.1");
     thread_ = std::thread([this] { server_.listen_after_bind(); });
-    server_.wait_until_ready();
+    while (!server_.is_running()) std::this_thread::sleep_for(1ms);
   }
   ~Receiver() {
     server_.stop();
@@ -189,11 +189,12 @@ TEST_F(Sender, AReceiverThatDoesNotAnswerHoldsUpNobody) {
   const Webhook dead = Hook(silent.url()), refusing = Hook("http://127.0.0.1:1/hook");
   const Delivery unanswered = Note(dead), refused = Note(refusing);
   for (int i = 0; i < 5; ++i) Note(dead);
-  const WebhookSender sender(store_, options_);
+  WebhookSender sender(store_, options_);
   for (int i = 0; i < 20 && silent.requests().empty(); ++i) std::this_thread::sleep_for(50ms);
 
   const auto begin = std::chrono::steady_clock::now();
   const Delivery taken = Note(Hook(other.url()));
+  sender.Wake();
   EXPECT_EQ(WaitFor(taken).state, DeliveryState::kDelivered);
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 1400ms);
   EXPECT_EQ(silent.requests().size(), 1u) << "one at a time";

@@ -1,3 +1,5 @@
+#include <atomic>
+
 #include "tests/server/http/running_service.h"
 
 namespace parkade {
