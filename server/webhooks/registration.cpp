@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "core/error.h"
+#include "server/store/access/audit_log.h"
 #include "server/store/review/text_rules.h"
 #include "server/store/tables/names.h"
 #include "server/store/tables/site_table.h"
@@ -102,6 +103,7 @@ Webhook AddWebhook(Store& store, const NewWebhook& added, bool allow_private,
     Require(CountWebhooks(connection) < kMaxWebhooks, ErrorCode::kConflict,
             "there are " + std::to_string(kMaxWebhooks) + " webhooks: delete one first");
     InsertWebhook(connection, webhook);
+    RecordAudit(connection, "webhook.create", webhook.id);
   });
   return webhook;
 }
@@ -110,6 +112,7 @@ void RemoveWebhook(Store& store, const std::string& id) {
   WriteToMakeRoom(store, [&](Connection& connection) {
     FindWebhook(connection, id);
     DeleteWebhook(connection, id);
+    RecordAudit(connection, "webhook.delete", id);
   });
 }
 

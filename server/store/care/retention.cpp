@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "server/store/access/audit_log.h"
 #include "server/store/receive_upload.h"
 #include "server/store/tables/check_table.h"
 #include "server/store/tables/drive_table.h"
@@ -82,6 +83,7 @@ bool DeleteLog(Store& store, const std::string& site, const std::string& id, Tim
         if (!IsAmong(connection, kExpiredLogs, site, limit, id)) return std::nullopt;
         const Drive drive = FindDrive(connection, id);
         MarkLogDeleted(connection, id, UtcText(now));
+        RecordAudit(connection, "log.expire", id, "{\"sha256\":\"" + drive.sha256 + "\"}");
         if (CountDrivesWithContent(connection, drive.sha256) == 0)
           DropFileCheck(connection, DataDirectory::LogPath(drive.sha256));
         return drive.sha256;
@@ -113,7 +115,9 @@ std::optional<std::int64_t> DeleteMap(Store& store, const std::string& site, con
                            "maps/" + id + "/", "maps/" + id + "0");
         Statement query = connection.Query("SELECT version FROM maps WHERE id = ?", id);
         query.Step();
-        return query.Integer(0);
+        const std::int64_t number = query.Integer(0);
+        RecordAudit(connection, "map.expire", site + "/" + std::to_string(number));
+        return number;
       });
   if (!version) return std::nullopt;
   fs::remove_all(store.directory.MapFolder(id));

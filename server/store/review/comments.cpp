@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "server/store/access/audit_log.h"
 #include "server/store/review/text_rules.h"
 #include "server/store/tables/map_table.h"
 #include "server/store/tables/names.h"
@@ -89,6 +90,7 @@ Comment AddComment(Store& store, const std::string& site, std::int64_t version,
     added.author = author;
     added.created_at = NowUtc();
     InsertComment(connection, added);
+    RecordAudit(connection, "comment.create", added.id);
     return FindComment(connection, added.id);
   });
 }
@@ -114,6 +116,7 @@ Comment ChangeComment(Store& store, const std::string& site, std::int64_t versio
       comment.resolved_by = *change.is_resolved ? std::optional(author) : std::nullopt;
     }
     UpdateComment(connection, comment);
+    RecordAudit(connection, "comment.change", id);
     return comment;
   });
 }
@@ -125,6 +128,7 @@ void DeleteComment(Store& store, const std::string& site, std::int64_t version,
     Comment comment = FindComment(connection, map.id, id);
     Require(!comment.deleted_at, ErrorCode::kNotFound, "the comment was deleted already");
     RequireOwn(comment, author);
+    RecordAudit(connection, "comment.delete", id);
     if (CountAnswers(connection, id) > 0) {
       comment.text.clear();
       comment.deleted_at = NowUtc();

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "server/store/access/audit_log.h"
 #include "server/store/review/text_rules.h"
 #include "server/store/tables/map_table.h"
 #include "server/store/tables/names.h"
@@ -80,6 +81,7 @@ Measurement SaveMeasurement(Store& store, Measurement measurement, const std::st
             ErrorCode::kConflict,
             "the site has " + std::to_string(kMaxMeasurements) + " measurements: delete some");
     InsertMeasurement(connection, measurement);
+    RecordAudit(connection, "measurement.create", measurement.id);
     return FindMeasurement(connection, measurement.site, measurement.id);
   });
 }
@@ -88,6 +90,7 @@ void RemoveMeasurement(Store& store, const std::string& site, const std::string&
   WriteToMakeRoom(store, [&](Connection& connection) {
     FindMeasurement(connection, site, id);
     DeleteMeasurement(connection, id);
+    RecordAudit(connection, "measurement.delete", id);
   });
 }
 

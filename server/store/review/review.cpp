@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "server/store/access/audit_log.h"
 #include "server/store/review/text_rules.h"
 #include "server/store/tables/names.h"
 #include "server/store/tables/outbox.h"
@@ -81,6 +82,8 @@ ReviewEntry ReviewVersion(Store& store, const std::string& site, std::int64_t ve
                 " entries, and takes no more");
     const ReviewEntry made{0, step.action, map.review_state, next, step.comment, author, NowUtc()};
     AddReviewEntry(connection, map.id, made);
+    RecordAudit(connection, "map.review", site + "/" + std::to_string(version),
+                "{\"action\":\"" + step.action + "\",\"to\":\"" + ToText(next) + "\"}");
     if (next != map.review_state) NoteReviewed(connection, map, made);
     return ListReviewEntries(connection, map.id, {.limit = 1}).front();
   });

@@ -1,6 +1,7 @@
 #include "server/store/review/site_settings.h"
 
 #include "core/error.h"
+#include "server/store/access/audit_log.h"
 #include "server/store/review/text_rules.h"
 #include "server/store/tables/names.h"
 #include "server/store/tables/rig_table.h"
@@ -45,6 +46,7 @@ ChangedSite ChangeSite(Store& store, const std::string& name, const SiteChange& 
     if (change.map_days) site.map_days = *change.map_days;
     if (change.default_rig) site.default_rig = *change.default_rig;
     SetSiteSettings(connection, site);
+    RecordAudit(connection, "site.change", name);
     changed.site = site;
     return changed;
   });
