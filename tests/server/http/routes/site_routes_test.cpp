@@ -36,7 +36,7 @@ TEST_F(SiteRoutes, SettingsAreKeptAndShown) {
 
 TEST_F(SiteRoutes, SettingsAreChecked) {
   for (const char* body :
-       {"", "[]", R"({"name": "x"})", R"({"title": 7})", R"({"title": "two\nlines"})",
+       {"[]", R"({"name": "x"})", R"({"title": 7})", R"({"title": "two\nlines"})",
         R"({"retention": 90})", R"({"retention": {"days": 1}})",
         R"({"retention": {"log_days": 0}})", R"({"retention": {"log_days": 1.5}})",
         R"({"retention": {"log_days": 99999999999999999999}})", R"({"default_rig": "truck"})"})
