@@ -7,10 +7,16 @@
 namespace parkade {
 namespace {
 
-/// Without the versions that the caller's link does not lead to.
+/// Without the versions that the caller's link does not lead to; a link tells nothing of how the
+/// site is kept.
 Site AsSeen(Site site) {
   const auto only = CurrentCaller().version;
   if (only) std::erase_if(site.versions, [&](std::int64_t version) { return version != *only; });
+  if (only && site.approved_version != only) site.approved_version.reset();
+  if (!CurrentCaller().has_link_only) return site;
+  site.note.clear();
+  site.log_days = site.map_days = std::nullopt;
+  site.default_rig.reset();
   return site;
 }
 
