@@ -11,9 +11,10 @@ enum class ErrorCode {
   kInvalidInput,  ///< the input is at fault; the sentence says what and where
   kNotFound,
   kConflict,
-  kUsage,     ///< the command line or an option is at fault
-  kDiskFull,  ///< no space left; nothing half-written stays behind
-  kInternal,  ///< our fault
+  kForbidden,  ///< someone else may, not the one who asks
+  kUsage,      ///< the command line or an option is at fault
+  kDiskFull,   ///< no space left; nothing half-written stays behind
+  kInternal,   ///< our fault
 };
 
 /// The only exception this program throws on purpose. `what()` is one sentence

@@ -18,6 +18,7 @@ int ExitStatus(ErrorCode code) {
     case ErrorCode::kNotFound: return 1;
     case ErrorCode::kUsage: return 2;
     case ErrorCode::kConflict:
+    case ErrorCode::kForbidden:
     case ErrorCode::kDiskFull:
     case ErrorCode::kInternal: return 3;
   }

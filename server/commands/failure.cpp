@@ -16,6 +16,7 @@ Failure FailureOf(const Error& error) {
     case ErrorCode::kUsage: return {error.what(), "usage", WorkerStatus::kUsage};
     case ErrorCode::kDiskFull: return {error.what(), "disk_full", WorkerStatus::kDiskFull};
     case ErrorCode::kConflict:
+    case ErrorCode::kForbidden:
     case ErrorCode::kInternal: break;
   }
   return {error.what(), "internal", WorkerStatus::kInternal};

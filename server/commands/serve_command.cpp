@@ -90,6 +90,8 @@ void AddServeCommand(CLI::App& app, Action& action) {
   command->add_option("--workers", options->num_workers, "jobs at a time")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));
+  command->add_flag("--webhook-private", options->webhooks.limits.allow_private,
+                    "webhooks may lead to loopback and private addresses");
   const auto job_memory = std::make_shared<std::int64_t>(0);
   command
       ->add_option("--job-memory", *job_memory,

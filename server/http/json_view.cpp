@@ -35,6 +35,8 @@ Json ToJson(const Drive& drive) {
           {"job", OrNull(drive.job)},
           {"map_version", OrNull(drive.map_version)},
           {"created_at", drive.created_at},
+          {"log", drive.log_deleted_at ? "deleted" : "stored"},
+          {"log_deleted_at", OrNull(drive.log_deleted_at)},
           {"updated_at", drive.updated_at}};
 }
 
@@ -99,7 +101,12 @@ Json ToJson(const Site& site) {
           {"bounds", Parsed(site.bounds)},
           {"versions", site.versions},
           {"latest_version", site.versions.empty() ? Json(nullptr) : Json(site.versions.back())},
+          {"approved_version", OrNull(site.approved_version)},
           {"drive_count", site.num_drives},
+          {"title", site.title},
+          {"note", site.note},
+          {"retention", {{"log_days", OrNull(site.log_days)}, {"map_days", OrNull(site.map_days)}}},
+          {"default_rig", OrNull(site.default_rig)},
           {"created_at", site.created_at}};
 }
 
@@ -113,7 +120,12 @@ Json ToJson(const MapVersion& map, bool with_files) {
                {"bounds", Parsed(map.bounds)},
                {"created_at", map.created_at},
                {"url", address}};
-  if (!with_files) return json;
+  if (!with_files) {
+    // A version with its files is cached for ever; this changes.
+    json["review_state"] = ToText(map.review_state);
+    json["files_deleted_at"] = OrNull(map.files_deleted_at);
+    return json;
+  }
   json["drives"] = Json::array();
   for (const Drive& drive : map.drives)
     json["drives"].push_back({{"id", drive.id}, {"name", drive.name}});

@@ -59,6 +59,7 @@ Problem ProblemOf(const Error& error) {
     case ErrorCode::kUsage: return {400, "usage", error.what()};
     case ErrorCode::kNotFound: return {404, "not_found", error.what()};
     case ErrorCode::kConflict: return {409, "conflict", error.what()};
+    case ErrorCode::kForbidden: return {403, "forbidden", error.what()};
     case ErrorCode::kDiskFull: return {507, "disk_full", error.what()};
     case ErrorCode::kInternal: break;
   }

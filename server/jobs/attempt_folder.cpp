@@ -31,8 +31,8 @@ fs::path RigFolderOf(Store& store, const Drive& drive) {
 }
 
 /// The map to start from: the version that a review names. A job of several drives takes the site's
-/// latest, so that its work grows with what is new. Published maps never change and are never
-/// deleted while the service runs: the worker may read there.
+/// latest, so that its work grows with what is new. Published maps never change, and
+/// none of a site is deleted while a job of it runs (DeleteExpired): the worker may read there.
 std::optional<fs::path> MapToStartFrom(Store& store, const Job& job) {
   return store.database.Read([&](Connection& connection) -> std::optional<fs::path> {
     std::int64_t version = job.review.from_version.value_or(0);

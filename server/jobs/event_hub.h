@@ -13,8 +13,9 @@ namespace parkade {
 /// Something that listeners may want to look at again.
 struct Event {
   std::int64_t id = 0;  ///< increases by one
-  std::string kind;     ///< "job", "drive" or "map"
-  std::string subject;  ///< id of the job or drive; "<site>/<version>" of a map
+  std::string kind;     ///< "job", "drive", "map", "review" or "comment"
+  /// Id of the job or drive; "<site>/<version>" of a map or review, with "/<id>" of a comment.
+  std::string subject;
 };
 
 /// The last events, for any number of listeners that ask for what came after

@@ -34,6 +34,7 @@ const char* JobErrorCode(ErrorCode code) {
     case ErrorCode::kNotFound: return "invalid_input";
     case ErrorCode::kDiskFull: return "disk_full";
     case ErrorCode::kConflict:
+    case ErrorCode::kForbidden:
     case ErrorCode::kInternal: break;
   }
   return "internal";

@@ -8,6 +8,7 @@
 #include "server/store/tables/job_table.h"
 #include "server/store/tables/map_table.h"
 #include "server/store/tables/names.h"
+#include "server/store/tables/outbox.h"
 #include "server/store/tables/site_table.h"
 
 namespace parkade {
@@ -41,20 +42,37 @@ void Requeue(Store& store, const Job& job, Setback setback, const std::string& r
   });
 }
 
+/// The job has ended, and with it what its drives wait for.
+void FinishJob(Connection& connection, const Job& job, DriveState state,
+               const std::optional<std::string>& error = std::nullopt) {
+  SetStates(connection, job, state, error);
+  NoteJobEnd(connection, FindJob(connection, job.id));
+}
+
+/// Throws where what the job would read was deleted by the retention of its site.
+void RequireInputs(Connection& connection, const Job& job) {
+  if (job.review.from_version)
+    RequireFiles(FindMapRow(connection, job.site, *job.review.from_version));
+  for (const std::string& drive : job.drives) RequireLog(FindDrive(connection, drive));
+}
+
 /// `named`, which have to be among the drives of a version, or else all of these that were not
 /// deleted meanwhile.
 std::vector<std::string> DrivesOfReview(Connection& connection, const std::string& site,
                                         std::int64_t version, std::vector<std::string> named) {
+  const MapVersion map = FindMap(connection, site, version);
+  RequireFiles(map);
   std::vector<std::string> of_version;
-  for (const Drive& drive : FindMap(connection, site, version).drives)
-    of_version.push_back(drive.id);
+  for (const Drive& drive : map.drives) of_version.push_back(drive.id);
   for (const std::string& drive : named)
     Require(std::count(of_version.begin(), of_version.end(), drive) == 1, ErrorCode::kInvalidInput,
             "drive '" + drive + "' is not in version " + std::to_string(version));
   if (!named.empty()) return named;
   const std::vector<std::string> of_site = DrivesOfSite(connection, site);
-  for (const std::string& drive : of_version)
-    if (std::count(of_site.begin(), of_site.end(), drive) == 1) named.push_back(drive);
+  for (const Drive& drive : map.drives) {
+    RequireLog(drive);
+    if (std::count(of_site.begin(), of_site.end(), drive.id) == 1) named.push_back(drive.id);
+  }
   Require(!named.empty(), ErrorCode::kConflict,
           "all drives of version " + std::to_string(version) + " were deleted");
   return named;
@@ -69,13 +87,16 @@ Job QueueMap(Store& store, const std::string& site, std::vector<std::string> dri
     if (review.from_version)
       drives = DrivesOfReview(connection, site, *review.from_version, std::move(drives));
     if (drives.empty()) drives = DrivesOfSite(connection, site);
-    Require(!drives.empty(), ErrorCode::kInvalidInput, "site '" + site + "' has no drives to map");
+    Require(!drives.empty(), ErrorCode::kInvalidInput,
+            "site '" + site + "' has no drives whose logs are stored");
     Require(merge_drives || drives.size() == 1, ErrorCode::kInvalidInput,
             "this service maps one drive at a time: name one of the " +
                 std::to_string(drives.size()) + " drives of site '" + site + "' in \"drives\"");
     for (size_t i = 0; i < drives.size(); ++i) {
-      Require(FindDrive(connection, drives[i]).site == site, ErrorCode::kInvalidInput,
+      const Drive drive = FindDrive(connection, drives[i]);
+      Require(drive.site == site, ErrorCode::kInvalidInput,
               "drive '" + drives[i] + "' is not one of site '" + site + "'");
+      RequireLog(drive);
       Require(std::count(drives.begin(), drives.end(), drives[i]) == 1, ErrorCode::kInvalidInput,
               "drive '" + drives[i] + "' is named twice");
     }
@@ -111,7 +132,7 @@ std::optional<Job> ClaimJob(Store& store) {
 void FailJob(Store& store, const Job& job, const std::string& code, const std::string& sentence) {
   store.database.Write([&](Connection& connection) {
     if (EndJob(connection, job.id, job.attempt, {JobState::kFailed, sentence, code, std::nullopt}))
-      SetStates(connection, job, DriveState::kFailed, sentence);
+      FinishJob(connection, job, DriveState::kFailed, sentence);
   });
 }
 
@@ -125,7 +146,7 @@ void RecordInspection(Store& store, const std::string& drive, const DriveInspect
     if (job.drives != std::vector{drive}) return;
     const std::string sentence = inspection.error.value_or("the log cannot be mapped");
     if (FailQueuedJob(connection, job.id, "invalid_input", sentence))
-      SetStates(connection, job, DriveState::kFailed, sentence);
+      FinishJob(connection, job, DriveState::kFailed, sentence);
   });
 }
 
@@ -133,7 +154,7 @@ void FinishCancelledJob(Store& store, const Job& job) {
   store.database.Write([&](Connection& connection) {
     if (EndJob(connection, job.id, job.attempt,
                {JobState::kCancelled, "cancelled", "cancelled", std::nullopt}))
-      SetStates(connection, job, DriveState::kReceived);
+      FinishJob(connection, job, DriveState::kReceived);
   });
 }
 
@@ -169,7 +190,7 @@ bool CancelWaitingJob(Store& store, const std::string& id) {
             "job '" + id + "' has already ended: it is " + ToText(job.state));
     RecordAudit(connection, "job.cancel", id);
     if (!CancelQueuedJob(connection, id)) return false;
-    SetStates(connection, job, DriveState::kReceived);
+    FinishJob(connection, job, DriveState::kReceived);
     return true;
   });
 }
@@ -189,6 +210,7 @@ Job RetryJob(Store& store, const std::string& id) {
     Job job = FindJob(connection, id);
     Require(!job.drives.empty(), ErrorCode::kConflict,
             "all drives of job '" + id + "' were deleted");
+    RequireInputs(connection, job);
     SetStates(connection, job, DriveState::kQueued);
     RecordAudit(connection, "job.retry", id);
     return job;

@@ -12,6 +12,7 @@
 #include "server/store/tables/job_table.h"
 #include "server/store/tables/map_table.h"
 #include "server/store/tables/names.h"
+#include "server/store/tables/outbox.h"
 
 namespace parkade {
 namespace {
@@ -72,6 +73,8 @@ void InsertVersion(Store& store, const Job& job, const ReportSummary& report, Ma
     Require(is_current, ErrorCode::kConflict,
             "attempt " + std::to_string(job.attempt) + " of job '" + job.id +
                 "' is no longer the running one");
+    NoteJobEnd(connection, FindJob(connection, job.id));
+    NotePublished(connection, map);
     for (const Drive& drive : map.drives) {
       SetDriveState(connection, drive.id, DriveState::kReady, std::nullopt);
       const auto streams = report.streams_of_drive.find(drive.name);

@@ -43,16 +43,16 @@ Job QueueFirstJob(Connection& connection, const Drive& drive, bool merge_drives)
   return FindJob(connection, job.id);
 }
 
-/// Nothing else is done with the database meanwhile, so that no equal log arrives between check and
-/// removal. It is a Read, because it has to work on a full disk.
+}  // namespace
+
+// Nothing else is done with the database meanwhile, so that no equal log arrives between check and
+// removal. It is a Read, because it has to work on a full disk.
 void RemoveUnusedLog(Store& store, const std::string& sha256) {
   store.database.Read([&](Connection& connection) {
     if (CountDrivesWithContent(connection, sha256) == 0)
       std::filesystem::remove(store.directory.LogFile(sha256));
   });
 }
-
-}  // namespace
 
 void CheckNewDrive(Store& store, const NewDrive& drive) {
   Require(drive.filename.size() <= kMaxFilenameLength && !HasControlByte(drive.filename),
@@ -93,6 +93,7 @@ ReceivedDrive ReceiveDrive(Store& store, const NewDrive& new_drive, const Arrive
       KeepFile(log.path, target);
       SetFileCheck(connection, DataDirectory::LogPath(log.sha256), std::nullopt);
       EnsureSite(connection, drive.site);
+      if (!drive.rig) drive.rig = DefaultRigOf(connection, drive.site);
       InsertDrive(connection, drive);
       const Job job = QueueFirstJob(connection, drive, merge_drives);
       also(connection, drive);

@@ -14,7 +14,8 @@ namespace parkade {
 struct NewDrive {
   std::string filename;             ///< as the user calls it; may be empty
   std::optional<std::string> site;  ///< plain name; default: a new site named after the file
-  std::optional<std::string> rig;   ///< name of a stored rig; default: what the log itself holds
+  std::optional<std::string>
+      rig;  ///< name of a stored rig; default: the site's, else what the log itself holds
 };
 
 struct ReceivedDrive {
@@ -44,5 +45,8 @@ ReceivedDrive ReceiveDrive(
 /// Deletes a drive and its log; maps made from it stay. Throws Error{kNotFound},
 /// Error{kConflict} while it waits for a map or a job that uses it runs.
 void DeleteDrive(Store& store, const std::string& id);
+
+/// Deletes a log that no drive has any more. Call after the commit that took it from the last.
+void RemoveUnusedLog(Store& store, const std::string& sha256);
 
 }  // namespace parkade

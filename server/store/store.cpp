@@ -43,8 +43,9 @@ void ReconcileLogs(Store& store) {
     for (const fs::path& log : EntriesOf(folder)) {
       const auto [rows, live_rows] = store.database.Read([&](Connection& connection) {
         Statement query = connection.Query(
-            "SELECT count(*), count(*) FILTER (WHERE deleted_at IS NULL) FROM drives "
-            "WHERE sha256 = ?",
+            "SELECT count(*), count(*) FILTER (WHERE deleted_at IS NULL AND log_deleted_at IS "
+            "NULL) "
+            "FROM drives WHERE sha256 = ?",
             log.filename().string());
         query.Step();
         return std::pair(query.Integer(0), query.Integer(1));
@@ -84,6 +85,21 @@ void ReconcileJobFolders(Store& store) {
   }
 }
 
+/// A version whose files the retention was about to delete has its row still.
+void ReconcileMaps(Store& store) {
+  for (const fs::path& folder : FoldersOf(store, store.directory.MapsFolder())) {
+    const std::string id = folder.filename().string();
+    const auto [has_row, has_files] = store.database.Read([&](Connection& connection) {
+      Statement query =
+          connection.Query("SELECT files_deleted_at IS NULL FROM maps WHERE id = ?", id);
+      const bool found = query.Step();
+      return std::pair(found, found && query.Integer(0) != 0);
+    });
+    if (!has_row) store.directory.PutAside(folder);
+    if (has_row && !has_files) fs::remove_all(folder);
+  }
+}
+
 }  // namespace
 
 void RequireSpace(const Store& store, std::int64_t bytes) {
@@ -97,8 +113,7 @@ void ReconcileFiles(Store& store) {
   ReconcileUploads(store);
   ReconcileLogs(store);
   ReconcileJobFolders(store);
-  for (const fs::path& folder : FoldersOf(store, store.directory.MapsFolder()))
-    if (!HasRow(store, "maps", folder.filename().string())) store.directory.PutAside(folder);
+  ReconcileMaps(store);
   for (const fs::path& folder : FoldersOf(store, store.directory.RigsFolder()))
     if (!HasRow(store, "rigs", folder.filename().string())) store.directory.PutAside(folder);
 }

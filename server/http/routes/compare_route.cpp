@@ -59,8 +59,11 @@ void SendComparison(RouteContext& context, const httplib::Request& request,
   const auto [from, to] = context.store.database.Read([&](Connection& connection) {
     FindSite(connection, site);
     const auto find = [&](const std::string& text) {
-      return FindMap(connection, site,
+      MapVersion map =
+          FindMapRow(connection, site,
                      text == "latest" ? LatestMapVersion(connection, site) : ParseVersion(text));
+      RequireFiles(map);
+      return map;
     };
     return std::pair(find(from_text), find(to_text));
   });

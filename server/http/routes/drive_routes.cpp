@@ -21,6 +21,7 @@ void SendInspection(RouteContext& context, const std::string& id, httplib::Respo
   const bool is_over = drive.inspection_state && *drive.inspection_state != kWaiting;
   Require(!is_over && context.inspector != nullptr, ErrorCode::kNotFound,
           drive.error.value_or("the log of drive '" + id + "' could not be inspected"));
+  RequireLog(drive);
   if (!drive.inspection_state) {
     context.store.database.Write([&](Connection& connection) {
       SetDriveInspection(connection, id, {.state = kWaiting, .json = {}, .error = {}});

@@ -2,9 +2,11 @@
 
 #include "core/error.h"
 #include "server/http/json_response.h"
+#include "server/http/routes/review_view.h"
 #include "server/http/routes/routes.h"
 #include "server/store/tables/drive_table.h"
 #include "server/store/tables/job_table.h"
+#include "server/store/tables/map_table.h"
 
 namespace parkade {
 namespace {
@@ -19,7 +21,20 @@ constexpr std::chrono::minutes kMaxLifetime{10};  // then the client comes back 
 std::string SiteOf(Connection& connection, const Event& event) {
   if (event.kind == "job") return FindJob(connection, event.subject).site;
   if (event.kind == "drive") return FindDriveOrTombstone(connection, event.subject).site;
-  return event.subject.substr(0, event.subject.rfind('/'));
+  return event.subject.substr(0, event.subject.find('/'));
+}
+
+struct SubjectParts {
+  std::string site;
+  std::int64_t version = 0;
+  std::string id;
+};
+
+/// "<site>/<version>" and, of a comment, "/<id>".
+SubjectParts PartsOf(const std::string& subject) {
+  const size_t slash = subject.find('/'), second = subject.find('/', slash + 1);
+  return {subject.substr(0, slash), std::stoll(subject.substr(slash + 1)),
+          second == std::string::npos ? "" : subject.substr(second + 1)};
 }
 
 /// The subject of an event as it is now: a listener that comes late gets one state, not the way to
@@ -37,11 +52,19 @@ std::optional<Json> DataOf(RouteContext& context, const Event& event, const Site
     if (event.kind == "drive")
       return ToJson(context.store.database.Read(
           [&](Connection& connection) { return FindDrive(connection, event.subject); }));
-    const std::int64_t version = std::stoll(event.subject.substr(site.size() + 1));
+    const auto [_, version, id] = PartsOf(event.subject);
+    if (event.kind == "comment")
+      return ToJson(context.store.database.Read(
+          [&, &comment = id](Connection& connection) { return FindComment(connection, comment); }));
+    if (event.kind == "review")
+      return context.store.database.Read([&, &number = version](Connection& connection) {
+        return ToJson(FindMapRow(connection, site, number), /*with_files=*/false);
+      });
     return Json{{"site", site}, {"version", version}, {"url", MapAddress(site, version)}};
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kNotFound) throw;
-    return Json{{"id", event.subject}, {"deleted", true}};
+    const std::string id = event.subject.substr(event.subject.rfind('/') + 1);
+    return Json{{"id", id}, {"deleted", true}};
   }
 }
 

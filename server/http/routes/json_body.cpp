@@ -8,6 +8,8 @@
 namespace parkade {
 namespace {
 
+constexpr size_t kMaxBody = size_t{128} << 10;  // [bytes]
+
 std::string Listed(std::initializer_list<const char*> known) {
   std::string names;
   for (const char* name : known) names += std::string(names.empty() ? "\"" : ", \"") + name + '"';
@@ -26,15 +28,24 @@ const Json* Find(const Json& object, const char* key, bool (Json::*is_right)() c
 
 }  // namespace
 
+void RequireObject(const Json& value, const std::string& name,
+                   std::initializer_list<const char*> known) {
+  Require(value.is_object(), ErrorCode::kInvalidInput,
+          name + " is a JSON object with " + Listed(known));
+  for (const auto& item : value.items())
+    Require(std::find(known.begin(), known.end(), item.key()) != known.end(),
+            ErrorCode::kInvalidInput,
+            name + " knows " + Listed(known) + ", not \"" + item.key() + '"');
+}
+
 Json ReadObject(const httplib::ContentReader& body, std::initializer_list<const char*> known) {
   const std::string text = ReadBody(body);
   if (text.empty()) return Json::object();
+  Require(text.size() <= kMaxBody, ErrorCode::kInvalidInput,
+          "the body has " + std::to_string(text.size()) + " bytes: at most " +
+              std::to_string(kMaxBody) + " are taken");
   Json object = Json::parse(text, nullptr, /*allow_exceptions=*/false);
-  Require(object.is_object(), ErrorCode::kInvalidInput,
-          "the body is a JSON object with " + Listed(known));
-  for (const auto& [key, value] : object.items())
-    Require(std::find(known.begin(), known.end(), key) != known.end(), ErrorCode::kInvalidInput,
-            "the body knows " + Listed(known) + ", not \"" + key + '"');
+  RequireObject(object, "the body", known);
   return object;
 }
 
@@ -46,6 +57,11 @@ std::optional<std::string> TextIn(const Json& object, const char* key) {
 std::optional<std::int64_t> IntegerIn(const Json& object, const char* key) {
   const Json* found = Find(object, key, &Json::is_number_integer, "a whole number");
   return found == nullptr ? std::nullopt : std::optional(found->get<std::int64_t>());
+}
+
+std::optional<double> RealIn(const Json& object, const char* key) {
+  const Json* found = Find(object, key, &Json::is_number, "a number");
+  return found == nullptr ? std::nullopt : std::optional(found->get<double>());
 }
 
 std::optional<bool> FlagIn(const Json& object, const char* key) {
@@ -63,6 +79,14 @@ std::optional<std::vector<std::string>> TextsIn(const Json& object, const char* 
     texts.push_back(text.get<std::string>());
   }
   return texts;
+}
+
+std::array<double, 3> PointOf(const Json& value) {
+  const bool is_point = value.is_array() && value.size() == 3 &&
+                        std::all_of(value.begin(), value.end(),
+                                    [](const Json& number) { return number.is_number(); });
+  Require(is_point, ErrorCode::kInvalidInput, "a point is a list of three numbers, [x, y, z]");
+  return value.get<std::array<double, 3>>();
 }
 
 }  // namespace parkade

@@ -2,6 +2,7 @@
 
 #include <httplib.h>
 
+#include <array>
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -18,7 +19,16 @@ Json ReadObject(const httplib::ContentReader& body, std::initializer_list<const 
 // are of another kind.
 std::optional<std::string> TextIn(const Json& object, const char* key);
 std::optional<std::int64_t> IntegerIn(const Json& object, const char* key);
+std::optional<double> RealIn(const Json& object, const char* key);
 std::optional<bool> FlagIn(const Json& object, const char* key);
 std::optional<std::vector<std::string>> TextsIn(const Json& object, const char* key);
+
+/// Throws Error{kInvalidInput} unless `value`, which the API calls `name`, is an object with some
+/// of the members `known`.
+void RequireObject(const Json& value, const std::string& name,
+                   std::initializer_list<const char*> known);
+
+/// [x, y, z]; throws Error{kInvalidInput} for anything else.
+std::array<double, 3> PointOf(const Json& value);
 
 }  // namespace parkade

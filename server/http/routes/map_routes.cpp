@@ -19,11 +19,21 @@ namespace {
 constexpr std::size_t kMaxPins = 1000;
 constexpr const char* kImmutable = "private, max-age=31536000, immutable";
 
+/// 410 where the retention deleted the version's files.
+void RequireNotGone(const MapVersion& map) {
+  try {
+    RequireFiles(map);
+  } catch (const Error& error) {
+    throw HttpError({410, "deleted", error.what()});
+  }
+}
+
 void SendManifest(RouteContext& context, const httplib::Request& request,
                   httplib::Response& response) {
   const MapVersion map = context.store.database.Read([&](Connection& connection) {
     return FindMap(connection, request.matches[1], std::stoll(request.matches[2]));
   });
+  RequireNotGone(map);
   const std::string etag = '"' + map.sha256 + '"';
   if (SendNotModified(request, response, etag, kImmutable)) return;
   response.status = 200;
@@ -55,7 +65,9 @@ void SendMapFile(RouteContext& context, const httplib::Request& request,
   if (IsCameraPicture(name) && !CurrentCaller().may_see_pictures)
     throw HttpError({403, "forbidden", NeedOf(Right::kPictures)});
   const PublishedFile published = context.store.database.Read([&](Connection& connection) {
-    return FindMapFile(connection, request.matches[1], std::stoll(request.matches[2]), name);
+    const std::int64_t version = std::stoll(request.matches[2]);
+    RequireNotGone(FindMapRow(connection, request.matches[1], version));
+    return FindMapFile(connection, request.matches[1], version, name);
   });
   const std::string path = "maps/" + published.map_id + "/" + name;
   // What an older program published can be checked by the scrubber only.
@@ -77,13 +89,16 @@ void SendMapFile(RouteContext& context, const httplib::Request& request,
   SendFile(request, response, file);
 }
 
-/// `rest` of the address stays.
+/// From `latest` and `approved`; `rest` of the address stays.
 void Redirect(RouteContext& context, const httplib::Request& request, const std::string& rest,
               httplib::Response& response) {
   const std::string site = request.matches[1];
   const std::int64_t version = context.store.database.Read([&](Connection& connection) {
     FindSite(connection, site);
-    return CurrentCaller().version.value_or(LatestMapVersion(connection, site));
+    const auto only = CurrentCaller().version;
+    if (only) return *only;
+    return request.matches[2] == "approved" ? ApprovedMapVersion(connection, site)
+                                            : LatestMapVersion(connection, site);
   });
   response.set_header("Cache-Control", "no-cache");
   response.set_redirect(MapAddress(site, version) + rest, 307);
@@ -184,7 +199,8 @@ MapRequest ParseMapRequest(const std::string& body) {
 void CheckPins(RouteContext& context, const std::string& site, const MapReview& review) {
   if (!review.pins || review.pins->empty() || !context.options.check_pins) return;
   const MapVersion from = context.store.database.Read(
-      [&](Connection& connection) { return FindMap(connection, site, *review.from_version); });
+      [&](Connection& connection) { return FindMapRow(connection, site, *review.from_version); });
+  RequireFiles(from);
   context.options.check_pins(*review.pins, context.store.directory.MapFolder(from.id));
 }
 

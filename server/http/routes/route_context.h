@@ -10,6 +10,7 @@
 #include "server/jobs/map_comparer.h"
 #include "server/store/store.h"
 #include "server/store/uploads/resumable_uploads.h"
+#include "server/webhooks/webhook_sender.h"
 
 namespace parkade {
 
@@ -21,6 +22,7 @@ struct RouteContext {
   JobRunner& jobs;
   MapComparer& comparer;
   ResumableUploads& uploads;
+  WebhookSender& webhooks;
   DriveInspector* inspector;  ///< null where nobody looks at logs
   Gate& gate;
   Metrics& metrics;

@@ -14,7 +14,12 @@ void AddTusRoutes(Router& routes, RouteContext& context);
 void AddRigRoutes(Router& routes, RouteContext& context);
 void AddJobRoutes(Router& routes, RouteContext& context);
 void AddSiteRoutes(Router& routes, RouteContext& context);
+// Before the map routes, whose files would take their addresses.
+void AddReviewRoutes(Router& routes, RouteContext& context);
+void AddCommentRoutes(Router& routes, RouteContext& context);
 void AddMapRoutes(Router& routes, RouteContext& context);
+void AddMeasurementRoutes(Router& routes, RouteContext& context);
+void AddWebhookRoutes(Router& routes, RouteContext& context);
 void AddCompareRoute(Router& routes, RouteContext& context);
 void AddEventRoute(Router& routes, RouteContext& context);
 void AddSessionRoutes(Router& routes, RouteContext& context);

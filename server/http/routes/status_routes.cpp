@@ -11,6 +11,7 @@
 #include "server/http/routes/routes.h"
 #include "server/store/disk/durable_file.h"
 #include "server/store/tables/check_table.h"
+#include "server/store/tables/delivery_table.h"
 #include "server/store/tables/job_table.h"
 
 namespace parkade {
@@ -127,6 +128,10 @@ std::string MetricsOf(RouteContext& context) {
   AddJobCounts(context, text);
   text.Gauge("parkade_damaged_files", "Stored files that are missing or have changed on the disk.",
              context.store.database.Read(CountDamagedFiles));
+  text.Gauge("parkade_webhook_deliveries_waiting", "Events that webhooks were not told of yet.",
+             context.store.database.Read([](Connection& connection) {
+               return CountDeliveries(connection, DeliveryState::kWaiting);
+             }));
   text.Gauge("parkade_disk_free_bytes", "Free bytes on the disk of the data directory.",
              FreeBytes(context.store.directory.root()));
   const Quarantine& quarantine = context.store.directory.quarantine();

@@ -13,10 +13,13 @@
 #include "server/http/routes/upload_route.h"
 #include "server/http/routes/viewer_files.h"
 #include "server/store/access/tokens.h"
+#include "server/store/care/retention.h"
 #include "server/store/care/scrubber.h"
 
 namespace parkade {
 namespace {
+
+constexpr std::chrono::hours kRetentionInterval{1};
 
 // "blob:" is for textures and the mesh decoder's worker, which three.js makes from bytes it has;
 // "wasm-unsafe-eval" for the decoder itself.
@@ -56,6 +59,13 @@ JobRunnerOptions RunnerOptions(const ServeOptions& options) {
   return runner;
 }
 
+/// What listeners show of drives and versions has changed.
+void AnnounceExpired(const Expired& expired, EventHub& events) {
+  for (const std::string& drive : expired.drives) events.Publish("drive", drive);
+  for (const auto& [site, version] : expired.maps)
+    events.Publish("map", site + "/" + std::to_string(version));
+}
+
 }  // namespace
 
 class Service::Parts {
@@ -87,11 +97,14 @@ class Service::Parts {
     if (options_.inspect_command)
       inspector_.emplace(store_, events_, options_.inspect_command, [this] { jobs_->Wake(); });
     uploads_.emplace(store_, OptionsOfUploads());
+    webhooks_.emplace(store_, options_.webhooks);
     context_.emplace(RouteContext{options_, store_, events_, *jobs_, comparer_, *uploads_,
-                                  inspector_ ? &*inspector_ : nullptr, gate_, metrics_,
+                                  *webhooks_, inspector_ ? &*inspector_ : nullptr, gate_, metrics_,
                                   shutdown_signal_});
     AddHandlers();
     scrubber_.emplace(store_, std::chrono::days(options_.scrub_days));
+    keeper_.emplace(store_, kRetentionInterval,
+                    [this](const Expired& expired) { AnnounceExpired(expired, events_); });
   }
 
   void Run() {
@@ -157,9 +170,13 @@ class Service::Parts {
     AddDriveRoutes(router, *context_);
     AddRigRoutes(router, *context_);
     AddJobRoutes(router, *context_);
+    AddReviewRoutes(router, *context_);
+    AddCommentRoutes(router, *context_);
     AddMapRoutes(router, *context_);
     AddCompareRoute(router, *context_);
     AddSiteRoutes(router, *context_);
+    AddMeasurementRoutes(router, *context_);
+    AddWebhookRoutes(router, *context_);
     AddEventRoute(router, *context_);
     AddSessionRoutes(router, *context_);
     AddTokenRoutes(router, *context_);
@@ -226,8 +243,10 @@ class Service::Parts {
   std::optional<JobRunner> jobs_;
   std::optional<DriveInspector> inspector_;
   std::optional<ResumableUploads> uploads_;
+  std::optional<WebhookSender> webhooks_;
   std::optional<RouteContext> context_;
   std::optional<Scrubber> scrubber_;
+  std::optional<RetentionKeeper> keeper_;
   std::function<void()> on_disk_failure_;
   std::string address_;
   int port_ = 0;

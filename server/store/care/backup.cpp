@@ -137,7 +137,7 @@ CareReport VerifyData(const fs::path& data, bool deep) {
   for (const StoredFile& file : FilesOf(database)) {
     const auto damage = deep ? CheckStoredFile(data, file) : LookAtStoredFile(data, file);
     const bool is_stored =
-        database.Read([&](Connection& connection) { return IsStored(connection, file); });
+        database.Read([&](Connection& connection) { return IsStored(connection, file.path); });
     if (!is_stored) continue;
     ++report.files;
     if (deep) report.bytes += file.bytes;

@@ -92,9 +92,7 @@ void Scrubber::ReadDue(std::chrono::milliseconds interval) {
     const std::optional<std::string> damage =
         CheckStoredFile(store_.directory.root(), file, [&] { return is_read = Rest(kPause); });
     if (!is_read) return;
-    const bool is_still_stored =
-        store_.database.Read([&](Connection& connection) { return IsStored(connection, file); });
-    if (is_still_stored) RecordFileCheck(store_, file.path, damage);
+    RecordFileCheck(store_, file.path, damage);
   }
 }
 

@@ -15,6 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kPieceBytes = size_t{1} << 20;
+const std::string kLogs = "logs/", kMaps = "maps/";
 const std::string kMissing = "is missing", kChanged = "has changed on the disk",
                   kUnreadable = "cannot be read";
 
@@ -30,20 +31,27 @@ std::optional<std::string> CheckRig(const std::filesystem::path& data, const Sto
 std::vector<StoredFile> StoredFiles(Connection& connection) {
   std::vector<StoredFile> files;
   Statement logs = connection.Query(
-      "SELECT sha256, max(bytes) FROM drives WHERE deleted_at IS NULL GROUP BY sha256");
+      "SELECT sha256, max(bytes) FROM drives WHERE deleted_at IS NULL AND log_deleted_at IS NULL "
+      "GROUP BY sha256");
   while (logs.Step())
     files.push_back({DataDirectory::LogPath(logs.Text(0)), logs.Integer(1), logs.Text(0)});
   Statement maps = connection.Query("SELECT map, name, bytes, sha256 FROM map_files");
   while (maps.Step())
-    files.push_back({"maps/" + maps.Text(0) + "/" + maps.Text(1), maps.Integer(2), maps.Text(3)});
+    files.push_back({kMaps + maps.Text(0) + "/" + maps.Text(1), maps.Integer(2), maps.Text(3)});
   Statement rigs = connection.Query("SELECT id, sha256 FROM rigs");
   while (rigs.Step()) files.push_back({"rigs/" + rigs.Text(0), 0, rigs.Text(1), rigs.Text(0)});
   return files;
 }
 
-bool IsStored(Connection& connection, const StoredFile& file) {
-  // Maps and rigs stay.
-  return !file.path.starts_with("logs/") || CountDrivesWithContent(connection, file.sha256) > 0;
+bool IsStored(Connection& connection, const std::string& path) {
+  if (path.starts_with(kLogs))
+    return CountDrivesWithContent(connection, path.substr(path.rfind('/') + 1)) > 0;
+  if (!path.starts_with(kMaps)) return true;  // rigs stay
+  const size_t slash = path.find('/', kMaps.size());
+  return connection
+      .Query("SELECT 1 FROM map_files WHERE map = ? AND name = ?",
+             path.substr(kMaps.size(), slash - kMaps.size()), path.substr(slash + 1))
+      .Step();
 }
 
 std::optional<std::string> LookAtStoredFile(const std::filesystem::path& data,
@@ -77,8 +85,12 @@ std::optional<std::string> CheckStoredFile(const std::filesystem::path& data,
 
 void RecordFileCheck(Store& store, const std::string& path,
                      const std::optional<std::string>& damage) {
-  if (damage) LogError("damaged file path=" + path + " damage=" + *damage);
-  store.database.Write([&](Connection& connection) { SetFileCheck(connection, path, damage); });
+  const bool is_stored = store.database.Write([&](Connection& connection) {
+    if (!IsStored(connection, path)) return false;
+    SetFileCheck(connection, path, damage);
+    return true;
+  });
+  if (is_stored && damage) LogError("damaged file path=" + path + " damage=" + *damage);
 }
 
 }  // namespace parkade

@@ -21,8 +21,8 @@ struct StoredFile {
 /// The logs of all drives, the files of all map versions and all rigs.
 std::vector<StoredFile> StoredFiles(Connection& connection);
 
-/// False once the last drive with this log was deleted.
-bool IsStored(Connection& connection, const StoredFile& file);
+/// False once the last drive with this log was deleted, or the files of the map version were.
+bool IsStored(Connection& connection, const std::string& path);
 
 /// Whether a file is there in the data directory `data`, as long as it should be, without reading
 /// it: nothing where it is, else what is wrong, as in "is missing".
@@ -35,7 +35,8 @@ std::optional<std::string> CheckStoredFile(
     const std::filesystem::path& data, const StoredFile& file,
     const std::function<bool()>& go_on = [] { return true; });
 
-/// Notes in the log and the database what is wrong with a file, or that nothing is.
+/// Notes in the log and the database what is wrong with a file, or that nothing is; nothing at all
+/// of one that is not stored any more, and therefore missing.
 void RecordFileCheck(Store& store, const std::string& path,
                      const std::optional<std::string>& damage);
 

@@ -13,7 +13,7 @@ const std::string kSelect = R"(
             ORDER BY j.sequence DESC LIMIT 1),
          (SELECT m.version FROM map_drives md JOIN maps m ON m.id = md.map WHERE md.drive = drives.id
             ORDER BY m.sequence DESC LIMIT 1),
-         inspection_state, created_by
+         inspection_state, created_by, log_deleted_at
   FROM drives )";
 
 Drive FromRow(const Statement& row) {
@@ -35,6 +35,7 @@ Drive FromRow(const Statement& row) {
   drive.map_version = OptionalInteger(row, 14);
   drive.inspection_state = OptionalText(row, 15);
   drive.created_by = OptionalText(row, 16);
+  drive.log_deleted_at = OptionalText(row, 17);
   return drive;
 }
 
@@ -63,7 +64,9 @@ void InsertDrive(Connection& connection, const Drive& drive) {
 
 std::optional<Drive> NextDriveToInspect(Connection& connection) {
   Statement query = connection.Query(
-      kSelect + "WHERE inspection_state = ? AND deleted_at IS NULL ORDER BY sequence LIMIT 1",
+      kSelect +
+          "WHERE inspection_state = ? AND deleted_at IS NULL AND log_deleted_at IS NULL ORDER BY "
+          "sequence LIMIT 1",
       kWaiting);
   if (!query.Step()) return std::nullopt;
   return FromRow(query);
@@ -102,8 +105,11 @@ std::vector<Drive> ListDrives(Connection& connection, const Page& page,
 }
 
 std::vector<std::string> DrivesOfSite(Connection& connection, const std::string& site) {
-  return Ids(connection.Query(
-      "SELECT id FROM drives WHERE site = ? AND deleted_at IS NULL ORDER BY sequence", site));
+  return Ids(
+      connection.Query("SELECT id FROM drives WHERE site = ? AND deleted_at IS NULL AND "
+                       "log_deleted_at IS NULL ORDER "
+                       "BY sequence",
+                       site));
 }
 
 std::vector<std::string> DrivesToJoin(Connection& connection, const std::string& new_drive) {
@@ -111,7 +117,7 @@ std::vector<std::string> DrivesToJoin(Connection& connection, const std::string&
       WITH newest AS (SELECT * FROM drives WHERE id = ? AND deleted_at IS NULL),
            usable AS (
         SELECT d.*, d.id = n.id AS is_new FROM newest n JOIN drives d ON d.site = n.site
-          WHERE d.deleted_at IS NULL AND (d.id = n.id OR d.state = 'ready'))
+          WHERE d.deleted_at IS NULL AND d.log_deleted_at IS NULL AND (d.id = n.id OR d.state = 'ready'))
       SELECT id FROM usable d
         WHERE NOT EXISTS (SELECT 1 FROM usable other WHERE other.sha256 = d.sha256
                             AND (other.is_new, other.sequence) > (d.is_new, d.sequence))
@@ -142,12 +148,27 @@ void SetDriveStreams(Connection& connection, const std::string& id,
 }
 
 void MarkDriveDeleted(Connection& connection, const std::string& id) {
-  connection.Execute("UPDATE drives SET deleted_at = ? WHERE id = ?", NowUtc(), id);
+  connection.Execute("UPDATE drives SET deleted_at = ?, log_deleted_at = NULL WHERE id = ?",
+                     NowUtc(), id);
+}
+
+void MarkLogDeleted(Connection& connection, const std::string& id, const std::string& now) {
+  connection.Execute("UPDATE drives SET log_deleted_at = ?, updated_at = ? WHERE id = ?", now, now,
+                     id);
+}
+
+void RequireLog(const Drive& drive) {
+  Require(!drive.log_deleted_at, ErrorCode::kConflict,
+          "the log of drive '" + drive.name + "' was deleted on " +
+              drive.log_deleted_at.value_or("").substr(0, 10) +
+              ", as the retention of its site says: upload it again");
 }
 
 std::int64_t CountDrivesWithContent(Connection& connection, const std::string& sha256) {
   Statement query = connection.Query(
-      "SELECT count(*) FROM drives WHERE sha256 = ? AND deleted_at IS NULL", sha256);
+      "SELECT count(*) FROM drives WHERE sha256 = ? AND deleted_at IS NULL AND log_deleted_at IS "
+      "NULL",
+      sha256);
   query.Step();
   return query.Integer(0);
 }

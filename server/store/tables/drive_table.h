@@ -30,12 +30,12 @@ std::optional<std::string> InspectionOf(Connection& connection, const std::strin
 std::vector<Drive> ListDrives(Connection& connection, const Page& page,
                               const std::optional<std::string>& site, const SiteScope& scope = {});
 
-/// All ids of a site's drives, in order of arrival.
+/// All ids of a site's drives whose logs are stored, in order of arrival.
 std::vector<std::string> DrivesOfSite(Connection& connection, const std::string& site);
 /// `new_drive`, unless it was deleted, and the drives that it is joined with: those of its site
-/// that are in a map, since drives that wait have jobs that join them later. Where logs are equal,
-/// the new drive's is taken, or else the one that came last. In order of arrival; empty where the
-/// new drive was deleted.
+/// that are in a map and have their logs, since drives that wait have jobs that join them later.
+/// Where logs are equal, the new drive's is taken, or else the one that came last. In order of
+/// arrival; empty where the new drive was deleted.
 std::vector<std::string> DrivesToJoin(Connection& connection, const std::string& new_drive);
 
 /// `wanted`, or `wanted-2`, ... where the site had a drive of that name: a drive's
@@ -49,7 +49,13 @@ void SetDriveStreams(Connection& connection, const std::string& id,
                      const std::string& streams_json);
 void MarkDriveDeleted(Connection& connection, const std::string& id);
 
-/// Drives (not deleted) whose log has this content.
+/// The drive stays without its log.
+void MarkLogDeleted(Connection& connection, const std::string& id, const std::string& now);
+
+/// Throws Error{kConflict} saying so where the drive's log was deleted.
+void RequireLog(const Drive& drive);
+
+/// Drives (not deleted) whose log is stored and has this content.
 std::int64_t CountDrivesWithContent(Connection& connection, const std::string& sha256);
 
 /// True when a published map was made from this drive.

@@ -9,7 +9,8 @@ namespace parkade {
 namespace {
 
 const std::string kSelect =
-    "SELECT sequence, id, site, version, job, sha256, datum, bounds, created_at FROM maps ";
+    "SELECT sequence, id, site, version, job, sha256, datum, bounds, created_at, "
+    "review_state, files_deleted_at FROM maps ";
 
 MapVersion FromRow(const Statement& row) {
   MapVersion map;
@@ -22,6 +23,8 @@ MapVersion FromRow(const Statement& row) {
   map.datum = OptionalText(row, 6);
   map.bounds = OptionalText(row, 7);
   map.created_at = row.Text(8);
+  map.review_state = ReviewStateFromText(row.Text(9));
+  map.files_deleted_at = OptionalText(row, 10);
   return map;
 }
 
@@ -52,10 +55,21 @@ void InsertMap(Connection& connection, const MapVersion& map) {
                        map.drives[i].id, i);
 }
 
-MapVersion FindMap(Connection& connection, const std::string& site, std::int64_t version) {
+MapVersion FindMapRow(Connection& connection, const std::string& site, std::int64_t version) {
   Statement query = connection.Query(kSelect + "WHERE site = ? AND version = ?", site, version);
   Require(query.Step(), ErrorCode::kNotFound, Missing(site, version));
-  MapVersion map = FromRow(query);
+  return FromRow(query);
+}
+
+void RequireFiles(const MapVersion& map) {
+  Require(!map.files_deleted_at, ErrorCode::kConflict,
+          "the files of version " + std::to_string(map.version) + " were deleted on " +
+              map.files_deleted_at.value_or("").substr(0, 10) +
+              ", as the retention of its site says");
+}
+
+MapVersion FindMap(Connection& connection, const std::string& site, std::int64_t version) {
+  MapVersion map = FindMapRow(connection, site, version);
   Statement files = connection.Query(
       "SELECT name, bytes, sha256 FROM map_files WHERE map = ? ORDER BY name", map.id);
   while (files.Step()) map.files.push_back({files.Text(0), files.Integer(1), files.Text(2)});
@@ -69,6 +83,19 @@ std::int64_t LatestMapVersion(Connection& connection, const std::string& site) {
   const std::int64_t next = NextMapVersion(connection, site);
   Require(next > 1, ErrorCode::kNotFound, "site '" + site + "' has no map yet");
   return next - 1;
+}
+
+std::int64_t ApprovedMapVersion(Connection& connection, const std::string& site) {
+  Statement query = connection.Query(
+      "SELECT max(version) FROM maps WHERE site = ? AND review_state = 'approved'", site);
+  query.Step();
+  Require(!query.IsNull(0), ErrorCode::kNotFound, "site '" + site + "' has no approved version");
+  return query.Integer(0);
+}
+
+void MarkFilesDeleted(Connection& connection, const std::string& id, const std::string& now) {
+  connection.Execute("UPDATE maps SET files_deleted_at = ? WHERE id = ?", now, id);
+  connection.Execute("DELETE FROM map_files WHERE map = ?", id);
 }
 
 std::vector<MapVersion> ListMaps(Connection& connection, const std::string& site,

@@ -15,9 +15,17 @@ std::int64_t NextMapVersion(Connection& connection, const std::string& site);
 /// Inserts the version with its files and drives.
 void InsertMap(Connection& connection, const MapVersion& map);
 
-/// Throw Error{kNotFound}.
+/// Throw Error{kNotFound}. A row comes without files and drives.
+MapVersion FindMapRow(Connection& connection, const std::string& site, std::int64_t version);
 MapVersion FindMap(Connection& connection, const std::string& site, std::int64_t version);
 std::int64_t LatestMapVersion(Connection& connection, const std::string& site);
+std::int64_t ApprovedMapVersion(Connection& connection, const std::string& site);
+
+/// Throws Error{kConflict} saying so where the version's files were deleted.
+void RequireFiles(const MapVersion& map);
+
+/// The version stays without its files.
+void MarkFilesDeleted(Connection& connection, const std::string& id, const std::string& now);
 
 /// Newest first, without files and drives.
 std::vector<MapVersion> ListMaps(Connection& connection, const std::string& site, const Page& page);

@@ -22,6 +22,11 @@ constexpr Words<JobState, 5> kJobStates = {{{JobState::kQueued, "queued"},
                                             {JobState::kFailed, "failed"},
                                             {JobState::kCancelled, "cancelled"}}};
 
+constexpr Words<ReviewState, 4> kReviewStates = {{{ReviewState::kDraft, "draft"},
+                                                  {ReviewState::kInReview, "in_review"},
+                                                  {ReviewState::kApproved, "approved"},
+                                                  {ReviewState::kRejected, "rejected"}}};
+
 template <typename State, size_t size>
 const char* TextOf(const Words<State, size>& words, State state) {
   for (const auto& [known, text] : words)
@@ -40,7 +45,9 @@ State StateOf(const Words<State, size>& words, const std::string& text) {
 
 const char* ToText(DriveState state) { return TextOf(kDriveStates, state); }
 const char* ToText(JobState state) { return TextOf(kJobStates, state); }
+const char* ToText(ReviewState state) { return TextOf(kReviewStates, state); }
 DriveState DriveStateFromText(const std::string& text) { return StateOf(kDriveStates, text); }
 JobState JobStateFromText(const std::string& text) { return StateOf(kJobStates, text); }
+ReviewState ReviewStateFromText(const std::string& text) { return StateOf(kReviewStates, text); }
 
 }  // namespace parkade

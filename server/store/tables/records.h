@@ -13,13 +13,17 @@ namespace parkade {
 
 enum class DriveState { kReceived, kQueued, kProcessing, kReady, kFailed };
 enum class JobState { kQueued, kRunning, kDone, kFailed, kCancelled };
+/// What people have decided about a map version.
+enum class ReviewState { kDraft, kInReview, kApproved, kRejected };
 
 /// "received", "queued", ...: as the contract spells them.
 const char* ToText(DriveState state);
 const char* ToText(JobState state);
+const char* ToText(ReviewState state);
 /// Throw Error{kInternal} for other words: only rows of ours are read back.
 DriveState DriveStateFromText(const std::string& text);
 JobState JobStateFromText(const std::string& text);
+ReviewState ReviewStateFromText(const std::string& text);
 
 // What a first look at a log found. Its job waits until there was one.
 inline const std::string kWaiting = "waiting";
@@ -49,8 +53,9 @@ struct Drive {
   std::optional<std::string> inspection_state;  ///< one of the words below; nothing: never asked
   std::optional<std::string> created_by;        ///< id of the token it came with
   std::string created_at, updated_at;
-  std::optional<std::string> job;           ///< the latest one
-  std::optional<std::int64_t> map_version;  ///< the latest one made from this drive
+  std::optional<std::string> job;             ///< the latest one
+  std::optional<std::int64_t> map_version;    ///< the latest one made from this drive
+  std::optional<std::string> log_deleted_at;  ///< by the retention of its site
 };
 
 /// A reviewer's wishes for a map that is built anew from an existing one.
@@ -101,8 +106,13 @@ struct Site {
   std::string name;
   std::string created_at;
   std::int64_t num_drives = 0;
-  std::vector<std::int64_t> versions;        ///< ascending
-  std::optional<std::string> datum, bounds;  ///< JSON of the latest version
+  std::vector<std::int64_t> versions;              ///< ascending
+  std::optional<std::string> datum, bounds;        ///< JSON of the latest version
+  std::optional<std::int64_t> approved_version;    ///< the newest one
+  std::string title;                               ///< one line; may be empty
+  std::string note;                                ///< may be empty
+  std::optional<std::int64_t> log_days, map_days;  ///< [days] that they are kept; nothing: for ever
+  std::optional<std::string> default_rig;          ///< of uploads to the site that name none
 };
 
 struct MapFile {
@@ -121,7 +131,9 @@ struct MapVersion {
   std::string sha256;                        ///< of the manifest
   std::optional<std::string> datum, bounds;  ///< JSON from report.json
   std::string created_at;
-  std::vector<MapFile> files;  ///< sorted by name
+  ReviewState review_state = ReviewState::kDraft;
+  std::optional<std::string> files_deleted_at;  ///< by the retention of its site
+  std::vector<MapFile> files;                   ///< sorted by name
   std::vector<Drive> drives;
 };
 

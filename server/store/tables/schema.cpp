@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "server/store/tables/review_schema.h"
 
 namespace parkade {
 namespace {
@@ -191,7 +192,8 @@ const std::vector<const char*> kVersion7 = {
 // One entry per schema version, oldest first. A published entry never changes:
 // a change of the tables is a new entry.
 const std::vector<const std::vector<const char*>*> kMigrations = {
-    &kVersion1, &kVersion2, &kVersion3, &kVersion4, &kVersion5, &kVersion6, &kVersion7};
+    &kVersion1, &kVersion2, &kVersion3, &kVersion4,
+    &kVersion5, &kVersion6, &kVersion7, &kReviewSchema};
 
 size_t FoundVersion(Connection& connection) {
   Statement query = connection.Query("PRAGMA user_version");

@@ -11,7 +11,9 @@ const std::string kSelect = R"(
   SELECT sequence, name, created_at,
          (SELECT count(*) FROM drives WHERE site = sites.name AND deleted_at IS NULL),
          (SELECT datum FROM maps WHERE site = sites.name ORDER BY version DESC LIMIT 1),
-         (SELECT bounds FROM maps WHERE site = sites.name ORDER BY version DESC LIMIT 1)
+         (SELECT bounds FROM maps WHERE site = sites.name ORDER BY version DESC LIMIT 1),
+         (SELECT max(version) FROM maps WHERE site = sites.name AND review_state = 'approved'),
+         title, note, log_days, map_days, default_rig
   FROM sites )";
 
 Site FromRow(Connection& connection, const Statement& row) {
@@ -22,6 +24,12 @@ Site FromRow(Connection& connection, const Statement& row) {
   site.num_drives = row.Integer(3);
   site.datum = OptionalText(row, 4);
   site.bounds = OptionalText(row, 5);
+  site.approved_version = OptionalInteger(row, 6);
+  site.title = row.Text(7);
+  site.note = row.Text(8);
+  site.log_days = OptionalInteger(row, 9);
+  site.map_days = OptionalInteger(row, 10);
+  site.default_rig = OptionalText(row, 11);
   Statement versions =
       connection.Query("SELECT version FROM maps WHERE site = ? ORDER BY version", site.name);
   while (versions.Step()) site.versions.push_back(versions.Integer(0));
@@ -38,6 +46,19 @@ void EnsureSite(Connection& connection, const std::string& name) {
 
 bool HasSite(Connection& connection, const std::string& name) {
   return connection.Query("SELECT 1 FROM sites WHERE name = ?", name).Step();
+}
+
+void SetSiteSettings(Connection& connection, const Site& site) {
+  connection.Execute(
+      "UPDATE sites SET title = ?, note = ?, log_days = ?, map_days = ?, default_rig = ? WHERE "
+      "name "
+      "= ?",
+      site.title, site.note, site.log_days, site.map_days, site.default_rig, site.name);
+}
+
+std::optional<std::string> DefaultRigOf(Connection& connection, const std::string& site) {
+  Statement query = connection.Query("SELECT default_rig FROM sites WHERE name = ?", site);
+  return query.Step() ? OptionalText(query, 0) : std::nullopt;
 }
 
 std::string FreeSiteName(Connection& connection, const std::string& wanted) {

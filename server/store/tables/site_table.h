@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,12 @@ namespace parkade {
 void EnsureSite(Connection& connection, const std::string& name);
 
 bool HasSite(Connection& connection, const std::string& name);
+
+/// Stores title, note, days and default rig.
+void SetSiteSettings(Connection& connection, const Site& site);
+
+/// The rig of uploads to the site that name none; nothing where there is no site, either.
+std::optional<std::string> DefaultRigOf(Connection& connection, const std::string& site);
 
 /// `wanted`, or `wanted-2`, `wanted-3`, ... where that is taken.
 std::string FreeSiteName(Connection& connection, const std::string& wanted);

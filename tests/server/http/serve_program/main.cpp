@@ -120,6 +120,11 @@ int RunService(const std::string& data) {
   if (const char* pause = std::getenv("CRASH_PAUSE"))
     options.job_limits.crash_pauses = {std::chrono::seconds(std::stoi(pause))};
   options.drain_seconds = 3;
+  options.webhooks.limits.allow_private = std::getenv("WEBHOOK_PRIVATE") != nullptr;
+  if (const char* pause = std::getenv("WEBHOOK_PAUSE"))
+    options.webhooks.pauses.assign(100, std::chrono::milliseconds(std::stoi(pause)));
+  if (const char* timeout = std::getenv("WEBHOOK_TIMEOUT"))
+    options.webhooks.limits.timeout = std::chrono::milliseconds(std::stoi(timeout));
   // As libraries do that start threads before main: this one leaves signals open.
   std::thread([] {
     while (true) std::this_thread::sleep_for(std::chrono::hours(1));

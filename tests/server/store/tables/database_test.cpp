@@ -98,6 +98,17 @@ TEST(Database, RefusesASchemaOfTheFuture) {
   }
 }
 
+/// Undoes kReviewSchema.
+void DropReviewSchema(Connection& connection) {
+  for (const char* table : {"deliveries", "webhooks", "measurements", "comments", "reviews"})
+    connection.Execute(std::string("DROP TABLE ") + table);
+  for (const char* column : {"maps DROP COLUMN review_state", "maps DROP COLUMN files_deleted_at",
+                             "drives DROP COLUMN log_deleted_at", "sites DROP COLUMN title",
+                             "sites DROP COLUMN note", "sites DROP COLUMN log_days",
+                             "sites DROP COLUMN map_days", "sites DROP COLUMN default_rig"})
+    connection.Execute(std::string("ALTER TABLE ") + column);
+}
+
 TEST(Database, TakesOverJobsOfTheSchemaBefore) {
   const TemporaryRoot root;
   {
@@ -121,6 +132,7 @@ TEST(Database, TakesOverJobsOfTheSchemaBefore) {
       for (const char* table : {"uploads", "file_checks"})
         connection.Execute(std::string("DROP TABLE ") + table);
       connection.Execute("ALTER TABLE jobs DROP COLUMN not_before");
+      DropReviewSchema(connection);
       connection.Execute("PRAGMA user_version=3");
     });
   }

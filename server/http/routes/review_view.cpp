@@ -1,0 +1,91 @@
+#include "server/http/routes/review_view.h"
+
+#include "server/store/review/measurements.h"
+
+namespace parkade {
+namespace {
+
+template <typename Value>
+Json ValueOrNull(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json PinOrNull(const CommentPin& pin) {
+  if (pin == CommentPin{}) return nullptr;
+  Json json = Json::object();
+  if (pin.point) json["point"] = *pin.point;
+  if (pin.drive) json["drive"] = *pin.drive;
+  if (pin.time) json["time"] = *pin.time;
+  if (pin.slot) json["slot"] = *pin.slot;
+  if (pin.loop) json["loop"] = *pin.loop;
+  return json;
+}
+
+}  // namespace
+
+Json ToJson(const ReviewEntry& entry) {
+  return {{"action", entry.action}, {"from", ToText(entry.from)},
+          {"to", ToText(entry.to)}, {"comment", entry.comment},
+          {"author", entry.author}, {"created_at", entry.created_at}};
+}
+
+Json ToJson(const Comment& comment) {
+  return {{"id", comment.id},
+          {"site", comment.site},
+          {"version", comment.version},
+          {"thread", ValueOrNull(comment.thread)},
+          {"text", comment.text},
+          {"pin", PinOrNull(comment.pin)},
+          {"author", comment.author},
+          {"created_at", comment.created_at},
+          {"edited_at", ValueOrNull(comment.edited_at)},
+          {"resolved_at", ValueOrNull(comment.resolved_at)},
+          {"resolved_by", ValueOrNull(comment.resolved_by)},
+          {"deleted", comment.deleted_at.has_value()}};
+}
+
+Json ToJson(const Measurement& measurement) {
+  const MeasuredValue value = ValueOf(measurement);
+  return {{"id", measurement.id},           {"site", measurement.site},
+          {"version", measurement.version}, {"kind", ToText(measurement.kind)},
+          {"title", measurement.title},     {"points", measurement.points},
+          {"value", value.value},           {"unit", value.unit},
+          {"author", measurement.author},   {"created_at", measurement.created_at}};
+}
+
+Json ToJson(const Webhook& webhook) {
+  return {{"id", webhook.id},         {"url", webhook.url},
+          {"events", webhook.events}, {"site", ValueOrNull(webhook.site)},
+          {"author", webhook.author}, {"created_at", webhook.created_at}};
+}
+
+Json ToJson(const Delivery& delivery) {
+  const bool is_waiting = delivery.state == DeliveryState::kWaiting;
+  return {{"id", delivery.id},
+          {"event", delivery.event},
+          {"state", ToText(delivery.state)},
+          {"attempts", delivery.attempts},
+          {"due_at", is_waiting ? Json(delivery.due_at) : Json(nullptr)},
+          {"status", ValueOrNull(delivery.status)},
+          {"duration_ms", ValueOrNull(delivery.duration_ms)},
+          {"error", ValueOrNull(delivery.error)},
+          {"created_at", delivery.created_at},
+          {"finished_at", ValueOrNull(delivery.finished_at)},
+          {"body", Json::parse(delivery.body, nullptr, /*allow_exceptions=*/false)}};
+}
+
+Json ToJson(const ReviewStatus& status) {
+  Json json = {{"site", status.map.site},
+               {"version", status.map.version},
+               {"state", ToText(status.map.review_state)},
+               {"counts",
+                {{"entries", status.num_entries},
+                 {"comments", status.comments.comments},
+                 {"open_threads", status.comments.open_threads},
+                 {"resolved_threads", status.comments.resolved_threads}}},
+               {"history", Json::array()}};
+  for (const ReviewEntry& entry : status.history) json["history"].push_back(ToJson(entry));
+  return json;
+}
+
+}  // namespace parkade

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "server/http/json_view.h"
+#include "server/store/review/review.h"
+#include "server/store/tables/comment_table.h"
+#include "server/store/tables/delivery_table.h"
+#include "server/store/tables/measurement_table.h"
+#include "server/store/tables/webhook_table.h"
+
+namespace parkade {
+
+// Rows about reviews and webhooks as the API shows them (openapi.json, components/schemas).
+
+Json ToJson(const ReviewEntry& entry);
+Json ToJson(const Comment& comment);
+Json ToJson(const Measurement& measurement);
+/// Without its secret, which is shown once.
+Json ToJson(const Webhook& webhook);
+Json ToJson(const Delivery& delivery);
+
+/// State, counts and the page of the history that the status holds.
+Json ToJson(const ReviewStatus& status);
+
+}  // namespace parkade
