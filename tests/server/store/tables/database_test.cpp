@@ -132,6 +132,9 @@ TEST(Database, TakesOverJobsOfTheSchemaBefore) {
       for (const char* table : {"uploads", "file_checks"})
         connection.Execute(std::string("DROP TABLE ") + table);
       connection.Execute("ALTER TABLE jobs DROP COLUMN not_before");
+      for (const char* table : {"sessions", "tokens", "shares", "audit"})
+        connection.Execute(std::string("DROP TABLE ") + table);
+      connection.Execute("ALTER TABLE drives DROP COLUMN created_by");
       DropReviewSchema(connection);
       connection.Execute("PRAGMA user_version=3");
     });
