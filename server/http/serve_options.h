@@ -10,6 +10,7 @@
 #include "server/jobs/job_limits.h"
 #include "server/jobs/job_spec.h"
 #include "server/jobs/map_comparer.h"
+#include "server/jobs/pictures/picture_desk.h"
 
 namespace parkade {
 
@@ -29,9 +30,11 @@ struct ServeOptions {
   int drain_seconds = 20;  ///< [s] requests under way may take after SIGTERM
 
   JobLimits job_limits;
-  JobCommand job_command;          ///< required: the worker of a job
-  CompareCommand compare_command;  ///< required: compares two published maps
-  InspectCommand inspect_command;  ///< looks at logs that arrive; none: nobody does
+  JobCommand job_command;            ///< required: the worker of a job
+  CompareCommand compare_command;    ///< required: compares two published maps
+  InspectCommand inspect_command;    ///< looks at logs that arrive; none: nobody does
+  PictureCommand picture_command;    ///< reads pictures out of logs; none: there are none
+  PictureCacheLimits picture_cache;  ///< of what is kept of them
   std::function<void(const std::filesystem::path&)>
       check_log;  ///< throws unless the file looks like a drive log
   std::function<void(const std::filesystem::path&)>
