@@ -110,7 +110,7 @@ void AddServeCommand(CLI::App& app, Action& action) {
       options->job_command = WorkerCommand;
       options->compare_command = ComparisonCommand;
       options->inspect_command = InspectionCommand;
-      options->picture_command = PicturesCommand;
+      options->pictures.command = PicturesCommand;
       options->check_log = CheckLooksLikeLog;
       options->check_rig = [](const std::filesystem::path& folder) { ReadRig(folder); };
       options->check_pins = [](const std::vector<std::string>& pins,

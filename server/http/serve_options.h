@@ -30,11 +30,10 @@ struct ServeOptions {
   int drain_seconds = 20;  ///< [s] requests under way may take after SIGTERM
 
   JobLimits job_limits;
-  JobCommand job_command;            ///< required: the worker of a job
-  CompareCommand compare_command;    ///< required: compares two published maps
-  InspectCommand inspect_command;    ///< looks at logs that arrive; none: nobody does
-  PictureCommand picture_command;    ///< reads pictures out of logs; none: there are none
-  PictureCacheLimits picture_cache;  ///< of what is kept of them
+  JobCommand job_command;          ///< required: the worker of a job
+  CompareCommand compare_command;  ///< required: compares two published maps
+  InspectCommand inspect_command;  ///< looks at logs that arrive; none: nobody does
+  PictureOptions pictures;         ///< how they are read out of logs
   std::function<void(const std::filesystem::path&)>
       check_log;  ///< throws unless the file looks like a drive log
   std::function<void(const std::filesystem::path&)>

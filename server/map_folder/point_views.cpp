@@ -16,13 +16,13 @@ constexpr double kClearance = 0.3;   // [m] around the point that its own ground
 /// The view at one pose of the camera, nothing where the camera does not see the point.
 std::optional<PointView> ViewFrom(const Rigid3& site_from_camera, const RigCamera& camera,
                                   const Eigen::Vector3d& point_in_site) {
-  const Eigen::Vector3d sight = point_in_site - site_from_camera.translation;
-  const double distance = sight.norm();
+  const Eigen::Vector3d ray = point_in_site - site_from_camera.translation;
+  const double distance = ray.norm();
   if (distance > kMaxDistance || distance < 1e-6) return std::nullopt;
   const std::optional<Eigen::Vector2d> pixel =
       camera.model.Project(site_from_camera.Inverse() * point_in_site);
   if (!pixel || !camera.IsUsable(*pixel, kMargin)) return std::nullopt;
-  const double steepness = std::abs(sight.z()) / distance;
+  const double steepness = std::abs(ray.z()) / distance;
   const double density = camera.model.PixelsPerRadian(*pixel).value_or(0) / distance;
   return PointView{
       camera.name, {}, *pixel, distance, std::acos(steepness), density * std::sqrt(steepness)};
@@ -50,12 +50,12 @@ class GroundBetween {
   explicit GroundBetween(const SurfaceMap& surface) : surface_(surface) {}
 
   bool operator()(const Eigen::Vector3d& eye, const Eigen::Vector3d& point) const {
-    const Eigen::Vector3d sight = point - eye;
-    const double length = sight.norm() - kClearance;
+    const Eigen::Vector3d ray = point - eye;
+    const double length = ray.norm() - kClearance;
     const double step = surface_.cell_size;
     double last = eye.z();
     for (double at = step; at < length; at += step) {
-      const Eigen::Vector3d here = eye + sight * (at / sight.norm());
+      const Eigen::Vector3d here = eye + ray * (at / ray.norm());
       if (Crosses(here, last)) return true;
       last = here.z();
     }

@@ -19,11 +19,9 @@ struct Parameter {
 
 // All others are ids.
 constexpr std::array kParameters = {
-    Parameter{"{site}", kName},
-    Parameter{"{rig}", kName},
-    Parameter{"{version}", "([0-9]{1,9})"},
-    Parameter{"{alias}", "(latest)"},
-    Parameter{"{file}", "([A-Za-z0-9][A-Za-z0-9._/-]{0,255})"},
+    Parameter{"{site}", kName},       Parameter{"{rig}", kName},
+    Parameter{"{camera}", kName},     Parameter{"{version}", "([0-9]{1,9})"},
+    Parameter{"{alias}", "(latest)"}, Parameter{"{file}", "([A-Za-z0-9][A-Za-z0-9._/-]{0,255})"},
 };
 
 std::string_view PatternOf(std::string_view name) {

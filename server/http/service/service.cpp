@@ -87,12 +87,11 @@ class Service::Parts {
     jobs_.emplace(store_, events_, RunnerOptions(options_));
     if (options_.inspect_command)
       inspector_.emplace(store_, events_, options_.inspect_command, [this] { jobs_->Wake(); });
-    if (options_.picture_command)
-      pictures_.emplace(store_.directory, options_.picture_command, options_.picture_cache,
-                        [this](const std::string& id) {
-                          return store_.database.Read(
-                              [&](Connection& connection) { return HasDrive(connection, id); });
-                        });
+    if (options_.pictures.command)
+      pictures_.emplace(store_.directory, options_.pictures, [this](const std::string& id) {
+        return store_.database.Read(
+            [&](Connection& connection) { return HasDrive(connection, id); });
+      });
     uploads_.emplace(store_, OptionsOfUploads());
     context_.emplace(RouteContext{options_, store_, events_, *jobs_, comparer_, *uploads_,
                                   inspector_ ? &*inspector_ : nullptr,

@@ -34,13 +34,12 @@ std::optional<ServedPicture> ParsePicture(const std::string& content) {
 
 }  // namespace
 
-PictureDesk::PictureDesk(const DataDirectory& directory, PictureCommand command,
-                         PictureCacheLimits limits,
+PictureDesk::PictureDesk(const DataDirectory& directory, PictureOptions options,
                          const std::function<bool(const std::string& drive)>& is_drive)
     : directory_(directory),
-      command_(std::move(command)),
-      cache_(directory.PicturesFolder(), limits, is_drive) {
-  for (std::thread& thread : threads_) thread = std::thread([this] { Work(); });
+      options_(std::move(options)),
+      cache_(directory.PicturesFolder(), options_.cache, is_drive) {
+  for (size_t i = 0; i < kNumThreads; ++i) threads_[i] = std::thread([this, i] { Work(i); });
 }
 
 PictureDesk::~PictureDesk() {
@@ -119,7 +118,7 @@ Json PictureDesk::Do(const PictureLog& log, Json request, const std::string& mak
             "too many pictures are being read: try again in a moment");
     tasks_.push_back(task);
   }
-  changed_.notify_one();
+  changed_.notify_all();
   const auto end = std::chrono::steady_clock::now() + kPatience;
   while (answer.wait_for(kLookInterval) != std::future_status::ready) {
     const bool is_over = std::chrono::steady_clock::now() > end;
@@ -130,10 +129,10 @@ Json PictureDesk::Do(const PictureLog& log, Json request, const std::string& mak
   return answer.get();
 }
 
-void PictureDesk::Work() {
+void PictureDesk::Work(size_t thread) {
   Bench bench;
   while (!is_stopping_) {
-    const std::shared_ptr<Task> task = Next(bench.folder);
+    const std::shared_ptr<Task> task = Next(thread);
     if (task)
       Perform(*task, bench);
     else
@@ -141,15 +140,28 @@ void PictureDesk::Work() {
   }
 }
 
-/// The next task, first of the log that is open; nothing where none came for a while.
-std::shared_ptr<PictureDesk::Task> PictureDesk::Next(const std::string& folder) {
+/// The next task for a thread; nothing where none came for a while.
+std::shared_ptr<PictureDesk::Task> PictureDesk::Next(size_t thread) {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, kIdle, [this] { return is_stopping_ || !tasks_.empty(); });
-  if (is_stopping_ || tasks_.empty()) return nullptr;
-  auto chosen = std::find_if(tasks_.begin(), tasks_.end(),
-                             [&](const auto& task) { return task->log.Folder() == folder; });
-  if (chosen == tasks_.end()) chosen = tasks_.begin();
-  const std::shared_ptr<Task> task = *chosen;
+  std::shared_ptr<Task> task;
+  changed_.wait_for(lock, kIdle, [&] { return is_stopping_ || (task = TakeTask(thread)); });
+  open_[thread] = task ? task->log.Folder() : "";
+  return task;
+}
+
+/// First of the log that the thread has open, then of any that no other thread has.
+std::shared_ptr<PictureDesk::Task> PictureDesk::TakeTask(size_t thread) {
+  const auto find = [&](const auto& fits) {
+    return std::find_if(tasks_.begin(), tasks_.end(),
+                        [&](const auto& task) { return fits(task->log.Folder()); });
+  };
+  auto chosen = find([&](const std::string& folder) { return folder == open_[thread]; });
+  if (chosen == tasks_.end())
+    chosen = find([&](const std::string& folder) {
+      return std::find(open_.begin(), open_.end(), folder) == open_.end();
+    });
+  if (chosen == tasks_.end()) return nullptr;
+  std::shared_ptr<Task> task = std::move(*chosen);
   tasks_.erase(chosen);
   return task;
 }

@@ -39,6 +39,12 @@ struct ServedPicture {
   std::string jpeg;
 };
 
+struct PictureOptions {
+  PictureCommand command;                 ///< none: nobody reads pictures
+  PictureCacheLimits cache;               ///< of what is kept of them
+  std::chrono::seconds answer_limit{30};  ///< [s] after which a process that reads one is ended
+};
+
 /// Hands out pictures of logs, and what goes with them. Logs are opened by processes of their own,
 /// two at a time, each kept for a while for the next picture of the same log; what was read is kept
 /// in the data directory. Thread-safe.
@@ -48,7 +54,7 @@ class PictureDesk {
   using IsWanted = std::function<bool()>;
 
   /// Borrows the directory.
-  PictureDesk(const DataDirectory& directory, PictureCommand command, PictureCacheLimits limits,
+  PictureDesk(const DataDirectory& directory, PictureOptions options,
               const std::function<bool(const std::string& drive)>& is_drive);
   ~PictureDesk();
   PictureDesk(const PictureDesk&) = delete;
@@ -91,20 +97,23 @@ class PictureDesk {
 
   nlohmann::json Do(const PictureLog& log, nlohmann::json request, const std::string& makes,
                     const IsWanted& is_wanted);
-  void Work();
-  std::shared_ptr<Task> Next(const std::string& folder);
+  void Work(size_t thread);
+  std::shared_ptr<Task> Next(size_t thread);
+  std::shared_ptr<Task> TakeTask(size_t thread);
   void Perform(Task& task, Bench& bench);
   void Open(const PictureLog& log, Bench& bench);
 
   const DataDirectory& directory_;
-  const PictureCommand command_;
+  const PictureOptions options_;
   PictureCache cache_;
   std::mutex mutex_;  ///< guards all below
   std::condition_variable changed_;
   std::deque<std::shared_ptr<Task>> tasks_;
   std::list<std::pair<std::string, std::shared_ptr<const PictureTimes>>> times_;  ///< by folder
   std::atomic<bool> is_stopping_ = false;
-  std::array<std::thread, 2> threads_;
+  static constexpr size_t kNumThreads = 2;
+  std::array<std::string, kNumThreads> open_;  ///< by thread: the folder of the log it has open
+  std::array<std::thread, kNumThreads> threads_;
 };
 
 }  // namespace parkade

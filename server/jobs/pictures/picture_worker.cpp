@@ -16,8 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr std::chrono::minutes kStartLimit{15};   // a pass over a log
-constexpr std::chrono::seconds kAnswerLimit{30};  // for one picture
+constexpr std::chrono::minutes kStartLimit{15};  // a pass over a log
 constexpr int kPatienceMs = 100;
 constexpr size_t kMaxAnswer = size_t{1} << 20;  // [byte]
 
@@ -35,8 +34,9 @@ ErrorCode CodeOf(const Json& answer) {
 }  // namespace
 
 PictureWorker::PictureWorker(const std::vector<std::string>& command, const fs::path& folder,
+                             std::chrono::seconds answer_limit,
                              const std::atomic<bool>& is_stopping)
-    : folder_(MadeFolder(folder)), is_stopping_(is_stopping) {
+    : folder_(MadeFolder(folder)), answer_limit_(answer_limit), is_stopping_(is_stopping) {
   std::array<int, 2> pair{-1, -1};
   Require(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair.data()) == 0,
           ErrorCode::kInternal, "no file descriptor is left to read pictures with");
@@ -71,7 +71,7 @@ Json PictureWorker::Ask(const Json& request) {
   const ssize_t sent = ::send(socket_, line.data(), line.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
   is_alive_ = sent == static_cast<ssize_t>(line.size());
   Require(is_alive_, ErrorCode::kInternal, "the process that reads pictures has ended");
-  return Hear(kAnswerLimit);
+  return Hear(answer_limit_);
 }
 
 Json PictureWorker::Hear(std::chrono::seconds patience) {

@@ -33,7 +33,7 @@ class PictureWorker {
   /// Waits until it is ready, which may take a pass over the log. `folder` is made, for its
   /// temporary files. Throws Error as Ask.
   PictureWorker(const std::vector<std::string>& command, const std::filesystem::path& folder,
-                const std::atomic<bool>& is_stopping);
+                std::chrono::seconds answer_limit, const std::atomic<bool>& is_stopping);
   ~PictureWorker();
   PictureWorker(const PictureWorker&) = delete;
   PictureWorker& operator=(const PictureWorker&) = delete;
@@ -48,6 +48,7 @@ class PictureWorker {
   nlohmann::json Hear(std::chrono::seconds patience);
 
   const TemporaryPath folder_;
+  const std::chrono::seconds answer_limit_;
   const std::atomic<bool>& is_stopping_;
   int socket_ = -1;
   std::optional<WorkerProcess> process_;
