@@ -190,9 +190,10 @@ void PictureDesk::Open(const PictureLog& log, Bench& bench) {
   fs::create_directories(cache_.PathOf(log.Folder()));
   std::optional<fs::path> rig;
   if (log.rig) rig = directory_.RigFolder(*log.rig);
-  bench.worker =
-      std::make_unique<PictureWorker>(command_(log.file, rig, cache_.PathOf(log.Folder() + kIndex)),
-                                      directory_.NewTemporaryPath(), is_stopping_);
+  const std::vector<std::string> command =
+      options_.command(log.file, rig, cache_.PathOf(log.Folder() + kIndex));
+  bench.worker = std::make_unique<PictureWorker>(command, directory_.NewTemporaryPath(),
+                                                 options_.answer_limit, is_stopping_);
   bench.folder = log.Folder();
   cache_.Add(log.Folder() + kIndex);
 }

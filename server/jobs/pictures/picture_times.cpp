@@ -20,7 +20,8 @@ size_t PictureTimes::NumberOf(const std::string& camera) const {
 PictureTimes ParsePictureTimes(const std::string& index) {
   try {
     PictureTimes found;
-    for (const nlohmann::json& camera : nlohmann::json::parse(index).at("cameras")) {
+    const nlohmann::json parsed = nlohmann::json::parse(index);
+    for (const nlohmann::json& camera : parsed.at("cameras")) {
       PictureTimes::Camera& added = found.cameras.emplace_back();
       added.name = camera.at("name");
       for (const nlohmann::json& time : camera.at("times"))
