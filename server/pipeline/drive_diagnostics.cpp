@@ -8,19 +8,20 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double Rounded(double value, double unit) { return std::round(value / unit) * unit; }
+/// To `steps` steps per unit, which must be whole for few digits in the file.
+double Rounded(double value, double steps) { return std::round(value * steps) / steps; }
 
 /// One series on its way into the file.
 class Series {
  public:
-  Series(const char* name, const char* unit, const char* about, double resolution)
-      : json_{{"name", name}, {"unit", unit}, {"about", about}}, resolution_(resolution) {}
+  Series(const char* name, const char* unit, const char* about, double steps)
+      : json_{{"name", name}, {"unit", unit}, {"about", about}}, steps_(steps) {}
 
   void SetCamera(const std::string& camera) { json_["camera"] = camera; }
   void Add(double time, double value) {
     if (!std::isfinite(value)) return;
-    times_.push_back(Rounded(time, 1e-4));
-    values_.push_back(Rounded(value, resolution_));
+    times_.push_back(Rounded(time, 1e4));
+    values_.push_back(Rounded(value, steps_));
   }
   void AppendTo(Json& all) && {
     if (times_.empty()) return;
@@ -31,15 +32,15 @@ class Series {
 
  private:
   Json json_;
-  double resolution_;
+  double steps_;
   std::vector<double> times_, values_;
 };
 
 void AddOfTrajectory(const Trajectory& site_from_body, Timestamp start, Json& all) {
-  Series speed("speed", "m/s", "of the rear axle's center, forward; backwards is negative", 1e-3);
-  Series position("sigma_position", "m", "horizontal, since the drive's first pose", 1e-4);
-  Series height("sigma_height", "m", "since the drive's first pose", 1e-4);
-  Series yaw("sigma_yaw", "rad", "since the drive's first pose", 1e-6);
+  Series speed("speed", "m/s", "of the rear axle's center, forward; backwards is negative", 1e3);
+  Series position("sigma_position", "m", "horizontal, since the drive's first pose", 1e4);
+  Series height("sigma_height", "m", "since the drive's first pose", 1e4);
+  Series yaw("sigma_yaw", "rad", "since the drive's first pose", 1e6);
   for (const TrajectoryState& state : site_from_body.states()) {
     const double time = state.time - start;
     const Rigid3& pose = state.world_from_body;
@@ -57,7 +58,7 @@ void AddOfImages(const std::vector<ImageResidual>& images, const Rig& rig, Times
   for (size_t camera = 0; camera < rig.cameras.size(); ++camera) {
     Series inliers("inliers", "1", "tracked points of an image that fit the poses", 1);
     Series residual("residual", "rad", "root mean square of these points' directions off the poses",
-                    1e-7);
+                    1e7);
     for (Series* series : {&inliers, &residual}) series->SetCamera(rig.cameras[camera].name);
     for (const ImageResidual& image : images) {
       if (image.camera != static_cast<int>(camera)) continue;
@@ -70,8 +71,8 @@ void AddOfImages(const std::vector<ImageResidual>& images, const Rig& rig, Times
 
 void AddOfGnss(const GnssPositions& gnss, const Trajectory& site_from_body, Timestamp start,
                const std::optional<SiteDatum>& datum, Json& all) {
-  Series sigma("gnss_sigma", "m", "horizontal, as the receiver declares it", 1e-4);
-  Series error("gnss_error", "m", "horizontal, of a fix off the trajectory's antenna", 1e-4);
+  Series sigma("gnss_sigma", "m", "horizontal, as the receiver declares it", 1e4);
+  Series error("gnss_error", "m", "horizontal, of a fix off the trajectory's antenna", 1e4);
   for (const GnssFix& fix : gnss.fixes) {
     sigma.Add(fix.time - start, fix.sigma_enu.head<2>().maxCoeff());
     const std::optional<Rigid3> pose = site_from_body.At(fix.time);
@@ -136,17 +137,17 @@ std::string EncodeDiagnostics(const SiteDrive& drive, const DriveDiagnostics& di
   Json series = Json::array();
   AddOfTrajectory(site_from_body, start, series);
   AddOfImages(diagnostics.images, drive.rig, start, series);
-  Series slip("wheel_slip", "m/s", "of the wheels, less the car's speed, while it moves", 1e-4);
+  Series slip("wheel_slip", "m/s", "of the wheels, less the car's speed, while it moves", 1e4);
   for (const WheelSlip& wheels : diagnostics.wheels) slip.Add(wheels.time - start, wheels.speed);
   std::move(slip).AppendTo(series);
   AddOfGnss(diagnostics.gnss, site_from_body, start, datum, series);
   Json degraded = Json::array();
   for (const DegradedInterval& interval : report.degraded)
-    degraded.push_back({{"begin", Rounded(interval.begin - start, 1e-4)},
-                        {"end", Rounded(interval.end - start, 1e-4)},
+    degraded.push_back({{"begin", Rounded(interval.begin - start, 1e4)},
+                        {"end", Rounded(interval.end - start, 1e4)},
                         {"reason", interval.reason}});
   const Json json = {{"start", ToDecimalSeconds(start)},
-                     {"end", Rounded(site_from_body.span().Seconds(), 1e-4)},
+                     {"end", Rounded(site_from_body.span().Seconds(), 1e4)},
                      {"degraded", std::move(degraded)},
                      {"series", std::move(series)}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
