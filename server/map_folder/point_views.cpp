@@ -11,7 +11,7 @@ namespace {
 constexpr double kMaxDistance = 30;  // [m] a pixel is as large as a hand there
 constexpr double kMargin = 2;        // [px]
 constexpr double kMinGap = 0.5;      // [s] between views of one camera: they look alike
-constexpr double kClearance = 0.3;   // [m] around the point that its own ground may fill
+constexpr double kOwnGround = 0.3;   // [m] above or below the point: flat rays graze its own ground
 
 /// The view at one pose of the camera, nothing where the camera does not see the point.
 std::optional<PointView> ViewFrom(const Rigid3& site_from_camera, const RigCamera& camera,
@@ -51,11 +51,12 @@ class GroundBetween {
 
   bool operator()(const Eigen::Vector3d& eye, const Eigen::Vector3d& point) const {
     const Eigen::Vector3d ray = point - eye;
-    const double length = ray.norm() - kClearance;
+    const double length = ray.norm();
     const double step = surface_.cell_size;
     double last = eye.z();
     for (double at = step; at < length; at += step) {
-      const Eigen::Vector3d here = eye + ray * (at / ray.norm());
+      const Eigen::Vector3d here = eye + ray * (at / length);
+      if (std::abs(here.z() - point.z()) < kOwnGround) return false;
       if (Crosses(here, last)) return true;
       last = here.z();
     }

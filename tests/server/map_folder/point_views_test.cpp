@@ -114,8 +114,9 @@ TEST(FindPointViews, ViewsOfOneCameraAreHalfASecondApart) {
   const std::vector<PointView> views = FindPointViews(kPoint, TenSeconds(), 100);
   for (size_t i = 0; i < views.size(); ++i)
     for (size_t j = 0; j < i; ++j)
-      if (views[i].camera == views[j].camera)
+      if (views[i].camera == views[j].camera) {
         EXPECT_GE(std::abs(views[i].time - views[j].time), 0.5 - 1e-9);
+      }
   EXPECT_EQ(FindPointViews(kPoint, TenSeconds(), 3).size(), 3u);
 }
 
