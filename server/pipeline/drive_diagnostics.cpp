@@ -85,28 +85,6 @@ void AddOfGnss(const GnssPositions& gnss, const Trajectory& site_from_body, Time
   for (Series* series : {&sigma, &error}) std::move(*series).AppendTo(all);
 }
 
-std::vector<WheelSlip> SlipOf(const DriveMeasurements& measurements, const Rig& rig,
-                              const DriveRefinement& refinement) {
-  const Rigid3 body_from_imu = rig.body_from_imu;
-  std::vector<WheelSlip> slips;
-  for (size_t j = 1; j < measurements.nodes.size(); ++j) {
-    const std::optional<NodeInterval> interval = measurements.IntervalBefore(j);
-    if (!interval || !interval->wheels || interval->is_still || interval->wheels->duration <= 0)
-      continue;
-    const Timestamp begin = measurements.nodes[j - 1].state.time,
-                    end = measurements.nodes[j].state.time;
-    const std::optional<Rigid3> before = refinement.odom_from_body.At(begin),
-                                after = refinement.odom_from_body.At(end);
-    if (!before || !after) continue;
-    const double driven =
-        (before->rotation.conjugate() * (after->translation - before->translation)).x();
-    const double rolled =
-        refinement.wheel_scale * (body_from_imu.rotation * interval->wheels->displacement).x();
-    slips.push_back({end, (rolled - driven) / interval->wheels->duration});
-  }
-  return slips;
-}
-
 Json NumbersOf(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
 /// Quaternions as x y z w.
@@ -126,7 +104,8 @@ DriveDiagnostics MeasureDiagnostics(const OdometryResult& odometry, const Rig& l
   if (!odometry.measurements) return diagnostics;
   diagnostics.images = ResidualsOfImages(*odometry.measurements, log_rig, refinement.rig,
                                          refinement.odom_from_body, options);
-  diagnostics.wheels = SlipOf(*odometry.measurements, refinement.rig, refinement);
+  diagnostics.wheels = SlipOfWheels(*odometry.measurements, refinement.rig,
+                                    refinement.odom_from_body, refinement.wheel_scale);
   return diagnostics;
 }
 

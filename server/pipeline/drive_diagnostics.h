@@ -8,14 +8,9 @@
 #include "slam/odometry/odometry_result.h"
 #include "slam/refinement/image_residuals.h"
 #include "slam/refinement/refine_drive.h"
+#include "slam/refinement/wheel_slip.h"
 
 namespace parkade {
-
-/// How far the wheels' speed is off that of the trajectory.
-struct WheelSlip {
-  Timestamp time;
-  double speed = 0;  ///< [m/s] of the wheels, scale corrected, less that of the car
-};
 
 /// What there is to plot of a drive over time, beside its trajectory.
 struct DriveDiagnostics {

@@ -5,6 +5,7 @@
 
 #include "slam/refinement/adjusted_drive.h"
 #include "slam/refinement/adjusted_landmarks.h"
+#include "slam/smoother/drive_measurements.h"
 
 namespace parkade {
 namespace {

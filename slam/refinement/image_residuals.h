@@ -5,9 +5,10 @@
 #include "core/rig.h"
 #include "core/trajectory.h"
 #include "slam/refinement/refinement_options.h"
-#include "slam/smoother/drive_measurements.h"
 
 namespace parkade {
+
+class DriveMeasurements;
 
 /// How well one image agrees with a drive's poses.
 struct ImageResidual {
