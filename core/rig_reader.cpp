@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 
-#include "core/calibration_file.h"
 #include "core/error.h"
 #include "core/rig.h"
 #include "core/yaml_file.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/calibration_file.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "server/ingest/containers/open_log_source.h"
