@@ -3,11 +3,13 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <memory>
 
 #include "core/error.h"
 #include "server/http/current_socket.h"
 #include "server/http/drive_map.h"
 #include "server/http/json_response.h"
+#include "server/http/look_record.h"
 #include "server/http/problem.h"
 #include "server/http/routes/routes.h"
 #include "server/store/tables/drive_table.h"
@@ -83,7 +85,7 @@ auto AskDesk(httplib::Response& response, const Function& ask) {
   }
 }
 
-void SendPicture(RouteContext& context, const httplib::Request& request,
+void SendPicture(RouteContext& context, LookRecord& looks, const httplib::Request& request,
                  httplib::Response& response) {
   const std::string id = request.matches[1], camera = request.matches[2];
   const auto time_text = QueryParameter(request, "time");
@@ -102,6 +104,7 @@ void SendPicture(RouteContext& context, const httplib::Request& request,
             "camera '" + camera + "' has no image within a second of " + *time_text);
     return context.pictures->Read(log, number, *nearest, width, ClientWaits());
   });
+  looks.Note(context.store.database, id);
   response.set_header("Cache-Control", kPersonal);
   response.set_header("Picture-Time", ToDecimalSeconds(picture.time));
   response.set_header("Picture-Size",
@@ -152,8 +155,9 @@ void AddPictureRoutes(Router& routes, RouteContext& context) {
             });
 
   routes.On("GET /api/v1/drives/{drive}/images/{camera}",
-            [&context](const httplib::Request& request, httplib::Response& response) {
-              SendPicture(context, request, response);
+            [&context, looks = std::make_shared<LookRecord>()](const httplib::Request& request,
+                                                               httplib::Response& response) {
+              SendPicture(context, *looks, request, response);
             });
 }
 

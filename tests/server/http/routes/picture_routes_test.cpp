@@ -118,6 +118,19 @@ TEST_F(Pictures, ACrashHurtsNobodyElse) {
   ExpectProblem(client().Get(bad + "/images/cam0?time=13"), 500, "internal");
 }
 
+TEST_F(Pictures, WhoLooksIsWrittenDownOnceAnHour) {
+  const std::string drive = Drive();
+  for (const char* time : {"12", "13", "14"})
+    EXPECT_EQ(client().Get(drive + "/images/cam0?time=" + time)->status, 200);
+
+  int looks = 0;
+  const Json audit = Get("/api/v1/audit");
+  for (const Json& entry : audit.at("items"))
+    if (entry.at("action") == "pictures.see" && entry.at("subject") == id_) ++looks;
+  EXPECT_GE(looks, 1);
+  EXPECT_LE(looks, 2) << "two where the hour struck in between";
+}
+
 TEST_F(Pictures, OfADriveWithoutAMapAreThere) {
   EXPECT_EQ(client().Get(Drive("", "bad-input") + "/images/cam0?time=12")->status, 200);
 }
