@@ -7,10 +7,10 @@
 
 #include "core/error.h"
 #include "server/http/current_socket.h"
-#include "server/http/drive_map.h"
 #include "server/http/json_response.h"
-#include "server/http/look_record.h"
 #include "server/http/problem.h"
+#include "server/http/routes/drive_map.h"
+#include "server/http/routes/look_record.h"
 #include "server/http/routes/routes.h"
 #include "server/store/tables/drive_table.h"
 #include "server/store/tables/rig_table.h"

@@ -3,10 +3,10 @@
 #include <limits>
 
 #include "core/error.h"
-#include "server/http/drive_map.h"
 #include "server/http/json_response.h"
+#include "server/http/routes/drive_map.h"
 #include "server/http/routes/routes.h"
-#include "server/http/thin_series.h"
+#include "server/http/routes/thin_series.h"
 
 namespace parkade {
 namespace {

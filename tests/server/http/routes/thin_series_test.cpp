@@ -1,4 +1,4 @@
-#include "server/http/thin_series.h"
+#include "server/http/routes/thin_series.h"
 
 #include <gtest/gtest.h>
 

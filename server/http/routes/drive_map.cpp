@@ -1,4 +1,4 @@
-#include "server/http/drive_map.h"
+#include "server/http/routes/drive_map.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "server/http/look_record.h"
+#include "server/http/routes/look_record.h"
 
 #include <chrono>
 
