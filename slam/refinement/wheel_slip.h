@@ -15,7 +15,7 @@ struct WheelSlip {
   double speed = 0;  ///< [m/s] of the wheels, scale corrected, less that of the car
 };
 
-/// Of each stretch between two nodes in which the car moved, at its end; empty without wheels.
+/// Compares each stretch between two nodes in which the car moved; empty without wheels.
 ///
 /// \param rig          where the IMU sits
 /// \param wheel_scale  true speed / reported speed
