@@ -70,6 +70,10 @@ void ValidateRig(const Rig& rig);
 /// Accepts a leading "%YAML:1.0". Throws Error{kInvalidInput}, naming file and key.
 Rig ReadRig(const std::filesystem::path& folder);
 
+/// Reads the three files in one, as a map has them for each drive (calibration.yaml): without
+/// masks. Throws as ReadRig.
+Rig ReadCalibration(const std::filesystem::path& file);
+
 /// Writes the three files so that ReadRig gives the same rig to 1e-9.
 void WriteRig(const Rig& rig, const std::filesystem::path& folder);
 

@@ -182,8 +182,7 @@ Rigid3 ReadCameraFromImu(const YamlNode& camera, const std::optional<Rigid3>& pr
   return camera.At("T_cn_cnm1").Motion() * *previous_from_imu;
 }
 
-ImuCalibration ReadImu(const path& file) {
-  const YamlNode root = ReadYaml(file);
+ImuCalibration ReadImu(const YamlNode& root) {
   const YamlNode imu = root.Has("imu0") ? root.At("imu0") : root;
   return {.topic = TextOr(imu, "rostopic", "imu0"),
           .update_rate = NumberOr(imu, "update_rate", ImuCalibration{}.update_rate),
@@ -206,21 +205,15 @@ VehicleCalibration ReadVehicle(const YamlNode& vehicle) {
   return calibration;
 }
 
-}  // namespace
-
-Rig ReadRig(const path& folder) {
-  Require(std::filesystem::is_directory(folder), ErrorCode::kInvalidInput,
-          "the rig '" + folder.string() + "' is not a folder");
+/// \param masks  the folder that masks lie in
+Rig MakeRig(const YamlNode& imu, const std::optional<YamlNode>& vehicle, const YamlNode& chain,
+            const path& masks) {
   Rig rig;
-  rig.imu = ReadImu(FindFile(folder, {"imu0.yaml", "imu.yaml", "kalibr_imu_chain.yaml"}));
-  if (std::filesystem::exists(folder / "vehicle.yaml")) {
-    const YamlNode vehicle = ReadYaml(folder / "vehicle.yaml");
-    rig.body_from_imu = vehicle.At("T_imu_body").Motion().Inverse();
-    rig.vehicle = ReadVehicle(vehicle);
+  rig.imu = ReadImu(imu);
+  if (vehicle) {
+    rig.body_from_imu = vehicle->At("T_imu_body").Motion().Inverse();
+    rig.vehicle = ReadVehicle(*vehicle);
   }
-
-  const YamlNode chain =
-      ReadYaml(FindFile(folder, {"camchain-imucam.yaml", "kalibr_imucam_chain.yaml"}));
   std::optional<Rigid3> previous_from_imu;
   for (const std::string& name : CameraNames(chain)) {
     const YamlNode node = chain.At(name);
@@ -231,16 +224,37 @@ Rig ReadRig(const path& folder) {
                            .body_from_camera = rig.body_from_imu * camera_from_imu.Inverse(),
                            .time_shift = NumberOr(node, "timeshift_cam_imu", 0),
                            .line_delay = NumberOr(node, "line_delay", 0),
-                           .mask = ReadMask(node, folder)});
+                           .mask = ReadMask(node, masks)});
     previous_from_imu = camera_from_imu;
   }
   Require(!rig.cameras.empty(), ErrorCode::kInvalidInput, chain.where() + " has no 'cam0'");
   try {
     ValidateRig(rig);
   } catch (const Error& error) {
-    throw Error(error.code(), "the rig '" + folder.filename().string() + "': " + error.what());
+    throw Error(error.code(), "the rig '" + masks.filename().string() + "': " + error.what());
   }
   return rig;
+}
+
+}  // namespace
+
+Rig ReadRig(const path& folder) {
+  Require(std::filesystem::is_directory(folder), ErrorCode::kInvalidInput,
+          "the rig '" + folder.string() + "' is not a folder");
+  const YamlNode imu =
+      ReadYaml(FindFile(folder, {"imu0.yaml", "imu.yaml", "kalibr_imu_chain.yaml"}));
+  std::optional<YamlNode> vehicle;
+  if (std::filesystem::exists(folder / "vehicle.yaml")) vehicle = ReadYaml(folder / "vehicle.yaml");
+  return MakeRig(imu, vehicle,
+                 ReadYaml(FindFile(folder, {"camchain-imucam.yaml", "kalibr_imucam_chain.yaml"})),
+                 folder);
+}
+
+Rig ReadCalibration(const path& file) {
+  const YamlNode calibration = ReadYaml(file);
+  std::optional<YamlNode> vehicle;
+  if (calibration.Has("vehicle")) vehicle = calibration.At("vehicle");
+  return MakeRig(calibration, vehicle, calibration, file.parent_path());
 }
 
 }  // namespace parkade

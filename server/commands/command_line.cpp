@@ -39,6 +39,7 @@ int RunCommandLine(int argc, const char* const* argv) {
   AddRestoreCommand(app, action);
   AddTokenCommand(app, action);
   AddInspectCommand(app, action);
+  AddPicturesCommand(app, action);
   AddExportCommand(app, action);
   AddCompareCommand(app, action);
   AddEvaluateCommand(app, action);

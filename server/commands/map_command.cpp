@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/file.h"
 #include "core/log.h"
 #include "core/options_json.h"
 #include "core/parallel.h"
@@ -54,6 +55,11 @@ void WriteProducts(const OpenedLogs& logs, const BuiltMap& built, const MapOptio
   for (size_t i = 0; i < built.site.drives.size(); ++i) {
     const SiteDrive& drive = built.site.drives[i];
     WriteLoopImages(built.drives[i].loops, drive.rig, drive.name, folder);
+    WriteFileAtomically(folder / drive.name / "diagnostics.json",
+                        EncodeDiagnostics(drive, built.drives[i].diagnostics,
+                                          built.drives[i].odometry, built.site.datum));
+    WriteFileAtomically(folder / drive.name / "keyframes.json",
+                        EncodeKeyframes(drive, built.drives[i].diagnostics.keyframes));
     WriteCalibration(drive.rig, built.drives[i].odometry.calibration,
                      folder / drive.name / "calibration.yaml");
   }

@@ -57,6 +57,14 @@ std::vector<std::string> InspectionCommand(const std::filesystem::path& log,
   return command;
 }
 
+std::vector<std::string> PicturesCommand(const std::filesystem::path& log,
+                                         const std::optional<std::filesystem::path>& rig,
+                                         const std::filesystem::path& index) {
+  std::vector<std::string> command = {"/proc/self/exe", "pictures", log, "--index", index};
+  if (rig) command.insert(command.end(), {"--rig", *rig});
+  return command;
+}
+
 }  // namespace
 
 void AddServeCommand(CLI::App& app, Action& action) {
@@ -104,6 +112,7 @@ void AddServeCommand(CLI::App& app, Action& action) {
       options->job_command = WorkerCommand;
       options->compare_command = ComparisonCommand;
       options->inspect_command = InspectionCommand;
+      options->pictures.command = PicturesCommand;
       options->check_log = CheckLooksLikeLog;
       options->check_rig = [](const std::filesystem::path& folder) { ReadRig(folder); };
       options->check_pins = [](const std::vector<std::string>& pins,

@@ -76,6 +76,13 @@ inline constexpr std::array kRoutes = {
     Route{"GET", "/api/v1/drives", RouteClass::kApi, Right::kSee, Reach::kFiltered},
     Route{"GET", "/api/v1/drives/{drive}", RouteClass::kApi, Right::kSee, Reach::kPath},
     Route{"GET", "/api/v1/drives/{drive}/inspect", RouteClass::kApi, Right::kSee, Reach::kPath},
+    Route{"GET", "/api/v1/drives/{drive}/keyframes", RouteClass::kApi, Right::kSee, Reach::kPath},
+    Route{"GET", "/api/v1/drives/{drive}/plots", RouteClass::kApi, Right::kSee, Reach::kPath},
+    // They wait for a process.
+    Route{"GET", "/api/v1/drives/{drive}/images", RouteClass::kDownloads, Right::kPictures,
+          Reach::kPath},
+    Route{"GET", "/api/v1/drives/{drive}/images/{camera}", RouteClass::kDownloads, Right::kPictures,
+          Reach::kPath},
     Route{"DELETE", "/api/v1/drives/{drive}", RouteClass::kApi, Right::kOwnUpload, Reach::kPath},
 
     // A rig of one name serves all sites.

@@ -10,6 +10,7 @@
 #include "server/jobs/job_limits.h"
 #include "server/jobs/job_spec.h"
 #include "server/jobs/map_comparer.h"
+#include "server/jobs/pictures/picture_desk.h"
 #include "server/webhooks/webhook_sender.h"
 
 namespace parkade {
@@ -34,6 +35,7 @@ struct ServeOptions {
   JobCommand job_command;          ///< required: the worker of a job
   CompareCommand compare_command;  ///< required: compares two published maps
   InspectCommand inspect_command;  ///< looks at logs that arrive; none: nobody does
+  PictureOptions pictures;         ///< how they are read out of logs
   std::function<void(const std::filesystem::path&)>
       check_log;  ///< throws unless the file looks like a drive log
   std::function<void(const std::filesystem::path&)>

@@ -41,7 +41,7 @@ std::vector<char*> Environment(char* temporary_files) {
 struct Launch {
   std::vector<char*> arguments, environment;
   const char* folder = nullptr;
-  int log_fd = -1, null_fd = -1, failure_fd = -1, cgroup_fd = -1;
+  int log_fd = -1, null_fd = -1, input_fd = -1, failure_fd = -1, cgroup_fd = -1;
   pid_t parent = 0;
   bool says_walls = false;
 };
@@ -75,7 +75,8 @@ struct Launch {
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
   for (const int signal : {SIGPIPE, SIGTERM, SIGINT}) ::signal(signal, SIG_DFL);
-  if (::dup2(launch.null_fd, 0) < 0 || ::dup2(launch.log_fd, 1) < 0 || ::dup2(launch.log_fd, 2) < 0)
+  if (::dup2(launch.input_fd, 0) < 0 || ::dup2(launch.log_fd, 1) < 0 ||
+      ::dup2(launch.log_fd, 2) < 0)
     give_up();
   if (::chdir(launch.folder) != 0) give_up();
   // Sockets that the HTTP library accepted are not close-on-exec.
@@ -101,6 +102,7 @@ WorkerProcess::WorkerProcess(const std::vector<std::string>& command, const Work
   launch.says_walls = place.says_walls;
   launch.log_fd = ::open(place.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   launch.null_fd = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+  launch.input_fd = place.input >= 0 ? place.input : launch.null_fd;
   if (!place.cgroup.empty()) launch.cgroup_fd = ::open(place.cgroup.c_str(), O_WRONLY | O_CLOEXEC);
   std::array<int, 2> failure{-1, -1};
   int error = launch.log_fd < 0 || launch.null_fd < 0 || ::pipe2(failure.data(), O_CLOEXEC) != 0

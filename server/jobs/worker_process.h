@@ -18,6 +18,7 @@ struct WorkerPlace {
   std::filesystem::path temporary_files = {};  ///< its TMPDIR; empty: this process's own
   std::filesystem::path cgroup = {};           ///< file to join a control group by; empty: none
   bool says_walls = false;                     ///< the log says what the worker is shut off from
+  int input = -1;  ///< file descriptor that becomes its standard input; -1: it has none
 };
 
 /// A child process in a group of its own that cannot outlive the thread that

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/site_map.h"
+#include "server/pipeline/drive_diagnostics.h"
 #include "server/pipeline/site_pins.h"
 #include "slam/refinement/refine_drive.h"
 #include "slam/sessions/join_drives.h"
@@ -18,6 +19,7 @@ struct DriveOutcome {
   LoopClosure loops;
   LoopReview review;  ///< decisions that hold for them, of this build and of those before
   DriveRefinement refinement;
+  DriveDiagnostics diagnostics;
   std::optional<GnssAlignment> gnss;
   size_t num_keyframes = 0;
   int num_ground_images = 0;

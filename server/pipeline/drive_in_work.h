@@ -21,6 +21,7 @@ struct DriveInWork {
   LoopReview review;               ///< decisions that hold, of this build and of those before
   Keyed<LoopClosure> loops;
   Keyed<DriveRefinement> refinement;
+  DriveDiagnostics diagnostics;
   std::optional<CalibratedLog> calibrated;  ///< the log as all that follows the refinement sees it
   std::optional<GnssAlignment> gnss;
   Keyed<std::vector<RigKeyframe>> keyframes;  ///< of several drives; a drive alone needs none

@@ -112,6 +112,8 @@ void Refine(const BuildContext& context, DriveInWork& drive) {
     return RefineDrive(odometry, drive.log->rig(), drive.loops.value, context.options.refinement,
                        gnss);
   });
+  drive.diagnostics = MeasureDiagnostics(odometry, drive.log->rig(), drive.refinement.value, gnss,
+                                         context.options.refinement);
   odometry.measurements.reset();
   drive.calibrated.emplace(*drive.log, drive.refinement.value.rig);
 }

@@ -103,13 +103,9 @@ class PairCache {
 
 DriveOutcome OutcomeOf(DriveInWork& drive) {
   const OdometryResult& odometry = drive.odometry.value;
-  return {drive.index,
-          odometry.report,
-          drive.loops.value,
-          drive.review,
-          drive.refinement.value,
-          drive.gnss,
-          odometry.keyframes.size()};
+  return {drive.index,  odometry.report,          drive.loops.value,
+          drive.review, drive.refinement.value,   std::move(drive.diagnostics),
+          drive.gnss,   odometry.keyframes.size()};
 }
 
 }  // namespace

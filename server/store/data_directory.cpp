@@ -45,7 +45,8 @@ DataDirectory::DataDirectory(const std::filesystem::path& root)
     throw Error(ErrorCode::kConflict,
                 "another service already uses the data directory '" + root.string() + "'");
   }
-  for (const char* folder : {"db", "uploads", "logs", "rigs", "maps", "jobs", "tmp", "quarantine"})
+  for (const char* folder :
+       {"db", "uploads", "logs", "rigs", "maps", "jobs", "pictures", "tmp", "quarantine"})
     CreateDurableFolder(root_ / folder);
   // These bytes were promised to nobody: their upload was never acknowledged.
   for (const auto& entry : std::filesystem::directory_iterator(root_ / "tmp"))

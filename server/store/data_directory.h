@@ -19,6 +19,7 @@ namespace parkade {
 ///   rigs/<id>/              rig files
 ///   maps/<id>/              published maps, never changed
 ///   jobs/<id>/attempt-<n>/  log, progress and unpublished products of a job
+///   pictures/<drive>/       pictures of its log that people looked at; may be deleted at any time
 ///   tmp/                    uploads by one request, comparisons of maps; emptied at start
 ///   quarantine/             what was found without a row in the database; kept for a month
 class DataDirectory {
@@ -37,6 +38,7 @@ class DataDirectory {
   std::filesystem::path MapsFolder() const { return root_ / "maps"; }
   std::filesystem::path JobsFolder() const { return root_ / "jobs"; }
   std::filesystem::path UploadsFolder() const { return root_ / "uploads"; }
+  std::filesystem::path PicturesFolder() const { return root_ / "pictures"; }
 
   /// Where a log lies, relative to the root.
   static std::string LogPath(const std::string& sha256) {

@@ -127,6 +127,8 @@ void DeleteDrive(Store& store, const std::string& id) {
   // Files go after the commit: the other way round, a failed commit would leave a drive without its
   // log.
   RemoveUnusedLog(store, sha256);
+  std::error_code ignored;  // the next start deletes what is left
+  std::filesystem::remove_all(store.directory.PicturesFolder() / id, ignored);
   store.ballast.Restore();
 }
 

@@ -8,6 +8,7 @@
 #include "server/jobs/event_hub.h"
 #include "server/jobs/job_runner.h"
 #include "server/jobs/map_comparer.h"
+#include "server/jobs/pictures/picture_desk.h"
 #include "server/store/store.h"
 #include "server/store/uploads/resumable_uploads.h"
 #include "server/webhooks/webhook_sender.h"
@@ -24,6 +25,7 @@ struct RouteContext {
   ResumableUploads& uploads;
   WebhookSender& webhooks;
   DriveInspector* inspector;  ///< null where nobody looks at logs
+  PictureDesk* pictures;      ///< null where nobody reads pictures
   Gate& gate;
   Metrics& metrics;
   const ShutdownSignal& shutdown_signal;

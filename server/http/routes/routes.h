@@ -9,6 +9,8 @@ namespace parkade {
 // What exists is said by kRoutes and described in openapi.json.
 
 void AddDriveRoutes(Router& routes, RouteContext& context);
+void AddPictureRoutes(Router& routes, RouteContext& context);
+void AddPlotRoutes(Router& routes, RouteContext& context);
 void AddUploadRoute(Router& routes, RouteContext& context);
 void AddTusRoutes(Router& routes, RouteContext& context);
 void AddRigRoutes(Router& routes, RouteContext& context);

@@ -15,6 +15,7 @@
 #include "server/store/access/tokens.h"
 #include "server/store/care/retention.h"
 #include "server/store/care/scrubber.h"
+#include "server/store/tables/drive_table.h"
 
 namespace parkade {
 namespace {
@@ -96,10 +97,16 @@ class Service::Parts {
     jobs_.emplace(store_, events_, RunnerOptions(options_));
     if (options_.inspect_command)
       inspector_.emplace(store_, events_, options_.inspect_command, [this] { jobs_->Wake(); });
+    if (options_.pictures.command)
+      pictures_.emplace(store_.directory, options_.pictures, [this](const std::string& id) {
+        return store_.database.Read(
+            [&](Connection& connection) { return HasDrive(connection, id); });
+      });
     uploads_.emplace(store_, OptionsOfUploads());
     webhooks_.emplace(store_, options_.webhooks);
     context_.emplace(RouteContext{options_, store_, events_, *jobs_, comparer_, *uploads_,
-                                  *webhooks_, inspector_ ? &*inspector_ : nullptr, gate_, metrics_,
+                                  *webhooks_, inspector_ ? &*inspector_ : nullptr,
+                                  pictures_ ? &*pictures_ : nullptr, gate_, metrics_,
                                   shutdown_signal_});
     AddHandlers();
     scrubber_.emplace(store_, std::chrono::days(options_.scrub_days));
@@ -115,6 +122,7 @@ class Service::Parts {
   void Stop(std::chrono::milliseconds patience) {
     shutdown_signal_.Cut(patience);
     comparer_.Stop();
+    if (pictures_) pictures_->Stop();
     uploads_->Stop();
     events_.Close();
     http_.Wake();
@@ -168,6 +176,8 @@ class Service::Parts {
     AddUploadRoute(router, *context_);
     AddTusRoutes(router, *context_);
     AddDriveRoutes(router, *context_);
+    AddPictureRoutes(router, *context_);
+    AddPlotRoutes(router, *context_);
     AddRigRoutes(router, *context_);
     AddJobRoutes(router, *context_);
     AddReviewRoutes(router, *context_);
@@ -242,6 +252,7 @@ class Service::Parts {
   HttpServer http_;
   std::optional<JobRunner> jobs_;
   std::optional<DriveInspector> inspector_;
+  std::optional<PictureDesk> pictures_;
   std::optional<ResumableUploads> uploads_;
   std::optional<WebhookSender> webhooks_;
   std::optional<RouteContext> context_;

@@ -111,6 +111,15 @@ class ChunkedLogSource : public MessageSource {
   std::unique_ptr<MessageStream> Read(const std::vector<bool>& wanted) const override {
     return std::make_unique<SegmentStream>(log_, plan_, wanted);
   }
+  std::optional<RawMessage> ReadAt(int topic, const MessagePlace& place) const override {
+    std::optional<RawMessage> message = ReadMessageAt(*log_, place);
+    DamageReport damage;
+    if (!message || message->topic != topic ||
+        !UnpackMessage(topics()[static_cast<std::size_t>(topic)], *message, damage))
+      return std::nullopt;
+    message->place = place;
+    return message;
+  }
 
  private:
   std::shared_ptr<const ScannedLog> log_;

@@ -38,8 +38,8 @@ bool IsPlainFileName(std::string_view name) {
 /// up or overtake the others.
 class EurocStreamReader {
  public:
-  EurocStreamReader(const fs::path& folder, bool is_image, int topic)
-      : csv_(folder / "data.csv"),
+  EurocStreamReader(const fs::path& folder, bool is_image, int topic, std::uint64_t offset = 0)
+      : csv_(folder / "data.csv", offset),
         data_folder_(folder / "data"),
         is_image_(is_image),
         topic_(topic) {
@@ -53,7 +53,7 @@ class EurocStreamReader {
   int topic() const { return topic_; }
 
   RawMessage Take() {
-    RawMessage message{topic_, current_->stamp, {}};
+    RawMessage message{topic_, current_->stamp, {}, {current_->offset}};
     const std::string content =
         is_image_ ? (data_folder_ / ImageName(*current_)).string() : current_->text;
     message.data.assign(content.begin(), content.end());
@@ -88,6 +88,8 @@ class EurocStreamReader {
   std::uint64_t num_bad_names_ = 0;
 };
 
+bool IsImage(const TopicInfo& topic) { return topic.type == "sensor_msgs/CompressedImage"; }
+
 class EurocStream : public MessageStream {
  public:
   EurocStream(const EurocSource& source, const std::vector<bool>& wanted)
@@ -95,8 +97,7 @@ class EurocStream : public MessageStream {
     for (std::size_t i = 0; i < topics_.size(); ++i)
       if (wanted[i])
         readers_.push_back(std::make_unique<EurocStreamReader>(
-            source.folder() / topics_[i].topic, topics_[i].type == "sensor_msgs/CompressedImage",
-            static_cast<int>(i)));
+            source.folder() / topics_[i].topic, IsImage(topics_[i]), static_cast<int>(i)));
   }
 
   std::optional<RawMessage> Next() override {
@@ -186,6 +187,14 @@ EurocSource::EurocSource(std::shared_ptr<const TemporaryFolder> unpacked, const 
 
 std::unique_ptr<MessageStream> EurocSource::Read(const std::vector<bool>& wanted) const {
   return std::make_unique<EurocStream>(*this, wanted);
+}
+
+std::optional<RawMessage> EurocSource::ReadAt(int topic, const MessagePlace& place) const {
+  const TopicInfo& info = topics_[static_cast<std::size_t>(topic)];
+  EurocStreamReader reader(folder_ / info.topic, IsImage(info), topic, place.record);
+  if (reader.is_done()) return std::nullopt;
+  RawMessage message = reader.Take();
+  return message.place.record == place.record ? std::optional(std::move(message)) : std::nullopt;
 }
 
 }  // namespace parkade

@@ -32,6 +32,7 @@ class EurocSource : public MessageSource {
   const std::vector<TopicInfo>& topics() const override { return topics_; }
   std::string format() const override { return unpacked_ ? "EuRoC archive" : "EuRoC folder"; }
   std::unique_ptr<MessageStream> Read(const std::vector<bool>& wanted) const override;
+  std::optional<RawMessage> ReadAt(int topic, const MessagePlace& place) const override;
 
   const std::filesystem::path& folder() const { return folder_; }
   const std::string& archive_damage() const { return archive_damage_; }

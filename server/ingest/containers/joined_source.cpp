@@ -82,6 +82,7 @@ class JoinedStream : public MessageStream {
       return;
     }
     message->topic = (*parts_)[part].joined_topics[static_cast<std::size_t>(message->topic)];
+    message->place.part = part;
     heads_.push({std::move(*message), part});
   }
 
@@ -127,6 +128,16 @@ class JoinedSource : public MessageSource {
   std::string format() const override { return format_; }
   std::unique_ptr<MessageStream> Read(const std::vector<bool>& wanted) const override {
     return std::make_unique<JoinedStream>(parts_, missing_, wanted);
+  }
+  std::optional<RawMessage> ReadAt(int topic, const MessagePlace& place) const override {
+    if (place.part >= parts_->size()) return std::nullopt;
+    const Part& part = (*parts_)[place.part];
+    const auto own = std::find(part.joined_topics.begin(), part.joined_topics.end(), topic);
+    if (own == part.joined_topics.end()) return std::nullopt;
+    std::optional<RawMessage> message =
+        part.source->ReadAt(static_cast<int>(own - part.joined_topics.begin()), place);
+    if (message) message->topic = topic;
+    return message;
   }
 
  private:

@@ -24,11 +24,19 @@ struct TopicInfo {
   std::uint64_t num_messages = 0;  ///< as far as known from the index
 };
 
+/// Where a message lies in its log.
+struct MessagePlace {
+  std::uint64_t record = 0;    ///< offset in the file of its record, or its chunk's; a row's number
+  std::uint64_t in_chunk = 0;  ///< offset of its record in the unpacked chunk
+  std::uint64_t part = 0;      ///< of a recording in several files
+};
+
 /// One serialized message. `data` owns its bytes.
 struct RawMessage {
   int topic = 0;  ///< index into MessageSource::topics()
   Timestamp log_time;
   std::vector<std::uint8_t> data;
+  MessagePlace place = {};
 };
 
 /// A stretch of a log that could not be read.
@@ -65,6 +73,9 @@ class MessageSource {
   /// A new pass over the topics with `wanted[topic]` set. Thread rule: passes
   /// are independent of each other.
   virtual std::unique_ptr<MessageStream> Read(const std::vector<bool>& wanted) const = 0;
+  /// The message of a topic at a place that a pass over this log gave, without a pass; nothing
+  /// where it cannot be read there.
+  virtual std::optional<RawMessage> ReadAt(int topic, const MessagePlace& place) const = 0;
 };
 
 }  // namespace parkade

@@ -71,7 +71,10 @@ class SqliteStream : public MessageStream {
           CountLoss("a message is larger than 64 MiB", *topic, time);
         } else if (topic) {
           const auto [bytes, size] = query_->Blob(4);
-          message = RawMessage{*topic, {std::max<std::int64_t>(time, 0)}, {bytes, bytes + size}};
+          message = RawMessage{*topic,
+                               {std::max<std::int64_t>(time, 0)},
+                               {bytes, bytes + size},
+                               {static_cast<std::uint64_t>(id), 0}};
         }
         last_ = RankOf(id, time);
         if (message) return message;
@@ -213,6 +216,29 @@ class SqliteSource : public MessageSource {
   std::string format() const override { return "rosbag2 sqlite3"; }
   std::unique_ptr<MessageStream> Read(const std::vector<bool>& wanted) const override {
     return std::make_unique<SqliteStream>(log_, wanted);
+  }
+  std::optional<RawMessage> ReadAt(int topic, const MessagePlace& place) const override {
+    try {
+      const SqliteDatabase database(log_->path);
+      SqliteQuery query(database,
+                        "SELECT topic_id, timestamp, length(data), data FROM messages WHERE id = " +
+                            std::to_string(static_cast<std::int64_t>(place.record)));
+      if (!query.Step() || query.Integer(2) > static_cast<std::int64_t>(kMaxMessageSize))
+        return std::nullopt;
+      const std::int64_t id = query.Integer(0);
+      const bool is_topic = id >= 0 && id <= UINT32_MAX;
+      if (!is_topic || log_->topics.TopicOf(static_cast<std::uint32_t>(id)) != topic)
+        return std::nullopt;
+      const auto [bytes, size] = query.Blob(3);
+      RawMessage message{
+          topic, {std::max<std::int64_t>(query.Integer(1), 0)}, {bytes, bytes + size}, place};
+      DamageReport damage;
+      if (!UnpackMessage(topics()[static_cast<std::size_t>(topic)], message, damage))
+        return std::nullopt;
+      return message;
+    } catch (const Error&) {
+      return std::nullopt;  // the database is damaged there
+    }
   }
 
  private:

@@ -79,8 +79,10 @@ class LoadedSegment : public SegmentCursor {
   RawMessage Take() override {
     const Message& message = messages_[next_++];
     const auto begin = bytes_.begin() + static_cast<std::ptrdiff_t>(message.begin);
-    return {
-        message.topic, message.time, {begin, begin + static_cast<std::ptrdiff_t>(message.size)}};
+    return {message.topic,
+            message.time,
+            {begin, begin + static_cast<std::ptrdiff_t>(message.size)},
+            message.place};
   }
 
  private:
@@ -88,6 +90,7 @@ class LoadedSegment : public SegmentCursor {
     Timestamp time;
     int topic = 0;
     std::size_t begin = 0, size = 0;  ///< in bytes_
+    MessagePlace place;
   };
 
   void AddChunk(const ScannedLog& log, const LogRecord& chunk, const std::vector<bool>& wanted,
@@ -101,9 +104,11 @@ class LoadedSegment : public SegmentCursor {
         offset = step.next;
         const std::optional<int> topic = filter.Accept(step);
         if (!topic) continue;
-        messages_.push_back({step.record->time, *topic,
+        messages_.push_back({step.record->time,
+                             *topic,
                              bytes_.size() + static_cast<std::size_t>(step.record->data_begin),
-                             static_cast<std::size_t>(step.record->data_size)});
+                             static_cast<std::size_t>(step.record->data_size),
+                             {chunk.begin, step.record->begin}});
       }
     }
     const std::string problem = content.problem.empty() ? filter.Problem(chunk) : content.problem;
@@ -129,7 +134,7 @@ class LoadedSegment : public SegmentCursor {
     const std::size_t begin = bytes_.size();
     bytes_.resize(begin + static_cast<std::size_t>(record.data_size));
     const std::size_t size = log.file->ReadAt(record.data_begin, std::span(bytes_).subspan(begin));
-    messages_.push_back({record.time, *topic, begin, size});
+    messages_.push_back({record.time, *topic, begin, size, {record.begin, 0}});
   }
 
   std::vector<std::uint8_t> bytes_;
@@ -175,7 +180,8 @@ class StreamedChunk : public SegmentCursor {
       const LogRecord& record = *step.record;
       const std::span<const std::uint8_t> data =
           content_.reader->Fetch(record.data_begin, static_cast<std::size_t>(record.data_size));
-      next_ = RawMessage{*topic, record.time, {data.begin(), data.end()}};
+      next_ =
+          RawMessage{*topic, record.time, {data.begin(), data.end()}, {chunk_.begin, record.begin}};
       return;
     }
     if (is_finished_) return;
@@ -197,7 +203,31 @@ class StreamedChunk : public SegmentCursor {
   bool is_finished_ = false;
 };
 
+/// The bytes of the message whose record begins at `offset`; nothing where there is none.
+std::optional<RawMessage> ReadRecord(const ScannedLog& log, ByteReader& reader,
+                                     std::uint64_t offset) {
+  if (offset >= reader.size()) return std::nullopt;
+  const RecordWalker::Step step = RecordWalker(*log.format, reader).At(offset);
+  if (step.is_damaged || step.record->kind != RecordKind::kMessage ||
+      step.record->data_size > kMaxMessageSize)
+    return std::nullopt;
+  const std::span<const std::uint8_t> data =
+      reader.Fetch(step.record->data_begin, static_cast<std::size_t>(step.record->data_size));
+  const int topic = log.topics.TopicOf(step.record->channel).value_or(-1);
+  return RawMessage{topic, step.record->time, {data.begin(), data.end()}};
+}
+
 }  // namespace
+
+std::optional<RawMessage> ReadMessageAt(const ScannedLog& log, const MessagePlace& place) {
+  FileReader reader(*log.file, log.format->EndOfRecords(*log.file));
+  if (place.record >= reader.size()) return std::nullopt;
+  const RecordWalker::Step step = RecordWalker(*log.format, reader).At(place.record);
+  if (step.is_damaged) return std::nullopt;
+  if (step.record->kind != RecordKind::kChunk) return ReadRecord(log, reader, place.record);
+  const ChunkContent content = OpenChunk(*log.file, *step.record);
+  return content.reader ? ReadRecord(log, *content.reader, place.in_chunk) : std::nullopt;
+}
 
 std::unique_ptr<SegmentCursor> OpenSegment(const ScannedLog& log, const LogSegment& segment,
                                            const std::vector<bool>& wanted, DamageReport& damage) {

@@ -21,4 +21,8 @@ class SegmentCursor {
 std::unique_ptr<SegmentCursor> OpenSegment(const ScannedLog& log, const LogSegment& segment,
                                            const std::vector<bool>& wanted, DamageReport& damage);
 
+/// The message at a place that a cursor gave, without its neighbors; nothing where it cannot be
+/// read. Unpacks its chunk. Its topic is -1 where the log does not define it.
+std::optional<RawMessage> ReadMessageAt(const ScannedLog& log, const MessagePlace& place);
+
 }  // namespace parkade

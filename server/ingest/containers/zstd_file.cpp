@@ -40,6 +40,9 @@ class KeptSource : public MessageSource {
   std::unique_ptr<MessageStream> Read(const std::vector<bool>& wanted) const override {
     return std::make_unique<KeptStream>(source_, unpacked_, wanted);
   }
+  std::optional<RawMessage> ReadAt(int topic, const MessagePlace& place) const override {
+    return source_->ReadAt(topic, place);
+  }
 
  private:
   std::shared_ptr<const MessageSource> source_;

@@ -27,18 +27,23 @@ std::optional<Timestamp> ParseStamp(std::string_view text) {
 
 }  // namespace
 
-EurocCsv::EurocCsv(const std::filesystem::path& file) : stream_(file), buffer_(kMaxLineLength) {
+EurocCsv::EurocCsv(const std::filesystem::path& file, std::uint64_t offset)
+    : stream_(file), buffer_(kMaxLineLength), offset_(offset), is_first_(offset == 0) {
   Require(stream_.is_open(), ErrorCode::kNotFound, "cannot open " + file.filename().string());
+  stream_.seekg(static_cast<std::streamoff>(offset));
 }
 
 std::optional<EurocLine> EurocCsv::Next() {
   while (true) {
+    const std::uint64_t begin = offset_;
     stream_.getline(buffer_.data(), kMaxLineLength);
     const auto length = static_cast<std::size_t>(stream_.gcount());
+    offset_ += length;
     if (length == 0 && !stream_) return std::nullopt;
     if (stream_.fail()) {  // longer than the buffer
       stream_.clear();
       stream_.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+      offset_ += static_cast<std::uint64_t>(stream_.gcount());
       ++num_bad_lines_;
       continue;
     }
@@ -47,7 +52,7 @@ std::optional<EurocLine> EurocCsv::Next() {
     if (line.empty() || line.front() == '#') continue;
     const std::optional<Timestamp> stamp = ParseStamp(SplitCsv(line).front());
     const bool is_first = std::exchange(is_first_, false);
-    if (stamp) return EurocLine{*stamp, std::string(line)};
+    if (stamp) return EurocLine{*stamp, std::string(line), begin};
     // The names of the columns may stand without '#'.
     if (!is_first || std::isdigit(static_cast<unsigned char>(line.front())) != 0) ++num_bad_lines_;
   }

@@ -38,6 +38,11 @@ inline ServeOptions FakeServeOptions(const std::filesystem::path& program,
                                      const std::filesystem::path& out) {
     return std::vector<std::string>{worker, "inspect", log, out};
   };
+  options.pictures.command = [worker](const std::filesystem::path& log,
+                                      const std::optional<std::filesystem::path>&,
+                                      const std::filesystem::path& index) {
+    return std::vector<std::string>{worker, "pictures", log, index};
+  };
   options.check_log = [](const std::filesystem::path& file) {
     std::ifstream stream(file);
     std::string word;

@@ -31,7 +31,8 @@ TEST_F(Maps, ListTheirFilesWithHashes) {
     EXPECT_EQ(answer->get_header_value("Content-Type"), file.at("content_type"));
   }
   EXPECT_EQ(names,
-            (std::set<std::string>{"a/trajectory.tum", "empty.txt", "map.glb", "report.json"}));
+            (std::set<std::string>{"a/diagnostics.json", "a/keyframes.json", "a/trajectory.tum",
+                                   "empty.txt", "map.glb", "report.json"}));
 }
 
 TEST_F(Maps, AreServedAsImmutableWithAStrongTag) {

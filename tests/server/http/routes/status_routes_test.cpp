@@ -67,6 +67,7 @@ std::string Filled(std::string path, const std::string& drive, const std::string
   fill("{job}", job);
   fill("{token}", "0000000000000000");
   fill("{share}", "0000000000000000");
+  fill("{camera}", "cam0");
   fill("{site}", "lot");
   fill("{rig}", "car");
   fill("{version}", "1");

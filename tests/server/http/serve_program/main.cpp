@@ -3,16 +3,20 @@
 //                                       parkade_serve_program work OUT PROGRESS LOG...
 //                                       parkade_serve_program compare FROM TO OUT
 //                                       parkade_serve_program inspect LOG OUT
+//                                       parkade_serve_program pictures LOG INDEX
 //   log ok | slow | hang | stubborn | bad-input | crash | silent | no-map
 
+#include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <vector>
@@ -36,6 +40,11 @@ void WriteMap(const fs::path& out, const std::vector<fs::path>& logs) {
   for (const fs::path& log : logs) {
     fs::create_directories(out / log.filename());
     std::ofstream(out / log.filename() / "trajectory.tum") << "0 0 0 0 0 0 0 1\n";
+    std::ofstream(out / log.filename() / "diagnostics.json")
+        << R"({"start": "10.000000000", "end": 3, "degraded": [], "series": [{"name": "speed",)"
+        << R"( "unit": "m/s", "about": "", "times": [0, 1, 2, 3], "values": [1, 9, -5, 1]}]})";
+    std::ofstream(out / log.filename() / "keyframes.json")
+        << R"({"cameras": [], "keyframes": [{"time": "10.0"}, {"time": "11.0"}, {"time": "12.0"}]})";
   }
   std::ofstream(out / "report.json")
       << R"({"datum": null, "bounds": {"min": [0, 0, 0], "max": [9, 9, 1]},)"
@@ -113,6 +122,52 @@ int Inspect(const fs::path& log, const fs::path& out) {
   return 0;
 }
 
+void Reply(const std::string& line) {
+  [[maybe_unused]] const ssize_t sent =
+      ::send(STDIN_FILENO, line.data(), line.size(), MSG_NOSIGNAL);
+}
+
+/// Hands out pictures as the third line of the log says: "dark", "no-images", "crash", "hang".
+/// cam0 has an image each 0.1 s from 10 s to 20 s. What it was asked is appended to `asked` beside
+/// the data directory's own files.
+int ServePictures(const fs::path& log, const fs::path& index) {
+  std::ifstream stream(log);
+  std::string todo;
+  for (int line = 0; line < 3; ++line) std::getline(stream, todo);
+  const fs::path asked = index.parent_path().parent_path().parent_path().parent_path() / "asked";
+  std::ofstream(asked, std::ios::app) << "open\n";
+  if (todo == "no-images") {
+    Reply("{\"error\": \"the log has no image of any camera\", \"code\": \"invalid_input\"}\n");
+    return 1;
+  }
+  nlohmann::json times = nlohmann::json::array();
+  for (int i = 100; i <= 200; ++i) times.push_back(i * std::int64_t{100'000'000});
+  nlohmann::json camera = {{"name", "cam0"}, {"times", times}};
+  std::ofstream(index) << nlohmann::json{{"cameras", {camera}}};
+  Reply("{\"ready\": true}\n");
+  std::array<char, 4096> piece{};
+  ssize_t count = 0;
+  while ((count = ::recv(STDIN_FILENO, piece.data(), piece.size(), 0)) > 0) {
+    const nlohmann::json request =
+        nlohmann::json::parse(std::string(piece.data(), static_cast<size_t>(count)));
+    std::ofstream(asked, std::ios::app) << request.value("time", std::int64_t{0}) << "\n";
+    if (todo == "crash") std::abort();
+    while (todo == "hang") std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    if (todo == "dark") {
+      Reply("{\"error\": \"the image is damaged\", \"code\": \"invalid_input\"}\n");
+    } else if (request.contains("point")) {
+      Reply(R"({"views": [{"camera": "cam0", "time": "12.300000000", "pixel": [3, 4]}]})"
+            "\n");
+    } else {
+      std::ofstream(request.at("out").get<std::string>())
+          << R"({"width": 64, "height": 40, "full_width": 640, "full_height": 400})"
+          << "\nJPEG " << request.at("width");
+      Reply("{}\n");
+    }
+  }
+  return 0;
+}
+
 int RunService(const std::string& data) {
   ServeOptions options = FakeServeOptions("/proc/self/exe", data);
   if (const char* reserve = std::getenv("RESERVE")) options.disk_reserve = std::stoll(reserve);
@@ -147,6 +202,8 @@ int main(int argc, char** argv) {
     return parkade::Compare(arguments[1], arguments[2], arguments[3]);
   if (arguments.size() == 3 && arguments[0] == "inspect")
     return parkade::Inspect(arguments[1], arguments[2]);
+  if (arguments.size() == 3 && arguments[0] == "pictures")
+    return parkade::ServePictures(arguments[1], arguments[2]);
   if (arguments.size() >= 4 && arguments[0] == "work")
     return parkade::Work(arguments[1], arguments[2], {arguments.begin() + 3, arguments.end()});
   return 2;

@@ -30,6 +30,7 @@ TEST_P(OfficialLogs, AreReadWholeAndInOrderOfTime) {
   EXPECT_EQ(source->format(), param.format);
   EXPECT_EQ(log.found, AllSamples());
   EXPECT_EQ(log.num_wrong, 0u);
+  EXPECT_EQ(log.num_misplaced, 0u);
   EXPECT_TRUE(log.damage.IsClean());
 }
 

@@ -135,6 +135,9 @@ ReadLog ReadWhole(const MessageSource& source) {
   while (const auto message = stream->Next()) {
     const auto sample =
         FindSample(log.topics.at(static_cast<std::size_t>(message->topic)).topic, *message);
+    const auto again = source.ReadAt(message->topic, message->place);
+    if (!again || again->data != message->data || again->log_time != message->log_time)
+      ++log.num_misplaced;
     if (sample) {
       log.found.push_back(*sample);
     } else {

@@ -70,7 +70,8 @@ struct ReadLog {
   std::vector<TopicInfo> topics;
   std::vector<std::size_t>
       found;  ///< indices into SampleMessages() of the good messages, in the order they came
-  std::size_t num_wrong = 0;  ///< messages that are none of the sample
+  std::size_t num_wrong = 0;      ///< messages that are none of the sample
+  std::size_t num_misplaced = 0;  ///< messages that MessageSource::ReadAt does not find again
   DamageReport damage;
 
   std::size_t NumFoundOf(std::size_t first,

@@ -12,6 +12,7 @@ class TopicsOnly final : public MessageSource {
   const std::vector<TopicInfo>& topics() const override { return topics_; }
   std::string format() const override { return "MCAP"; }
   std::unique_ptr<MessageStream> Read(const std::vector<bool>&) const override { return nullptr; }
+  std::optional<RawMessage> ReadAt(int, const MessagePlace&) const override { return {}; }
 
  private:
   std::vector<TopicInfo> topics_;

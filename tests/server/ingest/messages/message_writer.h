@@ -194,13 +194,18 @@ class MemorySource : public MessageSource {
     while (index < topics_.size() && topics_[index].topic != topic) ++index;
     if (index == topics_.size()) topics_.push_back({topic, type, encoding_, 0});
     ++topics_[index].num_messages;
-    messages_.push_back({static_cast<int>(index), Timestamp{log_time_ns}, std::move(data)});
+    messages_.push_back({static_cast<int>(index), Timestamp{log_time_ns}, std::move(data),
+                         MessagePlace{messages_.size()}});
   }
 
   const std::vector<TopicInfo>& topics() const override { return topics_; }
   std::string format() const override { return "memory"; }
   std::unique_ptr<MessageStream> Read(const std::vector<bool>& wanted) const override {
     return std::make_unique<Stream>(*this, wanted);
+  }
+  std::optional<RawMessage> ReadAt(int topic, const MessagePlace& place) const override {
+    if (place.record >= messages_.size() || messages_[place.record].topic != topic) return {};
+    return messages_[place.record];
   }
 
   DamageReport damage;
