@@ -146,8 +146,9 @@ TEST_F(Guards, LetAnyNameInWhereThePublicIsLetIn) {
     Database database(directory.DatabaseFile());
     CreateToken(database, admin);
   }
-  EXPECT_EQ(StatusOf(Ask("GET /healthz HTTP/1.1\r\nHost: maps.example\r\nConnection: close\r\n\r\n")),
-            200);
+  EXPECT_EQ(
+      StatusOf(Ask("GET /healthz HTTP/1.1\r\nHost: maps.example\r\nConnection: close\r\n\r\n")),
+      200);
 }
 
 TEST_F(Guards, TakeATargetThatNamesTheHost) {

@@ -119,6 +119,10 @@ int RunService(const std::string& data) {
   if (const char* listen = std::getenv("LISTEN")) options.listen = listen;
   if (const char* pause = std::getenv("CRASH_PAUSE"))
     options.job_limits.crash_pauses = {std::chrono::seconds(std::stoi(pause))};
+  if (const char* name = std::getenv("PROXY_HOST")) options.proxy_host = name;
+  if (const char* prefix = std::getenv("ACCEL_REDIRECT")) options.accel_redirect = prefix;
+  if (const char* format = std::getenv("LOG_FORMAT"))
+    options.log_format = format == std::string("json") ? LogFormat::kJson : LogFormat::kText;
   options.drain_seconds = 3;
   // As libraries do that start threads before main: this one leaves signals open.
   std::thread([] {
