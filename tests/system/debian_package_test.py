@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """The Debian package in a fresh root: it installs with what it depends on, serves, maps a drive, and leaves the data there.
 
-    debian_package_test.py PACKAGE PARKADE_SIMULATE [--folder DIR]
+    debian_package_test.py PACKAGE PARKADE_SIMULATE [--folder DIR] [--drive FOLDER]
 
 Makes the smallest root that debootstrap knows, from the mirror that this machine's apt uses, installs the package with apt,
 checks the unit, and runs the unit's own command as the unit's user in the root: systemd itself does not run there. The
-service is alone in a network of its own. Takes minutes, 3 GB of disk, and root; exits with 77 without debootstrap.
+service is alone in a network of its own. A drive is simulated, unless FOLDER holds lot.mcap and rig/. Takes minutes, 3 GB of disk, and root; exits with 77 without debootstrap.
 """
 
 import argparse
@@ -166,17 +166,19 @@ def check(arguments, folder):
         for file in ("share/doc/parkade/examples/nginx.conf", "share/doc/parkade/copyright", "share/parkade/web/index.html",
                      "share/parkade/models/freespace.onnx"):
             assert (root.path / "usr" / file).exists(), file
-        if shutil.which("systemd-analyze"):
-            say("the unit")
-            subprocess.run(["systemd-analyze", "verify", "--man=no", f"--root={root.path}", "parkade.service"], check=True)
+        say("the unit")
+        root.run("apt-get", "install", "-y", "-q", "--no-install-recommends", "systemd", stdout=subprocess.DEVNULL)
+        root.run("systemd-analyze", "verify", "--man=no", "parkade.service")
 
-        say("a drive")
-        subprocess.run([arguments.simulate, *DRIVE, "--out", folder / "lot.mcap", "--rig-out", folder / "rig"], check=True,
-                       stdout=subprocess.DEVNULL)
+        drive = arguments.drive or folder
+        if not arguments.drive:
+            say("a drive")
+            subprocess.run([arguments.simulate, *DRIVE, "--out", folder / "lot.mcap", "--rig-out", folder / "rig"],
+                           check=True, stdout=subprocess.DEVNULL)
         leave_network()
         service = Service(root)
         assert b"<!doctype html>" in service.ask("GET", "/").lower()
-        size, seconds = map_drive(service, folder)
+        size, seconds = map_drive(service, drive)
         print(f"map.glb: {size} bytes, {seconds:.0f} s after the upload")
         assert service.stop() == 0, "the service did not end well"
 
@@ -197,6 +199,7 @@ def main():
     parser.add_argument("package", type=pathlib.Path)
     parser.add_argument("simulate", type=pathlib.Path)
     parser.add_argument("--folder", help="on a disk with room")
+    parser.add_argument("--drive", type=pathlib.Path)
     arguments = parser.parse_args()
     if os.geteuid() != 0 or not shutil.which("debootstrap"):
         print("skipped: needs root and debootstrap")

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """What clients of the API notice of jobs that use every core, on this machine.
 
-usage: api_beside_jobs.py PARKADE PARKADE_SIMULATE [--jobs N] [--seconds S] [--runs N]
+usage: api_beside_jobs.py PARKADE DRIVE RIG [--jobs N] [--seconds S] [--runs N]
 
-Starts a service with as many workers as jobs, and gives it a simulated drive for each. Prints latencies [ms] of requests,
+Starts a service with as many workers as jobs, and gives it the drive for each (demo-data/lot.mcap and demo-data/rig, which
+./demo.sh leaves). Prints latencies [ms] of requests,
 each in a connection of its own, while nothing is mapped, and while all jobs are, again and again.
 """
 
@@ -18,7 +19,6 @@ import sys
 import tempfile
 import time
 
-DRIVE = ["lot", "--duration", "60", "--rate", "5"]
 PATHS = ["/healthz", "/api/v1/drives", "/api/v1/jobs", "/api/v1/sites", "/metrics"]
 
 
@@ -70,7 +70,8 @@ def num_running(port):
 def main():
     parser = argparse.ArgumentParser(usage=__doc__)
     parser.add_argument("program")
-    parser.add_argument("simulate")
+    parser.add_argument("drive", type=pathlib.Path)
+    parser.add_argument("rig", type=pathlib.Path)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--seconds", type=float, default=10, help="of each run")
     parser.add_argument("--runs", type=int, default=5)
@@ -81,13 +82,15 @@ def main():
         service = subprocess.Popen([arguments.program, "serve", "--data", folder / "data", "--listen", "127.0.0.1:0", "--workers",
                                     str(arguments.jobs)], stderr=log)
         try:
-            subprocess.run([arguments.simulate, *DRIVE, "--seed", "1", "--out", folder / "drive.mcap", "--rig-out",
-                            folder / "rig"], check=True, stdout=subprocess.DEVNULL)
-            log.seek(0)
-            port = int(re.search(r"listening on http://[^:]+:(\d+)", log.read())[1])
-            put_rig(port, folder / "rig")
+            port = None
+            while service.poll() is None and port is None:
+                time.sleep(0.1)
+                log.seek(0)
+                found = re.search(r"listening on http://[^:]+:(\d+)", log.read())
+                port = int(found[1]) if found else None
+            put_rig(port, arguments.rig)
             say("alone", measure(port, arguments.seconds))
-            content = (folder / "drive.mcap").read_bytes()
+            content = arguments.drive.read_bytes()
             for number in range(arguments.jobs):
                 ask(port, "PUT", f"/api/v1/drives?filename=a.mcap&site=site{number}&rig=demo", content)
             while num_running(port) < arguments.jobs:

@@ -1,5 +1,6 @@
 #include "server/http/routes/accel_redirect.h"
 
+#include "core/file.h"
 #include "tests/server/http/running_service.h"
 
 namespace parkade {
