@@ -15,7 +15,8 @@ class RequestLog : public RunningService {
  protected:
   RequestLog() {
     options_.proxy_host = "maps.example.org";
-    options_.log_format = LogFormat::kJson;
+    SetLogFormat(LogFormat::kJson);
+    SetAccessLog(true);
   }
   ~RequestLog() override {
     StopService();
