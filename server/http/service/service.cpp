@@ -79,6 +79,9 @@ class Service::Parts {
             "--allow-public needs a token, so that not everybody may do everything: parkade token "
             "create NAME --role admin --data " +
                 options_.data.string());
+    if (!options_.proxy_host.empty() && !store_.database.Read(HasUsableAdmin))
+      LogWarning("whoever reaches '" + options_.proxy_host +
+                 "' may do everything, since there is no token: parkade token create");
     store_.disk_reserve = options_.disk_reserve;
     store_.database.OnFreeze([this] {
       if (on_disk_failure_) on_disk_failure_();
