@@ -2,6 +2,7 @@
 
 #include "server/http/trace/request_trace.h"
 
+#include <regex>
 #include <sstream>
 
 #include "core/log_fields.h"
@@ -36,11 +37,16 @@ class RequestLog : public RunningService {
     StopService();  // everything is written
     client_.reset();
     log_ = testing::internal::GetCapturedStderr();
+    std::smatch field;
+    const bool has_id = std::regex_search(answer_, field, std::regex("X-Request-ID: ([^\r]*)"));
+    const std::string id = has_id ? field[1].str() : "";
     std::istringstream lines(log_);
     for (std::string line; std::getline(lines, line);) {
       const Json object = Json::parse(line, nullptr, false);
       EXPECT_TRUE(object.is_object()) << line;
-      if (object.is_object() && object.at("message") == "request") return object;
+      // Those that asked whether the service has started have lines too.
+      if (object.is_object() && object.at("message") == "request" && object.at("request") == id)
+        return object;
     }
     ADD_FAILURE() << log_;
     return Json::object();
