@@ -3,13 +3,30 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "core/log_fields.h"
+
 namespace parkade {
 namespace {
+
+constexpr const char* kTextPattern = "%Y-%m-%dT%H:%M:%S.%eZ %l %v";
+constexpr const char* kJsonPattern = R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l",%v})";
+
+std::atomic<LogFormat> log_format = LogFormat::kText;
+
+LogFields& ContextOfThread() {
+  thread_local LogFields fields;
+  return fields;
+}
 
 spdlog::logger& Logger() {
   static spdlog::logger logger = [] {
     spdlog::logger made("parkade", std::make_shared<spdlog::sinks::stderr_sink_mt>());
-    made.set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %l %v", spdlog::pattern_time_type::utc);
+    made.set_pattern(kTextPattern, spdlog::pattern_time_type::utc);
     return made;
   }();
   return logger;
@@ -44,12 +61,58 @@ std::string Escaped(const std::string& message) {
   return escaped;
 }
 
+/// In quotes, in ASCII alone; what is no UTF-8 is replaced.
+std::string Quoted(const std::string& text) {
+  return nlohmann::json(text).dump(-1, ' ', /*ensure_ascii=*/true,
+                                   nlohmann::json::error_handler_t::replace);
+}
+
+void AppendText(std::string& line, const LogFields& fields) {
+  for (const LogField& field : fields) line += " " + field.name + "=" + field.value;
+}
+
+void AppendJson(std::string& line, const LogFields& fields) {
+  for (const LogField& field : fields)
+    line += ",\"" + field.name + "\":" + (field.is_number ? field.value : Quoted(field.value));
+}
+
 }  // namespace
+
+LogField::LogField(std::string field, double number) : name(std::move(field)), is_number(true) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.3f", number);
+  value = text.data();
+}
 
 void SetLogLevel(LogLevel level) { Logger().set_level(ToSpdlog(level)); }
 
-void Log(LogLevel level, const std::string& message) {
-  Logger().log(ToSpdlog(level), Escaped(message));
+void SetLogFormat(LogFormat format) {
+  log_format = format;
+  Logger().set_pattern(format == LogFormat::kJson ? kJsonPattern : kTextPattern,
+                       spdlog::pattern_time_type::utc);
+}
+
+void Log(LogLevel level, const std::string& message) { Log(level, message, {}); }
+
+void Log(LogLevel level, const std::string& message, const LogFields& fields) {
+  if (!Logger().should_log(ToSpdlog(level))) return;
+  const bool is_json = log_format == LogFormat::kJson;
+  std::string line = is_json ? "\"message\":" + Quoted(message) : message;
+  const LogFields& context = ContextOfThread();
+  for (const LogFields* some : {&fields, &context})
+    is_json ? AppendJson(line, *some) : AppendText(line, *some);
+  Logger().log(ToSpdlog(level), is_json ? line : Escaped(line));
+}
+
+LogContext::LogContext(LogFields fields) : num_fields_(fields.size()) {
+  LogFields& context = ContextOfThread();
+  context.insert(context.end(), std::make_move_iterator(fields.begin()),
+                 std::make_move_iterator(fields.end()));
+}
+
+LogContext::~LogContext() {
+  LogFields& context = ContextOfThread();
+  context.erase(context.end() - static_cast<std::ptrdiff_t>(num_fields_), context.end());
 }
 
 }  // namespace parkade

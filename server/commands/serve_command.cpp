@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -65,6 +66,17 @@ std::vector<std::string> PicturesCommand(const std::filesystem::path& log,
   return command;
 }
 
+void AddLogOptions(CLI::App& command, ServeOptions& options) {
+  const std::map<std::string, LogFormat> formats = {{"text", LogFormat::kText},
+                                                    {"json", LogFormat::kJson}};
+  command.add_option("--log-format", options.log_format, "text, or json: one object per line")
+      ->envname("PARKADE_LOG_FORMAT")
+      ->transform(CLI::CheckedTransformer(formats).description("text|json"))
+      ->default_str("text");
+  command.add_option("--access-log", options.access_log,
+                     "a line per request: on, off; default: on for json");
+}
+
 }  // namespace
 
 void AddServeCommand(CLI::App& app, Action& action) {
@@ -76,6 +88,13 @@ void AddServeCommand(CLI::App& app, Action& action) {
       ->capture_default_str();
   command->add_flag("--allow-public", options->allow_public,
                     "listen on other than loopback addresses, to any Host; needs a token");
+  command->add_option("--proxy-host", options->proxy_host,
+                      "name that a proxy on this machine is reached by: answer to it as Host, and "
+                      "take X-Real-IP for the client's address");
+  command->add_option("--accel-redirect", options->accel_redirect,
+                      "let nginx send the files of maps, by its internal location of this address "
+                      "for the data folder, \"/NAME/\"");
+  AddLogOptions(*command, *options);
   command->add_flag("!--separate-drives", options->merge_drives,
                     "map each new drive by itself instead of joining it to its site");
   command->add_option("--web", options->web_root, "folder of the built viewer");

@@ -11,6 +11,8 @@
 #include <array>
 #include <cerrno>
 
+#include "server/http/host_check.h"
+#include "server/http/listen_address.h"
 #include "server/http/route_table.h"
 
 namespace parkade {
@@ -81,7 +83,24 @@ std::optional<RequestHead> HttpConnection::TakeHead() {
   return head;
 }
 
-void HttpConnection::BeginRequest(const RequestHead& head, std::int64_t body_length) {
+RequestTrace HttpConnection::TraceOf(const RequestHead& head, const std::string& proxy_host) const {
+  RequestTrace trace;
+  trace.id = RequestIdFrom(head.Find("x-request-id"));
+  trace.method = head.method;
+  trace.path = head.Path();
+  int port = 0;
+  get_remote_ip_and_port(trace.client, port);
+  const bool is_handed_on =
+      NamesHost(head.Find("host").value_or(""), proxy_host) && IsLoopback(trace.client);
+  if (const auto client = ClientAddressFrom(head.Find("x-real-ip")); client && is_handed_on)
+    trace.client = *client;
+  return trace;
+}
+
+void HttpConnection::BeginRequest(const RequestHead& head, std::int64_t body_length,
+                                  const std::string& proxy_host) {
+  trace_ = RequestTrace();
+  trace_ = TraceOf(head, proxy_host);
   head_text_ = ToText(head, body_length);
   head_begin_ = 0;
   body_left_ = body_length_ = body_length;
@@ -90,6 +109,17 @@ void HttpConnection::BeginRequest(const RequestHead& head, std::int64_t body_len
   ++num_requests_;
   request_began_ = Clock::now();
   pace_.Reset();
+}
+
+void HttpConnection::LogRequest() {
+  LogAccess(trace_,
+            {.route_class = NameOf(route_class_),
+             .bytes_in = body_length_,
+             .bytes_out = num_sent_ - num_sent_before_ + static_cast<std::int64_t>(num_unsent()),
+             .duration = Clock::now() - request_began_});
+  trace_ = RequestTrace();
+  num_sent_before_ = num_sent_;
+  request_began_ = Clock::now();
 }
 
 bool HttpConnection::AwaitClient(short events) {
@@ -182,9 +212,12 @@ void HttpConnection::SendProblem(const Problem& problem, int retry_after) {
       "\r\nContent-Type: application/problem+json\r\nContent-Length: " +
       std::to_string(body.size()) +
       (retry_after > 0 ? "\r\nRetry-After: " + std::to_string(retry_after) : "") +
+      (trace_.id.empty() ? "" : std::string("\r\n") + kRequestIdField + ": " + trace_.id) +
       "\r\nConnection: close\r\nX-Content-Type-Options: nosniff\r\n\r\n" + body;
-  [[maybe_unused]] const ssize_t ignored =
-      ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  num_sent_ +=
+      std::max<ssize_t>(::send(socket_, text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT), 0);
+  trace_.status = problem.status;
+  LogRequest();
   FinishSending();
 }
 
@@ -209,6 +242,7 @@ void HttpConnection::get_remote_ip_and_port(std::string& ip, int& port) const {
   socklen_t size = sizeof(address);
   if (::getpeername(socket_, reinterpret_cast<sockaddr*>(&address), &size) == 0)
     AddressOf(address, ip, port);
+  if (!trace_.client.empty()) ip = trace_.client;
 }
 
 void HttpConnection::get_local_ip_and_port(std::string& ip, int& port) const {

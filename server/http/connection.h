@@ -12,6 +12,7 @@
 #include "server/http/pace_meter.h"
 #include "server/http/request_head.h"
 #include "server/http/shutdown_signal.h"
+#include "server/http/trace/request_trace.h"
 
 namespace parkade {
 
@@ -45,8 +46,13 @@ class HttpConnection : public httplib::Stream {
   /// Takes a whole head out of what came; nothing while there is none. Throws HttpError for one
   /// that is too long (431) or malformed.
   std::optional<RequestHead> TakeHead();
-  /// Sets what the library reads next: the head, then the body from the socket.
-  void BeginRequest(const RequestHead& head, std::int64_t body_length);
+  /// Sets what the library reads next: the head, then the body from the socket. A proxy of this
+  /// machine that was asked by the name `proxy_host` says who its client is.
+  void BeginRequest(const RequestHead& head, std::int64_t body_length,
+                    const std::string& proxy_host);
+  RequestTrace& trace() { return trace_; }
+  /// Writes the line of the request into the access log, and forgets who asked.
+  void LogRequest();
   std::int64_t body_length() const { return body_length_; }
   /// Requests begun so far.
   int num_requests() const { return num_requests_; }
@@ -94,6 +100,8 @@ class HttpConnection : public httplib::Stream {
   const PaceMeter& pace() const { return pace_; }
 
  private:
+  /// What the log says of a request by its head.
+  RequestTrace TraceOf(const RequestHead& head, const std::string& proxy_host) const;
   /// Waits until the client sends (POLLIN) or reads (POLLOUT); false when it is too slow and at the
   /// end of the service.
   bool AwaitClient(short events);
@@ -116,7 +124,9 @@ class HttpConnection : public httplib::Stream {
   int num_requests_ = 0;
   RouteClass route_class_ = RouteClass::kApi;
   bool keeps_alive_ = false;
-  Clock::time_point request_began_;
+  Clock::time_point request_began_ = Clock::now();
+  RequestTrace trace_;
+  std::int64_t num_sent_before_ = 0;  ///< bytes of the answers to earlier requests
   PaceMeter pace_;
   std::atomic<bool> is_cut_off_ = false;
 };

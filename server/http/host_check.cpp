@@ -22,13 +22,17 @@ std::string HostWithoutPort(const std::string& text) {
 
 }  // namespace
 
-void RefuseForeignHost(const RequestHead& head) {
+void RefuseForeignHost(const RequestHead& head, const std::string& proxy_host) {
   const std::optional<std::string> host = head.Find("host");
-  if (host && !IsLoopback(HostWithoutPort(*host)))
+  if (host && !IsLoopback(HostWithoutPort(*host)) && !NamesHost(*host, proxy_host))
     throw HttpError(
         {403, "foreign_host",
          "this service answers to 'localhost' and loopback addresses only, unless started with "
-         "--allow-public"});
+         "--proxy-host or --allow-public"});
+}
+
+bool NamesHost(const std::string& host_field, const std::string& name) {
+  return !name.empty() && HostWithoutPort(host_field) == HostWithoutPort(name);
 }
 
 }  // namespace parkade

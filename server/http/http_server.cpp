@@ -8,6 +8,7 @@
 #include <chrono>
 
 #include "core/error.h"
+#include "core/log_fields.h"
 #include "server/http/current_socket.h"
 
 namespace parkade {
@@ -15,6 +16,9 @@ namespace {
 
 constexpr int kMaxRequestsPerConnection = 1000;
 constexpr int kBacklog = 512;
+
+/// What this thread answers, while it does.
+thread_local HttpConnection* current = nullptr;
 
 /// Half of the file descriptors are left to those who answer.
 LobbyLimits LimitsHere() {
@@ -29,7 +33,7 @@ LobbyLimits LimitsHere() {
 }  // namespace
 
 HttpServer::HttpServer(const ShutdownSignal& shutdown_signal, Metrics& metrics, int num_threads,
-                       std::function<bool()> takes_any_host)
+                       HostRules hosts)
     : shutdown_signal_(shutdown_signal),
       metrics_(metrics),
       pools_(num_threads,
@@ -38,11 +42,15 @@ HttpServer::HttpServer(const ShutdownSignal& shutdown_signal, Metrics& metrics, 
                 lobby_.Return(std::move(connection));
               }},
              metrics),
-      lobby_(LimitsHere(), std::move(takes_any_host), pools_, shutdown_signal, metrics) {
+      lobby_(LimitsHere(), std::move(hosts), pools_, shutdown_signal, metrics) {
   // Not SO_REUSEPORT, the library's default: two services would share a port.
   set_socket_options([](socket_t socket) {
     const int yes = 1;
     ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+  });
+  set_post_routing_handler([](const httplib::Request&, httplib::Response& response) {
+    current->trace().status = response.status;
+    response.set_header(kRequestIdField, current->trace().id);
   });
   // The header that the library announces.
   set_keep_alive_max_count(kMaxRequestsPerConnection);
@@ -75,11 +83,18 @@ void HttpServer::Answer(HttpConnection& connection) {
   const bool is_last =
       connection.num_requests() == kMaxRequestsPerConnection || shutdown_signal_.is_stopping();
   bool is_closed = false;
+  current = &connection;
   CurrentSocket() = connection.socket();
-  const bool is_answered = process_request(connection, is_last, is_closed, nullptr);
+  bool is_answered = false;
+  {
+    const LogContext context(LogFields{{"request", connection.trace().id}});
+    is_answered = process_request(connection, is_last, is_closed, nullptr);
+  }
   CurrentSocket() = -1;
+  current = nullptr;
   metrics_.of(connection.route_class())
       .durations.Add(HttpConnection::Clock::now() - connection.request_began());
+  connection.LogRequest();  // after the metrics: it forgets when the request began
   connection.set_keeps_alive(is_answered && !is_closed && !is_last && connection.IsBodyRead());
 }
 

@@ -15,10 +15,9 @@ namespace parkade {
 /// thread of RequestPools is taken by requests whose heads are short, complete and checked.
 class HttpServer : public httplib::Server {
  public:
-  /// Requests have to name this machine as their Host, unless `takes_any_host` says otherwise,
-  /// which must not wait. `num_threads` as RequestPools has it.
+  /// `num_threads` as RequestPools has it.
   HttpServer(const ShutdownSignal& shutdown_signal, Metrics& metrics, int num_threads,
-             std::function<bool()> takes_any_host);
+             HostRules hosts);
   ~HttpServer() override;
 
   /// Binds and listens; port 0 takes a free one. Returns the port. Throws Error{kUsage} when

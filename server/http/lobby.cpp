@@ -9,7 +9,6 @@
 
 #include "core/error.h"
 #include "core/log.h"
-#include "server/http/host_check.h"
 
 namespace parkade {
 namespace {
@@ -29,10 +28,10 @@ bool IsFull(int error) {
 
 }  // namespace
 
-Lobby::Lobby(const LobbyLimits& limits, std::function<bool()> takes_any_host, RequestPools& pools,
+Lobby::Lobby(const LobbyLimits& limits, HostRules hosts, RequestPools& pools,
              const ShutdownSignal& shutdown_signal, Metrics& metrics)
     : limits_(limits),
-      takes_any_host_(std::move(takes_any_host)),
+      hosts_(std::move(hosts)),
       pools_(pools),
       shutdown_signal_(shutdown_signal),
       metrics_(metrics) {}
@@ -181,8 +180,8 @@ void Lobby::TakeHead(Guest& guest) {
   const std::optional<RequestHead> head = guest.connection->TakeHead();
   if (!head) return;
   const std::int64_t body_length = CheckRequestHead(*head);
-  if (!takes_any_host_()) RefuseForeignHost(*head);
-  guest.connection->BeginRequest(*head, body_length);
+  if (!hosts_.any()) RefuseForeignHost(*head, hosts_.proxy_host);
+  guest.connection->BeginRequest(*head, body_length, hosts_.proxy_host);
   guest.stage = Stage::kBody;
   guest.deadline = Clock::now() + limits_.body;
   // Who asks whether it may send waits for the answer of its route.

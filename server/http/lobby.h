@@ -10,6 +10,7 @@
 
 #include "server/http/connection.h"
 #include "server/http/epoll.h"
+#include "server/http/host_check.h"
 #include "server/http/request_pools.h"
 
 namespace parkade {
@@ -34,9 +35,8 @@ class Lobby {
  public:
   using Clock = HttpConnection::Clock;
 
-  /// Requests have to name this machine as their Host, unless `takes_any_host` says otherwise,
-  /// which must not wait. What is handed over outlives the lobby.
-  Lobby(const LobbyLimits& limits, std::function<bool()> takes_any_host, RequestPools& pools,
+  /// What is handed over outlives the lobby.
+  Lobby(const LobbyLimits& limits, HostRules hosts, RequestPools& pools,
         const ShutdownSignal& shutdown_signal, Metrics& metrics);
 
   /// Accepts connections of the listening socket `listener`, which must not block, until the
@@ -79,7 +79,7 @@ class Lobby {
   void Tick(Clock::time_point now);
 
   const LobbyLimits limits_;
-  const std::function<bool()> takes_any_host_;
+  const HostRules hosts_;
   RequestPools& pools_;
   const ShutdownSignal& shutdown_signal_;
   Metrics& metrics_;

@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/log_fields.h"
 #include "server/jobs/inspect_command.h"
 #include "server/jobs/job_limits.h"
 #include "server/jobs/job_spec.h"
@@ -21,7 +23,11 @@ struct ServeOptions {
   std::filesystem::path data = "data";    ///< created where missing; one service at a time
   std::string listen = "127.0.0.1:8080";  ///< HOST:PORT, [IPv6]:PORT; port 0 takes a free one
   bool allow_public = false;              ///< listen on addresses other than loopback, to any Host
-  int request_rate = 100;          ///< [1/s] that a token or link may ask in the long run; 0: any
+  int request_rate = 100;      ///< [1/s] that a token or link may ask in the long run; 0: any
+  std::string proxy_host;      ///< name that a proxy on this machine is reached by
+  std::string accel_redirect;  ///< its location for files of maps (AccelRedirect); empty: none
+  LogFormat log_format = LogFormat::kText;
+  std::optional<bool> access_log;  ///< a line per request; nothing: where the format is JSON
   std::filesystem::path web_root;  ///< the built viewer; "/" says how to build it where missing
   int num_workers = 1;             ///< how many jobs run at a time
   bool merge_drives = true;        ///< a job maps all drives of its site; false: the new one alone

@@ -4,7 +4,7 @@
 #include <csignal>
 
 #include "core/error.h"
-#include "core/log.h"
+#include "core/log_fields.h"
 #include "server/jobs/attempt_folder.h"
 #include "server/jobs/worker_exit.h"
 #include "server/store/care/stored_files.h"
@@ -52,7 +52,7 @@ bool JobRunner::RecoverJobs() {
       const Job& job = left_over_.back();
       KillLeftOver(job);
       RecoverJob(store_, job);
-      LogWarning("job recovered id=" + job.id + " attempt=" + std::to_string(job.attempt));
+      Log(LogLevel::kWarning, "job recovered", {{"job", job.id}, {"attempt", job.attempt}});
     }
   } catch (const Error& error) {
     LogError(std::string("jobs not recovered error=") + error.what());
@@ -123,7 +123,8 @@ void JobRunner::Work() {
 }
 
 void JobRunner::RunAttempt(const Job& job) {
-  LogInfo("job started id=" + job.id + " attempt=" + std::to_string(job.attempt));
+  const LogContext context(LogFields{{"job", job.id}, {"attempt", job.attempt}});
+  LogInfo("job started");
   {
     const std::lock_guard lock(mutex_);
     running_[job.id] = {.attempt = job.attempt, .latest = {}, .started = steady_clock::now()};
@@ -136,7 +137,7 @@ void JobRunner::RunAttempt(const Job& job) {
   } catch (const Error& error) {
     End(job, [&] { FailJob(store_, job, JobErrorCode(error.code()), error.what()); });
   } catch (const std::exception& error) {
-    LogError("job id=" + job.id + " exception=" + error.what());
+    LogError(std::string("job exception=") + error.what());
     End(job, [&] {
       FailJob(store_, job, "internal", "the service could not run the job; its log has the reason");
     });
@@ -148,7 +149,7 @@ void JobRunner::RunAttempt(const Job& job) {
     if (found != running_.end() && found->second.attempt == job.attempt) running_.erase(found);
   }
   PublishStates(job);
-  LogInfo("job ended id=" + job.id + " attempt=" + std::to_string(job.attempt));
+  LogInfo("job ended");
 }
 
 void JobRunner::RunWorker(const Job& job) {

@@ -17,6 +17,8 @@
 namespace parkade {
 namespace {
 
+constexpr std::chrono::hours kClockError{24};
+
 /// Tries for half a second: a service that was killed while it started a worker
 /// leaves a child that holds the lock until it notices.
 bool TakeLock(int fd) {
@@ -52,6 +54,18 @@ DataDirectory::DataDirectory(const std::filesystem::path& root)
   for (const auto& entry : std::filesystem::directory_iterator(root_ / "tmp"))
     std::filesystem::remove_all(entry.path());
   quarantine_.Tidy();
+}
+
+std::string DataDirectory::ReconciledUntil() const {
+  const std::string now = NowUtc();
+  std::string text(now.size(), '\0');
+  const ssize_t size = ::pread(lock_fd_, text.data(), text.size(), 0);
+  return size == static_cast<ssize_t>(text.size()) && text <= now ? text : "";
+}
+
+void DataDirectory::NoteReconciled(std::chrono::system_clock::time_point time) const {
+  const std::string text = UtcText(time - kClockError);
+  [[maybe_unused]] const ssize_t ignored = ::pwrite(lock_fd_, text.data(), text.size(), 0);
 }
 
 DataDirectory::~DataDirectory() { ::close(lock_fd_); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <string>
 
@@ -61,6 +62,13 @@ class DataDirectory {
 
   /// A path in tmp/ that is not in use.
   std::filesystem::path NewTemporaryPath() const;
+
+  /// A time before which everything was in order with the files of ended jobs, by what LOCK says;
+  /// empty where that is nothing or lies in the future.
+  std::string ReconciledUntil() const;
+  /// Says so for the time that was, less a day: clocks are put back. On a full disk it may not
+  /// last.
+  void NoteReconciled(std::chrono::system_clock::time_point time) const;
 
   /// Moves a path to quarantine/.
   void PutAside(const std::filesystem::path& path) const { quarantine_.Take(path, root_); }

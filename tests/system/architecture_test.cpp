@@ -88,6 +88,7 @@ const std::vector<std::string> kRooms = {
     "server/jobs/",
     "server/jobs/pictures/",
     "server/webhooks/",
+    "server/http/trace/",
     "server/http/",
     "server/http/access/",
     "server/http/routes/",

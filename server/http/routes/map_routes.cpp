@@ -70,12 +70,10 @@ void SendMapFile(RouteContext& context, const httplib::Request& request,
     return FindMapFile(connection, request.matches[1], version, name);
   });
   const std::string path = "maps/" + published.map_id + "/" + name;
+  const bool was_damaged = context.store.database.Read(
+      [&](Connection& connection) { return DamageOf(connection, path).has_value(); });
   // What an older program published can be checked by the scrubber only.
-  const bool is_damaged =
-      published.file.pieces.empty() && context.store.database.Read([&](Connection& connection) {
-        return DamageOf(connection, path).has_value();
-      });
-  if (is_damaged)
+  if (was_damaged && published.file.pieces.empty())
     throw HttpError({500, "damaged", "the stored file '" + name + "' is damaged or missing"});
   // Only a name that the manifest holds becomes a path.
   ServedFile file;
@@ -86,7 +84,10 @@ void SendMapFile(RouteContext& context, const httplib::Request& request,
   file.cache_control = kImmutable;
   file.pieces = published.file.pieces;
   file.on_damage = [&context, path] { NoteDamage(context, path); };
-  SendFile(request, response, file);
+  if (!was_damaged && context.accel.IsFor(request, file))
+    context.accel.Send(request, response, file, path);
+  else
+    SendFile(request, response, file);
 }
 
 /// From `latest` and `approved`; `rest` of the address stays.

@@ -2,6 +2,7 @@
 
 #include "server/http/access/gate.h"
 #include "server/http/metrics.h"
+#include "server/http/routes/accel_redirect.h"
 #include "server/http/serve_options.h"
 #include "server/http/shutdown_signal.h"
 #include "server/jobs/drive_inspector.h"
@@ -29,6 +30,7 @@ struct RouteContext {
   Gate& gate;
   Metrics& metrics;
   const ShutdownSignal& shutdown_signal;
+  AccelRedirect& accel;
 };
 
 }  // namespace parkade

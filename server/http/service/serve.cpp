@@ -18,6 +18,7 @@
 #include "server/http/listen_address.h"
 #include "server/http/service/service.h"
 #include "server/http/service/supervisor.h"
+#include "server/http/trace/request_trace.h"
 
 namespace parkade {
 namespace {
@@ -104,6 +105,8 @@ void AskForFileDescriptors() {
 }  // namespace
 
 int Serve(const ServeOptions& options) {
+  SetLogFormat(options.log_format);
+  SetAccessLog(options.access_log.value_or(options.log_format == LogFormat::kJson));
   SignalWaiter signals;
   AskForFileDescriptors();
   Service service(options);

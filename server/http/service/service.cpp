@@ -47,6 +47,11 @@ const ServeOptions& Checked(const ServeOptions& options) {
           "workers: 1 to 64");
   Require(options.num_threads >= 4 && options.num_threads <= 1024, ErrorCode::kUsage,
           "threads: 4 to 1024");
+  Require(options.accel_redirect.empty() ||
+              (!options.proxy_host.empty() && options.accel_redirect.starts_with('/') &&
+               options.accel_redirect.ends_with('/')),
+          ErrorCode::kUsage,
+          "accel-redirect: the address of a location of the proxy, \"/NAME/\", beside proxy-host");
   Require(options.job_command && options.compare_command, ErrorCode::kInternal,
           "the service has no worker");
   return options;
@@ -75,14 +80,19 @@ class Service::Parts {
       : options_(Checked(options)),
         store_(options_.data),
         comparer_(store_.directory, options_.compare_command),
+        accel_(options_.accel_redirect, options_.proxy_host),
         viewer_(options_.web_root),
         gate_(store_.database, options_.request_rate),
         http_(shutdown_signal_, metrics_, options_.num_threads,
-              [this] { return options_.allow_public || !gate_.was_open(); }) {
+              {.any = [this] { return options_.allow_public || !gate_.was_open(); },
+               .proxy_host = options_.proxy_host}) {
     Require(!options_.allow_public || store_.database.Read(HasUsableAdmin), ErrorCode::kUsage,
             "--allow-public needs a token, so that not everybody may do everything: parkade token "
             "create NAME --role admin --data " +
                 options_.data.string());
+    if (!options_.proxy_host.empty() && !store_.database.Read(HasUsableAdmin))
+      LogWarning("whoever reaches '" + options_.proxy_host +
+                 "' may do everything, since there is no token: parkade token create");
     store_.disk_reserve = options_.disk_reserve;
     store_.database.OnFreeze([this] {
       if (on_disk_failure_) on_disk_failure_();
@@ -99,15 +109,14 @@ class Service::Parts {
       inspector_.emplace(store_, events_, options_.inspect_command, [this] { jobs_->Wake(); });
     if (options_.pictures.command)
       pictures_.emplace(store_.directory, options_.pictures, [this](const std::string& id) {
-        return store_.database.Read(
-            [&](Connection& connection) { return HasDrive(connection, id); });
+        return store_.database.Read([&](Connection& connection) { return HasLog(connection, id); });
       });
     uploads_.emplace(store_, OptionsOfUploads());
     webhooks_.emplace(store_, options_.webhooks);
     context_.emplace(RouteContext{options_, store_, events_, *jobs_, comparer_, *uploads_,
                                   *webhooks_, inspector_ ? &*inspector_ : nullptr,
                                   pictures_ ? &*pictures_ : nullptr, gate_, metrics_,
-                                  shutdown_signal_});
+                                  shutdown_signal_, accel_});
     AddHandlers();
     scrubber_.emplace(store_, std::chrono::days(options_.scrub_days));
     keeper_.emplace(store_, kRetentionInterval,
@@ -166,11 +175,9 @@ class Service::Parts {
         [this](const httplib::Request& request, httplib::Response& response) {
           return Expected(request, response);
         });
-    http_.set_logger([this](const httplib::Request& request, const httplib::Response& response) {
+    http_.set_logger([this](const httplib::Request&, const httplib::Response& response) {
       const size_t status_class = static_cast<size_t>(std::clamp(response.status / 100, 0, 5));
       ++metrics_.answers_by_class[status_class];
-      LogDebug("request method=" + request.method + " path=" + request.path +
-               " status=" + std::to_string(response.status));
     });
     Router router(http_, gate_);
     AddUploadRoute(router, *context_);
@@ -247,6 +254,7 @@ class Service::Parts {
   EventHub events_;
   Store store_;
   MapComparer comparer_;
+  AccelRedirect accel_;
   ViewerFiles viewer_;
   Gate gate_;
   HttpServer http_;

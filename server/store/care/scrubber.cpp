@@ -5,7 +5,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <map>
+#include <tuple>
+#include <unordered_map>
 
 #include "core/log.h"
 #include "server/store/tables/check_table.h"
@@ -28,6 +29,28 @@ void GiveWay() {
 
 std::vector<StoredFile> FilesOf(Store& store) {
   return store.database.Read([](Connection& connection) { return StoredFiles(connection); });
+}
+
+/// Those that were not read for `interval`, whichever was read longest ago first.
+std::vector<StoredFile> DueFiles(Store& store, std::chrono::milliseconds interval) {
+  std::unordered_map<std::string, std::string> checked_at;
+  for (auto& [path, time] :
+       store.database.Read([](Connection& connection) { return FileCheckTimes(connection); }))
+    checked_at[path] = time;
+  const std::string due = UtcText(std::chrono::system_clock::now() - interval);
+  // Times are texts that sort; a file never read comes first. They are looked up once, since there
+  // are tens of thousands.
+  std::vector<std::pair<std::string, StoredFile>> found;
+  for (StoredFile& file : FilesOf(store)) {
+    std::string time = checked_at[file.path];
+    if (time <= due) found.emplace_back(std::move(time), std::move(file));
+  }
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.first, a.second.path) < std::tie(b.first, b.second.path);
+  });
+  std::vector<StoredFile> files;
+  for (auto& [time, file] : found) files.push_back(std::move(file));
+  return files;
 }
 
 }  // namespace
@@ -72,22 +95,7 @@ void Scrubber::LookAtAll() {
 }
 
 void Scrubber::ReadDue(std::chrono::milliseconds interval) {
-  std::map<std::string, std::string> checked_at;
-  for (auto& [path, time] :
-       store_.database.Read([](Connection& connection) { return FileCheckTimes(connection); }))
-    checked_at[path] = time;
-  std::vector<StoredFile> files = FilesOf(store_);
-  // Times are texts that sort; a file never read comes first.
-  const auto time_of = [&](const StoredFile& file) {
-    const auto found = checked_at.find(file.path);
-    return found == checked_at.end() ? std::string() : found->second;
-  };
-  std::sort(files.begin(), files.end(), [&](const StoredFile& a, const StoredFile& b) {
-    return std::pair(time_of(a), a.path) < std::pair(time_of(b), b.path);
-  });
-  const std::string due = UtcText(std::chrono::system_clock::now() - interval);
-  for (const StoredFile& file : files) {
-    if (time_of(file) > due) return;
+  for (const StoredFile& file : DueFiles(store_, interval)) {
     bool is_read = true;
     const std::optional<std::string> damage =
         CheckStoredFile(store_.directory.root(), file, [&] { return is_read = Rest(kPause); });

@@ -41,6 +41,18 @@ FileSums SumsOfFile(const std::filesystem::path& file) {
   return sums;
 }
 
+bool HasPieces(const std::filesystem::path& file, std::int64_t bytes, std::string_view pieces) {
+  std::ifstream stream(file, std::ios::binary);
+  std::vector<char> piece(kSummedBytes);
+  std::int64_t count = 0, index = 0;
+  while (stream.read(piece.data(), kSummedBytes) || stream.gcount() > 0) {
+    if (!IsPiece({piece.data(), static_cast<size_t>(stream.gcount())}, index++, pieces))
+      return false;
+    count += stream.gcount();
+  }
+  return stream.eof() && count == bytes;
+}
+
 bool IsPiece(std::string_view content, std::int64_t index, std::string_view pieces) {
   const size_t at = static_cast<size_t>(index) * kDigits;
   return at + kDigits <= pieces.size() && pieces.substr(at, kDigits) == SumOf(content);

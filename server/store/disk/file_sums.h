@@ -19,6 +19,9 @@ struct FileSums {
 /// Reads the whole file once. Throws Error{kInternal} where it cannot be read.
 FileSums SumsOfFile(const std::filesystem::path& file);
 
+/// True when the file is as long as it should be and has these pieces. Reads it whole.
+bool HasPieces(const std::filesystem::path& file, std::int64_t bytes, std::string_view pieces);
+
 /// True when `content` is the piece number `index`, from 0, of a file with these sums.
 bool IsPiece(std::string_view content, std::int64_t index, std::string_view pieces);
 

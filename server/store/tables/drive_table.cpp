@@ -88,8 +88,11 @@ Drive FindDrive(Connection& connection, const std::string& id) {
   return Only(connection.Query(kSelect + "WHERE id = ? AND deleted_at IS NULL", id), id);
 }
 
-bool HasDrive(Connection& connection, const std::string& id) {
-  return connection.Query("SELECT 1 FROM drives WHERE id = ? AND deleted_at IS NULL", id).Step();
+bool HasLog(Connection& connection, const std::string& id) {
+  return connection
+      .Query("SELECT 1 FROM drives WHERE id = ? AND deleted_at IS NULL AND log_deleted_at IS NULL",
+             id)
+      .Step();
 }
 
 Drive FindDriveOrTombstone(Connection& connection, const std::string& id) {

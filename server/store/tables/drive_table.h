@@ -19,7 +19,7 @@ void InsertDrive(Connection& connection, const Drive& drive);
 Drive FindDrive(Connection& connection, const std::string& id);
 Drive FindDriveOrTombstone(Connection& connection, const std::string& id);
 
-bool HasDrive(Connection& connection, const std::string& id);
+bool HasLog(Connection& connection, const std::string& id);
 
 /// The oldest drive that waits for a first look at its log.
 std::optional<Drive> NextDriveToInspect(Connection& connection);

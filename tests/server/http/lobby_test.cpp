@@ -45,7 +45,7 @@ class LobbyTest : public testing::Test {
                                lobby_->Return(std::move(connection));
                              }},
                    metrics_);
-    lobby_.emplace(limits_, [] { return false; }, *pools_, signal_, metrics_);
+    lobby_.emplace(limits_, HostRules{.any = [] { return false; }}, *pools_, signal_, metrics_);
     thread_ = std::thread([this] { lobby_->Run(listener_); });
   }
   void Open() {

@@ -86,5 +86,28 @@ TEST_F(ReconciledFiles, DropUnpublishedProductsAndKeepTheLog) {
   EXPECT_EQ(ContentOf(attempt), std::set<std::string>{"log.txt"});
 }
 
+TEST_F(ReconciledFiles, LookAtJobsAgainThatEndedSince) {
+  const ReceivedDrive received = Receive(store_, "a log", {"a.bag", "lot", std::nullopt});
+  const auto attempt = store_.directory.AttemptFolder(received.job.id, 1);
+  const auto end_at = [&](const std::string& time) {
+    store_.database.Write([&](Connection& connection) {
+      connection.Execute("UPDATE jobs SET state = 'done', finished_at = ?", time);
+    });
+    WriteText(attempt / "out" / "map.glb", "half a map");
+  };
+  end_at(UtcIn(-std::chrono::hours(24 * 30)));
+  ReconcileFiles(store_);
+  EXPECT_FALSE(std::filesystem::exists(attempt / "out")) << "what came before the first time";
+
+  end_at(UtcIn(-std::chrono::hours(1)));
+  ReconcileFiles(store_);
+  EXPECT_FALSE(std::filesystem::exists(attempt / "out"));
+
+  end_at(UtcIn(-std::chrono::hours(24 * 30)));
+  store_.directory.NoteReconciled(std::chrono::system_clock::now() + std::chrono::hours(72));
+  ReconcileFiles(store_);
+  EXPECT_FALSE(std::filesystem::exists(attempt / "out")) << "the clock was wrong then";
+}
+
 }  // namespace
 }  // namespace parkade

@@ -35,7 +35,13 @@ void Say(const fs::path& progress, const std::string& line) {
 }
 
 void WriteMap(const fs::path& out, const std::vector<fs::path>& logs) {
-  std::ofstream(out / "map.glb") << "glTF of " << logs.size() << " drives";
+  std::ofstream mesh(out / "map.glb");
+  mesh << "glTF of " << logs.size() << " drives";
+  if (const char* size = std::getenv("MAP_MIB")) {
+    for (int i = 0; i < std::stoi(size); ++i)
+      mesh << std::string(size_t{1} << 20, static_cast<char>(i));
+  }
+  mesh.close();
   std::ofstream(out / "empty.txt");
   for (const fs::path& log : logs) {
     fs::create_directories(out / log.filename());
@@ -174,6 +180,10 @@ int RunService(const std::string& data) {
   if (const char* listen = std::getenv("LISTEN")) options.listen = listen;
   if (const char* pause = std::getenv("CRASH_PAUSE"))
     options.job_limits.crash_pauses = {std::chrono::seconds(std::stoi(pause))};
+  if (const char* name = std::getenv("PROXY_HOST")) options.proxy_host = name;
+  if (const char* prefix = std::getenv("ACCEL_REDIRECT")) options.accel_redirect = prefix;
+  if (const char* format = std::getenv("LOG_FORMAT"))
+    options.log_format = format == std::string("json") ? LogFormat::kJson : LogFormat::kText;
   options.drain_seconds = 3;
   options.webhooks.limits.allow_private = std::getenv("WEBHOOK_PRIVATE") != nullptr;
   if (const char* pause = std::getenv("WEBHOOK_PAUSE"))
