@@ -1,11 +1,9 @@
 #include "server/http/access/credentials.h"
 
-#include <arpa/inet.h>
-
-#include <array>
+#include <algorithm>
+#include <cctype>
 #include <string_view>
 
-#include "server/http/listen_address.h"
 #include "server/http/problem.h"
 
 namespace parkade {
@@ -13,11 +11,10 @@ namespace {
 
 constexpr std::string_view kScheme = "bearer ";
 
-/// A proxy on this machine may say what the client cannot.
-bool IsFromProxyHere(const httplib::Request& request) { return IsLoopback(request.remote_addr); }
-
+/// As a proxy says that took the request by TLS. A client that says so itself makes its own cookie
+/// useless.
 bool IsOverTls(const httplib::Request& request) {
-  return IsFromProxyHere(request) && request.get_header_value("X-Forwarded-Proto") == "https";
+  return request.get_header_value("X-Forwarded-Proto") == "https";
 }
 
 /// The prefix makes browsers refuse such a cookie where another host of the domain sets it.
@@ -35,12 +32,6 @@ std::optional<std::string> FindCookie(std::string_view cookies, std::string_view
       return std::string(cookie.substr(name.size() + 1));
   }
   return std::nullopt;
-}
-
-bool IsAddress(const std::string& text) {
-  std::array<unsigned char, sizeof(in6_addr)> ignored{};
-  return ::inet_pton(AF_INET, text.c_str(), ignored.data()) == 1 ||
-         ::inet_pton(AF_INET6, text.c_str(), ignored.data()) == 1;
 }
 
 bool IsInLowerCaseEqual(std::string_view text, std::string_view expected) {
@@ -70,11 +61,6 @@ Credentials CredentialsOf(const httplib::Request& request) {
   }
   credentials.session = FindCookie(request.get_header_value("Cookie"), CookieName(request));
   return credentials;
-}
-
-std::string ClientAddressOf(const httplib::Request& request) {
-  const std::string named = request.get_header_value("X-Real-IP");
-  return IsFromProxyHere(request) && IsAddress(named) ? named : request.remote_addr;
 }
 
 void SetSessionCookie(const httplib::Request& request, const std::string& secret,

@@ -16,9 +16,6 @@ struct Credentials {
 /// Throws HttpError{401} for an Authorization other than "Bearer SECRET".
 Credentials CredentialsOf(const httplib::Request& request);
 
-/// Where the request comes from: its peer, or whom a proxy on this machine names as X-Real-IP.
-std::string ClientAddressOf(const httplib::Request& request);
-
 /// Sets the cookie of a session, that no page's script sees and no other site's request carries.
 /// Behind a proxy that speaks TLS it never goes without.
 void SetSessionCookie(const httplib::Request& request, const std::string& secret,

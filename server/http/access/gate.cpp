@@ -76,7 +76,7 @@ bool Gate::IsOpen() {
 
 Caller Gate::Known(std::optional<Caller> caller, const char* otherwise,
                    const httplib::Request& request, httplib::Response& response) {
-  const std::string address = ClientAddressOf(request);
+  const std::string address = request.remote_addr;
   if (caller) {
     caller->address = address;
     return *caller;
@@ -111,7 +111,7 @@ Caller Gate::Admit(const Route& route, const httplib::Request& request,
   if (route.right == Right::kNone) {
     Caller nobody;
     nobody.name = "nobody";
-    nobody.address = ClientAddressOf(request);
+    nobody.address = request.remote_addr;
     return nobody;
   }
   const std::optional<Caller> caller = Identify(request, response);

@@ -56,6 +56,7 @@ std::array<double, 3> PointOf(const std::string& text) {
 
 PictureLog LogOf(RouteContext& context, const Drive& drive) {
   Require(context.pictures != nullptr, ErrorCode::kNotFound, "the service reads no pictures");
+  RequireLog(drive);
   PictureLog log{drive.id, context.store.directory.LogFile(drive.sha256), {}};
   if (drive.rig)
     if (const auto rig = context.store.database.Read(
