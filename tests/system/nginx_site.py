@@ -49,10 +49,14 @@ def missing():
 
 
 class Service:
-    """`command` is the service's, with "{data}" for its folder; it says where it listens."""
+    """`command` is the service's, with "{data}" for its folder; it says where it listens. Behind a proxy it needs a
+    token; `fields` are those of a request that shows it."""
 
     def __init__(self, command, folder, **environment):
-        self.data, self.log = folder / "data", folder / "service.log"
+        self.data, self.log, self.fields = folder / "data", folder / "service.log", {}
+        token = folder / "token"
+        if "PROXY_HOST" in environment:
+            environment["ADMIN_TOKEN"] = str(token)
         command = [word.format(data=self.data) for word in command]
         with self.log.open("w") as log:
             self.process = subprocess.Popen(command, env=dict(os.environ, **environment), stdout=subprocess.DEVNULL,
@@ -61,6 +65,8 @@ class Service:
             found = re.search(r"listening on http://[^:]+:(\d+)", self.log.read_text())
             if found:
                 self.port = int(found[1])
+                if token.exists():
+                    self.fields = {"Authorization": "Bearer " + token.read_text()}
                 return
             if self.process.poll() is not None:
                 break
@@ -71,7 +77,7 @@ class Service:
     def ask(self, method, path, body=None, headers=None):
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
         try:
-            connection.request(method, path, body, headers or {})
+            connection.request(method, path, body, {**self.fields, **(headers or {})})
             answer = connection.getresponse()
             return answer.status, answer.headers, answer.read()
         finally:
@@ -89,14 +95,14 @@ class Service:
 class Nginx:
     """`more` goes into its http block, with "{free_port}" for a port that becomes `extra_port`."""
 
-    def __init__(self, folder, service_port, data, more="", workers=1):
-        self.folder = folder / "nginx"
+    def __init__(self, folder, service, more="", workers=1):
+        self.folder, self.fields = folder / "nginx", service.fields
         self.folder.mkdir()
         self.port, self.plain_port, self.extra_port = free_port(), free_port(), free_port()
         subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2", "-subj", f"/CN={HOST}",
                         "-addext", f"subjectAltName=DNS:{HOST}", "-keyout", self.folder / "key.pem", "-out",
                         self.folder / "cert.pem"], check=True, capture_output=True)
-        (self.folder / "site.conf").write_text(self.adapted(SITE.read_text(), service_port, data))
+        (self.folder / "site.conf").write_text(self.adapted(SITE.read_text(), service.port, service.data))
         (self.folder / "nginx.conf").write_text(MAIN.format(
             folder=self.folder, workers=workers, user="user root;" if os.geteuid() == 0 else "",
             more=more.replace("{free_port}", str(self.extra_port))))
@@ -151,7 +157,7 @@ class Nginx:
         connection = http.client.HTTPSConnection("127.0.0.1", self.port, timeout=60)
         connection.sock = self.connect()
         try:
-            connection.request(method, path, body, {"Host": f"{HOST}:{self.port}", **(headers or {})})
+            connection.request(method, path, body, {"Host": f"{HOST}:{self.port}", **self.fields, **(headers or {})})
             answer = connection.getresponse()
             return answer.status, answer.headers, answer.read()
         finally:

@@ -38,7 +38,7 @@ class BehindNginx(unittest.TestCase):
         folder = pathlib.Path(cls.temporary.name)
         cls.service = nginx_site.Service([PROGRAM, "serve", "{data}"], folder, LOG_FORMAT="json", PROXY_HOST=HOST,
                                          ACCEL_REDIRECT="/parkade-files/")
-        cls.nginx = nginx_site.Nginx(folder, cls.service.port, cls.service.data)
+        cls.nginx = nginx_site.Nginx(folder, cls.service)
         status, _, body = cls.nginx.ask("PUT", "/api/v1/drives?filename=a.bag&site=lot", b"log ok\nclean\n")
         assert status == 201, body
         cls.wait_for(lambda: cls.nginx.ask("HEAD", MESH)[0] == 200)
@@ -115,7 +115,8 @@ class BehindNginx(unittest.TestCase):
 
     def test_events_come_at_once(self):
         with self.nginx.connect() as client:
-            client.sendall(f"GET /api/v1/events HTTP/1.1\r\nHost: {HOST}\r\n\r\n".encode())
+            authorization = "Authorization: " + self.service.fields["Authorization"]
+            client.sendall(f"GET /api/v1/events HTTP/1.1\r\nHost: {HOST}\r\n{authorization}\r\n\r\n".encode())
             received = b""
             while b"retry:" not in received:
                 received += client.recv(65536)
@@ -164,6 +165,14 @@ class BehindNginx(unittest.TestCase):
         self.assertFalse(any("hidden" in json.dumps(line) or line.get("path") == "/api/v1/drives" and line["status"] == 403
                              for line in self.log_lines()))
         self.assertEqual(self.get("/healthz")[0], 200)
+
+    def test_nobody_gets_in_without_a_token(self):
+        for path in ("/api/v1/drives", MESH, "/api/v1/events"):
+            self.assertEqual(self.nginx.ask("GET", path, headers={"Authorization": ""})[0], 401, path)
+        status, fields, _ = self.nginx.ask("POST", "/api/v1/session", json.dumps(
+            {"token": self.service.fields["Authorization"].removeprefix("Bearer ")}), {"Authorization": ""})
+        self.assertEqual(status, 201)
+        self.assertRegex(fields["Set-Cookie"], "^__Host-parkade=.*; HttpOnly; SameSite=Strict.*; Secure$")
 
     def test_large_heads_and_bodies_are_refused(self):
         line = f"GET /healthz HTTP/1.1\r\nHost: {HOST}\r\nX-Long: {'a' * 20_000}\r\n\r\n"

@@ -86,13 +86,12 @@ class Service::Parts {
         http_(shutdown_signal_, metrics_, options_.num_threads,
               {.any = [this] { return options_.allow_public || !gate_.was_open(); },
                .proxy_host = options_.proxy_host}) {
-    Require(!options_.allow_public || store_.database.Read(HasUsableAdmin), ErrorCode::kUsage,
-            "--allow-public needs a token, so that not everybody may do everything: parkade token "
+    const bool is_public = options_.allow_public || !options_.proxy_host.empty();
+    Require(!is_public || store_.database.Read(HasUsableAdmin), ErrorCode::kUsage,
+            "--allow-public and --proxy-host need a token, so that not everybody may do "
+            "everything: parkade token "
             "create NAME --role admin --data " +
                 options_.data.string());
-    if (!options_.proxy_host.empty() && !store_.database.Read(HasUsableAdmin))
-      LogWarning("whoever reaches '" + options_.proxy_host +
-                 "' may do everything, since there is no token: parkade token create");
     store_.disk_reserve = options_.disk_reserve;
     store_.database.OnFreeze([this] {
       if (on_disk_failure_) on_disk_failure_();

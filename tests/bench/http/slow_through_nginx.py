@@ -51,8 +51,9 @@ def be_slow(nginx, count, num_ended, num_open, stop):
         stop.wait(max(0.0, 1.0 - (time.monotonic() - began)))
 
 
-def ask(client, path, more=""):
-    client.sendall(f"GET {path} HTTP/1.1\r\nHost: {HOST}\r\n{more}\r\n".encode())
+def ask(nginx, client, path):
+    authorization = "Authorization: " + nginx.fields["Authorization"]
+    client.sendall(f"GET {path} HTTP/1.1\r\nHost: {HOST}\r\n{authorization}\r\n\r\n".encode())
     answer = b""
     while b"\r\n\r\n" not in answer:
         answer += client.recv(65536) or sys.exit("a healthy request is not answered")
@@ -76,11 +77,11 @@ def measure(nginx, seconds):
             client.close()
             client = nginx.connect()
         began = time.monotonic()
-        ask(client, path)
+        ask(nginx, client, path)
         kept.append(time.monotonic() - began)
         began = time.monotonic()
         with nginx.connect() as new:
-            ask(new, path)
+            ask(nginx, new, path)
         fresh.append(time.monotonic() - began)
         time.sleep(0.02)
     client.close()
@@ -104,7 +105,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         service = nginx_site.Service([arguments.program, "serve", "{data}"], folder, PROXY_HOST=HOST)
-        nginx = nginx_site.Nginx(folder, service.port, service.data)
+        nginx = nginx_site.Nginx(folder, service)
         stop, num_ended, num_open = multiprocessing.Event(), multiprocessing.Value("i"), multiprocessing.Value("i")
         slow = multiprocessing.Process(target=be_slow, args=(nginx, arguments.slow, num_ended, num_open, stop))
         try:

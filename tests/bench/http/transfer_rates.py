@@ -51,7 +51,7 @@ def download(arguments, folder):
             time.sleep(0.1)
         file = next(service.data.glob("maps/*/map.glb"))
         # The same nginx serves the file itself, and hands requests on in plain HTTP: TLS would hide the difference.
-        nginx = nginx_site.Nginx(folder, service.port, service.data, more=f"""
+        nginx = nginx_site.Nginx(folder, service, more=f"""
   server {{
     listen 127.0.0.1:{{free_port}};
     proxy_max_temp_file_size 0;
@@ -67,7 +67,8 @@ def download(arguments, folder):
                     "nginx, X-Accel-Redirect": plain + MESH,
                     "nginx, handed on": f"{plain}/proxied{MESH}",
                     "nginx, X-Accel-Redirect, TLS": f"https://{HOST}:{nginx.port}{MESH}"}
-            resolve = ["--resolve", f"{HOST}:{nginx.port}:127.0.0.1"]
+            resolve = ["--resolve", f"{HOST}:{nginx.port}:127.0.0.1", "-H",
+                       "Authorization: " + service.fields["Authorization"]]
             seconds = {way: [] for way in ways}
             for _ in range(arguments.runs + 1):
                 for way, address in ways.items():

@@ -1,17 +1,19 @@
 #include "server/http/routes/accel_redirect.h"
 
 #include "core/file.h"
-#include "tests/server/http/running_service.h"
+#include "tests/server/http/access/guarded_service.h"
 
 namespace parkade {
 namespace {
 
-class HandedOverFiles : public RunningService {
+class HandedOverFiles : public GuardedService {
  protected:
   HandedOverFiles() {
     options_.proxy_host = "maps.example.org";
     options_.accel_redirect = "/files/";
   }
+
+  void SetUp() override { Become("admin"); }
 
   httplib::Result Ask(const std::string& path, const std::string& host = "maps.example.org:443",
                       httplib::Headers headers = {}) {
@@ -65,6 +67,7 @@ TEST_F(HandedOverFiles, AreNotWhenTheyHaveChangedOnTheDisk) {
 }
 
 TEST_F(HandedOverFiles, NeedAProxyThatIsNamed) {
+  StopService();
   options_.proxy_host = "";
   EXPECT_THROW(Service service(options_), Error);
   options_.proxy_host = "maps.example.org";

@@ -23,6 +23,8 @@
 
 #include "core/error.h"
 #include "server/http/service/serve.h"
+#include "server/store/access/tokens.h"
+#include "server/store/data_directory.h"
 #include "tests/server/http/fake_worker.h"
 
 namespace parkade {
@@ -174,8 +176,19 @@ int ServePictures(const fs::path& log, const fs::path& index) {
   return 0;
 }
 
+/// Makes a token for an admin and writes it to `file`.
+void WriteAdminToken(const std::string& data, const std::string& file) {
+  const DataDirectory directory(data);
+  Database database(directory.DatabaseFile());
+  Token admin;
+  admin.name = "admin";
+  admin.role = Role::kAdmin;
+  std::ofstream(file) << CreateToken(database, admin).secret;
+}
+
 int RunService(const std::string& data) {
   ServeOptions options = FakeServeOptions("/proc/self/exe", data);
+  if (const char* file = std::getenv("ADMIN_TOKEN")) WriteAdminToken(data, file);
   if (const char* reserve = std::getenv("RESERVE")) options.disk_reserve = std::stoll(reserve);
   if (const char* listen = std::getenv("LISTEN")) options.listen = listen;
   if (const char* pause = std::getenv("CRASH_PAUSE"))

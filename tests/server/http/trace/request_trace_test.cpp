@@ -6,13 +6,13 @@
 #include <sstream>
 
 #include "core/log_fields.h"
+#include "tests/server/http/access/guarded_service.h"
 #include "tests/server/http/raw_client.h"
-#include "tests/server/http/running_service.h"
 
 namespace parkade {
 namespace {
 
-class RequestLog : public RunningService {
+class RequestLog : public GuardedService {
  protected:
   RequestLog() {
     options_.proxy_host = "maps.example.org";
@@ -58,8 +58,8 @@ class RequestLog : public RunningService {
 TEST_F(RequestLog, SaysWhoAskedForWhatAndHowItWent) {
   const Json line = LineOf(
       "GET /api/v1/drives?limit=secret HTTP/1.1\r\nHost: maps.example.org\r\nConnection: close\r\n"
-      "X-Real-IP: 203.0.113.7\r\nX-Request-ID: abc-1\r\nAuthorization: Bearer hidden\r\n"
-      "Cookie: hidden\r\n\r\n");
+      "X-Real-IP: 203.0.113.7\r\nX-Request-ID: abc-1\r\nAuthorization: Bearer " +
+      tokens_.at("viewer") + "\r\nCookie: hidden\r\n\r\n");
 
   EXPECT_EQ(line.at("method"), "GET");
   EXPECT_EQ(line.at("path"), "/api/v1/drives");
@@ -73,6 +73,7 @@ TEST_F(RequestLog, SaysWhoAskedForWhatAndHowItWent) {
   EXPECT_NE(answer_.find("X-Request-ID: abc-1\r\n"), std::string::npos) << answer_;
   EXPECT_EQ(log_.find("secret"), std::string::npos) << log_;
   EXPECT_EQ(log_.find("hidden"), std::string::npos) << log_;
+  EXPECT_EQ(log_.find(tokens_.at("viewer")), std::string::npos) << log_;
 }
 
 TEST_F(RequestLog, BelievesNobodyElseWhoHeIs) {
@@ -94,7 +95,7 @@ TEST_F(RequestLog, HoldsRequestsThatWereRefusedBeforeAnyRoute) {
 }
 
 TEST_F(RequestLog, AJobsLinesNameItAndItsAttempt) {
-  Start();
+  Become("uploader");
   testing::internal::CaptureStderr();
   const Json job = MapNow("log ok\n");
   StopService();
