@@ -19,7 +19,7 @@ build_packages=(
   libembree-dev libgtest-dev libbenchmark-dev
 )
 test_packages=(
-  time gdal-bin python3-rosbag python3-sensor-msgs python3-nav-msgs python3-geometry-msgs python3-tf2-msgs chromium clang-format
+  slurm-wlm munge time gdal-bin python3-rosbag python3-sensor-msgs python3-nav-msgs python3-geometry-msgs python3-tf2-msgs chromium clang-format
   # clang-tidy, and the fuzzer of the log readers
   clang-14 clang-tidy-14 libclang-rt-14-dev
 )

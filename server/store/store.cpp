@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "server/store/disk/durable_file.h"
+#include "server/store/tables/job_table.h"
 #include "server/store/tables/upload_table.h"
 
 namespace parkade {
@@ -69,16 +70,28 @@ void ReconcileUploads(Store& store) {
   }
 }
 
+/// Folders of attempts that may go on without a service.
+std::set<fs::path> FoldersAtEngines(Store& store) {
+  std::set<fs::path> folders;
+  for (const Job& job : store.database.Read(RunningJobs))
+    if (job.place && job.place->engine != kLocalEngine)
+      folders.insert(store.directory.AttemptFolder(job.id, job.attempt));
+  return folders;
+}
+
 void ReconcileJobFolders(Store& store) {
+  const std::set<fs::path> in_use = FoldersAtEngines(store);
   for (const fs::path& folder : FoldersOf(store, store.directory.JobsFolder())) {
     if (!HasRow(store, "jobs", folder.filename().string())) {
       store.directory.PutAside(folder);
       continue;
     }
     for (const fs::path& attempt : EntriesOf(folder)) {
+      if (in_use.contains(attempt)) continue;
       fs::remove_all(attempt / "out");
       fs::remove_all(attempt / "input");
       fs::remove_all(attempt / "tmp");
+      fs::remove_all(attempt / "runs");
       fs::remove(attempt / "preview.glb");
     }
   }

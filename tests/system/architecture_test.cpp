@@ -82,6 +82,7 @@ const std::vector<std::string> kRooms = {
     "server/store/uploads/",
     "server/store/care/",
     "server/jobs/",
+    "server/jobs/slurm/",
     "server/http/",
     "server/http/access/",
     "server/http/routes/",

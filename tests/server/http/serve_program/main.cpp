@@ -3,7 +3,8 @@
 //                                       parkade_serve_program work OUT PROGRESS LOG...
 //                                       parkade_serve_program compare FROM TO OUT
 //                                       parkade_serve_program inspect LOG OUT
-//   log ok | slow | hang | stubborn | bad-input | crash | silent | no-map
+// and, with ENGINE=slurm, what Slurm runs:  parkade_serve_program run-attempt FOLDER
+//   log ok | slow | hang | busy | stubborn | bad-input | crash | silent | no-map
 
 #include <unistd.h>
 
@@ -19,6 +20,7 @@
 
 #include "core/error.h"
 #include "server/http/service/serve.h"
+#include "server/jobs/slurm/run_on_node.h"
 #include "tests/server/http/fake_worker.h"
 
 namespace parkade {
@@ -59,6 +61,7 @@ int Work(const fs::path& out, const fs::path& progress, const std::vector<fs::pa
   if (todo == "crash") std::abort();
   if (todo == "stubborn") std::signal(SIGTERM, SIG_IGN);
   if (todo == "slow") std::this_thread::sleep_for(std::chrono::seconds(2));
+  while (todo == "busy") [[maybe_unused]] volatile int work = 0;
   while (todo == "hang" || todo == "stubborn")
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   Say(progress, R"({"stage": "mesh", "progress": 0.75, "eta": 1.5})");
@@ -113,6 +116,22 @@ int Inspect(const fs::path& log, const fs::path& out) {
   return 0;
 }
 
+/// Jobs at Slurm of small size, looked at often.
+void SetEngine(ServeOptions& options) {
+  const char* engine = std::getenv("ENGINE");
+  if (engine == nullptr) return;
+  options.engine = engine;
+  options.num_workers = 4;
+  options.slurm.memory_mib = 256;
+  options.slurm.cpus = 1;
+  options.slurm.time = std::chrono::minutes(10);
+  options.slurm.node_program = {fs::read_symlink("/proc/self/exe"), "run-attempt"};
+  options.slurm.poll_interval = std::chrono::milliseconds(500);
+  options.slurm.exit_patience = std::chrono::milliseconds(2000);
+  if (const char* minutes = std::getenv("JOB_MINUTES"))
+    options.slurm.time = std::chrono::minutes(std::stoi(minutes));
+}
+
 int RunService(const std::string& data) {
   ServeOptions options = FakeServeOptions("/proc/self/exe", data);
   if (const char* reserve = std::getenv("RESERVE")) options.disk_reserve = std::stoll(reserve);
@@ -120,6 +139,7 @@ int RunService(const std::string& data) {
   if (const char* pause = std::getenv("CRASH_PAUSE"))
     options.job_limits.crash_pauses = {std::chrono::seconds(std::stoi(pause))};
   options.drain_seconds = 3;
+  SetEngine(options);
   // As libraries do that start threads before main: this one leaves signals open.
   std::thread([] {
     while (true) std::this_thread::sleep_for(std::chrono::hours(1));
@@ -142,6 +162,8 @@ int main(int argc, char** argv) {
     return parkade::Compare(arguments[1], arguments[2], arguments[3]);
   if (arguments.size() == 3 && arguments[0] == "inspect")
     return parkade::Inspect(arguments[1], arguments[2]);
+  if (arguments.size() == 2 && arguments[0] == "run-attempt")
+    return parkade::RunOnNode(arguments[1]);
   if (arguments.size() >= 4 && arguments[0] == "work")
     return parkade::Work(arguments[1], arguments[2], {arguments.begin() + 3, arguments.end()});
   return 2;
