@@ -100,7 +100,9 @@ std::optional<WorkerExit> SlurmAttempt::AskSlurm() {
   if (!look_->trouble.empty()) reason_ = look_->trouble;
   if (!look_->trouble.empty() || look_->begun <= known_since_) return std::nullopt;
   const auto found = look_->jobs.find(*place_.id);
-  if (found != look_->jobs.end()) return Understand(found->second);
+  // A controller that lost its latest state gives the same number again, to another job.
+  const bool is_ours = found != look_->jobs.end() && found->second.comment == comment_;
+  if (is_ours) return Understand(found->second);
   return AfterPatience(
       {Kind::kCrashed, "crashed", "Slurm does not know the job any more, and it left no word"});
 }
