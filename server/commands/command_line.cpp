@@ -34,6 +34,7 @@ int RunCommandLine(int argc, const char* const* argv) {
   Action action;
   AddMapCommand(app, action);
   AddServeCommand(app, action);
+  AddRunAttemptCommand(app, action);
   AddVerifyCommand(app, action);
   AddBackupCommand(app, action);
   AddRestoreCommand(app, action);

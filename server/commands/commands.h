@@ -8,9 +8,13 @@ namespace parkade {
 /// What a subcommand does once its arguments are parsed; returns the exit status.
 using Action = std::function<int()>;
 
+/// The subcommand that a service has Slurm start on its nodes.
+constexpr const char* kRunAttempt = "run-attempt";
+
 // Each adds one subcommand to `app` and, when that one is chosen, sets `action`.
 void AddMapCommand(CLI::App& app, Action& action);
 void AddServeCommand(CLI::App& app, Action& action);
+void AddRunAttemptCommand(CLI::App& app, Action& action);
 void AddVerifyCommand(CLI::App& app, Action& action);
 void AddBackupCommand(CLI::App& app, Action& action);
 void AddRestoreCommand(CLI::App& app, Action& action);

@@ -14,6 +14,12 @@
 namespace parkade {
 namespace {
 
+/// What one job may use, as the command line says it.
+struct JobSizes {
+  std::int64_t memory_mib = 0;
+  int minutes = 24 * 60;
+};
+
 std::filesystem::path ThisProgram() { return std::filesystem::read_symlink("/proc/self/exe"); }
 
 /// The viewer beside an installed program, or that of the source tree.
@@ -40,6 +46,8 @@ std::vector<std::string> WorkerCommand(const JobSpec& spec) {
   // One word, because a value that begins with a dash would pass for an option.
   for (const std::string& pin : spec.pins.value_or(std::vector<std::string>()))
     command.push_back("--pin=" + pin);
+  if (spec.num_threads > 0)
+    command.insert(command.end(), {"--threads", std::to_string(spec.num_threads)});
   command.insert(command.end(), {"--out", spec.out, "--progress-file", spec.progress});
   return command;
 }
@@ -75,6 +83,44 @@ void AddLogOptions(CLI::App& command, ServeOptions& options) {
       ->default_str("text");
   command.add_option("--access-log", options.access_log,
                      "a line per request: on, off; default: on for json");
+}
+
+/// What runs a worker on a node of Slurm's. The name of the file, since a node has no process of
+/// ours to be named by; without the mark of one that an upgrade has replaced.
+std::vector<std::string> NodeProgram() {
+  std::string program = ThisProgram();
+  const std::string mark = " (deleted)";
+  if (program.ends_with(mark)) program.resize(program.size() - mark.size());
+  return {program, kRunAttempt};
+}
+
+void AddJobOptions(CLI::App& command, ServeOptions& options, JobSizes& sizes) {
+  command.add_option("--engine", options.engine, "what runs jobs: local (this machine) or slurm")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"local", "slurm"}));
+  command.add_option("--slurm-partition", options.slurm.partition,
+                     "partition for jobs; default: the cluster's own");
+  command.add_option("--workers", options.num_workers, "jobs at a time, or at Slurm at a time")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 512));
+  command
+      .add_option("--job-memory", sizes.memory_mib,
+                  "[MiB] that a job may use; 0: nine tenths of the machine's. Slurm has to be told")
+      ->check(CLI::NonNegativeNumber);
+  command.add_option("--job-time", sizes.minutes, "[min] that an attempt at a job may take")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 60 * 24 * 365));
+  command.add_option("--job-cpus", options.slurm.cpus, "processors of a job at Slurm")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1024));
+}
+
+void Apply(const JobSizes& sizes, ServeOptions& options) {
+  options.job_limits.memory_bytes = sizes.memory_mib << 20;
+  options.job_limits.time = std::chrono::minutes(sizes.minutes);
+  options.slurm.memory_mib = sizes.memory_mib;
+  options.slurm.time = std::chrono::minutes(sizes.minutes);
+  options.slurm.node_program = NodeProgram();
 }
 
 }  // namespace
@@ -114,19 +160,13 @@ void AddServeCommand(CLI::App& app, Action& action) {
                    "requests a second that each token may ask in the long run; 0: any")
       ->capture_default_str()
       ->check(CLI::Range(0, 100000));
-  command->add_option("--workers", options->num_workers, "jobs at a time")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 64));
   command->add_flag("--webhook-private", options->webhooks.limits.allow_private,
                     "webhooks may lead to loopback and private addresses");
-  const auto job_memory = std::make_shared<std::int64_t>(0);
-  command
-      ->add_option("--job-memory", *job_memory,
-                   "[MiB] that a job may use; 0: nine tenths of the machine's")
-      ->check(CLI::NonNegativeNumber);
-  command->callback([options, job_memory, &action] {
-    action = [options, job_memory] {
-      options->job_limits.memory_bytes = *job_memory << 20;
+  const auto sizes = std::make_shared<JobSizes>();
+  AddJobOptions(*command, *options, *sizes);
+  command->callback([options, sizes, &action] {
+    action = [options, sizes] {
+      Apply(*sizes, *options);
       if (options->web_root.empty()) options->web_root = FindWebRoot();
       options->job_command = WorkerCommand;
       options->compare_command = ComparisonCommand;

@@ -18,6 +18,17 @@ Json Parsed(const std::optional<std::string>& text) {
   return json.is_discarded() ? Json(nullptr) : json;
 }
 
+/// Null before an engine has the job. `live`: what only the runner knows.
+Json EngineOf(const Job& job, const std::optional<JobProgress>& live) {
+  if (!job.place) return nullptr;
+  std::optional<std::string> id = job.place->id;
+  if (!id && job.place->pid) id = std::to_string(*job.place->pid);
+  const bool waits = live && !live->reason.empty();
+  return {{"name", job.place->engine},
+          {"id", OrNull(id)},
+          {"reason", waits ? Json(live->reason) : Json(nullptr)}};
+}
+
 }  // namespace
 
 Json ToJson(const Drive& drive) {
@@ -69,23 +80,25 @@ Json ToJson(const Job& job, const std::optional<JobProgress>& live_progress) {
   // A job that has just ended may still have its last progress.
   const std::optional<JobProgress> progress =
       job.state == JobState::kRunning ? live_progress : std::nullopt;
-  return {{"id", job.id},
-          {"site", job.site},
-          {"drives", job.drives},
-          {"state", ToText(job.state)},
-          {"stage", progress && !progress->stage.empty() ? Json(progress->stage) : Json(nullptr)},
-          {"progress", progress  ? progress->progress
-                       : is_done ? 1.0
-                                 : 0.0},
-          {"eta_seconds", progress ? OrNull(progress->eta_seconds) : Json(nullptr)},
-          {"attempts", job.attempt},
-          {"error", OrNull(job.error)},
-          {"error_code", OrNull(job.error_code)},
-          {"not_before", OrNull(job.not_before)},
-          {"map_version", OrNull(job.map_version)},
-          {"created_at", job.created_at},
-          {"started_at", OrNull(job.started_at)},
-          {"finished_at", OrNull(job.finished_at)}};
+  return {
+      {"id", job.id},
+      {"site", job.site},
+      {"drives", job.drives},
+      {"state", ToText(ShownState(job))},
+      {"stage", progress && !progress->stage.empty() ? Json(progress->stage) : Json(nullptr)},
+      {"progress", progress  ? progress->progress
+                   : is_done ? 1.0
+                             : 0.0},
+      {"eta_seconds", progress ? OrNull(progress->eta_seconds) : Json(nullptr)},
+      {"attempts", job.attempt},
+      {"engine", EngineOf(job, progress)},
+      {"error", OrNull(job.error)},
+      {"error_code", OrNull(job.error_code)},
+      {"not_before", OrNull(job.not_before)},
+      {"map_version", OrNull(job.map_version)},
+      {"created_at", job.created_at},
+      {"started_at", ShownState(job) == JobState::kQueued ? Json(nullptr) : OrNull(job.started_at)},
+      {"finished_at", OrNull(job.finished_at)}};
 }
 
 Json ToJson(const StoredRig& rig) {

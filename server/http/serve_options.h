@@ -13,6 +13,7 @@
 #include "server/jobs/job_spec.h"
 #include "server/jobs/map_comparer.h"
 #include "server/jobs/pictures/picture_desk.h"
+#include "server/jobs/slurm/slurm_options.h"
 #include "server/webhooks/webhook_sender.h"
 
 namespace parkade {
@@ -36,6 +37,8 @@ struct ServeOptions {
   int num_threads = 64;    ///< see RequestPools, which has a share for each kind of request
   int drain_seconds = 20;  ///< [s] requests under way may take after SIGTERM
 
+  std::string engine = "local";  ///< what runs jobs: "local", "slurm"
+  SlurmOptions slurm;            ///< for the second
   WebhookOptions webhooks;
   JobLimits job_limits;
   JobCommand job_command;          ///< required: the worker of a job

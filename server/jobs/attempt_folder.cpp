@@ -64,6 +64,7 @@ AttemptFolder::AttemptFolder(Store& store, const Job& job)
     // Hard links: deleting the drive meanwhile takes nothing from the worker.
     for (const Drive& drive : drives) {
       spec_.logs.push_back(path_ / "input" / drive.name);
+      if (fs::exists(spec_.logs.back())) continue;
       fs::create_hard_link(store.directory.LogFile(drive.sha256), spec_.logs.back());
     }
   } catch (const fs::filesystem_error& error) {
@@ -75,7 +76,9 @@ AttemptFolder::AttemptFolder(Store& store, const Job& job)
 }
 
 AttemptFolder::~AttemptFolder() {
+  if (is_kept_) return;
   std::error_code ignored;
+  fs::remove_all(path_ / "runs", ignored);
   fs::remove_all(path_ / "input", ignored);
   fs::remove_all(spec_.out, ignored);
   fs::remove_all(TemporaryFiles(), ignored);

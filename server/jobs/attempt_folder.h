@@ -14,16 +14,21 @@ namespace parkade {
 ///   preview.glb          what the map will look like, once the worker knows; see EncodePreview
 ///   log.txt              what the worker prints; kept
 ///   tmp/                 the worker's temporary files
+///   runs/                where an engine may start the worker more than once: its own folders
 ///
-/// input/, out/, tmp/ and preview.glb are gone when this object is.
+/// input/, out/, tmp/, runs/ and preview.glb are gone when this object is, unless they are kept.
 class AttemptFolder {
  public:
   /// Throws Error{kInvalidInput} for a job whose drives were all deleted, Error{kNotFound} when a
-  /// drive or its rig is not there any more, Error{kDiskFull}.
+  /// drive or its rig is not there any more, Error{kDiskFull}. What an earlier service has made of
+  /// the folder stays as it is.
   AttemptFolder(Store& store, const Job& job);
   ~AttemptFolder();
   AttemptFolder(const AttemptFolder&) = delete;
   AttemptFolder& operator=(const AttemptFolder&) = delete;
+
+  /// Leaves everything where it is, for a worker that goes on.
+  void Keep() { is_kept_ = true; }
 
   const JobSpec& spec() const { return spec_; }
   const std::filesystem::path& path() const { return path_; }
@@ -36,6 +41,7 @@ class AttemptFolder {
  private:
   std::filesystem::path path_;
   JobSpec spec_;
+  bool is_kept_ = false;
 };
 
 }  // namespace parkade

@@ -1,16 +1,13 @@
 #include "server/jobs/job_runner.h"
 
 #include <algorithm>
-#include <csignal>
 
 #include "core/error.h"
 #include "core/log_fields.h"
-#include "server/jobs/attempt_folder.h"
-#include "server/jobs/worker_exit.h"
-#include "server/store/care/stored_files.h"
+#include "server/jobs/check_logs.h"
+#include "server/jobs/local_engine.h"
 #include "server/store/job_queue.h"
 #include "server/store/publish_map.h"
-#include "server/store/tables/drive_table.h"
 #include "server/store/tables/job_table.h"
 
 namespace parkade {
@@ -19,45 +16,37 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr milliseconds kPollInterval{200};
 constexpr milliseconds kQueueInterval{2000};
 constexpr milliseconds kRetryInterval{1000};
 constexpr double kMinProgressForEta = 0.02;
 
-/// Kills the worker of a job that an earlier service left behind, if it lives.
-void KillLeftOver(const Job& job) {
-  if (!job.pid || !job.pid_started) return;
-  const auto pid = static_cast<pid_t>(*job.pid);
-  if (ProcessStartTime(pid) == job.pid_started) ::kill(-pid, SIGKILL);
+std::shared_ptr<JobEngine> EngineOf(const JobRunnerOptions& options) {
+  if (options.engine) return options.engine;
+  return std::make_shared<LocalEngine>(options.command, options.limits, options.stop_patience);
 }
 
 }  // namespace
 
 JobRunner::JobRunner(Store& store, EventHub& events, JobRunnerOptions options)
-    : store_(store), events_(events), options_(std::move(options)) {
-  left_over_ = store_.database.Read([](Connection& connection) {
-    return ListJobs(connection, {.limit = 1000}, JobState::kRunning, std::nullopt);
-  });
-  RecoverJobs();
-  for (int i = 0; i < options_.num_workers; ++i) threads_.emplace_back([this] { Work(); });
+    : store_(store),
+      events_(events),
+      options_(std::move(options)),
+      engine_(EngineOf(options_)),
+      left_over_(store, *engine_) {
+  left_over_.Recover();
+  // Jobs that go on need someone to look after them, also where there were more workers before.
+  for (int i = 0; i < std::max(options_.num_workers, left_over_.size()); ++i)
+    threads_.emplace_back([this, i] { Work(/*claims=*/i < options_.num_workers); });
 }
 
 JobRunner::~JobRunner() { Stop(); }
 
-/// False while a full disk does not take it: nothing may start before.
-bool JobRunner::RecoverJobs() {
-  const std::lock_guard lock(recovery_mutex_);
-  try {
-    for (; !left_over_.empty(); left_over_.pop_back()) {
-      const Job& job = left_over_.back();
-      KillLeftOver(job);
-      RecoverJob(store_, job);
-      Log(LogLevel::kWarning, "job recovered", {{"job", job.id}, {"attempt", job.attempt}});
-    }
-  } catch (const Error& error) {
-    LogError(std::string("jobs not recovered error=") + error.what());
-  }
-  return left_over_.empty();
+/// A job to be at next: one to take up, else one from the queue where `claims`. Nothing while the
+/// jobs of an earlier service are not recovered.
+std::optional<Job> JobRunner::NextJob(bool claims) {
+  if (!left_over_.Recover()) return std::nullopt;
+  if (const auto job = left_over_.TakeUp()) return job;
+  return claims ? ClaimJob(store_) : std::nullopt;
 }
 
 void JobRunner::Wake() { changed_.notify_all(); }
@@ -92,7 +81,7 @@ std::optional<JobProgress> JobRunner::ProgressOf(const std::string& job_id) cons
   const auto found = running_.find(job_id);
   if (found == running_.end()) return std::nullopt;
   const WorkerProgress& latest = found->second.latest;
-  JobProgress progress{latest.stage, latest.progress, latest.eta};
+  JobProgress progress{latest.stage, latest.progress, latest.eta, found->second.reason};
   const double elapsed =
       std::chrono::duration<double>(steady_clock::now() - found->second.started).count();
   if (!latest.eta && latest.progress >= kMinProgressForEta)
@@ -100,7 +89,7 @@ std::optional<JobProgress> JobRunner::ProgressOf(const std::string& job_id) cons
   return progress;
 }
 
-void JobRunner::Work() {
+void JobRunner::Work(bool claims) {
   for (;;) {
     {
       const std::lock_guard lock(mutex_);
@@ -108,7 +97,7 @@ void JobRunner::Work() {
     }
     std::optional<Job> job;
     try {
-      if (RecoverJobs()) job = ClaimJob(store_);
+      job = NextJob(claims);
     } catch (const Error& error) {
       LogError(std::string("queue error=") +
                error.what());  // most likely the disk is full: try again later
@@ -117,6 +106,7 @@ void JobRunner::Work() {
       RunAttempt(*job);
       continue;
     }
+    if (!claims) return;
     std::unique_lock lock(mutex_);
     if (!is_stopping_) changed_.wait_for(lock, kQueueInterval);
   }
@@ -127,7 +117,9 @@ void JobRunner::RunAttempt(const Job& job) {
   LogInfo("job started");
   {
     const std::lock_guard lock(mutex_);
-    running_[job.id] = {.attempt = job.attempt, .latest = {}, .started = steady_clock::now()};
+    Running& running = running_[job.id] = {};
+    running.attempt = job.attempt;
+    running.started = steady_clock::now();
   }
   PublishStates(job);
   try {
@@ -153,48 +145,37 @@ void JobRunner::RunAttempt(const Job& job) {
 }
 
 void JobRunner::RunWorker(const Job& job) {
-  const AttemptFolder folder(store_, job);
-  CheckLogs(job);
-  ProgressReader progress(folder.spec().progress);
-  WatchedWorker worker(options_.command(folder.spec()), folder, options_.limits);
+  AttemptFolder folder(store_, job);
+  if (!job.place) CheckLogs(store_, job, [&] { return Interrupted(job) == Interruption::kNone; });
+  const std::unique_ptr<EngineAttempt> attempt = engine_->Run(job, folder);
   store_.database.Write([&](Connection& connection) {
-    SetJobProcess(connection, job.id, job.attempt, worker.process().pid(),
-                  ProcessStartTime(worker.process().pid()).value_or(0));
+    SetJobPlace(connection, job.id, job.attempt, attempt->place());
   });
-
-  switch (Supervise(job, worker, progress)) {
+  switch (Supervise(job, *attempt)) {
     case Interruption::kCancelled: End(job, [&] { FinishCancelledJob(store_, job); }); return;
-    case Interruption::kStopped: End(job, [&] { ReturnJob(store_, job); }); return;
-    case Interruption::kTrouble: {
-      const WorkerExit end =
-          ExplainTrouble(worker.trouble(), worker.limits(), progress.latest().stage);
-      End(job, [&] { FailJob(store_, job, end.code, end.sentence); });
-      return;
-    }
-    case Interruption::kNone: break;
+    case Interruption::kNone: EndBy(job, *attempt); return;
+    case Interruption::kStopped: break;
   }
-  const WorkerExit end = UnderstandEnd(worker.process().Wait(milliseconds{0}).value(),
-                                       progress.latest(), worker.WasKilledForMemory());
-  if (end.kind == WorkerExit::Kind::kFailed)
-    End(job, [&] { FailJob(store_, job, end.code, end.sentence); });
-  if (end.kind == WorkerExit::Kind::kCrashed)
-    End(job, [&] { RetryCrashedJob(store_, job, end.code, end.sentence, PauseAfter(job)); });
-  if (end.kind == WorkerExit::Kind::kDone) Publish(job, folder.spec().out);
+  if (engine_->capabilities().outlives_service) {
+    folder.Keep();
+  } else {
+    End(job, [&] { ReturnJob(store_, job); });
+  }
 }
 
-/// A log that rotted would give a map that is wrong without a word.
-void JobRunner::CheckLogs(const Job& job) {
-  for (const std::string& id : job.drives) {
-    const Drive drive =
-        store_.database.Read([&](Connection& connection) { return FindDrive(connection, id); });
-    const StoredFile log{DataDirectory::LogPath(drive.sha256), drive.bytes, drive.sha256};
-    const auto damage = CheckStoredFile(store_.directory.root(), log, [&] {
-      return Interrupted(job, WorkerTrouble::kNone) == Interruption::kNone;
-    });
-    if (!damage) continue;
-    RecordFileCheck(store_, log.path, damage);
-    throw Error(ErrorCode::kInternal,
-                "the stored log of drive '" + drive.name + "' " + *damage + ": upload it again");
+/// Does what the end of an attempt asks for that was not interrupted.
+void JobRunner::EndBy(const Job& job, const EngineAttempt& attempt) {
+  const WorkerExit end = attempt.Exit();
+  switch (end.kind) {
+    case WorkerExit::Kind::kDone: Publish(job, attempt.products()); return;
+    case WorkerExit::Kind::kFailed:
+      End(job, [&] { FailJob(store_, job, end.code, end.sentence); });
+      return;
+    case WorkerExit::Kind::kCrashed:
+      End(job, [&] { RetryCrashedJob(store_, job, end.code, end.sentence, PauseAfter(job)); });
+      return;
+    case WorkerExit::Kind::kCancelled: End(job, [&] { FinishCancelledJob(store_, job); }); return;
+    case WorkerExit::Kind::kReturned: End(job, [&] { ReturnJob(store_, job, end.sentence); });
   }
 }
 
@@ -214,37 +195,43 @@ void JobRunner::Publish(const Job& job, const std::filesystem::path& products) {
   events_.Publish("map", map.site + "/" + std::to_string(map.version));
 }
 
-JobRunner::Interruption JobRunner::Supervise(const Job& job, WatchedWorker& worker,
-                                             ProgressReader& progress) {
+/// Follows an attempt to its end, or to the stop of a service that it outlives.
+JobRunner::Interruption JobRunner::Supervise(const Job& job, EngineAttempt& attempt) {
   Interruption interruption = Interruption::kNone;
-  steady_clock::time_point kill_time;
-  while (!worker.process().Wait(kPollInterval)) {
-    const bool has_spoken = progress.Poll();
-    if (has_spoken) Announce(job, progress.latest());
-    worker.Look(has_spoken);
-    const steady_clock::time_point now = steady_clock::now();
+  JobPlace stored = attempt.place();
+  for (;;) {
     if (interruption == Interruption::kNone) {
-      interruption = Interrupted(job, worker.trouble());
-      if (interruption == Interruption::kNone) continue;
-      worker.process().Signal(SIGTERM);
-      // Memory is not to grow on meanwhile.
-      kill_time = now;
-      if (worker.trouble() != WorkerTrouble::kOverMemory) kill_time += options_.stop_patience;
+      interruption = Interrupted(job);
+      if (interruption == Interruption::kStopped && engine_->capabilities().outlives_service)
+        return interruption;
+      if (interruption != Interruption::kNone) attempt.Cancel();
     }
-    if (now >= kill_time) worker.process().Signal(SIGKILL);
+    const std::string reason = attempt.reason();
+    const AttemptNews news = attempt.Look();
+    if (news.has_ended) return interruption;
+    const JobPlace place = attempt.place();
+    const bool has_moved = place != stored;
+    if (has_moved && StorePlace(job, place)) stored = place;
+    if (has_moved || news.has_spoken || attempt.reason() != reason) Announce(job, attempt);
   }
-  progress.Poll();
-  worker.LookAtEnd(worker.process().Wait(milliseconds{0}).value());
-  const bool is_trouble =
-      interruption == Interruption::kNone && worker.trouble() == WorkerTrouble::kOverMemory;
-  return is_trouble ? Interruption::kTrouble : interruption;
 }
 
-JobRunner::Interruption JobRunner::Interrupted(const Job& job, WorkerTrouble trouble) const {
+JobRunner::Interruption JobRunner::Interrupted(const Job& job) const {
   const std::lock_guard lock(mutex_);
   if (running_.at(job.id).is_cancelled) return Interruption::kCancelled;
-  if (is_stopping_) return Interruption::kStopped;
-  return trouble == WorkerTrouble::kNone ? Interruption::kNone : Interruption::kTrouble;
+  return is_stopping_ ? Interruption::kStopped : Interruption::kNone;
+}
+
+/// False where the disk did not take it: to be tried again.
+bool JobRunner::StorePlace(const Job& job, const JobPlace& place) {
+  try {
+    store_.database.Write(
+        [&](Connection& connection) { SetJobPlace(connection, job.id, job.attempt, place); });
+    return true;
+  } catch (const Error& error) {
+    LogError("place of job id=" + job.id + " not stored error=" + error.what());
+    return false;
+  }
 }
 
 /// From here on the job cannot be cancelled any more. True when it was before.
@@ -265,10 +252,14 @@ void JobRunner::End(const Job& job, const Change& change) {
   }
 }
 
-void JobRunner::Announce(const Job& job, const WorkerProgress& latest) {
+void JobRunner::Announce(const Job& job, const EngineAttempt& attempt) {
   {
     const std::lock_guard lock(mutex_);
-    running_.at(job.id).latest = latest;
+    Running& running = running_.at(job.id);
+    if (running.waits && !attempt.place().waits) running.started = steady_clock::now();
+    running.waits = attempt.place().waits;
+    running.latest = attempt.progress();
+    running.reason = attempt.reason();
   }
   events_.Publish("job", job.id);
 }

@@ -23,6 +23,7 @@ struct JobSpec {
       pins;                        ///< in the form of --pin; nothing: those of `from`; empty: none
   std::filesystem::path out;       ///< empty folder for the products
   std::filesystem::path progress;  ///< file to append progress lines to
+  int num_threads = 0;             ///< the worker may use; 0: as many as the machine has cores
   std::filesystem::path preview;   ///< file for what the map will look like, where `from` allows;
                                    ///< written before the map
 };

@@ -25,6 +25,7 @@ class ProgressReader {
   bool Poll();
 
   const WorkerProgress& latest() const { return latest_; }
+  const std::filesystem::path& file() const { return file_; }
 
  private:
   bool Take(const std::string& line);

@@ -23,20 +23,22 @@ std::unique_ptr<MemoryCgroup> LimitMemory(std::int64_t bytes, const std::filesys
   return cgroup;
 }
 
+WorkerPlace Walled(WorkerPlace place, const MemoryCgroup* cgroup) {
+  if (cgroup) place.cgroup = cgroup->ProcessesFile();
+  place.says_walls = true;
+  return place;
+}
+
 }  // namespace
 
-WatchedWorker::WatchedWorker(const std::vector<std::string>& command, const AttemptFolder& folder,
+WatchedWorker::WatchedWorker(const std::vector<std::string>& command, const WorkerPlace& place,
                              const JobLimits& limits)
     : limits_(WithMemory(limits)),
       kills_before_(KernelMemoryKills()),
-      cgroup_(LimitMemory(limits_.memory_bytes, folder.LogFile())),
-      process_(command, {.folder = folder.path(),
-                         .log = folder.LogFile(),
-                         .temporary_files = folder.TemporaryFiles(),
-                         .cgroup = cgroup_ ? cgroup_->ProcessesFile() : "",
-                         .says_walls = true}),
+      cgroup_(LimitMemory(limits_.memory_bytes, place.log)),
+      process_(command, Walled(place, cgroup_.get())),
       watch_(limits_, WorkerWatch::Clock::now()),
-      log_(folder.LogFile()) {}
+      log_(place.log) {}
 
 void WatchedWorker::Look(bool has_spoken) {
   log_.Apply();

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "server/jobs/attempt_folder.h"
 #include "server/jobs/log_limit.h"
 #include "server/jobs/memory_cgroup.h"
 #include "server/jobs/worker_process.h"
@@ -17,7 +16,7 @@ namespace parkade {
 class WatchedWorker {
  public:
   /// Throws Error{kInternal} when it cannot be started.
-  WatchedWorker(const std::vector<std::string>& command, const AttemptFolder& folder,
+  WatchedWorker(const std::vector<std::string>& command, const WorkerPlace& place,
                 const JobLimits& limits);
 
   WorkerProcess& process() { return process_; }

@@ -12,8 +12,10 @@ namespace parkade {
 struct WorkerExit {
   enum class Kind {
     kDone,
-    kFailed,   ///< trying again would give the same
-    kCrashed,  ///< ended by a signal: worth another try
+    kFailed,     ///< trying again would give the same
+    kCrashed,    ///< ended by a signal: worth another try
+    kCancelled,  ///< by somebody at the engine
+    kReturned,   ///< ended through no fault of its own: to be tried again
   };
   Kind kind = Kind::kDone;
   /// "invalid_input", "disk_full", "out_of_memory", "time_limit", "internal", "crashed"

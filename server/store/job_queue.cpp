@@ -177,8 +177,8 @@ void RecoverJob(Store& store, const Job& job) {
   }
 }
 
-void ReturnJob(Store& store, const Job& job) {
-  Requeue(store, job, Setback::kStop, "the service was stopped");
+void ReturnJob(Store& store, const Job& job, const std::string& reason) {
+  Requeue(store, job, Setback::kStop, reason);
 }
 
 bool CancelWaitingJob(Store& store, const std::string& id) {

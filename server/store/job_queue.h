@@ -55,8 +55,9 @@ void RetryCrashedJob(Store& store, const Job& job, const std::string& code,
 /// after kMaxServiceEnds of them.
 void RecoverJob(Store& store, const Job& job);
 
-/// Puts an attempt back into the queue that the service itself stopped.
-void ReturnJob(Store& store, const Job& job);
+/// Puts an attempt back into the queue that was stopped through no fault of its own, as when the
+/// service itself stops. `reason` is a sentence.
+void ReturnJob(Store& store, const Job& job, const std::string& reason = "the service was stopped");
 
 /// Takes a queued job out of the queue; false when it is running. Throws
 /// Error{kNotFound}, Error{kConflict} when it has ended.

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "server/store/disk/durable_file.h"
+#include "server/store/tables/job_table.h"
 #include "server/store/tables/upload_table.h"
 
 namespace parkade {
@@ -88,18 +89,30 @@ void ReconcileUploads(Store& store) {
   }
 }
 
+/// Folders of attempts that may go on without a service.
+std::set<fs::path> FoldersAtEngines(Store& store) {
+  std::set<fs::path> folders;
+  for (const Job& job : store.database.Read(RunningJobs))
+    if (job.place && job.place->engine != kLocalEngine)
+      folders.insert(store.directory.AttemptFolder(job.id, job.attempt));
+  return folders;
+}
+
 /// Removes what attempts leave behind that were not ended by the service. Jobs that had ended when
 /// an earlier service did this have nothing to remove.
 void ReconcileAttempts(Store& store) {
+  const std::set<fs::path> in_use = FoldersAtEngines(store);
   for (const std::string& job :
        TextsOf(store, "SELECT id FROM jobs WHERE finished_at IS NULL OR finished_at >= ?",
                store.directory.ReconciledUntil())) {
     const fs::path folder = store.directory.JobFolder(job);
     if (!fs::exists(folder)) continue;
     for (const fs::path& attempt : EntriesOf(folder)) {
+      if (in_use.contains(attempt)) continue;
       fs::remove_all(attempt / "out");
       fs::remove_all(attempt / "input");
       fs::remove_all(attempt / "tmp");
+      fs::remove_all(attempt / "runs");
       fs::remove(attempt / "preview.glb");
     }
   }

@@ -87,6 +87,7 @@ const std::vector<std::string> kRooms = {
     "server/store/review/",
     "server/jobs/",
     "server/jobs/pictures/",
+    "server/jobs/slurm/",
     "server/webhooks/",
     "server/http/trace/",
     "server/http/",

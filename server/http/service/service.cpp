@@ -12,6 +12,7 @@
 #include "server/http/routes/routes.h"
 #include "server/http/routes/upload_route.h"
 #include "server/http/routes/viewer_files.h"
+#include "server/jobs/slurm/slurm_engine.h"
 #include "server/store/access/tokens.h"
 #include "server/store/care/retention.h"
 #include "server/store/care/scrubber.h"
@@ -43,8 +44,8 @@ ListenAddress CheckedAddress(const ServeOptions& options) {
 
 const ServeOptions& Checked(const ServeOptions& options) {
   CheckedAddress(options);
-  Require(options.num_workers >= 1 && options.num_workers <= 64, ErrorCode::kUsage,
-          "workers: 1 to 64");
+  Require(options.num_workers >= 1 && options.num_workers <= 512, ErrorCode::kUsage,
+          "workers: 1 to 512");
   Require(options.num_threads >= 4 && options.num_threads <= 1024, ErrorCode::kUsage,
           "threads: 4 to 1024");
   Require(options.accel_redirect.empty() ||
@@ -52,16 +53,23 @@ const ServeOptions& Checked(const ServeOptions& options) {
                options.accel_redirect.ends_with('/')),
           ErrorCode::kUsage,
           "accel-redirect: the address of a location of the proxy, \"/NAME/\", beside proxy-host");
+  const bool is_slurm = options.engine == SlurmEngine::kName;
+  Require(is_slurm || options.engine == kLocalEngine, ErrorCode::kUsage,
+          "there is no engine '" + options.engine + "': local, slurm");
+  if (is_slurm) CheckSlurmOptions(options.slurm);
   Require(options.job_command && options.compare_command, ErrorCode::kInternal,
           "the service has no worker");
   return options;
 }
 
-JobRunnerOptions RunnerOptions(const ServeOptions& options) {
+JobRunnerOptions RunnerOptions(const ServeOptions& options, Store& store) {
   JobRunnerOptions runner;
   runner.command = options.job_command;
   runner.num_workers = options.num_workers;
   runner.limits = options.job_limits;
+  if (options.engine == SlurmEngine::kName)
+    runner.engine = std::make_shared<SlurmEngine>(store, options.job_command, options.job_limits,
+                                                  options.slurm);
   return runner;
 }
 
@@ -103,7 +111,7 @@ class Service::Parts {
     const bool is_ipv6 = address.host.find(':') != std::string::npos;
     address_ = "http://" + (is_ipv6 ? "[" + address.host + "]" : address.host) + ":" +
                std::to_string(port_);
-    jobs_.emplace(store_, events_, RunnerOptions(options_));
+    jobs_.emplace(store_, events_, RunnerOptions(options_, store_));
     if (options_.inspect_command)
       inspector_.emplace(store_, events_, options_.inspect_command, [this] { jobs_->Wake(); });
     if (options_.pictures.command)

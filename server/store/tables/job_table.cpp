@@ -11,7 +11,7 @@ namespace {
 
 const std::string kSelect = R"(
   SELECT sequence, id, site, state, attempt, crashes, error, error_code, pid, pid_started, map_version, created_at,
-         started_at, finished_at, review, service_ends, new_drive, not_before
+         started_at, finished_at, review, service_ends, new_drive, not_before, engine, engine_id, engine_waits
   FROM jobs )";
 
 std::optional<std::string> ReviewToText(const MapReview& review) {
@@ -44,8 +44,9 @@ Job FromRow(Connection& connection, const Statement& row) {
   job.crashes = static_cast<int>(row.Integer(5));
   job.error = OptionalText(row, 6);
   job.error_code = OptionalText(row, 7);
-  job.pid = OptionalInteger(row, 8);
-  job.pid_started = OptionalInteger(row, 9);
+  if (const auto engine = OptionalText(row, 18))
+    job.place = JobPlace{*engine, OptionalText(row, 19), row.Integer(20) != 0,
+                         OptionalInteger(row, 8), OptionalInteger(row, 9)};
   job.map_version = OptionalInteger(row, 10);
   job.created_at = row.Text(11);
   job.started_at = OptionalText(row, 12);
@@ -61,6 +62,10 @@ Job FromRow(Connection& connection, const Statement& row) {
 }
 
 std::string Word(JobState state) { return ToText(state); }
+
+/// SQL for ShownState.
+const std::string kShownState =
+    "CASE WHEN state = 'running' AND engine_waits THEN 'queued' ELSE state END";
 
 }  // namespace
 
@@ -84,10 +89,18 @@ std::vector<Job> ListJobs(Connection& connection, const Page& page,
   std::optional<std::string> word;
   if (state) word = Word(*state);
   Statement query = connection.Query(
-      kSelect +
-          "WHERE sequence < ? AND (?2 IS NULL OR state = ?2) AND (?3 IS NULL OR site = ?3) AND (?4 "
-          "IS NULL OR site IN (SELECT value FROM json_each(?4))) ORDER BY sequence DESC LIMIT ?",
+      kSelect + "WHERE sequence < ? AND (?2 IS NULL OR " + kShownState +
+          " = ?2) AND (?3 IS NULL OR site = ?3) AND (?4 IS NULL OR site IN (SELECT value FROM "
+          "json_each(?4))) ORDER BY sequence DESC LIMIT ?",
       page.before, word, site, JsonOf(scope), page.limit);
+  std::vector<Job> jobs;
+  while (query.Step()) jobs.push_back(FromRow(connection, query));
+  return jobs;
+}
+
+std::vector<Job> RunningJobs(Connection& connection) {
+  Statement query =
+      connection.Query(kSelect + "WHERE state = ? ORDER BY sequence", Word(JobState::kRunning));
   std::vector<Job> jobs;
   while (query.Step()) jobs.push_back(FromRow(connection, query));
   return jobs;
@@ -109,7 +122,8 @@ std::optional<Job> NextQueuedJob(Connection& connection) {
 }
 
 std::int64_t CountJobs(Connection& connection, JobState state) {
-  Statement query = connection.Query("SELECT count(*) FROM jobs WHERE state = ?", Word(state));
+  Statement query =
+      connection.Query("SELECT count(*) FROM jobs WHERE " + kShownState + " = ?", Word(state));
   query.Step();
   return query.Integer(0);
 }
@@ -141,20 +155,24 @@ void DropDeletedDrives(Connection& connection, const std::string& id) {
 void StartJob(Connection& connection, const std::string& id) {
   connection.Execute(
       "UPDATE jobs SET state = ?, attempt = attempt + 1, started_at = ?, error = NULL, error_code "
-      "= NULL, not_before = NULL WHERE id = ?",
+      "= NULL, not_before = NULL, engine = NULL, engine_id = NULL, engine_waits = 0 WHERE id = ?",
       Word(JobState::kRunning), NowUtc(), id);
 }
 
-void SetJobProcess(Connection& connection, const std::string& id, int attempt, std::int64_t pid,
-                   std::int64_t pid_started) {
-  connection.Execute("UPDATE jobs SET pid = ?, pid_started = ? WHERE id = ? AND attempt = ?", pid,
-                     pid_started, id, attempt);
+void SetJobPlace(Connection& connection, const std::string& id, int attempt,
+                 const JobPlace& place) {
+  connection.Execute(
+      R"(UPDATE jobs SET started_at = CASE WHEN engine_waits AND NOT ?1 THEN ?2 ELSE started_at END,
+                         engine_waits = ?1, engine = ?3, engine_id = ?4, pid = ?5, pid_started = ?6
+         WHERE id = ?7 AND attempt = ?8 AND state = ?9)",
+      place.waits ? 1 : 0, NowUtc(), place.engine, place.id, place.pid, place.pid_started, id,
+      attempt, Word(JobState::kRunning));
 }
 
 bool EndJob(Connection& connection, const std::string& id, int attempt, const JobEnd& end) {
   return connection.Execute(
              R"(UPDATE jobs SET state = ?, error = ?, error_code = ?, map_version = ?, finished_at = ?,
-                                pid = NULL, pid_started = NULL
+                                pid = NULL, pid_started = NULL, engine_waits = 0
                 WHERE id = ? AND attempt = ? AND state = ?)",
              Word(end.state), end.error, end.error_code, end.map_version, NowUtc(), id, attempt,
              Word(JobState::kRunning)) == 1;
@@ -164,7 +182,7 @@ bool RequeueJob(Connection& connection, const std::string& id, int attempt, Setb
                 const std::string& reason, const std::optional<std::string>& not_before) {
   return connection.Execute(
              R"(UPDATE jobs SET state = ?, crashes = crashes + ?, service_ends = service_ends + ?, error = ?,
-                                not_before = ?, pid = NULL, pid_started = NULL
+                                not_before = ?, pid = NULL, pid_started = NULL, engine_waits = 0
                 WHERE id = ? AND attempt = ? AND state = ?)",
              Word(JobState::kQueued), setback == Setback::kCrash ? 1 : 0,
              setback == Setback::kServiceEnd ? 1 : 0, reason, not_before, id, attempt,

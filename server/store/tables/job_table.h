@@ -19,15 +19,19 @@ void InsertJob(Connection& connection, const Job& job);
 /// Throws Error{kNotFound}.
 Job FindJob(Connection& connection, const std::string& id);
 
-/// Newest first; only those of sites in `scope`, and in `state` or of `site` where given.
+/// Newest first; only those of sites in `scope`, and shown as in `state` or of `site` where given.
 std::vector<Job> ListJobs(Connection& connection, const Page& page,
                           const std::optional<JobState>& state,
                           const std::optional<std::string>& site, const SiteScope& scope = {});
+
+/// All jobs with a running attempt, also of those that wait with an engine; oldest first.
+std::vector<Job> RunningJobs(Connection& connection);
 
 /// The oldest queued job that may start now: none whose drives still wait for a first look. One
 /// with a new drive waits for jobs of its site that run: their map is not there to be joined with
 /// yet, and would come after one that knows nothing of it.
 std::optional<Job> NextQueuedJob(Connection& connection);
+/// How many are shown as in `state`.
 std::int64_t CountJobs(Connection& connection, JobState state);
 
 /// The running job that maps a drive, if any.
@@ -41,8 +45,8 @@ void DropDeletedDrives(Connection& connection, const std::string& id);
 /// Queued -> running with attempt + 1.
 void StartJob(Connection& connection, const std::string& id);
 
-void SetJobProcess(Connection& connection, const std::string& id, int attempt, std::int64_t pid,
-                   std::int64_t pid_started);
+/// Notes where a running attempt is. One that waited until now starts now.
+void SetJobPlace(Connection& connection, const std::string& id, int attempt, const JobPlace& place);
 
 struct JobEnd {
   JobState state = JobState::kDone;

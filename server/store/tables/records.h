@@ -68,6 +68,19 @@ struct MapReview {
       {};  ///< `parkade map --pin`; nothing: as the version has them
 };
 
+/// The engine whose attempts are child processes of the service.
+inline const std::string kLocalEngine = "local";
+
+/// Where the running attempt of a job is.
+struct JobPlace {
+  std::string engine;                    ///< kLocalEngine, "slurm"
+  std::optional<std::string> id = {};    ///< what the engine calls it, once it has it
+  bool waits = false;                    ///< in the engine's own queue
+  std::optional<std::int64_t> pid = {},  ///< of a worker on this machine
+      pid_started = {};                  ///< in clock ticks since boot
+  bool operator==(const JobPlace&) const = default;
+};
+
 struct Job {
   std::int64_t sequence = 0;
   std::string id;
@@ -85,12 +98,17 @@ struct Job {
   std::optional<std::string> error;       ///< one sentence
   std::optional<std::string> error_code;  ///< "invalid_input", "crashed", ...
   std::optional<std::string> not_before;  ///< of a queued job that waits after a crash
-  std::optional<std::int64_t> pid,
-      pid_started;  ///< of the running worker; start in clock ticks since boot
+  std::optional<JobPlace> place;          ///< of the latest attempt, once an engine has it
   std::optional<std::int64_t> map_version;
   std::string created_at;
   std::optional<std::string> started_at, finished_at;
 };
+
+/// The state as people see it: a job that waits in the queue of its engine is queued.
+inline JobState ShownState(const Job& job) {
+  const bool waits = job.state == JobState::kRunning && job.place && job.place->waits;
+  return waits ? JobState::kQueued : job.state;
+}
 
 struct StoredRig {
   std::int64_t sequence = 0;

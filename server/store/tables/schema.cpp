@@ -189,11 +189,18 @@ const std::vector<const char*> kVersion7 = {
     "ALTER TABLE drives ADD COLUMN created_by TEXT",
     "ALTER TABLE uploads ADD COLUMN created_by TEXT"};
 
+// Where the latest attempt is: with which engine, what that one calls it, and whether it waits
+// there.
+const std::vector<const char*> kVersion9 = {
+    "ALTER TABLE jobs ADD COLUMN engine TEXT", "ALTER TABLE jobs ADD COLUMN engine_id TEXT",
+    "ALTER TABLE jobs ADD COLUMN engine_waits INTEGER NOT NULL DEFAULT 0",
+    "UPDATE jobs SET engine = 'local' WHERE pid IS NOT NULL"};
+
 // One entry per schema version, oldest first. A published entry never changes:
 // a change of the tables is a new entry.
 const std::vector<const std::vector<const char*>*> kMigrations = {
-    &kVersion1, &kVersion2, &kVersion3, &kVersion4,
-    &kVersion5, &kVersion6, &kVersion7, &kReviewSchema};
+    &kVersion1, &kVersion2, &kVersion3,     &kVersion4, &kVersion5,
+    &kVersion6, &kVersion7, &kReviewSchema, &kVersion9};
 
 size_t FoundVersion(Connection& connection) {
   Statement query = connection.Query("PRAGMA user_version");

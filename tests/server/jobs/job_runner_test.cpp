@@ -186,7 +186,7 @@ TEST_F(JobRunning, RefusesToCancelAJobWhoseMapIsBeingPublished) {
   const std::string go = (root_.path() / "go").string();
   JobRunner runner(store_, events_,
                    Shell("until [ -e " + go + " ]; do sleep 0.05; done; " + kMakeMap));
-  for (int i = 0; i < 2000 && !JobNow().pid; ++i) std::this_thread::sleep_for(milliseconds(10));
+  for (int i = 0; i < 2000 && !JobNow().place; ++i) std::this_thread::sleep_for(milliseconds(10));
 
   // While nobody else gets at the database, the map is there and not yet published.
   const auto is_there = [&] { return !ContentOf(store_.directory.MapsFolder()).empty(); };
@@ -239,7 +239,9 @@ TEST_F(JobRunning, TakesUpAJobOfAServiceThatDied) {
   }
   ::setpgid(stray, stray);
   store_.database.Write([&](Connection& connection) {
-    SetJobProcess(connection, claimed.id, claimed.attempt, stray, ProcessStartTime(stray).value());
+    SetJobPlace(
+        connection, claimed.id, claimed.attempt,
+        {.engine = kLocalEngine, .pid = stray, .pid_started = ProcessStartTime(stray).value()});
   });
 
   JobRunner runner(store_, events_, Shell(kMakeMap));

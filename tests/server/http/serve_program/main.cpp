@@ -4,7 +4,8 @@
 //                                       parkade_serve_program compare FROM TO OUT
 //                                       parkade_serve_program inspect LOG OUT
 //                                       parkade_serve_program pictures LOG INDEX
-//   log ok | slow | hang | stubborn | bad-input | crash | silent | no-map
+// and, with ENGINE=slurm, what Slurm runs:  parkade_serve_program run-attempt FOLDER
+//   log ok | slow | hang | busy | stubborn | bad-input | crash | silent | no-map
 
 #include <sys/socket.h>
 #include <unistd.h>
@@ -23,6 +24,7 @@
 
 #include "core/error.h"
 #include "server/http/service/serve.h"
+#include "server/jobs/slurm/run_on_node.h"
 #include "server/store/access/tokens.h"
 #include "server/store/data_directory.h"
 #include "tests/server/http/fake_worker.h"
@@ -76,6 +78,7 @@ int Work(const fs::path& out, const fs::path& progress, const std::vector<fs::pa
   if (todo == "crash") std::abort();
   if (todo == "stubborn") std::signal(SIGTERM, SIG_IGN);
   if (todo == "slow") std::this_thread::sleep_for(std::chrono::seconds(2));
+  while (todo == "busy") [[maybe_unused]] volatile int work = 0;
   while (todo == "hang" || todo == "stubborn")
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   Say(progress, R"({"stage": "mesh", "progress": 0.75, "eta": 1.5})");
@@ -186,6 +189,22 @@ void WriteAdminToken(const std::string& data, const std::string& file) {
   std::ofstream(file) << CreateToken(database, admin).secret;
 }
 
+/// Jobs at Slurm of small size, looked at often.
+void SetEngine(ServeOptions& options) {
+  const char* engine = std::getenv("ENGINE");
+  if (engine == nullptr) return;
+  options.engine = engine;
+  options.num_workers = 4;
+  options.slurm.memory_mib = 256;
+  options.slurm.cpus = 1;
+  options.slurm.time = std::chrono::minutes(10);
+  options.slurm.node_program = {fs::read_symlink("/proc/self/exe"), "run-attempt"};
+  options.slurm.poll_interval = std::chrono::milliseconds(500);
+  options.slurm.exit_patience = std::chrono::milliseconds(2000);
+  if (const char* minutes = std::getenv("JOB_MINUTES"))
+    options.slurm.time = std::chrono::minutes(std::stoi(minutes));
+}
+
 int RunService(const std::string& data) {
   ServeOptions options = FakeServeOptions("/proc/self/exe", data);
   if (const char* file = std::getenv("ADMIN_TOKEN")) WriteAdminToken(data, file);
@@ -203,6 +222,7 @@ int RunService(const std::string& data) {
     options.webhooks.pauses.assign(100, std::chrono::milliseconds(std::stoi(pause)));
   if (const char* timeout = std::getenv("WEBHOOK_TIMEOUT"))
     options.webhooks.limits.timeout = std::chrono::milliseconds(std::stoi(timeout));
+  SetEngine(options);
   // As libraries do that start threads before main: this one leaves signals open.
   std::thread([] {
     while (true) std::this_thread::sleep_for(std::chrono::hours(1));
@@ -227,6 +247,8 @@ int main(int argc, char** argv) {
     return parkade::Inspect(arguments[1], arguments[2]);
   if (arguments.size() == 3 && arguments[0] == "pictures")
     return parkade::ServePictures(arguments[1], arguments[2]);
+  if (arguments.size() == 2 && arguments[0] == "run-attempt")
+    return parkade::RunOnNode(arguments[1]);
   if (arguments.size() >= 4 && arguments[0] == "work")
     return parkade::Work(arguments[1], arguments[2], {arguments.begin() + 3, arguments.end()});
   return 2;

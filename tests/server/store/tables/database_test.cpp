@@ -127,15 +127,14 @@ TEST(Database, TakesOverJobsOfTheSchemaBefore) {
       connection.Execute("ALTER TABLE jobs DROP COLUMN new_drive");
       connection.Execute("ALTER TABLE map_files DROP COLUMN pieces");
       connection.Execute("DROP INDEX drives_by_inspection");
-      for (const char* column : {"inspection_state", "inspection"})
+      for (const char* column : {"inspection_state", "inspection", "created_by"})
         connection.Execute(std::string("ALTER TABLE drives DROP COLUMN ") + column);
-      for (const char* table : {"uploads", "file_checks"})
+      for (const char* table : {"uploads", "file_checks", "sessions", "shares", "tokens", "audit"})
         connection.Execute(std::string("DROP TABLE ") + table);
-      connection.Execute("ALTER TABLE jobs DROP COLUMN not_before");
-      for (const char* table : {"sessions", "tokens", "shares", "audit"})
-        connection.Execute(std::string("DROP TABLE ") + table);
-      connection.Execute("ALTER TABLE drives DROP COLUMN created_by");
       DropReviewSchema(connection);
+      connection.Execute("UPDATE jobs SET pid = 7");
+      for (const char* column : {"not_before", "engine", "engine_id", "engine_waits"})
+        connection.Execute(std::string("ALTER TABLE jobs DROP COLUMN ") + column);
       connection.Execute("PRAGMA user_version=3");
     });
   }
@@ -144,6 +143,7 @@ TEST(Database, TakesOverJobsOfTheSchemaBefore) {
   database.Read([](Connection& connection) {
     EXPECT_EQ(FindJob(connection, "j").new_drive, std::nullopt)
         << "its drives stay as they were chosen";
+    EXPECT_EQ(FindJob(connection, "j").place->pid, 7) << "to be killed where it lives";
     EXPECT_EQ(FindJob(connection, "j").drives, std::vector<std::string>{"d"});
     EXPECT_EQ(FindDrive(connection, "d").state, DriveState::kReady) << "it is in a map";
   });

@@ -1,0 +1,97 @@
+#include "server/jobs/slurm/node_files.h"
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+
+#include "core/error.h"
+#include "core/file.h"
+
+namespace parkade {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using Kind = WorkerExit::Kind;
+
+constexpr std::size_t kMaxExitBytes = 65536;
+constexpr const char* kScript = "#!/bin/sh\nexec \"$@\"\n";
+
+constexpr std::array<std::pair<Kind, const char*>, 5> kKinds = {{{Kind::kDone, "done"},
+                                                                 {Kind::kFailed, "failed"},
+                                                                 {Kind::kCrashed, "crashed"},
+                                                                 {Kind::kCancelled, "cancelled"},
+                                                                 {Kind::kReturned, "returned"}}};
+
+std::string ToText(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::optional<WorkerExit> ReadExit(const fs::path& file) {
+  try {
+    const Json json = Json::parse(ReadFile(file, kMaxExitBytes));
+    for (const auto& [kind, word] : kKinds)
+      if (json.at("kind") == word)
+        return WorkerExit{kind, json.at("code").get<std::string>(),
+                          json.at("sentence").get<std::string>()};
+  } catch (const std::exception&) {
+    // Not there yet.
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void WriteNodeOrder(const fs::path& attempt, const NodeOrder& order) {
+  // A path that is not UTF-8 would come out as another one: dump throws.
+  const Json json = {{"command", order.command},
+                     {"seconds", order.limits.time.count()},
+                     {"memory_bytes", order.limits.memory_bytes},
+                     {"hang_ms", order.limits.hang.count()},
+                     {"silence_ms", order.limits.silence.count()}};
+  fs::create_directory(attempt / "runs");
+  WriteFileAtomically(attempt / "runs" / "order.json", json.dump() + "\n");
+}
+
+NodeOrder ReadNodeOrder(const fs::path& attempt) {
+  const std::string text = ReadFile(attempt / "runs" / "order.json");
+  try {
+    const Json json = Json::parse(text);
+    NodeOrder order;
+    order.command = json.at("command").get<std::vector<std::string>>();
+    order.limits.time = std::chrono::seconds(json.at("seconds").get<std::int64_t>());
+    order.limits.memory_bytes = json.at("memory_bytes").get<std::int64_t>();
+    order.limits.hang = std::chrono::milliseconds(json.at("hang_ms").get<std::int64_t>());
+    order.limits.silence = std::chrono::milliseconds(json.at("silence_ms").get<std::int64_t>());
+    return order;
+  } catch (const Json::exception&) {
+    throw Error(ErrorCode::kInternal, "the order of the attempt is damaged");
+  }
+}
+
+void WriteNodeScript(const fs::path& attempt) { WriteFileAtomically(NodeScript(attempt), kScript); }
+
+fs::path NodeScript(const fs::path& attempt) { return attempt / "runs" / "run.sh"; }
+
+fs::path RunFolder(const fs::path& attempt, const std::string& slurm_id, int restarts) {
+  return attempt / "runs" / (slurm_id + "-" + std::to_string(restarts));
+}
+
+void WriteNodeExit(const fs::path& run, const WorkerExit& exit) {
+  for (const auto& [kind, word] : kKinds)
+    if (kind == exit.kind)
+      WriteFileAtomically(
+          run / "exit.json",
+          ToText({{"kind", word}, {"code", exit.code}, {"sentence", exit.sentence}}));
+}
+
+std::optional<NodeExit> FindNodeExit(const fs::path& attempt) {
+  std::error_code error;
+  for (fs::directory_iterator entry(attempt / "runs", error), end; !error && entry != end;
+       entry.increment(error))
+    if (const auto exit = ReadExit(entry->path() / "exit.json")) return NodeExit{*entry, *exit};
+  return std::nullopt;
+}
+
+}  // namespace parkade

@@ -1,0 +1,155 @@
+#include "server/jobs/slurm/slurm_attempt.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "server/jobs/slurm/node_files.h"
+
+namespace parkade {
+namespace {
+
+using std::chrono::milliseconds;
+using Kind = WorkerExit::Kind;
+
+constexpr milliseconds kInterval{1000};        // between looks
+constexpr milliseconds kHasty{100};            // the same, while its end is awaited
+constexpr milliseconds kMaxPause{60'000};      // between tries to hand it over
+constexpr milliseconds kCancelPatience{3500};  // then it counts as ended, also without Slurm's word
+constexpr int kMaxRestarts = 5;
+
+}  // namespace
+
+SlurmAttempt::SlurmAttempt(const SlurmCommands& commands, SlurmQueue& queue,
+                           milliseconds exit_patience, std::filesystem::path folder,
+                           std::string comment, const std::optional<JobPlace>& place)
+    : commands_(commands),
+      queue_(queue),
+      exit_patience_(exit_patience),
+      folder_(std::move(folder)),
+      comment_(std::move(comment)),
+      place_(place.value_or(JobPlace{.engine = "slurm", .waits = true})),
+      known_since_(Clock::now()) {
+  if (!place_.id && place) unsure_since_ = Clock::now();
+  queue_.Follow(comment_, place_.id.value_or(""));
+}
+
+SlurmAttempt::~SlurmAttempt() { queue_.Forget(comment_); }
+
+AttemptNews SlurmAttempt::Look() {
+  if (!place_.id && !unsure_since_ && !cancelled_ && Clock::now() >= next_try_) {
+    Submit();
+  } else {
+    look_ = queue_.Wait(look_, cancelled_ ? kHasty : kInterval);
+  }
+  if (!place_.id) HandOver();
+  const bool has_spoken = ReadProgress();
+  end_ = FindEnd();
+  return {.has_ended = end_.has_value(), .has_spoken = has_spoken};
+}
+
+void SlurmAttempt::Cancel() {
+  if (!cancelled_) cancelled_ = Clock::now();
+  if (place_.id) queue_.Cancel(*place_.id);
+}
+
+/// Finds out whether Slurm has taken what it did not answer for.
+void SlurmAttempt::HandOver() {
+  if (!unsure_since_ || !look_) return;
+  if (!look_->trouble.empty()) reason_ = look_->trouble;
+  if (look_->begun <= *unsure_since_) return;
+  for (const auto& [id, job] : look_->jobs)
+    if (job.comment == comment_) return SetId(id);
+  unsure_since_.reset();  // it has not
+}
+
+void SlurmAttempt::Submit() {
+  try {
+    SetId(commands_.Submit(NodeScript(folder_), folder_, comment_));
+  } catch (const Error& error) {
+    if (reason_ != error.what()) LogWarning("slurm job=" + comment_ + " refused=" + error.what());
+    reason_ = error.what();
+    unsure_since_ = Clock::now();
+    next_try_ = Clock::now() + pause_;
+    pause_ = std::min(2 * pause_, kMaxPause);
+  }
+}
+
+void SlurmAttempt::SetId(const std::string& id) {
+  place_.id = id;
+  reason_.clear();
+  unsure_since_.reset();
+  known_since_ = Clock::now();
+  queue_.Follow(comment_, id);
+  LogInfo("slurm job=" + id + " comment=" + comment_);
+}
+
+std::optional<SlurmAttempt::End> SlurmAttempt::FindEnd() {
+  if (const auto found = FindNodeExit(folder_)) return End{found->exit, found->run / "out"};
+  const auto asked = AskSlurm();
+  if (asked) return End{*asked, {}};
+  const bool is_given_up =
+      cancelled_ && (!place_.id || Clock::now() - *cancelled_ >= kCancelPatience);
+  if (is_given_up) return End{{Kind::kCancelled, "cancelled", "cancelled"}, {}};
+  return std::nullopt;
+}
+
+std::optional<WorkerExit> SlurmAttempt::AskSlurm() {
+  if (!place_.id || !look_) return std::nullopt;
+  if (!look_->trouble.empty()) reason_ = look_->trouble;
+  if (!look_->trouble.empty() || look_->begun <= known_since_) return std::nullopt;
+  const auto found = look_->jobs.find(*place_.id);
+  // A controller that lost its latest state gives the same number again, to another job.
+  const bool is_ours = found != look_->jobs.end() && found->second.comment == comment_;
+  if (is_ours) return Understand(found->second);
+  return AfterPatience(
+      {Kind::kCrashed, "crashed", "Slurm does not know the job any more, and it left no word"});
+}
+
+std::optional<WorkerExit> SlurmAttempt::Understand(const SlurmJob& job) {
+  const SlurmPhase phase = PhaseOf(job);
+  place_.waits = phase == SlurmPhase::kWaiting;
+  reason_ = place_.waits ? job.reason : "";
+  if (job.restarts != restarts_)
+    LogWarning("slurm job=" + job.id + " starts again restarts=" + std::to_string(job.restarts));
+  restarts_ = job.restarts;
+  if (phase != SlurmPhase::kEnded) {
+    silent_since_.reset();
+    return GiveUp(job);
+  }
+  const WorkerExit exit = ExplainSlurmEnd(job, latest_.stage);
+  // It ended by itself: its last word is on the way.
+  if (job.state == "COMPLETED" || job.state == "FAILED") return AfterPatience(exit);
+  return exit;
+}
+
+/// Ends a job that Slurm would keep for ever.
+std::optional<WorkerExit> SlurmAttempt::GiveUp(const SlurmJob& job) {
+  const bool is_held = place_.waits && job.has_failed_to_start;
+  if (!is_held && restarts_ < kMaxRestarts) return std::nullopt;
+  queue_.Cancel(job.id);
+  if (is_held)
+    return WorkerExit{Kind::kCrashed, "crashed", "Slurm could not start the job on its node"};
+  return WorkerExit{
+      Kind::kFailed, "crashed",
+      "Slurm had to start the job again " + std::to_string(restarts_) + " times: it was ended"};
+}
+
+std::optional<WorkerExit> SlurmAttempt::AfterPatience(const WorkerExit& exit) {
+  if (!silent_since_) silent_since_ = Clock::now();
+  if (Clock::now() - *silent_since_ < exit_patience_ && !cancelled_) return std::nullopt;
+  return exit;
+}
+
+/// Follows the latest run.
+bool SlurmAttempt::ReadProgress() {
+  if (!place_.id) return false;
+  const std::filesystem::path file = RunFolder(folder_, *place_.id, restarts_) / "progress.ndjson";
+  if (!progress_ || progress_->file() != file) progress_.emplace(file);
+  if (!progress_->Poll()) return false;
+  latest_ = progress_->latest();
+  return true;
+}
+
+}  // namespace parkade

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "server/jobs/slurm/slurm_job.h"
+#include "server/jobs/slurm/slurm_options.h"
+
+namespace parkade {
+
+/// The three commands of Slurm that a service uses. Each throws Error{kInternal} with what the
+/// command said when it fails, does not answer in time or answers nonsense. Thread-safe.
+class SlurmCommands {
+ public:
+  explicit SlurmCommands(const SlurmOptions& options) : options_(options) {}
+
+  /// Hands over a job that runs `script` in `folder` with the node's program and the folder as its
+  /// words, and returns its number. Where it throws, Slurm may have taken the job all the same: it
+  /// is known by its comment then.
+  std::string Submit(const std::filesystem::path& script, const std::filesystem::path& folder,
+                     const std::string& comment) const;
+
+  /// All jobs that Slurm knows, also those that ended some minutes ago.
+  std::vector<SlurmJob> Queue() const;
+
+  /// Ends jobs. Those that have ended are no error.
+  void Cancel(const std::vector<std::string>& ids) const;
+
+ private:
+  std::string Run(const std::string& program, std::vector<std::string> arguments) const;
+
+  SlurmOptions options_;
+};
+
+}  // namespace parkade

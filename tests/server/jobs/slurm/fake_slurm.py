@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+"""sbatch, squeue and scancel for tests, by the name it is called by. Its folder holds the state:
+
+    jobs/ID.json          what squeue shows of a job
+    calls                 the words of every call, a line of JSON each
+    COMMAND.mode          how COMMAND behaves; see below
+    hold                  while this is there, jobs wait
+
+sbatch starts the script at once, as a process of its own.
+"""
+
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+
+FOLDER = pathlib.Path(sys.argv[0]).parent
+NAME = pathlib.Path(sys.argv[0]).name
+
+
+def mode():
+    file = FOLDER / f"{NAME}.mode"
+    return file.read_text().strip() if file.exists() else "well"
+
+
+def write(job, **changes):
+    file = FOLDER / "jobs" / f"{job}.json"
+    content = json.loads(file.read_text()) if file.exists() else {}
+    content.update(changes)
+    temporary = file.with_suffix(f".{os.getpid()}")
+    temporary.write_text(json.dumps(content))
+    temporary.rename(file)
+
+
+def state(job):
+    return json.loads((FOLDER / "jobs" / f"{job}.json").read_text())["job_state"]
+
+
+def fail(sentence):
+    print(f"{NAME}: error: {sentence}", file=sys.stderr)
+    sys.exit(1)
+
+
+def run(job, command, folder):
+    """The job's own process, which outlives sbatch."""
+    if os.fork() != 0:
+        return
+    os.setsid()
+    quiet = os.open("/dev/null", os.O_RDWR)
+    for stream in (0, 1, 2):
+        os.dup2(quiet, stream)
+    while (FOLDER / "hold").exists():
+        if state(job) != "PENDING":
+            os._exit(0)
+        time.sleep(0.02)
+    with open(pathlib.Path(folder) / "log.txt", "ab") as log:
+        process = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, start_new_session=True,
+                                   env={"SLURM_JOB_ID": str(job), "PATH": os.environ["PATH"]})
+    write(job, job_state="RUNNING", state_reason="None", pid=process.pid)
+    status = process.wait()
+    if state(job) == "RUNNING":
+        code = -status if status < 0 else status << 8
+        write(job, job_state="COMPLETED" if status == 0 else "FAILED", exit_code=code)
+    os._exit(0)
+
+
+def sbatch():
+    if mode() == "refuse":
+        fail("Unable to contact slurm controller (connect failure)")
+    if mode() == "nonsense":
+        print("Welcome to the cluster!")
+        return
+    options = dict(word[2:].split("=", 1) for word in sys.argv[1:] if word.startswith("--") and "=" in word)
+    command = [word for word in sys.argv[1:] if not word.startswith("--")]
+    job = 1 + max([100] + [int(file.stem) for file in (FOLDER / "jobs").glob("*.json")])
+    write(job, job_id=job, comment=options["comment"], current_working_directory=options["chdir"],
+          job_state="PENDING", state_reason="Resources", restart_cnt=0, exit_code=0)
+    # As Slurm does, which copies the script.
+    run(job, ["/bin/sh", *command], options["chdir"])
+    if mode() == "lose the answer":
+        fail("Batch job submission failed: Socket timed out on send/recv operation")
+    print(f"{job};cluster" if mode() == "with cluster" else job)
+
+
+def squeue():
+    if mode() == "down":
+        fail("slurm_load_jobs error: Unable to contact slurm controller (connect failure)")
+    if mode() == "slow":
+        time.sleep(60)
+    jobs = [json.loads(file.read_text()) for file in (FOLDER / "jobs").glob("*.json")]
+    text = json.dumps({"meta": {}, "errors": [], "jobs": jobs})
+    print({"nonsense": "Welcome to the cluster!", "cut": text[:len(text) // 2]}.get(mode(), text))
+
+
+def scancel():
+    if mode() == "down":
+        fail("Unable to contact slurm controller (connect failure)")
+    for job in sys.argv[1:]:
+        file = FOLDER / "jobs" / f"{job}.json"
+        if not file.exists() or state(job) not in ("PENDING", "RUNNING"):
+            fail(f"Kill job error on job id {job}: Invalid job id specified")
+        write(job, job_state="CANCELLED")
+        if pid := json.loads(file.read_text()).get("pid"):
+            os.kill(pid, signal.SIGTERM)
+
+
+with open(FOLDER / "calls", "a") as calls:
+    calls.write(json.dumps([NAME, *sys.argv[1:]]) + "\n")
+{"sbatch": sbatch, "squeue": squeue, "scancel": scancel}[NAME]()
