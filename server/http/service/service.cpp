@@ -92,7 +92,12 @@ class Service::Parts {
         viewer_(options_.web_root),
         gate_(store_.database, options_.request_rate),
         http_(shutdown_signal_, metrics_, options_.num_threads,
-              {.any = [this] { return options_.allow_public || !gate_.was_open(); },
+              {.any =
+                   [this] {
+                     // Where names are named, no others.
+                     return options_.allow_public ||
+                            (options_.proxy_host.empty() && !gate_.was_open());
+                   },
                .proxy_host = options_.proxy_host}) {
     const bool is_public = options_.allow_public || !options_.proxy_host.empty();
     Require(!is_public || store_.database.Read(HasUsableAdmin), ErrorCode::kUsage,
