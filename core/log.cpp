@@ -8,8 +8,6 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "core/log_fields.h"
-
 namespace parkade {
 namespace {
 

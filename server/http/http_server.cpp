@@ -8,7 +8,7 @@
 #include <chrono>
 
 #include "core/error.h"
-#include "core/log_fields.h"
+#include "core/log.h"
 #include "server/http/current_socket.h"
 
 namespace parkade {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/log_fields.h"
+#include "core/log.h"
 #include "server/jobs/inspect_command.h"
 #include "server/jobs/job_limits.h"
 #include "server/jobs/job_spec.h"

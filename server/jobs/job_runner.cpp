@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "core/log_fields.h"
+#include "core/log.h"
 #include "server/jobs/check_logs.h"
 #include "server/jobs/local_engine.h"
 #include "server/store/job_queue.h"

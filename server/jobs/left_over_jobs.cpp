@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "core/error.h"
-#include "core/log_fields.h"
+#include "core/log.h"
 #include "server/jobs/worker_process.h"
 #include "server/store/job_queue.h"
 #include "server/store/tables/job_table.h"

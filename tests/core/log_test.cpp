@@ -6,7 +6,6 @@
 #include <regex>
 #include <thread>
 
-#include "core/log_fields.h"
 
 namespace parkade {
 namespace {

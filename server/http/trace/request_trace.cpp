@@ -7,7 +7,7 @@
 #include <atomic>
 #include <cctype>
 
-#include "core/log_fields.h"
+#include "core/log.h"
 #include "server/store/tables/names.h"
 
 namespace parkade {

@@ -5,7 +5,7 @@
 #include <regex>
 #include <sstream>
 
-#include "core/log_fields.h"
+#include "core/log.h"
 #include "tests/server/http/access/guarded_service.h"
 #include "tests/server/http/raw_client.h"
 
