@@ -251,7 +251,8 @@ class Service::Parts {
   int Expected(const httplib::Request& request, httplib::Response& response) {
     if (request.method != "PUT" || request.path != "/api/v1/drives") return 100;
     try {
-      const WorkFor scope(gate_.Admit(RouteOf(request.method, request.path), request, response));
+      const Caller caller = gate_.Admit(RouteOf(request.method, request.path), request, response);
+      const WorkFor scope(caller);
       CheckUpload(request, *context_);
       return 100;
     } catch (const std::exception&) {

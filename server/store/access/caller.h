@@ -42,6 +42,7 @@ std::optional<std::string> IdOfCurrentCaller();
 class WorkFor {
  public:
   explicit WorkFor(const Caller& caller);
+  explicit WorkFor(Caller&&) = delete;  ///< it would be gone already
   ~WorkFor();
   WorkFor(const WorkFor&) = delete;
   WorkFor& operator=(const WorkFor&) = delete;
