@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kTextPattern = "%Y-%m-%dT%H:%M:%S.%eZ %l %v";
 constexpr const char* kJsonPattern = R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l",%v})";
 
-std::atomic<LogFormat> log_format = LogFormat::kText;
+std::atomic<LogLineFormat> log_format = LogLineFormat::kText;
 
 LogFields& ContextOfThread() {
   thread_local LogFields fields;
@@ -84,9 +84,9 @@ LogField::LogField(std::string field, double number) : name(std::move(field)), i
 
 void SetLogLevel(LogLevel level) { Logger().set_level(ToSpdlog(level)); }
 
-void SetLogFormat(LogFormat format) {
+void SetLogLineFormat(LogLineFormat format) {
   log_format = format;
-  Logger().set_pattern(format == LogFormat::kJson ? kJsonPattern : kTextPattern,
+  Logger().set_pattern(format == LogLineFormat::kJson ? kJsonPattern : kTextPattern,
                        spdlog::pattern_time_type::utc);
 }
 
@@ -94,7 +94,7 @@ void Log(LogLevel level, const std::string& message) { Log(level, message, {}); 
 
 void Log(LogLevel level, const std::string& message, const LogFields& fields) {
   if (!Logger().should_log(ToSpdlog(level))) return;
-  const bool is_json = log_format == LogFormat::kJson;
+  const bool is_json = log_format == LogLineFormat::kJson;
   std::string line = is_json ? "\"message\":" + Quoted(message) : message;
   const LogFields& context = ContextOfThread();
   for (const LogFields* some : {&fields, &context})

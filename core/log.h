@@ -35,13 +35,13 @@ struct LogField {
 };
 using LogFields = std::vector<LogField>;
 
-enum class LogFormat {
+enum class LogLineFormat {
   kText,  ///< "2026-11-21T04:22:27.123Z info job started job=6f attempt=1"
   kJson,  ///< {"time":"2026-11-21T04:22:27.123Z","level":"info","message":"job started",...}
 };
 
 /// Text from the start. Thread-safe.
-void SetLogFormat(LogFormat format);
+void SetLogLineFormat(LogLineFormat format);
 
 /// Writes one line as Log(level, message) does, with the fields and those of the thread's contexts.
 void Log(LogLevel level, const std::string& message, const LogFields& fields);

@@ -75,8 +75,8 @@ std::vector<std::string> PicturesCommand(const std::filesystem::path& log,
 }
 
 void AddLogOptions(CLI::App& command, ServeOptions& options) {
-  const std::map<std::string, LogFormat> formats = {{"text", LogFormat::kText},
-                                                    {"json", LogFormat::kJson}};
+  const std::map<std::string, LogLineFormat> formats = {{"text", LogLineFormat::kText},
+                                                        {"json", LogLineFormat::kJson}};
   command.add_option("--log-format", options.log_format, "text, or json: one object per line")
       ->envname("PARKADE_LOG_FORMAT")
       ->transform(CLI::CheckedTransformer(formats).description("text|json"))

@@ -27,7 +27,7 @@ struct ServeOptions {
   int request_rate = 100;      ///< [1/s] that a token or link may ask in the long run; 0: any
   std::string proxy_host;      ///< name that a proxy on this machine is reached by
   std::string accel_redirect;  ///< its location for files of maps (AccelRedirect); empty: none
-  LogFormat log_format = LogFormat::kText;
+  LogLineFormat log_format = LogLineFormat::kText;
   std::optional<bool> access_log;  ///< a line per request; nothing: where the format is JSON
   std::filesystem::path web_root;  ///< the built viewer; "/" says how to build it where missing
   int num_workers = 1;             ///< how many jobs run at a time

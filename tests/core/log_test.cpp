@@ -6,7 +6,6 @@
 #include <regex>
 #include <thread>
 
-
 namespace parkade {
 namespace {
 
@@ -14,7 +13,7 @@ class Logging : public testing::Test {
  protected:
   ~Logging() override {
     SetLogLevel(LogLevel::kInfo);
-    SetLogFormat(LogFormat::kText);
+    SetLogLineFormat(LogLineFormat::kText);
   }
 };
 
@@ -69,7 +68,7 @@ TEST_F(Logging, FieldsStandBehindTheMessageAndThoseOfTheThreadBehindThem) {
 }
 
 TEST_F(Logging, AsJsonEachLineIsAnObjectWhateverIsSaid) {
-  SetLogFormat(LogFormat::kJson);
+  SetLogLineFormat(LogLineFormat::kJson);
   testing::internal::CaptureStderr();
   {
     const LogContext request(LogFields{{"request", "a1"}});

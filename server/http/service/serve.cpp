@@ -105,8 +105,8 @@ void AskForFileDescriptors() {
 }  // namespace
 
 int Serve(const ServeOptions& options) {
-  SetLogFormat(options.log_format);
-  SetAccessLog(options.access_log.value_or(options.log_format == LogFormat::kJson));
+  SetLogLineFormat(options.log_format);
+  SetAccessLog(options.access_log.value_or(options.log_format == LogLineFormat::kJson));
   SignalWaiter signals;
   AskForFileDescriptors();
   Service service(options);

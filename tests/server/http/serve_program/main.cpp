@@ -215,7 +215,8 @@ int RunService(const std::string& data) {
   if (const char* name = std::getenv("PROXY_HOST")) options.proxy_host = name;
   if (const char* prefix = std::getenv("ACCEL_REDIRECT")) options.accel_redirect = prefix;
   if (const char* format = std::getenv("LOG_FORMAT"))
-    options.log_format = format == std::string("json") ? LogFormat::kJson : LogFormat::kText;
+    options.log_format =
+        format == std::string("json") ? LogLineFormat::kJson : LogLineFormat::kText;
   options.drain_seconds = 3;
   options.webhooks.limits.allow_private = std::getenv("WEBHOOK_PRIVATE") != nullptr;
   if (const char* pause = std::getenv("WEBHOOK_PAUSE"))

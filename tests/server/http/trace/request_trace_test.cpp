@@ -16,13 +16,13 @@ class RequestLog : public GuardedService {
  protected:
   RequestLog() {
     options_.proxy_host = "maps.example.org";
-    SetLogFormat(LogFormat::kJson);
+    SetLogLineFormat(LogLineFormat::kJson);
     SetAccessLog(true);
   }
   ~RequestLog() override {
     StopService();
     SetAccessLog(false);
-    SetLogFormat(LogFormat::kText);
+    SetLogLineFormat(LogLineFormat::kText);
   }
 
   /// Sends a request and returns its line of the log.
