@@ -6,11 +6,6 @@
 namespace parkade {
 namespace {
 
-template <typename Value>
-Json OrNull(const std::optional<Value>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 /// JSON text from the store, which our own code wrote.
 Json Parsed(const std::optional<std::string>& text) {
   if (!text) return nullptr;

@@ -11,6 +11,12 @@ namespace parkade {
 
 using Json = nlohmann::ordered_json;
 
+/// The value, null where there is none.
+template <typename Value>
+Json OrNull(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
 // Rows as the API shows them (openapi.json, components/schemas).
 
 /// The drive without what needs more than its row: see AddTrajectories.

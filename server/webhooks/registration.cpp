@@ -10,16 +10,16 @@
 
 #include "core/error.h"
 #include "server/store/access/audit_log.h"
-#include "server/store/review/text_rules.h"
 #include "server/store/tables/names.h"
 #include "server/store/tables/site_table.h"
+#include "server/store/tables/text_rules.h"
 #include "server/webhooks/address_check.h"
-#include "server/webhooks/signature.h"
 
 namespace parkade {
 namespace {
 
 constexpr size_t kMaxUrl = 2000;  // [bytes]
+constexpr size_t kSecretBytes = 32;
 // Each has one delivery under way at a time: this bounds the sender's memory and sockets.
 constexpr std::int64_t kMaxWebhooks = 100;
 
@@ -94,7 +94,7 @@ Webhook AddWebhook(Store& store, const NewWebhook& added, bool allow_private,
   webhook.url = added.url;
   webhook.events = added.events;
   webhook.site = added.site;
-  webhook.secret = NewSecret();
+  webhook.secret = HexOf(RandomBytes(kSecretBytes));
   webhook.author = author;
   webhook.created_at = NowUtc();
   store.database.Write([&](Connection& connection) {

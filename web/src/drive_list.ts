@@ -1,6 +1,7 @@
 import type { Drive, Job, Site } from './api';
 import { element } from './dom';
 import { formatBytes, formatDuration } from './format';
+import { mayUpload, seesDrives, type Caller } from './session';
 import { sitesWithoutDrives } from './sites';
 
 /** What the service has, newest first, as it lists them. */
@@ -10,31 +11,38 @@ export interface Stock {
   sites: Site[];
 }
 
-/** Shows drives with the progress of their jobs, and sites that have maps and no drives any more. */
+/** Shows drives with the progress of their jobs, and sites that have maps and no drives any more, or none that the
+ * caller may know of. */
 export function renderDrives(
   place: HTMLElement,
   { drives, jobs, sites }: Stock,
   selectedSite: string | null,
+  caller: Caller,
   onSelect: (site: string) => void,
 ): void {
   const focused = document.activeElement instanceof HTMLElement ? document.activeElement.dataset['drive'] : undefined;
   const entries = drives.map((drive) =>
     renderDrive(drive, newestJobOf(drive, jobs), drive.site === selectedSite, onSelect),
   );
+  const isInside = seesDrives(caller);
+  const none = mayUpload(caller) ? 'None yet. Add one above, or with curl.' : isInside ? 'None yet.' : '';
   place.replaceChildren(
-    element('h2', {}, 'Drives'),
-    ...(entries.length > 0 ? entries : [element('p', { class: 'hint' }, 'None yet. Add one above, or with curl.')]),
-    ...sitesWithoutDrives(drives, sites).map(({ name }) => renderSite(name, name === selectedSite, onSelect)),
+    element('h2', {}, isInside ? 'Drives' : 'Sites'),
+    ...(entries.length > 0 || none === '' ? entries : [element('p', { class: 'hint' }, none)]),
+    ...sitesWithoutDrives(drives, sites).map((site) => {
+      const hint = isInside ? 'its drives were deleted, its maps stay' : `version ${site.latest_version}`;
+      return renderSite(site.name, hint, site.name === selectedSite, onSelect);
+    }),
   );
   if (focused) place.querySelector<HTMLElement>(`[data-drive="${CSS.escape(focused)}"]`)?.focus();
 }
 
-function renderSite(name: string, isSelected: boolean, onSelect: (site: string) => void): HTMLElement {
+function renderSite(name: string, hint: string, isSelected: boolean, onSelect: (site: string) => void): HTMLElement {
   return element(
     'button',
     { class: 'drive', type: 'button', 'data-drive': `site ${name}`, 'aria-pressed': String(isSelected), click: () => onSelect(name) },
     element('span', { class: 'name' }, element('span', {}, name)),
-    element('p', { class: 'hint' }, 'its drives were deleted, its maps stay'),
+    element('p', { class: 'hint' }, hint),
   );
 }
 

@@ -93,21 +93,22 @@ async function showPreview({ preview }: Job): Promise<boolean> {
 }
 
 async function refresh(): Promise<void> {
+  if (!caller) return;
   try {
-    const isInside = caller !== null && seesDrives(caller);
+    const isInside = seesDrives(caller);
     const [drives, jobs, sites] = await Promise.all([
       isInside ? listDrives() : [],
       isInside ? listJobs() : [],
       listSites(),
     ]);
     selectedSite ??= firstSite(drives, sites);
-    renderDrives(byId('drives'), { drives, jobs, sites }, selectedSite, (site) => void showSite(site));
+    renderDrives(byId('drives'), { drives, jobs, sites }, selectedSite, caller, (site) => void showSite(site));
     const inWork = jobs.find((job) => job.site === selectedSite && job.state === 'running' && job.preview);
     if (inWork && (await showPreview(inWork))) return;
     if (selectedSite && hasMap(selectedSite, sites)) {
       await showLatestMap(selectedSite);
     } else if (shownMap.split('/')[0] !== selectedSite) {
-      clearMap(selectedSite ? `${selectedSite} has no map yet` : 'Add a drive to see its map');
+      clearMap(selectedSite ? `${selectedSite} has no map yet` : mayUpload(caller) ? 'Add a drive to see its map' : 'There is no map yet');
     }
   } catch (error) {
     say(error instanceof Error ? error.message : String(error));

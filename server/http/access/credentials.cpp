@@ -1,7 +1,8 @@
 #include "server/http/access/credentials.h"
 
+#include <strings.h>
+
 #include <algorithm>
-#include <cctype>
 #include <string_view>
 
 #include "server/http/problem.h"
@@ -9,7 +10,7 @@
 namespace parkade {
 namespace {
 
-constexpr std::string_view kScheme = "bearer ";
+constexpr std::string_view kScheme = "Bearer ";
 
 /// As a proxy says that took the request by TLS. A client that says so itself makes its own cookie
 /// useless.
@@ -34,13 +35,6 @@ std::optional<std::string> FindCookie(std::string_view cookies, std::string_view
   return std::nullopt;
 }
 
-bool IsInLowerCaseEqual(std::string_view text, std::string_view expected) {
-  if (text.size() != expected.size()) return false;
-  for (size_t i = 0; i < text.size(); ++i)
-    if (std::tolower(static_cast<unsigned char>(text[i])) != expected[i]) return false;
-  return true;
-}
-
 void SendCookie(const httplib::Request& request, const std::string& value,
                 const std::string& attributes, httplib::Response& response) {
   response.set_header("Set-Cookie", CookieName(request) + "=" + value +
@@ -54,7 +48,7 @@ Credentials CredentialsOf(const httplib::Request& request) {
   Credentials credentials;
   if (request.has_header("Authorization")) {
     const std::string value = request.get_header_value("Authorization");
-    if (!IsInLowerCaseEqual(std::string_view(value).substr(0, kScheme.size()), kScheme))
+    if (::strncasecmp(value.c_str(), kScheme.data(), kScheme.size()) != 0)
       throw HttpError({401, "unauthenticated", "say who you are by 'Authorization: Bearer TOKEN'"});
     credentials.bearer = value.substr(kScheme.size());
     return credentials;

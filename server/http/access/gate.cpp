@@ -22,6 +22,7 @@ using namespace std::chrono_literals;
 constexpr double kFailuresPerSecond = 1.0 / 6;
 constexpr double kFailuresAtOnce = 10;
 constexpr double kBurst = 10;  // [s] of requests that may come at once
+constexpr auto kUseIsNotedEvery = 1h;
 
 [[noreturn]] void ThrowUnauthenticated(httplib::Response& response, const std::string& sentence) {
   response.set_header("WWW-Authenticate", "Bearer");
@@ -135,11 +136,13 @@ Caller Gate::Admit(const Route& route, const httplib::Request& request,
 
 void Gate::NoteUse(const Caller& caller) {
   if (caller.has_link_only || database_.is_frozen()) return;
-  const bool is_noted = database_.Read([&](Connection& connection) {
-    const auto token = FindUsableTokenById(connection, caller.id);
-    return !token || (token->used_at && *token->used_at > UtcIn(-1h));
-  });
-  if (is_noted) return;
+  {
+    const RateLimiter::Clock::time_point now = RateLimiter::Clock::now();
+    const std::lock_guard lock(mutex_);
+    const auto [noted, is_first] = noted_.try_emplace(caller.id, now);
+    if (!is_first && now - noted->second < kUseIsNotedEvery) return;
+    noted->second = now;
+  }
   try {
     database_.Write([&](Connection& connection) { SetTokenUsed(connection, caller.id, NowUtc()); });
   } catch (const Error& error) {

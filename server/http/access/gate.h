@@ -3,7 +3,10 @@
 #include <httplib.h>
 
 #include <atomic>
+#include <map>
+#include <mutex>
 #include <optional>
+#include <string>
 
 #include "server/http/access/credentials.h"
 #include "server/http/access/rate_limiter.h"
@@ -48,6 +51,8 @@ class Gate {
   RateLimiter failures_, requests_;
   const bool has_limit_;
   std::atomic<bool> is_open_ = true;
+  std::mutex mutex_;
+  std::map<std::string, RateLimiter::Clock::time_point> noted_;  ///< uses, by token
 };
 
 /// Throws HttpError{403} unless the current caller may know of `site`; the site of something new

@@ -5,11 +5,6 @@
 namespace parkade {
 namespace {
 
-template <typename Value>
-Json ValueOrNull(const std::optional<Value>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 Json PinOrNull(const CommentPin& pin) {
   if (pin == CommentPin{}) return nullptr;
   Json json = Json::object();
@@ -33,14 +28,14 @@ Json ToJson(const Comment& comment) {
   return {{"id", comment.id},
           {"site", comment.site},
           {"version", comment.version},
-          {"thread", ValueOrNull(comment.thread)},
+          {"thread", OrNull(comment.thread)},
           {"text", comment.text},
           {"pin", PinOrNull(comment.pin)},
           {"author", comment.author},
           {"created_at", comment.created_at},
-          {"edited_at", ValueOrNull(comment.edited_at)},
-          {"resolved_at", ValueOrNull(comment.resolved_at)},
-          {"resolved_by", ValueOrNull(comment.resolved_by)},
+          {"edited_at", OrNull(comment.edited_at)},
+          {"resolved_at", OrNull(comment.resolved_at)},
+          {"resolved_by", OrNull(comment.resolved_by)},
           {"deleted", comment.deleted_at.has_value()}};
 }
 
@@ -55,7 +50,7 @@ Json ToJson(const Measurement& measurement) {
 
 Json ToJson(const Webhook& webhook) {
   return {{"id", webhook.id},         {"url", webhook.url},
-          {"events", webhook.events}, {"site", ValueOrNull(webhook.site)},
+          {"events", webhook.events}, {"site", OrNull(webhook.site)},
           {"author", webhook.author}, {"created_at", webhook.created_at}};
 }
 
@@ -66,11 +61,11 @@ Json ToJson(const Delivery& delivery) {
           {"state", ToText(delivery.state)},
           {"attempts", delivery.attempts},
           {"due_at", is_waiting ? Json(delivery.due_at) : Json(nullptr)},
-          {"status", ValueOrNull(delivery.status)},
-          {"duration_ms", ValueOrNull(delivery.duration_ms)},
-          {"error", ValueOrNull(delivery.error)},
+          {"status", OrNull(delivery.status)},
+          {"duration_ms", OrNull(delivery.duration_ms)},
+          {"error", OrNull(delivery.error)},
           {"created_at", delivery.created_at},
-          {"finished_at", ValueOrNull(delivery.finished_at)},
+          {"finished_at", OrNull(delivery.finished_at)},
           {"body", Json::parse(delivery.body, nullptr, /*allow_exceptions=*/false)}};
 }
 

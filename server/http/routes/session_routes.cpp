@@ -10,8 +10,8 @@ namespace {
 Json ViewOf(const Caller& caller) {
   return {{"name", caller.name},
           {"role", caller.has_link_only ? "link" : ToText(caller.role)},
-          {"sites", caller.sites ? Json(*caller.sites) : Json()},
-          {"version", caller.version ? Json(*caller.version) : Json()},
+          {"sites", OrNull(caller.sites)},
+          {"version", OrNull(caller.version)},
           {"pictures", caller.may_see_pictures}};
 }
 

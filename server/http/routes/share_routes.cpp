@@ -14,11 +14,11 @@ Json ToJson(const Share& share) {
   return {{"id", share.id},
           {"name", share.name},
           {"site", share.site},
-          {"version", share.version ? Json(*share.version) : Json()},
+          {"version", OrNull(share.version)},
           {"created_by", share.created_by},
           {"created_at", share.created_at},
           {"expires_at", share.expires_at},
-          {"revoked_at", share.revoked_at ? Json(*share.revoked_at) : Json()}};
+          {"revoked_at", OrNull(share.revoked_at)}};
 }
 
 Share WantedIn(const Json& object) {

@@ -8,13 +8,11 @@
 namespace parkade {
 namespace {
 
-Json OrNull(const std::optional<std::string>& text) { return text ? Json(*text) : Json(); }
-
 Json ToJson(const Token& token) {
   return {{"id", token.id},
           {"name", token.name},
           {"role", ToText(token.role)},
-          {"sites", token.sites ? Json(*token.sites) : Json()},
+          {"sites", OrNull(token.sites)},
           {"pictures", token.may_see_pictures},
           {"created_at", token.created_at},
           {"expires_at", OrNull(token.expires_at)},

@@ -99,12 +99,7 @@ class Service::Parts {
                             (options_.proxy_host.empty() && !gate_.was_open());
                    },
                .proxy_host = options_.proxy_host}) {
-    const bool is_public = options_.allow_public || !options_.proxy_host.empty();
-    Require(!is_public || store_.database.Read(HasUsableAdmin), ErrorCode::kUsage,
-            "--allow-public and --proxy-host need a token, so that not everybody may do "
-            "everything: parkade token "
-            "create NAME --role admin --data " +
-                options_.data.string());
+    RequireTokenForPublic();
     store_.disk_reserve = options_.disk_reserve;
     store_.database.OnFreeze([this] {
       if (on_disk_failure_) on_disk_failure_();
@@ -155,6 +150,15 @@ class Service::Parts {
   bool has_disk_failed() const { return store_.database.is_frozen(); }
 
  private:
+  void RequireTokenForPublic() {
+    const bool is_public = options_.allow_public || !options_.proxy_host.empty();
+    Require(
+        !is_public || store_.database.Read(HasUsableAdmin), ErrorCode::kUsage,
+        "--allow-public and --proxy-host need a token, so that not everybody may do everything: "
+        "parkade token create NAME --role admin --data " +
+            options_.data.string());
+  }
+
   UploadOptions OptionsOfUploads() {
     UploadOptions uploads;
     uploads.check_log = [this](const std::filesystem::path& file, const std::string& filename) {

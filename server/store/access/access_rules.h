@@ -7,8 +7,8 @@ namespace parkade {
 
 // What tokens and share links have in common. Each throws Error{kInvalidInput}.
 
-/// Requires a name for people: 1 to 100 bytes of UTF-8 without control characters.
-void RequireLabel(const std::string& name, const char* what);
+/// Requires a name for people: one line of at most 100 bytes of UTF-8.
+void RequireLabel(const std::string& name);
 
 /// Requires a time as UtcText writes it, and one to come.
 void RequireFuture(const std::string& time);

@@ -1,13 +1,12 @@
 #include "server/store/access/secrets.h"
 
 #include <openssl/evp.h>
-#include <openssl/rand.h>
 
 #include <algorithm>
 #include <array>
 
-#include "core/error.h"
 #include "core/sha256.h"
+#include "server/store/tables/names.h"
 
 namespace parkade {
 
@@ -21,9 +20,7 @@ const char* PrefixOf(SecretKind kind) {
 }
 
 std::string NewSecret(SecretKind kind) {
-  std::array<unsigned char, 32> bytes{};
-  Require(RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) == 1, ErrorCode::kInternal,
-          "no random numbers are to be had");
+  const std::vector<unsigned char> bytes = RandomBytes(32);
   std::array<unsigned char, 48> text{};
   const int size = EVP_EncodeBlock(text.data(), bytes.data(), static_cast<int>(bytes.size()));
   std::string secret(text.begin(), text.begin() + size);

@@ -48,7 +48,7 @@ std::string DetailOf(const Share& share) {
 }  // namespace
 
 NewShare CreateShare(Database& database, const Share& wanted) {
-  RequireLabel(wanted.name, "share link");
+  RequireLabel(wanted.name);
   RequireFuture(wanted.expires_at);
   NewShare made{wanted, NewSecret(SecretKind::kShare)};
   made.share.id = NewId();

@@ -48,7 +48,7 @@ std::string DetailOf(const Token& token) {
 }  // namespace
 
 NewToken CreateToken(Database& database, const Token& wanted) {
-  RequireLabel(wanted.name, "token");
+  RequireLabel(wanted.name);
   for (const std::string& site : wanted.sites.value_or(std::vector<std::string>()))
     Require(IsPlainName(site), ErrorCode::kInvalidInput, "'" + site + "' is not a site's name");
   Require(!wanted.sites || !wanted.sites->empty(), ErrorCode::kInvalidInput,

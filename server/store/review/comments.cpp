@@ -5,9 +5,9 @@
 
 #include "core/error.h"
 #include "server/store/access/audit_log.h"
-#include "server/store/review/text_rules.h"
 #include "server/store/tables/map_table.h"
 #include "server/store/tables/names.h"
+#include "server/store/tables/text_rules.h"
 
 namespace parkade {
 namespace {

@@ -6,9 +6,9 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "server/store/access/audit_log.h"
-#include "server/store/review/text_rules.h"
 #include "server/store/tables/names.h"
 #include "server/store/tables/outbox.h"
+#include "server/store/tables/text_rules.h"
 
 namespace parkade {
 namespace {

@@ -25,17 +25,21 @@ bool IsPlain(char c) { return IsLetterOrDigit(c) || c == '.' || c == '_' || c ==
 
 }  // namespace
 
-std::string NewId() {
-  std::array<unsigned char, 8> bytes{};
-  Require(RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) == 1, ErrorCode::kInternal,
+std::vector<unsigned char> RandomBytes(size_t count) {
+  std::vector<unsigned char> bytes(count);
+  Require(RAND_bytes(bytes.data(), static_cast<int>(count)) == 1, ErrorCode::kInternal,
           "no random numbers are to be had");
-  std::string id;
+  return bytes;
+}
+
+std::string HexOf(const std::vector<unsigned char>& bytes) {
+  constexpr char kHex[] = "0123456789abcdef";
+  std::string text;
   for (const unsigned char byte : bytes) {
-    constexpr char kHex[] = "0123456789abcdef";
-    id += kHex[byte >> 4];
-    id += kHex[byte & 15];
+    text += kHex[byte >> 4];
+    text += kHex[byte & 15];
   }
-  return id;
+  return text;
 }
 
 std::string UtcText(std::chrono::system_clock::time_point time) {

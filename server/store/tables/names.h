@@ -3,11 +3,18 @@
 #include <chrono>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace parkade {
 
-/// 16 hexadecimal digits from the kernel's random numbers.
-std::string NewId();
+/// From the kernel's random numbers. Throws Error{kInternal} where there are none.
+std::vector<unsigned char> RandomBytes(size_t count);
+
+/// Two hexadecimal digits for each byte.
+std::string HexOf(const std::vector<unsigned char>& bytes);
+
+/// 16 hexadecimal digits of random numbers.
+inline std::string NewId() { return HexOf(RandomBytes(8)); }
 
 /// A time as RFC 3339 in UTC with milliseconds, "2026-11-21T04:22:27.123Z": texts order as times
 /// do.

@@ -1,6 +1,6 @@
-#include "server/store/review/text_rules.h"
+#include "server/store/tables/text_rules.h"
 
-#include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "core/error.h"
 
@@ -19,6 +19,14 @@ bool HasControlCharacter(const std::string& text, bool may_have_lines) {
   return false;
 }
 
+bool IsUtf8(const std::string& text) {
+  try {
+    return !nlohmann::json(text).dump().empty();
+  } catch (const nlohmann::json::exception&) {
+    return false;
+  }
+}
+
 bool IsBlank(const std::string& text) {
   return text.find_first_not_of(" \t\r\n") == std::string::npos;
 }
@@ -30,6 +38,7 @@ void CheckText(const std::string& text, const TextRule& rule) {
   Require(text.size() <= rule.max_bytes, ErrorCode::kInvalidInput,
           name + " has " + std::to_string(text.size()) + " bytes: at most " +
               std::to_string(rule.max_bytes) + " are kept");
+  Require(IsUtf8(text), ErrorCode::kInvalidInput, name + " is not UTF-8");
   Require(!HasControlCharacter(text, rule.may_have_lines), ErrorCode::kInvalidInput,
           name + (rule.may_have_lines ? " has control characters"
                                       : " is one line without control characters"));

@@ -13,8 +13,8 @@ struct TextRule {
   bool may_have_lines = false;  ///< line breaks and tabs
 };
 
-/// Throws Error{kInvalidInput} unless `text` keeps to the rule. Control characters are never
-/// taken; everything else is, markup too: it is text, and whoever shows it shows it as such.
+/// Throws Error{kInvalidInput} unless `text` is UTF-8 and keeps to the rule. Control characters are
+/// never taken; everything else is, markup too: it is text, and whoever shows it shows it as such.
 void CheckText(const std::string& text, const TextRule& rule);
 
 }  // namespace parkade
