@@ -15,6 +15,10 @@ void AddInputs(CLI::App& command, MapArguments& arguments) {
                   "in their order ('-': the log's own)")
       ->allow_extra_args(false);
   command.add_option("--out", arguments.out, "folder for the map; made where missing");
+  command.add_option(
+      "--work", arguments.work,
+      "folder for results of stages, which outlives a run that was ended: the next one with the "
+      "same inputs goes on where it was");
   command.add_option("--cameras", arguments.cameras, "use these cameras only: cam0,cam2");
   command.add_flag("--no-wheel", arguments.no_wheel, "leave wheel odometry out");
   command.add_flag("--no-gnss", arguments.no_gnss, "leave GNSS out");
@@ -70,6 +74,12 @@ void AddRunOptions(CLI::App& command, MapArguments& arguments) {
       "--progress-file", arguments.progress_file,
       "append progress as lines of JSON; exit status 4 then is a full disk, 5 want of "
       "memory");
+  // For a service that prepares the drives of a site on several machines.
+  command
+      .add_option("--prepare", arguments.prepared,
+                  "only put into --work what the drive with this number needs by itself")
+      ->check(CLI::PositiveNumber)
+      ->group("");
 }
 
 }  // namespace

@@ -30,6 +30,7 @@
 #include "server/map_folder/write_calibration.h"
 #include "server/pipeline/build_map.h"
 #include "server/pipeline/plan_stages.h"
+#include "server/pipeline/prepare_drive.h"
 #include "server/pipeline/report.h"
 #include "server/pipeline/site_pins.h"
 
@@ -109,11 +110,35 @@ BuildScope BuildScopeOf(const MapArguments& arguments,
   scope.from = arguments.from;
   scope.preview = arguments.preview;
   scope.products = products;
+  scope.work = arguments.work;
   for (const std::string& loop : arguments.rejected_loops)
     AddDecision(loop, drives, &LoopReview::rejected, scope);
   for (const std::string& loop : arguments.forced_loops)
     AddDecision(loop, drives, &LoopReview::forced, scope);
   return scope;
+}
+
+/// Of the decisions on loops, those on one drive.
+std::vector<std::string> OnlyOf(const std::string& drive, const std::vector<std::string>& all) {
+  std::vector<std::string> own;
+  for (const std::string& loop : all)
+    if (loop.starts_with(drive + ":")) own.push_back(loop);
+  return own;
+}
+
+void PrepareAndKeep(const MapArguments& all, const MapOptions& options, Progress& progress) {
+  const size_t index = static_cast<size_t>(all.prepared) - 1;
+  MapArguments one = all;
+  one.logs = {all.logs[index]};
+  if (all.rigs.size() > 1) one.rigs = {all.rigs.at(index)};
+  const OutputFolder output(one.out);
+  const OpenedLogs logs = OpenLogs(one.logs, one.rigs, OpenOptionsOf(one));
+  const std::string& name = logs.drives.front()->name();
+  one.rejected_loops = OnlyOf(name, all.rejected_loops);
+  one.forced_loops = OnlyOf(name, all.forced_loops);
+  BuildScope scope = BuildScopeOf(one, logs.drives, output.staging());
+  scope.logs[name] = HashInputs(logs.sources, one.out).at(name).log.sha256;
+  PrepareDrive(logs.drives.front(), options, scope, progress);
 }
 
 void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Progress& progress) {
@@ -155,6 +180,10 @@ int RunMap(const MapArguments& arguments) {
   Require(!arguments.out.empty(), ErrorCode::kUsage, "map needs --out DIR");
   Require(arguments.preview.empty() || !arguments.from.empty(), ErrorCode::kUsage,
           "--preview needs --from: it is that map's ground, bent");
+  const bool is_prepared = arguments.prepared > 0;
+  Require(!is_prepared || (!arguments.work.empty() &&
+                           static_cast<size_t>(arguments.prepared) <= arguments.logs.size()),
+          ErrorCode::kUsage, "--prepare needs --work, and the number of one of the logs");
   // A network that cannot be read is reported now, not after a long drive was tracked.
   if (!options.ground.freespace_model.empty()) FreespaceNetwork{options.ground.freespace_model};
   TuneMalloc();
@@ -165,10 +194,13 @@ int RunMap(const MapArguments& arguments) {
   Progress::Outputs outputs;
   outputs.terminal = is_terminal && !arguments.is_quiet;
   if (!arguments.progress_file.empty()) outputs.file = arguments.progress_file;
-  Progress progress(PlanStages(arguments.logs.size(), arguments.is_odometry_only), outputs);
+  Progress progress(is_prepared ? PlanPreparation()
+                                : PlanStages(arguments.logs.size(), arguments.is_odometry_only),
+                    outputs);
   const RemoveAtSignal removal;
   try {
-    BuildAndWrite(arguments, options, progress);
+    is_prepared ? PrepareAndKeep(arguments, options, progress)
+                : BuildAndWrite(arguments, options, progress);
   } catch (const std::exception& exception) {
     if (!outputs.file) throw;
     // The service's worker: it has a status for each class.

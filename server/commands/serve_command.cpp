@@ -48,7 +48,10 @@ std::vector<std::string> WorkerCommand(const JobSpec& spec) {
     command.push_back("--pin=" + pin);
   if (spec.num_threads > 0)
     command.insert(command.end(), {"--threads", std::to_string(spec.num_threads)});
-  command.insert(command.end(), {"--out", spec.out, "--progress-file", spec.progress});
+  if (spec.prepared > 0)
+    command.insert(command.end(), {"--prepare", std::to_string(spec.prepared)});
+  command.insert(command.end(),
+                 {"--work", spec.work, "--out", spec.out, "--progress-file", spec.progress});
   return command;
 }
 

@@ -3,6 +3,8 @@
 #include <system_error>
 
 #include "core/error.h"
+#include "server/store/job_queue.h"
+#include "server/store/job_work.h"
 #include "server/store/tables/drive_table.h"
 #include "server/store/tables/map_table.h"
 #include "server/store/tables/rig_table.h"
@@ -55,11 +57,15 @@ AttemptFolder::AttemptFolder(Store& store, const Job& job)
   spec_.forced_loops = job.review.forced_loops;
   spec_.pins = job.review.pins;
   spec_.out = path_ / "out";
+  spec_.work = store.directory.WorkFolder(job.id);
+  // Twice it crashed: that may lie in what was kept, and the last try begins anew.
+  if (!job.place && job.crashes + 1 >= kMaxCrashes) DropWork(store, job.id);
   spec_.progress = path_ / "progress.ndjson";
   spec_.preview = path_ / kPreviewName;
   try {
     fs::create_directories(path_ / "input");
     fs::create_directories(spec_.out);
+    fs::create_directories(spec_.work);
     fs::create_directories(TemporaryFiles());
     // Hard links: deleting the drive meanwhile takes nothing from the worker.
     for (const Drive& drive : drives) {

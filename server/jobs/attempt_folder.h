@@ -17,6 +17,7 @@ namespace parkade {
 ///   runs/                where an engine may start the worker more than once: its own folders
 ///
 /// input/, out/, tmp/, runs/ and preview.glb are gone when this object is, unless they are kept.
+/// What the attempts of a job found lies beside them and stays (server/store/job_work.h).
 class AttemptFolder {
  public:
   /// Throws Error{kInvalidInput} for a job whose drives were all deleted, Error{kNotFound} when a

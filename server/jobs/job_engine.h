@@ -44,6 +44,9 @@ class EngineAttempt {
 struct EngineCapabilities {
   /// Attempts go on when the service ends, and the next one takes them up.
   bool outlives_service = false;
+  /// Several new drives of a site are tracked beside each other: one map takes them in sooner than
+  /// one after the other.
+  bool prepares_drives = false;
 };
 
 /// Runs the workers of jobs. The truth about jobs is in the store; an engine is only asked.

@@ -7,6 +7,7 @@
 #include "server/jobs/check_logs.h"
 #include "server/jobs/local_engine.h"
 #include "server/store/job_queue.h"
+#include "server/store/job_work.h"
 #include "server/store/publish_map.h"
 #include "server/store/tables/job_table.h"
 
@@ -46,7 +47,7 @@ JobRunner::~JobRunner() { Stop(); }
 std::optional<Job> JobRunner::NextJob(bool claims) {
   if (!left_over_.Recover()) return std::nullopt;
   if (const auto job = left_over_.TakeUp()) return job;
-  return claims ? ClaimJob(store_) : std::nullopt;
+  return claims ? ClaimJob(store_, engine_->capabilities().prepares_drives) : std::nullopt;
 }
 
 void JobRunner::Wake() { changed_.notify_all(); }
@@ -169,6 +170,7 @@ void JobRunner::EndBy(const Job& job, const EngineAttempt& attempt) {
   switch (end.kind) {
     case WorkerExit::Kind::kDone: Publish(job, attempt.products()); return;
     case WorkerExit::Kind::kFailed:
+      if (end.code == "disk_full") DropWork(store_, job.id);
       End(job, [&] { FailJob(store_, job, end.code, end.sentence); });
       return;
     case WorkerExit::Kind::kCrashed:
@@ -192,7 +194,12 @@ void JobRunner::Publish(const Job& job, const std::filesystem::path& products) {
     return;
   }
   const MapVersion map = PublishMap(store_, job, sealed);
+  DropWork(store_, job.id);
   events_.Publish("map", map.site + "/" + std::to_string(map.version));
+  for (const std::string& id : store_.database.Read([&](Connection& connection) {
+         return JobsOfVersion(connection, map.site, map.version);
+       }))
+    events_.Publish("job", id);
 }
 
 /// Follows an attempt to its end, or to the stop of a service that it outlives.

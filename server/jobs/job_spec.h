@@ -20,8 +20,11 @@ struct JobSpec {
       from;  ///< finished map whose odometry is taken instead of tracking again
   std::vector<std::string> rejected_loops, forced_loops;  ///< [DRIVE:]LOOP
   std::optional<std::vector<std::string>>
-      pins;                        ///< in the form of --pin; nothing: those of `from`; empty: none
-  std::filesystem::path out;       ///< empty folder for the products
+      pins;                    ///< in the form of --pin; nothing: those of `from`; empty: none
+  std::filesystem::path out;   ///< empty folder for the products
+  std::filesystem::path work;  ///< folder for results of stages that outlives the attempt
+  int prepared = 0;  ///< number in `logs`, from 1, of the drive that is only to be prepared in
+                     ///< `work`; 0: a map is to be made
   std::filesystem::path progress;  ///< file to append progress lines to
   int num_threads = 0;             ///< the worker may use; 0: as many as the machine has cores
   std::filesystem::path preview;   ///< file for what the map will look like, where `from` allows;

@@ -1,5 +1,6 @@
 #include "server/map_folder/stage_cache.h"
 
+#include <algorithm>
 #include <fstream>
 #include <optional>
 
@@ -11,6 +12,8 @@
 namespace parkade {
 namespace {
 
+namespace fs = std::filesystem;
+
 // A file is the magic and then any number of: key, SHA-256 of the result (64 hexadecimal digits
 // each), size, result.
 constexpr std::string_view kMagic = "parkade stages 1\n";
@@ -21,7 +24,7 @@ constexpr std::uint64_t kPieceBytes = std::uint64_t{1} << 20;
 /// Reads a file of results one by one.
 class ProductReader {
  public:
-  explicit ProductReader(const std::filesystem::path& file) : stream_(file, std::ios::binary) {
+  explicit ProductReader(const fs::path& file) : stream_(file, std::ios::binary) {
     std::string magic(kMagic.size(), ' ');
     is_good_ = stream_.read(magic.data(), std::ssize(magic)) && magic == kMagic;
   }
@@ -65,7 +68,7 @@ class ProductReader {
 };
 
 /// Hands on the result under the key; says whether there is a whole one.
-bool FindInFile(const std::filesystem::path& file, const std::string& key, const PieceSink& sink) {
+bool FindInFile(const fs::path& file, const std::string& key, const PieceSink& sink) {
   ProductReader reader(file);
   while (const std::optional<std::string> found = reader.Next()) {
     if (*found != key) {
@@ -80,7 +83,23 @@ bool FindInFile(const std::filesystem::path& file, const std::string& key, const
   return false;
 }
 
-bool HoldsOneResult(const std::filesystem::path& file) {
+struct Found {
+  fs::path file;
+  std::string result;
+};
+
+/// The result of the first folder that has a whole one.
+std::optional<Found> FindResult(const std::vector<fs::path>& folders, const std::string& file,
+                                const std::string& key) {
+  for (const fs::path& folder : folders) {
+    Found found{folder / file, {}};
+    if (FindInFile(found.file, key, [&](std::string_view piece) { found.result += piece; }))
+      return found;
+  }
+  return std::nullopt;
+}
+
+bool HoldsOneResult(const fs::path& file) {
   ProductReader reader(file);
   if (!reader.Next()) return false;
   reader.Skip();
@@ -88,18 +107,18 @@ bool HoldsOneResult(const std::filesystem::path& file) {
 }
 
 /// Makes a copy where an older map shares the file.
-void StopSharing(const std::filesystem::path& file) {
-  if (std::filesystem::hard_link_count(file) < 2) return;
-  std::filesystem::path copy = file;
+void StopSharing(const fs::path& file) {
+  if (fs::hard_link_count(file) < 2) return;
+  fs::path copy = file;
   copy += ".own";
   CopyToWrite(file, copy);
-  std::filesystem::rename(copy, file);
+  fs::rename(copy, file);
 }
 
-void Append(const std::filesystem::path& file, const std::string& key,
+void Append(const fs::path& file, const std::string& key,
             const std::function<void(const PieceSink&)>& write) {
-  std::filesystem::create_directories(file.parent_path());
-  const bool is_new = !std::filesystem::exists(file);
+  fs::create_directories(file.parent_path());
+  const bool is_new = !fs::exists(file);
   if (!is_new) StopSharing(file);
   if (is_new) std::ofstream(file, std::ios::binary) << kMagic;
   std::ofstream stream(file, std::ios::binary | std::ios::in | std::ios::ate);
@@ -124,63 +143,74 @@ void Append(const std::filesystem::path& file, const std::string& key,
 }
 
 /// The new map shares the whole file where it holds nothing else.
-bool TakeOver(const std::filesystem::path& from, const std::filesystem::path& to) {
-  if (std::filesystem::exists(to) || !HoldsOneResult(from)) return false;
+bool TakeOver(const fs::path& from, const fs::path& to) {
+  if (fs::exists(to) || !HoldsOneResult(from)) return false;
   LinkOrCopy(from, to);
   return true;
 }
 
 }  // namespace
 
-StageCache::StageCache(std::filesystem::path from, std::filesystem::path to)
-    : from_(std::move(from)), to_(std::move(to)) {}
+StageCache::StageCache(fs::path from, fs::path to, fs::path work)
+    : to_(std::move(to)), work_(std::move(work)) {
+  if (!from.empty()) sources_.push_back(std::move(from));
+  if (!work_.empty()) sources_.push_back(work_);
+}
 
 std::optional<std::string> StageCache::Find(const std::string& file, const std::string& key) const {
-  std::string result;
-  const bool is_there =
-      !from_.empty() &&
-      FindInFile(from_ / file, key, [&](std::string_view piece) { result += piece; });
-  return is_there ? std::optional(std::move(result)) : std::nullopt;
+  std::optional<Found> found = FindResult(sources_, file, key);
+  return found ? std::optional(std::move(found->result)) : std::nullopt;
 }
 
 std::string StageCache::Get(const std::string& file, const std::string& key,
                             const std::function<std::string()>& compute) const {
-  std::string result;
-  const bool is_there =
-      !from_.empty() &&
-      FindInFile(from_ / file, key, [&result](std::string_view piece) { result += piece; });
-  if (is_there && !to_.empty() && TakeOver(from_ / file, to_ / file)) return result;
-  if (!is_there) result = compute();
-  if (!to_.empty()) Append(to_ / file, key, [&](const PieceSink& sink) { sink(result); });
+  std::optional<Found> found = FindResult(sources_, file, key);
+  if (found && !to_.empty() && TakeOver(found->file, to_ / file)) return found->result;
+  const std::string result = found ? std::move(found->result) : compute();
+  if (to_.empty()) return result;
+  Append(to_ / file, key, [&](const PieceSink& sink) { sink(result); });
+  if (!found) Share(file);
   return result;
 }
 
 void StageCache::Keep(const std::string& file, const std::string& key,
                       const std::function<void(const PieceSink&)>& compute) const {
   if (to_.empty()) return;
-  const bool is_there = !from_.empty() && FindInFile(from_ / file, key, [](std::string_view) {});
-  if (is_there && TakeOver(from_ / file, to_ / file)) return;
+  const auto source = std::find_if(sources_.begin(), sources_.end(), [&](const fs::path& folder) {
+    return FindInFile(folder / file, key, [](std::string_view) {});
+  });
+  const bool is_there = source != sources_.end();
+  if (is_there && TakeOver(*source / file, to_ / file)) return;
   Append(to_ / file, key, [&](const PieceSink& sink) {
     if (is_there)
-      FindInFile(from_ / file, key, sink);
+      FindInFile(*source / file, key, sink);
     else
       compute(sink);
   });
+  if (!is_there) Share(file);
 }
 
-std::optional<std::string> LastProduct(const std::filesystem::path& file) {
+void StageCache::Share(const std::string& file) const {
+  if (!work_.empty()) LinkOrCopy(to_ / file, work_ / file);
+}
+
+std::optional<std::string> LastProduct(const fs::path& file) {
   ProductReader reader(file);
   std::optional<std::string> last;
   while (reader.Next()) last = reader.Read();
   return last;
 }
 
-void LinkOrCopy(const std::filesystem::path& from, const std::filesystem::path& to) {
-  std::filesystem::create_directories(to.parent_path());
-  std::filesystem::remove(to);
+void LinkOrCopy(const fs::path& from, const fs::path& to) {
+  fs::create_directories(to.parent_path());
+  fs::path next = to;
+  next += ".next";
+  fs::remove(next);
   std::error_code error;
-  std::filesystem::create_hard_link(from, to, error);
-  if (error) CopyToWrite(from, to);  // published files are read-only
+  fs::create_hard_link(from, next, error);
+  if (error) CopyToWrite(from, next);  // published files are read-only
+  fs::rename(next, to);
+  fs::remove(next);  // it is still there where both were one file
 }
 
 std::string KeyOf(const std::vector<std::string>& parts) {

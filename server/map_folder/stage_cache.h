@@ -18,9 +18,14 @@ class StageCache {
  public:
   /// \param from  finished map whose results may be taken; empty: none
   /// \param to    folder of the map in the making; empty: nothing is kept
-  StageCache(std::filesystem::path from, std::filesystem::path to);
+  /// \param work  folder that outlives a build that does not finish: what is in `to` is there as
+  ///              well, and may be taken by the next try; empty: none
+  StageCache(std::filesystem::path from, std::filesystem::path to, std::filesystem::path work = {});
 
-  /// The finished map's result under `key`; nothing where there is no whole one.
+  /// The folders that results may be taken from, the first one first.
+  const std::vector<std::filesystem::path>& sources() const { return sources_; }
+
+  /// The result under `key` that is there; nothing where there is no whole one.
   std::optional<std::string> Find(const std::string& file, const std::string& key) const;
 
   /// The result under `key`: taken where there is a whole one, else computed. It is kept in the new
@@ -34,8 +39,12 @@ class StageCache {
   void Keep(const std::string& file, const std::string& key,
             const std::function<void(const PieceSink&)>& compute) const;
 
+  /// Puts a file of the map in the making, which is whole, into `work` as well.
+  void Share(const std::string& file) const;
+
  private:
-  std::filesystem::path from_, to_;
+  std::vector<std::filesystem::path> sources_;
+  std::filesystem::path to_, work_;
 };
 
 /// The last result in a file of a finished map, whatever its key; nothing where there is no whole
@@ -43,6 +52,7 @@ class StageCache {
 std::optional<std::string> LastProduct(const std::filesystem::path& file);
 
 /// Links the file `from` under the name `to`, or copies it where the file system has no hard links.
+/// Whoever reads `to` finds the old file or the new one.
 void LinkOrCopy(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// One key for all these values, in their order.

@@ -22,7 +22,7 @@ std::optional<MapReader> OpenFrom(const BuildScope& scope) {
 BuildContext::BuildContext(const MapOptions& map_options, const BuildScope& build_scope)
     : options(map_options),
       scope(build_scope),
-      cache(build_scope.from, build_scope.products),
+      cache(build_scope.from, build_scope.products, build_scope.work),
       from(OpenFrom(build_scope)) {}
 
 }  // namespace parkade

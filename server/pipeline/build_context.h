@@ -19,6 +19,7 @@ struct BuildScope {
   std::filesystem::path from;     ///< finished map whose stages' products are taken where they fit
   LogHashes logs;  ///< by drive: products in `from` that were made from another log are not taken
   std::filesystem::path products;  ///< folder in which products are kept; empty: none, no surface
+  std::filesystem::path work;      ///< folder where they are kept, too, for a next try; empty: none
   std::filesystem::path preview;   ///< .glb that shows the map before it is done; empty: none
   std::map<std::string, LoopReview> loops;  ///< what a reviewer decided, by drive
   std::vector<SitePin> pins;                ///< where points of the site lie on Earth

@@ -137,7 +137,7 @@ void KeepKeyframes(const BuildContext& context, const DriveInWork& drive) {
 
 Keyed<std::shared_ptr<const GroundFile>> ObserveGround(const BuildContext& context,
                                                        const DriveInWork& drive) {
-  const auto& [from, to] = std::tie(context.scope.from, context.scope.products);
+  const std::filesystem::path& to = context.scope.products;
   Require(!to.empty(), ErrorCode::kInternal, "what is seen of the ground needs a folder to lie in");
   const GroundOptions& options = context.options.ground;
   const DriveLog& log = *drive.calibrated;
@@ -147,11 +147,11 @@ Keyed<std::shared_ptr<const GroundFile>> ObserveGround(const BuildContext& conte
           : Sha256OfFile(options.freespace_model);
   const std::string key = KeyOf({drive.odometry.key, "ground", std::to_string(kGroundVersion),
                                  BytesOf(log.rig()), TextOf(options), model});
-  const std::filesystem::path name = std::filesystem::path(log.name()) / "ground.bin";
+  const std::string name = log.name() + "/ground.bin";
   const std::filesystem::path file = to / name;
-  if (!from.empty())
-    if (std::shared_ptr<const GroundFile> taken = GroundFile::Open(from / name, key)) {
-      LinkOrCopy(from / name, file);
+  for (const std::filesystem::path& source : context.cache.sources())
+    if (std::shared_ptr<const GroundFile> taken = GroundFile::Open(source / name, key)) {
+      LinkOrCopy(source / name, file);
       return {taken, key};
     }
   GroundFileWriter writer(file, key);
@@ -160,6 +160,7 @@ Keyed<std::shared_ptr<const GroundFile>> ObserveGround(const BuildContext& conte
                               [&](GroundPatch&& patch) { writer.Add(patch); }));
   std::shared_ptr<const GroundFile> written = GroundFile::Open(file, key);
   Require(written != nullptr, ErrorCode::kInternal, "'" + file.string() + "' cannot be read again");
+  context.cache.Share(name);
   return {written, key};
 }
 

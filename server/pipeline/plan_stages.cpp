@@ -2,6 +2,10 @@
 
 namespace parkade {
 
+std::vector<StagePlan> PlanPreparation() {
+  return {{"track", 70}, {"close loops", 15}, {"refine", 10}, {"observe ground", 15}};
+}
+
 std::vector<StagePlan> PlanStages(size_t num_drives, bool is_odometry_only) {
   // Weights are shares of the time that a typical drive takes.
   const double drives = static_cast<double>(num_drives);

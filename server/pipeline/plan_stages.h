@@ -10,4 +10,7 @@ namespace parkade {
 /// The stages that BuildMap goes through, for Progress.
 std::vector<StagePlan> PlanStages(size_t num_drives, bool is_odometry_only);
 
+/// The stages that PrepareDrive goes through.
+std::vector<StagePlan> PlanPreparation();
+
 }  // namespace parkade

@@ -20,8 +20,9 @@ namespace parkade {
 ///   rigs/<id>/              rig files
 ///   maps/<id>/              published maps, never changed
 ///   jobs/<id>/attempt-<n>/  log, progress and unpublished products of a job
-///   pictures/<drive>/       pictures of its log that people looked at; may be deleted at any time
-///   tmp/                    uploads by one request, comparisons of maps; emptied at start
+///   jobs/<id>/work/         results of its stages, for its next attempt; may be deleted at any
+///   time pictures/<drive>/       pictures of its log that people looked at; may be deleted at any
+///   time tmp/                    uploads by one request, comparisons of maps; emptied at start
 ///   quarantine/             what was found without a row in the database; kept for a month
 class DataDirectory {
  public:
@@ -53,6 +54,9 @@ class DataDirectory {
   std::filesystem::path MapFolder(const std::string& map_id) const { return MapsFolder() / map_id; }
   std::filesystem::path JobFolder(const std::string& job_id) const { return JobsFolder() / job_id; }
   std::filesystem::path AttemptFolder(const std::string& job_id, int attempt) const;
+  std::filesystem::path WorkFolder(const std::string& job_id) const {
+    return JobFolder(job_id) / "work";
+  }
 
   /// The folder in tmp/ where the comparison of two published maps is kept.
   std::filesystem::path ComparisonFolder(const std::string& from_map,

@@ -42,6 +42,15 @@ void Requeue(Store& store, const Job& job, Setback setback, const std::string& r
   });
 }
 
+/// What failed may be the fault of a neighbor: the job is tried again without any.
+bool GoAlone(Connection& connection, const Job& job, const std::string& sentence) {
+  if (!RequeueJob(connection, job.id, job.attempt, Setback::kCrash, sentence, std::nullopt))
+    return false;
+  ResetDrives(connection, job);
+  SetStates(connection, job, DriveState::kQueued);
+  return true;
+}
+
 /// The job has ended, and with it what its drives wait for.
 void FinishJob(Connection& connection, const Job& job, DriveState state,
                const std::optional<std::string>& error = std::nullopt) {
@@ -113,12 +122,15 @@ Job QueueMap(Store& store, const std::string& site, std::vector<std::string> dri
   });
 }
 
-std::optional<Job> ClaimJob(Store& store) {
+std::optional<Job> ClaimJob(Store& store, bool takes_neighbors) {
   return store.database.Write([&](Connection& connection) -> std::optional<Job> {
     const std::optional<Job> next = NextQueuedJob(connection);
     if (!next) return std::nullopt;
     if (next->new_drive) {
-      SetJobDrives(connection, next->id, DrivesToJoin(connection, *next->new_drive));
+      // After a crash it goes alone: a neighbor may have been the reason.
+      std::vector<std::string> neighbors;
+      if (takes_neighbors && next->crashes == 0) neighbors = DrivesWaitingBeside(connection, *next);
+      SetJobDrives(connection, next->id, DrivesToJoin(connection, *next->new_drive, neighbors));
     } else {
       DropDeletedDrives(connection, next->id);
     }
@@ -131,6 +143,7 @@ std::optional<Job> ClaimJob(Store& store) {
 
 void FailJob(Store& store, const Job& job, const std::string& code, const std::string& sentence) {
   store.database.Write([&](Connection& connection) {
+    if (HasCompanions(connection, job) && GoAlone(connection, job, sentence)) return;
     if (EndJob(connection, job.id, job.attempt, {JobState::kFailed, sentence, code, std::nullopt}))
       FinishJob(connection, job, DriveState::kFailed, sentence);
   });

@@ -28,8 +28,9 @@ Job QueueMap(Store& store, const std::string& site, std::vector<std::string> dri
 
 /// Takes the oldest queued job, if any, and starts an attempt of it, without the drives that were
 /// deleted since it was queued. None may be left. A job with a new drive is joined with what its
-/// site has now, and waits while another job of its site runs.
-std::optional<Job> ClaimJob(Store& store);
+/// site has now, and waits while another job of its site runs. With `takes_neighbors`, new drives
+/// that wait beside it come into the same map: their jobs are done with its (PublishMap).
+std::optional<Job> ClaimJob(Store& store, bool takes_neighbors = false);
 
 /// How many attempts at a job may end by a crash of its worker.
 constexpr int kMaxCrashes = 3;
@@ -37,8 +38,8 @@ constexpr int kMaxCrashes = 3;
 /// job that takes the whole machine down must not do so for ever.
 constexpr int kMaxServiceEnds = 20;
 
-/// Ends an attempt that will not be tried again. Nothing happens when it is no
-/// longer the running one.
+/// Ends an attempt that will not be tried again, but for one that took in drives of other jobs,
+/// which is tried once more without them. Nothing happens when it is no longer the running one.
 void FailJob(Store& store, const Job& job, const std::string& code, const std::string& sentence);
 void FinishCancelledJob(Store& store, const Job& job);
 

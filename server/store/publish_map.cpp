@@ -74,6 +74,8 @@ void InsertVersion(Store& store, const Job& job, const ReportSummary& report, Ma
             "attempt " + std::to_string(job.attempt) + " of job '" + job.id +
                 "' is no longer the running one");
     NoteJobEnd(connection, FindJob(connection, job.id));
+    for (const std::string& companion : EndCompanions(connection, job, map.version))
+      NoteJobEnd(connection, FindJob(connection, companion));
     NotePublished(connection, map);
     for (const Drive& drive : map.drives) {
       SetDriveState(connection, drive.id, DriveState::kReady, std::nullopt);

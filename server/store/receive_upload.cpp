@@ -6,6 +6,7 @@
 #include "server/store/access/audit_log.h"
 #include "server/store/access/caller.h"
 #include "server/store/disk/durable_file.h"
+#include "server/store/job_work.h"
 #include "server/store/tables/check_table.h"
 #include "server/store/tables/drive_table.h"
 #include "server/store/tables/job_table.h"
@@ -129,6 +130,7 @@ void DeleteDrive(Store& store, const std::string& id) {
   RemoveUnusedLog(store, sha256);
   std::error_code ignored;  // the next start deletes what is left
   std::filesystem::remove_all(store.directory.PicturesFolder() / id, ignored);
+  DropWorkOfDrive(store, id);
   store.ballast.Restore();
 }
 

@@ -108,7 +108,7 @@ void ReconcileAttempts(Store& store) {
     const fs::path folder = store.directory.JobFolder(job);
     if (!fs::exists(folder)) continue;
     for (const fs::path& attempt : EntriesOf(folder)) {
-      if (in_use.contains(attempt)) continue;
+      if (in_use.contains(attempt) || attempt == store.directory.WorkFolder(job)) continue;
       fs::remove_all(attempt / "out");
       fs::remove_all(attempt / "input");
       fs::remove_all(attempt / "tmp");

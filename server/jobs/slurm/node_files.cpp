@@ -46,11 +46,12 @@ std::optional<WorkerExit> ReadExit(const fs::path& file) {
 void WriteNodeOrder(const fs::path& attempt, const NodeOrder& order) {
   // A path that is not UTF-8 would come out as another one: dump throws.
   const Json json = {{"command", order.command},
+                     {"preparations", order.preparations},
                      {"seconds", order.limits.time.count()},
                      {"memory_bytes", order.limits.memory_bytes},
                      {"hang_ms", order.limits.hang.count()},
                      {"silence_ms", order.limits.silence.count()}};
-  fs::create_directory(attempt / "runs");
+  fs::create_directories(attempt / "runs" / "prepare");
   WriteFileAtomically(attempt / "runs" / "order.json", json.dump() + "\n");
 }
 
@@ -60,6 +61,7 @@ NodeOrder ReadNodeOrder(const fs::path& attempt) {
     const Json json = Json::parse(text);
     NodeOrder order;
     order.command = json.at("command").get<std::vector<std::string>>();
+    order.preparations = json.value("preparations", order.preparations);
     order.limits.time = std::chrono::seconds(json.at("seconds").get<std::int64_t>());
     order.limits.memory_bytes = json.at("memory_bytes").get<std::int64_t>();
     order.limits.hang = std::chrono::milliseconds(json.at("hang_ms").get<std::int64_t>());
@@ -76,6 +78,20 @@ fs::path NodeScript(const fs::path& attempt) { return attempt / "runs" / "run.sh
 
 fs::path RunFolder(const fs::path& attempt, const std::string& slurm_id, int restarts) {
   return attempt / "runs" / (slurm_id + "-" + std::to_string(restarts));
+}
+
+fs::path PreparationProgress(const fs::path& attempt, int number) {
+  return attempt / "runs" / "prepare" / (std::to_string(number) + ".ndjson");
+}
+
+fs::path PreparationLog(const fs::path& attempt, int number) {
+  return attempt / "runs" / "prepare" / (std::to_string(number) + ".txt");
+}
+
+fs::path PreparationFolder(const fs::path& attempt, int number, const std::string& slurm_id,
+                           int restarts) {
+  return attempt / "runs" / "prepare" /
+         (std::to_string(number) + "-" + slurm_id + "-" + std::to_string(restarts));
 }
 
 void WriteNodeExit(const fs::path& run, const WorkerExit& exit) {

@@ -17,6 +17,9 @@ namespace parkade {
 //   runs/<run>/            one start of the worker; its working directory
 //     out/, tmp/, progress.ndjson
 //     exit.json            how it ended; there once it has, and whole
+//   runs/prepare/          where drives are prepared, before or instead of a run
+//     <n>.ndjson, <n>.txt  of the drive of the n-th preparation: progress, and what was printed
+//     <n>-<run>/           one start of its worker; its working directory
 //
 // All goes when the attempt has ended: whoever comes later finds no order and does nothing.
 //
@@ -29,6 +32,8 @@ struct NodeOrder {
   /// Paths for products, progress and preview in it are relative to the run's folder, or absolute.
   std::vector<std::string> command;
   JobLimits limits;
+  /// Of the workers that prepare one drive each, on any nodes, before the command runs.
+  std::vector<std::vector<std::string>> preparations = {};
 };
 
 /// Makes the folder of the runs, too. Throws as WriteFileAtomically does.
@@ -43,6 +48,12 @@ std::filesystem::path NodeScript(const std::filesystem::path& attempt);
 /// The folder of the run that Slurm calls by this number, restarted so often.
 std::filesystem::path RunFolder(const std::filesystem::path& attempt, const std::string& slurm_id,
                                 int restarts);
+
+/// A preparation, by its number from 0: its progress, what it prints, and the folder of its run.
+std::filesystem::path PreparationProgress(const std::filesystem::path& attempt, int number);
+std::filesystem::path PreparationLog(const std::filesystem::path& attempt, int number);
+std::filesystem::path PreparationFolder(const std::filesystem::path& attempt, int number,
+                                        const std::string& slurm_id, int restarts);
 
 /// Durable when it returns. Throws as WriteFileAtomically does.
 void WriteNodeExit(const std::filesystem::path& run, const WorkerExit& exit);

@@ -3,7 +3,10 @@
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
+#include <fstream>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "core/error.h"
 #include "server/jobs/local_engine.h"
@@ -15,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::chrono::milliseconds kStopPatience{2500};  // a cancelled job is gone within 5 s
+constexpr const char* kTask = "SLURM_ARRAY_TASK_ID";
 constexpr int kStopped = 128 + SIGTERM;
 
 std::atomic<bool> is_stopped = false;  // what a handler may use: lock-free
@@ -31,6 +35,48 @@ std::string NumberFromSlurm(const char* variable, const std::string& missing) {
   return text;
 }
 
+/// Runs a worker to its end; nothing where Slurm stopped it.
+std::optional<WorkerExit> RunWorker(const std::vector<std::string>& command,
+                                    const LocalAttempt::Place& place, const JobLimits& limits) {
+  // Not where the attempt has ended meanwhile, and its folders are gone.
+  const fs::path& run = place.worker.folder;
+  for (const fs::path& folder : {run, run / "out", run / "tmp"}) fs::create_directory(folder);
+  LocalAttempt worker(command, place, limits, kStopPatience);
+  while (!worker.Look().has_ended)
+    if (is_stopped) worker.Cancel();
+  return is_stopped ? std::nullopt : std::optional(worker.Exit());
+}
+
+LocalAttempt::Place PlaceIn(const fs::path& run, const fs::path& log, const fs::path& progress) {
+  return {.worker = {.folder = run, .log = log, .temporary_files = run / "tmp"},
+          .products = run / "out",
+          .progress = progress};
+}
+
+/// Whether and how it ended is told by what it leaves: the run after it does what is missing.
+int Prepare(const fs::path& attempt, const NodeOrder& order, int number, const std::string& id,
+            int restarts) {
+  Require(number >= 0 && static_cast<std::size_t>(number) < order.preparations.size(),
+          ErrorCode::kUsage, "the order has no preparation " + std::to_string(number));
+  const LocalAttempt::Place place =
+      PlaceIn(PreparationFolder(attempt, number, id, restarts), PreparationLog(attempt, number),
+              PreparationProgress(attempt, number));
+  const auto exit =
+      RunWorker(order.preparations[static_cast<std::size_t>(number)], place, order.limits);
+  if (!exit) return kStopped;
+  return exit->kind == WorkerExit::Kind::kDone ? 0 : 1;
+}
+
+/// What the preparations printed comes before what the run prints. They have ended.
+void TakeOverLogs(const fs::path& attempt, const NodeOrder& order) {
+  std::ofstream log(attempt / AttemptFolder::kLogName, std::ios::app);
+  for (int i = 0; i < static_cast<int>(order.preparations.size()); ++i) {
+    std::ifstream own(PreparationLog(attempt, i));
+    if (own.peek() != std::ifstream::traits_type::eof())
+      log << "preparation " << i + 1 << " of " << order.preparations.size() << ":\n" << own.rdbuf();
+  }
+}
+
 }  // namespace
 
 int RunOnNode(const fs::path& attempt) {
@@ -40,21 +86,16 @@ int RunOnNode(const fs::path& attempt) {
   const std::string id = NumberFromSlurm("SLURM_JOB_ID", "");
   const int restarts = std::stoi(NumberFromSlurm("SLURM_RESTART_COUNT", "0"));
   const NodeOrder order = ReadNodeOrder(attempt);
+  if (std::getenv(kTask) != nullptr)
+    return Prepare(attempt, order, std::stoi(NumberFromSlurm(kTask, "")), id, restarts);
+  if (restarts == 0) TakeOverLogs(attempt, order);
   const fs::path run = RunFolder(attempt, id, restarts);
-  // Not where the attempt has ended meanwhile, and its folders are gone.
-  for (const fs::path& folder : {run, run / "out", run / "tmp"}) fs::create_directory(folder);
-  const LocalAttempt::Place place{.worker = {.folder = run,
-                                             .log = attempt / AttemptFolder::kLogName,
-                                             .temporary_files = run / "tmp"},
-                                  .products = run / "out",
-                                  .progress = run / "progress.ndjson"};
-  LocalAttempt worker(order.command, place, order.limits, kStopPatience);
-  while (!worker.Look().has_ended)
-    if (is_stopped) worker.Cancel();
-  if (is_stopped) return kStopped;
-  const WorkerExit exit = worker.Exit();
-  WriteNodeExit(run, exit);
-  return exit.kind == WorkerExit::Kind::kDone ? 0 : 1;
+  const auto exit = RunWorker(
+      order.command, PlaceIn(run, attempt / AttemptFolder::kLogName, run / "progress.ndjson"),
+      order.limits);
+  if (!exit) return kStopped;
+  WriteNodeExit(run, *exit);
+  return exit->kind == WorkerExit::Kind::kDone ? 0 : 1;
 }
 
 }  // namespace parkade

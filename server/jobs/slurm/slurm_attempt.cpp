@@ -18,17 +18,22 @@ constexpr milliseconds kHasty{100};            // the same, while its end is awa
 constexpr milliseconds kMaxPause{60'000};      // between tries to hand it over
 constexpr milliseconds kCancelPatience{3500};  // then it counts as ended, also without Slurm's word
 constexpr int kMaxRestarts = 5;
+constexpr double kPreparedShare = 0.6;
+const std::string kPreparationStage = "prepare drives";
 
 }  // namespace
 
 SlurmAttempt::SlurmAttempt(const SlurmCommands& commands, SlurmQueue& queue,
                            milliseconds exit_patience, std::filesystem::path folder,
-                           std::string comment, const std::optional<JobPlace>& place)
+                           std::string comment, int num_preparations,
+                           const std::optional<JobPlace>& place)
     : commands_(commands),
       queue_(queue),
       exit_patience_(exit_patience),
       folder_(std::move(folder)),
       comment_(std::move(comment)),
+      preparation_(commands, queue, folder_, comment_, num_preparations),
+      prepared_share_(num_preparations > 0 ? kPreparedShare : 0),
       place_(place.value_or(JobPlace{.engine = "slurm", .waits = true})),
       known_since_(Clock::now()) {
   if (!place_.id && place) unsure_since_ = Clock::now();
@@ -51,6 +56,7 @@ AttemptNews SlurmAttempt::Look() {
 
 void SlurmAttempt::Cancel() {
   if (!cancelled_) cancelled_ = Clock::now();
+  preparation_.Cancel(look_.get());
   if (place_.id) queue_.Cancel(*place_.id);
 }
 
@@ -66,7 +72,9 @@ void SlurmAttempt::HandOver() {
 
 void SlurmAttempt::Submit() {
   try {
-    SetId(commands_.Submit(NodeScript(folder_), folder_, comment_));
+    const std::string after = preparation_.Begin(look_.get());
+    SetId(commands_.Submit(
+        {.script = NodeScript(folder_), .folder = folder_, .comment = comment_, .after = after}));
   } catch (const Error& error) {
     if (reason_ != error.what()) LogWarning("slurm job=" + comment_ + " refused=" + error.what());
     reason_ = error.what();
@@ -109,8 +117,9 @@ std::optional<WorkerExit> SlurmAttempt::AskSlurm() {
 
 std::optional<WorkerExit> SlurmAttempt::Understand(const SlurmJob& job) {
   const SlurmPhase phase = PhaseOf(job);
-  place_.waits = phase == SlurmPhase::kWaiting;
-  reason_ = place_.waits ? job.reason : "";
+  const bool is_preparing = preparation_.Tend(*look_);
+  place_.waits = phase == SlurmPhase::kWaiting && !is_preparing;
+  reason_ = !place_.waits ? "" : preparation_.reason().empty() ? job.reason : preparation_.reason();
   if (job.restarts != restarts_)
     LogWarning("slurm job=" + job.id + " starts again restarts=" + std::to_string(job.restarts));
   restarts_ = job.restarts;
@@ -142,14 +151,25 @@ std::optional<WorkerExit> SlurmAttempt::AfterPatience(const WorkerExit& exit) {
   return exit;
 }
 
-/// Follows the latest run.
+/// Follows the latest run, and before it the preparation.
 bool SlurmAttempt::ReadProgress() {
+  if (ReadRun()) {
+    latest_ = run_->latest();
+    latest_.progress = prepared_share_ + (1 - prepared_share_) * latest_.progress;
+    return true;
+  }
+  const bool has_run = run_ && !run_->latest().stage.empty();
+  if (has_run || !preparation_.ReadProgress()) return false;
+  latest_.stage = kPreparationStage;
+  latest_.progress = prepared_share_ * preparation_.progress();
+  return true;
+}
+
+bool SlurmAttempt::ReadRun() {
   if (!place_.id) return false;
   const std::filesystem::path file = RunFolder(folder_, *place_.id, restarts_) / "progress.ndjson";
-  if (!progress_ || progress_->file() != file) progress_.emplace(file);
-  if (!progress_->Poll()) return false;
-  latest_ = progress_->latest();
-  return true;
+  if (!run_ || run_->file() != file) run_.emplace(file);
+  return run_->Poll();
 }
 
 }  // namespace parkade

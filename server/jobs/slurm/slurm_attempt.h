@@ -7,6 +7,7 @@
 #include <string>
 
 #include "server/jobs/job_engine.h"
+#include "server/jobs/slurm/slurm_preparation.h"
 #include "server/jobs/slurm/slurm_queue.h"
 
 namespace parkade {
@@ -18,10 +19,11 @@ namespace parkade {
 /// that, a look at the queue says whether it has not been taken after all.
 class SlurmAttempt : public EngineAttempt {
  public:
-  /// The order and the script lie in `folder`. `place`: where an earlier service left it.
+  /// The order, with so many preparations, and the script lie in `folder`. `place`: where an
+  /// earlier service left it.
   SlurmAttempt(const SlurmCommands& commands, SlurmQueue& queue,
                std::chrono::milliseconds exit_patience, std::filesystem::path folder,
-               std::string comment, const std::optional<JobPlace>& place);
+               std::string comment, int num_preparations, const std::optional<JobPlace>& place);
   ~SlurmAttempt() override;
 
   AttemptNews Look() override;
@@ -48,6 +50,7 @@ class SlurmAttempt : public EngineAttempt {
   std::optional<WorkerExit> GiveUp(const SlurmJob& job);
   std::optional<WorkerExit> AfterPatience(const WorkerExit& exit);
   bool ReadProgress();
+  bool ReadRun();
 
   const SlurmCommands& commands_;
   SlurmQueue& queue_;
@@ -55,6 +58,8 @@ class SlurmAttempt : public EngineAttempt {
   const std::filesystem::path folder_;
   const std::string comment_;
 
+  SlurmPreparation preparation_;
+  const double prepared_share_;  ///< of the whole work, that the preparation does
   JobPlace place_;
   std::string reason_;
   WorkerProgress latest_;
@@ -66,7 +71,7 @@ class SlurmAttempt : public EngineAttempt {
   std::optional<Clock::time_point> silent_since_;  ///< it has ended, or is unknown, without a word
   std::optional<Clock::time_point> cancelled_;
   int restarts_ = 0;
-  std::optional<ProgressReader> progress_;  ///< of the latest run
+  std::optional<ProgressReader> run_;  ///< the latest one's progress
   std::optional<End> end_;
 };
 

@@ -34,23 +34,24 @@ std::string SlurmCommands::Run(const std::string& program,
   return result.output;
 }
 
-std::string SlurmCommands::Submit(const std::filesystem::path& script,
-                                  const std::filesystem::path& folder,
-                                  const std::string& comment) const {
+std::string SlurmCommands::Submit(const SlurmSubmission& job) const {
   // After a node failed Slurm starts the job again by itself, also while there is no service.
   std::vector<std::string> arguments = {
-      "--parsable", "--requeue", "--open-mode=append", "--job-name=parkade", "--comment=" + comment,
-      "--nodes=1", "--ntasks=1", "--cpus-per-task=" + std::to_string(options_.cpus),
+      "--parsable", "--requeue", "--open-mode=append", "--job-name=parkade",
+      "--comment=" + job.comment, "--nodes=1", "--ntasks=1",
+      "--cpus-per-task=" + std::to_string(options_.cpus),
       "--mem=" + std::to_string(options_.memory_mib) + "M",
-      "--time=" + std::to_string(options_.time.count()), "--chdir=" + folder.string(),
+      "--time=" + std::to_string(options_.time.count()), "--chdir=" + job.folder.string(),
       // Relative, because Slurm reads signs into a whole path.
       "--output=log.txt",
       // It has little, and Slurm asks a login for no more.
       "--export=ALL"};
+  if (job.array_size > 0) arguments.push_back("--array=0-" + std::to_string(job.array_size - 1));
+  if (!job.after.empty()) arguments.push_back("--dependency=afterany:" + job.after);
   if (!options_.partition.empty()) arguments.push_back("--partition=" + options_.partition);
-  arguments.push_back(script);
+  arguments.push_back(job.script);
   arguments.insert(arguments.end(), options_.node_program.begin(), options_.node_program.end());
-  arguments.push_back(folder);
+  arguments.push_back(job.folder);
   return ParseSlurmId(Run("sbatch", arguments));
 }
 

@@ -9,17 +9,24 @@
 
 namespace parkade {
 
+/// A job, or an array of them, as it is handed over.
+struct SlurmSubmission {
+  std::filesystem::path script, folder;
+  std::string comment;     ///< by which it is known
+  int array_size = 0;      ///< elements, numbered from 0; 0: it is no array
+  std::string after = {};  ///< number of a job, all of which has to end before; empty: none
+};
+
 /// The three commands of Slurm that a service uses. Each throws Error{kInternal} with what the
 /// command said when it fails, does not answer in time or answers nonsense. Thread-safe.
 class SlurmCommands {
  public:
   explicit SlurmCommands(const SlurmOptions& options) : options_(options) {}
 
-  /// Hands over a job that runs `script` in `folder` with the node's program and the folder as its
-  /// words, and returns its number. Where it throws, Slurm may have taken the job all the same: it
-  /// is known by its comment then.
-  std::string Submit(const std::filesystem::path& script, const std::filesystem::path& folder,
-                     const std::string& comment) const;
+  /// Hands over a job that runs its script in its folder with the node's program and the folder as
+  /// its words, and returns its number. Where it throws, Slurm may have taken the job all the same:
+  /// it is known by its comment then.
+  std::string Submit(const SlurmSubmission& job) const;
 
   /// All jobs that Slurm knows, also those that ended some minutes ago.
   std::vector<SlurmJob> Queue() const;

@@ -1,6 +1,7 @@
 #include "server/jobs/slurm/slurm_engine.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "core/error.h"
 #include "server/jobs/slurm/node_files.h"
@@ -18,7 +19,8 @@ std::string CommentOf(const Job& job) {
 }
 
 /// Whether the attempt with this comment may still run.
-bool IsRunning(Store& store, const std::string& comment) {
+bool IsRunning(Store& store, std::string comment) {
+  if (comment.ends_with(kPreparationMark)) comment.resize(comment.size() - kPreparationMark.size());
   const std::size_t dash = comment.rfind('-');
   if (!comment.starts_with(kPrefix) || dash < kPrefix.size()) return false;
   try {
@@ -28,6 +30,28 @@ bool IsRunning(Store& store, const std::string& comment) {
     return job.state == JobState::kRunning && CommentOf(job) == comment;
   } catch (const Error& error) {
     return error.code() != ErrorCode::kNotFound;
+  }
+}
+
+/// Numbers, from 1, of the drives whose odometry is neither in the map to start from nor found by
+/// an earlier attempt.
+std::vector<int> DrivesToPrepare(const JobSpec& spec) {
+  std::vector<int> drives;
+  for (std::size_t i = 0; i < spec.logs.size(); ++i) {
+    const std::filesystem::path odometry = spec.logs[i].filename() / "odometry.bin";
+    const bool is_known = (spec.from && std::filesystem::exists(*spec.from / odometry)) ||
+                          std::filesystem::exists(spec.work / odometry);
+    if (!is_known) drives.push_back(static_cast<int>(i) + 1);
+  }
+  return drives;
+}
+
+/// Of the order; none where it is gone, after which only the end of the attempt is awaited.
+int CountPreparations(const std::filesystem::path& attempt) {
+  try {
+    return static_cast<int>(ReadNodeOrder(attempt).preparations.size());
+  } catch (const Error&) {
+    return 0;
   }
 }
 
@@ -56,17 +80,31 @@ SlurmEngine::SlurmEngine(Store& store, JobCommand command, const JobLimits& limi
       queue_(commands_, options_.poll_interval, store.directory.JobsFolder(),
              [&store](const std::string& comment) { return IsRunning(store, comment); }) {}
 
+/// What a node is to do for the attempt.
+NodeOrder SlurmEngine::OrderFor(const AttemptFolder& folder) const {
+  JobSpec spec = folder.spec();
+  spec.out = "./out";
+  spec.progress = "./progress.ndjson";
+  spec.num_threads = options_.cpus;
+  NodeOrder order{command_(spec), limits_};
+  const std::vector<int> drives = DrivesToPrepare(spec);
+  if (drives.size() < 2) return order;  // one is prepared as fast by the run itself
+  for (const int drive : drives) {
+    spec.prepared = drive;
+    spec.progress = PreparationProgress(folder.path(), static_cast<int>(order.preparations.size()));
+    order.preparations.push_back(command_(spec));
+  }
+  return order;
+}
+
 std::unique_ptr<EngineAttempt> SlurmEngine::Run(const Job& job, const AttemptFolder& folder) {
   if (!job.place) {
-    JobSpec spec = folder.spec();
-    spec.out = "./out";
-    spec.progress = "./progress.ndjson";
-    spec.num_threads = options_.cpus;
-    WriteNodeOrder(folder.path(), {command_(spec), limits_});
+    WriteNodeOrder(folder.path(), OrderFor(folder));
     WriteNodeScript(folder.path());
   }
   return std::make_unique<SlurmAttempt>(commands_, queue_, options_.exit_patience, folder.path(),
-                                        CommentOf(job), job.place);
+                                        CommentOf(job), CountPreparations(folder.path()),
+                                        job.place);
 }
 
 }  // namespace parkade

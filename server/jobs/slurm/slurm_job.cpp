@@ -91,6 +91,7 @@ std::vector<SlurmJob> ParseSlurmQueue(const std::string& json) {
     if (!entry.is_object()) continue;
     SlurmJob job;
     job.id = std::to_string(NumberAt(entry, "job_id"));
+    job.array_id = std::to_string(NumberAt(entry, "array_job_id"));
     job.comment = TextAt(entry, "comment");
     job.folder = TextAt(entry, "current_working_directory");
     job.state = StateAt(entry);

@@ -9,7 +9,8 @@ namespace parkade {
 
 /// A job as Slurm's queue shows it.
 struct SlurmJob {
-  std::string id = {};  ///< digits
+  std::string id = {};        ///< digits
+  std::string array_id = {};  ///< number of the array that it is an element of; "0": none
   std::string comment = {};
   std::string folder = {};           ///< its working directory
   std::string state = {};            ///< "PENDING", "RUNNING", ...

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "server/store/access/audit_log.h"
+#include "server/store/job_work.h"
 #include "server/store/receive_upload.h"
 #include "server/store/tables/check_table.h"
 #include "server/store/tables/drive_table.h"
@@ -90,6 +91,7 @@ bool DeleteLog(Store& store, const std::string& site, const std::string& id, Tim
       });
   if (!sha256) return false;
   RemoveUnusedLog(store, *sha256);
+  DropWorkOfDrive(store, id);
   LogInfo("retention deleted log drive=" + id + " site=" + site + " sha256=" + *sha256);
   return true;
 }
@@ -147,6 +149,7 @@ Expired DeleteExpired(Store& store, TimePoint now) {
   Expired expired;
   for (const Lifetime& lifetime : store.database.Read(Lifetimes))
     DeleteOfSite(store, lifetime, now, expired);
+  DropStaleWork(store, now);
   if (!expired.drives.empty() || !expired.maps.empty()) store.ballast.Restore();
   return expired;
 }

@@ -23,7 +23,8 @@ struct Expired {
 /// `log_days` before, but not while a job needs them, and the files of versions that were made
 /// more than its `map_days` before, but never the newest, an approved one, one that a job starts
 /// from or any while a job of the site runs. The rows stay and say so. Files are gone from the
-/// disk when it returns; equal logs of drives that keep theirs stay. Throws Error{kDiskFull},
+/// disk when it returns; equal logs of drives that keep theirs stay. Drops stale work of jobs, too
+/// (job_work.h). Throws Error{kDiskFull},
 /// DiskFailure.
 Expired DeleteExpired(Store& store, std::chrono::system_clock::time_point now);
 

@@ -1,5 +1,7 @@
 #include "server/store/tables/drive_table.h"
 
+#include <nlohmann/json.hpp>
+
 #include "core/error.h"
 #include "server/store/tables/names.h"
 #include "server/store/tables/row.h"
@@ -42,12 +44,6 @@ Drive FromRow(const Statement& row) {
 Drive Only(Statement query, const std::string& id) {
   Require(query.Step(), ErrorCode::kNotFound, "there is no drive '" + id + "'");
   return FromRow(query);
-}
-
-std::vector<std::string> Ids(Statement query) {
-  std::vector<std::string> ids;
-  while (query.Step()) ids.push_back(query.Text(0));
-  return ids;
 }
 
 }  // namespace
@@ -112,24 +108,25 @@ std::vector<Drive> ListDrives(Connection& connection, const Page& page,
 }
 
 std::vector<std::string> DrivesOfSite(Connection& connection, const std::string& site) {
-  return Ids(
+  return Texts(
       connection.Query("SELECT id FROM drives WHERE site = ? AND deleted_at IS NULL AND "
                        "log_deleted_at IS NULL ORDER "
                        "BY sequence",
                        site));
 }
 
-std::vector<std::string> DrivesToJoin(Connection& connection, const std::string& new_drive) {
-  return Ids(connection.Query(R"(
-      WITH newest AS (SELECT * FROM drives WHERE id = ? AND deleted_at IS NULL),
+std::vector<std::string> DrivesToJoin(Connection& connection, const std::string& new_drive,
+                                      const std::vector<std::string>& beside) {
+  return Texts(connection.Query(R"(
+      WITH newest AS (SELECT * FROM drives WHERE id = ?1 AND deleted_at IS NULL),
            usable AS (
-        SELECT d.*, d.id = n.id AS is_new FROM newest n JOIN drives d ON d.site = n.site
-          WHERE d.deleted_at IS NULL AND d.log_deleted_at IS NULL AND (d.id = n.id OR d.state = 'ready'))
+        SELECT d.*, d.id = n.id OR d.id IN (SELECT value FROM json_each(?2)) AS is_new FROM newest n JOIN drives d ON d.site = n.site
+          WHERE d.deleted_at IS NULL AND d.log_deleted_at IS NULL AND (is_new OR d.state = 'ready'))
       SELECT id FROM usable d
         WHERE NOT EXISTS (SELECT 1 FROM usable other WHERE other.sha256 = d.sha256
                             AND (other.is_new, other.sequence) > (d.is_new, d.sequence))
       ORDER BY sequence)",
-                              new_drive));
+                                new_drive, nlohmann::json(beside).dump()));
 }
 
 std::string FreeDriveName(Connection& connection, const std::string& site,

@@ -34,11 +34,12 @@ std::vector<Drive> ListDrives(Connection& connection, const Page& page,
 
 /// All ids of a site's drives whose logs are stored, in order of arrival.
 std::vector<std::string> DrivesOfSite(Connection& connection, const std::string& site);
-/// `new_drive`, unless it was deleted, and the drives that it is joined with: those of its site
-/// that are in a map and have their logs, since drives that wait have jobs that join them later.
-/// Where logs are equal, the new drive's is taken, or else the one that came last. In order of
-/// arrival; empty where the new drive was deleted.
-std::vector<std::string> DrivesToJoin(Connection& connection, const std::string& new_drive);
+/// `new_drive`, unless it was deleted, and the drives that it is joined with: those `beside` it,
+/// and those of its site that are in a map and have their logs, since other drives that wait have
+/// jobs that join them later. Where logs are equal, a new drive's is taken, or else the one that
+/// came last. In order of arrival; empty where the new drive was deleted.
+std::vector<std::string> DrivesToJoin(Connection& connection, const std::string& new_drive,
+                                      const std::vector<std::string>& beside = {});
 
 /// `wanted`, or `wanted-2`, ... where the site had a drive of that name: a drive's
 /// name is its folder in the site's maps.

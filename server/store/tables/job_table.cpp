@@ -67,6 +67,16 @@ std::string Word(JobState state) { return ToText(state); }
 const std::string kShownState =
     "CASE WHEN state = 'running' AND engine_waits THEN 'queued' ELSE state END";
 
+/// Ids of jobs that `job` does the work of.
+std::vector<std::string> Companions(Connection& connection, const Job& job) {
+  if (!job.new_drive) return {};
+  return Texts(connection.Query(R"(
+      SELECT other.id FROM jobs other JOIN job_drives ON job_drives.drive = other.new_drive
+        WHERE job_drives.job = ?1 AND other.id <> ?1 AND other.state = 'queued' AND other.attempt = 0
+        ORDER BY other.sequence)",
+                                job.id));
+}
+
 }  // namespace
 
 void InsertJob(Connection& connection, const Job& job) {
@@ -119,6 +129,37 @@ std::optional<Job> NextQueuedJob(Connection& connection) {
                        Word(JobState::kQueued), Word(JobState::kRunning), NowUtc(), kWaiting);
   if (!query.Step()) return std::nullopt;
   return FromRow(connection, query);
+}
+
+std::vector<std::string> DrivesWaitingBeside(Connection& connection, const Job& lead) {
+  return Texts(connection.Query(R"(
+      SELECT drives.id FROM jobs JOIN drives ON drives.id = jobs.new_drive
+        WHERE jobs.site = ?1 AND jobs.state = 'queued' AND jobs.attempt = 0 AND jobs.id <> ?2
+          AND drives.deleted_at IS NULL AND drives.log_deleted_at IS NULL
+          AND (drives.inspection_state IS NULL OR drives.inspection_state NOT IN (?3, ?4))
+          AND drives.sha256 <> (SELECT sha256 FROM drives WHERE id = ?5)
+        ORDER BY jobs.sequence LIMIT 16)",
+                                lead.site, lead.id, kWaiting, kUnusable, lead.new_drive));
+}
+
+bool HasCompanions(Connection& connection, const Job& job) {
+  return !Companions(connection, job).empty();
+}
+
+std::vector<std::string> EndCompanions(Connection& connection, const Job& job,
+                                       std::int64_t version) {
+  const std::vector<std::string> ids = Companions(connection, job);
+  for (const std::string& id : ids)
+    connection.Execute(
+        "UPDATE jobs SET state = ?, map_version = ?, started_at = ?, finished_at = ? WHERE id = ?",
+        Word(JobState::kDone), version, job.started_at, NowUtc(), id);
+  return ids;
+}
+
+std::vector<std::string> JobsOfVersion(Connection& connection, const std::string& site,
+                                       std::int64_t version) {
+  return Texts(
+      connection.Query("SELECT id FROM jobs WHERE site = ? AND map_version = ?", site, version));
 }
 
 std::int64_t CountJobs(Connection& connection, JobState state) {

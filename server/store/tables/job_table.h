@@ -31,6 +31,18 @@ std::vector<Job> RunningJobs(Connection& connection);
 /// with a new drive waits for jobs of its site that run: their map is not there to be joined with
 /// yet, and would come after one that knows nothing of it.
 std::optional<Job> NextQueuedJob(Connection& connection);
+/// New drives of jobs at the site of `lead` that wait as it did and were never tried, oldest first,
+/// some dozen at most: one map can take them all in.
+std::vector<std::string> DrivesWaitingBeside(Connection& connection, const Job& lead);
+/// Whether a running job maps new drives of jobs that wait.
+bool HasCompanions(Connection& connection, const Job& job);
+/// Queued, never tried -> done, for jobs whose new drives are among `drives`, since `job` has made
+/// a version with them. Returns their ids.
+std::vector<std::string> EndCompanions(Connection& connection, const Job& job,
+                                       std::int64_t version);
+/// Ids of the jobs that are done with a version.
+std::vector<std::string> JobsOfVersion(Connection& connection, const std::string& site,
+                                       std::int64_t version);
 /// How many are shown as in `state`.
 std::int64_t CountJobs(Connection& connection, JobState state);
 

@@ -18,4 +18,11 @@ inline std::optional<std::int64_t> OptionalInteger(const Statement& row, int col
   return row.Integer(column);
 }
 
+/// The first column of all rows.
+inline std::vector<std::string> Texts(Statement query) {
+  std::vector<std::string> texts;
+  while (query.Step()) texts.push_back(query.Text(0));
+  return texts;
+}
+
 }  // namespace parkade

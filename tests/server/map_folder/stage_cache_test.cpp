@@ -69,6 +69,44 @@ TEST_F(StageProductsTest, PieceByPieceTheSameIsKept) {
   EXPECT_TRUE(ReadFile(root_.path() / "newest" / file) == ReadFile(old_map_ / "whole" / file));
 }
 
+TEST_F(StageProductsTest, ABuildThatWasEndedLeavesItsResultsToTheNext) {
+  const std::filesystem::path work = root_.path() / "work", next = root_.path() / "next";
+  const std::string places = "drive/places.bin";
+  const auto compute = [](const PieceSink& sink) { sink("places"); };
+  const auto never = [](const PieceSink&) { FAIL() << "it is there already"; };
+  {
+    const StageCache ended({}, new_map_, work);
+    EXPECT_TRUE(Get(ended, first_key_).second);
+    EXPECT_TRUE(Get(ended, second_key_).second);
+    ended.Keep(places, first_key_, compute);
+  }
+  std::filesystem::remove_all(new_map_);
+
+  const StageCache again({}, next, work);
+  EXPECT_FALSE(Get(again, first_key_).second);
+  EXPECT_EQ(Get(again, second_key_), std::pair("of " + second_key_, false));
+  again.Keep(places, first_key_, never);
+  EXPECT_TRUE(Get(again, KeyOf({"third"})).second);
+  EXPECT_FALSE(Get(StageCache(next, {}), second_key_).second) << "the new map has all of its own";
+  EXPECT_FALSE(Get(StageCache({}, {}, work), first_key_).second) << "what was kept is kept";
+}
+
+TEST_F(StageProductsTest, WhatIsTakenFromTheMapIsNotKeptTwice) {
+  const std::filesystem::path work = root_.path() / "work";
+  Get(StageCache({}, old_map_), first_key_);
+  EXPECT_FALSE(Get(StageCache(old_map_, new_map_, work), first_key_).second);
+  EXPECT_FALSE(std::filesystem::exists(work));
+}
+
+TEST_F(StageProductsTest, ALinkReplacesItsOwnFileAndOthers) {
+  WriteText(root_.path() / "a", "one");
+  WriteText(root_.path() / "b", "two");
+  LinkOrCopy(root_.path() / "a", root_.path() / "b");
+  LinkOrCopy(root_.path() / "a", root_.path() / "b");
+  EXPECT_EQ(ReadFile(root_.path() / "b"), "one");
+  EXPECT_EQ(ContentOf(root_.path()), (std::set<std::string>{"a", "b"}));
+}
+
 TEST_F(StageProductsTest, AFinishedMapGivesWhatItHolds) {
   const std::filesystem::path file = old_map_ / "drive/loops.bin";
   EXPECT_FALSE(LastProduct(file));

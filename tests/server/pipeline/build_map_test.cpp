@@ -4,7 +4,9 @@
 
 #include "core/error.h"
 #include "server/pipeline/plan_stages.h"
+#include "server/pipeline/prepare_drive.h"
 #include "server/pipeline/report.h"
+#include "tests/server/store/temporary_store.h"
 #include "tests/server/worlds/memory_drive.h"
 
 namespace parkade {
@@ -20,16 +22,31 @@ class BuildMapTest : public testing::Test {
   ~BuildMapTest() override { std::filesystem::remove_all(root_); }
 
   /// Trajectories only, into the folder `to`.
-  BuiltMap Build(const Drives& drives, const std::string& to, const std::string& from = "") {
-    BuildScope scope;
-    scope.is_odometry_only = true;
-    scope.products = root_ / to;
-    if (!from.empty()) scope.from = root_ / from;
+  BuiltMap Build(const Drives& drives, const std::string& to, const std::string& from = "",
+                 const std::string& work = "") {
+    const BuildScope scope = ScopeOf(to, from, work);
     Progress progress(PlanStages(drives.size(), true), {});
     BuiltMap built = BuildMap(drives, options_, scope, progress);
     progress.Finish();
     timings_ = progress.timings();
     return built;
+  }
+
+  BuildScope ScopeOf(const std::string& to, const std::string& from = "",
+                     const std::string& work = "") const {
+    BuildScope scope;
+    scope.is_odometry_only = true;
+    scope.products = root_ / to;
+    if (!from.empty()) scope.from = root_ / from;
+    if (!work.empty()) scope.work = root_ / work;
+    return scope;
+  }
+  static void ExpectSamePath(const BuiltMap& a, const BuiltMap& b) {
+    const auto& before = a.site.drives[0].site_from_body_trajectory.states();
+    const auto& after = b.site.drives[0].site_from_body_trajectory.states();
+    ASSERT_EQ(before.size(), after.size());
+    for (size_t i = 0; i < before.size(); ++i)
+      ASSERT_EQ(before[i].world_from_body.Matrix(), after[i].world_from_body.Matrix());
   }
 
   const std::filesystem::path root_ = std::filesystem::path(testing::TempDir()) / "build_map_test";
@@ -69,11 +86,44 @@ TEST_F(BuildMapTest, ABuildFromAMapTakesItsStagesAndGivesTheSame) {
   EXPECT_GT(first.drives[0].odometry.seconds, 0);
   EXPECT_EQ(again.drives[0].loops.seconds, 0) << "taken";
   EXPECT_EQ(again.drives[0].refinement.seconds, 0) << "taken";
-  const auto& before = first.site.drives[0].site_from_body_trajectory.states();
-  const auto& after = again.site.drives[0].site_from_body_trajectory.states();
-  ASSERT_EQ(before.size(), after.size());
-  for (size_t i = 0; i < before.size(); ++i)
-    ASSERT_EQ(before[i].world_from_body.Matrix(), after[i].world_from_body.Matrix());
+  ExpectSamePath(first, again);
+}
+
+TEST_F(BuildMapTest, ABuildThatWasEndedIsTakenUpWhereItWas) {
+  Drives drives;
+  drives.push_back(DriveThroughHall("monday", kDuration));
+  const BuiltMap first = Build(drives, "first", "", "work");
+  std::filesystem::remove_all(root_ / "first");  // as of an attempt that ended without a map
+
+  const BuiltMap again = Build(drives, "again", "", "work");
+
+  EXPECT_EQ(again.drives[0].odometry.seconds, 0) << "taken";
+  EXPECT_EQ(again.drives[0].loops.seconds, 0) << "taken";
+  EXPECT_EQ(again.drives[0].refinement.seconds, 0) << "taken";
+  ExpectSamePath(first, again);
+  MapOptions other = options_;
+  other.odometry.use_wheels = !other.odometry.use_wheels;
+  Progress progress(PlanStages(1, true), {});
+  const BuiltMap changed = BuildMap(drives, other, ScopeOf("changed", "", "work"), progress);
+  EXPECT_GT(changed.drives[0].odometry.seconds, 0) << "of other options nothing is taken";
+}
+
+TEST_F(BuildMapTest, APreparedDriveIsNotWorkedOnAgain) {
+  Drives drives;
+  drives.push_back(DriveThroughHall("monday", kDuration));
+  Progress progress(PlanPreparation(), {});
+  PrepareDrive(drives[0], options_, ScopeOf("preparation", "", "work"), progress);
+  std::filesystem::remove_all(root_ / "preparation");
+  const std::set<std::string> kept = ContentOf(root_ / "work" / "monday");
+  for (const char* file :
+       {"odometry.bin", "loops.bin", "refinement.bin", "places.bin", "ground.bin", "heights.bin"})
+    EXPECT_TRUE(kept.contains(file)) << file;
+
+  const BuiltMap prepared = Build(drives, "prepared", "", "work");
+
+  EXPECT_EQ(prepared.drives[0].odometry.seconds, 0) << "taken";
+  EXPECT_EQ(prepared.drives[0].refinement.seconds, 0) << "taken";
+  ExpectSamePath(prepared, Build(drives, "plain"));
 }
 
 TEST_F(BuildMapTest, ADriveThatCannotBeTrackedIsLeftOutWithAWarning) {

@@ -12,12 +12,11 @@
 namespace parkade {
 namespace {
 
-void Crash(Store& store, const Job& job, std::chrono::milliseconds pause = {}) {
-  RetryCrashedJob(store, job, "crashed", "segmentation fault", pause);
-}
-
 class JobQueue : public StoreTest {
  protected:
+  void Crash(const Job& job, std::chrono::milliseconds pause = {}) {
+    RetryCrashedJob(store_, job, "crashed", "segmentation fault", pause);
+  }
   Job JobNow() {
     return store_.database.Read(
         [&](Connection& connection) { return FindJob(connection, received_.job.id); });
@@ -64,7 +63,7 @@ TEST_F(JobQueue, ACrashedJobIsTriedThreeTimesInAll) {
     const std::optional<Job> job = ClaimJob(store_);
     ASSERT_TRUE(job.has_value());
     EXPECT_EQ(job->attempt, attempt);
-    Crash(store_, *job);
+    Crash(*job);
   }
   EXPECT_FALSE(ClaimJob(store_).has_value());
   EXPECT_EQ(JobNow().state, JobState::kFailed);
@@ -76,7 +75,7 @@ TEST_F(JobQueue, ACrashedJobIsTriedThreeTimesInAll) {
 
 TEST_F(JobQueue, ACrashedJobWaitsAndOthersGoFirst) {
   const ReceivedDrive later = Receive(store_, "later", {"b.bag", "lot", std::nullopt});
-  Crash(store_, *ClaimJob(store_), std::chrono::hours(1));
+  Crash(*ClaimJob(store_), std::chrono::hours(1));
 
   EXPECT_GT(JobNow().not_before.value(), UtcIn(std::chrono::minutes(59)));
   EXPECT_EQ(ClaimJob(store_)->id, later.job.id);
@@ -88,7 +87,7 @@ TEST_F(JobQueue, ACrashedJobWaitsAndOthersGoFirst) {
 }
 
 TEST_F(JobQueue, ACrashedJobStartsWhenItsPauseIsOver) {
-  Crash(store_, *ClaimJob(store_), std::chrono::milliseconds(50));
+  Crash(*ClaimJob(store_), std::chrono::milliseconds(50));
   EXPECT_FALSE(ClaimJob(store_).has_value());
   std::this_thread::sleep_for(std::chrono::milliseconds(60));
 
@@ -106,7 +105,7 @@ TEST_F(JobQueue, AStoppedServiceDoesNotCountAsACrash) {
 
 TEST_F(JobQueue, AnAttemptThatWasGivenUpChangesNothing) {
   const Job zombie = *ClaimJob(store_);
-  Crash(store_, zombie);
+  Crash(zombie);
   const Job current = *ClaimJob(store_);
 
   FailJob(store_, zombie, "internal", "too late");
@@ -178,125 +177,6 @@ TEST_F(JobQueue, AMapIsBuiltFromChosenDrivesOfTheSite) {
   Receive(store_, "second", {"c.bag", "lot", std::nullopt});
   EXPECT_THROW(QueueMap(store_, "lot", {}, /*merge_drives=*/false), Error);
   EXPECT_EQ(QueueMap(store_, "lot", {}, /*merge_drives=*/true).drives.size(), 2u);
-}
-
-/// A site whose uploads are joined.
-class GrowingSite : public StoreTest {
- protected:
-  ReceivedDrive Upload(const std::string& name) {
-    return Receive(store_, "log " + name, {name + ".bag", "lot", std::nullopt},
-                   /*merge_drives=*/true);
-  }
-  void Publish(const Job& job) {
-    const auto out = store_.directory.AttemptFolder(job.id, job.attempt) / "out";
-    WriteText(out / "map.glb", "glTF");
-    WriteText(out / "report.json", "{}");
-    PublishMap(store_, job, SealMap(out));
-  }
-  void CrashThreeTimes(const std::string& job) {
-    for (int attempt = 1; attempt <= 3; ++attempt) {
-      const Job claimed = *ClaimJob(store_);
-      ASSERT_EQ(claimed.id, job);
-      Crash(store_, claimed);
-    }
-  }
-  DriveState StateOf(const ReceivedDrive& received) {
-    return store_.database.Read(
-        [&](Connection& connection) { return FindDrive(connection, received.drive.id).state; });
-  }
-};
-
-TEST_F(GrowingSite, IsJoinedAsItIsWhenTheJobStarts) {
-  const ReceivedDrive a = Upload("a"), b = Upload("b"), c = Upload("c");
-
-  const Job first = *ClaimJob(store_);
-  EXPECT_EQ(first.drives, std::vector{a.drive.id}) << "b and c wait for jobs of their own";
-  Publish(first);
-  CrashThreeTimes(b.job.id);
-  EXPECT_EQ(StateOf(a), DriveState::kReady);
-  EXPECT_EQ(StateOf(b), DriveState::kFailed);
-
-  const Job third = *ClaimJob(store_);
-  EXPECT_EQ(third.drives, (std::vector{a.drive.id, c.drive.id}));
-  EXPECT_EQ(
-      store_.database.Read([&](Connection& connection) { return FindJob(connection, c.job.id); })
-          .drives,
-      third.drives);
-}
-
-TEST_F(GrowingSite, IsJoinedWithoutADriveWhoseJobWasCancelled) {
-  const ReceivedDrive a = Upload("a"), b = Upload("b"), c = Upload("c");
-  Publish(*ClaimJob(store_));
-  CancelWaitingJob(store_, b.job.id);
-
-  EXPECT_EQ(ClaimJob(store_)->drives, (std::vector{a.drive.id, c.drive.id}));
-}
-
-TEST_F(GrowingSite, IsJoinedByAJobThatIsTriedAgain) {
-  const ReceivedDrive a = Upload("a");
-  FailJob(store_, *ClaimJob(store_), "invalid_input", "no luck");
-  const ReceivedDrive b = Upload("b");
-  Publish(*ClaimJob(store_));
-
-  EXPECT_EQ(RetryJob(store_, a.job.id).drives, std::vector{a.drive.id});
-  const Job again = *ClaimJob(store_);
-  EXPECT_EQ(again.drives, (std::vector{a.drive.id, b.drive.id}));
-  Publish(again);
-  const MapVersion latest =
-      store_.database.Read([&](Connection& connection) { return FindMap(connection, "lot", 2); });
-  EXPECT_EQ(latest.drives.size(), 2u);
-}
-
-TEST_F(GrowingSite, IsJoinedByOneJobAfterTheOther) {
-  const ReceivedDrive a = Upload("a"), b = Upload("b");
-  const ReceivedDrive elsewhere =
-      Receive(store_, "other", {"other.bag", "garage", std::nullopt}, true);
-
-  const Job first = *ClaimJob(store_);
-  EXPECT_EQ(ClaimJob(store_)->id, elsewhere.job.id)
-      << "another worker does not wait for another site";
-  EXPECT_FALSE(ClaimJob(store_).has_value());
-  EXPECT_EQ(StateOf(b), DriveState::kQueued);
-  Publish(first);
-
-  EXPECT_EQ(ClaimJob(store_)->drives, (std::vector{a.drive.id, b.drive.id}));
-}
-
-TEST_F(GrowingSite, IsJoinedAnewAfterACrash) {
-  const ReceivedDrive a = Upload("a"), b = Upload("b");
-  Publish(*ClaimJob(store_));
-  const Job second = *ClaimJob(store_);
-  EXPECT_EQ(second.drives, (std::vector{a.drive.id, b.drive.id}));
-
-  Crash(store_, second);
-  EXPECT_EQ(StateOf(a), DriveState::kReady);
-  EXPECT_EQ(StateOf(b), DriveState::kQueued);
-  DeleteDrive(store_, a.drive.id);
-
-  EXPECT_EQ(ClaimJob(store_)->drives, std::vector{b.drive.id});
-}
-
-TEST_F(GrowingSite, IsNotMappedAnewForADriveThatWasDeleted) {
-  const ReceivedDrive a = Upload("a"), b = Upload("b");
-  Publish(*ClaimJob(store_));
-  CancelWaitingJob(store_, b.job.id);
-  DeleteDrive(store_, b.drive.id);
-
-  EXPECT_THROW(RetryJob(store_, b.job.id), Error);
-  EXPECT_FALSE(ClaimJob(store_).has_value());
-  EXPECT_EQ(StateOf(a), DriveState::kReady);
-}
-
-TEST_F(GrowingSite, TakesTheNewDriveOfEqualLogs) {
-  const ReceivedDrive a = Upload("a");
-  FailJob(store_, *ClaimJob(store_), "internal", "no luck");
-  const ReceivedDrive copy =
-      Receive(store_, "log a", {"copy.bag", "lot", std::nullopt}, /*merge_drives=*/true);
-  Publish(*ClaimJob(store_));
-  RetryJob(store_, a.job.id);
-
-  EXPECT_EQ(ClaimJob(store_)->drives, std::vector{a.drive.id});
-  EXPECT_EQ(StateOf(copy), DriveState::kReady);
 }
 
 }  // namespace

@@ -44,7 +44,17 @@ def fail(sentence):
     sys.exit(1)
 
 
-def run(job, command, folder):
+def all_jobs():
+    return [json.loads(file.read_text()) for file in (FOLDER / "jobs").glob("*.json")]
+
+
+def waits_for(array):
+    """Whether an element of the array has yet to end."""
+    return array and any(job["job_state"] in ("PENDING", "RUNNING") for job in all_jobs()
+                         if array in (str(job["array_job_id"]), str(job["job_id"])))
+
+
+def run(job, command, folder, array=None, after=None):
     """The job's own process, which outlives sbatch."""
     if os.fork() != 0:
         return
@@ -52,13 +62,15 @@ def run(job, command, folder):
     quiet = os.open("/dev/null", os.O_RDWR)
     for stream in (0, 1, 2):
         os.dup2(quiet, stream)
-    while (FOLDER / "hold").exists():
+    while (FOLDER / "hold").exists() or waits_for(after):
         if state(job) != "PENDING":
             os._exit(0)
         time.sleep(0.02)
+    words = {"SLURM_JOB_ID": str(job), "PATH": os.environ["PATH"]}
+    if array is not None:
+        words["SLURM_ARRAY_TASK_ID"] = str(array)
     with open(pathlib.Path(folder) / "log.txt", "ab") as log:
-        process = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, start_new_session=True,
-                                   env={"SLURM_JOB_ID": str(job), "PATH": os.environ["PATH"]})
+        process = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, start_new_session=True, env=words)
     write(job, job_state="RUNNING", state_reason="None", pid=process.pid)
     status = process.wait()
     if state(job) == "RUNNING":
@@ -75,11 +87,18 @@ def sbatch():
         return
     options = dict(word[2:].split("=", 1) for word in sys.argv[1:] if word.startswith("--") and "=" in word)
     command = [word for word in sys.argv[1:] if not word.startswith("--")]
+    if mode() == "refuse arrays" and "array" in options:
+        fail("Batch job submission failed: Invalid job array specification")
     job = 1 + max([100] + [int(file.stem) for file in (FOLDER / "jobs").glob("*.json")])
-    write(job, job_id=job, comment=options["comment"], current_working_directory=options["chdir"],
-          job_state="PENDING", state_reason="Resources", restart_cnt=0, exit_code=0)
-    # As Slurm does, which copies the script.
-    run(job, ["/bin/sh", *command], options["chdir"])
+    after = options.get("dependency", "").removeprefix("afterany:")
+    tasks = range(1 + int(options["array"].split("-")[1])) if "array" in options else [None]
+    for number, task in enumerate(tasks):
+        write(job + number, job_id=job + number, array_job_id=0 if task is None else job, comment=options["comment"],
+              current_working_directory=options["chdir"], job_state="PENDING",
+              state_reason="Dependency" if after else "Resources", restart_cnt=0, exit_code=0)
+    for number, task in enumerate(tasks):
+        # As Slurm does, which copies the script.
+        run(job + number, ["/bin/sh", *command], options["chdir"], task, after)
     if mode() == "lose the answer":
         fail("Batch job submission failed: Socket timed out on send/recv operation")
     print(f"{job};cluster" if mode() == "with cluster" else job)
@@ -90,21 +109,22 @@ def squeue():
         fail("slurm_load_jobs error: Unable to contact slurm controller (connect failure)")
     if mode() == "slow":
         time.sleep(60)
-    jobs = [json.loads(file.read_text()) for file in (FOLDER / "jobs").glob("*.json")]
-    text = json.dumps({"meta": {}, "errors": [], "jobs": jobs})
+    text = json.dumps({"meta": {}, "errors": [], "jobs": all_jobs()})
     print({"nonsense": "Welcome to the cluster!", "cut": text[:len(text) // 2]}.get(mode(), text))
 
 
 def scancel():
     if mode() == "down":
         fail("Unable to contact slurm controller (connect failure)")
-    for job in sys.argv[1:]:
-        file = FOLDER / "jobs" / f"{job}.json"
-        if not file.exists() or state(job) not in ("PENDING", "RUNNING"):
-            fail(f"Kill job error on job id {job}: Invalid job id specified")
-        write(job, job_state="CANCELLED")
-        if pid := json.loads(file.read_text()).get("pid"):
-            os.kill(pid, signal.SIGTERM)
+    for name in sys.argv[1:]:
+        alive = [job["job_id"] for job in all_jobs() if name in (str(job["job_id"]), str(job["array_job_id"]))
+                 and job["job_state"] in ("PENDING", "RUNNING")]
+        if not alive:
+            fail(f"Kill job error on job id {name}: Invalid job id specified")
+        for job in alive:
+            write(job, job_state="CANCELLED")
+            if pid := json.loads((FOLDER / "jobs" / f"{job}.json").read_text()).get("pid"):
+                os.kill(pid, signal.SIGTERM)
 
 
 with open(FOLDER / "calls", "a") as calls:

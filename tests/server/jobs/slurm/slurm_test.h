@@ -18,7 +18,8 @@
 namespace parkade {
 
 /// A store with one job, and a fake Slurm (fake_slurm.py). The worker is a line of shell: $1 is the
-/// products' folder, $2 the progress file.
+/// products' folder, $2 the progress file, $3 the number of the drive to prepare, $4 the folder of
+/// the work.
 class SlurmTest : public StoreTest {
  protected:
   static constexpr const char* kMakeMap = "echo glTF > $1/map.glb; echo '{}' > $1/report.json; ";
@@ -53,8 +54,14 @@ class SlurmTest : public StoreTest {
     options.engine = std::make_shared<SlurmEngine>(
         store_,
         [script](const JobSpec& spec) {
-          return std::vector<std::string>{"/bin/sh", "-c",     script,
-                                          "worker",  spec.out, spec.progress};
+          return std::vector<std::string>{"/bin/sh",
+                                          "-c",
+                                          script,
+                                          "worker",
+                                          spec.out,
+                                          spec.progress,
+                                          std::to_string(spec.prepared),
+                                          spec.work};
         },
         options.limits, slurm);
     runner_.reset();

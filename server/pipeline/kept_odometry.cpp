@@ -1,0 +1,101 @@
+#include "server/pipeline/kept_odometry.h"
+
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "core/options_json.h"
+#include "core/sha256.h"
+#include "core/version.h"
+#include "server/map_folder/odometry_fingerprint.h"
+#include "slam/odometry/odometry_file.h"
+#include "slam/sessions/stage_results.h"
+
+namespace parkade {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kOdometryFile = "odometry.bin";
+constexpr const char* kInputsFile = "odometry.key";  // beside it, in folders for a next try
+constexpr std::size_t kMaxKeyBytes = 64;
+
+std::string TrackedBy(const RecordedDrive& log, const BuildContext& context) {
+  return OdometryFingerprint({{"odometry", OptionsToJson(context.options.odometry)}},
+                             HealthToJson(log.health()).at("streams"));
+}
+
+/// The log's SHA-256; empty where it is not known.
+std::string HashOf(const RecordedDrive& log, const BuildScope& scope) {
+  const auto found = scope.logs.find(log.name());
+  return found == scope.logs.end() ? "" : found->second;
+}
+
+/// All that this build's odometry depends on but the rig, which the file itself knows.
+std::string KeyOfInputs(const RecordedDrive& log, const BuildContext& context) {
+  return KeyOf({kVersion, std::to_string(kStageResultsVersion), HashOf(log, context.scope),
+                TrackedBy(log, context)});
+}
+
+OdometryResult ReadOdometryOf(const RecordedDrive& log, const fs::path& file) {
+  OdometryResult odometry = ReadOdometry(file, log.rig());
+  const TimeSpan stored = odometry.odom_from_body.span(), recorded = log.span();
+  Require(recorded.Contains(stored.begin) && recorded.Contains(stored.end),
+          ErrorCode::kInvalidInput, "it is of another log");
+  return odometry;
+}
+
+std::optional<TakenOdometry> TakeFromMap(const RecordedDrive& log, const BuildContext& context) {
+  const fs::path file = context.scope.from / log.name() / kOdometryFile;
+  if (!context.from || !fs::exists(file)) return std::nullopt;
+  const std::string hash = HashOf(log, context.scope);
+  Require(hash.empty() || context.from->MayBeOf(log.name(), hash), ErrorCode::kInvalidInput,
+          "it is of another log");
+  Require(context.from->OdometryFingerprint(log.name()) == TrackedBy(log, context),
+          ErrorCode::kInvalidInput, "it was tracked with other options or from other streams");
+  return TakenOdometry{ReadOdometryOf(log, file), file, true};
+}
+
+std::optional<TakenOdometry> TakeFromWork(const RecordedDrive& log, const BuildContext& context) {
+  if (context.scope.work.empty()) return std::nullopt;
+  const fs::path folder = context.scope.work / log.name();
+  if (!fs::exists(folder / kInputsFile)) return std::nullopt;
+  if (ReadFile(folder / kInputsFile, kMaxKeyBytes) != KeyOfInputs(log, context))
+    return std::nullopt;
+  return TakenOdometry{ReadOdometryOf(log, folder / kOdometryFile), folder / kOdometryFile, false};
+}
+
+}  // namespace
+
+std::optional<TakenOdometry> TakeOdometry(const RecordedDrive& log, const BuildContext& context) {
+  for (const auto take : {TakeFromMap, TakeFromWork}) {
+    try {
+      if (std::optional<TakenOdometry> taken = take(log, context)) return taken;
+    } catch (const Error& error) {
+      LogWarning("stored odometry of drive '" + log.name() + "' cannot be used: " + error.what());
+    }
+  }
+  return std::nullopt;
+}
+
+void StoreOdometry(const OdometryResult& odometry, const std::optional<fs::path>& taken,
+                   const RecordedDrive& log, const BuildContext& context) {
+  const BuildScope& scope = context.scope;
+  if (scope.products.empty()) return;
+  const fs::path name = fs::path(log.name()) / kOdometryFile;
+  if (taken) return LinkOrCopy(*taken, scope.products / name);
+  fs::create_directories(scope.products / log.name());
+  WriteOdometry(odometry, log.rig(), scope.products / name);
+  if (scope.work.empty()) return;
+  context.cache.Share(name);
+  WriteFileAtomically(scope.work / log.name() / kInputsFile, KeyOfInputs(log, context));
+}
+
+std::string KeyOfOdometry(const BuildScope& scope, const DriveLog& log) {
+  const std::string stored =
+      scope.products.empty() ? "" : Sha256OfFile(scope.products / log.name() / kOdometryFile);
+  return KeyOf({kVersion, std::to_string(kStageResultsVersion), stored});
+}
+
+}  // namespace parkade

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "server/ingest/drive/recorded_drive.h"
+#include "server/pipeline/build_context.h"
+#include "slam/odometry/odometry_result.h"
+
+namespace parkade {
+
+/// Odometry that an earlier build found.
+struct TakenOdometry {
+  OdometryResult odometry;
+  std::filesystem::path file;
+  bool is_of_map = false;  ///< of the finished map to start from, not of a build that was ended
+};
+
+/// Takes a drive's odometry from the map to start from, else from a build that was ended: nothing
+/// where neither holds what this build would find, with a line in the log where it has another.
+std::optional<TakenOdometry> TakeOdometry(const RecordedDrive& log, const BuildContext& context);
+
+/// Puts a drive's odometry into the map in the making: the file of `taken`, shared, where it was
+/// taken, else what was found, which is kept for a next try as well.
+void StoreOdometry(const OdometryResult& odometry,
+                   const std::optional<std::filesystem::path>& taken, const RecordedDrive& log,
+                   const BuildContext& context);
+
+/// The key of all that stages depend on which begin with this drive's stored odometry.
+std::string KeyOfOdometry(const BuildScope& scope, const DriveLog& log);
+
+}  // namespace parkade

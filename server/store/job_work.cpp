@@ -1,0 +1,48 @@
+#include "server/store/job_work.h"
+
+#include <system_error>
+#include <vector>
+
+#include "server/store/tables/names.h"
+
+namespace parkade {
+namespace {
+
+template <typename... Values>
+void DropWorkOf(Store& store, const char* jobs, const Values&... values) {
+  const auto ids = store.database.Read([&](Connection& connection) {
+    Statement query = connection.Query(jobs, values...);
+    std::vector<std::string> found;
+    while (query.Step()) found.push_back(query.Text(0));
+    return found;
+  });
+  for (const std::string& id : ids) DropWork(store, id);
+}
+
+}  // namespace
+
+void DropWork(const Store& store, const std::string& job_id) {
+  std::error_code ignored;
+  std::filesystem::remove_all(store.directory.WorkFolder(job_id), ignored);
+}
+
+void DropWorkOfDrive(Store& store, const std::string& drive_id) {
+  DropWorkOf(store,
+             "SELECT jobs.id FROM jobs JOIN job_drives ON job_drives.job = jobs.id "
+             "WHERE job_drives.drive = ? AND jobs.state <> 'running'",
+             drive_id);
+}
+
+void DropStaleWork(Store& store, std::chrono::system_clock::time_point now) {
+  DropWorkOf(store, R"(
+      SELECT id FROM jobs WHERE state = 'done'
+        OR (state IN ('failed', 'cancelled')
+            AND (finished_at < ?
+                 OR EXISTS (SELECT 1 FROM job_drives JOIN drives ON drives.id = job_drives.drive
+                              WHERE job_drives.job = jobs.id
+                                AND (drives.deleted_at IS NOT NULL
+                                     OR drives.log_deleted_at IS NOT NULL)))))",
+             UtcText(now - kWorkLifetime));
+}
+
+}  // namespace parkade
