@@ -56,8 +56,9 @@ AttemptNews SlurmAttempt::Look() {
 
 void SlurmAttempt::Cancel() {
   if (!cancelled_) cancelled_ = Clock::now();
-  preparation_.Cancel(look_.get());
+  // First what waits for the preparation, lest it starts.
   if (place_.id) queue_.Cancel(*place_.id);
+  preparation_.Cancel(look_.get());
 }
 
 /// Finds out whether Slurm has taken what it did not answer for.

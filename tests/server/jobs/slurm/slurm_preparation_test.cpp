@@ -105,6 +105,7 @@ TEST_F(SlurmPreparationTest, AnElementThatSlurmHoldsIsGivenUp) {
 TEST_F(SlurmPreparationTest, CancellingEndsTheElementsToo) {
   Start(std::string(kWaitInPreparation) + kMakeMap);
   WaitForElements();
+  WaitForId();
   const std::vector<int> pids = {At("101").at("pid"), At("102").at("pid")};
 
   runner_->Cancel(received_.job.id);
