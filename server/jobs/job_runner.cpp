@@ -6,6 +6,7 @@
 #include "core/log.h"
 #include "server/jobs/check_logs.h"
 #include "server/jobs/local_engine.h"
+#include "server/store/disk/share_files.h"
 #include "server/store/job_queue.h"
 #include "server/store/job_work.h"
 #include "server/store/publish_map.h"
@@ -154,7 +155,7 @@ void JobRunner::RunWorker(const Job& job) {
   });
   switch (Supervise(job, *attempt)) {
     case Interruption::kCancelled: End(job, [&] { FinishCancelledJob(store_, job); }); return;
-    case Interruption::kNone: EndBy(job, *attempt); return;
+    case Interruption::kNone: EndBy(job, folder.spec(), *attempt); return;
     case Interruption::kStopped: break;
   }
   if (engine_->capabilities().outlives_service) {
@@ -165,10 +166,13 @@ void JobRunner::RunWorker(const Job& job) {
 }
 
 /// Does what the end of an attempt asks for that was not interrupted.
-void JobRunner::EndBy(const Job& job, const EngineAttempt& attempt) {
+void JobRunner::EndBy(const Job& job, const JobSpec& spec, const EngineAttempt& attempt) {
   const WorkerExit end = attempt.Exit();
   switch (end.kind) {
-    case WorkerExit::Kind::kDone: Publish(job, attempt.products()); return;
+    case WorkerExit::Kind::kDone:
+      if (spec.from) ShareFilesWith(*spec.from, attempt.products());
+      Publish(job, attempt.products());
+      return;
     case WorkerExit::Kind::kFailed:
       if (end.code == "disk_full") DropWork(store_, job.id);
       End(job, [&] { FailJob(store_, job, end.code, end.sentence); });
