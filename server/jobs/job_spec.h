@@ -28,6 +28,15 @@ struct JobSpec {
                                    ///< written before the map
 };
 
+/// What a worker reads of the data directory, besides its attempt's folder.
+inline std::vector<std::filesystem::path> InputsOf(const JobSpec& spec) {
+  std::vector<std::filesystem::path> inputs;
+  for (const std::filesystem::path& rig : spec.rigs)
+    if (!rig.empty()) inputs.push_back(rig);
+  if (spec.from) inputs.push_back(*spec.from);
+  return inputs;
+}
+
 /// How a worker ends, one status per class, so that the class is known even where a full disk took
 /// no last words.
 enum class WorkerStatus : int {

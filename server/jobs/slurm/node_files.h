@@ -29,6 +29,8 @@ struct NodeOrder {
   /// Paths for products, progress and preview in it are relative to the run's folder, or absolute.
   std::vector<std::string> command;
   JobLimits limits;
+  std::filesystem::path data = {};                  ///< the data directory, which it is not to see
+  std::vector<std::filesystem::path> visible = {};  ///< what it reads of that, besides the attempt
 };
 
 /// Makes the folder of the runs, too. Throws as WriteFileAtomically does.

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 #include "core/error.h"
 #include "server/jobs/local_engine.h"
@@ -31,6 +32,12 @@ std::string NumberFromSlurm(const char* variable, const std::string& missing) {
   return text;
 }
 
+/// The logs lie in the attempt's folder, outside of the run's own.
+std::vector<fs::path> WithLogs(const fs::path& attempt, std::vector<fs::path> visible) {
+  visible.push_back(attempt / "input");
+  return visible;
+}
+
 }  // namespace
 
 int RunOnNode(const fs::path& attempt) {
@@ -45,7 +52,9 @@ int RunOnNode(const fs::path& attempt) {
   for (const fs::path& folder : {run, run / "out", run / "tmp"}) fs::create_directory(folder);
   const LocalAttempt::Place place{.worker = {.folder = run,
                                              .log = attempt / AttemptFolder::kLogName,
-                                             .temporary_files = run / "tmp"},
+                                             .temporary_files = run / "tmp",
+                                             .hidden = order.data,
+                                             .visible = WithLogs(attempt, order.visible)},
                                   .products = run / "out",
                                   .progress = run / "progress.ndjson"};
   LocalAttempt worker(order.command, place, order.limits, kStopPatience);

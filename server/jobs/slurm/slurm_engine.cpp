@@ -62,7 +62,7 @@ std::unique_ptr<EngineAttempt> SlurmEngine::Run(const Job& job, const AttemptFol
     spec.out = "./out";
     spec.progress = "./progress.ndjson";
     spec.num_threads = options_.cpus;
-    WriteNodeOrder(folder.path(), {command_(spec), limits_});
+    WriteNodeOrder(folder.path(), {command_(spec), limits_, folder.data(), InputsOf(spec)});
     WriteNodeScript(folder.path());
   }
   return std::make_unique<SlurmAttempt>(commands_, queue_, options_.exit_patience, folder.path(),
