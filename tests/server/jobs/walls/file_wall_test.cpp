@@ -84,7 +84,8 @@ TEST_P(FilesOfOthers, StayOutOfReach) {
       "grep -H Cap /proc/self/status");
 
   if (!HasMounts(printed)) GTEST_SKIP() << printed;
-  for (const char* trophy : {"secret\n", "secretcat", "wrote ", "made\n", "\nread /dev", "init\n"})
+  for (const char* trophy :
+       {"secret\n", "secretcat", "wrote ", "\nmade\n", "\nread /dev", "init\n"})
     EXPECT_EQ(printed.find(trophy), std::string::npos) << trophy << "\n" << printed;
   EXPECT_EQ(ReadFile(data_ / "db/main.db"), "secret");
 }

@@ -42,9 +42,10 @@ class Walled : public testing::TestWithParam<const char*> {
     WriteText(data_ / "rigs/r/rig.yaml", "a rig");
     WriteText(data_ / "jobs/j/attempt-1/input/a.bag", "a log");
     std::filesystem::create_directories(data_ / "cache");
-    if (is_nobody())
-      for (const auto& entry : std::filesystem::recursive_directory_iterator(root_.path()))
-        EXPECT_EQ(::lchown(entry.path().c_str(), kNobody, kNobody), 0);
+    if (!is_nobody()) return;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(root_.path())) {
+      EXPECT_EQ(::lchown(entry.path().c_str(), kNobody, kNobody), 0);
+    }
   }
   void SetUp() override {
     if ((::getuid() == 0) != (GetParam() == std::string("root")) && ::getuid() != 0)
