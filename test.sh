@@ -77,8 +77,9 @@ if [ "$mode" != fast ]; then
   if wants 'mapping|tests/mapping'; then programs+=(parkade_mapping_tests); fi
   if [ ${#programs[@]} -gt 0 ]; then sanitize asan "${programs[@]}"; fi
 
-  say "fuzzer of the log readers"
-  scripts/fuzz.sh 60
+  say "fuzzers"
+  scripts/fuzz.sh --seconds 30 log
+  scripts/fuzz.sh --seconds 5 bag mcap cdr rig head range tus json
 
   say "clang-tidy"
   TIDY_SECONDS=240 scripts/tidy.sh

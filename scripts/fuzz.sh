@@ -1,24 +1,54 @@
 #!/usr/bin/env bash
-# Feeds damaged logs to the readers for some time (libFuzzer, ASan); fails on a crash, a leak or a hang.
-#   scripts/fuzz.sh [SECONDS]    default: 60
+# Feeds what comes from outside with damaged bytes (libFuzzer, ASan); fails on a crash, a leak or a hang.
+#   scripts/fuzz.sh [--seconds S] [--runs N] [NAME...]   for each fuzzer: default 60 s, at most N runs
+# Fuzzers (tests/fuzz): log (any kind), bag, mcap; cdr (messages), rig; head, range, tus, json (requests).
 # Begins with the small logs that the tests have made in build/release, and with what earlier runs
-# found (build/fuzz/corpus). An input that fails stays in build/fuzz.
+# found (build/fuzz/corpus/NAME). An input that fails stays in build/fuzz.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-seconds=${1:-60}
+seconds=60 runs=-1 names=()
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --seconds) seconds=$2; shift ;;
+    --runs) runs=$2; shift ;;
+    *) names+=("$1") ;;
+  esac
+  shift
+done
+if [ ${#names[@]} -eq 0 ]; then names=(log bag mcap cdr rig head range tus json); fi
+
 folder=build/fuzz
-mkdir -p "$folder/corpus"
+mkdir -p "$folder"
 cmake -S . -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1" \
   -DCMAKE_CXX_COMPILER=clang++-14 -DPARKADE_FUZZ=ON -DPARKADE_SANITIZE=fuzzer-no-link,address \
   > "$folder/configure.log" 2>&1 || { cat "$folder/configure.log" >&2; exit 1; }
-cmake --build "$folder" --target parkade_log_fuzzer
+cmake --build "$folder" --target "${names[@]/#/parkade_fuzz_}"
 
-seeds=build/release/tests/server/ingest/containers/samples
-if [ -d "$seeds" ]; then
-  find "$seeds" -type f -size -1000k \( -name '*.bag' -o -name '*.mcap' -o -name '*.db3' -o -name '*.zstd' \) \
-    -exec cp -n {} "$folder/corpus" \;
-fi
-echo "fuzz: $(find "$folder/corpus" -type f | wc -l) logs to begin with"
-"$folder/tests/server/ingest/containers/parkade_log_fuzzer" -max_total_time="$seconds" -max_len=1000000 -timeout=10 \
-  -rss_limit_mb=2000 -print_final_stats=1 -verbosity=0 -artifact_prefix="$folder/" "$folder/corpus"
+# What a fuzzer begins with: small files of the tests, and a word where there is none.
+seed() {
+  local corpus=$folder/corpus/$1 samples=build/release/tests/server/ingest/containers/samples
+  mkdir -p "$corpus"
+  case "$1" in
+    log) copy "$samples" "$corpus" -name '*.bag' -o -name '*.mcap' -o -name '*.db3' -o -name '*.zstd' ;;
+    bag | mcap) copy "$samples" "$corpus" -name "*.$1" ;;
+    head) printf 'GET /api/v1/drives?a=b HTTP/1.1\r\nHost: h\r\nContent-Length: 0\r\n\r\n' > "$corpus/seed" ;;
+    range) printf 'bytes=0-99' > "$corpus/seed" ;;
+    tus) printf 'filename YS5iYWc=,site bG90' > "$corpus/seed" ;;
+    json) printf '{"a": ["b", 1.5, null], "b": true, "point": [1, 2, 3]}' > "$corpus/seed" ;;
+    rig) cp tests/fuzz/rig.yaml "$corpus/seed" ;;
+    *) printf '\0\1\0\0' > "$corpus/seed" ;;
+  esac
+}
+copy() {
+  local from=$1 to=$2
+  shift 2
+  if [ -d "$from" ]; then find "$from" -type f -size -1000k \( "$@" \) -exec cp -n {} "$to" \; ; fi
+}
+
+for name in "${names[@]}"; do
+  seed "$name"
+  echo "fuzz: $name, $(find "$folder/corpus/$name" -type f | wc -l) inputs to begin with"
+  "$folder/tests/fuzz/parkade_fuzz_$name" -max_total_time="$seconds" -runs="$runs" -max_len=1000000 -timeout=10 \
+    -rss_limit_mb=2000 -print_final_stats=1 -verbosity=0 -artifact_prefix="$folder/$name-" "$folder/corpus/$name"
+done

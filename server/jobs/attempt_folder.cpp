@@ -47,7 +47,7 @@ std::optional<fs::path> MapToStartFrom(Store& store, const Job& job) {
 }  // namespace
 
 AttemptFolder::AttemptFolder(Store& store, const Job& job)
-    : path_(store.directory.AttemptFolder(job.id, job.attempt)) {
+    : data_(store.directory.root()), path_(store.directory.AttemptFolder(job.id, job.attempt)) {
   const std::vector<Drive> drives = DrivesOf(store, job);
   spec_.job = job.id;
   spec_.attempt = job.attempt;

@@ -33,6 +33,7 @@ class AttemptFolder {
 
   const JobSpec& spec() const { return spec_; }
   const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& data() const { return data_; }  ///< the data directory
   std::filesystem::path LogFile() const { return path_ / kLogName; }
   std::filesystem::path TemporaryFiles() const { return path_ / "tmp"; }
 
@@ -40,7 +41,7 @@ class AttemptFolder {
   static constexpr const char* kPreviewName = "preview.glb";
 
  private:
-  std::filesystem::path path_;
+  std::filesystem::path data_, path_;
   JobSpec spec_;
   bool is_kept_ = false;
 };

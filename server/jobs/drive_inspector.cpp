@@ -129,9 +129,13 @@ std::optional<DriveInspection> DriveInspector::RunInspection(const Drive& drive)
 
   std::optional<int> status;
   {
-    WorkerProcess process(
-        command_(store_.directory.LogFile(drive.sha256), rig, out),
-        {.folder = folder.get(), .log = log, .temporary_files = folder.get(), .cgroup = {}});
+    const fs::path input = store_.directory.LogFile(drive.sha256);
+    WorkerProcess process(command_(input, rig, out),
+                          {.folder = folder.get(),
+                           .log = log,
+                           .temporary_files = folder.get(),
+                           .hidden = store_.directory.root(),
+                           .visible = {input, rig.value_or(fs::path())}});
     const auto end = std::chrono::steady_clock::now() + kTimeLimit;
     while (!(status = process.Wait(kPatience))) {
       if (is_stopping()) return std::nullopt;

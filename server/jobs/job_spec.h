@@ -31,6 +31,16 @@ struct JobSpec {
                                    ///< written before the map
 };
 
+/// What a worker only reads of the data directory: the rest of its job's folder is its own.
+inline std::vector<std::filesystem::path> InputsOf(const JobSpec& spec) {
+  std::vector<std::filesystem::path> inputs;
+  if (!spec.logs.empty()) inputs.push_back(spec.logs.front().parent_path());
+  for (const std::filesystem::path& rig : spec.rigs)
+    if (!rig.empty()) inputs.push_back(rig);
+  if (spec.from) inputs.push_back(*spec.from);
+  return inputs;
+}
+
 /// How a worker ends, one status per class, so that the class is known even where a full disk took
 /// no last words.
 enum class WorkerStatus : int {

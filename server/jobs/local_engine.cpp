@@ -10,6 +10,11 @@ using std::chrono::steady_clock;
 
 constexpr milliseconds kInterval{200};  // between looks
 
+/// What would only get worse meanwhile.
+bool IsGrowing(WorkerTrouble trouble) {
+  return trouble == WorkerTrouble::kOverMemory || trouble == WorkerTrouble::kOverTasks;
+}
+
 }  // namespace
 
 LocalAttempt::LocalAttempt(const std::vector<std::string>& command, const Place& place,
@@ -42,9 +47,8 @@ void LocalAttempt::EndInTime() {
   if (!kill_time_) {
     if (!is_cancelled_ && worker_.trouble() == WorkerTrouble::kNone) return;
     worker_.process().Signal(SIGTERM);
-    // Memory is not to grow on meanwhile.
     kill_time_ = now;
-    if (worker_.trouble() != WorkerTrouble::kOverMemory) *kill_time_ += stop_patience_;
+    if (!IsGrowing(worker_.trouble())) *kill_time_ += stop_patience_;
   }
   if (now >= *kill_time_) worker_.process().Signal(SIGKILL);
 }
@@ -61,7 +65,11 @@ std::unique_ptr<EngineAttempt> LocalEngine::Run(const Job&, const AttemptFolder&
   const JobSpec& spec = folder.spec();
   const LocalAttempt::Place place{.worker = {.folder = folder.path(),
                                              .log = folder.LogFile(),
-                                             .temporary_files = folder.TemporaryFiles()},
+                                             .temporary_files = folder.TemporaryFiles(),
+                                             // One folder: links do not lead from one to another.
+                                             .writable = {folder.path().parent_path()},
+                                             .hidden = folder.data(),
+                                             .visible = InputsOf(spec)},
                                   .products = spec.out,
                                   .progress = spec.progress};
   return std::make_unique<LocalAttempt>(command_(spec), place, limits_, stop_patience_);

@@ -51,12 +51,15 @@ void MapComparer::Run(const std::string& from_map, const std::string& to_map,
                       const fs::path& out) const {
   Require(static_cast<bool>(command_), ErrorCode::kInternal, "the service cannot compare maps");
   // It is removed after the process has ended, which may still write there.
-  const TemporaryPath log(directory_.NewTemporaryPath()), products(directory_.NewTemporaryPath());
-  WorkerProcess process(
-      command_(directory_.MapFolder(from_map), directory_.MapFolder(to_map), products.get()),
-      {.folder = directory_.root(),
-       .log = log.get(),
-       .temporary_files = directory_.root() / "tmp"});
+  const TemporaryPath folder(directory_.NewTemporaryPath());
+  fs::create_directory(folder.get());
+  const fs::path log = folder.get() / "log.txt", products = folder.get() / "products";
+  const fs::path from = directory_.MapFolder(from_map), to = directory_.MapFolder(to_map);
+  WorkerProcess process(command_(from, to, products), {.folder = folder.get(),
+                                                       .log = log,
+                                                       .temporary_files = folder.get(),
+                                                       .hidden = directory_.root(),
+                                                       .visible = {from, to}});
   const auto end = std::chrono::steady_clock::now() + kTimeLimit;
   std::optional<int> status;
   while (!(status = process.Wait(kPatience))) {
@@ -64,13 +67,12 @@ void MapComparer::Run(const std::string& from_map, const std::string& to_map,
     Require(std::chrono::steady_clock::now() < end, ErrorCode::kInternal,
             "comparing two maps took too long");
   }
-  const std::string sentence = LastSentence(log.get());
-  const bool is_done =
-      WIFEXITED(*status) && WEXITSTATUS(*status) == 0 && fs::exists(products.get());
+  const std::string sentence = LastSentence(log);
+  const bool is_done = WIFEXITED(*status) && WEXITSTATUS(*status) == 0 && fs::exists(products);
   const bool is_refused = WIFEXITED(*status) && WEXITSTATUS(*status) == 1 && !sentence.empty();
   Require(is_done || !is_refused, ErrorCode::kInvalidInput, sentence);
   Require(is_done, ErrorCode::kInternal, "comparing two maps failed: " + sentence);
-  fs::rename(products.get(),
+  fs::rename(products,
              out);  // renamed as a whole: a process that is ended early leaves no comparison
 }
 

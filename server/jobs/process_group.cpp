@@ -1,5 +1,6 @@
 #include "server/jobs/process_group.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -17,6 +18,7 @@ struct ProcessStat {
   char state = '?';
   pid_t group = -1;
   std::int64_t ticks = 0;  ///< of processor time
+  int threads = 0;
 };
 
 /// False for a process that is gone.
@@ -36,6 +38,7 @@ bool ReadStat(const fs::path& folder, ProcessStat& stat) {
     fields >> ticks;
     stat.ticks += ticks;
   }
+  fields >> skipped >> skipped >> stat.threads;
   return static_cast<bool>(fields);
 }
 
@@ -63,24 +66,53 @@ bool HasBusyThread(const fs::path& process) {
   return false;
 }
 
-}  // namespace
-
-GroupUsage ReadGroupUsage(pid_t group) {
-  GroupUsage usage;
+/// Calls `use` with the folder of each process in /proc.
+template <typename Use>
+void ForEachProcess(const Use& use) {
   std::error_code error;
   for (fs::directory_iterator entry("/proc", error), end; !error && entry != end;
        entry.increment(error)) {
-    const fs::path process = entry->path();
-    const char first = process.filename().native().front();
+    const char first = entry->path().filename().native().front();
+    if (first >= '0' && first <= '9') use(entry->path());
+  }
+}
+
+/// The number of a process's namespace; 0 where it is gone, or not ours to look at.
+ino_t NamespaceOf(const fs::path& process) {
+  struct stat file {};
+  return ::stat((process / "ns/pid").c_str(), &file) == 0 ? file.st_ino : 0;
+}
+
+}  // namespace
+
+GroupUsage ReadWorkerUsage(pid_t leader) {
+  GroupUsage usage;
+  const fs::path leaders_folder = fs::path("/proc") / std::to_string(leader);
+  const ino_t space = NamespaceOf(leaders_folder);
+  const bool is_init = space != 0 && space != NamespaceOf("/proc/self");
+  ForEachProcess([&](const fs::path& process) {
     ProcessStat stat;
-    if (first < '0' || first > '9' || !ReadStat(process, stat) || stat.group != group) continue;
+    if ((is_init && process == leaders_folder) || !ReadStat(process, stat)) return;
+    if (stat.group != leader && !(is_init && NamespaceOf(process) == space)) return;
     usage.processor_seconds +=
         static_cast<double>(stat.ticks) / static_cast<double>(::sysconf(_SC_CLK_TCK));
     usage.memory_bytes += 1024 * SumOf(process / "status", "RssAnon:", "RssShmem:");
     usage.disk_bytes += SumOf(process / "io", "read_bytes:", "write_bytes:");
     usage.is_busy |= HasBusyThread(process);
-  }
+    usage.tasks += stat.threads;
+  });
   return usage;
+}
+
+int CountTasksOf(uid_t user) {
+  int count = 0;
+  ForEachProcess([&](const fs::path& process) {
+    struct stat file {};
+    ProcessStat stat;
+    if (::stat(process.c_str(), &file) == 0 && file.st_uid == user && ReadStat(process, stat))
+      count += stat.threads;
+  });
+  return count;
 }
 
 }  // namespace parkade

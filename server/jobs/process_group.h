@@ -6,15 +6,21 @@
 
 namespace parkade {
 
-/// What the living processes of a group use, from /proc.
+/// What living processes use, from /proc.
 struct GroupUsage {
   std::int64_t memory_bytes = 0;  ///< resident, without pages of files: those can be dropped
   double processor_seconds = 0;   ///< so far, with children that have ended
   std::int64_t disk_bytes = 0;    ///< read from and written to disks so far
   bool is_busy = false;  ///< a thread runs, waits for a processor, or for a disk (state R or D)
+  int tasks = 0;         ///< processes and threads
 };
 
-/// Nothing used where there is no such group.
-GroupUsage ReadGroupUsage(pid_t group);
+/// Of the worker with this leader (WorkerProcess::pid): of its group, and where the leader is the
+/// init process of a namespace, of whatever else is in there, but for the leader itself. Nothing
+/// used where there is no such process.
+GroupUsage ReadWorkerUsage(pid_t leader);
+
+/// Processes and threads of a user.
+int CountTasksOf(uid_t user);
 
 }  // namespace parkade

@@ -1,11 +1,9 @@
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "server/jobs/log_limit.h"
-#include "server/jobs/memory_cgroup.h"
 #include "server/jobs/worker_process.h"
 #include "server/jobs/worker_watch.h"
 
@@ -34,10 +32,9 @@ class WatchedWorker {
   bool WasKilledForMemory() const;
 
  private:
-  JobLimits limits_;
   std::int64_t kills_before_;
-  std::unique_ptr<MemoryCgroup> cgroup_;  // outlives the process
   WorkerProcess process_;
+  JobLimits limits_;
   WorkerWatch watch_;
   LogLimit log_;
   WorkerTrouble trouble_ = WorkerTrouble::kNone;

@@ -45,6 +45,9 @@ WorkerExit UnderstandEnd(int status, const WorkerProgress& last_words, bool is_k
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL && is_killed_for_memory)
     return {WorkerExit::Kind::kCrashed, "out_of_memory",
             "the worker ran out of memory" + place + " and was ended by the system"};
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXFSZ)
+    return {WorkerExit::Kind::kFailed, "disk_full",
+            "the worker wrote a larger file" + place + " than a job may, and was ended"};
   if (WIFSIGNALED(status))
     return {WorkerExit::Kind::kCrashed, "crashed",
             "the worker crashed" + place + ": " + ::strsignal(WTERMSIG(status))};
@@ -84,6 +87,10 @@ WorkerExit ExplainTrouble(WorkerTrouble trouble, const JobLimits& limits,
               "the worker took more memory" + place + " than the " +
                   std::to_string(limits.memory_bytes >> 20) +
                   " MiB that a job may use, and was ended"};
+    case WorkerTrouble::kOverTasks:
+      return {WorkerExit::Kind::kFailed, "internal",
+              "the worker started" + place + " the " + std::to_string(limits.tasks) +
+                  " processes and threads that a job may have, and was ended"};
     case WorkerTrouble::kIsLate:
     case WorkerTrouble::kNone: break;
   }

@@ -2,8 +2,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -15,14 +13,18 @@
 #include <fstream>
 #include <sstream>
 #include <string_view>
+#include <system_error>
+#include <utility>
 
 #include "core/error.h"
-#include "server/jobs/network_wall.h"
+#include "server/jobs/process_group.h"
+#include "server/jobs/worker_launch.h"
 
 namespace parkade {
 namespace {
 
-constexpr int kNiceness = 10;  // above the service's
+namespace fs = std::filesystem;
+
 const std::string kTemporaryFiles = "TMPDIR=";
 
 /// This process's environment with another line for temporary files; with its own where null.
@@ -36,94 +38,123 @@ std::vector<char*> Environment(char* temporary_files) {
   return lines;
 }
 
-/// Everything the child needs, prepared before fork: after it, only async-signal-safe calls are
-/// allowed, because other threads may have held locks.
-struct Launch {
-  std::vector<char*> arguments, environment;
-  const char* folder = nullptr;
-  int log_fd = -1, null_fd = -1, input_fd = -1, failure_fd = -1, cgroup_fd = -1;
-  pid_t parent = 0;
-  bool says_walls = false;
+std::vector<char*> Arguments(const std::vector<std::string>& command) {
+  std::vector<char*> words;
+  for (const std::string& word : command) words.push_back(const_cast<char*>(word.c_str()));
+  words.push_back(nullptr);
+  return words;
+}
+
+FileRules RulesOf(const WorkerPlace& place) {
+  FileRules rules{.writable = place.writable, .hidden = place.hidden, .visible = place.visible};
+  rules.writable.push_back(fs::absolute(place.folder));
+  return rules;
+}
+
+std::int64_t FreeBytes(const fs::path& folder) {
+  std::error_code unknown;
+  const fs::space_info space = fs::space(folder, unknown);
+  return unknown ? 0 : static_cast<std::int64_t>(space.available);
+}
+
+[[noreturn]] void ThrowNotStarted(int error) {
+  throw Error(ErrorCode::kInternal,
+              std::string("the worker cannot be started: ") + std::strerror(error));
+}
+
+/// An open file, which is closed in the end.
+class OpenFile {
+ public:
+  explicit OpenFile(int fd) : fd_(fd) {
+    if (fd_ < 0) ThrowNotStarted(errno);
+  }
+  ~OpenFile() { Close(); }
+  OpenFile(OpenFile&& other) noexcept : fd_(other.Release()) {}
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+
+  int fd() const { return fd_; }
+  int Release() { return std::exchange(fd_, -1); }
+  void Close() {
+    if (fd_ >= 0) ::close(Release());
+  }
+
+ private:
+  int fd_;
 };
 
-[[noreturn]] void RunChild(const Launch& launch) {
-  const auto give_up = [&] {
-    const int error = errno;
-    [[maybe_unused]] const ssize_t ignored = ::write(launch.failure_fd, &error, sizeof(error));
-    ::_exit(127);
-  };
-  ::setpgid(0, 0);
-  if (launch.cgroup_fd >= 0 && ::write(launch.cgroup_fd, "0", 1) != 1) {
-    constexpr std::string_view kNote = "the worker cannot join its control group\n";
-    [[maybe_unused]] const ssize_t ignored = ::write(launch.log_fd, kNote.data(), kNote.size());
+struct Pipe {
+  OpenFile reader, writer;
+
+  static Pipe Make() {
+    std::array<int, 2> ends{-1, -1};
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0) ThrowNotStarted(errno);
+    return {OpenFile(ends[0]), OpenFile(ends[1])};
   }
-  constexpr std::string_view kAlone = "the worker is shut off from the network\n",
-                             kOpen = "the worker keeps the network: the kernel allows no other\n";
-  const std::string_view network = LeaveNetwork() == 0 ? kAlone : kOpen;
-  if (launch.says_walls) {
-    [[maybe_unused]] const ssize_t ignored = ::write(launch.log_fd, network.data(), network.size());
-  }
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != launch.parent) ::_exit(127);  // the parent died before the line above
-  const rlimit no_core{0, 0};
-  ::setrlimit(RLIMIT_CORE, &no_core);
-  ::setpriority(PRIO_PROCESS, 0, ::getpriority(PRIO_PROCESS, 0) + kNiceness);
-  if (const int fd = ::open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC); fd >= 0) {
-    [[maybe_unused]] const ssize_t ignored = ::write(fd, "800", 3);
-  }
-  sigset_t none;
-  sigemptyset(&none);
-  ::sigprocmask(SIG_SETMASK, &none, nullptr);
-  for (const int signal : {SIGPIPE, SIGTERM, SIGINT}) ::signal(signal, SIG_DFL);
-  if (::dup2(launch.input_fd, 0) < 0 || ::dup2(launch.log_fd, 1) < 0 ||
-      ::dup2(launch.log_fd, 2) < 0)
-    give_up();
-  if (::chdir(launch.folder) != 0) give_up();
-  // Sockets that the HTTP library accepted are not close-on-exec.
-  ::close_range(3, ~0U, CLOSE_RANGE_CLOEXEC);
-  ::execvpe(launch.arguments[0], launch.arguments.data(), launch.environment.data());
-  give_up();
-  ::_exit(127);
+};
+
+void SayLimits(int log, const WorkerLimits& limits, const WorkerCgroup& cgroup) {
+  const std::optional<int> version = cgroup.memory_version();
+  const std::string line =
+      "the service limits memory to " + std::to_string(limits.memory_bytes >> 20) + " MiB by " +
+      (version ? "a control group (version " + std::to_string(*version) + ")"
+               : "looking at it several times a second: no control group can be made") +
+      "\nthe service limits processes with their threads to " + std::to_string(limits.tasks) +
+      (cgroup.limits_tasks() ? " by a control group\n" : "\n");
+  [[maybe_unused]] const ssize_t ignored = ::write(log, line.data(), line.size());
+}
+
+std::optional<int> ReadNumber(int fd) {
+  int number = 0;
+  ssize_t count = 0;
+  do count = ::read(fd, &number, sizeof(number));
+  while (count < 0 && errno == EINTR);
+  return count == sizeof(number) ? std::optional(number) : std::nullopt;
 }
 
 }  // namespace
 
-WorkerProcess::WorkerProcess(const std::vector<std::string>& command, const WorkerPlace& place) {
+WorkerProcess::WorkerProcess(const std::vector<std::string>& command, const WorkerPlace& place)
+    : limits_(Completed(place.limits, FreeBytes(place.folder))),
+      cgroup_(std::make_unique<WorkerCgroup>(limits_.memory_bytes, limits_.tasks + kSpareTasks)) {
   Require(!command.empty(), ErrorCode::kInternal, "the worker has no command line");
-  Launch launch;
-  for (const std::string& argument : command)
-    launch.arguments.push_back(const_cast<char*>(argument.c_str()));
-  launch.arguments.push_back(nullptr);
   std::string temporary_files = kTemporaryFiles + place.temporary_files.string();
-  launch.environment =
-      Environment(place.temporary_files.empty() ? nullptr : temporary_files.data());
-  launch.folder = place.folder.c_str();
-  launch.parent = ::getpid();
-  launch.says_walls = place.says_walls;
-  launch.log_fd = ::open(place.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  launch.null_fd = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
-  launch.input_fd = place.input >= 0 ? place.input : launch.null_fd;
-  if (!place.cgroup.empty()) launch.cgroup_fd = ::open(place.cgroup.c_str(), O_WRONLY | O_CLOEXEC);
-  std::array<int, 2> failure{-1, -1};
-  int error = launch.log_fd < 0 || launch.null_fd < 0 || ::pipe2(failure.data(), O_CLOEXEC) != 0
-                  ? errno
-                  : 0;
-  launch.failure_fd = failure[1];
-  if (error == 0) {
-    pid_ = ::fork();
-    if (pid_ == 0) RunChild(launch);
-    if (pid_ < 0) error = errno;
-  }
-  for (const int fd : {launch.log_fd, launch.null_fd, launch.cgroup_fd, failure[1]})
-    if (fd >= 0) ::close(fd);
+  const OpenFile log(::open(place.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
+  const OpenFile null(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  std::vector<OpenFile> cgroups;
+  Pipe status = Pipe::Make(), failure = Pipe::Make();
+  WorkerLaunch launch{
+      .arguments = Arguments(command),
+      .environment = Environment(place.temporary_files.empty() ? nullptr : temporary_files.data()),
+      .folder = fs::absolute(place.folder),
+      .wall = FileWall(RulesOf(place)),
+      .limits = limits_,
+      .tasks_of_user = CountTasksOf(::getuid()),
+      .cgroup_fds = {},
+      .log_fd = log.fd(),
+      .input_fd = place.input >= 0 ? place.input : null.fd(),
+      .says_walls = place.says_walls,
+      .status_fd = status.writer.fd(),
+      .failure_fd = failure.writer.fd(),
+      .failure_reader_fd = failure.reader.fd()};
+  for (const fs::path& file : cgroup_->ProcessesFiles())
+    launch.cgroup_fds.push_back(
+        cgroups.emplace_back(::open(file.c_str(), O_WRONLY | O_CLOEXEC)).fd());
+  if (place.says_walls) SayLimits(log.fd(), limits_, *cgroup_);
+  const pid_t child = ::fork();
+  if (child == 0) RunWorker(launch);
+  if (child < 0) ThrowNotStarted(errno);
+  status.writer.Close();
+  failure.writer.Close();
+  pid_ = ReadNumber(status.reader.fd()).value_or(child);
+  if (pid_ != child) ::waitpid(child, nullptr, 0);
   // A successful exec closes the pipe; otherwise the pipe tells why there was none.
-  if (error == 0 && ::read(failure[0], &error, sizeof(error)) != sizeof(error)) error = 0;
-  ::close(failure[0]);
-  if (error != 0) {
-    if (pid_ > 0) ::waitpid(pid_, nullptr, 0);
-    throw Error(ErrorCode::kInternal,
-                std::string("the worker cannot be started: ") + std::strerror(error));
+  if (const std::optional<int> error = ReadNumber(failure.reader.fd())) {
+    ::waitpid(pid_, nullptr, 0);
+    ThrowNotStarted(*error);
   }
+  status_fd_ = status.reader.Release();
+  ::fcntl(status_fd_, F_SETFL, O_NONBLOCK);
   // Called by its number, since glibc 2.36 declares pidfd_open without C linkage.
   pid_fd_ = static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0));
 }
@@ -133,7 +164,8 @@ WorkerProcess::~WorkerProcess() {
     Signal(SIGKILL);
     ::waitpid(pid_, nullptr, 0);
   }
-  if (pid_fd_ >= 0) ::close(pid_fd_);
+  for (const int fd : {pid_fd_, status_fd_})
+    if (fd >= 0) ::close(fd);
 }
 
 std::optional<int> WorkerProcess::Wait(std::chrono::milliseconds patience) {
@@ -148,7 +180,7 @@ std::optional<int> WorkerProcess::Wait(std::chrono::milliseconds patience) {
   ::kill(-pid_, SIGKILL);
   int status = 0;
   ::waitpid(pid_, &status, 0);
-  status_ = status;
+  status_ = ReadNumber(status_fd_).value_or(status);
   return status_;
 }
 

@@ -29,6 +29,7 @@ WorkerTrouble WorkerWatch::Look(const GroupUsage& usage, bool has_spoken, Clock:
   }
   if (limits_.memory_bytes > 0 && usage.memory_bytes > limits_.memory_bytes)
     return WorkerTrouble::kOverMemory;
+  if (limits_.tasks > 0 && usage.tasks >= limits_.tasks) return WorkerTrouble::kOverTasks;
   if (now - start_ > limits_.time) return WorkerTrouble::kIsLate;
   if (idle_ >= limits_.hang) return WorkerTrouble::kHangs;
   return silent_ >= limits_.silence ? WorkerTrouble::kIsSilent : WorkerTrouble::kNone;

@@ -14,6 +14,7 @@ enum class WorkerTrouble {
   kIsSilent,    ///< at work, without progress for JobLimits::silence
   kIsLate,      ///< not done after JobLimits::time
   kOverMemory,  ///< more than JobLimits::memory_bytes
+  kOverTasks,   ///< as many processes as JobLimits::tasks, or more
 };
 
 /// Tells a worker that hangs from one that is slow. Signs of life come from the work itself:

@@ -85,6 +85,7 @@ const std::vector<std::string> kRooms = {
     "server/store/uploads/",
     "server/store/care/",
     "server/store/review/",
+    "server/jobs/walls/",
     "server/jobs/",
     "server/jobs/pictures/",
     "server/jobs/slurm/",

@@ -192,8 +192,13 @@ void PictureDesk::Open(const PictureLog& log, Bench& bench) {
   if (log.rig) rig = directory_.RigFolder(*log.rig);
   const std::vector<std::string> command =
       options_.command(log.file, rig, cache_.PathOf(log.Folder() + kIndex));
-  bench.worker = std::make_unique<PictureWorker>(command, directory_.NewTemporaryPath(),
-                                                 options_.answer_limit, is_stopping_);
+  const WorkerPlace place{.folder = directory_.NewTemporaryPath(),
+                          .log = {},
+                          .writable = {cache_.PathOf(log.Folder())},
+                          .hidden = directory_.root(),
+                          .visible = {log.file, rig.value_or(fs::path()), directory_.MapsFolder()}};
+  bench.worker =
+      std::make_unique<PictureWorker>(command, place, options_.answer_limit, is_stopping_);
   bench.folder = log.Folder();
   cache_.Add(log.Folder() + kIndex);
 }

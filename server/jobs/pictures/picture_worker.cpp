@@ -33,21 +33,19 @@ ErrorCode CodeOf(const Json& answer) {
 
 }  // namespace
 
-PictureWorker::PictureWorker(const std::vector<std::string>& command, const fs::path& folder,
+PictureWorker::PictureWorker(const std::vector<std::string>& command, WorkerPlace place,
                              std::chrono::seconds answer_limit,
                              const std::atomic<bool>& is_stopping)
-    : folder_(MadeFolder(folder)), answer_limit_(answer_limit), is_stopping_(is_stopping) {
+    : folder_(MadeFolder(place.folder)), answer_limit_(answer_limit), is_stopping_(is_stopping) {
   std::array<int, 2> pair{-1, -1};
   Require(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair.data()) == 0,
           ErrorCode::kInternal, "no file descriptor is left to read pictures with");
   socket_ = pair[0];
   try {
-    process_.emplace(command, WorkerPlace{.folder = folder,
-                                          .log = folder / "log.txt",
-                                          .temporary_files = folder,
-                                          .cgroup = {},
-                                          .says_walls = false,
-                                          .input = pair[1]});
+    place.log = place.folder / "log.txt";
+    place.temporary_files = place.folder;
+    place.input = pair[1];
+    process_.emplace(command, place);
     ::close(pair[1]);
     pair[1] = -1;
     Hear(kStartLimit);

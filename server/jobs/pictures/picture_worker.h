@@ -30,9 +30,9 @@ using PictureCommand = std::function<std::vector<std::string>(
 /// thread.
 class PictureWorker {
  public:
-  /// Waits until it is ready, which may take a pass over the log. `folder` is made, for its
-  /// temporary files. Throws Error as Ask.
-  PictureWorker(const std::vector<std::string>& command, const std::filesystem::path& folder,
+  /// Waits until it is ready, which may take a pass over the log. `place.folder` is made, for its
+  /// log and temporary files. Throws Error as Ask.
+  PictureWorker(const std::vector<std::string>& command, WorkerPlace place,
                 std::chrono::seconds answer_limit, const std::atomic<bool>& is_stopping);
   ~PictureWorker();
   PictureWorker(const PictureWorker&) = delete;

@@ -45,12 +45,15 @@ std::optional<WorkerExit> ReadExit(const fs::path& file) {
 
 void WriteNodeOrder(const fs::path& attempt, const NodeOrder& order) {
   // A path that is not UTF-8 would come out as another one: dump throws.
-  const Json json = {{"command", order.command},
-                     {"preparations", order.preparations},
-                     {"seconds", order.limits.time.count()},
-                     {"memory_bytes", order.limits.memory_bytes},
-                     {"hang_ms", order.limits.hang.count()},
-                     {"silence_ms", order.limits.silence.count()}};
+  const Json json = {
+      {"command", order.command},
+      {"preparations", order.preparations},
+      {"seconds", order.limits.time.count()},
+      {"memory_bytes", order.limits.memory_bytes},
+      {"hang_ms", order.limits.hang.count()},
+      {"silence_ms", order.limits.silence.count()},
+      {"data", order.data.string()},
+      {"visible", std::vector<std::string>(order.visible.begin(), order.visible.end())}};
   fs::create_directories(attempt / "runs" / "prepare");
   WriteFileAtomically(attempt / "runs" / "order.json", json.dump() + "\n");
 }
@@ -66,6 +69,8 @@ NodeOrder ReadNodeOrder(const fs::path& attempt) {
     order.limits.memory_bytes = json.at("memory_bytes").get<std::int64_t>();
     order.limits.hang = std::chrono::milliseconds(json.at("hang_ms").get<std::int64_t>());
     order.limits.silence = std::chrono::milliseconds(json.at("silence_ms").get<std::int64_t>());
+    order.data = json.at("data").get<std::string>();
+    for (const auto& path : json.at("visible")) order.visible.emplace_back(path.get<std::string>());
     return order;
   } catch (const Json::exception&) {
     throw Error(ErrorCode::kInternal, "the order of the attempt is damaged");

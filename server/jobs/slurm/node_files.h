@@ -32,6 +32,8 @@ struct NodeOrder {
   /// Paths for products, progress and preview in it are relative to the run's folder, or absolute.
   std::vector<std::string> command;
   JobLimits limits;
+  std::filesystem::path data = {};                  ///< the data directory, which it is not to see
+  std::vector<std::filesystem::path> visible = {};  ///< what it only reads of that
   /// Of the workers that prepare one drive each, on any nodes, before the command runs.
   std::vector<std::vector<std::string>> preparations = {};
 };

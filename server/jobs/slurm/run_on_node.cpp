@@ -47,8 +47,14 @@ std::optional<WorkerExit> RunWorker(const std::vector<std::string>& command,
   return is_stopped ? std::nullopt : std::optional(worker.Exit());
 }
 
-LocalAttempt::Place PlaceIn(const fs::path& run, const fs::path& log, const fs::path& progress) {
-  return {.worker = {.folder = run, .log = log, .temporary_files = run / "tmp"},
+LocalAttempt::Place PlaceIn(const fs::path& run, const fs::path& log, const fs::path& progress,
+                            const fs::path& attempt, const NodeOrder& order) {
+  return {.worker = {.folder = run,
+                     .log = log,
+                     .temporary_files = run / "tmp",
+                     .writable = {attempt.parent_path()},
+                     .hidden = order.data,
+                     .visible = order.visible},
           .products = run / "out",
           .progress = progress};
 }
@@ -60,7 +66,7 @@ int Prepare(const fs::path& attempt, const NodeOrder& order, int number, const s
           ErrorCode::kUsage, "the order has no preparation " + std::to_string(number));
   const LocalAttempt::Place place =
       PlaceIn(PreparationFolder(attempt, number, id, restarts), PreparationLog(attempt, number),
-              PreparationProgress(attempt, number));
+              PreparationProgress(attempt, number), attempt, order);
   const auto exit =
       RunWorker(order.preparations[static_cast<std::size_t>(number)], place, order.limits);
   if (!exit) return kStopped;
@@ -91,7 +97,8 @@ int RunOnNode(const fs::path& attempt) {
   if (restarts == 0) TakeOverLogs(attempt, order);
   const fs::path run = RunFolder(attempt, id, restarts);
   const auto exit = RunWorker(
-      order.command, PlaceIn(run, attempt / AttemptFolder::kLogName, run / "progress.ndjson"),
+      order.command,
+      PlaceIn(run, attempt / AttemptFolder::kLogName, run / "progress.ndjson", attempt, order),
       order.limits);
   if (!exit) return kStopped;
   WriteNodeExit(run, *exit);

@@ -77,6 +77,9 @@ void SlurmAttempt::Submit() {
     SetId(commands_.Submit(
         {.script = NodeScript(folder_), .folder = folder_, .comment = comment_, .after = after}));
   } catch (const Error& error) {
+    refusals_ = refusal_ == error.what() ? refusals_ + 1 : 1;
+    refusal_ = error.what();
+    is_refused_ = refusals_ >= MaxTries(refusal_).value_or(refusals_ + 1);
     if (reason_ != error.what()) LogWarning("slurm job=" + comment_ + " refused=" + error.what());
     reason_ = error.what();
     unsure_since_ = Clock::now();
@@ -98,6 +101,8 @@ std::optional<SlurmAttempt::End> SlurmAttempt::FindEnd() {
   if (const auto found = FindNodeExit(folder_)) return End{found->exit, found->run / "out"};
   const auto asked = AskSlurm();
   if (asked) return End{*asked, {}};
+  if (is_refused_ && !unsure_since_)
+    return End{{Kind::kFailed, "internal", "Slurm does not take the job: " + refusal_}, {}};
   const bool is_given_up =
       cancelled_ && (!place_.id || Clock::now() - *cancelled_ >= kCancelPatience);
   if (is_given_up) return End{{Kind::kCancelled, "cancelled", "cancelled"}, {}};

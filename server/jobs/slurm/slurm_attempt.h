@@ -16,7 +16,8 @@ namespace parkade {
 ///
 /// Its folder is the authority on how it ended; where that has no word, Slurm's state says why. A
 /// job that Slurm does not take, or not answer for, is handed over again until it does: before
-/// that, a look at the queue says whether it has not been taken after all.
+/// that, a look at the queue says whether it has not been taken after all. One that Slurm will
+/// never take fails.
 class SlurmAttempt : public EngineAttempt {
  public:
   /// The order, with so many preparations, and the script lie in `folder`. `place`: where an
@@ -65,6 +66,9 @@ class SlurmAttempt : public EngineAttempt {
   WorkerProgress latest_;
   std::shared_ptr<const SlurmQueue::Look> look_;
   std::optional<Clock::time_point> unsure_since_;  ///< Slurm may have taken it all the same
+  std::string refusal_;                            ///< what sbatch said last
+  int refusals_ = 0;                               ///< in a row, with this sentence
+  bool is_refused_ = false;                        ///< for good
   Clock::time_point next_try_;
   std::chrono::milliseconds pause_{1000};          ///< before the try after the next
   Clock::time_point known_since_;                  ///< from when on Slurm's queue has to have it

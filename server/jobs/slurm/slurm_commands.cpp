@@ -3,6 +3,8 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 
 #include "core/error.h"
 #include "server/jobs/slurm/run_command.h"
@@ -22,6 +24,32 @@ std::string OneLine(std::string text) {
 }
 
 }  // namespace
+
+std::optional<int> MaxTries(const std::string& refusal) {
+  // As Slurm 22.05 says it. One about nodes that are down, or busy, is not among them.
+  constexpr std::array<std::string_view, 13> kFinal = {
+      "Invalid account or account/partition combination",
+      "Invalid partition name specified",
+      "Invalid qos specification",
+      "Invalid feature specification",
+      "Invalid generic resource (gres) specification",
+      "Requested node configuration is not available",
+      "Requested nodes not in this partition",
+      "Requested time limit is invalid",
+      "Node count specification invalid",
+      "CPU count specification invalid",
+      "More processors requested than permitted",
+      "Memory required by task is not available",
+      "User's group not permitted to use this partition"};
+  // Too large for ever, or too many jobs just now: Slurm does not say which.
+  constexpr std::string_view kPolicy = "Job violates accounting/QOS policy";
+  constexpr int kPolicyTries = 30;  // in half an hour
+  const auto says = [&](std::string_view words) {
+    return refusal.find(words) != std::string::npos;
+  };
+  if (std::any_of(kFinal.begin(), kFinal.end(), says)) return 1;
+  return says(kPolicy) ? std::optional(kPolicyTries) : std::nullopt;
+}
 
 std::string SlurmCommands::Run(const std::string& program,
                                std::vector<std::string> arguments) const {

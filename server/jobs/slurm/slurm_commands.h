@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,5 +40,9 @@ class SlurmCommands {
 
   SlurmOptions options_;
 };
+
+/// How often a job is handed over that sbatch refuses with this sentence each time, before it is
+/// given up: once where no waiting helps, as for a partition that is not there. Nothing: for ever.
+std::optional<int> MaxTries(const std::string& refusal);
 
 }  // namespace parkade

@@ -86,7 +86,7 @@ NodeOrder SlurmEngine::OrderFor(const AttemptFolder& folder) const {
   spec.out = "./out";
   spec.progress = "./progress.ndjson";
   spec.num_threads = options_.cpus;
-  NodeOrder order{command_(spec), limits_};
+  NodeOrder order{command_(spec), limits_, folder.data(), InputsOf(spec)};
   const std::vector<int> drives = DrivesToPrepare(spec);
   if (drives.size() < 2) return order;  // one is prepared as fast by the run itself
   for (const int drive : drives) {

@@ -8,9 +8,10 @@
 #include "core/file.h"
 #include "server/jobs/job_runner.h"
 #include "server/jobs/log_limit.h"
-#include "server/jobs/memory_cgroup.h"
 #include "server/jobs/worker_process.h"
 #include "server/store/tables/job_table.h"
+#include "server/store/tables/map_table.h"
+#include "tests/server/jobs/walls/walled.h"
 #include "tests/server/store/temporary_store.h"
 
 namespace parkade {
@@ -133,18 +134,59 @@ TEST_F(JobLimiting, ALogIsBounded) {
   const std::string log = ReadFile(Attempt() / "log.txt");
   EXPECT_LT(log.size(), std::size_t{16} << 20);
   EXPECT_GT(log.size(), std::size_t{10} << 20);
-  EXPECT_NE(log.substr(0, 200).find("begins\n"), std::string::npos);
+  EXPECT_NE(log.substr(0, 1000).find("begins\n"), std::string::npos);
   EXPECT_TRUE(log.ends_with("ends\n"));
   EXPECT_NE(log.find(" MiB of this log were left out here]\n"), std::string::npos);
 }
 
 TEST_F(JobLimiting, AControlGroupEndsAWorkerForItsMemory) {
-  const std::unique_ptr<MemoryCgroup> cgroup = MemoryCgroup::Make(50'000'000);
-  if (!cgroup) GTEST_SKIP() << "no right to make a control group here";
-  WorkerProcess worker({"/bin/sh", "-c", "exec tail /dev/zero"},
-                       {root_.path(), root_.path() / "log.txt", "", cgroup->ProcessesFile()});
+  WorkerPlace place{root_.path(), root_.path() / "log.txt"};
+  place.limits.memory_bytes = 50'000'000;
+  WorkerProcess worker({"/bin/sh", "-c", "exec tail /dev/zero"}, place);
+  if (!worker.cgroup().memory_version()) {
+    worker.Signal(SIGKILL);
+    GTEST_SKIP() << "no right to make a control group here";
+  }
   worker.Wait(seconds(60));
-  EXPECT_TRUE(cgroup->HasKilled());
+  EXPECT_TRUE(worker.cgroup().HasKilled());
+}
+
+TEST_F(JobLimiting, AWorkerThatForksForEverIsEndedAndNothingIsLeft) {
+  const std::string mark = "bomb-" + root_.path().filename().string();
+  JobRunnerOptions options =
+      Program({"python3", "-c",
+               "'" + mark +
+                   "'\nimport os\nwhile True:\n try:\n  if os.fork() == 0: os.setsid()\n"
+                   " except OSError: pass\n"});
+  options.limits.tasks = 100;
+
+  const Job job = EndOf(options);
+  EXPECT_EQ(job.error_code, "internal");
+  EXPECT_EQ(job.error,
+            "the worker started the 100 processes and threads that a job may have, and was ended");
+  EXPECT_EQ(job.attempt, 1) << "it would start as many again";
+  EXPECT_EQ(CountProcessesWith(mark), 0);
+}
+
+TEST_F(JobLimiting, AWorkerThatWritesAnEndlessFileIsEnded) {
+  JobRunnerOptions options = Shell("exec cat /dev/zero > $1/map.glb");
+  options.limits.file_bytes = 10'000'000;
+
+  const Job job = EndOf(options);
+  EXPECT_EQ(job.error_code, "disk_full");
+  EXPECT_EQ(job.error, "the worker wrote a larger file than a job may, and was ended");
+}
+
+TEST_F(JobLimiting, AWorkerSeesOfTheDataDirectoryOnlyItsOwn) {
+  const Job job = EndOf(Shell("ls -A " + store_.directory.root().string() + " > $1/seen.txt; " +
+                              std::string(kMakeMap)));
+
+  ASSERT_EQ(job.state, JobState::kDone);
+  const std::string log = ReadFile(Attempt() / "log.txt");
+  if (log.find("(mount namespace)") == std::string::npos) GTEST_SKIP() << log;
+  const MapVersion map =
+      store_.database.Read([](Connection& connection) { return FindMap(connection, "lot", 1); });
+  EXPECT_EQ(ReadFile(store_.directory.MapFolder(map.id) / "seen.txt"), "jobs\n");
 }
 
 TEST(MemoryLimit, IsMostOfTheMachine) {

@@ -9,6 +9,7 @@
 #include "core/file.h"
 #include "server/jobs/worker_exit.h"
 #include "server/jobs/worker_process.h"
+#include "tests/server/jobs/walls/walled.h"
 #include "tests/server/store/temporary_store.h"
 
 namespace parkade {
@@ -30,13 +31,6 @@ class Worker : public testing::Test {
   TemporaryRoot root_;
   std::filesystem::path log_ = root_.path() / "log.txt";
 };
-
-/// False for a process that is gone, or a zombie its parent has not yet buried.
-bool IsAlive(pid_t pid) {
-  std::ifstream stream("/proc/" + std::to_string(pid) + "/stat");
-  std::string text;
-  return std::getline(stream, text) && text.find(") Z") == std::string::npos;
-}
 
 TEST_F(Worker, RunsInItsFolderAndPrintsToTheLog) {
   const int status = StatusOf("pwd; echo said >&2; exit 7");
@@ -71,18 +65,16 @@ TEST_F(Worker, ThatCannotStartSaysSo) {
 }
 
 TEST_F(Worker, IsSignaledWithItsWholeGroup) {
-  const auto worker = Start("sleep 100 & echo $!; wait");
+  const std::string mark = root_.path().filename();
+  const auto worker = Start("sh -c 'sleep 100; : " + mark + "' & echo started; wait");
   while (!std::filesystem::exists(log_) || Printed().empty())
     EXPECT_FALSE(worker->Wait(milliseconds(10)));
-  const pid_t grandchild = std::stoi(Printed());
 
   worker->Signal(SIGTERM);
   const int status = worker->Wait(milliseconds(60'000)).value();
 
   EXPECT_TRUE(WIFSIGNALED(status));
-  bool is_alive = true;
-  for (int i = 0; i < 500 && is_alive; ++i, ::usleep(10'000)) is_alive = IsAlive(grandchild);
-  EXPECT_FALSE(is_alive);
+  EXPECT_EQ(CountProcessesWith(mark), 0);
 }
 
 TEST_F(Worker, DiesWithItsOwner) {
@@ -158,12 +150,13 @@ TEST_F(Worker, ReachesNoNetwork) {
   ASSERT_EQ(worker.Wait(milliseconds(60'000)).value(), 0);
 
   const std::string printed = Printed();
-  if (printed.starts_with("the worker keeps the network")) GTEST_SKIP() << printed;
-  EXPECT_TRUE(printed.starts_with("the worker is shut off from the network\n")) << printed;
+  if (printed.find("the worker keeps the network") != std::string::npos) GTEST_SKIP() << printed;
+  EXPECT_NE(printed.find("the worker is shut off from the network\n"), std::string::npos)
+      << printed;
   std::istringstream lines(printed);
   int interfaces = 0;
   for (std::string line; std::getline(lines, line);)
-    if (line.find(": ") != std::string::npos) {
+    if (line.find(": ") < 8) {
       ++interfaces;
       EXPECT_NE(line.find("lo:"), std::string::npos) << line;
     }

@@ -107,7 +107,7 @@ TEST(GroupUsage, CountsMemoryAndProcessorTime) {
   for (int i = 0; i < 200 && !(usage.processor_seconds > 0.3 && usage.memory_bytes > 50'000'000);
        ++i) {
     std::this_thread::sleep_for(milliseconds(50));
-    usage = ReadGroupUsage(group);
+    usage = ReadWorkerUsage(group);
   }
   EndGroup(group);
 
@@ -115,7 +115,7 @@ TEST(GroupUsage, CountsMemoryAndProcessorTime) {
   EXPECT_LT(usage.memory_bytes, 500'000'000);
   EXPECT_GE(usage.processor_seconds, 0.3);
   EXPECT_TRUE(usage.is_busy);
-  EXPECT_EQ(ReadGroupUsage(group).memory_bytes, 0) << "it has ended";
+  EXPECT_EQ(ReadWorkerUsage(group).memory_bytes, 0) << "it has ended";
 }
 
 TEST(GroupUsage, SeesThatAStoppedOneDoesNothing) {
@@ -125,9 +125,9 @@ TEST(GroupUsage, SeesThatAStoppedOneDoesNothing) {
   });
   ::kill(-group, SIGSTOP);
   std::this_thread::sleep_for(milliseconds(100));
-  const GroupUsage before = ReadGroupUsage(group);
+  const GroupUsage before = ReadWorkerUsage(group);
   std::this_thread::sleep_for(milliseconds(300));
-  const GroupUsage after = ReadGroupUsage(group);
+  const GroupUsage after = ReadWorkerUsage(group);
   EndGroup(group);
 
   EXPECT_FALSE(after.is_busy);

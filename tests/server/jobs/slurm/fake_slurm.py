@@ -82,6 +82,8 @@ def run(job, command, folder, array=None, after=None):
 def sbatch():
     if mode() == "refuse":
         fail("Unable to contact slurm controller (connect failure)")
+    if mode() == "no partition":
+        fail("Batch job submission failed: Invalid partition name specified")
     if mode() == "nonsense":
         print("Welcome to the cluster!")
         return

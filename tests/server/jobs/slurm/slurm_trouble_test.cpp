@@ -5,6 +5,7 @@
 #include <csignal>
 
 #include "server/jobs/slurm/node_files.h"
+#include "server/jobs/slurm/slurm_commands.h"
 #include "tests/server/jobs/slurm/slurm_test.h"
 
 namespace parkade {
@@ -41,6 +42,35 @@ TEST_F(SlurmInTrouble, AJobThatIsRefusedWaitsAndIsHandedOverLater) {
   Behave("sbatch", "well");
 
   EXPECT_EQ(WaitFor(JobState::kDone).attempt, 1);
+}
+
+TEST_F(SlurmInTrouble, AJobThatSlurmWillNeverTakeFails) {
+  Behave("sbatch", "no partition");
+  Start(kMakeMap);
+
+  const Job job = WaitFor(JobState::kFailed);
+  EXPECT_EQ(job.error_code, "internal");
+  EXPECT_EQ(job.error,
+            "Slurm does not take the job: sbatch: error: Batch job submission failed: Invalid "
+            "partition name specified");
+  EXPECT_EQ(job.attempt, 1);
+  EXPECT_EQ(CallsOf("sbatch").size(), 1u);
+}
+
+TEST(SlurmRefusal, IsFinalWhereNoWaitingHelps) {
+  const std::string failed = "sbatch: error: Batch job submission failed: ";
+  for (const char* words : {"Requested node configuration is not available",
+                            "Invalid account or account/partition combination specified",
+                            "More processors requested than permitted"})
+    EXPECT_EQ(MaxTries(failed + words), 1) << words;
+  for (const char* words : {"Socket timed out on send/recv operation",
+                            "Unable to contact slurm controller (connect failure)",
+                            "Requested partition configuration not available now",
+                            "Required node not available (down, drained or reserved)"})
+    EXPECT_FALSE(MaxTries(failed + words)) << words;
+  EXPECT_GT(MaxTries(failed + "Job violates accounting/QOS policy (job submit limit, user's size "
+                              "and/or time limits)"),
+            10);
 }
 
 TEST_F(SlurmInTrouble, AnAnswerThatGotLostGivesNoSecondJob) {

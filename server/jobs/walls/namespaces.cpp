@@ -1,4 +1,4 @@
-#include "server/jobs/network_wall.h"
+#include "server/jobs/walls/namespaces.h"
 
 #include <fcntl.h>
 #include <sched.h>
@@ -6,12 +6,13 @@
 #include <unistd.h>
 
 #include <array>
-#include <cerrno>
 #include <cstddef>
 #include <string_view>
 
 namespace parkade {
 namespace {
+
+constexpr std::array<int, 3> kOthers = {CLONE_NEWNET, CLONE_NEWPID, CLONE_NEWIPC};
 
 void WriteTo(const char* file, std::string_view text) {
   const int fd = ::open(file, O_WRONLY | O_CLOEXEC);
@@ -36,19 +37,28 @@ std::string_view MapOf(unsigned int id, std::array<char, 32>& text) {
   return {text.data(), size};
 }
 
-}  // namespace
-
-int LeaveNetwork() {
-  if (::unshare(CLONE_NEWNET) == 0) return 0;
-  // Who is not root may do so within a user namespace, as whom it was before.
+/// As unshare(2), within a user namespace where it takes one. Returns the flags that it did, or 0.
+int Unshare(int flags) {
+  if (::unshare(flags) == 0) return flags;
   const unsigned int user = ::getuid(), group = ::getgid();
-  if (::unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) return errno;
+  if (::unshare(CLONE_NEWUSER | flags) != 0) return 0;
   ::prctl(PR_SET_DUMPABLE, 1);  // else the files below are not ours
   std::array<char, 32> text{};
   WriteTo("/proc/self/setgroups", "deny");
   WriteTo("/proc/self/uid_map", MapOf(user, text));
   WriteTo("/proc/self/gid_map", MapOf(group, text));
-  return 0;
+  return CLONE_NEWUSER | flags;
+}
+
+}  // namespace
+
+int LeaveOthers() {
+  int all = 0;
+  for (const int flag : kOthers) all |= flag;
+  if (const int done = Unshare(all); done != 0) return done;
+  int done = 0;
+  for (const int flag : kOthers) done |= Unshare(flag);
+  return done;
 }
 
 }  // namespace parkade

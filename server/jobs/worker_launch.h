@@ -1,0 +1,33 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <vector>
+
+#include "server/jobs/walls/file_wall.h"
+#include "server/jobs/walls/worker_limits.h"
+
+namespace parkade {
+
+/// All that a worker needs at its start, prepared before fork: after it, only async-signal-safe
+/// calls are allowed, because other threads may have held locks.
+struct WorkerLaunch {
+  std::vector<char*> arguments, environment;
+  std::string folder;  ///< to run in
+  FileWall wall;
+  WorkerLimits limits;
+  int tasks_of_user = 0;  ///< processes and threads that run already
+  std::vector<int> cgroup_fds;
+  int log_fd = -1, input_fd = -1;
+  bool says_walls = false;
+  // Pipes to the service. The first number of `status` is the process that stands for the worker;
+  // where that is an init process, the second is the worker's status of waitpid(2).
+  int status_fd = -1, failure_fd = -1;  ///< to write to; `failure`: an error of errno(3)
+  int failure_reader_fd = -1;           ///< its other end
+};
+
+/// The child of a fork becomes the worker, walled in as well as the kernel allows.
+[[noreturn]] void RunWorker(WorkerLaunch& launch);
+
+}  // namespace parkade
