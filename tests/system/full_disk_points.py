@@ -1,0 +1,230 @@
+"""Where a disk can be full: each point fills it, looks at the answers, makes room and does the same again."""
+
+import base64
+import hashlib
+import json
+import pathlib
+import random
+import signal
+import subprocess
+import time
+
+from power_cut_test import TUS
+
+MIB = 1 << 20
+COMMENTS = "/api/v1/sites/first/maps/1/comments"
+RIG_FILES = ("camchain-imucam.yaml", "imu0.yaml", "vehicle.yaml")
+
+
+def put_that_does_not_fit(world):
+    world.disk.fill(leave=4 * MIB)
+    log = b"log ok\nclean\n" + random.randbytes(20 * MIB)
+    assert world.ask("PUT", "/api/v1/drives?site=put", log)[0] == 507
+    world.disk.make_room()
+    world.job(world.upload(log, "put"))
+
+
+def put_during_which_the_disk_fills(world):
+    log = b"log ok\nclean\n" + random.randbytes(60 * MIB)
+
+    def body():
+        yield log[:10 * MIB]
+        world.disk.fill()
+        for at in range(10 * MIB, len(log), MIB):
+            yield log[at:at + MIB]
+
+    status, answer = world.ask("PUT", "/api/v1/drives?site=midway", body(), {"Content-Length": str(len(log))})
+    assert status in (201, 507), answer
+    if status == 201:
+        world.drives[json.loads(answer)["drive"]["id"]] = hashlib.sha256(log).hexdigest()
+    world.disk.make_room()
+    world.job(world.upload(log, "midway"))
+
+
+def create_upload(world, length):
+    name = base64.b64encode(b"a.bag").decode()
+    return world.service.ask("POST", "/api/v1/uploads", b"", dict(
+        TUS, **{"Upload-Length": str(length), "Upload-Metadata": f"filename {name}"}))
+
+
+def tus_creation(world):
+    world.disk.fill(leave=4 * MIB)
+    status, fields, answer = create_upload(world, 20 * MIB)
+    assert status == 507 and fields["Content-Type"] == "application/problem+json", answer
+    world.disk.make_room()
+    assert create_upload(world, 20 * MIB)[0] == 201
+
+
+def tus_part(world):
+    log, part = b"log ok\nclean\n" + random.randbytes(3 * MIB), 1000
+    address = create_upload(world, len(log))[1]["Location"]
+
+    def patch(offset, content):
+        return world.ask("PATCH", address, content, dict(
+            TUS, **{"Upload-Offset": str(offset), "Content-Type": "application/offset+octet-stream"}))
+
+    def offset():
+        return int(world.service.ask("HEAD", address, headers=TUS)[1]["Upload-Offset"])
+
+    world.disk.fill()
+    taken = world.take_until_refused(lambda count: patch(count * part, log[count * part:(count + 1) * part]), 2900)
+    assert offset() >= taken * part, "an offset that was answered is gone"
+    world.disk.make_room()
+    status, answer = patch(offset(), log[offset():])
+    assert status == 204, answer
+    answer = json.loads(world.service.ask("GET", address)[2])
+    world.drives[answer["drive"]] = hashlib.sha256(log).hexdigest()
+    assert world.job(answer["job"])["state"] == "done"
+
+
+def comments_of(world):
+    texts, cursor = [], ""
+    while cursor is not None:
+        status, answer = world.ask("GET", f"{COMMENTS}?limit=200{cursor}")
+        assert status == 200, answer
+        page = json.loads(answer)
+        texts += [one["text"] for one in page["items"]]
+        cursor = f"&cursor={page['next_cursor']}" if page["next_cursor"] else None
+    return texts
+
+
+def comment_until_refused(world, mark, length):
+    taken = []
+
+    def comment(count):
+        text = f"{mark} {count} " + "x" * length
+        status, answer = world.ask("POST", COMMENTS, {"text": text})
+        if status == 201:
+            taken.append(text)
+        return status, answer
+
+    world.take_until_refused(comment)
+    return taken
+
+
+def comment_and_review(world):
+    world.disk.fill()
+    taken = comment_until_refused(world, "small", 10)
+    review = {"action": "submit"}
+    assert world.ask("POST", "/api/v1/sites/first/maps/1/review", review)[0] == 507
+    assert json.loads(world.ask("GET", "/api/v1/sites/first/maps/1/review")[1])["state"] == "draft"
+    world.disk.make_room()
+    assert world.ask("POST", "/api/v1/sites/first/maps/1/review", review)[0] == 200
+    assert [text for text in comments_of(world) if text.startswith("small")] == taken
+
+
+def publication(world):
+    """The disk fills between the worker's last byte and the version."""
+    job = world.upload(b"log slow\nclean\n" + random.randbytes(9), "publication")
+    world.job(job, ["running"])
+    attempt = world.disk.mount_point / "data/jobs" / job / "attempt-1"
+    while not (attempt / "progress.ndjson").exists():
+        time.sleep(0.02)
+    world.service.freeze()
+    while '"mesh"' not in (attempt / "progress.ndjson").read_text():
+        time.sleep(0.02)
+    time.sleep(0.5)
+    assert (attempt / "out/report.json").stat().st_size > 0
+    world.disk.fill()
+    world.service.process.send_signal(signal.SIGCONT)
+    time.sleep(3)
+    assert world.ask("GET", "/api/v1/sites/publication/maps/latest")[0] == 404, "a version without a row"
+    assert json.loads(world.ask("GET", f"/api/v1/jobs/{job}")[1])["state"] != "done"
+    world.disk.make_room()
+    found = world.job(job)
+    assert (found["state"], found["error_code"]) == ("failed", "disk_full"), found
+    assert world.ask("POST", f"/api/v1/jobs/{job}/retry", b"")[0] == 202
+    assert world.job(job)["map_version"] == 1
+    assert world.ask("GET", "/api/v1/sites/publication/maps/1/map.glb")[0] == 200
+
+
+def checkpoint_and_backup(world):
+    """The database's log has grown long, so that it is copied into a database that cannot grow."""
+    world.disk.fill(leave=5 * MIB)
+    taken = comment_until_refused(world, "long", 9000)
+    data, target = world.disk.mount_point / "data", world.disk.mount_point / "backup"
+    assert (data / "db/main.db-wal").stat().st_size > 4 * MIB, "the log was not long enough to be copied"
+    backup = [world.parkade, "backup", "--data", data, target]
+    refused = subprocess.run(backup, capture_output=True, text=True, check=False)
+    assert refused.returncode != 0 and "full" in refused.stderr + refused.stdout, refused
+    assert comments_of(world)[-len(taken):] == taken
+    world.disk.make_room()
+    comment = world.ask("POST", COMMENTS, {"text": "after"})
+    assert comment[0] == 201, comment
+    for command in (backup, [world.parkade, "verify", "--data", target, "--deep"]):
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done
+
+
+def rig_and_settings(world):
+    parts = "".join(f'--edge\r\nContent-Disposition: form-data; name="{name}"; filename="{name}"\r\n\r\nrostopic: /imu\r\n'
+                    for name in RIG_FILES) + "--edge--\r\n"
+
+    def put_rig(count):
+        return world.ask("PUT", f"/api/v1/rigs/rig{count}", parts.encode(),
+                         {"Content-Type": "multipart/form-data; boundary=edge"})
+
+    def settings(count):
+        return world.ask("PUT", "/api/v1/sites/first", {"title": f"{count} " + "x" * 90})
+
+    world.disk.fill()
+    rigs, titles = world.take_until_refused(put_rig), world.take_until_refused(settings)
+    listed = [one["name"] for one in json.loads(world.ask("GET", "/api/v1/rigs")[1])["items"]]
+    assert len(listed) == rigs, listed
+    world.disk.make_room()
+    assert put_rig(rigs)[0] in (200, 201) and settings(titles)[0] == 200
+
+
+def token_and_share(world):
+    """The first token closes the service: the last point but the real worker's."""
+    token = [world.parkade, "token", "create", "anne", "--role", "admin", "--data", world.disk.mount_point / "data"]
+    world.disk.fill()
+    comment_until_refused(world, "token", 10)  # takes the last room in the database's log
+    refused = subprocess.run(token, capture_output=True, text=True, check=False)
+    assert refused.returncode != 0 and "full" in refused.stderr, refused
+    assert world.ask("GET", "/api/v1/drives")[0] == 200, "a token that was not made closes the service"
+    world.disk.make_room()
+
+
+def worker_that_writes(world):
+    """The real worker, of the real program, finds no room for what it makes."""
+    status, answer = world.ask("POST", "/api/v1/sites/first/maps", b"{}")
+    assert status == 202, answer
+    job = json.loads(answer)["id"]
+    world.job(job, ["running"])
+    while not worker_of(world):
+        time.sleep(0.01)
+    world.disk.fill()
+    end = time.monotonic() + 60
+    while worker_of(world) and time.monotonic() < end:
+        time.sleep(0.1)
+    time.sleep(1)
+    world.disk.make_room()
+    found = world.job(job)
+    assert (found["state"], found["error_code"]) == ("failed", "disk_full"), found
+    assert world.ask("POST", f"/api/v1/jobs/{job}/retry", b"")[0] == 202
+    assert world.job(job)["state"] == "done"
+
+
+def worker_of(world):
+    children = pathlib.Path(f"/proc/{world.service.process.pid}/task")
+    return [child for task in children.glob("*/children") for child in task.read_text().split()]
+
+
+def picture(world):
+    drive = next(iter(world.drives))
+
+    def look(count):
+        return world.ask("GET", f"/api/v1/drives/{drive}/images/cam0?time=1.5&width={64 + count}")
+
+    assert look(0)[0] == 200
+    world.disk.fill()
+    comment_until_refused(world, "picture", 10)
+    world.take_until_refused(lambda count: look(1 + count), 50)
+    world.disk.make_room()
+    assert look(60)[0] == 200
+
+
+POINTS = (put_that_does_not_fit, put_during_which_the_disk_fills, tus_creation, tus_part, comment_and_review, publication,
+          checkpoint_and_backup, rig_and_settings, token_and_share)
+REAL_POINTS = (worker_that_writes, picture)
