@@ -192,8 +192,9 @@ def worker_that_writes(world):
     assert status == 202, answer
     job = json.loads(answer)["id"]
     world.job(job, ["running"])
-    while not worker_of(world):
-        time.sleep(0.01)
+    progress = world.disk.mount_point / "data/jobs" / job / "attempt-1/progress.ndjson"
+    while not progress.exists() or progress.stat().st_size == 0:
+        time.sleep(0.002)
     world.disk.fill()
     end = time.monotonic() + 60
     while worker_of(world) and time.monotonic() < end:

@@ -91,8 +91,10 @@ def main():
         finally:
             service.kill()
 
-    with_disk(scripted)
-    with_disk(real)
+    if chosen(POINTS):
+        with_disk(scripted)
+    if chosen(REAL_POINTS):
+        with_disk(real)
     print(f"{len(chosen(POINTS + REAL_POINTS))} points, {len(failures)} failures")
     return 1 if failures else 0
 
