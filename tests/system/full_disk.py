@@ -57,7 +57,7 @@ class Readers(threading.Thread):
     """Asks for lists and the mesh of a map without a pause, and notes what is not answered well."""
 
     def __init__(self, service, sha256):
-        super().__init__()
+        super().__init__(daemon=True)
         self.service, self.sha256 = service, sha256
         self.is_over, self.answers, self.failures = threading.Event(), 0, []
 
@@ -102,6 +102,14 @@ class World:
             if status == 507:
                 assert problem["code"] == "disk_full", problem
         return status, answer
+
+    def make_room(self):
+        """After the readers have had some time with a full disk."""
+        enough, end = self.readers.answers + 50, time.monotonic() + 30
+        while self.readers.answers < enough:
+            assert time.monotonic() < end, "nobody can read on the full disk"
+            time.sleep(0.02)
+        self.disk.make_room()
 
     def upload(self, log, site):
         status, answer = self.ask("PUT", f"/api/v1/drives?filename=a.bag&site={site}", log)
