@@ -25,7 +25,7 @@ import time
 from power_cut_test import SKIPPED, Service
 
 CALLS = ("rename,renameat,renameat2,link,linkat,unlink,unlinkat,rmdir,mkdir,mkdirat,chmod,fchmod,fchmodat,ftruncate,"
-         "fallocate,write,pwrite64,fsync,fdatasync,sync_file_range")
+         "fallocate,pwrite64,fsync,fdatasync,sync_file_range")
 SITE = "/api/v1/sites/lot"
 
 
@@ -103,14 +103,15 @@ class World:
 
 
 def kill_at(world, step, number):
-    """The job, and whether its publication was killed at this step."""
+    """The job, and the call before which the service was killed; None where it published the job."""
     job = world.upload("slow", number)["job"]["id"]
     progress = world.data / "jobs" / job / "attempt-1/progress.ndjson"
     while not progress.exists():
         time.sleep(0.01)
     service = world.service.process
     # Threads of strace's own counting: each has its N-th call.
-    strace = subprocess.Popen(["strace", "-f", "-qq", "-o", "/dev/null", "-p", str(service.pid), "-e", f"trace={CALLS}",
+    trace = world.data.parent / "trace"
+    strace = subprocess.Popen(["strace", "-f", "-qq", "-o", str(trace), "-p", str(service.pid), "-e", f"trace={CALLS}",
                                "-e", f"inject={CALLS}:signal=SIGKILL:when={step}"], stderr=subprocess.DEVNULL)
     end = time.monotonic() + 60
     is_published = False
@@ -124,7 +125,13 @@ def kill_at(world, step, number):
     if is_published:
         strace.send_signal(signal.SIGTERM)
     strace.wait()
-    return job, not is_published
+    return job, None if is_published else last_call_of(trace)
+
+
+def last_call_of(trace):
+    """The call before which the service was killed."""
+    calls = [line.split("(")[0].split()[-1] for line in trace.read_text().splitlines() if "(" in line and "+++" not in line]
+    return calls[-1] if calls else "?"
 
 
 def faults_after(world, job, versions):
@@ -145,10 +152,11 @@ def try_steps(world, arguments, readers):
     failures, kills, step, number = [], 0, 1, 1
     while arguments.steps == 0 or kills < arguments.steps:
         versions = world.ask("GET", SITE)["versions"]
-        job, is_killed = kill_at(world, step, number)
-        if not is_killed:
+        job, call = kill_at(world, step, number)
+        if call is None:
             break
         kills += 1
+        print(f"step {step}: {call}", flush=True)
         found = faults_after(world, job, versions)
         failures += [f"step {step}: {fault}" for fault in found]
         for reader in readers:
