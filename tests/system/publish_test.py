@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""A service that is killed before each step of publishing a map: readers find the old version or the new one, whole.
+"""A service that is killed at each step of publishing a map: readers find the old version or the new one, whole.
 
-    publish_test.py PARKADE_SERVE_PROGRAM [--every N] [--steps N]
+    publish_test.py PARKADE_SERVE_PROGRAM [--every N]
 
-While a worker is at its map, strace(1) takes hold of the service and kills it at the N-th call with
-which any of its threads writes, syncs, renames or removes: one run per step, until one publishes
-unharmed. Four readers meanwhile ask for the latest version and compare all its files with its
+When a worker has made its map, strace(1) takes hold of the thread that publishes it. A first run
+lists the thread's calls that open, lock, write, sync, rename or remove: the steps. In each further
+one the service is killed as it begins one of them. Four readers meanwhile ask for the latest version and compare all its files with its
 manifest. The next service has to publish the job, once. Exits with 77 where there is no strace.
 """
 
@@ -25,7 +25,7 @@ import time
 from power_cut_test import SKIPPED, Service
 
 CALLS = ("rename,renameat,renameat2,link,linkat,unlink,unlinkat,rmdir,mkdir,mkdirat,chmod,fchmod,fchmodat,ftruncate,"
-         "fallocate,pwrite64,fsync,fdatasync,sync_file_range")
+         "fallocate,write,pwrite64,fsync,fdatasync,sync_file_range,openat,fcntl")
 SITE = "/api/v1/sites/lot"
 
 
@@ -40,6 +40,7 @@ class Reader(threading.Thread):
         while not self.world.is_over.is_set():
             try:
                 self.read()
+                time.sleep(0.01)
             except (OSError, http.client.HTTPException):
                 time.sleep(0.02)  # between two services
 
@@ -102,17 +103,28 @@ class World:
         self.service = Service(self.program, self.data, lose_syncs=False)
 
 
-def kill_at(world, step, number):
-    """The job, and the call before which the service was killed; None where it published the job."""
+def publish(world, number, kill_at=None):
+    """Publishes a job's map: the job, whether the service was killed, and the calls of the thread that publishes.
+
+    `kill_at` is a call and how often the thread has made it then, counted from 1."""
     job = world.upload("slow", number)["job"]["id"]
     progress = world.data / "jobs" / job / "attempt-1/progress.ndjson"
     while not progress.exists():
         time.sleep(0.01)
     service = world.service.process
-    # Threads of strace's own counting: each has its N-th call.
+    thread = thread_of_job(service.pid)
+    world.service.freeze()  # until the worker has made its map
+    while '"mesh"' not in progress.read_text():
+        time.sleep(0.01)
+    time.sleep(0.1)
     trace = world.data.parent / "trace"
-    strace = subprocess.Popen(["strace", "-f", "-qq", "-o", str(trace), "-p", str(service.pid), "-e", f"trace={CALLS}",
-                               "-e", f"inject={CALLS}:signal=SIGKILL:when={step}"], stderr=subprocess.DEVNULL)
+    inject = ["-e", f"inject={kill_at[0]}:signal=SIGKILL:when={kill_at[1]}"] if kill_at else []
+    strace = subprocess.Popen(["strace", "-qq", "-o", str(trace), "-p", thread, "-e", f"trace={CALLS}", *inject],
+                              stderr=subprocess.DEVNULL)
+    tracer = pathlib.Path(f"/proc/{service.pid}/task/{thread}/status")
+    while "TracerPid:\t0\n" in tracer.read_text():
+        time.sleep(0.01)
+    service.send_signal(signal.SIGCONT)
     end = time.monotonic() + 60
     is_published = False
     while service.poll() is None and not is_published:
@@ -122,16 +134,22 @@ def kill_at(world, step, number):
             is_published = world.job(job)["state"] == "done" and not world.attempts_in_use(job)
         except (OSError, http.client.HTTPException):
             time.sleep(0.05)  # killed just now
-    if is_published:
+    if service.poll() is None:
         strace.send_signal(signal.SIGTERM)
     strace.wait()
-    return job, None if is_published else last_call_of(trace)
+    time.sleep(0.1)  # it may be killed just after it has published
+    calls = [line.split("(")[0] for line in trace.read_text().splitlines() if "(" in line and line[0].isalpha()]
+    return job, service.poll() is not None, calls
 
 
-def last_call_of(trace):
-    """The call before which the service was killed."""
-    calls = [line.split("(")[0].split()[-1] for line in trace.read_text().splitlines() if "(" in line and "+++" not in line]
-    return calls[-1] if calls else "?"
+def thread_of_job(pid):
+    """The thread of the service that started the worker, and will publish its map."""
+    for _ in range(500):
+        for task in pathlib.Path(f"/proc/{pid}/task").iterdir():
+            if (task / "children").read_text():
+                return task.name
+        time.sleep(0.01)
+    raise AssertionError("no thread has a worker")
 
 
 def faults_after(world, job, versions):
@@ -149,22 +167,24 @@ def faults_after(world, job, versions):
 
 
 def try_steps(world, arguments, readers):
-    failures, kills, step, number = [], 0, 1, 1
-    while arguments.steps == 0 or kills < arguments.steps:
+    """How often the service was killed, and what was wrong then."""
+    calls = publish(world, 1)[2]
+    steps = [(call, calls[:i + 1].count(call)) for i, call in enumerate(calls)][::arguments.every]
+    failures, kills = [], 0
+    for number, step in enumerate(steps):
         versions = world.ask("GET", SITE)["versions"]
-        job, call = kill_at(world, step, number)
-        if call is None:
-            break
+        job, is_killed, _ = publish(world, 2 + number, step)
+        if not is_killed:
+            continue  # this time there were fewer such calls
         kills += 1
-        print(f"step {step}: {call}", flush=True)
         found = faults_after(world, job, versions)
-        failures += [f"step {step}: {fault}" for fault in found]
         for reader in readers:
-            failures += [f"step {step}, a reader: {fault}" for fault in reader.failures]
+            found += [f"a reader: {fault}" for fault in reader.failures]
             reader.failures.clear()
-        for failure in failures[-3:] if found else ():
-            print(failure, flush=True)
-        step, number = step + arguments.every, number + 1
+        failures += [f"{step}: {fault}" for fault in found]
+        for fault in found[:3]:
+            print(f"{step}: {fault}", flush=True)
+    print(f"{len(calls)} steps: " + ", ".join(f"{calls.count(call)} {call}" for call in sorted(set(calls))))
     return kills, failures
 
 
@@ -172,7 +192,6 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("program")
     parser.add_argument("--every", type=int, default=1, help="N-th step")
-    parser.add_argument("--steps", type=int, default=0, help="at most")
     arguments = parser.parse_args()
     if shutil.which("strace") is None:
         print("skipped: there is no strace")
@@ -192,7 +211,7 @@ def main():
             world.service.kill()
     for failure in failures[:20]:
         print(failure)
-    print(f"killed at {kills} steps, {sum(reader.num_read for reader in readers)} versions read whole by 4 readers, "
+    print(f"killed at {kills} of them, {sum(reader.num_read for reader in readers)} versions read whole by 4 readers, "
           f"{len(failures)} mixed, missing or lost")
     return 1 if failures or kills == 0 else 0
 
