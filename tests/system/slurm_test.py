@@ -132,8 +132,7 @@ def late_job_meets_its_limit(world):
     job = world.upload("busy")
     other = world.upload("busy", site="other")
     world.wait_to_run(other)
-    os.kill(next(pid for pid in world.processes("run-attempt") if other.encode() in
-                 pathlib.Path(f"/proc/{pid}/cmdline").read_bytes()), signal.SIGSTOP)
+    os.kill(world.wait_for_process("run-attempt", of=other), signal.SIGSTOP)
     found = world.wait(job, *FINAL)
     assert (found["state"], found["error_code"]) == ("failed", "time_limit"), found
     assert "took longer than 45 seconds" in found["error"], found

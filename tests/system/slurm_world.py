@@ -78,12 +78,17 @@ class World:
                 found.append(int(process.name))
         return found
 
-    def wait_for_process(self, word):
+    def wait_for_process(self, word, of=""):
+        """`of` is a job, where it matters whose."""
         for _ in range(600):
-            if found := self.processes(word):
-                return found[0]
+            for pid in self.processes(word):
+                try:
+                    if of.encode() in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes():
+                        return pid
+                except OSError:
+                    pass  # ended meanwhile
             time.sleep(0.05)
-        raise AssertionError(f"no process {word}")
+        raise AssertionError(f"no process {word} {of}")
 
     def active_at_slurm(self):
         return self.slurm.ask("squeue", "-h", "-t", "PENDING,RUNNING,SUSPENDED", "-o", "%i").split()
