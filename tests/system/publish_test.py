@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """A service that is killed at each step of publishing a map: readers find the old version or the new one, whole.
 
-    publish_test.py PARKADE_SERVE_PROGRAM [--every N]
+    publish_test.py PARKADE_SERVE_PROGRAM [--every N] [--all]
 
 When a worker has made its map, strace(1) takes hold of the thread that publishes it. A first run
-lists the thread's calls that open, lock, write, sync, rename or remove: the steps. In each further
-one the service is killed as it begins one of them. Four readers meanwhile ask for the latest version and compare all its files with its
-manifest. The next service has to publish the job, once. Exits with 77 where there is no strace.
+lists the thread's calls that write, sync, rename or remove: the steps. In each further one the
+service is killed as it begins one of them. Four readers meanwhile ask for the latest version and
+compare all its files with its manifest. The next service has to publish the job, once. Exits with
+77 where there is no strace.
 """
 
 import argparse
@@ -25,7 +26,8 @@ import time
 from power_cut_test import SKIPPED, Service
 
 CALLS = ("rename,renameat,renameat2,link,linkat,unlink,unlinkat,rmdir,mkdir,mkdirat,chmod,fchmod,fchmodat,ftruncate,"
-         "fallocate,write,pwrite64,fsync,fdatasync,sync_file_range,openat,fcntl")
+         "fallocate,write,pwrite64,fsync,fdatasync,sync_file_range")
+OTHER_CALLS = ",openat,fcntl"  # leave the disk as it is, but for locks
 SITE = "/api/v1/sites/lot"
 
 
@@ -73,8 +75,8 @@ def faults_of_version(ask, version):
 
 
 class World:
-    def __init__(self, program, data):
-        self.program, self.data, self.is_over = program, data, threading.Event()
+    def __init__(self, program, data, calls):
+        self.program, self.data, self.calls, self.is_over = program, data, calls, threading.Event()
         self.service = Service(program, data, lose_syncs=False)
 
     def ask(self, method, path, body=None):
@@ -119,7 +121,7 @@ def publish(world, number, kill_at=None):
     time.sleep(0.1)
     trace = world.data.parent / "trace"
     inject = ["-e", f"inject={kill_at[0]}:signal=SIGKILL:when={kill_at[1]}"] if kill_at else []
-    strace = subprocess.Popen(["strace", "-qq", "-o", str(trace), "-p", thread, "-e", f"trace={CALLS}", *inject],
+    strace = subprocess.Popen(["strace", "-qq", "-o", str(trace), "-p", thread, "-e", f"trace={world.calls}", *inject],
                               stderr=subprocess.DEVNULL)
     tracer = pathlib.Path(f"/proc/{service.pid}/task/{thread}/status")
     while "TracerPid:\t0\n" in tracer.read_text():
@@ -192,12 +194,14 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("program")
     parser.add_argument("--every", type=int, default=1, help="N-th step")
+    parser.add_argument("--all", action="store_true", help="also at calls that open and lock")
     arguments = parser.parse_args()
     if shutil.which("strace") is None:
         print("skipped: there is no strace")
         return SKIPPED
     with tempfile.TemporaryDirectory() as folder:
-        world = World(arguments.program, pathlib.Path(folder) / "data")
+        world = World(arguments.program, pathlib.Path(folder) / "data",
+                      CALLS + OTHER_CALLS if arguments.all else CALLS)
         world.wait(world.upload("ok", 0)["job"]["id"], "done")
         readers = [Reader(world) for _ in range(4)]
         for reader in readers:
