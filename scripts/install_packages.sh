@@ -19,7 +19,7 @@ build_packages=(
   libembree-dev libgtest-dev libbenchmark-dev
 )
 test_packages=(
-  slurm-wlm munge time gdal-bin python3-rosbag python3-sensor-msgs python3-nav-msgs python3-geometry-msgs python3-tf2-msgs chromium clang-format
+  slurm-wlm munge strace time gdal-bin python3-rosbag python3-sensor-msgs python3-nav-msgs python3-geometry-msgs python3-tf2-msgs chromium clang-format
   # the site that is shipped for nginx, and the Debian package
   nginx openssl lintian
   # clang-tidy, and the fuzzer of the log readers

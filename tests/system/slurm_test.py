@@ -9,103 +9,18 @@ Exits with 77 where there can be no Slurm.
 """
 
 import argparse
-import json
 import os
 import pathlib
 import random
 import signal
 import sys
 import tempfile
-import threading
 import time
 
 from one_node_slurm import OneNodeSlurm, install
-from power_cut_test import SKIPPED, Service
-
-FINAL = ("done", "failed", "cancelled")
-
-
-def wait_for(is_so, seconds=10):
-    end = time.monotonic() + seconds
-    while not is_so():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.05)
-
-
-class World:
-    """A Slurm, a data directory, and services that come and go."""
-
-    def __init__(self, program, folder, slurm, name):
-        self.program, self.slurm, self.data = program, slurm, folder / name
-        self.service = None
-        self.start()
-
-    def start(self):
-        self.service = Service(self.program, self.data, lose_syncs=False)
-
-    def stop(self):
-        self.service.kill()
-
-    def ask(self, method, path, body=None):
-        status, _, answer = self.service.ask(method, path, body)
-        return status, json.loads(answer) if answer else None
-
-    def upload(self, todo, site="lot"):
-        log = f"log {todo}\nclean\n{random.random()}\n".encode()
-        status, answer = self.ask("PUT", f"/api/v1/drives?filename=a.bag&site={site}", log)
-        assert status == 201, answer
-        return answer["job"]["id"]
-
-    def job(self, job):
-        return self.ask("GET", f"/api/v1/jobs/{job}")[1]
-
-    def wait(self, job, *states, seconds=90):
-        return self.wait_until(job, lambda found: found["state"] in states, seconds)
-
-    def wait_until(self, job, is_so, seconds=90):
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            found = self.job(job)
-            if is_so(found):
-                return found
-            time.sleep(0.05)
-        raise AssertionError(f"{found} after {seconds} s\n{self.slurm.ask('squeue', '-l')}")
-
-    def wait_to_run(self, job):
-        """At Slurm, not only in the service's hands, which reads the log first."""
-        return self.wait_until(job, lambda found: found["state"] == "running" and found["engine"])
-
-    def versions(self):
-        return [(site["name"], version) for site in self.ask("GET", "/api/v1/sites?limit=200")[1]["items"]
-                for version in site["versions"]]
-
-    def processes(self, word):
-        """Of this data directory's attempts: "work" for workers, "run-attempt" for what starts them."""
-        found = []
-        for process in pathlib.Path("/proc").glob("[0-9]*"):
-            try:
-                words = (process / "cmdline").read_bytes().split(b"\0")
-            except OSError:
-                continue
-            # Not the shell that Slurm starts, and only until it is that program.
-            if len(words) > 2 and words[1] == word.encode() and any(
-                    one.startswith(str(self.data).encode()) for one in words):
-                found.append(int(process.name))
-        return found
-
-    def wait_for_process(self, word):
-        for _ in range(600):
-            if found := self.processes(word):
-                return found[0]
-            time.sleep(0.05)
-        raise AssertionError(f"no process {word}")
-
-    def active_at_slurm(self):
-        return self.slurm.ask("squeue", "-h", "-t", "PENDING,RUNNING,SUSPENDED", "-o", "%i").split()
-
-    def left_behind(self):
-        """What attempts leave that have ended: nothing but what they said."""
-        return [path for path in self.data.glob("jobs/*/attempt-*/*") if path.name in ("out", "input", "tmp", "runs")]
+from power_cut_test import SKIPPED
+from slurm_kills import survive_kills
+from slurm_world import FINAL, World, wait_for
 
 
 def done_and_published(world):
@@ -126,7 +41,8 @@ def bad_input_is_told(world):
 
 
 def a_full_node_means_queued(world):
-    blocker = world.slurm.ask("sbatch", "--parsable", "--exclusive", "--wrap", "sleep 600").strip()
+    blocker = world.slurm.ask("sbatch", "--parsable", "--exclusive", "--output=/dev/null",
+                                "--wrap", "sleep 600").strip()
     job = world.upload("ok")
     found = world.wait_until(job, lambda one: one["engine"] and one["engine"]["reason"])
     assert found["state"] == "queued" and found["started_at"] is None, found
@@ -216,8 +132,7 @@ def late_job_meets_its_limit(world):
     job = world.upload("busy")
     other = world.upload("busy", site="other")
     world.wait_to_run(other)
-    os.kill(next(pid for pid in world.processes("run-attempt") if other.encode() in
-                 pathlib.Path(f"/proc/{pid}/cmdline").read_bytes()), signal.SIGSTOP)
+    os.kill(world.wait_for_process("run-attempt", of=other), signal.SIGSTOP)
     found = world.wait(job, *FINAL)
     assert (found["state"], found["error_code"]) == ("failed", "time_limit"), found
     assert "took longer than 45 seconds" in found["error"], found
@@ -229,104 +144,6 @@ def late_job_meets_its_limit(world):
 CASES = (done_and_published, bad_input_is_told, a_full_node_means_queued, cancelled_within_seconds,
          killed_worker_is_started_again, failed_node_is_survived, killed_service_takes_up_its_jobs,
          lost_controller_is_waited_for)
-
-
-class Killer:
-    """Kills whatever there is, at random."""
-
-    def __init__(self, world, rng):
-        self.world, self.rng = world, rng
-        self.counts = {}
-
-    def kill(self):
-        ways = (self.service, self.service, self.worker, self.worker, self.runner, self.node, self.controller)
-        way = self.rng.choice(ways)
-        self.counts[way.__name__] = self.counts.get(way.__name__, 0) + bool(way())
-
-    def service(self):
-        self.world.stop()
-        time.sleep(self.rng.uniform(0, 2))
-        self.world.start()
-        return True
-
-    def process(self, word):
-        found = self.world.processes(word)
-        if found:
-            os.kill(self.rng.choice(found), signal.SIGKILL)
-        return bool(found)
-
-    def worker(self):
-        return self.process("work")
-
-    def runner(self):
-        return self.process("run-attempt")
-
-    def node(self):
-        self.world.slurm.lose_node(self.world.processes("work") + self.world.processes("run-attempt"))
-        time.sleep(self.rng.uniform(0, 2))
-        return self.world.slurm.return_node()
-
-    def controller(self):
-        self.world.slurm.kill("slurmctld")
-        time.sleep(self.rng.uniform(0, 2))
-        self.world.slurm.start_controller()
-        return True
-
-
-def survive_kills(world, kills, rng):
-    """What is wrong after `kills` kills: jobs that were lost, or published twice or by halves."""
-    jobs, is_over = {}, threading.Event()
-
-    def upload():
-        while not is_over.is_set():
-            try:
-                active = sum(1 for state in ("queued", "running")
-                             for _ in world.ask("GET", f"/api/v1/jobs?state={state}")[1]["items"])
-                if active < 6:
-                    jobs[world.upload(rng.choice(("ok", "slow", "slow")), site=f"lot{rng.randrange(6)}")] = None
-            except (OSError, AssertionError, ValueError):
-                pass  # killed meanwhile: not acknowledged
-            is_over.wait(0.3)
-
-    uploader = threading.Thread(target=upload)
-    uploader.start()
-    killer = Killer(world, rng)
-    while sum(killer.counts.values()) < kills:
-        time.sleep(rng.uniform(0.2, 2.5))
-        killer.kill()
-    is_over.set()
-    uploader.join()
-    print(f"  {killer.counts}", flush=True)
-    # A killed controller may give a number twice, and takes the node out of use then.
-    world.slurm.ask("scontrol", "update", f"nodename={world.slurm.host}", "state=resume")
-
-    wrong, ends = [], {}
-    for job in jobs:
-        try:
-            found = world.wait(job, *FINAL, seconds=300)
-        except AssertionError as error:
-            wrong.append(f"lost: {error}")
-            continue
-        ends[found["state"]] = ends.get(found["state"], 0) + 1
-        jobs[job] = found
-        # Three crashes of one job are its end.
-        if found["state"] != "done" and (found["error_code"] != "crashed" or found["attempts"] < 3):
-            wrong.append(f"ended badly: {found}")
-    of_job = {}
-    for site, version in world.versions():
-        manifest = world.ask("GET", f"/api/v1/sites/{site}/maps/{version}")[1]
-        of_job.setdefault(manifest["job"], []).append(version)
-        for file in manifest["files"]:
-            if world.service.ask("GET", file["url"])[0] != 200:
-                wrong.append(f"{file['url']} is visible and damaged")
-    wrong += [f"job {job} published {versions}" for job, versions in of_job.items() if len(versions) > 1]
-    wrong += [f"job {job} is done without a map" for job, found in jobs.items()
-              if found and found["state"] == "done" and of_job.get(job) != [found["map_version"]]]
-    time.sleep(8)  # strays are ended
-    wrong += [f"stray at Slurm: {job}" for job in world.active_at_slurm()]
-    wrong += [f"left behind: {path}" for path in world.left_behind()]
-    print(f"  {sum(killer.counts.values())} kills, {len(jobs)} jobs acknowledged, {ends}, {len(wrong)} wrong", flush=True)
-    return wrong
 
 
 def main():
@@ -348,7 +165,7 @@ def main():
             if not slurm.start():
                 print("skipped: Slurm does not start here:", (slurm.folder / "slurmd.log").read_text()[-500:])
                 return SKIPPED
-            long_cases = (late_job_meets_its_limit,) if arguments.kills >= 50 else ()
+            long_cases = (late_job_meets_its_limit,) if arguments.kills >= 50 or arguments.only else ()
             for case in CASES + long_cases:
                 if arguments.only and not any(part in case.__name__ for part in arguments.only):
                     continue

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What healthy clients of the service notice of slow ones, on this machine.
 
-usage: slow_clients.py [--heads N] [--bodies N] [--readers N] [--seconds S] -- COMMAND ...
+usage: slow_clients.py [--heads N] [--bodies N] [--readers N] [--seconds S] [--limit MS] -- COMMAND ...
 
 COMMAND starts a service on a free port; {data} and {web} in it stand for folders that are made:
   slow_clients.py -- parkade serve --data {data} --web {web} --listen 127.0.0.1:0
@@ -9,7 +9,7 @@ COMMAND starts a service on a free port; {data} and {web} in it stand for folder
 
 Slow clients send a byte per second of a head or of a drive log, or read one of a large file; those
 that the service ends come again. Prints latencies [ms] of healthy requests, each in a connection of
-its own, before the slow ones come and while they are there.
+its own, before the slow ones come and while they are there. Fails where one is lost, or p99 is over the limit.
 """
 
 import argparse
@@ -115,6 +115,7 @@ def say(title, durations):
     num_lost = sum(duration >= PATIENCE for duration in durations)
     print(f"{title}: n={len(durations)} p50={at(0.5):.2f} p99={at(0.99):.2f} max={at(1):.2f} lost={num_lost}",
           flush=True)
+    return num_lost == 0, at(0.99)
 
 
 def main():
@@ -123,6 +124,7 @@ def main():
     parser.add_argument("--bodies", type=int, default=300)
     parser.add_argument("--readers", type=int, default=50)
     parser.add_argument("--seconds", type=float, default=20)
+    parser.add_argument("--limit", type=float, default=float("inf"), help="[ms] of p99 beside slow clients")
     parser.add_argument("command", nargs="+")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
@@ -134,8 +136,8 @@ def main():
             say("alone", measure(port, 3))
             slow.start()
             time.sleep(3)
-            say(f"beside {counts[0]} heads, {counts[1]} bodies, {counts[2]} readers",
-                measure(port, arguments.seconds))
+            none_lost, p99 = say(f"beside {counts[0]} heads, {counts[1]} bodies, {counts[2]} readers",
+                                 measure(port, arguments.seconds))
             print(f"slow clients ended meanwhile: {num_ended.value}")
         finally:
             stop.set()
@@ -143,7 +145,8 @@ def main():
                 slow.join()
             service.terminate()
             service.wait(30)
+    return 0 if none_lost and p99 <= arguments.limit else 1
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())
