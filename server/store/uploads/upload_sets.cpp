@@ -11,7 +11,6 @@
 #include "server/store/tables/names.h"
 #include "server/store/uploads/arrived_hash.h"
 #include "server/store/uploads/tar_frame.h"
-#include "server/store/uploads/upload_set_rules.h"
 
 namespace parkade {
 namespace {

@@ -12,15 +12,9 @@
 #include "server/store/tables/upload_table.h"
 #include "server/store/uploads/upload_locks.h"
 #include "server/store/uploads/upload_options.h"
+#include "server/store/uploads/upload_part.h"
 
 namespace parkade {
-
-/// What a client says beforehand of a file of its drive.
-struct UploadPart {
-  std::string path;  ///< as it is to be called in the drive's folder
-  std::int64_t bytes = 0;
-  std::optional<std::string> sha256;
-};
 
 /// Drives in several files, each an upload that is added to as any other (ResumableUploads).
 ///

@@ -89,6 +89,13 @@ class SetsOfUploads : public StoreTest {
     }
     return set;
   }
+  /// What is done after the row of a set says that it has ended.
+  template <typename Probe>
+  static bool Soon(const Probe& probe) {
+    for (int i = 0; i < 1000 && !probe(); ++i) std::this_thread::sleep_for(10ms);
+    return probe();
+  }
+  bool HasNoFile() const { return fs::is_empty(store_.directory.UploadsFolder()); }
   Drive DriveOf(const UploadSet& set) {
     return store_.database.Read(
         [&](Connection& connection) { return FindDrive(connection, set.drive.value_or("")); });
@@ -134,8 +141,7 @@ TEST_F(SetsOfUploads, BecomeOneLogAndOneDriveInWhateverOrderTheirPartsCome) {
   EXPECT_EQ(drive.site, "lot");
   EXPECT_EQ(drive.sha256, Sha256OfFile(store_.directory.LogFile(drive.sha256)));
   EXPECT_EQ(uploads_->Find(parts[0].id).drive, done.drive);
-  EXPECT_EQ(received_, 1);
-  EXPECT_TRUE(fs::is_empty(store_.directory.UploadsFolder()));
+  EXPECT_TRUE(Soon([&] { return received_ == 1 && HasNoFile(); }));
 }
 
 TEST_F(SetsOfUploads, OfEqualContentAreStoredOnce) {
@@ -163,7 +169,7 @@ TEST_F(SetsOfUploads, OfOnePartBecomeJustThatLog) {
   EXPECT_EQ(refused.state, UploadSetState::kRefused);
   EXPECT_EQ(refused.error, "tour is no log");
   EXPECT_EQ(uploads_->Find(its_parts[0].id).state, UploadState::kRefused);
-  EXPECT_TRUE(fs::is_empty(store_.directory.UploadsFolder()));
+  EXPECT_TRUE(Soon([&] { return HasNoFile(); }));
 }
 
 TEST_F(SetsOfUploads, TakeADamagedPartAgainFromItsBeginning) {
@@ -235,7 +241,7 @@ TEST_F(SetsOfUploads, ThatAreDoneLeaveNothingToAKillAfterwards) {
   ReconcileFiles(store_);
   Open();
 
-  EXPECT_TRUE(fs::is_empty(store_.directory.UploadsFolder()));
+  EXPECT_TRUE(HasNoFile());
   EXPECT_EQ(store_.directory.quarantine().num_entries(), 0);
   EXPECT_EQ(NumDrives(), 1u);
 }
@@ -264,7 +270,7 @@ TEST_F(SetsOfUploads, ReserveTheRoomOfAllPartsBeforehand) {
   const std::int64_t free = FreeBytes(store_.directory.root());
   EXPECT_EQ(code_of({{"a.bag", free / 2, {}}, {"b.bag", free / 2 + 1, {}}}), ErrorCode::kDiskFull);
   EXPECT_EQ(code_of({{"a.bag", INT64_MAX, {}}, {"b.bag", INT64_MAX, {}}}), ErrorCode::kDiskFull);
-  EXPECT_TRUE(fs::is_empty(store_.directory.UploadsFolder()));
+  EXPECT_TRUE(HasNoFile());
   EXPECT_TRUE(store_.database.Read(UnfinishedUploads).empty());
 }
 
@@ -288,7 +294,7 @@ TEST_F(SetsOfUploads, OfUnusablePartsAreRefusedBeforeAByte) {
   EXPECT_TRUE(is_refused({{"a.bag", 5, "ABC"}}));
   EXPECT_TRUE(is_refused({{"a.bag", 5, {}}, {"a.txt", 5, {}}})) << "no archive of a drive";
   EXPECT_TRUE(is_refused(std::vector<UploadPart>(10'001, {"a.bag", 5, {}})));
-  EXPECT_TRUE(fs::is_empty(store_.directory.UploadsFolder()));
+  EXPECT_TRUE(HasNoFile());
 }
 
 TEST_F(SetsOfUploads, MayHaveThousandsOfPartsAndLongPaths) {
@@ -315,7 +321,7 @@ TEST_F(SetsOfUploads, AreTerminatedWithAllTheirParts) {
 
   EXPECT_THROW(sets().Look(set.id), Error);
   for (const Upload& part : parts) EXPECT_THROW(uploads_->Look(part.id), Error);
-  EXPECT_TRUE(fs::is_empty(store_.directory.UploadsFolder()));
+  EXPECT_TRUE(HasNoFile());
 }
 
 TEST_F(SetsOfUploads, AreTakenFromWhoeverStillAddsToThem) {
@@ -337,7 +343,7 @@ TEST_F(SetsOfUploads, AreTakenFromWhoeverStillAddsToThem) {
   sets().Terminate(set.id);
 
   stuck.join();
-  EXPECT_TRUE(fs::is_empty(store_.directory.UploadsFolder()));
+  EXPECT_TRUE(HasNoFile());
 }
 
 TEST_F(SetsOfUploads, ExpireAsAWhole) {
@@ -345,8 +351,7 @@ TEST_F(SetsOfUploads, ExpireAsAWhole) {
   const auto [expired, expired_parts] = DeclareTwo("log b", "log a");
   Append(expired_parts[0], 0, "log a");
   Open(24h);  // tidies up at its start
-  for (int i = 0; i < 500 && !fs::is_empty(store_.directory.UploadsFolder()); ++i)
-    std::this_thread::sleep_for(10ms);
+  EXPECT_TRUE(Soon([&] { return HasNoFile(); }));
   EXPECT_THROW(sets().Look(expired.id), Error);
   EXPECT_THROW(uploads_->Look(expired_parts[0].id), Error);
 

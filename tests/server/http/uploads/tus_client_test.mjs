@@ -122,7 +122,7 @@ async function sendSplitLog() {
     const content = execFileSync('tar', ['-xOf', tar, one.path], { maxBuffer: 2 * length });
     assert.equal(createHash('sha256').update(content).digest('hex'), one.sha256);
   }
-  assert.deepEqual(readdirSync(path.join(data, 'uploads')), []);
+  await until('no part is left', () => readdirSync(path.join(data, 'uploads')).length === 0);
 }
 
 /** Uploads the log; `also` is called with the upload when it has begun. */

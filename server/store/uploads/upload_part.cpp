@@ -1,4 +1,4 @@
-#include "server/store/uploads/upload_set_rules.h"
+#include "server/store/uploads/upload_part.h"
 
 #include <algorithm>
 

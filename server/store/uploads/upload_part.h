@@ -1,12 +1,18 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "server/store/uploads/upload_sets.h"
-
 namespace parkade {
+
+/// What a client says beforehand of a file of its drive.
+struct UploadPart {
+  std::string path;  ///< as it is to be called in the drive's folder
+  std::int64_t bytes = 0;
+  std::optional<std::string> sha256;
+};
 
 /// True for 64 hexadecimal digits in lower case.
 bool IsSha256(const std::string& text);
