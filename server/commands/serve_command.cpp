@@ -8,8 +8,8 @@
 #include "core/rig.h"
 #include "server/commands/commands.h"
 #include "server/http/service/serve.h"
-#include "server/ingest/containers/sniff_log.h"
 #include "server/ingest/files/archive_paths.h"
+#include "server/ingest/files/sniff_log.h"
 #include "server/pipeline/site_pins.h"
 
 namespace parkade {

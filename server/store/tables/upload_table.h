@@ -52,7 +52,7 @@ std::vector<std::string> ExpiredUploads(Connection& connection, const std::strin
 /// While it is receiving. A set lives on with each of its parts.
 void SetUploadOffset(Connection& connection, const std::string& id, std::int64_t offset,
                      const std::string& expires_at);
-/// Of a part of a set.
+/// Notes that a part of a set is there.
 void SetUploadWhole(Connection& connection, const std::string& id);
 void SetUploadDone(Connection& connection, const std::string& id, const std::string& drive);
 void SetUploadRefused(Connection& connection, const std::string& id, const std::string& code,

@@ -14,7 +14,7 @@ namespace parkade {
 /// the beginning.
 class ArrivedHash {
  public:
-  /// Of bytes that lie in their file from `first_byte` on.
+  /// `first_byte`: where in their file the bytes begin.
   explicit ArrivedHash(std::int64_t first_byte = 0) : first_byte_(first_byte) {}
 
   void Add(std::string_view piece);

@@ -3,8 +3,8 @@
 #include <thread>
 
 #include "core/file.h"
-#include "server/ingest/containers/sniff_log.h"
 #include "server/ingest/files/archive_paths.h"
+#include "server/ingest/files/sniff_log.h"
 #include "server/ingest/inspection/inspect_log.h"
 #include "server/store/tables/drive_table.h"
 #include "server/store/uploads/resumable_uploads.h"

@@ -1,4 +1,4 @@
-#include "server/ingest/containers/sniff_log.h"
+#include "server/ingest/files/sniff_log.h"
 
 #include <array>
 #include <fstream>
