@@ -43,7 +43,7 @@ void AddInspectCommand(CLI::App& app, Action& action) {
                                          "it; exit 0 clean, 3 lossy, 1 unusable");
   command
       ->add_option("LOG", arguments->log,
-                   "ROS 1 bag, MCAP, rosbag2, EuRoC folder or archive of one")
+                   "ROS 1 bag, MCAP, rosbag2, EuRoC, a folder or an archive of them")
       ->required();
   command->add_option("--rig", arguments->rig,
                       "folder with the rig files, where the log itself has no calibration");

@@ -7,7 +7,7 @@ namespace {
 
 void AddInputs(CLI::App& command, MapArguments& arguments) {
   command.add_option("LOG", arguments.logs,
-                     "ROS 1 bag, MCAP, rosbag2, EuRoC folder or archive of one");
+                     "ROS 1 bag, MCAP, rosbag2, EuRoC, a folder or an archive of them");
   command
       .add_option("--rig", arguments.rigs,
                   "folder with camchain-imucam.yaml, imu0.yaml and vehicle.yaml; once for all "

@@ -8,7 +8,8 @@
 #include "core/rig.h"
 #include "server/commands/commands.h"
 #include "server/http/service/serve.h"
-#include "server/ingest/containers/sniff_log.h"
+#include "server/ingest/files/archive_paths.h"
+#include "server/ingest/files/sniff_log.h"
 #include "server/pipeline/site_pins.h"
 
 namespace parkade {
@@ -176,6 +177,9 @@ void AddServeCommand(CLI::App& app, Action& action) {
       options->inspect_command = InspectionCommand;
       options->pictures.command = PicturesCommand;
       options->check_log = CheckLooksLikeLog;
+      options->check_paths = [](const std::vector<std::string>& paths) {
+        CheckHoldsDrive(paths, "the set");
+      };
       options->check_rig = [](const std::filesystem::path& folder) { ReadRig(folder); };
       options->check_pins = [](const std::vector<std::string>& pins,
                                const std::filesystem::path& map) { AnchorPins(pins, map, {}); };

@@ -57,8 +57,32 @@ Json ToJson(const Upload& upload) {
           {"length", upload.length},
           {"offset", upload.offset},
           {"drive", OrNull(upload.drive)},
+          {"set", OrNull(upload.set)},
           {"created_at", upload.created_at},
           {"expires_at", upload.expires_at}};
+}
+
+Json ToJson(const UploadSet& set, const std::vector<Upload>& parts,
+            const std::optional<std::string>& job) {
+  Json json = {{"id", set.id},
+               {"filename", set.filename},
+               {"site", OrNull(set.site)},
+               {"rig", OrNull(set.rig)},
+               {"state", ToText(set.state)},
+               {"error", OrNull(set.error)},
+               {"error_code", OrNull(set.error_code)},
+               {"bytes", set.bytes},
+               {"drive", OrNull(set.drive)},
+               {"job", OrNull(job)},
+               {"created_at", set.created_at},
+               {"expires_at", set.expires_at},
+               {"parts", Json::array()}};
+  for (const Upload& part : parts)
+    json["parts"].push_back({{"path", part.path.value_or("")},
+                             {"bytes", part.length},
+                             {"offset", part.offset},
+                             {"upload", "/api/v1/uploads/" + part.id}});
+  return json;
 }
 
 void AddTrajectories(const Drive& drive, const MapVersion& map, Json& json) {

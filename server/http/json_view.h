@@ -5,6 +5,7 @@
 
 #include "server/jobs/job_runner.h"
 #include "server/store/tables/records.h"
+#include "server/store/tables/upload_set_table.h"
 #include "server/store/tables/upload_table.h"
 
 namespace parkade {
@@ -22,6 +23,9 @@ Json OrNull(const std::optional<Value>& value) {
 /// The drive without what needs more than its row: see AddTrajectories.
 Json ToJson(const Drive& drive);
 Json ToJson(const Upload& upload);
+/// `job`: of the drive that the set became.
+Json ToJson(const UploadSet& set, const std::vector<Upload>& parts,
+            const std::optional<std::string>& job);
 Json ToJson(const Job& job, const std::optional<JobProgress>& progress);
 Json ToJson(const StoredRig& rig);
 Json ToJson(const Site& site);

@@ -72,6 +72,10 @@ inline constexpr std::array kRoutes = {
           Reach::kPath, true},
     Route{"POST", "/api/v1/uploads/{upload}", RouteClass::kUploads, Right::kOwnUpload, Reach::kPath,
           true},
+    Route{"POST", "/api/v1/upload-sets", RouteClass::kUploads, Right::kUpload, Reach::kFiltered},
+    Route{"GET", "/api/v1/upload-sets/{set}", RouteClass::kApi, Right::kOwnUpload, Reach::kPath},
+    Route{"DELETE", "/api/v1/upload-sets/{set}", RouteClass::kUploads, Right::kOwnUpload,
+          Reach::kPath},
 
     Route{"GET", "/api/v1/drives", RouteClass::kApi, Right::kSee, Reach::kFiltered},
     Route{"GET", "/api/v1/drives/{drive}", RouteClass::kApi, Right::kSee, Reach::kPath},

@@ -47,6 +47,8 @@ struct ServeOptions {
   PictureOptions pictures;         ///< how they are read out of logs
   std::function<void(const std::filesystem::path&)>
       check_log;  ///< throws unless the file looks like a drive log
+  std::function<void(const std::vector<std::string>& paths)>
+      check_paths;  ///< throws unless an archive of files with these paths would be one
   std::function<void(const std::filesystem::path&)>
       check_rig;  ///< throws unless the folder holds a rig
   /// Throws unless these pins (`parkade map --pin`) fit each other and the map in the folder.

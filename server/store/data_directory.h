@@ -15,7 +15,7 @@ namespace parkade {
 ///   LOCK                    held as long as this object lives
 ///   db/main.db              the truth (server/store/tables/database.h)
 ///   db/ballast              room for the day when the disk is full
-///   uploads/<id>            logs that arrive in parts
+///   uploads/<id>            logs that arrive in parts, of an upload or of a set
 ///   logs/ab/<sha256>        drive logs as uploaded, read-only
 ///   rigs/<id>/              rig files
 ///   maps/<id>/              published maps, never changed

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "server/store/disk/durable_file.h"
 #include "server/store/tables/job_table.h"
+#include "server/store/tables/upload_set_table.h"
 #include "server/store/tables/upload_table.h"
 
 namespace parkade {
@@ -78,10 +79,11 @@ void ReconcileLogs(Store& store) {
 void ReconcileUploads(Store& store) {
   std::set<std::string> unfinished;
   for (const Upload& upload : store.database.Read(UnfinishedUploads)) unfinished.insert(upload.id);
+  for (const UploadSet& set : store.database.Read(UnfinishedUploadSets)) unfinished.insert(set.id);
   for (const fs::path& file : EntriesOf(store.directory.UploadsFolder())) {
     const std::string id = file.filename().string();
     if (unfinished.contains(id)) continue;
-    if (HasRow(store, "uploads", id)) {
+    if (HasRow(store, "uploads", id) || HasRow(store, "upload_sets", id)) {
       fs::remove(file);
     } else {
       store.directory.PutAside(file);

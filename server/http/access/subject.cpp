@@ -24,6 +24,7 @@ constexpr std::array kKinds = {
          "max(d.created_by) END FROM drives d WHERE d.id = j.new_drive OR (j.new_drive IS NULL AND "
          "d.id IN (SELECT drive FROM job_drives WHERE job = j.id))) FROM jobs j WHERE j.id = ?"},
     Kind{"{upload}", "upload", "SELECT site, created_by FROM uploads WHERE id = ?"},
+    Kind{"{set}", "upload set", "SELECT site, created_by FROM upload_sets WHERE id = ?"},
     Kind{"{share}", "share link", "SELECT site, NULL FROM shares WHERE id = ?"},
 };
 

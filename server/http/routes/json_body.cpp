@@ -8,8 +8,6 @@
 namespace parkade {
 namespace {
 
-constexpr size_t kMaxBody = size_t{128} << 10;  // [bytes]
-
 std::string Listed(std::initializer_list<const char*> known) {
   std::string names;
   for (const char* name : known) names += std::string(names.empty() ? "\"" : ", \"") + name + '"';
@@ -38,12 +36,13 @@ void RequireObject(const Json& value, const std::string& name,
             name + " knows " + Listed(known) + ", not \"" + item.key() + '"');
 }
 
-Json ReadObject(const httplib::ContentReader& body, std::initializer_list<const char*> known) {
+Json ReadObject(const httplib::ContentReader& body, std::initializer_list<const char*> known,
+                size_t max_bytes) {
   const std::string text = ReadBody(body);
   if (text.empty()) return Json::object();
-  Require(text.size() <= kMaxBody, ErrorCode::kInvalidInput,
+  Require(text.size() <= max_bytes, ErrorCode::kInvalidInput,
           "the body has " + std::to_string(text.size()) + " bytes: at most " +
-              std::to_string(kMaxBody) + " are taken");
+              std::to_string(max_bytes) + " are taken");
   Json object = Json::parse(text, nullptr, /*allow_exceptions=*/false);
   RequireObject(object, "the body", known);
   return object;

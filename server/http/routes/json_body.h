@@ -11,9 +11,10 @@
 
 namespace parkade {
 
-/// Reads the body, a JSON object with some of the members `known`. Throws Error{kInvalidInput} for
-/// anything else. An empty body is an empty object.
-Json ReadObject(const httplib::ContentReader& body, std::initializer_list<const char*> known);
+/// Reads the body, a JSON object of at most `max_bytes` with some of the members `known`. Throws
+/// Error{kInvalidInput} for anything else. An empty body is an empty object.
+Json ReadObject(const httplib::ContentReader& body, std::initializer_list<const char*> known,
+                size_t max_bytes = size_t{128} << 10);
 
 // Members of such an object; nothing where absent or null. Throw Error{kInvalidInput} where they
 // are of another kind.

@@ -13,6 +13,7 @@ void AddPictureRoutes(Router& routes, RouteContext& context);
 void AddPlotRoutes(Router& routes, RouteContext& context);
 void AddUploadRoute(Router& routes, RouteContext& context);
 void AddTusRoutes(Router& routes, RouteContext& context);
+void AddUploadSetRoutes(Router& routes, RouteContext& context);
 void AddRigRoutes(Router& routes, RouteContext& context);
 void AddJobRoutes(Router& routes, RouteContext& context);
 void AddSiteRoutes(Router& routes, RouteContext& context);

@@ -83,10 +83,8 @@ void Create(RouteContext& context, const httplib::Request& request, httplib::Res
   upload.site = text("site");
   upload.rig = text("rig");
   upload.sha256 = text("sha256");
-  Require(
-      !upload.sha256 || (upload.sha256->size() == 64 &&
-                         upload.sha256->find_first_not_of("0123456789abcdef") == std::string::npos),
-      ErrorCode::kInvalidInput, "'sha256' is 64 hexadecimal digits in lower case");
+  Require(!upload.sha256 || IsSha256(*upload.sha256), ErrorCode::kInvalidInput,
+          "'sha256' is 64 hexadecimal digits in lower case");
   const bool has_part = request.get_header_value("Content-Length") != "0";
   if (has_part) RequirePartType(request);
 

@@ -164,6 +164,7 @@ class Service::Parts {
     uploads.check_log = [this](const std::filesystem::path& file, const std::string& filename) {
       CheckLog(options_, file, filename);
     };
+    uploads.check_paths = options_.check_paths;
     uploads.on_received = [this](const ReceivedDrive& received) {
       AnnounceDrive(received, events_, *jobs_, inspector_ ? &*inspector_ : nullptr);
     };
@@ -198,6 +199,7 @@ class Service::Parts {
     Router router(http_, gate_);
     AddUploadRoute(router, *context_);
     AddTusRoutes(router, *context_);
+    AddUploadSetRoutes(router, *context_);
     AddDriveRoutes(router, *context_);
     AddPictureRoutes(router, *context_);
     AddPlotRoutes(router, *context_);

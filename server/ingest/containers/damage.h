@@ -11,6 +11,14 @@ inline void AddLoss(DamageReport& damage, LostRange range) {
   if (damage.ranges.size() < kMaxRanges) damage.ranges.push_back(std::move(range));
 }
 
+/// Says that the log's archive could not be read to its end; `reason` is a phrase, empty where it
+/// could.
+inline void AddArchiveDamage(DamageReport& damage, const std::string& reason) {
+  if (reason.empty()) return;
+  AddLoss(damage, {"the archive cannot be read to its end: " + reason, "", {}, 0});
+  damage.is_truncated = true;
+}
+
 /// The part of `damage` that concerns the wanted topics or unknown ones.
 DamageReport OfWanted(const DamageReport& damage, const std::vector<TopicInfo>& topics,
                       const std::vector<bool>& wanted);

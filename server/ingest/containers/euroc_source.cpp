@@ -3,6 +3,7 @@
 #include <regex>
 
 #include "core/error.h"
+#include "server/ingest/containers/damage.h"
 #include "server/ingest/files/euroc_csv.h"
 
 namespace parkade {
@@ -116,11 +117,7 @@ class EurocStream : public MessageStream {
  private:
   void ReportDamage() {
     damage_ = {};
-    if (!archive_damage_.empty()) {
-      damage_.ranges.push_back(
-          {"the archive cannot be read to its end: " + archive_damage_, "", {}, 0});
-      damage_.is_truncated = true;
-    }
+    AddArchiveDamage(damage_, archive_damage_);
     for (const auto& reader : readers_) {
       if (reader->num_bad_lines() == 0) continue;
       const std::string& topic = topics_[static_cast<std::size_t>(reader->topic())].topic;

@@ -1,7 +1,9 @@
 #include "server/ingest/containers/open_log_source.h"
 
 #include "core/error.h"
+#include "server/ingest/containers/damage.h"
 #include "server/ingest/containers/euroc_source.h"
+#include "server/ingest/containers/kept_source.h"
 #include "server/ingest/containers/open_message_source.h"
 #include "server/ingest/files/archive_extraction.h"
 
@@ -23,8 +25,12 @@ std::shared_ptr<const MessageSource> OpenLogSource(const fs::path& log,
   Require(fs::file_size(log) > 0, ErrorCode::kInvalidInput, name + " is empty");
   if (!IsArchive(log)) return OpenMessageSource(log, scratch_folder);
   auto folder = std::make_shared<const TemporaryFolder>(scratch_folder);
-  const ExtractionResult result = ExtractEurocArchive(log, folder->path());
-  return std::make_shared<EurocSource>(std::move(folder), result.damage);
+  const ExtractionResult result = ExtractArchive(log, folder->path());
+  if (!result.log_folder) return std::make_shared<EurocSource>(std::move(folder), result.damage);
+  DamageReport damage;
+  AddArchiveDamage(damage, result.damage);
+  return KeepUnpacked(OpenMessageSource(*result.log_folder, scratch_folder), std::move(folder),
+                      damage);
 }
 
 }  // namespace parkade

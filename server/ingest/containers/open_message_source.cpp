@@ -11,6 +11,7 @@
 #include "server/ingest/containers/chunked_log_source.h"
 #include "server/ingest/containers/damage.h"
 #include "server/ingest/containers/joined_source.h"
+#include "server/ingest/containers/kept_source.h"
 #include "server/ingest/containers/record_walker.h"
 #include "server/ingest/containers/rosbag2_sqlite_source.h"
 #include "server/ingest/containers/zstd_file.h"
@@ -79,7 +80,8 @@ std::unique_ptr<MessageSource> OpenAs(LogKind kind, const fs::path& path,
           });
       if (!unpacked.file) break;
       const LogKind inner = KindOf(InputFile(unpacked.file->path()));
-      return KeepFile(OpenAs(inner, unpacked.file->path(), scratch_folder), unpacked);
+      return KeepUnpacked(OpenAs(inner, unpacked.file->path(), scratch_folder), unpacked.file,
+                          unpacked.damage);
     }
     case LogKind::kNone: break;
   }

@@ -7,50 +7,6 @@
 #include "server/ingest/containers/damage.h"
 
 namespace parkade {
-namespace {
-
-class KeptStream : public MessageStream {
- public:
-  KeptStream(std::shared_ptr<const MessageSource> source, const UnpackedFile& unpacked,
-             const std::vector<bool>& wanted)
-      : source_(std::move(source)), unpacked_(unpacked), stream_(source_->Read(wanted)) {}
-
-  std::optional<RawMessage> Next() override { return stream_->Next(); }
-  const DamageReport& damage() const override {
-    damage_ = stream_->damage();
-    for (const LostRange& range : unpacked_.damage.ranges) AddLoss(damage_, range);
-    damage_.is_truncated |= unpacked_.damage.is_truncated;
-    return damage_;
-  }
-
- private:
-  std::shared_ptr<const MessageSource> source_;
-  UnpackedFile unpacked_;
-  std::unique_ptr<MessageStream> stream_;
-  mutable DamageReport damage_;
-};
-
-class KeptSource : public MessageSource {
- public:
-  KeptSource(std::unique_ptr<MessageSource> source, const UnpackedFile& unpacked)
-      : source_(std::move(source)), unpacked_(unpacked) {}
-
-  const std::vector<TopicInfo>& topics() const override { return source_->topics(); }
-  std::string format() const override { return source_->format(); }
-  std::unique_ptr<MessageStream> Read(const std::vector<bool>& wanted) const override {
-    return std::make_unique<KeptStream>(source_, unpacked_, wanted);
-  }
-  std::optional<RawMessage> ReadAt(int topic, const MessagePlace& place) const override {
-    return source_->ReadAt(topic, place);
-  }
-
- private:
-  std::shared_ptr<const MessageSource> source_;
-  UnpackedFile unpacked_;
-};
-
-}  // namespace
-
 UnpackedFile UnpackZstdFile(const InputFile& packed, const std::filesystem::path& folder,
                             const std::function<bool(std::string_view)>& accepts) {
   constexpr std::size_t kPiece = std::size_t{1} << 20;
@@ -76,11 +32,6 @@ UnpackedFile UnpackZstdFile(const InputFile& packed, const std::filesystem::path
   AddLoss(unpacked.damage,
           {is_cut ? "the zstd file is cut off" : "the zstd file is damaged", "", {}, 0});
   return unpacked;
-}
-
-std::unique_ptr<MessageSource> KeepFile(std::unique_ptr<MessageSource> source,
-                                        const UnpackedFile& unpacked) {
-  return std::make_unique<KeptSource>(std::move(source), unpacked);
 }
 
 }  // namespace parkade

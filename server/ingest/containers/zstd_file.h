@@ -21,8 +21,4 @@ struct UnpackedFile {
 UnpackedFile UnpackZstdFile(const InputFile& packed, const std::filesystem::path& folder,
                             const std::function<bool(std::string_view)>& accepts);
 
-/// Wraps a source so that it keeps the temporary file alive and reports its damage.
-std::unique_ptr<MessageSource> KeepFile(std::unique_ptr<MessageSource> source,
-                                        const UnpackedFile& unpacked);
-
 }  // namespace parkade

@@ -3,7 +3,6 @@
 #include <archive.h>
 #include <archive_entry.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "server/ingest/files/archive_paths.h"
 
 namespace parkade {
 namespace {
@@ -20,57 +20,6 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kMaxRatio = 8, kFreeBytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t kMaxFiles = 1'000'000;
-constexpr std::size_t kMaxPathLength = 1024, kMaxNameLength = 128, kMaxDepth = 3;
-
-std::vector<std::string> SplitPath(std::string_view path) {
-  std::vector<std::string> parts;
-  while (!path.empty()) {
-    const std::size_t slash = path.find('/');
-    const std::string_view part = path.substr(0, slash);
-    if (!part.empty() && part != ".") parts.emplace_back(part);
-    path = slash == std::string_view::npos ? std::string_view{} : path.substr(slash + 1);
-  }
-  return parts;
-}
-
-bool IsPlainName(const std::string& name) {
-  if (name.empty() || name.size() > kMaxNameLength || name.front() == '.') return false;
-  return std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return c < 128 && (std::isalnum(c) || c == '.' || c == '_' || c == '-');
-  });
-}
-
-bool IsCameraName(const std::string& name) {
-  return name.size() >= 4 && name.size() <= 6 && name.starts_with("cam") &&
-         std::all_of(name.begin() + 3, name.end(), [](unsigned char c) { return std::isdigit(c); });
-}
-
-/// The part of an entry's path inside the EuRoC folder.
-struct EurocPath {
-  std::string root;  ///< the folders above, "" or "drive/mav0"
-  fs::path relative;
-};
-
-/// Splits a path; nothing for files that are no part of an EuRoC drive.
-std::optional<EurocPath> ParseEurocPath(const std::vector<std::string>& parts) {
-  std::string root;
-  for (std::size_t i = 0; i + 1 < parts.size() && i <= kMaxDepth; root += parts[i] + "/", ++i) {
-    const std::string& sensor = parts[i];
-    const bool is_camera = IsCameraName(sensor);
-    if (!is_camera && sensor != "imu0" && sensor != "odom0" && sensor != "gnss0") continue;
-    std::vector<std::string> rest(parts.begin() + static_cast<std::ptrdiff_t>(i) + 1, parts.end());
-    fs::path relative = sensor;
-    if (is_camera && rest.front() == "semantic" && rest.size() > 1) {
-      relative /= "semantic";
-      rest.erase(rest.begin());
-    }
-    if (rest.size() == 1 && (rest[0] == "data.csv" || rest[0] == "sensor.yaml"))
-      return EurocPath{root, relative / rest[0]};
-    if (is_camera && rest.size() == 2 && rest[0] == "data" && IsPlainName(rest[1]))
-      return EurocPath{root, relative / "data" / rest[1]};
-  }
-  return std::nullopt;
-}
 
 struct ArchiveDeleter {
   void operator()(archive* reader) const { archive_read_free(reader); }
@@ -102,6 +51,7 @@ class Extractor {
   Extractor(const fs::path& archive, const fs::path& target)
       : name_(archive.filename().string()),
         target_(target),
+        paths_(name_),
         max_bytes_(kMaxRatio * fs::file_size(archive) + kFreeBytes),
         reader_(OpenArchive(archive)) {}
 
@@ -117,9 +67,12 @@ class Extractor {
               name_ + " holds more than a million entries");
     }
     if (status != ARCHIVE_EOF && result.damage.empty()) result.damage = ErrorText();
-    Require(result.num_files > 0, ErrorCode::kInvalidInput,
-            name_ + (result.damage.empty() ? " holds no EuRoC drive (mav0 with imu0, cam0, ...)"
-                                           : " cannot be read: " + result.damage));
+    Require(paths_.has_drive(), ErrorCode::kInvalidInput,
+            result.damage.empty() ? paths_.SentenceWithoutDrive()
+                                  : name_ + " cannot be read: " + result.damage);
+    if (!paths_.are_log_files()) return result;
+    result.log_folder = target_ / name_;
+    if (paths_.is_metadata_foreign()) fs::remove(*result.log_folder / "metadata.yaml");
     return result;
   }
 
@@ -128,21 +81,11 @@ class Extractor {
   bool Extract(archive_entry* entry, ExtractionResult& result) {
     const char* raw_path = archive_entry_pathname(entry);
     const std::string path = raw_path ? raw_path : "";
-    if (path.empty() || path.size() > kMaxPathLength) return true;
-    const std::vector<std::string> parts = SplitPath(path);
-    const bool leads_outside =
-        path.front() == '/' || std::find(parts.begin(), parts.end(), "..") != parts.end();
-    Require(!leads_outside, ErrorCode::kInvalidInput,
-            name_ + " holds an entry that leads outside of it");
+    paths_.RequireInside(path);
     // A hard link has the type of a regular file, and no content.
     if (archive_entry_filetype(entry) != AE_IFREG || archive_entry_hardlink(entry)) return true;
-    const std::optional<EurocPath> euroc = ParseEurocPath(parts);
-    if (!euroc) return true;
-    if (result.num_files == 0) root_ = euroc->root;
-    Require(euroc->root == root_, ErrorCode::kInvalidInput,
-            name_ + " holds several EuRoC drives: give one of them");
-    ++result.num_files;
-    return WriteContent(euroc->relative, result);
+    const std::optional<fs::path> place = paths_.PlaceOf(path);
+    return !place || WriteContent(*place, result);
   }
 
   /// Makes the folders of a file, below a target that must be there: one that a signal has removed
@@ -183,9 +126,9 @@ class Extractor {
 
   std::string name_;
   fs::path target_, last_folder_;
+  ArchivePaths paths_;
   std::uint64_t max_bytes_;
   ArchiveReader reader_;
-  std::string root_;
   std::uint64_t num_bytes_ = 0, num_entries_ = 0;
   std::vector<char> buffer_ = std::vector<char>(1 << 18);
 };
@@ -203,7 +146,7 @@ bool IsArchive(const fs::path& file) {
          (start.size() > kTarMagicOffset && start.substr(kTarMagicOffset).starts_with("ustar"));
 }
 
-ExtractionResult ExtractEurocArchive(const fs::path& archive, const fs::path& target) {
+ExtractionResult ExtractArchive(const fs::path& archive, const fs::path& target) {
   return Extractor(archive, target).Run();
 }
 

@@ -10,20 +10,19 @@ namespace parkade {
 bool IsArchive(const std::filesystem::path& file);
 
 struct ExtractionResult {
-  std::uint64_t num_files = 0;
+  /// The folder of the log files; nothing where the drive is EuRoC's.
+  std::optional<std::filesystem::path> log_folder;
   std::string damage;  ///< why the archive could not be read to its end; empty: it could
 };
 
-/// Unpacks the EuRoC drive in an archive (its mav0, at most three folders deep) into `target`, in
-/// one pass.
+/// Unpacks the drive in an archive in one pass: the content of an EuRoC folder into `target`, log
+/// files into a folder in it that is called as the archive.
 ///
-/// Safe against any archive: a file is only made under a name that is built from the parts that an
-/// EuRoC folder has
-/// (`cam0/data/<plain name>`, ...), links and devices are passed over, and at most 8 times the
-/// archive's size plus 64 MiB is written, in at most a million files. Throws Error{kInvalidInput}
-/// beyond these limits, for entries that lead outside, and when there is no EuRoC drive, or
-/// several; Error{kDiskFull} when there is no room.
-ExtractionResult ExtractEurocArchive(const std::filesystem::path& archive,
-                                     const std::filesystem::path& target);
+/// Safe against any archive: files are only made at the places that ArchivePaths gives them, links
+/// and devices are passed over, and at most 8 times the archive's size plus 64 MiB is written, in
+/// at most a million files. Throws Error{kInvalidInput} beyond these limits, for entries that lead
+/// outside, and when there is no drive, or several; Error{kDiskFull} when there is no room.
+ExtractionResult ExtractArchive(const std::filesystem::path& archive,
+                                const std::filesystem::path& target);
 
 }  // namespace parkade

@@ -125,4 +125,9 @@ Caller CallerOf(const Token& token) {
   return caller;
 }
 
+Caller MakerOf(Connection& connection, const std::optional<std::string>& id) {
+  const auto token = OneOf(connection.Query(kSelect + "WHERE id = ?", id));
+  return token ? CallerOf(*token) : CallerWithAllRights("service");
+}
+
 }  // namespace parkade

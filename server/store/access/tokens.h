@@ -53,4 +53,8 @@ void SetTokenUsed(Connection& connection, const std::string& id, const std::stri
 
 Caller CallerOf(const Token& token);
 
+/// Whoever began what is now finished without being asked: the one with the token `id`, whether it
+/// is usable or over by now; the service where nobody needed a token.
+Caller MakerOf(Connection& connection, const std::optional<std::string>& id);
+
 }  // namespace parkade

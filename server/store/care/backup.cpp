@@ -9,6 +9,7 @@
 #include "server/store/care/stored_files.h"
 #include "server/store/disk/durable_file.h"
 #include "server/store/disk/growing_file.h"
+#include "server/store/tables/upload_set_table.h"
 
 namespace parkade {
 namespace {
@@ -117,7 +118,7 @@ void CopyDatabase(Database& from, const fs::path& to) {
   {
     Database copy(part);
     copy.Write([](Connection& connection) {
-      connection.Execute("DELETE FROM uploads WHERE state = 'receiving'");
+      DeleteUnfinishedUploads(connection);
       connection.Execute(
           "UPDATE jobs SET state = 'queued', pid = NULL, pid_started = NULL WHERE state = "
           "'running'");

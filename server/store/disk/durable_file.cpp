@@ -38,6 +38,12 @@ void SyncToDisk(const std::filesystem::path& path) {
   if (result != 0) ThrowNotKept(error);
 }
 
+void MakeReadOnly(const std::filesystem::path& file) {
+  if (::chmod(file.c_str(), 0444) != 0)
+    ThrowErrno("cannot change a file of the data directory", errno);
+  SyncToDisk(file);
+}
+
 void CreateDurableFolder(const std::filesystem::path& folder) {
   if (folder.empty() || std::filesystem::is_directory(folder)) return;
   CreateDurableFolder(folder.parent_path());

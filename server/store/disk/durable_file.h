@@ -14,6 +14,10 @@ namespace parkade {
 /// target's folder. Durable when it returns.
 void KeepFile(const std::filesystem::path& file, const std::filesystem::path& target);
 
+/// Lets nobody write to a finished file any more. Durable when it returns. Throws as SyncToDisk
+/// does.
+void MakeReadOnly(const std::filesystem::path& file);
+
 /// fsync of a file or folder. Throws DiskFailure, or Error where it cannot be opened.
 void SyncToDisk(const std::filesystem::path& path);
 

@@ -46,11 +46,24 @@ GrowingFile GrowingFile::Create(const std::filesystem::path& path, std::int64_t 
   return {fd, 0};
 }
 
-GrowingFile GrowingFile::Continue(const std::filesystem::path& path, std::int64_t bytes) {
+GrowingFile GrowingFile::Open(const std::filesystem::path& path, std::int64_t bytes) {
   const int fd = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW);
   if (fd < 0) ThrowErrno("cannot open a file of the data directory", errno);
-  GrowingFile file(fd, bytes);
+  return {fd, bytes};
+}
+
+GrowingFile GrowingFile::Continue(const std::filesystem::path& path, std::int64_t bytes) {
+  GrowingFile file = Open(path, bytes);
   file.Truncate(bytes);
+  return file;
+}
+
+GrowingFile GrowingFile::WriteOver(const std::filesystem::path& path, std::int64_t first) {
+  GrowingFile file = Open(path, first);
+  struct stat info {};
+  const bool is_there = ::fstat(file.fd_, &info) == 0 && info.st_size >= first &&
+                        ::lseek(file.fd_, first, SEEK_SET) == first;
+  if (!is_there) ThrowErrno("a file of the data directory is shorter than it was", EIO);
   return file;
 }
 
@@ -80,6 +93,17 @@ void GrowingFile::Flush() {
     ::sync_file_range(fd_, flushed_, behind, SYNC_FILE_RANGE_WRITE);
     flushed_ = size_;
   }
+}
+
+void GrowingFile::Skip(std::int64_t bytes) {
+  Flush();
+  size_ += bytes;
+  flushed_ = size_;
+  struct stat info {};
+  const bool is_there = ::fstat(fd_, &info) == 0 &&
+                        (info.st_size >= size_ || ::ftruncate(fd_, size_) == 0) &&
+                        ::lseek(fd_, size_, SEEK_SET) == size_;
+  if (!is_there) ThrowNotKept(errno);
 }
 
 void GrowingFile::Truncate(std::int64_t bytes) {

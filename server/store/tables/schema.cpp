@@ -196,11 +196,34 @@ const std::vector<const char*> kVersion9 = {
     "ALTER TABLE jobs ADD COLUMN engine_waits INTEGER NOT NULL DEFAULT 0",
     "UPDATE jobs SET engine = 'local' WHERE pid IS NOT NULL"};
 
+// Uploads that are the parts of one drive. Their bytes go to their places, from `first_byte` on, in
+// one file of the set, which becomes the log: `bytes` long.
+const std::vector<const char*> kVersion10 = {
+    R"(CREATE TABLE upload_sets (
+         sequence INTEGER PRIMARY KEY AUTOINCREMENT,
+         id TEXT NOT NULL UNIQUE,
+         filename TEXT NOT NULL,
+         site TEXT,
+         rig TEXT,
+         bytes INTEGER NOT NULL,
+         state TEXT NOT NULL DEFAULT 'receiving' CHECK (state IN ('receiving', 'assembling', 'done', 'refused')),
+         error TEXT,
+         error_code TEXT,
+         drive TEXT REFERENCES drives (id),
+         created_at TEXT NOT NULL,
+         expires_at TEXT NOT NULL,
+         created_by TEXT) STRICT)",
+    "CREATE INDEX upload_sets_by_state ON upload_sets (state, expires_at)",
+    "ALTER TABLE uploads ADD COLUMN upload_set TEXT REFERENCES upload_sets (id)",
+    "ALTER TABLE uploads ADD COLUMN path TEXT",
+    "ALTER TABLE uploads ADD COLUMN first_byte INTEGER NOT NULL DEFAULT 0",
+    "CREATE INDEX uploads_by_set ON uploads (upload_set, sequence)"};
+
 // One entry per schema version, oldest first. A published entry never changes:
 // a change of the tables is a new entry.
 const std::vector<const std::vector<const char*>*> kMigrations = {
     &kVersion1, &kVersion2, &kVersion3,     &kVersion4, &kVersion5,
-    &kVersion6, &kVersion7, &kReviewSchema, &kVersion9};
+    &kVersion6, &kVersion7, &kReviewSchema, &kVersion9, &kVersion10};
 
 size_t FoundVersion(Connection& connection) {
   Statement query = connection.Query("PRAGMA user_version");

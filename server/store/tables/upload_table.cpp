@@ -13,7 +13,8 @@ constexpr std::array<UploadState, 3> kStates = {UploadState::kReceiving, UploadS
 
 const std::string kSelect = R"(
   SELECT sequence, id, metadata, filename, site, rig, sha256, length, offset, state, error, error_code, drive,
-         created_at, expires_at, created_by
+         created_at, ifnull((SELECT s.expires_at FROM upload_sets s WHERE s.id = upload_set), expires_at),
+         created_by, upload_set, path, first_byte
   FROM uploads )";
 
 UploadState StateFromText(const std::string& text) {
@@ -40,7 +41,16 @@ Upload FromRow(const Statement& row) {
   upload.created_at = row.Text(13);
   upload.expires_at = row.Text(14);
   upload.created_by = OptionalText(row, 15);
+  upload.set = OptionalText(row, 16);
+  upload.path = OptionalText(row, 17);
+  upload.first_byte = row.Integer(18);
   return upload;
+}
+
+std::vector<Upload> AllOf(Statement query) {
+  std::vector<Upload> uploads;
+  while (query.Step()) uploads.push_back(FromRow(query));
+  return uploads;
 }
 
 }  // namespace
@@ -57,10 +67,11 @@ const char* ToText(UploadState state) {
 void InsertUpload(Connection& connection, const Upload& upload) {
   connection.Execute(
       R"(INSERT INTO uploads (id, metadata, filename, site, rig, sha256, length, created_at, expires_at,
-                              created_by)
-         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?))",
+                              created_by, upload_set, path, first_byte)
+         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))",
       upload.id, upload.metadata, upload.filename, upload.site, upload.rig, upload.sha256,
-      upload.length, upload.created_at, upload.expires_at, upload.created_by);
+      upload.length, upload.created_at, upload.expires_at, upload.created_by, upload.set,
+      upload.path, upload.first_byte);
 }
 
 Upload FindUpload(Connection& connection, const std::string& id) {
@@ -69,15 +80,21 @@ Upload FindUpload(Connection& connection, const std::string& id) {
   return FromRow(query);
 }
 
+bool HasUpload(Connection& connection, const std::string& id) {
+  return connection.Query("SELECT 1 FROM uploads WHERE id = ?", id).Step();
+}
+
 std::vector<Upload> UnfinishedUploads(Connection& connection) {
-  Statement query = connection.Query(kSelect + "WHERE state = 'receiving' ORDER BY sequence");
-  std::vector<Upload> uploads;
-  while (query.Step()) uploads.push_back(FromRow(query));
-  return uploads;
+  return AllOf(connection.Query(kSelect + "WHERE state = 'receiving' ORDER BY sequence"));
+}
+
+std::vector<Upload> UploadsOfSet(Connection& connection, const std::string& set) {
+  return AllOf(connection.Query(kSelect + "WHERE upload_set = ? ORDER BY sequence", set));
 }
 
 std::vector<std::string> ExpiredUploads(Connection& connection, const std::string& now) {
-  Statement query = connection.Query("SELECT id FROM uploads WHERE expires_at < ?", now);
+  Statement query =
+      connection.Query("SELECT id FROM uploads WHERE expires_at < ? AND upload_set IS NULL", now);
   std::vector<std::string> ids;
   while (query.Step()) ids.push_back(query.Text(0));
   return ids;
@@ -88,6 +105,14 @@ void SetUploadOffset(Connection& connection, const std::string& id, std::int64_t
   connection.Execute(
       "UPDATE uploads SET offset = ?, expires_at = ? WHERE id = ? AND state = 'receiving'", offset,
       expires_at, id);
+  connection.Execute(
+      "UPDATE upload_sets SET expires_at = ? WHERE id = (SELECT upload_set FROM uploads WHERE id = "
+      "?)",
+      expires_at, id);
+}
+
+void SetUploadWhole(Connection& connection, const std::string& id) {
+  connection.Execute("UPDATE uploads SET state = 'done' WHERE id = ? AND state = 'receiving'", id);
 }
 
 void SetUploadDone(Connection& connection, const std::string& id, const std::string& drive) {

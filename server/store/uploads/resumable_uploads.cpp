@@ -1,13 +1,9 @@
 #include "server/store/uploads/resumable_uploads.h"
 
-#include <fstream>
-#include <vector>
-
 #include "core/error.h"
 #include "core/log.h"
-#include "core/sha256.h"
 #include "server/store/access/audit_log.h"
-#include "server/store/access/caller.h"
+#include "server/store/access/tokens.h"
 #include "server/store/disk/durable_file.h"
 #include "server/store/disk/growing_file.h"
 #include "server/store/tables/names.h"
@@ -24,34 +20,11 @@ constexpr auto kTidyInterval = 10min;
 
 }  // namespace
 
-/// The hash of what has arrived, as far as it was computed on the way: after a restart it stands at
-/// the beginning.
-struct ResumableUploads::Hash {
-  Sha256 sha256;
-  std::int64_t bytes = 0;
-
-  void Add(std::string_view piece) {
-    sha256.Add(piece);
-    bytes += static_cast<std::int64_t>(piece.size());
-  }
-  /// Reads on to `end`; false when `is_stopping` becomes true.
-  bool CatchUp(const std::filesystem::path& file, std::int64_t end,
-               const std::atomic<bool>& is_stopping) {
-    std::ifstream stream(file, std::ios::binary);
-    stream.seekg(bytes);
-    std::vector<char> piece(size_t{1} << 20);
-    while (bytes < end && !is_stopping) {
-      const auto wanted = std::min<std::int64_t>(std::ssize(piece), end - bytes);
-      Require(static_cast<bool>(stream.read(piece.data(), wanted)), ErrorCode::kInternal,
-              "an upload cannot be read back");
-      Add({piece.data(), static_cast<size_t>(wanted)});
-    }
-    return bytes == end;
-  }
-};
-
 ResumableUploads::ResumableUploads(Store& store, UploadOptions options)
-    : store_(store), options_(std::move(options)), thread_([this] { Work(); }) {}
+    : store_(store),
+      options_(std::move(options)),
+      sets_(store_, options_, locks_),
+      thread_([this] { Work(); }) {}
 
 ResumableUploads::~ResumableUploads() {
   {
@@ -62,8 +35,13 @@ ResumableUploads::~ResumableUploads() {
   thread_.join();
 }
 
-std::filesystem::path ResumableUploads::FileOf(const std::string& id) const {
-  return store_.directory.UploadFile(id);
+void ResumableUploads::Stop() {
+  is_stopping_ = true;
+  sets_.Stop();
+}
+
+std::filesystem::path ResumableUploads::FileOf(const Upload& upload) const {
+  return store_.directory.UploadFile(upload.set.value_or(upload.id));
 }
 
 UploadLocks::Hold ResumableUploads::Take(const std::string& id, std::function<void()> give_up) {
@@ -89,7 +67,7 @@ Upload ResumableUploads::Create(Upload upload) {
   upload.created_at = NowUtc();
   upload.created_by = IdOfCurrentCaller();
   upload.expires_at = ExpiryFromNow();
-  const std::filesystem::path file = FileOf(upload.id);
+  const std::filesystem::path file = FileOf(upload);
   try {
     GrowingFile::Create(file, upload.length).Sync();
     SyncToDisk(file.parent_path());
@@ -105,7 +83,7 @@ Upload ResumableUploads::Create(Upload upload) {
     throw;
   }
   const std::lock_guard lock(mutex_);
-  hashes_[upload.id] = std::make_shared<Hash>();
+  hashes_[upload.id] = std::make_shared<ArrivedHash>();
   return upload;
 }
 
@@ -130,15 +108,17 @@ Upload ResumableUploads::Append(const std::string& id, std::int64_t offset, std:
           "the part is longer than what is missing of the upload");
   if (upload.state == UploadState::kDone) return upload;
 
-  GrowingFile file = GrowingFile::Continue(FileOf(id), offset);
-  const std::shared_ptr<Hash> hash = HashOf(upload);
+  const std::int64_t first = upload.first_byte;
+  GrowingFile file = upload.set ? GrowingFile::WriteOver(FileOf(upload), first + offset)
+                                : GrowingFile::Continue(FileOf(upload), offset);
+  const std::shared_ptr<ArrivedHash> hash = HashOf(upload);
   // Bytes that a checksum may take back are hashed once they stay.
-  const bool is_hashed = !checksum && hash->bytes == offset;
+  const bool is_hashed = !checksum && hash->bytes() == offset && (!upload.set || upload.sha256);
   std::optional<PartDigest> digest;
   if (checksum) digest.emplace(checksum->algorithm);
   const auto keep = [&] {
     file.Sync();
-    upload.offset = file.size();
+    upload.offset = file.size() - first;
     upload.expires_at = ExpiryFromNow();
     store_.database.Write([&](Connection& connection) {
       SetUploadOffset(connection, id, upload.offset, upload.expires_at);
@@ -148,9 +128,9 @@ Upload ResumableUploads::Append(const std::string& id, std::int64_t offset, std:
     file.Append(piece);
     if (is_hashed) hash->Add(piece);
     if (digest) digest->Add(piece);
-    if (!digest && file.size() - upload.offset >= kSyncBytes) keep();
+    if (!digest && file.size() - first - upload.offset >= kSyncBytes) keep();
   });
-  const bool is_complete = is_whole && file.size() == offset + bytes;
+  const bool is_complete = is_whole && file.size() - first == offset + bytes;
   if (digest && is_complete && digest->Finish() != checksum->digest) throw ChecksumMismatch();
   if (!digest || is_complete) keep();
   // Clients of tus try again after a conflict.
@@ -158,13 +138,36 @@ Upload ResumableUploads::Append(const std::string& id, std::int64_t offset, std:
   return upload.offset == upload.length ? Finish(upload) : upload;
 }
 
-/// Makes a drive of an upload that is there as a whole. The caller holds it.
-Upload ResumableUploads::Finish(const Upload& upload) {
-  const std::filesystem::path file = FileOf(upload.id);
-  const std::shared_ptr<Hash> hash = HashOf(upload);
-  Require(hash->CatchUp(file, upload.length, is_stopping_), ErrorCode::kInternal,
+std::string ResumableUploads::HashOfWhole(const Upload& upload) {
+  const std::shared_ptr<ArrivedHash> hash = HashOf(upload);
+  Require(hash->CatchUp(FileOf(upload), upload.length, is_stopping_), ErrorCode::kInternal,
           "the service stops: it finishes the upload when it starts again");
-  const std::string sha256 = hash->sha256.Finish();
+  return hash->Finish();
+}
+
+Upload ResumableUploads::FinishPart(const Upload& upload) {
+  const std::string sha256 = upload.sha256 ? HashOfWhole(upload) : "";
+  ForgetHash(upload.id);
+  const bool is_sound = !upload.sha256 || *upload.sha256 == sha256;
+  store_.database.Write([&](Connection& connection) {
+    if (is_sound) {
+      SetUploadWhole(connection, upload.id);
+    } else {
+      SetUploadOffset(connection, upload.id, 0, ExpiryFromNow());
+    }
+  });
+  if (!is_sound)
+    throw ChecksumMismatch("'" + *upload.path + "' arrived with the SHA-256 " + sha256 +
+                           ", not the one that was announced: send it again");
+  sets_.Wake();
+  return Look(upload.id);
+}
+
+/// Makes a drive of an upload that is there as a whole, or tells its set. The caller holds it.
+Upload ResumableUploads::Finish(const Upload& upload) {
+  if (upload.set) return FinishPart(upload);
+  const std::filesystem::path file = FileOf(upload);
+  const std::string sha256 = HashOfWhole(upload);
   ForgetHash(upload.id);
   try {
     Require(!upload.sha256 || *upload.sha256 == sha256, ErrorCode::kInvalidInput,
@@ -175,7 +178,7 @@ Upload ResumableUploads::Finish(const Upload& upload) {
     Refuse(upload, "invalid_input", error.what());
     throw;
   }
-  GrowingFile::Continue(file, upload.length).Finish();
+  MakeReadOnly(file);
   const ReceivedDrive received = ReceiveDrive(store_, {upload.filename, upload.site, upload.rig},
                                               {file, upload.length, sha256}, options_.merge_drives,
                                               [&](Connection& connection, const Drive& drive) {
@@ -195,11 +198,13 @@ void ResumableUploads::Refuse(const Upload& upload, const std::string& code,
     SetUploadRefused(connection, upload.id, code, sentence);
   });
   std::error_code ignored;
-  std::filesystem::remove(FileOf(upload.id), ignored);
+  std::filesystem::remove(FileOf(upload), ignored);
 }
 
 void ResumableUploads::Terminate(const std::string& id) {
-  Look(id);
+  const std::optional<std::string> set = Look(id).set;
+  Require(!set, ErrorCode::kConflict,
+          "the upload is a part of a set: DELETE /api/v1/upload-sets/" + set.value_or(""));
   const UploadLocks::Hold hold = Take(id, [] {});
   Look(id);
   Remove(id);
@@ -212,20 +217,29 @@ void ResumableUploads::Remove(const std::string& id) {
   });
   ForgetHash(id);
   std::error_code ignored;
-  std::filesystem::remove(FileOf(id), ignored);
+  std::filesystem::remove(store_.directory.UploadFile(id), ignored);
 }
 
-std::shared_ptr<ResumableUploads::Hash> ResumableUploads::HashOf(const Upload& upload) {
+std::shared_ptr<ArrivedHash> ResumableUploads::HashOf(const Upload& upload) {
   const std::lock_guard lock(mutex_);
-  std::shared_ptr<Hash>& hash = hashes_[upload.id];
+  std::shared_ptr<ArrivedHash>& hash = hashes_[upload.id];
   // A part that failed may have left it ahead of what was kept.
-  if (!hash || hash->bytes > upload.offset) hash = std::make_shared<Hash>();
+  if (!hash || hash->bytes() > upload.offset)
+    hash = std::make_shared<ArrivedHash>(upload.first_byte);
   return hash;
 }
 
 void ResumableUploads::ForgetHash(const std::string& id) {
   const std::lock_guard lock(mutex_);
   hashes_.erase(id);
+}
+
+/// Those of parts whose set is gone.
+void ResumableUploads::ForgetHashesOfRemoved() {
+  const std::lock_guard lock(mutex_);
+  store_.database.Read([&](Connection& connection) {
+    std::erase_if(hashes_, [&](const auto& entry) { return !HasUpload(connection, entry.first); });
+  });
 }
 
 void ResumableUploads::Work() {
@@ -252,9 +266,13 @@ void ResumableUploads::Recover() {
       const UploadLocks::Hold hold = Take(found.id, [] {});
       const Upload upload = Look(found.id);
       if (upload.state != UploadState::kReceiving) continue;
+      const Caller maker = store_.database.Read(
+          [&](Connection& connection) { return MakerOf(connection, upload.created_by); });
+      const WorkFor scope(maker);
       std::error_code missing;
-      const auto bytes = std::filesystem::file_size(FileOf(upload.id), missing);
-      if (missing || static_cast<std::int64_t>(bytes) < upload.offset) {
+      const auto bytes = std::filesystem::file_size(FileOf(upload), missing);
+      const bool is_lost = missing || static_cast<std::int64_t>(bytes) < upload.offset;
+      if (is_lost && !upload.set) {
         Refuse(upload, "internal", "the disk lost what had arrived: upload the log anew");
       } else if (upload.offset == upload.length) {
         Finish(upload);
@@ -277,6 +295,7 @@ void ResumableUploads::RemoveExpired() {
     Remove(id);
     LogInfo("upload expired id=" + id);
   }
+  ForgetHashesOfRemoved();
 }
 
 }  // namespace parkade

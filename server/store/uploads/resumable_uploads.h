@@ -12,19 +12,13 @@
 #include <string_view>
 #include <thread>
 
-#include "server/store/receive_upload.h"
 #include "server/store/tables/upload_table.h"
+#include "server/store/uploads/arrived_hash.h"
 #include "server/store/uploads/upload_locks.h"
+#include "server/store/uploads/upload_options.h"
+#include "server/store/uploads/upload_sets.h"
 
 namespace parkade {
-
-struct UploadOptions {
-  /// Throws unless the file looks like a drive log; the name is the user's.
-  std::function<void(const std::filesystem::path&, const std::string& filename)> check_log;
-  std::function<void(const ReceivedDrive&)> on_received;  ///< from any thread
-  bool merge_drives = true;
-  std::chrono::hours lifetime{24 * 7};  ///< of an upload that nothing is added to
-};
 
 /// What a client may ask of a part: that it has this hash, or is not taken at all.
 struct PartChecksum {
@@ -35,12 +29,13 @@ struct PartChecksum {
 /// What is thrown when a part does not have the hash that was announced.
 class ChecksumMismatch : public Error {
  public:
-  ChecksumMismatch() : Error(ErrorCode::kInvalidInput, "the part arrived damaged: send it again") {}
+  explicit ChecksumMismatch(const std::string& sentence = "the part arrived damaged: send it again")
+      : Error(ErrorCode::kInvalidInput, sentence) {}
 };
 
 /// Logs that arrive in parts, over as many requests, days and restarts as it takes. An offset that
 /// anybody was told is durable. What has arrived whole becomes a drive, also when the service was
-/// killed in between. Thread-safe.
+/// killed in between; one of a set waits for the others. Thread-safe.
 class ResumableUploads {
  public:
   /// Borrows the store. In a thread of its own it finishes what an earlier service had received
@@ -67,25 +62,30 @@ class ResumableUploads {
   /// off counts as far as it came, unless a checksum goes with it. `give_up` makes the part break
   /// off, when another request wants this upload. Throws as Find does; Error{kConflict} for another
   /// offset than the upload's or where it broke off, Error{kInvalidInput} where it is too long or
-  /// the whole is no log, ChecksumMismatch, Error{kDiskFull}, DiskFailure.
+  /// the whole is no log, ChecksumMismatch, Error{kDiskFull}, DiskFailure. An upload of a set that
+  /// does not have the hash that was announced begins anew.
   Upload Append(const std::string& id, std::int64_t offset, std::int64_t bytes, const Part& part,
                 const std::optional<PartChecksum>& checksum, const std::function<void()>& give_up);
 
   /// Breaks off what takes long and can be done by the next service.
-  void Stop() { is_stopping_ = true; }
+  void Stop();
 
-  /// Forgets an upload; a drive that was made from it stays. Throws as Find does.
+  /// Forgets an upload; a drive that was made from it stays. Throws as Find does, and
+  /// Error{kConflict} for one of a set.
   void Terminate(const std::string& id);
 
- private:
-  struct Hash;
+  UploadSets& sets() { return sets_; }
 
-  std::filesystem::path FileOf(const std::string& id) const;
+ private:
+  std::filesystem::path FileOf(const Upload& upload) const;
   UploadLocks::Hold Take(const std::string& id, std::function<void()> give_up);
   std::string ExpiryFromNow() const;
-  std::shared_ptr<Hash> HashOf(const Upload& upload);
+  std::shared_ptr<ArrivedHash> HashOf(const Upload& upload);
   void ForgetHash(const std::string& id);
+  void ForgetHashesOfRemoved();
   Upload Finish(const Upload& upload);
+  Upload FinishPart(const Upload& upload);
+  std::string HashOfWhole(const Upload& upload);
   void Refuse(const Upload& upload, const std::string& code, const std::string& sentence);
   void Remove(const std::string& id);
   void Work();
@@ -98,7 +98,8 @@ class ResumableUploads {
   std::mutex mutex_;
   std::condition_variable stopping_;
   std::atomic<bool> is_stopping_ = false;
-  std::map<std::string, std::shared_ptr<Hash>> hashes_;  ///< of uploads under way
+  std::map<std::string, std::shared_ptr<ArrivedHash>> hashes_;  ///< of uploads under way
+  UploadSets sets_;
   std::thread thread_;
 };
 

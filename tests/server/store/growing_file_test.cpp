@@ -47,6 +47,29 @@ TEST(GrowingFile, GoesOnWhereItIsTold) {
   EXPECT_THROW(GrowingFile::Continue(path, 1000), Error) << "the disk lost some of it";
 }
 
+TEST(GrowingFile, LeavesZerosWhereItSkipsAndTheRestWhereItWritesOver) {
+  const TemporaryRoot root;
+  const std::filesystem::path path = root.path() / "growing";
+  {
+    GrowingFile file = GrowingFile::Create(path, 20);
+    file.Append("head");
+    file.Skip(3);
+    file.Append("tail");
+    file.Skip(2);
+    file.Finish();
+    EXPECT_EQ(file.size(), 13);
+  }
+  EXPECT_EQ(ReadFile(path), std::string("head\0\0\0tail\0\0", 13));
+
+  GrowingFile file = GrowingFile::WriteOver(path, 4);
+  file.Append("-x-");
+  file.Sync();
+
+  EXPECT_EQ(file.size(), 7);
+  EXPECT_EQ(ReadFile(path), std::string("head-x-tail\0\0", 13));
+  EXPECT_THROW(GrowingFile::WriteOver(path, 1000), Error) << "the disk lost some of it";
+}
+
 TEST(GrowingFile, RefusesMoreThanTheDiskHoldsAndLeavesItsRoomToOthers) {
   const TemporaryRoot root;
   const std::int64_t free_bytes = FreeBytes(root.path());

@@ -77,6 +77,10 @@ class AccessMatrix : public GuardedService {
     ASSERT_EQ(upload->status, 201) << upload->body;
     const std::string location = upload->get_header_value("Location");
     names_["{upload}"] = location.substr(location.rfind('/') + 1);
+    const auto set = Ask("POST", "/api/v1/upload-sets", "uploader",
+                         R"({"site": "lot", "parts": [{"path": "a.bag", "bytes": 9}]})");
+    ASSERT_EQ(set->status, 201) << set->body;
+    names_["{set}"] = Json::parse(set->body).at("id");
     for (const auto& [name, site] :
          {std::pair("link to lot", "lot"), {"link to other", "other"}, {"dead link", "lot"}}) {
       const Json link = Share(site);
@@ -218,6 +222,17 @@ TEST_F(AccessMatrix, ForeignThingsAnswerAsWhatDoesNotExist) {
   EXPECT_EQ(detail("/api/v1/drives/0000000000000000"), "there is no drive '0000000000000000'");
   EXPECT_EQ(detail("/api/v1/sites/lot"), "there is no site 'lot'");
   EXPECT_EQ(detail("/api/v1/sites/nothing"), "there is no site 'nothing'");
+}
+
+TEST_F(AccessMatrix, PartsOfASetAreOfItsSite) {
+  const auto answer = Ask("GET", "/api/v1/upload-sets/" + names_.at("{set}"), "uploader");
+  const std::string part = Json::parse(answer->body).at("parts").at(0).at("upload");
+  EXPECT_EQ(Ask("GET", part, "uploader")->status, 200);
+  EXPECT_EQ(Ask("GET", part, "second uploader")->status, 403);
+  EXPECT_EQ(Ask("GET", part, "uploader of other")->status, 404);
+  ExpectProblem(Ask("POST", "/api/v1/upload-sets", "uploader of other",
+                    R"({"site": "lot", "parts": [{"path": "a.bag", "bytes": 9}]})"),
+                403, "forbidden");
 }
 
 TEST_F(AccessMatrix, WhoBringsSomethingInNamesASiteItMayKnow) {

@@ -143,6 +143,9 @@ TEST_F(Status, DescribesTheFieldsThatAnswersHave) {
       client().Post("/api/v1/uploads",
                     httplib::Headers{{"Tus-Resumable", "1.0.0"}, {"Upload-Length", "9"}}, "", "");
   expect_described("Upload", Get(upload->get_header_value("Location")));
+  const auto set = client().Post(
+      "/api/v1/upload-sets", R"({"parts": [{"path": "a.bag", "bytes": 9}]})", "application/json");
+  expect_described("UploadSet", Json::parse(set->body));
   expect_described("Readiness", Get("/readyz"));
   expect_described("JobPage", Get("/api/v1/jobs"));
 }

@@ -1,8 +1,8 @@
-// The reference client of tus against the service: whole uploads, aborted ones, and a service that
-// is killed in between, as often as wanted.
+// The reference client of tus against the service: whole uploads, aborted ones, a set of parts that
+// are sent at the same time, and a service that is killed in between, as often as wanted.
 //   node tus_client_test.mjs PARKADE_SERVE_PROGRAM WORK_FOLDER [MIB] [KILLS]
 import assert from 'node:assert/strict';
-import { spawn } from 'node:child_process';
+import { execFileSync, spawn } from 'node:child_process';
 import { createHash } from 'node:crypto';
 import { createReadStream, createWriteStream, mkdirSync, readdirSync, rmSync, statSync } from 'node:fs';
 import { once } from 'node:events';
@@ -63,6 +63,66 @@ async function start() {
 async function end(signal) {
   service.kill(signal);
   await once(service, 'exit');
+}
+
+/** Uploads one part of a set: the bytes of the log from `begin` on, `bytes` of them. */
+function uploadPart({ upload: address_of, bytes }, begin, onProgress) {
+  return new Promise((resolve, reject) => {
+    new tus.Upload(createReadStream(log, { start: begin, end: begin + bytes - 1 }), {
+      uploadUrl: `${address}${address_of}`,
+      chunkSize: 1 << 20,
+      uploadSize: bytes,
+      retryDelays: Array(100).fill(100),
+      onProgress,
+      onError: reject,
+      onSuccess: resolve,
+    }).start();
+  });
+}
+
+async function hashOf(file, options) {
+  const hash = createHash('sha256');
+  for await (const piece of createReadStream(file, options)) hash.update(piece);
+  return hash.digest('hex');
+}
+
+/** The log as a split recording, whose service is killed between and after its parts. */
+async function sendSplitLog() {
+  const third = Math.floor(length / 3);
+  const begins = [0, third, 2 * third];
+  const parts = await Promise.all(begins.map(async (begin, i) => {
+    const bytes = (begins[i + 1] ?? length) - begin;
+    return { path: `log ok/drive_${i}.bag`, bytes, sha256: await hashOf(log, { start: begin, end: begin + bytes - 1 }) };
+  }));
+  const body = JSON.stringify({ filename: 'split', site: 'yard', parts });
+  const declared = await fetch(`${address}/api/v1/upload-sets`, { method: 'POST', body });
+  assert.equal(declared.status, 201);
+  const set = await declared.json();
+  let sent = 0;
+  const sending = Promise.all(set.parts.map((one, i) => uploadPart(one, begins[i], (bytes) => (sent = Math.max(sent, bytes)))));
+  await until('a part is half there', () => sent > third / 2);
+  await end('SIGKILL');
+  await start();
+  await sending;
+  await end('SIGKILL'); // perhaps while it is put together
+  await start();
+  const done = await until('the set is one drive', async () => {
+    const now = await (await fetch(`${address}/api/v1/upload-sets/${set.id}`)).json();
+    assert.notEqual(now.state, 'refused', now.error);
+    return now.state === 'done' && now;
+  });
+  const drives = (await (await fetch(`${address}/api/v1/drives?limit=200`)).json()).items;
+  assert.deepEqual(drives.filter((one) => one.filename === 'split').map((one) => one.id), [done.drive]);
+  const { sha256: hash } = drives.find((one) => one.id === done.drive);
+  const tar = path.join(data, 'logs', hash.slice(0, 2), hash);
+  assert.equal(await hashOf(tar), hash);
+  assert.deepEqual(
+    execFileSync('tar', ['-tf', tar]).toString().trim().split('\n'), parts.map((one) => one.path));
+  for (const one of parts) {
+    const content = execFileSync('tar', ['-xOf', tar, one.path], { maxBuffer: 2 * length });
+    assert.equal(createHash('sha256').update(content).digest('hex'), one.sha256);
+  }
+  await until('no part is left', () => readdirSync(path.join(data, 'uploads')).length === 0);
 }
 
 /** Uploads the log; `also` is called with the upload when it has begun. */
@@ -129,6 +189,9 @@ try {
     }, (one) => (one.options.one = one)).catch(reject);
   });
   assert.deepEqual(readdirSync(path.join(data, 'uploads')), []);
+
+  // Three files of one drive at the same time.
+  await sendSplitLog();
 
   // Killed at any time: what was said to be there is there, so at most a part is sent again.
   let accepted = 0, sent = 0, restarts = 0;

@@ -1,70 +1,19 @@
-#include <archive.h>
-#include <archive_entry.h>
 #include <gtest/gtest.h>
 
 #include "core/error.h"
 #include "server/ingest/drive/open_drive_log.h"
 #include "server/ingest/files/archive_extraction.h"
 #include "tests/server/ingest/drive/euroc_folder.h"
+#include "tests/support/archive_writer.h"
 
 namespace parkade {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Entry {
-  std::string path, content;
-  mode_t type = AE_IFREG;
-  std::string link = "";
-};
-
-std::string Slurp(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-/// `kind`: zip, tar, tar.gz or tar.zst.
-void WriteArchive(const fs::path& file, const std::string& kind,
-                  const std::vector<Entry>& entries) {
-  archive* writer = archive_write_new();
-  if (kind == "zip")
-    archive_write_set_format_zip(writer);
-  else
-    archive_write_set_format_pax_restricted(writer);
-  if (kind == "tar.gz") archive_write_add_filter_gzip(writer);
-  if (kind == "tar.zst") archive_write_add_filter_zstd(writer);
-  ASSERT_EQ(archive_write_open_filename(writer, file.c_str()), ARCHIVE_OK);
-  for (const Entry& entry : entries) {
-    archive_entry* header = archive_entry_new();
-    archive_entry_set_pathname(header, entry.path.c_str());
-    archive_entry_set_filetype(header, entry.type);
-    archive_entry_set_perm(header, 0644);
-    if (entry.type == AE_IFLNK)
-      archive_entry_set_symlink(header, entry.link.c_str());
-    else if (!entry.link.empty())
-      archive_entry_set_hardlink(header, entry.link.c_str());
-    archive_entry_set_size(header, static_cast<la_int64_t>(entry.content.size()));
-    ASSERT_EQ(archive_write_header(writer, header), ARCHIVE_OK) << archive_error_string(writer);
-    archive_write_data(writer, entry.content.data(), entry.content.size());
-    archive_entry_free(header);
-  }
-  archive_write_free(writer);
-}
-
-/// All files below a folder, under `prefix`.
-std::vector<Entry> EntriesOf(const fs::path& folder, const std::string& prefix) {
-  std::vector<Entry> entries;
-  for (const auto& file : fs::recursive_directory_iterator(folder))
-    if (file.is_regular_file())
-      entries.push_back({prefix + fs::relative(file.path(), folder).string(), Slurp(file.path())});
-  std::sort(entries.begin(), entries.end(),
-            [](const Entry& a, const Entry& b) { return a.path < b.path; });
-  return entries;
-}
-
 std::string WhatExtractionThrows(const fs::path& archive, const fs::path& target) {
   try {
-    ExtractEurocArchive(archive, target);
+    ExtractArchive(archive, target);
   } catch (const Error& error) {
     return error.what();
   }
@@ -163,11 +112,12 @@ TEST_F(Archives, ABombIsRefused) {
   EXPECT_NE(WhatExtractionThrows(file, scratch_).find("8 times its size"), std::string::npos);
 }
 
-TEST_F(Archives, WhatIsNoEurocDriveIsSaidInOneSentence) {
+TEST_F(Archives, WhatIsNoDriveIsSaidInOneSentence) {
   const fs::path file = folder_.path() / "photos.zip";
   WriteArchive(file, "zip", {{"holiday/1.jpg", "x"}, {"cam0.csv", "x"}});
   EXPECT_EQ(WhatExtractionThrows(file, scratch_),
-            "photos.zip holds no EuRoC drive (mav0 with imu0, cam0, ...)");
+            "photos.zip holds no drive: neither EuRoC (mav0 with imu0, cam0, ...) nor log files "
+            "(.bag, .mcap, .db3)");
 
   auto two = entries_;
   for (const Entry& entry : EntriesOf(folder_.path() / "source" / "mav0", "another/mav0/"))

@@ -129,7 +129,8 @@ TEST(Database, TakesOverJobsOfTheSchemaBefore) {
       connection.Execute("DROP INDEX drives_by_inspection");
       for (const char* column : {"inspection_state", "inspection", "created_by"})
         connection.Execute(std::string("ALTER TABLE drives DROP COLUMN ") + column);
-      for (const char* table : {"uploads", "file_checks", "sessions", "shares", "tokens", "audit"})
+      for (const char* table :
+           {"uploads", "upload_sets", "file_checks", "sessions", "shares", "tokens", "audit"})
         connection.Execute(std::string("DROP TABLE ") + table);
       DropReviewSchema(connection);
       connection.Execute("UPDATE jobs SET pid = 7");

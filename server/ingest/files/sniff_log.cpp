@@ -1,4 +1,4 @@
-#include "server/ingest/containers/sniff_log.h"
+#include "server/ingest/files/sniff_log.h"
 
 #include <array>
 #include <fstream>
@@ -37,8 +37,8 @@ void CheckLooksLikeLog(const std::filesystem::path& file) {
   for (const Magic& magic : kMagics)
     if (begin.size() > magic.offset && begin.substr(magic.offset).starts_with(magic.bytes)) return;
   throw Error(ErrorCode::kInvalidInput,
-              "this is no drive log: not a ROS 1 bag, MCAP, rosbag2 file, nor an archive of an "
-              "EuRoC folder");
+              "this is no drive log: not a ROS 1 bag, MCAP, rosbag2 file, nor an archive of a "
+              "drive's folder");
 }
 
 }  // namespace parkade

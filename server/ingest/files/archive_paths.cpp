@@ -1,0 +1,140 @@
+#include "server/ingest/files/archive_paths.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/error.h"
+
+namespace parkade {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxPathLength = 1024, kMaxNameLength = 128, kMaxDepth = 3;
+constexpr std::string_view kMetadata = "metadata.yaml";
+constexpr std::array<std::string_view, 3> kLogExtensions = {".bag", ".mcap", ".db3"};
+
+std::vector<std::string> SplitPath(std::string_view path) {
+  std::vector<std::string> parts;
+  while (!path.empty()) {
+    const std::size_t slash = path.find('/');
+    const std::string_view part = path.substr(0, slash);
+    if (!part.empty() && part != ".") parts.emplace_back(part);
+    path = slash == std::string_view::npos ? std::string_view{} : path.substr(slash + 1);
+  }
+  return parts;
+}
+
+bool IsPlainName(const std::string& name) {
+  if (name.empty() || name.size() > kMaxNameLength || name.front() == '.') return false;
+  return std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return c < 128 && (std::isalnum(c) || c == '.' || c == '_' || c == '-');
+  });
+}
+
+bool IsCameraName(const std::string& name) {
+  return name.size() >= 4 && name.size() <= 6 && name.starts_with("cam") &&
+         std::all_of(name.begin() + 3, name.end(), [](unsigned char c) { return std::isdigit(c); });
+}
+
+/// Hidden files are none: some programs put one beside each file.
+bool IsLogFileName(std::string_view name) {
+  constexpr std::string_view kPacked = ".zstd";
+  if (name.starts_with('.')) return false;
+  if (name.ends_with(kPacked)) name.remove_suffix(kPacked.size());
+  return std::any_of(kLogExtensions.begin(), kLogExtensions.end(),
+                     [&](std::string_view extension) { return name.ends_with(extension); });
+}
+
+/// A path inside a drive.
+struct PathInDrive {
+  std::string root;  ///< the folders above, "" or "drive/mav0/"
+  fs::path relative;
+};
+
+/// Splits a path; nothing for files that are no part of an EuRoC drive.
+std::optional<PathInDrive> ParseEurocPath(const std::vector<std::string>& parts) {
+  std::string root;
+  for (std::size_t i = 0; i + 1 < parts.size() && i <= kMaxDepth; root += parts[i] + "/", ++i) {
+    const std::string& sensor = parts[i];
+    const bool is_camera = IsCameraName(sensor);
+    if (!is_camera && sensor != "imu0" && sensor != "odom0" && sensor != "gnss0") continue;
+    std::vector<std::string> rest(parts.begin() + static_cast<std::ptrdiff_t>(i) + 1, parts.end());
+    fs::path relative = sensor;
+    if (is_camera && rest.front() == "semantic" && rest.size() > 1) {
+      relative /= "semantic";
+      rest.erase(rest.begin());
+    }
+    if (rest.size() == 1 && (rest[0] == "data.csv" || rest[0] == "sensor.yaml"))
+      return PathInDrive{root, relative / rest[0]};
+    if (is_camera && rest.size() == 2 && rest[0] == "data" && IsPlainName(rest[1]))
+      return PathInDrive{root, relative / "data" / rest[1]};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void ArchivePaths::RequireInside(std::string_view path) const {
+  const std::vector<std::string> parts = SplitPath(path);
+  const bool leads_outside =
+      path.starts_with('/') || std::find(parts.begin(), parts.end(), "..") != parts.end();
+  Require(!leads_outside, ErrorCode::kInvalidInput,
+          name_ + " holds an entry that leads outside of it");
+}
+
+std::optional<fs::path> ArchivePaths::PlaceOf(std::string_view path) {
+  if (path.size() > kMaxPathLength) return std::nullopt;
+  RequireInside(path);
+  const std::vector<std::string> parts = SplitPath(path);
+  if (parts.empty()) return std::nullopt;
+  const std::optional<PathInDrive> euroc = ParseEurocPath(parts);
+  if (!euroc) return PlaceOfLogFile(parts);
+  Note(Kind::kEuroc, euroc->root);
+  return euroc->relative;
+}
+
+std::optional<fs::path> ArchivePaths::PlaceOfLogFile(const std::vector<std::string>& parts) {
+  const std::string& file = parts.back();
+  std::string root;
+  for (std::size_t i = 0; i + 1 < parts.size(); ++i) root += parts[i] + "/";
+  if (file == kMetadata) {
+    // Alone it is no drive, and other things are called so, too.
+    if (kind_ == Kind::kEuroc || (kind_ && root != root_)) return std::nullopt;
+    metadata_root_ = root;
+    return fs::path(name_) / file;
+  }
+  if (!IsLogFileName(file)) return std::nullopt;
+  Require(IsPlainName(file), ErrorCode::kInvalidInput,
+          name_ + " holds '" + file +
+              "': the name of a log file is at most 128 letters, digits, dots, dashes and "
+              "underscores");
+  Note(Kind::kLogFiles, root);
+  return fs::path(name_) / file;
+}
+
+void ArchivePaths::Note(Kind kind, const std::string& root) {
+  if (!kind_) {
+    kind_ = kind;
+    root_ = root;
+  }
+  Require(kind == *kind_, ErrorCode::kInvalidInput,
+          name_ + " holds both an EuRoC drive and log files: give one of them");
+  Require(root == root_, ErrorCode::kInvalidInput,
+          name_ + (kind == Kind::kEuroc ? " holds several EuRoC drives: give one of them"
+                                        : " holds log files in several folders: give one of them"));
+}
+
+std::string ArchivePaths::SentenceWithoutDrive() const {
+  return name_ +
+         " holds no drive: neither EuRoC (mav0 with imu0, cam0, ...) nor log files (.bag, .mcap, "
+         ".db3)";
+}
+
+void CheckHoldsDrive(const std::vector<std::string>& paths, const std::string& name) {
+  ArchivePaths content(name);
+  for (const std::string& path : paths) content.PlaceOf(path);
+  Require(content.has_drive(), ErrorCode::kInvalidInput, content.SentenceWithoutDrive());
+}
+
+}  // namespace parkade
