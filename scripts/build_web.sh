@@ -5,6 +5,8 @@ cd "$(dirname "$0")/.."
 
 scripts/install_node_modules.sh
 cd web
-if [ ! -f dist/index.html ] || [ -n "$(find src public index.html package-lock.json vite.config.ts -newer dist/index.html -print -quit)" ]; then
+sources=(src public index.html package-lock.json vite.config.ts ../server/http/openapi.json)
+# src/api_schema.ts is made of the last one.
+if [ ! -f dist/index.html ] || [ -n "$(find "${sources[@]}" -newer dist/index.html ! -name api_schema.ts -print -quit)" ]; then
   npm run --silent build
 fi

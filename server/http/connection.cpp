@@ -97,10 +97,12 @@ RequestTrace HttpConnection::TraceOf(const RequestHead& head, const std::string&
   return trace;
 }
 
-void HttpConnection::BeginRequest(const RequestHead& head, std::int64_t body_length,
-                                  const std::string& proxy_host) {
+void HttpConnection::BeginTrace(const RequestHead& head, const std::string& proxy_host) {
   trace_ = RequestTrace();
   trace_ = TraceOf(head, proxy_host);
+}
+
+void HttpConnection::BeginRequest(const RequestHead& head, std::int64_t body_length) {
   head_text_ = ToText(head, body_length);
   head_begin_ = 0;
   body_left_ = body_length_ = body_length;
@@ -206,13 +208,14 @@ bool HttpConnection::SendRest() {
 }
 
 void HttpConnection::SendProblem(const Problem& problem, int retry_after) {
+  if (trace_.id.empty()) trace_.id = RequestIdFrom(std::nullopt);  // its head told nothing
   const std::string body = ToJsonText(problem);
   const std::string text =
       "HTTP/1.1 " + std::to_string(problem.status) + " " + TitleOf(problem.status) +
       "\r\nContent-Type: application/problem+json\r\nContent-Length: " +
       std::to_string(body.size()) +
-      (retry_after > 0 ? "\r\nRetry-After: " + std::to_string(retry_after) : "") +
-      (trace_.id.empty() ? "" : std::string("\r\n") + kRequestIdField + ": " + trace_.id) +
+      (retry_after > 0 ? "\r\nRetry-After: " + std::to_string(retry_after) : "") + "\r\n" +
+      kRequestIdField + ": " + trace_.id +
       "\r\nConnection: close\r\nX-Content-Type-Options: nosniff\r\n\r\n" + body;
   num_sent_ +=
       std::max<ssize_t>(::send(socket_, text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT), 0);

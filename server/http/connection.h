@@ -46,10 +46,11 @@ class HttpConnection : public httplib::Stream {
   /// Takes a whole head out of what came; nothing while there is none. Throws HttpError for one
   /// that is too long (431) or malformed.
   std::optional<RequestHead> TakeHead();
-  /// Sets what the library reads next: the head, then the body from the socket. A proxy of this
-  /// machine that was asked by the name `proxy_host` says who its client is.
-  void BeginRequest(const RequestHead& head, std::int64_t body_length,
-                    const std::string& proxy_host);
+  /// Notes what the log says of a request. A proxy of this machine that was asked by the name
+  /// `proxy_host` says who its client is.
+  void BeginTrace(const RequestHead& head, const std::string& proxy_host);
+  /// Sets what the library reads next: the head, then the body from the socket.
+  void BeginRequest(const RequestHead& head, std::int64_t body_length);
   RequestTrace& trace() { return trace_; }
   /// Writes the line of the request into the access log, and forgets who asked.
   void LogRequest();

@@ -179,9 +179,10 @@ void Lobby::Proceed(std::uint64_t number) {
 void Lobby::TakeHead(Guest& guest) {
   const std::optional<RequestHead> head = guest.connection->TakeHead();
   if (!head) return;
+  guest.connection->BeginTrace(*head, hosts_.proxy_host);
   const std::int64_t body_length = CheckRequestHead(*head);
   if (!hosts_.any()) RefuseForeignHost(*head, hosts_.proxy_host);
-  guest.connection->BeginRequest(*head, body_length, hosts_.proxy_host);
+  guest.connection->BeginRequest(*head, body_length);
   guest.stage = Stage::kBody;
   guest.deadline = Clock::now() + limits_.body;
   // Who asks whether it may send waits for the answer of its route.

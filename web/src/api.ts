@@ -1,50 +1,14 @@
-// What the service answers, as /api/v1/openapi.json describes it.
+// What the page asks the service for.
 
-import { changeHeaders } from './session';
+import { addressOf, fetchJson, request, type Schemas } from './api_client';
 
-export type DriveState = 'received' | 'queued' | 'processing' | 'ready' | 'failed';
+export type Drive = Schemas['Drive'];
+export type Site = Schemas['Site'];
+export type Job = Schemas['Job'];
+export type MapVersion = Schemas['Map'];
+export type Vector = Schemas['Point'];
 
-export interface Drive {
-  id: string;
-  name: string;
-  site: string;
-  state: DriveState;
-  bytes: number;
-  error: string | null;
-  created_at: string;
-}
-
-/** The part of a site that the page needs. */
-export interface Site {
-  name: string;
-  latest_version: number | null; // none yet
-}
-
-export interface Job {
-  id: string;
-  site: string;
-  state: 'queued' | 'running' | 'done' | 'failed' | 'cancelled';
-  stage: string | null;
-  progress: number;
-  eta_seconds: number | null;
-  error: string | null;
-  drives: string[];
-  preview?: string | null; // address of what the map will look like
-}
-
-export interface MapFile {
-  name: string;
-  bytes: number;
-}
-
-export interface MapVersion {
-  site: string;
-  version: number;
-  created_at: string;
-  files: MapFile[];
-}
-
-export type Vector = [number, number, number];
+// Files of a map, which the description of the service only names.
 
 /** A pin as report.json has it. */
 export interface ReportPin {
@@ -70,63 +34,49 @@ export type SlotState = 'free' | 'occupied' | 'unseen';
 /** The part of slots.geojson that the page shows. */
 export interface SlotCollection {
   features: {
-    properties: { id: string; type: string; state: SlotState; confidence: number; corners_m: [number, number, number][] };
+    properties: { id: string; type: string; state: SlotState; confidence: number; corners_m: Vector[] };
   }[];
 }
 
-async function answerOf<T>(path: string, response: Response): Promise<T> {
-  if (response.ok) return (await response.json()) as T;
-  const problem = (await response.json().catch(() => ({}))) as { detail?: string };
-  throw new Error(problem.detail ?? `${path}: the service answered ${response.status}`);
-}
-
-async function get<T>(path: string): Promise<T> {
-  return answerOf<T>(path, await fetch(path, { headers: { accept: 'application/json' } }));
-}
-
-const segment = encodeURIComponent;
-
-/** All pages of a list. */
-async function list<T>(path: string): Promise<T[]> {
-  const items: T[] = [];
+/** All pages of a list, newest first. */
+async function all<Item>(
+  pageAfter: (query: { limit: number; cursor?: string }) => Promise<{ items: Item[]; next_cursor: string | null }>,
+): Promise<Item[]> {
+  const items: Item[] = [];
   let cursor: string | null = null;
   do {
-    const page: { items: T[]; next_cursor: string | null } = await get(
-      `${path}?limit=100${cursor ? `&cursor=${segment(cursor)}` : ''}`,
-    );
+    const page = await pageAfter({ limit: 100, ...(cursor === null ? {} : { cursor }) });
     items.push(...page.items);
     cursor = page.next_cursor;
-  } while (cursor);
-  return items; // the service lists the newest first, the page wants the newest last
+  } while (cursor !== null);
+  return items;
 }
 
-export const listDrives = () => list<Drive>('/api/v1/drives');
-export const listSites = () => list<Site>('/api/v1/sites');
-export const listJobs = () => list<Job>('/api/v1/jobs');
+export const listDrives = () => all((query) => request('get', '/api/v1/drives', { query }));
+export const listSites = () => all((query) => request('get', '/api/v1/sites', { query }));
+export const listJobs = () => all((query) => request('get', '/api/v1/jobs', { query }));
 
-export function mapUrl(site: string, version: number | 'latest', file = ''): string {
-  return `/api/v1/sites/${segment(site)}/maps/${version}${file ? `/${file.split('/').map(segment).join('/')}` : ''}`;
-}
+export const latestMap = (site: string) =>
+  request('get', '/api/v1/sites/{site}/maps/{version}', { path: { site, version: 'latest' } });
 
-export const latestMap = (site: string) => get<MapVersion>(mapUrl(site, 'latest'));
-export const report = (map: MapVersion) => get<Report>(mapUrl(map.site, map.version, 'report.json'));
+export const fileUrl = ({ site, version }: MapVersion, file: string) =>
+  addressOf('get', '/api/v1/sites/{site}/maps/{version}/{file}', { path: { site, version: String(version), file } });
 
-/** Builds a version from another one, with these pins in place of those it has. */
-export async function buildWithPins(map: MapVersion, pins: object[]): Promise<Job> {
-  const path = `/api/v1/sites/${segment(map.site)}/maps`;
-  const body = JSON.stringify({ from: map.version, pins });
-  return answerOf<Job>(path, await fetch(path, { method: 'POST', headers: { 'content-type': 'application/json', ...changeHeaders() }, body }));
-}
+export const report = async (map: MapVersion) => (await fetchJson(fileUrl(map, 'report.json'))) as Report;
 
 /** The parking slots of a map; none of one that an older version made. */
 export async function slots(map: MapVersion): Promise<SlotCollection> {
   if (!map.files.some((file) => file.name === 'slots.geojson')) return { features: [] };
-  return get<SlotCollection>(mapUrl(map.site, map.version, 'slots.geojson'));
+  return (await fetchJson(fileUrl(map, 'slots.geojson'))) as SlotCollection;
 }
+
+/** Builds a version from another one, with these pins in place of those it has. */
+export const buildWithPins = ({ site, version }: MapVersion, pins: Schemas['WantedPin'][]) =>
+  request('post', '/api/v1/sites/{site}/maps', { path: { site }, body: { from: version, pins } });
 
 /** Calls `onChange` whenever a job or a map changed; reconnects by itself. */
 export function watchEvents(onChange: () => void): void {
-  const events = new EventSource('/api/v1/events');
+  const events = new EventSource(addressOf('get', '/api/v1/events'));
   for (const kind of ['job', 'map', 'drive']) events.addEventListener(kind, onChange);
   events.addEventListener('open', onChange); // what happened while disconnected
 }

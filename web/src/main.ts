@@ -1,6 +1,6 @@
 import './style.css';
 
-import { latestMap, listDrives, listJobs, listSites, mapUrl, report, slots, watchEvents, type Job } from './api';
+import { fileUrl, latestMap, listDrives, listJobs, listSites, report, slots, watchEvents, type Job } from './api';
 import { byId } from './dom';
 import { renderDrives } from './drive_list';
 import { renderMapPanel } from './map_panel';
@@ -42,7 +42,7 @@ async function showLatestMap(site: string): Promise<void> {
   say('Loading the map …');
   try {
     const [isLatest, figures, parking] = await Promise.all([
-      view.load(mapUrl(map.site, map.version, 'map.glb')),
+      view.load(fileUrl(map, 'map.glb')),
       report(map),
       slots(map),
     ]);

@@ -1,4 +1,4 @@
-import { mapUrl, type MapFile, type MapVersion, type Report } from './api';
+import { fileUrl, type MapVersion, type Report } from './api';
 import { element } from './dom';
 import { formatArea, formatBytes, formatDuration, formatMeters } from './format';
 
@@ -38,11 +38,11 @@ function isMainFile(name: string): boolean {
   return ['map.glb', 'ground.ply', 'ortho.png'].includes(name) || name.endsWith('/trajectory.tum');
 }
 
-function downloads(map: MapVersion, files: MapFile[]): HTMLElement {
-  const link = (file: MapFile) =>
+function downloads(map: MapVersion, files: MapVersion['files']): HTMLElement {
+  const link = (file: MapVersion['files'][number]) =>
     element(
       'a',
-      { href: mapUrl(map.site, map.version, file.name), download: file.name.replaceAll('/', '_') },
+      { href: fileUrl(map, file.name), download: file.name.replaceAll('/', '_') },
       file.name,
       element('small', {}, formatBytes(file.bytes)),
     );

@@ -1,6 +1,7 @@
 // Points of a map whose place on Earth is known. No page in here: what the panel shows and sends.
 
 import type { ReportPin, Vector } from './api';
+import type { Schemas } from './api_client';
 
 export interface Pin {
   point: Vector; // [m] in the site of the version that is shown
@@ -83,7 +84,7 @@ export function obstacleOf(pins: Pin[], kept: Pin[]): string | null {
 }
 
 /** As POST /sites/NAME/maps takes them. */
-export function pinsForRequest(pins: Pin[]): object[] {
+export function pinsForRequest(pins: Pin[]): Schemas['WantedPin'][] {
   return pins.map(({ point, latitude, longitude, height }) => ({
     point,
     latitude,

@@ -1,6 +1,7 @@
 import { afterEach, describe, expect, test, vi } from 'vitest';
 
-import { changeHeaders, fetchSession, mayReview, mayUpload, seesDrives, shareIn, signIn, type Caller, type Role } from './session';
+import { changeHeaders } from './api_client';
+import { fetchSession, mayReview, mayUpload, seesDrives, shareIn, signIn, type Caller, type Role } from './session';
 
 const caller = (role: Role): Caller => ({ name: 'anne', role, sites: null, version: null, pictures: false });
 

@@ -1,48 +1,20 @@
 // Who uses the page. Without tokens everybody may do everything; from the first token on, a token or
 // a share link is exchanged for a session, whose cookie no script sees.
 
-export type Role = 'viewer' | 'uploader' | 'reviewer' | 'admin' | 'link';
+import { request, setCsrfToken, type Schemas } from './api_client';
 
-export interface Caller {
-  name: string;
-  role: Role;
-  sites: string[] | null; // null: all
-  version: number | null;
-  pictures: boolean;
+export type Caller = Schemas['Caller'];
+export type Role = Caller['role'];
+
+function keep(session: Schemas['Session']): Schemas['Session'] {
+  setCsrfToken(session.csrf);
+  return session;
 }
 
-export interface Session {
-  access: 'open' | 'token';
-  caller: Caller | null; // nobody yet
-  csrf: string | null;
-}
-
-const PATH = '/api/v1/session';
-let current: Session = { access: 'open', caller: null, csrf: null };
-
-async function ask(method: string, body?: object): Promise<Session> {
-  const headers: Record<string, string> = { accept: 'application/json', ...changeHeaders() };
-  if (body) headers['content-type'] = 'application/json';
-  const response = await fetch(PATH, { method, headers, ...(body ? { body: JSON.stringify(body) } : {}) });
-  if (!response.ok) {
-    const problem = (await response.json().catch(() => ({}))) as { detail?: string };
-    throw new Error(problem.detail ?? `the service answered ${response.status}`);
-  }
-  current = (await response.json()) as Session;
-  return current;
-}
-
-/** What every request that changes something carries. */
-export function changeHeaders(): Record<string, string> {
-  return current.csrf ? { 'x-csrf-token': current.csrf } : {};
-}
-
-export const fetchSession = () => ask('GET');
-export const signIn = (token: string) => ask('POST', { token });
-
-export async function signOut(): Promise<void> {
-  await fetch(PATH, { method: 'DELETE', headers: changeHeaders() });
-}
+export const fetchSession = async () => keep(await request('get', '/api/v1/session'));
+export const signIn = async (token: string) => keep(await request('post', '/api/v1/session', { body: { token } }));
+/** A session that has ended already is one to leave, too. */
+export const signOut = () => request('delete', '/api/v1/session').catch(() => undefined);
 
 /** The secret of a share link, behind the address's '#', where no server sees it. */
 export function shareIn(hash: string): string | null {

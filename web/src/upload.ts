@@ -1,6 +1,6 @@
+import { addressOf, changeHeaders, refusalIn } from './api_client';
 import { element } from './dom';
 import { formatBytes } from './format';
-import { changeHeaders } from './session';
 
 /** A place to drop a drive log. Calls `onDone` when the service has it all. */
 export function createUpload(place: HTMLElement, onDone: () => void): void {
@@ -12,7 +12,7 @@ export function createUpload(place: HTMLElement, onDone: () => void): void {
 
   const send = (file: File) => {
     const request = new XMLHttpRequest(); // fetch reports no upload progress
-    request.open('PUT', `/api/v1/drives?filename=${encodeURIComponent(file.name)}`);
+    request.open('PUT', addressOf('put', '/api/v1/drives', { query: { filename: file.name } }));
     for (const [name, value] of Object.entries(changeHeaders())) request.setRequestHeader(name, value);
     request.upload.addEventListener('progress', (event) => {
       bar.value = event.loaded / Math.max(1, file.size);
@@ -26,7 +26,7 @@ export function createUpload(place: HTMLElement, onDone: () => void): void {
     };
     request.addEventListener('load', () => {
       if (request.status === 201) finish(`${file.name} is in the queue`, false);
-      else finish(sentenceOf(request), true);
+      else finish(refusalIn(request.responseText, request.status), true);
     });
     request.addEventListener('error', () => finish(`${file.name}: the connection broke off`, true));
     bar.hidden = false;
@@ -51,14 +51,4 @@ export function createUpload(place: HTMLElement, onDone: () => void): void {
     const file = event.dataTransfer?.files[0];
     if (file) send(file);
   });
-}
-
-// RFC 9457: `detail` is the sentence for people.
-function sentenceOf(request: XMLHttpRequest): string {
-  try {
-    const problem = JSON.parse(request.responseText) as { detail?: string; title?: string };
-    return problem.detail ?? problem.title ?? `the service answered ${request.status}`;
-  } catch {
-    return `the service answered ${request.status}`;
-  }
 }

@@ -13,6 +13,7 @@
 #include "tests/mapping/worlds/test_surfaces.h"
 #include "tests/server/store/temporary_root.h"
 #include "tests/slam/worlds/drive_world.h"
+#include "tests/support/api_description.h"
 
 namespace parkade {
 namespace {
@@ -102,6 +103,11 @@ TEST_F(CompareMapsTest, AlignsThemByTheDrivesTheyShare) {
   EXPECT_EQ(comparison.ground.regions[1].change, GroundChange::kBlocked);
   const Eigen::Vector3d came = to_from_from_.Inverse() * comparison.ground.regions[1].center;
   EXPECT_LT((came.head<2>() - Eigen::Vector2d(16, 3)).norm(), 0.1);
+
+  auto answer = nlohmann::json::parse(EncodeComparison(comparison));
+  answer.update({{"site", "lot"}, {"from", 1}, {"to", 2}});
+  answer["urls"] = {{"geojson", ""}, {"png", ""}, {"pgw", ""}};
+  EXPECT_EQ(MismatchWith("Comparison", answer), "");
 }
 
 TEST_F(CompareMapsTest, AlignsThemByKeyframesWhereTheyShareNoDrive) {

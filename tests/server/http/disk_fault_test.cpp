@@ -114,7 +114,7 @@ TEST_P(FailingSync, EndsTheServiceWithNothingLostOrHalfThere) {
     Eventually(
         [&] { return fs::exists(mark_) || service.Said().find("listening") != std::string::npos; });
     for (int i = 0; i < 10 && !fs::exists(mark_); ++i) {
-      httplib::Client client("127.0.0.1", service.Port());
+      DescribedClient client("127.0.0.1", service.Port());
       const std::string log = "log ok\n" + std::to_string(i);
       const auto answer = client.Put("/api/v1/drives?site=lot", log, kLogType);
       if (answer && answer->status == 201) kept.push_back(Parsed(answer).at("drive").at("id"));
@@ -125,7 +125,7 @@ TEST_P(FailingSync, EndsTheServiceWithNothingLostOrHalfThere) {
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) != 0) << status;
   }
   ServiceProcess service(data_);
-  httplib::Client client("127.0.0.1", service.Port());
+  DescribedClient client("127.0.0.1", service.Port());
   const Json drives = Parsed(client.Get("/api/v1/drives")).at("items");
   for (const Json& drive : drives) {
     const std::string sha256 = drive.at("sha256");

@@ -60,7 +60,7 @@ TEST_F(Restart, AfterAKillMidUploadFindsNothingHalfWritten) {
     service.End(SIGKILL);
   }
   ServiceProcess service(data_);
-  httplib::Client client("127.0.0.1", service.Port());
+  DescribedClient client("127.0.0.1", service.Port());
 
   EXPECT_TRUE(Parsed(client.Get("/api/v1/drives")).at("items").empty());
   for (const char* folder : {"tmp", "logs", "maps", "quarantine"})
@@ -71,7 +71,7 @@ TEST_F(Restart, AfterAKillMidJobDoesTheJobAgain) {
   std::string job;
   {
     ServiceProcess service(data_);
-    httplib::Client client("127.0.0.1", service.Port());
+    DescribedClient client("127.0.0.1", service.Port());
     job = Upload(client, "log slow\n");
     Eventually([&] { return StateOf(client, job) == "running"; });
     Eventually([&] {
@@ -80,7 +80,7 @@ TEST_F(Restart, AfterAKillMidJobDoesTheJobAgain) {
     service.End(SIGKILL);
   }
   ServiceProcess service(data_);
-  httplib::Client client("127.0.0.1", service.Port());
+  DescribedClient client("127.0.0.1", service.Port());
 
   Eventually([&] { return StateOf(client, job) == "done"; });
   const Json found = Parsed(client.Get("/api/v1/jobs/" + job));
@@ -96,7 +96,7 @@ TEST_F(Restart, ACrashedJobWaitsOnAfterAKill) {
   {
     ::setenv("CRASH_PAUSE", "3600", 1);
     ServiceProcess service(data_);
-    httplib::Client client("127.0.0.1", service.Port());
+    DescribedClient client("127.0.0.1", service.Port());
     job = Upload(client, "log crash\n");
     Eventually([&] {
       const Json found = Parsed(client.Get("/api/v1/jobs/" + job));
@@ -108,7 +108,7 @@ TEST_F(Restart, ACrashedJobWaitsOnAfterAKill) {
   }
   ServiceProcess service(data_);
   ::unsetenv("CRASH_PAUSE");
-  httplib::Client client("127.0.0.1", service.Port());
+  DescribedClient client("127.0.0.1", service.Port());
   EXPECT_EQ(Parsed(client.Get("/api/v1/jobs/" + job)).at("not_before"), not_before);
   EXPECT_EQ(Parsed(client.Get("/api/v1/jobs/" + job)).at("attempts"), 1);
 
@@ -121,13 +121,13 @@ TEST_F(Restart, LosesNoJobHoweverOftenTheServiceIsKilled) {
   std::string job;
   for (int life = 1; life <= 4; ++life) {
     ServiceProcess service(data_);
-    httplib::Client client("127.0.0.1", service.Port());
+    DescribedClient client("127.0.0.1", service.Port());
     if (life == 1) job = Upload(client, "log hang\n");
     Eventually([&] { return StateOf(client, job) == "running"; });
     service.End(SIGKILL);
   }
   ServiceProcess service(data_);
-  httplib::Client client("127.0.0.1", service.Port());
+  DescribedClient client("127.0.0.1", service.Port());
 
   Eventually([&] { return StateOf(client, job) == "running"; });
   const std::string drive = Parsed(client.Get("/api/v1/jobs/" + job)).at("drives").at(0);
@@ -145,7 +145,7 @@ TEST_F(Restart, KeepsEveryAcknowledgedUploadThroughManyKills) {
       std::this_thread::sleep_for(std::chrono::milliseconds(7 * life));
       ::kill(service.pid(), SIGKILL);
     });
-    httplib::Client client("127.0.0.1", port);
+    DescribedClient client("127.0.0.1", port);
     for (int i = 0; i < 1000; ++i) {
       const auto answer =
           client.Put("/api/v1/drives?site=lot", "log ok " + std::to_string(i % 7) + "\n", kLogType);
@@ -158,7 +158,7 @@ TEST_F(Restart, KeepsEveryAcknowledgedUploadThroughManyKills) {
     service.Wait();
   }
   ServiceProcess service(data_);
-  httplib::Client client("127.0.0.1", service.Port());
+  DescribedClient client("127.0.0.1", service.Port());
 
   EXPECT_GT(acknowledged.size(), 10u);
   for (const std::string& id : acknowledged)
@@ -186,7 +186,7 @@ TEST_F(Restart, ASecondServiceOnTheSameDataEndsAtOnceWithASentence) {
 
 TEST_F(Restart, SigtermLetsAnUploadEndAndPutsTheJobBack) {
   ServiceProcess service(data_);
-  httplib::Client client("127.0.0.1", service.Port());
+  DescribedClient client("127.0.0.1", service.Port());
   const std::string job = Upload(client, "log stubborn\n");
   Eventually([&] { return StateOf(client, job) == "running"; });
   RawClient raw(service.Port());
@@ -203,7 +203,7 @@ TEST_F(Restart, SigtermLetsAnUploadEndAndPutsTheJobBack) {
   EXPECT_EQ(StatusOf(raw.ReceiveUntil("\"job\"")), 201);
   EXPECT_EQ(service.Wait(), 0) << service.Said();
   ServiceProcess again(data_);
-  httplib::Client other("127.0.0.1", again.Port());
+  DescribedClient other("127.0.0.1", again.Port());
   EXPECT_EQ(Parsed(other.Get("/api/v1/drives")).at("items").size(), 2u);
   EXPECT_EQ(Parsed(other.Get("/api/v1/jobs/" + job)).at("error_code"), nullptr);
   other.Post("/api/v1/jobs/" + job + "/cancel", "", "application/json");
@@ -277,7 +277,7 @@ TEST_F(Restart, AFullDiskIsSaidAndLeavesNothingHalfWritten) {
   ::setenv("RESERVE", "-1000000000", 1);
   ServiceProcess service(data_, *wrapper);
   ::unsetenv("RESERVE");
-  httplib::Client client("127.0.0.1", service.Port());
+  DescribedClient client("127.0.0.1", service.Port());
   client.set_read_timeout(60);
   const std::string large = "log ok\n" + std::string(20'000'000, 'x');
   const auto refused = client.Put("/api/v1/drives?site=lot", large, kLogType);
@@ -302,7 +302,7 @@ TEST_F(Restart, AServiceStartsOnAFullDiskAndDeletes) {
   ::unsetenv("RESERVE");
   std::string drive;
   {
-    httplib::Client client("127.0.0.1", service.Port());
+    DescribedClient client("127.0.0.1", service.Port());
     const Json answer = Parsed(
         client.Put("/api/v1/drives?site=lot", "log ok\n" + std::string(5'000'000, 'x'), kLogType));
     drive = answer.at("drive").at("id");
@@ -314,7 +314,7 @@ TEST_F(Restart, AServiceStartsOnAFullDiskAndDeletes) {
     return said.find("listening") != said.rfind("listening") || service.HasEnded();
   });
   ASSERT_NE(said.find("listening"), said.rfind("listening")) << said;
-  httplib::Client client("127.0.0.1", std::stoi(said.substr(said.rfind(':') + 1)));
+  DescribedClient client("127.0.0.1", std::stoi(said.substr(said.rfind(':') + 1)));
   EXPECT_EQ(client.Get("/readyz")->status, 503);
   ExpectProblem(client.Put("/api/v1/drives?site=lot", "log ok\n", kLogType), 507, "disk_full");
 

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "server/http/service/service.h"
+#include "tests/server/http/described_answer.h"
 #include "tests/server/http/fake_worker.h"
 #include "tests/server/store/temporary_store.h"
 
@@ -96,7 +97,7 @@ class RunningService : public testing::Test {
   ServeOptions options_ = FakeServeOptions(SERVE_PROGRAM, root_.path() / "data");
   std::optional<Service> service_;
   std::thread thread_;
-  std::optional<httplib::Client> client_;
+  std::optional<DescribedClient> client_;
 };
 
 /// An answer as RFC 9457 wants it.

@@ -57,7 +57,7 @@ class SlowClients : public RunningService {
   /// Asks for `path` in a connection of its own.
   void ExpectAnswer(const std::string& path) {
     const auto began = steady_clock::now();
-    httplib::Client own("127.0.0.1", service_->port());
+    DescribedClient own("127.0.0.1", service_->port());
     const auto answer = own.Get(path);
     ASSERT_TRUE(answer) << path;
     EXPECT_EQ(answer->status, 200) << path << ": " << answer->body.substr(0, 500);

@@ -95,7 +95,7 @@ TEST_F(Uploads, OfTheSameBytesAtTheSameTimeShareOneFile) {
   std::atomic<int> accepted{0};
   for (int i = 0; i < 8; ++i)
     clients.emplace_back([&, i] {
-      httplib::Client own("127.0.0.1", service_->port());
+      DescribedClient own("127.0.0.1", service_->port());
       const auto answer =
           own.Put("/api/v1/drives?site=lot&filename=" + std::to_string(i), "log ok\n", kLogType);
       if (answer && answer->status == 201) ++accepted;

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/support/api_description.h"
+
 namespace parkade {
 namespace {
 
@@ -33,6 +35,14 @@ json SeriesNamed(const json& all, const std::string& name) {
   for (const json& series : all.at("series"))
     if (series.at("name") == name) return series;
   return nullptr;
+}
+
+/// With what the service adds.
+json AsAnswered(json all) {
+  all.update({{"drive", "0123"}, {"site", "lot"}, {"version", 1}});
+  if (all.contains("series"))
+    for (json& series : all.at("series")) series["count"] = 1;
+  return all;
 }
 
 TEST(Diagnostics, SpeedAndSigmasAreThoseOfTheTrajectory) {
@@ -90,6 +100,7 @@ TEST(Diagnostics, DegradedIntervalsCountFromTheStart) {
   const json all = json::parse(EncodeDiagnostics(Backwards(), {}, report, std::nullopt));
 
   EXPECT_EQ(all.at("degraded"), json::parse(R"([{"begin": 0.5, "end": 1.0, "reason": "dark"}])"));
+  EXPECT_EQ(MismatchWith("Plots", AsAnswered(all)), "");
 }
 
 TEST(Keyframes, HaveTheirPoseInTheSite) {
@@ -102,6 +113,9 @@ TEST(Keyframes, HaveTheirPoseInTheSite) {
   EXPECT_EQ(keyframe.at("camera"), "cam0");
   EXPECT_EQ(keyframe.at("site_from_body").at("position"), (json{-2.0, 0.0, 0.0}));
   EXPECT_EQ(all.at("cameras").at(0).at("body_from_camera").at("position"), (json{3.0, 0.0, 1.0}));
+  json answer = AsAnswered(all);
+  answer["count"] = 1;
+  EXPECT_EQ(MismatchWith("Keyframes", answer), "");
 }
 
 }  // namespace

@@ -175,7 +175,7 @@ class Listener {
   }
 
  private:
-  httplib::Client client_;
+  DescribedClient client_;
   std::string heard_;
   std::atomic<bool> is_listening_ = false;
   std::thread thread_;

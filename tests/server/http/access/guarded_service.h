@@ -53,7 +53,7 @@ class GuardedService : public RunningService {
 
   httplib::Result Ask(const std::string& method, const std::string& path, httplib::Headers headers,
                       const std::string& body = "") {
-    httplib::Client asker("127.0.0.1", (client(), service_->port()));
+    DescribedClient asker("127.0.0.1", (client(), service_->port()));
     asker.set_read_timeout(60);
     httplib::Request request;
     request.method = method;

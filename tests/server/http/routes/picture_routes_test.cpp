@@ -153,7 +153,7 @@ TEST_F(Pictures, ThatNobodyWaitsForAreNotReadAndLeaveRoom) {
   for (int i = 0; i < 12; ++i)
     clients.emplace_back([this, address = (i % 2 == 0 ? hangs : other) +
                                           "/images/cam0?time=" + std::to_string(10 + i / 2)] {
-      httplib::Client impatient("127.0.0.1", service_->port());
+      DescribedClient impatient("127.0.0.1", service_->port());
       impatient.set_read_timeout(1);
       EXPECT_FALSE(impatient.Get(address));
     });

@@ -35,7 +35,7 @@ TEST_F(Plots, KeyframesAreThinnedAndCut) {
   EXPECT_EQ(Get(drive + "/keyframes").at("keyframes").size(), 3u);
   const Json cut = Get(drive + "/keyframes?from=10.5&to=12");
   EXPECT_EQ(cut.at("count"), 2);
-  EXPECT_EQ(cut.at("keyframes").at(0).at("time"), "11.0");
+  EXPECT_EQ(cut.at("keyframes").at(0).at("time"), "11.000000000");
   const Json thin = Get(drive + "/keyframes?points=2");
   EXPECT_EQ(thin.at("count"), 3);
   EXPECT_EQ(thin.at("keyframes").size(), 2u);

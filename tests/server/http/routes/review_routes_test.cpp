@@ -177,7 +177,7 @@ TEST_F(ReviewRoutes, ListenersHearOfDecisionsAndComments) {
   std::string heard;
   std::atomic<bool> listens = false;
   std::thread listener([&] {
-    httplib::Client other("127.0.0.1", service_->port());
+    DescribedClient other("127.0.0.1", service_->port());
     other.set_read_timeout(20);
     other.Get("/api/v1/events", [&](const char* data, size_t size) {
       heard.append(data, size);

@@ -38,6 +38,12 @@ void Say(const fs::path& progress, const std::string& line) {
   std::ofstream(progress, std::ios::app) << line << "\n";
 }
 
+nlohmann::json KeyframeAt(const std::string& second) {
+  return {{"time", second + ".000000000"},
+          {"camera", "cam0"},
+          {"site_from_body", {{"position", {0, 0, 0}}, {"orientation", {0, 0, 0, 1}}}}};
+}
+
 void WriteMap(const fs::path& out, const std::vector<fs::path>& logs) {
   std::ofstream mesh(out / "map.glb");
   mesh << "glTF of " << logs.size() << " drives";
@@ -54,12 +60,14 @@ void WriteMap(const fs::path& out, const std::vector<fs::path>& logs) {
         << R"({"start": "10.000000000", "end": 3, "degraded": [], "series": [{"name": "speed",)"
         << R"( "unit": "m/s", "about": "", "times": [0, 1, 2, 3], "values": [1, 9, -5, 1]}]})";
     std::ofstream(out / log.filename() / "keyframes.json")
-        << R"({"cameras": [], "keyframes": [{"time": "10.0"}, {"time": "11.0"}, {"time": "12.0"}]})";
+        << nlohmann::json{{"cameras", nlohmann::json::array()},
+                          {"keyframes", {KeyframeAt("10"), KeyframeAt("11"), KeyframeAt("12")}}};
   }
   std::ofstream(out / "report.json")
       << R"({"datum": null, "bounds": {"min": [0, 0, 0], "max": [9, 9, 1]},)"
       << R"( "drives": [{"name": ")" << logs.front().filename().string()
-      << R"(", "streams": [{"topic": "/imu", "rate": 100}]}]})";
+      << R"(", "streams": [{"role": "imu", "topic": "/imu", "delivered": 9, "dropped": {},)"
+      << R"( "rate_hz": 100, "longest_gap_s": 0.01}]}]})";
 }
 
 int Work(const fs::path& out, const fs::path& progress, const std::vector<fs::path>& logs) {
@@ -98,7 +106,14 @@ int Compare(const fs::path& from, const fs::path& to, const fs::path& out) {
   std::ofstream(out.parent_path() / "comparisons", std::ios::app)
       << out.filename().string() << "\n";
   fs::create_directories(out);
-  std::ofstream(out / "changes.json") << R"({"free_space": {"gained": 0}})";
+  std::ofstream(out / "changes.json")
+      << R"({"alignment": {"aligned_by": "drives", "translation": [0, 0, 0], "yaw_deg": 0,)"
+      << R"( "horizontal_sigma": 0.01, "height_sigma": 0.01, "num_links": 9, "note": ""},)"
+      << R"( "free_space": {"unchanged": 9, "gained": 0, "lost": 0, "freed": 0, "mapped": 0,)"
+      << R"( "blocked": 0, "unmapped": 0}, "heights": {"median": 0, "rmse": 0,)"
+      << R"( "percentile_95": 0, "raised": 0, "lowered": 0}, "slots": {"kept": 0, "added": [],)"
+      << R"( "removed": [], "changed": []}, "drives": {"added": [], "removed": []},)"
+      << R"( "trajectories": [], "regions": []})";
   std::ofstream(out / "changes.geojson") << R"({"type": "FeatureCollection", "features": []})";
   std::ofstream(out / "changes.png") << "PNG";
   std::ofstream(out / "changes.pgw") << "0.05";
@@ -126,10 +141,20 @@ int Inspect(const fs::path& log, const fs::path& out) {
     std::cerr << "parkade: " << log.filename().string() << " is not a drive log" << std::endl;
     return 1;
   }
-  std::ofstream(out) << R"({"name": "?", "topics": [], "state": ")"
-                     << (state == "lossy" || state == "unusable" ? state : "clean")
-                     << R"(", "missing": [)" << (missing.empty() ? "" : '"' + missing + '"')
-                     << "]}";
+  nlohmann::json found = {{"name", "?"},
+                          {"format", "text"},
+                          {"bytes", fs::file_size(log)},
+                          {"duration_s", 0},
+                          {"topics", nlohmann::json::array()},
+                          {"rig", nullptr},
+                          {"warnings", nlohmann::json::array()},
+                          {"exit_status", 0}};
+  found["damage"] = {
+      {"ranges", nlohmann::json::array()}, {"lost_messages", 0}, {"is_truncated", false}};
+  found["state"] = state == "lossy" || state == "unusable" ? state : "clean";
+  found["missing"] = nlohmann::json::array();
+  if (!missing.empty()) found["missing"].push_back(missing);
+  std::ofstream(out) << found;
   return 0;
 }
 
@@ -167,7 +192,8 @@ int ServePictures(const fs::path& log, const fs::path& index) {
     if (todo == "dark") {
       Reply("{\"error\": \"the image is damaged\", \"code\": \"invalid_input\"}\n");
     } else if (request.contains("point")) {
-      Reply(R"({"views": [{"camera": "cam0", "time": "12.300000000", "pixel": [3, 4]}]})"
+      Reply(R"({"views": [{"camera": "cam0", "time": "12.300000000", "pixel": [3, 4],)"
+            R"( "distance": 5, "view_angle": 0.5, "resolution": 80}]})"
             "\n");
     } else {
       std::ofstream(request.at("out").get<std::string>())

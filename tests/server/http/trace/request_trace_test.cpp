@@ -91,7 +91,11 @@ TEST_F(RequestLog, HoldsRequestsThatWereRefusedBeforeAnyRoute) {
   const Json line = LineOf("GET /healthz HTTP/1.1\r\nHost: elsewhere.example\r\n\r\n");
 
   EXPECT_EQ(line.at("status"), 403);
+  EXPECT_EQ(line.at("path"), "/healthz");
   EXPECT_EQ(line.at("bytes_out"), answer_.size());
+  const std::string id = line.at("request");
+  EXPECT_NE(answer_.find("X-Request-ID: " + id + "\r\n"), std::string::npos) << answer_;
+  EXPECT_EQ(LineOf("nonsense\r\n\r\n").at("request").get<std::string>().size(), 16u);
 }
 
 TEST_F(RequestLog, AJobsLinesNameItAndItsAttempt) {

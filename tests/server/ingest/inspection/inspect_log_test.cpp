@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "tests/server/ingest/drive/euroc_folder.h"
+#include "tests/support/api_description.h"
 
 namespace parkade {
 namespace {
@@ -47,6 +48,7 @@ TEST(InspectLog, ACleanDriveIsTold) {
   EXPECT_EQ(json["topics"][0]["topic"], "imu0");
   EXPECT_EQ(json["begin"], "1000.000000000");
   EXPECT_EQ(json["rig"]["cameras"].size(), 2u);
+  EXPECT_EQ(MismatchWith("Inspection", json), "");
 }
 
 TEST(InspectLog, DamageIsCountedPerTopicAndMakesTheLogLossy) {
@@ -69,6 +71,7 @@ TEST(InspectLog, DamageIsCountedPerTopicAndMakesTheLogLossy) {
             std::string::npos)
       << text;
   EXPECT_NE(text.find("state: lossy"), std::string::npos);
+  EXPECT_EQ(MismatchWith("Inspection", InspectionToJson(inspection)), "");
 }
 
 TEST(InspectLog, GapsJumpsAndRepetitionsAreTold) {
