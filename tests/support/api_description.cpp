@@ -12,10 +12,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-const Json& Referred(const Json& reference) {
-  return ApiDescription().at(Json::json_pointer(reference.get<std::string>().substr(1)));
-}
-
 bool HasType(const Json& value, const std::string& type) {
   if (type == "object") return value.is_object();
   if (type == "array") return value.is_array();
@@ -40,7 +36,7 @@ bool IsDateTime(const std::string& text) {
 /// The schema and those that it is put together from.
 void AddParts(const Json& schema, std::vector<const Json*>& parts) {
   parts.push_back(&schema);
-  if (schema.contains("$ref")) AddParts(Referred(schema.at("$ref")), parts);
+  if (schema.contains("$ref")) AddParts(Resolved(schema), parts);
   if (schema.contains("allOf"))
     for (const Json& part : schema.at("allOf")) AddParts(part, parts);
 }
@@ -157,6 +153,11 @@ std::string MismatchAt(const std::string& place, const Json& schema, const Json&
 const Json& ApiDescription() {
   static const Json description = Json::parse(ReadFile(OPENAPI_JSON));
   return description;
+}
+
+const Json& Resolved(const Json& json) {
+  if (!json.contains("$ref")) return json;
+  return ApiDescription().at(Json::json_pointer(json.at("$ref").get<std::string>().substr(1)));
 }
 
 std::string MismatchWith(const Json& schema, const Json& value) {

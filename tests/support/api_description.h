@@ -8,6 +8,9 @@ namespace parkade {
 /// server/http/openapi.json.
 const nlohmann::json& ApiDescription();
 
+/// What a reference in the description leads to; `json` itself where it is none.
+const nlohmann::json& Resolved(const nlohmann::json& json);
+
 /// What keeps `value` from being as `schema` says, a schema in the API's description: a sentence
 /// with the place in `value`; empty where nothing does. Objects have no members but those that are
 /// described, unless none is.

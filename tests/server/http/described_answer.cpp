@@ -4,7 +4,6 @@
 
 #include <set>
 
-#include "server/http/route_table.h"
 #include "tests/support/api_description.h"
 
 namespace parkade {
@@ -32,29 +31,15 @@ const std::set<std::string> kCommonFields = {"Accept-Ranges",
                                              "X-Accel-Redirect",
                                              "X-Content-Type-Options"};
 
-const Json& Resolved(const Json& json) {
-  if (!json.contains("$ref")) return json;
-  return ApiDescription().at(Json::json_pointer(json.at("$ref").get<std::string>().substr(1)));
-}
-
-/// The description of the answers to requests of a route; nothing where the route is no operation.
-const Json* ResponsesOf(const Route& route) {
-  std::string path(route.path), method(route.method);
-  if (const size_t at = path.find("{alias}"); at != std::string::npos)
-    path.replace(at, 7, "{version}");
-  for (char& c : method) c = static_cast<char>(std::tolower(c));
-  const Json& paths = ApiDescription().at("paths");
-  return paths.contains(path) ? &paths.at(path).at(method).at("responses") : nullptr;
-}
-
 const Json& ResponseFor(const Route& route, int status) {
   static const Json nothing = Json::object();
   const Json& any = ApiDescription().at("components").at("responses").at("Refusal");
-  const Json* responses = ResponsesOf(route);
-  if (responses == nullptr) return status >= 400 ? any : nothing;
+  const Json* operation = OperationOf(route);
+  if (operation == nullptr) return status >= 400 ? any : nothing;
+  const Json& responses = operation->at("responses");
   const std::string key = std::to_string(status);
-  if (responses->contains(key)) return Resolved(responses->at(key));
-  return kRefusals.contains(status) ? Resolved(responses->at("default")) : nothing;
+  if (responses.contains(key)) return Resolved(responses.at(key));
+  return kRefusals.contains(status) ? Resolved(responses.at("default")) : nothing;
 }
 
 /// A media type without its parameters.
@@ -83,6 +68,15 @@ void ExpectContent(const Json& described, const httplib::Response& response) {
 }
 
 }  // namespace
+
+const Json* OperationOf(const Route& route) {
+  std::string path(route.path), method(route.method);
+  if (const size_t at = path.find("{alias}"); at != std::string::npos)
+    path.replace(at, 7, "{version}");
+  for (char& c : method) c = static_cast<char>(std::tolower(c));
+  const Json& paths = ApiDescription().at("paths");
+  return paths.contains(path) ? &paths.at(path).at(method) : nullptr;
+}
 
 void ExpectDescribed(const httplib::Request& request, const httplib::Response& response) {
   const std::string path = request.path.substr(0, request.path.find('?'));

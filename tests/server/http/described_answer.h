@@ -2,9 +2,15 @@
 
 #include <httplib.h>
 
+#include <nlohmann/json.hpp>
 #include <string>
 
+#include "server/http/route_table.h"
+
 namespace parkade {
+
+/// The description of a route; null where it is of addresses that lead nowhere.
+const nlohmann::json* OperationOf(const Route& route);
 
 /// Fails the test unless openapi.json describes the answer: its status, its header fields, its
 /// type and, where it is JSON, all of it.

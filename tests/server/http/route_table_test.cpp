@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "server/http/routes/openapi.h"
+#include "tests/server/http/described_answer.h"
+#include "tests/support/api_description.h"
 
 namespace parkade {
 namespace {
@@ -78,13 +80,9 @@ std::set<std::string> SchemesIn(const nlohmann::json& security) {
 }
 
 TEST(RouteTable, SaysForWhichCredentialsTheDescriptionAsks) {
-  const auto description = nlohmann::json::parse(OpenApiText());
   for (const Route& route : kRoutes) {
     if (route.method.empty()) continue;
     const std::string name = Described(route);
-    const size_t space = name.find(' ');
-    const auto& operation =
-        description.at("paths").at(name.substr(space + 1)).at(name.substr(0, space));
     const bool is_change = route.method != "GET" && route.method != "HEAD";
     std::set<std::string> expected;
     if (route.right != Right::kNone || name == "delete /api/v1/session") {
@@ -92,24 +90,19 @@ TEST(RouteTable, SaysForWhichCredentialsTheDescriptionAsks) {
       if (is_change) expected.insert("csrf");
       if (route.right == Right::kSeeMaps) expected.insert("share");
     }
-    EXPECT_EQ(SchemesIn(operation.value("security", description.at("security"))), expected) << name;
+    const nlohmann::json asked =
+        OperationOf(route)->value("security", ApiDescription().at("security"));
+    EXPECT_EQ(SchemesIn(asked), expected) << name;
   }
 }
 
 TEST(RouteTable, EveryDescribedAnswerHasARequestId) {
-  const auto description = nlohmann::json::parse(OpenApiText());
-  for (const auto& [path, item] : description.at("paths").items())
-    for (const auto& [method, operation] : item.items()) {
-      if (method == "parameters") continue;
-      for (const auto& [status, response] : operation.at("responses").items()) {
-        const auto& described = response.contains("$ref")
-                                    ? description.at(nlohmann::json::json_pointer(
-                                          response.at("$ref").get<std::string>().substr(1)))
-                                    : response;
-        EXPECT_TRUE(described.at("headers").contains("X-Request-ID"))
-            << method << " " << path << " " << status;
-      }
-    }
+  for (const Route& route : kRoutes) {
+    if (route.method.empty()) continue;
+    for (const auto& [status, response] : OperationOf(route)->at("responses").items())
+      EXPECT_TRUE(Resolved(response).at("headers").contains("X-Request-ID"))
+          << Described(route) << " " << status;
+  }
 }
 
 }  // namespace
