@@ -44,12 +44,14 @@ class RealService(Service):
         self.port = free_port()
         self.process = subprocess.Popen([program, "serve", "--data", data, "--listen", f"127.0.0.1:{self.port}",
                                          "--disk-reserve", "0"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        for _ in range(600):
+        end = time.monotonic() + 60
+        while time.monotonic() < end and self.process.poll() is None:
             try:
                 if self.ask("GET", "/healthz")[0] == 200:
                     return
             except OSError:
                 time.sleep(0.05)
+        self.kill()
         raise RuntimeError("the service does not start")
 
 

@@ -84,14 +84,14 @@ class Service:
             environment["LOSE_SYNCS"] = "1"
         self.process = subprocess.Popen([program, "serve", str(data)], env=environment, stdout=subprocess.DEVNULL,
                                         stderr=subprocess.DEVNULL)
-        for _ in range(600):
-            if self.process.poll() is not None:
-                break
+        end = time.monotonic() + 60
+        while time.monotonic() < end and self.process.poll() is None:
             try:
                 if self.ask("GET", "/healthz")[0] == 200:
                     return
             except OSError:
                 time.sleep(0.02)
+        self.kill()
         raise RuntimeError("the service does not start")
 
     def ask(self, method, path, body=None, headers=None):
