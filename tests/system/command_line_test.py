@@ -16,7 +16,7 @@ import sys
 import tempfile
 import unittest
 
-from standing_drive import CAMCHAIN, IMU, write_drive
+from standing_drive import CAMCHAIN, IMU, WRITE_BAG, write_drive
 
 PARKADE = sys.argv.pop(1)
 
@@ -24,23 +24,6 @@ PARKADE = sys.argv.pop(1)
 def run(*arguments, **environment):
     return subprocess.run([PARKADE, *map(str, arguments)], capture_output=True, text=True, timeout=120,
                           env={**os.environ, **environment})
-
-
-WRITE_BAG = """
-import sys, rosbag, rospy
-from sensor_msgs.msg import Image, Imu
-with rosbag.Bag(sys.argv[1], "w") as bag:
-    for i in range(100):
-        time = rospy.Time(1, 10_000_000 * i)
-        imu = Imu()
-        imu.header.stamp = time
-        imu.linear_acceleration.z = 9.81
-        bag.write("/imu", imu, time)
-        if i % 10 == 0:
-            image = Image(height=120, width=160, step=160, encoding="mono8", data=bytes(160 * 120))
-            image.header.stamp = time
-            bag.write("/camera/rear", image, time)
-"""
 
 
 def write_geoid(folder, undulation):

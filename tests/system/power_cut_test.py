@@ -72,8 +72,21 @@ class Disk:
         os.close(folder)
 
     def restore_power(self):
-        self.unmount()
-        assert self.mount(), "the filesystem cannot be mounted any more"
+        for _ in range(100):
+            self.unmount()
+            assert self.mount(), "the filesystem cannot be mounted any more"
+            if self.takes_writes():
+                return
+            time.sleep(0.1)  # a mount namespace of somebody else's still holds the one that was shut down
+        raise RuntimeError("the filesystem stays shut down")
+
+    def takes_writes(self):
+        try:
+            (self.mount_point / "probe").touch()
+            (self.mount_point / "probe").unlink()
+            return True
+        except OSError:
+            return False
 
 
 class Service:

@@ -65,6 +65,24 @@ track: 1.6
 """
 
 
+# For a python that has the bag writer of ROS.
+WRITE_BAG = """
+import sys, rosbag, rospy
+from sensor_msgs.msg import Image, Imu
+with rosbag.Bag(sys.argv[1], "w") as bag:
+    for i in range(100):
+        time = rospy.Time(1, 10_000_000 * i)
+        imu = Imu()
+        imu.header.stamp = time
+        imu.linear_acceleration.z = 9.81
+        bag.write("/imu", imu, time)
+        if i % 10 == 0:
+            image = Image(height=120, width=160, step=160, encoding="mono8", data=bytes(160 * 120))
+            image.header.stamp = time
+            bag.write("/camera/rear", image, time)
+"""
+
+
 def write_drive(folder, seconds=2.0, imu=True, images=True, calibrated=True):
     """An EuRoC folder of a car that stands still."""
     if imu:
