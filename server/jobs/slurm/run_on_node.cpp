@@ -4,7 +4,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <string>
-#include <vector>
 
 #include "core/error.h"
 #include "server/jobs/local_engine.h"
@@ -32,12 +31,6 @@ std::string NumberFromSlurm(const char* variable, const std::string& missing) {
   return text;
 }
 
-/// The logs lie in the attempt's folder, outside of the run's own.
-std::vector<fs::path> WithLogs(const fs::path& attempt, std::vector<fs::path> visible) {
-  visible.push_back(attempt / "input");
-  return visible;
-}
-
 }  // namespace
 
 int RunOnNode(const fs::path& attempt) {
@@ -53,8 +46,10 @@ int RunOnNode(const fs::path& attempt) {
   const LocalAttempt::Place place{.worker = {.folder = run,
                                              .log = attempt / AttemptFolder::kLogName,
                                              .temporary_files = run / "tmp",
+                                             // The preview lies beside the runs.
+                                             .writable = {attempt},
                                              .hidden = order.data,
-                                             .visible = WithLogs(attempt, order.visible)},
+                                             .visible = order.visible},
                                   .products = run / "out",
                                   .progress = run / "progress.ndjson"};
   LocalAttempt worker(order.command, place, order.limits, kStopPatience);
