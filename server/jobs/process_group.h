@@ -15,9 +15,9 @@ struct GroupUsage {
   int tasks = 0;         ///< processes and threads
 };
 
-/// Of the worker with this leader (WorkerProcess::pid): of its group, and where the leader is the
-/// init process of a namespace, of whatever else is in there, but for the leader itself. Nothing
-/// used where there is no such process.
+/// Sums up what the worker with this leader (WorkerProcess::pid) uses: its group, and where the
+/// leader is the init process of a namespace, whatever else is in there, but not the leader itself.
+/// Nothing is used where there is no such process.
 GroupUsage ReadWorkerUsage(pid_t leader);
 
 /// Processes and threads of a user.

@@ -1,5 +1,6 @@
 #include "server/jobs/walls/worker_init.h"
 
+#include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,6 +15,7 @@ pid_t ForkAgain(unsigned long flags) {
 }
 
 void WaitAsInit(pid_t worker, int status) {
+  ::prctl(PR_SET_NAME, "parkade-init");
   sigset_t all;
   sigfillset(&all);
   ::sigprocmask(SIG_SETMASK, &all, nullptr);

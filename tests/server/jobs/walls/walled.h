@@ -26,7 +26,8 @@ inline int CountProcessesWith(const std::string& word) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
     std::ifstream stream(entry.path() / "cmdline");
-    std::string text((std::istreambuf_iterator<char>(stream)), {});
+    std::string text;
+    std::getline(stream, text, '\n');
     std::replace(text.begin(), text.end(), '\0', ' ');
     if (text.find(word) != std::string::npos) ++count;
   }
