@@ -51,7 +51,8 @@ OutputFolder::OutputFolder(const fs::path& folder) : folder_(folder) {
   staging_ = folder_ / (kStaging + std::to_string(::getpid()));
   fs::remove_all(staging_, error);
   fs::create_directory(staging_, error);
-  Require(!error, ErrorCode::kInvalidInput,
+  const bool is_full = error == std::errc::no_space_on_device;
+  Require(!error, is_full ? ErrorCode::kDiskFull : ErrorCode::kInvalidInput,
           "cannot write into '" + folder_.string() + "': " + error.message());
 }
 

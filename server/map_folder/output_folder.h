@@ -9,7 +9,7 @@ namespace parkade {
 /// folder as it was (and removes it where it made it).
 class OutputFolder {
  public:
-  /// Throws Error{kInvalidInput} when `folder` is a file or cannot be written.
+  /// Throws Error{kInvalidInput} when `folder` is a file or cannot be written, Error{kDiskFull}.
   explicit OutputFolder(const std::filesystem::path& folder);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
