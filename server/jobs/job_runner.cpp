@@ -219,10 +219,10 @@ JobRunner::Interruption JobRunner::Supervise(const Job& job, EngineAttempt& atte
     }
     const std::string reason = attempt.reason();
     const AttemptNews news = attempt.Look();
-    if (news.has_ended) return interruption;
     const JobPlace place = attempt.place();
     const bool has_moved = place != stored;
     if (has_moved && StorePlace(job, place)) stored = place;
+    if (news.has_ended) return interruption;
     if (has_moved || news.has_spoken || attempt.reason() != reason) Announce(job, attempt);
   }
 }

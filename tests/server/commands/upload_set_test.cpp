@@ -79,8 +79,9 @@ TEST_F(UploadedSets, OfTwoSplitBagsAreInspectedAsOneDrive) {
   const auto drive = [&, &set = set] { return uploads_.sets().Look(set.id).set.drive; };
   for (int i = 0; i < 1000 && !drive(); ++i) std::this_thread::sleep_for(10ms);
   ASSERT_TRUE(drive().has_value());
+  const std::string id = *drive();
   const std::string sha256 =
-      store_.database.Read([&](Connection& connection) { return FindDrive(connection, *drive()); })
+      store_.database.Read([&](Connection& connection) { return FindDrive(connection, id); })
           .sha256;
 
   const LogInspection inspection = InspectLog(store_.directory.LogFile(sha256));

@@ -21,6 +21,7 @@ TEST(MismatchWith, FindsNothingInWhatIsDescribed) {
                                     {"length", 9},
                                     {"offset", 0},
                                     {"drive", nullptr},
+                                    {"set", nullptr},
                                     {"created_at", "2026-11-27T08:00:00Z"},
                                     {"expires_at", "2026-11-28T08:00:00.123Z"}}),
             "");

@@ -15,7 +15,7 @@ class Pictures : public RunningService {
   }
   /// What processes that read pictures were asked: "open" or the picture's time.
   std::vector<std::string> Asked() const {
-    std::ifstream stream(options_.data / "asked");
+    std::ifstream stream(options_.data / "pictures" / id_ / "log" / "asked");
     std::vector<std::string> lines;
     for (std::string line; std::getline(stream, line);) lines.push_back(line);
     return lines;

@@ -103,8 +103,6 @@ int Compare(const fs::path& from, const fs::path& to, const fs::path& out) {
     std::cerr << "parkade: nothing says how the two maps lie to each other" << std::endl;
     return 1;
   }
-  std::ofstream(out.parent_path() / "comparisons", std::ios::app)
-      << out.filename().string() << "\n";
   fs::create_directories(out);
   std::ofstream(out / "changes.json")
       << R"({"alignment": {"aligned_by": "drives", "translation": [0, 0, 0], "yaw_deg": 0,)"
@@ -165,12 +163,12 @@ void Reply(const std::string& line) {
 
 /// Hands out pictures as the third line of the log says: "dark", "no-images", "crash", "hang".
 /// cam0 has an image each 0.1 s from 10 s to 20 s. What it was asked is appended to `asked` beside
-/// the data directory's own files.
+/// the index.
 int ServePictures(const fs::path& log, const fs::path& index) {
   std::ifstream stream(log);
   std::string todo;
   for (int line = 0; line < 3; ++line) std::getline(stream, todo);
-  const fs::path asked = index.parent_path().parent_path().parent_path().parent_path() / "asked";
+  const fs::path asked = index.parent_path() / "asked";
   std::ofstream(asked, std::ios::app) << "open\n";
   if (todo == "no-images") {
     Reply("{\"error\": \"the log has no image of any camera\", \"code\": \"invalid_input\"}\n");

@@ -51,7 +51,7 @@ def all_jobs():
 def waits_for(array):
     """Whether an element of the array has yet to end."""
     return array and any(job["job_state"] in ("PENDING", "RUNNING") for job in all_jobs()
-                         if array in (str(job["array_job_id"]), str(job["job_id"])))
+                         if array in (str(job.get("array_job_id", 0)), str(job["job_id"])))
 
 
 def run(job, command, folder, array=None, after=None):
@@ -66,6 +66,8 @@ def run(job, command, folder, array=None, after=None):
         if state(job) != "PENDING":
             os._exit(0)
         time.sleep(0.02)
+    if state(job) != "PENDING":
+        os._exit(0)
     words = {"SLURM_JOB_ID": str(job), "PATH": os.environ["PATH"]}
     if array is not None:
         words["SLURM_ARRAY_TASK_ID"] = str(array)
@@ -119,7 +121,7 @@ def scancel():
     if mode() == "down":
         fail("Unable to contact slurm controller (connect failure)")
     for name in sys.argv[1:]:
-        alive = [job["job_id"] for job in all_jobs() if name in (str(job["job_id"]), str(job["array_job_id"]))
+        alive = [job["job_id"] for job in all_jobs() if name in (str(job["job_id"]), str(job.get("array_job_id", 0)))
                  and job["job_state"] in ("PENDING", "RUNNING")]
         if not alive:
             fail(f"Kill job error on job id {name}: Invalid job id specified")
