@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""A real map, made by the program itself at a real Slurm of one node.
+"""Real maps of one site, made by the program itself at a real Slurm of one node.
 
-    slurm_map_test.py PARKADE DRIVE RIG_FOLDER
+    slurm_map_test.py PARKADE RIG_FOLDER DRIVE...
 
-DRIVE and its rig are such as parkade-simulate writes. Says what Slurm's queue showed, and how long the
-map took in the service's eyes and in the worker's. Exits with 77 where there can be no Slurm.
+The drives, of one place, and their rig are such as parkade-simulate writes. Says what Slurm's queue
+showed, and how long the last map took in the service's eyes and in the worker's. Drives after the
+first two have to come into one version, and to be prepared by an array of jobs. Exits with 77 where
+there can be no Slurm.
 """
 
 import json
@@ -23,7 +25,7 @@ FINAL = ("done", "failed", "cancelled")
 
 
 def main():
-    parkade, drive, rig = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
+    parkade, rig, drives = sys.argv[1], pathlib.Path(sys.argv[2]), [pathlib.Path(drive) for drive in sys.argv[3:]]
     if reason := install():
         print(f"skipped: no Slurm: {reason}")
         return SKIPPED
@@ -38,7 +40,7 @@ def main():
                                     "--engine", "slurm", "--slurm-partition", "maps", "--job-memory", "3000",
                                     "--job-time", "60", "--job-cpus", str(os.cpu_count())], env=slurm.environment)
         try:
-            return follow(slurm, address, drive, rig)
+            return follow(slurm, address, drives, rig)
         finally:
             service.terminate()
             service.wait()
@@ -50,7 +52,7 @@ def ask(address, path):
         return json.loads(answer.read())
 
 
-def follow(slurm, address, drive, rig):
+def follow(slurm, address, drives, rig):
     for _ in range(300):
         try:
             ask(address, "/api/v1/jobs")
@@ -60,22 +62,34 @@ def follow(slurm, address, drive, rig):
     words = [word for file in sorted(rig.iterdir()) for word in ("-F", f"{file.name}=@{file}")]
     subprocess.run(["curl", "-sSf", "-X", "PUT", f"{address}/api/v1/rigs/car", *words], check=True, capture_output=True)
     begun = time.monotonic()
-    uploaded = subprocess.run(["curl", "-sSf", "-T", drive, f"{address}/api/v1/drives?filename={drive.name}&site=lot&rig=car"],
-                              check=True, capture_output=True).stdout
-    job, shown = json.loads(uploaded)["job"]["id"], ""
+    jobs = [upload(address, drive) for drive in drives]
+    found = [wait(slurm, address, job, begun) for job in jobs]
+    if any(job["state"] != "done" for job in found):
+        return 1
+    version = max(job["map_version"] for job in found)
+    report = ask(address, f"/api/v1/sites/lot/maps/{version}/report.json")
+    print(f"version {version} of {len(report['drives'])} drives, "
+          f"stages took {sum(stage['seconds'] for stage in report['stages']):.1f} s")
+    return 0 if len(report["drives"]) == len(drives) and version <= 2 else 1
+
+
+def upload(address, drive):
+    answer = subprocess.run(["curl", "-sSf", "-T", drive, f"{address}/api/v1/drives?filename={drive.name}&site=lot&rig=car"],
+                            check=True, capture_output=True).stdout
+    return json.loads(answer)["job"]["id"]
+
+
+def wait(slurm, address, job, begun):
+    shown = ""
     while (found := ask(address, f"/api/v1/jobs/{job}"))["state"] not in FINAL:
-        queue = slurm.ask("squeue", "-o", "%.6i %.9P %.8j %.10T %.10M %.10l %.4C %.8m %R %k")
+        queue = slurm.ask("squeue", "-r", "-o", "%.8i %.9P %.8j %.10T %.10M %.10l %.4C %.8m %R %k")
         state = f"{found['state']} {found['stage']} {found['engine']}"
         if state != shown:
             print(f"{time.monotonic() - begun:6.1f} s  {state}\n{queue}", flush=True)
             shown = state
         time.sleep(0.5)
     print(f"{time.monotonic() - begun:6.1f} s  {found}")
-    if found["state"] != "done":
-        return 1
-    report = ask(address, "/api/v1/sites/lot/maps/1/report.json")
-    print(f"stages took {sum(stage['seconds'] for stage in report['stages']):.1f} s")
-    return 0
+    return found
 
 
 if __name__ == "__main__":
