@@ -118,7 +118,7 @@ BuildScope BuildScopeOf(const MapArguments& arguments,
   return scope;
 }
 
-/// Of the decisions on loops, those on one drive.
+/// Decisions on the loops of one drive, among all.
 std::vector<std::string> OnlyOf(const std::string& drive, const std::vector<std::string>& all) {
   std::vector<std::string> own;
   for (const std::string& loop : all)

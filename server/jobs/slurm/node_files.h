@@ -34,7 +34,7 @@ struct NodeOrder {
   JobLimits limits;
   std::filesystem::path data = {};                  ///< the data directory, which it is not to see
   std::vector<std::filesystem::path> visible = {};  ///< what it only reads of that
-  /// Of the workers that prepare one drive each, on any nodes, before the command runs.
+  /// Commands of workers that prepare one drive each, on any nodes, before the command runs.
   std::vector<std::vector<std::string>> preparations = {};
 };
 

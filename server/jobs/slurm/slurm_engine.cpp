@@ -46,7 +46,7 @@ std::vector<int> DrivesToPrepare(const JobSpec& spec) {
   return drives;
 }
 
-/// Of the order; none where it is gone, after which only the end of the attempt is awaited.
+/// How many the order has; none where it is gone, after which only the end is awaited.
 int CountPreparations(const std::filesystem::path& attempt) {
   try {
     return static_cast<int>(ReadNodeOrder(attempt).preparations.size());

@@ -38,7 +38,7 @@ class SlurmPreparation {
 
   /// Reads what the elements say. True when that changed anything.
   bool ReadProgress();
-  /// Of all elements, 0 to 1.
+  /// Mean of all elements, 0 to 1.
   double progress() const;
 
  private:
