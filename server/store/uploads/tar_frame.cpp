@@ -21,18 +21,25 @@ struct FreeHeader {
   void operator()(archive_entry* entry) const { archive_entry_free(entry); }
 };
 
-la_ssize_t AppendTo(archive*, void* text, const void* bytes, size_t size) {
-  static_cast<std::string*>(text)->append(static_cast<const char*>(bytes), size);
+struct Sink {
+  std::string header;
+  bool is_closed = false;
+};
+
+la_ssize_t AppendTo(archive*, void* sink, const void* bytes, size_t size) {
+  Sink& to = *static_cast<Sink*>(sink);
+  if (to.is_closed) return -1;
+  to.header.append(static_cast<const char*>(bytes), size);
   return static_cast<la_ssize_t>(size);
 }
 
 /// All that a tar holds of a file before its content.
 std::string HeaderOf(const TarFrame::File& file) {
-  std::string header;
+  Sink sink;
   const std::unique_ptr<archive, FreeWriter> writer(archive_write_new());
   archive_write_set_format_pax_restricted(writer.get());
   archive_write_set_bytes_per_block(writer.get(), 0);  // hands on what it gets at once
-  archive_write_open(writer.get(), &header, nullptr, AppendTo, nullptr);
+  archive_write_open(writer.get(), &sink, nullptr, AppendTo, nullptr);
   const std::unique_ptr<archive_entry, FreeHeader> entry(archive_entry_new());
   archive_entry_set_pathname(entry.get(), file.path.c_str());
   archive_entry_set_filetype(entry.get(), AE_IFREG);
@@ -41,12 +48,12 @@ std::string HeaderOf(const TarFrame::File& file) {
   archive_entry_set_size(entry.get(), file.bytes);
   const int result = archive_write_header(writer.get(), entry.get());
   const bool is_written =
-      result == ARCHIVE_OK && !header.empty() && std::ssize(header) % kBlock == 0;
+      result == ARCHIVE_OK && !sink.header.empty() && std::ssize(sink.header) % kBlock == 0;
   const char* error = archive_error_string(writer.get());
   Require(is_written, ErrorCode::kInternal,
           std::string("no tar can be made: ") + (error ? error : "no header"));
-  archive_write_fail(writer.get());  // it would write a content of zeros at its end
-  return header;
+  sink.is_closed = true;  // it would write a content of zeros at its end
+  return sink.header;
 }
 
 std::int64_t RoundedUp(std::int64_t bytes) { return (bytes + kBlock - 1) / kBlock * kBlock; }
