@@ -156,8 +156,8 @@ TEST_F(JobLimiting, AWorkerThatForksForEverIsEndedAndNothingIsLeft) {
   JobRunnerOptions options =
       Program({"python3", "-c",
                "'" + mark +
-                   "'\nimport os\nwhile True:\n try:\n  if os.fork() == 0: os.setsid()\n"
-                   " except OSError: pass\n"});
+                   "'\nimport os, time\nwhile True:\n try:\n  if os.fork() == 0: os.setsid()\n"
+                   " except OSError: time.sleep(0.05)\n"});
   options.limits.tasks = 100;
 
   const Job job = EndOf(options);
