@@ -66,6 +66,12 @@ class Disk:
             time.sleep(0.05)
         raise RuntimeError("the filesystem stays busy")
 
+    def leave(self):
+        try:
+            self.unmount()
+        except RuntimeError:
+            run("umount", "-l", str(self.mount_point))
+
     def cut_power(self):
         folder = os.open(self.mount_point, os.O_RDONLY)
         fcntl.ioctl(folder, FS_IOC_SHUTDOWN, struct.pack("I", NO_LOG_FLUSH))
@@ -242,7 +248,7 @@ def main():
                     print(f"cut {cut}: {loss}", flush=True)
                 run("rm", "-rf", str(data))
         finally:
-            run("umount", str(disk.mount_point))
+            disk.leave()
     print(f"{arguments.cuts} cuts, {acknowledged} uploads acknowledged, {cuts_with_losses} cuts with losses")
     return 0 if (cuts_with_losses > 0) == arguments.lose_syncs else 1
 
