@@ -4,18 +4,15 @@
 #include <vector>
 
 #include "server/store/tables/names.h"
+#include "server/store/tables/row.h"
 
 namespace parkade {
 namespace {
 
 template <typename... Values>
 void DropWorkOf(Store& store, const char* jobs, const Values&... values) {
-  const auto ids = store.database.Read([&](Connection& connection) {
-    Statement query = connection.Query(jobs, values...);
-    std::vector<std::string> found;
-    while (query.Step()) found.push_back(query.Text(0));
-    return found;
-  });
+  const auto ids = store.database.Read(
+      [&](Connection& connection) { return Texts(connection.Query(jobs, values...)); });
   for (const std::string& id : ids) DropWork(store, id);
 }
 

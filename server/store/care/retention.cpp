@@ -11,6 +11,7 @@
 #include "server/store/tables/drive_table.h"
 #include "server/store/tables/map_table.h"
 #include "server/store/tables/names.h"
+#include "server/store/tables/row.h"
 
 namespace parkade {
 namespace {
@@ -58,10 +59,7 @@ const std::string kExpiredMaps = R"(
 std::vector<std::string> Find(Store& store, const std::string& select, const std::string& site,
                               const std::string& limit) {
   return store.database.Read([&](Connection& connection) {
-    Statement query = connection.Query(select + " ORDER BY sequence", site, limit);
-    std::vector<std::string> ids;
-    while (query.Step()) ids.push_back(query.Text(0));
-    return ids;
+    return Texts(connection.Query(select + " ORDER BY sequence", site, limit));
   });
 }
 
