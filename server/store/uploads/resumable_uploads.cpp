@@ -8,6 +8,7 @@
 #include "server/store/disk/growing_file.h"
 #include "server/store/tables/names.h"
 #include "server/store/uploads/part_digest.h"
+#include "server/store/uploads/whole_upload.h"
 
 namespace parkade {
 namespace {
@@ -178,17 +179,12 @@ Upload ResumableUploads::Finish(const Upload& upload) {
     Refuse(upload, "invalid_input", error.what());
     throw;
   }
-  MakeReadOnly(file);
-  const ReceivedDrive received = ReceiveDrive(store_, {upload.filename, upload.site, upload.rig},
-                                              {file, upload.length, sha256}, options_.merge_drives,
-                                              [&](Connection& connection, const Drive& drive) {
-                                                SetUploadDone(connection, upload.id, drive.id);
-                                              });
-  std::error_code ignored;
-  std::filesystem::remove(file, ignored);
-  LogInfo("received drive=" + received.drive.id + " bytes=" + std::to_string(upload.length) +
-          " site=" + received.drive.site + " job=" + received.job.id + " upload=" + upload.id);
-  options_.on_received(received);
+  MakeDriveOf(
+      {file, upload.length, sha256}, store_, {upload.filename, upload.site, upload.rig}, options_,
+      [&](Connection& connection, const Drive& drive) {
+        SetUploadDone(connection, upload.id, drive.id);
+      },
+      "upload=" + upload.id);
   return Look(upload.id);
 }
 

@@ -11,6 +11,7 @@
 #include "server/store/tables/names.h"
 #include "server/store/uploads/arrived_hash.h"
 #include "server/store/uploads/tar_frame.h"
+#include "server/store/uploads/whole_upload.h"
 
 namespace parkade {
 namespace {
@@ -169,18 +170,13 @@ void UploadSets::Finish(const UploadSet& set) {
   ArrivedHash hash;
   if (!hash.CatchUp(file, set.bytes, is_stopping_)) return;
   if (num_parts == 1) options_.check_log(file, set.filename);
-  MakeReadOnly(file);
   const WorkFor scope(maker);
-  const ReceivedDrive received =
-      ReceiveDrive(store_, {set.filename, set.site, set.rig}, {file, set.bytes, hash.Finish()},
-                   options_.merge_drives, [&](Connection& connection, const Drive& drive) {
-                     SetUploadSetDone(connection, set.id, drive.id);
-                   });
-  std::error_code ignored;
-  std::filesystem::remove(file, ignored);
-  LogInfo("received drive=" + received.drive.id + " bytes=" + std::to_string(set.bytes) +
-          " site=" + received.drive.site + " job=" + received.job.id + " upload_set=" + set.id);
-  options_.on_received(received);
+  MakeDriveOf(
+      {file, set.bytes, hash.Finish()}, store_, {set.filename, set.site, set.rig}, options_,
+      [&](Connection& connection, const Drive& drive) {
+        SetUploadSetDone(connection, set.id, drive.id);
+      },
+      "upload_set=" + set.id);
 }
 
 void UploadSets::Assemble(const std::string& id) {

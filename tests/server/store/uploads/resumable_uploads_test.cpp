@@ -1,13 +1,8 @@
-#include "server/store/uploads/resumable_uploads.h"
-
-#include <atomic>
 #include <thread>
 
-#include "core/file.h"
 #include "server/store/job_queue.h"
-#include "server/store/tables/drive_table.h"
 #include "server/store/uploads/part_digest.h"
-#include "tests/server/store/temporary_store.h"
+#include "tests/server/store/uploads/upload_test.h"
 
 namespace parkade {
 namespace {
@@ -15,36 +10,14 @@ namespace {
 using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
-class UploadInParts : public StoreTest {
+class UploadInParts : public UploadTest {
  protected:
-  void SetUp() override { Open(); }
-
-  void Open(std::chrono::hours lifetime = 24h) {
-    uploads_.reset();
-    UploadOptions options;
-    options.check_log = [](const fs::path& file, const std::string& name) {
-      Require(ReadFile(file).starts_with("log"), ErrorCode::kInvalidInput, name + " is no log");
-    };
-    options.on_received = [this](const ReceivedDrive&) { ++received_; };
-    options.lifetime = lifetime;
-    uploads_.emplace(store_, options);
-  }
   std::string Create(std::int64_t length) {
     Upload upload;
     upload.filename = "a.bag";
     upload.site = "lot";
     upload.length = length;
     return uploads_->Create(upload).id;
-  }
-  Upload Append(const std::string& id, std::int64_t offset, const std::string& text,
-                const std::optional<PartChecksum>& checksum = std::nullopt) {
-    return uploads_->Append(
-        id, offset, std::ssize(text),
-        [&](const auto& take) {
-          take(text);
-          return true;
-        },
-        checksum, [] {});
   }
   /// A part whose sender goes away after `text`.
   void BreakOff(const std::string& id, std::int64_t offset, std::int64_t bytes,
@@ -61,14 +34,6 @@ class UploadInParts : public StoreTest {
     digest.Add(text);
     return digest.Finish();
   }
-  size_t NumDrives() {
-    return store_.database
-        .Read([](Connection& connection) { return ListDrives(connection, {}, std::nullopt); })
-        .size();
-  }
-
-  std::optional<ResumableUploads> uploads_;
-  std::atomic<int> received_ = 0;
 };
 
 TEST_F(UploadInParts, BecomeADriveWithTheirLastPart) {
