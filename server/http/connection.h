@@ -59,6 +59,9 @@ class HttpConnection : public httplib::Stream {
   int num_requests() const { return num_requests_; }
   RouteClass route_class() const { return route_class_; }
   void set_route_class(RouteClass route_class) { route_class_ = route_class; }
+  /// Whether somebody with an identity here sent the request, or the last one.
+  bool is_known() const { return is_known_; }
+  void set_is_known(bool is_known) { is_known_ = is_known; }
   Clock::time_point request_began() const { return request_began_; }
 
   /// Answers a request the library never sees, where the client takes answers at all, and says that
@@ -124,7 +127,7 @@ class HttpConnection : public httplib::Stream {
   std::int64_t num_sent_ = 0, num_taken_ = 0;  ///< bytes given to the kernel, and by the client
   int num_requests_ = 0;
   RouteClass route_class_ = RouteClass::kApi;
-  bool keeps_alive_ = false;
+  bool keeps_alive_ = false, is_known_ = false;
   Clock::time_point request_began_ = Clock::now();
   RequestTrace trace_;
   std::int64_t num_sent_before_ = 0;  ///< bytes of the answers to earlier requests

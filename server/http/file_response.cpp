@@ -1,6 +1,5 @@
 #include "server/http/file_response.h"
 
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -13,6 +12,7 @@
 #include "server/http/problem.h"
 #include "server/http/request_head.h"
 #include "server/store/disk/file_sums.h"
+#include "server/store/disk/workers_files.h"
 
 namespace parkade {
 namespace {
@@ -23,8 +23,7 @@ constexpr size_t kUncheckedBytes = 131072;  // per write
 class CheckedFile {
  public:
   explicit CheckedFile(ServedFile file)
-      : file_(std::move(file)),
-        fd_(::open(file_.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)) {}
+      : file_(std::move(file)), fd_(OpenWorkersFile(file_.path)) {}
   ~CheckedFile() {
     if (fd_ >= 0) ::close(fd_);
   }
@@ -34,8 +33,7 @@ class CheckedFile {
   /// False where it is not there, too short, or the piece at `offset` has changed on the disk.
   bool IsWholeAt(std::int64_t offset) {
     struct stat info {};
-    const bool is_there = fd_ >= 0 && ::fstat(fd_, &info) == 0 && S_ISREG(info.st_mode) &&
-                          info.st_size >= file_.bytes;
+    const bool is_there = fd_ >= 0 && ::fstat(fd_, &info) == 0 && info.st_size >= file_.bytes;
     const bool is_whole = is_there && (file_.bytes == 0 || !Read(offset).empty());
     if (!is_whole && file_.on_damage) file_.on_damage();
     return is_whole;

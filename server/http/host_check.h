@@ -1,17 +1,10 @@
 #pragma once
 
-#include <functional>
 #include <string>
 
 #include "server/http/request_head.h"
 
 namespace parkade {
-
-/// Which Hosts requests may name besides this machine.
-struct HostRules {
-  std::function<bool()> any;    ///< every one now; it must not wait
-  std::string proxy_host = {};  ///< that a proxy of this machine is reached by; or empty
-};
 
 /// Refuses a request whose Host is neither "localhost", a loopback address nor the name of a proxy
 /// on this machine, whatever the port.

@@ -33,7 +33,7 @@ LobbyLimits LimitsHere() {
 }  // namespace
 
 HttpServer::HttpServer(const ShutdownSignal& shutdown_signal, Metrics& metrics, int num_threads,
-                       HostRules hosts)
+                       EntryRules rules)
     : shutdown_signal_(shutdown_signal),
       metrics_(metrics),
       pools_(num_threads,
@@ -42,7 +42,7 @@ HttpServer::HttpServer(const ShutdownSignal& shutdown_signal, Metrics& metrics, 
                 lobby_.Return(std::move(connection));
               }},
              metrics),
-      lobby_(LimitsHere(), std::move(hosts), pools_, shutdown_signal, metrics) {
+      lobby_(LimitsHere(), std::move(rules), pools_, shutdown_signal, metrics) {
   // Not SO_REUSEPORT, the library's default: two services would share a port.
   set_socket_options([](socket_t socket) {
     const int yes = 1;

@@ -17,7 +17,7 @@ class HttpServer : public httplib::Server {
  public:
   /// `num_threads` as RequestPools has it.
   HttpServer(const ShutdownSignal& shutdown_signal, Metrics& metrics, int num_threads,
-             HostRules hosts);
+             EntryRules rules);
   ~HttpServer() override;
 
   /// Binds and listens; port 0 takes a free one. Returns the port. Throws Error{kUsage} when

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "server/http/host_check.h"
 
 namespace parkade {
 namespace {
@@ -28,10 +29,10 @@ bool IsFull(int error) {
 
 }  // namespace
 
-Lobby::Lobby(const LobbyLimits& limits, HostRules hosts, RequestPools& pools,
+Lobby::Lobby(const LobbyLimits& limits, EntryRules rules, RequestPools& pools,
              const ShutdownSignal& shutdown_signal, Metrics& metrics)
     : limits_(limits),
-      hosts_(std::move(hosts)),
+      rules_(std::move(rules)),
       pools_(pools),
       shutdown_signal_(shutdown_signal),
       metrics_(metrics) {}
@@ -179,9 +180,10 @@ void Lobby::Proceed(std::uint64_t number) {
 void Lobby::TakeHead(Guest& guest) {
   const std::optional<RequestHead> head = guest.connection->TakeHead();
   if (!head) return;
-  guest.connection->BeginTrace(*head, hosts_.proxy_host);
+  guest.connection->BeginTrace(*head, rules_.proxy_host);
   const std::int64_t body_length = CheckRequestHead(*head);
-  if (!hosts_.any()) RefuseForeignHost(*head, hosts_.proxy_host);
+  if (!rules_.allows_any_host()) RefuseForeignHost(*head, rules_.proxy_host);
+  guest.connection->set_is_known(rules_.is_known(*head));
   guest.connection->BeginRequest(*head, body_length);
   guest.stage = Stage::kBody;
   guest.deadline = Clock::now() + limits_.body;
@@ -214,13 +216,19 @@ void Lobby::BeginFarewell(Guest& guest) {
   guest.deadline = Clock::now() + limits_.farewell;
 }
 
-void Lobby::DropOldest() {
-  if (guests_.empty()) return;
-  const Guest& oldest = guests_.begin()->second;
+std::int64_t Lobby::DropOldest() {
+  if (guests_.empty()) return 0;
+  auto dropped = std::find_if(guests_.begin(), guests_.end(), [](const auto& entry) {
+    return !entry.second.connection->is_known();
+  });
+  if (dropped == guests_.end()) dropped = guests_.begin();
+  const Guest& guest = dropped->second;
+  const std::int64_t num_held = guest.connection->num_held();
   ++metrics_.connections_refused;
-  if (oldest.stage == Stage::kHead || oldest.stage == Stage::kBody)
-    oldest.connection->SendProblem({503, "busy", "too many connections: try again in a moment"}, 1);
-  guests_.erase(guests_.begin());
+  if (guest.stage == Stage::kHead || guest.stage == Stage::kBody)
+    guest.connection->SendProblem({503, "busy", "too many connections: try again in a moment"}, 1);
+  guests_.erase(dropped);
+  return num_held;
 }
 
 void Lobby::EndLate(Clock::time_point now) {
@@ -258,10 +266,7 @@ void Lobby::Tick(Clock::time_point now) {
   EndLate(now);
   std::int64_t num_bytes = 0;
   for (const auto& [number, guest] : guests_) num_bytes += guest.connection->num_held();
-  while (num_bytes > limits_.max_bytes) {
-    num_bytes -= guests_.begin()->second.connection->num_held();
-    DropOldest();
-  }
+  while (num_bytes > limits_.max_bytes && !guests_.empty()) num_bytes -= DropOldest();
   pools_.Relieve(now);
 }
 

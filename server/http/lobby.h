@@ -10,7 +10,6 @@
 
 #include "server/http/connection.h"
 #include "server/http/epoll.h"
-#include "server/http/host_check.h"
 #include "server/http/request_pools.h"
 
 namespace parkade {
@@ -27,16 +26,24 @@ struct LobbyLimits {
   std::int64_t max_bytes = std::int64_t{64} << 20;  ///< kept here, of all together
 };
 
+/// What is asked of requests by their heads. Neither question may wait.
+struct EntryRules {
+  std::function<bool()> allows_any_host;  ///< or this machine's names alone; see host_check.h
+  std::string proxy_host = {};            ///< that a proxy of this machine is reached by; or empty
+  std::function<bool(const RequestHead&)> is_known;  ///< sent by somebody with an identity here
+};
+
 /// Where connections wait for requests, all in one thread that never waits for a single one. A
 /// request leaves for its pool when it is whole, or when 64 KiB of its body are there: clients
 /// that send byte by byte cost a place here, and no thread. Connections come back between requests,
-/// and where short answers wait for their reader.
+/// and where short answers wait for their reader. Where there are too many, the oldest of strangers
+/// go first.
 class Lobby {
  public:
   using Clock = HttpConnection::Clock;
 
   /// What is handed over outlives the lobby.
-  Lobby(const LobbyLimits& limits, HostRules hosts, RequestPools& pools,
+  Lobby(const LobbyLimits& limits, EntryRules rules, RequestPools& pools,
         const ShutdownSignal& shutdown_signal, Metrics& metrics);
 
   /// Accepts connections of the listening socket `listener`, which must not block, until the
@@ -73,13 +80,15 @@ class Lobby {
   void Enter(std::unique_ptr<HttpConnection> connection, Stage stage,
              std::chrono::milliseconds patience);
   void TakeReturned();
-  void DropOldest();
+  /// Closes one connection, the oldest of strangers where there are some. Returns what was kept of
+  /// it [bytes].
+  std::int64_t DropOldest();
   void EndLate(Clock::time_point now);
   void EndIdle();
   void Tick(Clock::time_point now);
 
   const LobbyLimits limits_;
-  const HostRules hosts_;
+  const EntryRules rules_;
   RequestPools& pools_;
   const ShutdownSignal& shutdown_signal_;
   Metrics& metrics_;

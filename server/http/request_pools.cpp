@@ -6,21 +6,31 @@
 namespace parkade {
 namespace {
 
-struct PoolSize {
-  size_t num_threads = 0, num_waiting = 0;
-  int retry_after = 1;  ///< [s]
-};
+/// A quarter of it is kept for those who are known.
+PoolSize WithReserve(size_t num_threads, size_t num_places) {
+  return {num_threads, num_places, num_threads / 4, num_places / 4};
+}
 
 PoolSize SizeOf(RouteClass route_class, size_t num_threads) {
   switch (route_class) {
-    case RouteClass::kHealth: return {2, 256, 1};
-    case RouteClass::kApi: return {num_threads / 4, 256, 1};
+    case RouteClass::kHealth: return {2, 256};  // asked by machines that know nobody
+    case RouteClass::kApi: return WithReserve(num_threads / 4, 256);
     // Their threads do little but wait for clients, and start only where there are as many.
-    case RouteClass::kUploads: return {num_threads * 4, 64, 5};
-    case RouteClass::kDownloads: return {num_threads * 8, 256, 2};
-    case RouteClass::kEvents: return {num_threads / 2, 0, 10};  // nobody leaves soon
+    case RouteClass::kUploads: return WithReserve(num_threads * 4, 64);
+    case RouteClass::kDownloads: return WithReserve(num_threads * 8, 256);
+    case RouteClass::kEvents: return WithReserve(num_threads / 2, 0);  // nobody leaves soon
   }
   return {};
+}
+
+/// [s] until one that was refused comes back.
+int RetryAfter(RouteClass route_class) {
+  switch (route_class) {
+    case RouteClass::kUploads: return 5;
+    case RouteClass::kDownloads: return 2;
+    case RouteClass::kEvents: return 10;
+    default: return 1;
+  }
 }
 
 }  // namespace
@@ -28,9 +38,8 @@ PoolSize SizeOf(RouteClass route_class, size_t num_threads) {
 RequestPools::RequestPools(int num_threads, PoolHooks hooks, Metrics& metrics)
     : hooks_(std::move(hooks)), metrics_(metrics) {
   for (const RouteClass route_class : kRouteClasses) {
-    const PoolSize size = SizeOf(route_class, static_cast<size_t>(num_threads));
     pools_[static_cast<size_t>(route_class)] = std::make_unique<RequestPool>(
-        size.num_threads, size.num_waiting, hooks_, metrics.of(route_class));
+        SizeOf(route_class, static_cast<size_t>(num_threads)), hooks_, metrics.of(route_class));
   }
 }
 
@@ -41,7 +50,7 @@ bool RequestPools::Submit(std::unique_ptr<HttpConnection>& connection) {
   connection->SendProblem({503, "busy",
                            std::string("too many requests of this kind (") + NameOf(route_class) +
                                ") at a time: try again in a moment"},
-                          SizeOf(route_class, 0).retry_after);
+                          RetryAfter(route_class));
   return false;
 }
 

@@ -12,7 +12,7 @@ class RequestPools {
  public:
   /// A quarter of `num_threads` (at least 4) answers the API, half serves listeners to events, four
   /// times as many take uploads, eight times as many send files; two answer whoever watches the
-  /// service.
+  /// service. A quarter of each, but for the last, is for those who are known.
   RequestPools(int num_threads, PoolHooks hooks, Metrics& metrics);
 
   /// Hands a connection whose request has begun to the pool of its class. Where that is full, the

@@ -3,6 +3,7 @@
 #include <system_error>
 
 #include "core/error.h"
+#include "server/store/disk/workers_files.h"
 #include "server/store/job_queue.h"
 #include "server/store/job_work.h"
 #include "server/store/tables/drive_table.h"
@@ -47,7 +48,9 @@ std::optional<fs::path> MapToStartFrom(Store& store, const Job& job) {
 }  // namespace
 
 AttemptFolder::AttemptFolder(Store& store, const Job& job)
-    : data_(store.directory.root()), path_(store.directory.AttemptFolder(job.id, job.attempt)) {
+    : store_(store),
+      data_(store.directory.root()),
+      path_(store.directory.AttemptFolder(job.id, job.attempt)) {
   const std::vector<Drive> drives = DrivesOf(store, job);
   spec_.job = job.id;
   spec_.attempt = job.attempt;
@@ -56,17 +59,13 @@ AttemptFolder::AttemptFolder(Store& store, const Job& job)
   spec_.rejected_loops = job.review.rejected_loops;
   spec_.forced_loops = job.review.forced_loops;
   spec_.pins = job.review.pins;
-  spec_.out = path_ / "out";
   spec_.work = store.directory.WorkFolder(job.id);
-  // Twice it crashed: that may lie in what was kept, and the last try begins anew.
-  if (!job.place && job.crashes + 1 >= kMaxCrashes) DropWork(store, job.id);
-  spec_.progress = path_ / "progress.ndjson";
-  spec_.preview = path_ / kPreviewName;
+  spec_.out = RunFolder() / "out";
+  spec_.progress = RunFolder() / "progress.ndjson";
+  spec_.preview = store.directory.PreviewFile(job.id, job.attempt);
   try {
+    if (!job.place) Begin(job);
     fs::create_directories(path_ / "input");
-    fs::create_directories(spec_.out);
-    fs::create_directories(spec_.work);
-    fs::create_directories(TemporaryFiles());
     // Hard links: deleting the drive meanwhile takes nothing from the worker.
     for (const Drive& drive : drives) {
       spec_.logs.push_back(path_ / "input" / drive.name);
@@ -81,14 +80,30 @@ AttemptFolder::AttemptFolder(Store& store, const Job& job)
   }
 }
 
+/// An earlier attempt's worker may have left anything under the names that this one uses.
+void AttemptFolder::Begin(const Job& job) {
+  RemoveLeftovers(store_, job.id);
+  // Twice it crashed: that may lie in what was kept, and the last try begins anew.
+  if (job.crashes + 1 >= kMaxCrashes) DropWork(store_, job.id);
+  fs::create_directories(spec_.work);
+  for (const fs::path& folder : {RunFolder(), spec_.out, TemporaryFiles()})
+    Require(fs::create_directory(folder), ErrorCode::kInternal,
+            "the folder of an earlier attempt cannot be removed");
+}
+
+fs::path AttemptFolder::TakeProducts(const fs::path& products) const {
+  const fs::path taken = path_ / "out";
+  // An earlier service may have come so far.
+  if (!fs::exists(taken)) TakeWorkersFolder(products, taken);
+  return taken;
+}
+
 AttemptFolder::~AttemptFolder() {
   if (is_kept_) return;
   std::error_code ignored;
-  fs::remove_all(path_ / "runs", ignored);
-  fs::remove_all(path_ / "input", ignored);
-  fs::remove_all(spec_.out, ignored);
-  fs::remove_all(TemporaryFiles(), ignored);
-  fs::remove(spec_.preview, ignored);
+  for (const char* part : {"input", "out", "runs"}) fs::remove_all(path_ / part, ignored);
+  RemoveLeftovers(store_, spec_.job);
+  fs::remove(WorkerFolder(), ignored);  // where nothing was kept
 }
 
 }  // namespace parkade

@@ -6,23 +6,29 @@
 
 namespace parkade {
 
-/// The folder of one attempt at a job:
+/// The folders of one attempt at a job. The service's, where its worker only reads:
 ///
-///   input/<drive name>   the logs, as links into the store
-///   out/                 what the worker makes; becomes the map
-///   progress.ndjson      what the worker says about itself
-///   preview.glb          what the map will look like, once the worker knows; see EncodePreview
-///   log.txt              what the worker prints; kept
-///   tmp/                 the worker's temporary files
-///   runs/                where an engine may start the worker more than once: its own folders
+///   attempt-<n>/input/<drive name>   the logs, as links into the store
+///   attempt-<n>/log.txt              what the worker prints; kept
+///   attempt-<n>/runs/                where an engine keeps its orders and what became of them
+///   attempt-<n>/out/                 the products once the worker has ended; become the map
 ///
-/// input/, out/, tmp/, runs/ and preview.glb are gone when this object is, unless they are kept.
-/// What the attempts of a job found lies beside them and stays (server/store/job_work.h).
+/// and those of its workers, all in one folder of the job, so that links lead from one to the
+/// other:
+///
+///   worker/attempt-<n>/              its working directory
+///     out/                           what it makes
+///     progress.ndjson                what it says about itself
+///     tmp/                           its temporary files
+///   worker/attempt-<n>.preview.glb   what the map will look like, once it knows; see EncodePreview
+///   worker/work/                     what the attempts of a job found (server/store/job_work.h)
+///
+/// All but log.txt and work/ is gone when this object is, unless it is kept.
 class AttemptFolder {
  public:
   /// Throws Error{kInvalidInput} for a job whose drives were all deleted, Error{kNotFound} when a
-  /// drive or its rig is not there any more, Error{kDiskFull}. What an earlier service has made of
-  /// the folder stays as it is.
+  /// drive or its rig is not there any more, Error{kDiskFull}. Begins with empty folders, unless an
+  /// engine has the job still (its `place`).
   AttemptFolder(Store& store, const Job& job);
   ~AttemptFolder();
   AttemptFolder(const AttemptFolder&) = delete;
@@ -31,16 +37,26 @@ class AttemptFolder {
   /// Leaves everything where it is, for a worker that goes on.
   void Keep() { is_kept_ = true; }
 
+  /// Takes the products of a worker that has ended out of its folder, to where no worker gets.
+  /// Returns where they are. Throws Error{kInternal} where it left none.
+  std::filesystem::path TakeProducts(const std::filesystem::path& products) const;
+
   const JobSpec& spec() const { return spec_; }
   const std::filesystem::path& path() const { return path_; }
   const std::filesystem::path& data() const { return data_; }  ///< the data directory
+  /// The one folder that the worker may write in.
+  std::filesystem::path WorkerFolder() const { return spec_.work.parent_path(); }
+  /// A worker of this machine runs here.
+  std::filesystem::path RunFolder() const { return WorkerFolder() / path_.filename(); }
   std::filesystem::path LogFile() const { return path_ / kLogName; }
-  std::filesystem::path TemporaryFiles() const { return path_ / "tmp"; }
+  std::filesystem::path TemporaryFiles() const { return RunFolder() / "tmp"; }
 
   static constexpr const char* kLogName = "log.txt";
-  static constexpr const char* kPreviewName = "preview.glb";
 
  private:
+  void Begin(const Job& job);
+
+  const Store& store_;
   std::filesystem::path data_, path_;
   JobSpec spec_;
   bool is_kept_ = false;

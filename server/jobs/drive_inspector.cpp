@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "core/file.h"
 #include "core/log.h"
 #include "server/jobs/last_sentence.h"
 #include "server/jobs/worker_process.h"
+#include "server/store/disk/workers_files.h"
 #include "server/store/job_queue.h"
 #include "server/store/tables/drive_table.h"
 #include "server/store/tables/rig_table.h"
@@ -38,7 +38,7 @@ std::string Joined(const nlohmann::json& sentences) {
 /// What the process left. Its own state says how much can be read; without a rig, say, all of it
 /// can, and no map can be made.
 DriveInspection UnderstandInspection(const fs::path& file, const std::string& filename) {
-  nlohmann::json json = nlohmann::json::parse(ReadFile(file, kMaxBytes));
+  nlohmann::json json = nlohmann::json::parse(ReadWorkersFile(file, kMaxBytes));
   json["name"] = filename;
   DriveInspection inspection;
   inspection.state = json.at("state");

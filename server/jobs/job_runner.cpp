@@ -155,7 +155,7 @@ void JobRunner::RunWorker(const Job& job) {
   });
   switch (Supervise(job, *attempt)) {
     case Interruption::kCancelled: End(job, [&] { FinishCancelledJob(store_, job); }); return;
-    case Interruption::kNone: EndBy(job, folder.spec(), *attempt); return;
+    case Interruption::kNone: EndBy(job, folder, *attempt); return;
     case Interruption::kStopped: break;
   }
   if (engine_->capabilities().outlives_service) {
@@ -166,13 +166,15 @@ void JobRunner::RunWorker(const Job& job) {
 }
 
 /// Does what the end of an attempt asks for that was not interrupted.
-void JobRunner::EndBy(const Job& job, const JobSpec& spec, const EngineAttempt& attempt) {
+void JobRunner::EndBy(const Job& job, const AttemptFolder& folder, const EngineAttempt& attempt) {
   const WorkerExit end = attempt.Exit();
   switch (end.kind) {
-    case WorkerExit::Kind::kDone:
-      if (spec.from) ShareFilesWith(*spec.from, attempt.products());
-      Publish(job, attempt.products());
+    case WorkerExit::Kind::kDone: {
+      const std::filesystem::path products = folder.TakeProducts(attempt.products());
+      if (folder.spec().from) ShareFilesWith(*folder.spec().from, products);
+      Publish(job, products);
       return;
+    }
     case WorkerExit::Kind::kFailed:
       if (end.code == "disk_full") DropWork(store_, job.id);
       End(job, [&] { FailJob(store_, job, end.code, end.sentence); });

@@ -82,7 +82,7 @@ class JobRunner {
   void RunWorker(const Job& job);
   std::chrono::milliseconds PauseAfter(const Job& crashed) const;
   void Publish(const Job& job, const std::filesystem::path& products);
-  void EndBy(const Job& job, const JobSpec& spec, const EngineAttempt& attempt);
+  void EndBy(const Job& job, const AttemptFolder& folder, const EngineAttempt& attempt);
   Interruption Supervise(const Job& job, EngineAttempt& attempt);
   Interruption Interrupted(const Job& job) const;
   bool StorePlace(const Job& job, const JobPlace& place);

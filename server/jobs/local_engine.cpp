@@ -63,11 +63,11 @@ WorkerExit LocalAttempt::Exit() const {
 
 std::unique_ptr<EngineAttempt> LocalEngine::Run(const Job&, const AttemptFolder& folder) {
   const JobSpec& spec = folder.spec();
-  const LocalAttempt::Place place{.worker = {.folder = folder.path(),
+  const LocalAttempt::Place place{.worker = {.folder = folder.RunFolder(),
                                              .log = folder.LogFile(),
                                              .temporary_files = folder.TemporaryFiles(),
                                              // One folder: links do not lead from one to another.
-                                             .writable = {folder.path().parent_path()},
+                                             .writable = {folder.WorkerFolder()},
                                              .hidden = folder.data(),
                                              .visible = InputsOf(spec)},
                                   .products = spec.out,

@@ -68,7 +68,8 @@ void MapComparer::Run(const std::string& from_map, const std::string& to_map,
             "comparing two maps took too long");
   }
   const std::string sentence = LastSentence(log);
-  const bool is_done = WIFEXITED(*status) && WEXITSTATUS(*status) == 0 && fs::exists(products);
+  const bool is_done = WIFEXITED(*status) && WEXITSTATUS(*status) == 0 &&
+                       fs::is_directory(fs::symlink_status(products));
   const bool is_refused = WIFEXITED(*status) && WEXITSTATUS(*status) == 1 && !sentence.empty();
   Require(is_done || !is_refused, ErrorCode::kInvalidInput, sentence);
   Require(is_done, ErrorCode::kInternal, "comparing two maps failed: " + sentence);

@@ -1,15 +1,21 @@
 #include "server/jobs/progress_reader.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "server/store/disk/workers_files.h"
 
 namespace parkade {
 namespace {
 
 constexpr size_t kMaxLineBytes = size_t{1} << 20;  // a sentence may quote much
 constexpr size_t kMaxTextBytes = 1024;
+constexpr int kMaxPieces = 64;
 
 /// A worker's text as it is shown to people: cut, and printable.
 std::string Printable(const std::string& text) {
@@ -39,13 +45,16 @@ std::optional<std::string> TextAt(const nlohmann::json& json, const char* key) {
 }  // namespace
 
 bool ProgressReader::Poll() {
-  std::ifstream stream(file_, std::ios::binary);
-  if (!stream.seekg(offset_)) return false;
+  const int file = OpenWorkersFile(file_);
+  if (file < 0) return false;
   bool has_changed = false;
   std::array<char, 65536> piece;
-  while (stream.read(piece.data(), piece.size()) || stream.gcount() > 0) {
-    offset_ += stream.gcount();
-    for (const char c : std::string_view(piece.data(), static_cast<size_t>(stream.gcount()))) {
+  // No more in one go: a worker that talks without end has nobody's ear.
+  for (int i = 0; i < kMaxPieces; ++i) {
+    const ssize_t count = ::pread(file, piece.data(), piece.size(), offset_);
+    if (count <= 0) break;
+    offset_ += count;
+    for (const char c : std::string_view(piece.data(), static_cast<size_t>(count))) {
       if (c != '\n') {
         if (partial_line_.size() < kMaxLineBytes) partial_line_ += c;
         continue;
@@ -54,6 +63,7 @@ bool ProgressReader::Poll() {
       partial_line_.clear();
     }
   }
+  ::close(file);
   return has_changed;
 }
 

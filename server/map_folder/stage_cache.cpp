@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <optional>
+#include <random>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -203,9 +204,9 @@ std::optional<std::string> LastProduct(const fs::path& file) {
 
 void LinkOrCopy(const fs::path& from, const fs::path& to) {
   fs::create_directories(to.parent_path());
+  // Another run of the job, on a machine that was given up, may be at the same file.
   fs::path next = to;
-  next += ".next";
-  fs::remove(next);
+  next += ".next" + std::to_string(std::random_device()());
   std::error_code error;
   fs::create_hard_link(from, next, error);
   if (error) CopyToWrite(from, next);  // published files are read-only

@@ -74,6 +74,10 @@ std::filesystem::path DataDirectory::AttemptFolder(const std::string& job_id, in
   return JobFolder(job_id) / ("attempt-" + std::to_string(attempt));
 }
 
+std::filesystem::path DataDirectory::PreviewFile(const std::string& job_id, int attempt) const {
+  return WorkerFolder(job_id) / ("attempt-" + std::to_string(attempt) + ".preview.glb");
+}
+
 std::filesystem::path DataDirectory::NewTemporaryPath() const { return root_ / "tmp" / NewId(); }
 
 }  // namespace parkade

@@ -19,10 +19,12 @@ namespace parkade {
 ///   logs/ab/<sha256>        drive logs as uploaded, read-only
 ///   rigs/<id>/              rig files
 ///   maps/<id>/              published maps, never changed
-///   jobs/<id>/attempt-<n>/  log, progress and unpublished products of a job
-///   jobs/<id>/work/         results of its stages, for its next attempt; may be deleted at any
-///   time pictures/<drive>/       pictures of its log that people looked at; may be deleted at any
-///   time tmp/                    uploads by one request, comparisons of maps; emptied at start
+///   jobs/<id>/attempt-<n>/  log and input of an attempt at a job
+///   jobs/<id>/worker/       where the workers of the job write, and nowhere else: what lies there
+///                           is not trusted
+///   jobs/<id>/worker/work/  results of its stages, for its next attempt; may go at any time
+///   pictures/<drive>/       pictures of its log that people looked at; may go at any time
+///   tmp/                    uploads by one request, comparisons of maps; emptied at start
 ///   quarantine/             what was found without a row in the database; kept for a month
 class DataDirectory {
  public:
@@ -54,9 +56,14 @@ class DataDirectory {
   std::filesystem::path MapFolder(const std::string& map_id) const { return MapsFolder() / map_id; }
   std::filesystem::path JobFolder(const std::string& job_id) const { return JobsFolder() / job_id; }
   std::filesystem::path AttemptFolder(const std::string& job_id, int attempt) const;
-  std::filesystem::path WorkFolder(const std::string& job_id) const {
-    return JobFolder(job_id) / "work";
+  std::filesystem::path WorkerFolder(const std::string& job_id) const {
+    return JobFolder(job_id) / "worker";
   }
+  std::filesystem::path WorkFolder(const std::string& job_id) const {
+    return WorkerFolder(job_id) / "work";
+  }
+  /// What the map of an attempt will look like, once its worker knows.
+  std::filesystem::path PreviewFile(const std::string& job_id, int attempt) const;
 
   /// The folder in tmp/ where the comparison of two published maps is kept.
   std::filesystem::path ComparisonFolder(const std::string& from_map,

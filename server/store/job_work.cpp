@@ -21,13 +21,26 @@ void DropWorkOf(Store& store, const char* jobs, const Values&... values) {
 void DropWork(const Store& store, const std::string& job_id) {
   std::error_code ignored;
   std::filesystem::remove_all(store.directory.WorkFolder(job_id), ignored);
+  std::filesystem::remove(store.directory.WorkerFolder(job_id), ignored);  // where nothing else is
 }
 
 void DropWorkOfDrive(Store& store, const std::string& drive_id) {
+  // A job may have left drives out since that it has prepared.
   DropWorkOf(store,
-             "SELECT jobs.id FROM jobs JOIN job_drives ON job_drives.job = jobs.id "
-             "WHERE job_drives.drive = ? AND jobs.state <> 'running'",
+             "SELECT id FROM jobs WHERE site = (SELECT site FROM drives WHERE id = ?) "
+             "AND state NOT IN ('running', 'done')",
              drive_id);
+}
+
+void RemoveLeftovers(const Store& store, const std::string& job_id) {
+  const std::filesystem::path work = store.directory.WorkFolder(job_id);
+  std::error_code failed;
+  std::vector<std::filesystem::path> leftovers;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(store.directory.WorkerFolder(job_id), failed))
+    if (entry.path() != work || !entry.is_directory(failed) || entry.is_symlink(failed))
+      leftovers.push_back(entry.path());
+  for (const std::filesystem::path& path : leftovers) std::filesystem::remove_all(path, failed);
 }
 
 void DropStaleWork(Store& store, std::chrono::system_clock::time_point now) {

@@ -19,8 +19,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kMaxFiles = 250'000;
+
 /// Lists, hashes and makes durable everything below `staging`.
 std::vector<MapFile> SealFiles(const fs::path& staging) {
+  Require(fs::is_directory(fs::symlink_status(staging)), ErrorCode::kInternal,
+          "the worker left no folder");
   std::vector<MapFile> files;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(staging)) {
     const std::string name = entry.path().lexically_relative(staging).generic_string();
@@ -32,6 +36,8 @@ std::vector<MapFile> SealFiles(const fs::path& staging) {
     if (fs::is_directory(status)) continue;
     fs::permissions(entry.path(),
                     fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
+    Require(files.size() < kMaxFiles, ErrorCode::kInternal,
+            "the worker left more than " + std::to_string(kMaxFiles) + " files");
     const FileSums sums = SumsOfFile(entry.path());
     files.push_back({name, sums.bytes, sums.sha256, sums.pieces});
   }

@@ -1,5 +1,6 @@
 #include "server/store/store.h"
 
+#include <algorithm>
 #include <chrono>
 #include <set>
 #include <unordered_set>
@@ -7,6 +8,7 @@
 
 #include "core/error.h"
 #include "server/store/disk/durable_file.h"
+#include "server/store/job_work.h"
 #include "server/store/tables/job_table.h"
 #include "server/store/tables/upload_set_table.h"
 #include "server/store/tables/upload_table.h"
@@ -110,13 +112,13 @@ void ReconcileAttempts(Store& store) {
     const fs::path folder = store.directory.JobFolder(job);
     if (!fs::exists(folder)) continue;
     for (const fs::path& attempt : EntriesOf(folder)) {
-      if (in_use.contains(attempt) || attempt == store.directory.WorkFolder(job)) continue;
-      fs::remove_all(attempt / "out");
-      fs::remove_all(attempt / "input");
-      fs::remove_all(attempt / "tmp");
-      fs::remove_all(attempt / "runs");
-      fs::remove(attempt / "preview.glb");
+      if (in_use.contains(attempt) || attempt == store.directory.WorkerFolder(job)) continue;
+      for (const char* part : {"input", "out", "runs"}) fs::remove_all(attempt / part);
     }
+    const bool is_in_use = std::any_of(in_use.begin(), in_use.end(), [&](const fs::path& attempt) {
+      return attempt.parent_path() == folder;
+    });
+    if (!is_in_use) RemoveLeftovers(store, job);
   }
 }
 

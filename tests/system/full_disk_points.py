@@ -123,7 +123,7 @@ def publication(world):
     """The disk fills between the worker's last byte and the version."""
     job = world.upload(b"log slow\nclean\n" + random.randbytes(9), "publication")
     world.job(job, ["running"])
-    attempt = world.disk.mount_point / "data/jobs" / job / "attempt-1"
+    attempt = world.disk.mount_point / "data/jobs" / job / "worker/attempt-1"
     while not (attempt / "progress.ndjson").exists():
         time.sleep(0.02)
     world.service.freeze()
@@ -191,7 +191,7 @@ def worker_that_writes(world):
     assert status == 202, answer
     job = json.loads(answer)["id"]
     world.job(job, ["running"])
-    progress = world.disk.mount_point / "data/jobs" / job / "attempt-1/progress.ndjson"
+    progress = world.disk.mount_point / "data/jobs" / job / "worker/attempt-1/progress.ndjson"
     while not progress.exists() or progress.stat().st_size == 0:
         time.sleep(0.002)
     world.disk.fill()

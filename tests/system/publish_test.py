@@ -110,7 +110,7 @@ def publish(world, number, kill_at=None):
 
     `kill_at` is a call and how often the thread has made it then, counted from 1."""
     job = world.upload("slow", number)["job"]["id"]
-    progress = world.data / "jobs" / job / "attempt-1/progress.ndjson"
+    progress = world.data / "jobs" / job / "worker/attempt-1/progress.ndjson"
     while not progress.exists():
         time.sleep(0.01)
     service = world.service.process

@@ -95,4 +95,8 @@ class World:
 
     def left_behind(self):
         """What attempts leave that have ended: nothing but what they said."""
-        return [path for path in self.data.glob("jobs/*/attempt-*/*") if path.name in ("out", "input", "tmp", "runs")]
+        return [
+            path
+            for path in [*self.data.glob("jobs/*/attempt-*/*"), *self.data.glob("jobs/*/worker/*")]
+            if path.name not in ("log.txt", "work")
+        ]

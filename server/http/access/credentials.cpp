@@ -12,15 +12,20 @@ namespace {
 
 constexpr std::string_view kScheme = "Bearer ";
 
-/// As a proxy says that took the request by TLS. A client that says so itself makes its own cookie
-/// useless.
+/// What a proxy says that took the request by TLS. A client that says so itself makes its own
+/// cookie useless.
 bool IsOverTls(const httplib::Request& request) {
   return request.get_header_value("X-Forwarded-Proto") == "https";
 }
 
 /// The prefix makes browsers refuse such a cookie where another host of the domain sets it.
-std::string CookieName(const httplib::Request& request) {
-  return IsOverTls(request) ? "__Host-parkade" : "parkade";
+std::string CookieName(bool is_over_tls) { return is_over_tls ? "__Host-parkade" : "parkade"; }
+
+/// Of an Authorization "Bearer SECRET"; nothing for another.
+std::optional<std::string> FindBearer(const std::string& authorization) {
+  if (::strncasecmp(authorization.c_str(), kScheme.data(), kScheme.size()) != 0)
+    return std::nullopt;
+  return authorization.substr(kScheme.size());
 }
 
 std::optional<std::string> FindCookie(std::string_view cookies, std::string_view name) {
@@ -37,9 +42,10 @@ std::optional<std::string> FindCookie(std::string_view cookies, std::string_view
 
 void SendCookie(const httplib::Request& request, const std::string& value,
                 const std::string& attributes, httplib::Response& response) {
-  response.set_header("Set-Cookie", CookieName(request) + "=" + value +
+  const bool is_over_tls = IsOverTls(request);
+  response.set_header("Set-Cookie", CookieName(is_over_tls) + "=" + value +
                                         "; Path=/; HttpOnly; SameSite=Strict" + attributes +
-                                        (IsOverTls(request) ? "; Secure" : ""));
+                                        (is_over_tls ? "; Secure" : ""));
 }
 
 }  // namespace
@@ -47,14 +53,20 @@ void SendCookie(const httplib::Request& request, const std::string& value,
 Credentials CredentialsOf(const httplib::Request& request) {
   Credentials credentials;
   if (request.has_header("Authorization")) {
-    const std::string value = request.get_header_value("Authorization");
-    if (::strncasecmp(value.c_str(), kScheme.data(), kScheme.size()) != 0)
+    credentials.bearer = FindBearer(request.get_header_value("Authorization"));
+    if (!credentials.bearer)
       throw HttpError({401, "unauthenticated", "say who you are by 'Authorization: Bearer TOKEN'"});
-    credentials.bearer = value.substr(kScheme.size());
     return credentials;
   }
-  credentials.session = FindCookie(request.get_header_value("Cookie"), CookieName(request));
+  credentials.session =
+      FindCookie(request.get_header_value("Cookie"), CookieName(IsOverTls(request)));
   return credentials;
+}
+
+std::optional<std::string> SecretIn(const RequestHead& head) {
+  if (const auto authorization = head.Find("authorization")) return FindBearer(*authorization);
+  return FindCookie(head.Find("cookie").value_or(""),
+                    CookieName(head.Find("x-forwarded-proto") == "https"));
 }
 
 void SetSessionCookie(const httplib::Request& request, const std::string& secret,

@@ -75,7 +75,7 @@ bool Gate::IsOpen() {
   return is_open_;
 }
 
-Caller Gate::Known(std::optional<Caller> caller, const char* otherwise,
+Caller Gate::LetIn(std::optional<Caller> caller, const char* otherwise,
                    const httplib::Request& request, httplib::Response& response) {
   const std::string address = request.remote_addr;
   if (caller) {
@@ -92,17 +92,21 @@ Caller Gate::Authenticate(const std::string& secret, const httplib::Request& req
                           httplib::Response& response) {
   std::optional<Caller> caller =
       database_.Read([&](Connection& connection) { return CallerOfSecret(connection, secret); });
-  return Known(std::move(caller), "this token is unknown, was revoked or has expired", request,
-               response);
+  const Caller known = LetIn(std::move(caller), "this token is unknown, was revoked or has expired",
+                             request, response);
+  // Links are handed on to whoever is to see a map: who comes by one is no identity of ours.
+  if (!known.has_link_only) known_.Note(secret);
+  return known;
 }
 
 std::optional<Caller> Gate::Identify(const httplib::Request& request, httplib::Response& response) {
-  if (IsOpen()) return Known(CallerWithAllRights("local"), "", request, response);
+  if (IsOpen()) return LetIn(CallerWithAllRights("local"), "", request, response);
   const Credentials credentials = CredentialsOf(request);
   if (credentials.bearer) return Authenticate(*credentials.bearer, request, response);
   if (!credentials.session) return std::nullopt;
-  const Caller caller = Known(CallerOfSession(database_, *credentials.session),
+  const Caller caller = LetIn(CallerOfSession(database_, *credentials.session),
                               "the session is over: sign in again", request, response);
+  if (!caller.has_link_only) known_.Note(*credentials.session);
   CheckCsrf(request, *credentials.session);
   return caller;
 }

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "server/http/access/credentials.h"
+#include "server/http/access/known_callers.h"
 #include "server/http/access/rate_limiter.h"
 #include "server/http/route_table.h"
 #include "server/store/access/caller.h"
@@ -36,6 +37,10 @@ class Gate {
   Caller Authenticate(const std::string& secret, const httplib::Request& request,
                       httplib::Response& response);
 
+  /// True where a request comes from somebody who was let in lately, or from anybody while the gate
+  /// is open. By its head alone; waits for nobody.
+  bool IsKnown(const RequestHead& head) const { return is_open_ || known_.Knows(head); }
+
   /// True as long as nobody needs a token.
   bool IsOpen();
   /// As IsOpen was answered last: waits for nobody.
@@ -43,11 +48,12 @@ class Gate {
 
  private:
   /// The caller with its address, or else a failure of that address, with a sentence.
-  Caller Known(std::optional<Caller> caller, const char* otherwise, const httplib::Request& request,
+  Caller LetIn(std::optional<Caller> caller, const char* otherwise, const httplib::Request& request,
                httplib::Response& response);
   void NoteUse(const Caller& caller);
 
   Database& database_;
+  KnownCallers known_;
   RateLimiter failures_, requests_;
   const bool has_limit_;
   std::atomic<bool> is_open_ = true;

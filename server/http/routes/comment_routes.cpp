@@ -94,7 +94,7 @@ void AddCommentRoutes(Router& routes, RouteContext& context) {
             [&context](const Request& request, Response& response) {
               const std::string site = request.matches[1], id = request.matches[3];
               const std::int64_t version = std::stoll(request.matches[2]);
-              DeleteComment(context.store, site, version, id, CurrentCaller().name);
+              DeleteComment(context.store, site, version, id, CurrentCaller());
               Announce(context, site, version, id);
               response.status = 204;
             });

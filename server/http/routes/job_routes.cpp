@@ -19,10 +19,11 @@ Job JobWithId(RouteContext& context, const std::string& id) {
 /// The preview of a running job that has one.
 std::optional<std::filesystem::path> PreviewOf(RouteContext& context, const Job& job) {
   if (job.state != JobState::kRunning) return std::nullopt;
-  const std::filesystem::path file =
-      context.store.directory.AttemptFolder(job.id, job.attempt) / AttemptFolder::kPreviewName;
-  std::error_code ignored;
-  return std::filesystem::exists(file, ignored) ? std::optional(file) : std::nullopt;
+  const std::filesystem::path file = context.store.directory.PreviewFile(job.id, job.attempt);
+  std::error_code missing;
+  const bool is_there =
+      std::filesystem::is_regular_file(std::filesystem::symlink_status(file, missing));
+  return is_there ? std::optional(file) : std::nullopt;
 }
 
 /// The entity tag differs for each preview of a job, so that whoever shows one sees that it was

@@ -1,4 +1,4 @@
-#include <algorithm>
+#include <vector>
 
 #include "core/error.h"
 #include "core/log.h"
@@ -6,6 +6,7 @@
 #include "server/http/file_response.h"
 #include "server/http/json_response.h"
 #include "server/http/problem.h"
+#include "server/http/routes/map_request.h"
 #include "server/http/routes/routes.h"
 #include "server/store/care/stored_files.h"
 #include "server/store/job_queue.h"
@@ -16,7 +17,6 @@
 namespace parkade {
 namespace {
 
-constexpr std::size_t kMaxPins = 1000;
 constexpr const char* kImmutable = "private, max-age=31536000, immutable";
 
 /// 410 where the retention deleted the version's files.
@@ -105,98 +105,6 @@ void Redirect(RouteContext& context, const httplib::Request& request, const std:
   response.set_redirect(MapAddress(site, version) + rest, 307);
 }
 
-/// The members that the body of a request to build a map may hold.
-struct MapRequest {
-  std::vector<std::string> drives;
-  MapReview review;
-};
-
-std::vector<std::string> TextsOf(const std::string& key, const Json& value) {
-  Require(value.is_array(), ErrorCode::kInvalidInput, '"' + key + "\" is a list");
-  std::vector<std::string> texts;
-  for (const Json& text : value) {
-    // A word that begins with a dash would pass for an option of the worker's command line.
-    Require(text.is_string() && !text.get<std::string>().empty() &&
-                text.get<std::string>().front() != '-',
-            ErrorCode::kInvalidInput, '"' + key + "\" is a list of ids");
-    texts.push_back(text);
-  }
-  return texts;
-}
-
-std::string NumberIn(const Json& object, const char* key) {
-  const auto found = object.find(key);
-  Require(found != object.end() && found->is_number(), ErrorCode::kInvalidInput,
-          std::string("a pin's \"") + key + "\" is a number");
-  return found->dump();
-}
-
-/// {"point": [X, Y, Z], "latitude": LAT, "longitude": LON, "height": HEIGHT, "drive": NAME} as the
-/// worker takes it.
-std::string PinOf(const Json& pin) {
-  Require(pin.is_object(), ErrorCode::kInvalidInput, "a pin is an object");
-  for (const auto& [key, value] : pin.items())
-    Require(key == "point" || key == "latitude" || key == "longitude" || key == "height" ||
-                key == "drive",
-            ErrorCode::kInvalidInput,
-            "a pin knows \"point\", \"latitude\", \"longitude\", \"height\" and \"drive\"");
-  const auto point = pin.find("point");
-  Require(point != pin.end() && point->is_array() && point->size() == 3 &&
-              std::all_of(point->begin(), point->end(),
-                          [](const Json& number) { return number.is_number(); }),
-          ErrorCode::kInvalidInput, "a pin's \"point\" is a list of three numbers");
-  std::string text;
-  if (const auto drive = pin.find("drive"); drive != pin.end()) {
-    Require(drive->is_string() && !drive->get<std::string>().empty(), ErrorCode::kInvalidInput,
-            "a pin's \"drive\" is the name of one");
-    text = drive->get<std::string>() + ":";
-  }
-  text += (*point)[0].dump() + "," + (*point)[1].dump() + "," + (*point)[2].dump() + "=";
-  text += NumberIn(pin, "latitude") + "," + NumberIn(pin, "longitude");
-  if (pin.contains("height") && !pin.at("height").is_null()) text += "," + NumberIn(pin, "height");
-  return text;
-}
-
-std::vector<std::string> PinsOf(const Json& value) {
-  Require(value.is_array() && value.size() <= kMaxPins, ErrorCode::kInvalidInput,
-          "\"pins\" is a list of at most " + std::to_string(kMaxPins) + " pins");
-  std::vector<std::string> pins;
-  for (const Json& pin : value) pins.push_back(PinOf(pin));
-  return pins;
-}
-
-MapRequest ParseMapRequest(const std::string& body) {
-  MapRequest request;
-  if (body.empty()) return request;
-  const Json json = Json::parse(body, nullptr, /*allow_exceptions=*/false);
-  Require(json.is_object(), ErrorCode::kInvalidInput,
-          "the body is a JSON object: {\"drives\": [\"ID\", ...]}");
-  for (const auto& [key, value] : json.items()) {
-    if (key == "drives") {
-      request.drives = TextsOf(key, value);
-    } else if (key == "from") {
-      Require(value.is_number_integer(), ErrorCode::kInvalidInput,
-              "\"from\" is the number of a version");
-      request.review.from_version = value.get<std::int64_t>();
-    } else if (key == "reject_loops") {
-      request.review.rejected_loops = TextsOf(key, value);
-    } else if (key == "force_loops") {
-      request.review.forced_loops = TextsOf(key, value);
-    } else if (key == "pins") {
-      request.review.pins = PinsOf(value);
-    } else {
-      throw Error(
-          ErrorCode::kInvalidInput,
-          "the body knows \"drives\", \"from\", \"reject_loops\", \"force_loops\" and \"pins\"");
-    }
-  }
-  const bool decides = !request.review.rejected_loops.empty() ||
-                       !request.review.forced_loops.empty() || request.review.pins;
-  Require(!decides || request.review.from_version, ErrorCode::kInvalidInput,
-          "loops and pins are those of a version: name it in \"from\"");
-  return request;
-}
-
 void CheckPins(RouteContext& context, const std::string& site, const MapReview& review) {
   if (!review.pins || review.pins->empty() || !context.options.check_pins) return;
   const MapVersion from = context.store.database.Read(
@@ -205,9 +113,8 @@ void CheckPins(RouteContext& context, const std::string& site, const MapReview& 
   context.options.check_pins(*review.pins, context.store.directory.MapFolder(from.id));
 }
 
-void BuildMap(RouteContext& context, const std::string& site, const std::string& body,
+void BuildMap(RouteContext& context, const std::string& site, const MapRequest& request,
               httplib::Response& response) {
-  const MapRequest request = ParseMapRequest(body);
   CheckPins(context, site, request.review);
   const Job job =
       QueueMap(context.store, site, request.drives, context.options.merge_drives, request.review);
@@ -238,7 +145,7 @@ void AddMapRoutes(Router& routes, RouteContext& context) {
   routes.On("POST /api/v1/sites/{site}/maps",
             [&context](const httplib::Request& request, httplib::Response& response,
                        const httplib::ContentReader& body) {
-              BuildMap(context, request.matches[1], ReadBody(body), response);
+              BuildMap(context, request.matches[1], ReadMapRequest(body), response);
             });
 
   routes.On("GET /api/v1/sites/{site}/maps/{version}",

@@ -92,13 +92,14 @@ class Service::Parts {
         viewer_(options_.web_root),
         gate_(store_.database, options_.request_rate),
         http_(shutdown_signal_, metrics_, options_.num_threads,
-              {.any =
+              {.allows_any_host =
                    [this] {
                      // Where names are named, no others.
                      return options_.allow_public ||
                             (options_.proxy_host.empty() && !gate_.was_open());
                    },
-               .proxy_host = options_.proxy_host}) {
+               .proxy_host = options_.proxy_host,
+               .is_known = [this](const RequestHead& head) { return gate_.IsKnown(head); }}) {
     RequireTokenForPublic();
     store_.disk_reserve = options_.disk_reserve;
     store_.database.OnFreeze([this] {

@@ -4,12 +4,14 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "server/store/disk/workers_files.h"
 
 namespace parkade {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxBytes = std::size_t{64} << 20;  // of a picture, or of an index
 
 struct Found {
   fs::file_time_type used;
@@ -21,7 +23,7 @@ struct Found {
 std::vector<Found> FilesBelow(const fs::path& folder) {
   std::vector<Found> files;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file())
+    if (fs::is_regular_file(entry.symlink_status()))
       files.push_back({entry.last_write_time(), entry.path().lexically_relative(folder).string(),
                        static_cast<std::int64_t>(entry.file_size())});
   std::sort(files.begin(), files.end(), [](const Found& a, const Found& b) {
@@ -47,7 +49,7 @@ std::optional<std::string> PictureCache::Find(const std::string& name) {
   const auto found = by_name_.find(name);
   if (found == by_name_.end()) return std::nullopt;
   try {
-    std::string content = ReadFile(PathOf(name));
+    std::string content = ReadWorkersFile(PathOf(name), kMaxBytes);
     entries_.splice(entries_.begin(), entries_, found->second);
     std::error_code ignored;  // the order of use after the next start is a matter of taste
     fs::last_write_time(PathOf(name), fs::file_time_type::clock::now(), ignored);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -16,6 +17,8 @@ using Json = nlohmann::json;
 using Kind = WorkerExit::Kind;
 
 constexpr std::size_t kMaxExitBytes = 65536;
+constexpr std::string_view kExit = ".exit.json";
+constexpr const char* kPreparation = "-prepare-";
 constexpr const char* kScript = "#!/bin/sh\nexec \"$@\"\n";
 
 constexpr std::array<std::pair<Kind, const char*>, 5> kKinds = {{{Kind::kDone, "done"},
@@ -41,6 +44,11 @@ std::optional<WorkerExit> ReadExit(const fs::path& file) {
   return std::nullopt;
 }
 
+/// The names of an attempt's files among those of all its job's workers.
+fs::path InWorkerFolder(const fs::path& attempt, const std::string& rest) {
+  return WorkerFolder(attempt) / (attempt.filename().string() + rest);
+}
+
 }  // namespace
 
 void WriteNodeOrder(const fs::path& attempt, const NodeOrder& order) {
@@ -54,7 +62,7 @@ void WriteNodeOrder(const fs::path& attempt, const NodeOrder& order) {
       {"silence_ms", order.limits.silence.count()},
       {"data", order.data.string()},
       {"visible", std::vector<std::string>(order.visible.begin(), order.visible.end())}};
-  fs::create_directories(attempt / "runs" / "prepare");
+  fs::create_directories(attempt / "runs");
   WriteFileAtomically(attempt / "runs" / "order.json", json.dump() + "\n");
 }
 
@@ -81,37 +89,43 @@ void WriteNodeScript(const fs::path& attempt) { WriteFileAtomically(NodeScript(a
 
 fs::path NodeScript(const fs::path& attempt) { return attempt / "runs" / "run.sh"; }
 
+fs::path WorkerFolder(const fs::path& attempt) { return attempt.parent_path() / "worker"; }
+
 fs::path RunFolder(const fs::path& attempt, const std::string& slurm_id, int restarts) {
-  return attempt / "runs" / (slurm_id + "-" + std::to_string(restarts));
+  return InWorkerFolder(attempt, "-" + slurm_id + "-" + std::to_string(restarts));
 }
 
 fs::path PreparationProgress(const fs::path& attempt, int number) {
-  return attempt / "runs" / "prepare" / (std::to_string(number) + ".ndjson");
+  return InWorkerFolder(attempt, kPreparation + std::to_string(number) + ".ndjson");
 }
 
 fs::path PreparationLog(const fs::path& attempt, int number) {
-  return attempt / "runs" / "prepare" / (std::to_string(number) + ".txt");
+  return attempt / "runs" / ("prepare-" + std::to_string(number) + ".txt");
 }
 
 fs::path PreparationFolder(const fs::path& attempt, int number, const std::string& slurm_id,
                            int restarts) {
-  return attempt / "runs" / "prepare" /
-         (std::to_string(number) + "-" + slurm_id + "-" + std::to_string(restarts));
+  return InWorkerFolder(attempt, kPreparation + std::to_string(number) + "-" + slurm_id + "-" +
+                                     std::to_string(restarts));
 }
 
-void WriteNodeExit(const fs::path& run, const WorkerExit& exit) {
+void WriteNodeExit(const fs::path& attempt, const fs::path& run, const WorkerExit& exit) {
   for (const auto& [kind, word] : kKinds)
     if (kind == exit.kind)
       WriteFileAtomically(
-          run / "exit.json",
+          attempt / "runs" / (run.filename().string() + std::string(kExit)),
           ToText({{"kind", word}, {"code", exit.code}, {"sentence", exit.sentence}}));
 }
 
 std::optional<NodeExit> FindNodeExit(const fs::path& attempt) {
   std::error_code error;
   for (fs::directory_iterator entry(attempt / "runs", error), end; !error && entry != end;
-       entry.increment(error))
-    if (const auto exit = ReadExit(entry->path() / "exit.json")) return NodeExit{*entry, *exit};
+       entry.increment(error)) {
+    const std::string name = entry->path().filename();
+    if (!name.ends_with(kExit)) continue;
+    const fs::path run = WorkerFolder(attempt) / name.substr(0, name.size() - kExit.size());
+    if (const auto exit = ReadExit(entry->path())) return NodeExit{run, *exit};
+  }
   return std::nullopt;
 }
 

@@ -10,16 +10,20 @@
 
 namespace parkade {
 
-// What a service and a node tell each other, in the folder of an attempt that both see:
+// What a service and a node tell each other, in the folders of a job that both see. No worker
+// writes in the attempt's:
 //
-//   runs/order.json        what the node is to do
-//   runs/run.sh            what Slurm starts: runs its words
-//   runs/<run>/            one start of the worker; its working directory
-//     out/, tmp/, progress.ndjson
-//     exit.json            how it ended; there once it has, and whole
-//   runs/prepare/          where drives are prepared, before or instead of a run
-//     <n>.ndjson, <n>.txt  of the drive of the n-th preparation: progress, and what was printed
-//     <n>-<run>/           one start of its worker; its working directory
+//   attempt-<n>/runs/order.json         what the node is to do
+//   attempt-<n>/runs/run.sh             what Slurm starts: runs its words
+//   attempt-<n>/runs/<run>.exit.json    how a run ended; there once it has, and whole
+//   attempt-<n>/runs/prepare-<i>.txt    what the i-th preparation printed
+//
+// <run> is "attempt-<n>-<Slurm's number>-<restarts>", one start of the worker. All workers of the
+// job write in one folder (server/jobs/attempt_folder.h):
+//
+//   worker/<run>/                       its working directory: out/, tmp/, progress.ndjson
+//   worker/attempt-<n>-prepare-<i>-.../ the same where a drive is prepared, before a run
+//   worker/attempt-<n>-prepare-<i>.ndjson   its progress
 //
 // All goes when the attempt has ended: whoever comes later finds no order and does nothing.
 //
@@ -47,6 +51,9 @@ NodeOrder ReadNodeOrder(const std::filesystem::path& attempt);
 void WriteNodeScript(const std::filesystem::path& attempt);
 std::filesystem::path NodeScript(const std::filesystem::path& attempt);
 
+/// The one folder that the workers of the attempt's job may write in.
+std::filesystem::path WorkerFolder(const std::filesystem::path& attempt);
+
 /// The folder of the run that Slurm calls by this number, restarted so often.
 std::filesystem::path RunFolder(const std::filesystem::path& attempt, const std::string& slurm_id,
                                 int restarts);
@@ -58,7 +65,8 @@ std::filesystem::path PreparationFolder(const std::filesystem::path& attempt, in
                                         const std::string& slurm_id, int restarts);
 
 /// Durable when it returns. Throws as WriteFileAtomically does.
-void WriteNodeExit(const std::filesystem::path& run, const WorkerExit& exit);
+void WriteNodeExit(const std::filesystem::path& attempt, const std::filesystem::path& run,
+                   const WorkerExit& exit);
 
 struct NodeExit {
   std::filesystem::path run;

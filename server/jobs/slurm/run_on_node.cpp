@@ -38,9 +38,12 @@ std::string NumberFromSlurm(const char* variable, const std::string& missing) {
 /// Runs a worker to its end; nothing where Slurm stopped it.
 std::optional<WorkerExit> RunWorker(const std::vector<std::string>& command,
                                     const LocalAttempt::Place& place, const JobLimits& limits) {
-  // Not where the attempt has ended meanwhile, and its folders are gone.
+  // Not where the attempt has ended meanwhile and its folders are gone, nor in what another worker
+  // has put there.
   const fs::path& run = place.worker.folder;
-  for (const fs::path& folder : {run, run / "out", run / "tmp"}) fs::create_directory(folder);
+  for (const fs::path& folder : {run, run / "out", run / "tmp"})
+    Require(fs::create_directory(folder), ErrorCode::kInternal,
+            "the run's folder is there already");
   LocalAttempt worker(command, place, limits, kStopPatience);
   while (!worker.Look().has_ended)
     if (is_stopped) worker.Cancel();
@@ -52,7 +55,7 @@ LocalAttempt::Place PlaceIn(const fs::path& run, const fs::path& log, const fs::
   return {.worker = {.folder = run,
                      .log = log,
                      .temporary_files = run / "tmp",
-                     .writable = {attempt.parent_path()},
+                     .writable = {WorkerFolder(attempt)},
                      .hidden = order.data,
                      .visible = order.visible},
           .products = run / "out",
@@ -101,7 +104,7 @@ int RunOnNode(const fs::path& attempt) {
       PlaceIn(run, attempt / AttemptFolder::kLogName, run / "progress.ndjson", attempt, order),
       order.limits);
   if (!exit) return kStopped;
-  WriteNodeExit(run, *exit);
+  WriteNodeExit(attempt, run, *exit);
   return exit->kind == WorkerExit::Kind::kDone ? 0 : 1;
 }
 

@@ -4,6 +4,8 @@
 #include <system_error>
 #include <vector>
 
+#include "core/error.h"
+#include "core/log.h"
 #include "core/sha256.h"
 
 namespace parkade {
@@ -33,14 +35,17 @@ void Share(const fs::path& older, const fs::path& file) {
 
 void ShareFilesWith(const fs::path& older, const fs::path& folder) {
   std::vector<fs::path> files;
-  std::error_code missing;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, missing))
-    if (entry.is_regular_file() && !entry.is_symlink()) files.push_back(entry.path());
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
+    if (fs::is_regular_file(entry.symlink_status())) files.push_back(entry.path());
   for (const fs::path& file : files) {
     const fs::path counterpart = older / file.lexically_relative(folder);
-    // By content, since the older file may have rotted meanwhile.
-    if (IsWorthIt(counterpart, file) && Sha256OfFile(counterpart) == Sha256OfFile(file))
-      Share(counterpart, file);
+    try {
+      // By content, since the older file may have rotted meanwhile.
+      if (IsWorthIt(counterpart, file) && Sha256OfFile(counterpart) == Sha256OfFile(file))
+        Share(counterpart, file);
+    } catch (const Error& error) {
+      LogWarning(std::string("file not shared error=") + error.what());
+    }
   }
 }
 

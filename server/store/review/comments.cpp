@@ -50,7 +50,7 @@ void RequireDriveInMap(Connection& connection, const MapVersion& map, const std:
 
 void RequireOwn(const Comment& comment, const std::string& author) {
   Require(comment.author == author, ErrorCode::kForbidden,
-          "only who wrote a comment changes or deletes it");
+          "only who wrote a comment changes it, or deletes it; an admin may delete it too");
 }
 
 void RequireThread(Connection& connection, const MapVersion& map, const std::string& thread) {
@@ -122,12 +122,12 @@ Comment ChangeComment(Store& store, const std::string& site, std::int64_t versio
 }
 
 void DeleteComment(Store& store, const std::string& site, std::int64_t version,
-                   const std::string& id, const std::string& author) {
+                   const std::string& id, const Caller& caller) {
   WriteToMakeRoom(store, [&](Connection& connection) {
     const MapVersion map = FindMapRow(connection, site, version);
     Comment comment = FindComment(connection, map.id, id);
     Require(!comment.deleted_at, ErrorCode::kNotFound, "the comment was deleted already");
-    RequireOwn(comment, author);
+    if (caller.role != Role::kAdmin) RequireOwn(comment, caller.name);
     RecordAudit(connection, "comment.delete", id);
     if (CountAnswers(connection, id) > 0) {
       comment.text.clear();

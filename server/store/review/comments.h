@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "server/store/access/caller.h"
 #include "server/store/store.h"
 #include "server/store/tables/comment_table.h"
 
@@ -10,7 +11,7 @@ namespace parkade {
 
 // Comments on a version. Each either begins a thread, which may be pinned to something, or answers
 // in one. All are durable when they return, and throw Error{kNotFound}, Error{kInvalidInput}; only
-// who wrote a comment changes its text or deletes it (Error{kForbidden}).
+// who wrote a comment changes its text; that one or an admin deletes it (Error{kForbidden}).
 
 struct NewComment {
   std::string text;
@@ -32,6 +33,6 @@ Comment ChangeComment(Store& store, const std::string& site, std::int64_t versio
 
 /// A first comment that was answered stays without its text until its last answer goes.
 void DeleteComment(Store& store, const std::string& site, std::int64_t version,
-                   const std::string& id, const std::string& author);
+                   const std::string& id, const Caller& caller);
 
 }  // namespace parkade

@@ -1,5 +1,7 @@
 #include "server/store/uploads/resumable_uploads.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "core/log.h"
 #include "server/store/access/audit_log.h"
@@ -108,6 +110,8 @@ Upload ResumableUploads::Append(const std::string& id, std::int64_t offset, std:
   Require(bytes <= upload.length - offset, ErrorCode::kInvalidInput,
           "the part is longer than what is missing of the upload");
   if (upload.state == UploadState::kDone) return upload;
+  // It is whole, and what was to follow failed: on a full disk, say.
+  if (offset == upload.length) return Finish(upload);
 
   const std::int64_t first = upload.first_byte;
   GrowingFile file = upload.set ? GrowingFile::WriteOver(FileOf(upload), first + offset)
@@ -240,11 +244,17 @@ void ResumableUploads::ForgetHashesOfRemoved() {
 
 void ResumableUploads::Work() {
   try {
-    Recover();
     std::unique_lock lock(mutex_);
     while (!is_stopping_) {
       lock.unlock();
-      RemoveExpired();
+      try {
+        EndWhatIsOver();
+        RemoveExpired();
+      } catch (const DiskFailure&) {
+        throw;
+      } catch (const Error& error) {  // a full disk
+        LogWarning(std::string("uploads wait error=") + error.what());
+      }
       lock.lock();
       stopping_.wait_for(lock, kTidyInterval, [this] { return is_stopping_.load(); });
     }
@@ -255,24 +265,35 @@ void ResumableUploads::Work() {
   }
 }
 
-void ResumableUploads::Recover() {
+/// Whether nothing more can arrive of it.
+bool ResumableUploads::IsOver(const Upload& upload) const {
+  return upload.state == UploadState::kReceiving &&
+         (upload.offset == upload.length || IsLost(upload));
+}
+
+bool ResumableUploads::IsLost(const Upload& upload) const {
+  if (upload.set) return false;  // sets look after their file
+  std::error_code missing;
+  const auto bytes = std::filesystem::file_size(FileOf(upload), missing);
+  return missing || static_cast<std::int64_t>(bytes) < upload.offset;
+}
+
+/// Finishes what is whole, and refuses what the disk lost.
+void ResumableUploads::EndWhatIsOver() {
   for (const Upload& found : store_.database.Read(UnfinishedUploads)) {
     if (is_stopping_) return;
+    if (!IsOver(found)) continue;
     try {
       const UploadLocks::Hold hold = Take(found.id, [] {});
       const Upload upload = Look(found.id);
-      if (upload.state != UploadState::kReceiving) continue;
+      if (!IsOver(upload)) continue;
       const Caller maker = store_.database.Read(
           [&](Connection& connection) { return MakerOf(connection, upload.created_by); });
       const WorkFor scope(maker);
-      std::error_code missing;
-      const auto bytes = std::filesystem::file_size(FileOf(upload), missing);
-      const bool is_lost = missing || static_cast<std::int64_t>(bytes) < upload.offset;
-      if (is_lost && !upload.set) {
+      if (IsLost(upload))
         Refuse(upload, "internal", "the disk lost what had arrived: upload the log anew");
-      } else if (upload.offset == upload.length) {
+      else
         Finish(upload);
-      }
     } catch (const DiskFailure&) {
       throw;
     } catch (const Error& error) {
@@ -282,12 +303,17 @@ void ResumableUploads::Recover() {
 }
 
 void ResumableUploads::RemoveExpired() {
-  const auto expired = store_.database.Read(
-      [](Connection& connection) { return ExpiredUploads(connection, NowUtc()); });
-  for (const std::string& id : expired) {
+  const std::string now = NowUtc();
+  const auto expired = [&] {
+    return store_.database.Read(
+        [&](Connection& connection) { return ExpiredUploads(connection, now); });
+  };
+  for (const std::string& id : expired()) {
     const auto hold = locks_.Take(
         id, [] {}, 0ms);
     if (!hold) continue;
+    const std::vector<std::string> still = expired();  // a part may have come until just now
+    if (std::find(still.begin(), still.end(), id) == still.end()) continue;
     Remove(id);
     LogInfo("upload expired id=" + id);
   }

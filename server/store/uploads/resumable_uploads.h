@@ -89,7 +89,9 @@ class ResumableUploads {
   void Refuse(const Upload& upload, const std::string& code, const std::string& sentence);
   void Remove(const std::string& id);
   void Work();
-  void Recover();
+  bool IsOver(const Upload& upload) const;
+  bool IsLost(const Upload& upload) const;
+  void EndWhatIsOver();
   void RemoveExpired();
 
   Store& store_;

@@ -120,8 +120,9 @@ void UploadSets::Terminate(const std::string& id) {
 }
 
 /// Takes the set and all of its parts from whoever adds to them; false where one does not let go
-/// within `patience`.
-bool UploadSets::Remove(const std::string& id, std::chrono::milliseconds patience) {
+/// within `patience`, or the set has not expired by `expired_at`, unless that is empty.
+bool UploadSets::Remove(const std::string& id, std::chrono::milliseconds patience,
+                        const std::string& expired_at) {
   const auto hold = locks_.Take(
       id, [] {}, patience);
   if (!hold) return false;
@@ -135,6 +136,7 @@ bool UploadSets::Remove(const std::string& id, std::chrono::milliseconds patienc
     if (!of_part) return false;
     holds.push_back(std::move(*of_part));
   }
+  if (!expired_at.empty() && Look(id).set.expires_at >= expired_at) return false;
   WriteToMakeRoom(store_, [&](Connection& connection) {
     DeleteUploadSet(connection, id);
     RecordAudit(connection, "upload_set.delete", id);
@@ -211,20 +213,23 @@ void UploadSets::RefuseLost() {
 }
 
 void UploadSets::RemoveExpired() {
+  const std::string now = NowUtc();
   const auto expired = store_.database.Read(
-      [](Connection& connection) { return ExpiredUploadSets(connection, NowUtc()); });
+      [&](Connection& connection) { return ExpiredUploadSets(connection, now); });
   for (const std::string& id : expired)
-    if (Remove(id, 0ms)) LogInfo("upload set expired id=" + id);
+    if (Remove(id, 0ms, now)) LogInfo("upload set expired id=" + id);
 }
 
 void UploadSets::Work() {
   try {
-    RefuseLost();
+    bool has_looked = false;
     std::unique_lock lock(mutex_);
     while (!is_stopping_) {
       has_whole_part_ = false;
       lock.unlock();
       try {
+        if (!has_looked) RefuseLost();
+        has_looked = true;
         AssembleWhole();
         RemoveExpired();
       } catch (const DiskFailure&) {

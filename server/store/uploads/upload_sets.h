@@ -55,7 +55,8 @@ class UploadSets {
   void Stop() { is_stopping_ = true; }
 
  private:
-  bool Remove(const std::string& id, std::chrono::milliseconds patience);
+  bool Remove(const std::string& id, std::chrono::milliseconds patience,
+              const std::string& expired_at = "");
   void Refuse(const std::string& id, const std::string& code, const std::string& sentence);
   void Finish(const UploadSet& set);
   void AssembleWhole();

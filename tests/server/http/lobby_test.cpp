@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 
 #include <atomic>
+#include <mutex>
 #include <thread>
 
 #include "tests/server/http/raw_client.h"
@@ -14,7 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 
 /// A lobby and its pools without routes: what is asked for is answered with the length of the body,
-/// below /api/ only when `gate_` is open.
+/// below /api/ only when `gate_` is open. Known is who does not say "X-Stranger".
 class LobbyTest : public testing::Test {
  protected:
   ~LobbyTest() override {
@@ -39,13 +40,17 @@ class LobbyTest : public testing::Test {
   }
   void Start() {
     if (listener_ < 0) Listen();
-    pools_.emplace(8,
+    pools_.emplace(num_threads_,
                    PoolHooks{[this](HttpConnection& connection) { Answer(connection); },
                              [this](std::unique_ptr<HttpConnection> connection) {
                                lobby_->Return(std::move(connection));
                              }},
                    metrics_);
-    lobby_.emplace(limits_, HostRules{.any = [] { return false; }}, *pools_, signal_, metrics_);
+    lobby_.emplace(
+        limits_,
+        EntryRules{.allows_any_host = [] { return false; },
+                   .is_known = [](const RequestHead& head) { return !head.Find("x-stranger"); }},
+        *pools_, signal_, metrics_);
     thread_ = std::thread([this] { lobby_->Run(listener_); });
   }
   void Open() {
@@ -65,6 +70,9 @@ class LobbyTest : public testing::Test {
     return line + " HTTP/1.1\r\nHost: localhost\r\nContent-Length: " + std::to_string(body.size()) +
            "\r\n\r\n" + body;
   }
+  static std::string StrangersRequest(const std::string& line) {
+    return line + " HTTP/1.1\r\nHost: localhost\r\nX-Stranger: 1\r\n\r\n";
+  }
   std::string Ask(const std::string& text, const std::string& end = "bytes") {
     RawClient client(port_);
     client.Send(text);
@@ -75,16 +83,23 @@ class LobbyTest : public testing::Test {
   Metrics metrics_;
   ShutdownSignal signal_;
   int listener_ = -1, port_ = 0;
+  int num_threads_ = 8;  // two for the API
   std::atomic<bool> gate_ = false;
   std::atomic<int> num_answers_ = 0;
   size_t padding_ = 0;  // [bytes] before each answer
   std::optional<RequestPools> pools_;
   std::optional<Lobby> lobby_;
   std::thread thread_;
+  std::mutex mutex_;
+  std::vector<std::string> answered_;  ///< paths, guarded by mutex_
 
  private:
   void Answer(HttpConnection& connection) {
     if (connection.route_class() == RouteClass::kApi) gate_.wait(false);
+    {
+      const std::lock_guard lock(mutex_);
+      answered_.push_back(connection.trace().path);
+    }
     std::string text, piece(4096, '\0');
     for (ssize_t size = 1; size > 0; text += piece.substr(0, static_cast<size_t>(size)))
       if ((size = connection.read(piece.data(), piece.size())) <= 0) break;
@@ -199,6 +214,64 @@ TEST_F(LobbyTest, AnswersOtherKindsOfRequestsWhereOneIsFull) {
     EXPECT_EQ(StatusOf(Ask(Request(std::string("GET ") + path))), 200) << path;
   Open();
   for (const auto& client : busy) EXPECT_EQ(StatusOf(client->ReceiveUntil("bytes")), 200);
+}
+
+TEST_F(LobbyTest, KeepsThreadsAndPlacesForWhoIsKnown) {
+  num_threads_ = 16;  // four for the API
+  Start();
+  const RouteClassMetrics& api = metrics_.of(RouteClass::kApi);
+  const auto strangers = Clients(4 + 256, StrangersRequest("GET /api/v1/drives"));
+  while (api.busy + api.waiting + api.refused < 4 + 256) std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(api.busy, 3);
+  EXPECT_EQ(api.waiting, 192);
+  EXPECT_EQ(api.refused, 65);
+
+  const auto known = Clients(1 + 64, Request("GET /api/v1/drives"));
+  while (api.busy + api.waiting < 4 + 256) std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(api.busy, 4);
+  EXPECT_EQ(api.refused, 65);
+  Open();
+  for (const auto& client : known) EXPECT_EQ(StatusOf(client->ReceiveUntil("bytes")), 200);
+  int num_served = 0;
+  for (const auto& client : strangers)
+    if (StatusOf(client->ReceiveUntil("\r\n\r\n")) == 200) ++num_served;
+  EXPECT_EQ(num_served, 3 + 192);
+}
+
+TEST_F(LobbyTest, AnswersWhoIsKnownBeforeStrangers) {
+  num_threads_ = 4;  // one for the API
+  Start();
+  const RouteClassMetrics& api = metrics_.of(RouteClass::kApi);
+  std::vector<std::unique_ptr<RawClient>> clients;
+  for (const std::string& text :
+       {Request("GET /api/v1/first"), StrangersRequest("GET /api/v1/stranger"),
+        StrangersRequest("GET /api/v1/stranger"), Request("GET /api/v1/known")}) {
+    clients.push_back(std::make_unique<RawClient>(port_));
+    clients.back()->Send(text);
+    while (api.busy + api.waiting < static_cast<std::int64_t>(clients.size()) || api.busy == 0)
+      std::this_thread::sleep_for(1ms);
+  }
+  Open();
+  for (const auto& client : clients) EXPECT_EQ(StatusOf(client->ReceiveUntil("bytes")), 200);
+
+  const std::lock_guard lock(mutex_);
+  EXPECT_EQ(answered_, (std::vector<std::string>{"/api/v1/first", "/api/v1/known",
+                                                 "/api/v1/stranger", "/api/v1/stranger"}));
+}
+
+TEST_F(LobbyTest, LetsStrangersGoBeforeWhoIsKnown) {
+  limits_.max_connections = 8;
+  Start();
+  const auto known = Clients(2, Request("GET /healthz"));
+  for (const auto& client : known) client->ReceiveUntil("bytes");
+  const auto strangers = Clients(10, StrangersRequest("GET /healthz"));
+  for (const auto& client : strangers) client->ReceiveUntil("bytes");
+  while (metrics_.connections_refused < 4) std::this_thread::sleep_for(1ms);
+
+  for (const auto& client : known) {
+    client->Send(Request("PUT /a", "abc"));
+    EXPECT_NE(client->ReceiveUntil("3 bytes").find("3 bytes"), std::string::npos);
+  }
 }
 
 TEST_F(LobbyTest, KeepsShortAnswersOfWhoReadsLate) {

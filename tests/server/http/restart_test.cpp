@@ -75,7 +75,7 @@ TEST_F(Restart, AfterAKillMidJobDoesTheJobAgain) {
     job = Upload(client, "log slow\n");
     Eventually([&] { return StateOf(client, job) == "running"; });
     Eventually([&] {
-      return std::filesystem::exists(data_ / "jobs" / job / "attempt-1" / "progress.ndjson");
+      return std::filesystem::exists(data_ / "jobs" / job / "worker/attempt-1/progress.ndjson");
     });
     service.End(SIGKILL);
   }
@@ -87,8 +87,7 @@ TEST_F(Restart, AfterAKillMidJobDoesTheJobAgain) {
   EXPECT_EQ(found.at("attempts"), 2);
   EXPECT_EQ(found.at("map_version"), 1);
   EXPECT_EQ(client.Get("/api/v1/sites/lot/maps/1/map.glb")->status, 200);
-  EXPECT_FALSE(std::filesystem::exists(data_ / "jobs" / job / "attempt-1" / "out"));
-  EXPECT_FALSE(std::filesystem::exists(data_ / "jobs" / job / "attempt-1" / "tmp"));
+  EXPECT_FALSE(std::filesystem::exists(data_ / "jobs" / job / "worker"));
 }
 
 TEST_F(Restart, ACrashedJobWaitsOnAfterAKill) {

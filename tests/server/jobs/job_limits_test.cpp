@@ -114,10 +114,10 @@ TEST_F(JobLimiting, TemporaryFilesGoWithTheAttempt) {
   const Job job = EndOf(Shell("echo $TMPDIR; echo left > $TMPDIR/over; exec kill -KILL $$"));
 
   EXPECT_EQ(job.error_code, "crashed");
-  EXPECT_NE(ReadFile(Attempt() / "log.txt").find((Attempt() / "tmp").string()), std::string::npos);
-  for (int attempt = 1; attempt <= 3; ++attempt)
-    EXPECT_FALSE(
-        std::filesystem::exists(store_.directory.AttemptFolder(received_.job.id, attempt) / "tmp"));
+  const std::filesystem::path worker = store_.directory.WorkerFolder(received_.job.id);
+  EXPECT_NE(ReadFile(Attempt() / "log.txt").find((worker / "attempt-1/tmp").string()),
+            std::string::npos);
+  for (const std::string& name : ContentOf(worker)) EXPECT_EQ(name, "work/");
 }
 
 TEST_F(JobLimiting, AFullDiskIsToldByTheStatusAlone) {

@@ -77,13 +77,16 @@ TEST_F(ReconciledFiles, DropUnpublishedProductsAndKeepTheLog) {
   const ReceivedDrive received = Receive(store_, "a log", {"a.bag", "lot", std::nullopt});
   const auto attempt = store_.directory.AttemptFolder(received.job.id, 1);
   WriteText(attempt / "out" / "map.glb", "half a map");
-  WriteText(attempt / "preview.glb", "what it would have been");
-  WriteText(attempt / "tmp" / "parkade-unpacked-a" / "data.csv", "of an archive");
   WriteText(attempt / "log.txt", "said");
+  const auto worker = store_.directory.WorkerFolder(received.job.id);
+  WriteText(worker / "attempt-1" / "tmp" / "parkade-unpacked-a" / "data.csv", "of an archive");
+  WriteText(worker / "work" / "a" / "odometry.bin", "found");
+  WriteText(store_.directory.PreviewFile(received.job.id, 1), "what it would have been");
 
   ReconcileFiles(store_);
 
   EXPECT_EQ(ContentOf(attempt), std::set<std::string>{"log.txt"});
+  EXPECT_EQ(ContentOf(worker), (std::set<std::string>{"work/", "work/a/", "work/a/odometry.bin"}));
 }
 
 TEST_F(ReconciledFiles, LookAtJobsAgainThatEndedSince) {

@@ -26,8 +26,8 @@ TEST_F(AtSlurm, AJobIsPublished) {
   EXPECT_EQ(job.place->id, "101");
   EXPECT_EQ(job.map_version, 1);
   EXPECT_TRUE(ReadFile(Attempt() / "log.txt").ends_with("hello\n"));
-  for (const char* name : {"input", "out", "tmp", "runs"})
-    EXPECT_FALSE(std::filesystem::exists(Attempt() / name)) << name;
+  EXPECT_EQ(ContentOf(Attempt()), std::set<std::string>{"log.txt"});
+  EXPECT_FALSE(std::filesystem::exists(WorkerFolder(Attempt())));
 }
 
 TEST_F(AtSlurm, AJobIsHandedOverWithItsLimits) {
@@ -102,7 +102,7 @@ TEST_F(AtSlurm, AWorkersOwnEndIsTheJobsEnd) {
 }
 
 TEST_F(AtSlurm, ACrashedWorkerIsStartedAgain) {
-  Start("case $PWD in */attempt-1/*) kill -SEGV $$;; esac; " + std::string(kMakeMap));
+  Start("case $PWD in */attempt-1-*) kill -SEGV $$;; esac; " + std::string(kMakeMap));
 
   EXPECT_EQ(WaitFor(JobState::kDone).attempt, 2);
   EXPECT_EQ(CallsOf("sbatch").size(), 2u);

@@ -179,7 +179,7 @@ TEST_F(SlurmInTrouble, TwoRunsOfOneAttemptDoNotMeet) {
     const auto progress = runner_->ProgressOf(received_.job.id);
     return progress && progress->stage == "mesh";
   });
-  WriteNodeExit(second, {WorkerExit::Kind::kDone, "", ""});
+  WriteNodeExit(Attempt(), second, {WorkerExit::Kind::kDone, "", ""});
 
   const Job job = WaitFor(JobState::kDone);
   EXPECT_EQ(job.attempt, 1);

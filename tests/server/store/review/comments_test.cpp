@@ -21,8 +21,13 @@ class Comments : public PublishedSite {
                  const std::string& author = "ann") {
     return ChangeComment(store_, "lot", 1, comment.id, change, author);
   }
-  void Delete(const Comment& comment, const std::string& author = "ann") {
-    DeleteComment(store_, "lot", 1, comment.id, author);
+  static Caller As(const std::string& name, Role role = Role::kReviewer) {
+    Caller caller = CallerWithAllRights(name);
+    caller.role = role;
+    return caller;
+  }
+  void Delete(const Comment& comment, const Caller& caller = As("ann")) {
+    DeleteComment(store_, "lot", 1, comment.id, caller);
   }
   std::vector<Comment> All(const std::optional<std::string>& thread = std::nullopt,
                            const Page& page = {}) {
@@ -93,7 +98,7 @@ TEST_F(Comments, BelongToTheirVersion) {
               AddComment(store_, "lot", 2, {"a puddle", first.id, {}}, "bob");
             }).code(),
             ErrorCode::kNotFound);
-  EXPECT_EQ(ErrorOf([&] { DeleteComment(store_, "lot", 2, first.id, "ann"); }).code(),
+  EXPECT_EQ(ErrorOf([&] { DeleteComment(store_, "lot", 2, first.id, As("ann")); }).code(),
             ErrorCode::kNotFound);
 }
 
@@ -112,11 +117,18 @@ TEST_F(Comments, AreChangedByTheirAuthorAlone) {
 
   EXPECT_EQ(ErrorOf([&] { Change(comment, {.text = "mine"}, "bob"); }).code(),
             ErrorCode::kForbidden);
-  EXPECT_EQ(ErrorOf([&] { Delete(comment, "bob"); }).code(), ErrorCode::kForbidden);
+  EXPECT_EQ(ErrorOf([&] { Delete(comment, As("bob")); }).code(), ErrorCode::kForbidden);
   const Comment changed = Change(comment, {.text = "a puddle"});
   EXPECT_EQ(changed.text, "a puddle");
   EXPECT_TRUE(changed.edited_at.has_value());
   EXPECT_EQ(All().front().text, "a puddle");
+}
+
+TEST_F(Comments, AreDeletedByAnAdminToo) {
+  const Comment comment = Add("not for everybody");
+
+  Delete(comment, As("carl", Role::kAdmin));
+  EXPECT_TRUE(All().empty());
 }
 
 TEST_F(Comments, ThreadsAreResolvedAndOpenedByAnyone) {
@@ -150,13 +162,13 @@ TEST_F(Comments, LeaveATombstoneWhereTheyWereAnswered) {
   EXPECT_EQ(ErrorOf([&] { Change(first, {.text = "back"}); }).code(), ErrorCode::kConflict);
   EXPECT_EQ(ErrorOf([&] { Delete(first); }).code(), ErrorCode::kNotFound);
 
-  Delete(answer, "bob");
+  Delete(answer, As("bob"));
   EXPECT_TRUE(All().empty()) << "nothing needs the tombstone any more";
 }
 
 TEST_F(Comments, AreGoneWhereTheyWereNot) {
   const Comment first = Add("what is this?"), answer = Answer(first, "a puddle");
-  Delete(answer, "bob");
+  Delete(answer, As("bob"));
   EXPECT_EQ(All().size(), 1u);
   Delete(first);
   EXPECT_TRUE(All().empty());

@@ -90,6 +90,21 @@ TEST_F(UploadInParts, ThatCameWholeAreFinishedByTheNextService) {
   EXPECT_EQ(NumDrives(), 1u);
 }
 
+TEST_F(UploadInParts, ThatCameWholeAreFinishedWhereThatFailedAtFirst) {
+  const std::string id = Create(5);
+  const fs::path away = root_.path() / "away";
+  fs::rename(store_.directory.LogsFolder(), away);
+  WriteText(store_.directory.LogsFolder(), "in the way");
+  EXPECT_ANY_THROW(Append(id, 0, "log 1"));
+  EXPECT_EQ(uploads_->Find(id).offset, 5);
+  EXPECT_EQ(uploads_->Find(id).state, UploadState::kReceiving);
+  fs::remove(store_.directory.LogsFolder());
+  fs::rename(away, store_.directory.LogsFolder());
+
+  EXPECT_EQ(Append(id, 5, "").state, UploadState::kDone);
+  EXPECT_EQ(NumDrives(), 1u);
+}
+
 TEST_F(UploadInParts, WhoseBytesTheDiskLostAreRefused) {
   const std::string id = Create(10);
   Append(id, 0, "log 123");
