@@ -65,12 +65,15 @@ void JobRunner::Stop() {
 
 void JobRunner::Cancel(const std::string& job_id) {
   if (!CancelWaitingJob(store_, job_id)) {
-    const std::lock_guard lock(mutex_);
-    const auto found = running_.find(job_id);
-    // The job runs by the store, but not here: it is about to end.
-    const bool is_in_time = found != running_.end() && !found->second.is_ending;
-    Require(is_in_time, ErrorCode::kConflict, "job '" + job_id + "' is just ending");
-    found->second.is_cancelled = true;
+    {
+      const std::lock_guard lock(mutex_);
+      const auto found = running_.find(job_id);
+      // The job runs by the store, but not here: it is about to end.
+      const bool is_in_time = found != running_.end() && !found->second.is_ending;
+      Require(is_in_time, ErrorCode::kConflict, "job '" + job_id + "' is just ending");
+      found->second.is_cancelled = true;
+    }
+    NoteCancel(store_, job_id);  // for the next service, should this one end before the job
     return;
   }
   const Job job =
@@ -121,6 +124,7 @@ void JobRunner::RunAttempt(const Job& job) {
     const std::lock_guard lock(mutex_);
     Running& running = running_[job.id] = {};
     running.attempt = job.attempt;
+    running.is_cancelled = job.is_cancel_asked;
     running.started = steady_clock::now();
   }
   PublishStates(job);

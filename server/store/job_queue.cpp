@@ -181,6 +181,7 @@ void RetryCrashedJob(Store& store, const Job& job, const std::string& code,
 }
 
 void RecoverJob(Store& store, const Job& job) {
+  if (job.is_cancel_asked) return FinishCancelledJob(store, job);
   const int ends = job.service_ends + 1;
   if (ends >= kMaxServiceEnds) {
     FailJob(store, job, "crashed",
@@ -201,10 +202,17 @@ bool CancelWaitingJob(Store& store, const std::string& id) {
     const bool has_ended = job.state != JobState::kQueued && job.state != JobState::kRunning;
     Require(!has_ended, ErrorCode::kConflict,
             "job '" + id + "' has already ended: it is " + ToText(job.state));
-    RecordAudit(connection, "job.cancel", id);
     if (!CancelQueuedJob(connection, id)) return false;
+    RecordAudit(connection, "job.cancel", id);
     FinishJob(connection, job, DriveState::kReceived);
     return true;
+  });
+}
+
+void NoteCancel(Store& store, const std::string& id) {
+  WriteToMakeRoom(store, [&](Connection& connection) {
+    SetCancelAsked(connection, id);
+    RecordAudit(connection, "job.cancel", id);
   });
 }
 

@@ -53,7 +53,7 @@ void RetryCrashedJob(Store& store, const Job& job, const std::string& code,
                      const std::string& sentence, std::chrono::milliseconds pause);
 
 /// Puts an attempt back into the queue that an earlier service was at when it died, or fails it
-/// after kMaxServiceEnds of them.
+/// after kMaxServiceEnds of them; ends it where it is to be cancelled.
 void RecoverJob(Store& store, const Job& job);
 
 /// Puts an attempt back into the queue that was stopped through no fault of its own, as when the
@@ -63,6 +63,9 @@ void ReturnJob(Store& store, const Job& job, const std::string& reason = "the se
 /// Takes a queued job out of the queue; false when it is running. Throws
 /// Error{kNotFound}, Error{kConflict} when it has ended.
 bool CancelWaitingJob(Store& store, const std::string& id);
+
+/// Notes that a running job is to end as cancelled: RecoverJob does so after a service's end.
+void NoteCancel(Store& store, const std::string& id);
 
 /// Queues a failed or cancelled job again, or ends the pause of one that crashed. Throws
 /// Error{kNotFound}, Error{kConflict} in another state or when all drives of it were deleted.

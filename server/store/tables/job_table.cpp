@@ -11,7 +11,7 @@ namespace {
 
 const std::string kSelect = R"(
   SELECT sequence, id, site, state, attempt, crashes, error, error_code, pid, pid_started, map_version, created_at,
-         started_at, finished_at, review, service_ends, new_drive, not_before, engine, engine_id, engine_waits
+         started_at, finished_at, review, service_ends, new_drive, not_before, engine, engine_id, engine_waits, cancel_asked
   FROM jobs )";
 
 std::optional<std::string> ReviewToText(const MapReview& review) {
@@ -55,6 +55,7 @@ Job FromRow(Connection& connection, const Statement& row) {
   job.service_ends = static_cast<int>(row.Integer(15));
   job.new_drive = OptionalText(row, 16);
   job.not_before = OptionalText(row, 17);
+  job.is_cancel_asked = row.Integer(21) != 0;
   Statement drives =
       connection.Query("SELECT drive FROM job_drives WHERE job = ? ORDER BY position", job.id);
   while (drives.Step()) job.drives.push_back(drives.Text(0));
@@ -233,7 +234,8 @@ bool RequeueJob(Connection& connection, const std::string& id, int attempt, Setb
 void QueueJobAgain(Connection& connection, const std::string& id) {
   connection.Execute(
       R"(UPDATE jobs SET state = ?, crashes = 0, service_ends = 0, error = NULL, error_code = NULL,
-                         started_at = NULL, finished_at = NULL, not_before = NULL WHERE id = ?)",
+                         started_at = NULL, finished_at = NULL, not_before = NULL,
+                         cancel_asked = 0 WHERE id = ?)",
       Word(JobState::kQueued), id);
 }
 
@@ -243,6 +245,10 @@ bool FailQueuedJob(Connection& connection, const std::string& id, const std::str
              R"(UPDATE jobs SET state = ?, error = ?, error_code = ?, finished_at = ?
                 WHERE id = ? AND state = ?)",
              Word(JobState::kFailed), sentence, code, NowUtc(), id, Word(JobState::kQueued)) == 1;
+}
+
+void SetCancelAsked(Connection& connection, const std::string& id) {
+  connection.Execute("UPDATE jobs SET cancel_asked = 1 WHERE id = ?", id);
 }
 
 bool CancelQueuedJob(Connection& connection, const std::string& id) {

@@ -85,6 +85,9 @@ void QueueJobAgain(Connection& connection, const std::string& id);
 bool FailQueuedJob(Connection& connection, const std::string& id, const std::string& code,
                    const std::string& sentence);
 
+/// Notes that a running job is to end as cancelled.
+void SetCancelAsked(Connection& connection, const std::string& id);
+
 /// Queued -> cancelled. False when it is not queued.
 bool CancelQueuedJob(Connection& connection, const std::string& id);
 

@@ -98,6 +98,7 @@ struct Job {
   std::optional<std::string> error;       ///< one sentence
   std::optional<std::string> error_code;  ///< "invalid_input", "crashed", ...
   std::optional<std::string> not_before;  ///< of a queued job that waits after a crash
+  bool is_cancel_asked = false;           ///< of a running one, which is to end as cancelled
   std::optional<JobPlace> place;          ///< of the latest attempt, once an engine has it
   std::optional<std::int64_t> map_version;
   std::string created_at;

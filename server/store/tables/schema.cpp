@@ -219,11 +219,15 @@ const std::vector<const char*> kVersion10 = {
     "ALTER TABLE uploads ADD COLUMN first_byte INTEGER NOT NULL DEFAULT 0",
     "CREATE INDEX uploads_by_set ON uploads (upload_set, sequence)"};
 
+// Whether a running job is to end as cancelled, which a service may not live to see.
+const std::vector<const char*> kVersion11 = {
+    "ALTER TABLE jobs ADD COLUMN cancel_asked INTEGER NOT NULL DEFAULT 0"};
+
 // One entry per schema version, oldest first. A published entry never changes:
 // a change of the tables is a new entry.
 const std::vector<const std::vector<const char*>*> kMigrations = {
     &kVersion1, &kVersion2, &kVersion3,     &kVersion4, &kVersion5,
-    &kVersion6, &kVersion7, &kReviewSchema, &kVersion9, &kVersion10};
+    &kVersion6, &kVersion7, &kReviewSchema, &kVersion9, &kVersion10, &kVersion11};
 
 size_t FoundVersion(Connection& connection) {
   Statement query = connection.Query("PRAGMA user_version");

@@ -224,6 +224,18 @@ TEST_F(JobRunning, GivesUpAJobThatTheServiceEndsWithTwentyTimes) {
   EXPECT_EQ(JobNow().error, "the service ended 20 times while the job was running");
 }
 
+TEST_F(JobRunning, CancelsAJobWhoseServiceDiedMeanwhile) {
+  ASSERT_TRUE(ClaimJob(store_));
+  NoteCancel(store_, received_.job.id);
+  StartAfterDeath();
+  EXPECT_EQ(JobNow().state, JobState::kCancelled);
+
+  RetryJob(store_, received_.job.id);
+  ASSERT_TRUE(ClaimJob(store_));
+  StartAfterDeath();
+  EXPECT_EQ(JobNow().state, JobState::kQueued) << "it was asked for once";
+}
+
 TEST_F(JobRunning, MapsTheDrivesThatWereNotDeletedMeanwhile) {
   const ReceivedDrive second = Receive(store_, "second", {"b.bag", "lot", std::nullopt});
   const Job both = QueueMap(store_, "lot", {}, /*merge_drives=*/true);
