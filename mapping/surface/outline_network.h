@@ -19,7 +19,7 @@ class NetworkCopies;
 /// training/train_outlines.py.
 class OutlineNetwork {
  public:
-  static constexpr float kMaxCorrection = 6;  ///< of log-odds
+  static constexpr float kMaxCorrection = 12;  ///< of log-odds
   static constexpr int kReach =
       32;  ///< pixels of features that a correction depends on, in each direction
 

@@ -21,7 +21,7 @@ bool IsOverTls(const httplib::Request& request) {
 /// The prefix makes browsers refuse such a cookie where another host of the domain sets it.
 std::string CookieName(bool is_over_tls) { return is_over_tls ? "__Host-parkade" : "parkade"; }
 
-/// Of an Authorization "Bearer SECRET"; nothing for another.
+/// The secret of an Authorization "Bearer SECRET"; nothing for another.
 std::optional<std::string> FindBearer(const std::string& authorization) {
   if (::strncasecmp(authorization.c_str(), kScheme.data(), kScheme.size()) != 0)
     return std::nullopt;

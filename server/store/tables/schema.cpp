@@ -226,8 +226,8 @@ const std::vector<const char*> kVersion11 = {
 // One entry per schema version, oldest first. A published entry never changes:
 // a change of the tables is a new entry.
 const std::vector<const std::vector<const char*>*> kMigrations = {
-    &kVersion1, &kVersion2, &kVersion3,     &kVersion4, &kVersion5,
-    &kVersion6, &kVersion7, &kReviewSchema, &kVersion9, &kVersion10, &kVersion11};
+    &kVersion1, &kVersion2,     &kVersion3, &kVersion4,  &kVersion5, &kVersion6,
+    &kVersion7, &kReviewSchema, &kVersion9, &kVersion10, &kVersion11};
 
 size_t FoundVersion(Connection& connection) {
   Statement query = connection.Query("PRAGMA user_version");
