@@ -2,8 +2,8 @@
 # Feeds what comes from outside with damaged bytes (libFuzzer, ASan); fails on a crash, a leak or a hang.
 #   scripts/fuzz.sh [--seconds S] [--runs N] [NAME...]   for each fuzzer: default 60 s, at most N runs
 # Fuzzers (tests/fuzz): log (any kind), bag, mcap; cdr (messages), rig; head, range, tus, json (requests).
-# Begins with the small logs that the tests have made in build/release, and with what earlier runs
-# found (build/fuzz/corpus/NAME). An input that fails stays in build/fuzz.
+# Begins with small logs and requests, and with what earlier runs found (build/fuzz/corpus/NAME). An
+# input that fails stays in build/fuzz.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -23,15 +23,14 @@ mkdir -p "$folder"
 cmake -S . -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1" \
   -DCMAKE_CXX_COMPILER=clang++-14 -DPARKADE_FUZZ=ON -DPARKADE_SANITIZE=fuzzer-no-link,address \
   > "$folder/configure.log" 2>&1 || { cat "$folder/configure.log" >&2; exit 1; }
-cmake --build "$folder" --target "${names[@]/#/parkade_fuzz_}"
+cmake --build "$folder" --target parkade_fuzz_seeds "${names[@]/#/parkade_fuzz_}"
 
 # What a fuzzer begins with: small files of the tests, and a word where there is none.
 seed() {
-  local corpus=$folder/corpus/$1 samples=build/release/tests/server/ingest/containers/samples
+  local corpus=$folder/corpus/$1
   mkdir -p "$corpus"
   case "$1" in
-    log) copy "$samples" "$corpus" -name '*.bag' -o -name '*.mcap' -o -name '*.db3' -o -name '*.zstd' ;;
-    bag | mcap) copy "$samples" "$corpus" -name "*.$1" ;;
+    log | bag | mcap) "$folder/tests/fuzz/parkade_fuzz_seeds" "$corpus" ;;
     head) printf 'GET /api/v1/drives?a=b HTTP/1.1\r\nHost: h\r\nContent-Length: 0\r\n\r\n' > "$corpus/seed" ;;
     range) printf 'bytes=0-99' > "$corpus/seed" ;;
     tus) printf 'filename YS5iYWc=,site bG90' > "$corpus/seed" ;;
@@ -39,11 +38,6 @@ seed() {
     rig) cp tests/fuzz/rig.yaml "$corpus/seed" ;;
     *) printf '\0\1\0\0' > "$corpus/seed" ;;
   esac
-}
-copy() {
-  local from=$1 to=$2
-  shift 2
-  if [ -d "$from" ]; then find "$from" -type f -size -1000k \( "$@" \) -exec cp -n {} "$to" \; ; fi
 }
 
 for name in "${names[@]}"; do

@@ -75,11 +75,29 @@ bool IsKept(const LogRecord& chunk) {
   return chunk.is_at_end || (chunk.compression == ChunkCompression::kNone && !chunk.checksum);
 }
 
+struct UnpackedBytes {
+  std::vector<std::uint8_t> bytes;  ///< what came, and the rest of the piece that came last
+  std::size_t num_read = 0;
+};
+
+/// At most `claimed` bytes of a stream. Memory is touched piece by piece: a chunk of few bytes that
+/// claims to be large costs little.
+UnpackedBytes Unpack(UnpackingStream& stream, std::uint64_t claimed) {
+  UnpackedBytes unpacked;
+  const auto size = static_cast<std::size_t>(std::min(claimed, kMaxHeldChunk));
+  while (unpacked.num_read == unpacked.bytes.size() && unpacked.num_read < size) {
+    unpacked.bytes.resize(std::min(size, unpacked.num_read + kPiece));
+    unpacked.num_read += stream.Read(std::span(unpacked.bytes).subspan(unpacked.num_read));
+  }
+  return unpacked;
+}
+
 ChunkContent OpenSmall(const InputFile& file, const LogRecord& chunk) {
   ChunkContent content;
   UnpackingStream stream = OpenStream(file, chunk);
-  content.bytes.resize(static_cast<std::size_t>(chunk.unpacked_size));
-  content.bytes.resize(stream.Read(content.bytes));
+  UnpackedBytes unpacked = Unpack(stream, chunk.unpacked_size);
+  content.bytes = std::move(unpacked.bytes);
+  content.bytes.resize(unpacked.num_read);
   const std::string problem = FindProblem(chunk, stream, content.bytes.size(),
                                           chunk.checksum ? UpdateCrc32(0, content.bytes) : 0);
   if (!problem.empty()) content.problem = Describe(chunk, chunk.is_at_end ? "is cut off" : problem);
@@ -122,12 +140,9 @@ ChunkContent OpenChunk(const InputFile& file, const LogRecord& chunk) {
 }
 
 std::vector<std::uint8_t> UnpackDamagedChunk(const InputFile& file, const LogRecord& chunk) {
-  std::vector<std::uint8_t> bytes(
-      static_cast<std::size_t>(std::min(chunk.unpacked_size, kMaxHeldChunk)));
   UnpackingStream stream = OpenStream(file, chunk);
-  // The size is not looked at: a codec that fails may have written before it noticed.
-  stream.Read(bytes);
-  return bytes;
+  // How much was read is not looked at: a codec that fails may have written before it noticed.
+  return Unpack(stream, chunk.unpacked_size).bytes;
 }
 
 }  // namespace parkade
