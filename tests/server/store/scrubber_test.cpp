@@ -1,6 +1,7 @@
 #include "server/store/care/scrubber.h"
 
 #include <thread>
+#include <utility>
 
 #include "server/store/job_queue.h"
 #include "server/store/rig_store.h"
@@ -32,9 +33,14 @@ class Scrub : public StoreTest {
     stream.put('\x02');
   }
   std::int64_t Damaged() { return store_.database.Read(CountDamagedFiles); }
+  /// Waits as long as more are found: each takes a sync, which busy disks are slow with.
   bool Eventually(std::int64_t damaged) {
-    for (int i = 0; i < 3000 && Damaged() != damaged; ++i) std::this_thread::sleep_for(20ms);
-    return Damaged() == damaged;
+    std::int64_t last = -1, now = Damaged();
+    for (int i = 0; i < 3000 && now != damaged; i = now == last ? i + 1 : 0) {
+      std::this_thread::sleep_for(20ms);
+      last = std::exchange(now, Damaged());
+    }
+    return now == damaged;
   }
 
   std::vector<fs::path> files_;

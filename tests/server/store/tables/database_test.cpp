@@ -134,7 +134,8 @@ TEST(Database, TakesOverJobsOfTheSchemaBefore) {
         connection.Execute(std::string("DROP TABLE ") + table);
       DropReviewSchema(connection);
       connection.Execute("UPDATE jobs SET pid = 7");
-      for (const char* column : {"not_before", "engine", "engine_id", "engine_waits"})
+      for (const char* column :
+           {"not_before", "engine", "engine_id", "engine_waits", "cancel_asked"})
         connection.Execute(std::string("ALTER TABLE jobs DROP COLUMN ") + column);
       connection.Execute("PRAGMA user_version=3");
     });
