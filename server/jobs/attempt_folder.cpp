@@ -82,7 +82,7 @@ AttemptFolder::AttemptFolder(Store& store, const Job& job)
 
 /// An earlier attempt's worker may have left anything under the names that this one uses.
 void AttemptFolder::Begin(const Job& job) {
-  RemoveLeftovers(store_, job.id);
+  store_.directory.RemoveLeftovers(job.id);
   // Twice it crashed: that may lie in what was kept, and the last try begins anew.
   if (job.crashes + 1 >= kMaxCrashes) DropWork(store_, job.id);
   fs::create_directories(spec_.work);
@@ -102,7 +102,7 @@ AttemptFolder::~AttemptFolder() {
   if (is_kept_) return;
   std::error_code ignored;
   for (const char* part : {"input", "out", "runs"}) fs::remove_all(path_ / part, ignored);
-  RemoveLeftovers(store_, spec_.job);
+  store_.directory.RemoveLeftovers(spec_.job);
   fs::remove(WorkerFolder(), ignored);  // where nothing was kept
 }
 

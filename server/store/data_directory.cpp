@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstring>
 #include <thread>
+#include <vector>
 
 #include "core/error.h"
 #include "core/log.h"
@@ -19,10 +20,10 @@ namespace {
 
 constexpr std::chrono::hours kClockError{24};
 
-/// Tries for half a second: a service that was killed while it started a worker
+/// Tries for two seconds: a service that was killed while it started a worker
 /// leaves a child that holds the lock until it notices.
 bool TakeLock(int fd) {
-  for (int attempt = 0; attempt < 10; ++attempt) {
+  for (int attempt = 0; attempt < 40; ++attempt) {
     if (::flock(fd, LOCK_EX | LOCK_NB) == 0) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
@@ -72,6 +73,16 @@ DataDirectory::~DataDirectory() { ::close(lock_fd_); }
 
 std::filesystem::path DataDirectory::AttemptFolder(const std::string& job_id, int attempt) const {
   return JobFolder(job_id) / ("attempt-" + std::to_string(attempt));
+}
+
+void DataDirectory::RemoveLeftovers(const std::string& job_id) const {
+  namespace fs = std::filesystem;
+  std::error_code failed;
+  std::vector<fs::path> leftovers;
+  for (const fs::directory_entry& entry : fs::directory_iterator(WorkerFolder(job_id), failed))
+    if (entry.path() != WorkFolder(job_id) || !fs::is_directory(entry.symlink_status(failed)))
+      leftovers.push_back(entry.path());
+  for (const fs::path& path : leftovers) fs::remove_all(path, failed);
 }
 
 std::filesystem::path DataDirectory::PreviewFile(const std::string& job_id, int attempt) const {

@@ -62,6 +62,8 @@ class DataDirectory {
   std::filesystem::path WorkFolder(const std::string& job_id) const {
     return WorkerFolder(job_id) / "work";
   }
+  /// Removes what the workers of a job have left but for WorkFolder. What cannot go stays.
+  void RemoveLeftovers(const std::string& job_id) const;
   /// What the map of an attempt will look like, once its worker knows.
   std::filesystem::path PreviewFile(const std::string& job_id, int attempt) const;
 

@@ -32,17 +32,6 @@ void DropWorkOfDrive(Store& store, const std::string& drive_id) {
              drive_id);
 }
 
-void RemoveLeftovers(const Store& store, const std::string& job_id) {
-  const std::filesystem::path work = store.directory.WorkFolder(job_id);
-  std::error_code failed;
-  std::vector<std::filesystem::path> leftovers;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(store.directory.WorkerFolder(job_id), failed))
-    if (entry.path() != work || !entry.is_directory(failed) || entry.is_symlink(failed))
-      leftovers.push_back(entry.path());
-  for (const std::filesystem::path& path : leftovers) std::filesystem::remove_all(path, failed);
-}
-
 void DropStaleWork(Store& store, std::chrono::system_clock::time_point now) {
   DropWorkOf(store, R"(
       SELECT id FROM jobs WHERE state = 'done'

@@ -17,9 +17,6 @@ constexpr std::chrono::days kWorkLifetime{7};
 /// Removes what was found for a job. A file that cannot go is no error: it is tried again later.
 void DropWork(const Store& store, const std::string& job_id);
 
-/// Removes what else the workers of a job have left. What cannot go is left.
-void RemoveLeftovers(const Store& store, const std::string& job_id);
-
 /// Removes what was found for jobs of the drive's site, but for a running one.
 void DropWorkOfDrive(Store& store, const std::string& drive_id);
 

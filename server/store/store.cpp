@@ -8,7 +8,6 @@
 
 #include "core/error.h"
 #include "server/store/disk/durable_file.h"
-#include "server/store/job_work.h"
 #include "server/store/tables/job_table.h"
 #include "server/store/tables/upload_set_table.h"
 #include "server/store/tables/upload_table.h"
@@ -118,7 +117,7 @@ void ReconcileAttempts(Store& store) {
     const bool is_in_use = std::any_of(in_use.begin(), in_use.end(), [&](const fs::path& attempt) {
       return attempt.parent_path() == folder;
     });
-    if (!is_in_use) RemoveLeftovers(store, job);
+    if (!is_in_use) store.directory.RemoveLeftovers(job);
   }
 }
 
