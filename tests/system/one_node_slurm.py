@@ -6,6 +6,7 @@ import shutil
 import signal
 import socket
 import subprocess
+import threading
 import time
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scancel", "sinfo", "scontrol")
@@ -75,6 +76,7 @@ class OneNodeSlurm:
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
         self.daemons = {}
+        self.is_over = threading.Event()
         self.host = socket.gethostname().split(".")[0]
         for name in ("state", "spool", "munge"):
             (self.folder / name).mkdir(mode=0o700, parents=True)
@@ -98,7 +100,15 @@ class OneNodeSlurm:
             time.sleep(0.05)
         self.start_controller()
         self.start_node()
+        threading.Thread(target=self.operate, daemon=True).start()
         return self.wait_for_node()
+
+    def operate(self):
+        """Does what Slurm leaves to its operator: a controller that lost its latest state gives a number again, and
+        drains the node that still ends the first job of this number."""
+        while not self.is_over.wait(2):
+            if "Duplicate jobid" in self.ask("scontrol", "show", "node", self.host):
+                self.ask("scontrol", "update", f"NodeName={self.host}", "State=RESUME")
 
     def spawn(self, name, *arguments):
         with open(self.folder / f"{name}.out", "ab") as log:
@@ -155,6 +165,7 @@ class OneNodeSlurm:
 
     def stop(self):
         self.ask("scancel", "--user=root")
+        self.is_over.set()
         for name in ("slurmd", "slurmctld", "munged"):
             if name in self.daemons:
                 self.kill(name)
