@@ -172,6 +172,7 @@ inline constexpr std::array kRoutes = {
 /// without a row does not compile.
 class RouteName {
  public:
+  // NOLINTNEXTLINE(google-explicit-constructor): routes are named by texts
   consteval RouteName(const char* text) : RouteName(std::string_view(text)) {}
   constexpr const Route& route() const { return kRoutes[index_]; }
 

@@ -92,7 +92,7 @@ void AttemptFolder::Begin(const Job& job) {
 }
 
 fs::path AttemptFolder::TakeProducts(const fs::path& products) const {
-  const fs::path taken = path_ / "out";
+  fs::path taken = path_ / "out";
   // An earlier service may have come so far.
   if (!fs::exists(taken)) TakeWorkersFolder(products, taken);
   return taken;

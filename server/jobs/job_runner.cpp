@@ -47,7 +47,7 @@ JobRunner::~JobRunner() { Stop(); }
 /// jobs of an earlier service are not recovered.
 std::optional<Job> JobRunner::NextJob(bool claims) {
   if (!left_over_.Recover()) return std::nullopt;
-  if (const auto job = left_over_.TakeUp()) return job;
+  if (auto job = left_over_.TakeUp()) return job;
   return claims ? ClaimJob(store_, engine_->capabilities().prepares_drives) : std::nullopt;
 }
 

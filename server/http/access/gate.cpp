@@ -92,8 +92,8 @@ Caller Gate::Authenticate(const std::string& secret, const httplib::Request& req
                           httplib::Response& response) {
   std::optional<Caller> caller =
       database_.Read([&](Connection& connection) { return CallerOfSecret(connection, secret); });
-  const Caller known = LetIn(std::move(caller), "this token is unknown, was revoked or has expired",
-                             request, response);
+  Caller known = LetIn(std::move(caller), "this token is unknown, was revoked or has expired",
+                       request, response);
   // Links are handed on to whoever is to see a map: who comes by one is no identity of ours.
   if (!known.has_link_only) known_.Note(secret);
   return known;

@@ -23,12 +23,14 @@ constexpr auto kSetInterval = 10min;
 
 TarFrame FrameOf(const std::vector<UploadPart>& parts) {
   std::vector<TarFrame::File> files;
+  files.reserve(parts.size());
   for (const UploadPart& part : parts) files.push_back({part.path, part.bytes});
   return TarFrame(files);
 }
 
 std::vector<std::string> PathsOf(const std::vector<UploadPart>& parts) {
   std::vector<std::string> paths;
+  paths.reserve(parts.size());
   for (const UploadPart& part : parts) paths.push_back(part.path);
   return paths;
 }
