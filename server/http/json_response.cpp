@@ -50,12 +50,16 @@ Page PageOf(const httplib::Request& request) {
   return page;
 }
 
-std::string ReadBody(const httplib::ContentReader& body) {
+std::string ReadBody(const httplib::ContentReader& body, size_t max_bytes) {
   std::string text;
+  bool is_too_large = false;
   const bool is_complete = body([&](const char* data, size_t size) {
-    text.append(data, size);
-    return true;
+    is_too_large = size > max_bytes - text.size();
+    if (!is_too_large) text.append(data, size);
+    return !is_too_large;
   });
+  Require(!is_too_large, ErrorCode::kInvalidInput,
+          "the body is too large: at most " + std::to_string(max_bytes) + " bytes are taken");
   Require(is_complete, ErrorCode::kInvalidInput, "the request broke off");
   return text;
 }

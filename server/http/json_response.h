@@ -37,8 +37,8 @@ inline Page WithOneMore(Page page) {
   return page;
 }
 
-/// Reads a small body (its length is bounded by CheckRequestHead) whole. Throws
-/// Error{kInvalidInput} when the client breaks off.
-std::string ReadBody(const httplib::ContentReader& body);
+/// Reads a small body whole. Throws Error{kInvalidInput} above `max_bytes`, without reading on, and
+/// when the client breaks off.
+std::string ReadBody(const httplib::ContentReader& body, size_t max_bytes);
 
 }  // namespace parkade

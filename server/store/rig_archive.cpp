@@ -11,7 +11,6 @@ namespace parkade {
 namespace {
 
 constexpr size_t kMaxFiles = 64;
-constexpr size_t kMaxBytes = size_t{64} << 20;
 
 struct FreeArchive {
   void operator()(archive* pointer) const { archive_free(pointer); }
@@ -27,7 +26,7 @@ std::string ContentOf(archive* reader, const std::string& name, size_t budget) {
     if (size == 0) return content;
     content.append(piece.data(), static_cast<size_t>(size));
     Require(content.size() <= budget, ErrorCode::kInvalidInput,
-            "the zip unpacks to more than 64 MiB");
+            "the zip unpacks to more than 4 MiB");
   }
 }
 
@@ -56,7 +55,7 @@ RigFiles UnpackRig(const std::string& zip) {
             "the zip may hold plain files in at most one folder, nothing else");
     Require(files.size() < kMaxFiles, ErrorCode::kInvalidInput, "the zip holds more than 64 files");
     Require(!files.contains(name), ErrorCode::kInvalidInput, "the zip holds '" + name + "' twice");
-    files[name] = ContentOf(reader.get(), name, kMaxBytes - total);
+    files[name] = ContentOf(reader.get(), name, kMaxRigBytes - total);
     total += files[name].size();
   }
   return files;

@@ -14,10 +14,13 @@ namespace parkade {
 /// the mask images they name.
 using RigFiles = std::map<std::string, std::string>;
 
+/// Of all files of a rig together [bytes]: texts of a few KiB, and what goes with them.
+constexpr size_t kMaxRigBytes = size_t{4} << 20;
+
 /// Unpacks a zip of rig files; a folder around them is dropped. Nothing is
 /// written to disk. Throws Error{kInvalidInput} when it is not a zip, holds
 /// anything else than plain files with plain names, or unpacks to more than
-/// 64 MiB or 64 files.
+/// kMaxRigBytes or 64 files.
 RigFiles UnpackRig(const std::string& zip);
 
 /// Packs the files as a zip, byte for byte the same each time.

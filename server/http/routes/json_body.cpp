@@ -38,11 +38,8 @@ void RequireObject(const Json& value, const std::string& name,
 
 Json ReadObject(const httplib::ContentReader& body, std::initializer_list<const char*> known,
                 size_t max_bytes) {
-  const std::string text = ReadBody(body);
+  const std::string text = ReadBody(body, max_bytes);
   if (text.empty()) return Json::object();
-  Require(text.size() <= max_bytes, ErrorCode::kInvalidInput,
-          "the body has " + std::to_string(text.size()) + " bytes: at most " +
-              std::to_string(max_bytes) + " are taken");
   Json object = Json::parse(text, nullptr, /*allow_exceptions=*/false);
   RequireObject(object, "the body", known);
   return object;

@@ -17,6 +17,7 @@ std::optional<StoredRig> RigNamed(RouteContext& context, const std::string& name
 RigFiles ReadForm(const httplib::ContentReader& body) {
   RigFiles files;
   std::string* content = nullptr;
+  size_t total = 0;
   const bool is_complete = body(
       [&](const httplib::MultipartFormData& part) {
         const std::string name = part.filename.empty() ? part.name : part.filename;
@@ -26,6 +27,9 @@ RigFiles ReadForm(const httplib::ContentReader& body) {
         return true;
       },
       [&](const char* data, size_t size) {
+        total += size;
+        Require(total <= kMaxRigBytes, ErrorCode::kInvalidInput,
+                "the files of a rig have more than 4 MiB");
         if (content != nullptr) content->append(data, size);
         return content != nullptr;
       });
@@ -44,17 +48,17 @@ void AddRigRoutes(Router& routes, RouteContext& context) {
         SendPage(response, page, std::move(rigs), [](const StoredRig& rig) { return ToJson(rig); });
       });
 
-  routes.On("PUT /api/v1/rigs/{rig}",
-            [&context](const httplib::Request& request, httplib::Response& response,
-                       const httplib::ContentReader& body) {
-              const std::string name = request.matches[1];
-              const RigFiles files =
-                  request.is_multipart_form_data() ? ReadForm(body) : UnpackRig(ReadBody(body));
-              const bool is_new = !RigNamed(context, name);
-              const StoredRig rig = StoreRig(context.store, name, files, context.options.check_rig);
-              response.set_header("Location", "/api/v1/rigs/" + name);
-              SendJson(response, is_new ? 201 : 200, ToJson(rig));
-            });
+  routes.On("PUT /api/v1/rigs/{rig}", [&context](const httplib::Request& request,
+                                                 httplib::Response& response,
+                                                 const httplib::ContentReader& body) {
+    const std::string name = request.matches[1];
+    const RigFiles files =
+        request.is_multipart_form_data() ? ReadForm(body) : UnpackRig(ReadBody(body, kMaxRigBytes));
+    const bool is_new = !RigNamed(context, name);
+    const StoredRig rig = StoreRig(context.store, name, files, context.options.check_rig);
+    response.set_header("Location", "/api/v1/rigs/" + name);
+    SendJson(response, is_new ? 201 : 200, ToJson(rig));
+  });
 
   routes.On("GET /api/v1/rigs/{rig}", [&context](const httplib::Request& request,
                                                  httplib::Response& response) {

@@ -61,6 +61,7 @@ TEST(RigArchive, RefusesWhatCouldLeadElsewhere) {
 
 TEST(RigArchive, RefusesWhatIsNoZip) {
   EXPECT_THROW(UnpackRig("certainly not"), Error);
+  EXPECT_THROW(UnpackRig(ZipOf({{"bomb.yaml", std::string(kMaxRigBytes + 1, '\0')}})), Error);
   EXPECT_THROW(UnpackRig(""), Error);
   const std::string zip = PackRig(kRig);
   EXPECT_THROW(UnpackRig(zip.substr(0, 20)), Error);
