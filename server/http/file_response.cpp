@@ -23,17 +23,13 @@ constexpr size_t kUncheckedBytes = 131072;  // per write
 class CheckedFile {
  public:
   explicit CheckedFile(ServedFile file)
-      : file_(std::move(file)), fd_(OpenWorkersFile(file_.path)) {}
-  ~CheckedFile() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  CheckedFile(const CheckedFile&) = delete;
-  CheckedFile& operator=(const CheckedFile&) = delete;
+      : file_(std::move(file)), opened_(OpenWorkersFile(file_.path)) {}
 
   /// False where it is not there, too short, or the piece at `offset` has changed on the disk.
   bool IsWholeAt(std::int64_t offset) {
     struct stat info {};
-    const bool is_there = fd_ >= 0 && ::fstat(fd_, &info) == 0 && info.st_size >= file_.bytes;
+    const bool is_there =
+        opened_.is_open() && ::fstat(opened_.fd(), &info) == 0 && info.st_size >= file_.bytes;
     const bool is_whole = is_there && (file_.bytes == 0 || !Read(offset).empty());
     if (!is_whole && file_.on_damage) file_.on_damage();
     return is_whole;
@@ -56,7 +52,7 @@ class CheckedFile {
       index_ = -1;
       piece_.resize(static_cast<size_t>(std::min(size, file_.bytes - first)));
       for (size_t got = 0; got < piece_.size();) {
-        const ssize_t count = ::pread(fd_, piece_.data() + got, piece_.size() - got,
+        const ssize_t count = ::pread(opened_.fd(), piece_.data() + got, piece_.size() - got,
                                       first + static_cast<std::int64_t>(got));
         if (count <= 0) return {};
         got += static_cast<size_t>(count);
@@ -69,7 +65,7 @@ class CheckedFile {
   }
 
   ServedFile file_;
-  int fd_;
+  const FileHandle opened_;
   std::int64_t index_ = -1;  ///< of the piece that is held
   std::vector<char> piece_;
 };

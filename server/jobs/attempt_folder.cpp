@@ -91,6 +91,10 @@ void AttemptFolder::Begin(const Job& job) {
             "the folder of an earlier attempt cannot be removed");
 }
 
+bool AttemptFolder::HasProducts(const fs::path& products) const {
+  return fs::exists(fs::symlink_status(products)) || fs::exists(path_ / "out");
+}
+
 fs::path AttemptFolder::TakeProducts(const fs::path& products) const {
   fs::path taken = path_ / "out";
   // An earlier service may have come so far.

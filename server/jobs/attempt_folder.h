@@ -37,6 +37,9 @@ class AttemptFolder {
   /// Leaves everything where it is, for a worker that goes on.
   void Keep() { is_kept_ = true; }
 
+  /// False where an earlier service took them for a map and ended before it was one.
+  bool HasProducts(const std::filesystem::path& products) const;
+
   /// Takes the products of a worker that has ended out of its folder, to where no worker gets.
   /// Returns where they are. Throws Error{kInternal} where it left none.
   std::filesystem::path TakeProducts(const std::filesystem::path& products) const;

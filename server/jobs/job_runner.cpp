@@ -174,6 +174,10 @@ void JobRunner::EndBy(const Job& job, const AttemptFolder& folder, const EngineA
   const WorkerExit end = attempt.Exit();
   switch (end.kind) {
     case WorkerExit::Kind::kDone: {
+      if (job.place && !folder.HasProducts(attempt.products())) {
+        End(job, [&] { ReturnJob(store_, job, "the service ended while it published the map"); });
+        return;
+      }
       const std::filesystem::path products = folder.TakeProducts(attempt.products());
       if (folder.spec().from) ShareFilesWith(*folder.spec().from, products);
       Publish(job, products);

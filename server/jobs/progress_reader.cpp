@@ -45,13 +45,13 @@ std::optional<std::string> TextAt(const nlohmann::json& json, const char* key) {
 }  // namespace
 
 bool ProgressReader::Poll() {
-  const int file = OpenWorkersFile(file_);
-  if (file < 0) return false;
+  const FileHandle file = OpenWorkersFile(file_);
+  if (!file.is_open()) return false;
   bool has_changed = false;
   std::array<char, 65536> piece;
   // No more in one go: a worker that talks without end has nobody's ear.
   for (int i = 0; i < kMaxPieces; ++i) {
-    const ssize_t count = ::pread(file, piece.data(), piece.size(), offset_);
+    const ssize_t count = ::pread(file.fd(), piece.data(), piece.size(), offset_);
     if (count <= 0) break;
     offset_ += count;
     for (const char c : std::string_view(piece.data(), static_cast<size_t>(count))) {
@@ -63,7 +63,6 @@ bool ProgressReader::Poll() {
       partial_line_.clear();
     }
   }
-  ::close(file);
   return has_changed;
 }
 

@@ -58,7 +58,7 @@ void BeChildOfService(const WorkerLaunch& launch, bool has_namespace) {
   ::close(launch.failure_reader_fd);
   const pid_t chosen = has_namespace ? ForkAgain(CLONE_PARENT) : ::getpid();
   if (chosen < 0) GiveUp(launch);
-  if (chosen > 0) Send(launch.status_fd, chosen);
+  if (chosen > 0) Send(launch.process_fd, chosen);
   if (has_namespace && chosen > 0) ::_exit(0);
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);

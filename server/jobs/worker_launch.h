@@ -21,10 +21,11 @@ struct WorkerLaunch {
   std::vector<int> cgroup_fds;
   int log_fd = -1, input_fd = -1;
   bool says_walls = false;
-  // Pipes to the service. The first number of `status` is the process that stands for the worker;
-  // where that is an init process, the second is the worker's status of waitpid(2).
-  int status_fd = -1, failure_fd = -1;  ///< to write to; `failure`: an error of errno(3)
-  int failure_reader_fd = -1;           ///< its other end
+  // Pipes to the service, each for a number.
+  int process_fd = -1;         ///< takes the process that stands for the worker,
+  int status_fd = -1;          ///< where that is an init: the worker's status of waitpid(2),
+  int failure_fd = -1;         ///< the error of errno(3) that kept the worker from its start
+  int failure_reader_fd = -1;  ///< its other end
 };
 
 /// The child of a fork becomes the worker, walled in as well as the kernel allows.

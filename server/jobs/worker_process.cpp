@@ -19,6 +19,7 @@
 #include "core/error.h"
 #include "server/jobs/process_group.h"
 #include "server/jobs/worker_launch.h"
+#include "server/store/disk/file_handle.h"
 
 namespace parkade {
 namespace {
@@ -62,34 +63,19 @@ std::int64_t FreeBytes(const fs::path& folder) {
               std::string("the worker cannot be started: ") + std::strerror(error));
 }
 
-/// An open file, which is closed in the end.
-class OpenFile {
- public:
-  explicit OpenFile(int fd) : fd_(fd) {
-    if (fd_ < 0) ThrowNotStarted(errno);
-  }
-  ~OpenFile() { Close(); }
-  OpenFile(OpenFile&& other) noexcept : fd_(other.Release()) {}
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-
-  int fd() const { return fd_; }
-  int Release() { return std::exchange(fd_, -1); }
-  void Close() {
-    if (fd_ >= 0) ::close(Release());
-  }
-
- private:
-  int fd_;
-};
+/// A descriptor that the kernel gave out, or else the reason that it gave none.
+FileHandle Opened(int fd) {
+  if (fd < 0) ThrowNotStarted(errno);
+  return FileHandle(fd);
+}
 
 struct Pipe {
-  OpenFile reader, writer;
+  FileHandle reader, writer;
 
   static Pipe Make() {
     std::array<int, 2> ends{-1, -1};
     if (::pipe2(ends.data(), O_CLOEXEC) != 0) ThrowNotStarted(errno);
-    return {OpenFile(ends[0]), OpenFile(ends[1])};
+    return {FileHandle(ends[0]), FileHandle(ends[1])};
   }
 };
 
@@ -119,10 +105,11 @@ WorkerProcess::WorkerProcess(const std::vector<std::string>& command, const Work
       cgroup_(std::make_unique<WorkerCgroup>(limits_.memory_bytes, limits_.tasks + kSpareTasks)) {
   Require(!command.empty(), ErrorCode::kInternal, "the worker has no command line");
   std::string temporary_files = kTemporaryFiles + place.temporary_files.string();
-  const OpenFile log(::open(place.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
-  const OpenFile null(::open("/dev/null", O_RDONLY | O_CLOEXEC));
-  std::vector<OpenFile> cgroups;
-  Pipe status = Pipe::Make(), failure = Pipe::Make();
+  const FileHandle log =
+      Opened(::open(place.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
+  const FileHandle null = Opened(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  std::vector<FileHandle> cgroups;
+  Pipe process = Pipe::Make(), status = Pipe::Make(), failure = Pipe::Make();
   WorkerLaunch launch{
       .arguments = Arguments(command),
       .environment = Environment(place.temporary_files.empty() ? nullptr : temporary_files.data()),
@@ -134,19 +121,19 @@ WorkerProcess::WorkerProcess(const std::vector<std::string>& command, const Work
       .log_fd = log.fd(),
       .input_fd = place.input >= 0 ? place.input : null.fd(),
       .says_walls = place.says_walls,
+      .process_fd = process.writer.fd(),
       .status_fd = status.writer.fd(),
       .failure_fd = failure.writer.fd(),
       .failure_reader_fd = failure.reader.fd()};
   for (const fs::path& file : cgroup_->ProcessesFiles())
     launch.cgroup_fds.push_back(
-        cgroups.emplace_back(::open(file.c_str(), O_WRONLY | O_CLOEXEC)).fd());
+        cgroups.emplace_back(Opened(::open(file.c_str(), O_WRONLY | O_CLOEXEC))).fd());
   if (place.says_walls) SayLimits(log.fd(), limits_, *cgroup_);
   const pid_t child = ::fork();
   if (child == 0) RunWorker(launch);
   if (child < 0) ThrowNotStarted(errno);
-  status.writer.Close();
-  failure.writer.Close();
-  pid_ = ReadNumber(status.reader.fd()).value_or(child);
+  for (Pipe* pipe : {&process, &status, &failure}) pipe->writer.Close();
+  pid_ = ReadNumber(process.reader.fd()).value_or(child);
   if (pid_ != child) ::waitpid(child, nullptr, 0);
   // A successful exec closes the pipe; otherwise the pipe tells why there was none.
   if (const std::optional<int> error = ReadNumber(failure.reader.fd())) {

@@ -28,6 +28,8 @@ namespace parkade {
 ///   quarantine/             what was found without a row in the database; kept for a month
 class DataDirectory {
  public:
+  static constexpr const char* kWorkerFolder = "worker";  ///< in a job's folder
+
   /// Creates what is missing and takes the lock. Throws Error{kConflict} when
   /// another process holds it.
   explicit DataDirectory(const std::filesystem::path& root);
@@ -57,7 +59,7 @@ class DataDirectory {
   std::filesystem::path JobFolder(const std::string& job_id) const { return JobsFolder() / job_id; }
   std::filesystem::path AttemptFolder(const std::string& job_id, int attempt) const;
   std::filesystem::path WorkerFolder(const std::string& job_id) const {
-    return JobFolder(job_id) / "worker";
+    return JobFolder(job_id) / kWorkerFolder;
   }
   std::filesystem::path WorkFolder(const std::string& job_id) const {
     return WorkerFolder(job_id) / "work";

@@ -14,7 +14,7 @@ namespace parkade {
 /// the mask images they name.
 using RigFiles = std::map<std::string, std::string>;
 
-/// Of all files of a rig together [bytes]: texts of a few KiB, and what goes with them.
+/// All files of a rig together [bytes] are texts of a few KiB, and what goes with them.
 constexpr size_t kMaxRigBytes = size_t{4} << 20;
 
 /// Unpacks a zip of rig files; a folder around them is dropped. Nothing is

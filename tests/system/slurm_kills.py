@@ -74,8 +74,6 @@ def survive_kills(world, kills, rng):
     is_over.set()
     uploader.join()
     print(f"  {killer.counts}", flush=True)
-    # A killed controller may give a number twice, and takes the node out of use then.
-    world.slurm.ask("scontrol", "update", f"nodename={world.slurm.host}", "state=resume")
 
     wrong, ends = [], {}
     for job in jobs:

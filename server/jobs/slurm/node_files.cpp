@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "server/store/data_directory.h"
 
 namespace parkade {
 namespace {
@@ -89,7 +90,9 @@ void WriteNodeScript(const fs::path& attempt) { WriteFileAtomically(NodeScript(a
 
 fs::path NodeScript(const fs::path& attempt) { return attempt / "runs" / "run.sh"; }
 
-fs::path WorkerFolder(const fs::path& attempt) { return attempt.parent_path() / "worker"; }
+fs::path WorkerFolder(const fs::path& attempt) {
+  return attempt.parent_path() / DataDirectory::kWorkerFolder;
+}
 
 fs::path RunFolder(const fs::path& attempt, const std::string& slurm_id, int restarts) {
   return InWorkerFolder(attempt, "-" + slurm_id + "-" + std::to_string(restarts));

@@ -1,7 +1,5 @@
 #include "server/store/uploads/resumable_uploads.h"
 
-#include <algorithm>
-
 #include "core/error.h"
 #include "core/log.h"
 #include "server/store/access/audit_log.h"
@@ -304,16 +302,16 @@ void ResumableUploads::EndWhatIsOver() {
 
 void ResumableUploads::RemoveExpired() {
   const std::string now = NowUtc();
-  const auto expired = [&] {
-    return store_.database.Read(
-        [&](Connection& connection) { return ExpiredUploads(connection, now); });
-  };
-  for (const std::string& id : expired()) {
+  const auto expired =
+      store_.database.Read([&](Connection& connection) { return ExpiredUploads(connection, now); });
+  for (const std::string& id : expired) {
     const auto hold = locks_.Take(
         id, [] {}, 0ms);
-    if (!hold) continue;
-    const std::vector<std::string> still = expired();  // a part may have come until just now
-    if (std::find(still.begin(), still.end(), id) == still.end()) continue;
+    // A part may have come until just now, or somebody ended it.
+    const bool is_expired = hold && store_.database.Read([&](Connection& connection) {
+      return HasUpload(connection, id) && FindUpload(connection, id).expires_at < now;
+    });
+    if (!is_expired) continue;
     Remove(id);
     LogInfo("upload expired id=" + id);
   }

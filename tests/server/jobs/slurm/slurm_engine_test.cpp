@@ -137,6 +137,20 @@ TEST_F(AtSlurm, TheNextServiceFindsAJobThatEndedWithoutOne) {
   EXPECT_EQ(WaitFor(JobState::kDone).attempt, 1);
 }
 
+// The last service died between moving the products and the version.
+TEST_F(AtSlurm, AJobWhoseProductsAreGoneIsRunAgain) {
+  Hold();
+  Start(kMakeMap);
+  const std::string id = WaitForId();
+  Die();
+  Release();
+  Eventually([&] { return At(id).at("job_state") == "COMPLETED"; });
+  std::filesystem::remove_all(RunFolder(Attempt(), id, 0) / "out");
+  Start(kMakeMap);
+
+  EXPECT_EQ(WaitFor(JobState::kDone).attempt, 2);
+}
+
 TEST_F(AtSlurm, AServiceThatDiesBeforeItNotesTheNumberLeavesNoOrphan) {
   Hold();
   Start(kMakeMap);
