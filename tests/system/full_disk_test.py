@@ -19,7 +19,7 @@ import time
 
 from full_disk import RealService, SmallDisk, World
 from full_disk_points import POINTS, REAL_POINTS, comments_of
-from power_cut_test import Service, run
+from power_cut_test import Service
 from standing_drive import write_drive
 
 
@@ -48,7 +48,7 @@ def with_disk(try_it):
         try:
             try_it(disk, disk.mount_point / "data")
         finally:
-            run("umount", str(disk.mount_point))
+            disk.leave()
 
 
 def main():

@@ -92,7 +92,7 @@ def main():
             say("alone", measure(port, arguments.seconds))
             content = arguments.drive.read_bytes()
             for number in range(arguments.jobs):
-                ask(port, "PUT", f"/api/v1/drives?filename=a.mcap&site=site{number}&rig=demo", content)
+                ask(port, "PUT", f"/api/v1/drives?filename={arguments.drive.name}&site=site{number}&rig=demo", content)
             while num_running(port) < arguments.jobs:
                 time.sleep(0.1)
             for _ in range(arguments.runs):
