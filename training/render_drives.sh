@@ -12,15 +12,16 @@ drive() {
   rm -rf "$folder"
   mkdir -p "$(dirname "$folder")"
   nice "$simulate" "$3" --seed "$4" --weather "$5" --day "$6" --duration "$2" --rate 1 --size 640x400 --semantic \
-    --drop 0 --quiet --set drive.rolling_start=3 --out "$folder" "${@:7}"
+    --set semantic_kind=classes --drop 0 --quiet --set drive.rolling_start=3 --out "$folder" "${@:7}"
 }
 
-# 44 places: each weather with each kind of place, none twice alike.
+# 44 places: each weather with each kind of place, none twice alike; half of the looks are mixed.
 scenes=(lot garage street lot garage lot street garage)
 weathers=(dry wet overcast dusk dry)
+looks=(mixed known mixed classic)
 for i in {0..22} {24..44}; do
   scene=${scenes[i % 8]} seed=$((1000 + i))
-  options=(--traffic $((i % 5)))
+  options=(--traffic $((i % 5)) --set "looks=${looks[i / 2 % 4]}")
   [ "$scene" = lot ] && options+=(--speed-bumps $((i % 3)))
   [ $((i % 6)) = 5 ] && options+=(--set image.noise=0)
   drive "train/${scene}_$seed" 26 "$scene" "$seed" "${weathers[i % 5]}" $((i % 3)) "${options[@]}"
@@ -32,3 +33,10 @@ drive val/street_2002 14 street 2002 wet 0 --traffic 4
 drive val/lot_2003 14 lot 2003 dusk 1 --traffic 2
 drive val/garage_2004 14 garage 2004 dry 0 --traffic 2
 drive val/street_2005 14 street 2005 dry 1 --traffic 4
+
+# Held back: nothing is trained on or chosen by these looks.
+drive held/lot_2010 14 lot 2010 dry 0 --traffic 2 --set looks=unknown
+drive held/garage_2011 14 garage 2011 dry 0 --traffic 2 --set looks=unknown
+drive held/street_2012 14 street 2012 dry 0 --traffic 4 --set looks=unknown
+drive held/lot_2013 14 lot 2013 overcast 1 --traffic 2 --set looks=unknown
+drive held/street_2014 14 street 2014 wet 1 --traffic 4 --set looks=unknown

@@ -10,6 +10,7 @@
 #include "core/rigid3.h"
 #include "tests/simulator/common/color.h"
 #include "tests/simulator/common/mip_texture.h"
+#include "tests/simulator/common/surface_class.h"
 
 namespace parkade::simulator {
 
@@ -21,6 +22,7 @@ struct Material {
   TextureKind texture = TextureKind::kNone;
   float texture_size = 1;      ///< [m] one period
   float texture_contrast = 0;  ///< root mean square of relative brightness
+  SurfaceClass surface = SurfaceClass::kStructure;
 };
 
 using MaterialId = std::uint16_t;

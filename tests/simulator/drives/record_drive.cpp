@@ -94,8 +94,10 @@ Shot ShotOf(const SimulateOptions& options, const Motion& motion, const Schedule
   };
   shot.exposure = options.image.exposure;
   shot.time = since_start;
-  shot.with_semantics = options.semantic;
-  shot.marks_level_ground = options.semantic_kind == "level";
+  if (options.semantic)
+    shot.semantics = options.semantic_kind == "classes" ? Semantics::kClasses
+                     : options.semantic_kind == "level" ? Semantics::kLevelGround
+                                                        : Semantics::kDrivable;
   return shot;
 }
 
@@ -148,8 +150,7 @@ Recording RecordDrive(const SimulateOptions& options, const Motion& motion, cons
     const std::vector<std::uint8_t> jpeg =
         EncodeJpeg(camera.sensor.Develop(rendered.radiance), options.image.jpeg_quality);
     faulty.WriteImage(frame.camera, frame.time, jpeg);
-    if (options.semantic)
-      faulty.WriteSemantic(frame.camera, frame.time, EncodePng(rendered.drivable));
+    if (options.semantic) faulty.WriteSemantic(frame.camera, frame.time, EncodePng(rendered.mask));
     recording.times.encode += watch.Lap();
     counts.image_bytes += jpeg.size();
     progress("render", static_cast<double>(++counts.images) / static_cast<double>(frames.size()));

@@ -16,8 +16,8 @@ void SimulateOptions::Validate() const {
   Require(relief >= 0 && relief <= 3, ErrorCode::kUsage, "the relief must be 0 to 3");
   Require(ground_texel >= 0.002 && ground_texel <= 0.2, ErrorCode::kUsage,
           "the ground's texels must be 0.002 to 0.2 m");
-  Require(semantic_kind == "drivable" || semantic_kind == "level", ErrorCode::kUsage,
-          "semantic_kind must be drivable or level");
+  Require(semantic_kind == "drivable" || semantic_kind == "level" || semantic_kind == "classes",
+          ErrorCode::kUsage, "semantic_kind must be drivable, level or classes");
   LookOf(looks, 1);
   drive.Validate();
   rig.Validate();

@@ -19,15 +19,14 @@ struct SimulateOptions {
   int place_seed = -1;  ///< of the place; -1: `seed`. Drives of one place have it in common
   int day = 0;          ///< of the place: other parked cars, other light
   std::string weather;  ///< dry, overcast, wet, dusk; empty: as the day wants it
-  std::string looks = "classic";  ///< families of what the ground is made of: also known, unknown
-  int speed_bumps = 0;            ///< of a lot, at most 4
-  int traffic = 0;                ///< cars that move, and as many people (see AddTraffic)
-  double duration = 40;           ///< [s] 10 to 3600; counts where drive.length is 0
-  double relief = 1;              ///< scales the ground's slopes
-  double ground_texel = 0.01;     ///< [m] of painted asphalt
-  bool semantic = false;          ///< also write masks, one per image
-  std::string semantic_kind = "drivable";  ///< what they show: drivable ground, or "level": also
-                                           ///< pavements and islands, as a mistaken network would
+  std::string looks = "classic";           ///< of what the ground is made (LookOf)
+  int speed_bumps = 0;                     ///< of a lot, at most 4
+  int traffic = 0;                         ///< cars that move, and as many people (see AddTraffic)
+  double duration = 40;                    ///< [s] 10 to 3600; counts where drive.length is 0
+  double relief = 1;                       ///< scales the ground's slopes
+  double ground_texel = 0.01;              ///< [m] of painted asphalt
+  bool semantic = false;                   ///< also write masks, one per image
+  std::string semantic_kind = "drivable";  ///< what they show; also level, classes (Semantics)
   DriverOptions drive;
   RigOptions rig;
   SensorOptions sensors;

@@ -8,6 +8,8 @@
 namespace parkade::simulator {
 namespace {
 
+constexpr std::uint32_t kMarking = 1u << 24;
+
 std::uint32_t Encode(const Color& color) {
   const Color scaled = color.max(0.0f).min(1.0f).sqrt() * 255.0f + 0.5f;
   return static_cast<std::uint32_t>(scaled[0]) | static_cast<std::uint32_t>(scaled[1]) << 8 |
@@ -64,7 +66,9 @@ void GroundCanvas::Paint(const Eigen::Vector2d& center, double reach,
       std::uint32_t& texel =
           level.texels[static_cast<size_t>(row) * static_cast<size_t>(level.width) +
                        static_cast<size_t>(column)];
-      texel = Encode(Decode(Unpack(texel)) * (1 - touch.cover) + touch.color * touch.cover);
+      const bool is_covered = touch.cover > 0.5f;
+      const std::uint32_t mark = is_covered && touch.is_marking ? kMarking : texel & kMarking;
+      texel = Encode(Decode(Unpack(texel)) * (1 - touch.cover) + touch.color * touch.cover) | mark;
     }
   }
 }
@@ -116,6 +120,16 @@ Color GroundCanvas::Sample(float x, float y, float footprint) const {
   const Color sharp = at(fine);
   return fraction > 0 && coarse != fine ? Color(sharp * (1 - fraction) + at(coarse) * fraction)
                                         : sharp;
+}
+
+bool GroundCanvas::IsMarking(float x, float y) const {
+  const Level& level = levels_.front();
+  const int column = static_cast<int>((x - min_.x()) / texel_size_),
+            row = static_cast<int>((y - min_.y()) / texel_size_);
+  if (column < 0 || row < 0 || column >= level.width || row >= level.height) return false;
+  return (level.texels[static_cast<size_t>(row) * static_cast<size_t>(level.width) +
+                       static_cast<size_t>(column)] &
+          kMarking) != 0;
 }
 
 }  // namespace parkade::simulator

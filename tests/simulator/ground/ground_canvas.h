@@ -11,7 +11,7 @@ namespace parkade::simulator {
 
 /// The color of the ground over a rectangle of the world plane, as one image
 /// seen from above with all its averaged levels. Colors are reflectances, kept
-/// as 8-bit square roots so that dark asphalt has fine steps.
+/// as 8-bit square roots so that dark asphalt has fine steps, and what is a marking.
 class GroundCanvas {
  public:
   /// Covers [min, max] [m] of the world plane; black at first.
@@ -26,6 +26,7 @@ class GroundCanvas {
   struct Touch {
     Color color;
     float cover = 0;
+    bool is_marking = false;  ///< where it covers half
   };
   /// Visits the texels of a box [m] around `center`. In order, on one thread.
   void Paint(const Eigen::Vector2d& center, double reach,
@@ -37,6 +38,9 @@ class GroundCanvas {
   /// Mean reflectance over about `footprint` [m] around a point, trilinear;
   /// points outside take the nearest texel's color. Thread-safe.
   Color Sample(float x, float y, float footprint) const;
+
+  /// Whether the texel at a point belongs to a marking. Thread-safe.
+  bool IsMarking(float x, float y) const;
 
  private:
   struct Level {

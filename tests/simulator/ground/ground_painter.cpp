@@ -254,7 +254,7 @@ GroundCanvas::Touch GroundPainter::Worn(float x, float y, float signed_distance,
   const float flakes = FractalNoise(2.1f * x, 2.1f * y, 4, seed_ + 40) +
                        0.6f * FractalNoise(40 * x, 40 * y, 2, seed_ + 50);
   const float kept = 1 - SmoothStep(0.75f - wear, 1.1f - wear, flakes + 0.45f);
-  return {color, cover * (0.12f + 0.83f * kept)};
+  return {color, cover * (0.12f + 0.83f * kept), true};
 }
 
 void GroundPainter::Crack(Vector2d at, double heading, double length, double width, int forks) {

@@ -13,6 +13,16 @@ struct Surface {
   Color darkest, brightest;
   TextureKind texture;
   float size, contrast;
+
+  /// What it is where cars do not drive on it.
+  SurfaceClass Kind() const {
+    switch (texture) {
+      case TextureKind::kGrass:
+      case TextureKind::kGravel:
+      case TextureKind::kMulch: return SurfaceClass::kVegetation;
+      default: return SurfaceClass::kPavement;
+    }
+  }
 };
 
 const Surface kAsphalt{Rgb(0.06f, 0.06f, 0.06f), Rgb(0.19f, 0.185f, 0.175f),
@@ -74,7 +84,8 @@ Material MaterialOf(const Surface& surface, Random& random) {
   return {.albedo = ColorOf(surface, random),
           .texture = surface.texture,
           .texture_size = surface.size * static_cast<float>(random.Uniform(0.6, 1.6)),
-          .texture_contrast = surface.contrast * static_cast<float>(random.Uniform(0.6, 1.4))};
+          .texture_contrast = surface.contrast * static_cast<float>(random.Uniform(0.6, 1.4)),
+          .surface = surface.Kind()};
 }
 
 PlaceLook Classic() {
@@ -84,23 +95,39 @@ PlaceLook Classic() {
     look.kerbs[i] = {.albedo = Gray(tones[i]),
                      .texture = TextureKind::kPlaster,
                      .texture_size = 0.7f,
-                     .texture_contrast = 0.12f};
+                     .texture_contrast = 0.12f,
+                     .surface = SurfaceClass::kKerb};
   look.pavement = {.albedo = Rgb(0.27f, 0.26f, 0.25f),
                    .texture = TextureKind::kSlabs,
                    .texture_size = 2.4f,
-                   .texture_contrast = 0.16f};
+                   .texture_contrast = 0.16f,
+                   .surface = SurfaceClass::kPavement};
   look.land = {.albedo = Rgb(0.10f, 0.15f, 0.045f),
                .texture = TextureKind::kGrass,
                .texture_size = 2.3f,
-               .texture_contrast = 0.35f};
+               .texture_contrast = 0.35f,
+               .surface = SurfaceClass::kVegetation};
   look.island = look.land;
   return look;
 }
 
-PlaceLook Drawn(std::span<const Family> families, std::uint64_t seed) {
-  Random random(seed, 0x100c);
-  const Family& family =
-      families[static_cast<std::size_t>(random.Index(static_cast<int>(families.size())))];
+template <typename T>
+const T& AnyOf(std::span<const T> all, Random& random) {
+  return all[static_cast<std::size_t>(random.Index(static_cast<int>(all.size())))];
+}
+
+/// Each surface is some known family's.
+Family Mixed(Random& random) {
+  const std::span<const Family> known(kKnown);
+  Family family = kKnown[0];
+  family.name = "mixed";
+  for (Surface Family::*part :
+       {&Family::road, &Family::kerb, &Family::pavement, &Family::island, &Family::land})
+    family.*part = AnyOf(known, random).*part;
+  return family;
+}
+
+PlaceLook Drawn(const Family& family, Random& random) {
   PlaceLook look;
   look.family = family.name;
   look.kerb_height = random.Uniform(0.06, 0.2);
@@ -109,6 +136,7 @@ PlaceLook Drawn(std::span<const Family> families, std::uint64_t seed) {
   const Material kerb = MaterialOf(family.kerb, random);
   for (Material& stone : look.kerbs) {
     stone = kerb;
+    stone.surface = SurfaceClass::kKerb;
     stone.albedo *= static_cast<float>(random.Uniform(0.85, 1.15));
   }
   look.pavement = MaterialOf(family.pavement, random);
@@ -120,10 +148,12 @@ PlaceLook Drawn(std::span<const Family> families, std::uint64_t seed) {
 }  // namespace
 
 PlaceLook LookOf(const std::string& looks, std::uint64_t seed) {
-  if (looks == "known") return Drawn(kKnown, seed);
-  if (looks == "unknown") return Drawn(kUnknown, seed);
+  Random random(seed, 0x100c);
+  if (looks == "known") return Drawn(AnyOf(std::span<const Family>(kKnown), random), random);
+  if (looks == "mixed") return Drawn(Mixed(random), random);
+  if (looks == "unknown") return Drawn(AnyOf(std::span<const Family>(kUnknown), random), random);
   Require(looks == "classic", ErrorCode::kUsage,
-          "unknown looks '" + looks + "': they are classic, known or unknown");
+          "unknown looks '" + looks + "': they are classic, known, mixed or unknown");
   return Classic();
 }
 

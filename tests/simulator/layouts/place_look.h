@@ -21,8 +21,9 @@ struct PlaceLook {
 };
 
 /// Looks are drawn per place from families of surfaces. `looks` is "classic", the one look of a
-/// place of old; "known", for networks to learn from; or "unknown", families with kinds of surface
-/// that no known one has: nothing is trained on or chosen by them. Throws Error{kUsage} for others.
+/// place of old; "known", for networks to learn from; "mixed", each surface of another known one;
+/// or "unknown", families with kinds of surface that no known one has: nothing is trained on or
+/// chosen by them. Throws Error{kUsage} for others.
 PlaceLook LookOf(const std::string& looks, std::uint64_t seed);
 
 }  // namespace parkade::simulator

@@ -38,6 +38,19 @@ TEST(PlaceLook, UnknownFamiliesHaveSurfacesThatNoKnownOneHas) {
   EXPECT_GE(3 * unknown.size(), known.size() + unknown.size()) << "a third is held back";
 }
 
+TEST(PlaceLook, MixedOnesHaveSurfacesOfKnownFamiliesInManyCombinations) {
+  std::set<TextureKind> known;
+  std::set<std::set<TextureKind>> combinations;
+  for (std::uint64_t seed = 0; seed < kNumPlaces; ++seed)
+    known.merge(TexturesOf(LookOf("known", seed)));
+  for (std::uint64_t seed = 0; seed < kNumPlaces; ++seed) {
+    const std::set<TextureKind> textures = TexturesOf(LookOf("mixed", seed));
+    EXPECT_TRUE(std::includes(known.begin(), known.end(), textures.begin(), textures.end()));
+    combinations.insert(textures);
+  }
+  EXPECT_GT(combinations.size(), 20u);
+}
+
 TEST(PlaceLook, NoTwoPlacesShareOneAndThePlaceKeepsItsOwn) {
   std::set<float> brightness;
   double low = 1, high = 0;
@@ -59,7 +72,7 @@ TEST(PlaceLook, OthersAreRefused) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kUsage);
-    EXPECT_STREQ(error.what(), "unknown looks 'strange': they are classic, known or unknown");
+    EXPECT_STREQ(error.what(), "unknown looks 'strange': they are classic, known, mixed or unknown");
   }
 }
 

@@ -25,13 +25,15 @@ Props::Props(const Ground& ground, std::uint64_t seed, bool is_dark, const Place
   bark_ = Add({.albedo = Rgb(0.13f, 0.10f, 0.075f),
                .texture = TextureKind::kBark,
                .texture_size = 0.9f,
-               .texture_contrast = 0.35f});
+               .texture_contrast = 0.35f,
+               .surface = SurfaceClass::kVegetation});
   for (const Color& color :
        {Rgb(0.07f, 0.13f, 0.03f), Rgb(0.11f, 0.15f, 0.035f), Rgb(0.05f, 0.10f, 0.035f)})
     leaves_.push_back(Add({.albedo = color,
                            .texture = TextureKind::kLeaves,
                            .texture_size = 1.9f,
-                           .texture_contrast = 0.55f}));
+                           .texture_contrast = 0.55f,
+                           .surface = SurfaceClass::kVegetation}));
   metal_ = Add({.albedo = Gray(0.32f), .mirror = 0.06f});
   white_ = Add({.albedo = Gray(0.7f)});
   blue_ = Add({.albedo = Rgb(0.03f, 0.12f, 0.42f)});

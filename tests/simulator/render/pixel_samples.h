@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -35,6 +36,7 @@ class PixelSamples {
 
   Color light = Gray(0);  ///< summed
   int count = 0, num_drivable = 0;
+  std::array<std::uint8_t, kNumSurfaceClasses> classes{};  ///< samples of each
 
  private:
   static bool IsUnlike(float darkest, float brightest) {

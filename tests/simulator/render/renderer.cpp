@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "core/parallel.h"
@@ -45,6 +46,16 @@ bool SeesWorldAlone(const SamplePacket& packet, int pixel) {
                      [](std::int32_t of_sample) { return of_sample == kWorld; });
 }
 
+/// The number of the class that most samples saw; those without a surface saw the sky.
+std::uint8_t MostSeen(const PixelSamples& pixel) {
+  auto classes = pixel.classes;
+  const int seen = std::accumulate(classes.begin(), classes.end(), 0);
+  classes[static_cast<size_t>(SurfaceClass::kStructure)] +=
+      static_cast<std::uint8_t>(pixel.count - seen);
+  return static_cast<std::uint8_t>(std::max_element(classes.begin(), classes.end()) -
+                                   classes.begin());
+}
+
 }  // namespace
 
 struct Renderer::Parts {
@@ -67,6 +78,9 @@ struct Renderer::Parts {
                     const PixelsOfPacket& pixels) const;
   SurfacePoint PointOnOwnCar(const OwnCarHit& hit, const MomentPose& pose, bool is_covered) const;
   void LightNearOwnCar(const FastPose& body_from_world, SurfacePoint& point) const;
+  SurfaceClass ClassOf(const SurfacePoint& point) const;
+  void NoteSemantics(Semantics semantics, const SurfacePoint& point, bool is_own_car,
+                     PixelSamples& pixel) const;
   bool IsDrivable(const SurfacePoint& point) const {
     return point.is_ground && drivable[point.material].At(point.position.x(), point.position.y());
   }
@@ -107,6 +121,25 @@ bool Renderer::Parts::IsLevelGround(const SurfacePoint& point) const {
   const Eigen::Vector3d position = point.position.cast<double>();
   const double road = scene.place.ground.Height(position.head<2>(), position.z());
   return position.z() - road < static_cast<double>(kMaxHeight);
+}
+
+SurfaceClass Renderer::Parts::ClassOf(const SurfacePoint& point) const {
+  if (!point.is_ground) return scene.materials[point.material].surface;
+  if (!IsDrivable(point)) return SurfaceClass::kVehicle;  // all else that stands hides its ground
+  const float x = point.position.x(), y = point.position.y();
+  return scene.ground_colors[point.material].IsMarking(x, y) ? SurfaceClass::kMarking
+                                                             : SurfaceClass::kDrivable;
+}
+
+void Renderer::Parts::NoteSemantics(Semantics semantics, const SurfacePoint& point, bool is_own_car,
+                                    PixelSamples& pixel) const {
+  if (semantics == Semantics::kClasses) {
+    const SurfaceClass found = is_own_car ? SurfaceClass::kOwnCar : ClassOf(point);
+    ++pixel.classes[static_cast<size_t>(found)];
+  } else if (semantics != Semantics::kNone && !is_own_car) {
+    pixel.num_drivable +=
+        IsDrivable(point) || (semantics == Semantics::kLevelGround && IsLevelGround(point));
+  }
 }
 
 /// The car hides light from the ground beside and below it, and its headlights shine ahead.
@@ -164,9 +197,7 @@ void Renderer::Parts::RenderPacket(const Shot& shot, const PacketPoses& poses,
       }
       LightNearOwnCar(poses.Of(lane).body_from_world, point);
     }
-    if (shot.with_semantics && !is_own_car &&
-        (IsDrivable(point) || (shot.marks_level_ground && IsLevelGround(point))))
-      ++pixels[pixel]->num_drivable;
+    NoteSemantics(shot.semantics, point, is_own_car, *pixels[pixel]);
   }
   sunlight.FallOn(poses, is_surface, points);
   if (!scene.finish.empty()) MirrorWorld(scene, surfaces, poses, is_surface, points);
@@ -246,7 +277,9 @@ RenderedImage Renderer::Parts::Image(const Shot& shot, const ImageSamples& rows)
   const SampleTable& table = tables[shot.camera];
   RenderedImage image;
   image.radiance = cv::Mat::zeros(table.height, table.width, CV_32FC3);
-  if (shot.with_semantics) image.drivable = cv::Mat::zeros(table.height, table.width, CV_8UC1);
+  const bool has_classes = shot.semantics == Semantics::kClasses;
+  if (shot.semantics != Semantics::kNone)
+    image.mask = cv::Mat(table.height, table.width, CV_8UC1, cv::Scalar(has_classes ? 255 : 0));
   for (int row = 0; row < table.height; ++row) {
     for (int column = 0; column < table.width; ++column) {
       const PixelSamples& pixel = rows[static_cast<size_t>(row)][static_cast<size_t>(column)];
@@ -259,8 +292,10 @@ RenderedImage Renderer::Parts::Image(const Shot& shot, const ImageSamples& rows)
       // Halves go one way in every other pixel: taken for undrivable, outlines would be an eighth
       // of a pixel off.
       const int halves = (row + column) % 2;
-      if (shot.with_semantics && 2 * pixel.num_drivable + halves > count)
-        image.drivable.at<std::uint8_t>(row, column) = 255;
+      if (has_classes)
+        image.mask.at<std::uint8_t>(row, column) = MostSeen(pixel);
+      else if (!image.mask.empty() && 2 * pixel.num_drivable + halves > count)
+        image.mask.at<std::uint8_t>(row, column) = 255;
     }
   }
   return image;

@@ -12,7 +12,7 @@ namespace parkade::simulator {
 
 struct RenderedImage {
   cv::Mat radiance;  ///< CV_32FC3, red, green, blue, linear, as it arrives at the sensor
-  cv::Mat drivable;  ///< CV_8UC1, 255 = drivable ground; empty unless asked for
+  cv::Mat mask;      ///< CV_8UC1, see Semantics; empty unless asked for
 };
 
 /// Takes images of a scene with the cameras of a rig, by ray tracing: four rays

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <opencv2/imgproc.hpp>
 
 #include "core/parallel.h"
@@ -30,10 +31,10 @@ class LotImages : public testing::Test {
     delete scene_;
   }
 
-  static RenderedImage Take(size_t camera, double time, bool with_semantics) {
+  static RenderedImage Take(size_t camera, double time, Semantics semantics) {
     return renderer_->Render(
         {camera, [=](double offset) { return plan_->motion.WorldFromBody(time + offset); }, 0.003,
-         with_semantics});
+         semantics});
   }
 
   static inline Scene* scene_ = nullptr;
@@ -47,7 +48,7 @@ TEST_F(LotImages, MostTracksSurviveFromFrameToFrameWhileDriving) {
     ImageSensor sensor({}, camera);
     cv::Mat gray[2];
     for (int i = 0; i < 2; ++i)
-      cv::cvtColor(sensor.Develop(Take(camera, 8 + 0.1 * i, false).radiance), gray[i],
+      cv::cvtColor(sensor.Develop(Take(camera, 8 + 0.1 * i, Semantics::kNone).radiance), gray[i],
                    cv::COLOR_BGR2GRAY);
     const FollowedCorners tracks =
         FollowCorners(gray[0], gray[1], renderer_->Mask(camera), {.quality = 0.005, .spacing = 10});
@@ -69,7 +70,8 @@ TEST_F(LotImages, NoUndrivablePlaceOfThePlanIsMarkedAsDrivable) {
     return true;
   };
   for (size_t camera = 0; camera < 4; ++camera) {
-    const cv::Mat drivable = Take(camera, time, true).drivable, mask = renderer_->Mask(camera);
+    const cv::Mat drivable = Take(camera, time, Semantics::kDrivable).mask,
+                  mask = renderer_->Mask(camera);
     cv::Mat inner;
     cv::erode(drivable, inner, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}));
     const Rigid3 world_from_camera =
@@ -102,10 +104,9 @@ TEST_F(LotImages, LevelGroundIsWhatIsDrivableAndIslandsBesides) {
     const Shot shot{
         .camera = camera,
         .world_from_body = [](double offset) { return plan_->motion.WorldFromBody(12 + offset); },
-        .with_semantics = true,
-        .marks_level_ground = true};
-    const cv::Mat level = renderer_->Render(shot).drivable,
-                  drivable = Take(camera, 12, true).drivable;
+        .semantics = Semantics::kLevelGround};
+    const cv::Mat level = renderer_->Render(shot).mask,
+                  drivable = Take(camera, 12, Semantics::kDrivable).mask;
     cv::Mat missing, more;
     cv::subtract(drivable, level, missing);
     cv::subtract(level, drivable, more);
@@ -115,13 +116,36 @@ TEST_F(LotImages, LevelGroundIsWhatIsDrivableAndIslandsBesides) {
   }
 }
 
+TEST_F(LotImages, ClassesTellDrivableGroundFromTheRest) {
+  std::array<int, kNumSurfaceClasses> seen{};
+  int num_unlike = 0, num_drivable = 0;
+  for (size_t camera = 0; camera < 4; ++camera) {
+    const cv::Mat classes = Take(camera, 12, Semantics::kClasses).mask,
+                  drivable = Take(camera, 12, Semantics::kDrivable).mask;
+    for (int row = 0; row < classes.rows; ++row)
+      for (int column = 0; column < classes.cols; ++column) {
+        const std::uint8_t found = classes.at<std::uint8_t>(row, column);
+        const bool is_drivable = found <= static_cast<int>(SurfaceClass::kMarking);
+        num_unlike += is_drivable != (drivable.at<std::uint8_t>(row, column) == 255);
+        num_drivable += is_drivable;
+        if (found < kNumSurfaceClasses) ++seen[found];
+      }
+  }
+  EXPECT_LT(num_unlike, 0.01 * num_drivable);
+  for (const SurfaceClass expected :
+       {SurfaceClass::kDrivable, SurfaceClass::kMarking, SurfaceClass::kVegetation,
+        SurfaceClass::kKerb, SurfaceClass::kVehicle, SurfaceClass::kStructure,
+        SurfaceClass::kOwnCar})
+    EXPECT_GT(seen[static_cast<size_t>(expected)], 100) << static_cast<int>(expected);
+}
+
 TEST_F(LotImages, TheOwnCarIsMaskedAndDoesNotMove) {
   for (size_t camera = 0; camera < 4; ++camera) {
     const cv::Mat mask = renderer_->Mask(camera);
     const int num_masked = mask.rows * mask.cols - cv::countNonZero(mask);
     EXPECT_GT(num_masked, 0.05 * mask.rows * mask.cols) << camera;
     EXPECT_LT(num_masked, 0.5 * mask.rows * mask.cols) << camera;
-    const cv::Mat drivable = Take(camera, 20, true).drivable;
+    const cv::Mat drivable = Take(camera, 20, Semantics::kDrivable).mask;
     cv::Mat hidden;
     cv::bitwise_and(drivable, mask == 0, hidden);
     // Erosion masks a rim of two pixels that still shows ground.
@@ -130,7 +154,8 @@ TEST_F(LotImages, TheOwnCarIsMaskedAndDoesNotMove) {
 }
 
 TEST_F(LotImages, TheSameImageComesOutTwice) {
-  const cv::Mat first = Take(1, 9, false).radiance, second = Take(1, 9, false).radiance;
+  const cv::Mat first = Take(1, 9, Semantics::kNone).radiance,
+                second = Take(1, 9, Semantics::kNone).radiance;
   EXPECT_EQ(cv::norm(first, second, cv::NORM_INF), 0);
 }
 

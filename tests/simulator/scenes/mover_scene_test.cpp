@@ -44,7 +44,7 @@ class Movers : public testing::Test {
     shot.camera = 1;
     shot.world_from_body = [](double) { return Rigid3(); };
     shot.exposure = 0.004;
-    shot.with_semantics = true;
+    shot.semantics = Semantics::kDrivable;
     shot.time = time;
     return renderer.Render(shot);
   }
@@ -91,8 +91,8 @@ TEST_F(Movers, AreSeenWhereTheyAreWhenTheirRowIsExposed) {
 
 TEST_F(Movers, AreNoDrivableGround) {
   const Rig rig = RollingRig();
-  const cv::Mat without = Take(BallWorld(false), rig, 3).drivable,
-                with = Take(BallWorld(true), rig, 3).drivable;
+  const cv::Mat without = Take(BallWorld(false), rig, 3).mask,
+                with = Take(BallWorld(true), rig, 3).mask;
 
   EXPECT_GT(cv::countNonZero(without) - cv::countNonZero(with), 60);
   EXPECT_EQ(cv::countNonZero(with & ~without), 0);

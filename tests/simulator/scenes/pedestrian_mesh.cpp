@@ -25,7 +25,8 @@ void AddPedestrian(Random& random, const std::function<Rigid3(double)>& pose, do
     materials.push_back({.albedo = color,
                          .texture = TextureKind::kPlaster,
                          .texture_size = 0.6f,
-                         .texture_contrast = 0.25f});
+                         .texture_contrast = 0.25f,
+                         .surface = SurfaceClass::kPerson});
     return static_cast<MaterialId>(materials.size() - 1);
   };
   const MaterialId coat = add(Cloth(random)), trousers = add(0.5f * Cloth(random)),

@@ -42,7 +42,7 @@ struct DrivenScene {
       return plan.motion.WorldFromBody(time + offset);
     };
     shot.exposure = scene.usual_exposure;
-    shot.with_semantics = true;
+    shot.semantics = Semantics::kDrivable;
     shot.time = time;
     return renderer->Render(shot);
   }
@@ -88,7 +88,7 @@ bool IsNearRim(const Place& place, size_t sheet, const Eigen::Vector2d& xy) {
 /// ones within 8 m. Returns the share that the mask has right, give or take a pixel and the cell of
 /// 5 cm that the renderer looks up.
 double MaskAgreement(const DrivenScene& driven, size_t camera, double time) {
-  const cv::Mat drivable = driven.Take(camera, time).drivable, mask = driven.renderer->Mask(camera);
+  const cv::Mat drivable = driven.Take(camera, time).mask, mask = driven.renderer->Mask(camera);
   const cv::Mat neighbors = cv::getStructuringElement(cv::MORPH_RECT, {3, 3});
   cv::Mat inner, outer;
   cv::erode(drivable, inner, neighbors);
@@ -153,7 +153,7 @@ TEST_P(DrivenScenes, TracksSurviveMasksMatchTheGroundAndTheBytesRepeat) {
         << wanted.title << " camera " << camera;
   const RenderedImage first = driven.Take(1, 9), second = driven.Take(1, 9);
   EXPECT_EQ(cv::norm(first.radiance, second.radiance, cv::NORM_INF), 0);
-  EXPECT_EQ(cv::norm(first.drivable, second.drivable, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(first.mask, second.mask, cv::NORM_INF), 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -128,7 +128,8 @@ CarMaterials ChooseMaterials(Random& random, std::vector<Material>& materials) {
       {Gray(0.72f), Gray(0.55f), Gray(0.30f), Gray(0.045f), Gray(0.10f), Rgb(0.05f, 0.11f, 0.32f),
        Rgb(0.42f, 0.04f, 0.03f), Rgb(0.08f, 0.20f, 0.12f), Rgb(0.45f, 0.38f, 0.26f),
        Rgb(0.16f, 0.30f, 0.46f)}};
-  const auto add = [&](const Material& material) {
+  const auto add = [&](Material material) {
+    material.surface = SurfaceClass::kVehicle;
     materials.push_back(material);
     return static_cast<MaterialId>(materials.size() - 1);
   };
