@@ -1,14 +1,18 @@
 """What is done to pictures so that the network does not learn ours by heart: geometry (views.py), light, color, blur, noise,
-darkness toward the rim; painted and shining floors; bodies of other own cars (own_car.py).
+darkness toward the rim; painted and shining floors; other land (lands.py); bodies of other own cars (own_car.py).
 """
 import cv2
 import numpy as np
 
+import classes as surfaces
 from colors import normals, to_bytes
 from kerbs import add_kerb
+from lands import repaint_land
 from own_car import add_own_car
-from pictures import DRIVABLE, NOT_DRIVABLE
+from pictures import DRIVABLE, NOT_DRIVABLE, UNKNOWN
 from walls import paint_walls, smooth_walls
+
+MOST_CHANGE = 12  # of a channel: what changes more is painted over
 
 
 def half_plane(rng, size):
@@ -43,11 +47,38 @@ def paint_floor(rng, image, label, view):
     return to_bytes(image * (1 - ground) + floor * ground)
 
 
-def change_ground(rng, image, label, view):
-    """Other floors, and kerbs on some."""
+def paint_over(change, rng, image, label, classes, found):
+    """What `change(rng, image, label)` makes of the picture; where it writes 0 into the label, `found` is seen."""
+    marked = np.where(label == DRIVABLE, DRIVABLE, UNKNOWN).astype(np.uint8)
+    image = change(rng, image, marked)
+    is_painted = marked == NOT_DRIVABLE
+    label[is_painted], classes[is_painted] = NOT_DRIVABLE, found
+    return image
+
+
+def change_ground(rng, image, label, classes, view):
+    """Other land and floors, and kerbs on some."""
+    image = repaint_land(rng, image, classes)
     if rng.random() < view.share_of_floors:
         image = paint_floor(rng, image, label, view)
-    return add_kerb(rng, image, label) if rng.random() < view.share_of_kerbs else image
+        classes[label == DRIVABLE] = surfaces.ROAD
+    if rng.random() < view.share_of_kerbs:
+        image = paint_over(add_kerb, rng, image, label, classes, surfaces.KERB)
+    return image
+
+
+def change_walls(rng, picture, image, label, classes):
+    """Other walls; what is painted over is no class any more."""
+    before = image
+    # Along a street no wall stands on the outline but a pavement lies behind it, which must not pass for floor.
+    if picture.is_fisheye and not picture.name.startswith("street") and rng.random() < 0.35:
+        image = smooth_walls(rng, image, label)
+    if rng.random() < 0.5:
+        image = paint_walls(rng, image, label)
+    if image is not before:
+        is_painted = (cv2.absdiff(image, before).max(2) > MOST_CHANGE) & (label != DRIVABLE)
+        classes[is_painted] = surfaces.UNKNOWN
+    return image
 
 
 def add_lens_rim(rng, image, label):
@@ -99,24 +130,20 @@ def roughen(rng, image):
 
 
 def augment(rng, picture, view):
-    """A picture never seen before, in a view of views.py, its label and its weights. A share is shown as maps show it, most of
+    """A picture never seen before, in a view of views.py, its labels and its weights. A share is shown as maps show it, most of
     that unchanged: what is bent and painted keeps the network from learning ours by heart, what is not shows it how sharp
     outlines can be seen."""
     if picture.camera is not None and rng.random() < view.share_as_mapped:
-        image, label, weights = view.show_as_mapped(rng, picture)
+        image, label, classes, weights = view.show_as_mapped(rng, picture)
         if rng.random() < 0.35:
-            image = change_ground(rng, image, label, view)
-        return change_light(rng, image) if rng.random() < 0.5 else image, label, weights
-    image, label, weights = view.change_geometry(rng, picture)
-    image = change_ground(rng, image, label, view)
-    # Along a street no wall stands on the outline but a pavement lies behind it, which must not pass for floor.
-    if picture.is_fisheye and not picture.name.startswith("street") and rng.random() < 0.35:
-        image = smooth_walls(rng, image, label)
-    if rng.random() < 0.5:
-        image = paint_walls(rng, image, label)
+            image = change_ground(rng, image, label, classes, view)
+        return change_light(rng, image) if rng.random() < 0.5 else image, label, classes, weights
+    image, label, classes, weights = view.change_geometry(rng, picture)
+    image = change_ground(rng, image, label, classes, view)
+    image = change_walls(rng, picture, image, label, classes)
     if rng.random() < view.share_of_own_cars(picture):
-        image = add_own_car(rng, image, label)
+        image = paint_over(add_own_car, rng, image, label, classes, surfaces.OWN_CAR)
     image = change_light(rng, image)
     if rng.random() < 0.2:
-        image = add_lens_rim(rng, image, label)
-    return roughen(rng, image), label, weights
+        image = paint_over(add_lens_rim, rng, image, label, classes, surfaces.UNKNOWN)
+    return roughen(rng, image), label, classes, weights

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""IoU of drivable ground that an ONNX network reaches, run by OpenCV as Parkade runs it. Needs no PyTorch.
+"""IoU of drivable ground, and of classes, that an ONNX network reaches, run by OpenCV as Parkade runs it. Needs no PyTorch.
 
     evaluate.py level.onnx --level --drive DRIVES/val/lot_2000 ...
     evaluate.py freespace.onnx --camvid CAMVID/val --drive DRIVES/val/lot_2000 ... [--overlays DIR]
@@ -13,14 +13,22 @@ sys.dont_write_bytecode = True
 import cv2
 import numpy as np
 
+import classes as surfaces
 import level_view
 import pictures
 
 
-def find_log_odds(network, limit, picture):
+def find_scores(network, limit, picture):
+    """Classes x H x W."""
     image = cv2.resize(picture.image, pictures.input_size(picture.image, limit), interpolation=cv2.INTER_AREA)
     network.setInput(cv2.dnn.blobFromImage(image))
-    return cv2.resize(network.forward()[0, 0], picture.label.shape[::-1], interpolation=cv2.INTER_LINEAR)
+    size = picture.label.shape[::-1]
+    return np.stack([cv2.resize(channel, size, interpolation=cv2.INTER_LINEAR) for channel in network.forward()[0]])
+
+
+def log_odds_of(scores):
+    sum_of = lambda some: np.logaddexp.reduce(some, axis=0)
+    return sum_of(scores[: surfaces.NUM_FREE]) - sum_of(scores[surfaces.NUM_FREE :])
 
 
 def overlay(picture, drivable):
@@ -33,11 +41,14 @@ def overlay(picture, drivable):
 
 
 def evaluate(network, limit, samples, folder):
-    """IoU over all labeled pixels, and how often a pixel is right at each tenth of probability."""
+    """IoU over all labeled pixels, how often a pixel is right at each tenth of probability, and IoUs of merged classes."""
     both = either = 0
     right, count = np.zeros(10), np.zeros(10)
+    confusion = surfaces.Confusion()
     for picture in samples:
-        log_odds = find_log_odds(network, limit, picture)
+        scores = find_scores(network, limit, picture)
+        log_odds = log_odds_of(scores)
+        confusion.add(picture.classes, surfaces.merged_class_of(scores))
         known, truth, drivable = picture.label != pictures.UNKNOWN, picture.label == pictures.DRIVABLE, log_odds > 0
         both += int((drivable & truth).sum())
         either += int(((drivable | truth) & known).sum())
@@ -46,7 +57,7 @@ def evaluate(network, limit, samples, folder):
         right += np.bincount(tenth, weights=truth[known], minlength=10)
         if folder:
             cv2.imwrite(str(Path(folder) / (picture.name.replace("/", "_") + ".jpg")), overlay(picture, drivable))
-    return both / max(either, 1), right / np.maximum(count, 1)
+    return both / max(either, 1), right / np.maximum(count, 1), confusion.ious()
 
 
 def main():
@@ -68,9 +79,11 @@ def main():
         samples = pictures.load_drive(drive)
         sets.append((Path(drive).name, [level_view.as_seen_level(p) for p in samples] if arguments.level else samples))
     for name, samples in sets:
-        iou, share = evaluate(network, limit, samples, arguments.overlays)
+        iou, share, ious = evaluate(network, limit, samples, arguments.overlays)
         tenths = " ".join(f"{value:.2f}" for value in share)
         print(f"{name}: {len(samples)} pictures, IoU {iou:.4f}; drivable per tenth of probability: {tenths}")
+        of_classes = ", ".join(f"{part} {value:.3f}" for part, value in zip(surfaces.MERGED_NAMES, ious))
+        print(f"  mean of classes {np.nanmean(ious):.3f}: {of_classes}")
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ import torch
 from network import count_parameters, fold, load, mixed
 
 OPSET = 11  # what OpenCV 4.6 knows well
-MAX_DIFFERENCE = 1e-2  # of log-odds
+MAX_DIFFERENCE = 1e-2  # of scores
 
 
 def largest_difference(network, onnx_path, size):
@@ -56,7 +56,7 @@ def main():
     if arguments.mix:
         network = mixed(fold(network), [(fold(load(path)), share_of(text)) for path, text in arguments.mix])
     torch.onnx.export(network, torch.zeros(1, 3, height, width), arguments.onnx, opset_version=OPSET,
-                      input_names=["image"], output_names=["log_odds"])
+                      input_names=["image"], output_names=["scores"])
     difference = largest_difference(network, arguments.onnx, (width, height))
     print(f"{count_parameters(network)} parameters, {width}x{height}, largest difference to OpenCV {difference:.1e}")
     if difference > MAX_DIFFERENCE:

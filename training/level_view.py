@@ -4,6 +4,7 @@ elevations, and rows are dense where the ground is far.
 import cv2
 import numpy as np
 
+import classes as surfaces
 from pictures import DRIVABLE, NOT_DRIVABLE, Picture
 
 SIZE = (832, 288)  # width, height
@@ -60,16 +61,17 @@ def view_map(camera):
     return x.astype(np.float32), y.astype(np.float32)
 
 
-def show(image, maps):
-    """The level view of a picture; what lies off it is black."""
-    return cv2.remap(image, *maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
+def show(image, maps, how=cv2.INTER_LINEAR, beyond=0):
+    """The level view of a picture; what lies off it is black, or `beyond`."""
+    return cv2.remap(image, *maps, how, borderMode=cv2.BORDER_CONSTANT, borderValue=beyond)
 
 
 def as_seen_level(picture):
     """A picture of a drive and its label as the level view shows them."""
     maps = view_map(picture.camera)
     label = np.where(show(picture.label, maps) > 127, DRIVABLE, NOT_DRIVABLE).astype(np.uint8)
-    return Picture(picture.name, show(picture.image, maps), label, True)
+    classes = show(picture.classes, maps, cv2.INTER_NEAREST, surfaces.UNKNOWN)
+    return Picture(picture.name, show(picture.image, maps), label, classes, True)
 
 
 def seen_otherwise(rng, azimuth, elevation):

@@ -1,11 +1,14 @@
 """The free-space network: an encoder-decoder with skip connections, small enough for one processor core:
 depthwise-separable convolutions where pictures are large or channels many, a few dense ones in between. Input: N x 3 x
-H x W, BGR, 0..255, H and W multiples of 32. Output: N x 1 x H/2 x W/2, the log-odds of "drivable".
+H x W, BGR, 0..255, H and W multiples of 32. Output: N x 9 x H/2 x W/2, scores of the classes (classes.py) before their
+softmax.
 """
 import torch
 from torch import nn
 from torch.nn import functional
 from torch.nn.utils.fusion import fuse_conv_bn_eval
+
+from classes import NAMES, NUM_FREE
 
 PIXEL_SCALE = 1 / 128  # no offset: black stays zero, which is also what convolutions pad with
 
@@ -80,7 +83,7 @@ class FreespaceNetwork(nn.Module):
         self.to_eighth = Decoder(sixteenth, eighth, separable(eighth, eighth), conv(eighth, eighth))
         self.to_quarter = Decoder(eighth, quarter, separable(quarter, quarter), conv(quarter, quarter))
         self.to_half = Decoder(quarter, half, separable(half, half))
-        self.head = nn.Conv2d(half, 1, 1)
+        self.head = nn.Conv2d(half, len(NAMES), 1)
 
     def forward(self, picture):
         half = self.at_half(picture * PIXEL_SCALE)
@@ -89,6 +92,23 @@ class FreespaceNetwork(nn.Module):
         sixteenth = self.at_sixteenth(eighth)
         deep = self.to_sixteenth(self.at_deepest(sixteenth), sixteenth)
         return self.head(self.to_half(self.to_quarter(self.to_eighth(deep, eighth), quarter), half))
+
+
+def log_odds_of(scores):
+    """N x H x W: of "drivable", of N x 9 x H x W scores."""
+    return torch.logsumexp(scores[:, :NUM_FREE], 1) - torch.logsumexp(scores[:, NUM_FREE:], 1)
+
+
+def with_classes(state):
+    """The weights of a network that gave one channel, the log-odds of "drivable", as those of one that gives the same by the
+    scores of all classes."""
+    weight, bias = state["head.weight"], state["head.bias"]
+    if weight.shape[0] != 1:
+        return state
+    sign = torch.where(torch.arange(len(NAMES)) < NUM_FREE, 0.5, -0.5)
+    count = torch.where(torch.arange(len(NAMES)) < NUM_FREE, NUM_FREE, len(NAMES) - NUM_FREE)
+    noise = 0.02 * torch.randn(len(NAMES), *weight.shape[1:])  # else they would stay alike
+    return {**state, "head.weight": sign.view(-1, 1, 1, 1) * weight + noise, "head.bias": sign * bias - torch.log(count.float())}
 
 
 def fold(network):
@@ -115,7 +135,7 @@ def load(path):
     network = FreespaceNetwork()
     if not any(name.endswith("running_mean") for name in state):
         network = fold(network)
-    network.load_state_dict(state)
+    network.load_state_dict(with_classes(state))
     return network
 
 

@@ -1,6 +1,7 @@
-"""Labelled pictures: CamVid and drives of parkade-simulate (EuRoC folders with --semantic).
+"""Labelled pictures: CamVid and drives of parkade-simulate (EuRoC folders with --semantic and classes in their masks).
 
-A label is one byte per pixel: 0 not drivable, 255 drivable, 128 unknown (left out of training and figures).
+A label is one byte per pixel: 0 not drivable, 255 drivable, 128 unknown (left out of training and figures). Beside it are
+labels of classes (classes.py).
 """
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,10 +9,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+import classes as surfaces
 from ground_area import read_rig, weigh_pixels
 
 NOT_DRIVABLE, UNKNOWN, DRIVABLE = 0, 128, 255
-CAMVID_ROAD, CAMVID_UNLABELLED = 3, 11
 
 
 @dataclass
@@ -19,6 +20,7 @@ class Picture:
     name: str
     image: np.ndarray  # H x W x 3, BGR
     label: np.ndarray  # H x W
+    classes: np.ndarray  # H x W
     is_fisheye: bool
     weights: np.ndarray = None  # H x W, see ground_area.py; None: all the same
     camera: tuple = None  # see ground_area.read_rig; None: not known
@@ -38,14 +40,21 @@ def input_size(image, limit):
     return tuple(32 * int(np.ceil(scale * length / 32 - 1e-6)) for length in image.shape[1::-1])
 
 
+def label_of(classes):
+    """What labels of classes say about driving."""
+    is_drivable = (classes < surfaces.NUM_FREE) | (classes == surfaces.ROAD)
+    label = np.where(is_drivable, DRIVABLE, NOT_DRIVABLE).astype(np.uint8)
+    label[classes == surfaces.UNKNOWN] = UNKNOWN
+    return label
+
+
 def load_camvid(folder):
     """Pictures of `folder`/images with class masks of the same name in `folder`/labels."""
     pictures = []
     for path in sorted((Path(folder) / "images").glob("*.jpg")):
-        classes = read_image(Path(folder) / "labels" / (path.stem + ".png"), cv2.IMREAD_GRAYSCALE)
-        label = np.where(classes == CAMVID_ROAD, DRIVABLE, NOT_DRIVABLE).astype(np.uint8)
-        label[classes == CAMVID_UNLABELLED] = UNKNOWN
-        pictures.append(Picture(path.name, read_image(path), label, is_fisheye=False))
+        of_camvid = read_image(Path(folder) / "labels" / (path.stem + ".png"), cv2.IMREAD_GRAYSCALE)
+        classes = surfaces.OF_CAMVID[of_camvid]
+        pictures.append(Picture(path.name, read_image(path), label_of(classes), classes, is_fisheye=False))
     return pictures
 
 
@@ -58,10 +67,11 @@ def load_drive(folder):
         mask_path = path.parents[1] / "semantic" / "data" / (path.stem + ".png")
         if not mask_path.exists():
             continue
-        image, label = read_image(path), read_image(mask_path, cv2.IMREAD_GRAYSCALE)
+        image, mask = read_image(path), read_image(mask_path, cv2.IMREAD_GRAYSCALE)
         camera = path.parents[1].name
         name = f"{Path(folder).name}/{camera}/{path.stem}"
-        pictures.append(Picture(name, image, label, True, weights[camera], rig[camera]))
+        label = np.where(mask < surfaces.NUM_FREE, DRIVABLE, NOT_DRIVABLE).astype(np.uint8)  # off the lens, too
+        pictures.append(Picture(name, image, label, mask, True, weights[camera], rig[camera]))
     return pictures
 
 

@@ -20,10 +20,11 @@ import torch
 from torch.nn import functional
 
 import augment
+import classes as surfaces
 import level_view
 import pictures
 from huge_pages import use_huge_pages
-from network import FreespaceNetwork, count_parameters, fold, in_bfloat16, load
+from network import FreespaceNetwork, count_parameters, fold, in_bfloat16, load, log_odds_of
 from views import CameraView, LevelView
 
 SIZE = (640, 384)  # of the network's input: width, height
@@ -33,6 +34,8 @@ EDGE_WEIGHT = 4.0  # of pixels at an outline, where others weigh 1: far ground i
 MOST_WEIGHT = 12.0
 EDGE_REACH = 1 / 100  # of the picture's width, to both sides
 PREFETCHED = 4  # batches
+CLASSES_WEIGHT = 0.5  # of their loss, that of drivable ground weighing 1
+POSSIBLE = torch.from_numpy(surfaces.possible())
 
 
 def to_batch(images):
@@ -63,18 +66,34 @@ def loss_of(log_odds, labels, weights):
     return entropy / weights.sum().clamp(min=1) + 0.3 * (1 - soft_iou)
 
 
+def class_loss_of(scores, classes):
+    """Cross entropy, labels that leave several classes open counting for each, and soft IoU, which is for the rare ones."""
+    known = classes != surfaces.UNKNOWN
+    possible = POSSIBLE[torch.where(known, classes, 0).long()].permute(0, 3, 1, 2)  # N x classes x H x W
+    scores = scores - torch.logsumexp(scores, 1, keepdim=True)
+    entropy = -torch.logsumexp(scores + torch.log(possible.clamp(min=1e-9)), 1) * known
+    certain = ((possible.sum(1) == 1) & known)[:, None]
+    probability, target = scores.exp() * certain, possible * certain
+    both = (probability * target).sum((0, 2, 3))
+    either = (probability + target).sum((0, 2, 3)) - both
+    seen = target.sum((0, 2, 3)) > 50
+    soft_iou = ((both + 5) / (either + 5))[seen].mean() if seen.any() else 1.0
+    return entropy.sum() / known.sum().clamp(min=1) + 0.3 * (1 - soft_iou)
+
+
 def size_at(progress):
     return next((size for end, size in STAGES if progress < end), SIZE)
 
 
-def upsample(log_odds, size):
-    return functional.interpolate(log_odds, size=size, mode="bilinear", align_corners=False)[:, 0]
+def upsample(scores, size):
+    return functional.interpolate(scores, size=size, mode="bilinear", align_corners=False)
 
 
 def measure_iou(network, samples, is_level):
-    """IoU of drivable ground over all pixels with a label, at the labels' resolution."""
+    """IoU of drivable ground over all pixels with a label, at the labels' resolution, and the mean of those of classes."""
     network.eval()
     both = either = 0
+    confusion = surfaces.Confusion()
     with torch.no_grad():
         for picture in samples:
             if is_level:
@@ -82,12 +101,14 @@ def measure_iou(network, samples, is_level):
                 image = picture.image
             else:
                 image = cv2.resize(picture.image, pictures.input_size(picture.image, SIZE), interpolation=cv2.INTER_AREA)
-            log_odds = upsample(network(to_batch(image[None])), picture.label.shape)[0].numpy()
+            scores = upsample(network(to_batch(image[None])), picture.label.shape)
+            log_odds = log_odds_of(scores)[0].numpy()
+            confusion.add(picture.classes, surfaces.merged_class_of(scores[0].numpy()))
             known, truth = picture.label != pictures.UNKNOWN, picture.label == pictures.DRIVABLE
             found = (log_odds > 0) & known
             both += int((found & truth).sum())
             either += int((found | (truth & known)).sum())
-    return both / max(either, 1)
+    return both / max(either, 1), float(np.nanmean(confusion.ious()))
 
 
 class Samples(torch.utils.data.IterableDataset):
@@ -118,15 +139,16 @@ class Samples(torch.utils.data.IterableDataset):
             yield self.batch(self.arguments.batch, LevelView() if self.arguments.level else CameraView(size_at(self.progress())))
 
     def batch(self, count, view):
-        images, labels, weights = [], [], []
+        images, labels, classes, weights = [], [], [], []
         for _ in range(count):
             is_plain = not self.fisheye or (self.plain and self.rng.random() < self.share_of_plain)
             pool = self.plain if is_plain else self.fisheye
-            image, label, area = augment.augment(self.rng, pool[self.rng.integers(len(pool))], view)
+            image, label, of_pixels, area = augment.augment(self.rng, pool[self.rng.integers(len(pool))], view)
             images.append(image)
             labels.append(label)
+            classes.append(of_pixels[::2, ::2])  # the network's output has half the size
             weights.append(weights_of(label, area))
-        return np.stack(images), np.stack(labels), np.stack(weights)
+        return np.stack(images), np.stack(labels), np.stack(classes), np.stack(weights)
 
 
 def follow(average, network, decay):
@@ -166,7 +188,7 @@ def train(arguments):
           flush=True)
     batches = torch.utils.data.DataLoader(samples, batch_size=None, num_workers=1, prefetch_factor=PREFETCHED,
                                           collate_fn=lambda batch: batch)
-    for images, labels, weights in batches:
+    for images, labels, classes, weights in batches:
         elapsed = time.monotonic() - begin
         progress = elapsed / budget
         # The schedule follows the clock: on a shared machine nobody knows how many steps an hour has.
@@ -176,8 +198,10 @@ def train(arguments):
         network.train()
         labels = torch.from_numpy(labels)
         with in_bfloat16(arguments.bfloat16):
-            log_odds = network(to_batch(images))
-        loss = loss_of(upsample(log_odds.float(), labels.shape[1:]), labels, torch.from_numpy(weights))
+            scores = network(to_batch(images)).float()
+        log_odds = upsample(log_odds_of(scores)[:, None], labels.shape[1:])[:, 0]
+        loss = loss_of(log_odds, labels, torch.from_numpy(weights))
+        loss = loss + CLASSES_WEIGHT * class_loss_of(scores, torch.from_numpy(classes))
         optimizer.zero_grad()
         loss.backward()
         torch.nn.utils.clip_grad_norm_(network.parameters(), 5.0)
@@ -199,11 +223,11 @@ def report(arguments, average, step, losses, elapsed):
     figures = []
     if arguments.camvid and not arguments.level:
         val = pictures.load_camvid(Path(arguments.camvid) / "val")[:: arguments.val_stride]
-        figures.append(f"camvid {measure_iou(average, val, False):.4f}")
+        figures.append("camvid {:.4f} {:.3f}".format(*measure_iou(average, val, False)))
     for drive in pictures.finished_drives(Path(arguments.drives) / "val"):
         val = pictures.load_drive(drive)[:: arguments.val_stride]
-        figures.append(f"{drive.name} {measure_iou(average, val, arguments.level):.4f}")
-    print(f"{elapsed / 60:.1f} min, step {step}, loss {np.mean(losses):.4f}, IoU: " + ", ".join(figures), flush=True)
+        figures.append("{} {:.4f} {:.3f}".format(drive.name, *measure_iou(average, val, arguments.level)))
+    print(f"{elapsed / 60:.1f} min, step {step}, loss {np.mean(losses):.4f}, IoU of drivable, mean of classes: " + ", ".join(figures), flush=True)
 
 
 def main():

@@ -4,6 +4,7 @@ cropped, turned and mirrored.
 import cv2
 import numpy as np
 
+import classes as surfaces
 import level_view
 from pictures import DRIVABLE, NOT_DRIVABLE, UNKNOWN
 from stripes import band_in_view, paint, paint_field, paint_stripe, random_polygon
@@ -97,7 +98,7 @@ class CameraView:
         self.size = size
 
     def change_geometry(self, rng, picture):
-        """Image, label and weights as another camera would take them; what lies off the picture is black and, mostly,
+        """Image, label, classes and weights as another camera would take them; what lies off the picture is black and, mostly,
         unknown."""
         source_size = picture.image.shape[1::-1]
         other_lens = other_fisheye_map if picture.is_fisheye else fisheye_map
@@ -123,7 +124,7 @@ class LevelView:
     share_of_kerbs = 0.25  # the more paint, the more of what looks like it
 
     def change_geometry(self, rng, picture):
-        """Image, label and weights as the view of another camera would show them."""
+        """Image, label, classes and weights as the view of another camera would show them."""
         u, v = knots_of(self.size)
         angles = level_view.angles_of(u + 0.5 * (self.size[0] - 1), v + 0.5 * (self.size[1] - 1))
         map_of = level_view.level_map_of_plain if picture.camera is None else level_view.level_map
@@ -131,7 +132,7 @@ class LevelView:
         return bend(rng, picture, (between_knots(x), between_knots(y)), random_border(rng), picture.camera is not None)
 
     def show_as_mapped(self, rng, picture):
-        """Image, label and weights of a calibrated camera as maps show them to the network, but for a mirror."""
+        """Image, label, classes and weights of a calibrated camera as maps show them to the network, but for a mirror."""
         return bend(rng, picture, level_view.view_map(picture.camera), cv2.BORDER_CONSTANT, is_enlarged=True)
 
     def share_of_own_cars(self, picture):
@@ -149,7 +150,7 @@ def random_border(rng):
 
 
 def bend(rng, picture, maps, border, is_enlarged=False):
-    """Image, label and weights at pixels (x, y) of the picture, or mirrored."""
+    """Image, label, classes and weights at pixels (x, y) of the picture, or mirrored."""
     source_size = picture.image.shape[1::-1]
     x, y = maps
     if rng.random() < 0.5:
@@ -157,6 +158,7 @@ def bend(rng, picture, maps, border, is_enlarged=False):
     outside = UNKNOWN if rng.random() < 0.7 else NOT_DRIVABLE
     image = cv2.remap(picture.image, x, y, cv2.INTER_LINEAR, borderMode=border)
     label = cv2.remap(picture.label, x, y, cv2.INTER_NEAREST, borderMode=cv2.BORDER_CONSTANT, borderValue=outside)
+    classes = cv2.remap(picture.classes, x, y, cv2.INTER_NEAREST, borderMode=cv2.BORDER_CONSTANT, borderValue=surfaces.UNKNOWN)
     if is_enlarged:  # outlines between the picture's pixels
         soft = cv2.GaussianBlur(picture.label, (3, 3), 0.6)
         share = cv2.remap(soft, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
@@ -165,4 +167,4 @@ def bend(rng, picture, maps, border, is_enlarged=False):
     weights = np.ones(label.shape, np.float32)
     if picture.weights is not None:
         weights = cv2.remap(picture.weights, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=1)
-    return image, label, weights
+    return image, label, classes, weights

@@ -70,16 +70,19 @@ def check_level_views():
     rays = cv2.convertPointsToHomogeneous(cv2.fisheye.undistortPoints(pixels, matrix, coefficients))[:, 0] @ turned.T
     is_low = rays[:, 2] < -np.tan(np.radians(5)) * np.hypot(rays[:, 0], rays[:, 1])
     label = np.where(is_low, 255, 0).reshape(400, 640).astype(np.uint8)
-    picture = pictures.Picture("a", cv2.cvtColor(label, cv2.COLOR_GRAY2BGR), label, True,
+    classes = np.where(is_low, 0, 7).reshape(400, 640).astype(np.uint8)
+    picture = pictures.Picture("a", cv2.cvtColor(label, cv2.COLOR_GRAY2BGR), label, classes, True,
                                camera=((640, 400), matrix, coefficients, body_from_camera))
     middle = level_view.as_seen_level(picture).label[:200, 200:632]
     row = level_view.pixel_of(0, np.radians(-5))[1]
     assert (middle[: int(row) - 1] == 0).all() and (middle[int(row) + 3 :] == 255).all()
     for seed in range(5):
-        _, label, _ = views.LevelView().change_geometry(np.random.default_rng(seed), picture)
+        _, label, classes, _ = views.LevelView().change_geometry(np.random.default_rng(seed), picture)
+        is_known = classes != 255
+        assert is_known.mean() > 0.3 and ((classes == 0) == (label == 255))[is_known].mean() > 0.99
         edges = (label[:200, 300:532] == 255).argmax(0)
         assert edges.min() > row - 40 and edges.max() < row + 40 and np.ptp(edges) < 25, (seed, edges)
-        _, label, _ = views.LevelView().show_as_mapped(np.random.default_rng(seed), picture)
+        _, label, _, _ = views.LevelView().show_as_mapped(np.random.default_rng(seed), picture)
         edges = (label[:200, 200:632] == 255).argmax(0)
         assert abs(edges - row).max() < 4, (seed, edges)
 
@@ -147,6 +150,53 @@ def check_thin_car():
         assert (label[:40] == 255).all() and (label[-5:] == 0).all(), seed
     own_car.edge_of_body = edge_of_body
     assert changed > 50, changed
+
+
+def check_classes():
+    """Of pictures that are changed, what is drivable keeps a drivable class, and what is painted over has its own; labels that
+    leave classes open cost nothing where one of them is found; weights of one channel say the same by all classes."""
+    import augment
+    import classes as surfaces
+    import pictures
+    from network import FreespaceNetwork, log_odds_of, with_classes
+    from train import class_loss_of
+    from views import CameraView
+
+    rng = np.random.default_rng(4)
+    of_pixels = np.full((384, 640), surfaces.STRUCTURE, np.uint8)
+    of_pixels[200:], of_pixels[200:, 300:340], of_pixels[200:230] = surfaces.DRIVABLE, surfaces.MARKING, surfaces.PAVEMENT
+    image = np.uint8(40 + 20 * of_pixels[..., None] + rng.normal(0, 4, (384, 640, 3)))
+    picture = pictures.Picture("lot", image, pictures.label_of(of_pixels), of_pixels, True)
+    found = set()
+    for _ in range(40):
+        _, label, changed, _ = augment.augment(rng, picture, CameraView((320, 192)))
+        known = changed != surfaces.UNKNOWN
+        assert ((pictures.label_of(changed) == label) | (label == pictures.UNKNOWN))[known].all()
+        found |= set(np.unique(changed).tolist())
+    assert found >= {surfaces.DRIVABLE, surfaces.ROAD, surfaces.PAVEMENT, surfaces.KERB, surfaces.STRUCTURE, surfaces.OWN_CAR}, found
+
+    def loss(number, label):
+        scores = torch.full((1, 9, 8, 8), -20.0)
+        scores[:, number] = 20
+        return class_loss_of(scores, torch.full((1, 8, 8), label, dtype=torch.uint8)).item()
+
+    assert max(loss(surfaces.MARKING, surfaces.ROAD), loss(surfaces.KERB, surfaces.PAVED), loss(2, surfaces.UNKNOWN)) < 0.31
+    assert loss(2, 2) < 0.02 and min(loss(surfaces.PAVEMENT, surfaces.ROAD), loss(0, 1), loss(surfaces.OWN_CAR, 5)) > 5
+
+    torch.manual_seed(3)
+    network, features = FreespaceNetwork(), torch.randn(1, 12, 16, 16)
+    one = torch.nn.Conv2d(12, 1, 1)
+    state = with_classes({**network.state_dict(), "head.weight": one.weight.data, "head.bias": one.bias.data})
+    network.load_state_dict(state)
+    difference = (log_odds_of(network.head(features)) - one(features)[:, 0]).abs()
+    assert difference.max() < 0.3, difference.max()
+
+    confusion = surfaces.Confusion()
+    confusion.add(np.array([[9, 9, 2, 255]], np.uint8), np.array([[1, 2, 4, 0]], np.uint8))
+    assert np.allclose(confusion.ious()[:2], (0.5, 0.5)) and np.isnan(confusion.ious()[2:]).all()
+    scores = np.full((9, 1, 1), -5.0, np.float32)
+    scores[[0, 1], 0, 0], scores[5, 0, 0] = 1.0, 1.5  # two that are one weigh more
+    assert surfaces.merged_class_of(scores)[0, 0] == surfaces.DRIVABLE
 
 
 def check_fold():
@@ -247,6 +297,7 @@ def main():
     check_fields()
     check_kerbs()
     check_thin_car()
+    check_classes()
     check_fold()
     check_composed()
     check_rims()
@@ -284,7 +335,7 @@ def main():
         weights = [load(folder / name).head.weight for name in ("l.pt", "b.onnx", "d.pt", "m.onnx")]
         assert torch.allclose(weights[3], 0.25 * weights[0] + 0.25 * weights[1] + 0.5 * weights[2], atol=1e-6)
         figures = run("evaluate.py", folder / "a.onnx", "--camvid", folder / "camvid/val")
-        assert "3 pictures, IoU" in figures, figures
+        assert "3 pictures, IoU" in figures and "mean of classes" in figures, figures
 
         from outline_network import load as load_outlines
 

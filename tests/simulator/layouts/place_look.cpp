@@ -33,7 +33,7 @@ const Surface kAsphalt{Rgb(0.06f, 0.06f, 0.06f), Rgb(0.19f, 0.185f, 0.175f),
     kBricks{Rgb(0.16f, 0.08f, 0.06f), Rgb(0.32f, 0.19f, 0.15f), TextureKind::kBrick, 1.3f, 0.2f},
     kGravel{Rgb(0.14f, 0.13f, 0.11f), Rgb(0.36f, 0.33f, 0.28f), TextureKind::kGravel, 1.1f, 0.3f},
     kSoil{Rgb(0.05f, 0.035f, 0.025f), Rgb(0.16f, 0.12f, 0.08f), TextureKind::kGrass, 1.6f, 0.3f},
-    kGrass{Rgb(0.05f, 0.09f, 0.025f), Rgb(0.15f, 0.18f, 0.06f), TextureKind::kGrass, 2.3f, 0.35f},
+    kGrass{Rgb(0.05f, 0.09f, 0.025f), Rgb(0.22f, 0.3f, 0.09f), TextureKind::kGrass, 2.3f, 0.35f},
     kDryGrass{Rgb(0.16f, 0.14f, 0.06f), Rgb(0.28f, 0.25f, 0.12f), TextureKind::kGrass, 2.1f, 0.3f},
     kGranite{Rgb(0.2f, 0.2f, 0.2f), Rgb(0.42f, 0.41f, 0.39f), TextureKind::kPlaster, 0.7f, 0.12f},
     kDarkStone{Gray(0.07f), Gray(0.16f), TextureKind::kPlaster, 0.9f, 0.15f},
@@ -84,7 +84,7 @@ Material MaterialOf(const Surface& surface, Random& random) {
   return {.albedo = ColorOf(surface, random),
           .texture = surface.texture,
           .texture_size = surface.size * static_cast<float>(random.Uniform(0.6, 1.6)),
-          .texture_contrast = surface.contrast * static_cast<float>(random.Uniform(0.6, 1.4)),
+          .texture_contrast = surface.contrast * static_cast<float>(random.Uniform(0.25, 1.4)),
           .surface = surface.Kind()};
 }
 
