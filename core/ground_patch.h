@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/rigid3.h"
+#include "core/surface_class.h"
 #include "core/timestamp.h"
 
 namespace parkade {
@@ -58,8 +59,9 @@ class CompactFloat {
 struct GroundSample {
   CompactPoint point_in_body;  ///< [m]
   std::uint8_t blue = 0, green = 0, red = 0;
-  bool is_free = false;        ///< drivable ground; false: seen, and not ground
-  CompactFloat weight = 1;     ///< inverse variance of the height [1/m^2]
+  bool is_free : 1 = false;  ///< drivable ground; false: seen, and not ground
+  SurfaceClass surface : 7 = SurfaceClass::kUnknown;  // all bits that are left
+  CompactFloat weight = 1;                            ///< inverse variance of the height [1/m^2]
   CompactFloat footprint = 0;  ///< [m] side of the square of ground that it stands for; 0: one cell
   CompactFloat confidence =
       1;  ///< of is_free, 0 to 1: the share of a sure observation's log-odds that this one counts

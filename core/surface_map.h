@@ -1,11 +1,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
 
 #include "core/file_backed_vector.h"
+#include "core/surface_class.h"
 
 namespace parkade {
 
@@ -16,6 +18,19 @@ struct SurfaceCell {
   float height_sigma = 0;  ///< [m]
   float free_belief = 0;   ///< P(drivable) in [0, 1]; cells that were never seen are not in the map
   std::array<std::uint8_t, 3> color{};  ///< sRGB
+  /// P(SurfaceClass) in 255ths, by what images show; all 0 where they tell none.
+  std::array<std::uint8_t, kNumSurfaceClasses> class_beliefs{};
+
+  /// The likeliest class that agrees with what the map says of driving, which knows more than
+  /// images: how high the ground lies, and where cars drove.
+  SurfaceClass Surface() const {
+    const auto first = class_beliefs.begin(), others = first + kNumClassesForCars;
+    const bool is_free = free_belief > 0.5F;
+    const auto best =
+        is_free ? std::max_element(first, others) : std::max_element(others, class_beliefs.end());
+    if (*best > 0) return static_cast<SurfaceClass>(best - first);
+    return is_free ? SurfaceClass::kDrivable : SurfaceClass::kUnknown;
+  }
 };
 
 /// The fused multi-level ground as a sparse grid: several cells may share (x, y)

@@ -9,7 +9,8 @@ namespace parkade {
 void ValidateMesh(const TriangleMesh& mesh) {
   const size_t count = mesh.vertices.size();
   Require(mesh.normals.size() == count && mesh.colors.size() == count &&
-              mesh.height_sigmas.size() == count,
+              mesh.height_sigmas.size() == count &&
+              (mesh.surfaces.empty() || mesh.surfaces.size() == count),
           ErrorCode::kInternal, "a mesh has per-vertex arrays of different lengths");
   for (const Eigen::Vector3f& vertex : mesh.vertices)
     Require(vertex.allFinite(), ErrorCode::kInternal, "a mesh has a vertex that is not finite");

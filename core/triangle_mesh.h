@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/rigid3.h"
+#include "core/surface_class.h"
 
 namespace parkade {
 
@@ -16,6 +17,7 @@ struct TriangleMesh {
   std::vector<Eigen::Vector3f> normals;             ///< unit
   std::vector<std::array<std::uint8_t, 3>> colors;  ///< sRGB
   std::vector<float> height_sigmas;                 ///< [m]
+  std::vector<SurfaceClass> surfaces;               ///< empty: not told
   std::vector<std::array<std::uint32_t, 3>> triangles;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< [m] in site; keeps vertices small
 

@@ -25,10 +25,10 @@ std::string EncodePly(const TriangleMesh& mesh) {
     bytes += std::string("property float ") + name + "\n";
   for (const char* name : {"red", "green", "blue"})
     bytes += std::string("property uchar ") + name + "\n";
-  bytes += "property float height_sigma\n";
+  bytes += "property float height_sigma\nproperty uchar surface\n";
   bytes += "element face " + std::to_string(mesh.triangles.size()) + "\n";
   bytes += "property list uchar int vertex_indices\nend_header\n";
-  bytes.reserve(bytes.size() + 31 * mesh.vertices.size() + 13 * mesh.triangles.size());
+  bytes.reserve(bytes.size() + 32 * mesh.vertices.size() + 13 * mesh.triangles.size());
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Eigen::Vector3f in_site = (mesh.origin + mesh.vertices[i].cast<double>()).cast<float>();
     for (const float value : {in_site.x(), in_site.y(), in_site.z()}) Append(bytes, value);
@@ -36,6 +36,7 @@ std::string EncodePly(const TriangleMesh& mesh) {
       Append(bytes, value);
     for (const std::uint8_t value : mesh.colors[i]) Append(bytes, value);
     Append(bytes, mesh.height_sigmas[i]);
+    Append(bytes, mesh.surfaces.empty() ? SurfaceClass::kUnknown : mesh.surfaces[i]);
   }
   for (const auto& triangle : mesh.triangles) {
     Append(bytes, std::uint8_t{3});

@@ -15,6 +15,7 @@
 #include "export/markings.h"
 #include "export/ortho.h"
 #include "export/ply.h"
+#include "export/surface_parts.h"
 #include "export/trajectory_files.h"
 
 namespace parkade {
@@ -64,6 +65,8 @@ void WriteGeoJson(const SiteMap& map, const path& folder) {
   std::vector<std::string> drives;
   for (const SiteDrive& drive : map.drives) drives.push_back(drive.name);
   WriteFileAtomically(folder / "free_space.geojson", EncodeFreeSpaceGeoJson(sheets, map.datum));
+  WriteFileAtomically(folder / "surfaces.geojson",
+                      EncodeSurfacesGeoJson(FindSurfaceParts(map.surface), sheets, map.datum));
   WriteFileAtomically(folder / "slots.geojson",
                       EncodeSlotsGeoJson(map.markings.slots, drives, sheets, map.datum));
   WriteFileAtomically(folder / "markings.geojson",

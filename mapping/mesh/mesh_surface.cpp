@@ -107,10 +107,12 @@ TriangleMesh MeshSurface(const SurfaceMap& surface, const MeshOptions& options) 
     mesh.vertices.push_back((vertex - mesh.origin).cast<float>());
   mesh.colors.resize(joined.vertices.size());
   mesh.height_sigmas.resize(joined.vertices.size());
+  mesh.surfaces.resize(joined.vertices.size(), SurfaceClass::kUnknown);
   for (size_t p = 0; p < pieces.size(); ++p)
     for (size_t i = 0; i < in_joined[p].size(); ++i) {
       mesh.colors[in_joined[p][i]] = pieces[p].colors[i];
       mesh.height_sigmas[in_joined[p][i]] = pieces[p].height_sigmas[i];
+      mesh.surfaces[in_joined[p][i]] = pieces[p].surfaces[i];
     }
   ValidateMesh(mesh);
   LogInfo("stage=mesh_surface triangles=" + std::to_string(mesh.triangles.size()) +

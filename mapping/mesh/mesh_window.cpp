@@ -42,11 +42,13 @@ HeightMesh Triangulate(const SurfaceMap& joined, const MeshOptions& options) {
 }
 
 MeshPiece WithColors(SimplifiedPiece&& simplified, const CellFinder& finder) {
-  MeshPiece piece{std::move(simplified), {}, {}};
+  MeshPiece piece;
+  piece.simplified = std::move(simplified);
   for (const Eigen::Vector3d& vertex : piece.simplified.mesh.vertices) {
     const SurfaceCell& cell = FindCell(finder, vertex);
     piece.colors.push_back(cell.color);
     piece.height_sigmas.push_back(cell.height_sigma);
+    piece.surfaces.push_back(cell.Surface());
   }
   return piece;
 }

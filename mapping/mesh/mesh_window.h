@@ -17,6 +17,7 @@ struct MeshPiece {
   SimplifiedPiece simplified;
   std::vector<std::array<std::uint8_t, 3>> colors;  ///< of its vertices
   std::vector<float> height_sigmas;                 ///< [m]
+  std::vector<SurfaceClass> surfaces;
 };
 
 /// What is meshed at once.

@@ -169,6 +169,7 @@ void ReadVertices(const Element& element, ValueReader& values, RawMesh& raw) {
     Eigen::Vector3d vertex = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();
     std::array<std::uint8_t, 3> color{128, 128, 128};
     double sigma = 0;
+    auto surface = static_cast<double>(SurfaceClass::kUnknown);
     for (const Property& property : element.properties) {
       const auto count =
           property.count_type
@@ -184,11 +185,13 @@ void ReadVertices(const Element& element, ValueReader& values, RawMesh& raw) {
       if (name == "green") color[1] = channel;
       if (name == "blue") color[2] = channel;
       if (name == "height_sigma") sigma = value;
+      if (name == "surface" && value >= 0 && value < surface) surface = value;
     }
     raw.vertices.push_back(vertex);
     raw.mesh.normals.push_back(normal.cast<float>());
     raw.mesh.colors.push_back(color);
     raw.mesh.height_sigmas.push_back(static_cast<float>(sigma));
+    raw.mesh.surfaces.push_back(static_cast<SurfaceClass>(surface));
   }
 }
 

@@ -1,6 +1,8 @@
 #include "mapping/networks/freespace_network.h"
 
 #include <algorithm>
+#include <array>
+#include <cfloat>
 #include <cmath>
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
@@ -20,18 +22,51 @@ const cv::Size kOpenSize(320, 208);   // of networks that leave their input's si
 constexpr int kOwnMultiple =
     32;  // pixels: what the sides of our own network's input are multiples of
 
-/// Log-odds of the one or two channels of 1 x C x h x w, which must be of these.
-cv::Mat LogOddsOf(const cv::Mat& output) {
-  const bool is_usable = output.dims == 4 && output.type() == CV_32F && output.size[0] == 1 &&
-                         (output.size[1] == 1 || output.size[1] == 2) && output.size[2] > 1 &&
+constexpr int kNumClasses = static_cast<int>(kNumSurfaceClasses);
+
+/// Fills in the likeliest class, and log-odds of the sum of those for cars against the others'.
+void TellClasses(const cv::Mat& scores, FreespaceBelief& belief) {
+  const int rows = scores.size[2], columns = scores.size[3];
+  belief.log_odds.create(rows, columns, CV_32F);
+  belief.classes.create(rows, columns, CV_8U);
+  std::array<const float*, kNumClasses> of_class;
+  for (int row = 0; row < rows; ++row) {
+    for (int k = 0; k < kNumClasses; ++k)
+      of_class[static_cast<size_t>(k)] = scores.ptr<float>(0, k) + row * columns;
+    float* log_odds = belief.log_odds.ptr<float>(row);
+    auto* best = belief.classes.ptr<std::uint8_t>(row);
+    for (int column = 0; column < columns; ++column) {
+      std::array<float, kNumClasses> score;
+      for (size_t k = 0; k < score.size(); ++k) score[k] = of_class[k][column];
+      const auto highest = std::max_element(score.begin(), score.end());
+      best[column] = static_cast<std::uint8_t>(highest - score.begin());
+      std::array<float, 2> sums{};  // of the others, of those for cars
+      for (size_t k = 0; k < score.size(); ++k)
+        sums[IsForCars(static_cast<SurfaceClass>(k))] += std::exp(score[k] - *highest);
+      log_odds[column] = std::log(std::max(sums[1], FLT_MIN) / std::max(sums[0], FLT_MIN));
+    }
+  }
+}
+
+/// What an output of 1 x C x h x w says, which must have one, two or nine channels.
+FreespaceBelief BeliefOf(const cv::Mat& output) {
+  const int channels = output.dims == 4 ? output.size[1] : 0;
+  const bool is_usable = (channels == 1 || channels == 2 || channels == kNumClasses) &&
+                         output.type() == CV_32F && output.size[0] == 1 && output.size[2] > 1 &&
                          output.size[3] > 1;
   Require(is_usable, ErrorCode::kInvalidInput,
-          "its output is not 1 x 1 x h x w (log-odds) or 1 x 2 x h x w (scores)");
+          "its output is not 1 x 1 x h x w (log-odds), 1 x 2 x h x w (scores) or 1 x 9 x h x w "
+          "(scores of Parkade's classes)");
   const auto channel = [&](int index) {
     return cv::Mat(output.size[2], output.size[3], CV_32F,
                    const_cast<float*>(output.ptr<float>(0, index)));
   };
-  return output.size[1] == 1 ? output.reshape(1, output.size[2]) : cv::Mat(channel(1) - channel(0));
+  FreespaceBelief belief;
+  if (channels == kNumClasses)
+    TellClasses(output, belief);
+  else
+    belief.log_odds = channels == 1 ? channel(0).clone() : cv::Mat(channel(1) - channel(0));
+  return belief;
 }
 
 /// The largest size within `limit` that has the proportions of `image`, its sides rounded up to
@@ -80,6 +115,17 @@ float FreespaceBelief::At(const Eigen::Vector2f& pixel) const {
          (lower[0] * (1 - fx) + lower[1] * fx) * fy;
 }
 
+SurfaceClass FreespaceBelief::ClassAt(const Eigen::Vector2f& pixel) const {
+  if (classes.empty()) return SurfaceClass::kUnknown;
+  const auto on_axis = [](float at, int image_length, int length) {
+    const float scale = static_cast<float>(length) / static_cast<float>(image_length);
+    return std::clamp(static_cast<int>((at + 0.5F) * scale), 0, length - 1);
+  };
+  return static_cast<SurfaceClass>(
+      classes.at<std::uint8_t>(on_axis(pixel.y(), image_size.height, classes.rows),
+                               on_axis(pixel.x(), image_size.width, classes.cols)));
+}
+
 bool FreespaceBelief::Covers(const Eigen::Vector2f& pixel) const {
   const Eigen::Array2f size(static_cast<float>(image_size.width),
                             static_cast<float>(image_size.height));
@@ -105,8 +151,8 @@ class FreespaceNetwork::Copies {
   }
 
   /// `image` is of such a size.
-  cv::Mat Run(const cv::Mat& image) {
-    return LogOddsOf(networks_.Run(cv::dnn::blobFromImage(image)));
+  FreespaceBelief Run(const cv::Mat& image) {
+    return BeliefOf(networks_.Run(cv::dnn::blobFromImage(image)));
   }
 
  private:
@@ -156,7 +202,8 @@ FreespaceBelief FreespaceNetwork::Run(const cv::Mat& image) const {
     cv::cvtColor(resized, color, cv::COLOR_GRAY2BGR);
   else
     color = resized;
-  FreespaceBelief belief{copies_->Run(color), image.size()};
+  FreespaceBelief belief = copies_->Run(color);
+  belief.image_size = image.size();
   DoubtIslands(belief.log_odds);
   return belief;
 }

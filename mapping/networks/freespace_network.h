@@ -6,16 +6,22 @@
 #include <opencv2/core/mat.hpp>
 #include <string>
 
+#include "core/surface_class.h"
+
 namespace parkade {
 
-/// How sure a network is that the pixels of one image show drivable ground.
+/// How sure a network is that the pixels of one image show drivable ground, and what they show.
 struct FreespaceBelief {
   cv::Mat
       log_odds;  ///< CV_32FC1 over the whole image, most often coarser than it; 0: nothing is known
-  cv::Size image_size;  ///< [px]
+  cv::Size image_size;   ///< [px]
+  cv::Mat classes = {};  ///< CV_8UC1, as large: the likeliest SurfaceClass; empty: not told
 
   /// Log-odds of "drivable" at a pixel of the image, bilinear; off the image: at its border.
   float At(const Eigen::Vector2f& pixel) const;
+
+  /// At the place nearest to a pixel.
+  SurfaceClass ClassAt(const Eigen::Vector2f& pixel) const;
 
   /// Whether a pixel lies on the image.
   bool Covers(const Eigen::Vector2f& pixel) const;
@@ -27,9 +33,9 @@ struct FreespaceBelief {
 /// A network that tells drivable ground from everything else, run on one core by OpenCV's dnn.
 ///
 /// The ONNX file must take one image, 1 x 3 x H x W (BGR, 0 to 255, resized to W x H; where the
-/// file leaves the size open: 320 x 208), and give 1 x 1 x h x w, the log-odds of "drivable", or 1
-/// x 2 x h x w, the scores of "other" and "drivable" before their softmax. Parkade's own (models/)
-/// is part of the program.
+/// file leaves the size open: 320 x 208), and give 1 x 1 x h x w, the log-odds of "drivable", 1 x 2
+/// x h x w, the scores of "other" and "drivable" before their softmax, or 1 x 9 x h x w, those of
+/// SurfaceClass. Parkade's own (models/) is part of the program.
 class FreespaceNetwork {
  public:
   /// Reads `file`, or takes Parkade's own network where it is empty. Throws Error{kNotFound}

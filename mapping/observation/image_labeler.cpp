@@ -47,13 +47,13 @@ ImageLabeler::ImageLabeler(const Trajectory& odom_from_body, const Rigid3& body_
 GroundLabels ImageLabeler::Label(const ImageWithMask& image, const cv::Mat& colors) const {
   const auto camera = static_cast<size_t>(image.frame.camera);
   const GroundGrid& grid = grids_[camera];
-  if (!image.mask.empty()) return {LabelsFromMask(grid, image.mask), {}, true};
+  if (!image.mask.empty()) return {.labels = LabelsFromMask(grid, image.mask), .is_trusted = true};
   if (!views_.empty())
     return LabelsFromBelief(grid, views_[camera].pixels, BeliefOf(image.frame),
                             options_->segmentation);
   const std::vector<std::uint8_t> seeds =
       FindPathSeeds(grid, *odom_from_body_, image.frame.time, body_from_ground_, contact_);
-  return {SegmentByColor(grid, colors, seeds), {}, false};
+  return {.labels = SegmentByColor(grid, colors, seeds)};
 }
 
 FreespaceBelief ImageLabeler::BeliefOf(const CameraFrame& frame) const {

@@ -76,9 +76,9 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
                          GroundLabels&& found, const Rigid3& body_from_ground,
                          const GroundOptions& options) {
   GroundPatch patch{.drive = 0, .camera = frame.camera, .time = frame.time, .samples = {}};
-  std::vector<GroundLabel>& labels = found.labels;
+  const std::vector<GroundLabel>& labels = found.labels;
   // Where it is no ground, only its foot is known to stand where its pixels meet the plane.
-  HideBehindObstacles(grid, options.segmentation, found.is_trusted, labels);
+  HideBehindObstacles(grid, options.segmentation, found);
   const Eigen::Matrix3f rotation = body_from_ground.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = body_from_ground.translation.cast<float>();
   const float last_range = found.is_trusted ? FLT_MAX : LastRangeOfGuess(grid);
@@ -105,15 +105,16 @@ GroundPatch ObserveImage(const GroundGrid& grid, const CameraFrame& frame, const
       const GroundGridCell& cell = grid.cells[i];
       const uchar* color = colors.ptr() + 3 * i;
       const Eigen::Vector3f point_in_ground(cell.point_in_ground.x(), cell.point_in_ground.y(), 0);
-      patch.samples.push_back(
-          {.point_in_body = Eigen::Vector3f(rotation * point_in_ground + translation),
-           .blue = color[0],
-           .green = color[1],
-           .red = color[2],
-           .is_free = labels[i] == GroundLabel::kGround || labels[i] == GroundLabel::kDoubtful,
-           .weight = cell.weight,
-           .footprint = footprint,
-           .confidence = sharpness * hint * (found.confidence.empty() ? 1 : found.confidence[i])});
+      patch.samples.push_back(GroundSample{
+          .point_in_body = Eigen::Vector3f(rotation * point_in_ground + translation),
+          .blue = color[0],
+          .green = color[1],
+          .red = color[2],
+          .is_free = labels[i] == GroundLabel::kGround || labels[i] == GroundLabel::kDoubtful,
+          .surface = found.surfaces.empty() ? SurfaceClass::kUnknown : found.surfaces[i],
+          .weight = cell.weight,
+          .footprint = footprint,
+          .confidence = sharpness * hint * (found.confidence.empty() ? 1 : found.confidence[i])});
     }
   }
   patch.samples.shrink_to_fit();

@@ -45,11 +45,14 @@ GroundLabels LabelsFromBelief(const GroundGrid& grid, std::span<const Eigen::Vec
              doubt = static_cast<float>(options.doubt_per_meter),
              doubt_from = static_cast<float>(options.doubt_from);
   GroundLabels result{std::vector<GroundLabel>(grid.cells.size(), GroundLabel::kUnknown),
-                      std::vector<float>(grid.cells.size()), true};
+                      std::vector<float>(grid.cells.size())};
+  result.is_trusted = true;
+  if (!belief.classes.empty()) result.surfaces.resize(grid.cells.size(), SurfaceClass::kUnknown);
   for (size_t i = 0; i < grid.cells.size(); ++i) {
     const GroundGridCell& cell = grid.cells[i];
     if (!cell.is_visible || !belief.Covers(pixels[i])) continue;
     const float range = grid.ranges[i % static_cast<size_t>(grid.num_ranges)];
+    if (!result.surfaces.empty()) result.surfaces[i] = belief.ClassAt(pixels[i]);
     const float believed = belief.At(pixels[i]), log_odds = believed - doubt * (range - doubt_from);
     if (!(believed * log_odds > 0)) {  // neither: doubt says nothing against the ground
       result.labels[i] = GroundLabel::kDoubtful;
@@ -62,12 +65,16 @@ GroundLabels LabelsFromBelief(const GroundGrid& grid, std::span<const Eigen::Vec
 }
 
 void HideBehindObstacles(const GroundGrid& grid, const SegmentGroundOptions& options,
-                         bool is_trusted, std::vector<GroundLabel>& labels) {
+                         GroundLabels& found) {
+  const bool is_trusted = found.is_trusted;
   for (int ray = 0; ray < grid.num_rays; ++ray) {
     double depth = 0, max_depth = options.obstacle_depth;
     bool has_ground = false;
     for (int range = 0; range < grid.num_ranges; ++range) {
-      GroundLabel& label = labels[static_cast<size_t>(grid.IndexOf(ray, range))];
+      const auto at = static_cast<size_t>(grid.IndexOf(ray, range));
+      GroundLabel& label = found.labels[at];
+      const bool is_land = !found.surfaces.empty() && IsLevelLand(found.surfaces[at]);
+      if (label == GroundLabel::kNotGround && is_land && has_ground && depth <= 0) continue;
       const bool is_hidden = depth >= max_depth;
       if (label == GroundLabel::kGround) {
         if (is_hidden && !is_trusted) label = GroundLabel::kUnknown;

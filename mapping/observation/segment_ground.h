@@ -31,8 +31,9 @@ struct SegmentGroundOptions {
 /// The labels of a grid's cells and how sure they are.
 struct GroundLabels {
   std::vector<GroundLabel> labels;
-  std::vector<float> confidence;  ///< 0 to 1; empty: all are sure
-  bool is_trusted = false;        ///< ground seen behind obstacles is believed
+  std::vector<float> confidence = {};       ///< 0 to 1; empty: all are sure
+  std::vector<SurfaceClass> surfaces = {};  ///< empty: not told
+  bool is_trusted = false;                  ///< ground seen behind obstacles is believed
 };
 
 /// The labels that a mask (CV_8UC1 of the image's size, >= 128 = drivable) gives.
@@ -48,8 +49,8 @@ GroundLabels LabelsFromBelief(const GroundGrid& grid, std::span<const Eigen::Vec
 /// (see obstacle_depth, foot_depth) says where it stands, what follows becomes kHidden, after
 /// obstacle_depth kBeyond, after beyond_depth kUnknown. So does kNotGround before a ray's first
 /// ground (most often the own car), and, unless the labels are trusted, any ground behind an
-/// obstacle. kDoubtful stays.
+/// obstacle. kDoubtful stays, and so does land that is seen to lie level: it hides nothing.
 void HideBehindObstacles(const GroundGrid& grid, const SegmentGroundOptions& options,
-                         bool is_trusted, std::vector<GroundLabel>& labels);
+                         GroundLabels& labels);
 
 }  // namespace parkade

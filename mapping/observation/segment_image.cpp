@@ -18,15 +18,20 @@ FreespaceBelief SegmentImage(const ImageNetworks& networks, const CameraModel& m
   const FreespaceBelief of_view = networks.of_views->Run(view->Show(image));
   const FreespaceBelief of_image = networks.of_images.Run(image);
   FreespaceBelief belief{cv::Mat(image.size(), CV_32FC1), image.size()};
+  const bool has_classes = !of_view.classes.empty() || !of_image.classes.empty();
+  if (has_classes) belief.classes.create(image.size(), CV_8UC1);
   ParallelFor(static_cast<size_t>(image.rows), [&](size_t row) {
     const auto y = static_cast<int>(row);
     for (int x = 0; x < image.cols; ++x) {
-      float& log_odds = belief.log_odds.at<float>(y, x);
-      log_odds = of_image.At({static_cast<float>(x), static_cast<float>(y)});
       const std::optional<Eigen::Vector3d> bearing = model.Unproject({x, y});
-      if (!bearing) continue;
-      const Eigen::Vector2f pixel = view->PixelOf(ground_from_camera.rotation * *bearing);
-      if (of_view.Covers(pixel)) log_odds = of_view.At(pixel);
+      const Eigen::Vector2f own(static_cast<float>(x), static_cast<float>(y)),
+          level = bearing ? view->PixelOf(ground_from_camera.rotation * *bearing) : own;
+      const bool is_level = bearing && of_view.Covers(level);
+      const FreespaceBelief& source = is_level ? of_view : of_image;
+      belief.log_odds.at<float>(y, x) = source.At(is_level ? level : own);
+      if (has_classes)
+        belief.classes.at<std::uint8_t>(y, x) =
+            static_cast<std::uint8_t>(source.ClassAt(is_level ? level : own));
     }
   });
   return belief;

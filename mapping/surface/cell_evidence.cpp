@@ -1,16 +1,18 @@
 #include "mapping/surface/cell_evidence.h"
 
 #include <bit>
+#include <numeric>
 
 namespace parkade {
 namespace {
 
 constexpr float kChangeLogOdds =
     0.1F;  // from which a drive that contradicts those before it is believed alone
-constexpr int kViewDirections = 16;    // in which views are told apart
-constexpr double kNearView = 4.0;      // [m] of distance from the camera
-constexpr int kCoveringViews = 1;      // from which a drive misses what an earlier one saw
-constexpr float kCoveredLogOdds = -1;  // of what is covered
+constexpr float kEarlierClasses = 0.5F;  // of their weight, for each drive that came later
+constexpr int kViewDirections = 16;      // in which views are told apart
+constexpr double kNearView = 4.0;        // [m] of distance from the camera
+constexpr int kCoveringViews = 1;        // from which a drive misses what an earlier one saw
+constexpr float kCoveredLogOdds = -1;    // of what is covered
 
 }  // namespace
 
@@ -42,6 +44,7 @@ void CellEvidence::EndDrive() {
     seen_from = 0;
   }
   is_hit = false;
+  for (float& weight : classes) weight *= kEarlierClasses;
   seen_from |= seen_now;
   hidden_from |= hidden_now;
   seen_now = hidden_now = 0;
@@ -54,6 +57,16 @@ ObservationSummary CellEvidence::Summary() const {
           .disagreement = observations.Disagreement(),
           .free_views = static_cast<std::uint8_t>(std::popcount(seen_from)),
           .occupied_views = static_cast<std::uint8_t>(std::popcount(hidden_from))};
+}
+
+std::array<std::uint8_t, kNumSurfaceClasses> CellEvidence::ClassBeliefs() const {
+  std::array<std::uint8_t, kNumSurfaceClasses> beliefs{};
+  const float sum = std::accumulate(classes.begin(), classes.end(), 0.0F);
+  if (sum > 0)
+    std::transform(classes.begin(), classes.end(), beliefs.begin(), [&](float weight) {
+      return static_cast<std::uint8_t>(std::lround(255 * weight / sum));
+    });
+  return beliefs;
 }
 
 }  // namespace parkade

@@ -2,10 +2,12 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <utility>
 
+#include "core/surface_class.h"
 #include "mapping/surface/cell_color.h"
 #include "mapping/surface/observation_summary.h"
 
@@ -24,6 +26,7 @@ struct CellObservation {
   ColorObservation color;
   float log_odds = 0;
   ViewSet view = 0;  ///< one bit, or none where it is not known well enough
+  SurfaceClass surface = SurfaceClass::kUnknown;
 };
 
 /// What is known of a cell.
@@ -37,6 +40,7 @@ struct CellEvidence {
   ViewSet hidden_from = 0;               ///< in earlier drives
   float free_sum = 0, occupied_sum = 0;  ///< log-odds for and against, of all drives that count
   CellColor observations;
+  std::array<float, kNumSurfaceClasses> classes{};  ///< weights of what images show
 
   bool IsKnown() const { return is_driven || !observations.empty(); }
 
@@ -44,6 +48,8 @@ struct CellEvidence {
     log_odds_now = std::clamp(log_odds_now + observation.log_odds, -kLogOddsLimit, kLogOddsLimit);
     (observation.log_odds > 0 ? seen_now : hidden_now) |= observation.view;
     (observation.log_odds > 0 ? free_sum : occupied_sum) += std::abs(observation.log_odds);
+    if (observation.surface != SurfaceClass::kUnknown)
+      classes[static_cast<std::size_t>(observation.surface)] += std::abs(observation.log_odds);
     if (observation.color.rank > 0)
       observations.Add(observation.color, /*is_first=*/!std::exchange(is_hit, true));
   }
@@ -52,6 +58,8 @@ struct CellEvidence {
   void EndDrive();
 
   ObservationSummary Summary() const;
+  /// See SurfaceCell.
+  std::array<std::uint8_t, kNumSurfaceClasses> ClassBeliefs() const;
 };
 
 }  // namespace parkade

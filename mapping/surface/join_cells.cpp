@@ -19,15 +19,19 @@ bool IsBefore(const SurfaceCell& a, const SurfaceCell& b) {
 SurfaceCell Join(const SurfaceCell* begin, const SurfaceCell* end, int x, int y, int capacity) {
   SurfaceCell joined{.x = x, .y = y};
   std::array<int, 3> color{};
+  std::array<int, kNumSurfaceClasses> classes{};
   const auto count = static_cast<int>(end - begin);
   for (const SurfaceCell* cell = begin; cell != end; ++cell) {
     joined.height += cell->height / static_cast<float>(count);
     joined.free_belief += cell->free_belief / static_cast<float>(capacity);
     joined.height_sigma = std::max(joined.height_sigma, cell->height_sigma);
     for (size_t c = 0; c < 3; ++c) color[c] += cell->color[c];
+    for (size_t c = 0; c < classes.size(); ++c) classes[c] += cell->class_beliefs[c];
   }
   for (size_t c = 0; c < 3; ++c)
     joined.color[c] = static_cast<std::uint8_t>((color[c] + count / 2) / count);
+  for (size_t c = 0; c < classes.size(); ++c)
+    joined.class_beliefs[c] = static_cast<std::uint8_t>((classes[c] + count / 2) / count);
   return joined;
 }
 

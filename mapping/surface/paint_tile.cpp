@@ -56,12 +56,14 @@ void FillPinholes(const SurfaceLinks& links, std::vector<PaintedCell>& cells) {
     std::vector<size_t> still_unseen;
     for (const size_t i : unseen) {
       std::array<int, 3> color{};
+      std::array<int, kNumSurfaceClasses> classes{};
       float belief = 0;
       int count = 0;
       for (const int neighbor : links.Around(static_cast<int>(i))) {
         if (neighbor < 0 || !cells[static_cast<size_t>(neighbor)].is_seen) continue;
         const SurfaceCell& cell = cells[static_cast<size_t>(neighbor)].cell;
         for (size_t c = 0; c < 3; ++c) color[c] += cell.color[c];
+        for (size_t c = 0; c < classes.size(); ++c) classes[c] += cell.class_beliefs[c];
         belief += cell.free_belief;
         ++count;
       }
@@ -73,6 +75,8 @@ void FillPinholes(const SurfaceLinks& links, std::vector<PaintedCell>& cells) {
       SurfaceCell cell = cells[i].cell;
       for (size_t c = 0; c < 3; ++c)
         cell.color[c] = static_cast<std::uint8_t>((color[c] + count / 2) / count);
+      for (size_t c = 0; c < classes.size(); ++c)
+        cell.class_beliefs[c] = static_cast<std::uint8_t>((classes[c] + count / 2) / count);
       if (!is_driven) cell.free_belief = belief / static_cast<float>(count);
       filled.emplace_back(i, cell);
     }

@@ -134,7 +134,8 @@ void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::
   Hit hit{.observation = {.color = {sample.blue, sample.green, sample.red,
                                     sample.IsBeyond() ? std::uint8_t{0} : rank},
                           .log_odds = static_cast<float>(log_odds),
-                          .view = view}};
+                          .view = view,
+                          .surface = sample.surface}};
   const double reach = std::max(0.0, 0.5 * (static_cast<double>(sample.footprint) - cell_size_));
   const Eigen::Vector2i low = CellAt(point.head<2>().array() - reach),
                         high = CellAt(point.head<2>().array() + reach);
@@ -285,6 +286,7 @@ std::vector<SurfacePainter::PaintedCell> SurfacePainter::Cells() const {
       painted.cell.height_sigma = static_cast<float>(field_->SigmaOf(patch));
       painted.cell.free_belief = 1 / (1 + std::exp(-evidence.log_odds));
       painted.cell.color = evidence.observations.Color();
+      painted.cell.class_beliefs = evidence.ClassBeliefs();
       painted.is_seen = !evidence.observations.empty();
       painted.is_driven = evidence.is_driven;
       painted.observations = evidence.Summary();

@@ -24,7 +24,7 @@ enum Plane : std::size_t {
   kGreen,
   kBlue,
   kRed,
-  kFree,
+  kKind,
   kConfidence0,
   kConfidence1,
   kNumPlanes
@@ -52,6 +52,17 @@ void DecompressInto(std::span<char> unpacked, std::string_view bytes) {
                                               bytes.data(), bytes.size());
   Require(ZSTD_isError(got) == 0 && got == unpacked.size(), ErrorCode::kInvalidInput,
           "it holds a damaged piece");
+}
+
+/// A sample's class and whether it is free.
+std::uint8_t PackKind(const GroundSample& sample) {
+  const auto surface = static_cast<unsigned>(sample.surface);
+  return static_cast<std::uint8_t>(surface << 1U | unsigned{sample.is_free});
+}
+void UnpackKind(unsigned kind, GroundSample& sample) {
+  const auto surface = static_cast<SurfaceClass>(kind >> 1U);
+  sample.is_free = (kind & 1U) != 0;
+  sample.surface = surface <= SurfaceClass::kUnknown ? surface : SurfaceClass::kUnknown;
 }
 
 std::uint8_t Minus(std::uint8_t a, std::uint8_t b) { return static_cast<std::uint8_t>(a - b); }
@@ -95,7 +106,7 @@ std::string EncodeSamples(std::span<const GroundSample> samples, GroundCells& ce
     at(kGreen, i) = green;
     at(kBlue, i) = Minus(Minus(sample.blue, last.blue), green);
     at(kRed, i) = Minus(Minus(sample.red, last.red), green);
-    at(kFree, i) = static_cast<std::uint8_t>(sample.is_free != last.is_free);
+    at(kKind, i) = PackKind(sample) ^ PackKind(last);
     const auto confidence = static_cast<std::uint16_t>(
         BitsOf(sample.confidence) ^ BitsOf(cells.cells()[numbers[i]].confidence));
     at(kConfidence0, i) = static_cast<std::uint8_t>(confidence);
@@ -131,7 +142,7 @@ std::vector<GroundSample> DecodeSamples(std::string_view bytes, std::size_t num_
     sample.green = Plus(last.green, green);
     sample.blue = Plus(last.blue, Plus(at(kBlue, i), green));
     sample.red = Plus(last.red, Plus(at(kRed, i), green));
-    sample.is_free = last.is_free != (at(kFree, i) != 0);
+    UnpackKind(unsigned{PackKind(last)} ^ at(kKind, i), sample);
     sample.weight = cell.weight;
     sample.footprint = cell.footprint;
     sample.confidence = FromBits(static_cast<std::uint16_t>(

@@ -36,7 +36,7 @@ namespace {
 
 // A file is the magic, the key, the patches one after the other, the index, and last where the
 // index is.
-constexpr std::string_view kMagic = "parkade ground 2\n";
+constexpr std::string_view kMagic = "parkade ground 3\n";
 constexpr std::size_t kDigits = 64;
 constexpr std::uint64_t kMaxSamples = std::uint64_t{1} << 26;  // of an image
 constexpr std::uint64_t kMaxIndex = std::uint64_t{1} << 32;

@@ -38,6 +38,14 @@ export interface SlotCollection {
   }[];
 }
 
+/** The part of surfaces.geojson that the page shows. */
+export interface SurfaceCollection {
+  features: {
+    properties: { surface: string; level: number; area_m2: number };
+    geometry: { coordinates: number[][][] }; // rings of [longitude, latitude, height] or of points of the site
+  }[];
+}
+
 /** All pages of a list, newest first. */
 async function all<Item>(
   pageAfter: (query: { limit: number; cursor?: string }) => Promise<{ items: Item[]; next_cursor: string | null }>,
@@ -68,6 +76,12 @@ export const report = async (map: MapVersion) => (await fetchJson(fileUrl(map, '
 export async function slots(map: MapVersion): Promise<SlotCollection> {
   if (!map.files.some((file) => file.name === 'slots.geojson')) return { features: [] };
   return (await fetchJson(fileUrl(map, 'slots.geojson'))) as SlotCollection;
+}
+
+/** What lies beside the free space of a map; nothing of one that an older version made. */
+export async function surfaces(map: MapVersion): Promise<SurfaceCollection> {
+  if (!map.files.some((file) => file.name === 'surfaces.geojson')) return { features: [] };
+  return (await fetchJson(fileUrl(map, 'surfaces.geojson'))) as SurfaceCollection;
 }
 
 /** Builds a version from another one, with these pins in place of those it has. */

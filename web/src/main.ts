@@ -1,11 +1,12 @@
 import './style.css';
 
-import { fileUrl, latestMap, listDrives, listJobs, listSites, report, slots, watchEvents, type Job } from './api';
+import { fileUrl, latestMap, listDrives, listJobs, listSites, report, slots, surfaces, watchEvents, type Job } from './api';
 import { byId } from './dom';
 import { renderDrives } from './drive_list';
 import { renderMapPanel } from './map_panel';
 import { MapView } from './map_view';
 import { PinPanel } from './pin_panel';
+import { siteFromGeoJson } from './geo';
 import { mayReview, mayUpload, seesDrives, type Caller } from './session';
 import { awaitCaller, showCaller } from './sign_in';
 import { firstSite, hasMap } from './sites';
@@ -41,13 +42,15 @@ async function showLatestMap(site: string): Promise<void> {
   shownMap = name;
   say('Loading the map …');
   try {
-    const [isLatest, figures, parking] = await Promise.all([
+    const [isLatest, figures, parking, land] = await Promise.all([
       view.load(fileUrl(map, 'map.glb')),
       report(map),
       slots(map),
+      surfaces(map),
     ]);
     if (!isLatest) return;
     view.setSlots(parking);
+    view.setSurfaces(land, siteFromGeoJson(map.datum));
     renderMapPanel(panel, map, figures);
     renderSlotLegend(byId('legend'), countStates(parking));
     byId('badge').hidden = true;

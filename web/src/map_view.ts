@@ -3,11 +3,12 @@ import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { DRACO_GLTF_CONFIG, DRACOLoader } from 'three/examples/jsm/loaders/DRACOLoader.js';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 
-import type { SlotCollection, Vector } from './api';
+import type { SlotCollection, SurfaceCollection, Vector } from './api';
 import { colorsByHeight } from './height_colors';
 import { makePinLayer, type PinMark } from './pin_layer';
 import { gltfFromSite, siteFromGltf } from './pins';
 import { makeSlotLayer } from './slot_layer';
+import { makeSurfaceLayer } from './surface_layer';
 
 export type ColorMode = 'photo' | 'height';
 
@@ -31,7 +32,9 @@ export class MapView {
   private readonly photoLooks = new Map<THREE.Object3D, PhotoLook>();
   private content: THREE.Object3D | null = null;
   private slotLayer: THREE.Group | null = null;
-  private areSlotsVisible = true; // this and the next three outlive the map that is shown
+  private surfaceLayer: THREE.Group | null = null;
+  private areSlotsVisible = true; // this and the next four outlive the map that is shown
+  private areSurfacesVisible = false;
   private isGroundVisible = true;
   private areTrajectoriesVisible = true;
   private colorMode: ColorMode = 'photo';
@@ -86,6 +89,7 @@ export class MapView {
     this.photoLooks.clear();
     this.content = null;
     this.slotLayer = null; // parts of the content
+    this.surfaceLayer = null;
     this.pinLayer = null;
     this.requestFrame();
   }
@@ -107,6 +111,22 @@ export class MapView {
     this.slotLayer = makeSlotLayer(slots);
     this.slotLayer.visible = this.areSlotsVisible;
     this.content.add(this.slotLayer);
+    this.requestFrame();
+  }
+
+  /** What lies beside the free space of the map that is shown. */
+  setSurfaces(surfaces: SurfaceCollection, toSite: (position: number[]) => Vector): void {
+    if (!this.content) return;
+    if (this.surfaceLayer) this.content.remove(this.surfaceLayer);
+    this.surfaceLayer = makeSurfaceLayer(surfaces, toSite);
+    this.surfaceLayer.visible = this.areSurfacesVisible;
+    this.content.add(this.surfaceLayer);
+    this.requestFrame();
+  }
+
+  setSurfacesVisible(isVisible: boolean): void {
+    this.areSurfacesVisible = isVisible;
+    if (this.surfaceLayer) this.surfaceLayer.visible = isVisible;
     this.requestFrame();
   }
 

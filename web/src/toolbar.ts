@@ -23,6 +23,7 @@ export function createToolbar(place: HTMLElement, view: MapView, legend: HTMLEle
       view.setSlotsVisible(isOn);
       legend.classList.toggle('off', !isOn);
     }),
+    toggle('Surfaces', false, (isOn) => view.setSurfacesVisible(isOn)),
     toggle('Heights', false, (isOn) => view.setColorMode(isOn ? 'height' : 'photo')),
     pinToggle,
     action('From above', () => view.lookDown()),

@@ -275,12 +275,12 @@ std::vector<GroundPatch> PatchesAlong(const std::vector<Rigid3>& poses) {
     for (double x = 0.025; x < 8; x += 0.05)
       for (double y = -3.975; y < 4; y += 0.05)
         patch.samples.push_back(
-            {.point_in_body = Eigen::Vector3f(Eigen::Vector3d(x, y, 0).cast<float>()),
-             .blue = 100,
-             .green = 100,
-             .red = 100,
-             .is_free = true,
-             .weight = 1000});
+            GroundSample{.point_in_body = Eigen::Vector3f(Eigen::Vector3d(x, y, 0).cast<float>()),
+                         .blue = 100,
+                         .green = 100,
+                         .red = 100,
+                         .is_free = true,
+                         .weight = 1000});
   }
   return patches;
 }

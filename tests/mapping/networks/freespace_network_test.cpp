@@ -80,8 +80,26 @@ TEST_F(FreespaceNetworkFiles, OfTwoChannelsTheSecondIsDrivable) {
   const FreespaceBelief belief = network.Run(Gradient(64, 32));
 
   EXPECT_NEAR(belief.At({50, 4}), 50 - 8, 1e-4);
+  EXPECT_EQ(belief.ClassAt({50, 4}), SurfaceClass::kUnknown);
   EXPECT_EQ(belief.Mask().at<uchar>(4, 50), 255);
   EXPECT_EQ(belief.Mask().at<uchar>(30, 20), 0);
+}
+
+TEST_F(FreespaceNetworkFiles, OfNineChannelsTheFirstTwoAreDrivable) {
+  // Of a pixel (column, row): 0.1 column for markings, 1 for drivable, 0.2 row for kerbs.
+  std::vector<float> weights(3 * kNumSurfaceClasses, 0), biases(kNumSurfaceClasses, -20);
+  weights[3 * static_cast<size_t>(SurfaceClass::kMarking)] = 0.1F;
+  weights[3 * static_cast<size_t>(SurfaceClass::kKerb) + 1] = 0.1F;
+  biases[0] = 1, biases[1] = 0, biases[static_cast<size_t>(SurfaceClass::kKerb)] = 0;
+  const FreespaceNetwork network(Write(TinyOnnx(weights, biases, 64, 32)));
+
+  const FreespaceBelief belief = network.Run(Gradient(64, 32));
+
+  EXPECT_EQ(belief.ClassAt({50, 3}), SurfaceClass::kMarking);
+  EXPECT_EQ(belief.ClassAt({3, 2}), SurfaceClass::kDrivable);
+  EXPECT_EQ(belief.ClassAt({3, 30}), SurfaceClass::kKerb);
+  const float green = 2 * 20;  // of Gradient, in row 20
+  EXPECT_NEAR(belief.At({40, 20}), std::log(std::exp(4) + std::exp(1)) - 0.1F * green, 1e-3);
 }
 
 TEST_F(FreespaceNetworkFiles, ANetworkOfOpenSizeIsRunAt320x208) {

@@ -73,7 +73,7 @@ TEST_F(SegmentingAFan, ANetworkThatKnowsNothingSaysNothing) {
 
 class HidingBehindObstacles : public testing::Test {
  protected:
-  /// g ground, n not ground, u unknown: one letter per range of the only ray.
+  /// g ground, n not ground, p pavement, u unknown: one letter per range of the only ray.
   static std::string Hide(const std::string& before, bool is_trusted, double obstacle_depth = 0.5,
                           double beyond_depth = 0) {
     GroundGrid grid{.num_rays = 1,
@@ -82,21 +82,23 @@ class HidingBehindObstacles : public testing::Test {
                     .ranges = {},
                     .pixel_lengths = std::vector<float>(before.size(), 0.3F),
                     .cells = {}};
-    std::vector<GroundLabel> labels;
+    GroundLabels found;
+    found.is_trusted = is_trusted;
     for (size_t i = 0; i < before.size(); ++i) {
       grid.ranges.push_back(0.25F * static_cast<float>(i + 1));
-      labels.push_back(before[i] == 'g'   ? GroundLabel::kGround
-                       : before[i] == 'n' ? GroundLabel::kNotGround
-                                          : GroundLabel::kUnknown);
+      found.labels.push_back(before[i] == 'g'   ? GroundLabel::kGround
+                             : before[i] == 'u' ? GroundLabel::kUnknown
+                                                : GroundLabel::kNotGround);
+      found.surfaces.push_back(before[i] == 'p' ? SurfaceClass::kPavement : SurfaceClass::kVehicle);
     }
     grid.cells.resize(before.size());
     SegmentGroundOptions options;
     options.obstacle_depth = obstacle_depth;
     options.foot_depth = 0.15;
     options.beyond_depth = beyond_depth;
-    HideBehindObstacles(grid, options, is_trusted, labels);
+    HideBehindObstacles(grid, options, found);
     std::string after;
-    for (const GroundLabel label : labels)
+    for (const GroundLabel label : found.labels)
       after += label == GroundLabel::kGround      ? 'g'
                : label == GroundLabel::kNotGround ? 'n'
                : label == GroundLabel::kHidden    ? 'h'
@@ -122,6 +124,11 @@ TEST_F(HidingBehindObstacles, AGuessEndsAtTheFirstObstacle) {
 }
 TEST_F(HidingBehindObstacles, AMaskMaySeeGroundAgainBehind) {
   EXPECT_EQ(Hide("ggnnnnggnnn", true), "ggnnuuggnnu");
+}
+TEST_F(HidingBehindObstacles, APavementHidesNothingAndIsSeenAllOver) {
+  EXPECT_EQ(Hide("gppppppp", true, 1), "gnnnnnnn");
+  EXPECT_EQ(Hide("gpppgnnnnn", true, 1), "gnnngnnhhu");
+  EXPECT_EQ(Hide("ggnnpppp", true, 1), "ggnnhhuu") << "behind a car it may be its roof";
 }
 TEST_F(HidingBehindObstacles, WhatComesBeforeTheFirstGroundIsTheOwnCar) {
   EXPECT_EQ(Hide("nnggg", false), "uuggg");

@@ -35,12 +35,12 @@ PosedGroundPatch MakePatch(double x0, double y0, double x1, double y1, std::uint
   for (double x = x0 + 0.025; x < x1; x += 0.05)
     for (double y = y0 + 0.025; y < y1; y += 0.05)
       posed.patch.samples.push_back(
-          {.point_in_body = Eigen::Vector3f(Eigen::Vector3d(x, y, 0).cast<float>()),
-           .blue = gray,
-           .green = gray,
-           .red = gray,
-           .is_free = is_free,
-           .weight = 1000});
+          GroundSample{.point_in_body = Eigen::Vector3f(Eigen::Vector3d(x, y, 0).cast<float>()),
+                       .blue = gray,
+                       .green = gray,
+                       .red = gray,
+                       .is_free = is_free,
+                       .weight = 1000});
   return posed;
 }
 
@@ -419,12 +419,12 @@ TEST(SurfacePainter, ASampleMovesAlongItsRayOntoARampAhead) {
   DrivenPath path = MakePath(1);
   path.cameras_in_body = {{0, 0, 1}};
   PosedGroundPatch posed;
-  posed.patch.samples.push_back({.point_in_body = Eigen::Vector3f(5, 0.02F, 0),
-                                 .blue = 9,
-                                 .green = 9,
-                                 .red = 9,
-                                 .is_free = true,
-                                 .weight = 1000});
+  posed.patch.samples.push_back(GroundSample{.point_in_body = Eigen::Vector3f(5, 0.02F, 0),
+                                             .blue = 9,
+                                             .green = 9,
+                                             .red = 9,
+                                             .is_free = true,
+                                             .weight = 1000});
 
   SurfacePainter painter(field, 8, {});
   painter.PaintDrive(PatchesInMemory(std::span(&posed, 1)), std::vector<size_t>{0}, &path);

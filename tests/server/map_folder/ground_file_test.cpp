@@ -26,14 +26,15 @@ GroundPatch RandomPatch(int camera, unsigned seed) {
       if (random() % 4 == 0) continue;
       const float x = 1 + 0.5F * static_cast<float>(range),
                   y = 0.1F * static_cast<float>(ray + camera);
-      patch.samples.push_back({.point_in_body = Eigen::Vector3f(x, y, -0.01F * x),
-                               .blue = byte(),
-                               .green = byte(),
-                               .red = byte(),
-                               .is_free = random() % 2 == 0,
-                               .weight = 1000 / x,
-                               .footprint = 0.1F * x,
-                               .confidence = static_cast<float>(byte()) / 255});
+      patch.samples.push_back(GroundSample{.point_in_body = Eigen::Vector3f(x, y, -0.01F * x),
+                                           .blue = byte(),
+                                           .green = byte(),
+                                           .red = byte(),
+                                           .is_free = random() % 2 == 0,
+                                           .surface = static_cast<SurfaceClass>(random() % 10),
+                                           .weight = 1000 / x,
+                                           .footprint = 0.1F * x,
+                                           .confidence = static_cast<float>(byte()) / 255});
     }
   return patch;
 }

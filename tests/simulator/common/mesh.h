@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/rigid3.h"
+#include "core/surface_class.h"
 #include "tests/simulator/common/color.h"
 #include "tests/simulator/common/mip_texture.h"
-#include "tests/simulator/common/surface_class.h"
 
 namespace parkade::simulator {
 
