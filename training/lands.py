@@ -9,6 +9,8 @@ from colors import normals, to_bytes
 PAVED = (((0, 0, 60), (179, 30, 255)), ((0, 60, 70), (14, 150, 210)), ((14, 20, 110), (28, 90, 240)))
 GROWN = (((28, 60, 60), (52, 210, 230)), ((20, 50, 90), (32, 150, 230)), ((4, 50, 40), (18, 150, 150)), ((0, 0, 60), (179, 40, 190)))
 
+SHARE_OF_LAWNS = 0.4  # of pavements that are repainted
+
 
 def color_of(rng, ranges):
     low, high = ranges[rng.integers(len(ranges))]
@@ -28,11 +30,14 @@ def grain(rng, shape):
 
 
 def repaint_land(rng, image, classes):
-    """`image` with other pavements, and with other lawns or soil, half of the time each; shadows stay."""
+    """`image` with other pavements, and with other lawns or soil, half of the time each; shadows stay. Some pavements become
+    lawns, and `classes` say so."""
     for labels, ranges in (((surfaces.PAVEMENT, surfaces.PAVED), PAVED), ((surfaces.VEGETATION,), GROWN)):
         region = np.isin(classes, labels)
         if rng.random() < 0.5 or not region.any():
             continue
+        if ranges is PAVED and rng.random() < SHARE_OF_LAWNS:
+            ranges, classes[region] = GROWN, surfaces.VEGETATION
         gray = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY).astype(np.float32)
         light = cv2.GaussianBlur(gray, (0, 0), rng.uniform(2, 8)) / max(gray[region].mean(), 1)
         fine = (gray - cv2.GaussianBlur(gray, (0, 0), 4)) * np.float32(rng.uniform(0, 1.2))

@@ -34,7 +34,7 @@ EDGE_WEIGHT = 4.0  # of pixels at an outline, where others weigh 1: far ground i
 MOST_WEIGHT = 12.0
 EDGE_REACH = 1 / 100  # of the picture's width, to both sides
 PREFETCHED = 4  # batches
-CLASSES_WEIGHT = 0.5  # of their loss, that of drivable ground weighing 1
+CLASSES_WEIGHT = 1.0  # of their loss, that of drivable ground weighing 1
 POSSIBLE = torch.from_numpy(surfaces.possible())
 
 

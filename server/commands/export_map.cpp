@@ -120,6 +120,7 @@ const std::vector<Exporter>& Exporters() {
        WriteLanelet2},
       {{"occupancy", "FILE.yaml and FILE.pgm for ROS' map_server"}, WriteOccupancy},
       Copy("geojson", "free_space.geojson", "outline of the free space"),
+      Copy("surfaces", "surfaces.geojson", "what lies beside the free space, by class (GeoJSON)"),
       Copy("slots", "slots.geojson", "parking slots and who stood in them (GeoJSON)"),
       Copy("markings", "markings.geojson",
            "other paint on the ground, speed bumps, kerbs with heights (GeoJSON)"),

@@ -44,6 +44,7 @@ TEST_F(MapFolder, HoldsEveryFileOfTheContractAndNothingElse) {
                            "ground.ply",
                            "free_space.geojson",
                            "slots.geojson",
+                           "surfaces.geojson",
                            "markings.geojson",
                            "ortho.png",
                            "ortho.pgw",

@@ -58,6 +58,7 @@ async function showLatestMap(site: string): Promise<void> {
     view.lookAround();
     pins.show(map, figures);
     setPinning(true);
+    toolbar.querySelector<HTMLButtonElement>('[data-surfaces]')!.hidden = land.features.length === 0;
     toolbar.hidden = false;
     say('');
     document.body.dataset['shown'] = name; // for tests and scripts that wait for the picture

@@ -16,6 +16,8 @@ export function createToolbar(place: HTMLElement, view: MapView, legend: HTMLEle
   };
   const pinToggle = toggle('Pins', false, (isOn) => pins.setOpen(isOn));
   pinToggle.dataset['pins'] = '';
+  const surfaceToggle = toggle('Surfaces', false, (isOn) => view.setSurfacesVisible(isOn));
+  surfaceToggle.dataset['surfaces'] = '';
   place.replaceChildren(
     toggle('Ground', true, (isOn) => view.setGroundVisible(isOn)),
     toggle('Trajectory', true, (isOn) => view.setTrajectoriesVisible(isOn)),
@@ -23,7 +25,7 @@ export function createToolbar(place: HTMLElement, view: MapView, legend: HTMLEle
       view.setSlotsVisible(isOn);
       legend.classList.toggle('off', !isOn);
     }),
-    toggle('Surfaces', false, (isOn) => view.setSurfacesVisible(isOn)),
+    surfaceToggle,
     toggle('Heights', false, (isOn) => view.setColorMode(isOn ? 'height' : 'photo')),
     pinToggle,
     action('From above', () => view.lookDown()),

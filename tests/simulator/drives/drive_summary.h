@@ -10,7 +10,7 @@
 namespace parkade::simulator {
 
 /// Changes whenever the same options give other bytes than before.
-inline constexpr int kSimulatorVersion = 10;
+inline constexpr int kSimulatorVersion = 11;
 
 /// 16 hex digits of all options and the simulator's version: drives are cached by it. FNV-1a, 64
 /// bits.
