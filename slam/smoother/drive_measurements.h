@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/record_store.h"
+#include "slam/smoother/record_store.h"
 #include "slam/smoother/recorded_states.h"
 #include "slam/smoother/smoother_window.h"
 

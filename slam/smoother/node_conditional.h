@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/record_store.h"
 #include "slam/factors/linear_prior.h"
+#include "slam/smoother/record_store.h"
 
 namespace parkade {
 
