@@ -72,7 +72,8 @@ TEST(PlaceLook, OthersAreRefused) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kUsage);
-    EXPECT_STREQ(error.what(), "unknown looks 'strange': they are classic, known, mixed or unknown");
+    EXPECT_STREQ(error.what(),
+                 "unknown looks 'strange': they are classic, known, mixed or unknown");
   }
 }
 
