@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-namespace GeographicLib {
+namespace GeographicLib {  // NOLINT(readability-identifier-naming): theirs
 class Geoid;
 }
 

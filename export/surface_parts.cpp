@@ -65,6 +65,7 @@ class SquareGraph {
         }
       }
     std::vector<SurfaceCell> cells;
+    cells.reserve(part.size());
     for (const std::size_t i : part)
       cells.push_back({.x = squares_[i].x, .y = squares_[i].y, .height = squares_[i].height()});
     std::sort(cells.begin(), cells.end(), [](const SurfaceCell& a, const SurfaceCell& b) {

@@ -85,6 +85,7 @@ std::vector<MeshPiece> MeshPieces(const SurfaceMap& surface, const MeshOptions& 
 std::vector<std::vector<std::uint32_t>> JoinAll(std::vector<MeshPiece>& pieces,
                                                 HeightMesh& joined) {
   std::vector<SimplifiedPiece> simplified;
+  simplified.reserve(pieces.size());
   for (MeshPiece& piece : pieces) simplified.push_back(std::move(piece.simplified));
   return JoinPieces(simplified, joined);
 }

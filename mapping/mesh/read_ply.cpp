@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
+#include <optional>
 #include <sstream>
 #include <string_view>
 
@@ -34,14 +36,20 @@ struct Header {
   std::size_t size = 0;  ///< [bytes]
 };
 
+const std::map<std::string, Scalar> kScalars = {
+    {"char", Scalar::kInt8},      {"int8", Scalar::kInt8},       {"uchar", Scalar::kUint8},
+    {"uint8", Scalar::kUint8},    {"short", Scalar::kInt16},     {"int16", Scalar::kInt16},
+    {"ushort", Scalar::kUint16},  {"uint16", Scalar::kUint16},   {"int", Scalar::kInt32},
+    {"int32", Scalar::kInt32},    {"uint", Scalar::kUint32},     {"uint32", Scalar::kUint32},
+    {"float", Scalar::kFloat32},  {"float32", Scalar::kFloat32}, {"double", Scalar::kFloat64},
+    {"float64", Scalar::kFloat64}};
+
+void RequireKnownFormat(const std::string& format, const std::string& where) {
+  Require(format == "ascii" || format == "binary_little_endian", ErrorCode::kInvalidInput,
+          where + " is PLY of the unsupported format '" + format + "'");
+}
+
 Scalar ParseScalar(const std::string& name, const std::string& where) {
-  static const std::map<std::string, Scalar> kScalars = {
-      {"char", Scalar::kInt8},      {"int8", Scalar::kInt8},       {"uchar", Scalar::kUint8},
-      {"uint8", Scalar::kUint8},    {"short", Scalar::kInt16},     {"int16", Scalar::kInt16},
-      {"ushort", Scalar::kUint16},  {"uint16", Scalar::kUint16},   {"int", Scalar::kInt32},
-      {"int32", Scalar::kInt32},    {"uint", Scalar::kUint32},     {"uint32", Scalar::kUint32},
-      {"float", Scalar::kFloat32},  {"float32", Scalar::kFloat32}, {"double", Scalar::kFloat64},
-      {"float64", Scalar::kFloat64}};
   const auto found = kScalars.find(name);
   Require(found != kScalars.end(), ErrorCode::kInvalidInput,
           where + " has a property of unknown type '" + name + "'");
@@ -80,9 +88,8 @@ Header ParseHeader(std::string_view content, const std::string& where) {
     if (keyword == "format") {
       words >> second;
       header.is_ascii = second == "ascii";
-      has_format = header.is_ascii || second == "binary_little_endian";
-      Require(has_format, ErrorCode::kInvalidInput,
-              where + " is PLY of the unsupported format '" + second + "'");
+      RequireKnownFormat(second, where);
+      has_format = true;
     } else if (keyword == "comment") {
       Eigen::Vector3d origin;
       if (words >> second && second == "origin" && words >> origin.x() >> origin.y() >> origin.z())

@@ -41,6 +41,7 @@ std::vector<char*> Environment(char* temporary_files) {
 
 std::vector<char*> Arguments(const std::vector<std::string>& command) {
   std::vector<char*> words;
+  words.reserve(command.size() + 1);
   for (const std::string& word : command) words.push_back(const_cast<char*>(word.c_str()));
   words.push_back(nullptr);
   return words;
