@@ -19,7 +19,7 @@ import pictures
 
 
 def find_scores(network, limit, picture):
-    """Classes x H x W."""
+    """Classes x H x W; of networks that tell none 1 x H x W, the log-odds of "drivable"."""
     image = cv2.resize(picture.image, pictures.input_size(picture.image, limit), interpolation=cv2.INTER_AREA)
     network.setInput(cv2.dnn.blobFromImage(image))
     size = picture.label.shape[::-1]
@@ -27,6 +27,8 @@ def find_scores(network, limit, picture):
 
 
 def log_odds_of(scores):
+    if len(scores) == 1:
+        return scores[0]
     sum_of = lambda some: np.logaddexp.reduce(some, axis=0)
     return sum_of(scores[: surfaces.NUM_FREE]) - sum_of(scores[surfaces.NUM_FREE :])
 
@@ -41,14 +43,16 @@ def overlay(picture, drivable):
 
 
 def evaluate(network, limit, samples, folder):
-    """IoU over all labeled pixels, how often a pixel is right at each tenth of probability, and IoUs of merged classes."""
+    """IoU over all labeled pixels, how often a pixel is right at each tenth of probability, and IoUs of merged classes, None
+    of a network that tells none."""
     both = either = 0
     right, count = np.zeros(10), np.zeros(10)
     confusion = surfaces.Confusion()
     for picture in samples:
         scores = find_scores(network, limit, picture)
         log_odds = log_odds_of(scores)
-        confusion.add(picture.classes, surfaces.merged_class_of(scores))
+        if len(scores) > 1:
+            confusion.add(picture.classes, surfaces.merged_class_of(scores))
         known, truth, drivable = picture.label != pictures.UNKNOWN, picture.label == pictures.DRIVABLE, log_odds > 0
         both += int((drivable & truth).sum())
         either += int(((drivable | truth) & known).sum())
@@ -57,7 +61,8 @@ def evaluate(network, limit, samples, folder):
         right += np.bincount(tenth, weights=truth[known], minlength=10)
         if folder:
             cv2.imwrite(str(Path(folder) / (picture.name.replace("/", "_") + ".jpg")), overlay(picture, drivable))
-    return both / max(either, 1), right / np.maximum(count, 1), confusion.ious()
+    ious = confusion.ious() if confusion.counts.any() else None
+    return both / max(either, 1), right / np.maximum(count, 1), ious
 
 
 def main():
@@ -82,6 +87,8 @@ def main():
         iou, share, ious = evaluate(network, limit, samples, arguments.overlays)
         tenths = " ".join(f"{value:.2f}" for value in share)
         print(f"{name}: {len(samples)} pictures, IoU {iou:.4f}; drivable per tenth of probability: {tenths}")
+        if ious is None:
+            continue
         of_classes = ", ".join(f"{part} {value:.3f}" for part, value in zip(surfaces.MERGED_NAMES, ious))
         print(f"  mean of classes {np.nanmean(ious):.3f}: {of_classes}")
 

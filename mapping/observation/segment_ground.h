@@ -51,6 +51,6 @@ GroundLabels LabelsFromBelief(const GroundGrid& grid, std::span<const Eigen::Vec
 /// ground (most often the own car), and, unless the labels are trusted, any ground behind an
 /// obstacle. kDoubtful stays, and so does land that is seen to lie level: it hides nothing.
 void HideBehindObstacles(const GroundGrid& grid, const SegmentGroundOptions& options,
-                         GroundLabels& labels);
+                         GroundLabels& found);
 
 }  // namespace parkade

@@ -336,6 +336,8 @@ def main():
         assert torch.allclose(weights[3], 0.25 * weights[0] + 0.25 * weights[1] + 0.5 * weights[2], atol=1e-6)
         figures = run("evaluate.py", folder / "a.onnx", "--camvid", folder / "camvid/val")
         assert "3 pictures, IoU" in figures and "mean of classes" in figures, figures
+        figures = run("evaluate.py", training.parent / "models/freespace.onnx", "--camvid", folder / "camvid/val")
+        assert "3 pictures, IoU" in figures and "mean" not in figures, figures
 
         from outline_network import load as load_outlines
 

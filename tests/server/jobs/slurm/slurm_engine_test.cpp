@@ -14,7 +14,20 @@ namespace {
 
 using std::chrono::milliseconds;
 
-class AtSlurm : public SlurmTest {};
+class AtSlurm : public SlurmTest {
+ protected:
+  /// The service dies before its job's worker begins. The job's number at Slurm, where it has
+  /// ended.
+  std::string MakeMapWithoutService() {
+    Hold();
+    Start(kMakeMap);
+    const std::string id = WaitForId();
+    Die();
+    Release();
+    Eventually([&] { return At(id).at("job_state") == "COMPLETED"; });
+    return id;
+  }
+};
 
 TEST_F(AtSlurm, AJobIsPublished) {
   Start(std::string(kMakeMap) + "echo hello");
@@ -125,12 +138,7 @@ TEST_F(AtSlurm, TheNextServiceTakesUpARunningJob) {
 }
 
 TEST_F(AtSlurm, TheNextServiceFindsAJobThatEndedWithoutOne) {
-  Hold();
-  Start(kMakeMap);
-  const std::string id = WaitForId();
-  Die();
-  Release();
-  Eventually([&] { return At(id).at("job_state") == "COMPLETED"; });
+  const std::string id = MakeMapWithoutService();
   std::filesystem::remove(slurm_ / "jobs" / (id + ".json"));  // forgotten after some minutes
   Start(kMakeMap);
 
@@ -139,12 +147,7 @@ TEST_F(AtSlurm, TheNextServiceFindsAJobThatEndedWithoutOne) {
 
 // The last service died between moving the products and the version.
 TEST_F(AtSlurm, AJobWhoseProductsAreGoneIsRunAgain) {
-  Hold();
-  Start(kMakeMap);
-  const std::string id = WaitForId();
-  Die();
-  Release();
-  Eventually([&] { return At(id).at("job_state") == "COMPLETED"; });
+  const std::string id = MakeMapWithoutService();
   std::filesystem::remove_all(RunFolder(Attempt(), id, 0) / "out");
   Start(kMakeMap);
 
