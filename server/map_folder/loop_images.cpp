@@ -31,6 +31,8 @@ nlohmann::json LoopsToJson(const LoopClosure& closure, const Rig& rig, const std
     nlohmann::json& of_loop = json["candidates"][i];
     for (nlohmann::json& pair : of_loop["camera_pairs"])
       for (const char* end : {"earlier", "later"}) pair[end] = NameOf(rig, pair[end].get<int>());
+    for (nlohmann::json& camera : of_loop["inliers"]["cameras"])
+      camera = NameOf(rig, camera.get<int>());
     of_loop["thumbnails"] = nlohmann::json::array();
     if (!loop.earlier_view.empty())
       of_loop["thumbnails"].push_back(

@@ -35,6 +35,7 @@ nlohmann::json ToJson(const LoopEvidence& loop) {
           {"num_inliers", pose.num_inliers},
           {"num_camera_pairs", pose.num_camera_pairs},
           {"camera_pairs", pairs},
+          {"inliers", ToJson(pose.shown)},
           {"residual", pose.residual},
           {"worst_sigma", pose.worst_sigma},
           {"information", information},

@@ -1,5 +1,6 @@
 #include "slam/places/cylinder_view.h"
 
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 namespace parkade {
@@ -46,6 +47,11 @@ Eigen::Vector3d CylinderView::BearingInUpright(double column, double row) const 
   const double azimuth = azimuth_ - column / scale_;
   return Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), kHighest - row / scale_)
       .normalized();
+}
+
+Eigen::Vector2f CylinderView::ImagePoint(double column, double row) const {
+  const int x = static_cast<int>(std::lround(column)), y = static_cast<int>(std::lround(row));
+  return {map_x_.at<float>(y, x), map_y_.at<float>(y, x)};
 }
 
 }  // namespace parkade

@@ -27,6 +27,9 @@ class CylinderView {
   /// Unit bearing of a pixel of the view, in the upright frame.
   Eigen::Vector3d BearingInUpright(double column, double row) const;
 
+  /// [px] where a usable pixel of the view lies in the image.
+  Eigen::Vector2f ImagePoint(double column, double row) const;
+
   double pixels_per_radian() const { return scale_; }
 
  private:

@@ -61,6 +61,7 @@ std::vector<cv::KeyPoint> Spread(std::vector<cv::KeyPoint> corners, int max_coun
 struct DescribedImage {
   size_t keyframe = 0;
   int camera = 0;
+  Timestamp time;
   std::vector<KeyframeFeature> features;
   cv::Mat descriptors, small;
   GroundBev floor;
@@ -87,6 +88,7 @@ DescribedImage Describe(const CameraFrame& frame, const CylinderView& view,
   corners = Spread(std::move(corners), options.max_features);
   DescribedImage described;
   described.camera = frame.camera;
+  described.time = frame.time;
   const double scale = static_cast<double>(kViewWidth) / frame.image.cols;
   cv::resize(frame.image, described.small, {}, scale, scale, cv::INTER_AREA);
   orb->compute(image, corners, described.descriptors);
@@ -99,6 +101,9 @@ DescribedImage Describe(const CameraFrame& frame, const CylinderView& view,
     feature.origin = origin;
     feature.bearing = keyframe_from_upright * view.BearingInUpright(corner.pt.x, corner.pt.y);
     feature.sigma = kPixelSigma * std::pow(1.2, corner.octave) / view.pixels_per_radian();
+    feature.image_point =
+        view.ImagePoint(corner.pt.x, corner.pt.y).array() /
+        Eigen::Array2f(static_cast<float>(frame.image.cols), static_cast<float>(frame.image.rows));
     described.features.push_back(feature);
   }
   return described;
@@ -130,6 +135,8 @@ class KeyframesInWork {
     keyframe.descriptors.push_back(image.descriptors);
     keyframe.views.resize(num_cameras_);
     keyframe.views[static_cast<size_t>(image.camera)] = image.small;
+    keyframe.image_times.resize(num_cameras_);
+    keyframe.image_times[static_cast<size_t>(image.camera)] = image.time;
     if (!image.floor.image.empty()) AddObservation(image.floor, floors_[image.keyframe]);
   }
 

@@ -64,9 +64,32 @@ std::vector<CameraPairInliers> CountByCameras(const std::map<size_t, int>& camer
   return by_cameras;
 }
 
+/// Every so many-th inlier, so that there are no more than people can look through.
+ShownInliers ShowInliers(const RigKeyframe& a, const RigKeyframe& b,
+                         const std::vector<FeatureMatch>& inliers, const CameraPairInliers& most) {
+  constexpr size_t kMostShown = 60;
+  const auto time_of = [](const RigKeyframe& keyframe, int camera) {
+    const auto index = static_cast<size_t>(camera);
+    return index < keyframe.image_times.size() ? keyframe.image_times[index] : keyframe.time;
+  };
+  ShownInliers shown{
+      most.camera_a, most.camera_b, time_of(a, most.camera_a), time_of(b, most.camera_b), {}};
+  std::vector<MatchedPoint> all;
+  for (const FeatureMatch& match : inliers) {
+    const KeyframeFeature &of_a = a.features[match.a], &of_b = b.features[match.b];
+    if (of_a.camera == most.camera_a && of_b.camera == most.camera_b && of_a.image_point.x() >= 0 &&
+        of_b.image_point.x() >= 0)
+      all.push_back({of_a.image_point, of_b.image_point});
+  }
+  const size_t step = 1 + all.size() / (kMostShown + 1);
+  for (size_t i = 0; i < all.size(); i += step) shown.points.push_back(all[i]);
+  return shown;
+}
+
 /// A pose adjusted to its inliers.
 struct Adjusted {
   std::vector<RayPointCorrespondence> inliers;
+  std::vector<size_t> inlier_matches;  ///< indices
   Matrix6d hessian = Matrix6d::Identity();
 };
 
@@ -84,6 +107,8 @@ Adjusted AdjustToInliers(const std::vector<RayPointCorrespondence>& corresponden
       camera_pair_of_match[correspondence.match] = correspondence.camera_pair;
       sum += ErrorOf(correspondence, pose.a_from_b).whitened.squaredNorm();
     }
+    adjusted.inlier_matches.clear();
+    for (const auto& [match, pair] : camera_pair_of_match) adjusted.inlier_matches.push_back(match);
     pose.num_inliers = static_cast<int>(camera_pair_of_match.size());
     pose.inliers_of_cameras = CountByCameras(camera_pair_of_match);
     pose.num_camera_pairs = static_cast<int>(pose.inliers_of_cameras.size());
@@ -143,9 +168,15 @@ RelativePose EstimateRigPose(const RigKeyframe& a, const RigKeyframe& b,
   pose.a_from_b = *found;
   Adjusted adjusted = AdjustToInliers(correspondences, options, pose);
   pose.num_first_inliers = pose.num_inliers;
+  std::vector<FeatureMatch> adjusted_to = matches;
   if (pose.num_inliers >= options.min_guiding_inliers) {
-    const std::vector<FeatureMatch> guided = FindGuidedMatches(a, b, pose.a_from_b, options);
-    adjusted = AdjustToInliers(CorrespondencesOf(a, b, guided), options, pose);
+    adjusted_to = FindGuidedMatches(a, b, pose.a_from_b, options);
+    adjusted = AdjustToInliers(CorrespondencesOf(a, b, adjusted_to), options, pose);
+  }
+  if (!pose.inliers_of_cameras.empty()) {
+    std::vector<FeatureMatch> inliers;
+    for (const size_t match : adjusted.inlier_matches) inliers.push_back(adjusted_to[match]);
+    pose.shown = ShowInliers(a, b, inliers, pose.inliers_of_cameras.front());
   }
   SetInformation(
       CovarianceOfCorrespondences(adjusted.inliers, adjusted.hessian, pose.a_from_b, options),

@@ -1,5 +1,8 @@
 #include "slam/places/relative_pose.h"
 
+#include <cmath>
+#include <nlohmann/json.hpp>
+
 #include "core/error.h"
 
 namespace parkade {
@@ -13,6 +16,19 @@ void RelativePoseOptions::Validate() const {
           "the options of relative poses must be positive, and at least 3 inliers");
   Require(mount_rotation_deg >= 0 && mount_translation >= 0, ErrorCode::kUsage,
           "errors of the mounts must not be negative");
+}
+
+nlohmann::json ToJson(const ShownInliers& shown) {
+  constexpr double kDigits = 1e4;  // a tenth of a pixel, where an image has a thousand
+  nlohmann::json points = nlohmann::json::array();
+  for (const MatchedPoint& point : shown.points) {
+    nlohmann::json& added = points.emplace_back();
+    for (const float share : {point.a.x(), point.a.y(), point.b.x(), point.b.y()})
+      added.push_back(std::round(kDigits * static_cast<double>(share)) / kDigits);
+  }
+  return {{"cameras", {shown.camera_a, shown.camera_b}},
+          {"times", {ToDecimalSeconds(shown.image_a), ToDecimalSeconds(shown.image_b)}},
+          {"points", points}};
 }
 
 }  // namespace parkade

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "core/option_about.h"
 #include "core/rigid3.h"
+#include "core/timestamp.h"
 
 namespace parkade {
 
@@ -42,6 +45,19 @@ struct CameraPairInliers {
   int camera_a = 0, camera_b = 0, count = 0;
 };
 
+/// A point in two images, in shares of their widths and heights.
+struct MatchedPoint {
+  Eigen::Vector2f a, b;
+};
+
+/// What shows people why two keyframes are believed to see the same: the inliers of the two cameras
+/// that share the most.
+struct ShownInliers {
+  int camera_a = 0, camera_b = 0;
+  Timestamp image_a, image_b;        ///< when they were taken
+  std::vector<MatchedPoint> points;  ///< some of them; none where images are not known
+};
+
 /// Where keyframe `b` lies in the frame of keyframe `a`, and how well that is known.
 struct RelativePose {
   Rigid3 a_from_b;
@@ -49,9 +65,13 @@ struct RelativePose {
   int num_matches = 0, num_inliers = 0, num_camera_pairs = 0;
   int num_first_inliers = 0;  ///< before the pose guided the search for more
   std::vector<CameraPairInliers> inliers_of_cameras;  ///< the most first
-  double residual = 0;                                ///< [sigma] RMS of the inliers' angles
-  double worst_sigma = 0;                             ///< [m] of the worst direction
-  std::string rejected;                               ///< empty: good; else why not, in a few words
+  ShownInliers shown = {};
+  double residual = 0;     ///< [sigma] RMS of the inliers' angles
+  double worst_sigma = 0;  ///< [m] of the worst direction
+  std::string rejected;    ///< empty: good; else why not, in a few words
 };
+
+/// Cameras by their numbers; times in decimal seconds, points as [x_a, y_a, x_b, y_b].
+nlohmann::json ToJson(const ShownInliers& shown);
 
 }  // namespace parkade

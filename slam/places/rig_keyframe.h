@@ -17,6 +17,9 @@ struct KeyframeFeature {
   Eigen::Vector3d origin;   ///< [m] of the camera when it took the image
   Eigen::Vector3d bearing;  ///< unit
   double sigma = 1e-3;      ///< [rad]
+  /// Where it lies in its image, in shares of its width and height; negative: not in an image of
+  /// this keyframe, or not known.
+  Eigen::Vector2f image_point{-1, -1};
   /// Where the drive's own motion shows how far away it is [m], and how surely along the ray [m].
   std::optional<Eigen::Vector3d> point;
   double depth_sigma = 0;
@@ -31,7 +34,8 @@ struct RigKeyframe {
   std::vector<KeyframeFeature> features;
   cv::Mat descriptors;  ///< CV_8UC1, one row of 32 bytes (ORB) per feature
   std::vector<cv::Mat> views =
-      {};              ///< small images for people, one per camera; CV_8UC1, may be empty
+      {};  ///< small images for people, one per camera; CV_8UC1, may be empty
+  std::vector<Timestamp> image_times = {};  ///< of each camera's image; may be empty
   cv::Mat floor = {};  ///< the ground from above (ground_bev.h); empty where the rig has no vehicle
 };
 

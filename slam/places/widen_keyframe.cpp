@@ -15,6 +15,7 @@ RigKeyframe WidenKeyframe(const std::vector<RigKeyframe>& keyframes, size_t inde
     for (KeyframeFeature feature : keyframes[i].features) {
       feature.origin = keyframe_from_neighbor * feature.origin;
       feature.bearing = keyframe_from_neighbor.rotation * feature.bearing;
+      feature.image_point = {-1, -1};
       if (feature.point) feature.point = keyframe_from_neighbor * *feature.point;
       wide.features.push_back(feature);
     }

@@ -36,9 +36,12 @@ nlohmann::json ToJson(const DriveJoin& join, const std::vector<std::string>& nam
           information.push_back(link.pose.information(row, column));
       links.push_back({{"place_a", link.keyframe_a},
                        {"place_b", link.keyframe_b},
+                       {"time_a", static_cast<double>(link.pose.shown.image_a.ns) * 1e-9},
+                       {"time_b", static_cast<double>(link.pose.shown.image_b.ns) * 1e-9},
                        {"score", link.score},
                        {"num_inliers", link.pose.num_inliers},
                        {"num_camera_pairs", link.pose.num_camera_pairs},
+                       {"inliers", ToJson(link.pose.shown)},
                        {"residual", link.pose.residual},
                        {"worst_sigma", link.pose.worst_sigma},
                        {"information", information},

@@ -12,10 +12,18 @@ void Serialize(A& archive, CameraPairInliers& inliers) {
   archive(inliers.camera_a, inliers.camera_b, inliers.count);
 }
 template <typename A>
+void Serialize(A& archive, MatchedPoint& point) {
+  archive(point.a, point.b);
+}
+template <typename A>
+void Serialize(A& archive, ShownInliers& shown) {
+  archive(shown.camera_a, shown.camera_b, shown.image_a, shown.image_b, shown.points);
+}
+template <typename A>
 void Serialize(A& archive, RelativePose& pose) {
   archive(pose.a_from_b, pose.information, pose.num_matches, pose.num_inliers,
-          pose.num_camera_pairs, pose.num_first_inliers, pose.inliers_of_cameras, pose.residual,
-          pose.worst_sigma, pose.rejected);
+          pose.num_camera_pairs, pose.num_first_inliers, pose.inliers_of_cameras, pose.shown,
+          pose.residual, pose.worst_sigma, pose.rejected);
 }
 template <typename A>
 void Serialize(A& archive, LoopEvidence& loop) {
@@ -87,6 +95,32 @@ void Serialize(A& archive, SessionLoops& links) {
 
 namespace {
 
+/// Where the features of a keyframe lie in its images: a section of its own, since older files lack
+/// it.
+struct ImagePoints {
+  std::vector<Timestamp> times;
+  std::vector<Eigen::Vector2f> points;  ///< as the keyframe's features
+};
+template <typename A>
+void Serialize(A& archive, ImagePoints& images) {
+  archive(images.times, images.points);
+}
+
+ImagePoints ImagePointsOf(const RigKeyframe& keyframe) {
+  ImagePoints images{keyframe.image_times, {}};
+  for (const KeyframeFeature& feature : keyframe.features)
+    images.points.push_back(feature.image_point);
+  return images;
+}
+
+void SetImagePoints(const ImagePoints& images, RigKeyframe& keyframe) {
+  Require(images.points.size() == keyframe.features.size(), ErrorCode::kInvalidInput,
+          "its image points do not fit");
+  keyframe.image_times = images.times;
+  for (size_t i = 0; i < images.points.size(); ++i)
+    keyframe.features[i].image_point = images.points[i];
+}
+
 constexpr std::uint64_t kPieceBytes = std::uint64_t{1} << 20;
 
 template <typename Result>
@@ -121,20 +155,24 @@ KeyframesEncoder::KeyframesEncoder(size_t num_keyframes, std::function<void(std:
   std::uint64_t count = num_keyframes;
   sink_(Encode(count));
   floors_.Append(Encode(count));
+  images_.Append(Encode(count));
 }
 
 void KeyframesEncoder::Add(RigKeyframe keyframe) {
   sink_(Encode(keyframe));
   floors_.Append(Encode(keyframe.floor));
+  ImagePoints images = ImagePointsOf(keyframe);
+  images_.Append(Encode(images));
 }
 
 void KeyframesEncoder::Finish() {
-  for (std::uint64_t offset = 0; offset < floors_.size();) {
-    const std::string piece =
-        floors_.Read(offset, std::min<std::uint64_t>(floors_.size() - offset, kPieceBytes));
-    sink_(piece);
-    offset += piece.size();
-  }
+  for (const AppendedFile* file : {&floors_, &images_})
+    for (std::uint64_t offset = 0; offset < file->size();) {
+      const std::string piece =
+          file->Read(offset, std::min<std::uint64_t>(file->size() - offset, kPieceBytes));
+      sink_(piece);
+      offset += piece.size();
+    }
 }
 
 std::string EncodeKeyframes(const std::vector<RigKeyframe>& keyframes) {
@@ -152,9 +190,14 @@ std::vector<RigKeyframe> DecodeKeyframes(std::string_view bytes) {
   if (reader.is_at_end()) return keyframes;  // written by a version that knew no floors
   std::vector<cv::Mat> floors;
   reader(floors);
-  Require(reader.is_at_end() && floors.size() == keyframes.size(), ErrorCode::kInvalidInput,
-          "its floors do not fit");
+  Require(floors.size() == keyframes.size(), ErrorCode::kInvalidInput, "its floors do not fit");
   for (size_t i = 0; i < keyframes.size(); ++i) keyframes[i].floor = floors[i];
+  if (reader.is_at_end()) return keyframes;  // written by a version that knew no image points
+  std::vector<ImagePoints> images;
+  reader(images);
+  Require(reader.is_at_end() && images.size() == keyframes.size(), ErrorCode::kInvalidInput,
+          "its image points do not fit");
+  for (size_t i = 0; i < keyframes.size(); ++i) SetImagePoints(images[i], keyframes[i]);
   return keyframes;
 }
 

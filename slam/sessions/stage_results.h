@@ -18,7 +18,7 @@ namespace parkade {
 // Error{kInvalidInput} for other bytes.
 
 /// Raised whenever one of the layouts, or what a stage does with the same inputs, changes.
-constexpr int kStageResultsVersion = 3;
+constexpr int kStageResultsVersion = 4;
 
 std::string EncodeLoops(LoopClosure loops);
 LoopClosure DecodeLoops(std::string_view bytes);
@@ -31,18 +31,18 @@ std::string EncodeKeyframes(const std::vector<RigKeyframe>& keyframes);
 std::vector<RigKeyframe> DecodeKeyframes(std::string_view bytes);
 
 /// Encodes like EncodeKeyframes, in pieces, keyframes that come one by one. Holds one at a time:
-/// floors, which come last, wait on disk.
+/// floors and where features lie in images come last, and wait on disk.
 class KeyframesEncoder {
  public:
   /// `num_keyframes` will be added. `sink` gets the bytes in order.
   KeyframesEncoder(size_t num_keyframes, std::function<void(std::string_view)> sink);
   void Add(RigKeyframe keyframe);
-  /// Call last: hands on the floors.
+  /// Call last: hands on what waited.
   void Finish();
 
  private:
   std::function<void(std::string_view)> sink_;
-  AppendedFile floors_;
+  AppendedFile floors_, images_;
 };
 
 std::string EncodeLinks(SessionLoops links);

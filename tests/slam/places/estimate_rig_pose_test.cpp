@@ -69,6 +69,38 @@ TEST(RelativePose, TwoCorrespondencesAreEnoughWhereNothingIsWrong) {
   }
 }
 
+// Image points are known by the number of their feature here.
+TEST(RelativePose, ShowsInliersOfTheTwoCamerasThatShareTheMost) {
+  PlaceWorld world = MakePlaceWorld({.a_from_b = Level(1.2, 0.9, 0.05, 20), .wrong_share = 0.5});
+  for (RigKeyframe* keyframe : {&world.a, &world.b}) {
+    for (size_t i = 0; i < keyframe->features.size(); ++i)
+      keyframe->features[i].image_point = {static_cast<float>(i), 0.5F};
+    keyframe->image_times.assign(kCamerasPerKeyframe, Timestamp{keyframe == &world.a ? 7 : 9});
+  }
+  const RelativePose pose =
+      EstimateRigPose(world.a, world.b, MatchKeyframes(world.a, world.b, {}), {});
+  ASSERT_TRUE(pose.rejected.empty());
+  const CameraPairInliers& most = pose.inliers_of_cameras.front();
+  EXPECT_EQ(pose.shown.camera_a, most.camera_a);
+  EXPECT_EQ(pose.shown.camera_b, most.camera_b);
+  EXPECT_EQ(pose.shown.image_a, Timestamp{7});
+  EXPECT_EQ(pose.shown.image_b, Timestamp{9});
+  EXPECT_GE(pose.shown.points.size(), static_cast<size_t>(std::min(most.count, 30)));
+  EXPECT_LE(pose.shown.points.size(), 60u);
+  for (const MatchedPoint& point : pose.shown.points) {
+    const KeyframeFeature& a = world.a.features.at(static_cast<size_t>(point.a.x()));
+    const KeyframeFeature& b = world.b.features.at(static_cast<size_t>(point.b.x()));
+    EXPECT_EQ(a.camera, most.camera_a);
+    EXPECT_EQ(b.camera, most.camera_b);
+    ASSERT_TRUE(b.point);
+    const Eigen::Vector3d ray = (pose.a_from_b * *b.point - a.origin).normalized();
+    EXPECT_LT(std::acos(std::min(1.0, ray.dot(a.bearing))), 0.05) << "they see the same";
+  }
+  for (KeyframeFeature& feature : world.a.features) feature.image_point = {-1, -1};
+  EXPECT_TRUE(EstimateRigPose(world.a, world.b, MatchKeyframes(world.a, world.b, {}), {})
+                  .shown.points.empty());
+}
+
 TEST(RelativePose, RigPoseIsRightInAllDirectionsAmongWrongMatches) {
   for (const double yaw_deg : {0.0, 20.0, 90.0, 178.0}) {
     for (const double wrong_share : {0.0, 0.5}) {

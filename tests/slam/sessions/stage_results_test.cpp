@@ -29,7 +29,9 @@ DriveRefinement SomeRefinement() {
 }
 
 TEST(StageResults, KeyframesComeBackWithEveryBit) {
-  const std::vector<RigKeyframe> keyframes = DriveWorld({.floor_seed = 1}).Drive(1).drive.keyframes;
+  std::vector<RigKeyframe> keyframes = DriveWorld({.floor_seed = 1}).Drive(1).drive.keyframes;
+  keyframes[5].features[9].image_point = {0.25F, 0.75F};
+  keyframes[5].image_times = {Timestamp{3}, Timestamp{4}};
   const std::string bytes = EncodeKeyframes(keyframes);
   const std::vector<RigKeyframe> read = DecodeKeyframes(bytes);
   EXPECT_EQ(cv::norm(read[5].floor, keyframes[5].floor, cv::NORM_INF), 0);
@@ -37,8 +39,25 @@ TEST(StageResults, KeyframesComeBackWithEveryBit) {
   ASSERT_EQ(read[5].features.size(), keyframes[5].features.size());
   EXPECT_EQ(read[5].features[9].bearing, keyframes[5].features[9].bearing);
   EXPECT_EQ(read[5].features[9].point, keyframes[5].features[9].point);
+  EXPECT_EQ(read[5].features[9].image_point, keyframes[5].features[9].image_point);
+  EXPECT_EQ(read[5].image_times, keyframes[5].image_times);
   EXPECT_EQ(read[5].odom_from_keyframe.Matrix(), keyframes[5].odom_from_keyframe.Matrix());
   EXPECT_EQ(EncodeKeyframes(read), bytes);
+}
+
+// Places of maps that older versions made end before the image points.
+TEST(StageResults, KeyframesOfAnOlderVersionHaveNoImagePoints) {
+  std::vector<RigKeyframe> keyframes = DriveWorld({.floor_seed = 1}).Drive(1).drive.keyframes;
+  const std::string bytes = EncodeKeyframes(keyframes);
+  size_t trailer = sizeof(std::uint64_t);
+  for (const RigKeyframe& keyframe : keyframes)
+    trailer += 2 * sizeof(std::uint64_t) + keyframe.image_times.size() * sizeof(Timestamp) +
+               keyframe.features.size() * sizeof(Eigen::Vector2f);
+  const std::vector<RigKeyframe> read =
+      DecodeKeyframes(std::string_view(bytes).substr(0, bytes.size() - trailer));
+  ASSERT_EQ(read.size(), keyframes.size());
+  EXPECT_EQ(cv::norm(read[5].floor, keyframes[5].floor, cv::NORM_INF), 0);
+  EXPECT_LT(read[5].features[9].image_point.x(), 0);
 }
 
 TEST(StageResults, LinksComeBackWithEveryBit) {
@@ -61,12 +80,16 @@ TEST(StageResults, LoopsComeBackWithTheirImagesButNotTheirTime) {
   loops.loops[0].weight = 0.75;
   loops.loops[0].earlier_view = cv::Mat(4, 5, CV_8UC1, 77);
   loops.loops[0].pose.inliers_of_cameras = {{0, 3, 44}};
+  loops.loops[0].pose.shown = {0, 3, Timestamp{5}, Timestamp{6}, {{{0.1F, 0.2F}, {0.3F, 0.4F}}}};
   const LoopClosure read = DecodeLoops(EncodeLoops(loops));
   EXPECT_EQ(read.seconds, 0);
   EXPECT_EQ(read.num_accepted, 1);
   EXPECT_EQ(read.loops[0].id, "3-17");
   EXPECT_EQ(read.loops[0].weight, 0.75);
   EXPECT_EQ(read.loops[0].pose.inliers_of_cameras[0].count, 44);
+  EXPECT_EQ(read.loops[0].pose.shown.image_b, Timestamp{6});
+  ASSERT_EQ(read.loops[0].pose.shown.points.size(), 1u);
+  EXPECT_EQ(read.loops[0].pose.shown.points[0].b, Eigen::Vector2f(0.3F, 0.4F));
   ASSERT_EQ(read.loops[0].earlier_view.size(), cv::Size(5, 4));
   EXPECT_EQ(read.loops[0].earlier_view.at<std::uint8_t>(3, 4), 77);
   EXPECT_TRUE(read.loops[0].later_view.empty());
