@@ -148,6 +148,11 @@ void AddServeCommand(CLI::App& app, Action& action) {
   command->add_flag("!--separate-drives", options->merge_drives,
                     "map each new drive by itself instead of joining it to its site");
   command->add_option("--web", options->web_root, "folder of the built viewer");
+  command->add_option("--basemap", options->basemap.source,
+                      "what the viewer draws below sites: a file of PMTiles, or "
+                      "\"https://HOST/{z}/{x}/{y}.png\"");
+  command->add_option("--basemap-attribution", options->basemap.attribution,
+                      "whom the basemap is by");
   command
       ->add_option("--disk-reserve", options->disk_reserve,
                    "bytes of the disk that uploads leave free for maps, \"2GiB\"")

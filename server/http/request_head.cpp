@@ -179,12 +179,14 @@ std::int64_t CheckRequestHead(const RequestHead& head) {
 std::string ToText(const RequestHead& head, std::int64_t body_length) {
   std::string text = head.method + " " + head.target + " " + head.version + "\r\n";
   for (const auto& [name, value] : head.fields) {
-    // Ranges are answered by file_response.cpp, and nothing is compressed: the
+    // Ranges are answered by file_response.cpp, and what is packed by viewer_files.cpp: the
     // library would do both, wrongly or slowly.
     const bool is_ours = name == "content-length" || name == "range" || name == kRangeField ||
-                         name == "accept-encoding";
+                         name == "accept-encoding" || name == kEncodingField;
     if (!is_ours) text.append(name).append(": ").append(value).append("\r\n");
     if (name == "range") text.append(kRangeField).append(": ").append(value).append("\r\n");
+    if (name == "accept-encoding")
+      text.append(kEncodingField).append(": ").append(value).append("\r\n");
   }
   return text + "content-length: " + std::to_string(body_length) + "\r\n\r\n";
 }

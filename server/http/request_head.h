@@ -39,6 +39,7 @@ std::int64_t CheckRequestHead(const RequestHead& head);
 
 /// Under this name the Range field is handed to our own code, past the library's.
 constexpr const char* kRangeField = "x-parkade-range";
+constexpr const char* kEncodingField = "x-parkade-accept-encoding";
 
 /// The head as text for the HTTP library, with a Content-Length in every case.
 std::string ToText(const RequestHead& head, std::int64_t body_length);

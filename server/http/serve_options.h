@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/log.h"
+#include "server/http/basemap_options.h"
 #include "server/jobs/inspect_command.h"
 #include "server/jobs/job_limits.h"
 #include "server/jobs/job_spec.h"
@@ -29,6 +30,7 @@ struct ServeOptions {
   std::string accel_redirect;  ///< its location for files of maps (AccelRedirect); empty: none
   LogLineFormat log_format = LogLineFormat::kText;
   std::optional<bool> access_log;  ///< a line per request; nothing: where the format is JSON
+  BasemapOptions basemap;
   std::filesystem::path web_root;  ///< the built viewer; "/" says how to build it where missing
   int num_workers = 1;             ///< how many jobs run at a time
   bool merge_drives = true;        ///< a job maps all drives of its site; false: the new one alone

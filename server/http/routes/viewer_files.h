@@ -11,8 +11,8 @@ struct Response;
 
 namespace parkade {
 
-/// The built viewer, read once at the start: a request names an entry of a table,
-/// never a path.
+/// The built viewer, read and packed once at the start: a request names an entry of a table,
+/// never a path. Every place that the page has an address for gets the page.
 class ViewerFiles {
  public:
   /// Reads everything below `root`, at most 64 MiB. An empty or missing folder
@@ -26,6 +26,7 @@ class ViewerFiles {
  private:
   struct File {
     std::string content;
+    std::string gzip;  ///< the same, packed; empty where that does not help
     std::string content_type;
     std::string etag;
     std::string cache_control;

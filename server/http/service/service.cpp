@@ -9,6 +9,7 @@
 #include "server/http/http_server.h"
 #include "server/http/listen_address.h"
 #include "server/http/problem.h"
+#include "server/http/routes/basemap.h"
 #include "server/http/routes/routes.h"
 #include "server/http/routes/upload_route.h"
 #include "server/http/routes/viewer_files.h"
@@ -25,13 +26,13 @@ constexpr std::chrono::hours kRetentionInterval{1};
 
 // "blob:" is for textures and the mesh decoder's worker, which three.js makes from bytes it has;
 // "wasm-unsafe-eval" for the decoder itself.
-constexpr const char* kContentSecurityPolicy =
-    "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self' blob:; "
-    "connect-src 'self' blob: "
-    "data:; "
-    "img-src 'self' blob: data:; style-src 'self'; font-src 'self'; object-src 'none'; base-uri "
-    "'none'; "
-    "form-action 'self'; frame-ancestors 'none'";
+std::string ContentSecurityPolicy(const Basemap& basemap) {
+  return "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self' blob:; "
+         "connect-src 'self' blob: data: " +
+         basemap.origin() + "; img-src 'self' blob: data: " + basemap.origin() +
+         "; style-src 'self'; font-src 'self'; object-src 'none'; base-uri 'none'; "
+         "form-action 'self'; frame-ancestors 'none'";
+}
 
 ListenAddress CheckedAddress(const ServeOptions& options) {
   ListenAddress address = ParseListenAddress(options.listen);
@@ -90,6 +91,7 @@ class Service::Parts {
         comparer_(store_.directory, options_.compare_command),
         accel_(options_.accel_redirect, options_.proxy_host),
         viewer_(options_.web_root),
+        basemap_(options_.basemap),
         gate_(store_.database, options_.request_rate),
         http_(shutdown_signal_, metrics_, options_.num_threads,
               {.allows_any_host =
@@ -175,13 +177,14 @@ class Service::Parts {
 
   void AddHandlers() {
     http_.set_default_headers({{"X-Content-Type-Options", "nosniff"},
-                               {"Content-Security-Policy", kContentSecurityPolicy},
+                               {"Content-Security-Policy", ContentSecurityPolicy(basemap_)},
                                {"Referrer-Policy", "no-referrer"},
                                {"Cross-Origin-Resource-Policy", "same-origin"}});
     http_.set_pre_routing_handler(
         [this](const httplib::Request& request, httplib::Response& response) {
-          return viewer_.Send(request, response) ? httplib::Server::HandlerResponse::Handled
-                                                 : httplib::Server::HandlerResponse::Unhandled;
+          const bool is_sent = viewer_.Send(request, response) || basemap_.Send(request, response);
+          return is_sent ? httplib::Server::HandlerResponse::Handled
+                         : httplib::Server::HandlerResponse::Unhandled;
         });
     http_.set_exception_handler(
         [this](const httplib::Request&, httplib::Response& response,
@@ -276,6 +279,7 @@ class Service::Parts {
   MapComparer comparer_;
   AccelRedirect accel_;
   ViewerFiles viewer_;
+  Basemap basemap_;
   Gate gate_;
   HttpServer http_;
   std::optional<JobRunner> jobs_;

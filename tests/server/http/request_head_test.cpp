@@ -22,11 +22,12 @@ TEST(RequestHead, IsReadAsItCame) {
 TEST(RequestHead, ReachesTheLibraryWithALengthAndWithoutRangeOrCompression) {
   const RequestHead head = ParseRequestHead(
       "DELETE /x HTTP/1.1\r\nHost: h\r\nRange: bytes=0-1\r\nAccept-Encoding: "
-      "br\r\nX-Parkade-Range: forged\r\n\r\n");
+      "br\r\nX-Parkade-Range: forged\r\nX-Parkade-Accept-Encoding: forged\r\n\r\n");
 
-  EXPECT_EQ(
-      ToText(head, CheckRequestHead(head)),
-      "DELETE /x HTTP/1.1\r\nhost: h\r\nx-parkade-range: bytes=0-1\r\ncontent-length: 0\r\n\r\n");
+  EXPECT_EQ(ToText(head, CheckRequestHead(head)),
+            "DELETE /x HTTP/1.1\r\nhost: h\r\nx-parkade-range: "
+            "bytes=0-1\r\nx-parkade-accept-encoding: br\r\ncontent-length: "
+            "0\r\n\r\n");
 }
 
 TEST(RequestHead, TakesTheHostFromATargetThatNamesIt) {
