@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 scripts/install_node_modules.sh
 cd web
 sources=(src public index.html package-lock.json vite.config.ts ../server/http/openapi.json)
-# src/api_schema.ts is made of the last one.
-if [ ! -f dist/index.html ] || [ -n "$(find "${sources[@]}" -newer dist/index.html ! -name api_schema.ts -print -quit)" ]; then
+# src/api/schema.ts is made of the last one.
+if [ ! -f dist/index.html ] || [ -n "$(find "${sources[@]}" -newer dist/index.html ! -name schema.ts -print -quit)" ]; then
   npm run --silent build
 fi

@@ -3,67 +3,33 @@
 // served, and drives the viewer in Chromium.
 //   node service_test.mjs PARKADE PARKADE_SIMULATE WORK_FOLDER
 import assert from 'node:assert/strict';
-import { execFileSync, spawn } from 'node:child_process';
 import { createHash } from 'node:crypto';
-import { existsSync, mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
+
+import { jobDone, json, putRig, run, startService, stopService, until, upload } from './service_process.mjs';
 
 const [parkade, simulate, work] = process.argv.slice(2);
 const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), '../..');
 const at = (name) => path.join(work, name);
-const run = (program, ...args) => execFileSync(program, args, { encoding: 'utf8', stdio: ['ignore', 'pipe', 'inherit'] });
-
-async function until(what, seconds, probe) {
-  for (const end = Date.now() + 1000 * seconds; Date.now() < end; ) {
-    const found = await probe();
-    if (found) return found;
-    await new Promise((resolve) => setTimeout(resolve, 200));
-  }
-  throw new Error(`${what}: not within ${seconds} s`);
-}
-
-async function startService() {
-  const service = spawn(parkade, ['serve', '--data', at('data'), '--listen', '127.0.0.1:0'], { stdio: ['ignore', 'ignore', 'pipe'] });
-  let log = '';
-  service.stderr.on('data', (text) => (log += text));
-  const address = await until('the service listens', 10, () => {
-    assert.equal(service.exitCode, null, log);
-    return /listening on (http:\/\/[\d.:]+)/.exec(log)?.[1];
-  });
-  return { service, address };
-}
-
-async function json(address, route) {
-  const response = await fetch(address + route);
-  assert.equal(response.status, 200, `${route}: ${response.status}`);
-  return response.json();
-}
-
-async function jobDone(address, id) {
-  const job = await until('the job ends', 400, async () => {
-    const found = await json(address, `/api/v1/jobs/${id}`);
-    return ['done', 'failed', 'cancelled'].includes(found.state) && found;
-  });
-  assert.equal(job.state, 'done', job.error);
-}
 
 rmSync(work, { recursive: true, force: true });
 mkdirSync(work, { recursive: true });
 run(simulate, 'lot', '--seed', '5', '--duration', '12', '--rate', '5', '--size', '480x300', '--gnss', 'rtk', '--out', at('drive.mcap'),
   '--rig-out', at('rig'), '--truth-out', at('truth'));
 
-const { service, address } = await startService();
+const { service, address } = await startService(parkade, at('data'));
+let status;
 try {
-  const parts = readdirSync(at('rig')).flatMap((name) => ['-F', `${name}=@${at('rig')}/${name}`]);
-  run('curl', '-fsS', '-X', 'PUT', `${address}/api/v1/rigs/car`, ...parts);
+  putRig(address, 'car', at('rig'));
 
   writeFileSync(at('not_a_log.mcap'), 'this is a shopping list');
   const refused = await fetch(`${address}/api/v1/drives?filename=not_a_log.mcap`, { method: 'PUT', body: 'this is a shopping list' });
   assert.equal(refused.status, 400);
   assert.equal(refused.headers.get('content-type'), 'application/problem+json');
 
-  const accepted = JSON.parse(run('curl', '-fsS', '-T', at('drive.mcap'), `${address}/api/v1/drives?filename=drive.mcap&site=yard&rig=car`));
+  const accepted = upload(address, at('drive.mcap'), 'filename=drive.mcap&site=yard&rig=car');
   const look = await until('the first look', 60, async () => {
     const answer = await fetch(`${address}/api/v1/drives/${accepted.drive.id}/inspect`);
     return answer.status === 200 && answer.json();
@@ -115,10 +81,10 @@ try {
   console.log(`lanelet2: ${read.trim()}`);
 
   if (existsSync(process.env.CHROMIUM ?? '/usr/bin/chromium'))
-    console.log(run('node', path.join(root, 'web/browser_test.mjs'), `${address}/`, at('viewer.png')));
+    // The whole page takes longer: target viewer_tests.
+    console.log(run('node', path.join(root, 'web/e2e/run.mjs'), address, 'map', 'time', 'upload', 'review', 'shell'));
   else console.log('no Chromium here: the viewer was not driven');
 } finally {
-  service.kill('SIGTERM');
-  await until('the service stops', 20, () => service.exitCode !== null);
+  status = await stopService(service);
 }
-assert.equal(service.exitCode, 0);
+assert.equal(status, 0);

@@ -1,0 +1,203 @@
+// The review of a version: comments, checklist, decisions, and what awaits.
+import assert from 'node:assert/strict';
+
+import { mapShown } from '../browser.mjs';
+import { clickGround, groundPoint, viewOfGround } from '../ground.mjs';
+
+const pathOf = ({ name, latest_version: version }) => `/sites/${name}/maps/${version}`;
+
+async function openReview(page, world) {
+  const { address, site } = world;
+  await page.goto(`${address}${pathOf(site)}?tab=review&view=${await viewOfGround(world)}`);
+  await mapShown(page, `${site.name}/${site.latest_version}`);
+  await page.getByRole('region', { name: 'Comments' }).waitFor();
+}
+
+const post = (address, route, body) =>
+  fetch(`${address}/api/v1${route}`, { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(body) }).then((response) => response.json());
+
+export const checks = {
+  async 'a comment at a place: written, answered, changed, resolved, deleted'(page, world) {
+    const text = `The edge is frayed ${Date.now()}`;
+    await openReview(page, world);
+    await page.getByRole('button', { name: 'At a place in the map' }).click();
+    const field = page.getByLabel('Comment', { exact: true });
+    await clickGround(page, () => field.isVisible());
+    assert.ok(await page.getByRole('radio', { name: /^The place at/ }).isChecked());
+    await page.getByRole('button', { name: 'Comment', exact: true }).click();
+    await page.getByRole('alert').getByText('Write what there is to say first').waitFor();
+    await field.fill(text);
+    await page.getByRole('button', { name: 'Comment', exact: true }).click();
+
+    const thread = page.locator(`#${await page.getByRole('article').filter({ hasText: text }).getAttribute('id')}`);
+    await thread.getByText(/^at -?[\d.]+, /).waitFor();
+    assert.equal(await thread.locator('.head').getAttribute('aria-pressed'), 'true', 'what was written is chosen');
+    await thread.getByLabel('Answer', { exact: true }).last().fill('It was cut since');
+    await thread.getByRole('button', { name: 'Answer' }).click();
+    await thread.locator('.answer').getByText('It was cut since').waitFor();
+    await world.picture('review');
+
+    await thread.getByRole('button', { name: 'Edit' }).first().click();
+    await thread.getByLabel('Comment', { exact: true }).fill(`${text}, in the north`);
+    await thread.getByRole('button', { name: 'Save' }).click();
+    await thread.getByText(`${text}, in the north`).waitFor();
+    await thread.getByRole('button', { name: 'Resolve' }).click();
+    await thread.getByText('resolved', { exact: true }).waitFor();
+    await thread.getByRole('button', { name: 'Reopen' }).click();
+    await thread.getByText('resolved', { exact: true }).waitFor({ state: 'detached' });
+
+    for (const left of [1, 0]) {
+      await thread.getByRole('button', { name: 'Delete' }).last().click();
+      await page.getByRole('dialog').getByRole('button', { name: 'Delete', exact: true }).click();
+      if (left > 0) await thread.locator('.answer').waitFor({ state: 'detached' });
+      else await thread.waitFor({ state: 'detached' });
+    }
+  },
+
+  async 'comments of others come by themselves; keys step through them; an address leads to one'(page, world) {
+    const { address, site } = world;
+    const route = `${pathOf(site)}/comments`;
+    await openReview(page, world);
+    const stamp = Date.now();
+    const made = [];
+    try {
+      const middle = await groundPoint(world);
+      made.push(await post(address, route, { text: `first ${stamp}`, pin: { point: middle } }));
+      made.push(await post(address, route, { text: `second ${stamp}`, pin: null }));
+      const [first, second] = made.map(({ text }) => page.getByRole('article').filter({ hasText: text }));
+      await second.waitFor();
+      await first.waitFor();
+      await page.keyboard.press('j'); // the newest is on top
+      await page.waitForFunction((id) => document.querySelector(`#thread-${id} .head`)?.getAttribute('aria-pressed') === 'true', made[1].id);
+      await page.keyboard.press('j');
+      await page.waitForFunction((id) => document.querySelector(`#thread-${id} .head`)?.getAttribute('aria-pressed') === 'true', made[0].id);
+      assert.equal(new URL(page.url()).searchParams.get('comment'), made[0].id);
+
+      await page.keyboard.press('k');
+      await page.waitForFunction((id) => document.querySelector(`#thread-${id} .head`)?.getAttribute('aria-pressed') === 'true', made[1].id);
+      await page.goto(`${address}/review`);
+      await page.getByRole('link', { name: new RegExp(`first ${stamp}`) }).click();
+      await page.waitForFunction((id) => document.querySelector(`#thread-${id} .head`)?.getAttribute('aria-pressed') === 'true', made[0].id, { timeout: 60_000 });
+
+      // It lies in the middle of the picture now: its marker is there to be clicked.
+      await mapShown(page, `${site.name}/${site.latest_version}`);
+      await page.keyboard.press('Escape');
+      await page.waitForFunction((id) => document.querySelector(`#thread-${id} .head`)?.getAttribute('aria-pressed') === 'false', made[0].id);
+      const { width, height } = await page.locator('#canvas').boundingBox();
+      await page.locator('#canvas').click({ position: { x: width / 2, y: height / 2 - 12 } });
+      await page.waitForFunction((id) => document.querySelector(`#thread-${id} .head`)?.getAttribute('aria-pressed') === 'true', made[0].id);
+    } finally {
+      for (const { id } of made) await fetch(`${address}/api/v1${route}/${id}`, { method: 'DELETE' });
+    }
+  },
+
+  async 'ticks are kept, and go into the reason of a decision'(page, world) {
+    const { site } = world;
+    const decided = [];
+    await page.route('**/review', (route) => {
+      if (route.request().method() !== 'POST') return route.continue();
+      decided.push(route.request().postDataJSON());
+      return route.fulfill({ json: {} });
+    });
+    // As it is while it is reviewed, whatever this service's version is.
+    await page.route('**/review?*', async (route) => {
+      const response = await route.fetch();
+      return route.fulfill({ response, json: { ...(await response.json()), state: 'in_review' } });
+    });
+    await openReview(page, world);
+    const items = page.getByRole('region', { name: 'Checklist' }).getByRole('checkbox');
+    const count = await items.count();
+    assert.ok(count >= 1);
+    for (let i = 0; i < count; ++i) await items.nth(i).setChecked(i === 0);
+    await page.getByText(`1 of ${count}`, { exact: true }).waitFor();
+    await page.reload();
+    await page.getByText(`1 of ${count}`, { exact: true }).waitFor();
+
+    await page.getByRole('button', { name: 'Reject' }).click();
+    const dialog = page.getByRole('dialog');
+    await dialog.getByRole('button', { name: 'Reject' }).click();
+    await dialog.getByRole('alert').getByText('Say why it is rejected').waitFor();
+    assert.equal(decided.length, 0);
+    await dialog.getByRole('textbox', { name: /^Reason/ }).fill('The ramp is missing');
+    await dialog.getByRole('button', { name: 'Reject' }).click();
+    await dialog.waitFor({ state: 'detached' });
+    assert.equal(decided[0].action, 'reject');
+    assert.equal(decided[0].from, 'in_review');
+    assert.match(decided[0].comment, /^The ramp is missing\n\n\[x\] .+/);
+    assert.equal(decided[0].comment.split('\n').filter((line) => line.startsWith('[ ] ')).length, count - 1);
+
+    await page.keyboard.press('A');
+    await dialog.getByText('Approve this version?').waitFor();
+    if (count > 1) await dialog.getByText('Not ticked in the checklist:').waitFor();
+    await world.picture('approve');
+    await page.keyboard.press('Escape');
+    await dialog.waitFor({ state: 'detached' });
+    await page.evaluate(([name, version]) => localStorage.removeItem(`parkade.checklist.${name}/${version}`), [site.name, site.latest_version]);
+  },
+
+  async 'a decision that comes too late is refused in words'(page, world) {
+    await page.route('**/review', (route) =>
+      route.request().method() === 'POST'
+        ? route.fulfill({ status: 409, contentType: 'application/problem+json', json: { title: 'Conflict', status: 409, detail: 'version 2 is approved meanwhile: look at it again' } })
+        : route.continue(),
+    );
+    await openReview(page, world);
+    await page.getByRole('button', { name: 'Remark' }).click();
+    const dialog = page.getByRole('dialog');
+    await dialog.getByLabel('Remark', { exact: true }).fill('too late');
+    await dialog.getByRole('button', { name: 'Remark' }).click();
+    await dialog.getByRole('alert').getByText('look at it again').waitFor();
+    assert.equal(await dialog.getByLabel('Remark', { exact: true }).inputValue(), 'too late', 'what was written is not lost');
+    page.faults = page.faults.filter((fault) => !fault.includes('409')); // the browser's own note of the refusal
+  },
+
+  async 'a remark is in the history for good'(page, world) {
+    const text = `looked at by a check ${Date.now()}`;
+    await openReview(page, world);
+    await page.keyboard.press('H');
+    await page.getByLabel('Remark', { exact: true }).fill(text);
+    await page.getByRole('dialog').getByRole('button', { name: 'Remark' }).click();
+    await page.getByRole('dialog').waitFor({ state: 'detached' });
+    await page.getByText('History').click();
+    await page.getByText(text).waitFor();
+  },
+
+  async 'a site has a checklist of its own in its note'(page, world) {
+    const { address, site } = world;
+    const note = 'Gate code 17.';
+    const setNote = (said) =>
+      fetch(`${address}/api/v1/sites/${site.name}`, { method: 'PUT', headers: { 'content-type': 'application/json' }, body: JSON.stringify({ note: said }) });
+    await setNote(note);
+    try {
+      await openReview(page, world);
+      await page.getByRole('region', { name: 'Checklist' }).getByRole('button', { name: 'Edit' }).click();
+      const dialog = page.getByRole('dialog');
+      await dialog.getByLabel('One item a line').fill('Ramps driven both ways\nCharging bays named');
+      await dialog.getByRole('button', { name: 'Save' }).click();
+      await dialog.waitFor({ state: 'detached' });
+      await page.getByRole('checkbox', { name: 'Charging bays named' }).waitFor();
+      const kept = await world.json(`/api/v1/sites/${site.name}`);
+      assert.equal(kept.note, `${note}\n\nReview checklist:\n- Ramps driven both ways\n- Charging bays named`);
+      await page.getByRole('region', { name: 'Checklist' }).getByRole('button', { name: 'Edit' }).click();
+      await dialog.getByRole('button', { name: 'The usual list' }).click();
+      await page.getByRole('checkbox', { name: 'Loops looked at' }).waitFor();
+      assert.equal((await world.json(`/api/v1/sites/${site.name}`)).note, note);
+    } finally {
+      await setNote(site.note);
+    }
+  },
+
+  async 'what awaits is listed, and nothing says so'(page, world) {
+    const { address, site } = world;
+    await page.goto(`${address}/review`);
+    const { items } = await world.json(`/api/v1/sites/${site.name}/maps`);
+    const awaited = items.filter(({ review_state: state }) => state === 'in_review' || state === 'draft');
+    if (awaited.length > 0) {
+      await page.getByRole('link', { name: `${site.name} version ${awaited[0].version}`, exact: true }).waitFor();
+      await world.picture('awaiting');
+    }
+    await page.route('**/api/v1/sites?*', (route) => route.fulfill({ json: { items: [], next_cursor: null } }));
+    await page.reload();
+    await page.getByRole('heading', { name: 'Nothing awaits a review' }).waitFor();
+  },
+};

@@ -1,0 +1,82 @@
+// What a reviewer has decided about loops of a version, before it is built with. It stays in the browser until then.
+
+import type { Schemas } from '../api/client';
+import type { Evidence } from './evidence';
+
+export type Verdict = 'accept' | 'reject' | 'force';
+
+export interface Decision {
+  id: string; // of an Evidence, or of a pair that the report does not have
+  verdict: Verdict;
+}
+
+/** The last decision about an item counts, and stands last. */
+export function decide(decisions: readonly Decision[], id: string, verdict: Verdict): Decision[] {
+  return [...undo(decisions, id), { id, verdict }];
+}
+
+export const undo = (decisions: readonly Decision[], id: string): Decision[] => decisions.filter((decision) => decision.id !== id);
+
+type Wanted = { from: number; reject_loops: string[]; force_loops: string[] };
+
+/** As POST /sites/NAME/maps takes them. Whoever agrees with the mapper changes nothing; links take no decisions. */
+export function requestFor(decisions: readonly Decision[], all: readonly Evidence[], version: number): Wanted {
+  const wanted: Wanted = { from: version, reject_loops: [], force_loops: [] };
+  for (const { id, verdict } of decisions) {
+    const item = all.find((one) => one.id === id);
+    if (item?.kind === 'link') continue;
+    const closes = item?.isAccepted ?? false;
+    if (verdict === 'reject' && closes) wanted.reject_loops.push(id);
+    if (verdict !== 'reject' && !closes) wanted.force_loops.push(id);
+  }
+  return wanted;
+}
+
+export const changesIn = (wanted: Wanted): number => wanted.reject_loops.length + wanted.force_loops.length;
+
+/** What a decision does to the next version, in words. */
+export function effectOf({ verdict }: Decision, item: Evidence | undefined): string {
+  if (!item) return 'is forced';
+  if (item.kind === 'link') return verdict === 'reject' ? 'looks wrong' : 'looks right';
+  if (verdict === 'reject') return item.isAccepted ? 'is left out' : 'stays out';
+  return item.isAccepted ? 'stays' : 'is forced';
+}
+
+/** A pair of one drive as the service names it; a sentence where it is none. */
+export function pairId(drive: string, one: number, other: number, numPlaces: number): string | { obstacle: string } {
+  const isPlace = (place: number) => Number.isInteger(place) && place >= 0 && place < numPlaces;
+  if (!isPlace(one) || !isPlace(other)) return { obstacle: `The places of ${drive} are numbered 0 to ${numPlaces - 1}.` };
+  if (one === other) return { obstacle: 'Choose two different places.' };
+  return `${drive}:${Math.min(one, other)}-${Math.max(one, other)}`;
+}
+
+/** The drive and the places in the name of a loop; a drive's name may hold anything. */
+export function placesOf(id: string): { drive: string; a: number; b: number } | null {
+  const parts = /^(.*):(\d+)-(\d+)$/.exec(id);
+  return parts ? { drive: parts[1]!, a: Number(parts[2]), b: Number(parts[3]) } : null;
+}
+
+const keyOf = (map: Pick<Schemas['Map'], 'site' | 'version'>) => `parkade.loops.${map.site}.${map.version}`;
+
+interface Draft {
+  decisions: Decision[];
+  job: string | null; // that builds with them
+}
+
+/** What this browser keeps about a version; empty where that is nothing or cannot be read. */
+export function readDraft(map: Pick<Schemas['Map'], 'site' | 'version'>, storage: Storage = localStorage): Draft {
+  try {
+    const kept = JSON.parse(storage.getItem(keyOf(map)) ?? '{}') as Partial<Draft> | null;
+    const decisions = Array.isArray(kept?.decisions) ? kept.decisions.filter(({ id, verdict }) => typeof id === 'string' && kVerdicts.includes(verdict)) : [];
+    return { decisions, job: typeof kept?.job === 'string' ? kept.job : null };
+  } catch {
+    return { decisions: [], job: null };
+  }
+}
+
+export function keepDraft(map: Pick<Schemas['Map'], 'site' | 'version'>, draft: Draft, storage: Storage = localStorage): void {
+  if (draft.decisions.length === 0 && draft.job === null) storage.removeItem(keyOf(map));
+  else storage.setItem(keyOf(map), JSON.stringify(draft));
+}
+
+const kVerdicts: readonly Verdict[] = ['accept', 'reject', 'force'];

@@ -1,0 +1,102 @@
+// The ground of a map, streamed as 3D Tiles: what is near and in view comes finer, the rest coarser or not at all.
+
+import { TilesRenderer } from '3d-tiles-renderer';
+import { GLTFExtensionsPlugin } from '3d-tiles-renderer/plugins';
+import * as THREE from 'three';
+import type { DRACOLoader } from 'three/examples/jsm/loaders/DRACOLoader.js';
+import { acceleratedRaycast, MeshBVH } from 'three-mesh-bvh';
+
+import type { GroundColors, GroundLook } from './ground_look';
+
+const kErrorTarget = 6; // [px] that a tile may be off before a finer one is asked for
+const kMaxBytes = 192 * 2 ** 20; // of tiles that are kept
+
+interface LoadedTile {
+  scene: THREE.Object3D;
+  meshes: { mesh: THREE.Mesh; siteFromMesh: THREE.Matrix4 }[];
+}
+
+export class GroundTiles {
+  readonly group: THREE.Group;
+  /** Called when the first tile is there. */
+  onFirst: (() => void) | null = null;
+  onError: ((message: string) => void) | null = null;
+  private readonly tiles: TilesRenderer;
+  private readonly loaded = new Map<THREE.Object3D, LoadedTile>();
+
+  constructor(
+    url: string,
+    draco: DRACOLoader,
+    private readonly look: GroundLook,
+    private readonly camera: THREE.Camera,
+    renderer: THREE.WebGLRenderer,
+    requestFrame: () => void,
+  ) {
+    this.tiles = new TilesRenderer(url);
+    this.tiles.registerPlugin(new GLTFExtensionsPlugin({ dracoLoader: draco, autoDispose: false }));
+    this.tiles.errorTarget = kErrorTarget;
+    this.tiles.lruCache.maxBytesSize = kMaxBytes;
+    this.tiles.lruCache.minBytesSize = 0.75 * kMaxBytes;
+    this.tiles.setCamera(camera);
+    this.tiles.setResolutionFromRenderer(camera, renderer);
+    this.group = this.tiles.group;
+    this.tiles.addEventListener('load-root-tileset', () => {
+      // The root lies on the ellipsoid where the map is georeferenced; the scene is the site.
+      const transform = (this.tiles.rootTileset as { root?: { transform?: number[] } } | null)?.root?.transform;
+      if (transform) this.group.matrix.fromArray(transform).invert().decompose(this.group.position, this.group.quaternion, this.group.scale);
+      this.group.updateMatrixWorld(true);
+      requestFrame();
+    });
+    this.tiles.addEventListener('load-model', ({ scene }) => {
+      this.take(scene);
+      this.onFirst?.();
+      this.onFirst = null;
+      requestFrame();
+    });
+    this.tiles.addEventListener('dispose-model', ({ scene }) => this.loaded.delete(scene));
+    this.tiles.addEventListener('load-error', ({ error }) => this.onError?.(error.message));
+    for (const event of ['needs-update', 'tile-visibility-change', 'tiles-load-end'] as const)
+      this.tiles.addEventListener(event, requestFrame);
+  }
+
+  /** To be called before each frame. */
+  update(renderer: THREE.WebGLRenderer): void {
+    this.tiles.setResolutionFromRenderer(this.camera, renderer);
+    this.tiles.update();
+  }
+
+  recolor(colors: GroundColors): void {
+    this.look.set(colors);
+    for (const { meshes } of this.loaded.values())
+      for (const { mesh, siteFromMesh } of meshes) this.look.fillValues(mesh, siteFromMesh);
+  }
+
+  /** Meshes that are shown now, for picking. */
+  get shown(): THREE.Object3D[] {
+    return [...this.loaded.values()].filter(({ scene }) => scene.parent !== null).map(({ scene }) => scene);
+  }
+
+  get isLoading(): boolean {
+    return this.tiles.loadProgress < 1;
+  }
+
+  dispose(): void {
+    this.tiles.dispose();
+    this.loaded.clear();
+  }
+
+  private take(scene: THREE.Object3D): void {
+    scene.updateMatrixWorld(true);
+    const siteFromTileset = new THREE.Matrix4().copy(this.group.matrixWorld);
+    const meshes: LoadedTile['meshes'] = [];
+    scene.traverse((object) => {
+      if (!(object instanceof THREE.Mesh)) return;
+      const siteFromMesh = siteFromTileset.clone().multiply(object.matrixWorld);
+      this.look.apply(object, siteFromMesh);
+      (object.geometry as THREE.BufferGeometry & { boundsTree?: MeshBVH }).boundsTree = new MeshBVH(object.geometry);
+      object.raycast = acceleratedRaycast;
+      meshes.push({ mesh: object, siteFromMesh });
+    });
+    this.loaded.set(scene, { scene, meshes });
+  }
+}

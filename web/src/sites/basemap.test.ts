@@ -1,0 +1,17 @@
+import { expect, test } from 'vitest';
+
+import { basemapIn } from './basemap';
+
+test('a configuration may name tiles, an archive, or nothing', () => {
+  expect(basemapIn({ basemap: { tiles: 'https://t.example/{z}/{x}/{y}.png', attribution: '© T' } })).toEqual({
+    kind: 'tiles', url: 'https://t.example/{z}/{x}/{y}.png', attribution: '© T',
+  });
+  expect(basemapIn({ basemap: { pmtiles: '/basemap.pmtiles' } })).toEqual({ kind: 'pmtiles', url: '/basemap.pmtiles', attribution: '' });
+  for (const none of [{}, { basemap: null }, null]) expect(basemapIn(none)).toBeNull();
+});
+
+test('what is wrong in it is said', () => {
+  expect(() => basemapIn({ basemap: { tiles: 'https://t.example/' } })).toThrow('{z}');
+  expect(() => basemapIn({ basemap: {} })).toThrow('neither');
+  expect(() => basemapIn({ basemap: 'https://t.example' })).toThrow('must be an object');
+});
