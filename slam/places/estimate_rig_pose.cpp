@@ -67,7 +67,7 @@ std::vector<CameraPairInliers> CountByCameras(const std::map<size_t, int>& camer
 /// Every so many-th inlier, so that there are no more than people can look through.
 ShownInliers ShowInliers(const RigKeyframe& a, const RigKeyframe& b,
                          const std::vector<FeatureMatch>& inliers, const CameraPairInliers& most) {
-  constexpr size_t kMostShown = 60;
+  constexpr size_t kMostShown = 24;
   const auto time_of = [](const RigKeyframe& keyframe, int camera) {
     const auto index = static_cast<size_t>(camera);
     return index < keyframe.image_times.size() ? keyframe.image_times[index] : keyframe.time;

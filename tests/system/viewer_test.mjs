@@ -39,7 +39,7 @@ try {
     console.log(`mapped ${name}`);
   }
   const of = (script, ...args) => spawnSync('node', [path.join(root, 'web/e2e', script), address, ...args], { stdio: 'inherit' }).status;
-  status = of('run.mjs', ...rest) || of('budget.mjs');
+  status = of('run.mjs', ...rest) || of('budget.mjs') || of('whole_review.mjs', 'lot');
 } finally {
   await stopService(service);
 }

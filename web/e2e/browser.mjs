@@ -31,7 +31,7 @@ export async function openPage(context, address) {
   page.faults = [];
   page.on('pageerror', (error) => page.faults.push(String(error)));
   page.on('console', (message) => {
-    if (message.type() === 'error') page.faults.push(message.text());
+    if (message.type() === 'error') page.faults.push(`${message.text()} ${message.location().url}`);
   });
   // Playwright's own evaluates a text in the page, which the page's Content-Security-Policy forbids.
   page.waitForFunction = (predicate, argument, options) => until(page, predicate, argument, options);

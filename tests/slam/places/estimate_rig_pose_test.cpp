@@ -85,8 +85,8 @@ TEST(RelativePose, ShowsInliersOfTheTwoCamerasThatShareTheMost) {
   EXPECT_EQ(pose.shown.camera_b, most.camera_b);
   EXPECT_EQ(pose.shown.image_a, Timestamp{7});
   EXPECT_EQ(pose.shown.image_b, Timestamp{9});
-  EXPECT_GE(pose.shown.points.size(), static_cast<size_t>(std::min(most.count, 30)));
-  EXPECT_LE(pose.shown.points.size(), 60u);
+  EXPECT_GE(pose.shown.points.size(), static_cast<size_t>(std::min(most.count, 12)));
+  EXPECT_LE(pose.shown.points.size(), 24u);
   for (const MatchedPoint& point : pose.shown.points) {
     const KeyframeFeature& a = world.a.features.at(static_cast<size_t>(point.a.x()));
     const KeyframeFeature& b = world.b.features.at(static_cast<size_t>(point.b.x()));

@@ -59,6 +59,25 @@ export const checks = {
     await world.picture('loops_spot');
   },
 
+  async 'inliers are drawn in both pictures, and one that is pointed at is found in the other'(page, world) {
+    const site = await reviewed(world);
+    const drive = site?.report.drives.find(({ loops }) => loops.candidates.some(({ inliers }) => inliers?.points.length > 0));
+    if (!drive) world.skip('no loop with inliers');
+    const { id, inliers } = drive.loops.candidates.find((loop) => loop.inliers?.points.length > 0);
+    await page.goto(`${world.address}/sites/${site.name}/maps/${site.version}?tab=loops&loop=${drive.name}:${id}`);
+    await mapShown(page, `${site.name}/${site.version}`);
+    await page.locator('svg.inliers').nth(1).waitFor();
+    for (const end of [0, 1]) assert.equal(await page.locator('svg.inliers').nth(end).locator('circle').count(), inliers.points.length);
+    const times = await page.locator('article figure img').evaluateAll((images) => images.map((image) => image.dataset.time));
+    assert.deepEqual(times, inliers.times, 'the very images that were matched');
+    await page.locator('svg.inliers').first().locator('circle').last().hover({ force: true });
+    await page.locator('svg.inliers').nth(1).locator('circle.pointed').waitFor();
+    await page.getByLabel('Camera of picture A').selectOption({ index: (await page.getByLabel('Camera of picture A').locator('option').allInnerTexts()).findIndex((camera) => camera !== inliers.cameras[0]) });
+    await page.locator('svg.inliers').first().waitFor({ state: 'detached' });
+    await page.getByRole('button', { name: 'Show the inliers' }).click();
+    await page.locator('svg.inliers').first().waitFor();
+  },
+
   async 'keys step and decide; only what changes the map is sent, and the job is followed'(page, world) {
     const { name, version, id } = await openWithLoops(page, world);
     await page.keyboard.press('j');

@@ -1,6 +1,7 @@
 // The ground of a map, streamed as 3D Tiles: what is near and in view comes finer, the rest coarser or not at all.
 
 import { TilesRenderer } from '3d-tiles-renderer';
+import { Scheduler } from '3d-tiles-renderer/core';
 import { GLTFExtensionsPlugin } from '3d-tiles-renderer/plugins';
 import * as THREE from 'three';
 import type { DRACOLoader } from 'three/examples/jsm/loaders/DRACOLoader.js';
@@ -9,6 +10,8 @@ import { acceleratedRaycast, MeshBVH } from 'three-mesh-bvh';
 import type { GroundColors, GroundLook } from './ground_look';
 
 const kErrorTarget = 6; // [px] that a tile may be off before a finer one is asked for
+const kHurry = 16; // [ms] between two looks at what the first tile waits for
+const kDeferred = 3; // steps from the tileset to a request
 const kMaxBytes = 192 * 2 ** 20; // of tiles that are kept
 
 interface LoadedTile {
@@ -21,7 +24,10 @@ export class GroundTiles {
   /** Called when the first tile is there. */
   onFirst: (() => void) | null = null;
   onError: ((message: string) => void) | null = null;
+  /** Whether it is known which tiles there are, or that there are none to be had. */
+  isKnown = false;
   private readonly tiles: TilesRenderer;
+  private timer = 0;
   private readonly loaded = new Map<THREE.Object3D, LoadedTile>();
 
   constructor(
@@ -41,6 +47,7 @@ export class GroundTiles {
     this.tiles.setResolutionFromRenderer(camera, renderer);
     this.group = this.tiles.group;
     this.tiles.addEventListener('load-root-tileset', () => {
+      this.isKnown = true;
       // The root lies on the ellipsoid where the map is georeferenced; the scene is the site.
       const transform = (this.tiles.rootTileset as { root?: { transform?: number[] } } | null)?.root?.transform;
       if (transform) this.group.matrix.fromArray(transform).invert().decompose(this.group.position, this.group.quaternion, this.group.scale);
@@ -54,15 +61,31 @@ export class GroundTiles {
       requestFrame();
     });
     this.tiles.addEventListener('dispose-model', ({ scene }) => this.loaded.delete(scene));
-    this.tiles.addEventListener('load-error', ({ error }) => this.onError?.(error.message));
+    this.tiles.addEventListener('load-error', ({ error }) => {
+      this.isKnown = true;
+      clearTimeout(this.timer);
+      this.onError?.(error.message);
+      requestFrame();
+    });
     for (const event of ['needs-update', 'tile-visibility-change', 'tiles-load-end'] as const)
       this.tiles.addEventListener(event, requestFrame);
+    this.timer = window.setTimeout(() => this.hurry(renderer));
+  }
+
+  /** Asks for the first tile without waiting for frames, which take a second each where no graphics card is. */
+  private hurry(renderer: THREE.WebGLRenderer): void {
+    if (this.loaded.size > 0) return;
+    this.camera.updateMatrixWorld();
+    this.update(renderer);
+    this.timer = window.setTimeout(() => this.hurry(renderer), kHurry);
   }
 
   /** To be called before each frame. */
   update(renderer: THREE.WebGLRenderer): void {
     this.tiles.setResolutionFromRenderer(this.camera, renderer);
     this.tiles.update();
+    // What it defers to the next frame is done now: drawing this one may take a second.
+    for (let i = 0; i < kDeferred && this.loaded.size === 0; ++i) Scheduler.flushPending();
   }
 
   recolor(colors: GroundColors): void {
@@ -81,6 +104,7 @@ export class GroundTiles {
   }
 
   dispose(): void {
+    clearTimeout(this.timer);
     this.tiles.dispose();
     this.loaded.clear();
   }

@@ -62,6 +62,7 @@ export class MapScene {
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.camera.up.set(0, 0, 1);
     this.draco.setDecoderPath(DRACO_GLTF_CONFIG); // bundled with the page: no CDN
+    this.draco.preload(); // while the tileset comes
     this.world.add(new THREE.HemisphereLight(0xffffff, 0x8d99a8, 3));
     this.controls = new MapControls(this.camera, canvas);
     this.controls.maxPolarAngle = Math.PI * 0.495; // never below the ground
@@ -238,7 +239,10 @@ export class MapScene {
     if (this.frame !== 0) return;
     this.frame = requestAnimationFrame(() => {
       this.frame = 0;
+      this.camera.updateMatrixWorld();
       this.ground?.update(this.renderer);
+      // The first picture takes a second where no graphics card is: tiles are asked for before, and come meanwhile.
+      if (this.ground && !this.ground.isKnown) return;
       this.renderer.render(this.world, this.camera);
       this.emit('frame');
     });

@@ -47,7 +47,7 @@ class SlurmTest : public StoreTest {
     slurm.time = std::chrono::minutes(10);
     slurm.node_program = {NODE_PROGRAM};
     slurm.poll_interval = std::chrono::milliseconds(100);
-    slurm.command_patience = std::chrono::milliseconds(3000);
+    slurm.command_patience = std::chrono::seconds(10);  // busy machines start programs slowly
     slurm.exit_patience = std::chrono::milliseconds(500);
     JobRunnerOptions options;
     options.limits.crash_pauses = {};
@@ -109,11 +109,11 @@ class SlurmTest : public StoreTest {
   }
   template <typename Probe>
   bool Eventually(const Probe& probe) {
-    for (int i = 0; i < 6000; ++i) {
+    for (int i = 0; i < 12000; ++i) {
       if (probe()) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
-    ADD_FAILURE() << "waited for a minute in vain";
+    ADD_FAILURE() << "waited for two minutes in vain";
     return false;
   }
   Job WaitFor(JobState state) {
