@@ -47,6 +47,7 @@ export const checks = {
     if (!site || !(site.report.join?.pairs ?? []).some(({ links }) => links.length > 0)) world.skip('no version with links between drives');
     await page.goto(`${world.address}/sites/${site.name}/maps/${site.version}?tab=loops`);
     await mapShown(page, `${site.name}/${site.version}`);
+    await page.getByLabel('Kind').selectOption('link');
     await page.getByRole('list', { name: 'Loops and links, by doubt' }).getByRole('button').first().click();
     await page.waitForFunction(() => [...document.querySelectorAll('article figure img')].filter((image) => image.complete && image.naturalWidth > 0).length === 2, null, { timeout: 30_000 });
     assert.ok(new URL(page.url()).searchParams.get('loop').includes('~'));

@@ -11,6 +11,7 @@ async function openMeasure(page, world) {
   const { address, site } = world;
   await page.goto(`${address}/sites/${site.name}/maps/${site.latest_version}?tab=measure&view=${await viewOfGround(world)}`);
   await mapShown(page, `${site.name}/${site.latest_version}`);
+  await page.getByRole('button', { name: 'Distance', exact: true }).waitFor(); // its keys come with it
 }
 
 /** Removes what a check saved. */

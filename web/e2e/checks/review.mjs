@@ -191,7 +191,7 @@ export const checks = {
     const { address, site } = world;
     await page.goto(`${address}/review`);
     const { items } = await world.json(`/api/v1/sites/${site.name}/maps`);
-    const awaited = items.filter(({ review_state: state }) => state === 'in_review' || state === 'draft');
+    const awaited = items.filter(({ review_state: state, version }) => state === 'in_review' || (state === 'draft' && version === site.latest_version)); // older drafts are folded away
     if (awaited.length > 0) {
       await page.getByRole('link', { name: `${site.name} version ${awaited[0].version}`, exact: true }).waitFor();
       await world.picture('awaiting');

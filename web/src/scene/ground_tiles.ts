@@ -21,13 +21,14 @@ interface LoadedTile {
 
 export class GroundTiles {
   readonly group: THREE.Group;
-  /** Called when the first tile is there. */
+  /** Called when the first tile is in the scene. */
   onFirst: (() => void) | null = null;
   onError: ((message: string) => void) | null = null;
   /** Whether it is known which tiles there are, or that there are none to be had. */
   isKnown = false;
   private readonly tiles: TilesRenderer;
   private timer = 0;
+  private isShown = false; // anything, ever
   private readonly loaded = new Map<THREE.Object3D, LoadedTile>();
 
   constructor(
@@ -56,9 +57,13 @@ export class GroundTiles {
     });
     this.tiles.addEventListener('load-model', ({ scene }) => {
       this.take(scene);
+      requestFrame();
+    });
+    this.tiles.addEventListener('tile-visibility-change', ({ visible }) => {
+      if (!visible) return;
+      this.isShown = true;
       this.onFirst?.();
       this.onFirst = null;
-      requestFrame();
     });
     this.tiles.addEventListener('dispose-model', ({ scene }) => this.loaded.delete(scene));
     this.tiles.addEventListener('load-error', ({ error }) => {
@@ -74,7 +79,7 @@ export class GroundTiles {
 
   /** Asks for the first tile without waiting for frames, which take a second each where no graphics card is. */
   private hurry(renderer: THREE.WebGLRenderer): void {
-    if (this.loaded.size > 0) return;
+    if (this.isShown) return;
     this.camera.updateMatrixWorld();
     this.update(renderer);
     this.timer = window.setTimeout(() => this.hurry(renderer), kHurry);
@@ -85,7 +90,7 @@ export class GroundTiles {
     this.tiles.setResolutionFromRenderer(this.camera, renderer);
     this.tiles.update();
     // What it defers to the next frame is done now: drawing this one may take a second.
-    for (let i = 0; i < kDeferred && this.loaded.size === 0; ++i) Scheduler.flushPending();
+    for (let i = 0; i < kDeferred && !this.isShown; ++i) Scheduler.flushPending();
   }
 
   recolor(colors: GroundColors): void {
