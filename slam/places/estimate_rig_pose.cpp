@@ -56,6 +56,7 @@ std::vector<CameraPairInliers> CountByCameras(const std::map<size_t, int>& camer
   std::map<int, int> counts;
   for (const auto& [match, pair] : camera_pair_of_match) ++counts[pair];
   std::vector<CameraPairInliers> by_cameras;
+  by_cameras.reserve(counts.size());
   for (const auto& [pair, count] : counts)
     by_cameras.push_back({pair / kCamerasPerKeyframe, pair % kCamerasPerKeyframe, count});
   std::stable_sort(

@@ -24,7 +24,7 @@ bool IsTiles(const std::string& source) {
 /// "https://HOST" of an address; nothing else of it goes into a header.
 std::string OriginOf(const std::string& tiles) {
   const size_t host = tiles.find("://") + 3;
-  const std::string origin = tiles.substr(0, tiles.find('/', host));
+  std::string origin = tiles.substr(0, tiles.find('/', host));
   constexpr const char* kAllowed =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.-:[]";
   Require(origin.size() > host && origin.find_first_not_of(kAllowed, host) == std::string::npos,
