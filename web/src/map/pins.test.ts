@@ -4,14 +4,12 @@ import type { ReportPin } from '../api/map_files';
 import {
   formatPlace,
   formatResidual,
-  gltfFromSite,
   obstacleOf,
   parsePlace,
   parsePoint,
   pinsForRequest,
   pinsOfReport,
   rmsOfPins,
-  siteFromGltf,
 } from './pins';
 
 function reportPin(change: Partial<ReportPin> = {}): ReportPin {
@@ -43,11 +41,6 @@ test('points are three numbers', () => {
   expect(parsePoint('1.5, -2 0')).toEqual([1.5, -2, 0]);
   expect(parsePoint('1.5, -2')).toBeNull();
   expect(parsePoint('1, 2, up')).toBeNull();
-});
-
-test('the page sees the site with y up', () => {
-  expect(gltfFromSite([1, 2, 3])).toEqual([1, 3, -2]);
-  expect(siteFromGltf(gltfFromSite([1, 2, 3]))).toEqual([1, 2, 3]);
 });
 
 test('residuals are across and up, and heights that nobody knows do not count', () => {

@@ -13,10 +13,6 @@ export interface Pin {
   isUsed: boolean;
 }
 
-/** glTF's y is up: (x, y, z) of the site is (x, z, -y). */
-export const gltfFromSite = ([x, y, z]: Vector): Vector => [x, z, -y];
-export const siteFromGltf = ([x, y, z]: Vector): Vector => [x, -z, y];
-
 export function pinsOfReport(pins: ReportPin[] | undefined): Pin[] {
   return (pins ?? []).map((pin) => ({
     point: pin.point,

@@ -29,7 +29,6 @@ export class GroundLook {
     groundColors: { value: Array.from({ length: kMaxColors }, () => new THREE.Color()) },
     groundNumColors: { value: 0 },
     groundIsPalette: { value: false },
-    groundFade: { value: 0 },
   };
 
   set(colors: GroundColors): void {
@@ -41,11 +40,6 @@ export class GroundLook {
     shown.slice(0, kMaxColors).forEach((hex, i) => this.uniforms.groundColors.value[i]!.setHex(hex));
     this.uniforms.groundNumColors.value = Math.min(shown.length, kMaxColors);
     this.uniforms.groundIsPalette.value = colors.by === 'value' && colors.isPalette === true;
-  }
-
-  /** 0: as it is; 1: gray. Layers stand out of a faded ground. */
-  fade(share: number): void {
-    this.uniforms.groundFade.value = share;
   }
 
   /** Gives a mesh of the ground its look. `siteFromMesh` places its vertices. */
@@ -100,7 +94,6 @@ const kFragment = /* glsl */ `
   uniform vec3 groundColors[${kMaxColors}];
   uniform int groundNumColors;
   uniform bool groundIsPalette;
-  uniform float groundFade;
   varying float vGroundValue;
   varying vec3 vGroundPoint;
 
@@ -122,7 +115,7 @@ const kFragment = /* glsl */ `
       else if (groundIsPalette) shown = groundColors[int(mod(vGroundValue + 0.5, float(groundNumColors)))] * (0.35 + 0.65 * dot(picture, vec3(0.3, 0.6, 0.1)));
       else shown = rampAt((vGroundValue - groundRange.x) / (groundRange.y - groundRange.x));
     }
-    return mix(shown, vec3(dot(shown, vec3(0.3, 0.6, 0.1))), groundFade);
+    return shown;
   }
 `;
 

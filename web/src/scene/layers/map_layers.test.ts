@@ -7,7 +7,7 @@ import { isKerb, isSpeedBump, makeKerbs, plateOf } from './kerbs';
 import { isPaint, makeMarkings, ribbonOf } from './markings';
 import { polygonsOf, trianglesOf } from './polygons';
 import { simplified } from './simplify';
-import { centerOf, countStates, isSlotPick, makeSlotFrame, makeSlots } from './slots';
+import { centerOf, isSlotPick, makeSlotFrame, makeSlots } from './slots';
 import { areasOf, makeSurfaces, surfaceColor } from './surfaces';
 
 const asItIs = ([x, y, z]: number[]): Vector => [x!, y!, z ?? 0];
@@ -60,7 +60,6 @@ test('a slot can be chosen, and is drawn in few objects however many there are',
   expect(objects.length - picks.length).toBe(3);
   expect(isSlotPick(undefined)).toBe(false);
   expect(isSlotPick({ kind: 'comment', id: 'x' })).toBe(false);
-  expect(countStates(slots)).toEqual({ free: 2, occupied: 1, unseen: 0 });
   expect(centerOf(slots.features[0]!.properties.corners_m)).toEqual([1, 1, 1]);
   expect(makeSlotFrame(slots.features[0]!.properties)).toHaveLength(2);
   expect(makeSlots({ features: [] })).toHaveLength(0);

@@ -2,7 +2,7 @@
 
 import * as THREE from 'three';
 
-import type { Collection, SlotProperties, SlotState } from '../../api/map_files';
+import type { Collection, SlotProperties } from '../../api/map_files';
 import type { Vector } from '../../api/types';
 import { kCasing, kSlotColors } from './colors';
 import { fatLines } from './fat_lines';
@@ -25,13 +25,6 @@ const edgesOf = (corners: Vector[]) => corners.flatMap((corner, i) => [corner, c
 export function centerOf(corners: Vector[]): Vector {
   const mean = (axis: 0 | 1 | 2) => corners.reduce((sum, corner) => sum + corner[axis], 0) / Math.max(1, corners.length);
   return [mean(0), mean(1), mean(2)];
-}
-
-/** How many slots are in each state. */
-export function countStates(slots: Collection<SlotProperties>): Record<SlotState, number> {
-  const counts: Record<SlotState, number> = { free: 0, occupied: 0, unseen: 0 };
-  for (const { properties } of slots.features) counts[properties.state] += 1;
-  return counts;
 }
 
 /** Faces and edges in one object each, and for each slot a face that is not drawn but can be chosen. */
