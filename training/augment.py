@@ -12,6 +12,7 @@ from own_car import add_own_car
 from pictures import DRIVABLE, NOT_DRIVABLE, UNKNOWN
 from walls import paint_walls, smooth_walls
 
+SHARE_OF_ISLANDS = 0.5
 MOST_CHANGE = 12  # of a channel: what changes more is painted over
 
 
@@ -57,14 +58,14 @@ def paint_over(change, rng, image, label, classes, found):
 
 
 def change_ground(rng, image, label, classes, view):
-    """Other land and floors, and kerbs on some."""
+    """Other land and floors, and kerbs and islands on some."""
     image = repaint_land(rng, image, classes)
     if rng.random() < view.share_of_floors:
         image = paint_floor(rng, image, label, view)
         classes[label == DRIVABLE] = surfaces.ROAD
     if rng.random() < view.share_of_kerbs:
         image = paint_over(add_kerb, rng, image, label, classes, surfaces.KERB)
-    return image
+    return view.add_island(rng, image, label, classes) if rng.random() < SHARE_OF_ISLANDS else image
 
 
 def change_walls(rng, picture, image, label, classes):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes a checkpoint of train.py as ONNX for OpenCV's dnn, and checks that both give the same answer.
 
-    export.py freespace.pt freespace.onnx [--size WxH] [--mix earlier.onnx 0.3]...
+    export.py freespace.pt freespace.onnx [--size WxH] [--mix earlier.onnx 0.3]... [--sharpen 1.35]
 """
 import argparse
 
@@ -47,6 +47,7 @@ def main():
     parser.add_argument("--size", help="of the input: WxH, multiples of 32; default: that of the training")
     parser.add_argument("--mix", nargs=2, action="append", default=[], metavar=("FILE", "SHARE"),
                         help="earlier weights that these were trained from, and the share of them to keep")
+    parser.add_argument("--sharpen", type=float, default=1, help="factor of the scores: maps count a pixel fully from log-odds of 4")
     arguments = parser.parse_args()
     width, height = (int(number) for number in arguments.size.split("x")) if arguments.size else size_of(arguments.checkpoint)
     if width % 32 or height % 32:
@@ -55,6 +56,9 @@ def main():
     network = load(arguments.checkpoint).eval()
     if arguments.mix:
         network = mixed(fold(network), [(fold(load(path)), share_of(text)) for path, text in arguments.mix])
+    with torch.no_grad():
+        network.head.weight *= arguments.sharpen
+        network.head.bias *= arguments.sharpen
     torch.onnx.export(network, torch.zeros(1, 3, height, width), arguments.onnx, opset_version=OPSET,
                       input_names=["image"], output_names=["scores"])
     difference = largest_difference(network, arguments.onnx, (width, height))

@@ -148,10 +148,11 @@ def read_onnx(path):
             for weights in onnx.load(str(path)).graph.initializer if "." in weights.name}
 
 
-def in_bfloat16(enabled):
+def in_bfloat16(enabled, device="cpu"):
     """Within it, layers calculate in bfloat16 while weights stay float32: three to six times as fast on processors that
-    have instructions for it (AVX512-BF16, AMX), slower on others. Pictures in the order of channels_last gain most."""
-    return torch.autocast("cpu", dtype=torch.bfloat16, enabled=enabled)
+    have instructions for it (AVX512-BF16, AMX) and on graphics cards, slower on others. Pictures in the order of channels_last
+    gain most."""
+    return torch.autocast(device, dtype=torch.bfloat16, enabled=enabled)
 
 
 def count_parameters(network):

@@ -3,6 +3,8 @@
 A label is one byte per pixel: 0 not drivable, 255 drivable, 128 unknown (left out of training and figures). Beside it are
 labels of classes (classes.py).
 """
+import json
+import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -58,6 +60,12 @@ def load_camvid(folder):
     return pictures
 
 
+def of_fisheye(name, image, classes, camera, weights):
+    """A picture of a drive; off the lens, nothing can be driven on."""
+    label = np.where(classes < surfaces.NUM_FREE, DRIVABLE, NOT_DRIVABLE).astype(np.uint8)
+    return Picture(name, image, label, classes, True, weights, camera)
+
+
 def load_drive(folder):
     """Pictures of a simulated drive."""
     pictures = []
@@ -67,12 +75,33 @@ def load_drive(folder):
         mask_path = path.parents[1] / "semantic" / "data" / (path.stem + ".png")
         if not mask_path.exists():
             continue
-        image, mask = read_image(path), read_image(mask_path, cv2.IMREAD_GRAYSCALE)
         camera = path.parents[1].name
         name = f"{Path(folder).name}/{camera}/{path.stem}"
-        label = np.where(mask < surfaces.NUM_FREE, DRIVABLE, NOT_DRIVABLE).astype(np.uint8)  # off the lens, too
-        pictures.append(Picture(name, image, label, mask, True, weights[camera], rig[camera]))
+        pictures.append(of_fisheye(name, read_image(path), read_image(mask_path, cv2.IMREAD_GRAYSCALE), rig[camera], weights[camera]))
     return pictures
+
+
+def decoded(archive, name, flags):
+    return cv2.imdecode(np.frombuffer(archive.read(name), np.uint8), flags)
+
+
+def load_pack(path):
+    """Plain pictures and those of drives in a file of pack.py."""
+    plain, fisheye = [], []
+    with zipfile.ZipFile(path) as archive:
+        rigs = {(drive, name): (size, *(np.array(part) for part in parts))
+                for drive, rig in json.loads(archive.read("rigs.json")).items() for name, (size, *parts) in rig.items()}
+        weights = {key: weigh_pixels(*camera) for key, camera in rigs.items()}
+        for member in sorted(name for name in archive.namelist() if name.endswith(".webp")):
+            name = member[: -len(".webp")]
+            image, classes = decoded(archive, member, cv2.IMREAD_COLOR), decoded(archive, name + ".png", cv2.IMREAD_GRAYSCALE)
+            kind, _, name = name.partition("/")
+            if kind == "plain":
+                plain.append(Picture(name, image, label_of(classes), classes, is_fisheye=False))
+            else:
+                key = tuple(name.split("/")[:2])
+                fisheye.append(of_fisheye(name, image, classes, rigs[key], weights[key]))
+    return plain, fisheye
 
 
 def finished_drives(folder):

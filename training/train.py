@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
-"""Trains the network for a given time on two processor cores, one of which makes the pictures; see README.md.
+"""Trains the network for a given time on two processor cores, one of which makes the pictures, or on a graphics card; see
+README.md.
 
     nice train.py --camvid CAMVID --drives DRIVES --minutes 60 --out freespace.pt
+    train.py --pack pictures.zip --device cuda --workers 14 --batch 64 --bfloat16 --minutes 9 --out freespace.pt
 
-DRIVES/train/* and DRIVES/val/* are folders of `parkade-simulate ... --semantic --out`. Drives that are finished while
-training runs are taken in. The checkpoint holds the moving average of the weights and what --resume needs.
+DRIVES/train/* and DRIVES/val/* are folders of `parkade-simulate ... --semantic --out`. The checkpoint holds the moving average
+of the weights and what --resume needs.
 """
 import argparse
 import copy
 import os
+import threading
 import time
 from pathlib import Path
 
@@ -23,6 +26,7 @@ import augment
 import classes as surfaces
 import level_view
 import pictures
+import recycling
 from huge_pages import use_huge_pages
 from network import FreespaceNetwork, count_parameters, fold, in_bfloat16, load, log_odds_of
 from views import CameraView, LevelView
@@ -34,14 +38,16 @@ EDGE_WEIGHT = 4.0  # of pixels at an outline, where others weigh 1: far ground i
 MOST_WEIGHT = 12.0
 EDGE_REACH = 1 / 100  # of the picture's width, to both sides
 PREFETCHED = 4  # batches
+MADE_AT_ONCE = 16  # pictures, by a worker for the pool
+FEWEST_IN_POOL = 1024
 CLASSES_WEIGHT = 1.0  # of their loss, that of drivable ground weighing 1
-POSSIBLE = torch.from_numpy(surfaces.possible())
+# Of a pixel by its label: what is small and rare would be overlooked.
+RARE = {surfaces.MARKING: 2, surfaces.KERB: 3, surfaces.VEHICLE: 2, surfaces.PERSON: 6}
 
 
 def to_batch(images):
     """N x H x W x 3 to what the network takes."""
-    stacked = torch.from_numpy(images).permute(0, 3, 1, 2).float()
-    return stacked.contiguous(memory_format=torch.channels_last)
+    return torch.from_numpy(images).permute(0, 3, 1, 2).float()
 
 
 def weights_of(label, area):
@@ -69,16 +75,19 @@ def loss_of(log_odds, labels, weights):
 def class_loss_of(scores, classes):
     """Cross entropy, labels that leave several classes open counting for each, and soft IoU, which is for the rare ones."""
     known = classes != surfaces.UNKNOWN
-    possible = POSSIBLE[torch.where(known, classes, 0).long()].permute(0, 3, 1, 2)  # N x classes x H x W
+    labels = torch.where(known, classes, 0).long()
+    possible = torch.from_numpy(surfaces.possible()).to(scores.device)[labels].permute(0, 3, 1, 2)  # N x classes x H x W
+    of_label = [float(RARE.get(label, 1)) for label in range(surfaces.PAVED + 1)]
+    weights = torch.tensor(of_label, device=scores.device)[labels] * known
     scores = scores - torch.logsumexp(scores, 1, keepdim=True)
-    entropy = -torch.logsumexp(scores + torch.log(possible.clamp(min=1e-9)), 1) * known
+    entropy = -torch.logsumexp(scores + torch.log(possible.clamp(min=1e-9)), 1) * weights
     certain = ((possible.sum(1) == 1) & known)[:, None]
     probability, target = scores.exp() * certain, possible * certain
     both = (probability * target).sum((0, 2, 3))
     either = (probability + target).sum((0, 2, 3)) - both
     seen = target.sum((0, 2, 3)) > 50
     soft_iou = ((both + 5) / (either + 5))[seen].mean() if seen.any() else 1.0
-    return entropy.sum() / known.sum().clamp(min=1) + 0.3 * (1 - soft_iou)
+    return entropy.sum() / weights.sum().clamp(min=1) + 0.3 * (1 - soft_iou)
 
 
 def size_at(progress):
@@ -112,35 +121,23 @@ def measure_iou(network, samples, is_level):
 
 
 class Samples(torch.utils.data.IterableDataset):
-    """Batches of augmented pictures without end, from plain and fisheye lenses in fixed shares, made by a process of
-    their own. `progress` tells which part of the time is over."""
+    """Batches of augmented pictures without end, from plain and fisheye lenses in fixed shares, made by processes of their
+    own. `view` gives the view for the next batch."""
 
-    def __init__(self, plain, drives_folder, arguments, progress):
-        self.plain, self.drives_folder = plain, Path(drives_folder)
-        self.share_of_plain = 0.15 if arguments.level else 0.3
-        self.arguments, self.progress = arguments, progress
-        self.rng = np.random.default_rng(arguments.seed)
-        self.known_drives, self.fisheye = set(), []
-        self.take_in_new_drives()
-
-    def take_in_new_drives(self):
-        for drive in pictures.finished_drives(self.drives_folder):
-            if drive not in self.known_drives:
-                self.known_drives.add(drive)
-                self.fisheye += pictures.load_drive(drive)
+    def __init__(self, plain, fisheye, arguments, count, view):
+        self.plain, self.fisheye, self.count, self.view = plain, fisheye, count, view
+        self.share_of_plain = 0.15 if arguments.level else 0.5  # narrow lenses have the other network
+        self.seed = arguments.seed
 
     def __iter__(self):
         cv2.setNumThreads(1)
-        count = 0
+        self.rng = np.random.default_rng([self.seed, torch.utils.data.get_worker_info().id])
         while True:
-            count += 1
-            if count % 200 == 0:
-                self.take_in_new_drives()
-            yield self.batch(self.arguments.batch, LevelView() if self.arguments.level else CameraView(size_at(self.progress())))
+            yield self.batch(self.view())
 
-    def batch(self, count, view):
+    def batch(self, view):
         images, labels, classes, weights = [], [], [], []
-        for _ in range(count):
+        for _ in range(self.count):
             is_plain = not self.fisheye or (self.plain and self.rng.random() < self.share_of_plain)
             pool = self.plain if is_plain else self.fisheye
             image, label, of_pixels, area = augment.augment(self.rng, pool[self.rng.integers(len(pool))], view)
@@ -151,13 +148,44 @@ class Samples(torch.utils.data.IterableDataset):
         return np.stack(images), np.stack(labels), np.stack(classes), np.stack(weights)
 
 
+def loader_of(samples, arguments):
+    return torch.utils.data.DataLoader(samples, batch_size=None, num_workers=arguments.workers, prefetch_factor=PREFETCHED,
+                                       collate_fn=lambda batch: batch)
+
+
+def batches_once(plain, fisheye, arguments, progress):
+    """Tensors of pictures, each seen once; what processors train on."""
+    def view():
+        return LevelView() if arguments.level else CameraView(size_at(progress()))
+
+    for images, *labels in loader_of(Samples(plain, fisheye, arguments, arguments.batch, view), arguments):
+        yield to_batch(images), *(torch.from_numpy(part) for part in labels)
+
+
+def batches_of_pool(plain, fisheye, arguments, progress):
+    """Tensors of pictures that come back changed (recycling.py); what graphics cards train on."""
+    view = LevelView() if arguments.level else CameraView(SIZE)
+    pool = recycling.Pool(arguments.device, arguments.pool)
+    loader = loader_of(Samples(plain, fisheye, arguments, MADE_AT_ONCE, lambda: view), arguments)
+
+    def fill():
+        for batch in loader:
+            pool.put(*batch)
+
+    threading.Thread(target=fill, daemon=True).start()
+    while pool.count < min(FEWEST_IN_POOL, arguments.pool):
+        time.sleep(0.1)
+    while True:
+        varied = recycling.vary(*pool.draw(arguments.batch), view.recycled_spread)
+        yield varied if arguments.level else recycling.resized(*varied, size_at(progress()))
+
+
 def follow(average, network, decay):
-    """Moves the average toward the network."""
+    """Moves the average toward the network; both are lists of tensors."""
     with torch.no_grad():
-        for name, value in network.state_dict().items():
-            kept = average.state_dict()[name]
+        for kept, value in zip(average, network):
             if value.dtype.is_floating_point:
-                kept.mul_(decay).add_(value, alpha=1 - decay)
+                kept.lerp_(value, 1 - decay)
             else:
                 kept.copy_(value)
 
@@ -169,26 +197,39 @@ def make_optimizer(network, rate):
     return torch.optim.AdamW([{"params": decays, "weight_decay": 0.02}, {"params": others, "weight_decay": 0.0}], lr=rate)
 
 
+def load_pictures(arguments):
+    """Plain pictures and those of drives, to train on."""
+    if arguments.pack:
+        plain, fisheye = pictures.load_pack(arguments.pack)
+    else:
+        plain = pictures.load_camvid(Path(arguments.camvid) / "train") if arguments.camvid else []
+        fisheye = [picture for drive in pictures.finished_drives(Path(arguments.drives) / "train") for picture in pictures.load_drive(drive)]
+    if arguments.without:
+        plain = [picture for picture in plain if not picture.name.startswith(arguments.without)]
+    return plain, fisheye
+
+
+def start(arguments):
+    network = load(arguments.resume) if arguments.resume else FreespaceNetwork()
+    if arguments.fold:
+        network = fold(network)
+    return network.to(arguments.device, memory_format=torch.channels_last)
+
+
 def train(arguments):
     torch.set_num_threads(1)
     cv2.setNumThreads(1)
     torch.manual_seed(arguments.seed)
-    network = load(arguments.resume) if arguments.resume else FreespaceNetwork()
-    if arguments.fold:
-        network = fold(network)
+    network = start(arguments)
     average = copy.deepcopy(network)
-    network = network.to(memory_format=torch.channels_last)
+    followed = list(average.state_dict().values()), list(network.state_dict().values())
     optimizer = make_optimizer(network, arguments.rate)
-    plain = pictures.load_camvid(Path(arguments.camvid) / "train") if arguments.camvid else []
+    plain, fisheye = load_pictures(arguments)
+    print(f"{count_parameters(network)} parameters, {len(plain)} plain pictures, {len(fisheye)} of drives", flush=True)
     begin = last_report = time.monotonic()
     budget, step, losses = 60 * arguments.minutes, 0, []
-    samples = Samples(plain, Path(arguments.drives) / "train", arguments,
-                      lambda: arguments.begin + (1 - arguments.begin) * (time.monotonic() - begin) / budget)
-    print(f"{count_parameters(network)} parameters, {len(plain)} plain pictures, {len(samples.fisheye)} of drives",
-          flush=True)
-    batches = torch.utils.data.DataLoader(samples, batch_size=None, num_workers=1, prefetch_factor=PREFETCHED,
-                                          collate_fn=lambda batch: batch)
-    for images, labels, classes, weights in batches:
+    batches_of = batches_of_pool if arguments.pool else batches_once
+    for batch in batches_of(plain, fisheye, arguments, lambda: arguments.begin + (1 - arguments.begin) * (time.monotonic() - begin) / budget):
         elapsed = time.monotonic() - begin
         progress = elapsed / budget
         # The schedule follows the clock: on a shared machine nobody knows how many steps an hour has.
@@ -196,30 +237,38 @@ def train(arguments):
         for group in optimizer.param_groups:
             group["lr"] = rate
         network.train()
-        labels = torch.from_numpy(labels)
-        with in_bfloat16(arguments.bfloat16):
-            scores = network(to_batch(images)).float()
+        images, labels, classes, weights = batch
+        with in_bfloat16(arguments.bfloat16, arguments.device):
+            scores = network(images.contiguous(memory_format=torch.channels_last)).float()
         log_odds = upsample(log_odds_of(scores)[:, None], labels.shape[1:])[:, 0]
-        loss = loss_of(log_odds, labels, torch.from_numpy(weights))
-        loss = loss + CLASSES_WEIGHT * class_loss_of(scores, torch.from_numpy(classes))
+        loss = loss_of(log_odds, labels, weights) + CLASSES_WEIGHT * class_loss_of(scores, classes)
         optimizer.zero_grad()
         loss.backward()
         torch.nn.utils.clip_grad_norm_(network.parameters(), 5.0)
         optimizer.step()
-        follow(average, network, min(0.995, (step + 1) / (step + 10)))
-        losses.append(loss.item())
+        follow(*followed, min(arguments.average, (step + 1) / (step + 10)))
+        losses.append(loss.detach())
         step += 1
         is_over = progress >= 1 or (arguments.steps and step >= arguments.steps)
         if is_over or time.monotonic() - last_report > 60 * arguments.report_minutes:
             last_report = time.monotonic()
-            torch.save({"network": average.state_dict(), "steps": step, "size": level_view.SIZE if arguments.level else SIZE}, arguments.out)
+            save(average, step, arguments)
             report(arguments, average, step, losses, elapsed)
             losses = []
         if is_over:
             return
 
 
+def save(average, step, arguments):
+    weights = {name: value.cpu() for name, value in average.state_dict().items()}
+    torch.save({"network": weights, "steps": step, "size": level_view.SIZE if arguments.level else SIZE}, arguments.out)
+
+
 def report(arguments, average, step, losses, elapsed):
+    loss = float(torch.stack(losses).mean())
+    print(f"{elapsed / 60:.1f} min, step {step}, loss {loss:.4f}", flush=True)
+    if arguments.pack:  # nothing to measure on travels with it
+        return
     figures = []
     if arguments.camvid and not arguments.level:
         val = pictures.load_camvid(Path(arguments.camvid) / "val")[:: arguments.val_stride]
@@ -227,13 +276,15 @@ def report(arguments, average, step, losses, elapsed):
     for drive in pictures.finished_drives(Path(arguments.drives) / "val"):
         val = pictures.load_drive(drive)[:: arguments.val_stride]
         figures.append("{} {:.4f} {:.3f}".format(drive.name, *measure_iou(average, val, arguments.level)))
-    print(f"{elapsed / 60:.1f} min, step {step}, loss {np.mean(losses):.4f}, IoU of drivable, mean of classes: " + ", ".join(figures), flush=True)
+    print("  IoU of drivable, mean of classes: " + ", ".join(figures), flush=True)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--camvid", help="folder with train/ and val/, each with images/ and labels/")
-    parser.add_argument("--drives", required=True, help="folder with train/ and val/ of simulated drives")
+    parser.add_argument("--drives", help="folder with train/ and val/ of simulated drives")
+    parser.add_argument("--pack", help="file of pack.py, in place of the two")
+    parser.add_argument("--without", help="leave out plain pictures whose names begin so: sequences to measure on")
     parser.add_argument("--out", required=True, help="checkpoint to write")
     parser.add_argument("--level", action="store_true", help="train on level views of calibrated cameras (level_view.py)")
     parser.add_argument("--resume", help="checkpoint, or ONNX file of a folded network, to start from")
@@ -244,10 +295,19 @@ def main():
     parser.add_argument("--rate", type=float, default=2e-3, help="learning rate at its highest")
     parser.add_argument("--batch", type=int, default=16)
     parser.add_argument("--bfloat16", action="store_true", help="calculate in bfloat16: faster where the processor knows it")
+    parser.add_argument("--device", default="cpu", help="cpu or cuda")
+    parser.add_argument("--workers", type=int, default=1, help="processes that augment pictures")
+    parser.add_argument("--pool", type=int, help="pictures that come back (recycling.py); default: 0 on a CPU, 6000 on a card")
+    parser.add_argument("--average", type=float, default=0.995, help="what the moving average keeps of itself at a step")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--report-minutes", type=float, default=8)
     parser.add_argument("--val-stride", type=int, default=4, help="measure on every so many-th picture")
-    train(parser.parse_args())
+    arguments = parser.parse_args()
+    if not arguments.pack and not arguments.drives:
+        parser.error("give --drives or --pack")
+    if arguments.pool is None:
+        arguments.pool = 0 if arguments.device == "cpu" else 6000
+    train(arguments)
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ import numpy as np
 
 import classes as surfaces
 import level_view
+from islands import add_island
 from pictures import DRIVABLE, NOT_DRIVABLE, UNKNOWN
 from stripes import band_in_view, paint, paint_field, paint_stripe, random_polygon
 
@@ -93,6 +94,7 @@ class CameraView:
     share_as_mapped = 0  # of pictures of calibrated cameras
     share_of_floors = 0.35  # that are painted
     share_of_kerbs = 0.15
+    recycled_spread = (0.06, 0.18, 0.18, 0.12, 0.1)  # see recycling.grid_of
 
     def __init__(self, size):
         self.size = size
@@ -114,6 +116,9 @@ class CameraView:
     def paint_field(self, rng, floor):
         return floor  # where the ground lies is not known
 
+    def add_island(self, rng, image, label, classes):
+        return image  # likewise
+
 
 class LevelView:
     """Pictures as level_view.py shows them."""
@@ -122,6 +127,7 @@ class LevelView:
     share_as_mapped = 0.55
     share_of_floors = 0.7
     share_of_kerbs = 0.25  # the more paint, the more of what looks like it
+    recycled_spread = (0, 0.06, 0, 0.1, 0.008)
 
     def change_geometry(self, rng, picture):
         """Image, label, classes and weights as the view of another camera would show them."""
@@ -143,6 +149,9 @@ class LevelView:
 
     def paint_field(self, rng, floor):
         return paint_field(rng, floor)
+
+    def add_island(self, rng, image, label, classes):
+        return add_island(rng, image, label, classes)
 
 
 def random_border(rng):

@@ -152,6 +152,70 @@ def check_thin_car():
     assert changed > 50, changed
 
 
+def check_islands():
+    """On a level view of bare ground: an island cannot be driven on and is of what islands are made of, stones toward the car;
+    the frame of one is paint, and all within stays drivable."""
+    import classes as surfaces
+    import islands
+    import level_view
+    from pictures import DRIVABLE
+
+    rng = np.random.default_rng(2)
+    shape = level_view.SIZE[::-1]
+    num_islands = num_frames = 0
+    for _ in range(60):
+        label = np.full(shape, DRIVABLE, np.uint8)
+        label[:100] = 0
+        classes = np.where(label == DRIVABLE, surfaces.DRIVABLE, surfaces.STRUCTURE).astype(np.uint8)
+        before, was = np.full((*shape, 3), 90, np.uint8), classes.copy()
+        image = islands.add_island(rng, before, label, classes)
+        assert (image[:95] == 90).all() and (classes[:100] == surfaces.STRUCTURE).all()
+        changed = classes != was
+        assert (label[changed] == DRIVABLE).all() or (label[changed] == 0).all()
+        if (label[100:] == 0).any():
+            num_islands += 1
+            inside = np.unique(classes[label == 0][classes[label == 0] != surfaces.STRUCTURE])
+            assert set(inside) <= {surfaces.VEGETATION, surfaces.PAVEMENT, surfaces.KERB} and surfaces.KERB in inside, inside
+            below = np.argmax(label[::-1] == 0, 0)  # rows from the picture's lower rim to the island
+            columns = np.flatnonzero((below > 0) & (label[100:] == 0).any(0))
+            feet = classes[shape[0] - 1 - below[columns], columns]
+            assert (feet == surfaces.KERB).mean() > 0.8, (feet == surfaces.KERB).mean()
+        elif changed.any():
+            num_frames += 1
+            assert set(np.unique(classes[changed])) == {surfaces.MARKING}
+    assert num_islands > 10 and num_frames > 10, (num_islands, num_frames)
+
+
+def check_recycling():
+    """Pictures whose gray is their label: bent ones stay so, whatever their size; a pool returns what it was given last."""
+    import classes as surfaces
+    import recycling
+    from pictures import DRIVABLE, UNKNOWN
+
+    rng = np.random.default_rng(3)
+    blocks = rng.integers(0, 2, (6, 6, 10), np.uint8)
+    label = np.kron(blocks, np.ones((16, 16), np.uint8)) * DRIVABLE
+    batch = (np.repeat(label[..., None], 3, -1), label, label[:, ::2, ::2], np.full(label.shape, 1.5, np.float32))
+    pool = recycling.Pool("cpu", 4)
+    pool.put(*batch)
+    assert pool.count == 6
+    torch.manual_seed(1)
+    for spread in ((0.06, 0.18, 0.18, 0.12, 0.1), (0, 0.06, 0, 0.1, 0.008)):
+        bent = recycling.bend(*pool.draw(40), spread)
+        for size in ((160, 96), (80, 48)):
+            images, labels, classes, weights = recycling.resized(*bent, size)
+            assert images.shape == (40, 3, *size[::-1]) and classes.shape == (40, size[1] // 2, size[0] // 2)
+            known = labels != UNKNOWN
+            agree = ((images[:, 0] > 127) == (labels == DRIVABLE))[known].float().mean()
+            assert known.float().mean() > 0.6 and agree > 0.95, (known.float().mean(), agree)
+            of_pixels = labels[:, ::2, ::2]
+            both = (of_pixels != UNKNOWN) & (classes != surfaces.UNKNOWN)
+            assert (of_pixels == classes)[both].float().mean() > 0.9
+            assert (weights[labels == UNKNOWN] == 0).all() and (weights[known] - 1.5).abs().mean() < 0.05
+    varied = recycling.vary(*pool.draw(8), (0.06, 0.18, 0.18, 0.12, 0.1))
+    assert varied[0].min() >= 0 and varied[0].max() <= 255 and torch.isfinite(varied[0]).all()
+
+
 def check_classes():
     """Of pictures that are changed, what is drivable keeps a drivable class, and what is painted over has its own; labels that
     leave classes open cost nothing where one of them is found; weights of one channel say the same by all classes."""
@@ -297,6 +361,8 @@ def main():
     check_fields()
     check_kerbs()
     check_thin_car()
+    check_islands()
+    check_recycling()
     check_classes()
     check_fold()
     check_composed()
@@ -336,8 +402,19 @@ def main():
         assert torch.allclose(weights[3], 0.25 * weights[0] + 0.25 * weights[1] + 0.5 * weights[2], atol=1e-6)
         figures = run("evaluate.py", folder / "a.onnx", "--camvid", folder / "camvid/val")
         assert "3 pictures, IoU" in figures and "mean of classes" in figures, figures
-        figures = run("evaluate.py", training.parent / "models/freespace.onnx", "--camvid", folder / "camvid/val")
-        assert "3 pictures, IoU" in figures and "mean" not in figures, figures
+        (folder / "no_drives").mkdir()
+        packed = run("pack.py", "--camvid", folder / "camvid/train", "--drives", folder / "no_drives", "--out", folder / "pictures.zip")
+        assert "MB" in packed, packed
+        from pictures import load_camvid, load_pack
+
+        plain, fisheye = load_pack(folder / "pictures.zip")
+        assert [picture.name for picture in plain] == ["a", "b", "c"] and not fisheye
+        for packed, original in zip(plain, load_camvid(folder / "camvid/train")):
+            assert (packed.classes == original.classes).all() and (packed.label == original.label).all()
+            assert np.abs(packed.image.astype(int) - original.image).mean() < 6
+        pool = ("--pack", folder / "pictures.zip", "--pool", 32, "--workers", 1, "--without", "b")
+        log = run("train.py", *pool, "--steps", 1, "--batch", 2, "--begin", 0.1, "--out", folder / "p.pt")
+        assert "2 plain pictures" in log and "step 1" in log, log
 
         from outline_network import load as load_outlines
 
