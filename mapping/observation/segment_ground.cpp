@@ -73,8 +73,6 @@ void HideBehindObstacles(const GroundGrid& grid, const SegmentGroundOptions& opt
     for (int range = 0; range < grid.num_ranges; ++range) {
       const auto at = static_cast<size_t>(grid.IndexOf(ray, range));
       GroundLabel& label = found.labels[at];
-      const bool is_land = !found.surfaces.empty() && IsLevelLand(found.surfaces[at]);
-      if (label == GroundLabel::kNotGround && is_land && has_ground && depth <= 0) continue;
       const bool is_hidden = depth >= max_depth;
       if (label == GroundLabel::kGround) {
         if (is_hidden && !is_trusted) label = GroundLabel::kUnknown;
