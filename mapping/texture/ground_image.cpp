@@ -10,6 +10,7 @@
 
 #include "core/statistics.h"
 #include "mapping/ground/image_sampling.h"
+#include "mapping/texture/own_shade.h"
 
 namespace parkade {
 namespace {
@@ -23,6 +24,9 @@ constexpr double kOwnShade =
 constexpr double kShadeRim = 0.6;  // [m] ... and beyond that less and less
 constexpr double kShadePenalty =
     0.3;  // of the rank of observations in there: further cameras saw the place in the light
+constexpr double kShadeMargin =
+    0.25;                          // [m] of the car: poses, its size and the sun's are not exact
+constexpr double kInShade = 0.04;  // of the rank, where the sun is known: seen so or not at all
 constexpr size_t kMinGainSamples = 60;  // fewer say nothing about the exposure
 constexpr float kMaxGain = 3;
 
@@ -41,6 +45,17 @@ std::optional<Eigen::Vector2d> FindPixel(const GroundImage& image, const Rigid3&
   return pixel;
 }
 
+/// What an observation's steepness counts for, as the own car may keep the sun from the point, or
+/// the sky.
+double LitShare(const GroundImage& image, const Eigen::Vector2d& point_in_ground) {
+  const double off = image.contact.DistanceTo(point_in_ground);
+  const double lit =
+      kShadePenalty + (1 - kShadePenalty) * std::clamp((off - kOwnShade) / kShadeRim, 0.0, 1.0);
+  if (!image.to_sun) return lit;
+  const Eigen::Vector3d to_sun = image.site_from_ground.rotation.conjugate() * *image.to_sun;
+  return ShadeCaster(image.contact, kShadeMargin).Shades(point_in_ground, to_sun) ? kInShade : lit;
+}
+
 }  // namespace
 
 GroundPixel SeePoint(const GroundImage& image, const Rigid3& camera_from_site,
@@ -55,9 +70,7 @@ GroundPixel SeePoint(const GroundImage& image, const Rigid3& camera_from_site,
   const std::optional<Eigen::Vector2d> pixel =
       FindPixel(image, camera_from_site, point_in_site, point_in_ground);
   if (!pixel) return {};
-  const double off = image.contact.DistanceTo(point_in_ground.head<2>());
-  const double lit =
-      kShadePenalty + (1 - kShadePenalty) * std::clamp((off - kOwnShade) / kShadeRim, 0.0, 1.0);
+  const double lit = LitShare(image, point_in_ground.head<2>());
   return {pixel->cast<float>(), static_cast<float>(lit * -observation.z() / observation.norm())};
 }
 

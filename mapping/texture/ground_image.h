@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 
 #include "core/rig.h"
 #include "mapping/ground/cell_finder.h"
@@ -20,16 +21,19 @@ struct GroundImage {
   Rigid3 site_from_camera;
   Rigid3 site_from_ground;  ///< of the car: its own contact area is not looked at
   WheelbaseFootprint contact;
-  int drive = 0;                       ///< that took it
-  std::uint32_t index = 0;             ///< among the images that paint
-  ExposureAndVignetting light = {};    ///< brings the image to the light of the others
-  VisibilityHorizon open_ground = {};  ///< what it shows of the ground
+  int drive = 0;                               ///< that took it
+  std::uint32_t index = 0;                     ///< among the images that paint
+  ExposureAndVignetting light = {};            ///< brings the image to the light of the others
+  std::optional<Eigen::Vector3d> to_sun = {};  ///< FindSun of the drive, once that is known
+  VisibilityHorizon open_ground = {};          ///< what it shows of the ground
 };
 
 /// Where an image shows a point of the ground, and how steeply.
 struct GroundPixel {
   Eigen::Vector2f pixel = Eigen::Vector2f::Zero();
-  float steepness = 0;  ///< sine of the depression, less in what may be the own shade; 0: not seen
+  /// Sine of the depression, less in what may be the own shade, next to nothing in what is; 0: not
+  /// seen.
+  float steepness = 0;
 };
 
 /// How an image sees a point; not at all beyond `max_range` [m] (horizontally) from the camera,

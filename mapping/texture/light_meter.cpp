@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <map>
 #include <opencv2/imgproc.hpp>
 #include <utility>
@@ -9,10 +11,13 @@
 #include "core/log.h"
 #include "core/parallel.h"
 #include "mapping/ground/image_sampling.h"
+#include "mapping/texture/own_shade.h"
 
 namespace parkade {
 namespace {
 
+constexpr double kNear = 4;  // [m] from the wheels' contact area: as far as most shadows reach
+constexpr std::size_t kMinObservations = 3;    // of a place by one drive, to say what is dark there
 constexpr int kDarkest = 8, kBrightest = 247;  // of luma that sensors tell apart
 
 }  // namespace
@@ -62,8 +67,57 @@ void LightMeter::Measure(std::span<const GroundImage> images, const CellFinder& 
     images_[images[i].index].log_gain = FindGain(images[i], cells, max_range_).log();
     return ObservationsOf(images[i]);
   });
-  for (const auto& observations : observations_of)
-    for (const auto& [place, observation] : observations) places_[place].Add(observation);
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const Rigid3 ground_from_site = images[i].site_from_ground.Inverse();
+    for (const auto& [place, observation] : observations_of[i]) {
+      places_[place].Add(observation);
+      const Eigen::Vector3d at = ground_from_site * points_[place];
+      if (images[i].contact.DistanceTo(at.head<2>()) < kNear)
+        near_.push_back({place, observation.image, observation.log_color.mean()});
+    }
+  }
+}
+
+/// A place is as bright as the second brightest of the observations that count shows it: the
+/// brightest may err, and what may be the own shade counts little.
+void LightMeter::FindSuns(std::span<GroundImage* const> images,
+                          const PhotometricCalibration& light) const {
+  std::map<int, std::vector<float>> lit;  // by drive and place; NaN where unknown
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    std::map<int, std::vector<float>> brightness;  // by drive
+    for (const LightObservation& observation : places_[i].observations())
+      if (observation.weight > 0)
+        brightness[images[observation.image]->drive].push_back(
+            (observation.log_color + light.gains[observation.image].log()).mean());
+    for (auto& [drive, seen] : brightness) {
+      if (seen.size() < kMinObservations) continue;
+      std::nth_element(seen.begin(), seen.begin() + 1, seen.end(), std::greater<>());
+      lit.try_emplace(drive, places_.size(), std::numeric_limits<float>::quiet_NaN())
+          .first->second[i] = seen[1];
+    }
+  }
+  std::map<int, std::vector<ShadeSample>> samples;  // by drive
+  for (const NearPlace& near : near_) {
+    const GroundImage* image = images[near.image];
+    const auto of_drive = lit.find(image->drive);
+    if (of_drive == lit.end() || std::isnan(of_drive->second[near.place])) continue;
+    const Rigid3 ground_from_site = image->site_from_ground.Inverse();
+    samples[image->drive].push_back(
+        {(ground_from_site * points_[near.place]).head<2>(),
+         ground_from_site.rotation.toRotationMatrix(),
+         of_drive->second[near.place] - (near.log_color + light.gains[near.image].log().mean())});
+  }
+  for (const auto& [drive, of_drive] : samples) {
+    const auto first =
+        std::find_if(images.begin(), images.end(),
+                     [&, drive = drive](const auto* image) { return image->drive == drive; });
+    const std::optional<Eigen::Vector3d> to_sun = FindSun(of_drive, (*first)->contact);
+    for (GroundImage* image : images)
+      if (image->drive == drive) image->to_sun = to_sun;
+    LogInfo("stage=find_sun drive=" + std::to_string(drive) +
+            " samples=" + std::to_string(of_drive.size()) +
+            (to_sun ? " elevation=" + std::to_string(std::asin(to_sun->z())) : " none"));
+  }
 }
 
 void LightMeter::Balance(std::span<GroundImage* const> images) const {
@@ -83,6 +137,7 @@ void LightMeter::Balance(std::span<GroundImage* const> images) const {
     image->light =
         ExposureAndVignetting(light.gains[image->index], light.falloffs[priors[image->index].lens],
                               image->camera->model.width(), image->camera->model.height());
+  FindSuns(images, light);
   LogInfo("stage=balance_light images=" + std::to_string(images.size()) +
           " disagreement=" + std::to_string(LightDisagreement(priors, places_, before)) + "->" +
           std::to_string(LightDisagreement(priors, places_, light)));

@@ -22,16 +22,25 @@ class LightMeter {
   /// gain is where no other image tells (FindGain).
   void Measure(std::span<const GroundImage> images, const CellFinder& cells);
 
-  /// Sets each image's light, by its index. Logs how much observations of a place differ without it
-  /// and with it.
+  /// Sets each image's light, by its index, and where the sun stands in its drive. Logs how much
+  /// observations of a place differ without it and with it.
   void Balance(std::span<GroundImage* const> images) const;
 
  private:
+  /// A place beside the car that took an image, where its own shadow may lie.
+  struct NearPlace {
+    std::size_t place = 0;
+    std::uint32_t image = 0;
+    float log_color = 0;  ///< mean of blue, green and red
+  };
+
   std::vector<std::pair<std::size_t, LightObservation>> ObservationsOf(
       const GroundImage& image) const;
+  void FindSuns(std::span<GroundImage* const> images, const PhotometricCalibration& light) const;
 
   std::vector<Eigen::Vector3d> points_;  // by x
   std::vector<LightPlace> places_;
+  std::vector<NearPlace> near_;
   std::vector<LightPrior> images_;
   double max_range_;
 };
